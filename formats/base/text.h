@@ -1,0 +1,38 @@
+#pragma once
+
+#include <charconv>
+#include <concepts>
+#include <string>
+#include <string_view>
+
+namespace rhoray {
+
+namespace text_detail {
+inline void append(std::string& out, std::string_view text) {
+  out += text;
+}
+inline void append(std::string& out, char letter) {
+  out += letter;
+}
+template <std::same_as<bool> T>  // a template, so that a text does not convert to bool
+void append(std::string& out, T value) {
+  out += value ? "true" : "false";
+}
+template <class T>
+requires((std::integral<T> && !std::same_as<T, bool>) || std::floating_point<T>) void append(std::string& out,
+                                                                                             T number) {
+  char digits[64];
+  out.append(digits,
+             std::to_chars(digits, digits + sizeof digits, number).ptr);  // shortest text that reads back the same
+}
+}  // namespace text_detail
+
+/// The parts as one text; numbers in the shortest form that reads back to the same value.
+template <class... Parts>
+std::string concat(const Parts&... parts) {
+  std::string out;
+  (text_detail::append(out, parts), ...);
+  return out;
+}
+
+}  // namespace rhoray

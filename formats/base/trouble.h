@@ -1,0 +1,38 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "formats/base/text.h"
+
+namespace rhoray {
+
+/// What kind of trouble ended an act; the number is the exit code of the program.
+enum class Trouble {
+  internal = 1,       ///< a defect of ours
+  usage = 2,          ///< the request makes no sense (unknown field, isovalue that is not a number)
+  unreadable = 3,     ///< an input is missing or cannot be read
+  invalid = 4,        ///< an input was read and is wrong or damaged
+  resource = 5,       ///< out of the memory cap, disk or time
+  outside_limit = 6,  ///< a comparison came out beyond its limit
+  unsupported = 7,    ///< needs a newer version or a feature that is not there
+  interrupted = 130,
+};
+
+/// The world is not as claimed. `what()` is one line of fact: file, place, found, expected; `hint`, when not empty,
+/// says in one line what to do. Libraries throw it and never print; `main` prints it and returns the code.
+class Error : public std::runtime_error {
+ public:
+  Error(Trouble trouble, const std::string& fact, std::string hint = {})
+      : std::runtime_error(fact), trouble_(trouble), hint_(std::move(hint)) {}
+
+  Trouble trouble() const { return trouble_; }
+  const std::string& hint() const { return hint_; }
+
+ private:
+  Trouble trouble_;
+  std::string hint_;
+};
+
+}  // namespace rhoray

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "formats/base/text.h"
+#include "formats/field_summary.h"
+#include "formats/macro_levels.h"
+
+/// What deep_findings of grids and meshes share.
+namespace rhoray::formats::details {
+
+/// Findings of the same kind become one sentence: the first place, and how many there are. Used from several threads;
+/// what it says does not depend on their order.
+class Findings {
+ public:
+  /// @param kind   what is wrong, the start of the sentence
+  /// @param order  the finding with the smallest one is shown
+  void add(const std::string& kind, std::uint64_t order, const std::function<std::string()>& first);
+  std::vector<std::string> sentences() const;
+
+ private:
+  struct Kind {
+    std::uint64_t count = 0, order = 0;
+    std::string first;
+  };
+  std::mutex guard_;
+  std::map<std::string, Kind> kinds_;
+};
+
+template <class T>
+bool is_value(T value) {
+  if constexpr (std::is_floating_point_v<T>)
+    return std::isfinite(value);
+  else
+    return true;
+}
+
+/// Counts values again, to compare with what a summary says of them.
+class FieldTally {
+ public:
+  explicit FieldTally(const FieldSummary& summary);
+
+  template <class T>
+  void take(T value) {
+    if (is_value(value))
+      take_finite(static_cast<double>(value));
+    else
+      ++no_data_count_;
+  }
+  void take(const FieldTally& other);
+  std::uint64_t no_data_count() const { return no_data_count_; }
+  void compare(Findings& findings) const;
+
+ private:
+  void take_finite(double value);
+
+  const FieldSummary& summary_;
+  Interval<double> range_;
+  std::uint64_t finite_count_ = 0, no_data_count_ = 0;
+  std::vector<std::uint64_t> inside_;   ///< values well inside a bin
+  std::vector<std::uint64_t> at_edge_;  ///< values that rounding may put into bin b - 1 or b
+};
+
+/// A macrocell of level l + 1 must contain the intervals of the cells of level l below it, and be empty when all are.
+template <class T>
+void check_levels_upward(const MacroLevelsView<T>& view, const std::string& what, Findings& findings);
+
+std::string cell_text(int level, const Index3& cell);
+template <class T>
+std::string interval_text(const Interval<T>& interval) {
+  if (interval.is_empty()) return "empty";
+  return concat("[", +interval.lo, ", ", +interval.hi, "]");  // + prints small integers as numbers
+}
+
+/// Calls act(i, j, k) for all of a lattice, x fastest, k from first to last.
+template <class Act>
+void for_each_cell(const Index3& count, std::uint64_t first, std::uint64_t last, Act&& act) {
+  for (auto k = static_cast<std::int64_t>(first); k < static_cast<std::int64_t>(last); ++k)
+    for (std::int64_t j = 0; j < count.y; ++j)
+      for (std::int64_t i = 0; i < count.x; ++i) act(i, j, k);
+}
+
+inline std::uint64_t linear_order(const Index3& count, std::int64_t i, std::int64_t j, std::int64_t k) {
+  return static_cast<std::uint64_t>((k * count.y + j) * count.x + i);
+}
+
+}  // namespace rhoray::formats::details

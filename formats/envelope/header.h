@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "formats/packed_file.h"
+
+/// The envelope of a packed file (SPEC.md): header, data area, table of checksums, seal.
+namespace rhoray::formats::envelope {
+
+inline constexpr std::uint64_t page_bytes = 4096;
+inline constexpr std::uint64_t length_bytes = 8;  ///< the header's length, before its text
+inline constexpr std::uint64_t small_alignment = 64;
+
+// Limits of a header: far above what real files need, low enough that a hostile one costs nothing.
+inline constexpr std::uint64_t largest_header_bytes = std::uint64_t{1} << 20;  ///< with its length
+inline constexpr std::size_t largest_array_count = 4096;
+inline constexpr std::size_t largest_rank = 8;
+inline constexpr std::size_t largest_name_bytes = 256;
+
+inline constexpr std::string_view version = "1.0";
+inline constexpr std::string_view start_text = R"({"__metadata__":{"format":"rhoray")";
+inline constexpr std::string_view sums_name = "_sum";
+inline constexpr std::string_view seal_name = "_seal";
+
+struct Header {
+  std::string version;
+  FileDescription description;
+  std::vector<ArrayEntry> arrays;  ///< all, in the order of the file; first_byte counted from the data area's start
+};
+
+/// Reads and checks a header's text: grammar, limits, version, requirements; arrays without gap from the start of the
+/// data area to its end, "_sum" and "_seal" last, every other array that is not padding on a multiple of 64.
+/// @param file  name for messages
+Header read_header(std::string_view file, std::string_view text, std::uint64_t data_bytes);
+
+/// Where declared arrays come to lie, with the padding between them and with "_sum" and "_seal" behind them.
+/// Throws Trouble::usage when their sizes do not fit 63 bits.
+/// @param file  name for messages
+std::vector<ArrayEntry> place_arrays(std::string_view file, const std::vector<ArraySpec>& arrays);
+
+/// The header as it lies in the file: length, text, spaces up to a multiple of 4096.
+/// Throws Trouble::usage when it would go beyond the limits.
+std::string write_header(std::string_view file, const FileDescription& description,
+                         const std::vector<ArrayEntry>& arrays);
+
+}  // namespace rhoray::formats::envelope

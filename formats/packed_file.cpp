@@ -1,0 +1,224 @@
+#include "formats/packed_file.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <system_error>
+
+#include "formats/envelope/header.h"
+#include "formats/envelope/seal.h"
+#include "formats/format_error.h"
+
+namespace rhoray::formats {
+
+std::size_t element_bytes(ElementType type) {
+  return with_element_type(type, [](auto zero) { return sizeof zero; });
+}
+
+std::string_view element_name(ElementType type) {
+  constexpr std::array<std::string_view, 10> names{"U8", "I8", "U16", "I16", "U32", "I32", "U64", "I64", "F32", "F64"};
+  return names[static_cast<std::size_t>(type)];
+}
+
+std::uint64_t ArrayEntry::element_count() const {
+  return byte_count / element_bytes(type);
+}
+
+struct PackedFile::Mapping {
+  std::string name;
+  int descriptor = -1;
+  const std::byte* start = nullptr;
+  std::uint64_t bytes = 0;
+
+  std::string version;
+  FileDescription description;
+  std::vector<ArrayEntry> arrays;
+  std::map<std::string, std::size_t, std::less<>> position;  ///< in arrays, by name
+  std::uint64_t header_bytes = 0;
+  std::span<const std::uint64_t> sums;
+  std::uint64_t summed_bytes = 0;  ///< from header_bytes on
+
+  Mapping(int owned_descriptor, std::string file_name);
+  Mapping(const Mapping&) = delete;
+  Mapping& operator=(const Mapping&) = delete;
+  ~Mapping() { release(); }
+
+  std::span<const std::byte> view(std::uint64_t first, std::uint64_t count) const { return {start + first, count}; }
+
+ private:
+  void map();
+  void read();
+  std::uint64_t checked_header_bytes() const;
+  void release() {
+    if (start != nullptr) ::munmap(const_cast<std::byte*>(start), bytes);
+    ::close(descriptor);
+  }
+};
+
+PackedFile::Mapping::Mapping(int owned_descriptor, std::string file_name)
+    : name(std::move(file_name)), descriptor(owned_descriptor) {
+  try {
+    map();
+    read();
+  } catch (...) {
+    release();
+    throw;
+  }
+}
+
+void PackedFile::Mapping::map() {
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0)
+    throw Error(Trouble::unreadable, concat(name, ": ", std::system_category().message(errno)));
+  if (!S_ISREG(status.st_mode))
+    throw Error(Trouble::unreadable,
+                concat(name, ": found ", S_ISDIR(status.st_mode) ? "a folder" : "a special file", "; expected a file"));
+  bytes = static_cast<std::uint64_t>(status.st_size);
+  constexpr std::uint64_t smallest = envelope::page_bytes + envelope::seal_bytes;
+  if (bytes < smallest)
+    refuse(name, concat("byte ", bytes), "the end of the file",
+           concat("a packed file of at least ", smallest, " bytes"));
+  void* mapped = ::mmap(nullptr, bytes, PROT_READ, MAP_SHARED, descriptor, 0);
+  if (mapped == MAP_FAILED)
+    throw Error(Trouble::resource,
+                concat(name, ": cannot map ", bytes, " bytes: ", std::system_category().message(errno)));
+  start = static_cast<const std::byte*>(mapped);
+}
+
+std::uint64_t PackedFile::Mapping::checked_header_bytes() const {
+  std::uint64_t text_bytes = 0;
+  std::memcpy(&text_bytes, start, envelope::length_bytes);
+  const std::uint64_t whole = text_bytes + envelope::length_bytes;  // wraps to a small number for a huge one
+  const std::uint64_t largest = std::min(envelope::largest_header_bytes, bytes - envelope::seal_bytes);
+  if (text_bytes > largest || whole > largest || whole % envelope::page_bytes != 0)
+    refuse(name, "byte 0", concat("a header length of ", text_bytes),
+           concat("8 less than a multiple of 4096, at most ", largest - envelope::length_bytes));
+  return whole;
+}
+
+void PackedFile::Mapping::read() {
+  const std::string_view beginning(reinterpret_cast<const char*>(start) + envelope::length_bytes,
+                                   envelope::start_text.size());
+  if (beginning != envelope::start_text) refuse(name, "byte 8", "other text", "the start of a packed file");
+  const std::span<const std::byte, envelope::seal_bytes> seal(start + (bytes - envelope::seal_bytes),
+                                                              envelope::seal_bytes);
+  envelope::check_seal_itself(name, seal, bytes);
+  header_bytes = checked_header_bytes();
+  envelope::check_sealed_header(name, seal, view(0, header_bytes));
+
+  const std::string_view text(reinterpret_cast<const char*>(start) + envelope::length_bytes,
+                              header_bytes - envelope::length_bytes);
+  envelope::Header header = envelope::read_header(name, text, bytes - header_bytes);
+  version = std::move(header.version);
+  description = std::move(header.description);
+  for (ArrayEntry& array : header.arrays) {
+    array.first_byte += header_bytes;
+    if (array.name == envelope::sums_name) {
+      const std::span<const std::byte> raw = view(array.first_byte, array.byte_count);
+      envelope::check_sealed_sums(name, seal, raw);
+      sums = {reinterpret_cast<const std::uint64_t*>(raw.data()), raw.size() / sizeof(std::uint64_t)};
+      summed_bytes = array.first_byte - header_bytes;
+    }
+    if (array.name.front() == '_') continue;  // the envelope's own
+    position.emplace(array.name, arrays.size());
+    arrays.push_back(std::move(array));
+  }
+}
+
+PackedFile PackedFile::open(const std::filesystem::path& path) {
+  // Without waiting, so that a pipe of that name is refused and not waited for.
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0)
+    throw Error(Trouble::unreadable, concat(path.string(), ": ", std::system_category().message(errno)));
+  return PackedFile(std::make_shared<const Mapping>(descriptor, path.string()));
+}
+
+PackedFile PackedFile::from_descriptor(int descriptor, std::string name) {
+  const int own = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
+  if (own < 0) throw Error(Trouble::unreadable, concat(name, ": ", std::system_category().message(errno)));
+  return PackedFile(std::make_shared<const Mapping>(own, std::move(name)));
+}
+
+bool PackedFile::looks_packed(const std::filesystem::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0) return false;
+  std::array<char, envelope::length_bytes + envelope::start_text.size()> beginning{};
+  const ssize_t got = ::pread(descriptor, beginning.data(), beginning.size(), 0);
+  ::close(descriptor);
+  return got == static_cast<ssize_t>(beginning.size()) &&
+         std::string_view(beginning.data() + envelope::length_bytes, envelope::start_text.size()) ==
+             envelope::start_text;
+}
+
+const std::string& PackedFile::name() const {
+  return mapping_->name;
+}
+const std::string& PackedFile::version() const {
+  return mapping_->version;
+}
+const FileDescription& PackedFile::description() const {
+  return mapping_->description;
+}
+const std::vector<ArrayEntry>& PackedFile::arrays() const {
+  return mapping_->arrays;
+}
+std::uint64_t PackedFile::file_bytes() const {
+  return mapping_->bytes;
+}
+
+bool PackedFile::has(std::string_view array) const {
+  return mapping_->position.contains(array);
+}
+
+const ArrayEntry& PackedFile::entry(std::string_view array) const {
+  const auto found = mapping_->position.find(array);
+  if (found == mapping_->position.end()) refuse(name(), concat("array '", array, "'"), "nothing", "that array");
+  return mapping_->arrays[found->second];
+}
+
+std::span<const std::byte> PackedFile::bytes(std::string_view array) const {
+  const ArrayEntry& found = entry(array);
+  return mapping_->view(found.first_byte, found.byte_count);
+}
+
+std::span<const std::byte> PackedFile::checked_bytes(std::string_view array, ElementType type,
+                                                     std::span<const std::uint64_t> shape) const {
+  const ArrayEntry& found = entry(array);
+  const bool fits = std::equal(found.shape.begin(), found.shape.end(), shape.begin(), shape.end(),
+                               [](std::uint64_t size, std::uint64_t wanted) { return wanted == 0 || size == wanted; });
+  const auto text = [](ElementType of, std::span<const std::uint64_t> sizes, bool zero_is_any) {
+    std::string list;
+    for (const std::uint64_t size : sizes)
+      list += concat(list.empty() ? "" : ", ", size == 0 && zero_is_any ? "any" : concat(size));
+    return concat(element_name(of), " [", list, "]");
+  };
+  if (found.type != type || !fits)
+    refuse(name(), concat("array '", array, "'"), text(found.type, found.shape, false), text(type, shape, true));
+  return mapping_->view(found.first_byte, found.byte_count);
+}
+
+std::vector<DamagedBlock> PackedFile::damaged_blocks(unsigned threads) const {
+  const Mapping& file = *mapping_;
+  std::vector<DamagedBlock> damaged;
+  std::mutex guard;
+  const envelope::Stretch stretch{file.descriptor, file.header_bytes, file.summed_bytes};
+  envelope::sum_blocks(stretch, threads, [&](std::uint64_t block, std::optional<std::uint64_t> sum) {
+    if (sum == file.sums[block]) return;
+    const std::uint64_t at = block * envelope::block_bytes;
+    const std::lock_guard lock(guard);
+    damaged.push_back({file.header_bytes + at, std::min(envelope::block_bytes, file.summed_bytes - at)});
+  });
+  std::sort(damaged.begin(), damaged.end(),
+            [](const DamagedBlock& a, const DamagedBlock& b) { return a.first_byte < b.first_byte; });
+  return damaged;
+}
+
+}  // namespace rhoray::formats

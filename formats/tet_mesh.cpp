@@ -1,0 +1,372 @@
+#include "formats/tet_mesh.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "formats/base/bytes.h"
+#include "formats/base/parallel.h"
+#include "formats/details/deep_checks.h"
+#include "formats/details/details.h"
+#include "formats/format_error.h"
+
+namespace rhoray::formats {
+namespace {
+
+using details::Json;
+
+constexpr std::string_view mesh_kind = "tets";
+constexpr std::uint64_t largest_count =
+    std::numeric_limits<std::uint32_t>::max();  // of points and cells: 32-bit indices
+constexpr std::uint64_t scan_piece = 1 << 18;   // elements; a smaller scan is done before a thread has started
+
+// ---- description ---------------------------------------------------------------------------------------------------
+
+LeafLattice read_lattice(const details::Reader& reader) {
+  LeafLattice lattice;
+  lattice.low = reader.vector("low");
+  lattice.leaf_size = reader.vector("leaf_size");
+  if (!(lattice.leaf_size.x > 0 && lattice.leaf_size.y > 0 && lattice.leaf_size.z > 0))
+    reader.refuse_value("leaf_size", "three positive numbers");
+  lattice.macro = details::read_macro(reader, reader.index("leaf_count", 1, details::largest_axis));
+  const Vec3 high = lattice.low + lattice.leaf_size * Vec3(lattice.macro.leaf_count);
+  if (!(std::isfinite(high.x) && std::isfinite(high.y) && std::isfinite(high.z)))
+    reader.refuse_value("leaf_size", "a lattice whose far corner is finite");
+  return lattice;
+}
+
+std::vector<FieldSummary> read_fields(const details::Reader& reader) {
+  std::vector<FieldSummary> fields;
+  std::set<std::string> names;
+  for (const details::Reader& one : reader.objects("fields")) {
+    fields.push_back(details::read_field(one));
+    if (!names.insert(fields.back().name).second) one.refuse_value("name", "a name that no other field has");
+    if (fields.back().type != ElementType::F32 && fields.back().type != ElementType::F64)
+      one.refuse_value("type", "F32 or F64");
+  }
+  if (fields.empty()) reader.refuse_value("fields", "at least one field");
+  return fields;
+}
+
+TetMeshDescription read_description(const PackedFile& file) {
+  if (file.description().kind != mesh_kind)
+    refuse(file.name(), "header, __metadata__, kind", concat("'", file.description().kind, "'"), "'tets'");
+  const Json json = details::parse(file);
+  const details::Reader reader(json, file.name(), "details");
+  TetMeshDescription description;
+  description.origin = reader.vector("origin");
+  description.length_unit = reader.text("length_unit");
+  description.point_count = reader.count("point_count", 1, largest_count);
+  description.cell_count = reader.count("cell_count", 1, largest_count);
+  description.fields = read_fields(reader);
+  description.lattice = read_lattice(reader.object("lattice"));
+  description.leaf_item_count = reader.count("leaf_item_count");
+  description.flipped_cell_count = reader.count("flipped_cell_count");
+  description.flat_cell_count = reader.count("flat_cell_count");
+  description.dropped_cell_count = reader.count("dropped_cell_count");
+  description.unused_point_count = reader.count("unused_point_count");
+  description.provenance = details::read_provenance(reader.object("provenance"));
+  return description;
+}
+
+// ---- the scan at opening -------------------------------------------------------------------------------------------
+
+/// The first position at which `is_bad(first, last)` meets a bad element, narrowed down only where there is one.
+/// @param is_bad  tells of a range whether it holds a bad element; written to run at the speed of memory
+template <class IsBad>
+std::optional<std::uint64_t> first_bad(std::uint64_t count, IsBad is_bad) {
+  constexpr std::uint64_t chunk = 4096;
+  std::atomic<std::uint64_t> worst{count};
+  for_each_range(count, scan_piece, 0, [&](std::uint64_t first, std::uint64_t last) {
+    for (std::uint64_t at = first; at < last; at += chunk) {
+      const std::uint64_t end = std::min(at + chunk, last);
+      if (!is_bad(at, end)) continue;
+      std::uint64_t element = at;
+      while (!is_bad(element, element + 1)) ++element;
+      std::uint64_t known = worst;
+      while (element < known && !worst.compare_exchange_weak(known, element)) {
+      }
+      return;
+    }
+  });
+  return worst == count ? std::nullopt : std::optional(worst.load());
+}
+
+void check_below(const PackedFile& file, std::string_view array, std::span<const std::uint32_t> indices,
+                 std::uint64_t limit) {
+  const auto is_bad = [&](std::uint64_t first, std::uint64_t last) {
+    std::uint32_t largest = 0;
+    for (std::uint64_t i = first; i < last; ++i) largest = std::max(largest, indices[i]);
+    return largest >= limit;
+  };
+  if (const auto bad = first_bad(indices.size(), is_bad))
+    refuse(file.name(), concat("array '", array, "', element ", *bad), concat(indices[*bad]),
+           concat("an index below ", limit));
+}
+
+void check_finite(const PackedFile& file, std::string_view array, std::span<const double> numbers) {
+  const auto is_bad = [&](std::uint64_t first, std::uint64_t last) {
+    std::uint64_t bad = 0;
+    for (std::uint64_t i = first; i < last; ++i)  // written so that a NaN also counts
+      bad += std::abs(numbers[i]) <= std::numeric_limits<double>::max() ? 0 : 1;
+    return bad != 0;
+  };
+  if (const auto bad = first_bad(numbers.size(), is_bad))
+    refuse(file.name(), concat("array '", array, "', element ", *bad), concat(numbers[*bad]), "a finite number");
+}
+
+void check_offsets(const PackedFile& file, std::string_view array, std::span<const std::uint64_t> offsets,
+                   std::uint64_t item_count) {
+  if (offsets.front() != 0) refuse(file.name(), concat("array '", array, "', element 0"), concat(offsets.front()), "0");
+  if (offsets.back() != item_count)
+    refuse(file.name(), concat("array '", array, "', element ", offsets.size() - 1), concat(offsets.back()),
+           concat(item_count, ", the number of items"));
+  const auto is_bad = [&](std::uint64_t first, std::uint64_t last) {
+    std::uint64_t falls = 0;
+    for (std::uint64_t i = first; i < last; ++i) falls += offsets[i + 1] < offsets[i] ? 1 : 0;
+    return falls != 0;
+  };
+  if (const auto bad = first_bad(offsets.size() - 1, is_bad))
+    refuse(file.name(), concat("array '", array, "', element ", *bad + 1), concat(offsets[*bad + 1]),
+           concat("at least ", offsets[*bad], ", the one before"));
+}
+
+/// Groups of `size` neighbouring numbers as one element each.
+template <std::size_t size, class T>
+std::span<const std::array<T, size>> grouped(std::span<const T> numbers) {
+  static_assert(sizeof(std::array<T, size>) == size * sizeof(T));
+  return {reinterpret_cast<const std::array<T, size>*>(numbers.data()), numbers.size() / size};
+}
+
+std::uint64_t leaf_count_of(const TetMeshDescription& description) {
+  return static_cast<std::uint64_t>(volume(description.lattice.macro.leaf_count));
+}
+
+// ---- deep checks ---------------------------------------------------------------------------------------------------
+
+Vec3 to_vec(const std::array<double, 3>& p) {
+  return {p[0], p[1], p[2]};
+}
+
+class MeshCheck {
+ public:
+  MeshCheck(const TetMesh& mesh, details::Findings& findings)
+      : mesh_(mesh), lattice_(mesh.description().lattice), findings_(findings) {}
+
+  void run() {
+    check_cells();
+    check_lists();
+    for (std::size_t field = 0; field < mesh_.description().fields.size(); ++field) {
+      if (mesh_.description().fields[field].type == ElementType::F32)
+        check_field<float>(field);
+      else
+        check_field<double>(field);
+    }
+  }
+
+ private:
+  std::array<Vec3, 4> corners(std::uint64_t cell) const {
+    std::array<Vec3, 4> p;
+    for (std::size_t v = 0; v < 4; ++v) p[v] = to_vec(mesh_.points()[mesh_.cells()[cell][v]]);
+    return p;
+  }
+
+  /// The leaf cell that surely holds a point; nothing outside the lattice and so near a leaf's face that rounding
+  /// decides.
+  std::optional<std::uint64_t> leaf_at(const Vec3& p) const {
+    const Index3 count = lattice_.macro.leaf_count;
+    Index3 leaf;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double position = (p[axis] - lattice_.low[axis]) / lattice_.leaf_size[axis];
+      const double inside = position - std::floor(position);
+      constexpr double margin = 1e-6;  // in leaf cells
+      if (!(position > 0 && position < static_cast<double>(count[axis])) || inside < margin || inside > 1 - margin)
+        return std::nullopt;
+      leaf[axis] = static_cast<std::int64_t>(position);
+    }
+    return details::linear_order(count, leaf.x, leaf.y, leaf.z);
+  }
+
+  bool lists(std::uint64_t leaf, std::uint64_t cell) const {
+    const std::span<const std::uint32_t> list = mesh_.leaf_lists().list(leaf);
+    return std::binary_search(list.begin(), list.end(), static_cast<std::uint32_t>(cell));
+  }
+
+  /// Six times the volume is negative beyond what rounding can explain.
+  static bool is_flipped(const std::array<Vec3, 4>& p) {
+    const Vec3 a = p[1] - p[0], b = p[2] - p[0], c = p[3] - p[0];
+    return a.cross(b).dot(c) < -1e-14 * a.length() * b.length() * c.length();
+  }
+
+  void check_cells() {
+    for_each_range(mesh_.cells().size(), scan_piece, 0, [&](std::uint64_t first, std::uint64_t last) {
+      for (std::uint64_t cell = first; cell < last; ++cell) check_cell(cell);
+    });
+    std::vector<bool> used(mesh_.points().size());
+    for (const std::array<std::uint32_t, 4>& cell : mesh_.cells())
+      for (const std::uint32_t point : cell) used[point] = true;
+    for (std::size_t point = 0; point < used.size(); ++point)
+      if (!used[point]) findings_.add("a point that no cell uses", point, [&] { return concat("point ", point); });
+  }
+
+  void check_cell(std::uint64_t cell) {
+    const auto name = [&] { return concat("cell ", cell); };
+    std::array<std::uint32_t, 4> vertices = mesh_.cells()[cell];
+    std::sort(vertices.begin(), vertices.end());
+    if (std::adjacent_find(vertices.begin(), vertices.end()) != vertices.end())
+      findings_.add("a cell with a vertex twice", cell, name);
+    const std::array<Vec3, 4> p = corners(cell);
+    if (is_flipped(p)) findings_.add("a cell of negative orientation", cell, name);
+    const std::optional<std::uint64_t> leaf = leaf_at((p[0] + p[1] + p[2] + p[3]) / 4);
+    if (leaf && !lists(*leaf, cell))
+      findings_.add("a cell missing from the leaf list at its own centroid", cell,
+                    [&] { return concat("cell ", cell, ", leaf ", *leaf); });
+    if (cell > 0 && mesh_.cell_id(cell) <= mesh_.cell_id(cell - 1))
+      findings_.add("cell ids that do not rise", cell, name);
+  }
+
+  void check_lists() {
+    for_each_range(leaf_count_of(mesh_.description()), scan_piece, 0, [&](std::uint64_t first, std::uint64_t last) {
+      for (std::uint64_t leaf = first; leaf < last; ++leaf) {
+        const std::span<const std::uint32_t> list = mesh_.leaf_lists().list(leaf);
+        if (std::adjacent_find(list.begin(), list.end(), std::greater_equal<>()) != list.end())
+          findings_.add("a leaf list that does not rise", leaf, [&] { return concat("leaf ", leaf); });
+      }
+    });
+  }
+
+  template <class T>
+  void check_field(std::size_t field) {
+    const FieldSummary& summary = mesh_.description().fields[field];
+    const std::span<const T> values = mesh_.values<T>(field);
+    details::FieldTally tally(summary);
+    for (const T value : values) tally.take(value);
+    tally.compare(findings_);
+
+    const MacroLevelsView<T> levels = mesh_.macro_levels<T>(field);
+    const std::string what = concat("macro levels of field '", summary.name, "'");
+    details::check_levels_upward(levels, what, findings_);
+    for_each_range(mesh_.cells().size(), scan_piece, 0, [&](std::uint64_t first, std::uint64_t last) {
+      for (std::uint64_t cell = first; cell < last; ++cell) check_intervals(cell, values, levels, what);
+    });
+    for (std::uint64_t leaf = 0; leaf < leaf_count_of(mesh_.description()); ++leaf)
+      if (mesh_.leaf_lists().list(leaf).empty() && levels.ranges[0][2 * leaf] <= levels.ranges[0][2 * leaf + 1])
+        findings_.add(concat(what, ": a leaf without cells has values"), leaf, [&] { return concat("leaf ", leaf); });
+  }
+
+  /// The field's values at a cell's vertices and centroid must lie in the intervals of the leaf cells there.
+  template <class T>
+  void check_intervals(std::uint64_t cell, std::span<const T> values, const MacroLevelsView<T>& levels,
+                       const std::string& what) {
+    const std::array<std::uint32_t, 4>& vertices = mesh_.cells()[cell];
+    const std::array<Vec3, 4> p = corners(cell);
+    double sum = 0, largest = 0;
+    for (const std::uint32_t vertex : vertices) {
+      if (!std::isfinite(values[vertex])) return;  // absent
+      sum += static_cast<double>(values[vertex]) / 4;
+      largest = std::max(largest, std::abs(static_cast<double>(values[vertex])));
+    }
+    const auto check = [&](const Vec3& place, double value, double slack) {
+      const std::optional<std::uint64_t> leaf = leaf_at(place);
+      if (!leaf) return;
+      const Interval<double> stored{static_cast<double>(levels.ranges[0][2 * *leaf]),
+                                    static_cast<double>(levels.ranges[0][2 * *leaf + 1])};
+      if (stored.lo <= value + slack && value - slack <= stored.hi) return;
+      findings_.add(concat(what, ": an interval lacks a value of its leaf cell"), *leaf, [&] {
+        return concat("leaf ", *leaf, " has ", details::interval_text(stored), ", cell ", cell, " reaches ", value);
+      });
+    };
+    for (std::size_t v = 0; v < 4; ++v) check(p[v], static_cast<double>(values[vertices[v]]), 0);
+    const double rounding = 4 * static_cast<double>(std::numeric_limits<T>::epsilon());
+    check((p[0] + p[1] + p[2] + p[3]) / 4, sum, rounding * largest);
+  }
+
+  const TetMesh& mesh_;
+  const LeafLattice& lattice_;
+  details::Findings& findings_;
+};
+
+}  // namespace
+
+TetMesh::TetMesh(PackedFile file) : file_(std::move(file)), description_(read_description(file_)) {
+  const TetMeshDescription& d = description_;
+  const std::span<const double> coordinates = file_.array<double>("points", {d.point_count, 3});
+  const std::span<const std::uint32_t> vertices = file_.array<std::uint32_t>("cells", {d.cell_count, 4});
+  leaf_lists_.offsets = file_.array<std::uint64_t>("leaf.offsets", {leaf_count_of(d) + 1});
+  leaf_lists_.items = file_.array<std::uint32_t>("leaf.items", {d.leaf_item_count});
+  if (leaf_lists_.items.size() != d.leaf_item_count)  // where the description says 0, the shape check takes any size
+    refuse(file_.name(), "array 'leaf.items'", concat(leaf_lists_.items.size(), " elements"), "none");
+  if (file_.has("cell_ids") || d.dropped_cell_count != 0)
+    cell_ids_ = file_.array<std::uint32_t>("cell_ids", {d.cell_count});
+  for (std::size_t field = 0; field < d.fields.size(); ++field)
+    with_element_type(d.fields[field].type, [&](auto zero) {
+      using T = decltype(zero);
+      values<T>(field);
+      macro_levels<T>(field);
+    });
+
+  check_finite(file_, "points", coordinates);
+  check_below(file_, "cells", vertices, d.point_count);
+  check_offsets(file_, "leaf.offsets", leaf_lists_.offsets, d.leaf_item_count);
+  check_below(file_, "leaf.items", leaf_lists_.items, d.cell_count);
+  points_ = grouped<3>(coordinates);
+  cells_ = grouped<4>(vertices);
+}
+
+std::optional<std::size_t> TetMesh::find_field(std::string_view name) const {
+  for (std::size_t field = 0; field < description_.fields.size(); ++field)
+    if (description_.fields[field].name == name) return field;
+  return std::nullopt;
+}
+
+std::vector<ArraySpec> tet_mesh_arrays(const TetMeshDescription& description) {
+  using enum ElementType;
+  std::vector<ArraySpec> arrays{
+      {.name = "leaf.offsets", .type = U64, .shape = {leaf_count_of(description) + 1}},
+      {.name = "leaf.items", .type = U32, .shape = {description.leaf_item_count}},
+      {.name = "points", .type = F64, .shape = {description.point_count, 3}},
+      {.name = "cells", .type = U32, .shape = {description.cell_count, 4}},
+  };
+  if (description.dropped_cell_count != 0)
+    arrays.push_back({.name = "cell_ids", .type = U32, .shape = {description.cell_count}});
+  for (std::size_t field = 0; field < description.fields.size(); ++field) {
+    const ElementType type = description.fields[field].type;
+    for (ArraySpec& level : macro_arrays(description.lattice.macro, 0, type, concat("range.", field, ".")))
+      arrays.push_back(std::move(level));
+    arrays.push_back({.name = concat("field.", field), .type = type, .shape = {description.point_count}});
+  }
+  return arrays;
+}
+
+FileDescription describe(const TetMeshDescription& description) {
+  const LeafLattice& lattice = description.lattice;
+  Json lattice_json = details::macro_json(lattice.macro);
+  lattice_json["leaf_count"] = details::index_json(lattice.macro.leaf_count);
+  lattice_json["low"] = details::vector_json(lattice.low, "lattice.low");
+  lattice_json["leaf_size"] = details::vector_json(lattice.leaf_size, "lattice.leaf_size");
+  Json fields = Json::array();
+  for (const FieldSummary& field : description.fields) fields.push_back(details::field_json(field));
+  const Json json{{"origin", details::vector_json(description.origin, "origin")},
+                  {"length_unit", description.length_unit},
+                  {"point_count", description.point_count},
+                  {"cell_count", description.cell_count},
+                  {"fields", fields},
+                  {"lattice", lattice_json},
+                  {"leaf_item_count", description.leaf_item_count},
+                  {"flipped_cell_count", description.flipped_cell_count},
+                  {"flat_cell_count", description.flat_cell_count},
+                  {"dropped_cell_count", description.dropped_cell_count},
+                  {"unused_point_count", description.unused_point_count},
+                  {"provenance", details::provenance_json(description.provenance)}};
+  return {.kind = std::string(mesh_kind), .required = {}, .details = details::dump(json)};
+}
+
+std::vector<std::string> deep_findings(const TetMesh& mesh) {
+  details::Findings findings;
+  MeshCheck(mesh, findings).run();
+  return findings.sentences();
+}
+
+}  // namespace rhoray::formats

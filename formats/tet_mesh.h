@@ -1,0 +1,92 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "formats/base/text.h"
+#include "formats/brick_grid.h"
+#include "formats/field_summary.h"
+#include "formats/leaf_lists.h"
+#include "formats/packed_file.h"
+
+namespace rhoray::formats {
+
+/// A tetrahedral mesh with fields at its points, linear inside each cell.
+///
+///        3          vertex order of every packed cell: (p1-p0) x (p2-p0) . (p3-p0) >= 0,
+///       /|\         seen from vertex 3 the face 0, 1, 2 runs counter-clockwise (as in VTK);
+///      / | \        a cell of zero volume may have any order
+///     0-----2
+///      \ | /
+///        1
+struct TetMeshDescription {
+  Vec3 origin;  ///< world position of the mesh frame's zero: world = origin + point
+  std::string length_unit;
+  std::uint64_t point_count = 0;
+  std::uint64_t cell_count = 0;
+  std::vector<FieldSummary> fields;  ///< at least one; names differ
+  LeafLattice lattice;
+  std::uint64_t leaf_item_count = 0;
+
+  // What packing met. Cells keep the source's order; array "cell_ids" is there when some of them are not here.
+  std::uint64_t flipped_cell_count = 0;  ///< given in negative orientation, two vertices exchanged
+  std::uint64_t flat_cell_count = 0;     ///< of zero volume, kept: they carry the surface from face to face
+  std::uint64_t dropped_cell_count = 0;  ///< a vertex twice, or a coordinate that is not finite
+  std::uint64_t unused_point_count = 0;  ///< belong to no cell, dropped
+  Provenance provenance;
+};
+
+/// A packed mesh, checked and ready for reading. Arrays: "points" F64 [points, 3] relative to origin, "cells" U32
+/// [cells, 4], optional "cell_ids" U32 [cells], "leaf.offsets" U64 [leaves + 1], "leaf.items" U32 [items]; and for each
+/// field f (by position) "field.<f>" F32 or F64 [points] and "range.<f>.0", "range.<f>.1", ... (leaf cells,
+/// macrocells).
+class TetMesh {
+ public:
+  /// Refuses a file of another kind, shapes that differ from the description, a vertex index not below point_count,
+  /// offsets that fall, an item not below cell_count, a point that is not finite. Reads all indices and points once.
+  explicit TetMesh(PackedFile file);
+
+  const TetMeshDescription& description() const { return description_; }
+  const PackedFile& file() const { return file_; }
+
+  std::span<const std::array<double, 3>> points() const { return points_; }
+  std::span<const std::array<std::uint32_t, 4>> cells() const { return cells_; }
+  LeafListsView leaf_lists() const { return leaf_lists_; }
+
+  /// The cell's position in the source file.
+  std::uint64_t cell_id(std::uint64_t cell) const { return cell_ids_.empty() ? cell : cell_ids_[cell]; }
+
+  /// Position of the field of that name, or nothing.
+  std::optional<std::size_t> find_field(std::string_view name) const;
+
+  /// T must be the field's type, float or double.
+  template <class T>
+  std::span<const T> values(std::size_t field) const {
+    return file_.array<T>(concat("field.", field), {description_.point_count});
+  }
+  template <class T>
+  MacroLevelsView<T> macro_levels(std::size_t field) const {
+    return view_macro_levels<T>(file_, description_.lattice.macro, 0, concat("range.", field, "."));
+  }
+
+ private:
+  PackedFile file_;
+  TetMeshDescription description_;
+  std::span<const std::array<double, 3>> points_;
+  std::span<const std::array<std::uint32_t, 4>> cells_;
+  std::span<const std::uint32_t> cell_ids_;
+  LeafListsView leaf_lists_;
+};
+
+std::vector<ArraySpec> tet_mesh_arrays(const TetMeshDescription& description);
+FileDescription describe(const TetMeshDescription& description);
+
+/// As for grids: intervals that lack a value, wrong ranges, a tetrahedron missing from the list at its own centroid.
+std::vector<std::string> deep_findings(const TetMesh& mesh);
+
+}  // namespace rhoray::formats

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <span>
+
+#include "formats/brick_layout.h"
+#include "formats/packed_file.h"
+#include "preprocess/progress.h"
+
+namespace rhoray::preprocess {
+
+/// Writes array "samples" in the order of the layout, a few superbricks at a time on every thread. Reports bytes.
+/// @param samples  x fastest, volume(layout.sample_count) of them
+template <class T>
+void write_samples(std::span<const T> samples, const formats::BrickLayout& layout, formats::PackedFileWriter& writer,
+                   ProgressMeter& meter);
+
+}  // namespace rhoray::preprocess

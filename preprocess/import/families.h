@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+
+#include "preprocess/import/readers.h"
+
+namespace rhoray::preprocess {
+
+/// One function for each family of foreign formats; importers.cpp says which extension goes where.
+/// All refuse with file, place, found and expected.
+
+NeutralVolume read_nrrd(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_metaimage(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_nifti(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_vti(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_legacy_vtk_volume(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_raw(const std::filesystem::path& path, const RawVolume& raw);
+
+NeutralMesh read_vtu(const std::filesystem::path& path);
+NeutralMesh read_legacy_vtk_mesh(const std::filesystem::path& path);
+NeutralMesh read_tetgen_mesh(const std::filesystem::path& path);
+
+NeutralSurface read_ply(const std::filesystem::path& path);
+NeutralSurface read_stl(const std::filesystem::path& path);
+NeutralSurface read_obj(const std::filesystem::path& path);
+NeutralSurface read_off(const std::filesystem::path& path);
+NeutralSurface read_tetgen_surface(const std::filesystem::path& path);
+
+/// Wanted edge lengths, one for each point, from a TetGen .mtr file.
+std::vector<double> read_tetgen_sizes(const std::filesystem::path& path, std::size_t point_count);
+
+}  // namespace rhoray::preprocess

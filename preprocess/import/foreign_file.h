@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "formats/base/trouble.h"
+
+namespace rhoray::preprocess {
+
+/// A foreign file, mapped for reading. Refuses what is missing, a folder, or empty.
+class ForeignFile {
+ public:
+  explicit ForeignFile(const std::filesystem::path& path);
+
+  const std::filesystem::path& path() const { return path_; }
+  std::string_view text() const { return {static_cast<const char*>(start_.get()), size_}; }
+  std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(start_.get()), size_}; }
+
+ private:
+  std::filesystem::path path_;
+  std::shared_ptr<const void> start_;
+  std::size_t size_ = 0;
+};
+
+/// `bone.mhd, key DimSize: found 0; expected at least 1`.
+[[noreturn]] void refuse_input(const std::filesystem::path& path, std::string_view place, std::string_view found,
+                               std::string_view expected, Trouble trouble = Trouble::invalid);
+
+/// The extension in small letters, with its dot; ".nii.gz" counts as one.
+std::string extension_of(const std::filesystem::path& path);
+
+/// The file's name without folder and extension: what a field is called that has no name of its own.
+std::string stem_of(const std::filesystem::path& path);
+
+}  // namespace rhoray::preprocess

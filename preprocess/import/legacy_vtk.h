@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "preprocess/import/mesh_cells.h"
+#include "preprocess/import/samples.h"
+
+namespace rhoray::preprocess {
+
+/// A legacy VTK file (.vtk, versions 1 to 5.1, text or binary) taken apart. Every count is checked against what
+/// follows.
+struct LegacyVtk {
+  std::string dataset;  ///< the word after DATASET, in capitals
+  Index3 dimensions{0, 0, 0};
+  Vec3 spacing{1, 1, 1};
+  Vec3 origin{0, 0, 0};
+  std::vector<std::array<double, 3>> points;
+  ForeignCells cells;
+  std::vector<GridArray> arrays;  ///< POINT_DATA and CELL_DATA, in the file's order
+  std::uint64_t point_data_count = 0, cell_data_count = 0;
+};
+
+/// Reads the kinds of data set that Rhoray takes, STRUCTURED_POINTS and UNSTRUCTURED_GRID; others are refused by name.
+LegacyVtk read_legacy_vtk(const std::filesystem::path& path);
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,245 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "preprocess/import/byte_stream.h"
+#include "preprocess/import/families.h"
+#include "preprocess/import/samples.h"
+#include "preprocess/import/text_reading.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using formats::ElementType;
+namespace fs = std::filesystem;
+
+/// The text before the samples: `Key = words` on each line, ended by ElementDataFile.
+class Header {
+ public:
+  explicit Header(const ForeignFile& file) : path_(file.path()) {
+    WordReader reader(file);
+    while (values_.count("ElementDataFile") == 0) {
+      if (reader.at_end()) refuse_input(path_, "header", "the end of the file", "the key ElementDataFile");
+      add(reader.line());
+    }
+    data_position_ = reader.position();
+  }
+
+  bool has(const std::string& key) const { return values_.count(key) != 0; }
+  const std::vector<std::string>& words(const std::string& key) const {
+    static const std::vector<std::string> none;
+    const auto found = values_.find(key);
+    return found == values_.end() ? none : found->second;
+  }
+  std::string word(const std::string& key, const std::string& otherwise) const {
+    return words(key).empty() ? otherwise : words(key).front();
+  }
+  bool is_true(const std::string& key) const {
+    const std::string text = word(key, "False");
+    return text == "True" || text == "true" || text == "1" || text == "T";
+  }
+  /// The first key that is there, as numbers; empty when none is.
+  template <class T>
+  std::vector<T> numbers(std::initializer_list<const char*> keys, std::size_t count) const {
+    for (const char* key : keys) {
+      if (!has(key)) continue;
+      std::vector<T> result;
+      for (const std::string& text : words(key)) {
+        const std::optional<T> value = parse_number<T>(text);
+        if (!value) refuse_input(path_, concat("key ", key), in_quotes(text), "a number");
+        result.push_back(*value);
+      }
+      if (result.size() != count)
+        refuse_input(path_, concat("key ", key), concat(result.size(), " numbers"), concat(count));
+      return result;
+    }
+    return {};
+  }
+  std::size_t data_position() const { return data_position_; }
+  const fs::path& path() const { return path_; }
+
+ private:
+  void add(std::string_view line) {
+    const std::size_t equals = line.find('=');
+    const auto words_in = [](std::string_view text) {
+      std::vector<std::string> words;
+      for (std::size_t begin = 0; (begin = text.find_first_not_of(" \t\r", begin)) != std::string_view::npos;) {
+        const std::size_t end = std::min(text.find_first_of(" \t\r", begin), text.size());
+        words.emplace_back(text.substr(begin, end - begin));
+        begin = end;
+      }
+      return words;
+    };
+    const std::vector<std::string> key = words_in(line.substr(0, equals));
+    if (key.empty()) return;
+    if (equals == std::string_view::npos || key.size() != 1)
+      refuse_input(path_, "header", in_quotes(line), "lines of the form Key = value");
+    values_[key.front()] = words_in(line.substr(equals + 1));
+  }
+
+  fs::path path_;
+  std::map<std::string, std::vector<std::string>> values_;
+  std::size_t data_position_ = 0;
+};
+
+ElementType sample_type(const Header& header) {
+  static const std::map<std::string, ElementType> types{
+      {"MET_CHAR", ElementType::I8},       {"MET_UCHAR", ElementType::U8},       {"MET_SHORT", ElementType::I16},
+      {"MET_USHORT", ElementType::U16},    {"MET_INT", ElementType::I32},        {"MET_UINT", ElementType::U32},
+      {"MET_LONG", ElementType::I32},      {"MET_ULONG", ElementType::U32},  // 4 bytes each in the format's definition
+      {"MET_LONG_LONG", ElementType::I64}, {"MET_ULONG_LONG", ElementType::U64}, {"MET_FLOAT", ElementType::F32},
+      {"MET_DOUBLE", ElementType::F64}};
+  const std::string name = header.word("ElementType", "nothing");
+  const auto found = types.find(name);
+  if (found == types.end())
+    refuse_input(header.path(), "key ElementType", name, "MET_CHAR to MET_DOUBLE, one number each",
+                 Trouble::unsupported);
+  return found->second;
+}
+
+Affine world_from_grid(const Header& header) {
+  const std::vector<double> rows = header.numbers<double>({"TransformMatrix", "Rotation", "Orientation"}, 9);
+  std::vector<double> spacing = header.numbers<double>({"ElementSpacing", "ElementSize"}, 3);
+  std::vector<double> origin = header.numbers<double>({"Offset", "Position", "Origin"}, 3);
+  if (spacing.empty()) spacing = {1, 1, 1};
+  if (origin.empty()) origin = {0, 0, 0};
+  Affine map = axis_parallel({spacing[0], spacing[1], spacing[2]}, {origin[0], origin[1], origin[2]});
+  if (!rows.empty()) {  // each row is the direction in the world of one axis of the grid
+    map.x_axis = spacing[0] * Vec3(rows[0], rows[1], rows[2]);
+    map.y_axis = spacing[1] * Vec3(rows[3], rows[4], rows[5]);
+    map.z_axis = spacing[2] * Vec3(rows[6], rows[7], rows[8]);
+  }
+  return map;
+}
+
+/// The files named `slice%03d.raw FIRST LAST [STEP]`. The pattern may hold one %d, with a width.
+std::vector<std::string> numbered_files(const Header& header, const std::vector<std::string>& words) {
+  const std::string& pattern = words.front();
+  const std::size_t percent = pattern.find('%');
+  const std::size_t letter = pattern.find('d', percent);
+  const std::string width_text = letter == std::string::npos ? "x" : pattern.substr(percent + 1, letter - percent - 1);
+  const std::optional<int> width = width_text.empty() ? std::optional(0) : parse_number<int>(width_text);
+  const std::optional<int> first = parse_number<int>(words[1]), last = parse_number<int>(words[2]);
+  const std::optional<int> step = words.size() > 3 ? parse_number<int>(words[3]) : std::optional(1);
+  if (!width || *width > 20 || !first || !last || !step || *step < 1 || *last < *first || *last - *first > 1'000'000)
+    refuse_input(header.path(), "key ElementDataFile", in_quotes(pattern), "NAME%0Nd FIRST LAST STEP");
+  std::vector<std::string> files;
+  for (int i = *first; i <= *last; i += *step) {
+    std::string digits = std::to_string(i);
+    if (digits.size() < static_cast<std::size_t>(*width))
+      digits.insert(0, static_cast<std::size_t>(*width) - digits.size(), width_text.starts_with('0') ? '0' : ' ');
+    files.push_back(pattern.substr(0, percent) + digits + pattern.substr(letter + 1));
+  }
+  return files;
+}
+
+/// The files that hold the samples, one after the other; empty when they follow the header.
+std::vector<std::string> data_files(const Header& header, const ForeignFile& file) {
+  const std::vector<std::string>& words = header.words("ElementDataFile");
+  if (words.empty()) refuse_input(header.path(), "key ElementDataFile", "nothing", "a file's name or LOCAL");
+  if (words.front() == "LOCAL" || words.front() == "Local" || words.front() == "local") return {};
+  if (words.front() == "LIST") {
+    WordReader reader(file, header.data_position());
+    std::vector<std::string> files;
+    while (!reader.at_end()) files.emplace_back(reader.line());
+    if (files.empty()) refuse_input(header.path(), "key ElementDataFile", "an empty LIST", "names of files");
+    return files;
+  }
+  if (words.size() >= 3 && words.front().find('%') != std::string::npos) return numbered_files(header, words);
+  std::string name = words.front();
+  for (std::size_t i = 1; i < words.size(); ++i) name += " " + words[i];
+  return {name};
+}
+
+/// Copies or unpacks the part of `source` that holds `samples`.
+void fill(const Header& header, const fs::path& path, std::span<const std::byte> source, std::span<std::byte> samples,
+          std::vector<std::string>& notes) {
+  if (header.is_true("CompressedData")) {
+    check_packed_size(path, samples.size(), source.size());
+    ByteStream stream(path, source, true);
+    if (!stream.is_packed()) refuse_input(path, "samples", "another beginning", "zlib data, as CompressedData says");
+    stream.read(samples, "samples");
+    stream.drain(1);
+    return;
+  }
+  const std::vector<std::int64_t> given = header.numbers<std::int64_t>({"HeaderSize"}, 1);
+  std::uint64_t skipped = 0;
+  if (!given.empty() && given[0] >= 0) skipped = static_cast<std::uint64_t>(given[0]);
+  if (!given.empty() && given[0] < 0 && source.size() > samples.size()) skipped = source.size() - samples.size();
+  if (skipped > source.size() || samples.size() > source.size() - skipped)
+    refuse_input(path, concat("byte ", source.size()), "the end of the file",
+                 concat(samples.size(), " bytes of samples after the first ", skipped));
+  std::copy_n(source.begin() + static_cast<std::ptrdiff_t>(skipped), samples.size(), samples.begin());
+  if (const std::uint64_t rest = source.size() - skipped - samples.size(); rest > 0)
+    notes.push_back(concat(path.string(), ": ", rest, " bytes after the samples were left out"));
+}
+
+/// A file that the header names, beside it.
+ForeignFile part_file(const Header& header, const std::string& name) {
+  try {
+    return ForeignFile(header.path().parent_path() / name);
+  } catch (const Error& error) {
+    throw Error(error.trouble(), concat(header.path().string(), ", key ElementDataFile: ", error.what()), error.hint());
+  }
+}
+
+/// Refuses before anything is allocated what the files on disk cannot hold.
+void check_files(const Header& header, const ForeignFile& file, const std::vector<std::string>& files,
+                 std::uint64_t wanted) {
+  std::uint64_t held = file.bytes().size() - header.data_position();
+  if (!files.empty()) {
+    held = 0;
+    for (const std::string& name : files) held += part_file(header, name).bytes().size();
+  }
+  if (header.is_true("CompressedData"))
+    check_packed_size(header.path(), wanted, held);
+  else if (held < wanted)
+    refuse_input(header.path(), "key DimSize",
+                 concat("sizes that need ", wanted, " bytes, with ", held, " bytes of data"),
+                 "sizes that the data can fill");
+}
+
+}  // namespace
+
+NeutralVolume read_metaimage(const fs::path& path, const std::string&) {
+  const ForeignFile file(path);
+  const Header header(file);
+  const std::vector<int> axes = header.numbers<int>({"NDims"}, 1);
+  if (axes.empty() || axes[0] != 3)
+    refuse_input(path, "key NDims", axes.empty() ? "nothing" : concat(axes[0]), "3",
+                 axes.empty() ? Trouble::invalid : Trouble::unsupported);
+  const std::vector<std::int64_t> sizes = header.numbers<std::int64_t>({"DimSize"}, 3);
+  if (sizes.empty()) refuse_input(path, "header", "no key DimSize", "three sizes");
+  if (header.word("BinaryData", "True") == "False")
+    refuse_input(path, "key BinaryData", "False: samples as text", "True", Trouble::unsupported);
+  const std::vector<int> channels = header.numbers<int>({"ElementNumberOfChannels"}, 1);
+  if (!channels.empty() && channels[0] != 1)
+    refuse_input(path, "key ElementNumberOfChannels", concat(channels[0], " numbers for each sample"), "1",
+                 Trouble::unsupported);
+
+  NeutralVolume volume;
+  volume.sample_count = {sizes[0], sizes[1], sizes[2]};
+  volume.type = sample_type(header);
+  volume.world_from_grid = world_from_grid(header);
+  volume.field_name = stem_of(path);
+  const std::uint64_t bytes = checked_volume_bytes(path, volume.sample_count, volume.type);
+  const std::vector<std::string> files = data_files(header, file);
+  if (!files.empty() && static_cast<std::uint64_t>(sizes[2]) % files.size() != 0)
+    refuse_input(path, "key ElementDataFile", concat(files.size(), " files for ", sizes[2], " slices"),
+                 "the same number of slices in each file");
+  check_files(header, file, files, bytes);
+  std::vector<std::byte> samples(bytes);
+  if (files.empty()) fill(header, path, file.bytes().subspan(header.data_position()), samples, volume.notes);
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const ForeignFile part = part_file(header, files[i]);
+    const std::uint64_t part_bytes = bytes / files.size();
+    fill(header, part.path(), part.bytes(), std::span(samples).subspan(i * part_bytes, part_bytes), volume.notes);
+  }
+  const bool big_endian = header.is_true("ElementByteOrderMSB") || header.is_true("BinaryDataByteOrderMSB");
+  make_native(samples, formats::element_bytes(volume.type), big_endian);
+  set_samples(volume, std::move(samples));
+  finish_volume(volume, path);
+  return volume;
+}
+
+}  // namespace rhoray::preprocess

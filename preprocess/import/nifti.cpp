@@ -1,0 +1,211 @@
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "preprocess/import/byte_stream.h"
+#include "preprocess/import/families.h"
+#include "preprocess/import/samples.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using formats::ElementType;
+
+constexpr std::size_t header_bytes = 348;
+
+/// The 348 bytes that begin a NIfTI-1 file, in either byte order.
+class Header {
+ public:
+  Header(const std::filesystem::path& path, std::span<const std::byte, header_bytes> bytes)
+      : path_(path), bytes_(bytes) {
+    if (at<std::int32_t>(0) == static_cast<std::int32_t>(header_bytes)) return;
+    swapped_ = true;
+    if (at<std::int32_t>(0) == static_cast<std::int32_t>(header_bytes)) return;
+    const bool second_version = at<std::int32_t>(0) == 540 || __builtin_bswap32(at<std::uint32_t>(0)) == 540;
+    if (second_version) refuse_input(path, "byte 0", "NIfTI-2", "NIfTI-1", Trouble::unsupported);
+    refuse_input(path, "byte 0", "another beginning", "the header size 348 of NIfTI-1");
+  }
+
+  template <class T>
+  T at(std::size_t offset) const {
+    std::array<std::byte, sizeof(T)> raw;
+    std::memcpy(raw.data(), bytes_.data() + offset, sizeof(T));
+    if (swapped_) make_native(raw, sizeof(T), std::endian::native == std::endian::little);
+    return std::bit_cast<T>(raw);
+  }
+  double real(std::size_t offset) const { return static_cast<double>(at<float>(offset)); }
+  std::string_view magic() const { return {reinterpret_cast<const char*>(bytes_.data()) + 344, 4}; }
+  bool big_endian() const { return swapped_ == (std::endian::native == std::endian::little); }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  const std::filesystem::path& path_;
+  std::span<const std::byte, header_bytes> bytes_;
+  bool swapped_ = false;
+};
+
+// Byte offsets of the fields that we read (nifti1.h).
+constexpr std::size_t dim = 40, datatype = 70, pixdim = 76, vox_offset = 108, scl_slope = 112, scl_inter = 116,
+                      xyzt_units = 123, qform_code = 252, sform_code = 254, quatern = 256, qoffset = 268, srow = 280;
+
+Index3 sample_count(const Header& header) {
+  const auto size = [&](int axis) {
+    return std::int64_t{header.at<std::int16_t>(dim + 2 * static_cast<std::size_t>(axis))};
+  };
+  if (size(0) < 1 || size(0) > 7) refuse_input(header.path(), "dim[0]", concat(size(0)), "1 to 7");
+  for (int axis = 4; axis <= size(0); ++axis)
+    if (size(axis) > 1)
+      refuse_input(header.path(), concat("dim[", axis, "]"), concat(size(axis), " volumes or components"), "1",
+                   Trouble::unsupported);
+  if (size(0) < 3) refuse_input(header.path(), "dim[0]", concat(size(0), " axes"), "3", Trouble::unsupported);
+  return {size(1), size(2), size(3)};
+}
+
+ElementType sample_type(const Header& header) {
+  const int code = header.at<std::int16_t>(datatype);
+  switch (code) {
+    case 2:
+      return ElementType::U8;
+    case 4:
+      return ElementType::I16;
+    case 8:
+      return ElementType::I32;
+    case 16:
+      return ElementType::F32;
+    case 64:
+      return ElementType::F64;
+    case 256:
+      return ElementType::I8;
+    case 512:
+      return ElementType::U16;
+    case 768:
+      return ElementType::U32;
+    case 1024:
+      return ElementType::I64;
+    case 1280:
+      return ElementType::U64;
+    default:
+      break;
+  }
+  refuse_input(header.path(), "datatype", concat(code), "integers or floating-point numbers of 8 to 64 bits",
+               Trouble::unsupported);
+}
+
+Affine from_sform(const Header& header) {
+  const auto row = [&](std::size_t r, std::size_t c) { return header.real(srow + 16 * r + 4 * c); };
+  const auto column = [&](std::size_t c) { return Vec3(row(0, c), row(1, c), row(2, c)); };
+  return {column(0), column(1), column(2), column(3)};
+}
+
+Vec3 grid_spacing(const Header& header) {
+  const auto along = [&](std::size_t axis) {
+    const double spacing = std::abs(header.real(pixdim + 4 * axis));
+    return spacing > 0 ? spacing : 1.0;
+  };
+  return {along(1), along(2), along(3)};
+}
+
+/// Method 2 of nifti1.h: a rotation given by a unit quaternion, the spacing, and qfac, which may mirror the third axis.
+Affine from_qform(const Header& header) {
+  double b = header.real(quatern), c = header.real(quatern + 4), d = header.real(quatern + 8);
+  double a = 1 - (b * b + c * c + d * d);
+  if (a < 1e-7) {  // as nifti1.h does: rounding in the file's floats
+    const double length = std::sqrt(b * b + c * c + d * d);
+    b /= length, c /= length, d /= length, a = 0;
+  } else {
+    a = std::sqrt(a);
+  }
+  const Vec3 spacing = grid_spacing(header);
+  const double qfac = header.real(pixdim) < 0 ? -1 : 1;
+  return {spacing.x * Vec3(a * a + b * b - c * c - d * d, 2 * (b * c + a * d), 2 * (b * d - a * c)),
+          spacing.y * Vec3(2 * (b * c - a * d), a * a + c * c - b * b - d * d, 2 * (c * d + a * b)),
+          qfac * spacing.z * Vec3(2 * (b * d + a * c), 2 * (c * d - a * b), a * a + d * d - b * b - c * c),
+          {header.real(qoffset), header.real(qoffset + 4), header.real(qoffset + 8)}};
+}
+
+Affine world_from_grid(const Header& header) {
+  if (header.at<std::int16_t>(sform_code) > 0) return from_sform(header);
+  if (header.at<std::int16_t>(qform_code) > 0) return from_qform(header);
+  return axis_parallel(grid_spacing(header), {0, 0, 0});
+}
+
+std::string length_unit(const Header& header) {
+  switch (header.at<std::uint8_t>(xyzt_units) & 7) {
+    case 1:
+      return "m";
+    case 2:
+      return "mm";
+    case 3:
+      return "um";
+    default:
+      return "";
+  }
+}
+
+template <class T, class Result>
+std::vector<std::byte> scaled(std::span<const std::byte> samples, double slope, double intercept) {
+  std::vector<std::byte> result(samples.size() / sizeof(T) * sizeof(Result));
+  for (std::size_t i = 0; i < samples.size() / sizeof(T); ++i) {
+    T stored;
+    std::memcpy(&stored, samples.data() + i * sizeof(T), sizeof stored);
+    const auto value = static_cast<Result>(static_cast<double>(stored) * slope + intercept);
+    std::memcpy(result.data() + i * sizeof(Result), &value, sizeof value);
+  }
+  return result;
+}
+
+/// Applies scl_slope and scl_inter, where the file gives them: to 32-bit floats, or 64-bit ones where those would
+/// round.
+void apply_scale(NeutralVolume& volume, const Header& header) {
+  const double slope = header.real(scl_slope), intercept = header.real(scl_inter);
+  if (!std::isfinite(slope) || !std::isfinite(intercept) || slope == 0 || (slope == 1 && intercept == 0)) return;
+  const std::size_t stored_bytes = formats::element_bytes(volume.type);
+  const bool wide = stored_bytes > 4 || volume.type == ElementType::I32 || volume.type == ElementType::U32;
+  set_samples(volume, formats::with_element_type(volume.type, [&]<class T>(T) {
+                return wide ? scaled<T, double>(volume.samples, slope, intercept)
+                            : scaled<T, float>(volume.samples, slope, intercept);
+              }));
+  volume.type = wide ? ElementType::F64 : ElementType::F32;
+  volume.notes.push_back(concat("stored numbers became values: ", slope, " times the number plus ", intercept));
+}
+
+}  // namespace
+
+NeutralVolume read_nifti(const std::filesystem::path& path, const std::string&) {
+  const ForeignFile file(path);
+  ByteStream stream(path, file.bytes(), true);
+  std::array<std::byte, header_bytes> header_text;
+  stream.read(header_text, "header");
+  const Header header(path, header_text);
+  if (header.magic() == std::string_view("ni1\0", 4))
+    refuse_input(path, "magic", "ni1: the samples lie in another file", "n+1: header and samples in one file",
+                 Trouble::unsupported);
+  if (header.magic() != std::string_view("n+1\0", 4)) refuse_input(path, "magic", "another word", "n+1");
+
+  NeutralVolume volume;
+  volume.sample_count = sample_count(header);
+  volume.type = sample_type(header);
+  volume.world_from_grid = world_from_grid(header);
+  volume.length_unit = length_unit(header);
+  volume.field_name = stem_of(path);
+  const std::uint64_t bytes = checked_volume_bytes(path, volume.sample_count, volume.type);
+  const double offset = header.real(vox_offset);
+  if (!(offset >= 352 && offset < 1e9))  // written so that NaN is refused
+    refuse_input(path, "vox_offset", concat(offset), "at least 352");
+  const std::uint64_t skipped = static_cast<std::uint64_t>(offset) - header_bytes;
+  if (stream.is_packed())
+    check_packed_size(path, bytes, file.bytes().size());
+  else if (bytes > file.bytes().size())
+    refuse_input(path, "samples", concat(file.bytes().size(), " bytes"), concat(bytes));
+  if (stream.drain(skipped) != skipped) refuse_input(path, "vox_offset", "an offset beyond the end", "samples there");
+  std::vector<std::byte> samples(bytes);
+  stream.read(samples, "samples");
+  stream.drain(1);  // the packed stream's checksum stands behind its last byte
+  make_native(samples, formats::element_bytes(volume.type), header.big_endian());
+  set_samples(volume, std::move(samples));
+  apply_scale(volume, header);
+  finish_volume(volume, path);
+  return volume;
+}
+
+}  // namespace rhoray::preprocess

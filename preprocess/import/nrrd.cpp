@@ -1,0 +1,206 @@
+#include <teem/nrrd.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "preprocess/import/families.h"
+#include "preprocess/import/foreign_file.h"
+#include "preprocess/import/samples.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using formats::ElementType;
+
+struct NrrdNuke {
+  void operator()(Nrrd* nrrd) const { nrrdNuke(nrrd); }
+};
+using OwnedNrrd = std::unique_ptr<Nrrd, NrrdNuke>;
+
+struct IoNix {
+  void operator()(NrrdIoState* io) const { nrrdIoStateNix(io); }
+};
+
+/// Teem's own words, most general first, in one line.
+std::string teem_reason() {
+  std::unique_ptr<char, decltype(&std::free)> text(biffGetDone(NRRD), &std::free);
+  std::string reason = text ? text.get() : "no reason given";
+  while (reason.ends_with('\n')) reason.pop_back();
+  for (std::size_t at = 0; (at = reason.find('\n', at)) != std::string::npos;) reason.replace(at, 1, "; ");
+  return reason;
+}
+
+struct Loaded {
+  OwnedNrrd nrrd;
+  std::unique_ptr<NrrdIoState, IoNix> io;
+};
+
+Loaded load(const std::filesystem::path& path, bool header_only) {
+  Loaded loaded{OwnedNrrd(nrrdNew()), std::unique_ptr<NrrdIoState, IoNix>(nrrdIoStateNew())};
+  nrrdIoStateSet(loaded.io.get(), nrrdIoStateSkipData, header_only ? 1 : 0);
+  if (nrrdLoad(loaded.nrrd.get(), path.c_str(), loaded.io.get()) != 0)
+    throw Error(Trouble::invalid, concat(path.string(), ": Teem cannot read it: ", teem_reason()));
+  return loaded;
+}
+
+/// Refuses sizes that the files with the samples cannot hold, before Teem allocates for them. Numbered files are left
+/// to Teem, and encodings whose tightest packing is not known.
+void check_data_size(const std::filesystem::path& path, const NrrdIoState& io, std::uint64_t wanted) {
+  if (io.dataFNFormat != nullptr) return;
+  const unsigned file_count = io.dataFNArr->len;
+  std::uint64_t held = file_count == 0 ? ForeignFile(path).bytes().size() : 0;
+  for (unsigned i = 0; i < file_count; ++i) {
+    std::error_code missing;  // Teem will say so
+    held += std::filesystem::file_size(path.parent_path() / io.dataFN[i], missing);
+    if (missing) return;
+  }
+  const std::string_view encoding = io.encoding->name;
+  if (encoding == "gzip") check_packed_size(path, wanted, held);
+  if (encoding == "raw" && held < wanted)
+    refuse_input(path, "key sizes", concat("sizes that need ", wanted, " bytes, with ", held, " bytes of data"),
+                 "sizes that the data can fill");
+}
+
+ElementType type_of(const std::filesystem::path& path, const Nrrd& nrrd) {
+  switch (nrrd.type) {
+    case nrrdTypeChar:
+      return ElementType::I8;
+    case nrrdTypeUChar:
+      return ElementType::U8;
+    case nrrdTypeShort:
+      return ElementType::I16;
+    case nrrdTypeUShort:
+      return ElementType::U16;
+    case nrrdTypeInt:
+      return ElementType::I32;
+    case nrrdTypeUInt:
+      return ElementType::U32;
+    case nrrdTypeLLong:
+      return ElementType::I64;
+    case nrrdTypeULLong:
+      return ElementType::U64;
+    case nrrdTypeFloat:
+      return ElementType::F32;
+    case nrrdTypeDouble:
+      return ElementType::F64;
+    default:
+      break;
+  }
+  refuse_input(path, "key type", airEnumStr(nrrdType, nrrd.type), "integers or floating-point numbers",
+               Trouble::unsupported);
+}
+
+bool has_direction(const Nrrd& nrrd, unsigned axis) {
+  return std::isfinite(nrrd.axis[axis].spaceDirection[0]);
+}
+
+bool is_in_space(const Nrrd& nrrd, unsigned axis) {
+  const int kind = nrrd.axis[axis].kind;
+  return kind == nrrdKindUnknown || kind == nrrdKindDomain || kind == nrrdKindSpace;
+}
+
+/// The three axes of the volume, fastest first. Others may only have one sample.
+std::array<unsigned, 3> volume_axes(const std::filesystem::path& path, const Nrrd& nrrd) {
+  std::vector<unsigned> axes;
+  for (unsigned axis = 0; axis < nrrd.dim; ++axis)
+    if (is_in_space(nrrd, axis)) axes.push_back(axis);
+  for (std::size_t i = axes.size(); axes.size() > 3 && i-- > 0;)
+    if (nrrd.axis[axes[i]].size == 1) axes.erase(axes.begin() + static_cast<std::ptrdiff_t>(i));
+  for (unsigned axis = 0; axis < nrrd.dim; ++axis)
+    if (!is_in_space(nrrd, axis) && nrrd.axis[axis].size > 1)
+      refuse_input(path, concat("axis ", axis),
+                   concat(nrrd.axis[axis].size, " numbers for each sample (kind ",
+                          airEnumStr(nrrdKind, nrrd.axis[axis].kind), ")"),
+                   "one number for each sample", Trouble::unsupported);
+  if (axes.size() != 3)
+    refuse_input(path, "key dimension", concat(axes.size(), " axes in space"), "3", Trouble::unsupported);
+  return {axes[0], axes[1], axes[2]};
+}
+
+/// Distance of samples along an axis that has no direction in space.
+double spacing_of(const NrrdAxisInfo& axis) {
+  if (std::isfinite(axis.spacing)) return axis.spacing;
+  if (!std::isfinite(axis.min) || !std::isfinite(axis.max)) return 1;
+  const auto samples = static_cast<double>(axis.size);
+  return (axis.max - axis.min) / (axis.center == nrrdCenterNode ? samples - 1 : samples);
+}
+
+/// Where the first sample lies on such an axis: `axis mins` names the cell's edge when samples stand for cells.
+double first_position(const NrrdAxisInfo& axis) {
+  if (!std::isfinite(axis.min)) return 0;
+  const bool cells = axis.center == nrrdCenterCell ||
+                     (axis.center == nrrdCenterUnknown && std::isfinite(axis.max) && !std::isfinite(axis.spacing));
+  return axis.min + (cells ? 0.5 * spacing_of(axis) : 0.0);
+}
+
+Affine world_from_grid(const std::filesystem::path& path, const Nrrd& nrrd, const std::array<unsigned, 3>& axes) {
+  std::array<Vec3, 3> columns;
+  Vec3 origin(0, 0, 0);
+  int directions = 0;
+  for (int i = 0; i < 3; ++i) {
+    const NrrdAxisInfo& axis = nrrd.axis[axes[static_cast<std::size_t>(i)]];
+    Vec3& column = columns[static_cast<std::size_t>(i)];
+    column = Vec3(0, 0, 0);
+    if (nrrd.spaceDim > 0 && has_direction(nrrd, axes[static_cast<std::size_t>(i)])) {
+      ++directions;
+      for (int d = 0; d < 3; ++d) column[d] = axis.spaceDirection[d];
+    } else {
+      column[i] = spacing_of(axis);
+      origin[i] = first_position(axis);
+    }
+  }
+  if (directions > 0) {
+    if (directions != 3 || nrrd.spaceDim != 3)
+      refuse_input(path, "key space directions", concat(directions, " directions in ", nrrd.spaceDim, " dimensions"),
+                   "3 directions in 3 dimensions");
+    for (int d = 0; d < 3; ++d) origin[d] = std::isfinite(nrrd.spaceOrigin[d]) ? nrrd.spaceOrigin[d] : 0.0;
+  }
+  return {columns[0], columns[1], columns[2], origin};
+}
+
+/// The unit of length, where all three axes agree on one.
+std::string length_unit(const Nrrd& nrrd, const std::array<unsigned, 3>& axes) {
+  std::array<std::string, 3> units;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const bool in_space = nrrd.spaceDim == 3 && has_direction(nrrd, axes[i]);
+    const char* unit = in_space ? nrrd.spaceUnits[i] : nrrd.axis[axes[i]].units;
+    units[i] = unit == nullptr ? "" : unit;
+  }
+  return units[0] == units[1] && units[1] == units[2] ? units[0] : "";
+}
+
+/// Teem keeps the quotes that some files have around it.
+std::string sample_unit(const Nrrd& nrrd) {
+  std::string unit = nrrd.sampleUnits == nullptr ? "" : nrrd.sampleUnits;
+  if (unit.size() >= 2 && unit.front() == '"' && unit.back() == '"') unit = unit.substr(1, unit.size() - 2);
+  return unit;
+}
+
+}  // namespace
+
+NeutralVolume read_nrrd(const std::filesystem::path& path, const std::string&) {
+  if (!ForeignFile(path).text().starts_with("NRRD000"))  // Teem would also take PNG, PNM and text here
+    refuse_input(path, "byte 0", "another beginning", "NRRD000");
+  NeutralVolume volume;
+  {
+    // The header alone, so that nothing is allocated for sizes that are refused.
+    const auto [header, io] = load(path, true);
+    const std::array<unsigned, 3> axes = volume_axes(path, *header);
+    const auto size = [&](std::size_t i) { return static_cast<std::int64_t>(header->axis[axes[i]].size); };
+    volume.sample_count = {size(0), size(1), size(2)};
+    volume.type = type_of(path, *header);
+    volume.world_from_grid = world_from_grid(path, *header, axes);
+    volume.length_unit = length_unit(*header, axes);
+    volume.field_unit = sample_unit(*header);
+    check_data_size(path, *io, checked_volume_bytes(path, volume.sample_count, volume.type));
+  }
+  volume.field_name = stem_of(path);
+  const std::shared_ptr<Nrrd> nrrd = load(path, false).nrrd;
+  volume.samples = {static_cast<const std::byte*>(nrrd->data),
+                    checked_volume_bytes(path, volume.sample_count, volume.type)};
+  volume.mapping = std::shared_ptr<const void>(nrrd, nrrd->data);
+  finish_volume(volume, path);
+  return volume;
+}
+
+}  // namespace rhoray::preprocess

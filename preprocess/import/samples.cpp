@@ -1,0 +1,252 @@
+#include "preprocess/import/samples.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <string_view>
+
+#include "formats/base/bytes.h"
+#include "preprocess/import/foreign_file.h"
+#include "preprocess/import/numbers.h"
+
+namespace rhoray::preprocess {
+
+using formats::ElementType;
+
+namespace {
+
+template <class Word>
+void swap_words(std::span<std::byte> bytes) {
+  for (std::size_t at = 0; at + sizeof(Word) <= bytes.size(); at += sizeof(Word)) {
+    Word word;
+    std::memcpy(&word, bytes.data() + at, sizeof word);
+    if constexpr (sizeof(Word) == 2)
+      word = __builtin_bswap16(word);
+    else if constexpr (sizeof(Word) == 4)
+      word = __builtin_bswap32(word);
+    else
+      word = __builtin_bswap64(word);
+    std::memcpy(bytes.data() + at, &word, sizeof word);
+  }
+}
+
+bool is_finite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// The same numbers as doubles, or nothing where one would change.
+template <class T>
+std::optional<std::vector<std::byte>> as_doubles(std::span<const std::byte> bytes) {
+  std::vector<std::byte> result(bytes.size());
+  for (std::size_t at = 0; at < bytes.size(); at += sizeof(T)) {
+    T value;
+    std::memcpy(&value, bytes.data() + at, sizeof value);
+    const auto number = static_cast<double>(value);
+    // 2^63 and 2^64 round up out of the integer's range, where casting back would be undefined.
+    if (number >= std::ldexp(1.0, std::is_signed_v<T> ? 63 : 64) || static_cast<T>(number) != value)
+      return std::nullopt;
+    std::memcpy(result.data() + at, &number, sizeof number);
+  }
+  return result;
+}
+
+}  // namespace
+
+void make_native(std::span<std::byte> bytes, std::size_t element_bytes, bool big_endian) {
+  if (big_endian == (std::endian::native == std::endian::big)) return;
+  if (element_bytes == 2) swap_words<std::uint16_t>(bytes);
+  if (element_bytes == 4) swap_words<std::uint32_t>(bytes);
+  if (element_bytes == 8) swap_words<std::uint64_t>(bytes);
+}
+
+std::uint64_t checked_volume_bytes(const std::filesystem::path& path, const Index3& n, ElementType type) {
+  const std::string sizes = concat(n.x, " x ", n.y, " x ", n.z, " samples");
+  if (n.x < 1 || n.y < 1 || n.z < 1) refuse_input(path, "header", sizes, "at least 1 on each axis");
+  const std::optional<std::uint64_t> bytes =
+      checked_product({static_cast<std::uint64_t>(n.x), static_cast<std::uint64_t>(n.y),
+                       static_cast<std::uint64_t>(n.z), formats::element_bytes(type)});
+  if (!bytes || *bytes > std::uint64_t{1} << 62) refuse_input(path, "header", sizes, "a size that fits in memory");
+  return *bytes;
+}
+
+void check_packed_size(const std::filesystem::path& path, std::uint64_t wanted_bytes, std::uint64_t file_bytes) {
+  constexpr std::uint64_t tightest = 1040;  // zlib shrinks to no less than about 1/1032
+  if (wanted_bytes / tightest > file_bytes)
+    refuse_input(path, "header", concat("sizes that need ", wanted_bytes, " bytes, in ", file_bytes, " packed bytes"),
+                 "sizes that the packed bytes can hold");
+}
+
+void set_samples(NeutralVolume& volume, std::vector<std::byte> samples) {
+  volume.owned_samples = std::move(samples);
+  volume.samples = volume.owned_samples;
+}
+
+Affine axis_parallel(const Vec3& spacing, const Vec3& origin) {
+  return {{spacing.x, 0, 0}, {0, spacing.y, 0}, {0, 0, spacing.z}, origin};
+}
+
+void finish_volume(NeutralVolume& volume, const std::filesystem::path& path) {
+  const Affine& map = volume.world_from_grid;
+  if (!is_finite(map.x_axis) || !is_finite(map.y_axis) || !is_finite(map.z_axis) || !is_finite(map.origin))
+    refuse_input(path, "header", "an origin, spacing or direction that is not finite", "finite numbers");
+  const double volume_of_axes = map.x_axis.length() * map.y_axis.length() * map.z_axis.length();
+  if (!(std::abs(map.determinant()) > 1e-9 * volume_of_axes))  // sine of the smallest angle; written so that 0 refuses
+    refuse_input(path, "header", "axes that lie in one plane, or a spacing of 0", "three independent axes");
+  if (volume.type != ElementType::I64 && volume.type != ElementType::U64) return;
+  std::optional<std::vector<std::byte>> doubles = volume.type == ElementType::I64
+                                                      ? as_doubles<std::int64_t>(volume.samples)
+                                                      : as_doubles<std::uint64_t>(volume.samples);
+  if (!doubles)
+    refuse_input(path, "samples", "64-bit integers beyond 2^53", "integers that a 64-bit float holds exactly",
+                 Trouble::unsupported);
+  set_samples(volume, *std::move(doubles));
+  volume.type = ElementType::F64;
+  volume.notes.push_back("64-bit integers became 64-bit floats; each kept its value");
+}
+
+namespace {
+
+/// One array, or a part of it: `component` counts from 0, or is `magnitude`.
+struct Choice {
+  static constexpr int magnitude = -1;
+  std::size_t array = 0;
+  int component = 0;
+};
+
+std::string names_of(const std::vector<GridArray>& arrays) {
+  std::string names;
+  for (const GridArray& array : arrays) {
+    names += names.empty() ? array.name : ", " + array.name;
+    if (array.component_count > 1) names += concat(" (", array.component_count, " components)");
+  }
+  return names;
+}
+
+std::string ways_to_name(const GridArray& array) {
+  return concat("name one component, ", array.name, ".0 to ", array.name, ".", array.component_count - 1,
+                array.component_count <= 3 ? " or .x .y .z" : "", ", or the length, ", array.name, ".mag");
+}
+
+std::optional<int> component_named(std::string_view name, int count) {
+  if (name == "mag") return Choice::magnitude;
+  if (name == "x" || name == "y" || name == "z") {
+    const int component = name[0] - 'x';
+    return count <= 3 && component < count ? std::optional(component) : std::nullopt;
+  }
+  const std::optional<int> component = parse_number<int>(name);
+  return component && *component >= 0 && *component < count ? component : std::nullopt;
+}
+
+Choice choose(const std::filesystem::path& path, const std::vector<GridArray>& arrays, const std::string& field) {
+  if (arrays.empty()) refuse_input(path, "header", "no values at points or in cells", "at least one array");
+  if (field.empty()) {
+    for (std::size_t i = 0; i < arrays.size(); ++i)
+      if (arrays[i].component_count == 1) return {.array = i};
+    throw Error(Trouble::unsupported,
+                concat(path.string(), ": found only arrays with several components: ", names_of(arrays),
+                       "; expected one with a single component"),
+                ways_to_name(arrays.front()));
+  }
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    if (field != arrays[i].name) continue;
+    if (arrays[i].component_count == 1) return {.array = i};
+    throw Error(
+        Trouble::usage,
+        concat(path.string(), ", field '", field, "': found ", arrays[i].component_count, " components; expected 1"),
+        ways_to_name(arrays[i]));
+  }
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    if (!field.starts_with(arrays[i].name + ".")) continue;
+    const std::string_view part = std::string_view(field).substr(arrays[i].name.size() + 1);
+    if (const std::optional<int> component = component_named(part, arrays[i].component_count))
+      return {.array = i, .component = *component};
+  }
+  throw Error(Trouble::usage,
+              concat(path.string(), ": found no field '", field, "'; expected one of: ", names_of(arrays)));
+}
+
+template <class T>
+std::vector<std::byte> component_of(const GridArray& array, int component) {
+  const auto stride = static_cast<std::size_t>(array.component_count) * sizeof(T);
+  std::vector<std::byte> result(array.values.size() / static_cast<std::size_t>(array.component_count));
+  const std::byte* from = array.values.data() + static_cast<std::size_t>(component) * sizeof(T);
+  for (std::size_t to = 0; to < result.size(); to += sizeof(T), from += stride)
+    std::memcpy(result.data() + to, from, sizeof(T));
+  return result;
+}
+
+template <class T, class Result>
+std::vector<std::byte> magnitude_of(const GridArray& array) {
+  const auto components = static_cast<std::size_t>(array.component_count);
+  const std::size_t count = array.values.size() / sizeof(T) / components;
+  std::vector<std::byte> result(count * sizeof(Result));
+  for (std::size_t i = 0; i < count; ++i) {
+    double sum = 0;
+    for (std::size_t c = 0; c < components; ++c) {
+      T value;
+      std::memcpy(&value, array.values.data() + (i * components + c) * sizeof(T), sizeof value);
+      sum += static_cast<double>(value) * static_cast<double>(value);
+    }
+    const auto length = static_cast<Result>(std::sqrt(sum));
+    std::memcpy(result.data() + i * sizeof(Result), &length, sizeof length);
+  }
+  return result;
+}
+
+void set_chosen(NeutralVolume& volume, GridArray& array, int component) {
+  volume.type = array.type;
+  if (component == Choice::magnitude) {
+    const bool wide =
+        formats::element_bytes(array.type) == 8 || array.type == ElementType::I32 || array.type == ElementType::U32;
+    volume.type = wide ? ElementType::F64 : ElementType::F32;
+    set_samples(volume, formats::with_element_type(array.type, [&]<class T>(T) {
+                  return wide ? magnitude_of<T, double>(array) : magnitude_of<T, float>(array);
+                }));
+  } else if (array.component_count > 1) {
+    set_samples(volume,
+                formats::with_element_type(array.type, [&]<class T>(T) { return component_of<T>(array, component); }));
+  } else if (!array.owned.empty()) {
+    set_samples(volume, std::move(array.owned));
+  } else {
+    set_samples(volume, {array.values.begin(), array.values.end()});
+  }
+}
+
+/// Samples at the middles of cells: one less on each axis that has more than one point.
+PointGrid cell_middles(const PointGrid& grid) {
+  PointGrid middles = grid;
+  Vec3 first(0, 0, 0);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (grid.point_count[axis] < 2) continue;
+    --middles.point_count[axis];
+    first[axis] = 0.5;
+  }
+  middles.world_from_grid.origin = grid.world_from_grid.point(first);
+  return middles;
+}
+
+}  // namespace
+
+NeutralVolume volume_of_field(const std::filesystem::path& path, const PointGrid& points, std::vector<GridArray> arrays,
+                              const std::string& field) {
+  const Choice choice = choose(path, arrays, field);
+  GridArray& array = arrays[choice.array];
+  const PointGrid grid = array.in_cells ? cell_middles(points) : points;
+  const std::uint64_t bytes = checked_volume_bytes(path, grid.point_count, array.type);
+  const auto components = static_cast<std::uint64_t>(array.component_count);
+  if (array.values.size() / components != bytes || array.values.size() % components != 0)
+    refuse_input(path, concat("array '", array.name, "'"), concat(array.values.size(), " bytes"),
+                 concat(components, " x ", bytes));
+  NeutralVolume volume;
+  volume.sample_count = grid.point_count;
+  volume.world_from_grid = grid.world_from_grid;
+  volume.field_name = field.empty() ? array.name : field;
+  if (array.in_cells) volume.notes.push_back("values stand in cells; each became a sample at the middle of its cell");
+  set_chosen(volume, array, choice.component);
+  finish_volume(volume, path);
+  return volume;
+}
+
+}  // namespace rhoray::preprocess

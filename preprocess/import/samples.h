@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "preprocess/neutral.h"
+
+namespace rhoray::preprocess {
+
+/// Turns numbers of `element_bytes` bytes into the machine's order, in place.
+void make_native(std::span<std::byte> bytes, std::size_t element_bytes, bool big_endian);
+
+/// Number of bytes of a volume; refuses an axis below 1 and sizes that do not fit 2^62 bytes.
+std::uint64_t checked_volume_bytes(const std::filesystem::path& path, const Index3& sample_count,
+                                   formats::ElementType type);
+
+/// Refuses sizes that so short a file cannot hold even if packed by zlib as tightly as it can.
+void check_packed_size(const std::filesystem::path& path, std::uint64_t wanted_bytes, std::uint64_t file_bytes);
+
+void set_samples(NeutralVolume& volume, std::vector<std::byte> samples);
+
+/// The last step of every reader: 64-bit integers become F64 where each is kept exactly and are refused otherwise; a
+/// map that is not finite or not invertible is refused.
+void finish_volume(NeutralVolume& volume, const std::filesystem::path& path);
+
+/// Axes along x, y, z with this spacing.
+Affine axis_parallel(const Vec3& spacing, const Vec3& origin);
+
+/// One array among several in a file that keeps values at grid points or in grid cells.
+struct GridArray {
+  std::string name;
+  formats::ElementType type = formats::ElementType::U8;
+  int component_count = 1;
+  bool in_cells = false;
+  std::vector<std::byte> owned;       ///< either this,
+  std::span<const std::byte> values;  ///< or a view of memory that outlives the array; native order
+};
+
+/// What a grid of points looks like: sample (i, j, k) lies at world_from_grid.point({i, j, k}).
+struct PointGrid {
+  Index3 point_count;
+  Affine world_from_grid;
+};
+
+/// The volume of one array: `field` names it, or one component of it as NAME.x, NAME.y, NAME.z, NAME.<n>, NAME.mag;
+/// empty takes the first with one component. Values in cells become samples at the middles of cells, with a note.
+NeutralVolume volume_of_field(const std::filesystem::path& path, const PointGrid& grid, std::vector<GridArray> arrays,
+                              const std::string& field);
+
+}  // namespace rhoray::preprocess

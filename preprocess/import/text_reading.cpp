@@ -1,0 +1,104 @@
+#include "preprocess/import/text_reading.h"
+
+#include <algorithm>
+
+namespace rhoray::preprocess {
+namespace {
+
+bool is_space(char letter) {
+  return letter == ' ' || (letter >= '\t' && letter <= '\r');
+}
+
+}  // namespace
+
+std::string in_quotes(std::string_view text) {
+  constexpr std::size_t longest = 60;
+  std::string result = "'";
+  for (const char letter : text.substr(0, longest)) result += letter >= ' ' && letter <= '~' ? letter : '?';
+  return result + (text.size() > longest ? "...'" : "'");
+}
+
+void WordReader::skip_space() {
+  while (position_ < text_.size() && is_space(text_[position_])) ++position_;
+}
+
+bool WordReader::at_end() {
+  skip_space();
+  return position_ == text_.size();
+}
+
+std::string_view WordReader::peek() const {
+  std::size_t begin = position_;
+  while (begin < text_.size() && is_space(text_[begin])) ++begin;
+  std::size_t end = begin;
+  while (end < text_.size() && !is_space(text_[end])) ++end;
+  return text_.substr(begin, end - begin);
+}
+
+std::string_view WordReader::word(std::string_view expected) {
+  const std::string_view found = peek();
+  skip_space();
+  last_ = position_;
+  if (found.empty()) refuse("the end of the file", expected);
+  position_ += found.size();
+  return found;
+}
+
+std::string_view WordReader::line() {
+  last_ = position_;
+  if (position_ == text_.size()) refuse("the end of the file", "another line");
+  const std::size_t end = std::min(text_.find('\n', position_), text_.size());
+  std::string_view found = text_.substr(position_, end - position_);
+  position_ = std::min(end + 1, text_.size());
+  if (found.ends_with('\r')) found.remove_suffix(1);
+  return found;
+}
+
+std::span<const std::byte> WordReader::bytes(std::uint64_t count, std::string_view expected) {
+  last_ = position_;
+  if (count > bytes_left())
+    refuse(concat("the end of the file after ", bytes_left(), " bytes"), concat(count, " bytes of ", expected));
+  const std::span<const std::byte> found = file_.bytes().subspan(position_, count);
+  position_ += count;
+  return found;
+}
+
+void WordReader::refuse(std::string_view found, std::string_view expected, Trouble trouble) const {
+  const auto line_number = 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(last_), '\n');
+  const bool is_word = last_ < text_.size() && found.data() == text_.data() + last_;
+  refuse_input(file_.path(), concat("line ", line_number), is_word ? in_quotes(found) : std::string(found), expected,
+               trouble);
+}
+
+bool LineReader::next() {
+  words_.clear();
+  while (words_.empty()) {
+    if (position_ >= text_.size()) return false;
+    const std::size_t end = std::min(text_.find('\n', position_), text_.size());
+    std::string_view line = text_.substr(position_, end - position_);
+    position_ = end + 1 > text_.size() ? text_.size() : end + 1;
+    ++line_number_;
+    line = line.substr(0, line.find(comment_));
+    for (std::size_t i = 0; i < line.size();) {
+      const auto separates = [&](std::size_t k) { return is_space(line[k]) || line[k] == ','; };
+      while (i < line.size() && separates(i)) ++i;
+      const std::size_t begin = i;
+      while (i < line.size() && !separates(i)) ++i;
+      if (i > begin) words_.push_back(line.substr(begin, i - begin));
+    }
+  }
+  return true;
+}
+
+void LineReader::need(std::string_view expected) {
+  if (!next()) refuse("the end of the file", expected);
+}
+
+void LineReader::refuse(std::string_view found, std::string_view expected, Trouble trouble) const {
+  const bool is_word =
+      std::any_of(words_.begin(), words_.end(), [&](std::string_view word) { return word.data() == found.data(); });
+  refuse_input(file_.path(), concat("line ", line_number_), is_word ? in_quotes(found) : std::string(found), expected,
+               trouble);
+}
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "preprocess/import/foreign_file.h"
+#include "preprocess/import/numbers.h"
+
+namespace rhoray::preprocess {
+
+/// Reads a file as words between white space, with raw bytes in between where a format mixes them.
+/// Every refusal names the line, and every read checks the end.
+class WordReader {
+ public:
+  explicit WordReader(const ForeignFile& file, std::size_t position = 0)
+      : file_(file), text_(file.text()), position_(position) {}
+
+  bool at_end();                                     ///< nothing but white space is left
+  std::string_view word(std::string_view expected);  ///< refuses at the end of the file
+  std::string_view peek() const;                     ///< the next word, not taken; empty at the end
+  std::string_view line();                           ///< the rest of this line, without its end; refuses at the end
+  std::span<const std::byte> bytes(std::uint64_t count, std::string_view expected);
+
+  template <class T>
+  T number(std::string_view expected) {
+    const std::string_view text = word(expected);
+    const std::optional<T> value = parse_number<T>(text);
+    if (!value) refuse(text, expected);
+    return *value;
+  }
+
+  std::uint64_t bytes_left() const { return text_.size() - position_; }
+  std::size_t position() const { return position_; }
+
+  /// Refuses at the place where the last word began.
+  [[noreturn]] void refuse(std::string_view found, std::string_view expected, Trouble trouble = Trouble::invalid) const;
+
+ private:
+  void skip_space();
+
+  const ForeignFile& file_;
+  std::string_view text_;
+  std::size_t position_;
+  std::size_t last_ = 0;
+};
+
+/// Reads a file line by line, each split into words at white space and commas; lines that are empty or hold only a
+/// comment are passed over.
+class LineReader {
+ public:
+  /// @param comment  begins a comment that reaches to the end of its line
+  explicit LineReader(const ForeignFile& file, char comment = '#')
+      : file_(file), text_(file.text()), comment_(comment) {}
+
+  bool next();                           ///< moves to the next line that says something; false at the end
+  void need(std::string_view expected);  ///< as next, but refuses at the end
+  const std::vector<std::string_view>& words() const { return words_; }
+  std::size_t line_number() const { return line_number_; }
+
+  /// Word i of this line as a number; refuses when there is no such word.
+  template <class T>
+  T number(std::size_t i, std::string_view expected) const {
+    if (i >= words_.size()) refuse("the line ends too early", expected);
+    const std::optional<T> value = parse_number<T>(words_[i]);
+    if (!value) refuse(words_[i], expected);
+    return *value;
+  }
+
+  std::uint64_t bytes_left() const { return text_.size() - position_; }
+
+  [[noreturn]] void refuse(std::string_view found, std::string_view expected, Trouble trouble = Trouble::invalid) const;
+
+ private:
+  const ForeignFile& file_;
+  std::string_view text_;
+  char comment_;
+  std::size_t position_ = 0;
+  std::size_t line_number_ = 0;
+  std::vector<std::string_view> words_;
+};
+
+/// A text from a damaged file, cut and cleaned so that it can stand in a message.
+std::string in_quotes(std::string_view text);
+
+}  // namespace rhoray::preprocess

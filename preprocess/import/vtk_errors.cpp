@@ -1,0 +1,132 @@
+#include "preprocess/import/vtk_errors.h"
+
+#include <vtkLogger.h>
+#include <vtkObjectFactory.h>
+#include <vtkOutputWindow.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "formats/base/bytes.h"
+#include "preprocess/import/text_reading.h"
+
+namespace rhoray::preprocess {
+
+class VtkErrors::Window : public vtkOutputWindow {
+ public:
+  static Window* New();
+  vtkTypeMacro(Window, vtkOutputWindow);
+
+  void DisplayErrorText(const char* text) override { keep(text); }
+  void DisplayText(const char*) override {}
+  void DisplayWarningText(const char*) override {}
+  void DisplayGenericWarningText(const char*) override {}
+  void DisplayDebugText(const char*) override {}
+
+  void keep_in(std::string* first) { first_ = first; }
+
+ private:
+  /// "ERROR: In FILE, line N\nCLASS (ADDRESS): what happened" -> "what happened", in one line.
+  void keep(std::string text) {
+    if (first_ == nullptr || !first_->empty()) return;
+    if (const std::size_t begin = text.find("): "); begin != std::string::npos) text.erase(0, begin + 3);
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    while (text.ends_with(' ')) text.pop_back();
+    *first_ = text.empty() ? "no reason given" : text;
+  }
+
+  std::string* first_ = nullptr;
+};
+vtkStandardNewMacro(VtkErrors::Window);
+
+VtkErrors::VtkErrors() : before_(vtkOutputWindow::GetInstance()) {
+  vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);  // it would print each error a second time
+  const auto window = vtkSmartPointer<Window>::New();
+  window->keep_in(&first_);
+  vtkOutputWindow::SetInstance(window);
+}
+
+VtkErrors::~VtkErrors() {
+  vtkOutputWindow::SetInstance(before_);
+}
+
+void VtkErrors::check(const std::filesystem::path& path) const {
+  if (!first_.empty()) throw Error(Trouble::invalid, concat(path.string(), ": VTK cannot read it: ", first_));
+}
+
+namespace {
+
+/// The text between the quotes after `name=`, searched from `from` on; moves `from` behind it.
+std::optional<std::string_view> attribute(std::string_view text, std::string_view name, std::size_t& from) {
+  for (std::size_t at = from; (at = text.find(name, at)) != std::string_view::npos; at += name.size()) {
+    std::size_t open = text.find_first_not_of(" \t\r\n", at + name.size());
+    if (open == std::string_view::npos || text[open] != '=') continue;
+    open = text.find_first_not_of(" \t\r\n", open + 1);
+    if (open == std::string_view::npos || (text[open] != '"' && text[open] != '\'')) continue;
+    const std::size_t close = text.find(text[open], open + 1);
+    if (close == std::string_view::npos) return std::nullopt;
+    from = close;
+    return text.substr(open + 1, close - open - 1);
+  }
+  return std::nullopt;
+}
+
+void check_count(const ForeignFile& file, std::string_view name, std::uint64_t count) {
+  // No compressor of VTK's packs a point, cell or sample into less than 1/4096 byte; ten times that to be safe.
+  constexpr std::uint64_t most_per_byte = 40960;
+  if (count / most_per_byte > file.bytes().size())
+    refuse_input(file.path(), concat("attribute ", name), concat(count, " in ", file.bytes().size(), " bytes"),
+                 "a number that the file can hold");
+}
+
+void check_counts(const ForeignFile& file, std::string_view head, std::string_view name) {
+  std::size_t from = 0;
+  while (const std::optional<std::string_view> text = attribute(head, name, from)) {
+    const std::optional<std::uint64_t> count = parse_number<std::uint64_t>(*text);
+    if (!count) refuse_input(file.path(), concat("attribute ", name), in_quotes(*text), "a number");
+    check_count(file, name, *count);
+  }
+}
+
+void check_extent(const ForeignFile& file, std::string_view head) {
+  std::size_t from = 0;
+  const std::optional<std::string_view> text = attribute(head, "WholeExtent", from);
+  if (!text) return;
+  std::uint64_t samples = 1;
+  std::size_t at = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::int64_t ends[2];
+    for (std::int64_t& end : ends) {
+      at = std::min(text->find_first_not_of(" \t\r\n", at), text->size());
+      const std::size_t stop = std::min(text->find_first_of(" \t\r\n", at), text->size());
+      const std::optional<std::int32_t> number = parse_number<std::int32_t>(text->substr(at, stop - at));
+      if (!number) refuse_input(file.path(), "attribute WholeExtent", in_quotes(*text), "six numbers");
+      end = *number;
+      at = stop;
+    }
+    if (ends[1] < ends[0])
+      refuse_input(file.path(), "attribute WholeExtent", in_quotes(*text), "first <= last on each axis");
+    const std::optional<std::uint64_t> product =
+        checked_product({samples, static_cast<std::uint64_t>(ends[1] - ends[0] + 1)});
+    if (!product) refuse_input(file.path(), "attribute WholeExtent", in_quotes(*text), "a size that fits in memory");
+    samples = *product;
+  }
+  check_count(file, "WholeExtent", samples);
+}
+
+}  // namespace
+
+void check_vtk_xml(const std::filesystem::path& path, std::string_view kind) {
+  const ForeignFile file(path);
+  const std::string_view head = file.text().substr(0, 64 << 10);
+  std::size_t at = head.find("<VTKFile");
+  if (at == std::string_view::npos) refuse_input(path, "byte 0", "no element VTKFile", "a VTK XML file");
+  const std::optional<std::string_view> found = attribute(head, "type", at);
+  if (!found) refuse_input(path, "element VTKFile", "no attribute type", kind);
+  if (*found != kind) refuse_input(path, "element VTKFile", in_quotes(*found), kind, Trouble::unsupported);
+  check_counts(file, head, "NumberOfPoints");
+  check_counts(file, head, "NumberOfCells");
+  check_extent(file, head);
+}
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vtkSmartPointer.h>
+
+#include <filesystem>
+#include <string>
+
+class vtkOutputWindow;
+
+namespace rhoray::preprocess {
+
+/// While it lives, everything that VTK would print as an error is kept here instead. One at a time in a process.
+/// Asking the readers themselves is not enough: GetErrorCode() is 0 for missing and for truncated files, and errors of
+/// their helpers (parser, decompressor) do not pass through them.
+class VtkErrors {
+ public:
+  VtkErrors();
+  ~VtkErrors();
+  VtkErrors(const VtkErrors&) = delete;
+  VtkErrors& operator=(const VtkErrors&) = delete;
+
+  const std::string& first() const { return first_; }  ///< empty while there was none
+
+  /// Refuses the file when there was an error.
+  void check(const std::filesystem::path& path) const;
+
+ private:
+  class Window;
+  std::string first_;
+  vtkSmartPointer<vtkOutputWindow> before_;
+};
+
+/// Refuses a VTK XML file whose root says another kind than `kind`, or no VTKFile at all, and one that names larger
+/// counts in its attributes than so short a file can hold. Looks at its first 64 KiB.
+void check_vtk_xml(const std::filesystem::path& path, std::string_view kind);
+
+}  // namespace rhoray::preprocess

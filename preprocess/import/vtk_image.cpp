@@ -1,0 +1,65 @@
+#include <vtkCellData.h>
+#include <vtkDataArray.h>
+#include <vtkImageData.h>
+#include <vtkMatrix3x3.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkXMLImageDataReader.h>
+
+#include "preprocess/import/families.h"
+#include "preprocess/import/foreign_file.h"
+#include "preprocess/import/samples.h"
+#include "preprocess/import/vtk_arrays.h"
+#include "preprocess/import/vtk_errors.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+Affine world_from_points(vtkImageData& image) {
+  int extent[6];
+  image.GetExtent(extent);
+  const auto column = [&](int axis) {
+    const double length = image.GetSpacing()[axis];
+    const vtkMatrix3x3* direction = image.GetDirectionMatrix();
+    return length *
+           Vec3(direction->GetElement(0, axis), direction->GetElement(1, axis), direction->GetElement(2, axis));
+  };
+  Affine map{column(0), column(1), column(2), Vec3(image.GetOrigin()[0], image.GetOrigin()[1], image.GetOrigin()[2])};
+  map.origin = map.point(Vec3(extent[0], extent[2], extent[4]));  // pieces of larger images do not begin at 0
+  return map;
+}
+
+void collect(std::vector<GridArray>& arrays, vtkFieldData& data, bool in_cells) {
+  for (int i = 0; i < data.GetNumberOfArrays(); ++i) {
+    vtkDataArray* array = data.GetArray(i);  // null for texts
+    if (array == nullptr) continue;
+    const std::optional<formats::ElementType> type = element_type_of_vtk(*array);
+    if (!type || array->GetNumberOfComponents() < 1) continue;
+    const auto bytes = static_cast<std::size_t>(array->GetNumberOfValues()) * formats::element_bytes(*type);
+    arrays.push_back({.name = array->GetName() == nullptr ? "" : array->GetName(),
+                      .type = *type,
+                      .component_count = array->GetNumberOfComponents(),
+                      .in_cells = in_cells,
+                      .owned = {},
+                      .values = {static_cast<const std::byte*>(array->GetVoidPointer(0)), bytes}});
+  }
+}
+
+}  // namespace
+
+NeutralVolume read_vti(const std::filesystem::path& path, const std::string& field) {
+  check_vtk_xml(path, "ImageData");
+  const VtkErrors errors;
+  vtkNew<vtkXMLImageDataReader> reader;
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  errors.check(path);
+  vtkImageData* image = reader->GetOutput();
+  std::vector<GridArray> arrays;
+  collect(arrays, *image->GetPointData(), false);
+  collect(arrays, *image->GetCellData(), true);
+  const int* size = image->GetDimensions();
+  return volume_of_field(path, {{size[0], size[1], size[2]}, world_from_points(*image)}, std::move(arrays), field);
+}
+
+}  // namespace rhoray::preprocess

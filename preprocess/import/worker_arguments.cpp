@@ -1,0 +1,41 @@
+#include "preprocess/import/worker_arguments.h"
+
+#include "formats/base/trouble.h"
+#include "preprocess/import/numbers.h"
+
+namespace rhoray::preprocess {
+
+std::vector<std::string> volume_arguments(const std::filesystem::path& path, const VolumeRequest& request) {
+  std::vector<std::string> arguments{"volume", path.string(), request.field};
+  if (!request.raw) return arguments;
+  const RawVolume& raw = *request.raw;
+  for (int axis = 0; axis < 3; ++axis) arguments.push_back(concat(raw.sample_count[axis]));
+  arguments.push_back(concat(static_cast<int>(raw.type)));
+  arguments.push_back(raw.big_endian ? "1" : "0");
+  arguments.push_back(concat(raw.skipped_bytes));
+  return arguments;
+}
+
+VolumeRequest volume_request(const std::vector<std::string>& arguments) {
+  const auto number = [&](std::size_t i) {
+    const std::optional<std::uint64_t> value = parse_number<std::uint64_t>(arguments[i]);
+    if (!value) throw Error(Trouble::usage, concat("argument ", i, ": found '", arguments[i], "'; expected a number"));
+    return *value;
+  };
+  if (arguments.size() != 3 && arguments.size() != 9)
+    throw Error(Trouble::usage, concat("found ", arguments.size(), " arguments; expected 3 or 9"));
+  VolumeRequest request;
+  request.field = arguments[2];
+  if (arguments.size() == 3) return request;
+  RawVolume& raw = request.raw.emplace();
+  for (int axis = 0; axis < 3; ++axis)
+    raw.sample_count[axis] = static_cast<std::int64_t>(number(3 + static_cast<std::size_t>(axis)));
+  if (number(6) > static_cast<std::uint64_t>(formats::ElementType::F64))
+    throw Error(Trouble::usage, concat("argument 6: found ", number(6), "; expected the number of an element type"));
+  raw.type = static_cast<formats::ElementType>(number(6));
+  raw.big_endian = number(7) != 0;
+  raw.skipped_bytes = number(8);
+  return request;
+}
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "preprocess/import/readers.h"
+
+namespace rhoray::preprocess {
+
+/// What the verbs say to the import worker, and how it understands them:
+///
+///     volume PATH FIELD [NX NY NZ TYPE BIG_ENDIAN SKIPPED_BYTES]     hands over a neutral volume
+///     mesh PATH                                                      hands over a neutral mesh
+///     surface PATH SIZES                                             hands over a neutral surface; SIZES may be empty
+///     write-vtu PATH                                                 takes a neutral mesh and hands back what it reads
+///     again
+inline constexpr const char* import_worker = "rhoray-import-worker";
+
+std::vector<std::string> volume_arguments(const std::filesystem::path& path, const VolumeRequest& request);
+VolumeRequest volume_request(const std::vector<std::string>& arguments);
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,59 @@
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "formats/base/trouble.h"
+#include "preprocess/import/readers.h"
+#include "preprocess/import/worker_arguments.h"
+#include "preprocess/worker/child_process.h"
+#include "preprocess/worker/handover.h"
+
+namespace {
+
+using namespace rhoray;
+using namespace rhoray::preprocess;
+
+template <class T>
+bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+/// Writes, then reads back what lies on disk, so that a full disk or a failing writer is noticed.
+NeutralMesh write_and_read_back(const NeutralMesh& mesh, const std::string& path) {
+  write_vtu(mesh, path);
+  NeutralMesh read = read_mesh(path);
+  if (!same_bytes(read.points, mesh.points) || !same_bytes(read.cells, mesh.cells))
+    throw Error(Trouble::resource, path + ": found another mesh when reading it back; expected what was written");
+  return read;
+}
+
+void act(const std::vector<std::string>& arguments, int input, int output) {
+  const std::string verb = arguments.empty() ? "" : arguments[0];
+  if (verb == "volume" && arguments.size() >= 3)
+    hand_over(read_volume(arguments[1], volume_request(arguments)), output);
+  else if (verb == "mesh" && arguments.size() == 2)
+    hand_over(read_mesh(arguments[1]), output);
+  else if (verb == "surface" && arguments.size() == 3)
+    hand_over(read_surface(arguments[1], arguments[2]), output);
+  else if (verb == "write-vtu" && arguments.size() == 2 && input >= 0)
+    hand_over(write_and_read_back(take_mesh(formats::PackedFile::from_descriptor(input, "input")), arguments[1]),
+              output);
+  else
+    throw Error(Trouble::usage,
+                "found arguments that no verb has; expected those of preprocess/import/worker_arguments.h");
+}
+
+}  // namespace
+
+#ifdef __SANITIZE_ADDRESS__
+// VTK and Teem lose memory when they refuse a damaged file; here it ends with the process.
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() {
+  return "leak:libvtk\nleak:libteem\n";
+}
+#endif
+
+int main(int count, char** words) {
+  const std::vector<std::string> arguments(words + 1, words + count);
+  return worker_main([&](int input, int output) { act(arguments, input, output); });
+}

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+
+#include "formats/leaf_lists.h"
+
+namespace rhoray::preprocess {
+
+struct LatticeWish {
+  double leaf_cell_count = 1;  ///< about as many; refused (Trouble::usage) when not in [1, 2^31]
+  std::int64_t macro_factor = 4;
+  int macro_level_count = 3;
+};
+
+/// Nearly cubic leaf cells over the box, at least one on every axis and at most 2^20. The lattice reaches beyond the
+/// box by 1/1024 of a leaf cell on every side, so that every point of the mesh lies strictly inside.
+formats::LeafLattice choose_lattice(const Box3& box, const LatticeWish& wish);
+
+}  // namespace rhoray::preprocess

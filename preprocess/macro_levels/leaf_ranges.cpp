@@ -1,0 +1,54 @@
+#include "preprocess/macro_levels/leaf_ranges.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <cstddef>
+
+#include "formats/base/interval.h"
+#include "preprocess/inspect/has_data.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using Range = tbb::blocked_range<std::size_t>;
+
+template <class T>
+Interval<T> range_of_cell(const std::array<std::uint32_t, 4>& cell, std::span<const T> values) {
+  Interval<T> range;
+  for (const std::uint32_t vertex : cell) {
+    if (!has_data(values[vertex])) return {};
+    range.include(values[vertex]);
+  }
+  return range;
+}
+
+}  // namespace
+
+template <class T>
+std::vector<T> build_leaf_ranges(std::span<const std::array<std::uint32_t, 4>> cells, std::span<const T> values,
+                                 const formats::LeafListsView& lists) {
+  // A cell stands in many lists: its own range is taken once.
+  std::vector<Interval<T>> of_cells(cells.size());
+  tbb::parallel_for(Range(0, cells.size(), 4096), [&](const Range& part) {
+    for (std::size_t c = part.begin(); c < part.end(); ++c) of_cells[c] = range_of_cell(cells[c], values);
+  });
+  const std::size_t leaf_count = lists.offsets.size() - 1;
+  std::vector<T> ranges(2 * leaf_count);
+  tbb::parallel_for(Range(0, leaf_count, 4096), [&](const Range& part) {
+    for (std::size_t leaf = part.begin(); leaf < part.end(); ++leaf) {
+      Interval<T> range;
+      for (const std::uint32_t cell : lists.list(leaf)) range.include(of_cells[cell]);
+      ranges[2 * leaf] = range.lo;
+      ranges[2 * leaf + 1] = range.hi;
+    }
+  });
+  return ranges;
+}
+
+template std::vector<float> build_leaf_ranges(std::span<const std::array<std::uint32_t, 4>>, std::span<const float>,
+                                              const formats::LeafListsView&);
+template std::vector<double> build_leaf_ranges(std::span<const std::array<std::uint32_t, 4>>, std::span<const double>,
+                                               const formats::LeafListsView&);
+
+}  // namespace rhoray::preprocess

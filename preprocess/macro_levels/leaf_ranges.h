@@ -1,0 +1,19 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "formats/leaf_lists.h"
+
+namespace rhoray::preprocess {
+
+/// Level 0 of a mesh's hierarchy: for each leaf cell the range of the values at the vertices of the cells in its list,
+/// lo before hi. A cell with a vertex that has no data is absent and adds nothing; a leaf cell without others is empty.
+/// T is float or double.
+template <class T>
+std::vector<T> build_leaf_ranges(std::span<const std::array<std::uint32_t, 4>> cells, std::span<const T> values,
+                                 const formats::LeafListsView& lists);
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,141 @@
+#include "preprocess/pack_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
+#include <variant>
+
+#include "formats/base/trouble.h"
+#include "preprocess/inspect/choose_fields.h"
+#include "preprocess/inspect/clean_mesh.h"
+#include "preprocess/inspect/summarize.h"
+#include "preprocess/leaf_lists/build_leaf_lists.h"
+#include "preprocess/leaf_lists/choose_lattice.h"
+#include "preprocess/macro_levels/build_levels.h"
+#include "preprocess/macro_levels/leaf_ranges.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+/// At least one leaf cell: a share of few tetrahedra may come out below.
+double wanted_leaf_cells(const PackMeshOptions& options, std::size_t cell_count) {
+  const double share = options.leaf_cells_per_tetrahedron;
+  if (!std::isfinite(share) || share <= 0)
+    throw Error(Trouble::usage, concat("leaf cells per tetrahedron: found ", share, "; expected a number above 0"));
+  if (options.leaf_cell_count > 0) return static_cast<double>(options.leaf_cell_count);
+  return std::max(1.0, share * static_cast<double>(cell_count));
+}
+
+/// Positions of the cells in the source file; empty when these are 0, 1, 2, ...
+std::vector<std::uint32_t> cell_ids(const NeutralMesh& mesh, const CleanMesh& clean, const std::string& source_name) {
+  if (mesh.cell_ids.empty() && clean.dropped_cell_count == 0) return {};
+  std::vector<std::uint32_t> ids;
+  ids.reserve(clean.source_cells.size());
+  for (const std::uint64_t cell : clean.source_cells) {
+    const std::uint64_t id = mesh.cell_ids.empty() ? cell : mesh.cell_ids[cell];
+    if (id > std::numeric_limits<std::uint32_t>::max())
+      throw Error(Trouble::unsupported, concat(source_name, ", cell ", id, ": expected a position below 2^32"));
+    ids.push_back(static_cast<std::uint32_t>(id));
+  }
+  return ids;
+}
+
+/// Also without a dropped cell the positions may differ: the importer leaves out cells that are not tetrahedra.
+std::vector<formats::ArraySpec> arrays_of(const formats::TetMeshDescription& packed, bool has_cell_ids) {
+  std::vector<formats::ArraySpec> arrays = formats::tet_mesh_arrays(packed);
+  const auto is_ids = [](const formats::ArraySpec& array) { return array.name == "cell_ids"; };
+  if (has_cell_ids && std::none_of(arrays.begin(), arrays.end(), is_ids))
+    arrays.push_back({.name = "cell_ids", .type = formats::ElementType::U32, .shape = {packed.cell_count}});
+  return arrays;
+}
+
+void note_no_data(const formats::FieldSummary& field, std::vector<std::string>& notes) {
+  if (field.no_data_count == 0) return;
+  notes.push_back(concat("field \"", field.name, "\" has no data at ", field.no_data_count,
+                         field.no_data_count == 1 ? " point" : " points", ": cells that touch one are absent"));
+}
+
+formats::FieldSummary summary_of(const PointField& field) {
+  return std::visit(
+      [&]<class T>(const std::vector<T>& values) {
+        return summarize(std::span<const T>(values), field.name, field.unit);
+      },
+      field.values);
+}
+
+/// All but the leaf lists.
+formats::TetMeshDescription description_of(const NeutralMesh& mesh, const CleanMesh& clean,
+                                           const std::vector<PointField>& fields, const PackMeshOptions& options) {
+  formats::TetMeshDescription packed;
+  packed.origin = clean.origin;
+  packed.length_unit = mesh.length_unit;
+  packed.point_count = clean.points.size();
+  packed.cell_count = clean.cells.size();
+  for (const PointField& field : fields) packed.fields.push_back(summary_of(field));
+  packed.lattice = choose_lattice(clean.box, {.leaf_cell_count = wanted_leaf_cells(options, clean.cells.size()),
+                                              .macro_factor = options.macro_factor,
+                                              .macro_level_count = options.macro_level_count});
+  packed.flipped_cell_count = clean.flipped_cell_count;
+  packed.flat_cell_count = clean.flat_cell_count;
+  packed.dropped_cell_count = clean.dropped_cell_count;
+  packed.unused_point_count = clean.unused_point_count;
+  packed.provenance = {.source_name = options.source_name, .source_checksum = {}, .command = options.command};
+  return packed;
+}
+
+/// The field's values and its intervals on every level.
+template <class T>
+void write_field(formats::PackedFileWriter& writer, std::size_t field, const std::vector<T>& values,
+                 const CleanMesh& clean, const LeafLists& lists, const formats::MacroShape& shape) {
+  writer.write_all(concat("field.", field), std::span<const T>(values));
+  Levels<T> levels(1, build_leaf_ranges(clean.cells, std::span<const T>(values), lists.view()));
+  add_levels_above_leaves(levels, shape);
+  for (std::size_t level = 0; level < levels.size(); ++level)
+    writer.write_all(concat("range.", field, ".", level), std::span<const T>(levels[level]));
+}
+
+}  // namespace
+
+PackMeshReport pack_mesh(const NeutralMesh& mesh, const std::filesystem::path& path, const PackMeshOptions& options,
+                         const Progress& progress) {
+  const std::string source_name = options.source_name.empty() ? "mesh" : options.source_name;
+  ProgressMeter inspecting(progress, "inspecting the mesh", 2);
+  const CleanMesh clean = clean_mesh(mesh, source_name);
+  inspecting.add(1);
+  PackMeshReport report;
+  report.notes = clean.notes;
+  const std::vector<PointField> fields =
+      choose_fields(mesh, clean, options.fields, options.cells_to_points, source_name, report.notes);
+  const std::vector<std::uint32_t> ids = cell_ids(mesh, clean, source_name);
+  formats::TetMeshDescription& packed = report.description;
+  packed = description_of(mesh, clean, fields, options);
+  for (const formats::FieldSummary& field : packed.fields) note_no_data(field, report.notes);
+  inspecting.add(1);
+
+  const LeafLists lists = build_leaf_lists(clean.points, clean.cells, packed.lattice, progress);
+  packed.leaf_item_count = lists.items.size();
+
+  formats::PackedFileWriter writer(path, formats::describe(packed), arrays_of(packed, !ids.empty()),
+                                   {.replace_existing = options.replace_existing});
+  ProgressMeter writing(progress, "writing", fields.size() + 2);
+  writer.write_all<std::array<double, 3>>("points", clean.points);
+  writer.write_all<std::array<std::uint32_t, 4>>("cells", clean.cells);
+  if (!ids.empty()) writer.write_all<std::uint32_t>("cell_ids", ids);
+  writer.write_all<std::uint64_t>("leaf.offsets", lists.offsets);
+  writer.write_all<std::uint32_t>("leaf.items", lists.items);
+  writing.add(1);
+  for (std::size_t f = 0; f < fields.size(); ++f) {
+    std::visit([&](const auto& values) { write_field(writer, f, values, clean, lists, packed.lattice.macro); },
+               fields[f].values);
+    writing.add(1);
+  }
+  report.file_bytes = writer.commit();
+  writing.add(1);
+  return report;
+}
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "formats/tet_mesh.h"
+#include "preprocess/neutral.h"
+#include "preprocess/progress.h"
+
+namespace rhoray::preprocess {
+
+struct PackMeshOptions {
+  /// Fields to keep: NAME of a scalar; NAME.x, NAME.y, NAME.z, NAME.<n>, NAME.mag of a vector. The first is the one
+  /// shown by default. Empty: every scalar point field and the magnitude of every vector, in the file's order.
+  std::vector<std::string> fields{};
+  bool cells_to_points = false;           ///< also take cell fields, averaged to points by the volumes of their cells
+  double leaf_cells_per_tetrahedron = 1;  ///< resolution of the leaf lattice (paper, section 4.2)
+  std::uint64_t leaf_cell_count = 0;      ///< when not 0, about this many leaf cells instead
+  std::int64_t macro_factor = 4;
+  int macro_level_count = 3;
+  std::string command{};
+  std::string source_name{};
+  bool replace_existing = false;
+};
+
+struct PackMeshReport {
+  formats::TetMeshDescription description;
+  std::uint64_t file_bytes = 0;
+  std::vector<std::string> notes;  ///< what was met and done about it, one sentence each; without the importer's
+};
+
+/// Cleans a tetrahedral mesh, builds leaf lists and macro levels and writes a packed mesh. Parallel over oneTBB; the
+/// file does not depend on the number of threads. Refuses a mesh without cells or without fields, and an index out of
+/// range.
+PackMeshReport pack_mesh(const NeutralMesh& mesh, const std::filesystem::path& path,
+                         const PackMeshOptions& options = {}, const Progress& progress = {});
+
+}  // namespace rhoray::preprocess

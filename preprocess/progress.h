@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace rhoray::preprocess {
+
+/// Called now and then during long work, from one thread at a time: what is being done, and how much of it.
+/// `total` is 0 where it is not known. It may throw to stop the work; nothing is then left behind.
+using Progress = std::function<void(std::string_view phase, std::uint64_t done, std::uint64_t total)>;
+
+/// One phase of work done by many threads at once: adds up what they report and passes it on, one call at a time.
+class ProgressMeter {
+ public:
+  ProgressMeter(const Progress& progress, std::string phase, std::uint64_t total)
+      : progress_(progress), phase_(std::move(phase)), total_(total) {
+    if (progress_) progress_(phase_, 0, total_);
+  }
+
+  void add(std::uint64_t done) {
+    if (!progress_) return;
+    const std::lock_guard lock(mutex_);
+    done_ += done;
+    progress_(phase_, done_, total_);
+  }
+
+ private:
+  const Progress& progress_;
+  std::string phase_;
+  std::uint64_t total_;
+  std::uint64_t done_ = 0;
+  std::mutex mutex_;
+};
+
+}  // namespace rhoray::preprocess

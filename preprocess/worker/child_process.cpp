@@ -1,0 +1,317 @@
+#include "preprocess/worker/child_process.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <optional>
+#include <utility>
+
+#include "formats/base/trouble.h"
+
+extern char** environ;
+
+namespace rhoray::preprocess {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The address and thread sanitizers reserve terabytes of address space, so that no limit on it can be set there.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool address_space_can_be_limited = false;
+#else
+constexpr bool address_space_can_be_limited = true;
+#endif
+
+constexpr std::size_t kept_complaint_bytes = 64 << 10;
+constexpr std::string_view hint_mark = "hint: ";
+
+[[noreturn]] void refuse_by_system(const std::string& doing, const char* call) {
+  const int reason = errno;
+  const bool scarce = reason == ENOMEM || reason == EAGAIN || reason == EMFILE || reason == ENFILE || reason == ENOSPC;
+  throw Error(scarce ? Trouble::resource : Trouble::internal, concat(doing, ": ", call, ": ", std::strerror(reason)));
+}
+
+/// A descriptor that is closed at the end of its scope.
+class Descriptor {
+ public:
+  explicit Descriptor(int number = -1) : number_(number) {}
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
+  ~Descriptor() { close(); }
+
+  int number() const { return number_; }
+  void close() {
+    if (number_ >= 0) ::close(number_);
+    number_ = -1;
+  }
+
+ private:
+  int number_;
+};
+
+Descriptor anonymous_file(const std::string& doing, const char* name) {
+  const int number = ::memfd_create(name, MFD_CLOEXEC);
+  if (number < 0) refuse_by_system(doing, "memfd_create");
+  return Descriptor(number);
+}
+
+std::string worker_path(const std::string& program) {
+  fs::path folder;
+  if (const char* named = std::getenv("RHORAY_WORKER_DIR"); named != nullptr && *named != '\0') {
+    folder = named;
+  } else {
+    folder = fs::read_symlink("/proc/self/exe").parent_path();
+  }
+  const fs::path path = folder / program;
+  if (::access(path.c_str(), X_OK) != 0)
+    throw Error(Trouble::internal,
+                concat("the worker program ", path.string(), " cannot be started: ", std::strerror(errno)),
+                "it belongs beside the program that was called, or in the folder named by RHORAY_WORKER_DIR");
+  return path.string();
+}
+
+/// What the child needs, made before the fork: after it, only calls that are safe beside other threads are allowed.
+struct Start {
+  int input = -1, output = -1, complaints = -1, nothing = -1;
+  pid_t parent = 0;
+  std::vector<std::string> argument_texts{}, environment_texts{};
+  std::vector<char*> arguments{}, environment{};
+  std::optional<rlimit> memory{}, time{};
+};
+
+std::vector<char*> pointers_to(std::vector<std::string>& texts) {
+  std::vector<char*> pointers;
+  for (std::string& text : texts) pointers.push_back(text.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+bool is_ours(std::string_view variable) {
+  for (const std::string_view name : {"RHORAY_INPUT_FD=", "RHORAY_OUTPUT_FD=", "RHORAY_DOING="})
+    if (variable.starts_with(name)) return true;
+  return false;
+}
+
+void prepare_texts(Start& start, const WorkerRequest& request) {
+  start.argument_texts.push_back(worker_path(request.program));
+  start.argument_texts.insert(start.argument_texts.end(), request.arguments.begin(), request.arguments.end());
+  for (char** variable = environ; *variable != nullptr; ++variable)
+    if (!is_ours(*variable)) start.environment_texts.emplace_back(*variable);
+  if (start.input >= 0) start.environment_texts.push_back(concat("RHORAY_INPUT_FD=", start.input));
+  start.environment_texts.push_back(concat("RHORAY_OUTPUT_FD=", start.output));
+  start.environment_texts.push_back("RHORAY_DOING=" + request.doing);
+  start.arguments = pointers_to(start.argument_texts);
+  start.environment = pointers_to(start.environment_texts);
+}
+
+void prepare_limits(Start& start, const WorkerRequest& request) {
+  if (request.memory_limit_bytes > 0 && address_space_can_be_limited)
+    start.memory = rlimit{request.memory_limit_bytes, request.memory_limit_bytes};
+  if (request.time_limit_s > 0) {
+    const auto seconds = static_cast<rlim_t>(std::ceil(std::min(request.time_limit_s, 1e9)));
+    start.time = rlimit{seconds, seconds + 2};  // SIGXCPU first, SIGKILL if it is ignored
+  }
+}
+
+[[noreturn]] void fail_in_child(const char* text) {
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text, std::strlen(text));
+  ::_exit(127);
+}
+
+[[noreturn]] void become_worker(const Start& start) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != start.parent) ::_exit(127);  // the parent died before the line above
+  sigset_t none;
+  ::sigemptyset(&none);
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
+  if (::dup2(start.nothing, STDIN_FILENO) < 0 || ::dup2(start.nothing, STDOUT_FILENO) < 0 ||
+      ::dup2(start.complaints, STDERR_FILENO) < 0)
+    ::_exit(127);
+  if (start.input >= 0) ::fcntl(start.input, F_SETFD, 0);
+  ::fcntl(start.output, F_SETFD, 0);
+  const rlimit no_core{0, 0};
+  ::setrlimit(RLIMIT_CORE, &no_core);
+  if (start.memory && ::setrlimit(RLIMIT_AS, &*start.memory) != 0) fail_in_child("the memory limit was not accepted\n");
+  if (start.time && ::setrlimit(RLIMIT_CPU, &*start.time) != 0) fail_in_child("the time limit was not accepted\n");
+  ::execve(start.arguments[0], start.arguments.data(), start.environment.data());
+  fail_in_child("the worker program was not accepted by the system\n");
+}
+
+/// The last of what the worker printed, read until it closes its end.
+std::string complaints_of(int descriptor) {
+  std::string text;
+  char piece[4096];
+  for (;;) {
+    const ssize_t count = ::read(descriptor, piece, sizeof piece);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return text;
+    text.append(piece, static_cast<std::size_t>(count));
+    if (text.size() > 2 * kept_complaint_bytes) text.erase(0, text.size() - kept_complaint_bytes);
+  }
+}
+
+int end_of(pid_t child) {
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return status;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::size_t begin = 0;
+  while (begin < text.size()) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    if (end > begin) lines.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return lines;
+}
+
+std::string last_words(const std::vector<std::string>& lines) {
+  constexpr std::size_t longest = 300;
+  return lines.empty() ? "it said nothing" : concat("last it said: ", lines.back().substr(0, longest));
+}
+
+std::optional<Trouble> trouble_of(int exit_code) {
+  switch (exit_code) {
+    case 1:
+    case 2:
+    case 3:
+    case 4:
+    case 5:
+    case 6:
+    case 7:
+    case 130:
+      return static_cast<Trouble>(exit_code);
+    default:
+      return std::nullopt;
+  }
+}
+
+[[noreturn]] void rethrow(int exit_code, const WorkerRequest& request, const std::vector<std::string>& lines) {
+  const std::optional<Trouble> trouble = trouble_of(exit_code);
+  if (!trouble || lines.empty())
+    throw Error(Trouble::internal, concat("the worker ", request.program, " ended with code ", exit_code, " while ",
+                                          request.doing, "; ", last_words(lines)));
+  std::string hint;
+  if (lines.size() > 1 && lines[lines.size() - 2].starts_with(hint_mark))
+    hint = lines[lines.size() - 2].substr(hint_mark.size());
+  throw Error(*trouble, lines.back(), hint);
+}
+
+/// The worker was ended by a signal: whose fault that is, and what it means.
+[[noreturn]] void report_death(int signal, const WorkerRequest& request, const std::string& complaints) {
+  const std::vector<std::string> lines = lines_of(complaints);
+  if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP)
+    throw Error(Trouble::interrupted, concat("interrupted while ", request.doing));
+  if (request.time_limit_s > 0 && (signal == SIGXCPU || signal == SIGKILL))
+    throw Error(Trouble::resource, concat("the worker ", request.program, " was stopped after its limit of ",
+                                          request.time_limit_s, " s of computing time while ", request.doing));
+  const bool out_of_memory = signal == SIGKILL || complaints.find("bad_alloc") != std::string::npos;
+  throw Error(out_of_memory ? Trouble::resource : Trouble::invalid,
+              concat("the worker ", request.program, " was stopped by signal ", signal, " (", ::strsignal(signal),
+                     ") while ", request.doing, "; ", last_words(lines)),
+              out_of_memory ? "it probably needs more memory than it may have"
+                            : "the input is damaged, or the library that reads it has a defect");
+}
+
+}  // namespace
+
+formats::PackedFile run_worker(const WorkerRequest& request) {
+  Descriptor input;
+  if (request.write_input) {
+    input = anonymous_file(request.doing, "rhoray-input");
+    request.write_input(input.number());
+    if (::lseek(input.number(), 0, SEEK_SET) < 0) refuse_by_system(request.doing, "lseek");
+  }
+  const Descriptor output = anonymous_file(request.doing, "rhoray-output");
+  int pipe_ends[2];
+  if (::pipe2(pipe_ends, O_CLOEXEC) != 0) refuse_by_system(request.doing, "pipe2");
+  const Descriptor hear(pipe_ends[0]);
+  Descriptor speak(pipe_ends[1]);
+  const Descriptor nothing(::open("/dev/null", O_RDWR | O_CLOEXEC));
+  if (nothing.number() < 0) refuse_by_system(request.doing, "open /dev/null");
+
+  Start start{.input = input.number(),
+              .output = output.number(),
+              .complaints = speak.number(),
+              .nothing = nothing.number(),
+              .parent = ::getpid()};
+  prepare_texts(start, request);
+  prepare_limits(start, request);
+
+  const pid_t child = ::fork();
+  if (child < 0) refuse_by_system(request.doing, "fork");
+  if (child == 0) become_worker(start);
+  speak.close();
+  const std::string complaints = complaints_of(hear.number());
+  const int status = end_of(child);
+
+  if (WIFSIGNALED(status)) report_death(WTERMSIG(status), request, complaints);
+  if (WEXITSTATUS(status) != 0) rethrow(WEXITSTATUS(status), request, lines_of(complaints));
+  try {
+    return formats::PackedFile::from_descriptor(output.number(), "what the worker " + request.program + " handed over");
+  } catch (const Error& error) {
+    throw Error(Trouble::internal, concat("while ", request.doing, ": ", error.what()), error.hint());
+  }
+}
+
+namespace {
+
+std::string in_one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+int report(Trouble trouble, const std::string& fact, const std::string& hint) {
+  std::string lines = "\n";  // whatever a library left unfinished ends here
+  if (!hint.empty()) lines += concat(hint_mark, in_one_line(hint), "\n");
+  lines += in_one_line(fact.empty() ? "no reason given" : fact) + "\n";
+  std::fputs(lines.c_str(), stderr);
+  return static_cast<int>(trouble);
+}
+
+int descriptor_named(const char* variable) {
+  const char* text = std::getenv(variable);
+  return text == nullptr ? -1 : std::atoi(text);
+}
+
+}  // namespace
+
+int worker_main(const std::function<void(int input, int output)>& act) {
+  const char* doing = std::getenv("RHORAY_DOING");
+  const int output = descriptor_named("RHORAY_OUTPUT_FD");
+  if (doing == nullptr || output < 0)
+    return report(Trouble::usage, "this program is started by others, which give it RHORAY_OUTPUT_FD and RHORAY_DOING",
+                  "call `rhoray`");
+  try {
+    act(descriptor_named("RHORAY_INPUT_FD"), output);
+    return 0;
+  } catch (const Error& error) {
+    return report(error.trouble(), error.what(), error.hint());
+  } catch (const std::bad_alloc&) {
+    return report(Trouble::resource, concat(doing, ": out of memory"), "allow more memory");
+  } catch (const std::exception& error) {
+    return report(Trouble::internal, concat(doing, ": ", error.what()), {});
+  }
+}
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "formats/packed_file.h"
+
+namespace rhoray::preprocess {
+
+/// One act in a process of its own, so that a foreign library's crash, abort or runaway ends there and becomes a
+/// sentence.
+struct WorkerRequest {
+  std::string program;  ///< name of a program beside our own ("rhoray-import-worker"), or in RHORAY_WORKER_DIR
+  std::string doing;    ///< for messages: "reading bone.vtu"
+  std::vector<std::string> arguments;
+  std::function<void(int descriptor)> write_input;  ///< fills what the worker reads; may be empty
+  std::uint64_t memory_limit_bytes = 0;             ///< address space of the worker; 0 = none
+  double time_limit_s = 0;                          ///< CPU time of the worker; 0 = none
+};
+
+/// Runs the worker to its end and returns what it handed over, an anonymous packed file in memory.
+///
+/// The worker is started as `program ARGUMENTS...` with the descriptors' numbers in RHORAY_INPUT_FD and
+/// RHORAY_OUTPUT_FD. It ends with 0 after writing its output, or with a Trouble's number after printing the fact as its
+/// last line of stderr, and before it, where it has one, a line "hint: ...". That refusal is thrown here again as the
+/// same Error. A worker that dies (signal, limit) or breaks this promise is reported as an Error that says what it was
+/// doing, how it ended and what it printed last.
+formats::PackedFile run_worker(const WorkerRequest& request);
+
+/// The other side: runs `act(input descriptor or -1, output descriptor)` inside a worker's main and keeps the promise
+/// above. Returns the exit code.
+int worker_main(const std::function<void(int input, int output)>& act);
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,302 @@
+#include "preprocess/worker/handover.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "formats/base/bytes.h"
+#include "formats/format_error.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using formats::ArraySpec;
+using formats::ElementType;
+using formats::PackedFile;
+using formats::PackedFileWriter;
+
+/// Arrays gathered first, then declared and written in one go; empty ones are left out.
+class Parcel {
+ public:
+  template <class T>
+  void add(const std::string& name, std::vector<std::uint64_t> shape, const T* values, std::uint64_t count) {
+    add(name, formats::element_type_of<T>(), std::move(shape), std::as_bytes(std::span(values, count)));
+  }
+  template <class T>
+  void add(const std::string& name, const std::vector<T>& values) {
+    add(name, {values.size()}, values.data(), values.size());
+  }
+  template <class T, std::size_t N>
+  void add(const std::string& name, const std::vector<std::array<T, N>>& rows) {
+    add(name, {rows.size(), N}, rows.empty() ? nullptr : rows.front().data(), rows.size() * N);
+  }
+  void add(const std::string& name, ElementType type, std::vector<std::uint64_t> shape,
+           std::span<const std::byte> bytes) {
+    if (bytes.empty()) return;
+    specs_.push_back({.name = name, .type = type, .shape = std::move(shape), .alignment = 64});
+    contents_.push_back(bytes);
+  }
+  /// Kept in this object; a text ends at its first NUL.
+  void add_texts(const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) {
+      joined_.insert(joined_.end(), text.c_str(), text.c_str() + std::strlen(text.c_str()) + 1);
+    }
+    add("texts", joined_);
+  }
+
+  void write(const char* kind, int descriptor) const {
+    formats::FileDescription description;
+    description.kind = kind;
+    PackedFileWriter writer(descriptor, description, specs_);
+    for (std::size_t i = 0; i < specs_.size(); ++i) writer.write(specs_[i].name, 0, contents_[i]);
+    writer.commit();
+  }
+
+ private:
+  std::vector<ArraySpec> specs_;
+  std::vector<std::span<const std::byte>> contents_;
+  std::vector<std::uint8_t> joined_;
+};
+
+/// The parcel's other end.
+class Unpacking {
+ public:
+  Unpacking(const PackedFile& file, const char* kind) : file_(file) {
+    if (file.description().kind != kind) formats::refuse(file.name(), "header", file.description().kind, kind);
+    split_texts();
+  }
+
+  template <class T>
+  std::vector<T> values(const char* name) const {
+    if (!file_.has(name)) return {};
+    const std::span<const T> all = file_.array<T>(name, {0});
+    return {all.begin(), all.end()};
+  }
+  template <class T, std::size_t N>
+  std::vector<std::array<T, N>> rows(const char* name) const {
+    if (!file_.has(name)) return {};
+    const std::span<const T> all = file_.array<T>(name, {0, N});
+    std::vector<std::array<T, N>> result(all.size() / N);
+    std::memcpy(result.data(), all.data(), all.size_bytes());
+    return result;
+  }
+
+  std::string next_text() {
+    if (next_ == texts_.size()) formats::refuse(file_.name(), "array 'texts'", "too few texts", "one for each name");
+    return texts_[next_++];
+  }
+  std::vector<std::string> remaining_texts() {
+    std::vector<std::string> rest(texts_.begin() + static_cast<std::ptrdiff_t>(next_), texts_.end());
+    next_ = texts_.size();
+    return rest;
+  }
+
+  void expect(bool holds, const char* place, const char* found, const char* expected) const {
+    if (!holds) formats::refuse(file_.name(), place, found, expected);
+  }
+
+ private:
+  void split_texts() {
+    if (!file_.has("texts")) return;
+    const std::span<const std::uint8_t> joined = file_.array<std::uint8_t>("texts", {0});
+    if (joined.back() != 0) formats::refuse(file_.name(), "array 'texts'", "an unfinished text", "a NUL at its end");
+    for (auto begin = joined.begin(); begin != joined.end();) {
+      const auto end = std::find(begin, joined.end(), 0);
+      texts_.emplace_back(begin, end);
+      begin = end + 1;
+    }
+  }
+
+  const PackedFile& file_;
+  std::vector<std::string> texts_;
+  std::size_t next_ = 0;
+};
+
+/// A list of fields: facts "<list>" [n, 2], values "<list>.0" ..., names and units among the texts.
+void add_fields(Parcel& parcel, const std::string& list, const std::vector<NeutralField>& fields,
+                std::vector<std::array<std::uint64_t, 2>>& facts, std::vector<std::string>& texts) {
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const NeutralField& field = fields[i];
+    const auto components = static_cast<std::uint64_t>(field.component_count);
+    facts.push_back({components, field.was_single_precision ? 1U : 0U});
+    texts.push_back(field.name);
+    texts.push_back(field.unit);
+    parcel.add(concat(list, ".", i), {field.values.size() / components, components}, field.values.data(),
+               field.values.size());
+  }
+  parcel.add(list, facts);
+}
+
+std::vector<NeutralField> take_fields(const PackedFile& file, Unpacking& parcel, const char* list,
+                                      std::uint64_t owners) {
+  std::vector<NeutralField> fields;
+  for (const auto& [components, single] : parcel.rows<std::uint64_t, 2>(list)) {
+    parcel.expect(components >= 1 && components <= 1024, list, "a field without usable components", "1 to 1024");
+    const std::string values = concat(list, ".", fields.size());
+    NeutralField& field = fields.emplace_back();
+    field.name = parcel.next_text();
+    field.unit = parcel.next_text();
+    field.component_count = static_cast<int>(components);
+    field.was_single_precision = single != 0;
+    if (owners == 0) continue;
+    const std::span<const double> all = file.array<double>(values, {owners, components});
+    field.values.assign(all.begin(), all.end());
+  }
+  return fields;
+}
+
+std::vector<std::array<double, 3>> axes_of(const Affine& map) {
+  const auto row = [](const Vec3& v) { return std::array{v.x, v.y, v.z}; };
+  return {row(map.x_axis), row(map.y_axis), row(map.z_axis), row(map.origin)};
+}
+
+Affine affine_of(const std::vector<std::array<double, 3>>& rows) {
+  const auto vector = [](const std::array<double, 3>& v) { return Vec3(v[0], v[1], v[2]); };
+  return {vector(rows[0]), vector(rows[1]), vector(rows[2]), vector(rows[3])};
+}
+
+}  // namespace
+
+void hand_over(const NeutralVolume& volume, int descriptor) {
+  Parcel parcel;
+  const Index3& n = volume.sample_count;
+  parcel.add("samples", volume.type,
+             {static_cast<std::uint64_t>(n.z), static_cast<std::uint64_t>(n.y), static_cast<std::uint64_t>(n.x)},
+             volume.samples);
+  const std::vector<std::array<double, 3>> axes = axes_of(volume.world_from_grid);
+  parcel.add("world_from_grid", axes);
+  std::vector<std::string> texts{volume.length_unit, volume.field_name, volume.field_unit};
+  texts.insert(texts.end(), volume.notes.begin(), volume.notes.end());
+  parcel.add_texts(texts);
+  parcel.write("neutral-volume", descriptor);
+}
+
+NeutralVolume take_volume(const PackedFile& file) {
+  Unpacking parcel(file, "neutral-volume");
+  NeutralVolume volume;
+  const formats::ArrayEntry& entry = file.entry("samples");
+  parcel.expect(entry.shape.size() == 3, "array 'samples'", "another rank", "rank 3");
+  for (const std::uint64_t count : entry.shape)
+    parcel.expect(count >= 1 && count <= std::uint64_t{1} << 40, "array 'samples'", "an absurd size", "1 to 2^40");
+  volume.sample_count = {static_cast<std::int64_t>(entry.shape[2]), static_cast<std::int64_t>(entry.shape[1]),
+                         static_cast<std::int64_t>(entry.shape[0])};
+  volume.type = entry.type;
+  volume.samples = file.bytes("samples");
+  volume.mapping = std::make_shared<const PackedFile>(file);
+  const auto axes = parcel.rows<double, 3>("world_from_grid");
+  parcel.expect(axes.size() == 4, "array 'world_from_grid'", "another shape", "4 x 3");
+  volume.world_from_grid = affine_of(axes);
+  volume.length_unit = parcel.next_text();
+  volume.field_name = parcel.next_text();
+  volume.field_unit = parcel.next_text();
+  volume.notes = parcel.remaining_texts();
+  return volume;
+}
+
+void hand_over(const NeutralMesh& mesh, int descriptor) {
+  Parcel parcel;
+  parcel.add("points", mesh.points);
+  parcel.add("cells", mesh.cells);
+  parcel.add("cell_ids", mesh.cell_ids);
+  std::vector<std::array<std::uint64_t, 2>> point_facts, cell_facts;
+  std::vector<std::string> texts{mesh.length_unit};
+  add_fields(parcel, "point_fields", mesh.point_fields, point_facts, texts);
+  add_fields(parcel, "cell_fields", mesh.cell_fields, cell_facts, texts);
+  texts.insert(texts.end(), mesh.notes.begin(), mesh.notes.end());
+  parcel.add_texts(texts);
+  parcel.write("neutral-mesh", descriptor);
+}
+
+NeutralMesh take_mesh(const PackedFile& file) {
+  Unpacking parcel(file, "neutral-mesh");
+  NeutralMesh mesh;
+  mesh.points = parcel.rows<double, 3>("points");
+  mesh.cells = parcel.rows<std::uint64_t, 4>("cells");
+  mesh.cell_ids = parcel.values<std::uint64_t>("cell_ids");
+  parcel.expect(mesh.cell_ids.empty() || mesh.cell_ids.size() == mesh.cells.size(), "array 'cell_ids'", "another size",
+                "one for each cell");
+  mesh.length_unit = parcel.next_text();
+  mesh.point_fields = take_fields(file, parcel, "point_fields", mesh.points.size());
+  mesh.cell_fields = take_fields(file, parcel, "cell_fields", mesh.cells.size());
+  mesh.notes = parcel.remaining_texts();
+  return mesh;
+}
+
+void hand_over(const NeutralSurface& surface, int descriptor) {
+  Parcel parcel;
+  parcel.add("points", surface.points);
+  parcel.add("point_sizes", surface.point_sizes);
+  parcel.add("facet_offsets", surface.facet_offsets);
+  parcel.add("facet_corners", surface.facet_corners);
+  parcel.add("facet_faces", surface.facet_faces);
+  parcel.add("holes", surface.holes);
+  std::vector<std::array<double, 5>> regions;
+  for (const NeutralSurface::Region& region : surface.regions)
+    regions.push_back({region.seed[0], region.seed[1], region.seed[2], region.attribute, region.max_volume});
+  parcel.add("regions", regions);
+  std::vector<std::uint64_t> opening_faces;
+  std::vector<std::array<double, 3>> opening_seeds;
+  for (const NeutralSurface::Opening& opening : surface.openings) {
+    opening_faces.push_back(opening.face);
+    opening_seeds.push_back(opening.seed);
+  }
+  parcel.add("opening_faces", opening_faces);
+  parcel.add("opening_seeds", opening_seeds);
+  parcel.add_texts(surface.notes);
+  parcel.write("neutral-surface", descriptor);
+}
+
+namespace {
+
+void check_facets(const Unpacking& parcel, const NeutralSurface& surface) {
+  const std::vector<std::uint64_t>& offsets = surface.facet_offsets;
+  parcel.expect(!offsets.empty() && offsets.front() == 0 && offsets.back() == surface.facet_corners.size() &&
+                    std::is_sorted(offsets.begin(), offsets.end()),
+                "array 'facet_offsets'", "offsets that do not fit", "rising from 0 to the number of corners");
+  parcel.expect(std::all_of(surface.facet_corners.begin(), surface.facet_corners.end(),
+                            [&](std::uint64_t corner) { return corner < surface.points.size(); }),
+                "array 'facet_corners'", "a point that is not there", "positions below the number of points");
+  parcel.expect(surface.point_sizes.empty() || surface.point_sizes.size() == surface.points.size(),
+                "array 'point_sizes'", "another size", "one for each point");
+}
+
+void check_faces(const Unpacking& parcel, const NeutralSurface& surface) {
+  const std::vector<std::uint64_t>& faces = surface.facet_faces;
+  parcel.expect(faces.empty() || faces.size() + 1 == surface.facet_offsets.size(), "array 'facet_faces'",
+                "another size", "one for each facet");
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const std::uint64_t before = i == 0 ? 0 : faces[i - 1];
+    parcel.expect(faces[i] == before || (i > 0 && faces[i] == before + 1), "array 'facet_faces'", "a jump",
+                  "0, 1, 2, ...");
+  }
+  for (const NeutralSurface::Opening& opening : surface.openings)
+    parcel.expect(!faces.empty() && opening.face <= faces.back(), "array 'opening_faces'", "a face that is not there",
+                  "a number of facet_faces");
+}
+
+}  // namespace
+
+NeutralSurface take_surface(const PackedFile& file) {
+  Unpacking parcel(file, "neutral-surface");
+  NeutralSurface surface;
+  surface.points = parcel.rows<double, 3>("points");
+  surface.point_sizes = parcel.values<double>("point_sizes");
+  surface.facet_offsets = parcel.values<std::uint64_t>("facet_offsets");
+  surface.facet_corners = parcel.values<std::uint64_t>("facet_corners");
+  surface.facet_faces = parcel.values<std::uint64_t>("facet_faces");
+  surface.holes = parcel.rows<double, 3>("holes");
+  for (const auto& [x, y, z, attribute, max_volume] : parcel.rows<double, 5>("regions"))
+    surface.regions.push_back({{x, y, z}, attribute, max_volume});
+  const std::vector<std::uint64_t> opening_faces = parcel.values<std::uint64_t>("opening_faces");
+  const auto opening_seeds = parcel.rows<double, 3>("opening_seeds");
+  parcel.expect(opening_faces.size() == opening_seeds.size(), "array 'opening_faces'", "another size",
+                "one for each seed");
+  for (std::size_t i = 0; i < opening_faces.size(); ++i)
+    surface.openings.push_back({opening_faces[i], opening_seeds[i]});
+  surface.notes = parcel.remaining_texts();
+  check_facets(parcel, surface);
+  check_faces(parcel, surface);
+  return surface;
+}
+
+}  // namespace rhoray::preprocess

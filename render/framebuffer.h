@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace rhoray::render {
+
+/// What may be kept of every pixel beside its colour.
+struct ChannelSet {
+  bool depth = false;   ///< distance from the eye along the ray, world units; infinity where nothing is hit
+  bool normal = false;  ///< unit normal in world axes, towards the eye; 0 where nothing is hit or the field is flat
+  bool cell =
+      false;  ///< id of the hit cell: (k * cells.y + j) * cells.x + i in a grid, position in the source of a mesh
+  bool value = false;  ///< value at the hit: isovalue, or the largest value; NaN where nothing is hit
+};
+
+/// A picture, rows from the top, pixels from the left. Channels that were not asked for stay empty.
+struct Framebuffer {
+  static constexpr std::uint64_t no_cell = std::numeric_limits<std::uint64_t>::max();
+
+  Framebuffer() = default;
+  Framebuffer(int picture_width, int picture_height, const ChannelSet& channels);
+
+  std::size_t pixel_count() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
+
+  int width = 0;
+  int height = 0;
+  std::vector<float>
+      color;  ///< linear RGBA, 4 per pixel; alpha is 1 where something is hit, else 0 over the background colour
+  std::vector<float> depth;         ///< 1 per pixel
+  std::vector<float> normal;        ///< 3 per pixel
+  std::vector<std::uint64_t> cell;  ///< 1 per pixel
+  std::vector<double> value;        ///< 1 per pixel
+};
+
+}  // namespace rhoray::render

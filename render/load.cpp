@@ -1,0 +1,113 @@
+#include "render/load.h"
+
+#include <algorithm>
+
+#include "formats/base/text.h"
+#include "formats/base/trouble.h"
+#include "render/volumes/load_view.h"
+#include "render/volumes/volume.h"
+
+namespace rhoray::render {
+
+namespace {
+
+/// World-axes box around a box of the volume's frame.
+Box3 box_world(const Box3& box, const Affine& world_from_volume) {
+  Box3 out;
+  if (box.isEmpty()) return out;
+  for (int corner = 0; corner < 8; ++corner)
+    out.extendBy(world_from_volume.point(
+        {corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : box.min.z}));
+  return out;
+}
+
+/// Around the macrocells of the lowest level whose values lie on both sides of the isovalue.
+template <class T>
+Box3 crossed_box(const GridVolume<T>& view, double isovalue) {
+  const WalkLattice lattice = view.lattice();
+  const std::int64_t edge = lattice.cell_edge(1);
+  const Index3 count = whole_level(lattice, edge).end;
+  Box3 box;
+  Index3 c;
+  for (c.z = 0; c.z < count.z; ++c.z)
+    for (c.y = 0; c.y < count.y; ++c.y)
+      for (c.x = 0; c.x < count.x; ++c.x) {
+        const Interval<double> range = view.range(1, c);
+        if (!(range.lo < isovalue && isovalue <= range.hi)) continue;
+        for (const Index3& corner : {c, c + Index3(1, 1, 1)}) {
+          Vec3 p;
+          for (int a = 0; a < 3; ++a) p[a] = static_cast<double>(std::min(corner[a] * edge, lattice.leaf_count[a]));
+          box.extendBy(p);
+        }
+      }
+  return box;
+}
+
+/// Around the crossings of all edges: a tetrahedron's part of the isosurface is the polygon between them.
+template <class T>
+Box3 crossed_box(const TetVolume<T>& view, double isovalue) {
+  Box3 box;
+  for (std::uint64_t cell = 0; cell < view.description().cell_count; ++cell) {
+    const auto vertices = view.sorted_vertices(static_cast<std::uint32_t>(cell));
+    const auto values = view.values_at(vertices);
+    const auto [lo, hi] = std::minmax({values[0], values[1], values[2], values[3]});
+    if (!(lo < isovalue && isovalue <= hi) || !has_data(values)) continue;
+    const auto points = view.points_at(vertices);
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t b = a + 1; b < 4; ++b) {
+        if ((values[a] >= isovalue) == (values[b] >= isovalue)) continue;
+        const double share = (isovalue - values[a]) / (values[b] - values[a]);
+        const Vec3 from(points[a][0], points[a][1], points[a][2]), to(points[b][0], points[b][1], points[b][2]);
+        box.extendBy((1 - share) * from + share * to);
+      }
+  }
+  return box;
+}
+
+}  // namespace
+
+void check_field_name(const formats::PackedFile& file, const std::string& field,
+                      const std::vector<std::string>& names) {
+  if (field.empty() || std::find(names.begin(), names.end(), field) != names.end()) return;
+  std::string known;
+  for (const std::string& name : names) known += concat(known.empty() ? "" : ", ", "'", name, "'");
+  throw Error(Trouble::usage, concat(file.name(), ": no field '", field, "'; it has ", known));
+}
+
+Volume::Volume(std::shared_ptr<const VolumeImplementation> implementation)
+    : implementation_(std::move(implementation)) {}
+
+Volume Volume::load(const std::filesystem::path& path, const std::string& field) {
+  const formats::PackedFile file = formats::PackedFile::open(path);
+  if (file.description().kind == "grid") return Volume(load_grid(file, field));
+  if (file.description().kind == "tets") return Volume(load_tets(file, field));
+  throw Error(Trouble::unsupported,
+              concat(file.name(), ": kind '", file.description().kind, "'; expected 'grid' or 'tets'"));
+}
+
+const formats::PackedFile& Volume::file() const {
+  return implementation_->file;
+}
+const formats::FieldSummary& Volume::field() const {
+  return implementation_->field;
+}
+std::vector<std::string> Volume::field_names() const {
+  return implementation_->field_names;
+}
+const std::string& Volume::length_unit() const {
+  return implementation_->length_unit;
+}
+bool Volume::is_mesh() const {
+  return implementation_->file.description().kind == "tets";
+}
+
+Box3 Volume::bounds() const {
+  return box_world(implementation_->bounds_volume, implementation_->world_from_volume);
+}
+
+Box3 Volume::isosurface_bounds(double isovalue) const {
+  const Box3 box = std::visit([&](const auto& view) { return crossed_box(view, isovalue); }, implementation_->view);
+  return box_world(box, implementation_->world_from_volume);
+}
+
+}  // namespace rhoray::render

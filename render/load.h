@@ -1,0 +1,42 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "formats/base/vector.h"
+#include "formats/field_summary.h"
+#include "formats/packed_file.h"
+
+namespace rhoray::render {
+
+struct VolumeImplementation;
+
+/// What rays cross: a packed grid, or a packed mesh with one chosen field. Copies share everything.
+class Volume {
+ public:
+  /// Opens a packed file and checks what rendering relies on; block checksums are left to the caller
+  /// (PackedFile::damaged_blocks), so that they can run beside the first frame.
+  /// @param field  name; empty takes the first. An unknown name is refused with the names there are (Trouble::usage).
+  static Volume load(const std::filesystem::path& path, const std::string& field = {});
+
+  const formats::PackedFile& file() const;
+  const formats::FieldSummary& field() const;
+  std::vector<std::string> field_names() const;
+  const std::string& length_unit() const;
+  bool is_mesh() const;
+
+  Box3 bounds() const;  ///< of all cells, world axes
+  /// Of the isosurface, world axes: in a mesh its own; in a grid those of the macrocells of the lowest level that it
+  /// can pass through. Empty when the isovalue is passed nowhere.
+  Box3 isosurface_bounds(double isovalue) const;
+
+  const VolumeImplementation& implementation() const { return *implementation_; }  ///< for the room's inside
+
+ private:
+  explicit Volume(std::shared_ptr<const VolumeImplementation> implementation);
+  std::shared_ptr<const VolumeImplementation> implementation_;
+};
+
+}  // namespace rhoray::render

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "formats/packed_file.h"
+
+namespace rhoray::render {
+
+struct VolumeImplementation;
+
+std::shared_ptr<const VolumeImplementation> load_grid(const formats::PackedFile& file, const std::string& field);
+std::shared_ptr<const VolumeImplementation> load_tets(const formats::PackedFile& file, const std::string& field);
+
+/// Refuses a name that is not empty and not among those there are, and lists them.
+void check_field_name(const formats::PackedFile& file, const std::string& field, const std::vector<std::string>& names);
+
+}  // namespace rhoray::render

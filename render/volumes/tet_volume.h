@@ -1,0 +1,76 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "formats/tet_mesh.h"
+#include "render/cells/tet_crossing.h"
+#include "render/march/lattice_walk.h"
+
+namespace rhoray::render {
+
+/// A packed mesh with one of its fields as rays cross it, in its own frame: points relative to the mesh's origin.
+template <class T>
+class TetVolume {
+ public:
+  TetVolume(const formats::TetMesh& mesh, std::size_t field)
+      : mesh_(mesh), values_(mesh.values<T>(field)), levels_(mesh.macro_levels<T>(field)) {}
+
+  WalkLattice lattice() const { return {levels_.shape.leaf_count, levels_.shape.factor}; }
+  int level_count() const { return levels_.shape.level_count; }
+  const formats::TetMeshDescription& description() const { return mesh_.description(); }
+
+  /// The same ray with positions in leaf cells, and the same t.
+  RHORAY_INLINE Ray on_lattice(const Ray& ray) const {
+    const formats::LeafLattice& lattice = mesh_.description().lattice;
+    return {(ray.origin - lattice.low) / lattice.leaf_size, ray.direction / lattice.leaf_size, ray.t_min, ray.t_max};
+  }
+
+  /// The values that occur in the tetrahedra of a leaf cell (level 0) or macrocell.
+  RHORAY_INLINE Interval<double> range(int level, const Index3& cell) const {
+    const Interval<T> stored = levels_.range(level, cell.x, cell.y, cell.z);
+    return {static_cast<double>(stored.lo), static_cast<double>(stored.hi)};
+  }
+
+  RHORAY_INLINE std::span<const std::uint32_t> tetrahedra_at(const Index3& leaf) const {
+    const Index3& count = levels_.shape.leaf_count;
+    return mesh_.leaf_lists().list(static_cast<std::uint64_t>((leaf.z * count.y + leaf.y) * count.x + leaf.x));
+  }
+
+  /// Point positions of a cell, rising.
+  RHORAY_INLINE std::array<std::uint32_t, 4> sorted_vertices(std::uint32_t cell) const {
+    std::array<std::uint32_t, 4> v = mesh_.cells()[cell];
+    if (v[1] < v[0]) std::swap(v[0], v[1]);
+    if (v[3] < v[2]) std::swap(v[2], v[3]);
+    if (v[2] < v[0]) std::swap(v[0], v[2]);
+    if (v[3] < v[1]) std::swap(v[1], v[3]);
+    if (v[2] < v[1]) std::swap(v[1], v[2]);
+    return v;
+  }
+
+  RHORAY_INLINE std::array<double, 4> values_at(const std::array<std::uint32_t, 4>& v) const {
+    return {static_cast<double>(values_[v[0]]), static_cast<double>(values_[v[1]]), static_cast<double>(values_[v[2]]),
+            static_cast<double>(values_[v[3]])};
+  }
+
+  RHORAY_INLINE std::array<std::array<double, 3>, 4> points_at(const std::array<std::uint32_t, 4>& v) const {
+    const auto points = mesh_.points();
+    return {points[v[0]], points[v[1]], points[v[2]], points[v[3]]};
+  }
+
+  RHORAY_INLINE std::uint64_t cell_id(std::uint32_t cell) const { return mesh_.cell_id(cell); }
+
+ private:
+  formats::TetMesh mesh_;
+  std::span<const T> values_;
+  formats::MacroLevelsView<T> levels_;
+};
+
+/// False when a value is NaN or infinite: the tetrahedron is absent.
+RHORAY_INLINE bool has_data(const std::array<double, 4>& values) {
+  return std::isfinite(values[0]) && std::isfinite(values[1]) && std::isfinite(values[2]) && std::isfinite(values[3]);
+}
+
+}  // namespace rhoray::render

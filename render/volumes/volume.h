@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "formats/base/affine.h"
+#include "render/volumes/grid_volume.h"
+#include "render/volumes/tet_volume.h"
+
+namespace rhoray::render {
+
+/// One loaded volume: what every kind has in common, and the view that kernels read.
+struct VolumeImplementation {
+  formats::PackedFile file;
+  formats::FieldSummary field;
+  std::vector<std::string> field_names;
+  std::string length_unit;
+  Affine world_from_volume;  ///< volume frame: grid steps for a grid, points relative to the origin for a mesh
+  Box3 bounds_volume;        ///< of all cells, volume frame
+  std::variant<GridVolume<std::uint8_t>, GridVolume<std::int8_t>, GridVolume<std::uint16_t>, GridVolume<std::int16_t>,
+               GridVolume<std::uint32_t>, GridVolume<std::int32_t>, GridVolume<float>, GridVolume<double>,
+               TetVolume<float>, TetVolume<double>>
+      view;
+};
+
+}  // namespace rhoray::render

@@ -1,0 +1,22 @@
+#include "tests/agreement/pictures.h"
+
+namespace rhoray::tests {
+
+// Bricks only change where a sample lies: every channel of every picture is the same, bit for bit.
+TEST(Layout, bricked_and_linear_volumes_give_the_same_bits) {
+  const TemporaryFolder folder;
+  const auto volume = noise_volume<std::uint16_t>({37, 30, 41}, 6, 11);
+  const render::Volume linear = packed(folder, "linear.rho", volume, {.linear_layout = true});
+  for (const std::int64_t edge : {2, 3, 4, 8}) {
+    const render::Volume bricked = packed(folder, concat("bricks", edge, ".rho"), volume, {.brick_edge = edge});
+    for (const render::Mode mode : {render::Mode::isosurface, render::Mode::mip}) {
+      render::Scene scene = oblique_scene(linear, 4.5);
+      scene.mode = mode;
+      const render::Framebuffer expected = picture(linear, scene);
+      EXPECT_GT(hit_count(expected), 4000u);
+      expect_same_bits(expected, picture(bricked, scene));
+    }
+  }
+}
+
+}  // namespace rhoray::tests

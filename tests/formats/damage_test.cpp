@@ -1,0 +1,188 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <random>
+
+#include "formats/base/trouble.h"
+#include "formats/brick_grid.h"
+#include "formats/tet_mesh.h"
+#include "tests/support/memory_file.h"
+#include "tests/support/packed_samples.h"
+
+// What "refused or harmless" means here, and is checked for every damaged file:
+//   - opening refuses it with an Error, or
+//   - it opens, and then `damaged_blocks` names the block that holds the changed byte, and no other;
+//   - and in that case, also for a caller who never asks for damaged blocks, the grid or mesh made from it either
+//   refuses
+//     with an Error or hands out views that stay inside the file and indices that stay inside their arrays.
+namespace rhoray::formats {
+namespace {
+
+using tests::MemoryFile;
+
+enum class Kind { bricked_grid, linear_grid, tets };
+
+std::string bytes_of(Kind kind) {
+  const MemoryFile memory;
+  const auto value = [](std::int64_t i, std::int64_t j, std::int64_t k) { return i * 7 + j * 3 + k; };
+  if (kind == Kind::bricked_grid) {
+    const auto grid = tests::sample_grid<std::uint8_t>(BrickLayout::bricked({5, 4, 3}), value);
+    PackedFileWriter writer(memory.descriptor(), describe(grid.description), grid_arrays(grid.description));
+    grid.write_into(writer).commit();
+  } else if (kind == Kind::linear_grid) {
+    const auto grid = tests::sample_grid<float>(BrickLayout::linear({3, 4, 5}), value);
+    PackedFileWriter writer(memory.descriptor(), describe(grid.description), grid_arrays(grid.description));
+    grid.write_into(writer).commit();
+  } else {
+    const auto mesh = tests::sample_tets(1, {{"f", [](const Vec3& p) { return p.x; }}}, {2, 2, 1});
+    PackedFileWriter writer(memory.descriptor(), describe(mesh.description), tet_mesh_arrays(mesh.description));
+    mesh.write_into(writer).commit();
+  }
+  return memory.content();
+}
+
+/// Reads everything that a renderer would, through the indices that the file holds. Runs under address sanitizer too.
+double read_all(const PackedFile& file) {
+  double sum = 0;
+  const auto add_levels = [&sum](const auto& levels) {
+    for (const auto& level : levels.ranges)
+      for (const auto value : level) sum += static_cast<double>(value);
+  };
+  if (file.description().kind == "grid") {
+    const BrickGrid grid(file);
+    with_element_type(grid.description().field.type, [&](auto zero) {
+      using T = decltype(zero);
+      const std::span<const T> samples = grid.samples<T>();
+      const Index3 padded = grid.description().layout.padded_count();
+      for (std::int64_t k = 0; k < padded.z; ++k)
+        for (std::int64_t j = 0; j < padded.y; ++j)
+          for (std::int64_t i = 0; i < padded.x; ++i) {
+            EXPECT_LT(grid.tables().address(i, j, k), samples.size());
+            sum += static_cast<double>(samples[grid.tables().address(i, j, k)]);
+          }
+      add_levels(grid.macro_levels<T>());
+    });
+    return sum;
+  }
+  const TetMesh mesh(file);
+  const auto leaves = static_cast<std::uint64_t>(volume(mesh.description().lattice.macro.leaf_count));
+  for (std::uint64_t leaf = 0; leaf < leaves; ++leaf)
+    for (const std::uint32_t cell : mesh.leaf_lists().list(leaf)) {
+      EXPECT_LT(cell, mesh.cells().size());
+      for (const std::uint32_t point : mesh.cells()[cell]) {
+        EXPECT_LT(point, mesh.points().size());
+        sum += mesh.points()[point][0] + static_cast<double>(mesh.values<float>(0)[point]);
+      }
+    }
+  add_levels(mesh.macro_levels<float>(0));
+  return sum;
+}
+
+struct Outcome {
+  bool refused_by_open = false;
+  bool refused_by_view = false;
+};
+
+/// @param changed  position of the only changed byte
+Outcome judge(const MemoryFile& memory, std::uint64_t changed) {
+  Outcome outcome;
+  std::optional<PackedFile> file;
+  try {
+    file = PackedFile::from_descriptor(memory.descriptor(), "damaged.rho");
+  } catch (const Error&) {
+    outcome.refused_by_open = true;
+    return outcome;
+  }
+  const std::vector<DamagedBlock> damaged = file->damaged_blocks(1);
+  EXPECT_EQ(damaged.size(), 1U) << "byte " << changed;
+  if (!damaged.empty()) {
+    EXPECT_LE(damaged[0].first_byte, changed);
+    EXPECT_LT(changed, damaged[0].first_byte + damaged[0].byte_count);
+  }
+  try {
+    read_all(*file);
+  } catch (const Error&) {
+    outcome.refused_by_view = true;
+  }
+  return outcome;
+}
+
+class DamagedFile : public testing::TestWithParam<Kind> {};
+INSTANTIATE_TEST_SUITE_P(Kinds, DamagedFile, testing::Values(Kind::bricked_grid, Kind::linear_grid, Kind::tets));
+
+TEST_P(DamagedFile, every_flipped_bit_is_refused_or_harmless) {
+  const std::string bytes = bytes_of(GetParam());
+  const MemoryFile memory(bytes);
+  ASSERT_GE(read_all(PackedFile::from_descriptor(memory.descriptor(), "whole.rho")), 0);
+  std::size_t by_open = 0, by_view = 0;
+  for (std::uint64_t at = 0; at < bytes.size(); ++at) {
+    for (int bit = 0; bit < 8; ++bit) {
+      memory.put(at, static_cast<char>(bytes[at] ^ (1 << bit)));
+      const Outcome outcome = judge(memory, at);
+      by_open += outcome.refused_by_open;
+      by_view += outcome.refused_by_view;
+    }
+    memory.put(at, bytes[at]);
+  }
+  EXPECT_GE(by_open, 8U * (4096 + 64)) << "header and seal are checked at opening";
+  EXPECT_LT(by_open, 8 * bytes.size()) << "the data area is not";
+  EXPECT_EQ(by_view > 0, GetParam() == Kind::tets) << "only a mesh holds indices that a flip can make too large";
+  EXPECT_EQ(memory.content(), bytes);
+}
+
+TEST_P(DamagedFile, every_truncation_is_refused) {
+  const std::string bytes = bytes_of(GetParam());
+  const MemoryFile memory(bytes);
+  for (std::uint64_t length = bytes.size(); length-- > 0;) {
+    memory.resize(length);
+    EXPECT_THROW(PackedFile::from_descriptor(memory.descriptor(), "cut.rho"), Error) << length;
+  }
+}
+
+TEST_P(DamagedFile, appended_bytes_are_refused) {
+  const std::string bytes = bytes_of(GetParam());
+  for (const std::string& tail :
+       {std::string(1, '\0'), std::string(64, '\0'), std::string(4096, 'x'), bytes, bytes.substr(bytes.size() - 64)}) {
+    const MemoryFile memory(bytes + tail);
+    EXPECT_THROW(PackedFile::from_descriptor(memory.descriptor(), "longer.rho"), Error) << tail.size();
+  }
+}
+
+TEST_P(DamagedFile, random_byte_substitutions_are_refused_or_harmless) {
+  const std::string bytes = bytes_of(GetParam());
+  const MemoryFile memory(bytes);
+  std::mt19937_64 random(20260101);
+  for (int round = 0; round < 20'000; ++round) {
+    const std::uint64_t at = random() % bytes.size();
+    const char other = static_cast<char>(bytes[at] ^ static_cast<char>(1 + random() % 255));
+    memory.put(at, other);
+    judge(memory, at);
+    memory.put(at, bytes[at]);
+  }
+}
+
+// Several bytes at once, anywhere: whatever opens must still be read without leaving the file.
+TEST_P(DamagedFile, random_bursts_never_lead_out_of_the_file) {
+  const std::string bytes = bytes_of(GetParam());
+  const MemoryFile memory(bytes);
+  std::mt19937_64 random(7);
+  std::size_t opened = 0;
+  for (int round = 0; round < 5'000; ++round) {
+    const std::uint64_t at = 4096 + random() % (bytes.size() - 4096 - 64 - 8);
+    std::string burst(1 + random() % 8, '\0');
+    for (char& byte : burst) byte = static_cast<char>(random());
+    memory.put(at, burst);
+    try {
+      const PackedFile file = PackedFile::from_descriptor(memory.descriptor(), "burst.rho");
+      ++opened;
+      read_all(file);
+    } catch (const Error&) {
+    }
+    memory.put(at, std::string_view(bytes).substr(at, burst.size()));
+  }
+  EXPECT_GT(opened, 1000U);
+}
+
+}  // namespace
+}  // namespace rhoray::formats

@@ -1,0 +1,186 @@
+#include "formats/tet_mesh.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/support/expect_error.h"
+#include "tests/support/memory_file.h"
+#include "tests/support/packed_samples.h"
+#include "tests/support/temporary_folder.h"
+
+namespace rhoray::formats {
+namespace {
+
+using tests::expect_error;
+using tests::TemporaryFolder;
+using tests::TetSample;
+
+TetSample small_mesh() {
+  return tests::sample_tets(2,
+                            {{"height", [](const Vec3& p) { return p.z; }},
+                             {"far", [](const Vec3& p) { return p.x > 0.9 ? std::nan("") : p.x * p.y - 100; }}},
+                            {3, 2, 2});
+}
+
+TEST(TetMesh, comes_back_as_written) {
+  const TemporaryFolder folder;
+  const TetSample sample = small_mesh();
+  const TetMesh mesh = packed(sample, folder / "m.rho");
+  const TetMeshDescription& d = mesh.description();
+  EXPECT_EQ(d.point_count, 27U);
+  EXPECT_EQ(d.cell_count, 48U);
+  EXPECT_EQ(d.origin, Vec3(10, 20, 30));
+  EXPECT_EQ(d.length_unit, "m");
+  EXPECT_EQ(d.lattice.leaf_size, sample.description.lattice.leaf_size);
+  EXPECT_EQ(d.lattice.macro, sample.description.lattice.macro);
+  ASSERT_EQ(mesh.points().size(), 27U);
+  for (std::size_t p = 0; p < 27; ++p)
+    EXPECT_THAT(mesh.points()[p], testing::ElementsAreArray(sample.points.data() + 3 * p, 3));
+  ASSERT_EQ(mesh.cells().size(), 48U);
+  for (std::size_t c = 0; c < 48; ++c)
+    EXPECT_THAT(mesh.cells()[c], testing::ElementsAreArray(sample.cells.data() + 4 * c, 4));
+  EXPECT_THAT(mesh.leaf_lists().offsets, testing::ElementsAreArray(sample.offsets));
+  EXPECT_THAT(mesh.leaf_lists().items, testing::ElementsAreArray(sample.items));
+  EXPECT_EQ(mesh.find_field("far"), 1U);
+  EXPECT_EQ(mesh.find_field("near"), std::nullopt);
+  EXPECT_EQ(mesh.values<float>(0)[26], 1.0F);
+  EXPECT_EQ(mesh.macro_levels<float>(0).range(2, 0, 0, 0), (Interval<float>{0, 1}));
+  EXPECT_EQ(mesh.description().fields[1].no_data_count, 9U);
+  EXPECT_EQ(mesh.cell_id(5), 5U) << "without a table a cell is its own id";
+  EXPECT_THAT(deep_findings(mesh), testing::IsEmpty());
+}
+
+TEST(TetMesh, volumes_of_the_sample_cells_are_positive_and_fill_the_box) {
+  const TetSample sample = tests::sample_tets(3, {{"f", [](const Vec3& p) { return p.x; }}}, {2, 2, 2}, {2, 3, 4});
+  double total = 0;
+  for (std::size_t c = 0; c < sample.cells.size(); c += 4) {
+    const auto point = [&](std::size_t v) {
+      const double* p = sample.points.data() + 3 * std::size_t{sample.cells[c + v]};
+      return Vec3(p[0], p[1], p[2]);
+    };
+    const Vec3 p0 = point(0);
+    const double volume = (point(1) - p0).cross(point(2) - p0).dot(point(3) - p0) / 6;
+    EXPECT_GT(volume, 0);
+    total += volume;
+  }
+  EXPECT_NEAR(total, 24, 1e-12);
+}
+
+TEST(TetMesh, ids_of_the_source_are_kept_where_cells_were_dropped) {
+  TetSample sample = small_mesh();
+  sample.description.dropped_cell_count = 2;
+  std::vector<std::uint32_t> ids(48);
+  for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = static_cast<std::uint32_t>(i + (i > 10 ? 2 : 0));
+  const TemporaryFolder folder;
+  PackedFileWriter writer(folder / "m.rho", describe(sample.description), tet_mesh_arrays(sample.description));
+  sample.write_into(writer).write_all("cell_ids", std::span<const std::uint32_t>(ids));
+  writer.commit();
+  const TetMesh mesh(PackedFile::open(folder / "m.rho"));
+  EXPECT_EQ(mesh.cell_id(10), 10U);
+  EXPECT_EQ(mesh.cell_id(11), 13U);
+  EXPECT_EQ(mesh.description().dropped_cell_count, 2U);
+  EXPECT_THAT(deep_findings(mesh), testing::IsEmpty());
+}
+
+// ---- content that would lead a reader astray -----------------------------------------------------------------------
+
+void open_after(const std::function<void(TetSample&)>& spoil) {
+  TetSample sample = small_mesh();
+  spoil(sample);
+  const tests::MemoryFile memory;
+  PackedFileWriter writer(memory.descriptor(), describe(sample.description), tet_mesh_arrays(sample.description));
+  sample.write_into(writer).commit();
+  TetMesh(PackedFile::from_descriptor(memory.descriptor(), "m.rho"));
+}
+
+TEST(TetMesh, refuses_what_a_hot_loop_could_not_survive) {
+  expect_error(Trouble::invalid, "array 'cells', element 191: found 27; expected an index below 27",
+               [] { open_after([](TetSample& s) { s.cells.back() = 27; }); });
+  expect_error(Trouble::invalid, "array 'leaf.items', element 3: found 48; expected an index below 48",
+               [] { open_after([](TetSample& s) { s.items[3] = 48; }); });
+  expect_error(Trouble::invalid, "array 'leaf.offsets', element 0: found 1",
+               [] { open_after([](TetSample& s) { s.offsets[0] = 1; }); });
+  expect_error(Trouble::invalid, "array 'leaf.offsets', element 12: found",
+               [] { open_after([](TetSample& s) { ++s.offsets.back(); }); });
+  expect_error(Trouble::invalid, "array 'leaf.offsets', element 5: found 0; expected at least",
+               [] { open_after([](TetSample& s) { s.offsets[5] = 0; }); });
+  expect_error(Trouble::invalid, "array 'leaf.offsets', element 5: found",
+               [] { open_after([](TetSample& s) { s.offsets[5] = s.offsets[4] - 1; }); });
+  expect_error(Trouble::invalid, "array 'leaf.offsets', element 5: found",
+               [] { open_after([](TetSample& s) { s.offsets[4] = std::uint64_t{1} << 60; }); });
+  expect_error(Trouble::invalid, "array 'points', element 7: found nan",
+               [] { open_after([](TetSample& s) { s.points[7] = std::nan(""); }); });
+  expect_error(Trouble::invalid, "array 'points', element 80: found -inf",
+               [] { open_after([](TetSample& s) { s.points[80] = -std::numeric_limits<double>::infinity(); }); });
+}
+
+// The same where the scan is cut into pieces for several threads.
+TEST(TetMesh, names_the_first_bad_element_of_large_arrays) {
+  constexpr std::uint64_t cells = 600'000;
+  for (const std::uint64_t bad : {std::uint64_t{0}, std::uint64_t{1'234'567}, 4 * cells - 1}) {
+    TetSample sample;
+    TetMeshDescription& d = sample.description;
+    d.point_count = 4;
+    d.cell_count = cells;
+    d.fields.push_back({.name = "f", .unit = {}, .type = ElementType::F32, .range = {0, 3}, .histogram = {}});
+    d.lattice = {{0, 0, 0}, {1, 1, 1}, {{1, 1, 1}, 2, 1}};
+    sample.points = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    for (std::uint64_t c = 0; c < cells; ++c) sample.cells.insert(sample.cells.end(), {0, 1, 2, 3});
+    sample.cells[bad] = sample.cells.back() = 4;
+    sample.offsets = {0, 0};
+    sample.values = {{0, 1, 2, 3}};
+    sample.ranges = {{{0, 3}, {0, 3}}};
+    const tests::MemoryFile memory;
+    PackedFileWriter writer(memory.descriptor(), describe(d), tet_mesh_arrays(d));
+    sample.write_into(writer).commit();
+    expect_error(Trouble::invalid, concat("array 'cells', element ", bad, ": found 4"),
+                 [&] { TetMesh(PackedFile::from_descriptor(memory.descriptor(), "m.rho")); });
+  }
+}
+
+// ---- deep findings -------------------------------------------------------------------------------------------------
+
+std::vector<std::string> findings_after(const std::function<void(TetSample&)>& spoil) {
+  TetSample sample = small_mesh();
+  spoil(sample);
+  const TemporaryFolder folder;
+  return deep_findings(packed(sample, folder / "m.rho"));
+}
+
+TEST(TetMeshDeepFindings, name_each_kind_of_lie) {
+  using testing::Contains, testing::ElementsAre, testing::HasSubstr;
+  EXPECT_THAT(findings_after([](TetSample&) {}), testing::IsEmpty());
+  EXPECT_THAT(findings_after([](TetSample& s) { std::swap(s.cells[0], s.cells[1]); }),
+              ElementsAre("a cell of negative orientation: cell 0"));
+  EXPECT_THAT(findings_after([](TetSample& s) { s.cells[1] = s.cells[0]; }),
+              Contains("a cell with a vertex twice: cell 0"));
+  EXPECT_THAT(findings_after([](TetSample& s) { std::swap(s.items[0], s.items[1]); }),
+              Contains("a leaf list that does not rise: leaf 0"));
+  EXPECT_THAT(findings_after([](TetSample& s) {
+                for (std::uint32_t& item : s.items) item = item == 7 ? 6 : item;
+              }),
+              Contains(HasSubstr("a cell missing from the leaf list at its own centroid: cell 7")));
+  EXPECT_THAT(findings_after([](TetSample& s) { s.ranges[0][2][0] = 0.25F; }),
+              ElementsAre(HasSubstr("macro levels of field 'height': a macrocell does not match the level below")));
+  EXPECT_THAT(findings_after([](TetSample& s) {
+                for (std::vector<float>& level : s.ranges[0])
+                  for (std::size_t i = 1; i < level.size(); i += 2) level[i] = std::min(level[i], 0.3F);
+              }),
+              Contains(HasSubstr("macro levels of field 'height': an interval lacks a value of its leaf cell: leaf")));
+  EXPECT_THAT(findings_after([](TetSample& s) { s.description.fields[0].range.lo = -1; }),
+              Contains(HasSubstr("the range of field 'height' is wrong")));
+  EXPECT_THAT(findings_after([](TetSample& s) { s.description.fields[1].no_data_count = 0; }),
+              ElementsAre(HasSubstr("the count without data of field 'far' is wrong: the values give 9")));
+  EXPECT_THAT(findings_after([](TetSample& s) {
+                s.points.insert(s.points.end(), {0.5, 0.5, 0.5});
+                ++s.description.point_count;
+                s.values[0].push_back(0.5);
+                s.values[1].push_back(-99);
+              }),
+              Contains("a point that no cell uses: point 27"));
+}
+
+}  // namespace
+}  // namespace rhoray::formats

@@ -1,0 +1,67 @@
+// D07, D08, M06. NaN and infinite samples: every comparison with NaN is false, so that it counts as outside, and data
+// next to it gets a skin that is not there. A cell that touches one is absent.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/render/support/grid_judge.h"
+#include "tests/render/support/rays.h"
+#include "tests/render/support/traced_volume.h"
+#include "tests/support/fields.h"
+
+namespace rhoray::tests {
+namespace {
+
+constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+
+TEST(CellsWithoutData, have_no_skin_and_hide_nothing) {
+  // Inside everywhere but in a ball of outside at (8, 8, 8); holes without data strewn about.
+  const Index3 count(17, 17, 17), cells(16, 16, 16);
+  for (const float hole : {nan, std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()}) {
+    const auto is_hole = [](const Index3& at) {
+      const auto hash = static_cast<std::uint64_t>((at.z * 101 + at.y) * 103 + at.x) * 0x9e3779b97f4a7c15U;
+      return (hash >> 40) % 150 == 0;
+    };
+    const auto field = distance_field({8, 8, 8});
+    TracedVolume traced(volume_of<float>(count,
+                                         [&](const Index3& at) {
+                                           const Vec3 p(static_cast<double>(at.x), static_cast<double>(at.y),
+                                                        static_cast<double>(at.z));
+                                           return is_hole(at) ? hole : static_cast<float>(field(p));
+                                         }),
+                        {.macro_factor = 2});
+    EXPECT_GT(traced.volume().field().no_data_count, 5U);
+    const auto touches_hole = [&](const Vec3& p) {
+      const Index3 cell = cell_of(p, cells);
+      for (int c = 0; c < 8; ++c)
+        if (is_hole({cell.x + (c & 1), cell.y + (c >> 1 & 1), cell.z + (c >> 2 & 1)})) return true;
+      return false;
+    };
+    Dice dice(1);
+    int hits = 0, hidden = 0, naive_skins = 0;
+    for (int trial = 0; trial < 1500; ++trial) {
+      const Vec3 direction = dice.direction();
+      const render::Ray ray{.origin = dice.point({6, 6, 6}, {10, 10, 10}) - 40.0 * direction, .direction = direction};
+      const render::Hit hit = traced.first_crossing(ray, 4);
+      EXPECT_TRUE(same_bits(hit, traced.first_crossing(ray, 4, false)));
+      // Where a surface is reported, it is the ball's: the field there is the isovalue up to the sampling of the ball.
+      if (!hit.is_miss()) {
+        EXPECT_NEAR(field(ray.at(hit.t)), 4, 0.2);
+        EXPECT_FALSE(touches_hole(ray.at(hit.t - 1e-9)) && touches_hole(ray.at(hit.t + 1e-9)));
+      }
+      (hit.is_miss() ? hidden : hits)++;
+      // Comparisons with NaN: the first sample along the ray that is not >= 4.
+      const auto part = part_in_box(ray, {0, 0, 0}, {16, 16, 16});
+      double naive = (*part)[0];
+      while (naive < (*part)[1] && !touches_hole(ray.at(naive)) && field(ray.at(naive)) >= 4) naive += 0.05;
+      naive_skins += naive < (*part)[1] && field(ray.at(naive)) > 4.5;
+    }
+    EXPECT_GT(hits, 1000);
+    EXPECT_LT(hidden, 400);
+    EXPECT_GT(naive_skins, 100) << "no ray meets a hole: is this case still the hard one?";
+  }
+}
+
+}  // namespace
+}  // namespace rhoray::tests

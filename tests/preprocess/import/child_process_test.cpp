@@ -1,0 +1,159 @@
+#include "preprocess/worker/child_process.h"
+
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <thread>
+
+#include "tests/preprocess/import/support.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using tests::expect_refusal;
+
+class Worker : public testing::Test {
+ protected:
+  void SetUp() override { ::setenv("RHORAY_WORKER_DIR", RHORAY_WORKERS, 1); }
+
+  static WorkerRequest request(const std::string& verb) {
+    WorkerRequest request;
+    request.program = "rhoray-test-worker";
+    request.doing = "reading bone.vtu";
+    request.arguments = {verb};
+    return request;
+  }
+};
+
+void write_numbers(int descriptor, const std::vector<std::uint64_t>& numbers) {
+  formats::FileDescription description;
+  description.kind = "neutral-test";
+  formats::PackedFileWriter writer(
+      descriptor, description,
+      {{.name = "numbers", .type = formats::ElementType::U64, .shape = {numbers.size()}, .alignment = 64}});
+  writer.write_all("numbers", std::span(numbers));
+  writer.commit();
+}
+
+TEST_F(Worker, hands_over_what_it_made_from_its_input) {
+  WorkerRequest square = request("square");
+  square.write_input = [](int descriptor) { write_numbers(descriptor, {3, 5, 70'000}); };
+  const formats::PackedFile answer = run_worker(square);
+  const std::span<const std::uint64_t> numbers = answer.array<std::uint64_t>("numbers", {3});
+  EXPECT_THAT(std::vector(numbers.begin(), numbers.end()), testing::ElementsAre(9, 25, 4'900'000'000));
+}
+
+TEST_F(Worker, works_beside_itself_from_many_threads) {
+  std::vector<std::thread> threads;
+  std::array<std::uint64_t, 8> answers{};
+  for (std::uint64_t i = 0; i < answers.size(); ++i)
+    threads.emplace_back([&, i] {
+      WorkerRequest square = request("square");
+      square.write_input = [&](int descriptor) { write_numbers(descriptor, {i}); };
+      answers[i] = run_worker(square).array<std::uint64_t>("numbers", {1})[0];
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_THAT(answers, testing::ElementsAre(0, 1, 4, 9, 16, 25, 36, 49));
+}
+
+TEST_F(Worker, keeps_its_chatter_off_our_output) {
+  testing::internal::CaptureStdout();
+  run_worker(request("print"));
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+}
+
+TEST_F(Worker, passes_a_refusal_on_as_the_same_error) {
+  try {
+    run_worker(request("refuse"));
+    FAIL() << "nothing was refused";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.trouble(), Trouble::unsupported);
+    EXPECT_STREQ(error.what(), "bone.vtu, cells: found 3 hexahedra; expected linear tetrahedra");
+    EXPECT_EQ(error.hint(), "make it tetrahedra");
+  }
+}
+
+TEST_F(Worker, names_what_it_was_doing_when_a_library_throws) {
+  expect_refusal([] { run_worker(request("throw")); }, Trouble::internal,
+                 {"reading bone.vtu", "a library's exception"});
+}
+
+TEST_F(Worker, turns_a_crash_into_a_sentence) {
+  expect_refusal([] { run_worker(request("segfault")); }, Trouble::invalid,
+                 {"signal 11 (Segmentation fault)", "reading bone.vtu", "last it said: about to fall"});
+}
+
+TEST_F(Worker, turns_an_abort_into_a_sentence) {
+  expect_refusal([] { run_worker(request("abort")); }, Trouble::invalid,
+                 {"signal 6", "reading bone.vtu", "said nothing"});
+}
+
+TEST_F(Worker, is_stopped_at_its_time_limit) {
+  WorkerRequest loop = request("loop");
+  loop.time_limit_s = 0.5;
+  expect_refusal([&] { run_worker(loop); }, Trouble::resource, {"limit of 0.5 s", "reading bone.vtu"});
+}
+
+TEST_F(Worker, is_stopped_at_its_memory_limit) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers reserve more address space than any limit";
+#endif
+  WorkerRequest devour = request("devour");
+  devour.memory_limit_bytes = 256 << 20;
+  expect_refusal([&] { run_worker(devour); }, Trouble::resource, {"reading bone.vtu", "out of memory"});
+}
+
+TEST_F(Worker, may_complain_without_end) {
+  expect_refusal([] { run_worker(request("chatter")); }, Trouble::invalid, {"the last word"});
+}
+
+TEST_F(Worker, is_reported_when_it_breaks_its_promise) {
+  expect_refusal([] { run_worker(request("exit-99")); }, Trouble::internal, {"code 99", "last it said: unexpected"});
+  expect_refusal([] { run_worker(request("nothing")); }, Trouble::internal, {"reading bone.vtu", "handed over"});
+}
+
+TEST_F(Worker, is_looked_for_where_it_should_be) {
+  WorkerRequest missing = request("square");
+  missing.program = "rhoray-no-such-worker";
+  expect_refusal([&] { run_worker(missing); }, Trouble::internal, {RHORAY_WORKERS, "rhoray-no-such-worker"});
+}
+
+TEST_F(Worker, does_not_inherit_our_open_files) {
+  tests::TemporaryFolder folder;
+  tests::write_file(folder / "secret", "x");
+  const std::uint64_t before = run_worker(request("count-descriptors")).array<std::uint64_t>("numbers", {1})[0];
+  WorkerRequest again = request("count-descriptors");
+  again.write_input = [](int descriptor) { write_numbers(descriptor, {1}); };
+  EXPECT_EQ(run_worker(again).array<std::uint64_t>("numbers", {1})[0], before + 1);
+}
+
+/// The child of a process that dies dies with it: no reader is left behind after Ctrl-C.
+TEST_F(Worker, dies_with_its_parent) {
+  int pipe_ends[2];
+  ASSERT_EQ(::pipe(pipe_ends), 0);
+  const pid_t parent = ::fork();
+  ASSERT_GE(parent, 0);
+  if (parent == 0) {  // the pipe's writing end passes on to the worker, which sleeps for a minute
+    ::close(pipe_ends[0]);
+    try {
+      run_worker(request("sleep"));
+    } catch (const Error&) {
+    }
+    ::_exit(0);
+  }
+  ::close(pipe_ends[1]);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  const auto start = std::chrono::steady_clock::now();
+  ::kill(parent, SIGKILL);
+  ::waitpid(parent, nullptr, 0);
+  char byte;
+  EXPECT_EQ(::read(pipe_ends[0], &byte, 1), 0);  // ends once the last holder of the other end is gone
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+  ::close(pipe_ends[0]);
+}
+
+}  // namespace
+}  // namespace rhoray::preprocess

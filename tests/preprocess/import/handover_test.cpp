@@ -1,0 +1,134 @@
+#include "preprocess/worker/handover.h"
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <limits>
+
+#include "tests/preprocess/import/support.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using tests::expect_refusal;
+
+/// Through an anonymous file, as between two processes.
+template <class Thing>
+formats::PackedFile sent(const Thing& thing) {
+  const int descriptor = ::memfd_create("handover", MFD_CLOEXEC);
+  hand_over(thing, descriptor);
+  formats::PackedFile file = formats::PackedFile::from_descriptor(descriptor, "parcel");
+  ::close(descriptor);
+  return file;
+}
+
+TEST(Handover, carries_a_volume_unchanged) {
+  const std::vector<std::int16_t> values = tests::known_values<std::int16_t>();
+  NeutralVolume volume;
+  volume.sample_count = {tests::size_x, tests::size_y, tests::size_z};
+  volume.type = formats::ElementType::I16;
+  volume.samples = std::as_bytes(std::span(values));
+  volume.world_from_grid = {{0, 2, 0}, {-1, 0, 0}, {0, 0.1, 3}, {1e9, -7, 1.0 / 3}};
+  volume.length_unit = "mm";
+  volume.field_name = "density";
+  volume.field_unit = "";
+  volume.notes = {"first note", "", "third \xff note"};
+  const NeutralVolume taken = take_volume(sent(volume));
+  tests::expect_known_values(taken, formats::ElementType::I16);
+  EXPECT_EQ(taken.world_from_grid, volume.world_from_grid);
+  EXPECT_EQ(taken.length_unit, "mm");
+  EXPECT_EQ(taken.field_name, "density");
+  EXPECT_EQ(taken.field_unit, "");
+  EXPECT_EQ(taken.notes, volume.notes);
+}
+
+NeutralMesh small_mesh() {
+  NeutralMesh mesh;
+  mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {std::numeric_limits<double>::infinity(), 1, 1}};
+  mesh.cells = {{0, 1, 2, 3}, {1, 2, 3, 4}};
+  mesh.cell_ids = {0, 7};
+  mesh.point_fields = {{"voltage", "mV", 1, false, {1, 2, 3, 4, 5}},
+                       {"flow", "", 3, true, std::vector<double>(15, 0.5)}};
+  mesh.cell_fields = {{"tissue", "", 1, true, {4, 9}}};
+  mesh.length_unit = "cm";
+  mesh.notes = {"6 lines left out"};
+  return mesh;
+}
+
+TEST(Handover, carries_a_mesh_unchanged) {
+  const NeutralMesh mesh = small_mesh();
+  const NeutralMesh taken = take_mesh(sent(mesh));
+  EXPECT_EQ(taken.points, mesh.points);
+  EXPECT_EQ(taken.cells, mesh.cells);
+  EXPECT_EQ(taken.cell_ids, mesh.cell_ids);
+  ASSERT_EQ(taken.point_fields.size(), 2U);
+  EXPECT_EQ(taken.point_fields[0].name, "voltage");
+  EXPECT_EQ(taken.point_fields[0].unit, "mV");
+  EXPECT_FALSE(taken.point_fields[0].was_single_precision);
+  EXPECT_EQ(taken.point_fields[0].values, mesh.point_fields[0].values);
+  EXPECT_EQ(taken.point_fields[1].component_count, 3);
+  EXPECT_TRUE(taken.point_fields[1].was_single_precision);
+  EXPECT_EQ(taken.point_fields[1].values.size(), 15U);
+  ASSERT_EQ(taken.cell_fields.size(), 1U);
+  EXPECT_EQ(taken.cell_fields[0].values, mesh.cell_fields[0].values);
+  EXPECT_EQ(taken.length_unit, "cm");
+  EXPECT_EQ(taken.notes, mesh.notes);
+}
+
+TEST(Handover, carries_a_surface_unchanged) {
+  NeutralSurface surface;
+  surface.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
+  surface.point_sizes = {1, 2, 3, 4, 5};
+  surface.facet_offsets = {0, 3, 7};
+  surface.facet_corners = {0, 1, 2, 1, 2, 3, 4};
+  surface.facet_faces = {0, 1};
+  surface.openings = {{1, {0.5, 0.25, 0}}};
+  surface.holes = {{9, 8, 7}};
+  surface.regions = {{{1, 2, 3}, 4, 5}};
+  surface.notes = {"a note"};
+  const NeutralSurface taken = take_surface(sent(surface));
+  EXPECT_EQ(taken.points, surface.points);
+  EXPECT_EQ(taken.point_sizes, surface.point_sizes);
+  EXPECT_EQ(taken.facet_offsets, surface.facet_offsets);
+  EXPECT_EQ(taken.facet_corners, surface.facet_corners);
+  EXPECT_EQ(taken.facet_faces, surface.facet_faces);
+  ASSERT_EQ(taken.openings.size(), 1U);
+  EXPECT_EQ(taken.openings[0].face, 1U);
+  EXPECT_EQ(taken.openings[0].seed, surface.openings[0].seed);
+  EXPECT_EQ(taken.holes, surface.holes);
+  ASSERT_EQ(taken.regions.size(), 1U);
+  EXPECT_EQ(taken.regions[0].seed, surface.regions[0].seed);
+  EXPECT_EQ(taken.regions[0].attribute, 4);
+  EXPECT_EQ(taken.regions[0].max_volume, 5);
+  EXPECT_EQ(taken.notes, surface.notes);
+}
+
+TEST(Handover, carries_empty_things) {
+  EXPECT_TRUE(take_surface(sent(NeutralSurface{})).points.empty());
+  EXPECT_TRUE(take_mesh(sent(NeutralMesh{})).cells.empty());
+}
+
+TEST(Handover, refuses_another_kind) {
+  expect_refusal([] { take_volume(sent(small_mesh())); }, Trouble::invalid,
+                 {"parcel", "neutral-mesh", "neutral-volume"});
+}
+
+TEST(Handover, does_not_trust_counts_of_the_other_side) {
+  NeutralMesh mesh = small_mesh();
+  mesh.point_fields[0].values.pop_back();
+  expect_refusal([&] { take_mesh(sent(mesh)); }, Trouble::invalid, {"parcel", "point_fields.0"});
+  mesh = small_mesh();
+  mesh.cell_ids.push_back(8);
+  expect_refusal([&] { take_mesh(sent(mesh)); }, Trouble::invalid, {"cell_ids"});
+  NeutralSurface surface;
+  surface.points = {{0, 0, 0}};
+  surface.facet_corners = {0, 0, 1};
+  surface.facet_offsets = {0, 3};
+  expect_refusal([&] { take_surface(sent(surface)); }, Trouble::invalid, {"facet_corners"});
+  surface.facet_corners = {0, 0, 0};
+  surface.facet_offsets = {0, 4};
+  expect_refusal([&] { take_surface(sent(surface)); }, Trouble::invalid, {"facet_offsets"});
+}
+
+}  // namespace
+}  // namespace rhoray::preprocess

@@ -1,0 +1,220 @@
+#include <vtkCellData.h>
+#include <vtkDataSetWriter.h>
+#include <vtkFloatArray.h>
+#include <vtkIntArray.h>
+#include <vtkNew.h>
+#include <vtkUnstructuredGrid.h>
+
+#include "preprocess/import/readers.h"
+#include "preprocess/import_mesh.h"
+#include "tests/preprocess/import/support.h"
+#include "tests/preprocess/import/vtk_lattice.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using namespace tests;
+using formats::ElementType;
+
+const std::string volume_text =
+    "# vtk DataFile Version 3.0\na title\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 3 4 5\n"
+    "SPACING 2 3 4\nORIGIN 10 20 30\nPOINT_DATA 60\nSCALARS v short 1\nLOOKUP_TABLE default\n" +
+    values_in_text();
+
+const std::string mesh_text =
+    "# vtk DataFile Version 2.0\ntwo tetrahedra, a line between them\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+    "POINTS 5 double\n0 0 0  1 0 0  0 1 0  0 0 1  1 1 1.5\n"
+    "CELLS 3 13\n4 0 1 2 3\n2 0 4\n4 1 2 3 4\nCELL_TYPES 3\n10 3 10\n"
+    "POINT_DATA 5\nSCALARS voltage float\nLOOKUP_TABLE default\n1 2 3 4 nan\nVECTORS flow double\n"
+    "1 0 0 2 0 0 3 0 0 4 0 0 5 0 0.1\n"
+    "CELL_DATA 3\nFIELD FieldData 1\ntissue%20number 1 3 int\n7 8 9\n";
+
+NeutralVolume read(const std::filesystem::path& path) {
+  return read_volume(path, {});
+}
+
+TEST(LegacyVtkVolume, keeps_spacing_origin_and_type) {
+  TemporaryFolder folder;
+  write_file(folder / "a.vtk", volume_text);
+  const NeutralVolume volume = read(folder / "a.vtk");
+  expect_known_values(volume, ElementType::I16);
+  expect_map(volume.world_from_grid, axis_parallel_map({2, 3, 4}, {10, 20, 30}));
+  EXPECT_EQ(volume.field_name, "v");
+}
+
+/// VTK writes files of version 5.1 and 4.2, in text and in binary; METADATA blocks come with them.
+TEST(LegacyVtkVolume, reads_what_vtk_writes) {
+  TemporaryFolder folder;
+  for (const int file_type : {VTK_ASCII, VTK_BINARY})
+    for (const auto& [vtk_type, type] :
+         {std::pair(VTK_UNSIGNED_CHAR, ElementType::U8), std::pair(VTK_SHORT, ElementType::I16),
+          std::pair(VTK_FLOAT, ElementType::F32), std::pair(VTK_DOUBLE, ElementType::F64)}) {
+      const vtkSmartPointer<vtkImageData> image = vtk_lattice(vtk_type);
+      image->SetSpacing(2, 3, 4);
+      image->SetOrigin(10, 20, 30);
+      vtkNew<vtkFloatArray> extra;  // an array before and one behind the scalars
+      extra->SetName("two words");
+      extra->SetNumberOfComponents(2);
+      extra->SetComponentName(0, "first");
+      for (std::size_t i = 0; i < value_count; ++i) extra->InsertNextTuple2(static_cast<double>(i), -1);
+      image->GetPointData()->AddArray(extra);
+      vtkNew<vtkDataSetWriter> writer;
+      writer->SetInputData(image);
+      writer->SetFileType(file_type);
+      writer->SetFileName((folder / "a.vtk").c_str());
+      ASSERT_EQ(writer->Write(), 1);
+      const NeutralVolume volume = read(folder / "a.vtk");
+      expect_known_values(volume, type);
+      expect_map(volume.world_from_grid, axis_parallel_map({2, 3, 4}, {10, 20, 30}));
+      EXPECT_EQ(values_of(read_volume(folder / "a.vtk", {.raw = {}, .field = "two words.0"}))[59], 59);
+    }
+}
+
+TEST(LegacyVtkVolume, refuses_counts_that_do_not_fit) {
+  TemporaryFolder folder;
+  const auto refuses = [&](const std::string& from, const std::string& to, const std::vector<std::string>& words) {
+    std::string text = volume_text;
+    text.replace(text.find(from), from.size(), to);
+    write_file(folder / "a.vtk", text);
+    expect_refusal([&] { read(folder / "a.vtk"); }, Trouble::invalid, words);
+  };
+  refuses("POINT_DATA 60", "POINT_DATA 61", {"a.vtk", "end of the file"});
+  refuses("POINT_DATA 60", "POINT_DATA 59", {"a.vtk, line", "keyword"});
+  refuses("POINT_DATA 60", "POINT_DATA 1000000000", {"1000000000 x 1 numbers"});
+  refuses("POINT_DATA 60", "POINT_DATA 18446744073709551615", {"18446744073709551615"});
+  refuses("DIMENSIONS 3 4 5", "DIMENSIONS 3 4 6", {"array 'v'"});
+  refuses("DIMENSIONS 3 4 5", "DIMENSIONS 3 4", {"line 6", "'SPACING'"});
+  refuses("SPACING 2 3 4", "SPACING 2 0 4", {"spacing of 0"});
+}
+
+TEST(LegacyVtkVolume, refuses_texts_and_reads_bytes_given_as_fractions) {
+  TemporaryFolder folder;
+  std::string text = volume_text;
+  text.replace(text.find("short"), 5, "string");
+  write_file(folder / "a.vtk", text);
+  expect_refusal([&] { read(folder / "a.vtk"); }, Trouble::unsupported, {"a.vtk, line 9", "'string'"});
+  const std::string start = volume_text.substr(0, volume_text.find("DIMENSIONS"));
+  write_file(folder / "a.vtk", concat(start, "DIMENSIONS 2 1 1\nPOINT_DATA 2\nCOLOR_SCALARS c 2\n0 1 0.5 0.2\n"));
+  EXPECT_THAT(values_of(read_volume(folder / "a.vtk", {.raw = {}, .field = "c.0"})), testing::ElementsAre(0, 128));
+  write_file(folder / "a.vtk", concat(start, "DIMENSIONS 2 1 1\nPOINT_DATA 2\nCOLOR_SCALARS c 2\n0 1 0.5 1.2\n"));
+  expect_refusal([&] { read(folder / "a.vtk"); }, Trouble::invalid, {"1.2", "0 to 1"});
+}
+
+TEST(LegacyVtkVolume, refuses_every_beginning_of_a_file) {
+  TemporaryFolder folder;
+  const auto is_complete = [&] { return values_of(read(folder / "a.vtk")) == known_values<double>(); };
+  check_every_beginning(folder / "a.vtk", volume_text, is_complete, {.stride = 3, .is_text = true});
+  std::string binary =
+      volume_text.substr(0, volume_text.find("default\n") + 8) + bytes_of_values(known_values<std::int16_t>(), true);
+  binary.replace(binary.find("ASCII"), 5, "BINARY");
+  EXPECT_EQ(check_every_beginning(folder / "a.vtk", binary, is_complete), 0);
+  EXPECT_TRUE(is_complete());
+}
+
+TEST(LegacyVtkMesh, keeps_tetrahedra_with_their_fields) {
+  TemporaryFolder folder;
+  write_file(folder / "a.vtk", mesh_text);
+  const NeutralMesh mesh = read_mesh(folder / "a.vtk");
+  EXPECT_THAT(mesh.cells,
+              testing::ElementsAre(std::array<std::uint64_t, 4>{0, 1, 2, 3}, std::array<std::uint64_t, 4>{1, 2, 3, 4}));
+  EXPECT_EQ(mesh.points[4], (std::array{1.0, 1.0, 1.5}));
+  EXPECT_THAT(mesh.cell_ids, testing::ElementsAre(0, 2));
+  EXPECT_THAT(mesh.notes, testing::ElementsAre(testing::HasSubstr("1 lines left out")));
+  ASSERT_EQ(mesh.point_fields.size(), 2U);
+  EXPECT_EQ(mesh.point_fields[0].name, "voltage");
+  EXPECT_TRUE(std::isnan(mesh.point_fields[0].values[4]));
+  EXPECT_TRUE(mesh.point_fields[0].was_single_precision);
+  EXPECT_EQ(mesh.point_fields[1].component_count, 3);
+  EXPECT_EQ(mesh.point_fields[1].values[14], 0.1);
+  EXPECT_FALSE(mesh.point_fields[1].was_single_precision);
+  ASSERT_EQ(mesh.cell_fields.size(), 1U);
+  EXPECT_EQ(mesh.cell_fields[0].name, "tissue number");
+  EXPECT_THAT(mesh.cell_fields[0].values, testing::ElementsAre(7, 9));
+}
+
+TEST(LegacyVtkMesh, reads_what_vtk_writes) {
+  TemporaryFolder folder;
+  vtkNew<vtkUnstructuredGrid> grid;
+  vtkNew<vtkPoints> points;
+  for (int i = 0; i < 5; ++i) points->InsertNextPoint(i == 1, i == 2, i >= 3 ? i : 0);
+  grid->SetPoints(points);
+  const vtkIdType cells[2][4] = {{0, 1, 2, 3}, {0, 2, 1, 4}};
+  for (const auto& cell : cells) grid->InsertNextCell(VTK_TETRA, 4, cell);
+  vtkNew<vtkIntArray> tissue;
+  tissue->SetName("tissue");
+  tissue->InsertNextValue(16777217);  // needs more than a 32-bit float
+  tissue->InsertNextValue(-3);
+  grid->GetCellData()->AddArray(tissue);
+  for (const int version : {42, 51})
+    for (const int file_type : {VTK_ASCII, VTK_BINARY}) {
+      vtkNew<vtkDataSetWriter> writer;
+      writer->SetInputData(grid);
+      writer->SetFileVersion(version);
+      writer->SetFileType(file_type);
+      writer->SetFileName((folder / "a.vtk").c_str());
+      ASSERT_EQ(writer->Write(), 1);
+      const NeutralMesh mesh = read_mesh(folder / "a.vtk");
+      ASSERT_EQ(mesh.cells.size(), 2U);
+      EXPECT_EQ(mesh.cells[1], (std::array<std::uint64_t, 4>{0, 2, 1, 4}));
+      EXPECT_EQ(mesh.points[4], (std::array{0.0, 0.0, 4.0}));
+      EXPECT_THAT(mesh.cell_fields[0].values, testing::ElementsAre(16777217, -3));
+      EXPECT_FALSE(mesh.cell_fields[0].was_single_precision);
+      EXPECT_TRUE(mesh.cell_ids.empty());
+      const std::string content = read_file(folder / "a.vtk");
+      check_every_beginning(
+          folder / "a.vtk", content,
+          [&] {
+            const NeutralMesh part =
+                read_mesh(folder / "a.vtk");  // may end before CELL_DATA, which is a smaller file, not a broken one
+            return part.cells == mesh.cells &&
+                   (part.cell_fields.empty() || part.cell_fields[0].values == mesh.cell_fields[0].values);
+          },
+          {.stride = 3, .is_text = file_type == VTK_ASCII});
+    }
+}
+
+TEST(LegacyVtkMesh, refuses_what_does_not_fit) {
+  TemporaryFolder folder;
+  const auto refuses = [&](const std::string& from, const std::string& to, Trouble trouble,
+                           const std::vector<std::string>& words) {
+    std::string text = mesh_text;
+    text.replace(text.find(from), from.size(), to);
+    write_file(folder / "a.vtk", text);
+    expect_refusal([&] { read_mesh(folder / "a.vtk"); }, trouble, words);
+  };
+  refuses("4 1 2 3 4", "4 1 2 3 5", Trouble::invalid, {"cell 2", "point 5", "0 to 4"});
+  refuses("4 1 2 3 4", "4 1 2 3 -1", Trouble::invalid, {"cell 2", "point -1"});
+  refuses("4 1 2 3 4", "3 1 2 3 4", Trouble::invalid, {"CELLS", "12 numbers", "13"});
+  refuses("4 1 2 3 4", "9 1 2 3 4", Trouble::invalid, {"cell 2", "more corners"});
+  refuses("10 3 10", "10 3 12", Trouble::unsupported, {"1 hexahedra", "linear tetrahedra"});
+  refuses("10 3 10", "24 24 99", Trouble::unsupported, {"1 cells of VTK's kind 99, 2 quadratic tetrahedra"});
+  refuses("10 3 10", "3 3 3", Trouble::invalid, {"3 lines", "at least one tetrahedron"});
+  refuses("2 0 4", "1 0", Trouble::invalid, {"a.vtk"});
+  refuses("CELL_TYPES 3\n10 3 10", "CELL_TYPES 2\n10 3", Trouble::invalid, {"2 kinds for 3 cells"});
+  refuses("POINTS 5", "POINTS 1000000000", Trouble::invalid, {"1000000000 x 3"});
+  refuses("tissue%20number 1 3", "tissue%20number 1 2", Trouble::invalid, {"tissue number", "2 tuples"});
+  refuses("POINT_DATA 5", "POINT_DATA 4", Trouble::invalid, {"a.vtk"});
+  refuses("UNSTRUCTURED_GRID", "POLYDATA", Trouble::unsupported, {"'POLYDATA'"});
+  refuses("ASCII", "ASCII?", Trouble::invalid, {"ASCII or BINARY"});
+  refuses("# vtk", "# VTK", Trouble::invalid, {"line 1"});
+}
+
+TEST(ForeignKind, asks_legacy_vtk_files_themselves) {
+  TemporaryFolder folder;
+  write_file(folder / "a.vtk", volume_text);
+  EXPECT_EQ(foreign_kind(folder / "a.vtk"), ForeignKind::volume);
+  write_file(folder / "a.vtk", mesh_text);
+  EXPECT_EQ(foreign_kind(folder / "a.vtk"), ForeignKind::mesh);
+  write_file(folder / "a.vtk",
+             "# vtk DataFile Version 3.0\nDATASET STRUCTURED_POINTS is only a title\nASCII\nDATASET POLYDATA\n");
+  EXPECT_EQ(foreign_kind(folder / "a.vtk"), ForeignKind::unknown);
+  for (const std::string content :
+       {"", "# vtk DataFile Version 3.0", "# vtk DataFile Version 3.0\nt\nASCII\nDATASET", "junk"}) {
+    write_file(folder / "a.vtk", content);
+    EXPECT_EQ(foreign_kind(folder / "a.vtk"), ForeignKind::unknown);
+  }
+  EXPECT_EQ(foreign_kind(folder / "none.vtk"), ForeignKind::unknown);
+}
+
+}  // namespace
+}  // namespace rhoray::preprocess

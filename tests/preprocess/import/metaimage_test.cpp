@@ -1,0 +1,121 @@
+#include <vtkImageData.h>
+#include <vtkMetaImageWriter.h>
+#include <vtkNew.h>
+#include <zlib.h>
+
+#include "preprocess/import/readers.h"
+#include "tests/preprocess/import/support.h"
+#include "tests/preprocess/import/vtk_lattice.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using namespace tests;
+using formats::ElementType;
+
+NeutralVolume read(const std::filesystem::path& path) {
+  return read_volume(path, {});
+}
+
+std::string header(const std::string& lines) {
+  return "ObjectType = Image\nNDims = 3\nDimSize = 3 4 5\n" + lines;
+}
+
+TEST(MetaImage, keeps_direction_spacing_and_origin) {
+  TemporaryFolder folder;
+  write_file(folder / "a.mha",
+             header("TransformMatrix = 0 1 0 -1 0 0 0 0 1\nOffset = 10 20 -30\nElementSpacing = 2 3 4\n"
+                    "ElementType = MET_USHORT\nElementDataFile = LOCAL\n") +
+                 bytes_of_values(known_values<std::uint16_t>()));
+  const NeutralVolume volume = read(folder / "a.mha");
+  expect_known_values(volume, ElementType::U16);
+  expect_map(volume.world_from_grid, {{0, 2, 0}, {-3, 0, 0}, {0, 0, 4}, {10, 20, -30}});  // rows are axes of the grid
+}
+
+TEST(MetaImage, reads_what_vtk_writes_plain_and_compressed) {
+  TemporaryFolder folder;
+  for (const bool compressed : {false, true}) {
+    const vtkSmartPointer<vtkImageData> image = vtk_lattice(VTK_FLOAT);
+    image->SetSpacing(0.5, 1, 2);
+    image->SetOrigin(-1, 0, 3);
+    vtkNew<vtkMetaImageWriter> writer;
+    writer->SetInputData(image);
+    writer->SetCompression(compressed);
+    writer->SetFileName((folder / "a.mhd").c_str());
+    writer->SetRAWFileName((folder / (compressed ? "a.zraw" : "a.raw")).c_str());
+    writer->Write();
+    const NeutralVolume volume = read(folder / "a.mhd");
+    expect_known_values(volume, ElementType::F32);
+    expect_map(volume.world_from_grid, axis_parallel_map({0.5, 1, 2}, {-1, 0, 3}));
+  }
+}
+
+TEST(MetaImage, reads_lists_and_numbered_files_and_skips_headers) {
+  TemporaryFolder folder;
+  const std::string samples = bytes_of_values(known_values<std::int32_t>(), true);
+  std::string list;
+  for (std::size_t slice = 0; slice < 5; ++slice) {
+    write_file(folder / concat("s0", 3 + 2 * slice), "head" + samples.substr(slice * 48, 48));
+    list += concat("s0", 3 + 2 * slice, "\n");
+  }
+  const std::string type = "ElementByteOrderMSB = True\nElementType = MET_INT\n";
+  write_file(folder / "a.mhd", header(type + "HeaderSize = -1\nElementDataFile = s%02d 3 9 2\n"));
+  expect_refusal([&] { read(folder / "a.mhd"); }, Trouble::invalid, {"a.mhd", "4 files for 5 slices"});
+  std::filesystem::rename(folder / "s011", folder / "s11");
+  write_file(folder / "a.mhd", header(type + "HeaderSize = -1\nElementDataFile = s%02d 3 11 2\n"));
+  expect_known_values(read(folder / "a.mhd"), ElementType::I32);
+  std::filesystem::rename(folder / "s11", folder / "s011");
+  write_file(folder / "b.mhd", header(type + "HeaderSize = 4\nElementDataFile = LIST\n" + list));
+  expect_known_values(read(folder / "b.mhd"), ElementType::I32);
+}
+
+TEST(MetaImage, refuses_what_it_cannot_mean) {
+  TemporaryFolder folder;
+  const auto path = folder / "a.mha";
+  const auto refuses = [&](const std::string& content, Trouble trouble, const std::vector<std::string>& words) {
+    write_file(path, content);
+    expect_refusal([&] { read(path); }, trouble, words);
+  };
+  refuses("NDims = 2\nDimSize = 3 4\nElementDataFile = LOCAL\n", Trouble::unsupported, {"key NDims", "2"});
+  refuses("NDims = 3\nDimSize = 3 4\nElementDataFile = LOCAL\n", Trouble::invalid, {"key DimSize", "2 numbers"});
+  refuses("NDims = 3\nDimSize = 3 four 5\nElementDataFile = LOCAL\n", Trouble::invalid, {"key DimSize", "'four'"});
+  refuses(header("ElementType = MET_NONE\nElementDataFile = LOCAL\n"), Trouble::unsupported, {"MET_NONE"});
+  refuses(header("ElementNumberOfChannels = 3\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n"),
+          Trouble::unsupported, {"3 numbers for each sample"});
+  refuses(header("ElementType = MET_UCHAR\nElementDataFile = none.raw\n"), Trouble::unreadable, {"none.raw"});
+  refuses(header("ElementSpacing = 1 0 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n") + std::string(60, 'x'),
+          Trouble::invalid, {"spacing of 0"});
+  refuses("NDims = 3\nDimSize = 100000 100000 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\nxx",
+          Trouble::invalid, {"10000000000 bytes"});
+  refuses(
+      "NDims = 3\nDimSize = 100000 100000 1\nCompressedData = True\nElementType = MET_UCHAR\nElementDataFile = "
+      "LOCAL\nxx",
+      Trouble::invalid, {"packed bytes"});
+  refuses("something else entirely", Trouble::invalid, {"a.mha, header", "Key = value"});
+}
+
+TEST(MetaImage, notices_damage_in_compressed_samples) {
+  TemporaryFolder folder;
+  const std::string samples = bytes_of_values(known_values<std::uint8_t>());
+  std::vector<Bytef> packed(::compressBound(samples.size()));
+  uLongf size = packed.size();
+  ASSERT_EQ(::compress(packed.data(), &size, reinterpret_cast<const Bytef*>(samples.data()), samples.size()), Z_OK);
+  std::string stream(packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(size));
+  const std::string start = header("CompressedData = True\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n");
+  write_file(folder / "a.mha", start + stream);
+  expect_known_values(read(folder / "a.mha"), ElementType::U8);
+  stream.back() = static_cast<char>(stream.back() ^ 1);  // in the checksum
+  write_file(folder / "a.mha", start + stream);
+  expect_refusal([&] { read(folder / "a.mha"); }, Trouble::invalid, {"a.mha", "incorrect data check"});
+}
+
+TEST(MetaImage, refuses_every_beginning_of_a_file) {
+  TemporaryFolder folder;
+  const std::string content =
+      header("ElementType = MET_UCHAR\nElementDataFile = LOCAL\n") + bytes_of_values(known_values<std::uint8_t>());
+  EXPECT_EQ(
+      check_every_beginning(folder / "a.mha", content, [&] { return read(folder / "a.mha").samples.size() == 60; }), 0);
+}
+
+}  // namespace
+}  // namespace rhoray::preprocess

@@ -1,0 +1,152 @@
+#include <vtkImageData.h>
+#include <vtkMatrix4x4.h>
+#include <vtkNIFTIImageWriter.h>
+#include <vtkNew.h>
+#include <zlib.h>
+
+#include "preprocess/import/readers.h"
+#include "tests/preprocess/import/support.h"
+#include "tests/preprocess/import/vtk_lattice.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using namespace tests;
+using formats::ElementType;
+
+NeutralVolume read(const std::filesystem::path& path) {
+  return read_volume(path, {});
+}
+
+/// A NIfTI-1 file by hand (nifti1.h), in either byte order.
+class File {
+ public:
+  explicit File(bool big_endian = false) : big_endian_(big_endian), header_(352, '\0') {
+    set<std::int32_t>(0, 348);
+    set_all<std::int16_t>(40, {3, 3, 4, 5, 1, 1, 1, 1});
+    set<std::int16_t>(70, 4);   // int16
+    set<std::int16_t>(72, 16);  // bits
+    set_all<float>(76, {1, 2, 3, 4, 0, 0, 0, 0});
+    set<float>(108, 352);
+    header_.replace(344, 4, std::string("n+1\0", 4));
+  }
+  template <class T>
+  File& set(std::size_t at, T value) {
+    header_.replace(at, sizeof(T), bytes_of_values(std::vector<T>{value}, big_endian_));
+    return *this;
+  }
+  template <class T>
+  File& set_all(std::size_t at, const std::vector<T>& values) {
+    header_.replace(at, sizeof(T) * values.size(), bytes_of_values(values, big_endian_));
+    return *this;
+  }
+  std::string content() const { return header_ + bytes_of_values(known_values<std::int16_t>(), big_endian_); }
+
+ private:
+  bool big_endian_;
+  std::string header_;
+};
+
+TEST(Nifti, reads_both_byte_orders_packed_or_not) {
+  TemporaryFolder folder;
+  for (const bool big_endian : {false, true}) {
+    const std::string content = File(big_endian).content();
+    write_file(folder / "a.nii", content);
+    const NeutralVolume plain = read(folder / "a.nii");
+    expect_known_values(plain, ElementType::I16);
+    expect_map(plain.world_from_grid, axis_parallel_map({2, 3, 4}, {0, 0, 0}));
+    EXPECT_EQ(plain.field_name, "a");
+    const gzFile packed = ::gzopen((folder / "a.nii.gz").c_str(), "wb");
+    ::gzwrite(packed, content.data(), static_cast<unsigned>(content.size()));
+    ::gzclose(packed);
+    expect_known_values(read(folder / "a.nii.gz"), ElementType::I16);
+    EXPECT_EQ(read(folder / "a.nii.gz").field_name, "a");
+  }
+}
+
+TEST(Nifti, takes_the_sform_first_then_the_qform) {
+  TemporaryFolder folder;
+  File file;
+  file.set<std::int16_t>(252, 1);  // qform: half a turn about z, mirrored along it
+  file.set_all<float>(76, {-1, 2, 3, 4}).set_all<float>(256, {0, 0, 1, 7, 8, 9});
+  write_file(folder / "a.nii", file.content());
+  expect_map(read(folder / "a.nii").world_from_grid, {{-2, 0, 0}, {0, -3, 0}, {0, 0, -4}, {7, 8, 9}}, 1e-6);
+  const float half = std::sqrt(0.5F);  // a quarter turn about x: y goes to z, z to -y
+  file.set_all<float>(76, {1, 2, 3, 4}).set_all<float>(256, {half, 0, 0, 7, 8, 9});
+  write_file(folder / "a.nii", file.content());
+  expect_map(read(folder / "a.nii").world_from_grid, {{2, 0, 0}, {0, 0, 3}, {0, -4, 0}, {7, 8, 9}}, 1e-6);
+  file.set<std::int16_t>(254, 1)
+      .set_all<float>(280, {0, -3, 0, 10, 2, 0, 0, 20, 0, 0.5F, 4, 30})
+      .set<std::uint8_t>(123, 2);
+  write_file(folder / "a.nii", file.content());
+  const NeutralVolume volume = read(folder / "a.nii");
+  expect_map(volume.world_from_grid, {{0, 2, 0}, {-3, 0, 0.5}, {0, 0, 4}, {10, 20, 30}});
+  EXPECT_EQ(volume.length_unit, "mm");
+}
+
+TEST(Nifti, applies_the_scale_to_values) {
+  TemporaryFolder folder;
+  write_file(folder / "a.nii", File().set<float>(112, 0.5F).set<float>(116, -10).content());
+  const NeutralVolume volume = read(folder / "a.nii");
+  EXPECT_EQ(volume.type, ElementType::F32);
+  EXPECT_EQ(values_of(volume)[7], known_values<int>()[7] * 0.5 - 10);
+  EXPECT_THAT(volume.notes, testing::ElementsAre(testing::HasSubstr("0.5 times")));
+  for (const auto& [slope, intercept] : {std::pair(0.0F, 5.0F), std::pair(1.0F, 0.0F), std::pair(NAN, 0.0F)}) {
+    write_file(folder / "a.nii", File().set<float>(112, slope).set<float>(116, intercept).content());
+    expect_known_values(read(folder / "a.nii"), ElementType::I16);
+  }
+}
+
+TEST(Nifti, reads_what_vtk_writes) {
+  TemporaryFolder folder;
+  const vtkSmartPointer<vtkImageData> image = vtk_lattice(VTK_UNSIGNED_SHORT);
+  image->SetSpacing(2, 3, 4);
+  vtkNew<vtkMatrix4x4> pose;  // a turn about z and a shift; the spacing is the image's
+  const double elements[16] = {0, -1, 0, 10, 1, 0, 0, 20, 0, 0, 1, 30, 0, 0, 0, 1};
+  pose->DeepCopy(elements);
+  vtkNew<vtkNIFTIImageWriter> writer;
+  writer->SetInputData(image);
+  writer->SetQFormMatrix(pose);
+  writer->SetSFormMatrix(pose);
+  writer->SetFileName((folder / "a.nii.gz").c_str());
+  writer->Write();
+  const NeutralVolume volume = read(folder / "a.nii.gz");
+  expect_known_values(volume, ElementType::U16);
+  expect_map(volume.world_from_grid, {{0, 2, 0}, {-3, 0, 0}, {0, 0, 4}, {10, 20, 30}}, 1e-6);
+}
+
+TEST(Nifti, refuses_what_it_cannot_mean) {
+  TemporaryFolder folder;
+  const auto path = folder / "a.nii";
+  const auto refuses = [&](const std::string& content, Trouble trouble, const std::vector<std::string>& words) {
+    write_file(path, content);
+    expect_refusal([&] { read(path); }, trouble, words);
+  };
+  refuses(std::string(400, 'x'), Trouble::invalid, {"a.nii, byte 0", "348"});
+  refuses(File().set<std::int32_t>(0, 540).content(), Trouble::unsupported, {"NIfTI-2"});
+  refuses(File().set<std::int32_t>(344, 0).content(), Trouble::invalid, {"magic"});
+  refuses(File().set_all<std::int16_t>(40, {4, 3, 4, 5, 2}).content(), Trouble::unsupported, {"dim[4]", "2 volumes"});
+  refuses(File().set_all<std::int16_t>(40, {3, 3, 0, 5}).content(), Trouble::invalid, {"3 x 0 x 5"});
+  refuses(File().set_all<std::int16_t>(40, {3, 30000, 30000, 30000}).content(), Trouble::invalid, {"samples"});
+  refuses(File().set<std::int16_t>(70, 128).content(), Trouble::unsupported, {"datatype", "128"});  // RGB
+  refuses(File().set<float>(108, NAN).content(), Trouble::invalid, {"vox_offset"});
+  refuses(File().set<float>(108, 1e6F).content(), Trouble::invalid, {"vox_offset"});
+  refuses(File().set<std::int16_t>(254, 1).content(), Trouble::invalid, {"one plane"});
+}
+
+TEST(Nifti, refuses_every_beginning_of_a_file_and_notices_damage) {
+  TemporaryFolder folder;
+  const auto is_complete = [&] { return read(folder / "a.nii").samples.size() == 120; };
+  EXPECT_EQ(check_every_beginning(folder / "a.nii", File().content(), is_complete), 0);
+  const gzFile file = ::gzopen((folder / "p.gz").c_str(), "wb");
+  ::gzwrite(file, File().content().data(), 472);
+  ::gzclose(file);
+  std::string packed = read_file(folder / "p.gz");
+  EXPECT_EQ(check_every_beginning(folder / "a.nii", packed, is_complete), 0);
+  packed[packed.size() - 6] = static_cast<char>(packed[packed.size() - 6] ^ 1);  // in the checksum
+  write_file(folder / "a.nii", packed);
+  expect_refusal([&] { read(folder / "a.nii"); }, Trouble::invalid, {"incorrect data check"});
+}
+
+}  // namespace
+}  // namespace rhoray::preprocess

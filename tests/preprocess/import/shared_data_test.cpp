@@ -1,0 +1,202 @@
+// Real files made by others. Sizes and ranges were measured with other programs (VTK, meshio, nibabel, numpy) and stand
+// in the README beside the files. Runs where RHORAY_SHARED_DATA names their folder.
+
+#include <cstdlib>
+
+#include "formats/base/interval.h"
+#include "preprocess/import_mesh.h"
+#include "preprocess/import_volume.h"
+#include "tests/preprocess/import/support.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using namespace tests;
+using formats::ElementType;
+
+class SharedData : public testing::Test {
+ protected:
+  void SetUp() override {
+    const char* folder = std::getenv("RHORAY_SHARED_DATA");
+    if (folder == nullptr) GTEST_SKIP() << "RHORAY_SHARED_DATA does not name the folder of real files";
+    folder_ = folder;
+    ::setenv("RHORAY_WORKER_DIR", RHORAY_WORKERS, 1);
+  }
+  std::filesystem::path folder_;
+};
+
+struct Expected {
+  std::string path;
+  Index3 size;
+  ElementType type;
+  double lowest, highest;
+  Affine map;
+};
+
+TEST_F(SharedData, holds_volumes_of_known_size_range_and_place) {
+  const auto parallel = [](double x, double y, double z, const Vec3& origin = {0, 0, 0}) {
+    return axis_parallel_map({x, y, z}, origin);
+  };
+  const std::vector<Expected> table{
+      {"andrei_thorax_ct/andrei_thorax_ct.nhdr",
+       {512, 512, 275},
+       ElementType::U16,
+       0,
+       2979,
+       parallel(0.78125, 0.78125, 1, {-201, -59, -679.800049})},
+      {"vhf_ct_head/vhf_ct_head.nhdr", {512, 512, 234}, ElementType::U8, 0, 255, parallel(0.9766, 0.9766, 1)},
+      {"tooth/tooth.nhdr", {103, 94, 161}, ElementType::U16, 0, 1300, parallel(1, 1, 1)},
+      {"headsq/quarter.nhdr", {64, 64, 93}, ElementType::I16, 0, 3926, parallel(3.2, 3.2, 1.5)},
+      {"MRHeadResampled/MRHeadResampled.nhdr",
+       {130, 130, 68},
+       ElementType::I16,
+       0,
+       463,
+       parallel(2, 2, 2, {-130, -119.9, -73.7})},
+      {"engine.nii.gz", {256, 256, 128}, ElementType::U8, 0, 255, parallel(1, 1, 1)},
+      {"fuel.nii.gz", {64, 33, 32}, ElementType::U8, 0, 255, parallel(1, 1, 1)},
+      {"inia19-t1-brain.nii.gz", {168, 206, 128}, ElementType::F32, 0, 383.18, parallel(0.5, 0.5, 0.5)},
+      {"seg3d_MR.nii.gz", {160, 232, 160}, ElementType::F32, 0, 512, parallel(1, 0.898, 0.898)},
+      {"ironProt.vtk", {68, 68, 68}, ElementType::U8, 0, 255, parallel(1, 1, 1)},
+      {"carotid.vtk", {76, 49, 45}, ElementType::F32, 0, 580, parallel(1, 1, 1, {100, 80, 1})},
+      {"HeadMRVolume.mhd", {48, 62, 42}, ElementType::U8, 0, 255, parallel(4, 4, 4)},
+      {"frogtissue/frogtissue.mhd", {500, 470, 136}, ElementType::U8, 0, 29, parallel(1, 1, 1.5)},
+  };
+  for (const Expected& row : table) {
+    SCOPED_TRACE(row.path);
+    const NeutralVolume volume = import_volume(folder_ / "volumes" / row.path);
+    EXPECT_EQ(volume.sample_count, row.size);
+    EXPECT_EQ(formats::element_name(volume.type), formats::element_name(row.type));
+    Interval<double> range;
+    formats::with_element_type(volume.type, [&]<class T>(T) {
+      const auto* samples = reinterpret_cast<const T*>(volume.samples.data());
+      Interval<T> found;
+      for (std::size_t i = 0; i < volume.samples.size() / sizeof(T); ++i) found.include(samples[i]);
+      range = {static_cast<double>(found.lo), static_cast<double>(found.hi)};
+    });
+    EXPECT_NEAR(range.lo, row.lowest, 0.005);
+    EXPECT_NEAR(range.hi, row.highest, 0.005);
+    const Affine& map = volume.world_from_grid;
+    EXPECT_NEAR(map.x_axis.length(), row.map.x_axis.length(), 5e-4);
+    EXPECT_NEAR(map.y_axis.length(), row.map.y_axis.length(), 5e-4);
+    EXPECT_NEAR(map.z_axis.length(), row.map.z_axis.length(), 5e-4);
+    if (row.path.find(".nii") == std::string::npos) expect_map(map, row.map, 1e-9);
+  }
+}
+
+TEST_F(SharedData, holds_a_volume_of_colours_that_needs_a_choice) {
+  const auto path = folder_ / "volumes/vase_4comp.vti";
+  expect_refusal([&] { import_volume(path); }, Trouble::unsupported, {"4 components"});
+  ImportVolumeOptions options;
+  options.field = "Scalars_.3";
+  EXPECT_EQ(import_volume(path, options).sample_count, Index3(115, 101, 75));
+}
+
+TEST_F(SharedData, holds_headerless_volumes) {
+  ImportVolumeOptions options;
+  options.raw = parse_raw_volume("50x50x50:float32:le");
+  const std::vector<double> values = values_of(import_volume(folder_ / "volumes/chi_chunk_50x50x50_f32.bov", options));
+  EXPECT_NEAR(*std::min_element(values.begin(), values.end()), 44.7, 0.05);
+  EXPECT_NEAR(*std::max_element(values.begin(), values.end()), 1.035e8, 5e4);
+  options.raw = parse_raw_volume("64x64x64:int32:be:524");
+  const std::vector<double> aneurysm =
+      values_of(import_volume(folder_ / "volumes/aneurysm-mra-lowres.lvs.fld", options));
+  EXPECT_EQ(*std::min_element(aneurysm.begin(), aneurysm.end()), 0);
+  EXPECT_EQ(*std::max_element(aneurysm.begin(), aneurysm.end()), 181);
+}
+
+struct ExpectedMesh {
+  std::string path;
+  std::size_t points, cells;
+  std::string field;  ///< of points; empty = none to check
+  double lowest, highest, tolerance;
+};
+
+TEST_F(SharedData, holds_meshes_of_known_size_and_range) {
+  const std::vector<ExpectedMesh> table{
+      {"utahtorso/utahtorso-lowres.vtu", 8278, 51419, "voltage", -5058.9, 1780.3, 0.06},
+      {"bracket_appended_compressed.vtu", 50000, 206208, "xdsp", -9.5e-9, 3.24e-7, 5e-10},
+      {"derived/post_513375tets.vtu", 109744, 513375, "StagnationEnergy", -0.54, 4.40, 0.006},
+      {"derived/bluntfin_187395tets.vtu", 40960, 187395, "Density", 0.193, 4.978, 0.0006},
+      {"post_subset.vtk", 2288, 8750, "Pressure", 0.355, 1.641, 0.0006},
+      {"heart_decimation.vtu", 173, 610, "Distance from origin", 0.57, 2.09, 0.006},
+      {"mixed_mesh_3d.vtu", 387, 1298, "", 0, 0, 0},
+      {"monodomain3d_0.vtu", 847, 3600, "", 0, 0, 0},
+      {"sofa/Ossicles.vtu", 1733, 5058, "", 0, 0, 0},
+      {"tetgen/UCSD_heart_decimated_173nodes.node", 173, 610, "", 0, 0, 0},
+      {"tetgen/UCSD_heart_decimated_173nodes.ele", 173, 610, "", 0, 0, 0},
+  };
+  for (const ExpectedMesh& row : table) {
+    SCOPED_TRACE(row.path);
+    const NeutralMesh mesh = import_mesh(folder_ / "unstructured" / row.path);
+    EXPECT_EQ(mesh.points.size(), row.points);
+    EXPECT_EQ(mesh.cells.size(), row.cells);
+    if (row.field.empty()) continue;
+    const auto field = std::find_if(mesh.point_fields.begin(), mesh.point_fields.end(),
+                                    [&](const NeutralField& f) { return f.name == row.field; });
+    ASSERT_NE(field, mesh.point_fields.end());
+    EXPECT_NEAR(*std::min_element(field->values.begin(), field->values.end()), row.lowest, row.tolerance);
+    EXPECT_NEAR(*std::max_element(field->values.begin(), field->values.end()), row.highest, row.tolerance);
+  }
+}
+
+TEST_F(SharedData, keeps_vectors_cell_fields_and_notes) {
+  const NeutralMesh post = import_mesh(folder_ / "unstructured/derived/post_513375tets.vtu");
+  EXPECT_EQ(post.point_fields[2].name, "Momentum");
+  EXPECT_EQ(post.point_fields[2].component_count, 3);
+  const NeutralMesh torso = import_mesh(folder_ / "unstructured/utahtorso/utahtorso-lowres.vtu");
+  ASSERT_EQ(torso.cell_fields.size(), 1U);
+  EXPECT_EQ(torso.cell_fields[0].name, "tissue");
+  const NeutralMesh cables = import_mesh(folder_ / "unstructured/mixed_mesh_3d.vtu");
+  EXPECT_THAT(cables.notes, testing::Contains(testing::HasSubstr("5 lines left out")));
+  EXPECT_EQ(cables.cell_fields[0].values.size(), 1298U);
+}
+
+TEST_F(SharedData, refuses_what_is_broken_or_not_made_of_linear_tetrahedra) {
+  const auto refuses = [&](const std::string& path, Trouble trouble, const std::vector<std::string>& words) {
+    SCOPED_TRACE(path);
+    expect_refusal([&] { import_mesh(folder_ / "unstructured" / path); }, trouble, words);
+  };
+  refuses("sofa/Armadillo_Tetra_4406_for_test_broken.vtu", Trouble::invalid, {"Armadillo"});
+  refuses("can.vtu", Trouble::unsupported, {"4800 hexahedra"});
+  refuses("reservoir/UNISIM-II-D.vtu", Trouble::unsupported, {"47610 hexahedra"});
+  refuses("AngularSector.vtk", Trouble::unsupported, {"7632 hexahedra", "144 pyramids"});
+  refuses("PentaHexa.vtk", Trouble::unsupported, {"150 hexagonal prisms", "60 pentagonal prisms"});
+  refuses("CylinderQuadratic.vtk", Trouble::unsupported, {"1522 quadratic tetrahedra"});
+  refuses("office.binary.vtk", Trouble::unsupported, {"STRUCTURED_GRID"});
+  refuses("tetgen/cube_1626_elements_fully_quadratic.ele", Trouble::unsupported, {"1626 tetrahedra with 10 points"});
+  refuses("blood_vessels/T0000000500/000.vtu", Trouble::unsupported, {"voxels"});
+}
+
+TEST_F(SharedData, holds_surfaces_of_known_size) {
+  struct Row {
+    std::string path;
+    std::size_t points, facets;
+  };
+  for (const Row& row : std::vector<Row>{{"surfaces/rabbit_heart/rabbit_heart.ply", 20118, 40236},
+                                         {"surfaces/turbineblade.ply", 99519, 199034},
+                                         {"surfaces/lungs/rll.stl", 20939, 41874},
+                                         {"surfaces/lungs/lul.stl", 22300, 44596},
+                                         {"surfaces/gears.stl", 9723, 19426},
+                                         {"surfaces/42400-IDGH.stl", 5500, 11036},
+                                         {"surfaces/thingi10k/520644.stl", 3919, 7834},
+                                         {"surfaces/odedstein/skull.obj", 49999, 100002},
+                                         {"surfaces/odedstein/wingnut.obj", 3047, 6090},
+                                         {"surfaces/manifold/self_intersectA.obj", 8582, 17160},
+                                         {"surfaces/manifold/Cray_left.obj", 292, 576},
+                                         {"surfaces/tetgen_example.poly", 28, 24},
+                                         {"unstructured/utahtorso/utahtorso-lowres-heart.ply", 1329, 2654}}) {
+    SCOPED_TRACE(row.path);
+    const NeutralSurface surface = import_surface(folder_ / row.path);
+    EXPECT_EQ(surface.points.size(), row.points);
+    EXPECT_EQ(surface.facet_offsets.size() - 1, row.facets);
+  }
+  const NeutralSurface example = import_surface(folder_ / "surfaces/tetgen_example.poly");
+  EXPECT_EQ(example.facet_faces.back(), 22U);  // 23 facets, one of two polygons
+  EXPECT_EQ(example.openings.size(), 1U);
+  EXPECT_EQ(example.holes.size(), 2U);
+  EXPECT_EQ(example.regions.size(), 2U);
+}
+
+}  // namespace
+}  // namespace rhoray::preprocess

@@ -1,0 +1,131 @@
+#include <vtkCellData.h>
+#include <vtkFloatArray.h>
+#include <vtkImageData.h>
+#include <vtkNew.h>
+#include <vtkXMLImageDataWriter.h>
+
+#include "preprocess/import/readers.h"
+#include "tests/preprocess/import/support.h"
+#include "tests/preprocess/import/vtk_lattice.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using namespace tests;
+using formats::ElementType;
+
+NeutralVolume read(const std::filesystem::path& path, const std::string& field = {}) {
+  return read_volume(path, {.raw = {}, .field = field});
+}
+
+void write(const std::filesystem::path& path, vtkImageData* image, bool in_text = false) {
+  vtkNew<vtkXMLImageDataWriter> writer;
+  writer->SetInputData(image);
+  writer->SetFileName(path.c_str());
+  if (in_text) writer->SetDataModeToAscii();
+  ASSERT_EQ(writer->Write(), 1);
+}
+
+std::string by_hand(const std::string& extent, const std::string& arrays) {
+  return "<VTKFile type=\"ImageData\" version=\"0.1\" byte_order=\"LittleEndian\"><ImageData WholeExtent=\"" + extent +
+         "\" Origin=\"1 2 3\" Spacing=\"2 3 4\" Direction=\"0 -1 0 1 0 0 0 0 1\"><Piece Extent=\"" + extent + "\">" +
+         arrays + "</Piece></ImageData></VTKFile>\n";
+}
+
+const std::string known_array =
+    "<PointData><DataArray type=\"Int16\" Name=\"v\" format=\"ascii\">" + values_in_text() + "</DataArray></PointData>";
+
+TEST(Vti, reads_what_vtk_writes_in_every_type) {
+  TemporaryFolder folder;
+  for (const auto& [vtk_type, type] :
+       {std::pair(VTK_UNSIGNED_CHAR, ElementType::U8), std::pair(VTK_SHORT, ElementType::I16),
+        std::pair(VTK_UNSIGNED_INT, ElementType::U32), std::pair(VTK_LONG_LONG, ElementType::F64),
+        std::pair(VTK_FLOAT, ElementType::F32), std::pair(VTK_DOUBLE, ElementType::F64)}) {
+    write(folder / "a.vti", vtk_lattice(vtk_type));
+    const NeutralVolume volume = read(folder / "a.vti");
+    expect_known_values(volume, type);
+    EXPECT_EQ(volume.field_name, "density");
+  }
+}
+
+TEST(Vti, keeps_direction_and_an_extent_that_does_not_begin_at_zero) {
+  TemporaryFolder folder;
+  write_file(folder / "a.vti", by_hand("10 12 0 3 -1 3", known_array));
+  const NeutralVolume volume = read(folder / "a.vti");
+  expect_known_values(volume, ElementType::I16);
+  // Column x of the direction is (0, 1, 0): the first sample lies 10 steps of 2 along it, and one of 4 back along z.
+  expect_map(volume.world_from_grid, {{0, 2, 0}, {-3, 0, 0}, {0, 0, 4}, {1, 22, -1}});
+}
+
+TEST(Vti, picks_a_component_or_the_length_of_vectors) {
+  TemporaryFolder folder;
+  const vtkSmartPointer<vtkImageData> image = vtk_lattice(VTK_FLOAT);
+  image->GetPointData()->GetScalars()->SetName("density");
+  vtkNew<vtkFloatArray> flow;
+  flow->SetName("flow");
+  flow->SetNumberOfComponents(3);
+  for (std::size_t i = 0; i < value_count; ++i)
+    flow->InsertNextTuple3(static_cast<double>(i), 2, static_cast<double>(i) * 2);
+  image->GetPointData()->AddArray(flow);
+  write(folder / "a.vti", image);
+  EXPECT_EQ(read(folder / "a.vti").field_name, "density");
+  EXPECT_EQ(values_of(read(folder / "a.vti", "flow.x"))[7], 7);
+  EXPECT_EQ(values_of(read(folder / "a.vti", "flow.2"))[7], 14);
+  EXPECT_EQ(values_of(read(folder / "a.vti", "flow.mag"))[1], 3);  // 1, 2, 2
+  EXPECT_EQ(read(folder / "a.vti", "flow.mag").field_name, "flow.mag");
+  expect_refusal([&] { read(folder / "a.vti", "flow"); }, Trouble::usage, {"field 'flow'", "3 components"});
+  expect_refusal([&] { read(folder / "a.vti", "flow.3"); }, Trouble::usage,
+                 {"no field 'flow.3'", "density, flow (3 components)"});
+  expect_refusal([&] { read(folder / "a.vti", "flo"); }, Trouble::usage, {"no field 'flo'"});
+}
+
+TEST(Vti, refuses_several_components_without_a_choice) {
+  TemporaryFolder folder;
+  write_file(folder / "a.vti", by_hand("0 0 0 0 0 1",
+                                       "<PointData><DataArray type=\"UInt8\" Name=\"rgba\" NumberOfComponents=\"4\" "
+                                       "format=\"ascii\">1 2 3 4 5 6 7 8</DataArray></PointData>"));
+  expect_refusal([&] { read(folder / "a.vti"); }, Trouble::unsupported, {"rgba (4 components)"});
+  EXPECT_THAT(values_of(read(folder / "a.vti", "rgba.3")), testing::ElementsAre(4, 8));
+}
+
+TEST(Vti, puts_values_of_cells_at_their_middles) {
+  TemporaryFolder folder;
+  write_file(folder / "a.vti", by_hand("0 2 0 1 0 1",
+                                       "<CellData><DataArray type=\"Float64\" Name=\"c\" format=\"ascii\">5 6"
+                                       "</DataArray></CellData>"));
+  const NeutralVolume volume = read(folder / "a.vti");
+  EXPECT_EQ(volume.sample_count, Index3(2, 1, 1));
+  EXPECT_THAT(values_of(volume), testing::ElementsAre(5, 6));
+  expect_near(volume.world_from_grid.origin, {1 - 1.5, 2 + 1, 3 + 2});
+  EXPECT_EQ(volume.notes.size(), 1U);
+}
+
+TEST(Vti, refuses_other_files_and_absurd_sizes) {
+  TemporaryFolder folder;
+  const auto path = folder / "a.vti";
+  const auto refuses = [&](const std::string& content, Trouble trouble, const std::vector<std::string>& words) {
+    write_file(path, content);
+    expect_refusal([&] { read(path); }, trouble, words);
+  };
+  refuses("not XML at all", Trouble::invalid, {"a.vti", "VTKFile"});
+  refuses("<VTKFile type=\"PolyData\"></VTKFile>", Trouble::unsupported, {"'PolyData'", "ImageData"});
+  refuses(by_hand("0 2 0 3 0 4", ""), Trouble::invalid, {"no values"});
+  refuses(by_hand("0 99999 0 99999 0 99", known_array), Trouble::invalid, {"WholeExtent", "1000000000000 in"});
+  refuses(by_hand("0 2 0 3 0 5", known_array), Trouble::invalid, {"a.vti"});
+  refuses(by_hand("0 2 3 0 0 5", known_array), Trouble::invalid, {"WholeExtent"});
+}
+
+TEST(Vti, refuses_every_beginning_of_a_file) {
+  TemporaryFolder folder;
+  const auto is_complete = [&] {
+    const NeutralVolume volume = read(folder / "a.vti");
+    return values_of(volume) == known_values<double>();
+  };
+  const std::string text = by_hand("0 2 0 3 0 4", known_array);
+  check_every_beginning(folder / "a.vti", text, is_complete, {.stride = 7});
+  write(folder / "b.vti", vtk_lattice(VTK_DOUBLE));
+  check_every_beginning(folder / "a.vti", read_file(folder / "b.vti"), is_complete, {.stride = 7});
+}
+
+}  // namespace
+}  // namespace rhoray::preprocess

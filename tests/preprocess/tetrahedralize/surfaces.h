@@ -1,0 +1,98 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "preprocess/neutral.h"
+
+namespace rhoray::tests {
+
+using preprocess::NeutralMesh;
+using preprocess::NeutralSurface;
+using Point = std::array<double, 3>;
+
+inline void add_facet(NeutralSurface& surface, std::initializer_list<std::uint64_t> corners) {
+  surface.facet_corners.insert(surface.facet_corners.end(), corners);
+  surface.facet_offsets.push_back(surface.facet_corners.size());
+}
+
+/// The box [lo, hi] as twelve triangles; triangles 0 and 1 are its bottom.
+inline void add_box(NeutralSurface& surface, const Point& lo, const Point& hi) {
+  const std::uint64_t b = surface.points.size();
+  for (std::size_t i = 0; i < 8; ++i)
+    surface.points.push_back({i & 1 ? hi[0] : lo[0], i & 2 ? hi[1] : lo[1], i & 4 ? hi[2] : lo[2]});
+  for (const auto& q : std::vector<std::array<std::uint64_t, 4>>{
+           {0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}) {
+    add_facet(surface, {b + q[0], b + q[1], b + q[2]});
+    add_facet(surface, {b + q[0], b + q[2], b + q[3]});
+  }
+}
+
+inline NeutralSurface box(const Point& lo, const Point& hi) {
+  NeutralSurface surface;
+  add_box(surface, lo, hi);
+  return surface;
+}
+
+/// An octahedron whose triangles are quartered `rounds` times, its points on the sphere.
+inline void add_sphere(NeutralSurface& surface, double radius, int rounds, const Point& centre = {0, 0, 0}) {
+  std::vector<Point> points{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  std::vector<std::array<std::uint64_t, 3>> triangles{{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                                                      {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  for (int round = 0; round < rounds; ++round) {
+    std::map<std::pair<std::uint64_t, std::uint64_t>, std::uint64_t> middles;
+    const auto middle = [&](std::uint64_t a, std::uint64_t b) {
+      const auto [place, is_new] = middles.try_emplace(std::minmax({a, b}), points.size());
+      if (is_new) {
+        Point m{points[a][0] + points[b][0], points[a][1] + points[b][1], points[a][2] + points[b][2]};
+        const double length = std::hypot(m[0], m[1], m[2]);
+        for (double& x : m) x /= length;
+        points.push_back(m);
+      }
+      return place->second;
+    };
+    std::vector<std::array<std::uint64_t, 3>> finer;
+    for (const auto& [a, b, c] : triangles) {
+      const std::uint64_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+      finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+    }
+    triangles = std::move(finer);
+  }
+  const std::uint64_t base = surface.points.size();
+  for (const Point& p : points)
+    surface.points.push_back({centre[0] + radius * p[0], centre[1] + radius * p[1], centre[2] + radius * p[2]});
+  for (const auto& [a, b, c] : triangles) add_facet(surface, {base + a, base + b, base + c});
+}
+
+inline double determinant(const Point& a, const Point& b, const Point& c) {
+  return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+/// Volume that the triangles [first, last) enclose, by the divergence theorem.
+inline double enclosed_volume(const NeutralSurface& surface, std::size_t first, std::size_t last) {
+  double volume = 0;
+  for (std::size_t t = first; t < last; ++t) {
+    const std::uint64_t* corner = surface.facet_corners.data() + surface.facet_offsets[t];
+    volume += determinant(surface.points[corner[0]], surface.points[corner[1]], surface.points[corner[2]]) / 6;
+  }
+  return volume;
+}
+
+inline Point minus(const Point& a, const Point& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+/// Positive when (p1-p0) x (p2-p0) . (p3-p0) is.
+inline double cell_volume(const NeutralMesh& mesh, std::size_t cell) {
+  const auto& c = mesh.cells[cell];
+  const Point& o = mesh.points[c[0]];
+  return determinant(minus(mesh.points[c[1]], o), minus(mesh.points[c[2]], o), minus(mesh.points[c[3]], o)) / 6;
+}
+
+}  // namespace rhoray::tests

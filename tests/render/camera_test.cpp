@@ -1,0 +1,165 @@
+#include "render/camera.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "formats/base/trouble.h"
+#include "render/frame/camera_rays.h"
+
+namespace rhoray::tests {
+namespace {
+
+using render::Camera;
+using render::CameraRays;
+using render::fit_camera;
+using render::named_view;
+using render::View;
+
+const std::array<std::string_view, 7> names{"iso", "+x", "-x", "+y", "-y", "+z", "-z"};
+
+template <class Act>
+void expect_usage_error(Act act) {
+  try {
+    act();
+    ADD_FAILURE() << "not refused";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.trouble(), Trouble::usage) << error.what();
+  }
+}
+
+/// Where a point is in the picture: across and up, each from -1 to 1.
+std::array<double, 2> place_in_picture(const Camera& camera, double aspect, const Vec3& p) {
+  const Vec3 forward = (camera.target - camera.position).normalized();
+  const Vec3 right = forward.cross(camera.up).normalized(), above = right.cross(forward);
+  const Vec3 q = p - camera.position;
+  const double half = camera.orthographic ? camera.orthographic_height / 2
+                                          : q.dot(forward) * std::tan(camera.vertical_fov_deg * std::numbers::pi / 360);
+  return {q.dot(right) / (half * aspect), q.dot(above) / half};
+}
+
+TEST(FitCamera, shows_the_whole_box_and_fills_the_picture_from_every_side) {
+  const std::array<Box3, 4> boxes{Box3({-1, -2, -3}, {4, 2, 1}), Box3({100, 100, 100}, {101, 120, 100.5}),
+                                  Box3({0, 0, 0}, {1e-6, 2e-6, 3e-6}), Box3({-1e6, 5, 7}, {1e6, 6, 9})};
+  for (const Box3& box : boxes)
+    for (const std::string_view name : names)
+      for (const double aspect : {0.3, 1.0, 16.0 / 9})
+        for (const bool orthographic : {false, true})
+          for (const double fov : {5.0, 30.0, 120.0}) {
+            View view = named_view(name);
+            view.orthographic = orthographic;
+            view.vertical_fov_deg = fov;
+            const Camera camera = fit_camera(box, view, aspect);
+            double furthest = 0;
+            for (int corner = 0; corner < 8; ++corner) {
+              const Vec3 p(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                           corner & 4 ? box.max.z : box.min.z);
+              EXPECT_GT((p - camera.position).dot(camera.target - camera.position), 0) << "behind the eye";
+              const auto [x, y] = place_in_picture(camera, aspect, p);
+              furthest = std::max({furthest, std::abs(x), std::abs(y)});
+            }
+            EXPECT_LE(furthest, 1) << name;
+            EXPECT_GT(furthest, 0.95) << name;
+          }
+}
+
+TEST(FitCamera, zooms_by_the_given_factor) {
+  const Box3 box({0, 0, 0}, {2, 3, 4});
+  for (const bool orthographic : {false, true}) {
+    View view;
+    view.orthographic = orthographic;
+    const auto plain = place_in_picture(fit_camera(box, view, 1), 1, {2, 0, 4});
+    view.zoom = 2.5;
+    const auto zoomed = place_in_picture(fit_camera(box, view, 1), 1, {2, 0, 4});
+    EXPECT_NEAR(zoomed[0], 2.5 * plain[0], 1e-12);
+    EXPECT_NEAR(zoomed[1], 2.5 * plain[1], 1e-12);
+  }
+}
+
+TEST(FitCamera, looks_from_the_named_side_with_exact_axes) {
+  const Box3 box({-1, -1, -1}, {1, 1, 1});
+  const std::array<std::pair<std::string_view, Vec3>, 6> sides{{{"+x", {1, 0, 0}},
+                                                                {"-x", {-1, 0, 0}},
+                                                                {"+y", {0, 1, 0}},
+                                                                {"-y", {0, -1, 0}},
+                                                                {"+z", {0, 0, 1}},
+                                                                {"-z", {0, 0, -1}}}};
+  for (const auto& [name, side] : sides) {
+    const Camera camera = fit_camera(box, named_view(name), 1);
+    EXPECT_EQ(camera.position.normalized(), side) << name;
+    EXPECT_EQ(camera.up, std::abs(side.z) == 1 ? Vec3(0, 1, 0) : Vec3(0, 0, 1));
+  }
+  const Camera iso = fit_camera(box, named_view("iso"), 1);
+  EXPECT_LT(iso.position.y, 0) << "from the front";
+  EXPECT_GT(iso.position.z, 0) << "from above";
+}
+
+TEST(FitCamera, looks_at_a_single_point_too) {
+  for (const bool orthographic : {false, true})
+    EXPECT_NO_THROW(CameraRays(fit_camera(Box3(Vec3(1, 2, 3)), {.orthographic = orthographic}, 1), 4, 4));
+}
+
+TEST(FitCamera, refuses_what_cannot_be_shown) {
+  const Box3 box({0, 0, 0}, {1, 1, 1});
+  expect_usage_error([&] { fit_camera(Box3(), {}, 1); });
+  for (const double bad : {0.0, -1.0, std::nan(""), HUGE_VAL})
+    expect_usage_error([&] { fit_camera(box, {.zoom = bad}, 1); });
+  for (const double bad : {0.0, -1.0, std::nan(""), 180.0})
+    expect_usage_error([&] { fit_camera(box, {.vertical_fov_deg = bad}, 1); });
+}
+
+TEST(NamedView, refuses_other_words) {
+  expect_usage_error([] { named_view("front"); });
+  expect_usage_error([] { named_view(""); });
+}
+
+TEST(CameraRays, put_pixel_0_0_into_the_upper_left_corner) {
+  const Camera camera{.position = {0, -10, 0}, .target = {0, 0, 0}, .up = {0, 0, 1}, .vertical_fov_deg = 90};
+  const CameraRays rays(camera, 40, 20);
+  const auto first = rays.through_pixel(0, 0), last = rays.through_pixel(39, 19);
+  EXPECT_LT(first.direction.x, 0);
+  EXPECT_GT(first.direction.z, 0);
+  EXPECT_GT(last.direction.x, 0);
+  EXPECT_LT(last.direction.z, 0);
+  // The middle of the first pixel: 19.5 pixels left of the middle, 9.5 above; 10 pixels are tan 45 degrees.
+  EXPECT_NEAR(first.direction.x / first.direction.y, -1.95, 1e-14);
+  EXPECT_NEAR(first.direction.z / first.direction.y, 0.95, 1e-14);
+}
+
+TEST(CameraRays, have_directions_of_unit_length) {
+  for (const bool orthographic : {false, true})
+    for (const double fov : {0.001, 30.0, 179.0}) {
+      const CameraRays rays({.vertical_fov_deg = fov, .orthographic = orthographic}, 33, 65);
+      for (const int x : {0, 16, 32})
+        for (const int y : {0, 32, 64}) EXPECT_NEAR(rays.through_pixel(x, y).direction.length(), 1, 1e-15);
+    }
+}
+
+TEST(CameraRays, are_parallel_and_evenly_spaced_when_orthographic) {
+  const Camera camera{.position = {0, -5, 0}, .target = {0, 0, 0}, .orthographic = true, .orthographic_height = 6};
+  const CameraRays rays(camera, 30, 30);
+  EXPECT_EQ(rays.through_pixel(3, 7).direction, rays.through_pixel(29, 0).direction);
+  EXPECT_NEAR(rays.through_pixel(4, 7).origin.x - rays.through_pixel(3, 7).origin.x, 0.2, 1e-15);
+  EXPECT_NEAR(rays.through_pixel(3, 7).origin.z - rays.through_pixel(3, 8).origin.z, 0.2, 1e-15);
+}
+
+TEST(CameraRays, refuse_a_camera_that_takes_no_picture) {
+  const double nan = std::nan("");
+  const std::array<Camera, 11> bad{{{.position = {nan, 0, 0}},
+                                    {.target = {0, HUGE_VAL, 0}},
+                                    {.up = {0, 0, nan}},
+                                    {.position = {1, 2, 3}, .target = {1, 2, 3}},
+                                    {.up = {0, 0, 0}},
+                                    {.up = {0, 5, 0}},
+                                    {.vertical_fov_deg = 0},
+                                    {.vertical_fov_deg = 180},
+                                    {.vertical_fov_deg = nan},
+                                    {.orthographic = true, .orthographic_height = 0},
+                                    {.orthographic = true, .orthographic_height = nan}}};
+  for (const Camera& camera : bad) expect_usage_error([&] { CameraRays(camera, 10, 10); });
+}
+
+}  // namespace
+}  // namespace rhoray::tests

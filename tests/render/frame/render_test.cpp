@@ -1,0 +1,283 @@
+#include "render/render.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <numbers>
+
+#include "formats/base/trouble.h"
+#include "tests/render/support/traced_volume.h"
+#include "tests/support/fields.h"
+#include "tests/support/meshes.h"
+
+namespace {
+std::atomic<std::size_t> allocations{0};
+}
+
+// Counts every allocation of this program.
+void* operator new(std::size_t bytes) {
+  ++allocations;
+  if (void* memory = std::malloc(bytes == 0 ? 1 : bytes)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace rhoray::tests {
+namespace {
+
+using render::Framebuffer;
+using render::FrameOptions;
+using render::FrameStatistics;
+using render::MipMethod;
+using render::Mode;
+using render::Scene;
+
+constexpr render::ChannelSet all_channels{.depth = true, .normal = true, .cell = true, .value = true};
+
+template <class T>
+bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+bool same_bytes(const Framebuffer& a, const Framebuffer& b) {
+  return a.width == b.width && a.height == b.height && same_bytes(a.color, b.color) && same_bytes(a.depth, b.depth) &&
+         same_bytes(a.normal, b.normal) && same_bytes(a.cell, b.cell) && same_bytes(a.value, b.value);
+}
+
+Scene scene_of(const render::Volume& volume, Mode mode, std::string_view view = "iso", double aspect = 1) {
+  Scene scene;
+  scene.mode = mode;
+  scene.camera = fit_camera(volume.bounds(), render::named_view(view), aspect);
+  scene.isovalue = 0;
+  scene.window = {.lo = -10, .hi = 10};
+  return scene;
+}
+
+Field blob() {
+  return [](const Vec3& p) { return 7 - (p - Vec3(12, 10, 13)).length() + std::sin(p.x) * std::cos(1.3 * p.y); };
+}
+TEST(Render, gives_the_same_bytes_and_counts_for_any_number_of_threads) {
+  TracedVolume grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
+  for (const TracedVolume* traced : {&grid, &mesh})
+    for (const Mode mode : {Mode::isosurface, Mode::mip})
+      for (const auto& [width, height] : {std::pair(1, 1), {1, 7}, {33, 65}, {64, 32}, {131, 70}}) {
+        const Scene scene = scene_of(traced->volume(), mode, "iso", static_cast<double>(width) / height);
+        FrameOptions options{.width = width, .height = height, .channels = all_channels, .threads = 1};
+        Framebuffer one, many;
+        const FrameStatistics first = render::render(traced->volume(), scene, options, one);
+        EXPECT_EQ(first.rays, static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height));
+        EXPECT_GT(first.hits, 0U);
+        for (const unsigned threads : {2U, 8U}) {
+          options.threads = threads;
+          const FrameStatistics again = render::render(traced->volume(), scene, options, many);
+          EXPECT_TRUE(same_bytes(one, many)) << width << " x " << height << ", " << threads << " threads";
+          EXPECT_EQ(again.hits, first.hits);
+          EXPECT_EQ(again.macrocells_visited, first.macrocells_visited);
+          EXPECT_EQ(again.cells_visited, first.cells_visited);
+          EXPECT_EQ(again.cells_solved, first.cells_solved);
+          EXPECT_EQ(again.highlights_shaded, first.highlights_shaded);
+        }
+      }
+}
+
+TEST(Render, gives_the_same_picture_without_hierarchy_and_without_last_t) {
+  const TracedVolume traced = TracedVolume(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  for (const Mode mode : {Mode::isosurface, Mode::mip})
+    for (const MipMethod method : {MipMethod::exact, MipMethod::face}) {
+      // Along axes and diagonals, where rays pass several planes at once.
+      for (const std::string_view view : {"iso", "+x", "-z"})
+        for (const bool orthographic : {false, true}) {
+          Scene scene = scene_of(traced.volume(), mode, view);
+          scene.mip_method = method;
+          scene.camera.orthographic = orthographic;
+          scene.camera.orthographic_height = 32;
+          FrameOptions options{.width = 64, .height = 64, .channels = all_channels};
+          Framebuffer reference, other;
+          render::render(traced.volume(), scene, options, reference);
+          options.use_hierarchy = false;
+          render::render(traced.volume(), scene, options, other);
+          EXPECT_TRUE(same_bytes(reference, other)) << "hierarchy, from " << view;
+          options.use_hierarchy = true;
+          options.use_last_t = false;
+          render::render(traced.volume(), scene, options, other);
+          EXPECT_TRUE(same_bytes(reference, other)) << "last t, from " << view;
+          options.time_phases = true;
+          render::render(traced.volume(), scene, options, other);
+          EXPECT_TRUE(same_bytes(reference, other)) << "timed, from " << view;
+        }
+    }
+}
+
+TEST(Render, fills_the_channels_that_are_asked_for_and_no_others) {
+  const TracedVolume traced(sampled_volume<double>({21, 21, 21}, {}, linear_field({1, 0, 0}, -7.25)));
+  Scene scene = scene_of(traced.volume(), Mode::isosurface, "-x");
+  scene.background = {0.1, 0.2, 0.3};
+  Framebuffer picture;
+  render::render(traced.volume(), scene, {.width = 40, .height = 30}, picture);
+  EXPECT_EQ(picture.color.size(), 4U * 40 * 30);
+  EXPECT_TRUE(picture.depth.empty() && picture.normal.empty() && picture.cell.empty() && picture.value.empty());
+  render::render(traced.volume(), scene, {.width = 40, .height = 30, .channels = all_channels}, picture);
+  const std::size_t middle = 15 * 40 + 20, corner = 0;
+  EXPECT_NEAR(picture.depth[middle], (7.25 - scene.camera.position.x), 0.1);
+  EXPECT_EQ(picture.normal[3 * middle], -1) << "towards the eye, against the gradient";
+  EXPECT_EQ(picture.value[middle], 0);
+  EXPECT_EQ(picture.cell[middle] % 20, 7U);
+  EXPECT_EQ(picture.color[4 * middle + 3], 1);
+  EXPECT_TRUE(std::isinf(picture.depth[corner]));
+  EXPECT_EQ(picture.normal[0], 0);
+  EXPECT_TRUE(std::isnan(picture.value[corner]));
+  EXPECT_EQ(picture.cell[corner], Framebuffer::no_cell);
+  EXPECT_EQ(picture.color[0], 0.1F);
+  EXPECT_EQ(picture.color[3], 0);
+}
+
+// A perspective and an orthographic camera both show a plane of known size where geometry says.
+TEST(Render, shows_things_at_their_size_in_both_projections) {
+  Affine map;
+  map.origin = {-10, -10, -10};
+  const TracedVolume traced(sampled_volume<double>({21, 21, 21}, map, [](const Vec3& p) { return 5 - p.length(); }));
+  Scene scene = scene_of(traced.volume(), Mode::isosurface);
+  scene.camera = {.position = {0, -50, 0}, .target = {0, 0, 0}, .up = {0, 0, 1}};
+  const int n = 200;
+  const auto share_covered = [&] {
+    Framebuffer picture;
+    return static_cast<double>(render::render(traced.volume(), scene, {.width = n, .height = n}, picture).hits) /
+           (n * n);
+  };
+  scene.camera.orthographic = true;
+  scene.camera.orthographic_height = 20;
+  EXPECT_NEAR(share_covered(), std::numbers::pi * 25 / 400, 0.01);
+  scene.camera.orthographic = false;
+  scene.camera.vertical_fov_deg = 30;
+  const double half = std::tan(15 * std::numbers::pi / 180), radius = std::tan(std::asin(5.0 / 50));
+  EXPECT_NEAR(share_covered(), std::numbers::pi * radius * radius / (4 * half * half), 0.01);
+}
+
+TEST(Render, of_a_mirrored_volume_is_the_mirrored_picture) {
+  // The same samples on an axis that points the other way.
+  const Index3 count(24, 20, 22);
+  const auto value = [](const Index3& at) {
+    return static_cast<float>(
+        blob()(Vec3(static_cast<double>(at.x), static_cast<double>(at.y), static_cast<double>(at.z))));
+  };
+  Affine centered;
+  centered.origin = {-11.5, -9.5, -10.5};
+  Affine mirrored = centered;
+  mirrored.x_axis = -mirrored.x_axis;
+  mirrored.origin.x = 11.5;
+  const TracedVolume plain(volume_of<float>(count, value, centered)), mirror(volume_of<float>(count, value, mirrored));
+  for (const Mode mode : {Mode::isosurface, Mode::mip}) {
+    Scene scene = scene_of(plain.volume(), mode, "-y");
+    Framebuffer a, b;
+    const FrameOptions options{.width = 61, .height = 47, .channels = all_channels};
+    EXPECT_GT(render::render(plain.volume(), scene, options, a).hits, 200U);
+    render::render(mirror.volume(), scene, options, b);
+    int different = 0;
+    for (std::size_t y = 0; y < 47; ++y)
+      for (std::size_t x = 0; x < 61; ++x) {
+        const std::size_t here = y * 61 + x, there = y * 61 + (60 - x);
+        different += a.color[4 * here + 3] != b.color[4 * there + 3];
+        if (a.color[4 * here + 3] == 0 || b.color[4 * there + 3] == 0) continue;
+        EXPECT_NEAR(a.depth[here], b.depth[there], 1e-4);
+        EXPECT_NEAR(a.color[4 * here], b.color[4 * there], 1e-4);
+        EXPECT_NEAR(a.normal[3 * here], -b.normal[3 * there], 1e-4);
+        EXPECT_NEAR(a.value[here], b.value[there], 1e-9);
+      }
+    EXPECT_EQ(different, 0);
+  }
+}
+
+TEST(Render, shades_no_highlight_that_the_scene_does_not_call_for) {
+  const TracedVolume traced(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  Scene scene = scene_of(traced.volume(), Mode::isosurface);
+  Framebuffer picture;
+  const FrameOptions options{.width = 50, .height = 50};
+  const FrameStatistics glossy = render::render(traced.volume(), scene, options, picture);
+  EXPECT_GT(glossy.hits, 100U);
+  EXPECT_EQ(glossy.highlights_shaded, glossy.hits);
+  scene.surface.specular = 0;
+  EXPECT_EQ(render::render(traced.volume(), scene, options, picture).highlights_shaded, 0U);
+  scene.surface.specular = 1;
+  scene.mode = Mode::mip;
+  EXPECT_EQ(render::render(traced.volume(), scene, options, picture).highlights_shaded, 0U);
+}
+
+TEST(Render, allocates_nothing_per_ray) {
+  const TracedVolume grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  const TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
+  for (const TracedVolume* traced : {&grid, &mesh})
+    for (const Mode mode : {Mode::isosurface, Mode::mip}) {
+      const Scene scene = scene_of(traced->volume(), mode);
+      const auto allocations_of = [&](int edge) {
+        Framebuffer picture;
+        FrameOptions options{.width = edge, .height = edge, .channels = all_channels, .threads = 1};
+        render::render(traced->volume(), scene, options, picture);  // the thread pool's own memory, once
+        const std::size_t before = allocations;
+        render::render(traced->volume(), scene, options, picture);
+        return allocations - before;
+      };
+      // One tile each: from one ray to a thousand.
+      EXPECT_EQ(allocations_of(1), allocations_of(32));
+      EXPECT_LE(allocations_of(160), allocations_of(1) + 25) << "at most what 25 tiles may need";
+    }
+}
+
+TEST(Render, measures_the_phases_when_asked) {
+  const TracedVolume traced(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  const Scene scene = scene_of(traced.volume(), Mode::isosurface);
+  Framebuffer picture;
+  FrameOptions options{.width = 100, .height = 100, .threads = 1};
+  const FrameStatistics untimed = render::render(traced.volume(), scene, options, picture);
+  EXPECT_EQ(untimed.phases.traversal, 0);
+  EXPECT_EQ(untimed.phases.intersection, 0);
+  options.time_phases = true;
+  const FrameStatistics timed = render::render(traced.volume(), scene, options, picture);
+  EXPECT_GT(timed.phases.traversal, 0);
+  EXPECT_GT(timed.phases.intersection, 0);
+  EXPECT_GT(timed.phases.shading, 0);
+  EXPECT_LE(timed.phases.traversal + timed.phases.intersection + timed.phases.shading, 1.01 * timed.wall_s);
+}
+
+TEST(Render, refuses_pictures_and_scenes_that_make_no_sense) {
+  const TracedVolume traced(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  const Scene good = scene_of(traced.volume(), Mode::isosurface), mip = scene_of(traced.volume(), Mode::mip);
+  const auto refused = [&](const Scene& scene, int width, int height) {
+    Framebuffer picture;
+    try {
+      render::render(traced.volume(), scene, {.width = width, .height = height}, picture);
+      return false;
+    } catch (const Error& error) {
+      return error.trouble() == Trouble::usage;
+    }
+  };
+  EXPECT_FALSE(refused(good, 4, 4));
+  EXPECT_TRUE(refused(good, 0, 4));
+  EXPECT_TRUE(refused(good, 4, -1));
+  for (const double bad : {std::nan(""), HUGE_VAL}) {
+    Scene scene = good;
+    scene.isovalue = bad;
+    EXPECT_TRUE(refused(scene, 4, 4));
+    scene = mip;
+    scene.window.hi = bad;
+    EXPECT_TRUE(refused(scene, 4, 4));
+  }
+  Scene scene = mip;
+  scene.window = {};
+  EXPECT_TRUE(refused(scene, 4, 4));
+  scene = good;
+  scene.camera.target = scene.camera.position;
+  EXPECT_TRUE(refused(scene, 4, 4));
+}
+
+}  // namespace
+}  // namespace rhoray::tests

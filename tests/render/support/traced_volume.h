@@ -1,0 +1,73 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "preprocess/pack_mesh.h"
+#include "preprocess/pack_volume.h"
+#include "render/kernels/kernels.h"
+#include "render/load.h"
+#include "render/volumes/volume.h"
+#include "tests/support/temporary_folder.h"
+
+namespace rhoray::tests {
+
+/// A volume or mesh packed into a folder of its own, loaded again, and asked the kernels' questions one ray at a time.
+/// Rays are in world coordinates; so are hits, but for their gradient.
+class TracedVolume {
+ public:
+  explicit TracedVolume(const preprocess::NeutralVolume& volume, const preprocess::PackVolumeOptions& options = {})
+      : volume_(packed(volume, options)) {}
+  explicit TracedVolume(const preprocess::NeutralMesh& mesh, const preprocess::PackMeshOptions& options = {})
+      : volume_(packed(mesh, options)) {}
+
+  const render::Volume& volume() const { return volume_; }
+
+  render::Hit first_crossing(const render::Ray& ray, double isovalue, bool use_hierarchy = true) {
+    return ask(&render::Kernels::first_crossing, ray, {isovalue, use_hierarchy, true}, render::MipMethod::exact);
+  }
+  /// The bound that the last ray's t gives is left from call to call, as in a tile.
+  render::Hit largest_value(const render::Ray& ray, render::MipMethod method = render::MipMethod::exact,
+                            bool use_hierarchy = true, bool use_last_t = true) {
+    return ask(&render::Kernels::largest_value, ray, {0, use_hierarchy, use_last_t}, method);
+  }
+
+  render::Ray ray_volume(const render::Ray& ray_world) const {
+    const Affine volume_from_world = volume_.implementation().world_from_volume.inverse();
+    return {volume_from_world.point(ray_world.origin), volume_from_world.vector(ray_world.direction), ray_world.t_min,
+            ray_world.t_max};
+  }
+
+  render::KernelScratch scratch;
+
+ private:
+  render::Volume packed(const preprocess::NeutralVolume& volume, const preprocess::PackVolumeOptions& options) {
+    preprocess::pack_volume(volume, folder_ / "packed.rho", options);
+    return render::Volume::load(folder_ / "packed.rho");
+  }
+  render::Volume packed(const preprocess::NeutralMesh& mesh, const preprocess::PackMeshOptions& options) {
+    preprocess::pack_mesh(mesh, folder_ / "packed.rho", options);
+    return render::Volume::load(folder_ / "packed.rho");
+  }
+
+  render::Hit ask(render::Kernel render::Kernels::*kernel, const render::Ray& ray, const render::Question& question,
+                  render::MipMethod method) {
+    const render::Kernels kernels = render::choose_kernels(volume_.implementation(), method, false);
+    scratch.queue.reserve(kernels.queue_entries);
+    const render::Ray in_volume = ray_volume(ray);
+    render::Hit hit;
+    (kernels.*kernel)(volume_.implementation(), question, std::span(&in_volume, 1), std::span(&hit, 1), scratch);
+    return hit;
+  }
+
+  TemporaryFolder folder_;
+  render::Volume volume_;
+};
+
+/// Every bit of two hits.
+inline bool same_bits(const render::Hit& a, const render::Hit& b) {
+  return a.t == b.t && a.value == b.value && a.cell == b.cell && a.gradient == b.gradient;
+}
+
+}  // namespace rhoray::tests

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <xxhash.h>
+
+#include <cstdint>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+/// Packed files with valid checksums around changed content: what somebody writes who means harm. Follows SPEC.md with
+/// its own code, so that it also checks ours.
+namespace rhoray::tests {
+
+struct Envelope {
+  std::string json;  ///< without the spaces behind it
+  std::string data;  ///< the data area before "_sum"
+};
+
+inline Envelope open_envelope(const std::string& file) {
+  std::uint64_t text_bytes = 0;
+  std::memcpy(&text_bytes, file.data(), 8);
+  Envelope parts{file.substr(8, text_bytes), {}};
+  parts.json.erase(parts.json.find_last_not_of(' ') + 1);
+  // The table of sums and the seal follow the data: d bytes of data in ceil(d / 65536) blocks of 8 bytes, and 64.
+  const std::uint64_t rest = file.size() - 8 - text_bytes - 64;
+  std::uint64_t data_bytes = 0;
+  while (data_bytes + 8 * ((data_bytes + 65535) / 65536) != rest) ++data_bytes;
+  parts.data = file.substr(8 + text_bytes, data_bytes);
+  return parts;
+}
+
+inline std::string seal_again(const Envelope& parts) {
+  const auto append = [](std::string& to, const auto& value) {
+    to.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  const auto append_sum = [&](std::string& to, std::string_view bytes) {
+    const XXH128_hash_t sum = XXH3_128bits(bytes.data(), bytes.size());
+    append(to, sum.low64);
+    append(to, sum.high64);
+  };
+  std::string header;
+  append(header, std::uint64_t{(8 + parts.json.size() + 4095) / 4096 * 4096 - 8});
+  header += parts.json;
+  header.resize((header.size() + 4095) / 4096 * 4096, ' ');
+
+  std::string sums;
+  for (std::size_t at = 0; at < parts.data.size(); at += 65536) {
+    const std::string_view block = std::string_view(parts.data).substr(at, 65536);
+    append(sums, std::uint64_t{XXH3_64bits(block.data(), block.size())});
+  }
+  std::string seal("\x89RHO\r\n\x1a\n", 8);
+  append(seal, std::uint64_t{header.size() + parts.data.size() + sums.size() + 64});
+  append(seal, std::uint64_t{65536});
+  append_sum(seal, header);
+  append_sum(seal, sums);
+  append(seal, std::uint64_t{XXH3_64bits(seal.data(), seal.size())});
+  return header + parts.data + sums + seal;
+}
+
+/// A file whose header text has `from` replaced by `to`, sealed again. Throws when `from` is not there, so that a test
+/// does not go on testing an unchanged file.
+inline std::string with_header_change(const std::string& file, std::string_view from, std::string_view to) {
+  Envelope parts = open_envelope(file);
+  const std::size_t at = parts.json.find(from);
+  if (at == std::string::npos) throw std::runtime_error("not in the header: " + std::string(from));
+  parts.json.replace(at, from.size(), to);
+  return seal_again(parts);
+}
+
+/// A file with `bytes` at a position of its data area, sealed again.
+inline std::string with_data_change(const std::string& file, std::uint64_t at, std::string_view bytes) {
+  Envelope parts = open_envelope(file);
+  parts.data.replace(at, bytes.size(), bytes);
+  return seal_again(parts);
+}
+
+}  // namespace rhoray::tests

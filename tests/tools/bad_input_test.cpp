@@ -1,0 +1,210 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/tools/workbench.h"
+
+namespace rhoray::tests {
+namespace {
+
+using testing::HasSubstr;
+
+struct Case {
+  const char* name;
+  std::vector<std::string> words;
+  int exit_code;
+  const char* fact;       ///< in the first line of stderr
+  const char* hint = "";  ///< in the second line; empty: any
+};
+
+/// Everything that the cases ask for: good inputs, and inputs with one thing wrong.
+void make_inputs(const Workbench& bench) {
+  bench.make_ball();
+  bench.make_box();
+  write_file(bench / "empty.rho", "");
+  write_file(bench / "empty.nrrd", "");
+  write_file(bench / "empty.vtu", "");
+  write_file(bench / "empty.stl", "");
+  write_file(bench / "notes.txt", "nothing to see");
+  write_file(bench / "text.rho", std::string(10'000, 'x'));
+  const std::string ball = read_file(bench / "ball.rho");
+  write_file(bench / "truncated.rho", ball.substr(0, ball.size() / 2));
+  std::string damaged = ball;
+  damaged[damaged.size() / 2] = static_cast<char>(damaged[damaged.size() / 2] ^ 1);
+  write_file(bench / "damaged.rho", damaged);
+  const std::string box = read_file(bench / "box.vtu");
+  write_file(bench / "truncated.vtu", box.substr(0, box.size() / 2));
+  write_file(bench / "there.png", "a picture that someone needs");
+  write_file(bench / "there.rho", "a file that someone needs");
+  write_file(bench / "open.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  std::filesystem::create_directory(bench / "folder");
+}
+
+const Case cases[] = {
+    // the command line itself
+    {"no subcommand", {}, 2, "rhoray: no subcommand given", "--help"},
+    {"mistyped subcommand", {"rendr", "ball.rho"}, 2, "no subcommand rendr", "did you mean render?"},
+    {"mistyped option", {"render", "ball.rho", "--sise", "64x64"}, 2, "unknown option --sise", "did you mean --size?"},
+    {"mistyped option with =", {"render", "ball.rho", "--ios=3"}, 2, "unknown option --ios", "did you mean --iso?"},
+    {"unknown option", {"info", "ball.rho", "--flamingo"}, 2, "unknown option --flamingo", "lists the options"},
+    {"mistyped option without a file", {"pack", "--hlep"}, 2, "unknown option --hlep", "did you mean --help?"},
+    {"no file", {"render"}, 2, "no FILE given"},
+    {"too many files", {"render", "ball.rho", "box.rho"}, 2, "unexpected argument 'box.rho'"},
+    {"option twice", {"render", "ball.rho", "--iso", "3", "--iso", "4"}, 2, "--iso"},
+    {"option without its value", {"render", "ball.rho", "--iso"}, 2, "--iso"},
+    {"mistyped word", {"render", "ball.rho", "--mode", "mop"}, 2, "--mode: found 'mop'", "did you mean mip?"},
+
+    // inputs that are missing, empty, cut off, of the wrong kind, damaged
+    {"missing", {"render", "bal.rho", "-o", "x.png"}, 3, "bal.rho: no such file", "did you mean ball.rho?"},
+    {"missing for info", {"info", "ball.rhp"}, 3, "ball.rhp: no such file", "did you mean ball.rho?"},
+    {"missing for verify", {"verify", "bxo.rho"}, 3, "bxo.rho: no such file", "did you mean box.rho?"},
+    {"missing for pack", {"pack", "boxx.vtu"}, 3, "boxx.vtu: no such file", "did you mean box.vtu?"},
+    {"missing for tetrahedralize", {"tetrahedralize", "oppen.off"}, 3, "no such file", "did you mean open.off?"},
+    {"missing for bench", {"bench", "phases", "nothing-like-it"}, 3, "no such file"},
+    {"folder as input", {"info", "folder"}, 3, "is a folder"},
+    {"empty packed file", {"render", "empty.rho", "-o", "x.png"}, 4, "empty.rho"},
+    {"empty volume", {"pack", "empty.nrrd", "-o", "x.rho"}, 4, "empty.nrrd"},
+    {"empty mesh", {"pack", "empty.vtu", "-o", "x.rho"}, 4, "empty.vtu"},
+    {"empty surface", {"tetrahedralize", "empty.stl", "-o", "x.vtu"}, 4, "empty.stl"},
+    {"truncated packed file", {"render", "truncated.rho", "-o", "x.png"}, 4, "truncated.rho"},
+    {"truncated mesh", {"pack", "truncated.vtu", "-o", "x.rho"}, 4, "truncated.vtu"},
+    {"text as packed file", {"render", "text.rho", "-o", "x.png"}, 4, "text.rho"},
+    {"damaged packed file",
+     {"render", "damaged.rho", "-o", "x.png"},
+     4,
+     "are damaged (array",
+     "rhoray verify damaged.rho"},
+    {"mesh where a packed file is wanted",
+     {"render", "box.vtu", "-o", "x.png"},
+     4,
+     "not a packed file",
+     "rhoray pack box.vtu -o box.rho"},
+    {"surface where a mesh is wanted",
+     {"pack", "open.off", "-o", "x.rho"},
+     4,
+     "holds a surface",
+     "rhoray tetrahedralize"},
+    {"packed file where a mesh is wanted",
+     {"pack", "ball.rho", "-o", "x.rho"},
+     4,
+     "is a packed file already",
+     "rhoray info"},
+    {"unknown kind for pack", {"pack", "notes.txt", "-o", "x.rho"}, 4, "not known here", "--raw"},
+    {"unknown kind for info", {"info", "notes.txt"}, 7, "not known here", ".nrrd"},
+    {"mesh where a surface is wanted", {"tetrahedralize", "box.vtu", "-o", "x.vtu"}, 4, "is not a surface"},
+    {"open surface", {"tetrahedralize", "open.off", "-o", "x.vtu"}, 4, "open.off"},
+    {"table for packed files on a raw file", {"bench", "phases", "ball.raw"}, 4, "not a packed file"},
+
+    // requests that make no sense
+    {"no such field", {"render", "box.rho", "--field", "heigth", "-o", "x.png"}, 2, "heigth", "did you mean height?"},
+    {"no such field to pack", {"pack", "box.vtu", "--field", "heigth", "-o", "x.rho"}, 2, "heigth", "height"},
+    {"isovalue outside the range",
+     {"render", "ball.rho", "--iso", "9000", "-o", "x.png"},
+     2,
+     "outside the range 0 to 2",
+     "--iso auto"},
+    {"isovalue that is no number", {"render", "ball.rho", "--iso", "skin", "-o", "x.png"}, 2, "--iso: found 'skin'"},
+    {"isovalue nan", {"render", "ball.rho", "--iso", "nan", "-o", "x.png"}, 2, "--iso: found 'nan'"},
+    {"percentile above 100", {"render", "ball.rho", "--iso", "p101", "-o", "x.png"}, 2, "from 0 to 100"},
+    {"no pixels", {"render", "ball.rho", "--size", "0x0", "-o", "x.png"}, 2, "--size: found '0x0'"},
+    {"absurdly many pixels", {"render", "ball.rho", "--size", "1000000x1000000", "-o", "x.png"}, 2, "from 1 to 65536"},
+    {"more pixels than memory",
+     {"render", "ball.rho", "--size", "4096x4096", "--memory", "1M", "-o", "x.png"},
+     5,
+     "--memory allows 1.0 MiB"},
+    {"unknown picture format", {"render", "ball.rho", "-o", "x.bmp"}, 2, "expected .png"},
+    {"channels in a PNG", {"render", "ball.rho", "--channels", "depth", "-o", "x.png"}, 2, "only EXR keeps"},
+    {"unknown channel",
+     {"render", "ball.rho", "--channels", "deptj", "-o", "x.exr"},
+     2,
+     "found 'deptj'",
+     "did you mean depth?"},
+    {"unknown view", {"render", "ball.rho", "--view", "+w", "-o", "x.png"}, 2, "+w"},
+    {"camera without a direction",
+     {"render", "ball.rho", "--camera-position", "0,0,0", "--camera-target", "0,0,0", "-o", "x.png"},
+     2,
+     "no direction"},
+    {"raw beyond the file",
+     {"pack", "ball.raw", "--raw", "100x100x100:uint16:le", "-o", "x.rho"},
+     4,
+     "found 13824 bytes"},
+    {"raw beyond 64 bits",
+     {"pack", "ball.raw", "--raw", "4000000000x4000000000x4000000000:uint8", "-o", "x.rho"},
+     4,
+     "found 13824 bytes"},
+    {"raw that cannot be read", {"pack", "ball.raw", "--raw", "24x24:uint8", "-o", "x.rho"}, 2, "24x24:uint8"},
+    {"raw above the memory cap",
+     {"pack", "ball.raw", "--raw", "24x24x24:uint8", "--memory", "1K", "-o", "x.rho"},
+     5,
+     "--memory allows"},
+    {"volume option on a mesh",
+     {"pack", "box.vtu", "--layout", "linear", "-o", "x.rho"},
+     2,
+     "--layout: is for volumes"},
+    {"mesh option on a volume",
+     {"pack", "ball.raw", "--raw", "24x24x24:uint8", "--cells", "5", "-o", "x.rho"},
+     2,
+     "--cells: is for meshes"},
+    {"too many levels", {"pack", "box.vtu", "--levels", "99", "-o", "x.rho"}, 2, "--levels: found 99"},
+    {"no repetition", {"bench", "open", "ball.rho", "--repeat", "0"}, 2, "--repeat: found 0"},
+    {"unknown table", {"bench", "thread", "ball.rho"}, 2, "no table 'thread'", "did you mean threads?"},
+
+    // outputs
+    {"picture is there", {"render", "ball.rho", "-o", "there.png"}, 2, "there.png: is there already", "--force"},
+    {"packed file is there", {"pack", "box.vtu", "-o", "there.rho"}, 2, "there.rho: is there already", "--force"},
+    {"default output is there", {"pack", "box.vtu"}, 2, "box.rho: is there already", "--force"},
+    {"folder of the output is missing", {"render", "ball.rho", "-o", "nowhere/x.png"}, 2, "no folder nowhere"},
+    {"folder of the packed file is missing", {"pack", "box.vtu", "-o", "nowhere/x.rho"}, 2, "no folder nowhere"},
+    {"output is a folder", {"pack", "box.vtu", "-o", "folder"}, 2, "is a folder"},
+    {"output is the input",
+     {"pack", "ball.raw", "--raw", "24x24x24:uint8", "-o", "ball.raw", "--force"},
+     2,
+     "is the input"},
+    {"mesh of another format", {"tetrahedralize", "open.off", "-o", "x.msh"}, 2, "expected .vtu"},
+    {"folder for tables is missing", {"bench", "open", "ball.rho", "-o", "nowhere"}, 2, "no such folder"}};
+
+TEST(BadInput, ends_with_the_right_code_one_line_of_fact_a_hint_and_nothing_written) {
+  const Workbench bench;
+  make_inputs(bench);
+  const auto before = bench.contents();
+  for (const Case& each : cases) {
+    SCOPED_TRACE(each.name);
+    const RunResult result = bench.rhoray(each.words);
+    EXPECT_EQ(result.exit_code, each.exit_code) << result.err;
+    EXPECT_EQ(result.out, "");
+    const std::string first = result.err.substr(0, result.err.find('\n'));
+    EXPECT_THAT(first, testing::StartsWith("rhoray"));
+    EXPECT_THAT(first, HasSubstr(each.fact));
+    EXPECT_THAT(line_after(result.err, "hint: "), HasSubstr(each.hint));
+    EXPECT_LE(std::count(result.err.begin(), result.err.end(), '\n'), 2) << result.err;
+    EXPECT_EQ(bench.contents(), before);
+  }
+}
+
+TEST(BadInput, stays_bad_for_every_cut_of_a_packed_file) {
+  const Workbench bench;
+  bench.make_ball();
+  const std::string ball = read_file(bench / "ball.rho");
+  const std::size_t steps = 16;
+  for (std::size_t i = 0; i < steps; ++i) {
+    write_file(bench / "cut.rho", ball.substr(0, ball.size() * i / steps));
+    EXPECT_EQ(bench.rhoray({"render", "cut.rho", "-o", "cut.png"}).exit_code, 4) << i;
+    EXPECT_EQ(bench.rhoray({"verify", "cut.rho"}).exit_code, 4) << i;
+    EXPECT_FALSE(std::filesystem::exists(bench / "cut.png"));
+  }
+}
+
+TEST(BadInput, that_cannot_be_opened_is_unreadable) {
+  const Workbench bench;
+  bench.make_ball();
+  std::filesystem::create_symlink("loop.rho", bench / "loop.rho");  // a name that leads nowhere, for root too
+  std::filesystem::permissions(bench / "ball.rho", std::filesystem::perms::none);
+  std::vector<std::string> files{"loop.rho"};
+  if (::geteuid() != 0) files.push_back("ball.rho");  // root may read every file
+  for (const std::string& file : files) {
+    EXPECT_EQ(bench.rhoray({"render", file}).exit_code, 3) << file;
+    EXPECT_EQ(bench.rhoray({"verify", file}).exit_code, 3) << file;
+  }
+}
+
+}  // namespace
+}  // namespace rhoray::tests

@@ -1,0 +1,142 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/workbench.h"
+
+namespace rhoray::tests {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(InfoCommand, tells_of_a_grid_what_was_put_in) {
+  const Workbench bench;
+  bench.make_ball_raw();
+  ASSERT_EQ(
+      bench.rhoray({"pack", "ball.raw", "--raw", "24x24x24:uint8", "--spacing", "0.5,1,2", "--origin", "-1,0,1", "-q"})
+          .exit_code,
+      0);
+  const RunResult result = bench.rhoray({"info", "ball.rho", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["kind"], "grid");
+  EXPECT_EQ(json["samples"], nlohmann::json({24, 24, 24}));
+  EXPECT_EQ(json["cells"], 23 * 23 * 23);
+  EXPECT_EQ(json["geometry"]["spacing"], nlohmann::json({0.5, 1.0, 2.0}));
+  EXPECT_EQ(json["geometry"]["origin"], nlohmann::json({-1.0, 0.0, 1.0}));
+  EXPECT_EQ(json["box"]["high"], nlohmann::json({10.5, 23.0, 47.0}));
+  const std::string bytes = read_file(bench / "ball.raw");
+  const auto [lo, hi] = std::minmax_element(bytes.begin(), bytes.end(), [](char a, char b) {
+    return static_cast<unsigned char>(a) < static_cast<unsigned char>(b);
+  });
+  EXPECT_EQ(json["fields"][0]["range"],
+            nlohmann::json({static_cast<unsigned char>(*lo) * 1.0, static_cast<unsigned char>(*hi) * 1.0}));
+  std::uint64_t counted = 0;
+  for (const auto& count : json["fields"][0]["histogram"]) counted += count.get<std::uint64_t>();
+  EXPECT_EQ(counted, bytes.size());
+  EXPECT_THAT(json["provenance"]["command"].get<std::string>(), HasSubstr("--spacing 0.5,1,2"));
+
+  const RunResult text = bench.rhoray({"info", "ball.rho"});
+  EXPECT_THAT(text.out, HasSubstr("24 x 24 x 24"));
+  EXPECT_THAT(text.out, HasSubstr("0.5 x 1 x 2"));
+  EXPECT_THAT(text.out, HasSubstr("█"));
+}
+
+TEST(InfoCommand, tells_of_a_mesh_the_same_before_and_after_packing) {
+  const Workbench bench;
+  bench.make_box();
+  const RunResult result = bench.rhoray({"info", "box.vtu", "box.rho", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::size_t end = result.out.find('\n');
+  const nlohmann::json foreign = nlohmann::json::parse(result.out.substr(0, end));
+  const nlohmann::json packed = nlohmann::json::parse(result.out.substr(end + 1));
+  EXPECT_EQ(foreign["kind"], "mesh");
+  EXPECT_EQ(packed["kind"], "tets");
+  for (const char* same : {"points", "cells", "box"}) EXPECT_EQ(foreign[same], packed[same]) << same;
+  ASSERT_EQ(foreign["fields"].size(), 2U);
+  for (std::size_t f = 0; f < 2; ++f)
+    for (const char* same : {"name", "range", "no_data_count"})
+      EXPECT_EQ(foreign["fields"][f][same], packed["fields"][f][same]) << same;
+  EXPECT_THAT(bench.rhoray({"info", "box.vtu"}).out, HasSubstr("'length'"));
+}
+
+TEST(InfoCommand, goes_on_after_a_file_that_it_cannot_read) {
+  const Workbench bench;
+  bench.make_ball();
+  const RunResult result = bench.rhoray({"info", "missing.rho", "ball.rho"});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.out, HasSubstr("ball.rho"));
+  EXPECT_THAT(result.err, HasSubstr("missing.rho"));
+}
+
+TEST(VerifyCommand, passes_sound_files_and_names_every_damaged_block) {
+  const Workbench bench;
+  bench.make_ball();
+  bench.make_box();
+  for (const char* deep : {"--json", "--deep"}) {
+    const RunResult sound = bench.rhoray({"verify", "ball.rho", "box.rho", deep});
+    EXPECT_EQ(sound.exit_code, 0) << sound.out << sound.err;
+  }
+  const nlohmann::json info = nlohmann::json::parse(bench.rhoray({"info", "box.rho", "--json"}).out);
+  for (const nlohmann::json& array : info["arrays"]) {
+    const std::string name = array["name"];
+    SCOPED_TRACE(name);
+    std::string bytes = read_file(bench / "box.rho");
+    const std::size_t at = array["first_byte"].get<std::size_t>();
+    bytes[at] = static_cast<char>(bytes[at] ^ 16);
+    write_file(bench / "damaged.rho", bytes);
+    const RunResult found = bench.rhoray({"verify", "damaged.rho", "--json"});
+    EXPECT_EQ(found.exit_code, 4);
+    const nlohmann::json json = nlohmann::json::parse(found.out);
+    EXPECT_EQ(json["ok"], false);
+    ASSERT_EQ(json["damaged_blocks"].size(), 1U);
+    const nlohmann::json& block = json["damaged_blocks"][0];
+    EXPECT_LE(block["first_byte"].get<std::size_t>(), at);
+    EXPECT_GT(block["first_byte"].get<std::size_t>() + block["byte_count"].get<std::size_t>(), at);
+    EXPECT_THAT(block["arrays"].get<std::vector<std::string>>(), testing::Contains(name));
+    EXPECT_THAT(bench.rhoray({"verify", "damaged.rho"}).out, HasSubstr(name));
+  }
+}
+
+TEST(VerifyCommand, finds_a_broken_header_or_seal) {
+  const Workbench bench;
+  bench.make_ball();
+  const std::string good = read_file(bench / "ball.rho");
+  for (const std::size_t at : {std::size_t{20}, good.size() - 1, good.size() - 60}) {
+    std::string bytes = good;
+    bytes[at] = static_cast<char>(bytes[at] ^ 1);
+    write_file(bench / "damaged.rho", bytes);
+    const RunResult found = bench.rhoray({"verify", "damaged.rho"});
+    EXPECT_EQ(found.exit_code, 4) << at;
+    EXPECT_THAT(found.out, HasSubstr("damaged.rho")) << at;
+  }
+}
+
+TEST(Help, of_every_subcommand_ends_with_examples_whose_options_exist) {
+  const Workbench bench;
+  const RunResult overview = bench.rhoray({"--help"});
+  EXPECT_EQ(overview.exit_code, 0);
+  EXPECT_THAT(bench.rhoray({"--version"}).out, testing::StartsWith("rhoray "));
+  for (const char* subcommand : {"info", "verify", "pack", "tetrahedralize", "render", "bench"}) {
+    SCOPED_TRACE(subcommand);
+    EXPECT_THAT(overview.out, HasSubstr(std::string("  ") + subcommand + " "));
+    const RunResult help = bench.rhoray({subcommand, "--help"});
+    EXPECT_EQ(help.exit_code, 0);
+    EXPECT_EQ(help.err, "");
+    const std::string start = std::string("  rhoray ") + subcommand;
+    std::string examples = help.out.substr(help.out.find("Example:\n"));
+    int count = 0;
+    for (std::string line = line_after(examples, start); !line.empty(); line = line_after(examples, start)) {
+      // None of the files is there: the options are read and the first missing file is named.
+      const RunResult run = bench.shell("rhoray " + (subcommand + line));
+      EXPECT_EQ(run.exit_code, 3) << line << "\n" << run.err;
+      examples = examples.substr(examples.find(start + line) + start.size() + line.size());
+      ++count;
+    }
+    EXPECT_GE(count, 2);
+  }
+}
+
+}  // namespace
+}  // namespace rhoray::tests

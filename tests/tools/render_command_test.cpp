@@ -1,0 +1,201 @@
+#include <OpenImageIO/imageio.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tests/tools/workbench.h"
+
+namespace rhoray::tests {
+namespace {
+
+using testing::HasSubstr;
+
+struct ReadPicture {
+  OIIO::ImageSpec spec;
+  std::vector<float> pixels;
+
+  std::size_t channel(const std::string& name) const { return static_cast<std::size_t>(spec.channelindex(name)); }
+  float at(int x, int y, const std::string& name) const {
+    return pixels[static_cast<std::size_t>(y * spec.width + x) * static_cast<std::size_t>(spec.nchannels) +
+                  channel(name)];
+  }
+};
+
+ReadPicture read_picture(const std::filesystem::path& path) {
+  const auto file = OIIO::ImageInput::open(path.string());
+  if (!file) throw std::runtime_error(OIIO::geterror());
+  ReadPicture picture{file->spec(), {}};
+  picture.pixels.resize(static_cast<std::size_t>(picture.spec.width) * static_cast<std::size_t>(picture.spec.height) *
+                        static_cast<std::size_t>(picture.spec.nchannels));
+  if (!file->read_image(0, 0, 0, picture.spec.nchannels, OIIO::TypeDesc::FLOAT, picture.pixels.data()))
+    throw std::runtime_error(file->geterror());
+  return picture;
+}
+
+/// The channel 'cell' in whole numbers (read as float, they would be shares of the largest one).
+std::vector<std::uint32_t> read_cells(const std::filesystem::path& path) {
+  const auto file = OIIO::ImageInput::open(path.string());
+  if (!file) throw std::runtime_error(OIIO::geterror());
+  const OIIO::ImageSpec spec = file->spec();
+  std::vector<std::uint32_t> cells(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
+  const int channel = spec.channelindex("cell");
+  if (!file->read_image(0, 0, channel, channel + 1, OIIO::TypeDesc::UINT32, cells.data()))
+    throw std::runtime_error(file->geterror());
+  return cells;
+}
+
+TEST(RenderCommand, draws_a_ball_in_the_middle_of_a_white_picture) {
+  const Workbench bench;
+  bench.make_ball();
+  const RunResult result = bench.rhoray({"render", "ball.rho", "--iso", "100", "--size", "96x64", "-o", "ball.png"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.out, "");
+  const ReadPicture picture = read_picture(bench / "ball.png");
+  EXPECT_EQ(picture.spec.width, 96);
+  EXPECT_EQ(picture.spec.height, 64);
+  EXPECT_EQ(picture.spec.nchannels, 3);
+  EXPECT_EQ(picture.spec.format, OIIO::TypeDesc::UINT8);
+  for (const char* channel : {"R", "G", "B"}) {
+    EXPECT_EQ(picture.at(0, 0, channel), 1);
+    EXPECT_EQ(picture.at(95, 63, channel), 1);
+    EXPECT_LT(picture.at(48, 32, channel), 0.98);
+    EXPECT_GT(picture.at(48, 32, channel), 0.2);
+  }
+}
+
+TEST(RenderCommand, ends_with_a_command_that_makes_the_same_bytes_again_and_keeps_it_in_the_picture) {
+  const Workbench bench;
+  bench.make_ball();
+  bench.make_box();
+  std::filesystem::rename(bench / "box.rho", bench / "a box.rho");  // a name that a shell would split
+  const std::vector<std::vector<std::string>> choices = {
+      {"ball.rho", "-o", "p.png", "--iso", "auto"},
+      {"ball.rho", "-o", "p.png", "--iso", "p90", "--view", "-x", "--zoom", "1.7", "--surface-color", "#336699"},
+      {"ball.rho", "-o", "p.exr", "--ortho", "--azimuth", "33.3", "--elevation", "-71.7", "--channels",
+       "value,cell,normal,depth"},
+      {"ball.rho", "-o", "p.png", "--mode", "mip", "--method", "face", "--range", "10,200.5", "--background",
+       "0.1,0.2,0.3"},
+      {"ball.rho", "-o", "p.png", "--mode", "mip", "--no-hierarchy"},
+      {"a box.rho", "-o", "p.png", "--field", "length", "--specular", "0", "--fov", "45"},
+      {"a box.rho", "-o", "p.tif", "--camera-position", "3,2,1", "--camera-target", "0.5,0.5,0.5", "--camera-up",
+       "0,1,0"},
+      {"a box.rho", "-o", "p.exr", "--mode", "mip"}};
+  struct Drawn {
+    std::filesystem::path picture;
+    std::string command;
+    std::string bytes;
+  };
+  std::vector<Drawn> drawn;
+  for (const std::vector<std::string>& choice : choices) {
+    SCOPED_TRACE(testing::PrintToString(choice));
+    std::vector<std::string> words{"render", "--size", "40x30"};
+    words.insert(words.end(), choice.begin(), choice.end());
+    const RunResult result = bench.rhoray(words);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const std::filesystem::path picture = bench / choice[2];
+    const std::string command = line_after(result.err, "reproduce: ");
+    EXPECT_TRUE(result.err.ends_with(command + "\n")) << "it is the last line";
+    const bool keeps_any_name = picture.extension() != ".tif";
+    EXPECT_EQ(read_picture(picture).spec.get_string_attribute(keeps_any_name ? "rhoray:command" : "ImageDescription"),
+              command);
+    EXPECT_THAT(read_picture(picture).spec.get_string_attribute("Software"), testing::StartsWith("rhoray "));
+    drawn.push_back({picture, command, read_file(picture)});
+    std::filesystem::remove(picture);
+  }
+
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // a time of writing in the file would show
+  for (const Drawn& first : drawn) {
+    SCOPED_TRACE(first.command);
+    const RunResult again = bench.shell(first.command);
+    ASSERT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_EQ(line_after(again.err, "reproduce: "), first.command);
+    EXPECT_TRUE(read_file(first.picture) == first.bytes);
+    std::filesystem::remove(first.picture);
+  }
+}
+
+TEST(RenderCommand, keeps_depth_normal_value_and_cell_in_an_exr) {
+  const Workbench bench;
+  bench.make_ball();
+  const RunResult result = bench.rhoray({"render", "ball.rho", "--iso", "127.5", "--size", "65x65", "--view", "-y",
+                                         "--camera-position", "11.5,-88.5,11.5", "--camera-target", "11.5,11.5,11.5",
+                                         "--channels", "depth,normal,value,cell", "-o", "ball.exr"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const ReadPicture picture = read_picture(bench / "ball.exr");
+  for (const char* name : {"R", "G", "B", "A", "Z", "N.x", "N.y", "N.z", "value", "cell"})
+    ASSERT_GE(picture.spec.channelindex(name), 0) << name;
+  EXPECT_EQ(picture.spec.channelformat(picture.spec.channelindex("cell")), OIIO::TypeDesc::UINT32);
+  EXPECT_EQ(picture.spec.channelformat(picture.spec.channelindex("Z")), OIIO::TypeDesc::FLOAT);
+
+  // The ray through the middle meets the surface, six samples before the ball's middle, head on.
+  EXPECT_EQ(picture.at(32, 32, "A"), 1);
+  EXPECT_NEAR(picture.at(32, 32, "Z"), 94, 0.1);
+  EXPECT_NEAR(picture.at(32, 32, "N.y"), -1, 0.01);
+  EXPECT_NEAR(picture.at(32, 32, "value"), 127.5, 1e-3);
+  const int cell = static_cast<int>(read_cells(bench / "ball.exr").at(32 * 65 + 32));
+  EXPECT_EQ(cell % 23, 11);
+  EXPECT_EQ(cell / 23 % 23, 5);
+  EXPECT_EQ(cell / (23 * 23), 11);
+
+  EXPECT_EQ(read_cells(bench / "ball.exr").front(), 0xffff'ffffU);
+  EXPECT_EQ(picture.at(0, 0, "A"), 0);
+  EXPECT_EQ(picture.at(0, 0, "R"), 0);
+  EXPECT_TRUE(std::isinf(picture.at(0, 0, "Z")));
+  EXPECT_TRUE(std::isnan(picture.at(0, 0, "value")));
+}
+
+TEST(RenderCommand, prints_choices_and_statistics_as_json) {
+  const Workbench bench;
+  bench.make_ball();
+  const RunResult result =
+      bench.rhoray({"render", "ball.rho", "--size", "32x16", "-o", "ball.png", "--json", "--stats"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["mode"], "iso");
+  EXPECT_EQ(json["isovalue_from"], "Otsu's threshold");
+  EXPECT_THAT(result.err, HasSubstr("isovalue "));
+  EXPECT_EQ(json["statistics"]["rays"], 32 * 16);
+  EXPECT_GT(json["statistics"]["hits"], 0);
+  EXPECT_GT(json["statistics"]["phases_cpu_s"]["traversal"], 0);
+  EXPECT_EQ(json["reproduce"], line_after(result.err, "reproduce: "));
+}
+
+TEST(RenderCommand, says_nothing_when_quiet_and_shows_progress_when_asked) {
+  const Workbench bench;
+  bench.make_ball();
+  const RunResult quiet = bench.rhoray({"render", "ball.rho", "--size", "8x8", "-o", "a.png", "-q"});
+  EXPECT_EQ(quiet.out + quiet.err, "");
+  const RunResult plain = bench.rhoray({"render", "ball.rho", "--size", "8x8", "-o", "b.png", "--progress", "plain"});
+  EXPECT_THAT(plain.err, HasSubstr("tracing\n"));
+  const RunResult json =
+      bench.rhoray({"pack", "ball.raw", "--raw", "24x24x24:uint8", "-o", "c.rho", "--progress", "json"});
+  EXPECT_EQ(nlohmann::json::parse(json.err.substr(0, json.err.find('\n'))).at("phase"), "reading");
+}
+
+TEST(RenderCommand, warns_of_an_empty_picture_and_still_writes_it) {
+  const Workbench bench;
+  bench.make_ball();
+  const RunResult away = bench.rhoray({"render", "ball.rho", "--camera-position", "0,-99,0", "--camera-target",
+                                       "0,-200,0", "--size", "8x8", "-o", "away.png"});
+  EXPECT_EQ(away.exit_code, 0);
+  EXPECT_THAT(away.err, HasSubstr("the picture is empty"));
+  EXPECT_TRUE(std::filesystem::exists(bench / "away.png"));
+}
+
+TEST(RenderCommand, draws_a_damaged_file_only_when_told_not_to_check) {
+  const Workbench bench;
+  bench.make_ball();
+  std::string bytes = read_file(bench / "ball.rho");
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+  write_file(bench / "ball.rho", bytes);
+  EXPECT_EQ(bench.rhoray({"render", "ball.rho", "--size", "8x8"}).exit_code, 4);
+  EXPECT_FALSE(std::filesystem::exists(bench / "ball.png"));
+  EXPECT_EQ(bench.rhoray({"render", "ball.rho", "--size", "8x8", "--no-verify"}).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(bench / "ball.png"));
+}
+
+}  // namespace
+}  // namespace rhoray::tests

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "preprocess/import_mesh.h"
+#include "tests/support/meshes.h"
+#include "tests/support/run_program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace rhoray::tests {
+
+/// A folder with small inputs in which the real programs are run.
+class Workbench {
+ public:
+  const std::filesystem::path& path() const { return folder_.path(); }
+  std::filesystem::path operator/(std::string_view name) const { return folder_ / name; }
+
+  /// `rhoray` with these words, in the folder.
+  RunResult rhoray(std::vector<std::string> words) const {
+    words.insert(words.begin(), RHORAY_PROGRAM);
+    return run_program(words, path());
+  }
+
+  /// A line as a shell reads it, with `rhoray` the program under test.
+  RunResult shell(const std::string& line) const {
+    const std::string bin = std::filesystem::path(RHORAY_PROGRAM).parent_path().string();
+    return run_program({"sh", "-c", "PATH='" + bin + "':$PATH; " + line}, path());
+  }
+
+  /// Every file of the folder with its content.
+  std::map<std::string, std::string> contents() const {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(path()))
+      files[entry.path().lexically_relative(path()).string()] =
+          entry.is_regular_file() ? read_file(entry.path()) : std::string("folder");
+    return files;
+  }
+
+  static constexpr int ball_edge = 24;
+
+  /// ball.raw: 24^3 bytes that fall with the distance from the middle, 255 there and 0 from 12 samples away.
+  void make_ball_raw() const {
+    std::string bytes;
+    for (int k = 0; k < ball_edge; ++k)
+      for (int j = 0; j < ball_edge; ++j)
+        for (int i = 0; i < ball_edge; ++i) {
+          const double middle = (ball_edge - 1) / 2.0;
+          const double distance =
+              std::sqrt(std::pow(i - middle, 2) + std::pow(j - middle, 2) + std::pow(k - middle, 2));
+          bytes += static_cast<char>(std::lround(std::max(0.0, 255 * (1 - distance / 12))));
+        }
+    write_file(folder_ / "ball.raw", bytes);
+  }
+
+  /// ball.rho, from ball.raw.
+  void make_ball() const {
+    make_ball_raw();
+    const RunResult packed = rhoray({"pack", "ball.raw", "--raw", "24x24x24:uint8", "-o", "ball.rho", "-q"});
+    if (packed.exit_code != 0) throw std::runtime_error("ball.rho was not made: " + packed.err);
+  }
+
+  /// box.vtu: the unit cube in 384 tetrahedra, with fields 'height' (z) and 'length' (distance from 0).
+  void make_box_vtu() const {
+    preprocess::NeutralMesh mesh = box_mesh({});
+    add_point_field(mesh, "height", [](const Vec3& p) { return p.z; });
+    add_point_field(mesh, "length", [](const Vec3& p) { return p.length(); });
+    preprocess::export_mesh(mesh, folder_ / "box.vtu", false);
+  }
+
+  /// box.rho, from box.vtu.
+  void make_box() const {
+    make_box_vtu();
+    const RunResult packed = rhoray({"pack", "box.vtu", "-o", "box.rho", "-q"});
+    if (packed.exit_code != 0) throw std::runtime_error("box.rho was not made: " + packed.err);
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+/// The line of `text` that starts with `start`, without it; empty when there is none.
+inline std::string line_after(const std::string& text, const std::string& start) {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string line = text.substr(at, end - at);
+    if (line.starts_with(start)) return line.substr(start.size());
+    at = end + 1;
+  }
+  return {};
+}
+
+}  // namespace rhoray::tests

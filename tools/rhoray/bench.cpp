@@ -1,0 +1,139 @@
+#include <cstdio>
+
+#include "formats/base/trouble.h"
+#include "formats/packed_file.h"
+#include "tools/rhoray/bench_tables.h"
+#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/nearest.h"
+#include "tools/rhoray/new_file.h"
+#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/subcommands.h"
+#include "tools/rhoray/threads.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+struct TableRow {
+  const char* name;
+  bool of_packed_file;  ///< else of a file that is to be packed
+  Table (*measure)(const BenchOptions&, const Step&);
+};
+
+constexpr TableRow table_rows[] = {{"phases", true, phases_table},
+                                   {"threads", true, threads_table},
+                                   {"open", true, open_table},
+                                   {"pack", false, pack_table}};
+
+struct BenchCommand {
+  CommonOptions common;
+  BenchOptions bench;
+  std::vector<std::filesystem::path> words;  ///< [TABLE] FILE
+  bool csv = false;
+};
+
+/// The tables asked for: the one that is named, or all that suit the file.
+std::vector<TableRow> choose_tables(BenchCommand& command) {
+  if (command.words.size() > 2)
+    throw Error(Trouble::usage, concat("unexpected argument '", command.words[2].string(), "'; expected [TABLE] FILE"));
+  command.bench.input = command.words.back();
+  std::vector<std::string> names;
+  for (const TableRow& row : table_rows) names.emplace_back(row.name);
+  std::vector<TableRow> chosen;
+  if (command.words.size() == 2) {
+    const std::string asked = command.words[0].string();
+    for (const TableRow& row : table_rows)
+      if (asked == row.name) chosen.push_back(row);
+    if (chosen.empty())
+      throw Error(Trouble::usage, concat("no table '", asked, "'; there are phases, threads, open and pack"),
+                  did_you_mean(asked, names));
+  }
+  require_input(command.bench.input);
+  const bool packed = formats::PackedFile::looks_packed(command.bench.input);
+  for (const TableRow& row : table_rows)
+    if (command.words.size() == 1 && row.of_packed_file == packed) chosen.push_back(row);
+  if (chosen.front().of_packed_file && !packed)
+    throw Error(Trouble::invalid, concat(command.bench.input.string(), ": is not a packed file, which table '",
+                                         chosen.front().name, "' measures"));
+  return chosen;
+}
+
+void check(const BenchCommand& command) {
+  require_within("--repeat", command.bench.repeat, 1, 10'000);
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(command.bench.scratch, ignored))
+    throw Error(Trouble::usage, concat("--scratch: there is no folder ", command.bench.scratch.string()));
+  const std::filesystem::path& folder = command.common.output;
+  if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
+    throw Error(Trouble::usage, concat(folder.string(), ": there is no such folder"), "make the folder first");
+}
+
+void show(const BenchCommand& command, const Table& table) {
+  const std::filesystem::path& folder = command.common.output;
+  if (!folder.empty()) {
+    write_new_file(folder / (table.name + ".csv"), csv_of(table), command.common.force);
+    write_new_file(folder / (table.name + ".json"), json_of(table).dump(2) + "\n", command.common.force);
+  }
+  if (command.common.json)
+    std::puts(dump(json_of(table)).c_str());
+  else
+    std::fputs((command.csv ? csv_of(table) : text_of(table)).c_str(), stdout);
+}
+
+int run(BenchCommand& command) {
+  if (command.bench.scratch.empty()) command.bench.scratch = std::filesystem::temp_directory_path();
+  command.bench.threads = command.common.threads;
+  command.bench.memory_limit_bytes = command.common.memory.bytes;
+  const std::vector<TableRow> tables = choose_tables(command);
+  check(command);
+  if (!command.common.output.empty())
+    for (const TableRow& row : tables)
+      for (const char* extension : {".csv", ".json"})
+        require_writable(command.common, command.common.output / concat(row.name, extension), command.bench.input);
+  const ThreadLimit limit(command.common.threads);
+  for (const TableRow& row : tables) {
+    const Table table = [&] {
+      ProgressDisplay display(command.common);
+      return row.measure(command.bench, [&](std::string_view what) { display.show(concat(row.name, ": ", what)); });
+    }();
+    show(command, table);
+  }
+  return 0;
+}
+
+}  // namespace
+
+Subcommand bench_subcommand() {
+  const auto command = std::make_shared<BenchCommand>();
+  BenchOptions& bench = command->bench;
+  return {.name = "bench",
+          .summary = "Measure speed: the paper's tables and our own",
+          .examples =
+              "  rhoray bench phases head.rho --iso 500,1250 --repeat 9\n"
+              "  rhoray bench threads head.rho --size 512x512\n"
+              "  rhoray bench pack head.nrrd --json\n"
+              "Tables: phases (shares of traversal, intersection and shading), threads (1 to all), open\n"
+              "(with and without checksums), pack (beside reading and writing once).\n",
+          .options = all_options(
+              {{files_option("[TABLE] FILE",
+                             "Table, and a packed file (phases, threads, open) or one to pack (pack); without a table, "
+                             "all that suit the file",
+                             command->words)},
+               {value_option("-o,--output", "FOLDER", "Also write TABLE.csv and TABLE.json into this folder",
+                             command->common.output),
+                flag_option("--force", "Replace these files if they are there", command->common.force),
+                value_option("--repeat", "N", "Timed repetitions; default 5", bench.repeat),
+                value_option("--size", "WxH", "Pixels; default 512x512, the paper's", bench.size),
+                value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", bench.isovalues),
+                value_option("--field", "NAME", "Field; default the first", bench.field),
+                flag_option("--mip", "Also time maximum intensity projection", bench.mip),
+                value_option("--scratch", "FOLDER", "Where table pack writes; default the system's temporary folder",
+                             bench.scratch),
+                flag_option("--csv", "CSV on stdout", command->csv)},
+               threads_option(command->common),
+               memory_option(command->common, "Limit for the process that reads the input of table pack"),
+               message_options(command->common, "One JSON document per table and line, on stdout")}),
+          .run = [command] { return run(*command); }};
+}
+
+}  // namespace rhoray::tools

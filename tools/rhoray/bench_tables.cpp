@@ -1,0 +1,286 @@
+#include "tools/rhoray/bench_tables.h"
+
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+
+#include "formats/base/trouble.h"
+#include "formats/packed_file.h"
+#include "tools/rhoray/interrupt.h"
+#include "tools/rhoray/measure.h"
+#include "tools/rhoray/new_file.h"
+#include "tools/rhoray/pack_any.h"
+#include "tools/rhoray/picture_plan.h"
+#include "tools/rhoray/version.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+constexpr double gibibyte = 1024.0 * 1024.0 * 1024.0;
+
+Json context(const BenchOptions& options) {
+  const Machine machine = this_machine();
+  return {{"processor", machine.processor},
+          {"cores", machine.core_count},
+          {"memory_bytes", machine.memory_bytes},
+          {"system", machine.system},
+          {"version", version()},
+          {"commit", commit()},
+          {"compiler", compiler()},
+          {"input", options.input.filename().string()},
+          {"input_bytes", std::filesystem::file_size(options.input)},
+          {"repeat", options.repeat},
+          {"threads", options.threads == 0 ? machine.core_count : options.threads}};
+}
+
+Json picture_context(const BenchOptions& options, const render::Volume& volume) {
+  Json json = context(options);
+  json["size"] = {options.size.width, options.size.height};
+  json["field"] = volume.field().name;
+  json["samples_or_cells"] = volume.is_mesh() ? "tetrahedra" : "grid";
+  return json;
+}
+
+/// seconds[row] of act(row), every row once untimed and then `repeat` times, round after round.
+std::vector<std::vector<double>> interleaved(std::size_t row_count, int repeat,
+                                             const std::function<double(std::size_t row)>& act) {
+  std::vector<std::vector<double>> seconds(row_count);
+  for (int round = -1; round < repeat; ++round)
+    for (std::size_t row = 0; row < row_count; ++row) {
+      const double taken = act(row);
+      if (round >= 0) seconds[row].push_back(taken);
+    }
+  return seconds;
+}
+
+void add_seconds(Json& row, const std::string& name, const Spread& spread) {
+  row[name] = spread.median;
+  row[name + "_min"] = spread.smallest;
+  row[name + "_max"] = spread.largest;
+}
+
+/// Hash of the colours, as the framebuffer holds them.
+std::string hash_of(const render::Framebuffer& picture) {
+  const XXH64_hash_t hash = XXH3_64bits(picture.color.data(), picture.color.size() * sizeof(float));
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
+/// A picture that is traced again and again, and what came out last.
+struct Shot {
+  std::string scene;
+  PicturePlan plan;
+  render::Framebuffer picture;
+  render::FrameStatistics statistics;
+
+  double trace(const render::Volume& volume) {
+    statistics = render::render(volume, plan.scene, plan.frame, picture);
+    return statistics.wall_s;
+  }
+};
+
+std::vector<Shot> shots(const BenchOptions& options, const render::Volume& volume) {
+  std::vector<Shot> list;
+  PictureOptions picture;
+  picture.size = options.size;
+  const auto add = [&](const std::string& scene) {
+    Shot shot;
+    shot.plan = plan_picture(picture, volume);
+    shot.plan.frame.threads = options.threads;
+    shot.scene = scene.empty() ? concat("iso ", shot.plan.scene.isovalue) : scene;
+    list.push_back(std::move(shot));
+  };
+  for (const std::string& isovalue : options.isovalues) {
+    picture.isovalue = isovalue;
+    add({});
+  }
+  if (options.mip) {
+    picture.mode = "mip";
+    add("mip");
+  }
+  return list;
+}
+
+/// 1, 2, 4, ... and the largest.
+std::vector<unsigned> thread_counts(unsigned largest) {
+  std::vector<unsigned> counts;
+  for (unsigned count = 1; count < largest; count *= 2) counts.push_back(count);
+  counts.push_back(largest);
+  return counts;
+}
+
+/// Reads the file once and writes as many bytes as the packed data has raw, and waits until they are on disk. The data
+/// file of a detached header is not read, which is to packing's disadvantage.
+double copy_seconds(const BenchOptions& options, const std::filesystem::path& folder, std::uint64_t raw_bytes) {
+  const Stopwatch watch;
+  std::vector<char> buffer(std::size_t{4} << 20);
+  std::ifstream in(options.input, std::ios::binary);
+  while (in.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) || in.gcount() > 0) {
+  }
+  NewFile out(folder / "copy");
+  for (std::uint64_t left = raw_bytes; left > 0;) {
+    const std::uint64_t part = std::min<std::uint64_t>(left, buffer.size());
+    out.write({buffer.data(), static_cast<std::size_t>(part)});
+    left -= part;
+  }
+  out.commit(true);
+  return watch.seconds();
+}
+
+/// Bytes of the packed file beyond points and fields, for one tetrahedron; null for grids.
+Json bytes_per_tetrahedron(const formats::PackedFile& file, const PackResult& packed) {
+  if (packed.kind != "tets") return nullptr;
+  std::uint64_t plain = file.entry("points").byte_count;
+  for (std::size_t f = 0; file.has(concat("field.", f)); ++f) plain += file.entry(concat("field.", f)).byte_count;
+  return static_cast<double>(packed.file_bytes - plain) / static_cast<double>(packed.cell_count);
+}
+
+}  // namespace
+
+Table phases_table(const BenchOptions& options, const Step& step) {
+  const render::Volume volume = load_volume(options.input, options.field);
+  std::vector<Shot> plain = shots(options, volume), timed = plain;
+  for (Shot& shot : timed) shot.plan.frame.time_phases = true;
+  const std::size_t count = plain.size();
+  std::vector<render::FrameStatistics::Phases> phases(count);
+  const auto seconds = interleaved(2 * count, options.repeat, [&](std::size_t row) {
+    Shot& shot = row < count ? plain[row] : timed[row - count];
+    step(shot.scene);
+    const double taken = shot.trace(volume);
+    if (row >= count) {
+      phases[row - count].traversal += shot.statistics.phases.traversal;
+      phases[row - count].intersection += shot.statistics.phases.intersection;
+      phases[row - count].shading += shot.statistics.phases.shading;
+    }
+    return taken;
+  });
+
+  Table table{"phases",
+              "Where the time goes (shares of CPU time), and frames per second",
+              picture_context(options, volume),
+              {}};
+  for (std::size_t i = 0; i < count; ++i) {
+    const double all = phases[i].traversal + phases[i].intersection + phases[i].shading;
+    const Spread frame = spread_of(seconds[i]);
+    const render::FrameStatistics& statistics = plain[i].statistics;
+    Json row{{"scene", plain[i].scene},
+             {"traversal_percent", 100 * phases[i].traversal / all},
+             {"intersection_percent", 100 * phases[i].intersection / all},
+             {"shading_percent", 100 * phases[i].shading / all},
+             {"fps", 1 / frame.median}};
+    add_seconds(row, "frame_s", frame);
+    row["rays"] = statistics.rays;
+    row["hits"] = statistics.hits;
+    row["cells_visited"] = statistics.cells_visited;
+    row["cells_solved"] = statistics.cells_solved;
+    row["picture"] = hash_of(plain[i].picture);
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+Table threads_table(const BenchOptions& options, const Step& step) {
+  const render::Volume volume = load_volume(options.input, options.field);
+  const std::vector<unsigned> counts =
+      thread_counts(options.threads == 0 ? std::max(1u, this_machine().core_count) : options.threads);
+  std::vector<Shot> rows;
+  for (const Shot& shot : shots(options, volume))
+    for (const unsigned threads : counts) {
+      rows.push_back(shot);
+      rows.back().plan.frame.threads = threads;
+    }
+  const auto seconds = interleaved(rows.size(), options.repeat, [&](std::size_t row) {
+    step(concat(rows[row].scene, ", ", rows[row].plan.frame.threads, " threads"));
+    return rows[row].trace(volume);
+  });
+
+  Table table{"threads", "Frames per second by number of threads", picture_context(options, volume), {}};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const unsigned threads = rows[i].plan.frame.threads;
+    const Spread frame = spread_of(seconds[i]), one_thread = spread_of(seconds[i - i % counts.size()]);
+    const double speedup = one_thread.median / frame.median;
+    Json row{{"scene", rows[i].scene},
+             {"threads", threads},
+             {"fps", 1 / frame.median},
+             {"speedup", speedup},
+             {"efficiency", speedup / threads}};
+    add_seconds(row, "frame_s", frame);
+    row["picture"] = hash_of(rows[i].picture);
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+Table open_table(const BenchOptions& options, const Step& step) {
+  const formats::PackedFile file = formats::PackedFile::open(options.input);
+  struct Way {
+    const char* name;
+    std::function<void()> act;
+  };
+  const Way ways[] = {{"open", [&] { formats::PackedFile::open(options.input); }},
+                      {"open, ready for the first ray", [&] { load_volume(options.input, options.field); }},
+                      {"checksums, 1 thread", [&] { file.damaged_blocks(1); }},
+                      {"checksums, all threads", [&] { file.damaged_blocks(options.threads); }}};
+  const auto seconds = interleaved(std::size(ways), options.repeat, [&](std::size_t row) {
+    step(ways[row].name);
+    const Stopwatch watch;
+    ways[row].act();
+    return watch.seconds();
+  });
+  Table table{"open", "Opening a packed file (page cache warm)", context(options), {}};
+  for (std::size_t i = 0; i < std::size(ways); ++i) {
+    const Spread spread = spread_of(seconds[i]);
+    Json row{{"what", ways[i].name}};
+    add_seconds(row, "seconds", spread);
+    row["file_bytes"] = file.file_bytes();
+    row["s_per_gib"] = spread.median / (static_cast<double>(file.file_bytes()) / gibibyte);
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+Table pack_table(const BenchOptions& options, const Step& step) {
+  PackOptions pack;
+  pack.input = options.input;
+  pack.memory_limit_bytes = options.memory_limit_bytes;
+  pack.replace_existing = true;
+  if (!options.field.empty()) pack.fields = {options.field};
+  check_pack(pack);
+  const ScratchFolder scratch(options.scratch);
+  const std::filesystem::path packed_path = scratch.path() / "packed.rho";
+  PackResult packed;
+  std::vector<double> cpu_seconds;
+  const auto seconds = interleaved(2, options.repeat, [&](std::size_t row) {
+    step(row == 0 ? "packing" : "reading and writing once");
+    if (row == 1) return copy_seconds(options, scratch.path(), packed.raw_bytes);
+    const Stopwatch watch;
+    const double cpu_before = usage_so_far().cpu_s;
+    packed = pack_any(pack, packed_path, {});
+    cpu_seconds.push_back(usage_so_far().cpu_s - cpu_before);
+    return watch.seconds();
+  });
+  cpu_seconds.erase(cpu_seconds.begin());  // the round that was not timed
+
+  Table table{"pack", "Packing, beside reading the file and writing the raw data once", context(options), {}};
+  const Spread packing = spread_of(seconds[0]), copying = spread_of(seconds[1]);
+  Json row{{"content", packed.content}};
+  add_seconds(row, "pack_s", packing);
+  row["pack_cpu_s"] = spread_of(cpu_seconds).median;
+  add_seconds(row, "copy_s", copying);
+  row["pack_over_copy"] = packing.median / copying.median;
+  row["raw_bytes"] = packed.raw_bytes;
+  row["file_bytes"] = packed.file_bytes;
+  row["file_over_raw"] = static_cast<double>(packed.file_bytes) / static_cast<double>(packed.raw_bytes);
+  row["extra_bytes_per_tetrahedron"] = bytes_per_tetrahedron(formats::PackedFile::open(packed_path), packed);
+  const Usage usage = usage_so_far();
+  row["peak_bytes"] = usage.peak_bytes;
+  row["worker_peak_bytes"] = usage.worker_peak_bytes;
+  table.rows.push_back(std::move(row));
+  return table;
+}
+
+}  // namespace rhoray::tools

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tools/rhoray/option_values.h"
+#include "tools/rhoray/table.h"
+
+namespace rhoray::tools {
+
+struct BenchOptions {
+  std::filesystem::path input;
+  std::vector<std::string> isovalues{"auto"};
+  std::string field;
+  PictureSize size{512, 512};  ///< the paper's
+  int repeat = 5;
+  unsigned threads = 0;
+  bool mip = false;               ///< also rows of maximum intensity projection
+  std::filesystem::path scratch;  ///< folder for files that are written to be timed
+  std::uint64_t memory_limit_bytes = 0;
+};
+
+/// What is said while the measurements run.
+using Step = std::function<void(std::string_view what)>;
+
+// One table each. Repetitions are interleaved over the rows; every row is run once before it is timed. Times are
+// medians, with smallest and largest beside them; rows with pictures carry the hash of the picture.
+
+/// The paper's Table 1: share of traversal, intersection and shading, and frames per second.
+Table phases_table(const BenchOptions& options, const Step& step);
+/// The paper's Table 2: frames per second, speed-up and efficiency from 1 thread to all.
+Table threads_table(const BenchOptions& options, const Step& step);
+/// Opening a packed file, with and without reading its checksums. The page cache is warm.
+Table open_table(const BenchOptions& options, const Step& step);
+/// Packing a volume or a mesh, beside reading and writing the bytes once.
+Table pack_table(const BenchOptions& options, const Step& step);
+
+}  // namespace rhoray::tools

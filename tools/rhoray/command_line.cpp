@@ -1,0 +1,152 @@
+#include "tools/rhoray/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <new>
+
+#include "formats/base/trouble.h"
+#include "tools/rhoray/nearest.h"
+#include "tools/rhoray/version.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+std::string first_line(const std::string& text) {
+  return text.substr(0, text.find('\n'));
+}
+
+std::string overview(std::span<const Subcommand> subcommands) {
+  std::string text =
+      "Ray tracing of packed volumes and tetrahedra.\n"
+      "Usage: rhoray SUBCOMMAND [OPTIONS] FILE...\n\n"
+      "Subcommands:\n";
+  for (const Subcommand& each : subcommands)
+    text += concat("  ", each.name, std::string(each.name.size() < 16 ? 16 - each.name.size() : 1, ' '), each.summary,
+                   "\n");
+  text +=
+      "\nOptions:\n"
+      "  --help          this text; `rhoray SUBCOMMAND --help` tells about one subcommand\n"
+      "  --version       version, commit and compiler\n\n"
+      "Example:\n"
+      "  rhoray pack head.nrrd -o head.rho && rhoray render head.rho -o head.png\n";
+  return text;
+}
+
+/// The options of one subcommand in CLI11's hands, row by row.
+std::vector<CLI::Option*> add_options(CLI::App& app, const Subcommand& subcommand) {
+  std::vector<CLI::Option*> added;
+  const CLI::callback_t taken_later = [](const CLI::results_t&) { return true; };
+  for (const Option& row : subcommand.options) {
+    if (row.kind == Option::Kind::flag) {
+      added.push_back(app.add_flag(row.names, row.help));
+      continue;
+    }
+    CLI::Option* option = app.add_option(row.names, taken_later, row.help);
+    option->type_name(row.value);
+    option->expected(1);
+    if (row.kind == Option::Kind::files) option->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args();
+    added.push_back(option);
+  }
+  return added;
+}
+
+std::vector<std::string> long_names(const Subcommand& subcommand) {
+  std::vector<std::string> names{"--help"};
+  for (const Option& row : subcommand.options)
+    if (const std::size_t at = row.names.find("--"); at != std::string::npos) names.push_back(row.names.substr(at));
+  return names;
+}
+
+[[noreturn]] void refuse_extra(const Subcommand& subcommand, const std::vector<std::string>& extras) {
+  for (const std::string& extra : extras)
+    if (extra.starts_with("-")) {
+      const std::string name = extra.substr(0, extra.find('='));
+      const std::string hint = did_you_mean(name, long_names(subcommand));
+      throw Error(Trouble::usage, concat("unknown option ", name),
+                  hint.empty() ? concat("`rhoray ", subcommand.name, " --help` lists the options") : hint);
+    }
+  throw Error(Trouble::usage, concat("unexpected argument '", extras.front(), "'"),
+              concat("`rhoray ", subcommand.name, " --help` shows what is expected"));
+}
+
+/// Hands what was given to the rows, each with its name in front of a refusal.
+void take_values(const Subcommand& subcommand, std::span<CLI::Option* const> added) {
+  for (std::size_t i = 0; i < added.size(); ++i) {
+    const Option& row = subcommand.options[i];
+    const bool positional = row.kind == Option::Kind::file || row.kind == Option::Kind::files;
+    if (positional && added[i]->count() == 0)
+      throw Error(Trouble::usage, concat("no ", row.names, " given"),
+                  concat("`rhoray ", subcommand.name, " --help` ends with an example"));
+    for (const std::string& text : added[i]->results()) try {
+        row.take(row.kind == Option::Kind::flag ? std::string{} : text);
+      } catch (const Error& error) {
+        throw Error(error.trouble(), concat(row.names.substr(row.names.find(',') + 1), ": ", error.what()),
+                    error.hint());
+      }
+  }
+}
+
+int run_subcommand(const Subcommand& subcommand, int argc, const char* const* argv) {
+  CLI::App app(subcommand.summary, "rhoray " + subcommand.name);
+  app.allow_extras();  // refused by us, with what was probably meant
+  app.footer("Example:\n" + subcommand.examples);
+  const std::vector<CLI::Option*> added = add_options(app, subcommand);
+  try {
+    app.parse(argc - 1, argv + 1);
+  } catch (const CLI::CallForHelp&) {
+    for (CLI::Option* option : added)
+      if (option->get_positional()) option->required();  // shown without brackets; while parsing, we check that
+    std::fputs(app.help().c_str(), stdout);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    throw Error(Trouble::usage, first_line(error.what()));
+  }
+  if (!app.remaining().empty()) refuse_extra(subcommand, app.remaining());
+  take_values(subcommand, added);
+  return subcommand.run();
+}
+
+const Subcommand& choose(std::span<const Subcommand> subcommands, const std::string& word) {
+  std::vector<std::string> names{"--help", "--version"};
+  for (const Subcommand& each : subcommands) {
+    if (each.name == word) return each;
+    names.push_back(each.name);
+  }
+  const std::string hint = did_you_mean(word, names);
+  throw Error(Trouble::usage, concat(word.starts_with("-") ? "unknown option " : "no subcommand ", word),
+              hint.empty() ? "`rhoray --help` lists the subcommands" : hint);
+}
+
+}  // namespace
+
+std::string error_lines(const std::string& place, const std::string& fact, const std::string& hint) {
+  std::string lines = concat(place, ": ", fact, "\n");
+  if (!hint.empty()) lines += concat("hint: ", hint, "\n");
+  return lines;
+}
+
+int run_command_line(std::span<const Subcommand> subcommands, int argc, const char* const* argv) {
+  std::string place = "rhoray";
+  const auto fail = [&](Trouble trouble, const std::string& fact, const std::string& hint = {}) {
+    std::fputs(error_lines(place, fact, hint).c_str(), stderr);
+    return static_cast<int>(trouble);
+  };
+  try {
+    const std::string word = argc > 1 ? argv[1] : "";
+    if (word.empty()) return fail(Trouble::usage, "no subcommand given", "`rhoray --help` lists them");
+    if (word == "--help" || word == "-h") return std::fputs(overview(subcommands).c_str(), stdout) < 0 ? 1 : 0;
+    if (word == "--version") return std::puts(version_line().c_str()) < 0 ? 1 : 0;
+    const Subcommand& subcommand = choose(subcommands, word);
+    place += " " + subcommand.name;
+    return run_subcommand(subcommand, argc, argv);
+  } catch (const Error& error) {
+    return fail(error.trouble(), error.what(), error.hint());
+  } catch (const std::bad_alloc&) {
+    return fail(Trouble::resource, "out of memory");
+  } catch (const std::exception& error) {
+    return fail(Trouble::internal, concat("internal error: ", error.what()));
+  }
+}
+
+}  // namespace rhoray::tools

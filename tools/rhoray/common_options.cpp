@@ -1,0 +1,81 @@
+#include "tools/rhoray/common_options.h"
+
+#include <cstdio>
+#include <string_view>
+
+#include "formats/base/trouble.h"
+
+namespace rhoray::tools {
+
+std::vector<Option> output_options(CommonOptions& common, const std::string& help) {
+  return {value_option("-o,--output", "FILE", help, common.output),
+          flag_option("--force", "Replace the output if it is there", common.force)};
+}
+
+std::vector<Option> threads_option(CommonOptions& common) {
+  return {value_option("--threads", "N", "Threads to work on; 0, the default, takes all cores", common.threads)};
+}
+
+std::vector<Option> memory_option(CommonOptions& common, const std::string& help) {
+  return {value_option("--memory", "SIZE", help, common.memory)};
+}
+
+std::vector<Option> message_options(CommonOptions& common, const std::string& json_help) {
+  return {flag_option("-q,--quiet", "Say nothing but errors on stderr", common.quiet),
+          flag_option("-v,--verbose", "Say more on stderr", common.verbose),
+          choice_option("--progress", {"auto", "bar", "plain", "json", "none"},
+                        "How progress is shown on stderr; auto: a bar on a terminal, else none", common.progress),
+          flag_option("--json", json_help, common.json)};
+}
+
+std::vector<Option> all_options(std::initializer_list<std::vector<Option>> lists) {
+  std::vector<Option> all;
+  for (const std::vector<Option>& list : lists) all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
+
+void say(const CommonOptions& common, const std::string& line) {
+  if (!common.quiet) std::fputs((line + "\n").c_str(), stderr);
+}
+
+void tell(const CommonOptions& common, const std::string& line) {
+  if (common.verbose) say(common, line);
+}
+
+void require_writable(const CommonOptions& common, const std::filesystem::path& output,
+                      const std::filesystem::path& input) {
+  const std::string name = output.string();
+  std::error_code ignored;
+  const std::filesystem::path folder = output.has_parent_path() ? output.parent_path() : std::filesystem::path(".");
+  if (!std::filesystem::is_directory(folder, ignored))
+    throw Error(Trouble::usage, concat(name, ": there is no folder ", folder.string()), "make the folder first");
+  if (std::filesystem::is_directory(output, ignored))
+    throw Error(Trouble::usage, concat(name, ": is a folder; expected the name of a file to write"));
+  if (std::filesystem::equivalent(output, input, ignored))
+    throw Error(Trouble::usage, concat(name, ": is the input; expected another name"));
+  if (std::filesystem::exists(output, ignored) && !common.force)
+    throw Error(Trouble::usage, concat(name, ": is there already"), "--force replaces it");
+}
+
+std::string shell_line(const std::vector<std::string>& words) {
+  static constexpr std::string_view plain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_@%+=:,./-";
+  std::string line;
+  for (const std::string& word : words) {
+    if (!line.empty()) line += ' ';
+    if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) {
+      line += word;
+      continue;
+    }
+    line += '\'';
+    for (const char letter : word) {
+      if (letter == '\'')
+        line += "'\\''";
+      else
+        line += letter;
+    }
+    line += '\'';
+  }
+  return line;
+}
+
+}  // namespace rhoray::tools

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "preprocess/progress.h"
+#include "tools/rhoray/option_values.h"
+
+namespace rhoray::tools {
+
+/// What subcommands have in common. Each offers the rows that mean something to it.
+struct CommonOptions {
+  std::filesystem::path output;  ///< empty when not given
+  bool force = false;
+  unsigned threads = 0;  ///< 0 = all cores
+  ByteCount memory;      ///< 0 = not limited
+  bool quiet = false;
+  bool verbose = false;
+  std::string progress = "auto";
+  bool json = false;
+};
+
+std::vector<Option> output_options(CommonOptions& common, const std::string& help);  ///< -o, --force
+std::vector<Option> threads_option(CommonOptions& common);                           ///< --threads
+std::vector<Option> memory_option(CommonOptions& common, const std::string& help);   ///< --memory
+std::vector<Option> message_options(CommonOptions& common,
+                                    const std::string& json_help);  ///< -q, -v, --progress, --json
+
+/// The rows of several lists, in order.
+std::vector<Option> all_options(std::initializer_list<std::vector<Option>> lists);
+
+/// Puts a line on stderr, unless quiet.
+void say(const CommonOptions& common, const std::string& line);
+/// Puts a line on stderr when verbose.
+void tell(const CommonOptions& common, const std::string& line);
+
+/// Refuses an output that could not be written at the end of the work: the folder is missing, the name is a folder's, a
+/// file is there and --force is not given, or it is the input (Trouble::usage).
+void require_writable(const CommonOptions& common, const std::filesystem::path& output,
+                      const std::filesystem::path& input);
+
+/// The words of a command line as a shell would read them.
+std::string shell_line(const std::vector<std::string>& words);
+
+}  // namespace rhoray::tools

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "formats/packed_file.h"
+
+namespace rhoray::tools {
+
+/// Names of the arrays that have bytes in the block, in the file's order; empty when only padding lies there.
+std::vector<std::string> arrays_touched(const formats::PackedFile& file, const formats::DamagedBlock& block);
+
+/// "bytes 4096 to 69631 are damaged (arrays samples, macro.1)".
+std::string damage_text(const formats::PackedFile& file, const formats::DamagedBlock& block);
+
+}  // namespace rhoray::tools

@@ -1,0 +1,196 @@
+#include <algorithm>
+#include <cstdio>
+
+#include "formats/base/trouble.h"
+#include "formats/brick_grid.h"
+#include "formats/tet_mesh.h"
+#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/foreign_info.h"
+#include "tools/rhoray/measure.h"
+#include "tools/rhoray/nearest.h"
+#include "tools/rhoray/report.h"
+#include "tools/rhoray/subcommands.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+struct InfoOptions {
+  CommonOptions common;
+  std::vector<std::filesystem::path> files;
+};
+
+/// A packed file as JSON: what its kind says, the arrays, and the memory that reading all of it takes.
+Json packed_info(const std::filesystem::path& path) {
+  const formats::PackedFile file = formats::PackedFile::open(path);
+  const std::string& kind = file.description().kind;
+  Json json{{"file", path.string()},
+            {"kind", kind},
+            {"packed", true},
+            {"format_version", file.version()},
+            {"file_bytes", file.file_bytes()}};
+  if (kind == "grid")
+    json.update(json_of(formats::BrickGrid(file).description()));
+  else if (kind == "tets") {
+    const formats::TetMesh mesh(file);
+    json.update(json_of(mesh.description()));
+    Box3 box;
+    for (const auto& point : mesh.points())
+      box.extendBy(mesh.description().origin + Vec3(point[0], point[1], point[2]));
+    json["box"] = json_of(box);
+  }
+  json["memory"] = {{"mapped_bytes", file.file_bytes()}};
+  json["arrays"] = Json::array();
+  for (const formats::ArrayEntry& entry : file.arrays())
+    json["arrays"].push_back({{"name", entry.name},
+                              {"type", formats::element_name(entry.type)},
+                              {"shape", entry.shape},
+                              {"first_byte", entry.first_byte},
+                              {"byte_count", entry.byte_count}});
+  return json;
+}
+
+std::string row(const std::string& name, const std::string& text) {
+  return concat("  ", name, std::string(name.size() < 12 ? 12 - name.size() : 1, ' '), text, "\n");
+}
+
+std::string numbers(const Json& list, const char* separator = " ") {
+  std::string text;
+  for (const Json& number : list) {
+    if (!text.empty()) text += separator;
+    text += number.is_number_float() ? rounded(number.get<double>(), 6) : number.dump();
+  }
+  return text;
+}
+
+std::string with_unit(const std::string& text, const Json& unit) {
+  return unit.get<std::string>().empty() ? text : concat(text, " ", unit.get<std::string>());
+}
+
+std::string field_text(const Json& field) {
+  std::string title = concat("'", field["name"].get<std::string>(), "'  ", field["type"].get<std::string>());
+  if (field.contains("components") && field["components"] != 1) title += concat(" x ", field["components"].get<int>());
+  if (field["range"].is_null()) return row("field", title + "  no finite value");
+  title += "  " + with_unit(numbers(field["range"], " to "), field["unit"]);
+  if (const auto count = field["no_data_count"].get<std::uint64_t>(); count != 0)
+    title += concat(", ", grouped(count), " values without data");
+  std::string text = row("field", title);
+  formats::FieldSummary summary;
+  summary.histogram = field["histogram"].get<std::vector<std::uint64_t>>();
+  text += row("", "|" + histogram_bars(summary) + "|");
+  const Json& percentiles = field["percentiles"];
+  text += row(
+      "", concat("1 % below ", rounded(percentiles["1"]), ", 50 % below ", rounded(percentiles["50"]), ", 99 % below ",
+                 rounded(percentiles["99"]),
+                 field["otsu_threshold"].is_null() ? std::string{}
+                                                   : concat("; Otsu's threshold ", rounded(field["otsu_threshold"]))));
+  return text;
+}
+
+std::string geometry_text(const Json& json) {
+  std::string text;
+  if (json.contains("geometry")) {
+    const Json& geometry = json["geometry"];
+    text += row("spacing", with_unit(numbers(geometry["spacing"], " x "), json["length_unit"]));
+    text += row("origin", numbers(geometry["origin"]));
+    std::string axes;
+    for (const Json& axis : geometry["direction"]) axes += concat(axes.empty() ? "(" : "  (", numbers(axis), ")");
+    text += row("direction", axes);
+  }
+  if (json.contains("box"))
+    text += row("box", with_unit(concat("(", numbers(json["box"]["low"]), ") to (", numbers(json["box"]["high"]), ")"),
+                                 json["length_unit"]));
+  return text;
+}
+
+std::string layout_text(const Json& json) {
+  std::string text;
+  if (json.contains("layout")) {
+    const Json& layout = json["layout"];
+    text += row("layout", layout["linear"].get<bool>()
+                              ? std::string("linear")
+                              : concat("bricks of ", layout["brick_edge"].get<int>(), "^3 samples, superbricks of ",
+                                       numbers(layout["superbrick_edge"], " x "), " bricks"));
+  }
+  if (json.contains("leaf_cells"))
+    text += row("leaf cells", concat(numbers(json["leaf_cells"]["count"], " x "), ", ",
+                                     grouped(json["leaf_cells"]["items"]), " entries in their lists"));
+  if (json.contains("macro_levels"))
+    text += row("levels", concat(json["macro_levels"]["count"].get<int>(), " of macrocells, factor ",
+                                 json["macro_levels"]["factor"].get<std::int64_t>()));
+  return text;
+}
+
+std::string packing_text(const Json& json) {
+  std::string text;
+  if (json.contains("packing")) {
+    std::string met;
+    for (const auto& [name, count] : json["packing"].items())
+      if (count != 0) met += concat(met.empty() ? "" : ", ", grouped(count), " ", name);
+    std::replace(met.begin(), met.end(), '_', ' ');
+    if (!met.empty()) text += row("packing met", met);
+  }
+  if (json.contains("provenance")) {
+    text += row("from", json["provenance"]["source_name"].get<std::string>());
+    text += row("made by", json["provenance"]["command"].get<std::string>());
+  }
+  if (json.contains("notes"))
+    for (const Json& note : json["notes"]) text += row("note", note.get<std::string>());
+  return text;
+}
+
+/// The same facts for people.
+std::string info_text(const Json& json) {
+  const std::string kind = json["kind"].get<std::string>();
+  std::string text = concat(json["file"].get<std::string>(), ": ", json["packed"].get<bool>() ? "packed " : "", kind,
+                            ", ", bytes_text(json["file_bytes"]), "\n");
+  if (json.contains("samples")) text += row("samples", numbers(json["samples"], " x "));
+  for (const char* name : {"points", "cells", "facets"})
+    if (json.contains(name)) text += row(name, grouped(json[name]));
+  text += geometry_text(json) + layout_text(json);
+  if (json.contains("fields"))
+    for (const Json& field : json["fields"]) text += field_text(field);
+  if (json.contains("memory"))
+    for (const auto& [name, bytes] : json["memory"].items()) {
+      std::string what = name.substr(0, name.rfind('_'));
+      text += row("memory", concat(what, " ", bytes_text(bytes)));
+    }
+  return text + packing_text(json);
+}
+
+int run(const InfoOptions& options) {
+  int result = 0;
+  for (const std::filesystem::path& path : options.files) {
+    try {
+      require_input(path);
+      const Json json = formats::PackedFile::looks_packed(path) || path.extension() == ".rho"
+                            ? packed_info(path)
+                            : foreign_info(path, options.common.memory.bytes);
+      if (options.common.json)
+        std::puts(dump(json).c_str());
+      else
+        std::fputs(info_text(json).c_str(), stdout);
+    } catch (const Error& error) {
+      std::fputs(error_lines("rhoray info", error.what(), error.hint()).c_str(), stderr);
+      result = std::max(result, static_cast<int>(error.trouble()));
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+Subcommand info_subcommand() {
+  const auto options = std::make_shared<InfoOptions>();
+  return {.name = "info",
+          .summary = "Say what is in a file: packed, or any that can be read",
+          .examples =
+              "  rhoray info head.rho\n"
+              "  rhoray info head.rho torso.vtu --json\n",
+          .options = all_options({{files_option("FILE", "Packed files, volumes, meshes or surfaces", options->files)},
+                                  memory_option(options->common, "Limit for the process that reads a foreign file"),
+                                  message_options(options->common, "One JSON document per file and line, on stdout")}),
+          .run = [options] { return run(*options); }};
+}
+
+}  // namespace rhoray::tools

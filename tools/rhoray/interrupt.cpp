@@ -1,0 +1,66 @@
+#include "tools/rhoray/interrupt.h"
+
+#include <semaphore.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <mutex>
+#include <thread>
+
+#include "formats/base/checks.h"
+#include "formats/base/trouble.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+sem_t interrupted;  // a handler may do no more than post it
+std::mutex scratch_mutex;
+std::filesystem::path scratch;  // empty when there is none
+
+extern "C" void on_interrupt(int) {
+  ::sem_post(&interrupted);
+}
+
+void wait_and_end() {
+  while (::sem_wait(&interrupted) != 0 && errno == EINTR) {
+  }
+  const std::lock_guard lock(scratch_mutex);
+  std::error_code ignored;
+  if (!scratch.empty()) std::filesystem::remove_all(scratch, ignored);
+  std::fputs("\nrhoray: interrupted\n", stderr);
+  ::_exit(static_cast<int>(Trouble::interrupted));
+}
+
+}  // namespace
+
+void end_cleanly_on_interrupt() {
+  RHORAY_CHECK(::sem_init(&interrupted, 0, 0) == 0);
+  std::thread(wait_and_end).detach();
+  struct sigaction action {};
+  action.sa_handler = on_interrupt;
+  action.sa_flags = SA_RESTART;
+  RHORAY_CHECK(::sigaction(SIGINT, &action, nullptr) == 0);
+}
+
+ScratchFolder::ScratchFolder(const std::filesystem::path& inside) {
+  const std::lock_guard lock(scratch_mutex);
+  RHORAY_CHECK(scratch.empty());
+  std::string pattern = (inside / "rhoray-scratch-XXXXXX").string();
+  if (::mkdtemp(pattern.data()) == nullptr)
+    throw Error(Trouble::resource, concat(inside.string(), ": no folder can be made here"));
+  path_ = pattern;
+  scratch = path_;
+}
+
+ScratchFolder::~ScratchFolder() {
+  const std::lock_guard lock(scratch_mutex);
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+  scratch.clear();
+}
+
+}  // namespace rhoray::tools

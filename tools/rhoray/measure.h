@@ -1,0 +1,50 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace rhoray::tools {
+
+/// Time that passes.
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// What this process and the workers that it has waited for have used so far.
+struct Usage {
+  double cpu_s = 0;                     ///< user and system, all threads, workers included
+  std::uint64_t peak_bytes = 0;         ///< largest resident set of this process
+  std::uint64_t worker_peak_bytes = 0;  ///< largest resident set of any one worker; 0 when there was none
+};
+Usage usage_so_far();
+
+/// Where a measurement was taken.
+struct Machine {
+  std::string processor;           ///< as the system names it
+  unsigned core_count = 0;         ///< that this process may run on
+  std::uint64_t memory_bytes = 0;  ///< of the whole machine
+  std::string system;              ///< kernel and its release
+};
+Machine this_machine();
+
+/// Middle and spread of repeated measurements.
+struct Spread {
+  double median = 0;
+  double smallest = 0;
+  double largest = 0;
+};
+/// @param values  at least one
+Spread spread_of(std::vector<double> values);
+
+// Numbers for people.
+std::string grouped(std::uint64_t number);           ///< 72,089,600
+std::string bytes_text(std::uint64_t bytes);         ///< 137.5 MiB
+std::string rounded(double number, int digits = 4);  ///< that many significant digits, no needless zeros
+
+}  // namespace rhoray::tools

@@ -1,0 +1,90 @@
+#include "tools/rhoray/nearest.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <vector>
+
+#include "formats/base/trouble.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& letter : lower) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  return lower;
+}
+
+std::vector<std::string> names_in(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+    names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());  // a folder lists its files in no particular order
+  return names;
+}
+
+}  // namespace
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  // Rows of the dynamic programme: the one in work and the two before it (the exchange of neighbours looks two back).
+  std::vector<std::size_t> before_last(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    before_last.swap(last);
+    last.swap(row);
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t change = last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, change});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        row[j] = std::min(row[j], before_last[j - 2] + 1);
+    }
+  }
+  return row[b.size()];
+}
+
+std::optional<std::string> nearest(std::string_view word, std::span<const std::string> candidates) {
+  const std::string wanted = lower_case(word);
+  std::optional<std::string> best;
+  std::size_t best_distance = std::max<std::size_t>(1, wanted.size() / 3) + 1;
+  for (const std::string& candidate : candidates) {
+    const std::string given = lower_case(candidate);
+    const bool begins = wanted.size() >= 3 && given.starts_with(wanted);
+    const std::size_t distance =
+        begins ? std::min<std::size_t>(1, given.size() - wanted.size()) : edit_distance(wanted, given);
+    if (distance >= best_distance) continue;
+    best = candidate;
+    best_distance = distance;
+  }
+  return best;
+}
+
+std::string did_you_mean(std::string_view word, std::span<const std::string> candidates) {
+  const std::optional<std::string> meant = nearest(word, candidates);
+  return meant ? concat("did you mean ", *meant, "?") : std::string{};
+}
+
+void require_input(const std::filesystem::path& path) {
+  const std::string name = path.string();
+  std::error_code trouble;
+  const std::filesystem::file_status status = std::filesystem::status(path, trouble);
+  if (!std::filesystem::exists(status)) {
+    const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+    if (!std::filesystem::is_directory(folder, trouble))
+      throw Error(Trouble::unreadable, concat(name, ": no such file, and no folder ", folder.string()));
+    throw Error(Trouble::unreadable, concat(name, ": no such file"),
+                did_you_mean(path.filename().string(), names_in(folder)));
+  }
+  if (std::filesystem::is_directory(status))
+    throw Error(Trouble::unreadable, concat(name, ": is a folder; expected a file"));
+  if (::access(path.c_str(), R_OK) != 0)
+    throw Error(Trouble::unreadable, concat(name, ": cannot be read (", std::strerror(errno), ")"));
+}
+
+}  // namespace rhoray::tools

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace rhoray::tools {
+
+/// Letters to insert, drop, change, or exchange with their neighbour, to make one word of the other; case counts.
+std::size_t edit_distance(std::string_view a, std::string_view b);
+
+/// The candidate that was probably meant: one that `word` begins (three letters or more), or the one at the smallest
+/// edit distance, ignoring case, if that is at most a third of the word's length (but one letter in any case). The
+/// first of equals; nothing when none is near.
+std::optional<std::string> nearest(std::string_view word, std::span<const std::string> candidates);
+
+/// "did you mean bone.vtu?", or nothing when no candidate is near: for the hint of an Error.
+std::string did_you_mean(std::string_view word, std::span<const std::string> candidates);
+
+/// Refuses a path that is not a readable file (Trouble::unreadable), with the nearest name in its folder.
+void require_input(const std::filesystem::path& path);
+
+}  // namespace rhoray::tools

@@ -1,0 +1,133 @@
+#include <cstdio>
+
+#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/measure.h"
+#include "tools/rhoray/pack_any.h"
+#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/subcommands.h"
+#include "tools/rhoray/threads.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+struct PackCommand {
+  CommonOptions common;
+  PackOptions pack;
+};
+
+void report(const PackCommand& command, const std::filesystem::path& output, const PackResult& result, double seconds) {
+  const Usage usage = usage_so_far();
+  const double ratio = static_cast<double>(result.file_bytes) / static_cast<double>(result.raw_bytes);
+  for (const std::string& note : result.notes) say(command.common, concat("note: ", note));
+  say(command.common, concat(output.string(), ": ", result.content, ", ", bytes_text(result.file_bytes), " (",
+                             rounded(ratio, 3), " x raw)"));
+  say(command.common,
+      concat("took ", rounded(seconds, 3), " s (", rounded(usage.cpu_s, 3), " s of CPU), peak memory ",
+             bytes_text(usage.peak_bytes), ", of the reading process ", bytes_text(usage.worker_peak_bytes)));
+  if (!command.common.json) return;
+  const Json json{{"file", output.string()},
+                  {"kind", result.kind},
+                  {"file_bytes", result.file_bytes},
+                  {"raw_bytes", result.raw_bytes},
+                  {"ratio", ratio},
+                  {"seconds", seconds},
+                  {"cpu_seconds", usage.cpu_s},
+                  {"peak_bytes", usage.peak_bytes},
+                  {"worker_peak_bytes", usage.worker_peak_bytes},
+                  {"notes", result.notes},
+                  {"description", result.description}};
+  std::puts(dump(json).c_str());
+}
+
+std::filesystem::path default_output(const std::filesystem::path& input) {
+  std::filesystem::path output = input;
+  if (output.extension() == ".gz") output.replace_extension();
+  return output.replace_extension(".rho");
+}
+
+/// The command as it is kept in the file.
+std::string command_line(const PackCommand& command, const std::filesystem::path& output) {
+  const PackOptions& pack = command.pack;
+  std::vector<std::string> words{"rhoray", "pack", pack.input.string(), "-o", output.string()};
+  const auto add = [&](bool given, const char* name, const std::string& value) {
+    if (given) words.insert(words.end(), {name, value});
+  };
+  const auto numbers = [](const std::optional<Vec3>& v) {
+    return v ? concat(v->x, ",", v->y, ",", v->z) : std::string{};
+  };
+  const PackOptions defaults;
+  std::string fields;
+  for (const std::string& field : pack.fields) fields += (fields.empty() ? "" : ",") + field;
+  add(!pack.raw.empty(), "--raw", pack.raw);
+  add(!fields.empty(), "--field", fields);
+  add(pack.cells != defaults.cells, "--cells", pack.cells);
+  add(pack.leaf_ratio.has_value(), "--leaf-ratio", concat(pack.leaf_ratio.value_or(0)));
+  add(pack.levels != defaults.levels, "--levels", concat(pack.levels));
+  add(pack.factor != defaults.factor, "--factor", concat(pack.factor));
+  add(pack.type.has_value(), "--type",
+      std::string(formats::element_name(pack.type.value_or(formats::ElementType::U8))));
+  add(!pack.layout.empty(), "--layout", pack.layout);
+  add(pack.brick_edge.has_value(), "--brick-edge", concat(pack.brick_edge.value_or(0)));
+  add(pack.spacing.has_value(), "--spacing", numbers(pack.spacing));
+  add(pack.origin.has_value(), "--origin", numbers(pack.origin));
+  if (pack.cell_data) words.push_back("--cell-data");
+  return shell_line(words);
+}
+
+int run(PackCommand& command) {
+  const Stopwatch watch;
+  PackOptions& pack = command.pack;
+  pack.memory_limit_bytes = command.common.memory.bytes;
+  pack.replace_existing = command.common.force;
+  const std::filesystem::path output =
+      command.common.output.empty() ? default_output(pack.input) : command.common.output;
+  pack.command = command_line(command, output);
+  check_pack(pack);
+  require_writable(command.common, output, pack.input);
+  const ThreadLimit limit(command.common.threads);
+  const PackResult result = [&] {
+    ProgressDisplay display(command.common);
+    return pack_any(pack, output, display.progress());
+  }();
+  report(command, output, result, watch.seconds());
+  return 0;
+}
+
+}  // namespace
+
+Subcommand pack_subcommand() {
+  const auto command = std::make_shared<PackCommand>();
+  PackOptions& pack = command->pack;
+  return {.name = "pack",
+          .summary = "Volume or tetrahedra to a packed file",
+          .examples =
+              "  rhoray pack head.nrrd -o head.rho\n"
+              "  rhoray pack torso.vtu --field potential -o torso.rho\n"
+              "  rhoray pack ct.raw --raw 512x512x275:uint16:le --spacing 0.78,0.78,1 -o ct.rho\n",
+          .options = all_options(
+              {{file_option("FILE", "Volume or tetrahedral mesh", pack.input)},
+               output_options(command->common, "Packed file; default the input's name with .rho"),
+               {value_option("--field", "A[,B]", "Fields to keep, the first one is shown by default; default all",
+                             pack.fields),
+                value_option("--raw", "WxHxD:TYPE[:le|be][:SKIP]", "Read bytes without a header", pack.raw),
+                value_option("--spacing", "X,Y,Z", "Instead of the file's (volumes)", pack.spacing),
+                value_option("--origin", "X,Y,Z", "Instead of the file's (volumes)", pack.origin),
+                value_option("--type", "TYPE", "Store samples as U8, I8, U16, I16, U32, I32, F32 or F64 (volumes)",
+                             pack.type),
+                choice_option("--layout", {"bricks", "linear"},
+                              "Order of samples in the file (volumes); default bricks", pack.layout),
+                value_option("--brick-edge", "N", "Samples per axis of a brick (volumes); default 4", pack.brick_edge),
+                flag_option("--cell-data", "Also keep cell fields, averaged to points (meshes)", pack.cell_data),
+                value_option("--cells", "auto|N", "About N leaf cells (meshes); default auto, one per tetrahedron",
+                             pack.cells),
+                value_option("--leaf-ratio", "R", "Leaf cells per tetrahedron (meshes); default 1", pack.leaf_ratio),
+                value_option("--levels", "N", "Levels of macrocells; default 3", pack.levels),
+                value_option("--factor", "N", "Cells per axis of a macrocell; default 4", pack.factor)},
+               threads_option(command->common),
+               memory_option(command->common, "Limit for the process that reads the input, such as 2G"),
+               message_options(command->common, "What was packed, as one JSON document on stdout")}),
+          .run = [command] { return run(*command); }};
+}
+
+}  // namespace rhoray::tools

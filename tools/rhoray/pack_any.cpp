@@ -1,0 +1,175 @@
+#include "tools/rhoray/pack_any.h"
+
+#include "formats/base/bytes.h"
+#include "formats/base/trouble.h"
+#include "formats/packed_file.h"
+#include "preprocess/import_mesh.h"
+#include "preprocess/import_volume.h"
+#include "preprocess/pack_mesh.h"
+#include "preprocess/pack_volume.h"
+#include "tools/rhoray/measure.h"
+#include "tools/rhoray/nearest.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+bool is_volume(const PackOptions& options) {
+  return !options.raw.empty() || preprocess::foreign_kind(options.input) == preprocess::ForeignKind::volume;
+}
+
+void check_kind(const PackOptions& options) {
+  const std::string name = options.input.string();
+  if (formats::PackedFile::looks_packed(options.input))
+    throw Error(Trouble::invalid, concat(name, ": is a packed file already"),
+                concat("look into it: rhoray info ", name));
+  switch (preprocess::foreign_kind(options.input)) {
+    case preprocess::ForeignKind::volume:
+    case preprocess::ForeignKind::mesh:
+      return;
+    case preprocess::ForeignKind::surface:
+      throw Error(Trouble::invalid, concat(name, ": holds a surface; expected a volume or tetrahedra"),
+                  concat("fill it first: rhoray tetrahedralize ", name, " -o ", options.input.stem().string(), ".vtu"));
+    case preprocess::ForeignKind::unknown:
+      break;
+  }
+  throw Error(Trouble::invalid,
+              concat(name,
+                     ": found a file of a kind that is not known here; expected a volume (.nrrd "
+                     ".nhdr .mhd .mha .nii .nii.gz .vti .vtk) or a mesh (.vtu .vtk .node .ele)"),
+              "--raw 256x256x128:uint16:le reads bytes without a header");
+}
+
+/// An option that belongs to the other kind would be passed over in silence.
+void check_options(const PackOptions& options) {
+  struct Row {
+    bool given;
+    bool for_volumes;
+    const char* name;
+  };
+  const Row rows[] = {{!options.layout.empty(), true, "--layout"},
+                      {options.brick_edge.has_value(), true, "--brick-edge"},
+                      {options.type.has_value(), true, "--type"},
+                      {options.spacing.has_value(), true, "--spacing"},
+                      {options.origin.has_value(), true, "--origin"},
+                      {options.cells != "auto", false, "--cells"},
+                      {options.leaf_ratio.has_value(), false, "--leaf-ratio"},
+                      {options.cell_data, false, "--cell-data"}};
+  const bool volume = is_volume(options);
+  for (const Row& row : rows)
+    if (row.given && row.for_volumes != volume)
+      throw Error(Trouble::usage, concat(row.name, ": is for ", row.for_volumes ? "volumes" : "meshes", ", and ",
+                                         options.input.string(), " is a ", volume ? "volume" : "mesh"));
+  if (volume && options.fields.size() > 1)
+    throw Error(Trouble::usage, concat("--field: found ", options.fields.size(), " names; a volume has one field"));
+  if (options.brick_edge && options.layout == "linear")
+    throw Error(Trouble::usage, "--brick-edge: has no meaning with --layout linear");
+}
+
+/// What raw bytes will take in memory is known before reading.
+void check_raw(const PackOptions& options) {
+  if (options.raw.empty()) return;
+  const preprocess::RawVolume raw = preprocess::parse_raw_volume(options.raw);
+  const Index3& n = raw.sample_count;
+  const auto bytes = checked_product({static_cast<std::uint64_t>(n.x), static_cast<std::uint64_t>(n.y),
+                                      static_cast<std::uint64_t>(n.z), formats::element_bytes(raw.type)});
+  const std::uint64_t there = std::filesystem::file_size(options.input);
+  if (!bytes || *bytes > there || raw.skipped_bytes > there - *bytes)
+    throw Error(Trouble::invalid, concat(options.input.string(), ": found ", there, " bytes; --raw ", options.raw,
+                                         " expects ", bytes ? concat(*bytes + raw.skipped_bytes) : "more than 2^64"));
+  if (options.memory_limit_bytes != 0 && *bytes > options.memory_limit_bytes)
+    throw Error(Trouble::resource,
+                concat(options.input.string(), ": needs ", bytes_text(*bytes), " for its samples; --memory allows ",
+                       bytes_text(options.memory_limit_bytes)));
+}
+
+PackResult pack_volume(const PackOptions& options, const std::filesystem::path& output,
+                       const preprocess::Progress& progress) {
+  preprocess::ImportVolumeOptions import;
+  if (!options.raw.empty()) import.raw = preprocess::parse_raw_volume(options.raw);
+  if (!options.fields.empty()) import.field = options.fields.front();
+  import.spacing = options.spacing;
+  import.origin = options.origin;
+  import.memory_limit_bytes = options.memory_limit_bytes;
+  if (progress) progress("reading", 0, 0);
+  const preprocess::NeutralVolume volume = preprocess::import_volume(options.input, import);
+
+  const preprocess::PackVolumeReport report =
+      preprocess::pack_volume(volume, output,
+                              {.linear_layout = options.layout == "linear",
+                               .brick_edge = options.brick_edge.value_or(preprocess::PackVolumeOptions{}.brick_edge),
+                               .macro_factor = options.factor,
+                               .macro_level_count = options.levels,
+                               .type = options.type,
+                               .command = options.command,
+                               .source_name = options.input.filename().string(),
+                               .replace_existing = options.replace_existing},
+                              progress);
+  const formats::GridDescription& grid = report.description;
+  const Index3& count = grid.layout.sample_count;
+  const auto sample_count = static_cast<std::uint64_t>(rhoray::volume(count));
+  return {.kind = "grid",
+          .description = json_of(grid),
+          .content =
+              concat(text_of(count), " = ", grouped(sample_count), " samples ", formats::element_name(grid.field.type)),
+          .notes = volume.notes,
+          .raw_bytes = sample_count * formats::element_bytes(grid.field.type),
+          .file_bytes = report.file_bytes,
+          .cell_count = static_cast<std::uint64_t>(rhoray::volume(grid.macro.leaf_count))};
+}
+
+PackResult pack_mesh(const PackOptions& options, const std::filesystem::path& output,
+                     const preprocess::Progress& progress) {
+  preprocess::PackMeshOptions pack{.fields = options.fields,
+                                   .cells_to_points = options.cell_data,
+                                   .macro_factor = options.factor,
+                                   .macro_level_count = options.levels,
+                                   .command = options.command,
+                                   .source_name = options.input.filename().string(),
+                                   .replace_existing = options.replace_existing};
+  pack.leaf_cells_per_tetrahedron = options.leaf_ratio.value_or(pack.leaf_cells_per_tetrahedron);
+  if (options.cells != "auto") read_value(options.cells, pack.leaf_cell_count);
+  if (progress) progress("reading", 0, 0);
+  const preprocess::NeutralMesh mesh =
+      preprocess::import_mesh(options.input, {.memory_limit_bytes = options.memory_limit_bytes});
+  const preprocess::PackMeshReport report = preprocess::pack_mesh(mesh, output, pack, progress);
+
+  const formats::TetMeshDescription& packed = report.description;
+  std::uint64_t point_bytes = 3 * sizeof(double);
+  for (const formats::FieldSummary& field : packed.fields) point_bytes += formats::element_bytes(field.type);
+  PackResult result{
+      .kind = "tets",
+      .description = json_of(packed),
+      .content = concat(grouped(packed.cell_count), " tetrahedra, ", grouped(packed.point_count), " points, ",
+                        packed.fields.size(), packed.fields.size() == 1 ? " field" : " fields"),
+      .notes = mesh.notes,
+      .raw_bytes = point_bytes * packed.point_count + 4 * sizeof(std::uint32_t) * packed.cell_count,
+      .file_bytes = report.file_bytes,
+      .cell_count = packed.cell_count};
+  result.notes.insert(result.notes.end(), report.notes.begin(), report.notes.end());
+  return result;
+}
+
+}  // namespace
+
+void check_pack(const PackOptions& options) {
+  require_input(options.input);
+  if (options.raw.empty()) check_kind(options);
+  check_options(options);
+  check_raw(options);
+  if (options.cells != "auto") {
+    std::int64_t count = 0;
+    read_value(options.cells, count);
+    require_within("--cells", static_cast<double>(count), 1, 1e12);
+  }
+  if (options.leaf_ratio) require_within("--leaf-ratio", *options.leaf_ratio, 1e-6, 1e6);
+  require_within("--levels", options.levels, 0, formats::MacroShape::largest_level_count);
+  require_within("--factor", static_cast<double>(options.factor), 2, 1024);
+}
+
+PackResult pack_any(const PackOptions& options, const std::filesystem::path& output,
+                    const preprocess::Progress& progress) {
+  return is_volume(options) ? pack_volume(options, output, progress) : pack_mesh(options, output, progress);
+}
+
+}  // namespace rhoray::tools

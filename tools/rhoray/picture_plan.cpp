@@ -1,0 +1,218 @@
+#include "tools/rhoray/picture_plan.h"
+
+#include <utility>
+
+#include "formats/base/trouble.h"
+#include "preprocess/import_mesh.h"
+#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/nearest.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+/// A channel's word and its place in the set.
+constexpr std::pair<const char*, bool render::ChannelSet::*> channel_words[] = {{"depth", &render::ChannelSet::depth},
+                                                                                {"normal", &render::ChannelSet::normal},
+                                                                                {"cell", &render::ChannelSet::cell},
+                                                                                {"value", &render::ChannelSet::value}};
+
+std::string text_of(const Vec3& v) {
+  return concat(v.x, ",", v.y, ",", v.z);
+}
+
+render::Camera plan_camera(const PictureOptions& options, const Box3& box) {
+  render::View view = render::named_view(options.view);
+  view.azimuth_deg = options.azimuth_deg.value_or(view.azimuth_deg);
+  view.elevation_deg = options.elevation_deg.value_or(view.elevation_deg);
+  view.zoom = options.zoom.value_or(view.zoom);
+  view.vertical_fov_deg = options.fov_deg.value_or(view.vertical_fov_deg);
+  view.orthographic = options.orthographic || options.orthographic_height.has_value();
+  require_within("--elevation", view.elevation_deg, -90, 90);
+  require_within("--zoom", view.zoom, 1e-6, 1e6);
+  require_within("--fov", view.vertical_fov_deg, 0.001, 179);
+
+  render::Camera camera = render::fit_camera(box, view, static_cast<double>(options.size.width) / options.size.height);
+  camera.position = options.camera_position.value_or(camera.position);
+  camera.target = options.camera_target.value_or(camera.target);
+  camera.up = options.camera_up.value_or(camera.up);
+  camera.orthographic_height = options.orthographic_height.value_or(camera.orthographic_height);
+  if (!(camera.orthographic_height > 0)) throw Error(Trouble::usage, "--ortho-height: expected a height above 0");
+  const Vec3 forward = camera.target - camera.position;
+  if (!(forward.cross(camera.up).length() > 0))
+    throw Error(Trouble::usage, "the camera has no direction: position, target and up lie on one line",
+                "give another --camera-up or --camera-target");
+  return camera;
+}
+
+/// "0 to 255 HU of field 'density'".
+std::string range_text(const formats::FieldSummary& field) {
+  return concat(field.range.lo, " to ", field.range.hi, field.unit.empty() ? "" : " ", field.unit, " of field '",
+                field.name, "'");
+}
+
+}  // namespace
+
+std::vector<Option> picture_options(PictureOptions& options) {
+  return {
+      choice_option("--mode", {"iso", "mip"}, "Isosurface, or maximum intensity projection", options.mode),
+      value_option("--iso", "V", "Isovalue: a number, p95 (percentile), or auto (Otsu's threshold); default auto",
+                   options.isovalue),
+      value_option("--field", "NAME", "Field to show; default the first", options.field),
+      value_option("--size", "WxH", "Pixels, or 720p, 1080p, 4k; default 1280x720", options.size),
+      value_option("--view", "WORD", "Side to look from: iso (three-quarter), +x, -x, +y, -y, +z, -z; default iso",
+                   options.view),
+      value_option("--azimuth", "DEG", "Angle around the world's z axis; 0 looks along +y", options.azimuth_deg),
+      value_option("--elevation", "DEG", "Angle above the horizon; 90 looks straight down", options.elevation_deg),
+      value_option("--zoom", "FACTOR", "1: the data just fits; 2: twice as large", options.zoom),
+      value_option("--fov", "DEG", "Vertical opening angle; default 30", options.fov_deg),
+      flag_option("--ortho", "Orthographic projection", options.orthographic),
+      value_option("--ortho-height", "H", "World units that the picture's height shows; implies --ortho",
+                   options.orthographic_height),
+      value_option("--camera-position", "X,Y,Z", "Eye, in world units; default fitted to the data",
+                   options.camera_position),
+      value_option("--camera-target", "X,Y,Z", "Point looked at", options.camera_target),
+      value_option("--camera-up", "X,Y,Z", "Direction that is up in the picture", options.camera_up),
+      value_option("--surface-color", "COLOR", "#rrggbb (sRGB), or r,g,b (linear, 0 to 1)", options.surface_color),
+      value_option("--background", "COLOR", "As above; default white for isosurfaces, black for MIP",
+                   options.background),
+      value_option("--specular", "S", "Strength of the highlight, 0 to 1; 0 computes none", options.specular),
+      value_option("--range", "A,B", "Values shown from black to white in MIP; default the field's range",
+                   options.range),
+      choice_option("--method", {"face", "exact"},
+                    "How MIP finds a cell's largest value: on the faces where the ray enters and leaves (the paper), "
+                    "or exactly; default exact",
+                    options.method),
+      value_option("--channels", "A,B", "Also keep depth, normal, cell, value (EXR only)", options.channels),
+      flag_option("--no-hierarchy", "Walk every leaf cell, for comparison; the picture is the same",
+                  options.no_hierarchy)};
+}
+
+render::ChannelSet channel_set(const std::vector<std::string>& names) {
+  render::ChannelSet set;
+  std::vector<std::string> known;
+  for (const auto& [word, member] : channel_words) known.emplace_back(word);
+  for (const std::string& name : names) {
+    bool found = false;
+    for (const auto& [word, member] : channel_words)
+      if (name == word) found = set.*member = true;
+    if (!found)
+      throw Error(Trouble::usage, concat("--channels: found '", name, "'; expected depth, normal, cell or value"),
+                  did_you_mean(name, known));
+  }
+  return set;
+}
+
+Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& field) {
+  if (field.range.is_empty()) throw Error(Trouble::invalid, concat("field '", field.name, "' holds no finite value"));
+  if (text == "auto") {
+    const std::optional<double> threshold = formats::otsu_threshold(field);
+    if (!threshold)
+      throw Error(Trouble::usage, concat("field '", field.name, "' has the value ", field.range.lo,
+                                         " everywhere: no isovalue parts it"));
+    return {*threshold, "Otsu's threshold"};
+  }
+  const bool is_percentile = text.starts_with("p");
+  double value = 0;
+  try {
+    read_value(is_percentile ? text.substr(1) : text, value);
+  } catch (const Error&) {
+    throw Error(Trouble::usage,
+                concat("--iso: found '", text, "'; expected a number, a percentile such as p95, or auto"));
+  }
+  if (is_percentile) {
+    require_within("--iso p", value, 0, 100);
+    return {formats::percentile(field, value / 100), concat("percentile ", value)};
+  }
+  if (!field.range.contains(value))
+    throw Error(Trouble::usage, concat("isovalue ", value, " is outside the range ", range_text(field)),
+                "--iso auto takes one from the histogram");
+  return {value, "given"};
+}
+
+render::Volume load_volume(const std::filesystem::path& path, const std::string& field) {
+  require_input(path);
+  if (!formats::PackedFile::looks_packed(path) && preprocess::foreign_kind(path) != preprocess::ForeignKind::unknown) {
+    const std::filesystem::path packed = std::filesystem::path(path.filename()).replace_extension(".rho");
+    throw Error(Trouble::invalid, concat(path.string(), ": is not a packed file"),
+                concat("pack it first: ", shell_line({"rhoray", "pack", path.string(), "-o", packed.string()})));
+  }
+  try {
+    return render::Volume::load(path, field);
+  } catch (const Error& error) {
+    if (error.trouble() != Trouble::usage || field.empty()) throw;
+    const std::string hint = did_you_mean(field, render::Volume::load(path).field_names());
+    throw Error(error.trouble(), error.what(), hint.empty() ? error.hint() : hint);
+  }
+}
+
+PicturePlan plan_picture(const PictureOptions& options, const render::Volume& volume) {
+  PicturePlan plan;
+  render::Scene& scene = plan.scene;
+  scene.mode = options.mode == "mip" ? render::Mode::mip : render::Mode::isosurface;
+  scene.mip_method = options.method == "face" ? render::MipMethod::face : render::MipMethod::exact;
+  Box3 shown = volume.bounds();
+  if (scene.mode == render::Mode::isosurface) {
+    const Isovalue iso = choose_isovalue(options.isovalue, volume.field());
+    scene.isovalue = iso.value;
+    plan.isovalue_from = iso.from;
+    const Box3 surface = volume.isosurface_bounds(iso.value);
+    plan.surface_is_empty = surface.isEmpty();
+    if (!plan.surface_is_empty) shown = surface;
+  } else {
+    if (volume.field().range.is_empty())
+      throw Error(Trouble::invalid, concat("field '", volume.field().name, "' holds no finite value"));
+    scene.window = options.range.value_or(volume.field().range);
+  }
+  scene.camera = plan_camera(options, shown);
+  if (options.surface_color) scene.surface.color = options.surface_color->linear;
+  if (options.specular) {
+    require_within("--specular", *options.specular, 0, 1);
+    scene.surface.specular = *options.specular;
+  }
+  const double grey = scene.mode == render::Mode::mip ? 0 : 1;
+  scene.background = options.background ? options.background->linear : Vec3(grey, grey, grey);
+
+  plan.frame.width = options.size.width;
+  plan.frame.height = options.size.height;
+  plan.frame.channels = channel_set(options.channels);
+  plan.frame.use_hierarchy = !options.no_hierarchy;
+  return plan;
+}
+
+std::vector<std::string> reproducing_command(const PicturePlan& plan, const render::Volume& volume,
+                                             const std::filesystem::path& input, const std::filesystem::path& output) {
+  const render::Scene& scene = plan.scene;
+  const render::Camera& camera = scene.camera;
+  std::vector<std::string> words{"rhoray", "render", input.string(), "-o", output.string()};
+  const auto add = [&](const std::string& name, const std::string& value) { words.insert(words.end(), {name, value}); };
+  add("--field", volume.field().name);
+  if (scene.mode == render::Mode::mip) {
+    add("--mode", "mip");
+    add("--range", concat(scene.window.lo, ",", scene.window.hi));
+    add("--method", scene.mip_method == render::MipMethod::face ? "face" : "exact");
+  } else {
+    add("--mode", "iso");
+    add("--iso", concat(scene.isovalue));
+    add("--surface-color", text_of(scene.surface.color));
+    add("--specular", concat(scene.surface.specular));
+  }
+  add("--size", concat(plan.frame.width, "x", plan.frame.height));
+  add("--camera-position", text_of(camera.position));
+  add("--camera-target", text_of(camera.target));
+  add("--camera-up", text_of(camera.up));
+  if (camera.orthographic)
+    add("--ortho-height", concat(camera.orthographic_height));
+  else
+    add("--fov", concat(camera.vertical_fov_deg));
+  add("--background", text_of(scene.background));
+
+  std::string channels;
+  for (const auto& [word, member] : channel_words)
+    if (plan.frame.channels.*member) channels += concat(channels.empty() ? "" : ",", word);
+  if (!channels.empty()) add("--channels", channels);
+  if (!plan.frame.use_hierarchy) words.push_back("--no-hierarchy");
+  return words;
+}
+
+}  // namespace rhoray::tools

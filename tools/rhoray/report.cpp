@@ -1,0 +1,137 @@
+#include "tools/rhoray/report.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/rhoray/measure.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+constexpr int shown_percentiles[] = {1, 5, 25, 50, 75, 95, 99};
+
+}  // namespace
+
+Json json_of(const Vec3& v) {
+  return {v.x, v.y, v.z};
+}
+Json json_of(const Index3& index) {
+  return {index.x, index.y, index.z};
+}
+Json json_of(const Box3& box) {
+  return {{"low", json_of(box.min)}, {"high", json_of(box.max)}};
+}
+
+Json json_of(const Interval<double>& interval) {
+  if (interval.is_empty()) return nullptr;
+  return {interval.lo, interval.hi};
+}
+
+Json json_of(const Affine& world_from_grid) {
+  const Vec3 &x = world_from_grid.x_axis, &y = world_from_grid.y_axis, &z = world_from_grid.z_axis;
+  return {{"spacing", {x.length(), y.length(), z.length()}},
+          {"origin", json_of(world_from_grid.origin)},
+          {"direction", {json_of(x.normalized()), json_of(y.normalized()), json_of(z.normalized())}}};
+}
+
+Json json_of(const formats::FieldSummary& field) {
+  Json json{{"name", field.name},
+            {"unit", field.unit},
+            {"type", formats::element_name(field.type)},
+            {"range", json_of(field.range)},
+            {"no_data_count", field.no_data_count},
+            {"otsu_threshold", nullptr},
+            {"percentiles", Json::object()},
+            {"histogram", field.histogram}};
+  if (const auto threshold = formats::otsu_threshold(field)) json["otsu_threshold"] = *threshold;
+  if (!field.range.is_empty())
+    for (const int percent : shown_percentiles)
+      json["percentiles"][concat(percent)] = formats::percentile(field, percent / 100.0);
+  return json;
+}
+
+Json json_of(const formats::Provenance& provenance) {
+  return {{"source_name", provenance.source_name},
+          {"source_checksum", provenance.source_checksum},
+          {"command", provenance.command}};
+}
+
+Json json_of(const formats::GridDescription& grid) {
+  const formats::BrickLayout& layout = grid.layout;
+  const Index3& count = layout.sample_count;
+  return {{"samples", json_of(count)},
+          {"cells", volume(grid.macro.leaf_count)},
+          {"geometry", json_of(grid.world_from_grid)},
+          {"length_unit", grid.length_unit},
+          {"box", json_of(bounds_of(grid.world_from_grid, count))},
+          {"layout",
+           {{"linear", layout.is_linear()},
+            {"brick_edge", layout.brick_edge},
+            {"superbrick_edge", json_of(layout.superbrick_edge)},
+            {"padded_samples", json_of(layout.padded_count())}}},
+          {"macro_levels", {{"count", grid.macro.level_count}, {"factor", grid.macro.factor}}},
+          {"fields", Json::array({json_of(grid.field)})},
+          {"provenance", json_of(grid.provenance)}};
+}
+
+Json json_of(const formats::TetMeshDescription& mesh) {
+  Json fields = Json::array();
+  for (const formats::FieldSummary& field : mesh.fields) fields.push_back(json_of(field));
+  const formats::LeafLattice& lattice = mesh.lattice;
+  return {{"points", mesh.point_count},
+          {"cells", mesh.cell_count},
+          {"origin", json_of(mesh.origin)},
+          {"length_unit", mesh.length_unit},
+          {"leaf_cells",
+           {{"count", json_of(lattice.macro.leaf_count)},
+            {"size", json_of(lattice.leaf_size)},
+            {"items", mesh.leaf_item_count}}},
+          {"macro_levels", {{"count", lattice.macro.level_count}, {"factor", lattice.macro.factor}}},
+          {"fields", fields},
+          {"packing",
+           {{"flipped_cells", mesh.flipped_cell_count},
+            {"flat_cells", mesh.flat_cell_count},
+            {"dropped_cells", mesh.dropped_cell_count},
+            {"unused_points", mesh.unused_point_count}}},
+          {"provenance", json_of(mesh.provenance)}};
+}
+
+Box3 bounds_of(const Affine& world_from_grid, const Index3& sample_count) {
+  Box3 box;
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto side = [&](int axis, std::int64_t count) {
+      return (corner >> axis & 1) == 0 ? 0.0 : static_cast<double>(count - 1);
+    };
+    box.extendBy(world_from_grid.point({side(0, sample_count.x), side(1, sample_count.y), side(2, sample_count.z)}));
+  }
+  return box;
+}
+
+std::string text_of(const Vec3& v) {
+  return concat(rounded(v.x), " ", rounded(v.y), " ", rounded(v.z));
+}
+std::string text_of(const Index3& index) {
+  return concat(index.x, " x ", index.y, " x ", index.z);
+}
+
+std::string histogram_bars(const formats::FieldSummary& field, std::size_t width) {
+  static constexpr const char* blocks[] = {" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
+  const std::size_t bins = field.histogram.size();
+  width = std::min(width, bins);
+  std::vector<double> counts(width);
+  for (std::size_t bin = 0; bin < bins; ++bin) counts[bin * width / bins] += static_cast<double>(field.histogram[bin]);
+  const double highest = counts.empty() ? 0 : std::log1p(*std::max_element(counts.begin(), counts.end()));
+  std::string bars;
+  for (const double count : counts) {
+    const double share = highest > 0 ? std::log1p(count) / highest : 0;
+    bars += blocks[static_cast<std::size_t>(std::ceil(share * 8))];  // ceil: what is there is seen
+  }
+  return bars;
+}
+
+std::string dump(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace rhoray::tools

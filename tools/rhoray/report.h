@@ -1,0 +1,38 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "formats/base/affine.h"
+#include "formats/brick_grid.h"
+#include "formats/field_summary.h"
+#include "formats/tet_mesh.h"
+
+namespace rhoray::tools {
+
+// What packed files and their parts look like in --json, and on a terminal. Numbers that are not finite become null.
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Vec3& v);
+Json json_of(const Index3& index);
+Json json_of(const Box3& box);
+Json json_of(const Interval<double>& interval);  ///< null when empty
+Json json_of(const Affine& world_from_grid);     ///< spacing, origin, direction (three unit vectors)
+Json json_of(const formats::FieldSummary& field);
+Json json_of(const formats::Provenance& provenance);
+Json json_of(const formats::GridDescription& grid);
+Json json_of(const formats::TetMeshDescription& mesh);
+
+/// Of a grid's samples, in world axes.
+Box3 bounds_of(const Affine& world_from_grid, const Index3& sample_count);
+
+std::string text_of(const Vec3& v);        ///< 0.781 0.781 1
+std::string text_of(const Index3& index);  ///< 512 x 512 x 275
+/// One line of blocks, lowest values left; heights are logarithmic, so that a rare value can still be seen.
+std::string histogram_bars(const formats::FieldSummary& field, std::size_t width = 64);
+
+/// JSON that holds text of any bytes: what is not UTF-8 is replaced.
+std::string dump(const Json& json);
+
+}  // namespace rhoray::tools

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "tools/rhoray/command_line.h"
+
+namespace rhoray::tools {
+
+// One file each.
+Subcommand info_subcommand();
+Subcommand verify_subcommand();
+Subcommand pack_subcommand();
+Subcommand tetrahedralize_subcommand();
+Subcommand render_subcommand();
+Subcommand bench_subcommand();
+
+}  // namespace rhoray::tools

@@ -1,0 +1,127 @@
+#include <algorithm>
+#include <cstdio>
+
+#include "formats/base/trouble.h"
+#include "formats/brick_grid.h"
+#include "formats/tet_mesh.h"
+#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/damage.h"
+#include "tools/rhoray/measure.h"
+#include "tools/rhoray/nearest.h"
+#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/report.h"
+#include "tools/rhoray/subcommands.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+struct VerifyOptions {
+  CommonOptions common;
+  std::vector<std::filesystem::path> files;
+  bool deep = false;
+};
+
+/// What was found in one file; all empty when it is sound.
+struct Findings {
+  std::vector<formats::DamagedBlock> blocks;
+  std::vector<std::string> sentences;  ///< beyond damaged blocks
+  std::uint64_t file_bytes = 0;
+  Json json_blocks = Json::array();
+
+  bool none() const { return blocks.empty() && sentences.empty(); }
+};
+
+/// What the file's kind says of its own content, or why it could not be made out.
+std::vector<std::string> content_findings(const formats::PackedFile& file, bool deep) {
+  try {
+    if (file.description().kind == "grid") {
+      const formats::BrickGrid grid(file);
+      return deep ? formats::deep_findings(grid) : std::vector<std::string>{};
+    }
+    if (file.description().kind == "tets") {
+      const formats::TetMesh mesh(file);
+      return deep ? formats::deep_findings(mesh) : std::vector<std::string>{};
+    }
+  } catch (const Error& error) {
+    if (error.trouble() != Trouble::invalid) throw;
+    return {error.what()};
+  }
+  return {};
+}
+
+Findings examine(const std::filesystem::path& path, const VerifyOptions& options, ProgressDisplay& display) {
+  Findings findings;
+  require_input(path);
+  try {
+    const formats::PackedFile file = formats::PackedFile::open(path);
+    findings.file_bytes = file.file_bytes();
+    display.show(concat("checking ", path.string()));
+    findings.blocks = file.damaged_blocks(options.common.threads);
+    for (const formats::DamagedBlock& block : findings.blocks)
+      findings.json_blocks.push_back({{"first_byte", block.first_byte},
+                                      {"byte_count", block.byte_count},
+                                      {"arrays", arrays_touched(file, block)}});
+    for (const formats::DamagedBlock& block : findings.blocks)
+      findings.sentences.push_back(concat(path.string(), ", ", damage_text(file, block)));
+    if (findings.blocks.empty()) findings.sentences = content_findings(file, options.deep);
+  } catch (const Error& error) {
+    if (error.trouble() != Trouble::invalid) throw;
+    findings.sentences.push_back(error.what());
+  }
+  return findings;
+}
+
+void print(const std::filesystem::path& path, const Findings& findings, const VerifyOptions& options) {
+  if (options.common.json) {
+    const Json json{{"file", path.string()},
+                    {"ok", findings.none()},
+                    {"file_bytes", findings.file_bytes},
+                    {"deep", options.deep},
+                    {"damaged_blocks", findings.json_blocks},
+                    {"findings", findings.sentences}};
+    std::puts(dump(json).c_str());
+    return;
+  }
+  for (const std::string& sentence : findings.sentences) std::puts(sentence.c_str());
+  if (findings.none())
+    std::puts(concat(path.string(), ": sound (", bytes_text(findings.file_bytes),
+                     options.deep ? ", values included" : "", ")")
+                  .c_str());
+}
+
+int run(const VerifyOptions& options) {
+  ProgressDisplay display(options.common);
+  int result = 0;
+  for (const std::filesystem::path& path : options.files) {
+    try {
+      const Findings findings = examine(path, options, display);
+      print(path, findings, options);
+      if (!findings.none()) result = std::max(result, static_cast<int>(Trouble::invalid));
+    } catch (const Error& error) {
+      std::fputs(error_lines("rhoray verify", error.what(), error.hint()).c_str(), stderr);
+      result = std::max(result, static_cast<int>(error.trouble()));
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+Subcommand verify_subcommand() {
+  const auto options = std::make_shared<VerifyOptions>();
+  return {.name = "verify",
+          .summary = "Check packed files: seal, checksums, every damaged block by name",
+          .examples =
+              "  rhoray verify head.rho torso.rho\n"
+              "  rhoray verify head.rho --deep --json\n"
+              "Exit code 0: sound; 4: something was found; 3: a file could not be looked at.\n",
+          .options = all_options(
+              {{files_option("FILE", "Packed files", options->files),
+                flag_option("--deep", "Also read every value: ranges, macrocells, leaf lists", options->deep)},
+               threads_option(options->common),
+               message_options(options->common, "One JSON document per file and line, on stdout")}),
+          .run = [options] { return run(*options); }};
+}
+
+}  // namespace rhoray::tools
