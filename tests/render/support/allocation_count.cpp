@@ -1,0 +1,30 @@
+#include "tests/render/support/allocation_count.h"
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+namespace {
+std::atomic<std::size_t> count{0};
+}
+
+// The program's own operator new; the forms for arrays come down to these.
+void* operator new(std::size_t bytes) {
+  ++count;
+  if (void* memory = std::malloc(bytes == 0 ? 1 : bytes)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace rhoray::tests {
+
+std::size_t allocation_count() {
+  return count;
+}
+
+}  // namespace rhoray::tests
