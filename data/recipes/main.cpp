@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
@@ -86,8 +87,10 @@ void add_torso_potential(CLI::App& program) {
     preprocess::NeutralMesh mesh = preprocess::import_mesh(mesh_path);
     const auto conductivity = recipes::conductivity_of_cells(mesh, conductivities);
     recipes::PotentialReport solved = recipes::solve_potential(mesh, conductivity, dipole);
-    std::fprintf(stderr, "potential at %zu points: relative residual %.2e, %llu iterations\n", mesh.points.size(),
-                 solved.residual, static_cast<unsigned long long>(solved.iteration_count));
+    const auto [lo, hi] = std::minmax_element(solved.potential_mv.begin(), solved.potential_mv.end());
+    std::fprintf(stderr, "potential at %zu points: %.4g to %.4g mV, relative residual %.2e, %llu iterations\n",
+                 mesh.points.size(), *lo, *hi, solved.residual,
+                 static_cast<unsigned long long>(solved.iteration_count));
     mesh.length_unit = "mm";
     std::erase_if(mesh.point_fields, [](const auto& field) { return field.name == "potential"; });
     mesh.point_fields.insert(mesh.point_fields.begin(), {.name = "potential",

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -47,6 +48,39 @@ TEST(TorsoCt, shows_each_tissue_where_the_formulas_put_it) {
   EXPECT_GT(air, 10000);
   EXPECT_GT(lung, 100);
   EXPECT_GT(heart, 20);
+}
+
+TEST(TorsoCt, lies_in_the_world_where_the_formulas_do) {
+  // Along rows from the right, the first crossing of half-way between air and fat against the skin's formula.
+  const TemporaryFolder folder;
+  const Index3 n(86, 60, 68);  // voxels of 5 mm x 5 mm x 10 mm
+  recipes::write_torso_ct(folder / "ct.nhdr", n, false);
+  const auto volume = preprocess::import_volume(folder / "ct.nhdr");
+  const auto world = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return volume.world_from_grid.point(Vec3(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)));
+  };
+  int compared = 0;
+  for (std::int64_t k = 10; k < 50; k += 3)
+    for (std::int64_t j = 28; j < 33; ++j) {
+      const auto hu = [&](std::int64_t i) {
+        std::int16_t sample = 0;
+        std::memcpy(&sample, volume.samples.data() + 2 * (i + n.x * (j + n.y * k)), sizeof sample);
+        return static_cast<double>(sample);
+      };
+      constexpr double half = (-1000 - 95) / 2.0;
+      std::int64_t i = 0;
+      while (hu(i + 1) < half) ++i;
+      const double share = (half - hu(i)) / (hu(i + 1) - hu(i));
+      const double seen = (1 - share) * world(i, j, k).x + share * world(i + 1, j, k).x;
+      double inside = 0, outside = -215;
+      while (inside - outside > 1e-6) {
+        const double x = (inside + outside) / 2;
+        (recipes::torso::skin({x, world(i, j, k).y, world(i, j, k).z}) < 0 ? inside : outside) = x;
+      }
+      EXPECT_NEAR(seen, inside, 1.0);
+      ++compared;
+    }
+  EXPECT_EQ(compared, 14 * 5);
 }
 
 TEST(TorsoCt, crosses_half_way_at_the_skin) {
