@@ -14,9 +14,9 @@
 #include <utility>
 
 #include "formats/base/interval.h"
+#include "formats/base/nearest_name.h"
 #include "formats/base/trouble.h"
 #include "preprocess/inspect/has_data.h"
-#include "preprocess/inspect/nearest_name.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -136,9 +136,8 @@ std::optional<Selection> find_selection(const std::vector<SourceField>& fields, 
                   concat(source_name, ", field \"", asked, "\": found a vector of ", source.field->component_count,
                          " components; expected one scalar of: ", offer),
                   concat("for its length ask for \"", asked, ".mag\""));
-  const std::string nearest = nearest_name(asked, names);
   throw Error(Trouble::usage, concat(source_name, ": no field \"", asked, "\"; expected one of: ", offer),
-              nearest.empty() ? "" : concat("did you mean \"", nearest, "\"?"));
+              did_you_mean(asked, names));
 }
 
 Selection select(const std::vector<SourceField>& fields, const std::string& asked, bool cells_to_points,

@@ -29,6 +29,14 @@ void terminatetetgen(tetgenmesh*, int code) {
   throw code;
 }
 
+#ifdef __SANITIZE_ADDRESS__
+// What TetGen had allocated when it gave up stays behind; the process ends next.
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() {
+  return "leak:libtet.so\n";
+}
+#endif
+
 namespace rhoray::preprocess {
 
 namespace {

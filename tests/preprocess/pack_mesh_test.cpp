@@ -245,7 +245,7 @@ TEST(PackMesh, refuses_bad_meshes_and_bad_wishes_and_leaves_nothing) {
   NeutralMesh wrong = good;
   wrong.cells[3][3] = 125;
   EXPECT_THAT(refusal(wrong, {.source_name = "a.vtu"}).what(), HasSubstr("a.vtu, cell 3: found vertex 125"));
-  EXPECT_EQ(refusal(good, {.fields = {"valeu"}}).hint(), "did you mean \"value\"?");
+  EXPECT_EQ(refusal(good, {.fields = {"valeu"}}).hint(), "did you mean value?");
   for (const double share : {0.0, -1.0, nan, std::numeric_limits<double>::infinity()})
     EXPECT_EQ(refusal(good, {.leaf_cells_per_tetrahedron = share}).trouble(), Trouble::usage);
   EXPECT_EQ(refusal(good, {.leaf_cell_count = std::uint64_t{1} << 40}).trouble(), Trouble::usage);

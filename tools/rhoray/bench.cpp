@@ -1,10 +1,11 @@
 #include <cstdio>
 
+#include "formats/base/nearest_name.h"
 #include "formats/base/trouble.h"
 #include "formats/packed_file.h"
 #include "tools/rhoray/bench_tables.h"
 #include "tools/rhoray/common_options.h"
-#include "tools/rhoray/nearest.h"
+#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/new_file.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/subcommands.h"

@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <new>
 
+#include "formats/base/nearest_name.h"
 #include "formats/base/trouble.h"
-#include "tools/rhoray/nearest.h"
 #include "tools/rhoray/version.h"
 
 namespace rhoray::tools {

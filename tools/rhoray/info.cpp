@@ -6,8 +6,8 @@
 #include "formats/tet_mesh.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/foreign_info.h"
+#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/nearest.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 

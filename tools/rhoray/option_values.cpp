@@ -7,8 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "formats/base/nearest_name.h"
 #include "formats/base/trouble.h"
-#include "tools/rhoray/nearest.h"
 
 namespace rhoray::tools {
 

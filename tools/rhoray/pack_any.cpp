@@ -7,8 +7,8 @@
 #include "preprocess/import_volume.h"
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_volume.h"
+#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/nearest.h"
 
 namespace rhoray::tools {
 

@@ -2,10 +2,11 @@
 
 #include <utility>
 
+#include "formats/base/nearest_name.h"
 #include "formats/base/trouble.h"
 #include "preprocess/import_mesh.h"
 #include "tools/rhoray/common_options.h"
-#include "tools/rhoray/nearest.h"
+#include "tools/rhoray/input_file.h"
 
 namespace rhoray::tools {
 

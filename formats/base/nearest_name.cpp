@@ -1,16 +1,12 @@
-#include "tools/rhoray/nearest.h"
-
-#include <unistd.h>
+#include "formats/base/nearest_name.h"
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
-#include <cstring>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/text.h"
 
-namespace rhoray::tools {
+namespace rhoray {
 
 namespace {
 
@@ -18,15 +14,6 @@ std::string lower_case(std::string_view text) {
   std::string lower(text);
   for (char& letter : lower) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
   return lower;
-}
-
-std::vector<std::string> names_in(const std::filesystem::path& folder) {
-  std::vector<std::string> names;
-  std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
-    names.push_back(entry.path().filename().string());
-  std::sort(names.begin(), names.end());  // a folder lists its files in no particular order
-  return names;
 }
 
 }  // namespace
@@ -70,21 +57,4 @@ std::string did_you_mean(std::string_view word, std::span<const std::string> can
   return meant ? concat("did you mean ", *meant, "?") : std::string{};
 }
 
-void require_input(const std::filesystem::path& path) {
-  const std::string name = path.string();
-  std::error_code trouble;
-  const std::filesystem::file_status status = std::filesystem::status(path, trouble);
-  if (!std::filesystem::exists(status)) {
-    const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-    if (!std::filesystem::is_directory(folder, trouble))
-      throw Error(Trouble::unreadable, concat(name, ": no such file, and no folder ", folder.string()));
-    throw Error(Trouble::unreadable, concat(name, ": no such file"),
-                did_you_mean(path.filename().string(), names_in(folder)));
-  }
-  if (std::filesystem::is_directory(status))
-    throw Error(Trouble::unreadable, concat(name, ": is a folder; expected a file"));
-  if (::access(path.c_str(), R_OK) != 0)
-    throw Error(Trouble::unreadable, concat(name, ": cannot be read (", std::strerror(errno), ")"));
-}
-
-}  // namespace rhoray::tools
+}  // namespace rhoray

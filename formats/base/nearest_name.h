@@ -1,13 +1,12 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
-namespace rhoray::tools {
+namespace rhoray {
 
 /// Letters to insert, drop, change, or exchange with their neighbour, to make one word of the other; case counts.
 std::size_t edit_distance(std::string_view a, std::string_view b);
@@ -20,7 +19,4 @@ std::optional<std::string> nearest(std::string_view word, std::span<const std::s
 /// "did you mean bone.vtu?", or nothing when no candidate is near: for the hint of an Error.
 std::string did_you_mean(std::string_view word, std::span<const std::string> candidates);
 
-/// Refuses a path that is not a readable file (Trouble::unreadable), with the nearest name in its folder.
-void require_input(const std::filesystem::path& path);
-
-}  // namespace rhoray::tools
+}  // namespace rhoray

@@ -1,0 +1,28 @@
+#include "tools/rhoray/input_file.h"
+
+#include "tests/support/expect_error.h"
+#include "tests/support/temporary_folder.h"
+
+namespace rhoray::tools {
+namespace {
+
+using tests::expect_error;
+
+TEST(InputFile, that_is_missing_is_refused_with_the_nearest_name) {
+  const tests::TemporaryFolder folder;
+  tests::write_file(folder / "bone.vtu", "");
+  tests::write_file(folder / "skin.vtu", "");
+  try {
+    require_input(folder / "bome.vtu");
+    FAIL() << "a missing file was taken";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.trouble(), Trouble::unreadable);
+    EXPECT_EQ(error.hint(), "did you mean bone.vtu?");
+  }
+  EXPECT_NO_THROW(require_input(folder / "bone.vtu"));
+  expect_error(Trouble::unreadable, "is a folder", [&] { require_input(folder.path()); });
+  expect_error(Trouble::unreadable, "no folder", [&] { require_input(folder / "nowhere/bone.vtu"); });
+}
+
+}  // namespace
+}  // namespace rhoray::tools
