@@ -15,8 +15,8 @@ struct CtLattice {
 };
 CtLattice ct_lattice(const Index3& sample_count);
 
-/// Hounsfield units at a point, averaged over a voxel of this size by the share that each tissue's surface cuts off;
-/// without noise.
+/// Hounsfield units that a scanner with voxels of this size sees at a point: each tissue's surface is blurred over two
+/// voxels, and half-way between its two sides exactly on it. Without noise.
 double ct_value(const Vec3& p, const Vec3& spacing);
 
 /// Noise of a scanner, 12 HU standard deviation, at most 42 HU: depends on the sample's position in the volume alone.
