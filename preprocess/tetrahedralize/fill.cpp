@@ -30,7 +30,11 @@ void terminatetetgen(tetgenmesh*, int code) {
 }
 
 #ifdef __SANITIZE_ADDRESS__
-// What TetGen had allocated when it gave up stays behind; the process ends next.
+// What TetGen had allocated when it gave up stays behind; the process ends next, and its last line is for our refusal.
+extern "C" const char* __lsan_default_options();
+extern "C" const char* __lsan_default_options() {
+  return "print_suppressions=0";
+}
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libtet.so\n";
