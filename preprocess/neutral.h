@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <memory_resource>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,11 @@
 
 namespace rhoray::preprocess {
 
+/// An array whose size goes with the data. Where it lies is the memory resource's business: the default one unless a
+/// run under a memory cap has set another.
+template <class T>
+using Array = std::pmr::vector<T>;
+
 /// What a foreign file holds, in our words, before anything is decided about it. Importers make these; the verbs
 /// (pack, tetrahedralize) take them. Between processes they travel as packed files (worker/handover.h).
 
@@ -18,14 +24,17 @@ namespace rhoray::preprocess {
 struct NeutralVolume {
   Index3 sample_count;
   formats::ElementType type = formats::ElementType::U8;
-  std::vector<std::byte> owned_samples;  ///< either these,
-  std::shared_ptr<const void> mapping;   ///< or a mapping that keeps `samples` alive
-  std::span<const std::byte> samples;    ///< native byte order, volume(sample_count) elements
+  Array<std::byte> owned_samples;       ///< either these,
+  std::shared_ptr<const void> mapping;  ///< or a mapping that keeps `samples` alive
+  std::span<const std::byte> samples;   ///< native byte order, volume(sample_count) elements
   Affine world_from_grid;
+  /// Where the samples of each axis stand in the frame of world_from_grid, rising; empty = at 0, 1, 2, ...
+  std::array<std::vector<double>, 3> axes;
   std::string length_unit;
   std::string field_name;
   std::string field_unit;
-  std::vector<std::string> notes;  ///< what reading changed or left out, one sentence each
+  std::vector<std::string> other_fields;  ///< names of further fields in the file, as `--field` takes them
+  std::vector<std::string> notes;         ///< what reading changed or left out, one sentence each
 };
 
 /// Values at points or in cells: `component_count` numbers for each, interleaved.
@@ -34,14 +43,57 @@ struct NeutralField {
   std::string unit;
   int component_count = 1;
   bool was_single_precision = true;  ///< the source held 32-bit floats or small integers: F32 keeps every bit
-  std::vector<double> values;
+  Array<double> values;
 };
 
-/// An unstructured mesh of tetrahedra. Cells of other kinds were left out and counted in notes, or refused.
+/// Kinds of volume cells, numbered and with their nodes ordered as in VTK 9 (its vtkCellType.h is the reference).
+enum class CellKind : std::uint8_t {
+  tetrahedron = 10,
+  voxel = 11,
+  hexahedron = 12,
+  wedge = 13,
+  pyramid = 14,
+  pentagonal_prism = 15,
+  hexagonal_prism = 16,
+  quadratic_tetrahedron = 24,             ///< 10 nodes
+  quadratic_hexahedron = 25,              ///< 20
+  quadratic_wedge = 26,                   ///< 15
+  quadratic_pyramid = 27,                 ///< 13
+  triquadratic_hexahedron = 29,           ///< 27
+  quadratic_linear_wedge = 31,            ///< 12
+  biquadratic_quadratic_wedge = 32,       ///< 18
+  biquadratic_quadratic_hexahedron = 33,  ///< 24
+  triquadratic_pyramid = 37,              ///< 19 (in VTK since 9.2)
+  polyhedron = 42,
+  lagrange_tetrahedron = 71,
+  lagrange_hexahedron = 72,
+  lagrange_wedge = 73,
+  lagrange_pyramid = 74,
+  quadratic_pyramid_14 = 200,  ///< Exodus PYRAMID14: 13 nodes and the middle of the base; not in VTK
+  quadratic_tetrahedron_14 =
+      201  ///< Exodus TETRA14: 10 nodes and the middles of faces 0-1-3, 1-2-3, 0-3-2, 0-2-1; not in VTK
+};
+
+/// A mesh of volume cells of any kind, as a foreign file has them: cell c has the nodes
+/// cell_nodes[cell_offsets[c] .. cell_offsets[c+1]-1]. Those of a polyhedron are a stream of its faces: face count,
+/// then for each face its corner count and its corners. Lines and faces were left out and counted in notes.
+struct CellMesh {
+  Array<std::array<double, 3>> points;
+  Array<CellKind> kinds;
+  Array<std::uint64_t> cell_offsets{0};
+  Array<std::uint64_t> cell_nodes;  ///< not yet checked
+  Array<std::uint64_t> cell_ids;    ///< position in the source; empty when nothing was left out
+  std::vector<NeutralField> point_fields;
+  std::vector<NeutralField> cell_fields;
+  std::string length_unit;
+  std::vector<std::string> notes;
+};
+
+/// An unstructured mesh of tetrahedra, given as such or made from cells of other kinds.
 struct NeutralMesh {
-  std::vector<std::array<double, 3>> points;
-  std::vector<std::array<std::uint64_t, 4>> cells;  ///< VTK vertex order as given; not yet checked
-  std::vector<std::uint64_t> cell_ids;              ///< position in the source; empty when nothing was left out
+  Array<std::array<double, 3>> points;
+  Array<std::array<std::uint64_t, 4>> cells;  ///< VTK vertex order as given; not yet checked
+  Array<std::uint64_t> cell_ids;  ///< position in the source of the cell that each was or was part of; empty = its own
   std::vector<NeutralField> point_fields;
   std::vector<NeutralField> cell_fields;
   std::string length_unit;
@@ -55,20 +107,20 @@ struct NeutralSurface {
     double attribute = 0;        ///< becomes the cell field "region"
     double max_volume = 0;       ///< of its tetrahedra; 0 = no limit
   };
-  std::vector<std::array<double, 3>> points;
-  std::vector<double> point_sizes;  ///< wanted edge length at each point (TetGen .mtr); empty = not given
+  Array<std::array<double, 3>> points;
+  Array<double> point_sizes;  ///< wanted edge length at each point (TetGen .mtr); empty = not given
   /// Facet f has the corners facet_corners[facet_offsets[f] .. facet_offsets[f+1]-1].
-  std::vector<std::uint64_t> facet_offsets{0};
-  std::vector<std::uint64_t> facet_corners;  ///< positions of points
+  Array<std::uint64_t> facet_offsets{0};
+  Array<std::uint64_t> facet_corners;  ///< positions of points
   /// Facets that make one planar face together, an outline and what lies in it (TetGen .poly), stand side by side and
   /// carry the same number here: 0, 1, 2, ... Empty = every facet is a face of its own.
-  std::vector<std::uint64_t> facet_faces;
+  Array<std::uint64_t> facet_faces;
   struct Opening {
     std::uint64_t face = 0;      ///< a number of facet_faces
     std::array<double, 3> seed;  ///< a point inside an outline of that face that is left open
   };
   std::vector<Opening> openings;
-  std::vector<std::array<double, 3>> holes;  ///< a point inside each cavity
+  Array<std::array<double, 3>> holes;  ///< a point inside each cavity
   std::vector<Region> regions;
   std::vector<std::string> notes;
 };

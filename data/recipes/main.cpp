@@ -93,11 +93,12 @@ void add_torso_potential(CLI::App& program) {
                  static_cast<unsigned long long>(solved.iteration_count));
     mesh.length_unit = "mm";
     std::erase_if(mesh.point_fields, [](const auto& field) { return field.name == "potential"; });
-    mesh.point_fields.insert(mesh.point_fields.begin(), {.name = "potential",
-                                                         .unit = "mV",
-                                                         .component_count = 1,
-                                                         .was_single_precision = false,
-                                                         .values = std::move(solved.potential_mv)});
+    mesh.point_fields.insert(mesh.point_fields.begin(),
+                             {.name = "potential",
+                              .unit = "mV",
+                              .component_count = 1,
+                              .was_single_precision = false,
+                              .values = {solved.potential_mv.begin(), solved.potential_mv.end()}});
     preprocess::export_mesh(mesh, output.path, output.replace_existing);
   });
 }

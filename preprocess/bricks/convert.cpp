@@ -81,7 +81,7 @@ template <class From>
 void convert_samples(NeutralVolume& volume, formats::ElementType type, const std::string& source_name) {
   if (volume.type == type) return;
   const std::size_t count = volume.samples.size() / formats::element_bytes(volume.type);
-  std::vector<std::byte> converted(count * formats::element_bytes(type));
+  Array<std::byte> converted(count * formats::element_bytes(type));
   formats::with_element_type(volume.type, [&]<class From>(From) {
     formats::with_element_type(type, [&]<class To>(To) {
       const std::span from(reinterpret_cast<const From*>(volume.samples.data()), count);
@@ -97,7 +97,7 @@ void convert_samples(NeutralVolume& volume, formats::ElementType type, const std
 
 void align_samples(NeutralVolume& volume) {
   if (std::bit_cast<std::uintptr_t>(volume.samples.data()) % formats::element_bytes(volume.type) == 0) return;
-  std::vector<std::byte> copy(volume.samples.begin(), volume.samples.end());
+  Array<std::byte> copy(volume.samples.begin(), volume.samples.end());
   volume.owned_samples = std::move(copy);
   volume.mapping.reset();
   volume.samples = volume.owned_samples;

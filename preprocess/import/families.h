@@ -27,6 +27,6 @@ NeutralSurface read_off(const std::filesystem::path& path);
 NeutralSurface read_tetgen_surface(const std::filesystem::path& path);
 
 /// Wanted edge lengths, one for each point, from a TetGen .mtr file.
-std::vector<double> read_tetgen_sizes(const std::filesystem::path& path, std::size_t point_count);
+Array<double> read_tetgen_sizes(const std::filesystem::path& path, std::size_t point_count);
 
 }  // namespace rhoray::preprocess

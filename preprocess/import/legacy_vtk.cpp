@@ -104,7 +104,7 @@ class Parser {
   void points() {
     const std::uint64_t number = count("a number of points");
     const ElementType type = element_type(reader_.word("a type"));
-    const std::vector<std::byte> raw = values(type, number, 3, "points");
+    const Array<std::byte> raw = values(type, number, 3, "points");
     result_.points.resize(number);
     copy_as_doubles(type, raw, result_.points.empty() ? nullptr : result_.points.front().data());
   }
@@ -119,9 +119,9 @@ class Parser {
     });
   }
 
-  std::vector<std::uint64_t> whole_numbers(ElementType type, std::uint64_t number, std::string_view what) {
-    const std::vector<std::byte> raw = values(type, number, 1, what);
-    std::vector<std::uint64_t> result(number);
+  Array<std::uint64_t> whole_numbers(ElementType type, std::uint64_t number, std::string_view what) {
+    const Array<std::byte> raw = values(type, number, 1, what);
+    Array<std::uint64_t> result(number);
     for (std::size_t i = 0; i < number; ++i) {
       std::int64_t wide = 0;
       std::int32_t narrow = 0;
@@ -158,7 +158,7 @@ class Parser {
 
   /// Before: for each cell the number of corners, then the corners.
   void counted_corners(std::uint64_t cell_count, std::uint64_t number_count) {
-    const std::vector<std::uint64_t> numbers = whole_numbers(ElementType::I32, number_count, "corners of cells");
+    const Array<std::uint64_t> numbers = whole_numbers(ElementType::I32, number_count, "corners of cells");
     ForeignCells& cells = result_.cells;
     cells.offsets = {0};
     std::uint64_t at = 0;
@@ -225,8 +225,8 @@ class Parser {
     const std::string name = decoded(reader_.word("a name"));
     const int components = component_count("a number of components");
     if (binary_) return add(name, ElementType::U8, components);
-    const std::vector<std::byte> fractions = values(ElementType::F32, *owners_, components, name);
-    std::vector<std::byte> bytes(fractions.size() / sizeof(float));
+    const Array<std::byte> fractions = values(ElementType::F32, *owners_, components, name);
+    Array<std::byte> bytes(fractions.size() / sizeof(float));
     for (std::size_t i = 0; i < bytes.size(); ++i) {
       float fraction;
       std::memcpy(&fraction, fractions.data() + i * sizeof fraction, sizeof fraction);
@@ -274,7 +274,7 @@ class Parser {
     add(name, type, components, values(type, *owners_, components, name));
   }
 
-  void add(const std::string& name, ElementType type, int components, std::vector<std::byte> numbers) {
+  void add(const std::string& name, ElementType type, int components, Array<std::byte> numbers) {
     GridArray array{
         .name = name, .type = type, .component_count = components, .in_cells = in_cells_, .owned = {}, .values = {}};
     array.owned = std::move(numbers);
@@ -298,7 +298,7 @@ class Parser {
   }
 
   /// Numbers in native order. Binary ones begin after the end of the line and are big-endian.
-  std::vector<std::byte> values(ElementType type, std::uint64_t tuples, int components, std::string_view what) {
+  Array<std::byte> values(ElementType type, std::uint64_t tuples, int components, std::string_view what) {
     const std::size_t size = formats::element_bytes(type);
     const std::optional<std::uint64_t> number = checked_product({tuples, static_cast<std::uint64_t>(components)});
     // Text needs two bytes for each number but the last, binary its size: so nothing is allocated for absurd counts.
@@ -310,11 +310,11 @@ class Parser {
       if (*number == 0) return {};
       reader_.line();
       const std::span<const std::byte> raw = reader_.bytes(*number * size, what);
-      std::vector<std::byte> result(raw.begin(), raw.end());
+      Array<std::byte> result(raw.begin(), raw.end());
       make_native(result, size, true);
       return result;
     }
-    std::vector<std::byte> result(*number * size);
+    Array<std::byte> result(*number * size);
     formats::with_element_type(type, [&]<class T>(T) {
       for (std::size_t i = 0; i < *number; ++i) {
         const T value = reader_.number<T>(what);

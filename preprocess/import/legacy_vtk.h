@@ -17,7 +17,7 @@ struct LegacyVtk {
   Index3 dimensions{0, 0, 0};
   Vec3 spacing{1, 1, 1};
   Vec3 origin{0, 0, 0};
-  std::vector<std::array<double, 3>> points;
+  Array<std::array<double, 3>> points;
   ForeignCells cells;
   std::vector<GridArray> arrays;  ///< POINT_DATA and CELL_DATA, in the file's order
   std::uint64_t point_data_count = 0, cell_data_count = 0;

@@ -107,7 +107,7 @@ std::array<std::uint64_t, 4> corners_of(const ForeignCells& cells, std::uint64_t
   return corners;
 }
 
-void keep_values(NeutralField& field, const std::vector<std::uint64_t>& kept) {
+void keep_values(NeutralField& field, const Array<std::uint64_t>& kept) {
   const auto components = static_cast<std::size_t>(field.component_count);
   for (std::size_t to = 0; to < kept.size(); ++to)
     for (std::size_t c = 0; c < components; ++c)
@@ -117,7 +117,7 @@ void keep_values(NeutralField& field, const std::vector<std::uint64_t>& kept) {
 
 }  // namespace
 
-bool fits_single_precision(const std::vector<double>& values) {
+bool fits_single_precision(const Array<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double value) {
     return value != value || static_cast<double>(static_cast<float>(value)) == value;
   });
@@ -137,7 +137,7 @@ void keep_tetrahedra(NeutralMesh& mesh, const ForeignCells& cells, const std::fi
   if (const std::string others = census(cells, true); !others.empty())
     refuse_input(path, "cells", others, "linear tetrahedra only", Trouble::unsupported);
 
-  std::vector<std::uint64_t> kept;
+  Array<std::uint64_t> kept;
   for (std::uint64_t cell = 0; cell < cells.kinds.size(); ++cell) {
     if (cells.kinds[cell] != tetrahedron) continue;
     mesh.cells.push_back(corners_of(cells, cell, mesh.points.size(), path));

@@ -12,9 +12,9 @@ namespace rhoray::preprocess {
 /// Cells of all kinds, as VTK's formats hold them: cell c has kind kinds[c] (VTK's number) and the corners
 /// corners[offsets[c] .. offsets[c+1]-1].
 struct ForeignCells {
-  std::vector<std::uint8_t> kinds;
-  std::vector<std::uint64_t> offsets;
-  std::vector<std::uint64_t> corners;
+  Array<std::uint8_t> kinds;
+  Array<std::uint64_t> offsets;
+  Array<std::uint64_t> corners;
 };
 
 /// Keeps the tetrahedra: fills `cells` and, when others were left out, `cell_ids` and a note; shortens cell fields
@@ -26,6 +26,6 @@ void keep_tetrahedra(NeutralMesh& mesh, const ForeignCells& cells, const std::fi
 void check_field(const NeutralField& field, std::uint64_t owners, const std::filesystem::path& path);
 
 /// True when every value is the same as a 32-bit float.
-bool fits_single_precision(const std::vector<double>& values);
+bool fits_single_precision(const Array<double>& values);
 
 }  // namespace rhoray::preprocess

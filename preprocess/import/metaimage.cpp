@@ -228,7 +228,7 @@ NeutralVolume read_metaimage(const fs::path& path, const std::string&) {
     refuse_input(path, "key ElementDataFile", concat(files.size(), " files for ", sizes[2], " slices"),
                  "the same number of slices in each file");
   check_files(header, file, files, bytes);
-  std::vector<std::byte> samples(bytes);
+  Array<std::byte> samples(bytes);
   if (files.empty()) fill(header, path, file.bytes().subspan(header.data_position()), samples, volume.notes);
   for (std::size_t i = 0; i < files.size(); ++i) {
     const ForeignFile part = part_file(header, files[i]);

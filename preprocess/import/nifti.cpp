@@ -143,8 +143,8 @@ std::string length_unit(const Header& header) {
 }
 
 template <class T, class Result>
-std::vector<std::byte> scaled(std::span<const std::byte> samples, double slope, double intercept) {
-  std::vector<std::byte> result(samples.size() / sizeof(T) * sizeof(Result));
+Array<std::byte> scaled(std::span<const std::byte> samples, double slope, double intercept) {
+  Array<std::byte> result(samples.size() / sizeof(T) * sizeof(Result));
   for (std::size_t i = 0; i < samples.size() / sizeof(T); ++i) {
     T stored;
     std::memcpy(&stored, samples.data() + i * sizeof(T), sizeof stored);
@@ -198,7 +198,7 @@ NeutralVolume read_nifti(const std::filesystem::path& path, const std::string&) 
   else if (bytes > file.bytes().size())
     refuse_input(path, "samples", concat(file.bytes().size(), " bytes"), concat(bytes));
   if (stream.drain(skipped) != skipped) refuse_input(path, "vox_offset", "an offset beyond the end", "samples there");
-  std::vector<std::byte> samples(bytes);
+  Array<std::byte> samples(bytes);
   stream.read(samples, "samples");
   stream.drain(1);  // the packed stream's checksum stands behind its last byte
   make_native(samples, formats::element_bytes(volume.type), header.big_endian());

@@ -22,7 +22,7 @@ NeutralSurface read_obj(const std::filesystem::path& path) {
   LineReader lines(file);
   NeutralSurface surface;
   std::uint64_t left_out = 0;
-  std::vector<std::uint64_t> corners;
+  Array<std::uint64_t> corners;
   while (lines.next()) {
     const std::string_view keyword = lines.words().front();
     if (lines.words().back().ends_with('\\'))

@@ -27,7 +27,7 @@ NeutralSurface read_off(const std::filesystem::path& path) {
     std::array<double, 3>& point = surface.points.emplace_back();
     for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = lines.number<double>(axis, "three coordinates");
   }
-  std::vector<std::uint64_t> corners;
+  Array<std::uint64_t> corners;
   for (std::uint64_t i = 0; i < facet_count; ++i) {
     lines.need(concat(facet_count, " facets"));
     const auto count = lines.number<std::uint64_t>(0, "a number of corners");

@@ -167,7 +167,7 @@ void read_facets(Ply& ply, const Element& element, NeutralSurface& surface, cons
   };
   if (std::none_of(element.properties.begin(), element.properties.end(), holds_corners))
     refuse_input(path, "element face", "no list vertex_indices", "a list of corners");
-  std::vector<std::uint64_t> corners;
+  Array<std::uint64_t> corners;
   for (std::uint64_t i = 0; i < element.count; ++i) {
     for (const Property& property : element.properties) {
       if (!holds_corners(property)) {

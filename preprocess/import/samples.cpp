@@ -38,8 +38,8 @@ bool is_finite(const Vec3& v) {
 
 /// The same numbers as doubles, or nothing where one would change.
 template <class T>
-std::optional<std::vector<std::byte>> as_doubles(std::span<const std::byte> bytes) {
-  std::vector<std::byte> result(bytes.size());
+std::optional<Array<std::byte>> as_doubles(std::span<const std::byte> bytes) {
+  Array<std::byte> result(bytes.size());
   for (std::size_t at = 0; at < bytes.size(); at += sizeof(T)) {
     T value;
     std::memcpy(&value, bytes.data() + at, sizeof value);
@@ -78,7 +78,7 @@ void check_packed_size(const std::filesystem::path& path, std::uint64_t wanted_b
                  "sizes that the packed bytes can hold");
 }
 
-void set_samples(NeutralVolume& volume, std::vector<std::byte> samples) {
+void set_samples(NeutralVolume& volume, Array<std::byte> samples) {
   volume.owned_samples = std::move(samples);
   volume.samples = volume.owned_samples;
 }
@@ -95,9 +95,8 @@ void finish_volume(NeutralVolume& volume, const std::filesystem::path& path) {
   if (!(std::abs(map.determinant()) > 1e-9 * volume_of_axes))  // sine of the smallest angle; written so that 0 refuses
     refuse_input(path, "header", "axes that lie in one plane, or a spacing of 0", "three independent axes");
   if (volume.type != ElementType::I64 && volume.type != ElementType::U64) return;
-  std::optional<std::vector<std::byte>> doubles = volume.type == ElementType::I64
-                                                      ? as_doubles<std::int64_t>(volume.samples)
-                                                      : as_doubles<std::uint64_t>(volume.samples);
+  std::optional<Array<std::byte>> doubles = volume.type == ElementType::I64 ? as_doubles<std::int64_t>(volume.samples)
+                                                                            : as_doubles<std::uint64_t>(volume.samples);
   if (!doubles)
     refuse_input(path, "samples", "64-bit integers beyond 2^53", "integers that a 64-bit float holds exactly",
                  Trouble::unsupported);
@@ -168,9 +167,9 @@ Choice choose(const std::filesystem::path& path, const std::vector<GridArray>& a
 }
 
 template <class T>
-std::vector<std::byte> component_of(const GridArray& array, int component) {
+Array<std::byte> component_of(const GridArray& array, int component) {
   const auto stride = static_cast<std::size_t>(array.component_count) * sizeof(T);
-  std::vector<std::byte> result(array.values.size() / static_cast<std::size_t>(array.component_count));
+  Array<std::byte> result(array.values.size() / static_cast<std::size_t>(array.component_count));
   const std::byte* from = array.values.data() + static_cast<std::size_t>(component) * sizeof(T);
   for (std::size_t to = 0; to < result.size(); to += sizeof(T), from += stride)
     std::memcpy(result.data() + to, from, sizeof(T));
@@ -178,10 +177,10 @@ std::vector<std::byte> component_of(const GridArray& array, int component) {
 }
 
 template <class T, class Result>
-std::vector<std::byte> magnitude_of(const GridArray& array) {
+Array<std::byte> magnitude_of(const GridArray& array) {
   const auto components = static_cast<std::size_t>(array.component_count);
   const std::size_t count = array.values.size() / sizeof(T) / components;
-  std::vector<std::byte> result(count * sizeof(Result));
+  Array<std::byte> result(count * sizeof(Result));
   for (std::size_t i = 0; i < count; ++i) {
     double sum = 0;
     for (std::size_t c = 0; c < components; ++c) {

@@ -21,7 +21,7 @@ std::uint64_t checked_volume_bytes(const std::filesystem::path& path, const Inde
 /// Refuses sizes that so short a file cannot hold even if packed by zlib as tightly as it can.
 void check_packed_size(const std::filesystem::path& path, std::uint64_t wanted_bytes, std::uint64_t file_bytes);
 
-void set_samples(NeutralVolume& volume, std::vector<std::byte> samples);
+void set_samples(NeutralVolume& volume, Array<std::byte> samples);
 
 /// The last step of every reader: 64-bit integers become F64 where each is kept exactly and are refused otherwise; a
 /// map that is not finite or not invertible is refused.
@@ -36,7 +36,7 @@ struct GridArray {
   formats::ElementType type = formats::ElementType::U8;
   int component_count = 1;
   bool in_cells = false;
-  std::vector<std::byte> owned;       ///< either this,
+  Array<std::byte> owned;             ///< either this,
   std::span<const std::byte> values;  ///< or a view of memory that outlives the array; native order
 };
 

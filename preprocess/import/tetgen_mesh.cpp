@@ -7,7 +7,7 @@
 namespace rhoray::preprocess {
 namespace {
 
-NeutralField attribute_field(std::size_t index, std::vector<double> values) {
+NeutralField attribute_field(std::size_t index, Array<double> values) {
   NeutralField field;
   field.name = concat("attribute_", index + 1);
   field.values = std::move(values);
@@ -29,7 +29,7 @@ void read_cells(NeutralMesh& mesh, const TetgenPoints& points, const std::filesy
   const auto attribute_count = lines.words().size() > 2 ? lines.number<std::uint64_t>(2, "a number of attributes") : 0;
   if (attribute_count > 1024) lines.refuse(lines.words()[2], "at most 1024 attributes");
 
-  std::vector<std::vector<double>> attributes(attribute_count);
+  std::vector<Array<double>> attributes(attribute_count);
   for (std::uint64_t i = 0; i < count; ++i) {
     lines.need(concat(count, " tetrahedra"));
     const std::int64_t expected = points.first_number + static_cast<std::int64_t>(i);

@@ -111,7 +111,7 @@ NeutralSurface read_tetgen_surface(const std::filesystem::path& path) {
   return surface;
 }
 
-std::vector<double> read_tetgen_sizes(const std::filesystem::path& path, std::size_t point_count) {
+Array<double> read_tetgen_sizes(const std::filesystem::path& path, std::size_t point_count) {
   const ForeignFile file(path);
   LineReader lines(file);
   lines.need("a number of points");
@@ -120,7 +120,7 @@ std::vector<double> read_tetgen_sizes(const std::filesystem::path& path, std::si
     lines.refuse(concat("sizes for ", count, " points"), concat(point_count, ", as the surface has"));
   if (lines.words().size() > 1 && lines.number<int>(1, "numbers for each point") != 1)
     lines.refuse(concat(lines.words()[1], " numbers for each point"), "1, an edge length", Trouble::unsupported);
-  std::vector<double> sizes;
+  Array<double> sizes;
   for (std::uint64_t i = 0; i < count; ++i) {
     lines.need(concat(count, " sizes"));
     sizes.push_back(lines.number<double>(0, "an edge length"));

@@ -11,9 +11,9 @@ namespace rhoray::preprocess {
 
 /// The points of a TetGen .node file, or of part 1 of a .poly or .smesh file.
 struct TetgenPoints {
-  std::vector<std::array<double, 3>> points;
-  std::vector<std::vector<double>> attributes;  ///< for each attribute one value for each point
-  std::int64_t first_number = 0;                ///< the number of the first point: 0 or 1
+  Array<std::array<double, 3>> points;
+  std::vector<Array<double>> attributes;  ///< for each attribute one value for each point
+  std::int64_t first_number = 0;          ///< the number of the first point: 0 or 1
 };
 
 /// Reads points whose first line (how many, dimension, attributes, markers) is the current line of `lines`.

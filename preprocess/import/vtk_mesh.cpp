@@ -31,8 +31,8 @@ void with_numbers(vtkDataArray& array, ElementType type, Act&& act) {
 }
 
 template <class Number>
-std::vector<Number> numbers_of(vtkDataArray& array, ElementType type) {
-  std::vector<Number> result;
+Array<Number> numbers_of(vtkDataArray& array, ElementType type) {
+  Array<Number> result;
   with_numbers(array, type, [&]<class T>(const T* numbers, std::size_t count) {
     result.resize(count);
     for (std::size_t i = 0; i < count; ++i) result[i] = static_cast<Number>(numbers[i]);
@@ -54,7 +54,7 @@ void take_points(NeutralMesh& mesh, vtkUnstructuredGrid& grid, const std::filesy
   });
 }
 
-bool loses_integers(ElementType type, const std::vector<double>& values) {
+bool loses_integers(ElementType type, const Array<double>& values) {
   if (type != ElementType::I64 && type != ElementType::U64) return false;
   for (const double value : values)
     if (std::abs(value) > 9007199254740992.0) return true;  // 2^53

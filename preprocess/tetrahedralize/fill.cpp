@@ -112,7 +112,7 @@ void give_facets(const NeutralSurface& surface, tetgenio& in) {
     for (std::size_t facet = first; facet < next; ++facet)
       face.polygonlist[face.numberofpolygons++] = ring_of(surface, facet);
 
-    std::vector<double> openings;
+    Array<double> openings;
     for (const auto& opening : surface.openings)
       if (opening.face == face_of(first)) openings.insert(openings.end(), opening.seed.begin(), opening.seed.end());
     if (openings.empty()) continue;

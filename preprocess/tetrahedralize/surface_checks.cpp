@@ -96,12 +96,12 @@ void check_numbers(const NeutralSurface& s) {
 
 /// Gives points with the same coordinates one number; the others stay behind unused.
 void weld(NeutralSurface& s) {
-  std::vector<std::uint64_t> order(s.points.size());
+  Array<std::uint64_t> order(s.points.size());
   std::iota(order.begin(), order.end(), std::uint64_t{0});
   std::sort(order.begin(), order.end(), [&](std::uint64_t a, std::uint64_t b) {
     return s.points[a] != s.points[b] ? s.points[a] < s.points[b] : a < b;
   });
-  std::vector<std::uint64_t> first_alike(s.points.size());
+  Array<std::uint64_t> first_alike(s.points.size());
   std::uint64_t welded = 0;
   for (std::size_t i = 0; i < order.size(); ++i) {
     const bool alike = i > 0 && s.points[order[i]] == s.points[order[i - 1]];
@@ -116,7 +116,7 @@ void weld(NeutralSurface& s) {
 /// Leaves out points that no facet uses: TetGen would make them vertices of the mesh.
 void drop_unused_points(NeutralSurface& s) {
   constexpr std::uint64_t unused = ~std::uint64_t{0};
-  std::vector<std::uint64_t> new_index(s.points.size(), unused);
+  Array<std::uint64_t> new_index(s.points.size(), unused);
   for (const std::uint64_t corner : s.facet_corners) new_index[corner] = 0;
   std::uint64_t kept = 0;
   for (std::size_t i = 0; i < s.points.size(); ++i) {
@@ -136,7 +136,7 @@ void check_facets(const NeutralSurface& s) {
   Faults flat;
   for (std::uint64_t f = 0; f < facet_count(s); ++f) {
     const auto corners = corners_of(s, f);
-    std::vector<std::uint64_t> sorted(corners.begin(), corners.end());
+    Array<std::uint64_t> sorted(corners.begin(), corners.end());
     std::sort(sorted.begin(), sorted.end());
     const bool repeats = std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
     if (corners.empty() || (corners.size() < 3 && s.facet_faces.empty()))
@@ -149,13 +149,13 @@ void check_facets(const NeutralSurface& s) {
 }
 
 void check_duplicates(const NeutralSurface& s) {
-  std::vector<std::vector<std::uint64_t>> keys(facet_count(s));
+  std::vector<Array<std::uint64_t>> keys(facet_count(s));
   for (std::uint64_t f = 0; f < keys.size(); ++f) {
     const auto corners = corners_of(s, f);
     keys[f].assign(corners.begin(), corners.end());
     std::sort(keys[f].begin(), keys[f].end());
   }
-  std::vector<std::uint64_t> order(keys.size());
+  Array<std::uint64_t> order(keys.size());
   std::iota(order.begin(), order.end(), std::uint64_t{0});
   std::sort(order.begin(), order.end(),
             [&](std::uint64_t a, std::uint64_t b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });

@@ -23,11 +23,11 @@ class Parcel {
     add(name, formats::element_type_of<T>(), std::move(shape), std::as_bytes(std::span(values, count)));
   }
   template <class T>
-  void add(const std::string& name, const std::vector<T>& values) {
+  void add(const std::string& name, const Array<T>& values) {
     add(name, {values.size()}, values.data(), values.size());
   }
   template <class T, std::size_t N>
-  void add(const std::string& name, const std::vector<std::array<T, N>>& rows) {
+  void add(const std::string& name, const Array<std::array<T, N>>& rows) {
     add(name, {rows.size(), N}, rows.empty() ? nullptr : rows.front().data(), rows.size() * N);
   }
   void add(const std::string& name, ElementType type, std::vector<std::uint64_t> shape,
@@ -55,7 +55,7 @@ class Parcel {
  private:
   std::vector<ArraySpec> specs_;
   std::vector<std::span<const std::byte>> contents_;
-  std::vector<std::uint8_t> joined_;
+  Array<std::uint8_t> joined_;
 };
 
 /// The parcel's other end.
@@ -67,16 +67,16 @@ class Unpacking {
   }
 
   template <class T>
-  std::vector<T> values(const char* name) const {
+  Array<T> values(const char* name) const {
     if (!file_.has(name)) return {};
     const std::span<const T> all = file_.array<T>(name, {0});
     return {all.begin(), all.end()};
   }
   template <class T, std::size_t N>
-  std::vector<std::array<T, N>> rows(const char* name) const {
+  Array<std::array<T, N>> rows(const char* name) const {
     if (!file_.has(name)) return {};
     const std::span<const T> all = file_.array<T>(name, {0, N});
-    std::vector<std::array<T, N>> result(all.size() / N);
+    Array<std::array<T, N>> result(all.size() / N);
     std::memcpy(result.data(), all.data(), all.size_bytes());
     return result;
   }
@@ -114,7 +114,7 @@ class Unpacking {
 
 /// A list of fields: facts "<list>" [n, 2], values "<list>.0" ..., names and units among the texts.
 void add_fields(Parcel& parcel, const std::string& list, const std::vector<NeutralField>& fields,
-                std::vector<std::array<std::uint64_t, 2>>& facts, std::vector<std::string>& texts) {
+                Array<std::array<std::uint64_t, 2>>& facts, std::vector<std::string>& texts) {
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const NeutralField& field = fields[i];
     const auto components = static_cast<std::uint64_t>(field.component_count);
@@ -145,12 +145,12 @@ std::vector<NeutralField> take_fields(const PackedFile& file, Unpacking& parcel,
   return fields;
 }
 
-std::vector<std::array<double, 3>> axes_of(const Affine& map) {
+Array<std::array<double, 3>> axes_of(const Affine& map) {
   const auto row = [](const Vec3& v) { return std::array{v.x, v.y, v.z}; };
   return {row(map.x_axis), row(map.y_axis), row(map.z_axis), row(map.origin)};
 }
 
-Affine affine_of(const std::vector<std::array<double, 3>>& rows) {
+Affine affine_of(const Array<std::array<double, 3>>& rows) {
   const auto vector = [](const std::array<double, 3>& v) { return Vec3(v[0], v[1], v[2]); };
   return {vector(rows[0]), vector(rows[1]), vector(rows[2]), vector(rows[3])};
 }
@@ -163,7 +163,7 @@ void hand_over(const NeutralVolume& volume, int descriptor) {
   parcel.add("samples", volume.type,
              {static_cast<std::uint64_t>(n.z), static_cast<std::uint64_t>(n.y), static_cast<std::uint64_t>(n.x)},
              volume.samples);
-  const std::vector<std::array<double, 3>> axes = axes_of(volume.world_from_grid);
+  const Array<std::array<double, 3>> axes = axes_of(volume.world_from_grid);
   parcel.add("world_from_grid", axes);
   std::vector<std::string> texts{volume.length_unit, volume.field_name, volume.field_unit};
   texts.insert(texts.end(), volume.notes.begin(), volume.notes.end());
@@ -198,7 +198,7 @@ void hand_over(const NeutralMesh& mesh, int descriptor) {
   parcel.add("points", mesh.points);
   parcel.add("cells", mesh.cells);
   parcel.add("cell_ids", mesh.cell_ids);
-  std::vector<std::array<std::uint64_t, 2>> point_facts, cell_facts;
+  Array<std::array<std::uint64_t, 2>> point_facts, cell_facts;
   std::vector<std::string> texts{mesh.length_unit};
   add_fields(parcel, "point_fields", mesh.point_fields, point_facts, texts);
   add_fields(parcel, "cell_fields", mesh.cell_fields, cell_facts, texts);
@@ -230,12 +230,12 @@ void hand_over(const NeutralSurface& surface, int descriptor) {
   parcel.add("facet_corners", surface.facet_corners);
   parcel.add("facet_faces", surface.facet_faces);
   parcel.add("holes", surface.holes);
-  std::vector<std::array<double, 5>> regions;
+  Array<std::array<double, 5>> regions;
   for (const NeutralSurface::Region& region : surface.regions)
     regions.push_back({region.seed[0], region.seed[1], region.seed[2], region.attribute, region.max_volume});
   parcel.add("regions", regions);
-  std::vector<std::uint64_t> opening_faces;
-  std::vector<std::array<double, 3>> opening_seeds;
+  Array<std::uint64_t> opening_faces;
+  Array<std::array<double, 3>> opening_seeds;
   for (const NeutralSurface::Opening& opening : surface.openings) {
     opening_faces.push_back(opening.face);
     opening_seeds.push_back(opening.seed);
@@ -249,7 +249,7 @@ void hand_over(const NeutralSurface& surface, int descriptor) {
 namespace {
 
 void check_facets(const Unpacking& parcel, const NeutralSurface& surface) {
-  const std::vector<std::uint64_t>& offsets = surface.facet_offsets;
+  const Array<std::uint64_t>& offsets = surface.facet_offsets;
   parcel.expect(!offsets.empty() && offsets.front() == 0 && offsets.back() == surface.facet_corners.size() &&
                     std::is_sorted(offsets.begin(), offsets.end()),
                 "array 'facet_offsets'", "offsets that do not fit", "rising from 0 to the number of corners");
@@ -261,7 +261,7 @@ void check_facets(const Unpacking& parcel, const NeutralSurface& surface) {
 }
 
 void check_faces(const Unpacking& parcel, const NeutralSurface& surface) {
-  const std::vector<std::uint64_t>& faces = surface.facet_faces;
+  const Array<std::uint64_t>& faces = surface.facet_faces;
   parcel.expect(faces.empty() || faces.size() + 1 == surface.facet_offsets.size(), "array 'facet_faces'",
                 "another size", "one for each facet");
   for (std::size_t i = 0; i < faces.size(); ++i) {
@@ -287,7 +287,7 @@ NeutralSurface take_surface(const PackedFile& file) {
   surface.holes = parcel.rows<double, 3>("holes");
   for (const auto& [x, y, z, attribute, max_volume] : parcel.rows<double, 5>("regions"))
     surface.regions.push_back({{x, y, z}, attribute, max_volume});
-  const std::vector<std::uint64_t> opening_faces = parcel.values<std::uint64_t>("opening_faces");
+  const Array<std::uint64_t> opening_faces = parcel.values<std::uint64_t>("opening_faces");
   const auto opening_seeds = parcel.rows<double, 3>("opening_seeds");
   parcel.expect(opening_faces.size() == opening_seeds.size(), "array 'opening_faces'", "another size",
                 "one for each seed");

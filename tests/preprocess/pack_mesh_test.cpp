@@ -212,7 +212,7 @@ TEST(PackMesh, packs_several_fields_of_both_precisions_in_the_order_asked) {
 TEST(PackMesh, writes_the_same_bytes_on_any_number_of_threads) {
   const TemporaryFolder folder;
   NeutralMesh mesh = tests::box_mesh({.cells = {14, 14, 14}, .jitter = 0.15}, tests::product_field());
-  mesh.cell_fields.push_back({.name = "c", .unit = {}, .values = std::vector<double>(mesh.cells.size(), 0.1)});
+  mesh.cell_fields.push_back({.name = "c", .unit = {}, .values = Array<double>(mesh.cells.size(), 0.1)});
   mesh.cell_fields[0].values[77] = 1e9;
   std::swap(mesh.cells[9][1], mesh.cells[9][3]);
   std::vector<std::string> files;

@@ -47,8 +47,7 @@ NeutralMesh small_mesh() {
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {std::numeric_limits<double>::infinity(), 1, 1}};
   mesh.cells = {{0, 1, 2, 3}, {1, 2, 3, 4}};
   mesh.cell_ids = {0, 7};
-  mesh.point_fields = {{"voltage", "mV", 1, false, {1, 2, 3, 4, 5}},
-                       {"flow", "", 3, true, std::vector<double>(15, 0.5)}};
+  mesh.point_fields = {{"voltage", "mV", 1, false, {1, 2, 3, 4, 5}}, {"flow", "", 3, true, Array<double>(15, 0.5)}};
   mesh.cell_fields = {{"tissue", "", 1, true, {4, 9}}};
   mesh.length_unit = "cm";
   mesh.notes = {"6 lines left out"};

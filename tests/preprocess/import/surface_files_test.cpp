@@ -13,12 +13,12 @@ namespace {
 using namespace tests;
 
 /// A tetrahedron's four faces; point 3 has a coordinate that only a double holds.
-const std::vector<std::array<double, 3>> tetrahedron_points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5, 0.25, 1}};
-const std::vector<std::uint64_t> tetrahedron_corners{0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+const Array<std::array<double, 3>> tetrahedron_points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5, 0.25, 1}};
+const Array<std::uint64_t> tetrahedron_corners{0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
 
 bool is_tetrahedron(const NeutralSurface& surface) {
   return surface.points == tetrahedron_points && surface.facet_corners == tetrahedron_corners &&
-         surface.facet_offsets == std::vector<std::uint64_t>{0, 3, 6, 9, 12};
+         surface.facet_offsets == Array<std::uint64_t>{0, 3, 6, 9, 12};
 }
 
 /// In STL points are numbered as they are met.

@@ -45,8 +45,8 @@ std::string by_hand(const std::string& corners = "0 1 2 3  0 1 4  1 2 3 4", cons
 bool is_complete(const NeutralMesh& mesh) {
   return mesh.points.size() == 5 && mesh.points[4][2] == 0.1 && mesh.cells.size() == 2 &&
          mesh.cells[1] == std::array<std::uint64_t, 4>{1, 2, 3, 4} && mesh.point_fields.size() == 2 &&
-         mesh.point_fields[0].values == std::vector<double>{1, 2, 3, 4, 5.1} && mesh.point_fields[1].values[14] == 6 &&
-         mesh.cell_fields.size() == 1 && mesh.cell_fields[0].values == std::vector<double>{7, 9};
+         mesh.point_fields[0].values == Array<double>{1, 2, 3, 4, 5.1} && mesh.point_fields[1].values[14] == 6 &&
+         mesh.cell_fields.size() == 1 && mesh.cell_fields[0].values == Array<double>{7, 9};
 }
 
 TEST(Vtu, keeps_tetrahedra_with_their_fields) {
@@ -93,7 +93,7 @@ TEST(Vtu, writes_what_it_reads_again_bit_for_bit) {
   for (int i = 0; i < 20; ++i) mesh.point_fields[0].values.push_back(i / 9.0);
   for (int i = 0; i < 40; ++i) mesh.point_fields[1].values.push_back(i / 4.0);
   mesh.point_fields[0].values[3] = NAN;
-  mesh.cell_fields = {{"c d", "", 1, true, std::vector<double>(17, INFINITY)}};
+  mesh.cell_fields = {{"c d", "", 1, true, Array<double>(17, INFINITY)}};
   write_vtu(mesh, folder / "a.vtu");
   const NeutralMesh read = read_mesh(folder / "a.vtu");
   EXPECT_EQ(read.points, mesh.points);

@@ -30,7 +30,7 @@ NeutralMesh two_cells() {
   return mesh;
 }
 
-NeutralField field_of(std::string name, int components, std::vector<double> values, bool single = false) {
+NeutralField field_of(std::string name, int components, Array<double> values, bool single = false) {
   NeutralField field;
   field.name = std::move(name);
   field.unit = "mV";
@@ -93,7 +93,7 @@ TEST(ChooseFields, takes_components_by_letter_or_number_in_the_order_asked) {
 
 TEST(ChooseFields, counts_components_of_tensors_from_zero) {
   NeutralMesh mesh = two_cells();
-  std::vector<double> values;
+  Array<double> values;
   for (int i = 0; i < 6 * 9; ++i) values.push_back(i);
   mesh.point_fields.push_back(field_of("stress", 9, values));
   EXPECT_THAT(values_of(chosen(mesh, {"stress.8"}).at(0)), ElementsAre(8, 17, 26, 35, 44));
@@ -156,7 +156,7 @@ TEST(ChooseFields, averages_plainly_where_all_cells_around_a_point_are_flat) {
 
 TEST(ChooseFields, averages_a_constant_to_the_same_constant) {
   NeutralMesh mesh = tests::box_mesh({.jitter = 0.15});
-  mesh.cell_fields.push_back(field_of("c", 1, std::vector<double>(mesh.cells.size(), 0.1)));
+  mesh.cell_fields.push_back(field_of("c", 1, Array<double>(mesh.cells.size(), 0.1)));
   for (const double value : values_of(chosen(mesh, {"c"}, true).at(0))) EXPECT_EQ(value, 0.1);
 }
 
@@ -169,7 +169,7 @@ TEST(ChooseFields, stores_single_precision_only_where_no_source_value_changes) {
   mesh.point_fields.push_back(field_of("claims", 1, {0.1, 1, 2, 3, 4, 5}, true));  // 0.1 is no float
   mesh.point_fields.push_back(field_of("double", 1, {0.5, 1, 2, 3, 4, 5}, false));
   mesh.point_fields.push_back(field_of("vector", 2, {1, 1, 1, 2, 1, 3, 1, 4, 1, 5, 0, 0}, true));
-  mesh.point_fields.push_back(field_of("large", 2, std::vector<double>(12, 3e38), true));
+  mesh.point_fields.push_back(field_of("large", 2, Array<double>(12, 3e38), true));
   const auto fields = chosen(mesh, {});
   EXPECT_TRUE(is_single(fields[0]));
   EXPECT_FALSE(is_single(fields[1]));
