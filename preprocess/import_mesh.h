@@ -1,18 +1,25 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "preprocess/neutral.h"
 
 namespace rhoray::preprocess {
 
 struct ImportMeshOptions {
+  /// Which time step of a file that has several: "first", "last", "#N" (from 0), or a time: the nearest is taken, with
+  /// a note. Empty: the only one, or the last with a note.
+  std::string time{};
+  double max_error = 0.01;               ///< of higher-order cells made tetrahedra (subdivide.h)
   std::uint64_t memory_limit_bytes = 0;  ///< of the reading process; 0 = none
 };
 
-/// Reads tetrahedra from VTU (.vtu), legacy VTK (.vtk) or TetGen (.node or .ele, its partner beside it). The reader
-/// runs in a process of its own. Line and surface cells are left out with a note; volume cells that are not linear
-/// tetrahedra are refused with their kind and count (Trouble::unsupported).
+/// Reads cells of every kind from the mesh formats of import/README.md, in a process of its own. Line and surface cells
+/// are left out with a note.
+CellMesh import_cells(const std::filesystem::path& path, const ImportMeshOptions& options = {});
+
+/// Reads a mesh and makes its cells tetrahedra (subdivide.h).
 NeutralMesh import_mesh(const std::filesystem::path& path, const ImportMeshOptions& options = {});
 
 /// Reads a surface from PLY, STL, OBJ, OFF, or TetGen .poly/.smesh (with holes and regions). Points that coincide

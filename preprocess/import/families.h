@@ -16,9 +16,9 @@ NeutralVolume read_vti(const std::filesystem::path& path, const std::string& fie
 NeutralVolume read_legacy_vtk_volume(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_raw(const std::filesystem::path& path, const RawVolume& raw);
 
-NeutralMesh read_vtu(const std::filesystem::path& path);
-NeutralMesh read_legacy_vtk_mesh(const std::filesystem::path& path);
-NeutralMesh read_tetgen_mesh(const std::filesystem::path& path);
+CellMesh read_vtu(const std::filesystem::path& path);
+CellMesh read_legacy_vtk_mesh(const std::filesystem::path& path);
+CellMesh read_tetgen_mesh(const std::filesystem::path& path);
 
 NeutralSurface read_ply(const std::filesystem::path& path);
 NeutralSurface read_stl(const std::filesystem::path& path);

@@ -10,6 +10,7 @@
 #include "preprocess/import/worker_arguments.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
+#include "preprocess/subdivide.h"
 #include "preprocess/worker/child_process.h"
 #include "preprocess/worker/handover.h"
 
@@ -99,8 +100,17 @@ NeutralVolume import_volume(const fs::path& path, const ImportVolumeOptions& opt
   return volume;
 }
 
+CellMesh import_cells(const fs::path& path, const ImportMeshOptions& options) {
+  return take_cell_mesh(run_reader(path, {"cells", path.string(), options.time}, options.memory_limit_bytes));
+}
+
 NeutralMesh import_mesh(const fs::path& path, const ImportMeshOptions& options) {
-  return take_mesh(run_reader(path, {"mesh", path.string()}, options.memory_limit_bytes));
+  CellMesh cells = import_cells(path, options);
+  try {
+    return subdivide(std::move(cells), {.max_error = options.max_error});
+  } catch (const Error& error) {  // the verb knows no file
+    throw Error(error.trouble(), concat(path.string(), ", ", error.what()), error.hint());
+  }
 }
 
 NeutralSurface import_surface(const fs::path& path, const fs::path& sizes, const ImportMeshOptions& options) {

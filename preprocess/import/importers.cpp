@@ -3,6 +3,7 @@
 
 #include "preprocess/import/families.h"
 #include "preprocess/import/foreign_file.h"
+#include "preprocess/subdivide.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -13,12 +14,12 @@ struct Importer {
   Function* read;
 };
 
-// One line for each extension; foreign_names.cpp says the same to those who only ask (a test compares the two).
+// One line for each extension; foreign_kind.cpp says the same to those who only ask (a test compares the two).
 constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string&)> volume_importers[] = {
     {".nrrd", read_nrrd}, {".nhdr", read_nrrd},    {".mhd", read_metaimage}, {".mha", read_metaimage},
     {".nii", read_nifti}, {".nii.gz", read_nifti}, {".vti", read_vti},       {".vtk", read_legacy_vtk_volume},
 };
-constexpr Importer<NeutralMesh(const std::filesystem::path&)> mesh_importers[] = {
+constexpr Importer<CellMesh(const std::filesystem::path&)> mesh_importers[] = {
     {".vtu", read_vtu},
     {".vtk", read_legacy_vtk_mesh},
     {".node", read_tetgen_mesh},
@@ -61,8 +62,16 @@ NeutralVolume read_volume(const std::filesystem::path& path, const VolumeRequest
   return volume;
 }
 
+CellMesh read_cells(const std::filesystem::path& path, const MeshRequest& request) {
+  CellMesh mesh = importer_for(mesh_importers, path, "mesh")(path);
+  if (!request.time.empty())
+    throw Error(Trouble::usage,
+                concat(path.string(), ": found no time steps; expected some, for '", request.time, "'"));
+  return mesh;
+}
+
 NeutralMesh read_mesh(const std::filesystem::path& path) {
-  return importer_for(mesh_importers, path, "mesh")(path);
+  return subdivide(read_cells(path, {}), {});
 }
 
 NeutralSurface read_surface(const std::filesystem::path& path, const std::filesystem::path& sizes) {

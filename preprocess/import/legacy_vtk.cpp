@@ -153,7 +153,7 @@ class Parser {
     reader_.word("OFFSETS");
     result_.cells.offsets = whole_numbers(index_type(), offset_count, "offsets of cells");
     if (in_capitals(reader_.word("CONNECTIVITY")) != "CONNECTIVITY") reader_.refuse("another word", "CONNECTIVITY");
-    result_.cells.corners = whole_numbers(index_type(), corner_count, "corners of cells");
+    result_.cells.nodes = whole_numbers(index_type(), corner_count, "corners of cells");
   }
 
   /// Before: for each cell the number of corners, then the corners.
@@ -166,8 +166,8 @@ class Parser {
       if (at == number_count || numbers[at] > number_count - at - 1)
         refuse_input(file_.path(), concat("cell ", cell), "more corners than CELLS says", "counts that fit");
       const auto begin = numbers.begin() + static_cast<std::ptrdiff_t>(at + 1);
-      cells.corners.insert(cells.corners.end(), begin, begin + static_cast<std::ptrdiff_t>(numbers[at]));
-      cells.offsets.push_back(cells.corners.size());
+      cells.nodes.insert(cells.nodes.end(), begin, begin + static_cast<std::ptrdiff_t>(numbers[at]));
+      cells.offsets.push_back(cells.nodes.size());
       at += 1 + numbers[at];
     }
     if (at != number_count)
@@ -355,16 +355,16 @@ LegacyVtk read_legacy_vtk(const std::filesystem::path& path) {
   return Parser(file).read();
 }
 
-NeutralMesh read_legacy_vtk_mesh(const std::filesystem::path& path) {
+CellMesh read_legacy_vtk_mesh(const std::filesystem::path& path) {
   LegacyVtk parts = read_legacy_vtk(path);
   if (parts.dataset != "UNSTRUCTURED_GRID")
     refuse_input(path, "DATASET", parts.dataset, "UNSTRUCTURED_GRID", Trouble::unsupported);
-  NeutralMesh mesh;
+  CellMesh mesh;
   mesh.points = std::move(parts.points);
   for (const GridArray& array : parts.arrays)
     (array.in_cells ? mesh.cell_fields : mesh.point_fields).push_back(field_of(array));
   if (parts.cells.offsets.empty()) parts.cells.offsets = {0};
-  keep_tetrahedra(mesh, parts.cells, path);
+  take_cells(mesh, std::move(parts.cells), path);
   return mesh;
 }
 

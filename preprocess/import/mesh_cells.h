@@ -9,18 +9,19 @@
 
 namespace rhoray::preprocess {
 
-/// Cells of all kinds, as VTK's formats hold them: cell c has kind kinds[c] (VTK's number) and the corners
-/// corners[offsets[c] .. offsets[c+1]-1].
+/// Cells of all kinds, as VTK's formats hold them: cell c has kind kinds[c] (VTK's number) and the nodes
+/// nodes[offsets[c] .. offsets[c+1]-1]; those of a polyhedron are the stream of its faces (CellMesh).
 struct ForeignCells {
   Array<std::uint8_t> kinds;
   Array<std::uint64_t> offsets;
-  Array<std::uint64_t> corners;
+  Array<std::uint64_t> nodes;
 };
 
-/// Keeps the tetrahedra: fills `cells` and, when others were left out, `cell_ids` and a note; shortens cell fields
-/// alike. Vertices, lines and faces are left out; any other volume cell is refused with its kind and count, and so are
-/// offsets or corners that do not fit. Expects points and fields to be there already.
-void keep_tetrahedra(NeutralMesh& mesh, const ForeignCells& cells, const std::filesystem::path& path);
+/// Fills `mesh` with the cells that fill space. Vertices, lines and faces are left out: `cell_ids` and a note then say
+/// so, and cell fields are shortened alike. Refuses kinds that are not known, offsets and node counts that do not fit
+/// their kind, and nodes that are not there. Expects points and fields, one value for each foreign cell, to be there
+/// already.
+void take_cells(CellMesh& mesh, ForeignCells cells, const std::filesystem::path& path);
 
 /// Refuses a field that does not have one value for each of `owners`.
 void check_field(const NeutralField& field, std::uint64_t owners, const std::filesystem::path& path);

@@ -16,8 +16,13 @@ struct VolumeRequest {
   std::string field;             ///< as in ImportVolumeOptions
 };
 
+struct MeshRequest {
+  std::string time;  ///< as in ImportMeshOptions
+};
+
 NeutralVolume read_volume(const std::filesystem::path& path, const VolumeRequest& request);
-NeutralMesh read_mesh(const std::filesystem::path& path);
+CellMesh read_cells(const std::filesystem::path& path, const MeshRequest& request);
+NeutralMesh read_mesh(const std::filesystem::path& path);  ///< its cells as tetrahedra
 NeutralSurface read_surface(const std::filesystem::path& path, const std::filesystem::path& sizes = {});
 
 /// Writes VTU: appended, compressed, points in double precision. Not atomic by itself; `path` must not matter when it

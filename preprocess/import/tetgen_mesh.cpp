@@ -15,7 +15,7 @@ NeutralField attribute_field(std::size_t index, Array<double> values) {
   return field;
 }
 
-void read_cells(NeutralMesh& mesh, const TetgenPoints& points, const std::filesystem::path& path) {
+void read_tetrahedra(CellMesh& mesh, const TetgenPoints& points, const std::filesystem::path& path) {
   const ForeignFile file(path);
   LineReader lines(file);
   lines.need("a number of tetrahedra");
@@ -29,32 +29,36 @@ void read_cells(NeutralMesh& mesh, const TetgenPoints& points, const std::filesy
   const auto attribute_count = lines.words().size() > 2 ? lines.number<std::uint64_t>(2, "a number of attributes") : 0;
   if (attribute_count > 1024) lines.refuse(lines.words()[2], "at most 1024 attributes");
 
+  ForeignCells cells{.kinds = Array<std::uint8_t>(count, static_cast<std::uint8_t>(CellKind::tetrahedron)),
+                     .offsets = {0},
+                     .nodes = {}};
   std::vector<Array<double>> attributes(attribute_count);
   for (std::uint64_t i = 0; i < count; ++i) {
     lines.need(concat(count, " tetrahedra"));
     const std::int64_t expected = points.first_number + static_cast<std::int64_t>(i);
     if (lines.number<std::int64_t>(0, "a tetrahedron's number") != expected)
       lines.refuse(lines.words()[0], concat(expected));
-    std::array<std::uint64_t, 4>& cell = mesh.cells.emplace_back();
-    for (std::size_t k = 0; k < 4; ++k) cell[k] = tetgen_corner(lines, 1 + k, points);
+    for (std::size_t k = 0; k < 4; ++k) cells.nodes.push_back(tetgen_corner(lines, 1 + k, points));
+    cells.offsets.push_back(cells.nodes.size());
     for (std::size_t a = 0; a < attribute_count; ++a)
       attributes[a].push_back(lines.number<double>(5 + a, concat(attribute_count, " attributes")));
   }
   for (std::size_t a = 0; a < attribute_count; ++a)
     mesh.cell_fields.push_back(attribute_field(a, std::move(attributes[a])));
+  take_cells(mesh, std::move(cells), path);
 }
 
 }  // namespace
 
-NeutralMesh read_tetgen_mesh(const std::filesystem::path& path) {
+CellMesh read_tetgen_mesh(const std::filesystem::path& path) {
   const auto partner = [&](const char* extension) { return std::filesystem::path(path).replace_extension(extension); };
   const bool is_node = extension_of(path) == ".node";
   TetgenPoints points = read_tetgen_node_file(is_node ? path : partner(".node"));
-  NeutralMesh mesh;
+  CellMesh mesh;
   mesh.points = points.points;
   for (std::size_t a = 0; a < points.attributes.size(); ++a)
     mesh.point_fields.push_back(attribute_field(a, std::move(points.attributes[a])));
-  read_cells(mesh, points, is_node ? partner(".ele") : path);
+  read_tetrahedra(mesh, points, is_node ? partner(".ele") : path);
   return mesh;
 }
 

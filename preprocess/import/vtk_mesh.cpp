@@ -40,7 +40,7 @@ Array<Number> numbers_of(vtkDataArray& array, ElementType type) {
   return result;
 }
 
-void take_points(NeutralMesh& mesh, vtkUnstructuredGrid& grid, const std::filesystem::path& path) {
+void take_points(CellMesh& mesh, vtkUnstructuredGrid& grid, const std::filesystem::path& path) {
   if (grid.GetPoints() == nullptr || grid.GetNumberOfPoints() == 0)
     refuse_input(path, "element Points", "no points", "at least 4 points");
   vtkDataArray& array = *grid.GetPoints()->GetData();
@@ -93,7 +93,7 @@ ForeignCells cells_of(vtkUnstructuredGrid& grid, const std::filesystem::path& pa
     return numbers_of<std::uint64_t>(*numbers, *type);  // a negative one becomes too large and is refused later
   };
   cells.offsets = whole_numbers(array->GetOffsetsArray());
-  cells.corners = whole_numbers(array->GetConnectivityArray());
+  cells.nodes = whole_numbers(array->GetConnectivityArray());
   cells.kinds = numbers_of<std::uint8_t>(*kinds, ElementType::U8);
   return cells;
 }
@@ -112,7 +112,7 @@ void check_arrival(vtkXMLUnstructuredGridReader& reader, vtkUnstructuredGrid& gr
 
 }  // namespace
 
-NeutralMesh read_vtu(const std::filesystem::path& path) {
+CellMesh read_vtu(const std::filesystem::path& path) {
   check_vtk_xml(path, "UnstructuredGrid");
   const VtkErrors errors;
   vtkNew<vtkXMLUnstructuredGridReader> reader;
@@ -121,11 +121,11 @@ NeutralMesh read_vtu(const std::filesystem::path& path) {
   errors.check(path);
   vtkUnstructuredGrid* grid = reader->GetOutput();
   check_arrival(*reader, *grid, path);
-  NeutralMesh mesh;
+  CellMesh mesh;
   take_points(mesh, *grid, path);
   take_fields(mesh.point_fields, mesh.notes, *grid->GetPointData());
   take_fields(mesh.cell_fields, mesh.notes, *grid->GetCellData());
-  keep_tetrahedra(mesh, cells_of(*grid, path), path);
+  take_cells(mesh, cells_of(*grid, path), path);
   return mesh;
 }
 

@@ -31,8 +31,8 @@ void act(const std::vector<std::string>& arguments, int input, int output) {
   const std::string verb = arguments.empty() ? "" : arguments[0];
   if (verb == "volume" && arguments.size() >= 3)
     hand_over(read_volume(arguments[1], volume_request(arguments)), output);
-  else if (verb == "mesh" && arguments.size() == 2)
-    hand_over(read_mesh(arguments[1]), output);
+  else if (verb == "cells" && arguments.size() == 3)
+    hand_over(read_cells(arguments[1], {.time = arguments[2]}), output);
   else if (verb == "surface" && arguments.size() == 3)
     hand_over(read_surface(arguments[1], arguments[2]), output);
   else if (verb == "write-vtu" && arguments.size() == 2 && input >= 0)

@@ -1,6 +1,7 @@
 #include "preprocess/worker/handover.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstring>
 #include <utility>
 
@@ -85,6 +86,13 @@ class Unpacking {
     if (next_ == texts_.size()) formats::refuse(file_.name(), "array 'texts'", "too few texts", "one for each name");
     return texts_[next_++];
   }
+  std::size_t next_count() {
+    std::size_t count = 0;
+    const std::string text = next_text();
+    const auto read = std::from_chars(text.data(), text.data() + text.size(), count);
+    expect(read.ec == std::errc() && count <= texts_.size(), "array 'texts'", "no count of names", "a count");
+    return count;
+  }
   std::vector<std::string> remaining_texts() {
     std::vector<std::string> rest(texts_.begin() + static_cast<std::ptrdiff_t>(next_), texts_.end());
     next_ = texts_.size();
@@ -165,11 +173,32 @@ void hand_over(const NeutralVolume& volume, int descriptor) {
              volume.samples);
   const Array<std::array<double, 3>> axes = axes_of(volume.world_from_grid);
   parcel.add("world_from_grid", axes);
-  std::vector<std::string> texts{volume.length_unit, volume.field_name, volume.field_unit};
+  std::array<Array<double>, 3> positions;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    positions[axis].assign(volume.axes[axis].begin(), volume.axes[axis].end());
+    parcel.add(concat("axis.", axis), positions[axis]);
+  }
+  std::vector<std::string> texts{volume.length_unit, volume.field_name, volume.field_unit,
+                                 concat(volume.other_fields.size())};
+  texts.insert(texts.end(), volume.other_fields.begin(), volume.other_fields.end());
   texts.insert(texts.end(), volume.notes.begin(), volume.notes.end());
   parcel.add_texts(texts);
   parcel.write("neutral-volume", descriptor);
 }
+
+namespace {
+
+void take_axes(const Unpacking& parcel, NeutralVolume& volume) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Array<double> positions = parcel.values<double>(concat("axis.", axis).c_str());
+    const auto count = static_cast<std::size_t>(volume.sample_count[static_cast<int>(axis)]);
+    parcel.expect(positions.empty() || positions.size() == count, "axis positions", "another number",
+                  "one for each sample of the axis, or none");
+    volume.axes[axis].assign(positions.begin(), positions.end());
+  }
+}
+
+}  // namespace
 
 NeutralVolume take_volume(const PackedFile& file) {
   Unpacking parcel(file, "neutral-volume");
@@ -189,8 +218,58 @@ NeutralVolume take_volume(const PackedFile& file) {
   volume.length_unit = parcel.next_text();
   volume.field_name = parcel.next_text();
   volume.field_unit = parcel.next_text();
+  for (std::size_t count = parcel.next_count(); count != 0; --count) volume.other_fields.push_back(parcel.next_text());
+  take_axes(parcel, volume);
   volume.notes = parcel.remaining_texts();
   return volume;
+}
+
+void hand_over(const CellMesh& mesh, int descriptor) {
+  Parcel parcel;
+  parcel.add("points", mesh.points);
+  parcel.add("kinds", {mesh.kinds.size()}, reinterpret_cast<const std::uint8_t*>(mesh.kinds.data()), mesh.kinds.size());
+  parcel.add("cell_offsets", mesh.cell_offsets);
+  parcel.add("cell_nodes", mesh.cell_nodes);
+  parcel.add("cell_ids", mesh.cell_ids);
+  Array<std::array<std::uint64_t, 2>> point_facts, cell_facts;
+  std::vector<std::string> texts{mesh.length_unit};
+  add_fields(parcel, "point_fields", mesh.point_fields, point_facts, texts);
+  add_fields(parcel, "cell_fields", mesh.cell_fields, cell_facts, texts);
+  texts.insert(texts.end(), mesh.notes.begin(), mesh.notes.end());
+  parcel.add_texts(texts);
+  parcel.write("neutral-cells", descriptor);
+}
+
+namespace {
+
+void check_cells(const Unpacking& parcel, const CellMesh& mesh) {
+  const Array<std::uint64_t>& offsets = mesh.cell_offsets;
+  parcel.expect(offsets.size() == mesh.kinds.size() + 1 && offsets.front() == 0 &&
+                    offsets.back() == mesh.cell_nodes.size() && std::is_sorted(offsets.begin(), offsets.end()),
+                "array 'cell_offsets'", "offsets that do not fit", "rising from 0 to the number of nodes");
+  parcel.expect(mesh.cell_ids.empty() || mesh.cell_ids.size() == mesh.kinds.size(), "array 'cell_ids'", "another size",
+                "one for each cell");
+}
+
+}  // namespace
+
+CellMesh take_cell_mesh(const PackedFile& file) {
+  Unpacking parcel(file, "neutral-cells");
+  CellMesh mesh;
+  mesh.points = parcel.rows<double, 3>("points");
+  const Array<std::uint8_t> kinds = parcel.values<std::uint8_t>("kinds");
+  mesh.kinds.resize(kinds.size());
+  std::transform(kinds.begin(), kinds.end(), mesh.kinds.begin(),
+                 [](std::uint8_t kind) { return static_cast<CellKind>(kind); });
+  mesh.cell_offsets = parcel.values<std::uint64_t>("cell_offsets");
+  mesh.cell_nodes = parcel.values<std::uint64_t>("cell_nodes");
+  mesh.cell_ids = parcel.values<std::uint64_t>("cell_ids");
+  check_cells(parcel, mesh);
+  mesh.length_unit = parcel.next_text();
+  mesh.point_fields = take_fields(file, parcel, "point_fields", mesh.points.size());
+  mesh.cell_fields = take_fields(file, parcel, "cell_fields", mesh.kinds.size());
+  mesh.notes = parcel.remaining_texts();
+  return mesh;
 }
 
 void hand_over(const NeutralMesh& mesh, int descriptor) {

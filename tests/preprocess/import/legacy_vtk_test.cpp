@@ -186,9 +186,9 @@ TEST(LegacyVtkMesh, refuses_what_does_not_fit) {
   refuses("4 1 2 3 4", "4 1 2 3 -1", Trouble::invalid, {"cell 2", "point -1"});
   refuses("4 1 2 3 4", "3 1 2 3 4", Trouble::invalid, {"CELLS", "12 numbers", "13"});
   refuses("4 1 2 3 4", "9 1 2 3 4", Trouble::invalid, {"cell 2", "more corners"});
-  refuses("10 3 10", "10 3 12", Trouble::unsupported, {"1 hexahedra", "linear tetrahedra"});
-  refuses("10 3 10", "24 24 99", Trouble::unsupported, {"1 cells of VTK's kind 99, 2 quadratic tetrahedra"});
-  refuses("10 3 10", "3 3 3", Trouble::invalid, {"3 lines", "at least one tetrahedron"});
+  refuses("10 3 10", "10 3 12", Trouble::invalid, {"cell 2", "4 corners", "8, as hexahedra have"});
+  refuses("10 3 10", "24 24 99", Trouble::unsupported, {"1 cells of VTK's kind 99"});
+  refuses("10 3 10", "3 3 3", Trouble::invalid, {"3 lines", "at least one that fills space"});
   refuses("2 0 4", "1 0", Trouble::invalid, {"a.vtk"});
   refuses("CELL_TYPES 3\n10 3 10", "CELL_TYPES 2\n10 3", Trouble::invalid, {"2 kinds for 3 cells"});
   refuses("POINTS 5", "POINTS 1000000000", Trouble::invalid, {"1000000000 x 3"});

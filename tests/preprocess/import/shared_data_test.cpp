@@ -158,9 +158,6 @@ TEST_F(SharedData, refuses_what_is_broken_or_not_made_of_linear_tetrahedra) {
     expect_refusal([&] { import_mesh(folder_ / "unstructured" / path); }, trouble, words);
   };
   refuses("sofa/Armadillo_Tetra_4406_for_test_broken.vtu", Trouble::invalid, {"Armadillo"});
-  refuses("can.vtu", Trouble::unsupported, {"4800 hexahedra"});
-  refuses("reservoir/UNISIM-II-D.vtu", Trouble::unsupported, {"47610 hexahedra"});
-  refuses("AngularSector.vtk", Trouble::unsupported, {"7632 hexahedra", "144 pyramids"});
   refuses("PentaHexa.vtk", Trouble::unsupported, {"150 hexagonal prisms", "60 pentagonal prisms"});
   refuses("CylinderQuadratic.vtk", Trouble::unsupported, {"1522 quadratic tetrahedra"});
   refuses("office.binary.vtk", Trouble::unsupported, {"STRUCTURED_GRID"});

@@ -55,7 +55,7 @@ TEST(Vtu, keeps_tetrahedra_with_their_fields) {
   const NeutralMesh mesh = read_mesh(folder / "a.vtu");
   EXPECT_TRUE(is_complete(mesh));
   EXPECT_THAT(mesh.cell_ids, testing::ElementsAre(0, 2));
-  EXPECT_THAT(mesh.notes, testing::ElementsAre("1 triangles left out: only tetrahedra are kept"));
+  EXPECT_THAT(mesh.notes, testing::ElementsAre("1 triangles left out: only cells that fill space are kept"));
   EXPECT_EQ(mesh.point_fields[0].name, "voltage");
   EXPECT_FALSE(mesh.point_fields[0].was_single_precision);
   EXPECT_EQ(mesh.point_fields[1].component_count, 3);
@@ -151,7 +151,7 @@ TEST(Vtu, refuses_what_does_not_fit) {
   };
   refuses(by_hand("0 1 2 3  0 1 4  1 2 3 5"), Trouble::invalid, {"cell 2", "point 5", "0 to 4"});
   refuses(by_hand("0 1 2 3  0 1 4  1 2 3 -7"), Trouble::invalid, {"cell 2", "point -7"});
-  refuses(by_hand("0 1 2 3  0 1 4  1 2 3 4", "10 5 14"), Trouble::unsupported, {"1 pyramids", "linear tetrahedra"});
+  refuses(by_hand("0 1 2 3  0 1 4  1 2 3 4", "10 5 14"), Trouble::invalid, {"cell 2", "5, as pyramids have"});
   refuses(by_hand("0 1 2 3  0 1 4  1 2 3 4", "10 10 10"), Trouble::invalid, {"cell 1", "3 corners"});
   refuses(by_hand("0 1 2 3  0 1 4  1 2 3 4", "10 5 10", "4 3 11"), Trouble::invalid, {"a.vtu"});
   refuses(by_hand("0 1 2 3  0 1 4  1 2 3 4", "10 5 10", "4 7 999999"), Trouble::invalid, {"a.vtu"});
