@@ -17,6 +17,9 @@ NeutralVolume read_legacy_vtk_volume(const std::filesystem::path& path, const st
 NeutralVolume read_raw(const std::filesystem::path& path, const RawVolume& raw);
 
 CellMesh read_vtu(const std::filesystem::path& path);
+CellMesh read_pvtu(const std::filesystem::path& path);
+CellMesh read_vts(const std::filesystem::path& path);
+CellMesh read_plot3d(const std::filesystem::path& path);
 CellMesh read_legacy_vtk_mesh(const std::filesystem::path& path);
 CellMesh read_tetgen_mesh(const std::filesystem::path& path);
 

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "preprocess/import/foreign_file.h"
+#include "preprocess/import/plot3d_layout.h"
 #include "preprocess/import_mesh.h"
 
 namespace rhoray::preprocess {
@@ -15,15 +16,26 @@ struct KindByName {
   ForeignKind kind;
 };
 
-// The extensions of importers.cpp, here for programs that only ask; .vtk is answered by the file itself.
+// The extensions of importers.cpp, here for programs that only ask; .vtk and those of PLOT3D, which others use too,
+// are answered by the file itself.
 constexpr KindByName kinds[] = {
-    {".nrrd", ForeignKind::volume},   {".nhdr", ForeignKind::volume}, {".mhd", ForeignKind::volume},
-    {".mha", ForeignKind::volume},    {".nii", ForeignKind::volume},  {".nii.gz", ForeignKind::volume},
-    {".vti", ForeignKind::volume},    {".vtu", ForeignKind::mesh},    {".node", ForeignKind::mesh},
-    {".ele", ForeignKind::mesh},      {".ply", ForeignKind::surface}, {".stl", ForeignKind::surface},
-    {".obj", ForeignKind::surface},   {".off", ForeignKind::surface}, {".poly", ForeignKind::surface},
-    {".smesh", ForeignKind::surface},
+    {".nrrd", ForeignKind::volume}, {".nhdr", ForeignKind::volume},  {".mhd", ForeignKind::volume},
+    {".mha", ForeignKind::volume},  {".nii", ForeignKind::volume},   {".nii.gz", ForeignKind::volume},
+    {".vti", ForeignKind::volume},  {".vtu", ForeignKind::mesh},     {".pvtu", ForeignKind::mesh},
+    {".vts", ForeignKind::mesh},    {".node", ForeignKind::mesh},    {".ele", ForeignKind::mesh},
+    {".ply", ForeignKind::surface}, {".stl", ForeignKind::surface},  {".obj", ForeignKind::surface},
+    {".off", ForeignKind::surface}, {".poly", ForeignKind::surface}, {".smesh", ForeignKind::surface},
 };
+
+constexpr std::string_view plot3d_extensions[] = {".bin", ".xyz", ".x", ".g", ".q", ".p3d"};
+
+bool is_plot3d(const std::filesystem::path& path) {
+  try {
+    return !plot3d_layouts(ForeignFile(path)).empty();
+  } catch (const Error&) {  // not there, or empty
+    return false;
+  }
+}
 
 /// The word after DATASET in the first lines of a legacy VTK file, in capitals; empty when there is none.
 std::string legacy_vtk_dataset(const std::filesystem::path& path) {
@@ -51,9 +63,12 @@ ForeignKind foreign_kind(const std::filesystem::path& path) {
   if (extension == ".vtk") {
     const std::string dataset = legacy_vtk_dataset(path);
     if (dataset == "STRUCTURED_POINTS") return ForeignKind::volume;
-    if (dataset == "UNSTRUCTURED_GRID") return ForeignKind::mesh;
+    if (dataset == "UNSTRUCTURED_GRID" || dataset == "STRUCTURED_GRID") return ForeignKind::mesh;
+    if (dataset == "POLYDATA") return ForeignKind::surface;
     return ForeignKind::unknown;
   }
+  if (std::find(std::begin(plot3d_extensions), std::end(plot3d_extensions), extension) != std::end(plot3d_extensions))
+    return is_plot3d(path) ? ForeignKind::mesh : ForeignKind::unknown;
   const auto found = std::find_if(std::begin(kinds), std::end(kinds),
                                   [&](const KindByName& row) { return row.extension == extension; });
   return found == std::end(kinds) ? ForeignKind::unknown : found->kind;

@@ -79,13 +79,24 @@ void check_count(const ForeignFile& file, std::string_view name, std::uint64_t c
                  "a number that the file can hold");
 }
 
-void check_counts(const ForeignFile& file, std::string_view head, std::string_view name) {
-  std::size_t from = 0;
-  while (const std::optional<std::string_view> text = attribute(head, name, from)) {
-    const std::optional<std::uint64_t> count = parse_number<std::uint64_t>(*text);
-    if (!count) refuse_input(file.path(), concat("attribute ", name), in_quotes(*text), "a number");
-    check_count(file, name, *count);
+/// Calls act(element) for the text of each opening tag `<name ...` of the file, outside of appended data.
+template <class Act>
+void for_each_tag(std::string_view text, std::string_view name, Act&& act) {
+  const std::string_view opening = "<AppendedData";
+  for (std::size_t at = 0; (at = text.find('<', at)) != std::string_view::npos; ++at) {
+    const std::string_view rest = text.substr(at);
+    if (rest.starts_with(opening)) return;
+    if (rest.starts_with(name)) act(rest.substr(0, std::min(rest.find('>'), rest.size())));
   }
+}
+
+void check_count_in(const ForeignFile& file, std::string_view element, std::string_view name) {
+  std::size_t from = 0;
+  const std::optional<std::string_view> text = attribute(element, name, from);
+  if (!text) return;
+  const std::optional<std::uint64_t> count = parse_number<std::uint64_t>(*text);
+  if (!count) refuse_input(file.path(), concat("attribute ", name), in_quotes(*text), "a number");
+  check_count(file, name, *count);
 }
 
 void check_extent(const ForeignFile& file, std::string_view head) {
@@ -124,8 +135,10 @@ void check_vtk_xml(const std::filesystem::path& path, std::string_view kind) {
   const std::optional<std::string_view> found = attribute(head, "type", at);
   if (!found) refuse_input(path, "element VTKFile", "no attribute type", kind);
   if (*found != kind) refuse_input(path, "element VTKFile", in_quotes(*found), kind, Trouble::unsupported);
-  check_counts(file, head, "NumberOfPoints");
-  check_counts(file, head, "NumberOfCells");
+  for_each_tag(file.text(), "<Piece", [&](std::string_view piece) {
+    check_count_in(file, piece, "NumberOfPoints");
+    check_count_in(file, piece, "NumberOfCells");
+  });
   check_extent(file, head);
 }
 

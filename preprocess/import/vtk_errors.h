@@ -31,7 +31,7 @@ class VtkErrors {
 };
 
 /// Refuses a VTK XML file whose root says another kind than `kind`, or no VTKFile at all, and one that names larger
-/// counts in its attributes than so short a file can hold. Looks at its first 64 KiB.
+/// counts in its attributes than so short a file can hold.
 void check_vtk_xml(const std::filesystem::path& path, std::string_view kind);
 
 }  // namespace rhoray::preprocess

@@ -1,92 +1,92 @@
+#include "preprocess/import/vtk_mesh.h"
+
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
-#include <vtkDataArray.h>
+#include <vtkIdTypeArray.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
-#include <vtkPoints.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLUnstructuredGridReader.h>
 
-#include <cmath>
-
 #include "formats/base/checks.h"
 #include "preprocess/import/families.h"
 #include "preprocess/import/foreign_file.h"
-#include "preprocess/import/mesh_cells.h"
 #include "preprocess/import/vtk_arrays.h"
 #include "preprocess/import/vtk_errors.h"
+#include "preprocess/import/vtk_fields.h"
+#include "preprocess/import/vtk_numbers.h"
 
 namespace rhoray::preprocess {
 namespace {
 
 using formats::ElementType;
 
-/// Calls act(numbers, count) with the array's numbers in their own type.
-template <class Act>
-void with_numbers(vtkDataArray& array, ElementType type, Act&& act) {
-  formats::with_element_type(type, [&]<class T>(T) {
-    act(static_cast<const T*>(array.GetVoidPointer(0)), static_cast<std::size_t>(array.GetNumberOfValues()));
-  });
-}
-
-template <class Number>
-Array<Number> numbers_of(vtkDataArray& array, ElementType type) {
-  Array<Number> result;
-  with_numbers(array, type, [&]<class T>(const T* numbers, std::size_t count) {
-    result.resize(count);
-    for (std::size_t i = 0; i < count; ++i) result[i] = static_cast<Number>(numbers[i]);
-  });
-  return result;
-}
-
-void take_points(CellMesh& mesh, vtkUnstructuredGrid& grid, const std::filesystem::path& path) {
-  if (grid.GetPoints() == nullptr || grid.GetNumberOfPoints() == 0)
-    refuse_input(path, "element Points", "no points", "at least 4 points");
-  vtkDataArray& array = *grid.GetPoints()->GetData();
-  const std::optional<ElementType> type = element_type_of_vtk(array);
-  if (!type || array.GetNumberOfComponents() != 3)
-    refuse_input(path, "element Points", concat(array.GetNumberOfComponents(), " numbers for each point"), "3");
-  mesh.points.resize(static_cast<std::size_t>(array.GetNumberOfTuples()));
-  with_numbers(array, *type, [&](const auto* numbers, std::size_t count) {
-    double* to = mesh.points.front().data();
-    for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<double>(numbers[i]);
-  });
-}
-
-bool loses_integers(ElementType type, const Array<double>& values) {
-  if (type != ElementType::I64 && type != ElementType::U64) return false;
-  for (const double value : values)
-    if (std::abs(value) > 9007199254740992.0) return true;  // 2^53
-  return false;
-}
-
-void take_fields(std::vector<NeutralField>& fields, std::vector<std::string>& notes, vtkFieldData& data) {
-  for (int i = 0; i < data.GetNumberOfArrays(); ++i) {
-    const std::string name = data.GetArrayName(i) == nullptr ? "" : data.GetArrayName(i);
-    if (name == "vtkGhostType") continue;    // VTK's own bookkeeping
-    vtkDataArray* array = data.GetArray(i);  // null for texts
-    const std::optional<ElementType> type = array == nullptr ? std::nullopt : element_type_of_vtk(*array);
-    if (!type || array->GetNumberOfComponents() < 1) {
-      notes.push_back(concat("array '", name, "' left out: it does not hold numbers"));
-      continue;
-    }
-    NeutralField& field = fields.emplace_back();
-    field.name = name;
-    field.component_count = array->GetNumberOfComponents();
-    field.values = numbers_of<double>(*array, *type);
-    field.was_single_precision = *type != ElementType::F64 && fits_single_precision(field.values);
-    if (loses_integers(*type, field.values))
-      notes.push_back(concat("field '", name, "' holds integers beyond 2^53, which were rounded"));
+/// VTK keeps the faces of polyhedra beside the cells; here each stream takes the place of its cell's nodes.
+class FaceStreams {
+ public:
+  FaceStreams(vtkUnstructuredGrid& grid, const std::filesystem::path& path) : path_(path) {
+    if (grid.GetFaces() == nullptr || grid.GetFaceLocations() == nullptr)
+      refuse_input(path, "element Cells", "polyhedra without arrays 'faces' and 'faceoffsets'",
+                   "both, as VTK writes them up to version 9.3", Trouble::unsupported);
+    faces_ = {grid.GetFaces()->GetPointer(0), static_cast<std::size_t>(grid.GetFaces()->GetNumberOfValues())};
+    locations_ = {grid.GetFaceLocations()->GetPointer(0),
+                  static_cast<std::size_t>(grid.GetFaceLocations()->GetNumberOfValues())};
   }
-}
+
+  void put_in_place(ForeignCells& cells) const {
+    Array<std::uint64_t> nodes;
+    nodes.reserve(cells.nodes.size() + faces_.size());
+    std::uint64_t begin = 0;
+    for (std::size_t cell = 0; cell < cells.kinds.size(); ++cell) {
+      const std::uint64_t end = cells.offsets[cell + 1];
+      if (cells.kinds[cell] == static_cast<std::uint8_t>(CellKind::polyhedron)) {
+        const std::span<const vtkIdType> stream = stream_of(cell);
+        nodes.insert(nodes.end(), stream.begin(), stream.end());
+      } else {
+        nodes.insert(nodes.end(), cells.nodes.begin() + static_cast<std::ptrdiff_t>(begin),
+                     cells.nodes.begin() + static_cast<std::ptrdiff_t>(end));
+      }
+      begin = end;
+      cells.offsets[cell + 1] = nodes.size();
+    }
+    cells.nodes = std::move(nodes);
+  }
+
+ private:
+  std::span<const vtkIdType> stream_of(std::size_t cell) const {
+    const auto begin = cell < locations_.size() ? static_cast<std::uint64_t>(locations_[cell]) : faces_.size();
+    if (begin >= faces_.size()) refuse(cell);  // a negative one is too large as well
+    std::size_t at = begin;
+    const std::uint64_t face_count = number_at(at++, cell);
+    for (std::uint64_t face = 0; face < face_count; ++face) at += number_at(at, cell) + 1;
+    if (at > faces_.size()) refuse(cell);
+    return faces_.subspan(begin, at - begin);
+  }
+
+  /// A count; refuses one that cannot be, so that sums of them stay small.
+  std::uint64_t number_at(std::size_t at, std::size_t cell) const {
+    if (at >= faces_.size() || static_cast<std::uint64_t>(faces_[at]) > faces_.size()) refuse(cell);
+    return static_cast<std::uint64_t>(faces_[at]);
+  }
+
+  [[noreturn]] void refuse(std::size_t cell) const {
+    refuse_input(path_, concat("polyhedron ", cell), "a place or counts of faces that are not there",
+                 "those that its array 'faces' holds");
+  }
+
+  const std::filesystem::path& path_;
+  std::span<const vtkIdType> faces_, locations_;
+};
 
 ForeignCells cells_of(vtkUnstructuredGrid& grid, const std::filesystem::path& path) {
   ForeignCells cells;
   vtkCellArray* array = grid.GetCells();
   vtkUnsignedCharArray* kinds = grid.GetCellTypesArray();
-  if (array == nullptr || kinds == nullptr || array->GetNumberOfCells() == 0)
-    refuse_input(path, "element Cells", "no cells", "at least one tetrahedron");
+  if (array == nullptr || kinds == nullptr || array->GetNumberOfCells() == 0) {
+    cells.offsets = {0};
+    return cells;
+  }
   const auto whole_numbers = [&](vtkDataArray* numbers) {
     const std::optional<ElementType> type = element_type_of_vtk(*numbers);
     RHORAY_CHECK(type.has_value());
@@ -95,6 +95,11 @@ ForeignCells cells_of(vtkUnstructuredGrid& grid, const std::filesystem::path& pa
   cells.offsets = whole_numbers(array->GetOffsetsArray());
   cells.nodes = whole_numbers(array->GetConnectivityArray());
   cells.kinds = numbers_of<std::uint8_t>(*kinds, ElementType::U8);
+  check_offsets(cells, path);
+  const auto polyhedron = static_cast<std::uint8_t>(CellKind::polyhedron);
+  if (std::find(cells.kinds.begin(), cells.kinds.end(), polyhedron) != cells.kinds.end())
+    FaceStreams(grid, path).put_in_place(cells);
+  take_vtk_ghosts(cells, grid);
   return cells;
 }
 
@@ -112,21 +117,31 @@ void check_arrival(vtkXMLUnstructuredGridReader& reader, vtkUnstructuredGrid& gr
 
 }  // namespace
 
-CellMesh read_vtu(const std::filesystem::path& path) {
+void add_vtu(MeshPieces& pieces, const std::filesystem::path& path) {
   check_vtk_xml(path, "UnstructuredGrid");
   const VtkErrors errors;
   vtkNew<vtkXMLUnstructuredGridReader> reader;
   reader->SetFileName(path.c_str());
-  reader->Update();
+  reader->UpdateInformation();
   errors.check(path);
-  vtkUnstructuredGrid* grid = reader->GetOutput();
-  check_arrival(*reader, *grid, path);
-  CellMesh mesh;
-  take_points(mesh, *grid, path);
-  take_fields(mesh.point_fields, mesh.notes, *grid->GetPointData());
-  take_fields(mesh.cell_fields, mesh.notes, *grid->GetCellData());
-  take_cells(mesh, cells_of(*grid, path), path);
-  return mesh;
+  // Read one by one: all at once VTK 9.1 would turn the nodes of old Lagrange hexahedra again for each piece.
+  const int count = static_cast<int>(reader->GetNumberOfPieces());
+  for (int piece = 0; piece < count; ++piece) {
+    reader->UpdatePiece(piece, count, 0);
+    errors.check(path);
+    vtkUnstructuredGrid* grid = reader->GetOutput();
+    check_arrival(*reader, *grid, path);
+    CellMesh mesh;
+    take_vtk_points(mesh, grid->GetPoints(), path);
+    take_vtk_fields(mesh, *grid);
+    pieces.add(std::move(mesh), cells_of(*grid, path), path);
+  }
+}
+
+CellMesh read_vtu(const std::filesystem::path& path) {
+  MeshPieces pieces;
+  add_vtu(pieces, path);
+  return pieces.finish(path);
 }
 
 }  // namespace rhoray::preprocess
