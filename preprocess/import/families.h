@@ -23,6 +23,7 @@ CellMesh read_plot3d(const std::filesystem::path& path);
 CellMesh read_legacy_vtk_mesh(const std::filesystem::path& path);
 CellMesh read_tetgen_mesh(const std::filesystem::path& path);
 
+NeutralSurface read_legacy_vtk_surface(const std::filesystem::path& path);
 NeutralSurface read_ply(const std::filesystem::path& path);
 NeutralSurface read_stl(const std::filesystem::path& path);
 NeutralSurface read_obj(const std::filesystem::path& path);

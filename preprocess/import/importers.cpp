@@ -24,6 +24,7 @@ constexpr Importer<CellMesh(const std::filesystem::path&)> mesh_importers[] = {
     {".node", read_tetgen_mesh}, {".ele", read_tetgen_mesh},
 };
 constexpr Importer<NeutralSurface(const std::filesystem::path&)> surface_importers[] = {
+    {".vtk", read_legacy_vtk_surface},
     {".ply", read_ply},
     {".stl", read_stl},
     {".obj", read_obj},

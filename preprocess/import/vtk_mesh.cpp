@@ -118,7 +118,8 @@ void check_arrival(vtkXMLUnstructuredGridReader& reader, vtkUnstructuredGrid& gr
 }  // namespace
 
 void add_vtu(MeshPieces& pieces, const std::filesystem::path& path) {
-  check_vtk_xml(path, "UnstructuredGrid");
+  const VtkXmlCounts promised = check_vtk_xml(path, "UnstructuredGrid");
+  if (promised.points == 0 && promised.cells == 0) return;  // VTK writes it so, but refuses to read it
   const VtkErrors errors;
   vtkNew<vtkXMLUnstructuredGridReader> reader;
   reader->SetFileName(path.c_str());

@@ -194,7 +194,8 @@ TEST(LegacyVtkMesh, refuses_what_does_not_fit) {
   refuses("POINTS 5", "POINTS 1000000000", Trouble::invalid, {"1000000000 x 3"});
   refuses("tissue%20number 1 3", "tissue%20number 1 2", Trouble::invalid, {"tissue number", "2 tuples"});
   refuses("POINT_DATA 5", "POINT_DATA 4", Trouble::invalid, {"a.vtk"});
-  refuses("UNSTRUCTURED_GRID", "POLYDATA", Trouble::unsupported, {"'POLYDATA'"});
+  refuses("UNSTRUCTURED_GRID", "POLYDATA", Trouble::unsupported, {"found POLYDATA", "UNSTRUCTURED_GRID"});
+  refuses("UNSTRUCTURED_GRID", "TABLE", Trouble::unsupported, {"'TABLE'", "POLYDATA"});
   refuses("ASCII", "ASCII?", Trouble::invalid, {"ASCII or BINARY"});
   refuses("# vtk", "# VTK", Trouble::invalid, {"line 1"});
 }
@@ -206,8 +207,13 @@ TEST(ForeignKind, asks_legacy_vtk_files_themselves) {
   write_file(folder / "a.vtk", mesh_text);
   EXPECT_EQ(foreign_kind(folder / "a.vtk"), ForeignKind::mesh);
   write_file(folder / "a.vtk",
-             "# vtk DataFile Version 3.0\nDATASET STRUCTURED_POINTS is only a title\nASCII\nDATASET POLYDATA\n");
+             "# vtk DataFile Version 3.0\nDATASET STRUCTURED_POINTS is only a title\nASCII\nDATASET TABLE\n");
   EXPECT_EQ(foreign_kind(folder / "a.vtk"), ForeignKind::unknown);
+  const std::string beginning = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET ";
+  write_file(folder / "a.vtk", beginning + "STRUCTURED_GRID\n");
+  EXPECT_EQ(foreign_kind(folder / "a.vtk"), ForeignKind::mesh);
+  write_file(folder / "a.vtk", beginning + "POLYDATA\n");
+  EXPECT_EQ(foreign_kind(folder / "a.vtk"), ForeignKind::surface);
   for (const std::string content :
        {"", "# vtk DataFile Version 3.0", "# vtk DataFile Version 3.0\nt\nASCII\nDATASET", "junk"}) {
     write_file(folder / "a.vtk", content);
