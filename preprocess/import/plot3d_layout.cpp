@@ -35,7 +35,7 @@ class BinaryWalk {
  public:
   BinaryWalk(std::span<const std::byte> bytes, const Plot3dLayout& layout) : bytes_(bytes), layout_(layout) {}
 
-  /// The layout with its blocks, if the file has exactly these bytes and, with records, their lengths.
+  /// The layout with its blocks, if the file has these bytes and, with records, their lengths.
   std::optional<Plot3dLayout> fit() {
     std::uint64_t block_count = 1;
     if (layout_.has_block_count) {
@@ -49,7 +49,18 @@ class BinaryWalk {
     layout_.data_offset = at_;
     for (const Index3& block : layout_.blocks)
       if (!block_fits(points_in(block))) return std::nullopt;
-    return at_ == bytes_.size() ? std::optional(layout_) : std::nullopt;
+    return layout_;
+  }
+
+  /// After a fit: nothing follows.
+  bool is_exact() const { return at_ == bytes_.size(); }
+
+  /// After a fit: only zeros follow, up to the end of a sector, as some writers leave them.
+  bool is_padded() const {
+    constexpr std::uint64_t sector = 512;
+    const std::span<const std::byte> rest = bytes_.subspan(at_);
+    return bytes_.size() % sector == 0 && rest.size() < sector &&
+           std::all_of(rest.begin(), rest.end(), [](std::byte byte) { return byte == std::byte{0}; });
   }
 
  private:
@@ -89,25 +100,38 @@ class BinaryWalk {
   std::uint64_t at_ = 0, payload_end_ = 0;
 };
 
-void add_binary_layouts(std::vector<Plot3dLayout>& layouts, std::span<const std::byte> bytes) {
+/// Every way of reading a binary file that is asked of it.
+std::vector<Plot3dLayout> binary_candidates() {
+  std::vector<Plot3dLayout> candidates;
   for (const bool is_big_endian : {false, true})
     for (const bool has_records : {false, true})
       for (const bool has_block_count : {false, true})
         for (const int float_bytes : {4, 8})
           for (const auto& [is_solution, has_iblank] :
-               {std::pair(false, false), std::pair(false, true), std::pair(true, false)}) {
-            const std::optional<Plot3dLayout> found = BinaryWalk(bytes, {.is_solution = is_solution,
-                                                                         .is_text = false,
-                                                                         .is_big_endian = is_big_endian,
-                                                                         .has_records = has_records,
-                                                                         .has_block_count = has_block_count,
-                                                                         .has_iblank = has_iblank,
-                                                                         .float_bytes = float_bytes,
-                                                                         .blocks = {},
-                                                                         .data_offset = 0})
-                                                          .fit();
-            if (found) layouts.push_back(*found);
-          }
+               {std::pair(false, false), std::pair(false, true), std::pair(true, false)})
+            candidates.push_back({.is_solution = is_solution,
+                                  .is_text = false,
+                                  .is_big_endian = is_big_endian,
+                                  .has_records = has_records,
+                                  .has_block_count = has_block_count,
+                                  .has_iblank = has_iblank,
+                                  .float_bytes = float_bytes,
+                                  .blocks = {},
+                                  .data_offset = 0});
+  return candidates;
+}
+
+std::vector<Plot3dLayout> binary_layouts(std::span<const std::byte> bytes) {
+  std::vector<Plot3dLayout> exact, padded;
+  for (const Plot3dLayout& candidate : binary_candidates()) {
+    BinaryWalk walk(bytes, candidate);
+    const std::optional<Plot3dLayout> found = walk.fit();
+    if (found && walk.is_exact())
+      exact.push_back(*found);
+    else if (found && walk.is_padded())
+      padded.push_back(*found);
+  }
+  return exact.empty() ? padded : exact;
 }
 
 bool begins_as_text(std::string_view text) {
@@ -147,7 +171,8 @@ std::optional<std::uint64_t> number_count(std::string_view text) {
   return std::nullopt;
 }
 
-void add_text_layouts(std::vector<Plot3dLayout>& layouts, std::string_view text) {
+std::vector<Plot3dLayout> text_layouts(std::string_view text) {
+  std::vector<Plot3dLayout> layouts;
   std::optional<std::uint64_t> total;
   for (const bool has_block_count : {false, true}) {
     Plot3dLayout layout{.is_text = true, .has_block_count = has_block_count, .float_bytes = 8, .blocks = {}};
@@ -156,7 +181,7 @@ void add_text_layouts(std::vector<Plot3dLayout>& layouts, std::string_view text)
     const std::optional<std::uint64_t> points = point_count(layout.blocks, text.size());
     if (layout.blocks.empty() || !points) continue;
     if (!total) total = number_count(text);
-    if (!total) return;
+    if (!total) return {};
     layout.data_offset = 3 * layout.blocks.size() + (has_block_count ? 1 : 0);
     const auto fits = [&](std::uint64_t numbers_of_blocks) { return *total == layout.data_offset + numbers_of_blocks; };
     if (fits(3 * *points)) layouts.push_back(layout);
@@ -166,6 +191,7 @@ void add_text_layouts(std::vector<Plot3dLayout>& layouts, std::string_view text)
     layout.is_solution = true;
     if (fits(5 * *points + 4 * layout.blocks.size())) layouts.push_back(layout);
   }
+  return layouts;
 }
 
 }  // namespace
@@ -186,12 +212,7 @@ std::string in_words(const Plot3dLayout& layout) {
 }
 
 std::vector<Plot3dLayout> plot3d_layouts(const ForeignFile& file) {
-  std::vector<Plot3dLayout> layouts;
-  if (begins_as_text(file.text()))
-    add_text_layouts(layouts, file.text());
-  else
-    add_binary_layouts(layouts, file.bytes());
-  return layouts;
+  return begins_as_text(file.text()) ? text_layouts(file.text()) : binary_layouts(file.bytes());
 }
 
 std::optional<double> Plot3dNumbers::next() {

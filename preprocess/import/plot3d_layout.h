@@ -27,7 +27,8 @@ struct Plot3dLayout {
 /// "a grid of 40 x 32 x 32 points, binary, little-endian, 32 bits, without IBLANK".
 std::string in_words(const Plot3dLayout& layout);
 
-/// Every layout with which the file would be as long as it is, to the byte (of text: to the number).
+/// Every layout with which the file would be as long as it is, to the byte (of text: to the number). Zeros that fill
+/// the last 512 bytes are passed over when nothing fits without them.
 std::vector<Plot3dLayout> plot3d_layouts(const ForeignFile& file);
 
 /// The numbers of a text, between white space and commas. Fortran's `3*0.5` stands for three numbers, `1.5D+3` for
