@@ -249,7 +249,7 @@ TEST(Plot3d, passes_over_zeros_up_to_a_multiple_of_512_bytes) {
     expect_refusal([&] { read_cells(folder / "a.xyz", {}); }, Trouble::invalid, {"fit no layout"});
   };
   refuses(std::string(missing - 1, '\0'));
-  refuses(std::string(missing + 512, '\0'));
+  refuses(std::string(missing + 1024, '\0'));
   refuses(std::string(missing, ' '));
 }
 
