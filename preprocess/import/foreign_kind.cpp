@@ -5,36 +5,78 @@
 #include <string_view>
 
 #include "preprocess/import/foreign_file.h"
+#include "preprocess/import/foreign_names.h"
 #include "preprocess/import/plot3d_layout.h"
+#include "preprocess/import/worker_arguments.h"
 #include "preprocess/import_mesh.h"
 
 namespace rhoray::preprocess {
 namespace {
 
 struct KindByName {
-  std::string_view extension;
+  std::string_view family;
   ForeignKind kind;
+  std::string_view worker = import_worker;
 };
 
-// The extensions of importers.cpp, here for programs that only ask; .vtk and those of PLOT3D, which others use too,
-// are answered by the file itself.
+// The families of importers.cpp, here for programs that only ask; .vtk and those of PLOT3D, which others use too, are
+// answered by the file itself.
 constexpr KindByName kinds[] = {
-    {".nrrd", ForeignKind::volume}, {".nhdr", ForeignKind::volume},  {".mhd", ForeignKind::volume},
-    {".mha", ForeignKind::volume},  {".nii", ForeignKind::volume},   {".nii.gz", ForeignKind::volume},
-    {".vti", ForeignKind::volume},  {".vtu", ForeignKind::mesh},     {".pvtu", ForeignKind::mesh},
-    {".vts", ForeignKind::mesh},    {".node", ForeignKind::mesh},    {".ele", ForeignKind::mesh},
-    {".ply", ForeignKind::surface}, {".stl", ForeignKind::surface},  {".obj", ForeignKind::surface},
-    {".off", ForeignKind::surface}, {".poly", ForeignKind::surface}, {".smesh", ForeignKind::surface},
+    {".nrrd", ForeignKind::volume},
+    {".nhdr", ForeignKind::volume},
+    {".mhd", ForeignKind::volume},
+    {".mha", ForeignKind::volume},
+    {".nii", ForeignKind::volume},
+    {".nii.gz", ForeignKind::volume},
+    {".vti", ForeignKind::volume},
+    {".vtr", ForeignKind::volume},
+    {".slc", ForeignKind::volume},
+    {".cube", ForeignKind::volume},
+    {".bov", ForeignKind::volume},
+    {".dcm", ForeignKind::volume},
+    {".ima", ForeignKind::volume},
+    {".zip", ForeignKind::volume},
+    {"dicom/", ForeignKind::volume},
+    {"images/", ForeignKind::volume, slices_worker},
+    {".png", ForeignKind::volume, slices_worker},
+    {".tif", ForeignKind::volume, slices_worker},
+    {".tiff", ForeignKind::volume, slices_worker},
+    {".jpg", ForeignKind::volume, slices_worker},
+    {".jpeg", ForeignKind::volume, slices_worker},
+    {".bmp", ForeignKind::volume, slices_worker},
+    {".pgm", ForeignKind::volume, slices_worker},
+    {".ppm", ForeignKind::volume, slices_worker},
+    {".vtu", ForeignKind::mesh},
+    {".pvtu", ForeignKind::mesh},
+    {".vts", ForeignKind::mesh},
+    {".node", ForeignKind::mesh},
+    {".ele", ForeignKind::mesh},
+    {".ply", ForeignKind::surface},
+    {".stl", ForeignKind::surface},
+    {".obj", ForeignKind::surface},
+    {".off", ForeignKind::surface},
+    {".poly", ForeignKind::surface},
+    {".smesh", ForeignKind::surface},
 };
 
 constexpr std::string_view plot3d_extensions[] = {".bin", ".xyz", ".x", ".g", ".q", ".p3d"};
 
 bool is_plot3d(const std::filesystem::path& path) {
+  const std::string extension = extension_of(path);
+  if (std::find(std::begin(plot3d_extensions), std::end(plot3d_extensions), extension) == std::end(plot3d_extensions))
+    return false;
   try {
     return !plot3d_layouts(ForeignFile(path)).empty();
-  } catch (const Error&) {  // not there, or empty
+  } catch (const Error&) {  // not there, a folder, or empty
     return false;
   }
+}
+
+const KindByName* row_of(const std::filesystem::path& path) {
+  const std::string family = family_of(path);
+  const auto found =
+      std::find_if(std::begin(kinds), std::end(kinds), [&](const KindByName& row) { return row.family == family; });
+  return found == std::end(kinds) ? nullptr : found;
 }
 
 /// The word after DATASET in the first lines of a legacy VTK file, in capitals; empty when there is none.
@@ -59,19 +101,21 @@ std::string legacy_vtk_dataset(const std::filesystem::path& path) {
 }  // namespace
 
 ForeignKind foreign_kind(const std::filesystem::path& path) {
-  const std::string extension = extension_of(path);
-  if (extension == ".vtk") {
+  if (extension_of(path) == ".vtk") {
     const std::string dataset = legacy_vtk_dataset(path);
-    if (dataset == "STRUCTURED_POINTS") return ForeignKind::volume;
+    if (dataset == "STRUCTURED_POINTS" || dataset == "RECTILINEAR_GRID") return ForeignKind::volume;
     if (dataset == "UNSTRUCTURED_GRID" || dataset == "STRUCTURED_GRID") return ForeignKind::mesh;
     if (dataset == "POLYDATA") return ForeignKind::surface;
     return ForeignKind::unknown;
   }
-  if (std::find(std::begin(plot3d_extensions), std::end(plot3d_extensions), extension) != std::end(plot3d_extensions))
-    return is_plot3d(path) ? ForeignKind::mesh : ForeignKind::unknown;
-  const auto found = std::find_if(std::begin(kinds), std::end(kinds),
-                                  [&](const KindByName& row) { return row.extension == extension; });
-  return found == std::end(kinds) ? ForeignKind::unknown : found->kind;
+  const KindByName* row = row_of(path);
+  if (row == nullptr) return is_plot3d(path) ? ForeignKind::mesh : ForeignKind::unknown;
+  return row->kind;
+}
+
+std::string_view worker_for(const std::filesystem::path& path) {
+  const KindByName* row = row_of(path);
+  return row == nullptr ? import_worker : row->worker;
 }
 
 }  // namespace rhoray::preprocess
