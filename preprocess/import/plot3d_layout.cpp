@@ -13,17 +13,14 @@ namespace {
 
 constexpr std::string_view separators = " \t\r\n,";
 
-/// Number of points of all blocks; nothing where a size is below 1 or the product is larger than `most`.
-std::optional<std::uint64_t> point_count(const std::vector<Index3>& blocks, std::uint64_t most) {
-  std::uint64_t sum = 0;
-  for (const Index3& size : blocks) {
-    if (size[0] < 1 || size[1] < 1 || size[2] < 1) return std::nullopt;
-    const auto product = checked_product({static_cast<std::uint64_t>(size[0]), static_cast<std::uint64_t>(size[1]),
-                                          static_cast<std::uint64_t>(size[2])});
-    if (!product || *product > most - sum) return std::nullopt;
-    sum += *product;
-  }
-  return sum;
+/// Adds the points of a block; false where a size is below 1 or the sum is larger than `most`.
+bool add_points(std::uint64_t& sum, const Index3& size, std::uint64_t most) {
+  if (size[0] < 1 || size[1] < 1 || size[2] < 1) return false;
+  const auto product = checked_product(
+      {static_cast<std::uint64_t>(size[0]), static_cast<std::uint64_t>(size[1]), static_cast<std::uint64_t>(size[2])});
+  if (!product || *product > most - sum) return false;
+  sum += *product;
+  return true;
 }
 
 std::uint64_t points_in(const Index3& size) {
@@ -43,9 +40,12 @@ class BinaryWalk {
       block_count = integer_before(4);
     }
     if (block_count < 1 || block_count > bytes_.size() / 12 || !record(12 * block_count)) return std::nullopt;
-    for (std::uint64_t i = 3 * block_count; i > 0; i -= 3)
-      layout_.blocks.emplace_back(integer_before(4 * i), integer_before(4 * i - 4), integer_before(4 * i - 8));
-    if (!point_count(layout_.blocks, bytes_.size())) return std::nullopt;
+    std::uint64_t points = 0;
+    for (std::uint64_t i = 3 * block_count; i > 0; i -= 3) {
+      const Index3 size(integer_before(4 * i), integer_before(4 * i - 4), integer_before(4 * i - 8));
+      if (!add_points(points, size, bytes_.size())) return std::nullopt;  // most files that are no PLOT3D end here
+      layout_.blocks.push_back(size);
+    }
     layout_.data_offset = at_;
     for (const Index3& block : layout_.blocks)
       if (!block_fits(points_in(block))) return std::nullopt;
@@ -177,19 +177,21 @@ std::vector<Plot3dLayout> text_layouts(std::string_view text) {
   for (const bool has_block_count : {false, true}) {
     Plot3dLayout layout{.is_text = true, .has_block_count = has_block_count, .float_bytes = 8, .blocks = {}};
     layout.blocks = sizes_in_text(text, has_block_count);
+    std::uint64_t points = 0;
     // A point takes three numbers; repeated ones are short, but hardly all three arrays are.
-    const std::optional<std::uint64_t> points = point_count(layout.blocks, text.size());
-    if (layout.blocks.empty() || !points) continue;
+    const bool is_plausible = std::all_of(layout.blocks.begin(), layout.blocks.end(),
+                                          [&](const Index3& size) { return add_points(points, size, text.size()); });
+    if (layout.blocks.empty() || !is_plausible) continue;
     if (!total) total = number_count(text);
     if (!total) return {};
     layout.data_offset = 3 * layout.blocks.size() + (has_block_count ? 1 : 0);
     const auto fits = [&](std::uint64_t numbers_of_blocks) { return *total == layout.data_offset + numbers_of_blocks; };
-    if (fits(3 * *points)) layouts.push_back(layout);
+    if (fits(3 * points)) layouts.push_back(layout);
     layout.has_iblank = true;
-    if (fits(4 * *points)) layouts.push_back(layout);
+    if (fits(4 * points)) layouts.push_back(layout);
     layout.has_iblank = false;
     layout.is_solution = true;
-    if (fits(5 * *points + 4 * layout.blocks.size())) layouts.push_back(layout);
+    if (fits(5 * points + 4 * layout.blocks.size())) layouts.push_back(layout);
   }
   return layouts;
 }

@@ -2,12 +2,12 @@
 
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
-#include <vtkIdTypeArray.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
-#include <vtkXMLUnstructuredGridReader.h>
+
+#include <algorithm>
 
 #include "formats/base/checks.h"
 #include "preprocess/import/families.h"
@@ -16,70 +16,15 @@
 #include "preprocess/import/vtk_errors.h"
 #include "preprocess/import/vtk_fields.h"
 #include "preprocess/import/vtk_numbers.h"
+#include "preprocess/import/vtu_faces.h"
 
 namespace rhoray::preprocess {
 namespace {
 
 using formats::ElementType;
 
-/// VTK keeps the faces of polyhedra beside the cells; here each stream takes the place of its cell's nodes.
-class FaceStreams {
- public:
-  FaceStreams(vtkUnstructuredGrid& grid, const std::filesystem::path& path) : path_(path) {
-    if (grid.GetFaces() == nullptr || grid.GetFaceLocations() == nullptr)
-      refuse_input(path, "element Cells", "polyhedra without arrays 'faces' and 'faceoffsets'",
-                   "both, as VTK writes them up to version 9.3", Trouble::unsupported);
-    faces_ = {grid.GetFaces()->GetPointer(0), static_cast<std::size_t>(grid.GetFaces()->GetNumberOfValues())};
-    locations_ = {grid.GetFaceLocations()->GetPointer(0),
-                  static_cast<std::size_t>(grid.GetFaceLocations()->GetNumberOfValues())};
-  }
-
-  void put_in_place(ForeignCells& cells) const {
-    Array<std::uint64_t> nodes;
-    nodes.reserve(cells.nodes.size() + faces_.size());
-    std::uint64_t begin = 0;
-    for (std::size_t cell = 0; cell < cells.kinds.size(); ++cell) {
-      const std::uint64_t end = cells.offsets[cell + 1];
-      if (cells.kinds[cell] == static_cast<std::uint8_t>(CellKind::polyhedron)) {
-        const std::span<const vtkIdType> stream = stream_of(cell);
-        nodes.insert(nodes.end(), stream.begin(), stream.end());
-      } else {
-        nodes.insert(nodes.end(), cells.nodes.begin() + static_cast<std::ptrdiff_t>(begin),
-                     cells.nodes.begin() + static_cast<std::ptrdiff_t>(end));
-      }
-      begin = end;
-      cells.offsets[cell + 1] = nodes.size();
-    }
-    cells.nodes = std::move(nodes);
-  }
-
- private:
-  std::span<const vtkIdType> stream_of(std::size_t cell) const {
-    const auto begin = cell < locations_.size() ? static_cast<std::uint64_t>(locations_[cell]) : faces_.size();
-    if (begin >= faces_.size()) refuse(cell);  // a negative one is too large as well
-    std::size_t at = begin;
-    const std::uint64_t face_count = number_at(at++, cell);
-    for (std::uint64_t face = 0; face < face_count; ++face) at += number_at(at, cell) + 1;
-    if (at > faces_.size()) refuse(cell);
-    return faces_.subspan(begin, at - begin);
-  }
-
-  /// A count; refuses one that cannot be, so that sums of them stay small.
-  std::uint64_t number_at(std::size_t at, std::size_t cell) const {
-    if (at >= faces_.size() || static_cast<std::uint64_t>(faces_[at]) > faces_.size()) refuse(cell);
-    return static_cast<std::uint64_t>(faces_[at]);
-  }
-
-  [[noreturn]] void refuse(std::size_t cell) const {
-    refuse_input(path_, concat("polyhedron ", cell), "a place or counts of faces that are not there",
-                 "those that its array 'faces' holds");
-  }
-
-  const std::filesystem::path& path_;
-  std::span<const vtkIdType> faces_, locations_;
-};
-
-ForeignCells cells_of(vtkUnstructuredGrid& grid, const std::filesystem::path& path) {
+ForeignCells cells_of(VtuReader& reader, const std::filesystem::path& path) {
+  vtkUnstructuredGrid& grid = *reader.GetOutput();
   ForeignCells cells;
   vtkCellArray* array = grid.GetCells();
   vtkUnsignedCharArray* kinds = grid.GetCellTypesArray();
@@ -98,7 +43,7 @@ ForeignCells cells_of(vtkUnstructuredGrid& grid, const std::filesystem::path& pa
   check_offsets(cells, path);
   const auto polyhedron = static_cast<std::uint8_t>(CellKind::polyhedron);
   if (std::find(cells.kinds.begin(), cells.kinds.end(), polyhedron) != cells.kinds.end())
-    FaceStreams(grid, path).put_in_place(cells);
+    put_face_streams(cells, reader, path);
   take_vtk_ghosts(cells, grid);
   return cells;
 }
@@ -121,7 +66,7 @@ void add_vtu(MeshPieces& pieces, const std::filesystem::path& path) {
   const VtkXmlCounts promised = check_vtk_xml(path, "UnstructuredGrid");
   if (promised.points == 0 && promised.cells == 0) return;  // VTK writes it so, but refuses to read it
   const VtkErrors errors;
-  vtkNew<vtkXMLUnstructuredGridReader> reader;
+  vtkNew<VtuReader> reader;
   reader->SetFileName(path.c_str());
   reader->UpdateInformation();
   errors.check(path);
@@ -135,7 +80,7 @@ void add_vtu(MeshPieces& pieces, const std::filesystem::path& path) {
     CellMesh mesh;
     take_vtk_points(mesh, grid->GetPoints(), path);
     take_vtk_fields(mesh, *grid);
-    pieces.add(std::move(mesh), cells_of(*grid, path), path);
+    pieces.add(std::move(mesh), cells_of(*reader, path), path);
   }
 }
 

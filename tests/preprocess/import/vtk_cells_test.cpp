@@ -4,6 +4,8 @@
 #include <vtkNew.h>
 #include <vtkXMLUnstructuredGridWriter.h>
 
+#include <map>
+
 #include "preprocess/import/mesh_cells.h"
 #include "preprocess/import/readers.h"
 #include "tests/preprocess/import/vtk_cells.h"
@@ -189,11 +191,72 @@ TEST(VtuCells, refuse_polyhedra_whose_faces_are_missing_or_damaged) {
     write_file(path, polyhedron_vtu(faces, offsets));
     expect_refusal([&] { read_cells(path, {}); }, trouble, words);
   };
-  refuses("", "", Trouble::unsupported, {"without arrays 'faces'"});
+  refuses("", "", Trouble::invalid, {"polyhedra without faces"});
   refuses(cube, "-1", Trouble::invalid, {"a.vtu"});
   refuses(cube, "32", Trouble::invalid, {"a.vtu"});
   refuses("6 4 0 3 2 1 4 4 5 6 7 4 0 1 5 4 4 1 2 6 5 4 2 3 7 6 4 3 0 4 8", "31", Trouble::invalid, {"point 8"});
   refuses("3 4 0 3 2 1 4 4 5 6 7 4 0 1 5 4 4 1 2 6 5 4 2 3 7 6 4 3 0 4 7", "31", Trouble::invalid, {"a.vtu"});
+}
+
+/// A cube as a polyhedron and a tetrahedron, whose arrays of faces are laid out as VTK 9.4 and later have them.
+std::string new_polyhedron_vtu(const std::map<std::string, std::string>& arrays) {
+  std::string text =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"2.3\" byte_order=\"LittleEndian\">\n"
+      "<UnstructuredGrid><Piece NumberOfPoints=\"8\" NumberOfCells=\"2\">\n<Points><DataArray type=\"Float64\" "
+      "NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1</DataArray></Points>\n"
+      "<Cells><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2 4 0 1 2 3 4 5 6 7</DataArray>\n"
+      "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">4 12</DataArray>\n"
+      "<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">10 42</DataArray>\n";
+  for (const auto& [name, numbers] : arrays)
+    text += "<DataArray type=\"Int64\" Name=\"" + name + "\" format=\"ascii\">" + numbers + "</DataArray>\n";
+  return text + "</Cells></Piece></UnstructuredGrid></VTKFile>\n";
+}
+
+TEST(VtuCells, take_the_faces_of_polyhedra_in_the_layout_of_vtk_9_4) {
+  TemporaryFolder folder;
+  const auto path = folder / "a.vtu";
+  const std::map<std::string, std::string> cube{
+      // its faces from the last to the first
+      {"face_connectivity", "3 0 4 7  2 3 7 6  1 2 6 5  0 1 5 4  4 5 6 7  0 3 2 1"},
+      {"face_offsets", "4 8 12 16 20 24"},
+      {"polyhedron_to_faces", "5 4 3 2 1 0"},
+      {"polyhedron_offsets", "0 6"}};
+  write_file(path, new_polyhedron_vtu(cube));
+  const CellMesh mesh = read_cells(path, {});
+  EXPECT_EQ(nodes_of(mesh, 0), (std::vector<std::uint64_t>{0, 1, 2, 4}));
+  EXPECT_EQ(nodes_of(mesh, 1), cube_stream(0));
+  const auto refuses = [&](const std::string& name, const std::string& numbers, const std::vector<std::string>& words) {
+    SCOPED_TRACE(name + " " + numbers);
+    std::map<std::string, std::string> other = cube;
+    other[name] = numbers;
+    if (numbers.empty()) other.erase(name);
+    write_file(path, new_polyhedron_vtu(other));
+    expect_refusal([&] { read_cells(path, {}); }, Trouble::invalid, words);
+  };
+  refuses("face_connectivity", "", {"'face_connectivity' is missing"});
+  refuses("face_connectivity", "3 0 4 7  2 3 7 6  1 2 6 5  0 1 5 4  4 5 6 7  0 3 2 8", {"cell 1", "point 8"});
+  refuses("face_connectivity", "3 0 4 7", {"a.vtu"});
+  refuses("face_offsets", "4 8 12 16 20", {"a.vtu"});
+  refuses("face_offsets", "4 2 12 16 20 24", {"polyhedron 1", "that are not there"});
+  refuses("face_offsets", "4 8 12 16 20 1000000000000000", {"a.vtu", "longer than the file"});
+  refuses("polyhedron_to_faces", "5 4 3 2 1 6", {"a.vtu"});
+  refuses("polyhedron_to_faces", "5 4 3 2 1 -1", {"a.vtu"});
+  refuses("polyhedron_offsets", "", {"polyhedra without faces"});
+  refuses("polyhedron_offsets", "0 3", {"polyhedron 1", "3 faces"});
+  refuses("polyhedron_offsets", "7 6", {"polyhedron 1", "that are not there"});
+}
+
+/// VTK itself takes the counts in streams of faces on trust: what it does then stays in the worker.
+TEST(VtuCells, refuse_every_beginning_of_files_with_polyhedra) {
+  TemporaryFolder folder;
+  const EveryKind all = every_kind();
+  for (const int mode : {vtkXMLWriter::Ascii, vtkXMLWriter::Appended}) {
+    write_vtk_xml(all.grid, folder / "a.vtu", [&](vtkXMLWriter& writer) { writer.SetDataMode(mode); });
+    const std::string content = read_file(folder / "a.vtu");
+    check_every_beginning(folder / "a.vtu", content,
+                          [&] { return read_cells(folder / "a.vtu", {}).kinds.size() == all.kinds.size(); },
+                          {.stride = 101, .is_text = mode == vtkXMLWriter::Ascii});
+  }
 }
 
 }  // namespace
