@@ -22,9 +22,13 @@ NeutralVolume read_legacy_vtk_volume(const std::filesystem::path& path, const st
 NeutralVolume read_raw(const std::filesystem::path& path, const RawVolume& raw);
 
 CellMesh read_vtu(const std::filesystem::path& path);
+CellMesh read_pvtu(const std::filesystem::path& path);
+CellMesh read_vts(const std::filesystem::path& path);
+CellMesh read_plot3d(const std::filesystem::path& path);
 CellMesh read_legacy_vtk_mesh(const std::filesystem::path& path);
 CellMesh read_tetgen_mesh(const std::filesystem::path& path);
 
+NeutralSurface read_legacy_vtk_surface(const std::filesystem::path& path);
 NeutralSurface read_ply(const std::filesystem::path& path);
 NeutralSurface read_stl(const std::filesystem::path& path);
 NeutralSurface read_obj(const std::filesystem::path& path);

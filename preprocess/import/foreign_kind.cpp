@@ -6,6 +6,7 @@
 
 #include "preprocess/import/foreign_file.h"
 #include "preprocess/import/foreign_names.h"
+#include "preprocess/import/plot3d_layout.h"
 #include "preprocess/import/worker_arguments.h"
 #include "preprocess/import_mesh.h"
 
@@ -18,7 +19,8 @@ struct KindByName {
   std::string_view worker = import_worker;
 };
 
-// The families of importers.cpp, here for programs that only ask; .vtk is answered by the file itself.
+// The families of importers.cpp, here for programs that only ask; .vtk and those of PLOT3D, which others use too, are
+// answered by the file itself.
 constexpr KindByName kinds[] = {
     {".nrrd", ForeignKind::volume},
     {".nhdr", ForeignKind::volume},
@@ -45,6 +47,8 @@ constexpr KindByName kinds[] = {
     {".pgm", ForeignKind::volume, slices_worker},
     {".ppm", ForeignKind::volume, slices_worker},
     {".vtu", ForeignKind::mesh},
+    {".pvtu", ForeignKind::mesh},
+    {".vts", ForeignKind::mesh},
     {".node", ForeignKind::mesh},
     {".ele", ForeignKind::mesh},
     {".ply", ForeignKind::surface},
@@ -54,6 +58,19 @@ constexpr KindByName kinds[] = {
     {".poly", ForeignKind::surface},
     {".smesh", ForeignKind::surface},
 };
+
+constexpr std::string_view plot3d_extensions[] = {".bin", ".xyz", ".x", ".g", ".q", ".p3d"};
+
+bool is_plot3d(const std::filesystem::path& path) {
+  const std::string extension = extension_of(path);
+  if (std::find(std::begin(plot3d_extensions), std::end(plot3d_extensions), extension) == std::end(plot3d_extensions))
+    return false;
+  try {
+    return !plot3d_layouts(ForeignFile(path)).empty();
+  } catch (const Error&) {  // not there, a folder, or empty
+    return false;
+  }
+}
 
 const KindByName* row_of(const std::filesystem::path& path) {
   const std::string family = family_of(path);
@@ -87,11 +104,13 @@ ForeignKind foreign_kind(const std::filesystem::path& path) {
   if (extension_of(path) == ".vtk") {
     const std::string dataset = legacy_vtk_dataset(path);
     if (dataset == "STRUCTURED_POINTS" || dataset == "RECTILINEAR_GRID") return ForeignKind::volume;
-    if (dataset == "UNSTRUCTURED_GRID") return ForeignKind::mesh;
+    if (dataset == "UNSTRUCTURED_GRID" || dataset == "STRUCTURED_GRID") return ForeignKind::mesh;
+    if (dataset == "POLYDATA") return ForeignKind::surface;
     return ForeignKind::unknown;
   }
   const KindByName* row = row_of(path);
-  return row == nullptr ? ForeignKind::unknown : row->kind;
+  if (row == nullptr) return is_plot3d(path) ? ForeignKind::mesh : ForeignKind::unknown;
+  return row->kind;
 }
 
 std::string_view worker_for(const std::filesystem::path& path) {

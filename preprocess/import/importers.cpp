@@ -36,12 +36,12 @@ constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string
     {"dicom/", read_dicom},
 };
 constexpr Importer<CellMesh(const std::filesystem::path&)> mesh_importers[] = {
-    {".vtu", read_vtu},
-    {".vtk", read_legacy_vtk_mesh},
-    {".node", read_tetgen_mesh},
-    {".ele", read_tetgen_mesh},
+    {".vtu", read_vtu},    {".pvtu", read_pvtu},  {".vts", read_vts},          {".vtk", read_legacy_vtk_mesh},
+    {".bin", read_plot3d}, {".xyz", read_plot3d}, {".x", read_plot3d},         {".g", read_plot3d},
+    {".q", read_plot3d},   {".p3d", read_plot3d}, {".node", read_tetgen_mesh}, {".ele", read_tetgen_mesh},
 };
 constexpr Importer<NeutralSurface(const std::filesystem::path&)> surface_importers[] = {
+    {".vtk", read_legacy_vtk_surface},
     {".ply", read_ply},
     {".stl", read_stl},
     {".obj", read_obj},

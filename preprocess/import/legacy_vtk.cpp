@@ -6,9 +6,12 @@
 #include <cstring>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "formats/base/bytes.h"
 #include "preprocess/import/families.h"
+#include "preprocess/import/structured_cells.h"
+#include "preprocess/import/surface_building.h"
 #include "preprocess/import/text_reading.h"
 
 namespace rhoray::preprocess {
@@ -51,18 +54,30 @@ class Parser {
 
  private:
   void header() {
-    if (!reader_.line().starts_with("# vtk DataFile Version"))
-      refuse_input(file_.path(), "line 1", "another beginning", "# vtk DataFile Version");
+    version(reader_.line());
     reader_.line();  // a title of any kind
     const std::string mode = in_capitals(reader_.word("ASCII or BINARY"));
     if (mode != "ASCII" && mode != "BINARY") reader_.refuse(in_quotes(mode), "ASCII or BINARY");
     binary_ = mode == "BINARY";
     if (in_capitals(reader_.word("DATASET")) != "DATASET") reader_.refuse("another word", "DATASET");
     result_.dataset = in_capitals(reader_.word("a kind of data set"));
-    if (result_.dataset != "STRUCTURED_POINTS" && result_.dataset != "RECTILINEAR_GRID" &&
-        result_.dataset != "UNSTRUCTURED_GRID")
-      reader_.refuse(in_quotes(result_.dataset), "STRUCTURED_POINTS, RECTILINEAR_GRID or UNSTRUCTURED_GRID",
+    static const std::set<std::string> known{"STRUCTURED_POINTS", "RECTILINEAR_GRID", "STRUCTURED_GRID",
+                                             "UNSTRUCTURED_GRID", "POLYDATA"};
+    if (!known.contains(result_.dataset))
+      reader_.refuse(in_quotes(result_.dataset),
+                     "STRUCTURED_POINTS, RECTILINEAR_GRID, STRUCTURED_GRID, UNSTRUCTURED_GRID or POLYDATA",
                      Trouble::unsupported);
+  }
+
+  /// `# vtk DataFile Version 4.2`.
+  void version(std::string_view line) {
+    constexpr std::string_view beginning = "# vtk DataFile Version";
+    if (!line.starts_with(beginning)) refuse_input(file_.path(), "line 1", "another beginning", beginning);
+    const std::string_view text = line.substr(std::min(line.find_first_not_of(" \t", beginning.size()), line.size()));
+    const std::size_t point = std::min(text.find('.'), text.size());
+    const std::string_view minor = text.substr(std::min(point + 1, text.size()));
+    result_.version_major = parse_number<int>(text.substr(0, point)).value_or(0);
+    result_.version_minor = parse_number<int>(minor.substr(0, minor.find_first_of(" \t\r"))).value_or(0);
   }
 
   void section(const std::string& keyword) {
@@ -76,8 +91,16 @@ class Parser {
       coordinates(static_cast<std::size_t>(keyword[0] - 'X'));
     else if (keyword == "POINTS")
       points();
+    else if (keyword == "BLANKING")
+      blanking();
     else if (keyword == "CELLS")
-      cells();
+      cells(result_.cells);
+    else if (keyword == "POLYGONS")
+      cells(result_.polygons);
+    else if (keyword == "TRIANGLE_STRIPS")
+      cells(result_.strips);
+    else if (keyword == "VERTICES" || keyword == "LINES")
+      thin_cells();
     else if (keyword == "CELL_TYPES")
       cell_kinds();
     else if (keyword == "POINT_DATA")
@@ -153,34 +176,48 @@ class Parser {
     return type;
   }
 
-  void cells() {
+  /// Files before version 4: a byte for each point, 0 where it is hidden.
+  void blanking() {
+    const std::uint64_t number = count("a number of points");
+    const ElementType type = element_type(reader_.word("a type"));
+    if (type != ElementType::U8) reader_.refuse("another type", "unsigned_char");
+    for (const std::byte visible : values(type, number, 1, "blanking"))
+      result_.cells.point_ghosts.push_back(visible == std::byte{0} ? ghost_hidden_point : std::uint8_t{0});
+  }
+
+  void cells(ForeignCells& to) {
     const std::uint64_t first = count("a number of cells"), second = count("a number of corners");
     if (in_capitals(reader_.peek()) == "OFFSETS")
-      offsets_and_corners(first, second);
+      offsets_and_corners(to, first, second);
     else
-      counted_corners(first, second);
+      counted_corners(to, first, second);
+  }
+
+  void thin_cells() {
+    ForeignCells passed_over;
+    cells(passed_over);
+    result_.thin_cell_count += passed_over.offsets.empty() ? 0 : passed_over.offsets.size() - 1;
   }
 
   /// Version 5.1: OFFSETS type, numbers, CONNECTIVITY type, numbers.
-  void offsets_and_corners(std::uint64_t offset_count, std::uint64_t corner_count) {
+  void offsets_and_corners(ForeignCells& to, std::uint64_t offset_count, std::uint64_t corner_count) {
     reader_.word("OFFSETS");
-    result_.cells.offsets = whole_numbers(index_type(), offset_count, "offsets of cells");
+    to.offsets = whole_numbers(index_type(), offset_count, "offsets of cells");
     if (in_capitals(reader_.word("CONNECTIVITY")) != "CONNECTIVITY") reader_.refuse("another word", "CONNECTIVITY");
-    result_.cells.nodes = whole_numbers(index_type(), corner_count, "corners of cells");
+    to.nodes = whole_numbers(index_type(), corner_count, "corners of cells");
   }
 
   /// Before: for each cell the number of corners, then the corners.
-  void counted_corners(std::uint64_t cell_count, std::uint64_t number_count) {
+  void counted_corners(ForeignCells& to, std::uint64_t cell_count, std::uint64_t number_count) {
     const Array<std::uint64_t> numbers = whole_numbers(ElementType::I32, number_count, "corners of cells");
-    ForeignCells& cells = result_.cells;
-    cells.offsets = {0};
+    to.offsets = {0};
     std::uint64_t at = 0;
     for (std::uint64_t cell = 0; cell < cell_count; ++cell) {
       if (at == number_count || numbers[at] > number_count - at - 1)
         refuse_input(file_.path(), concat("cell ", cell), "more corners than CELLS says", "counts that fit");
       const auto begin = numbers.begin() + static_cast<std::ptrdiff_t>(at + 1);
-      cells.nodes.insert(cells.nodes.end(), begin, begin + static_cast<std::ptrdiff_t>(numbers[at]));
-      cells.offsets.push_back(cells.nodes.size());
+      to.nodes.insert(to.nodes.end(), begin, begin + static_cast<std::ptrdiff_t>(numbers[at]));
+      to.offsets.push_back(to.nodes.size());
       at += 1 + numbers[at];
     }
     if (at != number_count)
@@ -268,6 +305,7 @@ class Parser {
       const ElementType type = element_type(reader_.word("a type"));
       if (!owners_) {  // belongs to the file as a whole
         values(type, tuples, components, name);
+        metadata_has_owner_ = false;
         continue;
       }
       if (tuples != *owners_)
@@ -276,11 +314,18 @@ class Parser {
     }
   }
 
-  /// Notes of VTK about the array before, ended by an empty line.
+  /// Notes of VTK about the array before, ended by an empty line; its unit is among them.
   void skip_metadata() {
     reader_.line();
-    while (reader_.bytes_left() > 0 && !reader_.line().empty()) {
+    bool is_unit = false;
+    while (reader_.bytes_left() > 0) {
+      const std::string_view line = reader_.line();
+      if (line.empty()) break;
+      if (is_unit && line.starts_with("DATA ") && metadata_has_owner_)
+        result_.units[result_.arrays.size() - 1] = decoded(line.substr(5));
+      is_unit = line.starts_with("NAME UNITS_LABEL ");
     }
+    metadata_has_owner_ = false;
   }
 
   void add(const std::string& name, ElementType type, int components) {
@@ -293,6 +338,7 @@ class Parser {
     array.owned = std::move(numbers);
     array.values = array.owned;
     result_.arrays.push_back(std::move(array));
+    metadata_has_owner_ = true;
   }
 
   ElementType element_type(std::string_view word) {
@@ -342,6 +388,7 @@ class Parser {
   bool binary_ = false;
   std::optional<std::uint64_t> owners_;  ///< after POINT_DATA or CELL_DATA: how many
   bool in_cells_ = false;
+  bool metadata_has_owner_ = false;  ///< the last array read was kept
   LegacyVtk result_;
 };
 
@@ -361,6 +408,35 @@ NeutralField field_of(const GridArray& array) {
   return field;
 }
 
+void take_arrays(CellMesh& mesh, LegacyVtk& parts) {
+  for (std::size_t i = 0; i < parts.arrays.size(); ++i) {
+    const GridArray& array = parts.arrays[i];
+    if (array.name == "vtkGhostType" && array.type == ElementType::U8 && array.component_count == 1) {
+      const auto* ghosts = reinterpret_cast<const std::uint8_t*>(array.values.data());
+      (array.in_cells ? parts.cells.ghosts : parts.cells.point_ghosts).assign(ghosts, ghosts + array.values.size());
+      continue;
+    }
+    NeutralField& field = (array.in_cells ? mesh.cell_fields : mesh.point_fields).emplace_back(field_of(array));
+    if (const auto unit = parts.units.find(i); unit != parts.units.end()) field.unit = unit->second;
+  }
+}
+
+/// Files before version 5.1 have the nodes on the last two upright edges of Lagrange hexahedra the other way round.
+void renew_lagrange_hexahedra(ForeignCells& cells, const std::filesystem::path& path) {
+  for (std::size_t cell = 0; cell < cells.kinds.size() && cell + 1 < cells.offsets.size(); ++cell) {
+    if (cells.kinds[cell] != static_cast<std::uint8_t>(CellKind::lagrange_hexahedron)) continue;
+    const std::uint64_t begin = cells.offsets[cell], count = cells.offsets[cell + 1] - begin;
+    const auto degree = static_cast<std::uint64_t>(std::llround(std::cbrt(static_cast<double>(count)))) - 1;
+    if (begin > cells.nodes.size() || count > cells.nodes.size() - begin || count < 8 ||
+        (degree + 1) * (degree + 1) * (degree + 1) != count)
+      refuse_input(path, concat("cell ", cell), concat(static_cast<std::int64_t>(count), " corners"),
+                   "those of a Lagrange hexahedron with the same degree along each axis", Trouble::unsupported);
+    const auto third = cells.nodes.begin() + static_cast<std::ptrdiff_t>(begin + 8 + 10 * (degree - 1));
+    std::swap_ranges(third, third + static_cast<std::ptrdiff_t>(degree - 1),
+                     third + static_cast<std::ptrdiff_t>(degree - 1));
+  }
+}
+
 }  // namespace
 
 LegacyVtk read_legacy_vtk(const std::filesystem::path& path) {
@@ -370,15 +446,50 @@ LegacyVtk read_legacy_vtk(const std::filesystem::path& path) {
 
 CellMesh read_legacy_vtk_mesh(const std::filesystem::path& path) {
   LegacyVtk parts = read_legacy_vtk(path);
-  if (parts.dataset != "UNSTRUCTURED_GRID")
-    refuse_input(path, "DATASET", parts.dataset, "UNSTRUCTURED_GRID", Trouble::unsupported);
+  if (parts.dataset == "STRUCTURED_GRID") {
+    Array<std::uint8_t> blanked = std::move(parts.cells.point_ghosts);
+    parts.cells = hexahedra_of_grid(parts.dimensions, parts.points.size(), path);
+    parts.cells.point_ghosts = std::move(blanked);
+  } else if (parts.dataset != "UNSTRUCTURED_GRID") {
+    refuse_input(path, "DATASET", parts.dataset, "UNSTRUCTURED_GRID or STRUCTURED_GRID", Trouble::unsupported);
+  }
   CellMesh mesh;
   mesh.points = std::move(parts.points);
-  for (const GridArray& array : parts.arrays)
-    (array.in_cells ? mesh.cell_fields : mesh.point_fields).push_back(field_of(array));
+  take_arrays(mesh, parts);
   if (parts.cells.offsets.empty()) parts.cells.offsets = {0};
+  if (parts.version_major < 5 || (parts.version_major == 5 && parts.version_minor < 1))
+    renew_lagrange_hexahedra(parts.cells, path);
   take_cells(mesh, std::move(parts.cells), path);
   return mesh;
+}
+
+NeutralSurface read_legacy_vtk_surface(const std::filesystem::path& path) {
+  LegacyVtk parts = read_legacy_vtk(path);
+  if (parts.dataset != "POLYDATA") refuse_input(path, "DATASET", parts.dataset, "POLYDATA", Trouble::unsupported);
+  NeutralSurface surface;
+  surface.points = std::move(parts.points);
+  const auto each = [&](const ForeignCells& cells, const char* kind, auto&& act) {
+    for (std::size_t cell = 0; cell + 1 < cells.offsets.size(); ++cell) {
+      if (cells.offsets[cell] > cells.offsets[cell + 1] || cells.offsets[cell + 1] > cells.nodes.size())
+        refuse_input(path, concat(kind, " ", cell), "an offset that does not fit", "offsets rising to the corners");
+      act(std::span(cells.nodes).subspan(cells.offsets[cell], cells.offsets[cell + 1] - cells.offsets[cell]),
+          concat(kind, " ", cell));
+    }
+  };
+  each(parts.polygons, "polygon", [&](std::span<const std::uint64_t> corners, const std::string& place) {
+    add_facet(surface, corners, path, place);
+  });
+  each(parts.strips, "triangle strip", [&](std::span<const std::uint64_t> corners, const std::string& place) {
+    for (std::size_t i = 0; i + 2 < corners.size(); ++i) {  // every other triangle is turned
+      const std::size_t second = i + 1 + i % 2, third = i + 2 - i % 2;
+      add_facet(surface, std::array{corners[i], corners[second], corners[third]}, path, place);
+    }
+  });
+  if (parts.thin_cell_count > 0) surface.notes.push_back(concat(parts.thin_cell_count, " vertices and lines left out"));
+  if (!parts.arrays.empty())
+    surface.notes.push_back(concat(parts.arrays.size(), " fields left out: a surface keeps none"));
+  finish_surface(surface, path);
+  return surface;
 }
 
 NeutralVolume read_legacy_vtk_volume(const std::filesystem::path& path, const std::string& field) {

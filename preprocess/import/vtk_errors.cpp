@@ -5,7 +5,9 @@
 #include <vtkOutputWindow.h>
 
 #include <algorithm>
+#include <array>
 #include <optional>
+#include <vector>
 
 #include "formats/base/bytes.h"
 #include "preprocess/import/text_reading.h"
@@ -79,44 +81,96 @@ void check_count(const ForeignFile& file, std::string_view name, std::uint64_t c
                  "a number that the file can hold");
 }
 
-void check_counts(const ForeignFile& file, std::string_view head, std::string_view name) {
-  std::size_t from = 0;
-  while (const std::optional<std::string_view> text = attribute(head, name, from)) {
-    const std::optional<std::uint64_t> count = parse_number<std::uint64_t>(*text);
-    if (!count) refuse_input(file.path(), concat("attribute ", name), in_quotes(*text), "a number");
-    check_count(file, name, *count);
+/// Calls act(element) for the text of each opening tag `<name ...` of the file, outside of appended data.
+template <class Act>
+void for_each_tag(std::string_view text, std::string_view name, Act&& act) {
+  const std::string_view opening = "<AppendedData";
+  for (std::size_t at = 0; (at = text.find('<', at)) != std::string_view::npos; ++at) {
+    const std::string_view rest = text.substr(at);
+    if (rest.starts_with(opening)) return;
+    if (rest.starts_with(name)) act(rest.substr(0, std::min(rest.find('>'), rest.size())));
   }
 }
 
-void check_extent(const ForeignFile& file, std::string_view head) {
+std::uint64_t check_count_in(const ForeignFile& file, std::string_view element, std::string_view name) {
   std::size_t from = 0;
-  const std::optional<std::string_view> text = attribute(head, "WholeExtent", from);
-  if (!text) return;
-  std::uint64_t samples = 1;
+  const std::optional<std::string_view> text = attribute(element, name, from);
+  if (!text) return 0;
+  const std::optional<std::uint64_t> count = parse_number<std::uint64_t>(*text);
+  if (!count) refuse_input(file.path(), concat("attribute ", name), in_quotes(*text), "a number");
+  check_count(file, name, *count);
+  return *count;
+}
+
+/// First and last point along each axis.
+struct Extent {
+  std::array<std::int64_t, 3> first, last;
+
+  /// Steps between points along an axis; of a single layer one, so that flat grids have a size too.
+  std::uint64_t steps(std::size_t axis) const {
+    return static_cast<std::uint64_t>(std::max<std::int64_t>(last[axis] - first[axis], 1));
+  }
+  std::int64_t end(std::size_t axis) const { return first[axis] + static_cast<std::int64_t>(steps(axis)); }
+  bool overlaps(const Extent& other) const {
+    bool result = true;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      result = result && first[axis] < other.end(axis) && other.first[axis] < end(axis);
+    return result;
+  }
+  std::optional<std::uint64_t> cells() const { return checked_product({steps(0), steps(1), steps(2)}); }
+  std::optional<std::uint64_t> points() const {
+    const auto count = [&](std::size_t axis) { return static_cast<std::uint64_t>(last[axis] - first[axis] + 1); };
+    return checked_product({count(0), count(1), count(2)});
+  }
+};
+
+std::optional<Extent> extent_in(const ForeignFile& file, std::string_view element, std::string_view name) {
+  std::size_t from = 0;
+  const std::optional<std::string_view> text = attribute(element, name, from);
+  if (!text) return std::nullopt;
+  const std::string place = concat("attribute ", name);
+  Extent extent{};
   std::size_t at = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::int64_t ends[2];
-    for (std::int64_t& end : ends) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::int64_t* end : {&extent.first[axis], &extent.last[axis]}) {
       at = std::min(text->find_first_not_of(" \t\r\n", at), text->size());
       const std::size_t stop = std::min(text->find_first_of(" \t\r\n", at), text->size());
       const std::optional<std::int32_t> number = parse_number<std::int32_t>(text->substr(at, stop - at));
-      if (!number) refuse_input(file.path(), "attribute WholeExtent", in_quotes(*text), "six numbers");
-      end = *number;
+      if (!number) refuse_input(file.path(), place, in_quotes(*text), "six numbers");
+      *end = *number;
       at = stop;
     }
-    if (ends[1] < ends[0])
-      refuse_input(file.path(), "attribute WholeExtent", in_quotes(*text), "first <= last on each axis");
-    const std::optional<std::uint64_t> product =
-        checked_product({samples, static_cast<std::uint64_t>(ends[1] - ends[0] + 1)});
-    if (!product) refuse_input(file.path(), "attribute WholeExtent", in_quotes(*text), "a size that fits in memory");
-    samples = *product;
+    if (extent.last[axis] < extent.first[axis])
+      refuse_input(file.path(), place, in_quotes(*text), "first <= last on each axis");
   }
-  check_count(file, "WholeExtent", samples);
+  const std::optional<std::uint64_t> points = extent.points();
+  if (!points) refuse_input(file.path(), place, in_quotes(*text), "a size that fits in memory");
+  check_count(file, name, *points);
+  return extent;
+}
+
+/// VTK leaves what no piece covers as it finds the memory: pieces must fill the whole, without overlap.
+void check_cover(const ForeignFile& file, const Extent& whole, const std::vector<Extent>& pieces) {
+  const auto refuse = [&] {
+    refuse_input(file.path(), "attribute Extent", concat(pieces.size(), " pieces that do not make up WholeExtent"),
+                 "pieces that cover it once");
+  };
+  std::uint64_t sum = 0;
+  for (const Extent& piece : pieces) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (piece.first[axis] < whole.first[axis] || piece.last[axis] > whole.last[axis]) refuse();
+    sum += *piece.cells();
+    if (sum > *whole.cells()) refuse();
+  }
+  if (sum != *whole.cells()) refuse();
+  for (std::size_t a = 0; a < pieces.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      if (pieces[a].overlaps(pieces[b])) refuse();
 }
 
 }  // namespace
 
-void check_vtk_xml(const std::filesystem::path& path, std::string_view kind) {
+VtkXmlCounts check_vtk_xml(const std::filesystem::path& path, std::string_view kind) {
   const ForeignFile file(path);
   const std::string_view head = file.text().substr(0, 64 << 10);
   std::size_t at = head.find("<VTKFile");
@@ -124,9 +178,16 @@ void check_vtk_xml(const std::filesystem::path& path, std::string_view kind) {
   const std::optional<std::string_view> found = attribute(head, "type", at);
   if (!found) refuse_input(path, "element VTKFile", "no attribute type", kind);
   if (*found != kind) refuse_input(path, "element VTKFile", in_quotes(*found), kind, Trouble::unsupported);
-  check_counts(file, head, "NumberOfPoints");
-  check_counts(file, head, "NumberOfCells");
-  check_extent(file, head);
+  const std::optional<Extent> whole = extent_in(file, head, "WholeExtent");
+  std::vector<Extent> pieces;
+  VtkXmlCounts counts;
+  for_each_tag(file.text(), "<Piece", [&](std::string_view piece) {
+    counts.points += check_count_in(file, piece, "NumberOfPoints");
+    counts.cells += check_count_in(file, piece, "NumberOfCells");
+    if (const std::optional<Extent> extent = extent_in(file, piece, "Extent")) pieces.push_back(*extent);
+  });
+  if (whole) check_cover(file, *whole, pieces);
+  return counts;
 }
 
 }  // namespace rhoray::preprocess

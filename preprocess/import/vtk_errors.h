@@ -2,8 +2,10 @@
 
 #include <vtkSmartPointer.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 class vtkOutputWindow;
 
@@ -30,8 +32,14 @@ class VtkErrors {
   vtkSmartPointer<vtkOutputWindow> before_;
 };
 
-/// Refuses a VTK XML file whose root says another kind than `kind`, or no VTKFile at all, and one that names larger
-/// counts in its attributes than so short a file can hold. Looks at its first 64 KiB.
-void check_vtk_xml(const std::filesystem::path& path, std::string_view kind);
+/// What the pieces of a VTK XML file say that they hold, summed.
+struct VtkXmlCounts {
+  std::uint64_t points = 0, cells = 0;
+};
+
+/// Refuses a VTK XML file whose root says another kind than `kind`, or no VTKFile at all; one that names larger counts
+/// in its attributes than so short a file can hold; and one of a structured kind whose pieces do not cover its whole
+/// extent once.
+VtkXmlCounts check_vtk_xml(const std::filesystem::path& path, std::string_view kind);
 
 }  // namespace rhoray::preprocess

@@ -188,7 +188,8 @@ Json foreign_info(const std::filesystem::path& path, std::uint64_t memory_limit_
       break;
   }
   throw Error(Trouble::unsupported, concat(path.string(), ": found a file of a kind that is not known here"),
-              "readable: .rho, .nrrd, .nhdr, .mhd, .mha, .nii, .nii.gz, .vti, .vtk, .vtu, .node, .ele, .ply, .stl, "
+              "readable: .rho, .nrrd, .nhdr, .mhd, .mha, .nii, .nii.gz, .vti, .vtk, .vtu, .pvtu, .vts, PLOT3D, .node, "
+              ".ele, .ply, .stl, "
               ".obj, .off, .poly, .smesh");
 }
 

@@ -3,7 +3,10 @@
 #include <vtkFloatArray.h>
 #include <vtkIntArray.h>
 #include <vtkNew.h>
+#include <vtkPolyData.h>
 #include <vtkUnstructuredGrid.h>
+
+#include <numeric>
 
 #include "preprocess/import/readers.h"
 #include "preprocess/import_mesh.h"
@@ -194,9 +197,78 @@ TEST(LegacyVtkMesh, refuses_what_does_not_fit) {
   refuses("POINTS 5", "POINTS 1000000000", Trouble::invalid, {"1000000000 x 3"});
   refuses("tissue%20number 1 3", "tissue%20number 1 2", Trouble::invalid, {"tissue number", "2 tuples"});
   refuses("POINT_DATA 5", "POINT_DATA 4", Trouble::invalid, {"a.vtk"});
-  refuses("UNSTRUCTURED_GRID", "POLYDATA", Trouble::unsupported, {"'POLYDATA'"});
+  refuses("UNSTRUCTURED_GRID", "POLYDATA", Trouble::unsupported, {"found POLYDATA", "UNSTRUCTURED_GRID"});
+  refuses("UNSTRUCTURED_GRID", "TABLE", Trouble::unsupported, {"'TABLE'", "POLYDATA"});
   refuses("ASCII", "ASCII?", Trouble::invalid, {"ASCII or BINARY"});
   refuses("# vtk", "# VTK", Trouble::invalid, {"line 1"});
+}
+
+TEST(LegacyVtkSurface, takes_polygons_and_strips_that_vtk_writes) {
+  TemporaryFolder folder;
+  vtkNew<vtkPolyData> data;
+  vtkNew<vtkPoints> points;
+  for (int i = 0; i < 6; ++i) points->InsertNextPoint(i % 2, i / 2, i == 5 ? 1 : 0);
+  data->SetPoints(points);
+  const auto cells = [](const std::vector<std::vector<vtkIdType>>& all) {
+    const auto array = vtkSmartPointer<vtkCellArray>::New();
+    for (const auto& nodes : all) array->InsertNextCell(static_cast<vtkIdType>(nodes.size()), nodes.data());
+    return array;
+  };
+  data->SetVerts(cells({{0}, {1}}));
+  data->SetLines(cells({{0, 5}}));
+  data->SetPolys(cells({{0, 1, 2}, {0, 1, 3, 2}}));
+  data->SetStrips(cells({{0, 1, 2, 3, 4}}));
+  vtkNew<vtkFloatArray> v;
+  v->SetName("v");
+  v->SetNumberOfTuples(6);
+  v->FillComponent(0, 1);
+  data->GetPointData()->AddArray(v);
+  for (const int version : {42, 51})
+    for (const int file_type : {VTK_ASCII, VTK_BINARY}) {
+      vtkNew<vtkDataSetWriter> writer;
+      writer->SetInputData(data);
+      writer->SetFileVersion(version);
+      writer->SetFileType(file_type);
+      writer->SetFileName((folder / "a.vtk").c_str());
+      ASSERT_EQ(writer->Write(), 1);
+      const NeutralSurface surface = read_surface(folder / "a.vtk");
+      EXPECT_THAT(surface.facet_offsets, testing::ElementsAre(0, 3, 7, 10, 13, 16));
+      EXPECT_THAT(surface.facet_corners, testing::ElementsAre(0, 1, 2, 0, 1, 3, 2, 0, 1, 2, 1, 3, 2, 2, 3, 4));
+      EXPECT_EQ(surface.points[5], (std::array{1.0, 2.0, 1.0}));
+      EXPECT_THAT(surface.notes, testing::ElementsAre("3 vertices and lines left out", testing::HasSubstr("1 fields")));
+    }
+  const std::string head =
+      "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n";
+  const auto refuses = [&](const std::string& rest, const std::vector<std::string>& words) {
+    write_file(folder / "a.vtk", head + rest);
+    expect_refusal([&] { read_surface(folder / "a.vtk"); }, Trouble::invalid, words);
+  };
+  refuses("POLYGONS 1 4\n3 0 1 3\n", {"polygon 0", "corner 3"});
+  refuses("POLYGONS 1 3\n2 0 1\n", {"polygon 0", "2 corners"});
+  refuses("POLYGONS 3 3\nOFFSETS vtktypeint64\n0 3 2\nCONNECTIVITY vtktypeint64\n0 1 2\n", {"polygon 1", "offset"});
+  refuses("LINES 1 3\n2 0 1\n", {"facets", "none"});
+}
+
+TEST(LegacyVtkMesh, turns_old_lagrange_hexahedra_and_refuses_uneven_ones) {
+  TemporaryFolder folder;
+  const auto file = [](const std::string& version, int count) {
+    std::string text = "# vtk DataFile Version " + version + "\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 27 float\n";
+    for (int i = 0; i < 81; ++i) text += "0 ";
+    text += concat("\nCELLS 1 ", count + 1, "\n", count);
+    for (int i = 0; i < count; ++i) text += concat(" ", i);
+    return text + "\nCELL_TYPES 1\n72\n";
+  };
+  Array<std::uint64_t> expected(27);
+  std::iota(expected.begin(), expected.end(), std::uint64_t{0});
+  write_file(folder / "a.vtk", file("5.1", 27));
+  EXPECT_EQ(read_cells(folder / "a.vtk", {}).cell_nodes, expected);
+  std::swap(expected[18], expected[19]);
+  for (const char* version : {"5.0", "4.2", "2.0"}) {
+    write_file(folder / "a.vtk", file(version, 27));
+    EXPECT_EQ(read_cells(folder / "a.vtk", {}).cell_nodes, expected);
+  }
+  write_file(folder / "a.vtk", file("4.2", 18));
+  expect_refusal([&] { read_cells(folder / "a.vtk", {}); }, Trouble::unsupported, {"cell 0", "18 corners"});
 }
 
 TEST(ForeignKind, asks_legacy_vtk_files_themselves) {
@@ -206,8 +278,13 @@ TEST(ForeignKind, asks_legacy_vtk_files_themselves) {
   write_file(folder / "a.vtk", mesh_text);
   EXPECT_EQ(foreign_kind(folder / "a.vtk"), ForeignKind::mesh);
   write_file(folder / "a.vtk",
-             "# vtk DataFile Version 3.0\nDATASET STRUCTURED_POINTS is only a title\nASCII\nDATASET POLYDATA\n");
+             "# vtk DataFile Version 3.0\nDATASET STRUCTURED_POINTS is only a title\nASCII\nDATASET TABLE\n");
   EXPECT_EQ(foreign_kind(folder / "a.vtk"), ForeignKind::unknown);
+  const std::string beginning = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET ";
+  write_file(folder / "a.vtk", beginning + "STRUCTURED_GRID\n");
+  EXPECT_EQ(foreign_kind(folder / "a.vtk"), ForeignKind::mesh);
+  write_file(folder / "a.vtk", beginning + "POLYDATA\n");
+  EXPECT_EQ(foreign_kind(folder / "a.vtk"), ForeignKind::surface);
   for (const std::string content :
        {"", "# vtk DataFile Version 3.0", "# vtk DataFile Version 3.0\nt\nASCII\nDATASET", "junk"}) {
     write_file(folder / "a.vtk", content);

@@ -158,11 +158,7 @@ TEST_F(SharedData, refuses_what_is_broken_or_not_made_of_linear_tetrahedra) {
     expect_refusal([&] { import_mesh(folder_ / "unstructured" / path); }, trouble, words);
   };
   refuses("sofa/Armadillo_Tetra_4406_for_test_broken.vtu", Trouble::invalid, {"Armadillo"});
-  refuses("PentaHexa.vtk", Trouble::unsupported, {"150 hexagonal prisms", "60 pentagonal prisms"});
-  refuses("CylinderQuadratic.vtk", Trouble::unsupported, {"1522 quadratic tetrahedra"});
-  refuses("office.binary.vtk", Trouble::unsupported, {"STRUCTURED_GRID"});
   refuses("tetgen/cube_1626_elements_fully_quadratic.ele", Trouble::unsupported, {"1626 tetrahedra with 10 points"});
-  refuses("blood_vessels/T0000000500/000.vtu", Trouble::unsupported, {"voxels"});
 }
 
 TEST_F(SharedData, holds_surfaces_of_known_size) {
