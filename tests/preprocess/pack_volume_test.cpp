@@ -133,8 +133,8 @@ TYPED_TEST_SUITE(PackVolumeOf, StoredTypes);
 
 TYPED_TEST(PackVolumeOf, this_type_keeps_every_sample_in_bricks_and_in_the_linear_order) {
   for (const Index3& count : {Index3(2, 2, 2), Index3(3, 5, 7), Index3(65, 33, 17)})
-    for (const bool linear : {false, true})
-      expect_faithful<TypeParam>(random_volume<TypeParam>(count, 5), {.linear_layout = linear});
+    for (const SampleOrder order : {SampleOrder::bricks, SampleOrder::linear})
+      expect_faithful<TypeParam>(random_volume<TypeParam>(count, 5), {.order = order});
 }
 
 TEST(PackVolume, keeps_every_sample_for_any_edge_of_bricks_and_any_hierarchy) {
@@ -147,7 +147,7 @@ TEST(PackVolume, keeps_every_sample_for_any_edge_of_bricks_and_any_hierarchy) {
 
 TEST(PackVolume, keeps_more_samples_than_one_piece_of_work_holds) {
   expect_faithful<float>(random_volume<float>({130, 121, 97}, 7));
-  expect_faithful<float>(random_volume<float>({130, 121, 97}, 7), {.linear_layout = true});
+  expect_faithful<float>(random_volume<float>({130, 121, 97}, 7), {.order = SampleOrder::linear});
 }
 
 TEST(PackVolume, has_absent_cells_where_samples_lack_data_and_intervals_without_them) {
