@@ -1,13 +1,11 @@
 #include "formats/brick_grid.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <cstring>
-#include <optional>
 
 #include "formats/base/bytes.h"
-#include "formats/base/parallel.h"
-#include "formats/details/deep_checks.h"
+#include "formats/base/checks.h"
 #include "formats/details/details.h"
 #include "formats/format_error.h"
 
@@ -20,11 +18,29 @@ constexpr std::string_view grid_kind = "grid";
 constexpr std::int64_t largest_brick_edge = 64;
 constexpr std::int64_t largest_superbrick_edge = 64;
 
-BrickLayout read_layout(const details::Reader& reader) {
+// Without these a reader would put samples where they do not belong.
+constexpr std::string_view axis_tables_feature = "axis-tables";
+constexpr std::string_view sparse_bricks_feature = "sparse-bricks";
+
+bool requires_feature(const PackedFile& file, std::string_view feature) {
+  const std::vector<std::string>& required = file.description().required;
+  return std::find(required.begin(), required.end(), feature) != required.end();
+}
+
+void read_sparse(const details::Reader& reader, BrickLayout& layout) {
+  if (!BrickLayout::is_sparse_edge(layout.brick_edge))
+    reader.refuse_value("brick_edge", "2, 4, 8, 16, 32 or 64 in a sparse grid");
+  if (layout.superbrick_edge != Index3(1, 1, 1)) reader.refuse_value("superbrick_edge", "[1,1,1] in a sparse grid");
+  layout.is_sparse = true;
+  layout.stored_brick_count = reader.count("stored_brick_count", 0, BrickGrid::no_brick);
+}
+
+BrickLayout read_layout(const details::Reader& reader, bool is_sparse) {
   BrickLayout layout;
   layout.sample_count = reader.index("sample_count", 2, details::largest_axis);
   layout.brick_edge = static_cast<std::int64_t>(reader.count("brick_edge", 1, largest_brick_edge));
   layout.superbrick_edge = reader.index("superbrick_edge", 1, largest_superbrick_edge);
+  if (is_sparse) read_sparse(reader, layout);
   // Each padded axis is below 2^21, so that three of them fit; with the bytes of a sample they may not.
   const Index3 padded = layout.padded_count();
   if (!checked_product({static_cast<std::uint64_t>(volume(padded)), sizeof(double)}))
@@ -41,19 +57,84 @@ Affine read_affine(const details::Reader& reader) {
   return affine;
 }
 
+bool is_floating(ElementType type) {
+  return type == ElementType::F32 || type == ElementType::F64;
+}
+
+Certificate read_certificate(const details::Reader& reader) {
+  Certificate certificate;
+  certificate.type = reader.element_type("type");
+  if (!is_floating(certificate.type)) reader.refuse_value("type", "F32 or F64");
+  certificate.max_error = reader.number("max_error", 0);
+  certificate.rms_error = reader.number("rms_error", 0);
+  certificate.max_at = reader.vector("max_at");
+  certificate.point_count = reader.count("point_count");
+  return certificate;
+}
+
+void read_one_field(const details::Reader& reader, GridDescription& description) {
+  const FieldSummary field = details::read_field(reader);
+  for (const FieldSummary& other : description.fields)
+    if (other.name == field.name) reader.refuse_value("name", "a name that no other field has");
+  if (description.layout.is_sparse && !is_floating(field.type))
+    reader.refuse_value("type", "F32 or F64 in a sparse grid");
+  if (reader.has("certificate"))
+    description.certificates.emplace(description.fields.size(), read_certificate(reader.object("certificate")));
+  description.fields.push_back(field);
+}
+
 GridDescription read_description(const PackedFile& file) {
   if (file.description().kind != grid_kind)
     refuse(file.name(), "header, __metadata__, kind", concat("'", file.description().kind, "'"), "'grid'");
   const Json json = details::parse(file);
   const details::Reader reader(json, file.name(), "details");
   GridDescription description;
-  description.layout = read_layout(reader);
+  description.layout = read_layout(reader, requires_feature(file, sparse_bricks_feature));
   description.world_from_grid = read_affine(reader);
   description.length_unit = reader.text("length_unit");
-  description.field = details::read_field(reader.object("field"));
+  read_one_field(reader.object("field"), description);
+  if (reader.has("more_fields"))
+    for (const details::Reader& field : reader.objects("more_fields")) read_one_field(field, description);
   description.macro = details::read_macro(reader.object("macro"), description.layout.sample_count - Index3(1, 1, 1));
   description.provenance = details::read_provenance(reader.object("provenance"));
   return description;
+}
+
+std::vector<double> read_axis(const PackedFile& file, int axis, std::int64_t sample_count) {
+  const std::string name = axis_array(axis);
+  if (!file.has(name)) return {};
+  const std::span<const double> table = file.array<double>(name, {static_cast<std::uint64_t>(sample_count)});
+  for (std::size_t i = 0; i < table.size(); ++i)
+    if (!std::isfinite(table[i]) || (i > 0 && !(table[i] > table[i - 1])))
+      refuse(file.name(), concat("array '", name, "', element ", i), concat(table[i]),
+             i == 0 ? "a finite number" : concat("a finite number above ", table[i - 1]));
+  if (!std::isfinite(table.back() - table.front()))
+    refuse(file.name(), concat("array '", name, "'"), concat(table.front(), " to ", table.back()),
+           "an axis of finite length");
+  return {table.begin(), table.end()};
+}
+
+/// So that every sample has a place in the array and no two have the same.
+void check_slots(const PackedFile& file, std::span<const std::uint32_t> slots, std::uint64_t stored_count) {
+  const auto refuse_slot = [&](std::size_t brick, std::string_view expected) {
+    refuse(file.name(), concat("array 'bricks', element ", brick), concat(slots[brick]), expected);
+  };
+  std::vector<bool> taken(stored_count);
+  std::uint64_t used = 0;
+  for (std::size_t brick = 0; brick < slots.size(); ++brick) {
+    if (slots[brick] == BrickGrid::no_brick) continue;
+    if (slots[brick] >= stored_count) refuse_slot(brick, concat("4294967295 or a slot below ", stored_count));
+    if (taken[slots[brick]]) refuse_slot(brick, "a slot that no other brick has");
+    taken[slots[brick]] = true;
+    ++used;
+  }
+  if (used != stored_count)
+    refuse(file.name(), "array 'bricks'", concat(used, " bricks with a slot"), concat(stored_count, " of them"));
+}
+
+std::vector<std::uint64_t> shape_of(const Index3& count) {
+  return {static_cast<std::uint64_t>(count.z), static_cast<std::uint64_t>(count.y),
+          static_cast<std::uint64_t>(count.x)};
 }
 
 Json affine_json(const Affine& affine) {
@@ -64,151 +145,140 @@ Json affine_json(const Affine& affine) {
           {"origin", details::vector_json(affine.origin, what)}};
 }
 
-/// Reads the samples again, by position.
-template <class T>
-class GridCheck {
- public:
-  GridCheck(const BrickGrid& grid, details::Findings& findings)
-      : grid_(grid), samples_(grid.samples<T>()), levels_(grid.macro_levels<T>()), findings_(findings) {}
+Json certificate_json(const Certificate& certificate, const std::string& field) {
+  const std::string what = concat("certificate of field '", field, "'");
+  return {{"type", element_name(certificate.type)},
+          {"max_error", details::number_json(certificate.max_error, what)},
+          {"rms_error", details::number_json(certificate.rms_error, what)},
+          {"max_at", details::vector_json(certificate.max_at, what)},
+          {"point_count", certificate.point_count}};
+}
 
-  void run() {
-    const std::uint64_t no_data_count = check_field();
-    check_padding();
-    check_first_level(no_data_count != 0);
-    details::check_levels_upward(levels_, "macro levels", findings_);
-  }
+Json grid_field_json(const GridDescription& description, std::size_t field) {
+  const FieldSummary& summary = description.fields[field];
+  Json json = details::field_json(summary);
+  const auto certificate = description.certificates.find(field);
+  if (certificate != description.certificates.end())
+    json["certificate"] = certificate_json(certificate->second, summary.name);
+  return json;
+}
 
- private:
-  T sample(std::int64_t i, std::int64_t j, std::int64_t k) const { return samples_[grid_.tables().address(i, j, k)]; }
-  const BrickLayout& layout() const { return grid_.description().layout; }
-
-  /// Calls act(first, last) on ranges of a z axis, at the same time.
-  template <class Act>
-  static void over_z(std::int64_t count, Act&& act) {
-    for_each_range(static_cast<std::uint64_t>(count), 4, 0, act);
-  }
-
-  std::uint64_t check_field() {
-    details::FieldTally all(grid_.description().field);
-    std::mutex guard;
-    over_z(layout().sample_count.z, [&](std::uint64_t first, std::uint64_t last) {
-      details::FieldTally part(grid_.description().field);
-      details::for_each_cell(layout().sample_count, first, last,
-                             [&](std::int64_t i, std::int64_t j, std::int64_t k) { part.take(sample(i, j, k)); });
-      const std::lock_guard lock(guard);
-      all.take(part);
-    });
-    all.compare(findings_);
-    return all.no_data_count();
-  }
-
-  void check_padding() {
-    const Index3 count = layout().sample_count, padded = layout().padded_count();
-    over_z(padded.z, [&](std::uint64_t first, std::uint64_t last) {
-      for (auto k = static_cast<std::int64_t>(first); k < static_cast<std::int64_t>(last); ++k)
-        for (std::int64_t j = 0; j < padded.y; ++j)
-          for (std::int64_t i = k < count.z && j < count.y ? count.x : 0; i < padded.x; ++i) {
-            const T found = sample(i, j, k);
-            const T copied = sample(std::min(i, count.x - 1), std::min(j, count.y - 1), std::min(k, count.z - 1));
-            if (std::memcmp(&found, &copied, sizeof(T)) == 0) continue;
-            findings_.add("padding that is no copy of the last sample", details::linear_order(padded, i, j, k),
-                          [&] { return concat("sample (", i, ", ", j, ", ", k, ")"); });
-          }
-    });
-  }
-
-  /// All values that interpolation reaches in the leaf cells from low to high.
-  Interval<T> needed(const Index3& low, const Index3& high, bool some_absent) const {
-    return some_absent ? needed_by_cells(low, high) : needed_by_samples(low, high);
-  }
-
-  /// Where no sample lacks data, every corner counts.
-  Interval<T> needed_by_samples(const Index3& low, const Index3& high) const {
-    Interval<T> interval;
-    for (std::int64_t k = low.z; k <= high.z; ++k)
-      for (std::int64_t j = low.y; j <= high.y; ++j)
-        for (std::int64_t i = low.x; i <= high.x; ++i) interval.include(sample(i, j, k));
-    return interval;
-  }
-
-  Interval<T> needed_by_cells(const Index3& low, const Index3& high) const {
-    Interval<T> interval;
-    for (std::int64_t k = low.z; k < high.z; ++k)
-      for (std::int64_t j = low.y; j < high.y; ++j)
-        for (std::int64_t i = low.x; i < high.x; ++i) {
-          Interval<T> cell;
-          bool present = true;
-          for (std::int64_t corner = 0; corner < 8; ++corner) {
-            const T value = sample(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2));
-            present = present && details::is_value(value);
-            cell.include(value);
-          }
-          if (present) interval.include(cell);
-        }
-    return interval;
-  }
-
-  void check_first_level(bool some_absent) {
-    const MacroShape& shape = levels_.shape;
-    const Index3 count = shape.count(1), leaves = shape.leaf_count;
-    over_z(count.z, [&](std::uint64_t first, std::uint64_t last) {
-      details::for_each_cell(count, first, last, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
-        const Index3 low = Index3(i, j, k) * shape.factor;
-        const Index3 high(std::min(low.x + shape.factor, leaves.x), std::min(low.y + shape.factor, leaves.y),
-                          std::min(low.z + shape.factor, leaves.z));
-        const Interval<T> wanted = needed(low, high, some_absent), stored = levels_.range(1, i, j, k);
-        const bool holds = wanted.is_empty() ? stored.is_empty() : stored.lo <= wanted.lo && wanted.hi <= stored.hi;
-        if (holds) return;
-        findings_.add("an interval that lacks a value of its macrocell", details::linear_order(count, i, j, k), [&] {
-          return concat(details::cell_text(1, {i, j, k}), " has ", details::interval_text(stored),
-                        ", its samples need ", details::interval_text(wanted));
-        });
-      });
-    });
-  }
-
-  const BrickGrid& grid_;
-  std::span<const T> samples_;
-  MacroLevelsView<T> levels_;
-  details::Findings& findings_;
-};
+std::string field_prefix(std::size_t field) {
+  return field == 0 ? std::string() : concat("field.", field, ".");
+}
 
 }  // namespace
 
+std::string samples_array(std::size_t field) {
+  return concat(field_prefix(field), "samples");
+}
+std::string macro_prefix(std::size_t field) {
+  return concat(field_prefix(field), "macro.");
+}
+std::string axis_array(int axis) {
+  return concat("axis.", axis);
+}
+std::string error_array(std::size_t field, std::string_view quantity) {
+  return concat("error.", field, ".", quantity);
+}
+
 BrickGrid::BrickGrid(PackedFile file) : file_(std::move(file)), description_(read_description(file_)) {
-  with_element_type(description_.field.type, [this](auto zero) {
-    using T = decltype(zero);
-    samples<T>();
-    macro_levels<T>();
-  });
-  // Only now: the tables are no larger than the array whose size has just been checked.
+  for (std::size_t field = 0; field < description_.fields.size(); ++field)
+    with_element_type(description_.fields[field].type, [&](auto zero) {
+      using T = decltype(zero);
+      const std::uint64_t sample_count = samples<T>(field).size();
+      macro_levels<T>(field);
+      if (description_.layout.stored_brick_count == 0 && description_.layout.is_sparse && sample_count != 0)
+        refuse(file_.name(), concat("array '", samples_array(field), "'"), concat(sample_count, " samples"), "none");
+    });
+  for (const auto& [field, certificate] : description_.certificates)
+    with_element_type(certificate.type, [&, f = field](auto zero) {
+      errors<decltype(zero)>(f, "max");
+      errors<decltype(zero)>(f, "rms");
+    });
+  if (requires_feature(file_, axis_tables_feature))
+    for (int axis = 0; axis < 3; ++axis)
+      description_.axes[static_cast<std::size_t>(axis)] =
+          read_axis(file_, axis, description_.layout.sample_count[axis]);
+  if (description_.layout.is_sparse) {
+    brick_slots_ = file_.array<std::uint32_t>("bricks", brick_shape());
+    check_slots(file_, brick_slots_, description_.layout.stored_brick_count);
+  }
+  // Only now: the tables are no larger than the macro levels and samples whose sizes have just been checked, or small.
   tables_ = std::make_shared<const AxisTables>(description_.layout);
 }
 
+std::optional<std::size_t> BrickGrid::find_field(std::string_view name) const {
+  for (std::size_t field = 0; field < description_.fields.size(); ++field)
+    if (description_.fields[field].name == name) return field;
+  return std::nullopt;
+}
+
+std::vector<std::uint64_t> BrickGrid::brick_shape() const {
+  return shape_of(description_.layout.brick_count());
+}
+
+SparseAddress::SparseAddress(const BrickLayout& layout, const AxisTables& tables, std::span<const std::uint32_t> slots)
+    : tables_(&tables),
+      slots_(slots),
+      shift_(3 * std::countr_zero(static_cast<std::uint64_t>(layout.brick_edge))),
+      mask_((std::uint64_t{1} << shift_) - 1) {
+  RHORAY_CHECK(layout.is_sparse && BrickLayout::is_sparse_edge(layout.brick_edge));
+}
+
 std::vector<ArraySpec> grid_arrays(const GridDescription& description) {
-  std::vector<ArraySpec> arrays = macro_arrays(description.macro, 1, description.field.type, "macro.");
-  arrays.push_back(
-      {.name = "samples", .type = description.field.type, .shape = description.layout.shape(), .alignment = 4096});
+  const BrickLayout& layout = description.layout;
+  std::vector<ArraySpec> arrays;
+  for (int axis = 0; axis < 3; ++axis)
+    if (!description.axes[static_cast<std::size_t>(axis)].empty())
+      arrays.push_back({.name = axis_array(axis),
+                        .type = ElementType::F64,
+                        .shape = {static_cast<std::uint64_t>(layout.sample_count[axis])}});
+  if (layout.is_sparse)
+    arrays.push_back({.name = "bricks", .type = ElementType::U32, .shape = shape_of(layout.brick_count())});
+  for (const auto& [field, certificate] : description.certificates)
+    for (const char* quantity : {"max", "rms"})
+      arrays.push_back(
+          {.name = error_array(field, quantity), .type = certificate.type, .shape = shape_of(layout.brick_count())});
+  for (std::size_t field = 0; field < description.fields.size(); ++field) {
+    const ElementType type = description.fields[field].type;
+    const std::vector<ArraySpec> levels = macro_arrays(description.macro, 1, type, macro_prefix(field));
+    arrays.insert(arrays.end(), levels.begin(), levels.end());
+    arrays.push_back({.name = samples_array(field), .type = type, .shape = layout.shape(), .alignment = 4096});
+  }
   return arrays;
 }
 
 FileDescription describe(const GridDescription& description) {
   const BrickLayout& layout = description.layout;
-  const Json json{{"sample_count", details::index_json(layout.sample_count)},
-                  {"brick_edge", layout.brick_edge},
-                  {"superbrick_edge", details::index_json(layout.superbrick_edge)},
-                  {"world_from_grid", affine_json(description.world_from_grid)},
-                  {"length_unit", description.length_unit},
-                  {"field", details::field_json(description.field)},
-                  {"macro", details::macro_json(description.macro)},
-                  {"provenance", details::provenance_json(description.provenance)}};
-  return {.kind = std::string(grid_kind), .required = {}, .details = details::dump(json)};
+  RHORAY_CHECK(!description.fields.empty());
+  Json json{{"sample_count", details::index_json(layout.sample_count)},
+            {"brick_edge", layout.brick_edge},
+            {"superbrick_edge", details::index_json(layout.superbrick_edge)},
+            {"world_from_grid", affine_json(description.world_from_grid)},
+            {"length_unit", description.length_unit},
+            {"field", grid_field_json(description, 0)},
+            {"macro", details::macro_json(description.macro)},
+            {"provenance", details::provenance_json(description.provenance)}};
+  for (std::size_t field = 1; field < description.fields.size(); ++field)
+    json["more_fields"].push_back(grid_field_json(description, field));
+  FileDescription file{.kind = std::string(grid_kind)};
+  if (description.is_rectilinear()) file.required.emplace_back(axis_tables_feature);
+  if (layout.is_sparse) {
+    file.required.emplace_back(sparse_bricks_feature);
+    json["stored_brick_count"] = layout.stored_brick_count;
+  }
+  const bool is_of_version_1_0 =
+      file.required.empty() && description.fields.size() == 1 && description.certificates.empty();
+  file.minor_version = is_of_version_1_0 ? 0 : 1;
+  file.details = details::dump(json);
+  return file;
 }
 
-std::vector<std::string> deep_findings(const BrickGrid& grid) {
-  details::Findings findings;
-  with_element_type(grid.description().field.type, [&](auto zero) { GridCheck<decltype(zero)>(grid, findings).run(); });
-  return findings.sentences();
+void write_axes(const GridDescription& description, PackedFileWriter& writer) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (const std::vector<double>& table = description.axes[static_cast<std::size_t>(axis)]; !table.empty())
+      writer.write_all(axis_array(axis), std::span<const double>(table));
 }
 
 }  // namespace rhoray::formats

@@ -40,7 +40,7 @@ std::vector<std::uint64_t> axis_table(std::int64_t padded_count, std::int64_t n,
 }  // namespace
 
 BrickLayout BrickLayout::linear(const Index3& sample_count) {
-  return {sample_count, 1, {1, 1, 1}};
+  return {.sample_count = sample_count};
 }
 
 BrickLayout BrickLayout::bricked(const Index3& sample_count, std::int64_t brick_edge, std::int64_t largest_superbrick) {
@@ -48,7 +48,23 @@ BrickLayout BrickLayout::bricked(const Index3& sample_count, std::int64_t brick_
   const auto edge = [&](std::int64_t samples) {
     return superbrick_edge_for(divide_up(samples, brick_edge), largest_superbrick);
   };
-  return {sample_count, brick_edge, {edge(sample_count.x), edge(sample_count.y), edge(sample_count.z)}};
+  return {.sample_count = sample_count,
+          .brick_edge = brick_edge,
+          .superbrick_edge = {edge(sample_count.x), edge(sample_count.y), edge(sample_count.z)}};
+}
+
+BrickLayout BrickLayout::sparse(const Index3& sample_count, std::uint64_t stored_brick_count, std::int64_t brick_edge) {
+  RHORAY_CHECK(is_sparse_edge(brick_edge));
+  return {sample_count, brick_edge, {1, 1, 1}, true, stored_brick_count};
+}
+
+bool BrickLayout::is_sparse_edge(std::int64_t brick_edge) {
+  return brick_edge >= 2 && brick_edge <= 64 && (brick_edge & (brick_edge - 1)) == 0;
+}
+
+Index3 BrickLayout::brick_count() const {
+  return {divide_up(sample_count.x, brick_edge), divide_up(sample_count.y, brick_edge),
+          divide_up(sample_count.z, brick_edge)};
 }
 
 Index3 BrickLayout::superbrick_count() const {
@@ -64,6 +80,7 @@ std::vector<std::uint64_t> BrickLayout::shape() const {
   const auto size = [](std::int64_t count) { return static_cast<std::uint64_t>(count); };
   if (is_linear()) return {size(sample_count.z), size(sample_count.y), size(sample_count.x)};
   const std::uint64_t n = size(brick_edge);
+  if (is_sparse) return {stored_brick_count, n, n, n};
   return {size(volume(superbrick_count())),
           size(superbrick_edge.z),
           size(superbrick_edge.y),

@@ -48,6 +48,7 @@ struct FileDescription {
   std::string kind;                        ///< "grid", "tets", or a neutral kind that workers hand over
   std::vector<std::string> required = {};  ///< features that a reader must know; an unknown one is refused by name
   std::string details = "{}";              ///< one JSON text; its meaning belongs to the kind
+  int minor_version = 0;                   ///< of the format 1.x: the first that has all that the file uses
 };
 
 /// 64 KiB of the data area whose checksum does not match.

@@ -80,7 +80,7 @@ PackVolumeReport pack_samples(const NeutralVolume& volume, const std::filesystem
   grid.provenance = {.source_name = options.source_name, .source_checksum = {}, .command = options.command};
 
   ProgressMeter finding(progress, "finding value ranges", 2);
-  grid.field = summarize(samples, volume.field_name.empty() ? "value" : volume.field_name, volume.field_unit);
+  grid.fields = {summarize(samples, volume.field_name.empty() ? "value" : volume.field_name, volume.field_unit)};
   finding.add(1);
   const Levels<T> levels = build_grid_levels(samples, grid.macro);
   finding.add(1);

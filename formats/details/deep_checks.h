@@ -54,6 +54,7 @@ class FieldTally {
       ++no_data_count_;
   }
   void take(const FieldTally& other);
+  void take_no_data(std::uint64_t count) { no_data_count_ += count; }
   std::uint64_t no_data_count() const { return no_data_count_; }
   void compare(Findings& findings) const;
 

@@ -79,6 +79,10 @@ const Json& Reader::value(const std::string& key, std::string_view expected) con
   return *found;
 }
 
+bool Reader::has(const std::string& key) const {
+  return object_.contains(key);
+}
+
 Reader Reader::object(const std::string& key) const {
   const Json& found = value(key, "an object");
   if (!found.is_object()) refuse_value(key, "an object");
@@ -116,6 +120,13 @@ std::vector<std::uint64_t> Reader::counts(const std::string& key) const {
   const Json& found = value(key, expected);
   if (!is_list(found, found.size(), is_count)) refuse_value(key, expected);
   return found.get<std::vector<std::uint64_t>>();
+}
+
+double Reader::number(const std::string& key, double smallest) const {
+  const std::string expected = concat("a finite number of at least ", smallest);
+  const Json& found = value(key, expected);
+  if (!is_finite_number(found) || found.get<double>() < smallest) refuse_value(key, expected);
+  return found.get<double>();
 }
 
 Vec3 Reader::vector(const std::string& key) const {

@@ -29,13 +29,15 @@ class Reader {
  public:
   Reader(const Json& object, std::string_view file, std::string place);
 
+  bool has(const std::string& key) const;  ///< for the keys that may be missing
   Reader object(const std::string& key) const;
   std::vector<Reader> objects(const std::string& key) const;
   std::string text(const std::string& key) const;
   std::uint64_t count(const std::string& key, std::uint64_t smallest = 0,
                       std::uint64_t largest = std::numeric_limits<std::int64_t>::max()) const;
   std::vector<std::uint64_t> counts(const std::string& key) const;
-  Vec3 vector(const std::string& key) const;  ///< finite
+  double number(const std::string& key, double smallest) const;  ///< finite
+  Vec3 vector(const std::string& key) const;                     ///< finite
   Index3 index(const std::string& key, std::int64_t smallest, std::int64_t largest) const;
   Interval<double> interval(const std::string& key) const;  ///< null: empty
   ElementType element_type(const std::string& key) const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <charconv>
 #include <cstring>
 #include <limits>
 #include <map>
@@ -26,8 +27,8 @@ constexpr std::array all_types{ElementType::U8,  ElementType::I8,  ElementType::
                                ElementType::U32, ElementType::I32, ElementType::U64, ElementType::I64,
                                ElementType::F32, ElementType::F64};
 
-/// Features that a file may require of its reader. Version 1.0 defines none.
-constexpr std::array<std::string_view, 0> known_features{};
+/// Features that a file may require of its reader; of version 1.1.
+constexpr std::array<std::string_view, 2> known_features{"axis-tables", "sparse-bricks"};
 
 bool has_control_character(std::string_view text) {
   return std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
@@ -229,16 +230,20 @@ const std::string& metadata_text(std::string_view file, const Listener& heard, c
   return found->second;
 }
 
-/// "major.minor" with major 1. A larger minor version only adds arrays and keys that this reader may ignore.
-void check_version(std::string_view file, std::string_view text) {
+/// The minor number of "major.minor" with major 1. A larger minor version only adds arrays and keys that this reader
+/// may ignore.
+int checked_minor_version(std::string_view file, std::string_view text) {
   const auto is_number = [](std::string_view part) {
     return !part.empty() && part.size() <= 4 && part.find_first_not_of("0123456789") == std::string_view::npos;
   };
   const std::size_t dot = text.find('.');
   if (dot == std::string_view::npos || !is_number(text.substr(0, dot)) || !is_number(text.substr(dot + 1)))
     refuse(file, "header, __metadata__, version", concat("'", text.substr(0, 40), "'"), "two numbers such as 1.0");
-  if (text.substr(0, dot) != "1")
+  if (text.substr(0, dot) != major_version)
     refuse(file, "header, __metadata__, version", text, "1.x; a newer program may read it", Trouble::unsupported);
+  int minor = 0;
+  std::from_chars(text.data() + dot + 1, text.data() + text.size(), minor);
+  return minor;
 }
 
 std::vector<std::string> split_features(std::string_view text) {
@@ -272,7 +277,7 @@ Header read_header(std::string_view file, std::string_view text, std::uint64_t d
 
   Header header;
   header.version = metadata_text(file, heard, "version");
-  check_version(file, header.version);
+  header.description.minor_version = checked_minor_version(file, header.version);
   header.description.kind = metadata_text(file, heard, "kind");
   header.description.details = metadata_text(file, heard, "details");
   header.description.required = split_features(metadata_text(file, heard, "requires"));
@@ -327,8 +332,9 @@ std::string write_header(std::string_view file, const FileDescription& descripti
     required += concat(required.empty() ? "" : ",", feature);
   }
   std::string text =
-      concat(start_text, R"(,"version":)", json_string(version), R"(,"requires":)", json_string(required),
-             R"(,"kind":)", json_string(description.kind), R"(,"details":)", json_string(description.details), "}");
+      concat(start_text, R"(,"version":)", json_string(concat(major_version, ".", description.minor_version)),
+             R"(,"requires":)", json_string(required), R"(,"kind":)", json_string(description.kind), R"(,"details":)",
+             json_string(description.details), "}");
   for (const ArrayEntry& array : arrays)
     text += concat(",", json_string(array.name), R"(:{"dtype":")", element_name(array.type), R"(","shape":)",
                    number_list(array.shape), R"(,"data_offsets":)",

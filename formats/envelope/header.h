@@ -20,7 +20,7 @@ inline constexpr std::size_t largest_array_count = 4096;
 inline constexpr std::size_t largest_rank = 8;
 inline constexpr std::size_t largest_name_bytes = 256;
 
-inline constexpr std::string_view version = "1.0";
+inline constexpr std::string_view major_version = "1";
 inline constexpr std::string_view start_text = R"({"__metadata__":{"format":"rhoray")";
 inline constexpr std::string_view sums_name = "_sum";
 inline constexpr std::string_view seal_name = "_seal";

@@ -14,8 +14,8 @@ namespace rhoray::render {
 template <class T>
 class GridVolume {
  public:
-  explicit GridVolume(const formats::BrickGrid& grid)
-      : grid_(grid), samples_(grid.samples<T>()), levels_(grid.macro_levels<T>()) {}
+  GridVolume(const formats::BrickGrid& grid, std::size_t field)
+      : grid_(grid), samples_(grid.samples<T>(field)), levels_(grid.macro_levels<T>(field)) {}
 
   WalkLattice lattice() const { return {levels_.shape.leaf_count, levels_.shape.factor}; }
   int level_count() const { return levels_.shape.level_count; }

@@ -48,11 +48,11 @@ TEST(BrickGrid, description_comes_back_to_the_last_bit) {
   d.world_from_grid = {
       {0.1, 1.0 / 3, -0.0}, {-2e-300, 0.7, 1e-17}, {0, 5e-324, -1234567.89012345678}, {1e200, -0.1, 3}};
   d.length_unit = "\xc2\xb5m";
-  d.field.name = "a \"quoted\" name\\";
-  d.field.unit = "HU";
-  d.field.range = {-0.1, 1.7976931348623157e308};
-  d.field.no_data_count = 3;
-  d.field.histogram = {1, 2, 18446744073709551615U};
+  d.fields[0].name = "a \"quoted\" name\\";
+  d.fields[0].unit = "HU";
+  d.fields[0].range = {-0.1, 1.7976931348623157e308};
+  d.fields[0].no_data_count = 3;
+  d.fields[0].histogram = {1, 2, 18446744073709551615U};
   d.provenance = {"head.nrrd", "0123abcd", "rhoray pack head.nrrd -o 'a b.rho'"};
   const TemporaryFolder folder;
   const GridDescription back = packed(sample, folder / "g.rho").description();
@@ -60,12 +60,12 @@ TEST(BrickGrid, description_comes_back_to_the_last_bit) {
   EXPECT_EQ(back.world_from_grid, d.world_from_grid);
   EXPECT_TRUE(std::signbit(back.world_from_grid.x_axis.z));
   EXPECT_EQ(back.length_unit, d.length_unit);
-  EXPECT_EQ(back.field.name, d.field.name);
-  EXPECT_EQ(back.field.unit, d.field.unit);
-  EXPECT_EQ(back.field.type, ElementType::F32);
-  EXPECT_EQ(back.field.range, d.field.range);
-  EXPECT_EQ(back.field.no_data_count, 3U);
-  EXPECT_EQ(back.field.histogram, d.field.histogram);
+  EXPECT_EQ(back.fields[0].name, d.fields[0].name);
+  EXPECT_EQ(back.fields[0].unit, d.fields[0].unit);
+  EXPECT_EQ(back.fields[0].type, ElementType::F32);
+  EXPECT_EQ(back.fields[0].range, d.fields[0].range);
+  EXPECT_EQ(back.fields[0].no_data_count, 3U);
+  EXPECT_EQ(back.fields[0].histogram, d.fields[0].histogram);
   EXPECT_EQ(back.macro, d.macro);
   EXPECT_EQ(back.provenance.source_name, d.provenance.source_name);
   EXPECT_EQ(back.provenance.source_checksum, d.provenance.source_checksum);
@@ -77,9 +77,9 @@ TEST(BrickGrid, numbers_that_are_not_finite_do_not_get_into_the_description) {
   sample.description.world_from_grid.origin.y = std::numeric_limits<double>::quiet_NaN();
   expect_error(Trouble::invalid, "world_from_grid: found nan", [&] { describe(sample.description); });
   sample.description.world_from_grid.origin.y = 0;
-  sample.description.field.range.hi = std::numeric_limits<double>::infinity();
+  sample.description.fields[0].range.hi = std::numeric_limits<double>::infinity();
   expect_error(Trouble::invalid, "range of field 'density': found inf", [&] { describe(sample.description); });
-  sample.description.field.range = {};
+  sample.description.fields[0].range = {};
   EXPECT_THAT(describe(sample.description).details, testing::HasSubstr(R"("range":null)"));
 }
 
@@ -98,7 +98,7 @@ TEST(BrickGrid, cells_that_touch_a_sample_without_data_are_absent_from_the_level
       [&](std::int64_t i, std::int64_t j, std::int64_t k) { return i == 1 ? nan : hash_value<float>(i, j, k); },
       {.factor = 2, .level_count = 2});
   const BrickGrid grid = packed(sample, folder / "g.rho");
-  EXPECT_EQ(grid.description().field.no_data_count, 25U);
+  EXPECT_EQ(grid.description().fields[0].no_data_count, 25U);
   EXPECT_TRUE(grid.macro_levels<float>().range(1, 0, 0, 0).is_empty()) << "its leaf cells 0 and 1 both touch sample 1";
   EXPECT_FALSE(grid.macro_levels<float>().range(1, 1, 0, 0).is_empty());
   EXPECT_THAT(deep_findings(grid), testing::IsEmpty());
@@ -122,11 +122,11 @@ TEST(BrickGridDeepFindings, name_each_kind_of_lie) {
               ElementsAre(HasSubstr("lacks a value of its macrocell: (1, 0, 0) of level 1 has [")));
   EXPECT_THAT(findings_after([](Sample& s) { --s.levels[1][1]; }),
               ElementsAre(HasSubstr("does not match the level below: (0, 0, 0) of level 2")));
-  EXPECT_THAT(findings_after([](Sample& s) { s.description.field.range.hi += 1; }),
+  EXPECT_THAT(findings_after([](Sample& s) { s.description.fields[0].range.hi += 1; }),
               testing::Contains(HasSubstr("the range of field 'density' is wrong: the values give [0, 112]")));
-  EXPECT_THAT(findings_after([](Sample& s) { s.description.field.no_data_count = 4; }),
+  EXPECT_THAT(findings_after([](Sample& s) { s.description.fields[0].no_data_count = 4; }),
               ElementsAre(HasSubstr("the count without data of field 'density' is wrong: the values give 0")));
-  EXPECT_THAT(findings_after([](Sample& s) { s.description.field.histogram[3] += 500; }),
+  EXPECT_THAT(findings_after([](Sample& s) { s.description.fields[0].histogram[3] += 500; }),
               ElementsAre(HasSubstr("the histogram of field"), HasSubstr("the histogram's sum")));
   EXPECT_THAT(findings_after([](Sample& s) {
                 const AxisTables tables(s.description.layout);

@@ -51,7 +51,7 @@ double read_all(const PackedFile& file) {
   };
   if (file.description().kind == "grid") {
     const BrickGrid grid(file);
-    with_element_type(grid.description().field.type, [&](auto zero) {
+    with_element_type(grid.description().fields[0].type, [&](auto zero) {
       using T = decltype(zero);
       const std::span<const T> samples = grid.samples<T>();
       const Index3 padded = grid.description().layout.padded_count();

@@ -21,8 +21,8 @@ TEST(ReleasedFiles, grid_of_version_1_0_is_read) {
   EXPECT_EQ(d.layout, (BrickLayout{{9, 6, 5}, 4, {3, 2, 2}}));
   EXPECT_EQ(d.world_from_grid, (Affine{{0, 0.5, 0}, {-0.25, 0, 0}, {0, 0, 2}, {1, -2, 3.5}}));
   EXPECT_EQ(d.length_unit, "mm");
-  EXPECT_EQ(d.field.name, "density");
-  EXPECT_EQ(d.field.unit, "HU");
+  EXPECT_EQ(d.fields[0].name, "density");
+  EXPECT_EQ(d.fields[0].unit, "HU");
   EXPECT_EQ(d.provenance.source_name, "made.nrrd");
   EXPECT_EQ(d.macro, (MacroShape{{8, 5, 4}, 2, 2}));
   const std::span<const std::int16_t> samples = grid.samples<std::int16_t>();

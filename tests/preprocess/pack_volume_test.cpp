@@ -158,34 +158,34 @@ TEST(PackVolume, has_absent_cells_where_samples_lack_data_and_intervals_without_
     return lacks_data(p) ? nan : static_cast<float>(p.x + 100 * p.y - 50 * p.z);
   });
   const auto grid = expect_faithful<float>(volume);
-  EXPECT_EQ(grid.field.no_data_count, 13u * 19 * 13 + 2);
-  EXPECT_EQ(grid.field.range, (Interval<double>{-1450, 2139}));
+  EXPECT_EQ(grid.fields[0].no_data_count, 13u * 19 * 13 + 2);
+  EXPECT_EQ(grid.fields[0].range, (Interval<double>{-1450, 2139}));
 }
 
 TEST(PackVolume, packs_a_volume_without_any_data_with_empty_range_and_intervals) {
   const auto grid =
       expect_faithful<double>(tests::volume_of<double>({9, 9, 9}, [](const Index3&) { return double{nan}; }));
-  EXPECT_TRUE(grid.field.range.is_empty());
-  EXPECT_EQ(grid.field.no_data_count, 729u);
-  EXPECT_THAT(grid.field.histogram, IsEmpty());
+  EXPECT_TRUE(grid.fields[0].range.is_empty());
+  EXPECT_EQ(grid.fields[0].no_data_count, 729u);
+  EXPECT_THAT(grid.fields[0].histogram, IsEmpty());
 }
 
 TEST(PackVolume, packs_a_constant_volume_with_one_bin) {
   const auto whole = expect_faithful<std::int16_t>(
       tests::volume_of<std::int16_t>({9, 8, 7}, [](const Index3&) { return std::int16_t{-3}; }));
-  EXPECT_EQ(whole.field.range, (Interval<double>{-3, -3}));
-  EXPECT_THAT(whole.field.histogram, ::testing::ElementsAre(504));
+  EXPECT_EQ(whole.fields[0].range, (Interval<double>{-3, -3}));
+  EXPECT_THAT(whole.fields[0].histogram, ::testing::ElementsAre(504));
   const auto real = expect_faithful<float>(tests::volume_of<float>({9, 8, 7}, [](const Index3&) { return 0.1f; }));
-  EXPECT_THAT(real.field.histogram, ::testing::ElementsAre(504));
+  EXPECT_THAT(real.fields[0].histogram, ::testing::ElementsAre(504));
 }
 
 TEST(PackVolume, takes_the_whole_range_of_16_bit_and_of_double) {
   const auto whole = tests::volume_of<std::int16_t>(
       {4, 4, 4}, [](const Index3& p) { return static_cast<std::int16_t>(p.x % 2 ? 32767 : -32768); });
-  EXPECT_EQ(expect_faithful<std::int16_t>(whole).field.range, (Interval<double>{-32768, 32767}));
+  EXPECT_EQ(expect_faithful<std::int16_t>(whole).fields[0].range, (Interval<double>{-32768, 32767}));
   constexpr double largest = std::numeric_limits<double>::max();
   const auto real = tests::volume_of<double>({4, 4, 4}, [](const Index3& p) { return p.x % 2 ? largest : -largest; });
-  const auto field = expect_faithful<double>(real).field;
+  const auto field = expect_faithful<double>(real).fields[0];
   EXPECT_EQ(field.range, (Interval<double>{-largest, largest}));
   EXPECT_EQ(field.histogram.front(), 32u);
   EXPECT_EQ(field.histogram.back(), 32u);
@@ -194,10 +194,10 @@ TEST(PackVolume, takes_the_whole_range_of_16_bit_and_of_double) {
 TEST(PackVolume, gives_each_integer_of_a_small_range_a_bin_of_its_own) {
   const auto volume =
       tests::volume_of<std::int16_t>({10, 10, 10}, [](const Index3& p) { return static_cast<std::int16_t>(p.x - 4); });
-  EXPECT_EQ(expect_faithful<std::int16_t>(volume).field.histogram, std::vector<std::uint64_t>(10, 100));
+  EXPECT_EQ(expect_faithful<std::int16_t>(volume).fields[0].histogram, std::vector<std::uint64_t>(10, 100));
   const auto bytes = tests::volume_of<std::uint8_t>(
       {16, 16, 2}, [](const Index3& p) { return static_cast<std::uint8_t>(16 * p.y + p.x); });
-  EXPECT_EQ(expect_faithful<std::uint8_t>(bytes).field.histogram, std::vector<std::uint64_t>(256, 2));
+  EXPECT_EQ(expect_faithful<std::uint8_t>(bytes).fields[0].histogram, std::vector<std::uint64_t>(256, 2));
 }
 
 TEST(PackVolume, makes_a_histogram_from_which_otsu_parts_two_classes) {
@@ -208,7 +208,7 @@ TEST(PackVolume, makes_a_histogram_from_which_otsu_parts_two_classes) {
       {32, 32, 32}, [&](const Index3& p) { return static_cast<std::uint16_t>(value(p)); });
   const auto real =
       tests::volume_of<float>({32, 32, 32}, [&](const Index3& p) { return static_cast<float>(value(p)); });
-  for (const auto& field : {expect_faithful<std::uint16_t>(whole).field, expect_faithful<float>(real).field}) {
+  for (const auto& field : {expect_faithful<std::uint16_t>(whole).fields[0], expect_faithful<float>(real).fields[0]}) {
     EXPECT_EQ(field.histogram.size(), 256u);
     EXPECT_EQ(std::accumulate(field.histogram.begin(), field.histogram.end(), std::uint64_t{0}), 32u * 32 * 32);
     EXPECT_NEAR(formats::otsu_threshold(field).value_or(0), 650, 250);
@@ -224,8 +224,8 @@ TEST(PackVolume, keeps_frame_units_and_names) {
   const auto grid = expect_faithful<std::uint8_t>(volume, {.command = "rhoray pack x", .source_name = "x.nrrd"});
   EXPECT_EQ(grid.world_from_grid, volume.world_from_grid);
   EXPECT_EQ(grid.length_unit, "mm");
-  EXPECT_EQ(grid.field.name, "density");
-  EXPECT_EQ(grid.field.unit, "HU");
+  EXPECT_EQ(grid.fields[0].name, "density");
+  EXPECT_EQ(grid.fields[0].unit, "HU");
   EXPECT_EQ(grid.provenance.command, "rhoray pack x");
   EXPECT_EQ(grid.provenance.source_name, "x.nrrd");
 }
@@ -233,7 +233,7 @@ TEST(PackVolume, keeps_frame_units_and_names) {
 TEST(PackVolume, gives_a_field_without_name_one) {
   auto volume = random_volume<std::uint8_t>({2, 2, 2}, 8);
   volume.field_name.clear();
-  EXPECT_EQ(expect_faithful<std::uint8_t>(volume).field.name, "value");
+  EXPECT_EQ(expect_faithful<std::uint8_t>(volume).fields[0].name, "value");
 }
 
 TEST(PackVolume, writes_the_same_bytes_on_any_number_of_threads) {

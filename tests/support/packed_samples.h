@@ -95,7 +95,7 @@ GridSample<T> sample_grid(const formats::BrickLayout& layout,
   for (std::int64_t k = 0; k < n.z; ++k)
     for (std::int64_t j = 0; j < n.y; ++j)
       for (std::int64_t i = 0; i < n.x; ++i) values.push_back(value(i, j, k));
-  grid.description.field = summarize("density", std::span<const T>(values));
+  grid.description.fields = {summarize("density", std::span<const T>(values))};
   const auto at = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
     return values[static_cast<std::size_t>((k * n.y + j) * n.x + i)];
   };

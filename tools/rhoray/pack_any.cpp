@@ -111,9 +111,9 @@ PackResult pack_volume(const PackOptions& options, const std::filesystem::path& 
   return {.kind = "grid",
           .description = json_of(grid),
           .content =
-              concat(text_of(count), " = ", grouped(sample_count), " samples ", formats::element_name(grid.field.type)),
+              concat(text_of(count), " = ", grouped(sample_count), " samples ", formats::element_name(grid.fields[0].type)),
           .notes = volume.notes,
-          .raw_bytes = sample_count * formats::element_bytes(grid.field.type),
+          .raw_bytes = sample_count * formats::element_bytes(grid.fields[0].type),
           .file_bytes = report.file_bytes,
           .cell_count = static_cast<std::uint64_t>(rhoray::volume(grid.macro.leaf_count))};
 }

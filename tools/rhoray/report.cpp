@@ -58,6 +58,8 @@ Json json_of(const formats::Provenance& provenance) {
 }
 
 Json json_of(const formats::GridDescription& grid) {
+  Json fields = Json::array();
+  for (const formats::FieldSummary& field : grid.fields) fields.push_back(json_of(field));
   const formats::BrickLayout& layout = grid.layout;
   const Index3& count = layout.sample_count;
   return {{"samples", json_of(count)},
@@ -71,7 +73,7 @@ Json json_of(const formats::GridDescription& grid) {
             {"superbrick_edge", json_of(layout.superbrick_edge)},
             {"padded_samples", json_of(layout.padded_count())}}},
           {"macro_levels", {{"count", grid.macro.level_count}, {"factor", grid.macro.factor}}},
-          {"fields", Json::array({json_of(grid.field)})},
+          {"fields", fields},
           {"provenance", json_of(grid.provenance)}};
 }
 
