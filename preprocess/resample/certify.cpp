@@ -5,13 +5,12 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <bitset>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "preprocess/inspect/has_data.h"
 #include "preprocess/resample/locate.h"
+#include "preprocess/resample/neighborhood.h"
 #include "preprocess/resample/trilinear_patch.h"
 
 namespace rhoray::preprocess {
@@ -22,8 +21,8 @@ using Point = std::array<double, 3>;
 constexpr std::size_t edge = PointRows::edge;
 constexpr auto brick_samples = static_cast<std::size_t>(SampleLattice::brick_samples);
 
-constexpr double relative_gap = 0.05;    // what a bound may exceed an attained difference by
-constexpr double gap_of_range = 1e-6;    // or this share of the field's range
+constexpr double relative_gap = 0.05;              // what a bound may exceed an attained difference by
+constexpr double gap_of_range = 1e-6;              // or this share of the field's range
 constexpr std::size_t largest_piece_count = 4096;  // of one leaf cell's faces; a fold of ten would take a few hundred
 
 Point minus(const Point& a, const Point& b) {
@@ -100,9 +99,9 @@ FieldView view_of(const CleanMesh& mesh, const PointField& field, const std::vec
   tbb::parallel_for(Range(0, mesh.cells.size(), 4096), [&](const Range& part) {
     for (std::size_t c = part.begin(); c < part.end(); ++c) {
       const auto& cell = mesh.cells[c];
-      view.gradients[c] = gradient_of({steps[cell[0]], steps[cell[1]], steps[cell[2]], steps[cell[3]]},
-                                      {view.values[cell[0]], view.values[cell[1]], view.values[cell[2]],
-                                       view.values[cell[3]]});
+      view.gradients[c] =
+          gradient_of({steps[cell[0]], steps[cell[1]], steps[cell[2]], steps[cell[3]]},
+                      {view.values[cell[0]], view.values[cell[1]], view.values[cell[2]], view.values[cell[3]]});
     }
   });
   return view;
@@ -114,8 +113,8 @@ struct BrickFace {
   std::array<std::uint32_t, 3> vertices;
   std::array<std::int8_t, 3> low, high;  ///< leaf cells of the brick in the face's box
   std::uint32_t cell;
-  std::uint32_t neighbor;  ///< or FaceNeighbors::none
-  Point normal;            ///< twice the face's area long
+  std::uint32_t neighbor;      ///< or FaceNeighbors::none
+  Point normal;                ///< twice the face's area long
   std::array<Point, 3> sides;  ///< directions in the face's plane, normal to an edge, inward
 
   /// False when the leaf cell that has `center` in its middle is clear of the face.
@@ -135,22 +134,12 @@ struct BrickErrors {
   std::uint32_t point_count = 0;
 };
 
-/// Numbers of a leaf cell's or a sample's place in a brick.
-constexpr std::size_t place_of(std::size_t i, std::size_t j, std::size_t k) {
-  return (k * edge + j) * edge + i;
-}
-
 /// Works on one brick after another; one for each thread.
 class BrickCertifier {
  public:
   BrickCertifier(const CleanMesh& mesh, const FaceNeighbors& neighbors, const std::vector<Point>& steps,
                  const SampleLattice& lattice, const TouchedBricks& touched, const BrickSamples& samples)
-      : mesh_(mesh),
-        neighbors_(neighbors),
-        steps_(steps),
-        lattice_(lattice),
-        touched_(touched),
-        samples_(samples) {}
+      : mesh_(mesh), neighbors_(neighbors), steps_(steps), lattice_(lattice), touched_(touched), samples_(samples) {}
 
   /// Finds the faces and the probes of a brick, for all fields.
   void enter(std::size_t slot) {
@@ -168,9 +157,9 @@ class BrickCertifier {
   }
 
   BrickErrors certify(const FieldView& field, std::size_t f) {
-    gather(f);
+    samples_nearby_.gather(touched_, brick_, samples_.fields[f]);
     BrickErrors errors;
-    if (covered_count_ == 0) return errors;
+    if (samples_nearby_.covered_count() == 0) return errors;
     probe(field, errors);
     sum_bounds(field);
     take_conflicts(field, errors);
@@ -186,13 +175,12 @@ class BrickCertifier {
   }
   std::size_t uncovered_probes() const {
     std::size_t count = 0;
-    for (std::size_t p = 0; p < brick_samples; ++p) count += places_.cell[p] != Places::outside && !covered_[p];
+    for (std::size_t p = 0; p < brick_samples; ++p)
+      count += places_.cell[p] != Places::outside && !samples_nearby_.is_covered(p);
     return count;
   }
 
  private:
-  static constexpr std::size_t wide = edge + 1;
-
   void collect_faces(std::span<const std::uint32_t> cells) {
     faces_.clear();
     for (const std::uint32_t c : cells) {
@@ -229,46 +217,6 @@ class BrickCertifier {
     faces_.push_back(face);
   }
 
-  /// The samples of the brick and the first ones of those beside it, and which leaf cells have all eight.
-  void gather(std::size_t f) {
-    constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-    std::visit(
-        [&]<class T>(const Array<T>& all) {
-          for (std::size_t corner = 0; corner < 8; ++corner) {
-            const Index3 at = brick_ + Index3(corner & 1, corner >> 1 & 1, corner >> 2);
-            const bool is_there = at.x < touched_.count.x && at.y < touched_.count.y && at.z < touched_.count.z;
-            const std::uint32_t slot =
-                is_there ? touched_.slots[static_cast<std::size_t>((at.z * touched_.count.y + at.y) * touched_.count.x +
-                                                                   at.x)]
-                         : TouchedBricks::none;
-            const T* from = slot == TouchedBricks::none ? nullptr : all.data() + slot * brick_samples;
-            const std::size_t nx = corner & 1 ? 1 : edge, ny = corner & 2 ? 1 : edge, nz = corner & 4 ? 1 : edge;
-            const std::size_t x0 = corner & 1 ? edge : 0, y0 = corner & 2 ? edge : 0, z0 = corner & 4 ? edge : 0;
-            for (std::size_t k = 0; k < nz; ++k)
-              for (std::size_t j = 0; j < ny; ++j)
-                for (std::size_t i = 0; i < nx; ++i)
-                  values_[((z0 + k) * wide + y0 + j) * wide + x0 + i] =
-                      from == nullptr ? nothing : static_cast<double>(from[place_of(i, j, k)]);
-          }
-        },
-        samples_.fields[f]);
-    covered_.reset();
-    for (std::size_t k = 0; k < cell_count_[2]; ++k)
-      for (std::size_t j = 0; j < cell_count_[1]; ++j)
-        for (std::size_t i = 0; i < cell_count_[0]; ++i) {
-          const std::array<double, 8> c = corners_of(i, j, k);
-          const double sum = ((c[0] + c[1]) + (c[2] + c[3])) + ((c[4] + c[5]) + (c[6] + c[7]));
-          if (!std::isnan(sum)) covered_.set(place_of(i, j, k));
-        }
-    covered_count_ = covered_.count();
-  }
-
-  std::array<double, 8> corners_of(std::size_t i, std::size_t j, std::size_t k) const {
-    const double* at = values_.data() + (k * wide + j) * wide + i;
-    return {at[0],           at[1],           at[wide],               at[wide + 1],
-            at[wide * wide], at[wide * wide + 1], at[wide * wide + wide], at[wide * wide + wide + 1]};
-  }
-
   static double trilinear(const std::array<double, 8>& c, double x, double y, double z) {
     const double x0 = c[0] + x * (c[1] - c[0]), x1 = c[2] + x * (c[3] - c[2]);
     const double x2 = c[4] + x * (c[5] - c[4]), x3 = c[6] + x * (c[7] - c[6]);
@@ -294,13 +242,13 @@ class BrickCertifier {
         const double z = (probes_.z[row] - row_place(2, k)) / lattice_.spacing.z;
         const double x = probes_.shift[row] / lattice_.spacing.x;
         for (std::size_t i = 0; i < cell_count_[0]; ++i) {
-          const std::size_t p = place_of(i, j, k);
-          if (places_.cell[p] == Places::outside || !covered_[p]) continue;
+          const std::size_t p = Neighborhood::place(i, j, k);
+          if (places_.cell[p] == Places::outside || !samples_nearby_.is_covered(p)) continue;
           const auto& cell = mesh_.cells[places_.cell[p]];
           const auto& weights = places_.weights[p];
           const double linear = weights[0] * field.values[cell[0]] + weights[1] * field.values[cell[1]] +
                                 weights[2] * field.values[cell[2]] + weights[3] * field.values[cell[3]];
-          const double difference = std::abs(trilinear(corners_of(i, j, k), x, y, z) - linear);
+          const double difference = std::abs(trilinear(samples_nearby_.corners(i, j, k), x, y, z) - linear);
           if (!has_data(difference)) continue;
           errors.sum_of_squares += difference * difference;
           ++errors.point_count;
@@ -318,8 +266,8 @@ class BrickCertifier {
     sums_.fill(0);
     for (const BrickFace& face : faces_) {
       const Gradient& own = field.gradients[face.cell];
-      const bool has_both = face.neighbor != FaceNeighbors::none && own.has_values &&
-                            field.gradients[face.neighbor].has_values;
+      const bool has_both =
+          face.neighbor != FaceNeighbors::none && own.has_values && field.gradients[face.neighbor].has_values;
       const double area = dot(face.normal, face.normal);
       if (!has_both || !(area > 1e-200)) {
         mark(face);
@@ -358,7 +306,8 @@ class BrickCertifier {
     over_rows(face, [&](std::size_t j, std::size_t k) {
       const double start = start_of_row(face.normal, face.corners[0], j, k);
       for (auto i = static_cast<std::size_t>(face.low[0]); i <= static_cast<std::size_t>(face.high[0]); ++i)
-        if (std::abs(start + static_cast<double>(i) * face.normal[0]) <= reach) sums_[place_of(i, j, k)] = infinite;
+        if (std::abs(start + static_cast<double>(i) * face.normal[0]) <= reach)
+          sums_[Neighborhood::place(i, j, k)] = infinite;
     });
   }
 
@@ -385,7 +334,7 @@ class BrickCertifier {
       std::array<float, 3> side_start;
       for (std::size_t e = 0; e < 3; ++e)
         side_start[e] = static_cast<float>(start_of_row(face.sides[e], face.corners[e], j, k)) + reach[e];
-      float* sums = sums_.data() + place_of(0, j, k);
+      float* sums = sums_.data() + Neighborhood::place(0, j, k);
       for (std::size_t i = first; i <= last; ++i) {
         const auto at = static_cast<float>(i);
         const float inside = std::min(std::min(side_start[0] + at * side_slope[0], side_start[1] + at * side_slope[1]),
@@ -402,10 +351,7 @@ class BrickCertifier {
   void take_conflicts(const FieldView& field, BrickErrors& errors) {
     if (field.conflicts.empty()) return;
     for (std::size_t corner = 0; corner < 8; ++corner) {
-      const Index3 at = brick_ + Index3(corner & 1, corner >> 1 & 1, corner >> 2);
-      if (at.x >= touched_.count.x || at.y >= touched_.count.y || at.z >= touched_.count.z) continue;
-      const std::uint32_t slot =
-          touched_.slots[static_cast<std::size_t>((at.z * touched_.count.y + at.y) * touched_.count.x + at.x)];
+      const std::uint32_t slot = touched_.slot(brick_ + Index3(corner & 1, corner >> 1 & 1, corner >> 2));
       if (slot == TouchedBricks::none) continue;
       auto conflict = std::lower_bound(field.conflicts.begin(), field.conflicts.end(), slot,
                                        [](const Conflict& c, std::uint32_t wanted) { return c.slot < wanted; });
@@ -428,8 +374,8 @@ class BrickCertifier {
         is_here = is_here && sample[a] >= back && sample[a] - back < cell_count_[a];
         cell[a] = sample[a] - back;
       }
-      if (!is_here || !covered_[place_of(cell[0], cell[1], cell[2])]) continue;
-      sums_[place_of(cell[0], cell[1], cell[2])] = infinite;
+      if (!is_here || !samples_nearby_.is_covered(Neighborhood::place(cell[0], cell[1], cell[2]))) continue;
+      sums_[Neighborhood::place(cell[0], cell[1], cell[2])] = infinite;
       if (!has_data(difference)) continue;
       attain(difference, cell[0], cell[1], cell[2],
              {static_cast<double>(sample[0] - cell[0]), static_cast<double>(sample[1] - cell[1]),
@@ -454,16 +400,15 @@ class BrickCertifier {
     for (std::size_t k = 0; k < cell_count_[2]; ++k)
       for (std::size_t j = 0; j < cell_count_[1]; ++j)
         for (std::size_t i = 0; i < cell_count_[0]; ++i) {
-          const std::size_t p = place_of(i, j, k);
-          if (!covered_[p]) continue;
+          const std::size_t p = Neighborhood::place(i, j, k);
+          if (!samples_nearby_.is_covered(p)) continue;
           if (static_cast<double>(sums_[p]) > goal())
             candidates_.push_back(static_cast<std::uint32_t>(p));
           else
             errors.bound = std::max(errors.bound, static_cast<double>(sums_[p]));
         }
-    std::sort(candidates_.begin(), candidates_.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return sums_[a] != sums_[b] ? sums_[a] > sums_[b] : a < b;
-    });
+    std::sort(candidates_.begin(), candidates_.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return sums_[a] != sums_[b] ? sums_[a] > sums_[b] : a < b; });
     for (const std::uint32_t p : candidates_) {
       if (static_cast<double>(sums_[p]) <= goal())
         errors.bound = std::max(errors.bound, static_cast<double>(sums_[p]));
@@ -476,7 +421,7 @@ class BrickCertifier {
   template <class Goal>
   void refine_cell(const FieldView& field, std::uint32_t p, const Goal& goal, BrickErrors& errors) {
     const std::size_t i = p % edge, j = p / edge % edge, k = p / edge / edge;
-    const std::array<double, 8> corners = corners_of(i, j, k);
+    const std::array<double, 8> corners = samples_nearby_.corners(i, j, k);
     const Point low{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
     pieces_.clear();
     const auto add = [&](const std::array<PatchPoint, 3>& triangle) {
@@ -538,9 +483,7 @@ class BrickCertifier {
   PointRows probes_;
   Places places_;
   std::vector<BrickFace> faces_;
-  std::array<double, wide * wide * wide> values_{};
-  std::bitset<brick_samples> covered_;
-  std::size_t covered_count_ = 0;
+  Neighborhood samples_nearby_;
   std::array<float, brick_samples> sums_{};
   std::vector<std::uint32_t> candidates_;
   std::vector<Piece> pieces_;

@@ -19,11 +19,11 @@ struct FieldErrors {
   /// By slot. Root mean square over one point in each leaf cell (locate.h: rows_of_probes): an estimate.
   std::vector<double> rms;
 
-  double max_error = 0;             ///< of all bricks
-  double attained = 0;              ///< the largest difference at a point that was looked at
+  double max_error = 0;                 ///< of all bricks
+  double attained = 0;                  ///< the largest difference at a point that was looked at
   std::array<double, 3> attained_at{};  ///< that point, in steps of the lattice
-  double rms_error = 0;             ///< over all points
-  std::uint64_t point_count = 0;    ///< points of the estimate
+  double rms_error = 0;                 ///< over all points
+  std::uint64_t point_count = 0;        ///< points of the estimate
 };
 
 struct Certificates {

@@ -16,7 +16,7 @@ using Range = tbb::blocked_range<std::size_t>;
 
 /// A face in the list of its lowest vertex.
 struct Face {
-  std::uint64_t others;  ///< the other two vertices, rising
+  std::uint64_t others;         ///< the other two vertices, rising
   std::uint64_t cell_and_side;  ///< 8 * cell + 2 * face + 1 when the sorted vertices run the other way round
 
   friend bool operator<(const Face& a, const Face& b) {

@@ -13,8 +13,9 @@ constexpr double on_the_side = 1e-9;  // of a step: what a division by the spaci
 
 void check_count(double samples, int axis) {
   if (samples >= 2 && samples <= static_cast<double>(SampleLattice::largest_axis)) return;
-  throw Error(Trouble::usage, concat("samples on the ", std::string_view("xyz").substr(static_cast<std::size_t>(axis), 1),
-                                     " axis: found ", samples, "; expected 2 to ", SampleLattice::largest_axis));
+  throw Error(Trouble::usage,
+              concat("samples on the ", std::string_view("xyz").substr(static_cast<std::size_t>(axis), 1),
+                     " axis: found ", samples, "; expected 2 to ", SampleLattice::largest_axis));
 }
 
 /// From side to side.
@@ -51,9 +52,8 @@ SampleLattice choose_samples(const Box3& box, const LatticeWish& wish) {
   lattice.low = box.min;
   const Vec3 extent = box.max - box.min;
   const double longest = std::max({extent.x, extent.y, extent.z});
-  if (wish.longest_axis != 0) check_count(static_cast<double>(wish.longest_axis), extent.x == longest   ? 0
-                                                                                  : extent.y == longest ? 1
-                                                                                                        : 2);
+  if (wish.longest_axis != 0)
+    check_count(static_cast<double>(wish.longest_axis), extent.x == longest ? 0 : extent.y == longest ? 1 : 2);
   for (int axis = 0; axis < 3; ++axis) {
     if (wish.spacing != Vec3(0, 0, 0)) {
       step(lattice, box, axis, wish.spacing[axis]);

@@ -5,15 +5,9 @@
 #include <vector>
 
 #include "formats/base/vector.h"
+#include "preprocess/resample.h"
 
 namespace rhoray::preprocess {
-
-/// Which lattice of samples is wanted over a mesh's box. One of the three is given, the others are zero.
-struct LatticeWish {
-  std::int64_t longest_axis = 0;  ///< samples on the longest axis; the others get nearly the same spacing
-  Index3 sample_count{0, 0, 0};   ///< samples on every axis
-  Vec3 spacing{0, 0, 0};          ///< distance of samples on every axis
-};
 
 /// A lattice of samples over the box of a mesh, in the mesh's own frame. Sample (i, j, k) stands exactly at
 /// (places[0][i], places[1][j], places[2][k]): the doubles nearest to low + i * spacing, and the box's far side itself

@@ -34,8 +34,7 @@ std::array<double, 4> careful_weights(const std::array<Point, 4>& p, const Point
     moved[vertex] = q;
     const WidePoint a = wide_minus(moved[1], moved[0]), b = wide_minus(moved[2], moved[0]),
                     c = wide_minus(moved[3], moved[0]);
-    return c[0] * (a[1] * b[2] - a[2] * b[1]) + c[1] * (a[2] * b[0] - a[0] * b[2]) +
-           c[2] * (a[0] * b[1] - a[1] * b[0]);
+    return c[0] * (a[1] * b[2] - a[2] * b[1]) + c[1] * (a[2] * b[0] - a[0] * b[2]) + c[2] * (a[0] * b[1] - a[1] * b[0]);
   };
   std::array<Wide, 4> f;
   Wide sum = 0;
@@ -176,7 +175,7 @@ class Scan {
   const PointRows& rows_;
   const std::array<Point, 4>& p_;
   std::array<std::int64_t, 3> low_{}, high_{};
-  Point reach_{};  ///< no point looked at is farther from a vertex
+  Point reach_{};                  ///< no point looked at is farther from a vertex
   std::array<Point, 4> normal_{};  ///< of the face opposite a vertex, inward, twice its area long
   std::array<double, 4> u_{}, inverse_{}, rest_{};
   std::array<bool, 4> sees_x_{};

@@ -14,8 +14,8 @@ namespace rhoray::preprocess {
 struct PointRows {
   static constexpr std::size_t edge = SampleLattice::brick_edge;
 
-  Index3 first;  ///< the lattice's sample at or below the first point
-  Index3 size;   ///< points per axis
+  Index3 first;       ///< the lattice's sample at or below the first point
+  Index3 size;        ///< points per axis
   double spread = 0;  ///< how far, in steps of the lattice, a point may lie above its sample on any axis: 0 or 1
   std::array<double, edge> x;
   std::array<double, edge * edge> shift, y, z;

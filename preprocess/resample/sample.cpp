@@ -55,8 +55,8 @@ void fill_brick(const CleanMesh& mesh, const std::vector<T>& values, const Scrat
     const T other = interpolate(values, mesh.cells[claim.cell], claim.weights), own = out[claim.point];
     if (!disagree(own, other)) continue;
     const double difference = std::abs(static_cast<double>(own) - static_cast<double>(other));
-    conflicts.push_back({slot, claim.point,
-                         std::isnan(difference) ? std::numeric_limits<double>::infinity() : difference});
+    conflicts.push_back(
+        {slot, claim.point, std::isnan(difference) ? std::numeric_limits<double>::infinity() : difference});
   }
 }
 
@@ -109,9 +109,9 @@ BrickSamples sample_fields(const CleanMesh& mesh, const std::vector<PointField>&
       scratch.second.clear();
       locate(mesh.points, mesh.cells, touched.lists.view().list(touched.bricks[slot]), lattice,
              rows_of_samples(lattice, touched.at(slot)), scratch.places, &scratch.second);
-      samples.inside_counts[slot] = static_cast<std::uint32_t>(
-          std::count_if(scratch.places.cell.begin(), scratch.places.cell.end(),
-                        [](std::uint32_t cell) { return cell != Places::outside; }));
+      samples.inside_counts[slot] =
+          static_cast<std::uint32_t>(std::count_if(scratch.places.cell.begin(), scratch.places.cell.end(),
+                                                   [](std::uint32_t cell) { return cell != Places::outside; }));
       overlap_counts[slot] = overlaps(scratch.second);
       for (std::size_t f = 0; f < fields.size(); ++f)
         std::visit(

@@ -16,14 +16,20 @@ namespace rhoray::preprocess {
 struct TouchedBricks {
   static constexpr std::uint32_t none = 0xffffffff;
 
-  Index3 count;                      ///< bricks per axis
-  LeafLists lists;                   ///< by brick: cells that touch its 8 x 8 x 8 leaf cells
-  std::vector<std::uint32_t> slots;  ///< by brick, or none
+  Index3 count;                       ///< bricks per axis
+  LeafLists lists;                    ///< by brick: cells that touch its 8 x 8 x 8 leaf cells
+  std::vector<std::uint32_t> slots;   ///< by brick, or none
   std::vector<std::uint32_t> bricks;  ///< by slot, rising
 
   Index3 at(std::size_t slot) const {
     const auto brick = static_cast<std::int64_t>(bricks[slot]);
     return {brick % count.x, brick / count.x % count.y, brick / count.x / count.y};
+  }
+
+  /// Of a brick that may lie beyond the last one on an axis.
+  std::uint32_t slot(const Index3& brick) const {
+    if (brick.x >= count.x || brick.y >= count.y || brick.z >= count.z) return none;
+    return slots[static_cast<std::size_t>((brick.z * count.y + brick.y) * count.x + brick.x)];
   }
 };
 

@@ -64,9 +64,8 @@ PatchBounds patch_bounds(const std::array<PatchPoint, 3>& t, const std::array<do
       const double polar = (mixed[w][v][v] + mixed[v][w][v] + mixed[v][v][w]) / 3;
       bounds.upper = std::max(bounds.upper, std::abs(polar - (2 * t[v].value + t[w].value) / 3));
     }
-  const double middle = (mixed[0][1][2] + mixed[0][2][1] + mixed[1][0][2] + mixed[1][2][0] + mixed[2][0][1] +
-                         mixed[2][1][0]) /
-                        6;
+  const double middle =
+      (mixed[0][1][2] + mixed[0][2][1] + mixed[1][0][2] + mixed[1][2][0] + mixed[2][0][1] + mixed[2][1][0]) / 6;
   bounds.upper = std::max(bounds.upper, std::abs(middle - (t[0].value + t[1].value + t[2].value) / 3));
   return bounds;
 }
