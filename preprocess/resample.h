@@ -45,7 +45,7 @@ struct ResampleReport {
     double max_error = 0;  ///< not exceeded anywhere (certified; the file keeps such a bound for every brick)
     double attained = 0;   ///< found at a point: the true maximum lies between the two
     Vec3 attained_at;      ///< that point, world
-    double rms_error = 0;  ///< estimated from one point in each leaf cell
+    double rms_error = 0;  ///< estimated from one point in each leaf cell or in every fourth
     std::uint64_t point_count = 0;
   };
   /// A lattice that was tried for max_error.
@@ -69,9 +69,10 @@ struct ResampleReport {
 /// samples with one inside the mesh, with a certificate of the error for every field (SPEC.md) in which
 ///
 ///  * `max` of a brick is an upper bound, not an estimate, of |trilinear - piecewise linear| over the part of the mesh
-///    in its leaf cells (those whose first sample is the brick's) where all eight samples have data. It exceeds a
-///    difference that is attained there by at most a twentieth, or by 1e-6 of the field's range;
-///  * `rms` is estimated from one point in each leaf cell, at 64 places in turn.
+///    in its leaf cells (those whose first sample is the brick's) where all eight samples have data. The largest of
+///    them exceeds a difference that is attained by at most a twentieth, or by 1e-6 of the field's range; where a brick
+///    cannot hold the largest error its bound is less tight;
+///  * `rms` is estimated from one point in each leaf cell, or in every fourth where there are more than 1024 bricks.
 ///
 /// Every sample is decided exactly (resample/locate.h); outside the mesh, and in cells with a vertex without data, it
 /// is NaN. The file does not depend on the number of threads.

@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <numeric>
 
 #include "preprocess/inspect/has_data.h"
 #include "preprocess/resample/locate.h"
@@ -21,8 +23,9 @@ using Point = std::array<double, 3>;
 constexpr std::size_t edge = PointRows::edge;
 constexpr auto brick_samples = static_cast<std::size_t>(SampleLattice::brick_samples);
 
-constexpr double relative_gap = 0.05;              // what a bound may exceed an attained difference by
-constexpr double gap_of_range = 1e-6;              // or this share of the field's range
+constexpr double relative_gap = 0.05;  // what a bound may exceed an attained difference by
+constexpr double gap_of_range = 1e-6;  // or this share of the field's range
+constexpr std::size_t fully_probed_bricks = 1024;
 constexpr std::size_t largest_piece_count = 4096;  // of one leaf cell's faces; a fold of ten would take a few hundred
 
 Point minus(const Point& a, const Point& b) {
@@ -45,11 +48,34 @@ struct Gradient {
   bool has_values = false;                                 ///< at all four vertices
 };
 
+/// The gradients of the cells in a leaf cell, by component.
+struct GradientRange {
+  Point low, high;
+  double error = 0;
+
+  GradientRange() {
+    low.fill(std::numeric_limits<double>::infinity());
+    high.fill(-std::numeric_limits<double>::infinity());
+  }
+  void include(const Gradient& gradient) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], gradient.slope[a]);
+      high[a] = std::max(high[a], gradient.slope[a]);
+    }
+    error = std::max(error, gradient.error);
+  }
+  /// From the point x to a corner X of the leaf cell a linear function with the middle of the gradients is off by at
+  /// most sum |X_a - x_a| r_a, with r_a half their range; the mean of |X_a - x_a| over the corners, weighted as they
+  /// are at x, is 2 x_a (1 - x_a), at most 1/2.
+  double bound() const { return 0.25 * ((high[0] - low[0]) + (high[1] - low[1]) + (high[2] - low[2]) + 6 * error); }
+};
+
 /// A field as the certificate needs it.
 struct FieldView {
   std::vector<double> values;  ///< at the mesh's points
   std::vector<Gradient> gradients;
   double range = 0;
+  double unit = 1;   ///< of the sums over faces, which are in single precision
   double noise = 0;  ///< what rounding may do to a difference
   std::span<const Conflict> conflicts;
 };
@@ -92,6 +118,7 @@ FieldView view_of(const CleanMesh& mesh, const PointField& field, const std::vec
     if (has_data(value)) range.include(value);
   if (range.is_empty()) range = {0, 0};
   view.range = range.hi - range.lo;
+  if (view.range > 0 && has_data(1 / view.range) && has_data(view.range)) view.unit = view.range;
   const double largest = std::max(std::abs(range.lo), std::abs(range.hi));
   const auto axis = static_cast<double>(std::max({lattice.count.x, lattice.count.y, lattice.count.z}));
   view.noise = largest * ((is_single ? 0x1p-24 : 0) + 0x1p-50 * axis);
@@ -141,34 +168,30 @@ class BrickCertifier {
                  const SampleLattice& lattice, const TouchedBricks& touched, const BrickSamples& samples)
       : mesh_(mesh), neighbors_(neighbors), steps_(steps), lattice_(lattice), touched_(touched), samples_(samples) {}
 
-  /// Finds the faces and the probes of a brick, for all fields.
   void enter(std::size_t slot) {
     slot_ = slot;
     brick_ = touched_.at(slot);
-    probes_ = rows_of_probes(lattice_, brick_);
     for (std::size_t a = 0; a < 3; ++a) {
       const int axis = static_cast<int>(a);
-      first_[a] = static_cast<double>(probes_.first[axis]);
-      cell_count_[a] = static_cast<std::size_t>(std::max<std::int64_t>(probes_.size[axis], 0));
+      const std::int64_t first = brick_[axis] * SampleLattice::brick_edge;
+      first_[a] = static_cast<double>(first);
+      cell_count_[a] =
+          static_cast<std::size_t>(std::min<std::int64_t>(SampleLattice::brick_edge, lattice_.count[axis] - 1 - first));
     }
-    const auto cells = touched_.lists.view().list(touched_.bricks[slot]);
-    locate(mesh_.points, mesh_.cells, cells, lattice_, probes_, places_, nullptr);
-    collect_faces(cells);
   }
 
-  BrickErrors certify(const FieldView& field, std::size_t f) {
-    samples_nearby_.gather(touched_, brick_, samples_.fields[f]);
+  /// Finds where the probes of the brick lie, for all fields.
+  void find_probes(bool in_every_row) {
+    probes_ = rows_of_probes(lattice_, brick_, in_every_row);
+    locate(mesh_.points, mesh_.cells, cells(), lattice_, probes_, places_, nullptr);
+  }
+  BrickErrors probe(const FieldView& field, std::size_t f) {
     BrickErrors errors;
-    if (samples_nearby_.covered_count() == 0) return errors;
-    probe(field, errors);
-    sum_bounds(field);
-    take_conflicts(field, errors);
-    refine(field, errors);
-    if (errors.bound > 0 || field.noise > 0) errors.bound += field.noise;
+    samples_nearby_.gather(touched_, brick_, samples_.fields[f]);
+    if (samples_nearby_.covered_count() > 0) take_probes(field, errors);
     return errors;
   }
-
-  /// After certify: probes in the mesh, and those of them in leaf cells without a trilinear field.
+  /// After probe: probes in the mesh, and those of them in leaf cells without a trilinear field.
   std::size_t probes_in_mesh() const {
     return static_cast<std::size_t>(std::count_if(places_.cell.begin(), places_.cell.end(),
                                                   [](std::uint32_t cell) { return cell != Places::outside; }));
@@ -180,10 +203,11 @@ class BrickCertifier {
     return count;
   }
 
- private:
-  void collect_faces(std::span<const std::uint32_t> cells) {
+  /// Finds the faces in the brick, for all fields.
+  void find_faces() {
     faces_.clear();
-    for (const std::uint32_t c : cells) {
+    for (auto& layer : layers_) layer.clear();
+    for (const std::uint32_t c : cells()) {
       if (neighbors_.is_flat[c]) continue;
       for (std::size_t f = 0; f < 4; ++f) {
         const std::uint32_t neighbor = neighbors_.cells[c][f];
@@ -192,6 +216,19 @@ class BrickCertifier {
       }
     }
   }
+  /// Adds the bound, and what is attained on the way to it, to what probes have attained.
+  /// @param good_enough  a bound up to this is taken as it is
+  void bound(const FieldView& field, std::size_t f, double good_enough, BrickErrors& errors) {
+    samples_nearby_.gather(touched_, brick_, samples_.fields[f]);
+    if (samples_nearby_.covered_count() == 0) return;
+    sum_bounds(field);
+    take_conflicts(field, errors);
+    refine(field, good_enough, errors);
+    errors.bound += field.noise;
+  }
+
+ private:
+  std::span<const std::uint32_t> cells() const { return touched_.lists.view().list(touched_.bricks[slot_]); }
 
   void add_face(std::uint32_t c, std::size_t f, std::uint32_t neighbor) {
     BrickFace face;
@@ -214,6 +251,8 @@ class BrickCertifier {
                 e2 = minus(face.corners[0], face.corners[2]);
     face.normal = cross(e0, e1);
     face.sides = {cross(face.normal, e0), cross(face.normal, e1), cross(face.normal, e2)};
+    for (auto k = face.low[2]; k <= face.high[2]; ++k)
+      layers_[static_cast<std::size_t>(k)].push_back(static_cast<std::uint32_t>(faces_.size()));
     faces_.push_back(face);
   }
 
@@ -234,7 +273,7 @@ class BrickCertifier {
                           first_[2] + static_cast<double>(k) + in_cell[2]};
   }
 
-  void probe(const FieldView& field, BrickErrors& errors) const {
+  void take_probes(const FieldView& field, BrickErrors& errors) const {
     for (std::size_t k = 0; k < cell_count_[2]; ++k)
       for (std::size_t j = 0; j < cell_count_[1]; ++j) {
         const std::size_t row = k * edge + j;
@@ -275,9 +314,10 @@ class BrickCertifier {
       }
       const Gradient& other = field.gradients[face.neighbor];
       const Point jump = minus(own.slope, other.slope);
-      const double along = dot(jump, face.normal) / area;
-      const Point ramp{along * face.normal[0], along * face.normal[1], along * face.normal[2]};
-      const double error = own.error + other.error + sum_of_magnitudes(minus(jump, ramp));
+      const double along = dot(jump, face.normal) / area, scaled = along / field.unit;
+      const Point in_plane = minus(jump, {along * face.normal[0], along * face.normal[1], along * face.normal[2]});
+      const Point ramp{scaled * face.normal[0], scaled * face.normal[1], scaled * face.normal[2]};
+      const double error = (own.error + other.error + sum_of_magnitudes(in_plane)) / field.unit;
       if (!(error < 1e30 && sum_of_magnitudes(ramp) < 1e30)) {
         mark(face);
         continue;
@@ -286,64 +326,86 @@ class BrickCertifier {
     }
   }
 
-  template <class Act>
-  static void over_rows(const BrickFace& face, Act&& act) {
-    for (auto k = static_cast<std::size_t>(face.low[2]); k <= static_cast<std::size_t>(face.high[2]); ++k)
-      for (auto j = static_cast<std::size_t>(face.low[1]); j <= static_cast<std::size_t>(face.high[1]); ++j) act(j, k);
-  }
+  /// A linear function at the centres of leaf cells: start + i * x + j * y + k * z. In single precision, but for the
+  /// start, so that it is near its zero as precise as far from it.
+  struct Heights {
+    float start, x, y, z;
 
-  /// Heights of the centres of a row's leaf cells above a plane through `on`: start + i * slope.
-  static double start_of_row(const Point& normal, const Point& on, std::size_t j, std::size_t k) {
-    return normal[0] * (0.5 - on[0]) + normal[1] * (static_cast<double>(j) + 0.5 - on[1]) +
-           normal[2] * (static_cast<double>(k) + 0.5 - on[2]);
-  }
+    Heights(const Point& direction, const Point& zero)
+        : start(static_cast<float>(direction[0] * (0.5 - zero[0]) + direction[1] * (0.5 - zero[1]) +
+                                   direction[2] * (0.5 - zero[2]))),
+          x(static_cast<float>(direction[0])),
+          y(static_cast<float>(direction[1])),
+          z(static_cast<float>(direction[2])) {}
+    float row(std::size_t j, std::size_t k) const {
+      return start + static_cast<float>(j) * y + static_cast<float>(k) * z;
+    }
+  };
+
+  using Four = float __attribute__((vector_size(16)));
+  static constexpr Four lanes{0, 1, 2, 3};
 
   /// What is infinite stays so: single precision has room for sums of it.
   static constexpr float infinite = 1e37F;
 
   void mark(const BrickFace& face) {
-    const double reach = 0.500001 * sum_of_magnitudes(face.normal);
-    over_rows(face, [&](std::size_t j, std::size_t k) {
-      const double start = start_of_row(face.normal, face.corners[0], j, k);
-      for (auto i = static_cast<std::size_t>(face.low[0]); i <= static_cast<std::size_t>(face.high[0]); ++i)
-        if (std::abs(start + static_cast<double>(i) * face.normal[0]) <= reach)
-          sums_[Neighborhood::place(i, j, k)] = infinite;
-    });
+    const auto [i0, j0, k0] = face.low;
+    const auto [i1, j1, k1] = face.high;
+    for (int k = k0; k <= k1; ++k)
+      for (int j = j0; j <= j1; ++j)
+        for (int i = i0; i <= i1; ++i)
+          if (face.may_touch({i + 0.5, j + 0.5, k + 0.5}))
+            sums_[Neighborhood::place(static_cast<std::size_t>(i), static_cast<std::size_t>(j),
+                                      static_cast<std::size_t>(k))] = infinite;
   }
 
   /// Adds min(|ramp| / 4, (w^2 - s^2) / 2w) to the leaf cells that the face touches: s is the height of the cell's
   /// centre, w what its corners differ from that; with s_max = s + w and s_min = s - w this is the bound of certify.h.
-  /// In single precision, with more than its rounding added.
+  /// In single precision, with more than its rounding added, four leaf cells at once.
   void add_ramp(const BrickFace& face, const Point& ramp, double error) {
     const double w = 0.5 * sum_of_magnitudes(ramp);
-    if (w == 0 && error == 0) return;
+    if (w < 1e-30) return add_error(face, error + 1e-30);
     constexpr double rounding = 1e-4;
     const auto level = static_cast<float>(0.25 * std::sqrt(dot(ramp, ramp)) * (1 + rounding));
-    const auto top = static_cast<float>(0.5 * w * (1 + 2 * rounding));
-    const auto bend = w > 0 ? static_cast<float>(0.5 / w) : 0.0F;
+    const auto top = static_cast<float>(0.5 * w * (1 + 4 * rounding));
+    const auto bend = static_cast<float>(0.5 / w);
     const auto extra = static_cast<float>(2 * error);
-    std::array<float, 3> reach, side_slope;
-    for (std::size_t e = 0; e < 3; ++e) {
-      reach[e] = static_cast<float>((0.5 + rounding) * sum_of_magnitudes(face.sides[e]));
-      side_slope[e] = static_cast<float>(face.sides[e][0]);
-    }
-    const auto slope = static_cast<float>(ramp[0]);
-    const auto first = static_cast<std::size_t>(face.low[0]), last = static_cast<std::size_t>(face.high[0]);
-    over_rows(face, [&](std::size_t j, std::size_t k) {
-      const auto start = static_cast<float>(start_of_row(ramp, face.corners[0], j, k));
-      std::array<float, 3> side_start;
-      for (std::size_t e = 0; e < 3; ++e)
-        side_start[e] = static_cast<float>(start_of_row(face.sides[e], face.corners[e], j, k)) + reach[e];
-      float* sums = sums_.data() + Neighborhood::place(0, j, k);
-      for (std::size_t i = first; i <= last; ++i) {
-        const auto at = static_cast<float>(i);
-        const float inside = std::min(std::min(side_start[0] + at * side_slope[0], side_start[1] + at * side_slope[1]),
-                                      side_start[2] + at * side_slope[2]);
-        const float height = start + at * slope;
-        const float bound = std::max(std::min(level, top - bend * height * height), 0.0F) + extra;
-        sums[i] += inside >= 0 ? bound : 0.0F;
+    const Heights heights(ramp, face.corners[0]);
+    std::array<Heights, 3> sides{Heights(face.sides[0], face.corners[0]), Heights(face.sides[1], face.corners[1]),
+                                 Heights(face.sides[2], face.corners[2])};
+    for (std::size_t e = 0; e < 3; ++e)
+      sides[e].start += static_cast<float>((0.5 + rounding) * sum_of_magnitudes(face.sides[e]));
+    constexpr float middle = 0.5F * (edge - 1);
+    const float reach = static_cast<float>(w * (1 + 4 * rounding)) + middle * std::abs(heights.x);
+    for (auto k = static_cast<std::size_t>(face.low[2]); k <= static_cast<std::size_t>(face.high[2]); ++k)
+      for (auto j = static_cast<std::size_t>(face.low[1]); j <= static_cast<std::size_t>(face.high[1]); ++j) {
+        const float start = heights.row(j, k);
+        if (std::abs(start + middle * heights.x) > reach) continue;
+        const std::array<float, 3> side{sides[0].row(j, k), sides[1].row(j, k), sides[2].row(j, k)};
+        float* sums = sums_.data() + Neighborhood::place(0, j, k);
+        for (std::size_t i = 0; i < edge; i += 4) {
+          const Four at = lanes + static_cast<float>(i);
+          const Four s = start + at * heights.x;
+          Four bound = top - bend * s * s;
+          bound = bound < level ? bound : lanes * 0 + level;
+          bound = (bound > 0 ? bound : lanes * 0) + extra;
+          const Four a = side[0] + at * sides[0].x, b = side[1] + at * sides[1].x, c = side[2] + at * sides[2].x;
+          Four inside = a < b ? a : b;
+          inside = inside < c ? inside : c;
+          Four sum;
+          std::memcpy(&sum, sums + i, sizeof sum);
+          sum += inside >= 0 ? bound : lanes * 0;
+          std::memcpy(sums + i, &sum, sizeof sum);
+        }
       }
-    });
+  }
+
+  /// A face across which the gradient does not jump, but for rounding.
+  void add_error(const BrickFace& face, double error) {
+    for (auto k = static_cast<std::size_t>(face.low[2]); k <= static_cast<std::size_t>(face.high[2]); ++k)
+      for (auto j = static_cast<std::size_t>(face.low[1]); j <= static_cast<std::size_t>(face.high[1]); ++j)
+        for (auto i = static_cast<std::size_t>(face.low[0]); i <= static_cast<std::size_t>(face.high[0]); ++i)
+          sums_[Neighborhood::place(i, j, k)] += static_cast<float>(2 * error);
   }
 
   /// Leaf cells around samples for which cells of the mesh compete: their difference is attained, and the sums above
@@ -391,27 +453,29 @@ class BrickCertifier {
   };
 
   /// Looks at the faces in leaf cells, those with the largest sums first, until no other can hold more than the goal.
-  void refine(const FieldView& field, BrickErrors& errors) {
+  void refine(const FieldView& field, double good_enough, BrickErrors& errors) {
     candidates_.clear();
     const auto goal = [&] {
-      return std::max(errors.attained * (1 + relative_gap), errors.attained + gap_of_range * field.range);
+      return std::max(
+          {errors.attained * (1 + relative_gap), errors.attained + gap_of_range * field.range, good_enough});
     };
+    const auto sum_of = [&](std::size_t cell) { return static_cast<double>(sums_[cell]) * field.unit; };
     errors.bound = errors.attained;
     for (std::size_t k = 0; k < cell_count_[2]; ++k)
       for (std::size_t j = 0; j < cell_count_[1]; ++j)
         for (std::size_t i = 0; i < cell_count_[0]; ++i) {
           const std::size_t p = Neighborhood::place(i, j, k);
           if (!samples_nearby_.is_covered(p)) continue;
-          if (static_cast<double>(sums_[p]) > goal())
+          if (sum_of(p) > goal())
             candidates_.push_back(static_cast<std::uint32_t>(p));
           else
-            errors.bound = std::max(errors.bound, static_cast<double>(sums_[p]));
+            errors.bound = std::max(errors.bound, sum_of(p));
         }
     std::sort(candidates_.begin(), candidates_.end(),
               [&](std::uint32_t a, std::uint32_t b) { return sums_[a] != sums_[b] ? sums_[a] > sums_[b] : a < b; });
     for (const std::uint32_t p : candidates_) {
-      if (static_cast<double>(sums_[p]) <= goal())
-        errors.bound = std::max(errors.bound, static_cast<double>(sums_[p]));
+      if (sum_of(p) <= goal())
+        errors.bound = std::max(errors.bound, sum_of(p));
       else
         refine_cell(field, p, goal, errors);
     }
@@ -434,16 +498,29 @@ class BrickCertifier {
       pieces_.push_back({bounds.upper, triangle});
       std::push_heap(pieces_.begin(), pieces_.end());
     };
-    for (const BrickFace& face : faces_) {
+    const bool is_regular = sums_[p] < infinite;
+    GradientRange gradients;
+    nearby_.clear();
+    for (const std::uint32_t number : layers_[k]) {
+      const BrickFace& face = faces_[number];
       if (i < static_cast<std::size_t>(face.low[0]) || i > static_cast<std::size_t>(face.high[0]) ||
           j < static_cast<std::size_t>(face.low[1]) || j > static_cast<std::size_t>(face.high[1]) ||
-          k < static_cast<std::size_t>(face.low[2]) || k > static_cast<std::size_t>(face.high[2]) ||
           !face.may_touch({low[0] + 0.5, low[1] + 0.5, low[2] + 0.5}))
         continue;
+      nearby_.push_back(&face);
+      if (!is_regular) continue;
+      gradients.include(field.gradients[face.cell]);
+      gradients.include(field.gradients[face.neighbor]);
+    }
+    if (is_regular && gradients.bound() <= goal()) {
+      errors.bound = std::max(errors.bound, gradients.bound());
+      return;
+    }
+    for (const BrickFace* face : nearby_) {
       std::array<PatchPoint, 3> triangle;
       bool has_values = true;
       for (std::size_t v = 0; v < 3; ++v) {
-        triangle[v] = {minus(face.corners[v], low), field.values[face.vertices[v]]};
+        triangle[v] = {minus(face->corners[v], low), field.values[face->vertices[v]]};
         has_values = has_values && has_data(triangle[v].value);
       }
       if (!has_values) continue;
@@ -483,11 +560,24 @@ class BrickCertifier {
   PointRows probes_;
   Places places_;
   std::vector<BrickFace> faces_;
+  std::array<std::vector<std::uint32_t>, edge> layers_;  ///< faces by the leaf cells' k
   Neighborhood samples_nearby_;
   std::array<float, brick_samples> sums_{};
   std::vector<std::uint32_t> candidates_;
   std::vector<Piece> pieces_;
+  std::vector<const BrickFace*> nearby_;
 };
+
+/// Marks the bricks with the largest errors so far, one in 128.
+void mark_worst(const std::vector<BrickErrors>& errors, std::vector<std::uint8_t>& marks) {
+  std::vector<std::uint32_t> order(errors.size());
+  std::iota(order.begin(), order.end(), 0U);
+  const auto count = static_cast<std::ptrdiff_t>(std::min(errors.size(), errors.size() / 128 + 1));
+  std::partial_sort(order.begin(), order.begin() + count, order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return errors[a].attained != errors[b].attained ? errors[a].attained > errors[b].attained : a < b;
+  });
+  for (auto slot = order.begin(); slot != order.begin() + count; ++slot) marks[*slot] = 1;
+}
 
 }  // namespace
 
@@ -503,17 +593,37 @@ Certificates certify(const CleanMesh& mesh, const std::vector<PointField>& field
   const std::size_t slot_count = touched.bricks.size();
   std::vector<std::vector<BrickErrors>> errors(fields.size(), std::vector<BrickErrors>(slot_count));
   std::vector<std::array<std::size_t, 2>> probe_counts(slot_count);
-  ProgressMeter meter(progress, "certifying bricks", slot_count);
+  ProgressMeter meter(progress, "certifying bricks", 3 * slot_count);
   tbb::enumerable_thread_specific<BrickCertifier> certifiers(mesh, neighbors, steps, lattice, touched, samples);
-  tbb::parallel_for(Range(0, slot_count, 16), [&](const Range& part) {
-    BrickCertifier& certifier = certifiers.local();
-    for (std::size_t slot = part.begin(); slot < part.end(); ++slot) {
-      certifier.enter(slot);
-      for (std::size_t f = fields.size(); f-- > 0;) errors[f][slot] = certifier.certify(views[f], f);
-      probe_counts[slot] = {certifier.probes_in_mesh(), certifier.uncovered_probes()};
-    }
-    meter.add(part.size());
+  const auto for_each_brick = [&](auto&& act) {
+    tbb::parallel_for(Range(0, slot_count, 16), [&](const Range& part) {
+      BrickCertifier& certifier = certifiers.local();
+      for (std::size_t slot = part.begin(); slot < part.end(); ++slot) {
+        certifier.enter(slot);
+        act(certifier, slot);
+      }
+      meter.add(part.size());
+    });
+  };
+  for_each_brick([&](BrickCertifier& certifier, std::size_t slot) {
+    certifier.find_probes(slot_count <= fully_probed_bricks);
+    for (std::size_t f = fields.size(); f-- > 0;) errors[f][slot] = certifier.probe(views[f], f);
+    probe_counts[slot] = {certifier.probes_in_mesh(), certifier.uncovered_probes()};
   });
+  // The bricks with the largest errors first: what is attained there is good enough for the others.
+  std::vector<double> largest(fields.size(), 0);
+  std::vector<std::uint8_t> is_first(slot_count);
+  for (std::size_t f = 0; f < fields.size(); ++f) mark_worst(errors[f], is_first);
+  for (const bool first : {true, false}) {
+    for_each_brick([&](BrickCertifier& certifier, std::size_t slot) {
+      if ((is_first[slot] != 0) != first) return;
+      certifier.find_faces();
+      for (std::size_t f = 0; f < fields.size(); ++f)
+        certifier.bound(views[f], f, (1 + relative_gap) * largest[f], errors[f][slot]);
+    });
+    for (std::size_t f = 0; f < fields.size(); ++f)
+      for (const BrickErrors& brick : errors[f]) largest[f] = std::max(largest[f], brick.attained);
+  }
 
   Certificates certificates;
   std::size_t in_mesh = 0, uncovered = 0;

@@ -13,10 +13,13 @@ namespace rhoray::preprocess {
 /// Compared are all points of the mesh in leaf cells whose eight samples have data; the leaf cell (i, j, k) belongs to
 /// the brick of its first sample. Where cells of the mesh overlap, the trilinear field is compared with each of them.
 struct FieldErrors {
-  /// By slot. An upper bound of the difference (not an estimate), 0 in a brick without such leaf cells. It exceeds a
-  /// difference that is attained by at most a twentieth, or 1e-6 of the field's range where that is more.
+  /// By slot. An upper bound of the difference (not an estimate), 0 in a brick without such leaf cells. Either it
+  /// exceeds a difference that is attained in the brick by at most a twentieth, or the grid's largest attained
+  /// difference by no more than that: where a brick cannot hold the largest error, its bound may be some times what is
+  /// attained in it. Differences below 1e-6 of the field's range are not told apart.
   std::vector<double> max;
-  /// By slot. Root mean square over one point in each leaf cell (locate.h: rows_of_probes): an estimate.
+  /// By slot. Root mean square over one point in each leaf cell, or in every fourth where there are more than 1024
+  /// bricks (locate.h: rows_of_probes): an estimate.
   std::vector<double> rms;
 
   double max_error = 0;                 ///< of all bricks

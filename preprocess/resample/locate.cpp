@@ -58,8 +58,9 @@ class Scan {
   void run(Claim&& claim) {
     if (!place()) return;
     find_planes();
-    for (std::int64_t k = low_[2]; k <= high_[2]; ++k)
-      for (std::int64_t j = low_[1]; j <= high_[1]; ++j) scan_row(k * edge + j, claim);
+    const std::int64_t step = rows_.row_step;
+    for (std::int64_t k = (low_[2] + step - 1) / step * step; k <= high_[2]; k += step)
+      for (std::int64_t j = (low_[1] + step - 1) / step * step; j <= high_[1]; j += step) scan_row(k * edge + j, claim);
   }
 
  private:
@@ -202,20 +203,24 @@ PointRows rows_of_samples(const SampleLattice& lattice, const Index3& brick) {
   return rows;
 }
 
-PointRows rows_of_probes(const SampleLattice& lattice, const Index3& brick) {
+PointRows rows_of_probes(const SampleLattice& lattice, const Index3& brick, bool in_every_row) {
   PointRows rows = rows_of_samples(lattice, brick);
   rows.spread = 1;
+  rows.row_step = in_every_row ? 1 : 2;
   for (int a = 0; a < 3; ++a) rows.size[a] = std::min(edge, lattice.count[a] - 1 - rows.first[a]);
-  constexpr std::array<std::size_t, 3> steps{1, 19, 41};
-  const auto place = [&](std::size_t row, std::size_t axis) {
-    return (static_cast<double>(row * steps[axis] % 64) + 0.5) / 64;
-  };
-  for (std::int64_t k = 0; k < rows.size.z; ++k)
-    for (std::int64_t j = 0; j < rows.size.y; ++j) {
+  const std::int64_t rows_per_axis = edge / rows.row_step, row_count = rows_per_axis * rows_per_axis;
+  const std::array<std::int64_t, 3> steps =
+      in_every_row ? std::array<std::int64_t, 3>{1, 19, 41} : std::array<std::int64_t, 3>{1, 3, 7};
+  for (std::int64_t k = 0; k < rows.size.z; k += rows.row_step)
+    for (std::int64_t j = 0; j < rows.size.y; j += rows.row_step) {
+      const std::int64_t number = k / rows.row_step * rows_per_axis + j / rows.row_step;
+      const auto place = [&](std::size_t axis) {
+        return (static_cast<double>(number * steps[axis] % row_count) + 0.5) / static_cast<double>(row_count);
+      };
       const auto row = static_cast<std::size_t>(k * edge + j);
-      rows.shift[row] = place(row, 0) * lattice.spacing.x;
-      rows.y[row] += place(row, 1) * lattice.spacing.y;
-      rows.z[row] += place(row, 2) * lattice.spacing.z;
+      rows.shift[row] = place(0) * lattice.spacing.x;
+      rows.y[row] += place(1) * lattice.spacing.y;
+      rows.z[row] += place(2) * lattice.spacing.z;
     }
   return rows;
 }

@@ -14,8 +14,9 @@ namespace rhoray::preprocess {
 struct PointRows {
   static constexpr std::size_t edge = SampleLattice::brick_edge;
 
-  Index3 first;       ///< the lattice's sample at or below the first point
-  Index3 size;        ///< points per axis
+  Index3 first;               ///< the lattice's sample at or below the first point
+  Index3 size;                ///< points per axis
+  std::int64_t row_step = 1;  ///< only rows whose j and k are multiples of it have points: 1 or 2
   double spread = 0;  ///< how far, in steps of the lattice, a point may lie above its sample on any axis: 0 or 1
   std::array<double, edge> x;
   std::array<double, edge * edge> shift, y, z;
@@ -24,10 +25,10 @@ struct PointRows {
 /// The samples of a brick themselves.
 PointRows rows_of_samples(const SampleLattice& lattice, const Index3& brick);
 
-/// One point in each leaf cell of a brick, at the same place in all cells of a row and at 64 different ones for its 64
-/// rows: a rank-1 lattice of the unit cube (steps 1, 19, 41 of 64, shifted to the middle), so that a brick's points
-/// are spread evenly over the places in a cell.
-PointRows rows_of_probes(const SampleLattice& lattice, const Index3& brick);
+/// One point in each leaf cell of a brick, or of every second row in y and z. It is at the same place in all cells of a
+/// row and at another one in each of the 64 or 16 rows: a rank-1 lattice of the unit cube, so that a brick's points are
+/// spread evenly over the places in a cell.
+PointRows rows_of_probes(const SampleLattice& lattice, const Index3& brick, bool in_every_row);
 
 /// Where points lie: in which tetrahedron, and with which barycentric weights. Index (k * 8 + j) * 8 + i.
 struct Places {

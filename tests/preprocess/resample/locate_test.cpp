@@ -154,9 +154,9 @@ std::vector<std::uint32_t> owners_by_force(const Sampled& sampled) {
 
 TEST(Locate, decides_slivers_and_flat_cells_as_exact_arithmetic_does) {
   for (const double flatness : {1e-3, 1e-9, 0.0}) {
-    NeutralMesh mesh = tests::strewn_mesh(150, 0.4, flatness, 5);
+    NeutralMesh mesh = tests::strewn_mesh(60, 0.4, flatness, 5);
     tests::add_point_field(mesh, "value", tests::product_field());
-    const Sampled sampled(mesh, {.longest_axis = 40});
+    const Sampled sampled(mesh, {.longest_axis = 22});
     EXPECT_EQ(sampled.owners(), owners_by_force(sampled)) << flatness;
   }
 }
