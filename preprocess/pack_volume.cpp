@@ -1,16 +1,21 @@
 #include "preprocess/pack_volume.h"
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "formats/base/bytes.h"
+#include "formats/base/checks.h"
 #include "formats/base/trouble.h"
 #include "preprocess/bricks/convert.h"
+#include "preprocess/bricks/sparse_bricks.h"
 #include "preprocess/bricks/write_samples.h"
 #include "preprocess/inspect/summarize.h"
 #include "preprocess/macro_levels/build_levels.h"
@@ -21,9 +26,23 @@ namespace {
 
 using formats::ElementType;
 
-void check_layout(const PackVolumeOptions& options) {
-  if (options.brick_edge < 2 || options.brick_edge > 64)
-    throw Error(Trouble::usage, concat("brick edge: found ", options.brick_edge, "; expected 2 to 64"));
+formats::BrickLayout chosen_layout(const Index3& sample_count, const PackVolumeOptions& options) {
+  switch (options.order) {
+    case SampleOrder::linear:
+      return formats::BrickLayout::linear(sample_count);
+    case SampleOrder::sparse: {
+      const std::int64_t edge = options.brick_edge.value_or(8);
+      if (!formats::BrickLayout::is_sparse_edge(edge))
+        throw Error(Trouble::usage, concat("brick edge: found ", edge, "; expected 2, 4, 8, 16, 32 or 64 where only ",
+                                           "some bricks are kept"));
+      return formats::BrickLayout::sparse(sample_count, 0, edge);
+    }
+    case SampleOrder::bricks:
+      break;
+  }
+  const std::int64_t edge = options.brick_edge.value_or(4);
+  if (edge < 2 || edge > 64) throw Error(Trouble::usage, concat("brick edge: found ", edge, "; expected 2 to 64"));
+  return formats::BrickLayout::bricked(sample_count, edge);
 }
 
 void check_samples(const NeutralVolume& volume, const std::string& source_name) {
@@ -55,6 +74,24 @@ void check_frame(const Affine& world_from_grid, const std::string& source_name) 
                 "give the spacing and the origin yourself");
 }
 
+void check_axes(const NeutralVolume& volume, const std::string& source_name) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<double>& table = volume.axes[static_cast<std::size_t>(axis)];
+    if (table.empty()) continue;
+    const std::string place = concat(source_name, ", positions along ", "xyz"[axis]);
+    if (table.size() != static_cast<std::size_t>(volume.sample_count[axis]))
+      throw Error(Trouble::invalid,
+                  concat(place, ": found ", table.size(), " of them; expected ", volume.sample_count[axis]));
+    for (std::size_t i = 0; i < table.size(); ++i)
+      if (!std::isfinite(table[i]) || (i > 0 && !(table[i] > table[i - 1])))
+        throw Error(Trouble::invalid, concat(place, ", sample ", i, ": found ", table[i], "; expected a finite number",
+                                             i > 0 ? concat(" above ", table[i - 1]) : std::string()));
+    if (!std::isfinite(table.back() - table.front()))
+      throw Error(Trouble::invalid, concat(place, ": found ", table.front(), " to ", table.back(),
+                                           "; expected an axis of finite length"));
+  }
+}
+
 /// A packed grid holds no 64-bit integers.
 ElementType stored_type(const NeutralVolume& volume, const PackVolumeOptions& options) {
   const ElementType type = options.type.value_or(volume.type);
@@ -65,68 +102,185 @@ ElementType stored_type(const NeutralVolume& volume, const PackVolumeOptions& op
   return ElementType::F64;
 }
 
-template <class T>
-PackVolumeReport pack_samples(const NeutralVolume& volume, const std::filesystem::path& path,
-                              const PackVolumeOptions& options, const Progress& progress) {
-  const std::span samples(reinterpret_cast<const T*>(volume.samples.data()), volume.samples.size() / sizeof(T));
+std::string name_of(const NeutralVolume& volume) {
+  return volume.field_name.empty() ? "value" : volume.field_name;
+}
+
+/// Several fields need one lattice, and names that tell them apart.
+void check_one_lattice(std::span<const NeutralVolume> fields, const std::string& source_name) {
+  for (std::size_t f = 1; f < fields.size(); ++f) {
+    const NeutralVolume &first = fields[0], &field = fields[f];
+    if (field.sample_count != first.sample_count || field.world_from_grid != first.world_from_grid ||
+        field.axes != first.axes || field.length_unit != first.length_unit)
+      throw Error(Trouble::invalid, concat(source_name, ", field '", name_of(field),
+                                           "': found a lattice of its own; expected that of '", name_of(first), "'"));
+    for (std::size_t other = 0; other < f; ++other)
+      if (name_of(fields[other]) == name_of(field))
+        throw Error(Trouble::invalid,
+                    concat(source_name, ": found two fields '", name_of(field), "'; expected names that differ"));
+  }
+}
+
+/// True when position i is exactly first + i * step.
+bool is_uniform(const std::vector<double>& positions) {
+  const double first = positions[0], step = positions[1] - first;
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    if (positions[i] != first + static_cast<double>(i) * step) return false;
+  return true;
+}
+
+/// Takes positions along the axes; uniform ones go into the map, where they cost rays nothing.
+void take_axes(const NeutralVolume& volume, formats::GridDescription& grid) {
+  const Affine& map = volume.world_from_grid;
+  const std::array<Vec3, 3> from{map.x_axis, map.y_axis, map.z_axis};
+  std::array<Vec3, 3> to = from;
+  Vec3 origin = map.origin;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::vector<double>& positions = volume.axes[axis];
+    if (positions.empty()) continue;
+    if (!is_uniform(positions)) {
+      grid.axes[axis] = positions;
+      continue;
+    }
+    origin += positions[0] * from[axis];
+    to[axis] = (positions[1] - positions[0]) * from[axis];
+  }
+  grid.world_from_grid = {to[0], to[1], to[2], origin};
+}
+
+/// A view of the same samples, until it has to be a converted copy.
+NeutralVolume stored_volume(const NeutralVolume& volume, const PackVolumeOptions& options,
+                            const std::string& source_name) {
+  NeutralVolume stored;
+  stored.sample_count = volume.sample_count;
+  stored.type = volume.type;
+  stored.samples = volume.samples;
+  align_samples(stored);
+  convert_samples(stored, stored_type(volume, options), source_name);
+  return stored;
+}
+
+/// Calls act with the samples as a span of their type.
+template <class Act>
+void with_samples(const NeutralVolume& stored, Act&& act) {
+  formats::with_element_type(stored.type, [&]<class T>(T) {
+    if constexpr (sizeof(T) == 8 && std::is_integral_v<T>)
+      throw Error(Trouble::internal, "64-bit integers reached the packer of samples");
+    else
+      act(std::span(reinterpret_cast<const T*>(stored.samples.data()), stored.samples.size() / sizeof(T)));
+  });
+}
+
+/// The bricks that a sparse layout keeps: those in which one of the fields has data.
+Array<std::uint64_t> choose_bricks(const std::vector<NeutralVolume>& fields, const formats::BrickLayout& layout,
+                                   const std::string& source_name) {
+  Array<std::uint8_t> holds_data(static_cast<std::size_t>(volume(layout.brick_count())));
+  for (const NeutralVolume& field : fields)
+    with_samples(field, [&]<class T>(std::span<const T> samples) {
+      if constexpr (std::is_floating_point_v<T>)
+        mark_bricks_with_data(samples, layout, std::span(holds_data));
+      else
+        throw Error(
+            Trouble::usage,
+            concat(source_name, ": found samples of type ", formats::element_name(field.type),
+                   "; expected F32 or F64, in which a sample may have no data, where only some bricks are kept"),
+            "keep all bricks, or choose one of these types");
+    });
+  Array<std::uint64_t> bricks = bricks_of_slots(holds_data);
+  if (bricks.size() >= formats::BrickGrid::no_brick)
+    throw Error(Trouble::usage,
+                concat("brick edge: found ", layout.brick_edge, ", which makes ", bricks.size(),
+                       " bricks with data; expected fewer than ", formats::BrickGrid::no_brick),
+                "choose larger bricks");
+  return bricks;
+}
+
+using WriteLevels = std::function<void(formats::PackedFileWriter&)>;
+
+/// Summarises a field and builds its levels; what it returns writes them.
+WriteLevels prepare_field(const NeutralVolume& source, const NeutralVolume& stored, formats::GridDescription& grid,
+                          ProgressMeter& meter) {
+  const std::size_t field = grid.fields.size();
+  WriteLevels write;
+  with_samples(stored, [&]<class T>(std::span<const T> samples) {
+    grid.fields.push_back(summarize(samples, name_of(source), source.field_unit));
+    meter.add(1);
+    auto levels = std::make_shared<const Levels<T>>(build_grid_levels(samples, grid.macro));
+    meter.add(1);
+    write = [levels, field](formats::PackedFileWriter& writer) {
+      for (std::size_t l = 0; l < levels->size(); ++l)
+        writer.write_all(concat(formats::macro_prefix(field), l + 1), std::span<const T>((*levels)[l]));
+    };
+  });
+  return write;
+}
+
+std::uint64_t sample_bytes(const formats::GridDescription& grid) {
+  std::uint64_t samples = 1, bytes = 0;
+  for (const std::uint64_t n : grid.layout.shape()) samples *= n;
+  for (const formats::FieldSummary& field : grid.fields) bytes += samples * formats::element_bytes(field.type);
+  return bytes;
+}
+
+}  // namespace
+
+PackVolumeReport pack_grid(std::span<const NeutralVolume> fields, const std::filesystem::path& path,
+                           const PackVolumeOptions& options, const Progress& progress) {
+  RHORAY_CHECK(!fields.empty());
+  const NeutralVolume& first = fields.front();
+  const std::string source_name = options.source_name.empty() ? "volume" : options.source_name;
   PackVolumeReport report;
   formats::GridDescription& grid = report.description;
-  grid.layout = options.linear_layout ? formats::BrickLayout::linear(volume.sample_count)
-                                      : formats::BrickLayout::bricked(volume.sample_count, options.brick_edge);
-  grid.world_from_grid = volume.world_from_grid;
-  grid.length_unit = volume.length_unit;
+  grid.layout = chosen_layout(first.sample_count, options);
+  for (const NeutralVolume& field : fields) check_samples(field, source_name);
+  check_axes(first, source_name);
+  check_one_lattice(fields, source_name);
+  take_axes(first, grid);
+  check_frame(first.world_from_grid, source_name);
+  check_frame(grid.world_from_grid, source_name);
+  grid.length_unit = first.length_unit;
   grid.macro =
-      choose_macro_shape(volume.sample_count - Index3(1, 1, 1), options.macro_factor, options.macro_level_count);
+      choose_macro_shape(first.sample_count - Index3(1, 1, 1), options.macro_factor, options.macro_level_count);
   grid.provenance = {.source_name = options.source_name, .source_checksum = {}, .command = options.command};
 
-  ProgressMeter finding(progress, "finding value ranges", 2);
-  grid.fields = {summarize(samples, volume.field_name.empty() ? "value" : volume.field_name, volume.field_unit)};
-  finding.add(1);
-  const Levels<T> levels = build_grid_levels(samples, grid.macro);
-  finding.add(1);
+  std::vector<NeutralVolume> stored;
+  stored.reserve(fields.size());
+  for (const NeutralVolume& field : fields) stored.push_back(stored_volume(field, options, source_name));
+  Array<std::uint64_t> bricks;
+  if (grid.layout.is_sparse) {
+    bricks = choose_bricks(stored, grid.layout, source_name);
+    grid.layout.stored_brick_count = bricks.size();
+  }
+  std::vector<WriteLevels> write_levels;
+  ProgressMeter finding(progress, "finding value ranges", 2 * fields.size());
+  for (std::size_t f = 0; f < fields.size(); ++f)
+    write_levels.push_back(prepare_field(fields[f], stored[f], grid, finding));
 
   formats::PackedFileWriter writer(path, formats::describe(grid), formats::grid_arrays(grid),
                                    {.replace_existing = options.replace_existing});
-  std::uint64_t bytes = sizeof(T);
-  for (const std::uint64_t n : grid.layout.shape()) bytes *= n;
-  ProgressMeter writing(progress, "writing samples", bytes);
-  write_samples(samples, grid.layout, writer, writing);
-  for (std::size_t l = 0; l < levels.size(); ++l)
-    writer.write_all(concat("macro.", l + 1), std::span<const T>(levels[l]));
-
+  ProgressMeter writing(progress, "writing samples", sample_bytes(grid));
+  formats::write_axes(grid, writer);
+  if (grid.layout.is_sparse)
+    writer.write_all("bricks", std::span<const std::uint32_t>(slots_of_bricks(
+                                   bricks, static_cast<std::size_t>(volume(grid.layout.brick_count())))));
+  for (std::size_t f = 0; f < fields.size(); ++f) {
+    with_samples(stored[f], [&]<class T>(std::span<const T> samples) {
+      const std::string array = formats::samples_array(f);
+      if constexpr (std::is_floating_point_v<T>)
+        if (grid.layout.is_sparse) return write_sparse_samples(samples, grid.layout, bricks, array, writer, writing);
+      write_samples(samples, grid.layout, array, writer, writing);
+    });
+    write_levels[f](writer);
+  }
   ProgressMeter sealing(progress, "sealing", 1);
   report.file_bytes = writer.commit();
   sealing.add(1);
   return report;
 }
 
-}  // namespace
-
 PackVolumeReport pack_volume(const NeutralVolume& volume, const std::filesystem::path& path,
                              const PackVolumeOptions& options, const Progress& progress) {
-  const std::string source_name = options.source_name.empty() ? "volume" : options.source_name;
-  check_layout(options);
-  check_samples(volume, source_name);
-  check_frame(volume.world_from_grid, source_name);
-
-  // A view of the same samples, until it has to be a converted copy.
-  NeutralVolume stored;
-  stored.sample_count = volume.sample_count;
-  stored.type = volume.type;
-  stored.samples = volume.samples;
-  stored.world_from_grid = volume.world_from_grid;
-  stored.length_unit = volume.length_unit;
-  stored.field_name = volume.field_name;
-  stored.field_unit = volume.field_unit;
-  align_samples(stored);
-  convert_samples(stored, stored_type(volume, options), source_name);
-
-  return formats::with_element_type(stored.type, [&]<class T>(T) -> PackVolumeReport {
-    if constexpr (sizeof(T) == 8 && std::is_integral_v<T>)
-      throw Error(Trouble::internal, "64-bit integers reached the packer of samples");
-    else
-      return pack_samples<T>(stored, path, options, progress);
-  });
+  return pack_grid(std::span(&volume, 1), path, options, progress);
 }
 
 }  // namespace rhoray::preprocess

@@ -22,8 +22,8 @@ Box3 box_world(const Box3& box, const Affine& world_from_volume) {
 }
 
 /// Around the macrocells of the lowest level whose values lie on both sides of the isovalue.
-template <class T>
-Box3 crossed_box(const GridVolume<T>& view, double isovalue) {
+template <class... Kind>
+Box3 crossed_box(const GridVolume<Kind...>& view, double isovalue) {
   const WalkLattice lattice = view.lattice();
   const std::int64_t edge = lattice.cell_edge(1);
   const Index3 count = whole_level(lattice, edge).end;
@@ -36,7 +36,8 @@ Box3 crossed_box(const GridVolume<T>& view, double isovalue) {
         if (!(range.lo < isovalue && isovalue <= range.hi)) continue;
         for (const Index3& corner : {c, c + Index3(1, 1, 1)}) {
           Vec3 p;
-          for (int a = 0; a < 3; ++a) p[a] = static_cast<double>(std::min(corner[a] * edge, lattice.leaf_count[a]));
+          for (int a = 0; a < 3; ++a)
+            p[a] = view.description().position(a, std::min(corner[a] * edge, lattice.leaf_count[a]));
           box.extendBy(p);
         }
       }

@@ -284,7 +284,7 @@ Header read_header(std::string_view file, std::string_view text, std::uint64_t d
   for (const std::string& feature : header.description.required)
     if (std::find(known_features.begin(), known_features.end(), feature) == known_features.end())
       refuse(file, "header, __metadata__, requires", concat("the feature '", feature.substr(0, 80), "'"),
-             "none, or a newer program that knows it", Trouble::unsupported);
+             "axis-tables or sparse-bricks; a newer program may know more", Trouble::unsupported);
 
   for (const Listener::Array& array : heard.arrays) header.arrays.push_back(to_entry(file, array));
   check_layout(file, header.arrays, data_bytes);

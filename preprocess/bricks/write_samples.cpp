@@ -71,8 +71,8 @@ class BrickCopier {
 };
 
 template <class T, std::int64_t N>
-void write_bricked(std::span<const T> samples, const BrickLayout& layout, formats::PackedFileWriter& writer,
-                   ProgressMeter& meter) {
+void write_bricked(std::span<const T> samples, const BrickLayout& layout, const std::string& array,
+                   formats::PackedFileWriter& writer, ProgressMeter& meter) {
   const BrickCopier<T, N> copier(samples, layout);
   const Index3 superbricks = layout.superbrick_count();
   const Index3 edge = layout.superbrick_edge * layout.brick_edge;
@@ -91,17 +91,18 @@ void write_bricked(std::span<const T> samples, const BrickLayout& layout, format
       out = copier.copy_superbrick(at * edge, out);
     }
     const std::span<const T> sorted(buffer.data(), out);
-    writer.write("samples", static_cast<std::uint64_t>(begin * superbrick_samples) * sizeof(T), std::as_bytes(sorted));
+    writer.write(array, static_cast<std::uint64_t>(begin * superbrick_samples) * sizeof(T), std::as_bytes(sorted));
     meter.add(sorted.size_bytes());
   });
 }
 
 template <class T>
-void write_linear(std::span<const T> samples, formats::PackedFileWriter& writer, ProgressMeter& meter) {
+void write_linear(std::span<const T> samples, const std::string& array, formats::PackedFileWriter& writer,
+                  ProgressMeter& meter) {
   constexpr std::size_t piece = static_cast<std::size_t>(piece_bytes) / sizeof(T);
   tbb::parallel_for(std::size_t{0}, (samples.size() + piece - 1) / piece, [&](std::size_t p) {
     const std::span<const T> part = samples.subspan(p * piece, std::min(piece, samples.size() - p * piece));
-    writer.write("samples", p * piece * sizeof(T), std::as_bytes(part));
+    writer.write(array, p * piece * sizeof(T), std::as_bytes(part));
     meter.add(part.size_bytes());
   });
 }
@@ -109,23 +110,24 @@ void write_linear(std::span<const T> samples, formats::PackedFileWriter& writer,
 }  // namespace
 
 template <class T>
-void write_samples(std::span<const T> samples, const BrickLayout& layout, formats::PackedFileWriter& writer,
-                   ProgressMeter& meter) {
-  if (layout.is_linear()) return write_linear(samples, writer, meter);
+void write_samples(std::span<const T> samples, const BrickLayout& layout, const std::string& array,
+                   formats::PackedFileWriter& writer, ProgressMeter& meter) {
+  if (layout.is_linear()) return write_linear(samples, array, writer, meter);
   switch (layout.brick_edge) {
     case 2:
-      return write_bricked<T, 2>(samples, layout, writer, meter);
+      return write_bricked<T, 2>(samples, layout, array, writer, meter);
     case 4:
-      return write_bricked<T, 4>(samples, layout, writer, meter);
+      return write_bricked<T, 4>(samples, layout, array, writer, meter);
     case 8:
-      return write_bricked<T, 8>(samples, layout, writer, meter);
+      return write_bricked<T, 8>(samples, layout, array, writer, meter);
     default:
-      return write_bricked<T, 0>(samples, layout, writer, meter);
+      return write_bricked<T, 0>(samples, layout, array, writer, meter);
   }
 }
 
-#define RHORAY_INSTANTIATE(T) \
-  template void write_samples(std::span<const T>, const BrickLayout&, formats::PackedFileWriter&, ProgressMeter&)
+#define RHORAY_INSTANTIATE(T)                                                                                         \
+  template void write_samples(std::span<const T>, const BrickLayout&, const std::string&, formats::PackedFileWriter&, \
+                              ProgressMeter&)
 RHORAY_INSTANTIATE(std::uint8_t);
 RHORAY_INSTANTIATE(std::int8_t);
 RHORAY_INSTANTIATE(std::uint16_t);

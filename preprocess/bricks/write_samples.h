@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "formats/brick_layout.h"
 #include "formats/packed_file.h"
@@ -8,10 +9,11 @@
 
 namespace rhoray::preprocess {
 
-/// Writes array "samples" in the order of the layout, a few superbricks at a time on every thread. Reports bytes.
+/// Writes `array` in the order of the layout, which is not sparse, a few superbricks at a time on every thread. Reports
+/// bytes.
 /// @param samples  x fastest, volume(layout.sample_count) of them
 template <class T>
-void write_samples(std::span<const T> samples, const formats::BrickLayout& layout, formats::PackedFileWriter& writer,
-                   ProgressMeter& meter);
+void write_samples(std::span<const T> samples, const formats::BrickLayout& layout, const std::string& array,
+                   formats::PackedFileWriter& writer, ProgressMeter& meter);
 
 }  // namespace rhoray::preprocess

@@ -15,11 +15,11 @@ namespace rhoray::render {
 /// and among them the largest in that leaf cell. Cells that the ray only touches, with a part of length zero, are left
 /// out.
 /// @param lower_bound  regions and values below it are dropped: the answer is the same as without, or a miss
-template <class Bound, class OpenLeaf>
-Hit largest_value_search(const Ray& ray_lattice, const WalkLattice& lattice, int top_level, double lower_bound,
-                         KernelScratch& scratch, Bound&& bound, OpenLeaf&& open_leaf) {
+template <class Planes, class Bound, class OpenLeaf>
+Hit largest_value_search(const Ray& ray_lattice, const PlaneTimesOf<Planes>& planes, const WalkLattice& lattice,
+                         int top_level, double lower_bound, KernelScratch& scratch, Bound&& bound,
+                         OpenLeaf&& open_leaf) {
   constexpr double nothing = -std::numeric_limits<double>::infinity();
-  const PlaneTimes planes(ray_lattice);
   const std::optional<Segment> segment = clip_to_lattice(ray_lattice, planes, lattice.leaf_count);
   if (!segment) return {};
 

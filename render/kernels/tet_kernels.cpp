@@ -97,8 +97,9 @@ Hit largest_value(const View& view, const Question& question, const Ray& ray, Ke
     const IntersectionTimer<timed> timer(counters);
     for (const std::uint32_t tet : view.tetrahedra_at(entry.cell)) offer_tet(tet, entry.bound, offer);
   };
-  return largest_value_search(ray_lattice, view.lattice(), question.use_hierarchy ? view.level_count() : 0,
-                              -std::numeric_limits<double>::infinity(), scratch, bound, open_leaf);
+  return largest_value_search(ray_lattice, PlaneTimes(ray_lattice), view.lattice(),
+                              question.use_hierarchy ? view.level_count() : 0, -std::numeric_limits<double>::infinity(),
+                              scratch, bound, open_leaf);
 }
 
 template <class View, bool timed>

@@ -66,9 +66,9 @@ struct CellVisit {
 /// consecutive cells always share a face; at the first cell all planes of time <= t_in count as passed.
 /// @param edge  leaf cells per axis of a cell of this level
 /// @return      false when visit ended the walk
-template <class Visit>
-RHORAY_INLINE bool walk_level(const Ray& ray, const PlaneTimes& planes, const WalkLattice& lattice, std::int64_t edge,
-                              const CellBlock& block, double t_in, double t_out, Visit&& visit) {
+template <class Planes, class Visit>
+RHORAY_INLINE bool walk_level(const Ray& ray, const PlaneTimesOf<Planes>& planes, const WalkLattice& lattice,
+                              std::int64_t edge, const CellBlock& block, double t_in, double t_out, Visit&& visit) {
   constexpr double never = std::numeric_limits<double>::infinity();
   // When a cell at position c is entered and left; its upper side is cut off where the lattice ends.
   const auto side_time = [&](int axis, std::int64_t c, bool upper) {
@@ -82,7 +82,10 @@ RHORAY_INLINE bool walk_level(const Ray& ray, const PlaneTimes& planes, const Wa
   double exits[3];
   for (int axis = 0; axis < 3; ++axis) {
     // A guess from the position, then corrected so that it agrees with the plane times.
-    const double guess = std::floor((ray.origin[axis] + t_in * ray.direction[axis]) / static_cast<double>(edge));
+    const double at_planes =
+        planes.planes().in_planes(axis, ray.origin[axis] + t_in * ray.direction[axis], block.first[axis] * edge,
+                                  std::min(block.end[axis] * edge, lattice.leaf_count[axis]));
+    const double guess = std::floor(at_planes / static_cast<double>(edge));
     const double first = static_cast<double>(block.first[axis]), last = static_cast<double>(block.end[axis] - 1);
     std::int64_t c = static_cast<std::int64_t>(std::clamp(guess, first, last));
     if (const int step = planes.step(axis); step != 0) {
@@ -115,8 +118,8 @@ RHORAY_INLINE bool walk_level(const Ray& ray, const PlaneTimes& planes, const Wa
 /// visit)` says whether a macrocell is opened, `leaf(visit)` sees each leaf cell of the opened ones and returns true to
 /// go on. It sees the same visits, bit for bit, as the plain walk sees in the opened macrocells, but for cells of
 /// length zero: of those it may see fewer.
-template <class Enters, class Leaf>
-bool walk_hierarchy(const Ray& ray, const PlaneTimes& planes, const WalkLattice& lattice, int level,
+template <class Planes, class Enters, class Leaf>
+bool walk_hierarchy(const Ray& ray, const PlaneTimesOf<Planes>& planes, const WalkLattice& lattice, int level,
                     const CellBlock& block, double t_in, double t_out, Enters& enters, Leaf& leaf) {
   const std::int64_t edge = lattice.cell_edge(level);
   return walk_level(ray, planes, lattice, edge, block, t_in, t_out, [&](const CellVisit& visit) {

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "formats/base/checks.h"
 #include "formats/base/vector.h"
@@ -19,14 +22,50 @@ struct Ray {
   Vec3 at(double t) const { return origin + t * direction; }
 };
 
-/// When a ray passes the planes x = k, y = k, z = k of a lattice.
+/// Planes that stand at whole numbers: plane k of every axis at k.
+struct WholePlanes {
+  RHORAY_INLINE double position(int, std::int64_t plane) const { return static_cast<double>(plane); }
+
+  /// A position in numbers of planes: its floor is the last plane at or below it.
+  /// @param first, last  as far as it matters: for positions beyond these planes any number beyond or at them will do
+  RHORAY_INLINE double in_planes(int, double position, std::int64_t, std::int64_t) const { return position; }
+};
+
+/// Planes that stand where tables say, each rising strictly. The tables must outlive this.
+class TablePlanes {
+ public:
+  explicit TablePlanes(const std::array<std::vector<double>, 3>& planes)
+      : tables_{planes[0].data(), planes[1].data(), planes[2].data()} {}
+
+  RHORAY_INLINE double position(int axis, std::int64_t plane) const { return tables_[axis][plane]; }
+
+  /// As for WholePlanes; `first` for a NaN.
+  RHORAY_INLINE double in_planes(int axis, double position, std::int64_t first, std::int64_t last) const {
+    std::int64_t below = first, beyond = last + 1;
+    while (beyond - below > 1) {
+      const std::int64_t middle = below + (beyond - below) / 2;
+      if (tables_[axis][middle] <= position)
+        below = middle;
+      else
+        beyond = middle;
+    }
+    return static_cast<double>(below);
+  }
+
+ private:
+  const double* tables_[3];
+};
+
+/// When a ray passes the planes of a lattice.
 ///
 /// Every level of a hierarchy asks this one function with whole numbers of leaf cells, so all levels agree bit for bit
 /// on when a plane is passed, and times rise with the order of planes along the ray because rounding is monotone
 /// (nothing is accumulated from step to step).
-class PlaneTimes {
+template <class Planes>
+class PlaneTimesOf {
  public:
-  RHORAY_INLINE explicit PlaneTimes(const Ray& ray) : origin_(ray.origin) {
+  RHORAY_INLINE explicit PlaneTimesOf(const Ray& ray, const Planes& planes = {})
+      : origin_(ray.origin), planes_(planes) {
     for (int axis = 0; axis < 3; ++axis) {
       const double d = ray.direction[axis];
       inverse_[axis] = 1 / d;
@@ -40,13 +79,18 @@ class PlaneTimes {
 
   /// Only on an axis that moves.
   RHORAY_INLINE double at(int axis, std::int64_t plane) const {
-    return (static_cast<double>(plane) - origin_[axis]) * inverse_[axis];
+    return (planes_.position(axis, plane) - origin_[axis]) * inverse_[axis];
   }
+
+  RHORAY_INLINE const Planes& planes() const { return planes_; }
 
  private:
   Vec3 origin_;
   Vec3 inverse_;
+  [[no_unique_address]] Planes planes_;
   int step_[3];
 };
+
+using PlaneTimes = PlaneTimesOf<WholePlanes>;
 
 }  // namespace rhoray::render

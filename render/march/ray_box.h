@@ -12,16 +12,20 @@ struct Segment {
   double t_out = 0;
 };
 
-/// The part of a ray inside the closed box [0, size], or nothing. A ray that lies in a face is inside; one that touches
-/// an edge or a corner, as far as its plane times tell, keeps a part of length zero. Both ends are finite numbers: a
-/// direction of zero, NaN anywhere, an infinite origin or direction, and a t beyond all numbers give nothing.
-RHORAY_INLINE std::optional<Segment> clip_to_lattice(const Ray& ray, const PlaneTimes& planes, const Index3& size) {
+/// The part of a ray inside the closed box between planes 0 and `size`, or nothing. A ray that lies in a face is
+/// inside; one that touches an edge or a corner, as far as its plane times tell, keeps a part of length zero. Both ends
+/// are finite numbers: a direction of zero, NaN anywhere, an infinite origin or direction, and a t beyond all numbers
+/// give nothing.
+template <class Planes>
+RHORAY_INLINE std::optional<Segment> clip_to_lattice(const Ray& ray, const PlaneTimesOf<Planes>& planes,
+                                                     const Index3& size) {
   Segment inside{ray.t_min, ray.t_max};
   if (planes.step(0) == 0 && planes.step(1) == 0 && planes.step(2) == 0) return std::nullopt;
   for (int axis = 0; axis < 3; ++axis) {
     if (!std::isfinite(ray.origin[axis]) || !std::isfinite(ray.direction[axis])) return std::nullopt;
     if (planes.step(axis) == 0) {
-      if (!(ray.origin[axis] >= 0 && ray.origin[axis] <= static_cast<double>(size[axis]))) return std::nullopt;
+      const double low = planes.planes().position(axis, 0), high = planes.planes().position(axis, size[axis]);
+      if (!(ray.origin[axis] >= low && ray.origin[axis] <= high)) return std::nullopt;
       continue;
     }
     const bool forward = planes.step(axis) > 0;

@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <type_traits>
 
 #include "formats/brick_grid.h"
@@ -10,16 +12,111 @@
 
 namespace rhoray::render {
 
-/// A packed grid as rays cross it, in its own frame: sample (i, j, k) at position (i, j, k).
+/// The samples of a grid that stores all of them.
 template <class T>
+class DenseSamples {
+ public:
+  DenseSamples(const formats::BrickGrid& grid, std::size_t field)
+      : tables_(&grid.tables()), samples_(grid.samples<T>(field)) {}
+
+  RHORAY_INLINE TrilinearCell cell(const Index3& c) const {
+    TrilinearCell out;
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+      const std::int64_t i = c.x + static_cast<std::int64_t>(corner & 1),
+                         j = c.y + static_cast<std::int64_t>(corner >> 1 & 1),
+                         k = c.z + static_cast<std::int64_t>(corner >> 2);
+      out.corner[corner] = static_cast<double>(samples_[tables_->address(i, j, k)]);
+    }
+    return out;
+  }
+
+ private:
+  const formats::AxisTables* tables_;
+  std::span<const T> samples_;
+};
+
+/// The samples of a grid that stores some bricks; NaN in the others.
+template <class T>
+class SparseSamples {
+ public:
+  SparseSamples(const formats::BrickGrid& grid, std::size_t field)
+      : address_(grid.description().layout, grid.tables(), grid.brick_slots()), samples_(grid.samples<T>(field)) {}
+
+  RHORAY_INLINE TrilinearCell cell(const Index3& c) const {
+    TrilinearCell out;
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+      const std::uint64_t at =
+          address_(c.x + static_cast<std::int64_t>(corner & 1), c.y + static_cast<std::int64_t>(corner >> 1 & 1),
+                   c.z + static_cast<std::int64_t>(corner >> 2));
+      out.corner[corner] = at == formats::SparseAddress::no_sample ? std::numeric_limits<double>::quiet_NaN()
+                                                                   : static_cast<double>(samples_[at]);
+    }
+    return out;
+  }
+
+ private:
+  formats::SparseAddress address_;
+  std::span<const T> samples_;
+};
+
+/// A grid whose sample (i, j, k) stands at position (i, j, k) of its frame.
+class UniformGeometry {
+ public:
+  explicit UniformGeometry(const formats::GridDescription&) {}
+
+  RHORAY_INLINE WholePlanes planes() const { return {}; }
+
+  /// A position on one axis in the cell's own coordinate, 0 to 1 inside.
+  RHORAY_INLINE double in_cell(int, double position, std::int64_t cell) const {
+    return position - static_cast<double>(cell);
+  }
+
+  /// A gradient in a cell's own coordinates, in those of the frame.
+  RHORAY_INLINE Vec3 gradient(const Vec3& in_cell, const Index3&) const { return in_cell; }
+};
+
+/// A grid whose samples stand where tables say: cells are boxes of their own sizes.
+class RectilinearGeometry {
+ public:
+  explicit RectilinearGeometry(const formats::GridDescription& grid);
+
+  RHORAY_INLINE TablePlanes planes() const { return TablePlanes(*tables_); }
+
+  RHORAY_INLINE double in_cell(int axis, double position, std::int64_t cell) const {
+    return (position - low(axis, cell)) / width(axis, cell);
+  }
+
+  RHORAY_INLINE Vec3 gradient(const Vec3& in_cell, const Index3& cell) const {
+    return {in_cell.x / width(0, cell.x), in_cell.y / width(1, cell.y), in_cell.z / width(2, cell.z)};
+  }
+
+ private:
+  RHORAY_INLINE double low(int axis, std::int64_t cell) const {
+    return (*tables_)[static_cast<std::size_t>(axis)][static_cast<std::size_t>(cell)];
+  }
+  RHORAY_INLINE double width(int axis, std::int64_t cell) const { return low(axis, cell + 1) - low(axis, cell); }
+
+  std::shared_ptr<const std::array<std::vector<double>, 3>> tables_;  ///< of all three axes
+};
+
+/// One field of a packed grid as rays cross it, in the grid's frame: where its samples lie in the file, and where they
+/// stand in space. The first is of the file's making, the second of the lattice's; a dense, uniform grid pays for
+/// neither.
+template <class T, class Samples = DenseSamples<T>, class Geometry = UniformGeometry>
 class GridVolume {
  public:
   GridVolume(const formats::BrickGrid& grid, std::size_t field)
-      : grid_(grid), samples_(grid.samples<T>(field)), levels_(grid.macro_levels<T>(field)) {}
+      : grid_(grid), samples_(grid_, field), geometry_(grid.description()), levels_(grid.macro_levels<T>(field)) {}
 
   WalkLattice lattice() const { return {levels_.shape.leaf_count, levels_.shape.factor}; }
   int level_count() const { return levels_.shape.level_count; }
   const formats::GridDescription& description() const { return grid_.description(); }
+  RHORAY_INLINE const Geometry& geometry() const { return geometry_; }
+
+  /// When a ray passes the planes between cells.
+  RHORAY_INLINE auto plane_times(const Ray& ray) const {
+    return PlaneTimesOf<decltype(geometry_.planes())>(ray, geometry_.planes());
+  }
 
   /// The values that can occur in a macrocell; level at least 1.
   RHORAY_INLINE Interval<double> range(int level, const Index3& cell) const {
@@ -28,17 +125,7 @@ class GridVolume {
     return {static_cast<double>(stored.lo), static_cast<double>(stored.hi)};
   }
 
-  RHORAY_INLINE TrilinearCell cell(const Index3& c) const {
-    const formats::AxisTables& tables = grid_.tables();
-    TrilinearCell out;
-    for (std::size_t corner = 0; corner < 8; ++corner) {
-      const std::int64_t i = c.x + static_cast<std::int64_t>(corner & 1),
-                         j = c.y + static_cast<std::int64_t>(corner >> 1 & 1),
-                         k = c.z + static_cast<std::int64_t>(corner >> 2);
-      out.corner[corner] = static_cast<double>(samples_[tables.address(i, j, k)]);
-    }
-    return out;
-  }
+  RHORAY_INLINE TrilinearCell cell(const Index3& c) const { return samples_.cell(c); }
 
   /// False for a cell with a corner that is NaN or infinite; integers always have data.
   RHORAY_INLINE static bool has_data(const TrilinearCell& cell) {
@@ -55,8 +142,16 @@ class GridVolume {
 
  private:
   formats::BrickGrid grid_;
-  std::span<const T> samples_;
+  Samples samples_;
+  [[no_unique_address]] Geometry geometry_;
   formats::MacroLevelsView<T> levels_;
 };
+
+template <class T>
+using RectilinearVolume = GridVolume<T, DenseSamples<T>, RectilinearGeometry>;
+template <class T>
+using SparseVolume = GridVolume<T, SparseSamples<T>, UniformGeometry>;
+template <class T>
+using SparseRectilinearVolume = GridVolume<T, SparseSamples<T>, RectilinearGeometry>;
 
 }  // namespace rhoray::render

@@ -16,11 +16,14 @@ struct VolumeImplementation {
   formats::FieldSummary field;
   std::vector<std::string> field_names;
   std::string length_unit;
-  Affine world_from_volume;  ///< volume frame: grid steps for a grid, points relative to the origin for a mesh
+  Affine world_from_volume;  ///< volume frame: grid steps or positions of axis tables, points relative to the origin
   Box3 bounds_volume;        ///< of all cells, volume frame
   std::variant<GridVolume<std::uint8_t>, GridVolume<std::int8_t>, GridVolume<std::uint16_t>, GridVolume<std::int16_t>,
                GridVolume<std::uint32_t>, GridVolume<std::int32_t>, GridVolume<float>, GridVolume<double>,
-               TetVolume<float>, TetVolume<double>>
+               RectilinearVolume<std::uint8_t>, RectilinearVolume<std::int8_t>, RectilinearVolume<std::uint16_t>,
+               RectilinearVolume<std::int16_t>, RectilinearVolume<std::uint32_t>, RectilinearVolume<std::int32_t>,
+               RectilinearVolume<float>, RectilinearVolume<double>, SparseVolume<float>, SparseVolume<double>,
+               SparseRectilinearVolume<float>, SparseRectilinearVolume<double>, TetVolume<float>, TetVolume<double>>
       view;
 };
 

@@ -6,7 +6,7 @@ namespace rhoray::tests {
 TEST(Layout, bricked_and_linear_volumes_give_the_same_bits) {
   const TemporaryFolder folder;
   const auto volume = noise_volume<std::uint16_t>({37, 30, 41}, 6, 11);
-  const render::Volume linear = packed(folder, "linear.rho", volume, {.linear_layout = true});
+  const render::Volume linear = packed(folder, "linear.rho", volume, {.order = preprocess::SampleOrder::linear});
   for (const std::int64_t edge : {2, 3, 4, 8}) {
     const render::Volume bricked = packed(folder, concat("bricks", edge, ".rho"), volume, {.brick_edge = edge});
     for (const render::Mode mode : {render::Mode::isosurface, render::Mode::mip}) {

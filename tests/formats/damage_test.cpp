@@ -1,12 +1,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <random>
 
 #include "formats/base/trouble.h"
 #include "formats/brick_grid.h"
 #include "formats/tet_mesh.h"
+#include "tests/support/made_grid.h"
 #include "tests/support/memory_file.h"
 #include "tests/support/packed_samples.h"
 
@@ -21,7 +24,7 @@ namespace {
 
 using tests::MemoryFile;
 
-enum class Kind { bricked_grid, linear_grid, tets };
+enum class Kind { bricked_grid, linear_grid, sparse_grid, tets };
 
 std::string bytes_of(Kind kind) {
   const MemoryFile memory;
@@ -30,6 +33,17 @@ std::string bytes_of(Kind kind) {
     const auto grid = tests::sample_grid<std::uint8_t>(BrickLayout::bricked({5, 4, 3}), value);
     PackedFileWriter writer(memory.descriptor(), describe(grid.description), grid_arrays(grid.description));
     grid.write_into(writer).commit();
+  } else if (kind == Kind::sparse_grid) {
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+    const auto some = [](std::int64_t i, std::int64_t j, std::int64_t k) {
+      return i < 2 ? nan : static_cast<float>(i + j + k);
+    };
+    return tests::made_grid({.sample_count = {4, 3, 3},
+                             .brick_edge = 2,
+                             .is_sparse = true,
+                             .axes = {{{-1, 0, 0.5, 3}, {}, {0, 1, 8}}}},
+                            {{"density", some, true}})
+        .file();
   } else if (kind == Kind::linear_grid) {
     const auto grid = tests::sample_grid<float>(BrickLayout::linear({3, 4, 5}), value);
     PackedFileWriter writer(memory.descriptor(), describe(grid.description), grid_arrays(grid.description));
@@ -42,27 +56,43 @@ std::string bytes_of(Kind kind) {
   return memory.content();
 }
 
+template <class T>
+double sum_of_samples(const BrickGrid& grid, std::size_t field) {
+  const std::span<const T> samples = grid.samples<T>(field);
+  const BrickLayout& layout = grid.description().layout;
+  std::optional<SparseAddress> sparse;
+  if (layout.is_sparse) sparse.emplace(layout, grid.tables(), grid.brick_slots());
+  const Index3 padded = layout.padded_count();
+  double sum = 0;
+  for (std::int64_t k = 0; k < padded.z; ++k)
+    for (std::int64_t j = 0; j < padded.y; ++j)
+      for (std::int64_t i = 0; i < padded.x; ++i) {
+        const std::uint64_t address = sparse ? (*sparse)(i, j, k) : grid.tables().address(i, j, k);
+        if (sparse && address == SparseAddress::no_sample) continue;
+        EXPECT_LT(address, samples.size());
+        const auto value = static_cast<double>(samples[address]);
+        if (!std::isnan(value)) sum += value;
+      }
+  return sum;
+}
+
 /// Reads everything that a renderer would, through the indices that the file holds. Runs under address sanitizer too.
 double read_all(const PackedFile& file) {
   double sum = 0;
   const auto add_levels = [&sum](const auto& levels) {
     for (const auto& level : levels.ranges)
-      for (const auto value : level) sum += static_cast<double>(value);
+      for (const auto value : level)
+        if (std::isfinite(static_cast<double>(value))) sum += static_cast<double>(value);
   };
   if (file.description().kind == "grid") {
     const BrickGrid grid(file);
-    with_element_type(grid.description().fields[0].type, [&](auto zero) {
-      using T = decltype(zero);
-      const std::span<const T> samples = grid.samples<T>();
-      const Index3 padded = grid.description().layout.padded_count();
-      for (std::int64_t k = 0; k < padded.z; ++k)
-        for (std::int64_t j = 0; j < padded.y; ++j)
-          for (std::int64_t i = 0; i < padded.x; ++i) {
-            EXPECT_LT(grid.tables().address(i, j, k), samples.size());
-            sum += static_cast<double>(samples[grid.tables().address(i, j, k)]);
-          }
-      add_levels(grid.macro_levels<T>());
-    });
+    for (std::size_t f = 0; f < grid.description().fields.size(); ++f)
+      with_element_type(grid.description().fields[f].type, [&](auto zero) {
+        sum += sum_of_samples<decltype(zero)>(grid, f);
+        add_levels(grid.macro_levels<decltype(zero)>(f));
+      });
+    for (const std::vector<double>& axis : grid.description().axes)
+      for (std::size_t i = 1; i < axis.size(); ++i) EXPECT_GT(axis[i], axis[i - 1]);
     return sum;
   }
   const TetMesh mesh(file);
@@ -109,7 +139,8 @@ Outcome judge(const MemoryFile& memory, std::uint64_t changed) {
 }
 
 class DamagedFile : public testing::TestWithParam<Kind> {};
-INSTANTIATE_TEST_SUITE_P(Kinds, DamagedFile, testing::Values(Kind::bricked_grid, Kind::linear_grid, Kind::tets));
+INSTANTIATE_TEST_SUITE_P(Kinds, DamagedFile,
+                         testing::Values(Kind::bricked_grid, Kind::linear_grid, Kind::sparse_grid, Kind::tets));
 
 TEST_P(DamagedFile, every_flipped_bit_is_refused_or_harmless) {
   const std::string bytes = bytes_of(GetParam());
@@ -127,7 +158,8 @@ TEST_P(DamagedFile, every_flipped_bit_is_refused_or_harmless) {
   }
   EXPECT_GE(by_open, 8U * (4096 + 64)) << "header and seal are checked at opening";
   EXPECT_LT(by_open, 8 * bytes.size()) << "the data area is not";
-  EXPECT_EQ(by_view > 0, GetParam() == Kind::tets) << "only a mesh holds indices that a flip can make too large";
+  EXPECT_EQ(by_view > 0, GetParam() == Kind::tets || GetParam() == Kind::sparse_grid)
+      << "a mesh holds indices and a sparse grid slots that a flip can make too large; the others hold none";
   EXPECT_EQ(memory.content(), bytes);
 }
 

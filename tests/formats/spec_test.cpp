@@ -4,9 +4,11 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 #include <sstream>
 
 #include "formats/brick_grid.h"
+#include "tests/support/made_grid.h"
 #include "tests/support/memory_file.h"
 #include "tests/support/packed_samples.h"
 #include "tests/support/resealed.h"
@@ -113,23 +115,48 @@ TEST(Spec, checksums_of_the_example_follow_from_the_text_alone) {
   EXPECT_EQ(tests::seal_again(tests::open_envelope(bytes)), bytes);
 }
 
-TEST(Spec, its_lines_of_numpy_read_an_array) {
+/// What python with numpy prints for these lines, run in the folder; empty where there is none.
+std::string output_of_python(const std::filesystem::path& folder, const std::string& lines) {
   std::string python;
   for (const std::string& candidate : {std::string("python3"), std::string("/usr/bin/python3")})
     if (python.empty() && std::system((candidate + " -c 'import numpy' 2>/dev/null").c_str()) == 0) python = candidate;
-  if (python.empty()) GTEST_SKIP() << "no python3 with numpy here";
-
-  const tests::TemporaryFolder folder;
-  tests::write_file(folder / "example.rho", example_written_now());
-  tests::write_file(folder / "read.py", code_block(spec(), "python") + "print(x.tolist(), x.dtype)\n");
-  const std::string command = "cd '" + folder.path().string() + "' && " + python + " read.py 2>&1";
+  if (python.empty()) return {};
+  tests::write_file(folder / "read.py", lines);
+  const std::string command = "cd '" + folder.string() + "' && " + python + " read.py 2>&1";
   FILE* pipe = ::popen(command.c_str(), "r");
-  ASSERT_NE(pipe, nullptr);
+  if (pipe == nullptr) return "python does not start";
   std::string output;
   std::array<char, 256> part{};
   while (std::fgets(part.data(), part.size(), pipe) != nullptr) output += part.data();
   EXPECT_EQ(::pclose(pipe), 0);
+  return output;
+}
+
+TEST(Spec, its_lines_of_numpy_read_an_array) {
+  const tests::TemporaryFolder folder;
+  tests::write_file(folder / "example.rho", example_written_now());
+  const std::string output =
+      output_of_python(folder.path(), code_block(spec(), "python") + "print(x.tolist(), x.dtype)\n");
+  if (output.empty()) GTEST_SKIP() << "no python3 with numpy here";
   EXPECT_EQ(output, "[[[0, 1], [10, 11]], [[100, 101], [110, 111]]] uint8\n");
+}
+
+TEST(Spec, its_lines_of_numpy_read_a_sparse_grid_and_its_axes) {
+  // Along x two bricks and a half; the middle one has no data.
+  const tests::MadeGrid grid = tests::made_grid(
+      {.sample_count = {5, 2, 3}, .brick_edge = 2, .is_sparse = true, .axes = {{{0, 1, 4, 9, 16}, {}, {}}}},
+      {{"density", [](std::int64_t i, std::int64_t j, std::int64_t k) {
+          return i / 2 == 1 ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(i + 10 * j + 100 * k);
+        }}});
+  const tests::TemporaryFolder folder;
+  tests::write_file(folder / "sparse.rho", grid.file());
+  const std::string output = output_of_python(
+      folder.path(), "import json, numpy as np\n" + code_block(spec(), "python-grid") +
+                         "print(x.shape, x[0].tolist(), x[2, 1].tolist())\nprint([p.tolist() for p in positions])\n");
+  if (output.empty()) GTEST_SKIP() << "no python3 with numpy here";
+  EXPECT_EQ(output,
+            "(3, 2, 5) [[0.0, 1.0, nan, nan, 4.0], [10.0, 11.0, nan, nan, 14.0]] [210.0, 211.0, nan, nan, 214.0]\n"
+            "[[0.0, 1.0, 4.0, 9.0, 16.0], [0, 1], [0, 1, 2]]\n");
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <random>
@@ -133,8 +134,8 @@ TYPED_TEST_SUITE(PackVolumeOf, StoredTypes);
 
 TYPED_TEST(PackVolumeOf, this_type_keeps_every_sample_in_bricks_and_in_the_linear_order) {
   for (const Index3& count : {Index3(2, 2, 2), Index3(3, 5, 7), Index3(65, 33, 17)})
-    for (const bool linear : {false, true})
-      expect_faithful<TypeParam>(random_volume<TypeParam>(count, 5), {.linear_layout = linear});
+    for (const SampleOrder order : {SampleOrder::bricks, SampleOrder::linear})
+      expect_faithful<TypeParam>(random_volume<TypeParam>(count, 5), {.order = order});
 }
 
 TEST(PackVolume, keeps_every_sample_for_any_edge_of_bricks_and_any_hierarchy) {
@@ -147,7 +148,7 @@ TEST(PackVolume, keeps_every_sample_for_any_edge_of_bricks_and_any_hierarchy) {
 
 TEST(PackVolume, keeps_more_samples_than_one_piece_of_work_holds) {
   expect_faithful<float>(random_volume<float>({130, 121, 97}, 7));
-  expect_faithful<float>(random_volume<float>({130, 121, 97}, 7), {.linear_layout = true});
+  expect_faithful<float>(random_volume<float>({130, 121, 97}, 7), {.order = SampleOrder::linear});
 }
 
 TEST(PackVolume, has_absent_cells_where_samples_lack_data_and_intervals_without_them) {
@@ -390,6 +391,122 @@ TEST(PackVolume, adds_at_most_a_tenth_to_the_raw_bytes_of_a_volume_of_common_siz
     const auto report = pack_volume(volume, folder / "v.rho", {.replace_existing = true});
     EXPECT_LT(static_cast<double>(report.file_bytes) / static_cast<double>(volume.samples.size()), 1.1);
   }
+}
+
+// ---- several fields, positions along axes, bricks with data ---------------------------------------------------------
+
+TEST(PackGrid, keeps_every_sample_of_every_field) {
+  std::vector<NeutralVolume> fields;
+  fields.reserve(2);
+  fields.push_back(random_volume<std::uint16_t>({17, 9, 12}, 31));
+  fields.push_back(random_volume<double>({17, 9, 12}, 32));
+  fields[0].field_name = "density";
+  fields[1].field_unit = "Pa";
+  const TemporaryFolder folder;
+  const PackVolumeReport report = pack_grid(fields, folder / "v.rho");
+  EXPECT_EQ(report.file_bytes, std::filesystem::file_size(folder / "v.rho"));
+  const BrickGrid grid(PackedFile::open(folder / "v.rho"));
+  ASSERT_EQ(grid.description().fields.size(), 2U);
+  EXPECT_EQ(grid.description().fields[0].name, "density");
+  EXPECT_EQ(grid.description().fields[1].unit, "Pa");
+  EXPECT_THAT(formats::deep_findings(grid), IsEmpty());
+  for (std::int64_t k = 0; k < 12; ++k)
+    for (std::int64_t j = 0; j < 9; ++j)
+      for (std::int64_t i = 0; i < 17; ++i) {
+        const std::uint64_t at = grid.tables().address(i, j, k);
+        ASSERT_EQ(grid.samples<std::uint16_t>(0)[at], source_sample<std::uint16_t>(fields[0], i, j, k));
+        ASSERT_EQ(grid.samples<double>(1)[at], source_sample<double>(fields[1], i, j, k));
+      }
+}
+
+TEST(PackGrid, refuses_fields_of_different_lattices_or_of_one_name) {
+  const auto refusal_of = [](const std::function<void(NeutralVolume&)>& spoil) {
+    std::vector<NeutralVolume> fields;
+    fields.reserve(2);
+    for (const char* name : {"a", "b"}) {
+      fields.push_back(random_volume<float>({5, 6, 7}, 1));
+      fields.back().field_name = name;
+    }
+    spoil(fields[1]);
+    const TemporaryFolder folder;
+    try {
+      pack_grid(fields, folder / "v.rho", {.source_name = "two.vti"});
+    } catch (const Error& error) {
+      EXPECT_EQ(error.trouble(), Trouble::invalid);
+      EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_EQ(refusal_of([](NeutralVolume&) {}), "accepted");
+  EXPECT_EQ(refusal_of([](NeutralVolume& b) { b.field_name = "a"; }),
+            "two.vti: found two fields 'a'; expected names that differ");
+  for (const auto& spoil : std::vector<std::function<void(NeutralVolume&)>>{
+           [](NeutralVolume& b) {
+             b.sample_count = {7, 6, 5};
+           },
+           [](NeutralVolume& b) { b.world_from_grid.origin.x = 1; },
+           [](NeutralVolume& b) { b.axes[2] = {0, 1, 2, 3, 4, 5, 7}; }, [](NeutralVolume& b) { b.length_unit = "m"; }})
+    EXPECT_EQ(refusal_of(spoil), "two.vti, field 'b': found a lattice of its own; expected that of 'a'");
+}
+
+TEST(PackVolume, keeps_positions_along_axes_and_takes_uniform_ones_into_the_map) {
+  auto volume = random_volume<float>({4, 3, 3}, 8);
+  volume.world_from_grid = {{2, 0, 0}, {0, 3, 0}, {0, 0, 5}, {100, 200, 300}};
+  volume.axes = {{{0, 1, 3, 4}, {-1, -0.5, 0}, {}}};
+  const auto grid = expect_faithful<float>(volume);
+  EXPECT_THAT(grid.axes[0], ::testing::ElementsAre(0, 1, 3, 4));
+  EXPECT_THAT(grid.axes[1], IsEmpty());
+  EXPECT_THAT(grid.axes[2], IsEmpty());
+  EXPECT_EQ(grid.world_from_grid, (Affine{{2, 0, 0}, {0, 1.5, 0}, {0, 0, 5}, {100, 197, 300}}));
+}
+
+TEST(PackVolume, refuses_positions_that_do_not_rise) {
+  const auto words = [](std::vector<double> positions) {
+    auto volume = random_volume<float>({4, 3, 3}, 8);
+    volume.axes[0] = std::move(positions);
+    const Error error = refusal(volume, {.source_name = "v.vtr"});
+    EXPECT_EQ(error.trouble(), Trouble::invalid);
+    return std::string(error.what());
+  };
+  EXPECT_EQ(words({0, 1, 1, 2}), "v.vtr, positions along x, sample 2: found 1; expected a finite number above 1");
+  EXPECT_EQ(words({3, 2, 1, 0}), "v.vtr, positions along x, sample 1: found 2; expected a finite number above 3");
+  EXPECT_EQ(words({0, 1, nan, 2}), "v.vtr, positions along x, sample 2: found nan; expected a finite number above 1");
+  EXPECT_EQ(words({-infinity, 1, 2, 3}), "v.vtr, positions along x, sample 0: found -inf; expected a finite number");
+  EXPECT_EQ(words({0, 1, 2}), "v.vtr, positions along x: found 3 of them; expected 4");
+  EXPECT_THAT(words({-1.7e308, 0, 1, 1.7e308}), HasSubstr("expected an axis of finite length"));
+}
+
+TEST(PackVolume, stores_only_bricks_with_data_where_that_is_asked_for) {
+  const auto volume = tests::volume_of<float>({19, 9, 10}, [](const Index3& p) {
+    if (p.x == 17 && p.y == 8 && p.z == 9) return infinity;  // no data either
+    return p.x < 8 && p.y > 2 && (p.z + p.x) % 3 != 0 ? static_cast<float>(p.x + p.y) : nan;
+  });
+  const TemporaryFolder folder;
+  pack_volume(volume, folder / "v.rho", {.order = SampleOrder::sparse, .brick_edge = 4});
+  const BrickGrid grid(PackedFile::open(folder / "v.rho"));
+  EXPECT_EQ(grid.description().layout, formats::BrickLayout::sparse({19, 9, 10}, 2 * 3 * 3, 4));
+  EXPECT_THAT(formats::deep_findings(grid), IsEmpty());
+  expect_true_levels<float>(grid, volume);
+  const formats::SparseAddress address(grid.description().layout, grid.tables(), grid.brick_slots());
+  for (std::int64_t k = 0; k < 10; ++k)
+    for (std::int64_t j = 0; j < 9; ++j)
+      for (std::int64_t i = 0; i < 19; ++i) {
+        const std::uint64_t at = address(i, j, k);
+        ASSERT_EQ(at == formats::SparseAddress::no_sample, i >= 8);
+        const float source = source_sample<float>(volume, i, j, k);
+        if (i >= 8) continue;
+        ASSERT_EQ(std::memcmp(&grid.samples<float>()[at], &source, sizeof source), 0);
+      }
+}
+
+TEST(PackVolume, refuses_a_sparse_order_for_integers_and_for_bricks_that_it_does_not_have) {
+  const auto whole = random_volume<std::int16_t>({4, 4, 4}, 1);
+  EXPECT_THAT(refusal(whole, {.order = SampleOrder::sparse}).what(),
+              HasSubstr("found samples of type I16; expected F32 or F64"));
+  const auto real = random_volume<float>({4, 4, 4}, 1);
+  for (const std::int64_t edge : {0, 1, 3, 128})
+    EXPECT_EQ(refusal(real, {.order = SampleOrder::sparse, .brick_edge = edge}).trouble(), Trouble::usage);
 }
 
 }  // namespace

@@ -52,9 +52,10 @@ Json volume_info(const std::filesystem::path& path, std::uint64_t memory_limit_b
   field.type = volume.type;
   Json json = head(path, "volume");
   json["samples"] = json_of(volume.sample_count);
-  json["geometry"] = json_of(volume.world_from_grid);
+  const SampleLattice lattice{volume.world_from_grid, volume.sample_count, volume.axes};
+  json["geometry"] = json_of(lattice);
   json["length_unit"] = volume.length_unit;
-  json["box"] = json_of(bounds_of(volume.world_from_grid, volume.sample_count));
+  json["box"] = json_of(bounds_of(lattice));
   json["fields"] = Json::array({json_of(field)});
   json["memory"] = {{"unpacked_bytes", volume.samples.size()}};
   json["notes"] = volume.notes;

@@ -67,6 +67,12 @@ std::string with_unit(const std::string& text, const Json& unit) {
   return unit.get<std::string>().empty() ? text : concat(text, " ", unit.get<std::string>());
 }
 
+std::string certificate_text(const Json& certificate, const Json& unit) {
+  return row("", concat("certified at ", grouped(certificate["point_count"]), " points: error at most ",
+                        with_unit(rounded(certificate["max_error"]), unit), " at (", numbers(certificate["max_at"]),
+                        "), rms ", with_unit(rounded(certificate["rms_error"]), unit)));
+}
+
 std::string field_text(const Json& field) {
   std::string title = concat("'", field["name"].get<std::string>(), "'  ", field["type"].get<std::string>());
   if (field.contains("components") && field["components"] != 1) title += concat(" x ", field["components"].get<int>());
@@ -84,6 +90,19 @@ std::string field_text(const Json& field) {
                  rounded(percentiles["99"]),
                  field["otsu_threshold"].is_null() ? std::string{}
                                                    : concat("; Otsu's threshold ", rounded(field["otsu_threshold"]))));
+  if (field.contains("certificate")) text += certificate_text(field["certificate"], field["unit"]);
+  return text;
+}
+
+/// `0.5 x 1 x 2`; where the spacing varies along an axis, `0.5 x 1 x 0.1 to 3`.
+std::string spacing_text(const Json& geometry) {
+  std::string text;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Json& range = geometry["spacing_range"][axis];
+    const bool varies = range.is_array() && range[0] != range[1];
+    text += concat(axis == 0 ? "" : " x ",
+                   varies ? numbers(range, " to ") : numbers(Json::array({geometry["spacing"][axis]})));
+  }
   return text;
 }
 
@@ -91,7 +110,7 @@ std::string geometry_text(const Json& json) {
   std::string text;
   if (json.contains("geometry")) {
     const Json& geometry = json["geometry"];
-    text += row("spacing", with_unit(numbers(geometry["spacing"], " x "), json["length_unit"]));
+    text += row("spacing", with_unit(spacing_text(geometry), json["length_unit"]));
     text += row("origin", numbers(geometry["origin"]));
     std::string axes;
     for (const Json& axis : geometry["direction"]) axes += concat(axes.empty() ? "(" : "  (", numbers(axis), ")");
@@ -107,10 +126,14 @@ std::string layout_text(const Json& json) {
   std::string text;
   if (json.contains("layout")) {
     const Json& layout = json["layout"];
-    text += row("layout", layout["linear"].get<bool>()
-                              ? std::string("linear")
-                              : concat("bricks of ", layout["brick_edge"].get<int>(), "^3 samples, superbricks of ",
-                                       numbers(layout["superbrick_edge"], " x "), " bricks"));
+    if (layout["sparse"].get<bool>())
+      text += row("layout", concat(grouped(layout["stored_bricks"]), " of ", grouped(layout["bricks"]), " bricks of ",
+                                   layout["brick_edge"].get<int>(), "^3 samples"));
+    else
+      text += row("layout", layout["linear"].get<bool>()
+                                ? std::string("linear")
+                                : concat("bricks of ", layout["brick_edge"].get<int>(), "^3 samples, superbricks of ",
+                                         numbers(layout["superbrick_edge"], " x "), " bricks"));
   }
   if (json.contains("leaf_cells"))
     text += row("leaf cells", concat(numbers(json["leaf_cells"]["count"], " x "), ", ",

@@ -1,5 +1,7 @@
 #include "tools/rhoray/pack_any.h"
 
+#include <algorithm>
+
 #include "formats/base/bytes.h"
 #include "formats/base/trouble.h"
 #include "formats/packed_file.h"
@@ -60,8 +62,9 @@ void check_options(const PackOptions& options) {
     if (row.given && row.for_volumes != volume)
       throw Error(Trouble::usage, concat(row.name, ": is for ", row.for_volumes ? "volumes" : "meshes", ", and ",
                                          options.input.string(), " is a ", volume ? "volume" : "mesh"));
-  if (volume && options.fields.size() > 1)
-    throw Error(Trouble::usage, concat("--field: found ", options.fields.size(), " names; a volume has one field"));
+  if (!options.raw.empty() && options.fields.size() > 1)
+    throw Error(Trouble::usage,
+                concat("--field: found ", options.fields.size(), " names; bytes of --raw are one field"));
   if (options.brick_edge && options.layout == "linear")
     throw Error(Trouble::usage, "--brick-edge: has no meaning with --layout linear");
 }
@@ -83,37 +86,67 @@ void check_raw(const PackOptions& options) {
                        bytes_text(options.memory_limit_bytes)));
 }
 
+preprocess::SampleOrder sample_order(const std::string& layout) {
+  if (layout == "linear") return preprocess::SampleOrder::linear;
+  return layout == "sparse" ? preprocess::SampleOrder::sparse : preprocess::SampleOrder::bricks;
+}
+
+/// The fields asked for, each as the volume that the file holds for it; without names the file's first.
+std::vector<preprocess::NeutralVolume> import_fields(const PackOptions& options,
+                                                     preprocess::ImportVolumeOptions import) {
+  std::vector<preprocess::NeutralVolume> fields;
+  fields.reserve(std::max<std::size_t>(1, options.fields.size()));
+  if (options.fields.empty()) fields.push_back(preprocess::import_volume(options.input, import));
+  for (const std::string& name : options.fields) {
+    import.field = name;
+    fields.push_back(preprocess::import_volume(options.input, import));
+  }
+  return fields;
+}
+
+/// Each once: fields of one file share most of what reading it met.
+std::vector<std::string> notes_of(const std::vector<preprocess::NeutralVolume>& fields) {
+  std::vector<std::string> notes;
+  for (const preprocess::NeutralVolume& field : fields)
+    for (const std::string& note : field.notes)
+      if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
+  return notes;
+}
+
 PackResult pack_volume(const PackOptions& options, const std::filesystem::path& output,
                        const preprocess::Progress& progress) {
   preprocess::ImportVolumeOptions import;
   if (!options.raw.empty()) import.raw = preprocess::parse_raw_volume(options.raw);
-  if (!options.fields.empty()) import.field = options.fields.front();
   import.spacing = options.spacing;
   import.origin = options.origin;
   import.memory_limit_bytes = options.memory_limit_bytes;
   if (progress) progress("reading", 0, 0);
-  const preprocess::NeutralVolume volume = preprocess::import_volume(options.input, import);
+  const std::vector<preprocess::NeutralVolume> fields = import_fields(options, import);
 
-  const preprocess::PackVolumeReport report =
-      preprocess::pack_volume(volume, output,
-                              {.linear_layout = options.layout == "linear",
-                               .brick_edge = options.brick_edge.value_or(preprocess::PackVolumeOptions{}.brick_edge),
-                               .macro_factor = options.factor,
-                               .macro_level_count = options.levels,
-                               .type = options.type,
-                               .command = options.command,
-                               .source_name = options.input.filename().string(),
-                               .replace_existing = options.replace_existing},
-                              progress);
+  const preprocess::PackVolumeReport report = preprocess::pack_grid(fields, output,
+                                                                    {.order = sample_order(options.layout),
+                                                                     .brick_edge = options.brick_edge,
+                                                                     .macro_factor = options.factor,
+                                                                     .macro_level_count = options.levels,
+                                                                     .type = options.type,
+                                                                     .command = options.command,
+                                                                     .source_name = options.input.filename().string(),
+                                                                     .replace_existing = options.replace_existing},
+                                                                    progress);
   const formats::GridDescription& grid = report.description;
   const Index3& count = grid.layout.sample_count;
   const auto sample_count = static_cast<std::uint64_t>(rhoray::volume(count));
+  std::string types;
+  std::uint64_t bytes = 0;
+  for (const formats::FieldSummary& field : grid.fields) {
+    types += concat(types.empty() ? "" : ", ", formats::element_name(field.type));
+    bytes += formats::element_bytes(field.type);
+  }
   return {.kind = "grid",
           .description = json_of(grid),
-          .content =
-              concat(text_of(count), " = ", grouped(sample_count), " samples ", formats::element_name(grid.fields[0].type)),
-          .notes = volume.notes,
-          .raw_bytes = sample_count * formats::element_bytes(grid.fields[0].type),
+          .content = concat(text_of(count), " = ", grouped(sample_count), " samples ", types),
+          .notes = notes_of(fields),
+          .raw_bytes = sample_count * bytes,
           .file_bytes = report.file_bytes,
           .cell_count = static_cast<std::uint64_t>(rhoray::volume(grid.macro.leaf_count))};
 }

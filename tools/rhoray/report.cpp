@@ -11,6 +11,40 @@ namespace {
 
 constexpr int shown_percentiles[] = {1, 5, 25, 50, 75, 95, 99};
 
+/// Position of a corner sample in the lattice's frame; bit a of `corner` says at which end of axis a.
+Vec3 corner_of(const SampleLattice& lattice, int corner) {
+  Vec3 p;
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool last = (corner >> axis & 1) != 0;
+    const std::vector<double>& table = lattice.axes[static_cast<std::size_t>(axis)];
+    if (table.empty())
+      p[axis] = last ? static_cast<double>(lattice.sample_count[axis] - 1) : 0;
+    else
+      p[axis] = last ? table.back() : table.front();
+  }
+  return p;
+}
+
+Json certificate_json(const formats::Certificate& certificate) {
+  return {{"max_error", certificate.max_error},
+          {"rms_error", certificate.rms_error},
+          {"max_at", json_of(certificate.max_at)},
+          {"point_count", certificate.point_count}};
+}
+
+Json layout_json(const formats::BrickLayout& layout) {
+  Json json{{"linear", layout.is_linear()},
+            {"brick_edge", layout.brick_edge},
+            {"superbrick_edge", json_of(layout.superbrick_edge)},
+            {"padded_samples", json_of(layout.padded_count())},
+            {"sparse", layout.is_sparse}};
+  if (layout.is_sparse) {
+    json["stored_bricks"] = layout.stored_brick_count;
+    json["bricks"] = volume(layout.brick_count());
+  }
+  return json;
+}
+
 }  // namespace
 
 Json json_of(const Vec3& v) {
@@ -28,11 +62,25 @@ Json json_of(const Interval<double>& interval) {
   return {interval.lo, interval.hi};
 }
 
-Json json_of(const Affine& world_from_grid) {
-  const Vec3 &x = world_from_grid.x_axis, &y = world_from_grid.y_axis, &z = world_from_grid.z_axis;
-  return {{"spacing", {x.length(), y.length(), z.length()}},
-          {"origin", json_of(world_from_grid.origin)},
-          {"direction", {json_of(x.normalized()), json_of(y.normalized()), json_of(z.normalized())}}};
+Json json_of(const SampleLattice& lattice) {
+  const Affine& map = lattice.world_from_grid;
+  const std::array<Vec3, 3> axes{map.x_axis, map.y_axis, map.z_axis};
+  Json mean = Json::array(), ranges = Json::array(), directions = Json::array();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double unit = axes[axis].length();
+    const std::vector<double>& table = lattice.axes[axis];
+    Interval<double> range;
+    for (std::size_t i = 1; i < table.size(); ++i) range.include((table[i] - table[i - 1]) * unit);
+    if (table.empty()) range = {unit, unit};
+    mean.push_back(table.empty() ? unit
+                                 : (table.back() - table.front()) * unit / static_cast<double>(table.size() - 1));
+    ranges.push_back(json_of(range));
+    directions.push_back(json_of(axes[axis].normalized()));
+  }
+  return {{"spacing", mean},
+          {"spacing_range", ranges},
+          {"origin", json_of(map.point(corner_of(lattice, 0)))},
+          {"direction", directions}};
 }
 
 Json json_of(const formats::FieldSummary& field) {
@@ -59,19 +107,18 @@ Json json_of(const formats::Provenance& provenance) {
 
 Json json_of(const formats::GridDescription& grid) {
   Json fields = Json::array();
-  for (const formats::FieldSummary& field : grid.fields) fields.push_back(json_of(field));
-  const formats::BrickLayout& layout = grid.layout;
-  const Index3& count = layout.sample_count;
-  return {{"samples", json_of(count)},
+  for (std::size_t field = 0; field < grid.fields.size(); ++field) {
+    fields.push_back(json_of(grid.fields[field]));
+    const auto certificate = grid.certificates.find(field);
+    if (certificate != grid.certificates.end()) fields.back()["certificate"] = certificate_json(certificate->second);
+  }
+  const SampleLattice lattice{grid.world_from_grid, grid.layout.sample_count, grid.axes};
+  return {{"samples", json_of(grid.layout.sample_count)},
           {"cells", volume(grid.macro.leaf_count)},
-          {"geometry", json_of(grid.world_from_grid)},
+          {"geometry", json_of(lattice)},
           {"length_unit", grid.length_unit},
-          {"box", json_of(bounds_of(grid.world_from_grid, count))},
-          {"layout",
-           {{"linear", layout.is_linear()},
-            {"brick_edge", layout.brick_edge},
-            {"superbrick_edge", json_of(layout.superbrick_edge)},
-            {"padded_samples", json_of(layout.padded_count())}}},
+          {"box", json_of(bounds_of(lattice))},
+          {"layout", layout_json(grid.layout)},
           {"macro_levels", {{"count", grid.macro.level_count}, {"factor", grid.macro.factor}}},
           {"fields", fields},
           {"provenance", json_of(grid.provenance)}};
@@ -99,14 +146,9 @@ Json json_of(const formats::TetMeshDescription& mesh) {
           {"provenance", json_of(mesh.provenance)}};
 }
 
-Box3 bounds_of(const Affine& world_from_grid, const Index3& sample_count) {
+Box3 bounds_of(const SampleLattice& lattice) {
   Box3 box;
-  for (int corner = 0; corner < 8; ++corner) {
-    const auto side = [&](int axis, std::int64_t count) {
-      return (corner >> axis & 1) == 0 ? 0.0 : static_cast<double>(count - 1);
-    };
-    box.extendBy(world_from_grid.point({side(0, sample_count.x), side(1, sample_count.y), side(2, sample_count.z)}));
-  }
+  for (int corner = 0; corner < 8; ++corner) box.extendBy(lattice.world_from_grid.point(corner_of(lattice, corner)));
   return box;
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "formats/base/affine.h"
 #include "formats/brick_grid.h"
@@ -18,14 +20,24 @@ Json json_of(const Vec3& v);
 Json json_of(const Index3& index);
 Json json_of(const Box3& box);
 Json json_of(const Interval<double>& interval);  ///< null when empty
-Json json_of(const Affine& world_from_grid);     ///< spacing, origin, direction (three unit vectors)
 Json json_of(const formats::FieldSummary& field);
 Json json_of(const formats::Provenance& provenance);
 Json json_of(const formats::GridDescription& grid);
 Json json_of(const formats::TetMeshDescription& mesh);
 
-/// Of a grid's samples, in world axes.
-Box3 bounds_of(const Affine& world_from_grid, const Index3& sample_count);
+/// Where the samples of a volume stand: in the frame of the map at 0, 1, 2, ..., or where a table of the axis says.
+struct SampleLattice {
+  const Affine& world_from_grid;
+  const Index3& sample_count;
+  const std::array<std::vector<double>, 3>& axes;
+};
+
+/// Origin, direction (three unit vectors), spacing (where it varies along an axis its mean) and, for each axis, the
+/// smallest and the largest spacing; all in world units.
+Json json_of(const SampleLattice& lattice);
+
+/// Of the samples, in world axes.
+Box3 bounds_of(const SampleLattice& lattice);
 
 std::string text_of(const Vec3& v);        ///< 0.781 0.781 1
 std::string text_of(const Index3& index);  ///< 512 x 512 x 275

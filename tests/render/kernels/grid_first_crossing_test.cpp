@@ -190,7 +190,7 @@ TEST(GridFirstCrossing, is_the_same_with_and_without_hierarchy_bit_for_bit) {
 TEST(GridFirstCrossing, is_the_same_in_bricks_and_in_linear_order_bit_for_bit) {
   for (const auto& field : fields_of_all_kinds()) {
     TracedVolume bricked(volume_of<double>({20, 18, 23}, field)),
-        linear(volume_of<double>({20, 18, 23}, field), {.linear_layout = true});
+        linear(volume_of<double>({20, 18, 23}, field), {.order = preprocess::SampleOrder::linear});
     for (const Ray& ray : stressful_rays({19, 17, 22}, 400, 6)) {
       ASSERT_TRUE(same_bits(bricked.first_crossing(ray, 0), linear.first_crossing(ray, 0)));
       ASSERT_TRUE(same_bits(bricked.largest_value(ray), linear.largest_value(ray)));

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <tuple>
@@ -17,9 +19,12 @@ namespace {
 using render::CellVisit;
 using render::clip_to_lattice;
 using render::PlaneTimes;
+using render::PlaneTimesOf;
 using render::Ray;
 using render::Segment;
+using render::TablePlanes;
 using render::WalkLattice;
+using render::WholePlanes;
 
 using Fields = std::tuple<std::int64_t, std::int64_t, std::int64_t, double, double, int, int>;
 
@@ -31,9 +36,10 @@ Vec3 to_vec3(const Index3& i) {
   return {static_cast<double>(i.x), static_cast<double>(i.y), static_cast<double>(i.z)};
 }
 
-std::vector<CellVisit> flat_walk(const Ray& ray, const WalkLattice& lattice) {
+template <class Planes = WholePlanes>
+std::vector<CellVisit> flat_walk(const Ray& ray, const WalkLattice& lattice, const Planes& at = {}) {
   std::vector<CellVisit> visits;
-  const PlaneTimes planes(ray);
+  const PlaneTimesOf<Planes> planes(ray, at);
   if (const auto part = clip_to_lattice(ray, planes, lattice.leaf_count))
     walk_level(ray, planes, lattice, 1, whole_level(lattice, 1), part->t_in, part->t_out, [&](const CellVisit& visit) {
       visits.push_back(visit);
@@ -43,10 +49,11 @@ std::vector<CellVisit> flat_walk(const Ray& ray, const WalkLattice& lattice) {
 }
 
 /// Leaf cells seen when `opens` decides on macrocells.
-template <class Opens>
-std::vector<CellVisit> hierarchical_walk(const Ray& ray, const WalkLattice& lattice, int levels, Opens opens) {
+template <class Opens, class Planes = WholePlanes>
+std::vector<CellVisit> hierarchical_walk(const Ray& ray, const WalkLattice& lattice, int levels, Opens opens,
+                                         const Planes& at = {}) {
   std::vector<CellVisit> visits;
-  const PlaneTimes planes(ray);
+  const PlaneTimesOf<Planes> planes(ray, at);
   auto leaf = [&](const CellVisit& visit) {
     visits.push_back(visit);
     return true;
@@ -69,8 +76,9 @@ std::vector<Fields> all_fields(const std::vector<CellVisit>& visits) {
 }
 
 /// The walk by another road: all plane times, sorted by time and then by axis, passed one after the other.
-std::vector<CellVisit> walk_by_sorting(const Ray& ray, const Index3& size) {
-  const PlaneTimes planes(ray);
+template <class Planes = WholePlanes>
+std::vector<CellVisit> walk_by_sorting(const Ray& ray, const Index3& size, const Planes& planes_at = {}) {
+  const PlaneTimesOf<Planes> planes(ray, planes_at);
   const std::optional<Segment> part = clip_to_lattice(ray, planes, size);
   if (!part) return {};
   struct Pass {
@@ -84,7 +92,9 @@ std::vector<CellVisit> walk_by_sorting(const Ray& ray, const Index3& size) {
     const int step = planes.step(axis);
     at.cell[axis] = step > 0 ? 0 : size[axis] - 1;
     if (step == 0)
-      at.cell[axis] = std::min(static_cast<std::int64_t>(std::floor(ray.origin[axis])), size[axis] - 1);
+      for (at.cell[axis] = 0;
+           at.cell[axis] < size[axis] - 1 && planes_at.position(axis, at.cell[axis] + 1) <= ray.origin[axis];)
+        ++at.cell[axis];
     else
       for (std::int64_t k = 0; k <= size[axis]; ++k) passes.push_back({planes.at(axis, k), axis, step > 0 ? k : -k});
   }
@@ -136,6 +146,67 @@ TEST(WalkLevel, visits_the_cells_between_the_sorted_plane_times) {
     }
   EXPECT_GT(cells, 100000);
   EXPECT_GT(without_length, 3000) << "too few ties are left: are these still the stressful rays?";
+}
+
+/// Planes in the box [0, count], with steps from 0.001 to about 1 unit, or at whole numbers.
+std::array<std::vector<double>, 3> uneven_planes(const Index3& count, bool whole) {
+  Dice dice(77);
+  std::array<std::vector<double>, 3> planes;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double>& table = planes[static_cast<std::size_t>(axis)];
+    for (std::int64_t k = 0; k <= count[axis]; ++k)
+      table.push_back(whole || k == 0 ? static_cast<double>(k)
+                                      : table.back() + (dice.coin() ? 1 : std::pow(10, dice.between(-3, 0))));
+    const double stretch = static_cast<double>(count[axis]) / table.back();
+    for (double& position : table) position *= stretch;
+  }
+  return planes;
+}
+
+TEST(WalkLevel, visits_the_cells_between_the_sorted_times_of_uneven_planes) {
+  std::size_t cells = 0;
+  for (const Shape& shape : shapes) {
+    const auto tables = uneven_planes(shape.count, false);
+    const TablePlanes planes(tables);
+    for (const Ray& ray : stressful_rays(to_vec3(shape.count), 700, 22)) {
+      const auto walked = flat_walk(ray, {shape.count, shape.factor}, planes);
+      ASSERT_EQ(all_fields(walked), all_fields(walk_by_sorting(ray, shape.count, planes)))
+          << ray.origin << " + t " << ray.direction << ", " << ray.t_min << " to " << ray.t_max;
+      cells += walked.size();
+      const auto opened = hierarchical_walk(
+          ray, {shape.count, shape.factor}, shape.levels, [](int, const CellVisit&) { return true; }, planes);
+      ASSERT_EQ(all_fields(with_length(opened)), all_fields(with_length(walked)));
+    }
+  }
+  EXPECT_GT(cells, 40000);
+}
+
+TEST(WalkLevel, is_the_same_bit_for_bit_where_a_table_says_what_whole_numbers_say) {
+  for (const Shape& shape : shapes) {
+    const auto tables = uneven_planes(shape.count, true);
+    const TablePlanes planes(tables);
+    for (const Ray& ray : stressful_rays(to_vec3(shape.count), 300, 23)) {
+      const WalkLattice lattice{shape.count, shape.factor};
+      const auto all = [](int, const CellVisit&) { return true; };
+      ASSERT_EQ(all_fields(flat_walk(ray, lattice, planes)), all_fields(flat_walk(ray, lattice)));
+      ASSERT_EQ(all_fields(hierarchical_walk(ray, lattice, shape.levels, all, planes)),
+                all_fields(hierarchical_walk(ray, lattice, shape.levels, all)));
+    }
+  }
+}
+
+TEST(TablePlanes, in_planes_is_the_last_plane_at_or_below_between_those_that_matter) {
+  const std::array<std::vector<double>, 3> tables{{{-3, -1, 0, 0.5, 100}, {0, 1}, {5, 6, 8}}};
+  const TablePlanes planes(tables);
+  EXPECT_EQ(planes.in_planes(0, -3, 0, 4), 0);
+  EXPECT_EQ(planes.in_planes(0, 0.4, 0, 4), 2);
+  EXPECT_EQ(planes.in_planes(0, 0.5, 0, 4), 3);
+  EXPECT_EQ(planes.in_planes(0, 1e300, 0, 4), 4);
+  EXPECT_EQ(planes.in_planes(0, -1e300, 0, 4), 0);
+  EXPECT_EQ(planes.in_planes(0, 50, 1, 2), 2);
+  EXPECT_EQ(planes.in_planes(0, -2, 2, 4), 2);
+  EXPECT_EQ(planes.in_planes(2, 7.9, 0, 2), 1);
+  EXPECT_EQ(planes.in_planes(1, std::numeric_limits<double>::quiet_NaN(), 0, 1), 0);
 }
 
 TEST(WalkLevel, goes_through_faces_only_and_covers_the_whole_part_of_the_ray) {

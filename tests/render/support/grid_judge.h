@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "formats/base/vector.h"
 #include "render/march/ray.h"
@@ -52,10 +53,32 @@ inline std::optional<std::array<double, 2>> part_in_box(const render::Ray& ray, 
   return std::array{t_in, t_out};
 }
 
+/// Where samples stand along the axes; an empty axis stands for 0, 1, 2, ...
+using Axes = std::array<std::vector<double>, 3>;
+
+inline Vec3 position_of(const Axes& axes, const Index3& sample) {
+  Vec3 p;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto& table = axes[static_cast<std::size_t>(axis)];
+    p[axis] = table.empty() ? static_cast<double>(sample[axis]) : table[static_cast<std::size_t>(sample[axis])];
+  }
+  return p;
+}
+
+/// A point as seen from a cell, in numbers of samples.
+inline Vec3 in_samples(const Axes& axes, const Index3& cell, const Vec3& p) {
+  const Vec3 low = position_of(axes, cell), high = position_of(axes, cell + Index3(1, 1, 1));
+  Vec3 at;
+  for (int axis = 0; axis < 3; ++axis)
+    at[axis] = static_cast<double>(cell[axis]) + (p[axis] - low[axis]) / (high[axis] - low[axis]);
+  return at;
+}
+
 /// The largest value along a ray, by looking into every cell: the cubic through four points of its chord.
 /// @param faces_only  looks at the chord's ends instead
 inline std::optional<double> largest_by_brute_force(const Samples& samples, const Index3& cell_count,
-                                                    const render::Ray& ray, bool faces_only = false) {
+                                                    const render::Ray& ray, bool faces_only = false,
+                                                    const Axes& axes = {}) {
   std::optional<double> largest;
   const auto take = [&](long double value) {
     largest = std::max(largest.value_or(-1e300), static_cast<double>(value));
@@ -63,11 +86,11 @@ inline std::optional<double> largest_by_brute_force(const Samples& samples, cons
   for (std::int64_t k = 0; k < cell_count.z; ++k)
     for (std::int64_t j = 0; j < cell_count.y; ++j)
       for (std::int64_t i = 0; i < cell_count.x; ++i) {
-        const Vec3 low(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
-        const auto part = part_in_box(ray, low, low + Vec3(1, 1, 1));
+        const Index3 cell(i, j, k);
+        const auto part = part_in_box(ray, position_of(axes, cell), position_of(axes, cell + Index3(1, 1, 1)));
         if (!part) continue;
         const auto value_at = [&](double s) {
-          return interpolated(samples, {i, j, k}, ray.at((1 - s) * (*part)[0] + s * (*part)[1]));
+          return interpolated(samples, cell, in_samples(axes, cell, ray.at((1 - s) * (*part)[0] + s * (*part)[1])));
         };
         const long double f0 = value_at(0), f1 = value_at(1.0 / 3), f2 = value_at(2.0 / 3), f3 = value_at(1);
         if (std::isnan(static_cast<double>(f0 + f1 + f2 + f3))) continue;  // a corner without data

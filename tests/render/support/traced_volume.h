@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "preprocess/pack_mesh.h"
@@ -21,6 +22,10 @@ class TracedVolume {
       : volume_(packed(volume, options)) {}
   explicit TracedVolume(const preprocess::NeutralMesh& mesh, const preprocess::PackMeshOptions& options = {})
       : volume_(packed(mesh, options)) {}
+
+  /// Of the bytes of a packed file.
+  explicit TracedVolume(const std::string& packed_file, const std::string& field = {})
+      : volume_(loaded(packed_file, field)) {}
 
   const render::Volume& volume() const { return volume_; }
 
@@ -49,6 +54,11 @@ class TracedVolume {
   render::Volume packed(const preprocess::NeutralMesh& mesh, const preprocess::PackMeshOptions& options) {
     preprocess::pack_mesh(mesh, folder_ / "packed.rho", options);
     return render::Volume::load(folder_ / "packed.rho");
+  }
+
+  render::Volume loaded(const std::string& packed_file, const std::string& field) {
+    write_file(folder_ / "packed.rho", packed_file);
+    return render::Volume::load(folder_ / "packed.rho", field);
   }
 
   render::Hit ask(render::Kernel render::Kernels::*kernel, const render::Ray& ray, const render::Question& question,
