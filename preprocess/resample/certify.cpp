@@ -48,26 +48,71 @@ struct Gradient {
   bool has_values = false;                                 ///< at all four vertices
 };
 
-/// The gradients of the cells in a leaf cell, by component.
-struct GradientRange {
-  Point low, high;
-  double error = 0;
-
-  GradientRange() {
-    low.fill(std::numeric_limits<double>::infinity());
-    high.fill(-std::numeric_limits<double>::infinity());
+/// The gradients of the cells in a leaf cell.
+class GradientSet {
+ public:
+  void clear() {
+    slopes_.clear();
+    error_ = 0;
   }
   void include(const Gradient& gradient) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], gradient.slope[a]);
-      high[a] = std::max(high[a], gradient.slope[a]);
-    }
-    error = std::max(error, gradient.error);
+    slopes_.push_back(gradient.slope);
+    error_ = std::max(error_, gradient.error);
   }
-  /// From the point x to a corner X of the leaf cell a linear function with the middle of the gradients is off by at
-  /// most sum |X_a - x_a| r_a, with r_a half their range; the mean of |X_a - x_a| over the corners, weighted as they
-  /// are at x, is 2 x_a (1 - x_a), at most 1/2.
-  double bound() const { return 0.25 * ((high[0] - low[0]) + (high[1] - low[1]) + (high[2] - low[2]) + 6 * error); }
+
+  /// What the difference in the leaf cell cannot exceed. From a point x to a corner X a linear function with the middle
+  /// of the gradients is off by at most sum |Y_a| r_a, with Y = X - x and r half the gradients' range along axis a, in
+  /// any frame of orthogonal axes. Over the corners, weighted as they are at x, the mean of Y_a is 0 and its variance
+  /// at most 1/4: the mean of |Y_a| is at most 1/2. The frame is the lattice's, or one along the widest spread.
+  double bound() const {
+    if (slopes_.empty()) return 0;
+    const std::array<Point, 3> lattice{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    // Twice 3 axes, each off by less than twice the error of three components.
+    return 0.25 * (std::min(range_along(lattice), range_along(widest_frame())) + 36 * error_);
+  }
+
+ private:
+  double range_along(const std::array<Point, 3>& axes) const {
+    double sum = 0;
+    for (const Point& axis : axes) {
+      Interval<double> range;
+      for (const Point& slope : slopes_) range.include(dot(slope, axis));
+      sum += range.hi - range.lo;
+    }
+    return sum * (1 + 1e-12);
+  }
+
+  std::array<Point, 3> widest_frame() const {
+    const auto farthest = [&](auto&& part_of) {
+      Point widest{};
+      double length = 0;
+      for (const Point& slope : slopes_) {
+        const Point part = part_of(minus(slope, slopes_.front()));
+        if (dot(part, part) > length) {
+          length = dot(part, part);
+          widest = part;
+        }
+      }
+      return widest;
+    };
+    const Point first = unit(farthest([](const Point& p) { return p; }), {1, 0, 0});
+    const auto across = [&](const Point& p) {
+      const double along = dot(p, first);
+      return minus(p, {along * first[0], along * first[1], along * first[2]});
+    };
+    const Point other = std::abs(first[0]) < 0.5 ? Point{1, 0, 0} : Point{0, 1, 0};
+    const Point second = unit(across(unit(farthest(across), across(other))), {0, 1, 0});
+    return {first, second, cross(first, second)};
+  }
+
+  static Point unit(const Point& p, const Point& otherwise) {
+    const double length = std::sqrt(dot(p, p));
+    if (!(length > 1e-300)) return otherwise;
+    return {p[0] / length, p[1] / length, p[2] / length};
+  }
+
+  std::vector<Point> slopes_;
+  double error_ = 0;
 };
 
 /// A field as the certificate needs it.
@@ -144,12 +189,24 @@ struct BrickFace {
   Point normal;                ///< twice the face's area long
   std::array<Point, 3> sides;  ///< directions in the face's plane, normal to an edge, inward
 
+  double normal_reach;  ///< how far a leaf cell's corners are from its centre along these directions
+  std::array<double, 3> side_reaches;
+
+  void measure() {
+    const Point e0 = minus(corners[1], corners[0]), e1 = minus(corners[2], corners[1]),
+                e2 = minus(corners[0], corners[2]);
+    normal = cross(e0, e1);
+    sides = {cross(normal, e0), cross(normal, e1), cross(normal, e2)};
+    constexpr double half = 0.5 + 1e-6;
+    normal_reach = half * sum_of_magnitudes(normal);
+    for (std::size_t e = 0; e < 3; ++e) side_reaches[e] = half * sum_of_magnitudes(sides[e]);
+  }
+
   /// False when the leaf cell that has `center` in its middle is clear of the face.
   bool may_touch(const Point& center) const {
-    constexpr double half = 0.5 + 1e-6;
-    if (std::abs(dot(normal, minus(center, corners[0]))) > half * sum_of_magnitudes(normal)) return false;
+    if (std::abs(dot(normal, minus(center, corners[0]))) > normal_reach) return false;
     for (std::size_t e = 0; e < 3; ++e)
-      if (dot(sides[e], minus(center, corners[e])) < -half * sum_of_magnitudes(sides[e])) return false;
+      if (dot(sides[e], minus(center, corners[e])) < -side_reaches[e]) return false;
     return true;
   }
 };
@@ -247,10 +304,7 @@ class BrickCertifier {
       face.low[a] = static_cast<std::int8_t>(std::max(lo, 0.0));
       face.high[a] = static_cast<std::int8_t>(std::min(hi, count - 1));
     }
-    const Point e0 = minus(face.corners[1], face.corners[0]), e1 = minus(face.corners[2], face.corners[1]),
-                e2 = minus(face.corners[0], face.corners[2]);
-    face.normal = cross(e0, e1);
-    face.sides = {cross(face.normal, e0), cross(face.normal, e1), cross(face.normal, e2)};
+    face.measure();
     for (auto k = face.low[2]; k <= face.high[2]; ++k)
       layers_[static_cast<std::size_t>(k)].push_back(static_cast<std::uint32_t>(faces_.size()));
     faces_.push_back(face);
@@ -499,7 +553,7 @@ class BrickCertifier {
       std::push_heap(pieces_.begin(), pieces_.end());
     };
     const bool is_regular = sums_[p] < infinite;
-    GradientRange gradients;
+    gradients_.clear();
     nearby_.clear();
     for (const std::uint32_t number : layers_[k]) {
       const BrickFace& face = faces_[number];
@@ -509,11 +563,11 @@ class BrickCertifier {
         continue;
       nearby_.push_back(&face);
       if (!is_regular) continue;
-      gradients.include(field.gradients[face.cell]);
-      gradients.include(field.gradients[face.neighbor]);
+      gradients_.include(field.gradients[face.cell]);
+      gradients_.include(field.gradients[face.neighbor]);
     }
-    if (is_regular && gradients.bound() <= goal()) {
-      errors.bound = std::max(errors.bound, gradients.bound());
+    if (const double bound = gradients_.bound(); is_regular && bound <= goal()) {
+      errors.bound = std::max(errors.bound, bound);
       return;
     }
     for (const BrickFace* face : nearby_) {
@@ -566,6 +620,7 @@ class BrickCertifier {
   std::vector<std::uint32_t> candidates_;
   std::vector<Piece> pieces_;
   std::vector<const BrickFace*> nearby_;
+  GradientSet gradients_;
 };
 
 /// Marks the bricks with the largest errors so far, one in 128.

@@ -86,6 +86,10 @@ void check(const ResampleCommand& command, const std::filesystem::path& output) 
                          ": found a file of a kind that is not known here; expected a mesh (.vtu, .vtk, ...) or "
                          "packed tetrahedra (.rho)"));
   }
+  if (output.extension() == ".vdb")
+    throw Error(Trouble::unsupported, concat(output.string(), ": a mesh is resampled to a packed grid (.rho) first"),
+                concat("rhoray resample ", name, " -o ", output.stem().string(), ".rho ..., then rhoray export ",
+                       output.stem().string(), ".rho -o ", output.string()));
   if (output.extension() != ".rho")
     throw Error(Trouble::usage,
                 concat(output.string(), ": found extension '", output.extension().string(), "'; expected .rho"));
