@@ -6,6 +6,7 @@
 #include "formats/base/trouble.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
+#include "tools/rhoray/input_file.h"
 
 namespace rhoray::tools {
 
@@ -33,10 +34,10 @@ formats::FieldSummary summarize_each(std::size_t count, const ValueAt& value_at)
 }
 
 Json head(const std::filesystem::path& path, const char* kind) {
-  return {{"file", path.string()}, {"kind", kind}, {"packed", false}, {"file_bytes", std::filesystem::file_size(path)}};
+  return {{"file", path.string()}, {"kind", kind}, {"packed", false}, {"file_bytes", input_bytes(path)}};
 }
 
-Json volume_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes) {
+Json volume_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings) {
   preprocess::ImportVolumeOptions import;
   import.memory_limit_bytes = memory_limit_bytes;
   const preprocess::NeutralVolume volume = preprocess::import_volume(path, import);
@@ -57,8 +58,10 @@ Json volume_info(const std::filesystem::path& path, std::uint64_t memory_limit_b
   json["length_unit"] = volume.length_unit;
   json["box"] = json_of(bounds_of(lattice));
   json["fields"] = Json::array({json_of(field)});
+  json["other_fields"] = volume.other_fields;
   json["memory"] = {{"unpacked_bytes", volume.samples.size()}};
   json["notes"] = volume.notes;
+  if (with_findings) json["findings"] = findings_json(preprocess::inspect_volume(volume));
   return json;
 }
 
@@ -80,7 +83,7 @@ Box3 box_of(std::span<const std::array<double, 3>> points) {
   return box;
 }
 
-Json mesh_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes) {
+Json mesh_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings) {
   const preprocess::NeutralMesh mesh = preprocess::import_mesh(path, {.memory_limit_bytes = memory_limit_bytes});
   Json json = head(path, "mesh");
   json["points"] = mesh.points.size();
@@ -100,6 +103,7 @@ Json mesh_info(const std::filesystem::path& path, std::uint64_t memory_limit_byt
   json["memory"] = {{"unpacked_bytes", sizeof(mesh.points[0]) * mesh.points.size() +
                                            sizeof(mesh.cells[0]) * mesh.cells.size() + sizeof(double) * value_count}};
   json["notes"] = mesh.notes;
+  if (with_findings) json["findings"] = findings_json(preprocess::inspect_mesh(mesh));
   return json;
 }
 
@@ -123,16 +127,27 @@ Json surface_info(const std::filesystem::path& path, std::uint64_t memory_limit_
 
 }  // namespace
 
+Json findings_json(const std::vector<preprocess::Finding>& findings) {
+  Json list = Json::array();
+  for (const preprocess::Finding& finding : findings)
+    list.push_back({{"name", finding.name},
+                    {"count", finding.count},
+                    {"first", finding.first_ids},
+                    {"of", finding.thing},
+                    {"packing", finding.packing}});
+  return list;
+}
+
 formats::FieldSummary summarize(std::span<const double> values) {
   return summarize_each(values.size(), [&](std::size_t i) { return values[i]; });
 }
 
-Json foreign_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes) {
+Json foreign_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings) {
   switch (preprocess::foreign_kind(path)) {
     case preprocess::ForeignKind::volume:
-      return volume_info(path, memory_limit_bytes);
+      return volume_info(path, memory_limit_bytes, with_findings);
     case preprocess::ForeignKind::mesh:
-      return mesh_info(path, memory_limit_bytes);
+      return mesh_info(path, memory_limit_bytes, with_findings);
     case preprocess::ForeignKind::surface:
       return surface_info(path, memory_limit_bytes);
     case preprocess::ForeignKind::unknown:
