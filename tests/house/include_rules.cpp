@@ -46,7 +46,7 @@ struct Guest {
 const Guest guests[] = {{"TetGen", std::regex("tetgen\\.h"), {"preprocess/tetrahedralize"}},
                         {"CGAL", std::regex("CGAL/.*"), {"preprocess/tetrahedralize", "tools"}},
                         {"Boost", std::regex("boost/.*"), {"preprocess/tetrahedralize"}},
-                        {"VTK", std::regex("vtk\\w*\\.h"), {"preprocess/import"}},
+                        {"VTK", std::regex("vtk\\w*\\.h"), {"preprocess/import", "tools/study"}},
                         {"Teem", std::regex("teem/.*"), {"preprocess/import"}},
                         {"zlib, bzip2, minizip", std::regex("(zlib|bzlib|minizip/\\w+)\\.h"), {"preprocess/import"}},
                         {"GDCM", std::regex("gdcm\\w+\\.h"), {"preprocess/import"}},

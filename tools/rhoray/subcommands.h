@@ -9,6 +9,7 @@ Subcommand info_subcommand();
 Subcommand verify_subcommand();
 Subcommand pack_subcommand();
 Subcommand tetrahedralize_subcommand();
+Subcommand resample_subcommand();
 Subcommand render_subcommand();
 Subcommand bench_subcommand();
 

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "preprocess/resample/faces.h"
+#include "preprocess/resample/sample.h"
+
+namespace rhoray::preprocess {
+
+/// How far the trilinear field between the samples lies from the mesh's piecewise linear one.
+///
+/// Compared are all points of the mesh in leaf cells whose eight samples have data; the leaf cell (i, j, k) belongs to
+/// the brick of its first sample. Where cells of the mesh overlap, the trilinear field is compared with each of them.
+struct FieldErrors {
+  /// By slot. An upper bound of the difference (not an estimate), 0 in a brick without such leaf cells. Either it
+  /// exceeds a difference that is attained in the brick by at most a twentieth, or the grid's largest attained
+  /// difference by no more than that: where a brick cannot hold the largest error, its bound may be some times what is
+  /// attained in it. Differences below 1e-6 of the field's range are not told apart.
+  std::vector<double> max;
+  /// By slot. Root mean square over one point in each leaf cell, or in every fourth where there are more than 1024
+  /// bricks (locate.h: rows_of_probes): an estimate.
+  std::vector<double> rms;
+
+  double max_error = 0;                 ///< of all bricks
+  double attained = 0;                  ///< the largest difference at a point that was looked at
+  std::array<double, 3> attained_at{};  ///< that point, in steps of the lattice
+  double rms_error = 0;                 ///< over all points
+  std::uint64_t point_count = 0;        ///< points of the estimate
+};
+
+struct Certificates {
+  std::vector<FieldErrors> fields;
+  /// Share of the mesh's volume that lies in leaf cells with a sample outside (estimated by the same points): there is
+  /// no trilinear field.
+  double uncovered_share = 0;
+};
+
+/// The difference is harmonic in the part of a leaf cell that lies in one tetrahedron, so its extremes lie on the faces
+/// of tetrahedra: there it is a cubic, bounded by Bernstein coefficients (trilinear_patch.h) and subdivision. Most leaf
+/// cells are decided without, by a bound of their own:
+///
+///      across a face the gradient jumps by J n, and the trilinear interpolation of the ramp J max(0, n . x - d) lies
+///      above it by at most J s_max |s_min| / (s_max - s_min), with s the heights of the cell's corners above the
+///      plane, and at most |J n| / 4; the difference in a cell is at most the sum of these over the faces in it
+///
+/// so that only cells with a larger sum than what is attained elsewhere in the brick need the faces themselves. Cells
+/// touched by a face without a neighbour are always looked at.
+Certificates certify(const CleanMesh& mesh, const std::vector<PointField>& fields, const FaceNeighbors& neighbors,
+                     const SampleLattice& lattice, const TouchedBricks& touched, const BrickSamples& samples,
+                     const Progress& progress);
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,194 @@
+#include "preprocess/resample/certify.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "preprocess/resample/locate.h"
+#include "tests/preprocess/resample/support.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+/// The largest difference by brick, found at points strewn densely over every tetrahedron, its faces and edges too.
+class BruteForce {
+ public:
+  BruteForce(const Sampled& sampled, int order, std::size_t field = 0)
+      : sampled_(sampled), field_(field), max_(sampled.touched.bricks.size(), 0.0) {
+    std::visit([&](const auto& values) { values_.assign(values.begin(), values.end()); }, sampled.fields[field].values);
+    for (const auto& cell : sampled.mesh.cells)
+      for (int a = 0; a <= order; ++a)
+        for (int b = 0; a + b <= order; ++b)
+          for (int c = 0; a + b + c <= order; ++c) visit(cell, {a, b, c, order - a - b - c}, order);
+  }
+
+  const std::vector<double>& max() const { return max_; }
+
+ private:
+  void visit(const std::array<std::uint32_t, 4>& cell, const std::array<int, 4>& counts, int order) {
+    std::array<double, 3> p{};
+    double linear = 0;
+    for (std::size_t v = 0; v < 4; ++v) {
+      const double weight = static_cast<double>(counts[v]) / order;
+      for (std::size_t a = 0; a < 3; ++a) p[a] += weight * sampled_.mesh.points[cell[v]][a];
+      linear += weight * values_[cell[v]];
+    }
+    const std::array<double, 3> steps = sampled_.lattice.in_steps(p);
+    compare({steps[0], steps[1], steps[2]}, linear);
+  }
+
+  /// In the cell that has the point; on a side of it, in that beside it.
+  void compare(const Vec3& p, double linear) {
+    Index3 cell;
+    for (int a = 0; a < 3; ++a)
+      cell[a] = std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor(p[a])), 0, sampled_.lattice.count[a] - 2);
+    double trilinear = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Index3 at = cell + Index3(corner & 1, corner >> 1 & 1, corner >> 2);
+      double weight = 1;
+      for (int a = 0; a < 3; ++a)
+        weight *= at[a] == cell[a] ? 1 - (p[a] - static_cast<double>(cell[a])) : p[a] - static_cast<double>(cell[a]);
+      trilinear += weight * sampled_.sample(at.x, at.y, at.z, field_);
+    }
+    if (std::isnan(trilinear) || std::isnan(linear)) return;
+    const std::uint32_t slot = sampled_.touched.slot({cell.x / 8, cell.y / 8, cell.z / 8});
+    max_[slot] = std::max(max_[slot], std::abs(trilinear - linear));
+  }
+
+  const Sampled& sampled_;
+  std::size_t field_;
+  std::vector<double> values_;
+  std::vector<double> max_;
+};
+
+/// Expects that the certificate is not exceeded by what was found, and not far above it.
+void expect_bound(const Sampled& sampled, int order, double gap) {
+  const FieldErrors& errors = sampled.certificates.fields[0];
+  const std::vector<double> found = BruteForce(sampled, order).max();
+  ASSERT_EQ(errors.max.size(), found.size());
+  double largest = 0;
+  for (std::size_t slot = 0; slot < found.size(); ++slot) {
+    EXPECT_LE(found[slot], errors.max[slot] * (1 + 1e-12) + 1e-14) << slot;
+    EXPECT_GE(std::max(found[slot] * gap, errors.attained * 1.051), errors.max[slot] - 1e-5) << slot;
+    largest = std::max(largest, found[slot]);
+  }
+  EXPECT_GT(largest, 0.01) << "is there anything to be certified?";
+  EXPECT_GE(largest * gap, errors.max_error);
+  EXPECT_LE(errors.attained, errors.max_error);
+  EXPECT_LE(errors.rms_error, errors.attained);
+  EXPECT_GE(errors.attained * 1.051, errors.max_error);
+}
+
+NeutralMesh with_random_values(NeutralMesh mesh, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  mesh.point_fields = {
+      {.name = "value", .unit = {}, .component_count = 1, .was_single_precision = false, .values = {}}};
+  for (std::size_t p = 0; p < mesh.points.size(); ++p) mesh.point_fields[0].values.push_back(unit(random));
+  return mesh;
+}
+
+// What a dense search misses near the maximum, on top of the twentieth that is promised.
+constexpr double gap = 1.05 * 1.05;
+
+TEST(Certify, bounds_what_brute_force_finds_in_every_brick_and_hardly_more_in_the_worst) {
+  const NeutralMesh mesh = tests::box_mesh({.cells = {3, 3, 3}, .jitter = 0.15}, tests::marschner_lobb_field(2));
+  expect_bound(Sampled(mesh, {.longest_axis = 14}), 40, gap);
+}
+
+TEST(Certify, bounds_a_rough_field_on_cells_smaller_and_larger_than_the_steps) {
+  expect_bound(
+      Sampled(with_random_values(tests::box_mesh({.cells = {2, 2, 2}, .jitter = 0.1}), 1), {.longest_axis = 18}), 80,
+      gap);
+  expect_bound(Sampled(with_random_values(tests::box_mesh({.cells = {5, 5, 5}, .jitter = 0.1}), 2),
+                       {.sample_count = {4, 11, 6}}),
+               30, gap);
+}
+
+TEST(Certify, bounds_the_error_where_vertices_are_samples) {
+  expect_bound(Sampled(with_random_values(tests::box_mesh({.cells = {4, 4, 4}}), 3), {.sample_count = {9, 9, 9}}), 40,
+               gap);
+}
+
+TEST(Certify, bounds_the_error_around_holes) {
+  NeutralMesh mesh = with_random_values(tests::box_mesh({.cells = {6, 6, 6}, .jitter = 0.1}), 4);
+  std::mt19937_64 random(4);
+  Array<std::array<std::uint64_t, 4>> kept;
+  for (const auto& cell : mesh.cells)
+    if (random() % 16 != 0) kept.push_back(cell);
+  mesh.cells = kept;
+  const Sampled sampled(mesh, {.longest_axis = 30});
+  EXPECT_LT(sampled.samples.inside_count, static_cast<std::uint64_t>(volume(sampled.lattice.count)));
+  EXPECT_GT(sampled.certificates.uncovered_share, 0.02);
+  expect_bound(sampled, 30, gap);
+}
+
+TEST(Certify, compares_with_every_cell_where_cells_overlap) {
+  const NeutralMesh mesh = with_random_values(tests::strewn_mesh(40, 0.5, 1, 6), 5);
+  const Sampled sampled(mesh, {.longest_axis = 20});
+  EXPECT_GT(sampled.samples.overlap_count, 50U);
+  expect_bound(sampled, 60, gap);
+}
+
+TEST(Certify, knows_nothing_of_cells_without_data) {
+  NeutralMesh mesh = with_random_values(tests::box_mesh({.cells = {4, 4, 4}, .jitter = 0.1}), 6);
+  mesh.point_fields[0].values[62] = std::nan("");
+  const Sampled sampled(mesh, {.longest_axis = 24});
+  expect_bound(sampled, 40, gap);
+}
+
+TEST(Certify, finds_slivers_no_worse_than_their_values) {
+  const NeutralMesh mesh = with_random_values(tests::strewn_mesh(60, 0.5, 1e-7, 8), 7);
+  const Sampled sampled(mesh, {.longest_axis = 20});
+  for (const double error : sampled.certificates.fields[0].max) EXPECT_LE(error, 1.06);
+}
+
+TEST(Certify, is_at_rounding_for_a_linear_field) {
+  for (const bool single : {false, true}) {
+    const NeutralMesh mesh =
+        tests::box_mesh({.cells = {4, 4, 4}, .jitter = 0.15}, tests::linear_field({3, -2, 5}, 100), single);
+    const Sampled sampled(mesh, {.longest_axis = 30});
+    const double rounding = single ? 0x1p-21 * 106 : 0x1p-46 * 106;
+    EXPECT_LE(sampled.certificates.fields[0].attained, single ? 0x1p-22 * 106 : rounding);
+    if (!single)
+      sampled.for_each_sample([&](std::int64_t i, std::int64_t j, std::int64_t k) {
+        const auto p = sampled.place(i, j, k);
+        EXPECT_NEAR(sampled.sample(i, j, k), 100 + 3 * p[0] - 2 * p[1] + 5 * p[2], rounding);
+      });
+    EXPECT_LE(sampled.certificates.fields[0].max_error, 1e-6 * 10 + rounding);
+  }
+}
+
+TEST(Certify, finds_a_quarter_of_the_error_at_half_the_spacing_until_the_cells_are_larger_than_the_steps) {
+  // Steps of 1/3, 1/6, 1/12 on cells of 1/24 see the field's own curvature: second order. Steps far below the
+  // cells see kinks, a jump in the gradient times the step: first order.
+  const tests::Field field = [](const Vec3& p) { return std::sin(3 * p.x) * std::cos(2 * p.y + 1) * std::exp(p.z); };
+  const auto error_with = [&](std::int64_t cells, std::int64_t samples) {
+    const NeutralMesh mesh = tests::box_mesh({.cells = {cells, cells, cells}}, field);
+    return Sampled(mesh, {.longest_axis = samples}).certificates.fields[0].max_error;
+  };
+  const double third = error_with(24, 4), sixth = error_with(24, 7), twelfth = error_with(24, 13);
+  EXPECT_NEAR(third / sixth, 4, 0.8);
+  EXPECT_NEAR(sixth / twelfth, 4, 0.8);
+  const double coarse = error_with(3, 24), fine = error_with(3, 47);
+  EXPECT_NEAR(coarse / fine, 2, 0.4);
+}
+
+TEST(Probes, are_spread_evenly_over_the_places_in_a_cell) {
+  const SampleLattice lattice = choose_samples(Box3({0, 0, 0}, {8, 8, 8}), {.longest_axis = 9});
+  const PointRows rows = rows_of_probes(lattice, {0, 0, 0}, true);
+  EXPECT_EQ(rows.size, Index3(8, 8, 8));
+  std::array<std::vector<double>, 3> places;
+  for (std::size_t row = 0; row < 64; ++row) {
+    places[0].push_back(rows.shift[row]);
+    places[1].push_back(rows.y[row] - std::floor(rows.y[row]));
+    places[2].push_back(rows.z[row] - std::floor(rows.z[row]));
+  }
+  for (auto& on_axis : places) {
+    std::sort(on_axis.begin(), on_axis.end());
+    for (std::size_t i = 0; i < 64; ++i) EXPECT_EQ(on_axis[i], (static_cast<double>(i) + 0.5) / 64);
+  }
+}
+
+}  // namespace
+}  // namespace rhoray::preprocess

@@ -1,0 +1,151 @@
+#include "preprocess/resample.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "preprocess/pack_mesh.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/meshes.h"
+#include "tests/support/temporary_folder.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using formats::BrickGrid;
+using formats::PackedFile;
+
+const tests::Field wave = [](const Vec3& p) { return std::sin(4 * p.x) + p.y * p.z; };
+
+/// A ball in a box: most bricks of its lattice's corners stay empty.
+NeutralMesh ball_mesh() {
+  NeutralMesh mesh = tests::box_mesh({.cells = {12, 12, 12}, .box = Box3({-1, -1, -1}, {1, 1, 1})}, wave, true);
+  Array<std::array<std::uint64_t, 4>> kept;
+  for (const auto& cell : mesh.cells)
+    if (std::all_of(cell.begin(), cell.end(),
+                    [&](std::uint64_t v) { return tests::to_vec3(mesh.points[v]).length() < 1.1; }))
+      kept.push_back(cell);
+  mesh.cells = kept;
+  return mesh;
+}
+
+class Resample : public testing::Test {
+ protected:
+  ResampleReport run(const NeutralMesh& mesh, const ResampleOptions& options, const char* name = "grid.rho") {
+    return resample(mesh, folder_ / name, options);
+  }
+  BrickGrid grid(const char* name = "grid.rho") { return BrickGrid(PackedFile::open(folder_ / name)); }
+
+  tests::TemporaryFolder folder_;
+};
+
+TEST_F(Resample, writes_a_sound_sparse_grid_with_certificates) {
+  NeutralMesh mesh = ball_mesh();
+  tests::add_point_field(mesh, "height", [](const Vec3& p) { return p.z; });
+  const ResampleReport report = run(mesh, {.lattice = {.longest_axis = 60}, .source_name = "ball.vtu"});
+  const BrickGrid written = grid();
+  EXPECT_EQ(formats::deep_findings(written), std::vector<std::string>{});
+  EXPECT_TRUE(written.file().damaged_blocks().empty());
+  const formats::GridDescription& description = written.description();
+  ASSERT_EQ(description.fields.size(), 2U);
+  EXPECT_EQ(description.fields[0].name, "value");
+  EXPECT_EQ(description.fields[0].type, formats::ElementType::F32);
+  EXPECT_EQ(description.fields[1].name, "height");
+  EXPECT_EQ(description.fields[1].type, formats::ElementType::F64);
+  EXPECT_TRUE(description.layout.is_sparse);
+  EXPECT_LT(description.layout.stored_brick_count, 8U * 8 * 8 - 8) << "bricks in the corners hold nothing";
+  EXPECT_EQ(description.fields[0].no_data_count, report.outside_count);
+  EXPECT_EQ(report.inside_count + report.outside_count, 60U * 60 * 60);
+  ASSERT_EQ(description.certificates.size(), 2U);
+  EXPECT_EQ(description.certificates.at(0).max_error, report.errors[0].max_error);
+  EXPECT_GE(report.errors[0].max_error, report.errors[0].attained);
+  EXPECT_GT(report.errors[0].rms_error, 0);
+  const auto max = written.errors<float>(0, "max");
+  EXPECT_EQ(static_cast<double>(*std::max_element(max.begin(), max.end())), report.errors[0].max_error);
+}
+
+TEST_F(Resample, puts_samples_where_the_grid_says) {
+  NeutralMesh mesh = tests::box_mesh({.cells = {3, 4, 5}, .box = Box3({1e6, 2, -3}, {1e6 + 1, 4, 0})},
+                                     tests::linear_field({1, 10, 100}));
+  run(mesh, {.lattice = {.spacing = {0.25, 0.25, 0.5}}});
+  const BrickGrid written = grid();
+  const formats::GridDescription& description = written.description();
+  EXPECT_EQ(description.layout.sample_count, Index3(5, 9, 7));
+  const auto samples = written.samples<double>();
+  const formats::SparseAddress address(description.layout, written.tables(), written.brick_slots());
+  for (std::int64_t k = 0; k < 7; ++k)
+    for (std::int64_t j = 0; j < 9; ++j)
+      for (std::int64_t i = 0; i < 5; ++i) {
+        const Vec3 p = description.world_from_grid.point(Vec3(Index3(i, j, k)));
+        EXPECT_NEAR(samples[address(i, j, k)], p.x + 10 * p.y + 100 * p.z, 1e-8);
+      }
+}
+
+TEST_F(Resample, writes_the_same_bytes_with_one_thread_and_two) {
+  NeutralMesh mesh = ball_mesh();
+  for (const std::size_t threads : {1, 2}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    run(mesh, {.lattice = {.longest_axis = 50}}, threads == 1 ? "one.rho" : "two.rho");
+  }
+  EXPECT_EQ(tests::read_file(folder_ / "one.rho"), tests::read_file(folder_ / "two.rho"));
+}
+
+TEST_F(Resample, makes_the_same_grid_of_a_packed_mesh_as_of_its_source) {
+  NeutralMesh mesh =
+      tests::box_mesh({.cells = {6, 6, 6}, .box = Box3({3e6, 1, 1}, {3e6 + 1, 2, 2}), .jitter = 0.1}, wave);
+  run(mesh, {.lattice = {.longest_axis = 20}}, "source.rho");
+  pack_mesh(mesh, folder_ / "mesh.rho");
+  const formats::TetMesh packed(PackedFile::open(folder_ / "mesh.rho"));
+  run(unpack_mesh(packed), {.lattice = {.longest_axis = 20}}, "packed.rho");
+  EXPECT_EQ(tests::read_file(folder_ / "source.rho"), tests::read_file(folder_ / "packed.rho"));
+}
+
+TEST_F(Resample, refines_until_the_certificate_holds) {
+  const NeutralMesh mesh = tests::box_mesh({.cells = {6, 6, 6}}, wave);
+  const ResampleReport report = run(mesh, {.max_error = 0.01});
+  EXPECT_LE(report.errors[0].max_error, 0.01);
+  EXPECT_GT(report.errors[0].max_error, 0.002) << "far finer than asked for";
+  ASSERT_GE(report.attempts.size(), 2U);
+  for (std::size_t a = 1; a < report.attempts.size(); ++a) {
+    EXPECT_GT(report.attempts[a - 1].max_error, 0.01);
+    EXPECT_LE(report.attempts[a].sample_count.x, 2 * report.attempts[a - 1].sample_count.x);
+  }
+  EXPECT_EQ(report.attempts.back().sample_count, report.description.layout.sample_count);
+}
+
+TEST_F(Resample, takes_the_largest_error_as_a_share_of_the_range) {
+  NeutralMesh mesh = tests::box_mesh({.cells = {6, 6, 6}}, wave);
+  for (double& value : mesh.point_fields[0].values) value *= 1000;
+  const ResampleReport report = run(mesh, {.max_error = 0.01, .max_error_is_share = true});
+  const Interval<double> range = report.description.fields[0].range;
+  EXPECT_LE(report.errors[0].max_error, 0.0101 * (range.hi - range.lo));
+  EXPECT_GT(report.errors[0].max_error, 0.002 * (range.hi - range.lo));
+}
+
+TEST_F(Resample, says_what_was_reached_when_memory_does_not_reach_for_more) {
+  const NeutralMesh mesh = tests::box_mesh({.cells = {6, 6, 6}}, wave);
+  tests::expect_error(Trouble::resource, "the error is 0.0",
+                      [&] { run(mesh, {.max_error = 1e-5, .memory_limit_bytes = std::uint64_t{4} << 20}); });
+  tests::expect_error(Trouble::resource, "900 x 900 x 900 samples need", [&] {
+    run(mesh, {.lattice = {.longest_axis = 900}, .memory_limit_bytes = std::uint64_t{4} << 20});
+  });
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "grid.rho"));
+}
+
+TEST_F(Resample, counts_samples_in_overlapping_cells) {
+  NeutralMesh mesh = tests::box_mesh({.cells = {2, 2, 2}}, wave);
+  const NeutralMesh shifted = tests::box_mesh({.cells = {2, 2, 2}, .box = Box3({0.75, 0, 0}, {1.75, 1, 1})}, wave);
+  for (const auto& cell : shifted.cells) mesh.cells.push_back({cell[0] + 27, cell[1] + 27, cell[2] + 27, cell[3] + 27});
+  mesh.points.insert(mesh.points.end(), shifted.points.begin(), shifted.points.end());
+  for (const double value : shifted.point_fields[0].values) mesh.point_fields[0].values.push_back(value);
+  const ResampleReport report = run(mesh, {.lattice = {.sample_count = {36, 21, 21}}});
+  EXPECT_GT(report.overlap_count, 4U * 19 * 19 / 2) << "four planes of samples lie inside both";
+  EXPECT_EQ(report.outside_count, 0U);
+  EXPECT_NE(report.notes.back().find("overlap"), std::string::npos);
+}
+
+TEST_F(Resample, refuses_a_request_without_a_lattice) {
+  tests::expect_error(Trouble::usage, "expected one", [&] { run(ball_mesh(), {}); });
+}
+
+}  // namespace
+}  // namespace rhoray::preprocess

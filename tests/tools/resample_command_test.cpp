@@ -1,0 +1,87 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/workbench.h"
+
+namespace rhoray::tests {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(ResampleCommand, makes_a_sound_grid_that_can_be_rendered) {
+  const Workbench bench;
+  bench.make_box_vtu();
+  const RunResult result = bench.rhoray({"resample", "box.vtu", "--size", "20", "--field", "length,height", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("box_grid.rho: 20 x 20 x 20 samples, 8,000 in the mesh and 0 outside"));
+  EXPECT_THAT(result.err, HasSubstr("error of length: at most "));
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["inside_count"], 8000);
+  EXPECT_EQ(json["errors"][0]["field"], "length");
+  EXPECT_GT(json["errors"][0]["max_error"], 0.001);
+  EXPECT_LT(json["errors"][0]["max_error"], 0.1);
+  EXPECT_LT(json["errors"][1]["max_error"], 1e-5) << "height is linear";
+  EXPECT_EQ(json["file_bytes"], std::filesystem::file_size(bench / "box_grid.rho"));
+  EXPECT_EQ(bench.rhoray({"verify", "--deep", "box_grid.rho"}).exit_code, 0);
+  EXPECT_EQ(bench.rhoray({"render", "box_grid.rho", "--iso", "0.8", "--size", "40x30", "-o", "x.png"}).exit_code, 0);
+}
+
+TEST(ResampleCommand, takes_packed_tetrahedra_as_it_takes_their_source) {
+  const Workbench bench;
+  bench.make_box();
+  for (const char* input : {"box.vtu", "box.rho"}) {
+    const RunResult result =
+        bench.rhoray({"resample", input, "--spacing", "0.125,0.25,0.5", "-o", "grid.rho", "--force", "--json"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const nlohmann::json json = nlohmann::json::parse(result.out);
+    EXPECT_EQ(json["inside_count"], 9 * 5 * 3) << input;
+  }
+}
+
+TEST(ResampleCommand, refines_to_the_error_that_is_asked_for) {
+  const Workbench bench;
+  bench.make_box_vtu();
+  const RunResult result =
+      bench.rhoray({"resample", "box.vtu", "--max-error", "1%", "--field", "length", "--json", "-v"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  EXPECT_LE(json["errors"][0]["max_error"], 0.01 * std::sqrt(3.0));
+  EXPECT_EQ(json["attempts"].back()["max_error"], json["errors"][0]["max_error"]);
+}
+
+TEST(ResampleCommand, refuses_in_one_sentence) {
+  const Workbench bench;
+  bench.make_box_vtu();
+  bench.make_ball();
+  struct Case {
+    const char* line;
+    int exit_code;
+    const char* words;
+  };
+  const Case cases[] = {
+      {"rhoray resample box.vtu", 2, "expected one of them"},
+      {"rhoray resample box.vtu --size 9 --spacing 1", 2, "found both"},
+      {"rhoray resample box.vtu --size 9x9", 2, "expected N or NxNxN"},
+      {"rhoray resample box.vtu --size 1", 2, "expected 2 to 1048576"},
+      {"rhoray resample box.vtu --size 0", 2, "found 0"},
+      {"rhoray resample box.vtu --spacing -1", 2, "found -1"},
+      {"rhoray resample box.vtu --max-error 0", 2, "found 0"},
+      {"rhoray resample box.vtu --size 9 --field hight", 2, "height"},
+      {"rhoray resample box.vtu --size 9 -o x.png", 2, "expected .rho"},
+      {"rhoray resample box.vtu --size 9 -o x.vdb", 7, "rhoray export x.rho"},
+      {"rhoray resample ball.rho --size 9 -o x.rho", 4, "is a packed grid already"},
+      {"rhoray resample none.vtu --size 9", 3, "no such file"},
+      {"rhoray resample box.vtu --size 2000 --memory 64M", 5, "2000 x 2000 x 2000 samples need"},
+  };
+  for (const Case& c : cases) {
+    const RunResult result = bench.shell(c.line);
+    EXPECT_EQ(result.exit_code, c.exit_code) << c.line << "\n" << result.err;
+    EXPECT_THAT(result.err, HasSubstr(c.words)) << c.line;
+  }
+  EXPECT_FALSE(std::filesystem::exists(bench / "box_grid.rho"));
+}
+
+}  // namespace
+}  // namespace rhoray::tests

@@ -1,0 +1,239 @@
+#include "preprocess/resample.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "formats/base/trouble.h"
+#include "preprocess/import_mesh.h"
+#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/input_file.h"
+#include "tools/rhoray/measure.h"
+#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/report.h"
+#include "tools/rhoray/subcommands.h"
+#include "tools/rhoray/threads.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+struct ResampleCommand {
+  CommonOptions common;
+  std::filesystem::path input;
+  std::string size, spacing, max_error;  ///< as typed; empty when not given
+  preprocess::ResampleOptions resample;
+};
+
+/// N, or three numbers with x between them.
+void read_size(const std::string& text, preprocess::LatticeWish& wish) {
+  if (text.find('x') == std::string::npos) return read_value(text, wish.longest_axis);
+  const std::size_t first = text.find('x'), second = text.find('x', first + 1);
+  if (second == std::string::npos)
+    throw Error(Trouble::usage, concat("--size: found '", text, "'; expected N or NxNxN"));
+  read_value(text.substr(0, first), wish.sample_count.x);
+  read_value(text.substr(first + 1, second - first - 1), wish.sample_count.y);
+  read_value(text.substr(second + 1), wish.sample_count.z);
+}
+
+void read_spacing(const std::string& text, preprocess::LatticeWish& wish) {
+  if (text.find(',') != std::string::npos) return read_value(text, wish.spacing);
+  double step = 0;
+  read_value(text, step);
+  wish.spacing = Vec3(step, step, step);
+}
+
+void read_max_error(std::string text, preprocess::ResampleOptions& options) {
+  options.max_error_is_share = text.ends_with('%');
+  if (options.max_error_is_share) text.pop_back();
+  double error = 0;
+  read_value(text, error);
+  if (!(error > 0)) throw Error(Trouble::usage, concat("--max-error: found ", error, "; expected a number above 0"));
+  options.max_error = options.max_error_is_share ? error / 100 : error;
+}
+
+void read_options(ResampleCommand& command) {
+  if (!command.size.empty() && !command.spacing.empty())
+    throw Error(Trouble::usage, "--size and --spacing: found both; expected one of them");
+  if (command.size.empty() && command.spacing.empty() && command.max_error.empty())
+    throw Error(Trouble::usage, "found neither --size, nor --spacing, nor --max-error; expected one of them",
+                "--size 256 takes 256 samples along the longest axis");
+  preprocess::LatticeWish& wish = command.resample.lattice;
+  if (!command.size.empty()) {
+    read_size(command.size, wish);
+    if (!wish.is_given()) throw Error(Trouble::usage, "--size: found 0; expected at least 2 samples on an axis");
+  }
+  if (!command.spacing.empty()) {
+    read_spacing(command.spacing, wish);
+    if (!wish.is_given()) throw Error(Trouble::usage, "--spacing: found 0; expected a number above 0");
+  }
+  if (!command.max_error.empty()) read_max_error(command.max_error, command.resample);
+}
+
+void check(const ResampleCommand& command, const std::filesystem::path& output) {
+  const std::string name = command.input.string();
+  require_input(command.input);
+  if (!formats::PackedFile::looks_packed(command.input)) {
+    const preprocess::ForeignKind kind = preprocess::foreign_kind(command.input);
+    if (kind == preprocess::ForeignKind::surface)
+      throw Error(Trouble::invalid, concat(name, ": holds a surface; expected a mesh of volume cells"),
+                  concat("fill it first: rhoray tetrahedralize ", name, " -o ", command.input.stem().string(), ".vtu"));
+    if (kind == preprocess::ForeignKind::volume)
+      throw Error(Trouble::invalid, concat(name, ": holds a volume, which is a grid already; expected a mesh"),
+                  concat("pack it: rhoray pack ", name));
+    if (kind == preprocess::ForeignKind::unknown)
+      throw Error(Trouble::invalid,
+                  concat(name,
+                         ": found a file of a kind that is not known here; expected a mesh (.vtu, .vtk, ...) or "
+                         "packed tetrahedra (.rho)"));
+  }
+  if (output.extension() == ".vdb")
+    throw Error(Trouble::unsupported, concat(output.string(), ": a mesh is resampled to a packed grid (.rho) first"),
+                concat("rhoray resample ", name, " -o ", output.stem().string(), ".rho ..., then rhoray export ",
+                       output.stem().string(), ".rho -o ", output.string()));
+  if (output.extension() != ".rho")
+    throw Error(Trouble::usage,
+                concat(output.string(), ": found extension '", output.extension().string(), "'; expected .rho"));
+  require_writable(command.common, output, command.input);
+}
+
+preprocess::NeutralMesh read_mesh(const ResampleCommand& command, ProgressDisplay& display) {
+  display.show(concat("reading ", command.input.string()));
+  if (!formats::PackedFile::looks_packed(command.input))
+    return preprocess::import_mesh(command.input, {.memory_limit_bytes = command.common.memory.bytes});
+  const formats::PackedFile file = formats::PackedFile::open(command.input);
+  if (file.description().kind == "grid")
+    throw Error(Trouble::invalid, concat(command.input.string(), ": is a packed grid already; expected a mesh"));
+  return preprocess::unpack_mesh(formats::TetMesh(file));
+}
+
+/// The command as it is kept in the file.
+std::string command_line(const ResampleCommand& command, const std::filesystem::path& output) {
+  std::vector<std::string> words{"rhoray", "resample", command.input.string(), "-o", output.string()};
+  std::string fields;
+  for (const std::string& field : command.resample.fields) fields += (fields.empty() ? "" : ",") + field;
+  const std::pair<const char*, const std::string&> values[] = {{"--size", command.size},
+                                                               {"--spacing", command.spacing},
+                                                               {"--max-error", command.max_error},
+                                                               {"--field", fields}};
+  for (const auto& [name, value] : values)
+    if (!value.empty()) words.insert(words.end(), {name, value});
+  if (command.resample.cells_to_points) words.emplace_back("--cell-data");
+  return shell_line(words);
+}
+
+Json report_json(const preprocess::ResampleReport& report) {
+  Json errors = Json::array(), attempts = Json::array();
+  for (const auto& error : report.errors)
+    errors.push_back({{"field", error.name},
+                      {"max_error", error.max_error},
+                      {"attained", error.attained},
+                      {"attained_at", json_of(error.attained_at)},
+                      {"rms_error", error.rms_error},
+                      {"point_count", error.point_count}});
+  for (const auto& attempt : report.attempts)
+    attempts.push_back({{"sample_count", json_of(attempt.sample_count)}, {"max_error", attempt.max_error}});
+  return {{"file_bytes", report.file_bytes},
+          {"inside_count", report.inside_count},
+          {"outside_count", report.outside_count},
+          {"overlap_count", report.overlap_count},
+          {"stored_brick_count", report.description.layout.stored_brick_count},
+          {"brick_count", volume(report.description.layout.brick_count())},
+          {"uncovered_share", report.uncovered_share},
+          {"errors", errors},
+          {"attempts", attempts}};
+}
+
+void say_errors(const CommonOptions& common, const preprocess::ResampleReport& report) {
+  for (const auto& error : report.errors) {
+    const std::string unit = [&] {
+      for (const formats::FieldSummary& field : report.description.fields)
+        if (field.name == error.name && !field.unit.empty()) return " " + field.unit;
+      return std::string{};
+    }();
+    say(common,
+        concat("error of ", error.name, ": at most ", rounded(error.max_error), unit, " (", rounded(error.attained),
+               " at ", text_of(error.attained_at), "), root mean square about ", rounded(error.rms_error), unit));
+  }
+  if (report.uncovered_share > 0)
+    say(common, concat("about ", rounded(100 * report.uncovered_share, 3),
+                       " % of the mesh lies in cells with a sample outside it: no error is known there"));
+}
+
+int run(ResampleCommand& command) {
+  const Stopwatch watch;
+  const std::filesystem::path output =
+      command.common.output.empty() ? command.input.parent_path() / concat(command.input.stem().string(), "_grid.rho")
+                                    : command.common.output;
+  read_options(command);
+  check(command, output);
+  preprocess::ResampleOptions& options = command.resample;
+  options.memory_limit_bytes = command.common.memory.bytes;
+  options.replace_existing = command.common.force;
+  options.source_name = command.input.filename().string();
+  options.command = command_line(command, output);
+  const ThreadLimit limit(command.common.threads);
+  std::vector<std::string> notes;
+  const preprocess::ResampleReport report = [&] {
+    ProgressDisplay display(command.common);
+    const preprocess::NeutralMesh mesh = read_mesh(command, display);
+    notes = mesh.notes;
+    return preprocess::resample(mesh, output, options, display.progress());
+  }();
+  notes.insert(notes.end(), report.notes.begin(), report.notes.end());
+
+  const CommonOptions& common = command.common;
+  const Usage usage = usage_so_far();
+  for (const std::string& note : notes) say(common, concat("note: ", note));
+  for (const auto& attempt : report.attempts)
+    tell(common, concat(text_of(attempt.sample_count), " samples: error at most ", rounded(attempt.max_error)));
+  const formats::BrickLayout& layout = report.description.layout;
+  say(common,
+      concat(output.string(), ": ", text_of(layout.sample_count), " samples, ", grouped(report.inside_count),
+             " in the mesh and ", grouped(report.outside_count), " outside; ", grouped(layout.stored_brick_count),
+             " of ", grouped(static_cast<std::uint64_t>(volume(layout.brick_count()))), " bricks kept, ",
+             bytes_text(report.file_bytes)));
+  say_errors(common, report);
+  say(common, concat("took ", rounded(watch.seconds(), 3), " s (", rounded(usage.cpu_s, 3), " s of CPU), peak memory ",
+                     bytes_text(usage.peak_bytes), ", of the reading process ", bytes_text(usage.worker_peak_bytes)));
+  if (!common.json) return 0;
+  Json json = report_json(report);
+  json["file"] = output.string();
+  json["seconds"] = watch.seconds();
+  json["cpu_seconds"] = usage.cpu_s;
+  json["peak_bytes"] = usage.peak_bytes;
+  json["worker_peak_bytes"] = usage.worker_peak_bytes;
+  json["notes"] = notes;
+  json["description"] = json_of(report.description);
+  std::puts(dump(json).c_str());
+  return 0;
+}
+
+}  // namespace
+
+Subcommand resample_subcommand() {
+  const auto command = std::make_shared<ResampleCommand>();
+  return {.name = "resample",
+          .summary = "Tetrahedra to a grid, with a certificate of the error",
+          .examples =
+              "  rhoray resample torso.vtu --size 256 -o torso_grid.rho\n"
+              "  rhoray resample torso.rho --max-error 0.5% --field potential -o torso_grid.rho\n",
+          .options = all_options(
+              {{file_option("MESH", "Mesh of volume cells, or packed tetrahedra", command->input)},
+               output_options(command->common, "Packed grid (.rho); default the input's name with _grid.rho"),
+               {value_option("--size", "N|NxNxN", "Samples on the longest axis, or on each", command->size),
+                value_option("--spacing", "H|X,Y,Z", "Distance of samples, in the mesh's unit", command->spacing),
+                value_option("--max-error", "E|E%",
+                             "Refine until the first field's error is at most E, or E % of its range; with --size or "
+                             "--spacing from there",
+                             command->max_error),
+                value_option("--field", "A[,B]", "Fields to sample, the first one is shown by default; default all",
+                             command->resample.fields),
+                flag_option("--cell-data", "Also sample cell fields, averaged to points",
+                            command->resample.cells_to_points)},
+               threads_option(command->common),
+               memory_option(command->common, "Limit for the samples and for the reading process, such as 2G"),
+               message_options(command->common, "What was made, as one JSON document on stdout")}),
+          .run = [command] { return run(*command); }};
+}
+
+}  // namespace rhoray::tools

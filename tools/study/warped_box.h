@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstdint>
+
+#include "preprocess/neutral.h"
+
+namespace rhoray::study {
+
+/// The unit cube in 6 * edge^3 tetrahedra, its inner points moved by up to a tenth of a small cube's edge, with a
+/// smooth point field "value" in single precision. The same for the same edge.
+preprocess::NeutralMesh warped_box(std::int64_t edge);
+
+/// The edge for about so many tetrahedra.
+std::int64_t edge_for(std::uint64_t cell_count);
+
+}  // namespace rhoray::study
