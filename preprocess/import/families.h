@@ -20,6 +20,9 @@ CellMesh read_vtu(const std::filesystem::path& path);
 CellMesh read_legacy_vtk_mesh(const std::filesystem::path& path);
 CellMesh read_tetgen_mesh(const std::filesystem::path& path);
 
+/// @param time  which time step, as in ImportMeshOptions
+CellMesh read_exodus(const std::filesystem::path& path, const std::string& time);
+
 NeutralSurface read_ply(const std::filesystem::path& path);
 NeutralSurface read_stl(const std::filesystem::path& path);
 NeutralSurface read_obj(const std::filesystem::path& path);

@@ -3,6 +3,7 @@
 
 #include "preprocess/import/families.h"
 #include "preprocess/import/foreign_file.h"
+#include "preprocess/import/time_steps.h"
 #include "preprocess/subdivide.h"
 
 namespace rhoray::preprocess {
@@ -25,6 +26,11 @@ constexpr Importer<CellMesh(const std::filesystem::path&)> mesh_importers[] = {
     {".node", read_tetgen_mesh},
     {".ele", read_tetgen_mesh},
 };
+/// Formats that may hold several time steps.
+constexpr Importer<CellMesh(const std::filesystem::path&, const std::string& time)> steps_importers[] = {
+    {".e", read_exodus},    {".ex2", read_exodus}, {".exo", read_exodus},
+    {".exii", read_exodus}, {".g", read_exodus},   {".gen", read_exodus},
+};
 constexpr Importer<NeutralSurface(const std::filesystem::path&)> surface_importers[] = {
     {".ply", read_ply},
     {".stl", read_stl},
@@ -35,15 +41,29 @@ constexpr Importer<NeutralSurface(const std::filesystem::path&)> surface_importe
 };
 
 template <class Function, std::size_t N>
-Function* importer_for(const Importer<Function> (&importers)[N], const std::filesystem::path& path, const char* kind) {
+Function* find_importer(const Importer<Function> (&importers)[N], const std::filesystem::path& path) {
   const std::string extension = extension_of(path);
-  std::string known;
-  for (const Importer<Function>& importer : importers) {
+  for (const Importer<Function>& importer : importers)
     if (importer.extension == extension) return importer.read;
-    known += concat(known.empty() ? "" : " ", importer.extension);
-  }
-  throw Error(Trouble::unsupported,
-              concat(path.string(), ": found extension '", extension, "'; expected, for a ", kind, ", one of ", known));
+  return nullptr;
+}
+
+template <class Function, std::size_t N>
+std::string extensions_of(const Importer<Function> (&importers)[N]) {
+  std::string known;
+  for (const Importer<Function>& importer : importers) known += concat(" ", importer.extension);
+  return known;
+}
+
+Error no_importer(const std::filesystem::path& path, const char* kind, const std::string& known) {
+  return {Trouble::unsupported, concat(path.string(), ": found extension '", extension_of(path), "'; expected, for a ",
+                                       kind, ", one of", known)};
+}
+
+template <class Function, std::size_t N>
+Function* importer_for(const Importer<Function> (&importers)[N], const std::filesystem::path& path, const char* kind) {
+  if (Function* found = find_importer(importers, path)) return found;
+  throw no_importer(path, kind, extensions_of(importers));
 }
 
 /// Formats that hold one field without choice: asking for another is refused.
@@ -63,10 +83,11 @@ NeutralVolume read_volume(const std::filesystem::path& path, const VolumeRequest
 }
 
 CellMesh read_cells(const std::filesystem::path& path, const MeshRequest& request) {
-  CellMesh mesh = importer_for(mesh_importers, path, "mesh")(path);
-  if (!request.time.empty())
-    throw Error(Trouble::usage,
-                concat(path.string(), ": found no time steps; expected some, for '", request.time, "'"));
+  if (auto* read = find_importer(steps_importers, path)) return read(path, request.time);
+  auto* read = find_importer(mesh_importers, path);
+  if (read == nullptr) throw no_importer(path, "mesh", extensions_of(mesh_importers) + extensions_of(steps_importers));
+  CellMesh mesh = read(path);
+  refuse_time_step(request.time, path);
   return mesh;
 }
 

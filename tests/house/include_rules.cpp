@@ -48,6 +48,7 @@ const Guest guests[] = {{"TetGen", std::regex("tetgen\\.h"), {"preprocess/tetrah
                         {"Boost", std::regex("boost/.*"), {"preprocess/tetrahedralize"}},
                         {"VTK", std::regex("vtk\\w*\\.h"), {"preprocess/import"}},
                         {"Teem", std::regex("teem/.*"), {"preprocess/import"}},
+                        {"netCDF", std::regex("netcdf\\.h"), {"preprocess/import"}},
                         {"zlib, bzip2", std::regex("(zlib|bzlib)\\.h"), {"preprocess/import"}},
                         {"oneTBB", std::regex("tbb/.*"), {"preprocess", "render", "tools", "data"}},
                         {"OpenImageIO", std::regex("OpenImageIO/.*"), {"tools", "preprocess/import"}},

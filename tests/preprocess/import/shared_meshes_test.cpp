@@ -1,0 +1,80 @@
+// Real meshes made by others, in the formats whose readers are our own or Gmsh's. Counts stand in the README beside the
+// files. Runs where RHORAY_SHARED_DATA names their folder.
+
+#include <cstdlib>
+
+#include "formats/base/interval.h"
+#include "preprocess/import_mesh.h"
+#include "tests/preprocess/import/node_places.h"
+#include "tests/preprocess/import/support.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using namespace tests;
+
+class SharedMeshes : public testing::Test {
+ protected:
+  void SetUp() override {
+    const char* folder = std::getenv("RHORAY_SHARED_DATA");
+    if (folder == nullptr) GTEST_SKIP() << "RHORAY_SHARED_DATA does not name the folder of real files";
+    folder_ = std::filesystem::path(folder) / "unstructured";
+    ::setenv("RHORAY_WORKER_DIR", RHORAY_WORKERS, 1);
+  }
+  CellMesh cells(const std::string& name, const std::string& time = {}) const {
+    return import_cells(folder_ / name, {.time = time});
+  }
+  std::filesystem::path folder_;
+};
+
+std::size_t count_of(const CellMesh& mesh, CellKind kind) {
+  return static_cast<std::size_t>(std::count(mesh.kinds.begin(), mesh.kinds.end(), kind));
+}
+
+Interval<double> range_of(const std::vector<NeutralField>& fields, const std::string& name) {
+  Interval<double> range;
+  for (const NeutralField& field : fields)
+    if (field.name == name)
+      for (const double value : field.values) range.include(value);
+  return range;
+}
+
+TEST_F(SharedMeshes, holds_an_exodus_reactor_with_fields) {
+  const CellMesh mesh = cells("disk_out_ref.ex2");
+  EXPECT_EQ(mesh.points.size(), 8499U);
+  EXPECT_EQ(count_of(mesh, CellKind::hexahedron), 7472U);
+  const Interval<double> temperature = range_of(mesh.point_fields, "Temp");
+  EXPECT_NEAR(temperature.lo, 293, 0.5);
+  EXPECT_NEAR(temperature.hi, 913, 0.5);
+  std::vector<std::string> names;
+  for (const NeutralField& field : mesh.point_fields) names.push_back(concat(field.name, ":", field.component_count));
+  EXPECT_THAT(names, testing::ElementsAre("Temp:1", "V:3", "Pres:1", "AsH3:1", "GaMe3:1", "CH4:1", "H2:1"));
+}
+
+TEST_F(SharedMeshes, holds_exodus_blocks_of_many_kinds) {
+  const CellMesh mesh = cells("biplane_rms_pressure_bs.exo");
+  for (const CellKind kind :
+       {CellKind::hexahedron, CellKind::quadratic_hexahedron, CellKind::tetrahedron, CellKind::quadratic_tetrahedron})
+    EXPECT_GT(count_of(mesh, kind), 0U) << static_cast<int>(kind);
+  EXPECT_THAT(mesh.notes,
+              testing::Contains(testing::HasSubstr("172 lines, 18 quadrilaterals, 506 triangles left out")));
+}
+
+/// Straight cells: each middle node lies between its corners, wherever the reader puts it.
+TEST_F(SharedMeshes, holds_exodus_cells_whose_middle_nodes_lie_in_the_middle) {
+  const std::vector<std::pair<std::string, CellKind>> table{
+      {"HEX20", CellKind::quadratic_hexahedron},  {"HEX27", CellKind::triquadratic_hexahedron},
+      {"PRISM15", CellKind::quadratic_wedge},     {"PRISM18", CellKind::biquadratic_quadratic_wedge},
+      {"PYRAMID13", CellKind::quadratic_pyramid}, {"PYRAMID14", CellKind::quadratic_pyramid_14},
+      {"TET10", CellKind::quadratic_tetrahedron}, {"TET14", CellKind::quadratic_tetrahedron_14}};
+  for (const auto& [name, kind] : table) {
+    SCOPED_TRACE(name);
+    const CellMesh mesh = cells(concat("exodus_elements/read_exodus_", name, ".e"));
+    EXPECT_GT(count_of(mesh, kind), 0U);
+    EXPECT_EQ(count_of(mesh, kind), mesh.kinds.size());
+    EXPECT_GT(expect_nodes_in_their_places(mesh, 1e-9), 0U);
+  }
+}
+
+}  // namespace
+}  // namespace rhoray::preprocess
