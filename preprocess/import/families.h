@@ -22,6 +22,7 @@ CellMesh read_tetgen_mesh(const std::filesystem::path& path);
 
 /// @param time  which time step, as in ImportMeshOptions
 CellMesh read_exodus(const std::filesystem::path& path, const std::string& time);
+CellMesh read_gmsh(const std::filesystem::path& path, const std::string& time);
 
 NeutralSurface read_ply(const std::filesystem::path& path);
 NeutralSurface read_stl(const std::filesystem::path& path);

@@ -24,7 +24,7 @@ constexpr KindByName kinds[] = {
     {".obj", ForeignKind::surface},   {".off", ForeignKind::surface}, {".poly", ForeignKind::surface},
     {".smesh", ForeignKind::surface}, {".e", ForeignKind::mesh},      {".ex2", ForeignKind::mesh},
     {".exo", ForeignKind::mesh},      {".exii", ForeignKind::mesh},   {".g", ForeignKind::mesh},
-    {".gen", ForeignKind::mesh},
+    {".gen", ForeignKind::mesh},      {".msh", ForeignKind::mesh},
 };
 
 /// The word after DATASET in the first lines of a legacy VTK file, in capitals; empty when there is none.

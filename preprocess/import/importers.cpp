@@ -28,8 +28,8 @@ constexpr Importer<CellMesh(const std::filesystem::path&)> mesh_importers[] = {
 };
 /// Formats that may hold several time steps.
 constexpr Importer<CellMesh(const std::filesystem::path&, const std::string& time)> steps_importers[] = {
-    {".e", read_exodus},    {".ex2", read_exodus}, {".exo", read_exodus},
-    {".exii", read_exodus}, {".g", read_exodus},   {".gen", read_exodus},
+    {".e", read_exodus}, {".ex2", read_exodus}, {".exo", read_exodus}, {".exii", read_exodus},
+    {".g", read_exodus}, {".gen", read_exodus}, {".msh", read_gmsh},
 };
 constexpr Importer<NeutralSurface(const std::filesystem::path&)> surface_importers[] = {
     {".ply", read_ply},

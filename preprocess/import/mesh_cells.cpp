@@ -149,8 +149,11 @@ void take_cells(CellMesh& mesh, ForeignCells cells, const std::filesystem::path&
   for (const NeutralField& field : mesh.cell_fields) check_field(field, cells.kinds.size(), path);
   const std::uint64_t filling = count_of_filling(cells, path);
   if (filling == 0)
-    refuse_input(path, "cells", cells.kinds.empty() ? "none" : census_of_left_out(cells),
-                 "at least one that fills space");
+    throw Error(
+        Trouble::invalid,
+        concat(path.string(), ", cells: found ", cells.kinds.empty() ? "none" : census_of_left_out(cells),
+               "; expected at least one that fills space"),
+        cells.kinds.empty() ? "" : "a closed surface in .ply, .stl, .obj or .off: rhoray tetrahedralize fills it");
 
   Array<std::uint64_t> kept;
   if (filling != cells.kinds.size()) {

@@ -57,6 +57,7 @@ const Guest guests[] = {{"TetGen", std::regex("tetgen\\.h"), {"preprocess/tetrah
                         {"JSON for Modern C++", std::regex("nlohmann/.*"), {"formats", "tools"}},
                         {"xxHash", std::regex("xxhash\\.h"), {"formats", "tools"}},
                         {"Imath", std::regex("Imath/.*"), {"formats"}},
+                        {"Gmsh", std::regex("gmsh\\.h"), {}},
                         {"GoogleTest", std::regex("(gtest|gmock)/.*"), {}}};
 
 const std::regex standard_header("[a-z_0-9]+");

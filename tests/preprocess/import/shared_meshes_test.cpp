@@ -76,5 +76,19 @@ TEST_F(SharedMeshes, holds_exodus_cells_whose_middle_nodes_lie_in_the_middle) {
   }
 }
 
+TEST_F(SharedMeshes, holds_gmsh_files_text_and_binary) {
+  const CellMesh heater = cells("gmsh/indheat.bin.v41.msh");
+  EXPECT_EQ(heater.points.size(), 5291U);
+  EXPECT_EQ(count_of(heater, CellKind::tetrahedron), 30444U);  // as Gmsh says; the README counts 23,017
+  EXPECT_GT(range_of(heater.cell_fields, "physical").hi, 0);
+  const CellMesh piece = cells("gmsh/piece.asc.v22.msh");
+  EXPECT_EQ(piece.points.size(), 3939U);
+  EXPECT_EQ(count_of(piece, CellKind::tetrahedron), 13179U);
+  EXPECT_THAT(piece.notes, testing::Contains(testing::HasSubstr("852 lines, 6908 triangles, 126 vertices left out")));
+  const CellMesh bad = cells("sofa/6_tetra_bad.msh");  // all six carry the number 44
+  EXPECT_EQ(bad.points.size(), 17U);
+  EXPECT_EQ(count_of(bad, CellKind::tetrahedron), 6U);
+}
+
 }  // namespace
 }  // namespace rhoray::preprocess
