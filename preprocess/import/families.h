@@ -29,6 +29,7 @@ NeutralSurface read_stl(const std::filesystem::path& path);
 NeutralSurface read_obj(const std::filesystem::path& path);
 NeutralSurface read_off(const std::filesystem::path& path);
 NeutralSurface read_tetgen_surface(const std::filesystem::path& path);
+NeutralSurface read_tetgen_faces(const std::filesystem::path& path);
 
 /// Wanted edge lengths, one for each point, from a TetGen .mtr file.
 Array<double> read_tetgen_sizes(const std::filesystem::path& path, std::size_t point_count);

@@ -17,14 +17,14 @@ struct KindByName {
 
 // The extensions of importers.cpp, here for programs that only ask; .vtk is answered by the file itself.
 constexpr KindByName kinds[] = {
-    {".nrrd", ForeignKind::volume},   {".nhdr", ForeignKind::volume}, {".mhd", ForeignKind::volume},
-    {".mha", ForeignKind::volume},    {".nii", ForeignKind::volume},  {".nii.gz", ForeignKind::volume},
-    {".vti", ForeignKind::volume},    {".vtu", ForeignKind::mesh},    {".node", ForeignKind::mesh},
-    {".ele", ForeignKind::mesh},      {".ply", ForeignKind::surface}, {".stl", ForeignKind::surface},
-    {".obj", ForeignKind::surface},   {".off", ForeignKind::surface}, {".poly", ForeignKind::surface},
-    {".smesh", ForeignKind::surface}, {".e", ForeignKind::mesh},      {".ex2", ForeignKind::mesh},
-    {".exo", ForeignKind::mesh},      {".exii", ForeignKind::mesh},   {".g", ForeignKind::mesh},
-    {".gen", ForeignKind::mesh},      {".msh", ForeignKind::mesh},
+    {".nrrd", ForeignKind::volume},   {".nhdr", ForeignKind::volume},  {".mhd", ForeignKind::volume},
+    {".mha", ForeignKind::volume},    {".nii", ForeignKind::volume},   {".nii.gz", ForeignKind::volume},
+    {".vti", ForeignKind::volume},    {".vtu", ForeignKind::mesh},     {".node", ForeignKind::mesh},
+    {".ele", ForeignKind::mesh},      {".ply", ForeignKind::surface},  {".stl", ForeignKind::surface},
+    {".obj", ForeignKind::surface},   {".off", ForeignKind::surface},  {".poly", ForeignKind::surface},
+    {".smesh", ForeignKind::surface}, {".face", ForeignKind::surface}, {".e", ForeignKind::mesh},
+    {".ex2", ForeignKind::mesh},      {".exo", ForeignKind::mesh},     {".exii", ForeignKind::mesh},
+    {".g", ForeignKind::mesh},        {".gen", ForeignKind::mesh},     {".msh", ForeignKind::mesh},
 };
 
 /// The word after DATASET in the first lines of a legacy VTK file, in capitals; empty when there is none.

@@ -38,6 +38,7 @@ constexpr Importer<NeutralSurface(const std::filesystem::path&)> surface_importe
     {".off", read_off},
     {".poly", read_tetgen_surface},
     {".smesh", read_tetgen_surface},
+    {".face", read_tetgen_faces},
 };
 
 template <class Function, std::size_t N>

@@ -161,7 +161,6 @@ TEST_F(SharedData, refuses_what_is_broken_or_not_made_of_linear_tetrahedra) {
   refuses("PentaHexa.vtk", Trouble::unsupported, {"150 hexagonal prisms", "60 pentagonal prisms"});
   refuses("CylinderQuadratic.vtk", Trouble::unsupported, {"1522 quadratic tetrahedra"});
   refuses("office.binary.vtk", Trouble::unsupported, {"STRUCTURED_GRID"});
-  refuses("tetgen/cube_1626_elements_fully_quadratic.ele", Trouble::unsupported, {"1626 tetrahedra with 10 points"});
   refuses("blood_vessels/T0000000500/000.vtu", Trouble::unsupported, {"voxels"});
 }
 

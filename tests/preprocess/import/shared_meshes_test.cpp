@@ -90,5 +90,28 @@ TEST_F(SharedMeshes, holds_gmsh_files_text_and_binary) {
   EXPECT_EQ(count_of(bad, CellKind::tetrahedron), 6U);
 }
 
+TEST_F(SharedMeshes, holds_tetrahedra_of_ten_nodes_from_tetgen_files) {
+  const CellMesh cube = cells("tetgen/cube_1626_elements_fully_quadratic.ele");
+  EXPECT_EQ(cube.points.size(), 2570U);
+  EXPECT_EQ(count_of(cube, CellKind::quadratic_tetrahedron), 1626U);
+  EXPECT_EQ(expect_nodes_in_their_places(cube, 1e-5), 6 * 1626U);
+}
+
+/// The PLY file was made from the other two by somebody else.
+TEST_F(SharedMeshes, holds_a_rabbit_heart_in_binary_tetgen_files) {
+  const auto folder = folder_.parent_path() / "surfaces/rabbit_heart";
+  const NeutralSurface ply = import_surface(folder / "rabbit_heart.ply");
+  const NeutralSurface face = import_surface(folder / "OxfordRabbitHeart_482um.face");
+  EXPECT_EQ(face.points.size(), 20118U);
+  EXPECT_EQ(face.facet_offsets.size(), 40237U);
+  ASSERT_EQ(face.facet_corners.size(), ply.facet_corners.size());
+  double farthest = 0;
+  for (std::size_t i = 0; i < face.facet_corners.size(); ++i)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      farthest = std::max(farthest,
+                          std::abs(face.points[face.facet_corners[i]][axis] - ply.points[ply.facet_corners[i]][axis]));
+  EXPECT_LT(farthest, 1e-6);  // cm; the PLY file has 32-bit floats
+}
+
 }  // namespace
 }  // namespace rhoray::preprocess
