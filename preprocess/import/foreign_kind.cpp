@@ -25,6 +25,7 @@ constexpr KindByName kinds[] = {
     {".smesh", ForeignKind::surface}, {".face", ForeignKind::surface}, {".e", ForeignKind::mesh},
     {".ex2", ForeignKind::mesh},      {".exo", ForeignKind::mesh},     {".exii", ForeignKind::mesh},
     {".g", ForeignKind::mesh},        {".gen", ForeignKind::mesh},     {".msh", ForeignKind::mesh},
+    {".vol", ForeignKind::mesh},
 };
 
 /// The word after DATASET in the first lines of a legacy VTK file, in capitals; empty when there is none.

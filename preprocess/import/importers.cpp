@@ -21,10 +21,8 @@ constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string
     {".nii", read_nifti}, {".nii.gz", read_nifti}, {".vti", read_vti},       {".vtk", read_legacy_vtk_volume},
 };
 constexpr Importer<CellMesh(const std::filesystem::path&)> mesh_importers[] = {
-    {".vtu", read_vtu},
-    {".vtk", read_legacy_vtk_mesh},
-    {".node", read_tetgen_mesh},
-    {".ele", read_tetgen_mesh},
+    {".vtu", read_vtu},         {".vtk", read_legacy_vtk_mesh}, {".node", read_tetgen_mesh},
+    {".ele", read_tetgen_mesh}, {".vol", read_netgen},
 };
 /// Formats that may hold several time steps.
 constexpr Importer<CellMesh(const std::filesystem::path&, const std::string& time)> steps_importers[] = {

@@ -127,9 +127,9 @@ TEST_F(Import, reads_every_extension_whose_kind_it_knows) {
     return true;
   };
   for (const std::string extension :
-       {".nrrd", ".nhdr", ".mhd", ".mha",  ".nii",  ".nii.gz", ".vti",  ".vtu",    ".node", ".ele",
-        ".ply",  ".stl",  ".obj", ".off",  ".poly", ".smesh",  ".NRRD", ".Nii.Gz", ".gz",   ".rho",
-        ".e",    ".ex2",  ".exo", ".exii", ".g",    ".gen",    ".msh",  ".face",   ".pvtu", ""}) {
+       {".nrrd", ".nhdr", ".mhd", ".mha",  ".nii",   ".nii.gz", ".vti",    ".vtu",  ".node", ".ele", ".ply",
+        ".stl",  ".obj",  ".off", ".poly", ".smesh", ".NRRD",   ".Nii.Gz", ".gz",   ".rho",  ".e",   ".ex2",
+        ".exo",  ".exii", ".g",   ".gen",  ".msh",   ".vol",    ".face",   ".pvtu", ""}) {
     const auto path = folder_ / concat("none", extension);
     EXPECT_EQ(foreign_kind(path) == ForeignKind::volume, knows([&] { read_volume(path, {}); })) << extension;
     EXPECT_EQ(foreign_kind(path) == ForeignKind::mesh, knows([&] { read_mesh(path); })) << extension;

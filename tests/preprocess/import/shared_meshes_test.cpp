@@ -90,6 +90,13 @@ TEST_F(SharedMeshes, holds_gmsh_files_text_and_binary) {
   EXPECT_EQ(count_of(bad, CellKind::tetrahedron), 6U);
 }
 
+TEST_F(SharedMeshes, holds_a_netgen_shaft) {
+  const CellMesh shaft = cells("netgen/shaft.vol");
+  EXPECT_EQ(shaft.points.size(), 949U);
+  EXPECT_EQ(count_of(shaft, CellKind::tetrahedron), 2636U);
+  EXPECT_THAT(shaft.notes, testing::Contains(testing::HasSubstr("1744 surface elements left out")));
+}
+
 TEST_F(SharedMeshes, holds_tetrahedra_of_ten_nodes_from_tetgen_files) {
   const CellMesh cube = cells("tetgen/cube_1626_elements_fully_quadratic.ele");
   EXPECT_EQ(cube.points.size(), 2570U);
