@@ -20,6 +20,7 @@ CellMesh read_vtu(const std::filesystem::path& path);
 CellMesh read_legacy_vtk_mesh(const std::filesystem::path& path);
 CellMesh read_tetgen_mesh(const std::filesystem::path& path);
 CellMesh read_netgen(const std::filesystem::path& path);
+CellMesh read_medit(const std::filesystem::path& path);
 
 /// @param time  which time step, as in ImportMeshOptions
 CellMesh read_exodus(const std::filesystem::path& path, const std::string& time);

@@ -4,6 +4,7 @@
 #include "preprocess/import/families.h"
 #include "preprocess/import/foreign_file.h"
 #include "preprocess/import/time_steps.h"
+#include "preprocess/import_mesh.h"
 #include "preprocess/subdivide.h"
 
 namespace rhoray::preprocess {
@@ -21,8 +22,8 @@ constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string
     {".nii", read_nifti}, {".nii.gz", read_nifti}, {".vti", read_vti},       {".vtk", read_legacy_vtk_volume},
 };
 constexpr Importer<CellMesh(const std::filesystem::path&)> mesh_importers[] = {
-    {".vtu", read_vtu},         {".vtk", read_legacy_vtk_mesh}, {".node", read_tetgen_mesh},
-    {".ele", read_tetgen_mesh}, {".vol", read_netgen},
+    {".vtu", read_vtu},    {".vtk", read_legacy_vtk_mesh}, {".node", read_tetgen_mesh}, {".ele", read_tetgen_mesh},
+    {".vol", read_netgen}, {".mesh", read_medit},          {".meshb", read_medit},
 };
 /// Formats that may hold several time steps.
 constexpr Importer<CellMesh(const std::filesystem::path&, const std::string& time)> steps_importers[] = {
@@ -55,8 +56,10 @@ std::string extensions_of(const Importer<Function> (&importers)[N]) {
 }
 
 Error no_importer(const std::filesystem::path& path, const char* kind, const std::string& known) {
-  return {Trouble::unsupported, concat(path.string(), ": found extension '", extension_of(path), "'; expected, for a ",
-                                       kind, ", one of", known)};
+  return {
+      Trouble::unsupported,
+      concat(path.string(), ": found extension '", extension_of(path), "'; expected, for a ", kind, ", one of", known),
+      advice_on(path)};
 }
 
 template <class Function, std::size_t N>

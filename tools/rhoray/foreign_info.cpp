@@ -137,9 +137,12 @@ Json foreign_info(const std::filesystem::path& path, std::uint64_t memory_limit_
     case preprocess::ForeignKind::unknown:
       break;
   }
+  const std::string advice = preprocess::advice_on(path);
   throw Error(Trouble::unsupported, concat(path.string(), ": found a file of a kind that is not known here"),
-              "readable: .rho, .nrrd, .nhdr, .mhd, .mha, .nii, .nii.gz, .vti, .vtk, .vtu, .node, .ele, .ply, .stl, "
-              ".obj, .off, .poly, .smesh");
+              !advice.empty()
+                  ? advice
+                  : "readable: .rho, .nrrd, .nhdr, .mhd, .mha, .nii, .nii.gz, .vti, .vtk, .vtu, .e, .exo, .ex2, .exii, "
+                    ".g, .gen, .msh, .mesh, .meshb, .vol, .node, .ele, .ply, .stl, .obj, .off, .poly, .smesh, .face");
 }
 
 }  // namespace rhoray::tools

@@ -33,11 +33,13 @@ void check_kind(const PackOptions& options) {
     case preprocess::ForeignKind::unknown:
       break;
   }
+  const std::string advice = preprocess::advice_on(options.input);
   throw Error(Trouble::invalid,
               concat(name,
                      ": found a file of a kind that is not known here; expected a volume (.nrrd "
-                     ".nhdr .mhd .mha .nii .nii.gz .vti .vtk) or a mesh (.vtu .vtk .node .ele)"),
-              "--raw 256x256x128:uint16:le reads bytes without a header");
+                     ".nhdr .mhd .mha .nii .nii.gz .vti .vtk) or a mesh (.vtu .vtk .e .exo .ex2 .g .msh .mesh "
+                     ".meshb .vol .node .ele)"),
+              !advice.empty() ? advice : "--raw 256x256x128:uint16:le reads bytes without a header");
 }
 
 /// An option that belongs to the other kind would be passed over in silence.
