@@ -177,7 +177,7 @@ TEST(Medit, refuses_every_beginning_of_a_file) {
   for (const std::int32_t version : {1, 4}) {
     const std::string bytes = binary_mesh(version, false);
     EXPECT_LE(check_every_beginning(folder / "a.meshb", bytes,
-                                    [&] { return is_complete(read_cells(folder / "a.meshb", {})); }, {.stride = 3}),
+                                    [&] { return is_complete(read_cells(folder / "a.meshb", {})); }, {.stride = 11}),
               8);  // the place of the section behind the last
   }
 }
@@ -187,7 +187,7 @@ TEST(Medit, survives_any_number_in_a_binary_file) {
   TemporaryFolder folder;
   const std::string content = binary_mesh(2, false);
   int refused = 0;
-  for (std::size_t at = 0; at + 4 <= content.size(); at += 4)
+  for (std::size_t at = 0; at + 4 <= content.size(); at += 8)
     for (const std::string& number :
          {std::string("\xff\xff\xff\x7f", 4), std::string(4, '\xff'), std::string(4, '\0')}) {
       std::string changed = content;
@@ -201,7 +201,7 @@ TEST(Medit, survives_any_number_in_a_binary_file) {
         ++refused;
       }
     }
-  EXPECT_GT(refused, 60);
+  EXPECT_GT(refused, 30);
 }
 
 }  // namespace
