@@ -1,8 +1,9 @@
 #include <array>
 #include <string_view>
 
+#include "formats/base/trouble.h"
 #include "preprocess/import/families.h"
-#include "preprocess/import/foreign_file.h"
+#include "preprocess/import/foreign_names.h"
 #include "preprocess/import/time_steps.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/subdivide.h"
@@ -12,14 +13,29 @@ namespace {
 
 template <class Function>
 struct Importer {
-  std::string_view extension;
+  std::string_view family;
   Function* read;
 };
 
-// One line for each extension; foreign_kind.cpp says the same to those who only ask (a test compares the two).
+// One line for each extension, or kind of folder; foreign_kind.cpp says the same to those who only ask (a test compares
+// the two).
 constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string&)> volume_importers[] = {
-    {".nrrd", read_nrrd}, {".nhdr", read_nrrd},    {".mhd", read_metaimage}, {".mha", read_metaimage},
-    {".nii", read_nifti}, {".nii.gz", read_nifti}, {".vti", read_vti},       {".vtk", read_legacy_vtk_volume},
+    {".nrrd", read_nrrd},
+    {".nhdr", read_nrrd},
+    {".mhd", read_metaimage},
+    {".mha", read_metaimage},
+    {".nii", read_nifti},
+    {".nii.gz", read_nifti},
+    {".vti", read_vti},
+    {".vtk", read_legacy_vtk_volume},
+    {".vtr", read_vtr},
+    {".slc", read_slc},
+    {".cube", read_gaussian_cube},
+    {".bov", read_bov},
+    {".dcm", read_dicom},
+    {".ima", read_dicom},
+    {".zip", read_dicom},
+    {"dicom/", read_dicom},
 };
 constexpr Importer<CellMesh(const std::filesystem::path&)> mesh_importers[] = {
     {".vtu", read_vtu},    {".vtk", read_legacy_vtk_mesh}, {".node", read_tetgen_mesh}, {".ele", read_tetgen_mesh},
@@ -42,24 +58,23 @@ constexpr Importer<NeutralSurface(const std::filesystem::path&)> surface_importe
 
 template <class Function, std::size_t N>
 Function* find_importer(const Importer<Function> (&importers)[N], const std::filesystem::path& path) {
-  const std::string extension = extension_of(path);
+  const std::string family = family_of(path);
   for (const Importer<Function>& importer : importers)
-    if (importer.extension == extension) return importer.read;
+    if (importer.family == family) return importer.read;
   return nullptr;
 }
 
 template <class Function, std::size_t N>
 std::string extensions_of(const Importer<Function> (&importers)[N]) {
   std::string known;
-  for (const Importer<Function>& importer : importers) known += concat(" ", importer.extension);
+  for (const Importer<Function>& importer : importers) known += concat(" ", importer.family);
   return known;
 }
 
 Error no_importer(const std::filesystem::path& path, const char* kind, const std::string& known) {
-  return {
-      Trouble::unsupported,
-      concat(path.string(), ": found extension '", extension_of(path), "'; expected, for a ", kind, ", one of", known),
-      advice_on(path)};
+  return {Trouble::unsupported,
+          concat(path.string(), ": found extension '", family_of(path), "'; expected, for a ", kind, ", one of", known),
+          advice_on(path)};
 }
 
 template <class Function, std::size_t N>
