@@ -32,6 +32,12 @@ NeutralSurface import_surface(const std::filesystem::path& path, const std::file
 enum class ForeignKind { volume, mesh, surface, unknown };
 ForeignKind foreign_kind(const std::filesystem::path& path);
 
+/// The extensions of files of that kind, and what else is of it, for messages.
+std::string extensions_of(ForeignKind kind);
+
+/// What to do with a file whose format is known, by its name, but not read here: one sentence. Empty for others.
+std::string advice_on(const std::filesystem::path& path);
+
 /// Writes a mesh as VTU (appended, compressed). Nothing is left under the name when it fails.
 void export_mesh(const NeutralMesh& mesh, const std::filesystem::path& path, bool replace_existing);
 

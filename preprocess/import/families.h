@@ -27,6 +27,12 @@ CellMesh read_vts(const std::filesystem::path& path);
 CellMesh read_plot3d(const std::filesystem::path& path);
 CellMesh read_legacy_vtk_mesh(const std::filesystem::path& path);
 CellMesh read_tetgen_mesh(const std::filesystem::path& path);
+CellMesh read_netgen(const std::filesystem::path& path);
+CellMesh read_medit(const std::filesystem::path& path);
+
+/// @param time  which time step, as in ImportMeshOptions
+CellMesh read_exodus(const std::filesystem::path& path, const std::string& time);
+CellMesh read_gmsh(const std::filesystem::path& path, const std::string& time);
 
 NeutralSurface read_legacy_vtk_surface(const std::filesystem::path& path);
 NeutralSurface read_ply(const std::filesystem::path& path);
@@ -34,6 +40,7 @@ NeutralSurface read_stl(const std::filesystem::path& path);
 NeutralSurface read_obj(const std::filesystem::path& path);
 NeutralSurface read_off(const std::filesystem::path& path);
 NeutralSurface read_tetgen_surface(const std::filesystem::path& path);
+NeutralSurface read_tetgen_faces(const std::filesystem::path& path);
 
 /// Wanted edge lengths, one for each point, from a TetGen .mtr file.
 Array<double> read_tetgen_sizes(const std::filesystem::path& path, std::size_t point_count);

@@ -57,6 +57,60 @@ constexpr KindByName kinds[] = {
     {".off", ForeignKind::surface},
     {".poly", ForeignKind::surface},
     {".smesh", ForeignKind::surface},
+    {".e", ForeignKind::mesh},
+    {".ex2", ForeignKind::mesh},
+    {".exo", ForeignKind::mesh},
+    {".exii", ForeignKind::mesh},
+    {".gen", ForeignKind::mesh},
+    {".msh", ForeignKind::mesh},
+    {".vol", ForeignKind::mesh},
+    {".mesh", ForeignKind::mesh},
+    {".meshb", ForeignKind::mesh},
+    {".face", ForeignKind::surface},
+};
+
+struct Advice {
+  std::string_view ending;  ///< of the name, in small letters; the first row that fits counts
+  std::string_view text;
+};
+
+constexpr std::string_view convert = "ParaView or meshio may convert it to .vtu";
+constexpr std::string_view name_a_piece = "it only lists other files: name one of those, a .vtu or .vti";
+constexpr std::string_view mesh_it = "it describes a shape, not a mesh: Gmsh fills it (gmsh -3) and writes .msh";
+constexpr std::string_view unpack_it = "unpack it first: gunzip";
+constexpr Advice advices[] = {
+    {".lvs.fld",
+     "SCIRun's samples stand behind a header: --raw with their size, type, byte order and place, such as "
+     "--raw 64x64x64:int32:be:524"},
+    {".fld", "SCIRun's fields are not read: take the .vtu or .ply that was made of it"},
+    {".sol", "it holds values only: name the .mesh or .meshb beside it"},
+    {".solb", "it holds values only: name the .mesh or .meshb beside it"},
+    {".xdmf", convert},
+    {".xmf", convert},
+    {".h5", convert},
+    {".hdf5", convert},
+    {".cgns", convert},
+    {".case", convert},
+    {".foam", convert},
+    {".inp", convert},
+    {".bdf", convert},
+    {".nas", convert},
+    {".unv", convert},
+    {".med", convert},
+    {".vtm", name_a_piece},
+    {".vtmb", name_a_piece},
+    {".pvd", name_a_piece},
+    {".step", mesh_it},
+    {".stp", mesh_it},
+    {".iges", mesh_it},
+    {".igs", mesh_it},
+    {".brep", mesh_it},
+    {".geo", mesh_it},
+    {".vol.gz", unpack_it},
+    {".msh.gz", unpack_it},
+    {".ply.gz", unpack_it},
+    {".stl.gz", unpack_it},
+    {".hdr", "a .nii file holds the header and the samples of such a pair together"},
 };
 
 constexpr std::string_view plot3d_extensions[] = {".bin", ".xyz", ".x", ".g", ".q", ".p3d"};
@@ -113,9 +167,27 @@ ForeignKind foreign_kind(const std::filesystem::path& path) {
   return row->kind;
 }
 
+std::string extensions_of(ForeignKind kind) {
+  std::string names;
+  for (const KindByName& row : kinds)
+    if (row.kind == kind && row.family.front() == '.') names += concat(names.empty() ? "" : " ", row.family);
+  if (kind == ForeignKind::mesh) names += " .vtk PLOT3D";
+  if (kind == ForeignKind::volume) names += " .vtk, folders of DICOM images or of pictures";
+  return names;
+}
+
 std::string_view worker_for(const std::filesystem::path& path) {
   const KindByName* row = row_of(path);
   return row == nullptr ? import_worker : row->worker;
+}
+
+std::string advice_on(const std::filesystem::path& path) {
+  std::string name = path.filename().string();
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](char letter) { return static_cast<char>(std::tolower(static_cast<unsigned char>(letter))); });
+  const auto found = std::find_if(std::begin(advices), std::end(advices),
+                                  [&](const Advice& row) { return name.ends_with(row.ending); });
+  return found == std::end(advices) ? std::string() : std::string(found->text);
 }
 
 }  // namespace rhoray::preprocess

@@ -60,6 +60,15 @@ std::string family_of_folder(const fs::path& folder) {
   return {};
 }
 
+/// A .g is an Exodus file without results, which is netCDF, or a grid of PLOT3D.
+std::string family_of_grid(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  char head[4] = {};
+  file.read(head, sizeof head);
+  const std::string_view begin(head, sizeof head);
+  return begin.starts_with("CDF") || begin == "\x89HDF" ? ".gen" : ".p3d";
+}
+
 }  // namespace
 
 std::vector<fs::path> files_in(const fs::path& folder) {
@@ -81,7 +90,9 @@ bool is_picture_name(const fs::path& path) {
 
 std::string family_of(const fs::path& path) {
   std::error_code ignored;
-  return fs::is_directory(path, ignored) ? family_of_folder(path) : extension_of(path);
+  if (fs::is_directory(path, ignored)) return family_of_folder(path);
+  const std::string extension = extension_of(path);
+  return extension == ".g" && fs::exists(path, ignored) ? family_of_grid(path) : extension;
 }
 
 }  // namespace rhoray::preprocess

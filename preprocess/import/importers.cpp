@@ -4,6 +4,8 @@
 #include "formats/base/trouble.h"
 #include "preprocess/import/families.h"
 #include "preprocess/import/foreign_names.h"
+#include "preprocess/import/time_steps.h"
+#include "preprocess/import_mesh.h"
 #include "preprocess/subdivide.h"
 
 namespace rhoray::preprocess {
@@ -37,8 +39,14 @@ constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string
 };
 constexpr Importer<CellMesh(const std::filesystem::path&)> mesh_importers[] = {
     {".vtu", read_vtu},    {".pvtu", read_pvtu},  {".vts", read_vts},          {".vtk", read_legacy_vtk_mesh},
-    {".bin", read_plot3d}, {".xyz", read_plot3d}, {".x", read_plot3d},         {".g", read_plot3d},
-    {".q", read_plot3d},   {".p3d", read_plot3d}, {".node", read_tetgen_mesh}, {".ele", read_tetgen_mesh},
+    {".bin", read_plot3d}, {".xyz", read_plot3d}, {".x", read_plot3d},         {".q", read_plot3d},
+    {".p3d", read_plot3d}, {".node", read_tetgen_mesh}, {".ele", read_tetgen_mesh},
+    {".vol", read_netgen}, {".mesh", read_medit},          {".meshb", read_medit},
+};
+/// Formats that may hold several time steps.
+constexpr Importer<CellMesh(const std::filesystem::path&, const std::string& time)> steps_importers[] = {
+    {".e", read_exodus}, {".ex2", read_exodus}, {".exo", read_exodus}, {".exii", read_exodus},
+    {".gen", read_exodus}, {".msh", read_gmsh},
 };
 constexpr Importer<NeutralSurface(const std::filesystem::path&)> surface_importers[] = {
     {".vtk", read_legacy_vtk_surface},
@@ -48,18 +56,34 @@ constexpr Importer<NeutralSurface(const std::filesystem::path&)> surface_importe
     {".off", read_off},
     {".poly", read_tetgen_surface},
     {".smesh", read_tetgen_surface},
+    {".face", read_tetgen_faces},
 };
 
 template <class Function, std::size_t N>
-Function* importer_for(const Importer<Function> (&importers)[N], const std::filesystem::path& path, const char* kind) {
+Function* find_importer(const Importer<Function> (&importers)[N], const std::filesystem::path& path) {
   const std::string family = family_of(path);
-  std::string known;
-  for (const Importer<Function>& importer : importers) {
+  for (const Importer<Function>& importer : importers)
     if (importer.family == family) return importer.read;
-    known += concat(known.empty() ? "" : " ", importer.family);
-  }
-  throw Error(Trouble::unsupported,
-              concat(path.string(), ": found extension '", family, "'; expected, for a ", kind, ", one of ", known));
+  return nullptr;
+}
+
+template <class Function, std::size_t N>
+std::string extensions_of(const Importer<Function> (&importers)[N]) {
+  std::string known;
+  for (const Importer<Function>& importer : importers) known += concat(" ", importer.family);
+  return known;
+}
+
+Error no_importer(const std::filesystem::path& path, const char* kind, const std::string& known) {
+  return {Trouble::unsupported,
+          concat(path.string(), ": found extension '", family_of(path), "'; expected, for a ", kind, ", one of", known),
+          advice_on(path)};
+}
+
+template <class Function, std::size_t N>
+Function* importer_for(const Importer<Function> (&importers)[N], const std::filesystem::path& path, const char* kind) {
+  if (Function* found = find_importer(importers, path)) return found;
+  throw no_importer(path, kind, extensions_of(importers));
 }
 
 /// Formats that hold one field without choice: asking for another is refused.
@@ -79,10 +103,11 @@ NeutralVolume read_volume(const std::filesystem::path& path, const VolumeRequest
 }
 
 CellMesh read_cells(const std::filesystem::path& path, const MeshRequest& request) {
-  CellMesh mesh = importer_for(mesh_importers, path, "mesh")(path);
-  if (!request.time.empty())
-    throw Error(Trouble::usage,
-                concat(path.string(), ": found no time steps; expected some, for '", request.time, "'"));
+  if (auto* read = find_importer(steps_importers, path)) return read(path, request.time);
+  auto* read = find_importer(mesh_importers, path);
+  if (read == nullptr) throw no_importer(path, "mesh", extensions_of(mesh_importers) + extensions_of(steps_importers));
+  CellMesh mesh = read(path);
+  refuse_time_step(request.time, path);
   return mesh;
 }
 

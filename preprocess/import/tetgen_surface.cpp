@@ -91,6 +91,27 @@ void read_holes_and_regions(LineReader& lines, NeutralSurface& surface) {
   }
 }
 
+/// The points that no face names lie inside, and would be in the way of filling the surface.
+NeutralSurface surface_of(const Array<std::array<std::uint64_t, 3>>& faces, const TetgenPoints& points) {
+  constexpr std::uint64_t unused = ~std::uint64_t{0};
+  Array<std::uint64_t> positions(points.points.size(), unused);
+  for (const auto& face : faces)
+    for (const std::uint64_t corner : face) positions[corner] = 0;
+  NeutralSurface surface;
+  for (std::uint64_t i = 0; i < positions.size(); ++i) {
+    if (positions[i] == unused) continue;
+    positions[i] = surface.points.size();
+    surface.points.push_back(points.points[i]);
+  }
+  for (const auto& face : faces) {
+    for (const std::uint64_t corner : face) surface.facet_corners.push_back(positions[corner]);
+    surface.facet_offsets.push_back(surface.facet_corners.size());
+  }
+  if (const std::uint64_t inside = points.points.size() - surface.points.size(); inside > 0)
+    surface.notes.push_back(concat(inside, " points left out: no face names them"));
+  return surface;
+}
+
 }  // namespace
 
 NeutralSurface read_tetgen_surface(const std::filesystem::path& path) {
@@ -109,6 +130,33 @@ NeutralSurface read_tetgen_surface(const std::filesystem::path& path) {
   if (surface.facet_corners.empty()) lines.refuse("no facets", "at least 1");
   read_holes_and_regions(lines, surface);
   return surface;
+}
+
+NeutralSurface read_tetgen_faces(const std::filesystem::path& path) {
+  const TetgenPoints points = read_tetgen_node_file(std::filesystem::path(path).replace_extension(".node"));
+  const ForeignFile file(path);
+  LineReader lines(file);
+  lines.need("a number of faces");
+  const std::uint64_t count = tetgen_count(lines, "a number of faces");
+  const bool is_binary = is_tetgen_binary(lines);
+  Array<std::array<std::uint64_t, 3>> faces;
+  if (is_binary) {
+    const bool has_marker = lines.words().size() > 2 && lines.number<int>(1, "0 or 1: markers") != 0;
+    TetgenBinary records(lines, count, 3 * sizeof(std::uint32_t) + (has_marker ? sizeof(double) : 0));
+    for (std::uint64_t i = 0; i < count; ++i) {
+      for (std::uint64_t& corner : faces.emplace_back())
+        corner = tetgen_corner(lines, records.next<std::uint32_t>(), points);
+      if (has_marker) records.next<double>();
+    }
+  } else {
+    for (std::uint64_t i = 0; i < count; ++i) {
+      lines.need(concat(count, " faces"));
+      std::array<std::uint64_t, 3>& corners = faces.emplace_back();
+      for (std::size_t k = 0; k < 3; ++k) corners[k] = tetgen_corner(lines, 1 + k, points);
+    }
+  }
+  if (faces.empty()) lines.refuse("no faces", "at least 1");
+  return surface_of(faces, points);
 }
 
 Array<double> read_tetgen_sizes(const std::filesystem::path& path, std::size_t point_count) {

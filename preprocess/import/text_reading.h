@@ -70,6 +70,9 @@ class LineReader {
 
   std::uint64_t bytes_left() const { return text_.size() - position_; }
 
+  /// What stands behind the current line, for formats that go on in binary there.
+  std::span<const std::byte> rest() const { return file_.bytes().subspan(position_); }
+
   [[noreturn]] void refuse(std::string_view found, std::string_view expected, Trouble trouble = Trouble::invalid) const;
 
  private:

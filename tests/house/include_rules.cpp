@@ -48,6 +48,7 @@ const Guest guests[] = {{"TetGen", std::regex("tetgen\\.h"), {"preprocess/tetrah
                         {"Boost", std::regex("boost/.*"), {"preprocess/tetrahedralize"}},
                         {"VTK", std::regex("vtk\\w*\\.h"), {"preprocess/import", "tools/study"}},
                         {"Teem", std::regex("teem/.*"), {"preprocess/import"}},
+                        {"netCDF", std::regex("netcdf\\.h"), {"preprocess/import"}},
                         {"zlib, bzip2, minizip", std::regex("(zlib|bzlib|minizip/\\w+)\\.h"), {"preprocess/import"}},
                         {"GDCM", std::regex("gdcm\\w+\\.h"), {"preprocess/import"}},
                         {"oneTBB", std::regex("tbb/.*"), {"preprocess", "render", "tools", "data"}},
@@ -57,6 +58,7 @@ const Guest guests[] = {{"TetGen", std::regex("tetgen\\.h"), {"preprocess/tetrah
                         {"JSON for Modern C++", std::regex("nlohmann/.*"), {"formats", "tools"}},
                         {"xxHash", std::regex("xxhash\\.h"), {"formats", "tools"}},
                         {"Imath", std::regex("Imath/.*"), {"formats"}},
+                        {"Gmsh", std::regex("gmsh\\.h"), {}},
                         {"GoogleTest", std::regex("(gtest|gmock)/.*"), {}}};
 
 const std::regex standard_header("[a-z_0-9]+");

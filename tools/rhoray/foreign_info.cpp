@@ -153,10 +153,12 @@ Json foreign_info(const std::filesystem::path& path, std::uint64_t memory_limit_
     case preprocess::ForeignKind::unknown:
       break;
   }
+  const std::string advice = preprocess::advice_on(path);
   throw Error(Trouble::unsupported, concat(path.string(), ": found a file of a kind that is not known here"),
-              "readable: .rho, .nrrd, .nhdr, .mhd, .mha, .nii, .nii.gz, .vti, .vtk, .vtu, .pvtu, .vts, PLOT3D, .node, "
-              ".ele, .ply, .stl, "
-              ".obj, .off, .poly, .smesh");
+              !advice.empty() ? advice
+                              : concat("readable: .rho; volumes ", preprocess::extensions_of(preprocess::ForeignKind::volume),
+                                       "; meshes ", preprocess::extensions_of(preprocess::ForeignKind::mesh), "; surfaces ",
+                                       preprocess::extensions_of(preprocess::ForeignKind::surface)));
 }
 
 }  // namespace rhoray::tools

@@ -36,11 +36,13 @@ void check_kind(const PackOptions& options) {
     case preprocess::ForeignKind::unknown:
       break;
   }
+  const std::string advice = preprocess::advice_on(options.input);
   throw Error(Trouble::invalid,
               concat(name,
-                     ": found a file of a kind that is not known here; expected a volume (.nrrd "
-                     ".nhdr .mhd .mha .nii .nii.gz .vti .vtk) or a mesh (.vtu .pvtu .vts .vtk .node .ele, PLOT3D)"),
-              "--raw 256x256x128:uint16:le reads bytes without a header");
+                     ": found a file of a kind that is not known here; expected a volume (",
+                     preprocess::extensions_of(preprocess::ForeignKind::volume), ") or a mesh (",
+                     preprocess::extensions_of(preprocess::ForeignKind::mesh), ")"),
+              !advice.empty() ? advice : "--raw 256x256x128:uint16:le reads bytes without a header");
 }
 
 /// An option that belongs to the other kind would be passed over in silence.

@@ -116,6 +116,27 @@ TEST_F(Import, replaces_an_existing_file_only_when_told_to_and_leaves_nothing_be
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1);
 }
 
+TEST_F(Import, says_what_to_do_with_formats_that_it_knows_and_does_not_read) {
+  EXPECT_THAT(advice_on("x/Aneurysm.LVS.fld"), testing::HasSubstr("--raw 64x64x64:int32:be:524"));
+  EXPECT_THAT(advice_on("torso.tvt.fld"), testing::HasSubstr(".vtu"));
+  EXPECT_THAT(advice_on("a.xdmf"), testing::HasSubstr("meshio"));
+  EXPECT_EQ(advice_on("a.vtu"), "");
+  EXPECT_EQ(advice_on("fld"), "");
+  try {
+    import_mesh(folder_ / "torso.tvt.fld");
+    ADD_FAILURE() << "nothing was refused";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.hint(), advice_on("torso.tvt.fld"));
+  }
+}
+
+/// Nothing that is read needs advice, and the other way round.
+TEST_F(Import, gives_no_advice_on_what_it_reads) {
+  for (const char* name : {"a.xdmf", "a.fld", "a.lvs.fld", "a.h5", "a.cgns", "a.vtm", "a.pvd", "a.step", "a.geo",
+                           "a.vol.gz", "a.sol", "a.hdr"})
+    EXPECT_EQ(foreign_kind(name), ForeignKind::unknown) << name;
+}
+
 /// The table that answers what a file holds and the table that reads it must name the same extensions.
 TEST_F(Import, reads_every_extension_whose_kind_it_knows) {
   const auto knows = [](const std::function<void()>& read) {
@@ -129,7 +150,8 @@ TEST_F(Import, reads_every_extension_whose_kind_it_knows) {
   for (const std::string extension :
        {".nrrd", ".nhdr", ".mhd", ".mha", ".nii",  ".nii.gz", ".vti",  ".vtu",    ".node", ".ele",
         ".ply",  ".stl",  ".obj", ".off", ".poly", ".smesh",  ".NRRD", ".Nii.Gz", ".gz",   ".rho",
-        ".pvtu", ".vts",  ".pvd", "",     ".vtr",  ".slc",    ".cube", ".bov",    ".dcm",  ".zip"}) {
+        ".pvtu", ".vts",  ".pvd", "",     ".vtr",  ".slc",    ".cube", ".bov",    ".dcm",  ".zip",
+        ".e",    ".ex2",  ".exo", ".exii", ".g",   ".gen",    ".msh",  ".vol",    ".mesh", ".meshb", ".face"}) {
     const auto path = folder_ / concat("none", extension);
     EXPECT_EQ(foreign_kind(path) == ForeignKind::volume, knows([&] { read_volume(path, {}); })) << extension;
     EXPECT_EQ(foreign_kind(path) == ForeignKind::mesh, knows([&] { read_mesh(path); })) << extension;

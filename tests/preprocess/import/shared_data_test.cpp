@@ -158,7 +158,6 @@ TEST_F(SharedData, refuses_what_is_broken_or_not_made_of_linear_tetrahedra) {
     expect_refusal([&] { import_mesh(folder_ / "unstructured" / path); }, trouble, words);
   };
   refuses("sofa/Armadillo_Tetra_4406_for_test_broken.vtu", Trouble::invalid, {"Armadillo"});
-  refuses("tetgen/cube_1626_elements_fully_quadratic.ele", Trouble::unsupported, {"1626 tetrahedra with 10 points"});
 }
 
 TEST_F(SharedData, holds_surfaces_of_known_size) {

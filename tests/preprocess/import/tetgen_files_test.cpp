@@ -1,4 +1,5 @@
 #include "preprocess/import/readers.h"
+#include "tests/preprocess/import/node_places.h"
 #include "tests/preprocess/import/support.h"
 
 namespace rhoray::preprocess {
@@ -45,8 +46,7 @@ TEST(TetgenMesh, refuses_what_does_not_fit) {
     write_file(folder / "a.ele", element_text);
     expect_refusal([&] { read_mesh(folder / "a.node"); }, trouble, words);
   };
-  refuses(nodes, "1 10 0\n1 1 2 3 4 5 1 2 3 4 5\n", Trouble::unsupported,
-          {"a.ele, line 1", "1 tetrahedra with 10 points"});
+  refuses(nodes, "1 8 0\n1 1 2 3 4 5 1 2 3\n", Trouble::unsupported, {"a.ele, line 1", "1 elements with 8 points"});
   refuses(nodes, "1 4 0\n1 1 2 3 6\n", Trouble::invalid, {"a.ele, line 2", "'6'", "1 to 5"});
   refuses(nodes, "1 4 0\n1 0 2 3 4\n", Trouble::invalid, {"a.ele, line 2", "'0'"});
   refuses(nodes, "1 4 0\n2 1 2 3 4\n", Trouble::invalid, {"a.ele, line 2", "'2'"});
@@ -58,7 +58,6 @@ TEST(TetgenMesh, refuses_what_does_not_fit) {
   refuses("2 3 0 0\n1 0 0 0\n3 0 0 1\n", elements, Trouble::invalid, {"a.node, line 3", "'3'"});
   refuses("2 3 0 0\n7 0 0 0\n8 0 0 1\n", elements, Trouble::invalid, {"a.node, line 2", "0 or 1"});
   refuses("2 3 0 0\n1 0 zero 0\n2 0 0 1\n", elements, Trouble::invalid, {"a.node, line 2", "'zero'"});
-  refuses("20118 3 0 0 BIN\n\x01\x02", elements, Trouble::unsupported, {"a.node, line 1", "binary"});
   std::filesystem::remove(folder / "a.ele");
   write_file(folder / "a.node", nodes);
   expect_refusal([&] { read_mesh(folder / "a.node"); }, Trouble::unreadable, {"a.ele"});
@@ -73,6 +72,103 @@ TEST(TetgenMesh, refuses_every_beginning_of_a_file) {
   write_file(folder / "a.ele", elements);
   check_every_beginning(folder / "a.node", nodes, is_complete);
   check_every_beginning(folder / "a.ele", elements, is_complete);
+}
+
+/// One tetrahedron with middle nodes, by the edges that the file gives them in this order.
+void write_quadratic(TemporaryFolder& folder, const std::vector<std::pair<int, int>>& edges, double shift = 0) {
+  const double corners[4][3] = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
+  std::string text = "10 3 0 0\n";
+  for (int i = 0; i < 4; ++i) text += concat(i, " ", corners[i][0], " ", corners[i][1], " ", corners[i][2], "\n");
+  for (std::size_t e = 0; e < 6; ++e) {
+    const auto [a, b] = edges[e];
+    text += concat(4 + e);
+    for (std::size_t axis = 0; axis < 3; ++axis) text += concat(" ", (corners[a][axis] + corners[b][axis]) / 2 + shift);
+    text += "\n";
+  }
+  write_file(folder / "a.node", text);
+  write_file(folder / "a.ele", "1 10 1\n0 0 1 2 3 4 5 6 7 8 9 0.25\n");
+}
+
+TEST(TetgenMesh, finds_the_order_of_middle_nodes_from_where_they_lie) {
+  TemporaryFolder folder;
+  const std::vector<std::pair<int, int>> chaste{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}},
+      tetgen{{2, 3}, {0, 3}, {0, 1}, {1, 2}, {1, 3}, {0, 2}}, other{{2, 3}, {0, 1}, {0, 3}, {0, 2}, {1, 2}, {1, 3}};
+  for (const auto& [edges, name] : {std::pair{chaste, "Chaste"}, std::pair{tetgen, "TetGen 1.5"}}) {
+    write_quadratic(folder, edges, 0.1);
+    const CellMesh mesh = read_cells(folder / "a.ele", {});
+    EXPECT_THAT(mesh.kinds, testing::ElementsAre(CellKind::quadratic_tetrahedron));
+    EXPECT_EQ(expect_nodes_in_their_places(mesh, 0.06), 6U);
+    EXPECT_THAT(mesh.notes, testing::ElementsAre(testing::HasSubstr(name)));
+    EXPECT_THAT(mesh.cell_fields[0].values, testing::ElementsAre(0.25));
+  }
+  write_quadratic(folder, other);
+  expect_refusal([&] { read_cells(folder / "a.ele", {}); }, Trouble::invalid, {"a.ele", "edge lengths"});
+}
+
+const std::string footer = "# Created by hand\n";
+const std::string binary_nodes =
+    "5\t3\t1\t0\tBIN\n" +
+    bytes_of_values(std::vector<double>{0, 0, 0, 9, 1, 0, 0, 8, 0, 1, 0, 7, 0, 0, 1, 6, 1, 1, 0.1, 5}) + footer;
+const std::string binary_elements =
+    "2\t4\t0\tBIN\n" + bytes_of_values(std::vector<std::uint32_t>{0, 1, 2, 3, 1, 2, 3, 4});
+
+TEST(TetgenMesh, reads_the_binary_variant) {
+  TemporaryFolder folder;
+  write_file(folder / "a.node", binary_nodes);
+  write_file(folder / "a.ele", binary_elements + footer);
+  const NeutralMesh mesh = read_mesh(folder / "a.ele");
+  EXPECT_EQ(mesh.points[4], (std::array{1.0, 1.0, 0.1}));
+  EXPECT_THAT(mesh.point_fields[0].values, testing::ElementsAre(9, 8, 7, 6, 5));
+  EXPECT_EQ(mesh.cells[1], (std::array<std::uint64_t, 4>{1, 2, 3, 4}));
+  std::string with_attribute = "1 4 1 BIN\n" + bytes_of_values(std::vector<std::uint32_t>{0, 1, 2, 3}) +
+                               bytes_of_values(std::vector<double>{0.5});
+  write_file(folder / "a.ele", with_attribute);
+  EXPECT_THAT(read_mesh(folder / "a.ele").cell_fields[0].values, testing::ElementsAre(0.5));
+}
+
+TEST(TetgenMesh, refuses_every_beginning_of_the_binary_variant) {
+  TemporaryFolder folder;
+  const auto is_complete = [&] {
+    const NeutralMesh mesh = read_mesh(folder / "a.node");
+    return mesh.points[4][2] == 0.1 && mesh.cells.size() == 2 && mesh.cells[1][3] == 4;
+  };
+  write_file(folder / "a.ele", binary_elements);
+  EXPECT_EQ(check_every_beginning(folder / "a.node", binary_nodes, is_complete), static_cast<int>(footer.size()));
+  EXPECT_EQ(check_every_beginning(folder / "a.ele", binary_elements, is_complete), 0);
+  write_file(folder / "a.ele", binary_elements + "junk");
+  expect_refusal([&] { read_mesh(folder / "a.ele"); }, Trouble::invalid, {"a.ele, line 1", "4 bytes behind"});
+  write_file(folder / "a.ele", "1 4 0 BIN\n" + bytes_of_values(std::vector<std::uint32_t>{0, 1, 2, 5}));
+  expect_refusal([&] { read_mesh(folder / "a.ele"); }, Trouble::invalid, {"a.ele", "point 5", "0 to 4"});
+  write_file(folder / "a.ele", "4611686018427387904 4 0 BIN\n0123456789abcdef");
+  expect_refusal([&] { read_mesh(folder / "a.ele"); }, Trouble::invalid, {"a.ele"});
+}
+
+TEST(TetgenSurface, reads_faces_in_text_and_binary_with_the_points_they_name) {
+  TemporaryFolder folder;
+  const Array<std::uint64_t> corners{0, 1, 3, 1, 2, 3};  // of points 1, 2, 3, 4
+  const auto expect_surface = [&] {
+    const NeutralSurface surface = read_surface(folder / "a.face");
+    EXPECT_EQ(surface.points.size(), 4U);
+    EXPECT_EQ(surface.points[0], (std::array{1.0, 0.0, 0.0}));
+    EXPECT_EQ(surface.facet_corners, corners);
+    EXPECT_THAT(surface.facet_offsets, testing::ElementsAre(0, 3, 6));
+    EXPECT_THAT(surface.notes, testing::ElementsAre("1 points left out: no face names them"));
+  };
+  write_file(folder / "a.node", binary_nodes);
+  write_file(folder / "a.face", "2\t0\tBIN\n" + bytes_of_values(std::vector<std::uint32_t>{1, 2, 4, 2, 3, 4}) + footer);
+  expect_surface();
+  const auto marked = [](std::uint32_t a, std::uint32_t b, std::uint32_t c, double marker) {
+    return bytes_of_values(std::vector<std::uint32_t>{a, b, c}) + bytes_of_values(std::vector<double>{marker});
+  };
+  write_file(folder / "a.face", "2 1 BIN\n" + marked(1, 2, 4, 1) + marked(2, 3, 4, 1));
+  expect_surface();
+  write_file(folder / "a.node", nodes);  // numbered from 1
+  write_file(folder / "a.face", "2 1\n1 2 3 5 -1\n2 3 4 5 -1\n");
+  expect_surface();
+  write_file(folder / "a.face", "2 1\n1 2 3 6 -1\n2 3 4 5 -1\n");
+  expect_refusal([&] { read_surface(folder / "a.face"); }, Trouble::invalid, {"a.face, line 2", "'6'"});
+  write_file(folder / "a.face", "0 1\n");
+  expect_refusal([&] { read_surface(folder / "a.face"); }, Trouble::invalid, {"a.face", "no faces"});
 }
 
 const std::string poly =

@@ -1,0 +1,183 @@
+#include <limits>
+
+#include "preprocess/import/readers.h"
+#include "tests/preprocess/import/support.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using namespace tests;
+
+const std::string format_2 = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
+const std::string nodes_2 = "$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n9 1 1 1.5\n7 2 2 2\n$EndNodes\n";
+const std::string elements_2 =
+    "$Elements\n5\n1 15 2 0 1 1\n2 2 2 5 6 1 2 3\n3 4 2 10 20 1 2 3 4\n4 4 3 11 21 99 2 3 4 9\n5 4 0 3 4 9 7\n"
+    "$EndElements\n";
+const std::string data_2 =
+    "$NodeData\n1\n\"T of node\"\n1\n0.5\n3\n0\n1\n2\n1 7.5\n9 8.25\n$EndNodeData\n"
+    "$NodeData\n1\n\"T of node\"\n1\n2\n3\n1\n1\n1\n1 -7.5\n$EndNodeData\n"
+    "$ElementData\n1\n\"flow\"\n1\n2\n3\n1\n3\n2\n3 1 2 3\n5 4 5 6.1\n$EndElementData\n";
+const std::string text_2 = format_2 + "$PhysicalNames\n2\n2 5 \"skin\"\n3 11 \"the core\"\n$EndPhysicalNames\n" +
+                           nodes_2 + "$Comments\nanything $End goes\n$EndComments\n" + elements_2 + data_2;
+
+/// The same mesh in version 4.1: two volumes, the first in groups 10 and 12.
+const std::string text_4 =
+    "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n"
+    "$Entities\n1 0 0 2\n1 0 0 0 0\n20 0 0 0 1 1 1 2 10 12 0\n21 0 0 0 2 2 2 1 11 2 1 -2\n$EndEntities\n"
+    "$Nodes\n2 6 1 9\n3 20 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 21 1 2\n9\n7\n1 1 1.5 0.25\n2 2 2 "
+    "0.75\n$EndNodes\n"
+    "$Elements\n4 5 1 5\n0 1 15 1\n1 1\n2 6 2 1\n2 1 2 3\n3 20 4 1\n3 1 2 3 4\n3 21 4 2\n4 2 3 4 9\n5 3 4 9 "
+    "7\n$EndElements\n";
+
+const NeutralField& field_of(const std::vector<NeutralField>& fields, const std::string& name) {
+  const auto found =
+      std::find_if(fields.begin(), fields.end(), [&](const NeutralField& field) { return field.name == name; });
+  if (found == fields.end()) throw std::runtime_error("no field " + name);
+  return *found;
+}
+
+bool is_complete(const CellMesh& mesh) {
+  return mesh.points.size() == 6 && mesh.points[5] == std::array{2.0, 2.0, 2.0} &&
+         mesh.cell_nodes == Array<std::uint64_t>{0, 1, 2, 3, 1, 2, 3, 4, 2, 3, 4, 5};
+}
+
+TEST(Gmsh, reads_version_2_with_groups) {
+  TemporaryFolder folder;
+  write_file(folder / "a.msh", text_2);
+  const CellMesh mesh = read_cells(folder / "a.msh", {});
+  EXPECT_TRUE(is_complete(mesh));
+  EXPECT_THAT(mesh.kinds, testing::Each(CellKind::tetrahedron));
+  EXPECT_THAT(mesh.cell_ids, testing::ElementsAre(2, 3, 4));
+  EXPECT_THAT(field_of(mesh.cell_fields, "physical").values, testing::ElementsAre(10, 11, 0));
+  EXPECT_THAT(field_of(mesh.cell_fields, "entity").values, testing::ElementsAre(20, 21, 0));
+  EXPECT_THAT(mesh.notes, testing::UnorderedElementsAre(
+                              "cell field 'physical': 11 is 'the core'", testing::HasSubstr("time step #1"),
+                              "1 triangles, 1 vertices left out: only cells that fill space are kept"));
+}
+
+TEST(Gmsh, reads_version_4_with_groups) {
+  TemporaryFolder folder;
+  write_file(folder / "a.msh", text_4);
+  const CellMesh mesh = read_cells(folder / "a.msh", {});
+  EXPECT_TRUE(is_complete(mesh));
+  EXPECT_THAT(field_of(mesh.cell_fields, "physical").values, testing::ElementsAre(10, 11, 11));
+  EXPECT_THAT(field_of(mesh.cell_fields, "entity").values, testing::ElementsAre(20, 21, 21));
+  EXPECT_THAT(mesh.notes, testing::Contains(testing::HasSubstr("1 volumes belong to several physical groups")));
+}
+
+TEST(Gmsh, reads_fields_at_the_time_step_that_was_asked_for) {
+  TemporaryFolder folder;
+  for (const std::string& text : {text_2, text_4 + data_2}) {
+    write_file(folder / "a.msh", text);
+    const CellMesh last = read_cells(folder / "a.msh", {});
+    EXPECT_EQ(field_of(last.point_fields, "T of node").values[0], -7.5);
+    EXPECT_TRUE(std::isnan(field_of(last.point_fields, "T of node").values[4]));
+    const CellMesh first = read_cells(folder / "a.msh", {.time = "first"});
+    const NeutralField& t = field_of(first.point_fields, "T of node");
+    EXPECT_EQ(t.values[0], 7.5);
+    EXPECT_EQ(t.values[4], 8.25);
+    EXPECT_TRUE(std::isnan(t.values[1]) && std::isnan(t.values[5]));
+    EXPECT_TRUE(t.was_single_precision);
+    const NeutralField& flow = field_of(first.cell_fields, "flow");  // the only one, whatever its time
+    EXPECT_EQ(flow.component_count, 3);
+    EXPECT_FALSE(flow.was_single_precision);
+    ASSERT_EQ(flow.values.size(), 9U);
+    EXPECT_EQ(flow.values[2], 3);
+    EXPECT_TRUE(std::isnan(flow.values[3]));
+    EXPECT_EQ(flow.values[8], 6.1);
+  }
+  write_file(folder / "a.msh", format_2 + nodes_2 + elements_2);
+  expect_refusal([&] { read_cells(folder / "a.msh", {.time = "first"}); }, Trouble::usage, {"no time steps"});
+}
+
+template <class T>
+std::string in_bytes(std::initializer_list<T> values, bool big_endian) {
+  return bytes_of_values(std::vector<T>(values), big_endian);
+}
+
+TEST(Gmsh, reads_binary_numbers_in_both_byte_orders) {
+  TemporaryFolder folder;
+  for (const bool big : {false, true}) {
+    const auto node = [&](std::int32_t id, double x, double y, double z) {
+      return in_bytes({id}, big) + in_bytes({x, y, z}, big);
+    };
+    write_file(folder / "a.msh",
+               "$MeshFormat\n2.2 1 8\n" + in_bytes<std::int32_t>({1}, big) + "\n$EndMeshFormat\n$Nodes\n6\n" +
+                   node(1, 0, 0, 0) + node(2, 1, 0, 0) + node(3, 0, 1, 0) + node(4, 0, 0, 1) + node(9, 1, 1, 1.5) +
+                   node(7, 2, 2, 2) + "\n$EndNodes\n$Elements\n3\n" +
+                   in_bytes<std::int32_t>({4, 2, 2, 3, 10, 20, 1, 2, 3, 4, 4, 11, 21, 2, 3, 4, 9}, big) +
+                   in_bytes<std::int32_t>({4, 1, 0, 5, 3, 4, 9, 7}, big) + "\n$EndElements\n");
+    const CellMesh mesh = read_cells(folder / "a.msh", {});
+    EXPECT_TRUE(is_complete(mesh));
+    EXPECT_THAT(field_of(mesh.cell_fields, "physical").values, testing::ElementsAre(10, 11, 0));
+  }
+}
+
+/// Elements that share a number, as in a file met in the wild: Gmsh itself keeps the last.
+TEST(Gmsh, keeps_elements_that_share_a_number) {
+  TemporaryFolder folder;
+  const std::string elements =
+      "$Elements\n3\n44 4 2 0 1 1 2 3 4\n44 4 2 0 1 2 3 4 9\n44 4 2 0 1 3 4 9 7\n$EndElements\n";
+  write_file(folder / "a.msh", format_2 + nodes_2 + elements);
+  EXPECT_TRUE(is_complete(read_cells(folder / "a.msh", {})));
+  write_file(folder / "a.msh", format_2 + nodes_2 + elements + data_2.substr(data_2.find("$ElementData")));
+  expect_refusal([&] { read_cells(folder / "a.msh", {}); }, Trouble::invalid, {"'flow'", "two elements numbered 44"});
+}
+
+/// As Gmsh writes before each view that it appends.
+TEST(Gmsh, passes_over_the_same_mesh_once_more_and_refuses_another) {
+  TemporaryFolder folder;
+  const std::string mesh = format_2 + nodes_2 + elements_2;
+  write_file(folder / "a.msh", mesh + mesh + data_2);
+  EXPECT_TRUE(is_complete(read_cells(folder / "a.msh", {})));
+  std::string other = mesh;
+  other.replace(other.find("1 1 1.5"), 7, "1 1 1.6");
+  write_file(folder / "a.msh", mesh + other);
+  expect_refusal([&] { read_cells(folder / "a.msh", {}); }, Trouble::unsupported, {"line 24", "another section Nodes"});
+}
+
+TEST(Gmsh, refuses_what_does_not_fit) {
+  TemporaryFolder folder;
+  const auto refuses = [&](std::string text, const std::string& from, const std::string& to, Trouble trouble,
+                           const std::vector<std::string>& words) {
+    SCOPED_TRACE(to);
+    text.replace(text.find(from), from.size(), to);
+    write_file(folder / "a.msh", text);
+    expect_refusal([&] { read_cells(folder / "a.msh", {}); }, trouble, words);
+  };
+  refuses(text_2, "2.2 0", "4 0", Trouble::unsupported, {"a.msh, line 2", "'4'", "4.1"});
+  refuses(text_2, "$MeshFormat", "$NOD", Trouble::unsupported, {"line 1", "MSH 1"});
+  refuses(text_2, "2.2 0", "2.2 7", Trouble::invalid, {"line 2", "text or binary"});
+  refuses(text_2, "0 8\n", "0 4\n", Trouble::unsupported, {"line 2"});
+  refuses(text_2, "9 1 1 1.5", "4 1 1 1.5", Trouble::invalid, {"node 4 twice"});
+  refuses(text_2, "2 3 4 9\n", "2 3 4 8\n", Trouble::invalid, {"element 4", "node 8"});
+  refuses(text_2, "2 3 4 9\n", "2 3 4 -9\n", Trouble::invalid, {"element 4", "node -9"});
+  refuses(text_2, "3 4 2 10 20", "3 29 2 10 20", Trouble::invalid, {"line 28", "an element's type"});
+  refuses(text_2, "3 4 2 10 20", "3 32 2 10 20", Trouble::unsupported, {"line 25", "elements of type 32"});
+  refuses(text_2, "3 4 2 10 20", "3 120 2 10 20", Trouble::unsupported, {"line 25", "elements of type 120"});
+  refuses(text_2, "3 4 2 10 20", "3 4 -2 10 20", Trouble::invalid, {"line 25", "-2 tags"});
+  refuses(text_2, "$Nodes\n6", "$Nodes\n7", Trouble::invalid, {"'$EndNodes'", "a node's number"});
+  refuses(text_2, "$Nodes\n6", "$Nodes\n5", Trouble::invalid, {"'7'", "$EndNodes"});
+  refuses(text_2, "$Nodes\n6", "$Nodes\n18446744073709551615", Trouble::invalid, {"a.msh"});
+  refuses(text_2, "1 -7.5", "8 -7.5", Trouble::invalid, {"node 8", "one that is there"});
+  refuses(text_4, "2 6 1 9", "2 7 1 9", Trouble::invalid, {"6 nodes", "7"});
+  refuses(text_4, "4 5 1 5", "4 6 1 5", Trouble::invalid, {"5 elements", "6"});
+  refuses(format_2 + nodes_2 + elements_2, elements_2, "$Elements\n1\n2 2 2 5 6 1 2 3\n$EndElements\n",
+          Trouble::invalid, {"1 triangles", "fills space"});
+  try {
+    write_file(folder / "a.msh", format_2 + nodes_2 + "$Elements\n1\n2 2 2 5 6 1 2 3\n$EndElements\n");
+    read_cells(folder / "a.msh", {});
+  } catch (const Error& error) {
+    EXPECT_THAT(error.hint(), testing::HasSubstr("rhoray tetrahedralize"));
+  }
+}
+
+TEST(Gmsh, refuses_every_beginning_that_lacks_the_elements) {
+  TemporaryFolder folder;
+  for (const std::string& text : {text_2, text_4 + data_2})
+    check_every_beginning(folder / "a.msh", text, [&] { return is_complete(read_cells(folder / "a.msh", {})); },
+                          {.stride = 3, .is_text = true});
+}
+
+}  // namespace
+}  // namespace rhoray::preprocess
