@@ -22,8 +22,8 @@ Box3 box_world(const Box3& box, const Affine& world_from_volume) {
 }
 
 /// Around the macrocells of the lowest level whose values lie on both sides of the isovalue.
-template <class T>
-Box3 crossed_box(const GridVolume<T>& view, double isovalue) {
+template <class View>
+Box3 crossed_macrocells(const View& view, double isovalue) {
   const WalkLattice lattice = view.lattice();
   const std::int64_t edge = lattice.cell_edge(1);
   const Index3 count = whole_level(lattice, edge).end;
@@ -41,6 +41,15 @@ Box3 crossed_box(const GridVolume<T>& view, double isovalue) {
         }
       }
   return box;
+}
+
+template <class T>
+Box3 crossed_box(const GridVolume<T>& view, double isovalue) {
+  return crossed_macrocells(view, isovalue);
+}
+
+Box3 crossed_box(const NanoVdbVolume& view, double isovalue) {
+  return crossed_macrocells(view, isovalue);
 }
 
 /// Around the crossings of all edges: a tetrahedron's part of the isosurface is the polygon between them.
@@ -78,9 +87,13 @@ Volume::Volume(std::shared_ptr<const VolumeImplementation> implementation)
     : implementation_(std::move(implementation)) {}
 
 Volume Volume::load(const std::filesystem::path& path, const std::string& field) {
-  const formats::PackedFile file = formats::PackedFile::open(path);
+  return load(formats::PackedFile::open(path), field);
+}
+
+Volume Volume::load(const formats::PackedFile& file, const std::string& field) {
   if (file.description().kind == "grid") return Volume(load_grid(file, field));
   if (file.description().kind == "tets") return Volume(load_tets(file, field));
+  if (file.description().kind == formats::VdbGrid::kind) return Volume(load_vdb(file, field));
   throw Error(Trouble::unsupported,
               concat(file.name(), ": kind '", file.description().kind, "'; expected 'grid' or 'tets'"));
 }
@@ -99,6 +112,9 @@ const std::string& Volume::length_unit() const {
 }
 bool Volume::is_mesh() const {
   return implementation_->file.description().kind == "tets";
+}
+bool Volume::is_level_set() const {
+  return implementation_->is_level_set;
 }
 
 Box3 Volume::bounds() const {
