@@ -6,6 +6,7 @@
 #include "formats/base/trouble.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
+#include "tools/rhoray/input_file.h"
 
 namespace rhoray::tools {
 
@@ -33,7 +34,41 @@ formats::FieldSummary summarize_each(std::size_t count, const ValueAt& value_at)
 }
 
 Json head(const std::filesystem::path& path, const char* kind) {
-  return {{"file", path.string()}, {"kind", kind}, {"packed", false}, {"file_bytes", std::filesystem::file_size(path)}};
+  return {{"file", path.string()}, {"kind", kind}, {"packed", false}, {"file_bytes", input_bytes(path)}};
+}
+
+/// Around the first and the last sample of each axis.
+Box3 box_of(const preprocess::NeutralVolume& volume) {
+  Box3 box;
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3 place;
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::vector<double>& table = volume.axes[static_cast<std::size_t>(axis)];
+      const bool at_end = (corner >> axis & 1) != 0;
+      if (table.empty())
+        place[axis] = at_end ? static_cast<double>(volume.sample_count[axis] - 1) : 0;
+      else
+        place[axis] = at_end ? table.back() : table.front();
+    }
+    box.extendBy(volume.world_from_grid.point(place));
+  }
+  return box;
+}
+
+/// For each axis that keeps a table of positions its name and the shortest and longest step, world units.
+Json uneven_axes(const preprocess::NeutralVolume& volume) {
+  Json axes = Json::array();
+  const Vec3 units(volume.world_from_grid.x_axis.length(), volume.world_from_grid.y_axis.length(),
+                   volume.world_from_grid.z_axis.length());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::vector<double>& table = volume.axes[axis];
+    if (table.empty()) continue;
+    Interval<double> steps;
+    for (std::size_t i = 1; i < table.size(); ++i)
+      steps.include((table[i] - table[i - 1]) * units[static_cast<int>(axis)]);
+    axes.push_back({{"axis", std::string(1, "xyz"[axis])}, {"steps", {steps.lo, steps.hi}}});
+  }
+  return axes;
 }
 
 Json volume_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes) {
@@ -54,8 +89,10 @@ Json volume_info(const std::filesystem::path& path, std::uint64_t memory_limit_b
   json["samples"] = json_of(volume.sample_count);
   json["geometry"] = json_of(volume.world_from_grid);
   json["length_unit"] = volume.length_unit;
-  json["box"] = json_of(bounds_of(volume.world_from_grid, volume.sample_count));
+  json["uneven_axes"] = uneven_axes(volume);
+  json["box"] = json_of(box_of(volume));
   json["fields"] = Json::array({json_of(field)});
+  json["other_fields"] = volume.other_fields;
   json["memory"] = {{"unpacked_bytes", volume.samples.size()}};
   json["notes"] = volume.notes;
   return json;

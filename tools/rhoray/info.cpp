@@ -92,6 +92,10 @@ std::string geometry_text(const Json& json) {
   if (json.contains("geometry")) {
     const Json& geometry = json["geometry"];
     text += row("spacing", with_unit(numbers(geometry["spacing"], " x "), json["length_unit"]));
+    if (json.contains("uneven_axes"))
+      for (const Json& axis : json["uneven_axes"])
+        text += row(
+            "", concat("steps along ", axis["axis"].get<std::string>(), " differ: ", numbers(axis["steps"], " to ")));
     text += row("origin", numbers(geometry["origin"]));
     std::string axes;
     for (const Json& axis : geometry["direction"]) axes += concat(axes.empty() ? "(" : "  (", numbers(axis), ")");
@@ -150,6 +154,12 @@ std::string info_text(const Json& json) {
   text += geometry_text(json) + layout_text(json);
   if (json.contains("fields"))
     for (const Json& field : json["fields"]) text += field_text(field);
+  if (json.contains("other_fields") && !json["other_fields"].empty()) {
+    std::string names;
+    for (const Json& name : json["other_fields"])
+      names += concat(names.empty() ? "" : ", ", "'", name.get<std::string>(), "'");
+    text += row("also", names);
+  }
   if (json.contains("memory"))
     for (const auto& [name, bytes] : json["memory"].items()) {
       std::string what = name.substr(0, name.rfind('_'));
