@@ -31,9 +31,9 @@ ExportReport export_vdb(const std::filesystem::path& packed, const std::filesyst
                         const ExportOptions& options = {});
 
 /// VTK image data (.vti), appended: one point array of the grid's type for each field; spacing, origin and direction as
-/// they are. Written by a process of its own, which reads the file again.
+/// they are.
 ExportReport export_vti(const std::filesystem::path& packed, const std::filesystem::path& output,
-                        const ExportOptions& options = {});
+                        const ExportOptions& options = {}, const Progress& progress = {});
 
 /// NumPy (.npy, version 1.0): the samples of one field in shape [z, y, x], little-endian, of the grid's type.
 ExportReport export_npy(const std::filesystem::path& packed, const std::filesystem::path& output,

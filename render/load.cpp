@@ -116,6 +116,9 @@ bool Volume::is_mesh() const {
 bool Volume::is_level_set() const {
   return implementation_->is_level_set;
 }
+const std::vector<std::string>& Volume::notes() const {
+  return implementation_->notes;
+}
 
 Box3 Volume::bounds() const {
   return box_world(implementation_->bounds_volume, implementation_->world_from_volume);

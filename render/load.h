@@ -31,6 +31,8 @@ class Volume {
   bool is_mesh() const;
   bool is_level_set() const;  ///< its values are distances to the surface where they are 0
 
+  const std::vector<std::string>& notes() const;  ///< what loading changed, one sentence each
+
   Box3 bounds() const;  ///< of all cells, world axes
   /// Of the isosurface, world axes: in a mesh its own; in a grid those of the macrocells of the lowest level that it
   /// can pass through. Empty when the isovalue is passed nowhere.

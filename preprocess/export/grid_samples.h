@@ -1,10 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
+#include <vector>
 
+#include "formats/base/pending_file.h"
 #include "formats/brick_grid.h"
+#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 
@@ -37,6 +41,28 @@ template <class Act>
 decltype(auto) with_samples(const formats::BrickGrid& grid, Act&& act) {
   return formats::with_element_type(grid.description().field.type,
                                     [&]<class T>(T) -> decltype(auto) { return act(GridSamples<T>(grid)); });
+}
+
+template <class T>
+std::uint64_t sample_bytes(const GridSamples<T>& samples) {
+  return static_cast<std::uint64_t>(volume(samples.sample_count())) * sizeof(T);
+}
+
+/// Writes all samples, x fastest, from this byte of the file on.
+template <class T>
+void write_rows(const GridSamples<T>& samples, PendingFile& file, std::uint64_t first_byte, const Progress& progress) {
+  const Index3& count = samples.sample_count();
+  ProgressMeter meter(progress, "writing samples", sample_bytes(samples));
+  std::vector<T> slice(static_cast<std::size_t>(count.x * count.y));
+  for (std::int64_t k = 0; k < count.z; ++k) {
+    for (std::int64_t j = 0; j < count.y; ++j)
+      samples.read_row(
+          j, k, std::span(slice).subspan(static_cast<std::size_t>(j * count.x), static_cast<std::size_t>(count.x)));
+    const std::span<const std::byte> bytes = std::as_bytes(std::span(slice));
+    file.write(first_byte, bytes);
+    first_byte += bytes.size();
+    meter.add(bytes.size());
+  }
 }
 
 }  // namespace rhoray::preprocess

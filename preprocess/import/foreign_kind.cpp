@@ -8,6 +8,7 @@
 #include "preprocess/import/foreign_names.h"
 #include "preprocess/import/worker_arguments.h"
 #include "preprocess/import_mesh.h"
+#include "preprocess/vdb/worker_arguments.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -44,6 +45,7 @@ constexpr KindByName kinds[] = {
     {".bmp", ForeignKind::volume, slices_worker},
     {".pgm", ForeignKind::volume, slices_worker},
     {".ppm", ForeignKind::volume, slices_worker},
+    {".vdb", ForeignKind::volume, vdb_worker},
     {".vtu", ForeignKind::mesh},
     {".node", ForeignKind::mesh},
     {".ele", ForeignKind::mesh},

@@ -1,12 +1,16 @@
 #include "preprocess/vdb/scalar_grid.h"
 
+#include <openvdb/io/Archive.h>
 #include <openvdb/io/File.h>
+#include <openvdb/io/GridDescriptor.h>
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <optional>
 
+#include "formats/base/nearest_name.h"
 #include "preprocess/import/foreign_file.h"
 
 namespace rhoray::preprocess {
@@ -63,6 +67,35 @@ double exact_double(std::int64_t value, const std::filesystem::path& path, const
                  "integers that double precision holds", Trouble::unsupported);
   return static_cast<double>(value);
 }
+
+/// OpenVDB reads on behind the end of a file and makes up values, so the ends of all grids are compared with it first.
+class EndCheck : public openvdb::io::Archive {
+ public:
+  static void check(const std::filesystem::path& path) { EndCheck().check_grids(path); }
+
+ private:
+  void check_grids(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    try {
+      file.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+      readHeader(file);
+      openvdb::MetaMap().readMeta(file);
+      const auto file_bytes = static_cast<std::int64_t>(std::filesystem::file_size(path));
+      for (std::int32_t left = readGridCount(file); left > 0 && inputHasGridOffsets(); --left) {
+        openvdb::io::GridDescriptor grid;
+        grid.read(file);
+        if (grid.getEndPos() > file_bytes || grid.getEndPos() < file.tellg())
+          refuse_input(path, concat("grid '", grid.gridName(), "'"), concat("the end at byte ", grid.getEndPos()),
+                       concat("at most ", file_bytes, ", where the file ends"));
+        grid.seekToEnd(file);
+      }
+    } catch (const std::ios_base::failure&) {
+      refuse_input(path, "header", "its end", "an OpenVDB file with all its grids");
+    } catch (const openvdb::Exception& error) {
+      refuse_file(path, "header", error);
+    }
+  }
+};
 
 constexpr const char* component_names[] = {"x", "y", "z"};
 
@@ -225,7 +258,8 @@ Choice choose(const std::vector<VdbFile::Entry>& entries, const std::vector<std:
     throw Error(Trouble::usage, concat(path.string(), ": found vectors only: ", found, "; expected a choice"),
                 concat("say --field with one of ", in_list(scalars)));
   throw Error(Trouble::usage,
-              concat(path.string(), ": found no field '", field, "'; expected one of ", in_list(scalars)));
+              concat(path.string(), ": found no field '", field, "'; expected one of ", in_list(scalars)),
+              did_you_mean(field, scalars));
 }
 
 }  // namespace
@@ -233,6 +267,7 @@ Choice choose(const std::vector<VdbFile::Entry>& entries, const std::vector<std:
 VdbFile::VdbFile(const std::filesystem::path& path) : path_(path), file_(path.string()) {
   const ForeignFile is_there(path);
   openvdb::initialize();
+  EndCheck::check(path);
   try {
     file_.open(false);
   } catch (const openvdb::Exception& error) {

@@ -6,7 +6,7 @@ namespace rhoray::preprocess {
 ///
 ///     info PATH                        hands over what is known of each grid (grid_facts.h)
 ///     nanovdb PATH FIELD               hands over a grid for rendering (formats/vdb_grid.h)
-///     volume PATH FIELD LIMIT          hands over a neutral volume, of at most LIMIT bytes of samples
+///     volume PATH FIELD                hands over a neutral volume
 ///     write PACKED FIELD OUTPUT KIND   writes a packed grid as KIND, .vdb or .nvdb, and reads it again; hands over
 ///                                      the size of the file (export/counts.h)
 inline constexpr const char* vdb_worker = "rhoray-vdb-worker";

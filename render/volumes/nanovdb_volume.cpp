@@ -43,7 +43,8 @@ class NodeCheck {
 
   template <class Node>
   const Node* at(const void* place) const {
-    const auto begin = reinterpret_cast<std::uintptr_t>(buffer_.data()), found = reinterpret_cast<std::uintptr_t>(place);
+    const auto begin = reinterpret_cast<std::uintptr_t>(buffer_.data()),
+               found = reinterpret_cast<std::uintptr_t>(place);
     if (buffer_.size() < sizeof(Node) || found < begin || found - begin > buffer_.size() - sizeof(Node) ||
         found % alignof(Node) != 0)
       refuse("a node that lies outside");
@@ -200,9 +201,10 @@ std::shared_ptr<const VolumeImplementation> load_vdb(const formats::PackedFile& 
       .field_names = description.field_names,
       .length_unit = description.length_unit,
       .is_level_set = description.is_level_set,
+      .notes = description.notes,
       .world_from_volume = world_from_volume,
-      .bounds_volume = Box3({0, 0, 0}, Vec3(static_cast<double>(cells.x), static_cast<double>(cells.y),
-                                            static_cast<double>(cells.z))),
+      .bounds_volume = Box3(
+          {0, 0, 0}, Vec3(static_cast<double>(cells.x), static_cast<double>(cells.y), static_cast<double>(cells.z))),
       .view = NanoVdbVolume(grid)});
 }
 

@@ -40,8 +40,8 @@ class NanoVdbVolume {
       if (const Leaf* leaf = tree_->root().probeLeaf(low)) {
         const float* values = leaf->data()->mValues + Leaf::CoordToOffset(low);
         for (std::size_t corner = 0; corner < 8; ++corner)
-          out.corner[corner] = static_cast<double>(
-              values[(corner & 1) * x_stride + (corner >> 1 & 1) * y_stride + (corner >> 2)]);
+          out.corner[corner] =
+              static_cast<double>(values[(corner & 1) * x_stride + (corner >> 1 & 1) * y_stride + (corner >> 2)]);
         return out;
       }
     const nanovdb::DefaultReadAccessor<float> accessor(tree_->root());

@@ -17,9 +17,10 @@ struct VolumeImplementation {
   formats::FieldSummary field;
   std::vector<std::string> field_names;
   std::string length_unit;
-  bool is_level_set = false;  ///< distances to a surface, which is where they are 0
-  Affine world_from_volume;  ///< volume frame: grid steps for a grid, points relative to the origin for a mesh
-  Box3 bounds_volume;        ///< of all cells, volume frame
+  bool is_level_set = false;         ///< distances to a surface, which is where they are 0
+  std::vector<std::string> notes{};  ///< what loading changed, one sentence each
+  Affine world_from_volume;          ///< volume frame: grid steps for a grid, points relative to the origin for a mesh
+  Box3 bounds_volume;                ///< of all cells, volume frame
   std::variant<GridVolume<std::uint8_t>, GridVolume<std::int8_t>, GridVolume<std::uint16_t>, GridVolume<std::int16_t>,
                GridVolume<std::uint32_t>, GridVolume<std::int32_t>, GridVolume<float>, GridVolume<double>,
                TetVolume<float>, TetVolume<double>, NanoVdbVolume>

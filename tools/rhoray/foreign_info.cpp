@@ -6,7 +6,9 @@
 #include "formats/base/trouble.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
+#include "preprocess/open_vdb.h"
 #include "tools/rhoray/input_file.h"
+#include "tools/rhoray/vdb_info.h"
 
 namespace rhoray::tools {
 
@@ -164,6 +166,7 @@ formats::FieldSummary summarize(std::span<const double> values) {
 }
 
 Json foreign_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes) {
+  if (preprocess::is_vdb(path)) return vdb_info(path, memory_limit_bytes);
   switch (preprocess::foreign_kind(path)) {
     case preprocess::ForeignKind::volume:
       return volume_info(path, memory_limit_bytes);
@@ -174,9 +177,10 @@ Json foreign_info(const std::filesystem::path& path, std::uint64_t memory_limit_
     case preprocess::ForeignKind::unknown:
       break;
   }
-  throw Error(Trouble::unsupported, concat(path.string(), ": found a file of a kind that is not known here"),
-              "readable: .rho, .nrrd, .nhdr, .mhd, .mha, .nii, .nii.gz, .vti, .vtk, .vtu, .node, .ele, .ply, .stl, "
-              ".obj, .off, .poly, .smesh");
+  throw Error(
+      Trouble::unsupported, concat(path.string(), ": found a file of a kind that is not known here"),
+      "readable: .rho, .nrrd, .nhdr, .mhd, .mha, .nii, .nii.gz, .vti, .vdb, .vtk, .vtu, .node, .ele, .ply, .stl, "
+      ".obj, .off, .poly, .smesh");
 }
 
 }  // namespace rhoray::tools

@@ -36,7 +36,7 @@ void check_kind(const PackOptions& options) {
   throw Error(Trouble::invalid,
               concat(name,
                      ": found a file of a kind that is not known here; expected a volume (.nrrd "
-                     ".nhdr .mhd .mha .nii .nii.gz .vti .vtk) or a mesh (.vtu .vtk .node .ele)"),
+                     ".nhdr .mhd .mha .nii .nii.gz .vti .vdb .vtk) or a mesh (.vtu .vtk .node .ele)"),
               "--raw 256x256x128:uint16:le reads bytes without a header");
 }
 

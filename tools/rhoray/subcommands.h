@@ -11,5 +11,6 @@ Subcommand pack_subcommand();
 Subcommand tetrahedralize_subcommand();
 Subcommand render_subcommand();
 Subcommand bench_subcommand();
+Subcommand export_subcommand();
 
 }  // namespace rhoray::tools
