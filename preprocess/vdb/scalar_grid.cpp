@@ -79,6 +79,7 @@ class EndCheck : public openvdb::io::Archive {
     try {
       file.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
       readHeader(file);
+      setFormatVersion(file);
       openvdb::MetaMap().readMeta(file);
       const auto file_bytes = static_cast<std::int64_t>(std::filesystem::file_size(path));
       for (std::int32_t left = readGridCount(file); left > 0 && inputHasGridOffsets(); --left) {
