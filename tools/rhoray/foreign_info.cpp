@@ -73,7 +73,7 @@ Json uneven_axes(const preprocess::NeutralVolume& volume) {
   return axes;
 }
 
-Json volume_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes) {
+Json volume_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings) {
   preprocess::ImportVolumeOptions import;
   import.memory_limit_bytes = memory_limit_bytes;
   const preprocess::NeutralVolume volume = preprocess::import_volume(path, import);
@@ -97,6 +97,7 @@ Json volume_info(const std::filesystem::path& path, std::uint64_t memory_limit_b
   json["other_fields"] = volume.other_fields;
   json["memory"] = {{"unpacked_bytes", volume.samples.size()}};
   json["notes"] = volume.notes;
+  if (with_findings) json["findings"] = findings_json(preprocess::inspect_volume(volume));
   return json;
 }
 
@@ -118,7 +119,7 @@ Box3 box_of(std::span<const std::array<double, 3>> points) {
   return box;
 }
 
-Json mesh_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes) {
+Json mesh_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings) {
   const preprocess::NeutralMesh mesh = preprocess::import_mesh(path, {.memory_limit_bytes = memory_limit_bytes});
   Json json = head(path, "mesh");
   json["points"] = mesh.points.size();
@@ -138,6 +139,17 @@ Json mesh_info(const std::filesystem::path& path, std::uint64_t memory_limit_byt
   json["memory"] = {{"unpacked_bytes", sizeof(mesh.points[0]) * mesh.points.size() +
                                            sizeof(mesh.cells[0]) * mesh.cells.size() + sizeof(double) * value_count}};
   json["notes"] = mesh.notes;
+  if (with_findings) json["findings"] = findings_json(preprocess::inspect_mesh(mesh));
+  return json;
+}
+
+/// What may be wrong is looked for in the grid that is shown without a choice.
+Json vdb_with_findings(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings) {
+  Json json = vdb_info(path, memory_limit_bytes);
+  if (!with_findings || json["fields"].empty()) return json;
+  preprocess::ImportVolumeOptions import;
+  import.memory_limit_bytes = memory_limit_bytes;
+  json["findings"] = findings_json(preprocess::inspect_volume(preprocess::import_volume(path, import)));
   return json;
 }
 
@@ -161,17 +173,28 @@ Json surface_info(const std::filesystem::path& path, std::uint64_t memory_limit_
 
 }  // namespace
 
+Json findings_json(const std::vector<preprocess::Finding>& findings) {
+  Json list = Json::array();
+  for (const preprocess::Finding& finding : findings)
+    list.push_back({{"name", finding.name},
+                    {"count", finding.count},
+                    {"first", finding.first_ids},
+                    {"of", finding.thing},
+                    {"packing", finding.packing}});
+  return list;
+}
+
 formats::FieldSummary summarize(std::span<const double> values) {
   return summarize_each(values.size(), [&](std::size_t i) { return values[i]; });
 }
 
-Json foreign_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes) {
-  if (preprocess::is_vdb(path)) return vdb_info(path, memory_limit_bytes);
+Json foreign_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings) {
+  if (preprocess::is_vdb(path)) return vdb_with_findings(path, memory_limit_bytes, with_findings);
   switch (preprocess::foreign_kind(path)) {
     case preprocess::ForeignKind::volume:
-      return volume_info(path, memory_limit_bytes);
+      return volume_info(path, memory_limit_bytes, with_findings);
     case preprocess::ForeignKind::mesh:
-      return mesh_info(path, memory_limit_bytes);
+      return mesh_info(path, memory_limit_bytes, with_findings);
     case preprocess::ForeignKind::surface:
       return surface_info(path, memory_limit_bytes);
     case preprocess::ForeignKind::unknown:

@@ -90,11 +90,15 @@ TEST_F(Export, writes_vti_that_vtk_puts_into_the_same_place) {
 }
 
 TEST_F(Export, writes_npy_that_numpy_reads_in_the_order_z_y_x) {
+  std::string python;
+  for (const std::string candidate : {"python3", "/usr/bin/python3"})
+    if (python.empty() && run_program({candidate, "-c", "import numpy"}).exit_code == 0) python = candidate;
+  if (python.empty()) GTEST_SKIP() << "no python3 with numpy here";
   const auto expect_read = [&]<class T>(T, const std::string& dtype) {
     pack<T>();
     export_npy(folder_ / "a.rho", folder_ / "a.npy", {.replace_existing = true});
     const RunResult run = run_program(
-        {"python3", "-c",
+        {python, "-c",
          "import numpy as np\na = np.load('a.npy')\nassert a.flags['C_CONTIGUOUS']\nprint(a.dtype, a.shape, "
          "(a == (np.arange(210) + 3).astype(a.dtype).reshape(5, 6, 7)).all())"},
         folder_.path());
