@@ -6,9 +6,9 @@
 #include <optional>
 
 #include "formats/base/checks.h"
+#include "formats/base/pending_file.h"
 #include "formats/base/trouble.h"
 #include "formats/envelope/header.h"
-#include "formats/envelope/pending_file.h"
 #include "formats/envelope/seal.h"
 #include "formats/packed_file.h"
 
@@ -52,8 +52,7 @@ class Coverage {
 }  // namespace
 
 struct PackedFileWriter::State {
-  State(std::unique_ptr<envelope::PendingFile> pending, const FileDescription& description,
-        const std::vector<ArraySpec>& specs)
+  State(std::unique_ptr<PendingFile> pending, const FileDescription& description, const std::vector<ArraySpec>& specs)
       : file(std::move(pending)),
         arrays(envelope::place_arrays(file->name(), specs)),
         header(envelope::write_header(file->name(), description, arrays)),
@@ -67,7 +66,7 @@ struct PackedFileWriter::State {
   void check_coverage() const;
   std::vector<std::uint64_t> sums(unsigned threads) const;
 
-  std::unique_ptr<envelope::PendingFile> file;
+  std::unique_ptr<PendingFile> file;
   std::vector<ArrayEntry> arrays;  ///< with padding, sums and seal; first_byte counted from the data area's start
   std::string header;
   std::uint64_t file_bytes = 0;
@@ -80,12 +79,11 @@ struct PackedFileWriter::State {
 PackedFileWriter::PackedFileWriter(std::filesystem::path path, FileDescription description,
                                    std::vector<ArraySpec> arrays, Options options)
     : state_(std::make_unique<State>(
-          std::make_unique<envelope::PendingFile>(
-              path, envelope::PendingFile::Options{.replace_existing = options.replace_existing}),
+          std::make_unique<PendingFile>(path, PendingFile::Options{.replace_existing = options.replace_existing}),
           description, arrays)) {}
 
 PackedFileWriter::PackedFileWriter(int descriptor, FileDescription description, std::vector<ArraySpec> arrays)
-    : state_(std::make_unique<State>(std::make_unique<envelope::PendingFile>(descriptor), description, arrays)) {}
+    : state_(std::make_unique<State>(std::make_unique<PendingFile>(descriptor), description, arrays)) {}
 
 PackedFileWriter::PackedFileWriter(PackedFileWriter&&) noexcept = default;
 PackedFileWriter& PackedFileWriter::operator=(PackedFileWriter&&) noexcept = default;

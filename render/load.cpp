@@ -22,8 +22,9 @@ Box3 box_world(const Box3& box, const Affine& world_from_volume) {
 }
 
 /// Around the macrocells of the lowest level whose values lie on both sides of the isovalue.
-template <class... Kind>
-Box3 crossed_box(const GridVolume<Kind...>& view, double isovalue) {
+/// @param position  of a plane between cells, on an axis of the volume's frame
+template <class View, class Position>
+Box3 crossed_macrocells(const View& view, double isovalue, const Position& position) {
   const WalkLattice lattice = view.lattice();
   const std::int64_t edge = lattice.cell_edge(1);
   const Index3 count = whole_level(lattice, edge).end;
@@ -37,11 +38,21 @@ Box3 crossed_box(const GridVolume<Kind...>& view, double isovalue) {
         for (const Index3& corner : {c, c + Index3(1, 1, 1)}) {
           Vec3 p;
           for (int a = 0; a < 3; ++a)
-            p[a] = view.description().position(a, std::min(corner[a] * edge, lattice.leaf_count[a]));
+            p[a] = position(a, std::min(corner[a] * edge, lattice.leaf_count[a]));
           box.extendBy(p);
         }
       }
   return box;
+}
+
+template <class... Kind>
+Box3 crossed_box(const GridVolume<Kind...>& view, double isovalue) {
+  return crossed_macrocells(view, isovalue,
+                            [&](int axis, std::int64_t plane) { return view.description().position(axis, plane); });
+}
+
+Box3 crossed_box(const NanoVdbVolume& view, double isovalue) {
+  return crossed_macrocells(view, isovalue, [](int, std::int64_t plane) { return static_cast<double>(plane); });
 }
 
 /// Around the crossings of all edges: a tetrahedron's part of the isosurface is the polygon between them.
@@ -79,9 +90,13 @@ Volume::Volume(std::shared_ptr<const VolumeImplementation> implementation)
     : implementation_(std::move(implementation)) {}
 
 Volume Volume::load(const std::filesystem::path& path, const std::string& field) {
-  const formats::PackedFile file = formats::PackedFile::open(path);
+  return load(formats::PackedFile::open(path), field);
+}
+
+Volume Volume::load(const formats::PackedFile& file, const std::string& field) {
   if (file.description().kind == "grid") return Volume(load_grid(file, field));
   if (file.description().kind == "tets") return Volume(load_tets(file, field));
+  if (file.description().kind == formats::VdbGrid::kind) return Volume(load_vdb(file, field));
   throw Error(Trouble::unsupported,
               concat(file.name(), ": kind '", file.description().kind, "'; expected 'grid' or 'tets'"));
 }
@@ -100,6 +115,12 @@ const std::string& Volume::length_unit() const {
 }
 bool Volume::is_mesh() const {
   return implementation_->file.description().kind == "tets";
+}
+bool Volume::is_level_set() const {
+  return implementation_->is_level_set;
+}
+const std::vector<std::string>& Volume::notes() const {
+  return implementation_->notes;
 }
 
 Box3 Volume::bounds() const {

@@ -13,7 +13,7 @@ namespace rhoray::render {
 
 struct VolumeImplementation;
 
-/// What rays cross: a packed grid, or a packed mesh with one chosen field. Copies share everything.
+/// What rays cross: a packed grid, a packed mesh with one chosen field, or a grid of an OpenVDB file. Copies share everything.
 class Volume {
  public:
   /// Opens a packed file and checks what rendering relies on; block checksums are left to the caller
@@ -21,11 +21,17 @@ class Volume {
   /// @param field  name; empty takes the first. An unknown name is refused with the names there are (Trouble::usage).
   static Volume load(const std::filesystem::path& path, const std::string& field = {});
 
+  /// As above, for a file that is open already; also takes the kind "vdb" (formats/vdb_grid.h).
+  static Volume load(const formats::PackedFile& file, const std::string& field = {});
+
   const formats::PackedFile& file() const;
   const formats::FieldSummary& field() const;
   std::vector<std::string> field_names() const;
   const std::string& length_unit() const;
   bool is_mesh() const;
+  bool is_level_set() const;  ///< its values are distances to the surface where they are 0
+
+  const std::vector<std::string>& notes() const;  ///< what loading changed, one sentence each
 
   Box3 bounds() const;  ///< of all cells, world axes
   /// Of the isosurface, world axes: in a mesh its own; in a grid those of the macrocells of the lowest level that it

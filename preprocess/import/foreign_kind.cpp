@@ -9,6 +9,7 @@
 #include "preprocess/import/plot3d_layout.h"
 #include "preprocess/import/worker_arguments.h"
 #include "preprocess/import_mesh.h"
+#include "preprocess/vdb/worker_arguments.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -46,6 +47,7 @@ constexpr KindByName kinds[] = {
     {".bmp", ForeignKind::volume, slices_worker},
     {".pgm", ForeignKind::volume, slices_worker},
     {".ppm", ForeignKind::volume, slices_worker},
+    {".vdb", ForeignKind::volume, vdb_worker},
     {".vtu", ForeignKind::mesh},
     {".pvtu", ForeignKind::mesh},
     {".vts", ForeignKind::mesh},

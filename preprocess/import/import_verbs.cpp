@@ -1,11 +1,8 @@
-#include <fcntl.h>
-#include <unistd.h>
-
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 
+#include "formats/base/pending_file.h"
 #include "formats/base/trouble.h"
+#include "preprocess/export/run_writer.h"
 #include "preprocess/import/foreign_file.h"
 #include "preprocess/import/foreign_names.h"
 #include "preprocess/import/worker_arguments.h"
@@ -46,51 +43,6 @@ void set_origin(Affine& map, const Vec3& origin) {
   map.origin = origin;
 }
 
-/// A new file in the folder of `path`, removed again unless it is given its name.
-class PendingFile {
- public:
-  explicit PendingFile(const fs::path& path) : final_(path) {
-    const fs::path pending = concat(path.string(), ".", ::getpid(), ".vtu");
-    const int descriptor = ::open(pending.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor < 0) throw unwritable();
-    ::close(descriptor);
-    pending_ = pending;
-  }
-  PendingFile(const PendingFile&) = delete;
-  PendingFile& operator=(const PendingFile&) = delete;
-  ~PendingFile() {
-    if (!pending_.empty()) ::unlink(pending_.c_str());
-  }
-
-  const fs::path& path() const { return pending_; }
-
-  void publish(bool replace_existing) {
-    const int descriptor = ::open(pending_.c_str(), O_RDWR | O_CLOEXEC);
-    if (descriptor < 0) throw unwritable();
-    const bool is_on_disk = ::fsync(descriptor) == 0;
-    ::close(descriptor);
-    if (!is_on_disk) throw unwritable();
-    const unsigned flags = replace_existing ? 0 : RENAME_NOREPLACE;
-    if (::renameat2(AT_FDCWD, pending_.c_str(), AT_FDCWD, final_.c_str(), flags) != 0) throw unwritable();
-    pending_.clear();
-  }
-
-  static Error exists(const fs::path& path) {
-    return {Trouble::usage, concat(path.string(), ": found a file of this name; expected none"),
-            "use --force to replace it"};
-  }
-
- private:
-  Error unwritable() const {
-    if (errno == EEXIST) return exists(final_);
-    const bool is_full = errno == ENOSPC || errno == EDQUOT;
-    return {is_full ? Trouble::resource : Trouble::unreadable,
-            concat(final_.string(), ": cannot be written: ", std::strerror(errno))};
-  }
-
-  fs::path final_, pending_;
-};
-
 }  // namespace
 
 NeutralVolume import_volume(const fs::path& path, const ImportVolumeOptions& options) {
@@ -122,15 +74,13 @@ NeutralSurface import_surface(const fs::path& path, const fs::path& sizes, const
 void export_mesh(const NeutralMesh& mesh, const fs::path& path, bool replace_existing) {
   if (extension_of(path) != ".vtu")
     throw Error(Trouble::usage, concat(path.string(), ": found extension '", extension_of(path), "'; expected .vtu"));
-  if (!replace_existing && fs::exists(path)) throw PendingFile::exists(path);
-  PendingFile pending(path);
+  PendingFile output(path, {.replace_existing = replace_existing});
   WorkerRequest request;
   request.program = import_worker;
-  request.doing = "writing " + path.string();
-  request.arguments = {"write-vtu", pending.path().string()};
+  request.arguments = {"write-vtu", output.open_name().string()};
   request.write_input = [&](int descriptor) { hand_over(mesh, descriptor); };
-  run_worker(request);
-  pending.publish(replace_existing);
+  run_writer(std::move(request), output);
+  output.publish();
 }
 
 }  // namespace rhoray::preprocess

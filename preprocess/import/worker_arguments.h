@@ -15,6 +15,8 @@ namespace rhoray::preprocess {
 ///     surface PATH SIZES                                             hands over a neutral surface; SIZES may be empty
 ///     write-vtu PATH                                                 takes a neutral mesh and hands back what it reads
 ///     again
+///     write-stl PACKED FIELD ISOVALUE PATH                          writes the isosurface of a packed grid; hands over
+///                                                                    the number of triangles (export/counts.h)
 inline constexpr const char* import_worker = "rhoray-import-worker";
 
 /// Understands `volume` alone, for pictures.

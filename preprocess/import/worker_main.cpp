@@ -3,8 +3,13 @@
 #include <vector>
 
 #include "formats/base/trouble.h"
+#include "preprocess/export/counts.h"
+#include "preprocess/import/families.h"
+#include "preprocess/import/grid_surface.h"
+#include "preprocess/import/numbers.h"
 #include "preprocess/import/readers.h"
 #include "preprocess/import/worker_arguments.h"
+#include "preprocess/subdivide.h"
 #include "preprocess/worker/child_process.h"
 #include "preprocess/worker/handover.h"
 
@@ -21,10 +26,16 @@ bool same_bytes(const Array<T>& a, const Array<T>& b) {
 /// Writes, then reads back what lies on disk, so that a full disk or a failing writer is noticed.
 NeutralMesh write_and_read_back(const NeutralMesh& mesh, const std::string& path) {
   write_vtu(mesh, path);
-  NeutralMesh read = read_mesh(path);
+  NeutralMesh read = subdivide(read_vtu(path), {});  // the file may have no name yet
   if (!same_bytes(read.points, mesh.points) || !same_bytes(read.cells, mesh.cells))
     throw Error(Trouble::resource, path + ": found another mesh when reading it back; expected what was written");
   return read;
+}
+
+double isovalue_of(const std::string& text) {
+  const std::optional<double> value = parse_number<double>(text);
+  if (!value) throw Error(Trouble::usage, concat("isovalue: found '", text, "'; expected a number"));
+  return *value;
 }
 
 void act(const std::vector<std::string>& arguments, int input, int output) {
@@ -38,6 +49,8 @@ void act(const std::vector<std::string>& arguments, int input, int output) {
   else if (verb == "write-vtu" && arguments.size() == 2 && input >= 0)
     hand_over(write_and_read_back(take_mesh(formats::PackedFile::from_descriptor(input, "input")), arguments[1]),
               output);
+  else if (verb == "write-stl" && arguments.size() == 5)
+    hand_over_counts({write_grid_surface(arguments[1], arguments[2], isovalue_of(arguments[3]), arguments[4])}, output);
   else
     throw Error(Trouble::usage,
                 "found arguments that no verb has; expected those of preprocess/import/worker_arguments.h");

@@ -10,5 +10,6 @@ template Kernels kernels_for(const GridVolume<std::uint32_t>&, MipMethod, bool);
 template Kernels kernels_for(const GridVolume<std::int32_t>&, MipMethod, bool);
 template Kernels kernels_for(const GridVolume<float>&, MipMethod, bool);
 template Kernels kernels_for(const GridVolume<double>&, MipMethod, bool);
+template Kernels kernels_for(const NanoVdbVolume&, MipMethod, bool);
 
 }  // namespace rhoray::render

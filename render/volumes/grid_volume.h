@@ -62,6 +62,7 @@ class SparseSamples {
 /// A grid whose sample (i, j, k) stands at position (i, j, k) of its frame.
 class UniformGeometry {
  public:
+  UniformGeometry() = default;
   explicit UniformGeometry(const formats::GridDescription&) {}
 
   RHORAY_INLINE WholePlanes planes() const { return {}; }

@@ -6,6 +6,7 @@
 
 #include "formats/base/affine.h"
 #include "render/volumes/grid_volume.h"
+#include "render/volumes/nanovdb_volume.h"
 #include "render/volumes/tet_volume.h"
 
 namespace rhoray::render {
@@ -16,6 +17,8 @@ struct VolumeImplementation {
   formats::FieldSummary field;
   std::vector<std::string> field_names;
   std::string length_unit;
+  bool is_level_set = false;         ///< distances to a surface, which is where they are 0
+  std::vector<std::string> notes{};  ///< what loading changed, one sentence each
   Affine world_from_volume;  ///< volume frame: grid steps or positions of axis tables, points relative to the origin
   Box3 bounds_volume;        ///< of all cells, volume frame
   std::variant<GridVolume<std::uint8_t>, GridVolume<std::int8_t>, GridVolume<std::uint16_t>, GridVolume<std::int16_t>,
@@ -23,7 +26,8 @@ struct VolumeImplementation {
                RectilinearVolume<std::uint8_t>, RectilinearVolume<std::int8_t>, RectilinearVolume<std::uint16_t>,
                RectilinearVolume<std::int16_t>, RectilinearVolume<std::uint32_t>, RectilinearVolume<std::int32_t>,
                RectilinearVolume<float>, RectilinearVolume<double>, SparseVolume<float>, SparseVolume<double>,
-               SparseRectilinearVolume<float>, SparseRectilinearVolume<double>, TetVolume<float>, TetVolume<double>>
+               SparseRectilinearVolume<float>, SparseRectilinearVolume<double>, TetVolume<float>, TetVolume<double>,
+               NanoVdbVolume>
       view;
 };
 

@@ -12,8 +12,8 @@
 #include <functional>
 #include <thread>
 
+#include "formats/base/pending_file.h"
 #include "formats/base/text.h"
-#include "formats/envelope/pending_file.h"
 #include "formats/packed_file.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/memory_file.h"
@@ -23,7 +23,6 @@ namespace rhoray::formats {
 namespace {
 
 namespace fs = std::filesystem;
-using envelope::PendingFile;
 using tests::expect_error;
 using tests::TemporaryFolder;
 

@@ -47,6 +47,8 @@ const Guest guests[] = {{"TetGen", std::regex("tetgen\\.h"), {"preprocess/tetrah
                         {"CGAL", std::regex("CGAL/.*"), {"preprocess/tetrahedralize", "tools"}},
                         {"Boost", std::regex("boost/.*"), {"preprocess/tetrahedralize"}},
                         {"VTK", std::regex("vtk\\w*\\.h"), {"preprocess/import", "tools/study"}},
+                        {"OpenVDB", std::regex("openvdb/.*"), {"preprocess/vdb"}},
+                        {"NanoVDB", std::regex("nanovdb/.*"), {"preprocess/vdb", "render/volumes"}},
                         {"Teem", std::regex("teem/.*"), {"preprocess/import"}},
                         {"netCDF", std::regex("netcdf\\.h"), {"preprocess/import"}},
                         {"zlib, bzip2, minizip", std::regex("(zlib|bzlib|minizip/\\w+)\\.h"), {"preprocess/import"}},

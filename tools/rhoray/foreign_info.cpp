@@ -6,7 +6,9 @@
 #include "formats/base/trouble.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
+#include "preprocess/open_vdb.h"
 #include "tools/rhoray/input_file.h"
+#include "tools/rhoray/vdb_info.h"
 
 namespace rhoray::tools {
 
@@ -107,6 +109,16 @@ Json mesh_info(const std::filesystem::path& path, std::uint64_t memory_limit_byt
   return json;
 }
 
+/// What may be wrong is looked for in the grid that is shown without a choice.
+Json vdb_with_findings(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings) {
+  Json json = vdb_info(path, memory_limit_bytes);
+  if (!with_findings || json["fields"].empty()) return json;
+  preprocess::ImportVolumeOptions import;
+  import.memory_limit_bytes = memory_limit_bytes;
+  json["findings"] = findings_json(preprocess::inspect_volume(preprocess::import_volume(path, import)));
+  return json;
+}
+
 Json surface_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes) {
   const preprocess::NeutralSurface surface =
       preprocess::import_surface(path, {}, {.memory_limit_bytes = memory_limit_bytes});
@@ -143,6 +155,7 @@ formats::FieldSummary summarize(std::span<const double> values) {
 }
 
 Json foreign_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings) {
+  if (preprocess::is_vdb(path)) return vdb_with_findings(path, memory_limit_bytes, with_findings);
   switch (preprocess::foreign_kind(path)) {
     case preprocess::ForeignKind::volume:
       return volume_info(path, memory_limit_bytes, with_findings);

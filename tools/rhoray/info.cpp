@@ -10,6 +10,7 @@
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
+#include "tools/rhoray/vdb_info.h"
 
 namespace rhoray::tools {
 
@@ -216,6 +217,8 @@ std::string info_text(const Json& json) {
   for (const char* name : {"points", "cells", "facets"})
     if (json.contains(name)) text += row(name, grouped(json[name]));
   text += geometry_text(json) + layout_text(json);
+  if (json.contains("grids"))
+    for (const Json& grid : json["grids"]) text += row("grid", grid_text(grid));
   if (json.contains("fields"))
     for (const Json& field : json["fields"]) text += field_text(field);
   if (json.contains("other_fields") && !json["other_fields"].empty()) {

@@ -7,6 +7,7 @@ int main(int argc, char** argv) {
   end_cleanly_on_interrupt();
   const Subcommand subcommands[] = {info_subcommand(),           pack_subcommand(),     verify_subcommand(),
                                     tetrahedralize_subcommand(), resample_subcommand(), render_subcommand(),
+                                    export_subcommand(),
                                     bench_subcommand()};
   return run_command_line(subcommands, argc, argv);
 }

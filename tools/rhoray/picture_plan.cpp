@@ -5,6 +5,7 @@
 #include "formats/base/nearest_name.h"
 #include "formats/base/trouble.h"
 #include "preprocess/import_mesh.h"
+#include "preprocess/open_vdb.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/input_file.h"
 
@@ -133,6 +134,7 @@ Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& f
 
 render::Volume load_volume(const std::filesystem::path& path, const std::string& field) {
   require_input(path);
+  if (preprocess::is_vdb(path)) return render::Volume::load(preprocess::open_vdb(path, field));
   if (!formats::PackedFile::looks_packed(path) && preprocess::foreign_kind(path) != preprocess::ForeignKind::unknown) {
     const std::filesystem::path packed = std::filesystem::path(path.filename()).replace_extension(".rho");
     throw Error(Trouble::invalid, concat(path.string(), ": is not a packed file"),
@@ -154,7 +156,9 @@ PicturePlan plan_picture(const PictureOptions& options, const render::Volume& vo
   scene.mip_method = options.method == "face" ? render::MipMethod::face : render::MipMethod::exact;
   Box3 shown = volume.bounds();
   if (scene.mode == render::Mode::isosurface) {
-    const Isovalue iso = choose_isovalue(options.isovalue, volume.field());
+    const Isovalue iso = options.isovalue == "auto" && volume.is_level_set()
+                             ? Isovalue{0, "the surface of the level set"}
+                             : choose_isovalue(options.isovalue, volume.field());
     scene.isovalue = iso.value;
     plan.isovalue_from = iso.from;
     const Box3 surface = volume.isosurface_bounds(iso.value);

@@ -134,6 +134,7 @@ void report(const RenderCommand& command, const std::filesystem::path& output, c
     if (command.statistics) std::fputs(statistics_text(statistics).c_str(), stdout);
     for (const Json& pick : picks) std::puts(picked_text(pick, volume.length_unit()).c_str());
   }
+  for (const std::string& note : volume.notes()) say(command.common, concat("note: ", note));
   if (iso && plan.isovalue_from != "given")
     say(command.common,
         concat("isovalue ", plan.scene.isovalue, " (", plan.isovalue_from, " of field '", volume.field().name, "')"));
@@ -210,9 +211,10 @@ Subcommand render_subcommand() {
       .examples =
           "  rhoray render head.rho -o head.png\n"
           "  rhoray render head.rho --iso 500 --view -y --size 1080p -o skin.png\n"
-          "  rhoray render head.rho --mode mip --range 0,2000 -o mip.exr --channels depth,value\n",
+          "  rhoray render head.rho --mode mip --range 0,2000 -o mip.exr --channels depth,value\n"
+          "  rhoray render smoke.vdb --iso 0.5 -o smoke.png\n",
       .options = all_options(
-          {{file_option("FILE", "Packed file", command->input)},
+          {{file_option("FILE", "Packed file, or OpenVDB file (.vdb)", command->input)},
            output_options(command->common, "Picture: .png, .exr, .tif or .jpg; default the file's name with .png"),
            picture_options(command->picture),
            {value_option("--pick", "X,Y", "Say which cell a pixel shows; several: X,Y:X,Y", command->picks),

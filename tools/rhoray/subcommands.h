@@ -12,5 +12,6 @@ Subcommand tetrahedralize_subcommand();
 Subcommand resample_subcommand();
 Subcommand render_subcommand();
 Subcommand bench_subcommand();
+Subcommand export_subcommand();
 
 }  // namespace rhoray::tools

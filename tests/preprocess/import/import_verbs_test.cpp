@@ -110,7 +110,7 @@ TEST_F(Import, replaces_an_existing_file_only_when_told_to_and_leaves_nothing_be
   EXPECT_EQ(read_file(path), "precious");
   export_mesh(small_mesh(), path, true);
   EXPECT_EQ(import_mesh(path).cells.size(), 1U);
-  expect_refusal([&] { export_mesh(small_mesh(), folder_ / "none/a.vtu", false); }, Trouble::unreadable,
+  expect_refusal([&] { export_mesh(small_mesh(), folder_ / "none/a.vtu", false); }, Trouble::usage,
                  {"a.vtu", "No such file"});
   expect_refusal([&] { export_mesh(small_mesh(), folder_ / "a.vtk", false); }, Trouble::usage, {".vtu"});
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1);

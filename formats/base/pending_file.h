@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-namespace rhoray::formats::envelope {
+namespace rhoray {
 
 /// A file that gets its name when it is complete. Until then it has none (an anonymous file in the target's folder) or,
 /// where the file system knows no such files, a temporary one that is removed unless the process is killed.
@@ -31,6 +31,9 @@ class PendingFile {
   const std::string& name() const { return name_; }
   int descriptor() const { return descriptor_; }
 
+  /// A path by which a library or another process can open the file for writing while this one lives.
+  std::filesystem::path open_name() const;
+
   /// Gives the file its size, all bytes 0, and takes the space on disk now. Trouble::resource when there is not enough.
   void reserve(std::uint64_t bytes);
 
@@ -53,6 +56,7 @@ class PendingFile {
   [[noreturn]] void refuse_existing() const;
 
   std::string name_;  ///< as given, for messages
+  std::filesystem::path folder_name_;
   Options options_;
   bool borrowed_ = false;
   int descriptor_ = -1;
@@ -61,4 +65,4 @@ class PendingFile {
   std::string temporary_name_;  ///< in folder_; empty while there is none
 };
 
-}  // namespace rhoray::formats::envelope
+}  // namespace rhoray

@@ -1,4 +1,4 @@
-#include "formats/envelope/pending_file.h"
+#include "formats/base/pending_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -12,7 +12,7 @@
 
 #include "formats/base/trouble.h"
 
-namespace rhoray::formats::envelope {
+namespace rhoray {
 namespace {
 
 namespace fs = std::filesystem;
@@ -94,6 +94,7 @@ void PendingFile::open_target(const fs::path& target) {
   if (file_name_.empty() || file_name_ == "." || file_name_ == "..")
     throw Error(Trouble::usage, concat(name_, ": found a folder; expected the name of a file"));
   const fs::path folder = real.has_parent_path() ? real.parent_path() : fs::path(".");
+  folder_name_ = folder;
   folder_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder_ < 0) fail(concat("write into the folder ", folder.string()), errno);
 
@@ -127,6 +128,11 @@ void PendingFile::create_named() {
   if (descriptor_ >= 0) return;
   temporary_name_.clear();
   fail("create it", errno);
+}
+
+fs::path PendingFile::open_name() const {
+  if (!temporary_name_.empty()) return folder_name_ / temporary_name_;
+  return concat("/proc/", ::getpid(), "/fd/", descriptor_);
 }
 
 void PendingFile::reserve(std::uint64_t bytes) {
@@ -208,4 +214,4 @@ void PendingFile::name_temporary() {
   temporary_name_.clear();
 }
 
-}  // namespace rhoray::formats::envelope
+}  // namespace rhoray

@@ -1,0 +1,30 @@
+#include <cmath>
+
+#include "formats/base/pending_file.h"
+#include "formats/base/trouble.h"
+#include "preprocess/export/counts.h"
+#include "preprocess/export/grid_samples.h"
+#include "preprocess/export/run_writer.h"
+#include "preprocess/export_grid.h"
+#include "preprocess/import/worker_arguments.h"
+
+namespace rhoray::preprocess {
+
+ExportReport export_grid_stl(const std::filesystem::path& packed, double isovalue, const std::filesystem::path& output,
+                             const ExportOptions& options) {
+  if (!std::isfinite(isovalue))
+    throw Error(Trouble::usage, concat("isovalue ", isovalue, "; expected a finite number"));
+  open_grid(packed, options.field);  // refuses here, where there is no other process in between
+  PendingFile file(output, {.replace_existing = options.replace_existing});
+  WorkerRequest request;
+  request.program = import_worker;
+  request.arguments = {"write-stl", packed.string(), options.field, concat(isovalue), file.open_name().string()};
+  request.memory_limit_bytes = options.memory_limit_bytes;
+  ExportReport report;
+  report.triangle_count = take_counts(run_writer(std::move(request), file), 1).front();
+  file.publish();
+  report.file_bytes = std::filesystem::file_size(output);
+  return report;
+}
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,183 @@
+#include "preprocess/export_tets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "formats/base/nearest_name.h"
+#include "formats/base/pending_file.h"
+#include "formats/base/trouble.h"
+#include "formats/tet_mesh.h"
+#include "preprocess/export/stl_file.h"
+#include "preprocess/import_mesh.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using formats::TetMesh;
+
+Vec3 world_point(const TetMesh& mesh, std::uint32_t point) {
+  const auto& p = mesh.points()[point];
+  return mesh.description().origin + Vec3(p[0], p[1], p[2]);
+}
+
+std::size_t field_position(const TetMesh& mesh, const std::string& field) {
+  if (field.empty()) return 0;
+  if (const auto found = mesh.find_field(field)) return *found;
+  std::vector<std::string> names;
+  std::string known;
+  for (const formats::FieldSummary& summary : mesh.description().fields) {
+    names.push_back(summary.name);
+    known += concat(known.empty() ? "'" : ", '", summary.name, "'");
+  }
+  throw Error(Trouble::usage, concat(mesh.file().name(), ": no field '", field, "'; it has ", known),
+              did_you_mean(field, names));
+}
+
+/// Calls act(span of floats or doubles) with a field's values.
+template <class Act>
+void with_values(const TetMesh& mesh, std::size_t field, Act&& act) {
+  if (mesh.description().fields[field].type == formats::ElementType::F32)
+    act(mesh.values<float>(field));
+  else
+    act(mesh.values<double>(field));
+}
+
+NeutralField neutral_field(const TetMesh& mesh, std::size_t position) {
+  const formats::FieldSummary& summary = mesh.description().fields[position];
+  NeutralField field;
+  field.name = summary.name;
+  field.unit = summary.unit;
+  field.was_single_precision = summary.type == formats::ElementType::F32;
+  with_values(mesh, position, [&](const auto values) { field.values.assign(values.begin(), values.end()); });
+  return field;
+}
+
+/// Where the field takes the isovalue on the edge from a corner inside to one outside.
+Vec3 crossing(const Vec3& from, const Vec3& to, double value_from, double value_to, double isovalue) {
+  const double share = (isovalue - value_from) / (value_to - value_from);
+  return (1 - share) * from + share * to;
+}
+
+/// One tetrahedron's part of the isosurface: a triangle, or a quadrangle cut into two.
+void add_isosurface(StlFile& file, const std::array<Vec3, 4>& points, const std::array<double, 4>& values,
+                    double isovalue) {
+  std::size_t inside[4], outside[4], in_count = 0, out_count = 0;
+  for (std::size_t v = 0; v < 4; ++v) {
+    if (!std::isfinite(values[v])) return;
+    if (values[v] >= isovalue)
+      inside[in_count++] = v;
+    else
+      outside[out_count++] = v;
+  }
+  if (in_count == 0 || out_count == 0) return;
+  const auto cut = [&](std::size_t i, std::size_t o) {
+    return crossing(points[inside[i]], points[outside[o]], values[inside[i]], values[outside[o]], isovalue);
+  };
+  // Fronts look away from the corner with the higher value.
+  const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+    if ((b - a).cross(c - a).dot(a - points[inside[0]]) >= 0)
+      file.add(a, b, c);
+    else
+      file.add(a, c, b);
+  };
+  if (in_count == 1) return add(cut(0, 0), cut(0, 1), cut(0, 2));
+  if (in_count == 3) return add(cut(0, 0), cut(1, 0), cut(2, 0));
+  add(cut(0, 0), cut(0, 1), cut(1, 1));
+  add(cut(0, 0), cut(1, 1), cut(1, 0));
+}
+
+void write_isosurface(StlFile& file, const TetMesh& mesh, std::size_t field, double isovalue) {
+  with_values(mesh, field, [&](const auto values) {
+    for (const auto& cell : mesh.cells()) {
+      std::array<Vec3, 4> points;
+      std::array<double, 4> at;
+      for (std::size_t v = 0; v < 4; ++v) {
+        points[v] = world_point(mesh, cell[v]);
+        at[v] = static_cast<double>(values[cell[v]]);
+      }
+      add_isosurface(file, points, at, isovalue);
+    }
+  });
+}
+
+/// The faces that belong to one cell only.
+void write_own_surface(StlFile& file, const TetMesh& mesh) {
+  // Seen from outside, the corners of each face run counter-clockwise (vertex order in formats/tet_mesh.h).
+  constexpr std::size_t faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  struct Face {
+    std::array<std::uint32_t, 3> sorted;
+    std::array<std::uint32_t, 3> corners;
+  };
+  Array<Face> all;
+  all.reserve(4 * mesh.cells().size());
+  for (const auto& cell : mesh.cells())
+    for (const auto& face : faces) {
+      const std::array corners{cell[face[0]], cell[face[1]], cell[face[2]]};
+      std::array sorted = corners;
+      std::sort(sorted.begin(), sorted.end());
+      all.push_back({sorted, corners});
+    }
+  std::sort(all.begin(), all.end(),
+            [](const Face& a, const Face& b) { return std::tie(a.sorted, a.corners) < std::tie(b.sorted, b.corners); });
+  for (std::size_t first = 0, last; first < all.size(); first = last) {
+    last = first + 1;
+    while (last < all.size() && all[last].sorted == all[first].sorted) ++last;
+    if (last != first + 1) continue;
+    const auto& [a, b, c] = all[first].corners;
+    file.add(world_point(mesh, a), world_point(mesh, b), world_point(mesh, c));
+  }
+}
+
+}  // namespace
+
+NeutralMesh neutral_mesh(const std::filesystem::path& packed) {
+  const TetMesh mesh(formats::PackedFile::open(packed));
+  NeutralMesh out;
+  out.length_unit = mesh.description().length_unit;
+  out.points.reserve(mesh.points().size());
+  for (std::uint32_t p = 0; p < mesh.points().size(); ++p) {
+    const Vec3 world = world_point(mesh, p);
+    out.points.push_back({world.x, world.y, world.z});
+  }
+  out.cells.reserve(mesh.cells().size());
+  NeutralField ids{.name = "cell_id", .unit = {}, .component_count = 1, .was_single_precision = false, .values = {}};
+  ids.values.reserve(mesh.cells().size());
+  for (std::size_t c = 0; c < mesh.cells().size(); ++c) {
+    const auto& cell = mesh.cells()[c];
+    out.cells.push_back({cell[0], cell[1], cell[2], cell[3]});
+    ids.values.push_back(static_cast<double>(mesh.cell_id(c)));
+  }
+  for (std::size_t f = 0; f < mesh.description().fields.size(); ++f) out.point_fields.push_back(neutral_field(mesh, f));
+  out.cell_fields.push_back(std::move(ids));
+  return out;
+}
+
+ExportReport export_vtu(const std::filesystem::path& packed, const std::filesystem::path& output,
+                        const ExportOptions& options) {
+  export_mesh(neutral_mesh(packed), output, options.replace_existing);
+  ExportReport report;
+  report.file_bytes = std::filesystem::file_size(output);
+  return report;
+}
+
+ExportReport export_tets_stl(const std::filesystem::path& packed, std::optional<double> isovalue,
+                             const std::filesystem::path& output, const ExportOptions& options) {
+  if (isovalue && !std::isfinite(*isovalue))
+    throw Error(Trouble::usage, concat("isovalue ", *isovalue, "; expected a finite number"));
+  const TetMesh mesh(formats::PackedFile::open(packed));
+  const std::size_t field = field_position(mesh, options.field);
+  PendingFile pending(output, {.replace_existing = options.replace_existing});
+  StlFile file(pending.open_name());
+  if (isovalue)
+    write_isosurface(file, mesh, field, *isovalue);
+  else
+    write_own_surface(file, mesh);
+  ExportReport report;
+  report.triangle_count = file.finish();
+  pending.publish();
+  report.file_bytes = std::filesystem::file_size(output);
+  return report;
+}
+
+}  // namespace rhoray::preprocess

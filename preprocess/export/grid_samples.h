@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/base/pending_file.h"
+#include "formats/brick_grid.h"
+#include "preprocess/progress.h"
+
+namespace rhoray::preprocess {
+
+/// One field of a packed grid by the position of its samples, whatever the layout.
+template <class T>
+class GridSamples {
+ public:
+  explicit GridSamples(const formats::BrickGrid& grid) : grid_(grid), samples_(grid.samples<T>()) {}
+
+  const formats::FieldSummary& field() const { return grid_.description().field; }
+  const Index3& sample_count() const { return grid_.description().layout.sample_count; }
+  T at(std::int64_t i, std::int64_t j, std::int64_t k) const { return samples_[grid_.tables().address(i, j, k)]; }
+
+  /// Fills `row` with the samples (0, j, k), (1, j, k), ...
+  void read_row(std::int64_t j, std::int64_t k, std::span<T> row) const {
+    for (std::size_t i = 0; i < row.size(); ++i) row[i] = at(static_cast<std::int64_t>(i), j, k);
+  }
+
+ private:
+  const formats::BrickGrid& grid_;
+  std::span<const T> samples_;
+};
+
+/// Opens a packed grid; refuses a file of another kind and a field that it does not have (Trouble::usage).
+/// @param field  empty = the first
+formats::BrickGrid open_grid(const std::filesystem::path& path, const std::string& field);
+
+/// Calls act(GridSamples<T>) with the field's type; returns what act returns.
+template <class Act>
+decltype(auto) with_samples(const formats::BrickGrid& grid, Act&& act) {
+  return formats::with_element_type(grid.description().field.type,
+                                    [&]<class T>(T) -> decltype(auto) { return act(GridSamples<T>(grid)); });
+}
+
+template <class T>
+std::uint64_t sample_bytes(const GridSamples<T>& samples) {
+  return static_cast<std::uint64_t>(volume(samples.sample_count())) * sizeof(T);
+}
+
+/// Writes all samples, x fastest, from this byte of the file on.
+template <class T>
+void write_rows(const GridSamples<T>& samples, PendingFile& file, std::uint64_t first_byte, const Progress& progress) {
+  const Index3& count = samples.sample_count();
+  ProgressMeter meter(progress, "writing samples", sample_bytes(samples));
+  std::vector<T> slice(static_cast<std::size_t>(count.x * count.y));
+  for (std::int64_t k = 0; k < count.z; ++k) {
+    for (std::int64_t j = 0; j < count.y; ++j)
+      samples.read_row(
+          j, k, std::span(slice).subspan(static_cast<std::size_t>(j * count.x), static_cast<std::size_t>(count.x)));
+    const std::span<const std::byte> bytes = std::as_bytes(std::span(slice));
+    file.write(first_byte, bytes);
+    first_byte += bytes.size();
+    meter.add(bytes.size());
+  }
+}
+
+}  // namespace rhoray::preprocess

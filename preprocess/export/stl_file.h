@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+
+#include "formats/base/vector.h"
+
+namespace rhoray::preprocess {
+
+/// Writes a binary STL file, triangle by triangle. Corners are rounded to 32 bits, as the format has them.
+class StlFile {
+ public:
+  explicit StlFile(const std::filesystem::path& path);
+
+  /// Left out when two corners are the same after rounding.
+  void add(const Vec3& a, const Vec3& b, const Vec3& c);
+
+  /// Ends the file and returns the number of triangles in it; refuses a file that could not be written (Trouble::
+  /// resource) and more triangles than the format can count.
+  std::uint64_t finish();
+
+ private:
+  std::filesystem::path path_;
+  std::ofstream file_;
+  std::uint64_t triangle_count_ = 0;
+};
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,152 @@
+// Values written for others: VTI and VTU are read by VTK and by our own importer, NPY by numpy.
+
+#include <vtkDataArray.h>
+#include <vtkImageData.h>
+#include <vtkMatrix3x3.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkXMLImageDataReader.h>
+
+#include <limits>
+
+#include "preprocess/export_grid.h"
+#include "preprocess/export_tets.h"
+#include "preprocess/import_mesh.h"
+#include "preprocess/import_volume.h"
+#include "preprocess/pack_mesh.h"
+#include "preprocess/pack_volume.h"
+#include "tests/preprocess/import/support.h"
+#include "tests/support/fields.h"
+#include "tests/support/meshes.h"
+#include "tests/support/run_program.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using namespace tests;
+using formats::ElementType;
+
+class Export : public testing::Test {
+ protected:
+  Export() { ::setenv("RHORAY_WORKER_DIR", RHORAY_WORKERS, 1); }
+
+  /// 7 x 6 x 5 samples that all differ, packed as a.rho.
+  template <class T>
+  std::vector<double> pack(const Affine& map = {}, const std::string& name = "a & \"b\"") {
+    const auto sample = [](const Index3& s) { return static_cast<T>(s.x + 7 * s.y + 42 * s.z + 3); };
+    NeutralVolume volume = volume_of<T>({7, 6, 5}, sample, map);
+    volume.field_name = name;
+    volume.field_unit = "HU";
+    pack_volume(volume, folder_ / "a.rho", {.brick_edge = 4, .replace_existing = true});
+    std::vector<double> expected;
+    for (int n = 0; n < 7 * 6 * 5; ++n) expected.push_back(static_cast<double>(static_cast<T>(n + 3)));
+    return expected;
+  }
+
+  TemporaryFolder folder_;
+};
+
+const Affine turned{{0.1, 2, 0}, {3, 0, 0.1}, {0, 0.2, -0.7}, {10, 20, 1e6 / 3}};
+
+TEST_F(Export, writes_vti_that_comes_back_bit_for_bit) {
+  const Affine parallel = axis_parallel_map({0.1, 1.0 / 3, 0.7}, {-1e6 / 7, 0.1, 3});
+  const auto round_trip = [&]<class T>(T) {
+    const std::vector<double> expected = pack<T>(parallel);
+    const ExportReport report = export_vti(folder_ / "a.rho", folder_ / "a.vti", {.replace_existing = true});
+    EXPECT_EQ(report.file_bytes, std::filesystem::file_size(folder_ / "a.vti"));
+    const NeutralVolume volume = import_volume(folder_ / "a.vti");
+    EXPECT_EQ(volume.field_name, "a & \"b\"");
+    EXPECT_EQ(formats::element_name(volume.type), formats::element_name(formats::element_type_of<T>()));
+    EXPECT_EQ(volume.sample_count, Index3(7, 6, 5));
+    EXPECT_EQ(volume.world_from_grid, parallel);
+    EXPECT_EQ(values_of(volume), expected);
+  };
+  round_trip(std::uint8_t{});
+  round_trip(std::int8_t{});
+  round_trip(std::uint16_t{});
+  round_trip(std::int16_t{});
+  round_trip(std::uint32_t{});
+  round_trip(std::int32_t{});
+  round_trip(float{});
+  round_trip(double{});
+}
+
+TEST_F(Export, writes_vti_that_vtk_puts_into_the_same_place) {
+  pack<float>(turned);
+  const ExportReport report = export_vti(folder_ / "a.rho", folder_ / "a.vti");
+  EXPECT_THAT(report.notes, testing::ElementsAre(testing::HasSubstr("HU")));
+  vtkNew<vtkXMLImageDataReader> reader;
+  reader->SetFileName((folder_ / "a.vti").c_str());
+  reader->Update();
+  vtkImageData* image = reader->GetOutput();
+  ASSERT_EQ(image->GetNumberOfPoints(), 7 * 6 * 5);
+  int at[3] = {6, 4, 2};
+  const vtkIdType id = image->ComputePointId(at);
+  double world[3];
+  image->GetPoint(id, world);
+  expect_near({world[0], world[1], world[2]}, turned.point({6, 4, 2}), 1e-9);
+  EXPECT_EQ(image->GetPointData()->GetScalars()->GetComponent(id, 0), 6 + 7 * 4 + 42 * 2 + 3);
+  expect_map(import_volume(folder_ / "a.vti").world_from_grid, turned, 1e-15 * 1e6);
+}
+
+TEST_F(Export, writes_npy_that_numpy_reads_in_the_order_z_y_x) {
+  std::string python;
+  for (const std::string candidate : {"python3", "/usr/bin/python3"})
+    if (python.empty() && run_program({candidate, "-c", "import numpy"}).exit_code == 0) python = candidate;
+  if (python.empty()) GTEST_SKIP() << "no python3 with numpy here";
+  const auto expect_read = [&]<class T>(T, const std::string& dtype) {
+    pack<T>();
+    export_npy(folder_ / "a.rho", folder_ / "a.npy", {.replace_existing = true});
+    const RunResult run = run_program(
+        {python, "-c",
+         "import numpy as np\na = np.load('a.npy')\nassert a.flags['C_CONTIGUOUS']\nprint(a.dtype, a.shape, "
+         "(a == (np.arange(210) + 3).astype(a.dtype).reshape(5, 6, 7)).all())"},
+        folder_.path());
+    EXPECT_EQ(run.out, dtype + " (5, 6, 7) True\n") << run.err;
+  };
+  expect_read(std::uint8_t{}, "uint8");
+  expect_read(std::int16_t{}, "int16");
+  expect_read(std::uint32_t{}, "uint32");
+  expect_read(float{}, "float32");
+  expect_read(double{}, "float64");
+  const ExportReport report = export_npy(folder_ / "a.rho", folder_ / "b.npy");
+  EXPECT_THAT(report.notes, testing::ElementsAre(testing::HasSubstr("no geometry")));
+}
+
+TEST_F(Export, replaces_nothing_and_leaves_nothing_behind_when_it_is_refused) {
+  pack<float>({}, "density");
+  write_file(folder_ / "a.vti", "precious");
+  expect_refusal([&] { export_vti(folder_ / "a.rho", folder_ / "a.vti"); }, Trouble::usage, {"a.vti"});
+  expect_refusal([&] { export_npy(folder_ / "a.rho", folder_ / "a.npy", {.field = "heat"}); }, Trouble::usage,
+                 {"'heat'", "'density'"});
+  const Progress interrupted = [](std::string_view, std::uint64_t done, std::uint64_t) {
+    if (done > 0) throw Error(Trouble::interrupted, "enough");
+  };
+  expect_refusal([&] { export_npy(folder_ / "a.rho", folder_ / "a.npy", {}, interrupted); }, Trouble::interrupted, {});
+  EXPECT_EQ(read_file(folder_ / "a.vti"), "precious");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 2);
+}
+
+TEST_F(Export, writes_vtu_with_the_same_points_fields_and_cell_ids) {
+  NeutralMesh mesh = box_mesh({.cells = {4, 4, 4}, .box = Box3({1e6, 0, 0}, {1e6 + 1, 2, 3}), .jitter = 0.1},
+                              [](const Vec3& p) { return p.x - 1e6 + p.y * p.z; });
+  add_point_field(mesh, "height", [](const Vec3& p) { return p.z; });
+  mesh.cells[5][1] = mesh.cells[5][0];  // will be dropped, so that ids are no longer positions
+  pack_mesh(mesh, folder_ / "m.rho");
+  export_vtu(folder_ / "m.rho", folder_ / "m.vtu");
+  const NeutralMesh read = import_mesh(folder_ / "m.vtu");
+  EXPECT_EQ(read.points, mesh.points);
+  ASSERT_EQ(read.cells.size(), mesh.cells.size() - 1);
+  ASSERT_EQ(read.point_fields.size(), 2U);
+  for (std::size_t f = 0; f < 2; ++f) {
+    EXPECT_EQ(read.point_fields[f].name, mesh.point_fields[f].name);
+    EXPECT_EQ(read.point_fields[f].values, mesh.point_fields[f].values);
+  }
+  ASSERT_EQ(read.cell_fields.size(), 1U);
+  EXPECT_EQ(read.cell_fields[0].name, "cell_id");
+  EXPECT_EQ(read.cell_fields[0].values[4], 4);
+  EXPECT_EQ(read.cell_fields[0].values[5], 6);
+}
+
+}  // namespace
+}  // namespace rhoray::preprocess

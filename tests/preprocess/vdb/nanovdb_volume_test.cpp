@@ -1,0 +1,166 @@
+#include <openvdb/tools/LevelSetSphere.h>
+
+#include <cmath>
+#include <limits>
+
+#include "formats/vdb_grid.h"
+#include "preprocess/export_grid.h"
+#include "tests/agreement/pictures.h"
+#include "tests/preprocess/vdb/support.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/memory_file.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using namespace tests;
+
+/// The same hits, depths to 1e-6 of themselves, the same values; cells too, where the grids begin at the same sample.
+void expect_same_picture(const render::Framebuffer& a, const render::Framebuffer& b) {
+  EXPECT_EQ(a.cell, b.cell);
+  ASSERT_EQ(a.depth.size(), b.depth.size());
+  for (std::size_t p = 0; p < a.depth.size(); ++p) {
+    if (a.cell[p] == render::Framebuffer::no_cell) continue;
+    ASSERT_NEAR(a.depth[p], b.depth[p], 1e-6 * static_cast<double>(a.depth[p]));
+    ASSERT_NEAR(a.value[p], b.value[p], 1e-9 * (1 + std::abs(a.value[p])));
+  }
+}
+
+class NanoVdbVolume : public Vdb {
+ protected:
+  /// The same samples as a packed grid and as .vdb, drawn both ways.
+  void expect_agreement(const NeutralVolume& volume, double isovalue) {
+    pack_volume(volume, folder_ / "a.rho");
+    export_vdb(folder_ / "a.rho", folder_ / "a.vdb");
+    const render::Volume packed = render::Volume::load(folder_ / "a.rho"), sparse = loaded(folder_ / "a.vdb");
+    EXPECT_EQ(sparse.bounds(), packed.bounds());
+    EXPECT_EQ(sparse.field().range, packed.field().range);
+    EXPECT_EQ(sparse.field().no_data_count, packed.field().no_data_count);
+    for (render::Scene scene : {oblique_scene(packed, isovalue), straight_scene(packed, isovalue)}) {
+      const render::Framebuffer expected = picture(packed, scene);
+      EXPECT_GT(hit_count(expected), 500U);
+      expect_same_picture(picture(sparse, scene), expected);
+      expect_same_picture(picture(sparse, scene, {.use_hierarchy = false}), expected);
+      scene.mode = render::Mode::mip;
+      const render::Framebuffer brightest = picture(packed, scene);
+      EXPECT_GT(hit_count(brightest), 500U);
+      expect_same_picture(picture(sparse, scene), brightest);
+    }
+  }
+};
+
+const Affine turned{{0.1, 2, 0}, {3, 0, 0.1}, {0, 0.2, -0.7}, {10, 20, 30}};
+
+TEST_F(NanoVdbVolume, shows_the_same_as_the_packed_grid_of_the_same_samples) {
+  expect_agreement(noise_volume<float>({37, 21, 30}, 100, 7, turned), 60);
+}
+
+TEST_F(NanoVdbVolume, shows_the_same_where_most_of_it_is_constant) {
+  const auto sample = [](const Index3& s) {
+    const auto far = [](std::int64_t a) { return static_cast<double>(a - 40); };
+    return static_cast<float>(
+        std::max(0.0, 30 - std::sqrt(far(s.x) * far(s.x) + far(s.y) * far(s.y) + far(s.z) * far(s.z))));
+  };
+  expect_agreement(volume_of<float>({90, 70, 81}, sample), 5);
+}
+
+TEST_F(NanoVdbVolume, has_no_surface_at_the_border_of_samples_without_data) {
+  const auto sample = [](const Index3& s) {
+    const bool is_missing = (s.x * s.x + 3 * s.y + s.z) % 11 == 0 || (s.x > 12 && s.x < 25);
+    return is_missing ? std::numeric_limits<float>::quiet_NaN()
+                      : static_cast<float>((s.x * 7 + s.y * 5 + s.z * 3) % 32);
+  };
+  expect_agreement(volume_of<float>({40, 33, 29}, sample, turned), 16);
+}
+
+TEST_F(NanoVdbVolume, draws_a_level_set_where_its_distance_is_zero) {
+  const double radius = 10, voxel = 0.25;
+  const openvdb::Vec3f center(3, -4, 5);
+  const auto sphere = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(static_cast<float>(radius), center,
+                                                                               static_cast<float>(voxel));
+  sphere->setName("ls");
+  const render::Volume volume = loaded(write("sphere.vdb", {sphere}));
+  EXPECT_TRUE(volume.is_level_set());
+  const render::Scene scene = oblique_scene(volume, 0);
+  const render::Framebuffer found = picture(volume, scene);
+  const Box3 box = volume.isosurface_bounds(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(box.min[axis], static_cast<double>(center[axis]) - radius, 9 * voxel);
+    EXPECT_NEAR(box.max[axis], static_cast<double>(center[axis]) + radius, 9 * voxel);
+  }
+  // Between samples of the distance the surface lies inside by at most a cell's sagitta, 3 (voxel / 2)^2 / (2 radius).
+  const double sagitta = 3 * (voxel / 2) * (voxel / 2) / (2 * radius) + 1e-4;
+  const Vec3 forward = (scene.camera.target - scene.camera.position).normalized();
+  std::size_t hits = 0, missed = 0;
+  for (int y = 0; y < found.height; ++y)
+    for (int x = 0; x < found.width; ++x) {
+      const double tan_half = std::tan(scene.camera.vertical_fov_deg * std::numbers::pi / 360);
+      const Vec3 right = forward.cross(scene.camera.up).normalized(), down = forward.cross(right);
+      const Vec3 ray =
+          (forward + tan_half * (((2 * x + 1.0) / found.width - 1) * right + ((2 * y + 1.0) / found.height - 1) * down))
+              .normalized();
+      const Vec3 to_center = Vec3(center[0], center[1], center[2]) - scene.camera.position;
+      const double closest = (to_center - ray.dot(to_center) * ray).length();
+      const auto pixel = static_cast<std::size_t>(y * found.width + x);
+      const bool is_hit = found.cell[pixel] != render::Framebuffer::no_cell;
+      EXPECT_FALSE(is_hit && closest > radius + 1e-4);
+      if (closest > radius - 2 * sagitta) continue;
+      if (!is_hit) {
+        ++missed;
+        continue;
+      }
+      ++hits;
+      const Vec3 at = static_cast<double>(found.depth[pixel]) * ray - to_center;
+      ASSERT_NEAR(at.length(), radius, sagitta);
+    }
+  EXPECT_EQ(missed, 0U);
+  EXPECT_GT(hits, 1000U);
+}
+
+TEST_F(NanoVdbVolume, skips_space_in_which_nothing_is_stored) {
+  const auto grid = named_grid<openvdb::FloatGrid>("f", 0);
+  for (const int at : {0, 2100})
+    grid->fill(openvdb::CoordBBox(openvdb::Coord(at), openvdb::Coord(at + 30)), 1.0F, true);
+  const render::Volume volume = loaded(write("far.vdb", {grid}));
+  const render::Scene scene = oblique_scene(volume, 0.5);
+  render::Framebuffer framebuffer;
+  const render::FrameStatistics statistics = render::render(volume, scene, {.width = 256, .height = 256}, framebuffer);
+  EXPECT_GT(statistics.hits, 0U);
+  EXPECT_LT(statistics.cells_visited, 100 * statistics.hits);
+}
+
+TEST_F(NanoVdbVolume, refuses_a_buffer_whose_nodes_lie_outside) {
+  const auto grid = named_grid<openvdb::FloatGrid>("f", 0);
+  for (int i = 0; i < 40; ++i) grid->tree().setValueOn(openvdb::Coord(i, 2 * i, i), 1);
+  const formats::VdbGrid good(open_vdb(write("a.vdb", {grid}), ""));
+  std::vector<std::uint8_t> buffer(good.buffer().size());
+  std::memcpy(buffer.data(), good.buffer().data(), buffer.size());
+  const auto load = [&](const std::vector<std::uint8_t>& bytes) {
+    const MemoryFile file;
+    formats::PackedFileWriter writer(
+        file.descriptor(), formats::describe(good.description()),
+        {{.name = formats::VdbGrid::buffer_array, .type = formats::ElementType::U8, .shape = {bytes.size()}}});
+    writer.write_all(formats::VdbGrid::buffer_array, std::span<const std::uint8_t>(bytes));
+    writer.commit();
+    return render::Volume::load(formats::PackedFile::from_descriptor(file.descriptor(), "memory"));
+  };
+  EXPECT_EQ(load(buffer).field().name, "f");
+  const auto short_one = std::vector<std::uint8_t>(buffer.begin(), buffer.end() - 64);
+  expect_error(Trouble::invalid, "memory", [&] { load(short_one); });
+  expect_error(Trouble::invalid, "memory", [&] { load(std::vector<std::uint8_t>(100)); });
+  // Wherever eight bytes may be an offset, a wild one is refused or was no offset; nothing reads outside.
+  int refused = 0;
+  for (std::size_t at = 0; at + 8 <= buffer.size(); at += 8 * (at < 2000 ? 1 : 997)) {
+    std::vector<std::uint8_t> changed = buffer;
+    for (std::size_t byte = 0; byte < 8; ++byte) changed[at + byte] = static_cast<std::uint8_t>(byte < 6 ? 0x55 : 0);
+    try {
+      picture(load(changed), oblique_scene(load(changed), 0.5), {.width = 8, .height = 8});
+    } catch (const Error& error) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 5);
+}
+
+}  // namespace
+}  // namespace rhoray::preprocess

@@ -1,0 +1,173 @@
+#include <cstdio>
+
+#include "formats/base/nearest_name.h"
+#include "formats/base/trouble.h"
+#include "formats/brick_grid.h"
+#include "formats/tet_mesh.h"
+#include "preprocess/export_grid.h"
+#include "preprocess/export_tets.h"
+#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/input_file.h"
+#include "tools/rhoray/measure.h"
+#include "tools/rhoray/picture_plan.h"
+#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/report.h"
+#include "tools/rhoray/subcommands.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+struct ExportCommand {
+  CommonOptions common;
+  std::filesystem::path input;
+  std::string field;
+  std::string isovalue;
+};
+
+/// The formats, and which kind of packed file each can hold.
+struct Format {
+  const char* extension;
+  bool for_grids, for_tets;
+  const char* other;  ///< what to say to a file of the other kind
+};
+constexpr Format formats_known[] = {
+    {".vti", true, false, "a mesh goes into .vtu"},
+    {".vdb", true, false, "`rhoray resample` makes a grid of a mesh"},
+    {".nvdb", true, false, "`rhoray resample` makes a grid of a mesh"},
+    {".npy", true, false, "the lines of numpy in formats/SPEC.md read points, cells and fields from the packed file"},
+    {".vtu", false, true, "a grid goes into .vti"},
+    {".stl", true, true, ""}};
+
+const Format& format_of(const std::filesystem::path& output) {
+  const std::string extension = output.extension().string();
+  std::vector<std::string> known;
+  std::string list;
+  for (const Format& format : formats_known) {
+    if (extension == format.extension) return format;
+    known.emplace_back(format.extension);
+    list += concat(list.empty() ? "" : ", ", format.extension);
+  }
+  throw Error(Trouble::usage, concat(output.string(), ": found extension '", extension, "'; expected one of ", list),
+              did_you_mean(extension, known));
+}
+
+/// The summaries of a packed file's fields, and whether they stand on a mesh.
+struct Content {
+  bool is_mesh = false;
+  std::vector<formats::FieldSummary> fields;
+};
+
+Content content_of(const std::filesystem::path& input) {
+  require_input(input);
+  if (!formats::PackedFile::looks_packed(input))
+    throw Error(Trouble::invalid, concat(input.string(), ": is not a packed file"),
+                concat("pack it first: ", shell_line({"rhoray", "pack", input.string()})));
+  const formats::PackedFile file = formats::PackedFile::open(input);
+  if (file.description().kind == "tets") return {true, formats::TetMesh(file).description().fields};
+  return {false, {formats::BrickGrid(file).description().field}};
+}
+
+void check(const ExportCommand& command, const Format& format, const Content& content) {
+  if (!(content.is_mesh ? format.for_tets : format.for_grids))
+    throw Error(Trouble::unsupported,
+                concat(command.input.string(), ": is a ", content.is_mesh ? "mesh" : "grid", ", and ", format.extension,
+                       " holds ", content.is_mesh ? "grids" : "meshes"),
+                format.other);
+  const bool is_stl = std::string_view(format.extension) == ".stl";
+  if (!is_stl && !command.isovalue.empty())
+    throw Error(Trouble::usage, concat("--iso: is for .stl, and the output is ", format.extension));
+  if (is_stl && !content.is_mesh && command.isovalue.empty())
+    throw Error(Trouble::usage, "--iso: missing; an STL file of a grid holds an isosurface",
+                "--iso 500, --iso p95 or --iso auto");
+  if (content.is_mesh && !is_stl && !command.field.empty())
+    throw Error(Trouble::usage, concat("--field: ", format.extension, " holds all fields"));
+}
+
+std::optional<double> chosen_isovalue(const ExportCommand& command, const Content& content) {
+  if (command.isovalue.empty()) return std::nullopt;
+  std::vector<std::string> names;
+  for (const formats::FieldSummary& field : content.fields) {
+    if (command.field.empty() || field.name == command.field) {
+      const Isovalue iso = choose_isovalue(command.isovalue, field);
+      if (iso.from != "given")
+        say(command.common, concat("isovalue ", iso.value, " (", iso.from, " of field '", field.name, "')"));
+      return iso.value;
+    }
+    names.push_back(field.name);
+  }
+  throw Error(Trouble::usage, concat(command.input.string(), ": no field '", command.field, "'"),
+              did_you_mean(command.field, names));
+}
+
+preprocess::ExportReport write(const ExportCommand& command, const Content& content,
+                               const std::filesystem::path& output, std::optional<double> isovalue) {
+  ProgressDisplay display(command.common);
+  display.show(concat("writing ", output.string()));
+  const preprocess::ExportOptions options{.field = command.field,
+                                          .replace_existing = command.common.force,
+                                          .memory_limit_bytes = command.common.memory.bytes};
+  const std::string extension = output.extension().string();
+  if (extension == ".vti") return preprocess::export_vti(command.input, output, options, display.progress());
+  if (extension == ".npy") return preprocess::export_npy(command.input, output, options, display.progress());
+  if (extension == ".vtu") return preprocess::export_vtu(command.input, output, options);
+  if (extension != ".stl") return preprocess::export_vdb(command.input, output, options);
+  if (content.is_mesh) return preprocess::export_tets_stl(command.input, isovalue, output, options);
+  return preprocess::export_grid_stl(command.input, *isovalue, output, options);
+}
+
+int run(ExportCommand& command) {
+  const Stopwatch watch;
+  const std::filesystem::path output = command.common.output;
+  if (output.empty()) throw Error(Trouble::usage, "-o: missing; the extension of the output says what to write");
+  const Format& format = format_of(output);
+  const Content content = content_of(command.input);
+  check(command, format, content);
+  require_writable(command.common, output, command.input);
+  const std::optional<double> isovalue = chosen_isovalue(command, content);
+  const preprocess::ExportReport report = write(command, content, output, isovalue);
+
+  const bool is_stl = std::string_view(format.extension) == ".stl";
+  for (const std::string& note : report.notes) say(command.common, concat("note: ", note));
+  say(command.common, concat(output.string(), ": ", bytes_text(report.file_bytes),
+                             is_stl ? concat(", ", grouped(report.triangle_count), " triangles") : std::string{},
+                             ", took ", rounded(watch.seconds(), 3), " s"));
+  if (!command.common.json) return 0;
+  Json json{{"file", output.string()}, {"source", command.input.string()}, {"file_bytes", report.file_bytes}};
+  if (isovalue) json["isovalue"] = *isovalue;
+  if (is_stl) json["triangles"] = report.triangle_count;
+  json["seconds"] = watch.seconds();
+  json["notes"] = report.notes;
+  std::puts(dump(json).c_str());
+  return 0;
+}
+
+}  // namespace
+
+Subcommand export_subcommand() {
+  const auto command = std::make_shared<ExportCommand>();
+  return {.name = "export",
+          .summary = "Packed file back to what others read",
+          .examples =
+              "  rhoray export head.rho -o head.vti\n"
+              "  rhoray export head.rho -o head.nvdb\n"
+              "  rhoray export head.rho --iso 500 -o skin.stl\n"
+              "  rhoray export torso.rho -o torso.vtu\n",
+          .options = all_options(
+              {{file_option("FILE", "Packed file; numpy reads it as it is, by the six lines in formats/SPEC.md",
+                            command->input)},
+               output_options(command->common,
+                              "What to write: of a grid .vti, .vdb, .nvdb, .npy or .stl, of a mesh .vtu or .stl"),
+               {value_option("--field", "NAME", "Field to write where the format holds one; default the first",
+                             command->field),
+                value_option(
+                    "--iso", "V",
+                    "Isovalue of an .stl: a number, p95 (percentile), or auto (Otsu's threshold); without it, of a "
+                    "mesh, its own surface",
+                    command->isovalue)},
+               memory_option(command->common, "Limit for the process that writes .vdb, .nvdb, or the .stl of a grid"),
+               message_options(command->common, "What was written, as one JSON document on stdout")}),
+          .run = [command] { return run(*command); }};
+}
+
+}  // namespace rhoray::tools
