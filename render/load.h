@@ -13,7 +13,8 @@ namespace rhoray::render {
 
 struct VolumeImplementation;
 
-/// What rays cross: a packed grid, a packed mesh with one chosen field, or a grid of an OpenVDB file. Copies share everything.
+/// What rays cross: a packed grid, a packed mesh with one chosen field, or a grid of an OpenVDB file. Copies share
+/// everything.
 class Volume {
  public:
   /// Opens a packed file and checks what rendering relies on; block checksums are left to the caller
