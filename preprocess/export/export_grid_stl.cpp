@@ -14,7 +14,7 @@ ExportReport export_grid_stl(const std::filesystem::path& packed, double isovalu
                              const ExportOptions& options) {
   if (!std::isfinite(isovalue))
     throw Error(Trouble::usage, concat("isovalue ", isovalue, "; expected a finite number"));
-  open_grid(packed, options.field);  // refuses here, where there is no other process in between
+  require_even_steps(open_grid(packed, options.field), packed, "the surface of a grid");  // here, in no other process
   PendingFile file(output, {.replace_existing = options.replace_existing});
   WorkerRequest request;
   request.program = import_worker;

@@ -34,11 +34,11 @@ std::string header_of(ElementType type, const Index3& count) {
 
 ExportReport export_npy(const std::filesystem::path& packed, const std::filesystem::path& output,
                         const ExportOptions& options, const Progress& progress) {
-  const formats::BrickGrid grid = open_grid(packed, options.field);
-  const formats::GridDescription& description = grid.description();
+  const OpenedGrid opened = open_grid(packed, options.field);
+  const formats::GridDescription& description = opened.description();
   PendingFile file(output, {.replace_existing = options.replace_existing});
   ExportReport report;
-  with_samples(grid, [&]<class T>(const GridSamples<T>& samples) {
+  with_samples(opened, [&]<class T>(const GridSamples<T>& samples) {
     const std::string header = header_of(samples.field().type, samples.sample_count());
     report.file_bytes = header.size() + sample_bytes(samples);
     file.reserve(report.file_bytes);
@@ -46,6 +46,10 @@ ExportReport export_npy(const std::filesystem::path& packed, const std::filesyst
     write_rows(samples, file, header.size(), progress);
   });
   file.publish();
+  if (description.is_rectilinear()) {
+    report.notes.push_back("an array holds no geometry: positions are arrays axis.0 to axis.2 of the packed file");
+    return report;
+  }
   const Affine& map = description.world_from_grid;
   const auto text = [](const Vec3& v) { return concat("(", v.x, ", ", v.y, ", ", v.z, ")"); };
   report.notes.push_back(concat("an array holds no geometry: sample [k, j, i] lies at ", text(map.origin), " + i ",

@@ -29,8 +29,9 @@ ExportReport export_vdb(const std::filesystem::path& packed, const std::filesyst
   const std::string extension = extension_of(output);
   if (extension != ".vdb" && extension != ".nvdb")
     throw Error(Trouble::usage, concat(output.string(), ": found extension '", extension, "'; expected .vdb or .nvdb"));
-  const formats::BrickGrid grid = open_grid(packed, options.field);
-  const formats::FieldSummary& field = grid.description().field;
+  const OpenedGrid opened = open_grid(packed, options.field);
+  require_even_steps(opened, packed, extension);
+  const formats::FieldSummary& field = opened.summary();
   if (field.range.is_empty())
     throw Error(Trouble::invalid, concat(packed.string(), ": field '", field.name, "' holds no finite value"));
 

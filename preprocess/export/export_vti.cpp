@@ -1,4 +1,4 @@
-#include <cmath>
+#include <numeric>
 
 #include "formats/base/pending_file.h"
 #include "formats/base/trouble.h"
@@ -38,32 +38,50 @@ std::string in_xml(std::string_view text) {
   return out;
 }
 
+/// Fields that are written, by position.
+std::vector<std::size_t> fields_of(const OpenedGrid& opened, const std::string& asked) {
+  if (!asked.empty()) return {opened.field};
+  std::vector<std::size_t> all(opened.description().fields.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return all;
+}
+
+std::uint64_t bytes_of(const formats::GridDescription& grid, std::size_t field) {
+  return static_cast<std::uint64_t>(volume(grid.layout.sample_count)) *
+         formats::element_bytes(grid.fields[field].type);
+}
+
 /// Everything before the samples. Numbers read back to the same bits, which VTK's own writer does not promise.
-std::string head_of(const formats::GridDescription& grid) {
+std::string head_of(const formats::GridDescription& grid, const std::vector<std::size_t>& fields) {
   const Index3& n = grid.layout.sample_count;
   const Affine& map = grid.world_from_grid;
   const Vec3 spacing(map.x_axis.length(), map.y_axis.length(), map.z_axis.length());
   const Vec3 x = map.x_axis / spacing.x, y = map.y_axis / spacing.y, z = map.z_axis / spacing.z;
   const std::string extent = concat("0 ", n.x - 1, " 0 ", n.y - 1, " 0 ", n.z - 1);
-  const std::string name = in_xml(grid.field.name);
+  std::string arrays;
+  std::uint64_t offset = 0;
+  for (const std::size_t f : fields) {
+    arrays += concat("<DataArray type=\"", vtk_type(grid.fields[f].type), "\" Name=\"", in_xml(grid.fields[f].name),
+                     "\" format=\"appended\" offset=\"", offset, "\"/>\n");
+    offset += sizeof(std::uint64_t) + bytes_of(grid, f);
+  }
   return concat(
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
       "header_type=\"UInt64\">\n<ImageData WholeExtent=\"",
       extent, "\" Origin=\"", map.origin.x, " ", map.origin.y, " ", map.origin.z, "\" Spacing=\"", spacing.x, " ",
       spacing.y, " ", spacing.z, "\" Direction=\"", x.x, " ", y.x, " ", z.x, " ", x.y, " ", y.y, " ", z.y, " ", x.z,
-      " ", y.z, " ", z.z, "\">\n<Piece Extent=\"", extent, "\">\n<PointData Scalars=\"", name,
-      "\">\n<DataArray type=\"", vtk_type(grid.field.type), "\" Name=\"", name,
-      "\" format=\"appended\" offset=\"0\"/>\n</PointData>\n</Piece>\n</ImageData>\n<AppendedData "
-      "encoding=\"raw\">\n_");
+      " ", y.z, " ", z.z, "\">\n<Piece Extent=\"", extent, "\">\n<PointData Scalars=\"",
+      in_xml(grid.fields[fields.front()].name), "\">\n", arrays,
+      "</PointData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_");
 }
 
-std::vector<std::string> notes_on(const formats::GridDescription& grid) {
+std::vector<std::string> notes_on(const formats::GridDescription& grid, const std::vector<std::size_t>& fields) {
   std::vector<std::string> notes;
   const auto lost = [&](const std::string& unit, const std::string& of) {
     if (!unit.empty()) notes.push_back(concat("the unit ", unit, " of ", of, " has no place in the file"));
   };
   lost(grid.length_unit, "lengths");
-  lost(grid.field.unit, concat("field '", grid.field.name, "'"));
+  for (const std::size_t f : fields) lost(grid.fields[f].unit, concat("field '", grid.fields[f].name, "'"));
   return notes;
 }
 
@@ -71,22 +89,29 @@ std::vector<std::string> notes_on(const formats::GridDescription& grid) {
 
 ExportReport export_vti(const std::filesystem::path& packed, const std::filesystem::path& output,
                         const ExportOptions& options, const Progress& progress) {
-  const formats::BrickGrid grid = open_grid(packed, options.field);
+  OpenedGrid opened = open_grid(packed, options.field);
+  require_even_steps(opened, packed, ".vti");
+  const std::vector<std::size_t> fields = fields_of(opened, options.field);
   PendingFile file(output, {.replace_existing = options.replace_existing});
+  const std::string head = head_of(opened.description(), fields);
+  constexpr std::string_view tail = "\n</AppendedData>\n</VTKFile>\n";
   ExportReport report;
-  with_samples(grid, [&]<class T>(const GridSamples<T>& samples) {
-    const std::string head = head_of(grid.description());
-    constexpr std::string_view tail = "\n</AppendedData>\n</VTKFile>\n";
-    const std::uint64_t bytes = sample_bytes(samples), first = head.size() + sizeof bytes;
-    report.file_bytes = first + bytes + tail.size();
-    file.reserve(report.file_bytes);
-    file.write(0, std::as_bytes(std::span(head)));
-    file.write(head.size(), std::as_bytes(std::span(&bytes, 1)));
-    write_rows(samples, file, first, progress);
-    file.write(first + bytes, std::as_bytes(std::span(tail)));
-  });
+  report.file_bytes = head.size() + tail.size();
+  for (const std::size_t f : fields) report.file_bytes += sizeof(std::uint64_t) + bytes_of(opened.description(), f);
+  file.reserve(report.file_bytes);
+  file.write(0, std::as_bytes(std::span(head)));
+  std::uint64_t at = head.size();
+  for (const std::size_t f : fields) {
+    opened.field = f;
+    const std::uint64_t bytes = bytes_of(opened.description(), f);
+    file.write(at, std::as_bytes(std::span(&bytes, 1)));
+    at += sizeof bytes;
+    with_samples(opened, [&]<class T>(const GridSamples<T>& samples) { write_rows(samples, file, at, progress); });
+    at += bytes;
+  }
+  file.write(at, std::as_bytes(std::span(tail)));
   file.publish();
-  report.notes = notes_on(grid.description());
+  report.notes = notes_on(opened.description(), fields);
   return report;
 }
 

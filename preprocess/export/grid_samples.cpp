@@ -5,13 +5,27 @@
 
 namespace rhoray::preprocess {
 
-formats::BrickGrid open_grid(const std::filesystem::path& path, const std::string& field) {
-  const formats::BrickGrid grid(formats::PackedFile::open(path));
-  const std::string& known = grid.description().field.name;
-  if (!field.empty() && field != known)
-    throw Error(Trouble::usage, concat(path.string(), ": no field '", field, "'; it has '", known, "'"),
-                did_you_mean(field, std::vector{known}));
-  return grid;
+OpenedGrid open_grid(const std::filesystem::path& path, const std::string& field) {
+  OpenedGrid opened{formats::BrickGrid(formats::PackedFile::open(path))};
+  if (field.empty()) return opened;
+  if (const std::optional<std::size_t> found = opened.grid.find_field(field)) {
+    opened.field = *found;
+    return opened;
+  }
+  std::vector<std::string> known;
+  std::string list;
+  for (const formats::FieldSummary& summary : opened.description().fields) {
+    known.push_back(summary.name);
+    list += concat(list.empty() ? "'" : ", '", summary.name, "'");
+  }
+  throw Error(Trouble::usage, concat(path.string(), ": no field '", field, "'; it has ", list),
+              did_you_mean(field, known));
+}
+
+void require_even_steps(const OpenedGrid& opened, const std::filesystem::path& path, std::string_view format) {
+  if (!opened.description().is_rectilinear()) return;
+  throw Error(Trouble::unsupported, concat(path.string(), ": samples stand at uneven steps; ", format, " knows even ones"),
+              ".npy keeps the samples; the positions are arrays axis.0 to axis.2 of the packed file");
 }
 
 }  // namespace rhoray::preprocess

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,11 +18,20 @@ namespace rhoray::preprocess {
 template <class T>
 class GridSamples {
  public:
-  explicit GridSamples(const formats::BrickGrid& grid) : grid_(grid), samples_(grid.samples<T>()) {}
+  GridSamples(const formats::BrickGrid& grid, std::size_t field)
+      : grid_(grid), field_(field), samples_(grid.samples<T>(field)) {
+    if (grid.description().layout.is_sparse)
+      sparse_.emplace(grid.description().layout, grid.tables(), grid.brick_slots());
+  }
 
-  const formats::FieldSummary& field() const { return grid_.description().field; }
+  const formats::FieldSummary& field() const { return grid_.description().fields[field_]; }
   const Index3& sample_count() const { return grid_.description().layout.sample_count; }
-  T at(std::int64_t i, std::int64_t j, std::int64_t k) const { return samples_[grid_.tables().address(i, j, k)]; }
+  /// NaN where a sparse grid stores nothing.
+  T at(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    if (!sparse_) return samples_[grid_.tables().address(i, j, k)];
+    const std::uint64_t address = (*sparse_)(i, j, k);
+    return address == formats::SparseAddress::no_sample ? std::numeric_limits<T>::quiet_NaN() : samples_[address];
+  }
 
   /// Fills `row` with the samples (0, j, k), (1, j, k), ...
   void read_row(std::int64_t j, std::int64_t k, std::span<T> row) const {
@@ -29,18 +40,33 @@ class GridSamples {
 
  private:
   const formats::BrickGrid& grid_;
+  std::size_t field_;
   std::span<const T> samples_;
+  std::optional<formats::SparseAddress> sparse_;
+};
+
+/// A packed grid, and which of its fields is meant.
+struct OpenedGrid {
+  formats::BrickGrid grid;
+  std::size_t field = 0;
+
+  const formats::GridDescription& description() const { return grid.description(); }
+  const formats::FieldSummary& summary() const { return grid.description().fields[field]; }
 };
 
 /// Opens a packed grid; refuses a file of another kind and a field that it does not have (Trouble::usage).
 /// @param field  empty = the first
-formats::BrickGrid open_grid(const std::filesystem::path& path, const std::string& field);
+OpenedGrid open_grid(const std::filesystem::path& path, const std::string& field);
+
+/// Refuses a grid whose samples stand at uneven steps (Trouble::unsupported), for formats that know even ones only.
+void require_even_steps(const OpenedGrid& opened, const std::filesystem::path& path, std::string_view format);
 
 /// Calls act(GridSamples<T>) with the field's type; returns what act returns.
 template <class Act>
-decltype(auto) with_samples(const formats::BrickGrid& grid, Act&& act) {
-  return formats::with_element_type(grid.description().field.type,
-                                    [&]<class T>(T) -> decltype(auto) { return act(GridSamples<T>(grid)); });
+decltype(auto) with_samples(const OpenedGrid& opened, Act&& act) {
+  return formats::with_element_type(opened.summary().type, [&]<class T>(T) -> decltype(auto) {
+    return act(GridSamples<T>(opened.grid, opened.field));
+  });
 }
 
 template <class T>

@@ -106,7 +106,7 @@ std::uint64_t write_triangles(const GridSamples<T>& samples, const Affine& world
 
 std::uint64_t write_grid_surface(const std::filesystem::path& packed, const std::string& field, double isovalue,
                                  const std::filesystem::path& output) {
-  const formats::BrickGrid grid = open_grid(packed, field);
+  const OpenedGrid grid = open_grid(packed, field);
   return with_samples(grid, [&]<class T>(const GridSamples<T>& samples) {
     const VtkErrors errors;
     vtkNew<vtkFlyingEdges3D> contour;

@@ -135,7 +135,7 @@ void write_nanovdb(const typename GridFor<T>::Ptr& grid, const std::filesystem::
 std::uint64_t write_vdb(const std::filesystem::path& packed, const std::string& field,
                         const std::filesystem::path& output, bool as_nanovdb) {
   openvdb::initialize();
-  const formats::BrickGrid opened = open_grid(packed, field);
+  const OpenedGrid opened = open_grid(packed, field);
   with_samples(opened, [&]<class T>(const GridSamples<T>& samples) {
     const auto grid = grid_of(samples, opened.description());
     if (as_nanovdb)

@@ -65,7 +65,7 @@ Content content_of(const std::filesystem::path& input) {
                 concat("pack it first: ", shell_line({"rhoray", "pack", input.string()})));
   const formats::PackedFile file = formats::PackedFile::open(input);
   if (file.description().kind == "tets") return {true, formats::TetMesh(file).description().fields};
-  return {false, {formats::BrickGrid(file).description().field}};
+  return {false, formats::BrickGrid(file).description().fields};
 }
 
 void check(const ExportCommand& command, const Format& format, const Content& content) {
