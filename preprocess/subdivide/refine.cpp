@@ -1,0 +1,550 @@
+#include "preprocess/subdivide/refine.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "formats/base/checks.h"
+#include "formats/base/trouble.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+constexpr int level_limit = 8;   // edges become at most 256 times shorter
+constexpr int most_passes = 32;  // each adds edges to be cut; far more than are needed
+constexpr std::size_t grain = 1024;
+
+/// Between the middles of its edges a quadratic function in a tetrahedron strays by at most 6/4 of what it does there.
+constexpr double beyond_edges = 1.5;
+/// Between the sampled middles of faces and tetrahedra of other kinds: measured, not proved.
+constexpr double beyond_samples = 1.25;
+
+/// A place in a cell in steps of 2^-14, which the middles of all levels are whole numbers of.
+using FinePlace = std::array<std::uint16_t, 3>;
+constexpr double fine_steps = 16384;
+
+FinePlace fine(const CellPlace& place) {
+  FinePlace result;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    result[axis] = static_cast<std::uint16_t>(std::lround(place[axis] * fine_steps));
+  return result;
+}
+
+CellPlace coarse(const FinePlace& place) {
+  return {place[0] / fine_steps, place[1] / fine_steps, place[2] / fine_steps};
+}
+
+FinePlace middle(const FinePlace& a, const FinePlace& b) {
+  FinePlace result;
+  for (std::size_t axis = 0; axis < 3; ++axis) result[axis] = static_cast<std::uint16_t>((a[axis] + b[axis]) / 2);
+  return result;
+}
+
+struct Edge {
+  std::array<std::uint32_t, 2> ends;    ///< points, the lower one first
+  std::array<FinePlace, 2> end_places;  ///< in the cell that met the edge first, which speaks for it
+  std::uint32_t curved_cell;
+  std::uint32_t middle = none;  ///< the point at which it is cut; none = it is not
+  double length2;
+};
+
+// Edges of a tetrahedron by its corners, and which they are between two corners.
+constexpr std::uint8_t edge_ends[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+constexpr std::uint8_t edge_between[4][4] = {{0, 0, 1, 2}, {0, 0, 3, 4}, {1, 3, 0, 5}, {2, 4, 5, 0}};
+constexpr std::uint8_t face_corners[4][3] = {{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}};
+
+struct Tet {
+  std::array<std::uint32_t, 4> points;
+  std::array<std::uint32_t, 6> edges;
+  std::array<FinePlace, 4> places;
+  std::uint32_t curved_cell;
+};
+
+bool names_a_point_twice(const Tet& tet) {
+  const auto& p = tet.points;
+  return p[0] == p[1] || p[0] == p[2] || p[0] == p[3] || p[1] == p[2] || p[1] == p[3] || p[2] == p[3];
+}
+
+/// Edges by their ends.
+class EdgeTable {
+ public:
+  EdgeTable() : slots_(1024, none) {}
+
+  /// Adds the edge when it is new.
+  std::uint32_t find_or_add(const Edge& edge) {
+    if (2 * (edges.size() + 1) > slots_.size()) grow();
+    std::size_t slot = slot_of(edge.ends);
+    for (; slots_[slot] != none; slot = (slot + 1) & (slots_.size() - 1))
+      if (edges[slots_[slot]].ends == edge.ends) return slots_[slot];
+    slots_[slot] = static_cast<std::uint32_t>(edges.size());
+    edges.push_back(edge);
+    return slots_[slot];
+  }
+
+  Array<Edge> edges;
+
+ private:
+  std::size_t slot_of(const std::array<std::uint32_t, 2>& ends) const {
+    std::uint64_t key = (std::uint64_t{ends[0]} << 32 | ends[1]) * 0x9e3779b97f4a7c15U;
+    key ^= key >> 32;
+    return key & (slots_.size() - 1);
+  }
+
+  void grow() {
+    if (edges.size() >= none / 4)
+      throw Error(Trouble::resource, "curved cells: found more than 2^30 edges on the way; expected fewer",
+                  "a larger --max-error makes fewer tetrahedra");
+    slots_.assign(4 * slots_.size(), none);
+    for (std::uint32_t e = 0; e < edges.size(); ++e) {
+      std::size_t slot = slot_of(edges[e].ends);
+      while (slots_[slot] != none) slot = (slot + 1) & (slots_.size() - 1);
+      slots_[slot] = e;
+    }
+  }
+
+  Array<std::uint32_t> slots_;
+};
+
+/// What is compared at a place: the point, then every component of every field.
+using Sample = std::vector<double>;
+
+/// Distances as shares: geometric, then one for each field.
+using Shares = std::vector<double>;
+
+class Comparison {
+ public:
+  Comparison(CellMesh& mesh, std::span<const CurvedCell> cells) : mesh_(mesh), cells_(cells) {
+    std::size_t most_nodes = 0;
+    for (const CurvedCell& cell : cells) most_nodes = std::max(most_nodes, cell.shape->node_count());
+    most_nodes_ = most_nodes;
+    measure_box();
+    for (const NeutralField& field : mesh.point_fields) measure_range(field);
+  }
+
+  std::size_t most_nodes() const { return most_nodes_; }
+  std::size_t sample_size() const { return sample_size_; }
+  std::size_t share_count() const { return 1 + mesh_.point_fields.size(); }
+
+  /// The curved cell at a place of its own.
+  void sample_cell(std::uint32_t curved_cell, const CellPlace& place, std::span<double> weights, Sample& out) const {
+    const CurvedCell& cell = cells_[curved_cell];
+    const std::size_t count = cell.shape->node_count();
+    cell.shape->at(place, weights.first(count));
+    out.assign(sample_size_, 0);
+    const std::uint64_t* nodes = mesh_.cell_nodes.data() + mesh_.cell_offsets[cell.cell];
+    for (std::size_t n = 0; n < count; ++n)
+      if (weights[n] != 0) add(nodes[n], weights[n], out);
+  }
+
+  /// Between points, as the tetrahedra have it.
+  void add(std::uint64_t point, double weight, Sample& out) const {
+    for (std::size_t axis = 0; axis < 3; ++axis) out[axis] += weight * mesh_.points[point][axis];
+    std::size_t at = 3;
+    for (const NeutralField& field : mesh_.point_fields) {
+      const auto components = static_cast<std::size_t>(field.component_count);
+      for (std::size_t c = 0; c < components; ++c) out[at++] += weight * field.values[point * components + c];
+    }
+  }
+
+  /// Raises `largest` to the shares between two samples. Where a value is no number, nothing is compared.
+  void raise(const Sample& a, const Sample& b, double factor, Shares& largest) const {
+    const auto raise_to = [&](double& share, double found) {
+      if (found > share) share = found;
+    };
+    if (diagonal_ > 0) raise_to(largest[0], factor * std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]) / diagonal_);
+    std::size_t at = 3;
+    for (std::size_t f = 0; f < ranges_.size(); ++f)
+      for (int c = 0; c < mesh_.point_fields[f].component_count; ++c, ++at)
+        if (ranges_[f] > 0 && std::abs(a[at] - b[at]) <= std::numeric_limits<double>::max())
+          raise_to(largest[1 + f], factor * std::abs(a[at] - b[at]) / ranges_[f]);
+  }
+
+  /// Stores a sample as a point of the mesh.
+  void store(const Sample& sample, std::uint64_t point) {
+    std::copy_n(sample.begin(), 3, mesh_.points[point].begin());
+    std::size_t at = 3;
+    for (NeutralField& field : mesh_.point_fields) {
+      const auto components = static_cast<std::size_t>(field.component_count);
+      for (std::size_t c = 0; c < components; ++c, ++at) field.values[point * components + c] = sample[at];
+    }
+  }
+
+ private:
+  void measure_box() {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    std::array<double, 3> low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
+    for (std::size_t c = 0; c < mesh_.kinds.size(); ++c) {
+      if (mesh_.kinds[c] == CellKind::polyhedron)
+        continue;  // a stream with counts; other cells hold the box well enough
+      for (std::uint64_t i = mesh_.cell_offsets[c]; i < mesh_.cell_offsets[c + 1]; ++i)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          const double x = mesh_.points[mesh_.cell_nodes[i]][axis];
+          if (!std::isfinite(x)) continue;
+          low[axis] = std::min(low[axis], x);
+          high[axis] = std::max(high[axis], x);
+        }
+    }
+    diagonal_ = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+  }
+
+  /// The largest range of its components: a component of rounding alone does not count by itself.
+  void measure_range(const NeutralField& field) {
+    const auto components = static_cast<std::size_t>(field.component_count);
+    sample_size_ += components;
+    double largest = 0;
+    for (std::size_t c = 0; c < components; ++c) {
+      double low = std::numeric_limits<double>::infinity(), high = -low;
+      for (std::size_t i = c; i < field.values.size(); i += components) {
+        if (!std::isfinite(field.values[i])) continue;
+        low = std::min(low, field.values[i]);
+        high = std::max(high, field.values[i]);
+      }
+      largest = std::max(largest, high - low);
+    }
+    ranges_.push_back(largest);
+  }
+
+  CellMesh& mesh_;
+  std::span<const CurvedCell> cells_;
+  std::size_t most_nodes_ = 0, sample_size_ = 3;
+  double diagonal_ = 0;
+  std::vector<double> ranges_;
+};
+
+class Refinement {
+ public:
+  Refinement(CellMesh& mesh, std::span<const CurvedCell> cells, double max_error)
+      : mesh_(mesh), cells_(cells), comparison_(mesh, cells), max_error_(max_error) {
+    require_room(mesh.points.size());
+    levels_.resize(mesh.points.size(), 0);
+  }
+
+  RefinedCells run(std::span<const CornerTetrahedronOfCell> tets, const Progress& progress) {
+    take(tets);
+    for (int pass = 0; pass < most_passes; ++pass) {
+      if (progress) progress("refining curved cells", edges().size(), 0);
+      cut_all();
+      if (!add_edges_of_bad_middles()) break;
+    }
+    return result();
+  }
+
+ private:
+  Array<Edge>& edges() { return table_.edges; }
+  const Array<Edge>& edges() const { return table_.edges; }
+
+  static void require_room(std::size_t count) {
+    if (count >= none)
+      throw Error(Trouble::resource,
+                  concat("curved cells: found ", count, " points or tetrahedra on the way; expected fewer than ", none),
+                  "a larger --max-error makes fewer tetrahedra");
+  }
+
+  std::uint32_t edge_of(std::uint32_t a, std::uint32_t b, const FinePlace& at_a, const FinePlace& at_b,
+                        std::uint32_t curved_cell) {
+    if (a > b) return edge_of(b, a, at_b, at_a, curved_cell);
+    double length2 = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double d = mesh_.points[a][axis] - mesh_.points[b][axis];
+      length2 += d * d;
+    }
+    if (!(length2 <= std::numeric_limits<double>::max())) length2 = 0;  // a NaN would spoil the order
+    return table_.find_or_add({{a, b}, {at_a, at_b}, curved_cell, none, length2});
+  }
+
+  void take(std::span<const CornerTetrahedronOfCell> tets) {
+    first_.reserve(tets.size());
+    for (const CornerTetrahedronOfCell& from : tets) {
+      const CurvedCell& cell = cells_[from.curved_cell];
+      Tet& tet = first_.emplace_back();
+      tet.curved_cell = from.curved_cell;
+      for (std::size_t i = 0; i < 4; ++i) {
+        tet.points[i] = static_cast<std::uint32_t>(mesh_.cell_nodes[mesh_.cell_offsets[cell.cell] + from.corners[i]]);
+        tet.places[i] = fine(cell.shape->node_places()[from.corners[i]]);
+      }
+      for (std::size_t e = 0; e < 6; ++e) {
+        const auto [i, j] = edge_ends[e];
+        tet.edges[e] = edge_of(tet.points[i], tet.points[j], tet.places[i], tet.places[j], tet.curved_cell);
+      }
+    }
+    decide_new_edges();
+  }
+
+  /// The order in which edges are cut: by length, then by ids.
+  bool is_before(const Edge& a, const Edge& b) const {
+    return a.length2 != b.length2 ? a.length2 > b.length2 : a.ends > b.ends;
+  }
+
+  /// Which of a tetrahedron's edges is to be cut next; none when it is finished.
+  std::uint32_t next_cut(const Tet& tet) const {
+    std::uint32_t best = none;
+    for (std::uint32_t e = 0; e < 6; ++e) {
+      const Edge& edge = edges()[tet.edges[e]];
+      if (edge.middle != none && (best == none || is_before(edge, edges()[tet.edges[best]]))) best = e;
+    }
+    return best;
+  }
+
+  /// Both halves keep the orientation: the middle takes the place of one end.
+  void cut(const Tet& tet, std::uint32_t e, Array<Tet>& halves) {
+    const std::uint8_t i = edge_ends[e][0], j = edge_ends[e][1];
+    const std::uint32_t point = edges()[tet.edges[e]].middle;
+    const FinePlace place = middle(tet.places[i], tet.places[j]);
+    std::array<std::uint32_t, 4> to_corner;
+    for (std::uint8_t k = 0; k < 4; ++k)
+      to_corner[k] = edge_of(point, tet.points[k], place, tet.places[k], tet.curved_cell);
+    for (const auto& [kept, replaced] : {std::pair{i, j}, std::pair{j, i}}) {
+      Tet& half = halves.emplace_back(tet);
+      half.points[replaced] = point;
+      half.places[replaced] = place;
+      for (std::uint8_t k = 0; k < 4; ++k)
+        if (k != replaced) half.edges[edge_between[replaced][k]] = to_corner[k];
+      if (names_a_point_twice(half)) halves.pop_back();  // of a collapsed cell, whose nodes coincide
+    }
+  }
+
+  void cut_all() {
+    finished_.clear();
+    Array<Tet> current = first_, next;
+    while (!current.empty()) {
+      next.clear();
+      for (const Tet& tet : current) {
+        const std::uint32_t e = next_cut(tet);
+        if (e == none)
+          finished_.push_back(tet);
+        else
+          cut(tet, e, next);
+      }
+      require_room(finished_.size() + next.size());
+      decide_new_edges();
+      std::swap(current, next);
+    }
+  }
+
+  int level_of(const Edge& edge) const { return std::max(levels_[edge.ends[0]], levels_[edge.ends[1]]); }
+
+  /// How far the cell that speaks for an edge strays from it: at its middle, for quadratic tetrahedra, which tells all;
+  /// else at as many places as it could pass through zero, and one more.
+  void measure_edge(const Edge& edge, std::vector<double>& weights, Sample& curved, Sample& straight,
+                    Shares& shares) const {
+    const ShapeFunctions& shape = *cells_[edge.curved_cell].shape;
+    const CellPlace a = coarse(edge.end_places[0]), b = coarse(edge.end_places[1]);
+    const int sections = shape.degree_along_lines();
+    shares.assign(comparison_.share_count(), 0);
+    for (int i = 1; i < sections; ++i) {
+      const double t = static_cast<double>(i) / sections;
+      const CellPlace place{(1 - t) * a[0] + t * b[0], (1 - t) * a[1] + t * b[1], (1 - t) * a[2] + t * b[2]};
+      comparison_.sample_cell(edge.curved_cell, place, weights, curved);
+      straight.assign(comparison_.sample_size(), 0);
+      comparison_.add(edge.ends[0], 1 - t, straight);
+      comparison_.add(edge.ends[1], t, straight);
+      comparison_.raise(curved, straight, beyond_edges, shares);
+    }
+  }
+
+  /// Decides which of the edges met since last time are cut, and makes their middles.
+  void decide_new_edges() {
+    const std::size_t begin = decided_, end = edges().size(), width = comparison_.share_count();
+    if (begin == end) return;
+    Array<double> all_shares((end - begin) * width);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end, grain), [&](const auto& part) {
+      std::vector<double> weights(comparison_.most_nodes());
+      Sample curved, straight;
+      Shares shares;
+      for (std::size_t e = part.begin(); e < part.end(); ++e) {
+        measure_edge(edges()[e], weights, curved, straight, shares);
+        std::copy(shares.begin(), shares.end(), all_shares.begin() + static_cast<std::ptrdiff_t>((e - begin) * width));
+      }
+    });
+    std::vector<std::uint32_t> to_cut;
+    largest_.resize(width, 0);
+    for (std::size_t e = begin; e < end; ++e) {
+      const std::span<const double> shares = std::span(all_shares).subspan((e - begin) * width, width);
+      const bool is_far = std::any_of(shares.begin(), shares.end(), [&](double share) { return share > max_error_; });
+      if (is_far && level_of(edges()[e]) < level_limit) {
+        to_cut.push_back(static_cast<std::uint32_t>(e));
+        continue;
+      }
+      stopped_by_level_limit_ = stopped_by_level_limit_ || is_far;
+      for (std::size_t i = 0; i < width; ++i) largest_[i] = std::max(largest_[i], shares[i]);
+    }
+    decided_ = end;
+    make_middles(to_cut);
+  }
+
+  /// The cell's own node in the middle of an edge; none when there is none, or when it is an end (collapsed cells).
+  std::uint32_t node_in_middle(const Edge& edge) const {
+    const CurvedCell& cell = cells_[edge.curved_cell];
+    const CellPlace wanted = coarse(middle(edge.end_places[0], edge.end_places[1]));
+    const auto places = cell.shape->node_places();
+    const auto found = std::find(places.begin(), places.end(), wanted);
+    if (found == places.end()) return none;
+    const auto node = static_cast<std::uint64_t>(found - places.begin());
+    const auto point = static_cast<std::uint32_t>(mesh_.cell_nodes[mesh_.cell_offsets[cell.cell] + node]);
+    return point == edge.ends[0] || point == edge.ends[1] ? none : point;
+  }
+
+  void make_middles(const std::vector<std::uint32_t>& to_cut) {
+    const std::size_t old_count = mesh_.points.size();
+    std::vector<std::uint32_t> made;
+    for (const std::uint32_t e : to_cut) {
+      Edge& edge = edges()[e];
+      const auto level = static_cast<std::uint8_t>(level_of(edge) + 1);
+      edge.middle = node_in_middle(edge);
+      if (edge.middle == none) {
+        edge.middle = static_cast<std::uint32_t>(old_count + made.size());
+        made.push_back(e);
+        levels_.push_back(level);
+      } else {
+        levels_[edge.middle] = level;
+      }
+    }
+    const std::size_t count = old_count + made.size();
+    require_room(count);
+    mesh_.points.resize(count);
+    for (NeutralField& field : mesh_.point_fields)
+      field.values.resize(count * static_cast<std::size_t>(field.component_count));
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, made.size(), grain), [&](const auto& part) {
+      std::vector<double> weights(comparison_.most_nodes());
+      Sample sample;
+      for (std::size_t i = part.begin(); i < part.end(); ++i) {
+        const Edge& edge = edges()[made[i]];
+        comparison_.sample_cell(edge.curved_cell, coarse(middle(edge.end_places[0], edge.end_places[1])), weights,
+                                sample);
+        comparison_.store(sample, old_count + i);
+      }
+    });
+  }
+
+  /// The middle of some corners of a finished tetrahedron: how far is the cell from it?
+  void measure_middle(const Tet& tet, std::span<const std::uint8_t> corners, std::vector<double>& weights,
+                      Sample& curved, Sample& straight, Shares& shares) const {
+    const double share = 1 / static_cast<double>(corners.size());
+    CellPlace place{};
+    straight.assign(comparison_.sample_size(), 0);
+    for (const std::uint8_t corner : corners) {
+      const CellPlace at = coarse(tet.places[corner]);
+      for (std::size_t axis = 0; axis < 3; ++axis) place[axis] += share * at[axis];
+      comparison_.add(tet.points[corner], share, straight);
+    }
+    comparison_.sample_cell(tet.curved_cell, place, weights, curved);
+    shares.assign(comparison_.share_count(), 0);
+    comparison_.raise(curved, straight, 1, shares);
+  }
+
+  /// The longest edge between some corners that may still be cut.
+  std::uint32_t longest_edge(const Tet& tet, std::span<const std::uint8_t> corners) const {
+    std::uint32_t best = none;
+    for (std::size_t i = 0; i < corners.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        const std::uint32_t e = tet.edges[edge_between[corners[i]][corners[j]]];
+        if (level_of(edges()[e]) >= level_limit) continue;
+        if (best == none || is_before(edges()[e], edges()[best])) best = e;
+      }
+    return best;
+  }
+
+  struct MiddleFindings {
+    Shares largest;
+    std::vector<std::uint32_t> to_cut;
+    bool stopped_by_level_limit = false;
+  };
+
+  void inspect_middles(const Tet& tet, std::vector<double>& weights, Sample& curved, Sample& straight, Shares& shares,
+                       MiddleFindings& findings) const {
+    constexpr std::uint8_t all_corners[] = {0, 1, 2, 3};
+    const auto inspect = [&](std::span<const std::uint8_t> corners) {
+      measure_middle(tet, corners, weights, curved, straight, shares);
+      bool is_far = false;
+      for (std::size_t i = 0; i < shares.size(); ++i) {
+        findings.largest[i] = std::max(findings.largest[i], shares[i]);
+        is_far = is_far || beyond_samples * shares[i] > max_error_;
+      }
+      if (!is_far) return;
+      const std::uint32_t e = longest_edge(tet, corners);
+      if (e == none)
+        findings.stopped_by_level_limit = true;
+      else
+        findings.to_cut.push_back(e);
+    };
+    for (const auto& face : face_corners) inspect(face);
+    inspect(all_corners);
+  }
+
+  /// Where the middle of a finished face or tetrahedron is too far from the cell, its longest edge is cut too.
+  bool add_edges_of_bad_middles() {
+    const std::size_t part_count = (finished_.size() + grain - 1) / grain;
+    std::vector<MiddleFindings> parts(part_count);
+    tbb::parallel_for(std::size_t{0}, part_count, [&](std::size_t part) {
+      std::vector<double> weights(comparison_.most_nodes());
+      Sample curved, straight;
+      Shares shares;
+      parts[part].largest.assign(comparison_.share_count(), 0);
+      for (std::size_t t = part * grain; t < std::min(finished_.size(), (part + 1) * grain); ++t) {
+        const Tet& tet = finished_[t];
+        if (cells_[tet.curved_cell].shape->is_quadratic_in_tetrahedra()) continue;
+        inspect_middles(tet, weights, curved, straight, shares, parts[part]);
+      }
+    });
+    std::vector<std::uint32_t> to_cut;
+    middles_ = {Shares(comparison_.share_count(), 0), {}, false};
+    for (const MiddleFindings& part : parts) {
+      to_cut.insert(to_cut.end(), part.to_cut.begin(), part.to_cut.end());
+      middles_.stopped_by_level_limit = middles_.stopped_by_level_limit || part.stopped_by_level_limit;
+      for (std::size_t i = 0; i < part.largest.size(); ++i)
+        middles_.largest[i] = std::max(middles_.largest[i], part.largest[i]);
+    }
+    std::sort(to_cut.begin(), to_cut.end());
+    to_cut.erase(std::unique(to_cut.begin(), to_cut.end()), to_cut.end());
+    make_middles(to_cut);
+    return !to_cut.empty();
+  }
+
+  RefinedCells result() {
+    std::vector<std::size_t> places(cells_.size() + 1, 0);
+    for (const Tet& tet : finished_) ++places[tet.curved_cell + 1];
+    for (std::size_t c = 0; c < cells_.size(); ++c) places[c + 1] += places[c];
+    RefinedCells refined;
+    refined.tets.resize(finished_.size());
+    refined.curved_cells.resize(finished_.size());
+    for (const Tet& tet : finished_) {
+      const std::size_t place = places[tet.curved_cell]++;
+      std::copy(tet.points.begin(), tet.points.end(), refined.tets[place].begin());
+      refined.curved_cells[place] = tet.curved_cell;
+    }
+    Shares largest = largest_;
+    for (std::size_t i = 0; i < largest.size(); ++i) largest[i] = std::max(largest[i], middles_.largest[i]);
+    if (!largest.empty()) {
+      refined.error.geometric = largest.front();
+      refined.error.of_fields.assign(largest.begin() + 1, largest.end());
+    }
+    refined.error.stopped_by_level_limit = stopped_by_level_limit_ || middles_.stopped_by_level_limit;
+    return refined;
+  }
+
+  CellMesh& mesh_;
+  std::span<const CurvedCell> cells_;
+  Comparison comparison_;
+  double max_error_;
+  EdgeTable table_;
+  Array<Tet> first_, finished_;
+  Array<std::uint8_t> levels_;  ///< of points: how often an edge was cut to make them
+  std::size_t decided_ = 0;     ///< edges of which is known whether they are cut
+  Shares largest_;              ///< on edges that are not cut
+  MiddleFindings middles_;      ///< of the last pass
+  bool stopped_by_level_limit_ = false;
+};
+
+}  // namespace
+
+RefinedCells refine(CellMesh& mesh, std::span<const CurvedCell> cells, std::span<const CornerTetrahedronOfCell> tets,
+                    double max_error, const Progress& progress) {
+  return Refinement(mesh, cells, max_error).run(tets, progress);
+}
+
+}  // namespace rhoray::preprocess
