@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <unordered_map>
 #include <utility>
 
 #include "formats/base/checks.h"
@@ -44,6 +46,73 @@ FinePlace middle(const FinePlace& a, const FinePlace& b) {
   for (std::size_t axis = 0; axis < 3; ++axis) result[axis] = static_cast<std::uint16_t>((a[axis] + b[axis]) / 2);
   return result;
 }
+
+/// Where a collapsed cell has a point that several of its corners name: on the line between two corners, or in the box
+/// about more.
+struct SpreadPoint {
+  std::uint32_t point;
+  std::vector<CellPlace> corners;
+
+  /// The one nearest to another place, from which a straight line to there runs through the cell as it should.
+  CellPlace nearest_to(const CellPlace& other) const {
+    CellPlace low = corners[0], high = corners[0];
+    for (const CellPlace& corner : corners)
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        low[axis] = std::min(low[axis], corner[axis]);
+        high[axis] = std::max(high[axis], corner[axis]);
+      }
+    CellPlace nearest;
+    if (corners.size() == 2) {
+      double along = 0, length2 = 0;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double step = corners[1][axis] - corners[0][axis];
+        along += step * (other[axis] - corners[0][axis]);
+        length2 += step * step;
+      }
+      const double t = std::clamp(along / length2, 0.0, 1.0);
+      for (std::size_t axis = 0; axis < 3; ++axis) nearest[axis] = (1 - t) * corners[0][axis] + t * corners[1][axis];
+    } else {
+      for (std::size_t axis = 0; axis < 3; ++axis) nearest[axis] = std::clamp(other[axis], low[axis], high[axis]);
+    }
+    return nearest;
+  }
+};
+
+/// The points that each curved cell names at several corners; most cells have none.
+class SpreadPoints {
+ public:
+  SpreadPoints(const CellMesh& mesh, std::span<const CurvedCell> cells) {
+    for (std::uint32_t c = 0; c < cells.size(); ++c) {
+      const CurvedCell& cell = cells[c];
+      const std::size_t corner_count = frame_of(description_of(mesh.kinds[cell.cell]).corners).corner_count;
+      std::map<std::uint64_t, std::vector<CellPlace>> places;
+      for (std::size_t i = 0; i < corner_count; ++i)
+        places[mesh.cell_nodes[mesh.cell_offsets[cell.cell] + i]].push_back(cell.shape->node_places()[i]);
+      if (places.size() == corner_count) continue;
+      for (auto& [point, corners] : places)
+        if (corners.size() > 1) of_cells_[c].push_back({static_cast<std::uint32_t>(point), std::move(corners)});
+    }
+  }
+
+  /// Moves both ends of an edge to where they are nearest to each other.
+  void settle(std::uint32_t curved_cell, std::uint32_t a, FinePlace& at_a, std::uint32_t b, FinePlace& at_b) const {
+    if (of_cells_.empty()) return;
+    move(curved_cell, a, at_a, at_b);
+    move(curved_cell, b, at_b, at_a);
+    move(curved_cell, a, at_a, at_b);
+  }
+
+  /// Moves a place of `point` to where it is nearest to another.
+  void move(std::uint32_t curved_cell, std::uint32_t point, FinePlace& place, const FinePlace& other) const {
+    const auto spread = of_cells_.find(curved_cell);
+    if (spread == of_cells_.end()) return;
+    for (const SpreadPoint& candidate : spread->second)
+      if (candidate.point == point) place = fine(candidate.nearest_to(coarse(other)));
+  }
+
+ private:
+  std::unordered_map<std::uint32_t, std::vector<SpreadPoint>> of_cells_;
+};
 
 struct Edge {
   std::array<std::uint32_t, 2> ends;    ///< points, the lower one first
@@ -130,7 +199,7 @@ class Comparison {
   std::size_t sample_size() const { return sample_size_; }
   std::size_t share_count() const { return 1 + mesh_.point_fields.size(); }
 
-  /// The curved cell at a place of its own.
+  /// The curved cell at one of its places.
   void sample_cell(std::uint32_t curved_cell, const CellPlace& place, std::span<double> weights, Sample& out) const {
     const CurvedCell& cell = cells_[curved_cell];
     const std::size_t count = cell.shape->node_count();
@@ -139,16 +208,6 @@ class Comparison {
     const std::uint64_t* nodes = mesh_.cell_nodes.data() + mesh_.cell_offsets[cell.cell];
     for (std::size_t n = 0; n < count; ++n)
       if (weights[n] != 0) add(nodes[n], weights[n], out);
-  }
-
-  /// Between points, as the tetrahedra have it.
-  void add(std::uint64_t point, double weight, Sample& out) const {
-    for (std::size_t axis = 0; axis < 3; ++axis) out[axis] += weight * mesh_.points[point][axis];
-    std::size_t at = 3;
-    for (const NeutralField& field : mesh_.point_fields) {
-      const auto components = static_cast<std::size_t>(field.component_count);
-      for (std::size_t c = 0; c < components; ++c) out[at++] += weight * field.values[point * components + c];
-    }
   }
 
   /// Raises `largest` to the shares between two samples. Where a value is no number, nothing is compared.
@@ -175,6 +234,15 @@ class Comparison {
   }
 
  private:
+  void add(std::uint64_t point, double weight, Sample& out) const {
+    for (std::size_t axis = 0; axis < 3; ++axis) out[axis] += weight * mesh_.points[point][axis];
+    std::size_t at = 3;
+    for (const NeutralField& field : mesh_.point_fields) {
+      const auto components = static_cast<std::size_t>(field.component_count);
+      for (std::size_t c = 0; c < components; ++c) out[at++] += weight * field.values[point * components + c];
+    }
+  }
+
   void measure_box() {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     std::array<double, 3> low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
@@ -219,7 +287,7 @@ class Comparison {
 class Refinement {
  public:
   Refinement(CellMesh& mesh, std::span<const CurvedCell> cells, double max_error)
-      : mesh_(mesh), cells_(cells), comparison_(mesh, cells), max_error_(max_error) {
+      : mesh_(mesh), cells_(cells), comparison_(mesh, cells), spread_(mesh, cells), max_error_(max_error) {
     require_room(mesh.points.size());
     levels_.resize(mesh.points.size(), 0);
   }
@@ -245,9 +313,9 @@ class Refinement {
                   "a larger --max-error makes fewer tetrahedra");
   }
 
-  std::uint32_t edge_of(std::uint32_t a, std::uint32_t b, const FinePlace& at_a, const FinePlace& at_b,
-                        std::uint32_t curved_cell) {
+  std::uint32_t edge_of(std::uint32_t a, std::uint32_t b, FinePlace at_a, FinePlace at_b, std::uint32_t curved_cell) {
     if (a > b) return edge_of(b, a, at_b, at_a, curved_cell);
+    spread_.settle(curved_cell, a, at_a, b, at_b);
     double length2 = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double d = mesh_.points[a][axis] - mesh_.points[b][axis];
@@ -294,7 +362,12 @@ class Refinement {
   void cut(const Tet& tet, std::uint32_t e, Array<Tet>& halves) {
     const std::uint8_t i = edge_ends[e][0], j = edge_ends[e][1];
     const std::uint32_t point = edges()[tet.edges[e]].middle;
-    const FinePlace place = middle(tet.places[i], tet.places[j]);
+    FinePlace at_i = tet.places[i], at_j = tet.places[j];
+    if (tet.points[i] < tet.points[j])
+      spread_.settle(tet.curved_cell, tet.points[i], at_i, tet.points[j], at_j);
+    else
+      spread_.settle(tet.curved_cell, tet.points[j], at_j, tet.points[i], at_i);
+    const FinePlace place = middle(at_i, at_j);
     std::array<std::uint32_t, 4> to_corner;
     for (std::uint8_t k = 0; k < 4; ++k)
       to_corner[k] = edge_of(point, tet.points[k], place, tet.places[k], tet.curved_cell);
@@ -328,22 +401,38 @@ class Refinement {
 
   int level_of(const Edge& edge) const { return std::max(levels_[edge.ends[0]], levels_[edge.ends[1]]); }
 
+  /// What measuring needs, kept between measurements for its memory.
+  struct Scratch {
+    explicit Scratch(const Comparison& comparison)
+        : weights(comparison.most_nodes()), shares(comparison.share_count()) {}
+    std::vector<double> weights;
+    Sample curved, straight, end, other_end;
+    Shares shares;
+  };
+
+  /// Adds the cell at a place, times a weight.
+  void add_to_straight(std::uint32_t curved_cell, const CellPlace& place, double weight, Scratch& scratch) const {
+    comparison_.sample_cell(curved_cell, place, scratch.weights, scratch.end);
+    for (std::size_t i = 0; i < scratch.end.size(); ++i) scratch.straight[i] += weight * scratch.end[i];
+  }
+
   /// How far the cell that speaks for an edge strays from it: at its middle, for quadratic tetrahedra, which tells all;
-  /// else at as many places as it could pass through zero, and one more.
-  void measure_edge(const Edge& edge, std::vector<double>& weights, Sample& curved, Sample& straight,
-                    Shares& shares) const {
-    const ShapeFunctions& shape = *cells_[edge.curved_cell].shape;
+  /// else at as many places as it could pass through zero, and one more. Its ends are taken from the same cell: where
+  /// neighbours do not agree about a face, as in a mesh that does not conform, cutting does not mend it.
+  void measure_edge(const Edge& edge, Scratch& scratch) const {
     const CellPlace a = coarse(edge.end_places[0]), b = coarse(edge.end_places[1]);
-    const int sections = shape.degree_along_lines();
-    shares.assign(comparison_.share_count(), 0);
+    const int sections = cells_[edge.curved_cell].shape->degree_along_lines();
+    scratch.shares.assign(comparison_.share_count(), 0);
+    Sample &at_a = scratch.end, &at_b = scratch.other_end;
+    comparison_.sample_cell(edge.curved_cell, a, scratch.weights, at_a);
+    comparison_.sample_cell(edge.curved_cell, b, scratch.weights, at_b);
+    scratch.straight.resize(comparison_.sample_size());
     for (int i = 1; i < sections; ++i) {
       const double t = static_cast<double>(i) / sections;
       const CellPlace place{(1 - t) * a[0] + t * b[0], (1 - t) * a[1] + t * b[1], (1 - t) * a[2] + t * b[2]};
-      comparison_.sample_cell(edge.curved_cell, place, weights, curved);
-      straight.assign(comparison_.sample_size(), 0);
-      comparison_.add(edge.ends[0], 1 - t, straight);
-      comparison_.add(edge.ends[1], t, straight);
-      comparison_.raise(curved, straight, beyond_edges, shares);
+      comparison_.sample_cell(edge.curved_cell, place, scratch.weights, scratch.curved);
+      for (std::size_t k = 0; k < at_a.size(); ++k) scratch.straight[k] = (1 - t) * at_a[k] + t * at_b[k];
+      comparison_.raise(scratch.curved, scratch.straight, beyond_edges, scratch.shares);
     }
   }
 
@@ -353,12 +442,11 @@ class Refinement {
     if (begin == end) return;
     Array<double> all_shares((end - begin) * width);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end, grain), [&](const auto& part) {
-      std::vector<double> weights(comparison_.most_nodes());
-      Sample curved, straight;
-      Shares shares;
+      Scratch scratch(comparison_);
       for (std::size_t e = part.begin(); e < part.end(); ++e) {
-        measure_edge(edges()[e], weights, curved, straight, shares);
-        std::copy(shares.begin(), shares.end(), all_shares.begin() + static_cast<std::ptrdiff_t>((e - begin) * width));
+        measure_edge(edges()[e], scratch);
+        std::copy(scratch.shares.begin(), scratch.shares.end(),
+                  all_shares.begin() + static_cast<std::ptrdiff_t>((e - begin) * width));
       }
     });
     std::vector<std::uint32_t> to_cut;
@@ -410,31 +498,34 @@ class Refinement {
     for (NeutralField& field : mesh_.point_fields)
       field.values.resize(count * static_cast<std::size_t>(field.component_count));
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, made.size(), grain), [&](const auto& part) {
-      std::vector<double> weights(comparison_.most_nodes());
-      Sample sample;
+      Scratch scratch(comparison_);
       for (std::size_t i = part.begin(); i < part.end(); ++i) {
         const Edge& edge = edges()[made[i]];
-        comparison_.sample_cell(edge.curved_cell, coarse(middle(edge.end_places[0], edge.end_places[1])), weights,
-                                sample);
-        comparison_.store(sample, old_count + i);
+        comparison_.sample_cell(edge.curved_cell, coarse(middle(edge.end_places[0], edge.end_places[1])),
+                                scratch.weights, scratch.curved);
+        comparison_.store(scratch.curved, old_count + i);
       }
     });
   }
 
   /// The middle of some corners of a finished tetrahedron: how far is the cell from it?
-  void measure_middle(const Tet& tet, std::span<const std::uint8_t> corners, std::vector<double>& weights,
-                      Sample& curved, Sample& straight, Shares& shares) const {
+  void measure_middle(const Tet& tet, std::span<const std::uint8_t> corners, Scratch& scratch) const {
     const double share = 1 / static_cast<double>(corners.size());
     CellPlace place{};
-    straight.assign(comparison_.sample_size(), 0);
+    for (const std::uint8_t corner : corners)
+      for (std::size_t axis = 0; axis < 3; ++axis) place[axis] += share * coarse(tet.places[corner])[axis];
+    scratch.straight.assign(comparison_.sample_size(), 0);
+    CellPlace middle_place{};
     for (const std::uint8_t corner : corners) {
-      const CellPlace at = coarse(tet.places[corner]);
-      for (std::size_t axis = 0; axis < 3; ++axis) place[axis] += share * at[axis];
-      comparison_.add(tet.points[corner], share, straight);
+      FinePlace settled = tet.places[corner];
+      spread_.move(tet.curved_cell, tet.points[corner], settled, fine(place));
+      const CellPlace at = coarse(settled);
+      for (std::size_t axis = 0; axis < 3; ++axis) middle_place[axis] += share * at[axis];
+      add_to_straight(tet.curved_cell, at, share, scratch);
     }
-    comparison_.sample_cell(tet.curved_cell, place, weights, curved);
-    shares.assign(comparison_.share_count(), 0);
-    comparison_.raise(curved, straight, 1, shares);
+    comparison_.sample_cell(tet.curved_cell, middle_place, scratch.weights, scratch.curved);
+    scratch.shares.assign(comparison_.share_count(), 0);
+    comparison_.raise(scratch.curved, scratch.straight, 1, scratch.shares);
   }
 
   /// The longest edge between some corners that may still be cut.
@@ -455,15 +546,14 @@ class Refinement {
     bool stopped_by_level_limit = false;
   };
 
-  void inspect_middles(const Tet& tet, std::vector<double>& weights, Sample& curved, Sample& straight, Shares& shares,
-                       MiddleFindings& findings) const {
+  void inspect_middles(const Tet& tet, Scratch& scratch, MiddleFindings& findings) const {
     constexpr std::uint8_t all_corners[] = {0, 1, 2, 3};
     const auto inspect = [&](std::span<const std::uint8_t> corners) {
-      measure_middle(tet, corners, weights, curved, straight, shares);
+      measure_middle(tet, corners, scratch);
       bool is_far = false;
-      for (std::size_t i = 0; i < shares.size(); ++i) {
-        findings.largest[i] = std::max(findings.largest[i], shares[i]);
-        is_far = is_far || beyond_samples * shares[i] > max_error_;
+      for (std::size_t i = 0; i < scratch.shares.size(); ++i) {
+        findings.largest[i] = std::max(findings.largest[i], scratch.shares[i]);
+        is_far = is_far || beyond_samples * scratch.shares[i] > max_error_;
       }
       if (!is_far) return;
       const std::uint32_t e = longest_edge(tet, corners);
@@ -481,14 +571,12 @@ class Refinement {
     const std::size_t part_count = (finished_.size() + grain - 1) / grain;
     std::vector<MiddleFindings> parts(part_count);
     tbb::parallel_for(std::size_t{0}, part_count, [&](std::size_t part) {
-      std::vector<double> weights(comparison_.most_nodes());
-      Sample curved, straight;
-      Shares shares;
+      Scratch scratch(comparison_);
       parts[part].largest.assign(comparison_.share_count(), 0);
       for (std::size_t t = part * grain; t < std::min(finished_.size(), (part + 1) * grain); ++t) {
         const Tet& tet = finished_[t];
         if (cells_[tet.curved_cell].shape->is_quadratic_in_tetrahedra()) continue;
-        inspect_middles(tet, weights, curved, straight, shares, parts[part]);
+        inspect_middles(tet, scratch, parts[part]);
       }
     });
     std::vector<std::uint32_t> to_cut;
@@ -530,6 +618,7 @@ class Refinement {
   CellMesh& mesh_;
   std::span<const CurvedCell> cells_;
   Comparison comparison_;
+  SpreadPoints spread_;
   double max_error_;
   EdgeTable table_;
   Array<Tet> first_, finished_;

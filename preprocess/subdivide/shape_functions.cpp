@@ -216,7 +216,7 @@ std::size_t wedge_index(const std::array<int, 3>& at, int n) {
   const int m = n - 1, in_triangle = (m - 1) * m / 2, in_square = m * m;
   const bool on_i = i == 0, on_j = j == 0, on_ij = i + j == n, on_k = k == 0 || k == n;
   const int corner = on_i && on_j ? 0 : on_j && on_ij ? 1 : 2;
-  const int row = i - 1 + n * (j - 1) - j * (j + 1) / 2;
+  const int row = i + n * (j - 1) - j * (j + 1) / 2;
   const int faces = 6 + 9 * m;
   int index = 0;
   switch (on_i + on_j + on_ij + on_k) {
@@ -237,7 +237,7 @@ std::size_t wedge_index(const std::array<int, 3>& at, int n) {
       else if (on_ij)
         index = faces + 2 * in_triangle + in_square + (n - i - 1) + m * (k - 1);
       else
-        index = faces + 2 * in_triangle + 2 * in_square + (j - 1) + m * (k - 1);
+        index = faces + 2 * in_triangle + 2 * in_square + (n - j - 1) + m * (k - 1);
       break;
     default:
       index = faces + 2 * in_triangle + 3 * in_square + row + in_triangle * (k - 1);
