@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 #include <unordered_map>
 #include <utility>
 
@@ -17,16 +18,14 @@ namespace rhoray::preprocess {
 namespace {
 
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-constexpr int level_limit = 8;   // edges become at most 256 times shorter
-constexpr int most_passes = 32;  // each adds edges to be cut; far more than are needed
 constexpr std::size_t grain = 1024;
 
 /// Between the middles of its edges a quadratic function in a tetrahedron strays by at most 6/4 of what it does there.
 constexpr double beyond_edges = 1.5;
 /// Between the sampled middles of faces and tetrahedra of other kinds: measured, not proved.
-constexpr double beyond_samples = 1.25;
+constexpr double beyond_middles = 1.25;
 
-/// A place in a cell in steps of 2^-14, which the middles of all levels are whole numbers of.
+/// A place in a cell in steps of 2^-14.
 using FinePlace = std::array<std::uint16_t, 3>;
 constexpr double fine_steps = 16384;
 
@@ -102,15 +101,32 @@ class SpreadPoints {
     move(curved_cell, a, at_a, at_b);
   }
 
+  /// Between two such points of a cell all points are such points.
+  void add_middle(std::uint32_t curved_cell, std::uint32_t a, std::uint32_t b, std::uint32_t point) {
+    const SpreadPoint *at_a = find(curved_cell, a), *at_b = find(curved_cell, b);
+    if (at_a == nullptr || at_b == nullptr || find(curved_cell, point) != nullptr) return;
+    SpreadPoint between{point, {}};
+    for (const CellPlace& corner : at_a->corners) {
+      const CellPlace other = at_b->nearest_to(corner);
+      between.corners.push_back({(corner[0] + other[0]) / 2, (corner[1] + other[1]) / 2, (corner[2] + other[2]) / 2});
+    }
+    of_cells_[curved_cell].push_back(std::move(between));
+  }
+
   /// Moves a place of `point` to where it is nearest to another.
   void move(std::uint32_t curved_cell, std::uint32_t point, FinePlace& place, const FinePlace& other) const {
-    const auto spread = of_cells_.find(curved_cell);
-    if (spread == of_cells_.end()) return;
-    for (const SpreadPoint& candidate : spread->second)
-      if (candidate.point == point) place = fine(candidate.nearest_to(coarse(other)));
+    if (const SpreadPoint* spread = find(curved_cell, point)) place = fine(spread->nearest_to(coarse(other)));
   }
 
  private:
+  const SpreadPoint* find(std::uint32_t curved_cell, std::uint32_t point) const {
+    const auto of_cell = of_cells_.find(curved_cell);
+    if (of_cell == of_cells_.end()) return nullptr;
+    for (const SpreadPoint& spread : of_cell->second)
+      if (spread.point == point) return &spread;
+    return nullptr;
+  }
+
   std::unordered_map<std::uint32_t, std::vector<SpreadPoint>> of_cells_;
 };
 
@@ -286,18 +302,17 @@ class Comparison {
 
 class Refinement {
  public:
-  Refinement(CellMesh& mesh, std::span<const CurvedCell> cells, double max_error)
-      : mesh_(mesh), cells_(cells), comparison_(mesh, cells), spread_(mesh, cells), max_error_(max_error) {
+  Refinement(CellMesh& mesh, std::span<const CurvedCell> cells, const RefineOptions& options)
+      : mesh_(mesh), cells_(cells), comparison_(mesh, cells), spread_(mesh, cells), options_(options) {
     require_room(mesh.points.size());
-    levels_.resize(mesh.points.size(), 0);
   }
 
   RefinedCells run(std::span<const CornerTetrahedronOfCell> tets, const Progress& progress) {
-    take(tets);
-    for (int pass = 0; pass < most_passes; ++pass) {
-      if (progress) progress("refining curved cells", edges().size(), 0);
-      cut_all();
-      if (!add_edges_of_bad_middles()) break;
+    Array<Tet> current = taken(tets);
+    while (!current.empty()) {
+      if (progress) progress("refining curved cells", finished_.size(), 0);
+      cut(std::move(current));
+      current = unfinished_again();
     }
     return result();
   }
@@ -325,11 +340,12 @@ class Refinement {
     return table_.find_or_add({{a, b}, {at_a, at_b}, curved_cell, none, length2});
   }
 
-  void take(std::span<const CornerTetrahedronOfCell> tets) {
-    first_.reserve(tets.size());
+  Array<Tet> taken(std::span<const CornerTetrahedronOfCell> tets) {
+    Array<Tet> result;
+    result.reserve(tets.size());
     for (const CornerTetrahedronOfCell& from : tets) {
       const CurvedCell& cell = cells_[from.curved_cell];
-      Tet& tet = first_.emplace_back();
+      Tet& tet = result.emplace_back();
       tet.curved_cell = from.curved_cell;
       for (std::size_t i = 0; i < 4; ++i) {
         tet.points[i] = static_cast<std::uint32_t>(mesh_.cell_nodes[mesh_.cell_offsets[cell.cell] + from.corners[i]]);
@@ -340,22 +356,52 @@ class Refinement {
         tet.edges[e] = edge_of(tet.points[i], tet.points[j], tet.places[i], tet.places[j], tet.curved_cell);
       }
     }
-    decide_new_edges();
+    return result;
   }
 
-  /// The order in which edges are cut: by length, then by ids.
-  bool is_before(const Edge& a, const Edge& b) const {
-    return a.length2 != b.length2 ? a.length2 > b.length2 : a.ends > b.ends;
-  }
-
-  /// Which of a tetrahedron's edges is to be cut next; none when it is finished.
-  std::uint32_t next_cut(const Tet& tet) const {
-    std::uint32_t best = none;
-    for (std::uint32_t e = 0; e < 6; ++e) {
-      const Edge& edge = edges()[tet.edges[e]];
-      if (edge.middle != none && (best == none || is_before(edge, edges()[tet.edges[best]]))) best = e;
+  /// By length, then by ids: an order of all edges.
+  std::uint32_t longest_edge(const Tet& tet) const {
+    std::uint32_t best = 0;
+    for (std::uint32_t e = 1; e < 6; ++e) {
+      const Edge &a = edges()[tet.edges[e]], &b = edges()[tet.edges[best]];
+      if (std::tie(a.length2, a.ends) > std::tie(b.length2, b.ends)) best = e;
     }
     return best;
+  }
+
+  bool has_cut_edge(const Tet& tet) const {
+    return std::any_of(tet.edges.begin(), tet.edges.end(), [&](std::uint32_t e) { return edges()[e].middle != none; });
+  }
+
+  /// Cuts tetrahedra, and what comes of them, until none strays too far and none has a longest edge that is cut.
+  void cut(Array<Tet> current) {
+    Array<Tet> next;
+    std::vector<std::uint8_t> is_far;
+    while (!current.empty()) {
+      measure_new_edges();
+      is_far.assign(current.size(), 0);
+      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, current.size(), grain), [&](const auto& part) {
+        Scratch scratch(comparison_);
+        for (std::size_t t = part.begin(); t < part.end(); ++t) is_far[t] = strays(current[t], scratch) ? 1 : 0;
+      });
+      std::vector<std::uint32_t> to_cut;
+      for (std::size_t t = 0; t < current.size(); ++t) {
+        const std::uint32_t e = current[t].edges[longest_edge(current[t])];
+        const bool wanted = (is_far[t] != 0 && may_be_cut(edges()[e])) || has_cut_edge(current[t]);
+        if (wanted && edges()[e].middle == none) to_cut.push_back(e);
+      }
+      make_middles(std::move(to_cut));
+      next.clear();
+      for (const Tet& tet : current) {
+        const std::uint32_t e = longest_edge(tet);
+        if (edges()[tet.edges[e]].middle == none)
+          finished_.push_back(tet);
+        else
+          cut(tet, e, next);
+      }
+      require_room(finished_.size() + next.size());
+      std::swap(current, next);
+    }
   }
 
   /// Both halves keep the orientation: the middle takes the place of one end.
@@ -367,6 +413,7 @@ class Refinement {
       spread_.settle(tet.curved_cell, tet.points[i], at_i, tet.points[j], at_j);
     else
       spread_.settle(tet.curved_cell, tet.points[j], at_j, tet.points[i], at_i);
+    spread_.add_middle(tet.curved_cell, tet.points[i], tet.points[j], point);
     const FinePlace place = middle(at_i, at_j);
     std::array<std::uint32_t, 4> to_corner;
     for (std::uint8_t k = 0; k < 4; ++k)
@@ -381,25 +428,26 @@ class Refinement {
     }
   }
 
-  void cut_all() {
-    finished_.clear();
-    Array<Tet> current = first_, next;
-    while (!current.empty()) {
-      next.clear();
-      for (const Tet& tet : current) {
-        const std::uint32_t e = next_cut(tet);
-        if (e == none)
-          finished_.push_back(tet);
-        else
-          cut(tet, e, next);
-      }
-      require_room(finished_.size() + next.size());
-      decide_new_edges();
-      std::swap(current, next);
+  /// Takes finished tetrahedra back of which an edge was cut for a neighbour's sake.
+  Array<Tet> unfinished_again() {
+    Array<Tet> again;
+    std::size_t kept = 0;
+    for (const Tet& tet : finished_) {
+      if (has_cut_edge(tet))
+        again.push_back(tet);
+      else
+        finished_[kept++] = tet;
     }
+    finished_.resize(kept);
+    return again;
   }
 
-  int level_of(const Edge& edge) const { return std::max(levels_[edge.ends[0]], levels_[edge.ends[1]]); }
+  bool may_be_cut(const Edge& edge) const {
+    const auto& [a, b] = edge.end_places;
+    int stretch = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) stretch = std::max(stretch, std::abs(a[axis] - b[axis]));
+    return stretch >= options_.finest * fine_steps;
+  }
 
   /// What measuring needs, kept between measurements for its memory.
   struct Scratch {
@@ -409,12 +457,6 @@ class Refinement {
     Sample curved, straight, end, other_end;
     Shares shares;
   };
-
-  /// Adds the cell at a place, times a weight.
-  void add_to_straight(std::uint32_t curved_cell, const CellPlace& place, double weight, Scratch& scratch) const {
-    comparison_.sample_cell(curved_cell, place, scratch.weights, scratch.end);
-    for (std::size_t i = 0; i < scratch.end.size(); ++i) scratch.straight[i] += weight * scratch.end[i];
-  }
 
   /// How far the cell that speaks for an edge strays from it: at its middle, for quadratic tetrahedra, which tells all;
   /// else at as many places as it could pass through zero, and one more. Its ends are taken from the same cell: where
@@ -436,33 +478,61 @@ class Refinement {
     }
   }
 
-  /// Decides which of the edges met since last time are cut, and makes their middles.
-  void decide_new_edges() {
-    const std::size_t begin = decided_, end = edges().size(), width = comparison_.share_count();
-    if (begin == end) return;
-    Array<double> all_shares((end - begin) * width);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end, grain), [&](const auto& part) {
+  void measure_new_edges() {
+    const std::size_t width = comparison_.share_count(), begin = edge_shares_.size() / width;
+    edge_shares_.resize(edges().size() * width);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, edges().size(), grain), [&](const auto& part) {
       Scratch scratch(comparison_);
       for (std::size_t e = part.begin(); e < part.end(); ++e) {
         measure_edge(edges()[e], scratch);
         std::copy(scratch.shares.begin(), scratch.shares.end(),
-                  all_shares.begin() + static_cast<std::ptrdiff_t>((e - begin) * width));
+                  edge_shares_.begin() + static_cast<std::ptrdiff_t>(e * width));
       }
     });
-    std::vector<std::uint32_t> to_cut;
-    largest_.resize(width, 0);
-    for (std::size_t e = begin; e < end; ++e) {
-      const std::span<const double> shares = std::span(all_shares).subspan((e - begin) * width, width);
-      const bool is_far = std::any_of(shares.begin(), shares.end(), [&](double share) { return share > max_error_; });
-      if (is_far && level_of(edges()[e]) < level_limit) {
-        to_cut.push_back(static_cast<std::uint32_t>(e));
-        continue;
-      }
-      stopped_by_level_limit_ = stopped_by_level_limit_ || is_far;
-      for (std::size_t i = 0; i < width; ++i) largest_[i] = std::max(largest_[i], shares[i]);
+  }
+
+  std::span<const double> shares_of_edge(std::uint32_t e) const {
+    const std::size_t width = comparison_.share_count();
+    return std::span(edge_shares_).subspan(e * width, width);
+  }
+
+  /// The middle of some corners of a tetrahedron: how far is the cell from it?
+  void measure_middle(const Tet& tet, std::span<const std::uint8_t> corners, Scratch& scratch) const {
+    const double share = 1 / static_cast<double>(corners.size());
+    CellPlace rough{}, place{};
+    for (const std::uint8_t corner : corners)
+      for (std::size_t axis = 0; axis < 3; ++axis) rough[axis] += share * coarse(tet.places[corner])[axis];
+    scratch.straight.assign(comparison_.sample_size(), 0);
+    for (const std::uint8_t corner : corners) {
+      FinePlace settled = tet.places[corner];
+      spread_.move(tet.curved_cell, tet.points[corner], settled, fine(rough));
+      const CellPlace at = coarse(settled);
+      for (std::size_t axis = 0; axis < 3; ++axis) place[axis] += share * at[axis];
+      comparison_.sample_cell(tet.curved_cell, at, scratch.weights, scratch.end);
+      for (std::size_t i = 0; i < scratch.end.size(); ++i) scratch.straight[i] += share * scratch.end[i];
     }
-    decided_ = end;
-    make_middles(to_cut);
+    comparison_.sample_cell(tet.curved_cell, place, scratch.weights, scratch.curved);
+    comparison_.raise(scratch.curved, scratch.straight, 1, scratch.shares);
+  }
+
+  /// Raises scratch.shares to what is found at the middles of the tetrahedron and its faces.
+  void measure_middles(const Tet& tet, Scratch& scratch) const {
+    constexpr std::uint8_t all_corners[] = {0, 1, 2, 3};
+    scratch.shares.assign(comparison_.share_count(), 0);
+    if (cells_[tet.curved_cell].shape->is_quadratic_in_tetrahedra()) return;  // its edges tell all
+    for (const auto& face : face_corners) measure_middle(tet, face, scratch);
+    measure_middle(tet, all_corners, scratch);
+  }
+
+  bool strays(const Tet& tet, Scratch& scratch) const {
+    const auto is_far = [&](double share) { return share > options_.max_error; };
+    for (const std::uint32_t e : tet.edges) {
+      const std::span<const double> shares = shares_of_edge(e);
+      if (std::any_of(shares.begin(), shares.end(), is_far)) return true;
+    }
+    measure_middles(tet, scratch);
+    return std::any_of(scratch.shares.begin(), scratch.shares.end(),
+                       [&](double share) { return is_far(beyond_middles * share); });
   }
 
   /// The cell's own node in the middle of an edge; none when there is none, or when it is an end (collapsed cells).
@@ -477,20 +547,17 @@ class Refinement {
     return point == edge.ends[0] || point == edge.ends[1] ? none : point;
   }
 
-  void make_middles(const std::vector<std::uint32_t>& to_cut) {
+  void make_middles(std::vector<std::uint32_t> to_cut) {
+    std::sort(to_cut.begin(), to_cut.end());
+    to_cut.erase(std::unique(to_cut.begin(), to_cut.end()), to_cut.end());
     const std::size_t old_count = mesh_.points.size();
     std::vector<std::uint32_t> made;
     for (const std::uint32_t e : to_cut) {
       Edge& edge = edges()[e];
-      const auto level = static_cast<std::uint8_t>(level_of(edge) + 1);
       edge.middle = node_in_middle(edge);
-      if (edge.middle == none) {
-        edge.middle = static_cast<std::uint32_t>(old_count + made.size());
-        made.push_back(e);
-        levels_.push_back(level);
-      } else {
-        levels_[edge.middle] = level;
-      }
+      if (edge.middle != none) continue;
+      edge.middle = static_cast<std::uint32_t>(old_count + made.size());
+      made.push_back(e);
     }
     const std::size_t count = old_count + made.size();
     require_room(count);
@@ -508,92 +575,25 @@ class Refinement {
     });
   }
 
-  /// The middle of some corners of a finished tetrahedron: how far is the cell from it?
-  void measure_middle(const Tet& tet, std::span<const std::uint8_t> corners, Scratch& scratch) const {
-    const double share = 1 / static_cast<double>(corners.size());
-    CellPlace place{};
-    for (const std::uint8_t corner : corners)
-      for (std::size_t axis = 0; axis < 3; ++axis) place[axis] += share * coarse(tet.places[corner])[axis];
-    scratch.straight.assign(comparison_.sample_size(), 0);
-    CellPlace middle_place{};
-    for (const std::uint8_t corner : corners) {
-      FinePlace settled = tet.places[corner];
-      spread_.move(tet.curved_cell, tet.points[corner], settled, fine(place));
-      const CellPlace at = coarse(settled);
-      for (std::size_t axis = 0; axis < 3; ++axis) middle_place[axis] += share * at[axis];
-      add_to_straight(tet.curved_cell, at, share, scratch);
-    }
-    comparison_.sample_cell(tet.curved_cell, middle_place, scratch.weights, scratch.curved);
-    scratch.shares.assign(comparison_.share_count(), 0);
-    comparison_.raise(scratch.curved, scratch.straight, 1, scratch.shares);
-  }
-
-  /// The longest edge between some corners that may still be cut.
-  std::uint32_t longest_edge(const Tet& tet, std::span<const std::uint8_t> corners) const {
-    std::uint32_t best = none;
-    for (std::size_t i = 0; i < corners.size(); ++i)
-      for (std::size_t j = 0; j < i; ++j) {
-        const std::uint32_t e = tet.edges[edge_between[corners[i]][corners[j]]];
-        if (level_of(edges()[e]) >= level_limit) continue;
-        if (best == none || is_before(edges()[e], edges()[best])) best = e;
-      }
-    return best;
-  }
-
-  struct MiddleFindings {
-    Shares largest;
-    std::vector<std::uint32_t> to_cut;
-    bool stopped_by_level_limit = false;
-  };
-
-  void inspect_middles(const Tet& tet, Scratch& scratch, MiddleFindings& findings) const {
-    constexpr std::uint8_t all_corners[] = {0, 1, 2, 3};
-    const auto inspect = [&](std::span<const std::uint8_t> corners) {
-      measure_middle(tet, corners, scratch);
-      bool is_far = false;
-      for (std::size_t i = 0; i < scratch.shares.size(); ++i) {
-        findings.largest[i] = std::max(findings.largest[i], scratch.shares[i]);
-        is_far = is_far || beyond_samples * scratch.shares[i] > max_error_;
-      }
-      if (!is_far) return;
-      const std::uint32_t e = longest_edge(tet, corners);
-      if (e == none)
-        findings.stopped_by_level_limit = true;
-      else
-        findings.to_cut.push_back(e);
-    };
-    for (const auto& face : face_corners) inspect(face);
-    inspect(all_corners);
-  }
-
-  /// Where the middle of a finished face or tetrahedron is too far from the cell, its longest edge is cut too.
-  bool add_edges_of_bad_middles() {
-    const std::size_t part_count = (finished_.size() + grain - 1) / grain;
-    std::vector<MiddleFindings> parts(part_count);
+  RefinementError error() const {
+    const std::size_t width = comparison_.share_count(), part_count = (finished_.size() + grain - 1) / grain;
+    std::vector<Shares> parts(part_count, Shares(width, 0));
     tbb::parallel_for(std::size_t{0}, part_count, [&](std::size_t part) {
       Scratch scratch(comparison_);
-      parts[part].largest.assign(comparison_.share_count(), 0);
       for (std::size_t t = part * grain; t < std::min(finished_.size(), (part + 1) * grain); ++t) {
-        const Tet& tet = finished_[t];
-        if (cells_[tet.curved_cell].shape->is_quadratic_in_tetrahedra()) continue;
-        inspect_middles(tet, scratch, parts[part]);
+        measure_middles(finished_[t], scratch);
+        for (const std::uint32_t e : finished_[t].edges)
+          for (std::size_t i = 0; i < width; ++i) scratch.shares[i] = std::max(scratch.shares[i], shares_of_edge(e)[i]);
+        for (std::size_t i = 0; i < width; ++i) parts[part][i] = std::max(parts[part][i], scratch.shares[i]);
       }
     });
-    std::vector<std::uint32_t> to_cut;
-    middles_ = {Shares(comparison_.share_count(), 0), {}, false};
-    for (const MiddleFindings& part : parts) {
-      to_cut.insert(to_cut.end(), part.to_cut.begin(), part.to_cut.end());
-      middles_.stopped_by_level_limit = middles_.stopped_by_level_limit || part.stopped_by_level_limit;
-      for (std::size_t i = 0; i < part.largest.size(); ++i)
-        middles_.largest[i] = std::max(middles_.largest[i], part.largest[i]);
-    }
-    std::sort(to_cut.begin(), to_cut.end());
-    to_cut.erase(std::unique(to_cut.begin(), to_cut.end()), to_cut.end());
-    make_middles(to_cut);
-    return !to_cut.empty();
+    Shares largest(width, 0);
+    for (const Shares& part : parts)
+      for (std::size_t i = 0; i < width; ++i) largest[i] = std::max(largest[i], part[i]);
+    return {.geometric = largest.front(), .of_fields = {largest.begin() + 1, largest.end()}};
   }
 
-  RefinedCells result() {
+  RefinedCells result() const {
     std::vector<std::size_t> places(cells_.size() + 1, 0);
     for (const Tet& tet : finished_) ++places[tet.curved_cell + 1];
     for (std::size_t c = 0; c < cells_.size(); ++c) places[c + 1] += places[c];
@@ -605,13 +605,7 @@ class Refinement {
       std::copy(tet.points.begin(), tet.points.end(), refined.tets[place].begin());
       refined.curved_cells[place] = tet.curved_cell;
     }
-    Shares largest = largest_;
-    for (std::size_t i = 0; i < largest.size(); ++i) largest[i] = std::max(largest[i], middles_.largest[i]);
-    if (!largest.empty()) {
-      refined.error.geometric = largest.front();
-      refined.error.of_fields.assign(largest.begin() + 1, largest.end());
-    }
-    refined.error.stopped_by_level_limit = stopped_by_level_limit_ || middles_.stopped_by_level_limit;
+    refined.error = error();
     return refined;
   }
 
@@ -619,21 +613,17 @@ class Refinement {
   std::span<const CurvedCell> cells_;
   Comparison comparison_;
   SpreadPoints spread_;
-  double max_error_;
+  RefineOptions options_;
   EdgeTable table_;
-  Array<Tet> first_, finished_;
-  Array<std::uint8_t> levels_;  ///< of points: how often an edge was cut to make them
-  std::size_t decided_ = 0;     ///< edges of which is known whether they are cut
-  Shares largest_;              ///< on edges that are not cut
-  MiddleFindings middles_;      ///< of the last pass
-  bool stopped_by_level_limit_ = false;
+  Array<double> edge_shares_;  ///< of each edge its Shares
+  Array<Tet> finished_;
 };
 
 }  // namespace
 
 RefinedCells refine(CellMesh& mesh, std::span<const CurvedCell> cells, std::span<const CornerTetrahedronOfCell> tets,
-                    double max_error, const Progress& progress) {
-  return Refinement(mesh, cells, max_error).run(tets, progress);
+                    const RefineOptions& options, const Progress& progress) {
+  return Refinement(mesh, cells, options).run(tets, progress);
 }
 
 }  // namespace rhoray::preprocess

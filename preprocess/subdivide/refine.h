@@ -29,7 +29,11 @@ struct CornerTetrahedronOfCell {
 struct RefinementError {
   double geometric = 0;           ///< as a share of the box diagonal of all points of cells
   std::vector<double> of_fields;  ///< as a share of the range of each point field
-  bool stopped_by_level_limit = false;
+};
+
+struct RefineOptions {
+  double max_error;  ///< in shares, as in RefinementError
+  double finest;     ///< share of a cell: an edge that stretches over less is cut for neighbours only
 };
 
 struct RefinedCells {
@@ -42,14 +46,14 @@ struct RefinedCells {
 /// are added at the end of the mesh's; some may be used by no tetrahedron. Nodes of cells become points of the
 /// result where an edge is cut at them.
 ///
-/// Which edges are cut is decided once for every edge, known by its two points, from what the cell is along it; and
-/// always the longest edge of a tetrahedron is cut first, of those to be cut (length, then ids). Both sides of a face
-/// therefore cut it alike. Where a face or a tetrahedron is still too far off at its middle, its longest edge is added
-/// to those to be cut, and all is cut anew. No edge is cut more than `level_limit` times in succession.
+/// A tetrahedron is always cut at its longest edge (of equal ones by ids), whatever asks for it: that it strays too far
+/// from its cell, or that one of its edges is cut for a neighbour's sake. A triangle between two of them is then cut
+/// at its own longest edge from both sides, and at the end no edge of a tetrahedron is cut: faces agree (Rivara 1984,
+/// "Algorithms for refining triangular grids").
 ///
 /// Parallel over oneTBB; the result does not depend on the number of threads. Refuses (Trouble::resource) more than
 /// 2^32 - 1 points or tetrahedra.
 RefinedCells refine(CellMesh& mesh, std::span<const CurvedCell> cells, std::span<const CornerTetrahedronOfCell> tets,
-                    double max_error, const Progress& progress);
+                    const RefineOptions& options, const Progress& progress);
 
 }  // namespace rhoray::preprocess

@@ -207,12 +207,12 @@ std::vector<Part> cut_cells(const CellMesh& mesh, const CurvedCells& curved, con
   return parts;
 }
 
-RefinedCells refine_curved(CellMesh& mesh, const CurvedCells& curved, const std::vector<Part>& parts, double max_error,
-                           const Progress& progress) {
+RefinedCells refine_curved(CellMesh& mesh, const CurvedCells& curved, const std::vector<Part>& parts,
+                           const SubdivideOptions& options, const Progress& progress) {
   if (curved.cells().empty()) return {};
   std::vector<CornerTetrahedronOfCell> tets;
   for (const Part& part : parts) tets.insert(tets.end(), part.curved.begin(), part.curved.end());
-  return refine(mesh, curved.cells(), tets, max_error, progress);
+  return refine(mesh, curved.cells(), tets, {.max_error = options.max_error, .finest = options.finest}, progress);
 }
 
 /// Adds the points inside linear cells at the end of the mesh's, each a mean of its cell's corners, with their values.
@@ -371,8 +371,8 @@ void note_error(const RefinementError& error, const std::vector<NeutralField>& f
     largest = std::max(largest, error.of_fields[f]);
     note += concat(", of field \"", fields[f].name, "\" ", share_text(error.of_fields[f]), " of its range");
   }
-  if (error.stopped_by_level_limit || largest > max_error)
-    note += concat(": more than the ", share_text(max_error), " asked for, as no edge is cut more than 8 times over");
+  if (largest > max_error)
+    note += concat(": more than the ", share_text(max_error), " asked for, as edges are not cut any shorter");
   notes.push_back(note);
 }
 
@@ -410,7 +410,7 @@ NeutralMesh subdivide(CellMesh mesh, const SubdivideOptions& options, const Prog
   const CurvedCells curved(mesh);
   const std::size_t source_point_count = mesh.points.size();
   const std::vector<Part> parts = cut_cells(mesh, curved, progress);
-  const RefinedCells refined = refine_curved(mesh, curved, parts, options.max_error, progress);
+  const RefinedCells refined = refine_curved(mesh, curved, parts, options, progress);
   const std::uint64_t first_center = mesh.points.size();
   add_centers(mesh, parts);
   Assembled all = assemble(parts, refined, curved.cells(), first_center);
