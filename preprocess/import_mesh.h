@@ -4,6 +4,7 @@
 #include <string>
 
 #include "preprocess/neutral.h"
+#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 
@@ -20,7 +21,8 @@ struct ImportMeshOptions {
 CellMesh import_cells(const std::filesystem::path& path, const ImportMeshOptions& options = {});
 
 /// Reads a mesh and makes its cells tetrahedra (subdivide.h).
-NeutralMesh import_mesh(const std::filesystem::path& path, const ImportMeshOptions& options = {});
+NeutralMesh import_mesh(const std::filesystem::path& path, const ImportMeshOptions& options = {},
+                        const Progress& progress = {});
 
 /// Reads a surface from PLY, STL, OBJ, OFF, or TetGen .poly/.smesh (with holes and regions). Points that coincide
 /// exactly are merged in formats that repeat them (STL). A TetGen .mtr file beside it, or named here, gives wanted

@@ -9,11 +9,21 @@ struct SubdivideOptions {
   /// Largest error of higher-order cells, geometric as a share of the mesh's box diagonal and of every point field as a
   /// share of its range: between the curved cell and the tetrahedra that stand for it.
   double max_error = 0.01;
+  /// An edge that stretches over less than this share of its higher-order cell is not cut for the sake of the error.
+  double finest = 1.0 / 256;
 };
 
 /// Makes tetrahedra of cells of every kind. Their faces agree with the neighbours': wherever a face is shared by two
-/// cells, both cut it alike. `cell_ids` tells which cell each came from; cell fields go with it. A mesh of tetrahedra
-/// is moved as it is.
+/// cells, both cut it alike, also where cells are collapsed (name a point twice). `cell_ids` tells which cell each came
+/// from; cell fields go with it. A mesh of tetrahedra is moved as it is.
+///
+/// Cells of flat faces are cut along their own edges; where tetrahedra would overlap, they get a point inside. Cells of
+/// higher order are cut until the error holds, by their shape functions; notes say how large it is, as sampled, and
+/// when it is larger than asked for. Nodes that no tetrahedron needs are left out.
+///
+/// Refuses (Trouble::invalid) points that are not there, node counts that do not fit their kind and polyhedra that are
+/// not closed; (Trouble::unsupported) Lagrange cells of an order above 10 or of different orders along their axes;
+/// (Trouble::usage) errors that are not above 0.
 NeutralMesh subdivide(CellMesh mesh, const SubdivideOptions& options = {}, const Progress& progress = {});
 
 }  // namespace rhoray::preprocess

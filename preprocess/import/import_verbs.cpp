@@ -58,10 +58,10 @@ CellMesh import_cells(const fs::path& path, const ImportMeshOptions& options) {
   return take_cell_mesh(run_reader(path, {"cells", path.string(), options.time}, options.memory_limit_bytes));
 }
 
-NeutralMesh import_mesh(const fs::path& path, const ImportMeshOptions& options) {
+NeutralMesh import_mesh(const fs::path& path, const ImportMeshOptions& options, const Progress& progress) {
   CellMesh cells = import_cells(path, options);
   try {
-    return subdivide(std::move(cells), {.max_error = options.max_error});
+    return subdivide(std::move(cells), {.max_error = options.max_error}, progress);
   } catch (const Error& error) {  // the verb knows no file
     throw Error(error.trouble(), concat(path.string(), ", ", error.what()), error.hint());
   }

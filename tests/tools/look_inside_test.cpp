@@ -147,7 +147,8 @@ TEST(Help, of_every_subcommand_ends_with_examples_whose_options_exist) {
   const RunResult overview = bench.rhoray({"--help"});
   EXPECT_EQ(overview.exit_code, 0);
   EXPECT_THAT(bench.rhoray({"--version"}).out, testing::StartsWith("rhoray "));
-  for (const char* subcommand : {"info", "verify", "pack", "tetrahedralize", "render", "export", "bench"}) {
+  for (const char* subcommand :
+       {"info", "verify", "import", "pack", "resample", "export", "tetrahedralize", "render", "bench"}) {
     SCOPED_TRACE(subcommand);
     EXPECT_THAT(overview.out, HasSubstr(std::string("  ") + subcommand + " "));
     const RunResult help = bench.rhoray({subcommand, "--help"});

@@ -28,6 +28,14 @@ std::vector<Option> message_options(CommonOptions& common, const std::string& js
           flag_option("--json", json_help, common.json)};
 }
 
+Option max_error_option(std::optional<double>& max_error) {
+  return value_option(
+      "--max-error", "E",
+      "Largest error of tetrahedra made of higher-order cells, as a share of the mesh's box diagonal and "
+      "of each field's range (meshes); default 0.01",
+      max_error);
+}
+
 std::vector<Option> all_options(std::initializer_list<std::vector<Option>> lists) {
   std::vector<Option> all;
   for (const std::vector<Option>& list : lists) all.insert(all.end(), list.begin(), list.end());

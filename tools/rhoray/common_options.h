@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <initializer_list>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,11 @@ std::vector<Option> threads_option(CommonOptions& common);                      
 std::vector<Option> memory_option(CommonOptions& common, const std::string& help);   ///< --memory
 std::vector<Option> message_options(CommonOptions& common,
                                     const std::string& json_help);  ///< -q, -v, --progress, --json
+
+// What `pack` and `import` ask about meshes.
+Option max_error_option(std::optional<double>& max_error);  ///< --max-error
+inline constexpr const char* time_help =
+    "Which time step (meshes): first, last, #N from 0, or a time, of which the nearest is taken; default last";
 
 /// The rows of several lists, in order.
 std::vector<Option> all_options(std::initializer_list<std::vector<Option>> lists);

@@ -72,6 +72,8 @@ std::string command_line(const PackCommand& command, const std::filesystem::path
   add(pack.spacing.has_value(), "--spacing", numbers(pack.spacing));
   add(pack.origin.has_value(), "--origin", numbers(pack.origin));
   if (pack.cell_data) words.push_back("--cell-data");
+  add(pack.max_error.has_value(), "--max-error", concat(pack.max_error.value_or(0)));
+  add(!pack.time.empty(), "--time", pack.time);
   return shell_line(words);
 }
 
@@ -100,13 +102,13 @@ Subcommand pack_subcommand() {
   const auto command = std::make_shared<PackCommand>();
   PackOptions& pack = command->pack;
   return {.name = "pack",
-          .summary = "Volume or tetrahedra to a packed file",
+          .summary = "Volume or mesh to a packed file",
           .examples =
               "  rhoray pack head.nrrd -o head.rho\n"
               "  rhoray pack torso.vtu --field potential -o torso.rho\n"
               "  rhoray pack ct.raw --raw 512x512x275:uint16:le --spacing 0.78,0.78,1 -o ct.rho\n",
           .options = all_options(
-              {{file_option("FILE", "Volume or tetrahedral mesh", pack.input)},
+              {{file_option("FILE", "Volume or mesh", pack.input)},
                output_options(command->common, "Packed file; default the input's name with .rho"),
                {value_option(
                     "--field", "A[,B]",
@@ -124,6 +126,7 @@ Subcommand pack_subcommand() {
                 value_option("--brick-edge", "N", "Samples per axis of a brick (volumes); default 4, sparse 8",
                              pack.brick_edge),
                 flag_option("--cell-data", "Also keep cell fields, averaged to points (meshes)", pack.cell_data),
+                max_error_option(pack.max_error), value_option("--time", "T", time_help, pack.time),
                 value_option("--cells", "auto|N", "About N leaf cells (meshes); default auto, one per tetrahedron",
                              pack.cells),
                 value_option("--leaf-ratio", "R", "Leaf cells per tetrahedron (meshes); default 1", pack.leaf_ratio),

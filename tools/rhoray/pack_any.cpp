@@ -59,7 +59,9 @@ void check_options(const PackOptions& options) {
                       {options.origin.has_value(), true, "--origin"},
                       {options.cells != "auto", false, "--cells"},
                       {options.leaf_ratio.has_value(), false, "--leaf-ratio"},
-                      {options.cell_data, false, "--cell-data"}};
+                      {options.cell_data, false, "--cell-data"},
+                      {options.max_error.has_value(), false, "--max-error"},
+                      {!options.time.empty(), false, "--time"}};
   const bool volume = is_volume(options);
   for (const Row& row : rows)
     if (row.given && row.for_volumes != volume)
@@ -175,8 +177,11 @@ PackResult pack_mesh(const PackOptions& options, const std::filesystem::path& ou
   if (options.cells != "auto") read_value(options.cells, pack.leaf_cell_count);
   if (progress) progress("reading", 0, 0);
   preprocess::NeutralMesh mesh =
-      preprocess::import_mesh(options.input, {.memory_limit_bytes = options.memory_limit_bytes});
-  give_fields(mesh, pack);
+      preprocess::import_mesh(options.input,
+                              {.time = options.time,
+                               .max_error = options.max_error.value_or(preprocess::ImportMeshOptions{}.max_error),
+                               .memory_limit_bytes = options.memory_limit_bytes},
+                              progress);
   const preprocess::PackMeshReport report = preprocess::pack_mesh(mesh, output, pack, progress);
 
   const formats::TetMeshDescription& packed = report.description;

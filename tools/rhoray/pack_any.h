@@ -26,6 +26,8 @@ struct PackOptions {
   std::string raw;
   std::optional<Vec3> spacing, origin;
   bool cell_data = false;
+  std::optional<double> max_error;
+  std::string time;  ///< empty = not said
   std::uint64_t memory_limit_bytes = 0;
   bool replace_existing = false;
   std::string command;

@@ -7,6 +7,7 @@ namespace rhoray::tools {
 // One file each.
 Subcommand info_subcommand();
 Subcommand verify_subcommand();
+Subcommand import_subcommand();
 Subcommand pack_subcommand();
 Subcommand tetrahedralize_subcommand();
 Subcommand resample_subcommand();

@@ -2,11 +2,14 @@
 // in the README beside the files. Runs where RHORAY_SHARED_DATA names their folder.
 
 #include <cstdlib>
+#include <map>
 
 #include "formats/base/interval.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
+#include "preprocess/subdivide/cell_kinds.h"
 #include "tests/preprocess/import/support.h"
+#include "tests/support/conformity.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -152,7 +155,65 @@ TEST_F(SharedData, keeps_vectors_cell_fields_and_notes) {
   EXPECT_EQ(cables.cell_fields[0].values.size(), 1298U);
 }
 
-TEST_F(SharedData, refuses_what_is_broken_or_not_made_of_linear_tetrahedra) {
+/// How often each face of the linear cells of a mesh is there, by its sorted corners: the outside has those met once.
+std::size_t outer_triangles_of(const CellMesh& mesh) {
+  std::map<std::vector<std::uint64_t>, std::pair<int, std::size_t>> faces;
+  for (std::size_t c = 0; c < mesh.kinds.size(); ++c)
+    for (const CellFace& face : frame_of(mesh.kinds[c]).faces) {
+      std::vector<std::uint64_t> corners;
+      for (std::size_t i = 0; i < face.corner_count; ++i)
+        corners.push_back(mesh.cell_nodes[mesh.cell_offsets[c] + face.corners[i]]);
+      std::sort(corners.begin(), corners.end());
+      corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+      if (corners.size() < 3) continue;
+      auto& [times, triangles] = faces[corners];
+      ++times;
+      triangles = corners.size() - 2;
+    }
+  std::size_t count = 0;
+  for (const auto& [corners, face] : faces) count += face.first == 1 ? face.second : 0;
+  return count;
+}
+
+TEST_F(SharedData, holds_meshes_of_other_cells_whose_tetrahedra_agree_on_their_faces) {
+  struct Row {
+    std::string path;
+    std::size_t tets;
+    std::vector<std::string> notes;
+  };
+  for (const Row& row :
+       std::vector<Row>{{"can.vtu", 28800, {"4,800 hexahedra became 28,800 tetrahedra"}},
+                        {"AngularSector.vtk", 0, {"7,632 hexahedra became ", "144 pyramids became 288 tetrahedra"}},
+                        {"PentaHexa.vtk", 0, {"60 pentagonal prisms became ", "150 hexagonal prisms became "}},
+                        {"reservoir/UNISIM-II-D.vtu", 0, {"47,610 hexahedra became "}},
+                        {"blood_vessels/T0000000500/000.vtu", 0, {"voxels became "}}}) {
+    SCOPED_TRACE(row.path);
+    const CellMesh cells = import_cells(folder_ / "unstructured" / row.path);
+    const NeutralMesh mesh = import_mesh(folder_ / "unstructured" / row.path);
+    if (row.tets != 0) {
+      EXPECT_EQ(mesh.cells.size(), row.tets);
+    }
+    for (const std::string& note : row.notes) EXPECT_THAT(mesh.notes, testing::Contains(testing::HasSubstr(note)));
+    const FaceCensus census = census_of_faces(mesh);
+    EXPECT_EQ(census.crowded, 0U);
+    EXPECT_EQ(census.outer.size(), outer_triangles_of(cells));
+  }
+}
+
+TEST_F(SharedData, holds_a_mesh_of_quadratic_tetrahedra) {
+  const NeutralMesh coarse = import_mesh(folder_ / "unstructured/CylinderQuadratic.vtk", {.max_error = 0.05});
+  const NeutralMesh fine = import_mesh(folder_ / "unstructured/CylinderQuadratic.vtk", {.max_error = 0.02});
+  EXPECT_GE(coarse.cells.size(), 1522U);
+  EXPECT_GT(fine.cells.size(), coarse.cells.size());
+  for (const NeutralMesh* mesh : {&coarse, &fine}) {
+    const FaceCensus census = census_of_faces(*mesh);
+    EXPECT_EQ(census.crowded + census.one_side, 0U);
+    EXPECT_THAT(mesh->notes, testing::Contains(testing::StartsWith("1,522 quadratic tetrahedra became ")));
+    EXPECT_THAT(mesh->notes, testing::Contains(testing::HasSubstr("of field \"pressure\" 0.0")));
+  }
+}
+
+TEST_F(SharedData, refuses_what_is_broken_or_not_yet_read) {
   const auto refuses = [&](const std::string& path, Trouble trouble, const std::vector<std::string>& words) {
     SCOPED_TRACE(path);
     expect_refusal([&] { import_mesh(folder_ / "unstructured" / path); }, trouble, words);

@@ -1,0 +1,629 @@
+#include "preprocess/subdivide/refine.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+#include "formats/base/checks.h"
+#include "formats/base/trouble.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+constexpr std::size_t grain = 1024;
+
+/// Between the middles of its edges a quadratic function in a tetrahedron strays by at most 6/4 of what it does there.
+constexpr double beyond_edges = 1.5;
+/// Between the sampled middles of faces and tetrahedra of other kinds: measured, not proved.
+constexpr double beyond_middles = 1.25;
+
+/// A place in a cell in steps of 2^-14.
+using FinePlace = std::array<std::uint16_t, 3>;
+constexpr double fine_steps = 16384;
+
+FinePlace fine(const CellPlace& place) {
+  FinePlace result;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    result[axis] = static_cast<std::uint16_t>(std::lround(place[axis] * fine_steps));
+  return result;
+}
+
+CellPlace coarse(const FinePlace& place) {
+  return {place[0] / fine_steps, place[1] / fine_steps, place[2] / fine_steps};
+}
+
+FinePlace middle(const FinePlace& a, const FinePlace& b) {
+  FinePlace result;
+  for (std::size_t axis = 0; axis < 3; ++axis) result[axis] = static_cast<std::uint16_t>((a[axis] + b[axis]) / 2);
+  return result;
+}
+
+/// Where a collapsed cell has a point that several of its corners name: on the line between two corners, or in the box
+/// about more.
+struct SpreadPoint {
+  std::uint32_t point;
+  std::vector<CellPlace> corners;
+
+  /// The one nearest to another place, from which a straight line to there runs through the cell as it should.
+  CellPlace nearest_to(const CellPlace& other) const {
+    CellPlace low = corners[0], high = corners[0];
+    for (const CellPlace& corner : corners)
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        low[axis] = std::min(low[axis], corner[axis]);
+        high[axis] = std::max(high[axis], corner[axis]);
+      }
+    CellPlace nearest;
+    if (corners.size() == 2) {
+      double along = 0, length2 = 0;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double step = corners[1][axis] - corners[0][axis];
+        along += step * (other[axis] - corners[0][axis]);
+        length2 += step * step;
+      }
+      const double t = std::clamp(along / length2, 0.0, 1.0);
+      for (std::size_t axis = 0; axis < 3; ++axis) nearest[axis] = (1 - t) * corners[0][axis] + t * corners[1][axis];
+    } else {
+      for (std::size_t axis = 0; axis < 3; ++axis) nearest[axis] = std::clamp(other[axis], low[axis], high[axis]);
+    }
+    return nearest;
+  }
+};
+
+/// The points that each curved cell names at several corners; most cells have none.
+class SpreadPoints {
+ public:
+  SpreadPoints(const CellMesh& mesh, std::span<const CurvedCell> cells) {
+    for (std::uint32_t c = 0; c < cells.size(); ++c) {
+      const CurvedCell& cell = cells[c];
+      const std::size_t corner_count = frame_of(description_of(mesh.kinds[cell.cell]).corners).corner_count;
+      std::map<std::uint64_t, std::vector<CellPlace>> places;
+      for (std::size_t i = 0; i < corner_count; ++i)
+        places[mesh.cell_nodes[mesh.cell_offsets[cell.cell] + i]].push_back(cell.shape->node_places()[i]);
+      if (places.size() == corner_count) continue;
+      for (auto& [point, corners] : places)
+        if (corners.size() > 1) of_cells_[c].push_back({static_cast<std::uint32_t>(point), std::move(corners)});
+    }
+  }
+
+  /// Moves both ends of an edge to where they are nearest to each other.
+  void settle(std::uint32_t curved_cell, std::uint32_t a, FinePlace& at_a, std::uint32_t b, FinePlace& at_b) const {
+    if (of_cells_.empty()) return;
+    move(curved_cell, a, at_a, at_b);
+    move(curved_cell, b, at_b, at_a);
+    move(curved_cell, a, at_a, at_b);
+  }
+
+  /// Between two such points of a cell all points are such points.
+  void add_middle(std::uint32_t curved_cell, std::uint32_t a, std::uint32_t b, std::uint32_t point) {
+    const SpreadPoint *at_a = find(curved_cell, a), *at_b = find(curved_cell, b);
+    if (at_a == nullptr || at_b == nullptr || find(curved_cell, point) != nullptr) return;
+    SpreadPoint between{point, {}};
+    for (const CellPlace& corner : at_a->corners) {
+      const CellPlace other = at_b->nearest_to(corner);
+      between.corners.push_back({(corner[0] + other[0]) / 2, (corner[1] + other[1]) / 2, (corner[2] + other[2]) / 2});
+    }
+    of_cells_[curved_cell].push_back(std::move(between));
+  }
+
+  /// Moves a place of `point` to where it is nearest to another.
+  void move(std::uint32_t curved_cell, std::uint32_t point, FinePlace& place, const FinePlace& other) const {
+    if (const SpreadPoint* spread = find(curved_cell, point)) place = fine(spread->nearest_to(coarse(other)));
+  }
+
+ private:
+  const SpreadPoint* find(std::uint32_t curved_cell, std::uint32_t point) const {
+    const auto of_cell = of_cells_.find(curved_cell);
+    if (of_cell == of_cells_.end()) return nullptr;
+    for (const SpreadPoint& spread : of_cell->second)
+      if (spread.point == point) return &spread;
+    return nullptr;
+  }
+
+  std::unordered_map<std::uint32_t, std::vector<SpreadPoint>> of_cells_;
+};
+
+struct Edge {
+  std::array<std::uint32_t, 2> ends;    ///< points, the lower one first
+  std::array<FinePlace, 2> end_places;  ///< in the cell that met the edge first, which speaks for it
+  std::uint32_t curved_cell;
+  std::uint32_t middle = none;  ///< the point at which it is cut; none = it is not
+  double length2;
+};
+
+// Edges of a tetrahedron by its corners, and which they are between two corners.
+constexpr std::uint8_t edge_ends[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+constexpr std::uint8_t edge_between[4][4] = {{0, 0, 1, 2}, {0, 0, 3, 4}, {1, 3, 0, 5}, {2, 4, 5, 0}};
+constexpr std::uint8_t face_corners[4][3] = {{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}};
+
+struct Tet {
+  std::array<std::uint32_t, 4> points;
+  std::array<std::uint32_t, 6> edges;
+  std::array<FinePlace, 4> places;
+  std::uint32_t curved_cell;
+};
+
+bool names_a_point_twice(const Tet& tet) {
+  const auto& p = tet.points;
+  return p[0] == p[1] || p[0] == p[2] || p[0] == p[3] || p[1] == p[2] || p[1] == p[3] || p[2] == p[3];
+}
+
+/// Edges by their ends.
+class EdgeTable {
+ public:
+  EdgeTable() : slots_(1024, none) {}
+
+  /// Adds the edge when it is new.
+  std::uint32_t find_or_add(const Edge& edge) {
+    if (2 * (edges.size() + 1) > slots_.size()) grow();
+    std::size_t slot = slot_of(edge.ends);
+    for (; slots_[slot] != none; slot = (slot + 1) & (slots_.size() - 1))
+      if (edges[slots_[slot]].ends == edge.ends) return slots_[slot];
+    slots_[slot] = static_cast<std::uint32_t>(edges.size());
+    edges.push_back(edge);
+    return slots_[slot];
+  }
+
+  Array<Edge> edges;
+
+ private:
+  std::size_t slot_of(const std::array<std::uint32_t, 2>& ends) const {
+    std::uint64_t key = (std::uint64_t{ends[0]} << 32 | ends[1]) * 0x9e3779b97f4a7c15U;
+    key ^= key >> 32;
+    return key & (slots_.size() - 1);
+  }
+
+  void grow() {
+    if (edges.size() >= none / 4)
+      throw Error(Trouble::resource, "curved cells: found more than 2^30 edges on the way; expected fewer",
+                  "a larger --max-error makes fewer tetrahedra");
+    slots_.assign(4 * slots_.size(), none);
+    for (std::uint32_t e = 0; e < edges.size(); ++e) {
+      std::size_t slot = slot_of(edges[e].ends);
+      while (slots_[slot] != none) slot = (slot + 1) & (slots_.size() - 1);
+      slots_[slot] = e;
+    }
+  }
+
+  Array<std::uint32_t> slots_;
+};
+
+/// What is compared at a place: the point, then every component of every field.
+using Sample = std::vector<double>;
+
+/// Distances as shares: geometric, then one for each field.
+using Shares = std::vector<double>;
+
+class Comparison {
+ public:
+  Comparison(CellMesh& mesh, std::span<const CurvedCell> cells) : mesh_(mesh), cells_(cells) {
+    std::size_t most_nodes = 0;
+    for (const CurvedCell& cell : cells) most_nodes = std::max(most_nodes, cell.shape->node_count());
+    most_nodes_ = most_nodes;
+    measure_box();
+    for (const NeutralField& field : mesh.point_fields) measure_range(field);
+  }
+
+  std::size_t most_nodes() const { return most_nodes_; }
+  std::size_t sample_size() const { return sample_size_; }
+  std::size_t share_count() const { return 1 + mesh_.point_fields.size(); }
+
+  /// The curved cell at one of its places.
+  void sample_cell(std::uint32_t curved_cell, const CellPlace& place, std::span<double> weights, Sample& out) const {
+    const CurvedCell& cell = cells_[curved_cell];
+    const std::size_t count = cell.shape->node_count();
+    cell.shape->at(place, weights.first(count));
+    out.assign(sample_size_, 0);
+    const std::uint64_t* nodes = mesh_.cell_nodes.data() + mesh_.cell_offsets[cell.cell];
+    for (std::size_t n = 0; n < count; ++n)
+      if (weights[n] != 0) add(nodes[n], weights[n], out);
+  }
+
+  /// Raises `largest` to the shares between two samples. Where a value is no number, nothing is compared.
+  void raise(const Sample& a, const Sample& b, double factor, Shares& largest) const {
+    const auto raise_to = [&](double& share, double found) {
+      if (found > share) share = found;
+    };
+    if (diagonal_ > 0) raise_to(largest[0], factor * std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]) / diagonal_);
+    std::size_t at = 3;
+    for (std::size_t f = 0; f < ranges_.size(); ++f)
+      for (int c = 0; c < mesh_.point_fields[f].component_count; ++c, ++at)
+        if (ranges_[f] > 0 && std::abs(a[at] - b[at]) <= std::numeric_limits<double>::max())
+          raise_to(largest[1 + f], factor * std::abs(a[at] - b[at]) / ranges_[f]);
+  }
+
+  /// Stores a sample as a point of the mesh.
+  void store(const Sample& sample, std::uint64_t point) {
+    std::copy_n(sample.begin(), 3, mesh_.points[point].begin());
+    std::size_t at = 3;
+    for (NeutralField& field : mesh_.point_fields) {
+      const auto components = static_cast<std::size_t>(field.component_count);
+      for (std::size_t c = 0; c < components; ++c, ++at) field.values[point * components + c] = sample[at];
+    }
+  }
+
+ private:
+  void add(std::uint64_t point, double weight, Sample& out) const {
+    for (std::size_t axis = 0; axis < 3; ++axis) out[axis] += weight * mesh_.points[point][axis];
+    std::size_t at = 3;
+    for (const NeutralField& field : mesh_.point_fields) {
+      const auto components = static_cast<std::size_t>(field.component_count);
+      for (std::size_t c = 0; c < components; ++c) out[at++] += weight * field.values[point * components + c];
+    }
+  }
+
+  void measure_box() {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    std::array<double, 3> low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
+    for (std::size_t c = 0; c < mesh_.kinds.size(); ++c) {
+      if (mesh_.kinds[c] == CellKind::polyhedron)
+        continue;  // a stream with counts; other cells hold the box well enough
+      for (std::uint64_t i = mesh_.cell_offsets[c]; i < mesh_.cell_offsets[c + 1]; ++i)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          const double x = mesh_.points[mesh_.cell_nodes[i]][axis];
+          if (!std::isfinite(x)) continue;
+          low[axis] = std::min(low[axis], x);
+          high[axis] = std::max(high[axis], x);
+        }
+    }
+    diagonal_ = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+  }
+
+  /// The largest range of its components: a component of rounding alone does not count by itself.
+  void measure_range(const NeutralField& field) {
+    const auto components = static_cast<std::size_t>(field.component_count);
+    sample_size_ += components;
+    double largest = 0;
+    for (std::size_t c = 0; c < components; ++c) {
+      double low = std::numeric_limits<double>::infinity(), high = -low;
+      for (std::size_t i = c; i < field.values.size(); i += components) {
+        if (!std::isfinite(field.values[i])) continue;
+        low = std::min(low, field.values[i]);
+        high = std::max(high, field.values[i]);
+      }
+      largest = std::max(largest, high - low);
+    }
+    ranges_.push_back(largest);
+  }
+
+  CellMesh& mesh_;
+  std::span<const CurvedCell> cells_;
+  std::size_t most_nodes_ = 0, sample_size_ = 3;
+  double diagonal_ = 0;
+  std::vector<double> ranges_;
+};
+
+class Refinement {
+ public:
+  Refinement(CellMesh& mesh, std::span<const CurvedCell> cells, const RefineOptions& options)
+      : mesh_(mesh), cells_(cells), comparison_(mesh, cells), spread_(mesh, cells), options_(options) {
+    require_room(mesh.points.size());
+  }
+
+  RefinedCells run(std::span<const CornerTetrahedronOfCell> tets, const Progress& progress) {
+    Array<Tet> current = taken(tets);
+    while (!current.empty()) {
+      if (progress) progress("refining curved cells", finished_.size(), 0);
+      cut(std::move(current));
+      current = unfinished_again();
+    }
+    return result();
+  }
+
+ private:
+  Array<Edge>& edges() { return table_.edges; }
+  const Array<Edge>& edges() const { return table_.edges; }
+
+  static void require_room(std::size_t count) {
+    if (count >= none)
+      throw Error(Trouble::resource,
+                  concat("curved cells: found ", count, " points or tetrahedra on the way; expected fewer than ", none),
+                  "a larger --max-error makes fewer tetrahedra");
+  }
+
+  std::uint32_t edge_of(std::uint32_t a, std::uint32_t b, FinePlace at_a, FinePlace at_b, std::uint32_t curved_cell) {
+    if (a > b) return edge_of(b, a, at_b, at_a, curved_cell);
+    spread_.settle(curved_cell, a, at_a, b, at_b);
+    double length2 = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double d = mesh_.points[a][axis] - mesh_.points[b][axis];
+      length2 += d * d;
+    }
+    if (!(length2 <= std::numeric_limits<double>::max())) length2 = 0;  // a NaN would spoil the order
+    return table_.find_or_add({{a, b}, {at_a, at_b}, curved_cell, none, length2});
+  }
+
+  Array<Tet> taken(std::span<const CornerTetrahedronOfCell> tets) {
+    Array<Tet> result;
+    result.reserve(tets.size());
+    for (const CornerTetrahedronOfCell& from : tets) {
+      const CurvedCell& cell = cells_[from.curved_cell];
+      Tet& tet = result.emplace_back();
+      tet.curved_cell = from.curved_cell;
+      for (std::size_t i = 0; i < 4; ++i) {
+        tet.points[i] = static_cast<std::uint32_t>(mesh_.cell_nodes[mesh_.cell_offsets[cell.cell] + from.corners[i]]);
+        tet.places[i] = fine(cell.shape->node_places()[from.corners[i]]);
+      }
+      for (std::size_t e = 0; e < 6; ++e) {
+        const auto [i, j] = edge_ends[e];
+        tet.edges[e] = edge_of(tet.points[i], tet.points[j], tet.places[i], tet.places[j], tet.curved_cell);
+      }
+    }
+    return result;
+  }
+
+  /// By length, then by ids: an order of all edges.
+  std::uint32_t longest_edge(const Tet& tet) const {
+    std::uint32_t best = 0;
+    for (std::uint32_t e = 1; e < 6; ++e) {
+      const Edge &a = edges()[tet.edges[e]], &b = edges()[tet.edges[best]];
+      if (std::tie(a.length2, a.ends) > std::tie(b.length2, b.ends)) best = e;
+    }
+    return best;
+  }
+
+  bool has_cut_edge(const Tet& tet) const {
+    return std::any_of(tet.edges.begin(), tet.edges.end(), [&](std::uint32_t e) { return edges()[e].middle != none; });
+  }
+
+  /// Cuts tetrahedra, and what comes of them, until none strays too far and none has a longest edge that is cut.
+  void cut(Array<Tet> current) {
+    Array<Tet> next;
+    std::vector<std::uint8_t> is_far;
+    while (!current.empty()) {
+      measure_new_edges();
+      is_far.assign(current.size(), 0);
+      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, current.size(), grain), [&](const auto& part) {
+        Scratch scratch(comparison_);
+        for (std::size_t t = part.begin(); t < part.end(); ++t) is_far[t] = strays(current[t], scratch) ? 1 : 0;
+      });
+      std::vector<std::uint32_t> to_cut;
+      for (std::size_t t = 0; t < current.size(); ++t) {
+        const std::uint32_t e = current[t].edges[longest_edge(current[t])];
+        const bool wanted = (is_far[t] != 0 && may_be_cut(edges()[e])) || has_cut_edge(current[t]);
+        if (wanted && edges()[e].middle == none) to_cut.push_back(e);
+      }
+      make_middles(std::move(to_cut));
+      next.clear();
+      for (const Tet& tet : current) {
+        const std::uint32_t e = longest_edge(tet);
+        if (edges()[tet.edges[e]].middle == none)
+          finished_.push_back(tet);
+        else
+          cut(tet, e, next);
+      }
+      require_room(finished_.size() + next.size());
+      std::swap(current, next);
+    }
+  }
+
+  /// Both halves keep the orientation: the middle takes the place of one end.
+  void cut(const Tet& tet, std::uint32_t e, Array<Tet>& halves) {
+    const std::uint8_t i = edge_ends[e][0], j = edge_ends[e][1];
+    const std::uint32_t point = edges()[tet.edges[e]].middle;
+    FinePlace at_i = tet.places[i], at_j = tet.places[j];
+    if (tet.points[i] < tet.points[j])
+      spread_.settle(tet.curved_cell, tet.points[i], at_i, tet.points[j], at_j);
+    else
+      spread_.settle(tet.curved_cell, tet.points[j], at_j, tet.points[i], at_i);
+    spread_.add_middle(tet.curved_cell, tet.points[i], tet.points[j], point);
+    const FinePlace place = middle(at_i, at_j);
+    std::array<std::uint32_t, 4> to_corner;
+    for (std::uint8_t k = 0; k < 4; ++k)
+      to_corner[k] = edge_of(point, tet.points[k], place, tet.places[k], tet.curved_cell);
+    for (const auto& [kept, replaced] : {std::pair{i, j}, std::pair{j, i}}) {
+      Tet& half = halves.emplace_back(tet);
+      half.points[replaced] = point;
+      half.places[replaced] = place;
+      for (std::uint8_t k = 0; k < 4; ++k)
+        if (k != replaced) half.edges[edge_between[replaced][k]] = to_corner[k];
+      if (names_a_point_twice(half)) halves.pop_back();  // of a collapsed cell, whose nodes coincide
+    }
+  }
+
+  /// Takes finished tetrahedra back of which an edge was cut for a neighbour's sake.
+  Array<Tet> unfinished_again() {
+    Array<Tet> again;
+    std::size_t kept = 0;
+    for (const Tet& tet : finished_) {
+      if (has_cut_edge(tet))
+        again.push_back(tet);
+      else
+        finished_[kept++] = tet;
+    }
+    finished_.resize(kept);
+    return again;
+  }
+
+  bool may_be_cut(const Edge& edge) const {
+    const auto& [a, b] = edge.end_places;
+    int stretch = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) stretch = std::max(stretch, std::abs(a[axis] - b[axis]));
+    return stretch >= options_.finest * fine_steps;
+  }
+
+  /// What measuring needs, kept between measurements for its memory.
+  struct Scratch {
+    explicit Scratch(const Comparison& comparison)
+        : weights(comparison.most_nodes()), shares(comparison.share_count()) {}
+    std::vector<double> weights;
+    Sample curved, straight, end, other_end;
+    Shares shares;
+  };
+
+  /// How far the cell that speaks for an edge strays from it: at its middle, for quadratic tetrahedra, which tells all;
+  /// else at as many places as it could pass through zero, and one more. Its ends are taken from the same cell: where
+  /// neighbours do not agree about a face, as in a mesh that does not conform, cutting does not mend it.
+  void measure_edge(const Edge& edge, Scratch& scratch) const {
+    const CellPlace a = coarse(edge.end_places[0]), b = coarse(edge.end_places[1]);
+    const int sections = cells_[edge.curved_cell].shape->degree_along_lines();
+    scratch.shares.assign(comparison_.share_count(), 0);
+    Sample &at_a = scratch.end, &at_b = scratch.other_end;
+    comparison_.sample_cell(edge.curved_cell, a, scratch.weights, at_a);
+    comparison_.sample_cell(edge.curved_cell, b, scratch.weights, at_b);
+    scratch.straight.resize(comparison_.sample_size());
+    for (int i = 1; i < sections; ++i) {
+      const double t = static_cast<double>(i) / sections;
+      const CellPlace place{(1 - t) * a[0] + t * b[0], (1 - t) * a[1] + t * b[1], (1 - t) * a[2] + t * b[2]};
+      comparison_.sample_cell(edge.curved_cell, place, scratch.weights, scratch.curved);
+      for (std::size_t k = 0; k < at_a.size(); ++k) scratch.straight[k] = (1 - t) * at_a[k] + t * at_b[k];
+      comparison_.raise(scratch.curved, scratch.straight, beyond_edges, scratch.shares);
+    }
+  }
+
+  void measure_new_edges() {
+    const std::size_t width = comparison_.share_count(), begin = edge_shares_.size() / width;
+    edge_shares_.resize(edges().size() * width);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, edges().size(), grain), [&](const auto& part) {
+      Scratch scratch(comparison_);
+      for (std::size_t e = part.begin(); e < part.end(); ++e) {
+        measure_edge(edges()[e], scratch);
+        std::copy(scratch.shares.begin(), scratch.shares.end(),
+                  edge_shares_.begin() + static_cast<std::ptrdiff_t>(e * width));
+      }
+    });
+  }
+
+  std::span<const double> shares_of_edge(std::uint32_t e) const {
+    const std::size_t width = comparison_.share_count();
+    return std::span(edge_shares_).subspan(e * width, width);
+  }
+
+  /// The middle of some corners of a tetrahedron: how far is the cell from it?
+  void measure_middle(const Tet& tet, std::span<const std::uint8_t> corners, Scratch& scratch) const {
+    const double share = 1 / static_cast<double>(corners.size());
+    CellPlace rough{}, place{};
+    for (const std::uint8_t corner : corners)
+      for (std::size_t axis = 0; axis < 3; ++axis) rough[axis] += share * coarse(tet.places[corner])[axis];
+    scratch.straight.assign(comparison_.sample_size(), 0);
+    for (const std::uint8_t corner : corners) {
+      FinePlace settled = tet.places[corner];
+      spread_.move(tet.curved_cell, tet.points[corner], settled, fine(rough));
+      const CellPlace at = coarse(settled);
+      for (std::size_t axis = 0; axis < 3; ++axis) place[axis] += share * at[axis];
+      comparison_.sample_cell(tet.curved_cell, at, scratch.weights, scratch.end);
+      for (std::size_t i = 0; i < scratch.end.size(); ++i) scratch.straight[i] += share * scratch.end[i];
+    }
+    comparison_.sample_cell(tet.curved_cell, place, scratch.weights, scratch.curved);
+    comparison_.raise(scratch.curved, scratch.straight, 1, scratch.shares);
+  }
+
+  /// Raises scratch.shares to what is found at the middles of the tetrahedron and its faces.
+  void measure_middles(const Tet& tet, Scratch& scratch) const {
+    constexpr std::uint8_t all_corners[] = {0, 1, 2, 3};
+    scratch.shares.assign(comparison_.share_count(), 0);
+    if (cells_[tet.curved_cell].shape->is_quadratic_in_tetrahedra()) return;  // its edges tell all
+    for (const auto& face : face_corners) measure_middle(tet, face, scratch);
+    measure_middle(tet, all_corners, scratch);
+  }
+
+  bool strays(const Tet& tet, Scratch& scratch) const {
+    const auto is_far = [&](double share) { return share > options_.max_error; };
+    for (const std::uint32_t e : tet.edges) {
+      const std::span<const double> shares = shares_of_edge(e);
+      if (std::any_of(shares.begin(), shares.end(), is_far)) return true;
+    }
+    measure_middles(tet, scratch);
+    return std::any_of(scratch.shares.begin(), scratch.shares.end(),
+                       [&](double share) { return is_far(beyond_middles * share); });
+  }
+
+  /// The cell's own node in the middle of an edge; none when there is none, or when it is an end (collapsed cells).
+  std::uint32_t node_in_middle(const Edge& edge) const {
+    const CurvedCell& cell = cells_[edge.curved_cell];
+    const CellPlace wanted = coarse(middle(edge.end_places[0], edge.end_places[1]));
+    const auto places = cell.shape->node_places();
+    const auto found = std::find(places.begin(), places.end(), wanted);
+    if (found == places.end()) return none;
+    const auto node = static_cast<std::uint64_t>(found - places.begin());
+    const auto point = static_cast<std::uint32_t>(mesh_.cell_nodes[mesh_.cell_offsets[cell.cell] + node]);
+    return point == edge.ends[0] || point == edge.ends[1] ? none : point;
+  }
+
+  void make_middles(std::vector<std::uint32_t> to_cut) {
+    std::sort(to_cut.begin(), to_cut.end());
+    to_cut.erase(std::unique(to_cut.begin(), to_cut.end()), to_cut.end());
+    const std::size_t old_count = mesh_.points.size();
+    std::vector<std::uint32_t> made;
+    for (const std::uint32_t e : to_cut) {
+      Edge& edge = edges()[e];
+      edge.middle = node_in_middle(edge);
+      if (edge.middle != none) continue;
+      edge.middle = static_cast<std::uint32_t>(old_count + made.size());
+      made.push_back(e);
+    }
+    const std::size_t count = old_count + made.size();
+    require_room(count);
+    mesh_.points.resize(count);
+    for (NeutralField& field : mesh_.point_fields)
+      field.values.resize(count * static_cast<std::size_t>(field.component_count));
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, made.size(), grain), [&](const auto& part) {
+      Scratch scratch(comparison_);
+      for (std::size_t i = part.begin(); i < part.end(); ++i) {
+        const Edge& edge = edges()[made[i]];
+        comparison_.sample_cell(edge.curved_cell, coarse(middle(edge.end_places[0], edge.end_places[1])),
+                                scratch.weights, scratch.curved);
+        comparison_.store(scratch.curved, old_count + i);
+      }
+    });
+  }
+
+  RefinementError error() const {
+    const std::size_t width = comparison_.share_count(), part_count = (finished_.size() + grain - 1) / grain;
+    std::vector<Shares> parts(part_count, Shares(width, 0));
+    tbb::parallel_for(std::size_t{0}, part_count, [&](std::size_t part) {
+      Scratch scratch(comparison_);
+      for (std::size_t t = part * grain; t < std::min(finished_.size(), (part + 1) * grain); ++t) {
+        measure_middles(finished_[t], scratch);
+        for (const std::uint32_t e : finished_[t].edges)
+          for (std::size_t i = 0; i < width; ++i) scratch.shares[i] = std::max(scratch.shares[i], shares_of_edge(e)[i]);
+        for (std::size_t i = 0; i < width; ++i) parts[part][i] = std::max(parts[part][i], scratch.shares[i]);
+      }
+    });
+    Shares largest(width, 0);
+    for (const Shares& part : parts)
+      for (std::size_t i = 0; i < width; ++i) largest[i] = std::max(largest[i], part[i]);
+    return {.geometric = largest.front(), .of_fields = {largest.begin() + 1, largest.end()}};
+  }
+
+  RefinedCells result() const {
+    std::vector<std::size_t> places(cells_.size() + 1, 0);
+    for (const Tet& tet : finished_) ++places[tet.curved_cell + 1];
+    for (std::size_t c = 0; c < cells_.size(); ++c) places[c + 1] += places[c];
+    RefinedCells refined;
+    refined.tets.resize(finished_.size());
+    refined.curved_cells.resize(finished_.size());
+    for (const Tet& tet : finished_) {
+      const std::size_t place = places[tet.curved_cell]++;
+      std::copy(tet.points.begin(), tet.points.end(), refined.tets[place].begin());
+      refined.curved_cells[place] = tet.curved_cell;
+    }
+    refined.error = error();
+    return refined;
+  }
+
+  CellMesh& mesh_;
+  std::span<const CurvedCell> cells_;
+  Comparison comparison_;
+  SpreadPoints spread_;
+  RefineOptions options_;
+  EdgeTable table_;
+  Array<double> edge_shares_;  ///< of each edge its Shares
+  Array<Tet> finished_;
+};
+
+}  // namespace
+
+RefinedCells refine(CellMesh& mesh, std::span<const CurvedCell> cells, std::span<const CornerTetrahedronOfCell> tets,
+                    const RefineOptions& options, const Progress& progress) {
+  return Refinement(mesh, cells, options).run(tets, progress);
+}
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,137 @@
+#include <algorithm>
+#include <cstdio>
+
+#include "formats/base/nearest_name.h"
+#include "formats/base/trouble.h"
+#include "preprocess/import_mesh.h"
+#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/input_file.h"
+#include "tools/rhoray/measure.h"
+#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/report.h"
+#include "tools/rhoray/subcommands.h"
+#include "tools/rhoray/threads.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+struct ImportCommand {
+  CommonOptions common;
+  std::filesystem::path input;
+  std::vector<std::string> fields;
+  std::optional<double> max_error;
+  std::string time;
+};
+
+/// The cell field that tells where a tetrahedron comes from.
+constexpr const char* source_cell = "source_cell";
+
+void check(const ImportCommand& command, const std::filesystem::path& output) {
+  const std::string name = command.input.string();
+  require_input(command.input);
+  if (preprocess::foreign_kind(command.input) != preprocess::ForeignKind::mesh)
+    throw Error(
+        Trouble::invalid, concat(name, ": is not a mesh of volume cells; expected one, such as .vtu or .vtk"),
+        formats::PackedFile::looks_packed(command.input) ? concat("look into it: rhoray info ", name) : std::string{});
+  if (output.extension() != ".vtu")
+    throw Error(Trouble::usage,
+                concat(output.string(), ": found extension '", output.extension().string(), "'; expected .vtu"));
+  require_writable(command.common, output, command.input);
+}
+
+/// Keeps the fields that were asked for, in the file's order, and says which were not.
+void keep_fields(preprocess::NeutralMesh& mesh, const ImportCommand& command) {
+  if (command.fields.empty()) return;
+  std::vector<std::string> names;
+  for (const auto* fields : {&mesh.point_fields, &mesh.cell_fields})
+    for (const preprocess::NeutralField& field : *fields) names.push_back(field.name);
+  for (const std::string& asked : command.fields)
+    if (std::find(names.begin(), names.end(), asked) == names.end())
+      throw Error(Trouble::usage, concat(command.input.string(), ": no field \"", asked, "\""),
+                  did_you_mean(asked, names));
+  std::string left_out;
+  for (auto* fields : {&mesh.point_fields, &mesh.cell_fields})
+    std::erase_if(*fields, [&](const preprocess::NeutralField& field) {
+      if (std::find(command.fields.begin(), command.fields.end(), field.name) != command.fields.end()) return false;
+      left_out += concat(left_out.empty() ? "" : ", ", "\"", field.name, "\"");
+      return true;
+    });
+  if (!left_out.empty()) mesh.notes.push_back(concat("fields not asked for left out: ", left_out));
+}
+
+/// Where cells became tetrahedra or were left out, each keeps the number of its cell.
+void add_source_cells(preprocess::NeutralMesh& mesh) {
+  const auto is_named_so = [](const preprocess::NeutralField& field) { return field.name == source_cell; };
+  if (mesh.cell_ids.empty() || std::any_of(mesh.cell_fields.begin(), mesh.cell_fields.end(), is_named_so)) return;
+  preprocess::NeutralField field;
+  field.name = source_cell;
+  field.was_single_precision = false;
+  field.values.assign(mesh.cell_ids.begin(), mesh.cell_ids.end());
+  mesh.cell_fields.push_back(std::move(field));
+}
+
+void report(const ImportCommand& command, const preprocess::NeutralMesh& mesh, const std::filesystem::path& output,
+            double seconds) {
+  const Usage usage = usage_so_far();
+  for (const std::string& note : mesh.notes) say(command.common, concat("note: ", note));
+  say(command.common, concat(output.string(), ": ", grouped(mesh.cells.size()), " tetrahedra, ",
+                             grouped(mesh.points.size()), " points"));
+  say(command.common, concat("took ", rounded(seconds, 3), " s, peak memory ", bytes_text(usage.peak_bytes),
+                             ", of a worker ", bytes_text(usage.worker_peak_bytes)));
+  if (command.common.json)
+    std::puts(dump(Json{{"file", output.string()},
+                        {"cells", mesh.cells.size()},
+                        {"points", mesh.points.size()},
+                        {"seconds", seconds},
+                        {"peak_bytes", usage.peak_bytes},
+                        {"worker_peak_bytes", usage.worker_peak_bytes},
+                        {"notes", mesh.notes}})
+                  .c_str());
+}
+
+int run(const ImportCommand& command) {
+  const Stopwatch watch;
+  const std::filesystem::path& output = command.common.output;
+  if (output.empty()) throw Error(Trouble::usage, "-o: no output given; expected a file name ending in .vtu");
+  check(command, output);
+  const ThreadLimit limit(command.common.threads);
+  preprocess::NeutralMesh mesh;
+  {
+    ProgressDisplay display(command.common);
+    display.show(concat("reading ", command.input.string()));
+    mesh = preprocess::import_mesh(command.input,
+                                   {.time = command.time,
+                                    .max_error = command.max_error.value_or(preprocess::ImportMeshOptions{}.max_error),
+                                    .memory_limit_bytes = command.common.memory.bytes},
+                                   display.progress());
+    keep_fields(mesh, command);
+    add_source_cells(mesh);
+    display.show(concat("writing ", output.string()));
+    preprocess::export_mesh(mesh, output, command.common.force);
+  }
+  report(command, mesh, output, watch.seconds());
+  return 0;
+}
+
+}  // namespace
+
+Subcommand import_subcommand() {
+  const auto command = std::make_shared<ImportCommand>();
+  return {.name = "import",
+          .summary = "Mesh of cells of any kind to tetrahedra in a VTU file",
+          .examples =
+              "  rhoray import can.vtu -o can-tets.vtu\n"
+              "  rhoray import pipe.vtk --field pressure --max-error 0.002 -o pipe.vtu\n",
+          .options = all_options(
+              {{file_option("FILE", "Mesh of volume cells", command->input)},
+               output_options(command->common, "Mesh of tetrahedra (.vtu)"),
+               {value_option("--field", "A[,B]", "Fields to keep, of points or cells; default all", command->fields),
+                max_error_option(command->max_error), value_option("--time", "T", time_help, command->time)},
+               threads_option(command->common),
+               memory_option(command->common, "Limit for the process that reads the input, such as 2G"),
+               message_options(command->common, "What was made, as one JSON document on stdout")}),
+          .run = [command] { return run(*command); }};
+}
+
+}  // namespace rhoray::tools
