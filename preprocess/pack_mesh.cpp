@@ -31,9 +31,9 @@ double wanted_leaf_cells(const PackMeshOptions& options, std::size_t cell_count)
 }
 
 /// Positions of the cells in the source file; empty when these are 0, 1, 2, ...
-std::vector<std::uint32_t> cell_ids(const NeutralMesh& mesh, const CleanMesh& clean, const std::string& source_name) {
+Array<std::uint32_t> cell_ids(const NeutralMesh& mesh, const CleanMesh& clean, const std::string& source_name) {
   if (mesh.cell_ids.empty() && clean.dropped_cell_count == 0) return {};
-  std::vector<std::uint32_t> ids;
+  Array<std::uint32_t> ids;
   ids.reserve(clean.source_cells.size());
   for (const std::uint64_t cell : clean.source_cells) {
     const std::uint64_t id = mesh.cell_ids.empty() ? cell : mesh.cell_ids[cell];
@@ -61,9 +61,7 @@ void note_no_data(const formats::FieldSummary& field, std::vector<std::string>& 
 
 formats::FieldSummary summary_of(const PointField& field) {
   return std::visit(
-      [&]<class T>(const std::vector<T>& values) {
-        return summarize(std::span<const T>(values), field.name, field.unit);
-      },
+      [&]<class T>(const Array<T>& values) { return summarize(std::span<const T>(values), field.name, field.unit); },
       field.values);
 }
 
@@ -89,8 +87,8 @@ formats::TetMeshDescription description_of(const NeutralMesh& mesh, const CleanM
 
 /// The field's values and its intervals on every level.
 template <class T>
-void write_field(formats::PackedFileWriter& writer, std::size_t field, const std::vector<T>& values,
-                 const CleanMesh& clean, const LeafLists& lists, const formats::MacroShape& shape) {
+void write_field(formats::PackedFileWriter& writer, std::size_t field, const Array<T>& values, const CleanMesh& clean,
+                 const LeafLists& lists, const formats::MacroShape& shape) {
   writer.write_all(concat("field.", field), std::span<const T>(values));
   Levels<T> levels(1, build_leaf_ranges(clean.cells, std::span<const T>(values), lists.view()));
   add_levels_above_leaves(levels, shape);
@@ -110,7 +108,7 @@ PackMeshReport pack_mesh(const NeutralMesh& mesh, const std::filesystem::path& p
   report.notes = clean.notes;
   const std::vector<PointField> fields =
       choose_fields(mesh, clean, options.fields, options.cells_to_points, source_name, report.notes);
-  const std::vector<std::uint32_t> ids = cell_ids(mesh, clean, source_name);
+  const Array<std::uint32_t> ids = cell_ids(mesh, clean, source_name);
   formats::TetMeshDescription& packed = report.description;
   packed = description_of(mesh, clean, fields, options);
   for (const formats::FieldSummary& field : packed.fields) note_no_data(field, report.notes);

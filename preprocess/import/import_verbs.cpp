@@ -19,13 +19,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-formats::PackedFile run_reader(const fs::path& path, std::vector<std::string> arguments,
-                               std::uint64_t memory_limit_bytes) {
+template <class Options>
+formats::PackedFile run_reader(const fs::path& path, std::vector<std::string> arguments, const Options& options) {
   WorkerRequest request;
   request.program = import_worker;
   request.doing = "reading " + path.string();
   request.arguments = std::move(arguments);
-  request.memory_limit_bytes = memory_limit_bytes;
+  request.memory_limit_bytes = options.memory_limit_bytes;
+  request.scratch_folder = options.scratch_folder;
   return run_worker(request);
 }
 
@@ -93,15 +94,15 @@ class PendingFile {
 }  // namespace
 
 NeutralVolume import_volume(const fs::path& path, const ImportVolumeOptions& options) {
-  NeutralVolume volume = take_volume(run_reader(
-      path, volume_arguments(path, {.raw = options.raw, .field = options.field}), options.memory_limit_bytes));
+  NeutralVolume volume =
+      take_volume(run_reader(path, volume_arguments(path, {.raw = options.raw, .field = options.field}), options));
   if (options.spacing) set_spacing(volume.world_from_grid, *options.spacing);
   if (options.origin) set_origin(volume.world_from_grid, *options.origin);
   return volume;
 }
 
 CellMesh import_cells(const fs::path& path, const ImportMeshOptions& options) {
-  return take_cell_mesh(run_reader(path, {"cells", path.string(), options.time}, options.memory_limit_bytes));
+  return take_cell_mesh(run_reader(path, {"cells", path.string(), options.time}, options));
 }
 
 NeutralMesh import_mesh(const fs::path& path, const ImportMeshOptions& options) {
@@ -114,7 +115,7 @@ NeutralMesh import_mesh(const fs::path& path, const ImportMeshOptions& options) 
 }
 
 NeutralSurface import_surface(const fs::path& path, const fs::path& sizes, const ImportMeshOptions& options) {
-  return take_surface(run_reader(path, {"surface", path.string(), sizes.string()}, options.memory_limit_bytes));
+  return take_surface(run_reader(path, {"surface", path.string(), sizes.string()}, options));
 }
 
 void export_mesh(const NeutralMesh& mesh, const fs::path& path, bool replace_existing) {

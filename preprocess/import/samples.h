@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "preprocess/import/foreign_file.h"
 #include "preprocess/neutral.h"
 
 namespace rhoray::preprocess {
@@ -21,7 +22,13 @@ std::uint64_t checked_volume_bytes(const std::filesystem::path& path, const Inde
 /// Refuses sizes that so short a file cannot hold even if packed by zlib as tightly as it can.
 void check_packed_size(const std::filesystem::path& path, std::uint64_t wanted_bytes, std::uint64_t file_bytes);
 
+/// True when numbers of this type stand in the machine's order already.
+bool is_native(formats::ElementType type, bool big_endian);
+
 void set_samples(NeutralVolume& volume, Array<std::byte> samples);
+
+/// Samples that stand in the file as they are wanted stay there: no copy is made on the way to the packer.
+void leave_samples_in(NeutralVolume& volume, const ForeignFile& file, std::span<const std::byte> samples);
 
 /// The last step of every reader: 64-bit integers become F64 where each is kept exactly and are refused otherwise; a
 /// map that is not finite or not invertible is refused.

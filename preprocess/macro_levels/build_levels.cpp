@@ -124,9 +124,9 @@ class GridRow {
 
 /// Joins the intervals of factor^3 cells of a level into one of the level above.
 template <class T>
-std::vector<T> level_above(const MacroShape& shape, int level, const std::vector<T>& below) {
+Array<T> level_above(const MacroShape& shape, int level, const Array<T>& below) {
   const Index3 count = shape.count(level), count_below = shape.count(level - 1);
-  std::vector<T> above(static_cast<std::size_t>(2 * volume(count)));
+  Array<T> above(static_cast<std::size_t>(2 * volume(count)));
   tbb::parallel_for(Rows(0, count.z, 0, count.y), [&](const Rows& rows) {
     for (std::int64_t k = rows.rows().begin(); k < rows.rows().end(); ++k)
       for (std::int64_t j = rows.cols().begin(); j < rows.cols().end(); ++j)

@@ -5,12 +5,13 @@
 
 #include "formats/base/vector.h"
 #include "formats/macro_levels.h"
+#include "preprocess/neutral.h"
 
 namespace rhoray::preprocess {
 
 /// The intervals of every level, ready to be written: levels[l - first_level] is laid out as MacroLevelsView says.
 template <class T>
-using Levels = std::vector<std::vector<T>>;
+using Levels = std::vector<Array<T>>;
 
 /// Levels 1 and up of a grid. A macrocell's interval is the range of the samples at the corners of its leaf cells,
 /// without the absent ones (those with a corner that is NaN or infinite): empty exactly when all of them are absent.

@@ -16,11 +16,14 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <memory_resource>
 #include <new>
 #include <optional>
 #include <utility>
 
 #include "formats/base/trouble.h"
+#include "preprocess/scratch/nameless_file.h"
+#include "preprocess/scratch/scratch_memory.h"
 
 extern char** environ;
 
@@ -66,9 +69,11 @@ class Descriptor {
   int number_;
 };
 
-Descriptor anonymous_file(const std::string& doing, const char* name) {
+/// What lies between the two processes: in memory, or in the scratch folder.
+Descriptor anonymous_file(const WorkerRequest& request, const char* name) {
+  if (!request.scratch_folder.empty()) return Descriptor(open_nameless_file(request.scratch_folder, 0));
   const int number = ::memfd_create(name, MFD_CLOEXEC);
-  if (number < 0) refuse_by_system(doing, "memfd_create");
+  if (number < 0) refuse_by_system(request.doing, "memfd_create");
   return Descriptor(number);
 }
 
@@ -94,6 +99,7 @@ struct Start {
   std::vector<std::string> argument_texts{}, environment_texts{};
   std::vector<char*> arguments{}, environment{};
   std::optional<rlimit> memory{}, time{};
+  decltype(RLIMIT_AS) limited_memory = RLIMIT_AS;
 };
 
 std::vector<char*> pointers_to(std::vector<std::string>& texts) {
@@ -104,7 +110,7 @@ std::vector<char*> pointers_to(std::vector<std::string>& texts) {
 }
 
 bool is_ours(std::string_view variable) {
-  for (const std::string_view name : {"RHORAY_INPUT_FD=", "RHORAY_OUTPUT_FD=", "RHORAY_DOING="})
+  for (const std::string_view name : {"RHORAY_INPUT_FD=", "RHORAY_OUTPUT_FD=", "RHORAY_DOING=", "RHORAY_SCRATCH="})
     if (variable.starts_with(name)) return true;
   return false;
 }
@@ -117,11 +123,14 @@ void prepare_texts(Start& start, const WorkerRequest& request) {
   if (start.input >= 0) start.environment_texts.push_back(concat("RHORAY_INPUT_FD=", start.input));
   start.environment_texts.push_back(concat("RHORAY_OUTPUT_FD=", start.output));
   start.environment_texts.push_back("RHORAY_DOING=" + request.doing);
+  if (!request.scratch_folder.empty())
+    start.environment_texts.push_back("RHORAY_SCRATCH=" + request.scratch_folder.string());
   start.arguments = pointers_to(start.argument_texts);
   start.environment = pointers_to(start.environment_texts);
 }
 
 void prepare_limits(Start& start, const WorkerRequest& request) {
+  start.limited_memory = request.scratch_folder.empty() ? RLIMIT_AS : RLIMIT_DATA;
   if (request.memory_limit_bytes > 0 && address_space_can_be_limited)
     start.memory = rlimit{request.memory_limit_bytes, request.memory_limit_bytes};
   if (request.time_limit_s > 0) {
@@ -148,7 +157,8 @@ void prepare_limits(Start& start, const WorkerRequest& request) {
   ::fcntl(start.output, F_SETFD, 0);
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
-  if (start.memory && ::setrlimit(RLIMIT_AS, &*start.memory) != 0) fail_in_child("the memory limit was not accepted\n");
+  if (start.memory && ::setrlimit(start.limited_memory, &*start.memory) != 0)
+    fail_in_child("the memory limit was not accepted\n");
   if (start.time && ::setrlimit(RLIMIT_CPU, &*start.time) != 0) fail_in_child("the time limit was not accepted\n");
   ::execve(start.arguments[0], start.arguments.data(), start.environment.data());
   fail_in_child("the worker program was not accepted by the system\n");
@@ -238,11 +248,11 @@ std::optional<Trouble> trouble_of(int exit_code) {
 formats::PackedFile run_worker(const WorkerRequest& request) {
   Descriptor input;
   if (request.write_input) {
-    input = anonymous_file(request.doing, "rhoray-input");
+    input = anonymous_file(request, "rhoray-input");
     request.write_input(input.number());
     if (::lseek(input.number(), 0, SEEK_SET) < 0) refuse_by_system(request.doing, "lseek");
   }
-  const Descriptor output = anonymous_file(request.doing, "rhoray-output");
+  const Descriptor output = anonymous_file(request, "rhoray-output");
   int pipe_ends[2];
   if (::pipe2(pipe_ends, O_CLOEXEC) != 0) refuse_by_system(request.doing, "pipe2");
   const Descriptor hear(pipe_ends[0]);
@@ -294,6 +304,14 @@ int descriptor_named(const char* variable) {
   return text == nullptr ? -1 : std::atoi(text);
 }
 
+/// From now on, large arrays of this process lie in the folder that the caller named, if it did.
+void use_scratch_folder() {
+  const char* folder = std::getenv("RHORAY_SCRATCH");
+  if (folder == nullptr) return;
+  static ScratchMemory scratch{folder};
+  std::pmr::set_default_resource(&scratch);
+}
+
 }  // namespace
 
 int worker_main(const std::function<void(int input, int output)>& act) {
@@ -303,6 +321,7 @@ int worker_main(const std::function<void(int input, int output)>& act) {
     return report(Trouble::usage, "this program is started by others, which give it RHORAY_OUTPUT_FD and RHORAY_DOING",
                   "call `rhoray`");
   try {
+    use_scratch_folder();
     act(descriptor_named("RHORAY_INPUT_FD"), output);
     return 0;
   } catch (const Error& error) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -17,10 +18,13 @@ struct WorkerRequest {
   std::vector<std::string> arguments;
   std::function<void(int descriptor)> write_input;  ///< fills what the worker reads; may be empty
   std::uint64_t memory_limit_bytes = 0;             ///< address space of the worker; 0 = none
-  double time_limit_s = 0;                          ///< CPU time of the worker; 0 = none
+  /// When not empty, what goes over and the large arrays of the worker lie in nameless files of this folder instead
+  /// of memory, and memory_limit_bytes counts anonymous memory only (memory_cap.h).
+  std::filesystem::path scratch_folder;
+  double time_limit_s = 0;  ///< CPU time of the worker; 0 = none
 };
 
-/// Runs the worker to its end and returns what it handed over, an anonymous packed file in memory.
+/// Runs the worker to its end and returns what it handed over, a packed file without a name.
 ///
 /// The worker is started as `program ARGUMENTS...` with the descriptors' numbers in RHORAY_INPUT_FD and
 /// RHORAY_OUTPUT_FD. It ends with 0 after writing its output, or with a Trouble's number after printing the fact as its
