@@ -15,7 +15,7 @@ namespace rhoray::preprocess {
 class MemoryCap {
  public:
   /// Programs, libraries and buffers take about this much of any run: smaller caps could not be kept.
-  static constexpr std::uint64_t smallest_bytes = std::uint64_t{48} << 20;
+  static constexpr std::uint64_t smallest_bytes = std::uint64_t{16} << 20;
 
   /// Refuses caps below the smallest (Trouble::usage).
   MemoryCap(std::uint64_t bytes, std::filesystem::path folder);

@@ -16,6 +16,7 @@
 #include "preprocess/import/mesh_cells.h"
 #include "preprocess/import/vtk_arrays.h"
 #include "preprocess/import/vtk_errors.h"
+#include "preprocess/import/vtu_stream.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -114,6 +115,7 @@ void check_arrival(vtkXMLUnstructuredGridReader& reader, vtkUnstructuredGrid& gr
 
 CellMesh read_vtu(const std::filesystem::path& path) {
   check_vtk_xml(path, "UnstructuredGrid");
+  if (std::optional<CellMesh> mesh = stream_vtu(path)) return *std::move(mesh);
   const VtkErrors errors;
   vtkNew<vtkXMLUnstructuredGridReader> reader;
   reader->SetFileName(path.c_str());
