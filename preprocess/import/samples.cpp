@@ -245,6 +245,10 @@ NeutralVolume volume_of_field(const std::filesystem::path& path, const PointGrid
                               const std::string& field) {
   const Choice choice = choose(path, arrays, field);
   GridArray& array = arrays[choice.array];
+  if (array.load) {
+    array.owned = array.load();
+    array.values = array.owned;
+  }
   const PointGrid grid = array.in_cells ? cell_middles(points) : points;
   const std::uint64_t bytes = checked_volume_bytes(path, grid.point_count, array.type);
   const auto components = static_cast<std::uint64_t>(array.component_count);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -43,8 +44,9 @@ struct GridArray {
   formats::ElementType type = formats::ElementType::U8;
   int component_count = 1;
   bool in_cells = false;
-  Array<std::byte> owned;             ///< either this,
-  std::span<const std::byte> values;  ///< or a view of memory that outlives the array; native order
+  Array<std::byte> owned;                    ///< either this,
+  std::span<const std::byte> values;         ///< or a view of memory that outlives the array; native order,
+  std::function<Array<std::byte>()> load{};  ///< or a way to read them, when they are chosen
 };
 
 /// What a grid of points looks like: sample (i, j, k) lies at world_from_grid.point({i, j, k}).
