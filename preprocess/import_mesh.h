@@ -4,6 +4,7 @@
 #include <string>
 
 #include "preprocess/neutral.h"
+#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 
@@ -14,6 +15,7 @@ struct ImportMeshOptions {
   double max_error = 0.01;                 ///< of higher-order cells made tetrahedra (subdivide.h)
   std::uint64_t memory_limit_bytes = 0;    ///< of the reading process; 0 = none
   std::filesystem::path scratch_folder{};  ///< when not empty, a cap on anonymous memory (memory_cap.h), not a limit
+  Progress progress{};                     ///< phase "reading (bytes)", of formats that are read array by array
 };
 
 /// Reads cells of every kind from the mesh formats of import/README.md, in a process of its own. Line and surface cells

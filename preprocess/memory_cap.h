@@ -23,6 +23,9 @@ class MemoryCap {
   MemoryCap& operator=(const MemoryCap&) = delete;
   ~MemoryCap();
 
+  /// True when the folder's files are memory themselves (tmpfs), so that a cap there saves nothing.
+  static bool folder_is_memory(const std::filesystem::path& folder);
+
  private:
   struct Before;
   std::unique_ptr<Before> before_;

@@ -79,17 +79,14 @@ PackVolumeReport pack_samples(const NeutralVolume& volume, const std::filesystem
       choose_macro_shape(volume.sample_count - Index3(1, 1, 1), options.macro_factor, options.macro_level_count);
   grid.provenance = {.source_name = options.source_name, .source_checksum = {}, .command = options.command};
 
-  ProgressMeter finding(progress, "finding value ranges", 2);
-  grid.field = summarize(samples, volume.field_name.empty() ? "value" : volume.field_name, volume.field_unit);
-  finding.add(1);
-  const Levels<T> levels = build_grid_levels(samples, grid.macro);
-  finding.add(1);
+  grid.field = summarize(samples, volume.field_name.empty() ? "value" : volume.field_name, volume.field_unit, progress);
+  const Levels<T> levels = build_grid_levels(samples, grid.macro, progress);
 
   formats::PackedFileWriter writer(path, formats::describe(grid), formats::grid_arrays(grid),
                                    {.replace_existing = options.replace_existing});
   std::uint64_t bytes = sizeof(T);
   for (const std::uint64_t n : grid.layout.shape()) bytes *= n;
-  ProgressMeter writing(progress, "writing samples", bytes);
+  ProgressMeter writing(progress, "writing samples (bytes)", bytes);
   write_samples(samples, grid.layout, writer, writing);
   for (std::size_t l = 0; l < levels.size(); ++l)
     writer.write_all(concat("macro.", l + 1), std::span<const T>(levels[l]));

@@ -27,6 +27,10 @@ formats::PackedFile run_reader(const fs::path& path, std::vector<std::string> ar
   request.arguments = std::move(arguments);
   request.memory_limit_bytes = options.memory_limit_bytes;
   request.scratch_folder = options.scratch_folder;
+  if (options.progress)
+    request.progress = [&](std::uint64_t done, std::uint64_t total) {
+      options.progress("reading (bytes)", done, total);
+    };
   return run_worker(request);
 }
 

@@ -14,6 +14,7 @@
 #include "formats/base/parallel.h"
 #include "preprocess/import/numbers.h"
 #include "preprocess/import/samples.h"
+#include "preprocess/worker/child_process.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -223,6 +224,10 @@ void VtkXmlStream::check_count(const VtkXmlArray& array, std::uint64_t count) co
   if (count > most) refuse(array, concat(there, " bytes"), concat(count, " numbers"));
 }
 
+void VtkXmlStream::count_progress(std::uint64_t bytes) const {
+  report_worker_progress(bytes_done_->fetch_add(bytes) + bytes, file_->bytes().size());
+}
+
 /// Calls act(first byte, bytes) for pieces that together are the first wanted_bytes of the array, each of whole
 /// numbers, in the file's byte order, from several threads.
 template <class Act>
@@ -248,8 +253,10 @@ void VtkXmlStream::for_each_plain_piece(const VtkXmlArray& array, Source source,
   if (!source.base64) {
     if (source.plain.size() < wanted_bytes) refuse_end();
     for_each_range(pieces, 4, unpacking_threads(), [&](std::uint64_t first, std::uint64_t last) {
-      for (std::uint64_t piece = first; piece < last; ++piece)
+      for (std::uint64_t piece = first; piece < last; ++piece) {
         act(piece * plain_piece_bytes, source.plain.subspan(piece * plain_piece_bytes, size_of(piece)));
+        count_progress(size_of(piece));
+      }
     });
     return;
   }
@@ -258,6 +265,7 @@ void VtkXmlStream::for_each_plain_piece(const VtkXmlArray& array, Source source,
     const std::span<std::byte> bytes = std::span(buffer).first(size_of(piece));
     if (!source.read(bytes)) refuse_end();
     act(piece * plain_piece_bytes, bytes);
+    count_progress(bytes.size() / 3 * 4);
   }
 }
 
@@ -323,6 +331,7 @@ void VtkXmlStream::for_each_packed_piece(const VtkXmlArray& array, Source source
     if (first >= wanted_bytes) return;
     const std::span<const std::byte> bytes = blocks.unpack(block, packed, buffer);
     act(first, bytes.first(std::min<std::uint64_t>(bytes.size(), wanted_bytes - first)));
+    count_progress(packed.size());
   };
   const auto refuse_end = [&] { refuse(array, "the end of the data, or what is no base64", "all of its blocks"); };
   if (!source.base64) {

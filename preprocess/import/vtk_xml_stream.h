@@ -1,6 +1,8 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -26,7 +28,7 @@ struct VtkXmlArray {
 
 /// A VTK XML file whose arrays are read one at a time, block by block, straight into arrays of ours: text, base64 and
 /// appended data, plain or packed by zlib, in both byte orders. VTK's own reader would hold the whole data set in
-/// memory of its own first.
+/// memory of its own first. Progress is reported as that of a worker.
 class VtkXmlStream {
  public:
   /// Nothing for a file that uses what is not known here, or is not well-formed: VTK's reader then has the last word.
@@ -57,6 +59,7 @@ class VtkXmlStream {
 
   VtkXmlStream(const ForeignFile& file, XmlElement root) : file_(&file), root_(std::move(root)) {}
   bool take_encoding();
+  void count_progress(std::uint64_t bytes) const;
   template <class Act>
   void for_each_piece(const VtkXmlArray& array, std::uint64_t wanted_bytes, const Act& act) const;
   template <class Act>
@@ -74,6 +77,7 @@ class VtkXmlStream {
   bool appended_base64_ = false;
   std::size_t header_bytes_ = 4;  ///< of each number before the data
   std::string_view appended_;     ///< behind its underscore
+  std::shared_ptr<std::atomic<std::uint64_t>> bytes_done_ = std::make_shared<std::atomic<std::uint64_t>>(0);
 };
 
 }  // namespace rhoray::preprocess

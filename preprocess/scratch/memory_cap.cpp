@@ -1,6 +1,8 @@
 #include "preprocess/memory_cap.h"
 
+#include <linux/magic.h>
 #include <sys/resource.h>
+#include <sys/vfs.h>
 
 #include <algorithm>
 #include <memory_resource>
@@ -46,6 +48,12 @@ MemoryCap::MemoryCap(std::uint64_t bytes, std::filesystem::path folder)
 MemoryCap::~MemoryCap() {
   ::setrlimit(RLIMIT_DATA, &before_->limit);
   std::pmr::set_default_resource(before_->resource);
+}
+
+bool MemoryCap::folder_is_memory(const std::filesystem::path& folder) {
+  struct statfs facts {};
+  if (::statfs(folder.c_str(), &facts) != 0) return false;
+  return facts.f_type == TMPFS_MAGIC || facts.f_type == RAMFS_MAGIC;
 }
 
 }  // namespace rhoray::preprocess

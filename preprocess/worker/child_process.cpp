@@ -8,7 +8,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
+#include <chrono>
+#include <cinttypes>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -17,6 +20,7 @@
 #include <exception>
 #include <filesystem>
 #include <memory_resource>
+#include <mutex>
 #include <new>
 #include <optional>
 #include <utility>
@@ -41,6 +45,7 @@ constexpr bool address_space_can_be_limited = true;
 
 constexpr std::size_t kept_complaint_bytes = 64 << 10;
 constexpr std::string_view hint_mark = "hint: ";
+constexpr char progress_mark = '\1';  // begins a line of progress
 
 [[noreturn]] void refuse_by_system(const std::string& doing, const char* call) {
   const int reason = errno;
@@ -164,15 +169,33 @@ void prepare_limits(Start& start, const WorkerRequest& request) {
   fail_in_child("the worker program was not accepted by the system\n");
 }
 
-/// The last of what the worker printed, read until it closes its end.
-std::string complaints_of(int descriptor) {
-  std::string text;
+/// Passes on a line `<mark>DONE TOTAL`.
+void pass_progress_on(const char* numbers, const WorkerRequest& request) {
+  std::uint64_t done = 0, total = 0;
+  if (request.progress && std::sscanf(numbers, "%" SCNu64 " %" SCNu64, &done, &total) == 2)
+    request.progress(done, total);
+}
+
+/// What the worker prints, until it closes its end: progress is passed on, and the last of the rest is kept.
+std::string complaints_of(int descriptor, const WorkerRequest& request) {
+  std::string text, rest;
   char piece[4096];
   for (;;) {
     const ssize_t count = ::read(descriptor, piece, sizeof piece);
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return text;
-    text.append(piece, static_cast<std::size_t>(count));
+    if (count <= 0) return text + rest;
+    rest.append(piece, static_cast<std::size_t>(count));
+    std::size_t begin = 0;
+    for (std::size_t end; (end = rest.find('\n', begin)) != std::string::npos; begin = end + 1) {
+      const std::size_t mark = std::min(rest.find(progress_mark, begin), end);
+      text.append(rest, begin, mark - begin);
+      if (mark == end)
+        text += '\n';
+      else
+        pass_progress_on(rest.c_str() + mark + 1, request);
+    }
+    rest.erase(0, begin);
+    if (rest.size() > kept_complaint_bytes) text += std::exchange(rest, {});
     if (text.size() > 2 * kept_complaint_bytes) text.erase(0, text.size() - kept_complaint_bytes);
   }
 }
@@ -272,7 +295,15 @@ formats::PackedFile run_worker(const WorkerRequest& request) {
   if (child < 0) refuse_by_system(request.doing, "fork");
   if (child == 0) become_worker(start);
   speak.close();
-  const std::string complaints = complaints_of(hear.number());
+  const std::string complaints = [&] {
+    try {
+      return complaints_of(hear.number(), request);
+    } catch (...) {
+      ::kill(child, SIGKILL);
+      end_of(child);
+      throw;
+    }
+  }();
   const int status = end_of(child);
 
   if (WIFSIGNALED(status)) report_death(WTERMSIG(status), request, complaints);
@@ -304,6 +335,8 @@ int descriptor_named(const char* variable) {
   return text == nullptr ? -1 : std::atoi(text);
 }
 
+std::atomic<bool> is_worker = false;
+
 /// From now on, large arrays of this process lie in the folder that the caller named, if it did.
 void use_scratch_folder() {
   const char* folder = std::getenv("RHORAY_SCRATCH");
@@ -314,12 +347,25 @@ void use_scratch_folder() {
 
 }  // namespace
 
+void report_worker_progress(std::uint64_t done, std::uint64_t total) {
+  if (!is_worker) return;
+  static std::mutex guard;
+  static std::chrono::steady_clock::time_point last;
+  const std::lock_guard lock(guard);
+  const auto now = std::chrono::steady_clock::now();
+  if (now - last < std::chrono::milliseconds(100)) return;
+  last = now;
+  const std::string line = concat(std::string(1, progress_mark), done, " ", total, "\n");
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, line.data(), line.size());
+}
+
 int worker_main(const std::function<void(int input, int output)>& act) {
   const char* doing = std::getenv("RHORAY_DOING");
   const int output = descriptor_named("RHORAY_OUTPUT_FD");
   if (doing == nullptr || output < 0)
     return report(Trouble::usage, "this program is started by others, which give it RHORAY_OUTPUT_FD and RHORAY_DOING",
                   "call `rhoray`");
+  is_worker = true;
   try {
     use_scratch_folder();
     act(descriptor_named("RHORAY_INPUT_FD"), output);

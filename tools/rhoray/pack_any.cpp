@@ -95,6 +95,7 @@ PackResult pack_volume(const PackOptions& options, const std::filesystem::path& 
   import.origin = options.origin;
   import.memory_limit_bytes = options.memory_limit_bytes;
   import.scratch_folder = scratch_folder(options, output);
+  import.progress = progress;
   if (progress) progress("reading", 0, 0);
   const preprocess::NeutralVolume volume = preprocess::import_volume(options.input, import);
 
@@ -134,9 +135,10 @@ PackResult pack_mesh(const PackOptions& options, const std::filesystem::path& ou
   pack.leaf_cells_per_tetrahedron = options.leaf_ratio.value_or(pack.leaf_cells_per_tetrahedron);
   if (options.cells != "auto") read_value(options.cells, pack.leaf_cell_count);
   if (progress) progress("reading", 0, 0);
-  const preprocess::NeutralMesh mesh = preprocess::import_mesh(
-      options.input,
-      {.memory_limit_bytes = options.memory_limit_bytes, .scratch_folder = scratch_folder(options, output)});
+  const preprocess::NeutralMesh mesh =
+      preprocess::import_mesh(options.input, {.memory_limit_bytes = options.memory_limit_bytes,
+                                              .scratch_folder = scratch_folder(options, output),
+                                              .progress = progress});
   const preprocess::PackMeshReport report = preprocess::pack_mesh(mesh, output, pack, progress);
 
   const formats::TetMeshDescription& packed = report.description;
@@ -176,7 +178,11 @@ PackResult pack_any(const PackOptions& options, const std::filesystem::path& out
                     const preprocess::Progress& progress) {
   std::optional<preprocess::MemoryCap> cap;
   if (options.memory_limit_bytes != 0) cap.emplace(options.memory_limit_bytes, scratch_folder(options, output));
-  return is_volume(options) ? pack_volume(options, output, progress) : pack_mesh(options, output, progress);
+  PackResult result =
+      is_volume(options) ? pack_volume(options, output, progress) : pack_mesh(options, output, progress);
+  if (cap && preprocess::MemoryCap::folder_is_memory(scratch_folder(options, output)))
+    result.notes.push_back("the output's folder lies in memory itself: --memory saves none there");
+  return result;
 }
 
 }  // namespace rhoray::tools

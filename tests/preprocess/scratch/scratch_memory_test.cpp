@@ -128,5 +128,18 @@ TEST(MemoryCap, refuses_what_programs_take_by_themselves) {
                       [&] { const MemoryCap cap(MemoryCap::smallest_bytes - 1, folder.path()); });
 }
 
+TEST(MemoryCap, knows_folders_that_are_memory) {
+  EXPECT_FALSE(MemoryCap::folder_is_memory("/proc"));
+  EXPECT_FALSE(MemoryCap::folder_is_memory("/no/such/folder"));
+  std::ifstream mounts("/proc/mounts");
+  std::string place, kind;
+  for (std::string source, rest; mounts >> source >> place >> kind && std::getline(mounts, rest);)
+    if (kind == "tmpfs" && std::filesystem::is_directory(place)) {
+      EXPECT_TRUE(MemoryCap::folder_is_memory(place)) << place;
+      return;
+    }
+  GTEST_SKIP() << "no folder of this system lies in memory";
+}
+
 }  // namespace
 }  // namespace rhoray::preprocess
