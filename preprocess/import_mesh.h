@@ -12,8 +12,10 @@ struct ImportMeshOptions {
   /// Which time step of a file that has several: "first", "last", "#N" (from 0), or a time: the nearest is taken, with
   /// a note. Empty: the only one, or the last with a note.
   std::string time{};
-  double max_error = 0.01;               ///< of higher-order cells made tetrahedra (subdivide.h)
-  std::uint64_t memory_limit_bytes = 0;  ///< of the reading process; 0 = none
+  double max_error = 0.01;                 ///< of higher-order cells made tetrahedra (subdivide.h)
+  std::uint64_t memory_limit_bytes = 0;    ///< of the reading process; 0 = none
+  std::filesystem::path scratch_folder{};  ///< when not empty, a cap on anonymous memory (memory_cap.h), not a limit
+  Progress progress{};                     ///< of subdividing, and "reading (bytes)" of formats read array by array
 };
 
 /// Reads cells of every kind from the mesh formats of import/README.md, in a process of its own. Line and surface cells
@@ -21,8 +23,7 @@ struct ImportMeshOptions {
 CellMesh import_cells(const std::filesystem::path& path, const ImportMeshOptions& options = {});
 
 /// Reads a mesh and makes its cells tetrahedra (subdivide.h).
-NeutralMesh import_mesh(const std::filesystem::path& path, const ImportMeshOptions& options = {},
-                        const Progress& progress = {});
+NeutralMesh import_mesh(const std::filesystem::path& path, const ImportMeshOptions& options = {});
 
 /// Reads a surface from PLY, STL, OBJ, OFF, or TetGen .poly/.smesh (with holes and regions). Points that coincide
 /// exactly are merged in formats that repeat them (STL). A TetGen .mtr file beside it, or named here, gives wanted

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "preprocess/neutral.h"
+#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 
@@ -20,11 +21,13 @@ struct RawVolume {
 RawVolume parse_raw_volume(const std::string& text);
 
 struct ImportVolumeOptions {
-  std::optional<RawVolume> raw;          ///< read as headerless bytes
-  std::string field;                     ///< name of the array to take; empty = the only or first scalar one
-  std::optional<Vec3> spacing;           ///< replaces the file's
-  std::optional<Vec3> origin;            ///< replaces the file's
-  std::uint64_t memory_limit_bytes = 0;  ///< of the reading process; 0 = none
+  std::optional<RawVolume> raw;            ///< read as headerless bytes
+  std::string field;                       ///< name of the array to take; empty = the only or first scalar one
+  std::optional<Vec3> spacing;             ///< replaces the file's
+  std::optional<Vec3> origin;              ///< replaces the file's
+  std::uint64_t memory_limit_bytes = 0;    ///< of the reading process; 0 = none
+  std::filesystem::path scratch_folder{};  ///< when not empty, a cap on anonymous memory (memory_cap.h), not a limit
+  Progress progress{};                     ///< phase "reading (bytes)", of formats that are read array by array
 };
 
 /// Reads NRRD (.nrrd, .nhdr), MetaImage (.mhd, .mha), NIfTI (.nii, .nii.gz), VTK image data (.vti, legacy .vtk), or raw

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <memory_resource>
 #include <string>
@@ -27,6 +28,8 @@ struct NeutralVolume {
   Array<std::byte> owned_samples;       ///< either these,
   std::shared_ptr<const void> mapping;  ///< or a mapping that keeps `samples` alive
   std::span<const std::byte> samples;   ///< native byte order, volume(sample_count) elements
+  std::filesystem::path samples_file;   ///< when not empty, `mapping` is of this file and `samples` lie in it
+  std::uint64_t samples_first_byte = 0;
   Affine world_from_grid;
   /// Where the samples of each axis stand in the frame of world_from_grid, rising; empty = at 0, 1, 2, ...
   std::array<std::vector<double>, 3> axes;

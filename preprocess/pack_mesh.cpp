@@ -31,9 +31,9 @@ double wanted_leaf_cells(const PackMeshOptions& options, std::size_t cell_count)
 }
 
 /// Positions of the cells in the source file; empty when these are 0, 1, 2, ...
-std::vector<std::uint32_t> cell_ids(const NeutralMesh& mesh, const CleanMesh& clean, const std::string& source_name) {
+Array<std::uint32_t> cell_ids(const NeutralMesh& mesh, const CleanMesh& clean, const std::string& source_name) {
   if (mesh.cell_ids.empty() && clean.dropped_cell_count == 0) return {};
-  std::vector<std::uint32_t> ids;
+  Array<std::uint32_t> ids;
   ids.reserve(clean.source_cells.size());
   for (const std::uint64_t cell : clean.source_cells) {
     const std::uint64_t id = mesh.cell_ids.empty() ? cell : mesh.cell_ids[cell];
@@ -61,9 +61,7 @@ void note_no_data(const formats::FieldSummary& field, std::vector<std::string>& 
 
 formats::FieldSummary summary_of(const PointField& field) {
   return std::visit(
-      [&]<class T>(const std::vector<T>& values) {
-        return summarize(std::span<const T>(values), field.name, field.unit);
-      },
+      [&]<class T>(const Array<T>& values) { return summarize(std::span<const T>(values), field.name, field.unit); },
       field.values);
 }
 
@@ -87,15 +85,47 @@ formats::TetMeshDescription description_of(const NeutralMesh& mesh, const CleanM
   return packed;
 }
 
+std::uint64_t bytes_of(const std::vector<formats::ArraySpec>& arrays) {
+  std::uint64_t bytes = 0;
+  for (const formats::ArraySpec& array : arrays) {
+    std::uint64_t size = formats::element_bytes(array.type);
+    for (const std::uint64_t count : array.shape) size *= count;
+    bytes += size;
+  }
+  return bytes;
+}
+
+/// Arrays written piece by piece, so that progress is seen.
+class MeteredWriter {
+ public:
+  MeteredWriter(formats::PackedFileWriter& writer, const Progress& progress, std::uint64_t bytes)
+      : writer_(writer), meter_(progress, "writing (bytes)", bytes) {}
+
+  template <class T>
+  void write(const std::string& array, std::span<const T> values) {
+    constexpr std::size_t piece_bytes = std::size_t{16} << 20;
+    const std::span<const std::byte> bytes = std::as_bytes(values);
+    for (std::size_t at = 0; at < bytes.size(); at += piece_bytes) {
+      const std::span<const std::byte> piece = bytes.subspan(at, std::min(piece_bytes, bytes.size() - at));
+      writer_.write(array, at, piece);
+      meter_.add(piece.size());
+    }
+  }
+
+ private:
+  formats::PackedFileWriter& writer_;
+  ProgressMeter meter_;
+};
+
 /// The field's values and its intervals on every level.
 template <class T>
-void write_field(formats::PackedFileWriter& writer, std::size_t field, const std::vector<T>& values,
-                 const CleanMesh& clean, const LeafLists& lists, const formats::MacroShape& shape) {
-  writer.write_all(concat("field.", field), std::span<const T>(values));
+void write_field(MeteredWriter& writer, std::size_t field, const Array<T>& values, const CleanMesh& clean,
+                 const LeafLists& lists, const formats::MacroShape& shape) {
+  writer.write(concat("field.", field), std::span<const T>(values));
   Levels<T> levels(1, build_leaf_ranges(clean.cells, std::span<const T>(values), lists.view()));
   add_levels_above_leaves(levels, shape);
   for (std::size_t level = 0; level < levels.size(); ++level)
-    writer.write_all(concat("range.", field, ".", level), std::span<const T>(levels[level]));
+    writer.write(concat("range.", field, ".", level), std::span<const T>(levels[level]));
 }
 
 }  // namespace
@@ -110,7 +140,7 @@ PackMeshReport pack_mesh(const NeutralMesh& mesh, const std::filesystem::path& p
   report.notes = clean.notes;
   const std::vector<PointField> fields =
       choose_fields(mesh, clean, options.fields, options.cells_to_points, source_name, report.notes);
-  const std::vector<std::uint32_t> ids = cell_ids(mesh, clean, source_name);
+  const Array<std::uint32_t> ids = cell_ids(mesh, clean, source_name);
   formats::TetMeshDescription& packed = report.description;
   packed = description_of(mesh, clean, fields, options);
   for (const formats::FieldSummary& field : packed.fields) note_no_data(field, report.notes);
@@ -119,22 +149,21 @@ PackMeshReport pack_mesh(const NeutralMesh& mesh, const std::filesystem::path& p
   const LeafLists lists = build_leaf_lists(clean.points, clean.cells, packed.lattice, progress);
   packed.leaf_item_count = lists.items.size();
 
-  formats::PackedFileWriter writer(path, formats::describe(packed), arrays_of(packed, !ids.empty()),
-                                   {.replace_existing = options.replace_existing});
-  ProgressMeter writing(progress, "writing", fields.size() + 2);
-  writer.write_all<std::array<double, 3>>("points", clean.points);
-  writer.write_all<std::array<std::uint32_t, 4>>("cells", clean.cells);
-  if (!ids.empty()) writer.write_all<std::uint32_t>("cell_ids", ids);
-  writer.write_all<std::uint64_t>("leaf.offsets", lists.offsets);
-  writer.write_all<std::uint32_t>("leaf.items", lists.items);
-  writing.add(1);
-  for (std::size_t f = 0; f < fields.size(); ++f) {
+  const std::vector<formats::ArraySpec> arrays = arrays_of(packed, !ids.empty());
+  formats::PackedFileWriter file(path, formats::describe(packed), arrays,
+                                 {.replace_existing = options.replace_existing});
+  MeteredWriter writer(file, progress, bytes_of(arrays));
+  writer.write<std::array<double, 3>>("points", clean.points);
+  writer.write<std::array<std::uint32_t, 4>>("cells", clean.cells);
+  writer.write<std::uint32_t>("cell_ids", ids);
+  writer.write<std::uint64_t>("leaf.offsets", lists.offsets);
+  writer.write<std::uint32_t>("leaf.items", lists.items);
+  for (std::size_t f = 0; f < fields.size(); ++f)
     std::visit([&](const auto& values) { write_field(writer, f, values, clean, lists, packed.lattice.macro); },
                fields[f].values);
-    writing.add(1);
-  }
-  report.file_bytes = writer.commit();
-  writing.add(1);
+  ProgressMeter sealing(progress, "sealing", 1);
+  report.file_bytes = file.commit();
+  sealing.add(1);
   return report;
 }
 

@@ -199,14 +199,12 @@ using WriteLevels = std::function<void(formats::PackedFileWriter&)>;
 
 /// Summarises a field and builds its levels; what it returns writes them.
 WriteLevels prepare_field(const NeutralVolume& source, const NeutralVolume& stored, formats::GridDescription& grid,
-                          ProgressMeter& meter) {
+                          const Progress& progress) {
   const std::size_t field = grid.fields.size();
   WriteLevels write;
   with_samples(stored, [&]<class T>(std::span<const T> samples) {
-    grid.fields.push_back(summarize(samples, name_of(source), source.field_unit));
-    meter.add(1);
-    auto levels = std::make_shared<const Levels<T>>(build_grid_levels(samples, grid.macro));
-    meter.add(1);
+    grid.fields.push_back(summarize(samples, name_of(source), source.field_unit, progress));
+    auto levels = std::make_shared<const Levels<T>>(build_grid_levels(samples, grid.macro, progress));
     write = [levels, field](formats::PackedFileWriter& writer) {
       for (std::size_t l = 0; l < levels->size(); ++l)
         writer.write_all(concat(formats::macro_prefix(field), l + 1), std::span<const T>((*levels)[l]));
@@ -252,13 +250,12 @@ PackVolumeReport pack_grid(std::span<const NeutralVolume> fields, const std::fil
     grid.layout.stored_brick_count = bricks.size();
   }
   std::vector<WriteLevels> write_levels;
-  ProgressMeter finding(progress, "finding value ranges", 2 * fields.size());
   for (std::size_t f = 0; f < fields.size(); ++f)
-    write_levels.push_back(prepare_field(fields[f], stored[f], grid, finding));
+    write_levels.push_back(prepare_field(fields[f], stored[f], grid, progress));
 
   formats::PackedFileWriter writer(path, formats::describe(grid), formats::grid_arrays(grid),
                                    {.replace_existing = options.replace_existing});
-  ProgressMeter writing(progress, "writing samples", sample_bytes(grid));
+  ProgressMeter writing(progress, "writing samples (bytes)", sample_bytes(grid));
   formats::write_axes(grid, writer);
   if (grid.layout.is_sparse)
     writer.write_all("bricks", std::span<const std::uint32_t>(slots_of_bricks(

@@ -10,7 +10,8 @@
 namespace rhoray::preprocess {
 
 /// Called now and then during long work, from one thread at a time: what is being done, and how much of it.
-/// `total` is 0 where it is not known. It may throw to stop the work; nothing is then left behind.
+/// `total` is 0 where it is not known. A phase may end with what is counted, in brackets: "writing (bytes)". It may
+/// throw to stop the work; nothing is then left behind.
 using Progress = std::function<void(std::string_view phase, std::uint64_t done, std::uint64_t total)>;
 
 /// One phase of work done by many threads at once: adds up what they report and passes it on, one call at a time.

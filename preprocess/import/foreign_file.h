@@ -17,6 +17,7 @@ class ForeignFile {
 
   const std::filesystem::path& path() const { return path_; }
   std::string_view text() const { return {static_cast<const char*>(start_.get()), size_}; }
+  const std::shared_ptr<const void>& mapping() const { return start_; }  ///< keeps text and bytes alive
   std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(start_.get()), size_}; }
 
  private:

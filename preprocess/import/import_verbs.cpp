@@ -17,13 +17,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-formats::PackedFile run_reader(const fs::path& path, std::vector<std::string> arguments,
-                               std::uint64_t memory_limit_bytes, std::string_view program = import_worker) {
+template <class Options>
+formats::PackedFile run_reader(const fs::path& path, std::vector<std::string> arguments, const Options& options,
+                               std::string_view program = import_worker) {
   WorkerRequest request;
   request.program = program;
   request.doing = "reading " + path.string();
   request.arguments = std::move(arguments);
-  request.memory_limit_bytes = memory_limit_bytes;
+  request.memory_limit_bytes = options.memory_limit_bytes;
+  request.scratch_folder = options.scratch_folder;
+  if (options.progress)
+    request.progress = [&](std::uint64_t done, std::uint64_t total) {
+      options.progress("reading (bytes)", done, total);
+    };
   return run_worker(request);
 }
 
@@ -47,28 +53,28 @@ void set_origin(Affine& map, const Vec3& origin) {
 
 NeutralVolume import_volume(const fs::path& path, const ImportVolumeOptions& options) {
   NeutralVolume volume =
-      take_volume(run_reader(path, volume_arguments(path, {.raw = options.raw, .field = options.field}),
-                             options.memory_limit_bytes, options.raw ? import_worker : worker_for(path)));
+      take_volume(run_reader(path, volume_arguments(path, {.raw = options.raw, .field = options.field}), options,
+                             options.raw ? import_worker : worker_for(path)));
   if (options.spacing) set_spacing(volume.world_from_grid, *options.spacing);
   if (options.origin) set_origin(volume.world_from_grid, *options.origin);
   return volume;
 }
 
 CellMesh import_cells(const fs::path& path, const ImportMeshOptions& options) {
-  return take_cell_mesh(run_reader(path, {"cells", path.string(), options.time}, options.memory_limit_bytes));
+  return take_cell_mesh(run_reader(path, {"cells", path.string(), options.time}, options));
 }
 
-NeutralMesh import_mesh(const fs::path& path, const ImportMeshOptions& options, const Progress& progress) {
+NeutralMesh import_mesh(const fs::path& path, const ImportMeshOptions& options) {
   CellMesh cells = import_cells(path, options);
   try {
-    return subdivide(std::move(cells), {.max_error = options.max_error}, progress);
+    return subdivide(std::move(cells), {.max_error = options.max_error}, options.progress);
   } catch (const Error& error) {  // the verb knows no file
     throw Error(error.trouble(), concat(path.string(), ", ", error.what()), error.hint());
   }
 }
 
 NeutralSurface import_surface(const fs::path& path, const fs::path& sizes, const ImportMeshOptions& options) {
-  return take_surface(run_reader(path, {"surface", path.string(), sizes.string()}, options.memory_limit_bytes));
+  return take_surface(run_reader(path, {"surface", path.string(), sizes.string()}, options));
 }
 
 void export_mesh(const NeutralMesh& mesh, const fs::path& path, bool replace_existing) {

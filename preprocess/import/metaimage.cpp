@@ -151,6 +151,21 @@ std::vector<std::string> data_files(const Header& header, const ForeignFile& fil
   return {name};
 }
 
+/// The part of `source` that holds samples which are not packed.
+std::span<const std::byte> plain_samples(const Header& header, const fs::path& path, std::span<const std::byte> source,
+                                         std::uint64_t wanted, std::vector<std::string>& notes) {
+  const std::vector<std::int64_t> given = header.numbers<std::int64_t>({"HeaderSize"}, 1);
+  std::uint64_t skipped = 0;
+  if (!given.empty() && given[0] >= 0) skipped = static_cast<std::uint64_t>(given[0]);
+  if (!given.empty() && given[0] < 0 && source.size() > wanted) skipped = source.size() - wanted;
+  if (skipped > source.size() || wanted > source.size() - skipped)
+    refuse_input(path, concat("byte ", source.size()), "the end of the file",
+                 concat(wanted, " bytes of samples after the first ", skipped));
+  if (const std::uint64_t rest = source.size() - skipped - wanted; rest > 0)
+    notes.push_back(concat(path.string(), ": ", rest, " bytes after the samples were left out"));
+  return source.subspan(skipped, wanted);
+}
+
 /// Copies or unpacks the part of `source` that holds `samples`.
 void fill(const Header& header, const fs::path& path, std::span<const std::byte> source, std::span<std::byte> samples,
           std::vector<std::string>& notes) {
@@ -162,16 +177,8 @@ void fill(const Header& header, const fs::path& path, std::span<const std::byte>
     stream.drain(1);
     return;
   }
-  const std::vector<std::int64_t> given = header.numbers<std::int64_t>({"HeaderSize"}, 1);
-  std::uint64_t skipped = 0;
-  if (!given.empty() && given[0] >= 0) skipped = static_cast<std::uint64_t>(given[0]);
-  if (!given.empty() && given[0] < 0 && source.size() > samples.size()) skipped = source.size() - samples.size();
-  if (skipped > source.size() || samples.size() > source.size() - skipped)
-    refuse_input(path, concat("byte ", source.size()), "the end of the file",
-                 concat(samples.size(), " bytes of samples after the first ", skipped));
-  std::copy_n(source.begin() + static_cast<std::ptrdiff_t>(skipped), samples.size(), samples.begin());
-  if (const std::uint64_t rest = source.size() - skipped - samples.size(); rest > 0)
-    notes.push_back(concat(path.string(), ": ", rest, " bytes after the samples were left out"));
+  const std::span<const std::byte> plain = plain_samples(header, path, source, samples.size(), notes);
+  std::copy(plain.begin(), plain.end(), samples.begin());
 }
 
 /// A file that the header names, beside it.
@@ -180,6 +187,17 @@ ForeignFile part_file(const Header& header, const std::string& name) {
     return ForeignFile(header.path().parent_path() / name);
   } catch (const Error& error) {
     throw Error(error.trouble(), concat(header.path().string(), ", key ElementDataFile: ", error.what()), error.hint());
+  }
+}
+
+/// Fills the samples from the files one after the other, each an equal part.
+void fill_from_files(const Header& header, const ForeignFile& file, const std::vector<std::string>& files,
+                     std::span<std::byte> samples, std::vector<std::string>& notes) {
+  if (files.empty()) fill(header, header.path(), file.bytes().subspan(header.data_position()), samples, notes);
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const ForeignFile part = part_file(header, files[i]);
+    const std::uint64_t part_bytes = samples.size() / files.size();
+    fill(header, part.path(), part.bytes(), samples.subspan(i * part_bytes, part_bytes), notes);
   }
 }
 
@@ -228,16 +246,18 @@ NeutralVolume read_metaimage(const fs::path& path, const std::string&) {
     refuse_input(path, "key ElementDataFile", concat(files.size(), " files for ", sizes[2], " slices"),
                  "the same number of slices in each file");
   check_files(header, file, files, bytes);
-  Array<std::byte> samples(bytes);
-  if (files.empty()) fill(header, path, file.bytes().subspan(header.data_position()), samples, volume.notes);
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    const ForeignFile part = part_file(header, files[i]);
-    const std::uint64_t part_bytes = bytes / files.size();
-    fill(header, part.path(), part.bytes(), std::span(samples).subspan(i * part_bytes, part_bytes), volume.notes);
-  }
   const bool big_endian = header.is_true("ElementByteOrderMSB") || header.is_true("BinaryDataByteOrderMSB");
-  make_native(samples, formats::element_bytes(volume.type), big_endian);
-  set_samples(volume, std::move(samples));
+  const bool stays = files.size() <= 1 && !header.is_true("CompressedData") && is_native(volume.type, big_endian);
+  if (stays) {
+    const ForeignFile& holder = files.empty() ? file : part_file(header, files.front());
+    const auto source = files.empty() ? file.bytes().subspan(header.data_position()) : holder.bytes();
+    leave_samples_in(volume, holder, plain_samples(header, holder.path(), source, bytes, volume.notes));
+  } else {
+    Array<std::byte> samples(bytes);
+    fill_from_files(header, file, files, samples, volume.notes);
+    make_native(samples, formats::element_bytes(volume.type), big_endian);
+    set_samples(volume, std::move(samples));
+  }
   finish_volume(volume, path);
   return volume;
 }

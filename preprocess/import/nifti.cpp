@@ -169,6 +169,14 @@ void apply_scale(NeutralVolume& volume, const Header& header) {
   volume.notes.push_back(concat("stored numbers became values: ", slope, " times the number plus ", intercept));
 }
 
+std::span<const std::byte> samples_in(const ForeignFile& file, std::uint64_t first, std::uint64_t count) {
+  const std::span<const std::byte> all = file.bytes();
+  if (first > all.size() || count > all.size() - first)
+    refuse_input(file.path(), "samples", concat("the end of the data after ", all.size(), " bytes"),
+                 concat(count, " bytes after the first ", first));
+  return all.subspan(first, count);
+}
+
 }  // namespace
 
 NeutralVolume read_nifti(const std::filesystem::path& path, const std::string&) {
@@ -198,11 +206,15 @@ NeutralVolume read_nifti(const std::filesystem::path& path, const std::string&) 
   else if (bytes > file.bytes().size())
     refuse_input(path, "samples", concat(file.bytes().size(), " bytes"), concat(bytes));
   if (stream.drain(skipped) != skipped) refuse_input(path, "vox_offset", "an offset beyond the end", "samples there");
-  Array<std::byte> samples(bytes);
-  stream.read(samples, "samples");
-  stream.drain(1);  // the packed stream's checksum stands behind its last byte
-  make_native(samples, formats::element_bytes(volume.type), header.big_endian());
-  set_samples(volume, std::move(samples));
+  if (!stream.is_packed() && is_native(volume.type, header.big_endian())) {
+    leave_samples_in(volume, file, samples_in(file, header_bytes + skipped, bytes));
+  } else {
+    Array<std::byte> samples(bytes);
+    stream.read(samples, "samples");
+    stream.drain(1);  // the packed stream's checksum stands behind its last byte
+    make_native(samples, formats::element_bytes(volume.type), header.big_endian());
+    set_samples(volume, std::move(samples));
+  }
   apply_scale(volume, header);
   finish_volume(volume, path);
   return volume;

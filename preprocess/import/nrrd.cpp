@@ -12,10 +12,11 @@ namespace {
 
 using formats::ElementType;
 
-struct NrrdNuke {
-  void operator()(Nrrd* nrrd) const { nrrdNuke(nrrd); }
+/// Ends the description and leaves the samples, which are ours.
+struct NrrdNix {
+  void operator()(Nrrd* nrrd) const { nrrdNix(nrrd); }
 };
-using OwnedNrrd = std::unique_ptr<Nrrd, NrrdNuke>;
+using OwnedNrrd = std::unique_ptr<Nrrd, NrrdNix>;
 
 struct IoNix {
   void operator()(NrrdIoState* io) const { nrrdIoStateNix(io); }
@@ -35,12 +36,52 @@ struct Loaded {
   std::unique_ptr<NrrdIoState, IoNix> io;
 };
 
-Loaded load(const std::filesystem::path& path, bool header_only) {
+[[noreturn]] void refuse_by_teem(const std::filesystem::path& path) {
+  throw Error(Trouble::invalid, concat(path.string(), ": Teem cannot read it: ", teem_reason()));
+}
+
+Loaded load_header(const std::filesystem::path& path) {
   Loaded loaded{OwnedNrrd(nrrdNew()), std::unique_ptr<NrrdIoState, IoNix>(nrrdIoStateNew())};
-  nrrdIoStateSet(loaded.io.get(), nrrdIoStateSkipData, header_only ? 1 : 0);
-  if (nrrdLoad(loaded.nrrd.get(), path.c_str(), loaded.io.get()) != 0)
-    throw Error(Trouble::invalid, concat(path.string(), ": Teem cannot read it: ", teem_reason()));
+  nrrdIoStateSet(loaded.io.get(), nrrdIoStateSkipData, 1);
+  if (nrrdLoad(loaded.nrrd.get(), path.c_str(), loaded.io.get()) != 0) refuse_by_teem(path);
   return loaded;
+}
+
+/// The samples in an array of our own: Teem fills the memory that a Nrrd has when it is as large as the file's header
+/// asks for.
+Array<std::byte> load_samples(const std::filesystem::path& path, const Nrrd& header, std::uint64_t bytes) {
+  Array<std::byte> samples(bytes);
+  const OwnedNrrd nrrd(nrrdNew());
+  std::array<std::size_t, NRRD_DIM_MAX> sizes{};
+  for (unsigned axis = 0; axis < header.dim; ++axis) sizes[axis] = header.axis[axis].size;
+  if (nrrdWrap_nva(nrrd.get(), samples.data(), header.type, header.dim, sizes.data()) != 0) refuse_by_teem(path);
+  if (nrrdLoad(nrrd.get(), path.c_str(), nullptr) != 0) refuse_by_teem(path);
+  if (nrrd->data != samples.data())  // the file has changed since its header was read
+    refuse_input(path, "samples", "another size than a moment ago", concat(bytes, " bytes"));
+  return samples;
+}
+
+/// Where the header ends that stands before its samples: behind the first empty line.
+std::size_t end_of_header(std::string_view text) {
+  const std::size_t plain = text.find("\n\n"), with_returns = text.find("\n\r\n");
+  if (plain == text.npos && with_returns == text.npos) return text.size();
+  return plain < with_returns ? plain + 2 : with_returns + 3;
+}
+
+/// The samples in the one file that holds them, where they stand as they are wanted; false otherwise.
+bool left_in_file(NeutralVolume& volume, const std::filesystem::path& path, const NrrdIoState& io,
+                  std::uint64_t bytes) {
+  const bool is_raw = std::string_view(io.encoding->name) == "raw" && io.dataFNFormat == nullptr && io.lineSkip == 0;
+  if (!is_raw || io.dataFNArr->len > 1 || !is_native(volume.type, io.endian == airEndianBig)) return false;
+  const bool attached = io.dataFNArr->len == 0;
+  const ForeignFile file(attached ? path : path.parent_path() / io.dataFN[0]);
+  const std::size_t begin = attached ? end_of_header(file.text()) : 0;
+  const std::uint64_t held = file.bytes().size() - begin;
+  if (held < bytes || io.byteSkip < -1) return false;  // for Teem to refuse
+  const std::uint64_t skipped = io.byteSkip == -1 ? held - bytes : static_cast<std::uint64_t>(io.byteSkip);
+  if (skipped > held - bytes) return false;
+  leave_samples_in(volume, file, file.bytes().subspan(begin + skipped, bytes));
+  return true;
 }
 
 /// Refuses sizes that the files with the samples cannot hold, before Teem allocates for them. Numbered files are left
@@ -181,24 +222,20 @@ std::string sample_unit(const Nrrd& nrrd) {
 NeutralVolume read_nrrd(const std::filesystem::path& path, const std::string&) {
   if (!ForeignFile(path).text().starts_with("NRRD000"))  // Teem would also take PNG, PNM and text here
     refuse_input(path, "byte 0", "another beginning", "NRRD000");
+  // The header alone, so that nothing is allocated for sizes that are refused.
+  const auto [header, io] = load_header(path);
+  const std::array<unsigned, 3> axes = volume_axes(path, *header);
+  const auto size = [&, &nrrd = *header](std::size_t i) { return static_cast<std::int64_t>(nrrd.axis[axes[i]].size); };
   NeutralVolume volume;
-  {
-    // The header alone, so that nothing is allocated for sizes that are refused.
-    const auto [header, io] = load(path, true);
-    const std::array<unsigned, 3> axes = volume_axes(path, *header);
-    const auto size = [&](std::size_t i) { return static_cast<std::int64_t>(header->axis[axes[i]].size); };
-    volume.sample_count = {size(0), size(1), size(2)};
-    volume.type = type_of(path, *header);
-    volume.world_from_grid = world_from_grid(path, *header, axes);
-    volume.length_unit = length_unit(*header, axes);
-    volume.field_unit = sample_unit(*header);
-    check_data_size(path, *io, checked_volume_bytes(path, volume.sample_count, volume.type));
-  }
+  volume.sample_count = {size(0), size(1), size(2)};
+  volume.type = type_of(path, *header);
+  volume.world_from_grid = world_from_grid(path, *header, axes);
+  volume.length_unit = length_unit(*header, axes);
+  volume.field_unit = sample_unit(*header);
   volume.field_name = stem_of(path);
-  const std::shared_ptr<Nrrd> nrrd = load(path, false).nrrd;
-  volume.samples = {static_cast<const std::byte*>(nrrd->data),
-                    checked_volume_bytes(path, volume.sample_count, volume.type)};
-  volume.mapping = std::shared_ptr<const void>(nrrd, nrrd->data);
+  const std::uint64_t bytes = checked_volume_bytes(path, volume.sample_count, volume.type);
+  check_data_size(path, *io, bytes);
+  if (!left_in_file(volume, path, *io, bytes)) set_samples(volume, load_samples(path, *header, bytes));
   finish_volume(volume, path);
   return volume;
 }

@@ -16,8 +16,12 @@ NeutralVolume read_raw(const std::filesystem::path& path, const RawVolume& raw) 
   volume.type = raw.type;
   volume.field_name = stem_of(path);
   const auto samples = file.bytes().subspan(raw.skipped_bytes, wanted);
-  set_samples(volume, {samples.begin(), samples.end()});
-  make_native(volume.owned_samples, formats::element_bytes(raw.type), raw.big_endian);
+  if (is_native(raw.type, raw.big_endian)) {
+    leave_samples_in(volume, file, samples);
+  } else {
+    set_samples(volume, {samples.begin(), samples.end()});
+    make_native(volume.owned_samples, formats::element_bytes(raw.type), raw.big_endian);
+  }
   if (const std::uint64_t rest = size - raw.skipped_bytes - wanted; rest > 0)
     volume.notes.push_back(concat(rest, " bytes after the samples were left out"));
   finish_volume(volume, path);

@@ -54,6 +54,10 @@ std::optional<Array<std::byte>> as_doubles(std::span<const std::byte> bytes) {
 
 }  // namespace
 
+bool is_native(ElementType type, bool big_endian) {
+  return formats::element_bytes(type) == 1 || big_endian == (std::endian::native == std::endian::big);
+}
+
 void make_native(std::span<std::byte> bytes, std::size_t element_bytes, bool big_endian) {
   if (big_endian == (std::endian::native == std::endian::big)) return;
   if (element_bytes == 2) swap_words<std::uint16_t>(bytes);
@@ -81,6 +85,15 @@ void check_packed_size(const std::filesystem::path& path, std::uint64_t wanted_b
 void set_samples(NeutralVolume& volume, Array<std::byte> samples) {
   volume.owned_samples = std::move(samples);
   volume.samples = volume.owned_samples;
+  volume.mapping.reset();
+  volume.samples_file.clear();
+}
+
+void leave_samples_in(NeutralVolume& volume, const ForeignFile& file, std::span<const std::byte> samples) {
+  volume.samples = samples;
+  volume.mapping = file.mapping();
+  volume.samples_file = file.path();
+  volume.samples_first_byte = static_cast<std::uint64_t>(samples.data() - file.bytes().data());
 }
 
 Affine axis_parallel(const Vec3& spacing, const Vec3& origin) {
@@ -289,6 +302,10 @@ NeutralVolume volume_of_field(const std::filesystem::path& path, const PointGrid
                               const std::string& field) {
   const Choice choice = choose(path, arrays, field);
   GridArray& array = arrays[choice.array];
+  if (array.load) {
+    array.owned = array.load();
+    array.values = array.owned;
+  }
   const PointGrid grid = array.in_cells ? cell_middles(points) : points;
   const std::uint64_t bytes = checked_volume_bytes(path, grid.point_count, array.type);
   const auto components = static_cast<std::uint64_t>(array.component_count);

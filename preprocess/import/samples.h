@@ -3,10 +3,12 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "preprocess/import/foreign_file.h"
 #include "preprocess/neutral.h"
 
 namespace rhoray::preprocess {
@@ -21,7 +23,13 @@ std::uint64_t checked_volume_bytes(const std::filesystem::path& path, const Inde
 /// Refuses sizes that so short a file cannot hold even if packed by zlib as tightly as it can.
 void check_packed_size(const std::filesystem::path& path, std::uint64_t wanted_bytes, std::uint64_t file_bytes);
 
+/// True when numbers of this type stand in the machine's order already.
+bool is_native(formats::ElementType type, bool big_endian);
+
 void set_samples(NeutralVolume& volume, Array<std::byte> samples);
+
+/// Samples that stand in the file as they are wanted stay there: no copy is made on the way to the packer.
+void leave_samples_in(NeutralVolume& volume, const ForeignFile& file, std::span<const std::byte> samples);
 
 /// The last step of every reader: 64-bit integers become F64 where each is kept exactly and are refused otherwise; a
 /// map that is not finite or not invertible is refused.
@@ -36,8 +44,9 @@ struct GridArray {
   formats::ElementType type = formats::ElementType::U8;
   int component_count = 1;
   bool in_cells = false;
-  Array<std::byte> owned;             ///< either this,
-  std::span<const std::byte> values;  ///< or a view of memory that outlives the array; native order
+  Array<std::byte> owned;                    ///< either this,
+  std::span<const std::byte> values;         ///< or a view of memory that outlives the array; native order,
+  std::function<Array<std::byte>()> load{};  ///< or a way to read them, when they are chosen
 };
 
 /// What a grid of points looks like: sample (i, j, k) lies at world_from_grid.point({i, j, k}), or, on an axis that has

@@ -13,6 +13,7 @@
 #include "preprocess/import/families.h"
 #include "preprocess/import/foreign_file.h"
 #include "preprocess/import/samples.h"
+#include "preprocess/import/vti_stream.h"
 #include "preprocess/import/vtk_arrays.h"
 #include "preprocess/import/vtk_errors.h"
 
@@ -64,6 +65,7 @@ double precision_of(vtkDataArray* coordinates) {
 
 NeutralVolume read_vti(const std::filesystem::path& path, const std::string& field) {
   check_vtk_xml(path, "ImageData");
+  if (std::optional<NeutralVolume> volume = stream_vti(path, field)) return *std::move(volume);
   const VtkErrors errors;
   vtkNew<vtkXMLImageDataReader> reader;
   reader->SetFileName(path.c_str());

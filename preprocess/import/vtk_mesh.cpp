@@ -17,6 +17,7 @@
 #include "preprocess/import/vtk_fields.h"
 #include "preprocess/import/vtk_numbers.h"
 #include "preprocess/import/vtu_faces.h"
+#include "preprocess/import/vtu_stream.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -85,6 +86,8 @@ void add_vtu(MeshPieces& pieces, const std::filesystem::path& path) {
 }
 
 CellMesh read_vtu(const std::filesystem::path& path) {
+  check_vtk_xml(path, "UnstructuredGrid");
+  if (std::optional<CellMesh> mesh = stream_vtu(path)) return *std::move(mesh);
   MeshPieces pieces;
   add_vtu(pieces, path);
   return pieces.finish(path);

@@ -187,15 +187,15 @@ double scalar_at(const Selection& selection, std::uint64_t place) {
   return components[static_cast<std::size_t>(selection.component)];
 }
 
-std::vector<double> at_points(const Selection& selection, const CleanMesh& clean) {
-  std::vector<double> values(clean.points.size());
+Array<double> at_points(const Selection& selection, const CleanMesh& clean) {
+  Array<double> values(clean.points.size());
   for (std::size_t p = 0; p < values.size(); ++p) values[p] = scalar_at(selection, clean.source_points[p]);
   return values;
 }
 
 /// Volumes of the cells, as shares of the largest one so that no sum of weighted values overflows for their sake.
-std::vector<double> relative_volumes(const CleanMesh& clean) {
-  std::vector<double> volumes(clean.cells.size());
+Array<double> relative_volumes(const CleanMesh& clean) {
+  Array<double> volumes(clean.cells.size());
   for (std::size_t c = 0; c < volumes.size(); ++c) {
     const auto vertex = [&](std::size_t v) {
       const auto& p = clean.points[clean.cells[c][v]];
@@ -210,14 +210,13 @@ std::vector<double> relative_volumes(const CleanMesh& clean) {
   return volumes;
 }
 
-std::vector<double> averaged_to_points(const Selection& selection, const CleanMesh& clean,
-                                       const std::vector<double>& weights) {
+Array<double> averaged_to_points(const Selection& selection, const CleanMesh& clean, const Array<double>& weights) {
   struct Mean {
     double weighted_sum = 0, weight = 0;
     double plain_sum = 0, count = 0;
     Interval<double> range;
   };
-  std::vector<Mean> means(clean.points.size());
+  Array<Mean> means(clean.points.size());
   for (std::size_t c = 0; c < clean.cells.size(); ++c) {
     const double value = scalar_at(selection, clean.source_cells[c]);
     if (!has_data(value)) continue;
@@ -230,7 +229,7 @@ std::vector<double> averaged_to_points(const Selection& selection, const CleanMe
       mean.range.include(value);
     }
   }
-  std::vector<double> values(means.size(), std::numeric_limits<double>::quiet_NaN());
+  Array<double> values(means.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t p = 0; p < means.size(); ++p) {
     const Mean& mean = means[p];
     if (mean.count == 0) continue;
@@ -241,8 +240,8 @@ std::vector<double> averaged_to_points(const Selection& selection, const CleanMe
 }
 
 /// Single precision when it holds every value: exactly, or rounded but still finite where the values are derived.
-std::optional<std::vector<float>> in_single_precision(const std::vector<double>& values, bool may_round) {
-  std::vector<float> single(values.size());
+std::optional<Array<float>> in_single_precision(const Array<double>& values, bool may_round) {
+  Array<float> single(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!has_data(values[i])) {
       single[i] = std::numeric_limits<float>::quiet_NaN();
@@ -273,17 +272,17 @@ std::vector<PointField> choose_fields(const NeutralMesh& mesh, const CleanMesh& 
     throw Error(Trouble::invalid, concat(source_name, ": found no field at points; expected at least one"),
                 mesh.cell_fields.empty() ? "" : "its cell fields can be averaged to the points");
 
-  std::vector<double> weights;
+  Array<double> weights;
   if (std::any_of(selections.begin(), selections.end(), [](const Selection& s) { return s.source->is_of_cells; }))
     weights = relative_volumes(clean);
   std::vector<PointField> fields;
   for (const Selection& selection : selections) {
     const SourceField& source = *selection.source;
-    std::vector<double> values =
+    Array<double> values =
         source.is_of_cells ? averaged_to_points(selection, clean, weights) : at_points(selection, clean);
     PointField field{.name = selection.name, .unit = source.field->unit, .values = {}};
     const bool is_derived = source.is_of_cells || selection.component == Selection::magnitude;
-    std::optional<std::vector<float>> single;
+    std::optional<Array<float>> single;
     if (source.field->was_single_precision) single = in_single_precision(values, is_derived);
     if (single)
       field.values = std::move(*single);

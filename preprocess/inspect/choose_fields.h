@@ -13,7 +13,7 @@ namespace rhoray::preprocess {
 struct PointField {
   std::string name;
   std::string unit;
-  std::variant<std::vector<float>, std::vector<double>> values;
+  std::variant<Array<float>, Array<double>> values;
 };
 
 /// The scalars that `wanted` names (PackMeshOptions::fields), or by default all scalar point fields and the magnitudes

@@ -105,7 +105,7 @@ void choose_cells(const NeutralMesh& mesh, CleanMesh& clean) {
 /// Numbers the points of the chosen cells in the source's order.
 void choose_points(const NeutralMesh& mesh, const std::string& source_name, CleanMesh& clean) {
   constexpr std::uint32_t unused = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> number(mesh.points.size(), unused);
+  Array<std::uint32_t> number(mesh.points.size(), unused);
   for (const std::uint64_t c : clean.source_cells)
     for (const std::uint64_t vertex : mesh.cells[c]) number[vertex] = 0;
 
@@ -168,7 +168,7 @@ void place_points(const NeutralMesh& mesh, const std::string& source_name, Clean
 }
 
 void orient_cells(const NeutralMesh& mesh, CleanMesh& clean) {
-  std::vector<std::int8_t> signs(clean.cells.size());
+  Array<std::int8_t> signs(clean.cells.size());
   tbb::parallel_for(Range(0, clean.cells.size(), grain), [&](const Range& part) {
     for (std::size_t c = part.begin(); c < part.end(); ++c) {
       auto& cell = clean.cells[c];

@@ -12,12 +12,12 @@ namespace rhoray::preprocess {
 
 /// Cells and points that may be packed, and what stood in the way of the others.
 struct CleanMesh {
-  Vec3 origin;                                      ///< source point = origin + point, exactly
-  std::vector<std::array<double, 3>> points;        ///< relative to origin; each belongs to a cell
-  std::vector<std::array<std::uint32_t, 4>> cells;  ///< in the source's order, none of negative orientation
-  std::vector<std::uint64_t> source_points;         ///< position of each point in NeutralMesh::points
-  std::vector<std::uint64_t> source_cells;          ///< position of each cell in NeutralMesh::cells
-  Box3 box;                                         ///< of the points; has a volume
+  Vec3 origin;                                ///< source point = origin + point, exactly
+  Array<std::array<double, 3>> points;        ///< relative to origin; each belongs to a cell
+  Array<std::array<std::uint32_t, 4>> cells;  ///< in the source's order, none of negative orientation
+  Array<std::uint64_t> source_points;         ///< position of each point in NeutralMesh::points
+  Array<std::uint64_t> source_cells;          ///< position of each cell in NeutralMesh::cells
+  Box3 box;                                   ///< of the points; has a volume
   std::uint64_t flipped_cell_count = 0;
   std::uint64_t flat_cell_count = 0;
   std::uint64_t dropped_cell_count = 0;

@@ -43,13 +43,15 @@ std::size_t bin_count_of(const Interval<double>& range, bool is_integer) {
 
 /// 8- and 16-bit values: one pass counts every value apart, the rest follows from the table.
 template <class T>
-void summarize_by_table(std::span<const T> values, formats::FieldSummary& field) {
+void summarize_by_table(std::span<const T> values, formats::FieldSummary& field, const Progress& progress) {
+  ProgressMeter meter(progress, "finding value ranges (values)", values.size());
   constexpr auto lowest = std::numeric_limits<T>::lowest();
   constexpr std::size_t size = std::size_t{1} << (8 * sizeof(T));
   tbb::enumerable_thread_specific<Counts> of_threads([] { return Counts(size, 0); });
   tbb::parallel_for(Range(0, values.size(), grain), [&](const Range& part) {
     Counts& counts = of_threads.local();
     for (std::size_t i = part.begin(); i < part.end(); ++i) ++counts[static_cast<std::size_t>(values[i] - lowest)];
+    meter.add(part.size());
   });
   const Counts counts = added_up(of_threads, size);
 
@@ -93,7 +95,8 @@ Extent<T> extent_of(std::span<const T> values) {
 }
 
 template <class T>
-void summarize_in_two_passes(std::span<const T> values, formats::FieldSummary& field) {
+void summarize_in_two_passes(std::span<const T> values, formats::FieldSummary& field, const Progress& progress) {
+  ProgressMeter finding(progress, "finding value ranges (values)", values.size());
   const auto joined = [](Extent<T> a, const Extent<T>& b) {
     a.range.include(b.range);
     a.no_data_count += b.no_data_count;
@@ -102,6 +105,7 @@ void summarize_in_two_passes(std::span<const T> values, formats::FieldSummary& f
   const Extent<T> extent = tbb::parallel_reduce(
       Range(0, values.size(), grain), Extent<T>{},
       [&](const Range& part, const Extent<T>& so_far) {
+        finding.add(part.size());
         return joined(so_far, extent_of(values.subspan(part.begin(), part.size())));
       },
       joined);
@@ -110,11 +114,13 @@ void summarize_in_two_passes(std::span<const T> values, formats::FieldSummary& f
   field.range = {static_cast<double>(extent.range.lo), static_cast<double>(extent.range.hi)};
 
   const std::size_t bins = bin_count_of(field.range, std::is_integral_v<T>);
+  ProgressMeter counting(progress, "making the histogram (values)", values.size());
   tbb::enumerable_thread_specific<Counts> of_threads([&] { return Counts(bins, 0); });
   tbb::parallel_for(Range(0, values.size(), grain), [&](const Range& part) {
     Counts& counts = of_threads.local();
     for (std::size_t i = part.begin(); i < part.end(); ++i)
       if (has_data(values[i])) ++counts[formats::histogram_bin(field.range, bins, static_cast<double>(values[i]))];
+    counting.add(part.size());
   });
   field.histogram = added_up(of_threads, bins);
 }
@@ -122,25 +128,26 @@ void summarize_in_two_passes(std::span<const T> values, formats::FieldSummary& f
 }  // namespace
 
 template <class T>
-formats::FieldSummary summarize(std::span<const T> values, std::string name, std::string unit) {
+formats::FieldSummary summarize(std::span<const T> values, std::string name, std::string unit,
+                                const Progress& progress) {
   formats::FieldSummary field;
   field.name = std::move(name);
   field.unit = std::move(unit);
   field.type = formats::element_type_of<T>();
   if constexpr (sizeof(T) <= 2)
-    summarize_by_table(values, field);
+    summarize_by_table(values, field, progress);
   else
-    summarize_in_two_passes(values, field);
+    summarize_in_two_passes(values, field, progress);
   return field;
 }
 
-template formats::FieldSummary summarize(std::span<const std::uint8_t>, std::string, std::string);
-template formats::FieldSummary summarize(std::span<const std::int8_t>, std::string, std::string);
-template formats::FieldSummary summarize(std::span<const std::uint16_t>, std::string, std::string);
-template formats::FieldSummary summarize(std::span<const std::int16_t>, std::string, std::string);
-template formats::FieldSummary summarize(std::span<const std::uint32_t>, std::string, std::string);
-template formats::FieldSummary summarize(std::span<const std::int32_t>, std::string, std::string);
-template formats::FieldSummary summarize(std::span<const float>, std::string, std::string);
-template formats::FieldSummary summarize(std::span<const double>, std::string, std::string);
+template formats::FieldSummary summarize(std::span<const std::uint8_t>, std::string, std::string, const Progress&);
+template formats::FieldSummary summarize(std::span<const std::int8_t>, std::string, std::string, const Progress&);
+template formats::FieldSummary summarize(std::span<const std::uint16_t>, std::string, std::string, const Progress&);
+template formats::FieldSummary summarize(std::span<const std::int16_t>, std::string, std::string, const Progress&);
+template formats::FieldSummary summarize(std::span<const std::uint32_t>, std::string, std::string, const Progress&);
+template formats::FieldSummary summarize(std::span<const std::int32_t>, std::string, std::string, const Progress&);
+template formats::FieldSummary summarize(std::span<const float>, std::string, std::string, const Progress&);
+template formats::FieldSummary summarize(std::span<const double>, std::string, std::string, const Progress&);
 
 }  // namespace rhoray::preprocess

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "formats/field_summary.h"
+#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 
@@ -13,6 +14,7 @@ namespace rhoray::preprocess {
 /// integer, so that none stays empty between two others by rounding; one bin where all values are equal; none where
 /// no value is finite. formats::histogram_bin says which value is counted where.
 template <class T>
-formats::FieldSummary summarize(std::span<const T> values, std::string name, std::string unit);
+formats::FieldSummary summarize(std::span<const T> values, std::string name, std::string unit,
+                                const Progress& progress = {});
 
 }  // namespace rhoray::preprocess

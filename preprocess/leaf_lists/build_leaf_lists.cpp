@@ -43,13 +43,14 @@ LeafLists build_leaf_lists(std::span<const std::array<double, 3>> points,
   lists.offsets.assign(leaf_count + 1, 0);
 
   // Count, sum up to the end of each list, then fill lists from their ends: the offsets are then their beginnings.
-  ProgressMeter meter(progress, "sorting cells into leaf lists", 2 * cells.size());
-  for_each_touch(points, cells, lattice, meter, [&](std::size_t, std::size_t leaf) {
+  ProgressMeter counting(progress, "measuring leaf lists (cells)", cells.size());
+  for_each_touch(points, cells, lattice, counting, [&](std::size_t, std::size_t leaf) {
     std::atomic_ref(lists.offsets[leaf]).fetch_add(1, std::memory_order_relaxed);
   });
   for (std::size_t leaf = 1; leaf <= leaf_count; ++leaf) lists.offsets[leaf] += lists.offsets[leaf - 1];
   lists.items.resize(lists.offsets.back());
-  for_each_touch(points, cells, lattice, meter, [&](std::size_t cell, std::size_t leaf) {
+  ProgressMeter filling(progress, "sorting cells into leaf lists (cells)", cells.size());
+  for_each_touch(points, cells, lattice, filling, [&](std::size_t cell, std::size_t leaf) {
     const std::uint64_t end = std::atomic_ref(lists.offsets[leaf]).fetch_sub(1, std::memory_order_relaxed);
     lists.items[end - 1] = static_cast<std::uint32_t>(cell);
   });

@@ -6,13 +6,14 @@
 #include <vector>
 
 #include "formats/leaf_lists.h"
+#include "preprocess/neutral.h"
 #include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 
 struct LeafLists {
-  std::vector<std::uint64_t> offsets;  ///< as in formats::LeafListsView
-  std::vector<std::uint32_t> items;
+  Array<std::uint64_t> offsets;  ///< as in formats::LeafListsView
+  Array<std::uint32_t> items;
 
   formats::LeafListsView view() const { return {.offsets = offsets, .items = items}; }
 };

@@ -124,9 +124,9 @@ class GridRow {
 
 /// Joins the intervals of factor^3 cells of a level into one of the level above.
 template <class T>
-std::vector<T> level_above(const MacroShape& shape, int level, const std::vector<T>& below) {
+Array<T> level_above(const MacroShape& shape, int level, const Array<T>& below) {
   const Index3 count = shape.count(level), count_below = shape.count(level - 1);
-  std::vector<T> above(static_cast<std::size_t>(2 * volume(count)));
+  Array<T> above(static_cast<std::size_t>(2 * volume(count)));
   tbb::parallel_for(Rows(0, count.z, 0, count.y), [&](const Rows& rows) {
     for (std::int64_t k = rows.rows().begin(); k < rows.rows().end(); ++k)
       for (std::int64_t j = rows.cols().begin(); j < rows.cols().end(); ++j)
@@ -149,16 +149,18 @@ std::vector<T> level_above(const MacroShape& shape, int level, const std::vector
 }  // namespace
 
 template <class T>
-Levels<T> build_grid_levels(std::span<const T> samples, const MacroShape& shape) {
+Levels<T> build_grid_levels(std::span<const T> samples, const MacroShape& shape, const Progress& progress) {
   const Index3 count = shape.count(1);
   Levels<T> levels(1);
   levels[0].resize(static_cast<std::size_t>(2 * volume(count)));
+  ProgressMeter meter(progress, "finding ranges of macrocells (macrocells)", static_cast<std::uint64_t>(volume(count)));
   tbb::parallel_for(Rows(0, count.z, 0, count.y), [&](const Rows& rows) {
     GridRow<T> row(samples, shape);
     for (std::int64_t k = rows.rows().begin(); k < rows.rows().end(); ++k)
       for (std::int64_t j = rows.cols().begin(); j < rows.cols().end(); ++j)
         row.build(j, k,
                   std::span(levels[0]).subspan(2 * position(count, 0, j, k), static_cast<std::size_t>(2 * count.x)));
+    meter.add(rows.rows().size() * rows.cols().size() * static_cast<std::size_t>(count.x));
   });
   for (int level = 2; level <= shape.level_count; ++level) levels.push_back(level_above(shape, level, levels.back()));
   return levels;
@@ -169,14 +171,14 @@ void add_levels_above_leaves(Levels<T>& levels, const MacroShape& shape) {
   for (int level = 1; level <= shape.level_count; ++level) levels.push_back(level_above(shape, level, levels.back()));
 }
 
-template Levels<std::uint8_t> build_grid_levels(std::span<const std::uint8_t>, const MacroShape&);
-template Levels<std::int8_t> build_grid_levels(std::span<const std::int8_t>, const MacroShape&);
-template Levels<std::uint16_t> build_grid_levels(std::span<const std::uint16_t>, const MacroShape&);
-template Levels<std::int16_t> build_grid_levels(std::span<const std::int16_t>, const MacroShape&);
-template Levels<std::uint32_t> build_grid_levels(std::span<const std::uint32_t>, const MacroShape&);
-template Levels<std::int32_t> build_grid_levels(std::span<const std::int32_t>, const MacroShape&);
-template Levels<float> build_grid_levels(std::span<const float>, const MacroShape&);
-template Levels<double> build_grid_levels(std::span<const double>, const MacroShape&);
+template Levels<std::uint8_t> build_grid_levels(std::span<const std::uint8_t>, const MacroShape&, const Progress&);
+template Levels<std::int8_t> build_grid_levels(std::span<const std::int8_t>, const MacroShape&, const Progress&);
+template Levels<std::uint16_t> build_grid_levels(std::span<const std::uint16_t>, const MacroShape&, const Progress&);
+template Levels<std::int16_t> build_grid_levels(std::span<const std::int16_t>, const MacroShape&, const Progress&);
+template Levels<std::uint32_t> build_grid_levels(std::span<const std::uint32_t>, const MacroShape&, const Progress&);
+template Levels<std::int32_t> build_grid_levels(std::span<const std::int32_t>, const MacroShape&, const Progress&);
+template Levels<float> build_grid_levels(std::span<const float>, const MacroShape&, const Progress&);
+template Levels<double> build_grid_levels(std::span<const double>, const MacroShape&, const Progress&);
 template void add_levels_above_leaves(Levels<float>&, const MacroShape&);
 template void add_levels_above_leaves(Levels<double>&, const MacroShape&);
 

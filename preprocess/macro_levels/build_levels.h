@@ -5,18 +5,21 @@
 
 #include "formats/base/vector.h"
 #include "formats/macro_levels.h"
+#include "preprocess/neutral.h"
+#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 
 /// The intervals of every level, ready to be written: levels[l - first_level] is laid out as MacroLevelsView says.
 template <class T>
-using Levels = std::vector<std::vector<T>>;
+using Levels = std::vector<Array<T>>;
 
 /// Levels 1 and up of a grid. A macrocell's interval is the range of the samples at the corners of its leaf cells,
 /// without the absent ones (those with a corner that is NaN or infinite): empty exactly when all of them are absent.
 /// @param samples  x fastest, shape.leaf_count + 1 per axis
 template <class T>
-Levels<T> build_grid_levels(std::span<const T> samples, const formats::MacroShape& shape);
+Levels<T> build_grid_levels(std::span<const T> samples, const formats::MacroShape& shape,
+                            const Progress& progress = {});
 
 /// Adds the levels above the leaf cells to `levels`, which holds level 0 only.
 template <class T>

@@ -26,15 +26,15 @@ Interval<T> range_of_cell(const std::array<std::uint32_t, 4>& cell, std::span<co
 }  // namespace
 
 template <class T>
-std::vector<T> build_leaf_ranges(std::span<const std::array<std::uint32_t, 4>> cells, std::span<const T> values,
-                                 const formats::LeafListsView& lists) {
+Array<T> build_leaf_ranges(std::span<const std::array<std::uint32_t, 4>> cells, std::span<const T> values,
+                           const formats::LeafListsView& lists) {
   // A cell stands in many lists: its own range is taken once.
-  std::vector<Interval<T>> of_cells(cells.size());
+  Array<Interval<T>> of_cells(cells.size());
   tbb::parallel_for(Range(0, cells.size(), 4096), [&](const Range& part) {
     for (std::size_t c = part.begin(); c < part.end(); ++c) of_cells[c] = range_of_cell(cells[c], values);
   });
   const std::size_t leaf_count = lists.offsets.size() - 1;
-  std::vector<T> ranges(2 * leaf_count);
+  Array<T> ranges(2 * leaf_count);
   tbb::parallel_for(Range(0, leaf_count, 4096), [&](const Range& part) {
     for (std::size_t leaf = part.begin(); leaf < part.end(); ++leaf) {
       Interval<T> range;
@@ -46,9 +46,9 @@ std::vector<T> build_leaf_ranges(std::span<const std::array<std::uint32_t, 4>> c
   return ranges;
 }
 
-template std::vector<float> build_leaf_ranges(std::span<const std::array<std::uint32_t, 4>>, std::span<const float>,
-                                              const formats::LeafListsView&);
-template std::vector<double> build_leaf_ranges(std::span<const std::array<std::uint32_t, 4>>, std::span<const double>,
-                                               const formats::LeafListsView&);
+template Array<float> build_leaf_ranges(std::span<const std::array<std::uint32_t, 4>>, std::span<const float>,
+                                        const formats::LeafListsView&);
+template Array<double> build_leaf_ranges(std::span<const std::array<std::uint32_t, 4>>, std::span<const double>,
+                                         const formats::LeafListsView&);
 
 }  // namespace rhoray::preprocess

@@ -3,9 +3,9 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "formats/leaf_lists.h"
+#include "preprocess/neutral.h"
 
 namespace rhoray::preprocess {
 
@@ -13,7 +13,7 @@ namespace rhoray::preprocess {
 /// lo before hi. A cell with a vertex that has no data is absent and adds nothing; a leaf cell without others is empty.
 /// T is float or double.
 template <class T>
-std::vector<T> build_leaf_ranges(std::span<const std::array<std::uint32_t, 4>> cells, std::span<const T> values,
-                                 const formats::LeafListsView& lists);
+Array<T> build_leaf_ranges(std::span<const std::array<std::uint32_t, 4>> cells, std::span<const T> values,
+                           const formats::LeafListsView& lists);
 
 }  // namespace rhoray::preprocess

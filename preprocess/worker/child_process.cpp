@@ -8,7 +8,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
+#include <chrono>
+#include <cinttypes>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -16,11 +19,15 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <memory_resource>
+#include <mutex>
 #include <new>
 #include <optional>
 #include <utility>
 
 #include "formats/base/trouble.h"
+#include "preprocess/scratch/nameless_file.h"
+#include "preprocess/scratch/scratch_memory.h"
 
 extern char** environ;
 
@@ -38,6 +45,7 @@ constexpr bool address_space_can_be_limited = true;
 
 constexpr std::size_t kept_complaint_bytes = 64 << 10;
 constexpr std::string_view hint_mark = "hint: ";
+constexpr char progress_mark = '\1';  // begins a line of progress
 
 [[noreturn]] void refuse_by_system(const std::string& doing, const char* call) {
   const int reason = errno;
@@ -66,9 +74,11 @@ class Descriptor {
   int number_;
 };
 
-Descriptor anonymous_file(const std::string& doing, const char* name) {
+/// What lies between the two processes: in memory, or in the scratch folder.
+Descriptor anonymous_file(const WorkerRequest& request, const char* name) {
+  if (!request.scratch_folder.empty()) return Descriptor(open_nameless_file(request.scratch_folder, 0));
   const int number = ::memfd_create(name, MFD_CLOEXEC);
-  if (number < 0) refuse_by_system(doing, "memfd_create");
+  if (number < 0) refuse_by_system(request.doing, "memfd_create");
   return Descriptor(number);
 }
 
@@ -94,6 +104,7 @@ struct Start {
   std::vector<std::string> argument_texts{}, environment_texts{};
   std::vector<char*> arguments{}, environment{};
   std::optional<rlimit> memory{}, time{};
+  decltype(RLIMIT_AS) limited_memory = RLIMIT_AS;
 };
 
 std::vector<char*> pointers_to(std::vector<std::string>& texts) {
@@ -104,7 +115,7 @@ std::vector<char*> pointers_to(std::vector<std::string>& texts) {
 }
 
 bool is_ours(std::string_view variable) {
-  for (const std::string_view name : {"RHORAY_INPUT_FD=", "RHORAY_OUTPUT_FD=", "RHORAY_DOING="})
+  for (const std::string_view name : {"RHORAY_INPUT_FD=", "RHORAY_OUTPUT_FD=", "RHORAY_DOING=", "RHORAY_SCRATCH="})
     if (variable.starts_with(name)) return true;
   return false;
 }
@@ -117,11 +128,14 @@ void prepare_texts(Start& start, const WorkerRequest& request) {
   if (start.input >= 0) start.environment_texts.push_back(concat("RHORAY_INPUT_FD=", start.input));
   start.environment_texts.push_back(concat("RHORAY_OUTPUT_FD=", start.output));
   start.environment_texts.push_back("RHORAY_DOING=" + request.doing);
+  if (!request.scratch_folder.empty())
+    start.environment_texts.push_back("RHORAY_SCRATCH=" + request.scratch_folder.string());
   start.arguments = pointers_to(start.argument_texts);
   start.environment = pointers_to(start.environment_texts);
 }
 
 void prepare_limits(Start& start, const WorkerRequest& request) {
+  start.limited_memory = request.scratch_folder.empty() ? RLIMIT_AS : RLIMIT_DATA;
   if (request.memory_limit_bytes > 0 && address_space_can_be_limited)
     start.memory = rlimit{request.memory_limit_bytes, request.memory_limit_bytes};
   if (request.time_limit_s > 0) {
@@ -148,21 +162,40 @@ void prepare_limits(Start& start, const WorkerRequest& request) {
   ::fcntl(start.output, F_SETFD, 0);
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
-  if (start.memory && ::setrlimit(RLIMIT_AS, &*start.memory) != 0) fail_in_child("the memory limit was not accepted\n");
+  if (start.memory && ::setrlimit(start.limited_memory, &*start.memory) != 0)
+    fail_in_child("the memory limit was not accepted\n");
   if (start.time && ::setrlimit(RLIMIT_CPU, &*start.time) != 0) fail_in_child("the time limit was not accepted\n");
   ::execve(start.arguments[0], start.arguments.data(), start.environment.data());
   fail_in_child("the worker program was not accepted by the system\n");
 }
 
-/// The last of what the worker printed, read until it closes its end.
-std::string complaints_of(int descriptor) {
-  std::string text;
+/// Passes on a line `<mark>DONE TOTAL`.
+void pass_progress_on(const char* numbers, const WorkerRequest& request) {
+  std::uint64_t done = 0, total = 0;
+  if (request.progress && std::sscanf(numbers, "%" SCNu64 " %" SCNu64, &done, &total) == 2)
+    request.progress(done, total);
+}
+
+/// What the worker prints, until it closes its end: progress is passed on, and the last of the rest is kept.
+std::string complaints_of(int descriptor, const WorkerRequest& request) {
+  std::string text, rest;
   char piece[4096];
   for (;;) {
     const ssize_t count = ::read(descriptor, piece, sizeof piece);
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return text;
-    text.append(piece, static_cast<std::size_t>(count));
+    if (count <= 0) return text + rest;
+    rest.append(piece, static_cast<std::size_t>(count));
+    std::size_t begin = 0;
+    for (std::size_t end; (end = rest.find('\n', begin)) != std::string::npos; begin = end + 1) {
+      const std::size_t mark = std::min(rest.find(progress_mark, begin), end);
+      text.append(rest, begin, mark - begin);
+      if (mark == end)
+        text += '\n';
+      else
+        pass_progress_on(rest.c_str() + mark + 1, request);
+    }
+    rest.erase(0, begin);
+    if (rest.size() > kept_complaint_bytes) text += std::exchange(rest, {});
     if (text.size() > 2 * kept_complaint_bytes) text.erase(0, text.size() - kept_complaint_bytes);
   }
 }
@@ -238,11 +271,11 @@ std::optional<Trouble> trouble_of(int exit_code) {
 formats::PackedFile run_worker(const WorkerRequest& request) {
   Descriptor input;
   if (request.write_input) {
-    input = anonymous_file(request.doing, "rhoray-input");
+    input = anonymous_file(request, "rhoray-input");
     request.write_input(input.number());
     if (::lseek(input.number(), 0, SEEK_SET) < 0) refuse_by_system(request.doing, "lseek");
   }
-  const Descriptor output = anonymous_file(request.doing, "rhoray-output");
+  const Descriptor output = anonymous_file(request, "rhoray-output");
   int pipe_ends[2];
   if (::pipe2(pipe_ends, O_CLOEXEC) != 0) refuse_by_system(request.doing, "pipe2");
   const Descriptor hear(pipe_ends[0]);
@@ -262,7 +295,15 @@ formats::PackedFile run_worker(const WorkerRequest& request) {
   if (child < 0) refuse_by_system(request.doing, "fork");
   if (child == 0) become_worker(start);
   speak.close();
-  const std::string complaints = complaints_of(hear.number());
+  const std::string complaints = [&] {
+    try {
+      return complaints_of(hear.number(), request);
+    } catch (...) {
+      ::kill(child, SIGKILL);
+      end_of(child);
+      throw;
+    }
+  }();
   const int status = end_of(child);
 
   if (WIFSIGNALED(status)) report_death(WTERMSIG(status), request, complaints);
@@ -294,7 +335,29 @@ int descriptor_named(const char* variable) {
   return text == nullptr ? -1 : std::atoi(text);
 }
 
+std::atomic<bool> is_worker = false;
+
+/// From now on, large arrays of this process lie in the folder that the caller named, if it did.
+void use_scratch_folder() {
+  const char* folder = std::getenv("RHORAY_SCRATCH");
+  if (folder == nullptr) return;
+  static ScratchMemory scratch{folder};
+  std::pmr::set_default_resource(&scratch);
+}
+
 }  // namespace
+
+void report_worker_progress(std::uint64_t done, std::uint64_t total) {
+  if (!is_worker) return;
+  static std::mutex guard;
+  static std::chrono::steady_clock::time_point last;
+  const std::lock_guard lock(guard);
+  const auto now = std::chrono::steady_clock::now();
+  if (now - last < std::chrono::milliseconds(100)) return;
+  last = now;
+  const std::string line = concat(std::string(1, progress_mark), done, " ", total, "\n");
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, line.data(), line.size());
+}
 
 int worker_main(const std::function<void(int input, int output)>& act) {
   const char* doing = std::getenv("RHORAY_DOING");
@@ -302,7 +365,9 @@ int worker_main(const std::function<void(int input, int output)>& act) {
   if (doing == nullptr || output < 0)
     return report(Trouble::usage, "this program is started by others, which give it RHORAY_OUTPUT_FD and RHORAY_DOING",
                   "call `rhoray`");
+  is_worker = true;
   try {
+    use_scratch_folder();
     act(descriptor_named("RHORAY_INPUT_FD"), output);
     return 0;
   } catch (const Error& error) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -17,10 +18,15 @@ struct WorkerRequest {
   std::vector<std::string> arguments;
   std::function<void(int descriptor)> write_input;  ///< fills what the worker reads; may be empty
   std::uint64_t memory_limit_bytes = 0;             ///< address space of the worker; 0 = none
-  double time_limit_s = 0;                          ///< CPU time of the worker; 0 = none
+  /// When not empty, what goes over and the large arrays of the worker lie in nameless files of this folder instead
+  /// of memory, and memory_limit_bytes counts anonymous memory only (memory_cap.h).
+  std::filesystem::path scratch_folder;
+  double time_limit_s = 0;  ///< CPU time of the worker; 0 = none
+  /// Told what the worker reports of its progress. When it throws, the worker is ended and the exception passed on.
+  std::function<void(std::uint64_t done, std::uint64_t total)> progress{};
 };
 
-/// Runs the worker to its end and returns what it handed over, an anonymous packed file in memory.
+/// Runs the worker to its end and returns what it handed over, a packed file without a name.
 ///
 /// The worker is started as `program ARGUMENTS...` with the descriptors' numbers in RHORAY_INPUT_FD and
 /// RHORAY_OUTPUT_FD. It ends with 0 after writing its output, or with a Trouble's number after printing the fact as its
@@ -28,6 +34,9 @@ struct WorkerRequest {
 /// same Error. A worker that dies (signal, limit) or breaks this promise is reported as an Error that says what it was
 /// doing, how it ended and what it printed last.
 formats::PackedFile run_worker(const WorkerRequest& request);
+
+/// Inside a worker: says how far it is, a few times a second at most; elsewhere nothing. May be called from any thread.
+void report_worker_progress(std::uint64_t done, std::uint64_t total);
 
 /// The other side: runs `act(input descriptor or -1, output descriptor)` inside a worker's main and keeps the promise
 /// above. Returns the exit code.

@@ -7,6 +7,7 @@
 
 #include "formats/base/bytes.h"
 #include "formats/format_error.h"
+#include "preprocess/import/foreign_file.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -168,9 +169,15 @@ Affine affine_of(const Array<std::array<double, 3>>& rows) {
 void hand_over(const NeutralVolume& volume, int descriptor) {
   Parcel parcel;
   const Index3& n = volume.sample_count;
-  parcel.add("samples", volume.type,
-             {static_cast<std::uint64_t>(n.z), static_cast<std::uint64_t>(n.y), static_cast<std::uint64_t>(n.x)},
-             volume.samples);
+  const bool in_file = !volume.samples_file.empty();  // only where they stand goes over
+  const Array<std::uint64_t> facts{static_cast<std::uint64_t>(n.x),
+                                   static_cast<std::uint64_t>(n.y),
+                                   static_cast<std::uint64_t>(n.z),
+                                   static_cast<std::uint64_t>(volume.type),
+                                   in_file ? 1U : 0U,
+                                   volume.samples_first_byte};
+  parcel.add("facts", facts);
+  if (!in_file) parcel.add("samples", volume.type, {facts[2], facts[1], facts[0]}, volume.samples);
   const Array<std::array<double, 3>> axes = axes_of(volume.world_from_grid);
   parcel.add("world_from_grid", axes);
   std::array<Array<double>, 3> positions;
@@ -178,7 +185,7 @@ void hand_over(const NeutralVolume& volume, int descriptor) {
     positions[axis].assign(volume.axes[axis].begin(), volume.axes[axis].end());
     parcel.add(concat("axis.", axis), positions[axis]);
   }
-  std::vector<std::string> texts{volume.length_unit, volume.field_name, volume.field_unit,
+  std::vector<std::string> texts{volume.samples_file.string(), volume.length_unit, volume.field_name, volume.field_unit,
                                  concat(volume.other_fields.size())};
   texts.insert(texts.end(), volume.other_fields.begin(), volume.other_fields.end());
   texts.insert(texts.end(), volume.notes.begin(), volume.notes.end());
@@ -200,18 +207,53 @@ void take_axes(const Unpacking& parcel, NeutralVolume& volume) {
 
 }  // namespace
 
+namespace {
+
+constexpr auto last_type = static_cast<std::uint64_t>(ElementType::F64);
+
+/// What was left in the foreign file is mapped here.
+void map_samples(const Unpacking& parcel, NeutralVolume& volume, std::uint64_t first_byte) {
+  const ForeignFile source(volume.samples_file);
+  const Index3& n = volume.sample_count;
+  const auto bytes = checked_product({static_cast<std::uint64_t>(n.x), static_cast<std::uint64_t>(n.y),
+                                      static_cast<std::uint64_t>(n.z), formats::element_bytes(volume.type)});
+  parcel.expect(bytes && first_byte <= source.bytes().size() && *bytes <= source.bytes().size() - first_byte,
+                "array 'facts'", "samples beyond the end of their file", "samples within it");
+  volume.samples = source.bytes().subspan(first_byte, *bytes);
+  volume.mapping = source.mapping();
+  volume.samples_first_byte = first_byte;
+}
+
+void take_samples(const PackedFile& file, const Unpacking& parcel, NeutralVolume& volume) {
+  const Index3& n = volume.sample_count;
+  const formats::ArrayEntry& entry = file.entry("samples");
+  const std::vector<std::uint64_t> shape{static_cast<std::uint64_t>(n.z), static_cast<std::uint64_t>(n.y),
+                                         static_cast<std::uint64_t>(n.x)};
+  parcel.expect(entry.shape == shape && entry.type == volume.type, "array 'samples'", "another shape or type",
+                "what 'facts' says");
+  volume.samples = file.bytes("samples");
+  volume.mapping = std::make_shared<const PackedFile>(file);
+}
+
+}  // namespace
+
 NeutralVolume take_volume(const PackedFile& file) {
   Unpacking parcel(file, "neutral-volume");
   NeutralVolume volume;
-  const formats::ArrayEntry& entry = file.entry("samples");
-  parcel.expect(entry.shape.size() == 3, "array 'samples'", "another rank", "rank 3");
-  for (const std::uint64_t count : entry.shape)
-    parcel.expect(count >= 1 && count <= std::uint64_t{1} << 40, "array 'samples'", "an absurd size", "1 to 2^40");
-  volume.sample_count = {static_cast<std::int64_t>(entry.shape[2]), static_cast<std::int64_t>(entry.shape[1]),
-                         static_cast<std::int64_t>(entry.shape[0])};
-  volume.type = entry.type;
-  volume.samples = file.bytes("samples");
-  volume.mapping = std::make_shared<const PackedFile>(file);
+  const Array<std::uint64_t> facts = parcel.values<std::uint64_t>("facts");
+  parcel.expect(facts.size() == 6 && facts[3] <= last_type, "array 'facts'", "other facts", "sizes, type and place");
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::uint64_t count = facts[static_cast<std::size_t>(axis)];
+    parcel.expect(count >= 1 && count <= std::uint64_t{1} << 40, "array 'facts'", "an absurd size", "1 to 2^40");
+    volume.sample_count[axis] = static_cast<std::int64_t>(count);
+  }
+  volume.type = static_cast<ElementType>(facts[3]);
+  volume.samples_file = parcel.next_text();
+  parcel.expect((facts[4] != 0) == !volume.samples_file.empty(), "array 'facts'", "no file", "one for the samples");
+  if (facts[4] != 0)
+    map_samples(parcel, volume, facts[5]);
+  else
+    take_samples(file, parcel, volume);
   const auto axes = parcel.rows<double, 3>("world_from_grid");
   parcel.expect(axes.size() == 4, "array 'world_from_grid'", "another shape", "4 x 3");
   volume.world_from_grid = affine_of(axes);

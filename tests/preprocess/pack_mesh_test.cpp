@@ -257,7 +257,7 @@ TEST(PackMesh, can_be_stopped_by_its_progress) {
   struct Stopped {};
   const NeutralMesh mesh = tests::box_mesh({.cells = {10, 10, 10}}, tests::product_field());
   const auto stop = [](std::string_view phase, std::uint64_t done, std::uint64_t) {
-    if (phase == "writing" && done > 0) throw Stopped();
+    if (phase == "writing (bytes)" && done > 0) throw Stopped();
   };
   EXPECT_THROW(pack_mesh(mesh, folder / "m.rho", {}, stop), Stopped);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));

@@ -373,11 +373,13 @@ TEST(PackVolume, reports_progress_that_only_grows_and_can_be_stopped_by_it) {
     last = done;
     total = all;
   });
-  EXPECT_THAT(phases, ::testing::ElementsAre("finding value ranges", "writing samples", "sealing"));
+  EXPECT_THAT(phases, ::testing::ElementsAre("finding value ranges (values)", "making the histogram (values)",
+                                             "finding ranges of macrocells (macrocells)", "writing samples (bytes)",
+                                             "sealing"));
 
   struct Stopped {};
   const auto stop = [](std::string_view of, std::uint64_t done, std::uint64_t all) {
-    if (of == "writing samples" && done > all / 3) throw Stopped();
+    if (of == "writing samples (bytes)" && done > all / 3) throw Stopped();
   };
   std::filesystem::remove(folder / "v.rho");
   EXPECT_THROW(pack_volume(volume, folder / "v.rho", {}, stop), Stopped);

@@ -133,7 +133,8 @@ Subcommand pack_subcommand() {
                 value_option("--levels", "N", "Levels of macrocells; default 3", pack.levels),
                 value_option("--factor", "N", "Cells per axis of a macrocell; default 4", pack.factor)},
                threads_option(command->common),
-               memory_option(command->common, "Limit for the process that reads the input, such as 2G"),
+               memory_option(command->common,
+                             "Cap on memory, such as 512M: larger data streams through the output's folder"),
                message_options(command->common, "What was packed, as one JSON document on stdout")}),
           .run = [command] { return run(*command); }};
 }

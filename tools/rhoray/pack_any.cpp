@@ -7,6 +7,7 @@
 #include "formats/packed_file.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
+#include "preprocess/memory_cap.h"
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_volume.h"
 #include "preprocess/position_fields.h"
@@ -74,7 +75,7 @@ void check_options(const PackOptions& options) {
     throw Error(Trouble::usage, "--brick-edge: has no meaning with --layout linear");
 }
 
-/// What raw bytes will take in memory is known before reading.
+/// Whether the raw bytes are there is known before reading.
 void check_raw(const PackOptions& options) {
   if (options.raw.empty()) return;
   const preprocess::RawVolume raw = preprocess::parse_raw_volume(options.raw);
@@ -85,10 +86,12 @@ void check_raw(const PackOptions& options) {
   if (!bytes || *bytes > there || raw.skipped_bytes > there - *bytes)
     throw Error(Trouble::invalid, concat(options.input.string(), ": found ", there, " bytes; --raw ", options.raw,
                                          " expects ", bytes ? concat(*bytes + raw.skipped_bytes) : "more than 2^64"));
-  if (options.memory_limit_bytes != 0 && *bytes > options.memory_limit_bytes)
-    throw Error(Trouble::resource,
-                concat(options.input.string(), ": needs ", bytes_text(*bytes), " for its samples; --memory allows ",
-                       bytes_text(options.memory_limit_bytes)));
+}
+
+/// Where large arrays lie under a memory cap: beside the packed file. Empty without a cap.
+std::filesystem::path scratch_folder(const PackOptions& options, const std::filesystem::path& output) {
+  if (options.memory_limit_bytes == 0) return {};
+  return output.has_parent_path() ? output.parent_path() : std::filesystem::path(".");
 }
 
 preprocess::SampleOrder sample_order(const std::string& layout) {
@@ -125,6 +128,8 @@ PackResult pack_volume(const PackOptions& options, const std::filesystem::path& 
   import.spacing = options.spacing;
   import.origin = options.origin;
   import.memory_limit_bytes = options.memory_limit_bytes;
+  import.scratch_folder = scratch_folder(options, output);
+  import.progress = progress;
   if (progress) progress("reading", 0, 0);
   const std::vector<preprocess::NeutralVolume> fields = import_fields(options, import);
 
@@ -180,8 +185,10 @@ PackResult pack_mesh(const PackOptions& options, const std::filesystem::path& ou
       preprocess::import_mesh(options.input,
                               {.time = options.time,
                                .max_error = options.max_error.value_or(preprocess::ImportMeshOptions{}.max_error),
-                               .memory_limit_bytes = options.memory_limit_bytes},
-                              progress);
+                               .memory_limit_bytes = options.memory_limit_bytes,
+                               .scratch_folder = scratch_folder(options, output),
+                               .progress = progress});
+  give_fields(mesh, pack);
   const preprocess::PackMeshReport report = preprocess::pack_mesh(mesh, output, pack, progress);
 
   const formats::TetMeshDescription& packed = report.description;
@@ -219,7 +226,13 @@ void check_pack(const PackOptions& options) {
 
 PackResult pack_any(const PackOptions& options, const std::filesystem::path& output,
                     const preprocess::Progress& progress) {
-  return is_volume(options) ? pack_volume(options, output, progress) : pack_mesh(options, output, progress);
+  std::optional<preprocess::MemoryCap> cap;
+  if (options.memory_limit_bytes != 0) cap.emplace(options.memory_limit_bytes, scratch_folder(options, output));
+  PackResult result =
+      is_volume(options) ? pack_volume(options, output, progress) : pack_mesh(options, output, progress);
+  if (cap && preprocess::MemoryCap::folder_is_memory(scratch_folder(options, output)))
+    result.notes.push_back("the output's folder lies in memory itself: --memory saves none there");
+  return result;
 }
 
 }  // namespace rhoray::tools

@@ -28,7 +28,7 @@ struct PackOptions {
   bool cell_data = false;
   std::optional<double> max_error;
   std::string time;  ///< empty = not said
-  std::uint64_t memory_limit_bytes = 0;
+  std::uint64_t memory_limit_bytes = 0;  ///< cap on anonymous memory (preprocess/memory_cap.h); 0 = none
   bool replace_existing = false;
   std::string command;
 };
@@ -48,7 +48,7 @@ struct PackResult {
 /// belong to that kind.
 void check_pack(const PackOptions& options);
 
-/// Reads a volume or a mesh and packs it.
+/// Reads a volume or a mesh and packs it. Under a memory cap large arrays lie in the output's folder, without names.
 PackResult pack_any(const PackOptions& options, const std::filesystem::path& output,
                     const preprocess::Progress& progress);
 

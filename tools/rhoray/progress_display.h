@@ -1,12 +1,27 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <string>
 
 #include "preprocess/progress.h"
 #include "tools/rhoray/common_options.h"
 
 namespace rhoray::tools {
+
+/// How far a piece of work has come.
+struct Pace {
+  std::string what;         ///< the phase, without what is counted
+  std::string counted;      ///< "bytes", "cells"; empty when not said
+  double share = 0;         ///< done, 0 to 1; 0 when the whole is not known
+  double rate_per_s = 0;    ///< of what is counted; 0 while it cannot be told
+  double seconds_left = 0;  ///< at that rate; 0 when it cannot be told
+};
+/// @param phase  as preprocess::Progress has it, perhaps with what is counted in brackets at its end
+Pace pace_of(std::string_view phase, std::uint64_t done, std::uint64_t total, double elapsed_s);
+
+/// "writing", "[===   ] 10%", "250.0 MiB/s", "1 min 20 s left": what a bar says, as far as it is known.
+std::string bar_text(const Pace& pace);
 
 /// Shows on stderr how far a piece of work has come, in the style of --progress. A bar is wiped away at the end.
 class ProgressDisplay {
@@ -29,7 +44,7 @@ class ProgressDisplay {
   Style style_ = Style::none;
   std::string phase_;
   bool bar_is_shown_ = false;
-  std::chrono::steady_clock::time_point last_shown_;
+  std::chrono::steady_clock::time_point last_shown_, phase_begin_;
 };
 
 }  // namespace rhoray::tools

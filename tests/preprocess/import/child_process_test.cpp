@@ -106,6 +106,45 @@ TEST_F(Worker, is_stopped_at_its_memory_limit) {
   expect_refusal([&] { run_worker(devour); }, Trouble::resource, {"reading bone.vtu", "out of memory"});
 }
 
+TEST_F(Worker, tells_its_progress) {
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> told;
+  WorkerRequest working = request("progress");
+  working.progress = [&](std::uint64_t done, std::uint64_t total) { told.emplace_back(done, total); };
+  run_worker(working);
+  EXPECT_THAT(told, testing::ElementsAre(testing::Pair(3, 8), testing::Pair(8, 8)));
+}
+
+TEST_F(Worker, is_ended_when_its_progress_is_stopped) {
+  struct Stopped {};
+  WorkerRequest working = request("progress-and-sleep");
+  working.progress = [](std::uint64_t, std::uint64_t) { throw Stopped(); };
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_THROW(run_worker(working), Stopped);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+}
+
+TEST_F(Worker, lies_in_the_scratch_folder_and_keeps_to_anonymous_memory) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers take more memory than any cap";
+#endif
+  const tests::TemporaryFolder folder;
+  WorkerRequest square = request("square");
+  square.scratch_folder = folder.path();
+  square.write_input = [](int descriptor) { write_numbers(descriptor, {7}); };
+  EXPECT_EQ(run_worker(square).array<std::uint64_t>("numbers", {1})[0], 49U);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+
+  WorkerRequest large = request("large-array");  // 256 MiB
+  large.memory_limit_bytes = 64 << 20;
+  expect_refusal([&] { run_worker(large); }, Trouble::resource, {"out of memory"});
+  large.scratch_folder = folder.path();
+  EXPECT_EQ(run_worker(large).array<std::uint64_t>("numbers", {1})[0], 256U << 20);
+  WorkerRequest devour = request("devour");
+  devour.memory_limit_bytes = 64 << 20;
+  devour.scratch_folder = folder.path();
+  expect_refusal([&] { run_worker(devour); }, Trouble::resource, {"out of memory"});
+}
+
 TEST_F(Worker, may_complain_without_end) {
   expect_refusal([] { run_worker(request("chatter")); }, Trouble::invalid, {"the last word"});
 }

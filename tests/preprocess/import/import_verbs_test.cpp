@@ -74,8 +74,8 @@ TEST_F(Import, stops_a_reader_that_needs_too_much_memory) {
   write_file(path, "");
   std::filesystem::resize_file(path, 2U << 30);  // a hole: no disk is used
   ImportVolumeOptions options;
-  options.raw = parse_raw_volume("1024x1024x2048:uint8");
-  options.memory_limit_bytes = 3U << 30;  // the file is mapped, its copy no longer fits
+  options.raw = parse_raw_volume("1024x1024x1024:uint16:be");
+  options.memory_limit_bytes = 3U << 30;  // the file is mapped, its copy in our order no longer fits
   expect_refusal([&] { import_volume(path, options); }, Trouble::resource, {"a.raw", "memory"});
 }
 

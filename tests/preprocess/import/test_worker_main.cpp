@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "formats/base/trouble.h"
+#include "preprocess/neutral.h"
 #include "preprocess/worker/child_process.h"
 
 namespace {
@@ -56,9 +58,22 @@ void act(const std::string& verb, int input, int output) {
   } else if (verb == "devour") {
     std::vector<std::vector<char>> pieces;
     for (;;) pieces.emplace_back(16 << 20, 'x');
+  } else if (verb == "large-array") {
+    const preprocess::Array<std::byte> large(256 << 20, std::byte{1});
+    hand_back({large.size()}, output);
   } else if (verb == "chatter") {
     for (int line = 0; line < 200'000; ++line) std::fputs("a line that nobody asked for\n", stderr);
     throw Error(Trouble::invalid, "the last word");
+  } else if (verb == "progress") {
+    std::fputs("an unfinished line ", stderr);
+    preprocess::report_worker_progress(3, 8);
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+    preprocess::report_worker_progress(8, 8);
+    preprocess::report_worker_progress(9, 8);  // too soon after the one before
+    hand_back({1}, output);
+  } else if (verb == "progress-and-sleep") {
+    preprocess::report_worker_progress(1, 2);
+    std::this_thread::sleep_for(std::chrono::seconds(60));
   } else if (verb == "print") {
     std::puts("this belongs nowhere");
     hand_back({1}, output);

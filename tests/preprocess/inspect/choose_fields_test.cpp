@@ -162,7 +162,7 @@ TEST(ChooseFields, averages_a_constant_to_the_same_constant) {
 
 TEST(ChooseFields, stores_single_precision_only_where_no_source_value_changes) {
   const auto is_single = [](const PointField& field) {
-    return std::holds_alternative<std::vector<float>>(field.values);
+    return std::holds_alternative<Array<float>>(field.values);
   };
   NeutralMesh mesh = two_cells();
   mesh.point_fields.push_back(field_of("exact", 1, {0.5, 1, 2, 3, nan, 5}, true));

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory_resource>
+
+namespace rhoray::preprocess {
+
+/// Memory for large arrays that lies in a folder: a block of `smallest_block` bytes or more is a nameless file of its
+/// own, mapped, whose pages the system writes out and drops when it needs their memory; a smaller one comes from the
+/// heap. A file's space is free again as soon as its block is. Safe to use from several threads.
+///
+/// A block that cannot be had is an Error (Trouble::resource) with the folder and the reason.
+class ScratchMemory : public std::pmr::memory_resource {
+ public:
+  static constexpr std::size_t smallest_block = std::size_t{1} << 20;
+
+  explicit ScratchMemory(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+ private:
+  void* do_allocate(std::size_t bytes, std::size_t alignment) override;
+  void do_deallocate(void* block, std::size_t bytes, std::size_t alignment) override;
+  bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
+
+  std::filesystem::path folder_;
+};
+
+}  // namespace rhoray::preprocess
