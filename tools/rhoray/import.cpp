@@ -103,8 +103,8 @@ int run(const ImportCommand& command) {
     mesh = preprocess::import_mesh(command.input,
                                    {.time = command.time,
                                     .max_error = command.max_error.value_or(preprocess::ImportMeshOptions{}.max_error),
-                                    .memory_limit_bytes = command.common.memory.bytes},
-                                   display.progress());
+                                    .memory_limit_bytes = command.common.memory.bytes,
+                                    .progress = display.progress()});
     keep_fields(mesh, command);
     add_source_cells(mesh);
     display.show(concat("writing ", output.string()));
