@@ -28,7 +28,7 @@ void check(const TetrahedralizeCommand& command, const std::filesystem::path& ou
   require_input(command.input);
   if (preprocess::foreign_kind(command.input) != preprocess::ForeignKind::surface)
     throw Error(
-        Trouble::invalid, concat(name, ": is not a surface; expected .ply, .stl, .obj, .off, .poly or .smesh"),
+        Trouble::invalid, concat(name, ": is not a surface; expected .ply, .stl, .obj, .off, .poly, .smesh or .face"),
         formats::PackedFile::looks_packed(command.input) ? concat("look into it: rhoray info ", name) : std::string{});
   if (!command.sizes.empty()) require_input(command.sizes);
   if (output.extension() != ".vtu")
@@ -101,7 +101,7 @@ Subcommand tetrahedralize_subcommand() {
               "  rhoray tetrahedralize heart.ply -o heart.vtu\n"
               "  rhoray tetrahedralize torso.smesh --quality 1.4 --sizes torso.mtr -o torso.vtu\n",
           .options = all_options(
-              {{file_option("SURFACE", "Surface: .ply, .stl, .obj, .off, .poly or .smesh", command->input)},
+              {{file_option("SURFACE", "Surface: .ply, .stl, .obj, .off, .poly, .smesh or .face", command->input)},
                output_options(command->common, "Mesh (.vtu); default the input's name with .vtu"),
                {value_option("--quality", "R",
                              "Largest ratio of circumradius to shortest edge; 0 adds no points; default 1.4",
