@@ -174,6 +174,7 @@ std::string extensions_of(ForeignKind kind) {
   for (const KindByName& row : kinds)
     if (row.kind == kind && row.family.front() == '.') names += concat(names.empty() ? "" : " ", row.family);
   if (kind == ForeignKind::mesh) names += " .vtk PLOT3D";
+  if (kind == ForeignKind::surface) names += " .vtk";
   if (kind == ForeignKind::volume) names += " .vtk, folders of DICOM images or of pictures";
   return names;
 }

@@ -29,7 +29,7 @@ void check(const TetrahedralizeCommand& command, const std::filesystem::path& ou
   if (preprocess::foreign_kind(command.input) != preprocess::ForeignKind::surface)
     throw Error(
         Trouble::invalid,
-        concat(name, ": is not a surface; expected .ply, .stl, .obj, .off, .poly, .smesh or .vtk with POLYDATA"),
+        concat(name, ": is not a surface; expected ", preprocess::extensions_of(preprocess::ForeignKind::surface)),
         formats::PackedFile::looks_packed(command.input) ? concat("look into it: rhoray info ", name) : std::string{});
   if (!command.sizes.empty()) require_input(command.sizes);
   if (output.extension() != ".vtu")
@@ -102,7 +102,7 @@ Subcommand tetrahedralize_subcommand() {
               "  rhoray tetrahedralize heart.ply -o heart.vtu\n"
               "  rhoray tetrahedralize torso.smesh --quality 1.4 --sizes torso.mtr -o torso.vtu\n",
           .options = all_options(
-              {{file_option("SURFACE", "Surface: .ply, .stl, .obj, .off, .poly, .smesh or .vtk with POLYDATA",
+              {{file_option("SURFACE", "Surface: .ply, .stl, .obj, .off, .poly, .smesh, .face or .vtk with POLYDATA",
                             command->input)},
                output_options(command->common, "Mesh (.vtu); default the input's name with .vtu"),
                {value_option("--quality", "R",
