@@ -5,6 +5,7 @@
 
 #include "formats/base/trouble.h"
 #include "preprocess/import_mesh.h"
+#include "preprocess/position_fields.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/input_file.h"
 #include "tools/rhoray/measure.h"
@@ -106,6 +107,14 @@ preprocess::NeutralMesh read_mesh(const ResampleCommand& command, ProgressDispla
   return preprocess::unpack_mesh(formats::TetMesh(file));
 }
 
+/// As packing does: a mesh with fields in its cells alone shows them; one without fields that vary shows where it is.
+void give_fields(preprocess::NeutralMesh& mesh, preprocess::ResampleOptions& options) {
+  if (!preprocess::has_varying_field(mesh)) return preprocess::add_position_fields(mesh);
+  if (!mesh.point_fields.empty() || options.cells_to_points) return;
+  options.cells_to_points = true;
+  mesh.notes.push_back("no field stands at points: those in cells were averaged to points");
+}
+
 /// The command as it is kept in the file.
 std::string command_line(const ResampleCommand& command, const std::filesystem::path& output) {
   std::vector<std::string> words{"rhoray", "resample", command.input.string(), "-o", output.string()};
@@ -175,7 +184,8 @@ int run(ResampleCommand& command) {
   std::vector<std::string> notes;
   const preprocess::ResampleReport report = [&] {
     ProgressDisplay display(command.common);
-    const preprocess::NeutralMesh mesh = read_mesh(command, display);
+    preprocess::NeutralMesh mesh = read_mesh(command, display);
+    give_fields(mesh, options);
     notes = mesh.notes;
     return preprocess::resample(mesh, output, options, display.progress());
   }();
