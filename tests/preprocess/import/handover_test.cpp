@@ -42,6 +42,25 @@ TEST(Handover, carries_a_volume_unchanged) {
   EXPECT_EQ(taken.notes, volume.notes);
 }
 
+TEST(Handover, leaves_samples_in_their_file_where_they_are_mapped_again) {
+  tests::TemporaryFolder folder;
+  const std::string bytes = tests::bytes_of_values(tests::known_values<std::int16_t>());
+  tests::write_file(folder / "samples", "seven!!" + bytes + "more");
+  NeutralVolume volume;
+  volume.sample_count = {tests::size_x, tests::size_y, tests::size_z};
+  volume.type = formats::ElementType::I16;
+  volume.samples_file = folder / "samples";
+  volume.samples_first_byte = 7;
+  const NeutralVolume taken = take_volume(sent(volume));
+  tests::expect_known_values(taken, formats::ElementType::I16);
+  EXPECT_TRUE(taken.owned_samples.empty());
+
+  volume.samples_first_byte = 12;  // beyond the end
+  expect_refusal([&] { take_volume(sent(volume)); }, Trouble::invalid, {"beyond the end of their file"});
+  volume.samples_file = folder / "none";
+  expect_refusal([&] { take_volume(sent(volume)); }, Trouble::unreadable, {"none"});
+}
+
 NeutralMesh small_mesh() {
   NeutralMesh mesh;
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {std::numeric_limits<double>::infinity(), 1, 1}};

@@ -5,6 +5,7 @@
 #include <vtkXMLImageDataWriter.h>
 
 #include "preprocess/import/readers.h"
+#include "preprocess/import/vti_stream.h"
 #include "tests/preprocess/import/support.h"
 #include "tests/preprocess/import/vtk_lattice.h"
 
@@ -113,6 +114,33 @@ TEST(Vti, refuses_other_files_and_absurd_sizes) {
   refuses(by_hand("0 99999 0 99999 0 99", known_array), Trouble::invalid, {"WholeExtent", "1000000000000 in"});
   refuses(by_hand("0 2 0 3 0 5", known_array), Trouble::invalid, {"a.vti"});
   refuses(by_hand("0 2 3 0 0 5", known_array), Trouble::invalid, {"WholeExtent"});
+}
+
+TEST(Vti, is_read_without_vtk_in_every_encoding_but_its_rarer_compressors) {
+  TemporaryFolder folder;
+  const auto written = [&](const std::function<void(vtkXMLWriter&)>& choose) {
+    vtkNew<vtkXMLImageDataWriter> writer;
+    writer->SetInputData(vtk_lattice(VTK_SHORT));
+    writer->SetFileName((folder / "a.vti").c_str());
+    choose(*writer);
+    EXPECT_EQ(writer->Write(), 1);
+    return folder / "a.vti";
+  };
+  for (const int mode : {vtkXMLWriter::Ascii, vtkXMLWriter::Binary, vtkXMLWriter::Appended})
+    for (const bool packed : {false, true})
+      for (const bool big_endian : {false, true}) {
+        const std::optional<NeutralVolume> volume = stream_vti(written([&](vtkXMLWriter& writer) {
+                                                                 writer.SetDataMode(mode);
+                                                                 if (!packed) writer.SetCompressorTypeToNone();
+                                                                 if (big_endian) writer.SetByteOrderToBigEndian();
+                                                               }),
+                                                               "");
+        ASSERT_TRUE(volume);
+        expect_known_values(*volume, ElementType::I16);
+      }
+  const auto path = written([](vtkXMLWriter& writer) { writer.SetCompressorTypeToLZ4(); });
+  EXPECT_FALSE(stream_vti(path, ""));
+  expect_known_values(read(path), ElementType::I16);
 }
 
 TEST(Vti, refuses_every_beginning_of_a_file) {

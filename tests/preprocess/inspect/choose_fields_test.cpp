@@ -161,9 +161,7 @@ TEST(ChooseFields, averages_a_constant_to_the_same_constant) {
 }
 
 TEST(ChooseFields, stores_single_precision_only_where_no_source_value_changes) {
-  const auto is_single = [](const PointField& field) {
-    return std::holds_alternative<Array<float>>(field.values);
-  };
+  const auto is_single = [](const PointField& field) { return std::holds_alternative<Array<float>>(field.values); };
   NeutralMesh mesh = two_cells();
   mesh.point_fields.push_back(field_of("exact", 1, {0.5, 1, 2, 3, nan, 5}, true));
   mesh.point_fields.push_back(field_of("claims", 1, {0.1, 1, 2, 3, 4, 5}, true));  // 0.1 is no float
