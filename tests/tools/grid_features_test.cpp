@@ -18,11 +18,14 @@ float ramp(std::int64_t i, std::int64_t j, std::int64_t k) {
 float half(std::int64_t i, std::int64_t j, std::int64_t k) {
   return i < 4 ? std::numeric_limits<float>::quiet_NaN() : ramp(i, j, k);
 }
+float below_zero(std::int64_t i, std::int64_t j, std::int64_t k) {
+  return -half(i, j, k);
+}
 
 /// all.rho: sparse, uneven along x, two fields, the second with a certificate.
 void make_grid_with_all(const Workbench& bench) {
   MadeGrid grid = made_grid({.is_sparse = true, .axes = {{{-1, 0, 0.5, 0.75, 2, 3, 4, 5, 100}, {}, {}}}},
-                            {{"density", half}, {"pressure", half, true}});
+                            {{"density", half}, {"pressure", below_zero, true}});
   grid.description.world_from_grid = {{2, 0, 0}, {0, 3, 0}, {0, 0, 4}, {10, 20, 30}};
   grid.description.fields[1].unit = "Pa";
   write_file(bench / "all.rho", grid.file());
@@ -89,9 +92,10 @@ TEST(GridOfAllKinds, passes_the_deep_check_and_is_found_out_when_its_errors_lie)
 TEST(GridOfAllKinds, is_rendered_by_the_field_that_is_named) {
   const Workbench bench;
   make_grid_with_all(bench);
-  for (const char* field : {"density", "pressure"}) {
+  // Each isovalue lies outside the other field's range.
+  for (const auto& [field, isovalue] : {std::pair("density", "200"), std::pair("pressure", "-200")}) {
     const RunResult result = bench.rhoray({"render", "all.rho", "-o", concat(field, ".png"), "--field", field, "--iso",
-                                           "200", "--size", "64x64", "--json"});
+                                           isovalue, "--size", "96x96", "--json"});
     ASSERT_EQ(result.exit_code, 0) << result.err;
     const nlohmann::json json = nlohmann::json::parse(result.out);
     EXPECT_EQ(json["field"], field);
