@@ -153,7 +153,7 @@ FieldView view_of(const CleanMesh& mesh, const PointField& field, const std::vec
   view.conflicts = conflicts;
   bool is_single = false;
   std::visit(
-      [&]<class T>(const std::vector<T>& values) {
+      [&]<class T>(const Array<T>& values) {
         view.values.assign(values.begin(), values.end());
         is_single = std::is_same_v<T, float>;
       },

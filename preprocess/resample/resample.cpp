@@ -24,7 +24,7 @@ std::uint64_t memory_limit(const ResampleOptions& options) {
 double bytes_of(const SampleLattice& lattice, const std::vector<PointField>& fields, double touched_share) {
   double sample_bytes = 0;
   for (const PointField& field : fields)
-    std::visit([&]<class T>(const std::vector<T>&) { sample_bytes += sizeof(T); }, field.values);
+    std::visit([&]<class T>(const Array<T>&) { sample_bytes += sizeof(T); }, field.values);
   const auto bricks = static_cast<double>(volume(lattice.brick_count()));
   const double of_all_bricks = 8 + 4 + 4 + static_cast<double>(fields.size()) * 8 * (sizeof(float) * 2 + 1);
   const double of_touched = static_cast<double>(SampleLattice::brick_samples) * sample_bytes + 64;

@@ -18,7 +18,7 @@ using Range = tbb::blocked_range<std::size_t>;
 constexpr auto brick_samples = static_cast<std::size_t>(SampleLattice::brick_samples);
 
 template <class T>
-T interpolate(const std::vector<T>& values, const std::array<std::uint32_t, 4>& cell,
+T interpolate(const Array<T>& values, const std::array<std::uint32_t, 4>& cell,
               const std::array<double, 4>& weights) {
   const std::array<T, 4> v{values[cell[0]], values[cell[1]], values[cell[2]], values[cell[3]]};
   const double sum = weights[0] * static_cast<double>(v[0]) + weights[1] * static_cast<double>(v[1]) +
@@ -44,7 +44,7 @@ bool disagree(T a, T b) {
 }
 
 template <class T>
-void fill_brick(const CleanMesh& mesh, const std::vector<T>& values, const Scratch& scratch, std::uint32_t slot, T* out,
+void fill_brick(const CleanMesh& mesh, const Array<T>& values, const Scratch& scratch, std::uint32_t slot, T* out,
                 std::vector<Conflict>& conflicts) {
   for (std::size_t s = 0; s < brick_samples; ++s) {
     const std::uint32_t cell = scratch.places.cell[s];
@@ -95,7 +95,7 @@ BrickSamples sample_fields(const CleanMesh& mesh, const std::vector<PointField>&
   BrickSamples samples;
   for (const PointField& field : fields)
     std::visit(
-        [&]<class T>(const std::vector<T>&) { samples.fields.emplace_back(Array<T>(slot_count * brick_samples)); },
+        [&]<class T>(const Array<T>&) { samples.fields.emplace_back(Array<T>(slot_count * brick_samples)); },
         field.values);
   samples.inside_counts.resize(slot_count);
   std::vector<std::uint32_t> overlap_counts(slot_count);
@@ -115,7 +115,7 @@ BrickSamples sample_fields(const CleanMesh& mesh, const std::vector<PointField>&
       overlap_counts[slot] = overlaps(scratch.second);
       for (std::size_t f = 0; f < fields.size(); ++f)
         std::visit(
-            [&]<class T>(const std::vector<T>& values) {
+            [&]<class T>(const Array<T>& values) {
               fill_brick(mesh, values, scratch, static_cast<std::uint32_t>(slot),
                          std::get<Array<T>>(samples.fields[f]).data() + slot * brick_samples, conflicts[f][slot]);
             },

@@ -41,7 +41,7 @@ template <class T>
 Levels<T> macro_levels(const ResampledMesh& grid, std::size_t field, const formats::MacroShape& shape) {
   constexpr std::int64_t per_brick = SampleLattice::brick_edge / 4;
   const Index3 count = shape.count(1);
-  std::vector<T> ranges(static_cast<std::size_t>(2 * volume(count)));
+  Array<T> ranges(static_cast<std::size_t>(2 * volume(count)));
   for (std::size_t m = 0; m < ranges.size(); m += 2) {
     ranges[m] = Interval<T>{}.lo;
     ranges[m + 1] = Interval<T>{}.hi;
