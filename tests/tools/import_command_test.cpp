@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "formats/base/text.h"
 #include "tests/support/conformity.h"
 #include "tests/tools/workbench.h"
 
@@ -84,7 +85,9 @@ TEST(ImportCommand, cuts_curved_cells_more_finely_for_a_smaller_error_and_so_doe
     ASSERT_EQ(packed.exit_code, 0) << packed.err;
     const nlohmann::json description = nlohmann::json::parse(packed.out)["description"];
     EXPECT_THAT(description.dump(), HasSubstr(std::string("--max-error ") + error));
-    EXPECT_THAT(packed.err, HasSubstr(concat(count, " tetrahedra")));
+    std::string said = packed.err;
+    std::erase(said, ',');
+    EXPECT_THAT(said, HasSubstr(concat("became ", count, " tetrahedr")));
   }
 }
 
