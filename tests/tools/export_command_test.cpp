@@ -85,7 +85,7 @@ TEST(VdbFiles, are_packed_drawn_and_described_like_their_packed_copy) {
       "--iso",    "100",         "--size", "64x64", "--camera-position", "40,-60,30", "--camera-target",
       "12,12,12", "--camera-up", "0,0,1",  "--json"};
   const auto hits = [&](const std::string& file) {
-    std::vector<std::string> words{"render", file, "-o", file + ".png"};
+    std::vector<std::string> words{"render", file, "-o", file + ".png", "--force"};
     words.insert(words.end(), look.begin(), look.end());
     const RunResult run = bench.rhoray(words);
     EXPECT_EQ(run.exit_code, 0) << run.err;
