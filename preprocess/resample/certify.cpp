@@ -623,6 +623,13 @@ class BrickCertifier {
   GradientSet gradients_;
 };
 
+/// The next number in single precision, as which bounds are kept.
+double rounded_up(double value) {
+  const auto rounded = static_cast<float>(value);
+  const bool is_below = static_cast<double>(rounded) < value;
+  return static_cast<double>(is_below ? std::nextafter(rounded, std::numeric_limits<float>::infinity()) : rounded);
+}
+
 /// Marks the bricks with the largest errors so far, one in 128.
 void mark_worst(const std::vector<BrickErrors>& errors, std::vector<std::uint8_t>& marks) {
   std::vector<std::uint32_t> order(errors.size());
@@ -691,9 +698,9 @@ Certificates certify(const CleanMesh& mesh, const std::vector<PointField>& field
     FieldErrors field;
     double sum_of_squares = 0;
     for (const BrickErrors& brick : of_bricks) {
-      field.max.push_back(brick.bound);
+      field.max.push_back(rounded_up(brick.bound));
       field.rms.push_back(brick.point_count == 0 ? 0 : std::sqrt(brick.sum_of_squares / brick.point_count));
-      field.max_error = std::max(field.max_error, brick.bound);
+      field.max_error = std::max(field.max_error, field.max.back());
       if (brick.attained > field.attained) {
         field.attained = brick.attained;
         field.attained_at = brick.attained_at;

@@ -4,7 +4,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <span>
 #include <utility>
@@ -75,12 +74,6 @@ Levels<T> macro_levels(const ResampledMesh& grid, std::size_t field, const forma
   return levels;
 }
 
-float rounded_up(double value) {
-  const auto rounded = static_cast<float>(value);
-  if (static_cast<double>(rounded) >= value) return rounded;
-  return std::nextafter(rounded, std::numeric_limits<float>::infinity());
-}
-
 /// Errors by brick of the whole lattice, 0 where there is no brick.
 struct ErrorArrays {
   std::vector<float> max, rms;
@@ -91,7 +84,7 @@ ErrorArrays errors_by_brick(const FieldErrors& errors, const TouchedBricks& touc
   arrays.max.assign(touched.slots.size(), 0);
   arrays.rms.assign(touched.slots.size(), 0);
   for (std::size_t slot = 0; slot < touched.bricks.size(); ++slot) {
-    arrays.max[touched.bricks[slot]] = rounded_up(errors.max[slot]);
+    arrays.max[touched.bricks[slot]] = static_cast<float>(errors.max[slot]);
     arrays.rms[touched.bricks[slot]] = static_cast<float>(errors.rms[slot]);
   }
   return arrays;
