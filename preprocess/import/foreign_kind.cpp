@@ -22,7 +22,7 @@ constexpr KindByName kinds[] = {
     {".vti", ForeignKind::volume},    {".vtu", ForeignKind::mesh},    {".node", ForeignKind::mesh},
     {".ele", ForeignKind::mesh},      {".ply", ForeignKind::surface}, {".stl", ForeignKind::surface},
     {".obj", ForeignKind::surface},   {".off", ForeignKind::surface}, {".poly", ForeignKind::surface},
-    {".smesh", ForeignKind::surface},
+    {".smesh", ForeignKind::surface}, {".tri", ForeignKind::surface},
 };
 
 /// The word after DATASET in the first lines of a legacy VTK file, in capitals; empty when there is none.

@@ -4,12 +4,15 @@
 
 namespace rhoray::preprocess::repair {
 
-bool cut_at_crossings(TriangleMesh& mesh) {
-  TriangleMesh changed = mesh;
-  if (!CGAL::Polygon_mesh_processing::experimental::autorefine_and_remove_self_intersections(changed)) return false;
-  changed.collect_garbage();
-  mesh = std::move(changed);
-  return true;
+std::optional<TriangleMesh> with_facets_cut(TriangleMesh mesh) {
+  namespace pmp = CGAL::Polygon_mesh_processing;
+  try {
+    if (!pmp::experimental::autorefine_and_remove_self_intersections(mesh)) return std::nullopt;
+  } catch (const pmp::Corefinement::Triple_intersection_exception&) {  // three sheets through one point
+    return std::nullopt;
+  }
+  mesh.collect_garbage();
+  return mesh;
 }
 
 }  // namespace rhoray::preprocess::repair

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "formats/base/trouble.h"
 #include "preprocess/repair/steps.h"
@@ -10,12 +12,30 @@ namespace rhoray::preprocess::repair {
 
 namespace {
 
-/// The order matters: replacing facets moves the surface least; cutting resolves what overlaps too far for that.
-void resolve_crossings(TriangleMesh& part, RepairReport& report) {
+/// The larger of the distances between two surfaces, there and back.
+double distance(const TriangleMesh& a, const TriangleMesh& b, double error) {
+  return std::max(farthest(a, b, error), farthest(b, a, error));
+}
+
+/// Of the two ways to be rid of crossings, the one that moves the part less.
+void resolve_crossings(TriangleMesh& part, double error, RepairReport& report) {
   if (count_crossings(part) == 0) return;
   remove_flat_facets(part);
-  if (!replace_crossing_facets(part) && !cut_at_crossings(part)) return;
-  fill_holes(part, report);
+  std::optional<TriangleMesh> nearest;
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto way : {with_facets_replaced, with_facets_cut}) {
+    std::optional<TriangleMesh> candidate = way(part);
+    if (!candidate || candidate->number_of_faces() == 0) continue;
+    fill_holes(*candidate, report);
+    if (count_crossings(*candidate) > 0) continue;
+    const double moved = distance(part, *candidate, error);
+    if (moved < least) {
+      least = moved;
+      nearest = std::move(candidate);
+    }
+  }
+  if (!nearest) return;
+  part = std::move(*nearest);
   ++report.mended_parts;
 }
 
@@ -33,12 +53,13 @@ TriangleMesh mended(TriangleMesh mesh, const RepairOptions& options, RepairRepor
     parts = {std::move(*largest)};
   }
   if (report.crossing_pairs > 0) {
-    for (TriangleMesh& part : parts) resolve_crossings(part, report);
+    for (TriangleMesh& part : parts) resolve_crossings(part, report.distance_error, report);
     unite_crossing_parts(parts, report);
   }
   TriangleMesh whole;
   for (TriangleMesh& part : parts) {
     remove_flat_facets(part);
+    remove_needles(part, 10 * report.distance_error);
     whole += part;
   }
   return whole;
@@ -76,10 +97,12 @@ RepairedSurface mend(const NeutralSurface& surface, const RepairOptions& options
     throw Error(Trouble::invalid, "surface: no facet has an area; there is nothing to repair");
 
   TriangleMesh before, after;
+  report.box_diagonal = diagonal_of(soup);
+  report.distance_error = 1e-4 * report.box_diagonal;
   if (options.wrap > 0) {
     RepairReport ignored;
     before = mesh_of(soup, ignored);
-    const double gap = options.wrap * diagonal_of(soup);
+    const double gap = options.wrap * report.box_diagonal;
     after = wrap(soup, gap, gap / 20);
     report.wrapped = true;
   } else {
@@ -87,7 +110,8 @@ RepairedSurface mend(const NeutralSurface& surface, const RepairOptions& options
     after = mended(before, options, report);
   }
   if (after.number_of_faces() == 0) throw Error(Trouble::invalid, "surface: nothing was left of it by the repair");
-  measure(before, after, report);
+  report.farthest_new_from_old = farthest(after, before, report.distance_error);
+  report.farthest_old_from_new = farthest(before, after, report.distance_error);
   result.surface = neutral(after);
   result.surface.holes = surface.holes;
   result.surface.regions = surface.regions;

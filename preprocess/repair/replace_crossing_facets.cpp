@@ -4,15 +4,13 @@
 
 namespace rhoray::preprocess::repair {
 
-bool replace_crossing_facets(TriangleMesh& mesh) {
-  TriangleMesh changed = mesh;
+std::optional<TriangleMesh> with_facets_replaced(TriangleMesh mesh) {
   // Giving up the number of tunnels lets it close the bridges by which a sheet touches itself.
   if (!CGAL::Polygon_mesh_processing::experimental::remove_self_intersections(
-          changed, CGAL::parameters::preserve_genus(false)))
-    return false;
-  changed.collect_garbage();
-  mesh = std::move(changed);
-  return true;
+          mesh, CGAL::parameters::preserve_genus(false)))
+    return std::nullopt;
+  mesh.collect_garbage();
+  return mesh;
 }
 
 }  // namespace rhoray::preprocess::repair

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "preprocess/repair/mesh.h"
@@ -28,15 +29,18 @@ bool remove_flat_facets(TriangleMesh& mesh);
 /// Closes every ring of open edges by triangles about as large as those around it.
 void fill_holes(TriangleMesh& mesh, RepairReport& report);
 
+/// Collapses edges up to a length and flips others to be rid of needles and caps, unless that makes facets cross; the
+/// mesh is then as it came.
+void remove_needles(TriangleMesh& mesh, double longest_collapsed);
+
 /// Pairs of facets of one mesh that cross.
 std::uint64_t count_crossings(const TriangleMesh& mesh);
 
-/// Replaces facets around crossings until there are none. False when some are left; the mesh is then as it came.
-bool replace_crossing_facets(TriangleMesh& mesh);
+/// Replaces facets around crossings until there are none, or gives up: nothing.
+std::optional<TriangleMesh> with_facets_replaced(TriangleMesh mesh);
 
-/// Cuts facets along their crossings and drops what comes to lie inside. False when it could not; the mesh is then as
-/// it came.
-bool cut_at_crossings(TriangleMesh& mesh);
+/// Cuts facets along their crossings and drops what comes to lie inside, or gives up: nothing.
+std::optional<TriangleMesh> with_facets_cut(TriangleMesh mesh);
 
 /// The connected parts.
 std::vector<TriangleMesh> parts_of(const TriangleMesh& mesh);
@@ -48,7 +52,7 @@ void unite_crossing_parts(std::vector<TriangleMesh>& parts, RepairReport& report
 /// A closed surface around everything.
 TriangleMesh wrap(const Soup& soup, double gap, double offset);
 
-/// Fills in the distances between two surfaces.
-void measure(const TriangleMesh& old_mesh, const TriangleMesh& new_mesh, RepairReport& report);
+/// The one-sided Hausdorff distance, to within `error` (not 0).
+double farthest(const TriangleMesh& from, const TriangleMesh& to, double error);
 
 }  // namespace rhoray::preprocess::repair

@@ -19,6 +19,8 @@ bool unite(TriangleMesh& first, const TriangleMesh& second) {
     if (!pmp::corefine_and_compute_union(a, b, both, CGAL::parameters::throw_on_self_intersection(true))) return false;
   } catch (const pmp::Corefinement::Self_intersection_exception&) {
     return false;
+  } catch (const pmp::Corefinement::Triple_intersection_exception&) {
+    return false;
   }
   both.collect_garbage();
   first = std::move(both);
