@@ -19,22 +19,22 @@ struct RepairOptions {
 
 /// What was done, and how far it moved the surface. Lengths are in the surface's units.
 struct RepairReport {
-  std::uint64_t merged_points = 0;     ///< had the coordinates of another
-  std::uint64_t dropped_flat = 0;      ///< facets without area
-  std::uint64_t dropped_twins = 0;     ///< facets that were there twice
-  std::uint64_t dropped_not_finite = 0;///< facets with a coordinate that is not finite
-  std::uint64_t split_points = 0;      ///< doubled where sheets met in one point or in an edge of more than two facets
-  std::uint64_t stitched_edges = 0;    ///< pairs of open edges that lay on each other
+  std::uint64_t merged_points = 0;       ///< had the coordinates of another
+  std::uint64_t dropped_flat = 0;        ///< facets without area
+  std::uint64_t dropped_twins = 0;       ///< facets that were there twice
+  std::uint64_t dropped_not_finite = 0;  ///< facets with a coordinate that is not finite
+  std::uint64_t split_points = 0;    ///< doubled where sheets met in one point or in an edge of more than two facets
+  std::uint64_t stitched_edges = 0;  ///< pairs of open edges that lay on each other
   std::uint64_t filled_holes = 0;
-  std::uint64_t crossing_pairs = 0;    ///< of facets, when all the above was done
-  std::uint64_t mended_parts = 0;      ///< whose facets crossed each other and were replaced
-  std::uint64_t united_parts = 0;      ///< closed parts that crossed others and became one solid with them
+  std::uint64_t crossing_pairs = 0;  ///< of facets, when all the above was done
+  std::uint64_t mended_parts = 0;    ///< whose facets crossed each other and were replaced
+  std::uint64_t united_parts = 0;    ///< closed parts that crossed others and became one solid with them
   std::uint64_t dropped_parts = 0;
   bool wrapped = false;
-  double farthest_new_from_old = 0;    ///< one-sided Hausdorff distance, from the new surface to the old
-  double farthest_old_from_new = 0;    ///< and back
-  double distance_error = 0;           ///< the true distances differ from these by at most this
-  double box_diagonal = 0;             ///< of the old surface
+  double farthest_new_from_old = 0;  ///< one-sided Hausdorff distance, from the new surface to the old
+  double farthest_old_from_new = 0;  ///< and back
+  double distance_error = 0;         ///< the true distances differ from these by at most this
+  double box_diagonal = 0;           ///< of the old surface
 };
 
 struct RepairedSurface {

@@ -93,8 +93,7 @@ RepairedSurface mend(const NeutralSurface& surface, const RepairOptions& options
   RepairReport& report = result.report;
   Soup soup = soup_of(surface, report);
   clean_soup(soup, report);
-  if (soup.facets.empty())
-    throw Error(Trouble::invalid, "surface: no facet has an area; there is nothing to repair");
+  if (soup.facets.empty()) throw Error(Trouble::invalid, "surface: no facet has an area; there is nothing to repair");
 
   TriangleMesh before, after;
   report.box_diagonal = diagonal_of(soup);

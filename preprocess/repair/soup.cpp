@@ -25,8 +25,9 @@ Soup soup_of(const NeutralSurface& surface, RepairReport& report) {
   for (const auto& p : surface.points)
     soup.points.push_back(is_finite(p) ? Point(p[0], p[1], p[2]) : Point(0, 0, 0));  // the latter is then unused
   for (std::size_t f = 0; f + 1 < surface.facet_offsets.size(); ++f) {
-    const auto corners = std::span(surface.facet_corners)
-                             .subspan(surface.facet_offsets[f], surface.facet_offsets[f + 1] - surface.facet_offsets[f]);
+    const auto corners =
+        std::span(surface.facet_corners)
+            .subspan(surface.facet_offsets[f], surface.facet_offsets[f + 1] - surface.facet_offsets[f]);
     if (!std::all_of(corners.begin(), corners.end(), [&](auto c) { return is_finite(surface.points[c]); })) {
       ++report.dropped_not_finite;
       continue;
@@ -43,8 +44,7 @@ void clean_soup(Soup& soup, RepairReport& report) {
     return CGAL::collinear(soup.points[f[0]], soup.points[f[1]], soup.points[f[2]]);
   });
   report.dropped_twins += pmp::merge_duplicate_polygons_in_polygon_soup(
-      soup.points, soup.facets,
-      CGAL::parameters::erase_all_duplicates(false).require_same_orientation(false));
+      soup.points, soup.facets, CGAL::parameters::erase_all_duplicates(false).require_same_orientation(false));
   pmp::remove_isolated_points_in_polygon_soup(soup.points, soup.facets);
 }
 

@@ -217,9 +217,9 @@ class SizeJudge {
 
   void refuse_if_useless() const {
     if (bad_)
-      throw Error(Trouble::invalid, concat("size field: found a wanted edge length of ", bad_->second, " at (",
-                                           bad_->first[0], ", ", bad_->first[1], ", ", bad_->first[2],
-                                           "); expected one above 0"));
+      throw Error(Trouble::invalid,
+                  concat("size field: found a wanted edge length of ", bad_->second, " at (", bad_->first[0], ", ",
+                         bad_->first[1], ", ", bad_->first[2], "); expected one above 0"));
     if (!answered_)
       throw Error(Trouble::invalid, "size field: has no value anywhere in the surface",
                   "look whether both are in the same place and unit");
@@ -240,8 +240,9 @@ class SizeJudge {
                                                corners[i][2] - corners[j][2]));
     }
     if (is_longer(longest, centre)) return true;
-    return std::any_of(corners.begin(), corners.end(),
-                       [&](const double* p) { return is_longer(longest, {p[0], p[1], p[2]}); });
+    return std::any_of(corners.begin(), corners.end(), [&](const double* p) {
+      return is_longer(longest, {p[0], p[1], p[2]});
+    });
   }
 
   bool is_longer(double longest, const std::array<double, 3>& p) {
@@ -365,8 +366,8 @@ std::vector<Chamber> chambers_in(const tetgenio& mesh) {
                       .neighbours = {mesh.neighborlist, 4 * cells}});
 }
 
-/// Seeds for all chambers, so that each can have a limit of its own or be left empty. A first filling without new points
-/// tells where they lie.
+/// Seeds for all chambers, so that each can have a limit of its own or be left empty. A first filling without new
+/// points tells where they lie.
 void seed_chambers(NeutralSurface& surface, bool empty_cavities) {
   tetgenio filled;
   run_tetgen(surface, {.switches = "pAn"}, filled);

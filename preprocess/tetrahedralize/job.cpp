@@ -31,12 +31,19 @@ std::vector<std::string> arguments_of(const TetrahedralizeOptions& options, cons
   const auto* distance = options.size_field ? std::get_if<SizeByDistance>(options.size_field.get()) : nullptr;
   const SizeByDistance none;
   const SizeByDistance& d = distance != nullptr ? *distance : none;
-  std::vector<std::string> arguments{
-      fill_verb,          concat(options.quality),          concat(options.max_volume),
-      options.tetgen,     concat(int{options.regions}),     concat(int{options.use_point_sizes}),
-      sizes.kind,         concat(sizes.descriptor),         concat(int{options.empty_cavities}),
-      concat(d.near),     concat(d.far),                    concat(d.growth),
-      concat(int{options.solids_may_touch})};
+  std::vector<std::string> arguments{fill_verb,
+                                     concat(options.quality),
+                                     concat(options.max_volume),
+                                     options.tetgen,
+                                     concat(int{options.regions}),
+                                     concat(int{options.use_point_sizes}),
+                                     sizes.kind,
+                                     concat(sizes.descriptor),
+                                     concat(int{options.empty_cavities}),
+                                     concat(d.near),
+                                     concat(d.far),
+                                     concat(d.growth),
+                                     concat(int{options.solids_may_touch})};
   for (const auto& [region, max_volume] : options.region_volumes) {
     arguments.push_back(concat(region));
     arguments.push_back(concat(max_volume));
@@ -60,8 +67,8 @@ std::shared_ptr<const SizeField> size_field_from(const std::string& kind, int de
 TetrahedralizeOptions options_from(std::span<const char* const> arguments) {
   constexpr std::size_t fixed = 13;
   if (arguments.size() < fixed || (arguments.size() - fixed) % 2 != 0)
-    throw Error(Trouble::internal, concat("tetrahedralizing worker: ", arguments.size(), " arguments; expected ", fixed,
-                                          " and pairs"));
+    throw Error(Trouble::internal,
+                concat("tetrahedralizing worker: ", arguments.size(), " arguments; expected ", fixed, " and pairs"));
   const auto number = [&](std::size_t i) { return number_from(arguments[i]); };
   TetrahedralizeOptions options;
   options.quality = number(1);
@@ -70,9 +77,8 @@ TetrahedralizeOptions options_from(std::span<const char* const> arguments) {
   options.regions = number(4) != 0;
   options.use_point_sizes = number(5) != 0;
   options.empty_cavities = number(8) != 0;
-  options.size_field =
-      size_field_from(arguments[6], static_cast<int>(number(7)),
-                      {.surface = {}, .near = number(9), .far = number(10), .growth = number(11)});
+  options.size_field = size_field_from(arguments[6], static_cast<int>(number(7)),
+                                       {.surface = {}, .near = number(9), .far = number(10), .growth = number(11)});
   options.solids_may_touch = number(12) != 0;
   for (std::size_t i = fixed; i < arguments.size(); i += 2)
     options.region_volumes.push_back({.region = number(i), .max_volume = number(i + 1)});

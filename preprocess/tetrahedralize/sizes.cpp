@@ -135,7 +135,8 @@ class MeshSizes {
       }
     }
     // About one tetrahedron for each box.
-    edge_ = std::clamp<std::size_t>(static_cast<std::size_t>(std::cbrt(static_cast<double>(mesh_.cells.size()))), 1, 256);
+    edge_ =
+        std::clamp<std::size_t>(static_cast<std::size_t>(std::cbrt(static_cast<double>(mesh_.cells.size()))), 1, 256);
   }
 
   std::array<std::size_t, 3> box_at(const Point& p) const {
@@ -143,8 +144,8 @@ class MeshSizes {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double width = hi_[axis] - lo_[axis];
       if (width > 0)
-        box[axis] = std::min(static_cast<std::size_t>((p[axis] - lo_[axis]) / width * static_cast<double>(edge_)),
-                             edge_ - 1);
+        box[axis] =
+            std::min(static_cast<std::size_t>((p[axis] - lo_[axis]) / width * static_cast<double>(edge_)), edge_ - 1);
     }
     return box;
   }

@@ -12,8 +12,7 @@ int main(int argc, char** argv) {
   using namespace rhoray::preprocess;
   return worker_main([&](int input, int output) {
     const std::span<const char* const> arguments(argv + 1, argv + argc);
-    NeutralSurface surface =
-        take_surface(rhoray::formats::PackedFile::from_descriptor(input, "handed-over surface"));
+    NeutralSurface surface = take_surface(rhoray::formats::PackedFile::from_descriptor(input, "handed-over surface"));
     if (arguments.size() == 2 && std::string_view(arguments[0]) == find_faults_verb) {
       hand_over_faults(faulty_facets(std::move(surface), std::string_view(arguments[1]) == "1"), output);
       return;

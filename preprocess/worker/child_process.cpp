@@ -177,7 +177,9 @@ End end_of(pid_t child) {
   rusage used{};
   while (::wait4(child, &end.status, 0, &used) < 0 && errno == EINTR) {
   }
-  const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
   end.computing_s = seconds(used.ru_utime) + seconds(used.ru_stime);
   return end;
 }
@@ -233,8 +235,9 @@ std::optional<Trouble> trouble_of(int exit_code) {
     throw Error(Trouble::interrupted, concat("interrupted while ", request.doing));
   const bool out_of_time = request.time_limit_s > 0 && end.computing_s >= request.time_limit_s;
   if (signal == SIGXCPU || (signal == SIGKILL && out_of_time))
-    throw Error(Trouble::resource, concat("the worker ", request.program, " was stopped after its limit of ",
-                                          request.time_limit_s, " s of computing time while ", request.doing),
+    throw Error(Trouble::resource,
+                concat("the worker ", request.program, " was stopped after its limit of ", request.time_limit_s,
+                       " s of computing time while ", request.doing),
                 "allow more time, or ask for less");
   const bool out_of_memory = signal == SIGKILL || complaints.find("bad_alloc") != std::string::npos;
   throw Error(out_of_memory ? Trouble::resource : Trouble::invalid,

@@ -71,8 +71,7 @@ void read_max_volume(TetrahedralizeCommand& command) {
     if (parts.size() == 1)
       command.fill.max_volume = volume;
     else
-      command.fill.region_volumes.push_back(
-          {.region = number_in("--max-volume", parts.front()), .max_volume = volume});
+      command.fill.region_volumes.push_back({.region = number_in("--max-volume", parts.front()), .max_volume = volume});
   }
 }
 
@@ -143,8 +142,8 @@ NeutralSurface read_surfaces(const TetrahedralizeCommand& command, ProgressDispl
 preprocess::SizeByDistance read_size_by_distance(const TetrahedralizeCommand& command) {
   std::vector<std::string> parts = split(command.size_field, ':');
   if (parts.size() < 5)
-    throw Error(Trouble::usage, concat("--size-field: found '", command.size_field,
-                                       "'; expected distance:SURFACE:NEAR:FAR:GROWTH"));
+    throw Error(Trouble::usage,
+                concat("--size-field: found '", command.size_field, "'; expected distance:SURFACE:NEAR:FAR:GROWTH"));
   std::string file = parts[1];
   for (std::size_t i = 2; i + 3 < parts.size(); ++i) file += ":" + parts[i];
   require_surface(file);
@@ -161,13 +160,11 @@ preprocess::NeutralMesh read_size_mesh(const std::filesystem::path& file, const 
   for (const auto& f : mesh.point_fields)
     if (f.component_count == 1) names.push_back(f.name);
   if (names.empty() || (field.empty() && names.size() > 1))
-    throw Error(Trouble::usage,
-                concat("--size-field: ", file.string(), " has ", names.size(), " scalar point fields; expected one",
-                       names.empty() ? "" : ", or FILE:FIELD"));
+    throw Error(Trouble::usage, concat("--size-field: ", file.string(), " has ", names.size(),
+                                       " scalar point fields; expected one", names.empty() ? "" : ", or FILE:FIELD"));
   const std::string wanted = field.empty() ? names.front() : field;
-  const auto found = std::find_if(mesh.point_fields.begin(), mesh.point_fields.end(), [&](const auto& f) {
-    return f.component_count == 1 && f.name == wanted;
-  });
+  const auto found = std::find_if(mesh.point_fields.begin(), mesh.point_fields.end(),
+                                  [&](const auto& f) { return f.component_count == 1 && f.name == wanted; });
   if (found == mesh.point_fields.end())
     throw Error(Trouble::usage, concat("--size-field: ", file.string(), " has no scalar point field '", wanted, "'"),
                 did_you_mean(wanted, names));
@@ -265,9 +262,9 @@ void settle_limits(TetrahedralizeCommand& command) {
 
 int run(TetrahedralizeCommand& command) {
   const Stopwatch watch;
-  const std::filesystem::path output =
-      command.common.output.empty() ? std::filesystem::path(command.inputs.front()).replace_extension(".vtu")
-                                    : command.common.output;
+  const std::filesystem::path output = command.common.output.empty()
+                                           ? std::filesystem::path(command.inputs.front()).replace_extension(".vtu")
+                                           : command.common.output;
   check(command, output);
   read_max_volume(command);
   settle_limits(command);
@@ -285,8 +282,7 @@ int run(TetrahedralizeCommand& command) {
     }
     if (command.mend || command.repair.wrap > 0) {
       display.show(command.repair.wrap > 0 ? "wrapping the surface (CGAL)" : "repairing the surface (CGAL)");
-      auto repaired =
-          with_names(command, [&] { return preprocess::repair_surface(surface, command.repair); });
+      auto repaired = with_names(command, [&] { return preprocess::repair_surface(surface, command.repair); });
       surface = std::move(repaired.surface);
       repair = repaired.report;
       command.fill.solids_may_touch = true;
