@@ -147,7 +147,9 @@ TEST(WorkerDeath, is_reported_with_what_it_was_doing) {
     EXPECT_THAT(repairing.second, AllOf(HasSubstr("rhoray-repair-worker"), HasSubstr("repairing a surface"))) << end;
     EXPECT_EQ(filling.first, resource ? Trouble::resource : Trouble::invalid) << end;
     EXPECT_EQ(repairing.first, filling.first) << end;
-    if (end == std::string("KILL")) EXPECT_THAT(filling.second, HasSubstr("signal 9")) << "no time was used up";
+    if (end == std::string("KILL")) {
+      EXPECT_THAT(filling.second, HasSubstr("signal 9")) << "no time was used up";
+    }
   }
 }
 
