@@ -13,6 +13,11 @@ NeutralVolume read_nrrd(const std::filesystem::path& path, const std::string& fi
 NeutralVolume read_metaimage(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_nifti(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_vti(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_vtr(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_slc(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_gaussian_cube(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_bov(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_dicom(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_legacy_vtk_volume(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_raw(const std::filesystem::path& path, const RawVolume& raw);
 

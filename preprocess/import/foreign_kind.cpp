@@ -5,25 +5,63 @@
 #include <string_view>
 
 #include "preprocess/import/foreign_file.h"
+#include "preprocess/import/foreign_names.h"
+#include "preprocess/import/worker_arguments.h"
 #include "preprocess/import_mesh.h"
 
 namespace rhoray::preprocess {
 namespace {
 
 struct KindByName {
-  std::string_view extension;
+  std::string_view family;
   ForeignKind kind;
+  std::string_view worker = import_worker;
 };
 
-// The extensions of importers.cpp, here for programs that only ask; .vtk is answered by the file itself.
+// The families of importers.cpp, here for programs that only ask; .vtk is answered by the file itself.
 constexpr KindByName kinds[] = {
-    {".nrrd", ForeignKind::volume},   {".nhdr", ForeignKind::volume}, {".mhd", ForeignKind::volume},
-    {".mha", ForeignKind::volume},    {".nii", ForeignKind::volume},  {".nii.gz", ForeignKind::volume},
-    {".vti", ForeignKind::volume},    {".vtu", ForeignKind::mesh},    {".node", ForeignKind::mesh},
-    {".ele", ForeignKind::mesh},      {".ply", ForeignKind::surface}, {".stl", ForeignKind::surface},
-    {".obj", ForeignKind::surface},   {".off", ForeignKind::surface}, {".poly", ForeignKind::surface},
-    {".smesh", ForeignKind::surface}, {".tri", ForeignKind::surface},
+    {".nrrd", ForeignKind::volume},
+    {".nhdr", ForeignKind::volume},
+    {".mhd", ForeignKind::volume},
+    {".mha", ForeignKind::volume},
+    {".nii", ForeignKind::volume},
+    {".nii.gz", ForeignKind::volume},
+    {".vti", ForeignKind::volume},
+    {".vtr", ForeignKind::volume},
+    {".slc", ForeignKind::volume},
+    {".cube", ForeignKind::volume},
+    {".bov", ForeignKind::volume},
+    {".dcm", ForeignKind::volume},
+    {".ima", ForeignKind::volume},
+    {".zip", ForeignKind::volume},
+    {"dicom/", ForeignKind::volume},
+    {"images/", ForeignKind::volume, slices_worker},
+    {".png", ForeignKind::volume, slices_worker},
+    {".tif", ForeignKind::volume, slices_worker},
+    {".tiff", ForeignKind::volume, slices_worker},
+    {".jpg", ForeignKind::volume, slices_worker},
+    {".jpeg", ForeignKind::volume, slices_worker},
+    {".bmp", ForeignKind::volume, slices_worker},
+    {".pgm", ForeignKind::volume, slices_worker},
+    {".ppm", ForeignKind::volume, slices_worker},
+    {".vtu", ForeignKind::mesh},
+    {".node", ForeignKind::mesh},
+    {".ele", ForeignKind::mesh},
+    {".ply", ForeignKind::surface},
+    {".stl", ForeignKind::surface},
+    {".obj", ForeignKind::surface},
+    {".off", ForeignKind::surface},
+    {".poly", ForeignKind::surface},
+    {".smesh", ForeignKind::surface},
+    {".tri", ForeignKind::surface},
 };
+
+const KindByName* row_of(const std::filesystem::path& path) {
+  const std::string family = family_of(path);
+  const auto found =
+      std::find_if(std::begin(kinds), std::end(kinds), [&](const KindByName& row) { return row.family == family; });
+  return found == std::end(kinds) ? nullptr : found;
+}
 
 /// The word after DATASET in the first lines of a legacy VTK file, in capitals; empty when there is none.
 std::string legacy_vtk_dataset(const std::filesystem::path& path) {
@@ -47,16 +85,19 @@ std::string legacy_vtk_dataset(const std::filesystem::path& path) {
 }  // namespace
 
 ForeignKind foreign_kind(const std::filesystem::path& path) {
-  const std::string extension = extension_of(path);
-  if (extension == ".vtk") {
+  if (extension_of(path) == ".vtk") {
     const std::string dataset = legacy_vtk_dataset(path);
-    if (dataset == "STRUCTURED_POINTS") return ForeignKind::volume;
+    if (dataset == "STRUCTURED_POINTS" || dataset == "RECTILINEAR_GRID") return ForeignKind::volume;
     if (dataset == "UNSTRUCTURED_GRID") return ForeignKind::mesh;
     return ForeignKind::unknown;
   }
-  const auto found = std::find_if(std::begin(kinds), std::end(kinds),
-                                  [&](const KindByName& row) { return row.extension == extension; });
-  return found == std::end(kinds) ? ForeignKind::unknown : found->kind;
+  const KindByName* row = row_of(path);
+  return row == nullptr ? ForeignKind::unknown : row->kind;
+}
+
+std::string_view worker_for(const std::filesystem::path& path) {
+  const KindByName* row = row_of(path);
+  return row == nullptr ? import_worker : row->worker;
 }
 
 }  // namespace rhoray::preprocess

@@ -7,6 +7,7 @@
 
 #include "formats/base/trouble.h"
 #include "preprocess/import/foreign_file.h"
+#include "preprocess/import/foreign_names.h"
 #include "preprocess/import/worker_arguments.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
@@ -20,9 +21,9 @@ namespace {
 namespace fs = std::filesystem;
 
 formats::PackedFile run_reader(const fs::path& path, std::vector<std::string> arguments,
-                               std::uint64_t memory_limit_bytes) {
+                               std::uint64_t memory_limit_bytes, std::string_view program = import_worker) {
   WorkerRequest request;
-  request.program = import_worker;
+  request.program = program;
   request.doing = "reading " + path.string();
   request.arguments = std::move(arguments);
   request.memory_limit_bytes = memory_limit_bytes;
@@ -93,8 +94,9 @@ class PendingFile {
 }  // namespace
 
 NeutralVolume import_volume(const fs::path& path, const ImportVolumeOptions& options) {
-  NeutralVolume volume = take_volume(run_reader(
-      path, volume_arguments(path, {.raw = options.raw, .field = options.field}), options.memory_limit_bytes));
+  NeutralVolume volume =
+      take_volume(run_reader(path, volume_arguments(path, {.raw = options.raw, .field = options.field}),
+                             options.memory_limit_bytes, options.raw ? import_worker : worker_for(path)));
   if (options.spacing) set_spacing(volume.world_from_grid, *options.spacing);
   if (options.origin) set_origin(volume.world_from_grid, *options.origin);
   return volume;

@@ -1,8 +1,9 @@
 #include <array>
 #include <string_view>
 
+#include "formats/base/trouble.h"
 #include "preprocess/import/families.h"
-#include "preprocess/import/foreign_file.h"
+#include "preprocess/import/foreign_names.h"
 #include "preprocess/subdivide.h"
 
 namespace rhoray::preprocess {
@@ -10,14 +11,29 @@ namespace {
 
 template <class Function>
 struct Importer {
-  std::string_view extension;
+  std::string_view family;
   Function* read;
 };
 
-// One line for each extension; foreign_kind.cpp says the same to those who only ask (a test compares the two).
+// One line for each extension, or kind of folder; foreign_kind.cpp says the same to those who only ask (a test compares
+// the two).
 constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string&)> volume_importers[] = {
-    {".nrrd", read_nrrd}, {".nhdr", read_nrrd},    {".mhd", read_metaimage}, {".mha", read_metaimage},
-    {".nii", read_nifti}, {".nii.gz", read_nifti}, {".vti", read_vti},       {".vtk", read_legacy_vtk_volume},
+    {".nrrd", read_nrrd},
+    {".nhdr", read_nrrd},
+    {".mhd", read_metaimage},
+    {".mha", read_metaimage},
+    {".nii", read_nifti},
+    {".nii.gz", read_nifti},
+    {".vti", read_vti},
+    {".vtk", read_legacy_vtk_volume},
+    {".vtr", read_vtr},
+    {".slc", read_slc},
+    {".cube", read_gaussian_cube},
+    {".bov", read_bov},
+    {".dcm", read_dicom},
+    {".ima", read_dicom},
+    {".zip", read_dicom},
+    {"dicom/", read_dicom},
 };
 constexpr Importer<CellMesh(const std::filesystem::path&)> mesh_importers[] = {
     {".vtu", read_vtu},
@@ -37,14 +53,14 @@ constexpr Importer<NeutralSurface(const std::filesystem::path&)> surface_importe
 
 template <class Function, std::size_t N>
 Function* importer_for(const Importer<Function> (&importers)[N], const std::filesystem::path& path, const char* kind) {
-  const std::string extension = extension_of(path);
+  const std::string family = family_of(path);
   std::string known;
   for (const Importer<Function>& importer : importers) {
-    if (importer.extension == extension) return importer.read;
-    known += concat(known.empty() ? "" : " ", importer.extension);
+    if (importer.family == family) return importer.read;
+    known += concat(known.empty() ? "" : " ", importer.family);
   }
   throw Error(Trouble::unsupported,
-              concat(path.string(), ": found extension '", extension, "'; expected, for a ", kind, ", one of ", known));
+              concat(path.string(), ": found extension '", family, "'; expected, for a ", kind, ", one of ", known));
 }
 
 /// Formats that hold one field without choice: asking for another is refused.

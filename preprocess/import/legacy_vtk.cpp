@@ -59,8 +59,10 @@ class Parser {
     binary_ = mode == "BINARY";
     if (in_capitals(reader_.word("DATASET")) != "DATASET") reader_.refuse("another word", "DATASET");
     result_.dataset = in_capitals(reader_.word("a kind of data set"));
-    if (result_.dataset != "STRUCTURED_POINTS" && result_.dataset != "UNSTRUCTURED_GRID")
-      reader_.refuse(in_quotes(result_.dataset), "STRUCTURED_POINTS or UNSTRUCTURED_GRID", Trouble::unsupported);
+    if (result_.dataset != "STRUCTURED_POINTS" && result_.dataset != "RECTILINEAR_GRID" &&
+        result_.dataset != "UNSTRUCTURED_GRID")
+      reader_.refuse(in_quotes(result_.dataset), "STRUCTURED_POINTS, RECTILINEAR_GRID or UNSTRUCTURED_GRID",
+                     Trouble::unsupported);
   }
 
   void section(const std::string& keyword) {
@@ -70,6 +72,8 @@ class Parser {
       result_.spacing = three_reals("three spacings");
     else if (keyword == "ORIGIN")
       result_.origin = three_reals("an origin");
+    else if (keyword == "X_COORDINATES" || keyword == "Y_COORDINATES" || keyword == "Z_COORDINATES")
+      coordinates(static_cast<std::size_t>(keyword[0] - 'X'));
     else if (keyword == "POINTS")
       points();
     else if (keyword == "CELLS")
@@ -107,6 +111,15 @@ class Parser {
     const Array<std::byte> raw = values(type, number, 3, "points");
     result_.points.resize(number);
     copy_as_doubles(type, raw, result_.points.empty() ? nullptr : result_.points.front().data());
+  }
+
+  void coordinates(std::size_t axis) {
+    const std::uint64_t number = count("a number of coordinates");
+    const ElementType type = element_type(reader_.word("a type"));
+    const Array<std::byte> raw = values(type, number, 1, "coordinates");
+    result_.coordinates[axis].resize(number);
+    copy_as_doubles(type, raw, result_.coordinates[axis].data());
+    if (type != ElementType::F64) result_.coordinate_precision = 0x1p-23;
   }
 
   static void copy_as_doubles(ElementType type, std::span<const std::byte> raw, double* to) {
@@ -370,9 +383,16 @@ CellMesh read_legacy_vtk_mesh(const std::filesystem::path& path) {
 
 NeutralVolume read_legacy_vtk_volume(const std::filesystem::path& path, const std::string& field) {
   LegacyVtk parts = read_legacy_vtk(path);
-  if (parts.dataset != "STRUCTURED_POINTS")
-    refuse_input(path, "DATASET", parts.dataset, "STRUCTURED_POINTS", Trouble::unsupported);
-  const PointGrid grid{parts.dimensions, axis_parallel(parts.spacing, parts.origin)};
+  if (parts.dataset != "STRUCTURED_POINTS" && parts.dataset != "RECTILINEAR_GRID")
+    refuse_input(path, "DATASET", parts.dataset, "STRUCTURED_POINTS or RECTILINEAR_GRID", Trouble::unsupported);
+  PointGrid grid{parts.dimensions, axis_parallel(parts.spacing, parts.origin)};
+  if (parts.dataset == "RECTILINEAR_GRID") {
+    grid = rectilinear_grid(path, parts.coordinates, parts.coordinate_precision);
+    if (grid.point_count != parts.dimensions)
+      refuse_input(path, "DIMENSIONS", concat(parts.dimensions.x, " x ", parts.dimensions.y, " x ", parts.dimensions.z),
+                   concat(grid.point_count.x, " x ", grid.point_count.y, " x ", grid.point_count.z,
+                          ", as many as there are coordinates"));
+  }
   return volume_of_field(path, grid, std::move(parts.arrays), field);
 }
 

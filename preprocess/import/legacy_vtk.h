@@ -18,12 +18,15 @@ struct LegacyVtk {
   Vec3 spacing{1, 1, 1};
   Vec3 origin{0, 0, 0};
   Array<std::array<double, 3>> points;
+  std::array<std::vector<double>, 3> coordinates;  ///< of a rectilinear grid
+  double coordinate_precision = 0x1p-52;           ///< relative, of the least precise of them
   ForeignCells cells;
   std::vector<GridArray> arrays;  ///< POINT_DATA and CELL_DATA, in the file's order
   std::uint64_t point_data_count = 0, cell_data_count = 0;
 };
 
-/// Reads the kinds of data set that Rhoray takes, STRUCTURED_POINTS and UNSTRUCTURED_GRID; others are refused by name.
+/// Reads the kinds of data set that Rhoray takes, STRUCTURED_POINTS, RECTILINEAR_GRID and UNSTRUCTURED_GRID; others are
+/// refused by name.
 LegacyVtk read_legacy_vtk(const std::filesystem::path& path);
 
 }  // namespace rhoray::preprocess

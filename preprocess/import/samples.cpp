@@ -220,13 +220,70 @@ PointGrid cell_middles(const PointGrid& grid) {
   for (int axis = 0; axis < 3; ++axis) {
     if (grid.point_count[axis] < 2) continue;
     --middles.point_count[axis];
-    first[axis] = 0.5;
+    std::vector<double>& table = middles.axes[static_cast<std::size_t>(axis)];
+    if (table.empty()) {
+      first[axis] = 0.5;
+      continue;
+    }
+    for (std::size_t i = 0; i + 1 < table.size(); ++i) table[i] = table[i] + (table[i + 1] - table[i]) / 2;
+    table.pop_back();
   }
   middles.world_from_grid.origin = grid.world_from_grid.point(first);
   return middles;
 }
 
 }  // namespace
+
+namespace {
+
+/// True when position i stands at first + i * step, as far as numbers of this precision can tell.
+bool is_uniform(const std::vector<double>& positions, double relative_precision) {
+  const double first = positions.front(), last = positions.back();
+  const double step = (last - first) / static_cast<double>(positions.size() - 1);
+  const double tolerance = 2 * relative_precision * std::max(std::abs(first), std::abs(last));
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    if (!(std::abs(positions[i] - (first + static_cast<double>(i) * step)) <= tolerance)) return false;
+  return true;
+}
+
+void check_positions(const std::filesystem::path& path, char axis, const std::vector<double>& positions) {
+  const bool rises = positions.front() < positions.back();
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const bool goes_on = i == 0 || (rises ? positions[i - 1] < positions[i] : positions[i] < positions[i - 1]);
+    if (goes_on && std::isfinite(positions[i])) continue;
+    refuse_input(path, concat(axis, " coordinate ", i),
+                 i == 0 ? concat(positions[i]) : concat(positions[i], " after ", positions[i - 1]),
+                 "finite positions that rise, or fall, from point to point");
+  }
+}
+
+}  // namespace
+
+PointGrid rectilinear_grid(const std::filesystem::path& path, const std::array<std::vector<double>, 3>& positions,
+                           double relative_precision) {
+  PointGrid grid;
+  Vec3 step(1, 1, 1), origin(0, 0, 0);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::vector<double>& places = positions[a];
+    const auto axis = static_cast<int>(a);
+    if (places.empty()) refuse_input(path, concat("xyz"[a], " coordinates"), "none", "at least one");
+    grid.point_count[axis] = static_cast<std::int64_t>(places.size());
+    if (places.size() == 1) {
+      origin[axis] = places.front();
+      continue;
+    }
+    check_positions(path, "xyz"[a], places);
+    if (is_uniform(places, relative_precision)) {
+      origin[axis] = places.front();
+      step[axis] = (places.back() - places.front()) / static_cast<double>(places.size() - 1);
+      continue;
+    }
+    if (places.back() < places.front()) step[axis] = -1;  // a table rises: its axis points the other way
+    for (const double place : places) grid.axes[a].push_back(step[axis] * place);
+  }
+  grid.world_from_grid = axis_parallel(step, origin);
+  return grid;
+}
 
 NeutralVolume volume_of_field(const std::filesystem::path& path, const PointGrid& points, std::vector<GridArray> arrays,
                               const std::string& field) {
@@ -241,6 +298,9 @@ NeutralVolume volume_of_field(const std::filesystem::path& path, const PointGrid
   NeutralVolume volume;
   volume.sample_count = grid.point_count;
   volume.world_from_grid = grid.world_from_grid;
+  volume.axes = grid.axes;
+  for (std::size_t i = 0; i < arrays.size(); ++i)
+    if (i != choice.array) volume.other_fields.push_back(arrays[i].name);
   volume.field_name = field.empty() ? array.name : field;
   if (array.in_cells) volume.notes.push_back("values stand in cells; each became a sample at the middle of its cell");
   set_chosen(volume, array, choice.component);

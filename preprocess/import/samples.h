@@ -40,11 +40,19 @@ struct GridArray {
   std::span<const std::byte> values;  ///< or a view of memory that outlives the array; native order
 };
 
-/// What a grid of points looks like: sample (i, j, k) lies at world_from_grid.point({i, j, k}).
+/// What a grid of points looks like: sample (i, j, k) lies at world_from_grid.point({i, j, k}), or, on an axis that has
+/// a table, at the table's entry instead of the index.
 struct PointGrid {
   Index3 point_count;
   Affine world_from_grid;
+  std::array<std::vector<double>, 3> axes{};
 };
+
+/// The grid whose points stand at these positions along x, y and z, rising or falling. An axis whose steps are equal,
+/// as far as numbers of this precision can tell, needs no table. Refuses positions that are not finite or turn back.
+/// @param relative_precision  of one position, such as 2^-23 for 32-bit floats
+PointGrid rectilinear_grid(const std::filesystem::path& path, const std::array<std::vector<double>, 3>& positions,
+                           double relative_precision);
 
 /// The volume of one array: `field` names it, or one component of it as NAME.x, NAME.y, NAME.z, NAME.<n>, NAME.mag;
 /// empty takes the first with one component. Values in cells become samples at the middles of cells, with a note.

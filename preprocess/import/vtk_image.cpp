@@ -4,7 +4,11 @@
 #include <vtkMatrix3x3.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
+#include <vtkRectilinearGrid.h>
 #include <vtkXMLImageDataReader.h>
+#include <vtkXMLRectilinearGridReader.h>
+
+#include <algorithm>
 
 #include "preprocess/import/families.h"
 #include "preprocess/import/foreign_file.h"
@@ -45,6 +49,17 @@ void collect(std::vector<GridArray>& arrays, vtkFieldData& data, bool in_cells) 
   }
 }
 
+std::vector<double> positions_of(vtkDataArray* coordinates) {
+  std::vector<double> positions;
+  if (coordinates == nullptr) return positions;
+  for (vtkIdType i = 0; i < coordinates->GetNumberOfTuples(); ++i) positions.push_back(coordinates->GetTuple1(i));
+  return positions;
+}
+
+double precision_of(vtkDataArray* coordinates) {
+  return coordinates != nullptr && coordinates->GetDataTypeSize() < 8 ? 0x1p-23 : 0x1p-52;
+}
+
 }  // namespace
 
 NeutralVolume read_vti(const std::filesystem::path& path, const std::string& field) {
@@ -60,6 +75,25 @@ NeutralVolume read_vti(const std::filesystem::path& path, const std::string& fie
   collect(arrays, *image->GetCellData(), true);
   const int* size = image->GetDimensions();
   return volume_of_field(path, {{size[0], size[1], size[2]}, world_from_points(*image)}, std::move(arrays), field);
+}
+
+NeutralVolume read_vtr(const std::filesystem::path& path, const std::string& field) {
+  check_vtk_xml(path, "RectilinearGrid");
+  const VtkErrors errors;
+  vtkNew<vtkXMLRectilinearGridReader> reader;
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  errors.check(path);
+  vtkRectilinearGrid* grid = reader->GetOutput();
+  std::vector<GridArray> arrays;
+  collect(arrays, *grid->GetPointData(), false);
+  collect(arrays, *grid->GetCellData(), true);
+  vtkDataArray* const x = grid->GetXCoordinates();
+  vtkDataArray* const y = grid->GetYCoordinates();
+  vtkDataArray* const z = grid->GetZCoordinates();
+  const double precision = std::max({precision_of(x), precision_of(y), precision_of(z)});
+  return volume_of_field(path, rectilinear_grid(path, {positions_of(x), positions_of(y), positions_of(z)}, precision),
+                         std::move(arrays), field);
 }
 
 }  // namespace rhoray::preprocess

@@ -17,6 +17,9 @@ namespace rhoray::preprocess {
 ///     again
 inline constexpr const char* import_worker = "rhoray-import-worker";
 
+/// Understands `volume` alone, for pictures.
+inline constexpr const char* slices_worker = "rhoray-slices-worker";
+
 std::vector<std::string> volume_arguments(const std::filesystem::path& path, const VolumeRequest& request);
 VolumeRequest volume_request(const std::vector<std::string>& arguments);
 

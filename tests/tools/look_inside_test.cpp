@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/workbench.h"
@@ -59,6 +60,34 @@ TEST(InfoCommand, tells_of_a_mesh_the_same_before_and_after_packing) {
     for (const char* same : {"name", "range", "no_data_count"})
       EXPECT_EQ(foreign["fields"][f][same], packed["fields"][f][same]) << same;
   EXPECT_THAT(bench.rhoray({"info", "box.vtu"}).out, HasSubstr("'length'"));
+}
+
+TEST(InfoCommand, says_on_demand_what_may_be_wrong_and_what_packing_does) {
+  const Workbench bench;
+  preprocess::NeutralMesh mesh = box_mesh({});
+  add_point_field(mesh, "height", [](const Vec3& p) { return p.z; });
+  std::swap(mesh.cells[7][0], mesh.cells[7][1]);
+  mesh.points.push_back({5, 5, 5});
+  mesh.point_fields[0].values.push_back(5);
+  preprocess::export_mesh(mesh, bench / "box.vtu", false);
+  ASSERT_EQ(bench.rhoray({"pack", "box.vtu", "-q"}).exit_code, 0);
+  const RunResult text = bench.rhoray({"info", "box.vtu", "--stats"});
+  EXPECT_THAT(text.out, HasSubstr("1 flipped cells (cell 7); turned"));
+  EXPECT_THAT(text.out, HasSubstr("1 points without a cell (point 125); dropped"));
+  EXPECT_THAT(line_after(text.out, "  not found"), HasSubstr("flat cells"));
+  EXPECT_THAT(bench.rhoray({"info", "box.vtu"}).out, testing::Not(HasSubstr("found")));
+
+  const auto counts = [&](const char* file) {
+    std::map<std::string, std::uint64_t> found;
+    const RunResult result = bench.rhoray({"info", file, "--stats", "--json"});
+    const nlohmann::json json = nlohmann::json::parse(result.out);
+    for (const nlohmann::json& finding : json["findings"])
+      if (finding["count"] != 0) found[finding["name"]] = finding["count"];
+    return found;
+  };
+  EXPECT_EQ(counts("box.vtu"),
+            (std::map<std::string, std::uint64_t>{{"flipped cells", 1}, {"points without a cell", 1}}));
+  EXPECT_TRUE(counts("box.rho").empty());  // packing has put both right
 }
 
 TEST(InfoCommand, goes_on_after_a_file_that_it_cannot_read) {

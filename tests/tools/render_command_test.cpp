@@ -47,6 +47,32 @@ std::vector<std::uint32_t> read_cells(const std::filesystem::path& path) {
   return cells;
 }
 
+TEST(RenderCommand, says_which_cell_a_pixel_shows) {
+  const Workbench bench;
+  bench.make_box();
+  const std::vector<std::string> look{"render", "box.rho", "--iso", "0.3", "--field",
+                                      "height", "--size",  "64x48", "-o",  "cells.exr"};
+  std::vector<std::string> with_channel = look, with_pick = look;
+  with_channel.insert(with_channel.end(), {"--channels", "cell"});
+  ASSERT_EQ(bench.rhoray(with_channel).exit_code, 0);
+  const std::uint32_t shown = read_cells(bench / "cells.exr")[24 * 64 + 32];
+  with_pick.back() = "box.png";
+  with_pick.insert(with_pick.end(), {"--pick", "32,24:0,0"});
+  const RunResult text = bench.rhoray(with_pick);
+  ASSERT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("pixel 32,24: cell " + std::to_string(shown) + ", value 0.3, depth "));
+  EXPECT_THAT(text.out, HasSubstr("pixel 0,0: nothing is hit"));
+  with_pick.push_back("--json");
+  with_pick.push_back("--force");
+  const nlohmann::json json = nlohmann::json::parse(bench.rhoray(with_pick).out);
+  EXPECT_EQ(json["picks"][0]["cell"], shown);
+  EXPECT_TRUE(json["picks"][1]["cell"].is_null());
+  with_pick[with_pick.size() - 3] = "64,0";
+  EXPECT_THAT(bench.rhoray(with_pick).err, HasSubstr("found pixel 64,0; expected one below 64,48"));
+  with_pick[with_pick.size() - 3] = "3;4";
+  EXPECT_EQ(bench.rhoray(with_pick).exit_code, 2);
+}
+
 TEST(RenderCommand, draws_a_ball_in_the_middle_of_a_white_picture) {
   const Workbench bench;
   bench.make_ball();

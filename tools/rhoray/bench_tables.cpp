@@ -8,6 +8,7 @@
 
 #include "formats/base/trouble.h"
 #include "formats/packed_file.h"
+#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/new_file.h"
@@ -31,7 +32,7 @@ Json context(const BenchOptions& options) {
           {"commit", commit()},
           {"compiler", compiler()},
           {"input", options.input.filename().string()},
-          {"input_bytes", std::filesystem::file_size(options.input)},
+          {"input_bytes", input_bytes(options.input)},
           {"repeat", options.repeat},
           {"threads", options.threads == 0 ? machine.core_count : options.threads}};
 }

@@ -6,6 +6,7 @@
 #include "formats/base/trouble.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
+#include "tools/rhoray/input_file.h"
 
 namespace rhoray::tools {
 
@@ -33,10 +34,44 @@ formats::FieldSummary summarize_each(std::size_t count, const ValueAt& value_at)
 }
 
 Json head(const std::filesystem::path& path, const char* kind) {
-  return {{"file", path.string()}, {"kind", kind}, {"packed", false}, {"file_bytes", std::filesystem::file_size(path)}};
+  return {{"file", path.string()}, {"kind", kind}, {"packed", false}, {"file_bytes", input_bytes(path)}};
 }
 
-Json volume_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes) {
+/// Around the first and the last sample of each axis.
+Box3 box_of(const preprocess::NeutralVolume& volume) {
+  Box3 box;
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3 place;
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::vector<double>& table = volume.axes[static_cast<std::size_t>(axis)];
+      const bool at_end = (corner >> axis & 1) != 0;
+      if (table.empty())
+        place[axis] = at_end ? static_cast<double>(volume.sample_count[axis] - 1) : 0;
+      else
+        place[axis] = at_end ? table.back() : table.front();
+    }
+    box.extendBy(volume.world_from_grid.point(place));
+  }
+  return box;
+}
+
+/// For each axis that keeps a table of positions its name and the shortest and longest step, world units.
+Json uneven_axes(const preprocess::NeutralVolume& volume) {
+  Json axes = Json::array();
+  const Vec3 units(volume.world_from_grid.x_axis.length(), volume.world_from_grid.y_axis.length(),
+                   volume.world_from_grid.z_axis.length());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::vector<double>& table = volume.axes[axis];
+    if (table.empty()) continue;
+    Interval<double> steps;
+    for (std::size_t i = 1; i < table.size(); ++i)
+      steps.include((table[i] - table[i - 1]) * units[static_cast<int>(axis)]);
+    axes.push_back({{"axis", std::string(1, "xyz"[axis])}, {"steps", {steps.lo, steps.hi}}});
+  }
+  return axes;
+}
+
+Json volume_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings) {
   preprocess::ImportVolumeOptions import;
   import.memory_limit_bytes = memory_limit_bytes;
   const preprocess::NeutralVolume volume = preprocess::import_volume(path, import);
@@ -54,10 +89,13 @@ Json volume_info(const std::filesystem::path& path, std::uint64_t memory_limit_b
   json["samples"] = json_of(volume.sample_count);
   json["geometry"] = json_of(volume.world_from_grid);
   json["length_unit"] = volume.length_unit;
-  json["box"] = json_of(bounds_of(volume.world_from_grid, volume.sample_count));
+  json["uneven_axes"] = uneven_axes(volume);
+  json["box"] = json_of(box_of(volume));
   json["fields"] = Json::array({json_of(field)});
+  json["other_fields"] = volume.other_fields;
   json["memory"] = {{"unpacked_bytes", volume.samples.size()}};
   json["notes"] = volume.notes;
+  if (with_findings) json["findings"] = findings_json(preprocess::inspect_volume(volume));
   return json;
 }
 
@@ -79,7 +117,7 @@ Box3 box_of(std::span<const std::array<double, 3>> points) {
   return box;
 }
 
-Json mesh_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes) {
+Json mesh_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings) {
   const preprocess::NeutralMesh mesh = preprocess::import_mesh(path, {.memory_limit_bytes = memory_limit_bytes});
   Json json = head(path, "mesh");
   json["points"] = mesh.points.size();
@@ -99,6 +137,7 @@ Json mesh_info(const std::filesystem::path& path, std::uint64_t memory_limit_byt
   json["memory"] = {{"unpacked_bytes", sizeof(mesh.points[0]) * mesh.points.size() +
                                            sizeof(mesh.cells[0]) * mesh.cells.size() + sizeof(double) * value_count}};
   json["notes"] = mesh.notes;
+  if (with_findings) json["findings"] = findings_json(preprocess::inspect_mesh(mesh));
   return json;
 }
 
@@ -122,16 +161,27 @@ Json surface_info(const std::filesystem::path& path, std::uint64_t memory_limit_
 
 }  // namespace
 
+Json findings_json(const std::vector<preprocess::Finding>& findings) {
+  Json list = Json::array();
+  for (const preprocess::Finding& finding : findings)
+    list.push_back({{"name", finding.name},
+                    {"count", finding.count},
+                    {"first", finding.first_ids},
+                    {"of", finding.thing},
+                    {"packing", finding.packing}});
+  return list;
+}
+
 formats::FieldSummary summarize(std::span<const double> values) {
   return summarize_each(values.size(), [&](std::size_t i) { return values[i]; });
 }
 
-Json foreign_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes) {
+Json foreign_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings) {
   switch (preprocess::foreign_kind(path)) {
     case preprocess::ForeignKind::volume:
-      return volume_info(path, memory_limit_bytes);
+      return volume_info(path, memory_limit_bytes, with_findings);
     case preprocess::ForeignKind::mesh:
-      return mesh_info(path, memory_limit_bytes);
+      return mesh_info(path, memory_limit_bytes, with_findings);
     case preprocess::ForeignKind::surface:
       return surface_info(path, memory_limit_bytes);
     case preprocess::ForeignKind::unknown:

@@ -18,10 +18,33 @@ namespace {
 struct InfoOptions {
   CommonOptions common;
   std::vector<std::filesystem::path> files;
+  bool findings = false;
 };
 
+/// The packed cells as they were before packing, as far as they are still there.
+preprocess::NeutralMesh unpacked(const formats::TetMesh& mesh) {
+  preprocess::NeutralMesh result;
+  const Vec3& origin = mesh.description().origin;
+  for (const auto& p : mesh.points()) result.points.push_back({origin.x + p[0], origin.y + p[1], origin.z + p[2]});
+  for (std::uint64_t c = 0; c < mesh.cells().size(); ++c) {
+    const auto& cell = mesh.cells()[c];
+    result.cells.push_back({cell[0], cell[1], cell[2], cell[3]});
+    result.cell_ids.push_back(mesh.cell_id(c));
+  }
+  for (std::size_t f = 0; f < mesh.description().fields.size(); ++f) {
+    const formats::FieldSummary& summary = mesh.description().fields[f];
+    preprocess::NeutralField& field = result.point_fields.emplace_back();
+    field.name = summary.name;
+    if (summary.type == formats::ElementType::F32)
+      field.values.assign(mesh.values<float>(f).begin(), mesh.values<float>(f).end());
+    else
+      field.values.assign(mesh.values<double>(f).begin(), mesh.values<double>(f).end());
+  }
+  return result;
+}
+
 /// A packed file as JSON: what its kind says, the arrays, and the memory that reading all of it takes.
-Json packed_info(const std::filesystem::path& path) {
+Json packed_info(const std::filesystem::path& path, bool with_findings) {
   const formats::PackedFile file = formats::PackedFile::open(path);
   const std::string& kind = file.description().kind;
   Json json{{"file", path.string()},
@@ -38,6 +61,7 @@ Json packed_info(const std::filesystem::path& path) {
     for (const auto& point : mesh.points())
       box.extendBy(mesh.description().origin + Vec3(point[0], point[1], point[2]));
     json["box"] = json_of(box);
+    if (with_findings) json["findings"] = findings_json(preprocess::inspect_mesh(unpacked(mesh)));
   }
   json["memory"] = {{"mapped_bytes", file.file_bytes()}};
   json["arrays"] = Json::array();
@@ -92,6 +116,10 @@ std::string geometry_text(const Json& json) {
   if (json.contains("geometry")) {
     const Json& geometry = json["geometry"];
     text += row("spacing", with_unit(numbers(geometry["spacing"], " x "), json["length_unit"]));
+    if (json.contains("uneven_axes"))
+      for (const Json& axis : json["uneven_axes"])
+        text += row(
+            "", concat("steps along ", axis["axis"].get<std::string>(), " differ: ", numbers(axis["steps"], " to ")));
     text += row("origin", numbers(geometry["origin"]));
     std::string axes;
     for (const Json& axis : geometry["direction"]) axes += concat(axes.empty() ? "(" : "  (", numbers(axis), ")");
@@ -139,6 +167,27 @@ std::string packing_text(const Json& json) {
   return text;
 }
 
+/// What was found, and in one line what was not.
+std::string findings_text(const Json& findings) {
+  std::string text, absent;
+  for (const Json& finding : findings) {
+    const auto count = finding["count"].get<std::uint64_t>();
+    const std::string name = finding["name"].get<std::string>();
+    if (count == 0) {
+      absent += (absent.empty() ? "" : ", ") + name;
+      continue;
+    }
+    std::string first;
+    for (const Json& id : finding["first"]) first += concat(first.empty() ? "" : ", ", id.get<std::uint64_t>());
+    text += row("found", concat(grouped(count), " ", name,
+                                first.empty() ? ""
+                                              : concat(" (", finding["of"].get<std::string>(), " ", first,
+                                                       count > finding["first"].size() ? ", ..." : "", ")"),
+                                "; ", finding["packing"].get<std::string>()));
+  }
+  return absent.empty() ? text : text + row("not found", absent);
+}
+
 /// The same facts for people.
 std::string info_text(const Json& json) {
   const std::string kind = json["kind"].get<std::string>();
@@ -150,11 +199,18 @@ std::string info_text(const Json& json) {
   text += geometry_text(json) + layout_text(json);
   if (json.contains("fields"))
     for (const Json& field : json["fields"]) text += field_text(field);
+  if (json.contains("other_fields") && !json["other_fields"].empty()) {
+    std::string names;
+    for (const Json& name : json["other_fields"])
+      names += concat(names.empty() ? "" : ", ", "'", name.get<std::string>(), "'");
+    text += row("also", names);
+  }
   if (json.contains("memory"))
     for (const auto& [name, bytes] : json["memory"].items()) {
       std::string what = name.substr(0, name.rfind('_'));
       text += row("memory", concat(what, " ", bytes_text(bytes)));
     }
+  if (json.contains("findings")) text += findings_text(json["findings"]);
   return text + packing_text(json);
 }
 
@@ -164,8 +220,8 @@ int run(const InfoOptions& options) {
     try {
       require_input(path);
       const Json json = formats::PackedFile::looks_packed(path) || path.extension() == ".rho"
-                            ? packed_info(path)
-                            : foreign_info(path, options.common.memory.bytes);
+                            ? packed_info(path, options.findings)
+                            : foreign_info(path, options.common.memory.bytes, options.findings);
       if (options.common.json)
         std::puts(dump(json).c_str());
       else
@@ -186,10 +242,14 @@ Subcommand info_subcommand() {
           .summary = "Say what is in a file: packed, or any that can be read",
           .examples =
               "  rhoray info head.rho\n"
-              "  rhoray info head.rho torso.vtu --json\n",
-          .options = all_options({{files_option("FILE", "Packed files, volumes, meshes or surfaces", options->files)},
-                                  memory_option(options->common, "Limit for the process that reads a foreign file"),
-                                  message_options(options->common, "One JSON document per file and line, on stdout")}),
+              "  rhoray info head.rho torso.vtu --json\n"
+              "  rhoray info torso.vtu --stats\n",
+          .options =
+              all_options({{files_option("FILE", "Packed files, volumes, meshes or surfaces", options->files),
+                            flag_option("--stats", "Also look for what may be wrong with it, and say what packing does",
+                                        options->findings)},
+                           memory_option(options->common, "Limit for the process that reads a foreign file"),
+                           message_options(options->common, "One JSON document per file and line, on stdout")}),
           .run = [options] { return run(*options); }};
 }
 

@@ -10,6 +10,7 @@
 
 #include "formats/base/nearest_name.h"
 #include "formats/base/trouble.h"
+#include "preprocess/import_mesh.h"
 
 namespace rhoray::tools {
 
@@ -37,10 +38,19 @@ void require_input(const std::filesystem::path& path) {
     throw Error(Trouble::unreadable, concat(name, ": no such file"),
                 did_you_mean(path.filename().string(), names_in(folder)));
   }
-  if (std::filesystem::is_directory(status))
-    throw Error(Trouble::unreadable, concat(name, ": is a folder; expected a file"));
+  if (std::filesystem::is_directory(status) && preprocess::foreign_kind(path) == preprocess::ForeignKind::unknown)
+    throw Error(Trouble::unreadable,
+                concat(name, ": is a folder; expected a file, or a folder of DICOM images or of pictures"));
   if (::access(path.c_str(), R_OK) != 0)
     throw Error(Trouble::unreadable, concat(name, ": cannot be read (", std::strerror(errno), ")"));
+}
+
+std::uintmax_t input_bytes(const std::filesystem::path& path) {
+  if (!std::filesystem::is_directory(path)) return std::filesystem::file_size(path);
+  std::uintmax_t bytes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(path))
+    if (entry.is_regular_file()) bytes += entry.file_size();
+  return bytes;
 }
 
 }  // namespace rhoray::tools

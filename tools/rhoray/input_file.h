@@ -1,10 +1,15 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 namespace rhoray::tools {
 
-/// Refuses a path that is not a readable file (Trouble::unreadable), with the nearest name in its folder.
+/// Refuses a path that is not a readable file, nor a folder that is read as one volume (Trouble::unreadable), with the
+/// nearest name in its folder.
 void require_input(const std::filesystem::path& path);
+
+/// Bytes of a file, or of all files that stand in a folder.
+std::uintmax_t input_bytes(const std::filesystem::path& path);
 
 }  // namespace rhoray::tools

@@ -7,6 +7,7 @@
 #include "preprocess/import_volume.h"
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_volume.h"
+#include "preprocess/position_fields.h"
 #include "tools/rhoray/input_file.h"
 #include "tools/rhoray/measure.h"
 
@@ -118,6 +119,14 @@ PackResult pack_volume(const PackOptions& options, const std::filesystem::path& 
           .cell_count = static_cast<std::uint64_t>(rhoray::volume(grid.macro.leaf_count))};
 }
 
+/// A mesh with fields in its cells alone shows them; one without fields that vary shows where it is.
+void give_fields(preprocess::NeutralMesh& mesh, preprocess::PackMeshOptions& pack) {
+  if (!preprocess::has_varying_field(mesh)) return preprocess::add_position_fields(mesh);
+  if (!mesh.point_fields.empty() || pack.cells_to_points) return;
+  pack.cells_to_points = true;
+  mesh.notes.push_back("no field stands at points: those in cells were averaged to points");
+}
+
 PackResult pack_mesh(const PackOptions& options, const std::filesystem::path& output,
                      const preprocess::Progress& progress) {
   preprocess::PackMeshOptions pack{.fields = options.fields,
@@ -130,8 +139,9 @@ PackResult pack_mesh(const PackOptions& options, const std::filesystem::path& ou
   pack.leaf_cells_per_tetrahedron = options.leaf_ratio.value_or(pack.leaf_cells_per_tetrahedron);
   if (options.cells != "auto") read_value(options.cells, pack.leaf_cell_count);
   if (progress) progress("reading", 0, 0);
-  const preprocess::NeutralMesh mesh =
+  preprocess::NeutralMesh mesh =
       preprocess::import_mesh(options.input, {.memory_limit_bytes = options.memory_limit_bytes});
+  give_fields(mesh, pack);
   const preprocess::PackMeshReport report = preprocess::pack_mesh(mesh, output, pack, progress);
 
   const formats::TetMeshDescription& packed = report.description;

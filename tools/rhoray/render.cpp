@@ -8,6 +8,7 @@
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/measure.h"
+#include "tools/rhoray/pick.h"
 #include "tools/rhoray/picture_plan.h"
 #include "tools/rhoray/pictures.h"
 #include "tools/rhoray/progress_display.h"
@@ -23,6 +24,7 @@ struct RenderCommand {
   CommonOptions common;
   std::filesystem::path input;
   PictureOptions picture;
+  std::vector<PixelPlace> picks;
   bool statistics = false;
   bool no_verify = false;
 };
@@ -104,7 +106,7 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
 
 void report(const RenderCommand& command, const std::filesystem::path& output, const render::Volume& volume,
             const PicturePlan& plan, const render::FrameStatistics& statistics, const Stations& stations,
-            const std::string& reproduce) {
+            const std::vector<Json>& picks, const std::string& reproduce) {
   const bool iso = plan.scene.mode == render::Mode::isosurface;
   const double total = stations.open_s + stations.trace_s + stations.wait_for_checks_s + stations.write_s;
   if (command.common.json) {
@@ -125,10 +127,12 @@ void report(const RenderCommand& command, const std::filesystem::path& output, c
                        {"trace", stations.trace_s},
                        {"wait_for_checks", stations.wait_for_checks_s},
                        {"write", stations.write_s}};
+    if (!picks.empty()) json["picks"] = picks;
     json["reproduce"] = reproduce;
     std::puts(dump(json).c_str());
-  } else if (command.statistics) {
-    std::fputs(statistics_text(statistics).c_str(), stdout);
+  } else {
+    if (command.statistics) std::fputs(statistics_text(statistics).c_str(), stdout);
+    for (const Json& pick : picks) std::puts(picked_text(pick, volume.length_unit()).c_str());
   }
   if (iso && plan.isovalue_from != "given")
     say(command.common,
@@ -137,6 +141,17 @@ void report(const RenderCommand& command, const std::filesystem::path& output, c
   say(command.common,
       concat(output.string(), ": traced in ", rounded(statistics.wall_s, 3), " s, ", rounded(total, 3), " s in all"));
   say(command.common, concat("reproduce: ", reproduce));
+}
+
+/// What the picked pixels show; channels that were traced for this alone are given up again.
+std::vector<Json> take_picks(const std::vector<PixelPlace>& pixels, render::Framebuffer& framebuffer,
+                             const render::ChannelSet& kept) {
+  std::vector<Json> picks;
+  for (const PixelPlace& pixel : pixels) picks.push_back(picked(framebuffer, pixel));
+  if (!kept.depth) framebuffer.depth.clear();
+  if (!kept.cell) framebuffer.cell.clear();
+  if (!kept.value) framebuffer.value.clear();
+  return picks;
 }
 
 int run(RenderCommand& command) {
@@ -156,6 +171,8 @@ int run(RenderCommand& command) {
   PicturePlan plan = plan_picture(command.picture, volume);
   plan.frame.threads = command.common.threads;
   plan.frame.time_phases = command.statistics;
+  const render::ChannelSet kept = plan.frame.channels;
+  if (!command.picks.empty()) plan.frame.channels.depth = plan.frame.channels.cell = plan.frame.channels.value = true;
 
   // Checksums are read beside the rendering; the picture is written only when both are done and well.
   std::future<std::vector<formats::DamagedBlock>> checks;
@@ -166,6 +183,8 @@ int run(RenderCommand& command) {
   const Stopwatch tracing;
   const render::FrameStatistics statistics = render::render(volume, plan.scene, plan.frame, framebuffer);
   stations.trace_s = tracing.seconds();
+  const std::vector<Json> picks = take_picks(command.picks, framebuffer, kept);
+  plan.frame.channels = kept;
   const Stopwatch waiting;
   if (checks.valid()) refuse_damage(volume.file(), checks.get());
   stations.wait_for_checks_s = waiting.seconds();
@@ -177,7 +196,7 @@ int run(RenderCommand& command) {
                 command.common.force);
   stations.write_s = writing.seconds();
   display.clear();
-  report(command, output, volume, plan, statistics, stations, reproduce);
+  report(command, output, volume, plan, statistics, stations, picks, reproduce);
   return 0;
 }
 
@@ -196,7 +215,8 @@ Subcommand render_subcommand() {
           {{file_option("FILE", "Packed file", command->input)},
            output_options(command->common, "Picture: .png, .exr, .tif or .jpg; default the file's name with .png"),
            picture_options(command->picture),
-           {flag_option("--stats", "What was traced: rays, cells, seconds by phase, on stdout", command->statistics),
+           {value_option("--pick", "X,Y", "Say which cell a pixel shows; several: X,Y:X,Y", command->picks),
+            flag_option("--stats", "What was traced: rays, cells, seconds by phase, on stdout", command->statistics),
             flag_option("--no-verify", "Do not check the file's checksums beside the rendering", command->no_verify)},
            threads_option(command->common),
            memory_option(command->common, "Refuse a picture that takes more; default what the machine has"),

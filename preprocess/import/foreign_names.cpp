@@ -1,0 +1,87 @@
+#include "preprocess/import/foreign_names.h"
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+
+#include "preprocess/import/foreign_file.h"
+#include "preprocess/import/numbers.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_digit(char letter) {
+  return letter >= '0' && letter <= '9';
+}
+
+/// Compares runs of digits as numbers and everything else letter by letter.
+bool numbered_before(const std::string& a, const std::string& b) {
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (is_digit(a[i]) && is_digit(b[j])) {
+      const auto run = [](const std::string& text, std::size_t& at) {
+        while (at < text.size() && text[at] == '0') ++at;
+        const std::size_t begin = at;
+        while (at < text.size() && is_digit(text[at])) ++at;
+        return text.substr(begin, at - begin);
+      };
+      const std::string left = run(a, i), right = run(b, j);
+      if (left.size() != right.size()) return left.size() < right.size();
+      if (left != right) return left < right;
+    } else if (a[i] != b[j]) {
+      return a[i] < b[j];
+    } else {
+      ++i;
+      ++j;
+    }
+  }
+  if ((i < a.size()) != (j < b.size())) return j < b.size();
+  return a < b;  // 1 and 01
+}
+
+bool looks_like_dicom(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  char head[132] = {};
+  file.read(head, sizeof head);
+  return file.gcount() == sizeof head && std::string_view(head + 128, 4) == "DICM";
+}
+
+/// By the first files that say something: a folder of slices may hold thousands.
+std::string family_of_folder(const fs::path& folder) {
+  constexpr std::size_t looked_at = 16;
+  std::size_t seen = 0;
+  for (const fs::path& file : files_in(folder)) {
+    if (is_picture_name(file)) return "images/";
+    if (looks_like_dicom(file)) return "dicom/";
+    if (++seen == looked_at) break;
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<fs::path> files_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (const std::string name = entry.path().filename().string(); name[0] != '.' && entry.is_regular_file(ignored))
+      names.push_back(name);
+  std::sort(names.begin(), names.end(), numbered_before);
+  std::vector<fs::path> files;
+  for (const std::string& name : names) files.push_back(folder / name);
+  return files;
+}
+
+bool is_picture_name(const fs::path& path) {
+  constexpr std::string_view extensions[] = {".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm"};
+  return std::find(std::begin(extensions), std::end(extensions), extension_of(path)) != std::end(extensions);
+}
+
+std::string family_of(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored) ? family_of_folder(path) : extension_of(path);
+}
+
+}  // namespace rhoray::preprocess

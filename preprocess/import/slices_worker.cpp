@@ -1,0 +1,20 @@
+#include <string>
+#include <vector>
+
+#include "formats/base/trouble.h"
+#include "preprocess/import/image_slices.h"
+#include "preprocess/import/worker_arguments.h"
+#include "preprocess/worker/child_process.h"
+#include "preprocess/worker/handover.h"
+
+// A program of its own: OpenImageIO takes longer to load than most imports take.
+int main(int count, char** words) {
+  using namespace rhoray;
+  using namespace rhoray::preprocess;
+  const std::vector<std::string> arguments(words + 1, words + count);
+  return worker_main([&](int, int output) {
+    if (arguments.size() < 3 || arguments[0] != "volume")
+      throw Error(Trouble::usage, "found arguments that no verb has; expected volume PATH FIELD");
+    hand_over(read_image_slices(arguments[1], volume_request(arguments).field), output);
+  });
+}
