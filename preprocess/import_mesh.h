@@ -25,9 +25,9 @@ CellMesh import_cells(const std::filesystem::path& path, const ImportMeshOptions
 /// Reads a mesh and makes its cells tetrahedra (subdivide.h).
 NeutralMesh import_mesh(const std::filesystem::path& path, const ImportMeshOptions& options = {});
 
-/// Reads a surface from PLY, STL, OBJ, OFF, or TetGen .poly/.smesh (with holes and regions) and .face. Points that
-/// coincide exactly are merged in formats that repeat them (STL). A TetGen .mtr file beside it, or named here, gives
-/// wanted sizes at its points.
+/// Reads a surface from PLY, STL, OBJ, OFF, BrainVisa .tri, legacy VTK, or TetGen .poly/.smesh (with holes and regions)
+/// and .face. Points that coincide exactly are merged in formats that repeat them (STL). A TetGen .mtr file beside it,
+/// or named here, gives wanted sizes at its points.
 NeutralSurface import_surface(const std::filesystem::path& path, const std::filesystem::path& sizes = {},
                               const ImportMeshOptions& options = {});
 

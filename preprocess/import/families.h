@@ -39,6 +39,7 @@ NeutralSurface read_ply(const std::filesystem::path& path);
 NeutralSurface read_stl(const std::filesystem::path& path);
 NeutralSurface read_obj(const std::filesystem::path& path);
 NeutralSurface read_off(const std::filesystem::path& path);
+NeutralSurface read_brainvisa(const std::filesystem::path& path);
 NeutralSurface read_tetgen_surface(const std::filesystem::path& path);
 NeutralSurface read_tetgen_faces(const std::filesystem::path& path);
 

@@ -69,6 +69,7 @@ constexpr KindByName kinds[] = {
     {".mesh", ForeignKind::mesh},
     {".meshb", ForeignKind::mesh},
     {".face", ForeignKind::surface},
+    {".tri", ForeignKind::surface},
 };
 
 struct Advice {

@@ -54,6 +54,7 @@ constexpr Importer<NeutralSurface(const std::filesystem::path&)> surface_importe
     {".stl", read_stl},
     {".obj", read_obj},
     {".off", read_off},
+    {".tri", read_brainvisa},
     {".poly", read_tetgen_surface},
     {".smesh", read_tetgen_surface},
     {".face", read_tetgen_faces},

@@ -7,15 +7,19 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <new>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "formats/base/trouble.h"
+#include "preprocess/tetrahedralize/chambers.h"
 #include "preprocess/tetrahedralize/job.h"
+#include "preprocess/tetrahedralize/sizes.h"
 
 // libtet 1.5.0 calls the weak function terminatetetgen(), which frees the mesh and throws; the destructor that
 // unwinding runs then frees it again. A definition that only throws, in the file that calls TetGen, takes its place.
@@ -199,19 +203,87 @@ std::string named_facets(const NeutralSurface& surface, std::string_view printed
   }
 }
 
+/// What TetGen asks about each tetrahedron. It takes a plain function, hence the one place that remembers.
+class SizeJudge {
+ public:
+  explicit SizeJudge(SizeAt size_at) : size_at_(std::move(size_at)) { current_ = this; }
+  SizeJudge(const SizeJudge&) = delete;
+  SizeJudge& operator=(const SizeJudge&) = delete;
+  ~SizeJudge() { current_ = nullptr; }
+
+  static bool is_too_large(double* a, double* b, double* c, double* d, double*, double) {
+    return current_->judge({a, b, c, d});
+  }
+
+  void refuse_if_useless() const {
+    if (bad_)
+      throw Error(Trouble::invalid,
+                  concat("size field: found a wanted edge length of ", bad_->second, " at (", bad_->first[0], ", ",
+                         bad_->first[1], ", ", bad_->first[2], "); expected one above 0"));
+    if (!answered_)
+      throw Error(Trouble::invalid, "size field: has no value anywhere in the surface",
+                  "look whether both are in the same place and unit");
+  }
+
+ private:
+  /// Refinement leaves edges between about half the longest that is allowed and that length: with this factor half of
+  /// them are shorter than wanted.
+  static constexpr double allowed = 1.6;
+
+  bool judge(const std::array<const double*, 4>& corners) {
+    double longest = 0;
+    std::array<double, 3> centre{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t axis = 0; axis < 3; ++axis) centre[axis] += corners[i][axis] / 4;
+      for (std::size_t j = i + 1; j < 4; ++j)
+        longest = std::max(longest, std::hypot(corners[i][0] - corners[j][0], corners[i][1] - corners[j][1],
+                                               corners[i][2] - corners[j][2]));
+    }
+    if (is_longer(longest, centre)) return true;
+    return std::any_of(corners.begin(), corners.end(), [&](const double* p) {
+      return is_longer(longest, {p[0], p[1], p[2]});
+    });
+  }
+
+  bool is_longer(double longest, const std::array<double, 3>& p) {
+    const std::optional<double> wanted = size_at_(p);
+    if (!wanted) return false;
+    answered_ = true;
+    if (!(*wanted > 0)) {
+      if (!bad_) bad_ = {p, *wanted};
+      return false;
+    }
+    return longest > allowed * *wanted;
+  }
+
+  static inline SizeJudge* current_ = nullptr;
+  SizeAt size_at_;
+  bool answered_ = false;
+  std::optional<std::pair<std::array<double, 3>, double>> bad_;
+};
+
+/// What a run of TetGen is given beside the surface.
+struct Run {
+  std::string switches;
+  bool with_point_sizes = false;
+  bool with_seeds = false;
+  bool with_judge = false;
+};
+
 /// Runs TetGen once; what it prints stays inside.
-void run_tetgen(const NeutralSurface& surface, std::string switches, bool with_sizes, bool with_seeds, tetgenio& out) {
+void run_tetgen(const NeutralSurface& surface, const Run& wanted, tetgenio& out) {
   const PrintedText printed;
   const auto run = [&](std::string text, tetgenio& result) {
     tetgenio in;
-    give_points(surface, with_sizes, in);
+    give_points(surface, wanted.with_point_sizes, in);
     give_facets(surface, in);
-    if (with_seeds) give_seeds(surface, in);
+    if (wanted.with_seeds) give_seeds(surface, in);
+    if (wanted.with_judge) in.tetunsuitable = SizeJudge::is_too_large;
     ::tetrahedralize(text.data(), &in, &result);
   };
   int code = 0;
   try {
-    run(switches, out);
+    run(wanted.switches, out);
   } catch (const int reported) {
     code = reported;
   } catch (const std::bad_alloc&) {
@@ -263,7 +335,7 @@ std::optional<double> chamber_at(const tetgenio& mesh, const std::array<double, 
 /// neither seeds nor new points, tells where they lie.
 void check_seeds(const NeutralSurface& surface) {
   tetgenio chambers;
-  run_tetgen(surface, "pA", false, false, chambers);
+  run_tetgen(surface, {.switches = "pA"}, chambers);
   check_filled(chambers);
   const auto refuse_seed = [](std::string_view kind, std::size_t number, const std::array<double, 3>& seed,
                               std::string_view why) {
@@ -284,17 +356,67 @@ void check_seeds(const NeutralSurface& surface) {
   }
 }
 
-/// The wanted attribute of each cell. Chambers without a seed are numbered on from the largest attribute.
-NeutralField region_field(const NeutralSurface& surface, const tetgenio& out) {
+std::vector<Chamber> chambers_in(const tetgenio& mesh) {
+  const auto cells = static_cast<std::size_t>(mesh.numberoftetrahedra);
+  const auto corners = static_cast<std::size_t>(mesh.numberofcorners);
+  return chambers_of({.coordinates = {mesh.pointlist, 3 * static_cast<std::size_t>(mesh.numberofpoints)},
+                      .corners = {mesh.tetrahedronlist, cells * corners},
+                      .corners_per_cell = corners,
+                      .chamber = {mesh.tetrahedronattributelist, cells},
+                      .neighbours = {mesh.neighborlist, 4 * cells}});
+}
+
+/// Seeds for all chambers, so that each can have a limit of its own or be left empty. A first filling without new
+/// points tells where they lie.
+void seed_chambers(NeutralSurface& surface, bool empty_cavities) {
+  tetgenio filled;
+  run_tetgen(surface, {.switches = "pAn"}, filled);
+  check_filled(filled);
+  for (const Chamber& chamber : chambers_in(filled)) {
+    if (empty_cavities && chamber.depth % 2 == 0)
+      surface.holes.push_back(chamber.seed);
+    else
+      surface.regions.push_back(
+          {.seed = chamber.seed, .attribute = static_cast<double>(surface.regions.size() + 1), .max_volume = 0});
+  }
+}
+
+void limit_regions(NeutralSurface& surface, const std::vector<TetrahedralizeOptions::RegionVolume>& limits) {
+  for (const auto& limit : limits) {
+    bool found = false;
+    std::string known;
+    for (auto& region : surface.regions) {
+      known += concat(known.empty() ? "" : " ", region.attribute);
+      if (region.attribute != limit.region) continue;
+      region.max_volume = limit.max_volume;
+      found = true;
+    }
+    if (!found)
+      throw Error(Trouble::usage,
+                  concat("surface: has no region ", limit.region, " whose volume could be limited; it has ", known));
+  }
+}
+
+/// TetGen's number of a chamber -> ours: the seeds' attributes, and on from the largest of them for chambers without a
+/// seed; without any seed 1, 2, ... from outside in.
+std::map<double, double> region_numbers(const NeutralSurface& surface, const tetgenio& out) {
+  std::map<double, double> numbers;
   double largest = 0;
-  for (const auto& region : surface.regions) largest = std::max(largest, region.attribute);
+  for (std::size_t i = 0; i < surface.regions.size(); ++i) {
+    numbers[static_cast<double>(i + 1)] = surface.regions[i].attribute;
+    largest = std::max(largest, std::floor(surface.regions[i].attribute));
+  }
+  for (const Chamber& chamber : chambers_in(out))
+    if (numbers.try_emplace(chamber.number, largest + 1).second) ++largest;
+  return numbers;
+}
+
+NeutralField region_field(const NeutralSurface& surface, const tetgenio& out) {
+  const std::map<double, double> numbers = region_numbers(surface, out);
   NeutralField field{.name = "region", .unit = {}, .component_count = 1, .was_single_precision = true, .values = {}};
   field.values.reserve(static_cast<std::size_t>(out.numberoftetrahedra));
   for (int cell = 0; cell < out.numberoftetrahedra; ++cell) {
-    const double number = out.tetrahedronattributelist[cell];
-    const double seeds = static_cast<double>(surface.regions.size());
-    const double value = number <= seeds ? surface.regions[static_cast<std::size_t>(number) - 1].attribute
-                                         : std::floor(largest) + (number - seeds);
+    const double value = numbers.at(out.tetrahedronattributelist[cell]);
     field.was_single_precision = field.was_single_precision && static_cast<double>(static_cast<float>(value)) == value;
     field.values.push_back(value);
   }
@@ -323,11 +445,24 @@ NeutralMesh mesh_of(const NeutralSurface& surface, const tetgenio& out) {
 
 }  // namespace
 
-NeutralMesh fill(const NeutralSurface& surface, const TetrahedralizeOptions& options) {
-  if (!surface.holes.empty() || !surface.regions.empty()) check_seeds(surface);
+NeutralMesh fill(NeutralSurface surface, const TetrahedralizeOptions& options) {
+  const bool has_seeds = !surface.holes.empty() || !surface.regions.empty();
+  if (has_seeds)
+    check_seeds(surface);
+  else if (!options.region_volumes.empty() || options.empty_cavities)
+    seed_chambers(surface, options.empty_cavities);
+  limit_regions(surface, options.region_volumes);
+
+  std::optional<SizeJudge> judge;
+  if (options.size_field) judge.emplace(size_at(*options.size_field));
   tetgenio out;
-  run_tetgen(surface, tetgen_switches(options, surface), options.use_point_sizes && !surface.point_sizes.empty(), true,
+  run_tetgen(surface,
+             {.switches = tetgen_switches(options, surface),
+              .with_point_sizes = options.use_point_sizes && !surface.point_sizes.empty(),
+              .with_seeds = true,
+              .with_judge = judge.has_value()},
              out);
+  if (judge) judge->refuse_if_useless();
   check_filled(out);
   return mesh_of(surface, out);
 }

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "formats/base/trouble.h"
+#include "preprocess/worker/handover.h"
 
 namespace rhoray::preprocess {
 
@@ -26,19 +27,61 @@ double number_from(std::string_view text) {
 
 }  // namespace
 
-std::vector<std::string> arguments_of(const TetrahedralizeOptions& options) {
-  return {concat(options.quality), concat(options.max_volume), concat(int{options.use_point_sizes}),
-          concat(int{options.regions})};
+std::vector<std::string> arguments_of(const TetrahedralizeOptions& options, const SizeParcel& sizes) {
+  const auto* distance = options.size_field ? std::get_if<SizeByDistance>(options.size_field.get()) : nullptr;
+  const SizeByDistance none;
+  const SizeByDistance& d = distance != nullptr ? *distance : none;
+  std::vector<std::string> arguments{fill_verb,
+                                     concat(options.quality),
+                                     concat(options.max_volume),
+                                     options.tetgen,
+                                     concat(int{options.regions}),
+                                     concat(int{options.use_point_sizes}),
+                                     sizes.kind,
+                                     concat(sizes.descriptor),
+                                     concat(int{options.empty_cavities}),
+                                     concat(d.near),
+                                     concat(d.far),
+                                     concat(d.growth),
+                                     concat(int{options.solids_may_touch})};
+  for (const auto& [region, max_volume] : options.region_volumes) {
+    arguments.push_back(concat(region));
+    arguments.push_back(concat(max_volume));
+  }
+  return arguments;
 }
 
+namespace {
+
+std::shared_ptr<const SizeField> size_field_from(const std::string& kind, int descriptor, SizeByDistance distance) {
+  if (kind.empty()) return nullptr;
+  const auto file = formats::PackedFile::from_descriptor(descriptor, "handed-over size field");
+  if (kind == "volume") return std::make_shared<const SizeField>(take_volume(file));
+  if (kind == "mesh") return std::make_shared<const SizeField>(take_mesh(file));
+  distance.surface = take_surface(file);
+  return std::make_shared<const SizeField>(std::move(distance));
+}
+
+}  // namespace
+
 TetrahedralizeOptions options_from(std::span<const char* const> arguments) {
-  if (arguments.size() != 4)
-    throw Error(Trouble::internal, concat("tetrahedralizing worker: ", arguments.size(), " arguments; expected 4"));
+  constexpr std::size_t fixed = 13;
+  if (arguments.size() < fixed || (arguments.size() - fixed) % 2 != 0)
+    throw Error(Trouble::internal,
+                concat("tetrahedralizing worker: ", arguments.size(), " arguments; expected ", fixed, " and pairs"));
+  const auto number = [&](std::size_t i) { return number_from(arguments[i]); };
   TetrahedralizeOptions options;
-  options.quality = number_from(arguments[0]);
-  options.max_volume = number_from(arguments[1]);
-  options.use_point_sizes = number_from(arguments[2]) != 0;
-  options.regions = number_from(arguments[3]) != 0;
+  options.quality = number(1);
+  options.max_volume = number(2);
+  options.tetgen = arguments[3];
+  options.regions = number(4) != 0;
+  options.use_point_sizes = number(5) != 0;
+  options.empty_cavities = number(8) != 0;
+  options.size_field = size_field_from(arguments[6], static_cast<int>(number(7)),
+                                       {.surface = {}, .near = number(9), .far = number(10), .growth = number(11)});
+  options.solids_may_touch = number(12) != 0;
+  for (std::size_t i = fixed; i < arguments.size(); i += 2)
+    options.region_volumes.push_back({.region = number(i), .max_volume = number(i + 1)});
   return options;
 }
 
@@ -50,13 +93,41 @@ std::string tetgen_switches(const TetrahedralizeOptions& options, const NeutralS
   std::string switches = "p";
   if (options.quality > 0)
     switches += "q" + without_exponent(options.quality);
-  else if (follows_sizes || limits_regions || options.max_volume > 0)
+  else if (follows_sizes || limits_regions || options.max_volume > 0 || options.size_field)
     switches += "q0";  // refine, but for size alone
   if (options.max_volume > 0) switches += "a" + without_exponent(options.max_volume);
   if (limits_regions) switches += "a";
-  if (options.regions) switches += "A";
+  if (options.regions) switches += "An";  // n: neighbours, by which regions are numbered
   if (follows_sizes) switches += "m";
-  return switches;
+  return switches + options.tetgen;
+}
+
+void check_tetgen_switches(const std::string& switches) {
+  struct Refused {
+    char letter;
+    std::string_view why;
+  };
+  static constexpr Refused refused[] = {{'p', "is always on"},
+                                        {'q', "is --quality"},
+                                        {'a', "is --max-volume"},
+                                        {'A', "is --regions"},
+                                        {'m', "is --size-field or --sizes"},
+                                        {'Q', "is always in force: what TetGen prints is kept from the screen"},
+                                        {'d', "makes no mesh; without it crossings are looked for too"},
+                                        {'r', "refines a mesh; the input here is a surface"},
+                                        {'c', "would fill the convex hull, whatever the surface encloses"}};
+  constexpr std::string_view allowed = "YOSTXM", numbers = "0123456789./e-+";
+  for (std::size_t i = 0; i < switches.size(); ++i) {
+    if (allowed.find(switches[i]) != std::string_view::npos) {
+      const std::size_t next = switches.find_first_not_of(numbers, i + 1);
+      i = std::min(next, switches.size()) - 1;
+      continue;
+    }
+    std::string_view why = "changes what TetGen writes or reads, which is settled here";
+    for (const Refused& r : refused)
+      if (r.letter == switches[i]) why = r.why;
+    throw Error(Trouble::usage, concat("TetGen's switch '", switches[i], "' ", why, "; expected some of Y O S T X M"));
+  }
 }
 
 }  // namespace rhoray::preprocess

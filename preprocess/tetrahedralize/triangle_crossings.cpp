@@ -100,6 +100,9 @@ Crossings find_crossings(std::span<const std::array<double, 3>> points, std::spa
 
   Crossings found;
   found.pair_count = pairs.size();
+  for (const auto& [first, second] : pairs) found.triangles.insert(found.triangles.end(), {first, second});
+  std::sort(found.triangles.begin(), found.triangles.end());
+  found.triangles.erase(std::unique(found.triangles.begin(), found.triangles.end()), found.triangles.end());
   for (std::size_t i = 0; i < std::min(pairs.size(), most_places); ++i)
     found.first_pairs.push_back({pairs[i].first, pairs[i].second, soup.place(pairs[i].first, pairs[i].second)});
   return found;

@@ -16,7 +16,8 @@ struct Crossing {
 
 struct Crossings {
   std::uint64_t pair_count = 0;
-  std::vector<Crossing> first_pairs;  ///< in rising order, at most as many as asked for
+  std::vector<std::uint64_t> triangles;  ///< that cross any, in rising order
+  std::vector<Crossing> first_pairs;     ///< in rising order, at most as many as asked for
 };
 
 /// Every pair of triangles that cross, decided by exact arithmetic. Triangles must have three corners that are not

@@ -1,4 +1,5 @@
 #include <span>
+#include <string_view>
 
 #include "preprocess/tetrahedralize/fill.h"
 #include "preprocess/tetrahedralize/job.h"
@@ -6,13 +7,17 @@
 #include "preprocess/worker/child_process.h"
 #include "preprocess/worker/handover.h"
 
-/// Reads a surface, refuses what TetGen could not survive, fills the rest with tetrahedra.
+/// Reads a surface; refuses what TetGen could not survive and fills the rest with tetrahedra, or lists its faults.
 int main(int argc, char** argv) {
-  using namespace rhoray;
-  return preprocess::worker_main([&](int input, int output) {
-    const auto options = preprocess::options_from(std::span<const char* const>(argv + 1, argv + argc));
-    const auto surface = preprocess::checked_surface(
-        preprocess::take_surface(formats::PackedFile::from_descriptor(input, "handed-over surface")));
-    preprocess::hand_over(preprocess::fill(surface, options), output);
+  using namespace rhoray::preprocess;
+  return worker_main([&](int input, int output) {
+    const std::span<const char* const> arguments(argv + 1, argv + argc);
+    NeutralSurface surface = take_surface(rhoray::formats::PackedFile::from_descriptor(input, "handed-over surface"));
+    if (arguments.size() == 2 && std::string_view(arguments[0]) == find_faults_verb) {
+      hand_over_faults(faulty_facets(std::move(surface), std::string_view(arguments[1]) == "1"), output);
+      return;
+    }
+    const TetrahedralizeOptions options = options_from(arguments);
+    hand_over(fill(checked_surface(std::move(surface), options.solids_may_touch), options), output);
   });
 }

@@ -200,11 +200,21 @@ std::string complaints_of(int descriptor, const WorkerRequest& request) {
   }
 }
 
-int end_of(pid_t child) {
+struct End {
   int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  double computing_s = 0;
+};
+
+End end_of(pid_t child) {
+  End end;
+  rusage used{};
+  while (::wait4(child, &end.status, 0, &used) < 0 && errno == EINTR) {
   }
-  return status;
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  end.computing_s = seconds(used.ru_utime) + seconds(used.ru_stime);
+  return end;
 }
 
 std::vector<std::string> lines_of(const std::string& text) {
@@ -251,13 +261,17 @@ std::optional<Trouble> trouble_of(int exit_code) {
 }
 
 /// The worker was ended by a signal: whose fault that is, and what it means.
-[[noreturn]] void report_death(int signal, const WorkerRequest& request, const std::string& complaints) {
+[[noreturn]] void report_death(const End& end, const WorkerRequest& request, const std::string& complaints) {
+  const int signal = WTERMSIG(end.status);
   const std::vector<std::string> lines = lines_of(complaints);
   if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP)
     throw Error(Trouble::interrupted, concat("interrupted while ", request.doing));
-  if (request.time_limit_s > 0 && (signal == SIGXCPU || signal == SIGKILL))
-    throw Error(Trouble::resource, concat("the worker ", request.program, " was stopped after its limit of ",
-                                          request.time_limit_s, " s of computing time while ", request.doing));
+  const bool out_of_time = request.time_limit_s > 0 && end.computing_s >= request.time_limit_s;
+  if (signal == SIGXCPU || (signal == SIGKILL && out_of_time))
+    throw Error(Trouble::resource,
+                concat("the worker ", request.program, " was stopped after its limit of ", request.time_limit_s,
+                       " s of computing time while ", request.doing),
+                "allow more time, or ask for less");
   const bool out_of_memory = signal == SIGKILL || complaints.find("bad_alloc") != std::string::npos;
   throw Error(out_of_memory ? Trouble::resource : Trouble::invalid,
               concat("the worker ", request.program, " was stopped by signal ", signal, " (", ::strsignal(signal),
@@ -304,9 +318,10 @@ formats::PackedFile run_worker(const WorkerRequest& request) {
       throw;
     }
   }();
-  const int status = end_of(child);
+  const End end = end_of(child);
+  const int status = end.status;
 
-  if (WIFSIGNALED(status)) report_death(WTERMSIG(status), request, complaints);
+  if (WIFSIGNALED(status)) report_death(end, request, complaints);
   if (WEXITSTATUS(status) != 0) rethrow(WEXITSTATUS(status), request, lines_of(complaints));
   try {
     return formats::PackedFile::from_descriptor(output.number(), "what the worker " + request.program + " handed over");

@@ -44,7 +44,7 @@ struct Guest {
   Paths received_in;
 };
 const Guest guests[] = {{"TetGen", std::regex("tetgen\\.h"), {"preprocess/tetrahedralize"}},
-                        {"CGAL", std::regex("CGAL/.*"), {"preprocess/tetrahedralize", "tools"}},
+                        {"CGAL", std::regex("CGAL/.*"), {"preprocess/tetrahedralize", "preprocess/repair", "tools"}},
                         {"Boost", std::regex("boost/.*"), {"preprocess/tetrahedralize"}},
                         {"VTK", std::regex("vtk\\w*\\.h"), {"preprocess/import", "tools/study"}},
                         {"OpenVDB", std::regex("openvdb/.*"), {"preprocess/vdb"}},

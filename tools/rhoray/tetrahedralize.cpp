@@ -1,10 +1,18 @@
 #include "preprocess/tetrahedralize.h"
 
+#include <algorithm>
+#include <charconv>
 #include <cstdio>
+#include <optional>
 
+#include "formats/base/nearest_name.h"
 #include "formats/base/trouble.h"
 #include "preprocess/import_mesh.h"
+#include "preprocess/import_volume.h"
+#include "preprocess/inspect_surface.h"
+#include "preprocess/repair_surface.h"
 #include "tools/rhoray/common_options.h"
+#include "tools/rhoray/fault_file.h"
 #include "tools/rhoray/input_file.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/progress_display.h"
@@ -15,61 +23,278 @@ namespace rhoray::tools {
 
 namespace {
 
+using preprocess::ForeignKind;
+using preprocess::NeutralSurface;
+
 struct TetrahedralizeCommand {
   CommonOptions common;
-  std::filesystem::path input;
+  std::vector<std::filesystem::path> inputs;
   std::filesystem::path sizes;
+  std::string max_volume;
+  std::string size_field;
   preprocess::TetrahedralizeOptions fill;
+  preprocess::RepairOptions repair;
+  bool mend = false;
   bool no_regions = false;
 };
 
+std::vector<std::string> split(const std::string& text, char mark) {
+  std::vector<std::string> pieces;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(mark, begin), text.size());
+    pieces.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return pieces;
+}
+
+/// A number of an option whose text has several.
+double number_in(const std::string& option, const std::string& text) {
+  double number = 0;
+  try {
+    read_value(text, number);
+  } catch (const Error& error) {
+    throw Error(Trouble::usage, concat(option, ": ", error.what()), error.hint());
+  }
+  return number;
+}
+
+/// V for all, R:V for one region; several between commas.
+void read_max_volume(TetrahedralizeCommand& command) {
+  if (command.max_volume.empty()) return;
+  for (const std::string& piece : split(command.max_volume, ',')) {
+    const std::vector<std::string> parts = split(piece, ':');
+    if (parts.size() > 2)
+      throw Error(Trouble::usage, concat("--max-volume: found '", piece, "'; expected V or REGION:V"));
+    const double volume = number_in("--max-volume", parts.back());
+    require_within("--max-volume", volume, 0, 1e300);
+    if (parts.size() == 1)
+      command.fill.max_volume = volume;
+    else
+      command.fill.region_volumes.push_back({.region = number_in("--max-volume", parts.front()), .max_volume = volume});
+  }
+}
+
+void require_surface(const std::filesystem::path& input) {
+  require_input(input);
+  if (preprocess::foreign_kind(input) == ForeignKind::surface) return;
+  throw Error(
+      Trouble::invalid,
+      concat(input.string(), ": is not a surface; expected .ply, .stl, .obj, .off, .tri, .poly or .smesh"),
+      formats::PackedFile::looks_packed(input) ? concat("look into it: rhoray info ", input.string()) : std::string{});
+}
+
 void check(const TetrahedralizeCommand& command, const std::filesystem::path& output) {
-  const std::string name = command.input.string();
-  require_input(command.input);
-  if (preprocess::foreign_kind(command.input) != preprocess::ForeignKind::surface)
-    throw Error(
-        Trouble::invalid,
-        concat(name, ": is not a surface; expected ", preprocess::extensions_of(preprocess::ForeignKind::surface)),
-        formats::PackedFile::looks_packed(command.input) ? concat("look into it: rhoray info ", name) : std::string{});
-  if (!command.sizes.empty()) require_input(command.sizes);
+  for (const auto& input : command.inputs) {
+    require_surface(input);
+    require_writable(command.common, output, input);
+  }
+  if (!command.sizes.empty()) {
+    require_input(command.sizes);
+    if (command.inputs.size() > 1)
+      throw Error(Trouble::usage, "--sizes: belongs to the points of one surface; found several surfaces",
+                  "--size-field gives sizes in space");
+  }
   if (output.extension() != ".vtu")
     throw Error(Trouble::usage,
                 concat(output.string(), ": found extension '", output.extension().string(), "'; expected .vtu"));
-  require_writable(command.common, output, command.input);
   if (command.fill.quality != 0) require_within("--quality", command.fill.quality, 1, 100);
-  require_within("--max-volume", command.fill.max_volume, 0, 1e300);
   require_within("--time-limit", command.fill.time_limit_s, 1, 1e7);
+  require_within("--wrap", command.repair.wrap, 0, 1);
+  if (command.repair.largest_part_only && !command.mend && command.repair.wrap == 0)
+    throw Error(Trouble::usage, "--largest-part: belongs to --repair; found no --repair");
 }
 
-/// The verb knows no file: its refusals get the name here.
-preprocess::NeutralMesh fill(const preprocess::NeutralSurface& surface, const TetrahedralizeCommand& command) {
+std::string names_of(const std::vector<std::filesystem::path>& inputs) {
+  std::string names;
+  for (const auto& input : inputs) names += concat(names.empty() ? "" : " + ", input.string());
+  return names;
+}
+
+/// The verbs know no file: their refusals get the names here.
+template <class Act>
+auto with_names(const TetrahedralizeCommand& command, Act act) {
+  try {
+    return act();
+  } catch (const Error& error) {
+    throw Error(error.trouble(), concat(names_of(command.inputs), ": ", error.what()), error.hint());
+  }
+}
+
+NeutralSurface read_surfaces(const TetrahedralizeCommand& command, ProgressDisplay& display) {
+  std::vector<NeutralSurface> surfaces;
+  for (const auto& input : command.inputs) {
+    display.show(concat("reading ", input.string()));
+    surfaces.push_back(
+        preprocess::import_surface(input, command.sizes, {.memory_limit_bytes = command.common.memory.bytes}));
+  }
+  if (surfaces.size() == 1) return std::move(surfaces.front());
+  NeutralSurface all = preprocess::join(surfaces);
+  std::uint64_t first = surfaces.front().facet_offsets.size() - 1;
+  for (std::size_t i = 1; i < surfaces.size(); ++i) {
+    all.notes.push_back(concat("facets of ", command.inputs[i].string(), " are numbered from ", first));
+    first += surfaces[i].facet_offsets.size() - 1;
+  }
+  return all;
+}
+
+/// distance:FILE:NEAR:FAR:GROWTH, where FILE may hold colons itself.
+preprocess::SizeByDistance read_size_by_distance(const TetrahedralizeCommand& command) {
+  std::vector<std::string> parts = split(command.size_field, ':');
+  if (parts.size() < 5)
+    throw Error(Trouble::usage,
+                concat("--size-field: found '", command.size_field, "'; expected distance:SURFACE:NEAR:FAR:GROWTH"));
+  std::string file = parts[1];
+  for (std::size_t i = 2; i + 3 < parts.size(); ++i) file += ":" + parts[i];
+  require_surface(file);
+  const auto number = [&](std::size_t from_end) { return number_in("--size-field", parts[parts.size() - from_end]); };
+  preprocess::SizeByDistance sizes{.surface = {}, .near = number(3), .far = number(2), .growth = number(1)};
+  sizes.surface = preprocess::import_surface(file, {}, {.memory_limit_bytes = command.common.memory.bytes});
+  return sizes;
+}
+
+preprocess::NeutralMesh read_size_mesh(const std::filesystem::path& file, const std::string& field,
+                                       std::uint64_t memory_limit_bytes) {
+  preprocess::NeutralMesh mesh = preprocess::import_mesh(file, {.memory_limit_bytes = memory_limit_bytes});
+  std::vector<std::string> names;
+  for (const auto& f : mesh.point_fields)
+    if (f.component_count == 1) names.push_back(f.name);
+  if (names.empty() || (field.empty() && names.size() > 1))
+    throw Error(Trouble::usage, concat("--size-field: ", file.string(), " has ", names.size(),
+                                       " scalar point fields; expected one", names.empty() ? "" : ", or FILE:FIELD"));
+  const std::string wanted = field.empty() ? names.front() : field;
+  const auto found = std::find_if(mesh.point_fields.begin(), mesh.point_fields.end(),
+                                  [&](const auto& f) { return f.component_count == 1 && f.name == wanted; });
+  if (found == mesh.point_fields.end())
+    throw Error(Trouble::usage, concat("--size-field: ", file.string(), " has no scalar point field '", wanted, "'"),
+                did_you_mean(wanted, names));
+  preprocess::NeutralField kept = std::move(*found);
+  mesh.point_fields.clear();
+  mesh.point_fields.push_back(std::move(kept));
+  mesh.cell_fields.clear();
+  return mesh;
+}
+
+/// A file, FILE:FIELD, or a function of distance.
+preprocess::SizeField read_size_field(const TetrahedralizeCommand& command) {
+  if (command.size_field.starts_with("distance:")) return read_size_by_distance(command);
+  std::filesystem::path file = command.size_field;
+  std::string field;
+  std::error_code ignored;
+  if (const std::size_t colon = command.size_field.rfind(':');
+      colon != std::string::npos && !std::filesystem::exists(file, ignored)) {
+    file = command.size_field.substr(0, colon);
+    field = command.size_field.substr(colon + 1);
+  }
+  require_input(file);
+  const std::uint64_t memory = command.common.memory.bytes;
+  switch (preprocess::foreign_kind(file)) {
+    case ForeignKind::volume: {
+      preprocess::ImportVolumeOptions options;
+      options.field = field;
+      options.memory_limit_bytes = memory;
+      return preprocess::import_volume(file, options);
+    }
+    case ForeignKind::mesh:
+      return read_size_mesh(file, field, memory);
+    default:
+      throw Error(Trouble::usage,
+                  concat("--size-field: ", file.string(),
+                         " is neither a volume nor a mesh; expected one, or distance:SURFACE:NEAR:FAR:GROWTH"));
+  }
+}
+
+/// Writes the facets for which the surface was refused beside the output, and says so in the refusal.
+[[noreturn]] void refuse_with_fault_file(const Error& refusal, const TetrahedralizeCommand& command,
+                                         const NeutralSurface& surface, const std::filesystem::path& output) {
+  const auto faults = preprocess::find_faults(surface, command.fill.solids_may_touch);
+  const std::filesystem::path file = std::filesystem::path(output).replace_extension(".faults.ply");
+  std::string where;
+  if (std::error_code ignored; !faults.empty() && std::filesystem::exists(file, ignored) && !command.common.force) {
+    where = concat("; ", file.string(), " is there already and was left as it is (--force replaces it)");
+  } else if (!faults.empty()) {
+    write_fault_file(file, surface, faults, command.common.force);
+    where = concat("; the faulty facets are in ", file.string());
+  }
+  const bool repaired = command.mend || command.repair.wrap > 0;
+  std::string hint = refusal.hint();
+  if (!faults.empty())
+    hint += concat(hint.empty() ? "" : ", or ", repaired ? "--wrap 0.01 makes a new closed surface around it"
+                                                         : "--repair mends what it can and says how far it moved");
+  throw Error(refusal.trouble(), refusal.what() + where, hint);
+}
+
+preprocess::NeutralMesh fill(const TetrahedralizeCommand& command, const NeutralSurface& surface,
+                             const std::filesystem::path& output) {
   try {
     return preprocess::tetrahedralize(surface, command.fill);
-  } catch (const Error& error) {
-    throw Error(error.trouble(), concat(command.input.string(), ": ", error.what()), error.hint());
+  } catch (const Error& refusal) {
+    if (refusal.trouble() != Trouble::invalid) throw;
+    refuse_with_fault_file(refusal, command, surface, output);
   }
+}
+
+Json json_of(const preprocess::RepairReport& r) {
+  return {{"merged_points", r.merged_points},
+          {"dropped_flat", r.dropped_flat},
+          {"dropped_twins", r.dropped_twins},
+          {"dropped_not_finite", r.dropped_not_finite},
+          {"split_points", r.split_points},
+          {"stitched_edges", r.stitched_edges},
+          {"filled_holes", r.filled_holes},
+          {"crossing_pairs", r.crossing_pairs},
+          {"mended_parts", r.mended_parts},
+          {"united_parts", r.united_parts},
+          {"dropped_parts", r.dropped_parts},
+          {"wrapped", r.wrapped},
+          {"farthest_new_from_old", r.farthest_new_from_old},
+          {"farthest_old_from_new", r.farthest_old_from_new},
+          {"distance_error", r.distance_error},
+          {"box_diagonal", r.box_diagonal}};
+}
+
+void settle_limits(TetrahedralizeCommand& command) {
+  command.fill.regions = !command.no_regions;
+  if (command.common.memory.bytes != 0)
+    command.fill.memory_limit_bytes = command.repair.memory_limit_bytes = command.common.memory.bytes;
+  command.repair.time_limit_s = command.fill.time_limit_s;
 }
 
 int run(TetrahedralizeCommand& command) {
   const Stopwatch watch;
   const std::filesystem::path output = command.common.output.empty()
-                                           ? std::filesystem::path(command.input).replace_extension(".vtu")
+                                           ? std::filesystem::path(command.inputs.front()).replace_extension(".vtu")
                                            : command.common.output;
   check(command, output);
-  command.fill.regions = !command.no_regions;
-  if (command.common.memory.bytes != 0) command.fill.memory_limit_bytes = command.common.memory.bytes;
+  read_max_volume(command);
+  settle_limits(command);
 
   std::vector<std::string> notes;
+  std::optional<preprocess::RepairReport> repair;
   preprocess::NeutralMesh mesh;
   {
     ProgressDisplay display(command.common);
-    display.show(concat("reading ", command.input.string()));
-    const preprocess::NeutralSurface surface =
-        preprocess::import_surface(command.input, command.sizes, {.memory_limit_bytes = command.common.memory.bytes});
-    display.show("filling with tetrahedra (TetGen)");
-    mesh = fill(surface, command);
+    NeutralSurface surface = read_surfaces(command, display);
     notes = surface.notes;
-    notes.insert(notes.end(), mesh.notes.begin(), mesh.notes.end());
+    if (!command.size_field.empty()) {
+      display.show("reading the size field");
+      command.fill.size_field = std::make_shared<const preprocess::SizeField>(read_size_field(command));
+    }
+    if (command.mend || command.repair.wrap > 0) {
+      display.show(command.repair.wrap > 0 ? "wrapping the surface (CGAL)" : "repairing the surface (CGAL)");
+      auto repaired = with_names(command, [&] { return preprocess::repair_surface(surface, command.repair); });
+      surface = std::move(repaired.surface);
+      repair = repaired.report;
+      command.fill.solids_may_touch = true;
+      display.clear();
+      for (const std::string& note : surface.notes) say(command.common, concat("note: ", note));
+    } else {
+      surface.notes.clear();
+    }
+    display.show("filling with tetrahedra (TetGen)");
+    mesh = with_names(command, [&] { return fill(command, surface, output); });
+    for (const std::string& note : mesh.notes)
+      if (std::find(surface.notes.begin(), surface.notes.end(), note) == surface.notes.end()) notes.push_back(note);
     display.show(concat("writing ", output.string()));
     preprocess::export_mesh(mesh, output, command.common.force);
   }
@@ -80,15 +305,17 @@ int run(TetrahedralizeCommand& command) {
                              grouped(mesh.points.size()), " points"));
   say(command.common, concat("took ", rounded(watch.seconds(), 3), " s, peak memory ", bytes_text(usage.peak_bytes),
                              ", of a worker ", bytes_text(usage.worker_peak_bytes)));
-  if (command.common.json)
-    std::puts(dump(Json{{"file", output.string()},
-                        {"cells", mesh.cells.size()},
-                        {"points", mesh.points.size()},
-                        {"seconds", watch.seconds()},
-                        {"peak_bytes", usage.peak_bytes},
-                        {"worker_peak_bytes", usage.worker_peak_bytes},
-                        {"notes", notes}})
-                  .c_str());
+  if (command.common.json) {
+    Json document{{"file", output.string()},
+                  {"cells", mesh.cells.size()},
+                  {"points", mesh.points.size()},
+                  {"seconds", watch.seconds()},
+                  {"peak_bytes", usage.peak_bytes},
+                  {"worker_peak_bytes", usage.worker_peak_bytes},
+                  {"notes", notes}};
+    if (repair) document["repair"] = json_of(*repair);
+    std::puts(dump(document).c_str());
+  }
   return 0;
 }
 
@@ -100,24 +327,49 @@ Subcommand tetrahedralize_subcommand() {
           .summary = "Closed surfaces to tetrahedra (TetGen, in a process of its own)",
           .examples =
               "  rhoray tetrahedralize heart.ply -o heart.vtu\n"
+              "  rhoray tetrahedralize scalp.tri skull.tri brain.tri --max-volume 1:50,3:20 -o head.vtu\n"
+              "  rhoray tetrahedralize scan.stl --repair -o scan.vtu\n"
+              "  rhoray tetrahedralize torso.ply --size-field distance:heart.ply:1:20:0.2 -o torso.vtu\n"
               "  rhoray tetrahedralize torso.smesh --quality 1.4 --sizes torso.mtr -o torso.vtu\n",
           .options = all_options(
-              {{file_option("SURFACE", "Surface: .ply, .stl, .obj, .off, .poly, .smesh, .face or .vtk with POLYDATA",
-                            command->input)},
-               output_options(command->common, "Mesh (.vtu); default the input's name with .vtu"),
-               {value_option("--quality", "R",
+              {{files_option("SURFACE",
+                             "Surfaces: .ply, .stl, .obj, .off, .tri, .poly or .smesh; nested ones make regions, "
+                             "numbered from outside in",
+                             command->inputs)},
+               output_options(command->common, "Mesh (.vtu); default the first input's name with .vtu"),
+               {flag_option("--repair",
+                            "Mend a faulty surface: merge, drop, orient, stitch, fill holes, resolve crossings; says "
+                            "how far it moved",
+                            command->mend),
+                value_option("--wrap", "SHARE",
+                             "Instead, wrap it in a new closed surface that bridges gaps up to this share of the box "
+                             "diagonal",
+                             command->repair.wrap),
+                flag_option("--largest-part", "With --repair: keep only the connected part with the largest area",
+                            command->repair.largest_part_only),
+                value_option("--quality", "R",
                              "Largest ratio of circumradius to shortest edge; 0 adds no points; default 1.4",
                              command->fill.quality),
-                value_option("--max-volume", "V", "Largest volume of a tetrahedron; 0, the default, sets no limit",
-                             command->fill.max_volume),
+                value_option("--max-volume", "V",
+                             "Largest volume of a tetrahedron: V, or REGION:V,... for single regions; 0, the default, "
+                             "sets no limit",
+                             command->max_volume),
+                value_option("--size-field", "FIELD",
+                             "Wanted edge lengths: a volume FILE, a mesh FILE:FIELD, or "
+                             "distance:SURFACE:NEAR:FAR:GROWTH",
+                             command->size_field),
                 value_option("--sizes", "FILE",
                              "Wanted sizes at the points (.mtr); default the .mtr beside the surface", command->sizes),
                 {Option::Kind::flag, "--regions", "", "Number the regions in cell field 'region' (the default)",
                  [command](const std::string&) { command->no_regions = false; }},
                 flag_option("--no-regions", "Do not number the regions", command->no_regions),
-                value_option("--time-limit", "SECONDS", "CPU time that TetGen may take; default 3600",
+                flag_option("--cavities", "Leave the second, fourth, ... of nested surfaces empty inside",
+                            command->fill.empty_cavities),
+                value_option("--tetgen", "SWITCHES", "Further switches of TetGen, of Y O S T X M: O2/7S100",
+                             command->fill.tetgen),
+                value_option("--time-limit", "SECONDS", "CPU time that each worker may take; default 3600",
                              command->fill.time_limit_s)},
-               memory_option(command->common, "Limit for each worker process; default 8G for TetGen"),
+               memory_option(command->common, "Limit for each worker process; default 8G for TetGen and CGAL"),
                message_options(command->common, "What was made, as one JSON document on stdout")}),
           .run = [command] { return run(*command); }};
 }
