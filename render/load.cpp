@@ -37,8 +37,7 @@ Box3 crossed_macrocells(const View& view, double isovalue, const Position& posit
         if (!(range.lo < isovalue && isovalue <= range.hi)) continue;
         for (const Index3& corner : {c, c + Index3(1, 1, 1)}) {
           Vec3 p;
-          for (int a = 0; a < 3; ++a)
-            p[a] = position(a, std::min(corner[a] * edge, lattice.leaf_count[a]));
+          for (int a = 0; a < 3; ++a) p[a] = position(a, std::min(corner[a] * edge, lattice.leaf_count[a]));
           box.extendBy(p);
         }
       }

@@ -47,8 +47,7 @@ std::vector<std::size_t> fields_of(const OpenedGrid& opened, const std::string& 
 }
 
 std::uint64_t bytes_of(const formats::GridDescription& grid, std::size_t field) {
-  return static_cast<std::uint64_t>(volume(grid.layout.sample_count)) *
-         formats::element_bytes(grid.fields[field].type);
+  return static_cast<std::uint64_t>(volume(grid.layout.sample_count)) * formats::element_bytes(grid.fields[field].type);
 }
 
 /// Everything before the samples. Numbers read back to the same bits, which VTK's own writer does not promise.

@@ -38,15 +38,15 @@ constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string
     {"dicom/", read_dicom},
 };
 constexpr Importer<CellMesh(const std::filesystem::path&)> mesh_importers[] = {
-    {".vtu", read_vtu},    {".pvtu", read_pvtu},  {".vts", read_vts},          {".vtk", read_legacy_vtk_mesh},
-    {".bin", read_plot3d}, {".xyz", read_plot3d}, {".x", read_plot3d},         {".q", read_plot3d},
-    {".p3d", read_plot3d}, {".node", read_tetgen_mesh}, {".ele", read_tetgen_mesh},
-    {".vol", read_netgen}, {".mesh", read_medit},          {".meshb", read_medit},
+    {".vtu", read_vtu},    {".pvtu", read_pvtu},        {".vts", read_vts},         {".vtk", read_legacy_vtk_mesh},
+    {".bin", read_plot3d}, {".xyz", read_plot3d},       {".x", read_plot3d},        {".q", read_plot3d},
+    {".p3d", read_plot3d}, {".node", read_tetgen_mesh}, {".ele", read_tetgen_mesh}, {".vol", read_netgen},
+    {".mesh", read_medit}, {".meshb", read_medit},
 };
 /// Formats that may hold several time steps.
 constexpr Importer<CellMesh(const std::filesystem::path&, const std::string& time)> steps_importers[] = {
-    {".e", read_exodus}, {".ex2", read_exodus}, {".exo", read_exodus}, {".exii", read_exodus},
-    {".gen", read_exodus}, {".msh", read_gmsh},
+    {".e", read_exodus},    {".ex2", read_exodus}, {".exo", read_exodus},
+    {".exii", read_exodus}, {".gen", read_exodus}, {".msh", read_gmsh},
 };
 constexpr Importer<NeutralSurface(const std::filesystem::path&)> surface_importers[] = {
     {".vtk", read_legacy_vtk_surface},

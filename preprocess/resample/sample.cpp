@@ -18,8 +18,7 @@ using Range = tbb::blocked_range<std::size_t>;
 constexpr auto brick_samples = static_cast<std::size_t>(SampleLattice::brick_samples);
 
 template <class T>
-T interpolate(const Array<T>& values, const std::array<std::uint32_t, 4>& cell,
-              const std::array<double, 4>& weights) {
+T interpolate(const Array<T>& values, const std::array<std::uint32_t, 4>& cell, const std::array<double, 4>& weights) {
   const std::array<T, 4> v{values[cell[0]], values[cell[1]], values[cell[2]], values[cell[3]]};
   const double sum = weights[0] * static_cast<double>(v[0]) + weights[1] * static_cast<double>(v[1]) +
                      weights[2] * static_cast<double>(v[2]) + weights[3] * static_cast<double>(v[3]);
@@ -94,9 +93,8 @@ BrickSamples sample_fields(const CleanMesh& mesh, const std::vector<PointField>&
   const std::size_t slot_count = touched.bricks.size();
   BrickSamples samples;
   for (const PointField& field : fields)
-    std::visit(
-        [&]<class T>(const Array<T>&) { samples.fields.emplace_back(Array<T>(slot_count * brick_samples)); },
-        field.values);
+    std::visit([&]<class T>(const Array<T>&) { samples.fields.emplace_back(Array<T>(slot_count * brick_samples)); },
+               field.values);
   samples.inside_counts.resize(slot_count);
   std::vector<std::uint32_t> overlap_counts(slot_count);
   std::vector<std::vector<std::vector<Conflict>>> conflicts(fields.size(),

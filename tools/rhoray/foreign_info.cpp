@@ -168,10 +168,11 @@ Json foreign_info(const std::filesystem::path& path, std::uint64_t memory_limit_
   }
   const std::string advice = preprocess::advice_on(path);
   throw Error(Trouble::unsupported, concat(path.string(), ": found a file of a kind that is not known here"),
-              !advice.empty() ? advice
-                              : concat("readable: .rho; volumes ", preprocess::extensions_of(preprocess::ForeignKind::volume),
-                                       "; meshes ", preprocess::extensions_of(preprocess::ForeignKind::mesh), "; surfaces ",
-                                       preprocess::extensions_of(preprocess::ForeignKind::surface)));
+              !advice.empty()
+                  ? advice
+                  : concat("readable: .rho; volumes ", preprocess::extensions_of(preprocess::ForeignKind::volume),
+                           "; meshes ", preprocess::extensions_of(preprocess::ForeignKind::mesh), "; surfaces ",
+                           preprocess::extensions_of(preprocess::ForeignKind::surface)));
 }
 
 }  // namespace rhoray::tools

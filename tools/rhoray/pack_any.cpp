@@ -39,8 +39,7 @@ void check_kind(const PackOptions& options) {
   }
   const std::string advice = preprocess::advice_on(options.input);
   throw Error(Trouble::invalid,
-              concat(name,
-                     ": found a file of a kind that is not known here; expected a volume (",
+              concat(name, ": found a file of a kind that is not known here; expected a volume (",
                      preprocess::extensions_of(preprocess::ForeignKind::volume), ") or a mesh (",
                      preprocess::extensions_of(preprocess::ForeignKind::mesh), ")"),
               !advice.empty() ? advice : "--raw 256x256x128:uint16:le reads bytes without a header");
@@ -181,13 +180,12 @@ PackResult pack_mesh(const PackOptions& options, const std::filesystem::path& ou
   pack.leaf_cells_per_tetrahedron = options.leaf_ratio.value_or(pack.leaf_cells_per_tetrahedron);
   if (options.cells != "auto") read_value(options.cells, pack.leaf_cell_count);
   if (progress) progress("reading", 0, 0);
-  preprocess::NeutralMesh mesh =
-      preprocess::import_mesh(options.input,
-                              {.time = options.time,
-                               .max_error = options.max_error.value_or(preprocess::ImportMeshOptions{}.max_error),
-                               .memory_limit_bytes = options.memory_limit_bytes,
-                               .scratch_folder = scratch_folder(options, output),
-                               .progress = progress});
+  preprocess::NeutralMesh mesh = preprocess::import_mesh(
+      options.input, {.time = options.time,
+                      .max_error = options.max_error.value_or(preprocess::ImportMeshOptions{}.max_error),
+                      .memory_limit_bytes = options.memory_limit_bytes,
+                      .scratch_folder = scratch_folder(options, output),
+                      .progress = progress});
   give_fields(mesh, pack);
   const preprocess::PackMeshReport report = preprocess::pack_mesh(mesh, output, pack, progress);
 

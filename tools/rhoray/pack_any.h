@@ -27,7 +27,7 @@ struct PackOptions {
   std::optional<Vec3> spacing, origin;
   bool cell_data = false;
   std::optional<double> max_error;
-  std::string time;  ///< empty = not said
+  std::string time;                      ///< empty = not said
   std::uint64_t memory_limit_bytes = 0;  ///< cap on anonymous memory (preprocess/memory_cap.h); 0 = none
   bool replace_existing = false;
   std::string command;

@@ -83,6 +83,12 @@ Json json_of(const SampleLattice& lattice) {
           {"direction", directions}};
 }
 
+Json json_of(const Affine& world_from_grid) {
+  const Index3 one(1, 1, 1);
+  const std::array<std::vector<double>, 3> even;
+  return json_of(SampleLattice{world_from_grid, one, even});
+}
+
 Json json_of(const formats::FieldSummary& field) {
   Json json{{"name", field.name},
             {"unit", field.unit},

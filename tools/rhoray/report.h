@@ -36,6 +36,8 @@ struct SampleLattice {
 /// smallest and the largest spacing; all in world units.
 Json json_of(const SampleLattice& lattice);
 
+Json json_of(const Affine& world_from_grid);  ///< the same of samples at 0, 1, 2, ... on every axis
+
 /// Of the samples, in world axes.
 Box3 bounds_of(const SampleLattice& lattice);
 

@@ -80,7 +80,7 @@ void require_surface(const std::filesystem::path& input) {
   if (preprocess::foreign_kind(input) == ForeignKind::surface) return;
   throw Error(
       Trouble::invalid,
-      concat(input.string(), ": is not a surface; expected .ply, .stl, .obj, .off, .tri, .poly or .smesh"),
+      concat(input.string(), ": is not a surface; expected ", preprocess::extensions_of(ForeignKind::surface)),
       formats::PackedFile::looks_packed(input) ? concat("look into it: rhoray info ", input.string()) : std::string{});
 }
 
@@ -333,8 +333,8 @@ Subcommand tetrahedralize_subcommand() {
               "  rhoray tetrahedralize torso.smesh --quality 1.4 --sizes torso.mtr -o torso.vtu\n",
           .options = all_options(
               {{files_option("SURFACE",
-                             "Surfaces: .ply, .stl, .obj, .off, .tri, .poly or .smesh; nested ones make regions, "
-                             "numbered from outside in",
+                             "Surfaces: .ply, .stl, .obj, .off, .tri, .vtk, .poly, .smesh or .face; nested ones make "
+                             "regions, numbered from outside in",
                              command->inputs)},
                output_options(command->common, "Mesh (.vtu); default the first input's name with .vtu"),
                {flag_option("--repair",

@@ -148,10 +148,10 @@ TEST_F(Import, reads_every_extension_whose_kind_it_knows) {
     return true;
   };
   for (const std::string extension :
-       {".nrrd", ".nhdr", ".mhd", ".mha", ".nii",  ".nii.gz", ".vti",  ".vtu",    ".node", ".ele",
-        ".ply",  ".stl",  ".obj", ".off", ".poly", ".smesh",  ".NRRD", ".Nii.Gz", ".gz",   ".rho",
-        ".pvtu", ".vts",  ".pvd", "",     ".vtr",  ".slc",    ".cube", ".bov",    ".dcm",  ".zip",
-        ".e",    ".ex2",  ".exo", ".exii", ".g",   ".gen",    ".msh",  ".vol",    ".mesh", ".meshb", ".face"}) {
+       {".nrrd", ".nhdr", ".mhd", ".mha",  ".nii",   ".nii.gz", ".vti",    ".vtu", ".node", ".ele",  ".ply",
+        ".stl",  ".obj",  ".off", ".poly", ".smesh", ".NRRD",   ".Nii.Gz", ".gz",  ".rho",  ".pvtu", ".vts",
+        ".pvd",  "",      ".vtr", ".slc",  ".cube",  ".bov",    ".dcm",    ".zip", ".e",    ".ex2",  ".exo",
+        ".exii", ".g",    ".gen", ".msh",  ".vol",   ".mesh",   ".meshb",  ".face"}) {
     const auto path = folder_ / concat("none", extension);
     EXPECT_EQ(foreign_kind(path) == ForeignKind::volume, knows([&] { read_volume(path, {}); })) << extension;
     EXPECT_EQ(foreign_kind(path) == ForeignKind::mesh, knows([&] { read_mesh(path); })) << extension;
