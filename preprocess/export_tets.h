@@ -3,14 +3,10 @@
 #include <optional>
 
 #include "preprocess/export_grid.h"
-#include "preprocess/neutral.h"
 
 namespace rhoray::preprocess {
 
-/// A packed mesh in neutral words: points in world coordinates, all fields, and the cells' ids as cell field "cell_id".
-NeutralMesh neutral_mesh(const std::filesystem::path& packed);
-
-/// That as VTU (export_mesh in import_mesh.h).
+/// A packed mesh as VTU: points in world coordinates, all fields, and the cells' ids as cell field "cell_id".
 ExportReport export_vtu(const std::filesystem::path& packed, const std::filesystem::path& output,
                         const ExportOptions& options = {});
 

@@ -82,7 +82,4 @@ struct ResampleReport {
 ResampleReport resample(const NeutralMesh& mesh, const std::filesystem::path& path, const ResampleOptions& options,
                         const Progress& progress = {});
 
-/// A packed mesh as a neutral one: points in world coordinates, fields at points, cell ids.
-NeutralMesh unpack_mesh(const formats::TetMesh& packed);
-
 }  // namespace rhoray::preprocess

@@ -10,6 +10,7 @@
 #include "formats/tet_mesh.h"
 #include "preprocess/export/stl_file.h"
 #include "preprocess/import_mesh.h"
+#include "preprocess/unpack_mesh.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -41,16 +42,6 @@ void with_values(const TetMesh& mesh, std::size_t field, Act&& act) {
     act(mesh.values<float>(field));
   else
     act(mesh.values<double>(field));
-}
-
-NeutralField neutral_field(const TetMesh& mesh, std::size_t position) {
-  const formats::FieldSummary& summary = mesh.description().fields[position];
-  NeutralField field;
-  field.name = summary.name;
-  field.unit = summary.unit;
-  field.was_single_precision = summary.type == formats::ElementType::F32;
-  with_values(mesh, position, [&](const auto values) { field.values.assign(values.begin(), values.end()); });
-  return field;
 }
 
 /// Where the field takes the isovalue on the edge from a corner inside to one outside.
@@ -131,31 +122,13 @@ void write_own_surface(StlFile& file, const TetMesh& mesh) {
 
 }  // namespace
 
-NeutralMesh neutral_mesh(const std::filesystem::path& packed) {
-  const TetMesh mesh(formats::PackedFile::open(packed));
-  NeutralMesh out;
-  out.length_unit = mesh.description().length_unit;
-  out.points.reserve(mesh.points().size());
-  for (std::uint32_t p = 0; p < mesh.points().size(); ++p) {
-    const Vec3 world = world_point(mesh, p);
-    out.points.push_back({world.x, world.y, world.z});
-  }
-  out.cells.reserve(mesh.cells().size());
-  NeutralField ids{.name = "cell_id", .unit = {}, .component_count = 1, .was_single_precision = false, .values = {}};
-  ids.values.reserve(mesh.cells().size());
-  for (std::size_t c = 0; c < mesh.cells().size(); ++c) {
-    const auto& cell = mesh.cells()[c];
-    out.cells.push_back({cell[0], cell[1], cell[2], cell[3]});
-    ids.values.push_back(static_cast<double>(mesh.cell_id(c)));
-  }
-  for (std::size_t f = 0; f < mesh.description().fields.size(); ++f) out.point_fields.push_back(neutral_field(mesh, f));
-  out.cell_fields.push_back(std::move(ids));
-  return out;
-}
-
 ExportReport export_vtu(const std::filesystem::path& packed, const std::filesystem::path& output,
                         const ExportOptions& options) {
-  export_mesh(neutral_mesh(packed), output, options.replace_existing);
+  NeutralMesh mesh = unpack_mesh(TetMesh(formats::PackedFile::open(packed)));
+  NeutralField ids{.name = "cell_id", .unit = {}, .component_count = 1, .was_single_precision = false, .values = {}};
+  ids.values.assign(mesh.cell_ids.begin(), mesh.cell_ids.end());
+  mesh.cell_fields.push_back(std::move(ids));
+  export_mesh(mesh, output, options.replace_existing);
   ExportReport report;
   report.file_bytes = std::filesystem::file_size(output);
   return report;

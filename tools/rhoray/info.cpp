@@ -4,6 +4,7 @@
 #include "formats/base/trouble.h"
 #include "formats/brick_grid.h"
 #include "formats/tet_mesh.h"
+#include "preprocess/unpack_mesh.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/foreign_info.h"
 #include "tools/rhoray/input_file.h"
@@ -21,28 +22,6 @@ struct InfoOptions {
   std::vector<std::filesystem::path> files;
   bool findings = false;
 };
-
-/// The packed cells as they were before packing, as far as they are still there.
-preprocess::NeutralMesh unpacked(const formats::TetMesh& mesh) {
-  preprocess::NeutralMesh result;
-  const Vec3& origin = mesh.description().origin;
-  for (const auto& p : mesh.points()) result.points.push_back({origin.x + p[0], origin.y + p[1], origin.z + p[2]});
-  for (std::uint64_t c = 0; c < mesh.cells().size(); ++c) {
-    const auto& cell = mesh.cells()[c];
-    result.cells.push_back({cell[0], cell[1], cell[2], cell[3]});
-    result.cell_ids.push_back(mesh.cell_id(c));
-  }
-  for (std::size_t f = 0; f < mesh.description().fields.size(); ++f) {
-    const formats::FieldSummary& summary = mesh.description().fields[f];
-    preprocess::NeutralField& field = result.point_fields.emplace_back();
-    field.name = summary.name;
-    if (summary.type == formats::ElementType::F32)
-      field.values.assign(mesh.values<float>(f).begin(), mesh.values<float>(f).end());
-    else
-      field.values.assign(mesh.values<double>(f).begin(), mesh.values<double>(f).end());
-  }
-  return result;
-}
 
 /// A packed file as JSON: what its kind says, the arrays, and the memory that reading all of it takes.
 Json packed_info(const std::filesystem::path& path, bool with_findings) {
@@ -62,7 +41,7 @@ Json packed_info(const std::filesystem::path& path, bool with_findings) {
     for (const auto& point : mesh.points())
       box.extendBy(mesh.description().origin + Vec3(point[0], point[1], point[2]));
     json["box"] = json_of(box);
-    if (with_findings) json["findings"] = findings_json(preprocess::inspect_mesh(unpacked(mesh)));
+    if (with_findings) json["findings"] = findings_json(preprocess::inspect_mesh(preprocess::unpack_mesh(mesh)));
   }
   json["memory"] = {{"mapped_bytes", file.file_bytes()}};
   json["arrays"] = Json::array();

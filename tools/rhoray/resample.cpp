@@ -1,13 +1,16 @@
 #include "preprocess/resample.h"
+#include "preprocess/unpack_mesh.h"
 
 #include <algorithm>
 #include <cstdio>
 
 #include "formats/base/trouble.h"
+#include "preprocess/export_grid.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/position_fields.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/input_file.h"
+#include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/report.h"
@@ -87,13 +90,9 @@ void check(const ResampleCommand& command, const std::filesystem::path& output) 
                          ": found a file of a kind that is not known here; expected a mesh (.vtu, .vtk, ...) or "
                          "packed tetrahedra (.rho)"));
   }
-  if (output.extension() == ".vdb")
-    throw Error(Trouble::unsupported, concat(output.string(), ": a mesh is resampled to a packed grid (.rho) first"),
-                concat("rhoray resample ", name, " -o ", output.stem().string(), ".rho ..., then rhoray export ",
-                       output.stem().string(), ".rho -o ", output.string()));
-  if (output.extension() != ".rho")
-    throw Error(Trouble::usage,
-                concat(output.string(), ": found extension '", output.extension().string(), "'; expected .rho"));
+  if (output.extension() != ".rho" && output.extension() != ".vdb")
+    throw Error(Trouble::usage, concat(output.string(), ": found extension '", output.extension().string(),
+                                       "'; expected .rho or .vdb"));
   require_writable(command.common, output, command.input);
 }
 
@@ -128,6 +127,25 @@ std::string command_line(const ResampleCommand& command, const std::filesystem::
     if (!value.empty()) words.insert(words.end(), {name, value});
   if (command.resample.cells_to_points) words.emplace_back("--cell-data");
   return shell_line(words);
+}
+
+/// Resamples to a packed grid, and for .vdb writes that as OpenVDB: its first field, without the certificate.
+preprocess::ResampleReport resample_to(const std::filesystem::path& output, const preprocess::NeutralMesh& mesh,
+                                       const preprocess::ResampleOptions& options, ProgressDisplay& display) {
+  if (output.extension() == ".rho") return preprocess::resample(mesh, output, options, display.progress());
+  const ScratchFolder scratch(output.has_parent_path() ? output.parent_path() : std::filesystem::path("."));
+  const std::filesystem::path packed = scratch.path() / "grid.rho";
+  preprocess::ResampleReport report = preprocess::resample(mesh, packed, options, display.progress());
+  display.show(concat("writing ", output.string()));
+  preprocess::ExportReport written =
+      preprocess::export_vdb(packed, output, {.replace_existing = options.replace_existing});
+  report.file_bytes = written.file_bytes;
+  report.notes.insert(report.notes.end(), written.notes.begin(), written.notes.end());
+  report.notes.push_back("the error is printed here; an OpenVDB file has no place for it, a .rho keeps it by brick");
+  if (report.description.fields.size() > 1)
+    report.notes.push_back(concat("field '", report.description.fields.front().name,
+                                  "' is written; --field names another, and a .rho holds them all"));
+  return report;
 }
 
 Json report_json(const preprocess::ResampleReport& report) {
@@ -187,7 +205,7 @@ int run(ResampleCommand& command) {
     preprocess::NeutralMesh mesh = read_mesh(command, display);
     give_fields(mesh, options);
     notes = mesh.notes;
-    return preprocess::resample(mesh, output, options, display.progress());
+    return resample_to(output, mesh, options, display);
   }();
   notes.insert(notes.end(), report.notes.begin(), report.notes.end());
 
@@ -226,10 +244,12 @@ Subcommand resample_subcommand() {
           .summary = "Tetrahedra to a grid, with a certificate of the error",
           .examples =
               "  rhoray resample torso.vtu --size 256 -o torso_grid.rho\n"
-              "  rhoray resample torso.rho --max-error 0.5% --field potential -o torso_grid.rho\n",
+              "  rhoray resample torso.rho --max-error 0.5% --field potential -o torso_grid.rho\n"
+              "  rhoray resample torso.vtu --spacing 2 --field potential -o torso.vdb\n",
           .options = all_options(
               {{file_option("MESH", "Mesh of volume cells, or packed tetrahedra", command->input)},
-               output_options(command->common, "Packed grid (.rho); default the input's name with _grid.rho"),
+               output_options(command->common,
+                              "Packed grid (.rho) or OpenVDB (.vdb); default the input's name with _grid.rho"),
                {value_option("--size", "N|NxNxN", "Samples on the longest axis, or on each", command->size),
                 value_option("--spacing", "H|X,Y,Z", "Distance of samples, in the mesh's unit", command->spacing),
                 value_option("--max-error", "E|E%",

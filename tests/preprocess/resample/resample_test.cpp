@@ -1,4 +1,5 @@
 #include "preprocess/resample.h"
+#include "preprocess/unpack_mesh.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -1,6 +1,6 @@
-#include <utility>
+#include "preprocess/unpack_mesh.h"
 
-#include "preprocess/resample.h"
+#include <utility>
 
 namespace rhoray::preprocess {
 
