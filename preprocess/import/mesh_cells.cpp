@@ -254,8 +254,11 @@ void finish_cells(CellMesh& mesh, const LeftOut& left_out, const std::filesystem
   note(left_out.blanked, " cells left out: one of their points is hidden");
   if (mesh.kinds.empty()) {
     std::string found = in_words(left_out.not_filling);
+    const bool is_surface = !found.empty();
     if (found.empty()) found = notes.empty() ? "none" : notes.front();
-    refuse_input(path, "cells", found, "at least one that fills space");
+    throw Error(Trouble::invalid,
+                concat(path.string(), ", cells: found ", found, "; expected at least one that fills space"),
+                is_surface ? "a closed surface in .ply, .stl, .obj or .off: rhoray tetrahedralize fills it" : "");
   }
   mesh.notes.insert(mesh.notes.end(), notes.begin(), notes.end());
 }

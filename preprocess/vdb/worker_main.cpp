@@ -19,7 +19,7 @@ using namespace rhoray::preprocess;
 std::uint64_t dense_limit() {
   constexpr std::uint64_t usual_limit = std::uint64_t{4} << 30;
   rlimit memory{};
-  if (::getrlimit(RLIMIT_AS, &memory) != 0 || memory.rlim_cur == RLIM_INFINITY) return usual_limit;
+  if (::getrlimit(RLIMIT_DATA, &memory) != 0 || memory.rlim_cur == RLIM_INFINITY) return usual_limit;
   return memory.rlim_cur / 2;
 }
 

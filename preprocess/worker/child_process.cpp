@@ -36,11 +36,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The address and thread sanitizers reserve terabytes of address space, so that no limit on it can be set there.
+// The address and thread sanitizers reserve terabytes of memory for themselves, so that no limit can be set there.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool address_space_can_be_limited = false;
+constexpr bool memory_can_be_limited = false;
 #else
-constexpr bool address_space_can_be_limited = true;
+constexpr bool memory_can_be_limited = true;
 #endif
 
 constexpr std::size_t kept_complaint_bytes = 64 << 10;
@@ -104,7 +104,6 @@ struct Start {
   std::vector<std::string> argument_texts{}, environment_texts{};
   std::vector<char*> arguments{}, environment{};
   std::optional<rlimit> memory{}, time{};
-  decltype(RLIMIT_AS) limited_memory = RLIMIT_AS;
 };
 
 std::vector<char*> pointers_to(std::vector<std::string>& texts) {
@@ -135,8 +134,7 @@ void prepare_texts(Start& start, const WorkerRequest& request) {
 }
 
 void prepare_limits(Start& start, const WorkerRequest& request) {
-  start.limited_memory = request.scratch_folder.empty() ? RLIMIT_AS : RLIMIT_DATA;
-  if (request.memory_limit_bytes > 0 && address_space_can_be_limited)
+  if (request.memory_limit_bytes > 0 && memory_can_be_limited)
     start.memory = rlimit{request.memory_limit_bytes, request.memory_limit_bytes};
   if (request.time_limit_s > 0) {
     const auto seconds = static_cast<rlim_t>(std::ceil(std::min(request.time_limit_s, 1e9)));
@@ -162,7 +160,7 @@ void prepare_limits(Start& start, const WorkerRequest& request) {
   ::fcntl(start.output, F_SETFD, 0);
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
-  if (start.memory && ::setrlimit(start.limited_memory, &*start.memory) != 0)
+  if (start.memory && ::setrlimit(RLIMIT_DATA, &*start.memory) != 0)
     fail_in_child("the memory limit was not accepted\n");
   if (start.time && ::setrlimit(RLIMIT_CPU, &*start.time) != 0) fail_in_child("the time limit was not accepted\n");
   ::execve(start.arguments[0], start.arguments.data(), start.environment.data());

@@ -17,7 +17,7 @@ struct WorkerRequest {
   std::string doing;    ///< for messages: "reading bone.vtu"
   std::vector<std::string> arguments;
   std::function<void(int descriptor)> write_input;  ///< fills what the worker reads; may be empty
-  std::uint64_t memory_limit_bytes = 0;             ///< address space of the worker; 0 = none
+  std::uint64_t memory_limit_bytes = 0;             ///< private writable memory of the worker; 0 = none
   /// When not empty, what goes over and the large arrays of the worker lie in nameless files of this folder instead
   /// of memory, and memory_limit_bytes counts anonymous memory only (memory_cap.h).
   std::filesystem::path scratch_folder;

@@ -99,7 +99,7 @@ TEST_F(Worker, is_stopped_at_its_time_limit) {
 
 TEST_F(Worker, is_stopped_at_its_memory_limit) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers reserve more address space than any limit";
+  GTEST_SKIP() << "sanitizers reserve more memory than any limit";
 #endif
   WorkerRequest devour = request("devour");
   devour.memory_limit_bytes = 256 << 20;

@@ -68,14 +68,14 @@ TEST_F(Import, passes_the_readers_refusals_on) {
 
 TEST_F(Import, stops_a_reader_that_needs_too_much_memory) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers reserve more address space than any limit";
+  GTEST_SKIP() << "sanitizers reserve more memory than any limit";
 #endif
   const auto path = folder_ / "a.raw";
   write_file(path, "");
   std::filesystem::resize_file(path, 2U << 30);  // a hole: no disk is used
   ImportVolumeOptions options;
   options.raw = parse_raw_volume("1024x1024x1024:uint16:be");
-  options.memory_limit_bytes = 3U << 30;  // the file is mapped, its copy in our order no longer fits
+  options.memory_limit_bytes = 1U << 30;  // the file is mapped, its copy in our order does not fit
   expect_refusal([&] { import_volume(path, options); }, Trouble::resource, {"a.raw", "memory"});
 }
 
