@@ -113,6 +113,7 @@ constexpr Advice advices[] = {
     {".msh.gz", unpack_it},
     {".ply.gz", unpack_it},
     {".stl.gz", unpack_it},
+    {"index.json", "data sets of vtk.js are not read: unpack the .gz in the folder data, then --raw NXxNYxNZ:TYPE"},
     {".hdr", "a .nii file holds the header and the samples of such a pair together"},
 };
 
@@ -185,7 +186,28 @@ std::string_view worker_for(const std::filesystem::path& path) {
   return row == nullptr ? import_worker : row->worker;
 }
 
+namespace {
+
+/// The header beside a file that says where its samples are: one that names it, or its numbered kind.
+std::filesystem::path header_that_names(const std::filesystem::path& path) {
+  constexpr std::string_view headers[] = {".nhdr", ".nrrd", ".mhd", ".bov"};
+  const std::string name = path.filename().string(), numbered = path.stem().string() + ".%";
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+  for (const std::filesystem::path& other : files_in(folder)) {
+    if (std::find(std::begin(headers), std::end(headers), extension_of(other)) == std::end(headers)) continue;
+    std::ifstream file(other, std::ios::binary);
+    std::string head(8192, '\0');
+    file.read(head.data(), static_cast<std::streamsize>(head.size()));
+    if (head.find(name) != std::string::npos || head.find(numbered) != std::string::npos) return other;
+  }
+  return {};
+}
+
+}  // namespace
+
 std::string advice_on(const std::filesystem::path& path) {
+  if (const std::filesystem::path header = header_that_names(path); !header.empty())
+    return concat("it holds samples only: name the header that tells of them, ", header.string());
   std::string name = path.filename().string();
   std::transform(name.begin(), name.end(), name.begin(),
                  [](char letter) { return static_cast<char>(std::tolower(static_cast<unsigned char>(letter))); });

@@ -47,6 +47,20 @@ std::vector<std::uint32_t> read_cells(const std::filesystem::path& path) {
   return cells;
 }
 
+TEST(RenderCommand, shows_the_first_field_that_is_not_the_same_everywhere) {
+  const Workbench bench;
+  preprocess::NeutralMesh mesh = box_mesh({});
+  add_point_field(mesh, "flat", [](const Vec3&) { return 1.0; });
+  add_point_field(mesh, "height", [](const Vec3& p) { return p.z; });
+  preprocess::export_mesh(mesh, bench / "box.vtu", false);
+  ASSERT_EQ(bench.rhoray({"pack", "box.vtu", "-q"}).exit_code, 0);
+  const RunResult result = bench.rhoray({"render", "box.rho", "--size", "64x48", "-o", "box.png"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("field 'flat' is the same everywhere: 'height' is shown"));
+  EXPECT_THAT(line_after(result.err, "reproduce: "), HasSubstr("--field height"));
+  EXPECT_EQ(bench.rhoray({"render", "box.rho", "--field", "flat", "-o", "flat.png"}).exit_code, 2);
+}
+
 TEST(RenderCommand, says_which_cell_a_pixel_shows) {
   const Workbench bench;
   bench.make_box();

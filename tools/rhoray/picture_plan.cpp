@@ -132,6 +132,25 @@ Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& f
   return {value, "given"};
 }
 
+namespace {
+
+bool varies(const formats::FieldSummary& field) {
+  return field.range.lo < field.range.hi;
+}
+
+/// The first field; where that is the same everywhere, the first one that is not.
+render::Volume load_field_that_varies(const std::filesystem::path& path) {
+  const render::Volume first = render::Volume::load(path);
+  if (varies(first.field())) return first;
+  for (const std::string& name : first.field_names()) {
+    const render::Volume other = render::Volume::load(path, name);
+    if (varies(other.field())) return other;
+  }
+  return first;
+}
+
+}  // namespace
+
 render::Volume load_volume(const std::filesystem::path& path, const std::string& field) {
   require_input(path);
   if (preprocess::is_vdb(path)) return render::Volume::load(preprocess::open_vdb(path, field));
@@ -140,10 +159,11 @@ render::Volume load_volume(const std::filesystem::path& path, const std::string&
     throw Error(Trouble::invalid, concat(path.string(), ": is not a packed file"),
                 concat("pack it first: ", shell_line({"rhoray", "pack", path.string(), "-o", packed.string()})));
   }
+  if (field.empty()) return load_field_that_varies(path);
   try {
     return render::Volume::load(path, field);
   } catch (const Error& error) {
-    if (error.trouble() != Trouble::usage || field.empty()) throw;
+    if (error.trouble() != Trouble::usage) throw;
     const std::string hint = did_you_mean(field, render::Volume::load(path).field_names());
     throw Error(error.trouble(), error.what(), hint.empty() ? error.hint() : hint);
   }

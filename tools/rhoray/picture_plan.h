@@ -51,7 +51,8 @@ struct Isovalue {
 Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& field);
 
 /// Opens a packed file, or an OpenVDB file, for rendering: refuses other foreign files with the way to pack them, and
-/// an unknown field with the nearest one.
+/// an unknown field with the nearest one. Without a name it takes the first field that is not the same everywhere, or
+/// the first when all are.
 render::Volume load_volume(const std::filesystem::path& path, const std::string& field);
 
 PicturePlan plan_picture(const PictureOptions& options, const render::Volume& volume);

@@ -138,6 +138,10 @@ void report(const RenderCommand& command, const std::filesystem::path& output, c
   if (iso && plan.isovalue_from != "given")
     say(command.common,
         concat("isovalue ", plan.scene.isovalue, " (", plan.isovalue_from, " of field '", volume.field().name, "')"));
+  if (const std::string first = volume.field_names().front();
+      command.picture.field.empty() && volume.field().name != first)
+    say(command.common,
+        concat("note: field '", first, "' is the same everywhere: '", volume.field().name, "' is shown"));
   if (statistics.hits == 0) say(command.common, "note: the picture is empty: no ray met anything");
   say(command.common,
       concat(output.string(), ": traced in ", rounded(statistics.wall_s, 3), " s, ", rounded(total, 3), " s in all"));

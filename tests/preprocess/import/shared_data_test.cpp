@@ -10,6 +10,7 @@
 #include "preprocess/subdivide/cell_kinds.h"
 #include "tests/preprocess/import/support.h"
 #include "tests/support/conformity.h"
+#include "tests/support/meshes.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -199,6 +200,47 @@ TEST_F(SharedData, holds_meshes_of_other_cells_whose_tetrahedra_agree_on_their_f
     const FaceCensus census = census_of_faces(mesh);
     EXPECT_EQ(census.crowded, 0U);
     EXPECT_EQ(census.outer.size(), outer_triangles_of(cells));
+  }
+}
+
+/// Six times the volume of a hexahedron whose faces are the bilinear patches through their corners: the mean over the
+/// two ways to cut each face by a diagonal, as seen from a point (Davies and Salmond, AIAA J. 23, 1985).
+double hexahedron_volume6(const CellMesh& mesh, std::size_t cell) {
+  constexpr std::size_t faces[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                       {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+  const std::uint64_t* const nodes = mesh.cell_nodes.data() + mesh.cell_offsets[cell];
+  const Vec3 from = to_vec3(mesh.points[nodes[0]]);
+  const auto corner = [&](std::size_t i) { return to_vec3(mesh.points[nodes[i]]) - from; };
+  double sum = 0;
+  for (const auto& f : faces) {
+    const Vec3 a = corner(f[0]), b = corner(f[1]), c = corner(f[2]), d = corner(f[3]);
+    sum += (a.cross(b).dot(c) + a.cross(c).dot(d) + a.cross(b).dot(d) + b.cross(c).dot(d)) / 2;
+  }
+  return sum;
+}
+
+/// The classic curvilinear meshes: their tetrahedra share every inner face two by two, from its two sides, and together
+/// are as large as the hexahedra.
+TEST_F(SharedData, holds_curvilinear_meshes_whose_tetrahedra_fill_their_hexahedra) {
+  struct Row {
+    const char* path;
+    std::size_t hexahedra;
+  };
+  for (const Row& row : {Row{"plot3d/postxyz.bin", 102675}, Row{"plot3d/bluntfinxyz.bin", 37479}}) {
+    SCOPED_TRACE(row.path);
+    const CellMesh cells = import_cells(folder_ / "unstructured" / row.path);
+    ASSERT_EQ(cells.kinds.size(), row.hexahedra);
+    double of_hexahedra = 0;
+    for (std::size_t c = 0; c < cells.kinds.size(); ++c) of_hexahedra += hexahedron_volume6(cells, c) / 6;
+    const NeutralMesh mesh = import_mesh(folder_ / "unstructured" / row.path);
+    const FaceCensus census = census_of_faces(mesh);
+    EXPECT_EQ(census.crowded, 0U);
+    EXPECT_EQ(census.outer.size(), outer_triangles_of(cells));
+    EXPECT_EQ(census.one_side, 0U);
+    EXPECT_EQ(2 * census.inner + census.outer.size(), 4 * mesh.cells.size());
+    // Sums of 100,000 terms in double; faces of the boundary are flat enough that two triangles take as much as a
+    // patch.
+    EXPECT_NEAR(std::abs(of_hexahedra / mesh_volume(mesh)), 1, 1e-9);
   }
 }
 
