@@ -72,7 +72,7 @@ class Scan {
       const int axis = static_cast<int>(a);
       const double lo = std::min(std::min(p_[0][a], p_[1][a]), std::min(p_[2][a], p_[3][a]));
       const double hi = std::max(std::max(p_[0][a], p_[1][a]), std::max(p_[2][a], p_[3][a]));
-      const double inverse = 1 / lattice_.spacing[axis], first = static_cast<double>(rows_.first[axis]);
+      const double inverse = rows_.inverse_spacing[axis], first = static_cast<double>(rows_.first[axis]);
       const double u_lo = (lo - lattice_.low[axis]) * inverse - first - index_slack - rows_.spread;
       const double u_hi = (hi - lattice_.low[axis]) * inverse - first + index_slack;
       const double last = static_cast<double>(rows_.size[axis] - 1);
@@ -100,7 +100,7 @@ class Scan {
     const double h = lattice_.spacing.x;
     for (std::size_t f = 0; f < 4; ++f) {
       const Point& on_face = f == 0 ? p_[1] : p_[0];
-      u_[f] = (on_face[0] - lattice_.low.x) / h - static_cast<double>(rows_.first.x);
+      u_[f] = (on_face[0] - lattice_.low.x) * rows_.inverse_spacing.x - static_cast<double>(rows_.first.x);
       sees_x_[f] = std::abs(normal_[f][0]) * reach_[0] > error_;
       inverse_[f] = sees_x_[f] ? 1 / (normal_[f][0] * h) : 0;
     }
@@ -109,7 +109,7 @@ class Scan {
   template <class Claim>
   void scan_row(std::int64_t row, Claim&& claim) {
     const auto r = static_cast<std::size_t>(row);
-    const double y = rows_.y[r], z = rows_.z[r], shift_steps = rows_.shift[r] / lattice_.spacing.x;
+    const double y = rows_.y[r], z = rows_.z[r], shift_steps = rows_.shift[r] * rows_.inverse_spacing.x;
     // Where the point may be inside, and where it surely is, in points of the row.
     double outer_lo = static_cast<double>(low_[0]), outer_hi = static_cast<double>(high_[0]);
     double inner_lo = outer_lo, inner_hi = outer_hi;
@@ -188,6 +188,7 @@ class Scan {
 PointRows rows_of_samples(const SampleLattice& lattice, const Index3& brick) {
   PointRows rows;
   rows.first = brick * edge;
+  for (int a = 0; a < 3; ++a) rows.inverse_spacing[a] = 1 / lattice.spacing[a];
   for (int a = 0; a < 3; ++a) rows.size[a] = std::min(edge, lattice.count[a] - rows.first[a]);
   const auto place = [&](std::size_t axis, std::int64_t i) {
     return lattice.places[axis][static_cast<std::size_t>(rows.first[static_cast<int>(axis)] + i)];
