@@ -424,6 +424,8 @@ class BrickCertifier {
                                  Heights(face.sides[2], face.corners[2])};
     for (std::size_t e = 0; e < 3; ++e)
       sides[e].start += static_cast<float>((0.5 + rounding) * sum_of_magnitudes(face.sides[e]));
+    const std::size_t first_lane = static_cast<std::size_t>(face.low[0]) / 4 * 4,
+                      last_lane = static_cast<std::size_t>(face.high[0]);
     constexpr float middle = 0.5F * (edge - 1);
     const float reach = static_cast<float>(w * (1 + 4 * rounding)) + middle * std::abs(heights.x);
     for (auto k = static_cast<std::size_t>(face.low[2]); k <= static_cast<std::size_t>(face.high[2]); ++k)
@@ -432,7 +434,7 @@ class BrickCertifier {
         if (std::abs(start + middle * heights.x) > reach) continue;
         const std::array<float, 3> side{sides[0].row(j, k), sides[1].row(j, k), sides[2].row(j, k)};
         float* sums = sums_[ramp_side].data() + Neighborhood::place(0, j, k);
-        for (std::size_t i = 0; i < edge; i += 4) {
+        for (std::size_t i = first_lane; i <= last_lane; i += 4) {
           const Four at = lanes + static_cast<float>(i);
           const Four s = start + at * heights.x;
           Four bound = top - bend * s * s;
