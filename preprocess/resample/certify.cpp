@@ -48,73 +48,6 @@ struct Gradient {
   bool has_values = false;                                 ///< at all four vertices
 };
 
-/// The gradients of the cells in a leaf cell.
-class GradientSet {
- public:
-  void clear() {
-    slopes_.clear();
-    error_ = 0;
-  }
-  void include(const Gradient& gradient) {
-    slopes_.push_back(gradient.slope);
-    error_ = std::max(error_, gradient.error);
-  }
-
-  /// What the difference in the leaf cell cannot exceed. From a point x to a corner X a linear function with the middle
-  /// of the gradients is off by at most sum |Y_a| r_a, with Y = X - x and r half the gradients' range along axis a, in
-  /// any frame of orthogonal axes. Over the corners, weighted as they are at x, the mean of Y_a is 0 and its variance
-  /// at most 1/4: the mean of |Y_a| is at most 1/2. The frame is the lattice's, or one along the widest spread.
-  double bound() const {
-    if (slopes_.empty()) return 0;
-    const std::array<Point, 3> lattice{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    // Twice 3 axes, each off by less than twice the error of three components.
-    return 0.25 * (std::min(range_along(lattice), range_along(widest_frame())) + 36 * error_);
-  }
-
- private:
-  double range_along(const std::array<Point, 3>& axes) const {
-    double sum = 0;
-    for (const Point& axis : axes) {
-      Interval<double> range;
-      for (const Point& slope : slopes_) range.include(dot(slope, axis));
-      sum += range.hi - range.lo;
-    }
-    return sum * (1 + 1e-12);
-  }
-
-  std::array<Point, 3> widest_frame() const {
-    const auto farthest = [&](auto&& part_of) {
-      Point widest{};
-      double length = 0;
-      for (const Point& slope : slopes_) {
-        const Point part = part_of(minus(slope, slopes_.front()));
-        if (dot(part, part) > length) {
-          length = dot(part, part);
-          widest = part;
-        }
-      }
-      return widest;
-    };
-    const Point first = unit(farthest([](const Point& p) { return p; }), {1, 0, 0});
-    const auto across = [&](const Point& p) {
-      const double along = dot(p, first);
-      return minus(p, {along * first[0], along * first[1], along * first[2]});
-    };
-    const Point other = std::abs(first[0]) < 0.5 ? Point{1, 0, 0} : Point{0, 1, 0};
-    const Point second = unit(across(unit(farthest(across), across(other))), {0, 1, 0});
-    return {first, second, cross(first, second)};
-  }
-
-  static Point unit(const Point& p, const Point& otherwise) {
-    const double length = std::sqrt(dot(p, p));
-    if (!(length > 1e-300)) return otherwise;
-    return {p[0] / length, p[1] / length, p[2] / length};
-  }
-
-  std::vector<Point> slopes_;
-  double error_ = 0;
-};
-
 /// A field as the certificate needs it.
 struct FieldView {
   std::vector<double> values;  ///< at the mesh's points
@@ -211,6 +144,52 @@ struct BrickFace {
   }
 };
 
+/// A leaf cell's trilinear function, split at the cell's middle into a linear function and the rest.
+class CellPlane {
+ public:
+  /// @param corners  the function there, x fastest
+  explicit CellPlane(const std::array<double, 8>& corners) {
+    for (std::size_t c = 0; c < 8; ++c) {
+      value_ += 0.125 * corners[c];
+      for (std::size_t a = 0; a < 3; ++a) slope_[a] += (c >> a & 1) != 0 ? 0.25 * corners[c] : -0.25 * corners[c];
+    }
+    for (std::size_t c = 0; c < 8; ++c) {
+      double linear = value_;
+      for (std::size_t a = 0; a < 3; ++a) linear += (c >> a & 1) != 0 ? 0.5 * slope_[a] : -0.5 * slope_[a];
+      rest_ = std::max(rest_, std::abs(corners[c] - linear));
+    }
+  }
+
+  /// What the difference cannot exceed on a face: in its plane the linear function is off by some value and slope, and
+  /// the rest, being trilinear, is largest at a corner of the cell. Infinite or NaN where the face's cell has no
+  /// gradient.
+  /// @param low  the leaf cell's first sample
+  double bound_on(const BrickFace& face, const FieldView& field, const Point& low) const {
+    const Gradient& gradient = field.gradients[face.cell];
+    double distance = 0, along = 0, at_middle = value_ - field.values[face.vertices[0]], reach = 1.5;
+    Point middle, half, off;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double p = face.corners[0][a] - low[a], q = face.corners[1][a] - low[a], r = face.corners[2][a] - low[a];
+      const double lo = std::max(0.0, std::min(std::min(p, q), r)), hi = std::min(1.0, std::max(std::max(p, q), r));
+      middle[a] = 0.5 * (lo + hi);
+      half[a] = 0.5 * std::abs(hi - lo) + 1e-6;
+      off[a] = slope_[a] - gradient.slope[a];
+      at_middle += slope_[a] * (middle[a] - 0.5) - gradient.slope[a] * (middle[a] - p);
+      distance += face.normal[a] * (p - middle[a]);
+      along += face.normal[a] * off[a];
+      reach += std::abs(middle[a] - p);
+    }
+    const double area = dot(face.normal, face.normal);
+    double bound = std::abs(at_middle + along * distance / area);
+    for (std::size_t a = 0; a < 3; ++a) bound += half[a] * std::abs(off[a] - along * face.normal[a] / area);
+    return (bound + rest_ + reach * gradient.error) * (1 + 1e-9);
+  }
+
+ private:
+  double value_ = 0, rest_ = 0;
+  Point slope_{};
+};
+
 /// What one brick's leaf cells say about one field.
 struct BrickErrors {
   double bound = 0, attained = 0, sum_of_squares = 0;
@@ -279,6 +258,8 @@ class BrickCertifier {
     samples_nearby_.gather(touched_, brick_, samples_.fields[f]);
     if (samples_nearby_.covered_count() == 0) return;
     sum_bounds(field);
+    for (std::size_t p = 0; p < brick_samples; ++p)
+      bounds_[p] = (std::max(sums_[0][p], sums_[1][p]) + common_error_) * (1 + 1e-4F);
     take_conflicts(field, errors);
     refine(field, good_enough, errors);
     errors.bound += field.noise;
@@ -305,9 +286,22 @@ class BrickCertifier {
       face.high[a] = static_cast<std::int8_t>(std::min(hi, count - 1));
     }
     face.measure();
-    for (auto k = face.low[2]; k <= face.high[2]; ++k)
-      layers_[static_cast<std::size_t>(k)].push_back(static_cast<std::uint32_t>(faces_.size()));
+    const FaceInLayer in_layer{cells_in_box(face), static_cast<std::uint32_t>(faces_.size())};
+    for (auto k = face.low[2]; k <= face.high[2]; ++k) layers_[static_cast<std::size_t>(k)].push_back(in_layer);
     faces_.push_back(face);
+  }
+
+  /// A face whose box has leaf cells in a layer: bit 8 * j + i of those.
+  struct FaceInLayer {
+    std::uint64_t cells;
+    std::uint32_t number;
+  };
+
+  static std::uint64_t cells_in_box(const BrickFace& face) {
+    const std::uint64_t row = (std::uint64_t{2} << face.high[0]) - (std::uint64_t{1} << face.low[0]);
+    std::uint64_t cells = 0;
+    for (int j = face.low[1]; j <= face.high[1]; ++j) cells |= row << (8 * j);
+    return cells;
   }
 
   static double trilinear(const std::array<double, 8>& c, double x, double y, double z) {
@@ -356,7 +350,8 @@ class BrickCertifier {
 
   /// Every leaf cell's sum over the faces in it; infinite where a face has no neighbour to say how the gradient jumps.
   void sum_bounds(const FieldView& field) {
-    sums_.fill(0);
+    for (auto& sums : sums_) sums.fill(0);
+    common_error_ = 0;
     for (const BrickFace& face : faces_) {
       const Gradient& own = field.gradients[face.cell];
       const bool has_both =
@@ -376,7 +371,7 @@ class BrickCertifier {
         mark(face);
         continue;
       }
-      add_ramp(face, ramp, error);
+      add_ramp(face, ramp, error, along < 0 ? 0 : 1);
     }
   }
 
@@ -409,26 +404,28 @@ class BrickCertifier {
       for (int j = j0; j <= j1; ++j)
         for (int i = i0; i <= i1; ++i)
           if (face.may_touch({i + 0.5, j + 0.5, k + 0.5}))
-            sums_[Neighborhood::place(static_cast<std::size_t>(i), static_cast<std::size_t>(j),
-                                      static_cast<std::size_t>(k))] = infinite;
+            sums_[0][Neighborhood::place(static_cast<std::size_t>(i), static_cast<std::size_t>(j),
+                                         static_cast<std::size_t>(k))] = infinite;
   }
 
   /// Adds min(|ramp| / 4, (w^2 - s^2) / 2w) to the leaf cells that the face touches: s is the height of the cell's
   /// centre, w what its corners differ from that; with s_max = s + w and s_min = s - w this is the bound of certify.h.
   /// In single precision, with more than its rounding added, four leaf cells at once.
-  void add_ramp(const BrickFace& face, const Point& ramp, double error) {
+  void add_ramp(const BrickFace& face, const Point& ramp, double error, std::size_t ramp_side) {
     const double w = 0.5 * sum_of_magnitudes(ramp);
-    if (w < 1e-30) return add_error(face, error + 1e-30);
+    add_error(face, error + 1e-30);
+    if (w < 1e-30) return;
     constexpr double rounding = 1e-4;
     const auto level = static_cast<float>(0.25 * std::sqrt(dot(ramp, ramp)) * (1 + rounding));
     const auto top = static_cast<float>(0.5 * w * (1 + 4 * rounding));
     const auto bend = static_cast<float>(0.5 / w);
-    const auto extra = static_cast<float>(2 * error);
     const Heights heights(ramp, face.corners[0]);
     std::array<Heights, 3> sides{Heights(face.sides[0], face.corners[0]), Heights(face.sides[1], face.corners[1]),
                                  Heights(face.sides[2], face.corners[2])};
     for (std::size_t e = 0; e < 3; ++e)
       sides[e].start += static_cast<float>((0.5 + rounding) * sum_of_magnitudes(face.sides[e]));
+    const std::size_t first_lane = static_cast<std::size_t>(face.low[0]) / 4 * 4,
+                      last_lane = static_cast<std::size_t>(face.high[0]);
     constexpr float middle = 0.5F * (edge - 1);
     const float reach = static_cast<float>(w * (1 + 4 * rounding)) + middle * std::abs(heights.x);
     for (auto k = static_cast<std::size_t>(face.low[2]); k <= static_cast<std::size_t>(face.high[2]); ++k)
@@ -436,13 +433,13 @@ class BrickCertifier {
         const float start = heights.row(j, k);
         if (std::abs(start + middle * heights.x) > reach) continue;
         const std::array<float, 3> side{sides[0].row(j, k), sides[1].row(j, k), sides[2].row(j, k)};
-        float* sums = sums_.data() + Neighborhood::place(0, j, k);
-        for (std::size_t i = 0; i < edge; i += 4) {
+        float* sums = sums_[ramp_side].data() + Neighborhood::place(0, j, k);
+        for (std::size_t i = first_lane; i <= last_lane; i += 4) {
           const Four at = lanes + static_cast<float>(i);
           const Four s = start + at * heights.x;
           Four bound = top - bend * s * s;
           bound = bound < level ? bound : lanes * 0 + level;
-          bound = (bound > 0 ? bound : lanes * 0) + extra;
+          bound = bound > 0 ? bound : lanes * 0;
           const Four a = side[0] + at * sides[0].x, b = side[1] + at * sides[1].x, c = side[2] + at * sides[2].x;
           Four inside = a < b ? a : b;
           inside = inside < c ? inside : c;
@@ -454,12 +451,17 @@ class BrickCertifier {
       }
   }
 
-  /// A face across which the gradient does not jump, but for rounding.
+  /// What rounding may do to a face's jump, whichever way it bends: next to nothing counts for the whole brick.
   void add_error(const BrickFace& face, double error) {
+    constexpr double negligible = 1e-10;
+    if (error < negligible) {
+      common_error_ += static_cast<float>(2 * error);
+      return;
+    }
     for (auto k = static_cast<std::size_t>(face.low[2]); k <= static_cast<std::size_t>(face.high[2]); ++k)
       for (auto j = static_cast<std::size_t>(face.low[1]); j <= static_cast<std::size_t>(face.high[1]); ++j)
         for (auto i = static_cast<std::size_t>(face.low[0]); i <= static_cast<std::size_t>(face.high[0]); ++i)
-          sums_[Neighborhood::place(i, j, k)] += static_cast<float>(2 * error);
+          for (auto& sums : sums_) sums[Neighborhood::place(i, j, k)] += static_cast<float>(2 * error);
   }
 
   /// Leaf cells around samples for which cells of the mesh compete: their difference is attained, and the sums above
@@ -491,7 +493,7 @@ class BrickCertifier {
         cell[a] = sample[a] - back;
       }
       if (!is_here || !samples_nearby_.is_covered(Neighborhood::place(cell[0], cell[1], cell[2]))) continue;
-      sums_[Neighborhood::place(cell[0], cell[1], cell[2])] = infinite;
+      bounds_[Neighborhood::place(cell[0], cell[1], cell[2])] = infinite;
       if (!has_data(difference)) continue;
       attain(difference, cell[0], cell[1], cell[2],
              {static_cast<double>(sample[0] - cell[0]), static_cast<double>(sample[1] - cell[1]),
@@ -513,7 +515,7 @@ class BrickCertifier {
       return std::max(
           {errors.attained * (1 + relative_gap), errors.attained + gap_of_range * field.range, good_enough});
     };
-    const auto sum_of = [&](std::size_t cell) { return static_cast<double>(sums_[cell]) * field.unit; };
+    const auto sum_of = [&](std::size_t cell) { return static_cast<double>(bounds_[cell]) * field.unit; };
     errors.bound = errors.attained;
     for (std::size_t k = 0; k < cell_count_[2]; ++k)
       for (std::size_t j = 0; j < cell_count_[1]; ++j)
@@ -525,8 +527,9 @@ class BrickCertifier {
           else
             errors.bound = std::max(errors.bound, sum_of(p));
         }
-    std::sort(candidates_.begin(), candidates_.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return sums_[a] != sums_[b] ? sums_[a] > sums_[b] : a < b; });
+    std::sort(candidates_.begin(), candidates_.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return bounds_[a] != bounds_[b] ? bounds_[a] > bounds_[b] : a < b;
+    });
     for (const std::uint32_t p : candidates_) {
       if (sum_of(p) <= goal())
         errors.bound = std::max(errors.bound, sum_of(p));
@@ -552,29 +555,21 @@ class BrickCertifier {
       pieces_.push_back({bounds.upper, triangle});
       std::push_heap(pieces_.begin(), pieces_.end());
     };
-    const bool is_regular = sums_[p] < infinite;
-    gradients_.clear();
-    nearby_.clear();
-    for (const std::uint32_t number : layers_[k]) {
+    const CellPlane plane(corners);
+    const Point center{low[0] + 0.5, low[1] + 0.5, low[2] + 0.5};
+    for (const auto& [cells, number] : layers_[k]) {
+      if ((cells >> (edge * j + i) & 1) == 0) continue;
       const BrickFace& face = faces_[number];
-      if (i < static_cast<std::size_t>(face.low[0]) || i > static_cast<std::size_t>(face.high[0]) ||
-          j < static_cast<std::size_t>(face.low[1]) || j > static_cast<std::size_t>(face.high[1]) ||
-          !face.may_touch({low[0] + 0.5, low[1] + 0.5, low[2] + 0.5}))
+      if (!face.may_touch(center)) continue;
+      const double face_bound = plane.bound_on(face, field, low);
+      if (face_bound * (1 + relative_gap) <= goal()) {
+        errors.bound = std::max(errors.bound, face_bound);
         continue;
-      nearby_.push_back(&face);
-      if (!is_regular) continue;
-      gradients_.include(field.gradients[face.cell]);
-      gradients_.include(field.gradients[face.neighbor]);
-    }
-    if (const double bound = gradients_.bound(); is_regular && bound <= goal()) {
-      errors.bound = std::max(errors.bound, bound);
-      return;
-    }
-    for (const BrickFace* face : nearby_) {
+      }
       std::array<PatchPoint, 3> triangle;
       bool has_values = true;
       for (std::size_t v = 0; v < 3; ++v) {
-        triangle[v] = {minus(face->corners[v], low), field.values[face->vertices[v]]};
+        triangle[v] = {minus(face.corners[v], low), field.values[face.vertices[v]]};
         has_values = has_values && has_data(triangle[v].value);
       }
       if (!has_values) continue;
@@ -614,13 +609,13 @@ class BrickCertifier {
   PointRows probes_;
   Places places_;
   std::vector<BrickFace> faces_;
-  std::array<std::vector<std::uint32_t>, edge> layers_;  ///< faces by the leaf cells' k
+  std::array<std::vector<FaceInLayer>, edge> layers_;  ///< faces by the leaf cells' k
   Neighborhood samples_nearby_;
-  std::array<float, brick_samples> sums_{};
+  std::array<std::array<float, brick_samples>, 2> sums_{};  ///< of faces that bend one way, and the other
+  float common_error_ = 0;                                  ///< in every leaf cell, on top of the sums
+  std::array<float, brick_samples> bounds_{};               ///< by leaf cell
   std::vector<std::uint32_t> candidates_;
   std::vector<Piece> pieces_;
-  std::vector<const BrickFace*> nearby_;
-  GradientSet gradients_;
 };
 
 /// The next number in single precision, as which bounds are kept.

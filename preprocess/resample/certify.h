@@ -42,10 +42,13 @@ struct Certificates {
 ///
 ///      across a face the gradient jumps by J n, and the trilinear interpolation of the ramp J max(0, n . x - d) lies
 ///      above it by at most J s_max |s_min| / (s_max - s_min), with s the heights of the cell's corners above the
-///      plane, and at most |J n| / 4; the difference in a cell is at most the sum of these over the faces in it
+///      plane, and at most |J n| / 4; faces with J > 0 only raise the difference and those with J < 0 only lower it, so
+///      that it is at most the larger one of the two sums over the faces in the cell
 ///
-/// so that only cells with a larger sum than what is attained elsewhere in the brick need the faces themselves. Cells
-/// touched by a face without a neighbour are always looked at.
+/// so that only cells with a larger sum than what is attained elsewhere need the faces themselves. On each face the
+/// trilinear function less its linear part at the cell's middle is at most what it is at the worst of the cell's
+/// corners, and the rest is linear; only faces on which this leaves more than what is attained are cut and subdivided.
+/// Cells touched by a face without a neighbour are always looked at.
 Certificates certify(const CleanMesh& mesh, const std::vector<PointField>& fields, const FaceNeighbors& neighbors,
                      const SampleLattice& lattice, const TouchedBricks& touched, const BrickSamples& samples,
                      const Progress& progress);

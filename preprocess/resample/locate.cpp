@@ -64,6 +64,12 @@ class Scan {
   }
 
  private:
+  static constexpr double unbounded = std::numeric_limits<double>::infinity();
+  using Two = double __attribute__((vector_size(16)));
+
+  static Two larger(const Two& a, const Two& b) { return a > b ? a : b; }
+  static Two smaller(const Two& a, const Two& b) { return a < b ? a : b; }
+
   static constexpr double index_slack = 1e-6;  ///< of a step; rounding reaches 1e-9 at 2^20 samples on an axis
 
   /// The points' range on each axis that the tetrahedron's box meets; false when there is none.
@@ -72,7 +78,7 @@ class Scan {
       const int axis = static_cast<int>(a);
       const double lo = std::min(std::min(p_[0][a], p_[1][a]), std::min(p_[2][a], p_[3][a]));
       const double hi = std::max(std::max(p_[0][a], p_[1][a]), std::max(p_[2][a], p_[3][a]));
-      const double inverse = 1 / lattice_.spacing[axis], first = static_cast<double>(rows_.first[axis]);
+      const double inverse = rows_.inverse_spacing[axis], first = static_cast<double>(rows_.first[axis]);
       const double u_lo = (lo - lattice_.low[axis]) * inverse - first - index_slack - rows_.spread;
       const double u_hi = (hi - lattice_.low[axis]) * inverse - first + index_slack;
       const double last = static_cast<double>(rows_.size[axis] - 1);
@@ -97,41 +103,51 @@ class Scan {
     // Every product of three differences is at most this box; the bound of inspect/orientation.cpp, doubled, and what
     // an underflow may lose.
     error_ = 0x1p-49 * 6 * (reach_[0] * reach_[1] * reach_[2]) + 1e-290;
-    const double h = lattice_.spacing.x;
     for (std::size_t f = 0; f < 4; ++f) {
       const Point& on_face = f == 0 ? p_[1] : p_[0];
-      u_[f] = (on_face[0] - lattice_.low.x) / h - static_cast<double>(rows_.first.x);
-      sees_x_[f] = std::abs(normal_[f][0]) * reach_[0] > error_;
-      inverse_[f] = sees_x_[f] ? 1 / (normal_[f][0] * h) : 0;
+      const std::size_t v = f / 2, lane = f % 2;
+      ny_[v][lane] = normal_[f][1];
+      nz_[v][lane] = normal_[f][2];
+      y_[v][lane] = on_face[1];
+      z_[v][lane] = on_face[2];
+      const bool sees_x = std::abs(normal_[f][0]) * reach_[0] > error_;
+      const double inverse = sees_x ? rows_.inverse_spacing.x / normal_[f][0] : 0;
+      const double unsure = error_ * std::abs(inverse) + index_slack;
+      inverse_[v][lane] = inverse;
+      u_[v][lane] = (on_face[0] - lattice_.low.x) * rows_.inverse_spacing.x - static_cast<double>(rows_.first.x);
+      below_[v][lane] = inverse > 0 ? unsure : unbounded;
+      above_[v][lane] = inverse < 0 ? unsure : unbounded;
+      blind_[f] = !sees_x;
     }
   }
 
   template <class Claim>
   void scan_row(std::int64_t row, Claim&& claim) {
     const auto r = static_cast<std::size_t>(row);
-    const double y = rows_.y[r], z = rows_.z[r], shift_steps = rows_.shift[r] / lattice_.spacing.x;
-    // Where the point may be inside, and where it surely is, in points of the row.
-    double outer_lo = static_cast<double>(low_[0]), outer_hi = static_cast<double>(high_[0]);
-    double inner_lo = outer_lo, inner_hi = outer_hi;
-    for (std::size_t f = 0; f < 4; ++f) {
-      const Point& on_face = f == 0 ? p_[1] : p_[0];
-      rest_[f] = normal_[f][1] * (y - on_face[1]) + normal_[f][2] * (z - on_face[2]);
-      if (!sees_x_[f]) {
-        if (rest_[f] < -2 * error_) return;
-        if (rest_[f] <= 2 * error_) inner_hi = -1;
-        continue;
-      }
-      const double at = u_[f] - shift_steps, crossing = at - rest_[f] * inverse_[f];
-      const double unsure = error_ * std::abs(inverse_[f]) + index_slack;
-      if (inverse_[f] > 0) {
-        outer_lo = std::max(outer_lo, crossing - unsure);
-        inner_lo = std::max(inner_lo, crossing + unsure);
-      } else {
-        outer_hi = std::min(outer_hi, crossing + unsure);
-        inner_hi = std::min(inner_hi, crossing - unsure);
-      }
+    const double y = rows_.y[r], z = rows_.z[r], shift_steps = rows_.shift[r] * rows_.inverse_spacing.x;
+    // Where the point may be inside, and where it surely is, in points of the row: two faces at once. A face that the
+    // row meets on its way in bounds it from below, one on its way out from above.
+    std::array<Two, 2> crossing;
+    for (std::size_t v = 0; v < 2; ++v) {
+      const Two rest = ny_[v] * (y - y_[v]) + nz_[v] * (z - z_[v]);
+      rest_[2 * v] = rest[0];
+      rest_[2 * v + 1] = rest[1];
+      crossing[v] = (u_[v] - shift_steps) - rest * inverse_[v];
     }
+    const Two from = larger(crossing[0] - below_[0], crossing[1] - below_[1]);
+    const Two to = smaller(crossing[0] + above_[0], crossing[1] + above_[1]);
+    const double outer_lo = std::max(static_cast<double>(low_[0]), std::max(from[0], from[1]));
+    const double outer_hi = std::min(static_cast<double>(high_[0]), std::min(to[0], to[1]));
     if (!(outer_lo <= outer_hi)) return;
+    double inner_lo = static_cast<double>(low_[0]), inner_hi = static_cast<double>(high_[0]);
+    for (std::size_t f = 0; f < 4; ++f) {
+      const double at = crossing[f / 2][f % 2], below = below_[f / 2][f % 2], above = above_[f / 2][f % 2];
+      if (below < unbounded) inner_lo = std::max(inner_lo, at + below);
+      if (above < unbounded) inner_hi = std::min(inner_hi, at - above);
+      if (!blind_[f]) continue;
+      if (rest_[f] < -2 * error_) return;
+      if (rest_[f] <= 2 * error_) inner_hi = -1;
+    }
     const std::int64_t first = ceiling(outer_lo), last = static_cast<std::int64_t>(outer_hi);
     for (std::int64_t i = first; i <= last; ++i) {
       const double at = static_cast<double>(i);
@@ -178,8 +194,10 @@ class Scan {
   std::array<std::int64_t, 3> low_{}, high_{};
   Point reach_{};                  ///< no point looked at is farther from a vertex
   std::array<Point, 4> normal_{};  ///< of the face opposite a vertex, inward, twice its area long
-  std::array<double, 4> u_{}, inverse_{}, rest_{};
-  std::array<bool, 4> sees_x_{};
+  std::array<double, 4> rest_{};
+  // Of faces 0 and 1, and of 2 and 3: a point on each, its normal, and how it bounds a row from below and from above.
+  std::array<Two, 2> ny_{}, nz_{}, y_{}, z_{}, u_{}, inverse_{}, below_{}, above_{};
+  std::array<bool, 4> blind_{};  ///< a face along the rows
   double volume_ = 0, error_ = 0;
 };
 
@@ -188,6 +206,7 @@ class Scan {
 PointRows rows_of_samples(const SampleLattice& lattice, const Index3& brick) {
   PointRows rows;
   rows.first = brick * edge;
+  for (int a = 0; a < 3; ++a) rows.inverse_spacing[a] = 1 / lattice.spacing[a];
   for (int a = 0; a < 3; ++a) rows.size[a] = std::min(edge, lattice.count[a] - rows.first[a]);
   const auto place = [&](std::size_t axis, std::int64_t i) {
     return lattice.places[axis][static_cast<std::size_t>(rows.first[static_cast<int>(axis)] + i)];

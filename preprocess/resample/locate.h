@@ -16,6 +16,7 @@ struct PointRows {
 
   Index3 first;               ///< the lattice's sample at or below the first point
   Index3 size;                ///< points per axis
+  Vec3 inverse_spacing;       ///< of the lattice
   std::int64_t row_step = 1;  ///< only rows whose j and k are multiples of it have points: 1 or 2
   double spread = 0;  ///< how far, in steps of the lattice, a point may lie above its sample on any axis: 0 or 1
   std::array<double, edge> x;

@@ -22,6 +22,16 @@ void Neighborhood::gather(const TouchedBricks& touched, const Index3& brick, con
         }
       },
       values);
+  // A sum of all samples is not NaN only where all have data.
+  std::array<double, wide> sums{};
+  for (std::size_t row = 0; row < values_.size(); row += wide)
+    for (std::size_t i = 0; i < wide; ++i) sums[i] += values_[row + i];
+  double all = 0;
+  for (const double sum : sums) all += sum;
+  if (!std::isnan(all)) {
+    covered_.set();
+    return;
+  }
   for (std::size_t k = 0; k < edge; ++k)
     for (std::size_t j = 0; j < edge; ++j)
       for (std::size_t i = 0; i < edge; ++i) {

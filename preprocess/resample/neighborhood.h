@@ -28,6 +28,17 @@ class Neighborhood {
   /// True when all eight have data.
   bool is_covered(std::size_t cell) const { return covered_[cell]; }
   std::size_t covered_count() const { return covered_.count(); }
+  /// True when all are covered.
+  bool is_whole() const { return covered_.all(); }
+
+  /// Of count^3 samples from (i, j, k) on, all with data.
+  Interval<double> range_of(std::size_t i, std::size_t j, std::size_t k, std::size_t count) const {
+    Interval<double> range;
+    for (std::size_t z = k; z < k + count; ++z)
+      for (std::size_t y = j; y < j + count; ++y)
+        for (std::size_t x = i; x < i + count; ++x) range.include(values_[(z * wide + y) * wide + x]);
+    return range;
+  }
 
  private:
   static constexpr std::size_t wide = edge + 1;

@@ -53,8 +53,8 @@ Levels<T> macro_levels(const ResampledMesh& grid, std::size_t field, const forma
       if (nearby.covered_count() == 0) continue;
       for (std::size_t m = 0; m < 8; ++m) {
         const std::size_t x = m % 2, y = m / 2 % 2, z = m / 4;
-        Interval<double> range;
-        for (std::size_t cell = 0; cell < 64; ++cell) {
+        Interval<double> range = nearby.is_whole() ? nearby.range_of(4 * x, 4 * y, 4 * z, 5) : Interval<double>{};
+        for (std::size_t cell = 0; cell < 64 && !nearby.is_whole(); ++cell) {
           const std::size_t i = 4 * x + cell % 4, j = 4 * y + cell / 4 % 4, k = 4 * z + cell / 16;
           if (!nearby.is_covered(Neighborhood::place(i, j, k))) continue;
           for (const double value : nearby.corners(i, j, k)) range.include(value);
