@@ -1,14 +1,37 @@
 #include "preprocess/inspect/orientation.h"
 
+#include <algorithm>
 #include <cmath>
-#include <utility>
-#include <vector>
 
 namespace rhoray::preprocess {
 namespace {
 
 /// An unevaluated sum of doubles, rising in magnitude, no two of which overlap: any sum or product of doubles, exactly.
-using Expansion = std::vector<double>;
+/// In place: none of this module's has more terms than the determinant, three times 64.
+class Expansion {
+ public:
+  Expansion() = default;
+  explicit Expansion(double term) { push_back(term); }
+  Expansion(const Expansion& other) : size_(other.size_) { std::copy(other.begin(), other.end(), terms_.begin()); }
+  Expansion& operator=(const Expansion& other) {
+    std::copy(other.begin(), other.end(), terms_.begin());
+    size_ = other.size_;
+    return *this;
+  }
+  ~Expansion() = default;
+
+  void push_back(double term) { terms_[size_++] = term; }
+  bool empty() const { return size_ == 0; }
+  double back() const { return terms_[size_ - 1]; }
+  double* begin() { return terms_.data(); }
+  double* end() { return terms_.data() + size_; }
+  const double* begin() const { return terms_.data(); }
+  const double* end() const { return terms_.data() + size_; }
+
+ private:
+  std::array<double, 192> terms_;  // only the first ones are ever read
+  std::size_t size_ = 0;
+};
 
 struct TwoParts {
   double high, low;
@@ -28,7 +51,6 @@ TwoParts two_product(double a, double b) {
 /// Shewchuk's GROW-EXPANSION, leaving out zeros.
 Expansion plus(const Expansion& e, double b) {
   Expansion sum;
-  sum.reserve(e.size() + 1);
   double carried = b;
   for (const double term : e) {
     const TwoParts parts = two_sum(carried, term);
@@ -60,7 +82,7 @@ Expansion negative(Expansion e) {
 }
 
 Expansion difference(double a, double b) {
-  return plus(Expansion{b == 0 ? 0.0 : -b}, a);
+  return plus(Expansion(b == 0 ? 0.0 : -b), a);
 }
 
 int sign_of(double value) {

@@ -122,6 +122,7 @@ struct BrickFace {
   Point normal;                ///< twice the face's area long
   std::array<Point, 3> sides;  ///< directions in the face's plane, normal to an edge, inward
 
+  double normal_error;  ///< of each component, from rounding
   double normal_reach;  ///< how far a leaf cell's corners are from its centre along these directions
   std::array<double, 3> side_reaches;
 
@@ -129,6 +130,7 @@ struct BrickFace {
     const Point e0 = minus(corners[1], corners[0]), e1 = minus(corners[2], corners[1]),
                 e2 = minus(corners[0], corners[2]);
     normal = cross(e0, e1);
+    normal_error = 0x1p-48 * sum_of_magnitudes(e0) * sum_of_magnitudes(e1);
     sides = {cross(normal, e0), cross(normal, e1), cross(normal, e2)};
     constexpr double half = 0.5 + 1e-6;
     normal_reach = half * sum_of_magnitudes(normal);
@@ -182,7 +184,8 @@ class CellPlane {
     const double area = dot(face.normal, face.normal);
     double bound = std::abs(at_middle + along * distance / area);
     for (std::size_t a = 0; a < 3; ++a) bound += half[a] * std::abs(off[a] - along * face.normal[a] / area);
-    return (bound + rest_ + reach * gradient.error) * (1 + 1e-9);
+    const double rounding = reach * (gradient.error + std::abs(along) / area * face.normal_error);
+    return (bound + rest_ + rounding) * (1 + 1e-9);
   }
 
  private:
