@@ -228,7 +228,7 @@ preprocess::SizeField read_size_field(const TetrahedralizeCommand& command) {
   std::string hint = refusal.hint();
   hint += concat(hint.empty() ? "" : ", or ",
                  repaired         ? "--wrap 0.01 makes a new closed surface around it"
-                 : faults.empty() ? "--repair takes away needles and flat facets, over which TetGen fails"
+                 : faults.empty() ? "--repair takes away needles and flat facets, over which TetGen may fail"
                                   : "--repair mends what it can and says how far it moved");
   throw Error(refusal.trouble(), refusal.what() + where, hint);
 }

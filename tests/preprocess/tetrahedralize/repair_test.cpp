@@ -210,7 +210,7 @@ TEST_F(SharedFaultySurfaces, the_crown_and_the_aeroplane_are_mended) {
   }
 }
 
-// One gear crosses itself, and the facets that replace its crossings cut teeth off.
+// A part of them crosses itself, and being rid of that moves it far.
 TEST_F(SharedFaultySurfaces, the_gears_are_not_repaired_silently) {
   try {
     repair_surface(preprocess::import_surface(surfaces_ / "gears.stl"));

@@ -57,7 +57,7 @@ class SharedSurfaces : public testing::Test {
 TEST_F(SharedSurfaces, the_rabbit_heart_is_filled) {
   const NeutralSurface heart = read("rabbit_heart/rabbit_heart.ply");
   const double enclosed = std::abs(enclosed_volume(heart, 0, heart.facet_offsets.size() - 1));
-  // Few cells, for the time it takes: with TetGen's quality 1.4 there are two million.
+  // No points for quality, for the time they take.
   for (const double max_volume : {0.0, 0.02}) {
     const NeutralMesh mesh = preprocess::tetrahedralize(heart, {.quality = 0, .max_volume = max_volume});
     double volume = 0;
