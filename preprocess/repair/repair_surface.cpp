@@ -10,6 +10,8 @@ namespace rhoray::preprocess {
 RepairedSurface repair_surface(const NeutralSurface& surface, const RepairOptions& options) {
   if (!(options.wrap >= 0 && options.wrap <= 1))
     throw Error(Trouble::usage, concat("wrap ", options.wrap, "; expected 0 (mend) or a share of the box diagonal"));
+  if (!(options.max_move >= 0 && options.max_move <= 1))
+    throw Error(Trouble::usage, concat("largest move ", options.max_move, "; expected a share of the box diagonal"));
   WorkerRequest request;
   request.program = "rhoray-repair-worker";
   request.doing = options.wrap > 0 ? "wrapping a surface" : "repairing a surface";

@@ -25,6 +25,7 @@ void for_each_number(Report& report, Act act) {
   act(report.united_parts);
   act(report.dropped_parts);
   act(report.wrapped);
+  act(report.moved);
   act(report.farthest_new_from_old);
   act(report.farthest_old_from_new);
   act(report.distance_error);
@@ -42,15 +43,16 @@ double number_from(std::string_view text) {
 }  // namespace
 
 std::vector<std::string> arguments_of(const RepairOptions& options) {
-  return {concat(options.wrap), concat(int{options.largest_part_only})};
+  return {concat(options.wrap), concat(int{options.largest_part_only}), concat(options.max_move)};
 }
 
 RepairOptions options_from(std::span<const char* const> arguments) {
-  if (arguments.size() != 2)
-    throw Error(Trouble::internal, concat("repairing worker: ", arguments.size(), " arguments; expected 2"));
+  if (arguments.size() != 3)
+    throw Error(Trouble::internal, concat("repairing worker: ", arguments.size(), " arguments; expected 3"));
   RepairOptions options;
   options.wrap = number_from(arguments[0]);
   options.largest_part_only = number_from(arguments[1]) != 0;
+  options.max_move = number_from(arguments[2]);
   return options;
 }
 
@@ -89,6 +91,9 @@ std::vector<std::string> sentences(const RepairReport& r) {
   say(r.united_parts, "closed parts that crossed others became one solid with them");
   if (r.wrapped) all.push_back("repair: the surface was wrapped in a new one");
   const auto share = [&](double length) { return r.box_diagonal > 0 ? 100 * length / r.box_diagonal : 0; };
+  if (r.moved > r.distance_error)
+    all.push_back(concat("repair: what was mended moved by at most ", r.moved, " (", share(r.moved),
+                         " % of the box diagonal); filled holes and inner walls do not count"));
   all.push_back(concat("repair: the new surface lies at most ", r.farthest_new_from_old, " (",
                        share(r.farthest_new_from_old), " % of the box diagonal) from the old, the old at most ",
                        r.farthest_old_from_new, " (", share(r.farthest_old_from_new),

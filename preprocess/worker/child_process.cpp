@@ -268,7 +268,7 @@ std::optional<Trouble> trouble_of(int exit_code) {
   if (signal == SIGXCPU || (signal == SIGKILL && out_of_time))
     throw Error(Trouble::resource,
                 concat("the worker ", request.program, " was stopped after its limit of ", request.time_limit_s,
-                       " s of computing time while ", request.doing),
+                       " s of computing time while ", request.doing, "; ", last_words(lines)),
                 "allow more time, or ask for less");
   const bool out_of_memory = signal == SIGKILL || complaints.find("bad_alloc") != std::string::npos;
   throw Error(out_of_memory ? Trouble::resource : Trouble::invalid,

@@ -34,6 +34,7 @@ struct TetrahedralizeCommand {
   std::string size_field;
   preprocess::TetrahedralizeOptions fill;
   preprocess::RepairOptions repair;
+  std::optional<double> max_move, time_limit_s;
   bool mend = false;
   bool no_regions = false;
 };
@@ -99,10 +100,14 @@ void check(const TetrahedralizeCommand& command, const std::filesystem::path& ou
     throw Error(Trouble::usage,
                 concat(output.string(), ": found extension '", output.extension().string(), "'; expected .vtu"));
   if (command.fill.quality != 0) require_within("--quality", command.fill.quality, 1, 100);
-  require_within("--time-limit", command.fill.time_limit_s, 1, 1e7);
+  if (command.time_limit_s) require_within("--time-limit", *command.time_limit_s, 1, 1e7);
+  if (command.max_move) require_within("--max-move", *command.max_move, 0, 1);
   require_within("--wrap", command.repair.wrap, 0, 1);
   if (command.repair.largest_part_only && !command.mend && command.repair.wrap == 0)
     throw Error(Trouble::usage, "--largest-part: belongs to --repair; found no --repair");
+  if (command.max_move && (!command.mend || command.repair.wrap > 0))
+    throw Error(Trouble::usage,
+                concat("--max-move: belongs to --repair; found ", command.repair.wrap > 0 ? "--wrap" : "no --repair"));
 }
 
 std::string names_of(const std::vector<std::filesystem::path>& inputs) {
@@ -148,7 +153,10 @@ preprocess::SizeByDistance read_size_by_distance(const TetrahedralizeCommand& co
   for (std::size_t i = 2; i + 3 < parts.size(); ++i) file += ":" + parts[i];
   require_surface(file);
   const auto number = [&](std::size_t from_end) { return number_in("--size-field", parts[parts.size() - from_end]); };
-  preprocess::SizeByDistance sizes{.surface = {}, .near = number(3), .far = number(2), .growth = number(1)};
+  preprocess::SizeByDistance sizes;  // filled below: gcc 12 frees a member twice when a later initialiser throws
+  sizes.near = number(3);
+  sizes.far = number(2);
+  sizes.growth = number(1);
   sizes.surface = preprocess::import_surface(file, {}, {.memory_limit_bytes = command.common.memory.bytes});
   return sizes;
 }
@@ -218,9 +226,10 @@ preprocess::SizeField read_size_field(const TetrahedralizeCommand& command) {
   }
   const bool repaired = command.mend || command.repair.wrap > 0;
   std::string hint = refusal.hint();
-  if (!faults.empty())
-    hint += concat(hint.empty() ? "" : ", or ", repaired ? "--wrap 0.01 makes a new closed surface around it"
-                                                         : "--repair mends what it can and says how far it moved");
+  hint += concat(hint.empty() ? "" : ", or ",
+                 repaired         ? "--wrap 0.01 makes a new closed surface around it"
+                 : faults.empty() ? "--repair takes away needles and flat facets, over which TetGen may fail"
+                                  : "--repair mends what it can and says how far it moved");
   throw Error(refusal.trouble(), refusal.what() + where, hint);
 }
 
@@ -247,6 +256,7 @@ Json json_of(const preprocess::RepairReport& r) {
           {"united_parts", r.united_parts},
           {"dropped_parts", r.dropped_parts},
           {"wrapped", r.wrapped},
+          {"moved", r.moved},
           {"farthest_new_from_old", r.farthest_new_from_old},
           {"farthest_old_from_new", r.farthest_old_from_new},
           {"distance_error", r.distance_error},
@@ -257,7 +267,8 @@ void settle_limits(TetrahedralizeCommand& command) {
   command.fill.regions = !command.no_regions;
   if (command.common.memory.bytes != 0)
     command.fill.memory_limit_bytes = command.repair.memory_limit_bytes = command.common.memory.bytes;
-  command.repair.time_limit_s = command.fill.time_limit_s;
+  if (command.time_limit_s) command.fill.time_limit_s = command.repair.time_limit_s = *command.time_limit_s;
+  if (command.max_move) command.repair.max_move = *command.max_move;
 }
 
 int run(TetrahedralizeCommand& command) {
@@ -341,6 +352,10 @@ Subcommand tetrahedralize_subcommand() {
                             "Mend a faulty surface: merge, drop, orient, stitch, fill holes, resolve crossings; says "
                             "how far it moved",
                             command->mend),
+                value_option("--max-move", "SHARE",
+                             "With --repair: refuse to move the surface farther than this share of the box diagonal; "
+                             "default 0.02",
+                             command->max_move),
                 value_option("--wrap", "SHARE",
                              "Instead, wrap it in a new closed surface that bridges gaps up to this share of the box "
                              "diagonal",
@@ -367,8 +382,9 @@ Subcommand tetrahedralize_subcommand() {
                             command->fill.empty_cavities),
                 value_option("--tetgen", "SWITCHES", "Further switches of TetGen, of Y O S T X M: O2/7S100",
                              command->fill.tetgen),
-                value_option("--time-limit", "SECONDS", "CPU time that each worker may take; default 3600",
-                             command->fill.time_limit_s)},
+                value_option("--time-limit", "SECONDS",
+                             "CPU time that each worker may take; default 3600 for TetGen, 300 for CGAL",
+                             command->time_limit_s)},
                memory_option(command->common, "Limit for each worker process; default 8G for TetGen and CGAL"),
                message_options(command->common, "What was made, as one JSON document on stdout")}),
           .run = [command] { return run(*command); }};

@@ -204,5 +204,24 @@ TEST(Off, refuses_what_does_not_fit) {
   refuses("OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n", {"facets", "none"});
 }
 
+TEST(BrainVisa, is_refused_wherever_it_ends_early) {
+  const TemporaryFolder folder;
+  const std::string whole =
+      "- 4\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n0 0 1 0 0 1\n- 4 4 4\n0 2 1\n0 1 3\n1 2 3\n2 0 3\n";
+  const auto is_complete = [&] { return read_surface(folder / "a.tri").facet_offsets.size() == 5; };
+  EXPECT_EQ(check_every_beginning(folder / "a.tri", whole, is_complete, {.is_text = true}), 1) << "the last line end";
+  for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{{"- 4\n0", "- 999999999\n0"},
+                                                                                 {"- 4\n0", "4\n0"},
+                                                                                 {"2 0 3", "2 0 4"},
+                                                                                 {"1 0 0 0 0 1", "1 0 0"},
+                                                                                 {"- 4 4 4", "- -4"},
+                                                                                 {"0 1 0 0", "0 x 0 0"}}) {
+    std::string damaged = whole;
+    damaged.replace(damaged.find(from), from.size(), to);
+    write_file(folder / "a.tri", damaged);
+    expect_refusal([&] { read_surface(folder / "a.tri"); }, Trouble::invalid, {"a.tri"});
+  }
+}
+
 }  // namespace
 }  // namespace rhoray::preprocess

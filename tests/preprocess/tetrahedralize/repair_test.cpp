@@ -153,6 +153,27 @@ TEST(WorkerDeath, is_reported_with_what_it_was_doing) {
   }
 }
 
+TEST(RepairSurface, refuses_to_move_the_surface_farther_than_allowed) {
+  // A cube whose bottom is drawn up to a point above its top: being rid of the crossings costs that tip.
+  NeutralSurface pierced = box({0, 0, 0}, {1, 1, 1});
+  const std::uint64_t tip = pierced.points.size();
+  pierced.points.push_back({0.5, 0.5, 1.4});
+  pierced.facet_corners.erase(pierced.facet_corners.begin(), pierced.facet_corners.begin() + 6);
+  pierced.facet_offsets.resize(11);
+  for (const auto& [a, b] : {std::pair{0, 2}, {2, 3}, {3, 1}, {1, 0}})
+    add_facet(pierced, {static_cast<std::uint64_t>(a), static_cast<std::uint64_t>(b), tip});
+  try {
+    repair_surface(pierced);
+    ADD_FAILURE() << "was repaired";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.trouble(), Trouble::invalid);
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("the repair would move it by"), HasSubstr("expected at most 2 %")));
+    EXPECT_THAT(error.hint(), AllOf(HasSubstr("--max-move 0."), HasSubstr("--wrap 0.01")));
+  }
+  const auto moved = repair_surface(pierced, {.max_move = 1}).report;
+  EXPECT_GT(moved.moved, 0.02 * moved.box_diagonal);
+}
+
 class SharedFaultySurfaces : public testing::Test {
  protected:
   void SetUp() override {
@@ -186,6 +207,17 @@ TEST_F(SharedFaultySurfaces, the_crown_and_the_aeroplane_are_mended) {
     EXPECT_GT(filled_volume(repaired.surface), 0) << name;
     EXPECT_LT(repaired.report.farthest_old_from_new, 0.002 * repaired.report.box_diagonal) << name;
     EXPECT_LT(repaired.report.farthest_new_from_old, 0.02 * repaired.report.box_diagonal) << name;
+  }
+}
+
+// A part of them crosses itself, and being rid of that moves it far.
+TEST_F(SharedFaultySurfaces, the_gears_are_not_repaired_silently) {
+  try {
+    repair_surface(preprocess::import_surface(surfaces_ / "gears.stl"));
+    ADD_FAILURE() << "was repaired";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.trouble(), Trouble::invalid);
+    EXPECT_THAT(error.what(), HasSubstr("the repair would move it by"));
   }
 }
 
