@@ -33,8 +33,10 @@ const Floor rooms_of_render[] = {
     {"render/cells", {"formats/base", "render/cells", "render/march"}},
     {"render/volumes", {"formats", "render/volumes", "render/cells", "render/march"}},
     {"render/kernels",
-     {"formats", "render/kernels", "render/volumes", "render/cells", "render/march", "render/scene.h"}},
+     {"formats", "render/kernels", "render/volumes", "render/judge", "render/cells", "render/march",
+      "render/method.h"}},
     {"render/effects", {"formats/base", "render/effects", "render/kernels", "render/scene.h"}},
+    {"render/diary", {"formats/base", "render/diary", "render/diary.h", "render/framebuffer.h"}},
     {"render/frame", {"formats", "render"}}};
 
 /// Where a third-party library is received. `header` is a pattern for what stands between the brackets.
