@@ -73,7 +73,7 @@ class RootSearch {
 Enclosure narrowed(const BallCubic& cubic, Enclosure bracket, double width) {
   const Cubic guess_cubic = middles(cubic);
   if (is_inside(guess_cubic.at(bracket.lo).value) == is_inside(guess_cubic.at(bracket.hi).value)) return bracket;
-  const double guess = bracketed_root(guess_cubic, bracket.lo, bracket.hi);
+  const double guess = bracketed_root(guess_cubic, bracket.lo, bracket.hi, 0.5 * (bracket.lo + bracket.hi)).s;
   const int sign_lo = cubic.at(bracket.lo).sign();
   const double reach = 0.375 * width;
   if (const double s = guess - reach; s > bracket.lo && cubic.at(s).sign() == sign_lo) bracket.lo = s;

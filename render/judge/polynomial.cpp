@@ -247,7 +247,7 @@ Root SignChart::narrowed(Root root, const Rational& width) const {
     const int sign_lo = simple_.sign_at(root.lo);
     const Cubic cubic = in_doubles(bernstein(simple_, root.lo, root.hi));
     const bool is_seen = is_inside(cubic.b[0]) != is_inside(cubic.b[3]);
-    const double guess = is_seen ? bracketed_root(cubic, 0, 1) : 0.5;
+    const double guess = is_seen ? bracketed_root(cubic, 0.0, 1.0, 0.5).s : 0.5;
     const double wanted = Rational(width / whole).convert_to<double>() / 4;
     const double reach = std::clamp(wanted, 0x1p-48, 0.25);
     const Root before = root;
