@@ -70,11 +70,11 @@ class RootSearch {
 };
 
 /// Shrinks a bracket around its root as far as signs are certain.
-Enclosure narrowed(const BallCubic& cubic, Enclosure bracket, double width) {
+/// @param sign_lo  the certain sign at the bracket's lower end
+Enclosure narrowed(const BallCubic& cubic, Enclosure bracket, int sign_lo, double width) {
   const Cubic guess_cubic = middles(cubic);
   if (is_inside(guess_cubic.at(bracket.lo).value) == is_inside(guess_cubic.at(bracket.hi).value)) return bracket;
   const double guess = bracketed_root(guess_cubic, bracket.lo, bracket.hi, 0.5 * (bracket.lo + bracket.hi)).s;
-  const int sign_lo = cubic.at(bracket.lo).sign();
   const double reach = 0.375 * width;
   if (const double s = guess - reach; s > bracket.lo && cubic.at(s).sign() == sign_lo) bracket.lo = s;
   if (const double s = guess + reach; s < bracket.hi && cubic.at(s).sign() == -sign_lo) bracket.hi = s;
@@ -99,7 +99,7 @@ std::optional<CertainRoots> certain_roots(const BallCubic& cubic, double width) 
   RootSearch search(cubic);
   if (cubic.b[1].sign() != sign || cubic.b[2].sign() != sign || cubic.b[3].sign() != sign) {
     if (!search.search_all()) return std::nullopt;
-    if (search.found().count > 0) search.found().first = narrowed(cubic, search.found().first, width);
+    if (search.found().count > 0) search.found().first = narrowed(cubic, search.found().first, sign, width);
   }
   search.found().sign_at_0 = sign;
   return search.found();

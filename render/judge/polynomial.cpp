@@ -182,7 +182,6 @@ void SignChart::find_roots() {
       take_out(*found.hit);
     }
   }
-  std::sort(roots_.begin(), roots_.end(), [](const Root& x, const Root& y) { return x.lo + x.hi < y.lo + y.hi; });
 }
 
 void SignChart::add_multiple_root() {
@@ -204,23 +203,19 @@ void SignChart::add_multiple_root() {
   simple_ = without_root_of_any_order(simple_, *root);
 }
 
-/// Roots that are known as intervals keep a distance from each other, from exact roots and from a and b.
+/// Roots that are known as intervals keep a distance from all others, from a and from b. An exact root may at first lie
+/// in the interval of another.
 void SignChart::keep_apart() {
   const auto is_free = [&](std::size_t r) {
     const Root& root = roots_[r];
-    if (root.is_exact()) return true;
-    const Rational& before = r > 0 ? roots_[r - 1].hi : a_;
-    const Rational& after = r + 1 < roots_.size() ? roots_[r + 1].lo : b_;
-    return root.lo > before && root.hi < after;
+    if (root.lo == a_ || root.hi == b_) return false;
+    for (std::size_t other = 0; other < roots_.size(); ++other)
+      if (other != r && roots_[other].lo <= root.hi && roots_[other].hi >= root.lo) return false;
+    return true;
   };
   for (std::size_t r = 0; r < roots_.size(); ++r)
-    while (!is_free(r)) {
-      // Two exact roots never share a place, so that halving the others ends.
-      roots_[r] = halved(roots_[r]);
-      if (r > 0 && !roots_[r - 1].is_exact() && roots_[r - 1].hi >= roots_[r].lo) roots_[r - 1] = halved(roots_[r - 1]);
-      if (r + 1 < roots_.size() && !roots_[r + 1].is_exact() && roots_[r + 1].lo <= roots_[r].hi)
-        roots_[r + 1] = halved(roots_[r + 1]);
-    }
+    while (!roots_[r].is_exact() && !is_free(r)) roots_[r] = halved(roots_[r]);
+  std::sort(roots_.begin(), roots_.end(), [](const Root& x, const Root& y) { return x.lo < y.lo; });
 }
 
 Root SignChart::halved(const Root& root) const {

@@ -72,6 +72,16 @@ TEST(SignChart, finds_a_double_root_exactly) {
   EXPECT_EQ(signs_of(chart), (std::vector{-1, -1, 1}));
 }
 
+TEST(SignChart, tells_a_double_root_from_an_irrational_one_around_it) {
+  // A double root in the middle of the interval in which the other is isolated.
+  for (const Rational& other : {Rational(2, 5), Rational(3, 5), Rational(1, 2) + power_of_two(-100)}) {
+    const SignChart chart(with_roots({Rational(1, 2), Rational(1, 2), other}), 0, 1);
+    EXPECT_EQ(chart.roots().size(), 2);
+  }
+  EXPECT_EQ(signs_of(SignChart(with_roots({Rational(1, 2), Rational(1, 2), Rational(2, 5)}), 0, 1)),
+            (std::vector{-1, 1, 1}));
+}
+
 TEST(SignChart, finds_a_double_root_of_a_parabola) {
   const SignChart chart(with_roots({Rational(2, 7), Rational(2, 7)}, -3), 0, 1);
   ASSERT_EQ(chart.roots().size(), 1);

@@ -140,7 +140,8 @@ class SturmChart {
 
   /// Nothing behind b.
   std::optional<int> sign_behind(std::size_t r) const {
-    if (roots_[r].hi == b_) return std::nullopt;
+    if (roots_[r].lo == b_) return std::nullopt;
+    if (roots_[r].hi == b_) return sign_of(value_of(p_, b_));
     const Rational next = r + 1 < roots_.size() ? roots_[r + 1].lo : b_;
     // Neighbours share an end only where two roots are closer than 2^-60; then the end lies between them.
     return sign_of(value_of(p_, (roots_[r].hi + next) / 2));
