@@ -282,6 +282,20 @@ TYPED_TEST(CertifiedCrossings, hold_for_every_segment_within_the_point_error) {
   }
 }
 
+TYPED_TEST(CertifiedCrossings, take_a_piece_as_clear_or_as_rising_only_where_it_is_so_throughout) {
+  using Way = render::StartSideUp<TypeParam>;
+  const TypeParam margin = TypeParam(0.125);
+  EXPECT_TRUE((Way{{{1, 1, 2, 1}}, margin}.is_clear(0, 1)));
+  EXPECT_FALSE((Way{{{1, -3, -3, 1}}, margin}.is_clear(0, 1))) << "below zero between its ends";
+  EXPECT_TRUE((Way{{{1, -3, -3, 1}}, margin}.is_clear(0, TypeParam(0.03125))));
+  EXPECT_FALSE((Way{{{TypeParam(0.0625), 1, 1, 1}}, margin}.is_clear(0, 1))) << "starts within the margin";
+  EXPECT_TRUE((Way{{{0, 1, 2, 3}}, margin}.rises_until(1)));
+  EXPECT_FALSE((Way{{{0, 1, TypeParam(1.5), -3}}, margin}.rises_until(1))) << "falls at its end";
+  EXPECT_TRUE((Way{{{0, 1, TypeParam(1.5), -3}}, margin}.rises_until(TypeParam(0.0625))));
+  EXPECT_FALSE((Way{{{0, 1, -1, 1}}, margin}.rises_until(1))) << "falls between its ends";
+  EXPECT_FALSE((Way{{{0, TypeParam(0.25), 1, 2}}, margin}.rises_until(1))) << "rises no more than the margins allow";
+}
+
 TYPED_TEST(CertifiedCrossings, change_at_the_start_when_the_ray_is_known_to_come_from_the_other_side) {
   const TrilinearCell cell{{1, 2, 1, 2, 1, 2, 1, 2}};
   const auto found = certify_crossing<TypeParam>(cell, {0, 0.5, 0.5}, {1, 0.5, 0.5}, 0, 0.5, false);
@@ -335,7 +349,7 @@ TYPED_TEST(CertifiedCrossings, enclose_the_exact_maximum) {
   std::vector<Family> families = hard_families();
   families.push_back({"any values", [](Dice& d) { return any_chord(d); }, 0, 0, false});
   for (const Family& family : families)
-    for (int trial = 0; trial < 500; ++trial) {
+    for (int trial = 0; trial < 150; ++trial) {
       const Chord given = family.make(dice);
       const double point_error = trial % 2 == 0 ? 0 : std::pow(10, dice.between(-15, -3));
       const CertifiedMaximum found = certify_largest_value<TypeParam>(given.cell, given.in, given.out, point_error);
@@ -354,7 +368,7 @@ TYPED_TEST(CertifiedCrossings, enclose_the_exact_maximum) {
       if (point_error == 0 && range > 1e-6 && range < 1e6)
         largest_error = std::max(largest_error, (found.value_error - 0x1p-53 * std::abs(found.value)) / range);
     }
-  EXPECT_GT(in_the_middle, 1000);
+  EXPECT_GT(in_the_middle, 400);
   constexpr bool is_float = std::is_same_v<TypeParam, float>;
   EXPECT_LT(largest_error, is_float ? 3e-6 : 6e-15);
 }

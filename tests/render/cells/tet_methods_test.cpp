@@ -388,5 +388,30 @@ TYPED_TEST(TetMethods, are_never_wrong_when_certified) {
   }
 }
 
+TEST(CertifiedTet, crossing_between_two_faces_is_as_uncertain_as_their_values) {
+  using render::certified_tet::crossing_between;
+  using render::certified_tet::Face;
+  // Values from -1.5 to -0.5 and from 0.5 to 1.5: the zero lies between a quarter and three quarters of the way.
+  const auto wide = crossing_between(Face{{10, 0}, {-1, 0.5}, false}, Face{{11, 0}, {1, 0.5}, true});
+  EXPECT_NEAR(wide.value, 10.5, 1e-14);
+  EXPECT_NEAR(wide.error, 0.25, 1e-12);
+  EXPECT_GE(wide.error, 0.25);
+  const auto late = crossing_between(Face{{10, 0.125}, {-1, 0}, false}, Face{{11, 0.0625}, {3, 0}, true});
+  EXPECT_NEAR(late.value, 10.25, 1e-14);
+  EXPECT_NEAR(late.error, 0.125, 1e-12);
+  // Of a value of which only the side is known, nothing but that.
+  const auto unsure = crossing_between(Face{{10, 0}, {0, 1}, true}, Face{{11, 0}, {0, 1}, false});
+  EXPECT_GE(unsure.error, 0.5);
+}
+
+TEST(CertifiedTet, mean_is_as_uncertain_as_its_weights) {
+  using render::certified_tet::mean;
+  // One weight of three may be 1.5 instead of 1: (1 + 1 * 2 + 1.5 * 3) / 3.5 is the farthest mean.
+  const auto found = mean({{{1, 0}, {-1, 0}, {1, 0.5}}}, {1, 2, 3}, 0.125);
+  EXPECT_EQ(found.value, 2);
+  EXPECT_GE(found.error, 0.125 + (1 + 2 + 4.5) / 3.5 - 2);
+  EXPECT_LE(found.error, 0.125 + 0.5);
+}
+
 }  // namespace
 }  // namespace rhoray::tests
