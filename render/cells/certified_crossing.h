@@ -132,7 +132,9 @@ struct StartSideUp {
   /// The first change of side, given that none comes before x and that the side has changed at y.
   RHORAY_INLINE CertifiedCrossing enclosed_change(Real x, Real y) const {
     RootOf<Real> root{x, 0};
-    if (is_inside(cubic.at(x).value)) root = bracketed_root(cubic, x, y, Real(0.5) * (x + y));
+    const Real value_x = cubic.at(x).value, value_y = cubic.at(y).value;
+    if (is_inside(value_x) && !is_inside(value_y))
+      root = bracketed_root(cubic, x, y, first_guess<Real>({x, value_x, x > 0}, {y, value_y, y < 1}));
     // As far to both sides of the root as it takes until the sides are certain: they are at x and at y.
     const Real slope = std::abs(cubic.at(root.s).slope);
     const Real first_step = std::max(root_resolution<Real>, Real(1.25) * margin / slope);
@@ -172,7 +174,8 @@ RHORAY_INLINE CertifiedCrossing certify_crossing(const TrilinearCell& cell, cons
 
   if (way.margin == 0)  // all corners are the isovalue: inside, everywhere
     return {.decision = starts_inside ? Decision::none : Decision::crosses, .root_count = starts_inside ? 0 : 1};
-  if (*std::min_element(b.begin(), b.end()) > way.margin) return {.decision = Decision::none};
+  const auto is_unchanged = [&](Real coefficient) { return coefficient > way.margin; };
+  if (std::all_of(b.begin(), b.end(), is_unchanged)) return {.decision = Decision::none};
   if (b[0] < -way.margin) return {.decision = Decision::crosses, .root_count = 1};
 
   const PieceEnds<Real> ends = piece_ends(way.cubic);

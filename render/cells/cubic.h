@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "render/cells/side.h"
 
@@ -73,15 +74,17 @@ struct RootOf {
 };
 
 /// Where a function changes side between `lo` and `hi`, which lie on different sides: Newton's method kept inside the
-/// bracket, bisection where a step would leave it or the bracket does not shrink by half in two steps.
-/// Stops where the bracket or the step is as small as the last digit of numbers near 1.
+/// bracket, bisection where a step would leave it or is longer than half the step before.
+/// Stops where the bracket or the step is as small as the last digit of numbers near 1, and where the value is no
+/// larger than two units of rounding of the largest coefficient, which is less than its own error.
 /// @param start  where to look first, in [lo, hi]
 template <class Real>
 RHORAY_INLINE RootOf<Real> bracketed_root(const CubicOf<Real>& cubic, Real lo, Real hi, Real start) {
   const bool inside_lo = is_inside(cubic.at(lo).value);
   constexpr Real resolution = root_resolution<Real>, half = 0.5;
-  Real s = start;
-  Real width_before = hi - lo;
+  const Real noise = std::numeric_limits<Real>::epsilon() *
+                     std::max({std::abs(cubic.b[0]), std::abs(cubic.b[1]), std::abs(cubic.b[2]), std::abs(cubic.b[3])});
+  Real s = start, step_before = hi - lo;
   int step = 0;
   for (; step < 100 && hi - lo > resolution; ++step) {
     const typename CubicOf<Real>::Jet f = cubic.at(s);
@@ -89,15 +92,34 @@ RHORAY_INLINE RootOf<Real> bracketed_root(const CubicOf<Real>& cubic, Real lo, R
       lo = s;
     else
       hi = s;
-    const Real newton = s - f.value / f.slope;
-    const bool shrinks = step % 2 == 0 || hi - lo < half * width_before;
-    if (step % 2 == 1) width_before = hi - lo;
-    Real next = half * (lo + hi);
-    if (shrinks && newton >= lo && newton <= hi) next = newton;  // false for a newton that is not finite
-    if (std::abs(next - s) <= resolution) return {next, step + 1};
+    Real next = s - f.value / f.slope;
+    const bool is_newton = next >= lo && next <= hi && std::abs(next - s) <= half * step_before;  // false if not finite
+    if (!is_newton) next = half * (lo + hi);
+    if (std::abs(f.value) <= noise) return {s, step + 1};
+    step_before = std::abs(next - s);
+    if (step_before <= resolution) return {next, step + 1};
     s = next;
   }
   return {s, step};
+}
+
+/// An end of a piece on which a cubic is monotone.
+template <class Real>
+struct PieceEnd {
+  Real s, value;
+  bool is_critical;
+};
+
+/// Where to look first for the zero of a piece whose ends lie on different sides: where the parabola with its vertex at
+/// the critical end is zero; without one, or with two, the straight line through both ends.
+template <class Real>
+RHORAY_INLINE Real first_guess(const PieceEnd<Real>& lo, const PieceEnd<Real>& hi) {
+  Real guess = lo.s + (hi.s - lo.s) * (lo.value / (lo.value - hi.value));
+  if (lo.is_critical != hi.is_critical) {
+    const auto& [vertex, end] = lo.is_critical ? std::pair(lo, hi) : std::pair(hi, lo);
+    guess = vertex.s + (end.s - vertex.s) * std::sqrt(vertex.value / (vertex.value - end.value));
+  }
+  return guess >= lo.s && guess <= hi.s ? guess : Real(0.5) * (lo.s + hi.s);  // not for a guess that is not finite
 }
 
 /// What is found of a cubic's changes of side on [0, 1].
@@ -124,23 +146,23 @@ RHORAY_INLINE SideChanges<Real> changes_of_side(const CubicOf<Real>& cubic, bool
   bool side = starts_inside;
   if (b0 != starts_inside) found.count = 1, side = b0;
 
-  Real lo = 0, value_lo = b[0];
-  const auto look_up_to = [&](Real hi, Real value_hi) {
-    if (is_inside(value_hi) != side) {
+  PieceEnd<Real> lo{0, b[0], false};
+  const auto look_up_to = [&](const PieceEnd<Real>& hi) {
+    if (is_inside(hi.value) != side) {
       side = !side;
       if (found.count++ == 0) {
-        const RootOf<Real> root = bracketed_root(cubic, lo, hi, Real(0.5) * (lo + hi));
+        const RootOf<Real> root = bracketed_root(cubic, lo.s, hi.s, first_guess(lo, hi));
         found.first = root.s, found.iterations = root.iterations;
       }
     }
-    lo = hi, value_lo = value_hi;
+    lo = hi;
   };
   const typename CubicOf<Real>::CriticalPoints critical = cubic.critical_points();
   for (int c = 0; c < critical.count; ++c) {
     const Real s = critical.s[static_cast<std::size_t>(c)];
-    look_up_to(s, cubic.at(s).value);
+    look_up_to({s, cubic.at(s).value, true});
   }
-  look_up_to(1, b[3]);
+  look_up_to({1, b[3], false});
   return found;
 }
 
