@@ -164,10 +164,11 @@ std::optional<BruteHit> first_crossing_by_brute_force(const TestGrid& grid, cons
       inside.reset();
       continue;
     }
-    if (!inside) inside = tests::value_of(chord.difference, chord.in) >= 0;
+    const bool side = inside ? *inside : tests::value_of(chord.difference, chord.in) >= 0;
+    inside = side;
     const auto corner = grid.corners(chord.cell);
-    if (std::all_of(corner.begin(), corner.end(), [&](double f) { return (f >= isovalue) == *inside; })) continue;
-    const auto change = tests::SturmChart(chord.difference, chord.in, chord.out).first_change(*inside);
+    if (std::all_of(corner.begin(), corner.end(), [&](double f) { return (f >= isovalue) == side; })) continue;
+    const auto change = tests::SturmChart(chord.difference, chord.in, chord.out).first_change(side);
     if (!change) continue;
     BruteHit hit{chord.cell, change->at, change->touches};
     if (hit.touches && change->at.lo == chord.out && c + 1 < chords.size() && chords[c + 1].has_data) {
@@ -183,7 +184,7 @@ std::optional<BruteHit> first_crossing_by_brute_force(const TestGrid& grid, cons
 TEST(JudgeGrid, agrees_with_brute_force_on_stressful_rays) {
   Dice dice(11);
   int hits = 0, touches = 0, exact_cells = 0, filtered = 0;
-  for (int round = 0; round < 100; ++round) {
+  for (int round = 0; round < 60; ++round) {
     const bool whole_values = dice.coin();
     const TestGrid grid = any_grid(dice, whole_values);
     const double isovalue = whole_values ? static_cast<double>(dice.below(3) - 1) : dice.between(-0.5, 0.5);
@@ -202,10 +203,10 @@ TEST(JudgeGrid, agrees_with_brute_force_on_stressful_rays) {
       ASSERT_TRUE(verdict.t.width() <= width || std::nextafter(verdict.t.lo, infinity) >= verdict.t.hi) << round;
     }
   }
-  EXPECT_GT(hits, 50);
+  EXPECT_GT(hits, 30);
   EXPECT_GT(touches, 0);
-  EXPECT_GT(exact_cells, 30);
-  EXPECT_GT(filtered, 50);
+  EXPECT_GT(exact_cells, 15);
+  EXPECT_GT(filtered, 30);
 }
 
 TEST(JudgeGrid, finds_the_largest_value_of_brute_force) {
