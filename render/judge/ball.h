@@ -61,13 +61,16 @@ inline Ball operator/(const Ball& a, const Ball& b) {
   return {middle, spread * (1 + 32 * unit) + 2 * unit * std::abs(middle) + 4 * tiny};
 }
 
-/// (1 - w) a + w b for a weight in [0, 1], the middle of its ball too: as a convex combination, no wider than it need
+/// (1 - w) a + w b for a weight in [0, 1], the middle of its ball too: as a convex combination no wider than it need
 /// be.
+///
+/// Rounding: u (1 - w) |a| from 1 - w, u of each product, u of the sum, together at most 3 u max(|a|, |b|).
 inline Ball between(const Ball& a, const Ball& b, const Ball& w) {
   using namespace ball_detail;
-  const double size = std::abs(a.middle) + std::abs(b.middle) + a.radius + b.radius;
+  const double radius = std::max(a.radius, b.radius);
+  const double size = std::max(std::abs(a.middle), std::abs(b.middle)) + radius;
   return {(1 - w.middle) * a.middle + w.middle * b.middle,
-          std::max(a.radius, b.radius) + (2 * w.radius + 8 * unit) * size + 4 * tiny};
+          radius * (1 + 8 * unit) + (2 * w.radius + 4 * unit) * size + 4 * tiny};
 }
 
 /// A cubic on [0, 1] by its Bernstein coefficients.

@@ -58,6 +58,15 @@ CellVerdict judge_crossing(const TrilinearCell& cell, const Vec3& p0, const Vec3
   return judge_crossing_exactly(cell, p0, p1, isovalue, starts_inside, width);
 }
 
+std::vector<Enclosure> judge_roots(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,
+                                   double width) {
+  const exact::SignChart chart(polynomial(cell, p0, p1, isovalue).polynomial, 0, 1);
+  std::vector<Enclosure> roots;
+  for (std::size_t r = 0; r < chart.roots().size(); ++r)
+    roots.push_back(chart.enclosing_root(static_cast<int>(r), width));
+  return roots;
+}
+
 MaximumVerdict judge_maximum_exactly(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double width) {
   const exact::ScaledPolynomial value = polynomial(cell, p0, p1, 0);
   const exact::Maximum maximum = exact::largest_value(value.polynomial, 0, 1, width);

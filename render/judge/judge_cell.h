@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "render/cells/trilinear.h"
 #include "render/judge/enclosure.h"
 
@@ -37,6 +39,11 @@ struct MaximumVerdict {
 /// @param width  > 0; the enclosure of s is at most this wide, that of the value at most `width` times the largest
 ///               magnitude at a corner; or their ends are the same or neighbouring doubles
 MaximumVerdict judge_maximum(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double width);
+
+/// All points in [0, 1] where value = isovalue, rising, each as narrow as for judge_crossing; none when that holds all
+/// along. In rational numbers.
+std::vector<Enclosure> judge_roots(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,
+                                   double width);
 
 /// Without the filter: what the filter is tested against.
 CellVerdict judge_crossing_exactly(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,

@@ -107,6 +107,9 @@ TEST(JudgeCell, R10_of_three_roots_the_first_is_given) {
   const CellVerdict verdict = judge_crossing(cell, low, high, 0, false, width);
   EXPECT_EQ(verdict.root_count, 3);
   EXPECT_TRUE(verdict.s.contains(0.25));
+  const std::vector<Enclosure> roots = judge_roots(cell, low, high, 0, width);
+  ASSERT_EQ(roots.size(), 3);
+  EXPECT_TRUE(roots[0].contains(0.25) && roots[1].contains(0.5) && roots[2].contains(0.75));
 }
 
 TEST(JudgeCell, R11_two_roots_between_ends_on_one_side_are_seen) {

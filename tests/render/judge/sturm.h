@@ -129,7 +129,7 @@ class SturmChart {
   void isolate(const Rational& lo, const Rational& hi) {
     const std::size_t count = variations(lo) - variations(hi);  // roots in (lo, hi]
     if (count == 0) return;
-    if (count == 1 && hi - lo < Rational(1) / (boost::multiprecision::cpp_int(1) << 60)) {
+    if (count == 1 && hi - lo < Rational(1) / (boost::multiprecision::cpp_int(1) << 40)) {
       roots_.push_back(value_of(square_free_, hi) == 0 ? Root{hi, hi} : Root{lo, hi});
       return;
     }
@@ -143,7 +143,7 @@ class SturmChart {
     if (roots_[r].lo == b_) return std::nullopt;
     if (roots_[r].hi == b_) return sign_of(value_of(p_, b_));
     const Rational next = r + 1 < roots_.size() ? roots_[r + 1].lo : b_;
-    // Neighbours share an end only where two roots are closer than 2^-60; then the end lies between them.
+    // Neighbours share an end only where two roots are closer than 2^-40; then the end lies between them.
     return sign_of(value_of(p_, (roots_[r].hi + next) / 2));
   }
 
