@@ -180,7 +180,7 @@ Hit certified_largest_value(const View& view, const Question& question, const Ra
     return CubicMaximum{best.value, best.s};
   };
   Hit hit = search_largest(view, question, ray, planes, -std::numeric_limits<double>::infinity(), scratch, in_cell);
-  if (hit.is_miss()) return hit;
+  if (hit.is_miss()) return judged_largest_value(view, question, ray, scratch);  // parts of length zero, by rounding
   // A cell that the ray only grazes may have been left out by rounding: it shares an edge with one that was not, and
   // its values differ from those on the edge by no more than the field can change over the rounding.
   hit.error = std::max(largest_possible - hit.value, 0x1p-50 * std::abs(hit.value)) +

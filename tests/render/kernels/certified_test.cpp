@@ -65,7 +65,7 @@ TEST(CertifiedCrossings, agree_with_the_judge_on_rays_that_stress_the_walk_throu
       volume_of<float>({12, 10, 11}, [](const Index3& at) { return static_cast<float>(whole_number_noise(at)); }));
   for (const double iso : {3.0, 2.5, 6.0}) {
     const Counts counts = compare(traced, stressful_rays({11, 9, 10}, 4000, 1), iso);
-    EXPECT_GT(counts.hits, 1000);
+    EXPECT_GT(counts.hits, 300);
     EXPECT_GT(counts.judged, 100U) << "not a ray was in doubt: are these rays still hard?";
   }
 }
@@ -132,7 +132,9 @@ TEST(CertifiedLargestValues, enclose_the_judges) {
     if (truth.is_miss()) continue;
     EXPECT_LE(std::abs(proven.value - truth.value), proven.error + truth.error)
         << ray.origin << " + t " << ray.direction;
-    if (ray.origin.length() < 1e4) EXPECT_LT(proven.error, 1e-9);  // the place is known to 1e-12 cells
+    if (ray.origin.length() < 1e4) {
+      EXPECT_LT(proven.error, 1e-9);  // the place is known to 1e-12 cells
+    }
     ++values;
   }
   EXPECT_GT(values, 1500);
