@@ -43,7 +43,7 @@ struct CubicOf {
   }
 
   struct CriticalPoints {
-    std::array<Real, 2> s;  ///< rising
+    std::array<Real, 2> s{};  ///< rising
     int count = 0;
   };
 
