@@ -5,22 +5,12 @@
 #include <limits>
 
 #include "preprocess/inspect/orientation.h"
+#include "preprocess/resample/points.h"
 
 namespace rhoray::preprocess {
 namespace {
 
-using Point = std::array<double, 3>;
 constexpr auto edge = static_cast<std::int64_t>(PointRows::edge);
-
-Point minus(const Point& a, const Point& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-Point cross(const Point& a, const Point& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-double dot(const Point& a, const Point& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /// Weights of a point in a tetrahedron so flat that a double's rounding reaches them: in 113 bits.
 std::array<double, 4> careful_weights(const std::array<Point, 4>& p, const Point& q) {
