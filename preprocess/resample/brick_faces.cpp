@@ -54,7 +54,7 @@ double CellPlane::bound_on(const BrickFace& face, const FieldView& field, const 
   Point half, off;
   for (std::size_t a = 0; a < 3; ++a) {
     const double p = face.corners[0][a] - low[a], q = face.corners[1][a] - low[a], r = face.corners[2][a] - low[a];
-    const double lo = std::max(0.0, std::min(std::min(p, q), r)), hi = std::min(1.0, std::max(std::max(p, q), r));
+    const double lo = larger(0.0, smaller(smaller(p, q), r)), hi = smaller(1.0, larger(larger(p, q), r));
     const double middle = 0.5 * (lo + hi);
     half[a] = 0.5 * std::abs(hi - lo) + 1e-6;
     off[a] = slope_[a] - gradient.slope[a];

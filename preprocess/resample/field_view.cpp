@@ -25,8 +25,8 @@ Gradient gradient_of(const std::array<Point, 4>& p, const std::array<double, 4>&
   double change = 0, box = 1, inverse_sides = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     gradient.slope[a] = ((v[1] - v[0]) * n1[a] + (v[2] - v[0]) * n2[a] + (v[3] - v[0]) * n3[a]) / six_volumes;
-    const double side = std::max(std::max(p[0][a], p[1][a]), std::max(p[2][a], p[3][a])) -
-                        std::min(std::min(p[0][a], p[1][a]), std::min(p[2][a], p[3][a]));
+    const double side = larger(larger(p[0][a], p[1][a]), larger(p[2][a], p[3][a])) -
+                        smaller(smaller(p[0][a], p[1][a]), smaller(p[2][a], p[3][a]));
     box *= side;
     inverse_sides += 1 / side;
   }

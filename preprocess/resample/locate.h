@@ -21,6 +21,8 @@ struct PointRows {
   double spread = 0;  ///< how far, in steps of the lattice, a point may lie above its sample on any axis: 0 or 1
   std::array<double, edge> x;
   std::array<double, edge * edge> shift, y, z;
+  /// The same in steps from the first sample, nearly; one after another for the rows that have points.
+  std::array<float, edge * edge> shift_steps, y_steps, z_steps;
 };
 
 /// The samples of a brick themselves.

@@ -60,11 +60,11 @@ QuickBounds::Shape QuickBounds::shape_of(const std::array<std::array<float, 4>, 
     const auto& [p, q, r, s] = points[axis];
     a[axis] = Four{s - q, r - p, s - p, q - p};
     b[axis] = Four{r - q, s - p, q - p, r - p};
-    const float low = std::min(std::min(p, q), std::min(r, s)), high = std::max(std::max(p, q), std::max(r, s));
-    farthest = std::max(farthest, std::max(-low, high));
+    const float low = smaller(smaller(p, q), smaller(r, s)), high = larger(larger(p, q), larger(r, s));
+    farthest = larger(farthest, larger(-low, high));
     constexpr float margin = 1e-5F;
-    shape.low[axis] = std::clamp(low, -1.0F, 9.0F) - margin;
-    shape.high[axis] = std::clamp(high, -1.0F, 9.0F) + margin;
+    shape.low[axis] = larger(smaller(low, 9.0F), -1.0F) - margin;
+    shape.high[axis] = larger(smaller(high, 9.0F), -1.0F) + margin;
   }
   shape.x = a[1] * b[2] - a[2] * b[1];
   shape.y = a[2] * b[0] - a[0] * b[2];
