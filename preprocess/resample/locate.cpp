@@ -94,7 +94,7 @@ class Scan {
       const double u_lo = (lo - lattice_.low[axis]) * inverse - first - index_slack - rows_.spread;
       const double u_hi = (hi - lattice_.low[axis]) * inverse - first + index_slack;
       const double last = static_cast<double>(rows_.size[axis] - 1);
-      if (!(u_lo <= last && u_hi >= 0)) return false;
+      if (!(u_lo <= last && u_hi >= 0 && last >= 0)) return false;
       low_[a] = ceiling(larger(u_lo, 0.0));
       high_[a] = static_cast<std::size_t>(static_cast<std::int64_t>(smaller(u_hi, last)));
       if (low_[a] > high_[a]) return false;
