@@ -19,9 +19,9 @@ double trilinear(const std::array<double, 8>& c, const Point& at) {
 
 }  // namespace
 
-void BrickProbes::enter(std::size_t slot, bool in_every_row) {
+void BrickProbes::enter(std::size_t slot, std::int64_t row_step) {
   brick_ = touched_.at(slot);
-  probes_ = rows_of_probes(lattice_, brick_, in_every_row);
+  probes_ = rows_of_probes(lattice_, brick_, row_step);
   locate(mesh_.points, mesh_.cells, touched_.lists.view().list(touched_.bricks[slot]), lattice_, probes_, places_,
          nullptr);
 }

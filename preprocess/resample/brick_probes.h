@@ -15,7 +15,7 @@ class BrickProbes {
       : mesh_(mesh), lattice_(lattice), touched_(touched), samples_(samples) {}
 
   /// Finds where the probes of a brick lie, for all fields.
-  void enter(std::size_t slot, bool in_every_row);
+  void enter(std::size_t slot, std::int64_t row_step);
   BrickErrors measure(const FieldView& field, std::size_t f);
 
   std::size_t in_mesh() const;

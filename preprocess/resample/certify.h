@@ -18,8 +18,8 @@ struct FieldErrors {
   /// difference by no more than that: where a brick cannot hold the largest error, its bound may be some times what is
   /// attained in it. Differences below 1e-6 of the field's range are not told apart.
   std::vector<double> max;
-  /// By slot. Root mean square over one point in each leaf cell, or in every fourth where there are more than 1024
-  /// bricks (locate.h: rows_of_probes): an estimate.
+  /// By slot. Root mean square over one point in each leaf cell, in every fourth where there are more than 1024 bricks,
+  /// in every sixteenth where there are more than 16384 (locate.h: rows_of_probes): an estimate.
   std::vector<double> rms;
 
   double max_error = 0;                 ///< of all bricks

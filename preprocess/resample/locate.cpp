@@ -308,19 +308,20 @@ PointRows rows_of_samples(const SampleLattice& lattice, const Index3& brick) {
   return rows;
 }
 
-PointRows rows_of_probes(const SampleLattice& lattice, const Index3& brick, bool in_every_row) {
+PointRows rows_of_probes(const SampleLattice& lattice, const Index3& brick, std::int64_t row_step) {
   PointRows rows = rows_of_samples(lattice, brick);
   rows.spread = 1;
-  rows.row_step = in_every_row ? 1 : 2;
+  rows.row_step = row_step;
   for (int a = 0; a < 3; ++a) rows.size[a] = std::min(edge, lattice.count[a] - 1 - rows.first[a]);
-  const std::int64_t rows_per_axis = edge / rows.row_step, row_count = rows_per_axis * rows_per_axis;
-  const std::array<std::int64_t, 3> steps =
-      in_every_row ? std::array<std::int64_t, 3>{1, 19, 41} : std::array<std::int64_t, 3>{1, 3, 7};
-  for (std::int64_t k = 0; k < rows.size.z; k += rows.row_step)
-    for (std::int64_t j = 0; j < rows.size.y; j += rows.row_step) {
-      const std::int64_t number = k / rows.row_step * rows_per_axis + j / rows.row_step;
+  constexpr std::array<std::int64_t, 3> steps{1, 19, 41};
+  constexpr std::int64_t place_count = edge * edge;
+  const std::int64_t rows_per_axis = edge / row_step, brick_count = row_step * row_step;
+  const std::int64_t turn = (brick.x % 4 + brick.y % 2 * 4 + brick.z % 2 * 8) % brick_count;
+  for (std::int64_t k = 0; k < rows.size.z; k += row_step)
+    for (std::int64_t j = 0; j < rows.size.y; j += row_step) {
+      const std::int64_t number = (k / row_step * rows_per_axis + j / row_step) * brick_count + turn;
       const auto place = [&](std::size_t axis) {
-        return (static_cast<double>(number * steps[axis] % row_count) + 0.5) / static_cast<double>(row_count);
+        return (static_cast<double>(number * steps[axis] % place_count) + 0.5) / static_cast<double>(place_count);
       };
       const auto row = static_cast<std::size_t>(k * edge + j);
       rows.shift[row] = place(0) * lattice.spacing.x;

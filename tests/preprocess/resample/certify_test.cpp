@@ -174,19 +174,27 @@ TEST(Certify, finds_a_quarter_of_the_error_at_half_the_spacing_until_the_cells_a
   EXPECT_NEAR(coarse / fine, 2, 0.4);
 }
 
-TEST(Probes, are_spread_evenly_over_the_places_in_a_cell) {
-  const SampleLattice lattice = choose_samples(Box3({0, 0, 0}, {8, 8, 8}), {.longest_axis = 9});
-  const PointRows rows = rows_of_probes(lattice, {0, 0, 0}, true);
-  EXPECT_EQ(rows.size, Index3(8, 8, 8));
-  std::array<std::vector<double>, 3> places;
-  for (std::size_t row = 0; row < 64; ++row) {
-    places[0].push_back(rows.shift[row]);
-    places[1].push_back(rows.y[row] - std::floor(rows.y[row]));
-    places[2].push_back(rows.z[row] - std::floor(rows.z[row]));
-  }
-  for (auto& on_axis : places) {
-    std::sort(on_axis.begin(), on_axis.end());
-    for (std::size_t i = 0; i < 64; ++i) EXPECT_EQ(on_axis[i], (static_cast<double>(i) + 0.5) / 64);
+TEST(Probes, are_spread_evenly_over_the_places_in_a_cell_whatever_share_of_the_rows_has_them) {
+  const SampleLattice lattice = choose_samples(Box3({0, 0, 0}, {32, 16, 16}), {.sample_count = {33, 17, 17}});
+  for (const std::int64_t step : {1, 2, 4}) {
+    std::array<std::vector<double>, 3> places;
+    std::int64_t bricks_left = step * step;
+    for (std::int64_t b = 0; b < 16 && bricks_left > 0; ++b, --bricks_left) {
+      const PointRows rows = rows_of_probes(lattice, {b % 4, b / 4 % 2, b / 8}, step);
+      EXPECT_EQ(rows.size, Index3(8, 8, 8));
+      for (std::int64_t k = 0; k < 8; k += step)
+        for (std::int64_t j = 0; j < 8; j += step) {
+          const auto row = static_cast<std::size_t>(k * 8 + j);
+          places[0].push_back(rows.shift[row]);
+          places[1].push_back(rows.y[row] - std::floor(rows.y[row]));
+          places[2].push_back(rows.z[row] - std::floor(rows.z[row]));
+        }
+    }
+    for (auto& on_axis : places) {
+      ASSERT_EQ(on_axis.size(), 64U);
+      std::sort(on_axis.begin(), on_axis.end());
+      for (std::size_t i = 0; i < 64; ++i) EXPECT_EQ(on_axis[i], (static_cast<double>(i) + 0.5) / 64) << step;
+    }
   }
 }
 
