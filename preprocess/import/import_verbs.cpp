@@ -67,7 +67,8 @@ CellMesh import_cells(const fs::path& path, const ImportMeshOptions& options) {
 NeutralMesh import_mesh(const fs::path& path, const ImportMeshOptions& options) {
   CellMesh cells = import_cells(path, options);
   try {
-    return subdivide(std::move(cells), {.max_error = options.max_error}, options.progress);
+    return subdivide(std::move(cells), {.max_error = options.max_error, .fields = options.error_fields},
+                     options.progress);
   } catch (const Error& error) {  // the verb knows no file
     throw Error(error.trouble(), concat(path.string(), ", ", error.what()), error.hint());
   }

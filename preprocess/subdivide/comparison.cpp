@@ -7,12 +7,15 @@
 
 namespace rhoray::preprocess {
 
-Comparison::Comparison(CellMesh& mesh, std::span<const CurvedCell> cells) : mesh_(mesh), cells_(cells) {
-  std::size_t most_nodes = 0;
-  for (const CurvedCell& cell : cells) most_nodes = std::max(most_nodes, cell.shape->node_count());
-  most_nodes_ = most_nodes;
+Comparison::Comparison(CellMesh& mesh, std::span<const CurvedCell> cells, const std::vector<bool>& counted)
+    : mesh_(mesh), cells_(cells) {
+  for (const CurvedCell& cell : cells) most_nodes_ = std::max(most_nodes_, cell.shape->node_count());
   measure_box();
-  for (const NeutralField& field : mesh.point_fields) measure_range(field);
+  for (std::size_t f = 0; f < mesh.point_fields.size(); ++f) {
+    const NeutralField& field = mesh.point_fields[f];
+    sample_size_ += static_cast<std::size_t>(field.component_count);
+    ranges_.push_back(counted[f] ? range_of(field) : 0);
+  }
 }
 
 void Comparison::sample_cell(std::uint32_t curved_cell, const CellPlace& place, std::span<double> weights,
@@ -73,9 +76,8 @@ void Comparison::measure_box() {
 }
 
 /// The largest range of its components: a component of rounding alone does not count by itself.
-void Comparison::measure_range(const NeutralField& field) {
+double Comparison::range_of(const NeutralField& field) const {
   const auto components = static_cast<std::size_t>(field.component_count);
-  sample_size_ += components;
   double largest = 0;
   for (std::size_t c = 0; c < components; ++c) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -86,7 +88,7 @@ void Comparison::measure_range(const NeutralField& field) {
     }
     largest = std::max(largest, high - low);
   }
-  ranges_.push_back(largest);
+  return largest;
 }
 
 }  // namespace rhoray::preprocess

@@ -20,8 +20,9 @@ using Shares = std::vector<double>;
 /// Curved cells by their samples, and how far two samples lie apart.
 class Comparison {
  public:
-  /// Both stay with the caller; points may be added to the mesh.
-  Comparison(CellMesh& mesh, std::span<const CurvedCell> cells);
+  /// Mesh and cells stay with the caller; points may be added to the mesh.
+  /// @param counted  for each point field whether it is compared at all
+  Comparison(CellMesh& mesh, std::span<const CurvedCell> cells, const std::vector<bool>& counted);
 
   std::size_t most_nodes() const { return most_nodes_; }
   std::size_t sample_size() const { return sample_size_; }
@@ -40,13 +41,13 @@ class Comparison {
  private:
   void add(std::uint64_t point, double weight, Sample& out) const;
   void measure_box();
-  void measure_range(const NeutralField& field);
+  double range_of(const NeutralField& field) const;
 
   CellMesh& mesh_;
   std::span<const CurvedCell> cells_;
   std::size_t most_nodes_ = 0, sample_size_ = 3;
   double diagonal_ = 0;
-  std::vector<double> ranges_;
+  std::vector<double> ranges_;  ///< of each point field; 0 = it is not compared
 };
 
 }  // namespace rhoray::preprocess

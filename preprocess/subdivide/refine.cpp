@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -45,7 +46,12 @@ bool names_a_point_twice(const Tet& tet) {
 class Refinement {
  public:
   Refinement(CellMesh& mesh, std::span<const CurvedCell> cells, const RefineOptions& options)
-      : mesh_(mesh), cells_(cells), comparison_(mesh, cells), spread_(mesh, cells), options_(options) {
+      : mesh_(mesh),
+        cells_(cells),
+        comparison_(mesh, cells, options.counted),
+        spread_(mesh, cells),
+        options_(options),
+        cut_for_(comparison_.share_count(), 0) {
     require_room(mesh.points.size());
   }
 
@@ -56,7 +62,7 @@ class Refinement {
       cut(std::move(current));
       current = unfinished_again();
     }
-    return result();
+    return result(tets);
   }
 
  private:
@@ -120,19 +126,20 @@ class Refinement {
   /// Cuts tetrahedra, and what comes of them, until none strays too far and none has a longest edge that is cut.
   void cut(Array<Tet> current) {
     Array<Tet> next;
-    std::vector<std::uint8_t> is_far;
+    std::vector<std::optional<std::size_t>> strays;  // in which share each does
     while (!current.empty()) {
       measure_new_edges();
-      is_far.assign(current.size(), 0);
+      strays.assign(current.size(), std::nullopt);
       tbb::parallel_for(tbb::blocked_range<std::size_t>(0, current.size(), grain), [&](const auto& part) {
         Scratch scratch(comparison_);
-        for (std::size_t t = part.begin(); t < part.end(); ++t) is_far[t] = strays(current[t], scratch) ? 1 : 0;
+        for (std::size_t t = part.begin(); t < part.end(); ++t) strays[t] = straying_share(current[t], scratch);
       });
       std::vector<std::uint32_t> to_cut;
       for (std::size_t t = 0; t < current.size(); ++t) {
         const std::uint32_t e = current[t].edges[longest_edge(current[t])];
-        const bool wanted = (is_far[t] != 0 && may_be_cut(edges()[e])) || has_cut_edge(current[t]);
-        if (wanted && edges()[e].middle == no_point) to_cut.push_back(e);
+        const bool is_far = strays[t] && may_be_cut(edges()[e]);
+        if (is_far) ++cut_for_[*strays[t]];
+        if ((is_far || has_cut_edge(current[t])) && edges()[e].middle == no_point) to_cut.push_back(e);
       }
       make_middles(std::move(to_cut));
       next.clear();
@@ -268,15 +275,25 @@ class Refinement {
     measure_middle(tet, all_corners, scratch);
   }
 
-  bool strays(const Tet& tet, Scratch& scratch) const {
-    const auto is_far = [&](double share) { return share > options_.max_error; };
-    for (const std::uint32_t e : tet.edges) {
-      const std::span<const double> shares = shares_of_edge(e);
-      if (std::any_of(shares.begin(), shares.end(), is_far)) return true;
-    }
+  /// The largest of the shares when it is too large.
+  std::optional<std::size_t> too_large(std::span<const double> shares, double factor) const {
+    const auto largest = std::max_element(shares.begin(), shares.end());
+    if (!(factor * *largest > options_.max_error)) return std::nullopt;
+    return static_cast<std::size_t>(largest - shares.begin());
+  }
+
+  /// In which share a tetrahedron strays too far from its cell: along its edges, or else in between.
+  std::optional<std::size_t> straying_share(const Tet& tet, Scratch& scratch) const {
+    scratch.shares.assign(comparison_.share_count(), 0);
+    raise_to_edges(tet, scratch.shares);
+    if (const std::optional<std::size_t> share = too_large(scratch.shares, 1)) return share;
     measure_middles(tet, scratch);
-    return std::any_of(scratch.shares.begin(), scratch.shares.end(),
-                       [&](double share) { return is_far(beyond_middles * share); });
+    return too_large(scratch.shares, beyond_middles);
+  }
+
+  void raise_to_edges(const Tet& tet, Shares& shares) const {
+    for (const std::uint32_t e : tet.edges)
+      for (std::size_t i = 0; i < shares.size(); ++i) shares[i] = std::max(shares[i], shares_of_edge(e)[i]);
   }
 
   /// The cell's own node in the middle of an edge; no_point when there is none, or when it is an end (collapsed cells).
@@ -326,8 +343,7 @@ class Refinement {
       Scratch scratch(comparison_);
       for (std::size_t t = part * grain; t < std::min(finished_.size(), (part + 1) * grain); ++t) {
         measure_middles(finished_[t], scratch);
-        for (const std::uint32_t e : finished_[t].edges)
-          for (std::size_t i = 0; i < width; ++i) scratch.shares[i] = std::max(scratch.shares[i], shares_of_edge(e)[i]);
+        raise_to_edges(finished_[t], scratch.shares);
         for (std::size_t i = 0; i < width; ++i) parts[part][i] = std::max(parts[part][i], scratch.shares[i]);
       }
     });
@@ -337,11 +353,14 @@ class Refinement {
     return {.geometric = largest.front(), .of_fields = {largest.begin() + 1, largest.end()}};
   }
 
-  RefinedCells result() const {
+  /// @param source  the tetrahedra that it began with
+  RefinedCells result(std::span<const CornerTetrahedronOfCell> source) const {
     std::vector<std::size_t> places(cells_.size() + 1, 0);
     for (const Tet& tet : finished_) ++places[tet.curved_cell + 1];
     for (std::size_t c = 0; c < cells_.size(); ++c) places[c + 1] += places[c];
     RefinedCells refined;
+    refined.cut_cells = count_cut_cells(source, places);
+    refined.cut_for = cut_for_;
     refined.tets.resize(finished_.size());
     refined.curved_cells.resize(finished_.size());
     for (const Tet& tet : finished_) {
@@ -353,6 +372,17 @@ class Refinement {
     return refined;
   }
 
+  /// @param first_tets  of each curved cell its first tetrahedron of the result, and at the end their number
+  std::uint64_t count_cut_cells(std::span<const CornerTetrahedronOfCell> source,
+                                const std::vector<std::size_t>& first_tets) const {
+    std::vector<std::size_t> counts(cells_.size(), 0);
+    for (const CornerTetrahedronOfCell& tet : source) ++counts[tet.curved_cell];
+    std::uint64_t cut = 0;
+    for (std::size_t c = 0; c < cells_.size(); ++c)
+      if (first_tets[c + 1] - first_tets[c] > counts[c]) ++cut;
+    return cut;
+  }
+
   CellMesh& mesh_;
   std::span<const CurvedCell> cells_;
   Comparison comparison_;
@@ -361,6 +391,7 @@ class Refinement {
   EdgeTable table_;
   Array<double> edge_shares_;  ///< of each edge its Shares
   Array<Tet> finished_;
+  std::vector<std::uint64_t> cut_for_;  ///< as RefinedCells has it
 };
 
 }  // namespace
