@@ -163,7 +163,9 @@ preprocess::SizeByDistance read_size_by_distance(const TetrahedralizeCommand& co
 
 preprocess::NeutralMesh read_size_mesh(const std::filesystem::path& file, const std::string& field,
                                        std::uint64_t memory_limit_bytes) {
-  preprocess::NeutralMesh mesh = preprocess::import_mesh(file, {.memory_limit_bytes = memory_limit_bytes});
+  preprocess::NeutralMesh mesh =
+      preprocess::import_mesh(file, {.error_fields = field.empty() ? std::vector<std::string>{} : std::vector{field},
+                                     .memory_limit_bytes = memory_limit_bytes});
   std::vector<std::string> names;
   for (const auto& f : mesh.point_fields)
     if (f.component_count == 1) names.push_back(f.name);
