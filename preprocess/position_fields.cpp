@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "formats/shape_field.h"
+#include "preprocess/boundary_distance.h"
 #include "preprocess/inspect/finding.h"
 
 namespace rhoray::preprocess {
@@ -25,19 +27,16 @@ bool varies(const NeutralField& field) {
   return false;
 }
 
-/// 0 at the points of faces that one cell has alone, 1 elsewhere.
-NeutralField interior(const NeutralMesh& mesh) {
-  NeutralField field;
-  field.name = "interior";
-  field.values.assign(mesh.points.size(), 1);
+/// The faces that one cell has alone.
+std::vector<std::array<std::uint64_t, 3>> boundary_of(const NeutralMesh& mesh) {
   const std::vector<inspect::CellFace> faces = inspect::sorted_faces(mesh);
+  std::vector<std::array<std::uint64_t, 3>> boundary;
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const bool is_shared = (i > 0 && faces[i - 1].vertices == faces[i].vertices) ||
                            (i + 1 < faces.size() && faces[i + 1].vertices == faces[i].vertices);
-    if (is_shared) continue;
-    for (const std::uint64_t vertex : faces[i].vertices) field.values[vertex] = 0;
+    if (!is_shared) boundary.push_back(faces[i].vertices);
   }
-  return field;
+  return boundary;
 }
 
 }  // namespace
@@ -52,10 +51,23 @@ void add_position_fields(NeutralMesh& mesh) {
   for (const auto& cell : mesh.cells)
     for (const std::uint64_t vertex : cell) is_used[vertex] = true;
   std::vector<NeutralField> fields;
-  NeutralField inside = interior(mesh);
   bool any_inside = false;
-  for (std::size_t p = 0; p < mesh.points.size(); ++p) any_inside = any_inside || (is_used[p] && inside.values[p] == 1);
-  if (any_inside) fields.push_back(std::move(inside));
+  if (const auto boundary = boundary_of(mesh); !boundary.empty()) {
+    NeutralField distance;
+    distance.name = formats::boundary_distance;
+    distance.unit = mesh.length_unit;
+    distance.values = distances_to(boundary, mesh.points);
+    NeutralField interior;
+    interior.name = "interior";
+    for (std::size_t p = 0; p < mesh.points.size(); ++p) {
+      interior.values.push_back(distance.values[p] > 0 ? 1 : 0);
+      any_inside = any_inside || (is_used[p] && distance.values[p] > 0);
+    }
+    if (any_inside) {
+      fields.push_back(std::move(distance));
+      fields.push_back(std::move(interior));
+    }
+  }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     NeutralField& field = fields.emplace_back();
     field.name = std::string(1, "xyz"[axis]);
@@ -65,8 +77,10 @@ void add_position_fields(NeutralMesh& mesh) {
   }
   mesh.point_fields.insert(mesh.point_fields.begin(), std::make_move_iterator(fields.begin()),
                            std::make_move_iterator(fields.end()));
-  mesh.notes.push_back(any_inside ? "no field varies: interior (0 at the boundary, 1 inside), x, y and z were added"
-                                  : "no field varies: the coordinates x, y and z were added");
+  mesh.notes.push_back(
+      any_inside ? "no field varies: boundary_distance (of each point to the mesh's boundary), interior (0 at "
+                   "the boundary, 1 inside), x, y and z were added"
+                 : "no field varies: the coordinates x, y and z were added");
 }
 
 }  // namespace rhoray::preprocess
