@@ -43,7 +43,8 @@ std::vector<std::array<std::uint64_t, 3>> boundary_of(const NeutralMesh& mesh) {
 
 bool has_varying_field(const NeutralMesh& mesh) {
   return std::any_of(mesh.point_fields.begin(), mesh.point_fields.end(), varies) ||
-         std::any_of(mesh.cell_fields.begin(), mesh.cell_fields.end(), varies);
+         std::any_of(mesh.cell_fields.begin(), mesh.cell_fields.end(),
+                     [](const NeutralField& field) { return field.name != "region" && varies(field); });
 }
 
 void add_position_fields(NeutralMesh& mesh) {
