@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "formats/base/text.h"
 #include "formats/shape_field.h"
 #include "preprocess/boundary_distance.h"
 #include "preprocess/inspect/finding.h"
@@ -39,6 +40,13 @@ std::vector<std::array<std::uint64_t, 3>> boundary_of(const NeutralMesh& mesh) {
   return boundary;
 }
 
+/// Cells whose corners all have distance 0.
+std::size_t cells_without_distance(const NeutralMesh& mesh, const Array<double>& distances) {
+  return static_cast<std::size_t>(std::count_if(mesh.cells.begin(), mesh.cells.end(), [&](const auto& cell) {
+    return std::all_of(cell.begin(), cell.end(), [&](std::uint64_t vertex) { return distances[vertex] == 0; });
+  }));
+}
+
 }  // namespace
 
 bool has_varying_field(const NeutralMesh& mesh) {
@@ -53,6 +61,7 @@ void add_position_fields(NeutralMesh& mesh) {
     for (const std::uint64_t vertex : cell) is_used[vertex] = true;
   std::vector<NeutralField> fields;
   bool any_inside = false;
+  std::size_t flat_cells = 0;
   if (const auto boundary = boundary_of(mesh); !boundary.empty()) {
     NeutralField distance;
     distance.name = formats::boundary_distance;
@@ -64,6 +73,7 @@ void add_position_fields(NeutralMesh& mesh) {
       interior.values.push_back(distance.values[p] > 0 ? 1 : 0);
       any_inside = any_inside || (is_used[p] && distance.values[p] > 0);
     }
+    flat_cells = cells_without_distance(mesh, distance.values);
     if (any_inside) {
       fields.push_back(std::move(distance));
       fields.push_back(std::move(interior));
@@ -82,6 +92,10 @@ void add_position_fields(NeutralMesh& mesh) {
       any_inside ? "no field varies: boundary_distance (of each point to the mesh's boundary), interior (0 at "
                    "the boundary, 1 inside), x, y and z were added"
                  : "no field varies: the coordinates x, y and z were added");
+  if (any_inside && flat_cells > 0)
+    mesh.notes.push_back(concat(flat_cells, " of ", mesh.cells.size(),
+                                " tetrahedra have all corners on the boundary: boundary_distance is 0 in them, so its "
+                                "isosurfaces leave thin parts out; fill with --max-volume for points inside them"));
 }
 
 }  // namespace rhoray::preprocess
