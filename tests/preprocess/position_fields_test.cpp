@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "formats/base/text.h"
 #include "preprocess/boundary_distance.h"
 #include "tests/support/meshes.h"
 
