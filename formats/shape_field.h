@@ -8,6 +8,6 @@ namespace rhoray::formats {
 inline constexpr std::string_view boundary_distance = "boundary_distance";
 
 /// The share of its largest value at which the mesh's shape is drawn; the smaller, the nearer to the boundary.
-inline constexpr double shape_share_of_distance = 0.01;
+inline constexpr double shape_share_of_distance = 0.0001;
 
 }  // namespace rhoray::formats

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <random>
 
-#include "formats/base/text.h"
 #include "preprocess/boundary_distance.h"
 #include "tests/support/meshes.h"
 
@@ -35,12 +34,37 @@ TEST(PositionFields, say_what_lies_inside_and_where_points_are) {
     EXPECT_EQ(mesh.point_fields[1].values[p], is_inside ? 1 : 0);
     for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_EQ(mesh.point_fields[2 + axis].values[p], mesh.points[p][axis]);
   }
-  const auto flat = std::count_if(mesh.cells.begin(), mesh.cells.end(), [&](const auto& cell) {
-    return std::none_of(cell.begin(), cell.end(), [&](std::uint64_t v) { return mesh.point_fields[1].values[v] > 0; });
-  });
-  ASSERT_GT(flat, 0);
+}
+
+double volume_of(const NeutralMesh& mesh, const std::array<std::uint64_t, 4>& cell) {
+  const Vec3 a = tests::to_vec3(mesh.points[cell[0]]);
+  const auto edge = [&](std::size_t v) { return tests::to_vec3(mesh.points[cell[v]]) - a; };
+  return edge(1).dot(edge(2).cross(edge(3))) / 6;
+}
+
+TEST(PositionFields, leave_no_cell_without_a_point_inside_and_keep_volumes_and_fields) {
+  const NeutralMesh before = tests::box_mesh({.cells = {2, 2, 2}});
+  NeutralMesh mesh = before;
+  mesh.cell_fields.push_back({.name = "region", .unit = {}, .values = Array<double>(mesh.cells.size(), 1)});
+  mesh.cell_fields[0].values[5] = 7;
+  mesh.point_fields.push_back({.name = "flat", .unit = {}, .values = Array<double>(mesh.points.size(), 3)});
+  add_position_fields(mesh);
+  ASSERT_GT(mesh.cells.size(), before.cells.size());
+  ASSERT_EQ(mesh.cell_ids.size(), mesh.cells.size());
+  ASSERT_EQ(mesh.cell_fields[0].values.size(), mesh.cells.size());
+  std::vector<double> volumes(before.cells.size(), 0);
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    const auto& cell = mesh.cells[c];
+    EXPECT_TRUE(std::any_of(cell.begin(), cell.end(), [&](auto v) { return mesh.point_fields[0].values[v] > 0; }));
+    EXPECT_GT(volume_of(mesh, cell), 0) << "turned over";
+    volumes[mesh.cell_ids[c]] += volume_of(mesh, cell);
+    EXPECT_EQ(mesh.cell_fields[0].values[c], mesh.cell_ids[c] == 5 ? 7 : 1);
+  }
+  for (std::size_t c = 0; c < volumes.size(); ++c) EXPECT_NEAR(volumes[c], volume_of(before, before.cells[c]), 1e-15);
+  for (const NeutralField& field : mesh.point_fields) EXPECT_EQ(field.values.size(), mesh.points.size());
+  EXPECT_EQ(mesh.point_fields.back().values.back(), 3);
   ASSERT_EQ(mesh.notes.size(), 2U);
-  EXPECT_THAT(mesh.notes[1], testing::StartsWith(concat(flat, " of 162 tetrahedra have all corners on the boundary")));
+  EXPECT_THAT(mesh.notes[1], testing::HasSubstr("were cut in four"));
 }
 
 /// By another road than the regions of a triangle: the smallest distance over a fine net of its points, from above.
@@ -86,13 +110,6 @@ TEST(PositionFields, a_triangle_without_area_is_as_far_as_its_edges) {
   EXPECT_NEAR(distances[4], 5, 1e-14);
 }
 
-TEST(PositionFields, leave_out_the_interior_of_a_mesh_that_is_all_boundary) {
-  NeutralMesh mesh = tests::box_mesh({.cells = {1, 1, 1}});
-  mesh.points.push_back({0.5, 0.5, 0.5});  // of no cell
-  add_position_fields(mesh);
-  EXPECT_THAT(names_of(mesh), ElementsAre("x", "y", "z"));
-}
-
 TEST(PositionFields, come_before_fields_that_do_not_vary) {
   NeutralMesh mesh = tests::box_mesh({.cells = {1, 1, 1}});
   EXPECT_FALSE(has_varying_field(mesh));
@@ -101,7 +118,7 @@ TEST(PositionFields, come_before_fields_that_do_not_vary) {
       {.name = "flat", .unit = {}, .component_count = 2, .values = Array<double>(2 * mesh.points.size(), 3)});
   EXPECT_FALSE(has_varying_field(mesh));
   add_position_fields(mesh);
-  EXPECT_THAT(names_of(mesh), ElementsAre("x", "y", "z", "flat"));
+  EXPECT_THAT(names_of(mesh), ElementsAre("boundary_distance", "interior", "x", "y", "z", "flat"));
   EXPECT_TRUE(has_varying_field(mesh));
   mesh.point_fields.clear();
   mesh.cell_fields[0].values[1] = 2;

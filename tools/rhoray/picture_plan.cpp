@@ -78,7 +78,7 @@ std::vector<Option> picture_options(PictureOptions& options) {
       choice_option("--mode", {"iso", "mip"}, "Isosurface, or maximum intensity projection", options.mode),
       value_option(
           "--iso", "V",
-          "Isovalue: a number, p95 (percentile), or auto (Otsu's threshold; of boundary_distance a hundredth of "
+          "Isovalue: a number, p95 (percentile), or auto (Otsu's threshold; of boundary_distance a ten-thousandth of "
           "the largest); default auto",
           options.isovalue),
       value_option("--field", "NAME", "Field to show; default the first", options.field),
@@ -141,7 +141,7 @@ render::ChannelSet channel_set(const std::vector<std::string>& names) {
 Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& field) {
   if (field.range.is_empty()) throw Error(Trouble::invalid, concat("field '", field.name, "' holds no finite value"));
   if (text == "auto" && field.name == formats::boundary_distance && field.range.hi > 0)
-    return {formats::shape_share_of_distance * field.range.hi, "a hundredth of the largest distance"};
+    return {formats::shape_share_of_distance * field.range.hi, "a ten-thousandth of the largest distance"};
   if (text == "auto") {
     const std::optional<double> threshold = formats::otsu_threshold(field);
     if (!threshold)
