@@ -1,0 +1,144 @@
+#include "tools/validate/report.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rhoray::tools::validate {
+
+namespace {
+
+constexpr std::size_t wrong_rays_kept = 100;
+
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
+
+Json json_of(const Vec3& v) {
+  return Json::array({v.x, v.y, v.z});
+}
+
+Json json_of(std::string_view name, const RayCounts& counts) {
+  return {{"aim", name},
+          {"rays", counts.rays},
+          {"hits", counts.hits},
+          {"missed", counts.missed},
+          {"false", counts.false_hits},
+          {"elsewhere", counts.elsewhere},
+          {"touches", counts.touches},
+          {"undecided", counts.undecided},
+          {"redecided", counts.redecided}};
+}
+
+Json json_of(const Measure& measure) {
+  const Quantiles& q = measure.quantiles;
+  return {{"measure", measure.name},  {"unit", measure.unit},        {"count", q.count},
+          {"50 %", number(q.p50)},    {"90 %", number(q.p90)},       {"99 %", number(q.p99)},
+          {"99.9 %", number(q.p999)}, {"largest", number(q.largest)}};
+}
+
+Json json_of(const Check& check) {
+  return {{"check", check.name},
+          {"found", number(check.found)},
+          {"limit", check.limit},
+          {"holds", check.holds()},
+          {"reason", check.reason}};
+}
+
+Json json_of(const WrongRay& wrong) {
+  return {{"verdict", name_of(wrong.verdict)},       {"aim", name_of(wrong.ray.aim)},
+          {"origin", json_of(wrong.ray.ray.origin)}, {"direction", json_of(wrong.ray.ray.direction)},
+          {"t_renderer", number(wrong.t_renderer)},  {"t_reference", number(wrong.t_reference)}};
+}
+
+}  // namespace
+
+std::string_view name_of(Verdict verdict) {
+  constexpr std::string_view names[] = {"right", "missed", "false", "elsewhere", "touches", "undecided"};
+  return names[static_cast<std::size_t>(verdict)];
+}
+
+Quantiles quantiles_of(std::vector<double> values) {
+  std::erase_if(values, [](double v) { return std::isnan(v); });
+  std::sort(values.begin(), values.end());
+  if (values.empty()) return {};
+  const auto at = [&](double share) {
+    return values[static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size()))) - 1];
+  };
+  return {values.size(), at(0.5), at(0.9), at(0.99), at(0.999), values.back()};
+}
+
+RayCounts Report::total() const {
+  RayCounts sum;
+  for (const RayCounts& c : counts) {
+    sum.rays += c.rays;
+    sum.hits += c.hits;
+    sum.missed += c.missed;
+    sum.false_hits += c.false_hits;
+    sum.elsewhere += c.elsewhere;
+    sum.touches += c.touches;
+    sum.undecided += c.undecided;
+    sum.redecided += c.redecided;
+  }
+  return sum;
+}
+
+bool Report::holds() const {
+  return std::all_of(checks.begin(), checks.end(), [](const Check& check) { return check.holds(); });
+}
+
+Shots shoot(const Tracer& tracer, std::vector<AimedRay> rays) {
+  Shots shots{.rays = std::move(rays), .hits = {}, .findings = {}};
+  std::vector<render::FrameRay> bare;
+  for (const AimedRay& aimed : shots.rays) bare.push_back(aimed.ray);
+  shots.hits.resize(bare.size());
+  shots.findings.resize(bare.size());
+  tracer(bare, shots.hits);
+  return shots;
+}
+
+void count(const Shots& shots, Report& report) {
+  for (std::size_t r = 0; r < shots.rays.size(); ++r) {
+    const Finding& finding = shots.findings[r];
+    RayCounts& counts = report.counts[static_cast<std::size_t>(shots.rays[r].aim)];
+    ++counts.rays;
+    counts.hits += finding.is_hit;
+    counts.redecided += finding.was_redecided;
+    counts.missed += finding.verdict == Verdict::missed;
+    counts.false_hits += finding.verdict == Verdict::false_hit;
+    counts.elsewhere += finding.verdict == Verdict::elsewhere;
+    counts.touches += finding.verdict == Verdict::touches;
+    counts.undecided += finding.verdict == Verdict::undecided;
+    if (finding.verdict != Verdict::right && report.wrong.size() < wrong_rays_kept)
+      report.wrong.push_back({.ray = shots.rays[r],
+                              .verdict = finding.verdict,
+                              .t_renderer = shots.hits[r].t,
+                              .t_reference = finding.t_reference});
+  }
+}
+
+Measure measure(std::string name, std::string unit, const Shots& shots, double Finding::*number_of) {
+  std::vector<double> values;
+  for (const Finding& finding : shots.findings) values.push_back(finding.*number_of);
+  return {std::move(name), std::move(unit), quantiles_of(std::move(values))};
+}
+
+Json json_of(const Report& report) {
+  Json json{
+      {"reference", report.reference}, {"straddling_cells", report.straddling_cells}, {"triangles", report.triangles}};
+  json["rays"] = Json::array();
+  for (std::size_t aim = 0; aim < aim_count; ++aim)
+    if (report.counts[aim].rays > 0)
+      json["rays"].push_back(json_of(name_of(static_cast<Aim>(aim)), report.counts[aim]));
+  json["rays"].push_back(json_of("all", report.total()));
+  json["measures"] = Json::array();
+  for (const Measure& each : report.measures) json["measures"].push_back(json_of(each));
+  json["checks"] = Json::array();
+  for (const Check& each : report.checks) json["checks"].push_back(json_of(each));
+  json["holds"] = report.holds();
+  json["wrong"] = Json::array();
+  for (const WrongRay& each : report.wrong) json["wrong"].push_back(json_of(each));
+  json["notes"] = report.notes;
+  return json;
+}
+
+}  // namespace rhoray::tools::validate
