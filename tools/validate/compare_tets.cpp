@@ -18,6 +18,7 @@ namespace {
 
 constexpr double default_depth_limit = 1e-9;  // of the box's diagonal
 constexpr double normal_limit_deg = 1e-4;
+constexpr double rounding_share = 1e-14;  // of the distance from a ray's origin: what a hundred roundings may add up to
 
 /// The renderer's answers beside those of the reference.
 class Comparer {
@@ -25,7 +26,7 @@ class Comparer {
   Comparer(const TetField& field, const Affine& world_from_frame, const Box3& data_frame, const Question& question)
       : field_(field),
         world_from_frame_(world_from_frame),
-        isovalue_(question.isovalue),
+        data_frame_(data_frame),
         diagonal_(world_from_frame.vector(data_frame.size()).length()),
         depth_limit_(question.max_depth_error > 0 ? question.max_depth_error : default_depth_limit),
         surface_(extract_surface(field, question.isovalue)),
@@ -45,10 +46,17 @@ class Comparer {
       truth = judge_.first_crossing(ray);
       finding.was_redecided = true;
     }
+    finding.verdict = verdict_of(ray, hit, truth);
+    if (finding.verdict != Verdict::right) {
+      if (const auto moved = moved_by_rounding(ray, hit)) {
+        finding.verdict = Verdict::grazes;
+        finding.moved_box = moved->distance / diagonal_;
+        truth = moved->crossing;
+      }
+    }
     finding.is_hit = truth.has_value();
     if (truth) finding.t_reference = truth->t;
     if (!hit.is_miss()) measure_hit(ray, hit, hit_cell, finding);
-    finding.verdict = verdict_of(hit, truth, finding);
     return finding;
   }
 
@@ -63,7 +71,7 @@ class Comparer {
     const std::optional<double> t = judge_.crossing_in(ray, cell);
     // Where the answers lie apart, the cell alone does not tell which crossing is the first.
     if (!t || std::abs(*t - hit.t) * world_length(ray.direction) > depth_limit_ * diagonal_) return std::nullopt;
-    return TetJudge::Crossing{.t = *t, .cell = cell, .only_touches = false};
+    return TetJudge::Crossing{.t = *t, .cell = cell};
   }
 
   void measure_hit(const render::FrameRay& ray, const render::FrameHit& hit, std::size_t hit_cell,
@@ -95,17 +103,41 @@ class Comparer {
     return has_angle ? turn * 180 / std::numbers::pi : not_measured;
   }
 
-  Verdict verdict_of(const render::FrameHit& hit, const std::optional<TetJudge::Crossing>& truth,
-                     const Finding& finding) const {
+  Verdict verdict_of(const render::FrameRay& ray, const render::FrameHit& hit,
+                     const std::optional<TetJudge::Crossing>& truth) const {
     if (!truth) return hit.is_miss() ? Verdict::right : Verdict::false_hit;
-    if (!hit.is_miss() && finding.depth_box <= depth_limit_) return Verdict::right;
-    if (truth->only_touches) return Verdict::touches;
-    return hit.is_miss() ? Verdict::missed : Verdict::elsewhere;
+    if (hit.is_miss()) return Verdict::missed;
+    const double depth = std::abs(hit.t - truth->t) * world_length(ray.direction);
+    return depth <= depth_limit_ * diagonal_ ? Verdict::right : Verdict::elsewhere;
+  }
+
+  struct Moved {
+    double distance = 0;
+    std::optional<TetJudge::Crossing> crossing;
+  };
+
+  /// The smallest parallel shift, of those tried, by which the tracer's answer becomes the exact one; nothing when
+  /// there is none within what rounding may do.
+  std::optional<Moved> moved_by_rounding(const render::FrameRay& ray, const render::FrameHit& hit) const {
+    constexpr int directions = 16;
+    const Vec3 way = ray.direction.normalized();
+    const Vec3 aside = way.cross(std::abs(way.x) < 0.5 ? Vec3(1, 0, 0) : Vec3(0, 1, 0)).normalized();
+    const Vec3 other = way.cross(aside);
+    const double farthest = ((data_frame_.center() - ray.origin).length() + data_frame_.size().length() / 2);
+    for (double share = 1.0 / 256; share <= 1; share *= 2)
+      for (int turn = 0; turn < directions; ++turn) {
+        const double angle = 2 * std::numbers::pi * turn / directions;
+        const Vec3 shift = share * rounding_share * farthest * (std::cos(angle) * aside + std::sin(angle) * other);
+        const auto crossing = judge_.first_crossing({ray.origin + shift, ray.direction});
+        if (verdict_of(ray, hit, crossing) == Verdict::right) return Moved{world_length(shift), crossing};
+      }
+    return std::nullopt;
   }
 
   const TetField& field_;
   Affine world_from_frame_;
-  double isovalue_, diagonal_, depth_limit_;
+  Box3 data_frame_;
+  double diagonal_, depth_limit_;
   TetSurface surface_;
   TriangleTree tree_;
   TetJudge judge_;
@@ -161,6 +193,7 @@ void add_measures(const Shots& far, const Shots& near, Report& report) {
   report.measures.push_back(measure("surface to renderer", "cells", near, &Finding::depth_cells));
   report.measures.push_back(measure("surface to renderer", "box", near, &Finding::depth_box));
   report.measures.push_back(measure("normal", "degrees", far, &Finding::normal_deg));
+  report.measures.push_back(measure("grazing rays moved", "box", far, &Finding::moved_box));
 }
 
 void add_checks(const Comparer& comparer, Report& report) {

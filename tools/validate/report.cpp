@@ -24,7 +24,7 @@ Json json_of(std::string_view name, const RayCounts& counts) {
           {"missed", counts.missed},
           {"false", counts.false_hits},
           {"elsewhere", counts.elsewhere},
-          {"touches", counts.touches},
+          {"grazes", counts.grazes},
           {"undecided", counts.undecided},
           {"redecided", counts.redecided}};
 }
@@ -53,7 +53,7 @@ Json json_of(const WrongRay& wrong) {
 }  // namespace
 
 std::string_view name_of(Verdict verdict) {
-  constexpr std::string_view names[] = {"right", "missed", "false", "elsewhere", "touches", "undecided"};
+  constexpr std::string_view names[] = {"right", "missed", "false", "elsewhere", "grazes", "undecided"};
   return names[static_cast<std::size_t>(verdict)];
 }
 
@@ -75,7 +75,7 @@ RayCounts Report::total() const {
     sum.missed += c.missed;
     sum.false_hits += c.false_hits;
     sum.elsewhere += c.elsewhere;
-    sum.touches += c.touches;
+    sum.grazes += c.grazes;
     sum.undecided += c.undecided;
     sum.redecided += c.redecided;
   }
@@ -106,7 +106,7 @@ void count(const Shots& shots, Report& report) {
     counts.missed += finding.verdict == Verdict::missed;
     counts.false_hits += finding.verdict == Verdict::false_hit;
     counts.elsewhere += finding.verdict == Verdict::elsewhere;
-    counts.touches += finding.verdict == Verdict::touches;
+    counts.grazes += finding.verdict == Verdict::grazes;
     counts.undecided += finding.verdict == Verdict::undecided;
     if (finding.verdict != Verdict::right && report.wrong.size() < wrong_rays_kept)
       report.wrong.push_back({.ray = shots.rays[r],

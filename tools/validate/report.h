@@ -20,7 +20,7 @@ enum class Verdict {
   missed,     ///< the surface is there, and no hit was reported
   false_hit,  ///< a hit, and no surface
   elsewhere,  ///< a hit, but not where the ray first crosses the surface
-  touches,    ///< the ray meets the surface in one point without passing to its other side: either answer will do
+  grazes,     ///< right for a ray moved by rounding: it passes the surface's outline so closely
   undecided   ///< the reference is not exact enough to tell (grids)
 };
 std::string_view name_of(Verdict verdict);
@@ -35,7 +35,8 @@ struct Finding {
   double depth_cells = not_measured, depth_box = not_measured;        ///< along the ray, from the reference's crossing
   double distance_cells = not_measured, distance_box = not_measured;  ///< from the hit to the reference surface
   double normal_deg = not_measured;
-  bool is_above = false;  ///< the hit lies where values are larger than at the reference surface
+  double moved_box = not_measured;  ///< of a ray that grazes, how far it was moved
+  bool is_above = false;            ///< the hit lies where values are larger than at the reference surface
 };
 
 struct Quantiles {
@@ -61,7 +62,7 @@ struct Check {
 };
 
 struct RayCounts {
-  std::uint64_t rays = 0, hits = 0, missed = 0, false_hits = 0, elsewhere = 0, touches = 0, undecided = 0;
+  std::uint64_t rays = 0, hits = 0, missed = 0, false_hits = 0, elsewhere = 0, grazes = 0, undecided = 0;
   std::uint64_t redecided = 0;
 };
 

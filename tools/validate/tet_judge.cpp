@@ -53,19 +53,11 @@ struct FacePoint {
   Number t, excess;
 };
 
-/// A crossing in one cell.
-template <class Number>
-struct CellCrossing {
-  Number t;
-  bool reaches_at_exit;  ///< below the isovalue in the cell but for the point where the ray leaves
-  bool falls_at_entry;   ///< below but for the point where it enters
-};
-
 /// The ray's crossing of a closed cell. Comparisons of intervals that overlap throw; rational numbers always decide.
 /// For a point on the plane of the corners a, b, c, all seen from the ray's origin, Cramer's rule gives the weight of a
 /// as det(d, b, c) over the sum of the three weights, and t as det(a, b, c) over that sum.
 template <class Number>
-std::optional<CellCrossing<Number>> crossing(const render::FrameRay& ray, const TetField::Cell& cell, double isovalue) {
+std::optional<Number> crossing(const render::FrameRay& ray, const TetField::Cell& cell, double isovalue) {
   using Vector = Point3<Number>;
   const Vector d{Number(ray.direction.x), Number(ray.direction.y), Number(ray.direction.z)};
   std::array<Vector, 4> corner;
@@ -110,7 +102,7 @@ std::optional<CellCrossing<Number>> crossing(const render::FrameRay& ray, const 
   const Number volume = determinant(edge[0], edge[1], edge[2]);
   if (volume == Number(0)) {
     // Without volume the field jumps where the ray passes the plane: from the one face's value to the other's.
-    if (in.t == out.t) return CellCrossing<Number>{in.t, false, false};
+    if (in.t == out.t) return in.t;
     return std::nullopt;
   }
   if (in.t == out.t) return std::nullopt;
@@ -119,33 +111,21 @@ std::optional<CellCrossing<Number>> crossing(const render::FrameRay& ray, const 
     in.t = Number(0);
     if ((in.excess < Number(0)) == (out.excess < Number(0))) return std::nullopt;
   }
-  const bool rises = in.excess < Number(0);
-  return CellCrossing<Number>{in.t + (out.t - in.t) * in.excess / (in.excess - out.excess),
-                              rises && out.excess == Number(0), !rises && in.excess == Number(0)};
+  return in.t + (out.t - in.t) * in.excess / (in.excess - out.excess);
 }
 
-struct RoundedCrossing {
-  double t;
-  bool reaches_at_exit, falls_at_entry;
-};
-
-std::optional<RoundedCrossing> decided_crossing(const render::FrameRay& ray, const TetField::Cell& cell,
-                                                double isovalue) {
+std::optional<double> decided_crossing(const render::FrameRay& ray, const TetField::Cell& cell, double isovalue) {
   constexpr double wanted_width = 1e-13;  // of t itself
   try {
     const CGAL::Protect_FPU_rounding<true> protect;
-    const auto found = crossing<Interval>(ray, cell, isovalue);
-    if (!found) return std::nullopt;
-    const double lo = found->t.inf(), hi = found->t.sup();
-    const bool is_special = found->reaches_at_exit || found->falls_at_entry;  // compared with others: the same rounding
-    if (!is_special && hi - lo <= wanted_width * std::max(std::abs(lo), std::abs(hi)))
-      return RoundedCrossing{hi, false, false};
+    const auto t = crossing<Interval>(ray, cell, isovalue);
+    if (!t) return std::nullopt;
+    if (t->sup() - t->inf() <= wanted_width * std::max(std::abs(t->inf()), std::abs(t->sup()))) return t->sup();
   } catch (const CGAL::Uncertain_conversion_exception&) {
     // Decided below.
   }
-  const auto found = crossing<Exact>(ray, cell, isovalue);
-  if (!found) return std::nullopt;
-  return RoundedCrossing{CGAL::to_double(found->t), found->reaches_at_exit, found->falls_at_entry};
+  const auto t = crossing<Exact>(ray, cell, isovalue);
+  return t ? std::optional(CGAL::to_double(*t)) : std::nullopt;
 }
 
 }  // namespace
@@ -167,8 +147,7 @@ TetJudge::TetJudge(TetJudge&&) noexcept = default;
 TetJudge& TetJudge::operator=(TetJudge&&) noexcept = default;
 
 std::optional<double> TetJudge::crossing_in(const render::FrameRay& ray, std::uint32_t cell) const {
-  const auto found = decided_crossing(ray, field_->cell(cell), isovalue_);
-  return found ? std::optional(found->t) : std::nullopt;
+  return decided_crossing(ray, field_->cell(cell), isovalue_);
 }
 
 std::optional<TetJudge::Crossing> TetJudge::first_crossing(const render::FrameRay& ray) const {
@@ -178,19 +157,10 @@ std::optional<TetJudge::Crossing> TetJudge::first_crossing(const render::FrameRa
   std::vector<std::uint32_t> candidates;
   boxes_->aabb.all_intersected_primitives(shot, std::back_inserter(candidates));
   std::optional<Crossing> first;
-  std::vector<RoundedCrossing> found;
   for (const std::uint32_t cell : candidates) {
-    const auto here = decided_crossing(ray, field_->cell(cell), isovalue_);
-    if (!here) continue;
-    found.push_back(*here);
-    if (!first || here->t < first->t) first = Crossing{.t = here->t, .cell = cell, .only_touches = false};
+    const std::optional<double> t = decided_crossing(ray, field_->cell(cell), isovalue_);
+    if (t && (!first || *t < first->t)) first = Crossing{.t = *t, .cell = cell};
   }
-  if (!first) return std::nullopt;
-  const auto at_first = [&](bool RoundedCrossing::*which) {
-    return std::any_of(found.begin(), found.end(),
-                       [&](const RoundedCrossing& c) { return c.*which && c.t == first->t; });
-  };
-  first->only_touches = at_first(&RoundedCrossing::reaches_at_exit) && at_first(&RoundedCrossing::falls_at_entry);
   return first;
 }
 

@@ -11,7 +11,7 @@ namespace rhoray::tools::validate {
 
 /// Decides exactly where a ray crosses the isosurface of a field on tetrahedra: a change between value < isovalue and
 /// value >= isovalue along the ray, on t >= 0, as the doubles of mesh and ray say it. Uncertain signs are decided in
-/// rational numbers. May be asked from many threads.
+/// rational numbers. Where the isovalue is met in one point from below that counts. May be asked from many threads.
 class TetJudge {
  public:
   /// @param straddling  the cells with points on both sides; the field must outlive this
@@ -21,9 +21,8 @@ class TetJudge {
   TetJudge& operator=(TetJudge&&) noexcept;
 
   struct Crossing {
-    double t = 0;               ///< rounded from a number that is known to 1e-13 of itself, or exactly
-    std::uint32_t cell = 0;     ///< one in which it lies
-    bool only_touches = false;  ///< the ray comes from below, meets the isovalue in this one point, and falls again
+    double t = 0;            ///< rounded from a number that is known to 1e-13 of itself, or exactly
+    std::uint32_t cell = 0;  ///< one in which it lies
   };
 
   /// Where the ray crosses inside one cell.
