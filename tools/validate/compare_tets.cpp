@@ -1,8 +1,4 @@
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <numbers>
 
@@ -145,12 +141,8 @@ class Comparer {
 
 void find_all(const Comparer& comparer, Shots& shots, const Thousandths& progress, std::uint64_t begin,
               std::uint64_t end) {
-  std::atomic<std::size_t> done = 0;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, shots.rays.size(), 256), [&](const auto& range) {
-    for (std::size_t r = range.begin(); r != range.end(); ++r)
-      shots.findings[r] = comparer.find(shots.rays[r].ray, shots.hits[r]);
-    progress(begin + (end - begin) * (done += range.size()) / shots.rays.size());
-  });
+  for_each_shot(shots.rays.size(), progress, begin, end,
+                [&](std::size_t r) { shots.findings[r] = comparer.find(shots.rays[r].ray, shots.hits[r]); });
 }
 
 /// A ray at a point of the surface, along the field's gradient, from just before it: from so near that the surface does
@@ -198,21 +190,16 @@ void add_measures(const Shots& far, const Shots& near, Report& report) {
 
 void add_checks(const Comparer& comparer, Report& report) {
   const RayCounts all = report.total();
-  const auto largest = [&](std::string_view name, std::string_view unit) {
-    for (const Measure& each : report.measures)
-      if (each.name == name && each.unit == unit) return each.quantiles.largest;
-    return not_measured;
-  };
   const char* exact = "every difference is decided exactly, so none is due to the reference";
   report.checks = {
       {"missed", static_cast<double>(all.missed), 0, exact},
       {"false", static_cast<double>(all.false_hits), 0, exact},
       {"elsewhere", static_cast<double>(all.elsewhere), 0, exact},
-      {"largest depth error, box", largest("depth", "box"), comparer.depth_limit(),
+      {"largest depth error, box", report.largest("depth", "box"), comparer.depth_limit(),
        "double precision in the cell, with room for rays that graze the surface"},
-      {"renderer to surface, box", largest("renderer to surface", "box"), comparer.depth_limit(), "as above"},
-      {"surface to renderer, box", largest("surface to renderer", "box"), comparer.depth_limit(), "as above"},
-      {"largest normal error, degrees", largest("normal", "degrees"), normal_limit_deg,
+      {"renderer to surface, box", report.largest("renderer to surface", "box"), comparer.depth_limit(), "as above"},
+      {"surface to renderer, box", report.largest("surface to renderer", "box"), comparer.depth_limit(), "as above"},
+      {"largest normal error, degrees", report.largest("normal", "degrees"), normal_limit_deg,
        "the gradient of one cell in double precision, with room for thin cells"}};
 }
 

@@ -34,6 +34,10 @@ struct Triangles {
   }
 };
 
+inline Vec3 to_vec3(const Index3& i) {
+  return {static_cast<double>(i.x), static_cast<double>(i.y), static_cast<double>(i.z)};
+}
+
 inline Vec3 point_at(const render::FrameRay& ray, double t) {
   return ray.origin + t * ray.direction;
 }

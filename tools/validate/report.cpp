@@ -1,6 +1,10 @@
 #include "tools/validate/report.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 namespace rhoray::tools::validate {
@@ -84,6 +88,21 @@ RayCounts Report::total() const {
 
 bool Report::holds() const {
   return std::all_of(checks.begin(), checks.end(), [](const Check& check) { return check.holds(); });
+}
+
+double Report::largest(std::string_view name, std::string_view unit) const {
+  for (const Measure& each : measures)
+    if (each.name == name && each.unit == unit) return each.quantiles.largest;
+  return not_measured;
+}
+
+void for_each_shot(std::size_t count, const Thousandths& progress, std::uint64_t begin, std::uint64_t end,
+                   const std::function<void(std::size_t shot)>& act) {
+  std::atomic<std::size_t> done = 0;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 64), [&](const auto& range) {
+    for (std::size_t r = range.begin(); r != range.end(); ++r) act(r);
+    progress(begin + (end - begin) * (done += range.size()) / count);
+  });
 }
 
 Shots shoot(const Tracer& tracer, std::vector<AimedRay> rays) {

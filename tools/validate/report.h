@@ -83,6 +83,7 @@ struct Report {
 
   RayCounts total() const;
   bool holds() const;
+  double largest(std::string_view measure, std::string_view unit) const;  ///< NaN when there is no such measure
 };
 
 /// What was asked of a comparison.
@@ -113,7 +114,11 @@ struct Comparison {
 /// Adds the counts of these shots, and the first of the wrong ones.
 void count(const Shots& shots, Report& report);
 
-/// Quantiles of one of Finding's numbers.
+/// Calls act(shot) for every shot, on all threads; progress goes from `begin` to `end`.
+void for_each_shot(std::size_t count, const Thousandths& progress, std::uint64_t begin, std::uint64_t end,
+                   const std::function<void(std::size_t shot)>& act);
+
+/// Quantiles of one of Finding's numbers, over all of these shots.
 Measure measure(std::string name, std::string unit, const Shots& shots, double Finding::*number);
 
 Json json_of(const Report& report);

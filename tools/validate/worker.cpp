@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "formats/brick_grid.h"
 #include "formats/packed_file.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/run_worker.h"
@@ -40,6 +41,9 @@ Comparison compare(const Request& request) {
   };
   const Thousandths progress = [](std::uint64_t done) { preprocess::report_worker_progress(done, all_done); };
   const Affine world_from_frame = render::world_from_frame(volume);
+  if (!volume.is_mesh())
+    return compare_grid(GridField(formats::BrickGrid(volume.file()), request.field), world_from_frame, question, tracer,
+                        progress);
   const TetField field(formats::TetMesh(volume.file()), request.field);
   return compare_tets(field, world_from_frame, question, tracer, progress);
 }

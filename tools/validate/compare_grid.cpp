@@ -1,0 +1,298 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "formats/base/text.h"
+#include "tools/validate/compare.h"
+#include "tools/validate/grid_judge.h"
+#include "tools/validate/grid_surface.h"
+#include "tools/validate/triangle_tree.h"
+
+namespace rhoray::tools::validate {
+
+namespace {
+
+constexpr double default_depth_limit = 1e-9;  // of a cell
+constexpr double probe_step = 0.25;           // of a cell
+constexpr double rounding_residual = 1e-12;   // of the range of a cell's corners
+constexpr std::size_t most_edge_points = 400'000;
+
+class Comparer {
+ public:
+  Comparer(const GridField& field, const Affine& world_from_frame, const Question& question)
+      : field_(field),
+        world_from_frame_(world_from_frame),
+        box_(field.box_frame()),
+        diagonal_(world_from_frame.vector(box_.size()).length()),
+        depth_limit_(question.max_depth_error > 0 ? question.max_depth_error : default_depth_limit),
+        judge_(field, question.isovalue),
+        edge_points_(edge_points(field, question.isovalue, most_edge_points, question.seed)),
+        surface_(mesh_surface(field, question.isovalue, edge_points_, {})),
+        tree_(surface_.triangles),
+        surface_error_(quantiles_of(surface_.offsets)) {}
+
+  const GridSurface& surface() const { return surface_; }
+  const EdgePoints& edges() const { return edge_points_; }
+  const Quantiles& surface_error() const { return surface_error_; }
+  const GridJudge& judge() const { return judge_; }
+  const Box3& box() const { return box_; }
+  double depth_limit() const { return depth_limit_; }
+
+  /// How many cells the ray passes through while t grows by 1, at a point in the grid: the length of its direction in
+  /// cells.
+  double cells_per_t(const render::FrameRay& ray, double t) const {
+    const Vec3 p = field_.index_from_frame(point_at(ray, t));
+    Index3 at;
+    for (int axis = 0; axis < 3; ++axis)
+      at[axis] = static_cast<std::int64_t>(
+          std::clamp(std::floor(p[axis]), 0.0, static_cast<double>(field_.sample_count()[axis] - 2)));
+    return (ray.direction / field_.widths(at)).length();
+  }
+
+  Finding find(const render::FrameRay& ray, const render::FrameHit& hit) const {
+    Finding finding;
+    const std::optional<Interval<double>> inside = inside_box(ray);
+    if (!inside) {
+      finding.verdict = hit.is_miss() ? Verdict::right : Verdict::false_hit;
+      return finding;
+    }
+    const double per_t = cells_per_t(ray, hit.is_miss() ? inside->lo : hit.t);
+    if (!hit.is_miss()) prove(ray, hit, per_t, finding);
+    // What the tracer must not have passed over, up to where it says the surface is.
+    const double end = hit.is_miss() ? inside->hi : std::min(inside->hi, hit.t - depth_limit_ / per_t);
+    if (const auto passed = passed_over(ray, *inside, end, hit, finding)) {
+      finding.verdict = hit.is_miss() ? Verdict::missed : Verdict::elsewhere;
+      finding.is_hit = true;
+      finding.t_reference = passed->lo + (passed->hi - passed->lo) / 2;
+    }
+    return finding;
+  }
+
+ private:
+  std::optional<Interval<double>> inside_box(const render::FrameRay& ray) const {
+    Interval<double> t{0, std::numeric_limits<double>::infinity()};
+    for (int axis = 0; axis < 3; ++axis) {
+      const double low = (box_.min[axis] - ray.origin[axis]) / ray.direction[axis];
+      const double high = (box_.max[axis] - ray.origin[axis]) / ray.direction[axis];
+      if (ray.direction[axis] == 0) {
+        if (ray.origin[axis] < box_.min[axis] || ray.origin[axis] > box_.max[axis]) return std::nullopt;
+        continue;
+      }
+      t.lo = std::max(t.lo, std::min(low, high));
+      t.hi = std::min(t.hi, std::max(low, high));
+    }
+    if (!(t.lo <= t.hi)) return std::nullopt;
+    return t;
+  }
+
+  /// Looks for the crossing that the tracer has reported, and measures.
+  void prove(const render::FrameRay& ray, const render::FrameHit& hit, double per_t, Finding& finding) const {
+    const double finest = std::max(4e-16 * std::abs(hit.t), 1e-15 / per_t);
+    const std::optional<double> t = judge_.crossing_near(ray, hit.t, finest, 0.5 / per_t);
+    finding.is_hit = t.has_value();
+    const Vec3 p = point_at(ray, hit.t);
+    measure_distance(p, hit, finding);
+    measure_normal(p, hit, finding);
+    const auto residual = judge_.residual(ray, hit.t);
+    const bool is_level = residual && *residual <= rounding_residual;
+    if (t) {
+      finding.t_reference = *t;
+      finding.depth_cells = std::abs(*t - hit.t) * per_t;
+      finding.depth_box = std::abs(*t - hit.t) * world_from_frame_.vector(ray.direction).length() / diagonal_;
+      finding.verdict = finding.depth_cells <= depth_limit_ ? Verdict::right
+                        : is_level                          ? Verdict::grazes
+                                                            : Verdict::elsewhere;
+    } else {
+      finding.verdict = is_level ? Verdict::grazes : Verdict::false_hit;
+    }
+    if (finding.verdict == Verdict::grazes) finding.depth_cells = finding.depth_box = not_measured;
+  }
+
+  void measure_distance(const Vec3& p, const render::FrameHit& hit, Finding& finding) const {
+    if (tree_.is_empty()) return;
+    const Vec3 nearest = tree_.nearest(p);
+    finding.distance_cells = (field_.index_from_frame(p) - field_.index_from_frame(nearest)).length();
+    finding.distance_box = world_from_frame_.vector(p - nearest).length() / diagonal_;
+    finding.is_above = (p - nearest).dot(hit.gradient) > 0;
+  }
+
+  void measure_normal(const Vec3& p, const render::FrameHit& hit, Finding& finding) const {
+    const Index3 cells = field_.sample_count() - Index3(1);
+    const auto id = static_cast<std::int64_t>(hit.cell);
+    const Index3 at(id % cells.x, id / cells.x % cells.y, id / cells.x / cells.y);
+    if (at.z >= cells.z) return;
+    const Vec3 local = field_.index_from_frame(p) - to_vec3(at);
+    const Vec3 gradient = field_.cell(at).gradient(local) / field_.widths(at);
+    const bool has_angle = gradient.length() > 0 && hit.gradient.length() > 0;
+    if (has_angle)
+      finding.normal_deg =
+          std::atan2(gradient.cross(hit.gradient).length(), gradient.dot(hit.gradient)) * 180 / std::numbers::pi;
+  }
+
+  /// A change of side that is proved and lies before `end`: looked for all along the ray, and closely where it meets
+  /// the mesh.
+  std::optional<Interval<double>> passed_over(const render::FrameRay& ray, const Interval<double>& inside, double end,
+                                              const render::FrameHit& hit, Finding& finding) const {
+    const double step = probe_step / cells_per_t(ray, inside.lo);
+    if (const auto found = judge_.clear_change(ray, inside.lo, end, step)) return found;
+    const auto met = tree_.first_on(ray);
+    if (!met || !(met->t < end) || met->t < inside.lo) return std::nullopt;
+    const double per_t = cells_per_t(ray, met->t);
+    const double error = std::isnan(surface_.offsets[met->triangle]) ? 1 : surface_.offsets[met->triangle];
+    const double reach = 4 * error / per_t;
+    if (!hit.is_miss() && met->t > hit.t - reach) return std::nullopt;  // the same crossing, as far as the mesh tells
+    finding.was_redecided = true;
+    const auto found = judge_.clear_change(ray, std::max(inside.lo, met->t - reach), std::min(end, met->t + reach),
+                                           std::max(reach / 64, 1e-12 / per_t));
+    if (!found && finding.verdict == Verdict::right) finding.verdict = Verdict::undecided;
+    return found;
+  }
+
+  const GridField& field_;
+  Affine world_from_frame_;
+  Box3 box_;
+  double diagonal_, depth_limit_;
+  GridJudge judge_;
+  EdgePoints edge_points_;
+  GridSurface surface_;
+  TriangleTree tree_;
+  Quantiles surface_error_;
+};
+
+void find_all(const Comparer& comparer, Shots& shots, const Thousandths& progress, std::uint64_t begin,
+              std::uint64_t end) {
+  for_each_shot(shots.rays.size(), progress, begin, end,
+                [&](std::size_t r) { shots.findings[r] = comparer.find(shots.rays[r].ray, shots.hits[r]); });
+}
+
+/// Rays at samples of the surface from just before them, and how far before each began, in cells.
+struct NearRays {
+  std::vector<AimedRay> rays;
+  std::vector<double> before;     ///< in t
+  std::vector<double> own_error;  ///< of the sample: to the field's crossing along the ray, in cells
+};
+
+/// A ray at a point along the field's gradient, beginning so near that nothing comes between.
+void add_near_ray(const Comparer& comparer, const GridField& field, const Vec3& target_index, bool from_above,
+                  NearRays& near) {
+  const auto at = field.cell_at(target_index);
+  if (!at) return;
+  const GridField::Cell cell = field.cell(*at);
+  if (!cell.has_data()) return;
+  const Vec3 gradient = cell.gradient(target_index - to_vec3(*at)) / field.widths(*at);
+  if (!(gradient.length() > 0)) return;
+  const Vec3 direction = (from_above ? -1.0 : 1.0) * gradient.normalized();
+  const Vec3 target = field.frame_from_index(target_index);
+  const double per_t = (direction / field.widths(*at)).length();
+  for (const double cells : {0.25, 0.05, 0.01, 0.002}) {
+    const double before = cells / per_t;
+    const render::FrameRay ray{target - before * direction, direction};
+    const auto begin = comparer.judge().is_inside(ray, 0), end = comparer.judge().is_inside(ray, 2 * before);
+    if (!begin || !end || *begin == *end) continue;
+    if (comparer.judge().clear_change(ray, 0, 0.9 * before, before / 16)) continue;
+    const auto crossing = comparer.judge().crossing_near(ray, before, 1e-15 / per_t, before);
+    if (!crossing) continue;
+    near.rays.push_back({ray, Aim::near});
+    near.before.push_back(before);
+    near.own_error.push_back(std::abs(*crossing - before) * per_t);
+    return;
+  }
+}
+
+/// In turn: corners and centres of the mesh's triangles, and points on edges of the grid, which lie on the surface.
+NearRays near_rays(const Comparer& comparer, const GridField& field, std::size_t count, RayMaker& maker) {
+  const Triangles& triangles = comparer.surface().triangles;
+  const std::vector<Vec3>& edges = comparer.edges().points_index;
+  NearRays near;
+  if (triangles.corners.empty() || edges.empty()) return near;
+  for (std::size_t s = 0; s < count; ++s) {
+    const std::size_t triangle = maker.below(triangles.corners.size());
+    const Vec3 target = s % 3 == 0   ? edges[maker.below(edges.size())]
+                        : s % 3 == 1 ? field.index_from_frame(triangles.corner(triangle, maker.below(3)))
+                                     : field.index_from_frame(triangles.center(triangle));
+    add_near_ray(comparer, field, target, s % 2 == 0, near);
+  }
+  return near;
+}
+
+/// How far from each sample the tracer found the surface, along the ray, in cells.
+std::vector<double> distances_along(const Comparer& comparer, const NearRays& near, const Shots& shots) {
+  std::vector<double> distances;
+  for (std::size_t r = 0; r < near.rays.size(); ++r) {
+    const render::FrameHit& hit = shots.hits[r];
+    if (!hit.is_miss())
+      distances.push_back(std::abs(hit.t - near.before[r]) * comparer.cells_per_t(near.rays[r].ray, near.before[r]));
+  }
+  return distances;
+}
+
+void add_measures(const Comparer& comparer, const Shots& far, const Shots& close, const NearRays& near,
+                  Report& report) {
+  const auto add = [&](const char* name, const char* unit, std::vector<double> values) {
+    report.measures.push_back({name, unit, quantiles_of(std::move(values))});
+  };
+  report.measures.push_back(measure("depth", "cells", far, &Finding::depth_cells));
+  report.measures.push_back(measure("depth", "box", far, &Finding::depth_box));
+  report.measures.push_back(measure("depth, near rays", "cells", close, &Finding::depth_cells));
+  report.measures.push_back(measure("renderer to mesh", "cells", far, &Finding::distance_cells));
+  report.measures.push_back(measure("renderer to mesh", "box", far, &Finding::distance_box));
+  add("surface to renderer", "cells", distances_along(comparer, near, close));
+  add("surface's own error", "cells", near.own_error);
+  report.measures.push_back({"mesh to field", "cells", comparer.surface_error()});
+  report.measures.push_back(measure("normal", "degrees", far, &Finding::normal_deg));
+}
+
+void add_checks(const Comparer& comparer, Report& report) {
+  const RayCounts all = report.total();
+  const char* proved = "only what points of the ray on different sides prove is counted";
+  report.checks = {
+      {"missed", static_cast<double>(all.missed), 0, proved},
+      {"false", static_cast<double>(all.false_hits), 0, "every hit must be proved by points on different sides"},
+      {"elsewhere", static_cast<double>(all.elsewhere), 0, proved},
+      {"largest depth error, cells", report.largest("depth", "cells"), comparer.depth_limit(),
+       "double precision in the cell, with room for rays that graze the surface"},
+      {"largest depth error of near rays, cells", report.largest("depth, near rays", "cells"), comparer.depth_limit(),
+       "as above"}};
+}
+
+void add_notes(const Comparer& comparer, Report& report) {
+  const GridSurface& surface = comparer.surface();
+  report.notes.push_back(concat("the mesh's triangles have a radius of about ", surface.triangle_radius,
+                                " cells; parts of the surface that are smaller may not be in it"));
+  if (!surface.is_complete)
+    report.notes.push_back("the mesher was stopped before all its triangles were as small as wished");
+}
+
+}  // namespace
+
+Comparison compare_grid(const GridField& field, const Affine& world_from_frame, const Question& question,
+                        const Tracer& tracer, const Thousandths& progress) {
+  const Comparer comparer(field, world_from_frame, question);
+  progress(300);
+  RayMaker maker(world_from_frame, comparer.box(), question.seed);
+  Shots far = shoot(tracer, make_rays(maker, comparer.box(), comparer.surface().triangles, question.samples));
+  find_all(comparer, far, progress, 300, 700);
+  NearRays near = near_rays(comparer, field, question.samples / 4, maker);
+  Shots close = shoot(tracer, near.rays);
+  find_all(comparer, close, progress, 750, 850);
+  Comparison comparison;
+  std::vector<AimedRay> camera;
+  for (const render::FrameRay& ray : question.camera_rays) camera.push_back({ray, Aim::camera});
+  comparison.picture = shoot(tracer, std::move(camera));
+  find_all(comparer, comparison.picture, progress, 850, 1000);
+
+  Report& report = comparison.report;
+  report.reference =
+      "the trilinear field itself, decided exactly, and the isosurface that CGAL's surface mesher finds in it";
+  report.straddling_cells = comparer.edges().cell_count;
+  report.triangles = comparer.surface().triangles.corners.size();
+  count(far, report);
+  count(close, report);
+  count(comparison.picture, report);
+  add_measures(comparer, far, close, near, report);
+  add_checks(comparer, report);
+  add_notes(comparer, report);
+  return comparison;
+}
+
+}  // namespace rhoray::tools::validate
