@@ -25,7 +25,7 @@ struct ValidateCommand {
   std::filesystem::path folder;
 };
 
-constexpr PictureSize report_picture{.width = 800, .height = 600};
+constexpr PictureSize report_picture{.width = 640, .height = 480};
 
 void check(const ValidateCommand& command) {
   if (command.isovalue.empty())

@@ -16,7 +16,7 @@ namespace rhoray::tools {
 namespace {
 
 constexpr const char* file_names[] = {"report.txt",          "report.json",    "rays.csv",
-                                      "errors.csv",          "limits.csv",     "wrong_rays.csv",
+                                      "errors.csv",          "limits.csv",     "disputed_rays.csv",
                                       "signed_distance.png", "depth_error.png"};
 
 }  // namespace
@@ -55,6 +55,12 @@ std::string ValidationReport::text() const {
     for (Json& row : table.rows) row.erase("reason");
     text += text_of(table) + "\n";
   }
+  for (const Json& way : json_.at("hausdorff"))
+    if (!way.at("cells").is_null())
+      text +=
+          concat("Hausdorff distance, ", way.at("way").get<std::string>(), ": ", rounded(way.at("cells").get<double>()),
+                 " cells, ", rounded(way.at("box").get<double>()), " of the box\n");
+  text += "\n";
   for (const Json& note : json_.at("notes")) text += concat("note: ", note.get<std::string>(), "\n");
   return text + concat(json_.at("holds").get<bool>() ? "within the limits" : "OUTSIDE THE LIMITS", ", took ",
                        rounded(json_.at("seconds").get<double>(), 3), " s\n");
@@ -65,9 +71,9 @@ void ValidationReport::write(const std::filesystem::path& folder, bool replace_e
   write_new_file(folder / "report.txt", text(), replace_existing);
   write_new_file(folder / "report.json", json_.dump(2) + "\n", replace_existing);
   for (const Table& table : tables()) write_new_file(folder / (table.name + ".csv"), csv_of(table), replace_existing);
-  if (!json_.at("wrong").empty())
-    write_new_file(folder / "wrong_rays.csv", csv_of(table("wrong", "wrong_rays", "Rays that were answered otherwise")),
-                   replace_existing);
+  if (!json_.at("disputed").empty())
+    write_new_file(folder / "disputed_rays.csv",
+                   csv_of(table("disputed", "disputed_rays", "Rays that were answered otherwise")), replace_existing);
   write_pictures(folder, replace_existing);
 }
 

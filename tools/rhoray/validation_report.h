@@ -22,8 +22,8 @@ class ValidationReport {
   const Json& json() const { return json_; }
   std::string text() const;
 
-  /// report.txt, report.json, rays.csv, errors.csv, limits.csv, wrong_rays.csv; with a picture signed_distance.png and
-  /// depth_error.png. Makes the folder if it is not there.
+  /// report.txt, report.json, rays.csv, errors.csv, limits.csv, disputed_rays.csv; with a picture signed_distance.png
+  /// and depth_error.png. Makes the folder if it is not there.
   void write(const std::filesystem::path& folder, bool replace_existing) const;
 
   /// Throws the checks that do not hold (Trouble::outside_limit).

@@ -38,16 +38,13 @@ class Comparer {
   const Box3& box() const { return box_; }
   double depth_limit() const { return depth_limit_; }
 
-  /// How many cells the ray passes through while t grows by 1, at a point in the grid: the length of its direction in
-  /// cells.
+  /// The length of the ray's direction in cells, where the ray is at t.
   double cells_per_t(const render::FrameRay& ray, double t) const {
-    const Vec3 p = field_.index_from_frame(point_at(ray, t));
-    Index3 at;
-    for (int axis = 0; axis < 3; ++axis)
-      at[axis] = static_cast<std::int64_t>(
-          std::clamp(std::floor(p[axis]), 0.0, static_cast<double>(field_.sample_count()[axis] - 2)));
-    return (ray.direction / field_.widths(at)).length();
+    return field_.in_cells(ray.direction, point_at(ray, t));
   }
+
+  /// The length of a vector in diagonals of the data's box.
+  double in_box(const Vec3& v_frame) const { return world_from_frame_.vector(v_frame).length() / diagonal_; }
 
   Finding find(const render::FrameRay& ray, const render::FrameHit& hit) const {
     Finding finding;
@@ -63,7 +60,7 @@ class Comparer {
     if (const auto passed = passed_over(ray, *inside, end, hit, finding)) {
       finding.verdict = hit.is_miss() ? Verdict::missed : Verdict::elsewhere;
       finding.is_hit = true;
-      finding.t_reference = passed->lo + (passed->hi - passed->lo) / 2;
+      finding.t_reference = *passed;
     }
     return finding;
   }
@@ -98,7 +95,7 @@ class Comparer {
     if (t) {
       finding.t_reference = *t;
       finding.depth_cells = std::abs(*t - hit.t) * per_t;
-      finding.depth_box = std::abs(*t - hit.t) * world_from_frame_.vector(ray.direction).length() / diagonal_;
+      finding.depth_box = std::abs(*t - hit.t) * in_box(ray.direction);
       finding.verdict = finding.depth_cells <= depth_limit_ ? Verdict::right
                         : is_level                          ? Verdict::grazes
                                                             : Verdict::elsewhere;
@@ -112,7 +109,7 @@ class Comparer {
     if (tree_.is_empty()) return;
     const Vec3 nearest = tree_.nearest(p);
     finding.distance_cells = (field_.index_from_frame(p) - field_.index_from_frame(nearest)).length();
-    finding.distance_box = world_from_frame_.vector(p - nearest).length() / diagonal_;
+    finding.distance_box = in_box(p - nearest);
     finding.is_above = (p - nearest).dot(hit.gradient) > 0;
   }
 
@@ -131,19 +128,17 @@ class Comparer {
 
   /// A change of side that is proved and lies before `end`: looked for all along the ray, and closely where it meets
   /// the mesh.
-  std::optional<Interval<double>> passed_over(const render::FrameRay& ray, const Interval<double>& inside, double end,
-                                              const render::FrameHit& hit, Finding& finding) const {
-    const double step = probe_step / cells_per_t(ray, inside.lo);
-    if (const auto found = judge_.clear_change(ray, inside.lo, end, step)) return found;
+  std::optional<double> passed_over(const render::FrameRay& ray, const Interval<double>& inside, double end,
+                                    const render::FrameHit& hit, Finding& finding) const {
+    if (const auto found = judge_.first_proved(ray, inside.lo, end, probe_step)) return found;
     const auto met = tree_.first_on(ray);
     if (!met || !(met->t < end) || met->t < inside.lo) return std::nullopt;
-    const double per_t = cells_per_t(ray, met->t);
     const double error = std::isnan(surface_.offsets[met->triangle]) ? 1 : surface_.offsets[met->triangle];
-    const double reach = 4 * error / per_t;
+    const double reach_cells = std::max(4 * error, 1e-9), reach = reach_cells / cells_per_t(ray, met->t);
     if (!hit.is_miss() && met->t > hit.t - reach) return std::nullopt;  // the same crossing, as far as the mesh tells
     finding.was_redecided = true;
-    const auto found = judge_.clear_change(ray, std::max(inside.lo, met->t - reach), std::min(end, met->t + reach),
-                                           std::max(reach / 64, 1e-12 / per_t));
+    const auto found =
+        judge_.first_proved(ray, std::max(inside.lo, met->t - reach), std::min(end, met->t + reach), reach_cells / 64);
     if (!found && finding.verdict == Verdict::right) finding.verdict = Verdict::undecided;
     return found;
   }
@@ -183,13 +178,13 @@ void add_near_ray(const Comparer& comparer, const GridField& field, const Vec3& 
   if (!(gradient.length() > 0)) return;
   const Vec3 direction = (from_above ? -1.0 : 1.0) * gradient.normalized();
   const Vec3 target = field.frame_from_index(target_index);
-  const double per_t = (direction / field.widths(*at)).length();
+  const double per_t = field.in_cells(direction, target);
   for (const double cells : {0.25, 0.05, 0.01, 0.002}) {
     const double before = cells / per_t;
     const render::FrameRay ray{target - before * direction, direction};
     const auto begin = comparer.judge().is_inside(ray, 0), end = comparer.judge().is_inside(ray, 2 * before);
     if (!begin || !end || *begin == *end) continue;
-    if (comparer.judge().clear_change(ray, 0, 0.9 * before, before / 16)) continue;
+    if (comparer.judge().first_proved(ray, 0, 0.9 * before, cells / 16)) continue;
     const auto crossing = comparer.judge().crossing_near(ray, before, 1e-15 / per_t, before);
     if (!crossing) continue;
     near.rays.push_back({ray, Aim::near});
@@ -215,13 +210,19 @@ NearRays near_rays(const Comparer& comparer, const GridField& field, std::size_t
   return near;
 }
 
-/// How far from each sample the tracer found the surface, along the ray, in cells.
-std::vector<double> distances_along(const Comparer& comparer, const NearRays& near, const Shots& shots) {
-  std::vector<double> distances;
+/// How far from each sample the tracer found the surface, along the ray.
+struct DistancesAlong {
+  std::vector<double> cells, box;
+};
+DistancesAlong distances_along(const Comparer& comparer, const NearRays& near, const Shots& shots) {
+  DistancesAlong distances;
   for (std::size_t r = 0; r < near.rays.size(); ++r) {
+    const render::FrameRay& ray = near.rays[r].ray;
     const render::FrameHit& hit = shots.hits[r];
-    if (!hit.is_miss())
-      distances.push_back(std::abs(hit.t - near.before[r]) * comparer.cells_per_t(near.rays[r].ray, near.before[r]));
+    if (hit.is_miss()) continue;
+    const double t = std::abs(hit.t - near.before[r]);
+    distances.cells.push_back(t * comparer.cells_per_t(ray, near.before[r]));
+    distances.box.push_back(t * comparer.in_box(ray.direction));
   }
   return distances;
 }
@@ -234,9 +235,11 @@ void add_measures(const Comparer& comparer, const Shots& far, const Shots& close
   report.measures.push_back(measure("depth", "cells", far, &Finding::depth_cells));
   report.measures.push_back(measure("depth", "box", far, &Finding::depth_box));
   report.measures.push_back(measure("depth, near rays", "cells", close, &Finding::depth_cells));
-  report.measures.push_back(measure("renderer to mesh", "cells", far, &Finding::distance_cells));
-  report.measures.push_back(measure("renderer to mesh", "box", far, &Finding::distance_box));
-  add("surface to renderer", "cells", distances_along(comparer, near, close));
+  report.measures.push_back(measure("renderer to surface", "cells", far, &Finding::distance_cells));
+  report.measures.push_back(measure("renderer to surface", "box", far, &Finding::distance_box));
+  const DistancesAlong along = distances_along(comparer, near, close);
+  add("surface to renderer", "cells", along.cells);
+  add("surface to renderer", "box", along.box);
   add("surface's own error", "cells", near.own_error);
   report.measures.push_back({"mesh to field", "cells", comparer.surface_error()});
   report.measures.push_back(measure("normal", "degrees", far, &Finding::normal_deg));
@@ -255,9 +258,17 @@ void add_checks(const Comparer& comparer, Report& report) {
        "as above"}};
 }
 
-void add_notes(const Comparer& comparer, Report& report) {
+void add_notes(const Comparer& comparer, const Shots& far, Report& report) {
   const GridSurface& surface = comparer.surface();
-  report.notes.push_back(concat("the mesh's triangles have a radius of about ", surface.triangle_radius,
+  const auto away = std::count_if(far.findings.begin(), far.findings.end(), [&](const Finding& finding) {
+    return finding.distance_cells > std::max(1.0, surface.triangle_radius);
+  });
+  if (away > 0)
+    report.notes.push_back(concat(
+        away,
+        " hits lie on parts of the surface that the mesh does not show; the field was asked about them all the same"));
+  report.notes.push_back(concat("the mesh's triangles have a radius of about ",
+                                std::round(100 * surface.triangle_radius) / 100,
                                 " cells; parts of the surface that are smaller may not be in it"));
   if (!surface.is_complete)
     report.notes.push_back("the mesher was stopped before all its triangles were as small as wished");
@@ -291,7 +302,7 @@ Comparison compare_grid(const GridField& field, const Affine& world_from_frame, 
   count(comparison.picture, report);
   add_measures(comparer, far, close, near, report);
   add_checks(comparer, report);
-  add_notes(comparer, report);
+  add_notes(comparer, far, report);
   return comparison;
 }
 

@@ -101,6 +101,15 @@ Vec3 GridField::widths(const Index3& cell) const {
   return widths;
 }
 
+double GridField::in_cells(const Vec3& v_frame, const Vec3& p_frame) const {
+  const Vec3 p_index = index_from_frame(p_frame);
+  Index3 at;
+  for (int axis = 0; axis < 3; ++axis)
+    at[axis] = static_cast<std::int64_t>(
+        std::clamp(std::floor(p_index[axis]), 0.0, static_cast<double>(sample_count()[axis] - 2)));
+  return (v_frame / widths(at)).length();
+}
+
 std::optional<double> GridField::value(const Vec3& p_index) const {
   const std::optional<Index3> at = cell_at(p_index);
   if (!at) return std::nullopt;

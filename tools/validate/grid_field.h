@@ -40,6 +40,8 @@ class GridField {
   /// The cell that holds a point, the one below at a face; nothing outside the grid.
   std::optional<Index3> cell_at(const Vec3& p_index) const;
   Vec3 widths(const Index3& cell) const;  ///< in the grid's frame
+  /// The length of a vector of the grid's frame in cells, at a point or at the point of the grid nearest to it.
+  double in_cells(const Vec3& v_frame, const Vec3& p_frame) const;
 
   /// Nothing outside the grid and where a corner of the cell has no data.
   std::optional<double> value(const Vec3& p_index) const;

@@ -100,44 +100,45 @@ std::optional<double> GridJudge::residual(const render::FrameRay& ray, double t)
   return found->excess == 0 ? 0 : std::abs(found->excess) / found->cell.range();
 }
 
+std::optional<double> GridJudge::halved(const render::FrameRay& ray, double lo, double hi, bool side_lo,
+                                        double finest) const {
+  while (hi - lo > 2 * finest) {
+    const double middle = lo + (hi - lo) / 2;
+    if (middle <= lo || middle >= hi) break;
+    const auto side = is_inside(ray, middle);
+    if (!side) return std::nullopt;
+    (*side == side_lo ? lo : hi) = middle;
+  }
+  return lo + (hi - lo) / 2;
+}
+
 std::optional<double> GridJudge::crossing_near(const render::FrameRay& ray, double t, double finest,
                                                double farthest) const {
   for (double reach = finest; reach <= farthest; reach *= 4) {
     const auto before = is_inside(ray, t - reach), after = is_inside(ray, t + reach);
-    if (!before || !after || *before == *after) continue;
-    double lo = t - reach, hi = t + reach;
-    while (hi - lo > 2 * finest) {
-      const double middle = lo + (hi - lo) / 2;
-      if (middle <= lo || middle >= hi) break;
-      const auto side = is_inside(ray, middle);
-      if (!side) break;
-      (*side == *before ? lo : hi) = middle;
-    }
-    return lo + (hi - lo) / 2;
+    if (before && after && *before != *after) return halved(ray, t - reach, t + reach, *before, finest);
   }
   return std::nullopt;
 }
 
-std::optional<Interval<double>> GridJudge::clear_change(const render::FrameRay& ray, double t_begin, double t_end,
-                                                        double step) const {
+std::optional<double> GridJudge::first_proved(const render::FrameRay& ray, double t_begin, double t_end,
+                                              double step_cells) const {
   std::optional<bool> side;
   double last = t_begin;
-  const auto count = static_cast<std::uint64_t>(std::max(0.0, std::ceil((t_end - t_begin) / step)));
-  for (std::uint64_t s = 0; s <= count; ++s) {
-    const double t = s == count ? t_end : t_begin + static_cast<double>(s) * step;
-    const auto p_index = field_->index_from_frame(point_at(ray, t));
-    const auto at = field_->cell_at(p_index);
+  for (double t = t_begin;;) {
+    const Vec3 p_frame = point_at(ray, t);
+    const auto at = field_->cell_at(field_->index_from_frame(p_frame));
     if (!at || !field_->cell(*at).has_data()) {
-      side.reset();  // the surface may not be seen across a gap
-      continue;
+      side.reset();  // the surface is not drawn across a gap
+    } else if (const auto here = is_clearly_inside(ray, t)) {
+      if (side && *side != *here)
+        if (const auto crossing = halved(ray, last, t, *side, 1e-15 * std::abs(t))) return crossing;
+      side = here;
+      last = t;
     }
-    const auto here = is_clearly_inside(ray, t);
-    if (!here) continue;
-    if (side && *side != *here) return Interval<double>{last, t};
-    side = here;
-    last = t;
+    if (!(t < t_end)) return std::nullopt;
+    t = std::min(t_end, t + step_cells / field_->in_cells(ray.direction, p_frame));
   }
-  return std::nullopt;
 }
 
 }  // namespace rhoray::tools::validate

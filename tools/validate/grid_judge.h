@@ -2,7 +2,6 @@
 
 #include <optional>
 
-#include "formats/base/interval.h"
 #include "tools/validate/geometry.h"
 #include "tools/validate/grid_field.h"
 
@@ -30,12 +29,15 @@ class GridJudge {
   /// proves it. Known to `finest`.
   std::optional<double> crossing_near(const render::FrameRay& ray, double t, double finest, double farthest) const;
 
-  /// A stretch of [t_begin, t_end] at whose ends the ray is clearly on different sides, with data all along as far as
-  /// its points, `step` apart, tell: the first of them. Nothing proves that there is none.
-  std::optional<Interval<double>> clear_change(const render::FrameRay& ray, double t_begin, double t_end,
-                                               double step) const;
+  /// The first crossing of [t_begin, t_end] that points of the ray, so many cells apart, prove: on both sides of it
+  /// lies data on different sides of the isovalue. Nothing proves that there is none.
+  std::optional<double> first_proved(const render::FrameRay& ray, double t_begin, double t_end,
+                                     double step_cells) const;
 
  private:
+  /// Between points with different sides; nothing where no data lies between.
+  std::optional<double> halved(const render::FrameRay& ray, double lo, double hi, bool side_lo, double finest) const;
+
   const GridField* field_;
   double isovalue_;
 };

@@ -11,7 +11,7 @@ namespace rhoray::tools::validate {
 
 namespace {
 
-constexpr std::size_t wrong_rays_kept = 100;
+constexpr std::size_t disputed_rays_kept = 100;
 
 Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json();
@@ -48,10 +48,10 @@ Json json_of(const Check& check) {
           {"reason", check.reason}};
 }
 
-Json json_of(const WrongRay& wrong) {
-  return {{"verdict", name_of(wrong.verdict)},       {"aim", name_of(wrong.ray.aim)},
-          {"origin", json_of(wrong.ray.ray.origin)}, {"direction", json_of(wrong.ray.ray.direction)},
-          {"t_renderer", number(wrong.t_renderer)},  {"t_reference", number(wrong.t_reference)}};
+Json json_of(const DisputedRay& ray) {
+  return {{"verdict", name_of(ray.verdict)},       {"aim", name_of(ray.ray.aim)},
+          {"origin", json_of(ray.ray.ray.origin)}, {"direction", json_of(ray.ray.ray.direction)},
+          {"t_renderer", number(ray.t_renderer)},  {"t_reference", number(ray.t_reference)}};
 }
 
 }  // namespace
@@ -127,11 +127,11 @@ void count(const Shots& shots, Report& report) {
     counts.elsewhere += finding.verdict == Verdict::elsewhere;
     counts.grazes += finding.verdict == Verdict::grazes;
     counts.undecided += finding.verdict == Verdict::undecided;
-    if (finding.verdict != Verdict::right && report.wrong.size() < wrong_rays_kept)
-      report.wrong.push_back({.ray = shots.rays[r],
-                              .verdict = finding.verdict,
-                              .t_renderer = shots.hits[r].t,
-                              .t_reference = finding.t_reference});
+    if (finding.verdict != Verdict::right && report.disputed.size() < disputed_rays_kept)
+      report.disputed.push_back({.ray = shots.rays[r],
+                                 .verdict = finding.verdict,
+                                 .t_renderer = shots.hits[r].t,
+                                 .t_reference = finding.t_reference});
   }
 }
 
@@ -151,11 +151,15 @@ Json json_of(const Report& report) {
   json["rays"].push_back(json_of("all", report.total()));
   json["measures"] = Json::array();
   for (const Measure& each : report.measures) json["measures"].push_back(json_of(each));
+  json["hausdorff"] = Json::array();
+  for (const char* way : {"renderer to surface", "surface to renderer"})
+    json["hausdorff"].push_back(
+        {{"way", way}, {"cells", number(report.largest(way, "cells"))}, {"box", number(report.largest(way, "box"))}});
   json["checks"] = Json::array();
   for (const Check& each : report.checks) json["checks"].push_back(json_of(each));
   json["holds"] = report.holds();
-  json["wrong"] = Json::array();
-  for (const WrongRay& each : report.wrong) json["wrong"].push_back(json_of(each));
+  json["disputed"] = Json::array();
+  for (const DisputedRay& each : report.disputed) json["disputed"].push_back(json_of(each));
   json["notes"] = report.notes;
   return json;
 }

@@ -66,7 +66,7 @@ struct RayCounts {
   std::uint64_t redecided = 0;
 };
 
-struct WrongRay {
+struct DisputedRay {
   AimedRay ray;
   Verdict verdict = Verdict::right;
   double t_renderer = 0, t_reference = 0;
@@ -78,7 +78,7 @@ struct Report {
   std::array<RayCounts, aim_count> counts{};
   std::vector<Measure> measures;
   std::vector<Check> checks;
-  std::vector<WrongRay> wrong;  ///< some, for looking closer
+  std::vector<DisputedRay> disputed;  ///< some of the rays whose verdict is not `right`
   std::vector<std::string> notes;
 
   RayCounts total() const;
@@ -111,7 +111,7 @@ struct Comparison {
   Shots picture;
 };
 
-/// Adds the counts of these shots, and the first of the wrong ones.
+/// Adds the counts of these shots, and the first of those in dispute.
 void count(const Shots& shots, Report& report);
 
 /// Calls act(shot) for every shot, on all threads; progress goes from `begin` to `end`.
