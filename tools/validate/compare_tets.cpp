@@ -42,7 +42,7 @@ class Comparer {
       truth = judge_.first_crossing(ray);
       finding.was_redecided = true;
     }
-    finding.verdict = verdict_of(ray, hit, truth);
+    finding.verdict = verdict_of(ray, hit, time_of(truth));
     if (finding.verdict != Verdict::right) {
       if (const auto moved = moved_by_rounding(ray, hit)) {
         finding.verdict = Verdict::grazes;
@@ -100,11 +100,15 @@ class Comparer {
   }
 
   Verdict verdict_of(const render::FrameRay& ray, const render::FrameHit& hit,
-                     const std::optional<TetJudge::Crossing>& truth) const {
+                     const std::optional<double>& truth) const {
     if (!truth) return hit.is_miss() ? Verdict::right : Verdict::false_hit;
     if (hit.is_miss()) return Verdict::missed;
-    const double depth = std::abs(hit.t - truth->t) * world_length(ray.direction);
+    const double depth = std::abs(hit.t - *truth) * world_length(ray.direction);
     return depth <= depth_limit_ * diagonal_ ? Verdict::right : Verdict::elsewhere;
+  }
+
+  static std::optional<double> time_of(const std::optional<TetJudge::Crossing>& crossing) {
+    return crossing ? std::optional(crossing->t) : std::nullopt;
   }
 
   struct Moved {
@@ -113,20 +117,25 @@ class Comparer {
   };
 
   /// The smallest parallel shift, of those tried, by which the tracer's answer becomes the exact one; nothing when
-  /// there is none within what rounding may do.
+  /// there is none within what rounding may do. Directions in which the extracted surface, whose own rounding is far
+  /// less than the largest shift, does not give that answer are not tried.
   std::optional<Moved> moved_by_rounding(const render::FrameRay& ray, const render::FrameHit& hit) const {
     constexpr int directions = 16;
     const Vec3 way = ray.direction.normalized();
     const Vec3 aside = way.cross(std::abs(way.x) < 0.5 ? Vec3(1, 0, 0) : Vec3(0, 1, 0)).normalized();
     const Vec3 other = way.cross(aside);
-    const double farthest = ((data_frame_.center() - ray.origin).length() + data_frame_.size().length() / 2);
-    for (double share = 1.0 / 256; share <= 1; share *= 2)
-      for (int turn = 0; turn < directions; ++turn) {
-        const double angle = 2 * std::numbers::pi * turn / directions;
-        const Vec3 shift = share * rounding_share * farthest * (std::cos(angle) * aside + std::sin(angle) * other);
-        const auto crossing = judge_.first_crossing({ray.origin + shift, ray.direction});
-        if (verdict_of(ray, hit, crossing) == Verdict::right) return Moved{world_length(shift), crossing};
+    const double farthest = (data_frame_.center() - ray.origin).length() + data_frame_.size().length() / 2;
+    for (int turn = 0; turn < directions; ++turn) {
+      const double angle = 2 * std::numbers::pi * turn / directions;
+      const Vec3 shift = rounding_share * farthest * (std::cos(angle) * aside + std::sin(angle) * other);
+      const auto met = tree_.first_on({ray.origin + shift, ray.direction});
+      if (verdict_of(ray, hit, met ? std::optional(met->t) : std::nullopt) != Verdict::right) continue;
+      for (const double share : {1.0 / 256, 1.0 / 64, 1.0 / 16, 1.0 / 4, 1.0}) {
+        const auto crossing = judge_.first_crossing({ray.origin + share * shift, ray.direction});
+        if (verdict_of(ray, hit, time_of(crossing)) == Verdict::right)
+          return Moved{share * world_length(shift), crossing};
       }
+    }
     return std::nullopt;
   }
 

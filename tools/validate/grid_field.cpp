@@ -95,6 +95,13 @@ std::optional<Index3> GridField::cell_at(const Vec3& p_index) const {
   return at;
 }
 
+std::optional<Index3> GridField::cell_of_id(std::uint64_t id) const {
+  const Index3 cells = sample_count() - Index3(1);
+  if (id >= static_cast<std::uint64_t>(volume(cells))) return std::nullopt;
+  const auto number = static_cast<std::int64_t>(id);
+  return Index3(number % cells.x, number / cells.x % cells.y, number / cells.x / cells.y);
+}
+
 Vec3 GridField::widths(const Index3& cell) const {
   Vec3 widths;
   for (int axis = 0; axis < 3; ++axis) widths[axis] = position(axis, cell[axis] + 1) - position(axis, cell[axis]);

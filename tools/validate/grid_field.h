@@ -39,6 +39,8 @@ class GridField {
   Cell cell(const Index3& at) const;
   /// The cell that holds a point, the one below at a face; nothing outside the grid.
   std::optional<Index3> cell_at(const Vec3& p_index) const;
+  /// The cell that a hit names (render/framebuffer.h), or nothing when there is none of that id.
+  std::optional<Index3> cell_of_id(std::uint64_t id) const;
   Vec3 widths(const Index3& cell) const;  ///< in the grid's frame
   /// The length of a vector of the grid's frame in cells, at a point or at the point of the grid nearest to it.
   double in_cells(const Vec3& v_frame, const Vec3& p_frame) const;

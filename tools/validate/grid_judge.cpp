@@ -94,10 +94,15 @@ std::optional<bool> GridJudge::is_inside(const render::FrameRay& ray, double t) 
   return clear ? clear : decide_exactly(*field_, isovalue_, ray, t);
 }
 
-std::optional<double> GridJudge::residual(const render::FrameRay& ray, double t) const {
-  const auto found = estimate(*field_, isovalue_, ray, t);
-  if (!found) return std::nullopt;
-  return found->excess == 0 ? 0 : std::abs(found->excess) / found->cell.range();
+std::optional<double> GridJudge::residual(const render::FrameRay& ray, double t, const Index3& at) const {
+  constexpr double slack = 1e-9;  // in the cell's own coordinates
+  const GridField::Cell cell = field_->cell(at);
+  const Vec3 local = field_->index_from_frame(point_at(ray, t)) - to_vec3(at);
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(local[axis] >= -slack && local[axis] <= 1 + slack)) return std::nullopt;
+  if (!cell.has_data()) return std::nullopt;
+  const double excess = std::abs(cell.value(local) - isovalue_);
+  return excess == 0 ? 0 : excess / cell.range();
 }
 
 std::optional<double> GridJudge::halved(const render::FrameRay& ray, double lo, double hi, bool side_lo,

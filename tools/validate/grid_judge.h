@@ -21,9 +21,9 @@ class GridJudge {
   /// As above, but nothing where the decision would need more than doubles.
   std::optional<bool> is_clearly_inside(const render::FrameRay& ray, double t) const;
 
-  /// How far the value at the ray's point lies from the isovalue, as a share of the range of its cell's corners;
-  /// nothing outside the grid and where there is no data.
-  std::optional<double> residual(const render::FrameRay& ray, double t) const;
+  /// How far the value at the ray's point lies from the isovalue in a cell that is said to hold it, as a share of the
+  /// range of its corners; nothing when the point lies outside the cell by more than rounding, or has no data.
+  std::optional<double> residual(const render::FrameRay& ray, double t, const Index3& cell) const;
 
   /// The crossing nearest to t: at most `farthest` away, and so that a search outwards in steps that grow by a factor
   /// proves it. Known to `finest`.

@@ -2,6 +2,7 @@
 
 #include <CGAL/Complex_2_in_triangulation_3.h>
 #include <CGAL/Implicit_surface_3.h>
+#include <CGAL/Random.h>
 #include <CGAL/Surface_mesh_default_criteria_3.h>
 #include <CGAL/Surface_mesh_default_triangulation_3.h>
 #include <CGAL/make_surface_mesh.h>
@@ -52,22 +53,31 @@ std::vector<Point> spread(const std::vector<Vec3>& points, double block_edge) {
   return chosen;
 }
 
-Triangles triangles_of(const Complex& complex, const GridField& field) {
-  Triangles out;
-  std::map<Complex::Vertex_handle, std::uint32_t> numbers;
-  const auto number_of = [&](const Complex::Vertex_handle& vertex) {
-    const auto [at, is_new] = numbers.try_emplace(vertex, static_cast<std::uint32_t>(out.points.size()));
-    if (is_new) out.points.push_back(vec(vertex->point()));
-    return at->second;
+/// Vertices and triangles in the order of their coordinates: the complex knows them by where they lie in memory.
+Triangles triangles_of(Complex& complex, const GridField& field) {
+  std::map<std::array<double, 3>, std::uint32_t> numbers;
+  const auto place_of = [](const Complex::Vertex_handle& vertex) {
+    const Point& p = vertex->point();
+    return std::array<double, 3>{p.x(), p.y(), p.z()};
   };
+  for (auto vertex = complex.vertices_begin(); vertex != complex.vertices_end(); ++vertex)
+    numbers.emplace(place_of(vertex), 0);
+  Triangles out;
+  for (auto& [place, number] : numbers) {
+    number = static_cast<std::uint32_t>(out.points.size());
+    out.points.emplace_back(place[0], place[1], place[2]);
+  }
   for (auto facet = complex.facets_begin(); facet != complex.facets_end(); ++facet) {
     const auto& [cell, opposite] = *facet;
     std::array<std::uint32_t, 3> corners{};
     for (int c = 0; c < 3; ++c)
-      corners[static_cast<std::size_t>(c)] = number_of(cell->vertex(Triangulation::vertex_triple_index(opposite, c)));
+      corners[static_cast<std::size_t>(c)] =
+          numbers.at(place_of(cell->vertex(Triangulation::vertex_triple_index(opposite, c))));
     const Vec3 center = (out.points[corners[0]] + out.points[corners[1]] + out.points[corners[2]]) / 3.0;
+    std::sort(corners.begin(), corners.end());
     if (field.value(center)) out.corners.push_back(corners);
   }
+  std::sort(out.corners.begin(), out.corners.end());
   return out;
 }
 
@@ -166,6 +176,7 @@ GridSurface mesh_surface(const GridField& field, double isovalue, const EdgePoin
   };
   const Surface implicit(
       function, Traits::Sphere_3(Point(middle.x, middle.y, middle.z), bounding_radius * bounding_radius), 1e-9);
+  CGAL::get_default_random() = CGAL::Random(1);  // else it is seeded with the time
   Triangulation triangulation;
   Complex complex(triangulation);
   const std::vector<Point> start = spread(seeds.points_index, 2 * radius);
