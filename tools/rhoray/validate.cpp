@@ -114,7 +114,8 @@ Subcommand validate_subcommand() {
                          command->isovalue),
             value_option("--field", "NAME", "Field; default the first that is not the same everywhere", command->field),
             value_option("--samples", "N", "Rays sent from around the data; default 100000", command->samples),
-            value_option("--seed", "N", "Of the random numbers; the same seed sends the same rays; default 1",
+            value_option("--seed", "N",
+                         "Of the random numbers; default 1. In a mesh the same seed gives the same report",
                          command->seed),
             value_option("--max-depth-error", "E",
                          "Largest error along a ray: in a mesh in diagonals of its box, default 1e-9; in a grid in "

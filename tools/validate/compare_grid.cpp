@@ -12,10 +12,14 @@ namespace rhoray::tools::validate {
 
 namespace {
 
-constexpr double default_depth_limit = 1e-9;  // of a cell
-constexpr double probe_step = 0.25;           // of a cell
+// Roundings move the value by up to about 1e-12 of the range of a cell's corners; where it changes by less than 1e-3 of
+// that range in a cell's length, the ray grazes the surface; elsewhere that makes an error in depth of 1e-9 cells.
+constexpr double rounding_residual = 1e-12;
+constexpr double grazing_slope = 1e-3;
+constexpr double default_depth_limit = rounding_residual / grazing_slope;
+constexpr double undecided_limit = 0.1;  // of all rays
+constexpr double probe_step = 0.25;      // of a cell
 constexpr double normal_limit_deg = 1e-4;
-constexpr double rounding_residual = 1e-12;  // of the range of a cell's corners
 constexpr std::size_t most_edge_points = 400'000;
 
 /// A mesh to suit the number of rays: CGAL's mesher takes far longer for a triangle than a ray takes.
@@ -103,13 +107,21 @@ class Comparer {
       finding.t_reference = *t;
       finding.depth_cells = std::abs(*t - hit.t) * per_t;
       finding.depth_box = std::abs(*t - hit.t) * in_box(ray.direction);
-      finding.verdict = finding.depth_cells <= depth_limit_ ? Verdict::right
-                        : is_level                          ? Verdict::grazes
-                                                            : Verdict::elsewhere;
+      finding.verdict = finding.depth_cells <= depth_limit_                   ? Verdict::right
+                        : is_level && slope(ray, hit, *cell) <= grazing_slope ? Verdict::grazes
+                                                                              : Verdict::elsewhere;
     } else {
       finding.verdict = is_level ? Verdict::grazes : Verdict::false_hit;
     }
     if (finding.verdict == Verdict::grazes) finding.depth_cells = finding.depth_box = not_measured;
+  }
+
+  /// How much the field changes along the ray in one cell's length, as a share of the range of the cell's corners.
+  double slope(const render::FrameRay& ray, const render::FrameHit& hit, const Index3& at) const {
+    const GridField::Cell cell = field_.cell(at);
+    const Vec3 direction = (ray.direction / field_.widths(at)).normalized();
+    const Vec3 local = field_.index_from_frame(point_at(ray, hit.t)) - to_vec3(at);
+    return std::abs(cell.gradient(local).dot(direction)) / cell.range();
   }
 
   void measure_distance(const Vec3& p, const render::FrameHit& hit, Finding& finding) const {
@@ -258,9 +270,11 @@ void add_checks(const Comparer& comparer, Report& report) {
       {"false", static_cast<double>(all.false_hits), 0, "every hit must be proved by points on different sides"},
       {"elsewhere", static_cast<double>(all.elsewhere), 0, proved},
       {"largest depth error, cells", report.largest("depth", "cells"), comparer.depth_limit(),
-       "double precision in the cell, with room for rays that graze the surface"},
+       "what roundings make of rays that do not graze the surface"},
       {"largest depth error of near rays, cells", report.largest("depth, near rays", "cells"), comparer.depth_limit(),
        "as above"},
+      {"undecided, share of rays", static_cast<double>(all.undecided) / static_cast<double>(all.rays), undecided_limit,
+       "with more the mesh would not show this surface"},
       {"largest normal error, degrees", report.largest("normal", "degrees"), normal_limit_deg,
        "the gradient of one cell in double precision, with room for where it is small"}};
 }

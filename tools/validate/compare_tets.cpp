@@ -14,7 +14,8 @@ namespace {
 
 constexpr double default_depth_limit = 1e-9;  // of the box's diagonal
 constexpr double normal_limit_deg = 1e-4;
-constexpr double rounding_share = 1e-14;  // of the distance from a ray's origin: what a hundred roundings may add up to
+constexpr double surface_slack = 1e-11;   // of the box's diagonal: how far rounding may put a hit off the surface
+constexpr double rounding_share = 2e-15;  // of the distance from a ray's origin: a dozen roundings or so
 
 /// The renderer's answers beside those of the reference.
 class Comparer {
@@ -116,26 +117,40 @@ class Comparer {
     std::optional<TetJudge::Crossing> crossing;
   };
 
+  bool lies_on_surface(const Vec3& p) const {
+    return !tree_.is_empty() && world_length(p - tree_.nearest(p)) <= surface_slack * diagonal_;
+  }
+
+  /// What the extracted surface gives a shifted ray is the tracer's answer, roughly.
+  bool may_agree(const render::FrameRay& ray, const Vec3& shift, const render::FrameHit& hit) const {
+    constexpr double roughly = 1e-3;  // of the box's diagonal: where a ray grazes, a small shift moves the crossing far
+    const auto met = tree_.first_on({ray.origin + shift, ray.direction});
+    if (hit.is_miss() || !met) return hit.is_miss() == !met;
+    return std::abs(met->t - hit.t) * world_length(ray.direction) <= roughly * diagonal_;
+  }
+
   /// The smallest parallel shift, of those tried, by which the tracer's answer becomes the exact one; nothing when
   /// there is none within what rounding may do. Directions in which the extracted surface, whose own rounding is far
   /// less than the largest shift, does not give that answer are not tried.
   std::optional<Moved> moved_by_rounding(const render::FrameRay& ray, const render::FrameHit& hit) const {
     constexpr int directions = 16;
+    if (!hit.is_miss() && !lies_on_surface(point_at(ray, hit.t))) return std::nullopt;
     const Vec3 way = ray.direction.normalized();
     const Vec3 aside = way.cross(std::abs(way.x) < 0.5 ? Vec3(1, 0, 0) : Vec3(0, 1, 0)).normalized();
     const Vec3 other = way.cross(aside);
     const double farthest = (data_frame_.center() - ray.origin).length() + data_frame_.size().length() / 2;
+    std::vector<Vec3> shifts;
     for (int turn = 0; turn < directions; ++turn) {
       const double angle = 2 * std::numbers::pi * turn / directions;
       const Vec3 shift = rounding_share * farthest * (std::cos(angle) * aside + std::sin(angle) * other);
-      const auto met = tree_.first_on({ray.origin + shift, ray.direction});
-      if (verdict_of(ray, hit, met ? std::optional(met->t) : std::nullopt) != Verdict::right) continue;
-      for (const double share : {1.0 / 256, 1.0 / 64, 1.0 / 16, 1.0 / 4, 1.0}) {
+      if (may_agree(ray, shift, hit) || may_agree(ray, shift / 16, hit)) shifts.push_back(shift);
+    }
+    for (const double share : {1.0 / 64, 1.0 / 16, 1.0 / 4, 1.0})
+      for (const Vec3& shift : shifts) {
         const auto crossing = judge_.first_crossing({ray.origin + share * shift, ray.direction});
         if (verdict_of(ray, hit, time_of(crossing)) == Verdict::right)
           return Moved{share * world_length(shift), crossing};
       }
-    }
     return std::nullopt;
   }
 

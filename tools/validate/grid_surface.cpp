@@ -53,7 +53,7 @@ std::vector<Point> spread(const std::vector<Vec3>& points, double block_edge) {
   return chosen;
 }
 
-/// Vertices and triangles in the order of their coordinates: the complex knows them by where they lie in memory.
+/// Vertices and triangles in the order of their coordinates, not of where they lie in memory.
 Triangles triangles_of(Complex& complex, const GridField& field) {
   std::map<std::array<double, 3>, std::uint32_t> numbers;
   const auto place_of = [](const Complex::Vertex_handle& vertex) {

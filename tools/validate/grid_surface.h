@@ -22,7 +22,8 @@ struct SurfaceWish {
 
 /// The isosurface of a trilinear field as CGAL's surface mesher finds it: vertices lie on it up to 1e-9 of the grid,
 /// triangles near it. It starts from points on the grid's edges, spread over all parts of the surface; parts smaller
-/// than a triangle may be lost.
+/// than a triangle may be lost. Not promised: the same triangles every time; the mesher goes by where things lie in
+/// memory.
 struct GridSurface {
   Triangles triangles;          ///< in the grid's frame; those with their centre in the data
   std::vector<double> offsets;  ///< of the triangles: the largest distance from the isosurface along the normal that

@@ -10,6 +10,8 @@
 #include <array>
 #include <iterator>
 
+#include "tools/validate/shot.h"
+
 namespace rhoray::tools::validate {
 
 namespace {
@@ -120,7 +122,8 @@ std::optional<double> decided_crossing(const render::FrameRay& ray, const TetFie
     const CGAL::Protect_FPU_rounding<true> protect;
     const auto t = crossing<Interval>(ray, cell, isovalue);
     if (!t) return std::nullopt;
-    if (t->sup() - t->inf() <= wanted_width * std::max(std::abs(t->inf()), std::abs(t->sup()))) return t->sup();
+    const double width = t->sup() - t->inf();
+    if (width <= wanted_width * std::max(std::abs(t->inf()), std::abs(t->sup()))) return t->inf() + width / 2;
   } catch (const CGAL::Uncertain_conversion_exception&) {
     // Decided below.
   }
@@ -131,13 +134,19 @@ std::optional<double> decided_crossing(const render::FrameRay& ray, const TetFie
 }  // namespace
 
 struct TetJudge::Boxes {
+  Box3 all;
   Aabb aabb;
 };
 
 TetJudge::TetJudge(const TetField& field, const std::vector<std::uint32_t>& straddling, double isovalue)
     : field_(&field), isovalue_(isovalue), boxes_(std::make_unique<Boxes>()) {
+  for (const std::uint32_t cell : straddling) boxes_->all.extendBy(field.cell(cell).box());
+  const double slack = 1e-12 * boxes_->all.size().length();  // far more than a shot's rounding
   std::vector<BoxPrimitive> boxes;
-  for (const std::uint32_t cell : straddling) boxes.emplace_back(cell, field.cell(cell).box());
+  for (const std::uint32_t cell : straddling) {
+    const Box3 box = field.cell(cell).box();
+    boxes.emplace_back(cell, Box3(box.min - Vec3(slack), box.max + Vec3(slack)));
+  }
   for (const BoxPrimitive& box : boxes) boxes_->aabb.insert(box);
   if (!boxes.empty()) boxes_->aabb.build();
 }
@@ -152,10 +161,8 @@ std::optional<double> TetJudge::crossing_in(const render::FrameRay& ray, std::ui
 
 std::optional<TetJudge::Crossing> TetJudge::first_crossing(const render::FrameRay& ray) const {
   if (boxes_->aabb.empty()) return std::nullopt;
-  const Kernel::Ray_3 shot(Kernel::Point_3(ray.origin.x, ray.origin.y, ray.origin.z),
-                           Kernel::Vector_3(ray.direction.x, ray.direction.y, ray.direction.z));
   std::vector<std::uint32_t> candidates;
-  boxes_->aabb.all_intersected_primitives(shot, std::back_inserter(candidates));
+  boxes_->aabb.all_intersected_primitives(shot_of(ray, boxes_->all), std::back_inserter(candidates));
   std::optional<Crossing> first;
   for (const std::uint32_t cell : candidates) {
     const std::optional<double> t = decided_crossing(ray, field_->cell(cell), isovalue_);

@@ -5,6 +5,8 @@
 #include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
+#include "tools/validate/shot.h"
+
 namespace rhoray::tools::validate {
 
 namespace {
@@ -23,6 +25,7 @@ Kernel::Point_3 cgal_point(const Vec3& p) {
 struct TriangleTree::Tree {
   std::vector<Triangle> triangles;
   std::vector<std::size_t> numbers;  ///< of the triangles that are here
+  Box3 box;
   Aabb aabb;
 };
 
@@ -33,6 +36,7 @@ TriangleTree::TriangleTree(const Triangles& triangles) : tree_(std::make_unique<
     if (CGAL::collinear(a, b, c)) continue;
     tree_->triangles.emplace_back(a, b, c);
     tree_->numbers.push_back(t);
+    for (std::size_t corner = 0; corner < 3; ++corner) tree_->box.extendBy(triangles.corner(t, corner));
   }
   tree_->aabb.insert(tree_->triangles.cbegin(), tree_->triangles.cend());
   if (tree_->triangles.empty()) return;
@@ -50,8 +54,7 @@ bool TriangleTree::is_empty() const {
 
 std::optional<TriangleTree::Meeting> TriangleTree::first_on(const render::FrameRay& ray) const {
   if (is_empty()) return std::nullopt;
-  const Kernel::Ray_3 shot(cgal_point(ray.origin), Kernel::Vector_3(ray.direction.x, ray.direction.y, ray.direction.z));
-  const auto met = tree_->aabb.first_intersection(shot);
+  const auto met = tree_->aabb.first_intersection(shot_of(ray, tree_->box));
   if (!met) return std::nullopt;
   const Triangle& triangle = *met->second;
   const auto vec = [](const Kernel::Point_3& p) { return Vec3(p.x(), p.y(), p.z()); };

@@ -86,7 +86,7 @@ TEST(TetValidation, measures_every_pixel_of_a_picture) {
     hits += !picture.hits[pixel].is_miss();
     EXPECT_EQ(picture.hits[pixel].is_miss(), std::isnan(picture.findings[pixel].distance_cells));
   }
-  EXPECT_GT(hits, 100U);
+  EXPECT_GT(hits, 60U);
 }
 
 TEST(TetValidation, of_a_surface_that_is_not_there_expects_only_misses) {
@@ -128,7 +128,7 @@ TEST(TetJudge, knows_where_a_plane_is_also_along_edges_and_through_vertices) {
     for (const double y : {0.0, 0.25, 0.7, 1.0}) {
       const auto crossing = judge.first_crossing({{x, y, -1}, {0, 0, 2}});
       ASSERT_TRUE(crossing) << x << " " << y;
-      EXPECT_EQ(crossing->t, 0.6875) << x << " " << y;
+      EXPECT_NEAR(crossing->t, 0.6875, 1e-13) << x << " " << y;
       EXPECT_EQ(judge.crossing_in({{x, y, -1}, {0, 0, 2}}, crossing->cell), crossing->t);
     }
   EXPECT_FALSE(judge.first_crossing({{0.5, 0.5, -1}, {0, 0, -1}})) << "looks away";
@@ -146,29 +146,32 @@ TEST(TetJudge, counts_a_point_that_is_met_from_below_and_none_met_from_above) {
   };
   const render::FrameRay up{{0.3, 0.4, -1}, {0, 0, 1}};
   ASSERT_TRUE(crossing_at(0.5, up));
-  EXPECT_EQ(crossing_at(0.5, up)->t, 1.5);
+  EXPECT_NEAR(crossing_at(0.5, up)->t, 1.5, 2e-13);
   EXPECT_FALSE(crossing_at(0.75, up));
-  EXPECT_EQ(crossing_at(0.25, up)->t, 1.25);
+  EXPECT_NEAR(crossing_at(0.25, up)->t, 1.25, 2e-13);
 }
 
 TEST(TetJudge, sees_the_surface_that_a_cell_without_volume_carries) {
-  // Below and above a flat cell the field is 0 and 1 at its corners, one and the other diagonal.
+  // A flat cell on top of another: at the corners of its square the field is 0 and 1 in turn, so that it is cut along
+  // one diagonal seen from above, and along the other from below.
   preprocess::NeutralMesh mesh;
-  mesh.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-  mesh.cells = {{0, 1, 2, 3}};
+  mesh.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, -1}};
+  mesh.cells = {{0, 1, 2, 3}, {0, 2, 1, 4}};
   preprocess::NeutralField values;
   values.name = "value";
-  values.values = {0, 1, 0, 1};
+  values.values = {0, 1, 0, 1, 0};
   mesh.point_fields.push_back(values);
   const ValidatedFile file(mesh);
   const validate::TetField field = file.tets();
   const auto surface = extract_surface(field, 0.5);
-  ASSERT_EQ(surface.straddling.size(), 1U);
+  ASSERT_EQ(surface.straddling.size(), 2U);
   const validate::TetJudge judge(field, surface.straddling, 0.5);
-  const auto crossing = judge.first_crossing({{0.5, 0.5, 3}, {0, 0, -1}});
+  // Over the half of the square without a cell below, only the flat one is there.
+  const auto crossing = judge.first_crossing({{0.375, 0.5, 3}, {0, 0, -1}});
   ASSERT_TRUE(crossing);
-  EXPECT_EQ(crossing->t, 3);
-  EXPECT_FALSE(judge.first_crossing({{0.05, 0.05, 3}, {0, 0, -1}})) << "both sides lie below there";
+  EXPECT_EQ(crossing->cell, 0U);
+  EXPECT_NEAR(crossing->t, 3, 1e-12);
+  EXPECT_FALSE(judge.first_crossing({{0.0625, 0.125, 3}, {0, 0, -1}})) << "both sides lie below there";
 }
 
 TEST(TriangleTree, finds_the_first_triangle_and_the_nearest_point) {
