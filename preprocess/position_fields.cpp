@@ -6,6 +6,9 @@
 #include <string>
 #include <utility>
 
+#include "formats/base/text.h"
+#include "formats/shape_field.h"
+#include "preprocess/boundary_distance.h"
 #include "preprocess/inspect/finding.h"
 
 namespace rhoray::preprocess {
@@ -25,26 +28,31 @@ bool varies(const NeutralField& field) {
   return false;
 }
 
-/// 0 at the points of faces that one cell has alone, 1 elsewhere.
-NeutralField interior(const NeutralMesh& mesh) {
-  NeutralField field;
-  field.name = "interior";
-  field.values.assign(mesh.points.size(), 1);
+/// The faces that one cell has alone.
+std::vector<std::array<std::uint64_t, 3>> boundary_of(const NeutralMesh& mesh) {
   const std::vector<inspect::CellFace> faces = inspect::sorted_faces(mesh);
+  std::vector<std::array<std::uint64_t, 3>> boundary;
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const bool is_shared = (i > 0 && faces[i - 1].vertices == faces[i].vertices) ||
                            (i + 1 < faces.size() && faces[i + 1].vertices == faces[i].vertices);
-    if (is_shared) continue;
-    for (const std::uint64_t vertex : faces[i].vertices) field.values[vertex] = 0;
+    if (!is_shared) boundary.push_back(faces[i].vertices);
   }
-  return field;
+  return boundary;
+}
+
+/// Cells whose corners all have distance 0.
+std::size_t cells_without_distance(const NeutralMesh& mesh, const Array<double>& distances) {
+  return static_cast<std::size_t>(std::count_if(mesh.cells.begin(), mesh.cells.end(), [&](const auto& cell) {
+    return std::all_of(cell.begin(), cell.end(), [&](std::uint64_t vertex) { return distances[vertex] == 0; });
+  }));
 }
 
 }  // namespace
 
 bool has_varying_field(const NeutralMesh& mesh) {
   return std::any_of(mesh.point_fields.begin(), mesh.point_fields.end(), varies) ||
-         std::any_of(mesh.cell_fields.begin(), mesh.cell_fields.end(), varies);
+         std::any_of(mesh.cell_fields.begin(), mesh.cell_fields.end(),
+                     [](const NeutralField& field) { return field.name != "region" && varies(field); });
 }
 
 void add_position_fields(NeutralMesh& mesh) {
@@ -52,10 +60,25 @@ void add_position_fields(NeutralMesh& mesh) {
   for (const auto& cell : mesh.cells)
     for (const std::uint64_t vertex : cell) is_used[vertex] = true;
   std::vector<NeutralField> fields;
-  NeutralField inside = interior(mesh);
   bool any_inside = false;
-  for (std::size_t p = 0; p < mesh.points.size(); ++p) any_inside = any_inside || (is_used[p] && inside.values[p] == 1);
-  if (any_inside) fields.push_back(std::move(inside));
+  std::size_t flat_cells = 0;
+  if (const auto boundary = boundary_of(mesh); !boundary.empty()) {
+    NeutralField distance;
+    distance.name = formats::boundary_distance;
+    distance.unit = mesh.length_unit;
+    distance.values = distances_to(boundary, mesh.points);
+    NeutralField interior;
+    interior.name = "interior";
+    for (std::size_t p = 0; p < mesh.points.size(); ++p) {
+      interior.values.push_back(distance.values[p] > 0 ? 1 : 0);
+      any_inside = any_inside || (is_used[p] && distance.values[p] > 0);
+    }
+    flat_cells = cells_without_distance(mesh, distance.values);
+    if (any_inside) {
+      fields.push_back(std::move(distance));
+      fields.push_back(std::move(interior));
+    }
+  }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     NeutralField& field = fields.emplace_back();
     field.name = std::string(1, "xyz"[axis]);
@@ -65,8 +88,14 @@ void add_position_fields(NeutralMesh& mesh) {
   }
   mesh.point_fields.insert(mesh.point_fields.begin(), std::make_move_iterator(fields.begin()),
                            std::make_move_iterator(fields.end()));
-  mesh.notes.push_back(any_inside ? "no field varies: interior (0 at the boundary, 1 inside), x, y and z were added"
-                                  : "no field varies: the coordinates x, y and z were added");
+  mesh.notes.push_back(
+      any_inside ? "no field varies: boundary_distance (of each point to the mesh's boundary), interior (0 at "
+                   "the boundary, 1 inside), x, y and z were added"
+                 : "no field varies: the coordinates x, y and z were added");
+  if (any_inside && flat_cells > 0)
+    mesh.notes.push_back(concat(flat_cells, " of ", mesh.cells.size(),
+                                " tetrahedra have all corners on the boundary: boundary_distance is 0 in them, so its "
+                                "isosurfaces leave thin parts out; fill with --max-volume for points inside them"));
 }
 
 }  // namespace rhoray::preprocess
