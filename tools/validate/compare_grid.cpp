@@ -17,8 +17,9 @@ namespace {
 constexpr double rounding_residual = 1e-12;
 constexpr double grazing_slope = 1e-3;
 constexpr double default_depth_limit = rounding_residual / grazing_slope;
-constexpr double undecided_limit = 0.1;  // of all rays
-constexpr double probe_step = 0.25;      // of a cell
+constexpr double another_crossing = 1e-6;  // of a cell: far beyond what roundings do to one
+constexpr double undecided_limit = 0.1;    // of all rays
+constexpr double probe_step = 0.25;        // of a cell
 constexpr double normal_limit_deg = 1e-4;
 constexpr std::size_t most_edge_points = 400'000;
 
@@ -107,9 +108,12 @@ class Comparer {
       finding.t_reference = *t;
       finding.depth_cells = std::abs(*t - hit.t) * per_t;
       finding.depth_box = std::abs(*t - hit.t) * in_box(ray.direction);
-      finding.verdict = finding.depth_cells <= depth_limit_                   ? Verdict::right
-                        : is_level && slope(ray, hit, *cell) <= grazing_slope ? Verdict::grazes
-                                                                              : Verdict::elsewhere;
+      // A level point that is not the crossing found: the field meets the isovalue there and turns back.
+      const bool only_touches = is_level && finding.depth_cells > another_crossing;
+      const bool grazes = only_touches || (is_level && slope(ray, hit, *cell) <= grazing_slope);
+      finding.verdict = finding.depth_cells <= depth_limit_ ? Verdict::right
+                        : grazes                            ? Verdict::grazes
+                                                            : Verdict::elsewhere;
     } else {
       finding.verdict = is_level ? Verdict::grazes : Verdict::false_hit;
     }
