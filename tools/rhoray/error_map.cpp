@@ -8,6 +8,7 @@
 #include "formats/base/text.h"
 #include "formats/base/vector.h"
 #include "tools/rhoray/measure.h"
+#include "tools/validate/report.h"
 #include "tools/validate/request.h"
 
 namespace rhoray::tools {
@@ -17,19 +18,18 @@ namespace {
 const Vec3 background(0.03, 0.03, 0.03), wrong(1, 0, 1), undecided(1, 0.8, 0), below(0.02, 0.12, 0.6),
     above(0.6, 0.02, 0.05);
 
-// As Verdict counts them (tools/validate/report.h).
-constexpr std::uint8_t first_wrong = 1, last_wrong = 3, verdict_undecided = 5;
-
 constexpr const char* marks = "magenta: missed, false or elsewhere; yellow: undecided; dark: nothing";
 
 render::Framebuffer painted(const ErrorMap& map, const std::function<Vec3(std::size_t)>& color_of) {
   render::Framebuffer picture(map.width, map.height, {});
   for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel) {
-    const std::uint8_t verdict = map.verdict[pixel];
-    const bool is_wrong = verdict >= first_wrong && verdict <= last_wrong;
-    const Vec3 color = verdict == validate::no_verdict ? background
+    using validate::Verdict;
+    const std::uint8_t number = map.verdict[pixel];
+    const auto verdict = static_cast<Verdict>(number);
+    const bool is_wrong = verdict == Verdict::missed || verdict == Verdict::false_hit || verdict == Verdict::elsewhere;
+    const Vec3 color = number == validate::no_verdict  ? background
                        : is_wrong                      ? wrong
-                       : verdict == verdict_undecided  ? undecided
+                       : verdict == Verdict::undecided ? undecided
                                                        : color_of(pixel);
     for (int channel = 0; channel < 3; ++channel)
       picture.color[4 * pixel + static_cast<std::size_t>(channel)] = static_cast<float>(color[channel]);

@@ -39,7 +39,7 @@ class TetField {
  private:
   formats::TetMesh mesh_;
   std::vector<double> values_;
-  std::vector<std::uint32_t> by_id_;  ///< cells in the order of their ids; empty when id and position are the same
+  std::vector<std::uint32_t> by_id_;  ///< cells in the order of their ids
 };
 
 }  // namespace rhoray::tools::validate

@@ -144,5 +144,13 @@ TEST(GridSurface, shows_every_ball_and_lies_where_it_says) {
   for (const Vec3& p : surface.triangles.points) EXPECT_NEAR(field.value(p).value(), 0, 1e-6);
 }
 
+TEST(GridSurface, stops_when_it_costs_too_much_and_says_so) {
+  const validate::GridField field = waves().grid();
+  const auto points = validate::edge_points(field, 0.5, 10'000, 1);
+  const auto surface = validate::mesh_surface(field, 0.5, points, {.facet_count = 4'000, .most_evaluations = 100'000});
+  EXPECT_FALSE(surface.is_complete);
+  EXPECT_EQ(surface.offsets.size(), surface.triangles.corners.size());
+}
+
 }  // namespace
 }  // namespace rhoray::tests
