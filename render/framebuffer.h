@@ -13,7 +13,15 @@ struct ChannelSet {
   bool normal = false;  ///< unit normal in world axes, towards the eye; 0 where nothing is hit or the field is flat
   bool cell =
       false;  ///< id of the hit cell: (k * cells.y + j) * cells.x + i in a grid, position in the source of a mesh
-  bool value = false;  ///< value at the hit: isovalue, or the largest value; NaN where nothing is hit
+  bool value = false;       ///< value at the hit: isovalue, or the largest value; NaN where nothing is hit
+  bool error = false;       ///< how far depth (of a largest value: the value) may be off; NaN where nothing is proven
+  bool roots = false;       ///< crossings on the ray's way through the hit cell; 0 where nothing is hit
+  bool iterations = false;  ///< steps that refined the root
+  bool cost = false;        ///< macrocells and cells visited for the pixel
+
+  ChannelSet& operator|=(const ChannelSet& other);
+  friend bool operator==(const ChannelSet&, const ChannelSet&) = default;
+  bool any() const { return *this != ChannelSet{}; }
 };
 
 /// A picture, rows from the top, pixels from the left. Channels that were not asked for stay empty.
@@ -23,16 +31,21 @@ struct Framebuffer {
   Framebuffer() = default;
   Framebuffer(int picture_width, int picture_height, const ChannelSet& channels);
 
+  /// Gives up the channels that are not in the set.
+  void keep(const ChannelSet& channels);
+
   std::size_t pixel_count() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
 
   int width = 0;
   int height = 0;
   std::vector<float>
       color;  ///< linear RGBA, 4 per pixel; alpha is 1 where something is hit, else 0 over the background colour
-  std::vector<float> depth;         ///< 1 per pixel
-  std::vector<float> normal;        ///< 3 per pixel
-  std::vector<std::uint64_t> cell;  ///< 1 per pixel
-  std::vector<double> value;        ///< 1 per pixel
+  std::vector<float> depth;                            ///< 1 per pixel
+  std::vector<float> normal;                           ///< 3 per pixel
+  std::vector<std::uint64_t> cell;                     ///< 1 per pixel
+  std::vector<double> value;                           ///< 1 per pixel
+  std::vector<float> error;                            ///< 1 per pixel
+  std::vector<std::uint32_t> roots, iterations, cost;  ///< 1 per pixel each
 };
 
 }  // namespace rhoray::render

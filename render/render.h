@@ -31,13 +31,19 @@ struct FrameStatistics {
   std::uint64_t macrocells_visited = 0;
   std::uint64_t cells_visited = 0;      ///< leaf cells whose values or lists were read
   std::uint64_t cells_solved = 0;       ///< trilinear cells whose cubic was formed, or tetrahedra intersected
+  std::uint64_t samples_taken = 0;      ///< by the sampled methods
+  std::uint64_t rays_redone = 0;        ///< certified: rays that single precision could not decide
+  std::uint64_t rays_judged = 0;        ///< certified and judged: rays decided by exact arithmetic
+  std::uint64_t touches = 0;            ///< judged hits at which the field only touches the isovalue
+  double largest_error = 0;             ///< of all hits' bounds; NaN where the method proves none
   std::uint64_t highlights_shaded = 0;  ///< hits for which the specular effect was computed
   Phases phases;
   double wall_s = 0;
 };
 
 /// Traces one ray through the middle of every pixel. The framebuffer is the same, bit for bit, for any number of
-/// threads. Refuses a picture without pixels, an isovalue or a camera that is not finite (Trouble::usage).
+/// threads. Refuses a picture without pixels, an isovalue or a camera that is not finite, a method that does not answer
+/// the question, and the channel `error` where the method proves nothing (Trouble::usage).
 FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer);
 
 }  // namespace rhoray::render

@@ -3,17 +3,11 @@
 #include "formats/base/interval.h"
 #include "formats/base/vector.h"
 #include "render/camera.h"
+#include "render/method.h"
 
 namespace rhoray::render {
 
 enum class Mode { isosurface, mip };
-
-/// How the largest value in a cell of a grid is found. In tetrahedra both are the same: a linear field is largest where
-/// the ray enters or leaves.
-enum class MipMethod {
-  exact,  ///< the largest value of the cubic along the ray inside the cell
-  face    ///< the larger of the values on the faces where the ray enters and leaves (paper, section 4.3): a lower bound
-};
 
 /// How an isosurface looks: linear RGB in [0, 1]. The light stands at the eye.
 struct Surface {
@@ -27,7 +21,7 @@ struct Surface {
 struct Scene {
   Mode mode = Mode::isosurface;
   double isovalue = 0;
-  MipMethod mip_method = MipMethod::exact;
+  Method method{};
   Interval<double> window{};  ///< values shown from black to white in MIP; must not be empty there
   Camera camera{};
   Surface surface{};

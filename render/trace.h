@@ -8,6 +8,7 @@
 #include "formats/base/affine.h"
 #include "render/camera.h"
 #include "render/load.h"
+#include "render/method.h"
 
 namespace rhoray::render {
 
@@ -30,6 +31,7 @@ struct FrameHit {
 
 struct TraceOptions {
   double isovalue = 0;
+  Method method{};       ///< how a cell's crossing is found
   unsigned threads = 0;  ///< 0 = all cores
 };
 

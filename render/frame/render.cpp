@@ -56,6 +56,7 @@ struct alignas(128) Worker {
   KernelScratch scratch;
   std::uint64_t rays = 0, hit_count = 0, highlights = 0;
   std::uint64_t tile_ticks = 0, shading_ticks = 0;
+  double largest_error = 0;
 };
 
 void make_rays(const Frame& frame, const Tile& tile, Worker& worker) {
@@ -78,6 +79,14 @@ Vec3 normal_towards_eye(const Vec3& gradient_world, const Vec3& ray_direction) {
   return unit.dot(ray_direction) > 0 ? -unit : unit;
 }
 
+/// What a pixel took, and how sure it is.
+void write_diary(std::size_t pixel, const Hit& hit, Framebuffer& out) {
+  if (!out.error.empty()) out.error[pixel] = static_cast<float>(hit.error);
+  if (!out.roots.empty()) out.roots[pixel] = hit.root_count;
+  if (!out.iterations.empty()) out.iterations[pixel] = hit.iteration_count;
+  if (!out.cost.empty()) out.cost[pixel] = hit.cost;
+}
+
 void write_pixel(const Frame& frame, std::size_t pixel, const Ray& ray_world, const Hit& hit, Framebuffer& out,
                  Worker& worker) {
   const bool is_hit = !hit.is_miss();
@@ -98,6 +107,8 @@ void write_pixel(const Frame& frame, std::size_t pixel, const Ray& ray_world, co
       out.normal[3 * pixel + static_cast<std::size_t>(axis)] = static_cast<float>(normal[axis]);
   if (!out.cell.empty()) out.cell[pixel] = is_hit ? hit.cell : Framebuffer::no_cell;
   if (!out.value.empty()) out.value[pixel] = is_hit ? hit.value : std::numeric_limits<double>::quiet_NaN();
+  if (is_hit && hit.error > worker.largest_error) worker.largest_error = hit.error;
+  write_diary(pixel, hit, out);
 }
 
 void trace_tile(const Frame& frame, const Tile& tile, Framebuffer& out, Worker& worker) {
@@ -131,6 +142,13 @@ void check_request(const Scene& scene, const FrameOptions& options) {
   if (scene.mode == Mode::mip && (scene.window.is_empty() || !std::isfinite(scene.window.hi - scene.window.lo)))
     throw Error(Trouble::usage,
                 concat("window ", scene.window.lo, " to ", scene.window.hi, "; expected a finite range"));
+  const Method& method = scene.method;
+  if (method.way == Method::Way::sampled && !(method.step >= 1e-4 && method.step <= 1e4))
+    throw Error(Trouble::usage, concat("steps of ", method.step, " cells; expected 0.0001 to 10000"));
+  if (method.way == Method::Way::slack && !(method.slack >= 0 && method.slack <= 1))
+    throw Error(Trouble::usage, concat("a slack of ", method.slack, "; expected 0 to 1"));
+  if (options.channels.error && !proves(method))
+    throw Error(Trouble::usage, "the channel 'error' needs a method that proves one: certified or exact");
 }
 
 }  // namespace
@@ -142,12 +160,17 @@ FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOpti
   const std::uint64_t ticks_start = ticks_now();
 
   const VolumeImplementation& implementation = volume.implementation();
-  const Kernels kernels = choose_kernels(implementation, scene.mip_method, options.time_phases);
+  const Kernels kernels = choose_kernels(implementation, scene.method.way);
   const bool is_mip = scene.mode == Mode::mip;
   const Frame frame{.volume = implementation,
                     .scene = scene,
                     .kernel = is_mip ? kernels.largest_value : kernels.first_crossing,
-                    .question = {scene.isovalue, options.use_hierarchy, options.use_last_t},
+                    .question = {.isovalue = scene.isovalue,
+                                 .field_range = implementation.field.range,
+                                 .method = scene.method,
+                                 .use_hierarchy = options.use_hierarchy,
+                                 .use_last_t = options.use_last_t,
+                                 .time_phases = options.time_phases},
                     .effects = effects_called_for(scene),
                     .camera_rays = CameraRays(scene.camera, options.width, options.height),
                     .volume_from_world = implementation.world_from_volume.inverse(),
@@ -175,12 +198,18 @@ FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOpti
     statistics.rays += worker.rays;
     statistics.hits += worker.hit_count;
     statistics.highlights_shaded += worker.highlights;
+    statistics.largest_error = std::max(statistics.largest_error, worker.largest_error);
     tile_ticks += worker.tile_ticks;
     shading_ticks += worker.shading_ticks;
   }
   statistics.macrocells_visited = counters.macrocells_visited;
   statistics.cells_visited = counters.cells_visited;
   statistics.cells_solved = counters.cells_solved;
+  statistics.samples_taken = counters.samples_taken;
+  statistics.rays_redone = counters.rays_redone;
+  statistics.rays_judged = counters.rays_judged;
+  statistics.touches = counters.touches;
+  if (!proves(scene.method)) statistics.largest_error = std::numeric_limits<double>::quiet_NaN();
   statistics.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock_start).count();
   if (options.time_phases) {
     const double seconds_per_tick = statistics.wall_s / static_cast<double>(ticks_now() - ticks_start);

@@ -25,9 +25,10 @@ void trace(const Volume& volume, const TraceOptions& options, std::span<const Fr
   if (!std::isfinite(options.isovalue))
     throw Error(Trouble::usage, concat("isovalue ", options.isovalue, "; expected a finite number"));
   const VolumeImplementation& implementation = volume.implementation();
-  const Kernel first_crossing = choose_kernels(implementation, MipMethod::exact, false).first_crossing;
+  const Kernel first_crossing = choose_kernels(implementation, options.method.way).first_crossing;
   Question question;
   question.isovalue = options.isovalue;
+  question.method = options.method;
   std::vector<KernelScratch> scratches(worker_count(options.threads));
   const std::size_t batch_count = (rays.size() + batch_size - 1) / batch_size;
   for_each_tile(batch_count, options.threads, [&](std::size_t batch, std::size_t worker) {

@@ -5,20 +5,19 @@
 
 namespace rhoray::render {
 
-/// Adds the time of its life to the counters; nothing at all in kernels that are not timed.
-template <bool timed>
+/// Adds the time of its life to the counters, when the question asks for it.
 class IntersectionTimer {
  public:
-  RHORAY_INLINE explicit IntersectionTimer(KernelCounters& counters)
-      : counters_(counters), start_(timed ? ticks_now() : 0) {}
+  RHORAY_INLINE IntersectionTimer(const Question& question, KernelCounters& counters)
+      : counters_(question.time_phases ? &counters : nullptr), start_(counters_ != nullptr ? ticks_now() : 0) {}
   RHORAY_INLINE ~IntersectionTimer() {
-    if constexpr (timed) counters_.intersection_ticks += ticks_now() - start_;
+    if (counters_ != nullptr) counters_->intersection_ticks += ticks_now() - start_;
   }
   IntersectionTimer(const IntersectionTimer&) = delete;
   IntersectionTimer& operator=(const IntersectionTimer&) = delete;
 
  private:
-  KernelCounters& counters_;
+  KernelCounters* counters_;
   std::uint64_t start_;
 };
 

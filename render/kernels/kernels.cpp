@@ -2,8 +2,8 @@
 
 namespace rhoray::render {
 
-Kernels choose_kernels(const VolumeImplementation& volume, MipMethod method, bool timed) {
-  return std::visit([&](const auto& view) { return kernels_for(view, method, timed); }, volume.view);
+Kernels choose_kernels(const VolumeImplementation& volume, Method::Way way) {
+  return std::visit([&](const auto& view) { return kernels_for(view, way); }, volume.view);
 }
 
 }  // namespace rhoray::render

@@ -5,9 +5,10 @@
 #include <optional>
 #include <span>
 
+#include "formats/base/interval.h"
 #include "render/march/maximum_queue.h"
 #include "render/march/ray.h"
-#include "render/scene.h"
+#include "render/method.h"
 #include "render/volumes/volume.h"
 
 namespace rhoray::render {
@@ -18,6 +19,12 @@ struct Hit {
   double value = 0;                                    ///< of the field there
   std::uint64_t cell = 0;                              ///< id of the cell
   Vec3 gradient{0, 0, 0};                              ///< of the field there, volume frame; only for first_crossing
+  /// How far the exact answer may be from this one: from t for a crossing, from the value for a largest value. NaN
+  /// where the method proves nothing.
+  double error = std::numeric_limits<double>::quiet_NaN();
+  std::uint32_t root_count = 0;       ///< crossings found on the ray's way through the hit cell
+  std::uint32_t iteration_count = 0;  ///< steps of the root's refinement
+  std::uint32_t cost = 0;             ///< macrocells and cells visited for this ray, hit or not
 
   bool is_miss() const { return t == std::numeric_limits<double>::infinity(); }
 };
@@ -26,12 +33,22 @@ struct KernelCounters {
   std::uint64_t macrocells_visited = 0;
   std::uint64_t cells_visited = 0;
   std::uint64_t cells_solved = 0;
-  std::uint64_t intersection_ticks = 0;  ///< time spent solving; 0 in kernels that are not timed
+  std::uint64_t samples_taken = 0;       ///< by the sampled methods
+  std::uint64_t rays_redone = 0;         ///< certified: what single precision could not decide
+  std::uint64_t rays_judged = 0;         ///< decided by the judge
+  std::uint64_t touches = 0;             ///< judged hits at which the field only touches the isovalue
+  std::uint64_t intersection_ticks = 0;  ///< time spent solving; 0 unless Question::time_phases
+
+  std::uint64_t visits() const { return macrocells_visited + cells_visited; }
 
   KernelCounters& operator+=(const KernelCounters& other) {
     macrocells_visited += other.macrocells_visited;
     cells_visited += other.cells_visited;
     cells_solved += other.cells_solved;
+    samples_taken += other.samples_taken;
+    rays_redone += other.rays_redone;
+    rays_judged += other.rays_judged;
+    touches += other.touches;
     intersection_ticks += other.intersection_ticks;
     return *this;
   }
@@ -40,8 +57,11 @@ struct KernelCounters {
 /// What is asked of every ray of a frame.
 struct Question {
   double isovalue = 0;
+  Interval<double> field_range{0, 0};  ///< of the field shown; only certified largest values ask for it
+  Method method{};
   bool use_hierarchy = true;
   bool use_last_t = true;
+  bool time_phases = false;
 };
 
 /// What a thread keeps from ray to ray: memory for the queue, and where the last largest value was found.
@@ -55,19 +75,18 @@ struct KernelScratch {
 using Kernel = void (*)(const VolumeImplementation& volume, const Question& question, std::span<const Ray> rays,
                         std::span<Hit> hits, KernelScratch& scratch);
 
-/// The questions that a frame may ask of a volume (paper, section 4), each as the kernel for its kind, value type and
-/// machine. Chosen once per frame.
+/// The questions that a frame may ask of a volume (paper, section 4), each as the kernel for its kind, value type,
+/// method and machine. Chosen once per frame.
 struct Kernels {
   Kernel first_crossing;      ///< where the ray first passes from one side of the isovalue to the other
   Kernel largest_value;       ///< the largest value on the ray and the smallest t where it is reached
   std::size_t queue_entries;  ///< the most that one ray can put into the queue
 };
 
-/// @param timed  kernels that also measure the time spent in intersection
-Kernels choose_kernels(const VolumeImplementation& volume, MipMethod method, bool timed);
+Kernels choose_kernels(const VolumeImplementation& volume, Method::Way way);
 
 /// Kernels of one view; defined for every alternative of VolumeImplementation::view.
 template <class View>
-Kernels kernels_for(const View& view, MipMethod method, bool timed);
+Kernels kernels_for(const View& view, Method::Way way);
 
 }  // namespace rhoray::render

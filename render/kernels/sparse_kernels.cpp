@@ -2,9 +2,9 @@
 
 namespace rhoray::render {
 
-template Kernels kernels_for(const SparseVolume<float>&, MipMethod, bool);
-template Kernels kernels_for(const SparseVolume<double>&, MipMethod, bool);
-template Kernels kernels_for(const SparseRectilinearVolume<float>&, MipMethod, bool);
-template Kernels kernels_for(const SparseRectilinearVolume<double>&, MipMethod, bool);
+template Kernels kernels_for(const SparseVolume<float>&, Method::Way);
+template Kernels kernels_for(const SparseVolume<double>&, Method::Way);
+template Kernels kernels_for(const SparseRectilinearVolume<float>&, Method::Way);
+template Kernels kernels_for(const SparseRectilinearVolume<double>&, Method::Way);
 
 }  // namespace rhoray::render

@@ -72,6 +72,9 @@ class UniformGeometry {
     return position - static_cast<double>(cell);
   }
 
+  /// A direction's component in a cell's own coordinates.
+  RHORAY_INLINE double direction_in_cell(int, double component, std::int64_t) const { return component; }
+
   /// A gradient in a cell's own coordinates, in those of the frame.
   RHORAY_INLINE Vec3 gradient(const Vec3& in_cell, const Index3&) const { return in_cell; }
 };
@@ -85,6 +88,9 @@ class RectilinearGeometry {
 
   RHORAY_INLINE double in_cell(int axis, double position, std::int64_t cell) const {
     return (position - low(axis, cell)) / width(axis, cell);
+  }
+  RHORAY_INLINE double direction_in_cell(int axis, double component, std::int64_t cell) const {
+    return component / width(axis, cell);
   }
 
   RHORAY_INLINE Vec3 gradient(const Vec3& in_cell, const Index3& cell) const {

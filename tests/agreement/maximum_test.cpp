@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/agreement/pictures.h"
+#include "tests/render/support/methods.h"
 
 namespace rhoray::tests {
 
@@ -127,22 +128,22 @@ TEST(Maximum, of_packed_grids_equals_brute_force_by_both_rules) {
     render::Scene scene = oblique_scene(volume, 0);
     scene.mode = render::Mode::mip;
     double deficit = 0;
-    for (const render::MipMethod method : {render::MipMethod::exact, render::MipMethod::face}) {
-      scene.mip_method = method;
+    for (const render::Method& method : {render::Method{}, face_rule}) {
+      scene.method = method;
       const render::Framebuffer found = picture(volume, scene);
       std::size_t checked = 0, mask_differs = 0;
       for (int y = 0; y < found.height; ++y)
         for (int x = 0; x < found.width; ++x) {
           const auto pixel = static_cast<std::size_t>(y * found.width + x);
           const WorldRay ray = ray_of_pixel(scene.camera, x, y, found.width, found.height);
-          const auto expected = brute_force_maximum(neutral, ray, method == render::MipMethod::face);
+          const auto expected = brute_force_maximum(neutral, ray, method == face_rule);
           const bool is_hit = found.cell[pixel] != render::Framebuffer::no_cell;
           mask_differs += expected.has_value() != is_hit;
           if (!expected || !is_hit) continue;
           // Both roads round positions of some tens of cells: 1e-12 of the range is hundreds of such roundings.
           ASSERT_NEAR(found.value[pixel], *expected, 1e-12 * largest);
           ++checked;
-          if (method == render::MipMethod::face)
+          if (method == face_rule)
             deficit = std::max(deficit, *brute_force_maximum(neutral, ray, false) - found.value[pixel]);
         }
       EXPECT_GT(checked, 4000u);
@@ -186,8 +187,8 @@ TEST(Maximum, does_not_depend_on_the_last_t) {
              sampled_volume<float>(count, lattice_over({{-1, -1, -1}, {1, 1, 1}}, count), marschner_lobb_field(3)));
   render::Scene scene = oblique_scene(volume, 0);
   scene.mode = render::Mode::mip;
-  for (const render::MipMethod method : {render::MipMethod::exact, render::MipMethod::face}) {
-    scene.mip_method = method;
+  for (const render::Method& method : {render::Method{}, face_rule}) {
+    scene.method = method;
     expect_same_bits(picture(volume, scene, {.use_last_t = true}), picture(volume, scene, {.use_last_t = false}));
   }
 }

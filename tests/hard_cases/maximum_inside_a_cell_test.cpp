@@ -28,7 +28,7 @@ TEST(MaximumInsideACell, is_found_by_the_exact_method_and_missed_by_the_face_rul
     const auto truth = largest_by_brute_force(samples, cells, ray);
     if (!truth) continue;
     const double exact = traced.largest_value(ray).value;
-    const double face = traced.largest_value(ray, render::MipMethod::face).value;
+    const double face = traced.largest_value(ray, face_rule).value;
     EXPECT_NEAR(exact, *truth, 1e-8);
     EXPECT_LE(face, exact + 1e-9);
     too_low += face < exact - 1;

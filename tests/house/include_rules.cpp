@@ -31,10 +31,13 @@ const Floor floors[] = {{"formats", {"formats"}},
 const Floor rooms_of_render[] = {
     {"render/march", {"formats/base", "render/march", "render/cells"}},
     {"render/cells", {"formats/base", "render/cells", "render/march"}},
+    {"render/judge", {"formats/base", "render/judge", "render/cells", "render/march"}},
     {"render/volumes", {"formats", "render/volumes", "render/cells", "render/march"}},
     {"render/kernels",
-     {"formats", "render/kernels", "render/volumes", "render/cells", "render/march", "render/scene.h"}},
+     {"formats", "render/kernels", "render/volumes", "render/judge", "render/cells", "render/march",
+      "render/method.h"}},
     {"render/effects", {"formats/base", "render/effects", "render/kernels", "render/scene.h"}},
+    {"render/diary", {"formats/base", "render/diary", "render/diary.h", "render/framebuffer.h"}},
     {"render/frame", {"formats", "render"}}};
 
 /// Where a third-party library is received. `header` is a pattern for what stands between the brackets.
@@ -46,7 +49,7 @@ struct Guest {
 const Guest guests[] = {
     {"TetGen", std::regex("tetgen\\.h"), {"preprocess/tetrahedralize"}},
     {"CGAL", std::regex("CGAL/.*"), {"preprocess/tetrahedralize", "preprocess/repair", "tools/validate"}},
-    {"Boost", std::regex("boost/.*"), {"preprocess/tetrahedralize"}},
+    {"Boost", std::regex("boost/.*"), {"preprocess/tetrahedralize", "render/judge"}},
     {"VTK", std::regex("vtk\\w*\\.h"), {"preprocess/import", "tools/study"}},
     {"OpenVDB", std::regex("openvdb/.*"), {"preprocess/vdb"}},
     {"NanoVDB", std::regex("nanovdb/.*"), {"preprocess/vdb", "render/volumes"}},

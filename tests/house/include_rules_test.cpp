@@ -25,10 +25,11 @@ class PlantedHouse {
           "#include <teem/nrrd.h>\n#include <vtkImageData.h>\n#include \"preprocess/pack.h\"\n");
     plant("preprocess/tetrahedralize/fill.cpp", "#include <tetgen.h>\n#include <CGAL/box.h>\n");
     plant("render/scene.h", "#include \"formats/base/box.h\"\n");
+    plant("render/method.h", "");
     plant("render/march/ray.h", "#include \"formats/base/box.h\"\n");
     plant("render/cells/cubic.h", "#include \"render/march/ray.h\"\n");
     plant("render/volumes/grid.h", "#include \"formats/grid.h\"\n#include \"render/march/ray.h\"\n");
-    plant("render/kernels/kernels.h", "#include \"render/volumes/grid.h\"\n#include \"render/scene.h\"\n");
+    plant("render/kernels/kernels.h", "#include \"render/volumes/grid.h\"\n#include \"render/method.h\"\n");
     plant("render/effects/diffuse.h", "#include \"render/scene.h\"\n");
     plant("render/frame/frame.cpp", "#include <tbb/parallel_for.h>\n#include \"render/effects/diffuse.h\"\n");
     plant("data/recipes/ball.cpp", "#include <Eigen/Sparse>\n#include \"preprocess/pack.h\"\n");

@@ -9,16 +9,33 @@
 #include "preprocess/open_vdb.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/input_file.h"
+#include "tools/rhoray/method_words.h"
 
 namespace rhoray::tools {
 
 namespace {
 
 /// A channel's word and its place in the set.
-constexpr std::pair<const char*, bool render::ChannelSet::*> channel_words[] = {{"depth", &render::ChannelSet::depth},
-                                                                                {"normal", &render::ChannelSet::normal},
-                                                                                {"cell", &render::ChannelSet::cell},
-                                                                                {"value", &render::ChannelSet::value}};
+constexpr std::pair<const char*, bool render::ChannelSet::*> channel_words[] = {
+    {"depth", &render::ChannelSet::depth},
+    {"normal", &render::ChannelSet::normal},
+    {"cell", &render::ChannelSet::cell},
+    {"value", &render::ChannelSet::value},
+    {"error", &render::ChannelSet::error},
+    {"roots", &render::ChannelSet::roots},
+    {"iterations", &render::ChannelSet::iterations},
+    {"cost", &render::ChannelSet::cost}};
+
+constexpr std::pair<const char*, render::DiaryPage> diary_words[] = {{"error", render::DiaryPage::error},
+                                                                     {"roots", render::DiaryPage::roots},
+                                                                     {"iterations", render::DiaryPage::iterations},
+                                                                     {"cost", render::DiaryPage::cost}};
+
+std::vector<std::string> words_of_show() {
+  std::vector<std::string> words{"color"};
+  for (const auto& [word, page] : diary_words) words.emplace_back(word);
+  return words;
+}
 
 std::string text_of(const Vec3& v) {
   return concat(v.x, ",", v.y, ",", v.z);
@@ -85,11 +102,19 @@ std::vector<Option> picture_options(PictureOptions& options) {
       value_option("--specular", "S", "Strength of the highlight, 0 to 1; 0 computes none", options.specular),
       value_option("--range", "A,B", "Values shown from black to white in MIP; default the field's range",
                    options.range),
-      choice_option("--method", {"face", "exact"},
-                    "How MIP finds a cell's largest value: on the faces where the ray enters and leaves (the paper), "
-                    "or exactly; default exact",
-                    options.method),
-      value_option("--channels", "A,B", "Also keep depth, normal, cell, value (EXR only)", options.channels),
+      choice_option(
+          "--accuracy", accuracy_words(),
+          "preview: a first look; float: single precision inside cells; certified: every hit and miss proven, "
+          "with a bound of its error; exact: every decision in exact arithmetic, slow; default float",
+          options.accuracy),
+      value_option("--method", "NAME", method_help(), options.method),
+      value_option("--channels", "A,B",
+                   "Also keep depth, normal, cell, value; error (certified, exact), roots, iterations, cost (EXR only)",
+                   options.channels),
+      choice_option("--show", words_of_show(),
+                    "A heat map instead of colours: error (certified, exact), roots in the hit cell, iterations of the "
+                    "root, cost (cells visited); default color",
+                    options.show),
       flag_option("--no-hierarchy", "Walk every leaf cell, for comparison; the picture is the same",
                   options.no_hierarchy)};
 }
@@ -97,13 +122,17 @@ std::vector<Option> picture_options(PictureOptions& options) {
 render::ChannelSet channel_set(const std::vector<std::string>& names) {
   render::ChannelSet set;
   std::vector<std::string> known;
-  for (const auto& [word, member] : channel_words) known.emplace_back(word);
+  std::string known_text;
+  for (const auto& [word, member] : channel_words) {
+    known.emplace_back(word);
+    known_text += concat(known_text.empty() ? "" : ", ", word);
+  }
   for (const std::string& name : names) {
     bool found = false;
     for (const auto& [word, member] : channel_words)
       if (name == word) found = set.*member = true;
     if (!found)
-      throw Error(Trouble::usage, concat("--channels: found '", name, "'; expected depth, normal, cell or value"),
+      throw Error(Trouble::usage, concat("--channels: found '", name, "'; expected ", known_text),
                   did_you_mean(name, known));
   }
   return set;
@@ -175,11 +204,22 @@ render::Volume load_volume(const std::filesystem::path& path, const std::string&
   }
 }
 
+namespace {
+
+render::Method choose_method(const PictureOptions& options, render::Mode mode, bool is_mesh) {
+  if (!options.method.empty() && !options.accuracy.empty())
+    throw Error(Trouble::usage, "--method and --accuracy say the same thing twice: give one of them");
+  if (!options.method.empty()) return method_named(options.method, mode, is_mesh);
+  return method_of(options.accuracy.empty() ? render::Accuracy::single : accuracy_named(options.accuracy));
+}
+
+}  // namespace
+
 PicturePlan plan_picture(const PictureOptions& options, const render::Volume& volume) {
   PicturePlan plan;
   render::Scene& scene = plan.scene;
   scene.mode = options.mode == "mip" ? render::Mode::mip : render::Mode::isosurface;
-  scene.mip_method = options.method == "face" ? render::MipMethod::face : render::MipMethod::exact;
+  scene.method = choose_method(options, scene.mode, volume.is_mesh());
   Box3 shown = volume.bounds();
   if (scene.mode == render::Mode::isosurface) {
     const Isovalue iso = options.isovalue == "auto" && volume.is_level_set()
@@ -207,6 +247,8 @@ PicturePlan plan_picture(const PictureOptions& options, const render::Volume& vo
   plan.frame.width = options.size.width;
   plan.frame.height = options.size.height;
   plan.frame.channels = channel_set(options.channels);
+  for (const auto& [word, page] : diary_words)
+    if (options.show == word) plan.page = page;
   plan.frame.use_hierarchy = !options.no_hierarchy;
   return plan;
 }
@@ -221,13 +263,14 @@ std::vector<std::string> reproducing_command(const PicturePlan& plan, const rend
   if (scene.mode == render::Mode::mip) {
     add("--mode", "mip");
     add("--range", concat(scene.window.lo, ",", scene.window.hi));
-    add("--method", scene.mip_method == render::MipMethod::face ? "face" : "exact");
   } else {
     add("--mode", "iso");
     add("--iso", concat(scene.isovalue));
     add("--surface-color", text_of(scene.surface.color));
     add("--specular", concat(scene.surface.specular));
   }
+  const MethodOption method = option_of(scene.method, scene.mode, volume.is_mesh());
+  add(method.option, method.word);
   add("--size", concat(plan.frame.width, "x", plan.frame.height));
   add("--camera-position", text_of(camera.position));
   add("--camera-target", text_of(camera.target));
@@ -242,6 +285,9 @@ std::vector<std::string> reproducing_command(const PicturePlan& plan, const rend
   for (const auto& [word, member] : channel_words)
     if (plan.frame.channels.*member) channels += concat(channels.empty() ? "" : ",", word);
   if (!channels.empty()) add("--channels", channels);
+  if (plan.page)
+    for (const auto& [word, page] : diary_words)
+      if (page == *plan.page) add("--show", word);
   if (!plan.frame.use_hierarchy) words.push_back("--no-hierarchy");
   return words;
 }

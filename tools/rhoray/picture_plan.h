@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "render/diary.h"
 #include "render/load.h"
 #include "render/render.h"
 #include "tools/rhoray/option_values.h"
@@ -24,8 +25,10 @@ struct PictureOptions {
   std::optional<Color> surface_color, background;
   std::optional<double> specular;
   std::optional<Interval<double>> range;
-  std::string method = "exact";
+  std::string accuracy;  ///< empty = float, unless a method is named
+  std::string method;
   std::vector<std::string> channels;
+  std::string show = "color";  ///< or error, roots, iterations, cost: a heat map
   bool no_hierarchy = false;
 };
 
@@ -36,8 +39,9 @@ std::vector<Option> picture_options(PictureOptions& options);
 struct PicturePlan {
   render::Scene scene;
   render::FrameOptions frame;
-  std::string isovalue_from;      ///< "given", "percentile 95", "Otsu's threshold"; empty for MIP
-  bool surface_is_empty = false;  ///< the isosurface passes through no cell
+  std::optional<render::DiaryPage> page;  ///< drawn instead of colours
+  std::string isovalue_from;              ///< "given", "percentile 95", "Otsu's threshold"; empty for MIP
+  bool surface_is_empty = false;          ///< the isosurface passes through no cell
 };
 
 render::ChannelSet channel_set(const std::vector<std::string>& names);

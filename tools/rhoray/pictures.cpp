@@ -49,8 +49,7 @@ void require_picture_format(const std::filesystem::path& path, const render::Cha
   if (format.empty())
     throw Error(Trouble::usage, concat(path.string(), ": found extension '", path.extension().string(),
                                        "'; expected .png, .exr, .tif, .tiff, .jpg or .jpeg"));
-  const bool wants_channels = channels.depth || channels.normal || channels.cell || channels.value;
-  if (wants_channels && format != "openexr")
+  if (channels.any() && format != "openexr")
     throw Error(Trouble::usage, concat(path.string(), ": only EXR keeps --channels"),
                 "give the picture a name in .exr");
 }

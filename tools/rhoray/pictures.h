@@ -23,8 +23,8 @@ void require_picture_format(const std::filesystem::path& path, const render::Cha
 ///
 /// PNG and TIFF hold 8-bit sRGB, opaque, over the background that the framebuffer carries; so does JPEG, with loss.
 /// EXR holds 32-bit float: R, G, B (linear, 0 where nothing is hit) and A; and of the channels that were asked for
-/// Z (depth), N.x, N.y, N.z, value, and cell (unsigned 32-bit, 4294967295 where nothing is hit; an id that does not fit
-/// is refused, Trouble::unsupported).
+/// Z (depth), N.x, N.y, N.z, value, error; and as unsigned 32-bit cell (4294967295 where nothing is hit; an id that
+/// does not fit is refused, Trouble::unsupported), roots, iterations and cost.
 ///
 /// OpenImageIO stands in a module of its own beside the program, `rhoray-pictures.so`, loaded here: it takes longer to
 /// load than most commands run.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 
 namespace rhoray::tools {
 
@@ -51,40 +52,66 @@ class FloatPixels {
   std::size_t position_ = 0;
 };
 
-std::vector<std::string> exr_channels(const render::Framebuffer& picture) {
-  std::vector<std::string> names{"R", "G", "B", "A"};
-  if (!picture.depth.empty()) names.push_back("Z");
-  if (!picture.normal.empty()) names.insert(names.end(), {"N.x", "N.y", "N.z"});
-  if (!picture.value.empty()) names.push_back("value");
-  if (!picture.cell.empty()) names.push_back("cell");
-  return names;
+/// Channels of one kind: their names, what they hold, and how a pixel's are added.
+struct ExrChannels {
+  std::vector<std::string> names;
+  OIIO::TypeDesc type;
+  std::function<void(FloatPixels&, std::size_t pixel)> add;
+};
+
+std::vector<ExrChannels> exr_channels(const render::Framebuffer& picture) {
+  std::vector<ExrChannels> all;
+  const auto add_numbers = [&](const char* name, const auto& channel) {
+    if (!channel.empty())
+      all.push_back({{name}, OIIO::TypeDesc::FLOAT, [&](FloatPixels& pixels, std::size_t pixel) {
+                       pixels.add(static_cast<float>(channel[pixel]));
+                     }});
+  };
+  const auto add_counts = [&](const char* name, const auto& channel) {
+    if (!channel.empty())  // no_cell becomes 2^32 - 1
+      all.push_back({{name}, OIIO::TypeDesc::UINT32, [&](FloatPixels& pixels, std::size_t pixel) {
+                       pixels.add(static_cast<std::uint32_t>(channel[pixel]));
+                     }});
+  };
+  all.push_back({{"R", "G", "B", "A"}, OIIO::TypeDesc::FLOAT, [&](FloatPixels& pixels, std::size_t pixel) {
+                   const float alpha = picture.color[4 * pixel + 3];
+                   for (std::size_t c = 0; c < 3; ++c) pixels.add(alpha * picture.color[4 * pixel + c]);
+                   pixels.add(alpha);
+                 }});
+  add_numbers("Z", picture.depth);
+  if (!picture.normal.empty())
+    all.push_back({{"N.x", "N.y", "N.z"}, OIIO::TypeDesc::FLOAT, [&](FloatPixels& pixels, std::size_t pixel) {
+                     for (std::size_t c = 0; c < 3; ++c) pixels.add(picture.normal[3 * pixel + c]);
+                   }});
+  add_numbers("value", picture.value);
+  add_numbers("error", picture.error);
+  add_counts("cell", picture.cell);
+  add_counts("roots", picture.roots);
+  add_counts("iterations", picture.iterations);
+  add_counts("cost", picture.cost);
+  return all;
 }
 
 Encoded encode_exr(const render::Framebuffer& picture) {
-  const std::vector<std::string> names = exr_channels(picture);
+  const std::vector<ExrChannels> channels = exr_channels(picture);
+  std::vector<std::string> names;
+  std::vector<OIIO::TypeDesc> types;
+  for (const ExrChannels& some : channels) {
+    names.insert(names.end(), some.names.begin(), some.names.end());
+    types.insert(types.end(), some.names.size(), some.type);
+  }
   Encoded out{OIIO::ImageSpec(picture.width, picture.height, static_cast<int>(names.size()), OIIO::TypeDesc::FLOAT),
               {}};
   out.spec.channelnames = names;
   out.spec.alpha_channel = 3;
   if (!picture.depth.empty()) out.spec.z_channel = 4;
-  if (!picture.cell.empty()) {
-    out.spec.channelformats.assign(names.size(), OIIO::TypeDesc::FLOAT);
-    out.spec.channelformats.back() = OIIO::TypeDesc::UINT32;
-  }
+  if (types.back() != OIIO::TypeDesc(OIIO::TypeDesc::FLOAT)) out.spec.channelformats = types;  // counts come last
   out.spec.attribute("compression", "zip");
   out.spec.attribute("oiio:ColorSpace", "Linear");
 
   FloatPixels pixels(names.size(), picture.pixel_count());
-  for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel) {
-    const float alpha = picture.color[4 * pixel + 3];
-    for (std::size_t c = 0; c < 3; ++c) pixels.add(alpha * picture.color[4 * pixel + c]);
-    pixels.add(alpha);
-    if (!picture.depth.empty()) pixels.add(picture.depth[pixel]);
-    if (!picture.normal.empty())
-      for (std::size_t c = 0; c < 3; ++c) pixels.add(picture.normal[3 * pixel + c]);
-    if (!picture.value.empty()) pixels.add(static_cast<float>(picture.value[pixel]));
-    if (!picture.cell.empty()) pixels.add(static_cast<std::uint32_t>(picture.cell[pixel]));  // no_cell becomes 2^32 - 1
-  }
+  for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel)
+    for (const ExrChannels& some : channels) some.add(pixels, pixel);
   out.bytes = pixels.take();
   return out;
 }

@@ -1,5 +1,6 @@
 #include "render/render.h"
 
+#include <cmath>
 #include <cstdio>
 #include <future>
 
@@ -8,6 +9,7 @@
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/measure.h"
+#include "tools/rhoray/method_words.h"
 #include "tools/rhoray/pick.h"
 #include "tools/rhoray/picture_plan.h"
 #include "tools/rhoray/pictures.h"
@@ -38,9 +40,11 @@ struct Stations {
 };
 
 std::uint64_t framebuffer_bytes(const PictureSize& size, const render::ChannelSet& channels) {
-  const std::uint64_t pixel = 4 * sizeof(float) + (channels.depth ? sizeof(float) : 0) +
-                              (channels.normal ? 3 * sizeof(float) : 0) + (channels.cell ? sizeof(std::uint64_t) : 0) +
-                              (channels.value ? sizeof(double) : 0);
+  const std::uint64_t pixel =
+      4 * sizeof(float) + (channels.depth ? sizeof(float) : 0) + (channels.normal ? 3 * sizeof(float) : 0) +
+      (channels.cell ? sizeof(std::uint64_t) : 0) + (channels.value ? sizeof(double) : 0) +
+      (channels.error ? sizeof(float) : 0) +
+      sizeof(std::uint32_t) * (std::uint64_t{channels.roots} + channels.iterations + channels.cost);
   return pixel * static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
 }
 
@@ -81,6 +85,11 @@ Json statistics_json(const render::FrameStatistics& statistics) {
           {"macrocells_visited", statistics.macrocells_visited},
           {"cells_visited", statistics.cells_visited},
           {"cells_solved", statistics.cells_solved},
+          {"samples_taken", statistics.samples_taken},
+          {"rays_redone_in_double", statistics.rays_redone},
+          {"rays_judged_exactly", statistics.rays_judged},
+          {"touches", statistics.touches},
+          {"largest_error", statistics.largest_error},
           {"highlights_shaded", statistics.highlights_shaded},
           {"wall_s", statistics.wall_s},
           {"phases_cpu_s",
@@ -99,14 +108,24 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
   };
   return count("rays", statistics.rays) + count("hits", statistics.hits) +
          count("macrocells visited", statistics.macrocells_visited) + count("cells visited", statistics.cells_visited) +
-         count("cells solved", statistics.cells_solved) + count("highlights shaded", statistics.highlights_shaded) +
-         phase("traversal", phases.traversal) + phase("intersection", phases.intersection) +
-         phase("shading", phases.shading) + concat("  traced in            ", rounded(statistics.wall_s, 3), " s\n");
+         count("cells solved", statistics.cells_solved) + count("samples taken", statistics.samples_taken) +
+         count("rays redone in double", statistics.rays_redone) + count("rays judged exactly", statistics.rays_judged) +
+         count("touches", statistics.touches) +
+         (std::isnan(statistics.largest_error)
+              ? std::string()
+              : concat("  largest error         ", rounded(statistics.largest_error), "\n")) +
+         count("highlights shaded", statistics.highlights_shaded) + phase("traversal", phases.traversal) +
+         phase("intersection", phases.intersection) + phase("shading", phases.shading) +
+         concat("  traced in            ", rounded(statistics.wall_s, 3), " s\n");
+}
+
+std::string method_text(const PicturePlan& plan, const render::Volume& volume) {
+  return option_of(plan.scene.method, plan.scene.mode, volume.is_mesh()).word;
 }
 
 void report(const RenderCommand& command, const std::filesystem::path& output, const render::Volume& volume,
             const PicturePlan& plan, const render::FrameStatistics& statistics, const Stations& stations,
-            const std::vector<Json>& picks, const std::string& reproduce) {
+            const std::vector<Json>& picks, const Interval<double>& heat, const std::string& reproduce) {
   const bool iso = plan.scene.mode == render::Mode::isosurface;
   const double total = stations.open_s + stations.trace_s + stations.wait_for_checks_s + stations.write_s;
   if (command.common.json) {
@@ -114,6 +133,7 @@ void report(const RenderCommand& command, const std::filesystem::path& output, c
               {"file", command.input.string()},
               {"field", volume.field().name},
               {"mode", iso ? "iso" : "mip"},
+              {"method", method_text(plan, volume)},
               {"size", {plan.frame.width, plan.frame.height}},
               {"camera", camera_json(plan.scene.camera)}};
     if (iso) {
@@ -131,7 +151,10 @@ void report(const RenderCommand& command, const std::filesystem::path& output, c
     json["reproduce"] = reproduce;
     std::puts(dump(json).c_str());
   } else {
-    if (command.statistics) std::fputs(statistics_text(statistics).c_str(), stdout);
+    if (command.statistics)
+      std::fputs(
+          concat("  method                ", method_text(plan, volume), "\n", statistics_text(statistics)).c_str(),
+          stdout);
     for (const Json& pick : picks) std::puts(picked_text(pick, volume.length_unit()).c_str());
   }
   for (const std::string& note : volume.notes()) say(command.common, concat("note: ", note));
@@ -142,20 +165,19 @@ void report(const RenderCommand& command, const std::filesystem::path& output, c
       command.picture.field.empty() && volume.field().name != first)
     say(command.common,
         concat("note: field '", first, "' is the same everywhere: '", volume.field().name, "' is shown"));
+  if (plan.page)
+    say(command.common, heat.is_empty() ? concat("note: nothing to show of ", command.picture.show)
+                                        : concat(command.picture.show, ": ", rounded(heat.lo), " (dark) to ",
+                                                 rounded(heat.hi), " (bright)"));
   if (statistics.hits == 0) say(command.common, "note: the picture is empty: no ray met anything");
   say(command.common,
       concat(output.string(), ": traced in ", rounded(statistics.wall_s, 3), " s, ", rounded(total, 3), " s in all"));
   say(command.common, concat("reproduce: ", reproduce));
 }
 
-/// What the picked pixels show; channels that were traced for this alone are given up again.
-std::vector<Json> take_picks(const std::vector<PixelPlace>& pixels, render::Framebuffer& framebuffer,
-                             const render::ChannelSet& kept) {
+std::vector<Json> take_picks(const std::vector<PixelPlace>& pixels, const render::Framebuffer& framebuffer) {
   std::vector<Json> picks;
   for (const PixelPlace& pixel : pixels) picks.push_back(picked(framebuffer, pixel));
-  if (!kept.depth) framebuffer.depth.clear();
-  if (!kept.cell) framebuffer.cell.clear();
-  if (!kept.value) framebuffer.value.clear();
   return picks;
 }
 
@@ -176,8 +198,10 @@ int run(RenderCommand& command) {
   PicturePlan plan = plan_picture(command.picture, volume);
   plan.frame.threads = command.common.threads;
   plan.frame.time_phases = command.statistics;
+  // Picks and heat maps need channels that are not kept in the picture.
   const render::ChannelSet kept = plan.frame.channels;
-  if (!command.picks.empty()) plan.frame.channels.depth = plan.frame.channels.cell = plan.frame.channels.value = true;
+  if (!command.picks.empty()) plan.frame.channels |= {.depth = true, .cell = true, .value = true};
+  if (plan.page) plan.frame.channels |= render::channel_of(*plan.page);
 
   // Checksums are read beside the rendering; the picture is written only when both are done and well.
   std::future<std::vector<formats::DamagedBlock>> checks;
@@ -188,7 +212,10 @@ int run(RenderCommand& command) {
   const Stopwatch tracing;
   const render::FrameStatistics statistics = render::render(volume, plan.scene, plan.frame, framebuffer);
   stations.trace_s = tracing.seconds();
-  const std::vector<Json> picks = take_picks(command.picks, framebuffer, kept);
+  const std::vector<Json> picks = take_picks(command.picks, framebuffer);
+  Interval<double> heat;
+  if (plan.page) heat = render::draw_heat_map(*plan.page, framebuffer);
+  framebuffer.keep(kept);
   plan.frame.channels = kept;
   const Stopwatch waiting;
   if (checks.valid()) refuse_damage(volume.file(), checks.get());
@@ -201,7 +228,7 @@ int run(RenderCommand& command) {
                 command.common.force);
   stations.write_s = writing.seconds();
   display.clear();
-  report(command, output, volume, plan, statistics, stations, picks, reproduce);
+  report(command, output, volume, plan, statistics, stations, picks, heat, reproduce);
   return 0;
 }
 

@@ -27,6 +27,7 @@
 #include "tools/rhoray/option_values.h"
 #include "tools/rhoray/table.h"
 #include "tools/rhoray/version.h"
+#include "tools/study/judge_cells.h"
 #include "tools/study/warped_box.h"
 
 namespace rhoray::study {
@@ -286,6 +287,6 @@ tools::Subcommand preprocess_speed() {
 
 int main(int argc, char** argv) {
   rhoray::tools::end_cleanly_on_interrupt();
-  const rhoray::tools::Subcommand subcommands[] = {rhoray::study::preprocess_speed()};
+  const rhoray::tools::Subcommand subcommands[] = {rhoray::study::preprocess_speed(), rhoray::study::judge_cells()};
   return rhoray::tools::run_command_line(subcommands, argc, argv);
 }

@@ -281,6 +281,35 @@ TEST(FirstChangeOfSide, is_the_first_one_of_the_exact_cubic_up_to_rounding_of_it
   }
 }
 
+TEST(FirstChangeOfSide, keeps_the_same_promise_in_float) {
+  Dice dice(9);
+  int changes = 0, most_iterations = 0;
+  for (const auto& [name, make] : families()) {
+    if (name.find("1e300") != name.npos || name.find("mixed") != name.npos) continue;  // float does not hold them
+    for (int trial = 0; trial < per_family; ++trial) {
+      const Cubic c = make(dice);
+      render::CubicOf<float> rounded;
+      QuadCubic b;
+      for (std::size_t i = 0; i < 4; ++i) rounded.b[i] = static_cast<float>(c.b[i]), b[i] = rounded.b[i];
+      const bool starts_inside = is_inside(rounded.b[0]);
+      if (!starts_inside) b = negated(b);
+      const Quad band = 16 * Quad(0x1p-24) * Quad(largest_coefficient(c));
+      const auto found = changes_of_side(rounded, starts_inside);
+      most_iterations = std::max(most_iterations, found.iterations);
+      if (found.count == 0) {
+        ASSERT_FALSE(falls_below(b, band)) << name;
+        continue;
+      }
+      ASSERT_TRUE(found.first >= 0 && found.first <= 1) << name;
+      ASSERT_LE(magnitude(value_at(b, found.first)), band) << name << " at " << found.first;
+      ASSERT_FALSE(falls_below(part_of(b, 0, found.first), band)) << name << " before " << found.first;
+      ++changes;
+    }
+  }
+  EXPECT_GT(changes, 30000);
+  EXPECT_LE(most_iterations, 30);
+}
+
 TEST(FirstChangeOfSide, has_a_small_error_where_the_root_is_simple) {
   Dice dice(6);
   int simple = 0;

@@ -99,6 +99,39 @@ TEST(TrilinearCell, loses_nothing_to_a_large_offset_of_the_values) {
   }
 }
 
+// D03, D10: float holds neither whole numbers of 32 bits nor the last digits of a double.
+TEST(Differences, of_large_values_are_exact_in_float_and_keep_their_side) {
+  Dice dice(8);
+  for (int trial = 0; trial < 2000; ++trial) {
+    const double isovalue = 4294967295.0 - static_cast<double>(dice.below(1000000));
+    TrilinearCell cell;
+    for (double& f : cell.corner) f = isovalue + static_cast<double>(dice.below(201) - 100) / 4;
+    const auto [differences, unit] = render::minus<float>(cell, isovalue);
+    EXPECT_EQ(unit, 1);
+    for (std::size_t c = 0; c < 8; ++c)
+      EXPECT_EQ(static_cast<double>(differences.corner[c]), cell.corner[c] - isovalue);
+  }
+}
+
+TEST(Differences, keep_every_side_and_their_ratios_at_any_magnitude) {
+  Dice dice(9);
+  int beyond_float = 0;
+  for (int trial = 0; trial < 5000; ++trial) {
+    TrilinearCell cell;
+    const double scale = std::pow(10, dice.between(-300, 300));
+    for (double& f : cell.corner) f = scale * dice.between(-1, 1) * std::pow(10, -dice.between(0, trial % 2 ? 2 : 80));
+    const auto [differences, unit] = render::minus<float>(cell, 0);
+    for (std::size_t c = 0; c < 8; ++c) {
+      EXPECT_EQ(render::is_inside(differences.corner[c]), render::is_inside(cell.corner[c]));
+      EXPECT_NEAR(static_cast<double>(differences.corner[c]), cell.corner[c] / unit,
+                  6e-8 * std::abs(cell.corner[c] / unit) + 1e-44);
+    }
+    beyond_float += unit != 1;
+  }
+  EXPECT_GT(beyond_float, 3000);
+  EXPECT_EQ(render::minus<float>(TrilinearCell{}, 0).unit, 1);
+}
+
 TEST(TrilinearCell, neighbours_agree_on_their_face_bit_for_bit) {
   Dice dice(5);
   for (int trial = 0; trial < 3000; ++trial) {

@@ -19,7 +19,7 @@ namespace {
 using render::Framebuffer;
 using render::FrameOptions;
 using render::FrameStatistics;
-using render::MipMethod;
+using render::Method;
 using render::Mode;
 using render::Scene;
 
@@ -74,12 +74,12 @@ TEST(Render, gives_the_same_bytes_and_counts_for_any_number_of_threads) {
 TEST(Render, gives_the_same_picture_without_hierarchy_and_without_last_t) {
   const TracedVolume traced = TracedVolume(sampled_volume<float>({25, 22, 27}, {}, blob()));
   for (const Mode mode : {Mode::isosurface, Mode::mip})
-    for (const MipMethod method : {MipMethod::exact, MipMethod::face}) {
+    for (const Method& method : {Method{}, face_rule}) {
       // Along axes and diagonals, where rays pass several planes at once.
       for (const std::string_view view : {"iso", "+x", "-z"})
         for (const bool orthographic : {false, true}) {
           Scene scene = scene_of(traced.volume(), mode, view);
-          scene.mip_method = method;
+          scene.method = method;
           scene.camera.orthographic = orthographic;
           scene.camera.orthographic_height = 32;
           FrameOptions options{.width = 64, .height = 64, .channels = all_channels};

@@ -256,7 +256,7 @@ TEST(GridFirstCrossing, and_largest_value_do_not_look_into_cells_that_a_ray_only
   EXPECT_TRUE(traced.first_crossing(ray, 50, false).is_miss());
   EXPECT_EQ(traced.scratch.counters.cells_visited, 12U);
   traced.scratch.counters = {};
-  EXPECT_EQ(traced.largest_value(ray, render::MipMethod::exact, false, false).value, 36);
+  EXPECT_EQ(traced.largest_value(ray, render::Method{}, false, false).value, 36);
   EXPECT_EQ(traced.scratch.counters.cells_visited, 12U);
 }
 

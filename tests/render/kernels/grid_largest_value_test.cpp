@@ -12,7 +12,7 @@ namespace rhoray::tests {
 namespace {
 
 using render::Hit;
-using render::MipMethod;
+using render::Method;
 using render::Ray;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -39,7 +39,7 @@ TEST(GridLargestValue, is_what_looking_into_every_cell_finds) {
       if (in_a_plane) continue;
       const auto exact = largest_by_brute_force(samples, cells, ray);
       const auto face = largest_by_brute_force(samples, cells, ray, true);
-      const Hit hit = traced.largest_value(ray), face_hit = traced.largest_value(ray, MipMethod::face);
+      const Hit hit = traced.largest_value(ray), face_hit = traced.largest_value(ray, face_rule);
       if (!exact) continue;  // touches at most
       ASSERT_FALSE(hit.is_miss());
       EXPECT_NEAR(hit.value, *exact, 1e-8);
@@ -61,8 +61,8 @@ TEST(GridLargestValue, is_what_looking_into_every_cell_finds) {
 TEST(GridLargestValue, by_the_face_rule_misses_a_maximum_inside_a_cell_and_the_exact_method_does_not) {
   TracedVolume traced(volume_of<float>({2, 2, 2}, [](const Index3& at) { return at.x != at.y ? 1.0F : 0.0F; }));
   const Ray ray{.origin = {-1, -1, 0.25}, .direction = {1, 1, 0}};
-  EXPECT_EQ(traced.largest_value(ray, MipMethod::face).value, 0);
-  const Hit hit = traced.largest_value(ray, MipMethod::exact);
+  EXPECT_EQ(traced.largest_value(ray, face_rule).value, 0);
+  const Hit hit = traced.largest_value(ray, Method{});
   EXPECT_EQ(hit.value, 0.5);
   EXPECT_NEAR(hit.t, 1.5, 1e-15);
 }
@@ -78,7 +78,7 @@ TEST(GridLargestValue, is_the_same_with_and_without_hierarchy_and_last_t_bit_for
   int hits = 0;
   for (const Samples& samples : kinds) {
     TracedVolume traced(volume_of<double>({18, 20, 17}, samples), {.macro_factor = 3, .macro_level_count = 2});
-    for (const MipMethod method : {MipMethod::exact, MipMethod::face})
+    for (const Method& method : {Method{}, face_rule})
       for (const Ray& ray : stressful_rays({17, 19, 16}, 500, 2)) {
         const Hit reference = traced.largest_value(ray, method, false, false);
         ASSERT_TRUE(same_bits(traced.largest_value(ray, method, true, false), reference)) << "hierarchy";
@@ -99,8 +99,7 @@ TEST(GridLargestValue, with_last_t_opens_fewer_cells) {
   const auto work = [&](bool use_last_t) {
     traced.scratch = {};
     for (int i = 0; i < 100; ++i)
-      traced.largest_value({.origin = {-2, 10 + 0.1 * i, 18.3}, .direction = {1, 0, 0}}, MipMethod::exact, true,
-                           use_last_t);
+      traced.largest_value({.origin = {-2, 10 + 0.1 * i, 18.3}, .direction = {1, 0, 0}}, Method{}, true, use_last_t);
     return traced.scratch.counters.cells_visited + traced.scratch.counters.macrocells_visited;
   };
   const auto without = work(false);
@@ -139,7 +138,7 @@ TEST(GridLargestValue, takes_the_smallest_t_among_equals) {
     EXPECT_EQ(ridges.largest_value(ray).t, 6);
     EXPECT_EQ(plateau.largest_value(ray).value, 0.3);
     EXPECT_EQ(plateau.largest_value(ray).t, 10);
-    EXPECT_EQ(ridges.largest_value(ray, MipMethod::face).t, 6);
+    EXPECT_EQ(ridges.largest_value(ray, face_rule).t, 6);
   }
 }
 
@@ -173,7 +172,7 @@ TEST(GridLargestValue, never_needs_more_of_the_queue_than_is_reserved) {
   TracedVolume traced(volume_of<double>({30, 25, 37}, noise(1000, 0)), {.macro_factor = 2, .macro_level_count = 4});
   traced.largest_value({.origin = {-1, 3, 3}, .direction = {1, 0, 0}});
   const std::size_t capacity = traced.scratch.queue.capacity();
-  for (const Ray& ray : stressful_rays({29, 24, 36}, 2000, 5)) traced.largest_value(ray, MipMethod::exact, true, false);
+  for (const Ray& ray : stressful_rays({29, 24, 36}, 2000, 5)) traced.largest_value(ray, Method{}, true, false);
   EXPECT_EQ(traced.scratch.queue.capacity(), capacity);
 }
 

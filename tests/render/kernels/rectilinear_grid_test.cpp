@@ -14,7 +14,7 @@ namespace rhoray::tests {
 namespace {
 
 using render::Hit;
-using render::MipMethod;
+using render::Method;
 using render::Ray;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -153,7 +153,7 @@ TEST(RectilinearGrid, largest_value_is_what_looking_into_every_cell_finds) {
     const auto face = largest_by_brute_force(samples, cells, ray, true, axes);
     if (!exact) continue;
     EXPECT_NEAR(traced.largest_value(ray).value, *exact, 1e-6);
-    EXPECT_NEAR(traced.largest_value(ray, MipMethod::face).value, *face, 1e-6);
+    EXPECT_NEAR(traced.largest_value(ray, face_rule).value, *face, 1e-6);
     ++judged;
   }
   EXPECT_GT(judged, 700);
@@ -180,7 +180,7 @@ TEST(RectilinearGrid, whose_tables_say_whole_numbers_is_the_uniform_grid_bit_for
   for (const Ray& ray : stressful_rays({19, 17, 22}, 2000, 7)) {
     const Hit hit = uniform.first_crossing(ray, 0.5);
     ASSERT_TRUE(same_bits(hit, rectilinear.first_crossing(ray, 0.5)));
-    for (const MipMethod method : {MipMethod::exact, MipMethod::face})
+    for (const Method& method : {Method{}, face_rule})
       ASSERT_TRUE(same_bits(uniform.largest_value(ray, method), rectilinear.largest_value(ray, method)));
     hits += !hit.is_miss();
   }

@@ -189,8 +189,8 @@ TEST(TetLargestValue, is_what_looking_into_every_cell_finds) {
     if (hit.is_miss()) continue;
     EXPECT_NEAR(hit.value, truth, 1e-15);
     EXPECT_LT(hit.value, 0);
-    EXPECT_TRUE(same_bits(hit, traced.largest_value(ray, render::MipMethod::exact, false)));
-    EXPECT_TRUE(same_bits(hit, traced.largest_value(ray, render::MipMethod::face)));
+    EXPECT_TRUE(same_bits(hit, traced.largest_value(ray, render::Method{}, false)));
+    EXPECT_TRUE(same_bits(hit, traced.largest_value(ray, face_rule)));
     ++hits;
   }
   EXPECT_GT(hits, 1000);

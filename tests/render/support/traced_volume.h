@@ -10,6 +10,7 @@
 #include "render/kernels/kernels.h"
 #include "render/load.h"
 #include "render/volumes/volume.h"
+#include "tests/render/support/methods.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rhoray::tests {
@@ -30,12 +31,21 @@ class TracedVolume {
   const render::Volume& volume() const { return volume_; }
 
   render::Hit first_crossing(const render::Ray& ray, double isovalue, bool use_hierarchy = true) {
-    return ask(&render::Kernels::first_crossing, ray, {isovalue, use_hierarchy, true}, render::MipMethod::exact);
+    return first_crossing(ray, isovalue, render::Method{}, use_hierarchy);
+  }
+  render::Hit first_crossing(const render::Ray& ray, double isovalue, const render::Method& method,
+                             bool use_hierarchy = true) {
+    return ask(&render::Kernels::first_crossing, ray,
+               {.isovalue = isovalue, .method = method, .use_hierarchy = use_hierarchy});
   }
   /// The bound that the last ray's t gives is left from call to call, as in a tile.
-  render::Hit largest_value(const render::Ray& ray, render::MipMethod method = render::MipMethod::exact,
-                            bool use_hierarchy = true, bool use_last_t = true) {
-    return ask(&render::Kernels::largest_value, ray, {0, use_hierarchy, use_last_t}, method);
+  render::Hit largest_value(const render::Ray& ray, const render::Method& method = {}, bool use_hierarchy = true,
+                            bool use_last_t = true) {
+    return ask(&render::Kernels::largest_value, ray,
+               {.field_range = volume_.field().range,
+                .method = method,
+                .use_hierarchy = use_hierarchy,
+                .use_last_t = use_last_t});
   }
 
   render::Ray ray_volume(const render::Ray& ray_world) const {
@@ -61,9 +71,8 @@ class TracedVolume {
     return render::Volume::load(folder_ / "packed.rho", field);
   }
 
-  render::Hit ask(render::Kernel render::Kernels::*kernel, const render::Ray& ray, const render::Question& question,
-                  render::MipMethod method) {
-    const render::Kernels kernels = render::choose_kernels(volume_.implementation(), method, false);
+  render::Hit ask(render::Kernel render::Kernels::*kernel, const render::Ray& ray, const render::Question& question) {
+    const render::Kernels kernels = render::choose_kernels(volume_.implementation(), question.method.way);
     scratch.queue.reserve(kernels.queue_entries);
     const render::Ray in_volume = ray_volume(ray);
     render::Hit hit;

@@ -1,0 +1,169 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/render/support/rays.h"
+#include "tests/render/support/traced_volume.h"
+#include "tests/support/fields.h"
+#include "tests/support/meshes.h"
+
+namespace rhoray::tests {
+namespace {
+
+using render::Hit;
+using render::Method;
+
+constexpr Method certified{.way = Method::Way::certified};
+constexpr Method judged{.way = Method::Way::judged};
+
+/// A certified answer beside the judge's: the same decision, and both places within their bounds.
+void expect_agreement(const Hit& proven, const Hit& truth, const render::Ray& ray) {
+  ASSERT_EQ(proven.is_miss(), truth.is_miss()) << ray.origin << " + t " << ray.direction;
+  if (truth.is_miss()) return;
+  ASSERT_GE(proven.error, 0);
+  EXPECT_LE(std::abs(proven.t - truth.t), proven.error + truth.error) << ray.origin << " + t " << ray.direction;
+}
+
+/// Whole numbers: isovalues that are values of many samples.
+double whole_number_noise(const Index3& at) {
+  const auto hash = static_cast<std::uint64_t>((at.z * 101 + at.y) * 103 + at.x) * 0x9e3779b97f4a7c15U;
+  return static_cast<double>((hash >> 33) % 7);
+}
+
+struct Counts {
+  int hits = 0, misses = 0;
+  std::uint64_t redone = 0, judged = 0;
+};
+
+Counts compare(TracedVolume& traced, const std::vector<render::Ray>& rays, double iso) {
+  Counts counts;
+  for (const render::Ray& ray : rays) {
+    traced.scratch.counters = {};
+    const Hit proven = traced.first_crossing(ray, iso, certified);
+    counts.redone += traced.scratch.counters.rays_redone;
+    counts.judged += traced.scratch.counters.rays_judged;
+    const Hit truth = traced.first_crossing(ray, iso, judged);
+    expect_agreement(proven, truth, ray);
+    ++(truth.is_miss() ? counts.misses : counts.hits);
+    if (testing::Test::HasFatalFailure()) return counts;
+  }
+  return counts;
+}
+
+std::vector<render::Ray> ordinary_rays(const Vec3& size, std::size_t count, std::uint64_t seed) {
+  Dice dice(seed);
+  std::vector<render::Ray> rays;
+  while (rays.size() < count) {
+    const Vec3 direction = dice.direction();
+    rays.push_back({.origin = dice.point({0, 0, 0}, size) - 2 * size.length() * direction, .direction = direction});
+  }
+  return rays;
+}
+
+TEST(CertifiedCrossings, agree_with_the_judge_on_rays_that_stress_the_walk_through_a_grid) {
+  TracedVolume traced(
+      volume_of<float>({12, 10, 11}, [](const Index3& at) { return static_cast<float>(whole_number_noise(at)); }));
+  for (const double iso : {3.0, 2.5, 6.0}) {
+    const Counts counts = compare(traced, stressful_rays({11, 9, 10}, 4000, 1), iso);
+    EXPECT_GT(counts.hits, 300);
+    EXPECT_GT(counts.judged, 100U) << "not a ray was in doubt: are these rays still hard?";
+  }
+}
+
+TEST(CertifiedCrossings, agree_with_the_judge_where_samples_are_missing) {
+  TracedVolume traced(volume_of<float>({12, 10, 11}, [](const Index3& at) {
+    const double value = whole_number_noise(at);
+    return (at.x * 7 + at.y * 5 + at.z * 3) % 11 == 0 ? std::numeric_limits<float>::quiet_NaN()
+                                                      : static_cast<float>(value);
+  }));
+  const Counts counts = compare(traced, stressful_rays({11, 9, 10}, 4000, 2), 2.5);
+  EXPECT_GT(counts.hits, 500);
+  EXPECT_GT(counts.misses, 100);
+}
+
+TEST(CertifiedCrossings, agree_with_the_judge_on_uneven_axes) {
+  preprocess::NeutralVolume volume = volume_of<double>({10, 8, 9}, [](const Index3& at) {
+    return std::sin(1.3 * static_cast<double>(at.x)) + std::cos(1.1 * static_cast<double>(at.y + at.z));
+  });
+  for (std::size_t a = 0; a < 3; ++a) {
+    double position = 0;
+    const std::int64_t count = volume.sample_count[static_cast<int>(a)];
+    for (std::int64_t i = 0; i < count; ++i)
+      volume.axes[a].push_back(position), position += 0.1 + 0.37 * static_cast<double>((i * 5) % 4);
+  }
+  TracedVolume traced(volume);
+  const Vec3 size = traced.volume().bounds().max;
+  const Counts counts = compare(traced, ordinary_rays(size, 3000, 3), 0.2);
+  EXPECT_GT(counts.hits, 1000);
+}
+
+TEST(CertifiedCrossings, are_rarely_in_doubt_on_ordinary_rays) {
+  TracedVolume traced(sampled_volume<float>({33, 33, 33}, {}, [](const Vec3& p) {
+    return (p - Vec3(16, 15, 17)).length() + 0.7 * std::sin(p.x) * std::sin(0.8 * p.y);
+  }));
+  const Counts counts = compare(traced, ordinary_rays({32, 32, 32}, 20000, 4), 9.3);
+  EXPECT_GT(counts.hits, 5000);
+  EXPECT_LT(counts.redone, 200U);  // one in a hundred; single precision has seven digits
+  EXPECT_LE(counts.judged, 2U);    // doubles have sixteen
+}
+
+TEST(CertifiedCrossings, agree_with_the_judge_in_tetrahedra) {
+  TracedVolume traced(box_mesh({.cells = {6, 5, 7}}, distance_field({0.5, 0.45, 0.55})));
+  const Box3 box = traced.volume().bounds();
+  std::vector<render::Ray> rays = stressful_rays(box.max, 3000, 5);
+  const Counts counts = compare(traced, rays, 0.31);
+  EXPECT_GT(counts.hits, 300);
+}
+
+TEST(CertifiedCrossings, in_tetrahedra_are_rarely_in_doubt_on_ordinary_rays) {
+  TracedVolume traced(box_mesh({.cells = {12, 11, 13}, .jitter = 0.15}, distance_field({0.5, 0.45, 0.55})));
+  const Counts counts = compare(traced, ordinary_rays({1, 1, 1}, 5000, 6), 0.37);
+  EXPECT_GT(counts.hits, 1000);
+  EXPECT_LE(counts.judged, 5U);
+}
+
+TEST(CertifiedLargestValues, enclose_the_judges) {
+  TracedVolume traced(volume_of<float>(
+      {12, 10, 11}, [](const Index3& at) { return static_cast<float>(whole_number_noise(at) * 1.7); }));
+  int values = 0;
+  for (const render::Ray& ray : stressful_rays({11, 9, 10}, 3000, 8)) {
+    const Hit proven = traced.largest_value(ray, certified), truth = traced.largest_value(ray, judged);
+    ASSERT_EQ(proven.is_miss(), truth.is_miss()) << ray.origin << " + t " << ray.direction;
+    if (truth.is_miss()) continue;
+    EXPECT_LE(std::abs(proven.value - truth.value), proven.error + truth.error)
+        << ray.origin << " + t " << ray.direction;
+    if (ray.origin.length() < 1e4) {
+      EXPECT_LT(proven.error, 1e-9);  // the place is known to 1e-12 cells
+    }
+    ++values;
+  }
+  EXPECT_GT(values, 1500);
+}
+
+TEST(SampledCrossings, come_close_with_smaller_steps_and_miss_what_lies_between_them) {
+  // One layer of one cell, seen from the front.
+  TracedVolume traced(volume_of<float>({20, 20, 20}, [](const Index3& at) { return at.x == 10 ? 1.0F : 0.0F; }));
+  int missed_at_2 = 0, hits = 0;
+  double worst_linear = 0, worst_bisect = 0;
+  for (const render::Ray& ray : ordinary_rays({19, 19, 19}, 2000, 9)) {
+    const Hit truth = traced.first_crossing(ray, 0.9);
+    if (truth.is_miss()) continue;
+    const auto sampled = [&](double step, bool bisect) {
+      return traced.first_crossing(ray, 0.9, Method{.way = Method::Way::sampled, .step = step, .bisect = bisect});
+    };
+    ++hits;
+    missed_at_2 += sampled(2, false).is_miss();
+    const Hit linear = sampled(1.0 / 64, false), bisected = sampled(1.0 / 64, true);
+    if (!linear.is_miss() && std::abs(ray.direction.x) > 0.2) {
+      worst_linear = std::max(worst_linear, std::abs(linear.t - truth.t));
+      worst_bisect = std::max(worst_bisect, std::abs(bisected.t - truth.t));
+    }
+  }
+  EXPECT_GT(hits, 500);
+  EXPECT_GT(missed_at_2, hits / 4);
+  EXPECT_LT(worst_linear, 1.0 / 64);         // between the two samples around the crossing
+  EXPECT_LT(worst_bisect, 1.0 / 64 / 1024);  // ten halvings
+}
+
+}  // namespace
+}  // namespace rhoray::tests

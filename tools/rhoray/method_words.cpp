@@ -1,0 +1,172 @@
+#include "tools/rhoray/method_words.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "formats/base/nearest_name.h"
+#include "formats/base/text.h"
+#include "formats/base/trouble.h"
+#include "tools/rhoray/option_values.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+using render::Accuracy;
+using render::Method;
+using render::Mode;
+using Way = Method::Way;
+
+constexpr std::pair<const char*, Accuracy> accuracies[] = {{"preview", Accuracy::preview},
+                                                           {"float", Accuracy::single},
+                                                           {"certified", Accuracy::certified},
+                                                           {"exact", Accuracy::exact}};
+
+/// What a method's word is followed by: sampled:STEP, slack:EPS.
+enum class Argument { none, step, slack };
+
+struct MethodWord {
+  const char* word;
+  Way way;
+  Argument argument;
+  bool of_grids, of_meshes;
+};
+constexpr MethodWord isosurface_words[] = {{"bracketed", Way::direct, Argument::none, true, false},
+                                           {"edges", Way::direct, Argument::none, false, true},
+                                           {"paper", Way::paper, Argument::none, true, true},
+                                           {"slack", Way::slack, Argument::slack, false, true},
+                                           {"sampled", Way::sampled, Argument::step, true, true}};
+constexpr MethodWord mip_words[] = {{"exact", Way::direct, Argument::none, true, true},
+                                    {"face", Way::paper, Argument::none, true, true},
+                                    {"sampled", Way::sampled, Argument::step, true, true}};
+
+std::vector<MethodWord> words_for(Mode mode, bool is_mesh) {
+  std::vector<MethodWord> words;
+  const auto take = [&](const auto& table) {
+    for (const MethodWord& row : table)
+      if (is_mesh ? row.of_meshes : row.of_grids) words.push_back(row);
+  };
+  if (mode == Mode::mip)
+    take(mip_words);
+  else
+    take(isosurface_words);
+  return words;
+}
+
+std::string form_of(const MethodWord& word) {
+  switch (word.argument) {
+    case Argument::step:
+      return concat(word.word, ":STEP[+linear|+bisect]");
+    case Argument::slack:
+      return concat(word.word, ":EPS[:float|:double]");
+    case Argument::none:
+      break;
+  }
+  return concat(word.word, "[:float|:double]");
+}
+
+std::string forms(Mode mode, bool is_mesh) {
+  std::string text;
+  for (const MethodWord& word : words_for(mode, is_mesh)) text += concat(text.empty() ? "" : ", ", form_of(word));
+  return text;
+}
+
+/// Takes `ending` off the end of a word; false when the word does not end so.
+bool take_ending(std::string& word, std::string_view ending) {
+  if (!word.ends_with(ending)) return false;
+  word.resize(word.size() - ending.size());
+  return true;
+}
+
+std::optional<double> number_in(const std::string& text) {
+  try {
+    double value = 0;
+    read_value(text, value);
+    return value;
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> accuracy_words() {
+  std::vector<std::string> words;
+  for (const auto& [word, accuracy] : accuracies) words.emplace_back(word);
+  return words;
+}
+
+Accuracy accuracy_named(const std::string& word) {
+  for (const auto& [name, accuracy] : accuracies)
+    if (word == name) return accuracy;
+  throw Error(Trouble::usage, concat("--accuracy: found '", word, "'; expected preview, float, certified or exact"),
+              did_you_mean(word, accuracy_words()));
+}
+
+std::string method_help() {
+  return concat("One method by name, for comparison. Grids: ", forms(Mode::isosurface, false),
+                ". Meshes: ", forms(Mode::isosurface, true), ". MIP: ", forms(Mode::mip, false));
+}
+
+Method method_named(const std::string& word, Mode mode, bool is_mesh) {
+  const auto refuse = [&]() -> Method {
+    std::vector<std::string> known;
+    for (const MethodWord& row : words_for(mode, is_mesh)) known.emplace_back(row.word);
+    throw Error(Trouble::usage, concat("--method: found '", word, "'; expected one of ", forms(mode, is_mesh)),
+                did_you_mean(word, known));
+  };
+  const std::size_t colon = word.find(':');
+  const std::string name = word.substr(0, colon);
+  std::string rest = colon == std::string::npos ? "" : word.substr(colon + 1);
+  for (const MethodWord& row : words_for(mode, is_mesh)) {
+    if (name != row.word) continue;
+    Method method{.way = row.way};
+    if (row.argument == Argument::step) {
+      method.bisect = take_ending(rest, "+bisect");
+      if (!method.bisect) take_ending(rest, "+linear");
+      const std::optional<double> step = number_in(rest);
+      if (!step) return refuse();
+      require_within("--method sampled:", *step, 1e-4, 1e4);
+      method.step = *step;
+      return method;
+    }
+    if (row.argument == Argument::slack) {
+      if (take_ending(rest, ":float"))
+        method.precision = Method::Precision::single;
+      else
+        take_ending(rest, ":double");
+      const std::optional<double> slack = number_in(rest);
+      if (!slack) return refuse();
+      require_within("--method slack:", *slack, 0, 1);
+      method.slack = *slack;
+      return method;
+    }
+    if (rest == "float")
+      method.precision = Method::Precision::single;
+    else if (colon != std::string::npos && rest != "double")
+      return refuse();
+    return method;
+  }
+  return refuse();
+}
+
+MethodOption option_of(const Method& method, Mode mode, bool is_mesh) {
+  for (const auto& [word, accuracy] : accuracies)
+    if (render::method_of(accuracy) == method) return {"--accuracy", word};
+  const char* const precision = method.precision == Method::Precision::single ? ":float" : ":double";
+  for (const MethodWord& row : words_for(mode, is_mesh)) {
+    if (row.way != method.way) continue;
+    switch (row.argument) {
+      case Argument::step:
+        return {"--method", concat(row.word, ":", method.step, method.bisect ? "+bisect" : "+linear")};
+      case Argument::slack:
+        return {"--method", concat(row.word, ":", method.slack, precision)};
+      case Argument::none:
+        return {"--method", concat(row.word, precision)};
+    }
+  }
+  return {"--accuracy", "float"};
+}
+
+}  // namespace rhoray::tools
