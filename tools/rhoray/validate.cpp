@@ -5,6 +5,7 @@
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/measure.h"
+#include "tools/rhoray/method_words.h"
 #include "tools/rhoray/picture_plan.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/subcommands.h"
@@ -18,7 +19,7 @@ namespace {
 struct ValidateCommand {
   CommonOptions common;
   std::filesystem::path input;
-  std::string isovalue, field;
+  std::string isovalue, field, accuracy, method;
   std::optional<std::uint64_t> samples, seed;
   std::optional<double> max_depth_error;
   double time_limit_s = 3600;
@@ -44,6 +45,14 @@ void refuse_damage(const formats::PackedFile& file, unsigned threads) {
   if (!blocks.empty())
     throw Error(Trouble::invalid, concat(file.name(), ": ", damage_text(file, blocks.front())),
                 concat("`rhoray verify ", file.name(), "` lists all blocks"));
+}
+
+/// Without a word the bracketed method in double.
+render::Method chosen_method(const ValidateCommand& command, bool is_mesh) {
+  if (!command.method.empty() && !command.accuracy.empty())
+    throw Error(Trouble::usage, "--method and --accuracy say the same thing twice: give one of them");
+  if (!command.method.empty()) return method_named(command.method, render::Mode::isosurface, is_mesh);
+  return command.accuracy.empty() ? render::Method{} : method_of(accuracy_named(command.accuracy));
 }
 
 formats::PackedFile compare(const ValidateCommand& command, const validate::Request& request) {
@@ -74,6 +83,12 @@ int run(ValidateCommand& command) {
                             .isovalue = isovalue.value,
                             .threads = command.common.threads,
                             .max_depth_error = command.max_depth_error.value_or(0)};
+  const render::Method method = chosen_method(command, volume.is_mesh());
+  request.way = static_cast<int>(method.way);
+  request.precision = static_cast<int>(method.precision);
+  request.step = method.step;
+  request.slack = method.slack;
+  request.bisect = method.bisect;
   request.samples = command.samples.value_or(request.samples);
   request.seed = command.seed.value_or(request.seed);
   if (!command.folder.empty()) {
@@ -113,6 +128,9 @@ Subcommand validate_subcommand() {
             value_option("--iso", "V", "Isovalue: a number, p95 (percentile), or auto (Otsu's threshold)",
                          command->isovalue),
             value_option("--field", "NAME", "Field; default the first that is not the same everywhere", command->field),
+            choice_option("--accuracy", accuracy_words(),
+                          "Level of the renderer; without it, the direct method in double", command->accuracy),
+            value_option("--method", "NAME", method_help(), command->method),
             value_option("--samples", "N", "Rays sent from around the data; default 100000", command->samples),
             value_option("--seed", "N",
                          "Of the random numbers; default 1. In a mesh the same seed gives the same report",

@@ -7,8 +7,8 @@
 
 namespace rhoray::tools::validate {
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Request, file, field, isovalue, samples, seed, threads, max_depth_error,
-                                   picture_width, picture_height)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Request, file, field, isovalue, samples, seed, threads, max_depth_error, way,
+                                   precision, step, slack, bisect, picture_width, picture_height)
 
 std::string text_of(const Request& request) {
   return nlohmann::json(request).dump();

@@ -13,8 +13,11 @@ struct Request {
   double isovalue = 0;
   std::uint64_t samples = 100'000;
   std::uint64_t seed = 1;
-  unsigned threads = 0;                       ///< 0 = all cores
-  double max_depth_error = 0;                 ///< 0 = the default of the kind
+  unsigned threads = 0;        ///< 0 = all cores
+  double max_depth_error = 0;  ///< 0 = the default of the kind
+  int way = 0, precision = 1;  ///< as render::Method counts them, and the rest of it
+  double step = 0.5, slack = 0;
+  bool bisect = false;
   int picture_width = 0, picture_height = 0;  ///< 0 = no picture
 };
 

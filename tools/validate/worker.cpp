@@ -36,8 +36,13 @@ Question question_of(const Request& request, const render::Volume& volume) {
 Comparison compare(const Request& request) {
   const render::Volume volume = render::Volume::load(request.file, request.field);
   const Question question = question_of(request, volume);
+  const render::Method method{.way = static_cast<render::Method::Way>(request.way),
+                              .precision = static_cast<render::Method::Precision>(request.precision),
+                              .step = request.step,
+                              .bisect = request.bisect,
+                              .slack = request.slack};
   const Tracer tracer = [&](std::span<const render::FrameRay> rays, std::span<render::FrameHit> hits) {
-    render::trace(volume, {.isovalue = request.isovalue, .threads = request.threads}, rays, hits);
+    render::trace(volume, {.isovalue = request.isovalue, .method = method, .threads = request.threads}, rays, hits);
   };
   const Thousandths progress = [](std::uint64_t done) { preprocess::report_worker_progress(done, all_done); };
   const Affine world_from_frame = render::world_from_frame(volume);
