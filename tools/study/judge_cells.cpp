@@ -63,28 +63,40 @@ MethodAnswer by_the_judge(const CellCase& made, bool starts_inside) {
   return {.crosses = verdict.changes, .s = 0.5 * (verdict.s.lo + verdict.s.hi), .s_error = verdict.s.hi - verdict.s.lo};
 }
 
-MethodAnswer certified_in_double(const CellCase& made, bool starts_inside) {
-  if (const auto answer = proven<double>(made, starts_inside)) return *answer;
+/// @param largest_bound  of the root's place in cell edges: where it is wider the judge decides
+MethodAnswer certified_in_double(const CellCase& made, bool starts_inside, double largest_bound) {
+  const double chord = (made.p1 - made.p0).length();
+  if (const auto answer = proven<double>(made, starts_inside))
+    if (!answer->crosses || answer->s_error * chord <= largest_bound) return *answer;
   MethodAnswer answer = by_the_judge(made, starts_inside);
   answer.double_was_in_doubt = true;
   return answer;
 }
 
+constexpr double any_bound = std::numeric_limits<double>::infinity();
+
+template <double largest_bound>
+MethodAnswer certified_double(const CellCase& made, bool starts_inside) {
+  return certified_in_double(made, starts_inside, largest_bound);
+}
+
 MethodAnswer certified(const CellCase& made, bool starts_inside) {
   if (const auto answer = proven<float>(made, starts_inside)) return *answer;
-  MethodAnswer answer = certified_in_double(made, starts_inside);
+  MethodAnswer answer = certified_in_double(made, starts_inside, any_bound);
   answer.float_was_in_doubt = true;
   return answer;
 }
 
 using enum render::CrossingMethod;
 
-constexpr Method methods[] = {{"certified", "proven in float, else in double, else judged", certified},
-                              {"certified:double", "proven in double, else judged", certified_in_double},
-                              {"bracketed:double", "bracketed iteration", named_method<bracketed, double>},
-                              {"bracketed:float", "the same in single precision", named_method<bracketed, float>},
-                              {"paper:double", "Appendix A with Schwarze's closed form", named_method<paper, double>},
-                              {"paper:float", "the same in single precision", named_method<paper, float>}};
+constexpr Method methods[] = {
+    {"certified", "proven in float, else in double, else judged", certified},
+    {"certified:double", "proven in double, else judged", certified_double<any_bound>},
+    {"certified:1e-12", "proven in double within 1e-12 cells, else judged", certified_double<1e-12>},
+    {"bracketed:double", "bracketed iteration", named_method<bracketed, double>},
+    {"bracketed:float", "the same in single precision", named_method<bracketed, float>},
+    {"paper:double", "Appendix A with Schwarze's closed form", named_method<paper, double>},
+    {"paper:float", "the same in single precision", named_method<paper, float>}};
 constexpr std::size_t method_count = std::size(methods);
 
 struct Wishes {
