@@ -5,8 +5,11 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/progress_display.h"

@@ -1,10 +1,9 @@
 #include "tools/study/ray_tally.h"
 
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 
 namespace rhoray::study {
 
