@@ -134,11 +134,23 @@ void read_tetrahedra(CellMesh& mesh, const TetgenPoints& points, const std::file
   take_cells(mesh, std::move(cells), path);
 }
 
+/// A .node file holds points alone: refuses one without the .ele file that makes tetrahedra of them.
+void require_tetrahedra(const std::filesystem::path& node, const std::filesystem::path& ele) {
+  std::error_code ignored;
+  if (std::filesystem::exists(ele, ignored)) return;
+  const std::filesystem::path face = std::filesystem::path(node).replace_extension(".face");
+  throw Error(Trouble::unreadable,
+              concat(node.string(), ": holds points alone; expected their tetrahedra in ", ele.filename().string()),
+              std::filesystem::exists(face, ignored) ? concat("the surface beside it can be filled: ", face.string())
+                                                     : std::string());
+}
+
 }  // namespace
 
 CellMesh read_tetgen_mesh(const std::filesystem::path& path) {
   const auto partner = [&](const char* extension) { return std::filesystem::path(path).replace_extension(extension); };
   const bool is_node = extension_of(path) == ".node";
+  if (is_node) require_tetrahedra(path, partner(".ele"));
   TetgenPoints points = read_tetgen_node_file(is_node ? path : partner(".node"));
   CellMesh mesh;
   mesh.points = points.points;

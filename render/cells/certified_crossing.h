@@ -137,7 +137,9 @@ struct StartSideUp {
       root = bracketed_root(cubic, x, y, first_guess<Real>({x, value_x, x > 0}, {y, value_y, y < 1}));
     // As far to both sides of the root as it takes until the sides are certain: they are at x and at y.
     const Real slope = std::abs(cubic.at(root.s).slope);
-    const Real first_step = std::max(root_resolution<Real>, Real(1.25) * margin / slope);
+    const Real likely = Real(1.25) * margin / slope;  // says nothing where the surface is met along a tangent
+    const Real first_step =
+        likely < Real(0.5) * (y - x) ? std::max(root_resolution<Real>, likely) : root_resolution<Real>;
     Real hi = y, lo = x;
     for (Real step = first_step; root.s + step < y; step *= 2)
       if (has_changed(root.s + step)) {

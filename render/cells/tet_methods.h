@@ -207,17 +207,25 @@ RHORAY_INLINE CertifiedTetCrossing certify_tet_crossing(const TetRay<Real>& ray,
   const auto is_beyond = [&](const Vertex& p) { return p.t - p.t_error > ray.ray.t_max; };
   if (std::all_of(v.begin(), v.end(), is_before) || std::all_of(v.begin(), v.end(), is_beyond)) return none;
 
+  // Each edge once, from the lower to the higher corner; round a face one of its three runs the other way.
   const auto negated = [](Edge e) { return Edge{-e.value, e.error}; };
-  constexpr std::array<std::array<std::size_t, 3>, 4> corners{{{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}}};
+  const Edge e01 = edge(v[0], v[1]), e02 = edge(v[0], v[2]), e03 = edge(v[0], v[3]);
+  const Edge e12 = edge(v[1], v[2]), e13 = edge(v[1], v[3]), e23 = edge(v[2], v[3]);
+  struct Candidate {
+    std::array<std::size_t, 3> corner;
+    std::array<Edge, 3> opposite;  ///< the edge that faces each corner
+  };
+  const std::array<Candidate, 4> candidates{{{{1, 2, 3}, {e23, negated(e13), e12}},
+                                             {{0, 2, 3}, {e23, negated(e03), e02}},
+                                             {{0, 1, 3}, {e13, negated(e03), e01}},
+                                             {{0, 1, 2}, {e12, negated(e02), e01}}}};
   std::array<Face, 2> face;
   std::size_t passed = 0;
   bool is_certain = true;
-  for (const auto& corner : corners) {
-    const auto& [i, j, k] = corner;
-    const Edge ij = edge(v[i], v[j]), jk = edge(v[j], v[k]), ki = negated(edge(v[i], v[k]));
-    const Passes how = passes({ij, jk, ki});
+  for (const Candidate& candidate : candidates) {
+    const Passes how = passes(candidate.opposite);
     if (how == Passes::unknown) is_certain = false;
-    if (how == Passes::inside && passed < 2) face[passed++] = cross(v, f, corner, {jk, ki, ij});
+    if (how == Passes::inside && passed < 2) face[passed++] = cross(v, f, candidate.corner, candidate.opposite);
   }
   if (passed < 2) return is_certain && passed == 0 ? none : unknown;
 

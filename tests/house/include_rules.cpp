@@ -46,25 +46,26 @@ struct Guest {
   std::regex header;
   Paths received_in;
 };
-const Guest guests[] = {{"TetGen", std::regex("tetgen\\.h"), {"preprocess/tetrahedralize"}},
-                        {"CGAL", std::regex("CGAL/.*"), {"preprocess/tetrahedralize", "preprocess/repair", "tools"}},
-                        {"Boost", std::regex("boost/.*"), {"preprocess/tetrahedralize", "render/judge"}},
-                        {"VTK", std::regex("vtk\\w*\\.h"), {"preprocess/import", "tools/study"}},
-                        {"OpenVDB", std::regex("openvdb/.*"), {"preprocess/vdb"}},
-                        {"NanoVDB", std::regex("nanovdb/.*"), {"preprocess/vdb", "render/volumes"}},
-                        {"Teem", std::regex("teem/.*"), {"preprocess/import"}},
-                        {"netCDF", std::regex("netcdf\\.h"), {"preprocess/import"}},
-                        {"zlib, bzip2, minizip", std::regex("(zlib|bzlib|minizip/\\w+)\\.h"), {"preprocess/import"}},
-                        {"GDCM", std::regex("gdcm\\w+\\.h"), {"preprocess/import"}},
-                        {"oneTBB", std::regex("tbb/.*"), {"preprocess", "render", "tools", "data"}},
-                        {"OpenImageIO", std::regex("OpenImageIO/.*"), {"tools", "preprocess/import"}},
-                        {"Eigen", std::regex("Eigen/.*"), {"data"}},
-                        {"CLI11", std::regex("CLI/.*"), {"tools", "data"}},
-                        {"JSON for Modern C++", std::regex("nlohmann/.*"), {"formats", "tools"}},
-                        {"xxHash", std::regex("xxhash\\.h"), {"formats", "tools"}},
-                        {"Imath", std::regex("Imath/.*"), {"formats"}},
-                        {"Gmsh", std::regex("gmsh\\.h"), {}},
-                        {"GoogleTest", std::regex("(gtest|gmock)/.*"), {}}};
+const Guest guests[] = {
+    {"TetGen", std::regex("tetgen\\.h"), {"preprocess/tetrahedralize"}},
+    {"CGAL", std::regex("CGAL/.*"), {"preprocess/tetrahedralize", "preprocess/repair", "tools/validate"}},
+    {"Boost", std::regex("boost/.*"), {"preprocess/tetrahedralize", "render/judge"}},
+    {"VTK", std::regex("vtk\\w*\\.h"), {"preprocess/import", "tools/study"}},
+    {"OpenVDB", std::regex("openvdb/.*"), {"preprocess/vdb"}},
+    {"NanoVDB", std::regex("nanovdb/.*"), {"preprocess/vdb", "render/volumes"}},
+    {"Teem", std::regex("teem/.*"), {"preprocess/import"}},
+    {"netCDF", std::regex("netcdf\\.h"), {"preprocess/import"}},
+    {"zlib, bzip2, minizip", std::regex("(zlib|bzlib|minizip/\\w+)\\.h"), {"preprocess/import"}},
+    {"GDCM", std::regex("gdcm\\w+\\.h"), {"preprocess/import"}},
+    {"oneTBB", std::regex("tbb/.*"), {"preprocess", "render", "tools", "data"}},
+    {"OpenImageIO", std::regex("OpenImageIO/.*"), {"tools", "preprocess/import"}},
+    {"Eigen", std::regex("Eigen/.*"), {"data"}},
+    {"CLI11", std::regex("CLI/.*"), {"tools", "data"}},
+    {"JSON for Modern C++", std::regex("nlohmann/.*"), {"formats", "tools"}},
+    {"xxHash", std::regex("xxhash\\.h"), {"formats", "tools"}},
+    {"Imath", std::regex("Imath/.*"), {"formats"}},
+    {"Gmsh", std::regex("gmsh\\.h"), {}},
+    {"GoogleTest", std::regex("(gtest|gmock)/.*"), {}}};
 
 const std::regex standard_header("[a-z_0-9]+");
 const std::regex system_header(

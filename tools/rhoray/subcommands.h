@@ -14,5 +14,6 @@ Subcommand resample_subcommand();
 Subcommand render_subcommand();
 Subcommand bench_subcommand();
 Subcommand export_subcommand();
+Subcommand validate_subcommand();
 
 }  // namespace rhoray::tools

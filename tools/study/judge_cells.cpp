@@ -1,24 +1,21 @@
-// What a method for the first crossing in a trilinear cell gets wrong, on many random and hard cells, by the judge.
+// What methods for the first crossing in a trilinear cell get wrong, on many random and hard cells, by the judge.
 
 #include "tools/study/judge_cells.h"
 
 #include <tbb/parallel_for.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
 
-#include "formats/base/trouble.h"
-#include "tools/rhoray/common_options.h"
-#include "tools/rhoray/measure.h"
-#include "tools/rhoray/new_file.h"
 #include "tools/rhoray/progress_display.h"
-#include "tools/rhoray/table.h"
 #include "tools/rhoray/threads.h"
-#include "tools/rhoray/version.h"
 #include "tools/study/hard_cells.h"
+#include "tools/study/study_run.h"
 
 namespace rhoray::study {
 namespace {
@@ -26,11 +23,10 @@ namespace {
 using tools::Json;
 
 struct MethodAnswer {
-  enum class Says { none, crosses, in_doubt };
-
-  Says says = Says::none;
+  bool crosses = false;
   double s = 0;
   double s_error = std::numeric_limits<double>::infinity();  ///< claimed; infinite when nothing is claimed
+  bool float_was_in_doubt = false, double_was_in_doubt = false;
 };
 
 struct Method {
@@ -39,44 +35,111 @@ struct Method {
   MethodAnswer (*answer)(const CellCase&, bool starts_inside);
 };
 
-MethodAnswer bracketed_double(const CellCase& made, bool starts_inside) {
-  const auto s = render::first_change_of_side(made.cell.along(made.p0, made.p1, made.isovalue), starts_inside);
-  return s ? MethodAnswer{MethodAnswer::Says::crosses, *s} : MethodAnswer{};
+template <render::CrossingMethod method, class Real>
+MethodAnswer named_method(const CellCase& made, bool starts_inside) {
+  // The ray begins where it enters the cell, which is where the paper's expansion is at its best.
+  const render::CellPassage way{
+      .in = made.p0, .out = made.p1, .origin = made.p0, .direction = made.p1 - made.p0, .t_in = 0, .t_out = 1};
+  const render::CellCrossing found = render::find_crossing<Real>(method, made.cell, way, made.isovalue, starts_inside);
+  return {.crosses = found.crosses, .s = found.s};
 }
 
-constexpr Method methods[] = {{"bracketed:double", "what the kernels do: bracketed iteration", bracketed_double}};
+/// Nothing when the arithmetic leaves it in doubt, or the place too uncertain.
+template <class Real>
+std::optional<MethodAnswer> proven(const CellCase& made, bool starts_inside) {
+  constexpr double point_error = 0x1p-52;  // the least that kernels reckon with
+  constexpr double good_enough =
+      std::is_same_v<Real, float> ? 1e-3 : std::numeric_limits<double>::infinity();  // as in the kernels
+  const render::CertifiedCrossing found =
+      render::certify_crossing<Real>(made.cell, made.p0, made.p1, point_error, made.isovalue, starts_inside);
+  if (found.decision == render::Decision::none) return MethodAnswer{};
+  if (found.decision == render::Decision::unknown || !(found.s_error <= good_enough)) return std::nullopt;
+  return MethodAnswer{.crosses = true, .s = found.s, .s_error = found.s_error};
+}
+
+MethodAnswer by_the_judge(const CellCase& made, bool starts_inside) {
+  const render::CellVerdict verdict =
+      render::judge_crossing(made.cell, made.p0, made.p1, made.isovalue, starts_inside, 0x1p-40);
+  return {.crosses = verdict.changes, .s = 0.5 * (verdict.s.lo + verdict.s.hi), .s_error = verdict.s.hi - verdict.s.lo};
+}
+
+/// @param largest_bound  of the root's place in cell edges: where it is wider the judge decides
+MethodAnswer certified_in_double(const CellCase& made, bool starts_inside, double largest_bound) {
+  const double chord = (made.p1 - made.p0).length();
+  if (const auto answer = proven<double>(made, starts_inside))
+    if (!answer->crosses || answer->s_error * chord <= largest_bound) return *answer;
+  MethodAnswer answer = by_the_judge(made, starts_inside);
+  answer.double_was_in_doubt = true;
+  return answer;
+}
+
+constexpr double any_bound = std::numeric_limits<double>::infinity();
+
+template <double largest_bound>
+MethodAnswer certified_double(const CellCase& made, bool starts_inside) {
+  return certified_in_double(made, starts_inside, largest_bound);
+}
+
+MethodAnswer certified(const CellCase& made, bool starts_inside) {
+  if (const auto answer = proven<float>(made, starts_inside)) return *answer;
+  MethodAnswer answer = certified_in_double(made, starts_inside, any_bound);
+  answer.float_was_in_doubt = true;
+  return answer;
+}
+
+using enum render::CrossingMethod;
+
+constexpr Method methods[] = {
+    {"certified", "proven in float, else in double, else judged", certified},
+    {"certified:double", "proven in double, else judged", certified_double<any_bound>},
+    {"certified:1e-12", "proven in double within 1e-12 cells, else judged", certified_double<1e-12>},
+    {"bracketed:double", "bracketed iteration", named_method<bracketed, double>},
+    {"bracketed:float", "the same in single precision", named_method<bracketed, float>},
+    {"paper:double", "Appendix A with Schwarze's closed form", named_method<paper, double>},
+    {"paper:float", "the same in single precision", named_method<paper, float>}};
+constexpr std::size_t method_count = std::size(methods);
 
 struct Wishes {
   tools::CommonOptions common;
   std::uint64_t cells = 100'000;  ///< of each class
   std::vector<std::string> classes;
-  std::string method = methods[0].name;
+  std::vector<std::string> methods;
   double width = 1e-13;
   std::uint64_t seed = 1;
 };
 
 /// What came out for some cells of one class. Sums and largest ones, so that parts add up in any order.
 struct Tally {
-  std::uint64_t cells = 0, crossings = 0, touches = 0;
-  std::uint64_t missed = 0, missed_touches = 0, extra = 0, not_first = 0, in_doubt = 0, bound_broken = 0,
-                beyond_1e12 = 0;
+  std::uint64_t missed = 0, missed_touches = 0, extra = 0, not_first = 0, bound_broken = 0, beyond_1e12 = 0;
+  std::uint64_t float_in_doubt = 0, double_in_doubt = 0;
   double largest_error = 0;  ///< in cell edges
-  std::uint64_t filtered = 0, exact = 0;
-  double filter_s = 0, exact_s = 0;
+  double largest_bound = 0;  ///< claimed, in cell edges
 
   void add(const Tally& other) {
-    cells += other.cells, crossings += other.crossings, touches += other.touches;
     missed += other.missed, missed_touches += other.missed_touches, extra += other.extra;
-    not_first += other.not_first, in_doubt += other.in_doubt, bound_broken += other.bound_broken;
-    beyond_1e12 += other.beyond_1e12;
+    not_first += other.not_first, bound_broken += other.bound_broken, beyond_1e12 += other.beyond_1e12;
+    float_in_doubt += other.float_in_doubt, double_in_doubt += other.double_in_doubt;
     largest_error = std::max(largest_error, other.largest_error);
+    largest_bound = std::max(largest_bound, other.largest_bound);
+  }
+};
+
+struct ClassTally {
+  std::uint64_t cells = 0, crossings = 0, touches = 0;
+  std::uint64_t filtered = 0, exact = 0;
+  double filter_s = 0, exact_s = 0;
+  std::array<Tally, method_count> of_method{};
+
+  void add(const ClassTally& other) {
+    cells += other.cells, crossings += other.crossings, touches += other.touches;
     filtered += other.filtered, exact += other.exact;
     filter_s += other.filter_s, exact_s += other.exact_s;
+    for (std::size_t m = 0; m < method_count; ++m) of_method[m].add(other.of_method[m]);
   }
 };
 
 /// The judge's verdict, and its cost in the tally.
-render::CellVerdict judged(const CellCase& made, bool starts_inside, double width, Tally& tally) {
+render::CellVerdict judged(const CellCase& made, bool starts_inside, double width, ClassTally& tally) {
   const auto begin = std::chrono::steady_clock::now();
   const render::CellVerdict verdict =
       render::judge_crossing(made.cell, made.p0, made.p1, made.isovalue, starts_inside, width);
@@ -98,7 +161,33 @@ bool is_another_root(const CellCase& made, double s, const render::Enclosure& ri
   return false;
 }
 
-void judge_one(const CellCase& made, const Method& method, double width, Tally& tally) {
+void compare(const MethodAnswer& answer, const CellCase& made, const render::CellVerdict& truth, double width,
+             Tally& tally) {
+  tally.float_in_doubt += answer.float_was_in_doubt;
+  tally.double_in_doubt += answer.double_was_in_doubt;
+  if (!truth.changes) {
+    tally.extra += answer.crosses;
+    return;
+  }
+  if (!answer.crosses) {
+    ++(truth.touches ? tally.missed_touches : tally.missed);
+    return;
+  }
+  const double off = distance(answer.s, truth.s), chord = (made.p1 - made.p0).length();
+  tally.bound_broken += off > answer.s_error;
+  if (std::isfinite(answer.s_error)) tally.largest_bound = std::max(tally.largest_bound, answer.s_error * chord);
+  if (truth.root_count > 1 && off > width && is_another_root(made, answer.s, truth.s, width)) {
+    ++tally.not_first;
+    return;
+  }
+  tally.largest_error = std::max(tally.largest_error, off * chord);
+  tally.beyond_1e12 += off * chord > 1e-12;
+}
+
+/// Which methods are looked at.
+using Chosen = std::array<bool, method_count>;
+
+void judge_one(const CellCase& made, const Chosen& chosen, double width, ClassTally& tally) {
   ++tally.cells;
   // The side at the start is the exact one, as a ray that lost no crossing before would have it.
   bool starts_inside = false;
@@ -109,42 +198,24 @@ void judge_one(const CellCase& made, const Method& method, double width, Tally& 
   }
   tally.crossings += truth.changes;
   tally.touches += truth.touches;
-
-  const MethodAnswer answer = method.answer(made, starts_inside);
-  if (answer.says == MethodAnswer::Says::in_doubt) {
-    ++tally.in_doubt;
-    return;
-  }
-  const bool crosses = answer.says == MethodAnswer::Says::crosses;
-  if (!truth.changes) {
-    tally.extra += crosses;
-    return;
-  }
-  if (!crosses) {
-    ++(truth.touches ? tally.missed_touches : tally.missed);
-    return;
-  }
-  const double off = distance(answer.s, truth.s);
-  const double error = off * (made.p1 - made.p0).length();
-  tally.largest_error = std::max(tally.largest_error, error);
-  tally.beyond_1e12 += error > 1e-12;
-  tally.bound_broken += off > answer.s_error;
-  if (truth.root_count > 1 && off > width && is_another_root(made, answer.s, truth.s, width)) ++tally.not_first;
+  for (std::size_t m = 0; m < method_count; ++m)
+    if (chosen[m]) compare(methods[m].answer(made, starts_inside), made, truth, width, tally.of_method[m]);
 }
 
 constexpr std::uint64_t chunk_size = 4096;
 
 /// Cells are made from a seed for each chunk, so that the result does not depend on who works on which.
-Tally judge_class(const CellClass& of, const Method& method, const Wishes& wishes, tools::ProgressDisplay& display) {
+ClassTally judge_class(const CellClass& of, const Chosen& chosen, const Wishes& wishes,
+                       tools::ProgressDisplay& display) {
   const std::uint64_t chunks = (wishes.cells + chunk_size - 1) / chunk_size;
   const std::uint64_t class_number = static_cast<std::uint64_t>(&of - cell_classes().data());
-  Tally whole;
+  ClassTally whole;
   std::mutex adding;
   tbb::parallel_for(std::uint64_t{0}, chunks, [&](std::uint64_t chunk) {
     Dice dice((wishes.seed << 48) ^ (class_number << 40) ^ chunk);
-    Tally part;
+    ClassTally part;
     const std::uint64_t count = std::min(chunk_size, wishes.cells - chunk * chunk_size);
-    for (std::uint64_t c = 0; c < count; ++c) judge_one(of.make(dice), method, wishes.width, part);
+    for (std::uint64_t c = 0; c < count; ++c) judge_one(of.make(dice), chosen, wishes.width, part);
     const std::scoped_lock lock(adding);
     whole.add(part);
     display.show(concat("judging ", of.name, " [cells]"), whole.cells, wishes.cells);
@@ -152,25 +223,30 @@ Tally judge_class(const CellClass& of, const Method& method, const Wishes& wishe
   return whole;
 }
 
-Json row_of(const CellClass& of, const Tally& tally) {
+Json row_of(const CellClass& of, const ClassTally& judged, std::size_t method) {
+  const Tally& tally = judged.of_method[method];
   const auto mean = [](double seconds, std::uint64_t count) {
     return count == 0 ? 0.0 : seconds / static_cast<double>(count);
   };
+  const auto share = [&](std::uint64_t count) { return mean(static_cast<double>(count), judged.cells); };
   return {{"class", of.name},
-          {"cells", tally.cells},
-          {"crossings", tally.crossings},
-          {"touches", tally.touches},
+          {"method", methods[method].name},
+          {"cells", judged.cells},
+          {"crossings", judged.crossings},
+          {"touches", judged.touches},
           {"missed", tally.missed},
           {"missed_touches", tally.missed_touches},
           {"false", tally.extra},
           {"not_first", tally.not_first},
-          {"in_doubt", tally.in_doubt},
           {"bound_broken", tally.bound_broken},
+          {"float_unknown_share", share(tally.float_in_doubt)},
+          {"double_unknown_share", share(tally.double_in_doubt)},
           {"error_above_1e-12", tally.beyond_1e12},
           {"largest_error_cells", tally.largest_error},
-          {"judge_exact_share", mean(static_cast<double>(tally.exact), tally.exact + tally.filtered)},
-          {"judge_filter_us", 1e6 * mean(tally.filter_s, tally.filtered)},
-          {"judge_exact_us", 1e6 * mean(tally.exact_s, tally.exact)}};
+          {"largest_bound_cells", tally.largest_bound},
+          {"judge_exact_share", mean(static_cast<double>(judged.exact), judged.exact + judged.filtered)},
+          {"judge_filter_us", 1e6 * mean(judged.filter_s, judged.filtered)},
+          {"judge_exact_us", 1e6 * mean(judged.exact_s, judged.exact)}};
 }
 
 template <class Row>
@@ -187,25 +263,14 @@ const Row& named(std::span<const Row> rows, const std::string& option, const std
   throw Error(Trouble::usage, concat(option, ": found '", name, "'; expected one of ", names_of(rows)));
 }
 
-Json context(const Wishes& wishes, double wall_s) {
-  const tools::Machine machine = tools::this_machine();
-  return {{"processor", machine.processor},
-          {"cores", machine.core_count},
-          {"system", machine.system},
-          {"version", tools::version()},
-          {"commit", tools::commit()},
-          {"compiler", tools::compiler()},
-          {"method", wishes.method},
-          {"width", wishes.width},
-          {"seed", wishes.seed},
-          {"wall_s", wall_s}};
-}
-
 int run(const Wishes& wishes) {
   tools::require_within("--cells", static_cast<double>(wishes.cells), 1, 1e12);
   tools::require_within("--width", wishes.width, 1e-300, 1);
   tools::require_within("--seed", static_cast<double>(wishes.seed), 0, 65535);
-  const Method& method = named(std::span<const Method>(methods), "--method", wishes.method);
+  Chosen chosen;
+  chosen.fill(wishes.methods.empty());
+  for (const std::string& name : wishes.methods)
+    chosen[static_cast<std::size_t>(&named(std::span<const Method>(methods), "--methods", name) - methods)] = true;
   std::vector<const CellClass*> wanted;
   for (const std::string& name : wishes.classes) wanted.push_back(&named(cell_classes(), "--classes", name));
   if (wanted.empty())
@@ -213,21 +278,24 @@ int run(const Wishes& wishes) {
 
   const tools::ThreadLimit limit(wishes.common.threads);
   const tools::Stopwatch watch;
-  tools::Table table{"judge_cells", concat("First crossings in trilinear cells: ", method.name), {}, {}};
+  tools::Table table{"judge_cells", "First crossings in trilinear cells, against the judge", {}, {}};
   {
     tools::ProgressDisplay display(wishes.common);
-    for (const CellClass* each : wanted)
-      table.rows.push_back(row_of(*each, judge_class(*each, method, wishes, display)));
+    for (const CellClass* each : wanted) {
+      const ClassTally judged = judge_class(*each, chosen, wishes, display);
+      for (std::size_t m = 0; m < method_count; ++m)
+        if (chosen[m]) table.rows.push_back(row_of(*each, judged, m));
+    }
   }
-  table.context = context(wishes, watch.seconds());
-  std::fputs(tools::text_of(table).c_str(), stdout);
-  if (wishes.common.output.empty()) return 0;
-  const auto write = [&](const std::string& extension, const std::string& text) {
-    tools::write_new_file(wishes.common.output / (table.name + extension), text, wishes.common.force);
-  };
-  write(".csv", tools::csv_of(table));
-  write(".json", tools::json_of(table).dump(2) + "\n");
+  table.context = context_with({{"width", wishes.width}, {"seed", wishes.seed}, {"wall_s", watch.seconds()}});
+  publish(table, wishes.common);
   return 0;
+}
+
+std::string stories_of_methods() {
+  std::string help = "Only these methods; default all:";
+  for (const Method& each : methods) help += concat(" ", each.name, " (", each.story, ")");
+  return help;
 }
 
 std::string stories_of_classes() {
@@ -243,17 +311,14 @@ tools::Subcommand judge_cells() {
   const auto wishes = std::make_shared<Wishes>();
   return {
       .name = "judge-cells",
-      .summary = "A method for the first crossing in a trilinear cell against the exact judge",
+      .summary = "Methods for the first crossing in a trilinear cell against the exact judge",
       .examples = "  rhoray-study judge-cells --cells 1000000 --classes random,near-tangent -o results\n",
       .options = tools::all_options(
           {{tools::value_option("-o,--output", "FOLDER", "For judge_cells.csv and .json", wishes->common.output),
             tools::flag_option("--force", "Replace files that are there", wishes->common.force),
             tools::value_option("--cells", "N", "Cells of each kind; default 100000", wishes->cells),
             tools::value_option("--classes", "NAME[,NAME]", stories_of_classes(), wishes->classes),
-            tools::value_option(
-                "--method", "NAME",
-                concat("Default ", methods[0].name, "; one of ", names_of(std::span<const Method>(methods))),
-                wishes->method),
+            tools::value_option("--methods", "NAME[,NAME]", stories_of_methods(), wishes->methods),
             tools::value_option("--width", "S", "Width of the judge's enclosures, in chords; default 1e-13",
                                 wishes->width),
             tools::value_option("--seed", "N", "Of the random numbers, 0 to 65535; default 1", wishes->seed)},

@@ -4,7 +4,7 @@
 
 namespace rhoray::study {
 
-/// A method for the first crossing in a trilinear cell against the exact judge.
+/// Methods for the first crossing in a trilinear cell against the exact judge.
 tools::Subcommand judge_cells();
 
 }  // namespace rhoray::study

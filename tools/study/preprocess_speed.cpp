@@ -27,7 +27,9 @@
 #include "tools/rhoray/option_values.h"
 #include "tools/rhoray/table.h"
 #include "tools/rhoray/version.h"
+#include "tools/study/closed_surfaces.h"
 #include "tools/study/judge_cells.h"
+#include "tools/study/largest_values.h"
 #include "tools/study/warped_box.h"
 
 namespace rhoray::study {
@@ -287,6 +289,7 @@ tools::Subcommand preprocess_speed() {
 
 int main(int argc, char** argv) {
   rhoray::tools::end_cleanly_on_interrupt();
-  const rhoray::tools::Subcommand subcommands[] = {rhoray::study::preprocess_speed(), rhoray::study::judge_cells()};
+  const rhoray::tools::Subcommand subcommands[] = {rhoray::study::preprocess_speed(), rhoray::study::judge_cells(),
+                                                   rhoray::study::closed_surfaces(), rhoray::study::largest_values()};
   return rhoray::tools::run_command_line(subcommands, argc, argv);
 }

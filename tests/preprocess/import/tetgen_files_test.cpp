@@ -38,6 +38,19 @@ TEST(TetgenMesh, reads_numbers_from_zero) {
   EXPECT_EQ(read_mesh(folder / "a.ele").cells[0], (std::array<std::uint64_t, 4>{3, 2, 1, 0}));
 }
 
+TEST(TetgenMesh, points_alone_are_refused_with_the_surface_beside_them) {
+  TemporaryFolder folder;
+  write_file(folder / "a.node", nodes);
+  expect_refusal([&] { read_mesh(folder / "a.node"); }, Trouble::unreadable, {"points alone", "a.ele"});
+  write_file(folder / "a.face", "1 0\n1 1 2 3\n");
+  try {
+    read_mesh(folder / "a.node");
+    ADD_FAILURE() << "points without tetrahedra were read";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.hint(), testing::HasSubstr("a.face"));
+  }
+}
+
 TEST(TetgenMesh, refuses_what_does_not_fit) {
   TemporaryFolder folder;
   const auto refuses = [&](std::string node_text, std::string element_text, Trouble trouble,

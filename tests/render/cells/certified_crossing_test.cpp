@@ -308,6 +308,20 @@ TYPED_TEST(CertifiedCrossings, change_at_the_start_when_the_ray_is_known_to_come
   EXPECT_EQ(certify_crossing<TypeParam>(plateau, {0, 0, 0}, {1, 1, 1}, 0, 0.5, true).decision, Decision::none);
 }
 
+TYPED_TEST(CertifiedCrossings, are_narrow_where_the_surface_is_left_along_a_tangent) {
+  // The cubic starts at its double root: no slope there tells how far the root's bound must reach.
+  const Chord chords[] = {{{{34, 38, 36, 38, 38, 38, 35, 35}}, {1, 0, 1}, {0.195077, 0, 0.395308}, 38},
+                          {{{207, 207, 208, 207, 207, 208, 207, 205}}, {1, 0, 0}, {1, 1, 1}, 207}};
+  for (const Chord& chord : chords) {
+    const CertifiedCrossing found =
+        certify_crossing<TypeParam>(chord.cell, chord.in, chord.out, 0, chord.isovalue, true);
+    ASSERT_EQ(found.decision, Decision::crosses);
+    EXPECT_TRUE((Judge{chord, true}.confirms(found)));
+    constexpr bool is_float = std::is_same_v<TypeParam, float>;
+    EXPECT_LT(found.s_error, is_float ? 1e-2 : 1e-6);  // about the root of the margin
+  }
+}
+
 TYPED_TEST(CertifiedCrossings, are_unknown_when_points_or_values_say_nothing) {
   const double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
   const TrilinearCell cell{{0, 1, 0, 1, 0, 1, 0, 1}}, huge{{-1.7e308, 1.7e308, 0, 1, 0, 1, 0, 1}};

@@ -1,0 +1,5 @@
+#pragma once
+
+/// The porch of preprocess/worker: one act in a process of its own with limits, for the doors that have programs of
+/// their own beside `rhoray`.
+#include "preprocess/worker/child_process.h"

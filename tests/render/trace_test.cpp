@@ -1,0 +1,64 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "render/render.h"
+#include "render/trace.h"
+#include "tests/render/support/traced_volume.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/fields.h"
+#include "tests/support/meshes.h"
+
+namespace rhoray::tests {
+namespace {
+
+TEST(Trace, answers_the_rays_of_a_camera_as_render_does) {
+  const Affine turned{{0, 2, 0}, {-1, 0, 0}, {0, 0, 3}, {10, 20, 30}};
+  const TracedVolume grid(sampled_volume<float>({9, 8, 7}, turned, distance_field({7, 28, 38})));
+  const TracedVolume mesh(box_mesh({.cells = {3, 3, 3}}, distance_field({0.5, 0.5, 0.5})));
+  for (const auto& [volume, isovalue] : {std::pair{&grid.volume(), 6.0}, {&mesh.volume(), 0.4}}) {
+    render::Scene scene;
+    scene.isovalue = isovalue;
+    scene.camera = render::fit_camera(volume->bounds(), render::named_view("iso"), 1.5);
+    const render::FrameOptions options{.width = 60, .height = 40, .channels = {.depth = true, .cell = true}};
+    render::Framebuffer picture;
+    render::render(*volume, scene, options, picture);
+
+    const auto rays = render::camera_rays(*volume, scene.camera, 60, 40);
+    ASSERT_EQ(rays.size(), picture.pixel_count());
+    for (const unsigned threads : {1U, 3U}) {
+      std::vector<render::FrameHit> hits(rays.size());
+      render::trace(*volume, {.isovalue = isovalue, .threads = threads}, rays, hits);
+      std::size_t hit_count = 0;
+      for (std::size_t r = 0; r < rays.size(); ++r) {
+        EXPECT_EQ(static_cast<float>(hits[r].t), picture.depth[r]);
+        EXPECT_EQ(hits[r].is_miss() ? render::Framebuffer::no_cell : hits[r].cell, picture.cell[r]);
+        hit_count += !hits[r].is_miss();
+      }
+      EXPECT_GT(hit_count, 100U);
+    }
+  }
+  EXPECT_EQ(render::world_from_frame(grid.volume()), turned);
+}
+
+TEST(Trace, takes_rays_in_the_frame_of_the_samples_and_of_any_length) {
+  const Affine turned{{0, 2, 0}, {-1, 0, 0}, {0, 0, 3}, {10, 20, 30}};
+  const TracedVolume grid(volume_of<float>(
+      {5, 5, 5}, [](const Index3& at) { return static_cast<float>(at.x); }, turned));
+  const std::vector<render::FrameRay> rays{{{-1, 2, 2}, {2, 0, 0}}, {{-1, 2, 2}, {-1, 0, 0}}};
+  std::vector<render::FrameHit> hits(2);
+  render::trace(grid.volume(), {.isovalue = 2.5}, rays, hits);
+  EXPECT_DOUBLE_EQ(hits[0].t, 1.75);
+  EXPECT_DOUBLE_EQ(hits[0].gradient.x, 1);
+  EXPECT_TRUE(hits[1].is_miss());
+}
+
+TEST(Trace, refuses_an_isovalue_that_is_not_finite) {
+  const TracedVolume grid(volume_of<float>({2, 2, 2}, [](const Index3& at) { return static_cast<float>(at.x); }));
+  expect_error(Trouble::usage, "isovalue",
+               [&] { render::trace(grid.volume(), {.isovalue = std::numeric_limits<double>::quiet_NaN()}, {}, {}); });
+}
+
+}  // namespace
+}  // namespace rhoray::tests

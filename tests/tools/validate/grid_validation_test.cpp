@@ -1,0 +1,156 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <numbers>
+
+#include "tests/support/made_grid.h"
+#include "tests/tools/validate/support.h"
+#include "tools/validate/grid_judge.h"
+#include "tools/validate/grid_surface.h"
+
+namespace rhoray::tests {
+namespace {
+
+/// The signal of Marschner and Lobb in 24^3 samples.
+const ValidatedFile& waves() {
+  static const Index3 count(24, 24, 24);
+  static const ValidatedFile file(
+      sampled_volume<float>(count, lattice_over({{-1, -1, -1}, {1, 1, 1}}, count), marschner_lobb_field()));
+  return file;
+}
+const validate::Question question{.isovalue = 0.5, .samples = 2'000};
+
+double cell_edge() {
+  return 2.0 / 23;
+}
+
+TEST(GridValidation, finds_nothing_wrong_with_the_renderer) {
+  const validate::Report report = waves().report(question);
+  EXPECT_TRUE(report.holds()) << json_of(report).dump(1);
+  const validate::RayCounts all = report.total();
+  EXPECT_GT(all.hits, 1'500U);
+  EXPECT_LT(all.undecided, all.rays / 20);
+  EXPECT_LT(report.largest("depth", "cells"), 1e-10);
+  EXPECT_LT(report.largest("renderer to surface", "cells"), 1);
+  EXPECT_GT(report.measures.front().quantiles.count, 1'000U);
+}
+
+TEST(GridValidation, catches_a_renderer_that_drops_hits) {
+  const auto tracer = dropping_one_hit_in_a_thousand(waves().renderer(question.isovalue));
+  const validate::Report report = waves().report(question, tracer);
+  EXPECT_FALSE(report.holds());
+  EXPECT_GE(found(report, "missed"), 1);
+}
+
+TEST(GridValidation, catches_a_renderer_whose_hits_lie_a_thousandth_of_a_cell_too_far) {
+  const auto tracer = shifting_hits(waves().renderer(question.isovalue), 1e-3 * cell_edge());
+  const validate::Report report = waves().report(question, tracer);
+  EXPECT_FALSE(report.holds());
+  EXPECT_GT(found(report, "elsewhere"), 0.99 * static_cast<double>(report.total().hits));
+  EXPECT_GT(report.largest("depth", "cells"), 0.9e-3);
+}
+
+TEST(GridValidation, catches_a_renderer_that_reports_the_second_hit) {
+  const auto tracer = reporting_the_second_hit(waves().renderer(question.isovalue), 1e-6 * cell_edge());
+  const validate::Report report = waves().report(question, tracer);
+  EXPECT_FALSE(report.holds());
+  EXPECT_GT(found(report, "elsewhere") + found(report, "missed"), 10);
+}
+
+TEST(GridValidation, catches_hits_where_there_is_nothing_and_normals_that_are_wrong) {
+  const validate::Report invented = waves().report(question, inventing_hits(waves().renderer(question.isovalue), 3));
+  EXPECT_FALSE(invented.holds());
+  EXPECT_GT(found(invented, "false"), 3);
+  const validate::Report turned = waves().report(question, turning_normals(waves().renderer(question.isovalue)));
+  EXPECT_GT(found(turned, "largest normal error, degrees"), 1);
+  EXPECT_FALSE(turned.holds());
+}
+
+TEST(GridValidation, takes_uneven_axes_gaps_in_the_data_and_turned_grids) {
+  const auto bump = [](std::int64_t i, std::int64_t j, std::int64_t k) {
+    if (i >= 8 && j < 4) return std::numeric_limits<float>::quiet_NaN();
+    const auto square = [](std::int64_t n, double middle) { return std::pow(static_cast<double>(n) - middle, 2); };
+    return static_cast<float>(std::sqrt(square(i, 5.2) + square(j, 5.1) + square(k, 4.9)));
+  };
+  MadeGridChoice choice{.sample_count = {12, 11, 10}, .brick_edge = 4, .is_sparse = true};
+  choice.axes[0] = {0, 1, 1.5, 3, 3.25, 4, 6, 7, 8, 8.5, 9, 12};
+  MadeGrid made = made_grid(choice, {{"bump", bump}});
+  made.description.world_from_grid = {{0, 2, 0}, {-3, 0, 0}, {0, 0.5, 1}, {100, 200, -50}};
+  const TemporaryFolder folder;
+  write_file(folder / "bump.rho", made.file());
+  const render::Volume volume = render::Volume::load(folder / "bump.rho");
+  const validate::GridField field(formats::BrickGrid(volume.file()), "bump");
+  const auto tracer = [&](std::span<const render::FrameRay> rays, std::span<render::FrameHit> hits) {
+    render::trace(volume, {.isovalue = 3}, rays, hits);
+  };
+  const validate::Question about{.isovalue = 3, .samples = 2'000};
+  const auto compare = [&](const validate::Tracer& by) {
+    return validate::compare_grid(field, render::world_from_frame(volume), about, by, [](std::uint64_t) {}).report;
+  };
+  const validate::Report report = compare(tracer);
+  EXPECT_TRUE(report.holds()) << json_of(report).dump(1);
+  EXPECT_GT(report.total().hits, 1'000U);
+  EXPECT_FALSE(compare(dropping_one_hit_in_a_thousand(tracer)).holds());
+}
+
+TEST(GridJudge, decides_where_rounding_cannot) {
+  const Index3 count(5, 5, 5);
+  const ValidatedFile file(sampled_volume<double>(count, Affine{}, linear_field({1, 0, 0})));
+  const validate::GridField field = file.grid();
+  const validate::GridJudge judge(field, 1.5);
+  const render::FrameRay ray{{-1, 0.3, 0.7}, {1, 0, 0}};
+  EXPECT_EQ(judge.is_inside(ray, 2.5), true) << "at the isovalue is inside";
+  EXPECT_EQ(judge.is_inside(ray, std::nextafter(2.5, 0)), false);
+  EXPECT_FALSE(judge.is_clearly_inside(ray, 2.5));
+  EXPECT_FALSE(judge.is_inside(ray, 0.5)) << "outside the grid";
+  EXPECT_NEAR(judge.crossing_near(ray, 2.4, 1e-15, 0.5).value(), 2.5, 1e-14);
+  EXPECT_FALSE(judge.crossing_near(ray, 1.4, 1e-15, 0.5));
+  EXPECT_NEAR(judge.first_proved(ray, 0, 10, 0.25).value(), 2.5, 1e-14);
+  EXPECT_FALSE(judge.first_proved(ray, 0, 2.4, 0.25));
+}
+
+TEST(GridJudge, knows_the_cubic_along_a_ray) {
+  // x y z along (s, s, s) is s^3: 1/8 at 1/2.
+  const Index3 count(3, 3, 3);
+  const ValidatedFile file(sampled_volume<double>(count, Affine{}, product_field()));
+  const validate::GridField field = file.grid();
+  const validate::GridJudge judge(field, 0.125);
+  const auto t = judge.first_proved({{-1, -1, -1}, {1, 1, 1}}, 0, 10, 0.1);
+  ASSERT_TRUE(t);
+  EXPECT_NEAR(*t, 1.5, 1e-14);
+}
+
+TEST(GridSurface, shows_every_ball_and_lies_where_it_says) {
+  // Two balls of radius 3 and 5, apart.
+  const Index3 count(40, 20, 20);
+  const Field balls = [](const Vec3& p) {
+    return std::min((p - Vec3(9.3, 9.6, 9.4)).length() - 5, (p - Vec3(28.2, 9.1, 9.7)).length() - 3);
+  };
+  const ValidatedFile file(sampled_volume<double>(count, Affine{}, balls));
+  const validate::GridField field = file.grid();
+  const auto points = validate::edge_points(field, 0, 10'000, 1);
+  EXPECT_EQ(points.edge_count, points.points_index.size());
+  for (const Vec3& p : points.points_index) EXPECT_NEAR(field.value(p).value(), 0, 1e-14);
+  const validate::GridSurface surface = validate::mesh_surface(field, 0, points, {.facet_count = 4'000});
+  EXPECT_TRUE(surface.is_complete);
+  double small = 0, large = 0;
+  for (std::size_t t = 0; t < surface.triangles.corners.size(); ++t) {
+    (surface.triangles.center(t).x < 19 ? large : small) += surface.triangles.normal(t).length() / 2;
+    EXPECT_LT(surface.offsets[t], 0.1);
+  }
+  EXPECT_NEAR(large, 4 * std::numbers::pi * 25, 10);
+  EXPECT_NEAR(small, 4 * std::numbers::pi * 9, 6);
+  for (const Vec3& p : surface.triangles.points) EXPECT_NEAR(field.value(p).value(), 0, 1e-6);
+}
+
+TEST(GridSurface, stops_when_it_costs_too_much_and_says_so) {
+  const validate::GridField field = waves().grid();
+  const auto points = validate::edge_points(field, 0.5, 10'000, 1);
+  const auto surface = validate::mesh_surface(field, 0.5, points, {.facet_count = 4'000, .most_evaluations = 100'000});
+  EXPECT_FALSE(surface.is_complete);
+  EXPECT_EQ(surface.offsets.size(), surface.triangles.corners.size());
+}
+
+}  // namespace
+}  // namespace rhoray::tests

@@ -1,0 +1,54 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <optional>
+
+#include "preprocess/import_mesh.h"
+#include "preprocess/import_volume.h"
+#include "tests/tools/validate/support.h"
+
+namespace rhoray::tests {
+namespace {
+
+std::optional<std::filesystem::path> shared_data() {
+  const char* folder = std::getenv("RHORAY_SHARED_DATA");
+  return folder == nullptr ? std::nullopt : std::optional<std::filesystem::path>(folder);
+}
+
+#define RHORAY_NEEDS_SHARED_DATA() \
+  if (!shared_data()) GTEST_SKIP() << "RHORAY_SHARED_DATA names no folder"
+
+/// A mesh of the shared data with one of its fields.
+ValidatedFile mesh_file(const std::string& name, const std::string& field) {
+  preprocess::NeutralMesh mesh = preprocess::import_mesh(*shared_data() / "unstructured" / name);
+  std::erase_if(mesh.point_fields, [&](const preprocess::NeutralField& each) { return each.name != field; });
+  return ValidatedFile(mesh);
+}
+
+void expect_all_right(const ValidatedFile& file, double isovalue) {
+  const validate::Question question{.isovalue = isovalue, .samples = 5'000};
+  const validate::Report report = file.report(question);
+  EXPECT_TRUE(report.holds()) << json_of(report).dump(1);
+  EXPECT_GT(report.total().hits, 2'000U);
+  EXPECT_FALSE(file.report(question, dropping_one_hit_in_a_thousand(file.renderer(isovalue))).holds());
+}
+
+TEST(SharedDataValidation, of_the_torso) {
+  RHORAY_NEEDS_SHARED_DATA();
+  const ValidatedFile file = mesh_file("utahtorso/utahtorso-lowres.vtu", "voltage");
+  expect_all_right(file, 60);
+  expect_all_right(file, -60);
+}
+
+TEST(SharedDataValidation, of_the_blunt_fin_with_its_flat_cells) {
+  RHORAY_NEEDS_SHARED_DATA();
+  expect_all_right(mesh_file("derived/bluntfin_187395tets.vtu", "Density"), 1.2);
+}
+
+TEST(SharedDataValidation, of_the_tooth) {
+  RHORAY_NEEDS_SHARED_DATA();
+  expect_all_right(ValidatedFile(preprocess::import_volume(*shared_data() / "volumes/tooth/tooth.nhdr")), 700);
+}
+
+}  // namespace
+}  // namespace rhoray::tests

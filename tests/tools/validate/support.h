@@ -1,0 +1,124 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include "formats/tet_mesh.h"
+#include "preprocess/pack_mesh.h"
+#include "preprocess/pack_volume.h"
+#include "render/load.h"
+#include "render/trace.h"
+#include "tests/support/fields.h"
+#include "tests/support/meshes.h"
+#include "tests/support/temporary_folder.h"
+#include "tools/validate/compare.h"
+
+namespace rhoray::tests {
+
+namespace validate = tools::validate;
+
+/// A packed file of the test's own, and the renderer on it.
+class ValidatedFile {
+ public:
+  explicit ValidatedFile(const preprocess::NeutralMesh& mesh) : volume_(packed(mesh)) {}
+  explicit ValidatedFile(const preprocess::NeutralVolume& samples) : volume_(packed(samples)) {}
+
+  const render::Volume& volume() const { return volume_; }
+  validate::TetField tets() const { return {formats::TetMesh(volume_.file()), ""}; }
+  validate::GridField grid() const { return {formats::BrickGrid(volume_.file()), ""}; }
+
+  validate::Tracer renderer(double isovalue) const {
+    return [this, isovalue](std::span<const render::FrameRay> rays, std::span<render::FrameHit> hits) {
+      render::trace(volume_, {.isovalue = isovalue}, rays, hits);
+    };
+  }
+
+  validate::Comparison compare(const validate::Question& question, const validate::Tracer& tracer) const {
+    const auto no_progress = [](std::uint64_t) {};
+    const Affine world = render::world_from_frame(volume_);
+    if (volume_.is_mesh()) return validate::compare_tets(tets(), world, question, tracer, no_progress);
+    return validate::compare_grid(grid(), world, question, tracer, no_progress);
+  }
+  validate::Report report(const validate::Question& question, const validate::Tracer& tracer) const {
+    return compare(question, tracer).report;
+  }
+  validate::Report report(const validate::Question& question) const {
+    return report(question, renderer(question.isovalue));
+  }
+
+ private:
+  render::Volume packed(const preprocess::NeutralMesh& mesh) {
+    preprocess::pack_mesh(mesh, folder_ / "packed.rho", {});
+    return render::Volume::load(folder_ / "packed.rho");
+  }
+  render::Volume packed(const preprocess::NeutralVolume& samples) {
+    preprocess::pack_volume(samples, folder_ / "packed.rho", {});
+    return render::Volume::load(folder_ / "packed.rho");
+  }
+
+  TemporaryFolder folder_;
+  render::Volume volume_;
+};
+
+/// Another tracer, with every hit changed by `spoil`, which is told the hit's number.
+inline validate::Tracer spoiled(validate::Tracer tracer,
+                                std::function<void(std::size_t, const render::FrameRay&, render::FrameHit&)> spoil) {
+  return [tracer = std::move(tracer), spoil = std::move(spoil)](std::span<const render::FrameRay> rays,
+                                                                std::span<render::FrameHit> hits) {
+    tracer(rays, hits);
+    std::size_t number = 0;
+    for (std::size_t r = 0; r < rays.size(); ++r)
+      if (!hits[r].is_miss()) spoil(number++, rays[r], hits[r]);
+  };
+}
+
+// Renderers that are wrong.
+
+inline validate::Tracer dropping_one_hit_in_a_thousand(const validate::Tracer& tracer) {
+  return spoiled(tracer, [](std::size_t number, const render::FrameRay&, render::FrameHit& hit) {
+    if (number % 1000 == 999) hit = {};
+  });
+}
+
+/// @param distance  in lengths of the rays' directions
+inline validate::Tracer shifting_hits(const validate::Tracer& tracer, double distance) {
+  return spoiled(tracer, [=](std::size_t, const render::FrameRay&, render::FrameHit& hit) { hit.t += distance; });
+}
+
+inline validate::Tracer reporting_the_second_hit(const validate::Tracer& tracer, double step) {
+  return spoiled(tracer, [=](std::size_t number, const render::FrameRay& ray, render::FrameHit& hit) {
+    if (number % 100 != 99) return;
+    const render::FrameRay onward{ray.origin + (hit.t + step) * ray.direction, ray.direction};
+    render::FrameHit second;
+    tracer(std::span(&onward, 1), std::span(&second, 1));
+    const double first_t = hit.t;
+    hit = second;
+    hit.t += first_t + step;
+  });
+}
+
+inline validate::Tracer turning_normals(const validate::Tracer& tracer) {
+  return spoiled(tracer, [](std::size_t number, const render::FrameRay&, render::FrameHit& hit) {
+    if (number % 1000 == 999) hit.gradient = Vec3(hit.gradient.y, hit.gradient.z, hit.gradient.x);
+  });
+}
+
+/// A hit where the data's box begins, on some rays that meet nothing.
+inline validate::Tracer inventing_hits(validate::Tracer tracer, double t) {
+  return [tracer = std::move(tracer), t](std::span<const render::FrameRay> rays, std::span<render::FrameHit> hits) {
+    tracer(rays, hits);
+    std::size_t misses = 0;
+    for (render::FrameHit& hit : hits)
+      if (hit.is_miss() && ++misses % 100 == 0) hit = {.t = t, .cell = 0, .gradient = {1, 0, 0}};
+  };
+}
+
+inline double found(const validate::Report& report, const std::string& check) {
+  for (const validate::Check& each : report.checks)
+    if (each.name == check) return each.found;
+  return validate::not_measured;
+}
+
+}  // namespace rhoray::tests

@@ -1,0 +1,154 @@
+#include <cstdio>
+
+#include "formats/base/trouble.h"
+#include "preprocess/run_worker.h"
+#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/damage.h"
+#include "tools/rhoray/measure.h"
+#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/picture_plan.h"
+#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/subcommands.h"
+#include "tools/rhoray/validation_report.h"
+#include "tools/validate/request.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+struct ValidateCommand {
+  CommonOptions common;
+  std::filesystem::path input;
+  std::string isovalue, field, accuracy, method;
+  std::optional<std::uint64_t> samples, seed;
+  std::optional<double> max_depth_error;
+  double time_limit_s = 3600;
+  std::filesystem::path folder;
+};
+
+constexpr PictureSize report_picture{.width = 640, .height = 480};
+
+void check(const ValidateCommand& command) {
+  if (command.isovalue.empty())
+    throw Error(Trouble::usage, "--iso: missing; which isosurface is to be validated?",
+                "--iso 500, --iso p95 or --iso auto");
+  require_within("--samples", static_cast<double>(command.samples.value_or(1)), 1, 1e9);
+  if (command.max_depth_error && !(*command.max_depth_error > 0))
+    throw Error(Trouble::usage,
+                concat("--max-depth-error: found ", *command.max_depth_error, "; expected more than 0"));
+  require_within("--time-limit", command.time_limit_s, 1, 1e9);
+  if (!command.folder.empty()) require_report_folder(command.folder, command.common.force);
+}
+
+void refuse_damage(const formats::PackedFile& file, unsigned threads) {
+  const std::vector<formats::DamagedBlock> blocks = file.damaged_blocks(threads);
+  if (!blocks.empty())
+    throw Error(Trouble::invalid, concat(file.name(), ": ", damage_text(file, blocks.front())),
+                concat("`rhoray verify ", file.name(), "` lists all blocks"));
+}
+
+/// Without a word the bracketed method in double.
+render::Method chosen_method(const ValidateCommand& command, bool is_mesh) {
+  if (!command.method.empty() && !command.accuracy.empty())
+    throw Error(Trouble::usage, "--method and --accuracy say the same thing twice: give one of them");
+  if (!command.method.empty()) return method_named(command.method, render::Mode::isosurface, is_mesh);
+  return command.accuracy.empty() ? render::Method{} : method_of(accuracy_named(command.accuracy));
+}
+
+formats::PackedFile compare(const ValidateCommand& command, const validate::Request& request) {
+  ProgressDisplay display(command.common);
+  preprocess::WorkerRequest work;
+  work.program = "rhoray-validate-worker";
+  work.doing = concat("validating ", command.input.string());
+  work.arguments = {text_of(request)};
+  work.memory_limit_bytes = command.common.memory.bytes;
+  work.time_limit_s = command.time_limit_s;
+  work.progress = [&](std::uint64_t done, std::uint64_t total) { display.show(work.doing, done, total); };
+  display.show(work.doing);
+  return preprocess::run_worker(work);
+}
+
+int run(ValidateCommand& command) {
+  const Stopwatch watch;
+  check(command);
+  const render::Volume volume = load_volume(command.input, command.field);
+  if (volume.file().description().kind == "vdb")
+    throw Error(Trouble::unsupported,
+                concat(command.input.string(), ": is an OpenVDB file, and packed files are validated"),
+                concat("pack it first: ", shell_line({"rhoray", "pack", command.input.string()})));
+  const Isovalue isovalue = choose_isovalue(command.isovalue, volume.field());
+  refuse_damage(volume.file(), command.common.threads);
+  validate::Request request{.file = command.input.string(),
+                            .field = volume.field().name,
+                            .isovalue = isovalue.value,
+                            .threads = command.common.threads,
+                            .max_depth_error = command.max_depth_error.value_or(0)};
+  const render::Method method = chosen_method(command, volume.is_mesh());
+  request.way = static_cast<int>(method.way);
+  request.precision = static_cast<int>(method.precision);
+  request.step = method.step;
+  request.slack = method.slack;
+  request.bisect = method.bisect;
+  request.samples = command.samples.value_or(request.samples);
+  request.seed = command.seed.value_or(request.seed);
+  if (!command.folder.empty()) {
+    request.picture_width = report_picture.width;
+    request.picture_height = report_picture.height;
+  }
+  const formats::PackedFile answer = compare(command, request);
+
+  ValidationReport report(answer);
+  report.add_context({{"file", command.input.string()},
+                      {"field", request.field},
+                      {"isovalue", request.isovalue},
+                      {"isovalue_from", isovalue.from},
+                      {"samples", request.samples},
+                      {"seed", request.seed}},
+                     watch.seconds());
+  std::fputs(command.common.json ? (dump(report.json()) + "\n").c_str() : report.text().c_str(), stdout);
+  if (!command.folder.empty()) report.write(command.folder, command.common.force);
+  report.refuse_outside_limits(command.input.string());
+  return 0;
+}
+
+}  // namespace
+
+Subcommand validate_subcommand() {
+  const auto command = std::make_shared<ValidateCommand>();
+  return {
+      .name = "validate",
+      .summary = "Isosurface against surfaces made and ray-shot with CGAL",
+      .examples =
+          "  rhoray validate torso.rho --iso 0.5\n"
+          "  rhoray validate head.rho --iso 500 --samples 1000000 --report head_validation\n"
+          "Needs the program rhoray-validate-worker beside `rhoray`, which links CGAL (GPL-3 or later).\n"
+          "Ends with exit code 6 when a check is outside its limit.\n",
+      .options = all_options(
+          {{file_option("FILE", "Packed file", command->input),
+            value_option("--iso", "V", "Isovalue: a number, p95 (percentile), or auto (Otsu's threshold)",
+                         command->isovalue),
+            value_option("--field", "NAME", "Field; default the first that is not the same everywhere", command->field),
+            choice_option("--accuracy", accuracy_words(),
+                          "Level of the renderer; without it, the direct method in double", command->accuracy),
+            value_option("--method", "NAME", method_help(), command->method),
+            value_option("--samples", "N", "Rays sent from around the data; default 100000", command->samples),
+            value_option("--seed", "N",
+                         "Of the random numbers; default 1. In a mesh the same seed gives the same report",
+                         command->seed),
+            value_option("--max-depth-error", "E",
+                         "Largest error along a ray: in a mesh in diagonals of its box, default 1e-9; in a grid in "
+                         "cells, default 1e-9",
+                         command->max_depth_error),
+            value_option("--report", "DIR",
+                         "Write the report there as text, JSON and CSV, and pictures of the errors; the folder is made "
+                         "if it is not there",
+                         command->folder),
+            flag_option("--force", "Replace the report if it is there", command->common.force),
+            value_option("--time-limit", "S", "Seconds of CPU for the worker; default 3600", command->time_limit_s)},
+           threads_option(command->common),
+           memory_option(command->common, "Limit for the worker"),
+           message_options(command->common, "The report as one JSON document on stdout")}),
+      .run = [command] { return run(*command); }};
+}
+
+}  // namespace rhoray::tools

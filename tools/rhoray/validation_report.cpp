@@ -1,0 +1,120 @@
+#include "tools/rhoray/validation_report.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "formats/base/trouble.h"
+#include "tools/rhoray/error_map.h"
+#include "tools/rhoray/measure.h"
+#include "tools/rhoray/new_file.h"
+#include "tools/rhoray/pictures.h"
+#include "tools/rhoray/version.h"
+#include "tools/validate/request.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+constexpr const char* file_names[] = {"report.txt",          "report.json",    "rays.csv",
+                                      "errors.csv",          "limits.csv",     "disputed_rays.csv",
+                                      "signed_distance.png", "depth_error.png"};
+
+}  // namespace
+
+ValidationReport::ValidationReport(formats::PackedFile answer) : answer_(std::move(answer)) {
+  const auto bytes = answer_.array<std::uint8_t>(validate::report_array, {0});
+  json_ = Json::parse(bytes.begin(), bytes.end());
+}
+
+void ValidationReport::add_context(const Json& context, double seconds) {
+  Json whole = context;
+  for (const auto& [key, value] : json_.items()) whole[key] = value;
+  whole["seconds"] = seconds;
+  whole["version"] = version();
+  json_ = std::move(whole);
+}
+
+Table ValidationReport::table(const char* key, const char* name, const char* title) const {
+  Table table{.name = name, .title = title, .context = Json::object(), .rows = {}};
+  for (const Json& row : json_.at(key)) table.rows.push_back(row);
+  return table;
+}
+
+std::vector<Table> ValidationReport::tables() const {
+  return {table("rays", "rays", "Rays, by what they were aimed at"),
+          table("measures", "errors", "Errors, as quantiles"), table("checks", "limits", "Limits")};
+}
+
+std::string ValidationReport::text() const {
+  std::string text =
+      concat(json_.at("file").get<std::string>(), ", field '", json_.at("field").get<std::string>(), "', isovalue ",
+             json_.at("isovalue").get<double>(), "\nreference: ", json_.at("reference").get<std::string>(), "\n",
+             grouped(json_.at("straddling_cells").get<std::uint64_t>()), " cells meet the surface, ",
+             grouped(json_.at("triangles").get<std::uint64_t>()), " triangles in the reference\n\n");
+  for (Table& table : tables()) {
+    for (Json& row : table.rows) row.erase("reason");
+    text += text_of(table) + "\n";
+  }
+  for (const Json& way : json_.at("hausdorff"))
+    if (!way.at("cells").is_null())
+      text +=
+          concat("Hausdorff distance, ", way.at("way").get<std::string>(), ": ", rounded(way.at("cells").get<double>()),
+                 " cells, ", rounded(way.at("box").get<double>()), " of the box\n");
+  text += "\n";
+  for (const Json& note : json_.at("notes")) text += concat("note: ", note.get<std::string>(), "\n");
+  return text + concat(json_.at("holds").get<bool>() ? "within the limits" : "OUTSIDE THE LIMITS", ", took ",
+                       rounded(json_.at("seconds").get<double>(), 3), " s\n");
+}
+
+void ValidationReport::write(const std::filesystem::path& folder, bool replace_existing) const {
+  std::filesystem::create_directory(folder);
+  write_new_file(folder / "report.txt", text(), replace_existing);
+  write_new_file(folder / "report.json", json_.dump(2) + "\n", replace_existing);
+  for (const Table& table : tables()) write_new_file(folder / (table.name + ".csv"), csv_of(table), replace_existing);
+  if (!json_.at("disputed").empty())
+    write_new_file(folder / "disputed_rays.csv",
+                   csv_of(table("disputed", "disputed_rays", "Rays that were answered otherwise")), replace_existing);
+  write_pictures(folder, replace_existing);
+}
+
+void ValidationReport::write_pictures(const std::filesystem::path& folder, bool replace_existing) const {
+  const std::vector<std::uint64_t>& shape = answer_.entry(validate::verdict_array).shape;
+  const ErrorMap map{.width = static_cast<int>(shape.at(1)),
+                     .height = static_cast<int>(shape.at(0)),
+                     .distance_cells = answer_.array<float>(validate::distance_array, shape),
+                     .depth_cells = answer_.array<float>(validate::depth_array, shape),
+                     .verdict = answer_.array<std::uint8_t>(validate::verdict_array, shape)};
+  const auto save = [&](const ErrorPicture& picture, const char* name) {
+    write_picture(picture.framebuffer, {{"Software", concat("rhoray ", version())}, {"Description", picture.legend}},
+                  folder / name, replace_existing);
+  };
+  save(signed_distance_picture(map), "signed_distance.png");
+  save(depth_error_picture(map), "depth_error.png");
+}
+
+void ValidationReport::refuse_outside_limits(const std::string& name) const {
+  std::string broken;
+  for (const Json& check : json_.at("checks")) {
+    if (check.at("holds").get<bool>()) continue;
+    const Json& found = check.at("found");
+    broken += concat(broken.empty() ? " " : "; ", check.at("check").get<std::string>(), " ",
+                     found.is_null() ? "not measured" : rounded(found.get<double>()), ", limit ",
+                     rounded(check.at("limit").get<double>()));
+  }
+  if (!broken.empty()) throw Error(Trouble::outside_limit, concat(name, ": outside the limits:", broken));
+}
+
+void require_report_folder(const std::filesystem::path& folder, bool replace_existing) {
+  std::error_code ignored;
+  const std::filesystem::path parent = folder.has_parent_path() ? folder.parent_path() : std::filesystem::path(".");
+  if (!std::filesystem::is_directory(parent, ignored))
+    throw Error(Trouble::usage, concat(folder.string(), ": there is no folder ", parent.string()),
+                "make the folder first");
+  if (std::filesystem::exists(folder, ignored) && !std::filesystem::is_directory(folder, ignored))
+    throw Error(Trouble::usage, concat(folder.string(), ": is not a folder"));
+  for (const char* name : file_names)
+    if (std::filesystem::exists(folder / name, ignored) && !replace_existing)
+      throw Error(Trouble::usage, concat((folder / name).string(), ": is there already"), "--force replaces it");
+}
+
+}  // namespace rhoray::tools

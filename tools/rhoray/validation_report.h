@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "formats/packed_file.h"
+#include "tools/rhoray/report.h"
+#include "tools/rhoray/table.h"
+
+namespace rhoray::tools {
+
+/// What rhoray-validate-worker found, as text, tables and pictures.
+class ValidationReport {
+ public:
+  /// @param answer  what the worker handed over (tools/validate/request.h)
+  explicit ValidationReport(formats::PackedFile answer);
+
+  /// Adds what was asked.
+  void add_context(const Json& context, double seconds);
+
+  const Json& json() const { return json_; }
+  std::string text() const;
+
+  /// report.txt, report.json, rays.csv, errors.csv, limits.csv, disputed_rays.csv; with a picture signed_distance.png
+  /// and depth_error.png. Makes the folder if it is not there.
+  void write(const std::filesystem::path& folder, bool replace_existing) const;
+
+  /// Throws the checks that do not hold (Trouble::outside_limit).
+  void refuse_outside_limits(const std::string& name) const;
+
+ private:
+  Table table(const char* key, const char* name, const char* title) const;
+  std::vector<Table> tables() const;
+  void write_pictures(const std::filesystem::path& folder, bool replace_existing) const;
+
+  formats::PackedFile answer_;
+  Json json_;
+};
+
+/// Refuses a folder in which the report could not be written at the end of the work (Trouble::usage).
+void require_report_folder(const std::filesystem::path& folder, bool replace_existing);
+
+}  // namespace rhoray::tools

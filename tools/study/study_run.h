@@ -1,0 +1,33 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "formats/base/trouble.h"
+#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/measure.h"
+#include "tools/rhoray/new_file.h"
+#include "tools/rhoray/table.h"
+#include "tools/rhoray/version.h"
+
+/// What the studies have in common: where they ran, and how their tables come out.
+namespace rhoray::study {
+
+/// Machine, version and compiler, and what is peculiar to the study.
+inline tools::Json context_with(const tools::Json& peculiar) {
+  const tools::Machine machine = tools::this_machine();
+  tools::Json context{{"processor", machine.processor}, {"cores", machine.core_count}, {"system", machine.system},
+                      {"version", tools::version()},    {"commit", tools::commit()},   {"compiler", tools::compiler()}};
+  context.update(peculiar);
+  return context;
+}
+
+/// To stdout, and as CSV and JSON into the output folder, if one is given.
+inline void publish(const tools::Table& table, const tools::CommonOptions& common) {
+  std::fputs(tools::text_of(table).c_str(), stdout);
+  if (common.output.empty()) return;
+  tools::write_new_file(common.output / (table.name + ".csv"), tools::csv_of(table), common.force);
+  tools::write_new_file(common.output / (table.name + ".json"), tools::json_of(table).dump(2) + "\n", common.force);
+}
+
+}  // namespace rhoray::study

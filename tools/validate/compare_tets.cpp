@@ -1,0 +1,261 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "formats/base/text.h"
+#include "tools/validate/compare.h"
+#include "tools/validate/tet_judge.h"
+#include "tools/validate/tet_surface.h"
+#include "tools/validate/triangle_tree.h"
+
+namespace rhoray::tools::validate {
+
+namespace {
+
+constexpr double default_depth_limit = 1e-9;  // of the box's diagonal
+constexpr double normal_limit_deg = 1e-4;
+constexpr double surface_slack = 1e-11;   // of the box's diagonal: how far rounding may put a hit off the surface
+constexpr double rounding_share = 2e-15;  // of the distance from a ray's origin: a dozen roundings or so
+
+/// The renderer's answers beside those of the reference.
+class Comparer {
+ public:
+  Comparer(const TetField& field, const Affine& world_from_frame, const Box3& data_frame, const Question& question)
+      : field_(field),
+        world_from_frame_(world_from_frame),
+        data_frame_(data_frame),
+        diagonal_(world_from_frame.vector(data_frame.size()).length()),
+        depth_limit_(question.max_depth_error > 0 ? question.max_depth_error : default_depth_limit),
+        surface_(extract_surface(field, question.isovalue)),
+        tree_(surface_.triangles),
+        judge_(field, surface_.straddling, question.isovalue) {}
+
+  const TetSurface& surface() const { return surface_; }
+  double depth_limit() const { return depth_limit_; }
+  const TetJudge& judge() const { return judge_; }
+  double world_length(const Vec3& v_frame) const { return world_from_frame_.vector(v_frame).length(); }
+
+  Finding find(const render::FrameRay& ray, const render::FrameHit& hit) const {
+    Finding finding;
+    const std::size_t hit_cell = hit.is_miss() ? field_.cell_count() : field_.cell_of_id(hit.cell);
+    std::optional<TetJudge::Crossing> truth = undisputed(ray, hit, hit_cell);
+    if (!truth && !(hit.is_miss() && !tree_.first_on(ray))) {
+      truth = judge_.first_crossing(ray);
+      finding.was_redecided = true;
+    }
+    finding.verdict = verdict_of(ray, hit, time_of(truth));
+    if (finding.verdict != Verdict::right) {
+      if (const auto moved = moved_by_rounding(ray, hit)) {
+        finding.verdict = Verdict::grazes;
+        finding.moved_box = moved->distance / diagonal_;
+        truth = moved->crossing;
+      }
+    }
+    finding.is_hit = truth.has_value();
+    if (truth) finding.t_reference = truth->t;
+    if (!hit.is_miss()) measure_hit(ray, hit, hit_cell, finding);
+    return finding;
+  }
+
+ private:
+  /// The crossing in the cell that both the tracer and the extracted surface name.
+  std::optional<TetJudge::Crossing> undisputed(const render::FrameRay& ray, const render::FrameHit& hit,
+                                               std::size_t hit_cell) const {
+    if (hit.is_miss() || hit_cell == field_.cell_count()) return std::nullopt;
+    const auto met = tree_.first_on(ray);
+    if (!met || surface_.cells[met->triangle] != hit_cell) return std::nullopt;
+    const auto cell = static_cast<std::uint32_t>(hit_cell);
+    const std::optional<double> t = judge_.crossing_in(ray, cell);
+    // Where the answers lie apart, the cell alone does not tell which crossing is the first.
+    if (!t || std::abs(*t - hit.t) * world_length(ray.direction) > depth_limit_ * diagonal_) return std::nullopt;
+    return TetJudge::Crossing{.t = *t, .cell = cell};
+  }
+
+  void measure_hit(const render::FrameRay& ray, const render::FrameHit& hit, std::size_t hit_cell,
+                   Finding& finding) const {
+    const Vec3 p = point_at(ray, hit.t);
+    const double cell_size =
+        hit_cell < field_.cell_count() ? world_length(diagonal_of(field_.cell(hit_cell))) : diagonal_;
+    if (!tree_.is_empty()) {
+      const Vec3 offset = p - tree_.nearest(p);
+      finding.distance_box = world_length(offset) / diagonal_;
+      finding.distance_cells = world_length(offset) / cell_size;
+      finding.is_above = offset.dot(hit.gradient) > 0;
+    }
+    if (finding.is_hit) {
+      const double depth = std::abs(hit.t - finding.t_reference) * world_length(ray.direction);
+      finding.depth_box = depth / diagonal_;
+      finding.depth_cells = depth / cell_size;
+    }
+    if (hit_cell < field_.cell_count()) finding.normal_deg = angle_deg(field_.cell(hit_cell).gradient(), hit.gradient);
+  }
+
+  /// The longest edge, as a vector along an axis of the frame, which is turned and shifted against the world at most.
+  static Vec3 diagonal_of(const TetField::Cell& cell) { return {cell.longest_edge(), 0, 0}; }
+
+  /// Between two directions; NaN where one of them has none.
+  static double angle_deg(const Vec3& a, const Vec3& b) {
+    const double turn = std::atan2(a.cross(b).length(), a.dot(b));
+    const bool has_angle = std::isfinite(a.length()) && a.length() > 0 && std::isfinite(b.length()) && b.length() > 0;
+    return has_angle ? turn * 180 / std::numbers::pi : not_measured;
+  }
+
+  Verdict verdict_of(const render::FrameRay& ray, const render::FrameHit& hit,
+                     const std::optional<double>& truth) const {
+    if (!truth) return hit.is_miss() ? Verdict::right : Verdict::false_hit;
+    if (hit.is_miss()) return Verdict::missed;
+    const double depth = std::abs(hit.t - *truth) * world_length(ray.direction);
+    return depth <= depth_limit_ * diagonal_ ? Verdict::right : Verdict::elsewhere;
+  }
+
+  static std::optional<double> time_of(const std::optional<TetJudge::Crossing>& crossing) {
+    return crossing ? std::optional(crossing->t) : std::nullopt;
+  }
+
+  struct Moved {
+    double distance = 0;
+    std::optional<TetJudge::Crossing> crossing;
+  };
+
+  bool lies_on_surface(const Vec3& p) const {
+    return !tree_.is_empty() && world_length(p - tree_.nearest(p)) <= surface_slack * diagonal_;
+  }
+
+  /// What the extracted surface gives a shifted ray is the tracer's answer, roughly.
+  bool may_agree(const render::FrameRay& ray, const Vec3& shift, const render::FrameHit& hit) const {
+    constexpr double roughly = 1e-3;  // of the box's diagonal: where a ray grazes, a small shift moves the crossing far
+    const auto met = tree_.first_on({ray.origin + shift, ray.direction});
+    if (hit.is_miss() || !met) return hit.is_miss() == !met;
+    return std::abs(met->t - hit.t) * world_length(ray.direction) <= roughly * diagonal_;
+  }
+
+  /// The smallest parallel shift, of those tried, by which the tracer's answer becomes the exact one; nothing when
+  /// there is none within what rounding may do. Directions in which the extracted surface, whose own rounding is far
+  /// less than the largest shift, does not give that answer are not tried.
+  std::optional<Moved> moved_by_rounding(const render::FrameRay& ray, const render::FrameHit& hit) const {
+    constexpr int directions = 16;
+    if (!hit.is_miss() && !lies_on_surface(point_at(ray, hit.t))) return std::nullopt;
+    const Vec3 way = ray.direction.normalized();
+    const Vec3 aside = way.cross(std::abs(way.x) < 0.5 ? Vec3(1, 0, 0) : Vec3(0, 1, 0)).normalized();
+    const Vec3 other = way.cross(aside);
+    const double farthest = (data_frame_.center() - ray.origin).length() + data_frame_.size().length() / 2;
+    std::vector<Vec3> shifts;
+    for (int turn = 0; turn < directions; ++turn) {
+      const double angle = 2 * std::numbers::pi * turn / directions;
+      const Vec3 shift = rounding_share * farthest * (std::cos(angle) * aside + std::sin(angle) * other);
+      if (may_agree(ray, shift, hit) || may_agree(ray, shift / 16, hit)) shifts.push_back(shift);
+    }
+    for (const double share : {1.0 / 64, 1.0 / 16, 1.0 / 4, 1.0})
+      for (const Vec3& shift : shifts) {
+        const auto crossing = judge_.first_crossing({ray.origin + share * shift, ray.direction});
+        if (verdict_of(ray, hit, time_of(crossing)) == Verdict::right)
+          return Moved{share * world_length(shift), crossing};
+      }
+    return std::nullopt;
+  }
+
+  const TetField& field_;
+  Affine world_from_frame_;
+  Box3 data_frame_;
+  double diagonal_, depth_limit_;
+  TetSurface surface_;
+  TriangleTree tree_;
+  TetJudge judge_;
+};
+
+void find_all(const Comparer& comparer, Shots& shots, const Thousandths& progress, std::uint64_t begin,
+              std::uint64_t end) {
+  for_each_shot(shots.rays.size(), progress, begin, end,
+                [&](std::size_t r) { shots.findings[r] = comparer.find(shots.rays[r].ray, shots.hits[r]); });
+}
+
+/// A ray at a point of the surface, along the field's gradient, from just before it: from so near that the surface does
+/// not come between. Nothing where that cannot be had, as in cells without volume.
+std::optional<AimedRay> near_ray(const Comparer& comparer, const TetField& field, const Vec3& target,
+                                 std::uint32_t cell_number, bool from_above) {
+  const TetField::Cell cell = field.cell(cell_number);
+  const Vec3 gradient = cell.gradient();
+  if (!(gradient.length() > 0) || !std::isfinite(gradient.length())) return std::nullopt;
+  const Vec3 direction = (from_above ? -1.0 : 1.0) * gradient.normalized();
+  double before = 0.25 * cell.longest_edge();
+  for (int attempt = 0; attempt < 6; ++attempt, before *= 0.1) {
+    const render::FrameRay ray{target - before * direction, direction};
+    const auto first = comparer.judge().first_crossing(ray);
+    if (first && std::abs(first->t - before) <= 1e-3 * before) return AimedRay{ray, Aim::near};
+  }
+  return std::nullopt;
+}
+
+/// Samples of the surface, its corners and centres in turn, each shot at from just before it, from either side.
+std::vector<AimedRay> near_rays(const Comparer& comparer, const TetField& field, std::size_t count, RayMaker& maker) {
+  const Triangles& triangles = comparer.surface().triangles;
+  std::vector<AimedRay> rays;
+  if (triangles.corners.empty()) return rays;
+  for (std::size_t s = 0; s < count; ++s) {
+    const std::size_t triangle = maker.below(triangles.corners.size());
+    const Vec3 target = s % 2 == 0 ? triangles.corner(triangle, maker.below(3)) : triangles.center(triangle);
+    if (const auto ray = near_ray(comparer, field, target, comparer.surface().cells[triangle], s % 4 < 2))
+      rays.push_back(*ray);
+  }
+  return rays;
+}
+
+void add_measures(const Shots& far, const Shots& near, Report& report) {
+  for (const auto& [name, cells, box] : {std::tuple{"depth", &Finding::depth_cells, &Finding::depth_box},
+                                         {"renderer to surface", &Finding::distance_cells, &Finding::distance_box}}) {
+    report.measures.push_back(measure(name, "cells", far, cells));
+    report.measures.push_back(measure(name, "box", far, box));
+  }
+  report.measures.push_back(measure("surface to renderer", "cells", near, &Finding::depth_cells));
+  report.measures.push_back(measure("surface to renderer", "box", near, &Finding::depth_box));
+  report.measures.push_back(measure("normal", "degrees", far, &Finding::normal_deg));
+  report.measures.push_back(measure("grazing rays moved", "box", far, &Finding::moved_box));
+}
+
+void add_checks(const Comparer& comparer, Report& report) {
+  const RayCounts all = report.total();
+  const char* exact = "every difference is decided exactly, so none is due to the reference";
+  report.checks = {
+      {"missed", static_cast<double>(all.missed), 0, exact},
+      {"false", static_cast<double>(all.false_hits), 0, exact},
+      {"elsewhere", static_cast<double>(all.elsewhere), 0, exact},
+      {"largest depth error, box", report.largest("depth", "box"), comparer.depth_limit(),
+       "double precision in the cell, with room for rays that graze the surface"},
+      {"renderer to surface, box", report.largest("renderer to surface", "box"), comparer.depth_limit(), "as above"},
+      {"surface to renderer, box", report.largest("surface to renderer", "box"), comparer.depth_limit(), "as above"},
+      {"largest normal error, degrees", report.largest("normal", "degrees"), normal_limit_deg,
+       "the gradient of one cell in double precision, with room for thin cells"}};
+}
+
+}  // namespace
+
+Comparison compare_tets(const TetField& field, const Affine& world_from_frame, const Question& question,
+                        const Tracer& tracer, const Thousandths& progress) {
+  const Box3 data_frame = field.box();
+  const Comparer comparer(field, world_from_frame, data_frame, question);
+  progress(200);
+  RayMaker maker(world_from_frame, data_frame, question.seed);
+  Shots far = shoot(tracer, make_rays(maker, data_frame, comparer.surface().triangles, question.samples));
+  find_all(comparer, far, progress, 200, 600);
+  Shots near = shoot(tracer, near_rays(comparer, field, question.samples / 4, maker));
+  find_all(comparer, near, progress, 700, 850);
+  Comparison comparison;
+  std::vector<AimedRay> camera;
+  for (const render::FrameRay& ray : question.camera_rays) camera.push_back({ray, Aim::camera});
+  comparison.picture = shoot(tracer, std::move(camera));
+  find_all(comparer, comparison.picture, progress, 850, 1000);
+
+  Report& report = comparison.report;
+  report.reference =
+      "the isosurface extracted from the same tetrahedra with exact constructions; differences are decided exactly";
+  report.straddling_cells = comparer.surface().straddling.size();
+  report.triangles = comparer.surface().triangles.corners.size();
+  count(far, report);
+  count(near, report);
+  count(comparison.picture, report);
+  add_measures(far, near, report);
+  add_checks(comparer, report);
+  return comparison;
+}
+
+}  // namespace rhoray::tools::validate

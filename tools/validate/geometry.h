@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "formats/base/vector.h"
+#include "render/trace.h"
+
+namespace rhoray::tools::validate {
+
+/// What is validated: answers rays in the volume's frame. Tests hand in ones that are wrong.
+using Tracer = std::function<void(std::span<const render::FrameRay> rays, std::span<render::FrameHit> hits)>;
+
+/// Told how far the work is, in thousandths.
+using Thousandths = std::function<void(std::uint64_t done)>;
+
+/// Triangles in the volume's frame.
+struct Triangles {
+  std::vector<Vec3> points;
+  std::vector<std::array<std::uint32_t, 3>> corners;
+
+  Vec3 corner(std::size_t triangle, std::size_t c) const { return points[corners[triangle][c]]; }
+  Vec3 center(std::size_t triangle) const {
+    return (corner(triangle, 0) + corner(triangle, 1) + corner(triangle, 2)) / 3.0;
+  }
+  /// Not of unit length; zero when the triangle has no area.
+  Vec3 normal(std::size_t triangle) const {
+    const Vec3 a = corner(triangle, 0);
+    return (corner(triangle, 1) - a).cross(corner(triangle, 2) - a);
+  }
+};
+
+inline Vec3 to_vec3(const Index3& i) {
+  return {static_cast<double>(i.x), static_cast<double>(i.y), static_cast<double>(i.z)};
+}
+
+inline Vec3 point_at(const render::FrameRay& ray, double t) {
+  return ray.origin + t * ray.direction;
+}
+
+}  // namespace rhoray::tools::validate

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace rhoray::tools::validate {
+
+/// What `rhoray validate` asks of its worker.
+struct Request {
+  std::string file;   ///< a packed file
+  std::string field;  ///< name
+  double isovalue = 0;
+  std::uint64_t samples = 100'000;
+  std::uint64_t seed = 1;
+  unsigned threads = 0;        ///< 0 = all cores
+  double max_depth_error = 0;  ///< 0 = the default of the kind
+  int way = 0, precision = 1;  ///< as render::Method counts them, and the rest of it
+  double step = 0.5, slack = 0;
+  bool bisect = false;
+  int picture_width = 0, picture_height = 0;  ///< 0 = no picture
+};
+
+std::string text_of(const Request& request);
+/// Refuses what text_of would not have written (Trouble::usage).
+Request request_from(std::string_view text);
+
+// The worker hands over a packed file of this kind: the report as JSON, and with a picture three arrays [height,
+// width].
+inline constexpr const char* report_kind = "validation";
+inline constexpr const char* report_array = "report";      ///< U8: the text
+inline constexpr const char* distance_array = "distance";  ///< F32, cells: from the reference; above it positive
+inline constexpr const char* depth_array = "depth";        ///< F32, cells: along the ray; both NaN where there is none
+inline constexpr const char* verdict_array = "verdict";    ///< U8: a Verdict, or no_verdict
+inline constexpr std::uint8_t no_verdict = 255;            ///< nothing was hit, and rightly so
+
+}  // namespace rhoray::tools::validate

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "formats/base/vector.h"
+#include "formats/tet_mesh.h"
+
+namespace rhoray::tools::validate {
+
+/// A packed mesh with one of its fields: what is stored, in doubles, in the mesh's own frame.
+class TetField {
+ public:
+  /// @param field  name; empty = the first. A name that is not there is refused (Trouble::usage).
+  TetField(const formats::TetMesh& mesh, const std::string& field);
+
+  Box3 box() const;  ///< of all cells
+  std::size_t cell_count() const { return mesh_.cells().size(); }
+
+  struct Cell {
+    std::array<std::uint32_t, 4> vertex;
+    std::array<std::array<double, 3>, 4> point;
+    std::array<double, 4> value;
+
+    Box3 box() const;
+    double longest_edge() const;
+    Vec3 gradient() const;  ///< of the linear field; not finite for a cell without volume
+  };
+  Cell cell(std::size_t c) const;
+
+  /// True for a cell with data that has points on both sides: value < isovalue, and value >= isovalue.
+  static bool straddles(const Cell& cell, double isovalue);
+
+  /// The cell of that id (TetMesh::cell_id), or cell_count() when there is none.
+  std::size_t cell_of_id(std::uint64_t id) const;
+
+ private:
+  formats::TetMesh mesh_;
+  std::vector<double> values_;
+  std::vector<std::uint32_t> by_id_;  ///< cells in the order of their ids
+};
+
+}  // namespace rhoray::tools::validate

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <vector>
+
+#include "tools/validate/geometry.h"
+#include "tools/validate/tet_field.h"
+
+namespace rhoray::tools::validate {
+
+/// The isosurface of a field on tetrahedra: in each cell that has points on both sides a triangle, or a quadrilateral
+/// cut in two. Corners lie on edges, where exact linear interpolation of the stored doubles (CGAL's exact
+/// constructions) meets the isovalue; each is rounded once, and is one point for all cells at its edge, so that the
+/// triangles leave no gaps.
+struct TetSurface {
+  Triangles triangles;
+  std::vector<std::uint32_t> cells;       ///< of the triangles
+  std::vector<std::uint32_t> straddling;  ///< all cells with points on both sides
+};
+TetSurface extract_surface(const TetField& field, double isovalue);
+
+}  // namespace rhoray::tools::validate

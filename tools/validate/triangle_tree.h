@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+
+#include "tools/validate/geometry.h"
+
+namespace rhoray::tools::validate {
+
+/// Triangles to be shot at and measured to (CGAL's AABB tree; which triangle is hit is decided with exact predicates).
+/// Triangles without area are left out: their points belong to their neighbours' edges. May be asked from many threads.
+class TriangleTree {
+ public:
+  explicit TriangleTree(const Triangles& triangles);
+  ~TriangleTree();
+  TriangleTree(TriangleTree&&) noexcept;
+  TriangleTree& operator=(TriangleTree&&) noexcept;
+
+  bool is_empty() const;
+
+  struct Meeting {
+    std::size_t triangle = 0;
+    double t = 0;  ///< rounded
+  };
+  /// The first triangle on the ray, borders included.
+  std::optional<Meeting> first_on(const render::FrameRay& ray) const;
+
+  /// The point of the triangles nearest to p; there must be one.
+  Vec3 nearest(const Vec3& p) const;
+
+ private:
+  struct Tree;
+  std::unique_ptr<Tree> tree_;
+};
+
+}  // namespace rhoray::tools::validate
