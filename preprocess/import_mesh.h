@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "preprocess/neutral.h"
 #include "preprocess/progress.h"
@@ -12,10 +13,11 @@ struct ImportMeshOptions {
   /// Which time step of a file that has several: "first", "last", "#N" (from 0), or a time: the nearest is taken, with
   /// a note. Empty: the only one, or the last with a note.
   std::string time{};
-  double max_error = 0.01;                 ///< of higher-order cells made tetrahedra (subdivide.h)
-  std::uint64_t memory_limit_bytes = 0;    ///< of the reading process; 0 = none
-  std::filesystem::path scratch_folder{};  ///< when not empty, a cap on anonymous memory (memory_cap.h), not a limit
-  Progress progress{};                     ///< of subdividing, and "reading (bytes)" of formats read array by array
+  double max_error = 0.01;                  ///< of higher-order cells made tetrahedra (subdivide.h)
+  std::vector<std::string> error_fields{};  ///< whose error counts (SubdivideOptions::fields); empty = of all
+  std::uint64_t memory_limit_bytes = 0;     ///< of the reading process; 0 = none
+  std::filesystem::path scratch_folder{};   ///< when not empty, a cap on anonymous memory (memory_cap.h), not a limit
+  Progress progress{};                      ///< of subdividing, and "reading (bytes)" of formats read array by array
 };
 
 /// Reads cells of every kind from the mesh formats of import/README.md, in a process of its own. Line and surface cells

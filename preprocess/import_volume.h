@@ -23,6 +23,7 @@ RawVolume parse_raw_volume(const std::string& text);
 struct ImportVolumeOptions {
   std::optional<RawVolume> raw;            ///< read as headerless bytes
   std::string field;                       ///< name of the array to take; empty = the only or first scalar one
+  bool length_of_vectors = false;          ///< where no array is scalar: the length of the first, instead of refusing
   std::optional<Vec3> spacing;             ///< replaces the file's
   std::optional<Vec3> origin;              ///< replaces the file's
   std::uint64_t memory_limit_bytes = 0;    ///< of the reading process; 0 = none

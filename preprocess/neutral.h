@@ -21,6 +21,12 @@ using Array = std::pmr::vector<T>;
 /// What a foreign file holds, in our words, before anything is decided about it. Importers make these; the verbs
 /// (pack, tetrahedralize) take them. Between processes they travel as packed files (worker/handover.h).
 
+/// An array of a file with several numbers for each sample. Fields made of it are NAME.0, NAME.1, ... and NAME.mag.
+struct VectorArray {
+  std::string name;
+  int component_count = 2;
+};
+
 /// Samples on a regular lattice, x fastest, one value each.
 struct NeutralVolume {
   Index3 sample_count;
@@ -36,7 +42,8 @@ struct NeutralVolume {
   std::string length_unit;
   std::string field_name;
   std::string field_unit;
-  std::vector<std::string> other_fields;  ///< names of further fields in the file, as `--field` takes them
+  std::vector<std::string> other_fields;  ///< names of further scalar fields in the file, as `--field` takes them
+  std::vector<VectorArray> vectors;       ///< of which `--field` takes one component, or the length
   std::vector<std::string> notes;         ///< what reading changed or left out, one sentence each
 };
 

@@ -3,9 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numeric>
+#include <span>
 #include <string>
 #include <utility>
 
+#include "formats/base/text.h"
+#include "formats/shape_field.h"
+#include "preprocess/boundary_distance.h"
 #include "preprocess/inspect/finding.h"
 
 namespace rhoray::preprocess {
@@ -25,37 +30,98 @@ bool varies(const NeutralField& field) {
   return false;
 }
 
-/// 0 at the points of faces that one cell has alone, 1 elsewhere.
-NeutralField interior(const NeutralMesh& mesh) {
-  NeutralField field;
-  field.name = "interior";
-  field.values.assign(mesh.points.size(), 1);
+/// The faces that one cell has alone.
+std::vector<std::array<std::uint64_t, 3>> boundary_of(const NeutralMesh& mesh) {
   const std::vector<inspect::CellFace> faces = inspect::sorted_faces(mesh);
+  std::vector<std::array<std::uint64_t, 3>> boundary;
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const bool is_shared = (i > 0 && faces[i - 1].vertices == faces[i].vertices) ||
                            (i + 1 < faces.size() && faces[i + 1].vertices == faces[i].vertices);
-    if (is_shared) continue;
-    for (const std::uint64_t vertex : faces[i].vertices) field.values[vertex] = 0;
+    if (!is_shared) boundary.push_back(faces[i].vertices);
   }
-  return field;
+  return boundary;
+}
+
+/// Adds a point in the middle of some corners; fields get the mean of their values there.
+std::uint64_t add_middle(NeutralMesh& mesh, const std::array<std::uint64_t, 4>& corners) {
+  std::array<double, 3> middle{};
+  for (const std::uint64_t corner : corners)
+    for (std::size_t axis = 0; axis < 3; ++axis) middle[axis] += 0.25 * mesh.points[corner][axis];
+  mesh.points.push_back(middle);
+  for (NeutralField& field : mesh.point_fields) {
+    const auto components = static_cast<std::size_t>(field.component_count);
+    for (std::size_t c = 0; c < components; ++c) {
+      double mean = 0;
+      for (const std::uint64_t corner : corners) mean += 0.25 * field.values[components * corner + c];
+      field.values.push_back(mean);
+    }
+  }
+  return mesh.points.size() - 1;
+}
+
+/// Adds a cell that is a part of another one.
+void add_part(NeutralMesh& mesh, std::size_t whole, const std::array<std::uint64_t, 4>& part) {
+  mesh.cells.push_back(part);
+  mesh.cell_ids.push_back(mesh.cell_ids[whole]);
+  for (NeutralField& field : mesh.cell_fields) {
+    const auto components = static_cast<std::size_t>(field.component_count);
+    for (std::size_t c = 0; c < components; ++c) field.values.push_back(field.values[components * whole + c]);
+  }
+}
+
+/// Cuts cells in four whose corners all lie on the boundary: else no field that is 0 there could show them. Faces stay
+/// as they are, so neighbours do not notice.
+/// @return  how many were cut
+std::size_t cut_cells_between_boundaries(NeutralMesh& mesh, std::span<const std::array<std::uint64_t, 3>> boundary) {
+  std::vector<bool> is_on_boundary(mesh.points.size(), false);
+  for (const auto& face : boundary)
+    for (const std::uint64_t corner : face) is_on_boundary[corner] = true;
+  if (mesh.cell_ids.empty()) {
+    mesh.cell_ids.resize(mesh.cells.size());
+    std::iota(mesh.cell_ids.begin(), mesh.cell_ids.end(), std::uint64_t{0});
+  }
+  std::size_t cut = 0;
+  const std::size_t cell_count = mesh.cells.size();
+  for (std::size_t c = 0; c < cell_count; ++c) {
+    const std::array<std::uint64_t, 4> corners = mesh.cells[c];
+    if (!std::all_of(corners.begin(), corners.end(), [&](std::uint64_t v) { return is_on_boundary[v]; })) continue;
+    const std::uint64_t middle = add_middle(mesh, corners);
+    for (std::size_t replaced = 0; replaced < 4; ++replaced) {
+      std::array<std::uint64_t, 4> part = corners;
+      part[replaced] = middle;
+      if (replaced == 0)
+        mesh.cells[c] = part;
+      else
+        add_part(mesh, c, part);
+    }
+    ++cut;
+  }
+  return cut;
 }
 
 }  // namespace
 
 bool has_varying_field(const NeutralMesh& mesh) {
   return std::any_of(mesh.point_fields.begin(), mesh.point_fields.end(), varies) ||
-         std::any_of(mesh.cell_fields.begin(), mesh.cell_fields.end(), varies);
+         std::any_of(mesh.cell_fields.begin(), mesh.cell_fields.end(),
+                     [](const NeutralField& field) { return field.name != "region" && varies(field); });
 }
 
 void add_position_fields(NeutralMesh& mesh) {
-  std::vector<bool> is_used(mesh.points.size(), false);
-  for (const auto& cell : mesh.cells)
-    for (const std::uint64_t vertex : cell) is_used[vertex] = true;
+  const std::vector<std::array<std::uint64_t, 3>> boundary = boundary_of(mesh);
+  const std::size_t cut = cut_cells_between_boundaries(mesh, boundary);
   std::vector<NeutralField> fields;
-  NeutralField inside = interior(mesh);
-  bool any_inside = false;
-  for (std::size_t p = 0; p < mesh.points.size(); ++p) any_inside = any_inside || (is_used[p] && inside.values[p] == 1);
-  if (any_inside) fields.push_back(std::move(inside));
+  if (!boundary.empty()) {
+    NeutralField distance;
+    distance.name = formats::boundary_distance;
+    distance.unit = mesh.length_unit;
+    distance.values = distances_to(boundary, mesh.points);
+    NeutralField interior;
+    interior.name = "interior";
+    for (const double value : distance.values) interior.values.push_back(value > 0 ? 1 : 0);
+    fields.push_back(std::move(distance));
+    fields.push_back(std::move(interior));
+  }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     NeutralField& field = fields.emplace_back();
     field.name = std::string(1, "xyz"[axis]);
@@ -65,8 +131,14 @@ void add_position_fields(NeutralMesh& mesh) {
   }
   mesh.point_fields.insert(mesh.point_fields.begin(), std::make_move_iterator(fields.begin()),
                            std::make_move_iterator(fields.end()));
-  mesh.notes.push_back(any_inside ? "no field varies: interior (0 at the boundary, 1 inside), x, y and z were added"
-                                  : "no field varies: the coordinates x, y and z were added");
+  mesh.notes.push_back(
+      boundary.empty() ? "no field varies: the coordinates x, y and z were added"
+                       : "no field varies: boundary_distance (of each point to the mesh's boundary), interior (0 at "
+                         "the boundary, 1 inside), x, y and z were added");
+  if (cut > 0)
+    mesh.notes.push_back(concat(cut,
+                                " tetrahedra with all corners on the boundary were cut in four at their middle, so "
+                                "that boundary_distance shows them too"));
 }
 
 }  // namespace rhoray::preprocess

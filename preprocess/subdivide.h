@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "preprocess/neutral.h"
 #include "preprocess/progress.h"
 
@@ -9,6 +12,8 @@ struct SubdivideOptions {
   /// Largest error of higher-order cells, geometric as a share of the mesh's box diagonal and of every point field as a
   /// share of its range: between the curved cell and the tetrahedra that stand for it.
   double max_error = 0.01;
+  /// The point fields whose error counts, by their names, as NAME or NAME.component; the others come along. Empty: all.
+  std::vector<std::string> fields{};
   /// An edge that stretches over less than this share of its higher-order cell is not cut for the sake of the error.
   double finest = 1.0 / 256;
 };
@@ -18,8 +23,8 @@ struct SubdivideOptions {
 /// from; cell fields go with it. A mesh of tetrahedra is moved as it is.
 ///
 /// Cells of flat faces are cut along their own edges; where tetrahedra would overlap, they get a point inside. Cells of
-/// higher order are cut until the error holds, by their shape functions; notes say how large it is, as sampled, and
-/// when it is larger than asked for. Nodes that no tetrahedron needs are left out.
+/// higher order are cut until the error holds, by their shape functions; notes say how large it is, as sampled, when it
+/// is larger than asked for, and which errors the cuts were made for. Nodes that no tetrahedron needs are left out.
 ///
 /// Refuses (Trouble::invalid) points that are not there, node counts that do not fit their kind and polyhedra that are
 /// not closed; (Trouble::unsupported) Lagrange cells of an order above 10 or of different orders along their axes;

@@ -77,7 +77,9 @@ class MshReader {
     const std::string_view version = in_.words.word("a version");
     is_4_ = version == "4.1";
     if (!is_4_ && version != "2" && version != "2.0" && version != "2.1" && version != "2.2")
-      in_.words.refuse(version, "MSH 2 to 2.2 or 4.1", Trouble::unsupported);
+      in_.words.refuse(
+          version, "MSH 2 to 2.2 or 4.1; Gmsh turns one into the other: gmsh OLD.msh -save -format msh41 -o NEW.msh",
+          Trouble::unsupported);
     const int type = in_.words.number<int>("0 or 1: text or binary");
     if (type != 0 && type != 1) in_.words.refuse(concat(type), "0 or 1: text or binary");
     if (in_.words.number<int>("8: the size of numbers") != 8)

@@ -52,9 +52,11 @@ void set_origin(Affine& map, const Vec3& origin) {
 }  // namespace
 
 NeutralVolume import_volume(const fs::path& path, const ImportVolumeOptions& options) {
-  NeutralVolume volume =
-      take_volume(run_reader(path, volume_arguments(path, {.raw = options.raw, .field = options.field}), options,
-                             options.raw ? import_worker : worker_for(path)));
+  const std::string_view worker = options.raw ? import_worker : worker_for(path);
+  const VolumeRequest request{.raw = options.raw,
+                              .field = options.field,
+                              .length_of_vectors = options.length_of_vectors && worker == import_worker};
+  NeutralVolume volume = take_volume(run_reader(path, volume_arguments(path, request), options, worker));
   if (options.spacing) set_spacing(volume.world_from_grid, *options.spacing);
   if (options.origin) set_origin(volume.world_from_grid, *options.origin);
   return volume;
@@ -67,7 +69,8 @@ CellMesh import_cells(const fs::path& path, const ImportMeshOptions& options) {
 NeutralMesh import_mesh(const fs::path& path, const ImportMeshOptions& options) {
   CellMesh cells = import_cells(path, options);
   try {
-    return subdivide(std::move(cells), {.max_error = options.max_error}, options.progress);
+    return subdivide(std::move(cells), {.max_error = options.max_error, .fields = options.error_fields},
+                     options.progress);
   } catch (const Error& error) {  // the verb knows no file
     throw Error(error.trouble(), concat(path.string(), ", ", error.what()), error.hint());
   }

@@ -4,6 +4,7 @@
 #include "formats/base/trouble.h"
 #include "preprocess/import/families.h"
 #include "preprocess/import/foreign_names.h"
+#include "preprocess/import/samples.h"
 #include "preprocess/import/time_steps.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/subdivide.h"
@@ -97,10 +98,23 @@ void check_field_name(const NeutralVolume& volume, const std::string& field, con
 }  // namespace
 
 NeutralVolume read_volume(const std::filesystem::path& path, const VolumeRequest& request) {
-  NeutralVolume volume =
-      request.raw ? read_raw(path, *request.raw) : importer_for(volume_importers, path, "volume")(path, request.field);
-  check_field_name(volume, request.field, path);
-  return volume;
+  if (request.raw) {
+    NeutralVolume volume = read_raw(path, *request.raw);
+    check_field_name(volume, request.field, path);
+    return volume;
+  }
+  auto* read = importer_for(volume_importers, path, "volume");
+  try {
+    NeutralVolume volume = read(path, request.field);
+    check_field_name(volume, request.field, path);
+    return volume;
+  } catch (const VectorsOnly& vectors) {
+    if (!request.length_of_vectors) throw;
+    NeutralVolume volume = read(path, vectors.first() + ".mag");
+    volume.notes.push_back(
+        concat("no array has a single component; shown is the length of the first. To pack, ", vectors.hint()));
+    return volume;
+  }
 }
 
 CellMesh read_cells(const std::filesystem::path& path, const MeshRequest& request) {

@@ -1,30 +1,20 @@
 #include "preprocess/import/legacy_vtk.h"
 
 #include <algorithm>
-#include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <map>
 #include <optional>
 #include <set>
 
-#include "formats/base/bytes.h"
-#include "preprocess/import/families.h"
-#include "preprocess/import/structured_cells.h"
-#include "preprocess/import/surface_building.h"
-#include "preprocess/import/text_reading.h"
+#include "preprocess/import/legacy_vtk_numbers.h"
+#include "preprocess/import/numbers.h"
 
 namespace rhoray::preprocess {
 namespace {
 
 using formats::ElementType;
-
-std::string in_capitals(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(),
-                 [](char letter) { return static_cast<char>(std::toupper(static_cast<unsigned char>(letter))); });
-  return result;
-}
 
 /// VTK writes bytes of names that would split a word as %20.
 std::string decoded(std::string_view name) {
@@ -44,7 +34,7 @@ std::string decoded(std::string_view name) {
 
 class Parser {
  public:
-  explicit Parser(const ForeignFile& file) : file_(file), reader_(file) {}
+  explicit Parser(const ForeignFile& file) : file_(file), numbers_(file), reader_(numbers_.words) {}
 
   LegacyVtk read() {
     header();
@@ -58,7 +48,7 @@ class Parser {
     reader_.line();  // a title of any kind
     const std::string mode = in_capitals(reader_.word("ASCII or BINARY"));
     if (mode != "ASCII" && mode != "BINARY") reader_.refuse(in_quotes(mode), "ASCII or BINARY");
-    binary_ = mode == "BINARY";
+    numbers_.are_binary = mode == "BINARY";
     if (in_capitals(reader_.word("DATASET")) != "DATASET") reader_.refuse("another word", "DATASET");
     result_.dataset = in_capitals(reader_.word("a kind of data set"));
     static const std::set<std::string> known{"STRUCTURED_POINTS", "RECTILINEAR_GRID", "STRUCTURED_GRID",
@@ -130,58 +120,27 @@ class Parser {
 
   void points() {
     const std::uint64_t number = count("a number of points");
-    const ElementType type = element_type(reader_.word("a type"));
-    const Array<std::byte> raw = values(type, number, 3, "points");
+    const ElementType type = numbers_.type();
+    const Array<std::byte> raw = numbers_.values(type, number, 3, "points");
     result_.points.resize(number);
     copy_as_doubles(type, raw, result_.points.empty() ? nullptr : result_.points.front().data());
   }
 
   void coordinates(std::size_t axis) {
     const std::uint64_t number = count("a number of coordinates");
-    const ElementType type = element_type(reader_.word("a type"));
-    const Array<std::byte> raw = values(type, number, 1, "coordinates");
+    const ElementType type = numbers_.type();
+    const Array<std::byte> raw = numbers_.values(type, number, 1, "coordinates");
     result_.coordinates[axis].resize(number);
     copy_as_doubles(type, raw, result_.coordinates[axis].data());
     if (type != ElementType::F64) result_.coordinate_precision = 0x1p-23;
   }
 
-  static void copy_as_doubles(ElementType type, std::span<const std::byte> raw, double* to) {
-    formats::with_element_type(type, [&]<class T>(T) {
-      for (std::size_t at = 0; at < raw.size(); at += sizeof(T)) {
-        T value;
-        std::memcpy(&value, raw.data() + at, sizeof value);
-        *to++ = static_cast<double>(value);
-      }
-    });
-  }
-
-  Array<std::uint64_t> whole_numbers(ElementType type, std::uint64_t number, std::string_view what) {
-    const Array<std::byte> raw = values(type, number, 1, what);
-    Array<std::uint64_t> result(number);
-    for (std::size_t i = 0; i < number; ++i) {
-      std::int64_t wide = 0;
-      std::int32_t narrow = 0;
-      if (type == ElementType::I64)
-        std::memcpy(&wide, raw.data() + i * sizeof wide, sizeof wide);
-      else
-        std::memcpy(&narrow, raw.data() + i * sizeof narrow, sizeof narrow);
-      result[i] = static_cast<std::uint64_t>(wide + narrow);  // a negative one becomes too large and is refused later
-    }
-    return result;
-  }
-
-  ElementType index_type() {
-    const ElementType type = element_type(reader_.word("a type"));
-    if (type != ElementType::I64 && type != ElementType::I32) reader_.refuse("another type", "int or vtktypeint64");
-    return type;
-  }
-
   /// Files before version 4: a byte for each point, 0 where it is hidden.
   void blanking() {
     const std::uint64_t number = count("a number of points");
-    const ElementType type = element_type(reader_.word("a type"));
+    const ElementType type = numbers_.type();
     if (type != ElementType::U8) reader_.refuse("another type", "unsigned_char");
-    for (const std::byte visible : values(type, number, 1, "blanking"))
+    for (const std::byte visible : numbers_.values(type, number, 1, "blanking"))
       result_.cells.point_ghosts.push_back(visible == std::byte{0} ? ghost_hidden_point : std::uint8_t{0});
   }
 
@@ -202,14 +161,14 @@ class Parser {
   /// Version 5.1: OFFSETS type, numbers, CONNECTIVITY type, numbers.
   void offsets_and_corners(ForeignCells& to, std::uint64_t offset_count, std::uint64_t corner_count) {
     reader_.word("OFFSETS");
-    to.offsets = whole_numbers(index_type(), offset_count, "offsets of cells");
+    to.offsets = numbers_.whole_numbers(numbers_.index_type(), offset_count, "offsets of cells");
     if (in_capitals(reader_.word("CONNECTIVITY")) != "CONNECTIVITY") reader_.refuse("another word", "CONNECTIVITY");
-    to.nodes = whole_numbers(index_type(), corner_count, "corners of cells");
+    to.nodes = numbers_.whole_numbers(numbers_.index_type(), corner_count, "corners of cells");
   }
 
   /// Before: for each cell the number of corners, then the corners.
   void counted_corners(ForeignCells& to, std::uint64_t cell_count, std::uint64_t number_count) {
-    const Array<std::uint64_t> numbers = whole_numbers(ElementType::I32, number_count, "corners of cells");
+    const Array<std::uint64_t> numbers = numbers_.whole_numbers(ElementType::I32, number_count, "corners of cells");
     to.offsets = {0};
     std::uint64_t at = 0;
     for (std::uint64_t cell = 0; cell < cell_count; ++cell) {
@@ -226,7 +185,7 @@ class Parser {
 
   void cell_kinds() {
     const std::uint64_t number = count("a number of cells");
-    for (const std::uint64_t kind : whole_numbers(ElementType::I32, number, "kinds of cells")) {
+    for (const std::uint64_t kind : numbers_.whole_numbers(ElementType::I32, number, "kinds of cells")) {
       if (kind > 255) refuse_input(file_.path(), "CELL_TYPES", concat(kind), "0 to 255");
       result_.cells.kinds.push_back(static_cast<std::uint8_t>(kind));
     }
@@ -246,7 +205,8 @@ class Parser {
     if (keyword == "COLOR_SCALARS") return color_scalars();
     if (keyword == "LOOKUP_TABLE") {  // colours: passed over
       reader_.word("a name");
-      values(binary_ ? ElementType::U8 : ElementType::F32, count("a number of colours"), 4, "colours");
+      numbers_.values(numbers_.are_binary ? ElementType::U8 : ElementType::F32, count("a number of colours"), 4,
+                      "colours");
       return;
     }
     const bool is_texture = keyword == "TEXTURE_COORDINATES";
@@ -255,12 +215,12 @@ class Parser {
       reader_.refuse(in_quotes(keyword), "a keyword of point or cell data");
     const std::string name = decoded(reader_.word("a name"));
     const int components = is_texture ? component_count("a number of components") : found->second;
-    add(name, element_type(reader_.word("a type")), components);
+    add(name, numbers_.type(), components);
   }
 
   void scalars() {
     const std::string name = decoded(reader_.word("a name"));
-    const ElementType type = element_type(reader_.word("a type"));
+    const ElementType type = numbers_.type();
     int components = 1;
     if (parse_number<int>(reader_.peek())) components = component_count("a number of components");
     if (in_capitals(reader_.peek()) == "LOOKUP_TABLE") {
@@ -274,8 +234,8 @@ class Parser {
   void color_scalars() {
     const std::string name = decoded(reader_.word("a name"));
     const int components = component_count("a number of components");
-    if (binary_) return add(name, ElementType::U8, components);
-    const Array<std::byte> fractions = values(ElementType::F32, *owners_, components, name);
+    if (numbers_.are_binary) return add(name, ElementType::U8, components);
+    const Array<std::byte> fractions = numbers_.values(ElementType::F32, *owners_, components, name);
     Array<std::byte> bytes(fractions.size() / sizeof(float));
     for (std::size_t i = 0; i < bytes.size(); ++i) {
       float fraction;
@@ -302,9 +262,9 @@ class Parser {
       const std::string name = decoded(reader_.word("an array's name"));
       const int components = component_count("a number of components");
       const std::uint64_t tuples = count("a number of tuples");
-      const ElementType type = element_type(reader_.word("a type"));
+      const ElementType type = numbers_.type();
       if (!owners_) {  // belongs to the file as a whole
-        values(type, tuples, components, name);
+        numbers_.values(type, tuples, components, name);
         metadata_has_owner_ = false;
         continue;
       }
@@ -329,7 +289,7 @@ class Parser {
   }
 
   void add(const std::string& name, ElementType type, int components) {
-    add(name, type, components, values(type, *owners_, components, name));
+    add(name, type, components, numbers_.values(type, *owners_, components, name));
   }
 
   void add(const std::string& name, ElementType type, int components, Array<std::byte> numbers) {
@@ -341,170 +301,20 @@ class Parser {
     metadata_has_owner_ = true;
   }
 
-  ElementType element_type(std::string_view word) {
-    static const std::map<std::string, ElementType> types{
-        {"UNSIGNED_CHAR", ElementType::U8},  {"CHAR", ElementType::I8},
-        {"SIGNED_CHAR", ElementType::I8},    {"UNSIGNED_SHORT", ElementType::U16},
-        {"SHORT", ElementType::I16},         {"UNSIGNED_INT", ElementType::U32},
-        {"INT", ElementType::I32},           {"VTKIDTYPE", ElementType::I32},
-        {"UNSIGNED_LONG", ElementType::U64}, {"LONG", ElementType::I64},
-        {"VTKTYPEINT64", ElementType::I64},  {"VTKTYPEUINT64", ElementType::U64},
-        {"FLOAT", ElementType::F32},         {"DOUBLE", ElementType::F64}};
-    const auto found = types.find(in_capitals(word));
-    if (found == types.end())
-      reader_.refuse(in_quotes(word), "a type of numbers, unsigned_char to double", Trouble::unsupported);
-    return found->second;
-  }
-
-  /// Numbers in native order. Binary ones begin after the end of the line and are big-endian.
-  Array<std::byte> values(ElementType type, std::uint64_t tuples, int components, std::string_view what) {
-    const std::size_t size = formats::element_bytes(type);
-    const std::optional<std::uint64_t> number = checked_product({tuples, static_cast<std::uint64_t>(components)});
-    // Text needs two bytes for each number but the last, binary its size: so nothing is allocated for absurd counts.
-    const std::uint64_t least = binary_ ? size : 2;
-    if (!number || *number > reader_.bytes_left() / least + 1)
-      reader_.refuse(concat(reader_.bytes_left(), " bytes left in the file"),
-                     concat(tuples, " x ", components, " numbers of ", what));
-    if (binary_) {
-      if (*number == 0) return {};
-      reader_.line();
-      const std::span<const std::byte> raw = reader_.bytes(*number * size, what);
-      Array<std::byte> result(raw.begin(), raw.end());
-      make_native(result, size, true);
-      return result;
-    }
-    Array<std::byte> result(*number * size);
-    formats::with_element_type(type, [&]<class T>(T) {
-      for (std::size_t i = 0; i < *number; ++i) {
-        const T value = reader_.number<T>(what);
-        std::memcpy(result.data() + i * sizeof value, &value, sizeof value);
-      }
-    });
-    return result;
-  }
-
   const ForeignFile& file_;
-  WordReader reader_;
-  bool binary_ = false;
+  LegacyVtkNumbers numbers_;
+  WordReader& reader_;
   std::optional<std::uint64_t> owners_;  ///< after POINT_DATA or CELL_DATA: how many
   bool in_cells_ = false;
   bool metadata_has_owner_ = false;  ///< the last array read was kept
   LegacyVtk result_;
 };
 
-NeutralField field_of(const GridArray& array) {
-  NeutralField field;
-  field.name = array.name;
-  field.component_count = array.component_count;
-  formats::with_element_type(array.type, [&]<class T>(T) {
-    field.values.resize(array.values.size() / sizeof(T));
-    for (std::size_t i = 0; i < field.values.size(); ++i) {
-      T value;
-      std::memcpy(&value, array.values.data() + i * sizeof value, sizeof value);
-      field.values[i] = static_cast<double>(value);
-    }
-  });
-  field.was_single_precision = array.type != ElementType::F64 && fits_single_precision(field.values);
-  return field;
-}
-
-void take_arrays(CellMesh& mesh, LegacyVtk& parts) {
-  for (std::size_t i = 0; i < parts.arrays.size(); ++i) {
-    const GridArray& array = parts.arrays[i];
-    if (array.name == "vtkGhostType" && array.type == ElementType::U8 && array.component_count == 1) {
-      const auto* ghosts = reinterpret_cast<const std::uint8_t*>(array.values.data());
-      (array.in_cells ? parts.cells.ghosts : parts.cells.point_ghosts).assign(ghosts, ghosts + array.values.size());
-      continue;
-    }
-    NeutralField& field = (array.in_cells ? mesh.cell_fields : mesh.point_fields).emplace_back(field_of(array));
-    if (const auto unit = parts.units.find(i); unit != parts.units.end()) field.unit = unit->second;
-  }
-}
-
-/// Files before version 5.1 have the nodes on the last two upright edges of Lagrange hexahedra the other way round.
-void renew_lagrange_hexahedra(ForeignCells& cells, const std::filesystem::path& path) {
-  for (std::size_t cell = 0; cell < cells.kinds.size() && cell + 1 < cells.offsets.size(); ++cell) {
-    if (cells.kinds[cell] != static_cast<std::uint8_t>(CellKind::lagrange_hexahedron)) continue;
-    const std::uint64_t begin = cells.offsets[cell], count = cells.offsets[cell + 1] - begin;
-    const auto degree = static_cast<std::uint64_t>(std::llround(std::cbrt(static_cast<double>(count)))) - 1;
-    if (begin > cells.nodes.size() || count > cells.nodes.size() - begin || count < 8 ||
-        (degree + 1) * (degree + 1) * (degree + 1) != count)
-      refuse_input(path, concat("cell ", cell), concat(static_cast<std::int64_t>(count), " corners"),
-                   "those of a Lagrange hexahedron with the same degree along each axis", Trouble::unsupported);
-    const auto third = cells.nodes.begin() + static_cast<std::ptrdiff_t>(begin + 8 + 10 * (degree - 1));
-    std::swap_ranges(third, third + static_cast<std::ptrdiff_t>(degree - 1),
-                     third + static_cast<std::ptrdiff_t>(degree - 1));
-  }
-}
-
 }  // namespace
 
 LegacyVtk read_legacy_vtk(const std::filesystem::path& path) {
   const ForeignFile file(path);
   return Parser(file).read();
-}
-
-CellMesh read_legacy_vtk_mesh(const std::filesystem::path& path) {
-  LegacyVtk parts = read_legacy_vtk(path);
-  if (parts.dataset == "STRUCTURED_GRID") {
-    Array<std::uint8_t> blanked = std::move(parts.cells.point_ghosts);
-    parts.cells = hexahedra_of_grid(parts.dimensions, parts.points.size(), path);
-    parts.cells.point_ghosts = std::move(blanked);
-  } else if (parts.dataset != "UNSTRUCTURED_GRID") {
-    refuse_input(path, "DATASET", parts.dataset, "UNSTRUCTURED_GRID or STRUCTURED_GRID", Trouble::unsupported);
-  }
-  CellMesh mesh;
-  mesh.points = std::move(parts.points);
-  take_arrays(mesh, parts);
-  if (parts.cells.offsets.empty()) parts.cells.offsets = {0};
-  if (parts.version_major < 5 || (parts.version_major == 5 && parts.version_minor < 1))
-    renew_lagrange_hexahedra(parts.cells, path);
-  take_cells(mesh, std::move(parts.cells), path);
-  return mesh;
-}
-
-NeutralSurface read_legacy_vtk_surface(const std::filesystem::path& path) {
-  LegacyVtk parts = read_legacy_vtk(path);
-  if (parts.dataset != "POLYDATA") refuse_input(path, "DATASET", parts.dataset, "POLYDATA", Trouble::unsupported);
-  NeutralSurface surface;
-  surface.points = std::move(parts.points);
-  const auto each = [&](const ForeignCells& cells, const char* kind, auto&& act) {
-    for (std::size_t cell = 0; cell + 1 < cells.offsets.size(); ++cell) {
-      if (cells.offsets[cell] > cells.offsets[cell + 1] || cells.offsets[cell + 1] > cells.nodes.size())
-        refuse_input(path, concat(kind, " ", cell), "an offset that does not fit", "offsets rising to the corners");
-      act(std::span(cells.nodes).subspan(cells.offsets[cell], cells.offsets[cell + 1] - cells.offsets[cell]),
-          concat(kind, " ", cell));
-    }
-  };
-  each(parts.polygons, "polygon", [&](std::span<const std::uint64_t> corners, const std::string& place) {
-    add_facet(surface, corners, path, place);
-  });
-  each(parts.strips, "triangle strip", [&](std::span<const std::uint64_t> corners, const std::string& place) {
-    for (std::size_t i = 0; i + 2 < corners.size(); ++i) {  // every other triangle is turned
-      const std::size_t second = i + 1 + i % 2, third = i + 2 - i % 2;
-      add_facet(surface, std::array{corners[i], corners[second], corners[third]}, path, place);
-    }
-  });
-  if (parts.thin_cell_count > 0) surface.notes.push_back(concat(parts.thin_cell_count, " vertices and lines left out"));
-  if (!parts.arrays.empty())
-    surface.notes.push_back(concat(parts.arrays.size(), " fields left out: a surface keeps none"));
-  finish_surface(surface, path);
-  return surface;
-}
-
-NeutralVolume read_legacy_vtk_volume(const std::filesystem::path& path, const std::string& field) {
-  LegacyVtk parts = read_legacy_vtk(path);
-  if (parts.dataset != "STRUCTURED_POINTS" && parts.dataset != "RECTILINEAR_GRID")
-    refuse_input(path, "DATASET", parts.dataset, "STRUCTURED_POINTS or RECTILINEAR_GRID", Trouble::unsupported);
-  PointGrid grid{parts.dimensions, axis_parallel(parts.spacing, parts.origin)};
-  if (parts.dataset == "RECTILINEAR_GRID") {
-    grid = rectilinear_grid(path, parts.coordinates, parts.coordinate_precision);
-    if (grid.point_count != parts.dimensions)
-      refuse_input(path, "DIMENSIONS", concat(parts.dimensions.x, " x ", parts.dimensions.y, " x ", parts.dimensions.z),
-                   concat(grid.point_count.x, " x ", grid.point_count.y, " x ", grid.point_count.z,
-                          ", as many as there are coordinates"));
-  }
-  return volume_of_field(path, grid, std::move(parts.arrays), field);
 }
 
 }  // namespace rhoray::preprocess

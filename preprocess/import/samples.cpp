@@ -137,8 +137,11 @@ std::string names_of(const std::vector<GridArray>& arrays) {
 }
 
 std::string ways_to_name(const GridArray& array) {
-  return concat("name one component, ", array.name, ".0 to ", array.name, ".", array.component_count - 1,
-                array.component_count <= 3 ? " or .x .y .z" : "", ", or the length, ", array.name, ".mag");
+  return concat("with --field name one component, ", array.name, ".0 to ", array.name, ".", array.component_count - 1,
+                array.component_count == 2   ? " or .x .y"
+                : array.component_count == 3 ? " or .x .y .z"
+                                             : "",
+                ", or the length, ", array.name, ".mag");
 }
 
 std::optional<int> component_named(std::string_view name, int count) {
@@ -156,10 +159,11 @@ Choice choose(const std::filesystem::path& path, const std::vector<GridArray>& a
   if (field.empty()) {
     for (std::size_t i = 0; i < arrays.size(); ++i)
       if (arrays[i].component_count == 1) return {.array = i};
-    throw Error(Trouble::unsupported,
-                concat(path.string(), ": found only arrays with several components: ", names_of(arrays),
-                       "; expected one with a single component"),
-                ways_to_name(arrays.front()));
+    throw VectorsOnly({Trouble::unsupported,
+                       concat(path.string(), ": found only arrays with several components: ", names_of(arrays),
+                              "; expected one with a single component"),
+                       ways_to_name(arrays.front())},
+                      arrays.front().name);
   }
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     if (field != arrays[i].name) continue;
@@ -317,7 +321,10 @@ NeutralVolume volume_of_field(const std::filesystem::path& path, const PointGrid
   volume.world_from_grid = grid.world_from_grid;
   volume.axes = grid.axes;
   for (std::size_t i = 0; i < arrays.size(); ++i)
-    if (i != choice.array) volume.other_fields.push_back(arrays[i].name);
+    if (arrays[i].component_count > 1)
+      volume.vectors.push_back({arrays[i].name, arrays[i].component_count});
+    else if (i != choice.array)
+      volume.other_fields.push_back(arrays[i].name);
   volume.field_name = field.empty() ? array.name : field;
   if (array.in_cells) volume.notes.push_back("values stand in cells; each became a sample at the middle of its cell");
   set_chosen(volume, array, choice.component);

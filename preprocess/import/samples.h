@@ -6,8 +6,10 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "formats/base/trouble.h"
 #include "preprocess/import/foreign_file.h"
 #include "preprocess/neutral.h"
 
@@ -63,8 +65,19 @@ struct PointGrid {
 PointGrid rectilinear_grid(const std::filesystem::path& path, const std::array<std::vector<double>, 3>& positions,
                            double relative_precision);
 
+/// What is thrown where no field is named and no array has a single component.
+class VectorsOnly : public Error {
+ public:
+  VectorsOnly(const Error& error, std::string first) : Error(error), first_(std::move(first)) {}
+  const std::string& first() const { return first_; }  ///< the name of the first array
+
+ private:
+  std::string first_;
+};
+
 /// The volume of one array: `field` names it, or one component of it as NAME.x, NAME.y, NAME.z, NAME.<n>, NAME.mag;
-/// empty takes the first with one component. Values in cells become samples at the middles of cells, with a note.
+/// empty takes the first with one component, or throws VectorsOnly. Values in cells become samples at the middles of
+/// cells, with a note.
 NeutralVolume volume_of_field(const std::filesystem::path& path, const PointGrid& grid, std::vector<GridArray> arrays,
                               const std::string& field);
 

@@ -11,6 +11,7 @@ namespace rhoray::preprocess {
 /// What the verbs say to the import worker, and how it understands them:
 ///
 ///     volume PATH FIELD [NX NY NZ TYPE BIG_ENDIAN SKIPPED_BYTES]     hands over a neutral volume
+///     volume-or-length PATH FIELD [...]                              the same, with VolumeRequest::length_of_vectors
 ///     cells PATH TIME                                                hands over a cell mesh; TIME may be empty
 ///     surface PATH SIZES                                             hands over a neutral surface; SIZES may be empty
 ///     write-vtu PATH                                                 takes a neutral mesh and hands back what it reads

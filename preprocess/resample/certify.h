@@ -18,8 +18,8 @@ struct FieldErrors {
   /// difference by no more than that: where a brick cannot hold the largest error, its bound may be some times what is
   /// attained in it. Differences below 1e-6 of the field's range are not told apart.
   std::vector<double> max;
-  /// By slot. Root mean square over one point in each leaf cell, or in every fourth where there are more than 1024
-  /// bricks (locate.h: rows_of_probes): an estimate.
+  /// By slot. Root mean square over one point in each leaf cell, in every fourth where there are more than 1024 bricks,
+  /// in every sixteenth where there are more than 16384 (locate.h: rows_of_probes): an estimate.
   std::vector<double> rms;
 
   double max_error = 0;                 ///< of all bricks
@@ -38,17 +38,11 @@ struct Certificates {
 
 /// The difference is harmonic in the part of a leaf cell that lies in one tetrahedron, so its extremes lie on the faces
 /// of tetrahedra: there it is a cubic, bounded by Bernstein coefficients (trilinear_patch.h) and subdivision. Most leaf
-/// cells are decided without, by a bound of their own:
-///
-///      across a face the gradient jumps by J n, and the trilinear interpolation of the ramp J max(0, n . x - d) lies
-///      above it by at most J s_max |s_min| / (s_max - s_min), with s the heights of the cell's corners above the
-///      plane, and at most |J n| / 4; faces with J > 0 only raise the difference and those with J < 0 only lower it, so
-///      that it is at most the larger one of the two sums over the faces in the cell
-///
-/// so that only cells with a larger sum than what is attained elsewhere need the faces themselves. On each face the
-/// trilinear function less its linear part at the cell's middle is at most what it is at the worst of the cell's
-/// corners, and the rest is linear; only faces on which this leaves more than what is attained are cut and subdivided.
-/// Cells touched by a face without a neighbour are always looked at.
+/// cells are decided without, by the range of the gradients in them (quick_bounds.h): only those with a larger bound
+/// than what is attained elsewhere need the faces themselves. On each face the trilinear function less its linear part
+/// at the cell's middle is at most what it is at the worst of the cell's corners, and the rest is linear
+/// (brick_faces.h); only faces on which this leaves more than what is attained are cut and subdivided. Leaf cells
+/// touched by a face without a neighbour are always looked at, except where the face lies in a side of the lattice.
 Certificates certify(const CleanMesh& mesh, const std::vector<PointField>& fields, const FaceNeighbors& neighbors,
                      const SampleLattice& lattice, const TouchedBricks& touched, const BrickSamples& samples,
                      const Progress& progress);

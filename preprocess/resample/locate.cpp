@@ -1,26 +1,18 @@
 #include "preprocess/resample/locate.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "preprocess/inspect/orientation.h"
+#include "preprocess/resample/points.h"
 
 namespace rhoray::preprocess {
 namespace {
 
-using Point = std::array<double, 3>;
 constexpr auto edge = static_cast<std::int64_t>(PointRows::edge);
-
-Point minus(const Point& a, const Point& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-Point cross(const Point& a, const Point& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-double dot(const Point& a, const Point& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /// Weights of a point in a tetrahedron so flat that a double's rounding reaches them: in 113 bits.
 std::array<double, 4> careful_weights(const std::array<Point, 4>& p, const Point& q) {
@@ -47,6 +39,20 @@ std::array<double, 4> careful_weights(const std::array<Point, 4>& p, const Point
           static_cast<double>(f[3] / sum)};
 }
 
+using Two = double __attribute__((vector_size(16)));
+using Four = float __attribute__((vector_size(16)));
+
+Two magnitude(const Two& a) {
+  return larger(a, -a);
+}
+
+/// A number for each face of a tetrahedron: 0 and 1, 2 and 3.
+struct OfFaces {
+  std::array<Two, 2> pair;
+
+  double at(std::size_t f) const { return pair[f / 2][f % 2]; }
+};
+
 /// One tetrahedron, and the points of some rows in it.
 class Scan {
  public:
@@ -57,121 +63,174 @@ class Scan {
   template <class Claim>
   void run(Claim&& claim) {
     if (!place()) return;
+    const auto step = static_cast<std::size_t>(rows_.row_step), rows_in_layer = edge_rows / step;
+    const std::size_t first = (low_[1] + step - 1) / step, last = high_[1] / step;
+    const std::size_t first_layer = (low_[2] + step - 1) / step, last_layer = high_[2] / step;
+    if (first > last || first_layer > last_layer) return;
     find_planes();
-    const std::int64_t step = rows_.row_step;
-    for (std::int64_t k = (low_[2] + step - 1) / step * step; k <= high_[2]; k += step)
-      for (std::int64_t j = (low_[1] + step - 1) / step * step; j <= high_[1]; j += step) scan_row(k * edge + j, claim);
+    find_lines();
+    for (std::size_t layer = first_layer; layer <= last_layer; ++layer)
+      for (std::size_t j = first / 4 * 4; j <= last; j += 4) {
+        unsigned near = rows_near(layer * rows_in_layer + j);
+        if (j < first) near &= 15U << (first - j);
+        if (j + 3 > last) near &= 15U >> (j + 3 - last);
+        for (; near != 0; near &= near - 1)
+          scan_row((layer * edge_rows + j + static_cast<std::size_t>(std::countr_zero(near))) * step, claim);
+      }
   }
 
  private:
+  static constexpr std::size_t edge_rows = PointRows::edge;
   static constexpr double unbounded = std::numeric_limits<double>::infinity();
-  using Two = double __attribute__((vector_size(16)));
-
-  static Two larger(const Two& a, const Two& b) { return a > b ? a : b; }
-  static Two smaller(const Two& a, const Two& b) { return a < b ? a : b; }
-
   static constexpr double index_slack = 1e-6;  ///< of a step; rounding reaches 1e-9 at 2^20 samples on an axis
 
   /// The points' range on each axis that the tetrahedron's box meets; false when there is none.
   bool place() {
     for (std::size_t a = 0; a < 3; ++a) {
       const int axis = static_cast<int>(a);
-      const double lo = std::min(std::min(p_[0][a], p_[1][a]), std::min(p_[2][a], p_[3][a]));
-      const double hi = std::max(std::max(p_[0][a], p_[1][a]), std::max(p_[2][a], p_[3][a]));
+      const double lo = smaller(smaller(p_[0][a], p_[1][a]), smaller(p_[2][a], p_[3][a]));
+      const double hi = larger(larger(p_[0][a], p_[1][a]), larger(p_[2][a], p_[3][a]));
       const double inverse = rows_.inverse_spacing[axis], first = static_cast<double>(rows_.first[axis]);
       const double u_lo = (lo - lattice_.low[axis]) * inverse - first - index_slack - rows_.spread;
       const double u_hi = (hi - lattice_.low[axis]) * inverse - first + index_slack;
       const double last = static_cast<double>(rows_.size[axis] - 1);
-      if (!(u_lo <= last && u_hi >= 0)) return false;
-      low_[a] = u_lo <= 0 ? 0 : ceiling(u_lo);
-      high_[a] = u_hi >= last ? rows_.size[axis] - 1 : static_cast<std::int64_t>(u_hi);
+      if (!(u_lo <= last && u_hi >= 0 && last >= 0)) return false;
+      low_[a] = ceiling(larger(u_lo, 0.0));
+      high_[a] = static_cast<std::size_t>(static_cast<std::int64_t>(smaller(u_hi, last)));
       if (low_[a] > high_[a]) return false;
       reach_[a] = hi - lo + (rows_.spread + 2 * index_slack) * lattice_.spacing[axis];
     }
     return true;
   }
 
-  static std::int64_t ceiling(double x) {  // of a number that is not negative
-    const auto below = static_cast<std::int64_t>(x);
+  static std::size_t ceiling(double x) {  // of a number that is not negative
+    const auto below = static_cast<std::size_t>(static_cast<std::int64_t>(x));
     return below + (static_cast<double>(below) < x);
   }
 
   void find_planes() {
-    const Point e1 = minus(p_[1], p_[0]), e2 = minus(p_[2], p_[0]), e3 = minus(p_[3], p_[0]);
-    normal_ = {cross(minus(p_[3], p_[1]), minus(p_[2], p_[1])), cross(e2, e3), cross(e3, e1), cross(e1, e2)};
-    volume_ = dot(normal_[3], e3);
+    std::array<OfFaces, 3> a, b;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double p = p_[0][axis], q = p_[1][axis], r = p_[2][axis], s = p_[3][axis];
+      a[axis] = {Two{s - q, r - p}, Two{s - p, q - p}};
+      b[axis] = {Two{r - q, s - p}, Two{q - p, r - p}};
+      on_face_[axis] = {Two{q, p}, Two{p, p}};
+    }
     // Every product of three differences is at most this box; the bound of inspect/orientation.cpp, doubled, and what
     // an underflow may lose.
     error_ = 0x1p-49 * 6 * (reach_[0] * reach_[1] * reach_[2]) + 1e-290;
-    for (std::size_t f = 0; f < 4; ++f) {
-      const Point& on_face = f == 0 ? p_[1] : p_[0];
-      const std::size_t v = f / 2, lane = f % 2;
-      ny_[v][lane] = normal_[f][1];
-      nz_[v][lane] = normal_[f][2];
-      y_[v][lane] = on_face[1];
-      z_[v][lane] = on_face[2];
-      const bool sees_x = std::abs(normal_[f][0]) * reach_[0] > error_;
-      const double inverse = sees_x ? rows_.inverse_spacing.x / normal_[f][0] : 0;
-      const double unsure = error_ * std::abs(inverse) + index_slack;
-      inverse_[v][lane] = inverse;
-      u_[v][lane] = (on_face[0] - lattice_.low.x) * rows_.inverse_spacing.x - static_cast<double>(rows_.first.x);
-      below_[v][lane] = inverse > 0 ? unsure : unbounded;
-      above_[v][lane] = inverse < 0 ? unsure : unbounded;
-      blind_[f] = !sees_x;
+    for (std::size_t v = 0; v < 2; ++v) {
+      normal_[0].pair[v] = a[1].pair[v] * b[2].pair[v] - a[2].pair[v] * b[1].pair[v];
+      normal_[1].pair[v] = a[2].pair[v] * b[0].pair[v] - a[0].pair[v] * b[2].pair[v];
+      normal_[2].pair[v] = a[0].pair[v] * b[1].pair[v] - a[1].pair[v] * b[0].pair[v];
+      const Two along_x = normal_[0].pair[v], none{};
+      const auto sees_x = magnitude(along_x) * reach_[0] > error_;
+      const Two inverse = sees_x ? rows_.inverse_spacing.x / along_x : none;
+      const Two unsure = error_ * magnitude(inverse) + index_slack;
+      inverse_.pair[v] = inverse;
+      u_.pair[v] =
+          (on_face_[0].pair[v] - lattice_.low.x) * rows_.inverse_spacing.x - static_cast<double>(rows_.first.x);
+      below_.pair[v] = inverse > 0 ? unsure : none + unbounded;
+      above_.pair[v] = inverse < 0 ? unsure : none + unbounded;
+      sees_all_ = sees_all_ && sees_x[0] != 0 && sees_x[1] != 0;
     }
+    volume_ = normal_[0].pair[1][1] * a[0].pair[1][0] + normal_[1].pair[1][1] * a[1].pair[1][0] +
+              normal_[2].pair[1][1] * a[2].pair[1][0];
+  }
+
+  /// Where rows cross the faces' planes, in steps, for a first look in single precision: start + y * j + z * k. What
+  /// that rounds off widens the bounds.
+  void find_lines() {
+    for (std::size_t v = 0; v < 2; ++v) {
+      const Two y = -normal_[1].pair[v] * inverse_.pair[v] * lattice_.spacing.y,
+                z = -normal_[2].pair[v] * inverse_.pair[v] * lattice_.spacing.z;
+      const Two start =
+          u_.pair[v] +
+          y * (static_cast<double>(rows_.first.y) - (on_face_[1].pair[v] - lattice_.low.y) * rows_.inverse_spacing.y) +
+          z * (static_cast<double>(rows_.first.z) - (on_face_[2].pair[v] - lattice_.low.z) * rows_.inverse_spacing.z);
+      const Two rounding = 1e-6 * (magnitude(start) + 16 * (magnitude(y) + magnitude(z) + 1));
+      const Two below = below_.pair[v] + rounding, above = above_.pair[v] + rounding;
+      for (std::size_t lane = 0; lane < 2; ++lane)
+        lines_[2 * v + lane] = {static_cast<float>(start[lane] - below[lane]),
+                                static_cast<float>(start[lane] + above[lane]), static_cast<float>(y[lane]),
+                                static_cast<float>(z[lane])};
+    }
+  }
+
+  /// Which of four rows may have points inside, as bits; a NaN counts as one that may.
+  /// @param n  the first row's position among those that have points
+  unsigned rows_near(std::size_t n) const {
+    using FourBits = std::int32_t __attribute__((vector_size(16)));
+    Four y, z, shift;
+    std::memcpy(&y, rows_.y_steps.data() + n, sizeof y);
+    std::memcpy(&z, rows_.z_steps.data() + n, sizeof z);
+    std::memcpy(&shift, rows_.shift_steps.data() + n, sizeof shift);
+    Four from = shift + static_cast<float>(low_[0]), to = shift + static_cast<float>(high_[0]);
+    for (const Line& line : lines_) {
+      const Four rise = line.y * y + line.z * z;
+      const Four lowest = line.low + rise, highest = line.high + rise;
+      from = lowest > from ? lowest : from;
+      to = highest < to ? highest : to;
+    }
+    const FourBits near = ~(from > to) & FourBits{1, 2, 4, 8};
+    return static_cast<unsigned>(near[0] | near[1] | near[2] | near[3]);
   }
 
   template <class Claim>
-  void scan_row(std::int64_t row, Claim&& claim) {
-    const auto r = static_cast<std::size_t>(row);
+  void scan_row(std::size_t r, Claim&& claim) {
     const double y = rows_.y[r], z = rows_.z[r], shift_steps = rows_.shift[r] * rows_.inverse_spacing.x;
     // Where the point may be inside, and where it surely is, in points of the row: two faces at once. A face that the
     // row meets on its way in bounds it from below, one on its way out from above.
-    std::array<Two, 2> crossing;
+    OfFaces crossing;
     for (std::size_t v = 0; v < 2; ++v) {
-      const Two rest = ny_[v] * (y - y_[v]) + nz_[v] * (z - z_[v]);
-      rest_[2 * v] = rest[0];
-      rest_[2 * v + 1] = rest[1];
-      crossing[v] = (u_[v] - shift_steps) - rest * inverse_[v];
+      rest_.pair[v] = normal_[1].pair[v] * (y - on_face_[1].pair[v]) + normal_[2].pair[v] * (z - on_face_[2].pair[v]);
+      crossing.pair[v] = (u_.pair[v] - shift_steps) - rest_.pair[v] * inverse_.pair[v];
     }
-    const Two from = larger(crossing[0] - below_[0], crossing[1] - below_[1]);
-    const Two to = smaller(crossing[0] + above_[0], crossing[1] + above_[1]);
-    const double outer_lo = std::max(static_cast<double>(low_[0]), std::max(from[0], from[1]));
-    const double outer_hi = std::min(static_cast<double>(high_[0]), std::min(to[0], to[1]));
+    const Two from = larger(crossing.pair[0] - below_.pair[0], crossing.pair[1] - below_.pair[1]);
+    const Two to = smaller(crossing.pair[0] + above_.pair[0], crossing.pair[1] + above_.pair[1]);
+    const double outer_lo = larger(static_cast<double>(low_[0]), larger(from[0], from[1]));
+    const double outer_hi = smaller(static_cast<double>(high_[0]), smaller(to[0], to[1]));
     if (!(outer_lo <= outer_hi)) return;
     double inner_lo = static_cast<double>(low_[0]), inner_hi = static_cast<double>(high_[0]);
     for (std::size_t f = 0; f < 4; ++f) {
-      const double at = crossing[f / 2][f % 2], below = below_[f / 2][f % 2], above = above_[f / 2][f % 2];
-      if (below < unbounded) inner_lo = std::max(inner_lo, at + below);
-      if (above < unbounded) inner_hi = std::min(inner_hi, at - above);
-      if (!blind_[f]) continue;
-      if (rest_[f] < -2 * error_) return;
-      if (rest_[f] <= 2 * error_) inner_hi = -1;
+      const double at = crossing.at(f), below = below_.at(f), above = above_.at(f);
+      inner_lo = larger(inner_lo, below < unbounded ? at + below : inner_lo);
+      inner_hi = smaller(inner_hi, above < unbounded ? at - above : inner_hi);
     }
-    const std::int64_t first = ceiling(outer_lo), last = static_cast<std::int64_t>(outer_hi);
-    for (std::int64_t i = first; i <= last; ++i) {
+    if (!sees_all_ && !holds_blind_faces(inner_hi)) return;
+    const auto last = static_cast<std::size_t>(static_cast<std::int64_t>(outer_hi));
+    for (std::size_t i = ceiling(outer_lo); i <= last; ++i) {
       const double at = static_cast<double>(i);
       const bool is_sure = at >= inner_lo && at <= inner_hi;
-      const double x = rows_.x[static_cast<std::size_t>(i)] + rows_.shift[r];
-      std::array<double, 4> f = heights(x);
+      const double x = rows_.x[i] + rows_.shift[r];
+      const OfFaces f = heights(x);
       bool is_strict = true;
       if (!is_sure && !holds({x, y, z}, f, is_strict)) continue;
-      claim(static_cast<std::uint32_t>(row * edge + i), weights(f, {x, y, z}), is_strict);
+      claim(static_cast<std::uint32_t>(r * edge_rows + i), weights(f, {x, y, z}), is_strict);
     }
   }
 
-  std::array<double, 4> heights(double x) const {
-    const double from_0 = x - p_[0][0];
-    return {normal_[0][0] * (x - p_[1][0]) + rest_[0], normal_[1][0] * from_0 + rest_[1],
-            normal_[2][0] * from_0 + rest_[2], normal_[3][0] * from_0 + rest_[3]};
+  /// False when the row is outside a face that runs along it; when it is too near to tell, no point is sure.
+  bool holds_blind_faces(double& inner_hi) const {
+    for (std::size_t f = 0; f < 4; ++f) {
+      if (inverse_.at(f) != 0) continue;
+      if (rest_.at(f) < -2 * error_) return false;
+      if (rest_.at(f) <= 2 * error_) inner_hi = -1;
+    }
+    return true;
+  }
+
+  OfFaces heights(double x) const {
+    return {normal_[0].pair[0] * (x - on_face_[0].pair[0]) + rest_.pair[0],
+            normal_[0].pair[1] * (x - on_face_[0].pair[1]) + rest_.pair[1]};
   }
 
   /// The exact decision.
-  bool holds(const Point& q, const std::array<double, 4>& f, bool& is_strict) const {
+  bool holds(const Point& q, const OfFaces& f, bool& is_strict) const {
     for (std::size_t a = 0; a < 4; ++a)
-      if (f[a] < -error_) return false;
+      if (f.at(a) < -error_) return false;
     for (std::size_t a = 0; a < 4; ++a) {
-      if (f[a] > error_) continue;
+      if (f.at(a) > error_) continue;
       std::array<Point, 4> moved = p_;
       moved[a] = q;
       const int side = orientation(moved[0], moved[1], moved[2], moved[3]);
@@ -181,25 +240,49 @@ class Scan {
     return true;
   }
 
-  std::array<double, 4> weights(std::array<double, 4> f, const Point& q) const {
+  std::array<double, 4> weights(const OfFaces& f, const Point& q) const {
     if (!(volume_ > 1e6 * error_)) return careful_weights(p_, q);
-    for (double& height : f) height = std::max(height, 0.0);
-    const double inverse = 1 / (f[0] + f[1] + f[2] + f[3]);
-    return {f[0] * inverse, f[1] * inverse, f[2] * inverse, f[3] * inverse};
+    const Two low = larger(f.pair[0], Two{}), high = larger(f.pair[1], Two{});
+    const double inverse = 1 / ((low[0] + low[1]) + (high[0] + high[1]));
+    return {low[0] * inverse, low[1] * inverse, high[0] * inverse, high[1] * inverse};
   }
+
+  /// A face's plane in single precision: no row has points inside below low + y * j + z * k, or above the same from
+  /// high on.
+  struct Line {
+    float low, high, y, z;
+  };
 
   const SampleLattice& lattice_;
   const PointRows& rows_;
   const std::array<Point, 4>& p_;
-  std::array<std::int64_t, 3> low_{}, high_{};
-  Point reach_{};                  ///< no point looked at is farther from a vertex
-  std::array<Point, 4> normal_{};  ///< of the face opposite a vertex, inward, twice its area long
-  std::array<double, 4> rest_{};
-  // Of faces 0 and 1, and of 2 and 3: a point on each, its normal, and how it bounds a row from below and from above.
-  std::array<Two, 2> ny_{}, nz_{}, y_{}, z_{}, u_{}, inverse_{}, below_{}, above_{};
-  std::array<bool, 4> blind_{};  ///< a face along the rows
+  std::array<std::size_t, 3> low_{}, high_{};
+  Point reach_{};                                ///< no point looked at is farther from a vertex
+  std::array<OfFaces, 3> normal_{};              ///< of the face opposite a vertex, inward, twice its area long
+  std::array<OfFaces, 3> on_face_{};             ///< a vertex
+  OfFaces rest_{};                               ///< of the row
+  OfFaces u_{}, inverse_{}, below_{}, above_{};  ///< how a face bounds a row from below and from above
+  std::array<Line, 4> lines_{};
+  bool sees_all_ = true;  ///< no face runs along the rows
   double volume_ = 0, error_ = 0;
 };
+
+/// What the first look needs, of the rows that have points, one after another.
+void add_steps(const SampleLattice& lattice, PointRows& rows) {
+  const auto step = static_cast<std::size_t>(rows.row_step);
+  std::size_t n = 0;
+  for (std::size_t k = 0; k < PointRows::edge; k += step)
+    for (std::size_t j = 0; j < PointRows::edge; j += step, ++n) {
+      const std::size_t row = k * PointRows::edge + j;
+      const auto in_steps = [&](const std::array<double, PointRows::edge * PointRows::edge>& places, int axis) {
+        return static_cast<float>((places[row] - lattice.low[axis]) * rows.inverse_spacing[axis] -
+                                  static_cast<double>(rows.first[axis]));
+      };
+      rows.y_steps[n] = in_steps(rows.y, 1);
+      rows.z_steps[n] = in_steps(rows.z, 2);
+      rows.shift_steps[n] = static_cast<float>(rows.shift[row] * rows.inverse_spacing.x);
+    }
+}
 
 }  // namespace
 
@@ -211,36 +294,41 @@ PointRows rows_of_samples(const SampleLattice& lattice, const Index3& brick) {
   const auto place = [&](std::size_t axis, std::int64_t i) {
     return lattice.places[axis][static_cast<std::size_t>(rows.first[static_cast<int>(axis)] + i)];
   };
+  rows.shift.fill(0);
+  rows.y.fill(place(1, 0));
+  rows.z.fill(place(2, 0));
   for (std::int64_t i = 0; i < rows.size.x; ++i) rows.x[static_cast<std::size_t>(i)] = place(0, i);
   for (std::int64_t k = 0; k < rows.size.z; ++k)
     for (std::int64_t j = 0; j < rows.size.y; ++j) {
       const auto row = static_cast<std::size_t>(k * edge + j);
-      rows.shift[row] = 0;
       rows.y[row] = place(1, j);
       rows.z[row] = place(2, k);
     }
+  add_steps(lattice, rows);
   return rows;
 }
 
-PointRows rows_of_probes(const SampleLattice& lattice, const Index3& brick, bool in_every_row) {
+PointRows rows_of_probes(const SampleLattice& lattice, const Index3& brick, std::int64_t row_step) {
   PointRows rows = rows_of_samples(lattice, brick);
   rows.spread = 1;
-  rows.row_step = in_every_row ? 1 : 2;
+  rows.row_step = row_step;
   for (int a = 0; a < 3; ++a) rows.size[a] = std::min(edge, lattice.count[a] - 1 - rows.first[a]);
-  const std::int64_t rows_per_axis = edge / rows.row_step, row_count = rows_per_axis * rows_per_axis;
-  const std::array<std::int64_t, 3> steps =
-      in_every_row ? std::array<std::int64_t, 3>{1, 19, 41} : std::array<std::int64_t, 3>{1, 3, 7};
-  for (std::int64_t k = 0; k < rows.size.z; k += rows.row_step)
-    for (std::int64_t j = 0; j < rows.size.y; j += rows.row_step) {
-      const std::int64_t number = k / rows.row_step * rows_per_axis + j / rows.row_step;
+  constexpr std::array<std::int64_t, 3> steps{1, 19, 41};
+  constexpr std::int64_t place_count = edge * edge;
+  const std::int64_t rows_per_axis = edge / row_step, brick_count = row_step * row_step;
+  const std::int64_t turn = (brick.x % 4 + brick.y % 2 * 4 + brick.z % 2 * 8) % brick_count;
+  for (std::int64_t k = 0; k < rows.size.z; k += row_step)
+    for (std::int64_t j = 0; j < rows.size.y; j += row_step) {
+      const std::int64_t number = (k / row_step * rows_per_axis + j / row_step) * brick_count + turn;
       const auto place = [&](std::size_t axis) {
-        return (static_cast<double>(number * steps[axis] % row_count) + 0.5) / static_cast<double>(row_count);
+        return (static_cast<double>(number * steps[axis] % place_count) + 0.5) / static_cast<double>(place_count);
       };
       const auto row = static_cast<std::size_t>(k * edge + j);
       rows.shift[row] = place(0) * lattice.spacing.x;
       rows.y[row] += place(1) * lattice.spacing.y;
       rows.z[row] += place(2) * lattice.spacing.z;
     }
+  add_steps(lattice, rows);
   return rows;
 }
 

@@ -17,19 +17,22 @@ struct PointRows {
   Index3 first;               ///< the lattice's sample at or below the first point
   Index3 size;                ///< points per axis
   Vec3 inverse_spacing;       ///< of the lattice
-  std::int64_t row_step = 1;  ///< only rows whose j and k are multiples of it have points: 1 or 2
+  std::int64_t row_step = 1;  ///< only rows whose j and k are multiples of it have points: 1, 2 or 4
   double spread = 0;  ///< how far, in steps of the lattice, a point may lie above its sample on any axis: 0 or 1
   std::array<double, edge> x;
   std::array<double, edge * edge> shift, y, z;
+  /// The same in steps from the first sample, nearly; one after another for the rows that have points.
+  std::array<float, edge * edge> shift_steps, y_steps, z_steps;
 };
 
 /// The samples of a brick themselves.
 PointRows rows_of_samples(const SampleLattice& lattice, const Index3& brick);
 
-/// One point in each leaf cell of a brick, or of every second row in y and z. It is at the same place in all cells of a
-/// row and at another one in each of the 64 or 16 rows: a rank-1 lattice of the unit cube, so that a brick's points are
-/// spread evenly over the places in a cell.
-PointRows rows_of_probes(const SampleLattice& lattice, const Index3& brick, bool in_every_row);
+/// One point in each leaf cell of a brick, or of every second or fourth row in y and z. It is at the same place in all
+/// cells of a row and at another one in each row: together the rows of 1, 4 or 16 neighbouring bricks have the 64
+/// places of a rank-1 lattice of the unit cube, each once, so that the points are spread evenly over the places in a
+/// cell.
+PointRows rows_of_probes(const SampleLattice& lattice, const Index3& brick, std::int64_t row_step);
 
 /// Where points lie: in which tetrahedron, and with which barycentric weights. Index (k * 8 + j) * 8 + i.
 struct Places {

@@ -1,5 +1,6 @@
 #include "preprocess/resample/neighborhood.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -14,11 +15,14 @@ void Neighborhood::gather(const TouchedBricks& touched, const Index3& brick, con
           const std::uint32_t slot = touched.slot(brick + Index3(x, y, z));
           const T* from = slot == TouchedBricks::none ? nullptr : all.data() + slot * brick_samples;
           for (std::size_t k = 0; k < (z ? 1 : edge); ++k)
-            for (std::size_t j = 0; j < (y ? 1 : edge); ++j)
-              for (std::size_t i = 0; i < (x ? 1 : edge); ++i)
-                values_[((k + z * edge) * wide + j + y * edge) * wide + i + x * edge] =
-                    from == nullptr ? std::numeric_limits<double>::quiet_NaN()
-                                    : static_cast<double>(from[place(i, j, k)]);
+            for (std::size_t j = 0; j < (y ? 1 : edge); ++j) {
+              double* to = values_.data() + ((k + z * edge) * wide + j + y * edge) * wide + x * edge;
+              const std::size_t count = x ? 1 : edge;
+              if (from == nullptr)
+                std::fill_n(to, count, std::numeric_limits<double>::quiet_NaN());
+              else
+                std::copy_n(from + place(0, j, k), count, to);
+            }
         }
       },
       values);

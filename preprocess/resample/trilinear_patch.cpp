@@ -3,34 +3,46 @@
 #include <algorithm>
 #include <cmath>
 
+#include "preprocess/resample/points.h"
+
 namespace rhoray::preprocess {
 
 ClippedTriangle::ClippedTriangle(const std::array<PatchPoint, 3>& triangle) {
   std::copy(triangle.begin(), triangle.end(), corners_.begin());
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    clip(axis, 1, 0);
-    clip(axis, -1, 1);
+  for (std::size_t axis = 0; axis < 3 && size_ > 0; ++axis) {
+    double low = corners_[0].at[axis], high = low;
+    for (std::size_t i = 1; i < size_; ++i) {
+      low = smaller(low, corners_[i].at[axis]);
+      high = larger(high, corners_[i].at[axis]);
+    }
+    if (high < 0 || low > 1) {
+      size_ = 0;
+      return;
+    }
+    if (low < 0) clip(axis, 1, 0);
+    if (high > 1) clip(axis, -1, 1);
   }
 }
 
 /// Keeps what has sign * (coordinate - place) >= 0. A corner that is cut off is replaced by points exactly on the side.
 void ClippedTriangle::clip(std::size_t axis, double sign, double place) {
-  const auto height = [&](const PatchPoint& p) { return sign * (p.at[axis] - place); };
-  bool all_inside = true;
-  for (std::size_t i = 0; i < size_; ++i) all_inside = all_inside && height(corners_[i]) >= 0;
-  if (all_inside) return;
   std::array<PatchPoint, capacity> kept;
   std::size_t count = 0;
+  const PatchPoint* a = &corners_[size_ - 1];
+  double from = sign * (a->at[axis] - place);
   for (std::size_t i = 0; i < size_; ++i) {
-    const PatchPoint &a = corners_[i], &b = corners_[(i + 1) % size_];
-    const double from = height(a), to = height(b);
-    if (from >= 0) kept[count++] = a;
-    if ((from >= 0) == (to >= 0)) continue;
-    const double t = from / (from - to);
-    PatchPoint& cut = kept[count++];
-    for (std::size_t c = 0; c < 3; ++c) cut.at[c] = a.at[c] + t * (b.at[c] - a.at[c]);
-    cut.at[axis] = place;
-    cut.value = a.value + t * (b.value - a.value);
+    const PatchPoint* b = &corners_[i];
+    const double to = sign * (b->at[axis] - place);
+    if ((from >= 0) != (to >= 0)) {
+      const double t = from / (from - to);
+      PatchPoint& cut = kept[count++];
+      for (std::size_t c = 0; c < 3; ++c) cut.at[c] = a->at[c] + t * (b->at[c] - a->at[c]);
+      cut.at[axis] = place;
+      cut.value = a->value + t * (b->value - a->value);
+    }
+    if (to >= 0) kept[count++] = *b;
+    a = b;
+    from = to;
   }
   std::copy_n(kept.begin(), count, corners_.begin());
   size_ = count;

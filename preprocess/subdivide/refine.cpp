@@ -6,137 +6,25 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
+#include <optional>
 #include <tuple>
-#include <unordered_map>
 #include <utility>
 
-#include "formats/base/checks.h"
 #include "formats/base/trouble.h"
+#include "preprocess/subdivide/comparison.h"
+#include "preprocess/subdivide/edge_table.h"
+#include "preprocess/subdivide/fine_place.h"
+#include "preprocess/subdivide/spread_points.h"
 
 namespace rhoray::preprocess {
 namespace {
 
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t grain = 1024;
 
 /// Between the middles of its edges a quadratic function in a tetrahedron strays by at most 6/4 of what it does there.
 constexpr double beyond_edges = 1.5;
 /// Between the sampled middles of faces and tetrahedra of other kinds: measured, not proved.
 constexpr double beyond_middles = 1.25;
-
-/// A place in a cell in steps of 2^-14.
-using FinePlace = std::array<std::uint16_t, 3>;
-constexpr double fine_steps = 16384;
-
-FinePlace fine(const CellPlace& place) {
-  FinePlace result;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    result[axis] = static_cast<std::uint16_t>(std::lround(place[axis] * fine_steps));
-  return result;
-}
-
-CellPlace coarse(const FinePlace& place) {
-  return {place[0] / fine_steps, place[1] / fine_steps, place[2] / fine_steps};
-}
-
-FinePlace middle(const FinePlace& a, const FinePlace& b) {
-  FinePlace result;
-  for (std::size_t axis = 0; axis < 3; ++axis) result[axis] = static_cast<std::uint16_t>((a[axis] + b[axis]) / 2);
-  return result;
-}
-
-/// Where a collapsed cell has a point that several of its corners name: on the line between two corners, or in the box
-/// about more.
-struct SpreadPoint {
-  std::uint32_t point;
-  std::vector<CellPlace> corners;
-
-  /// The one nearest to another place, from which a straight line to there runs through the cell as it should.
-  CellPlace nearest_to(const CellPlace& other) const {
-    CellPlace low = corners[0], high = corners[0];
-    for (const CellPlace& corner : corners)
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        low[axis] = std::min(low[axis], corner[axis]);
-        high[axis] = std::max(high[axis], corner[axis]);
-      }
-    CellPlace nearest;
-    if (corners.size() == 2) {
-      double along = 0, length2 = 0;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double step = corners[1][axis] - corners[0][axis];
-        along += step * (other[axis] - corners[0][axis]);
-        length2 += step * step;
-      }
-      const double t = std::clamp(along / length2, 0.0, 1.0);
-      for (std::size_t axis = 0; axis < 3; ++axis) nearest[axis] = (1 - t) * corners[0][axis] + t * corners[1][axis];
-    } else {
-      for (std::size_t axis = 0; axis < 3; ++axis) nearest[axis] = std::clamp(other[axis], low[axis], high[axis]);
-    }
-    return nearest;
-  }
-};
-
-/// The points that each curved cell names at several corners; most cells have none.
-class SpreadPoints {
- public:
-  SpreadPoints(const CellMesh& mesh, std::span<const CurvedCell> cells) {
-    for (std::uint32_t c = 0; c < cells.size(); ++c) {
-      const CurvedCell& cell = cells[c];
-      const std::size_t corner_count = frame_of(description_of(mesh.kinds[cell.cell]).corners).corner_count;
-      std::map<std::uint64_t, std::vector<CellPlace>> places;
-      for (std::size_t i = 0; i < corner_count; ++i)
-        places[mesh.cell_nodes[mesh.cell_offsets[cell.cell] + i]].push_back(cell.shape->node_places()[i]);
-      if (places.size() == corner_count) continue;
-      for (auto& [point, corners] : places)
-        if (corners.size() > 1) of_cells_[c].push_back({static_cast<std::uint32_t>(point), std::move(corners)});
-    }
-  }
-
-  /// Moves both ends of an edge to where they are nearest to each other.
-  void settle(std::uint32_t curved_cell, std::uint32_t a, FinePlace& at_a, std::uint32_t b, FinePlace& at_b) const {
-    if (of_cells_.empty()) return;
-    move(curved_cell, a, at_a, at_b);
-    move(curved_cell, b, at_b, at_a);
-    move(curved_cell, a, at_a, at_b);
-  }
-
-  /// Between two such points of a cell all points are such points.
-  void add_middle(std::uint32_t curved_cell, std::uint32_t a, std::uint32_t b, std::uint32_t point) {
-    const SpreadPoint *at_a = find(curved_cell, a), *at_b = find(curved_cell, b);
-    if (at_a == nullptr || at_b == nullptr || find(curved_cell, point) != nullptr) return;
-    SpreadPoint between{point, {}};
-    for (const CellPlace& corner : at_a->corners) {
-      const CellPlace other = at_b->nearest_to(corner);
-      between.corners.push_back({(corner[0] + other[0]) / 2, (corner[1] + other[1]) / 2, (corner[2] + other[2]) / 2});
-    }
-    of_cells_[curved_cell].push_back(std::move(between));
-  }
-
-  /// Moves a place of `point` to where it is nearest to another.
-  void move(std::uint32_t curved_cell, std::uint32_t point, FinePlace& place, const FinePlace& other) const {
-    if (const SpreadPoint* spread = find(curved_cell, point)) place = fine(spread->nearest_to(coarse(other)));
-  }
-
- private:
-  const SpreadPoint* find(std::uint32_t curved_cell, std::uint32_t point) const {
-    const auto of_cell = of_cells_.find(curved_cell);
-    if (of_cell == of_cells_.end()) return nullptr;
-    for (const SpreadPoint& spread : of_cell->second)
-      if (spread.point == point) return &spread;
-    return nullptr;
-  }
-
-  std::unordered_map<std::uint32_t, std::vector<SpreadPoint>> of_cells_;
-};
-
-struct Edge {
-  std::array<std::uint32_t, 2> ends;    ///< points, the lower one first
-  std::array<FinePlace, 2> end_places;  ///< in the cell that met the edge first, which speaks for it
-  std::uint32_t curved_cell;
-  std::uint32_t middle = none;  ///< the point at which it is cut; none = it is not
-  double length2;
-};
 
 // Edges of a tetrahedron by its corners, and which they are between two corners.
 constexpr std::uint8_t edge_ends[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
@@ -155,155 +43,15 @@ bool names_a_point_twice(const Tet& tet) {
   return p[0] == p[1] || p[0] == p[2] || p[0] == p[3] || p[1] == p[2] || p[1] == p[3] || p[2] == p[3];
 }
 
-/// Edges by their ends.
-class EdgeTable {
- public:
-  EdgeTable() : slots_(1024, none) {}
-
-  /// Adds the edge when it is new.
-  std::uint32_t find_or_add(const Edge& edge) {
-    if (2 * (edges.size() + 1) > slots_.size()) grow();
-    std::size_t slot = slot_of(edge.ends);
-    for (; slots_[slot] != none; slot = (slot + 1) & (slots_.size() - 1))
-      if (edges[slots_[slot]].ends == edge.ends) return slots_[slot];
-    slots_[slot] = static_cast<std::uint32_t>(edges.size());
-    edges.push_back(edge);
-    return slots_[slot];
-  }
-
-  Array<Edge> edges;
-
- private:
-  std::size_t slot_of(const std::array<std::uint32_t, 2>& ends) const {
-    std::uint64_t key = (std::uint64_t{ends[0]} << 32 | ends[1]) * 0x9e3779b97f4a7c15U;
-    key ^= key >> 32;
-    return key & (slots_.size() - 1);
-  }
-
-  void grow() {
-    if (edges.size() >= none / 4)
-      throw Error(Trouble::resource, "curved cells: found more than 2^30 edges on the way; expected fewer",
-                  "a larger --max-error makes fewer tetrahedra");
-    slots_.assign(4 * slots_.size(), none);
-    for (std::uint32_t e = 0; e < edges.size(); ++e) {
-      std::size_t slot = slot_of(edges[e].ends);
-      while (slots_[slot] != none) slot = (slot + 1) & (slots_.size() - 1);
-      slots_[slot] = e;
-    }
-  }
-
-  Array<std::uint32_t> slots_;
-};
-
-/// What is compared at a place: the point, then every component of every field.
-using Sample = std::vector<double>;
-
-/// Distances as shares: geometric, then one for each field.
-using Shares = std::vector<double>;
-
-class Comparison {
- public:
-  Comparison(CellMesh& mesh, std::span<const CurvedCell> cells) : mesh_(mesh), cells_(cells) {
-    std::size_t most_nodes = 0;
-    for (const CurvedCell& cell : cells) most_nodes = std::max(most_nodes, cell.shape->node_count());
-    most_nodes_ = most_nodes;
-    measure_box();
-    for (const NeutralField& field : mesh.point_fields) measure_range(field);
-  }
-
-  std::size_t most_nodes() const { return most_nodes_; }
-  std::size_t sample_size() const { return sample_size_; }
-  std::size_t share_count() const { return 1 + mesh_.point_fields.size(); }
-
-  /// The curved cell at one of its places.
-  void sample_cell(std::uint32_t curved_cell, const CellPlace& place, std::span<double> weights, Sample& out) const {
-    const CurvedCell& cell = cells_[curved_cell];
-    const std::size_t count = cell.shape->node_count();
-    cell.shape->at(place, weights.first(count));
-    out.assign(sample_size_, 0);
-    const std::uint64_t* nodes = mesh_.cell_nodes.data() + mesh_.cell_offsets[cell.cell];
-    for (std::size_t n = 0; n < count; ++n)
-      if (weights[n] != 0) add(nodes[n], weights[n], out);
-  }
-
-  /// Raises `largest` to the shares between two samples. Where a value is no number, nothing is compared.
-  void raise(const Sample& a, const Sample& b, double factor, Shares& largest) const {
-    const auto raise_to = [&](double& share, double found) {
-      if (found > share) share = found;
-    };
-    if (diagonal_ > 0) raise_to(largest[0], factor * std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]) / diagonal_);
-    std::size_t at = 3;
-    for (std::size_t f = 0; f < ranges_.size(); ++f)
-      for (int c = 0; c < mesh_.point_fields[f].component_count; ++c, ++at)
-        if (ranges_[f] > 0 && std::abs(a[at] - b[at]) <= std::numeric_limits<double>::max())
-          raise_to(largest[1 + f], factor * std::abs(a[at] - b[at]) / ranges_[f]);
-  }
-
-  /// Stores a sample as a point of the mesh.
-  void store(const Sample& sample, std::uint64_t point) {
-    std::copy_n(sample.begin(), 3, mesh_.points[point].begin());
-    std::size_t at = 3;
-    for (NeutralField& field : mesh_.point_fields) {
-      const auto components = static_cast<std::size_t>(field.component_count);
-      for (std::size_t c = 0; c < components; ++c, ++at) field.values[point * components + c] = sample[at];
-    }
-  }
-
- private:
-  void add(std::uint64_t point, double weight, Sample& out) const {
-    for (std::size_t axis = 0; axis < 3; ++axis) out[axis] += weight * mesh_.points[point][axis];
-    std::size_t at = 3;
-    for (const NeutralField& field : mesh_.point_fields) {
-      const auto components = static_cast<std::size_t>(field.component_count);
-      for (std::size_t c = 0; c < components; ++c) out[at++] += weight * field.values[point * components + c];
-    }
-  }
-
-  void measure_box() {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    std::array<double, 3> low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
-    for (std::size_t c = 0; c < mesh_.kinds.size(); ++c) {
-      if (mesh_.kinds[c] == CellKind::polyhedron)
-        continue;  // a stream with counts; other cells hold the box well enough
-      for (std::uint64_t i = mesh_.cell_offsets[c]; i < mesh_.cell_offsets[c + 1]; ++i)
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          const double x = mesh_.points[mesh_.cell_nodes[i]][axis];
-          if (!std::isfinite(x)) continue;
-          low[axis] = std::min(low[axis], x);
-          high[axis] = std::max(high[axis], x);
-        }
-    }
-    diagonal_ = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
-  }
-
-  /// The largest range of its components: a component of rounding alone does not count by itself.
-  void measure_range(const NeutralField& field) {
-    const auto components = static_cast<std::size_t>(field.component_count);
-    sample_size_ += components;
-    double largest = 0;
-    for (std::size_t c = 0; c < components; ++c) {
-      double low = std::numeric_limits<double>::infinity(), high = -low;
-      for (std::size_t i = c; i < field.values.size(); i += components) {
-        if (!std::isfinite(field.values[i])) continue;
-        low = std::min(low, field.values[i]);
-        high = std::max(high, field.values[i]);
-      }
-      largest = std::max(largest, high - low);
-    }
-    ranges_.push_back(largest);
-  }
-
-  CellMesh& mesh_;
-  std::span<const CurvedCell> cells_;
-  std::size_t most_nodes_ = 0, sample_size_ = 3;
-  double diagonal_ = 0;
-  std::vector<double> ranges_;
-};
-
 class Refinement {
  public:
   Refinement(CellMesh& mesh, std::span<const CurvedCell> cells, const RefineOptions& options)
-      : mesh_(mesh), cells_(cells), comparison_(mesh, cells), spread_(mesh, cells), options_(options) {
+      : mesh_(mesh),
+        cells_(cells),
+        comparison_(mesh, cells, options.counted),
+        spread_(mesh, cells),
+        options_(options),
+        cut_for_(comparison_.share_count(), 0) {
     require_room(mesh.points.size());
   }
 
@@ -314,7 +62,7 @@ class Refinement {
       cut(std::move(current));
       current = unfinished_again();
     }
-    return result();
+    return result(tets);
   }
 
  private:
@@ -322,10 +70,11 @@ class Refinement {
   const Array<Edge>& edges() const { return table_.edges; }
 
   static void require_room(std::size_t count) {
-    if (count >= none)
-      throw Error(Trouble::resource,
-                  concat("curved cells: found ", count, " points or tetrahedra on the way; expected fewer than ", none),
-                  "a larger --max-error makes fewer tetrahedra");
+    if (count >= no_point)
+      throw Error(
+          Trouble::resource,
+          concat("curved cells: found ", count, " points or tetrahedra on the way; expected fewer than ", no_point),
+          "a larger --max-error makes fewer tetrahedra");
   }
 
   std::uint32_t edge_of(std::uint32_t a, std::uint32_t b, FinePlace at_a, FinePlace at_b, std::uint32_t curved_cell) {
@@ -337,7 +86,7 @@ class Refinement {
       length2 += d * d;
     }
     if (!(length2 <= std::numeric_limits<double>::max())) length2 = 0;  // a NaN would spoil the order
-    return table_.find_or_add({{a, b}, {at_a, at_b}, curved_cell, none, length2});
+    return table_.find_or_add({{a, b}, {at_a, at_b}, curved_cell, no_point, length2});
   }
 
   Array<Tet> taken(std::span<const CornerTetrahedronOfCell> tets) {
@@ -370,31 +119,33 @@ class Refinement {
   }
 
   bool has_cut_edge(const Tet& tet) const {
-    return std::any_of(tet.edges.begin(), tet.edges.end(), [&](std::uint32_t e) { return edges()[e].middle != none; });
+    return std::any_of(tet.edges.begin(), tet.edges.end(),
+                       [&](std::uint32_t e) { return edges()[e].middle != no_point; });
   }
 
   /// Cuts tetrahedra, and what comes of them, until none strays too far and none has a longest edge that is cut.
   void cut(Array<Tet> current) {
     Array<Tet> next;
-    std::vector<std::uint8_t> is_far;
+    std::vector<std::optional<std::size_t>> strays;  // in which share each does
     while (!current.empty()) {
       measure_new_edges();
-      is_far.assign(current.size(), 0);
+      strays.assign(current.size(), std::nullopt);
       tbb::parallel_for(tbb::blocked_range<std::size_t>(0, current.size(), grain), [&](const auto& part) {
         Scratch scratch(comparison_);
-        for (std::size_t t = part.begin(); t < part.end(); ++t) is_far[t] = strays(current[t], scratch) ? 1 : 0;
+        for (std::size_t t = part.begin(); t < part.end(); ++t) strays[t] = straying_share(current[t], scratch);
       });
       std::vector<std::uint32_t> to_cut;
       for (std::size_t t = 0; t < current.size(); ++t) {
         const std::uint32_t e = current[t].edges[longest_edge(current[t])];
-        const bool wanted = (is_far[t] != 0 && may_be_cut(edges()[e])) || has_cut_edge(current[t]);
-        if (wanted && edges()[e].middle == none) to_cut.push_back(e);
+        const bool is_far = strays[t] && may_be_cut(edges()[e]);
+        if (is_far) ++cut_for_[*strays[t]];
+        if ((is_far || has_cut_edge(current[t])) && edges()[e].middle == no_point) to_cut.push_back(e);
       }
       make_middles(std::move(to_cut));
       next.clear();
       for (const Tet& tet : current) {
         const std::uint32_t e = longest_edge(tet);
-        if (edges()[tet.edges[e]].middle == none)
+        if (edges()[tet.edges[e]].middle == no_point)
           finished_.push_back(tet);
         else
           cut(tet, e, next);
@@ -524,27 +275,37 @@ class Refinement {
     measure_middle(tet, all_corners, scratch);
   }
 
-  bool strays(const Tet& tet, Scratch& scratch) const {
-    const auto is_far = [&](double share) { return share > options_.max_error; };
-    for (const std::uint32_t e : tet.edges) {
-      const std::span<const double> shares = shares_of_edge(e);
-      if (std::any_of(shares.begin(), shares.end(), is_far)) return true;
-    }
-    measure_middles(tet, scratch);
-    return std::any_of(scratch.shares.begin(), scratch.shares.end(),
-                       [&](double share) { return is_far(beyond_middles * share); });
+  /// The largest of the shares when it is too large.
+  std::optional<std::size_t> too_large(std::span<const double> shares, double factor) const {
+    const auto largest = std::max_element(shares.begin(), shares.end());
+    if (!(factor * *largest > options_.max_error)) return std::nullopt;
+    return static_cast<std::size_t>(largest - shares.begin());
   }
 
-  /// The cell's own node in the middle of an edge; none when there is none, or when it is an end (collapsed cells).
+  /// In which share a tetrahedron strays too far from its cell: along its edges, or else in between.
+  std::optional<std::size_t> straying_share(const Tet& tet, Scratch& scratch) const {
+    scratch.shares.assign(comparison_.share_count(), 0);
+    raise_to_edges(tet, scratch.shares);
+    if (const std::optional<std::size_t> share = too_large(scratch.shares, 1)) return share;
+    measure_middles(tet, scratch);
+    return too_large(scratch.shares, beyond_middles);
+  }
+
+  void raise_to_edges(const Tet& tet, Shares& shares) const {
+    for (const std::uint32_t e : tet.edges)
+      for (std::size_t i = 0; i < shares.size(); ++i) shares[i] = std::max(shares[i], shares_of_edge(e)[i]);
+  }
+
+  /// The cell's own node in the middle of an edge; no_point when there is none, or when it is an end (collapsed cells).
   std::uint32_t node_in_middle(const Edge& edge) const {
     const CurvedCell& cell = cells_[edge.curved_cell];
     const CellPlace wanted = coarse(middle(edge.end_places[0], edge.end_places[1]));
     const auto places = cell.shape->node_places();
     const auto found = std::find(places.begin(), places.end(), wanted);
-    if (found == places.end()) return none;
+    if (found == places.end()) return no_point;
     const auto node = static_cast<std::uint64_t>(found - places.begin());
     const auto point = static_cast<std::uint32_t>(mesh_.cell_nodes[mesh_.cell_offsets[cell.cell] + node]);
-    return point == edge.ends[0] || point == edge.ends[1] ? none : point;
+    return point == edge.ends[0] || point == edge.ends[1] ? no_point : point;
   }
 
   void make_middles(std::vector<std::uint32_t> to_cut) {
@@ -555,7 +316,7 @@ class Refinement {
     for (const std::uint32_t e : to_cut) {
       Edge& edge = edges()[e];
       edge.middle = node_in_middle(edge);
-      if (edge.middle != none) continue;
+      if (edge.middle != no_point) continue;
       edge.middle = static_cast<std::uint32_t>(old_count + made.size());
       made.push_back(e);
     }
@@ -582,8 +343,7 @@ class Refinement {
       Scratch scratch(comparison_);
       for (std::size_t t = part * grain; t < std::min(finished_.size(), (part + 1) * grain); ++t) {
         measure_middles(finished_[t], scratch);
-        for (const std::uint32_t e : finished_[t].edges)
-          for (std::size_t i = 0; i < width; ++i) scratch.shares[i] = std::max(scratch.shares[i], shares_of_edge(e)[i]);
+        raise_to_edges(finished_[t], scratch.shares);
         for (std::size_t i = 0; i < width; ++i) parts[part][i] = std::max(parts[part][i], scratch.shares[i]);
       }
     });
@@ -593,11 +353,14 @@ class Refinement {
     return {.geometric = largest.front(), .of_fields = {largest.begin() + 1, largest.end()}};
   }
 
-  RefinedCells result() const {
+  /// @param source  the tetrahedra that it began with
+  RefinedCells result(std::span<const CornerTetrahedronOfCell> source) const {
     std::vector<std::size_t> places(cells_.size() + 1, 0);
     for (const Tet& tet : finished_) ++places[tet.curved_cell + 1];
     for (std::size_t c = 0; c < cells_.size(); ++c) places[c + 1] += places[c];
     RefinedCells refined;
+    refined.cut_cells = count_cut_cells(source, places);
+    refined.cut_for = cut_for_;
     refined.tets.resize(finished_.size());
     refined.curved_cells.resize(finished_.size());
     for (const Tet& tet : finished_) {
@@ -609,6 +372,17 @@ class Refinement {
     return refined;
   }
 
+  /// @param first_tets  of each curved cell its first tetrahedron of the result, and at the end their number
+  std::uint64_t count_cut_cells(std::span<const CornerTetrahedronOfCell> source,
+                                const std::vector<std::size_t>& first_tets) const {
+    std::vector<std::size_t> counts(cells_.size(), 0);
+    for (const CornerTetrahedronOfCell& tet : source) ++counts[tet.curved_cell];
+    std::uint64_t cut = 0;
+    for (std::size_t c = 0; c < cells_.size(); ++c)
+      if (first_tets[c + 1] - first_tets[c] > counts[c]) ++cut;
+    return cut;
+  }
+
   CellMesh& mesh_;
   std::span<const CurvedCell> cells_;
   Comparison comparison_;
@@ -617,6 +391,7 @@ class Refinement {
   EdgeTable table_;
   Array<double> edge_shares_;  ///< of each edge its Shares
   Array<Tet> finished_;
+  std::vector<std::uint64_t> cut_for_;  ///< as RefinedCells has it
 };
 
 }  // namespace

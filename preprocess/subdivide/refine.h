@@ -28,18 +28,22 @@ struct CornerTetrahedronOfCell {
 /// that is a bound, for other kinds a sample.
 struct RefinementError {
   double geometric = 0;           ///< as a share of the box diagonal of all points of cells
-  std::vector<double> of_fields;  ///< as a share of the range of each point field
+  std::vector<double> of_fields;  ///< as a share of the range of each point field; 0 of one that does not count
 };
 
 struct RefineOptions {
-  double max_error;  ///< in shares, as in RefinementError
-  double finest;     ///< share of a cell: an edge that stretches over less is cut for neighbours only
+  double max_error;           ///< in shares, as in RefinementError
+  std::vector<bool> counted;  ///< for each point field whether its error counts
+  double finest;              ///< share of a cell: an edge that stretches over less is cut for neighbours only
 };
 
 struct RefinedCells {
   Array<std::array<std::uint64_t, 4>> tets;  ///< by curved cell, in their order
   Array<std::uint32_t> curved_cells;         ///< of each
   RefinementError error;
+  std::uint64_t cut_cells = 0;  ///< curved cells that are more tetrahedra than their corners need
+  /// How many tetrahedra were cut since they strayed too far, by what strayed farthest: the place, then each field.
+  std::vector<std::uint64_t> cut_for;
 };
 
 /// Cuts the tetrahedra in two until they follow the curved cells. New points, with their values of every point field,

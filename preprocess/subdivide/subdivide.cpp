@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -209,12 +210,23 @@ std::vector<Part> cut_cells(const CellMesh& mesh, const CurvedCells& curved, con
   return parts;
 }
 
+/// For each point field whether it is among those named, itself or by a component. One without a name counts always.
+std::vector<bool> counted_fields(const CellMesh& mesh, const std::vector<std::string>& names) {
+  std::vector<bool> counted;
+  for (const NeutralField& field : mesh.point_fields)
+    counted.push_back(names.empty() || field.name.empty() ||
+                      std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+                        return name == field.name || name.starts_with(field.name + ".");
+                      }));
+  return counted;
+}
+
 RefinedCells refine_curved(CellMesh& mesh, const CurvedCells& curved, const std::vector<Part>& parts,
-                           const SubdivideOptions& options, const Progress& progress) {
+                           const RefineOptions& options, const Progress& progress) {
   if (curved.cells().empty()) return {};
   std::vector<CornerTetrahedronOfCell> tets;
   for (const Part& part : parts) tets.insert(tets.end(), part.curved.begin(), part.curved.end());
-  return refine(mesh, curved.cells(), tets, {.max_error = options.max_error, .finest = options.finest}, progress);
+  return refine(mesh, curved.cells(), tets, options, progress);
 }
 
 /// Adds the points inside linear cells at the end of the mesh's, each a mean of its cell's corners, with their values.
@@ -364,17 +376,44 @@ std::string share_text(double share) {
   return text;
 }
 
-void note_error(const RefinementError& error, const std::vector<NeutralField>& fields, double max_error,
-                std::vector<std::string>& notes) {
+/// @param counted  for each field whether its error was measured
+void note_error(const RefinementError& error, const std::vector<NeutralField>& fields, const std::vector<bool>& counted,
+                double max_error, std::vector<std::string>& notes) {
   double largest = error.geometric;
   std::string note = concat("tetrahedra made of curved cells: largest geometric error ", share_text(error.geometric),
                             " of the box diagonal");
   for (std::size_t f = 0; f < fields.size(); ++f) {
+    if (!counted[f]) continue;
     largest = std::max(largest, error.of_fields[f]);
     note += concat(", of field \"", fields[f].name, "\" ", share_text(error.of_fields[f]), " of its range");
   }
   if (largest > max_error)
     note += concat(": more than the ", share_text(max_error), " asked for, as edges are not cut any shorter");
+  notes.push_back(note);
+}
+
+std::string percent_text(double share) {
+  return share < 0.01 ? "less than 1 %" : concat(std::lround(100 * share), " %");
+}
+
+/// What the cuts were made for, the most frequent first.
+void note_cuts(const RefinedCells& refined, const std::vector<NeutralField>& fields, std::vector<std::string>& notes) {
+  if (refined.cut_cells == 0) return;
+  struct Reason {
+    std::uint64_t cuts;
+    std::string name;
+  };
+  std::vector<Reason> reasons{{refined.cut_for[0], "the shape"}};
+  for (std::size_t f = 0; f < fields.size(); ++f)
+    reasons.push_back({refined.cut_for[1 + f], concat("field \"", fields[f].name, "\"")});
+  std::erase_if(reasons, [](const Reason& reason) { return reason.cuts == 0; });
+  std::stable_sort(reasons.begin(), reasons.end(), [](const Reason& a, const Reason& b) { return a.cuts > b.cuts; });
+  const auto total = static_cast<double>(std::accumulate(refined.cut_for.begin(), refined.cut_for.end(), 0ULL));
+  std::string note = concat(with_commas(refined.cut_cells), refined.cut_cells == 1 ? " curved cell" : " curved cells",
+                            " cut finer than the corners need: ");
+  for (std::size_t r = 0; r < reasons.size(); ++r)
+    note += concat(r == 0 ? "" : ", ", percent_text(static_cast<double>(reasons[r].cuts) / total),
+                   r == 0 ? " of the cuts for " : " for ", reasons[r].name);
   notes.push_back(note);
 }
 
@@ -412,7 +451,9 @@ NeutralMesh subdivide(CellMesh mesh, const SubdivideOptions& options, const Prog
   const CurvedCells curved(mesh);
   const std::size_t source_point_count = mesh.points.size();
   const std::vector<Part> parts = cut_cells(mesh, curved, progress);
-  const RefinedCells refined = refine_curved(mesh, curved, parts, options, progress);
+  const std::vector<bool> counted = counted_fields(mesh, options.fields);
+  const RefinedCells refined = refine_curved(
+      mesh, curved, parts, {.max_error = options.max_error, .counted = counted, .finest = options.finest}, progress);
   const std::uint64_t first_center = mesh.points.size();
   add_centers(mesh, parts);
   Assembled all = assemble(parts, refined, curved.cells(), first_center);
@@ -420,7 +461,8 @@ NeutralMesh subdivide(CellMesh mesh, const SubdivideOptions& options, const Prog
   note_counts(mesh, all.cells, mesh.notes);
   note_findings(parts, mesh.notes);
   if (!curved.cells().empty()) {
-    note_error(refined.error, mesh.point_fields, options.max_error, mesh.notes);
+    note_cuts(refined, mesh.point_fields, mesh.notes);
+    note_error(refined.error, mesh.point_fields, counted, options.max_error, mesh.notes);
     drop_unneeded_points(mesh, source_point_count, curved.cells(), all);
   }
   round_single_precision(mesh.point_fields);

@@ -32,7 +32,7 @@ std::vector<std::string> arguments_of(const TetrahedralizeOptions& options, cons
   const SizeByDistance none;
   const SizeByDistance& d = distance != nullptr ? *distance : none;
   std::vector<std::string> arguments{fill_verb,
-                                     concat(options.quality),
+                                     concat(options.quality.value_or(usual_quality)),
                                      concat(options.max_volume),
                                      options.tetgen,
                                      concat(int{options.regions}),
@@ -85,20 +85,34 @@ TetrahedralizeOptions options_from(std::span<const char* const> arguments) {
   return options;
 }
 
-std::string tetgen_switches(const TetrahedralizeOptions& options, const NeutralSurface& surface) {
-  const bool follows_sizes = options.use_point_sizes && !surface.point_sizes.empty();
-  const bool limits_regions =
-      std::any_of(surface.regions.begin(), surface.regions.end(), [](const auto& r) { return r.max_volume > 0; });
+namespace {
 
+bool limits_regions(const NeutralSurface& surface) {
+  return std::any_of(surface.regions.begin(), surface.regions.end(), [](const auto& r) { return r.max_volume > 0; });
+}
+
+bool follows_sizes(const TetrahedralizeOptions& options, const NeutralSurface& surface) {
+  return options.use_point_sizes && !surface.point_sizes.empty();
+}
+
+}  // namespace
+
+bool wants_sizes(const TetrahedralizeOptions& options, const NeutralSurface& surface) {
+  return follows_sizes(options, surface) || limits_regions(surface) || options.max_volume > 0 || options.size_field ||
+         !options.region_volumes.empty();
+}
+
+std::string tetgen_switches(const TetrahedralizeOptions& options, const NeutralSurface& surface) {
+  const double quality = options.quality.value_or(usual_quality);
   std::string switches = "p";
-  if (options.quality > 0)
-    switches += "q" + without_exponent(options.quality);
-  else if (follows_sizes || limits_regions || options.max_volume > 0 || options.size_field)
+  if (quality > 0)
+    switches += "q" + without_exponent(quality);
+  else if (wants_sizes(options, surface))
     switches += "q0";  // refine, but for size alone
   if (options.max_volume > 0) switches += "a" + without_exponent(options.max_volume);
-  if (limits_regions) switches += "a";
+  if (limits_regions(surface)) switches += "a";
   if (options.regions) switches += "An";  // n: neighbours, by which regions are numbered
-  if (follows_sizes) switches += "m";
+  if (follows_sizes(options, surface)) switches += "m";
   return switches + options.tetgen;
 }
 

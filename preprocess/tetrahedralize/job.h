@@ -19,6 +19,9 @@ struct SizeParcel {
   int descriptor = -1;
 };
 
+/// True when the user, the surface or a size field asks for cells of some size.
+bool wants_sizes(const TetrahedralizeOptions& options, const NeutralSurface& surface);
+
 /// The options that the worker needs, as its command line, and back; the size field comes back read. Numbers keep every
 /// bit.
 std::vector<std::string> arguments_of(const TetrahedralizeOptions& options, const SizeParcel& sizes);

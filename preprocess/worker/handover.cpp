@@ -188,6 +188,13 @@ void hand_over(const NeutralVolume& volume, int descriptor) {
   std::vector<std::string> texts{volume.samples_file.string(), volume.length_unit, volume.field_name, volume.field_unit,
                                  concat(volume.other_fields.size())};
   texts.insert(texts.end(), volume.other_fields.begin(), volume.other_fields.end());
+  texts.push_back(concat(volume.vectors.size()));
+  Array<std::uint64_t> component_counts;
+  for (const VectorArray& array : volume.vectors) {
+    texts.push_back(array.name);
+    component_counts.push_back(static_cast<std::uint64_t>(array.component_count));
+  }
+  parcel.add("vectors", component_counts);
   texts.insert(texts.end(), volume.notes.begin(), volume.notes.end());
   parcel.add_texts(texts);
   parcel.write("neutral-volume", descriptor);
@@ -205,9 +212,16 @@ void take_axes(const Unpacking& parcel, NeutralVolume& volume) {
   }
 }
 
-}  // namespace
-
-namespace {
+void take_vectors(Unpacking& parcel, NeutralVolume& volume) {
+  const Array<std::uint64_t> component_counts = parcel.values<std::uint64_t>("vectors");
+  parcel.expect(parcel.next_count() == component_counts.size(), "array 'vectors'", "another number",
+                "one for each array of several components");
+  for (const std::uint64_t count : component_counts) {
+    parcel.expect(count >= 2 && count <= std::numeric_limits<std::int32_t>::max(), "array 'vectors'", "an absurd count",
+                  "2 to 2^31 - 1");
+    volume.vectors.push_back({parcel.next_text(), static_cast<int>(count)});
+  }
+}
 
 constexpr auto last_type = static_cast<std::uint64_t>(ElementType::F64);
 
@@ -261,6 +275,7 @@ NeutralVolume take_volume(const PackedFile& file) {
   volume.field_name = parcel.next_text();
   volume.field_unit = parcel.next_text();
   for (std::size_t count = parcel.next_count(); count != 0; --count) volume.other_fields.push_back(parcel.next_text());
+  take_vectors(parcel, volume);
   take_axes(parcel, volume);
   volume.notes = parcel.remaining_texts();
   return volume;

@@ -91,6 +91,26 @@ TEST(ImportCommand, cuts_curved_cells_more_finely_for_a_smaller_error_and_so_doe
   }
 }
 
+TEST(ImportCommand, cuts_curved_cells_for_the_fields_that_are_kept_and_so_does_pack) {
+  const Workbench bench;
+  write_file(bench / "two.vtk",
+             "# vtk DataFile Version 3.0\ntwo\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 10 double\n"
+             "0 0 0 1 0 0 0 1 0 0 0 1 0.5 0 0 0.5 0.5 0 0 0.5 0 0 0 0.5 0.5 0 0.5 0 0.5 0.5\n"
+             "CELLS 1 11\n10 0 1 2 3 4 5 6 7 8 9\nCELL_TYPES 1\n24\n"
+             "POINT_DATA 10\nSCALARS curved double\nLOOKUP_TABLE default\n0 1 0 0 0.9 0.2 0 0 0 0.7\n"
+             "SCALARS linear double\nLOOKUP_TABLE default\n0 1 0 0 0.5 0.5 0 0 0.5 0\n");
+  for (const char* verb : {"import two.vtk -o x.vtu", "pack two.vtk -o x.rho"}) {
+    SCOPED_TRACE(verb);
+    const RunResult all = bench.shell(concat("rhoray ", verb, " --force"));
+    ASSERT_EQ(all.exit_code, 0) << all.err;
+    EXPECT_THAT(all.err, HasSubstr("1 curved cell cut finer than the corners need: 100 % of the cuts for field "
+                                   "\"curved\""));
+    const RunResult one = bench.shell(concat("rhoray ", verb, " --force --field linear"));
+    ASSERT_EQ(one.exit_code, 0) << one.err;
+    EXPECT_THAT(one.err, HasSubstr("1 quadratic tetrahedron became 1 tetrahedron\n"));
+  }
+}
+
 TEST(ImportCommand, refuses_what_makes_no_sense) {
   const Workbench bench;
   make_mixed_vtk(bench);

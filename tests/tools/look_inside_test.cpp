@@ -62,6 +62,29 @@ TEST(InfoCommand, tells_of_a_mesh_the_same_before_and_after_packing) {
   EXPECT_THAT(bench.rhoray({"info", "box.vtu"}).out, HasSubstr("'length'"));
 }
 
+TEST(InfoCommand, tells_of_a_volume_of_vectors_alone_and_pack_says_what_to_name) {
+  const Workbench bench;
+  write_file(bench / "flow.vti",
+             "<VTKFile type=\"ImageData\" version=\"0.1\" byte_order=\"LittleEndian\"><ImageData "
+             "WholeExtent=\"0 1 0 1 0 1\" Origin=\"0 0 0\" Spacing=\"1 1 1\"><Piece Extent=\"0 1 0 1 0 1\"><PointData>"
+             "<DataArray type=\"Float32\" Name=\"flow\" NumberOfComponents=\"2\" format=\"ascii\">"
+             "3 4 0 0 0 0 0 0 0 0 0 0 0 0 5 12</DataArray></PointData></Piece></ImageData></VTKFile>\n");
+  const RunResult info = bench.rhoray({"info", "flow.vti", "--json"});
+  ASSERT_EQ(info.exit_code, 0) << info.err;
+  const nlohmann::json json = nlohmann::json::parse(info.out);
+  EXPECT_EQ(json["fields"][0]["name"], "flow.mag");
+  EXPECT_EQ(json["fields"][0]["range"], nlohmann::json({0.0, 13.0}));
+  EXPECT_EQ(json["vectors"], nlohmann::json({{{"name", "flow"}, {"components", 2}}}));
+  EXPECT_THAT(bench.rhoray({"info", "flow.vti"}).out, HasSubstr("vector      'flow'  2 components\n"));
+
+  const RunResult refused = bench.rhoray({"pack", "flow.vti"});
+  EXPECT_EQ(refused.exit_code, 7);
+  EXPECT_THAT(refused.err, HasSubstr("flow (2 components)"));
+  EXPECT_THAT(refused.err, HasSubstr("with --field name one component, flow.0 to flow.1 or .x .y, or the length, "
+                                     "flow.mag"));
+  EXPECT_EQ(bench.rhoray({"pack", "flow.vti", "--field", "flow.mag"}).exit_code, 0);
+}
+
 TEST(InfoCommand, says_on_demand_what_may_be_wrong_and_what_packing_does) {
   const Workbench bench;
   preprocess::NeutralMesh mesh = box_mesh({});

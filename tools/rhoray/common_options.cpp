@@ -32,7 +32,7 @@ Option max_error_option(std::optional<double>& max_error) {
   return value_option(
       "--max-error", "E",
       "Largest error of tetrahedra made of higher-order cells, as a share of the mesh's box diagonal and "
-      "of each field's range (meshes); default 0.01",
+      "of the range of each field that is kept (meshes); default 0.01",
       max_error);
 }
 

@@ -42,6 +42,7 @@ Json head(const std::filesystem::path& path, const char* kind) {
 Json volume_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings) {
   preprocess::ImportVolumeOptions import;
   import.memory_limit_bytes = memory_limit_bytes;
+  import.length_of_vectors = true;
   const preprocess::NeutralVolume volume = preprocess::import_volume(path, import);
   formats::FieldSummary field = formats::with_element_type(volume.type, [&]<class T>(T) {
     return summarize_each(volume.samples.size() / sizeof(T), [&](std::size_t i) {
@@ -61,6 +62,9 @@ Json volume_info(const std::filesystem::path& path, std::uint64_t memory_limit_b
   json["box"] = json_of(bounds_of(lattice));
   json["fields"] = Json::array({json_of(field)});
   json["other_fields"] = volume.other_fields;
+  json["vectors"] = Json::array();
+  for (const preprocess::VectorArray& array : volume.vectors)
+    json["vectors"].push_back({{"name", array.name}, {"components", array.component_count}});
   json["memory"] = {{"unpacked_bytes", volume.samples.size()}};
   json["notes"] = volume.notes;
   if (with_findings) json["findings"] = findings_json(preprocess::inspect_volume(volume));

@@ -103,6 +103,7 @@ int run(const ImportCommand& command) {
     mesh = preprocess::import_mesh(command.input,
                                    {.time = command.time,
                                     .max_error = command.max_error.value_or(preprocess::ImportMeshOptions{}.max_error),
+                                    .error_fields = command.fields,
                                     .memory_limit_bytes = command.common.memory.bytes,
                                     .progress = display.progress()});
     keep_fields(mesh, command);

@@ -206,6 +206,10 @@ std::string info_text(const Json& json) {
       names += concat(names.empty() ? "" : ", ", "'", name.get<std::string>(), "'");
     text += row("also", names);
   }
+  if (json.contains("vectors"))
+    for (const Json& array : json["vectors"])
+      text += row("vector",
+                  concat("'", array["name"].get<std::string>(), "'  ", array["components"].get<int>(), " components"));
   if (json.contains("memory"))
     for (const auto& [name, bytes] : json["memory"].items()) {
       std::string what = name.substr(0, name.rfind('_'));

@@ -183,6 +183,7 @@ PackResult pack_mesh(const PackOptions& options, const std::filesystem::path& ou
   preprocess::NeutralMesh mesh = preprocess::import_mesh(
       options.input, {.time = options.time,
                       .max_error = options.max_error.value_or(preprocess::ImportMeshOptions{}.max_error),
+                      .error_fields = options.fields,
                       .memory_limit_bytes = options.memory_limit_bytes,
                       .scratch_folder = scratch_folder(options, output),
                       .progress = progress});

@@ -4,6 +4,7 @@
 
 #include "formats/base/nearest_name.h"
 #include "formats/base/trouble.h"
+#include "formats/shape_field.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/open_vdb.h"
 #include "tools/rhoray/common_options.h"
@@ -75,8 +76,11 @@ std::string range_text(const formats::FieldSummary& field) {
 std::vector<Option> picture_options(PictureOptions& options) {
   return {
       choice_option("--mode", {"iso", "mip"}, "Isosurface, or maximum intensity projection", options.mode),
-      value_option("--iso", "V", "Isovalue: a number, p95 (percentile), or auto (Otsu's threshold); default auto",
-                   options.isovalue),
+      value_option(
+          "--iso", "V",
+          "Isovalue: a number, p95 (percentile), or auto (Otsu's threshold; of boundary_distance a ten-thousandth of "
+          "the largest); default auto",
+          options.isovalue),
       value_option("--field", "NAME", "Field to show; default the first", options.field),
       value_option("--size", "WxH", "Pixels, or 720p, 1080p, 4k; default 1280x720", options.size),
       value_option("--view", "WORD", "Side to look from: iso (three-quarter), +x, -x, +y, -y, +z, -z; default iso",
@@ -136,6 +140,8 @@ render::ChannelSet channel_set(const std::vector<std::string>& names) {
 
 Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& field) {
   if (field.range.is_empty()) throw Error(Trouble::invalid, concat("field '", field.name, "' holds no finite value"));
+  if (text == "auto" && field.name == formats::boundary_distance && field.range.hi > 0)
+    return {formats::shape_share_of_distance * field.range.hi, "a ten-thousandth of the largest distance"};
   if (text == "auto") {
     const std::optional<double> threshold = formats::otsu_threshold(field);
     if (!threshold)

@@ -125,7 +125,7 @@ std::string method_text(const PicturePlan& plan, const render::Volume& volume) {
 
 void report(const RenderCommand& command, const std::filesystem::path& output, const render::Volume& volume,
             const PicturePlan& plan, const render::FrameStatistics& statistics, const Stations& stations,
-            const std::vector<Json>& picks, const std::string& reproduce) {
+            const std::vector<Json>& picks, const Interval<double>& heat, const std::string& reproduce) {
   const bool iso = plan.scene.mode == render::Mode::isosurface;
   const double total = stations.open_s + stations.trace_s + stations.wait_for_checks_s + stations.write_s;
   if (command.common.json) {
@@ -165,6 +165,10 @@ void report(const RenderCommand& command, const std::filesystem::path& output, c
       command.picture.field.empty() && volume.field().name != first)
     say(command.common,
         concat("note: field '", first, "' is the same everywhere: '", volume.field().name, "' is shown"));
+  if (plan.page)
+    say(command.common, heat.is_empty() ? concat("note: nothing to show of ", command.picture.show)
+                                        : concat(command.picture.show, ": ", rounded(heat.lo), " (dark) to ",
+                                                 rounded(heat.hi), " (bright)"));
   if (statistics.hits == 0) say(command.common, "note: the picture is empty: no ray met anything");
   say(command.common,
       concat(output.string(), ": traced in ", rounded(statistics.wall_s, 3), " s, ", rounded(total, 3), " s in all"));
@@ -209,8 +213,8 @@ int run(RenderCommand& command) {
   const render::FrameStatistics statistics = render::render(volume, plan.scene, plan.frame, framebuffer);
   stations.trace_s = tracing.seconds();
   const std::vector<Json> picks = take_picks(command.picks, framebuffer);
-  Interval<double> shown;
-  if (plan.page) shown = render::draw_heat_map(*plan.page, framebuffer);
+  Interval<double> heat;
+  if (plan.page) heat = render::draw_heat_map(*plan.page, framebuffer);
   framebuffer.keep(kept);
   plan.frame.channels = kept;
   const Stopwatch waiting;
@@ -224,11 +228,7 @@ int run(RenderCommand& command) {
                 command.common.force);
   stations.write_s = writing.seconds();
   display.clear();
-  report(command, output, volume, plan, statistics, stations, picks, reproduce);
-  if (plan.page)
-    say(command.common, shown.is_empty() ? concat("note: nothing to show of ", command.picture.show)
-                                         : concat(command.picture.show, ": ", rounded(shown.lo), " (dark) to ",
-                                                  rounded(shown.hi), " (bright)"));
+  report(command, output, volume, plan, statistics, stations, picks, heat, reproduce);
   return 0;
 }
 

@@ -99,7 +99,8 @@ void check(const ResampleCommand& command, const std::filesystem::path& output) 
 preprocess::NeutralMesh read_mesh(const ResampleCommand& command, ProgressDisplay& display) {
   display.show(concat("reading ", command.input.string()));
   if (!formats::PackedFile::looks_packed(command.input))
-    return preprocess::import_mesh(command.input, {.memory_limit_bytes = command.common.memory.bytes});
+    return preprocess::import_mesh(
+        command.input, {.error_fields = command.resample.fields, .memory_limit_bytes = command.common.memory.bytes});
   const formats::PackedFile file = formats::PackedFile::open(command.input);
   if (file.description().kind == "grid")
     throw Error(Trouble::invalid, concat(command.input.string(), ": is a packed grid already; expected a mesh"));

@@ -99,7 +99,7 @@ void check(const TetrahedralizeCommand& command, const std::filesystem::path& ou
   if (output.extension() != ".vtu")
     throw Error(Trouble::usage,
                 concat(output.string(), ": found extension '", output.extension().string(), "'; expected .vtu"));
-  if (command.fill.quality != 0) require_within("--quality", command.fill.quality, 1, 100);
+  if (command.fill.quality && *command.fill.quality != 0) require_within("--quality", *command.fill.quality, 1, 100);
   if (command.time_limit_s) require_within("--time-limit", *command.time_limit_s, 1, 1e7);
   if (command.max_move) require_within("--max-move", *command.max_move, 0, 1);
   require_within("--wrap", command.repair.wrap, 0, 1);
@@ -163,7 +163,9 @@ preprocess::SizeByDistance read_size_by_distance(const TetrahedralizeCommand& co
 
 preprocess::NeutralMesh read_size_mesh(const std::filesystem::path& file, const std::string& field,
                                        std::uint64_t memory_limit_bytes) {
-  preprocess::NeutralMesh mesh = preprocess::import_mesh(file, {.memory_limit_bytes = memory_limit_bytes});
+  preprocess::NeutralMesh mesh =
+      preprocess::import_mesh(file, {.error_fields = field.empty() ? std::vector<std::string>{} : std::vector{field},
+                                     .memory_limit_bytes = memory_limit_bytes});
   std::vector<std::string> names;
   for (const auto& f : mesh.point_fields)
     if (f.component_count == 1) names.push_back(f.name);
@@ -363,7 +365,8 @@ Subcommand tetrahedralize_subcommand() {
                 flag_option("--largest-part", "With --repair: keep only the connected part with the largest area",
                             command->repair.largest_part_only),
                 value_option("--quality", "R",
-                             "Largest ratio of circumradius to shortest edge; 0 adds no points; default 1.4",
+                             "Largest ratio of circumradius to shortest edge; 0 adds no points; default 1.4 where the "
+                             "surface's triangles allow it, and a note says how far it was reached",
                              command->fill.quality),
                 value_option("--max-volume", "V",
                              "Largest volume of a tetrahedron: V, or REGION:V,... for single regions; 0, the default, "
@@ -380,7 +383,9 @@ Subcommand tetrahedralize_subcommand() {
                 flag_option("--no-regions", "Do not number the regions", command->no_regions),
                 flag_option("--cavities", "Leave the second, fourth, ... of nested surfaces empty inside",
                             command->fill.empty_cavities),
-                value_option("--tetgen", "SWITCHES", "Further switches of TetGen, of Y O S T X M: O2/7S100",
+                value_option("--tetgen", "SWITCHES",
+                             "Further switches of TetGen, of Y O S T X M: Y keeps the surface's triangles, S100 adds "
+                             "at most 100 points",
                              command->fill.tetgen),
                 value_option("--time-limit", "SECONDS",
                              "CPU time that each worker may take; default 3600 for TetGen, 300 for CGAL",

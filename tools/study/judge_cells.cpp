@@ -231,8 +231,9 @@ int run(const Wishes& wishes) {
 }
 
 std::string stories_of_classes() {
-  std::string help = "Only these kinds of cells; default all:";
-  for (const CellClass& each : cell_classes()) help += concat(" ", each.name, " (", each.story, ")");
+  std::string help = "Only these kinds of cells; default all. ";
+  for (const CellClass& each : cell_classes()) help += concat(each.name, ": ", each.story, "; ");
+  help.resize(help.size() - 2);
   return help;
 }
 
@@ -245,8 +246,9 @@ tools::Subcommand judge_cells() {
       .summary = "A method for the first crossing in a trilinear cell against the exact judge",
       .examples = "  rhoray-study judge-cells --cells 1000000 --classes random,near-tangent -o results\n",
       .options = tools::all_options(
-          {tools::output_options(wishes->common, "FOLDER for judge_cells.csv and .json"),
-           {tools::value_option("--cells", "N", "Cells of each kind; default 100000", wishes->cells),
+          {{tools::value_option("-o,--output", "FOLDER", "For judge_cells.csv and .json", wishes->common.output),
+            tools::flag_option("--force", "Replace files that are there", wishes->common.force),
+            tools::value_option("--cells", "N", "Cells of each kind; default 100000", wishes->cells),
             tools::value_option("--classes", "NAME[,NAME]", stories_of_classes(), wishes->classes),
             tools::value_option(
                 "--method", "NAME",

@@ -146,6 +146,7 @@ TEST(Gmsh, refuses_what_does_not_fit) {
     expect_refusal([&] { read_cells(folder / "a.msh", {}); }, trouble, words);
   };
   refuses(text_2, "2.2 0", "4 0", Trouble::unsupported, {"a.msh, line 2", "'4'", "4.1"});
+  refuses(text_4, "4.1 0", "4.0 0", Trouble::unsupported, {"line 2", "'4.0'", "gmsh OLD.msh -save -format msh41"});
   refuses(text_2, "$MeshFormat", "$NOD", Trouble::unsupported, {"line 1", "MSH 1"});
   refuses(text_2, "2.2 0", "2.2 7", Trouble::invalid, {"line 2", "text or binary"});
   refuses(text_2, "0 8\n", "0 4\n", Trouble::unsupported, {"line 2"});

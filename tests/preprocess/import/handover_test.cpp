@@ -32,6 +32,8 @@ TEST(Handover, carries_a_volume_unchanged) {
   volume.length_unit = "mm";
   volume.field_name = "density";
   volume.field_unit = "";
+  volume.other_fields = {"mass", ""};
+  volume.vectors = {{"flow", 3}, {"", 2}};
   volume.notes = {"first note", "", "third \xff note"};
   const NeutralVolume taken = take_volume(sent(volume));
   tests::expect_known_values(taken, formats::ElementType::I16);
@@ -39,6 +41,12 @@ TEST(Handover, carries_a_volume_unchanged) {
   EXPECT_EQ(taken.length_unit, "mm");
   EXPECT_EQ(taken.field_name, "density");
   EXPECT_EQ(taken.field_unit, "");
+  EXPECT_EQ(taken.other_fields, volume.other_fields);
+  ASSERT_EQ(taken.vectors.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(taken.vectors[i].name, volume.vectors[i].name);
+    EXPECT_EQ(taken.vectors[i].component_count, volume.vectors[i].component_count);
+  }
   EXPECT_EQ(taken.notes, volume.notes);
 }
 

@@ -120,6 +120,8 @@ TEST_F(Import, says_what_to_do_with_formats_that_it_knows_and_does_not_read) {
   EXPECT_THAT(advice_on("x/Aneurysm.LVS.fld"), testing::HasSubstr("--raw 64x64x64:int32:be:524"));
   EXPECT_THAT(advice_on("torso.tvt.fld"), testing::HasSubstr(".vtu"));
   EXPECT_THAT(advice_on("a.xdmf"), testing::HasSubstr("meshio"));
+  for (const char* name : {"a.pvti", "a.pvtr", "a.pvts", "a.pvtp"})
+    EXPECT_THAT(advice_on(name), testing::HasSubstr("ParaView saves the whole")) << name;
   EXPECT_EQ(advice_on("a.vtu"), "");
   EXPECT_EQ(advice_on("fld"), "");
   try {
@@ -132,8 +134,8 @@ TEST_F(Import, says_what_to_do_with_formats_that_it_knows_and_does_not_read) {
 
 /// Nothing that is read needs advice, and the other way round.
 TEST_F(Import, gives_no_advice_on_what_it_reads) {
-  for (const char* name : {"a.xdmf", "a.fld", "a.lvs.fld", "a.h5", "a.cgns", "a.vtm", "a.pvd", "a.step", "a.geo",
-                           "a.vol.gz", "a.sol", "a.hdr"})
+  for (const char* name : {"a.xdmf", "a.fld", "a.lvs.fld", "a.h5", "a.cgns", "a.vtm", "a.pvd", "a.pvti", "a.pvts",
+                           "a.step", "a.geo", "a.vol.gz", "a.sol", "a.hdr"})
     EXPECT_EQ(foreign_kind(name), ForeignKind::unknown) << name;
 }
 

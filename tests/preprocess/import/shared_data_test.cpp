@@ -92,6 +92,8 @@ TEST_F(SharedData, holds_a_volume_of_colours_that_needs_a_choice) {
   const auto path = folder_ / "volumes/vase_4comp.vti";
   expect_refusal([&] { import_volume(path); }, Trouble::unsupported, {"4 components"});
   ImportVolumeOptions options;
+  options.length_of_vectors = true;
+  EXPECT_EQ(import_volume(path, options).field_name, "Scalars_.mag");
   options.field = "Scalars_.3";
   EXPECT_EQ(import_volume(path, options).sample_count, Index3(115, 101, 75));
 }

@@ -89,6 +89,33 @@ TEST(Vti, refuses_several_components_without_a_choice) {
   EXPECT_THAT(values_of(read(folder / "a.vti", "rgba.3")), testing::ElementsAre(4, 8));
 }
 
+TEST(Vti, shows_the_length_of_the_first_vector_where_that_is_asked_for_and_nothing_is_scalar) {
+  TemporaryFolder folder;
+  const std::string flow =
+      "<PointData><DataArray type=\"Int16\" Name=\"flow\" NumberOfComponents=\"2\" format=\"ascii\">3 4 5 12"
+      "</DataArray>";
+  const std::string turn =
+      "<DataArray type=\"UInt8\" Name=\"turn\" NumberOfComponents=\"3\" format=\"ascii\">1 2 2 4 4 2</DataArray>";
+  write_file(folder / "a.vti", by_hand("0 0 0 0 0 1", flow + turn + "</PointData>"));
+  const NeutralVolume volume = read_volume(folder / "a.vti", {.raw = {}, .field = {}, .length_of_vectors = true});
+  EXPECT_EQ(volume.field_name, "flow.mag");
+  EXPECT_THAT(values_of(volume), testing::ElementsAre(5, 13));
+  ASSERT_EQ(volume.vectors.size(), 2U);
+  EXPECT_EQ(volume.vectors[0].name, "flow");
+  EXPECT_EQ(volume.vectors[0].component_count, 2);
+  EXPECT_EQ(volume.vectors[1].name, "turn");
+  EXPECT_EQ(volume.vectors[1].component_count, 3);
+  EXPECT_THAT(volume.notes, testing::ElementsAre(testing::HasSubstr("with --field name one component, flow.0")));
+
+  const std::string one = "<DataArray type=\"UInt8\" Name=\"one\" format=\"ascii\">7 9</DataArray>";
+  write_file(folder / "a.vti", by_hand("0 0 0 0 0 1", flow + one + "</PointData>"));
+  const NeutralVolume scalar = read_volume(folder / "a.vti", {.raw = {}, .field = {}, .length_of_vectors = true});
+  EXPECT_EQ(scalar.field_name, "one");
+  EXPECT_TRUE(scalar.notes.empty());
+  EXPECT_TRUE(scalar.other_fields.empty()) << "a vector is none that --field takes";
+  ASSERT_EQ(scalar.vectors.size(), 1U);
+}
+
 TEST(Vti, puts_values_of_cells_at_their_middles) {
   TemporaryFolder folder;
   write_file(folder / "a.vti", by_hand("0 2 0 1 0 1",

@@ -10,61 +10,20 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// The largest difference by brick, found at points strewn densely over every tetrahedron, its faces and edges too.
-class BruteForce {
- public:
-  BruteForce(const Sampled& sampled, int order, std::size_t field = 0)
-      : sampled_(sampled), field_(field), max_(sampled.touched.bricks.size(), 0.0) {
-    std::visit([&](const auto& values) { values_.assign(values.begin(), values.end()); }, sampled.fields[field].values);
-    for (const auto& cell : sampled.mesh.cells)
-      for (int a = 0; a <= order; ++a)
-        for (int b = 0; a + b <= order; ++b)
-          for (int c = 0; a + b + c <= order; ++c) visit(cell, {a, b, c, order - a - b - c}, order);
-  }
-
-  const std::vector<double>& max() const { return max_; }
-
- private:
-  void visit(const std::array<std::uint32_t, 4>& cell, const std::array<int, 4>& counts, int order) {
-    std::array<double, 3> p{};
-    double linear = 0;
-    for (std::size_t v = 0; v < 4; ++v) {
-      const double weight = static_cast<double>(counts[v]) / order;
-      for (std::size_t a = 0; a < 3; ++a) p[a] += weight * sampled_.mesh.points[cell[v]][a];
-      linear += weight * values_[cell[v]];
-    }
-    const std::array<double, 3> steps = sampled_.lattice.in_steps(p);
-    compare({steps[0], steps[1], steps[2]}, linear);
-  }
-
-  /// In the cell that has the point; on a side of it, in that beside it.
-  void compare(const Vec3& p, double linear) {
-    Index3 cell;
-    for (int a = 0; a < 3; ++a)
-      cell[a] = std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor(p[a])), 0, sampled_.lattice.count[a] - 2);
-    double trilinear = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Index3 at = cell + Index3(corner & 1, corner >> 1 & 1, corner >> 2);
-      double weight = 1;
-      for (int a = 0; a < 3; ++a)
-        weight *= at[a] == cell[a] ? 1 - (p[a] - static_cast<double>(cell[a])) : p[a] - static_cast<double>(cell[a]);
-      trilinear += weight * sampled_.sample(at.x, at.y, at.z, field_);
-    }
-    if (std::isnan(trilinear) || std::isnan(linear)) return;
-    const std::uint32_t slot = sampled_.touched.slot({cell.x / 8, cell.y / 8, cell.z / 8});
-    max_[slot] = std::max(max_[slot], std::abs(trilinear - linear));
-  }
-
-  const Sampled& sampled_;
-  std::size_t field_;
-  std::vector<double> values_;
-  std::vector<double> max_;
-};
+/// The largest difference by brick, found by brute force.
+std::vector<double> largest_differences(const Sampled& sampled, int order) {
+  std::vector<double> largest(sampled.touched.bricks.size(), 0.0);
+  sampled.for_each_difference(order, [&](const Index3& leaf, double difference) {
+    double& of_brick = largest[sampled.touched.slot({leaf.x / 8, leaf.y / 8, leaf.z / 8})];
+    of_brick = std::max(of_brick, difference);
+  });
+  return largest;
+}
 
 /// Expects that the certificate is not exceeded by what was found, and not far above it.
 void expect_bound(const Sampled& sampled, int order, double gap) {
   const FieldErrors& errors = sampled.certificates.fields[0];
-  const std::vector<double> found = BruteForce(sampled, order).max();
+  const std::vector<double> found = largest_differences(sampled, order);
   ASSERT_EQ(errors.max.size(), found.size());
   double largest = 0;
   for (std::size_t slot = 0; slot < found.size(); ++slot) {
@@ -77,15 +36,6 @@ void expect_bound(const Sampled& sampled, int order, double gap) {
   EXPECT_LE(errors.attained, errors.max_error);
   EXPECT_LE(errors.rms_error, errors.attained);
   EXPECT_GE(errors.attained * 1.051, errors.max_error);
-}
-
-NeutralMesh with_random_values(NeutralMesh mesh, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> unit(0, 1);
-  mesh.point_fields = {
-      {.name = "value", .unit = {}, .component_count = 1, .was_single_precision = false, .values = {}}};
-  for (std::size_t p = 0; p < mesh.points.size(); ++p) mesh.point_fields[0].values.push_back(unit(random));
-  return mesh;
 }
 
 // What a dense search misses near the maximum, on top of the twentieth that is promised.
@@ -174,19 +124,27 @@ TEST(Certify, finds_a_quarter_of_the_error_at_half_the_spacing_until_the_cells_a
   EXPECT_NEAR(coarse / fine, 2, 0.4);
 }
 
-TEST(Probes, are_spread_evenly_over_the_places_in_a_cell) {
-  const SampleLattice lattice = choose_samples(Box3({0, 0, 0}, {8, 8, 8}), {.longest_axis = 9});
-  const PointRows rows = rows_of_probes(lattice, {0, 0, 0}, true);
-  EXPECT_EQ(rows.size, Index3(8, 8, 8));
-  std::array<std::vector<double>, 3> places;
-  for (std::size_t row = 0; row < 64; ++row) {
-    places[0].push_back(rows.shift[row]);
-    places[1].push_back(rows.y[row] - std::floor(rows.y[row]));
-    places[2].push_back(rows.z[row] - std::floor(rows.z[row]));
-  }
-  for (auto& on_axis : places) {
-    std::sort(on_axis.begin(), on_axis.end());
-    for (std::size_t i = 0; i < 64; ++i) EXPECT_EQ(on_axis[i], (static_cast<double>(i) + 0.5) / 64);
+TEST(Probes, are_spread_evenly_over_the_places_in_a_cell_whatever_share_of_the_rows_has_them) {
+  const SampleLattice lattice = choose_samples(Box3({0, 0, 0}, {32, 16, 16}), {.sample_count = {33, 17, 17}});
+  for (const std::int64_t step : {1, 2, 4}) {
+    std::array<std::vector<double>, 3> places;
+    std::int64_t bricks_left = step * step;
+    for (std::int64_t b = 0; b < 16 && bricks_left > 0; ++b, --bricks_left) {
+      const PointRows rows = rows_of_probes(lattice, {b % 4, b / 4 % 2, b / 8}, step);
+      EXPECT_EQ(rows.size, Index3(8, 8, 8));
+      for (std::int64_t k = 0; k < 8; k += step)
+        for (std::int64_t j = 0; j < 8; j += step) {
+          const auto row = static_cast<std::size_t>(k * 8 + j);
+          places[0].push_back(rows.shift[row]);
+          places[1].push_back(rows.y[row] - std::floor(rows.y[row]));
+          places[2].push_back(rows.z[row] - std::floor(rows.z[row]));
+        }
+    }
+    for (auto& on_axis : places) {
+      ASSERT_EQ(on_axis.size(), 64U);
+      std::sort(on_axis.begin(), on_axis.end());
+      for (std::size_t i = 0; i < 64; ++i) EXPECT_EQ(on_axis[i], (static_cast<double>(i) + 0.5) / 64) << step;
+    }
   }
 }
 

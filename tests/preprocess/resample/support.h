@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,15 @@
 #include "tests/support/meshes.h"
 
 namespace rhoray::preprocess {
+
+inline NeutralMesh with_random_values(NeutralMesh mesh, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  mesh.point_fields = {
+      {.name = "value", .unit = {}, .component_count = 1, .was_single_precision = false, .values = {}}};
+  for (std::size_t p = 0; p < mesh.points.size(); ++p) mesh.point_fields[0].values.push_back(unit(random));
+  return mesh;
+}
 
 /// A mesh on its way through the verb's steps.
 struct Sampled {
@@ -50,6 +61,52 @@ struct Sampled {
     for (std::int64_t k = 0; k < lattice.count.z; ++k)
       for (std::int64_t j = 0; j < lattice.count.y; ++j)
         for (std::int64_t i = 0; i < lattice.count.x; ++i) act(i, j, k);
+  }
+
+  /// Calls act(leaf cell, |trilinear - linear|) at points strewn densely over every tetrahedron, its faces and edges
+  /// too; on a side of a leaf cell for that beyond it. Leaf cells without a trilinear field are left out.
+  /// @param order  a tetrahedron's edge is cut into as many parts
+  template <class Act>
+  void for_each_difference(int order, Act&& act) const {
+    const std::vector<double> values =
+        std::visit([](const auto& v) { return std::vector<double>(v.begin(), v.end()); }, fields[0].values);
+    for (const auto& cell : mesh.cells)
+      for (int a = 0; a <= order; ++a)
+        for (int b = 0; a + b <= order; ++b)
+          for (int c = 0; a + b + c <= order; ++c) {
+            const std::array<int, 4> counts{a, b, c, order - a - b - c};
+            std::array<double, 3> p{};
+            double linear = 0;
+            for (std::size_t v = 0; v < 4; ++v) {
+              const double weight = static_cast<double>(counts[v]) / order;
+              for (std::size_t axis = 0; axis < 3; ++axis) p[axis] += weight * mesh.points[cell[v]][axis];
+              linear += weight * values[cell[v]];
+            }
+            const std::array<double, 3> steps = lattice.in_steps(p);
+            const Vec3 at(steps[0], steps[1], steps[2]);
+            Index3 leaf;
+            for (int axis = 0; axis < 3; ++axis)
+              leaf[axis] =
+                  std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor(at[axis])), 0, lattice.count[axis] - 2);
+            const double difference = std::abs(trilinear(leaf, at) - linear);
+            if (!std::isnan(difference)) act(leaf, difference);
+          }
+  }
+
+  /// The trilinear field of a leaf cell.
+  /// @param at  in steps
+  double trilinear(const Index3& leaf, const Vec3& at) const {
+    double sum = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Index3 sample_at = leaf + Index3(corner & 1, corner >> 1 & 1, corner >> 2);
+      double weight = 1;
+      for (int a = 0; a < 3; ++a) {
+        const double in_leaf = at[a] - static_cast<double>(leaf[a]);
+        weight *= sample_at[a] == leaf[a] ? 1 - in_leaf : in_leaf;
+      }
+      sum += weight * sample(sample_at.x, sample_at.y, sample_at.z);
+    }
+    return sum;
   }
 
   /// The cell of every sample, x fastest; Places::outside where there is none.

@@ -424,6 +424,57 @@ TEST(CurvedCells, say_when_the_error_asked_for_is_not_reached) {
               Contains(HasSubstr("more than the 1e-05 asked for")));
 }
 
+/// A straight quadratic tetrahedron with a linear, a curved and a far more curved field.
+CellMesh tetrahedron_with_three_fields() {
+  CurvedMeshMaker maker(straight);
+  maker.add(CellKind::quadratic_tetrahedron, 10, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+  add_field(maker.mesh, "flat", [](double x, double y, double z) { return x + y - z; });
+  add_field(maker.mesh, "gentle", [](double x, double, double) { return x + 0.05 * x * x; });
+  add_field(maker.mesh, "steep", [](double x, double, double) { return x * x; });
+  return maker.mesh;
+}
+
+TEST(CurvedCells, are_cut_for_the_errors_of_the_fields_named_alone) {
+  const CellMesh mesh = tetrahedron_with_three_fields();
+  const auto count = [&](std::vector<std::string> names, double error = 0.005) {
+    return subdivide(mesh, {.max_error = error, .fields = std::move(names)}).cells.size();
+  };
+  EXPECT_EQ(count({"flat"}), 1U);
+  EXPECT_GT(count({"gentle"}), 1U);
+  EXPECT_GT(count({"steep"}), count({"gentle"}));
+  EXPECT_EQ(count({}), count({"steep", "flat"}));
+  EXPECT_EQ(count({"steep.x"}), count({"steep"}));
+  EXPECT_EQ(count({"steepest"}), 1U) << "only a dot ends a name";
+
+  const NeutralMesh tets = subdivide(mesh, {.max_error = 0.005, .fields = {"gentle"}});
+  ASSERT_EQ(tets.point_fields.size(), 3U);
+  for (std::size_t p = 0; p < tets.points.size(); ++p)
+    EXPECT_NEAR(tets.point_fields[2].values[p], tets.points[p][0] * tets.points[p][0], 1e-12)
+        << "the others come along";
+}
+
+TEST(CurvedCells, say_what_they_were_cut_for) {
+  const CellMesh mesh = tetrahedron_with_three_fields();
+  const auto notes = [&](double error, std::vector<std::string> names = {}) {
+    return subdivide(mesh, {.max_error = error, .fields = std::move(names)}).notes;
+  };
+  EXPECT_THAT(notes(0.005), Contains("1 curved cell cut finer than the corners need: 100 % of the cuts for field "
+                                     "\"steep\""))
+      << "wherever the gentle one strays too far, the steep one does more";
+  EXPECT_THAT(notes(0.005, {"gentle"}), Contains(HasSubstr("100 % of the cuts for field \"gentle\"")));
+  EXPECT_THAT(notes(0.005, {"gentle"}), testing::Not(Contains(HasSubstr("steep"))));
+  EXPECT_THAT(notes(0.005, {"flat"}), testing::Not(Contains(HasSubstr("cut finer"))));
+
+  CurvedMeshMaker maker([](const Point& p) { return Point{p[0], p[1] + 0.2 * p[0] * (1 - p[0]), p[2]}; });
+  maker.add(CellKind::quadratic_tetrahedron, 10, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+  EXPECT_THAT(subdivide(maker.mesh, {.max_error = 0.01}).notes,
+              Contains("1 curved cell cut finer than the corners need: 100 % of the cuts for the shape"));
+  // Along x the shape strays, along z a field.
+  add_field(maker.mesh, "bowl", [](double, double, double z) { return z * z; });
+  EXPECT_THAT(subdivide(maker.mesh, {.max_error = 0.01}).notes,
+              Contains(testing::AllOf(HasSubstr("% of the cuts for field \"bowl\", "), HasSubstr(" % for the shape"))));
+}
+
 TEST(CurvedCells, pass_on_what_has_no_data_and_nothing_else) {
   CellMesh mesh = cells_with_random_values(CellKind::triquadratic_hexahedron, 27, field_cases()[6].corners);
   mesh.point_fields[0].values[mesh.cell_nodes[0]] = std::nan("");

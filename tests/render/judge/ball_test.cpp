@@ -96,6 +96,14 @@ TEST(CertainRoots, counts_three_and_encloses_the_first) {
   EXPECT_NEAR(roots->first.lo, 0.1, 1e-10);
 }
 
+TEST(CertainRoots, says_nothing_where_two_more_roots_may_be) {
+  const Ball unknown{0, 5};
+  EXPECT_FALSE(certain_roots({{Ball{-1}, unknown, unknown, Ball{1}}}, 1e-3).has_value());
+  const auto one = certain_roots({{Ball{-1}, Ball{-1}, unknown, Ball{1}}}, 1e-3);
+  ASSERT_TRUE(one.has_value()) << "one change of sign, whatever the coefficient in doubt";
+  EXPECT_EQ(one->count, 1);
+}
+
 TEST(CertainRoots, says_nothing_of_a_touch) {
   const BallCubic cubic{{Ball{-0.25}, Ball{1.0 / 12}, Ball{1.0 / 12}, Ball{-0.25}}};  // -(s - 1/2)^2
   EXPECT_FALSE(certain_roots(cubic, 1e-10).has_value());

@@ -157,15 +157,15 @@ struct BruteHit {
 
 std::optional<BruteHit> first_crossing_by_brute_force(const TestGrid& grid, const Ray& ray, double isovalue) {
   const std::vector<ExactChord> chords = chords_of(grid, ray, isovalue);
-  std::optional<bool> inside;
+  bool is_known = false, side = false;
   for (std::size_t c = 0; c < chords.size(); ++c) {
     const ExactChord& chord = chords[c];
     if (!chord.has_data) {
-      inside.reset();
+      is_known = false;
       continue;
     }
-    const bool side = inside ? *inside : tests::value_of(chord.difference, chord.in) >= 0;
-    inside = side;
+    if (!is_known) side = tests::value_of(chord.difference, chord.in) >= 0;
+    is_known = true;
     const auto corner = grid.corners(chord.cell);
     if (std::all_of(corner.begin(), corner.end(), [&](double f) { return (f >= isovalue) == side; })) continue;
     const auto change = tests::SturmChart(chord.difference, chord.in, chord.out).first_change(side);

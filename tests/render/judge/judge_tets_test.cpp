@@ -170,13 +170,25 @@ std::optional<Rational> value_in(const TetForJudge& tet, const ExactVec3& x) {
   return rest * exact(tet.value[0]) + u * exact(tet.value[1]) + v * exact(tet.value[2]) + w * exact(tet.value[3]);
 }
 
+/// False for a tetrahedron that is far from a point, whatever rounding does.
+bool may_hold(const TetForJudge& tet, const Vec3& x) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [least, most] =
+        std::minmax({tet.point[0][axis], tet.point[1][axis], tet.point[2][axis], tet.point[3][axis]});
+    if (x[axis] < least - 1e-3 || x[axis] > most + 1e-3) return false;
+  }
+  return true;
+}
+
 /// The values that a mesh has at a point of the ray.
 std::vector<Rational> values_at(const std::vector<TetForJudge>& tets, const Ray& ray, const Rational& t) {
   const ExactVec3 o = exact(ray.origin), d = exact(ray.direction);
   const ExactVec3 x{o.x + t * d.x, o.y + t * d.y, o.z + t * d.z};
+  const Vec3 near_x(tests::rounded(x.x), tests::rounded(x.y), tests::rounded(x.z));
   std::vector<Rational> values;
   for (const TetForJudge& tet : tets)
-    if (const auto value = value_in(tet, x)) values.push_back(*value);
+    if (may_hold(tet, near_x))
+      if (const auto value = value_in(tet, x)) values.push_back(*value);
   return values;
 }
 
@@ -238,7 +250,7 @@ TEST(JudgeTets, says_what_is_true_at_points_of_the_ray) {
   EXPECT_GT(hits, 20);
   EXPECT_GT(exact_road, 15);
   EXPECT_LT(exact_road, 75);
-  EXPECT_GT(before, 300);
+  EXPECT_GT(before, 150);
 }
 
 TEST(JudgeTets, gives_the_same_verdict_from_active_cells_alone) {

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "preprocess/resample/points.h"
+#include "preprocess/resample/sample.h"
+
+namespace rhoray::preprocess {
+
+/// A cell's linear function: how it rises with each step of the lattice.
+struct Gradient {
+  Point slope{};
+  double error = std::numeric_limits<double>::infinity();  ///< of each component; infinite when the cell has no volume
+  bool has_values = false;                                 ///< at all four vertices
+};
+
+/// @param p  vertices, in steps
+/// @param v  the values there
+Gradient gradient_of(const std::array<Point, 4>& p, const std::array<double, 4>& v);
+
+/// A field as the certificate needs it.
+struct FieldView {
+  std::vector<double> values;  ///< at the mesh's points
+  std::vector<Gradient> gradients;
+  double range = 0;
+  double unit = 1;   ///< of the quick bounds, which are in single precision
+  double noise = 0;  ///< what rounding may do to a difference
+  std::span<const Conflict> conflicts;
+};
+
+/// @param steps  the mesh's points, in steps of the lattice
+FieldView view_of(const CleanMesh& mesh, const PointField& field, const std::vector<Point>& steps,
+                  const SampleLattice& lattice, std::span<const Conflict> conflicts);
+
+}  // namespace rhoray::preprocess
