@@ -168,10 +168,9 @@ TEST(Units, may_differ_by_a_thousand_between_axes) {
       {{.stretch = {1, 1000, 1}}, {.stretch = {1e-3, 1, 1}}, {.stretch = {1, 0x1p5, 0x1p-5}}}, false);
 }
 
-TEST(Units, matter_to_the_papers_closed_form_in_single_precision) {
+TEST(Units, of_values_that_begin_far_from_zero_matter_to_the_papers_closed_form) {
   const Method paper{.way = Method::Way::paper, .precision = Method::Precision::single};
-  EXPECT_GT(compare(changed_grid, {.value_offset = 1e6}, paper).differ, 10) << "are these changes still hard?";
-  EXPECT_GT(compare(changed_grid, {.value_scale = 1e-12}, paper).differ, 10) << "are these changes still hard?";
+  EXPECT_GT(compare(changed_grid, {.value_offset = 1e6}, paper).differ, 10) << "is this change still hard?";
 }
 
 }  // namespace
