@@ -1,0 +1,54 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "render/march/ray.h"
+#include "tests/render/support/traced_volume.h"
+
+/// The catalogue of numerically hard cases: R a ray in a cell, V the way from cell to cell, D values of the data, T
+/// tetrahedra, M largest values. Each case is a small volume or mesh, and rays that were chosen to be hard in it.
+namespace rhoray::tests {
+
+enum class Asked { surface_of_grid, surface_of_mesh, largest_value };
+
+/// An answer in closed form: the t of the first crossing (infinity: none), or the largest value; nothing where the form
+/// does not say, at the border of its validity.
+using KnownAnswer = std::function<std::optional<double>(const render::Ray& ray, double isovalue)>;
+
+/// Which method is expected to fail on a case, and on how many of its questions at least: it shows that the case is
+/// still hard. Without a method, the reason why none fails.
+struct NaiveFailure {
+  std::string_view method{};  ///< a name of catalogue_methods()
+  int at_least = 0;
+  std::string_view reason{};
+};
+
+struct HardCase {
+  std::string id;
+  std::string story;
+  Asked asked = Asked::surface_of_grid;
+  std::function<std::unique_ptr<TracedVolume>()> pack;
+  std::vector<double> isovalues{0};  ///< every ray is asked for each; one of any value where the largest is asked for
+  std::vector<render::Ray> rays;
+  NaiveFailure naive;
+  KnownAnswer known{};
+  double known_cells = 1e-6;              ///< how far the closed form's t may be from the judge's, in cells
+  std::string_view direct_may_fail_by{};  ///< the reason why the direct methods in double promise less here
+  double cell_edge = 1;                   ///< of a usual cell, in the frame of the volume
+};
+
+std::vector<HardCase> ray_in_cell_cases();
+std::vector<HardCase> traversal_cases();
+std::vector<HardCase> value_cases();
+std::vector<HardCase> tet_cases();
+std::vector<HardCase> maximum_cases();
+
+/// All of them, in this order.
+std::vector<HardCase> catalogue();
+
+}  // namespace rhoray::tests
