@@ -25,6 +25,8 @@ struct FrameHit {
   double t = std::numeric_limits<double>::infinity();  ///< in lengths of the ray's direction; infinity: nothing was hit
   std::uint64_t cell = 0;                              ///< as Framebuffer::cell
   Vec3 gradient{0, 0, 0};                              ///< of the field there, volume frame
+  /// How far t may be from the exact one; NaN where the method proves nothing.
+  double error = std::numeric_limits<double>::quiet_NaN();
 
   bool is_miss() const { return t == std::numeric_limits<double>::infinity(); }
 };

@@ -38,7 +38,8 @@ void trace(const Volume& volume, const TraceOptions& options, std::span<const Fr
     for (std::size_t r = 0; r < count; ++r)
       asked[r] = {.origin = rays[first + r].origin, .direction = rays[first + r].direction};
     first_crossing(implementation, question, asked, answered, scratches[worker]);
-    for (std::size_t r = 0; r < count; ++r) hits[first + r] = {answered[r].t, answered[r].cell, answered[r].gradient};
+    for (std::size_t r = 0; r < count; ++r)
+      hits[first + r] = {answered[r].t, answered[r].cell, answered[r].gradient, answered[r].error};
   });
 }
 

@@ -3,7 +3,8 @@
 #include "render/kernels/tet_judged.h"
 
 /// The first crossing of a mesh's isosurface, proven: what arithmetic of a precision cannot decide with its rounding
-/// included is decided in double precision, and what that cannot decide by the judge.
+/// included is decided in double precision, and what that cannot decide by the judge. Proven for cells that are a
+/// partition of the mesh (tet_judged.h).
 namespace rhoray::render {
 
 namespace {

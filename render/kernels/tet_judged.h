@@ -10,6 +10,11 @@
 /// A mesh's questions answered by the exact judge, who is shown the tetrahedra listed in the leaf cells along the ray.
 /// Lists reach a millionth of a leaf cell beyond it, and the lattice a little beyond the mesh (preprocess/leaf_lists):
 /// so the rounding of the walk leaves out none, for rays that start less than 2^28 leaf cells away.
+///
+/// He sees those whose values reach the isovalue, and joins their parts of the ray: right where the cells are a
+/// partition, which share their faces. Where cells overlap, or points hang in faces, there is no one field; then he may
+/// see a change from one cell to the next that the direct method, which takes the first change inside any one cell,
+/// does not (tests/hard_cases/defective_meshes_test.cpp). `info --stats` tells of such meshes.
 namespace rhoray::render {
 
 namespace {

@@ -136,7 +136,8 @@ Subcommand validate_subcommand() {
                          "Of the random numbers; default 1. In a mesh the same seed gives the same report",
                          command->seed),
             value_option("--max-depth-error", "E",
-                         "Largest error along a ray: in a mesh in diagonals of its box, default 1e-9; in a grid in "
+                         "Largest error along a ray, beyond the bound of a hit that states one: in a mesh in diagonals "
+                         "of its box, default 1e-9; in a grid in "
                          "cells, default 1e-9",
                          command->max_depth_error),
             value_option("--report", "DIR",

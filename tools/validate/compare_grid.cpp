@@ -67,7 +67,7 @@ class Comparer {
     const double per_t = cells_per_t(ray, hit.is_miss() ? inside->lo : hit.t);
     if (!hit.is_miss()) prove(ray, hit, per_t, finding);
     // What the tracer must not have passed over, up to where it says the surface is.
-    const double end = hit.is_miss() ? inside->hi : std::min(inside->hi, hit.t - depth_limit_ / per_t);
+    const double end = hit.is_miss() ? inside->hi : std::min(inside->hi, hit.t - allowed(hit, per_t) / per_t);
     if (const auto passed = passed_over(ray, *inside, end, hit, finding)) {
       finding.verdict = hit.is_miss() ? Verdict::missed : Verdict::elsewhere;
       finding.is_hit = true;
@@ -93,11 +93,18 @@ class Comparer {
     return t;
   }
 
+  /// The depth error, in cells, that a hit may have: what it states itself, and what roundings make of the comparison.
+  double allowed(const render::FrameHit& hit, double per_t) const {
+    return depth_limit_ + (std::isnan(hit.error) ? 0 : hit.error * per_t);
+  }
+
   /// Looks for the crossing that the tracer has reported, and measures.
   void prove(const render::FrameRay& ray, const render::FrameHit& hit, double per_t, Finding& finding) const {
     const double finest = std::max(4e-16 * std::abs(hit.t), 1e-15 / per_t);
     const std::optional<double> t = judge_.crossing_near(ray, hit.t, finest, 0.5 / per_t);
     finding.is_hit = t.has_value();
+    finding.bound_cells = hit.error * per_t;
+    finding.bound_box = hit.error * in_box(ray.direction);
     const Vec3 p = point_at(ray, hit.t);
     measure_distance(p, hit, finding);
     measure_normal(p, hit, finding);
@@ -111,9 +118,9 @@ class Comparer {
       // A level point that is not the crossing found: the field meets the isovalue there and turns back.
       const bool only_touches = is_level && finding.depth_cells > another_crossing;
       const bool grazes = only_touches || (is_level && slope(ray, hit, *cell) <= grazing_slope);
-      finding.verdict = finding.depth_cells <= depth_limit_ ? Verdict::right
-                        : grazes                            ? Verdict::grazes
-                                                            : Verdict::elsewhere;
+      finding.verdict = finding.depth_cells <= allowed(hit, per_t) ? Verdict::right
+                        : grazes                                   ? Verdict::grazes
+                                                                   : Verdict::elsewhere;
     } else {
       finding.verdict = is_level ? Verdict::grazes : Verdict::false_hit;
     }
@@ -255,6 +262,7 @@ void add_measures(const Comparer& comparer, const Shots& far, const Shots& close
   };
   report.measures.push_back(measure("depth", "cells", far, &Finding::depth_cells));
   report.measures.push_back(measure("depth", "box", far, &Finding::depth_box));
+  add_bounds(far, report);
   report.measures.push_back(measure("depth, near rays", "cells", close, &Finding::depth_cells));
   report.measures.push_back(measure("renderer to surface", "cells", far, &Finding::distance_cells));
   report.measures.push_back(measure("renderer to surface", "box", far, &Finding::distance_box));
@@ -268,15 +276,15 @@ void add_measures(const Comparer& comparer, const Shots& far, const Shots& close
 
 void add_checks(const Comparer& comparer, Report& report) {
   const RayCounts all = report.total();
+  const double depth_limit = comparer.depth_limit() + report.largest_bound("cells");
   const char* proved = "only what points of the ray on different sides prove is counted";
   report.checks = {
       {"missed", static_cast<double>(all.missed), 0, proved},
       {"false", static_cast<double>(all.false_hits), 0, "every hit must be proved by points on different sides"},
       {"elsewhere", static_cast<double>(all.elsewhere), 0, proved},
-      {"largest depth error, cells", report.largest("depth", "cells"), comparer.depth_limit(),
-       "what roundings make of rays that do not graze the surface"},
-      {"largest depth error of near rays, cells", report.largest("depth, near rays", "cells"), comparer.depth_limit(),
-       "as above"},
+      {"largest depth error, cells", report.largest("depth", "cells"), depth_limit,
+       "what roundings make of rays that do not graze the surface, and a bound that the method states"},
+      {"largest depth error of near rays, cells", report.largest("depth, near rays", "cells"), depth_limit, "as above"},
       {"undecided, share of rays", static_cast<double>(all.undecided) / static_cast<double>(all.rays), undecided_limit,
        "with more the mesh would not show this surface"},
       {"largest normal error, degrees", report.largest("normal", "degrees"), normal_limit_deg,

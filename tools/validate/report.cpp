@@ -12,6 +12,7 @@ namespace rhoray::tools::validate {
 namespace {
 
 constexpr std::size_t disputed_rays_kept = 100;
+constexpr const char* bounds_name = "bound stated by the method";
 
 Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json();
@@ -94,6 +95,18 @@ double Report::largest(std::string_view name, std::string_view unit) const {
   for (const Measure& each : measures)
     if (each.name == name && each.unit == unit) return each.quantiles.largest;
   return not_measured;
+}
+
+double Report::largest_bound(std::string_view unit) const {
+  const double bound = largest(bounds_name, unit);
+  return std::isnan(bound) ? 0 : bound;
+}
+
+void add_bounds(const Shots& shots, Report& report) {
+  Measure in_cells = measure(bounds_name, "cells", shots, &Finding::bound_cells);
+  if (in_cells.quantiles.count == 0) return;
+  report.measures.push_back(std::move(in_cells));
+  report.measures.push_back(measure(bounds_name, "box", shots, &Finding::bound_box));
 }
 
 void for_each_shot(std::size_t count, const Thousandths& progress, std::uint64_t begin, std::uint64_t end,

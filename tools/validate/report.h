@@ -33,6 +33,7 @@ struct Finding {
   bool is_hit = false;  ///< by the reference
   double t_reference = not_measured;
   double depth_cells = not_measured, depth_box = not_measured;        ///< along the ray, from the reference's crossing
+  double bound_cells = not_measured, bound_box = not_measured;        ///< of the depth error, as the method states it
   double distance_cells = not_measured, distance_box = not_measured;  ///< from the hit to the reference surface
   double normal_deg = not_measured;
   double moved_box = not_measured;  ///< of a ray that grazes, how far it was moved
@@ -84,6 +85,8 @@ struct Report {
   RayCounts total() const;
   bool holds() const;
   double largest(std::string_view measure, std::string_view unit) const;  ///< NaN when there is no such measure
+  /// What a method that proves its hits allows itself; 0 for one that does not.
+  double largest_bound(std::string_view unit) const;
 };
 
 /// What was asked of a comparison.
@@ -91,7 +94,7 @@ struct Question {
   double isovalue = 0;
   std::uint64_t samples = 100'000;
   std::uint64_t seed = 1;
-  double max_depth_error = 0;                   ///< 0 = the default of the kind
+  double max_depth_error = 0;                   ///< beyond a hit's own bound; 0 = the default of the kind
   std::vector<render::FrameRay> camera_rays{};  ///< of the picture, if one is wanted
 };
 
@@ -117,6 +120,9 @@ void count(const Shots& shots, Report& report);
 /// Calls act(shot) for every shot, on all threads; progress goes from `begin` to `end`.
 void for_each_shot(std::size_t count, const Thousandths& progress, std::uint64_t begin, std::uint64_t end,
                    const std::function<void(std::size_t shot)>& act);
+
+/// Adds the bounds that the method states, where it states any.
+void add_bounds(const Shots& shots, Report& report);
 
 /// Quantiles of one of Finding's numbers, over all of these shots.
 Measure measure(std::string name, std::string unit, const Shots& shots, double Finding::*number);

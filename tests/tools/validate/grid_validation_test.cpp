@@ -51,6 +51,17 @@ TEST(GridValidation, catches_a_renderer_whose_hits_lie_a_thousandth_of_a_cell_to
   EXPECT_GT(report.largest("depth", "cells"), 0.9e-3);
 }
 
+TEST(GridValidation, holds_a_proving_method_against_the_bounds_that_it_states) {
+  const render::Method certified{.way = render::Method::Way::certified};
+  const validate::Report honest = waves().report(question, waves().renderer(question.isovalue, certified));
+  EXPECT_TRUE(honest.holds());
+  EXPECT_GT(honest.largest_bound("cells"), 0);
+  const validate::Report boastful =
+      waves().report(question, understating_bounds(waves().renderer(question.isovalue, certified)));
+  EXPECT_FALSE(boastful.holds());
+  EXPECT_GT(found(boastful, "elsewhere"), 0);
+}
+
 TEST(GridValidation, catches_a_renderer_that_reports_the_second_hit) {
   const auto tracer = reporting_the_second_hit(waves().renderer(question.isovalue), 1e-6 * cell_edge());
   const validate::Report report = waves().report(question, tracer);

@@ -29,9 +29,9 @@ class ValidatedFile {
   validate::TetField tets() const { return {formats::TetMesh(volume_.file()), ""}; }
   validate::GridField grid() const { return {formats::BrickGrid(volume_.file()), ""}; }
 
-  validate::Tracer renderer(double isovalue) const {
-    return [this, isovalue](std::span<const render::FrameRay> rays, std::span<render::FrameHit> hits) {
-      render::trace(volume_, {.isovalue = isovalue}, rays, hits);
+  validate::Tracer renderer(double isovalue, const render::Method& method = {}) const {
+    return [this, isovalue, method](std::span<const render::FrameRay> rays, std::span<render::FrameHit> hits) {
+      render::trace(volume_, {.isovalue = isovalue, .method = method}, rays, hits);
     };
   }
 
@@ -85,6 +85,11 @@ inline validate::Tracer dropping_one_hit_in_a_thousand(const validate::Tracer& t
 /// @param distance  in lengths of the rays' directions
 inline validate::Tracer shifting_hits(const validate::Tracer& tracer, double distance) {
   return spoiled(tracer, [=](std::size_t, const render::FrameRay&, render::FrameHit& hit) { hit.t += distance; });
+}
+
+/// Hits of a proving method, said to be exact.
+inline validate::Tracer understating_bounds(const validate::Tracer& tracer) {
+  return spoiled(tracer, [](std::size_t, const render::FrameRay&, render::FrameHit& hit) { hit.error = 0; });
 }
 
 inline validate::Tracer reporting_the_second_hit(const validate::Tracer& tracer, double step) {

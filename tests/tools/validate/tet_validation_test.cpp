@@ -51,6 +51,17 @@ TEST(TetValidation, catches_a_renderer_whose_hits_lie_a_thousandth_of_a_cell_too
   EXPECT_NEAR(report.largest("depth", "box"), 1e-4 / std::sqrt(3), 1e-9);
 }
 
+TEST(TetValidation, holds_a_proving_method_against_the_bounds_that_it_states) {
+  const render::Method certified{.way = render::Method::Way::certified};
+  const validate::Report honest = ball().report(question, ball().renderer(question.isovalue, certified));
+  EXPECT_TRUE(honest.holds());
+  EXPECT_GT(honest.largest_bound("box"), 0);
+  const validate::Report boastful =
+      ball().report(question, understating_bounds(ball().renderer(question.isovalue, certified)));
+  EXPECT_FALSE(boastful.holds());
+  EXPECT_GT(found(boastful, "elsewhere"), 0);
+}
+
 TEST(TetValidation, catches_a_renderer_that_reports_the_second_hit) {
   const auto tracer = reporting_the_second_hit(ball().renderer(question.isovalue), 1e-6);
   const validate::Report report = ball().report(question, tracer);
