@@ -20,4 +20,23 @@ void kernel_of(const VolumeImplementation& volume, const Question& question, std
   }
 }
 
+/// The kernel of one question for the way that it is to be answered in.
+template <class View, Answer<View> direct, Answer<View> sampled, Answer<View> certified, Answer<View> judged>
+Kernel kernel_for(Method::Way way) {
+  switch (way) {
+    case Method::Way::sampled:
+      return kernel_of<View, sampled>;
+    case Method::Way::certified:
+      return kernel_of<View, certified>;
+    case Method::Way::judged:
+      return kernel_of<View, judged>;
+    case Method::Way::direct:
+    case Method::Way::preview:
+    case Method::Way::paper:
+    case Method::Way::slack:
+      break;
+  }
+  return kernel_of<View, direct>;  // which of these it is, the answer sees for itself
+}
+
 }  // namespace rhoray::render

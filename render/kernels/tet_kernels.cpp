@@ -9,29 +9,11 @@ namespace rhoray::render {
 
 template <class View>
 Kernels kernels_for(const View& view, Method::Way way) {
-  Kernels kernels{.first_crossing = kernel_of<View, first_crossing_of_ray<View>>,
-                  .largest_value = kernel_of<View, largest_value_on_ray<View>>,
-                  .queue_entries = largest_queue_size(view.lattice(), view.level_count())};
-  switch (way) {
-    case Method::Way::sampled:
-      kernels.first_crossing = kernel_of<View, sampled_crossing_of_ray<View>>;
-      kernels.largest_value = kernel_of<View, sampled_maximum_on_ray<View>>;
-      break;
-    case Method::Way::certified:
-      kernels.first_crossing = kernel_of<View, certified_first_crossing<View>>;
-      kernels.largest_value = kernel_of<View, certified_largest_value<View>>;
-      break;
-    case Method::Way::judged:
-      kernels.first_crossing = kernel_of<View, judged_first_crossing<View>>;
-      kernels.largest_value = kernel_of<View, judged_largest_value<View>>;
-      break;
-    case Method::Way::direct:
-    case Method::Way::preview:
-    case Method::Way::paper:
-    case Method::Way::slack:
-      break;
-  }
-  return kernels;
+  return {.first_crossing = kernel_for<View, first_crossing_of_ray<View>, sampled_crossing_of_ray<View>,
+                                       certified_first_crossing<View>, judged_first_crossing<View>>(way),
+          .largest_value = kernel_for<View, largest_value_on_ray<View>, sampled_maximum_on_ray<View>,
+                                      certified_largest_value<View>, judged_largest_value<View>>(way),
+          .queue_entries = largest_queue_size(view.lattice(), view.level_count())};
 }
 
 template Kernels kernels_for(const TetVolume<float>&, Method::Way);
