@@ -71,7 +71,9 @@ TEST(AccuracyCommand, levels_draw_the_same_picture_and_every_method_says_how_it_
     std::string method;
   };
   const std::vector<Choice> choices{{{"ball.rho", "--accuracy", "preview"}, "preview"},
-                                    {{"ball.rho"}, "float"},
+                                    {{"ball.rho"}, "bracketed:double"},
+                                    {{"ball.rho", "--accuracy", "float"}, "float"},
+                                    {{"box.rho"}, "edges:double"},
                                     {{"ball.rho", "--accuracy", "certified"}, "certified"},
                                     {{"ball.rho", "--accuracy", "exact"}, "exact"},
                                     {{"ball.rho", "--method", "paper"}, "paper:double"},

@@ -105,7 +105,8 @@ std::vector<Option> picture_options(PictureOptions& options) {
       choice_option(
           "--accuracy", accuracy_words(),
           "preview: a first look; float: single precision inside cells; certified: every hit and miss proven, "
-          "with a bound of its error; exact: every decision in exact arithmetic, slow; default float",
+          "with a bound of its error; exact: every decision in exact arithmetic, slow; default the direct method in "
+          "double precision",
           options.accuracy),
       value_option("--method", "NAME", method_help(), options.method),
       value_option("--channels", "A,B",
@@ -210,7 +211,9 @@ render::Method choose_method(const PictureOptions& options, render::Mode mode, b
   if (!options.method.empty() && !options.accuracy.empty())
     throw Error(Trouble::usage, "--method and --accuracy say the same thing twice: give one of them");
   if (!options.method.empty()) return method_named(options.method, mode, is_mesh);
-  return method_of(options.accuracy.empty() ? render::Accuracy::single : accuracy_named(options.accuracy));
+  // Single precision saves nothing yet, and loses rays at outlines of meshes: it is for whoever asks for it.
+  if (options.accuracy.empty()) return {};
+  return method_of(accuracy_named(options.accuracy));
 }
 
 }  // namespace
