@@ -6,6 +6,7 @@
 #include <numeric>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "formats/base/text.h"
@@ -99,12 +100,18 @@ std::size_t cut_cells_between_boundaries(NeutralMesh& mesh, std::span<const std:
   return cut;
 }
 
+bool names_parts(const NeutralField& cell_field) {
+  constexpr std::string_view names[] = {"region", "block", "physical",
+                                        "entity"};  // as filling and the readers name them
+  return std::find(std::begin(names), std::end(names), cell_field.name) != std::end(names);
+}
+
 }  // namespace
 
 bool has_varying_field(const NeutralMesh& mesh) {
   return std::any_of(mesh.point_fields.begin(), mesh.point_fields.end(), varies) ||
          std::any_of(mesh.cell_fields.begin(), mesh.cell_fields.end(),
-                     [](const NeutralField& field) { return field.name != "region" && varies(field); });
+                     [](const NeutralField& field) { return !names_parts(field) && varies(field); });
 }
 
 void add_position_fields(NeutralMesh& mesh) {

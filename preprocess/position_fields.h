@@ -5,7 +5,8 @@
 namespace rhoray::preprocess {
 
 /// True when some field, at points or in cells, has two different finite values in one component. Cell
-/// field "region" does not count: its numbers name parts, and say nothing of their shape.
+/// fields "region", "block", "physical" and "entity" do not count: their numbers name parts, and say nothing of their
+/// shape.
 bool has_varying_field(const NeutralMesh& mesh);
 
 /// Fields for a mesh that brings none, so that its shape can be seen: "boundary_distance", how far each point lies from

@@ -123,6 +123,10 @@ TEST(PositionFields, come_before_fields_that_do_not_vary) {
   mesh.point_fields.clear();
   mesh.cell_fields[0].values[1] = 2;
   EXPECT_FALSE(has_varying_field(mesh)) << "numbers of regions show no shape";
+  for (const char* name : {"block", "physical", "entity"}) {
+    mesh.cell_fields[0].name = name;
+    EXPECT_FALSE(has_varying_field(mesh)) << name;
+  }
   mesh.cell_fields[0].name = "load";
   EXPECT_TRUE(has_varying_field(mesh));
 }
