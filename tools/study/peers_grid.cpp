@@ -118,7 +118,7 @@ Contest largest_value_contest(const Wishes& wishes) {
   return contest;
 }
 
-/// Anonymous memory of this process: what is neither a mapped file nor given back.
+/// Anonymous memory of this process: what is neither a mapped file nor given back to the system.
 double anonymous_mb() {
   std::ifstream lines("/proc/self/status");
   for (std::string line; std::getline(lines, line);)
@@ -163,7 +163,7 @@ Subject subject_of(const Wishes& wishes, const std::filesystem::path& scratch) {
 struct Entrant {
   Peer& peer;
   Preparation preparation;
-  double memory_mb;
+  double memory_mb;  ///< of what was prepared: as the library counts it, or by how much the process has grown
 };
 
 std::vector<Entrant> prepare(Contest& contest, const Subject& subject, double isovalue, const PeerView& first_view,
@@ -177,7 +177,7 @@ std::vector<Entrant> prepare(Contest& contest, const Subject& subject, double is
     small.width = std::min(small.width, 64);
     small.height = std::min(small.height, 64);
     peer->draw(small);
-    entrants.push_back({*peer, preparation, anonymous_mb() - before_mb});
+    entrants.push_back({*peer, preparation, peer->prepared_mb().value_or(anonymous_mb() - before_mb)});
   }
   return entrants;
 }
