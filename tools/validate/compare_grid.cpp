@@ -50,14 +50,12 @@ class Comparer {
   double depth_limit() const { return depth_limit_; }
 
   /// The length of the ray's direction in cells, where the ray is at t.
-  double cells_per_t(const render::FrameRay& ray, double t) const {
-    return field_.in_cells(ray.direction, point_at(ray, t));
-  }
+  double cells_per_t(const render::Ray& ray, double t) const { return field_.in_cells(ray.direction, ray.at(t)); }
 
   /// The length of a vector in diagonals of the data's box.
   double in_box(const Vec3& v_frame) const { return world_from_frame_.vector(v_frame).length() / diagonal_; }
 
-  Finding find(const render::FrameRay& ray, const render::FrameHit& hit) const {
+  Finding find(const render::Ray& ray, const render::Hit& hit) const {
     Finding finding;
     const std::optional<Interval<double>> inside = inside_box(ray);
     if (!inside) {
@@ -77,7 +75,7 @@ class Comparer {
   }
 
  private:
-  std::optional<Interval<double>> inside_box(const render::FrameRay& ray) const {
+  std::optional<Interval<double>> inside_box(const render::Ray& ray) const {
     Interval<double> t{0, std::numeric_limits<double>::infinity()};
     for (int axis = 0; axis < 3; ++axis) {
       const double low = (box_.min[axis] - ray.origin[axis]) / ray.direction[axis];
@@ -94,18 +92,18 @@ class Comparer {
   }
 
   /// The depth error, in cells, that a hit may have: what it states itself, and what roundings make of the comparison.
-  double allowed(const render::FrameHit& hit, double per_t) const {
+  double allowed(const render::Hit& hit, double per_t) const {
     return depth_limit_ + (std::isnan(hit.error) ? 0 : hit.error * per_t);
   }
 
   /// Looks for the crossing that the tracer has reported, and measures.
-  void prove(const render::FrameRay& ray, const render::FrameHit& hit, double per_t, Finding& finding) const {
+  void prove(const render::Ray& ray, const render::Hit& hit, double per_t, Finding& finding) const {
     const double finest = std::max(4e-16 * std::abs(hit.t), 1e-15 / per_t);
     const std::optional<double> t = judge_.crossing_near(ray, hit.t, finest, 0.5 / per_t);
     finding.is_hit = t.has_value();
     finding.bound_cells = hit.error * per_t;
     finding.bound_box = hit.error * in_box(ray.direction);
-    const Vec3 p = point_at(ray, hit.t);
+    const Vec3 p = ray.at(hit.t);
     measure_distance(p, hit, finding);
     measure_normal(p, hit, finding);
     const std::optional<Index3> cell = field_.cell_of_id(hit.cell);
@@ -128,14 +126,14 @@ class Comparer {
   }
 
   /// How much the field changes along the ray in one cell's length, as a share of the range of the cell's corners.
-  double slope(const render::FrameRay& ray, const render::FrameHit& hit, const Index3& at) const {
+  double slope(const render::Ray& ray, const render::Hit& hit, const Index3& at) const {
     const GridField::Cell cell = field_.cell(at);
     const Vec3 direction = (ray.direction / field_.widths(at)).normalized();
-    const Vec3 local = field_.index_from_frame(point_at(ray, hit.t)) - to_vec3(at);
+    const Vec3 local = field_.index_from_frame(ray.at(hit.t)) - to_vec3(at);
     return std::abs(cell.gradient(local).dot(direction)) / cell.range();
   }
 
-  void measure_distance(const Vec3& p, const render::FrameHit& hit, Finding& finding) const {
+  void measure_distance(const Vec3& p, const render::Hit& hit, Finding& finding) const {
     if (tree_.is_empty()) return;
     const Vec3 nearest = tree_.nearest(p);
     finding.distance_cells = (field_.index_from_frame(p) - field_.index_from_frame(nearest)).length();
@@ -143,7 +141,7 @@ class Comparer {
     finding.is_above = (p - nearest).dot(hit.gradient) > 0;
   }
 
-  void measure_normal(const Vec3& p, const render::FrameHit& hit, Finding& finding) const {
+  void measure_normal(const Vec3& p, const render::Hit& hit, Finding& finding) const {
     const std::optional<Index3> at = field_.cell_of_id(hit.cell);
     if (!at) return;
     const Vec3 local = field_.index_from_frame(p) - to_vec3(*at);
@@ -156,8 +154,8 @@ class Comparer {
 
   /// A change of side that is proved and lies before `end`: looked for all along the ray, and closely where it meets
   /// the mesh.
-  std::optional<double> passed_over(const render::FrameRay& ray, const Interval<double>& inside, double end,
-                                    const render::FrameHit& hit, Finding& finding) const {
+  std::optional<double> passed_over(const render::Ray& ray, const Interval<double>& inside, double end,
+                                    const render::Hit& hit, Finding& finding) const {
     if (const auto found = judge_.first_proved(ray, inside.lo, end, probe_step)) return found;
     const auto met = tree_.first_on(ray);
     if (!met || !(met->t < end) || met->t < inside.lo) return std::nullopt;
@@ -209,7 +207,7 @@ void add_near_ray(const Comparer& comparer, const GridField& field, const Vec3& 
   const double per_t = field.in_cells(direction, target);
   for (const double cells : {0.25, 0.05, 0.01, 0.002}) {
     const double before = cells / per_t;
-    const render::FrameRay ray{target - before * direction, direction};
+    const render::Ray ray{target - before * direction, direction};
     const auto begin = comparer.judge().is_inside(ray, 0), end = comparer.judge().is_inside(ray, 2 * before);
     if (!begin || !end || *begin == *end) continue;
     if (comparer.judge().first_proved(ray, 0, 0.9 * before, cells / 16)) continue;
@@ -245,8 +243,8 @@ struct DistancesAlong {
 DistancesAlong distances_along(const Comparer& comparer, const NearRays& near, const Shots& shots) {
   DistancesAlong distances;
   for (std::size_t r = 0; r < near.rays.size(); ++r) {
-    const render::FrameRay& ray = near.rays[r].ray;
-    const render::FrameHit& hit = shots.hits[r];
+    const render::Ray& ray = near.rays[r].ray;
+    const render::Hit& hit = shots.hits[r];
     if (hit.is_miss()) continue;
     const double t = std::abs(hit.t - near.before[r]);
     distances.cells.push_back(t * comparer.cells_per_t(ray, near.before[r]));
@@ -321,7 +319,7 @@ Comparison compare_grid(const GridField& field, const Affine& world_from_frame, 
   find_all(comparer, close, progress, 750, 850);
   Comparison comparison;
   std::vector<AimedRay> camera;
-  for (const render::FrameRay& ray : question.camera_rays) camera.push_back({ray, Aim::camera});
+  for (const render::Ray& ray : question.camera_rays) camera.push_back({ray, Aim::camera});
   comparison.picture = shoot(tracer, std::move(camera));
   find_all(comparer, comparison.picture, progress, 850, 1000);
 

@@ -35,7 +35,7 @@ class Comparer {
   const TetJudge& judge() const { return judge_; }
   double world_length(const Vec3& v_frame) const { return world_from_frame_.vector(v_frame).length(); }
 
-  Finding find(const render::FrameRay& ray, const render::FrameHit& hit) const {
+  Finding find(const render::Ray& ray, const render::Hit& hit) const {
     Finding finding;
     const std::size_t hit_cell = hit.is_miss() ? field_.cell_count() : field_.cell_of_id(hit.cell);
     std::optional<TetJudge::Crossing> truth = undisputed(ray, hit, hit_cell);
@@ -59,7 +59,7 @@ class Comparer {
 
  private:
   /// The crossing in the cell that both the tracer and the extracted surface name.
-  std::optional<TetJudge::Crossing> undisputed(const render::FrameRay& ray, const render::FrameHit& hit,
+  std::optional<TetJudge::Crossing> undisputed(const render::Ray& ray, const render::Hit& hit,
                                                std::size_t hit_cell) const {
     if (hit.is_miss() || hit_cell == field_.cell_count()) return std::nullopt;
     const auto met = tree_.first_on(ray);
@@ -73,13 +73,12 @@ class Comparer {
 
   /// The depth error, in world units, that a hit may have: what it states itself, and what roundings make of the
   /// comparison.
-  double allowed(const render::FrameRay& ray, const render::FrameHit& hit) const {
+  double allowed(const render::Ray& ray, const render::Hit& hit) const {
     return depth_limit_ * diagonal_ + (std::isnan(hit.error) ? 0 : hit.error * world_length(ray.direction));
   }
 
-  void measure_hit(const render::FrameRay& ray, const render::FrameHit& hit, std::size_t hit_cell,
-                   Finding& finding) const {
-    const Vec3 p = point_at(ray, hit.t);
+  void measure_hit(const render::Ray& ray, const render::Hit& hit, std::size_t hit_cell, Finding& finding) const {
+    const Vec3 p = ray.at(hit.t);
     const double cell_size =
         hit_cell < field_.cell_count() ? world_length(diagonal_of(field_.cell(hit_cell))) : diagonal_;
     if (!tree_.is_empty()) {
@@ -108,8 +107,7 @@ class Comparer {
     return has_angle ? turn * 180 / std::numbers::pi : not_measured;
   }
 
-  Verdict verdict_of(const render::FrameRay& ray, const render::FrameHit& hit,
-                     const std::optional<double>& truth) const {
+  Verdict verdict_of(const render::Ray& ray, const render::Hit& hit, const std::optional<double>& truth) const {
     if (!truth) return hit.is_miss() ? Verdict::right : Verdict::false_hit;
     if (hit.is_miss()) return Verdict::missed;
     const double depth = std::abs(hit.t - *truth) * world_length(ray.direction);
@@ -130,7 +128,7 @@ class Comparer {
   }
 
   /// What the extracted surface gives a shifted ray is the tracer's answer, roughly.
-  bool may_agree(const render::FrameRay& ray, const Vec3& shift, const render::FrameHit& hit) const {
+  bool may_agree(const render::Ray& ray, const Vec3& shift, const render::Hit& hit) const {
     constexpr double roughly = 1e-3;  // of the box's diagonal: where a ray grazes, a small shift moves the crossing far
     const auto met = tree_.first_on({ray.origin + shift, ray.direction});
     if (hit.is_miss() || !met) return hit.is_miss() == !met;
@@ -140,9 +138,9 @@ class Comparer {
   /// The smallest parallel shift, of those tried, by which the tracer's answer becomes the exact one; nothing when
   /// there is none within what rounding may do. Directions in which the extracted surface, whose own rounding is far
   /// less than the largest shift, does not give that answer are not tried.
-  std::optional<Moved> moved_by_rounding(const render::FrameRay& ray, const render::FrameHit& hit) const {
+  std::optional<Moved> moved_by_rounding(const render::Ray& ray, const render::Hit& hit) const {
     constexpr int directions = 16;
-    if (!hit.is_miss() && !lies_on_surface(point_at(ray, hit.t))) return std::nullopt;
+    if (!hit.is_miss() && !lies_on_surface(ray.at(hit.t))) return std::nullopt;
     const Vec3 way = ray.direction.normalized();
     const Vec3 aside = way.cross(std::abs(way.x) < 0.5 ? Vec3(1, 0, 0) : Vec3(0, 1, 0)).normalized();
     const Vec3 other = way.cross(aside);
@@ -187,7 +185,7 @@ std::optional<AimedRay> near_ray(const Comparer& comparer, const TetField& field
   const Vec3 direction = (from_above ? -1.0 : 1.0) * gradient.normalized();
   double before = 0.25 * cell.longest_edge();
   for (int attempt = 0; attempt < 6; ++attempt, before *= 0.1) {
-    const render::FrameRay ray{target - before * direction, direction};
+    const render::Ray ray{target - before * direction, direction};
     const auto first = comparer.judge().first_crossing(ray);
     if (first && std::abs(first->t - before) <= 1e-3 * before) return AimedRay{ray, Aim::near};
   }
@@ -251,7 +249,7 @@ Comparison compare_tets(const TetField& field, const Affine& world_from_frame, c
   find_all(comparer, near, progress, 700, 850);
   Comparison comparison;
   std::vector<AimedRay> camera;
-  for (const render::FrameRay& ray : question.camera_rays) camera.push_back({ray, Aim::camera});
+  for (const render::Ray& ray : question.camera_rays) camera.push_back({ray, Aim::camera});
   comparison.picture = shoot(tracer, std::move(camera));
   find_all(comparer, comparison.picture, progress, 850, 1000);
 

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "formats/base/vector.h"
-#include "render/trace.h"
+#include "render/ray_questions.h"
 
 namespace rhoray::tools::validate {
 
 /// What is validated: answers rays in the volume's frame. Tests hand in ones that are wrong.
-using Tracer = std::function<void(std::span<const render::FrameRay> rays, std::span<render::FrameHit> hits)>;
+using Tracer = std::function<void(std::span<const render::Ray> rays, std::span<render::Hit> hits)>;
 
 /// Told how far the work is, in thousandths.
 using Thousandths = std::function<void(std::uint64_t done)>;
@@ -36,10 +36,6 @@ struct Triangles {
 
 inline Vec3 to_vec3(const Index3& i) {
   return {static_cast<double>(i.x), static_cast<double>(i.y), static_cast<double>(i.z)};
-}
-
-inline Vec3 point_at(const render::FrameRay& ray, double t) {
-  return ray.origin + t * ray.direction;
 }
 
 }  // namespace rhoray::tools::validate

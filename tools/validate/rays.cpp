@@ -35,7 +35,7 @@ Vec3 RayMaker::point_in(const Box3& box) {
   return box.min + share * box.size();
 }
 
-render::FrameRay RayMaker::toward(const Vec3& target_frame) {
+render::Ray RayMaker::toward(const Vec3& target_frame) {
   const double z = 2 * random() - 1, turn = 2 * std::numbers::pi * random();
   const double around = std::sqrt(1 - z * z);
   const Vec3 origin = frame_from_world_.point(

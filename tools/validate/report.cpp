@@ -120,7 +120,7 @@ void for_each_shot(std::size_t count, const Thousandths& progress, std::uint64_t
 
 Shots shoot(const Tracer& tracer, std::vector<AimedRay> rays) {
   Shots shots{.rays = std::move(rays), .hits = {}, .findings = {}};
-  std::vector<render::FrameRay> bare;
+  std::vector<render::Ray> bare;
   for (const AimedRay& aimed : shots.rays) bare.push_back(aimed.ray);
   shots.hits.resize(bare.size());
   shots.findings.resize(bare.size());

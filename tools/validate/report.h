@@ -94,14 +94,14 @@ struct Question {
   double isovalue = 0;
   std::uint64_t samples = 100'000;
   std::uint64_t seed = 1;
-  double max_depth_error = 0;                   ///< beyond a hit's own bound; 0 = the default of the kind
-  std::vector<render::FrameRay> camera_rays{};  ///< of the picture, if one is wanted
+  double max_depth_error = 0;              ///< beyond a hit's own bound; 0 = the default of the kind
+  std::vector<render::Ray> camera_rays{};  ///< of the picture, if one is wanted
 };
 
 /// Rays with their answers, and what was found of each; all three have one entry per ray.
 struct Shots {
   std::vector<AimedRay> rays;
-  std::vector<render::FrameHit> hits;
+  std::vector<render::Hit> hits;
   std::vector<Finding> findings;
 };
 

@@ -92,12 +92,12 @@ TEST(GridValidation, takes_uneven_axes_gaps_in_the_data_and_turned_grids) {
   write_file(folder / "bump.rho", made.file());
   const render::Volume volume = render::Volume::load(folder / "bump.rho");
   const validate::GridField field(formats::BrickGrid(volume.file()), "bump");
-  const auto tracer = [&](std::span<const render::FrameRay> rays, std::span<render::FrameHit> hits) {
-    render::trace(volume, {.isovalue = 3}, rays, hits);
+  const auto tracer = [&](std::span<const render::Ray> rays, std::span<render::Hit> hits) {
+    render::RayQuestions(volume, 3, {}).first_crossings(rays, hits);
   };
   const validate::Question about{.isovalue = 3, .samples = 2'000};
   const auto compare = [&](const validate::Tracer& by) {
-    return validate::compare_grid(field, render::world_from_frame(volume), about, by, [](std::uint64_t) {}).report;
+    return validate::compare_grid(field, render::world_from_ray_frame(volume), about, by, [](std::uint64_t) {}).report;
   };
   const validate::Report report = compare(tracer);
   EXPECT_TRUE(report.holds()) << json_of(report).dump(1);
@@ -110,7 +110,7 @@ TEST(GridJudge, decides_where_rounding_cannot) {
   const ValidatedFile file(sampled_volume<double>(count, Affine{}, linear_field({1, 0, 0})));
   const validate::GridField field = file.grid();
   const validate::GridJudge judge(field, 1.5);
-  const render::FrameRay ray{{-1, 0.3, 0.7}, {1, 0, 0}};
+  const render::Ray ray{{-1, 0.3, 0.7}, {1, 0, 0}};
   EXPECT_EQ(judge.is_inside(ray, 2.5), true) << "at the isovalue is inside";
   EXPECT_EQ(judge.is_inside(ray, std::nextafter(2.5, 0)), false);
   EXPECT_FALSE(judge.is_clearly_inside(ray, 2.5));

@@ -151,11 +151,11 @@ TEST(TetJudge, counts_a_point_that_is_met_from_below_and_none_met_from_above) {
   // A ridge: 1/2 - |z - 1/2|, which is 1/2 where z is.
   const ValidatedFile file(box_mesh({.cells = {2, 2, 2}}, [](const Vec3& p) { return 0.5 - std::abs(p.z - 0.5); }));
   const validate::TetField field = file.tets();
-  const auto crossing_at = [&](double iso, const render::FrameRay& ray) {
+  const auto crossing_at = [&](double iso, const render::Ray& ray) {
     const auto surface = extract_surface(field, iso);
     return validate::TetJudge(field, surface.straddling, iso).first_crossing(ray);
   };
-  const render::FrameRay up{{0.3, 0.4, -1}, {0, 0, 1}};
+  const render::Ray up{{0.3, 0.4, -1}, {0, 0, 1}};
   ASSERT_TRUE(crossing_at(0.5, up));
   EXPECT_NEAR(crossing_at(0.5, up)->t, 1.5, 2e-13);
   EXPECT_FALSE(crossing_at(0.75, up));
