@@ -100,13 +100,6 @@ class Comparer {
   /// The longest edge, as a vector along an axis of the frame, which is turned and shifted against the world at most.
   static Vec3 diagonal_of(const TetField::Cell& cell) { return {cell.longest_edge(), 0, 0}; }
 
-  /// Between two directions; NaN where one of them has none.
-  static double angle_deg(const Vec3& a, const Vec3& b) {
-    const double turn = std::atan2(a.cross(b).length(), a.dot(b));
-    const bool has_angle = std::isfinite(a.length()) && a.length() > 0 && std::isfinite(b.length()) && b.length() > 0;
-    return has_angle ? turn * 180 / std::numbers::pi : not_measured;
-  }
-
   Verdict verdict_of(const render::Ray& ray, const render::Hit& hit, const std::optional<double>& truth) const {
     if (!truth) return hit.is_miss() ? Verdict::right : Verdict::false_hit;
     if (hit.is_miss()) return Verdict::missed;
@@ -169,12 +162,6 @@ class Comparer {
   TetJudge judge_;
 };
 
-void find_all(const Comparer& comparer, Shots& shots, const Thousandths& progress, std::uint64_t begin,
-              std::uint64_t end) {
-  for_each_shot(shots.rays.size(), progress, begin, end,
-                [&](std::size_t r) { shots.findings[r] = comparer.find(shots.rays[r].ray, shots.hits[r]); });
-}
-
 /// A ray at a point of the surface, along the field's gradient, from just before it: from so near that the surface does
 /// not come between. Nothing where that cannot be had, as in cells without volume.
 std::optional<AimedRay> near_ray(const Comparer& comparer, const TetField& field, const Vec3& target,
@@ -198,41 +185,11 @@ std::vector<AimedRay> near_rays(const Comparer& comparer, const TetField& field,
   std::vector<AimedRay> rays;
   if (triangles.corners.empty()) return rays;
   for (std::size_t s = 0; s < count; ++s) {
-    const std::size_t triangle = maker.below(triangles.corners.size());
-    const Vec3 target = s % 2 == 0 ? triangles.corner(triangle, maker.below(3)) : triangles.center(triangle);
-    if (const auto ray = near_ray(comparer, field, target, comparer.surface().cells[triangle], s % 4 < 2))
+    const auto target = maker.point_of(triangles, s % 2 == 0 ? Aim::vertex : Aim::center);
+    if (const auto ray = near_ray(comparer, field, target.p, comparer.surface().cells[target.triangle], s % 4 < 2))
       rays.push_back(*ray);
   }
   return rays;
-}
-
-void add_measures(const Shots& far, const Shots& near, Report& report) {
-  for (const auto& [name, cells, box] : {std::tuple{"depth", &Finding::depth_cells, &Finding::depth_box},
-                                         {"renderer to surface", &Finding::distance_cells, &Finding::distance_box}}) {
-    report.measures.push_back(measure(name, "cells", far, cells));
-    report.measures.push_back(measure(name, "box", far, box));
-  }
-  add_bounds(far, report);
-  report.measures.push_back(measure("surface to renderer", "cells", near, &Finding::depth_cells));
-  report.measures.push_back(measure("surface to renderer", "box", near, &Finding::depth_box));
-  report.measures.push_back(measure("normal", "degrees", far, &Finding::normal_deg));
-  report.measures.push_back(measure("grazing rays moved", "box", far, &Finding::moved_box));
-}
-
-void add_checks(const Comparer& comparer, Report& report) {
-  const RayCounts all = report.total();
-  const double depth_limit = comparer.depth_limit() + report.largest_bound("box");
-  const char* exact = "every difference is decided exactly, so none is due to the reference";
-  report.checks = {
-      {"missed", static_cast<double>(all.missed), 0, exact},
-      {"false", static_cast<double>(all.false_hits), 0, exact},
-      {"elsewhere", static_cast<double>(all.elsewhere), 0, exact},
-      {"largest depth error, box", report.largest("depth", "box"), depth_limit,
-       "double precision in the cell, with room for rays that graze the surface, and a bound that the method states"},
-      {"renderer to surface, box", report.largest("renderer to surface", "box"), depth_limit, "as above"},
-      {"surface to renderer, box", report.largest("surface to renderer", "box"), depth_limit, "as above"},
-      {"largest normal error, degrees", report.largest("normal", "degrees"), normal_limit_deg,
-       "the gradient of one cell in double precision, with room for thin cells"}};
 }
 
 }  // namespace
@@ -241,29 +198,32 @@ Comparison compare_tets(const TetField& field, const Affine& world_from_frame, c
                         const Tracer& tracer, const Thousandths& progress) {
   const Box3 data_frame = field.box();
   const Comparer comparer(field, world_from_frame, data_frame, question);
+  const TetSurface& surface = comparer.surface();
   progress(200);
   RayMaker maker(world_from_frame, data_frame, question.seed);
-  Shots far = shoot(tracer, make_rays(maker, data_frame, comparer.surface().triangles, question.samples));
-  find_all(comparer, far, progress, 200, 600);
-  Shots near = shoot(tracer, near_rays(comparer, field, question.samples / 4, maker));
-  find_all(comparer, near, progress, 700, 850);
-  Comparison comparison;
-  std::vector<AimedRay> camera;
-  for (const render::Ray& ray : question.camera_rays) camera.push_back({ray, Aim::camera});
-  comparison.picture = shoot(tracer, std::move(camera));
-  find_all(comparer, comparison.picture, progress, 850, 1000);
-
-  Report& report = comparison.report;
+  Rounds rounds =
+      shoot(tracer,
+            {.far = make_rays(maker, data_frame, surface.triangles, question.samples),
+             .near = near_rays(comparer, field, question.samples / 4, maker),
+             .camera = question.camera_rays,
+             .find = [&](const render::Ray& ray, const render::Hit& hit) { return comparer.find(ray, hit); }},
+            progress);
+  Report report;
   report.reference =
       "the isosurface extracted from the same tetrahedra with exact constructions; differences are decided exactly";
-  report.straddling_cells = comparer.surface().straddling.size();
-  report.triangles = comparer.surface().triangles.corners.size();
-  count(far, report);
-  count(near, report);
-  count(comparison.picture, report);
-  add_measures(far, near, report);
-  add_checks(comparer, report);
-  return comparison;
+  report.straddling_cells = surface.straddling.size();
+  report.triangles = surface.triangles.corners.size();
+  fill(report, rounds,
+       {.unit = "box",
+        .depth = comparer.depth_limit(),
+        .normal_deg = normal_limit_deg,
+        .why_none_wrong = "every difference is decided exactly, so none is due to the reference",
+        .why_depth =
+            "double precision in the cell, with room for rays that graze the surface, and a bound that the method "
+            "states",
+        .why_normal = "the gradient of one cell in double precision, with room for thin cells"});
+  report.measures.push_back(measure("grazing rays moved", "box", rounds.far, &Finding::moved_box));
+  return {std::move(report), std::move(rounds.camera)};
 }
 
 }  // namespace rhoray::tools::validate

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
+#include <numbers>
 #include <span>
 #include <vector>
 
@@ -33,6 +36,13 @@ struct Triangles {
     return (corner(triangle, 1) - a).cross(corner(triangle, 2) - a);
   }
 };
+
+/// Between two directions, in degrees; NaN where one of them has none.
+inline double angle_deg(const Vec3& a, const Vec3& b) {
+  const auto is_direction = [](const Vec3& v) { return std::isfinite(v.length()) && v.length() > 0; };
+  if (!is_direction(a) || !is_direction(b)) return std::numeric_limits<double>::quiet_NaN();
+  return std::atan2(a.cross(b).length(), a.dot(b)) * 180 / std::numbers::pi;
+}
 
 inline Vec3 to_vec3(const Index3& i) {
   return {static_cast<double>(i.x), static_cast<double>(i.y), static_cast<double>(i.z)};

@@ -32,7 +32,9 @@ TEST(GridValidation, finds_nothing_wrong_with_the_renderer) {
   EXPECT_GT(all.hits, 1'500U);
   EXPECT_LT(all.undecided, all.rays / 20);
   EXPECT_LT(report.largest("depth", "cells"), 1e-10);
-  EXPECT_LT(report.largest("renderer to surface", "cells"), 1);
+  EXPECT_LT(report.largest("renderer to surface", "cells"), 1e-10);
+  EXPECT_LT(report.largest("surface to renderer", "cells"), 1e-10);
+  EXPECT_LT(report.largest("renderer to mesh", "cells"), 1);
   EXPECT_GT(report.measures.front().quantiles.count, 1'000U);
 }
 
@@ -49,6 +51,9 @@ TEST(GridValidation, catches_a_renderer_whose_hits_lie_a_thousandth_of_a_cell_to
   EXPECT_FALSE(report.holds());
   EXPECT_GT(found(report, "elsewhere"), 0.99 * static_cast<double>(report.total().hits));
   EXPECT_GT(report.largest("depth", "cells"), 0.9e-3);
+  EXPECT_GT(found(report, "renderer to surface, cells"), 0.9e-3);
+  EXPECT_LE(found(report, "renderer to surface, cells"), 1.001e-3);
+  EXPECT_NEAR(found(report, "surface to renderer, cells"), 1e-3 * cell_edge(), 1e-9) << "shifted in the grid's frame";
 }
 
 TEST(GridValidation, holds_a_proving_method_against_the_bounds_that_it_states) {
@@ -60,6 +65,16 @@ TEST(GridValidation, holds_a_proving_method_against_the_bounds_that_it_states) {
       waves().report(question, understating_bounds(waves().renderer(question.isovalue, certified)));
   EXPECT_FALSE(boastful.holds());
   EXPECT_GT(found(boastful, "elsewhere"), 0);
+}
+
+TEST(GridValidation, measures_the_distance_from_the_surface_also_where_a_ray_grazes_it) {
+  // Down the wave's flanks at a small angle, depth is not distance.
+  const auto tracer = shifting_hits(waves().renderer(question.isovalue), 1e-3 * cell_edge());
+  const validate::Report report = waves().report(question, tracer);
+  const validate::Quantiles distance = quantiles(report, "renderer to surface", "cells");
+  const validate::Quantiles depth = quantiles(report, "depth", "cells");
+  EXPECT_LT(distance.p50, 0.95 * depth.p50);
+  EXPECT_GE(distance.count, depth.count);
 }
 
 TEST(GridValidation, catches_a_renderer_that_reports_the_second_hit) {

@@ -120,6 +120,13 @@ inline validate::Tracer inventing_hits(validate::Tracer tracer, double t) {
   };
 }
 
+inline validate::Quantiles quantiles(const validate::Report& report, const std::string& measure,
+                                     const std::string& unit) {
+  for (const validate::Measure& each : report.measures)
+    if (each.name == measure && each.unit == unit) return each.quantiles;
+  return {};
+}
+
 inline double found(const validate::Report& report, const std::string& check) {
   for (const validate::Check& each : report.checks)
     if (each.name == check) return each.found;
