@@ -37,7 +37,7 @@ class Comparer {
 
   Finding find(const render::Ray& ray, const render::Hit& hit) const {
     Finding finding;
-    const std::size_t hit_cell = hit.is_miss() ? field_.cell_count() : field_.cell_of_id(hit.cell);
+    const std::optional<std::uint32_t> hit_cell = hit.is_miss() ? std::nullopt : cell_of(ray, hit);
     std::optional<TetJudge::Crossing> truth = undisputed(ray, hit, hit_cell);
     if (!truth && !(hit.is_miss() && !tree_.first_on(ray))) {
       truth = judge_.first_crossing(ray);
@@ -58,17 +58,30 @@ class Comparer {
   }
 
  private:
+  /// The cell that a hit names. Where several have that id, one that holds the point, and of these, of which there are
+  /// several where a ray passes between them, the one whose normal the hit has.
+  std::optional<std::uint32_t> cell_of(const render::Ray& ray, const render::Hit& hit) const {
+    constexpr double rounding = 1e-9;  // in barycentric coordinates
+    const std::span<const std::uint32_t> cells = field_.cells_of_id(hit.cell);
+    if (cells.size() <= 1) return cells.empty() ? std::nullopt : std::optional(cells.front());
+    const auto misfit = [&](std::uint32_t number) {
+      const TetField::Cell cell = field_.cell(number);
+      const double outside = -cell.smallest_coordinate(ray.at(hit.t));
+      const double turn = angle_deg(cell.gradient(), hit.gradient);
+      return std::pair(outside > rounding ? outside : 0, std::isnan(turn) ? 180 : turn);
+    };
+    return *std::ranges::min_element(cells, {}, misfit);
+  }
+
   /// The crossing in the cell that both the tracer and the extracted surface name.
   std::optional<TetJudge::Crossing> undisputed(const render::Ray& ray, const render::Hit& hit,
-                                               std::size_t hit_cell) const {
-    if (hit.is_miss() || hit_cell == field_.cell_count()) return std::nullopt;
+                                               std::optional<std::uint32_t> hit_cell) const {
     const auto met = tree_.first_on(ray);
-    if (!met || surface_.cells[met->triangle] != hit_cell) return std::nullopt;
-    const auto cell = static_cast<std::uint32_t>(hit_cell);
-    const std::optional<double> t = judge_.crossing_in(ray, cell);
+    if (!hit_cell || !met || surface_.cells[met->triangle] != *hit_cell) return std::nullopt;
+    const std::optional<double> t = judge_.crossing_in(ray, *hit_cell);
     // Where the answers lie apart, the cell alone does not tell which crossing is the first.
     if (!t || std::abs(*t - hit.t) * world_length(ray.direction) > allowed(ray, hit)) return std::nullopt;
-    return TetJudge::Crossing{.t = *t, .cell = cell};
+    return TetJudge::Crossing{.t = *t, .cell = *hit_cell};
   }
 
   /// The depth error, in world units, that a hit may have: what it states itself, and what roundings make of the
@@ -77,10 +90,10 @@ class Comparer {
     return depth_limit_ * diagonal_ + (std::isnan(hit.error) ? 0 : hit.error * world_length(ray.direction));
   }
 
-  void measure_hit(const render::Ray& ray, const render::Hit& hit, std::size_t hit_cell, Finding& finding) const {
+  void measure_hit(const render::Ray& ray, const render::Hit& hit, std::optional<std::uint32_t> hit_cell,
+                   Finding& finding) const {
     const Vec3 p = ray.at(hit.t);
-    const double cell_size =
-        hit_cell < field_.cell_count() ? world_length(diagonal_of(field_.cell(hit_cell))) : diagonal_;
+    const double cell_size = hit_cell ? world_length(diagonal_of(field_.cell(*hit_cell))) : diagonal_;
     if (!tree_.is_empty()) {
       const Vec3 offset = p - tree_.nearest(p);
       finding.distance_box = world_length(offset) / diagonal_;
@@ -94,7 +107,7 @@ class Comparer {
       finding.depth_box = depth / diagonal_;
       finding.depth_cells = depth / cell_size;
     }
-    if (hit_cell < field_.cell_count()) finding.normal_deg = angle_deg(field_.cell(hit_cell).gradient(), hit.gradient);
+    if (hit_cell) finding.normal_deg = angle_deg(field_.cell(*hit_cell).gradient(), hit.gradient);
   }
 
   /// The longest edge, as a vector along an axis of the frame, which is turned and shifted against the world at most.

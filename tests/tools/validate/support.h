@@ -1,10 +1,13 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <string>
 
+#include "formats/base/text.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_volume.h"
@@ -72,6 +75,15 @@ inline validate::Tracer spoiled(validate::Tracer tracer,
     for (std::size_t r = 0; r < rays.size(); ++r)
       if (!hits[r].is_miss()) spoil(number++, rays[r], hits[r]);
   };
+}
+
+/// What a renderer that is wrong made of the checks; `test_validate --gtest_output=xml:FILE` tells it under `what`.
+inline void expect_caught(const std::string& what, const validate::Report& report) {
+  std::string outside;
+  for (const validate::Check& check : report.checks)
+    if (!check.holds()) outside += concat(outside.empty() ? "" : "; ", check.name, " ", check.found);
+  EXPECT_NE(outside, "") << what;
+  testing::Test::RecordProperty(what, concat("of ", report.total().rays, " rays: ", outside));
 }
 
 // Renderers that are wrong.
