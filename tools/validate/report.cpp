@@ -1,11 +1,9 @@
 #include "tools/validate/report.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
-#include <atomic>
 #include <cmath>
+
+#include "formats/base/text.h"
 
 namespace rhoray::tools::validate {
 
@@ -57,11 +55,6 @@ Json json_of(const DisputedRay& ray) {
 
 }  // namespace
 
-std::string_view name_of(Verdict verdict) {
-  constexpr std::string_view names[] = {"right", "missed", "false", "elsewhere", "grazes", "undecided"};
-  return names[static_cast<std::size_t>(verdict)];
-}
-
 Quantiles quantiles_of(std::vector<double> values) {
   std::erase_if(values, [](double v) { return std::isnan(v); });
   std::sort(values.begin(), values.end());
@@ -102,31 +95,13 @@ double Report::largest_bound(std::string_view unit) const {
   return std::isnan(bound) ? 0 : bound;
 }
 
-void add_bounds(const Shots& shots, Report& report) {
-  Measure in_cells = measure(bounds_name, "cells", shots, &Finding::bound_cells);
-  if (in_cells.quantiles.count == 0) return;
-  report.measures.push_back(std::move(in_cells));
-  report.measures.push_back(measure(bounds_name, "box", shots, &Finding::bound_box));
+Measure measure(std::string name, std::string unit, const Shots& shots, double Finding::*number_of) {
+  std::vector<double> values;
+  for (const Finding& finding : shots.findings) values.push_back(finding.*number_of);
+  return {std::move(name), std::move(unit), quantiles_of(std::move(values))};
 }
 
-void for_each_shot(std::size_t count, const Thousandths& progress, std::uint64_t begin, std::uint64_t end,
-                   const std::function<void(std::size_t shot)>& act) {
-  std::atomic<std::size_t> done = 0;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 64), [&](const auto& range) {
-    for (std::size_t r = range.begin(); r != range.end(); ++r) act(r);
-    progress(begin + (end - begin) * (done += range.size()) / count);
-  });
-}
-
-Shots shoot(const Tracer& tracer, std::vector<AimedRay> rays) {
-  Shots shots{.rays = std::move(rays), .hits = {}, .findings = {}};
-  std::vector<render::FrameRay> bare;
-  for (const AimedRay& aimed : shots.rays) bare.push_back(aimed.ray);
-  shots.hits.resize(bare.size());
-  shots.findings.resize(bare.size());
-  tracer(bare, shots.hits);
-  return shots;
-}
+namespace {
 
 void count(const Shots& shots, Report& report) {
   for (std::size_t r = 0; r < shots.rays.size(); ++r) {
@@ -148,10 +123,40 @@ void count(const Shots& shots, Report& report) {
   }
 }
 
-Measure measure(std::string name, std::string unit, const Shots& shots, double Finding::*number_of) {
-  std::vector<double> values;
-  for (const Finding& finding : shots.findings) values.push_back(finding.*number_of);
-  return {std::move(name), std::move(unit), quantiles_of(std::move(values))};
+void add_measures(const Rounds& rounds, Report& report) {
+  const auto add = [&](const char* name, const Shots& shots, double Finding::*cells, double Finding::*box) {
+    report.measures.push_back(measure(name, "cells", shots, cells));
+    report.measures.push_back(measure(name, "box", shots, box));
+  };
+  add("depth", rounds.far, &Finding::depth_cells, &Finding::depth_box);
+  add(bounds_name, rounds.far, &Finding::bound_cells, &Finding::bound_box);
+  if (report.measures.back().quantiles.count == 0) report.measures.resize(report.measures.size() - 2);
+  add("renderer to surface", rounds.far, &Finding::distance_cells, &Finding::distance_box);
+  add("surface to renderer", rounds.near, &Finding::depth_cells, &Finding::depth_box);
+  report.measures.push_back(measure("normal", "degrees", rounds.far, &Finding::normal_deg));
+}
+
+void add_checks(const Limits& limits, Report& report) {
+  const RayCounts all = report.total();
+  for (const auto& [name, count] :
+       {std::pair{"missed", all.missed}, {"false", all.false_hits}, {"elsewhere", all.elsewhere}})
+    report.checks.push_back({name, static_cast<double>(count), 0, limits.why_none_wrong});
+  const double depth_limit = limits.depth + report.largest_bound(limits.unit);
+  for (const auto& [name, measure] : {std::pair{"largest depth error", "depth"},
+                                      {"renderer to surface", "renderer to surface"},
+                                      {"surface to renderer", "surface to renderer"}})
+    report.checks.push_back(
+        {concat(name, ", ", limits.unit), report.largest(measure, limits.unit), depth_limit, limits.why_depth});
+  report.checks.push_back(
+      {"largest normal error, degrees", report.largest("normal", "degrees"), limits.normal_deg, limits.why_normal});
+}
+
+}  // namespace
+
+void fill(Report& report, const Rounds& rounds, const Limits& limits) {
+  for (const Shots* shots : {&rounds.far, &rounds.near, &rounds.camera}) count(*shots, report);
+  add_measures(rounds, report);
+  add_checks(limits, report);
 }
 
 Json json_of(const Report& report) {
