@@ -42,7 +42,10 @@ formats::BrickLayout chosen_layout(const Index3& sample_count, const PackVolumeO
   }
   const std::int64_t edge = options.brick_edge.value_or(4);
   if (edge < 2 || edge > 64) throw Error(Trouble::usage, concat("brick edge: found ", edge, "; expected 2 to 64"));
-  return formats::BrickLayout::bricked(sample_count, edge);
+  const std::int64_t superbrick = options.largest_superbrick;
+  if (superbrick < 1 || superbrick > 64)
+    throw Error(Trouble::usage, concat("superbrick edge: found ", superbrick, "; expected 1 to 64"));
+  return formats::BrickLayout::bricked(sample_count, edge, superbrick);
 }
 
 void check_samples(const NeutralVolume& volume, const std::string& source_name) {

@@ -21,6 +21,7 @@ enum class SampleOrder {
 struct PackVolumeOptions {
   SampleOrder order = SampleOrder::bricks;
   std::optional<std::int64_t> brick_edge{};  ///< 2 to 64; not given: 4, and 8 in the sparse order
+  std::int64_t largest_superbrick = 8;       ///< bricks per axis of a superbrick at most, 1 to 64; 1: none
   std::int64_t macro_factor = 4;
   int macro_level_count = 3;
   std::optional<formats::ElementType> type{};  ///< store as this type; refused when a value would not survive unchanged

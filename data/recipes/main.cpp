@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <new>
 #include <string>
 #include <system_error>
@@ -10,6 +11,7 @@
 
 #include "data/recipes/marschner_lobb.h"
 #include "data/recipes/potential.h"
+#include "data/recipes/test_volumes.h"
 #include "data/recipes/torso_ct.h"
 #include "data/recipes/torso_scene.h"
 #include "data/recipes/torso_surface.h"
@@ -132,6 +134,23 @@ void add_marschner_lobb(CLI::App& program) {
   });
 }
 
+void add_test_volume(CLI::App& program, const std::string& name, recipes::TestVolume which, const std::string& about) {
+  struct Wishes {
+    Output output;
+    recipes::TestVolumeOptions options;
+  };
+  const auto wishes = std::make_shared<Wishes>();
+  wishes->options.which = which;
+  CLI::App* command = program.add_subcommand(name, about);
+  add_output(*command, wishes->output, "Volume to write (.nhdr); the samples go beside it (.raw)");
+  command->add_option("--size", wishes->options.size, "Samples on each axis")->capture_default_str();
+  command->footer("Example:\n  rhoray-recipes " + name + " -o " + name + ".nhdr --size 256");
+  command->callback([wishes] {
+    wishes->options.replace_existing = wishes->output.replace_existing;
+    recipes::write_test_volume(wishes->output.path, wishes->options);
+  });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -142,6 +161,10 @@ int main(int argc, char** argv) {
   add_torso_potential(program);
   add_torso_ct(program);
   add_marschner_lobb(program);
+  add_test_volume(program, "smooth", recipes::TestVolume::smooth,
+                  "A smooth body with a gyroid in it, 16 bit: isovalues 600.5 (skin) and 2200.5");
+  add_test_volume(program, "turbulent", recipes::TestVolume::turbulent,
+                  "Sheets upon sheets, 16 bit: isovalues 2048.5 and 2900.5");
   try {
     program.parse(argc, argv);
     return 0;

@@ -15,7 +15,7 @@ RunResult recipes(std::vector<std::string> words, const TemporaryFolder& folder)
 
 TEST(RecipesProgram, ends_every_help_with_an_example) {
   const TemporaryFolder folder;
-  for (const char* recipe : {"torso-surface", "torso-potential", "torso-ct", "marschner-lobb"}) {
+  for (const char* recipe : {"torso-surface", "torso-potential", "torso-ct", "marschner-lobb", "smooth", "turbulent"}) {
     const RunResult result = recipes({recipe, "--help"}, folder);
     EXPECT_EQ(result.exit_code, 0);
     const auto example = result.out.rfind("Example:\n  rhoray-recipes " + std::string(recipe));

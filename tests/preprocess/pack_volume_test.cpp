@@ -141,6 +141,8 @@ TYPED_TEST(PackVolumeOf, this_type_keeps_every_sample_in_bricks_and_in_the_linea
 TEST(PackVolume, keeps_every_sample_for_any_edge_of_bricks_and_any_hierarchy) {
   const auto volume = random_volume<std::uint16_t>({37, 18, 21}, 6);
   for (const std::int64_t edge : {2, 3, 4, 7, 8, 64}) expect_faithful<std::uint16_t>(volume, {.brick_edge = edge});
+  for (const std::int64_t superbrick : {1, 3, 64})
+    expect_faithful<std::uint16_t>(volume, {.largest_superbrick = superbrick});
   for (const std::int64_t factor : {2, 3, 5, 32})
     for (const int levels : {1, 2, 5})
       expect_faithful<std::uint16_t>(volume, {.macro_factor = factor, .macro_level_count = levels});
@@ -340,6 +342,8 @@ TEST(PackVolume, refuses_options_that_make_no_sense) {
   const auto volume = random_volume<std::uint8_t>({5, 5, 5}, 1);
   for (const std::int64_t edge : {-1, 0, 1, 65})
     EXPECT_EQ(refusal(volume, {.brick_edge = edge}).trouble(), Trouble::usage);
+  for (const std::int64_t superbrick : {-1, 0, 65})
+    EXPECT_EQ(refusal(volume, {.largest_superbrick = superbrick}).trouble(), Trouble::usage);
   for (const std::int64_t factor : {0, 1, 33})
     EXPECT_EQ(refusal(volume, {.macro_factor = factor}).trouble(), Trouble::usage);
   for (const int levels : {-1, 0, 13})

@@ -115,6 +115,16 @@ TEST(BenchCommand, fills_its_tables) {
   ASSERT_EQ(threads["rows"].size(), 6U);
   EXPECT_EQ(threads["rows"][0]["picture"], threads["rows"][1]["picture"]) << "one thread and two draw the same";
   EXPECT_EQ(threads["rows"][0]["speedup"], 1.0);
+  const nlohmann::json views = table("views");
+  ASSERT_EQ(views["rows"].size(), 12U);
+  for (const nlohmann::json& row : views["rows"]) {
+    EXPECT_GT(row["cycles_per_ray"], 0.0);
+    EXPECT_GT(row["covered"], row["view"] == "inside" ? 0.99 : 0.05);
+  }
+  const nlohmann::json changes = table("isovalue");
+  ASSERT_EQ(changes["rows"].size(), 4U) << "a changed isovalue and a changed view of two isosurfaces";
+  EXPECT_NE(changes["rows"][0]["picture"], changes["rows"][1]["picture"]);
+  EXPECT_LT(changes["rows"][0]["change_ms"], 1000.0);
   EXPECT_EQ(table("open")["rows"].size(), 4U);
   for (const char* key : {"processor", "compiler", "commit", "version", "repeat"})
     EXPECT_TRUE(threads["context"].contains(key)) << key;

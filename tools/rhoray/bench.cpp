@@ -21,10 +21,9 @@ struct TableRow {
   Table (*measure)(const BenchOptions&, const Step&);
 };
 
-constexpr TableRow table_rows[] = {{"phases", true, phases_table},
-                                   {"threads", true, threads_table},
-                                   {"open", true, open_table},
-                                   {"pack", false, pack_table}};
+constexpr TableRow table_rows[] = {{"phases", true, phases_table}, {"threads", true, threads_table},
+                                   {"views", true, views_table},   {"isovalue", true, isovalue_table},
+                                   {"open", true, open_table},     {"pack", false, pack_table}};
 
 struct BenchCommand {
   CommonOptions common;
@@ -46,7 +45,8 @@ std::vector<TableRow> choose_tables(BenchCommand& command) {
     for (const TableRow& row : table_rows)
       if (asked == row.name) chosen.push_back(row);
     if (chosen.empty())
-      throw Error(Trouble::usage, concat("no table '", asked, "'; there are phases, threads, open and pack"),
+      throw Error(Trouble::usage,
+                  concat("no table '", asked, "'; there are phases, threads, views, isovalue, open and pack"),
                   did_you_mean(asked, names));
   }
   require_input(command.bench.input);
@@ -113,11 +113,12 @@ Subcommand bench_subcommand() {
               "  rhoray bench phases head.rho --iso 500,1250 --repeat 9\n"
               "  rhoray bench threads head.rho --size 512x512\n"
               "  rhoray bench pack head.nrrd --json\n"
-              "Tables: phases (shares of traversal, intersection and shading), threads (1 to all), open\n"
-              "(with and without checksums), pack (beside reading and writing once).\n",
+              "Tables: phases (shares of traversal, intersection and shading), threads (1 to all), views (front, from\n"
+              "the feet, close up, inside: rays per second and cycles per ray), isovalue (the next picture after a\n"
+              "change), open (with and without checksums), pack (beside reading and writing once).\n",
           .options = all_options(
               {{files_option("[TABLE] FILE",
-                             "Table, and a packed file (phases, threads, open) or one to pack (pack); without a table, "
+                             "Table, and a packed file (all but pack) or one to pack (pack); without a table, "
                              "all that suit the file",
                              command->words)},
                {value_option("-o,--output", "FOLDER", "Also write TABLE.csv and TABLE.json into this folder",

@@ -1,20 +1,20 @@
 #include "tools/rhoray/bench_tables.h"
 
-#include <xxhash.h>
-
 #include <algorithm>
-#include <cstdio>
 #include <fstream>
 
 #include "formats/base/trouble.h"
 #include "formats/packed_file.h"
+#include "tools/rhoray/cpu_meter.h"
 #include "tools/rhoray/input_file.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/new_file.h"
 #include "tools/rhoray/pack_any.h"
+#include "tools/rhoray/picture_hash.h"
 #include "tools/rhoray/picture_plan.h"
 #include "tools/rhoray/version.h"
+#include "tools/rhoray/views.h"
 
 namespace rhoray::tools {
 
@@ -61,14 +61,6 @@ void add_seconds(Json& row, const std::string& name, const Spread& spread) {
   row[name] = spread.median;
   row[name + "_min"] = spread.smallest;
   row[name + "_max"] = spread.largest;
-}
-
-/// Hash of the colours, as the framebuffer holds them.
-std::string hash_of(const render::Framebuffer& picture) {
-  const XXH64_hash_t hash = XXH3_64bits(picture.color.data(), picture.color.size() * sizeof(float));
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
-  return text;
 }
 
 /// A picture that is traced again and again, and what came out last.
@@ -140,6 +132,65 @@ Json bytes_per_tetrahedron(const formats::PackedFile& file, const PackResult& pa
   return static_cast<double>(packed.file_bytes - plain) / static_cast<double>(packed.cell_count);
 }
 
+/// Changes a picture to one that was not shown before.
+struct Change {
+  const char* name;
+  void (*act)(render::Scene& scene, const render::Volume& volume);
+};
+
+/// By a ten-thousandth of the range.
+void next_isovalue(render::Scene& scene, const render::Volume& volume) {
+  const Interval<double> range = volume.field().range;
+  scene.isovalue += 1e-4 * (range.hi - range.lo);
+}
+
+/// By one degree about the z axis.
+void next_view(render::Scene& scene, const render::Volume&) {
+  render::Camera& camera = scene.camera;
+  const Vec3 from_target = camera.position - camera.target;
+  constexpr double cosine = 0.99984769515639123, sine = 0.017452406437283513;
+  camera.position = camera.target + Vec3(cosine * from_target.x - sine * from_target.y,
+                                         sine * from_target.x + cosine * from_target.y, from_target.z);
+}
+
+/// A picture that is changed and shown, then shown again without a change. Before each time a picture of few pixels is
+/// made: what it takes more after a change than without is what the change takes before the first pixel.
+class ChangingPicture {
+ public:
+  ChangingPicture(const Shot& shot, const Change& change, const render::Volume& volume)
+      : shot_(shot), few_pixels_(shot), change_(change), volume_(volume) {
+    few_pixels_.plan.frame.width = few_pixels_.plan.frame.height = 4;
+    few_pixels_.plan.frame.threads = 1;
+  }
+
+  double show_next() {
+    change_.act(shot_.plan.scene, volume_);
+    few_pixels_.plan.scene = shot_.plan.scene;
+    changed_ms_ = few_pixels_ms();
+    return shot_.trace(volume_);
+  }
+  double show_again() {
+    extra_ms_.push_back(changed_ms_ - few_pixels_ms());
+    return shot_.trace(volume_);
+  }
+
+  /// Of all times but the first, which was not timed.
+  std::vector<double> extra_ms() const { return {extra_ms_.begin() + 1, extra_ms_.end()}; }
+  std::string hash() const { return picture_hash(shot_.picture); }
+
+ private:
+  double few_pixels_ms() {
+    return 1e3 * meter_.measure([&] { few_pixels_.trace(volume_); }).cpu_s;
+  }
+
+  Shot shot_, few_pixels_;
+  Change change_;
+  const render::Volume& volume_;
+  CpuMeter meter_;
+  double changed_ms_ = 0;
+  std::vector<double> extra_ms_;
+};
+
 }  // namespace
 
 Table phases_table(const BenchOptions& options, const Step& step) {
@@ -178,7 +229,7 @@ Table phases_table(const BenchOptions& options, const Step& step) {
     row["hits"] = statistics.hits;
     row["cells_visited"] = statistics.cells_visited;
     row["cells_solved"] = statistics.cells_solved;
-    row["picture"] = hash_of(plain[i].picture);
+    row["picture"] = picture_hash(plain[i].picture);
     table.rows.push_back(std::move(row));
   }
   return table;
@@ -210,9 +261,83 @@ Table threads_table(const BenchOptions& options, const Step& step) {
              {"speedup", speedup},
              {"efficiency", speedup / threads}};
     add_seconds(row, "frame_s", frame);
-    row["picture"] = hash_of(rows[i].picture);
+    row["picture"] = picture_hash(rows[i].picture);
     table.rows.push_back(std::move(row));
   }
+  return table;
+}
+
+Table views_table(const BenchOptions& options, const Step& step) {
+  const render::Volume volume = load_volume(options.input, options.field);
+  const double aspect = static_cast<double>(options.size.width) / static_cast<double>(options.size.height);
+  struct Row {
+    StudyView view;
+    Shot shot;
+    std::vector<double> cycles;
+  };
+  std::vector<Row> rows;
+  for (const Shot& shot : shots(options, volume))
+    for (const StudyView view : study_views) {
+      rows.push_back({view, shot, {}});
+      render::Scene& scene = rows.back().shot.plan.scene;
+      const bool is_surface = scene.mode == render::Mode::isosurface;
+      scene.camera = study_camera(view, volume, is_surface ? std::optional(scene.isovalue) : std::nullopt, aspect);
+    }
+  CpuMeter meter;
+  const auto seconds = interleaved(rows.size(), options.repeat, [&](std::size_t r) {
+    Row& row = rows[r];
+    step(concat(row.shot.scene, ", ", name_of(row.view)));
+    double taken = 0;
+    const Cost cost = meter.measure([&] { taken = row.shot.trace(volume); });
+    row.cycles.push_back(cost.cycles ? *cost.cycles : cost.cpu_s * core_frequency_hz());
+    return taken;
+  });
+
+  Table table{"views", "The paper's four views", picture_context(options, volume), {}};
+  table.context["cycles"] = meter.counts_cycles() ? "counted by the processor" : "CPU time x measured frequency";
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    Row& row = rows[r];
+    row.cycles.erase(row.cycles.begin());  // the round that was not timed
+    const Spread frame = spread_of(seconds[r]);
+    const render::FrameStatistics& statistics = row.shot.statistics;
+    const double rays = static_cast<double>(statistics.rays);
+    Json json{{"scene", row.shot.scene}, {"view", name_of(row.view)}, {"fps", 1 / frame.median}};
+    add_seconds(json, "frame_s", frame);
+    json["million_rays_per_s"] = 1e-6 * rays / frame.median;
+    json["cycles_per_ray"] = spread_of(row.cycles).median / rays;
+    json["covered"] = static_cast<double>(statistics.hits) / rays;
+    json["cells_per_ray"] = static_cast<double>(statistics.cells_visited) / rays;
+    json["picture"] = picture_hash(row.shot.picture);
+    table.rows.push_back(std::move(json));
+  }
+  return table;
+}
+
+Table isovalue_table(const BenchOptions& options, const Step& step) {
+  const render::Volume volume = load_volume(options.input, options.field);
+  BenchOptions surfaces = options;
+  surfaces.mip = false;
+  Table table{"isovalue",
+              "The next picture after a change, and what a change takes before its first pixel",
+              picture_context(options, volume),
+              {}};
+  for (const Shot& shot : shots(surfaces, volume))
+    for (const Change& change : {Change{"isovalue", next_isovalue}, Change{"view", next_view}}) {
+      ChangingPicture picture(shot, change, volume);
+      const auto seconds = interleaved(2, options.repeat, [&](std::size_t row) {
+        step(concat(shot.scene, ", another ", change.name));
+        return row == 0 ? picture.show_next() : picture.show_again();
+      });
+      Json json{{"scene", shot.scene}, {"changed", change.name}};
+      add_seconds(json, "next_s", spread_of(seconds[0]));
+      add_seconds(json, "again_s", spread_of(seconds[1]));
+      const Spread extra = spread_of(picture.extra_ms());
+      json["change_ms"] = extra.median;
+      json["change_ms_min"] = extra.smallest;
+      json["change_ms_max"] = extra.largest;
+      json["picture"] = picture.hash();
+      table.rows.push_back(std::move(json));
+    }
   return table;
 }
 

@@ -32,6 +32,11 @@ using Step = std::function<void(std::string_view what)>;
 Table phases_table(const BenchOptions& options, const Step& step);
 /// The paper's Table 2: frames per second, speed-up and efficiency from 1 thread to all.
 Table threads_table(const BenchOptions& options, const Step& step);
+/// The paper's four views (views.h): rays per second and core cycles per ray.
+Table views_table(const BenchOptions& options, const Step& step);
+/// The next picture after a changed isovalue or view, and what a change takes before its first pixel (change_ms, CPU
+/// milliseconds).
+Table isovalue_table(const BenchOptions& options, const Step& step);
 /// Opening a packed file, with and without reading its checksums. The page cache is warm.
 Table open_table(const BenchOptions& options, const Step& step);
 /// Packing a volume or a mesh, beside reading and writing the bytes once.

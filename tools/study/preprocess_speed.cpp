@@ -30,6 +30,8 @@
 #include "tools/study/closed_surfaces.h"
 #include "tools/study/judge_cells.h"
 #include "tools/study/largest_values.h"
+#include "tools/study/layouts.h"
+#include "tools/study/peers_grid.h"
 #include "tools/study/warped_box.h"
 
 namespace rhoray::study {
@@ -290,6 +292,8 @@ tools::Subcommand preprocess_speed() {
 int main(int argc, char** argv) {
   rhoray::tools::end_cleanly_on_interrupt();
   const rhoray::tools::Subcommand subcommands[] = {rhoray::study::preprocess_speed(), rhoray::study::judge_cells(),
-                                                   rhoray::study::closed_surfaces(), rhoray::study::largest_values()};
+                                                   rhoray::study::closed_surfaces(),  rhoray::study::largest_values(),
+                                                   rhoray::study::peers_grid(),       rhoray::study::layouts(),
+                                                   rhoray::study::one_frame()};
   return rhoray::tools::run_command_line(subcommands, argc, argv);
 }

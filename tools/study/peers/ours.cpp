@@ -1,0 +1,76 @@
+#include "tools/study/peers/ours.h"
+
+#include "formats/base/text.h"
+#include "render/render.h"
+#include "render/trace.h"
+#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/picture_hash.h"
+
+namespace rhoray::study {
+
+namespace {
+
+class OwnPeer final : public Peer {
+ public:
+  OwnPeer(render::Mode mode, const std::string& level) : level_(level) {
+    scene_.mode = mode;
+    if (level != "default") scene_.method = render::method_of(tools::accuracy_named(level));
+  }
+
+  std::string name() const override { return concat("Rhoray, ", level_); }
+  std::string does() const override {
+    const tools::MethodOption option = tools::option_of(scene_.method, scene_.mode, false);
+    return concat("method ", option.word, ", nothing prepared");
+  }
+
+  Preparation prepare(const PeerData& data, double isovalue) override {
+    Preparation preparation;
+    if (!volume_) preparation.once_ms = cpu_ms_of([&] { volume_ = render::Volume::load(data.packed_file); });
+    scene_.isovalue = isovalue;
+    scene_.window = data.range;
+    return preparation;
+  }
+
+  void draw(const PeerView& view) override { render(view, {.threads = 1}); }
+
+  std::vector<double> answers(const PeerView& view) override {
+    if (scene_.mode == render::Mode::mip) {
+      render(view, {.channels = {.value = true}});
+      return picture_.value;
+    }
+    // The distances that `render` rounds to float, in full.
+    const auto rays = render::camera_rays(*volume_, view.camera, view.width, view.height);
+    std::vector<render::FrameHit> hits(rays.size());
+    render::trace(*volume_, {.isovalue = scene_.isovalue, .method = scene_.method}, rays, hits);
+    std::vector<double> distances;
+    for (const render::FrameHit& hit : hits) distances.push_back(hit.t);
+    return distances;
+  }
+
+  std::string picture_hash() const override { return tools::picture_hash(picture_); }
+
+ private:
+  void render(const PeerView& view, render::FrameOptions options) {
+    scene_.camera = view.camera;
+    options.width = view.width;
+    options.height = view.height;
+    render::render(*volume_, scene_, options, picture_);
+  }
+
+  std::string level_;
+  std::optional<render::Volume> volume_;
+  render::Scene scene_;
+  render::Framebuffer picture_;
+};
+
+}  // namespace
+
+PeerPointer own_isosurface(const std::string& level) {
+  return std::make_unique<OwnPeer>(render::Mode::isosurface, level);
+}
+
+PeerPointer own_largest_values(const std::string& level) {
+  return std::make_unique<OwnPeer>(render::Mode::mip, level);
+}
+
+}  // namespace rhoray::study

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "tools/rhoray/command_line.h"
+
+namespace rhoray::study {
+
+/// Isosurfaces and largest values of a grid by this renderer and by others, in one run.
+tools::Subcommand peers_grid();
+
+}  // namespace rhoray::study

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "formats/base/interval.h"
+#include "preprocess/neutral.h"
+
+namespace rhoray::study {
+
+/// A field of a packed grid as plain samples, x fastest, that own their memory. Axes are laid along the world's, with
+/// the grid's spacing and the first sample at the origin, so that every system can show it. Refuses files of another
+/// kind, sparse grids and grids whose spacing varies (Trouble::usage).
+/// @param field  name; empty takes the first
+preprocess::NeutralVolume plain_grid(const std::filesystem::path& packed_file, const std::string& field);
+
+/// Length of a step along each axis of a plain grid.
+Vec3 spacing_of(const preprocess::NeutralVolume& grid);
+
+/// The same field in another type: its range is spread over an integer type's from 0 up; floats keep the values.
+preprocess::NeutralVolume converted(const preprocess::NeutralVolume& grid, formats::ElementType type,
+                                    const Interval<double>& range);
+
+/// The isovalue in a field that was converted.
+double converted_isovalue(double isovalue, formats::ElementType type, const Interval<double>& range);
+
+}  // namespace rhoray::study
