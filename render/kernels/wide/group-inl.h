@@ -36,7 +36,7 @@ HWY_INLINE Directions directions_of(const RayArrays& rays, std::size_t count) {
   Directions bits{};
   for (std::size_t r = 0; r < count; r += double_lanes) {
     VecD size[3];
-    MaskD finite = hn::FirstN(doubles, count - r), moves = hn::MaskFalse(doubles);
+    MaskD finite = hn::FirstN(doubles, count - r), moves = no_lane(doubles);
     for (int a = 0; a < 3; ++a) {
       const VecD d = hn::Load(doubles, rays.direction[a] + r);
       const MaskD steps = is_finite(hn::Div(hn::Set(doubles, 1.0), d));

@@ -73,4 +73,8 @@ struct RayState {
 using FirstCrossings = void (*)(const Surface& surface, const RayArrays& rays, std::size_t count, const HitArrays& hits,
                                 IsosurfaceScratch& scratch, KernelCounters& counters);
 
+/// For at most 64 rays. Hits are written; what is no hit is left as it is, but for its cost. `baseline` is what the
+/// processor has of SSE4, or else one lane.
+FirstCrossings first_crossings_on(Machine machine, Search search);
+
 }  // namespace rhoray::render::wide

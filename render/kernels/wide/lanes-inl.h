@@ -57,6 +57,11 @@ HWY_INLINE hn::Mask<D> mask_of(D tag, std::uint64_t bits) {
   return hn::LoadMaskBits(tag, bytes);
 }
 
+template <class D>
+HWY_INLINE hn::Mask<D> no_lane(D tag) {
+  return hn::FirstN(tag, 0);
+}
+
 /// True in lanes that are finite numbers.
 HWY_INLINE MaskD is_finite(VecD x) {
   return hn::Le(hn::Abs(x), hn::Set(doubles, 1.7976931348623157e308));
