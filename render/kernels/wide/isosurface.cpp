@@ -319,7 +319,7 @@ class GroupWalk {
     if (hn::AllFalse(doubles, found.part)) return found;
     hn::Store(t_in, doubles, scratch_.t_block + r);
     for (int a = 0; a < 3; ++a) found.entry[a] = entry_on(a, block, r, t_in, near[a]);
-    found.end = hn::Mul(hn::Sub(to, t_in), speed(group_, group_.major, r));
+    found.end = hn::Mul(hn::Sub(t_out, t_in), speed(group_, group_.major, r));
     return found;
   }
 
@@ -392,7 +392,7 @@ class GroupWalk {
   struct Lanes {
     VecF entry[3], slope[3], inverse_slope[3], end;
     VecF cell[3];     ///< 0 to 3
-    VecF next[3];     ///< how far along the major axis the next plane of each axis is
+    VecF next[3];     ///< how far along the major axis the next plane of each axis inside the block is
     VecF way_in;      ///< how far the ray is where it enters the cell
     MaskF at_low[3];  ///< the entry lies on the cell's lower plane
     VecI bit;         ///< of the cell
@@ -404,19 +404,23 @@ class GroupWalk {
   HWY_INLINE VecF next_plane(const Lanes& lanes, int axis) const {
     const VecF one = hn::Set(floats, 1.0f), never = hn::Set(floats, never_passed);
     const VecF at = hn::Mul(hn::Sub(hn::Add(lanes.cell[axis], one), lanes.entry[axis]), lanes.inverse_slope[axis]);
-    return hn::IfThenElse(hn::Ge(lanes.inverse_slope[axis], never), never, at);
+    const MaskF is_last = hn::Ge(lanes.cell[axis], hn::Set(floats, 3.0f));
+    return hn::IfThenElse(hn::Or(is_last, hn::Ge(lanes.inverse_slope[axis], never)), never, at);
   }
 
-  HWY_INLINE Lanes lanes_from(std::size_t first) const {
+  HWY_INLINE Lanes lanes_from(const int* block, std::size_t first) const {
     const RaysInBlock& list = scratch_.rays_in_block;
-    const VecF zero = hn::Zero(floats), three = hn::Set(floats, 3.0f);
+    const VecF zero = hn::Zero(floats);
     Lanes lanes;
     lanes.walking = hn::FirstN(floats, list.count - first);
     for (int a = 0; a < 3; ++a) {
       lanes.entry[a] = hn::Load(floats, list.entry[a] + first);
       lanes.slope[a] = hn::Load(floats, list.slope[a] + first);
       lanes.inverse_slope[a] = hn::Load(floats, list.inverse_slope[a] + first);
-      lanes.cell[a] = hn::Min(hn::Floor(hn::Max(lanes.entry[a], zero)), three);
+      // A ray in the lattice's upper face goes through the cells below it.
+      const int beyond = lattice_.is_mirrored(a) ? 4 : surface_.leaf_count[a] - 4 * block[a];
+      const VecF last = hn::Set(floats, beyond < 4 ? static_cast<float>(beyond - 1) : 3.0f);
+      lanes.cell[a] = hn::Min(hn::Floor(hn::Max(lanes.entry[a], zero)), last);
       lanes.next[a] = next_plane(lanes, a);
       lanes.at_low[a] = hn::Eq(lanes.entry[a], lanes.cell[a]);
     }
@@ -440,17 +444,16 @@ class GroupWalk {
 
   /// Lets some lanes go on to their next cells.
   HWY_INLINE void step(Lanes& lanes, MaskF moved) const {
-    const VecF one = hn::Set(floats, 1.0f), four = hn::Set(floats, 4.0f);
+    const VecF one = hn::Set(floats, 1.0f);
     const VecF first = hn::Min(hn::Min(lanes.next[0], lanes.next[1]), lanes.next[2]);
     const MaskF along_x = hn::Eq(lanes.next[0], first), along_y = hn::AndNot(along_x, hn::Eq(lanes.next[1], first));
     const MaskF along_z = hn::Not(hn::Or(along_x, along_y));
     const MaskF along[3] = {hn::And(moved, along_x), hn::And(moved, along_y), hn::And(moved, along_z)};
-    MaskF leaves = hn::And(moved, hn::Ge(first, lanes.end));
+    const MaskF leaves = hn::And(moved, hn::Ge(first, lanes.end));
     for (int a = 0; a < 3; ++a) {
       lanes.cell[a] = hn::IfThenElse(along[a], hn::Add(lanes.cell[a], one), lanes.cell[a]);
       lanes.next[a] = hn::IfThenElse(along[a], next_plane(lanes, a), lanes.next[a]);
       lanes.at_low[a] = hn::Or(along[a], hn::AndNot(moved, lanes.at_low[a]));
-      leaves = hn::Or(leaves, hn::Ge(lanes.cell[a], four));
     }
     lanes.bit = hn::Add(lanes.bit, hn::IfThenElseZero(hn::RebindMask(ints, along[0]), hn::Set(ints, 1)));
     lanes.bit = hn::Add(lanes.bit, hn::IfThenElseZero(hn::RebindMask(ints, along[1]), hn::Set(ints, 4)));
@@ -485,7 +488,7 @@ class GroupWalk {
 
   HWY_INLINE void walk_cells(const int* block, const BlockSamples& samples, std::uint64_t active, std::uint64_t inside,
                              std::size_t first) {
-    Lanes lanes = lanes_from(first);
+    Lanes lanes = lanes_from(block, first);
     // Cells to look into: the active ones, and those of the other side than the ray's.
     const std::uint64_t from_inside = active | ~inside, from_outside = active | inside;
     const auto words = [](std::uint64_t bits, int high) HWY_ATTR {

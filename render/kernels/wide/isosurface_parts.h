@@ -42,7 +42,7 @@ struct alignas(64) RaysInBlock {
   float entry[3][capacity];
   float slope[3][capacity];
   float inverse_slope[3][capacity];
-  float end[capacity];  ///< how far along the major axis the ray itself goes
+  float end[capacity];  ///< how far along the major axis until the ray leaves the block, or ends
   std::int32_t ray[capacity];
   std::size_t count;
 };
