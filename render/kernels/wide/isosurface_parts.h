@@ -47,6 +47,20 @@ struct alignas(64) RaysInBlock {
   std::size_t count;
 };
 
+/// Crossings of which the cell is known and the place in it is still to be refined, side by side.
+struct alignas(64) PendingHits {
+  static constexpr std::size_t capacity = RayGroup::size + 16;
+
+  float corner[8][capacity];           ///< of the cell, less the isovalue
+  float in[3][capacity], out[3][capacity];  ///< where the ray enters and leaves the cell
+  float way_in[capacity], way_out[capacity];  ///< along the major axis, from where it entered the block
+  float low[capacity], high[capacity];  ///< the piece of the way on which the cubic is monotone and changes side
+  std::int32_t root_count[capacity];
+  std::int32_t ray[capacity];
+  std::int64_t cell[capacity];  ///< id
+  std::size_t count;
+};
+
 /// What a thread keeps for the kernel.
 struct alignas(64) IsosurfaceScratch {
   static constexpr std::size_t kept_blocks = 128;
@@ -55,9 +69,10 @@ struct alignas(64) IsosurfaceScratch {
   RayGroup group;
   float slope[3][RayGroup::size];          ///< along each axis, in units of the way along the major axis
   float inverse_slope[3][RayGroup::size];  ///< never_passed where the ray passes no plane
-  double t_block[RayGroup::size];          ///< when each ray entered the block
+  double t_block[RayGroup::size];          ///< when each ray entered the last block that it passed
   std::int32_t state[RayGroup::size];      ///< of each ray: see RayState
   RaysInBlock rays_in_block;
+  PendingHits pending;
   std::uint64_t block_key[kept_blocks];
   BlockSamples blocks[kept_blocks];
   std::shared_ptr<const Occupancy> occupancy;  ///< whose blocks are kept
