@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -13,6 +14,10 @@
 #include "render/volumes/volume.h"
 
 namespace rhoray::render {
+
+namespace wide {
+struct IsosurfaceScratch;
+}
 
 struct KernelCounters {
   std::uint64_t macrocells_visited = 0;
@@ -54,6 +59,7 @@ struct KernelScratch {
   MaximumQueue queue;
   std::optional<double> last_t;  ///< forgotten at the start of every tile, so that counts do not depend on threads
   KernelCounters counters;
+  std::shared_ptr<wide::IsosurfaceScratch> isosurface;  ///< of the wide isosurface kernel, made when first asked
 };
 
 /// A question, answered for a batch of rays in the volume's frame; hits has room for as many.
