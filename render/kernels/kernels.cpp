@@ -2,10 +2,14 @@
 
 #include <algorithm>
 
+#include "render/kernels/wide/maximum.h"
+
 namespace rhoray::render {
 
-Kernels choose_kernels(const VolumeImplementation& volume, const Method& method, Machine) {
-  return std::visit([&](const auto& view) { return kernels_for(view, method.way); }, volume.view);
+Kernels choose_kernels(const VolumeImplementation& volume, const Method& method, Machine machine) {
+  Kernels kernels = std::visit([&](const auto& view) { return kernels_for(view, method.way); }, volume.view);
+  if (const Kernel wide = wide::largest_value_kernel(volume, method, machine)) kernels.largest_value = wide;
+  return kernels;
 }
 
 void ask(Kernel kernel, const VolumeImplementation& volume, const Question& question, std::span<const Ray> rays,

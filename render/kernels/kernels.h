@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -13,6 +14,10 @@
 #include "render/volumes/volume.h"
 
 namespace rhoray::render {
+
+namespace wide {
+struct MaximumScratch;
+}
 
 struct KernelCounters {
   std::uint64_t macrocells_visited = 0;
@@ -52,7 +57,8 @@ struct Question {
 /// What a thread keeps from ray to ray: memory for the queue, and where the last largest value was found.
 struct KernelScratch {
   MaximumQueue queue;
-  std::optional<double> last_t;  ///< forgotten at the start of every tile, so that counts do not depend on threads
+  std::shared_ptr<wide::MaximumScratch> maximum;  ///< of the wide kernel for largest values, made when it is first asked
+  std::optional<double> last_t;                   ///< forgotten at the start of every tile, so that counts do not depend on threads
   KernelCounters counters;
 };
 

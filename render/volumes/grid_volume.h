@@ -30,6 +30,9 @@ class DenseSamples {
     return out;
   }
 
+  const formats::AxisTables& tables() const { return *tables_; }
+  const T* data() const { return samples_.data(); }
+
  private:
   const formats::AxisTables* tables_;
   std::span<const T> samples_;
@@ -119,6 +122,8 @@ class GridVolume {
   int level_count() const { return levels_.shape.level_count; }
   const formats::GridDescription& description() const { return grid_.description(); }
   RHORAY_INLINE const Geometry& geometry() const { return geometry_; }
+  const Samples& samples() const { return samples_; }
+  const formats::MacroLevelsView<T>& levels() const { return levels_; }
 
   /// When a ray passes the planes between cells.
   RHORAY_INLINE auto plane_times(const Ray& ray) const {

@@ -30,6 +30,7 @@
 #include "tools/study/closed_surfaces.h"
 #include "tools/study/judge_cells.h"
 #include "tools/study/largest_values.h"
+#include "tools/study/maximum_search.h"
 #include "tools/study/warped_box.h"
 
 namespace rhoray::study {
@@ -290,6 +291,7 @@ tools::Subcommand preprocess_speed() {
 int main(int argc, char** argv) {
   rhoray::tools::end_cleanly_on_interrupt();
   const rhoray::tools::Subcommand subcommands[] = {rhoray::study::preprocess_speed(), rhoray::study::judge_cells(),
-                                                   rhoray::study::closed_surfaces(), rhoray::study::largest_values()};
+                                                   rhoray::study::closed_surfaces(), rhoray::study::largest_values(),
+                                                   rhoray::study::maximum_search()};
   return rhoray::tools::run_command_line(subcommands, argc, argv);
 }

@@ -1,0 +1,623 @@
+// The search for the largest values on rays, compiled once per machine.
+
+#ifndef HWY_DISABLED_TARGETS
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#endif
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "render/kernels/wide/maximum_lanes.cpp"  // relative to the repository root
+#include <hwy/foreach_target.h>  // comes first: this file is included again for each machine
+
+#include <bit>
+#include <cstdint>
+#include <limits>
+
+#include <hwy/highway.h>
+
+#include "render/kernels/wide/frustum_walk.h"
+#include "render/kernels/wide/group-inl.h"
+#include "render/kernels/wide/lanes-inl.h"
+#include "render/kernels/wide/maximum_parts.h"
+#include "render/kernels/wide/octant.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace rhoray::render::wide::HWY_NAMESPACE {
+namespace {
+
+constexpr double nothing = -std::numeric_limits<double>::infinity();
+constexpr float nothing_float = -std::numeric_limits<float>::infinity();
+
+// ---- numbers in single precision on the safe side
+
+HWY_INLINE float float_not_above(double x) {
+  const float rounded = static_cast<float>(x);
+  if (!(static_cast<double>(rounded) > x)) return rounded;
+  const float lower = rounded - 0x1p-23F * (rounded < 0 ? -rounded : rounded);
+  return lower < rounded ? lower : -std::numeric_limits<float>::min();
+}
+HWY_INLINE float float_not_below(double x) {
+  return -float_not_above(-x);
+}
+
+// ---- queue
+
+HWY_INLINE int bucket_of(const RegionQueue& queue, double largest) {
+  const double at = (largest - queue.lowest) * queue.buckets_per_unit;
+  return at > 0 ? (at < 255 ? static_cast<int>(at) : 255) : 0;  // a NaN, from -infinity, comes to 0
+}
+
+HWY_INLINE void clear(RegionQueue& queue, double lowest, double highest) {
+  queue.lowest = lowest;
+  queue.buckets_per_unit = highest > lowest ? 255 / (highest - lowest) : 0;
+  for (std::uint64_t& word : queue.filled) word = 0;
+  queue.count = 0, queue.unused = RegionQueue::none;
+}
+
+/// False where it is full.
+HWY_INLINE bool put(RegionQueue& queue, double largest, const int* at, bool is_block) {
+  std::uint32_t place = queue.unused;
+  if (place != RegionQueue::none)
+    queue.unused = queue.regions[place].next;
+  else if (queue.count < RegionQueue::capacity)
+    place = queue.count++;
+  else
+    return false;
+  const auto bucket = static_cast<std::size_t>(bucket_of(queue, largest));
+  std::uint64_t& word = queue.filled[bucket / 64];
+  const std::uint64_t bit = std::uint64_t{1} << bucket % 64;
+  RegionQueue::Region& region = queue.regions[place];
+  region.largest = largest;
+  for (int a = 0; a < 3; ++a) region.at[a] = static_cast<std::int16_t>(at[a]);
+  region.is_block = is_block;
+  region.next = (word & bit) != 0 ? queue.first[bucket] : RegionQueue::none;
+  queue.first[bucket] = place;
+  word |= bit;
+  return true;
+}
+
+/// The highest bucket with regions, or -1.
+HWY_INLINE int highest_bucket(const RegionQueue& queue) {
+  for (int word = 3; word >= 0; --word)
+    if (queue.filled[word] != 0) return 64 * word + 63 - std::countl_zero(queue.filled[word]);
+  return -1;
+}
+
+HWY_INLINE RegionQueue::Region take(RegionQueue& queue, int bucket) {
+  const std::uint32_t place = queue.first[bucket];
+  const RegionQueue::Region region = queue.regions[place];
+  queue.first[bucket] = region.next;
+  if (region.next == RegionQueue::none) queue.filled[bucket / 64] &= ~(std::uint64_t{1} << bucket % 64);
+  queue.regions[place].next = queue.unused;
+  queue.unused = place;
+  return region;
+}
+
+// ---- values
+
+struct Range {
+  double lo, hi;
+};
+
+template <class T>
+HWY_INLINE Range stored_range(const void* first, std::ptrdiff_t at) {
+  const T* ranges = static_cast<const T*>(first) + 2 * at;
+  return {static_cast<double>(ranges[0]), static_cast<double>(ranges[1])};
+}
+
+/// Of a region of the file; hi is -infinity where nothing in it has data.
+HWY_INLINE Range range_of(const MaximumField& field, const StoredRanges& level, const int* region) {
+  using formats::ElementType;
+  const std::ptrdiff_t at =
+      (static_cast<std::ptrdiff_t>(region[2]) * level.count[1] + region[1]) * level.count[0] + region[0];
+  const Range range = [&] {
+    switch (field.type) {
+      case ElementType::U8:
+        return stored_range<std::uint8_t>(level.first, at);
+      case ElementType::I8:
+        return stored_range<std::int8_t>(level.first, at);
+      case ElementType::U16:
+        return stored_range<std::uint16_t>(level.first, at);
+      case ElementType::I16:
+        return stored_range<std::int16_t>(level.first, at);
+      case ElementType::U32:
+        return stored_range<std::uint32_t>(level.first, at);
+      case ElementType::I32:
+        return stored_range<std::int32_t>(level.first, at);
+      case ElementType::F32:
+        return stored_range<float>(level.first, at);
+      default:
+        return stored_range<double>(level.first, at);
+    }
+  }();
+  return range.lo <= range.hi ? range : Range{nothing, nothing};
+}
+
+/// A power of two that brings a block's range near 1.
+HWY_INLINE double unit_for(double range) {
+  const auto exponent = static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(range) >> 52);
+  if (range == 0) return 1;
+  const std::int64_t wanted = 2046 - exponent;
+  return std::bit_cast<double>(static_cast<std::uint64_t>(wanted < 2045 ? (wanted > 1 ? wanted : 1) : 2045) << 52);
+}
+
+/// Samples as (sample - highest) * unit, rounded once, and each cell's largest.
+/// @param place  of the block in the file
+template <class T>
+HWY_NOINLINE void fetch(const SampleSource& source, const int* place, double highest, double unit,
+                        MaximumBlock& block) {
+  const T* samples = static_cast<const T*>(source.samples);
+  std::uint64_t address[3][5];
+  for (int a = 0; a < 3; ++a)
+    for (int i = 0; i < 5; ++i) {
+      const int at = 4 * place[a] + i, last = source.count[a] - 1;
+      address[a][i] = source.address[a][at < last ? at : last];
+    }
+  for (int k = 0; k < 5; ++k)
+    for (int j = 0; j < 5; ++j) {
+      const T* row = samples + address[1][j] + address[2][k];
+      float* to = block.sample + 5 * j + 25 * k;
+      for (int i = 0; i < 5; ++i)
+        to[i] = static_cast<float>((static_cast<double>(row[address[0][i]]) - highest) * unit);
+    }
+  for (std::size_t i = 125; i < 160; ++i) block.sample[i] = 0;
+  for (std::size_t i = 0; i < 128; i += float_lanes)
+    hn::Store(hn::Max(hn::Load(floats, block.sample + i), hn::LoadU(floats, block.sample + i + 1)), floats,
+              block.largest + i);
+  for (std::size_t i = 128; i < 160; ++i) block.largest[i] = nothing_float;
+  for (std::size_t i = 0; i < 128; i += float_lanes)
+    hn::Store(hn::Max(hn::Load(floats, block.largest + i), hn::LoadU(floats, block.largest + i + 5)), floats,
+              block.largest + i);
+  for (std::size_t i = 0; i < 96; i += float_lanes)
+    hn::Store(hn::Max(hn::Load(floats, block.largest + i), hn::LoadU(floats, block.largest + i + 25)), floats,
+              block.largest + i);
+}
+
+HWY_INLINE void fetch_of_type(const MaximumField& field, const int* place, double highest, double unit,
+                              MaximumBlock& block) {
+  using formats::ElementType;
+  switch (field.type) {
+    case ElementType::U8:
+      return fetch<std::uint8_t>(field.source, place, highest, unit, block);
+    case ElementType::I8:
+      return fetch<std::int8_t>(field.source, place, highest, unit, block);
+    case ElementType::U16:
+      return fetch<std::uint16_t>(field.source, place, highest, unit, block);
+    case ElementType::I16:
+      return fetch<std::int16_t>(field.source, place, highest, unit, block);
+    case ElementType::U32:
+      return fetch<std::uint32_t>(field.source, place, highest, unit, block);
+    case ElementType::I32:
+      return fetch<std::int32_t>(field.source, place, highest, unit, block);
+    case ElementType::F32:
+      return fetch<float>(field.source, place, highest, unit, block);
+    default:
+      return fetch<double>(field.source, place, highest, unit, block);
+  }
+}
+
+// ---- search
+
+class Search {
+ public:
+  Search(const MaximumField& field, const RayArrays& rays, MaximumScratch& scratch, const MirroredLattice& lattice,
+         const Frustum& frustum)
+      : field_(field), rays_(rays), scratch_(scratch), lattice_(lattice), frustum_(frustum) {
+    int longest = 0;
+    for (const int count : lattice.node_count) longest = count > longest ? count : longest;
+    double furthest = 0;
+    for (std::size_t r = 0; r < scratch.group.count; ++r)
+      for (int a = 0; a < 3; ++a) {
+        const double o = scratch.group.origin[a][r];
+        furthest = o > furthest ? o : -o > furthest ? -o : furthest;
+      }
+    margin_ = 0x1p-21F * 16 * static_cast<float>(longest) + static_cast<float>(0x1p-46 * furthest);
+  }
+
+  void run() {
+    make_lines();
+    put_nodes();
+    RegionQueue& queue = scratch_.queue;
+    for (int bucket; (bucket = highest_bucket(queue)) >= 0 && bucket >= bucket_of(queue, lowest_reached_);) {
+      const RegionQueue::Region region = take(queue, bucket);
+      if (region.largest < lowest_reached_) continue;
+      const int at[3] = {region.at[0], region.at[1], region.at[2]};
+      if (region.is_block)
+        look_into_block(at);
+      else
+        open_node(at, region.largest);
+    }
+  }
+
+ private:
+  /// The rays as functions of the place on the major axis. The margin holds all rounding there is in these.
+  HWY_INLINE void make_lines() {
+    const RayGroup& group = scratch_.group;
+    GroupLines& lines = scratch_.lines;
+    const int w = frustum_.major;
+    for (std::size_t r = 0; r < group.count; r += double_lanes) {
+      const VecD o_w = mirrored_origin(lattice_, group, w, r), d_w = speed(group, w, r);
+      const auto store = [&](VecD x, float* to) { hn::Store(hn::DemoteTo(half_floats, x), half_floats, to + r); };
+      for (int m = 0; m < 2; ++m) {
+        const VecD slope = hn::Div(speed(group, frustum_.minor[m], r), d_w);
+        store(hn::NegMulAdd(o_w, slope, mirrored_origin(lattice_, group, frustum_.minor[m], r)), lines.start[m]);
+        store(slope, lines.slope[m]);
+        const VecD inverse = hn::Div(hn::Set(doubles, 1.0), slope);
+        store(hn::Min(inverse, hn::Set(doubles, 0x1p40)), lines.inverse[m]);
+      }
+      const VecD margin = hn::Set(doubles, static_cast<double>(margin_));
+      store(hn::Sub(hn::MulAdd(hn::Load(doubles, group.t_in + r), d_w, o_w), margin), lines.from);
+      store(hn::Add(hn::MulAdd(hn::Load(doubles, group.t_out + r), d_w, o_w), margin), lines.to);
+    }
+    for (std::size_t r = 0; r < GroupLines::size; ++r) {
+      const bool is_inside = r < group.count && (group.inside >> r & 1) != 0;
+      lines.reached[r] = is_inside ? nothing_float : std::numeric_limits<float>::infinity();
+      lines.reached_at[r] = std::numeric_limits<float>::infinity();
+      if (!is_inside) lines.from[r] = 1, lines.to[r] = 0;
+    }
+    vectors_ = (group.count + float_lanes - 1) / float_lanes;
+    lowest_reached_ = nothing;
+  }
+
+  /// True for regions that the file has; `place` is where.
+  HWY_INLINE bool find_in_file(const int* mirrored, bool is_block, const StoredRanges& level, int* place) const {
+    for (int a = 0; a < 3; ++a) {
+      place[a] = is_block ? lattice_.block(a, mirrored[a]) : lattice_.node(a, mirrored[a]);
+      if (place[a] < 0 || place[a] >= level.count[a]) return false;
+    }
+    return true;
+  }
+
+  HWY_INLINE void put_nodes() {
+    const int w = frustum_.major, u = frustum_.minor[0], v = frustum_.minor[1];
+    const auto slab_of = [&](double at) {
+      const int slab = floored(at / 16);
+      return slab < 0 ? 0 : slab >= lattice_.node_count[w] ? lattice_.node_count[w] - 1 : slab;
+    };
+    const int first = slab_of(frustum_.first), last = slab_of(frustum_.last);
+    const auto each_node = [&](auto&& act) {
+      for (int slab = last; slab >= first; --slab) {
+        const SlabRectangle cells = rectangle_in_slab(frustum_, slab, 16, lattice_.node_count);
+        for (int j = cells.last[1]; j >= cells.first[1]; --j)
+          for (int i = cells.last[0]; i >= cells.first[0]; --i) {
+            int node[3], place[3];
+            node[w] = slab, node[u] = i, node[v] = j;
+            if (!find_in_file(node, false, field_.nodes, place)) continue;
+            const double largest = field_.nodes.first ? range_of(field_, field_.nodes, place).hi
+                                                      : std::numeric_limits<double>::max();
+            if (largest > nothing) act(static_cast<const int*>(node), largest);
+          }
+      }
+    };
+    double lowest = std::numeric_limits<double>::infinity(), highest = nothing;
+    each_node([&](const int*, double largest) {
+      ++scratch_.regions;
+      lowest = largest < lowest ? largest : lowest, highest = largest > highest ? largest : highest;
+    });
+    clear(scratch_.queue, lowest, highest);
+    each_node([&](const int* node, double largest) {
+      if (!put(scratch_.queue, largest, node, false)) open_node(node, largest);
+    });
+  }
+
+  /// Rays of a vector that pass a region and can be changed by it.
+  struct Passing {
+    MaskF rays;
+    VecF from, to;
+  };
+  HWY_INLINE Passing rays_through(const int* region, float edge, float largest, std::size_t r) const {
+    const GroupLines& lines = scratch_.lines;
+    const float low_w = static_cast<float>(region[frustum_.major]) * edge;
+    Passing passing;
+    passing.from = hn::Max(hn::Load(floats, lines.from + r), hn::Set(floats, low_w - margin_));
+    passing.to = hn::Min(hn::Load(floats, lines.to + r), hn::Set(floats, low_w + edge + margin_));
+    for (int m = 0; m < 2; ++m) {
+      const float low = static_cast<float>(region[frustum_.minor[m]]) * edge;
+      const VecF start = hn::Load(floats, lines.start[m] + r), inverse = hn::Load(floats, lines.inverse[m] + r);
+      passing.from = hn::Max(passing.from, hn::Mul(hn::Sub(hn::Set(floats, low - margin_), start), inverse));
+      passing.to = hn::Min(passing.to, hn::Mul(hn::Sub(hn::Set(floats, low + edge + margin_), start), inverse));
+    }
+    passing.rays = hn::And(hn::Le(passing.from, passing.to),
+                           may_improve(hn::Set(floats, largest), passing.from, hn::Load(floats, lines.reached + r),
+                                       hn::Load(floats, lines.reached_at + r)));
+    return passing;
+  }
+
+  HWY_INLINE static MaskF may_improve(VecF bound, VecF from, VecF reached, VecF reached_at) {
+    return hn::Or(hn::Gt(bound, reached), hn::And(hn::Eq(bound, reached), hn::Lt(from, reached_at)));
+  }
+
+  HWY_INLINE void open_node(const int* node, double largest) {
+    const float largest_float = float_not_below(largest);
+    bool any = false;
+    for (std::size_t r = 0; r < vectors_ * float_lanes && !any; r += float_lanes)
+      any = !hn::AllFalse(floats, rays_through(node, 16, largest_float, r).rays);
+    if (!any) return;
+    const int w = frustum_.major, u = frustum_.minor[0], v = frustum_.minor[1];
+    const int block_count[3] = {4 * lattice_.node_count[0], 4 * lattice_.node_count[1], 4 * lattice_.node_count[2]};
+    for (int s = 3; s >= 0; --s) {
+      const int slab = 4 * node[w] + s;
+      const SlabRectangle cells = rectangle_in_slab(frustum_, slab, 4, block_count);
+      const auto first = [&](int m, int at) { return cells.first[m] > 4 * at ? cells.first[m] : 4 * at; };
+      const auto last = [&](int m, int at) { return cells.last[m] < 4 * at + 3 ? cells.last[m] : 4 * at + 3; };
+      for (int j = last(1, node[v]); j >= first(1, node[v]); --j)
+        for (int i = last(0, node[u]); i >= first(0, node[u]); --i) {
+          int block[3], place[3];
+          block[w] = slab, block[u] = i, block[v] = j;
+          if (!find_in_file(block, true, field_.blocks, place)) continue;
+          ++scratch_.regions;
+          const double block_largest = range_of(field_, field_.blocks, place).hi;
+          if (!(block_largest > nothing) || block_largest < lowest_reached_) continue;
+          if (!put(scratch_.queue, block_largest, block, true)) look_into_block(block);
+        }
+    }
+  }
+
+  HWY_INLINE void look_into_block(const int* block) {
+    int place[3] = {};
+    find_in_file(block, true, field_.blocks, place);
+    const Range range = range_of(field_, field_.blocks, place);
+    const float largest = float_not_below(range.hi);
+    RaysAtBlock& at_block = scratch_.at_block;
+    at_block.count = 0;
+    for (std::size_t r = 0; r < vectors_ * float_lanes; r += float_lanes) {
+      const Passing passing = rays_through(block, 4, largest, r);
+      if (hn::AllFalse(floats, passing.rays)) continue;
+      hn::CompressStore(hn::Iota(ints, static_cast<std::int32_t>(r)), hn::RebindMask(ints, passing.rays), ints,
+                        at_block.ray + at_block.count);
+      hn::CompressStore(passing.from, passing.rays, floats, at_block.from + at_block.count);
+      at_block.count += hn::CompressStore(passing.to, passing.rays, floats, at_block.to + at_block.count);
+    }
+    if (at_block.count == 0) return;
+
+    const double unit = unit_for(range.hi - range.lo);
+    fetch_of_type(field_, place, range.hi, unit, scratch_.block);
+    scratch_.suspects.count = 0;
+    const float error = static_cast<float>((range.hi - range.lo) * unit) * (12 * margin_ + 0x1p-20F);
+    pad(at_block);
+    for (std::size_t first = 0; first < at_block.count; first += float_lanes)
+      walk_block(block, range.hi, unit, error, first);
+    look_closely(range.hi, unit);
+  }
+
+  /// Lanes beyond the last ray pass through nothing.
+  HWY_INLINE static void pad(RaysAtBlock& at_block) {
+    for (std::size_t lane = at_block.count; lane < at_block.count + float_lanes; ++lane)
+      at_block.ray[lane] = at_block.ray[0], at_block.from[lane] = 1, at_block.to[lane] = 0;
+  }
+
+  /// What rays have reached, in a block's unit, never more than it is.
+  HWY_INLINE void reached_in_block(double highest, double unit, std::size_t first, float* reached) const {
+    const RaysAtBlock& at_block = scratch_.at_block;
+    for (std::size_t lane = 0; lane < float_lanes; ++lane) {
+      const double value = scratch_.found[scratch_.group.index[at_block.ray[first + lane]]].value;
+      const double below = value - highest;
+      const double scaled = below * unit;
+      const bool is_exact = below + highest == value && scaled / unit == below;
+      float result = scaled > -8 ? float_not_above(scaled) : -8;
+      if (!is_exact && result > -8) result -= 0x1p-22F * (result < 0 ? -result : result) + 0x1p-100F;
+      reached[lane] = result;
+    }
+  }
+
+  /// The cells of a block along some rays.
+  HWY_INLINE void walk_block(const int* block, double highest, double unit, float error_float, std::size_t first) {
+    const RaysAtBlock& at_block = scratch_.at_block;
+    const GroupLines& lines = scratch_.lines;
+    Suspects& suspects = scratch_.suspects;
+    const int w = frustum_.major, u = frustum_.minor[0], v = frustum_.minor[1];
+    HWY_ALIGN float reached_values[16];
+    reached_in_block(highest, unit, first, reached_values);
+    const VecF reached = hn::Load(floats, reached_values);
+
+    const VecF one = hn::Set(floats, 1.0F), three = hn::Set(floats, 3.0F), zero = hn::Zero(floats);
+    const VecF never = hn::Set(floats, std::numeric_limits<float>::infinity());
+    const VecF error = hn::Set(floats, error_float);
+    const VecI ray = hn::Load(ints, at_block.ray + first);
+    const VecF reached_at = hn::GatherIndex(floats, lines.reached_at, ray);
+    VecF from = hn::Load(floats, at_block.from + first);
+    const VecF to = hn::Load(floats, at_block.to + first);
+    const VecF low_w = hn::Set(floats, static_cast<float>(4 * block[w]));
+    const VecF low_u = hn::Set(floats, static_cast<float>(4 * block[u]));
+    const VecF low_v = hn::Set(floats, static_cast<float>(4 * block[v]));
+    const VecF start_u = hn::Sub(hn::GatherIndex(floats, lines.start[0], ray), low_u);
+    const VecF start_v = hn::Sub(hn::GatherIndex(floats, lines.start[1], ray), low_v);
+    const VecF slope_u = hn::GatherIndex(floats, lines.slope[0], ray);
+    const VecF slope_v = hn::GatherIndex(floats, lines.slope[1], ray);
+    const VecF inverse_u = hn::GatherIndex(floats, lines.inverse[0], ray);
+    const VecF inverse_v = hn::GatherIndex(floats, lines.inverse[1], ray);
+
+    // Mirrored axes are read backwards.
+    const int step[3] = {1, 5, 25};
+    std::int32_t stride[3], lowest_sample = 0, lowest_cell = 0;
+    for (int a = 0; a < 3; ++a) {
+      const bool is_mirrored = lattice_.is_mirrored(a);
+      stride[a] = is_mirrored ? -step[a] : step[a];
+      if (is_mirrored) lowest_sample += 4 * step[a], lowest_cell += 3 * step[a];
+    }
+    const float* samples = scratch_.block.sample + lowest_sample;
+    const float* largest = scratch_.block.largest + lowest_cell;
+    const VecI stride_w = hn::Set(ints, stride[w]), stride_u = hn::Set(ints, stride[u]), stride_v = hn::Set(ints, stride[v]);
+
+    const auto clamped = [&](VecF x) { return hn::Min(hn::Max(hn::Floor(x), zero), three); };
+    VecF p_w = hn::Sub(from, low_w), p_u = hn::MulAdd(slope_u, from, start_u), p_v = hn::MulAdd(slope_v, from, start_v);
+    VecF cell_w = clamped(p_w), cell_u = clamped(p_u), cell_v = clamped(p_v);
+    VecI cell = hn::Add(hn::Add(hn::Mul(hn::ConvertTo(ints, cell_w), stride_w), hn::Mul(hn::ConvertTo(ints, cell_u), stride_u)),
+                        hn::Mul(hn::ConvertTo(ints, cell_v), stride_v));
+    const auto next = [&](VecF c, VecF at) { return hn::IfThenElse(hn::Lt(c, three), at, never); };
+    VecF next_w = next(cell_w, hn::Add(hn::Add(low_w, cell_w), one));
+    VecF next_u = next(cell_u, hn::Mul(hn::Sub(hn::Add(cell_u, one), start_u), inverse_u));
+    VecF next_v = next(cell_v, hn::Mul(hn::Sub(hn::Add(cell_v, one), start_v), inverse_v));
+
+    MaskF active = hn::Le(from, to);
+    for (;;) {
+      const VecF leave = hn::Min(hn::Min(next_w, to), hn::Min(next_u, next_v));
+      const VecF bound = hn::GatherIndex(floats, largest, cell);
+      const MaskF wanted = hn::And(active, may_improve(bound, from, reached, reached_at));
+      scratch_.cells += hn::CountTrue(floats, active);
+      if (!hn::AllFalse(floats, wanted)) {
+        const VecF hull = highest_control_point(samples, stride[u], stride[v], stride[w], cell,
+                                                hn::Sub(hn::MulAdd(slope_u, from, start_u), cell_u),
+                                                hn::Sub(hn::MulAdd(slope_u, leave, start_u), cell_u),
+                                                hn::Sub(hn::MulAdd(slope_v, from, start_v), cell_v),
+                                                hn::Sub(hn::MulAdd(slope_v, leave, start_v), cell_v),
+                                                hn::Sub(hn::Sub(from, low_w), cell_w), hn::Sub(hn::Sub(leave, low_w), cell_w));
+        const VecF highest_here = hn::Min(hn::Add(hull, error), bound);
+        const MaskF suspect = hn::And(wanted, may_improve(highest_here, from, reached, reached_at));
+        if (!hn::AllFalse(floats, suspect)) {
+          hn::CompressStore(ray, hn::RebindMask(ints, suspect), ints, suspects.ray + suspects.count);
+          hn::CompressStore(from, suspect, floats, suspects.from + suspects.count);
+          hn::CompressStore(leave, suspect, floats, suspects.to + suspects.count);
+          suspects.count += hn::CompressStore(highest_here, suspect, floats, suspects.bound + suspects.count);
+        }
+      }
+      active = hn::And(active, hn::Lt(leave, to));
+      if (hn::AllFalse(floats, active)) return;
+      const MaskF moves_w = hn::Le(next_w, leave), moves_u = hn::Le(next_u, leave), moves_v = hn::Le(next_v, leave);
+      cell_w = hn::Add(cell_w, hn::IfThenElseZero(moves_w, one));
+      cell_u = hn::Add(cell_u, hn::IfThenElseZero(moves_u, one));
+      cell_v = hn::Add(cell_v, hn::IfThenElseZero(moves_v, one));
+      cell = hn::Add(cell, hn::Add(hn::IfThenElseZero(hn::RebindMask(ints, moves_w), stride_w),
+                                   hn::Add(hn::IfThenElseZero(hn::RebindMask(ints, moves_u), stride_u),
+                                           hn::IfThenElseZero(hn::RebindMask(ints, moves_v), stride_v))));
+      next_w = next(cell_w, hn::Add(hn::Add(low_w, cell_w), one));
+      next_u = next(cell_u, hn::Mul(hn::Sub(hn::Add(cell_u, one), start_u), inverse_u));
+      next_v = next(cell_v, hn::Mul(hn::Sub(hn::Add(cell_v, one), start_v), inverse_v));
+      from = leave;
+    }
+  }
+
+  /// The largest of the Bernstein coefficients along the way from p to q (cells/trilinear.h).
+  HWY_INLINE static VecF highest_control_point(const float* samples, std::int32_t stride_u, std::int32_t stride_v,
+                                               std::int32_t stride_w, VecI cell, VecF p_u, VecF q_u, VecF p_v, VecF q_v,
+                                               VecF p_w, VecF q_w) {
+    const auto corner = [&](std::int32_t offset) { return hn::GatherIndex(floats, samples + offset, cell); };
+    const auto between = [](VecF a, VecF difference, VecF at) { return hn::MulAdd(difference, at, a); };
+    struct Pair {
+      VecF p, q;
+    };
+    const auto along_u = [&](std::int32_t offset) {
+      const VecF a = corner(offset), difference = hn::Sub(corner(offset + stride_u), a);
+      return Pair{between(a, difference, p_u), between(a, difference, q_u)};
+    };
+    const Pair f00 = along_u(0), f10 = along_u(stride_v), f01 = along_u(stride_w), f11 = along_u(stride_v + stride_w);
+    const auto along_v = [&](VecF a, VecF b) {
+      const VecF difference = hn::Sub(b, a);
+      return Pair{between(a, difference, p_v), between(a, difference, q_v)};
+    };
+    const Pair low_p = along_v(f00.p, f10.p), low_q = along_v(f00.q, f10.q);
+    const Pair high_p = along_v(f01.p, f11.p), high_q = along_v(f01.q, f11.q);
+    const auto along_w = [&](VecF a, VecF b) {
+      const VecF difference = hn::Sub(b, a);
+      return Pair{between(a, difference, p_w), between(a, difference, q_w)};
+    };
+    const Pair pp = along_w(low_p.p, high_p.p), qp = along_w(low_q.p, high_q.p);
+    const Pair pq = along_w(low_p.q, high_p.q), qq = along_w(low_q.q, high_q.q);
+    const VecF third = hn::Set(floats, 1.0F / 3);
+    const VecF b1 = hn::Mul(hn::Add(hn::Add(qp.p, pq.p), pp.q), third);
+    const VecF b2 = hn::Mul(hn::Add(hn::Add(qq.p, qp.q), pq.q), third);
+    // Each is the sum of all corners with weights: one that is not a number makes all of them so.
+    return hn::Max(hn::Max(pp.p, b1), hn::Max(b2, qq.q));
+  }
+
+  /// Decides the suspects, the most likely one of each ray first.
+  HWY_INLINE void look_closely(double highest, double unit) {
+    const Suspects& suspects = scratch_.suspects;
+    if (suspects.count == 0) return;
+    for (std::size_t i = 0; i < suspects.count; ++i)
+      scratch_.highest_bound[suspects.ray[i]] = nothing_float;
+    for (std::size_t i = 0; i < suspects.count; ++i) {
+      float& bound = scratch_.highest_bound[suspects.ray[i]];
+      if (suspects.bound[i] > bound) bound = suspects.bound[i];
+    }
+    for (const bool likely : {true, false})
+      for (std::size_t i = 0; i < suspects.count; ++i) {
+        const auto ray = static_cast<std::size_t>(suspects.ray[i]);
+        if ((suspects.bound[i] == scratch_.highest_bound[ray]) != likely) continue;
+        FoundMaximum& found = scratch_.found[scratch_.group.index[ray]];
+        // The block's unit is a power of two: this is exact, or off by what the margin holds.
+        const double bound = highest + static_cast<double>(suspects.bound[i]) / unit;
+        if (bound < found.value) continue;
+        ++scratch_.looks;
+        field_.look_closely(field_.context, rays_, scratch_.group.index[ray], time_at(ray, suspects.from[i]),
+                            time_at(ray, suspects.to[i]), found);
+        scratch_.lines.reached[ray] = float_not_above(found.value);
+        scratch_.lines.reached_at[ray] = float_not_below(place_at(ray, found.t)) + margin_;
+      }
+    find_lowest_reached();
+  }
+
+  HWY_INLINE double time_at(std::size_t ray, float place) const {
+    const RayGroup& group = scratch_.group;
+    const int w = frustum_.major;
+    const double o = lattice_.is_mirrored(w) ? lattice_.plane(w, 0) - group.origin[w][ray] : group.origin[w][ray];
+    const double d = group.direction[w][ray];
+    const double t = (static_cast<double>(place) - o) / (d < 0 ? -d : d);
+    return t < group.t_in[ray] ? group.t_in[ray] : t > group.t_out[ray] ? group.t_out[ray] : t;
+  }
+  HWY_INLINE double place_at(std::size_t ray, double t) const {
+    const RayGroup& group = scratch_.group;
+    const int w = frustum_.major;
+    const double o = lattice_.is_mirrored(w) ? lattice_.plane(w, 0) - group.origin[w][ray] : group.origin[w][ray];
+    const double d = group.direction[w][ray];
+    return o + t * (d < 0 ? -d : d);
+  }
+
+  HWY_INLINE void find_lowest_reached() {
+    VecF lowest = hn::Set(floats, std::numeric_limits<float>::infinity());
+    for (std::size_t r = 0; r < vectors_ * float_lanes; r += float_lanes)
+      lowest = hn::Min(lowest, hn::Load(floats, scratch_.lines.reached + r));
+    lowest_reached_ = static_cast<double>(hn::GetLane(hn::MinOfLanes(floats, lowest)));
+  }
+
+  const MaximumField& field_;
+  const RayArrays& rays_;
+  MaximumScratch& scratch_;
+  const MirroredLattice& lattice_;
+  const Frustum& frustum_;
+  float margin_;  ///< more than positions are off in single precision
+  std::size_t vectors_ = 0;
+  double lowest_reached_ = nothing;
+};
+
+void largest_values(const MaximumField& field, const RayArrays& rays, std::size_t count, MaximumScratch& scratch) {
+  for_each_group(rays, count, field.leaf_count, field.node_count, scratch.group,
+                 [&](const RayGroup&, const MirroredLattice& lattice, const Frustum& frustum) {
+                   Search(field, rays, scratch, lattice, frustum).run();
+                 });
+}
+
+}  // namespace
+LargestValues largest_values_here() { return largest_values; }
+}  // namespace rhoray::render::wide::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace rhoray::render::wide {
+
+LargestValues largest_values_on(Machine machine) {
+  switch (machine) {
+    case Machine::scalar:
+      break;
+    case Machine::baseline:
+#if HWY_TARGETS & HWY_SSE4
+      if (__builtin_cpu_supports("sse4.2")) return N_SSE4::largest_values_here();
+#endif
+#if HWY_TARGETS & HWY_SCALAR
+      return N_SCALAR::largest_values_here();
+#endif
+      break;
+    case Machine::avx2:
+#if HWY_TARGETS & HWY_AVX2
+      return N_AVX2::largest_values_here();
+#endif
+      break;
+    case Machine::avx512:
+#if HWY_TARGETS & HWY_AVX3
+      return N_AVX3::largest_values_here();
+#endif
+      break;
+  }
+  return nullptr;
+}
+
+}  // namespace rhoray::render::wide
+#endif
