@@ -130,7 +130,8 @@ void largest_values(const VolumeImplementation& volume, const Question& question
     return kernels_for(view, question.method.way).largest_value(volume, question, rays, hits, scratch);
   if (!scratch.maximum) scratch.maximum = std::make_shared<MaximumScratch>();
   MaximumScratch& memory = *scratch.maximum;
-  memory.regions = memory.cells = memory.looks = 0;
+  memory.regions = memory.looks = 0;
+  std::uint64_t cells = 0;
   const MaximumField field = field_of(view);
   const LargestValues search = largest_values_on(machine);
   for (std::size_t first = 0; first < rays.count; first += RayBatch::group_size) {
@@ -140,10 +141,13 @@ void largest_values(const VolumeImplementation& volume, const Question& question
       memory.cost[r] = 0;
     }
     search(field, arrays_from(rays, first), count, memory);
-    for (std::size_t r = 0; r < count; ++r) hits.set(first + r, hit_of(memory.found[r], memory.cost[r]));
+    for (std::size_t r = 0; r < count; ++r) {
+      hits.set(first + r, hit_of(memory.found[r], memory.cost[r]));
+      cells += memory.cost[r];
+    }
   }
   scratch.counters.macrocells_visited += memory.regions;
-  scratch.counters.cells_visited += memory.cells;
+  scratch.counters.cells_visited += cells;
   scratch.counters.cells_solved += memory.looks;
 }
 

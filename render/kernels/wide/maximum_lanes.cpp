@@ -10,6 +10,7 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 
 #include <hwy/highway.h>
 
@@ -132,11 +133,44 @@ HWY_INLINE Range range_of(const MaximumField& field, const StoredRanges& level, 
 }
 
 /// A power of two that brings a block's range near 1.
-HWY_INLINE double unit_for(double range) {
-  const auto exponent = static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(range) >> 52);
+HWY_INLINE double unit_for(double range, bool in_float) {
+  const auto exponent = static_cast<int>(std::bit_cast<std::uint64_t>(range) >> 52) - 1023;
   if (range == 0) return 1;
-  const std::int64_t wanted = 2046 - exponent;
-  return std::bit_cast<double>(static_cast<std::uint64_t>(wanted < 2045 ? (wanted > 1 ? wanted : 1) : 2045) << 52);
+  const int largest = in_float ? 126 : 1022;
+  const int wanted = -exponent < largest ? (-exponent > -largest ? -exponent : -largest) : largest;
+  return std::bit_cast<double>(static_cast<std::uint64_t>(wanted + 1023) << 52);
+}
+
+/// Types whose values, and the differences between those of a block, single precision holds as it holds the samples.
+template <class T>
+inline constexpr bool fits_float = sizeof(T) <= 2 || std::is_same_v<T, float>;
+
+HWY_INLINE bool in_float(formats::ElementType type) {
+  using formats::ElementType;
+  return type != ElementType::U32 && type != ElementType::I32 && type != ElementType::F64;
+}
+
+constexpr hn::CappedTag<float, 4> row_of_floats;
+constexpr hn::Rebind<std::int32_t, decltype(row_of_floats)> row_of_ints;
+
+template <class T>
+HWY_INLINE hn::Vec<decltype(row_of_floats)> load_row(const T* from) {
+  if constexpr (std::is_same_v<T, float>)
+    return hn::LoadU(row_of_floats, from);
+  else
+    return hn::ConvertTo(row_of_floats,
+                         hn::PromoteTo(row_of_ints, hn::LoadU(hn::Rebind<T, decltype(row_of_floats)>(), from)));
+}
+
+/// Each cell's largest, at the place of its lowest corner.
+HWY_INLINE void find_largest(MaximumBlock& block) {
+  const auto larger_of = [&](const float* from, std::size_t further, std::size_t count) {
+    for (std::size_t i = 0; i < count; i += float_lanes)
+      hn::Store(hn::Max(hn::Load(floats, from + i), hn::LoadU(floats, from + i + further)), floats, block.largest + i);
+  };
+  larger_of(block.sample, 1, 128);
+  larger_of(block.largest, 5, 128);
+  larger_of(block.largest, 25, 96);
 }
 
 /// Samples as (sample - highest) * unit, rounded once, and each cell's largest.
@@ -146,29 +180,35 @@ HWY_NOINLINE void fetch(const SampleSource& source, const int* place, double hig
                         MaximumBlock& block) {
   const T* samples = static_cast<const T*>(source.samples);
   std::uint64_t address[3][5];
+  bool is_whole = source.has_whole_rows;
   for (int a = 0; a < 3; ++a)
     for (int i = 0; i < 5; ++i) {
       const int at = 4 * place[a] + i, last = source.count[a] - 1;
+      is_whole = is_whole && at <= last;
       address[a][i] = source.address[a][at < last ? at : last];
     }
-  for (int k = 0; k < 5; ++k)
-    for (int j = 0; j < 5; ++j) {
-      const T* row = samples + address[1][j] + address[2][k];
-      float* to = block.sample + 5 * j + 25 * k;
-      for (int i = 0; i < 5; ++i)
-        to[i] = static_cast<float>((static_cast<double>(row[address[0][i]]) - highest) * unit);
+  const auto each_row = [&](auto&& read) {
+    for (int k = 0; k < 5; ++k)
+      for (int j = 0; j < 5; ++j) read(samples + address[1][j] + address[2][k], block.sample + 5 * j + 25 * k);
+  };
+  if constexpr (fits_float<T>) {
+    if (is_whole) {
+      const float highest_float = static_cast<float>(highest), unit_float = static_cast<float>(unit);
+      const auto highest_row = hn::Set(row_of_floats, highest_float), unit_row = hn::Set(row_of_floats, unit_float);
+      each_row([&](const T* row, float* to) {
+        for (std::size_t i = 0; i < 4; i += hn::MaxLanes(row_of_floats))
+          hn::StoreU(hn::Mul(hn::Sub(load_row(row + address[0][0] + i), highest_row), unit_row), row_of_floats, to + i);
+        to[4] = (static_cast<float>(row[address[0][4]]) - highest_float) * unit_float;
+      });
+      find_largest(block);
+      return;
     }
-  for (std::size_t i = 125; i < 160; ++i) block.sample[i] = 0;
-  for (std::size_t i = 0; i < 128; i += float_lanes)
-    hn::Store(hn::Max(hn::Load(floats, block.sample + i), hn::LoadU(floats, block.sample + i + 1)), floats,
-              block.largest + i);
-  for (std::size_t i = 128; i < 160; ++i) block.largest[i] = nothing_float;
-  for (std::size_t i = 0; i < 128; i += float_lanes)
-    hn::Store(hn::Max(hn::Load(floats, block.largest + i), hn::LoadU(floats, block.largest + i + 5)), floats,
-              block.largest + i);
-  for (std::size_t i = 0; i < 96; i += float_lanes)
-    hn::Store(hn::Max(hn::Load(floats, block.largest + i), hn::LoadU(floats, block.largest + i + 25)), floats,
-              block.largest + i);
+  }
+  each_row([&](const T* row, float* to) {
+    for (int i = 0; i < 5; ++i)
+      to[i] = static_cast<float>((static_cast<double>(row[address[0][i]]) - highest) * unit);
+  });
+  find_largest(block);
 }
 
 HWY_INLINE void fetch_of_type(const MaximumField& field, const int* place, double highest, double unit,
@@ -225,6 +265,7 @@ class Search {
       else
         open_node(at, region.largest);
     }
+    decide_suspects();
   }
 
  private:
@@ -251,9 +292,12 @@ class Search {
       const bool is_inside = r < group.count && (group.inside >> r & 1) != 0;
       lines.reached[r] = is_inside ? nothing_float : std::numeric_limits<float>::infinity();
       lines.reached_at[r] = std::numeric_limits<float>::infinity();
+      scratch_.reached[r] = nothing;
       if (!is_inside) lines.from[r] = 1, lines.to[r] = 0;
     }
     vectors_ = (group.count + float_lanes - 1) / float_lanes;
+    in_float_ = in_float(field_.type);
+    scratch_.suspects.count = 0;
     lowest_reached_ = nothing;
   }
 
@@ -367,52 +411,57 @@ class Search {
       at_block.count += hn::CompressStore(passing.to, passing.rays, floats, at_block.to + at_block.count);
     }
     if (at_block.count == 0) return;
-
-    const double unit = unit_for(range.hi - range.lo);
-    fetch_of_type(field_, place, range.hi, unit, scratch_.block);
-    scratch_.suspects.count = 0;
-    const float error = static_cast<float>((range.hi - range.lo) * unit) * (12 * margin_ + 0x1p-20F);
-    pad(at_block);
-    for (std::size_t first = 0; first < at_block.count; first += float_lanes)
-      walk_block(block, range.hi, unit, error, first);
-    look_closely(range.hi, unit);
-  }
-
-  /// Lanes beyond the last ray pass through nothing.
-  HWY_INLINE static void pad(RaysAtBlock& at_block) {
+    // Lanes beyond the last ray pass through nothing.
     for (std::size_t lane = at_block.count; lane < at_block.count + float_lanes; ++lane)
       at_block.ray[lane] = at_block.ray[0], at_block.from[lane] = 1, at_block.to[lane] = 0;
+
+    const double unit = unit_for(range.hi - range.lo, in_float_);
+    fetch_of_type(field_, place, range.hi, unit, scratch_.block);
+    const float error = static_cast<float>((range.hi - range.lo) * unit) * (12 * margin_ + 0x1p-20F);
+    scratch_.at_hand.count = 0;
+    for (std::size_t first = 0; first < at_block.count; first += float_lanes)
+      walk_block(block, range.hi, unit, error, first);
+    keep_suspects(range.hi, unit);
   }
 
-  /// What rays have reached, in a block's unit, never more than it is.
-  HWY_INLINE void reached_in_block(double highest, double unit, std::size_t first, float* reached) const {
+  /// What rays have reached, in a block's unit: no more than it is, and below the block's largest value where that is
+  /// not reached.
+  HWY_INLINE VecF reached_in_block(double highest, double unit, std::size_t first) const {
     const RaysAtBlock& at_block = scratch_.at_block;
-    for (std::size_t lane = 0; lane < float_lanes; ++lane) {
-      const double value = scratch_.found[scratch_.group.index[at_block.ray[first + lane]]].value;
-      const double below = value - highest;
-      const double scaled = below * unit;
-      const bool is_exact = below + highest == value && scaled / unit == below;
-      float result = scaled > -8 ? float_not_above(scaled) : -8;
-      if (!is_exact && result > -8) result -= 0x1p-22F * (result < 0 ? -result : result) + 0x1p-100F;
-      reached[lane] = result;
+    const VecF least = hn::Set(floats, -8.0F);
+    if (in_float_) {
+      const VecF reached = hn::GatherIndex(floats, scratch_.lines.reached, hn::Load(ints, at_block.ray + first));
+      const VecF from = hn::Set(floats, static_cast<float>(highest));
+      const VecF below = hn::Sub(reached, from);
+      const VecF lower = hn::NegMulAdd(hn::Abs(below), hn::Set(floats, 0x1p-22F), below);
+      const VecF safe = hn::IfThenElse(hn::Eq(hn::Add(below, from), reached), below, lower);
+      return hn::Max(hn::Mul(safe, hn::Set(floats, static_cast<float>(unit))), least);
     }
+    HWY_ALIGN float result[16];
+    for (std::size_t lane = 0; lane < float_lanes; ++lane) {
+      const double value = scratch_.reached[at_block.ray[first + lane]];
+      const double below = value - highest, scaled = below * unit;
+      result[lane] = -8;
+      if (!(scaled > -8)) continue;
+      result[lane] = float_not_above(scaled);
+      if (below + highest != value) result[lane] -= 0x1p-22F * (result[lane] < 0 ? -result[lane] : result[lane]);
+    }
+    return hn::Load(floats, result);
   }
 
   /// The cells of a block along some rays.
   HWY_INLINE void walk_block(const int* block, double highest, double unit, float error_float, std::size_t first) {
     const RaysAtBlock& at_block = scratch_.at_block;
     const GroupLines& lines = scratch_.lines;
-    Suspects& suspects = scratch_.suspects;
+    BlockSuspects& at_hand = scratch_.at_hand;
     const int w = frustum_.major, u = frustum_.minor[0], v = frustum_.minor[1];
-    HWY_ALIGN float reached_values[16];
-    reached_in_block(highest, unit, first, reached_values);
-    const VecF reached = hn::Load(floats, reached_values);
+    VecF reached = reached_in_block(highest, unit, first);
 
     const VecF one = hn::Set(floats, 1.0F), three = hn::Set(floats, 3.0F), zero = hn::Zero(floats);
     const VecF never = hn::Set(floats, std::numeric_limits<float>::infinity());
     const VecF error = hn::Set(floats, error_float);
     const VecI ray = hn::Load(ints, at_block.ray + first);
-    const VecF reached_at = hn::GatherIndex(floats, lines.reached_at, ray);
+    VecF reached_at = hn::GatherIndex(floats, lines.reached_at, ray);
     VecF from = hn::Load(floats, at_block.from + first);
     const VecF to = hn::Load(floats, at_block.to + first);
     const VecF low_w = hn::Set(floats, static_cast<float>(4 * block[w]));
@@ -435,97 +484,181 @@ class Search {
     }
     const float* samples = scratch_.block.sample + lowest_sample;
     const float* largest = scratch_.block.largest + lowest_cell;
-    const VecI stride_w = hn::Set(ints, stride[w]), stride_u = hn::Set(ints, stride[u]), stride_v = hn::Set(ints, stride[v]);
+    const VecI stride_w = hn::Set(ints, stride[w]), stride_u = hn::Set(ints, stride[u]),
+               stride_v = hn::Set(ints, stride[v]);
 
     const auto clamped = [&](VecF x) { return hn::Min(hn::Max(hn::Floor(x), zero), three); };
     VecF p_w = hn::Sub(from, low_w), p_u = hn::MulAdd(slope_u, from, start_u), p_v = hn::MulAdd(slope_v, from, start_v);
     VecF cell_w = clamped(p_w), cell_u = clamped(p_u), cell_v = clamped(p_v);
-    VecI cell = hn::Add(hn::Add(hn::Mul(hn::ConvertTo(ints, cell_w), stride_w), hn::Mul(hn::ConvertTo(ints, cell_u), stride_u)),
+    p_w = hn::Sub(p_w, cell_w), p_u = hn::Sub(p_u, cell_u), p_v = hn::Sub(p_v, cell_v);
+    VecI cell = hn::Add(hn::Add(hn::Mul(hn::ConvertTo(ints, cell_w), stride_w),
+                                hn::Mul(hn::ConvertTo(ints, cell_u), stride_u)),
                         hn::Mul(hn::ConvertTo(ints, cell_v), stride_v));
     const auto next = [&](VecF c, VecF at) { return hn::IfThenElse(hn::Lt(c, three), at, never); };
     VecF next_w = next(cell_w, hn::Add(hn::Add(low_w, cell_w), one));
     VecF next_u = next(cell_u, hn::Mul(hn::Sub(hn::Add(cell_u, one), start_u), inverse_u));
     VecF next_v = next(cell_v, hn::Mul(hn::Sub(hn::Add(cell_v, one), start_v), inverse_v));
 
-    MaskF active = hn::Le(from, to);
+    MaskF active = hn::Le(from, to), raised = hn::Lt(zero, zero);
+    VecF cells = hn::Zero(floats);
     for (;;) {
       const VecF leave = hn::Min(hn::Min(next_w, to), hn::Min(next_u, next_v));
-      const VecF bound = hn::GatherIndex(floats, largest, cell);
+      const VecF q_w = hn::Sub(hn::Sub(leave, low_w), cell_w), q_u = hn::Sub(hn::MulAdd(slope_u, leave, start_u), cell_u),
+                 q_v = hn::Sub(hn::MulAdd(slope_v, leave, start_v), cell_v);
+      const VecF bound = hn::Add(hn::GatherIndex(floats, largest, cell), error);
       const MaskF wanted = hn::And(active, may_improve(bound, from, reached, reached_at));
-      scratch_.cells += hn::CountTrue(floats, active);
+      cells = hn::Add(cells, hn::IfThenElseZero(active, one));
       if (!hn::AllFalse(floats, wanted)) {
-        const VecF hull = highest_control_point(samples, stride[u], stride[v], stride[w], cell,
-                                                hn::Sub(hn::MulAdd(slope_u, from, start_u), cell_u),
-                                                hn::Sub(hn::MulAdd(slope_u, leave, start_u), cell_u),
-                                                hn::Sub(hn::MulAdd(slope_v, from, start_v), cell_v),
-                                                hn::Sub(hn::MulAdd(slope_v, leave, start_v), cell_v),
-                                                hn::Sub(hn::Sub(from, low_w), cell_w), hn::Sub(hn::Sub(leave, low_w), cell_w));
-        const VecF highest_here = hn::Min(hn::Add(hull, error), bound);
+        const Coefficients b = coefficients(samples, stride[u], stride[v], stride[w], cell, {p_u, p_v, p_w}, {q_u, q_v, q_w});
+        const VecF highest_here = hn::Add(b.largest(), error);
         const MaskF suspect = hn::And(wanted, may_improve(highest_here, from, reached, reached_at));
         if (!hn::AllFalse(floats, suspect)) {
-          hn::CompressStore(ray, hn::RebindMask(ints, suspect), ints, suspects.ray + suspects.count);
-          hn::CompressStore(from, suspect, floats, suspects.from + suspects.count);
-          hn::CompressStore(leave, suspect, floats, suspects.to + suspects.count);
-          suspects.count += hn::CompressStore(highest_here, suspect, floats, suspects.bound + suspects.count);
+          hn::CompressStore(ray, hn::RebindMask(ints, suspect), ints, at_hand.ray + at_hand.count);
+          hn::CompressStore(from, suspect, floats, at_hand.from + at_hand.count);
+          hn::CompressStore(leave, suspect, floats, at_hand.to + at_hand.count);
+          at_hand.count += hn::CompressStore(highest_here, suspect, floats, at_hand.bound + at_hand.count);
+
+          // A value that is reached for certain: at a point well inside the cell and well inside the ray.
+          const VecF s = b.likely_maximum();
+          const MaskF inside = hn::And(hn::And(is_inside(p_u, q_u, s), is_inside(p_v, q_v, s)),
+                                       hn::And(is_inside(p_w, q_w, s),
+                                               hn::Ge(hn::Sub(leave, from), hn::Set(floats, 128 * margin_))));
+          const VecF value = hn::Sub(b.at(s), error);
+          const MaskF rises = hn::And(hn::And(suspect, inside), hn::Gt(value, reached));
+          reached = hn::IfThenElse(rises, value, reached);
+          const VecF place = hn::MulAdd(s, hn::Sub(leave, from), from);
+          reached_at = hn::IfThenElse(rises, hn::Add(place, hn::Set(floats, margin_)), reached_at);
+          raised = hn::Or(raised, rises);
         }
       }
       active = hn::And(active, hn::Lt(leave, to));
-      if (hn::AllFalse(floats, active)) return;
-      const MaskF moves_w = hn::Le(next_w, leave), moves_u = hn::Le(next_u, leave), moves_v = hn::Le(next_v, leave);
-      cell_w = hn::Add(cell_w, hn::IfThenElseZero(moves_w, one));
-      cell_u = hn::Add(cell_u, hn::IfThenElseZero(moves_u, one));
-      cell_v = hn::Add(cell_v, hn::IfThenElseZero(moves_v, one));
-      cell = hn::Add(cell, hn::Add(hn::IfThenElseZero(hn::RebindMask(ints, moves_w), stride_w),
-                                   hn::Add(hn::IfThenElseZero(hn::RebindMask(ints, moves_u), stride_u),
-                                           hn::IfThenElseZero(hn::RebindMask(ints, moves_v), stride_v))));
+      if (hn::AllFalse(floats, active)) break;
+      const VecF step_w = hn::IfThenElseZero(hn::Le(next_w, leave), one), step_u = hn::IfThenElseZero(hn::Le(next_u, leave), one),
+                 step_v = hn::IfThenElseZero(hn::Le(next_v, leave), one);
+      cell = hn::Add(cell, hn::Add(hn::IfThenElseZero(hn::RebindMask(ints, hn::Le(next_w, leave)), stride_w),
+                                   hn::Add(hn::IfThenElseZero(hn::RebindMask(ints, hn::Le(next_u, leave)), stride_u),
+                                           hn::IfThenElseZero(hn::RebindMask(ints, hn::Le(next_v, leave)), stride_v))));
+      cell_w = hn::Add(cell_w, step_w), cell_u = hn::Add(cell_u, step_u), cell_v = hn::Add(cell_v, step_v);
+      p_w = hn::Sub(q_w, step_w), p_u = hn::Sub(q_u, step_u), p_v = hn::Sub(q_v, step_v);
       next_w = next(cell_w, hn::Add(hn::Add(low_w, cell_w), one));
       next_u = next(cell_u, hn::Mul(hn::Sub(hn::Add(cell_u, one), start_u), inverse_u));
       next_v = next(cell_v, hn::Mul(hn::Sub(hn::Add(cell_v, one), start_v), inverse_v));
       from = leave;
     }
+    count_cells(cells, first);
+    if (!hn::AllFalse(floats, raised)) raise(raised, reached, reached_at, highest, unit, first);
   }
 
-  /// The largest of the Bernstein coefficients along the way from p to q (cells/trilinear.h).
-  HWY_INLINE static VecF highest_control_point(const float* samples, std::int32_t stride_u, std::int32_t stride_v,
-                                               std::int32_t stride_w, VecI cell, VecF p_u, VecF q_u, VecF p_v, VecF q_v,
-                                               VecF p_w, VecF q_w) {
+  HWY_INLINE MaskF is_inside(VecF p, VecF q, VecF s) const {
+    const VecF half = hn::Set(floats, 0.5F);
+    return hn::Le(hn::Abs(hn::Sub(hn::MulAdd(s, hn::Sub(q, p), p), half)), hn::Set(floats, 0.5F - 3 * margin_));
+  }
+
+  HWY_INLINE void count_cells(VecF cells, std::size_t first) {
+    HWY_ALIGN float counted[16];
+    hn::Store(cells, floats, counted);
+    const RaysAtBlock& at_block = scratch_.at_block;
+    const std::size_t rays = at_block.count - first < float_lanes ? at_block.count - first : float_lanes;
+    for (std::size_t lane = 0; lane < rays; ++lane)
+      scratch_.cost[scratch_.group.index[at_block.ray[first + lane]]] += 1 + static_cast<std::uint32_t>(counted[lane]);
+  }
+
+  /// Takes over what rays have reached in a block.
+  HWY_INLINE void raise(MaskF raised, VecF reached, VecF reached_at, double highest, double unit, std::size_t first) {
+    HWY_ALIGN float values[16], places[16];
+    hn::Store(reached, floats, values);
+    hn::Store(reached_at, floats, places);
+    for (std::uint64_t bits = bits_of(floats, raised); bits != 0; bits &= bits - 1) {
+      const int lane = std::countr_zero(bits);
+      // Single precision has lost more than this rounding: the error holds for both.
+      const double value = highest + static_cast<double>(values[lane]) / unit;
+      set_reached(static_cast<std::size_t>(scratch_.at_block.ray[first + static_cast<std::size_t>(lane)]), value,
+                  places[lane]);
+    }
+    find_lowest_reached();
+  }
+
+  HWY_INLINE void set_reached(std::size_t ray, double value, float place) {
+    if (!(value > scratch_.reached[ray] || (value == scratch_.reached[ray] && place < scratch_.lines.reached_at[ray])))
+      return;
+    scratch_.reached[ray] = value;
+    scratch_.lines.reached[ray] = float_not_above(value);
+    scratch_.lines.reached_at[ray] = place;
+  }
+
+  struct Point {
+    VecF u, v, w;
+  };
+
+  /// The Bernstein coefficients along the way from p to q (cells/trilinear.h), b0 to b3.
+  struct Coefficients {
+    VecF b0, b1, b2, b3;
+
+    HWY_INLINE VecF largest() const { return hn::Max(hn::Max(b0, b1), hn::Max(b2, b3)); }
+
+    HWY_INLINE VecF at(VecF s) const {
+      const VecF r = hn::Sub(hn::Set(floats, 1.0F), s), three = hn::Set(floats, 3.0F);
+      const VecF outer = hn::MulAdd(hn::Mul(hn::Mul(r, r), r), b0, hn::Mul(hn::Mul(hn::Mul(s, s), s), b3));
+      return hn::MulAdd(hn::Mul(three, hn::Mul(r, s)), hn::MulAdd(r, b1, hn::Mul(s, b2)), outer);
+    }
+
+    /// A place not far from the largest value, away from both ends.
+    HWY_INLINE VecF likely_maximum() const {
+      const VecF d0 = hn::Sub(b1, b0), d1 = hn::Sub(b2, b1), d2 = hn::Sub(b3, b2);
+      const VecF discriminant = hn::Max(hn::NegMulAdd(d0, d2, hn::Mul(d1, d1)), hn::Zero(floats));
+      const VecF turn = hn::Div(d0, hn::Add(hn::Sqrt(discriminant), hn::Sub(d0, d1)));
+      const VecF first = hn::Set(floats, 1.0F / 64), last = hn::Set(floats, 63.0F / 64);
+      const VecF end = hn::IfThenElse(hn::Gt(b3, b0), last, first);
+      return hn::IfThenElse(hn::And(hn::Gt(turn, first), hn::Lt(turn, last)), turn, end);
+    }
+  };
+
+  HWY_INLINE static Coefficients coefficients(const float* samples, std::int32_t stride_u, std::int32_t stride_v,
+                                              std::int32_t stride_w, VecI cell, const Point& p, const Point& q) {
     const auto corner = [&](std::int32_t offset) { return hn::GatherIndex(floats, samples + offset, cell); };
-    const auto between = [](VecF a, VecF difference, VecF at) { return hn::MulAdd(difference, at, a); };
     struct Pair {
       VecF p, q;
     };
+    const auto between = [](VecF a, VecF b, VecF at_p, VecF at_q) {
+      const VecF difference = hn::Sub(b, a);
+      return Pair{hn::MulAdd(difference, at_p, a), hn::MulAdd(difference, at_q, a)};
+    };
     const auto along_u = [&](std::int32_t offset) {
-      const VecF a = corner(offset), difference = hn::Sub(corner(offset + stride_u), a);
-      return Pair{between(a, difference, p_u), between(a, difference, q_u)};
+      return between(corner(offset), corner(offset + stride_u), p.u, q.u);
     };
     const Pair f00 = along_u(0), f10 = along_u(stride_v), f01 = along_u(stride_w), f11 = along_u(stride_v + stride_w);
-    const auto along_v = [&](VecF a, VecF b) {
-      const VecF difference = hn::Sub(b, a);
-      return Pair{between(a, difference, p_v), between(a, difference, q_v)};
-    };
-    const Pair low_p = along_v(f00.p, f10.p), low_q = along_v(f00.q, f10.q);
-    const Pair high_p = along_v(f01.p, f11.p), high_q = along_v(f01.q, f11.q);
-    const auto along_w = [&](VecF a, VecF b) {
-      const VecF difference = hn::Sub(b, a);
-      return Pair{between(a, difference, p_w), between(a, difference, q_w)};
-    };
-    const Pair pp = along_w(low_p.p, high_p.p), qp = along_w(low_q.p, high_q.p);
-    const Pair pq = along_w(low_p.q, high_p.q), qq = along_w(low_q.q, high_q.q);
+    const Pair low_p = between(f00.p, f10.p, p.v, q.v), low_q = between(f00.q, f10.q, p.v, q.v);
+    const Pair high_p = between(f01.p, f11.p, p.v, q.v), high_q = between(f01.q, f11.q, p.v, q.v);
+    const Pair pp = between(low_p.p, high_p.p, p.w, q.w), qp = between(low_q.p, high_q.p, p.w, q.w);
+    const Pair pq = between(low_p.q, high_p.q, p.w, q.w), qq = between(low_q.q, high_q.q, p.w, q.w);
+    // Each is a sum of all corners with weights: one that is not a number makes all of them so.
     const VecF third = hn::Set(floats, 1.0F / 3);
-    const VecF b1 = hn::Mul(hn::Add(hn::Add(qp.p, pq.p), pp.q), third);
-    const VecF b2 = hn::Mul(hn::Add(hn::Add(qq.p, qp.q), pq.q), third);
-    // Each is the sum of all corners with weights: one that is not a number makes all of them so.
-    return hn::Max(hn::Max(pp.p, b1), hn::Max(b2, qq.q));
+    return {pp.p, hn::Mul(hn::Add(hn::Add(qp.p, pq.p), pp.q), third), hn::Mul(hn::Add(hn::Add(qq.p, qp.q), pq.q), third),
+            qq.q};
   }
 
-  /// Decides the suspects, the most likely one of each ray first.
-  HWY_INLINE void look_closely(double highest, double unit) {
-    const Suspects& suspects = scratch_.suspects;
-    if (suspects.count == 0) return;
-    for (std::size_t i = 0; i < suspects.count; ++i)
-      scratch_.highest_bound[suspects.ray[i]] = nothing_float;
+  /// Puts the suspects of a block to the others, but for those that what was reached since rules out.
+  HWY_INLINE void keep_suspects(double highest, double unit) {
+    const BlockSuspects& at_hand = scratch_.at_hand;
+    Suspects& suspects = scratch_.suspects;
+    for (std::size_t i = 0; i < at_hand.count; ++i) {
+      const auto ray = static_cast<std::size_t>(at_hand.ray[i]);
+      const double bound = highest + static_cast<double>(at_hand.bound[i]) / unit;
+      if (bound < scratch_.reached[ray]) continue;
+      suspects.ray[suspects.count] = at_hand.ray[i];
+      suspects.from[suspects.count] = at_hand.from[i];
+      suspects.to[suspects.count] = at_hand.to[i];
+      suspects.bound[suspects.count++] = bound;
+    }
+    if (suspects.count > Suspects::capacity - BlockSuspects::capacity) decide_suspects();
+  }
+
+  /// Looks closely at the suspects, at the most likely one of each ray first.
+  HWY_NOINLINE void decide_suspects() {
+    Suspects& suspects = scratch_.suspects;
+    for (std::size_t i = 0; i < suspects.count; ++i) scratch_.highest_bound[suspects.ray[i]] = nothing;
     for (std::size_t i = 0; i < suspects.count; ++i) {
-      float& bound = scratch_.highest_bound[suspects.ray[i]];
+      double& bound = scratch_.highest_bound[suspects.ray[i]];
       if (suspects.bound[i] > bound) bound = suspects.bound[i];
     }
     for (const bool likely : {true, false})
@@ -533,15 +666,13 @@ class Search {
         const auto ray = static_cast<std::size_t>(suspects.ray[i]);
         if ((suspects.bound[i] == scratch_.highest_bound[ray]) != likely) continue;
         FoundMaximum& found = scratch_.found[scratch_.group.index[ray]];
-        // The block's unit is a power of two: this is exact, or off by what the margin holds.
-        const double bound = highest + static_cast<double>(suspects.bound[i]) / unit;
-        if (bound < found.value) continue;
+        if (suspects.bound[i] < scratch_.reached[ray]) continue;
         ++scratch_.looks;
         field_.look_closely(field_.context, rays_, scratch_.group.index[ray], time_at(ray, suspects.from[i]),
                             time_at(ray, suspects.to[i]), found);
-        scratch_.lines.reached[ray] = float_not_above(found.value);
-        scratch_.lines.reached_at[ray] = float_not_below(place_at(ray, found.t)) + margin_;
+        set_reached(ray, found.value, float_not_below(place_at(ray, found.t)) + margin_);
       }
+    suspects.count = 0;
     find_lowest_reached();
   }
 
@@ -575,6 +706,7 @@ class Search {
   const Frustum& frustum_;
   float margin_;  ///< more than positions are off in single precision
   std::size_t vectors_ = 0;
+  bool in_float_ = false;
   double lowest_reached_ = nothing;
 };
 

@@ -77,12 +77,22 @@ struct alignas(64) GroupLines {
 };
 
 /// Parts of rays in a block that may hold a larger value than was found.
-struct alignas(64) Suspects {
+struct alignas(64) BlockSuspects {
   static constexpr std::size_t capacity = 64 * 10 + 16;
 
   std::int32_t ray[capacity];
   float from[capacity], to[capacity];
   float bound[capacity];  ///< no value there is larger, in the block's unit
+  std::size_t count;
+};
+
+/// The same of all blocks, until they are looked at closely.
+struct Suspects {
+  static constexpr std::size_t capacity = 2048;
+
+  std::int32_t ray[capacity];
+  float from[capacity], to[capacity];
+  double bound[capacity];
   std::size_t count;
 };
 
@@ -107,11 +117,13 @@ struct alignas(64) MaximumScratch {
   RegionQueue queue;
   MaximumBlock block;
   RaysAtBlock at_block;
+  BlockSuspects at_hand;
   Suspects suspects;
-  float highest_bound[RayGroup::size];
+  double reached[RayGroup::size];        ///< some value on the ray is at least this
+  double highest_bound[RayGroup::size];  ///< of a ray's suspects
   FoundMaximum found[RayGroup::size];   ///< by place in the chunk
   std::uint32_t cost[RayGroup::size];   ///< by place in the chunk: blocks and cells visited
-  std::uint64_t regions, cells, looks;  ///< counted
+  std::uint64_t regions, looks;        ///< counted
 };
 
 using LargestValues = void (*)(const MaximumField& field, const RayArrays& rays, std::size_t count,
