@@ -29,24 +29,6 @@ CellVisit whole_visit(const PlaneTimesOf<Planes>& planes, const Segment& segment
   return visit;
 }
 
-/// Whether a cell with this largest value, entered at t_in, can change what is found.
-bool may_improve(const FoundMaximum& found, double bound, double t_in) {
-  return bound > found.value || (bound == found.value && t_in < found.t);
-}
-
-/// Keeps the larger value; of equal ones the nearer, and there the one that the queue meets first.
-void keep_better(FoundMaximum& found, const FoundMaximum& other) {
-  if (other.value != found.value) {
-    if (other.value > found.value) found = other;
-  } else if (other.t != found.t) {
-    if (other.t < found.t) found = other;
-  } else if (other.is_bound_at_entry != found.is_bound_at_entry) {
-    if (found.is_bound_at_entry) found = other;
-  } else if (other.cell < found.cell) {
-    found = other;
-  }
-}
-
 template <class View>
 void look_closely(const void* context, const RayArrays& rays, std::size_t r, double t_from, double t_to,
                   FoundMaximum& found) {

@@ -234,6 +234,21 @@ HWY_INLINE void fetch_of_type(const MaximumField& field, const int* place, doubl
   }
 }
 
+/// Corner c of the cells of some looks, each in its lane; lanes beyond repeat the first.
+template <class T>
+HWY_NOINLINE void corners_of(const SampleSource& source, const Looks& looks, std::size_t first, std::size_t count,
+                             double (*corner)[8]) {
+  const T* samples = static_cast<const T*>(source.samples);
+  for (std::size_t lane = 0; lane < double_lanes; ++lane) {
+    const std::size_t i = first + (lane < count ? lane : 0);
+    const std::uint64_t* x = source.address[0] + looks.cell[0][i];
+    const std::uint64_t* y = source.address[1] + looks.cell[1][i];
+    const std::uint64_t* z = source.address[2] + looks.cell[2][i];
+    for (int c = 0; c < 8; ++c)
+      corner[c][lane] = static_cast<double>(samples[x[c & 1] + y[c >> 1 & 1] + z[c >> 2]]);
+  }
+}
+
 // ---- search
 
 class Search {
@@ -297,7 +312,7 @@ class Search {
     }
     vectors_ = (group.count + float_lanes - 1) / float_lanes;
     in_float_ = in_float(field_.type);
-    scratch_.suspects.count = 0;
+    scratch_.suspects.count = scratch_.looks_left.count = 0;
     lowest_reached_ = nothing;
   }
 
@@ -661,19 +676,283 @@ class Search {
       double& bound = scratch_.highest_bound[suspects.ray[i]];
       if (suspects.bound[i] > bound) bound = suspects.bound[i];
     }
-    for (const bool likely : {true, false})
+    for (const bool likely : {true, false}) {
       for (std::size_t i = 0; i < suspects.count; ++i) {
         const auto ray = static_cast<std::size_t>(suspects.ray[i]);
         if ((suspects.bound[i] == scratch_.highest_bound[ray]) != likely) continue;
-        FoundMaximum& found = scratch_.found[scratch_.group.index[ray]];
         if (suspects.bound[i] < scratch_.reached[ray]) continue;
-        ++scratch_.looks;
-        field_.look_closely(field_.context, rays_, scratch_.group.index[ray], time_at(ray, suspects.from[i]),
-                            time_at(ray, suspects.to[i]), found);
-        set_reached(ray, found.value, float_not_below(place_at(ray, found.t)) + margin_);
+        put_look(suspects.ray[i], time_at(ray, suspects.from[i]), time_at(ray, suspects.to[i]));
+        if (scratch_.looks_left.count == first_looks) look_closely();
       }
+      look_closely();
+    }
     suspects.count = 0;
     find_lowest_reached();
+  }
+
+  static constexpr std::size_t first_looks = 128;
+
+  /// The cell in the middle, up to rounding; those around it follow as far as the part reaches.
+  HWY_INLINE void put_look(std::int32_t ray, double from, double to) {
+    Looks& looks = scratch_.looks_left;
+    const RayGroup& group = scratch_.group;
+    const std::size_t i = looks.count++;
+    const double middle = 0.5 * (from + to);
+    for (int a = 0; a < 3; ++a) {
+      const double at = group.origin[a][ray] + middle * group.direction[a][ray];
+      const int cell = at > 0 ? (at < field_.leaf_count[a] ? floored(at) : field_.leaf_count[a] - 1) : 0;
+      looks.cell[a][i] = cell;
+    }
+    looks.ray[i] = ray, looks.from[i] = from, looks.to[i] = to, looks.way[i] = 0;
+  }
+
+  /// The same cell's neighbour on the ray.
+  HWY_INLINE void put_neighbour(std::size_t of, int axis, int step, std::int32_t way) {
+    Looks& looks = scratch_.looks_left;
+    const int cell = looks.cell[axis][of] + step;
+    if (cell < 0 || cell >= field_.leaf_count[axis]) return;
+    const std::size_t i = looks.count++;
+    for (int a = 0; a < 3; ++a) looks.cell[a][i] = looks.cell[a][of];
+    looks.cell[axis][i] = cell;
+    looks.ray[i] = looks.ray[of], looks.from[i] = looks.from[of], looks.to[i] = looks.to[of], looks.way[i] = way;
+  }
+
+  HWY_NOINLINE void look_closely() {
+    Looks& looks = scratch_.looks_left;
+    std::size_t first = 0;
+    while (first < looks.count) {
+      // Each look may add two.
+      if (looks.count + 2 * double_lanes > Looks::capacity) {
+        const std::size_t left = looks.count - first;
+        for (std::size_t i = 0; i < left; ++i) {
+          looks.ray[i] = looks.ray[first + i], looks.way[i] = looks.way[first + i];
+          looks.from[i] = looks.from[first + i], looks.to[i] = looks.to[first + i];
+          for (auto& cell : looks.cell) cell[i] = cell[first + i];
+        }
+        looks.count = left, first = 0;
+      }
+      const std::size_t count = looks.count - first < double_lanes ? looks.count - first : double_lanes;
+      look_at_cells(first, count);
+      first += count;
+    }
+    looks.count = 0;
+  }
+
+  struct PointD {
+    VecD x, y, z;
+  };
+  HWY_INLINE static VecD between(VecD a, VecD b, VecD w) {
+    return hn::Add(hn::Mul(hn::Sub(hn::Set(doubles, 1.0), w), a), hn::Mul(w, b));
+  }
+
+  /// Some looks side by side, operation for operation as largest_in_cell<double> (grid_maximum.h).
+  HWY_INLINE void look_at_cells(std::size_t first, std::size_t count) {
+    const Looks& looks = scratch_.looks_left;
+    const RayGroup& group = scratch_.group;
+    const VecD zero = hn::Zero(doubles), one = hn::Set(doubles, 1.0);
+    scratch_.looks += count;
+
+    // What is asked of the rays and the corners, side by side.
+    HWY_ALIGN double origin[3][8], direction[3][8], entry[3][8], exit[3][8], low[3][8], t_first[8], t_last[8];
+    HWY_ALIGN double found_value[8], found_t[8], corner[8][8];
+    for (std::size_t lane = 0; lane < double_lanes; ++lane) {
+      const std::size_t i = first + (lane < count ? lane : 0);
+      const auto ray = static_cast<std::size_t>(looks.ray[i]);
+      for (int a = 0; a < 3; ++a) {
+        const double cell = looks.cell[a][i];
+        const bool is_down = (group.octant >> a & 1) != 0;
+        origin[a][lane] = group.origin[a][ray], direction[a][lane] = group.direction[a][ray];
+        entry[a][lane] = ((is_down ? cell + 1 : cell) - group.plane_origin[a][ray]) * group.inverse[a][ray];
+        exit[a][lane] = ((is_down ? cell : cell + 1) - group.plane_origin[a][ray]) * group.inverse[a][ray];
+        low[a][lane] = cell;
+      }
+      t_first[lane] = group.t_in[ray], t_last[lane] = group.t_out[ray];
+      const FoundMaximum& found = scratch_.found[group.index[ray]];
+      found_value[lane] = found.value, found_t[lane] = found.t;
+    }
+    read_corners(first, count, corner);
+
+    // The whole way through the cell.
+    VecD t_in = hn::Load(doubles, t_first), t_out = hn::Load(doubles, t_last);
+    MaskD through_in[3], through_out[3];
+    for (int a = 0; a < 3; ++a)
+      t_in = hn::Max(hn::Load(doubles, entry[a]), t_in), t_out = hn::Min(hn::Load(doubles, exit[a]), t_out);
+    MaskD later = hn::Lt(zero, zero), earlier = later;
+    for (int a = 2; a >= 0; --a) {  // the last plane passed at t_in, in the order x, y, z
+      const MaskD is_at = hn::Eq(hn::Load(doubles, entry[a]), t_in);
+      through_in[a] = hn::AndNot(later, is_at);
+      later = hn::Or(later, is_at);
+    }
+    for (int a = 0; a < 3; ++a) {  // the first plane passed at t_out
+      const MaskD is_at = hn::Eq(hn::Load(doubles, exit[a]), t_out);
+      through_out[a] = hn::AndNot(earlier, is_at);
+      earlier = hn::Or(earlier, is_at);
+    }
+
+    VecD f[8];
+    VecD bound = hn::Load(doubles, corner[0]);
+    MaskD has_data = is_finite(bound);
+    f[0] = bound;
+    for (int c = 1; c < 8; ++c) {
+      f[c] = hn::Load(doubles, corner[c]);
+      bound = hn::Max(bound, f[c]);
+      has_data = hn::And(has_data, is_finite(f[c]));
+    }
+    const VecD known = hn::Load(doubles, found_value);
+    const MaskD improves = hn::Or(
+        hn::Gt(bound, known), hn::And(hn::Eq(bound, known), hn::Lt(t_in, hn::Load(doubles, found_t))));
+    const MaskD wanted = hn::And(hn::And(has_data, hn::Lt(t_in, t_out)), improves);
+
+    if (!hn::AllFalse(doubles, wanted)) {
+      VecD largest_size = zero;
+      for (VecD& value : f) {
+        value = hn::Sub(value, bound);
+        largest_size = hn::Max(largest_size, hn::Abs(value));
+      }
+      VecD in[3], out[3];
+      for (int a = 0; a < 3; ++a) {
+        const VecD o = hn::Load(doubles, origin[a]), d = hn::Load(doubles, direction[a]), c = hn::Load(doubles, low[a]);
+        const VecD near_face = (group.octant >> a & 1) != 0 ? one : zero, far_face = hn::Sub(one, near_face);
+        const auto place = [&](VecD t) {
+          return hn::Min(hn::Max(hn::Sub(hn::Add(o, hn::Mul(t, d)), c), zero), one);
+        };
+        in[a] = hn::IfThenElse(through_in[a], near_face, place(t_in));
+        out[a] = hn::IfThenElse(through_out[a], far_face, place(t_out));
+      }
+      const Answer answer = largest_on_way(f, in, out);
+      const VecD along = hn::Add(hn::Mul(hn::Sub(one, answer.s), t_in), hn::Mul(answer.s, t_out));
+      const VecD t = hn::Min(hn::Max(along, t_in), t_out);
+      const VecD value = hn::Add(bound, answer.value);
+      // Differences that need another unit are left to the scalar kernel's own code.
+      const MaskD is_far = hn::And(hn::Gt(largest_size, zero), hn::Or(hn::Gt(largest_size, hn::Set(doubles, 0x1p900)),
+                                                                       hn::Lt(largest_size, hn::Set(doubles, 0x1p-900))));
+      take_answers(first, count, wanted, is_far, value, t, hn::And(hn::Eq(value, bound), hn::Eq(t, t_in)));
+    }
+    follow(first, count, t_in, t_out, through_in, through_out);
+  }
+
+  struct Answer {
+    VecD value, s;
+  };
+
+  /// CubicOf::along and largest_value (cells/trilinear.h, cells/cubic.h).
+  HWY_INLINE static Answer largest_on_way(const VecD* f, const VecD* in, const VecD* out) {
+    struct Pair {
+      VecD p, q;
+    };
+    const auto on_axis = [&](VecD a, VecD b, int axis) {
+      return Pair{between(a, b, in[axis]), between(a, b, out[axis])};
+    };
+    const Pair x00 = on_axis(f[0], f[1], 0), x10 = on_axis(f[2], f[3], 0), x01 = on_axis(f[4], f[5], 0),
+               x11 = on_axis(f[6], f[7], 0);
+    const Pair low_p = on_axis(x00.p, x10.p, 1), low_q = on_axis(x00.q, x10.q, 1);
+    const Pair high_p = on_axis(x01.p, x11.p, 1), high_q = on_axis(x01.q, x11.q, 1);
+    // g.._: by x and y, each for both ends on z.
+    const Pair gpp = on_axis(low_p.p, high_p.p, 2), gqp = on_axis(low_q.p, high_q.p, 2);
+    const Pair gpq = on_axis(low_p.q, high_p.q, 2), gqq = on_axis(low_q.q, high_q.q, 2);
+    const VecD zero = hn::Zero(doubles), one = hn::Set(doubles, 1.0), three = hn::Set(doubles, 3.0);
+    const VecD b0 = gpp.p, b1 = hn::Div(hn::Add(hn::Add(gqp.p, gpq.p), gpp.q), three),
+               b2 = hn::Div(hn::Add(hn::Add(gqq.p, gqp.q), gpq.q), three), b3 = gqq.q;
+
+    Answer best{b0, zero};
+    const MaskD may_turn = hn::Or(hn::Gt(b1, b0), hn::Gt(b2, b3));
+    if (!hn::AllFalse(doubles, may_turn)) {
+      VecD d0 = hn::Sub(b1, b0), d1 = hn::Sub(b2, b1), d2 = hn::Sub(b3, b2);
+      const VecD unit = hn::Max(hn::Max(hn::Abs(d0), hn::Abs(d1)), hn::Abs(d2));
+      d0 = hn::Div(d0, unit), d1 = hn::Div(d1, unit), d2 = hn::Div(d2, unit);
+      const VecD a = hn::Add(hn::Sub(d0, hn::Mul(hn::Set(doubles, 2.0), d1)), d2), half_b = hn::Sub(d1, d0);
+      const VecD discriminant = hn::Sub(hn::Mul(d1, d1), hn::Mul(d0, d2));
+      const VecD q = hn::Neg(hn::Add(half_b, hn::CopySign(hn::Sqrt(discriminant), half_b)));
+      const VecD one_root = hn::Div(q, a), other_root = hn::Div(d0, q);
+      const MaskD turns = hn::And(may_turn, hn::Ge(discriminant, zero));
+      const auto is_inside = [&](VecD s) { return hn::And(turns, hn::And(hn::Gt(s, zero), hn::Lt(s, one))); };
+      const MaskD has_one = is_inside(one_root), has_other = is_inside(other_root);
+      // The nearer one first; a larger value takes its place.
+      const MaskD swaps = hn::And(hn::And(has_one, has_other), hn::Lt(other_root, one_root));
+      const auto offer = [&](VecD s, MaskD valid) {
+        const VecD r = hn::Sub(one, s);
+        const auto mix = [&](VecD from, VecD to) { return hn::Add(hn::Mul(r, from), hn::Mul(s, to)); };
+        const VecD c0 = mix(b0, b1), c1 = mix(b1, b2), c2 = mix(b2, b3);
+        const VecD value = mix(mix(c0, c1), mix(c1, c2));
+        const MaskD better = hn::And(valid, hn::Gt(value, best.value));
+        best.value = hn::IfThenElse(better, value, best.value);
+        best.s = hn::IfThenElse(better, s, best.s);
+      };
+      offer(hn::IfThenElse(swaps, other_root, one_root), has_one);
+      offer(hn::IfThenElse(swaps, one_root, other_root), has_other);
+    }
+    const MaskD ends_higher = hn::Gt(b3, best.value);
+    return {hn::IfThenElse(ends_higher, b3, best.value), hn::IfThenElse(ends_higher, one, best.s)};
+  }
+
+  HWY_INLINE void take_answers(std::size_t first, std::size_t count, MaskD wanted, MaskD is_far, VecD value, VecD t,
+                               MaskD at_entry) {
+    HWY_ALIGN double values[8], times[8];
+    hn::Store(value, doubles, values);
+    hn::Store(t, doubles, times);
+    const std::uint64_t far_bits = bits_of(doubles, is_far), entry_bits = bits_of(doubles, at_entry);
+    const Looks& looks = scratch_.looks_left;
+    for (std::uint64_t bits = bits_of(doubles, wanted) & first_rays(count); bits != 0; bits &= bits - 1) {
+      const int lane = std::countr_zero(bits);
+      const std::size_t i = first + static_cast<std::size_t>(lane);
+      const auto ray = static_cast<std::size_t>(looks.ray[i]);
+      FoundMaximum& found = scratch_.found[scratch_.group.index[ray]];
+      if ((far_bits >> lane & 1) != 0) {
+        field_.look_closely(field_.context, rays_, scratch_.group.index[ray], looks.from[i], looks.to[i], found);
+      } else {
+        const auto id = static_cast<std::uint64_t>(
+            (static_cast<std::int64_t>(looks.cell[2][i]) * field_.leaf_count[1] + looks.cell[1][i]) *
+                field_.leaf_count[0] +
+            looks.cell[0][i]);
+        keep_better(found, {values[lane], times[lane], id, (entry_bits >> lane & 1) != 0});
+      }
+      set_reached(ray, found.value, float_not_below(place_at(ray, found.t)) + margin_);
+    }
+  }
+
+  /// Goes on to the cells before and behind, as far as the parts of the rays in question reach.
+  HWY_INLINE void follow(std::size_t first, std::size_t count, VecD t_in, VecD t_out, const MaskD* through_in,
+                         const MaskD* through_out) {
+    const Looks& looks = scratch_.looks_left;
+    HWY_ALIGN double in[8], out[8];
+    hn::Store(t_in, doubles, in);
+    hn::Store(t_out, doubles, out);
+    std::uint64_t in_bits[3], out_bits[3];
+    for (int a = 0; a < 3; ++a)
+      in_bits[a] = bits_of(doubles, through_in[a]), out_bits[a] = bits_of(doubles, through_out[a]);
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      const std::size_t i = first + lane;
+      for (int a = 0; a < 3; ++a) {
+        const int step = (scratch_.group.octant >> a & 1) != 0 ? -1 : 1;
+        if ((in_bits[a] >> lane & 1) != 0 && looks.way[i] <= 0 && looks.from[i] < in[lane])
+          put_neighbour(i, a, -step, -1);
+        if ((out_bits[a] >> lane & 1) != 0 && looks.way[i] >= 0 && looks.to[i] > out[lane])
+          put_neighbour(i, a, step, 1);
+      }
+    }
+  }
+
+  HWY_INLINE void read_corners(std::size_t first, std::size_t count, double (*corner)[8]) const {
+    using formats::ElementType;
+    const Looks& looks = scratch_.looks_left;
+    switch (field_.type) {
+      case ElementType::U8:
+        return corners_of<std::uint8_t>(field_.source, looks, first, count, corner);
+      case ElementType::I8:
+        return corners_of<std::int8_t>(field_.source, looks, first, count, corner);
+      case ElementType::U16:
+        return corners_of<std::uint16_t>(field_.source, looks, first, count, corner);
+      case ElementType::I16:
+        return corners_of<std::int16_t>(field_.source, looks, first, count, corner);
+      case ElementType::U32:
+        return corners_of<std::uint32_t>(field_.source, looks, first, count, corner);
+      case ElementType::I32:
+        return corners_of<std::int32_t>(field_.source, looks, first, count, corner);
+      case ElementType::F32:
+        return corners_of<float>(field_.source, looks, first, count, corner);
+      default:
+        return corners_of<double>(field_.source, looks, first, count, corner);
+    }
   }
 
   HWY_INLINE double time_at(std::size_t ray, float place) const {

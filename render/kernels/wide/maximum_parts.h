@@ -23,6 +23,23 @@ struct FoundMaximum {
   bool is_bound_at_entry;  ///< the cell's largest value, and where the ray enters it
 };
 
+/// Whether a cell with this largest value, entered at t_in, can change what is found.
+RHORAY_INLINE bool may_improve(const FoundMaximum& found, double bound, double t_in) {
+  return bound > found.value || (bound == found.value && t_in < found.t);
+}
+
+/// Keeps the larger value; of equal ones the nearer, and there the one that the scalar kernel's queue meets first.
+RHORAY_INLINE void keep_better(FoundMaximum& found, const FoundMaximum& other) {
+  bool is_better = other.cell < found.cell;
+  if (other.value != found.value)
+    is_better = other.value > found.value;
+  else if (other.t != found.t)
+    is_better = other.t < found.t;
+  else if (other.is_bound_at_entry != found.is_bound_at_entry)
+    is_better = found.is_bound_at_entry;
+  if (is_better) found = other;
+}
+
 /// Values that occur in the macrocells of one level: lo and hi of each, of the field's type, x fastest.
 struct StoredRanges {
   const void* first;
@@ -96,6 +113,17 @@ struct Suspects {
   std::size_t count;
 };
 
+/// Cells on rays that are to be looked at closely.
+struct alignas(64) Looks {
+  static constexpr std::size_t capacity = 512;
+
+  std::int32_t ray[capacity];
+  std::int32_t cell[3][capacity];
+  double from[capacity], to[capacity];  ///< t: the cells before and behind are looked at as far as this
+  std::int32_t way[capacity];           ///< -1: only those before, 1: only those behind, 0: both
+  std::size_t count;
+};
+
 /// Rays that pass a block, packed side by side.
 struct alignas(64) RaysAtBlock {
   static constexpr std::size_t capacity = RayGroup::size + 16;
@@ -119,6 +147,7 @@ struct alignas(64) MaximumScratch {
   RaysAtBlock at_block;
   BlockSuspects at_hand;
   Suspects suspects;
+  Looks looks_left;
   double reached[RayGroup::size];        ///< some value on the ray is at least this
   double highest_bound[RayGroup::size];  ///< of a ray's suspects
   FoundMaximum found[RayGroup::size];   ///< by place in the chunk
