@@ -16,6 +16,7 @@
 namespace rhoray::render {
 
 namespace wide {
+struct IsosurfaceScratch;
 struct MaximumScratch;
 }
 
@@ -57,9 +58,10 @@ struct Question {
 /// What a thread keeps from ray to ray: memory for the queue, and where the last largest value was found.
 struct KernelScratch {
   MaximumQueue queue;
-  std::shared_ptr<wide::MaximumScratch> maximum;  ///< of the wide kernel for largest values, made when it is first asked
-  std::optional<double> last_t;                   ///< forgotten at the start of every tile, so that counts do not depend on threads
+  std::optional<double> last_t;  ///< forgotten at the start of every tile, so that counts do not depend on threads
   KernelCounters counters;
+  std::shared_ptr<wide::IsosurfaceScratch> isosurface;  ///< of the wide isosurface kernel, made when first asked
+  std::shared_ptr<wide::MaximumScratch> maximum;        ///< of the wide kernel for largest values, likewise
 };
 
 /// A question, answered for a batch of rays in the volume's frame; hits has room for as many.

@@ -31,7 +31,7 @@ class DenseSamples {
   }
 
   const formats::AxisTables& tables() const { return *tables_; }
-  const T* data() const { return samples_.data(); }
+  std::span<const T> samples() const { return samples_; }
 
  private:
   const formats::AxisTables* tables_;
@@ -122,7 +122,10 @@ class GridVolume {
   int level_count() const { return levels_.shape.level_count; }
   const formats::GridDescription& description() const { return grid_.description(); }
   RHORAY_INLINE const Geometry& geometry() const { return geometry_; }
-  const Samples& samples() const { return samples_; }
+
+  // What is stored, for kernels that read it by themselves. The first two only of a dense grid.
+  const formats::AxisTables& tables() const { return samples_.tables(); }
+  std::span<const T> samples() const { return samples_.samples(); }
   const formats::MacroLevelsView<T>& levels() const { return levels_; }
 
   /// When a ray passes the planes between cells.

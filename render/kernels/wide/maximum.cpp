@@ -72,7 +72,7 @@ StoredRanges ranges_of(const formats::MacroLevelsView<T>& levels, int level) {
 template <class T>
 MaximumField field_of(const GridVolume<T>& view) {
   const Index3 leaf_count = view.lattice().leaf_count;
-  MaximumField field{.source = SampleSource(view.samples().data(), view.samples().tables(),
+  MaximumField field{.source = SampleSource(view.samples().data(), view.tables(),
                                             view.description().layout.sample_count),
                      .type = formats::element_type_of<T>(),
                      .leaf_count = {},
