@@ -47,11 +47,12 @@ void look_closely(const void* context, const RayArrays& rays, std::size_t r, dou
     const TrilinearCell cell = view.cell(visit.cell);
     if (!view.has_data(cell)) return true;
     const double bound = cell.largest();
-    if (!may_improve(found, bound, visit.t_in)) return true;
+    if (!(bound > found.value || (bound == found.value && visit.t_in < found.t))) return true;
     const CubicMaximum best = largest_in_cell<double>(cell, entry_point(view.geometry(), ray, planes, visit),
                                                       exit_point(view.geometry(), ray, planes, visit), bound, false);
     const double t = visit.t_at(best.s);
-    keep_better(found, {best.value, t, view.cell_id(visit.cell), best.value == bound && t == visit.t_in});
+    const FoundMaximum here{best.value, t, view.cell_id(visit.cell), best.value == bound && t == visit.t_in};
+    if (is_better(here, found)) found = here;
     return true;
   });
 }

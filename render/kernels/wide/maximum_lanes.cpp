@@ -285,7 +285,7 @@ class Search {
 
  private:
   /// The rays as functions of the place on the major axis. The margin holds all rounding there is in these.
-  HWY_INLINE void make_lines() {
+  HWY_NOINLINE void make_lines() {
     const RayGroup& group = scratch_.group;
     GroupLines& lines = scratch_.lines;
     const int w = frustum_.major;
@@ -307,7 +307,9 @@ class Search {
       const bool is_inside = r < group.count && (group.inside >> r & 1) != 0;
       lines.reached[r] = is_inside ? nothing_float : std::numeric_limits<float>::infinity();
       lines.reached_at[r] = std::numeric_limits<float>::infinity();
-      scratch_.reached[r] = nothing;
+      scratch_.reached[r] = scratch_.known_value[r] = nothing;
+      scratch_.known_t[r] = std::numeric_limits<double>::infinity();
+      scratch_.last_looks[r] = {{~std::uint64_t{0}, ~std::uint64_t{0}, ~std::uint64_t{0}, ~std::uint64_t{0}}, 0};
       if (!is_inside) lines.from[r] = 1, lines.to[r] = 0;
     }
     vectors_ = (group.count + float_lanes - 1) / float_lanes;
@@ -325,7 +327,7 @@ class Search {
     return true;
   }
 
-  HWY_INLINE void put_nodes() {
+  HWY_NOINLINE void put_nodes() {
     const int w = frustum_.major, u = frustum_.minor[0], v = frustum_.minor[1];
     const auto slab_of = [&](double at) {
       const int slab = floored(at / 16);
@@ -384,7 +386,7 @@ class Search {
     return hn::Or(hn::Gt(bound, reached), hn::And(hn::Eq(bound, reached), hn::Lt(from, reached_at)));
   }
 
-  HWY_INLINE void open_node(const int* node, double largest) {
+  HWY_NOINLINE void open_node(const int* node, double largest) {
     const float largest_float = float_not_below(largest);
     bool any = false;
     for (std::size_t r = 0; r < vectors_ * float_lanes && !any; r += float_lanes)
@@ -410,7 +412,7 @@ class Search {
     }
   }
 
-  HWY_INLINE void look_into_block(const int* block) {
+  HWY_NOINLINE void look_into_block(const int* block) {
     int place[3] = {};
     find_in_file(block, true, field_.blocks, place);
     const Range range = range_of(field_, field_.blocks, place);
@@ -465,7 +467,7 @@ class Search {
   }
 
   /// The cells of a block along some rays.
-  HWY_INLINE void walk_block(const int* block, double highest, double unit, float error_float, std::size_t first) {
+  HWY_NOINLINE void walk_block(const int* block, double highest, double unit, float error_float, std::size_t first) {
     const RaysAtBlock& at_block = scratch_.at_block;
     const GroupLines& lines = scratch_.lines;
     BlockSuspects& at_hand = scratch_.at_hand;
@@ -653,7 +655,7 @@ class Search {
   }
 
   /// Puts the suspects of a block to the others, but for those that what was reached since rules out.
-  HWY_INLINE void keep_suspects(double highest, double unit) {
+  HWY_NOINLINE void keep_suspects(double highest, double unit) {
     const BlockSuspects& at_hand = scratch_.at_hand;
     Suspects& suspects = scratch_.suspects;
     for (std::size_t i = 0; i < at_hand.count; ++i) {
@@ -668,24 +670,16 @@ class Search {
     if (suspects.count > Suspects::capacity - BlockSuspects::capacity) decide_suspects();
   }
 
-  /// Looks closely at the suspects, at the most likely one of each ray first.
+  /// Looks closely at the suspects that what was reached since does not rule out.
   HWY_NOINLINE void decide_suspects() {
     Suspects& suspects = scratch_.suspects;
-    for (std::size_t i = 0; i < suspects.count; ++i) scratch_.highest_bound[suspects.ray[i]] = nothing;
     for (std::size_t i = 0; i < suspects.count; ++i) {
-      double& bound = scratch_.highest_bound[suspects.ray[i]];
-      if (suspects.bound[i] > bound) bound = suspects.bound[i];
+      const auto ray = static_cast<std::size_t>(suspects.ray[i]);
+      if (suspects.bound[i] < scratch_.reached[ray]) continue;
+      put_look(suspects.ray[i], time_at(ray, suspects.from[i]), time_at(ray, suspects.to[i]));
+      if (scratch_.looks_left.count == first_looks) look_closely();
     }
-    for (const bool likely : {true, false}) {
-      for (std::size_t i = 0; i < suspects.count; ++i) {
-        const auto ray = static_cast<std::size_t>(suspects.ray[i]);
-        if ((suspects.bound[i] == scratch_.highest_bound[ray]) != likely) continue;
-        if (suspects.bound[i] < scratch_.reached[ray]) continue;
-        put_look(suspects.ray[i], time_at(ray, suspects.from[i]), time_at(ray, suspects.to[i]));
-        if (scratch_.looks_left.count == first_looks) look_closely();
-      }
-      look_closely();
-    }
+    look_closely();
     suspects.count = 0;
     find_lowest_reached();
   }
@@ -694,27 +688,39 @@ class Search {
 
   /// The cell in the middle, up to rounding; those around it follow as far as the part reaches.
   HWY_INLINE void put_look(std::int32_t ray, double from, double to) {
-    Looks& looks = scratch_.looks_left;
     const RayGroup& group = scratch_.group;
-    const std::size_t i = looks.count++;
     const double middle = 0.5 * (from + to);
+    std::int32_t cell[3];
     for (int a = 0; a < 3; ++a) {
       const double at = group.origin[a][ray] + middle * group.direction[a][ray];
-      const int cell = at > 0 ? (at < field_.leaf_count[a] ? floored(at) : field_.leaf_count[a] - 1) : 0;
-      looks.cell[a][i] = cell;
+      cell[a] = at > 0 ? (at < field_.leaf_count[a] ? floored(at) : field_.leaf_count[a] - 1) : 0;
     }
-    looks.ray[i] = ray, looks.from[i] = from, looks.to[i] = to, looks.way[i] = 0;
+    LastLooks& last = scratch_.last_looks[ray];
+    last.key[last.next++ % LastLooks::kept] = key_of(cell);
+    put_look(ray, cell, from, to, 0);
   }
 
-  /// The same cell's neighbour on the ray.
-  HWY_INLINE void put_neighbour(std::size_t of, int axis, int step, std::int32_t way) {
+  HWY_INLINE static std::uint64_t key_of(const std::int32_t* cell) {
+    return static_cast<std::uint64_t>(cell[0]) | static_cast<std::uint64_t>(cell[1]) << 16 |
+           static_cast<std::uint64_t>(cell[2]) << 32;
+  }
+
+  HWY_INLINE void put_look(std::int32_t ray, const std::int32_t* cell, double from, double to, std::int32_t way) {
     Looks& looks = scratch_.looks_left;
-    const int cell = looks.cell[axis][of] + step;
-    if (cell < 0 || cell >= field_.leaf_count[axis]) return;
     const std::size_t i = looks.count++;
-    for (int a = 0; a < 3; ++a) looks.cell[a][i] = looks.cell[a][of];
-    looks.cell[axis][i] = cell;
-    looks.ray[i] = looks.ray[of], looks.from[i] = looks.from[of], looks.to[i] = looks.to[of], looks.way[i] = way;
+    for (int a = 0; a < 3; ++a) looks.cell[a][i] = cell[a];
+    looks.ray[i] = ray, looks.from[i] = from, looks.to[i] = to, looks.way[i] = way;
+  }
+
+  /// The cell beside one on its ray, unless it was looked at lately: then it was followed up itself.
+  HWY_INLINE void put_neighbour(std::size_t of, int axis, int step, std::int32_t way) {
+    const Looks& looks = scratch_.looks_left;
+    std::int32_t cell[3] = {looks.cell[0][of], looks.cell[1][of], looks.cell[2][of]};
+    cell[axis] += step;
+    if (cell[axis] < 0 || cell[axis] >= field_.leaf_count[axis]) return;
+    for (const std::uint64_t key : scratch_.last_looks[looks.ray[of]].key)
+      if (key == key_of(cell)) return;
+    put_look(looks.ray[of], cell, looks.from[of], looks.to[of], way);
   }
 
   HWY_NOINLINE void look_closely() {
@@ -732,6 +738,7 @@ class Search {
         looks.count = left, first = 0;
       }
       const std::size_t count = looks.count - first < double_lanes ? looks.count - first : double_lanes;
+      for (std::size_t i = first + count; i < first + double_lanes; ++i) looks.ray[i] = looks.ray[first];
       look_at_cells(first, count);
       first += count;
     }
@@ -751,40 +758,35 @@ class Search {
     const RayGroup& group = scratch_.group;
     const VecD zero = hn::Zero(doubles), one = hn::Set(doubles, 1.0);
     scratch_.looks += count;
+    constexpr hn::Rebind<std::int32_t, Doubles> half_ints;
+    constexpr hn::RebindToSigned<Doubles> longs;
 
-    // What is asked of the rays and the corners, side by side.
-    HWY_ALIGN double origin[3][8], direction[3][8], entry[3][8], exit[3][8], low[3][8], t_first[8], t_last[8];
-    HWY_ALIGN double found_value[8], found_t[8], corner[8][8];
-    for (std::size_t lane = 0; lane < double_lanes; ++lane) {
-      const std::size_t i = first + (lane < count ? lane : 0);
-      const auto ray = static_cast<std::size_t>(looks.ray[i]);
-      for (int a = 0; a < 3; ++a) {
-        const double cell = looks.cell[a][i];
-        const bool is_down = (group.octant >> a & 1) != 0;
-        origin[a][lane] = group.origin[a][ray], direction[a][lane] = group.direction[a][ray];
-        entry[a][lane] = ((is_down ? cell + 1 : cell) - group.plane_origin[a][ray]) * group.inverse[a][ray];
-        exit[a][lane] = ((is_down ? cell : cell + 1) - group.plane_origin[a][ray]) * group.inverse[a][ray];
-        low[a][lane] = cell;
-      }
-      t_first[lane] = group.t_in[ray], t_last[lane] = group.t_out[ray];
-      const FoundMaximum& found = scratch_.found[group.index[ray]];
-      found_value[lane] = found.value, found_t[lane] = found.t;
-    }
+    HWY_ALIGN double corner[8][8];
     read_corners(first, count, corner);
+    const auto ray = hn::PromoteTo(longs, hn::LoadU(half_ints, looks.ray + first));
+    const auto of_ray = [&](const double* numbers) { return hn::GatherIndex(doubles, numbers, ray); };
 
     // The whole way through the cell.
-    VecD t_in = hn::Load(doubles, t_first), t_out = hn::Load(doubles, t_last);
+    VecD low[3], entry[3], exit[3];
+    VecD t_in = of_ray(group.t_in), t_out = of_ray(group.t_out);
+    for (int a = 0; a < 3; ++a) {
+      low[a] = hn::PromoteTo(doubles, hn::LoadU(half_ints, looks.cell[a] + first));
+      const VecD high = hn::Add(low[a], one);
+      const bool is_down = (group.octant >> a & 1) != 0;
+      const VecD plane_origin = of_ray(group.plane_origin[a]), inverse = of_ray(group.inverse[a]);
+      entry[a] = hn::Mul(hn::Sub(is_down ? high : low[a], plane_origin), inverse);
+      exit[a] = hn::Mul(hn::Sub(is_down ? low[a] : high, plane_origin), inverse);
+      t_in = hn::Max(entry[a], t_in), t_out = hn::Min(exit[a], t_out);
+    }
     MaskD through_in[3], through_out[3];
-    for (int a = 0; a < 3; ++a)
-      t_in = hn::Max(hn::Load(doubles, entry[a]), t_in), t_out = hn::Min(hn::Load(doubles, exit[a]), t_out);
     MaskD later = hn::Lt(zero, zero), earlier = later;
     for (int a = 2; a >= 0; --a) {  // the last plane passed at t_in, in the order x, y, z
-      const MaskD is_at = hn::Eq(hn::Load(doubles, entry[a]), t_in);
+      const MaskD is_at = hn::Eq(entry[a], t_in);
       through_in[a] = hn::AndNot(later, is_at);
       later = hn::Or(later, is_at);
     }
     for (int a = 0; a < 3; ++a) {  // the first plane passed at t_out
-      const MaskD is_at = hn::Eq(hn::Load(doubles, exit[a]), t_out);
+      const MaskD is_at = hn::Eq(exit[a], t_out);
       through_out[a] = hn::AndNot(earlier, is_at);
       earlier = hn::Or(earlier, is_at);
     }
@@ -798,9 +800,9 @@ class Search {
       bound = hn::Max(bound, f[c]);
       has_data = hn::And(has_data, is_finite(f[c]));
     }
-    const VecD known = hn::Load(doubles, found_value);
-    const MaskD improves = hn::Or(
-        hn::Gt(bound, known), hn::And(hn::Eq(bound, known), hn::Lt(t_in, hn::Load(doubles, found_t))));
+    const VecD known = of_ray(scratch_.known_value);
+    const MaskD improves =
+        hn::Or(hn::Gt(bound, known), hn::And(hn::Eq(bound, known), hn::Lt(t_in, of_ray(scratch_.known_t))));
     const MaskD wanted = hn::And(hn::And(has_data, hn::Lt(t_in, t_out)), improves);
 
     if (!hn::AllFalse(doubles, wanted)) {
@@ -811,10 +813,10 @@ class Search {
       }
       VecD in[3], out[3];
       for (int a = 0; a < 3; ++a) {
-        const VecD o = hn::Load(doubles, origin[a]), d = hn::Load(doubles, direction[a]), c = hn::Load(doubles, low[a]);
+        const VecD o = of_ray(group.origin[a]), d = of_ray(group.direction[a]);
         const VecD near_face = (group.octant >> a & 1) != 0 ? one : zero, far_face = hn::Sub(one, near_face);
         const auto place = [&](VecD t) {
-          return hn::Min(hn::Max(hn::Sub(hn::Add(o, hn::Mul(t, d)), c), zero), one);
+          return hn::Min(hn::Max(hn::Sub(hn::Add(o, hn::Mul(t, d)), low[a]), zero), one);
         };
         in[a] = hn::IfThenElse(through_in[a], near_face, place(t_in));
         out[a] = hn::IfThenElse(through_out[a], far_face, place(t_out));
@@ -826,7 +828,8 @@ class Search {
       // Differences that need another unit are left to the scalar kernel's own code.
       const MaskD is_far = hn::And(hn::Gt(largest_size, zero), hn::Or(hn::Gt(largest_size, hn::Set(doubles, 0x1p900)),
                                                                        hn::Lt(largest_size, hn::Set(doubles, 0x1p-900))));
-      take_answers(first, count, wanted, is_far, value, t, hn::And(hn::Eq(value, bound), hn::Eq(t, t_in)));
+      take_answers(first, count, hn::And(wanted, hn::Or(is_far, hn::Ge(value, known))), is_far, value, t,
+                   hn::And(hn::Eq(value, bound), hn::Eq(t, t_in)));
     }
     follow(first, count, t_in, t_out, through_in, through_out);
   }
@@ -904,8 +907,10 @@ class Search {
             (static_cast<std::int64_t>(looks.cell[2][i]) * field_.leaf_count[1] + looks.cell[1][i]) *
                 field_.leaf_count[0] +
             looks.cell[0][i]);
-        keep_better(found, {values[lane], times[lane], id, (entry_bits >> lane & 1) != 0});
+        const FoundMaximum here{values[lane], times[lane], id, (entry_bits >> lane & 1) != 0};
+        if (is_better(here, found)) found = here;
       }
+      scratch_.known_value[ray] = found.value, scratch_.known_t[ray] = found.t;
       set_reached(ray, found.value, float_not_below(place_at(ray, found.t)) + margin_);
     }
   }
@@ -914,21 +919,19 @@ class Search {
   HWY_INLINE void follow(std::size_t first, std::size_t count, VecD t_in, VecD t_out, const MaskD* through_in,
                          const MaskD* through_out) {
     const Looks& looks = scratch_.looks_left;
-    HWY_ALIGN double in[8], out[8];
-    hn::Store(t_in, doubles, in);
-    hn::Store(t_out, doubles, out);
-    std::uint64_t in_bits[3], out_bits[3];
-    for (int a = 0; a < 3; ++a)
-      in_bits[a] = bits_of(doubles, through_in[a]), out_bits[a] = bits_of(doubles, through_out[a]);
-    for (std::size_t lane = 0; lane < count; ++lane) {
-      const std::size_t i = first + lane;
-      for (int a = 0; a < 3; ++a) {
-        const int step = (scratch_.group.octant >> a & 1) != 0 ? -1 : 1;
-        if ((in_bits[a] >> lane & 1) != 0 && looks.way[i] <= 0 && looks.from[i] < in[lane])
-          put_neighbour(i, a, -step, -1);
-        if ((out_bits[a] >> lane & 1) != 0 && looks.way[i] >= 0 && looks.to[i] > out[lane])
-          put_neighbour(i, a, step, 1);
-      }
+    const VecD ways = hn::PromoteTo(doubles, hn::LoadU(hn::Rebind<std::int32_t, Doubles>(), looks.way + first));
+    const VecD zero = hn::Zero(doubles);
+    const MaskD before = hn::And(hn::Lt(hn::LoadU(doubles, looks.from + first), t_in), hn::Le(ways, zero));
+    const MaskD behind = hn::And(hn::Gt(hn::LoadU(doubles, looks.to + first), t_out), hn::Ge(ways, zero));
+    const std::uint64_t asked = first_rays(count);
+    const std::uint64_t before_bits = bits_of(doubles, before) & asked, behind_bits = bits_of(doubles, behind) & asked;
+    if ((before_bits | behind_bits) == 0) return;
+    for (int a = 0; a < 3; ++a) {
+      const int step = (scratch_.group.octant >> a & 1) != 0 ? -1 : 1;
+      for (std::uint64_t bits = bits_of(doubles, through_in[a]) & before_bits; bits != 0; bits &= bits - 1)
+        put_neighbour(first + static_cast<std::size_t>(std::countr_zero(bits)), a, -step, -1);
+      for (std::uint64_t bits = bits_of(doubles, through_out[a]) & behind_bits; bits != 0; bits &= bits - 1)
+        put_neighbour(first + static_cast<std::size_t>(std::countr_zero(bits)), a, step, 1);
     }
   }
 
@@ -958,9 +961,9 @@ class Search {
   HWY_INLINE double time_at(std::size_t ray, float place) const {
     const RayGroup& group = scratch_.group;
     const int w = frustum_.major;
-    const double o = lattice_.is_mirrored(w) ? lattice_.plane(w, 0) - group.origin[w][ray] : group.origin[w][ray];
-    const double d = group.direction[w][ray];
-    const double t = (static_cast<double>(place) - o) / (d < 0 ? -d : d);
+    const double inverse = group.inverse[w][ray];
+    const double plane = lattice_.is_mirrored(w) ? lattice_.plane(w, 0) - static_cast<double>(place) : static_cast<double>(place);
+    const double t = (plane - group.plane_origin[w][ray]) * inverse;
     return t < group.t_in[ray] ? group.t_in[ray] : t > group.t_out[ray] ? group.t_out[ray] : t;
   }
   HWY_INLINE double place_at(std::size_t ray, double t) const {

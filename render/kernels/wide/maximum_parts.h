@@ -23,21 +23,13 @@ struct FoundMaximum {
   bool is_bound_at_entry;  ///< the cell's largest value, and where the ray enters it
 };
 
-/// Whether a cell with this largest value, entered at t_in, can change what is found.
-RHORAY_INLINE bool may_improve(const FoundMaximum& found, double bound, double t_in) {
-  return bound > found.value || (bound == found.value && t_in < found.t);
-}
-
-/// Keeps the larger value; of equal ones the nearer, and there the one that the scalar kernel's queue meets first.
-RHORAY_INLINE void keep_better(FoundMaximum& found, const FoundMaximum& other) {
-  bool is_better = other.cell < found.cell;
-  if (other.value != found.value)
-    is_better = other.value > found.value;
-  else if (other.t != found.t)
-    is_better = other.t < found.t;
-  else if (other.is_bound_at_entry != found.is_bound_at_entry)
-    is_better = found.is_bound_at_entry;
-  if (is_better) found = other;
+/// True where the other takes its place: the larger value; of equal ones the nearer, and there the one that the scalar
+/// kernel's queue meets first.
+RHORAY_INLINE bool is_better(const FoundMaximum& other, const FoundMaximum& found) {
+  if (other.value != found.value) return other.value > found.value;
+  if (other.t != found.t) return other.t < found.t;
+  if (other.is_bound_at_entry != found.is_bound_at_entry) return found.is_bound_at_entry;
+  return other.cell < found.cell;
 }
 
 /// Values that occur in the macrocells of one level: lo and hi of each, of the field's type, x fastest.
@@ -124,6 +116,13 @@ struct alignas(64) Looks {
   std::size_t count;
 };
 
+/// The last cells that suspects of a ray were in: a neighbour that is one of them is followed up by itself.
+struct LastLooks {
+  static constexpr std::size_t kept = 4;
+  std::uint64_t key[kept];
+  std::uint32_t next;
+};
+
 /// Rays that pass a block, packed side by side.
 struct alignas(64) RaysAtBlock {
   static constexpr std::size_t capacity = RayGroup::size + 16;
@@ -149,7 +148,8 @@ struct alignas(64) MaximumScratch {
   Suspects suspects;
   Looks looks_left;
   double reached[RayGroup::size];        ///< some value on the ray is at least this
-  double highest_bound[RayGroup::size];  ///< of a ray's suspects
+  LastLooks last_looks[RayGroup::size];
+  double known_value[RayGroup::size], known_t[RayGroup::size];  ///< what is in `found`, by place in the group
   FoundMaximum found[RayGroup::size];   ///< by place in the chunk
   std::uint32_t cost[RayGroup::size];   ///< by place in the chunk: blocks and cells visited
   std::uint64_t regions, looks;        ///< counted
