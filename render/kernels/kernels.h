@@ -17,6 +17,7 @@ namespace rhoray::render {
 
 namespace wide {
 struct IsosurfaceScratch;
+struct MaximumScratch;
 }
 
 struct KernelCounters {
@@ -60,6 +61,7 @@ struct KernelScratch {
   std::optional<double> last_t;  ///< forgotten at the start of every tile, so that counts do not depend on threads
   KernelCounters counters;
   std::shared_ptr<wide::IsosurfaceScratch> isosurface;  ///< of the wide isosurface kernel, made when first asked
+  std::shared_ptr<wide::MaximumScratch> maximum;        ///< of the wide kernel for largest values, likewise
 };
 
 /// A question, answered for a batch of rays in the volume's frame; hits has room for as many.
