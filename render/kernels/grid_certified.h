@@ -94,10 +94,6 @@ double point_error(const Geometry& geometry, const Ray& ray, const CellVisit& vi
   return 4 * WalkRounding::of_time * error + 0x1p-52;
 }
 
-/// Bounds of the root's place, as a share of the way through the cell, that are good enough without a second look.
-template <class Real>
-constexpr double largest_root_error = std::is_same_v<Real, float> ? 1e-3 : std::numeric_limits<double>::infinity();
-
 struct CertifiedHit {
   Hit hit;
   bool is_certain = true;
@@ -133,7 +129,7 @@ CertifiedHit certified_crossing(const View& view, const Question& question, cons
     }
     const CertifiedCrossing found = certify_crossing<Real>(cell, in, out, error, iso, *side.inside());
     if (found.decision == Decision::none) return true;
-    if (found.decision == Decision::unknown || !(found.s_error <= largest_root_error<Real>))
+    if (found.decision == Decision::unknown || !is_placed_well<Real>(found, in, out, error))
       return answer.is_certain = false;
     Hit& hit = answer.hit;
     hit.t = visit.t_at(found.s);
