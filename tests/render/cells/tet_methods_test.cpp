@@ -372,7 +372,7 @@ TYPED_TEST(TetMethods, are_never_wrong_when_certified) {
   for (const Family& family : families()) {
     Dice dice(6);
     int unknown = 0, judged = 0;
-    constexpr int trials = 10000, to_judge = 300;
+    constexpr int trials = 10000, to_judge = 600;
     for (int trial = 0; trial < trials; ++trial) {
       const auto [ray, tet] = family.make(dice);
       if (!(six_volumes(tet) > 0)) continue;
