@@ -17,6 +17,7 @@ void Pass::trace_tile(const Frame& frame, std::size_t index, Worker& worker, Fra
   if (worker.rays_begun_by != &rays) rays.begin(worker.rays);
   worker.rays_begun_by = &rays;
   rays.fill(tile, worker.rays);
+  expect_tile(lattice, tile, out);
   worker.scratch.last_t.reset();
   frame.kernel(frame.volume, frame.question, worker.rays, worker.hits, worker.scratch);
   worker.ray_count += worker.rays.count;

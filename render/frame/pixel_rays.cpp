@@ -63,16 +63,17 @@ RHORAY_INLINE void PixelRays::fill_inline(const PixelRays& pixels, const Tile& t
   const CameraRays camera = pixels.camera_;
   const Affine volume_from_world = pixels.volume_from_world_;
   // A run writes block_edge rays; those beyond its own are overwritten by the next.
-  for_each_run(tile, [&](const Run& run) {
-    const double* across = pixels.across_.data() + run.x;
-    const double down = pixels.down_[static_cast<std::size_t>(run.y)];
-    if (camera.is_orthographic())
-      fill_run(across, at(rays.origin, run.first),
-               [&](double a) { return volume_from_world.point(camera.origin(a, down)); });
-    else
-      fill_run(across, at(rays.direction, run.first),
-               [&](double a) { return volume_from_world.vector(camera.direction(a, down)); });
-  });
+  for_each_run(
+      tile, [&](const Run& run) __attribute__((always_inline)) {
+        const double* across = pixels.across_.data() + run.x;
+        const double down = pixels.down_[static_cast<std::size_t>(run.y)];
+        if (camera.is_orthographic())
+          fill_run(across, at(rays.origin, run.first),
+                   [&](double a) { return volume_from_world.point(camera.origin(a, down)); });
+        else
+          fill_run(across, at(rays.direction, run.first),
+                   [&](double a) { return volume_from_world.vector(camera.direction(a, down)); });
+      });
 }
 
 void PixelRays::fill(const Tile& tile, RayBatch& rays) const {

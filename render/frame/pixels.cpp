@@ -32,15 +32,16 @@ RHORAY_INLINE void over_background(const Lanes& color, const Lanes& alpha, doubl
   std::copy_n(shown.data(), group_size, out);
 }
 
+RHORAY_INLINE std::size_t pixel_at(const PixelLattice& lattice, int x, int y) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(lattice.width) + static_cast<std::size_t>(x);
+}
+
 /// Calls write(r, pixel) for every pixel that the tile's ray r stands for.
 template <class Write>
 RHORAY_INLINE void for_each_pixel(const PixelLattice& lattice, const Tile& tile, const Write& write) {
-  const auto pixel_at = [&](int x, int y) {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(lattice.width) + static_cast<std::size_t>(x);
-  };
   if (lattice.spacing == 1) {
     for_each_run(tile, [&](const Run& run) {
-      const std::size_t pixel = pixel_at(run.x, run.y);
+      const std::size_t pixel = pixel_at(lattice, run.x, run.y);
       if (run.count == block_edge)
         for (std::size_t i = 0; i < block_edge; ++i) write(run.first + i, pixel + i);
       else
@@ -55,7 +56,7 @@ RHORAY_INLINE void for_each_pixel(const PixelLattice& lattice, const Tile& tile,
       const int x_begin = lattice.x_first + (run.x + i) * lattice.spacing;
       const int x_end = std::min(x_begin + lattice.extent, lattice.width);
       for (int y = y_begin; y < y_end; ++y)
-        for (int x = x_begin; x < x_end; ++x) write(run.first + static_cast<std::size_t>(i), pixel_at(x, y));
+        for (int x = x_begin; x < x_end; ++x) write(run.first + static_cast<std::size_t>(i), pixel_at(lattice, x, y));
     }
   });
 }
@@ -86,6 +87,16 @@ RHORAY_INLINE void shade_tile_inline(const Look& look, Worker& worker) {
 
 void shade_tile(const Look& look, Worker& worker) {
   compiled_for<shade_tile_inline>(look.machine)(look, worker);
+}
+
+void expect_tile(const PixelLattice& lattice, const Tile& tile, const Framebuffer& out) {
+  if (lattice.spacing != 1) return;
+  constexpr std::size_t line_floats = 64 / sizeof(float);
+  const auto width = static_cast<std::size_t>(tile.x_end - tile.x_begin);
+  for (int y = tile.y_begin; y < tile.y_end; ++y) {
+    const float* row = out.color.data() + 4 * pixel_at(lattice, tile.x_begin, y);
+    for (std::size_t i = 0; i < 4 * width; i += line_floats) __builtin_prefetch(row + i, 1);
+  }
 }
 
 void write_tile(const Look& look, const PixelLattice& lattice, const Tile& tile, const Worker& worker,
