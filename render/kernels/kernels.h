@@ -78,6 +78,9 @@ struct Kernels {
   Kernel first_crossing;      ///< where the ray first passes from one side of the isovalue to the other
   Kernel largest_value;       ///< the largest value on the ray and the smallest t where it is reached
   std::size_t queue_entries;  ///< the most that one ray can put into the queue
+  /// What first_crossing and largest_value are compiled for; `scalar` where there are only reference kernels.
+  Machine crossing_machine = Machine::scalar;
+  Machine maximum_machine = Machine::scalar;
 };
 
 Kernels choose_kernels(const VolumeImplementation& volume, const Method& method, Machine machine = chosen_machine());

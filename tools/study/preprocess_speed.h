@@ -4,7 +4,7 @@
 
 namespace rhoray::study {
 
-/// `rhoray-study preprocess`: what reading, packing and resampling cost.
+/// `rhoray-study preprocess-speed`: what reading, packing and resampling cost.
 tools::Subcommand preprocess_speed();
 
 }  // namespace rhoray::study
