@@ -13,13 +13,13 @@ class RayQuestions {
   RayQuestions(const Volume& volume, double isovalue, const Method& method)
       : volume_(volume.implementation()),
         question_{.isovalue = isovalue, .field_range = volume.field().range, .method = method},
-        kernels_(choose_kernels(volume_, method.way)) {
+        kernels_(choose_kernels(volume_, method)) {
     scratch_.queue.reserve(kernels_.queue_entries);
   }
 
   /// One hit for each ray; a crossing's t is in lengths of its ray's direction.
   void first_crossings(std::span<const Ray> rays, std::span<Hit> hits) {
-    kernels_.first_crossing(volume_, question_, rays, hits, scratch_);
+    ask(kernels_.first_crossing, volume_, question_, rays, hits, scratch_);
   }
   Hit first_crossing(const Ray& ray) {
     Hit hit;
@@ -29,7 +29,7 @@ class RayQuestions {
 
   void largest_values(std::span<const Ray> rays, std::span<Hit> hits) {
     scratch_.last_t.reset();
-    kernels_.largest_value(volume_, question_, rays, hits, scratch_);
+    ask(kernels_.largest_value, volume_, question_, rays, hits, scratch_);
   }
 
   /// Of all rays so far.

@@ -25,7 +25,7 @@ void trace(const Volume& volume, const TraceOptions& options, std::span<const Fr
   if (!std::isfinite(options.isovalue))
     throw Error(Trouble::usage, concat("isovalue ", options.isovalue, "; expected a finite number"));
   const VolumeImplementation& implementation = volume.implementation();
-  const Kernel first_crossing = choose_kernels(implementation, options.method.way).first_crossing;
+  const Kernel first_crossing = choose_kernels(implementation, options.method).first_crossing;
   Question question;
   question.isovalue = options.isovalue;
   question.method = options.method;
@@ -37,7 +37,7 @@ void trace(const Volume& volume, const TraceOptions& options, std::span<const Fr
     std::vector<Hit> answered(count);
     for (std::size_t r = 0; r < count; ++r)
       asked[r] = {.origin = rays[first + r].origin, .direction = rays[first + r].direction};
-    first_crossing(implementation, question, asked, answered, scratches[worker]);
+    ask(first_crossing, implementation, question, asked, answered, scratches[worker]);
     for (std::size_t r = 0; r < count; ++r)
       hits[first + r] = {answered[r].t, answered[r].cell, answered[r].gradient, answered[r].error};
   });
