@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t disputed_rays_kept = 100;
 constexpr const char* bounds_name = "bound stated by the method";
+constexpr const char* near_bounds_name = "bound, surface to renderer";
 
 Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json();
@@ -90,11 +91,6 @@ double Report::largest(std::string_view name, std::string_view unit) const {
   return not_measured;
 }
 
-double Report::largest_bound(std::string_view unit) const {
-  const double bound = largest(bounds_name, unit);
-  return std::isnan(bound) ? 0 : bound;
-}
-
 Measure measure(std::string name, std::string unit, const Shots& shots, double Finding::*number_of) {
   std::vector<double> values;
   for (const Finding& finding : shots.findings) values.push_back(finding.*number_of);
@@ -129,11 +125,18 @@ void add_measures(const Rounds& rounds, Report& report) {
     report.measures.push_back(measure(name, "box", shots, box));
   };
   add("depth", rounds.far, &Finding::depth_cells, &Finding::depth_box);
-  add(bounds_name, rounds.far, &Finding::bound_cells, &Finding::bound_box);
-  if (report.measures.back().quantiles.count == 0) report.measures.resize(report.measures.size() - 2);
   add("renderer to surface", rounds.far, &Finding::distance_cells, &Finding::distance_box);
   add("surface to renderer", rounds.near, &Finding::depth_cells, &Finding::depth_box);
   report.measures.push_back(measure("normal", "degrees", rounds.far, &Finding::normal_deg));
+  for (const auto& [name, shots] : {std::pair{bounds_name, &rounds.far}, {near_bounds_name, &rounds.near}})
+    if (measure(name, "box", *shots, &Finding::bound_box).quantiles.count > 0)
+      add(name, *shots, &Finding::bound_cells, &Finding::bound_box);
+}
+
+/// What a method that proves its hits allows itself; 0 for one that does not.
+double largest_bound(const Report& report, std::string_view name, std::string_view unit) {
+  const double bound = report.largest(name, unit);
+  return std::isnan(bound) ? 0 : bound;
 }
 
 void add_checks(const Limits& limits, Report& report) {
@@ -141,12 +144,11 @@ void add_checks(const Limits& limits, Report& report) {
   for (const auto& [name, count] :
        {std::pair{"missed", all.missed}, {"false", all.false_hits}, {"elsewhere", all.elsewhere}})
     report.checks.push_back({name, static_cast<double>(count), 0, limits.why_none_wrong});
-  const double depth_limit = limits.depth + report.largest_bound(limits.unit);
-  for (const auto& [name, measure] : {std::pair{"largest depth error", "depth"},
-                                      {"renderer to surface", "renderer to surface"},
-                                      {"surface to renderer", "surface to renderer"}})
-    report.checks.push_back(
-        {concat(name, ", ", limits.unit), report.largest(measure, limits.unit), depth_limit, limits.why_depth});
+  for (const auto& [name, measure, bound] : {std::tuple{"largest depth error", "depth", bounds_name},
+                                             {"renderer to surface", "renderer to surface", bounds_name},
+                                             {"surface to renderer", "surface to renderer", near_bounds_name}})
+    report.checks.push_back({concat(name, ", ", limits.unit), report.largest(measure, limits.unit),
+                             limits.depth + largest_bound(report, bound, limits.unit), limits.why_depth});
   report.checks.push_back(
       {"largest normal error, degrees", report.largest("normal", "degrees"), limits.normal_deg, limits.why_normal});
 }

@@ -56,8 +56,6 @@ struct Report {
   RayCounts total() const;
   bool holds() const;
   double largest(std::string_view measure, std::string_view unit) const;  ///< NaN when there is no such measure
-  /// What a method that proves its hits allows itself; 0 for one that does not.
-  double largest_bound(std::string_view unit) const;
 };
 
 /// The numbers that a comparison is held against. Lengths are in `unit`, that of the kind of data.

@@ -55,7 +55,8 @@ TEST(TetValidation, holds_a_proving_method_against_the_bounds_that_it_states) {
   const render::Method certified{.way = render::Method::Way::certified};
   const validate::Report honest = ball().report(question, ball().renderer(question.isovalue, certified));
   EXPECT_TRUE(honest.holds());
-  EXPECT_GT(honest.largest_bound("box"), 0);
+  EXPECT_GT(honest.largest("bound stated by the method", "box"), 0);
+  EXPECT_GT(honest.largest("bound, surface to renderer", "box"), 0);
   const validate::Report boastful =
       ball().report(question, understating_bounds(ball().renderer(question.isovalue, certified)));
   expect_caught("bounds_said_to_be_0", boastful);
