@@ -394,18 +394,19 @@ class GroupWalk {
     VecF entry[3], slope[3], inverse_slope[3], end;
     VecF cell[3];     ///< 0 to 3
     VecF next[3];     ///< how far along the major axis the next plane of each axis inside the block is
+    VecF after_next[3];  ///< and the one after it: known early, steps do not wait for it
     VecF way_in;      ///< how far the ray is where it enters the cell
-    MaskF at_low[3];  ///< the entry lies on the cell's lower plane
     VecI bit;         ///< of the cell
     VecI state;
     MaskF inside, has_side;
     MaskF walking;
   };
 
-  HWY_INLINE VecF next_plane(const Lanes& lanes, int axis) const {
+  /// How far the upper plane of cell `cell` of an axis is; those of the block's last cells are not passed inside.
+  HWY_INLINE VecF way_to_plane(const Lanes& lanes, int axis, VecF cell) const {
     const VecF one = hn::Set(floats, 1.0f), never = hn::Set(floats, never_passed);
-    const VecF at = hn::Mul(hn::Sub(hn::Add(lanes.cell[axis], one), lanes.entry[axis]), lanes.inverse_slope[axis]);
-    return hn::IfThenElse(hn::Ge(lanes.cell[axis], hn::Set(floats, 3.0f)), never, at);
+    const VecF at = hn::Mul(hn::Sub(hn::Add(cell, one), lanes.entry[axis]), lanes.inverse_slope[axis]);
+    return hn::IfThenElse(hn::Ge(cell, hn::Set(floats, 3.0f)), never, at);
   }
 
   HWY_INLINE Lanes lanes_from(const int* block, std::size_t first) const {
@@ -422,14 +423,14 @@ class GroupWalk {
       const VecF end = hn::Set(floats, (beyond < 4 ? static_cast<float>(beyond) : 4.0f) - 0x1p-22f);
       lanes.entry[a] = hn::Min(hn::Max(hn::Load(floats, list.entry[a] + first), zero), end);
       lanes.cell[a] = hn::Floor(lanes.entry[a]);
-      lanes.next[a] = next_plane(lanes, a);
-      lanes.at_low[a] = hn::Eq(lanes.entry[a], lanes.cell[a]);
+      lanes.next[a] = way_to_plane(lanes, a, lanes.cell[a]);
+      lanes.after_next[a] = way_to_plane(lanes, a, hn::Add(lanes.cell[a], hn::Set(floats, 1.0f)));
     }
     lanes.end = hn::Load(floats, list.end + first);
     lanes.way_in = zero;
     const VecF bit = hn::MulAdd(lanes.cell[2], hn::Set(floats, 16.0f),
                                 hn::MulAdd(lanes.cell[1], hn::Set(floats, 4.0f), lanes.cell[0]));
-    lanes.bit = hn::ConvertTo(ints, bit);
+    lanes.bit = hn::NearestInt(bit);
     const VecI rays = hn::IfThenElseZero(hn::RebindMask(ints, lanes.walking), hn::Load(ints, list.ray + first));
     lanes.state = hn::GatherIndex(ints, scratch_.state, rays);
     lanes.state = hn::Add(lanes.state, hn::Set(ints, RayState::one_visit));
@@ -447,20 +448,20 @@ class GroupWalk {
   HWY_INLINE void step(Lanes& lanes, MaskF moved) const {
     const VecF one = hn::Set(floats, 1.0f);
     const VecF first = hn::Min(hn::Min(lanes.next[0], lanes.next[1]), lanes.next[2]);
-    const MaskF along_x = hn::Eq(lanes.next[0], first), along_y = hn::AndNot(along_x, hn::Eq(lanes.next[1], first));
-    const MaskF along_z = hn::Not(hn::Or(along_x, along_y));
-    const MaskF along[3] = {hn::And(moved, along_x), hn::And(moved, along_y), hn::And(moved, along_z)};
-    const MaskF leaves = hn::And(moved, hn::Ge(first, lanes.end));
+    const MaskF along_x = hn::And(moved, hn::Eq(lanes.next[0], first)), not_x = hn::AndNot(along_x, moved);
+    const MaskF along_y = hn::And(not_x, hn::Eq(lanes.next[1], first)), along_z = hn::AndNot(along_y, not_x);
+    const MaskF along[3] = {along_x, along_y, along_z};
+    const MaskF stays = hn::Lt(first, lanes.end);
     for (int a = 0; a < 3; ++a) {
       lanes.cell[a] = hn::IfThenElse(along[a], hn::Add(lanes.cell[a], one), lanes.cell[a]);
-      lanes.next[a] = hn::IfThenElse(along[a], next_plane(lanes, a), lanes.next[a]);
-      lanes.at_low[a] = hn::Or(along[a], hn::AndNot(moved, lanes.at_low[a]));
+      lanes.next[a] = hn::IfThenElse(along[a], lanes.after_next[a], lanes.next[a]);
+      lanes.after_next[a] = way_to_plane(lanes, a, hn::Add(lanes.cell[a], one));
     }
     lanes.bit = hn::Add(lanes.bit, hn::IfThenElseZero(hn::RebindMask(ints, along[0]), hn::Set(ints, 1)));
     lanes.bit = hn::Add(lanes.bit, hn::IfThenElseZero(hn::RebindMask(ints, along[1]), hn::Set(ints, 4)));
     lanes.bit = hn::Add(lanes.bit, hn::IfThenElseZero(hn::RebindMask(ints, along[2]), hn::Set(ints, 16)));
     lanes.way_in = hn::IfThenElse(moved, first, lanes.way_in);
-    lanes.walking = hn::AndNot(leaves, lanes.walking);
+    lanes.walking = hn::And(lanes.walking, hn::Or(stays, hn::Not(moved)));
   }
 
   /// The points, in the cell's coordinates, at which the rays enter and leave it.
@@ -470,7 +471,8 @@ class GroupWalk {
       const auto place = [&](VecF way) HWY_ATTR {
         return hn::Min(hn::Max(hn::Sub(hn::MulAdd(way, lanes.slope[a], lanes.entry[a]), lanes.cell[a]), zero), one);
       };
-      in[a] = hn::IfThenElse(lanes.at_low[a], zero, place(lanes.way_in));
+      const VecF last_plane = hn::Mul(hn::Sub(lanes.cell[a], lanes.entry[a]), lanes.inverse_slope[a]);
+      in[a] = hn::IfThenZeroElse(hn::Eq(last_plane, lanes.way_in), place(lanes.way_in));
       out[a] = hn::IfThenElse(hn::Eq(lanes.next[a], way_out_of_cell), one, place(way_out_of_cell));
     }
   }
@@ -478,7 +480,7 @@ class GroupWalk {
   HWY_INLINE Corners corners_of(const Lanes& lanes, const BlockSamples& samples, MaskF asked) const {
     VecF place = hn::Set(floats, static_cast<float>(lowest_sample_));
     for (int a = 0; a < 3; ++a) place = hn::MulAdd(lanes.cell[a], hn::Set(floats, static_cast<float>(stride_[a])), place);
-    const VecI index = hn::ConvertTo(ints, hn::IfThenElse(asked, place, hn::Set(floats, static_cast<float>(lowest_sample_))));
+    const VecI index = hn::NearestInt(hn::IfThenElse(asked, place, hn::Set(floats, static_cast<float>(lowest_sample_))));
     Corners corners;
     for (int c = 0; c < 8; ++c) {
       const int offset = (c & 1 ? stride_[0] : 0) + (c & 2 ? stride_[1] : 0) + (c & 4 ? stride_[2] : 0);
@@ -504,9 +506,8 @@ class GroupWalk {
             words(active, high));
     };
     choose_cells();
-    VecI visits = hn::Zero(ints);
+    const VecF start = hn::Add(hn::Add(lanes.cell[0], lanes.cell[1]), lanes.cell[2]);
     std::uint64_t solved = 0;
-    MaskF hit = no_lane(floats);
     while (!hn::AllFalse(floats, lanes.walking)) {
       const VecI word = hn::IfThenElse(hn::Gt(lanes.bit, hn::Set(ints, 31)), to_look[1], to_look[0]);
       constexpr hn::RebindToUnsigned<Ints> unsigned_ints;
@@ -517,23 +518,25 @@ class GroupWalk {
           hn::RebindMask(floats, hn::TestBit(hn::BitCast(ints, bits), hn::Set(ints, 1))));
       const MaskF passes = hn::AndNot(looks, lanes.walking);
       if (!hn::AllFalse(floats, passes)) {
-        visits = hn::Add(visits, hn::IfThenElseZero(hn::RebindMask(ints, passes), hn::Set(ints, 1)));
         step(lanes, passes);
         continue;
       }
-      visits = hn::Add(visits, hn::IfThenElseZero(hn::RebindMask(ints, looks), hn::Set(ints, 1)));
       solved += hn::CountTrue(floats, looks);
-      const std::uint64_t start = surface_.time_phases ? ticks_now() : 0;
+      const std::uint64_t ticks = surface_.time_phases ? ticks_now() : 0;
+      const bool has_new_sides = !hn::AllFalse(floats, hn::AndNot(lanes.has_side, looks));
       const MaskF found = look_into_cells(block, samples, lanes, looks, first);
-      if (surface_.time_phases) counters_.intersection_ticks += ticks_now() - start;
-      hit = hn::Or(hit, found);
+      if (surface_.time_phases) counters_.intersection_ticks += ticks_now() - ticks;
       lanes.walking = hn::AndNot(found, lanes.walking);
-      choose_cells();
+      if (has_new_sides) choose_cells();
       step(lanes, lanes.walking);
     }
+    // A step changes one coordinate by 1; the last one of a ray that left the block led to a cell that it did not visit.
+    const VecF last = hn::Add(hn::Add(lanes.cell[0], lanes.cell[1]), lanes.cell[2]);
+    const MaskF used = hn::FirstN(floats, scratch_.rays_in_block.count - first);
+    const VecI visits = hn::NearestInt(hn::IfThenElseZero(used, hn::Sub(last, start)));
     counters_.cells_visited += static_cast<std::uint64_t>(hn::GetLane(hn::SumOfLanes(ints, visits)));
     counters_.cells_solved += solved;
-    keep_state(lanes, visits, hit, first);
+    keep_state(lanes, visits, first);
   }
 
   /// Searches the cells of some lanes; which of them found a crossing.
@@ -636,7 +639,7 @@ class GroupWalk {
     }
   }
 
-  HWY_INLINE void keep_state(const Lanes& lanes, VecI visits, MaskF, std::size_t first) {
+  HWY_INLINE void keep_state(const Lanes& lanes, VecI visits, std::size_t first) {
     const auto bit = [&](MaskF mask, std::int32_t value) HWY_ATTR {
       return hn::IfThenElseZero(hn::RebindMask(ints, mask), hn::Set(ints, value));
     };
