@@ -88,8 +88,8 @@ HWY_INLINE CubicLanes along(const Corners& corners, const VecF* in, const VecF* 
     }
   }
   const VecF third = hn::Set(floats, 1.0f / 3.0f);
-  return {{g[0], hn::Mul(hn::Add(hn::Add(g[1], g[2]), g[4]), third),
-           hn::Mul(hn::Add(hn::Add(g[3], g[5]), g[6]), third), g[7]}};
+  return {{g[0], hn::Mul(hn::Add(hn::Add(g[1], g[2]), g[4]), third), hn::Mul(hn::Add(hn::Add(g[3], g[5]), g[6]), third),
+           g[7]}};
 }
 
 /// Derivatives along the axes at a point of the cell.
@@ -109,8 +109,8 @@ HWY_INLINE MaskF is_inside(VecF difference) {
   return hn::Ge(difference, hn::Zero(floats));
 }
 
-/// In which lanes a cubic changes side, how often, and on which piece of [0, 1], where it is monotone, it does so first.
-/// A change at 0 itself has the piece [0, 0].
+/// In which lanes a cubic changes side, how often, and on which piece of [0, 1], where it is monotone, it does so
+/// first. A change at 0 itself has the piece [0, 0].
 struct Changes {
   MaskF found;
   VecF low, high;
@@ -142,8 +142,7 @@ HWY_INLINE Changes first_changes(const CubicLanes& cubic, MaskF inside, MaskF as
   const MaskF has_roots = hn::Ge(discriminant, zero);
   const VecF q = hn::Neg(hn::Add(half_b, hn::CopySign(hn::Sqrt(hn::Max(discriminant, zero)), half_b)));
   VecF s0 = hn::Div(q, a), s1 = hn::Div(d0, q);
-  const auto in_unit = [&](VecF s)
-                           HWY_ATTR { return hn::And(has_roots, hn::And(hn::Gt(s, zero), hn::Lt(s, one))); };
+  const auto in_unit = [&](VecF s) HWY_ATTR { return hn::And(has_roots, hn::And(hn::Gt(s, zero), hn::Lt(s, one))); };
   s0 = hn::IfThenElse(in_unit(s0), s0, one), s1 = hn::IfThenElse(in_unit(s1), s1, one);
   const VecF ends[3] = {hn::Min(s0, s1), hn::Max(s0, s1), one};
 
@@ -261,8 +260,7 @@ class GroupWalk {
 
   HWY_INLINE void run(Frustum& frustum) {
     prepare_slopes();
-    for (std::size_t r = 0; r < group_.count; r += float_lanes)
-      hn::Store(hn::Zero(ints), ints, scratch_.state + r);
+    for (std::size_t r = 0; r < group_.count; r += float_lanes) hn::Store(hn::Zero(ints), ints, scratch_.state + r);
     scratch_.pending.count = 0;
     int alive_in_frustum = std::popcount(alive_);
     walk_blocks(frustum, lattice_, surface_.nodes, surface_.summits, [&](const int* block) HWY_ATTR {
@@ -280,21 +278,31 @@ class GroupWalk {
   }
 
  private:
+  /// A ray's way is counted along the axis on which it moves fastest: by itself, whatever the group's axis is.
   HWY_INLINE void prepare_slopes() {
-    for (int a = 0; a < 3; ++a)
-      for (std::size_t r = 0; r < group_.count; r += double_lanes) {
-        hn::StoreU(hn::DemoteTo(half_floats, slope_along(group_, a, r)), half_floats, scratch_.slope[a] + r);
-        const VecD inverse = hn::Mul(speed(group_, group_.major, r), hn::Abs(hn::Load(doubles, group_.inverse[a] + r)));
-        hn::StoreU(hn::DemoteTo(half_floats, hn::Min(inverse, hn::Set(doubles, double{never_passed}))), half_floats,
-                   scratch_.inverse_slope[a] + r);
+    for (std::size_t r = 0; r < group_.count; r += double_lanes) {
+      VecD inverse[3], fastest = hn::Zero(doubles), t_per_way = hn::Set(doubles, 0x1p1000);
+      for (int a = 0; a < 3; ++a) {
+        inverse[a] = hn::Abs(hn::Load(doubles, group_.inverse[a] + r));
+        fastest = hn::Max(fastest, speed(group_, a, r));
+        t_per_way = hn::Min(t_per_way, inverse[a]);
       }
+      hn::Store(fastest, doubles, scratch_.way_per_t + r);
+      hn::Store(t_per_way, doubles, scratch_.t_per_way + r);
+      for (int a = 0; a < 3; ++a) {
+        hn::StoreU(hn::DemoteTo(half_floats, hn::Mul(speed(group_, a, r), t_per_way)), half_floats,
+                   scratch_.slope[a] + r);
+        const VecD inverse_slope = hn::Min(hn::Mul(fastest, inverse[a]), hn::Set(doubles, double{never_passed}));
+        hn::StoreU(hn::DemoteTo(half_floats, inverse_slope), half_floats, scratch_.inverse_slope[a] + r);
+      }
+    }
   }
 
   /// The place in a block's mirrored coordinates at which rays enter it; exactly 0 on the planes that they enter by.
   HWY_INLINE VecD entry_on(int axis, const int* block, std::size_t r, VecD t_in, VecD t_near) const {
     const VecD plane = hn::Set(doubles, lattice_.plane(axis, 4 * block[axis]));
-    const VecD at = hn::MulAdd(t_in, hn::Load(doubles, group_.direction[axis] + r),
-                               hn::Load(doubles, group_.origin[axis] + r));
+    const VecD at =
+        hn::MulAdd(t_in, hn::Load(doubles, group_.direction[axis] + r), hn::Load(doubles, group_.origin[axis] + r));
     const VecD within = lattice_.is_mirrored(axis) ? hn::Sub(plane, at) : hn::Sub(at, plane);
     return hn::IfThenZeroElse(hn::Eq(t_near, t_in), within);
   }
@@ -320,7 +328,7 @@ class GroupWalk {
     if (hn::AllFalse(doubles, found.part)) return found;
     hn::BlendedStore(t_in, found.part, doubles, scratch_.t_block + r);
     for (int a = 0; a < 3; ++a) found.entry[a] = entry_on(a, block, r, t_in, near[a]);
-    found.end = hn::Mul(hn::Sub(t_out, t_in), speed(group_, group_.major, r));
+    found.end = hn::Mul(hn::Sub(t_out, t_in), hn::Load(doubles, scratch_.way_per_t + r));
     return found;
   }
 
@@ -344,7 +352,8 @@ class GroupWalk {
       if (bits == 0) continue;
       part = mask_of(floats, bits);
       for (int a = 0; a < 3; ++a)
-        entry[a] = hn::Combine(floats, hn::DemoteTo(half_floats, high.entry[a]), hn::DemoteTo(half_floats, low.entry[a]));
+        entry[a] =
+            hn::Combine(floats, hn::DemoteTo(half_floats, high.entry[a]), hn::DemoteTo(half_floats, low.entry[a]));
       end = hn::Combine(floats, hn::DemoteTo(half_floats, high.end), hn::DemoteTo(half_floats, low.end));
 #endif
       const std::size_t at = list.count;
@@ -362,7 +371,8 @@ class GroupWalk {
   }
 
   HWY_INLINE const BlockSamples& samples_of(const int* mirrored) {
-    const int block[3] = {lattice_.block(0, mirrored[0]), lattice_.block(1, mirrored[1]), lattice_.block(2, mirrored[2])};
+    const int block[3] = {lattice_.block(0, mirrored[0]), lattice_.block(1, mirrored[1]),
+                          lattice_.block(2, mirrored[2])};
     const auto x = static_cast<std::uint64_t>(block[0]), y = static_cast<std::uint64_t>(block[1]),
                z = static_cast<std::uint64_t>(block[2]);
     const std::uint64_t key = x | y << 21 | z << 42;
@@ -392,20 +402,21 @@ class GroupWalk {
   /// Lanes of rays on their way through the cells of a block.
   struct Lanes {
     VecF entry[3], slope[3], inverse_slope[3], end;
-    VecF cell[3];     ///< 0 to 3
-    VecF next[3];     ///< how far along the major axis the next plane of each axis inside the block is
-    VecF way_in;      ///< how far the ray is where it enters the cell
-    MaskF at_low[3];  ///< the entry lies on the cell's lower plane
-    VecI bit;         ///< of the cell
+    VecF cell[3];        ///< 0 to 3
+    VecF next[3];        ///< how far on its way the next plane of each axis inside the block is
+    VecF after_next[3];  ///< and the one after it: known early, steps do not wait for it
+    VecF way_in;         ///< how far the ray is where it enters the cell
+    VecI bit;            ///< of the cell
     VecI state;
     MaskF inside, has_side;
     MaskF walking;
   };
 
-  HWY_INLINE VecF next_plane(const Lanes& lanes, int axis) const {
+  /// How far the upper plane of cell `cell` of an axis is; those of the block's last cells are not passed inside.
+  HWY_INLINE VecF way_to_plane(const Lanes& lanes, int axis, VecF cell) const {
     const VecF one = hn::Set(floats, 1.0f), never = hn::Set(floats, never_passed);
-    const VecF at = hn::Mul(hn::Sub(hn::Add(lanes.cell[axis], one), lanes.entry[axis]), lanes.inverse_slope[axis]);
-    return hn::IfThenElse(hn::Ge(lanes.cell[axis], hn::Set(floats, 3.0f)), never, at);
+    const VecF at = hn::Mul(hn::Sub(hn::Add(cell, one), lanes.entry[axis]), lanes.inverse_slope[axis]);
+    return hn::IfThenElse(hn::Ge(cell, hn::Set(floats, 3.0f)), never, at);
   }
 
   HWY_INLINE Lanes lanes_from(const int* block, std::size_t first) const {
@@ -422,14 +433,14 @@ class GroupWalk {
       const VecF end = hn::Set(floats, (beyond < 4 ? static_cast<float>(beyond) : 4.0f) - 0x1p-22f);
       lanes.entry[a] = hn::Min(hn::Max(hn::Load(floats, list.entry[a] + first), zero), end);
       lanes.cell[a] = hn::Floor(lanes.entry[a]);
-      lanes.next[a] = next_plane(lanes, a);
-      lanes.at_low[a] = hn::Eq(lanes.entry[a], lanes.cell[a]);
+      lanes.next[a] = way_to_plane(lanes, a, lanes.cell[a]);
+      lanes.after_next[a] = way_to_plane(lanes, a, hn::Add(lanes.cell[a], hn::Set(floats, 1.0f)));
     }
     lanes.end = hn::Load(floats, list.end + first);
     lanes.way_in = zero;
     const VecF bit = hn::MulAdd(lanes.cell[2], hn::Set(floats, 16.0f),
                                 hn::MulAdd(lanes.cell[1], hn::Set(floats, 4.0f), lanes.cell[0]));
-    lanes.bit = hn::ConvertTo(ints, bit);
+    lanes.bit = hn::NearestInt(bit);
     const VecI rays = hn::IfThenElseZero(hn::RebindMask(ints, lanes.walking), hn::Load(ints, list.ray + first));
     lanes.state = hn::GatherIndex(ints, scratch_.state, rays);
     lanes.state = hn::Add(lanes.state, hn::Set(ints, RayState::one_visit));
@@ -447,20 +458,20 @@ class GroupWalk {
   HWY_INLINE void step(Lanes& lanes, MaskF moved) const {
     const VecF one = hn::Set(floats, 1.0f);
     const VecF first = hn::Min(hn::Min(lanes.next[0], lanes.next[1]), lanes.next[2]);
-    const MaskF along_x = hn::Eq(lanes.next[0], first), along_y = hn::AndNot(along_x, hn::Eq(lanes.next[1], first));
-    const MaskF along_z = hn::Not(hn::Or(along_x, along_y));
-    const MaskF along[3] = {hn::And(moved, along_x), hn::And(moved, along_y), hn::And(moved, along_z)};
-    const MaskF leaves = hn::And(moved, hn::Ge(first, lanes.end));
+    const MaskF along_x = hn::And(moved, hn::Eq(lanes.next[0], first)), not_x = hn::AndNot(along_x, moved);
+    const MaskF along_y = hn::And(not_x, hn::Eq(lanes.next[1], first)), along_z = hn::AndNot(along_y, not_x);
+    const MaskF along[3] = {along_x, along_y, along_z};
+    const MaskF stays = hn::Lt(first, lanes.end);
     for (int a = 0; a < 3; ++a) {
       lanes.cell[a] = hn::IfThenElse(along[a], hn::Add(lanes.cell[a], one), lanes.cell[a]);
-      lanes.next[a] = hn::IfThenElse(along[a], next_plane(lanes, a), lanes.next[a]);
-      lanes.at_low[a] = hn::Or(along[a], hn::AndNot(moved, lanes.at_low[a]));
+      lanes.next[a] = hn::IfThenElse(along[a], lanes.after_next[a], lanes.next[a]);
+      lanes.after_next[a] = way_to_plane(lanes, a, hn::Add(lanes.cell[a], one));
     }
     lanes.bit = hn::Add(lanes.bit, hn::IfThenElseZero(hn::RebindMask(ints, along[0]), hn::Set(ints, 1)));
     lanes.bit = hn::Add(lanes.bit, hn::IfThenElseZero(hn::RebindMask(ints, along[1]), hn::Set(ints, 4)));
     lanes.bit = hn::Add(lanes.bit, hn::IfThenElseZero(hn::RebindMask(ints, along[2]), hn::Set(ints, 16)));
     lanes.way_in = hn::IfThenElse(moved, first, lanes.way_in);
-    lanes.walking = hn::AndNot(leaves, lanes.walking);
+    lanes.walking = hn::And(lanes.walking, hn::Or(stays, hn::Not(moved)));
   }
 
   /// The points, in the cell's coordinates, at which the rays enter and leave it.
@@ -470,15 +481,18 @@ class GroupWalk {
       const auto place = [&](VecF way) HWY_ATTR {
         return hn::Min(hn::Max(hn::Sub(hn::MulAdd(way, lanes.slope[a], lanes.entry[a]), lanes.cell[a]), zero), one);
       };
-      in[a] = hn::IfThenElse(lanes.at_low[a], zero, place(lanes.way_in));
+      const VecF last_plane = hn::Mul(hn::Sub(lanes.cell[a], lanes.entry[a]), lanes.inverse_slope[a]);
+      in[a] = hn::IfThenZeroElse(hn::Eq(last_plane, lanes.way_in), place(lanes.way_in));
       out[a] = hn::IfThenElse(hn::Eq(lanes.next[a], way_out_of_cell), one, place(way_out_of_cell));
     }
   }
 
   HWY_INLINE Corners corners_of(const Lanes& lanes, const BlockSamples& samples, MaskF asked) const {
     VecF place = hn::Set(floats, static_cast<float>(lowest_sample_));
-    for (int a = 0; a < 3; ++a) place = hn::MulAdd(lanes.cell[a], hn::Set(floats, static_cast<float>(stride_[a])), place);
-    const VecI index = hn::ConvertTo(ints, hn::IfThenElse(asked, place, hn::Set(floats, static_cast<float>(lowest_sample_))));
+    for (int a = 0; a < 3; ++a)
+      place = hn::MulAdd(lanes.cell[a], hn::Set(floats, static_cast<float>(stride_[a])), place);
+    const VecI index =
+        hn::NearestInt(hn::IfThenElse(asked, place, hn::Set(floats, static_cast<float>(lowest_sample_))));
     Corners corners;
     for (int c = 0; c < 8; ++c) {
       const int offset = (c & 1 ? stride_[0] : 0) + (c & 2 ? stride_[1] : 0) + (c & 4 ? stride_[2] : 0);
@@ -492,9 +506,8 @@ class GroupWalk {
     Lanes lanes = lanes_from(block, first);
     // Cells to look into: the active ones, and those of the other side than the ray's.
     const std::uint64_t from_inside = active | ~inside, from_outside = active | inside;
-    const auto words = [](std::uint64_t bits, int high) HWY_ATTR {
-      return hn::Set(ints, static_cast<std::int32_t>(bits >> (32 * high)));
-    };
+    const auto words = [](std::uint64_t bits, int high)
+                           HWY_ATTR { return hn::Set(ints, static_cast<std::int32_t>(bits >> (32 * high))); };
     VecI to_look[2];
     const auto choose_cells = [&]() HWY_ATTR {
       const auto is_inside_lane = hn::RebindMask(ints, lanes.inside), has_side = hn::RebindMask(ints, lanes.has_side);
@@ -504,36 +517,38 @@ class GroupWalk {
             words(active, high));
     };
     choose_cells();
-    VecI visits = hn::Zero(ints);
-    std::uint64_t solved = 0;
+    const VecF start = hn::Add(hn::Add(lanes.cell[0], lanes.cell[1]), lanes.cell[2]);
     MaskF hit = no_lane(floats);
+    std::uint64_t solved = 0;
     while (!hn::AllFalse(floats, lanes.walking)) {
       const VecI word = hn::IfThenElse(hn::Gt(lanes.bit, hn::Set(ints, 31)), to_look[1], to_look[0]);
       constexpr hn::RebindToUnsigned<Ints> unsigned_ints;
-      const auto bits = hn::Shr(hn::BitCast(unsigned_ints, word),
-                                hn::BitCast(unsigned_ints, hn::And(lanes.bit, hn::Set(ints, 31))));
-      const MaskF looks = hn::And(
-          lanes.walking,
-          hn::RebindMask(floats, hn::TestBit(hn::BitCast(ints, bits), hn::Set(ints, 1))));
+      const auto bits =
+          hn::Shr(hn::BitCast(unsigned_ints, word), hn::BitCast(unsigned_ints, hn::And(lanes.bit, hn::Set(ints, 31))));
+      const MaskF looks =
+          hn::And(lanes.walking, hn::RebindMask(floats, hn::TestBit(hn::BitCast(ints, bits), hn::Set(ints, 1))));
       const MaskF passes = hn::AndNot(looks, lanes.walking);
       if (!hn::AllFalse(floats, passes)) {
-        visits = hn::Add(visits, hn::IfThenElseZero(hn::RebindMask(ints, passes), hn::Set(ints, 1)));
         step(lanes, passes);
         continue;
       }
-      visits = hn::Add(visits, hn::IfThenElseZero(hn::RebindMask(ints, looks), hn::Set(ints, 1)));
       solved += hn::CountTrue(floats, looks);
-      const std::uint64_t start = surface_.time_phases ? ticks_now() : 0;
+      const std::uint64_t ticks = surface_.time_phases ? ticks_now() : 0;
+      const bool has_new_sides = !hn::AllFalse(floats, hn::AndNot(lanes.has_side, looks));
       const MaskF found = look_into_cells(block, samples, lanes, looks, first);
-      if (surface_.time_phases) counters_.intersection_ticks += ticks_now() - start;
+      if (surface_.time_phases) counters_.intersection_ticks += ticks_now() - ticks;
       hit = hn::Or(hit, found);
       lanes.walking = hn::AndNot(found, lanes.walking);
-      choose_cells();
+      if (has_new_sides) choose_cells();
       step(lanes, lanes.walking);
     }
+    // A step changes one coordinate by 1; that of a ray that left the block led to a cell that it did not visit.
+    const VecF last = hn::Add(hn::Add(lanes.cell[0], lanes.cell[1]), lanes.cell[2]);
+    const MaskF used = hn::FirstN(floats, scratch_.rays_in_block.count - first);
+    const VecI visits = hn::Add(hn::NearestInt(hn::IfThenElseZero(used, hn::Sub(last, start))), ones_in(hit));
     counters_.cells_visited += static_cast<std::uint64_t>(hn::GetLane(hn::SumOfLanes(ints, visits)));
     counters_.cells_solved += solved;
-    keep_state(lanes, visits, hit, first);
+    keep_state(lanes, visits, first);
   }
 
   /// Searches the cells of some lanes; which of them found a crossing.
@@ -624,8 +639,7 @@ class GroupWalk {
       for (std::size_t h = 0; h < end; ++h) {
         const auto ray = static_cast<std::size_t>(pending.ray[first + h]);
         const std::size_t at = group_.index[ray];
-        const double t_per_way = group_.inverse[group_.major][ray];
-        const double t = scratch_.t_block[ray] + ways[h] * (t_per_way < 0 ? -t_per_way : t_per_way);
+        const double t = scratch_.t_block[ray] + ways[h] * scratch_.t_per_way[ray];
         hits_.t[at] = t < group_.t_out[ray] ? t : group_.t_out[ray];
         hits_.value[at] = surface_.isovalue;
         for (int a = 0; a < 3; ++a) hits_.gradient[a][at] = gradients[a][h];
@@ -636,10 +650,9 @@ class GroupWalk {
     }
   }
 
-  HWY_INLINE void keep_state(const Lanes& lanes, VecI visits, MaskF, std::size_t first) {
-    const auto bit = [&](MaskF mask, std::int32_t value) HWY_ATTR {
-      return hn::IfThenElseZero(hn::RebindMask(ints, mask), hn::Set(ints, value));
-    };
+  HWY_INLINE void keep_state(const Lanes& lanes, VecI visits, std::size_t first) {
+    const auto bit = [&](MaskF mask, std::int32_t value)
+                         HWY_ATTR { return hn::IfThenElseZero(hn::RebindMask(ints, mask), hn::Set(ints, value)); };
     VecI state = hn::AndNot(hn::Set(ints, RayState::one_visit - 1), lanes.state);
     state = hn::Or(state, hn::Or(bit(lanes.inside, RayState::inside), bit(lanes.has_side, RayState::has_side)));
     state = hn::Add(state, hn::Mul(visits, hn::Set(ints, RayState::one_visit)));
@@ -667,9 +680,8 @@ template <Search search>
 void first_crossings(const Surface& surface, const RayArrays& rays, std::size_t count, const HitArrays& hits,
                      IsosurfaceScratch& scratch, KernelCounters& counters) {
   for_each_group(rays, count, surface.leaf_count, surface.node_count, scratch.group,
-                 [&](RayGroup&, const MirroredLattice& lattice, Frustum& frustum) HWY_ATTR {
-                   GroupWalk<search>(surface, lattice, hits, scratch, counters).run(frustum);
-                 });
+                 [&](RayGroup&, const MirroredLattice& lattice, Frustum& frustum)
+                     HWY_ATTR { GroupWalk<search>(surface, lattice, hits, scratch, counters).run(frustum); });
 }
 
 FirstCrossings first_crossings_by(Search search) {
