@@ -71,7 +71,7 @@ StoredRanges ranges_of(const formats::MacroLevelsView<T>& levels, int level) {
 }
 
 template <class T>
-MaximumField field_of(const GridVolume<T>& view) {
+MaximumField field_of(const VolumeImplementation& volume, const GridVolume<T>& view) {
   const Index3 leaf_count = view.lattice().leaf_count;
   MaximumField field{.source = SampleSource(view.samples().data(), view.tables(),
                                             view.description().layout.sample_count),
@@ -80,6 +80,7 @@ MaximumField field_of(const GridVolume<T>& view) {
                      .node_count = {},
                      .blocks = ranges_of(view.levels(), 1),
                      .nodes = ranges_of(view.levels(), 2),
+                     .has_gaps = volume.field.no_data_count > 0,
                      .look_closely = look_closely<GridVolume<T>>,
                      .context = &view};
   for (int axis = 0; axis < 3; ++axis) {
@@ -115,7 +116,7 @@ void largest_values(const VolumeImplementation& volume, const Question& question
   MaximumScratch& memory = *scratch.maximum;
   memory.regions = memory.looks = 0;
   std::uint64_t cells = 0;
-  const MaximumField field = field_of(view);
+  const MaximumField field = field_of(volume, view);
   const LargestValues search = largest_values_on(machine);
   for (std::size_t first = 0; first < rays.count; first += RayBatch::group_size) {
     const std::size_t count = std::min(RayBatch::group_size, rays.count - first);
@@ -164,7 +165,8 @@ Kernel largest_value_kernel(const VolumeImplementation& volume, const Method& me
           constexpr std::int64_t largest_size = 1 << 14;  // places on it have enough digits in single precision
           const Index3 size = view.lattice().leaf_count;
           const bool is_small = std::max({size.x, size.y, size.z}) <= largest_size;
-          const bool has_range = std::isfinite(volume.field.range.hi - volume.field.range.lo);
+          const Interval<double>& range = volume.field.range;
+          const bool has_range = range.is_empty() || std::isfinite(range.hi - range.lo);
           if (view.lattice().factor == 4 && is_small && has_range) return kernel_on<View>(machine);
         }
         return nullptr;

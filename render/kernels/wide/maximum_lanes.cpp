@@ -162,13 +162,25 @@ HWY_INLINE hn::Vec<decltype(row_of_floats)> load_row(const T* from) {
                          hn::PromoteTo(row_of_ints, hn::LoadU(hn::Rebind<T, decltype(row_of_floats)>(), from)));
 }
 
-/// Each cell's largest, at the place of its lowest corner.
-HWY_INLINE void find_largest(MaximumBlock& block) {
+/// Each cell's largest, at the place of its lowest corner. Cells that touch a sample without data count as if they
+/// reached the block's largest: single precision does not tell for certain which cell a ray is in, and one without data
+/// says nothing of its neighbour.
+HWY_INLINE void find_largest(bool has_gaps, MaximumBlock& block) {
   const auto larger_of = [&](const float* from, std::size_t further, std::size_t count) {
     for (std::size_t i = 0; i < count; i += float_lanes)
       hn::Store(hn::Max(hn::Load(floats, from + i), hn::LoadU(floats, from + i + further)), floats, block.largest + i);
   };
-  larger_of(block.sample, 1, 128);
+  if (has_gaps) {
+    HWY_ALIGN float filled[160];
+    for (std::size_t i = 0; i < 160; i += float_lanes) {
+      const VecF sample = hn::Load(floats, block.sample + i);
+      const MaskF is_number = hn::Le(hn::Abs(sample), hn::Set(floats, std::numeric_limits<float>::max()));
+      hn::Store(hn::IfThenElseZero(is_number, sample), floats, filled + i);
+    }
+    larger_of(filled, 1, 128);
+  } else {
+    larger_of(block.sample, 1, 128);
+  }
   larger_of(block.largest, 5, 128);
   larger_of(block.largest, 25, 96);
 }
@@ -176,8 +188,9 @@ HWY_INLINE void find_largest(MaximumBlock& block) {
 /// Samples as (sample - highest) * unit, rounded once, and each cell's largest.
 /// @param place  of the block in the file
 template <class T>
-HWY_NOINLINE void fetch(const SampleSource& source, const int* place, double highest, double unit,
+HWY_NOINLINE void fetch(const MaximumField& field, const int* place, double highest, double unit,
                         MaximumBlock& block) {
+  const SampleSource& source = field.source;
   const T* samples = static_cast<const T*>(source.samples);
   std::uint64_t address[3][5];
   bool is_whole = source.has_whole_rows;
@@ -200,7 +213,7 @@ HWY_NOINLINE void fetch(const SampleSource& source, const int* place, double hig
           hn::StoreU(hn::Mul(hn::Sub(load_row(row + address[0][0] + i), highest_row), unit_row), row_of_floats, to + i);
         to[4] = (static_cast<float>(row[address[0][4]]) - highest_float) * unit_float;
       });
-      find_largest(block);
+      find_largest(field.has_gaps, block);
       return;
     }
   }
@@ -208,7 +221,7 @@ HWY_NOINLINE void fetch(const SampleSource& source, const int* place, double hig
     for (int i = 0; i < 5; ++i)
       to[i] = static_cast<float>((static_cast<double>(row[address[0][i]]) - highest) * unit);
   });
-  find_largest(block);
+  find_largest(field.has_gaps, block);
 }
 
 HWY_INLINE void fetch_of_type(const MaximumField& field, const int* place, double highest, double unit,
@@ -216,21 +229,21 @@ HWY_INLINE void fetch_of_type(const MaximumField& field, const int* place, doubl
   using formats::ElementType;
   switch (field.type) {
     case ElementType::U8:
-      return fetch<std::uint8_t>(field.source, place, highest, unit, block);
+      return fetch<std::uint8_t>(field, place, highest, unit, block);
     case ElementType::I8:
-      return fetch<std::int8_t>(field.source, place, highest, unit, block);
+      return fetch<std::int8_t>(field, place, highest, unit, block);
     case ElementType::U16:
-      return fetch<std::uint16_t>(field.source, place, highest, unit, block);
+      return fetch<std::uint16_t>(field, place, highest, unit, block);
     case ElementType::I16:
-      return fetch<std::int16_t>(field.source, place, highest, unit, block);
+      return fetch<std::int16_t>(field, place, highest, unit, block);
     case ElementType::U32:
-      return fetch<std::uint32_t>(field.source, place, highest, unit, block);
+      return fetch<std::uint32_t>(field, place, highest, unit, block);
     case ElementType::I32:
-      return fetch<std::int32_t>(field.source, place, highest, unit, block);
+      return fetch<std::int32_t>(field, place, highest, unit, block);
     case ElementType::F32:
-      return fetch<float>(field.source, place, highest, unit, block);
+      return fetch<float>(field, place, highest, unit, block);
     default:
-      return fetch<double>(field.source, place, highest, unit, block);
+      return fetch<double>(field, place, highest, unit, block);
   }
 }
 
@@ -309,7 +322,8 @@ class Search {
       lines.reached_at[r] = std::numeric_limits<float>::infinity();
       scratch_.reached[r] = scratch_.known_value[r] = nothing;
       scratch_.known_t[r] = std::numeric_limits<double>::infinity();
-      scratch_.last_looks[r] = {{~std::uint64_t{0}, ~std::uint64_t{0}, ~std::uint64_t{0}, ~std::uint64_t{0}}, 0};
+      for (std::uint64_t& key : scratch_.last_looks[r].key) key = ~std::uint64_t{0};
+      scratch_.last_looks[r].next = 0;
       if (!is_inside) lines.from[r] = 1, lines.to[r] = 0;
     }
     vectors_ = (group.count + float_lanes - 1) / float_lanes;
@@ -527,7 +541,9 @@ class Search {
       cells = hn::Add(cells, hn::IfThenElseZero(active, one));
       if (!hn::AllFalse(floats, wanted)) {
         const Coefficients b = coefficients(samples, stride[u], stride[v], stride[w], cell, {p_u, p_v, p_w}, {q_u, q_v, q_w});
-        const VecF highest_here = hn::Add(b.largest(), error);
+        // Without data all coefficients are no numbers, or far below the block's values.
+        const VecF hull = b.largest();
+        const VecF highest_here = hn::Add(hn::IfThenElseZero(hn::Ge(hull, hn::Set(floats, -4.0F)), hull), error);
         const MaskF suspect = hn::And(wanted, may_improve(highest_here, from, reached, reached_at));
         if (!hn::AllFalse(floats, suspect)) {
           hn::CompressStore(ray, hn::RebindMask(ints, suspect), ints, at_hand.ray + at_hand.count);
@@ -541,7 +557,8 @@ class Search {
                                        hn::And(is_inside(p_w, q_w, s),
                                                hn::Ge(hn::Sub(leave, from), hn::Set(floats, 128 * margin_))));
           const VecF value = hn::Sub(b.at(s), error);
-          const MaskF rises = hn::And(hn::And(suspect, inside), hn::Gt(value, reached));
+          const MaskF has_data = hn::Le(hn::Abs(hn::Add(hn::Add(b.b0, b.b1), hn::Add(b.b2, b.b3))), hn::Set(floats, 16.0F));
+          const MaskF rises = hn::And(hn::And(suspect, has_data), hn::And(inside, hn::Gt(value, reached)));
           reached = hn::IfThenElse(rises, value, reached);
           const VecF place = hn::MulAdd(s, hn::Sub(leave, from), from);
           reached_at = hn::IfThenElse(rises, hn::Add(place, hn::Set(floats, margin_)), reached_at);
@@ -696,7 +713,8 @@ class Search {
       cell[a] = at > 0 ? (at < field_.leaf_count[a] ? floored(at) : field_.leaf_count[a] - 1) : 0;
     }
     LastLooks& last = scratch_.last_looks[ray];
-    last.key[last.next++ % LastLooks::kept] = key_of(cell);
+    const std::size_t kept = last.next++ % LastLooks::kept;
+    last.key[kept] = key_of(cell), last.from[kept] = from, last.to[kept] = to;
     put_look(ray, cell, from, to, 0);
   }
 
@@ -712,14 +730,15 @@ class Search {
     looks.ray[i] = ray, looks.from[i] = from, looks.to[i] = to, looks.way[i] = way;
   }
 
-  /// The cell beside one on its ray, unless it was looked at lately: then it was followed up itself.
+  /// The cell beside one on its ray, unless it is looked at anyway, and what follows it as well.
   HWY_INLINE void put_neighbour(std::size_t of, int axis, int step, std::int32_t way) {
     const Looks& looks = scratch_.looks_left;
     std::int32_t cell[3] = {looks.cell[0][of], looks.cell[1][of], looks.cell[2][of]};
     cell[axis] += step;
     if (cell[axis] < 0 || cell[axis] >= field_.leaf_count[axis]) return;
-    for (const std::uint64_t key : scratch_.last_looks[looks.ray[of]].key)
-      if (key == key_of(cell)) return;
+    const LastLooks& last = scratch_.last_looks[looks.ray[of]];
+    for (std::size_t i = 0; i < LastLooks::kept; ++i)
+      if (last.key[i] == key_of(cell) && (way < 0 ? last.from[i] <= looks.from[of] : last.to[i] >= looks.to[of])) return;
     put_look(looks.ray[of], cell, looks.from[of], looks.to[of], way);
   }
 
@@ -803,8 +822,14 @@ class Search {
     const VecD known = of_ray(scratch_.known_value);
     const MaskD improves =
         hn::Or(hn::Gt(bound, known), hn::And(hn::Eq(bound, known), hn::Lt(t_in, of_ray(scratch_.known_t))));
-    const MaskD wanted = hn::And(hn::And(has_data, hn::Lt(t_in, t_out)), improves);
+    // Rounding, where planes are passed at nearly the same time, may have named a cell beside the ray.
+    const VecD from = hn::LoadU(doubles, looks.from + first), to = hn::LoadU(doubles, looks.to + first);
+    const MaskD is_on_ray = hn::And(hn::Lt(t_in, t_out), hn::And(hn::Le(t_in, to), hn::Ge(t_out, from)));
+    const MaskD is_first = hn::Eq(hn::PromoteTo(doubles, hn::LoadU(half_ints, looks.way + first)), zero);
+    const MaskD is_stray = hn::AndNot(is_on_ray, is_first);
+    if (!hn::AllFalse(doubles, is_stray)) walk_strays(first, bits_of(doubles, is_stray) & first_rays(count));
 
+    const MaskD wanted = hn::And(hn::And(has_data, hn::Lt(t_in, t_out)), hn::AndNot(is_stray, improves));
     if (!hn::AllFalse(doubles, wanted)) {
       VecD largest_size = zero;
       for (VecD& value : f) {
@@ -828,10 +853,30 @@ class Search {
       // Differences that need another unit are left to the scalar kernel's own code.
       const MaskD is_far = hn::And(hn::Gt(largest_size, zero), hn::Or(hn::Gt(largest_size, hn::Set(doubles, 0x1p900)),
                                                                        hn::Lt(largest_size, hn::Set(doubles, 0x1p-900))));
-      take_answers(first, count, hn::And(wanted, hn::Or(is_far, hn::Ge(value, known))), is_far, value, t,
+      const MaskD is_far_and_wanted = hn::And(wanted, is_far);
+      if (!hn::AllFalse(doubles, is_far_and_wanted))
+        walk_strays(first, bits_of(doubles, is_far_and_wanted) & first_rays(count));
+      take_answers(first, count, hn::And(hn::AndNot(is_far, wanted), hn::Ge(value, known)), value, t,
                    hn::And(hn::Eq(value, bound), hn::Eq(t, t_in)));
     }
-    follow(first, count, t_in, t_out, through_in, through_out);
+    follow(first, first_rays(count) & ~bits_of(doubles, is_stray), t_in, t_out, through_in, through_out);
+  }
+
+  /// Looks at these as the scalar kernel walks.
+  HWY_NOINLINE void walk_strays(std::size_t first, std::uint64_t lanes) {
+    const Looks& looks = scratch_.looks_left;
+    for (std::uint64_t bits = lanes; bits != 0; bits &= bits - 1) {
+      const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(bits));
+      const auto ray = static_cast<std::size_t>(looks.ray[i]);
+      const std::uint32_t place = scratch_.group.index[ray];
+      field_.look_closely(field_.context, rays_, place, looks.from[i], looks.to[i], scratch_.found[place]);
+      knows(ray, scratch_.found[place]);
+    }
+  }
+
+  HWY_INLINE void knows(std::size_t ray, const FoundMaximum& found) {
+    scratch_.known_value[ray] = found.value, scratch_.known_t[ray] = found.t;
+    set_reached(ray, found.value, float_not_below(place_at(ray, found.t)) + margin_);
   }
 
   struct Answer {
@@ -888,43 +933,36 @@ class Search {
     return {hn::IfThenElse(ends_higher, b3, best.value), hn::IfThenElse(ends_higher, one, best.s)};
   }
 
-  HWY_INLINE void take_answers(std::size_t first, std::size_t count, MaskD wanted, MaskD is_far, VecD value, VecD t,
-                               MaskD at_entry) {
+  HWY_INLINE void take_answers(std::size_t first, std::size_t count, MaskD wanted, VecD value, VecD t, MaskD at_entry) {
     HWY_ALIGN double values[8], times[8];
     hn::Store(value, doubles, values);
     hn::Store(t, doubles, times);
-    const std::uint64_t far_bits = bits_of(doubles, is_far), entry_bits = bits_of(doubles, at_entry);
+    const std::uint64_t entry_bits = bits_of(doubles, at_entry);
     const Looks& looks = scratch_.looks_left;
     for (std::uint64_t bits = bits_of(doubles, wanted) & first_rays(count); bits != 0; bits &= bits - 1) {
       const int lane = std::countr_zero(bits);
       const std::size_t i = first + static_cast<std::size_t>(lane);
       const auto ray = static_cast<std::size_t>(looks.ray[i]);
       FoundMaximum& found = scratch_.found[scratch_.group.index[ray]];
-      if ((far_bits >> lane & 1) != 0) {
-        field_.look_closely(field_.context, rays_, scratch_.group.index[ray], looks.from[i], looks.to[i], found);
-      } else {
-        const auto id = static_cast<std::uint64_t>(
-            (static_cast<std::int64_t>(looks.cell[2][i]) * field_.leaf_count[1] + looks.cell[1][i]) *
-                field_.leaf_count[0] +
-            looks.cell[0][i]);
-        const FoundMaximum here{values[lane], times[lane], id, (entry_bits >> lane & 1) != 0};
-        if (is_better(here, found)) found = here;
-      }
-      scratch_.known_value[ray] = found.value, scratch_.known_t[ray] = found.t;
-      set_reached(ray, found.value, float_not_below(place_at(ray, found.t)) + margin_);
+      const auto id = static_cast<std::uint64_t>(
+          (static_cast<std::int64_t>(looks.cell[2][i]) * field_.leaf_count[1] + looks.cell[1][i]) *
+              field_.leaf_count[0] +
+          looks.cell[0][i]);
+      const FoundMaximum here{values[lane], times[lane], id, (entry_bits >> lane & 1) != 0};
+      if (is_better(here, found)) found = here;
+      knows(ray, found);
     }
   }
 
   /// Goes on to the cells before and behind, as far as the parts of the rays in question reach.
-  HWY_INLINE void follow(std::size_t first, std::size_t count, VecD t_in, VecD t_out, const MaskD* through_in,
+  HWY_INLINE void follow(std::size_t first, std::uint64_t lanes, VecD t_in, VecD t_out, const MaskD* through_in,
                          const MaskD* through_out) {
     const Looks& looks = scratch_.looks_left;
     const VecD ways = hn::PromoteTo(doubles, hn::LoadU(hn::Rebind<std::int32_t, Doubles>(), looks.way + first));
     const VecD zero = hn::Zero(doubles);
     const MaskD before = hn::And(hn::Lt(hn::LoadU(doubles, looks.from + first), t_in), hn::Le(ways, zero));
     const MaskD behind = hn::And(hn::Gt(hn::LoadU(doubles, looks.to + first), t_out), hn::Ge(ways, zero));
-    const std::uint64_t asked = first_rays(count);
-    const std::uint64_t before_bits = bits_of(doubles, before) & asked, behind_bits = bits_of(doubles, behind) & asked;
+    const std::uint64_t before_bits = bits_of(doubles, before) & lanes, behind_bits = bits_of(doubles, behind) & lanes;
     if ((before_bits | behind_bits) == 0) return;
     for (int a = 0; a < 3; ++a) {
       const int step = (scratch_.group.octant >> a & 1) != 0 ? -1 : 1;

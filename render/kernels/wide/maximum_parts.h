@@ -50,6 +50,7 @@ struct MaximumField {
   int leaf_count[3];
   std::array<int, 3> node_count;  ///< of 16 cells, a multiple of 4
   StoredRanges blocks, nodes;     ///< of 4 and of 16 cells; there may be none of 16
+  bool has_gaps;                  ///< some samples have no data
   LookClosely look_closely;
   const void* context;
 };
@@ -116,11 +117,12 @@ struct alignas(64) Looks {
   std::size_t count;
 };
 
-/// The last cells that suspects of a ray were in: a neighbour that is one of them is followed up by itself.
+/// The last cells that suspects of a ray were in, and from and to which t they are followed up.
 struct LastLooks {
   static constexpr std::size_t kept = 4;
   std::uint64_t key[kept];
-  std::uint32_t next;
+  double from[kept], to[kept];
+  std::size_t next;
 };
 
 /// Rays that pass a block, packed side by side.
