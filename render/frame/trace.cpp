@@ -7,7 +7,7 @@
 #include "formats/base/text.h"
 #include "formats/base/trouble.h"
 #include "render/frame/camera_rays.h"
-#include "render/frame/for_each_tile.h"
+#include "render/frame/tile_threads.h"
 #include "render/kernels/kernels.h"
 #include "render/volumes/volume.h"
 
@@ -29,9 +29,10 @@ void trace(const Volume& volume, const TraceOptions& options, std::span<const Fr
   Question question;
   question.isovalue = options.isovalue;
   question.method = options.method;
-  std::vector<KernelScratch> scratches(worker_count(options.threads));
+  const TileThreads threads(options.threads);
+  std::vector<KernelScratch> scratches(threads.worker_count());
   const std::size_t batch_count = (rays.size() + batch_size - 1) / batch_size;
-  for_each_tile(batch_count, options.threads, [&](std::size_t batch, std::size_t worker) {
+  threads.for_each_tile(batch_count, [&](std::size_t batch, std::size_t worker) {
     const std::size_t first = batch * batch_size, count = std::min(batch_size, rays.size() - first);
     std::vector<Ray> asked(count);
     std::vector<Hit> answered(count);

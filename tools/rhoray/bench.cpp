@@ -6,6 +6,7 @@
 #include "tools/rhoray/bench_tables.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/input_file.h"
+#include "tools/rhoray/method_words.h"
 #include "tools/rhoray/new_file.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/subcommands.h"
@@ -23,6 +24,7 @@ struct TableRow {
 
 constexpr TableRow table_rows[] = {{"phases", true, phases_table},
                                    {"threads", true, threads_table},
+                                   {"memory", true, memory_table},
                                    {"open", true, open_table},
                                    {"pack", false, pack_table}};
 
@@ -46,7 +48,7 @@ std::vector<TableRow> choose_tables(BenchCommand& command) {
     for (const TableRow& row : table_rows)
       if (asked == row.name) chosen.push_back(row);
     if (chosen.empty())
-      throw Error(Trouble::usage, concat("no table '", asked, "'; there are phases, threads, open and pack"),
+      throw Error(Trouble::usage, concat("no table '", asked, "'; there are phases, threads, memory, open and pack"),
                   did_you_mean(asked, names));
   }
   require_input(command.bench.input);
@@ -113,19 +115,23 @@ Subcommand bench_subcommand() {
               "  rhoray bench phases head.rho --iso 500,1250 --repeat 9\n"
               "  rhoray bench threads head.rho --size 512x512\n"
               "  rhoray bench pack head.nrrd --json\n"
-              "Tables: phases (shares of traversal, intersection and shading), threads (1 to all), open\n"
-              "(with and without checksums), pack (beside reading and writing once).\n",
+              "Tables: phases (shares of traversal, intersection and shading), threads (1 to all), memory\n"
+              "(beyond the mapped file), open (with and without checksums), pack (beside reading and writing\n"
+              "once).\n",
           .options = all_options(
-              {{files_option("[TABLE] FILE",
-                             "Table, and a packed file (phases, threads, open) or one to pack (pack); without a table, "
-                             "all that suit the file",
-                             command->words)},
+              {{files_option(
+                   "[TABLE] FILE",
+                   "Table, and a packed file (phases, threads, memory, open) or one to pack (pack); without a table, "
+                   "all that suit the file",
+                   command->words)},
                {value_option("-o,--output", "FOLDER", "Also write TABLE.csv and TABLE.json into this folder",
                              command->common.output),
                 flag_option("--force", "Replace these files if they are there", command->common.force),
                 value_option("--repeat", "N", "Timed repetitions; default 5", bench.repeat),
                 value_option("--size", "WxH", "Pixels; default 512x512, the paper's", bench.size),
                 value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", bench.isovalues),
+                choice_option("--accuracy", accuracy_words(), "As in render, whose default it has", bench.accuracy),
+                value_option("--view", "WORD", "Side to look from, as in render; default iso", bench.view),
                 value_option("--field", "NAME", "Field; default the first", bench.field),
                 flag_option("--mip", "Also time maximum intensity projection", bench.mip),
                 value_option("--scratch", "FOLDER", "Where table pack writes; default the system's temporary folder",
