@@ -30,8 +30,9 @@ void Pass::trace_tile(const Frame& frame, std::size_t index, Worker& worker, Fra
   worker.tile_ticks += end - start;
 }
 
-void FrameMemory::Implementation::begin_frame(std::size_t worker_count, std::size_t queue_entries) {
-  places_.resize(worker_count);
+void FrameMemory::Implementation::begin_frame(unsigned threads, std::size_t queue_entries) {
+  if (!threads_ || threads_->asked_for() != threads) threads_.emplace(threads);
+  places_.resize(threads_->worker_count());
   for (Place& place : places_) place.works = false;
   queue_entries_ = queue_entries;
 }

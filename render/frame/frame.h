@@ -1,10 +1,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "render/frame/pixel_rays.h"
 #include "render/frame/pixels.h"
+#include "render/frame/tile_threads.h"
 #include "render/frame/tiles.h"
 #include "render/frame/worker.h"
 #include "render/kernels/kernels.h"
@@ -45,10 +47,12 @@ class Pass {
   std::vector<PartTile> tiles_;
 };
 
-/// The threads' memory, made by each thread when it first works.
+/// The threads, and their memory, made by each of them when it first works.
 class FrameMemory::Implementation {
  public:
-  void begin_frame(std::size_t worker_count, std::size_t queue_entries);
+  /// @param threads  as FrameOptions::threads
+  void begin_frame(unsigned threads, std::size_t queue_entries);
+  const TileThreads& threads() const { return *threads_; }
   Worker& worker(std::size_t index);
   /// Those that have worked in this frame.
   std::vector<const Worker*> workers() const;
@@ -58,6 +62,7 @@ class FrameMemory::Implementation {
     std::unique_ptr<Worker> worker;
     bool works = false;  ///< in this frame
   };
+  std::optional<TileThreads> threads_;
   std::vector<Place> places_;
   std::size_t queue_entries_ = 0;
 };

@@ -7,7 +7,7 @@
 #include "formats/base/text.h"
 #include "formats/base/trouble.h"
 #include "render/frame/camera_rays.h"
-#include "render/frame/for_each_tile.h"
+#include "render/frame/tile_threads.h"
 #include "render/volumes/volume.h"
 
 namespace rhoray::render {
@@ -29,7 +29,7 @@ RayQuestions::RayQuestions(const Volume& volume, double isovalue, const Method& 
       question_{.isovalue = finite(isovalue), .field_range = volume.field().range, .method = method},
       kernels_(choose_kernels(volume_, method)),
       threads_(threads),
-      scratches_(worker_count(threads)) {
+      scratches_(TileThreads(threads).worker_count()) {
   scratches_.front().queue.reserve(kernels_.queue_entries);
 }
 
@@ -37,7 +37,8 @@ void RayQuestions::first_crossings(std::span<const Ray> rays, std::span<Hit> hit
   RHORAY_CHECK(rays.size() == hits.size());
   if (scratches_.size() == 1 || rays.size() <= batch_size)
     return ask(kernels_.first_crossing, volume_, question_, rays, hits, scratches_.front());
-  for_each_tile((rays.size() + batch_size - 1) / batch_size, threads_, [&](std::size_t batch, std::size_t worker) {
+  const std::size_t batch_count = (rays.size() + batch_size - 1) / batch_size;
+  TileThreads(threads_).for_each_tile(batch_count, [&](std::size_t batch, std::size_t worker) {
     const std::size_t first = batch * batch_size, count = std::min(batch_size, rays.size() - first);
     ask(kernels_.first_crossing, volume_, question_, rays.subspan(first, count), hits.subspan(first, count),
         scratches_[worker]);

@@ -9,7 +9,6 @@
 
 #include "formats/base/text.h"
 #include "formats/base/trouble.h"
-#include "render/frame/for_each_tile.h"
 #include "render/frame/frame.h"
 #include "render/march/ticks.h"
 
@@ -147,23 +146,23 @@ FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOpti
   const Frame frame = choose_frame(volume, scene, options, machine);
   const std::vector<Pass> passes = passes_of(frame, options, refinement.first_spacing);
   framebuffer.reshape(options.width, options.height, options.channels);
-  FrameMemory::Implementation& threads = memory.implementation();
-  threads.begin_frame(worker_count(options.threads), frame.queue_entries);
+  FrameMemory::Implementation& kept = memory.implementation();
+  kept.begin_frame(options.threads, frame.queue_entries);
   int spacing = refinement.first_spacing;
   for (const Pass& pass : passes) {
-    for_each_tile(pass.tile_count(), options.threads, [&](std::size_t tile, std::size_t worker) {
-      if (!refinement.stop.stop_requested()) pass.trace_tile(frame, tile, threads.worker(worker), framebuffer);
+    kept.threads().for_each_tile(pass.tile_count(), [&](std::size_t tile, std::size_t worker) {
+      if (!refinement.stop.stop_requested()) pass.trace_tile(frame, tile, kept.worker(worker), framebuffer);
     });
     if (refinement.stop.stop_requested()) break;
     if (refinement.pass_done && !refinement.pass_done(spacing)) break;
     spacing /= 2;
   }
 
-  FrameStatistics statistics = statistics_of(threads, scene);
+  FrameStatistics statistics = statistics_of(kept, scene);
   statistics.machine = machine;
   statistics.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock_start).count();
   if (options.time_phases)
-    statistics.phases = phases_of(threads, statistics.wall_s / static_cast<double>(ticks_now() - ticks_start));
+    statistics.phases = phases_of(kept, statistics.wall_s / static_cast<double>(ticks_now() - ticks_start));
   return statistics;
 }
 
