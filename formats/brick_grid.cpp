@@ -6,6 +6,7 @@
 
 #include "formats/base/bytes.h"
 #include "formats/base/checks.h"
+#include "formats/base/invertible.h"
 #include "formats/details/details.h"
 #include "formats/format_error.h"
 
@@ -51,9 +52,7 @@ BrickLayout read_layout(const details::Reader& reader, bool is_sparse) {
 Affine read_affine(const details::Reader& reader) {
   const details::Reader axes = reader.object("world_from_grid");
   const Affine affine{axes.vector("x_axis"), axes.vector("y_axis"), axes.vector("z_axis"), axes.vector("origin")};
-  const double determinant = affine.determinant();
-  if (determinant == 0 || !std::isfinite(determinant))
-    reader.refuse_value("world_from_grid", "axes that span a volume");
+  if (!is_invertible(affine)) reader.refuse_value("world_from_grid", "axes that span a volume");
   return affine;
 }
 

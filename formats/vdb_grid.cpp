@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "formats/base/invertible.h"
 #include "formats/details/details.h"
 #include "formats/format_error.h"
 
@@ -53,9 +54,7 @@ VdbGrid::VdbGrid(PackedFile file) : file_(std::move(file)) {
   grid.field_names = read_texts(reader, "field_names");
   const details::Reader axes = reader.object("world_from_index");
   grid.world_from_index = {axes.vector("x_axis"), axes.vector("y_axis"), axes.vector("z_axis"), axes.vector("origin")};
-  const double determinant = grid.world_from_index.determinant();
-  if (determinant == 0 || !std::isfinite(determinant))
-    reader.refuse_value("world_from_index", "axes that span a volume");
+  if (!is_invertible(grid.world_from_index)) reader.refuse_value("world_from_index", "axes that span a volume");
   grid.first_sample = read_signed_index(reader, "first_sample");
   grid.sample_count = reader.index("sample_count", 2, static_cast<std::int64_t>(farthest_sample));
   grid.is_level_set = reader.count("is_level_set", 0, 1) == 1;

@@ -13,6 +13,7 @@
 
 #include "formats/base/bytes.h"
 #include "formats/base/checks.h"
+#include "formats/base/invertible.h"
 #include "formats/base/trouble.h"
 #include "preprocess/bricks/convert.h"
 #include "preprocess/bricks/sparse_bricks.h"
@@ -62,18 +63,11 @@ void check_samples(const NeutralVolume& volume, const std::string& source_name) 
                                          n.x, " x ", n.y, " x ", n.z, " of ", formats::element_name(volume.type)));
 }
 
-bool is_finite(const Vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 void check_frame(const Affine& world_from_grid, const std::string& source_name) {
-  const Affine& map = world_from_grid;
-  const double determinant = map.determinant();
-  if (!is_finite(map.x_axis) || !is_finite(map.y_axis) || !is_finite(map.z_axis) || !is_finite(map.origin) ||
-      !std::isfinite(determinant) || determinant == 0)
+  if (!is_invertible(world_from_grid))
     throw Error(Trouble::invalid,
-                concat(source_name, ": found grid axes that span a volume of ", determinant,
-                       "; expected three independent, finite axes and a finite origin"),
+                concat(source_name, ": found grid axes that span a volume of ", world_from_grid.determinant(),
+                       "; expected three independent, finite axes, not too small to be inverted, and a finite origin"),
                 "give the spacing and the origin yourself");
 }
 

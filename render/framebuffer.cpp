@@ -14,17 +14,21 @@ ChannelSet& ChannelSet::operator|=(const ChannelSet& other) {
   return *this;
 }
 
-Framebuffer::Framebuffer(int picture_width, int picture_height, const ChannelSet& channels)
-    : width(picture_width), height(picture_height) {
+Framebuffer::Framebuffer(int picture_width, int picture_height, const ChannelSet& channels) {
+  reshape(picture_width, picture_height, channels);
+}
+
+void Framebuffer::reshape(int picture_width, int picture_height, const ChannelSet& channels) {
+  width = picture_width, height = picture_height;
   color.resize(4 * pixel_count());
-  if (channels.depth) depth.resize(pixel_count());
-  if (channels.normal) normal.resize(3 * pixel_count());
-  if (channels.cell) cell.resize(pixel_count());
-  if (channels.value) value.resize(pixel_count());
-  if (channels.error) error.resize(pixel_count());
-  if (channels.roots) roots.resize(pixel_count());
-  if (channels.iterations) iterations.resize(pixel_count());
-  if (channels.cost) cost.resize(pixel_count());
+  depth.resize(channels.depth ? pixel_count() : 0);
+  normal.resize(channels.normal ? 3 * pixel_count() : 0);
+  cell.resize(channels.cell ? pixel_count() : 0);
+  value.resize(channels.value ? pixel_count() : 0);
+  error.resize(channels.error ? pixel_count() : 0);
+  roots.resize(channels.roots ? pixel_count() : 0);
+  iterations.resize(channels.iterations ? pixel_count() : 0);
+  cost.resize(channels.cost ? pixel_count() : 0);
 }
 
 void Framebuffer::keep(const ChannelSet& channels) {

@@ -31,6 +31,9 @@ struct Framebuffer {
   Framebuffer() = default;
   Framebuffer(int picture_width, int picture_height, const ChannelSet& channels);
 
+  /// Makes room for another picture. Where size and channels stay, the memory stays, with the numbers in it.
+  void reshape(int picture_width, int picture_height, const ChannelSet& channels);
+
   /// Gives up the channels that are not in the set.
   void keep(const ChannelSet& channels);
 

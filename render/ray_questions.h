@@ -1,50 +1,49 @@
 #pragma once
 
+#include <span>
+#include <vector>
+
+#include "formats/base/affine.h"
+#include "render/camera.h"
 #include "render/kernels/kernels.h"
 #include "render/load.h"
+#include "render/method.h"
 
-/// The kernels' questions for rays of any kind, for tools that measure what a method is worth.
+/// The kernels' questions for rays of any kind, for tools and tests that measure what a method is worth.
 namespace rhoray::render {
 
-/// One question, answered for batches of rays in the volume's own frame: in a grid that of its sample positions, in a
-/// mesh that of its points relative to the mesh's origin. For one thread. The volume must outlive it.
+/// One question about a volume and a way of answering it. Rays are in the volume's own frame: in a grid that of its
+/// sample positions (0, 1, 2, ... or the axis tables'), in a mesh that of its points relative to the mesh's origin.
+/// These doubles are what the kernels compute with; nothing is rounded on the way. To be asked by one thread at a time;
+/// the volume must outlive it.
 class RayQuestions {
  public:
-  RayQuestions(const Volume& volume, double isovalue, const Method& method)
-      : volume_(volume.implementation()),
-        question_{.isovalue = isovalue, .field_range = volume.field().range, .method = method},
-        kernels_(choose_kernels(volume_, method.way)) {
-    scratch_.queue.reserve(kernels_.queue_entries);
-  }
+  /// Refuses an isovalue that is not finite (Trouble::usage).
+  /// @param threads  that answer crossings; 0 = all cores
+  RayQuestions(const Volume& volume, double isovalue, const Method& method, unsigned threads = 1);
 
-  /// One hit for each ray; a crossing's t is in lengths of its ray's direction.
-  void first_crossings(std::span<const Ray> rays, std::span<Hit> hits) {
-    kernels_.first_crossing(volume_, question_, rays, hits, scratch_);
-  }
-  Hit first_crossing(const Ray& ray) {
-    Hit hit;
-    first_crossings(std::span(&ray, 1), std::span(&hit, 1));
-    return hit;
-  }
+  /// hits[i] is for rays[i], the same for any number of threads, and what `render` would say of that ray; t is in
+  /// lengths of its direction.
+  void first_crossings(std::span<const Ray> rays, std::span<Hit> hits);
+  Hit first_crossing(const Ray& ray);
 
-  void largest_values(std::span<const Ray> rays, std::span<Hit> hits) {
-    scratch_.last_t.reset();
-    kernels_.largest_value(volume_, question_, rays, hits, scratch_);
-  }
+  void largest_values(std::span<const Ray> rays, std::span<Hit> hits);
 
   /// Of all rays so far.
-  const KernelCounters& counters() const { return scratch_.counters; }
+  KernelCounters counters() const;
 
  private:
   const VolumeImplementation& volume_;
   Question question_;
   Kernels kernels_;
-  KernelScratch scratch_;
+  unsigned threads_;
+  std::vector<KernelScratch> scratches_;  ///< of each thread
 };
 
+/// The rays that `render` sends through the middles of the pixels, rows from the top; t is a distance in world units.
+std::vector<Ray> camera_rays(const Volume& volume, const Camera& camera, int width, int height);
+
 /// Out of the frame that these rays are in.
-inline const Affine& world_from_ray_frame(const Volume& volume) {
-  return volume.implementation().world_from_volume;
-}
+const Affine& world_from_ray_frame(const Volume& volume);
 
 }  // namespace rhoray::render

@@ -1,6 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <memory>
+#include <stop_token>
+#include <string_view>
 
 #include "render/framebuffer.h"
 #include "render/load.h"
@@ -39,11 +43,52 @@ struct FrameStatistics {
   std::uint64_t highlights_shaded = 0;  ///< hits for which the specular effect was computed
   Phases phases;
   double wall_s = 0;
+  std::string_view machine;  ///< what the kernel that answered is compiled for: scalar, baseline, avx2 or avx512
+};
+
+/// Memory of the threads that trace frames, to be kept from one frame to the next; one frame uses it at a time. It
+/// holds nothing that a picture depends on: a frame with it is the same, bit for bit, as one without.
+class FrameMemory {
+ public:
+  class Implementation;
+
+  FrameMemory();
+  ~FrameMemory();
+  FrameMemory(FrameMemory&&) noexcept;
+  FrameMemory& operator=(FrameMemory&&) noexcept;
+
+  Implementation& implementation() { return *implementation_; }  ///< for the room's inside
+
+ private:
+  std::unique_ptr<Implementation> implementation_;
 };
 
 /// Traces one ray through the middle of every pixel. The framebuffer is the same, bit for bit, for any number of
 /// threads. Refuses a picture without pixels, an isovalue or a camera that is not finite, a method that does not answer
 /// the question, and the channel `error` where the method proves nothing (Trouble::usage).
 FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer);
+
+/// As above, in memory that is kept: that of the threads, and the framebuffer's own where the last frame had its size
+/// and its channels.
+FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer,
+                       FrameMemory& memory);
+
+/// How a picture comes into being for someone who looks on.
+struct Refinement {
+  /// The first pass traces one pixel of first_spacing x first_spacing, each later one halves the spacing: 2 shows a
+  /// quarter of the rays first. A power of 2 up to 16; 1 is a plain frame.
+  int first_spacing = 2;
+  /// Called after each pass, while nothing is traced, with the spacing of the pixels traced so far; every other pixel
+  /// looks as its neighbour to the left and above that was traced. False ends the frame.
+  std::function<bool(int spacing)> pass_done = nullptr;
+  /// Ends the frame within the time of one tile; pixels of the pass that was not finished are then of one spacing or of
+  /// the other, and of a first pass that was not finished as the framebuffer had them.
+  std::stop_token stop{};
+};
+
+/// Renders in passes. The finished picture is that of render, bit for bit; counts of cells may differ. A frame that was
+/// ended early has traced fewer rays than the picture has pixels.
+FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOptions& options,
+                       const Refinement& refinement, Framebuffer& framebuffer, FrameMemory& memory);
 
 }  // namespace rhoray::render

@@ -142,25 +142,27 @@ RHORAY_INLINE Mean mean(const std::array<Edge, 3>& weights, const std::array<dou
   const double least = std::min({f[0], f[1], f[2]}), most = std::max({f[0], f[1], f[2]});
   const double from_weights = doubt < 0.5 * sum ? (most - least) * (doubt / (sum - doubt)) : most - least;
   const double from_rounding = 0x1p-49 * std::max(std::abs(least), std::abs(most));
-  return {weighted / sum, (1 + 0x1p-40) * (from_weights + f_error + from_rounding)};
+  return {sum > 0 ? weighted / sum : f[0], (1 + 0x1p-40) * (from_weights + f_error + from_rounding)};
 }
 
-/// Where the ray passes inside a face.
+/// Where the ray passes through a face, if it does.
 struct Face {
   Mean t, value;
   std::optional<bool> is_inside;  ///< the side of the isosurface there, if certain
 };
 
-/// Values on one side leave no doubt about the side of their mean: all weights are positive for certain.
+/// The exact weights are of one sign wherever the ray meets the face, and not zero when it meets the inside. So values
+/// on one side leave no doubt about the side of their mean.
 /// @param f  values minus isovalue: rounded, but of the exact sign
 RHORAY_INLINE Face cross(const std::array<Vertex, 4>& v, const std::array<double, 4>& f,
-                         const std::array<std::size_t, 3>& corner, const std::array<Edge, 3>& weights) {
+                         const std::array<std::size_t, 3>& corner, const std::array<Edge, 3>& weights, Passes how) {
   const auto& [i, j, k] = corner;
   Face face{mean(weights, {v[i].t, v[j].t, v[k].t}, std::max({v[i].t_error, v[j].t_error, v[k].t_error})),
             mean(weights, {f[i], f[j], f[k]}, 0), std::nullopt};
-  if (std::min({f[i], f[j], f[k]}) >= 0)
+  const double least = std::min({f[i], f[j], f[k]}), most = std::max({f[i], f[j], f[k]});
+  if (least >= 0)
     face.is_inside = true;
-  else if (std::max({f[i], f[j], f[k]}) <= 0)
+  else if (most < 0 || (most == 0 && how == Passes::inside))
     face.is_inside = false;
   else if (std::abs(face.value.value) > face.value.error)
     face.is_inside = face.value.value > 0;
@@ -179,14 +181,44 @@ RHORAY_INLINE Mean crossing_between(const Face& a, const Face& b) {
           (1 + 0x1p-40) * (0.5 * (s_most - s_least) * length + std::max(a.t.error, b.t.error) + from_rounding)};
 }
 
+/// What holds of both.
+RHORAY_INLINE Mean hull(const Mean& a, const Mean& b) {
+  const double lo = std::min(a.value - a.error, b.value - b.error), hi = std::max(a.value + a.error, b.value + b.error);
+  const double rounding = 0x1p-50 * std::max(std::abs(lo), std::abs(hi));
+  return {0.5 * lo + 0.5 * hi, 0.5 * (hi - lo) + rounding};
+}
+
+/// The faces that a ray may pass, and what is certain of the two where it enters and leaves.
+struct Ends {
+  std::array<Face, 2> passed;  ///< for certain
+  std::size_t passed_count = 0;
+  std::optional<Face> doubtful;  ///< what holds of all that it passes perhaps; of no side when they are not of one
+
+  RHORAY_INLINE void add(const Face& face, Passes how) {
+    if (how == Passes::inside) {
+      if (passed_count < 2) passed[passed_count++] = face;
+    } else if (!doubtful) {
+      doubtful = face;
+    } else {
+      if (doubtful->is_inside != face.is_inside) doubtful->is_inside.reset();
+      doubtful->t = hull(doubtful->t, face.t);
+      doubtful->value = hull(doubtful->value, face.value);
+    }
+  }
+};
+
 }  // namespace certified_tet
 
 /// Where the ray crosses the isosurface in a tetrahedron.
 ///
 /// A decision other than unknown is right for the ray, vertices, values and isovalue as the exact numbers that they
 /// are: none, when the ray changes side nowhere in the closed tetrahedron between t_min and t_max. Unknown is what
-/// rounding could have turned: the ray too close to an edge or a vertex, the surface too close to where it enters or
-/// leaves.
+/// rounding could have turned: the surface too close to where the ray enters or leaves, and there it may be through any
+/// of several faces; or a place known no better than to a thousandth of the cell's depth.
+///
+/// A ray through the inside of one face goes on into the cell and leaves through another: when it passes an edge so
+/// closely that the face beyond is in doubt, and all these are on one side where it passes, it does not matter which it
+/// is. A ray that passes no face for certain touches the cell, at least, near one side only or is in doubt.
 template <class Real>
 RHORAY_INLINE CertifiedTetCrossing certify_tet_crossing(const TetRay<Real>& ray, const TetPoints& points,
                                                         const TetValues& values, double isovalue) {
@@ -219,21 +251,21 @@ RHORAY_INLINE CertifiedTetCrossing certify_tet_crossing(const TetRay<Real>& ray,
                                              {{0, 2, 3}, {e23, negated(e03), e02}},
                                              {{0, 1, 3}, {e13, negated(e03), e01}},
                                              {{0, 1, 2}, {e12, negated(e02), e01}}}};
-  std::array<Face, 2> face;
-  std::size_t passed = 0;
-  bool is_certain = true;
-  for (const Candidate& candidate : candidates) {
-    const Passes how = passes(candidate.opposite);
-    if (how == Passes::unknown) is_certain = false;
-    if (how == Passes::inside && passed < 2) face[passed++] = cross(v, f, candidate.corner, candidate.opposite);
-  }
-  if (passed < 2) return is_certain && passed == 0 ? none : unknown;
+  Ends ends;
+  for (const Candidate& candidate : candidates)
+    if (const Passes how = passes(candidate.opposite); how != Passes::not_at_all)
+      ends.add(cross(v, f, candidate.corner, candidate.opposite, how), how);
+  if (ends.passed_count == 0 && (!ends.doubtful || ends.doubtful->is_inside)) return none;
+  if (ends.passed_count == 0 || (ends.passed_count == 1 && !ends.doubtful)) return unknown;
 
-  if (!face[0].is_inside || !face[1].is_inside) return unknown;
-  if (*face[0].is_inside == *face[1].is_inside) return none;
-  const Mean t = crossing_between(face[0], face[1]);
+  const Face &from = ends.passed[0], &to = ends.passed_count == 2 ? ends.passed[1] : *ends.doubtful;
+  if (!from.is_inside || !to.is_inside) return unknown;
+  if (*from.is_inside == *to.is_inside) return none;
+  const Mean t = crossing_between(from, to);
   if (t.value + t.error < ray.ray.t_min || t.value - t.error > ray.ray.t_max) return none;
   if (!(t.value - t.error > ray.ray.t_min && t.value + t.error < ray.ray.t_max)) return unknown;
+  const auto [nearest, farthest] = std::minmax({v[0].t, v[1].t, v[2].t, v[3].t});
+  if (!(t.error <= 1e-3 * (farthest - nearest))) return unknown;
   return {Decision::crosses, t.value, t.error};
 }
 

@@ -1,5 +1,10 @@
 #pragma once
 
+#include "render/effects/diffuse.h"
+#include "render/effects/facing.h"
+#include "render/effects/intensity.h"
+#include "render/effects/lanes.h"
+#include "render/effects/specular.h"
 #include "render/scene.h"
 
 namespace rhoray::render {
@@ -14,14 +19,16 @@ struct EffectSet {
 /// Reads the scene, not switches: an isosurface is lit, one with gloss has a highlight, a projection shows intensity.
 EffectSet effects_called_for(const Scene& scene);
 
-/// What is known of a hit when it is to get its colour.
-struct ShadingPoint {
-  Vec3 normal_world;  ///< unit length, towards the eye; 0 where the field has no gradient
-  Vec3 to_eye_world;  ///< unit length
-  double value = 0;
-};
-
-/// Linear RGB of one hit.
-Vec3 shade(const Scene& scene, const EffectSet& effects, const ShadingPoint& point);
+/// Colours of the group of hits that begins at `first`; any numbers where nothing was hit.
+RHORAY_INLINE void shade(const Scene& scene, const EffectSet& effects, const Facing& facing, const RayBatch& rays,
+                         const HitBatch& hits, std::size_t first, Colors& colors) {
+  colors = {};
+  if (effects.intensity) add_intensity(scene.window, hits.value.data() + first, colors);
+  if (!effects.diffuse) return;
+  Lanes cosines;
+  facing.cosines(rays, hits, first, cosines);
+  add_diffuse(scene.surface, cosines, colors);
+  if (effects.specular) add_specular(scene.surface, cosines, colors);
+}
 
 }  // namespace rhoray::render

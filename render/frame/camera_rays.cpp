@@ -39,10 +39,4 @@ CameraRays::CameraRays(const Camera& camera, int width, int height)
   down_ = forward_.cross(right.normalized()) * half_height;
 }
 
-Ray CameraRays::through_pixel(int x, int y) const {
-  const Vec3 offset = ((2 * x + 1) / width_ - 1) * across_ + ((2 * y + 1) / height_ - 1) * down_;
-  if (orthographic_) return {.origin = position_ + offset, .direction = forward_};
-  return {.origin = position_, .direction = (forward_ + offset).normalized()};
-}
-
 }  // namespace rhoray::render

@@ -1,137 +1,20 @@
 #include "render/render.h"
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "formats/base/text.h"
 #include "formats/base/trouble.h"
-#include "render/effects/effects.h"
-#include "render/frame/camera_rays.h"
-#include "render/frame/for_each_tile.h"
-#include "render/kernels/kernels.h"
+#include "render/frame/frame.h"
 #include "render/march/ticks.h"
-#include "render/volumes/volume.h"
 
 namespace rhoray::render {
 
 namespace {
-
-constexpr int tile_edge = 32;  // pixels; about a thousand tiles in a picture of a million pixels
-
-struct Tile {
-  int x_begin, x_end, y_begin, y_end;
-
-  std::size_t pixel_count() const {
-    return static_cast<std::size_t>(x_end - x_begin) * static_cast<std::size_t>(y_end - y_begin);
-  }
-};
-
-/// What was chosen once for the frame; nothing here changes while tiles are traced.
-struct Frame {
-  const VolumeImplementation& volume;
-  const Scene& scene;
-  Kernel kernel;
-  Question question;
-  EffectSet effects;
-  CameraRays camera_rays;
-  Affine volume_from_world;
-  int width, height;
-
-  int tiles_across() const { return (width + tile_edge - 1) / tile_edge; }
-  int tiles_down() const { return (height + tile_edge - 1) / tile_edge; }
-
-  Tile tile(std::size_t index) const {
-    const int column = static_cast<int>(index) % tiles_across(), row = static_cast<int>(index) / tiles_across();
-    return {column * tile_edge, std::min(width, (column + 1) * tile_edge), row * tile_edge,
-            std::min(height, (row + 1) * tile_edge)};
-  }
-};
-
-/// Memory and counts of one thread; on cache lines of its own.
-struct alignas(128) Worker {
-  std::vector<Ray> rays_world, rays_volume;
-  std::vector<Hit> hits;
-  KernelScratch scratch;
-  std::uint64_t rays = 0, hit_count = 0, highlights = 0;
-  std::uint64_t tile_ticks = 0, shading_ticks = 0;
-  double largest_error = 0;
-};
-
-void make_rays(const Frame& frame, const Tile& tile, Worker& worker) {
-  std::size_t r = 0;
-  for (int y = tile.y_begin; y < tile.y_end; ++y)
-    for (int x = tile.x_begin; x < tile.x_end; ++x, ++r) {
-      const Ray ray = frame.camera_rays.through_pixel(x, y);
-      worker.rays_world[r] = ray;
-      worker.rays_volume[r] = {.origin = frame.volume_from_world.point(ray.origin),
-                               .direction = frame.volume_from_world.vector(ray.direction)};
-    }
-}
-
-/// The unit normal towards the eye; zero where the gradient is zero or not finite.
-Vec3 normal_towards_eye(const Vec3& gradient_world, const Vec3& ray_direction) {
-  // Scaled first, so that squares of very large or very small gradients neither overflow nor vanish.
-  const double largest = std::max({std::abs(gradient_world.x), std::abs(gradient_world.y), std::abs(gradient_world.z)});
-  if (!(largest > 0) || !std::isfinite(largest)) return {0, 0, 0};
-  const Vec3 unit = (gradient_world / largest).normalized();
-  return unit.dot(ray_direction) > 0 ? -unit : unit;
-}
-
-/// What a pixel took, and how sure it is.
-void write_diary(std::size_t pixel, const Hit& hit, Framebuffer& out) {
-  if (!out.error.empty()) out.error[pixel] = static_cast<float>(hit.error);
-  if (!out.roots.empty()) out.roots[pixel] = hit.root_count;
-  if (!out.iterations.empty()) out.iterations[pixel] = hit.iteration_count;
-  if (!out.cost.empty()) out.cost[pixel] = hit.cost;
-}
-
-void write_pixel(const Frame& frame, std::size_t pixel, const Ray& ray_world, const Hit& hit, Framebuffer& out,
-                 Worker& worker) {
-  const bool is_hit = !hit.is_miss();
-  Vec3 color = frame.scene.background, normal(0, 0, 0);
-  if (is_hit) {
-    if (frame.effects.diffuse || !out.normal.empty())
-      normal = normal_towards_eye(frame.volume.world_from_volume.gradient(hit.gradient), ray_world.direction);
-    color = shade(frame.scene, frame.effects, {normal, -ray_world.direction, hit.value});
-    ++worker.hit_count;
-    if (frame.effects.specular) ++worker.highlights;
-  }
-  for (int channel = 0; channel < 3; ++channel)
-    out.color[4 * pixel + static_cast<std::size_t>(channel)] = static_cast<float>(color[channel]);
-  out.color[4 * pixel + 3] = is_hit ? 1 : 0;
-  if (!out.depth.empty()) out.depth[pixel] = static_cast<float>(hit.t);
-  if (!out.normal.empty())
-    for (int axis = 0; axis < 3; ++axis)
-      out.normal[3 * pixel + static_cast<std::size_t>(axis)] = static_cast<float>(normal[axis]);
-  if (!out.cell.empty()) out.cell[pixel] = is_hit ? hit.cell : Framebuffer::no_cell;
-  if (!out.value.empty()) out.value[pixel] = is_hit ? hit.value : std::numeric_limits<double>::quiet_NaN();
-  if (is_hit && hit.error > worker.largest_error) worker.largest_error = hit.error;
-  write_diary(pixel, hit, out);
-}
-
-void trace_tile(const Frame& frame, const Tile& tile, Framebuffer& out, Worker& worker) {
-  const std::uint64_t start = ticks_now();
-  const std::size_t count = tile.pixel_count();
-  make_rays(frame, tile, worker);
-  worker.scratch.last_t.reset();
-  frame.kernel(frame.volume, frame.question, std::span(worker.rays_volume).first(count),
-               std::span(worker.hits).first(count), worker.scratch);
-  worker.rays += count;
-
-  const std::uint64_t shading_start = ticks_now();
-  std::size_t r = 0;
-  for (int y = tile.y_begin; y < tile.y_end; ++y)
-    for (int x = tile.x_begin; x < tile.x_end; ++x, ++r) {
-      const auto pixel =
-          static_cast<std::size_t>(y) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(x);
-      write_pixel(frame, pixel, worker.rays_world[r], worker.hits[r], out, worker);
-    }
-  const std::uint64_t end = ticks_now();
-  worker.shading_ticks += end - shading_start;
-  worker.tile_ticks += end - start;
-}
 
 void check_request(const Scene& scene, const FrameOptions& options) {
   if (options.width < 1 || options.height < 1)
@@ -151,56 +34,63 @@ void check_request(const Scene& scene, const FrameOptions& options) {
     throw Error(Trouble::usage, "the channel 'error' needs a method that proves one: certified or exact");
 }
 
-}  // namespace
+void check_refinement(const Refinement& refinement) {
+  if (refinement.first_spacing < 1 || refinement.first_spacing > 16 ||
+      !std::has_single_bit(static_cast<unsigned>(refinement.first_spacing)))
+    throw Error(Trouble::usage,
+                concat("a first pass of every ", refinement.first_spacing, "th pixel; expected 1, 2, 4, 8 or 16"));
+}
 
-FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options,
-                       Framebuffer& framebuffer) {
-  check_request(scene, options);
-  const auto clock_start = std::chrono::steady_clock::now();
-  const std::uint64_t ticks_start = ticks_now();
-
+Frame choose_frame(const Volume& volume, const Scene& scene, const FrameOptions& options, std::string_view& machine) {
   const VolumeImplementation& implementation = volume.implementation();
-  const Kernels kernels = choose_kernels(implementation, scene.method.way);
+  const Kernels kernels = choose_kernels(implementation, scene.method);
   const bool is_mip = scene.mode == Mode::mip;
-  const Frame frame{.volume = implementation,
-                    .scene = scene,
-                    .kernel = is_mip ? kernels.largest_value : kernels.first_crossing,
-                    .question = {.isovalue = scene.isovalue,
-                                 .field_range = implementation.field.range,
-                                 .method = scene.method,
-                                 .use_hierarchy = options.use_hierarchy,
-                                 .use_last_t = options.use_last_t,
-                                 .time_phases = options.time_phases},
-                    .effects = effects_called_for(scene),
-                    .camera_rays = CameraRays(scene.camera, options.width, options.height),
-                    .volume_from_world = implementation.world_from_volume.inverse(),
-                    .width = options.width,
-                    .height = options.height};
+  machine = name_of(is_mip ? kernels.maximum_machine : kernels.crossing_machine);
+  return {.volume = implementation,
+          .kernel = is_mip ? kernels.largest_value : kernels.first_crossing,
+          .queue_entries = is_mip ? kernels.queue_entries : 0,
+          .question = {.isovalue = scene.isovalue,
+                       .field_range = implementation.field.range,
+                       .method = scene.method,
+                       .use_hierarchy = options.use_hierarchy,
+                       .use_last_t = options.use_last_t,
+                       .time_phases = options.time_phases},
+          .look = {.scene = scene,
+                   .effects = effects_called_for(scene),
+                   .facing = Facing(implementation.world_from_volume),
+                   .proves = proves(scene.method)},
+          .camera_rays = CameraRays(scene.camera, options.width, options.height),
+          .volume_from_world = implementation.world_from_volume.inverse()};
+}
 
-  framebuffer = Framebuffer(options.width, options.height, options.channels);
-  std::vector<Worker> workers(worker_count(options.threads));
-  for (Worker& worker : workers) {
-    worker.rays_world.resize(tile_edge * tile_edge);
-    worker.rays_volume.resize(tile_edge * tile_edge);
-    worker.hits.resize(tile_edge * tile_edge);
-    if (is_mip) worker.scratch.queue.reserve(kernels.queue_entries);
+/// The passes of a picture whose first one traces one pixel of first_spacing x first_spacing.
+std::vector<Pass> passes_of(const Frame& frame, const FrameOptions& options, int first_spacing) {
+  std::vector<Pass> passes(1);
+  const PixelLattice all{.width = options.width, .height = options.height};
+  const auto lattice = [&](int x_first, int y_first, int spacing, int extent) {
+    PixelLattice of = all;
+    of.x_first = x_first, of.y_first = y_first, of.spacing = spacing, of.extent = extent;
+    return of;
+  };
+  passes[0].add(frame, lattice(0, 0, first_spacing, first_spacing));
+  for (int half = first_spacing / 2; half >= 1; half /= 2) {
+    Pass& pass = passes.emplace_back();
+    pass.add(frame, lattice(half, half, 2 * half, half));
+    pass.add(frame, lattice(half, 0, 2 * half, half));
+    pass.add(frame, lattice(0, half, 2 * half, half));
   }
-  const auto tile_count = static_cast<std::size_t>(frame.tiles_across()) * static_cast<std::size_t>(frame.tiles_down());
-  for_each_tile(tile_count, options.threads, [&](std::size_t tile, std::size_t worker) {
-    trace_tile(frame, frame.tile(tile), framebuffer, workers[worker]);
-  });
+  return passes;
+}
 
+FrameStatistics statistics_of(const FrameMemory::Implementation& memory, const Scene& scene) {
   FrameStatistics statistics;
   KernelCounters counters;
-  std::uint64_t tile_ticks = 0, shading_ticks = 0;
-  for (const Worker& worker : workers) {
-    counters += worker.scratch.counters;
-    statistics.rays += worker.rays;
-    statistics.hits += worker.hit_count;
-    statistics.highlights_shaded += worker.highlights;
-    statistics.largest_error = std::max(statistics.largest_error, worker.largest_error);
-    tile_ticks += worker.tile_ticks;
-    shading_ticks += worker.shading_ticks;
+  for (const Worker* worker : memory.workers()) {
+    counters += worker->scratch.counters;
+    statistics.rays += worker->ray_count;
+    statistics.hits += worker->hit_count;
+    statistics.highlights_shaded += worker->highlights;
+    statistics.largest_error = std::max(statistics.largest_error, worker->largest_error);
   }
   statistics.macrocells_visited = counters.macrocells_visited;
   statistics.cells_visited = counters.cells_visited;
@@ -210,14 +100,69 @@ FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOpti
   statistics.rays_judged = counters.rays_judged;
   statistics.touches = counters.touches;
   if (!proves(scene.method)) statistics.largest_error = std::numeric_limits<double>::quiet_NaN();
-  statistics.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock_start).count();
-  if (options.time_phases) {
-    const double seconds_per_tick = statistics.wall_s / static_cast<double>(ticks_now() - ticks_start);
-    statistics.phases.intersection = static_cast<double>(counters.intersection_ticks) * seconds_per_tick;
-    statistics.phases.shading = static_cast<double>(shading_ticks) * seconds_per_tick;
-    statistics.phases.traversal =
-        static_cast<double>(tile_ticks) * seconds_per_tick - statistics.phases.intersection - statistics.phases.shading;
+  return statistics;
+}
+
+FrameStatistics::Phases phases_of(const FrameMemory::Implementation& memory, double seconds_per_tick) {
+  std::uint64_t intersection = 0, shading = 0, tiles = 0;
+  for (const Worker* worker : memory.workers()) {
+    intersection += worker->scratch.counters.intersection_ticks;
+    shading += worker->shading_ticks;
+    tiles += worker->tile_ticks;
   }
+  FrameStatistics::Phases phases;
+  phases.intersection = static_cast<double>(intersection) * seconds_per_tick;
+  phases.shading = static_cast<double>(shading) * seconds_per_tick;
+  phases.traversal = static_cast<double>(tiles) * seconds_per_tick - phases.intersection - phases.shading;
+  return phases;
+}
+
+}  // namespace
+
+FrameMemory::FrameMemory() : implementation_(std::make_unique<Implementation>()) {}
+FrameMemory::~FrameMemory() = default;
+FrameMemory::FrameMemory(FrameMemory&&) noexcept = default;
+FrameMemory& FrameMemory::operator=(FrameMemory&&) noexcept = default;
+
+FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options,
+                       Framebuffer& framebuffer) {
+  FrameMemory memory;
+  return render(volume, scene, options, framebuffer, memory);
+}
+
+FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer,
+                       FrameMemory& memory) {
+  return refine(volume, scene, options, {.first_spacing = 1}, framebuffer, memory);
+}
+
+FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOptions& options,
+                       const Refinement& refinement, Framebuffer& framebuffer, FrameMemory& memory) {
+  check_request(scene, options);
+  check_refinement(refinement);
+  const auto clock_start = std::chrono::steady_clock::now();
+  const std::uint64_t ticks_start = ticks_now();
+
+  std::string_view machine;
+  const Frame frame = choose_frame(volume, scene, options, machine);
+  const std::vector<Pass> passes = passes_of(frame, options, refinement.first_spacing);
+  framebuffer.reshape(options.width, options.height, options.channels);
+  FrameMemory::Implementation& kept = memory.implementation();
+  kept.begin_frame(options.threads, frame.queue_entries);
+  int spacing = refinement.first_spacing;
+  for (const Pass& pass : passes) {
+    kept.threads().for_each_tile(pass.tile_count(), [&](std::size_t tile, std::size_t worker) {
+      if (!refinement.stop.stop_requested()) pass.trace_tile(frame, tile, kept.worker(worker), framebuffer);
+    });
+    if (refinement.stop.stop_requested()) break;
+    if (refinement.pass_done && !refinement.pass_done(spacing)) break;
+    spacing /= 2;
+  }
+
+  FrameStatistics statistics = statistics_of(kept, scene);
+  statistics.machine = machine;
+  statistics.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock_start).count();
+  if (options.time_phases)
+    statistics.phases = phases_of(kept, statistics.wall_s / static_cast<double>(ticks_now() - ticks_start));
   return statistics;
 }
 

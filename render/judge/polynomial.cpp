@@ -219,7 +219,11 @@ void SignChart::keep_apart() {
 }
 
 Root SignChart::halved(const Root& root) const {
-  const Rational at = middle(root.lo, root.hi);
+  return cut(root, middle(root.lo, root.hi));
+}
+
+/// The part that holds the root; `at` lies between its ends.
+Root SignChart::cut(const Root& root, const Rational& at) const {
   const int sign = simple_.sign_at(at);
   if (sign == 0) return {at, at};
   return sign == simple_.sign_at(root.lo) ? Root{at, root.hi} : Root{root.lo, at};
@@ -232,6 +236,8 @@ Enclosure SignChart::enclosing_root(int root, double width) const {
     around = narrowed(around, wanted);
     const Enclosure found = enclosing(around.lo, around.hi);
     if (found.width() <= width || is_tight(found)) return found;
+    // A root that is itself a double has no tight enclosure but [root, root].
+    around = cut(around, Rational(std::nextafter(found.lo, std::numeric_limits<double>::infinity())));
   }
 }
 

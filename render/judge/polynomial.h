@@ -64,6 +64,7 @@ class SignChart {
   void keep_apart();
   Root narrowed(Root root, const Rational& width) const;
   Root halved(const Root& root) const;
+  Root cut(const Root& root, const Rational& at) const;
 
   Polynomial polynomial_;
   Polynomial simple_;  ///< the polynomial without the roots that are known exactly

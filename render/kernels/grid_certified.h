@@ -83,20 +83,47 @@ bool sides_change_around(const View& view, double isovalue, int level, const Ind
 
 /// How far a point of the ray at t, in a cell's coordinates, may be from the exact ray's, on any axis.
 template <class Geometry>
-double point_error(const Geometry& geometry, const Ray& ray, const CellVisit& visit) {
-  const double t = std::max(std::abs(visit.t_in), std::abs(visit.t_out));
+double point_error(const Geometry& geometry, const Ray& ray, const Index3& cell, double t) {
   double error = 0;
   for (int a = 0; a < 3; ++a) {
     // The time's own error along the axis, two roundings of the position, and two of its place in the cell.
-    const double reach = std::abs(ray.origin[a]) + t * std::abs(ray.direction[a]);
-    error = std::max(error, geometry.direction_in_cell(a, reach, visit.cell[a]));
+    const double reach = std::abs(ray.origin[a]) + std::abs(t) * std::abs(ray.direction[a]);
+    error = std::max(error, geometry.direction_in_cell(a, reach, cell[a]));
   }
   return 4 * WalkRounding::of_time * error + 0x1p-52;
 }
 
-/// Bounds of the root's place, as a share of the way through the cell, that are good enough without a second look.
-template <class Real>
-constexpr double largest_root_error = std::is_same_v<Real, float> ? 1e-3 : std::numeric_limits<double>::infinity();
+/// True when all cells through which the ray may pass at t have the field on the same side there: whatever rounding
+/// exchanged, there is no change in them.
+///
+/// Planes that may be exchanged are passed at most 4 of_time |t| apart, which moves a point by no more than its own
+/// error: the ray's parts between them lie within twice that of the point, in each cell's own coordinates.
+template <class View, class Planes>
+bool stays_on_one_side_at(const View& view, double isovalue, const Ray& ray, const PlaneTimesOf<Planes>& planes,
+                          double t) {
+  const auto& geometry = view.geometry();
+  const Index3 count = view.lattice().leaf_count, at = cell_at(ray, planes, view.lattice(), t);
+  const double reach = 8 * point_error(geometry, ray, at, t);
+  Index3 first, last;
+  for (int a = 0; a < 3; ++a) {
+    const double p = geometry.in_cell(a, ray.origin[a] + t * ray.direction[a], at[a]);
+    first[a] = p <= reach ? std::max<std::int64_t>(0, at[a] - 1) : at[a];
+    last[a] = p >= 1 - reach ? std::min(count[a] - 1, at[a] + 1) : at[a];
+  }
+  std::optional<bool> side;
+  for (std::int64_t k = first.z; k <= last.z; ++k)
+    for (std::int64_t j = first.y; j <= last.y; ++j)
+      for (std::int64_t i = first.x; i <= last.x; ++i) {
+        const Index3 cell{i, j, k};
+        const TrilinearCell corners = view.cell(cell);
+        if (!view.has_data(corners)) continue;
+        const std::optional<bool> here = certain_side<double>(corners, point_in_cell(geometry, ray, cell, t, -1, 0),
+                                                              8 * point_error(geometry, ray, cell, t), isovalue);
+        if (!here || (side && *side != *here)) return false;
+        side = here;
+      }
+  return true;
+}
 
 struct CertifiedHit {
   Hit hit;
@@ -118,6 +145,8 @@ CertifiedHit certified_crossing(const View& view, const Question& question, cons
   SideOnRay side(view, ray);
   const auto see = [&](int level, const CellVisit& visit) {
     answer.is_certain = !passes_close_to_edge(planes, lattice, lattice.cell_edge(level), visit) ||
+                        (stays_on_one_side_at(view, iso, ray, planes, visit.t_in) &&
+                         stays_on_one_side_at(view, iso, ray, planes, visit.t_out)) ||
                         !sides_change_around(view, iso, level, visit.cell);
     return answer.is_certain;
   };
@@ -125,7 +154,8 @@ CertifiedHit certified_crossing(const View& view, const Question& question, cons
     if (before && !side.leaves_through_data(*before, planes)) side.forget();
     const Vec3 in = entry_point(view.geometry(), ray, planes, visit);
     const Vec3 out = exit_point(view.geometry(), ray, planes, visit);
-    const double error = point_error(view.geometry(), ray, visit);
+    const double error =
+        point_error(view.geometry(), ray, visit.cell, std::max(std::abs(visit.t_in), std::abs(visit.t_out)));
     if (!side.inside()) {
       const std::optional<bool> starts_inside = certain_side<Real>(cell, in, error, iso);
       if (!starts_inside) return answer.is_certain = false;
@@ -133,7 +163,7 @@ CertifiedHit certified_crossing(const View& view, const Question& question, cons
     }
     const CertifiedCrossing found = certify_crossing<Real>(cell, in, out, error, iso, *side.inside());
     if (found.decision == Decision::none) return true;
-    if (found.decision == Decision::unknown || !(found.s_error <= largest_root_error<Real>))
+    if (found.decision == Decision::unknown || !is_placed_well<Real>(found, in, out, error))
       return answer.is_certain = false;
     Hit& hit = answer.hit;
     hit.t = visit.t_at(found.s);
@@ -173,7 +203,8 @@ Hit certified_largest_value(const View& view, const Question& question, const Ra
                : judged_largest_value(view, question, ray, scratch);
   double largest_possible = -std::numeric_limits<double>::infinity(), worst_place = 0;
   const auto in_cell = [&](const TrilinearCell& cell, const CellVisit& visit, const Vec3& in, const Vec3& out, double) {
-    const double place = point_error(view.geometry(), ray, visit);
+    const double place =
+        point_error(view.geometry(), ray, visit.cell, std::max(std::abs(visit.t_in), std::abs(visit.t_out)));
     worst_place = std::max(worst_place, place);
     const CertifiedMaximum best = certify_largest_value<double>(cell, in, out, place);
     largest_possible = std::max(largest_possible, best.value + best.value_error);

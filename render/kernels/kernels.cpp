@@ -1,9 +1,30 @@
 #include "render/kernels/kernels.h"
 
+#include <algorithm>
+
+#include "render/kernels/wide/isosurface.h"
+#include "render/kernels/wide/maximum.h"
+
 namespace rhoray::render {
 
-Kernels choose_kernels(const VolumeImplementation& volume, Method::Way way) {
-  return std::visit([&](const auto& view) { return kernels_for(view, way); }, volume.view);
+Kernels choose_kernels(const VolumeImplementation& volume, const Method& method, Machine machine) {
+  Kernels kernels = std::visit([&](const auto& view) { return kernels_for(view, method.way); }, volume.view);
+  if (const Kernel wide = wide::first_crossing_kernel(volume, method, machine)) kernels.first_crossing = wide;
+  if (const Kernel wide = wide::largest_value_kernel(volume, method, machine)) kernels.largest_value = wide;
+  return kernels;
+}
+
+void ask(Kernel kernel, const VolumeImplementation& volume, const Question& question, std::span<const Ray> rays,
+         std::span<Hit> hits, KernelScratch& scratch) {
+  constexpr std::size_t batch_size = 1024;
+  RayBatch asked(std::min(rays.size(), batch_size));
+  HitBatch answered(std::min(rays.size(), batch_size));
+  for (std::size_t first = 0; first < rays.size(); first += batch_size) {
+    asked.count = std::min(batch_size, rays.size() - first);
+    for (std::size_t r = 0; r < asked.count; ++r) asked.set(r, rays[first + r]);
+    kernel(volume, question, asked, answered, scratch);
+    for (std::size_t r = 0; r < asked.count; ++r) hits[first + r] = answered[r];
+  }
 }
 
 }  // namespace rhoray::render

@@ -30,6 +30,9 @@ class DenseSamples {
     return out;
   }
 
+  const formats::AxisTables& tables() const { return *tables_; }
+  std::span<const T> samples() const { return samples_; }
+
  private:
   const formats::AxisTables* tables_;
   std::span<const T> samples_;
@@ -119,6 +122,11 @@ class GridVolume {
   int level_count() const { return levels_.shape.level_count; }
   const formats::GridDescription& description() const { return grid_.description(); }
   RHORAY_INLINE const Geometry& geometry() const { return geometry_; }
+
+  // What is stored, for kernels that read it by themselves. The first two only of a dense grid.
+  const formats::AxisTables& tables() const { return samples_.tables(); }
+  std::span<const T> samples() const { return samples_.samples(); }
+  const formats::MacroLevelsView<T>& levels() const { return levels_; }
 
   /// When a ray passes the planes between cells.
   RHORAY_INLINE auto plane_times(const Ray& ray) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -7,6 +8,7 @@
 #include "formats/base/affine.h"
 #include "render/volumes/grid_volume.h"
 #include "render/volumes/nanovdb_volume.h"
+#include "render/volumes/occupancy.h"
 #include "render/volumes/tet_volume.h"
 
 namespace rhoray::render {
@@ -29,6 +31,7 @@ struct VolumeImplementation {
                SparseRectilinearVolume<float>, SparseRectilinearVolume<double>, TetVolume<float>, TetVolume<double>,
                NanoVdbVolume>
       view;
+  std::unique_ptr<OccupancyCache> occupancies = std::make_unique<OccupancyCache>();  ///< of the field of a grid
 };
 
 }  // namespace rhoray::render

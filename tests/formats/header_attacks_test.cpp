@@ -250,6 +250,7 @@ TEST(ResealedFile, details_of_a_grid_out_of_their_limits_are_refused_by_name) {
            {R"(superbrick_edge\":[)", R"(superbrick_edge\":[0,1,1],\"s\":[)", "superbrick_edge: found [0,1,1]"},
            {R"(superbrick_edge\":[)", R"(superbrick_edge\":[64,64,64],\"s\":[)", "array 'samples'"},
            {R"(x_axis\":[1.0,0.0,0.0])", R"(x_axis\":[0.0,0.0,0.0])", "expected axes that span a volume"},
+           {R"(x_axis\":[1.0,0.0,0.0])", R"(x_axis\":[1e-320,0.0,0.0])", "expected axes that span a volume"},
            {R"(x_axis\":[1.0,0.0,0.0])", R"(x_axis\":[1e999,0.0,0.0])", "details: found a number out of range"},
            {R"(x_axis\":[1.0,0.0,0.0])", R"(x_axis\":[\"1\",0.0,0.0])", "x_axis: found [\"1\",0.0,0.0]"},
            {R"(type\":\"U8\")", R"(type\":\"U7\")", "details.field.type: found \"U7\""},

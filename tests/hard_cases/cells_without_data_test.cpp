@@ -63,5 +63,40 @@ TEST(CellsWithoutData, have_no_skin_and_hide_nothing) {
   }
 }
 
+// Bricks and macrocells of nothing but NaN beside others: their ranges are empty, and a range that NaN has spoiled
+// hides what lies behind.
+TEST(CellsWithoutData, may_fill_whole_bricks) {
+  const auto is_empty_brick = [](const Index3& at) { return (at.x / 4 + at.y / 4 + at.z / 4) % 3 == 0; };
+  const auto samples = volume_of<float>({21, 18, 19}, [&](const Index3& at) {
+    const Vec3 p(static_cast<double>(at.x), static_cast<double>(at.y), static_cast<double>(at.z));
+    return is_empty_brick(at) ? nan : static_cast<float>(std::sin(p.x) + std::cos(0.7 * p.y) + std::sin(1.3 * p.z));
+  });
+  TracedVolume whole(samples, {.macro_factor = 2});
+  TracedVolume sparse(samples, {.order = preprocess::SampleOrder::sparse, .brick_edge = 4, .macro_factor = 2});
+  EXPECT_GT(whole.volume().field().no_data_count, 1'000U);
+  EXPECT_EQ(sparse.volume().field().no_data_count, whole.volume().field().no_data_count);
+  int hits = 0, behind = 0;
+  for (const render::Ray& ray : stressful_rays({20, 17, 18}, 1'000, 1)) {
+    const render::Hit judged = whole.first_crossing(ray, 0.5, {.way = render::Method::Way::judged});
+    const render::Hit direct = whole.first_crossing(ray, 0.5);
+    EXPECT_TRUE(same_bits(direct, sparse.first_crossing(ray, 0.5)));
+    const render::Hit certified = sparse.first_crossing(ray, 0.5, {.way = render::Method::Way::certified});
+    ASSERT_EQ(certified.is_miss(), judged.is_miss());
+    if (judged.is_miss()) continue;
+    EXPECT_LE(std::abs(certified.t - judged.t), certified.error + judged.error);
+    ++hits;
+    for (double t = std::max(0.0, judged.t - 6 / ray.direction.length()); t < judged.t;
+         t += 0.3 / ray.direction.length()) {
+      const Vec3 p = ray.at(t);
+      const bool is_in = p.x >= 0 && p.y >= 0 && p.z >= 0 && p.x <= 20 && p.y <= 17 && p.z <= 18;
+      if (!is_in || !is_empty_brick(cell_of(p, {20, 17, 18}))) continue;
+      ++behind;
+      break;
+    }
+  }
+  EXPECT_GT(hits, 300);
+  EXPECT_GT(behind, 50) << "no hit lies behind an empty brick: is this case still the hard one?";
+}
+
 }  // namespace
 }  // namespace rhoray::tests

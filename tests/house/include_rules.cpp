@@ -64,6 +64,7 @@ const Guest guests[] = {
     {"CLI11", std::regex("CLI/.*"), {"tools", "data"}},
     {"JSON for Modern C++", std::regex("nlohmann/.*"), {"formats", "tools"}},
     {"xxHash", std::regex("xxhash\\.h"), {"formats", "tools"}},
+    {"Highway", std::regex("hwy/.*"), {"render/kernels/wide"}},
     {"Imath", std::regex("Imath/.*"), {"formats"}},
     {"Gmsh", std::regex("gmsh\\.h"), {}},
     {"GoogleTest", std::regex("(gtest|gmock)/.*"), {}}};

@@ -334,6 +334,8 @@ TEST(PackVolume, refuses_what_is_no_volume) {
   auto flat = random_volume<std::uint8_t>({5, 5, 5}, 1);
   flat.world_from_grid.z_axis = {2, 0, 0};
   EXPECT_THAT(refusal(flat).what(), HasSubstr("found grid axes that span a volume of 0"));
+  flat.world_from_grid.z_axis = {0, 0, 1e-320};
+  EXPECT_THAT(refusal(flat).what(), HasSubstr("not too small to be inverted"));
   flat.world_from_grid.z_axis = {0, 0, double{nan}};
   EXPECT_EQ(refusal(flat).trouble(), Trouble::invalid);
 }

@@ -200,6 +200,11 @@ TEST(RenderCommand, prints_choices_and_statistics_as_json) {
   EXPECT_EQ(json["statistics"]["rays"], 32 * 16);
   EXPECT_GT(json["statistics"]["hits"], 0);
   EXPECT_GT(json["statistics"]["phases_cpu_s"]["traversal"], 0);
+  EXPECT_EQ(read_picture(bench / "ball.png").spec.get_string_attribute("rhoray:machine"),
+            json["statistics"]["machine"].get<std::string>());
+  EXPECT_EQ(json["statistics"]["samples_taken"], 0);
+  EXPECT_EQ(json["statistics"]["rays_redone_in_double"], 0);
+  EXPECT_EQ(json["statistics"]["rays_judged_exactly"], 0);
   EXPECT_EQ(json["reproduce"], line_after(result.err, "reproduce: "));
 }
 

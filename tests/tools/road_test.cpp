@@ -125,6 +125,15 @@ TEST(BenchCommand, fills_its_tables) {
   ASSERT_EQ(changes["rows"].size(), 4U) << "a changed isovalue and a changed view of two isosurfaces";
   EXPECT_NE(changes["rows"][0]["picture"], changes["rows"][1]["picture"]);
   EXPECT_LT(changes["rows"][0]["change_ms"], 1000.0);
+  for (const char* name : {"phases", "threads", "memory"})
+    for (const nlohmann::json& row : table(name)["rows"]) EXPECT_FALSE(row["machine"].get<std::string>().empty());
+  const nlohmann::json memory = table("memory");
+  ASSERT_EQ(memory["rows"].size(), 3U);
+  for (const nlohmann::json& row : memory["rows"]) {
+    EXPECT_EQ(row["picture_bytes"], 24 * 24 * 16);
+    EXPECT_GT(row["beyond_file_and_picture_bytes"], 100'000) << "the program itself: is it counted?";
+    EXPECT_LT(row["beyond_file_and_picture_bytes"], 64 << 20);
+  }
   EXPECT_EQ(table("open")["rows"].size(), 4U);
   for (const char* key : {"processor", "compiler", "commit", "version", "repeat"})
     EXPECT_TRUE(threads["context"].contains(key)) << key;

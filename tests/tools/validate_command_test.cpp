@@ -87,6 +87,27 @@ TEST(ValidateCommand, refuses_what_makes_no_sense) {
   refused("ball.rho --iso 100 --memory 1M", 5, "");
 }
 
+TEST(ValidateCommand, refuses_an_openvdb_file_with_a_road_that_leads_on) {
+  const Workbench bench;
+  bench.make_ball();
+  ASSERT_EQ(bench.shell("rhoray export ball.rho -o smoke.vdb -q").exit_code, 0);
+  const RunResult refused = bench.shell("rhoray validate smoke.vdb --iso 100");
+  EXPECT_EQ(refused.exit_code, 7);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("is an OpenVDB file, and packed files are validated"),
+                                 HasSubstr("hint: pack it first: rhoray pack smoke.vdb\n")));
+  ASSERT_EQ(bench.shell("rhoray pack smoke.vdb -q").exit_code, 0);
+  const RunResult run = bench.shell("rhoray validate smoke.rho --iso 100 --samples 1000");
+  EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
+}
+
+TEST(ValidateCommand, catches_methods_that_are_wrong) {
+  const Workbench bench;
+  bench.make_ball();
+  const RunResult sampled = bench.shell("rhoray validate ball.rho --iso 100 --samples 1000 --method sampled:1");
+  EXPECT_EQ(sampled.exit_code, 6);
+  EXPECT_THAT(sampled.err, AllOf(HasSubstr("ball.rho: outside the limits: missed "), HasSubstr("elsewhere ")));
+}
+
 TEST(ValidateCommand, refuses_a_damaged_file) {
   const Workbench bench;
   bench.make_ball();

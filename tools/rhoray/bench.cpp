@@ -6,6 +6,7 @@
 #include "tools/rhoray/bench_tables.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/input_file.h"
+#include "tools/rhoray/method_words.h"
 #include "tools/rhoray/new_file.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/subcommands.h"
@@ -23,7 +24,8 @@ struct TableRow {
 
 constexpr TableRow table_rows[] = {{"phases", true, phases_table}, {"threads", true, threads_table},
                                    {"views", true, views_table},   {"isovalue", true, isovalue_table},
-                                   {"open", true, open_table},     {"pack", false, pack_table}};
+                                   {"memory", true, memory_table}, {"open", true, open_table},
+                                   {"pack", false, pack_table}};
 
 struct BenchCommand {
   CommonOptions common;
@@ -46,7 +48,7 @@ std::vector<TableRow> choose_tables(BenchCommand& command) {
       if (asked == row.name) chosen.push_back(row);
     if (chosen.empty())
       throw Error(Trouble::usage,
-                  concat("no table '", asked, "'; there are phases, threads, views, isovalue, open and pack"),
+                  concat("no table '", asked, "'; there are phases, threads, views, isovalue, memory, open and pack"),
                   did_you_mean(asked, names));
   }
   require_input(command.bench.input);
@@ -115,7 +117,8 @@ Subcommand bench_subcommand() {
               "  rhoray bench pack head.nrrd --json\n"
               "Tables: phases (shares of traversal, intersection and shading), threads (1 to all), views (front, from\n"
               "the feet, close up, inside: rays per second and cycles per ray), isovalue (the next picture after a\n"
-              "change), open (with and without checksums), pack (beside reading and writing once).\n",
+              "change), memory (beyond the mapped file), open (with and without checksums), pack (beside reading and\n"
+              "writing once).\n",
           .options = all_options(
               {{files_option("[TABLE] FILE",
                              "Table, and a packed file (all but pack) or one to pack (pack); without a table, "
@@ -127,6 +130,8 @@ Subcommand bench_subcommand() {
                 value_option("--repeat", "N", "Timed repetitions; default 5", bench.repeat),
                 value_option("--size", "WxH", "Pixels; default 512x512, the paper's", bench.size),
                 value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", bench.isovalues),
+                choice_option("--accuracy", accuracy_words(), "As in render, whose default it has", bench.accuracy),
+                value_option("--view", "WORD", "Side to look from, as in render; default iso", bench.view),
                 value_option("--field", "NAME", "Field; default the first", bench.field),
                 flag_option("--mip", "Also time maximum intensity projection", bench.mip),
                 value_option("--scratch", "FOLDER", "Where table pack writes; default the system's temporary folder",

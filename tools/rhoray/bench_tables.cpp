@@ -63,28 +63,31 @@ void add_seconds(Json& row, const std::string& name, const Spread& spread) {
   row[name + "_max"] = spread.largest;
 }
 
-/// A picture that is traced again and again, and what came out last.
+/// A picture that is traced again and again in memory that is kept, and what came out last.
 struct Shot {
   std::string scene;
   PicturePlan plan;
-  render::Framebuffer picture;
-  render::FrameStatistics statistics;
+  render::Framebuffer picture{};
+  render::FrameMemory memory{};
+  render::FrameStatistics statistics{};
 
   double trace(const render::Volume& volume) {
-    statistics = render::render(volume, plan.scene, plan.frame, picture);
+    statistics = render::render(volume, plan.scene, plan.frame, picture, memory);
     return statistics.wall_s;
   }
+  Shot another() const { return {.scene = scene, .plan = plan}; }
 };
 
 std::vector<Shot> shots(const BenchOptions& options, const render::Volume& volume) {
   std::vector<Shot> list;
   PictureOptions picture;
   picture.size = options.size;
+  picture.accuracy = options.accuracy;
+  picture.view = options.view;
   const auto add = [&](const std::string& scene) {
-    Shot shot;
-    shot.plan = plan_picture(picture, volume);
+    Shot shot{.scene = scene, .plan = plan_picture(picture, volume)};
     shot.plan.frame.threads = options.threads;
-    shot.scene = scene.empty() ? concat("iso ", shot.plan.scene.isovalue) : scene;
+    if (scene.empty()) shot.scene = concat("iso ", shot.plan.scene.isovalue);
     list.push_back(std::move(shot));
   };
   for (const std::string& isovalue : options.isovalues) {
@@ -158,7 +161,7 @@ void next_view(render::Scene& scene, const render::Volume&) {
 class ChangingPicture {
  public:
   ChangingPicture(const Shot& shot, const Change& change, const render::Volume& volume)
-      : shot_(shot), few_pixels_(shot), change_(change), volume_(volume) {
+      : shot_(shot.another()), few_pixels_(shot.another()), change_(change), volume_(volume) {
     few_pixels_.plan.frame.width = few_pixels_.plan.frame.height = 4;
     few_pixels_.plan.frame.threads = 1;
   }
@@ -195,7 +198,8 @@ class ChangingPicture {
 
 Table phases_table(const BenchOptions& options, const Step& step) {
   const render::Volume volume = load_volume(options.input, options.field);
-  std::vector<Shot> plain = shots(options, volume), timed = plain;
+  std::vector<Shot> plain = shots(options, volume), timed;
+  for (const Shot& shot : plain) timed.push_back(shot.another());
   for (Shot& shot : timed) shot.plan.frame.time_phases = true;
   const std::size_t count = plain.size();
   std::vector<render::FrameStatistics::Phases> phases(count);
@@ -229,6 +233,7 @@ Table phases_table(const BenchOptions& options, const Step& step) {
     row["hits"] = statistics.hits;
     row["cells_visited"] = statistics.cells_visited;
     row["cells_solved"] = statistics.cells_solved;
+    row["machine"] = statistics.machine;
     row["picture"] = picture_hash(plain[i].picture);
     table.rows.push_back(std::move(row));
   }
@@ -242,12 +247,16 @@ Table threads_table(const BenchOptions& options, const Step& step) {
   std::vector<Shot> rows;
   for (const Shot& shot : shots(options, volume))
     for (const unsigned threads : counts) {
-      rows.push_back(shot);
+      rows.push_back(shot.another());
       rows.back().plan.frame.threads = threads;
     }
+  std::vector<std::vector<double>> cpu_seconds(rows.size());
   const auto seconds = interleaved(rows.size(), options.repeat, [&](std::size_t row) {
     step(concat(rows[row].scene, ", ", rows[row].plan.frame.threads, " threads"));
-    return rows[row].trace(volume);
+    const double cpu_before = usage_so_far().cpu_s;
+    const double taken = rows[row].trace(volume);
+    cpu_seconds[row].push_back(usage_so_far().cpu_s - cpu_before);
+    return taken;
   });
 
   Table table{"threads", "Frames per second by number of threads", picture_context(options, volume), {}};
@@ -261,6 +270,8 @@ Table threads_table(const BenchOptions& options, const Step& step) {
              {"speedup", speedup},
              {"efficiency", speedup / threads}};
     add_seconds(row, "frame_s", frame);
+    row["cpu_s"] = spread_of(cpu_seconds[i]).median;
+    row["machine"] = rows[i].statistics.machine;
     row["picture"] = picture_hash(rows[i].picture);
     table.rows.push_back(std::move(row));
   }
@@ -278,7 +289,7 @@ Table views_table(const BenchOptions& options, const Step& step) {
   std::vector<Row> rows;
   for (const Shot& shot : shots(options, volume))
     for (const StudyView view : study_views) {
-      rows.push_back({view, shot, {}});
+      rows.push_back({view, shot.another(), {}});
       render::Scene& scene = rows.back().shot.plan.scene;
       const bool is_surface = scene.mode == render::Mode::isosurface;
       scene.camera = study_camera(view, volume, is_surface ? std::optional(scene.isovalue) : std::nullopt, aspect);
@@ -309,6 +320,25 @@ Table views_table(const BenchOptions& options, const Step& step) {
     json["cells_per_ray"] = static_cast<double>(statistics.cells_visited) / rays;
     json["picture"] = picture_hash(row.shot.picture);
     table.rows.push_back(std::move(json));
+  }
+  return table;
+}
+
+Table memory_table(const BenchOptions& options, const Step& step) {
+  const render::Volume volume = load_volume(options.input, options.field);
+  Table table{"memory", "Memory beyond the mapped file", picture_context(options, volume), {}};
+  for (Shot& shot : shots(options, volume)) {
+    step(shot.scene);
+    for (int frame = 0; frame < options.repeat; ++frame) shot.trace(volume);
+    const std::uint64_t picture = shot.picture.color.size() * sizeof(float), all = anonymous_bytes();
+    table.rows.push_back({{"scene", shot.scene},
+                          {"file_bytes", volume.file().file_bytes()},
+                          {"picture_bytes", picture},
+                          {"anonymous_bytes", all},
+                          {"beyond_file_and_picture_bytes", all - std::min(all, picture)},
+                          {"machine", shot.statistics.machine},
+                          {"picture", picture_hash(shot.picture)}});
+    shot.picture = {};  // that the next row does not count it
   }
   return table;
 }

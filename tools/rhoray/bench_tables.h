@@ -14,6 +14,8 @@ struct BenchOptions {
   std::filesystem::path input;
   std::vector<std::string> isovalues{"auto"};
   std::string field;
+  std::string accuracy;  ///< as in render
+  std::string view = "iso";
   PictureSize size{512, 512};  ///< the paper's
   int repeat = 5;
   unsigned threads = 0;
@@ -37,6 +39,8 @@ Table views_table(const BenchOptions& options, const Step& step);
 /// The next picture after a changed isovalue or view, and what a change takes before its first pixel (change_ms, CPU
 /// milliseconds).
 Table isovalue_table(const BenchOptions& options, const Step& step);
+/// What the process keeps in memory of its own after frames of a scene, beside the file that is mapped.
+Table memory_table(const BenchOptions& options, const Step& step);
 /// Opening a packed file, with and without reading its checksums. The page cache is warm.
 Table open_table(const BenchOptions& options, const Step& step);
 /// Packing a volume or a mesh, beside reading and writing the bytes once.

@@ -11,6 +11,7 @@
 
 #include "formats/base/checks.h"
 #include "formats/base/text.h"
+#include "formats/base/trouble.h"
 
 namespace rhoray::tools {
 
@@ -38,6 +39,15 @@ Usage usage_so_far() {
       .cpu_s = seconds(own.ru_utime) + seconds(own.ru_stime) + seconds(workers.ru_utime) + seconds(workers.ru_stime),
       .peak_bytes = peak(own),
       .worker_peak_bytes = peak(workers)};
+}
+
+std::uint64_t anonymous_bytes() {
+  constexpr std::string_view name = "RssAnon:";
+  std::ifstream lines("/proc/self/status");
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with(name)) return std::stoull(line.substr(name.size())) * 1024;  // in kB
+  throw Error(Trouble::unsupported,
+              "/proc/self/status: no line 'RssAnon'; this system does not tell what memory is used");
 }
 
 Machine this_machine() {

@@ -24,6 +24,9 @@ struct Usage {
 };
 Usage usage_so_far();
 
+/// Memory of this process that is no part of a file: heap, stacks, what libraries keep.
+std::uint64_t anonymous_bytes();
+
 /// Where a measurement was taken.
 struct Machine {
   std::string processor;           ///< as the system names it

@@ -8,8 +8,8 @@
 
 namespace rhoray::tools {
 
-/// A line of text kept in a picture: PNG text or EXR attribute. TIFF and JPEG know few names; there a text other than
-/// Software becomes the image description.
+/// A line of text kept in a picture: PNG text or EXR attribute. TIFF and JPEG know few names; there the first
+/// text other than Software becomes the image description, and others are left out.
 struct PictureText {
   std::string name;
   std::string value;

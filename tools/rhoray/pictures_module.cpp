@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <utility>
 
 namespace rhoray::tools {
 
@@ -138,8 +139,12 @@ extern "C" __attribute__((visibility("default"))) std::string rhoray_encode_pict
     encoded.spec.attribute("DateTime",
                            "1970:01:01 00:00:00");  // else EXR and TIFF get the time, and other bytes each time
     const bool keeps_any_name = format == "png" || format == "openexr";
+    bool is_described = false;
     for (const PictureText& text : texts)
-      encoded.spec.attribute(keeps_any_name || text.name == "Software" ? text.name : "ImageDescription", text.value);
+      if (keeps_any_name || text.name == "Software")
+        encoded.spec.attribute(text.name, text.value);
+      else if (!std::exchange(is_described, true))
+        encoded.spec.attribute("ImageDescription", text.value);
     return write(encoded, format, open_name);
   } catch (const std::exception& error) {
     return error.what();

@@ -91,6 +91,7 @@ Json statistics_json(const render::FrameStatistics& statistics) {
           {"touches", statistics.touches},
           {"largest_error", statistics.largest_error},
           {"highlights_shaded", statistics.highlights_shaded},
+          {"machine", statistics.machine},
           {"wall_s", statistics.wall_s},
           {"phases_cpu_s",
            {{"traversal", phases.traversal}, {"intersection", phases.intersection}, {"shading", phases.shading}}}};
@@ -152,9 +153,10 @@ void report(const RenderCommand& command, const std::filesystem::path& output, c
     std::puts(dump(json).c_str());
   } else {
     if (command.statistics)
-      std::fputs(
-          concat("  method                ", method_text(plan, volume), "\n", statistics_text(statistics)).c_str(),
-          stdout);
+      std::fputs(concat("  method                ", method_text(plan, volume), "\n  machine               ",
+                        statistics.machine, "\n", statistics_text(statistics))
+                     .c_str(),
+                 stdout);
     for (const Json& pick : picks) std::puts(picked_text(pick, volume.length_unit()).c_str());
   }
   for (const std::string& note : volume.notes()) say(command.common, concat("note: ", note));
@@ -224,8 +226,11 @@ int run(RenderCommand& command) {
   display.show(concat("writing ", output.string()));
   const Stopwatch writing;
   const std::string reproduce = shell_line(reproducing_command(plan, volume, command.input, output));
-  write_picture(framebuffer, {{"Software", concat("rhoray ", version())}, {"rhoray:command", reproduce}}, output,
-                command.common.force);
+  write_picture(framebuffer,
+                {{"Software", concat("rhoray ", version())},
+                 {"rhoray:command", reproduce},
+                 {"rhoray:machine", std::string(statistics.machine)}},
+                output, command.common.force);
   stations.write_s = writing.seconds();
   display.clear();
   report(command, output, volume, plan, statistics, stations, picks, heat, reproduce);

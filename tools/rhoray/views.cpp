@@ -7,7 +7,7 @@
 #include "formats/base/nearest_name.h"
 #include "formats/base/text.h"
 #include "formats/base/trouble.h"
-#include "render/trace.h"
+#include "render/ray_questions.h"
 
 namespace rhoray::tools {
 
@@ -16,11 +16,10 @@ namespace {
 /// Distance from the camera to the surface in the middle of its picture, or nothing.
 std::optional<double> distance_in_the_middle(const render::Volume& volume, double isovalue,
                                              const render::Camera& camera) {
-  const std::vector<render::FrameRay> ray = render::camera_rays(volume, camera, 1, 1);
-  std::vector<render::FrameHit> hit(1);
-  render::trace(volume, {.isovalue = isovalue, .threads = 1}, ray, hit);
-  if (hit[0].is_miss()) return std::nullopt;
-  return hit[0].t;
+  const render::Ray ray = render::camera_rays(volume, camera, 1, 1).front();
+  const render::Hit hit = render::RayQuestions(volume, isovalue, {}).first_crossing(ray);
+  if (hit.is_miss()) return std::nullopt;
+  return hit.t;
 }
 
 render::Camera close_camera(const render::Camera& front, const render::Volume& volume, std::optional<double> isovalue) {

@@ -24,7 +24,7 @@ const char* name_of(SceneKind kind);
 
 /// Where the box around the surface lies in the world, and how long its edges are.
 struct Placement {
-  Vec3 centre;
+  Vec3 centre{0, 0, 0};
   double scale = 1;
 };
 

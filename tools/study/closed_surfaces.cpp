@@ -83,11 +83,12 @@ void measure(std::vector<Row>& rows, const Wishes& wishes) {
 /// The columns of a tally; `what` says which rays it is of.
 Json columns(const RayTally& tally, Json what) {
   const auto rate = [&](const RayTally::OfMethod& method) {
-    return method.cpu_s == 0 ? 0.0 : static_cast<double>(tally.rays) / method.cpu_s;
+    return method.cpu_s == 0 ? 0.0 : static_cast<double>(method.rays) / method.cpu_s;
   };
   what["rays"] = tally.rays;
   what["hits"] = tally.hits;
   const auto add = [&](const std::string& name, const RayTally::OfMethod& method) {
+    what[name + "_rays"] = method.rays;
     what[name + "_missed"] = method.missed;
     what[name + "_extra"] = method.extra;
     what[name + "_elsewhere"] = method.elsewhere;
@@ -185,12 +186,15 @@ tools::Subcommand closed_surfaces() {
           "1e6; a third of the rays anywhere, a third at edges, a third at vertices; half aimed in the volume's "
           "frame,\n"
           "half in the world. The truth is what certified says, or the judge, who decides again every ray\n"
-          "  - for which float or double decides otherwise, or finds another place (0.01 cells, 1e-6 cells and the "
-          "bound);\n"
-          "  - that changes side an odd number of times between its ends, both outside: changes are followed by "
-          "certified\n"
-          "    from 0.001 cells behind each, and in odd rays all of them by the judge too (miscounted: they differ);\n"
+          "  - for which double decides otherwise, or finds another place (1e-6 cells and the bound);\n"
+          "  - that changes side an odd number of times between its ends, both outside: further changes are looked "
+          "for\n"
+          "    in double from 0.001 cells behind each; in odd rays certified and the judge follow all of them "
+          "(miscounted:\n"
+          "    they differ);\n"
           "  - of a random sample.\n"
+          "Float is asked for one ray in eight. The same rays come out for any number of threads, others for another "
+          "seed.\n"
           "Exit code 6 when certified missed, saw too much, was elsewhere, broke its bound or was miscounted.\n",
       .options = tools::all_options(
           {tools::output_options(wishes->common, "FOLDER for closed_surfaces.csv and .json"),

@@ -22,12 +22,19 @@ namespace {
 
 using tools::Json;
 
+/// Who gave an answer; certified methods ask one after the other.
+enum class Decider { single, twofold, judge };
+constexpr std::array<const char*, 3> decider_names{"float", "double", "judge"};
+
 struct MethodAnswer {
   bool crosses = false;
   double s = 0;
   double s_error = std::numeric_limits<double>::infinity();  ///< claimed; infinite when nothing is claimed
-  bool float_was_in_doubt = false, double_was_in_doubt = false;
+  Decider by = Decider::twofold;
 };
+
+template <class Real>
+constexpr Decider decider_of = std::is_same_v<Real, float> ? Decider::single : Decider::twofold;
 
 struct Method {
   const char* name;
@@ -41,62 +48,50 @@ MethodAnswer named_method(const CellCase& made, bool starts_inside) {
   const render::CellPassage way{
       .in = made.p0, .out = made.p1, .origin = made.p0, .direction = made.p1 - made.p0, .t_in = 0, .t_out = 1};
   const render::CellCrossing found = render::find_crossing<Real>(method, made.cell, way, made.isovalue, starts_inside);
-  return {.crosses = found.crosses, .s = found.s};
+  return {.crosses = found.crosses, .s = found.s, .by = decider_of<Real>};
 }
 
 /// Nothing when the arithmetic leaves it in doubt, or the place too uncertain.
 template <class Real>
 std::optional<MethodAnswer> proven(const CellCase& made, bool starts_inside) {
   constexpr double point_error = 0x1p-52;  // the least that kernels reckon with
-  constexpr double good_enough =
-      std::is_same_v<Real, float> ? 1e-3 : std::numeric_limits<double>::infinity();  // as in the kernels
   const render::CertifiedCrossing found =
       render::certify_crossing<Real>(made.cell, made.p0, made.p1, point_error, made.isovalue, starts_inside);
-  if (found.decision == render::Decision::none) return MethodAnswer{};
-  if (found.decision == render::Decision::unknown || !(found.s_error <= good_enough)) return std::nullopt;
-  return MethodAnswer{.crosses = true, .s = found.s, .s_error = found.s_error};
+  if (found.decision == render::Decision::none) return MethodAnswer{.by = decider_of<Real>};
+  if (found.decision == render::Decision::unknown ||
+      !render::is_placed_well<Real>(found, made.p0, made.p1, point_error))
+    return std::nullopt;
+  return MethodAnswer{.crosses = true, .s = found.s, .s_error = found.s_error, .by = decider_of<Real>};
 }
 
 MethodAnswer by_the_judge(const CellCase& made, bool starts_inside) {
   const render::CellVerdict verdict =
       render::judge_crossing(made.cell, made.p0, made.p1, made.isovalue, starts_inside, 0x1p-40);
-  return {.crosses = verdict.changes, .s = 0.5 * (verdict.s.lo + verdict.s.hi), .s_error = verdict.s.hi - verdict.s.lo};
+  const double s = 0.5 * (verdict.s.lo + verdict.s.hi);
+  return {.crosses = verdict.changes,
+          .s = s,
+          .s_error = std::max(s - verdict.s.lo, verdict.s.hi - s),
+          .by = Decider::judge};
 }
 
-/// @param largest_bound  of the root's place in cell edges: where it is wider the judge decides
-MethodAnswer certified_in_double(const CellCase& made, bool starts_inside, double largest_bound) {
-  const double chord = (made.p1 - made.p0).length();
-  if (const auto answer = proven<double>(made, starts_inside))
-    if (!answer->crosses || answer->s_error * chord <= largest_bound) return *answer;
-  MethodAnswer answer = by_the_judge(made, starts_inside);
-  answer.double_was_in_doubt = true;
-  return answer;
-}
-
-constexpr double any_bound = std::numeric_limits<double>::infinity();
-
-template <double largest_bound>
-MethodAnswer certified_double(const CellCase& made, bool starts_inside) {
-  return certified_in_double(made, starts_inside, largest_bound);
+MethodAnswer certified_in_double(const CellCase& made, bool starts_inside) {
+  if (const auto answer = proven<double>(made, starts_inside)) return *answer;
+  return by_the_judge(made, starts_inside);
 }
 
 MethodAnswer certified(const CellCase& made, bool starts_inside) {
   if (const auto answer = proven<float>(made, starts_inside)) return *answer;
-  MethodAnswer answer = certified_in_double(made, starts_inside, any_bound);
-  answer.float_was_in_doubt = true;
-  return answer;
+  return certified_in_double(made, starts_inside);
 }
 
 using enum render::CrossingMethod;
 
-constexpr Method methods[] = {
-    {"certified", "proven in float, else in double, else judged", certified},
-    {"certified:double", "proven in double, else judged", certified_double<any_bound>},
-    {"certified:1e-12", "proven in double within 1e-12 cells, else judged", certified_double<1e-12>},
-    {"bracketed:double", "bracketed iteration", named_method<bracketed, double>},
-    {"bracketed:float", "the same in single precision", named_method<bracketed, float>},
-    {"paper:double", "Appendix A with Schwarze's closed form", named_method<paper, double>},
-    {"paper:float", "the same in single precision", named_method<paper, float>}};
+constexpr Method methods[] = {{"certified", "proven in float, else in double, else judged", certified},
+                              {"certified:double", "proven in double, else judged", certified_in_double},
+                              {"bracketed:double", "bracketed iteration", named_method<bracketed, double>},
+                              {"bracketed:float", "the same in single precision", named_method<bracketed, float>},
+                              {"paper:double", "Appendix A with Schwarze's closed form", named_method<paper, double>},
+                              {"paper:float", "the same in single precision", named_method<paper, float>}};
 constexpr std::size_t method_count = std::size(methods);
 
 struct Wishes {
@@ -110,17 +105,24 @@ struct Wishes {
 
 /// What came out for some cells of one class. Sums and largest ones, so that parts add up in any order.
 struct Tally {
-  std::uint64_t missed = 0, missed_touches = 0, extra = 0, not_first = 0, bound_broken = 0, beyond_1e12 = 0;
-  std::uint64_t float_in_doubt = 0, double_in_doubt = 0;
-  double largest_error = 0;  ///< in cell edges
-  double largest_bound = 0;  ///< claimed, in cell edges
+  /// The answers of one decider; lengths in cell edges.
+  struct OfDecider {
+    std::uint64_t answers = 0;
+    double largest_error = 0;  ///< of right roots: that which the width of the judge's enclosure allows
+    double largest_bound = 0;  ///< claimed
+  };
+
+  std::uint64_t missed = 0, missed_touches = 0, extra = 0, not_first = 0, bound_broken = 0;
+  std::array<OfDecider, decider_names.size()> by{};
 
   void add(const Tally& other) {
     missed += other.missed, missed_touches += other.missed_touches, extra += other.extra;
-    not_first += other.not_first, bound_broken += other.bound_broken, beyond_1e12 += other.beyond_1e12;
-    float_in_doubt += other.float_in_doubt, double_in_doubt += other.double_in_doubt;
-    largest_error = std::max(largest_error, other.largest_error);
-    largest_bound = std::max(largest_bound, other.largest_bound);
+    not_first += other.not_first, bound_broken += other.bound_broken;
+    for (std::size_t d = 0; d < by.size(); ++d) {
+      by[d].answers += other.by[d].answers;
+      by[d].largest_error = std::max(by[d].largest_error, other.by[d].largest_error);
+      by[d].largest_bound = std::max(by[d].largest_bound, other.by[d].largest_bound);
+    }
   }
 };
 
@@ -163,8 +165,8 @@ bool is_another_root(const CellCase& made, double s, const render::Enclosure& ri
 
 void compare(const MethodAnswer& answer, const CellCase& made, const render::CellVerdict& truth, double width,
              Tally& tally) {
-  tally.float_in_doubt += answer.float_was_in_doubt;
-  tally.double_in_doubt += answer.double_was_in_doubt;
+  Tally::OfDecider& by = tally.by[static_cast<std::size_t>(answer.by)];
+  ++by.answers;
   if (!truth.changes) {
     tally.extra += answer.crosses;
     return;
@@ -175,13 +177,13 @@ void compare(const MethodAnswer& answer, const CellCase& made, const render::Cel
   }
   const double off = distance(answer.s, truth.s), chord = (made.p1 - made.p0).length();
   tally.bound_broken += off > answer.s_error;
-  if (std::isfinite(answer.s_error)) tally.largest_bound = std::max(tally.largest_bound, answer.s_error * chord);
+  if (std::isfinite(answer.s_error)) by.largest_bound = std::max(by.largest_bound, answer.s_error * chord);
   if (truth.root_count > 1 && off > width && is_another_root(made, answer.s, truth.s, width)) {
     ++tally.not_first;
     return;
   }
-  tally.largest_error = std::max(tally.largest_error, off * chord);
-  tally.beyond_1e12 += off * chord > 1e-12;
+  const double farthest = std::max(truth.s.hi - answer.s, answer.s - truth.s.lo);
+  by.largest_error = std::max(by.largest_error, farthest * chord);
 }
 
 /// Which methods are looked at.
@@ -228,25 +230,27 @@ Json row_of(const CellClass& of, const ClassTally& judged, std::size_t method) {
   const auto mean = [](double seconds, std::uint64_t count) {
     return count == 0 ? 0.0 : seconds / static_cast<double>(count);
   };
-  const auto share = [&](std::uint64_t count) { return mean(static_cast<double>(count), judged.cells); };
-  return {{"class", of.name},
-          {"method", methods[method].name},
-          {"cells", judged.cells},
-          {"crossings", judged.crossings},
-          {"touches", judged.touches},
-          {"missed", tally.missed},
-          {"missed_touches", tally.missed_touches},
-          {"false", tally.extra},
-          {"not_first", tally.not_first},
-          {"bound_broken", tally.bound_broken},
-          {"float_unknown_share", share(tally.float_in_doubt)},
-          {"double_unknown_share", share(tally.double_in_doubt)},
-          {"error_above_1e-12", tally.beyond_1e12},
-          {"largest_error_cells", tally.largest_error},
-          {"largest_bound_cells", tally.largest_bound},
-          {"judge_exact_share", mean(static_cast<double>(judged.exact), judged.exact + judged.filtered)},
-          {"judge_filter_us", 1e6 * mean(judged.filter_s, judged.filtered)},
-          {"judge_exact_us", 1e6 * mean(judged.exact_s, judged.exact)}};
+  Json row{{"class", of.name},
+           {"method", methods[method].name},
+           {"cells", judged.cells},
+           {"crossings", judged.crossings},
+           {"touches", judged.touches},
+           {"missed", tally.missed},
+           {"missed_touches", tally.missed_touches},
+           {"false", tally.extra},
+           {"not_first", tally.not_first},
+           {"bound_broken", tally.bound_broken}};
+  for (std::size_t d = 0; d < tally.by.size(); ++d) {
+    const Tally::OfDecider& by = tally.by[d];
+    const std::string name = decider_names[d];
+    row[concat("by_", name)] = by.answers;
+    row[concat(name, "_error_cells")] = by.largest_error;
+    row[concat(name, "_bound_cells")] = by.largest_bound;
+  }
+  row["judge_exact_share"] = mean(static_cast<double>(judged.exact), judged.exact + judged.filtered);
+  row["judge_filter_us"] = 1e6 * mean(judged.filter_s, judged.filtered);
+  row["judge_exact_us"] = 1e6 * mean(judged.exact_s, judged.exact);
+  return row;
 }
 
 template <class Row>

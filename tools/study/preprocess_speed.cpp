@@ -27,11 +27,7 @@
 #include "tools/rhoray/option_values.h"
 #include "tools/rhoray/table.h"
 #include "tools/rhoray/version.h"
-#include "tools/study/closed_surfaces.h"
-#include "tools/study/judge_cells.h"
-#include "tools/study/largest_values.h"
-#include "tools/study/layouts.h"
-#include "tools/study/peers_grid.h"
+#include "tools/study/preprocess_speed.h"
 #include "tools/study/warped_box.h"
 
 namespace rhoray::study {
@@ -269,6 +265,8 @@ int run(const Wishes& wishes) {
   return 0;
 }
 
+}  // namespace
+
 tools::Subcommand preprocess_speed() {
   const auto wishes = std::make_shared<Wishes>();
   return {
@@ -286,14 +284,4 @@ tools::Subcommand preprocess_speed() {
       .run = [wishes] { return run(*wishes); }};
 }
 
-}  // namespace
 }  // namespace rhoray::study
-
-int main(int argc, char** argv) {
-  rhoray::tools::end_cleanly_on_interrupt();
-  const rhoray::tools::Subcommand subcommands[] = {rhoray::study::preprocess_speed(), rhoray::study::judge_cells(),
-                                                   rhoray::study::closed_surfaces(),  rhoray::study::largest_values(),
-                                                   rhoray::study::peers_grid(),       rhoray::study::layouts(),
-                                                   rhoray::study::one_frame()};
-  return rhoray::tools::run_command_line(subcommands, argc, argv);
-}

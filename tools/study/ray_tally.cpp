@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <span>
 
 namespace rhoray::study {
 
@@ -17,6 +18,7 @@ using render::RayQuestions;
 constexpr double elsewhere_cells = 0.01;
 constexpr double suspicious_cells = 1e-6;
 constexpr double gap_cells = 1e-3;
+constexpr std::size_t rays_per_float_ray = 8;
 
 /// Of this thread, so that what else runs does not count.
 double cpu_seconds() {
@@ -25,11 +27,12 @@ double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-std::vector<Hit> answers(RayQuestions& asked, const std::vector<Ray>& rays, double& cpu_s) {
+std::vector<Hit> answers(RayQuestions& asked, std::span<const Ray> rays, RayTally::OfMethod& method) {
   std::vector<Hit> hits(rays.size());
   const double begin = cpu_seconds();
   asked.first_crossings(rays, hits);
-  cpu_s += cpu_seconds() - begin;
+  method.cpu_s += cpu_seconds() - begin;
+  method.rays += rays.size();
   return hits;
 }
 
@@ -42,6 +45,7 @@ class Inquiry {
         twofold_(scene.volume, scene.isovalue, {}),
         certified_(scene.volume, scene.isovalue, {.way = Method::Way::certified}),
         follower_(scene.volume, scene.isovalue, {.way = Method::Way::certified}),
+        follower_in_double_(scene.volume, scene.isovalue, {}),
         judge_(scene.volume, scene.isovalue, {.way = Method::Way::judged}) {}
 
   RayTally tally(const std::vector<Ray>& rays, Dice& dice, std::uint64_t sample_every);
@@ -49,21 +53,21 @@ class Inquiry {
  private:
   double cells(const Ray& ray, double t) const { return t * ray.direction.length() / scene_.cell_edge; }
 
-  /// For each ray that hits, whether it goes on to change side an odd number of times in all.
+  /// For each ray, whether it changes side an odd number of times: first as given, then as double sees it.
   std::vector<bool> odd_ones(std::vector<Ray> rays, const std::vector<Hit>& first);
   Ray behind(Ray ray, const Hit& hit) const {
     ray.t_min = hit.t + hit.error + gap_cells * scene_.cell_edge / ray.direction.length();
     return ray;
   }
 
-  bool is_suspicious(const Ray& ray, const Hit& certified, const Hit& single, const Hit& twofold) const;
+  bool is_suspicious(const Ray& ray, const Hit& certified, const Hit& twofold) const;
   static bool agree(const Hit& certified, const Hit& judged);
   bool follows_judge(Ray ray);
   Hit redecided(const Ray& ray, const Hit& certified, RayTally& tally);
   void count(RayTally::OfMethod& method, const Ray& ray, const Hit& hit, const Hit& truth, bool touches) const;
 
   const ClosedScene& scene_;
-  RayQuestions single_, twofold_, certified_, follower_, judge_;
+  RayQuestions single_, twofold_, certified_, follower_, follower_in_double_, judge_;
 };
 
 std::string in_full(const Ray& ray) {
@@ -94,7 +98,7 @@ std::vector<bool> Inquiry::odd_ones(std::vector<Ray> rays, const std::vector<Hit
   std::vector<Hit> hits;
   while (!going.empty()) {
     hits.assign(going.size(), {});
-    follower_.first_crossings(next, hits);
+    follower_in_double_.first_crossings(next, hits);
     const std::vector<std::size_t> before = std::move(going);
     going.clear();
     next.clear();
@@ -103,11 +107,9 @@ std::vector<bool> Inquiry::odd_ones(std::vector<Ray> rays, const std::vector<Hit
   return odd;
 }
 
-bool Inquiry::is_suspicious(const Ray& ray, const Hit& certified, const Hit& single, const Hit& twofold) const {
-  if (single.is_miss() != certified.is_miss() || twofold.is_miss() != certified.is_miss()) return true;
-  if (certified.is_miss()) return false;
-  const auto away = [&](const Hit& hit) { return cells(ray, std::abs(hit.t - certified.t) - certified.error); };
-  return !(away(single) <= elsewhere_cells && away(twofold) <= suspicious_cells);
+bool Inquiry::is_suspicious(const Ray& ray, const Hit& certified, const Hit& twofold) const {
+  if (twofold.is_miss() || certified.is_miss()) return twofold.is_miss() != certified.is_miss();
+  return !(cells(ray, std::abs(twofold.t - certified.t) - certified.error) <= suspicious_cells);
 }
 
 bool Inquiry::agree(const Hit& certified, const Hit& judged) {
@@ -152,9 +154,10 @@ void Inquiry::count(RayTally::OfMethod& method, const Ray& ray, const Hit& hit, 
 
 RayTally Inquiry::tally(const std::vector<Ray>& rays, Dice& dice, std::uint64_t sample_every) {
   RayTally tally;
-  const std::vector<Hit> single = answers(single_, rays, tally.single.cpu_s);
-  const std::vector<Hit> twofold = answers(twofold_, rays, tally.twofold.cpu_s);
-  const std::vector<Hit> certified = answers(certified_, rays, tally.certified.cpu_s);
+  const std::span<const Ray> for_float(rays.data(), (rays.size() + rays_per_float_ray - 1) / rays_per_float_ray);
+  const std::vector<Hit> single = answers(single_, for_float, tally.single);
+  const std::vector<Hit> twofold = answers(twofold_, rays, tally.twofold);
+  const std::vector<Hit> certified = answers(certified_, rays, tally.certified);
   tally.redone = certified_.counters().rays_redone;
   tally.judged = certified_.counters().rays_judged;
   const std::vector<bool> odd = odd_ones(rays, certified);
@@ -164,7 +167,7 @@ RayTally Inquiry::tally(const std::vector<Ray>& rays, Dice& dice, std::uint64_t 
     Hit truth = certified[r];
     bool touches = false;
     const bool is_sampled = static_cast<std::uint64_t>(dice.unit() * static_cast<double>(sample_every)) == 0;
-    if (is_sampled || odd[r] || is_suspicious(rays[r], certified[r], single[r], twofold[r])) {
+    if (is_sampled || odd[r] || is_suspicious(rays[r], certified[r], twofold[r])) {
       const std::uint64_t touches_before = judge_.counters().touches;
       truth = redecided(rays[r], certified[r], tally);
       touches = judge_.counters().touches > touches_before;
@@ -180,7 +183,7 @@ RayTally Inquiry::tally(const std::vector<Ray>& rays, Dice& dice, std::uint64_t 
     tally.touches += touches;
     if (!certified[r].is_miss())
       tally.largest_bound = std::max(tally.largest_bound, cells(rays[r], certified[r].error));
-    count(tally.single, rays[r], single[r], truth, touches);
+    if (r < single.size()) count(tally.single, rays[r], single[r], truth, touches);
     count(tally.twofold, rays[r], twofold[r], truth, touches);
     count(tally.certified, rays[r], certified[r], truth, false);
   }
@@ -188,7 +191,7 @@ RayTally Inquiry::tally(const std::vector<Ray>& rays, Dice& dice, std::uint64_t 
 }
 
 void add_method(RayTally::OfMethod& to, const RayTally::OfMethod& part) {
-  to.missed += part.missed, to.extra += part.extra, to.elsewhere += part.elsewhere;
+  to.rays += part.rays, to.missed += part.missed, to.extra += part.extra, to.elsewhere += part.elsewhere;
   to.largest_error = std::max(to.largest_error, part.largest_error);
   to.cpu_s += part.cpu_s;
 }

@@ -12,17 +12,20 @@ namespace rhoray::study {
 ///
 /// The truth for a ray is what the certified method says, or the judge where the ray was decided again. Decided again
 /// is every ray
-///   - for which float or double decides otherwise than certified, or finds another place: float by 0.01 cells, double
-///     by 1e-6 cells beyond the certified bound;
-///   - that changes side an odd number of times, though it begins and ends outside a closed surface; its changes are
-///     looked for one after the other by the certified method, each from 0.001 cells behind the last, and then all of
-///     them by the judge from the same places;
+///   - for which double decides otherwise than certified, or finds another place by 1e-6 cells beyond the certified
+///     bound;
+///   - that changes side an odd number of times, though it begins and ends outside a closed surface: behind the
+///     certified first change further ones are looked for in double, each from 0.001 cells behind the last. Along such
+///     a ray all changes that certified finds are then compared with the judge's from the same places;
 ///   - of a random sample, whatever was said.
 /// So a wrong certified answer goes unnoticed only where double precision, which shares nothing with it but the order
 /// of the cells, is wrong in the same way, the changes stay even, and the sample passes the ray by: the sample bounds
 /// how many such rays there can be.
+///
+/// Float is asked for one ray in eight, and only counted: what it says makes no ray suspicious.
 struct RayTally {
   struct OfMethod {
+    std::uint64_t rays = 0;
     std::uint64_t missed = 0, extra = 0;
     std::uint64_t elsewhere = 0;  ///< another crossing, or none: more than 0.01 cells away
     double largest_error = 0;     ///< of the others: |t - truth|, cells

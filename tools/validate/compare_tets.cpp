@@ -35,9 +35,9 @@ class Comparer {
   const TetJudge& judge() const { return judge_; }
   double world_length(const Vec3& v_frame) const { return world_from_frame_.vector(v_frame).length(); }
 
-  Finding find(const render::FrameRay& ray, const render::FrameHit& hit) const {
+  Finding find(const render::Ray& ray, const render::Hit& hit) const {
     Finding finding;
-    const std::size_t hit_cell = hit.is_miss() ? field_.cell_count() : field_.cell_of_id(hit.cell);
+    const std::optional<std::uint32_t> hit_cell = hit.is_miss() ? std::nullopt : cell_of(ray, hit);
     std::optional<TetJudge::Crossing> truth = undisputed(ray, hit, hit_cell);
     if (!truth && !(hit.is_miss() && !tree_.first_on(ray))) {
       truth = judge_.first_crossing(ray);
@@ -58,30 +58,42 @@ class Comparer {
   }
 
  private:
+  /// The cell that a hit names. Where several have that id, one that holds the point, and of these, of which there are
+  /// several where a ray passes between them, the one whose normal the hit has.
+  std::optional<std::uint32_t> cell_of(const render::Ray& ray, const render::Hit& hit) const {
+    constexpr double rounding = 1e-9;  // in barycentric coordinates
+    const std::span<const std::uint32_t> cells = field_.cells_of_id(hit.cell);
+    if (cells.size() <= 1) return cells.empty() ? std::nullopt : std::optional(cells.front());
+    const auto misfit = [&](std::uint32_t number) {
+      const TetField::Cell cell = field_.cell(number);
+      const double outside = -cell.smallest_coordinate(ray.at(hit.t));
+      const double turn = angle_deg(cell.gradient(), hit.gradient);
+      return std::pair(outside > rounding ? outside : 0, std::isnan(turn) ? 180 : turn);
+    };
+    return *std::ranges::min_element(cells, {}, misfit);
+  }
+
   /// The crossing in the cell that both the tracer and the extracted surface name.
-  std::optional<TetJudge::Crossing> undisputed(const render::FrameRay& ray, const render::FrameHit& hit,
-                                               std::size_t hit_cell) const {
-    if (hit.is_miss() || hit_cell == field_.cell_count()) return std::nullopt;
+  std::optional<TetJudge::Crossing> undisputed(const render::Ray& ray, const render::Hit& hit,
+                                               std::optional<std::uint32_t> hit_cell) const {
     const auto met = tree_.first_on(ray);
-    if (!met || surface_.cells[met->triangle] != hit_cell) return std::nullopt;
-    const auto cell = static_cast<std::uint32_t>(hit_cell);
-    const std::optional<double> t = judge_.crossing_in(ray, cell);
+    if (!hit_cell || !met || surface_.cells[met->triangle] != *hit_cell) return std::nullopt;
+    const std::optional<double> t = judge_.crossing_in(ray, *hit_cell);
     // Where the answers lie apart, the cell alone does not tell which crossing is the first.
     if (!t || std::abs(*t - hit.t) * world_length(ray.direction) > allowed(ray, hit)) return std::nullopt;
-    return TetJudge::Crossing{.t = *t, .cell = cell};
+    return TetJudge::Crossing{.t = *t, .cell = *hit_cell};
   }
 
   /// The depth error, in world units, that a hit may have: what it states itself, and what roundings make of the
   /// comparison.
-  double allowed(const render::FrameRay& ray, const render::FrameHit& hit) const {
+  double allowed(const render::Ray& ray, const render::Hit& hit) const {
     return depth_limit_ * diagonal_ + (std::isnan(hit.error) ? 0 : hit.error * world_length(ray.direction));
   }
 
-  void measure_hit(const render::FrameRay& ray, const render::FrameHit& hit, std::size_t hit_cell,
+  void measure_hit(const render::Ray& ray, const render::Hit& hit, std::optional<std::uint32_t> hit_cell,
                    Finding& finding) const {
-    const Vec3 p = point_at(ray, hit.t);
-    const double cell_size =
-        hit_cell < field_.cell_count() ? world_length(diagonal_of(field_.cell(hit_cell))) : diagonal_;
+    const Vec3 p = ray.at(hit.t);
+    const double cell_size = hit_cell ? world_length(diagonal_of(field_.cell(*hit_cell))) : diagonal_;
     if (!tree_.is_empty()) {
       const Vec3 offset = p - tree_.nearest(p);
       finding.distance_box = world_length(offset) / diagonal_;
@@ -95,21 +107,13 @@ class Comparer {
       finding.depth_box = depth / diagonal_;
       finding.depth_cells = depth / cell_size;
     }
-    if (hit_cell < field_.cell_count()) finding.normal_deg = angle_deg(field_.cell(hit_cell).gradient(), hit.gradient);
+    if (hit_cell) finding.normal_deg = angle_deg(field_.cell(*hit_cell).gradient(), hit.gradient);
   }
 
   /// The longest edge, as a vector along an axis of the frame, which is turned and shifted against the world at most.
   static Vec3 diagonal_of(const TetField::Cell& cell) { return {cell.longest_edge(), 0, 0}; }
 
-  /// Between two directions; NaN where one of them has none.
-  static double angle_deg(const Vec3& a, const Vec3& b) {
-    const double turn = std::atan2(a.cross(b).length(), a.dot(b));
-    const bool has_angle = std::isfinite(a.length()) && a.length() > 0 && std::isfinite(b.length()) && b.length() > 0;
-    return has_angle ? turn * 180 / std::numbers::pi : not_measured;
-  }
-
-  Verdict verdict_of(const render::FrameRay& ray, const render::FrameHit& hit,
-                     const std::optional<double>& truth) const {
+  Verdict verdict_of(const render::Ray& ray, const render::Hit& hit, const std::optional<double>& truth) const {
     if (!truth) return hit.is_miss() ? Verdict::right : Verdict::false_hit;
     if (hit.is_miss()) return Verdict::missed;
     const double depth = std::abs(hit.t - *truth) * world_length(ray.direction);
@@ -130,7 +134,7 @@ class Comparer {
   }
 
   /// What the extracted surface gives a shifted ray is the tracer's answer, roughly.
-  bool may_agree(const render::FrameRay& ray, const Vec3& shift, const render::FrameHit& hit) const {
+  bool may_agree(const render::Ray& ray, const Vec3& shift, const render::Hit& hit) const {
     constexpr double roughly = 1e-3;  // of the box's diagonal: where a ray grazes, a small shift moves the crossing far
     const auto met = tree_.first_on({ray.origin + shift, ray.direction});
     if (hit.is_miss() || !met) return hit.is_miss() == !met;
@@ -140,9 +144,9 @@ class Comparer {
   /// The smallest parallel shift, of those tried, by which the tracer's answer becomes the exact one; nothing when
   /// there is none within what rounding may do. Directions in which the extracted surface, whose own rounding is far
   /// less than the largest shift, does not give that answer are not tried.
-  std::optional<Moved> moved_by_rounding(const render::FrameRay& ray, const render::FrameHit& hit) const {
+  std::optional<Moved> moved_by_rounding(const render::Ray& ray, const render::Hit& hit) const {
     constexpr int directions = 16;
-    if (!hit.is_miss() && !lies_on_surface(point_at(ray, hit.t))) return std::nullopt;
+    if (!hit.is_miss() && !lies_on_surface(ray.at(hit.t))) return std::nullopt;
     const Vec3 way = ray.direction.normalized();
     const Vec3 aside = way.cross(std::abs(way.x) < 0.5 ? Vec3(1, 0, 0) : Vec3(0, 1, 0)).normalized();
     const Vec3 other = way.cross(aside);
@@ -171,12 +175,6 @@ class Comparer {
   TetJudge judge_;
 };
 
-void find_all(const Comparer& comparer, Shots& shots, const Thousandths& progress, std::uint64_t begin,
-              std::uint64_t end) {
-  for_each_shot(shots.rays.size(), progress, begin, end,
-                [&](std::size_t r) { shots.findings[r] = comparer.find(shots.rays[r].ray, shots.hits[r]); });
-}
-
 /// A ray at a point of the surface, along the field's gradient, from just before it: from so near that the surface does
 /// not come between. Nothing where that cannot be had, as in cells without volume.
 std::optional<AimedRay> near_ray(const Comparer& comparer, const TetField& field, const Vec3& target,
@@ -187,7 +185,7 @@ std::optional<AimedRay> near_ray(const Comparer& comparer, const TetField& field
   const Vec3 direction = (from_above ? -1.0 : 1.0) * gradient.normalized();
   double before = 0.25 * cell.longest_edge();
   for (int attempt = 0; attempt < 6; ++attempt, before *= 0.1) {
-    const render::FrameRay ray{target - before * direction, direction};
+    const render::Ray ray{target - before * direction, direction};
     const auto first = comparer.judge().first_crossing(ray);
     if (first && std::abs(first->t - before) <= 1e-3 * before) return AimedRay{ray, Aim::near};
   }
@@ -200,41 +198,11 @@ std::vector<AimedRay> near_rays(const Comparer& comparer, const TetField& field,
   std::vector<AimedRay> rays;
   if (triangles.corners.empty()) return rays;
   for (std::size_t s = 0; s < count; ++s) {
-    const std::size_t triangle = maker.below(triangles.corners.size());
-    const Vec3 target = s % 2 == 0 ? triangles.corner(triangle, maker.below(3)) : triangles.center(triangle);
-    if (const auto ray = near_ray(comparer, field, target, comparer.surface().cells[triangle], s % 4 < 2))
+    const auto target = maker.point_of(triangles, s % 2 == 0 ? Aim::vertex : Aim::center);
+    if (const auto ray = near_ray(comparer, field, target.p, comparer.surface().cells[target.triangle], s % 4 < 2))
       rays.push_back(*ray);
   }
   return rays;
-}
-
-void add_measures(const Shots& far, const Shots& near, Report& report) {
-  for (const auto& [name, cells, box] : {std::tuple{"depth", &Finding::depth_cells, &Finding::depth_box},
-                                         {"renderer to surface", &Finding::distance_cells, &Finding::distance_box}}) {
-    report.measures.push_back(measure(name, "cells", far, cells));
-    report.measures.push_back(measure(name, "box", far, box));
-  }
-  add_bounds(far, report);
-  report.measures.push_back(measure("surface to renderer", "cells", near, &Finding::depth_cells));
-  report.measures.push_back(measure("surface to renderer", "box", near, &Finding::depth_box));
-  report.measures.push_back(measure("normal", "degrees", far, &Finding::normal_deg));
-  report.measures.push_back(measure("grazing rays moved", "box", far, &Finding::moved_box));
-}
-
-void add_checks(const Comparer& comparer, Report& report) {
-  const RayCounts all = report.total();
-  const double depth_limit = comparer.depth_limit() + report.largest_bound("box");
-  const char* exact = "every difference is decided exactly, so none is due to the reference";
-  report.checks = {
-      {"missed", static_cast<double>(all.missed), 0, exact},
-      {"false", static_cast<double>(all.false_hits), 0, exact},
-      {"elsewhere", static_cast<double>(all.elsewhere), 0, exact},
-      {"largest depth error, box", report.largest("depth", "box"), depth_limit,
-       "double precision in the cell, with room for rays that graze the surface, and a bound that the method states"},
-      {"renderer to surface, box", report.largest("renderer to surface", "box"), depth_limit, "as above"},
-      {"surface to renderer, box", report.largest("surface to renderer", "box"), depth_limit, "as above"},
-      {"largest normal error, degrees", report.largest("normal", "degrees"), normal_limit_deg,
-       "the gradient of one cell in double precision, with room for thin cells"}};
 }
 
 }  // namespace
@@ -243,29 +211,32 @@ Comparison compare_tets(const TetField& field, const Affine& world_from_frame, c
                         const Tracer& tracer, const Thousandths& progress) {
   const Box3 data_frame = field.box();
   const Comparer comparer(field, world_from_frame, data_frame, question);
+  const TetSurface& surface = comparer.surface();
   progress(200);
   RayMaker maker(world_from_frame, data_frame, question.seed);
-  Shots far = shoot(tracer, make_rays(maker, data_frame, comparer.surface().triangles, question.samples));
-  find_all(comparer, far, progress, 200, 600);
-  Shots near = shoot(tracer, near_rays(comparer, field, question.samples / 4, maker));
-  find_all(comparer, near, progress, 700, 850);
-  Comparison comparison;
-  std::vector<AimedRay> camera;
-  for (const render::FrameRay& ray : question.camera_rays) camera.push_back({ray, Aim::camera});
-  comparison.picture = shoot(tracer, std::move(camera));
-  find_all(comparer, comparison.picture, progress, 850, 1000);
-
-  Report& report = comparison.report;
+  Rounds rounds =
+      shoot(tracer,
+            {.far = make_rays(maker, data_frame, surface.triangles, question.samples),
+             .near = near_rays(comparer, field, question.samples / 4, maker),
+             .camera = question.camera_rays,
+             .find = [&](const render::Ray& ray, const render::Hit& hit) { return comparer.find(ray, hit); }},
+            progress);
+  Report report;
   report.reference =
       "the isosurface extracted from the same tetrahedra with exact constructions; differences are decided exactly";
-  report.straddling_cells = comparer.surface().straddling.size();
-  report.triangles = comparer.surface().triangles.corners.size();
-  count(far, report);
-  count(near, report);
-  count(comparison.picture, report);
-  add_measures(far, near, report);
-  add_checks(comparer, report);
-  return comparison;
+  report.straddling_cells = surface.straddling.size();
+  report.triangles = surface.triangles.corners.size();
+  fill(report, rounds,
+       {.unit = "box",
+        .depth = comparer.depth_limit(),
+        .normal_deg = normal_limit_deg,
+        .why_none_wrong = "every difference is decided exactly, so none is due to the reference",
+        .why_depth =
+            "double precision in the cell, with room for rays that graze the surface, and a bound that the method "
+            "states",
+        .why_normal = "the gradient of one cell in double precision, with room for thin cells"});
+  report.measures.push_back(measure("grazing rays moved", "box", rounds.far, &Finding::moved_box));
+  return {std::move(report), std::move(rounds.camera)};
 }
 
 }  // namespace rhoray::tools::validate

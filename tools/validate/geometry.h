@@ -1,19 +1,22 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
+#include <numbers>
 #include <span>
 #include <vector>
 
 #include "formats/base/vector.h"
-#include "render/trace.h"
+#include "render/ray_questions.h"
 
 namespace rhoray::tools::validate {
 
 /// What is validated: answers rays in the volume's frame. Tests hand in ones that are wrong.
-using Tracer = std::function<void(std::span<const render::FrameRay> rays, std::span<render::FrameHit> hits)>;
+using Tracer = std::function<void(std::span<const render::Ray> rays, std::span<render::Hit> hits)>;
 
 /// Told how far the work is, in thousandths.
 using Thousandths = std::function<void(std::uint64_t done)>;
@@ -34,12 +37,15 @@ struct Triangles {
   }
 };
 
-inline Vec3 to_vec3(const Index3& i) {
-  return {static_cast<double>(i.x), static_cast<double>(i.y), static_cast<double>(i.z)};
+/// Between two directions, in degrees; NaN where one of them has none.
+inline double angle_deg(const Vec3& a, const Vec3& b) {
+  const auto is_direction = [](const Vec3& v) { return std::isfinite(v.length()) && v.length() > 0; };
+  if (!is_direction(a) || !is_direction(b)) return std::numeric_limits<double>::quiet_NaN();
+  return std::atan2(a.cross(b).length(), a.dot(b)) * 180 / std::numbers::pi;
 }
 
-inline Vec3 point_at(const render::FrameRay& ray, double t) {
-  return ray.origin + t * ray.direction;
+inline Vec3 to_vec3(const Index3& i) {
+  return {static_cast<double>(i.x), static_cast<double>(i.y), static_cast<double>(i.z)};
 }
 
 }  // namespace rhoray::tools::validate

@@ -30,8 +30,8 @@ struct Estimate {
   double uncertainty = 0;  ///< of the excess, generously
 };
 
-std::optional<Estimate> estimate(const GridField& field, double isovalue, const render::FrameRay& ray, double t) {
-  const Vec3 p_frame = point_at(ray, t), p_index = field.index_from_frame(p_frame);
+std::optional<Estimate> estimate(const GridField& field, double isovalue, const render::Ray& ray, double t) {
+  const Vec3 p_frame = ray.at(t), p_index = field.index_from_frame(p_frame);
   const std::optional<Index3> at = field.cell_at(p_index);
   if (!at) return std::nullopt;
   Estimate found{.cell = field.cell(*at)};
@@ -65,8 +65,8 @@ std::optional<Place> place(const GridField& field, int axis, const Exact& positi
   return Place{cell, (position - low) / (high - low)};
 }
 
-std::optional<bool> decide_exactly(const GridField& field, double isovalue, const render::FrameRay& ray, double t) {
-  const Vec3 guess = field.index_from_frame(point_at(ray, t));
+std::optional<bool> decide_exactly(const GridField& field, double isovalue, const render::Ray& ray, double t) {
+  const Vec3 guess = field.index_from_frame(ray.at(t));
   Index3 at;
   std::array<Exact, 3> local;
   for (int axis = 0; axis < 3; ++axis) {
@@ -83,21 +83,21 @@ std::optional<bool> decide_exactly(const GridField& field, double isovalue, cons
 
 }  // namespace
 
-std::optional<bool> GridJudge::is_clearly_inside(const render::FrameRay& ray, double t) const {
+std::optional<bool> GridJudge::is_clearly_inside(const render::Ray& ray, double t) const {
   const auto found = estimate(*field_, isovalue_, ray, t);
   if (!found || !(std::abs(found->excess) > found->uncertainty)) return std::nullopt;
   return found->excess > 0;
 }
 
-std::optional<bool> GridJudge::is_inside(const render::FrameRay& ray, double t) const {
+std::optional<bool> GridJudge::is_inside(const render::Ray& ray, double t) const {
   const auto clear = is_clearly_inside(ray, t);
   return clear ? clear : decide_exactly(*field_, isovalue_, ray, t);
 }
 
-std::optional<double> GridJudge::residual(const render::FrameRay& ray, double t, const Index3& at) const {
+std::optional<double> GridJudge::residual(const render::Ray& ray, double t, const Index3& at) const {
   constexpr double slack = 1e-9;  // in the cell's own coordinates
   const GridField::Cell cell = field_->cell(at);
-  const Vec3 local = field_->index_from_frame(point_at(ray, t)) - to_vec3(at);
+  const Vec3 local = field_->index_from_frame(ray.at(t)) - to_vec3(at);
   for (int axis = 0; axis < 3; ++axis)
     if (!(local[axis] >= -slack && local[axis] <= 1 + slack)) return std::nullopt;
   if (!cell.has_data()) return std::nullopt;
@@ -105,7 +105,7 @@ std::optional<double> GridJudge::residual(const render::FrameRay& ray, double t,
   return excess == 0 ? 0 : excess / cell.range();
 }
 
-std::optional<double> GridJudge::halved(const render::FrameRay& ray, double lo, double hi, bool side_lo,
+std::optional<double> GridJudge::halved(const render::Ray& ray, double lo, double hi, bool side_lo,
                                         double finest) const {
   while (hi - lo > 2 * finest) {
     const double middle = lo + (hi - lo) / 2;
@@ -117,8 +117,7 @@ std::optional<double> GridJudge::halved(const render::FrameRay& ray, double lo, 
   return lo + (hi - lo) / 2;
 }
 
-std::optional<double> GridJudge::crossing_near(const render::FrameRay& ray, double t, double finest,
-                                               double farthest) const {
+std::optional<double> GridJudge::crossing_near(const render::Ray& ray, double t, double finest, double farthest) const {
   for (double reach = finest; reach <= farthest; reach *= 4) {
     const auto before = is_inside(ray, t - reach), after = is_inside(ray, t + reach);
     if (before && after && *before != *after) return halved(ray, t - reach, t + reach, *before, finest);
@@ -126,12 +125,12 @@ std::optional<double> GridJudge::crossing_near(const render::FrameRay& ray, doub
   return std::nullopt;
 }
 
-std::optional<double> GridJudge::first_proved(const render::FrameRay& ray, double t_begin, double t_end,
+std::optional<double> GridJudge::first_proved(const render::Ray& ray, double t_begin, double t_end,
                                               double step_cells) const {
   std::optional<bool> side;
   double last = t_begin;
   for (double t = t_begin;;) {
-    const Vec3 p_frame = point_at(ray, t);
+    const Vec3 p_frame = ray.at(t);
     const auto at = field_->cell_at(field_->index_from_frame(p_frame));
     if (!at || !field_->cell(*at).has_data()) {
       side.reset();  // the surface is not drawn across a gap

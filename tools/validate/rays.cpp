@@ -35,7 +35,15 @@ Vec3 RayMaker::point_in(const Box3& box) {
   return box.min + share * box.size();
 }
 
-render::FrameRay RayMaker::toward(const Vec3& target_frame) {
+RayMaker::SurfacePoint RayMaker::point_of(const Triangles& surface, Aim aim) {
+  const std::size_t triangle = below(surface.corners.size());
+  if (aim == Aim::center) return {surface.center(triangle), triangle};
+  const std::size_t corner = below(3);
+  const Vec3 a = surface.corner(triangle, corner), b = surface.corner(triangle, (corner + 1) % 3);
+  return {aim == Aim::vertex ? a : a + random() * (b - a), triangle};
+}
+
+render::Ray RayMaker::toward(const Vec3& target_frame) {
   const double z = 2 * random() - 1, turn = 2 * std::numbers::pi * random();
   const double around = std::sqrt(1 - z * z);
   const Vec3 origin = frame_from_world_.point(
@@ -52,14 +60,8 @@ std::vector<AimedRay> make_rays(RayMaker& maker, const Box3& data_frame, const T
   std::vector<AimedRay> rays;
   for (std::size_t r = 0; r < count; ++r) {
     const Aim aim = is_empty ? Aim::anything : turns[r % std::size(turns)];
-    Vec3 target;
-    if (aim == Aim::anything) {
-      target = maker.point_in(is_empty || r % 2 == 0 ? data_frame : surface_box);
-    } else {
-      const std::size_t triangle = maker.below(surface.corners.size()), corner = maker.below(3);
-      const Vec3 a = surface.corner(triangle, corner), b = surface.corner(triangle, (corner + 1) % 3);
-      target = aim == Aim::vertex ? a : aim == Aim::edge ? a + maker.random() * (b - a) : surface.center(triangle);
-    }
+    const Vec3 target = aim == Aim::anything ? maker.point_in(is_empty || r % 2 == 0 ? data_frame : surface_box)
+                                             : maker.point_of(surface, aim).p;
     rays.push_back({maker.toward(target), aim});
   }
   return rays;

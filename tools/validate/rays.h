@@ -22,7 +22,7 @@ std::string_view name_of(Aim aim);
 inline constexpr std::size_t aim_count = 6;
 
 struct AimedRay {
-  render::FrameRay ray;
+  render::Ray ray;
   Aim aim = Aim::anything;
 };
 
@@ -36,8 +36,15 @@ class RayMaker {
   Vec3 point_in(const Box3& box);
   std::size_t below(std::size_t count) { return static_cast<std::size_t>(generator_() % count); }
 
+  struct SurfacePoint {
+    Vec3 p;
+    std::size_t triangle = 0;
+  };
+  /// Of a random triangle: a corner (Aim::vertex), a point on an edge, or the centre. There must be triangles.
+  SurfacePoint point_of(const Triangles& surface, Aim aim);
+
   /// From a random point of the sphere, whose radius is the box's diagonal, to a point in the frame.
-  render::FrameRay toward(const Vec3& target_frame);
+  render::Ray toward(const Vec3& target_frame);
 
  private:
   Affine world_from_frame_, frame_from_world_;

@@ -1,11 +1,9 @@
 #include "tools/validate/report.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
-#include <atomic>
 #include <cmath>
+
+#include "formats/base/text.h"
 
 namespace rhoray::tools::validate {
 
@@ -13,6 +11,7 @@ namespace {
 
 constexpr std::size_t disputed_rays_kept = 100;
 constexpr const char* bounds_name = "bound stated by the method";
+constexpr const char* near_bounds_name = "bound, surface to renderer";
 
 Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json();
@@ -57,11 +56,6 @@ Json json_of(const DisputedRay& ray) {
 
 }  // namespace
 
-std::string_view name_of(Verdict verdict) {
-  constexpr std::string_view names[] = {"right", "missed", "false", "elsewhere", "grazes", "undecided"};
-  return names[static_cast<std::size_t>(verdict)];
-}
-
 Quantiles quantiles_of(std::vector<double> values) {
   std::erase_if(values, [](double v) { return std::isnan(v); });
   std::sort(values.begin(), values.end());
@@ -97,36 +91,13 @@ double Report::largest(std::string_view name, std::string_view unit) const {
   return not_measured;
 }
 
-double Report::largest_bound(std::string_view unit) const {
-  const double bound = largest(bounds_name, unit);
-  return std::isnan(bound) ? 0 : bound;
+Measure measure(std::string name, std::string unit, const Shots& shots, double Finding::*number_of) {
+  std::vector<double> values;
+  for (const Finding& finding : shots.findings) values.push_back(finding.*number_of);
+  return {std::move(name), std::move(unit), quantiles_of(std::move(values))};
 }
 
-void add_bounds(const Shots& shots, Report& report) {
-  Measure in_cells = measure(bounds_name, "cells", shots, &Finding::bound_cells);
-  if (in_cells.quantiles.count == 0) return;
-  report.measures.push_back(std::move(in_cells));
-  report.measures.push_back(measure(bounds_name, "box", shots, &Finding::bound_box));
-}
-
-void for_each_shot(std::size_t count, const Thousandths& progress, std::uint64_t begin, std::uint64_t end,
-                   const std::function<void(std::size_t shot)>& act) {
-  std::atomic<std::size_t> done = 0;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 64), [&](const auto& range) {
-    for (std::size_t r = range.begin(); r != range.end(); ++r) act(r);
-    progress(begin + (end - begin) * (done += range.size()) / count);
-  });
-}
-
-Shots shoot(const Tracer& tracer, std::vector<AimedRay> rays) {
-  Shots shots{.rays = std::move(rays), .hits = {}, .findings = {}};
-  std::vector<render::FrameRay> bare;
-  for (const AimedRay& aimed : shots.rays) bare.push_back(aimed.ray);
-  shots.hits.resize(bare.size());
-  shots.findings.resize(bare.size());
-  tracer(bare, shots.hits);
-  return shots;
-}
+namespace {
 
 void count(const Shots& shots, Report& report) {
   for (std::size_t r = 0; r < shots.rays.size(); ++r) {
@@ -148,10 +119,46 @@ void count(const Shots& shots, Report& report) {
   }
 }
 
-Measure measure(std::string name, std::string unit, const Shots& shots, double Finding::*number_of) {
-  std::vector<double> values;
-  for (const Finding& finding : shots.findings) values.push_back(finding.*number_of);
-  return {std::move(name), std::move(unit), quantiles_of(std::move(values))};
+void add_measures(const Rounds& rounds, Report& report) {
+  const auto add = [&](const char* name, const Shots& shots, double Finding::*cells, double Finding::*box) {
+    report.measures.push_back(measure(name, "cells", shots, cells));
+    report.measures.push_back(measure(name, "box", shots, box));
+  };
+  add("depth", rounds.far, &Finding::depth_cells, &Finding::depth_box);
+  add("renderer to surface", rounds.far, &Finding::distance_cells, &Finding::distance_box);
+  add("surface to renderer", rounds.near, &Finding::depth_cells, &Finding::depth_box);
+  report.measures.push_back(measure("normal", "degrees", rounds.far, &Finding::normal_deg));
+  for (const auto& [name, shots] : {std::pair{bounds_name, &rounds.far}, {near_bounds_name, &rounds.near}})
+    if (measure(name, "box", *shots, &Finding::bound_box).quantiles.count > 0)
+      add(name, *shots, &Finding::bound_cells, &Finding::bound_box);
+}
+
+/// What a method that proves its hits allows itself; 0 for one that does not.
+double largest_bound(const Report& report, std::string_view name, std::string_view unit) {
+  const double bound = report.largest(name, unit);
+  return std::isnan(bound) ? 0 : bound;
+}
+
+void add_checks(const Limits& limits, Report& report) {
+  const RayCounts all = report.total();
+  for (const auto& [name, count] :
+       {std::pair{"missed", all.missed}, {"false", all.false_hits}, {"elsewhere", all.elsewhere}})
+    report.checks.push_back({name, static_cast<double>(count), 0, limits.why_none_wrong});
+  for (const auto& [name, measure, bound] : {std::tuple{"largest depth error", "depth", bounds_name},
+                                             {"renderer to surface", "renderer to surface", bounds_name},
+                                             {"surface to renderer", "surface to renderer", near_bounds_name}})
+    report.checks.push_back({concat(name, ", ", limits.unit), report.largest(measure, limits.unit),
+                             limits.depth + largest_bound(report, bound, limits.unit), limits.why_depth});
+  report.checks.push_back(
+      {"largest normal error, degrees", report.largest("normal", "degrees"), limits.normal_deg, limits.why_normal});
+}
+
+}  // namespace
+
+void fill(Report& report, const Rounds& rounds, const Limits& limits) {
+  for (const Shots* shots : {&rounds.far, &rounds.near, &rounds.camera}) count(*shots, report);
+  add_measures(rounds, report);
+  add_checks(limits, report);
 }
 
 Json json_of(const Report& report) {

@@ -11,8 +11,7 @@ namespace rhoray::tools::validate {
 
 /// A ray in CGAL's words: two points. The second one is rounded, so it is put beyond all that can be hit; no place on
 /// the way then moves by more than a few roundings of its coordinates.
-inline CGAL::Exact_predicates_inexact_constructions_kernel::Ray_3 shot_of(const render::FrameRay& ray,
-                                                                          const Box3& targets) {
+inline CGAL::Exact_predicates_inexact_constructions_kernel::Ray_3 shot_of(const render::Ray& ray, const Box3& targets) {
   using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
   const double reach = 2 * ((targets.center() - ray.origin).length() + targets.size().length() + ray.origin.length());
   const double scale = std::exp2(std::ceil(std::log2(reach / ray.direction.length())));

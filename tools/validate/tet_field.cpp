@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "formats/base/trouble.h"
@@ -48,11 +49,9 @@ TetField::Cell TetField::cell(std::size_t c) const {
   return cell;
 }
 
-std::size_t TetField::cell_of_id(std::uint64_t id) const {
-  const auto at = std::lower_bound(by_id_.begin(), by_id_.end(), id, [&](std::uint32_t cell, std::uint64_t wanted) {
-    return mesh_.cell_id(cell) < wanted;
-  });
-  return at != by_id_.end() && mesh_.cell_id(*at) == id ? *at : cell_count();
+std::span<const std::uint32_t> TetField::cells_of_id(std::uint64_t id) const {
+  const auto id_of = [&](std::uint32_t cell) { return mesh_.cell_id(cell); };
+  return {std::ranges::lower_bound(by_id_, id, {}, id_of), std::ranges::upper_bound(by_id_, id, {}, id_of)};
 }
 
 bool TetField::straddles(const Cell& cell, double isovalue) {
@@ -75,6 +74,18 @@ double TetField::Cell::longest_edge() const {
   for (std::size_t a = 0; a < 4; ++a)
     for (std::size_t b = a + 1; b < 4; ++b) longest = std::max(longest, (vec(point[a]) - vec(point[b])).length());
   return longest;
+}
+
+double TetField::Cell::smallest_coordinate(const Vec3& p) const {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (std::size_t v = 0; v < 4; ++v) {
+    const Vec3 a = vec(point[(v + 1) % 4]), b = vec(point[(v + 2) % 4]) - a, c = vec(point[(v + 3) % 4]) - a;
+    const Vec3 normal = b.cross(c);
+    const double height = normal.dot(vec(point[v]) - a);
+    if (height == 0) return std::numeric_limits<double>::quiet_NaN();
+    smallest = std::min(smallest, normal.dot(p - a) / height);
+  }
+  return smallest;
 }
 
 Vec3 TetField::Cell::gradient() const {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,15 +27,16 @@ class TetField {
 
     Box3 box() const;
     double longest_edge() const;
-    Vec3 gradient() const;  ///< of the linear field; not finite for a cell without volume
+    double smallest_coordinate(const Vec3& p) const;  ///< barycentric; below 0 outside; NaN for a cell without volume
+    Vec3 gradient() const;                            ///< of the linear field; not finite for a cell without volume
   };
   Cell cell(std::size_t c) const;
 
   /// True for a cell with data that has points on both sides: value < isovalue, and value >= isovalue.
   static bool straddles(const Cell& cell, double isovalue);
 
-  /// The cell of that id (TetMesh::cell_id), or cell_count() when there is none.
-  std::size_t cell_of_id(std::uint64_t id) const;
+  /// The cells of that id (TetMesh::cell_id): several where an imported cell became several tetrahedra.
+  std::span<const std::uint32_t> cells_of_id(std::uint64_t id) const;
 
  private:
   formats::TetMesh mesh_;

@@ -59,7 +59,7 @@ struct FacePoint {
 /// For a point on the plane of the corners a, b, c, all seen from the ray's origin, Cramer's rule gives the weight of a
 /// as det(d, b, c) over the sum of the three weights, and t as det(a, b, c) over that sum.
 template <class Number>
-std::optional<Number> crossing(const render::FrameRay& ray, const TetField::Cell& cell, double isovalue) {
+std::optional<Number> crossing(const render::Ray& ray, const TetField::Cell& cell, double isovalue) {
   using Vector = Point3<Number>;
   const Vector d{Number(ray.direction.x), Number(ray.direction.y), Number(ray.direction.z)};
   std::array<Vector, 4> corner;
@@ -116,7 +116,7 @@ std::optional<Number> crossing(const render::FrameRay& ray, const TetField::Cell
   return in.t + (out.t - in.t) * in.excess / (in.excess - out.excess);
 }
 
-std::optional<double> decided_crossing(const render::FrameRay& ray, const TetField::Cell& cell, double isovalue) {
+std::optional<double> decided_crossing(const render::Ray& ray, const TetField::Cell& cell, double isovalue) {
   constexpr double wanted_width = 1e-13;  // of t itself
   try {
     const CGAL::Protect_FPU_rounding<true> protect;
@@ -155,11 +155,11 @@ TetJudge::~TetJudge() = default;
 TetJudge::TetJudge(TetJudge&&) noexcept = default;
 TetJudge& TetJudge::operator=(TetJudge&&) noexcept = default;
 
-std::optional<double> TetJudge::crossing_in(const render::FrameRay& ray, std::uint32_t cell) const {
+std::optional<double> TetJudge::crossing_in(const render::Ray& ray, std::uint32_t cell) const {
   return decided_crossing(ray, field_->cell(cell), isovalue_);
 }
 
-std::optional<TetJudge::Crossing> TetJudge::first_crossing(const render::FrameRay& ray) const {
+std::optional<TetJudge::Crossing> TetJudge::first_crossing(const render::Ray& ray) const {
   if (boxes_->aabb.empty()) return std::nullopt;
   std::vector<std::uint32_t> candidates;
   boxes_->aabb.all_intersected_primitives(shot_of(ray, boxes_->all), std::back_inserter(candidates));

@@ -26,10 +26,10 @@ class TetJudge {
   };
 
   /// Where the ray crosses inside one cell.
-  std::optional<double> crossing_in(const render::FrameRay& ray, std::uint32_t cell) const;
+  std::optional<double> crossing_in(const render::Ray& ray, std::uint32_t cell) const;
 
   /// The first crossing of all.
-  std::optional<Crossing> first_crossing(const render::FrameRay& ray) const;
+  std::optional<Crossing> first_crossing(const render::Ray& ray) const;
 
  private:
   struct Boxes;

@@ -52,7 +52,7 @@ bool TriangleTree::is_empty() const {
   return tree_->triangles.empty();
 }
 
-std::optional<TriangleTree::Meeting> TriangleTree::first_on(const render::FrameRay& ray) const {
+std::optional<TriangleTree::Meeting> TriangleTree::first_on(const render::Ray& ray) const {
   if (is_empty()) return std::nullopt;
   const auto met = tree_->aabb.first_intersection(shot_of(ray, tree_->box));
   if (!met) return std::nullopt;

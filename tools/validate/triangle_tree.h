@@ -24,7 +24,7 @@ class TriangleTree {
     double t = 0;  ///< rounded
   };
   /// The first triangle on the ray, borders included.
-  std::optional<Meeting> first_on(const render::FrameRay& ray) const;
+  std::optional<Meeting> first_on(const render::Ray& ray) const;
 
   /// The point of the triangles nearest to p; there must be one.
   Vec3 nearest(const Vec3& p) const;

@@ -9,7 +9,7 @@
 #include "formats/tet_mesh.h"
 #include "preprocess/run_worker.h"
 #include "render/camera.h"
-#include "render/trace.h"
+#include "render/ray_questions.h"
 #include "tools/validate/compare.h"
 #include "tools/validate/request.h"
 
@@ -41,11 +41,12 @@ Comparison compare(const Request& request) {
                               .step = request.step,
                               .bisect = request.bisect,
                               .slack = request.slack};
-  const Tracer tracer = [&](std::span<const render::FrameRay> rays, std::span<render::FrameHit> hits) {
-    render::trace(volume, {.isovalue = request.isovalue, .method = method, .threads = request.threads}, rays, hits);
+  render::RayQuestions questions(volume, request.isovalue, method, request.threads);
+  const Tracer tracer = [&](std::span<const render::Ray> rays, std::span<render::Hit> hits) {
+    questions.first_crossings(rays, hits);
   };
   const Thousandths progress = [](std::uint64_t done) { preprocess::report_worker_progress(done, all_done); };
-  const Affine world_from_frame = render::world_from_frame(volume);
+  const Affine world_from_frame = render::world_from_ray_frame(volume);
   if (!volume.is_mesh())
     return compare_grid(GridField(formats::BrickGrid(volume.file()), request.field), world_from_frame, question, tracer,
                         progress);

@@ -42,7 +42,8 @@ struct HardCase {
   double cell_edge = 1;                   ///< of a usual cell, in the frame of the volume
 };
 
-std::vector<HardCase> ray_in_cell_cases();
+std::vector<HardCase> cubic_cases();
+std::vector<HardCase> chord_cases();
 std::vector<HardCase> traversal_cases();
 std::vector<HardCase> value_cases();
 std::vector<HardCase> tet_cases();

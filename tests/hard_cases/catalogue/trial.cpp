@@ -153,7 +153,7 @@ int Trial::hit_count() const {
 
 std::vector<HardCase> catalogue() {
   std::vector<HardCase> all;
-  for (const auto family : {ray_in_cell_cases, traversal_cases, value_cases, tet_cases, maximum_cases})
+  for (const auto family : {cubic_cases, chord_cases, traversal_cases, value_cases, tet_cases, maximum_cases})
     for (HardCase& hard_case : family()) all.push_back(std::move(hard_case));
   return all;
 }

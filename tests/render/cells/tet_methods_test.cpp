@@ -332,13 +332,23 @@ std::vector<Family> families() {
          const Tet tet = any_tet(d);
          return std::pair(aimed_at(vertex(tet, 0), d, 3), tet);
        },
-       1, 1},
+       1e-3, 1e-3},
       {"aimed at an edge (T02)",
        [=](Dice& d) {
          const Tet tet = any_tet(d);
          return std::pair(aimed_at(point_on_edge(tet, d), d, 3), tet);
        },
-       1, 1},
+       1e-3, 1e-3},
+      {"aimed at an edge where the surface passes, or nearly",
+       [](Dice& d) {
+         Tet tet = any_tet(d);
+         const double share = d.between(0, 1);
+         tet.values[0] = share, tet.values[1] = share - 1;
+         const double off = (d.coin() ? 1 : -1) * std::pow(10, d.between(-18, -1));
+         const Vec3 target = (1 - share - off) * vertex(tet, 0) + (share + off) * vertex(tet, 1);
+         return std::pair(aimed_at(target, d, 3), tet);
+       },
+       0.75, 0.3},
       {"along an edge (T04)",
        [](Dice& d) {
          Tet tet = any_tet(d);

@@ -3,18 +3,43 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+
+#include "render/effects/power.h"
 
 namespace rhoray::tests {
 namespace {
 
+using render::Colors;
 using render::EffectSet;
+using render::Facing;
 using render::Mode;
 using render::Scene;
+
+constexpr std::size_t group_size = render::RayBatch::group_size;
 
 Scene surface_scene() {
   Scene scene;
   scene.surface = {.color = {0.5, 0.25, 1}, .ambient = 0.2, .specular = 0.4, .shininess = 10};
   return scene;
+}
+
+/// One hit, shaded in every place of a group; refuses a group in which places differ.
+Vec3 shaded(const Scene& scene, const EffectSet& effects, const Vec3& gradient, const Vec3& direction, double value = 0,
+            const Affine& world_from_volume = {}) {
+  render::RayBatch rays(group_size);
+  render::HitBatch hits(group_size);
+  for (std::size_t i = 0; i < group_size; ++i) {
+    rays.set(i, {.origin = {0, 0, 0}, .direction = direction});
+    hits.set(i, {.t = 1, .value = value, .gradient = gradient});
+  }
+  rays.count = group_size;
+  Colors colors;
+  shade(scene, effects, Facing(world_from_volume), rays, hits, 0, colors);
+  for (std::size_t i = 1; i < group_size; ++i)
+    EXPECT_TRUE(colors.red[i] == colors.red[0] && colors.green[i] == colors.green[0] &&
+                colors.blue[i] == colors.blue[0]);
+  return {colors.red[0], colors.green[0], colors.blue[0]};
 }
 
 TEST(EffectsCalledFor, are_read_from_the_scene) {
@@ -30,38 +55,101 @@ TEST(EffectsCalledFor, are_read_from_the_scene) {
 }
 
 TEST(Shade, lights_a_surface_by_the_angle_to_the_eye) {
-  Scene scene = surface_scene();
-  const Vec3 eye(0, 0, 1), tilted = Vec3(0, std::sqrt(0.75), 0.5);
+  const Scene scene = surface_scene();
+  const Vec3 away(0, 0, -1), facing(0, 0, 3), tilted(0, 5 * std::sqrt(0.75), 2.5);
   const EffectSet dull{.diffuse = true};
-  EXPECT_LT((shade(scene, dull, {eye, eye, 0}) - scene.surface.color).length(), 1e-15);
-  EXPECT_LT((shade(scene, dull, {tilted, eye, 0}) - 0.6 * scene.surface.color).length(), 1e-15);
-  const Vec3 highlight =
-      shade(scene, effects_called_for(scene), {tilted, eye, 0}) - shade(scene, dull, {tilted, eye, 0});
+  for (const double side : {1.0, -1.0}) {
+    EXPECT_LT((shaded(scene, dull, side * facing, away) - scene.surface.color).length(), 1e-6);
+    EXPECT_LT((shaded(scene, dull, side * tilted, away) - 0.6 * scene.surface.color).length(), 1e-6);
+  }
+  const Vec3 highlight = shaded(scene, effects_called_for(scene), tilted, away) - shaded(scene, dull, tilted, away);
   const double expected = 0.4 * std::pow(0.5, 10);
-  EXPECT_LT((highlight - Vec3(expected, expected, expected)).length(), 1e-15);
+  EXPECT_LT((highlight - Vec3(expected, expected, expected)).length(), 1e-6);
+}
+
+// A quarter of a step of 16-bit colour, for any angle, any cell and any length of the gradient, against the formulas in
+// double.
+TEST(Shade, is_as_the_formulas_say_in_cells_of_any_shape_and_for_gradients_of_any_length) {
+  Scene scene = surface_scene();
+  scene.surface.shininess = 40;
+  const Affine sheared{{2e-3, 1e-4, 0}, {-3e-4, 4e-3, 2e-4}, {1e-3, 0, 7e-2}, {5, 6, 7}};
+  Affine huge = sheared, mirrored = sheared;
+  for (Vec3* axis : {&huge.x_axis, &huge.y_axis, &huge.z_axis}) *axis *= 1e30;
+  mirrored.x_axis *= -1;
+  double largest = 0;
+  for (const Affine& map : {sheared, huge, mirrored})
+    for (const double length : {1.0, 1e-300, 1e-160, 1e100, 1e300, 5e-324 * 1e6})
+      for (int k = 0; k < 200; ++k) {
+        const Vec3 gradient(std::sin(k), std::cos(2.1 * k), std::sin(3.3 * k + 1));
+        const Vec3 direction = Vec3(std::cos(0.7 * k), 0.4, std::sin(0.9 * k)).normalized();
+        const double cosine = std::abs(map.gradient(gradient).normalized().dot(direction));
+        const Vec3 color = (0.2 + 0.8 * cosine) * scene.surface.color + 0.4 * std::pow(cosine, 40.0) * Vec3(1, 1, 1);
+        const Vec3 got =
+            shaded(scene, effects_called_for(scene), gradient * length, map.inverse().vector(direction), 0, map);
+        // A gradient of a few of the smallest doubles has few digits itself.
+        if (length > 1e-310) largest = std::max(largest, (got - color).length());
+        EXPECT_LT((got - color).length(), length > 1e-310 ? 4e-6 : 1e-4) << length << ", " << k;
+      }
+  EXPECT_GT(largest, 1e-8) << "is this still computed in single precision?";
 }
 
 TEST(Shade, lights_a_hit_without_gradient_as_if_it_faced_the_eye) {
   const Scene scene = surface_scene();
-  EXPECT_EQ(shade(scene, effects_called_for(scene), {{0, 0, 0}, {0, 0, 1}, 0}),
-            shade(scene, effects_called_for(scene), {{0, 0, 1}, {0, 0, 1}, 0}));
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  const Vec3 facing = shaded(scene, effects_called_for(scene), {0, 0, 1}, {0, 0, 1});
+  for (const Vec3& none :
+       {Vec3(0, 0, 0), Vec3(-0.0, 0, 0), Vec3(nan, 1, 1), Vec3(1, nan, 1), Vec3(1, 1, nan), Vec3(0, infinity, 1)}) {
+    EXPECT_EQ(shaded(scene, effects_called_for(scene), none, {0, 0, 1}), facing) << none;
+    EXPECT_EQ(Facing({}).normal(none, {0, 0, 1}), Vec3(0, 0, 0)) << none;
+  }
+}
+
+TEST(Facing, gives_the_unit_normal_towards_the_eye) {
+  const Affine map{{1, 0, 0}, {0, 2, 0}, {0, 0, 4}, {0, 0, 0}};
+  for (const double length : {1.0, -1.0, 1e-300, 1e300}) {
+    const Vec3 normal = Facing(map).normal(Vec3(1, 2, 4) * length, map.inverse().vector({-1, 0, 0}));
+    EXPECT_LT((normal - Vec3(1, 1, 1).normalized()).length(), 1e-15) << length;
+  }
 }
 
 TEST(Shade, shows_a_projection_as_even_steps_of_grey) {
   Scene scene;
   scene.mode = Mode::mip;
   scene.window = {.lo = 100, .hi = 300};
-  const auto grey = [&](double value) { return shade(scene, effects_called_for(scene), {{}, {0, 0, 1}, value}); };
+  const auto grey = [&](double value) { return shaded(scene, effects_called_for(scene), {0, 0, 0}, {0, 0, 1}, value); };
   EXPECT_EQ(grey(100), Vec3(0, 0, 0));
   EXPECT_EQ(grey(50), Vec3(0, 0, 0));
   EXPECT_EQ(grey(300), Vec3(1, 1, 1));
   EXPECT_EQ(grey(999), Vec3(1, 1, 1));
-  // Half of the window is half of the sRGB code: its linear light by the standard's formula.
-  EXPECT_NEAR(grey(200).x, std::pow((0.5 + 0.055) / 1.055, 2.4), 1e-15);
-  EXPECT_NEAR(grey(104).x, 0.02 / 12.92, 1e-15);
+  // Shares of the window are shares of the sRGB code: its linear light by the standard's formula.
+  for (double value = 100; value < 300; value += 0.37) {
+    const double share = (value - 100) / 200;
+    EXPECT_NEAR(grey(value).x, share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4), 1e-6);
+  }
   scene.window = {.lo = 5, .hi = 5};
   EXPECT_EQ(grey(4), Vec3(0, 0, 0));
   EXPECT_EQ(grey(5), Vec3(1, 1, 1));
+  EXPECT_EQ(grey(6), Vec3(1, 1, 1));
+}
+
+TEST(Power, is_right_within_its_bound) {
+  double largest_absolute = 0;
+  for (const float exponent : {0.5F, 1.0F, 2.4F, 10.0F, 40.0F, 1000.0F})
+    for (int i = 1; i <= 100'000; ++i) {
+      const float base = static_cast<float>(i) / 100'000;
+      const double expected = std::pow(double{base}, double{exponent}), got = render::power(base, exponent);
+      if (expected < std::exp2(-99)) {
+        EXPECT_LT(got, std::exp2(-98)) << base << " ^ " << exponent;
+        continue;
+      }
+      EXPECT_LE(std::abs(got - expected), 4e-7 * (1 - std::log2(expected)) * expected) << base << " ^ " << exponent;
+      largest_absolute = std::max(largest_absolute, std::abs(got - expected));
+    }
+  EXPECT_LT(largest_absolute, 6e-7);
+  for (const float exponent : {0.5F, 40.0F}) {
+    EXPECT_EQ(render::power(1, exponent), 1);
+    EXPECT_LT(render::power(0, exponent), exponent < 1 ? 1e-18F : 1e-30F);
+  }
 }
 
 }  // namespace

@@ -115,6 +115,17 @@ TEST(SignChart, encloses_an_irrational_root_as_narrowly_as_asked) {
   }
 }
 
+/// Between its neighbours lies no double but the root itself, and no interval around that is tight: the search for one
+/// went on for ever, at a ray 1e4 volumes away whose crossing was a double.
+TEST(SignChart, encloses_a_root_that_is_a_double_more_narrowly_than_doubles_lie) {
+  const double root = 1234 + 0x1.23456789p-9;
+  const SignChart chart(with_roots({Rational(root), Rational(1, 3), Rational(-5, 7)}), 1000, 1500);
+  ASSERT_EQ(chart.roots().size(), 1);
+  const Enclosure found = chart.enclosing_root(0, 1e-17);
+  EXPECT_TRUE(is_tight(found));
+  EXPECT_TRUE(found.contains(root));
+}
+
 TEST(SignChart, tells_roots_apart_that_no_double_can) {
   const Rational gap = power_of_two(-200);
   const SignChart chart(with_roots({Rational(1, 3), Rational(1, 3) + gap, Rational(1, 3) + 3 * gap}), 0, 1);

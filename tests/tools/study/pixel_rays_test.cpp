@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "preprocess/pack_volume.h"
-#include "render/trace.h"
+#include "render/ray_questions.h"
 #include "tests/tools/study/small_grid.h"
 
 namespace rhoray::tests {
@@ -22,7 +22,7 @@ TEST(PixelRays, are_those_that_render_sends) {
   const study::PixelRays<double> pixels(camera, width, height, {2, 0.5, 1.0 / 3});
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const render::FrameRay& ray = rays[static_cast<std::size_t>(y * width + x)];
+      const render::Ray& ray = rays[static_cast<std::size_t>(y * width + x)];
       const auto direction = pixels.through(x, y);
       EXPECT_NEAR(direction.x, ray.direction.x, 1e-14);
       EXPECT_NEAR(direction.y, ray.direction.y, 1e-14);

@@ -1,15 +1,18 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <string>
 
+#include "formats/base/text.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_volume.h"
 #include "render/load.h"
-#include "render/trace.h"
+#include "render/ray_questions.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 #include "tests/support/temporary_folder.h"
@@ -30,14 +33,14 @@ class ValidatedFile {
   validate::GridField grid() const { return {formats::BrickGrid(volume_.file()), ""}; }
 
   validate::Tracer renderer(double isovalue, const render::Method& method = {}) const {
-    return [this, isovalue, method](std::span<const render::FrameRay> rays, std::span<render::FrameHit> hits) {
-      render::trace(volume_, {.isovalue = isovalue, .method = method}, rays, hits);
+    return [this, isovalue, method](std::span<const render::Ray> rays, std::span<render::Hit> hits) {
+      render::RayQuestions(volume_, isovalue, method, 0).first_crossings(rays, hits);
     };
   }
 
   validate::Comparison compare(const validate::Question& question, const validate::Tracer& tracer) const {
     const auto no_progress = [](std::uint64_t) {};
-    const Affine world = render::world_from_frame(volume_);
+    const Affine world = render::world_from_ray_frame(volume_);
     if (volume_.is_mesh()) return validate::compare_tets(tets(), world, question, tracer, no_progress);
     return validate::compare_grid(grid(), world, question, tracer, no_progress);
   }
@@ -64,9 +67,9 @@ class ValidatedFile {
 
 /// Another tracer, with every hit changed by `spoil`, which is told the hit's number.
 inline validate::Tracer spoiled(validate::Tracer tracer,
-                                std::function<void(std::size_t, const render::FrameRay&, render::FrameHit&)> spoil) {
-  return [tracer = std::move(tracer), spoil = std::move(spoil)](std::span<const render::FrameRay> rays,
-                                                                std::span<render::FrameHit> hits) {
+                                std::function<void(std::size_t, const render::Ray&, render::Hit&)> spoil) {
+  return [tracer = std::move(tracer), spoil = std::move(spoil)](std::span<const render::Ray> rays,
+                                                                std::span<render::Hit> hits) {
     tracer(rays, hits);
     std::size_t number = 0;
     for (std::size_t r = 0; r < rays.size(); ++r)
@@ -74,29 +77,38 @@ inline validate::Tracer spoiled(validate::Tracer tracer,
   };
 }
 
+/// What a renderer that is wrong made of the checks; `test_validate --gtest_output=xml:FILE` tells it under `what`.
+inline void expect_caught(const std::string& what, const validate::Report& report) {
+  std::string outside;
+  for (const validate::Check& check : report.checks)
+    if (!check.holds()) outside += concat(outside.empty() ? "" : "; ", check.name, " ", check.found);
+  EXPECT_NE(outside, "") << what;
+  testing::Test::RecordProperty(what, concat("of ", report.total().rays, " rays: ", outside));
+}
+
 // Renderers that are wrong.
 
 inline validate::Tracer dropping_one_hit_in_a_thousand(const validate::Tracer& tracer) {
-  return spoiled(tracer, [](std::size_t number, const render::FrameRay&, render::FrameHit& hit) {
+  return spoiled(tracer, [](std::size_t number, const render::Ray&, render::Hit& hit) {
     if (number % 1000 == 999) hit = {};
   });
 }
 
 /// @param distance  in lengths of the rays' directions
 inline validate::Tracer shifting_hits(const validate::Tracer& tracer, double distance) {
-  return spoiled(tracer, [=](std::size_t, const render::FrameRay&, render::FrameHit& hit) { hit.t += distance; });
+  return spoiled(tracer, [=](std::size_t, const render::Ray&, render::Hit& hit) { hit.t += distance; });
 }
 
 /// Hits of a proving method, said to be exact.
 inline validate::Tracer understating_bounds(const validate::Tracer& tracer) {
-  return spoiled(tracer, [](std::size_t, const render::FrameRay&, render::FrameHit& hit) { hit.error = 0; });
+  return spoiled(tracer, [](std::size_t, const render::Ray&, render::Hit& hit) { hit.error = 0; });
 }
 
 inline validate::Tracer reporting_the_second_hit(const validate::Tracer& tracer, double step) {
-  return spoiled(tracer, [=](std::size_t number, const render::FrameRay& ray, render::FrameHit& hit) {
+  return spoiled(tracer, [=](std::size_t number, const render::Ray& ray, render::Hit& hit) {
     if (number % 100 != 99) return;
-    const render::FrameRay onward{ray.origin + (hit.t + step) * ray.direction, ray.direction};
-    render::FrameHit second;
+    const render::Ray onward{ray.origin + (hit.t + step) * ray.direction, ray.direction};
+    render::Hit second;
     tracer(std::span(&onward, 1), std::span(&second, 1));
     const double first_t = hit.t;
     hit = second;
@@ -105,19 +117,26 @@ inline validate::Tracer reporting_the_second_hit(const validate::Tracer& tracer,
 }
 
 inline validate::Tracer turning_normals(const validate::Tracer& tracer) {
-  return spoiled(tracer, [](std::size_t number, const render::FrameRay&, render::FrameHit& hit) {
+  return spoiled(tracer, [](std::size_t number, const render::Ray&, render::Hit& hit) {
     if (number % 1000 == 999) hit.gradient = Vec3(hit.gradient.y, hit.gradient.z, hit.gradient.x);
   });
 }
 
 /// A hit where the data's box begins, on some rays that meet nothing.
 inline validate::Tracer inventing_hits(validate::Tracer tracer, double t) {
-  return [tracer = std::move(tracer), t](std::span<const render::FrameRay> rays, std::span<render::FrameHit> hits) {
+  return [tracer = std::move(tracer), t](std::span<const render::Ray> rays, std::span<render::Hit> hits) {
     tracer(rays, hits);
     std::size_t misses = 0;
-    for (render::FrameHit& hit : hits)
+    for (render::Hit& hit : hits)
       if (hit.is_miss() && ++misses % 100 == 0) hit = {.t = t, .cell = 0, .gradient = {1, 0, 0}};
   };
+}
+
+inline validate::Quantiles quantiles(const validate::Report& report, const std::string& measure,
+                                     const std::string& unit) {
+  for (const validate::Measure& each : report.measures)
+    if (each.name == measure && each.unit == unit) return each.quantiles;
+  return {};
 }
 
 inline double found(const validate::Report& report, const std::string& check) {

@@ -1,8 +1,8 @@
 #include "tools/study/peers/ours.h"
 
 #include "formats/base/text.h"
+#include "render/ray_questions.h"
 #include "render/render.h"
-#include "render/trace.h"
 #include "tools/rhoray/method_words.h"
 #include "tools/rhoray/picture_hash.h"
 
@@ -40,10 +40,10 @@ class OwnPeer final : public Peer {
     }
     // The distances that `render` rounds to float, in full.
     const auto rays = render::camera_rays(*volume_, view.camera, view.width, view.height);
-    std::vector<render::FrameHit> hits(rays.size());
-    render::trace(*volume_, {.isovalue = scene_.isovalue, .method = scene_.method}, rays, hits);
+    std::vector<render::Hit> hits(rays.size());
+    render::RayQuestions(*volume_, scene_.isovalue, scene_.method, 0).first_crossings(rays, hits);
     std::vector<double> distances;
-    for (const render::FrameHit& hit : hits) distances.push_back(hit.t);
+    for (const render::Hit& hit : hits) distances.push_back(hit.t);
     return distances;
   }
 

@@ -1,4 +1,4 @@
-#include "render/frame/for_each_tile.h"
+#include "render/frame/tile_threads.h"
 
 #include <algorithm>
 #include <thread>
@@ -14,23 +14,30 @@
 #include <tbb/parallel_for.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
+
+#include <optional>
 #endif
 
 namespace rhoray::render {
 
-std::size_t worker_count(unsigned threads) {
-  return threads > 0 ? threads : std::max(1u, std::thread::hardware_concurrency());
+std::size_t TileThreads::worker_count() const {
+  return threads_ > 0 ? threads_ : std::max(1u, std::thread::hardware_concurrency());
 }
 
 #ifdef RHORAY_STD_THREADS
 
-void for_each_tile(std::size_t count, unsigned threads, const std::function<void(std::size_t, std::size_t)>& act) {
+struct TileThreads::Arena {};
+
+TileThreads::TileThreads(unsigned threads) : threads_(threads) {}
+TileThreads::~TileThreads() = default;
+
+void TileThreads::for_each_tile(std::size_t count, const std::function<void(std::size_t, std::size_t)>& act) const {
   std::atomic<std::size_t> next{0};
   std::exception_ptr first_failure;
   std::mutex failure_mutex;
   {
     std::vector<std::jthread> workers;
-    for (std::size_t worker = 0; worker < worker_count(threads); ++worker)
+    for (std::size_t worker = 0; worker < worker_count(); ++worker)
       workers.emplace_back([&, worker] {
         try {
           for (std::size_t tile; (tile = next++) < count;) act(tile, worker);
@@ -46,11 +53,21 @@ void for_each_tile(std::size_t count, unsigned threads, const std::function<void
 
 #else
 
-void for_each_tile(std::size_t count, unsigned threads, const std::function<void(std::size_t, std::size_t)>& act) {
+struct TileThreads::Arena {
+  tbb::task_arena arena;
+};
+
+TileThreads::TileThreads(unsigned threads) : threads_(threads) {
+  arena_ = std::make_unique<Arena>(Arena{tbb::task_arena(static_cast<int>(worker_count()))});
+}
+TileThreads::~TileThreads() = default;
+
+void TileThreads::for_each_tile(std::size_t count, const std::function<void(std::size_t, std::size_t)>& act) const {
   // oneTBB gives an arena no more threads than there are cores unless it is told so.
-  const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, worker_count(threads));
-  tbb::task_arena arena(static_cast<int>(worker_count(threads)));
-  arena.execute([&] {
+  std::optional<tbb::global_control> allowed;
+  if (worker_count() > std::thread::hardware_concurrency())
+    allowed.emplace(tbb::global_control::max_allowed_parallelism, worker_count());
+  arena_->arena.execute([&] {
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, count, 1),
         [&](const tbb::blocked_range<std::size_t>& tiles) {

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "render/frame/pixel_rays.h"
+#include "render/frame/pixels.h"
+#include "render/frame/tile_threads.h"
+#include "render/frame/tiles.h"
+#include "render/frame/worker.h"
+#include "render/kernels/kernels.h"
+#include "render/render.h"
+#include "render/volumes/volume.h"
+
+namespace rhoray::render {
+
+/// What was chosen once for the frame; nothing here changes while tiles are traced.
+struct Frame {
+  const VolumeImplementation& volume;
+  Kernel kernel;
+  std::size_t queue_entries;
+  Question question;
+  Look look;
+  CameraRays camera_rays;
+  Affine volume_from_world;
+};
+
+/// Pixels that are traced one after another before anyone looks: those of a few lattices.
+class Pass {
+ public:
+  void add(const Frame& frame, const PixelLattice& lattice);
+
+  std::size_t tile_count() const { return tiles_.size(); }
+  void trace_tile(const Frame& frame, std::size_t index, Worker& worker, Framebuffer& out) const;
+
+ private:
+  struct Part {
+    PixelLattice lattice;
+    PixelRays rays;
+  };
+  struct PartTile {
+    std::size_t part;
+    Tile tile;
+  };
+  std::vector<Part> parts_;
+  std::vector<PartTile> tiles_;
+};
+
+/// The threads, and their memory, made by each of them when it first works.
+class FrameMemory::Implementation {
+ public:
+  /// @param threads  as FrameOptions::threads
+  void begin_frame(unsigned threads, std::size_t queue_entries);
+  const TileThreads& threads() const { return *threads_; }
+  Worker& worker(std::size_t index);
+  /// Those that have worked in this frame.
+  std::vector<const Worker*> workers() const;
+
+ private:
+  struct Place {
+    std::unique_ptr<Worker> worker;
+    bool works = false;  ///< in this frame
+  };
+  std::optional<TileThreads> threads_;
+  std::vector<Place> places_;
+  std::size_t queue_entries_ = 0;
+};
+
+}  // namespace rhoray::render

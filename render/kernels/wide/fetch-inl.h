@@ -1,0 +1,111 @@
+// The samples of one block, less an isovalue, and which of its cells have corners on both sides.
+#if defined(RHORAY_WIDE_FETCH_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef RHORAY_WIDE_FETCH_INL_H
+#undef RHORAY_WIDE_FETCH_INL_H
+#else
+#define RHORAY_WIDE_FETCH_INL_H
+#endif
+
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+
+#include <hwy/highway.h>
+
+#include "render/kernels/wide/block_samples.h"
+#include "render/kernels/wide/lanes-inl.h"
+#include "render/kernels/wide/octant.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace rhoray::render::wide::HWY_NAMESPACE {
+
+/// Value - isovalue as a float of the same side: `minus` of cells/trilinear.h for magnitudes that need no other unit.
+HWY_INLINE float side_keeping_difference(double value, double isovalue) {
+  const double difference = value - isovalue;
+  const float rounded = static_cast<float>(difference), least = -std::numeric_limits<float>::denorm_min();
+  return difference < 0 && rounded > least ? least : rounded;
+}
+
+/// Types of which the difference to an isovalue that is a float is rounded once in single precision, as it is when it
+/// is taken in double and then rounded.
+template <class T>
+inline constexpr bool is_exact_in_float = std::is_integral_v<T> && sizeof(T) <= 2;
+
+/// The cells of a block that the lattice has.
+HWY_INLINE std::uint64_t existing_cells(const SampleSource& source, const int* block) {
+  std::uint64_t bits = 1;
+  for (int a = 0; a < 3; ++a) bits *= spread_bits(range_bits(0, source.count[a] - 2 - 4 * block[a]), a);
+  return bits;
+}
+
+/// Bits of samples (x + 5 y + 25 z of the two words together) at the lowest corners of the block's cells, as bits of
+/// cells.
+HWY_INLINE std::uint64_t cells_of_samples(unsigned __int128 bits) {
+  std::uint64_t cells = 0;
+  for (int z = 0; z < 4; ++z) {
+    const auto layer = static_cast<std::uint64_t>(bits >> (25 * z));
+    for (int y = 0; y < 4; ++y) cells |= (layer >> (5 * y) & 15) << (4 * y + 16 * z);
+  }
+  return cells;
+}
+
+HWY_INLINE void find_active_cells(const SampleSource& source, const int* block, BlockSamples& out) {
+  std::uint64_t words[2] = {};
+  for (std::size_t i = 0; i < 128; i += float_lanes)
+    words[i / 64] |= bits_of(floats, hn::Ge(hn::Load(floats, out.difference + i), hn::Zero(floats))) << i % 64;
+  const unsigned __int128 inside = static_cast<unsigned __int128>(words[1]) << 64 | words[0];
+  unsigned __int128 any = inside | inside >> 1, all = inside & inside >> 1;
+  any |= any >> 5, all &= all >> 5;
+  any |= any >> 25, all &= all >> 25;
+  const std::uint64_t existing = existing_cells(source, block);
+  out.active = cells_of_samples(any & ~all) & existing;
+  out.inside = cells_of_samples(inside);
+}
+
+/// @param block  place among the file's blocks, not mirrored
+template <class T>
+HWY_NOINLINE void fetch_block(const SampleSource& source, const int* block, double isovalue, BlockSamples& out) {
+  const T* samples = static_cast<const T*>(source.samples);
+  const int first[3] = {4 * block[0], 4 * block[1], 4 * block[2]};
+  const bool is_whole =
+      first[0] + 4 < source.count[0] && first[1] + 4 < source.count[1] && first[2] + 4 < source.count[2];
+  const auto isovalue_float = static_cast<float>(isovalue);
+  const bool in_float = is_exact_in_float<T> && static_cast<double>(isovalue_float) == isovalue;
+  if (is_whole && source.has_whole_rows && in_float) {
+    if constexpr (is_exact_in_float<T>) {
+      constexpr hn::CappedTag<float, 4> row;
+      constexpr hn::Rebind<T, decltype(row)> stored;
+      constexpr hn::Rebind<std::int32_t, decltype(row)> whole;
+      const auto iso = hn::Set(row, isovalue_float);
+      const std::uint64_t* x = source.address[0] + first[0];
+      for (int k = 0; k < 5; ++k)
+        for (int j = 0; j < 5; ++j) {
+          const T* from = samples + source.address[1][first[1] + j] + source.address[2][first[2] + k];
+          float* to = out.difference + 5 * j + 25 * k;
+          for (std::size_t i = 0; i < 4; i += hn::MaxLanes(row))
+            hn::StoreU(hn::Sub(hn::ConvertTo(row, hn::PromoteTo(whole, hn::LoadU(stored, from + x[0] + i))), iso), row,
+                       to + i);
+          to[4] = static_cast<float>(from[x[4]]) - isovalue_float;
+        }
+    }
+  } else {
+    const auto place = [&](int axis, int i) {
+      const int at = first[axis] + i, last = source.count[axis] - 1;
+      return source.address[axis][at < last ? at : last];
+    };
+    for (int k = 0; k < 5; ++k)
+      for (int j = 0; j < 5; ++j) {
+        const T* from = samples + place(1, j) + place(2, k);
+        for (int i = 0; i < 5; ++i)
+          out.difference[i + 5 * j + 25 * k] =
+              side_keeping_difference(static_cast<double>(from[place(0, i)]), isovalue);
+      }
+  }
+  for (std::size_t i = BlockSamples::size; i < 128; ++i) out.difference[i] = 0;
+  find_active_cells(source, block, out);
+}
+
+}  // namespace rhoray::render::wide::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

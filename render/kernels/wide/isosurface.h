@@ -1,0 +1,12 @@
+#pragma once
+
+#include "render/kernels/kernels.h"
+
+namespace rhoray::render::wide {
+
+/// The first crossing of an isosurface for groups of rays at once; null where the scalar kernels answer: for volumes
+/// other than uniform dense grids with macro levels of factor 4, with samples that have no data, and for ways other
+/// than those of the table in README.md.
+Kernel first_crossing_kernel(const VolumeImplementation& volume, const Method& method, Machine machine);
+
+}  // namespace rhoray::render::wide

@@ -1,0 +1,145 @@
+#include <algorithm>
+#include <cmath>
+
+#include "render/kernels/wide/isosurface.h"
+#include "render/kernels/wide/isosurface_parts.h"
+#include "render/volumes/volume.h"
+
+namespace rhoray::render::wide {
+
+namespace {
+
+/// The grids that wide kernels take: their index in the list of views is below the first of any other kind.
+template <class View>
+inline constexpr bool is_uniform_grid = false;
+template <class T>
+inline constexpr bool is_uniform_grid<GridVolume<T>> = true;
+
+/// True where no difference between values and isovalue, nor a product of it, leaves the range of single precision.
+bool is_in_range_of_float(const Interval<double>& range, double isovalue) {
+  const double largest = std::max(std::abs(range.lo - isovalue), std::abs(range.hi - isovalue));
+  return largest <= 0x1p60 && largest >= 0x1p-60;
+}
+
+template <class T>
+Surface surface_of(const GridVolume<T>& view, const Occupancy& occupancy, const Question& question) {
+  const formats::GridDescription& grid = view.description();
+  const Index3 cells = grid.macro.leaf_count;
+  return {.source = SampleSource(view.samples().data(), view.tables(), grid.layout.sample_count),
+          .type = formats::element_type_of<T>(),
+          .leaf_count = {static_cast<int>(cells.x), static_cast<int>(cells.y), static_cast<int>(cells.z)},
+          .node_count = occupancy.node_count(),
+          .nodes = occupancy.nodes(),
+          .summits = occupancy.summits(),
+          .isovalue = question.isovalue,
+          .time_phases = question.time_phases};
+}
+
+HitArrays misses(HitBatch& hits, std::size_t count) {
+  std::fill_n(hits.t.data(), count, std::numeric_limits<double>::infinity());
+  std::fill_n(hits.error.data(), count, std::numeric_limits<double>::quiet_NaN());
+  std::fill_n(hits.value.data(), count, 0.0);
+  for (const auto& component : hits.gradient) std::fill_n(component.data(), count, 0.0);
+  std::fill_n(hits.cell.data(), count, std::uint64_t{0});
+  for (const auto* numbers : {&hits.root_count, &hits.iteration_count, &hits.cost})
+    std::fill_n(numbers->data(), count, 0u);
+  return {.t = hits.t.data(),
+          .value = hits.value.data(),
+          .error = hits.error.data(),
+          .gradient = {hits.gradient[0].data(), hits.gradient[1].data(), hits.gradient[2].data()},
+          .cell = hits.cell.data(),
+          .root_count = hits.root_count.data(),
+          .iteration_count = hits.iteration_count.data(),
+          .cost = hits.cost.data()};
+}
+
+HitArrays from(const HitArrays& hits, std::size_t first) {
+  return {.t = hits.t + first,
+          .value = hits.value + first,
+          .error = hits.error + first,
+          .gradient = {hits.gradient[0] + first, hits.gradient[1] + first, hits.gradient[2] + first},
+          .cell = hits.cell + first,
+          .root_count = hits.root_count + first,
+          .iteration_count = hits.iteration_count + first,
+          .cost = hits.cost + first};
+}
+
+RayArrays from(const RayBatch& rays, std::size_t first) {
+  RayArrays arrays{
+      .origin = {}, .direction = {}, .t_min = rays.t_min.data() + first, .t_max = rays.t_max.data() + first};
+  for (std::size_t a = 0; a < 3; ++a)
+    arrays.origin[a] = rays.origin[a].data() + first, arrays.direction[a] = rays.direction[a].data() + first;
+  return arrays;
+}
+
+/// The thread's memory, with no block kept of another surface.
+IsosurfaceScratch& prepared(std::shared_ptr<IsosurfaceScratch>& scratch, std::shared_ptr<const Occupancy> occupancy) {
+  if (!scratch) scratch = std::make_shared<IsosurfaceScratch>();
+  if (scratch->occupancy != occupancy) {
+    std::fill(std::begin(scratch->block_key), std::end(scratch->block_key), IsosurfaceScratch::no_block);
+    scratch->occupancy = std::move(occupancy);
+  }
+  return *scratch;
+}
+
+template <Machine machine, Search search>
+void first_crossings(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
+                     KernelScratch& scratch) {
+  std::visit(
+      [&]<class View>(const View& view) {
+        if constexpr (is_uniform_grid<View>) {
+          if (!question.use_hierarchy || !is_in_range_of_float(volume.field.range, question.isovalue)) {
+            kernels_for(view, question.method.way).first_crossing(volume, question, rays, hits, scratch);
+            return;
+          }
+          IsosurfaceScratch& memory =
+              prepared(scratch.isosurface, volume.occupancies->of(view.levels(), question.isovalue));
+          const Surface surface = surface_of(view, *memory.occupancy, question);
+          const FirstCrossings answer = first_crossings_on(machine, search);
+          const HitArrays all = misses(hits, rays.count);
+          for (std::size_t first = 0; first < rays.count; first += RayGroup::size)
+            answer(surface, from(rays, first), std::min(RayGroup::size, rays.count - first), from(all, first), memory,
+                   scratch.counters);
+        }
+      },
+      volume.view);
+}
+
+template <Machine machine>
+Kernel kernel_by(Method::Way way) {
+  return way == Method::Way::preview ? first_crossings<machine, Search::preview>
+                                     : first_crossings<machine, Search::bracketed>;
+}
+
+/// A grid of which every cell has data, with macro levels that are trees of 64 children.
+bool is_fit(const VolumeImplementation& volume) {
+  return std::visit(
+      [&]<class View>(const View& view) {
+        if constexpr (is_uniform_grid<View>)
+          return view.lattice().factor == 4 && volume.field.no_data_count == 0;
+        else
+          return false;
+      },
+      volume.view);
+}
+
+}  // namespace
+
+Kernel first_crossing_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
+  const bool is_float = method.precision == Method::Precision::single &&
+                        (method.way == Method::Way::direct || method.way == Method::Way::preview);
+  if (!is_float || !is_fit(volume)) return nullptr;
+  switch (machine) {
+    case Machine::scalar:
+      return nullptr;
+    case Machine::baseline:
+      return kernel_by<Machine::baseline>(method.way);
+    case Machine::avx2:
+      return kernel_by<Machine::avx2>(method.way);
+    case Machine::avx512:
+      return kernel_by<Machine::avx512>(method.way);
+  }
+  return nullptr;
+}
+
+}  // namespace rhoray::render::wide

@@ -1,0 +1,73 @@
+// What the sources compiled once per machine share: numbers of lanes, bits of masks. Included again for each machine.
+#if defined(RHORAY_WIDE_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef RHORAY_WIDE_LANES_INL_H
+#undef RHORAY_WIDE_LANES_INL_H
+#else
+#define RHORAY_WIDE_LANES_INL_H
+#endif
+
+#include <cstdint>
+#include <cstring>
+
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace rhoray::render::wide::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Doubles = hn::CappedTag<double, 8>;
+using Floats = hn::CappedTag<float, 16>;
+using Ints = hn::RebindToSigned<Floats>;
+using HalfFloats = hn::Rebind<float, Doubles>;  ///< as many floats as doubles
+using VecD = hn::Vec<Doubles>;
+using VecF = hn::Vec<Floats>;
+using VecI = hn::Vec<Ints>;
+using MaskD = hn::Mask<Doubles>;
+using MaskF = hn::Mask<Floats>;
+
+inline constexpr Doubles doubles{};
+inline constexpr Floats floats{};
+inline constexpr Ints ints{};
+inline constexpr HalfFloats half_floats{};
+
+inline constexpr std::size_t double_lanes = hn::MaxLanes(doubles);
+inline constexpr std::size_t float_lanes = hn::MaxLanes(floats);
+
+/// The lanes of a mask as bits, the first lane's lowest.
+template <class D>
+HWY_INLINE std::uint64_t bits_of(D tag, hn::Mask<D> mask) {
+#if HWY_TARGET <= HWY_AVX3 && HWY_TARGET != HWY_SCALAR
+  (void)tag;
+  return static_cast<std::uint64_t>(mask.raw);
+#else
+  HWY_ALIGN std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(tag, mask, bytes);
+  std::uint64_t bits;
+  std::memcpy(&bits, bytes, sizeof bits);
+  return bits;
+#endif
+}
+
+/// The mask of the lowest bits.
+template <class D>
+HWY_INLINE hn::Mask<D> mask_of(D tag, std::uint64_t bits) {
+  HWY_ALIGN std::uint8_t bytes[8];
+  std::memcpy(bytes, &bits, sizeof bits);
+  return hn::LoadMaskBits(tag, bytes);
+}
+
+template <class D>
+HWY_INLINE hn::Mask<D> no_lane(D tag) {
+  return hn::FirstN(tag, 0);
+}
+
+/// True in lanes that are finite numbers.
+HWY_INLINE MaskD is_finite(VecD x) {
+  return hn::Le(hn::Abs(x), hn::Set(doubles, 1.7976931348623157e308));
+}
+
+}  // namespace rhoray::render::wide::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

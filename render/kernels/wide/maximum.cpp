@@ -1,0 +1,177 @@
+#include "render/kernels/wide/maximum.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <variant>
+
+#include "render/kernels/grid_maximum.h"
+#include "render/kernels/kernel_of.h"
+#include "render/kernels/wide/maximum_parts.h"
+
+namespace rhoray::render::wide {
+
+namespace {
+
+/// A whole cell on a ray's way, as walk_level visits it.
+template <class Planes>
+CellVisit whole_visit(const PlaneTimesOf<Planes>& planes, const Segment& segment, const Index3& cell) {
+  CellVisit visit{.cell = cell, .t_in = segment.t_in, .t_out = segment.t_out, .axis_in = -1, .axis_out = -1};
+  for (int axis = 0; axis < 3; ++axis) {
+    const int step = planes.step(axis);
+    if (step == 0) continue;
+    const double entry = planes.at(axis, step > 0 ? cell[axis] : cell[axis] + 1);
+    const double exit = planes.at(axis, step > 0 ? cell[axis] + 1 : cell[axis]);
+    if (entry >= visit.t_in) visit.t_in = entry, visit.axis_in = axis;
+    if (exit < visit.t_out || (exit == visit.t_out && visit.axis_out < 0)) visit.t_out = exit, visit.axis_out = axis;
+  }
+  return visit;
+}
+
+template <class View>
+void look_closely(const void* context, const RayArrays& rays, std::size_t r, double t_from, double t_to,
+                  FoundMaximum& found) {
+  const View& view = *static_cast<const View*>(context);
+  const Ray ray{.origin = {rays.origin[0][r], rays.origin[1][r], rays.origin[2][r]},
+                .direction = {rays.direction[0][r], rays.direction[1][r], rays.direction[2][r]},
+                .t_min = rays.t_min[r],
+                .t_max = rays.t_max[r]};
+  const auto planes = view.plane_times(ray);
+  const WalkLattice lattice = view.lattice();
+  const std::optional<Segment> segment = clip_to_lattice(ray, planes, lattice.leaf_count);
+  if (!segment) return;
+  walk_level(ray, planes, lattice, 1, whole_level(lattice, 1), t_from, t_to, [&](const CellVisit& part) {
+    const CellVisit visit = whole_visit(planes, *segment, part.cell);
+    if (visit.has_no_length()) return true;
+    const TrilinearCell cell = view.cell(visit.cell);
+    if (!view.has_data(cell)) return true;
+    const double bound = cell.largest();
+    if (!(bound > found.value || (bound == found.value && visit.t_in < found.t))) return true;
+    const CubicMaximum best = largest_in_cell<double>(cell, entry_point(view.geometry(), ray, planes, visit),
+                                                      exit_point(view.geometry(), ray, planes, visit), bound, false);
+    const double t = visit.t_at(best.s);
+    const FoundMaximum here{best.value, t, view.cell_id(visit.cell), best.value == bound && t == visit.t_in};
+    if (is_better(here, found)) found = here;
+    return true;
+  });
+}
+
+template <class View>
+inline constexpr bool is_dense_uniform_grid = false;
+template <class T>
+inline constexpr bool is_dense_uniform_grid<GridVolume<T>> = true;
+
+template <class T>
+StoredRanges ranges_of(const formats::MacroLevelsView<T>& levels, int level) {
+  if (level > levels.shape.level_count) return {nullptr, {0, 0, 0}};
+  const Index3 count = levels.shape.count(level);
+  return {levels.ranges[static_cast<std::size_t>(level - levels.first_level)].data(),
+          {static_cast<int>(count.x), static_cast<int>(count.y), static_cast<int>(count.z)}};
+}
+
+template <class T>
+MaximumField field_of(const VolumeImplementation& volume, const GridVolume<T>& view) {
+  const Index3 leaf_count = view.lattice().leaf_count;
+  MaximumField field{.source = SampleSource(view.samples().data(), view.tables(),
+                                            view.description().layout.sample_count),
+                     .type = formats::element_type_of<T>(),
+                     .leaf_count = {},
+                     .node_count = {},
+                     .blocks = ranges_of(view.levels(), 1),
+                     .nodes = ranges_of(view.levels(), 2),
+                     .has_gaps = volume.field.no_data_count > 0,
+                     .look_closely = look_closely<GridVolume<T>>,
+                     .context = &view};
+  for (int axis = 0; axis < 3; ++axis) {
+    field.leaf_count[axis] = static_cast<int>(leaf_count[axis]);
+    field.node_count[static_cast<std::size_t>(axis)] = 4 * static_cast<int>((leaf_count[axis] + 63) / 64);
+    if (!field.nodes.first) field.nodes.count[axis] = (field.blocks.count[axis] + 3) / 4;
+  }
+  return field;
+}
+
+RayArrays arrays_from(const RayBatch& rays, std::size_t first) {
+  return {.origin = {&rays.origin[0][first], &rays.origin[1][first], &rays.origin[2][first]},
+          .direction = {&rays.direction[0][first], &rays.direction[1][first], &rays.direction[2][first]},
+          .t_min = &rays.t_min[first],
+          .t_max = &rays.t_max[first]};
+}
+
+Hit hit_of(const FoundMaximum& found, std::uint32_t cost) {
+  Hit hit;
+  if (found.value > -std::numeric_limits<double>::infinity())
+    hit.t = found.t, hit.value = found.value, hit.cell = found.cell;
+  hit.cost = cost;
+  return hit;
+}
+
+template <class View, Machine machine>
+void largest_values(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
+                    KernelScratch& scratch) {
+  const View& view = std::get<View>(volume.view);
+  if (!question.use_hierarchy)
+    return kernels_for(view, question.method.way).largest_value(volume, question, rays, hits, scratch);
+  if (!scratch.maximum) scratch.maximum = std::make_shared<MaximumScratch>();
+  MaximumScratch& memory = *scratch.maximum;
+  memory.regions = memory.looks = 0;
+  std::uint64_t cells = 0;
+  const MaximumField field = field_of(volume, view);
+  const LargestValues search = largest_values_on(machine);
+  for (std::size_t first = 0; first < rays.count; first += RayBatch::group_size) {
+    const std::size_t count = std::min(RayBatch::group_size, rays.count - first);
+    for (std::size_t r = 0; r < count; ++r) {
+      memory.found[r] = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), 0, false};
+      memory.cost[r] = 0;
+    }
+    search(field, arrays_from(rays, first), count, memory);
+    for (std::size_t r = 0; r < count; ++r) {
+      hits.set(first + r, hit_of(memory.found[r], memory.cost[r]));
+      cells += memory.cost[r];
+    }
+  }
+  scratch.counters.macrocells_visited += memory.regions;
+  scratch.counters.cells_visited += cells;
+  scratch.counters.cells_solved += memory.looks;
+}
+
+template <class View>
+Kernel kernel_on(Machine machine) {
+  switch (machine) {
+    case Machine::scalar:
+      break;
+    case Machine::baseline:
+      return largest_values<View, Machine::baseline>;
+    case Machine::avx2:
+      return largest_values<View, Machine::avx2>;
+    case Machine::avx512:
+      return largest_values<View, Machine::avx512>;
+  }
+  return nullptr;
+}
+
+bool is_direct(Method::Way way) {
+  return way == Method::Way::direct || way == Method::Way::preview || way == Method::Way::slack;
+}
+
+}  // namespace
+
+Kernel largest_value_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
+  if (!is_direct(method.way) || !largest_values_on(machine)) return nullptr;
+  return std::visit(
+      [&](const auto& view) -> Kernel {
+        using View = std::decay_t<decltype(view)>;
+        if constexpr (is_dense_uniform_grid<View>) {
+          constexpr std::int64_t largest_size = 1 << 14;  // places on it have enough digits in single precision
+          const Index3 size = view.lattice().leaf_count;
+          const bool is_small = std::max({size.x, size.y, size.z}) <= largest_size;
+          const Interval<double>& range = volume.field.range;
+          const bool has_range = range.is_empty() || std::isfinite(range.hi - range.lo);
+          if (view.lattice().factor == 4 && is_small && has_range) return kernel_on<View>(machine);
+        }
+        return nullptr;
+      },
+      volume.view);
+}
+
+}  // namespace rhoray::render::wide

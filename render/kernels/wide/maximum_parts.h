@@ -1,0 +1,166 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "formats/packed_file.h"
+#include "render/kernels/machine.h"
+#include "render/kernels/wide/block_samples.h"
+#include "render/kernels/wide/ray_group.h"
+
+/// What the sources of the wide kernel for largest values hand to the part that is compiled once per machine.
+///
+/// That part looks for the places on a ray where the largest value can be, in single precision with its rounding
+/// bounded; what it cannot rule out is decided by `look_closely`, which computes what the scalar kernel computes.
+namespace rhoray::render::wide {
+
+/// The largest value found on a ray so far.
+struct FoundMaximum {
+  double value;  ///< -infinity: none
+  double t;
+  std::uint64_t cell;
+  bool is_bound_at_entry;  ///< the cell's largest value, and where the ray enters it
+};
+
+/// True where the other takes its place: the larger value; of equal ones the nearer, and there the one that the scalar
+/// kernel's queue meets first.
+RHORAY_INLINE bool is_better(const FoundMaximum& other, const FoundMaximum& found) {
+  if (other.value != found.value) return other.value > found.value;
+  if (other.t != found.t) return other.t < found.t;
+  if (other.is_bound_at_entry != found.is_bound_at_entry) return found.is_bound_at_entry;
+  return other.cell < found.cell;
+}
+
+/// Values that occur in the macrocells of one level: lo and hi of each, of the field's type, x fastest.
+struct StoredRanges {
+  const void* first;
+  int count[3];
+};
+
+/// The cells of a ray from t_from to t_to, as the scalar kernel sees them, if they can change what is found.
+/// @param ray  place in the chunk
+using LookClosely = void (*)(const void* context, const RayArrays& rays, std::size_t ray, double t_from, double t_to,
+                             FoundMaximum& found);
+
+/// One field of one volume.
+struct MaximumField {
+  SampleSource source;
+  formats::ElementType type;
+  int leaf_count[3];
+  std::array<int, 3> node_count;  ///< of 16 cells, a multiple of 4
+  StoredRanges blocks, nodes;     ///< of 4 and of 16 cells; there may be none of 16
+  bool has_gaps;                  ///< some samples have no data
+  LookClosely look_closely;
+  const void* context;
+};
+
+/// Regions of the frustum of a group with the largest value in each, the largest first: 256 buckets of values, and in
+/// each the last one put in.
+struct RegionQueue {
+  struct Region {
+    double largest;
+    std::int16_t at[3];  ///< mirrored, in regions of its size
+    std::uint16_t is_block;
+    std::uint32_t next;
+  };
+  static constexpr std::uint32_t capacity = 4096;
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+  double lowest, buckets_per_unit;
+  std::uint64_t filled[4];  ///< bit b of word w: bucket 64 w + b has regions
+  std::uint32_t count, unused;
+  std::uint32_t first[256];
+  Region regions[capacity];
+};
+
+/// The rays of a group in single precision: places on the minor axes as functions of the place on the major one.
+struct alignas(64) GroupLines {
+  static constexpr std::size_t size = RayGroup::size;
+
+  float start[2][size];    ///< where the major axis is 0
+  float slope[2][size];
+  float inverse[2][size];  ///< of the slope; large where it is close to 0
+  float from[size], to[size];  ///< the part inside the lattice, on the major axis
+  float reached[size];     ///< no more than the largest value found
+  float reached_at[size];  ///< no less than where it was found, on the major axis
+};
+
+/// Parts of rays in a block that may hold a larger value than was found.
+struct alignas(64) BlockSuspects {
+  static constexpr std::size_t capacity = 64 * 10 + 16;
+
+  std::int32_t ray[capacity];
+  float from[capacity], to[capacity];
+  float bound[capacity];  ///< no value there is larger, in the block's unit
+  std::size_t count;
+};
+
+/// The same of all blocks, until they are looked at closely.
+struct Suspects {
+  static constexpr std::size_t capacity = 2048;
+
+  std::int32_t ray[capacity];
+  float from[capacity], to[capacity];
+  double bound[capacity];
+  std::size_t count;
+};
+
+/// Cells on rays that are to be looked at closely.
+struct alignas(64) Looks {
+  static constexpr std::size_t capacity = 512;
+
+  std::int32_t ray[capacity];
+  std::int32_t cell[3][capacity];
+  double from[capacity], to[capacity];  ///< t: the cells before and behind are looked at as far as this
+  std::int32_t way[capacity];           ///< -1: only those before, 1: only those behind, 0: both
+  std::size_t count;
+};
+
+/// The last cells that suspects of a ray were in, and from and to which t they are followed up.
+struct LastLooks {
+  static constexpr std::size_t kept = 4;
+  std::uint64_t key[kept];
+  double from[kept], to[kept];
+  std::size_t next;
+};
+
+/// Rays that pass a block, packed side by side.
+struct alignas(64) RaysAtBlock {
+  static constexpr std::size_t capacity = RayGroup::size + 16;
+
+  std::int32_t ray[capacity];
+  float from[capacity], to[capacity];
+  std::size_t count;
+};
+
+/// A block's samples in mirrored order of reading: (sample - its largest value) in a unit of about its range.
+struct alignas(64) MaximumBlock {
+  float sample[160];
+  float largest[160];  ///< of the cell of which this is the lowest corner
+};
+
+struct alignas(64) MaximumScratch {
+  RayGroup group;
+  GroupLines lines;
+  RegionQueue queue;
+  MaximumBlock block;
+  RaysAtBlock at_block;
+  BlockSuspects at_hand;
+  Suspects suspects;
+  Looks looks_left;
+  double reached[RayGroup::size];        ///< some value on the ray is at least this
+  LastLooks last_looks[RayGroup::size];
+  double known_value[RayGroup::size], known_t[RayGroup::size];  ///< what is in `found`, by place in the group
+  FoundMaximum found[RayGroup::size];   ///< by place in the chunk
+  std::uint32_t cost[RayGroup::size];   ///< by place in the chunk: blocks and cells visited
+  std::uint64_t regions, looks;        ///< counted
+};
+
+using LargestValues = void (*)(const MaximumField& field, const RayArrays& rays, std::size_t count,
+                               MaximumScratch& scratch);
+
+/// Null for `scalar`, and where this processor or this build does not have the machine.
+LargestValues largest_values_on(Machine machine);
+
+}  // namespace rhoray::render::wide

@@ -1,0 +1,134 @@
+#include "render/volumes/occupancy.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace rhoray::render {
+
+namespace {
+
+/// The smallest number of type T that is not below the isovalue; nothing when all are. Then lo < isovalue <= hi is the
+/// same as lo < threshold <= hi.
+template <class T>
+std::optional<T> threshold_in(double isovalue) {
+  if constexpr (std::is_integral_v<T>) {
+    const double least = std::ceil(isovalue);
+    if (!(least <= static_cast<double>(std::numeric_limits<T>::max()))) return std::nullopt;
+    return least <= static_cast<double>(std::numeric_limits<T>::lowest()) ? std::numeric_limits<T>::lowest()
+                                                                          : static_cast<T>(least);
+  } else {
+    if (std::isnan(isovalue)) return std::nullopt;
+    T least = static_cast<T>(isovalue);
+    if (static_cast<double>(least) < isovalue) least = std::nextafter(least, std::numeric_limits<T>::infinity());
+    return least;
+  }
+}
+
+/// One level of ranges, and which of them hold both sides.
+template <class T>
+struct Straddling {
+  const T* ranges;
+  Index3 count;
+  T threshold;
+
+  bool operator()(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    const T* range = ranges + 2 * ((k * count.y + j) * count.x + i);
+    return range[0] < threshold && threshold <= range[1];
+  }
+
+  /// The bits of the children (4i.., 4j.., 4k..) that exist.
+  std::uint64_t children(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    const std::int64_t x_end = std::min<std::int64_t>(4, count.x - 4 * i),
+                       y_end = std::min<std::int64_t>(4, count.y - 4 * j),
+                       z_end = std::min<std::int64_t>(4, count.z - 4 * k);
+    std::uint64_t bits = 0;
+    for (std::int64_t z = 0; z < z_end; ++z)
+      for (std::int64_t y = 0; y < y_end; ++y) {
+        const T* row = ranges + 2 * (((4 * k + z) * count.y + 4 * j + y) * count.x + 4 * i);
+        std::uint64_t row_bits = 0;
+        if (x_end == 4) {
+          for (unsigned x = 0; x < 4; ++x)
+            row_bits |= static_cast<std::uint64_t>((row[2 * x] < threshold) & (threshold <= row[2 * x + 1])) << x;
+        } else {
+          for (unsigned x = 0; x < x_end; ++x)
+            row_bits |= static_cast<std::uint64_t>((row[2 * x] < threshold) & (threshold <= row[2 * x + 1])) << x;
+        }
+        bits |= row_bits << (4 * y + 16 * z);
+      }
+    return bits;
+  }
+};
+
+}  // namespace
+
+template <class T>
+Occupancy::Occupancy(const formats::MacroLevelsView<T>& levels, double isovalue) {
+  const Index3 blocks = levels.shape.count(1);
+  std::array<int, 3> summit_count;
+  for (int a = 0; a < 3; ++a) {
+    summit_count[static_cast<std::size_t>(a)] = static_cast<int>((blocks[a] + 15) / 16);
+    node_count_[static_cast<std::size_t>(a)] = 4 * summit_count[static_cast<std::size_t>(a)];
+  }
+  const auto volume = [](const std::array<int, 3>& count) {
+    return static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]) * static_cast<std::size_t>(count[2]);
+  };
+  nodes_.assign(volume(node_count_), 0);
+  summits_.assign(volume(summit_count), 0);
+  const std::optional<T> threshold = threshold_in<T>(isovalue);
+  if (!threshold) return;
+
+  const auto level = [&](int l) {
+    return Straddling<T>{levels.ranges[static_cast<std::size_t>(l - levels.first_level)].data(), levels.shape.count(l),
+                         *threshold};
+  };
+  const Straddling<T> of_blocks = level(1);
+  std::size_t at = 0;
+  for (int k = 0; k < summit_count[2]; ++k)
+    for (int j = 0; j < summit_count[1]; ++j)
+      for (int i = 0; i < summit_count[0]; ++i, ++at) {
+        if (levels.shape.level_count >= 3 && !level(3)(i, j, k)) continue;
+        std::uint64_t candidates = ~std::uint64_t{0};
+        if (levels.shape.level_count >= 2) candidates = level(2).children(i, j, k);
+        std::uint64_t summit = 0;
+        for (; candidates != 0; candidates &= candidates - 1) {
+          const int bit = std::countr_zero(candidates);
+          const int x = 4 * i + (bit & 3), y = 4 * j + (bit >> 2 & 3), z = 4 * k + (bit >> 4);
+          const std::uint64_t node = of_blocks.children(x, y, z);
+          nodes_[static_cast<std::size_t>((z * static_cast<std::int64_t>(node_count_[1]) + y) * node_count_[0] + x)] =
+              node;
+          summit |= static_cast<std::uint64_t>(node != 0) << bit;
+        }
+        summits_[at] = summit;
+      }
+}
+
+template <class T>
+std::shared_ptr<const Occupancy> OccupancyCache::of(const formats::MacroLevelsView<T>& levels, double isovalue) {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::find_if(last_.begin(), last_.end(), [&](const Entry& e) { return e.isovalue == isovalue; });
+  if (found != last_.end()) {
+    std::rotate(last_.begin(), found, found + 1);
+  } else {
+    if (last_.size() == kept) last_.pop_back();
+    last_.insert(last_.begin(), {isovalue, std::make_shared<const Occupancy>(levels, isovalue)});
+  }
+  return last_.front().occupancy;
+}
+
+#define RHORAY_OCCUPANCY(T)                                                  \
+  template Occupancy::Occupancy(const formats::MacroLevelsView<T>&, double); \
+  template std::shared_ptr<const Occupancy> OccupancyCache::of(const formats::MacroLevelsView<T>&, double);
+RHORAY_OCCUPANCY(std::uint8_t)
+RHORAY_OCCUPANCY(std::int8_t)
+RHORAY_OCCUPANCY(std::uint16_t)
+RHORAY_OCCUPANCY(std::int16_t)
+RHORAY_OCCUPANCY(std::uint32_t)
+RHORAY_OCCUPANCY(std::int32_t)
+RHORAY_OCCUPANCY(float)
+RHORAY_OCCUPANCY(double)
+#undef RHORAY_OCCUPANCY
+
+}  // namespace rhoray::render

@@ -1,0 +1,265 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "render/kernels/kernels.h"
+#include "render/kernels/wide/maximum.h"
+#include "render/method.h"
+#include "tests/render/support/allocation_count.h"
+#include "tests/render/support/grid_judge.h"
+#include "tests/render/support/rays.h"
+#include "tests/render/support/traced_volume.h"
+#include "tests/support/fields.h"
+
+namespace rhoray::tests {
+namespace {
+
+using render::Hit;
+using render::Machine;
+using render::Method;
+using render::Ray;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<Machine> wide_machines() {
+  std::vector<Machine> machines;
+  for (const Machine machine : {Machine::baseline, Machine::avx2, Machine::avx512})
+    if (render::has_machine(machine)) machines.push_back(machine);
+  return machines;
+}
+
+std::vector<Hit> largest_values(const TracedVolume& traced, const Method& method, Machine machine,
+                                const std::vector<Ray>& rays_world) {
+  const render::VolumeImplementation& volume = traced.volume().implementation();
+  const render::Kernels kernels = render::choose_kernels(volume, method, machine);
+  render::KernelScratch scratch;
+  scratch.queue.reserve(kernels.queue_entries);
+  std::vector<Ray> rays;
+  for (const Ray& ray : rays_world) rays.push_back(traced.ray_volume(ray));
+  std::vector<Hit> hits(rays.size());
+  render::ask(kernels.largest_value, volume, {.field_range = traced.volume().field().range, .method = method}, rays,
+              hits, scratch);
+  return hits;
+}
+
+/// Squares of 8 x 8 rays from points around and inside a box [0, size] towards points in it, from one point or parallel.
+std::vector<Ray> bundles(const Vec3& size, std::size_t count, std::uint64_t seed) {
+  Dice dice(seed);
+  std::vector<Ray> rays;
+  while (rays.size() < count) {
+    const Vec3 target = dice.point({0, 0, 0}, size);
+    Vec3 towards = dice.direction();
+    if (dice.below(4) == 0) {
+      const int axis = static_cast<int>(dice.below(3));
+      towards = Vec3(0);
+      towards[axis] = dice.coin() ? 1 : -1;
+    }
+    const double back = dice.between(0.1, 3) * size.length(), spread = dice.between(0.01, 8);
+    const Vec3 u = towards.cross(Vec3(0.3, 0.5, 0.8)).normalized(), v = towards.cross(u);
+    const bool is_parallel = dice.below(4) == 0;
+    for (int y = 0; y < 8; ++y)
+      for (int x = 0; x < 8; ++x) {
+        const Vec3 shift = spread * ((x - 3.5) / 4 * u + (y - 3.5) / 4 * v), eye = target - back * towards;
+        rays.push_back({.origin = is_parallel ? eye + shift : eye,
+                        .direction = is_parallel ? towards : (target + shift - eye).normalized()});
+      }
+  }
+  return rays;
+}
+
+std::vector<Ray> rays_through(const Vec3& size, std::size_t count, std::uint64_t seed) {
+  std::vector<Ray> rays = bundles(size, count, seed);
+  const std::vector<Ray> single = stressful_rays(size, count, seed);
+  rays.insert(rays.end(), single.begin(), single.end());
+  return rays;
+}
+
+void expect_same(const std::vector<Hit>& wide, const std::vector<Hit>& reference, const std::vector<Ray>& rays,
+                 const std::string& where) {
+  int different = 0;
+  for (std::size_t r = 0; r < rays.size(); ++r) {
+    const Hit &a = wide[r], &b = reference[r];
+    if (same_bits(a, b) || ++different > 3) continue;
+    ADD_FAILURE() << where << ", ray " << r << " from " << rays[r].origin << " along " << rays[r].direction << ": t "
+                  << a.t << " instead of " << b.t << ", value " << a.value << " instead of " << b.value << ", cell "
+                  << a.cell << " instead of " << b.cell;
+  }
+  EXPECT_EQ(different, 0) << where;
+}
+
+/// Every machine gives what the scalar kernel gives; returns how many rays hit.
+int expect_agreement(const TracedVolume& traced, const std::vector<Ray>& rays) {
+  const std::vector<Hit> reference = largest_values(traced, Method{}, Machine::scalar, rays);
+  for (const Machine machine : wide_machines()) {
+    EXPECT_NE(render::wide::largest_value_kernel(traced.volume().implementation(), Method{}, machine), nullptr);
+    expect_same(largest_values(traced, Method{}, machine, rays), reference, rays, name_of(machine));
+  }
+  return static_cast<int>(std::count_if(reference.begin(), reference.end(), [](const Hit& hit) { return !hit.is_miss(); }));
+}
+
+/// Noise of `kinds` different values from `low` upwards.
+Samples noise(std::int64_t kinds, double low) {
+  return [=](const Index3& at) {
+    const auto hash = static_cast<std::uint64_t>((at.z * 1009 + at.y) * 1013 + at.x + 7) * 0x9e3779b97f4a7c15U;
+    return low + static_cast<double>((hash >> 35) % static_cast<std::uint64_t>(kinds));
+  };
+}
+
+double waves(const Index3& at) {
+  const Vec3 p(static_cast<double>(at.x), static_cast<double>(at.y), static_cast<double>(at.z));
+  return std::sin(0.4 * p.x) + std::sin(0.5 * p.y) * std::cos(0.3 * p.z);
+}
+
+template <class T>
+int agreement_of(const Samples& samples, std::uint64_t seed) {
+  const TracedVolume traced(
+      volume_of<T>({37, 22, 70}, [&](const Index3& at) { return static_cast<T>(samples(at)); }));
+  return expect_agreement(traced, rays_through({36, 21, 69}, 2000, seed));
+}
+
+TEST(WideMaximum, is_the_scalar_kernels_answer_bit_for_bit_for_every_type_of_samples) {
+  int hits = 0;
+  hits += agreement_of<std::uint8_t>([](const Index3& at) { return 120 + 60 * waves(at); }, 1);
+  hits += agreement_of<std::int8_t>([](const Index3& at) { return 60 * waves(at); }, 2);
+  hits += agreement_of<std::uint16_t>([](const Index3& at) { return 30000 + 9000 * waves(at); }, 3);
+  hits += agreement_of<std::int16_t>([](const Index3& at) { return 9000 * waves(at) - 1000; }, 4);
+  hits += agreement_of<std::uint32_t>([](const Index3& at) { return 4e9 + 100 * waves(at); }, 5);
+  hits += agreement_of<std::int32_t>([](const Index3& at) { return -2e9 + 1e7 * waves(at); }, 6);
+  hits += agreement_of<float>(waves, 7);
+  hits += agreement_of<double>(waves, 8);
+  EXPECT_GT(hits, 8000);
+}
+
+TEST(WideMaximum, is_the_scalar_kernels_answer_in_noise_plateaus_and_constants) {
+  const std::vector<Samples> kinds{
+      noise(100000, -50000),
+      noise(17, 2),
+      noise(3, 0),
+      noise(100, -200),
+      [](const Index3&) { return 0.1; },
+      [](const Index3&) { return 0.0; },
+      [](const Index3& at) { return std::min(0.7, 0.01 * static_cast<double>(at.x * at.y)); },
+      [](const Index3& at) { return at.x == 5 || at.x == 17 ? 0.3 : 0.1; },
+      [](const Index3& at) { return at.y >= 9 && at.y <= 14 ? 200.0 : noise(200, 0)(at); },
+      [](const Index3& at) { return noise(11, 0)(at) == 3 ? -1e9 : noise(50, -3)(at); }};
+  int hits = 0;
+  std::uint64_t seed = 20;
+  for (const Samples& samples : kinds) {
+    hits += agreement_of<double>(samples, ++seed);
+    hits += agreement_of<float>(samples, ++seed);
+    hits += agreement_of<std::int16_t>(samples, ++seed);
+  }
+  EXPECT_GT(hits, 30000);
+}
+
+TEST(WideMaximum, leaves_cells_without_data_out_as_the_scalar_kernel_does) {
+  const std::vector<Samples> kinds{[](const Index3& at) { return noise(9, 0)(at) == 0 ? nan : noise(50, -3)(at); },
+                                   [](const Index3& at) { return at.x == 7 && at.y < 12 ? nan : waves(at); },
+                                   [](const Index3& at) { return noise(40, 0)(at) == 1 ? HUGE_VAL : waves(at); },
+                                   [](const Index3& at) { return noise(40, 0)(at) == 1 ? -HUGE_VAL : waves(at); },
+                                   [](const Index3&) { return nan; }};
+  int hits = 0;
+  std::uint64_t seed = 60;
+  for (const Samples& samples : kinds) {
+    hits += agreement_of<double>(samples, ++seed);
+    hits += agreement_of<float>(samples, ++seed);
+  }
+  EXPECT_GT(hits, 8000);
+}
+
+TEST(WideMaximum, keeps_small_differences_of_large_values_and_values_of_any_magnitude) {
+  const std::vector<Samples> kinds{[](const Index3& at) { return 1e9 + waves(at); },
+                                   [](const Index3& at) { return 1e-300 * waves(at); },
+                                   [](const Index3& at) { return 1e300 * waves(at); },
+                                   [](const Index3& at) { return 1e-312 * noise(100, 0)(at); },
+                                   [](const Index3& at) { return at == Index3(9, 9, 9) ? 1e200 : waves(at); }};
+  int hits = 0;
+  std::uint64_t seed = 80;
+  for (const Samples& samples : kinds) hits += agreement_of<double>(samples, ++seed);
+  const std::vector<Samples> of_float{[](const Index3& at) { return 1e-42 * noise(100, 0)(at); },
+                                      [](const Index3& at) { return 1e38 * waves(at); },
+                                      [](const Index3& at) { return 1e7 + waves(at); }};
+  for (const Samples& samples : of_float) hits += agreement_of<float>(samples, ++seed);
+  EXPECT_GT(hits, 8000);
+}
+
+TEST(WideMaximum, takes_lattices_of_every_small_size) {
+  std::uint64_t seed = 100;
+  for (const Index3& count : {Index3(2, 2, 2), Index3(2, 3, 5), Index3(5, 5, 5), Index3(6, 4, 130), Index3(65, 2, 9)}) {
+    const TracedVolume traced(volume_of<std::uint16_t>(
+        count, [](const Index3& at) { return static_cast<std::uint16_t>(noise(1000, 0)(at)); }));
+    const Vec3 size(static_cast<double>(count.x - 1), static_cast<double>(count.y - 1), static_cast<double>(count.z - 1));
+    EXPECT_GT(expect_agreement(traced, rays_through(size, 1000, ++seed)), 500);
+  }
+}
+
+TEST(WideMaximum, reads_every_layout) {
+  std::uint64_t seed = 200;
+  const auto values = [](const Index3& at) { return static_cast<std::uint16_t>(noise(1000, 0)(at)); };
+  std::vector<preprocess::PackVolumeOptions> layouts{{.order = preprocess::SampleOrder::linear}};
+  for (const std::int64_t brick_edge : {2, 3, 4, 6, 8}) layouts.push_back({.brick_edge = brick_edge});
+  for (const preprocess::PackVolumeOptions& layout : layouts) {
+    const TracedVolume traced(volume_of<std::uint16_t>({37, 22, 41}, values), layout);
+    EXPECT_GT(expect_agreement(traced, rays_through({36, 21, 40}, 500, ++seed)), 400);
+  }
+}
+
+// One level of macrocells: there are no nodes to read. Other factors are not for this kernel.
+TEST(WideMaximum, is_chosen_where_levels_have_factor_4_and_the_way_is_direct) {
+  const auto volume = [] { return volume_of<float>({30, 25, 37}, [](const Index3& at) { return static_cast<float>(waves(at)); }); };
+  const TracedVolume one_level(volume(), {.macro_level_count = 1});
+  EXPECT_GT(expect_agreement(one_level, rays_through({29, 24, 36}, 1000, 7)), 800);
+  const TracedVolume other_factor(volume(), {.macro_factor = 3, .macro_level_count = 2});
+  const auto kernel = [](const TracedVolume& traced, const Method& method, Machine machine) {
+    return render::wide::largest_value_kernel(traced.volume().implementation(), method, machine);
+  };
+  EXPECT_EQ(kernel(other_factor, Method{}, Machine::baseline), nullptr);
+  EXPECT_EQ(kernel(one_level, {.way = Method::Way::paper}, Machine::baseline), nullptr);
+  EXPECT_EQ(kernel(one_level, {.way = Method::Way::certified}, Machine::baseline), nullptr);
+  EXPECT_EQ(kernel(one_level, Method{}, Machine::scalar), nullptr);
+}
+
+TEST(WideMaximum, of_a_ray_does_not_depend_on_the_rays_that_share_its_group) {
+  const TracedVolume traced(
+      volume_of<std::uint8_t>({37, 22, 41}, [](const Index3& at) { return static_cast<std::uint8_t>(noise(9, 0)(at)); }));
+  const std::vector<Ray> rays = rays_through({36, 21, 40}, 1000, 3);
+  std::vector<std::size_t> order(rays.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::shuffle(order.begin(), order.end(), std::mt19937_64(4));
+  for (const Machine machine : wide_machines()) {
+    const std::vector<Hit> together = largest_values(traced, Method{}, machine, rays);
+    std::vector<Ray> shuffled;
+    for (const std::size_t i : order) shuffled.push_back(rays[i]);
+    const std::vector<Hit> apart = largest_values(traced, Method{}, machine, shuffled);
+    int different = 0;
+    for (std::size_t i = 0; i < order.size(); ++i) different += !same_bits(apart[i], together[order[i]]);
+    EXPECT_EQ(different, 0) << name_of(machine);
+    for (std::size_t i = 0; i < rays.size(); i += 17)
+      EXPECT_TRUE(same_bits(largest_values(traced, Method{}, machine, {rays[i]}).front(), together[i])) << i;
+  }
+}
+
+TEST(WideMaximum, allocates_nothing_once_it_has_its_memory) {
+  const TracedVolume traced(
+      volume_of<std::uint16_t>({37, 22, 41}, [](const Index3& at) { return static_cast<std::uint16_t>(noise(900, 0)(at)); }));
+  const render::VolumeImplementation& volume = traced.volume().implementation();
+  for (const Machine machine : wide_machines()) {
+    const render::Kernel kernel = render::choose_kernels(volume, Method{}, machine).largest_value;
+    render::RayBatch rays(1024);
+    render::HitBatch hits(1024);
+    render::KernelScratch scratch;
+    for (const Ray& ray : bundles({36, 21, 40}, 1024, 5)) rays.set(rays.count++, ray);
+    kernel(volume, {}, rays, hits, scratch);
+    const std::size_t before = allocation_count();
+    kernel(volume, {}, rays, hits, scratch);
+    EXPECT_EQ(allocation_count(), before) << name_of(machine);
+    EXPECT_GT(scratch.counters.cells_visited, 1024U);
+  }
+}
+
+}  // namespace
+}  // namespace rhoray::tests
