@@ -228,6 +228,7 @@ int run(const Wishes& wishes) {
     for (const std::string& word : wishes.views) {
       const tools::StudyView view = tools::study_view_named(word);
       std::vector<render::Framebuffer> pictures(entrants.size());
+      std::vector<render::FrameMemory> memories(entrants.size());
       std::vector<render::FrameStatistics> statistics(entrants.size());
       std::vector<TimedRow> rows;
       for (std::size_t e = 0; e < entrants.size(); ++e) {
@@ -236,7 +237,7 @@ int run(const Wishes& wishes) {
         rows.push_back({.name = entrant.layout.name, .act = [&, e, scene] {
                           statistics[e] = render::render(entrants[e].volume, scene,
                                                          frame_of(wishes.shown.size, entrants[e].layout.use_hierarchy),
-                                                         pictures[e]);
+                                                         pictures[e], memories[e]);
                         }});
       }
       run_rounds(rows, wishes.rounds, [&](const std::string& step) { tell(concat(word, ", ", step)); });

@@ -192,6 +192,7 @@ std::vector<TimedRow> time_all(const std::vector<Entrant>& entrants, const PeerV
 }
 
 /// What rows of both tables have in common.
+/// @param own_ms  of the level that others are compared with: float for isosurfaces, the default for largest values
 Json speed_of(const TimedRow& row, double own_ms, const PeerView& view, const Entrant& entrant) {
   const tools::Spread ms = row.cpu_ms();
   const double rays = static_cast<double>(view.pixel_count());
@@ -292,7 +293,7 @@ tools::Table isosurface_table(const Wishes& wishes, const Subject& subject, cons
       for (std::size_t r = 0; r < rows.size(); ++r) {
         Peer& peer = entrants[r].peer;
         Json row{{"isovalue", concat(isovalue)}, {"view", name_of(named)}, {"system", peer.name()}};
-        row.update(speed_of(rows[r], ms_of(rows, "Rhoray, default"), view, entrants[r]));
+        row.update(speed_of(rows[r], ms_of(rows, "Rhoray, float"), view, entrants[r]));
         const Json picture = picture_of(peer);
         const bool is_the_judge = peer.name() == judge->name();
         row.update(json_of(depth_errors(truth, is_the_judge ? truth : peer.answers(view), subject.voxel())));

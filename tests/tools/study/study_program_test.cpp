@@ -49,7 +49,7 @@ TEST(StudyProgram, shows_every_system_that_is_there_beside_the_exact_answer) {
     EXPECT_LE(row["false"], is_proven ? 0 : 60) << where;
     const double median = row["error_median_voxels"];
     EXPECT_LT(median, is_proven ? 1e-6 : system.starts_with("NanoVDB") ? 2.0 : 0.2) << where;
-    if (system == "Rhoray, default") {
+    if (system == "Rhoray, float") {
       EXPECT_EQ(row["over_ours"], 1);
     }
   }
