@@ -41,7 +41,8 @@ struct Straddling {
 
   /// The bits of the children (4i.., 4j.., 4k..) that exist.
   std::uint64_t children(std::int64_t i, std::int64_t j, std::int64_t k) const {
-    const std::int64_t x_end = std::min<std::int64_t>(4, count.x - 4 * i), y_end = std::min<std::int64_t>(4, count.y - 4 * j),
+    const std::int64_t x_end = std::min<std::int64_t>(4, count.x - 4 * i),
+                       y_end = std::min<std::int64_t>(4, count.y - 4 * j),
                        z_end = std::min<std::int64_t>(4, count.z - 4 * k);
     std::uint64_t bits = 0;
     for (std::int64_t z = 0; z < z_end; ++z)
@@ -117,8 +118,8 @@ std::shared_ptr<const Occupancy> OccupancyCache::of(const formats::MacroLevelsVi
   return last_.front().occupancy;
 }
 
-#define RHORAY_OCCUPANCY(T)                                                        \
-  template Occupancy::Occupancy(const formats::MacroLevelsView<T>&, double);       \
+#define RHORAY_OCCUPANCY(T)                                                  \
+  template Occupancy::Occupancy(const formats::MacroLevelsView<T>&, double); \
   template std::shared_ptr<const Occupancy> OccupancyCache::of(const formats::MacroLevelsView<T>&, double);
 RHORAY_OCCUPANCY(std::uint8_t)
 RHORAY_OCCUPANCY(std::int8_t)

@@ -26,8 +26,8 @@ HWY_INLINE float side_keeping_difference(double value, double isovalue) {
   return difference < 0 && rounded > least ? least : rounded;
 }
 
-/// Types of which the difference to an isovalue that is a float is rounded once in single precision, as it is when it is
-/// taken in double and then rounded.
+/// Types of which the difference to an isovalue that is a float is rounded once in single precision, as it is when it
+/// is taken in double and then rounded.
 template <class T>
 inline constexpr bool is_exact_in_float = std::is_integral_v<T> && sizeof(T) <= 2;
 

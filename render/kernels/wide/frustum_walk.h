@@ -50,9 +50,9 @@ RHORAY_INLINE SlabRectangle rectangle_in_slab(const Frustum& frustum, int slab, 
   return cells;
 }
 
-/// Calls visit(block) for the blocks with a bit, position in the mirrored lattice, that the frustum meets: from front to
-/// back for each ray of the group, until it returns false. It may make the frustum narrower; that counts from the next
-/// slab of nodes on.
+/// Calls visit(block) for the blocks with a bit, position in the mirrored lattice, that the frustum meets: from front
+/// to back for each ray of the group, until it returns false. It may make the frustum narrower; that counts from the
+/// next slab of nodes on.
 /// @param nodes, summits  as Occupancy has them
 template <class Visit>
 RHORAY_INLINE void walk_blocks(const Frustum& frustum, const MirroredLattice& lattice, const std::uint64_t* nodes,
@@ -64,7 +64,8 @@ RHORAY_INLINE void walk_blocks(const Frustum& frustum, const MirroredLattice& la
     const int slab = floored(at / edge);
     return slab < 0 ? 0 : slab >= count ? count - 1 : slab;
   };
-  const int first_node = slab_of(frustum.first, 16, node_count[w]), last_node = slab_of(frustum.last, 16, node_count[w]);
+  const int first_node = slab_of(frustum.first, 16, node_count[w]),
+            last_node = slab_of(frustum.last, 16, node_count[w]);
 
   // Where a node or a summit lies in its array; coordinates along w, u, v.
   const auto place = [&](const int* count, int at_w, int at_u, int at_v) {

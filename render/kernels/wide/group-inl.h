@@ -32,6 +32,11 @@ struct Directions {
   std::uint64_t usable;    ///< finite, and moves
 };
 
+/// True where 1 / d is a finite number: below, a ray passes no plane (PlaneTimesOf).
+HWY_INLINE MaskD has_finite_inverse(VecD d) {
+  return hn::Gt(hn::Abs(d), hn::Set(doubles, 0x1p-1024));
+}
+
 HWY_INLINE Directions directions_of(const RayArrays& rays, std::size_t count) {
   Directions bits{};
   for (std::size_t r = 0; r < count; r += double_lanes) {
@@ -39,7 +44,7 @@ HWY_INLINE Directions directions_of(const RayArrays& rays, std::size_t count) {
     MaskD finite = hn::FirstN(doubles, count - r), moves = no_lane(doubles);
     for (int a = 0; a < 3; ++a) {
       const VecD d = hn::Load(doubles, rays.direction[a] + r);
-      const MaskD steps = is_finite(hn::Div(hn::Set(doubles, 1.0), d));
+      const MaskD steps = has_finite_inverse(d);
       finite = hn::And(finite, hn::And(is_finite(d), is_finite(hn::Load(doubles, rays.origin[a] + r))));
       moves = hn::Or(moves, steps);
       bits.down[a] |= bits_of(doubles, hn::And(steps, hn::Lt(d, hn::Zero(doubles)))) << r;
@@ -155,6 +160,10 @@ HWY_INLINE VecD mirrored_origin(const MirroredLattice& lattice, const RayGroup& 
 HWY_INLINE VecD speed(const RayGroup& group, int axis, std::size_t r) {
   return hn::Abs(hn::Load(doubles, group.direction[axis] + r));
 }
+/// How far rays go along an axis while they go by 1 along the major axis.
+HWY_INLINE VecD slope_along(const RayGroup& group, int axis, std::size_t r) {
+  return hn::Mul(speed(group, axis, r), hn::Abs(hn::Load(doubles, group.inverse[group.major] + r)));
+}
 
 /// Around the parts of these rays, of those that have one, inside the lattice. Wider than they are by a margin in which
 /// all rounding of positions and plane times is lost.
@@ -184,7 +193,7 @@ HWY_INLINE Frustum frustum_around(const MirroredLattice& lattice, const RayGroup
     for (std::size_t r = 0; r < group.count; r += double_lanes) {
       const MaskD part = mask_of(doubles, rays >> r);
       const VecD o = mirrored_origin(lattice, group, u, r), o_w = mirrored_origin(lattice, group, w, r);
-      const VecD slope = hn::Div(speed(group, u, r), speed(group, w, r));
+      const VecD slope = slope_along(group, u, r);
       const VecD from = hn::MulAdd(hn::Sub(at_first, o_w), slope, o), to = hn::MulAdd(hn::Sub(at_last, o_w), slope, o);
       low_first = hn::Min(low_first, hn::IfThenElse(part, from, high));
       low_last = hn::Min(low_last, hn::IfThenElse(part, to, high));

@@ -88,8 +88,8 @@ HWY_INLINE CubicLanes along(const Corners& corners, const VecF* in, const VecF* 
     }
   }
   const VecF third = hn::Set(floats, 1.0f / 3.0f);
-  return {{g[0], hn::Mul(hn::Add(hn::Add(g[1], g[2]), g[4]), third),
-           hn::Mul(hn::Add(hn::Add(g[3], g[5]), g[6]), third), g[7]}};
+  return {{g[0], hn::Mul(hn::Add(hn::Add(g[1], g[2]), g[4]), third), hn::Mul(hn::Add(hn::Add(g[3], g[5]), g[6]), third),
+           g[7]}};
 }
 
 /// Derivatives along the axes at a point of the cell.
@@ -109,133 +109,132 @@ HWY_INLINE MaskF is_inside(VecF difference) {
   return hn::Ge(difference, hn::Zero(floats));
 }
 
-/// Where a cubic first changes side, in lanes in which it does.
-struct Roots {
+/// In which lanes a cubic changes side, how often, and on which piece of [0, 1], where it is monotone, it does so
+/// first. A change at 0 itself has the piece [0, 0].
+struct Changes {
   MaskF found;
-  VecF s;
-  VecI iterations, count;
+  VecF low, high;
+  VecI count;
 };
 
-/// One monotone piece on which the side changes, or none.
-struct Piece {
-  VecF lo, hi, f_lo, f_hi;
-  MaskF lo_critical, hi_critical;
-};
-
-/// Newton's method kept inside a bracket, as bracketed_root of cells/cubic.h does it, until all lanes are done.
-HWY_INLINE void refine(const CubicLanes& cubic, const Piece& piece, MaskF wanted, Roots& roots) {
-  constexpr float resolution = 1.19e-7f;
-  const VecF half = hn::Set(floats, 0.5f), least = hn::Set(floats, resolution);
-  const VecF zero = hn::Zero(floats);
-  VecF largest = hn::Abs(cubic.b[0]);
-  for (int i = 1; i < 4; ++i) largest = hn::Max(largest, hn::Abs(cubic.b[i]));
-  const VecF noise = hn::Mul(largest, hn::Set(floats, 0x1p-23f));
-  VecF lo = piece.lo, hi = piece.hi;
-  const MaskF inside_lo = is_inside(piece.f_lo);
-
-  // Where the parabola with its vertex at the one critical end is zero, or else the straight line.
-  const VecF width = hn::Sub(hi, lo), rise = hn::Sub(piece.f_lo, piece.f_hi);
-  VecF guess = hn::MulAdd(width, hn::Div(piece.f_lo, rise), lo);
-  const MaskF by_parabola = hn::Xor(piece.lo_critical, piece.hi_critical);
-  if (!hn::AllFalse(floats, hn::And(by_parabola, wanted))) {
-    const VecF from_lo = hn::MulAdd(width, hn::Sqrt(hn::Max(zero, hn::Div(piece.f_lo, rise))), lo);
-    const VecF from_hi = hn::NegMulAdd(width, hn::Sqrt(hn::Max(zero, hn::Div(piece.f_hi, hn::Neg(rise)))), hi);
-    guess = hn::IfThenElse(by_parabola, hn::IfThenElse(piece.lo_critical, from_lo, from_hi), guess);
-  }
-  const MaskF in_piece = hn::And(hn::Ge(guess, lo), hn::Le(guess, hi));
-  VecF s = hn::IfThenElse(in_piece, guess, hn::Mul(half, hn::Add(lo, hi)));
-
-  VecF step_before = width;
-  MaskF active = hn::And(wanted, hn::Gt(width, least));
-  for (int step = 0; step < 100 && !hn::AllFalse(floats, active); ++step) {
-    const CubicLanes::Jet f = cubic.at(s);
-    roots.iterations = hn::Add(roots.iterations, hn::IfThenElseZero(hn::RebindMask(ints, active), hn::Set(ints, 1)));
-    const MaskF at_lo_side = hn::Not(hn::Xor(is_inside(f.value), inside_lo));
-    lo = hn::IfThenElse(hn::And(active, at_lo_side), s, lo);
-    hi = hn::IfThenElse(hn::AndNot(at_lo_side, active), s, hi);
-    const VecF newton = hn::Sub(s, hn::Div(f.value, f.slope));
-    const VecF size = hn::Abs(hn::Sub(newton, s));
-    const MaskF is_newton = hn::And(hn::And(hn::Ge(newton, lo), hn::Le(newton, hi)),
-                                    hn::Le(size, hn::Mul(half, step_before)));
-    const VecF next = hn::IfThenElse(is_newton, newton, hn::Mul(half, hn::Add(lo, hi)));
-    const MaskF at_zero = hn::Le(hn::Abs(f.value), noise);
-    active = hn::AndNot(at_zero, active);
-    step_before = hn::Abs(hn::Sub(next, s));
-    s = hn::IfThenElse(active, next, s);
-    active = hn::And(active, hn::And(hn::Gt(step_before, least), hn::Gt(hn::Sub(hi, lo), least)));
-  }
-  roots.s = hn::IfThenElse(wanted, s, roots.s);
+HWY_INLINE VecI ones_in(MaskF mask) {
+  return hn::IfThenElseZero(hn::RebindMask(ints, mask), hn::Set(ints, 1));
 }
 
-/// The first change of side of cubics that start on the side `inside` (changes_of_side of cells/cubic.h).
-HWY_INLINE Roots first_changes(const CubicLanes& cubic, MaskF inside, MaskF asked) {
+/// The first changes of side of cubics that start on the side `inside` (changes_of_side of cells/cubic.h).
+HWY_INLINE Changes first_changes(const CubicLanes& cubic, MaskF inside, MaskF asked) {
   const VecF zero = hn::Zero(floats), one = hn::Set(floats, 1.0f);
   MaskF changed[4];
   for (int i = 0; i < 4; ++i) changed[i] = hn::And(asked, hn::Xor(is_inside(cubic.b[i]), inside));
-  Roots roots{no_lane(floats), zero, hn::Zero(ints), hn::Zero(ints)};
   const MaskF any = hn::Or(hn::Or(changed[0], changed[1]), hn::Or(changed[2], changed[3]));
-  if (hn::AllFalse(floats, any)) return roots;
-
-  const MaskF false_mask = no_lane(floats);
-  Piece piece{zero, one, cubic.b[0], cubic.b[3], false_mask, false_mask};
   // With one change of sign among the coefficients there is one root.
   const MaskF one_root = hn::AndNot(hn::Or(changed[0], hn::AndNot(changed[2], changed[1])), changed[3]);
+  Changes changes{one_root, zero, one, ones_in(one_root)};
   const MaskF split = hn::AndNot(one_root, any);
-  roots.found = one_root;
-  roots.count = hn::IfThenElseZero(hn::RebindMask(ints, one_root), hn::Set(ints, 1));
-  MaskF wanted = one_root;
-  if (!hn::AllFalse(floats, split)) {
-    // The critical points, without cancellation (critical_points of cells/cubic.h).
-    VecF d0 = hn::Sub(cubic.b[1], cubic.b[0]), d1 = hn::Sub(cubic.b[2], cubic.b[1]),
-         d2 = hn::Sub(cubic.b[3], cubic.b[2]);
-    const VecF unit = hn::Max(hn::Abs(d0), hn::Max(hn::Abs(d1), hn::Abs(d2)));
-    d0 = hn::Div(d0, unit), d1 = hn::Div(d1, unit), d2 = hn::Div(d2, unit);
-    const VecF a = hn::Add(hn::Sub(d0, hn::Add(d1, d1)), d2), half_b = hn::Sub(d1, d0);
-    const VecF discriminant = hn::NegMulAdd(d0, d2, hn::Mul(d1, d1));
-    const MaskF has_roots = hn::Ge(discriminant, zero);
-    const VecF q = hn::Neg(hn::Add(half_b, hn::CopySign(hn::Sqrt(hn::Max(discriminant, zero)), half_b)));
-    VecF s0 = hn::Div(q, a), s1 = hn::Div(d0, q);
-    const auto in_unit = [&](VecF s) HWY_ATTR {
-      return hn::And(has_roots, hn::And(hn::Gt(s, zero), hn::Lt(s, one)));
-    };
-    s0 = hn::IfThenElse(in_unit(s0), s0, one), s1 = hn::IfThenElse(in_unit(s1), s1, one);
-    const VecF ends[3] = {hn::Min(s0, s1), hn::Max(s0, s1), one};
+  if (hn::AllFalse(floats, split)) return changes;
 
-    // From piece to piece; those that are none have both ends at 1, where the side cannot change again.
-    MaskF side = hn::Xor(inside, changed[0]);
-    roots.found = hn::Or(roots.found, hn::And(split, changed[0]));
-    roots.count = hn::Add(roots.count, hn::IfThenElseZero(hn::RebindMask(ints, hn::And(split, changed[0])), hn::Set(ints, 1)));
-    VecF lo = zero, f_lo = cubic.b[0];
-    MaskF lo_critical = false_mask;
-    for (int i = 0; i < 3; ++i) {
-      const MaskF at_end = hn::Eq(ends[i], one);
-      const VecF f_hi = hn::IfThenElse(at_end, cubic.b[3], cubic.at(ends[i]).value);
-      const MaskF hi_critical = hn::Not(at_end);
-      const MaskF changes = hn::And(split, hn::Xor(is_inside(f_hi), side));
-      const MaskF first = hn::AndNot(roots.found, changes);
-      piece.lo = hn::IfThenElse(first, lo, piece.lo), piece.hi = hn::IfThenElse(first, ends[i], piece.hi);
-      piece.f_lo = hn::IfThenElse(first, f_lo, piece.f_lo), piece.f_hi = hn::IfThenElse(first, f_hi, piece.f_hi);
-      piece.lo_critical = hn::Or(piece.lo_critical, hn::And(first, lo_critical));
-      piece.hi_critical = hn::Or(piece.hi_critical, hn::And(first, hi_critical));
-      wanted = hn::Or(wanted, first);
-      roots.found = hn::Or(roots.found, changes);
-      roots.count = hn::Add(roots.count, hn::IfThenElseZero(hn::RebindMask(ints, changes), hn::Set(ints, 1)));
-      side = hn::Xor(side, changes);
-      lo = ends[i], f_lo = f_hi, lo_critical = hi_critical;
-    }
+  // The critical points, without cancellation (critical_points of cells/cubic.h).
+  VecF d0 = hn::Sub(cubic.b[1], cubic.b[0]), d1 = hn::Sub(cubic.b[2], cubic.b[1]), d2 = hn::Sub(cubic.b[3], cubic.b[2]);
+  const VecF unit = hn::Max(hn::Abs(d0), hn::Max(hn::Abs(d1), hn::Abs(d2)));
+  d0 = hn::Div(d0, unit), d1 = hn::Div(d1, unit), d2 = hn::Div(d2, unit);
+  const VecF a = hn::Add(hn::Sub(d0, hn::Add(d1, d1)), d2), half_b = hn::Sub(d1, d0);
+  const VecF discriminant = hn::NegMulAdd(d0, d2, hn::Mul(d1, d1));
+  const MaskF has_roots = hn::Ge(discriminant, zero);
+  const VecF q = hn::Neg(hn::Add(half_b, hn::CopySign(hn::Sqrt(hn::Max(discriminant, zero)), half_b)));
+  VecF s0 = hn::Div(q, a), s1 = hn::Div(d0, q);
+  const auto in_unit = [&](VecF s) HWY_ATTR { return hn::And(has_roots, hn::And(hn::Gt(s, zero), hn::Lt(s, one))); };
+  s0 = hn::IfThenElse(in_unit(s0), s0, one), s1 = hn::IfThenElse(in_unit(s1), s1, one);
+  const VecF ends[3] = {hn::Min(s0, s1), hn::Max(s0, s1), one};
+
+  // From piece to piece; those that are none have both ends at 1, where the side cannot change again.
+  const MaskF at_zero = hn::And(split, changed[0]);
+  MaskF side = hn::Xor(inside, changed[0]);
+  changes.found = hn::Or(changes.found, at_zero);
+  changes.count = hn::Add(changes.count, ones_in(at_zero));
+  changes.high = hn::IfThenElse(at_zero, zero, changes.high);
+  VecF low = zero;
+  for (int i = 0; i < 3; ++i) {
+    const VecF value = hn::IfThenElse(hn::Eq(ends[i], one), cubic.b[3], cubic.at(ends[i]).value);
+    const MaskF changes_here = hn::And(split, hn::Xor(is_inside(value), side));
+    const MaskF first = hn::AndNot(changes.found, changes_here);
+    changes.low = hn::IfThenElse(first, low, changes.low);
+    changes.high = hn::IfThenElse(first, ends[i], changes.high);
+    changes.found = hn::Or(changes.found, changes_here);
+    changes.count = hn::Add(changes.count, ones_in(changes_here));
+    side = hn::Xor(side, changes_here);
+    low = ends[i];
   }
-  refine(cubic, piece, wanted, roots);
-  return roots;
+  return changes;
 }
 
-/// Sides at entry and exit, and one secant step.
-HWY_INLINE Roots secant_step(VecF at_in, VecF at_out, MaskF inside, MaskF asked) {
+/// Changes between the sides at entry and exit only.
+HWY_INLINE Changes changes_between_ends(VecF at_in, VecF at_out, MaskF inside, MaskF asked) {
   const MaskF changed_in = hn::And(asked, hn::Xor(is_inside(at_in), inside));
   const MaskF changed_out = hn::And(asked, hn::Xor(is_inside(at_out), inside));
   const MaskF found = hn::Or(changed_in, changed_out);
-  const VecF s = hn::Div(at_in, hn::Sub(at_in, at_out));
-  const VecI once = hn::IfThenElseZero(hn::RebindMask(ints, found), hn::Set(ints, 1));
-  return {found, hn::IfThenElseZero(hn::AndNot(changed_in, changed_out), s), once, once};
+  return {found, hn::Zero(floats), hn::IfThenZeroElse(changed_in, hn::Set(floats, 1.0f)), ones_in(found)};
+}
+
+struct Roots {
+  VecF s;
+  VecI iterations;
+};
+
+/// Newton's method kept inside a bracket, as bracketed_root of cells/cubic.h does it, until all lanes are done.
+HWY_INLINE Roots refined(const CubicLanes& cubic, VecF low, VecF high) {
+  constexpr float resolution = 1.19e-7f;
+  const VecF half = hn::Set(floats, 0.5f), least = hn::Set(floats, resolution);
+  const VecF zero = hn::Zero(floats), one = hn::Set(floats, 1.0f);
+  VecF largest = hn::Abs(cubic.b[0]);
+  for (int i = 1; i < 4; ++i) largest = hn::Max(largest, hn::Abs(cubic.b[i]));
+  const VecF noise = hn::Mul(largest, hn::Set(floats, 0x1p-23f));
+
+  // Where the straight line between the ends is zero, or the parabola with its vertex at the one end that is critical.
+  const VecF width = hn::Sub(high, low);
+  const MaskF low_critical = hn::Gt(low, zero), high_critical = hn::And(hn::Lt(high, one), hn::Gt(high, zero));
+  const MaskF any_critical = hn::Or(low_critical, high_critical);
+  VecF f_low = cubic.b[0], f_high = cubic.b[3];
+  if (!hn::AllFalse(floats, any_critical)) {
+    f_low = hn::IfThenElse(low_critical, cubic.at(low).value, f_low);
+    f_high = hn::IfThenElse(high_critical, cubic.at(high).value, f_high);
+  }
+  const VecF rise = hn::Sub(f_low, f_high);
+  VecF guess = hn::MulAdd(width, hn::Div(f_low, rise), low);
+  const MaskF by_parabola = hn::Xor(low_critical, high_critical);
+  if (!hn::AllFalse(floats, by_parabola)) {
+    const VecF from_low = hn::MulAdd(width, hn::Sqrt(hn::Max(zero, hn::Div(f_low, rise))), low);
+    const VecF from_high = hn::NegMulAdd(width, hn::Sqrt(hn::Max(zero, hn::Div(f_high, hn::Neg(rise)))), high);
+    guess = hn::IfThenElse(by_parabola, hn::IfThenElse(low_critical, from_low, from_high), guess);
+  }
+  const MaskF in_piece = hn::And(hn::Ge(guess, low), hn::Le(guess, high));
+  Roots roots{hn::IfThenElse(in_piece, guess, hn::Mul(half, hn::Add(low, high))), hn::Zero(ints)};
+
+  const MaskF inside_low = is_inside(f_low);
+  VecF step_before = width;
+  MaskF active = hn::Gt(width, least);
+  for (int step = 0; step < 100 && !hn::AllFalse(floats, active); ++step) {
+    const CubicLanes::Jet f = cubic.at(roots.s);
+    roots.iterations = hn::Add(roots.iterations, ones_in(active));
+    const MaskF at_low_side = hn::Not(hn::Xor(is_inside(f.value), inside_low));
+    low = hn::IfThenElse(hn::And(active, at_low_side), roots.s, low);
+    high = hn::IfThenElse(hn::AndNot(at_low_side, active), roots.s, high);
+    const VecF newton = hn::Sub(roots.s, hn::Div(f.value, f.slope));
+    const VecF size = hn::Abs(hn::Sub(newton, roots.s));
+    const MaskF is_newton =
+        hn::And(hn::And(hn::Ge(newton, low), hn::Le(newton, high)), hn::Le(size, hn::Mul(half, step_before)));
+    const VecF next = hn::IfThenElse(is_newton, newton, hn::Mul(half, hn::Add(low, high)));
+    active = hn::AndNot(hn::Le(hn::Abs(f.value), noise), active);
+    step_before = hn::Abs(hn::Sub(next, roots.s));
+    roots.s = hn::IfThenElse(active, next, roots.s);
+    active = hn::And(active, hn::And(hn::Gt(step_before, least), hn::Gt(hn::Sub(high, low), least)));
+  }
+  return roots;
+}
+
+/// One secant step.
+HWY_INLINE Roots secant_step(const CubicLanes& cubic, VecF high) {
+  const VecF s = hn::Div(cubic.b[0], hn::Sub(cubic.b[0], cubic.b[3]));
+  return {hn::IfThenElseZero(hn::Gt(high, hn::Zero(floats)), s), hn::Set(ints, 1)};
 }
 
 /// The kernel at work on one group.
@@ -261,8 +260,8 @@ class GroupWalk {
 
   HWY_INLINE void run(Frustum& frustum) {
     prepare_slopes();
-    for (std::size_t r = 0; r < group_.count; r += float_lanes)
-      hn::Store(hn::Zero(ints), ints, scratch_.state + r);
+    for (std::size_t r = 0; r < group_.count; r += float_lanes) hn::Store(hn::Zero(ints), ints, scratch_.state + r);
+    scratch_.pending.count = 0;
     int alive_in_frustum = std::popcount(alive_);
     walk_blocks(frustum, lattice_, surface_.nodes, surface_.summits, [&](const int* block) HWY_ATTR {
       pass_block(block);
@@ -273,29 +272,39 @@ class GroupWalk {
       }
       return true;
     });
+    write_hits();
     for (std::size_t r = 0; r < group_.count; ++r)
       hits_.cost[group_.index[r]] = static_cast<std::uint32_t>(scratch_.state[r] / RayState::one_visit);
   }
 
  private:
+  /// A ray's way is counted along the axis on which it moves fastest: by itself, whatever the group's axis is.
   HWY_INLINE void prepare_slopes() {
-    for (int a = 0; a < 3; ++a)
-      for (std::size_t r = 0; r < group_.count; r += double_lanes) {
-        const VecD d = speed(group_, a, r), along_major = speed(group_, group_.major, r);
-        hn::StoreU(hn::DemoteTo(half_floats, hn::Div(d, along_major)), half_floats, scratch_.slope[a] + r);
-        const VecD inverse = hn::Min(hn::Div(along_major, d), hn::Set(doubles, double{never_passed}));
-        hn::StoreU(hn::DemoteTo(half_floats, inverse), half_floats, scratch_.inverse_slope[a] + r);
+    for (std::size_t r = 0; r < group_.count; r += double_lanes) {
+      VecD inverse[3], fastest = hn::Zero(doubles), t_per_way = hn::Set(doubles, 0x1p1000);
+      for (int a = 0; a < 3; ++a) {
+        inverse[a] = hn::Abs(hn::Load(doubles, group_.inverse[a] + r));
+        fastest = hn::Max(fastest, speed(group_, a, r));
+        t_per_way = hn::Min(t_per_way, inverse[a]);
       }
+      hn::Store(fastest, doubles, scratch_.way_per_t + r);
+      hn::Store(t_per_way, doubles, scratch_.t_per_way + r);
+      for (int a = 0; a < 3; ++a) {
+        hn::StoreU(hn::DemoteTo(half_floats, hn::Mul(speed(group_, a, r), t_per_way)), half_floats,
+                   scratch_.slope[a] + r);
+        const VecD inverse_slope = hn::Min(hn::Mul(fastest, inverse[a]), hn::Set(doubles, double{never_passed}));
+        hn::StoreU(hn::DemoteTo(half_floats, inverse_slope), half_floats, scratch_.inverse_slope[a] + r);
+      }
+    }
   }
 
   /// The place in a block's mirrored coordinates at which rays enter it; exactly 0 on the planes that they enter by.
   HWY_INLINE VecD entry_on(int axis, const int* block, std::size_t r, VecD t_in, VecD t_near) const {
     const VecD plane = hn::Set(doubles, lattice_.plane(axis, 4 * block[axis]));
-    const VecD at = hn::MulAdd(t_in, hn::Load(doubles, group_.direction[axis] + r),
-                               hn::Load(doubles, group_.origin[axis] + r));
+    const VecD at =
+        hn::MulAdd(t_in, hn::Load(doubles, group_.direction[axis] + r), hn::Load(doubles, group_.origin[axis] + r));
     const VecD within = lattice_.is_mirrored(axis) ? hn::Sub(plane, at) : hn::Sub(at, plane);
-    const VecD clamped = hn::Min(hn::Max(within, hn::Zero(doubles)), hn::Set(doubles, 4.0));
-    return hn::IfThenElse(hn::Eq(t_near, t_in), hn::Zero(doubles), clamped);
+    return hn::IfThenZeroElse(hn::Eq(t_near, t_in), within);
   }
 
   struct Entries {
@@ -317,9 +326,9 @@ class GroupWalk {
     Entries found;
     found.part = hn::And(hn::Lt(t_in, t_out), mask_of(doubles, alive_ >> r));
     if (hn::AllFalse(doubles, found.part)) return found;
-    hn::Store(t_in, doubles, scratch_.t_block + r);
+    hn::BlendedStore(t_in, found.part, doubles, scratch_.t_block + r);
     for (int a = 0; a < 3; ++a) found.entry[a] = entry_on(a, block, r, t_in, near[a]);
-    found.end = hn::Mul(hn::Sub(t_out, t_in), speed(group_, group_.major, r));
+    found.end = hn::Mul(hn::Sub(t_out, t_in), hn::Load(doubles, scratch_.way_per_t + r));
     return found;
   }
 
@@ -343,7 +352,8 @@ class GroupWalk {
       if (bits == 0) continue;
       part = mask_of(floats, bits);
       for (int a = 0; a < 3; ++a)
-        entry[a] = hn::Combine(floats, hn::DemoteTo(half_floats, high.entry[a]), hn::DemoteTo(half_floats, low.entry[a]));
+        entry[a] =
+            hn::Combine(floats, hn::DemoteTo(half_floats, high.entry[a]), hn::DemoteTo(half_floats, low.entry[a]));
       end = hn::Combine(floats, hn::DemoteTo(half_floats, high.end), hn::DemoteTo(half_floats, low.end));
 #endif
       const std::size_t at = list.count;
@@ -361,7 +371,8 @@ class GroupWalk {
   }
 
   HWY_INLINE const BlockSamples& samples_of(const int* mirrored) {
-    const int block[3] = {lattice_.block(0, mirrored[0]), lattice_.block(1, mirrored[1]), lattice_.block(2, mirrored[2])};
+    const int block[3] = {lattice_.block(0, mirrored[0]), lattice_.block(1, mirrored[1]),
+                          lattice_.block(2, mirrored[2])};
     const auto x = static_cast<std::uint64_t>(block[0]), y = static_cast<std::uint64_t>(block[1]),
                z = static_cast<std::uint64_t>(block[2]);
     const std::uint64_t key = x | y << 21 | z << 42;
@@ -391,21 +402,21 @@ class GroupWalk {
   /// Lanes of rays on their way through the cells of a block.
   struct Lanes {
     VecF entry[3], slope[3], inverse_slope[3], end;
-    VecF cell[3];     ///< 0 to 3
-    VecF next[3];     ///< how far along the major axis the next plane of each axis inside the block is
-    VecF way_in;      ///< how far the ray is where it enters the cell
-    MaskF at_low[3];  ///< the entry lies on the cell's lower plane
-    VecI bit;         ///< of the cell
+    VecF cell[3];        ///< 0 to 3
+    VecF next[3];        ///< how far on its way the next plane of each axis inside the block is
+    VecF after_next[3];  ///< and the one after it: known early, steps do not wait for it
+    VecF way_in;         ///< how far the ray is where it enters the cell
+    VecI bit;            ///< of the cell
     VecI state;
     MaskF inside, has_side;
     MaskF walking;
   };
 
-  HWY_INLINE VecF next_plane(const Lanes& lanes, int axis) const {
+  /// How far the upper plane of cell `cell` of an axis is; those of the block's last cells are not passed inside.
+  HWY_INLINE VecF way_to_plane(const Lanes& lanes, int axis, VecF cell) const {
     const VecF one = hn::Set(floats, 1.0f), never = hn::Set(floats, never_passed);
-    const VecF at = hn::Mul(hn::Sub(hn::Add(lanes.cell[axis], one), lanes.entry[axis]), lanes.inverse_slope[axis]);
-    const MaskF is_last = hn::Ge(lanes.cell[axis], hn::Set(floats, 3.0f));
-    return hn::IfThenElse(hn::Or(is_last, hn::Ge(lanes.inverse_slope[axis], never)), never, at);
+    const VecF at = hn::Mul(hn::Sub(hn::Add(cell, one), lanes.entry[axis]), lanes.inverse_slope[axis]);
+    return hn::IfThenElse(hn::Ge(cell, hn::Set(floats, 3.0f)), never, at);
   }
 
   HWY_INLINE Lanes lanes_from(const int* block, std::size_t first) const {
@@ -414,21 +425,22 @@ class GroupWalk {
     Lanes lanes;
     lanes.walking = hn::FirstN(floats, list.count - first);
     for (int a = 0; a < 3; ++a) {
-      lanes.entry[a] = hn::Load(floats, list.entry[a] + first);
       lanes.slope[a] = hn::Load(floats, list.slope[a] + first);
       lanes.inverse_slope[a] = hn::Load(floats, list.inverse_slope[a] + first);
-      // A ray in the lattice's upper face goes through the cells below it.
+      // A ray in the lattice's upper face goes through the cells below it. Being kept from the plane beyond, it reaches
+      // that plane at a time above 0, and one that does not move towards it never.
       const int beyond = lattice_.is_mirrored(a) ? 4 : surface_.leaf_count[a] - 4 * block[a];
-      const VecF last = hn::Set(floats, beyond < 4 ? static_cast<float>(beyond - 1) : 3.0f);
-      lanes.cell[a] = hn::Min(hn::Floor(hn::Max(lanes.entry[a], zero)), last);
-      lanes.next[a] = next_plane(lanes, a);
-      lanes.at_low[a] = hn::Eq(lanes.entry[a], lanes.cell[a]);
+      const VecF end = hn::Set(floats, (beyond < 4 ? static_cast<float>(beyond) : 4.0f) - 0x1p-22f);
+      lanes.entry[a] = hn::Min(hn::Max(hn::Load(floats, list.entry[a] + first), zero), end);
+      lanes.cell[a] = hn::Floor(lanes.entry[a]);
+      lanes.next[a] = way_to_plane(lanes, a, lanes.cell[a]);
+      lanes.after_next[a] = way_to_plane(lanes, a, hn::Add(lanes.cell[a], hn::Set(floats, 1.0f)));
     }
     lanes.end = hn::Load(floats, list.end + first);
     lanes.way_in = zero;
     const VecF bit = hn::MulAdd(lanes.cell[2], hn::Set(floats, 16.0f),
                                 hn::MulAdd(lanes.cell[1], hn::Set(floats, 4.0f), lanes.cell[0]));
-    lanes.bit = hn::ConvertTo(ints, bit);
+    lanes.bit = hn::NearestInt(bit);
     const VecI rays = hn::IfThenElseZero(hn::RebindMask(ints, lanes.walking), hn::Load(ints, list.ray + first));
     lanes.state = hn::GatherIndex(ints, scratch_.state, rays);
     lanes.state = hn::Add(lanes.state, hn::Set(ints, RayState::one_visit));
@@ -446,20 +458,20 @@ class GroupWalk {
   HWY_INLINE void step(Lanes& lanes, MaskF moved) const {
     const VecF one = hn::Set(floats, 1.0f);
     const VecF first = hn::Min(hn::Min(lanes.next[0], lanes.next[1]), lanes.next[2]);
-    const MaskF along_x = hn::Eq(lanes.next[0], first), along_y = hn::AndNot(along_x, hn::Eq(lanes.next[1], first));
-    const MaskF along_z = hn::Not(hn::Or(along_x, along_y));
-    const MaskF along[3] = {hn::And(moved, along_x), hn::And(moved, along_y), hn::And(moved, along_z)};
-    const MaskF leaves = hn::And(moved, hn::Ge(first, lanes.end));
+    const MaskF along_x = hn::And(moved, hn::Eq(lanes.next[0], first)), not_x = hn::AndNot(along_x, moved);
+    const MaskF along_y = hn::And(not_x, hn::Eq(lanes.next[1], first)), along_z = hn::AndNot(along_y, not_x);
+    const MaskF along[3] = {along_x, along_y, along_z};
+    const MaskF stays = hn::Lt(first, lanes.end);
     for (int a = 0; a < 3; ++a) {
       lanes.cell[a] = hn::IfThenElse(along[a], hn::Add(lanes.cell[a], one), lanes.cell[a]);
-      lanes.next[a] = hn::IfThenElse(along[a], next_plane(lanes, a), lanes.next[a]);
-      lanes.at_low[a] = hn::Or(along[a], hn::AndNot(moved, lanes.at_low[a]));
+      lanes.next[a] = hn::IfThenElse(along[a], lanes.after_next[a], lanes.next[a]);
+      lanes.after_next[a] = way_to_plane(lanes, a, hn::Add(lanes.cell[a], one));
     }
     lanes.bit = hn::Add(lanes.bit, hn::IfThenElseZero(hn::RebindMask(ints, along[0]), hn::Set(ints, 1)));
     lanes.bit = hn::Add(lanes.bit, hn::IfThenElseZero(hn::RebindMask(ints, along[1]), hn::Set(ints, 4)));
     lanes.bit = hn::Add(lanes.bit, hn::IfThenElseZero(hn::RebindMask(ints, along[2]), hn::Set(ints, 16)));
     lanes.way_in = hn::IfThenElse(moved, first, lanes.way_in);
-    lanes.walking = hn::AndNot(leaves, lanes.walking);
+    lanes.walking = hn::And(lanes.walking, hn::Or(stays, hn::Not(moved)));
   }
 
   /// The points, in the cell's coordinates, at which the rays enter and leave it.
@@ -469,15 +481,18 @@ class GroupWalk {
       const auto place = [&](VecF way) HWY_ATTR {
         return hn::Min(hn::Max(hn::Sub(hn::MulAdd(way, lanes.slope[a], lanes.entry[a]), lanes.cell[a]), zero), one);
       };
-      in[a] = hn::IfThenElse(lanes.at_low[a], zero, place(lanes.way_in));
+      const VecF last_plane = hn::Mul(hn::Sub(lanes.cell[a], lanes.entry[a]), lanes.inverse_slope[a]);
+      in[a] = hn::IfThenZeroElse(hn::Eq(last_plane, lanes.way_in), place(lanes.way_in));
       out[a] = hn::IfThenElse(hn::Eq(lanes.next[a], way_out_of_cell), one, place(way_out_of_cell));
     }
   }
 
   HWY_INLINE Corners corners_of(const Lanes& lanes, const BlockSamples& samples, MaskF asked) const {
     VecF place = hn::Set(floats, static_cast<float>(lowest_sample_));
-    for (int a = 0; a < 3; ++a) place = hn::MulAdd(lanes.cell[a], hn::Set(floats, static_cast<float>(stride_[a])), place);
-    const VecI index = hn::ConvertTo(ints, hn::IfThenElse(asked, place, hn::Set(floats, static_cast<float>(lowest_sample_))));
+    for (int a = 0; a < 3; ++a)
+      place = hn::MulAdd(lanes.cell[a], hn::Set(floats, static_cast<float>(stride_[a])), place);
+    const VecI index =
+        hn::NearestInt(hn::IfThenElse(asked, place, hn::Set(floats, static_cast<float>(lowest_sample_))));
     Corners corners;
     for (int c = 0; c < 8; ++c) {
       const int offset = (c & 1 ? stride_[0] : 0) + (c & 2 ? stride_[1] : 0) + (c & 4 ? stride_[2] : 0);
@@ -491,9 +506,8 @@ class GroupWalk {
     Lanes lanes = lanes_from(block, first);
     // Cells to look into: the active ones, and those of the other side than the ray's.
     const std::uint64_t from_inside = active | ~inside, from_outside = active | inside;
-    const auto words = [](std::uint64_t bits, int high) HWY_ATTR {
-      return hn::Set(ints, static_cast<std::int32_t>(bits >> (32 * high)));
-    };
+    const auto words = [](std::uint64_t bits, int high)
+                           HWY_ATTR { return hn::Set(ints, static_cast<std::int32_t>(bits >> (32 * high))); };
     VecI to_look[2];
     const auto choose_cells = [&]() HWY_ATTR {
       const auto is_inside_lane = hn::RebindMask(ints, lanes.inside), has_side = hn::RebindMask(ints, lanes.has_side);
@@ -503,36 +517,38 @@ class GroupWalk {
             words(active, high));
     };
     choose_cells();
-    VecI visits = hn::Zero(ints);
-    std::uint64_t solved = 0;
+    const VecF start = hn::Add(hn::Add(lanes.cell[0], lanes.cell[1]), lanes.cell[2]);
     MaskF hit = no_lane(floats);
+    std::uint64_t solved = 0;
     while (!hn::AllFalse(floats, lanes.walking)) {
       const VecI word = hn::IfThenElse(hn::Gt(lanes.bit, hn::Set(ints, 31)), to_look[1], to_look[0]);
       constexpr hn::RebindToUnsigned<Ints> unsigned_ints;
-      const auto bits = hn::Shr(hn::BitCast(unsigned_ints, word),
-                                hn::BitCast(unsigned_ints, hn::And(lanes.bit, hn::Set(ints, 31))));
-      const MaskF looks = hn::And(
-          lanes.walking,
-          hn::RebindMask(floats, hn::TestBit(hn::BitCast(ints, bits), hn::Set(ints, 1))));
+      const auto bits =
+          hn::Shr(hn::BitCast(unsigned_ints, word), hn::BitCast(unsigned_ints, hn::And(lanes.bit, hn::Set(ints, 31))));
+      const MaskF looks =
+          hn::And(lanes.walking, hn::RebindMask(floats, hn::TestBit(hn::BitCast(ints, bits), hn::Set(ints, 1))));
       const MaskF passes = hn::AndNot(looks, lanes.walking);
       if (!hn::AllFalse(floats, passes)) {
-        visits = hn::Add(visits, hn::IfThenElseZero(hn::RebindMask(ints, passes), hn::Set(ints, 1)));
         step(lanes, passes);
         continue;
       }
-      visits = hn::Add(visits, hn::IfThenElseZero(hn::RebindMask(ints, looks), hn::Set(ints, 1)));
       solved += hn::CountTrue(floats, looks);
-      const std::uint64_t start = surface_.time_phases ? ticks_now() : 0;
+      const std::uint64_t ticks = surface_.time_phases ? ticks_now() : 0;
+      const bool has_new_sides = !hn::AllFalse(floats, hn::AndNot(lanes.has_side, looks));
       const MaskF found = look_into_cells(block, samples, lanes, looks, first);
-      if (surface_.time_phases) counters_.intersection_ticks += ticks_now() - start;
+      if (surface_.time_phases) counters_.intersection_ticks += ticks_now() - ticks;
       hit = hn::Or(hit, found);
       lanes.walking = hn::AndNot(found, lanes.walking);
-      choose_cells();
+      if (has_new_sides) choose_cells();
       step(lanes, lanes.walking);
     }
+    // A step changes one coordinate by 1; that of a ray that left the block led to a cell that it did not visit.
+    const VecF last = hn::Add(hn::Add(lanes.cell[0], lanes.cell[1]), lanes.cell[2]);
+    const MaskF used = hn::FirstN(floats, scratch_.rays_in_block.count - first);
+    const VecI visits = hn::Add(hn::NearestInt(hn::IfThenElseZero(used, hn::Sub(last, start))), ones_in(hit));
     counters_.cells_visited += static_cast<std::uint64_t>(hn::GetLane(hn::SumOfLanes(ints, visits)));
     counters_.cells_solved += solved;
-    keep_state(lanes, visits, hit, first);
+    keep_state(lanes, visits, first);
   }
 
   /// Searches the cells of some lanes; which of them found a crossing.
@@ -547,54 +563,96 @@ class GroupWalk {
     const MaskF sets_side = hn::AndNot(lanes.has_side, looks);
     lanes.inside = hn::Or(hn::AndNot(sets_side, lanes.inside), hn::And(sets_side, starts_inside));
     lanes.has_side = hn::Or(lanes.has_side, looks);
-    const Roots roots = search == Search::preview ? secant_step(cubic.b[0], cubic.b[3], lanes.inside, looks)
-                                                  : first_changes(cubic, lanes.inside, looks);
-    if (!hn::AllFalse(floats, roots.found)) write_hits(block, lanes, corners, leaves, in, out, roots, first);
-    return roots.found;
+    const Changes changes = search == Search::preview
+                                ? changes_between_ends(cubic.b[0], cubic.b[3], lanes.inside, looks)
+                                : first_changes(cubic, lanes.inside, looks);
+    if (!hn::AllFalse(floats, changes.found)) keep_hits(block, lanes, corners, leaves, in, out, changes, first);
+    return changes.found;
   }
 
-  HWY_INLINE void write_hits(const int* block, const Lanes& lanes, const Corners& corners, VecF leaves, const VecF* in,
-                             const VecF* out, const Roots& roots, std::size_t first) {
-    VecF p[3], gradient[3];
-    const VecF rest = hn::Sub(hn::Set(floats, 1.0f), roots.s);
-    for (int a = 0; a < 3; ++a) p[a] = between(in[a], out[a], roots.s, rest);
-    gradient_at(corners, p, gradient);
-    const VecF way = hn::MulAdd(roots.s, hn::Sub(leaves, lanes.way_in), lanes.way_in);
-    HWY_ALIGN float ways[16], gradients[3][16], cells[3][16];
-    HWY_ALIGN std::int32_t counts[16], iterations[16];
-    hn::Store(way, floats, ways);
-    for (int a = 0; a < 3; ++a) {
-      hn::Store(gradient[a], floats, gradients[a]);
-      hn::Store(lanes.cell[a], floats, cells[a]);
+  /// Adds crossings to those that are to be refined.
+  HWY_INLINE void keep_hits(const int* block, const Lanes& lanes, const Corners& corners, VecF leaves, const VecF* in,
+                            const VecF* out, const Changes& changes, std::size_t first) {
+    PendingHits& pending = scratch_.pending;
+    const std::size_t at = pending.count;
+    const auto keep = [&](VecF numbers, float* to)
+                          HWY_ATTR { hn::StoreU(hn::Compress(numbers, changes.found), floats, to + at); };
+    const auto found = hn::RebindMask(ints, changes.found);
+    for (int c = 0; c < 8; ++c) keep(corners.f[c], pending.corner[c]);
+    for (int a = 0; a < 3; ++a) keep(in[a], pending.in[a]), keep(out[a], pending.out[a]);
+    keep(lanes.way_in, pending.way_in);
+    keep(leaves, pending.way_out);
+    keep(changes.low, pending.low);
+    keep(changes.high, pending.high);
+    hn::StoreU(hn::Compress(changes.count, found), ints, pending.root_count + at);
+    hn::StoreU(hn::Compress(hn::Load(ints, scratch_.rays_in_block.ray + first), found), ints, pending.ray + at);
+    HWY_ALIGN std::int32_t bits[16];
+    hn::StoreU(hn::Compress(lanes.bit, found), ints, bits);
+    const std::size_t count = hn::CountTrue(floats, changes.found);
+    for (std::size_t h = 0; h < count; ++h) {
+      pending.cell[at + h] = cell_id(block, bits[h]);
+      alive_ &= ~(std::uint64_t{1} << pending.ray[at + h]);
     }
-    hn::Store(roots.count, ints, counts);
-    hn::Store(roots.iterations, ints, iterations);
-    for (std::uint64_t bits = bits_of(floats, roots.found); bits != 0; bits &= bits - 1) {
-      const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
-      const auto ray = static_cast<std::size_t>(scratch_.rays_in_block.ray[first + lane]);
-      const std::size_t at = group_.index[ray];
-      const double speed_along = group_.direction[group_.major][ray];
-      const double t = scratch_.t_block[ray] + ways[lane] / (speed_along < 0 ? -speed_along : speed_along);
-      hits_.t[at] = t < group_.t_out[ray] ? t : group_.t_out[ray];
-      hits_.value[at] = surface_.isovalue;
-      std::uint64_t id = 0;
-      for (int a = 2; a >= 0; --a) {
-        int cell = 4 * block[a] + static_cast<int>(cells[a][lane]);
-        if (lattice_.is_mirrored(a)) cell = 16 * lattice_.node_count[a] - 1 - cell;
-        id = id * static_cast<std::uint64_t>(surface_.leaf_count[a]) + static_cast<std::uint64_t>(cell);
-        hits_.gradient[a][at] = lattice_.is_mirrored(a) ? -gradients[a][lane] : gradients[a][lane];
+    pending.count += count;
+  }
+
+  /// @param bit  of the cell in the mirrored block
+  HWY_INLINE std::int64_t cell_id(const int* block, int bit) const {
+    std::int64_t id = 0;
+    for (int a = 2; a >= 0; --a) {
+      int cell = 4 * block[a] + (bit >> (2 * a) & 3);
+      if (lattice_.is_mirrored(a)) cell = 16 * lattice_.node_count[a] - 1 - cell;
+      id = id * surface_.leaf_count[a] + cell;
+    }
+    return id;
+  }
+
+  /// Refines the places of all crossings found and writes them down.
+  HWY_INLINE void write_hits() const {
+    const PendingHits& pending = scratch_.pending;
+    for (std::size_t first = 0; first < pending.count; first += float_lanes) {
+      Corners corners;
+      VecF in[3], out[3], p[3], gradient[3];
+      for (int c = 0; c < 8; ++c) corners.f[c] = hn::Load(floats, pending.corner[c] + first);
+      for (int a = 0; a < 3; ++a) {
+        in[a] = hn::Load(floats, pending.in[a] + first);
+        out[a] = hn::Load(floats, pending.out[a] + first);
       }
-      hits_.cell[at] = id;
-      hits_.root_count[at] = static_cast<std::uint32_t>(counts[lane]);
-      hits_.iteration_count[at] = static_cast<std::uint32_t>(iterations[lane]);
-      alive_ &= ~(std::uint64_t{1} << ray);
+      // Lanes beyond the last hit hold what was there before: any numbers, which are not used.
+      const CubicLanes cubic = along(corners, in, out);
+      const MaskF used = hn::FirstN(floats, pending.count - first);
+      const VecF low = hn::IfThenElseZero(used, hn::Load(floats, pending.low + first));
+      const VecF high = hn::IfThenElseZero(used, hn::Load(floats, pending.high + first));
+      const Roots roots = search == Search::preview ? secant_step(cubic, high) : refined(cubic, low, high);
+      const VecF rest = hn::Sub(hn::Set(floats, 1.0f), roots.s);
+      for (int a = 0; a < 3; ++a) p[a] = between(in[a], out[a], roots.s, rest);
+      gradient_at(corners, p, gradient);
+      const VecF way_in = hn::Load(floats, pending.way_in + first), way_out = hn::Load(floats, pending.way_out + first);
+
+      HWY_ALIGN float ways[16], gradients[3][16];
+      HWY_ALIGN std::int32_t iterations[16];
+      hn::Store(hn::MulAdd(roots.s, hn::Sub(way_out, way_in), way_in), floats, ways);
+      for (int a = 0; a < 3; ++a)
+        hn::Store(lattice_.is_mirrored(a) ? hn::Neg(gradient[a]) : gradient[a], floats, gradients[a]);
+      hn::Store(roots.iterations, ints, iterations);
+      const std::size_t end = pending.count - first < float_lanes ? pending.count - first : float_lanes;
+      for (std::size_t h = 0; h < end; ++h) {
+        const auto ray = static_cast<std::size_t>(pending.ray[first + h]);
+        const std::size_t at = group_.index[ray];
+        const double t = scratch_.t_block[ray] + ways[h] * scratch_.t_per_way[ray];
+        hits_.t[at] = t < group_.t_out[ray] ? t : group_.t_out[ray];
+        hits_.value[at] = surface_.isovalue;
+        for (int a = 0; a < 3; ++a) hits_.gradient[a][at] = gradients[a][h];
+        hits_.cell[at] = static_cast<std::uint64_t>(pending.cell[first + h]);
+        hits_.root_count[at] = static_cast<std::uint32_t>(pending.root_count[first + h]);
+        hits_.iteration_count[at] = static_cast<std::uint32_t>(iterations[h]);
+      }
     }
   }
 
-  HWY_INLINE void keep_state(const Lanes& lanes, VecI visits, MaskF, std::size_t first) {
-    const auto bit = [&](MaskF mask, std::int32_t value) HWY_ATTR {
-      return hn::IfThenElseZero(hn::RebindMask(ints, mask), hn::Set(ints, value));
-    };
+  HWY_INLINE void keep_state(const Lanes& lanes, VecI visits, std::size_t first) {
+    const auto bit = [&](MaskF mask, std::int32_t value)
+                         HWY_ATTR { return hn::IfThenElseZero(hn::RebindMask(ints, mask), hn::Set(ints, value)); };
     VecI state = hn::AndNot(hn::Set(ints, RayState::one_visit - 1), lanes.state);
     state = hn::Or(state, hn::Or(bit(lanes.inside, RayState::inside), bit(lanes.has_side, RayState::has_side)));
     state = hn::Add(state, hn::Mul(visits, hn::Set(ints, RayState::one_visit)));
@@ -622,9 +680,8 @@ template <Search search>
 void first_crossings(const Surface& surface, const RayArrays& rays, std::size_t count, const HitArrays& hits,
                      IsosurfaceScratch& scratch, KernelCounters& counters) {
   for_each_group(rays, count, surface.leaf_count, surface.node_count, scratch.group,
-                 [&](RayGroup&, const MirroredLattice& lattice, Frustum& frustum) HWY_ATTR {
-                   GroupWalk<search>(surface, lattice, hits, scratch, counters).run(frustum);
-                 });
+                 [&](RayGroup&, const MirroredLattice& lattice, Frustum& frustum)
+                     HWY_ATTR { GroupWalk<search>(surface, lattice, hits, scratch, counters).run(frustum); });
 }
 
 FirstCrossings first_crossings_by(Search search) {

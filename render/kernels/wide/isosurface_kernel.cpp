@@ -65,7 +65,8 @@ HitArrays from(const HitArrays& hits, std::size_t first) {
 }
 
 RayArrays from(const RayBatch& rays, std::size_t first) {
-  RayArrays arrays{.origin = {}, .direction = {}, .t_min = rays.t_min.data() + first, .t_max = rays.t_max.data() + first};
+  RayArrays arrays{
+      .origin = {}, .direction = {}, .t_min = rays.t_min.data() + first, .t_max = rays.t_max.data() + first};
   for (std::size_t a = 0; a < 3; ++a)
     arrays.origin[a] = rays.origin[a].data() + first, arrays.direction[a] = rays.direction[a].data() + first;
   return arrays;

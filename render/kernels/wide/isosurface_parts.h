@@ -35,15 +35,29 @@ struct HitArrays {
 };
 
 /// Rays that pass one block, packed side by side: where they enter it in its mirrored coordinates, 0 to 4, and how they
-/// go on while they move by 1 along the major axis.
+/// go on while they move by 1 along their fastest axis.
 struct alignas(64) RaysInBlock {
   static constexpr std::size_t capacity = RayGroup::size + 16;
 
   float entry[3][capacity];
   float slope[3][capacity];
   float inverse_slope[3][capacity];
-  float end[capacity];  ///< how far along the major axis until the ray leaves the block, or ends
+  float end[capacity];  ///< the way until the ray leaves the block, or ends
   std::int32_t ray[capacity];
+  std::size_t count;
+};
+
+/// Crossings of which the cell is known and the place in it is still to be refined, side by side.
+struct alignas(64) PendingHits {
+  static constexpr std::size_t capacity = RayGroup::size + 16;
+
+  float corner[8][capacity];                  ///< of the cell, less the isovalue
+  float in[3][capacity], out[3][capacity];    ///< where the ray enters and leaves the cell
+  float way_in[capacity], way_out[capacity];  ///< from where it entered the block
+  float low[capacity], high[capacity];        ///< the piece of the way on which the cubic is monotone and changes side
+  std::int32_t root_count[capacity];
+  std::int32_t ray[capacity];
+  std::int64_t cell[capacity];  ///< id
   std::size_t count;
 };
 
@@ -53,11 +67,13 @@ struct alignas(64) IsosurfaceScratch {
   static constexpr std::uint64_t no_block = ~std::uint64_t{0};
 
   RayGroup group;
-  float slope[3][RayGroup::size];          ///< along each axis, in units of the way along the major axis
+  float slope[3][RayGroup::size];          ///< along each axis, while the ray goes by 1 along its fastest one
   float inverse_slope[3][RayGroup::size];  ///< never_passed where the ray passes no plane
-  double t_block[RayGroup::size];          ///< when each ray entered the block
-  std::int32_t state[RayGroup::size];      ///< of each ray: see RayState
+  double way_per_t[RayGroup::size], t_per_way[RayGroup::size];  ///< the way counted along the ray's fastest axis
+  double t_block[RayGroup::size];                               ///< when each ray entered the last block that it passed
+  std::int32_t state[RayGroup::size];                           ///< of each ray: see RayState
   RaysInBlock rays_in_block;
+  PendingHits pending;
   std::uint64_t block_key[kept_blocks];
   BlockSamples blocks[kept_blocks];
   std::shared_ptr<const Occupancy> occupancy;  ///< whose blocks are kept
@@ -65,9 +81,9 @@ struct alignas(64) IsosurfaceScratch {
 
 /// What is known of a ray while it goes from block to block, in one number.
 struct RayState {
-  static constexpr std::int32_t inside = 1;      ///< the side that it is on
-  static constexpr std::int32_t has_side = 2;    ///< it has met data
-  static constexpr std::int32_t one_visit = 4;   ///< from here on: blocks and cells visited
+  static constexpr std::int32_t inside = 1;     ///< the side that it is on
+  static constexpr std::int32_t has_side = 2;   ///< it has met data
+  static constexpr std::int32_t one_visit = 4;  ///< from here on: blocks and cells visited
 };
 
 using FirstCrossings = void (*)(const Surface& surface, const RayArrays& rays, std::size_t count, const HitArrays& hits,

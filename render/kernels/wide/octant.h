@@ -58,9 +58,7 @@ struct MirroredLattice {
   RHORAY_INLINE bool is_mirrored(int axis) const { return (octant >> axis & 1) != 0; }
 
   /// Position of mirrored plane k of an axis: exact.
-  RHORAY_INLINE double plane(int axis, int k) const {
-    return is_mirrored(axis) ? 16.0 * node_count[axis] - k : k;
-  }
+  RHORAY_INLINE double plane(int axis, int k) const { return is_mirrored(axis) ? 16.0 * node_count[axis] - k : k; }
 
   /// The block that a mirrored block is, and the other way round; the same for nodes and cells with their counts.
   RHORAY_INLINE int block(int axis, int mirrored) const {

@@ -9,8 +9,8 @@ namespace rhoray::render::wide {
 /// own; lanes from `count` to the next multiple of 16 repeat the last ray.
 ///
 /// The time of a plane is (plane - plane_origin) * inverse, as PlaneTimesOf has it, bit for bit. On an axis along which
-/// a ray passes no plane the origin is moved to the middle of the ray's cell and the inverse is larger than any, so that
-/// planes behind have been passed at once and those before are never passed.
+/// a ray passes no plane the origin is moved to the middle of the ray's cell and the inverse is larger than any, so
+/// that planes behind have been passed at once and those before are never passed.
 struct alignas(64) RayGroup {
   static constexpr std::size_t size = 64;
 
