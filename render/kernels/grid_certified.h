@@ -181,14 +181,19 @@ CertifiedHit certified_crossing(const View& view, const Question& question, cons
   return answer;
 }
 
+/// What single precision could not decide: by double precision, or else by the judge.
+template <class View>
+Hit certified_first_crossing_redone(const View& view, const Question& question, const Ray& ray,
+                                    KernelScratch& scratch) {
+  ++scratch.counters.rays_redone;
+  const CertifiedHit answer = certified_crossing<double>(view, question, ray, scratch.counters);
+  return answer.is_certain ? answer.hit : judged_first_crossing(view, question, ray, scratch);
+}
+
 template <class View>
 Hit certified_first_crossing(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
-  CertifiedHit answer = certified_crossing<float>(view, question, ray, scratch.counters);
-  if (answer.is_certain) return answer.hit;
-  ++scratch.counters.rays_redone;
-  answer = certified_crossing<double>(view, question, ray, scratch.counters);
-  if (answer.is_certain) return answer.hit;
-  return judged_first_crossing(view, question, ray, scratch);
+  const CertifiedHit answer = certified_crossing<float>(view, question, ray, scratch.counters);
+  return answer.is_certain ? answer.hit : certified_first_crossing_redone(view, question, ray, scratch);
 }
 
 /// The largest value with a bound of its error: nothing on the ray lies above value + error, and the largest value is

@@ -19,4 +19,9 @@ Kernels kernels_for(const View& view, Method::Way way) {
           .queue_entries = largest_queue_size(view.lattice(), view.level_count())};
 }
 
+template <class View>
+Kernel redoing_kernel_for(const View&) {
+  return kernel_of<View, certified_first_crossing_redone<View>>;
+}
+
 }  // namespace rhoray::render

@@ -89,4 +89,9 @@ Kernels choose_kernels(const VolumeImplementation& volume, const Method& method,
 template <class View>
 Kernels kernels_for(const View& view, Method::Way way);
 
+/// Of a uniform dense grid's certified first crossings: what single precision has not decided, by double precision or
+/// the judge.
+template <class View>
+Kernel redoing_kernel_for(const View& view);
+
 }  // namespace rhoray::render

@@ -20,7 +20,7 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 inline constexpr float never_passed = 0x1p100f;
 
 /// Bounds of a certified hit's place, in cells, that are good enough without a second look.
-inline constexpr float largest_way_error = 1e-3f;
+inline constexpr double largest_place_error = 1e-3;
 
 /// A unit of rounding in single precision.
 inline constexpr float rounding_unit = 0x1p-24f;
@@ -827,7 +827,11 @@ class GroupWalk {
         if constexpr (search == Search::certified) {
           const double error = way_errors[h] * scratch_.t_per_way[ray] + 0x1p-49 * (t < 0 ? -t : t);
           // A ray's own ends are exact: a hit that may lie beyond them is not certain. Neither is one without a bound.
-          if (!(t - error >= rays_.t_min[at] && t + error <= rays_.t_max[at] && way_errors[h] <= largest_way_error)) {
+          double per_way = 0;  // squared: how far the ray moves while it moves by 1 along the major axis
+          for (int a = 0; a < 3; ++a) per_way += double{scratch_.slope[a][ray]} * scratch_.slope[a][ray];
+          const double place = way_errors[h];
+          if (!(t - error >= rays_.t_min[at] && t + error <= rays_.t_max[at] &&
+                place * place * per_way <= largest_place_error * largest_place_error)) {
             doubt(std::uint64_t{1} << ray);
             continue;
           }

@@ -83,11 +83,10 @@ IsosurfaceScratch& prepared(std::shared_ptr<IsosurfaceScratch>& scratch, std::sh
   return *scratch;
 }
 
-/// Asks the reference, which proves its answers, about these rays of a chunk that begins at `first`.
-void redo(Kernel reference, const VolumeImplementation& volume, const Question& question, const RayBatch& rays,
+/// Asks the reference in double precision, and the judge, about these rays of a chunk that begins at `first`.
+void redo(Kernel redoing, const VolumeImplementation& volume, const Question& question, const RayBatch& rays,
           std::size_t first, std::uint64_t chosen, HitBatch& hits, KernelScratch& scratch) {
   IsosurfaceScratch& memory = *scratch.isosurface;
-  const std::uint64_t redone_before = scratch.counters.rays_redone;
   const auto for_each_chosen = [&](auto&& act) {
     std::size_t place = 0;
     for (std::uint64_t bits = chosen; bits != 0; bits &= bits - 1)
@@ -95,9 +94,8 @@ void redo(Kernel reference, const VolumeImplementation& volume, const Question& 
   };
   memory.doubtful_rays.count = static_cast<std::size_t>(std::popcount(chosen));
   for_each_chosen([&](std::size_t r, std::size_t place) { memory.doubtful_rays.set(place, rays[r]); });
-  reference(volume, question, memory.doubtful_rays, memory.doubtful_hits, scratch);
+  redoing(volume, question, memory.doubtful_rays, memory.doubtful_hits, scratch);
   for_each_chosen([&](std::size_t r, std::size_t place) { hits.set(r, memory.doubtful_hits[place]); });
-  scratch.counters.rays_redone = redone_before + memory.doubtful_rays.count;
 }
 
 template <Machine machine, Search search>
@@ -121,7 +119,7 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
                     answer(surface, from(rays, first), std::min(RayGroup::size, rays.count - first), from(all, first),
                            memory, scratch.counters);
                 doubtful != 0)
-              redo(reference, volume, question, rays, first, doubtful, hits, scratch);
+              redo(redoing_kernel_for(view), volume, question, rays, first, doubtful, hits, scratch);
         }
       },
       volume.view);
