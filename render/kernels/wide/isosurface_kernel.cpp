@@ -92,6 +92,7 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
             kernels_for(view, question.method.way).first_crossing(volume, question, rays, hits, scratch);
             return;
           }
+          scratch.counters.rays_wide += rays.count;
           IsosurfaceScratch& memory =
               prepared(scratch.isosurface, volume.occupancies->of(view.levels(), question.isovalue));
           const Surface surface = surface_of(view, *memory.occupancy, question);
