@@ -18,7 +18,7 @@ namespace rhoray::render {
 namespace wide {
 struct IsosurfaceScratch;
 struct MaximumScratch;
-}
+}  // namespace wide
 
 struct KernelCounters {
   std::uint64_t macrocells_visited = 0;

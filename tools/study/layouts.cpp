@@ -3,6 +3,8 @@
 
 #include "tools/study/layouts.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <functional>
@@ -177,6 +179,19 @@ std::optional<Count> count_of(const Wishes& wishes, const Entrant& entrant, cons
                                         frame_of(small.size, entrant.layout.use_hierarchy), picture)};
 }
 
+/// Share of the pixels whose colours differ by more than a level of 255. In single precision kernels for different
+/// machines round differently, so that pictures of the same samples need not be the same bit for bit.
+double share_of_other_pixels(const render::Framebuffer& a, const render::Framebuffer& b) {
+  std::size_t others = 0;
+  for (std::size_t pixel = 0; pixel < a.pixel_count(); ++pixel) {
+    float difference = 0;
+    for (std::size_t c = 4 * pixel; c < 4 * pixel + 4; ++c)
+      difference = std::max(difference, std::abs(a.color[c] - b.color[c]));
+    others += difference > 1.0F / 255;
+  }
+  return static_cast<double>(others) / static_cast<double>(a.pixel_count());
+}
+
 double per(double amount, std::uint64_t count) {
   return count == 0 ? 0 : amount / static_cast<double>(count);
 }
@@ -185,6 +200,7 @@ Json row_of(const Entrant& entrant, const TimedRow& timed, const render::FrameSt
             const std::optional<Count>& count, double usual_ms) {
   const tools::Spread ms = timed.cpu_ms();
   Json row{{"layout", entrant.layout.name},
+           {"machine", statistics.machine},
            {"cpu_ms", ms.median},
            {"cpu_ms_min", ms.smallest},
            {"cpu_ms_max", ms.largest},
@@ -228,6 +244,7 @@ int run(const Wishes& wishes) {
     for (const std::string& word : wishes.views) {
       const tools::StudyView view = tools::study_view_named(word);
       std::vector<render::Framebuffer> pictures(entrants.size());
+      std::vector<render::FrameMemory> memories(entrants.size());
       std::vector<render::FrameStatistics> statistics(entrants.size());
       std::vector<TimedRow> rows;
       for (std::size_t e = 0; e < entrants.size(); ++e) {
@@ -236,18 +253,19 @@ int run(const Wishes& wishes) {
         rows.push_back({.name = entrant.layout.name, .act = [&, e, scene] {
                           statistics[e] = render::render(entrants[e].volume, scene,
                                                          frame_of(wishes.shown.size, entrants[e].layout.use_hierarchy),
-                                                         pictures[e]);
+                                                         pictures[e], memories[e]);
                         }});
       }
       run_rounds(rows, wishes.rounds, [&](const std::string& step) { tell(concat(word, ", ", step)); });
-      const std::string expected = tools::picture_hash(pictures[usual]);
       for (std::size_t e = 0; e < entrants.size(); ++e) {
         tell(concat(word, ", counting, ", entrants[e].layout.name));
         const auto count = count_of(wishes, entrants[e], rows[e], statistics[e], view, scratch.path());
+        const double off = share_of_other_pixels(pictures[e], pictures[usual]);
         Json row{{"view", word}};
         row.update(row_of(entrants[e], rows[e], statistics[e], count, rows[usual].cpu_ms().median));
+        row["other_pixels"] = off;
         row["picture"] = tools::picture_hash(pictures[e]);
-        is_same_everywhere &= entrants[e].layout.type.has_value() || row["picture"] == expected;
+        is_same_everywhere &= entrants[e].layout.type.has_value() || off <= 1e-3;
         table.rows.push_back(std::move(row));
       }
     }
@@ -267,7 +285,9 @@ int run(const Wishes& wishes) {
   }
   publish(table, wishes.common);
   if (!is_same_everywhere)
-    throw Error(Trouble::outside_limit, "layouts: pictures of the same samples differ; see column 'picture'");
+    throw Error(Trouble::outside_limit,
+                "layouts: pictures of the same samples differ in more than a thousandth of the pixels; see column "
+                "'other_pixels'");
   return 0;
 }
 

@@ -95,7 +95,8 @@ Field load(const std::filesystem::path& path) {
   const formats::BrickGrid grid{formats::PackedFile::open(path)};
   if (grid.description().layout.is_sparse)
     throw Error(Trouble::unsupported, concat(path.string(), ": a sparse grid; expected a dense one"));
-  return formats::with_element_type(grid.description().fields.front().type, [&](auto of_type) { return field_of<decltype(of_type)>(grid); });
+  return formats::with_element_type(grid.description().fields.front().type,
+                                    [&](auto of_type) { return field_of<decltype(of_type)>(grid); });
 }
 
 struct Line {
@@ -197,8 +198,8 @@ void look_into_cell(const Field& field, const Line& ray, const Passage& cell, Be
   const auto g = [&](int a, int b, int c) {
     return at_point(field, cell.cell, {a ? q.x : p.x, b ? q.y : p.y, c ? q.z : p.z});
   };
-  const double b[] = {g(0, 0, 0), (g(1, 0, 0) + g(0, 1, 0) + g(0, 0, 1)) / 3, (g(1, 1, 0) + g(1, 0, 1) + g(0, 1, 1)) / 3,
-                      g(1, 1, 1)};
+  const double b[] = {g(0, 0, 0), (g(1, 0, 0) + g(0, 1, 0) + g(0, 0, 1)) / 3,
+                      (g(1, 1, 0) + g(1, 0, 1) + g(0, 1, 1)) / 3, g(1, 1, 1)};
   best.offer(b[0], cell.t_in), best.offer(b[3], cell.t_out);
   if (!best.may_improve(std::max(b[1], b[2]), cell.t_in)) return;
   ++work.solved;
@@ -300,13 +301,13 @@ std::vector<Shared> shared_regions(const Field& field, const Group& group, int l
   };
   std::vector<Named> all;
   for (std::size_t r = 0; r < group.rays.size(); ++r)
-    walk(level, group.rays[r], group.inside[r].first, group.inside[r].second,
-         [&](const Passage& at) { all.push_back({level.at(at.cell), r, at}); });
+    walk(level, group.rays[r], group.inside[r].first, group.inside[r].second, [&](const Passage& at) {
+      all.push_back({level.at(at.cell), r, at});
+    });
   std::stable_sort(all.begin(), all.end(), [](const Named& a, const Named& b) { return a.id < b.id; });
   std::vector<Shared> regions;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (i == 0 || all[i].id != all[i - 1].id)
-      regions.push_back({all[i].at.cell, all[i].at.bound, all[i].at.t_in, {}});
+    if (i == 0 || all[i].id != all[i - 1].id) regions.push_back({all[i].at.cell, all[i].at.bound, all[i].at.t_in, {}});
     regions.back().nearest = std::min(regions.back().nearest, all[i].at.t_in);
     regions.back().rays.emplace_back(all[i].ray, all[i].at);
   }
@@ -428,8 +429,10 @@ class Study {
     rays_ += 64;
     Work none;
     std::vector<Best> known_before(64), truth(64);
-    for (std::size_t r = 0; r < 64; ++r) queue(field_, before.rays[r], before.inside[r].first, before.inside[r].second, known_before[r], none);
-    for (std::size_t r = 0; r < 64; ++r) queue(field_, group.rays[r], group.inside[r].first, group.inside[r].second, truth[r], none);
+    for (std::size_t r = 0; r < 64; ++r)
+      queue(field_, before.rays[r], before.inside[r].first, before.inside[r].second, known_before[r], none);
+    for (std::size_t r = 0; r < 64; ++r)
+      queue(field_, group.rays[r], group.inside[r].first, group.inside[r].second, truth[r], none);
 
     row_ = 0;
     const auto alone = [&](const char* name, auto search, auto first) {
@@ -523,7 +526,8 @@ int run(const Wishes& wishes) {
     for (const Json& row : study.rows(view.name)) table.rows.push_back(row);
     wrong += study.wrong();
   }
-  table.context = context_with({{"file", wishes.file.filename().string()}, {"groups", wishes.groups}, {"wrong", wrong}});
+  table.context =
+      context_with({{"file", wishes.file.filename().string()}, {"groups", wishes.groups}, {"wrong", wrong}});
   publish(table, wishes.common);
   return wrong == 0 ? 0 : static_cast<int>(Trouble::outside_limit);
 }
@@ -532,14 +536,15 @@ int run(const Wishes& wishes) {
 
 tools::Subcommand maximum_search() {
   const auto wishes = std::make_shared<Wishes>();
-  return {.name = "maximum-search",
-          .summary = "In which order to look for the largest value along rays: what each order looks at",
-          .examples = "  rhoray-study maximum-search head.rho -o results\n",
-          .options = tools::all_options(
-              {{tools::file_option("FILE", "Packed grid (.rho)", wishes->file)},
-               tools::output_options(wishes->common, "FOLDER for maximum_search.csv and .json"),
-               {tools::value_option("--groups", "N", "Groups of 8 x 8 rays of each view; default 400", wishes->groups)}}),
-          .run = [wishes] { return run(*wishes); }};
+  return {
+      .name = "maximum-search",
+      .summary = "In which order to look for the largest value along rays: what each order looks at",
+      .examples = "  rhoray-study maximum-search head.rho -o results\n",
+      .options = tools::all_options(
+          {{tools::file_option("FILE", "Packed grid (.rho)", wishes->file)},
+           tools::output_options(wishes->common, "FOLDER for maximum_search.csv and .json"),
+           {tools::value_option("--groups", "N", "Groups of 8 x 8 rays of each view; default 400", wishes->groups)}}),
+      .run = [wishes] { return run(*wishes); }};
 }
 
 }  // namespace rhoray::study

@@ -62,7 +62,8 @@ preprocess::NeutralVolume plain_grid(const std::filesystem::path& packed_file, c
   plain.type = description.fields[index].type;
   plain.field_name = description.fields[index].name;
   const Affine& map = description.world_from_grid;
-  plain.world_from_grid = {{map.x_axis.length(), 0, 0}, {0, map.y_axis.length(), 0}, {0, 0, map.z_axis.length()}, {0, 0, 0}};
+  plain.world_from_grid = {
+      {map.x_axis.length(), 0, 0}, {0, map.y_axis.length(), 0}, {0, 0, map.z_axis.length()}, {0, 0, 0}};
   const Index3 n = plain.sample_count;
   formats::with_element_type(plain.type, [&]<class T>(T) {
     if constexpr (sizeof(T) == 8 && std::is_integral_v<T>) {

@@ -71,18 +71,19 @@ StoredRanges ranges_of(const formats::MacroLevelsView<T>& levels, int level) {
 }
 
 template <class T>
-MaximumField field_of(const VolumeImplementation& volume, const GridVolume<T>& view) {
+MaximumField field_of(const VolumeImplementation& volume, const GridVolume<T>& view, bool time_phases) {
   const Index3 leaf_count = view.lattice().leaf_count;
-  MaximumField field{.source = SampleSource(view.samples().data(), view.tables(),
-                                            view.description().layout.sample_count),
-                     .type = formats::element_type_of<T>(),
-                     .leaf_count = {},
-                     .node_count = {},
-                     .blocks = ranges_of(view.levels(), 1),
-                     .nodes = ranges_of(view.levels(), 2),
-                     .has_gaps = volume.field.no_data_count > 0,
-                     .look_closely = look_closely<GridVolume<T>>,
-                     .context = &view};
+  MaximumField field{
+      .source = SampleSource(view.samples().data(), view.tables(), view.description().layout.sample_count),
+      .type = formats::element_type_of<T>(),
+      .leaf_count = {},
+      .node_count = {},
+      .blocks = ranges_of(view.levels(), 1),
+      .nodes = ranges_of(view.levels(), 2),
+      .has_gaps = volume.field.no_data_count > 0,
+      .time_phases = time_phases,
+      .look_closely = look_closely<GridVolume<T>>,
+      .context = &view};
   for (int axis = 0; axis < 3; ++axis) {
     field.leaf_count[axis] = static_cast<int>(leaf_count[axis]);
     field.node_count[static_cast<std::size_t>(axis)] = 4 * static_cast<int>((leaf_count[axis] + 63) / 64);
@@ -115,9 +116,9 @@ void largest_values(const VolumeImplementation& volume, const Question& question
   scratch.counters.rays_wide += rays.count;
   if (!scratch.maximum) scratch.maximum = std::make_shared<MaximumScratch>();
   MaximumScratch& memory = *scratch.maximum;
-  memory.regions = memory.looks = 0;
+  memory.regions = memory.looks = memory.ticks = 0;
   std::uint64_t cells = 0;
-  const MaximumField field = field_of(volume, view);
+  const MaximumField field = field_of(volume, view, question.time_phases);
   const LargestValues search = largest_values_on(machine);
   for (std::size_t first = 0; first < rays.count; first += RayBatch::group_size) {
     const std::size_t count = std::min(RayBatch::group_size, rays.count - first);
@@ -134,6 +135,7 @@ void largest_values(const VolumeImplementation& volume, const Question& question
   scratch.counters.macrocells_visited += memory.regions;
   scratch.counters.cells_visited += cells;
   scratch.counters.cells_solved += memory.looks;
+  scratch.counters.intersection_ticks += memory.ticks;
 }
 
 template <class View>

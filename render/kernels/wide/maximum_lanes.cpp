@@ -19,6 +19,7 @@
 #include "render/kernels/wide/lanes-inl.h"
 #include "render/kernels/wide/maximum_parts.h"
 #include "render/kernels/wide/octant.h"
+#include "render/march/ticks.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
@@ -188,8 +189,7 @@ HWY_INLINE void find_largest(bool has_gaps, MaximumBlock& block) {
 /// Samples as (sample - highest) * unit, rounded once, and each cell's largest.
 /// @param place  of the block in the file
 template <class T>
-HWY_NOINLINE void fetch(const MaximumField& field, const int* place, double highest, double unit,
-                        MaximumBlock& block) {
+HWY_NOINLINE void fetch(const MaximumField& field, const int* place, double highest, double unit, MaximumBlock& block) {
   const SampleSource& source = field.source;
   const T* samples = static_cast<const T*>(source.samples);
   std::uint64_t address[3][5];
@@ -218,8 +218,7 @@ HWY_NOINLINE void fetch(const MaximumField& field, const int* place, double high
     }
   }
   each_row([&](const T* row, float* to) {
-    for (int i = 0; i < 5; ++i)
-      to[i] = static_cast<float>((static_cast<double>(row[address[0][i]]) - highest) * unit);
+    for (int i = 0; i < 5; ++i) to[i] = static_cast<float>((static_cast<double>(row[address[0][i]]) - highest) * unit);
   });
   find_largest(field.has_gaps, block);
 }
@@ -257,13 +256,20 @@ HWY_NOINLINE void corners_of(const SampleSource& source, const Looks& looks, std
     const std::uint64_t* x = source.address[0] + looks.cell[0][i];
     const std::uint64_t* y = source.address[1] + looks.cell[1][i];
     const std::uint64_t* z = source.address[2] + looks.cell[2][i];
-    for (int c = 0; c < 8; ++c)
-      corner[c][lane] = static_cast<double>(samples[x[c & 1] + y[c >> 1 & 1] + z[c >> 2]]);
+    for (int c = 0; c < 8; ++c) corner[c][lane] = static_cast<double>(samples[x[c & 1] + y[c >> 1 & 1] + z[c >> 2]]);
   }
 }
 
 // ---- search
 
+/// The search for one group of rays: regions by their largest value, the largest first; blocks in single precision.
+///
+/// Places in single precision are off by less than `margin_`, 8 units of rounding of the lattice's extent: start and
+/// slope of a line are rounded once, and so are their product and sum. Regions are wider by it, so that a ray is found
+/// in every one that it passes in double. Values in a block are off by less than 12 margins of its range (3 for a place
+/// that is off on all axes, as much for a part that goes on beyond its cell, the rest where the neighbouring cell is
+/// the true one), and 2^-20 of it for the interpolation itself. A value is reached for certain where the place lies
+/// three margins inside a cell.
 class Search {
  public:
   Search(const MaximumField& field, const RayArrays& rays, MaximumScratch& scratch, const MirroredLattice& lattice,
@@ -298,7 +304,7 @@ class Search {
 
  private:
   /// The rays as functions of the place on the major axis. The margin holds all rounding there is in these.
-  HWY_NOINLINE void make_lines() {
+  HWY_INLINE void make_lines() {
     const RayGroup& group = scratch_.group;
     GroupLines& lines = scratch_.lines;
     const int w = frustum_.major;
@@ -341,7 +347,7 @@ class Search {
     return true;
   }
 
-  HWY_NOINLINE void put_nodes() {
+  HWY_INLINE void put_nodes() {
     const int w = frustum_.major, u = frustum_.minor[0], v = frustum_.minor[1];
     const auto slab_of = [&](double at) {
       const int slab = floored(at / 16);
@@ -356,8 +362,8 @@ class Search {
             int node[3], place[3];
             node[w] = slab, node[u] = i, node[v] = j;
             if (!find_in_file(node, false, field_.nodes, place)) continue;
-            const double largest = field_.nodes.first ? range_of(field_, field_.nodes, place).hi
-                                                      : std::numeric_limits<double>::max();
+            const double largest =
+                field_.nodes.first ? range_of(field_, field_.nodes, place).hi : std::numeric_limits<double>::max();
             if (largest > nothing) act(static_cast<const int*>(node), largest);
           }
       }
@@ -522,9 +528,9 @@ class Search {
     VecF p_w = hn::Sub(from, low_w), p_u = hn::MulAdd(slope_u, from, start_u), p_v = hn::MulAdd(slope_v, from, start_v);
     VecF cell_w = clamped(p_w), cell_u = clamped(p_u), cell_v = clamped(p_v);
     p_w = hn::Sub(p_w, cell_w), p_u = hn::Sub(p_u, cell_u), p_v = hn::Sub(p_v, cell_v);
-    VecI cell = hn::Add(hn::Add(hn::Mul(hn::ConvertTo(ints, cell_w), stride_w),
-                                hn::Mul(hn::ConvertTo(ints, cell_u), stride_u)),
-                        hn::Mul(hn::ConvertTo(ints, cell_v), stride_v));
+    VecI cell =
+        hn::Add(hn::Add(hn::Mul(hn::ConvertTo(ints, cell_w), stride_w), hn::Mul(hn::ConvertTo(ints, cell_u), stride_u)),
+                hn::Mul(hn::ConvertTo(ints, cell_v), stride_v));
     const auto next = [&](VecF c, VecF at) { return hn::IfThenElse(hn::Lt(c, three), at, never); };
     VecF next_w = next(cell_w, hn::Add(hn::Add(low_w, cell_w), one));
     VecF next_u = next(cell_u, hn::Mul(hn::Sub(hn::Add(cell_u, one), start_u), inverse_u));
@@ -534,13 +540,15 @@ class Search {
     VecF cells = hn::Zero(floats);
     for (;;) {
       const VecF leave = hn::Min(hn::Min(next_w, to), hn::Min(next_u, next_v));
-      const VecF q_w = hn::Sub(hn::Sub(leave, low_w), cell_w), q_u = hn::Sub(hn::MulAdd(slope_u, leave, start_u), cell_u),
+      const VecF q_w = hn::Sub(hn::Sub(leave, low_w), cell_w),
+                 q_u = hn::Sub(hn::MulAdd(slope_u, leave, start_u), cell_u),
                  q_v = hn::Sub(hn::MulAdd(slope_v, leave, start_v), cell_v);
       const VecF bound = hn::Add(hn::GatherIndex(floats, largest, cell), error);
       const MaskF wanted = hn::And(active, may_improve(bound, from, reached, reached_at));
       cells = hn::Add(cells, hn::IfThenElseZero(active, one));
       if (!hn::AllFalse(floats, wanted)) {
-        const Coefficients b = coefficients(samples, stride[u], stride[v], stride[w], cell, {p_u, p_v, p_w}, {q_u, q_v, q_w});
+        const Coefficients b =
+            coefficients(samples, stride[u], stride[v], stride[w], cell, {p_u, p_v, p_w}, {q_u, q_v, q_w});
         // Without data all coefficients are no numbers, or far below the block's values.
         const VecF hull = b.largest();
         const VecF highest_here = hn::Add(hn::IfThenElseZero(hn::Ge(hull, hn::Set(floats, -4.0F)), hull), error);
@@ -553,11 +561,12 @@ class Search {
 
           // A value that is reached for certain: at a point well inside the cell and well inside the ray.
           const VecF s = b.likely_maximum();
-          const MaskF inside = hn::And(hn::And(is_inside(p_u, q_u, s), is_inside(p_v, q_v, s)),
-                                       hn::And(is_inside(p_w, q_w, s),
-                                               hn::Ge(hn::Sub(leave, from), hn::Set(floats, 128 * margin_))));
+          const MaskF inside =
+              hn::And(hn::And(is_inside(p_u, q_u, s), is_inside(p_v, q_v, s)),
+                      hn::And(is_inside(p_w, q_w, s), hn::Ge(hn::Sub(leave, from), hn::Set(floats, 128 * margin_))));
           const VecF value = hn::Sub(b.at(s), error);
-          const MaskF has_data = hn::Le(hn::Abs(hn::Add(hn::Add(b.b0, b.b1), hn::Add(b.b2, b.b3))), hn::Set(floats, 16.0F));
+          const MaskF has_data =
+              hn::Le(hn::Abs(hn::Add(hn::Add(b.b0, b.b1), hn::Add(b.b2, b.b3))), hn::Set(floats, 16.0F));
           const MaskF rises = hn::And(hn::And(suspect, has_data), hn::And(inside, hn::Gt(value, reached)));
           reached = hn::IfThenElse(rises, value, reached);
           const VecF place = hn::MulAdd(s, hn::Sub(leave, from), from);
@@ -567,7 +576,8 @@ class Search {
       }
       active = hn::And(active, hn::Lt(leave, to));
       if (hn::AllFalse(floats, active)) break;
-      const VecF step_w = hn::IfThenElseZero(hn::Le(next_w, leave), one), step_u = hn::IfThenElseZero(hn::Le(next_u, leave), one),
+      const VecF step_w = hn::IfThenElseZero(hn::Le(next_w, leave), one),
+                 step_u = hn::IfThenElseZero(hn::Le(next_u, leave), one),
                  step_v = hn::IfThenElseZero(hn::Le(next_v, leave), one);
       cell = hn::Add(cell, hn::Add(hn::IfThenElseZero(hn::RebindMask(ints, hn::Le(next_w, leave)), stride_w),
                                    hn::Add(hn::IfThenElseZero(hn::RebindMask(ints, hn::Le(next_u, leave)), stride_u),
@@ -667,8 +677,8 @@ class Search {
     const Pair pq = between(low_p.q, high_p.q, p.w, q.w), qq = between(low_q.q, high_q.q, p.w, q.w);
     // Each is a sum of all corners with weights: one that is not a number makes all of them so.
     const VecF third = hn::Set(floats, 1.0F / 3);
-    return {pp.p, hn::Mul(hn::Add(hn::Add(qp.p, pq.p), pp.q), third), hn::Mul(hn::Add(hn::Add(qq.p, qp.q), pq.q), third),
-            qq.q};
+    return {pp.p, hn::Mul(hn::Add(hn::Add(qp.p, pq.p), pp.q), third),
+            hn::Mul(hn::Add(hn::Add(qq.p, qp.q), pq.q), third), qq.q};
   }
 
   /// Puts the suspects of a block to the others, but for those that what was reached since rules out.
@@ -689,6 +699,7 @@ class Search {
 
   /// Looks closely at the suspects that what was reached since does not rule out.
   HWY_NOINLINE void decide_suspects() {
+    const std::uint64_t start = field_.time_phases ? ticks_now() : 0;
     Suspects& suspects = scratch_.suspects;
     for (std::size_t i = 0; i < suspects.count; ++i) {
       const auto ray = static_cast<std::size_t>(suspects.ray[i]);
@@ -699,6 +710,7 @@ class Search {
     look_closely();
     suspects.count = 0;
     find_lowest_reached();
+    if (field_.time_phases) scratch_.ticks += ticks_now() - start;
   }
 
   static constexpr std::size_t first_looks = 128;
@@ -738,7 +750,8 @@ class Search {
     if (cell[axis] < 0 || cell[axis] >= field_.leaf_count[axis]) return;
     const LastLooks& last = scratch_.last_looks[looks.ray[of]];
     for (std::size_t i = 0; i < LastLooks::kept; ++i)
-      if (last.key[i] == key_of(cell) && (way < 0 ? last.from[i] <= looks.from[of] : last.to[i] >= looks.to[of])) return;
+      if (last.key[i] == key_of(cell) && (way < 0 ? last.from[i] <= looks.from[of] : last.to[i] >= looks.to[of]))
+        return;
     put_look(looks.ray[of], cell, looks.from[of], looks.to[of], way);
   }
 
@@ -851,8 +864,9 @@ class Search {
       const VecD t = hn::Min(hn::Max(along, t_in), t_out);
       const VecD value = hn::Add(bound, answer.value);
       // Differences that need another unit are left to the scalar kernel's own code.
-      const MaskD is_far = hn::And(hn::Gt(largest_size, zero), hn::Or(hn::Gt(largest_size, hn::Set(doubles, 0x1p900)),
-                                                                       hn::Lt(largest_size, hn::Set(doubles, 0x1p-900))));
+      const MaskD is_far = hn::And(
+          hn::Gt(largest_size, zero),
+          hn::Or(hn::Gt(largest_size, hn::Set(doubles, 0x1p900)), hn::Lt(largest_size, hn::Set(doubles, 0x1p-900))));
       const MaskD is_far_and_wanted = hn::And(wanted, is_far);
       if (!hn::AllFalse(doubles, is_far_and_wanted))
         walk_strays(first, bits_of(doubles, is_far_and_wanted) & first_rays(count));
@@ -1000,7 +1014,8 @@ class Search {
     const RayGroup& group = scratch_.group;
     const int w = frustum_.major;
     const double inverse = group.inverse[w][ray];
-    const double plane = lattice_.is_mirrored(w) ? lattice_.plane(w, 0) - static_cast<double>(place) : static_cast<double>(place);
+    const double plane =
+        lattice_.is_mirrored(w) ? lattice_.plane(w, 0) - static_cast<double>(place) : static_cast<double>(place);
     const double t = (plane - group.plane_origin[w][ray]) * inverse;
     return t < group.t_in[ray] ? group.t_in[ray] : t > group.t_out[ray] ? group.t_out[ray] : t;
   }
@@ -1038,7 +1053,9 @@ void largest_values(const MaximumField& field, const RayArrays& rays, std::size_
 }
 
 }  // namespace
-LargestValues largest_values_here() { return largest_values; }
+LargestValues largest_values_here() {
+  return largest_values;
+}
 }  // namespace rhoray::render::wide::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

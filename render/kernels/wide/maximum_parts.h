@@ -12,7 +12,8 @@
 /// What the sources of the wide kernel for largest values hand to the part that is compiled once per machine.
 ///
 /// That part looks for the places on a ray where the largest value can be, in single precision with its rounding
-/// bounded; what it cannot rule out is decided by `look_closely`, which computes what the scalar kernel computes.
+/// bounded. What it cannot rule out is decided in double, operation for operation as the scalar kernel does it: so the
+/// answer is the scalar kernel's on every machine, in whatever group a ray is.
 namespace rhoray::render::wide {
 
 /// The largest value found on a ray so far.
@@ -38,7 +39,8 @@ struct StoredRanges {
   int count[3];
 };
 
-/// The cells of a ray from t_from to t_to, as the scalar kernel sees them, if they can change what is found.
+/// The cells of a ray from t_from to t_to by the scalar kernel's own code, where what is done side by side does not
+/// apply: planes passed at nearly the same time, differences that need another unit.
 /// @param ray  place in the chunk
 using LookClosely = void (*)(const void* context, const RayArrays& rays, std::size_t ray, double t_from, double t_to,
                              FoundMaximum& found);
@@ -51,6 +53,7 @@ struct MaximumField {
   std::array<int, 3> node_count;  ///< of 16 cells, a multiple of 4
   StoredRanges blocks, nodes;     ///< of 4 and of 16 cells; there may be none of 16
   bool has_gaps;                  ///< some samples have no data
+  bool time_phases;
   LookClosely look_closely;
   const void* context;
 };
@@ -78,12 +81,12 @@ struct RegionQueue {
 struct alignas(64) GroupLines {
   static constexpr std::size_t size = RayGroup::size;
 
-  float start[2][size];    ///< where the major axis is 0
+  float start[2][size];  ///< where the major axis is 0
   float slope[2][size];
-  float inverse[2][size];  ///< of the slope; large where it is close to 0
+  float inverse[2][size];      ///< of the slope; large where it is close to 0
   float from[size], to[size];  ///< the part inside the lattice, on the major axis
-  float reached[size];     ///< no more than the largest value found
-  float reached_at[size];  ///< no less than where it was found, on the major axis
+  float reached[size];         ///< no more than the largest value found
+  float reached_at[size];      ///< no less than where it was found, on the major axis
 };
 
 /// Parts of rays in a block that may hold a larger value than was found.
@@ -134,7 +137,8 @@ struct alignas(64) RaysAtBlock {
   std::size_t count;
 };
 
-/// A block's samples in mirrored order of reading: (sample - its largest value) in a unit of about its range.
+/// The 5 x 5 x 5 samples of a block, sample (x, y, z) at x + 5 y + 25 z: (sample - the block's largest) * unit, from -2
+/// to 0 where there is data.
 struct alignas(64) MaximumBlock {
   float sample[160];
   float largest[160];  ///< of the cell of which this is the lowest corner
@@ -149,12 +153,12 @@ struct alignas(64) MaximumScratch {
   BlockSuspects at_hand;
   Suspects suspects;
   Looks looks_left;
-  double reached[RayGroup::size];        ///< some value on the ray is at least this
+  double reached[RayGroup::size];  ///< some value on the ray is at least this
   LastLooks last_looks[RayGroup::size];
   double known_value[RayGroup::size], known_t[RayGroup::size];  ///< what is in `found`, by place in the group
-  FoundMaximum found[RayGroup::size];   ///< by place in the chunk
-  std::uint32_t cost[RayGroup::size];   ///< by place in the chunk: blocks and cells visited
-  std::uint64_t regions, looks;        ///< counted
+  FoundMaximum found[RayGroup::size];                           ///< by place in the chunk
+  std::uint32_t cost[RayGroup::size];                           ///< by place in the chunk: blocks and cells visited
+  std::uint64_t regions, looks, ticks;                          ///< counted
 };
 
 using LargestValues = void (*)(const MaximumField& field, const RayArrays& rays, std::size_t count,

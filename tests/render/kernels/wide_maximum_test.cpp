@@ -46,7 +46,8 @@ std::vector<Hit> largest_values(const TracedVolume& traced, const Method& method
   return hits;
 }
 
-/// Squares of 8 x 8 rays from points around and inside a box [0, size] towards points in it, from one point or parallel.
+/// Squares of 8 x 8 rays from points around and inside a box [0, size] towards points in it, from one point or
+/// parallel.
 std::vector<Ray> bundles(const Vec3& size, std::size_t count, std::uint64_t seed) {
   Dice dice(seed);
   std::vector<Ray> rays;
@@ -98,7 +99,8 @@ int expect_agreement(const TracedVolume& traced, const std::vector<Ray>& rays) {
     EXPECT_NE(render::wide::largest_value_kernel(traced.volume().implementation(), Method{}, machine), nullptr);
     expect_same(largest_values(traced, Method{}, machine, rays), reference, rays, name_of(machine));
   }
-  return static_cast<int>(std::count_if(reference.begin(), reference.end(), [](const Hit& hit) { return !hit.is_miss(); }));
+  return static_cast<int>(
+      std::count_if(reference.begin(), reference.end(), [](const Hit& hit) { return !hit.is_miss(); }));
 }
 
 /// Noise of `kinds` different values from `low` upwards.
@@ -116,8 +118,7 @@ double waves(const Index3& at) {
 
 template <class T>
 int agreement_of(const Samples& samples, std::uint64_t seed) {
-  const TracedVolume traced(
-      volume_of<T>({37, 22, 70}, [&](const Index3& at) { return static_cast<T>(samples(at)); }));
+  const TracedVolume traced(volume_of<T>({37, 22, 70}, [&](const Index3& at) { return static_cast<T>(samples(at)); }));
   return expect_agreement(traced, rays_through({36, 21, 69}, 2000, seed));
 }
 
@@ -172,11 +173,10 @@ TEST(WideMaximum, leaves_cells_without_data_out_as_the_scalar_kernel_does) {
 }
 
 TEST(WideMaximum, keeps_small_differences_of_large_values_and_values_of_any_magnitude) {
-  const std::vector<Samples> kinds{[](const Index3& at) { return 1e9 + waves(at); },
-                                   [](const Index3& at) { return 1e-300 * waves(at); },
-                                   [](const Index3& at) { return 1e300 * waves(at); },
-                                   [](const Index3& at) { return 1e-312 * noise(100, 0)(at); },
-                                   [](const Index3& at) { return at == Index3(9, 9, 9) ? 1e200 : waves(at); }};
+  const std::vector<Samples> kinds{
+      [](const Index3& at) { return 1e9 + waves(at); }, [](const Index3& at) { return 1e-300 * waves(at); },
+      [](const Index3& at) { return 1e300 * waves(at); }, [](const Index3& at) { return 1e-312 * noise(100, 0)(at); },
+      [](const Index3& at) { return at == Index3(9, 9, 9) ? 1e200 : waves(at); }};
   int hits = 0;
   std::uint64_t seed = 80;
   for (const Samples& samples : kinds) hits += agreement_of<double>(samples, ++seed);
@@ -192,7 +192,8 @@ TEST(WideMaximum, takes_lattices_of_every_small_size) {
   for (const Index3& count : {Index3(2, 2, 2), Index3(2, 3, 5), Index3(5, 5, 5), Index3(6, 4, 130), Index3(65, 2, 9)}) {
     const TracedVolume traced(volume_of<std::uint16_t>(
         count, [](const Index3& at) { return static_cast<std::uint16_t>(noise(1000, 0)(at)); }));
-    const Vec3 size(static_cast<double>(count.x - 1), static_cast<double>(count.y - 1), static_cast<double>(count.z - 1));
+    const Vec3 size(static_cast<double>(count.x - 1), static_cast<double>(count.y - 1),
+                    static_cast<double>(count.z - 1));
     EXPECT_GT(expect_agreement(traced, rays_through(size, 1000, ++seed)), 500);
   }
 }
@@ -210,7 +211,9 @@ TEST(WideMaximum, reads_every_layout) {
 
 // One level of macrocells: there are no nodes to read. Other factors are not for this kernel.
 TEST(WideMaximum, is_chosen_where_levels_have_factor_4_and_the_way_is_direct) {
-  const auto volume = [] { return volume_of<float>({30, 25, 37}, [](const Index3& at) { return static_cast<float>(waves(at)); }); };
+  const auto volume = [] {
+    return volume_of<float>({30, 25, 37}, [](const Index3& at) { return static_cast<float>(waves(at)); });
+  };
   const TracedVolume one_level(volume(), {.macro_level_count = 1});
   EXPECT_GT(expect_agreement(one_level, rays_through({29, 24, 36}, 1000, 7)), 800);
   const TracedVolume other_factor(volume(), {.macro_factor = 3, .macro_level_count = 2});
@@ -224,8 +227,8 @@ TEST(WideMaximum, is_chosen_where_levels_have_factor_4_and_the_way_is_direct) {
 }
 
 TEST(WideMaximum, of_a_ray_does_not_depend_on_the_rays_that_share_its_group) {
-  const TracedVolume traced(
-      volume_of<std::uint8_t>({37, 22, 41}, [](const Index3& at) { return static_cast<std::uint8_t>(noise(9, 0)(at)); }));
+  const TracedVolume traced(volume_of<std::uint8_t>(
+      {37, 22, 41}, [](const Index3& at) { return static_cast<std::uint8_t>(noise(9, 0)(at)); }));
   const std::vector<Ray> rays = rays_through({36, 21, 40}, 1000, 3);
   std::vector<std::size_t> order(rays.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -244,8 +247,8 @@ TEST(WideMaximum, of_a_ray_does_not_depend_on_the_rays_that_share_its_group) {
 }
 
 TEST(WideMaximum, allocates_nothing_once_it_has_its_memory) {
-  const TracedVolume traced(
-      volume_of<std::uint16_t>({37, 22, 41}, [](const Index3& at) { return static_cast<std::uint16_t>(noise(900, 0)(at)); }));
+  const TracedVolume traced(volume_of<std::uint16_t>(
+      {37, 22, 41}, [](const Index3& at) { return static_cast<std::uint16_t>(noise(900, 0)(at)); }));
   const render::VolumeImplementation& volume = traced.volume().implementation();
   for (const Machine machine : wide_machines()) {
     const render::Kernel kernel = render::choose_kernels(volume, Method{}, machine).largest_value;

@@ -2,6 +2,7 @@
 
 #include <embree3/rtcore.h>
 
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -28,6 +29,12 @@ class TinyIsZero {
   unsigned before_;
 };
 
+/// Embree tells what it allocates and, as a negative number, what it gives back.
+bool count_bytes(void* total, ssize_t bytes, bool) {
+  *static_cast<std::atomic<std::int64_t>*>(total) += bytes;
+  return true;
+}
+
 void refuse(void*, RTCError, const char* reason) {
   throw Error(Trouble::internal, concat("Embree: ", reason));
 }
@@ -41,6 +48,7 @@ class EmbreeScene {
       : triangles_(std::move(triangles)), device_(rtcNewDevice("threads=1,frequency_level=simd512")) {
     if (device_ == nullptr) throw Error(Trouble::internal, "Embree: no device");
     rtcSetDeviceErrorFunction(device_, refuse, nullptr);
+    rtcSetDeviceMemoryMonitorFunction(device_, count_bytes, &bytes_);
   }
   EmbreeScene(const EmbreeScene&) = delete;
   EmbreeScene& operator=(const EmbreeScene&) = delete;
@@ -59,6 +67,7 @@ class EmbreeScene {
   }
 
   RTCScene scene() const { return scene_; }
+  double memory_mb() const { return static_cast<double>(bytes_) / 1e6; }
 
  private:
   void build() {
@@ -82,6 +91,7 @@ class EmbreeScene {
   }
 
   std::shared_ptr<Triangles> triangles_;
+  std::atomic<std::int64_t> bytes_{0};
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;
   std::optional<double> isovalue_;
@@ -95,6 +105,8 @@ class EmbreePeer : public Peer {
   explicit EmbreePeer(std::shared_ptr<EmbreeScene> scene) : scene_(std::move(scene)) {}
 
   Preparation prepare(const PeerData& data, double isovalue) override { return scene_->prepare(data, isovalue); }
+
+  std::optional<double> prepared_mb() const override { return scene_->memory_mb(); }
 
   void draw(const PeerView& view) override {
     color_.resize(4 * view.pixel_count());

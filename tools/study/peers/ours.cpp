@@ -54,13 +54,14 @@ class OwnPeer final : public Peer {
     scene_.camera = view.camera;
     options.width = view.width;
     options.height = view.height;
-    render::render(*volume_, scene_, options, picture_);
+    render::render(*volume_, scene_, options, picture_, memory_);
   }
 
   std::string level_;
   std::optional<render::Volume> volume_;
   render::Scene scene_;
   render::Framebuffer picture_;
+  render::FrameMemory memory_;  // as a viewer keeps it from frame to frame
 };
 
 }  // namespace

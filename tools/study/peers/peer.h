@@ -52,6 +52,9 @@ class Peer {
   /// nothing; NaN: a hit at an unknown distance), for a largest value that value (NaN: no data). Not timed.
   virtual std::vector<double> answers(const PeerView& view) = 0;
 
+  /// Megabytes of what was prepared, as the library counts them; nothing where it does not.
+  virtual std::optional<double> prepared_mb() const { return std::nullopt; }
+
   /// Of the last picture, where the same program always makes the same one; else empty.
   virtual std::string picture_hash() const { return {}; }
 };

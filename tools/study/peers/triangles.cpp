@@ -87,6 +87,10 @@ void Triangles::copy_triangles(std::span<std::uint32_t> out) const {
     copy(polygons->GetConnectivityArray32()->GetPointer(0));
 }
 
+double Triangles::memory_mb() const {
+  return 1.024e-3 * static_cast<double>(state_->surface->GetActualMemorySize());  // of kibibytes
+}
+
 vtkPolyData* Triangles::vtk() const {
   return state_->surface;
 }

@@ -22,6 +22,7 @@ class Triangles {
   std::size_t triangle_count() const;
   void copy_vertices(std::span<float> out) const;           ///< 3 numbers each
   void copy_triangles(std::span<std::uint32_t> out) const;  ///< 3 vertices each
+  double memory_mb() const;
   vtkPolyData* vtk() const;
 
  private:

@@ -100,6 +100,8 @@ class NanoVdbPeer final : public Peer {
     return preparation;
   }
 
+  std::optional<double> prepared_mb() const override { return static_cast<double>(grid_.size()) / 1e6; }
+
   void draw(const PeerView& view) override {
     using Ray = nanovdb::Ray<float>;
     color_.resize(4 * view.pixel_count());
@@ -168,6 +170,8 @@ class LevelSetPeer final : public Peer {
     });
     return preparation;
   }
+
+  std::optional<double> prepared_mb() const override { return static_cast<double>(grid_->memUsage()) / 1e6; }
 
   void draw(const PeerView& view) override {
     using Ray = openvdb::math::Ray<double>;

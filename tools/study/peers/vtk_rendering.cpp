@@ -92,6 +92,8 @@ class Drawing final : public Peer {
     return preparation;
   }
 
+  std::optional<double> prepared_mb() const override { return triangles_->memory_mb(); }
+
   void draw(const PeerView& view) override {
     window_->SetSize(view.width, view.height);
     set_camera(renderer_, view, depth_range(view, size_));
