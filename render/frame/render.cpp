@@ -41,11 +41,10 @@ void check_refinement(const Refinement& refinement) {
                 concat("a first pass of every ", refinement.first_spacing, "th pixel; expected 1, 2, 4, 8 or 16"));
 }
 
-Frame choose_frame(const Volume& volume, const Scene& scene, const FrameOptions& options, std::string_view& machine) {
+Frame choose_frame(const Volume& volume, const Scene& scene, const FrameOptions& options) {
   const VolumeImplementation& implementation = volume.implementation();
   const Kernels kernels = choose_kernels(implementation, scene.method);
   const bool is_mip = scene.mode == Mode::mip;
-  machine = name_of(is_mip ? kernels.maximum_machine : kernels.crossing_machine);
   return {.volume = implementation,
           .kernel = is_mip ? kernels.largest_value : kernels.first_crossing,
           .queue_entries = is_mip ? kernels.queue_entries : 0,
@@ -99,6 +98,7 @@ FrameStatistics statistics_of(const FrameMemory::Implementation& memory, const S
   statistics.rays_redone = counters.rays_redone;
   statistics.rays_judged = counters.rays_judged;
   statistics.touches = counters.touches;
+  statistics.machine = name_of(counters.rays_wide > 0 ? chosen_machine() : Machine::scalar);
   if (!proves(scene.method)) statistics.largest_error = std::numeric_limits<double>::quiet_NaN();
   return statistics;
 }
@@ -142,8 +142,7 @@ FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOpti
   const auto clock_start = std::chrono::steady_clock::now();
   const std::uint64_t ticks_start = ticks_now();
 
-  std::string_view machine;
-  const Frame frame = choose_frame(volume, scene, options, machine);
+  const Frame frame = choose_frame(volume, scene, options);
   const std::vector<Pass> passes = passes_of(frame, options, refinement.first_spacing);
   framebuffer.reshape(options.width, options.height, options.channels);
   FrameMemory::Implementation& kept = memory.implementation();
@@ -159,7 +158,6 @@ FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOpti
   }
 
   FrameStatistics statistics = statistics_of(kept, scene);
-  statistics.machine = machine;
   statistics.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock_start).count();
   if (options.time_phases)
     statistics.phases = phases_of(kept, statistics.wall_s / static_cast<double>(ticks_now() - ticks_start));

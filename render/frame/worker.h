@@ -24,12 +24,11 @@ struct alignas(128) Worker {
   std::uint64_t tile_ticks = 0, shading_ticks = 0;
   double largest_error = 0;
 
-  /// Forgets everything but memory.
+  /// Forgets everything but memory. Kernels know by themselves of which volume and isovalue they keep something.
   void begin_frame(std::size_t queue_entries) {
-    MaximumQueue queue = std::move(scratch.queue);
-    queue.reserve(queue_entries);
-    scratch = {};
-    scratch.queue = std::move(queue);
+    scratch.queue.reserve(queue_entries);
+    scratch.last_t.reset();
+    scratch.counters = {};
     rays_begun_by = nullptr;
     ray_count = hit_count = highlights = tile_ticks = shading_ticks = 0;
     largest_error = 0;

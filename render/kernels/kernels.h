@@ -28,6 +28,7 @@ struct KernelCounters {
   std::uint64_t rays_redone = 0;         ///< certified: what single precision could not decide
   std::uint64_t rays_judged = 0;         ///< decided by the judge
   std::uint64_t touches = 0;             ///< judged hits at which the field only touches the isovalue
+  std::uint64_t rays_wide = 0;           ///< answered by a wide kernel, which may leave a whole frame to the scalar one
   std::uint64_t intersection_ticks = 0;  ///< time spent solving; 0 unless Question::time_phases
 
   std::uint64_t visits() const { return macrocells_visited + cells_visited; }
@@ -40,6 +41,7 @@ struct KernelCounters {
     rays_redone += other.rays_redone;
     rays_judged += other.rays_judged;
     touches += other.touches;
+    rays_wide += other.rays_wide;
     intersection_ticks += other.intersection_ticks;
     return *this;
   }
@@ -78,9 +80,6 @@ struct Kernels {
   Kernel first_crossing;      ///< where the ray first passes from one side of the isovalue to the other
   Kernel largest_value;       ///< the largest value on the ray and the smallest t where it is reached
   std::size_t queue_entries;  ///< the most that one ray can put into the queue
-  /// What first_crossing and largest_value are compiled for; `scalar` where there are only reference kernels.
-  Machine crossing_machine = Machine::scalar;
-  Machine maximum_machine = Machine::scalar;
 };
 
 Kernels choose_kernels(const VolumeImplementation& volume, const Method& method, Machine machine = chosen_machine());

@@ -327,18 +327,20 @@ Table views_table(const BenchOptions& options, const Step& step) {
 Table memory_table(const BenchOptions& options, const Step& step) {
   const render::Volume volume = load_volume(options.input, options.field);
   Table table{"memory", "Memory beyond the mapped file", picture_context(options, volume), {}};
+  render::Framebuffer picture;  // one for all rows: memory that is given back would still be counted
   for (Shot& shot : shots(options, volume)) {
     step(shot.scene);
+    shot.picture = std::move(picture);
     for (int frame = 0; frame < options.repeat; ++frame) shot.trace(volume);
-    const std::uint64_t picture = shot.picture.color.size() * sizeof(float), all = anonymous_bytes();
+    const std::uint64_t picture_bytes = shot.picture.color.size() * sizeof(float), all = anonymous_bytes();
     table.rows.push_back({{"scene", shot.scene},
                           {"file_bytes", volume.file().file_bytes()},
-                          {"picture_bytes", picture},
+                          {"picture_bytes", picture_bytes},
                           {"anonymous_bytes", all},
-                          {"beyond_file_and_picture_bytes", all - std::min(all, picture)},
+                          {"beyond_file_and_picture_bytes", all - std::min(all, picture_bytes)},
                           {"machine", shot.statistics.machine},
                           {"picture", picture_hash(shot.picture)}});
-    shot.picture = {};  // that the next row does not count it
+    picture = std::move(shot.picture);
   }
   return table;
 }

@@ -109,6 +109,7 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
             reference(volume, question, rays, hits, scratch);
             return;
           }
+          scratch.counters.rays_wide += rays.count;
           IsosurfaceScratch& memory =
               prepared(scratch.isosurface, volume.occupancies->of(view.levels(), question.isovalue));
           const Surface surface = surface_of(view, *memory.occupancy, question);

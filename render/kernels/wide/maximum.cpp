@@ -113,6 +113,7 @@ void largest_values(const VolumeImplementation& volume, const Question& question
   const View& view = std::get<View>(volume.view);
   if (!question.use_hierarchy)
     return kernels_for(view, question.method.way).largest_value(volume, question, rays, hits, scratch);
+  scratch.counters.rays_wide += rays.count;
   if (!scratch.maximum) scratch.maximum = std::make_shared<MaximumScratch>();
   MaximumScratch& memory = *scratch.maximum;
   memory.regions = memory.looks = memory.ticks = 0;

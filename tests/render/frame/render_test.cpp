@@ -178,6 +178,23 @@ TEST(Render, of_a_mirrored_volume_is_the_mirrored_picture) {
   }
 }
 
+TEST(Render, says_for_which_machine_the_kernel_that_answered_is_compiled) {
+  const TracedVolume grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  const TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
+  Framebuffer picture;
+  const auto machine_of = [&](const TracedVolume& traced, const Method& method, bool use_hierarchy) {
+    Scene scene = scene_of(traced.volume(), Mode::isosurface);
+    scene.method = method;
+    return render::render(traced.volume(), scene, {.width = 20, .height = 20, .use_hierarchy = use_hierarchy}, picture)
+        .machine;
+  };
+  const Method single = method_of(render::Accuracy::single);
+  EXPECT_EQ(machine_of(grid, single, true), name_of(render::chosen_machine()));
+  EXPECT_EQ(machine_of(grid, single, false), "scalar") << "a wide kernel that leaves the question to the other";
+  EXPECT_EQ(machine_of(grid, Method{}, true), "scalar");
+  EXPECT_EQ(machine_of(mesh, single, true), "scalar");
+}
+
 TEST(Render, shades_no_highlight_that_the_scene_does_not_call_for) {
   const TracedVolume traced(sampled_volume<float>({25, 22, 27}, {}, blob()));
   Scene scene = scene_of(traced.volume(), Mode::isosurface);
