@@ -118,6 +118,13 @@ HWY_INLINE void gather_rays(const RayArrays& rays, std::uint64_t chosen, RayGrou
   }
 }
 
+/// True where two times lie so close together that rounding may have exchanged them (WalkRounding::may_be_exchanged),
+/// or where they are not finite numbers.
+HWY_INLINE MaskD may_be_exchanged(VecD a, VecD b) {
+  const VecD largest = hn::Max(hn::Abs(a), hn::Abs(b));
+  return hn::Not(hn::Gt(hn::Abs(hn::Sub(a, b)), hn::Mul(hn::Set(doubles, 0x1p-50), largest)));
+}
+
 /// Plane origins, inverses and the parts inside the lattice, as clip_to_lattice finds them.
 HWY_INLINE void clip_group(const int* leaf_count, RayGroup& group) {
   const VecD zero = hn::Zero(doubles), half = hn::Set(doubles, 0.5);
@@ -125,7 +132,7 @@ HWY_INLINE void clip_group(const int* leaf_count, RayGroup& group) {
   group.inside = 0;
   for (std::size_t r = 0; r < group.count; r += double_lanes) {
     VecD t_in = hn::Load(doubles, group.t_in + r), t_out = hn::Load(doubles, group.t_out + r);
-    MaskD inside = hn::FirstN(doubles, group.count - r);
+    MaskD inside = hn::FirstN(doubles, group.count - r), possible = inside;
     for (int a = 0; a < 3; ++a) {
       const VecD size = hn::Set(doubles, static_cast<double>(leaf_count[a]));
       const VecD o = hn::Load(doubles, group.origin[a] + r);
@@ -141,11 +148,15 @@ HWY_INLINE void clip_group(const int* leaf_count, RayGroup& group) {
       const bool down = (group.octant >> a & 1) != 0;
       const VecD enter = down ? at_high : at_low, leave = down ? at_low : at_high;
       inside = hn::And(inside, hn::Le(enter, leave));
-      inside = hn::And(inside, hn::Or(steps, hn::And(hn::Ge(o, zero), hn::Le(o, size))));
+      possible = hn::And(possible, hn::Or(steps, hn::And(hn::Ge(o, zero), hn::Le(o, size))));
       t_in = hn::IfThenElse(hn::Gt(enter, t_in), enter, t_in);
       t_out = hn::IfThenElse(hn::Lt(leave, t_out), leave, t_out);
     }
     inside = hn::And(hn::And(inside, hn::Le(t_in, t_out)), hn::And(is_finite(t_in), is_finite(t_out)));
+    inside = hn::And(inside, possible);
+    for (std::uint64_t bits = bits_of(doubles, hn::And(possible, may_be_exchanged(t_in, t_out))); bits != 0;
+         bits &= bits - 1)
+      group.grazing |= std::uint64_t{1} << group.index[r + static_cast<std::size_t>(std::countr_zero(bits))];
     hn::Store(t_in, doubles, group.t_in + r);
     hn::Store(t_out, doubles, group.t_out + r);
     group.inside |= bits_of(doubles, inside) << r;
@@ -225,11 +236,12 @@ HWY_INLINE bool is_too_wide(const Frustum& frustum, std::size_t ray_count) {
 }
 
 /// Calls visit(group, lattice, frustum) with groups of the rays of a chunk until each that enters the lattice was in
-/// one.
+/// one. group.grazing then tells of all of them.
 template <class Visit>
 HWY_INLINE void for_each_group(const RayArrays& rays, std::size_t count, const int* leaf_count,
                                const std::array<int, 3>& node_count, RayGroup& group, Visit&& visit) {
   const Directions directions = directions_of(rays, count);
+  group.grazing = 0;
   for (std::uint64_t remaining = directions.usable; remaining != 0;) {
     ChosenRays chosen = rays_of_one_octant(directions, remaining);
     const MirroredLattice lattice(chosen.octant, node_count);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "render/kernels/wide/isosurface.h"
@@ -82,14 +83,32 @@ IsosurfaceScratch& prepared(std::shared_ptr<IsosurfaceScratch>& scratch, std::sh
   return *scratch;
 }
 
+/// Asks the reference, which proves its answers, about these rays of a chunk that begins at `first`.
+void redo(Kernel reference, const VolumeImplementation& volume, const Question& question, const RayBatch& rays,
+          std::size_t first, std::uint64_t chosen, HitBatch& hits, KernelScratch& scratch) {
+  IsosurfaceScratch& memory = *scratch.isosurface;
+  const std::uint64_t redone_before = scratch.counters.rays_redone;
+  const auto for_each_chosen = [&](auto&& act) {
+    std::size_t place = 0;
+    for (std::uint64_t bits = chosen; bits != 0; bits &= bits - 1)
+      act(first + static_cast<std::size_t>(std::countr_zero(bits)), place++);
+  };
+  memory.doubtful_rays.count = static_cast<std::size_t>(std::popcount(chosen));
+  for_each_chosen([&](std::size_t r, std::size_t place) { memory.doubtful_rays.set(place, rays[r]); });
+  reference(volume, question, memory.doubtful_rays, memory.doubtful_hits, scratch);
+  for_each_chosen([&](std::size_t r, std::size_t place) { hits.set(r, memory.doubtful_hits[place]); });
+  scratch.counters.rays_redone = redone_before + memory.doubtful_rays.count;
+}
+
 template <Machine machine, Search search>
 void first_crossings(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
                      KernelScratch& scratch) {
   std::visit(
       [&]<class View>(const View& view) {
         if constexpr (is_uniform_grid<View>) {
+          const Kernel reference = kernels_for(view, question.method.way).first_crossing;
           if (!question.use_hierarchy || !is_in_range_of_float(volume.field.range, question.isovalue)) {
-            kernels_for(view, question.method.way).first_crossing(volume, question, rays, hits, scratch);
+            reference(volume, question, rays, hits, scratch);
             return;
           }
           IsosurfaceScratch& memory =
@@ -98,8 +117,11 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
           const FirstCrossings answer = first_crossings_on(machine, search);
           const HitArrays all = misses(hits, rays.count);
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size)
-            answer(surface, from(rays, first), std::min(RayGroup::size, rays.count - first), from(all, first), memory,
-                   scratch.counters);
+            if (const std::uint64_t doubtful =
+                    answer(surface, from(rays, first), std::min(RayGroup::size, rays.count - first), from(all, first),
+                           memory, scratch.counters);
+                doubtful != 0)
+              redo(reference, volume, question, rays, first, doubtful, hits, scratch);
         }
       },
       volume.view);
@@ -107,8 +129,9 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
 
 template <Machine machine>
 Kernel kernel_by(Method::Way way) {
-  return way == Method::Way::preview ? first_crossings<machine, Search::preview>
-                                     : first_crossings<machine, Search::bracketed>;
+  return way == Method::Way::preview     ? first_crossings<machine, Search::preview>
+         : way == Method::Way::certified ? first_crossings<machine, Search::certified>
+                                         : first_crossings<machine, Search::bracketed>;
 }
 
 /// A grid of which every cell has data, with macro levels that are trees of 64 children.
@@ -128,7 +151,7 @@ bool is_fit(const VolumeImplementation& volume) {
 Kernel first_crossing_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
   const bool is_float = method.precision == Method::Precision::single &&
                         (method.way == Method::Way::direct || method.way == Method::Way::preview);
-  if (!is_float || !is_fit(volume)) return nullptr;
+  if (!(is_float || method.way == Method::Way::certified) || !is_fit(volume)) return nullptr;
   switch (machine) {
     case Machine::scalar:
       return nullptr;

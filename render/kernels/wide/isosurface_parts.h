@@ -13,7 +13,7 @@
 namespace rhoray::render::wide {
 
 /// How a cell is searched.
-enum class Search { preview, bracketed };
+enum class Search { preview, bracketed, certified };
 
 /// One surface of one volume.
 struct Surface {
@@ -42,7 +42,8 @@ struct alignas(64) RaysInBlock {
   float entry[3][capacity];
   float slope[3][capacity];
   float inverse_slope[3][capacity];
-  float end[capacity];  ///< the way until the ray leaves the block, or ends
+  float end[capacity];             ///< the way until the ray leaves the block, or ends
+  float position_error[capacity];  ///< certified: what double precision may have put the ray's points off by
   std::int32_t ray[capacity];
   std::size_t count;
 };
@@ -55,6 +56,7 @@ struct alignas(64) PendingHits {
   float in[3][capacity], out[3][capacity];    ///< where the ray enters and leaves the cell
   float way_in[capacity], way_out[capacity];  ///< from where it entered the block
   float low[capacity], high[capacity];        ///< the piece of the way on which the cubic is monotone and changes side
+  float margin[capacity], way_error[capacity];  ///< certified: of values, and of the way
   std::int32_t root_count[capacity];
   std::int32_t ray[capacity];
   std::int64_t cell[capacity];  ///< id
@@ -70,13 +72,16 @@ struct alignas(64) IsosurfaceScratch {
   float slope[3][RayGroup::size];          ///< along each axis, while the ray goes by 1 along its fastest one
   float inverse_slope[3][RayGroup::size];  ///< never_passed where the ray passes no plane
   double way_per_t[RayGroup::size], t_per_way[RayGroup::size];  ///< the way counted along the ray's fastest axis
-  double t_block[RayGroup::size];                               ///< when each ray entered the last block that it passed
-  std::int32_t state[RayGroup::size];                           ///< of each ray: see RayState
+  float position_error[RayGroup::size];
+  double t_block[RayGroup::size];      ///< when each ray entered the last block that it passed
+  std::int32_t state[RayGroup::size];  ///< of each ray: see RayState
   RaysInBlock rays_in_block;
   PendingHits pending;
   std::uint64_t block_key[kept_blocks];
   BlockSamples blocks[kept_blocks];
   std::shared_ptr<const Occupancy> occupancy;  ///< whose blocks are kept
+  RayBatch doubtful_rays{RayGroup::size};      ///< certified: what the reference is asked about
+  HitBatch doubtful_hits{RayGroup::size};
 };
 
 /// What is known of a ray while it goes from block to block, in one number.
@@ -86,11 +91,12 @@ struct RayState {
   static constexpr std::int32_t one_visit = 4;  ///< from here on: blocks and cells visited
 };
 
-using FirstCrossings = void (*)(const Surface& surface, const RayArrays& rays, std::size_t count, const HitArrays& hits,
-                                IsosurfaceScratch& scratch, KernelCounters& counters);
+/// Answers at most 64 rays. Hits are written; what is no hit is left as it is, but for its cost.
+/// @return  certified: the rays of which not every decision is proven; nothing that was written for them counts
+using FirstCrossings = std::uint64_t (*)(const Surface& surface, const RayArrays& rays, std::size_t count,
+                                         const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters);
 
-/// For at most 64 rays. Hits are written; what is no hit is left as it is, but for its cost. `baseline` is what the
-/// processor has of SSE4, or else one lane.
+/// `baseline` is what the processor has of SSE4, or else one lane.
 FirstCrossings first_crossings_on(Machine machine, Search search);
 
 }  // namespace rhoray::render::wide

@@ -19,6 +19,7 @@ struct alignas(64) RayGroup {
   double t_in[size], t_out[size];  ///< the part inside the lattice
   std::uint32_t index[size];       ///< place in the batch
   std::uint64_t inside;            ///< rays that have such a part
+  std::uint64_t grazing;           ///< of the chunk: rays of which rounding hides whether they meet the lattice
   std::size_t count;
   unsigned octant;  ///< bit a: the rays move down on axis a
   int major;        ///< the axis along which they move most, all together

@@ -263,5 +263,35 @@ TEST(WideCrossing, of_an_isovalue_beyond_all_values_is_a_miss) {
       for (const Hit& hit : answers(*grid.traced, single, machine, rays, isovalue)) EXPECT_TRUE(hit.is_miss());
 }
 
+TEST(WideCrossing, certified_decides_as_the_judge_and_keeps_its_bounds) {
+  constexpr Method certified = render::method_of(render::Accuracy::certified),
+                   judged = render::method_of(render::Accuracy::exact);
+  std::uint64_t rays_asked = 0, rays_redone = 0;
+  for (const Grid& grid : grids()) {
+    const std::vector<Ray> coherent = bundles(grid.size, 500, 81), stressful = stressful_rays(grid.size, 500, 82);
+    for (const double isovalue : {grid.isovalues[0], std::round(grid.isovalues[0])})
+      for (const bool is_coherent : {true, false}) {
+        const std::vector<Ray>& rays = is_coherent ? coherent : stressful;
+        const std::vector<Hit> truth = answers(*grid.traced, judged, Machine::scalar, rays, isovalue);
+        for (const Machine machine : wide_machines()) {
+          grid.traced->scratch.counters = {};
+          const std::vector<Hit> wide = answers(*grid.traced, certified, machine, rays, isovalue);
+          if (is_coherent && isovalue == grid.isovalues[0]) {
+            rays_asked += rays.size();
+            rays_redone += grid.traced->scratch.counters.rays_redone;
+          }
+          for (std::size_t r = 0; r < rays.size(); ++r) {
+            ASSERT_EQ(wide[r].is_miss(), truth[r].is_miss()) << grid.name << ", " << name_of(machine) << ", ray " << r;
+            if (truth[r].is_miss()) continue;
+            ASSERT_LE(std::abs(wide[r].t - truth[r].t), wide[r].error + truth[r].error)
+                << grid.name << ", " << name_of(machine) << ", ray " << r;
+            EXPECT_LE(wide[r].error * rays[r].direction.length(), 3e-3) << grid.name << ", ray " << r;
+          }
+        }
+      }
+  }
+  EXPECT_LT(rays_redone, rays_asked / 20);
+}
+
 }  // namespace
 }  // namespace rhoray::tests
