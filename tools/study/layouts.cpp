@@ -139,7 +139,7 @@ std::optional<double> counted_by_callgrind(const Wishes& wishes, const Entrant& 
                                  "--tool=callgrind",
                                  "-q",
                                  "--callgrind-out-file=" + out.string(),
-                                 "--toggle-collect=rhoray::render::render(*",
+                                 "--toggle-collect=rhoray::render::render(*FrameMemory&)",
                                  program.string(),
                                  "one-frame",
                                  entrant.file.string(),
@@ -169,7 +169,8 @@ std::optional<Count> count_of(const Wishes& wishes, const Entrant& entrant, cons
                               const render::FrameStatistics& statistics, tools::StudyView view,
                               const std::filesystem::path& folder) {
   if (const auto counted = row.median_instructions()) return Count{*counted, statistics};
-  if (!wishes.count_instructions) return std::nullopt;
+  // Valgrind's processor lacks what wide kernels need: other kernels would answer.
+  if (!wishes.count_instructions || statistics.machine != "scalar") return std::nullopt;
   const auto counted = counted_by_callgrind(wishes, entrant, tools::name_of(view), folder);
   if (!counted) return std::nullopt;
   Shown small = wishes.shown;
@@ -223,7 +224,7 @@ Json row_of(const Entrant& entrant, const TimedRow& timed, const render::FrameSt
 std::string instructions_source(const Wishes& wishes) {
   if (tools::CpuMeter().counts_instructions()) return "counted by the processor";
   if (!wishes.count_instructions) return "not measured: the system offers no counter";
-  return concat("callgrind, whose processor has no AVX-512, at ", wishes.count_size.width, "x",
+  return concat("callgrind, of rows that the scalar kernels answer, at ", wishes.count_size.width, "x",
                 wishes.count_size.height);
 }
 
@@ -311,8 +312,10 @@ int show_one_frame(const FrameWishes& wishes) {
   const double isovalue = tools::choose_isovalue(wishes.shown.isovalue, volume.field()).value;
   const render::Scene scene = scene_of(wishes.shown, volume, isovalue, tools::study_view_named(wishes.view));
   render::Framebuffer picture;
-  render::render(volume, scene, frame_of(wishes.shown.size, !wishes.no_hierarchy), picture);
-  std::puts(tools::picture_hash(picture).c_str());
+  render::FrameMemory memory;
+  const render::FrameStatistics statistics =
+      render::render(volume, scene, frame_of(wishes.shown.size, !wishes.no_hierarchy), picture, memory);
+  std::puts(concat("machine ", statistics.machine, ", picture ", tools::picture_hash(picture)).c_str());
   return 0;
 }
 
@@ -346,9 +349,9 @@ tools::Subcommand layouts() {
 tools::Subcommand one_frame() {
   const auto wishes = std::make_shared<FrameWishes>();
   return {.name = "one-frame",
-          .summary = "One picture on one thread, for tools that count from outside; prints its hash",
+          .summary = "One picture on one thread, for tools that count from outside; prints who answered and its hash",
           .examples =
-              "  valgrind --tool=callgrind '--toggle-collect=rhoray::render::render(*' "
+              "  valgrind --tool=callgrind '--toggle-collect=rhoray::render::render(*FrameMemory&)' "
               "rhoray-study one-frame smooth.rho --size 96x96\n",
           .options = tools::all_options(
               {{tools::file_option("FILE", "Packed file", wishes->input)},
