@@ -22,10 +22,6 @@ constexpr int tile_edge = 32;  // pixels; about a thousand tiles in a picture of
 
 struct Tile {
   int x_begin, x_end, y_begin, y_end;
-
-  std::size_t pixel_count() const {
-    return static_cast<std::size_t>(x_end - x_begin) * static_cast<std::size_t>(y_end - y_begin);
-  }
 };
 
 /// What was chosen once for the frame; nothing here changes while tiles are traced.
@@ -51,10 +47,11 @@ struct Frame {
 
 /// Memory and counts of one thread; on cache lines of its own.
 struct alignas(128) Worker {
-  std::vector<Ray> rays_world, rays_volume;
-  std::vector<Hit> hits;
+  std::vector<Ray> rays_world;
+  RayBatch rays;
+  HitBatch hits;
   KernelScratch scratch;
-  std::uint64_t rays = 0, hit_count = 0, highlights = 0;
+  std::uint64_t ray_count = 0, hit_count = 0, highlights = 0;
   std::uint64_t tile_ticks = 0, shading_ticks = 0;
   double largest_error = 0;
 };
@@ -65,9 +62,10 @@ void make_rays(const Frame& frame, const Tile& tile, Worker& worker) {
     for (int x = tile.x_begin; x < tile.x_end; ++x, ++r) {
       const Ray ray = frame.camera_rays.through_pixel(x, y);
       worker.rays_world[r] = ray;
-      worker.rays_volume[r] = {.origin = frame.volume_from_world.point(ray.origin),
-                               .direction = frame.volume_from_world.vector(ray.direction)};
+      worker.rays.set(r, {.origin = frame.volume_from_world.point(ray.origin),
+                          .direction = frame.volume_from_world.vector(ray.direction)});
     }
+  worker.rays.count = r;
 }
 
 /// The unit normal towards the eye; zero where the gradient is zero or not finite.
@@ -113,12 +111,10 @@ void write_pixel(const Frame& frame, std::size_t pixel, const Ray& ray_world, co
 
 void trace_tile(const Frame& frame, const Tile& tile, Framebuffer& out, Worker& worker) {
   const std::uint64_t start = ticks_now();
-  const std::size_t count = tile.pixel_count();
   make_rays(frame, tile, worker);
   worker.scratch.last_t.reset();
-  frame.kernel(frame.volume, frame.question, std::span(worker.rays_volume).first(count),
-               std::span(worker.hits).first(count), worker.scratch);
-  worker.rays += count;
+  frame.kernel(frame.volume, frame.question, worker.rays, worker.hits, worker.scratch);
+  worker.ray_count += worker.rays.count;
 
   const std::uint64_t shading_start = ticks_now();
   std::size_t r = 0;
@@ -160,7 +156,7 @@ FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOpti
   const std::uint64_t ticks_start = ticks_now();
 
   const VolumeImplementation& implementation = volume.implementation();
-  const Kernels kernels = choose_kernels(implementation, scene.method.way);
+  const Kernels kernels = choose_kernels(implementation, scene.method);
   const bool is_mip = scene.mode == Mode::mip;
   const Frame frame{.volume = implementation,
                     .scene = scene,
@@ -181,8 +177,8 @@ FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOpti
   std::vector<Worker> workers(worker_count(options.threads));
   for (Worker& worker : workers) {
     worker.rays_world.resize(tile_edge * tile_edge);
-    worker.rays_volume.resize(tile_edge * tile_edge);
-    worker.hits.resize(tile_edge * tile_edge);
+    worker.rays = RayBatch(tile_edge * tile_edge);
+    worker.hits = HitBatch(tile_edge * tile_edge);
     if (is_mip) worker.scratch.queue.reserve(kernels.queue_entries);
   }
   const auto tile_count = static_cast<std::size_t>(frame.tiles_across()) * static_cast<std::size_t>(frame.tiles_down());
@@ -195,7 +191,7 @@ FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOpti
   std::uint64_t tile_ticks = 0, shading_ticks = 0;
   for (const Worker& worker : workers) {
     counters += worker.scratch.counters;
-    statistics.rays += worker.rays;
+    statistics.rays += worker.ray_count;
     statistics.hits += worker.hit_count;
     statistics.highlights_shaded += worker.highlights;
     statistics.largest_error = std::max(statistics.largest_error, worker.largest_error);

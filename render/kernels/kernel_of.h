@@ -10,13 +10,14 @@ using Answer = Hit (*)(const View& view, const Question& question, const Ray& ra
 
 /// The kernel that answers ray after ray.
 template <class View, Answer<View> answer>
-void kernel_of(const VolumeImplementation& volume, const Question& question, std::span<const Ray> rays,
-               std::span<Hit> hits, KernelScratch& scratch) {
+void kernel_of(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
+               KernelScratch& scratch) {
   const View& view = std::get<View>(volume.view);
-  for (std::size_t r = 0; r < rays.size(); ++r) {
+  for (std::size_t r = 0; r < rays.count; ++r) {
     const std::uint64_t before = scratch.counters.visits();
-    hits[r] = answer(view, question, rays[r], scratch);
-    hits[r].cost = static_cast<std::uint32_t>(scratch.counters.visits() - before);
+    Hit hit = answer(view, question, rays[r], scratch);
+    hit.cost = static_cast<std::uint32_t>(scratch.counters.visits() - before);
+    hits.set(r, hit);
   }
 }
 

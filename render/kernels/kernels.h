@@ -6,28 +6,13 @@
 #include <span>
 
 #include "formats/base/interval.h"
+#include "render/kernels/batch.h"
+#include "render/kernels/machine.h"
 #include "render/march/maximum_queue.h"
-#include "render/march/ray.h"
 #include "render/method.h"
 #include "render/volumes/volume.h"
 
 namespace rhoray::render {
-
-/// The answer for one ray.
-struct Hit {
-  double t = std::numeric_limits<double>::infinity();  ///< infinity: nothing was hit
-  double value = 0;                                    ///< of the field there
-  std::uint64_t cell = 0;                              ///< id of the cell
-  Vec3 gradient{0, 0, 0};                              ///< of the field there, volume frame; only for first_crossing
-  /// How far the exact answer may be from this one: from t for a crossing, from the value for a largest value. NaN
-  /// where the method proves nothing.
-  double error = std::numeric_limits<double>::quiet_NaN();
-  std::uint32_t root_count = 0;       ///< crossings found on the ray's way through the hit cell
-  std::uint32_t iteration_count = 0;  ///< steps of the root's refinement
-  std::uint32_t cost = 0;             ///< macrocells and cells visited for this ray, hit or not
-
-  bool is_miss() const { return t == std::numeric_limits<double>::infinity(); }
-};
 
 struct KernelCounters {
   std::uint64_t macrocells_visited = 0;
@@ -71,9 +56,13 @@ struct KernelScratch {
   KernelCounters counters;
 };
 
-/// A question, answered for a batch of rays in the volume's frame; hits has one entry per ray.
-using Kernel = void (*)(const VolumeImplementation& volume, const Question& question, std::span<const Ray> rays,
-                        std::span<Hit> hits, KernelScratch& scratch);
+/// A question, answered for a batch of rays in the volume's frame; hits has room for as many.
+using Kernel = void (*)(const VolumeImplementation& volume, const Question& question, const RayBatch& rays,
+                        HitBatch& hits, KernelScratch& scratch);
+
+/// The same for rays that lie one by one; for few of them.
+void ask(Kernel kernel, const VolumeImplementation& volume, const Question& question, std::span<const Ray> rays,
+         std::span<Hit> hits, KernelScratch& scratch);
 
 /// The questions that a frame may ask of a volume (paper, section 4), each as the kernel for its kind, value type,
 /// method and machine. Chosen once per frame.
@@ -83,9 +72,9 @@ struct Kernels {
   std::size_t queue_entries;  ///< the most that one ray can put into the queue
 };
 
-Kernels choose_kernels(const VolumeImplementation& volume, Method::Way way);
+Kernels choose_kernels(const VolumeImplementation& volume, const Method& method, Machine machine = chosen_machine());
 
-/// Kernels of one view; defined for every alternative of VolumeImplementation::view.
+/// The reference kernels of one view, one ray at a time; defined for every alternative of VolumeImplementation::view.
 template <class View>
 Kernels kernels_for(const View& view, Method::Way way);
 

@@ -72,11 +72,12 @@ class TracedVolume {
   }
 
   render::Hit ask(render::Kernel render::Kernels::*kernel, const render::Ray& ray, const render::Question& question) {
-    const render::Kernels kernels = render::choose_kernels(volume_.implementation(), question.method.way);
+    const render::Kernels kernels = render::choose_kernels(volume_.implementation(), question.method);
     scratch.queue.reserve(kernels.queue_entries);
     const render::Ray in_volume = ray_volume(ray);
     render::Hit hit;
-    (kernels.*kernel)(volume_.implementation(), question, std::span(&in_volume, 1), std::span(&hit, 1), scratch);
+    render::ask(kernels.*kernel, volume_.implementation(), question, std::span(&in_volume, 1), std::span(&hit, 1),
+                scratch);
     return hit;
   }
 
