@@ -21,6 +21,7 @@ class RayQuestions {
   /// Refuses an isovalue that is not finite (Trouble::usage).
   /// @param threads  that answer crossings; 0 = all cores
   RayQuestions(const Volume& volume, double isovalue, const Method& method, unsigned threads = 1);
+  ~RayQuestions();
 
   /// hits[i] is for rays[i], the same for any number of threads, and what `render` would say of that ray; t is in
   /// lengths of its direction.
@@ -33,11 +34,16 @@ class RayQuestions {
   KernelCounters counters() const;
 
  private:
+  /// What a thread works with.
+  struct Worker;
+
+  void answer(Kernel kernel, std::span<const Ray> rays, std::span<Hit> hits, Worker& worker) const;
+
   const VolumeImplementation& volume_;
   Question question_;
   Kernels kernels_;
   unsigned threads_;
-  std::vector<KernelScratch> scratches_;  ///< of each thread
+  std::vector<Worker> workers_;
 };
 
 /// The rays that `render` sends through the middles of the pixels, rows from the top; t is a distance in world units.

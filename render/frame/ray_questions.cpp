@@ -14,7 +14,7 @@ namespace rhoray::render {
 
 namespace {
 
-constexpr std::size_t batch_size = 1024;  // rays that one of several threads takes at a time
+constexpr std::size_t batch_size = 1024;  // rays that a thread takes at a time
 
 double finite(double isovalue) {
   if (!std::isfinite(isovalue))
@@ -24,24 +24,40 @@ double finite(double isovalue) {
 
 }  // namespace
 
+struct RayQuestions::Worker {
+  RayBatch rays{batch_size};
+  HitBatch hits{batch_size};
+  KernelScratch scratch;
+};
+
 RayQuestions::RayQuestions(const Volume& volume, double isovalue, const Method& method, unsigned threads)
     : volume_(volume.implementation()),
       question_{.isovalue = finite(isovalue), .field_range = volume.field().range, .method = method},
       kernels_(choose_kernels(volume_, method)),
       threads_(threads),
-      scratches_(TileThreads(threads).worker_count()) {
-  scratches_.front().queue.reserve(kernels_.queue_entries);
+      workers_(TileThreads(threads).worker_count()) {
+  workers_.front().scratch.queue.reserve(kernels_.queue_entries);
+}
+
+RayQuestions::~RayQuestions() = default;
+
+void RayQuestions::answer(Kernel kernel, std::span<const Ray> rays, std::span<Hit> hits, Worker& worker) const {
+  for (std::size_t first = 0; first < rays.size(); first += batch_size) {
+    worker.rays.count = std::min(batch_size, rays.size() - first);
+    for (std::size_t r = 0; r < worker.rays.count; ++r) worker.rays.set(r, rays[first + r]);
+    kernel(volume_, question_, worker.rays, worker.hits, worker.scratch);
+    for (std::size_t r = 0; r < worker.rays.count; ++r) hits[first + r] = worker.hits[r];
+  }
 }
 
 void RayQuestions::first_crossings(std::span<const Ray> rays, std::span<Hit> hits) {
   RHORAY_CHECK(rays.size() == hits.size());
-  if (scratches_.size() == 1 || rays.size() <= batch_size)
-    return ask(kernels_.first_crossing, volume_, question_, rays, hits, scratches_.front());
+  if (workers_.size() == 1 || rays.size() <= batch_size)
+    return answer(kernels_.first_crossing, rays, hits, workers_.front());
   const std::size_t batch_count = (rays.size() + batch_size - 1) / batch_size;
   TileThreads(threads_).for_each_tile(batch_count, [&](std::size_t batch, std::size_t worker) {
     const std::size_t first = batch * batch_size, count = std::min(batch_size, rays.size() - first);
-    ask(kernels_.first_crossing, volume_, question_, rays.subspan(first, count), hits.subspan(first, count),
-        scratches_[worker]);
+    answer(kernels_.first_crossing, rays.subspan(first, count), hits.subspan(first, count), workers_[worker]);
   });
 }
 
@@ -53,13 +69,13 @@ Hit RayQuestions::first_crossing(const Ray& ray) {
 
 void RayQuestions::largest_values(std::span<const Ray> rays, std::span<Hit> hits) {
   RHORAY_CHECK(rays.size() == hits.size());
-  scratches_.front().last_t.reset();
-  ask(kernels_.largest_value, volume_, question_, rays, hits, scratches_.front());
+  workers_.front().scratch.last_t.reset();
+  answer(kernels_.largest_value, rays, hits, workers_.front());
 }
 
 KernelCounters RayQuestions::counters() const {
   KernelCounters sum;
-  for (const KernelScratch& scratch : scratches_) sum += scratch.counters;
+  for (const Worker& worker : workers_) sum += worker.scratch.counters;
   return sum;
 }
 

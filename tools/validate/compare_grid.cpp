@@ -230,6 +230,13 @@ void add_notes(const Comparer& comparer, const Shots& far, Report& report) {
     report.notes.push_back(concat(
         away,
         " hits lie on parts of the surface that the mesh does not show; the field was asked about them all the same"));
+  const auto unproved = std::count_if(far.findings.begin(), far.findings.end(), [&](const Finding& finding) {
+    return std::isnan(finding.distance_cells) && !std::isnan(finding.mesh_cells);
+  });
+  if (unproved > 0)
+    report.notes.push_back(concat(unproved,
+                                  " hits lie where the field meets the isovalue and turns back on every side "
+                                  "looked at: no crossing shows how far they are from the surface"));
   report.notes.push_back(concat("the mesh's triangles have a radius of about ",
                                 std::round(100 * surface.triangle_radius) / 100,
                                 " cells; parts of the surface that are smaller may not be in it"));
