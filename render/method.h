@@ -4,15 +4,15 @@ namespace rhoray::render {
 
 /// How a ray's question is answered: by which search, and in which precision. A picture names the one it was made with.
 ///
-/// | way       | isosurface of a grid              | of tetrahedra                    | largest value |
-/// |-----------|-----------------------------------|----------------------------------|----------------------------------|
-/// | direct    | bracketed root of the cell's cubic| canonical edges, no gaps         | critical points of the cubic |
-/// | preview   | entry and exit, one secant step   | as direct                        | as direct | | paper     |
-/// Appendix A, Schwarze's cubic      | Appendix B                       | values on the cells' faces (4.3) | | slack |
-/// -                                 | Appendix B with a tolerance      | -                                | | sampled
-/// | a change of side between samples  | the same                         | the largest sample               | |
-/// certified | proven, or decided by the judge   | the same                         | direct, with a bound | | judged
-/// | every decision exact              | the same                         | the same                         |
+/// The ways, and how each answers the three questions: first crossing in a grid; first crossing in tetrahedra; largest
+/// value.
+/// - direct: bracketed root of the cell's cubic; canonical edges, no gaps; critical points of the cubic
+/// - preview: entry and exit, one secant step; as direct; as direct
+/// - paper: Appendix A, Schwarze's cubic; Appendix B; values on the cells' faces (4.3)
+/// - slack: none; Appendix B with a tolerance; none
+/// - sampled: a change of side between samples; the same; the largest sample
+/// - certified: proven, or decided by the judge; the same; direct, with a bound
+/// - judged: every decision exact; the same; the same
 ///
 /// Promises: direct meets every crossing that its arithmetic tells apart and none twice; preview misses what enters and
 /// leaves a cell on one side; paper is what was published in 1999, gaps and all; sampled misses what lies between two
