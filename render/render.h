@@ -17,7 +17,7 @@ struct FrameOptions {
   int height = 720;
   ChannelSet channels{};
   unsigned threads = 0;       ///< 0 = all cores
-  bool use_hierarchy = true;  ///< false walks every leaf cell; the picture is the same
+  bool use_hierarchy = true;  ///< false walks every leaf cell by scalar kernels: the same in double
   bool use_last_t =
       true;  ///< MIP: prune with the value at the last ray's t (paper, section 4.3); the picture is the same
   bool time_phases = false;  ///< fills FrameStatistics::Phases; costs a few per cent of time
