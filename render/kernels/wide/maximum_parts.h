@@ -8,6 +8,7 @@
 #include "render/kernels/machine.h"
 #include "render/kernels/wide/block_samples.h"
 #include "render/kernels/wide/ray_group.h"
+#include "render/kernels/wide/region_queue.h"
 
 /// What the sources of the wide kernel for largest values hand to the part that is compiled once per machine.
 ///
@@ -56,25 +57,6 @@ struct MaximumField {
   bool time_phases;
   LookClosely look_closely;
   const void* context;
-};
-
-/// Regions of the frustum of a group with the largest value in each, the largest first: 256 buckets of values, and in
-/// each the last one put in.
-struct RegionQueue {
-  struct Region {
-    double largest;
-    std::int16_t at[3];  ///< mirrored, in regions of its size
-    std::uint16_t is_block;
-    std::uint32_t next;
-  };
-  static constexpr std::uint32_t capacity = 4096;
-  static constexpr std::uint32_t none = ~std::uint32_t{0};
-
-  double lowest, buckets_per_unit;
-  std::uint64_t filled[4];  ///< bit b of word w: bucket 64 w + b has regions
-  std::uint32_t count, unused;
-  std::uint32_t first[256];
-  Region regions[capacity];
 };
 
 /// The rays of a group in single precision: places on the minor axes as functions of the place on the major one.
