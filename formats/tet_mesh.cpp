@@ -18,6 +18,7 @@ namespace {
 using details::Json;
 
 constexpr std::string_view mesh_kind = "tets";
+constexpr std::string_view curve_order = "curve";  // of cells; the source's has no name in the file
 constexpr std::uint64_t largest_count =
     std::numeric_limits<std::uint32_t>::max();  // of points and cells: 32-bit indices
 constexpr std::uint64_t scan_piece = 1 << 18;   // elements; a smaller scan is done before a thread has started
@@ -63,6 +64,8 @@ TetMeshDescription read_description(const PackedFile& file) {
   description.fields = read_fields(reader);
   description.lattice = read_lattice(reader.object("lattice"));
   description.leaf_item_count = reader.count("leaf_item_count");
+  description.in_source_order = !reader.has("order");
+  if (!description.in_source_order && reader.text("order") != curve_order) reader.refuse_value("order", "\"curve\"");
   description.flipped_cell_count = reader.count("flipped_cell_count");
   description.flat_cell_count = reader.count("flat_cell_count");
   description.dropped_cell_count = reader.count("dropped_cell_count");
@@ -157,6 +160,7 @@ class MeshCheck {
 
   void run() {
     check_cells();
+    check_ranks();
     check_lists();
     for (std::size_t field = 0; field < mesh_.description().fields.size(); ++field) {
       if (mesh_.description().fields[field].type == ElementType::F32)
@@ -223,8 +227,17 @@ class MeshCheck {
     if (leaf && !lists(*leaf, cell))
       findings_.add("a cell missing from the leaf list at its own centroid", cell,
                     [&] { return concat("cell ", cell, ", leaf ", *leaf); });
-    if (cell > 0 && mesh_.cell_id(cell) <= mesh_.cell_id(cell - 1))
+    if (mesh_.description().in_source_order && cell > 0 && mesh_.cell_id(cell) <= mesh_.cell_id(cell - 1))
       findings_.add("cell ids that do not rise", cell, name);
+  }
+
+  void check_ranks() {
+    std::vector<bool> taken(mesh_.points().size());
+    for (std::size_t point = 0; point < taken.size(); ++point) {
+      const std::uint64_t rank = mesh_.point_rank(point);
+      if (taken[rank]) findings_.add("a point rank given twice", point, [&] { return concat("point ", point); });
+      taken[rank] = true;
+    }
   }
 
   void check_lists() {
@@ -298,7 +311,8 @@ TetMesh::TetMesh(PackedFile file) : file_(std::move(file)), description_(read_de
   leaf_lists_.items = file_.array<std::uint32_t>("leaf.items", {d.leaf_item_count});
   if (leaf_lists_.items.size() != d.leaf_item_count)  // where the description says 0, the shape check takes any size
     refuse(file_.name(), "array 'leaf.items'", concat(leaf_lists_.items.size(), " elements"), "none");
-  if (file_.has("cell_ids") || d.dropped_cell_count != 0)
+  if (!d.in_source_order) point_ranks_ = file_.array<std::uint32_t>("point_ranks", {d.point_count});
+  if (file_.has("cell_ids") || d.dropped_cell_count != 0 || !d.in_source_order)
     cell_ids_ = file_.array<std::uint32_t>("cell_ids", {d.cell_count});
   for (std::size_t field = 0; field < d.fields.size(); ++field)
     with_element_type(d.fields[field].type, [&](auto zero) {
@@ -309,6 +323,7 @@ TetMesh::TetMesh(PackedFile file) : file_(std::move(file)), description_(read_de
 
   check_finite(file_, "points", coordinates);
   check_below(file_, "cells", vertices, d.point_count);
+  check_below(file_, "point_ranks", point_ranks_, d.point_count);
   check_offsets(file_, "leaf.offsets", leaf_lists_.offsets, d.leaf_item_count);
   check_below(file_, "leaf.items", leaf_lists_.items, d.cell_count);
   points_ = grouped<3>(coordinates);
@@ -329,8 +344,10 @@ std::vector<ArraySpec> tet_mesh_arrays(const TetMeshDescription& description) {
       {.name = "points", .type = F64, .shape = {description.point_count, 3}},
       {.name = "cells", .type = U32, .shape = {description.cell_count, 4}},
   };
-  if (description.dropped_cell_count != 0)
+  if (description.dropped_cell_count != 0 || !description.in_source_order)
     arrays.push_back({.name = "cell_ids", .type = U32, .shape = {description.cell_count}});
+  if (!description.in_source_order)
+    arrays.push_back({.name = "point_ranks", .type = U32, .shape = {description.point_count}});
   for (std::size_t field = 0; field < description.fields.size(); ++field) {
     const ElementType type = description.fields[field].type;
     for (ArraySpec& level : macro_arrays(description.lattice.macro, 0, type, concat("range.", field, ".")))
@@ -348,19 +365,23 @@ FileDescription describe(const TetMeshDescription& description) {
   lattice_json["leaf_size"] = details::vector_json(lattice.leaf_size, "lattice.leaf_size");
   Json fields = Json::array();
   for (const FieldSummary& field : description.fields) fields.push_back(details::field_json(field));
-  const Json json{{"origin", details::vector_json(description.origin, "origin")},
-                  {"length_unit", description.length_unit},
-                  {"point_count", description.point_count},
-                  {"cell_count", description.cell_count},
-                  {"fields", fields},
-                  {"lattice", lattice_json},
-                  {"leaf_item_count", description.leaf_item_count},
-                  {"flipped_cell_count", description.flipped_cell_count},
-                  {"flat_cell_count", description.flat_cell_count},
-                  {"dropped_cell_count", description.dropped_cell_count},
-                  {"unused_point_count", description.unused_point_count},
-                  {"provenance", details::provenance_json(description.provenance)}};
-  return {.kind = std::string(mesh_kind), .required = {}, .details = details::dump(json)};
+  Json json{{"origin", details::vector_json(description.origin, "origin")},
+            {"length_unit", description.length_unit},
+            {"point_count", description.point_count},
+            {"cell_count", description.cell_count},
+            {"fields", fields},
+            {"lattice", lattice_json},
+            {"leaf_item_count", description.leaf_item_count},
+            {"flipped_cell_count", description.flipped_cell_count},
+            {"flat_cell_count", description.flat_cell_count},
+            {"dropped_cell_count", description.dropped_cell_count},
+            {"unused_point_count", description.unused_point_count},
+            {"provenance", details::provenance_json(description.provenance)}};
+  if (!description.in_source_order) json["order"] = curve_order;
+  return {.kind = std::string(mesh_kind),
+          .required = {},
+          .details = details::dump(json),
+          .minor_version = description.in_source_order ? 0 : 2};
 }
 
 std::vector<std::string> deep_findings(const TetMesh& mesh) {

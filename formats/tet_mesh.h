@@ -33,7 +33,11 @@ struct TetMeshDescription {
   LeafLattice lattice;
   std::uint64_t leaf_item_count = 0;
 
-  // What packing met. Cells keep the source's order; array "cell_ids" is there when some of them are not here.
+  /// Cells and points stand as in the source. Else cells stand along a curve through space, points in the order in
+  /// which cells name them first, and arrays "cell_ids" and "point_ranks" lead back.
+  bool in_source_order = true;
+
+  // What packing met. Array "cell_ids" is there also when cells of the source are not here.
   std::uint64_t flipped_cell_count = 0;  ///< given in negative orientation, two vertices exchanged
   std::uint64_t flat_cell_count = 0;     ///< of zero volume, kept: they carry the surface from face to face
   std::uint64_t dropped_cell_count = 0;  ///< a vertex twice, or a coordinate that is not finite
@@ -42,9 +46,9 @@ struct TetMeshDescription {
 };
 
 /// A packed mesh, checked and ready for reading. Arrays: "points" F64 [points, 3] relative to origin, "cells" U32
-/// [cells, 4], optional "cell_ids" U32 [cells], "leaf.offsets" U64 [leaves + 1], "leaf.items" U32 [items]; and for each
-/// field f (by position) "field.<f>" F32 or F64 [points] and "range.<f>.0", "range.<f>.1", ... (leaf cells,
-/// macrocells).
+/// [cells, 4], optional "cell_ids" U32 [cells] and "point_ranks" U32 [points], "leaf.offsets" U64 [leaves + 1],
+/// "leaf.items" U32 [items]; and for each field f (by position) "field.<f>" F32 or F64 [points] and "range.<f>.0",
+/// "range.<f>.1", ... (leaf cells, macrocells).
 class TetMesh {
  public:
   /// Refuses a file of another kind, shapes that differ from the description, a vertex index not below point_count,
@@ -58,8 +62,11 @@ class TetMesh {
   std::span<const std::array<std::uint32_t, 4>> cells() const { return cells_; }
   LeafListsView leaf_lists() const { return leaf_lists_; }
 
-  /// The cell's position in the source file.
+  /// The position in the source file of the cell that this one is, or was cut from.
   std::uint64_t cell_id(std::uint64_t cell) const { return cell_ids_.empty() ? cell : cell_ids_[cell]; }
+
+  /// How many of these points come before it in the source. Below the count of points; true when no two are the same.
+  std::uint64_t point_rank(std::uint64_t point) const { return point_ranks_.empty() ? point : point_ranks_[point]; }
 
   /// Position of the field of that name, or nothing.
   std::optional<std::size_t> find_field(std::string_view name) const;
@@ -80,6 +87,7 @@ class TetMesh {
   std::span<const std::array<double, 3>> points_;
   std::span<const std::array<std::uint32_t, 4>> cells_;
   std::span<const std::uint32_t> cell_ids_;
+  std::span<const std::uint32_t> point_ranks_;
   LeafListsView leaf_lists_;
 };
 

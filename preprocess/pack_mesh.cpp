@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "formats/base/trouble.h"
+#include "preprocess/cell_order/order_cells.h"
 #include "preprocess/inspect/choose_fields.h"
 #include "preprocess/inspect/clean_mesh.h"
 #include "preprocess/inspect/summarize.h"
@@ -30,9 +31,8 @@ double wanted_leaf_cells(const PackMeshOptions& options, std::size_t cell_count)
   return std::max(1.0, share * static_cast<double>(cell_count));
 }
 
-/// Positions of the cells in the source file; empty when these are 0, 1, 2, ...
+/// Positions of the cells in the source file.
 Array<std::uint32_t> cell_ids(const NeutralMesh& mesh, const CleanMesh& clean, const std::string& source_name) {
-  if (mesh.cell_ids.empty() && clean.dropped_cell_count == 0) return {};
   Array<std::uint32_t> ids;
   ids.reserve(clean.source_cells.size());
   for (const std::uint64_t cell : clean.source_cells) {
@@ -42,15 +42,6 @@ Array<std::uint32_t> cell_ids(const NeutralMesh& mesh, const CleanMesh& clean, c
     ids.push_back(static_cast<std::uint32_t>(id));
   }
   return ids;
-}
-
-/// Also without a dropped cell the positions may differ: the importer leaves out cells that are not tetrahedra.
-std::vector<formats::ArraySpec> arrays_of(const formats::TetMeshDescription& packed, bool has_cell_ids) {
-  std::vector<formats::ArraySpec> arrays = formats::tet_mesh_arrays(packed);
-  const auto is_ids = [](const formats::ArraySpec& array) { return array.name == "cell_ids"; };
-  if (has_cell_ids && std::none_of(arrays.begin(), arrays.end(), is_ids))
-    arrays.push_back({.name = "cell_ids", .type = formats::ElementType::U32, .shape = {packed.cell_count}});
-  return arrays;
 }
 
 void note_no_data(const formats::FieldSummary& field, std::vector<std::string>& notes) {
@@ -77,6 +68,7 @@ formats::TetMeshDescription description_of(const NeutralMesh& mesh, const CleanM
   packed.lattice = choose_lattice(clean.box, {.leaf_cell_count = wanted_leaf_cells(options, clean.cells.size()),
                                               .macro_factor = options.macro_factor,
                                               .macro_level_count = options.macro_level_count});
+  packed.in_source_order = false;
   packed.flipped_cell_count = clean.flipped_cell_count;
   packed.flat_cell_count = clean.flat_cell_count;
   packed.dropped_cell_count = clean.dropped_cell_count;
@@ -134,7 +126,8 @@ PackMeshReport pack_mesh(const NeutralMesh& mesh, const std::filesystem::path& p
                          const Progress& progress) {
   const std::string source_name = options.source_name.empty() ? "mesh" : options.source_name;
   ProgressMeter inspecting(progress, "inspecting the mesh", 2);
-  const CleanMesh clean = clean_mesh(mesh, source_name);
+  CleanMesh clean = clean_mesh(mesh, source_name);
+  const Array<std::uint32_t> point_ranks = order_cells(clean);
   inspecting.add(1);
   PackMeshReport report;
   report.notes = clean.notes;
@@ -149,13 +142,14 @@ PackMeshReport pack_mesh(const NeutralMesh& mesh, const std::filesystem::path& p
   const LeafLists lists = build_leaf_lists(clean.points, clean.cells, packed.lattice, progress);
   packed.leaf_item_count = lists.items.size();
 
-  const std::vector<formats::ArraySpec> arrays = arrays_of(packed, !ids.empty());
+  const std::vector<formats::ArraySpec> arrays = formats::tet_mesh_arrays(packed);
   formats::PackedFileWriter file(path, formats::describe(packed), arrays,
                                  {.replace_existing = options.replace_existing});
   MeteredWriter writer(file, progress, bytes_of(arrays));
   writer.write<std::array<double, 3>>("points", clean.points);
   writer.write<std::array<std::uint32_t, 4>>("cells", clean.cells);
   writer.write<std::uint32_t>("cell_ids", ids);
+  writer.write<std::uint32_t>("point_ranks", point_ranks);
   writer.write<std::uint64_t>("leaf.offsets", lists.offsets);
   writer.write<std::uint32_t>("leaf.items", lists.items);
   for (std::size_t f = 0; f < fields.size(); ++f)

@@ -1,37 +1,77 @@
 #include "preprocess/unpack_mesh.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <span>
 #include <utility>
 
-namespace rhoray::preprocess {
+#include "formats/base/trouble.h"
 
-NeutralMesh unpack_mesh(const formats::TetMesh& packed) {
+namespace rhoray::preprocess {
+namespace {
+
+using formats::TetMesh;
+
+/// The positions of points in the packed mesh, in the source's order.
+Array<std::uint32_t> points_in_source_order(const TetMesh& packed) {
+  const std::size_t count = packed.points().size();
+  Array<std::uint32_t> order(count);
+  for (std::size_t p = 0; p < count; ++p) order[packed.point_rank(p)] = static_cast<std::uint32_t>(p);
+  for (std::size_t p = 0; p < count; ++p)
+    if (order[packed.point_rank(p)] != p)
+      throw Error(Trouble::invalid, concat(packed.file().name(), ", array 'point_ranks', element ", p, ": found ",
+                                           packed.point_rank(p), " twice; expected it once"));
+  return order;
+}
+
+Array<std::uint32_t> cells_in_source_order(const TetMesh& packed) {
+  Array<std::uint32_t> order(packed.description().cell_count);
+  std::iota(order.begin(), order.end(), 0U);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return packed.cell_id(a) < packed.cell_id(b); });
+  return order;
+}
+
+template <class T>
+Array<double> taken_from(std::span<const T> values, const Array<std::uint32_t>& order) {
+  Array<double> taken(order.size());
+  std::transform(order.begin(), order.end(), taken.begin(),
+                 [&](std::uint32_t p) { return static_cast<double>(values[p]); });
+  return taken;
+}
+
+}  // namespace
+
+NeutralMesh unpack_mesh(const TetMesh& packed) {
   const formats::TetMeshDescription& description = packed.description();
   NeutralMesh mesh;
   mesh.length_unit = description.length_unit;
-  mesh.points.reserve(packed.points().size());
-  for (const auto& p : packed.points())
+  const Array<std::uint32_t> points = points_in_source_order(packed);
+  mesh.points.reserve(points.size());
+  for (const std::uint32_t point : points) {
+    const auto& p = packed.points()[point];
     mesh.points.push_back({description.origin.x + p[0], description.origin.y + p[1], description.origin.z + p[2]});
-  mesh.cells.reserve(packed.cells().size());
-  mesh.cell_ids.reserve(packed.cells().size());
-  for (const auto& cell : packed.cells()) {
-    mesh.cell_ids.push_back(packed.cell_id(mesh.cells.size()));
-    mesh.cells.push_back({cell[0], cell[1], cell[2], cell[3]});
+  }
+  const Array<std::uint32_t> cells = cells_in_source_order(packed);
+  mesh.cells.reserve(cells.size());
+  mesh.cell_ids.reserve(cells.size());
+  for (const std::uint32_t c : cells) {
+    const auto& cell = packed.cells()[c];
+    mesh.cell_ids.push_back(packed.cell_id(c));
+    mesh.cells.push_back({packed.point_rank(cell[0]), packed.point_rank(cell[1]), packed.point_rank(cell[2]),
+                          packed.point_rank(cell[3])});
   }
   for (std::size_t f = 0; f < description.fields.size(); ++f) {
     const formats::FieldSummary& summary = description.fields[f];
-    NeutralField field{.name = summary.name,
-                       .unit = summary.unit,
-                       .component_count = 1,
-                       .was_single_precision = summary.type == formats::ElementType::F32,
-                       .values = {}};
-    if (field.was_single_precision) {
-      const std::span<const float> values = packed.values<float>(f);
-      field.values.assign(values.begin(), values.end());
-    } else {
-      const std::span<const double> values = packed.values<double>(f);
-      field.values.assign(values.begin(), values.end());
-    }
-    mesh.point_fields.push_back(std::move(field));
+    const bool is_single = summary.type == formats::ElementType::F32;
+    mesh.point_fields.push_back({.name = summary.name,
+                                 .unit = summary.unit,
+                                 .component_count = 1,
+                                 .was_single_precision = is_single,
+                                 .values = is_single ? taken_from(packed.values<float>(f), points)
+                                                     : taken_from(packed.values<double>(f), points)});
   }
   return mesh;
 }

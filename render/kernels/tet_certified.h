@@ -29,7 +29,7 @@ CertifiedTetHit certified_crossing(const View& view, const Question& question, c
       for (const auto& point : local.points) doubtful_from = std::min(doubtful_from, tet_ray.shear.see(point).t);
     } else if (found.decision == Decision::crosses) {
       earliest = std::min(earliest, found.t - found.t_error);
-      if (found.t > hit_t || (found.t == hit_t && tet >= hit_tet)) return;
+      if (found.t > hit_t || (found.t == hit_t && !is_preferred(view, tet, hit_tet))) return;
       hit_t = found.t;
       hit_error = found.t_error;
       hit_tet = tet;

@@ -20,7 +20,7 @@ Hit crossing_by_method(const View& view, const Question& question, const Ray& ra
   const auto look = [&](std::uint32_t tet, const LocalTet& local) {
     const std::optional<double> t =
         find_crossing<Real>(method, tet_ray, local.points, local.values, question.isovalue, question.method.slack);
-    if (!t || *t > hit.t || (*t == hit.t && tet > hit_tet)) return;
+    if (!t || *t > hit.t || (*t == hit.t && !is_preferred(view, tet, hit_tet))) return;
     hit.t = *t;
     hit_tet = tet;
   };

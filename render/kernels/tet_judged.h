@@ -60,9 +60,15 @@ std::vector<TetForJudge> shown(const View& view, const std::vector<std::uint32_t
     const TetPoints points = view.points_at(vertices);
     for (std::size_t i = 0; i < 4; ++i) out[n].point[i] = Vec3(points[i][0], points[i][1], points[i][2]);
     out[n].value = view.values_at(vertices);
-    out[n].id = tets[n];
+    out[n].id = view.cell_id(tets[n]) << 32 | tets[n];  // in the order of is_preferred
   }
   return out;
+}
+
+/// The tetrahedron of a verdict about those that were `shown`.
+template <class Verdict>
+std::uint32_t tet_of(const Verdict& verdict) {
+  return static_cast<std::uint32_t>(verdict.cell);
 }
 
 template <class View>
@@ -78,7 +84,7 @@ Hit judged_first_crossing(const View& view, const Question& question, const Ray&
   Hit hit;
   if (!verdict.is_hit) return hit;
   const Middle t(verdict.t);
-  fill_in(hit, view, question, static_cast<std::uint32_t>(verdict.cell), t.value);
+  fill_in(hit, view, question, tet_of(verdict), t.value);
   hit.error = t.error;
   if (verdict.touches) ++scratch.counters.touches;
   return hit;
@@ -98,7 +104,7 @@ Hit judged_largest_value(const View& view, const Question& question, const Ray& 
   hit.t = Middle(verdict.t).value;
   hit.value = value.value;
   hit.error = value.error;
-  hit.cell = view.cell_id(static_cast<std::uint32_t>(verdict.cell));
+  hit.cell = view.cell_id(tet_of(verdict));
   return hit;
 }
 

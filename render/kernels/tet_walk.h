@@ -20,6 +20,14 @@ struct LocalTet {
   TetValues values;
 };
 
+/// Which of two tetrahedra crossed at the same t is the hit: the one of the smaller id; of those that were cut from one
+/// cell of the source the one that stands first.
+template <class View>
+RHORAY_INLINE bool is_preferred(const View& view, std::uint32_t tet, std::uint32_t to) {
+  const std::uint64_t id = view.cell_id(tet), other = view.cell_id(to);
+  return id != other ? id < other : tet < to;
+}
+
 /// Calls look(tetrahedron, values of its sorted vertices) for those that may hold the isosurface and have data, leaf
 /// after leaf along the ray; a tetrahedron comes up once for every leaf cell that lists it.
 /// @param leaf_begins  (t_in of the leaf): false to stop

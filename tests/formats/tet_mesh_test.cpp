@@ -71,17 +71,35 @@ TEST(TetMesh, volumes_of_the_sample_cells_are_positive_and_fill_the_box) {
 TEST(TetMesh, ids_of_the_source_are_kept_where_cells_were_dropped) {
   TetSample sample = small_mesh();
   sample.description.dropped_cell_count = 2;
-  std::vector<std::uint32_t> ids(48);
-  for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = static_cast<std::uint32_t>(i + (i > 10 ? 2 : 0));
+  for (std::uint32_t i = 0; i < 48; ++i) sample.cell_ids.push_back(i + (i > 10 ? 2 : 0));
   const TemporaryFolder folder;
-  PackedFileWriter writer(folder / "m.rho", describe(sample.description), tet_mesh_arrays(sample.description));
-  sample.write_into(writer).write_all("cell_ids", std::span<const std::uint32_t>(ids));
-  writer.commit();
-  const TetMesh mesh(PackedFile::open(folder / "m.rho"));
+  const TetMesh mesh = packed(sample, folder / "m.rho");
   EXPECT_EQ(mesh.cell_id(10), 10U);
   EXPECT_EQ(mesh.cell_id(11), 13U);
   EXPECT_EQ(mesh.description().dropped_cell_count, 2U);
   EXPECT_THAT(deep_findings(mesh), testing::IsEmpty());
+}
+
+/// The small mesh with its cells and points in another order than the source's.
+TetSample reordered_mesh() {
+  TetSample sample = small_mesh();
+  sample.description.in_source_order = false;
+  for (std::uint32_t c = 0; c < 48; ++c) sample.cell_ids.push_back((c * 5 + 1) % 48 / 6);  // six cut from one
+  for (std::uint32_t p = 0; p < 27; ++p) sample.point_ranks.push_back((p * 4 + 3) % 27);
+  return sample;
+}
+
+TEST(TetMesh, tells_where_cells_and_points_stood_in_the_source) {
+  const TemporaryFolder folder;
+  const TetMesh mesh = packed(reordered_mesh(), folder / "m.rho");
+  EXPECT_EQ(mesh.file().version(), "1.2");
+  EXPECT_FALSE(mesh.description().in_source_order);
+  EXPECT_EQ(mesh.cell_id(1), 1U);
+  EXPECT_EQ(mesh.cell_id(47), 236U % 48 / 6);
+  EXPECT_EQ(mesh.point_rank(0), 3U);
+  EXPECT_EQ(mesh.point_rank(6), 0U);
+  EXPECT_THAT(deep_findings(mesh), testing::IsEmpty());
+  EXPECT_EQ(packed(small_mesh(), folder / "s.rho").file().version(), "1.0");
 }
 
 // ---- content that would lead a reader astray -----------------------------------------------------------------------
@@ -114,6 +132,12 @@ TEST(TetMesh, refuses_what_a_hot_loop_could_not_survive) {
                [] { open_after([](TetSample& s) { s.points[7] = std::nan(""); }); });
   expect_error(Trouble::invalid, "array 'points', element 80: found -inf",
                [] { open_after([](TetSample& s) { s.points[80] = -std::numeric_limits<double>::infinity(); }); });
+  expect_error(Trouble::invalid, "array 'point_ranks', element 20: found 27; expected an index below 27", [] {
+    open_after([](TetSample& s) {
+      s = reordered_mesh();
+      s.point_ranks[20] = 27;
+    });
+  });
 }
 
 // The same where the scan is cut into pieces for several threads.
@@ -180,6 +204,11 @@ TEST(TetMeshDeepFindings, name_each_kind_of_lie) {
                 s.values[1].push_back(-99);
               }),
               Contains("a point that no cell uses: point 27"));
+  EXPECT_THAT(findings_after([](TetSample& s) {
+                s = reordered_mesh();
+                s.point_ranks[9] = s.point_ranks[8];
+              }),
+              ElementsAre("a point rank given twice: point 9"));
 }
 
 }  // namespace

@@ -137,6 +137,8 @@ struct TetSample {
   formats::TetMeshDescription description;
   std::vector<double> points;
   std::vector<std::uint32_t> cells;
+  std::vector<std::uint32_t> cell_ids;     ///< written where not empty
+  std::vector<std::uint32_t> point_ranks;  ///< likewise
   std::vector<std::uint64_t> offsets;
   std::vector<std::uint32_t> items;
   std::vector<std::vector<float>> values;               ///< per field, at points
@@ -147,6 +149,8 @@ struct TetSample {
     writer.write_all("leaf.items", std::span<const std::uint32_t>(items));
     writer.write_all("points", std::span<const double>(points));
     writer.write_all("cells", std::span<const std::uint32_t>(cells));
+    if (!cell_ids.empty()) writer.write_all("cell_ids", std::span<const std::uint32_t>(cell_ids));
+    if (!point_ranks.empty()) writer.write_all("point_ranks", std::span<const std::uint32_t>(point_ranks));
     for (std::size_t f = 0; f < values.size(); ++f) {
       writer.write_all(concat("field.", f), std::span<const float>(values[f]));
       for (std::size_t l = 0; l < ranges[f].size(); ++l)
