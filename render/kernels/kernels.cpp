@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "render/kernels/wide/facets.h"
 #include "render/kernels/wide/isosurface.h"
 #include "render/kernels/wide/maximum.h"
 
@@ -10,6 +11,7 @@ namespace rhoray::render {
 Kernels choose_kernels(const VolumeImplementation& volume, const Method& method, Machine machine) {
   Kernels kernels = std::visit([&](const auto& view) { return kernels_for(view, method.way); }, volume.view);
   if (const Kernel wide = wide::first_crossing_kernel(volume, method, machine)) kernels.first_crossing = wide;
+  if (const Kernel wide = wide::first_facet_kernel(volume, method, machine)) kernels.first_crossing = wide;
   if (const Kernel wide = wide::largest_value_kernel(volume, method, machine)) kernels.largest_value = wide;
   return kernels;
 }

@@ -16,6 +16,7 @@
 namespace rhoray::render {
 
 namespace wide {
+struct FacetScratch;
 struct IsosurfaceScratch;
 struct MaximumScratch;
 }  // namespace wide
@@ -64,6 +65,7 @@ struct KernelScratch {
   KernelCounters counters;
   std::shared_ptr<wide::IsosurfaceScratch> isosurface;  ///< of the wide isosurface kernel, made when first asked
   std::shared_ptr<wide::MaximumScratch> maximum;        ///< of the wide kernel for largest values, likewise
+  std::shared_ptr<wide::FacetScratch> facets;           ///< of the wide isosurface kernel of meshes, likewise
 };
 
 /// A question, answered for a batch of rays in the volume's frame; hits has room for as many.
@@ -88,8 +90,8 @@ Kernels choose_kernels(const VolumeImplementation& volume, const Method& method,
 template <class View>
 Kernels kernels_for(const View& view, Method::Way way);
 
-/// Of a uniform dense grid's certified first crossings: what single precision has not decided, by double precision or
-/// the judge.
+/// Of a uniform dense grid's, or a mesh's, certified first crossings: what single precision has not decided, by double
+/// precision or the judge.
 template <class View>
 Kernel redoing_kernel_for(const View& view);
 

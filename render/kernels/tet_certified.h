@@ -48,14 +48,21 @@ CertifiedTetHit certified_crossing(const View& view, const Question& question, c
   return answer;
 }
 
+/// What single precision has not decided.
 template <class View>
-Hit certified_first_crossing(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
-  CertifiedTetHit answer = certified_crossing<float>(view, question, ray, scratch.counters);
-  if (answer.is_certain) return answer.hit;
+Hit certified_first_crossing_redone(const View& view, const Question& question, const Ray& ray,
+                                    KernelScratch& scratch) {
   ++scratch.counters.rays_redone;
-  answer = certified_crossing<double>(view, question, ray, scratch.counters);
+  const CertifiedTetHit answer = certified_crossing<double>(view, question, ray, scratch.counters);
   if (answer.is_certain) return answer.hit;
   return judged_first_crossing(view, question, ray, scratch);
+}
+
+template <class View>
+Hit certified_first_crossing(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
+  const CertifiedTetHit answer = certified_crossing<float>(view, question, ray, scratch.counters);
+  if (answer.is_certain) return answer.hit;
+  return certified_first_crossing_redone(view, question, ray, scratch);
 }
 
 /// The largest value: where the ray enters and leaves is exact to the rounding of one mean, but which tetrahedra a ray

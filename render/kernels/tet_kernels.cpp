@@ -16,7 +16,14 @@ Kernels kernels_for(const View& view, Method::Way way) {
           .queue_entries = largest_queue_size(view.lattice(), view.level_count())};
 }
 
+template <class View>
+Kernel redoing_kernel_for(const View&) {
+  return kernel_of<View, certified_first_crossing_redone<View>>;
+}
+
 template Kernels kernels_for(const TetVolume<float>&, Method::Way);
 template Kernels kernels_for(const TetVolume<double>&, Method::Way);
+template Kernel redoing_kernel_for(const TetVolume<float>&);
+template Kernel redoing_kernel_for(const TetVolume<double>&);
 
 }  // namespace rhoray::render

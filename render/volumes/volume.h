@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "formats/base/affine.h"
+#include "render/volumes/facets.h"
 #include "render/volumes/grid_volume.h"
 #include "render/volumes/nanovdb_volume.h"
 #include "render/volumes/occupancy.h"
@@ -32,6 +33,7 @@ struct VolumeImplementation {
                NanoVdbVolume>
       view;
   std::unique_ptr<OccupancyCache> occupancies = std::make_unique<OccupancyCache>();  ///< of the field of a grid
+  std::unique_ptr<FacetsCache> facets = std::make_unique<FacetsCache>();             ///< of the field of a mesh
 };
 
 }  // namespace rhoray::render

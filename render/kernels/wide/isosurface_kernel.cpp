@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "render/kernels/wide/isosurface.h"
@@ -36,43 +35,6 @@ Surface surface_of(const GridVolume<T>& view, const Occupancy& occupancy, const 
           .time_phases = question.time_phases};
 }
 
-HitArrays misses(HitBatch& hits, std::size_t count) {
-  std::fill_n(hits.t.data(), count, std::numeric_limits<double>::infinity());
-  std::fill_n(hits.error.data(), count, std::numeric_limits<double>::quiet_NaN());
-  std::fill_n(hits.value.data(), count, 0.0);
-  for (const auto& component : hits.gradient) std::fill_n(component.data(), count, 0.0);
-  std::fill_n(hits.cell.data(), count, std::uint64_t{0});
-  for (const auto* numbers : {&hits.root_count, &hits.iteration_count, &hits.cost})
-    std::fill_n(numbers->data(), count, 0u);
-  return {.t = hits.t.data(),
-          .value = hits.value.data(),
-          .error = hits.error.data(),
-          .gradient = {hits.gradient[0].data(), hits.gradient[1].data(), hits.gradient[2].data()},
-          .cell = hits.cell.data(),
-          .root_count = hits.root_count.data(),
-          .iteration_count = hits.iteration_count.data(),
-          .cost = hits.cost.data()};
-}
-
-HitArrays from(const HitArrays& hits, std::size_t first) {
-  return {.t = hits.t + first,
-          .value = hits.value + first,
-          .error = hits.error + first,
-          .gradient = {hits.gradient[0] + first, hits.gradient[1] + first, hits.gradient[2] + first},
-          .cell = hits.cell + first,
-          .root_count = hits.root_count + first,
-          .iteration_count = hits.iteration_count + first,
-          .cost = hits.cost + first};
-}
-
-RayArrays from(const RayBatch& rays, std::size_t first) {
-  RayArrays arrays{
-      .origin = {}, .direction = {}, .t_min = rays.t_min.data() + first, .t_max = rays.t_max.data() + first};
-  for (std::size_t a = 0; a < 3; ++a)
-    arrays.origin[a] = rays.origin[a].data() + first, arrays.direction[a] = rays.direction[a].data() + first;
-  return arrays;
-}
-
 /// The thread's memory, with no block kept of another surface.
 IsosurfaceScratch& prepared(std::shared_ptr<IsosurfaceScratch>& scratch, std::shared_ptr<const Occupancy> occupancy) {
   if (!scratch) scratch = std::make_shared<IsosurfaceScratch>();
@@ -81,21 +43,6 @@ IsosurfaceScratch& prepared(std::shared_ptr<IsosurfaceScratch>& scratch, std::sh
     scratch->occupancy = std::move(occupancy);
   }
   return *scratch;
-}
-
-/// Asks the reference in double precision, and the judge, about these rays of a chunk that begins at `first`.
-void redo(Kernel redoing, const VolumeImplementation& volume, const Question& question, const RayBatch& rays,
-          std::size_t first, std::uint64_t chosen, HitBatch& hits, KernelScratch& scratch) {
-  IsosurfaceScratch& memory = *scratch.isosurface;
-  const auto for_each_chosen = [&](auto&& act) {
-    std::size_t place = 0;
-    for (std::uint64_t bits = chosen; bits != 0; bits &= bits - 1)
-      act(first + static_cast<std::size_t>(std::countr_zero(bits)), place++);
-  };
-  memory.doubtful_rays.count = static_cast<std::size_t>(std::popcount(chosen));
-  for_each_chosen([&](std::size_t r, std::size_t place) { memory.doubtful_rays.set(place, rays[r]); });
-  redoing(volume, question, memory.doubtful_rays, memory.doubtful_hits, scratch);
-  for_each_chosen([&](std::size_t r, std::size_t place) { hits.set(r, memory.doubtful_hits[place]); });
 }
 
 template <Machine machine, Search search>
@@ -120,7 +67,8 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
                     answer(surface, from(rays, first), std::min(RayGroup::size, rays.count - first), from(all, first),
                            memory, scratch.counters);
                 doubtful != 0)
-              redo(redoing_kernel_for(view), volume, question, rays, first, doubtful, hits, scratch);
+              ask_again(redoing_kernel_for(view), volume, question, rays, first, doubtful, hits, memory.doubtful,
+                        scratch);
         }
       },
       volume.view);

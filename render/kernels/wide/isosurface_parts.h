@@ -6,6 +6,7 @@
 
 #include "formats/packed_file.h"
 #include "render/kernels/kernels.h"
+#include "render/kernels/wide/batch_arrays.h"
 #include "render/kernels/wide/block_samples.h"
 #include "render/kernels/wide/ray_group.h"
 
@@ -25,13 +26,6 @@ struct Surface {
   const std::uint64_t* summits;
   double isovalue;
   bool time_phases;
-};
-
-/// A batch's answers as plain arrays.
-struct HitArrays {
-  double *t, *value, *error, *gradient[3];
-  std::uint64_t* cell;
-  std::uint32_t *root_count, *iteration_count, *cost;
 };
 
 /// Which blocks a group's rays may pass, in single precision with a margin: a ray passes plane k of an axis of the
@@ -89,8 +83,7 @@ struct alignas(64) IsosurfaceScratch {
   std::uint64_t block_key[kept_blocks];
   BlockSamples blocks[kept_blocks];
   std::shared_ptr<const Occupancy> occupancy;  ///< whose blocks are kept
-  RayBatch doubtful_rays{RayGroup::size};      ///< certified: what the reference is asked about
-  HitBatch doubtful_hits{RayGroup::size};
+  FewRays doubtful;                            ///< certified: what the reference is asked about
 };
 
 /// Answers at most 64 rays. Hits are written; what is no hit is left as it is, but for its cost.

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <limits>
+
+#include "render/kernels/kernels.h"
+#include "render/kernels/wide/ray_group.h"
+
+/// Batches as the code compiled once per machine takes them, and rays of them that are asked again.
+namespace rhoray::render::wide {
+
+/// A batch's answers as plain arrays.
+struct HitArrays {
+  double *t, *value, *error, *gradient[3];
+  std::uint64_t* cell;
+  std::uint32_t *root_count, *iteration_count, *cost;
+};
+
+/// The first `count` answers, made misses.
+inline HitArrays misses(HitBatch& hits, std::size_t count) {
+  std::fill_n(hits.t.data(), count, std::numeric_limits<double>::infinity());
+  std::fill_n(hits.error.data(), count, std::numeric_limits<double>::quiet_NaN());
+  std::fill_n(hits.value.data(), count, 0.0);
+  for (const auto& component : hits.gradient) std::fill_n(component.data(), count, 0.0);
+  std::fill_n(hits.cell.data(), count, std::uint64_t{0});
+  for (const auto* numbers : {&hits.root_count, &hits.iteration_count, &hits.cost})
+    std::fill_n(numbers->data(), count, 0u);
+  return {.t = hits.t.data(),
+          .value = hits.value.data(),
+          .error = hits.error.data(),
+          .gradient = {hits.gradient[0].data(), hits.gradient[1].data(), hits.gradient[2].data()},
+          .cell = hits.cell.data(),
+          .root_count = hits.root_count.data(),
+          .iteration_count = hits.iteration_count.data(),
+          .cost = hits.cost.data()};
+}
+
+inline HitArrays from(const HitArrays& hits, std::size_t first) {
+  return {.t = hits.t + first,
+          .value = hits.value + first,
+          .error = hits.error + first,
+          .gradient = {hits.gradient[0] + first, hits.gradient[1] + first, hits.gradient[2] + first},
+          .cell = hits.cell + first,
+          .root_count = hits.root_count + first,
+          .iteration_count = hits.iteration_count + first,
+          .cost = hits.cost + first};
+}
+
+inline RayArrays from(const RayBatch& rays, std::size_t first) {
+  RayArrays arrays{
+      .origin = {}, .direction = {}, .t_min = rays.t_min.data() + first, .t_max = rays.t_max.data() + first};
+  for (std::size_t a = 0; a < 3; ++a)
+    arrays.origin[a] = rays.origin[a].data() + first, arrays.direction[a] = rays.direction[a].data() + first;
+  return arrays;
+}
+
+/// A few rays of a batch, and their answers.
+struct FewRays {
+  RayBatch rays{RayGroup::size};
+  HitBatch hits{RayGroup::size};
+};
+
+/// Asks another kernel about those rays of a chunk that begins at `first`.
+inline void ask_again(Kernel kernel, const VolumeImplementation& volume, const Question& question, const RayBatch& rays,
+                      std::size_t first, std::uint64_t chosen, HitBatch& hits, FewRays& few, KernelScratch& scratch) {
+  const auto for_each_chosen = [&](auto&& act) {
+    std::size_t place = 0;
+    for (std::uint64_t bits = chosen; bits != 0; bits &= bits - 1)
+      act(first + static_cast<std::size_t>(std::countr_zero(bits)), place++);
+  };
+  few.rays.count = static_cast<std::size_t>(std::popcount(chosen));
+  for_each_chosen([&](std::size_t r, std::size_t place) { few.rays.set(place, rays[r]); });
+  kernel(volume, question, few.rays, few.hits, scratch);
+  for_each_chosen([&](std::size_t r, std::size_t place) { hits.set(r, few.hits[place]); });
+}
+
+}  // namespace rhoray::render::wide

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "render/kernels/kernels.h"
+
+namespace rhoray::render::wide {
+
+/// The first crossing of a mesh's isosurface for groups of rays at once, by the facets that the surface is made of
+/// (volumes/facets.h); null where the scalar kernels answer: for other volumes, for meshes of a size or with values
+/// that products of doubles cannot hold, and for ways other than those of the table in README.md.
+Kernel first_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine);
+
+}  // namespace rhoray::render::wide

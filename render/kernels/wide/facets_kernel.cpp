@@ -1,0 +1,98 @@
+#include <algorithm>
+#include <cmath>
+
+#include "render/kernels/wide/facets.h"
+#include "render/kernels/wide/facets_parts.h"
+#include "render/volumes/volume.h"
+
+namespace rhoray::render::wide {
+
+namespace {
+
+template <class View>
+inline constexpr bool is_mesh = false;
+template <class T>
+inline constexpr bool is_mesh<TetVolume<T>> = true;
+
+FacetSurface surface_of(const Facets& facets, const Question& question) {
+  FacetSurface surface{.blocks = facets.blocks(),
+                       .fields = facets.fields(),
+                       .levels = {},
+                       .level_count = facets.level_count(),
+                       .facet_count = facets.count(),
+                       .anchor = {facets.anchor().x, facets.anchor().y, facets.anchor().z},
+                       .scale = facets.scale(),
+                       .low = {},
+                       .high = {},
+                       .isovalue = question.isovalue,
+                       .time_phases = question.time_phases};
+  for (int l = 0; l < facets.level_count(); ++l) surface.levels[l] = facets.level(l);
+  std::copy(facets.low().begin(), facets.low().end(), surface.low);
+  std::copy(facets.high().begin(), facets.high().end(), surface.high);
+  return surface;
+}
+
+template <Machine machine, bool certified>
+void first_facets(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
+                  KernelScratch& scratch) {
+  std::visit(
+      [&]<class View>(const View& view) {
+        if constexpr (is_mesh<View>) {
+          const Kernel reference = kernels_for(view, question.method.way).first_crossing;
+          if (!question.use_hierarchy || !(std::abs(question.isovalue) <= largest_magnitude)) {
+            reference(volume, question, rays, hits, scratch);
+            return;
+          }
+          scratch.counters.rays_wide += rays.count;
+          if (!scratch.facets) scratch.facets = std::make_shared<FacetScratch>();
+          FacetScratch& memory = *scratch.facets;
+          memory.facets = volume.facets->of(view, volume.bounds_volume, question.isovalue);
+          const FacetSurface surface = surface_of(*memory.facets, question);
+          const FirstFacets answer = first_facets_on(machine, certified);
+          const HitArrays all = misses(hits, rays.count);
+          for (std::size_t first = 0; first < rays.count; first += RayGroup::size)
+            if (const std::uint64_t others =
+                    answer(surface, from(rays, first), std::min(RayGroup::size, rays.count - first), from(all, first),
+                           memory, scratch.counters);
+                others != 0)
+              ask_again(certified ? redoing_kernel_for(view) : reference, volume, question, rays, first, others, hits,
+                        memory.others, scratch);
+        }
+      },
+      volume.view);
+}
+
+template <Machine machine>
+Kernel kernel_by(Method::Way way) {
+  return way == Method::Way::certified ? first_facets<machine, true> : first_facets<machine, false>;
+}
+
+/// A mesh of which products of lengths and values stay far from the limits of doubles.
+bool is_fit(const VolumeImplementation& volume) {
+  const bool is_of_tets = std::visit([]<class View>(const View&) { return is_mesh<View>; }, volume.view);
+  const Vec3 size = volume.bounds_volume.size();
+  const double longest = std::max({size.x, size.y, size.z});
+  return is_of_tets && longest >= 1 / largest_magnitude && longest <= largest_magnitude &&
+         std::abs(volume.field.range.lo) <= largest_magnitude && std::abs(volume.field.range.hi) <= largest_magnitude;
+}
+
+}  // namespace
+
+Kernel first_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
+  const bool is_float = method.precision == Method::Precision::single &&
+                        (method.way == Method::Way::direct || method.way == Method::Way::preview);
+  if (!(is_float || method.way == Method::Way::certified) || !is_fit(volume)) return nullptr;
+  switch (machine) {
+    case Machine::scalar:
+      return nullptr;
+    case Machine::baseline:
+      return kernel_by<Machine::baseline>(method.way);
+    case Machine::avx2:
+      return kernel_by<Machine::avx2>(method.way);
+    case Machine::avx512:
+      return kernel_by<Machine::avx512>(method.way);
+  }
+  return nullptr;
+}
+
+}  // namespace rhoray::render::wide

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "render/kernels/kernels.h"
+#include "render/kernels/wide/batch_arrays.h"
+#include "render/volumes/facets.h"
+
+/// What the sources of the wide kernel of meshes' isosurfaces hand to the part that is compiled once per machine.
+///
+/// A ray in the facets' frame is described along the axis, w, on which it moves most: u = shift_u + slope_u w and
+/// v = shift_v + slope_v w. A corner's place in the ray's picture plane is (u - slope_u w - shift_u, ...): it depends
+/// on the ray and the corner alone (Woop, Benthin and Wald, JCGT 2013).
+namespace rhoray::render::wide {
+
+/// Lengths, values and isovalues up to this size, lengths from its inverse on, are answered by wide kernels.
+inline constexpr double largest_magnitude = 1e60;
+
+/// One isosurface of one mesh.
+struct FacetSurface {
+  static constexpr int largest_level_count = 8;
+
+  const FacetBlock* blocks;
+  const FacetField* fields;
+  const FacetNode* levels[largest_level_count];
+  int level_count;
+  std::uint32_t facet_count;
+  double anchor[3];
+  double scale;
+  float low[3], high[3];
+  double isovalue;
+  bool time_phases;
+};
+
+/// How far, at most, a corner's place in a ray's picture plane is from the exact one, in the facets' frame, by what is
+/// rounded to single precision: the shift (up to 2: 2^-24), the slope (2^-25), the corner (2^-25 along two axes),
+/// and one or two operations (2^-24 and 2^-25); and by the rounding in double of rays that start less than
+/// certified_reach away.
+inline constexpr float place_error = 1.25f * 0x1p-22f;
+inline constexpr double certified_reach = 0x1p20;
+
+/// Rays that start farther away than this go to the reference at once.
+inline constexpr double reach = 0x1p40;
+
+/// 64 rays of a batch: pack p holds lanes 16 p to 16 p + 15, a square of 4 x 4 of a chunk of 8 x 8.
+struct alignas(64) FacetScratch {
+  static constexpr std::size_t lanes = RayGroup::size, pack = 16, packs = lanes / pack;
+
+  float slope[2][lanes], shift[2][lanes];
+  float begin[lanes], end[lanes];       ///< of the ray: depths, which are w, or -w where the rays move that way
+  float depth[lanes];                   ///< of the nearest hit, or `end`; below all in lanes without a ray
+  std::int32_t facet[lanes];            ///< that was hit; no_facet
+  float far[lanes];                     ///< certified: of the nearest hit, at most
+  float nearest[lanes], second[lanes];  ///< certified: the two least depths that any hit or doubt may have
+  float cull_offset[lanes / 4], cull_slope[lanes / 4];  ///< of each pack: lower and upper bounds of u, then of v
+  float pack_far[packs];
+
+  static constexpr std::int32_t no_facet = 0x7fffffff;
+
+  std::shared_ptr<const Facets> facets;
+  FewRays others;  ///< what the reference is asked about
+};
+
+/// The lane of a chunk's ray.
+constexpr std::size_t lane_of(std::size_t ray) {
+  const std::size_t row = ray / 8, column = ray % 8;
+  return (row / 4 * 2 + column / 4) * FacetScratch::pack + row % 4 * 4 + column % 4;
+}
+/// The ray of a lane.
+constexpr std::size_t ray_of(std::size_t lane) {
+  const std::size_t pack = lane / FacetScratch::pack, in_pack = lane % FacetScratch::pack;
+  return (pack / 2 * 4 + in_pack / 4) * 8 + pack % 2 * 4 + in_pack % 4;
+}
+
+/// Answers at most 64 rays. Hits are written; what is no hit is left as it is, but for its cost.
+/// @return  the rays that the reference must answer: those that are no rays of finite numbers, and certified ones of
+///          which not every decision is proven
+using FirstFacets = std::uint64_t (*)(const FacetSurface& surface, const RayArrays& rays, std::size_t count,
+                                      const HitArrays& hits, FacetScratch& scratch, KernelCounters& counters);
+
+/// `baseline` is what the processor has of SSE4, or else one lane.
+FirstFacets first_facets_on(Machine machine, bool certified);
+
+}  // namespace rhoray::render::wide

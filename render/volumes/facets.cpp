@@ -1,0 +1,231 @@
+#include "render/volumes/facets.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "render/cells/side.h"
+#include "render/volumes/active_cells.h"
+
+namespace rhoray::render {
+
+namespace {
+
+/// A cell that the surface passes through.
+struct ActiveCell {
+  std::uint32_t cell;
+  std::uint32_t inside;  ///< bit i: vertex i, of those in rising order, is inside
+};
+
+template <class T>
+std::vector<ActiveCell> active_cells_of(const TetVolume<T>& view, double isovalue) {
+  std::vector<ActiveCell> active;
+  for_each_candidate(view, isovalue, [&](std::uint32_t first, std::uint64_t bits) {
+    for (; bits != 0; bits &= bits - 1) {
+      const std::uint32_t cell = first + static_cast<std::uint32_t>(std::countr_zero(bits));
+      const std::array<double, 4> values = view.values_at(view.sorted_vertices(cell));
+      std::uint32_t inside = 0;
+      for (std::uint32_t i = 0; i < 4; ++i) inside |= static_cast<std::uint32_t>(is_inside(values[i] - isovalue)) << i;
+      if (inside != 0 && inside != 15 && has_data(values)) active.push_back({cell, inside});
+    }
+  });
+  return active;
+}
+
+/// The edges on which a facet's corners lie, round it, by the vertices that are inside; each edge's lower vertex first.
+struct FacetEdges {
+  std::uint8_t edge[4][2];
+};
+constexpr std::array<FacetEdges, 16> make_facet_edges() {
+  std::array<FacetEdges, 16> all{};
+  for (unsigned inside = 1; inside < 15; ++inside) {
+    std::uint8_t in[4]{}, out[4]{};
+    int in_count = 0, out_count = 0;
+    for (std::uint8_t i = 0; i < 4; ++i) (inside >> i & 1) != 0 ? in[in_count++] = i : out[out_count++] = i;
+    const auto edge = [&](int corner, std::uint8_t a, std::uint8_t b) {
+      all[inside].edge[corner][0] = a < b ? a : b;
+      all[inside].edge[corner][1] = a < b ? b : a;
+    };
+    if (in_count == 2) {  // neighbours round it share a vertex: a face of the cell
+      edge(0, in[0], out[0]), edge(1, in[0], out[1]), edge(2, in[1], out[1]), edge(3, in[1], out[0]);
+    } else {
+      const std::uint8_t alone = in_count == 1 ? in[0] : out[0];
+      const std::uint8_t* others = in_count == 1 ? out : in;
+      for (int corner = 0; corner < 4; ++corner) edge(corner, alone, others[corner < 3 ? corner : 2]);
+    }
+  }
+  return all;
+}
+constexpr std::array<FacetEdges, 16> facet_edges = make_facet_edges();
+
+/// Bits 0 to 9 of x moved to every third place.
+std::uint32_t spread(std::uint32_t x) {
+  x = (x | x << 16) & 0x030000ff;
+  x = (x | x << 8) & 0x0300f00f;
+  x = (x | x << 4) & 0x030c30c3;
+  return (x | x << 2) & 0x09249249;
+}
+
+/// The place of a point, with coordinates from -1 to 1, on a Morton curve of 1024 steps along each axis.
+std::uint32_t morton_code(const std::array<double, 3>& p) {
+  std::uint32_t code = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    code |= spread(static_cast<std::uint32_t>(std::clamp(512 * (p[axis] + 1), 0.0, 1023.0))) << axis;
+  return code;
+}
+
+/// Sorts by 30 bits of `code`; equal ones stay in order.
+template <class Item>
+void sort_by_code(std::vector<Item>& items) {
+  std::vector<Item> other(items.size());
+  for (int shift = 0; shift < 30; shift += 10) {
+    std::array<std::uint32_t, 1024> start{};
+    for (const Item& item : items) ++start[item.code >> shift & 1023];
+    std::uint32_t sum = 0;
+    for (std::uint32_t& s : start) sum += std::exchange(s, sum);
+    for (const Item& item : items) other[start[item.code >> shift & 1023]++] = item;
+    items.swap(other);
+  }
+}
+
+struct PlacedCell {
+  ActiveCell active;
+  std::uint32_t code;
+};
+
+/// The field of a cell, with vertices in rising order. Where the cell's volume is less than 2^-20 of the product of its
+/// edges' lengths, and the sum of a few rounded products of them says little, the gradient is in doubt; above, it is
+/// off by less than 2^-53 * 64 * 2^20 of itself, taken with that product.
+FacetField field_of(const std::array<std::array<double, 3>, 4>& points, const std::array<double, 4>& values,
+                    double isovalue, const Vec3& anchor) {
+  const auto edge = [&](std::size_t to) {
+    return Vec3(points[to][0] - points[0][0], points[to][1] - points[0][1], points[to][2] - points[0][2]);
+  };
+  const Vec3 a = edge(1), b = edge(2), c = edge(3);
+  const double size2 =
+      std::max({a.length2(), b.length2(), c.length2(), (b - a).length2(), (c - a).length2(), (c - b).length2()});
+  const Vec3 g = tet_gradient(points, values);
+  FacetField field{.gradient = {g.x, g.y, g.z},
+                   .value = (values[0] - isovalue) - g.dot(Vec3(points[0][0], points[0][1], points[0][2]) - anchor),
+                   .cell = 0,
+                   .cell_size = static_cast<float>(std::sqrt(size2)),
+                   .doubt = std::numeric_limits<float>::infinity()};
+  const double six_volumes = std::abs(a.dot(b.cross(c)));
+  const auto [lo, hi] = std::minmax({values[0], values[1], values[2], values[3]});
+  const double cube = size2 * std::sqrt(size2);
+  if (six_volumes > 0x1p-20 * cube && std::isfinite(field.value))
+    field.doubt = static_cast<float>(0x1p-44 * (hi - lo) * (cube / six_volumes) * (cube / six_volumes));
+  return field;
+}
+
+}  // namespace
+
+template <class T>
+Facets::Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue) : anchor_(bounds.center()) {
+  const Vec3 half = 0.5 * bounds.size();
+  const double largest = std::max({half.x, half.y, half.z});
+  // Rounding of the middle may leave a point a little farther away than half the size.
+  if (largest > 0) scale_ = std::ldexp(1.0, -(std::ilogb(largest * (1 + 0x1p-20)) + 1));
+
+  const auto in_frame = [&](const std::array<double, 3>& p, std::size_t axis) {
+    return (p[axis] - anchor_[static_cast<int>(axis)]) * scale_;
+  };
+  const std::vector<ActiveCell> active = active_cells_of(view, isovalue);
+  std::vector<PlacedCell> placed;
+  placed.reserve(active.size());
+  for (const ActiveCell& cell : active) {
+    const auto points = view.points_at(view.sorted_vertices(cell.cell));
+    std::array<double, 3> middle;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      middle[axis] = 0.25 * (in_frame(points[0], axis) + in_frame(points[1], axis) + in_frame(points[2], axis) +
+                             in_frame(points[3], axis));
+    placed.push_back({cell, morton_code(middle)});
+  }
+  sort_by_code(placed);
+
+  count_ = static_cast<std::uint32_t>(placed.size());
+  blocks_.resize((placed.size() + FacetBlock::size - 1) / FacetBlock::size);
+  fields_.resize(placed.size());
+  for (std::uint32_t f = 0; f < count_; ++f) {
+    const ActiveCell& cell = placed[f].active;
+    const auto vertices = view.sorted_vertices(cell.cell);
+    const auto points = view.points_at(vertices);
+    const auto values = view.values_at(vertices);
+    FacetBlock& block = blocks_[f / FacetBlock::size];
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+      const std::size_t a = facet_edges[cell.inside].edge[corner][0], b = facet_edges[cell.inside].edge[corner][1];
+      const double s = (isovalue - values[a]) / (values[b] - values[a]);
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        block.corner[corner][axis][f % FacetBlock::size] =
+            static_cast<float>((1 - s) * in_frame(points[a], axis) + s * in_frame(points[b], axis));
+    }
+    fields_[f] = field_of(points, values, isovalue, anchor_);
+    fields_[f].cell = view.cell_id(cell.cell);
+  }
+  build_levels();
+}
+
+void Facets::build_levels() {
+  constexpr float none = 1e30f;
+  const auto next_level = [&](std::size_t child_count, auto&& box_of) {
+    FacetNode empty;
+    std::fill_n(&empty.low[0][0], 3 * FacetNode::size, none);
+    std::fill_n(&empty.high[0][0], 3 * FacetNode::size, -none);
+    std::vector<FacetNode> nodes((child_count + FacetNode::size - 1) / FacetNode::size, empty);
+    for (std::size_t child = 0; child < child_count; ++child)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        box_of(child, axis, nodes[child / FacetNode::size].low[axis][child % FacetNode::size],
+               nodes[child / FacetNode::size].high[axis][child % FacetNode::size]);
+    levels_.push_back(std::move(nodes));
+  };
+  next_level(blocks_.size(), [&](std::size_t b, std::size_t axis, float& low, float& high) {
+    const std::size_t in_block = std::min<std::size_t>(FacetBlock::size, count_ - b * FacetBlock::size);
+    for (std::size_t corner = 0; corner < 4; ++corner)
+      for (std::size_t f = 0; f < in_block; ++f) {
+        low = std::min(low, blocks_[b].corner[corner][axis][f]);
+        high = std::max(high, blocks_[b].corner[corner][axis][f]);
+      }
+  });
+  while (levels_.back().size() > 1)
+    next_level(levels_.back().size(), [&](std::size_t n, std::size_t axis, float& low, float& high) {
+      const FacetNode& node = levels_[levels_.size() - 1][n];
+      low = *std::min_element(node.low[axis], node.low[axis] + FacetNode::size);
+      high = *std::max_element(node.high[axis], node.high[axis] + FacetNode::size);
+    });
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    low_[axis] = none, high_[axis] = -none;
+    if (levels_.back().empty()) continue;
+    const FacetNode& top = levels_.back().front();
+    low_[axis] = *std::min_element(top.low[axis], top.low[axis] + FacetNode::size);
+    high_[axis] = *std::max_element(top.high[axis], top.high[axis] + FacetNode::size);
+  }
+}
+
+std::size_t Facets::size_bytes() const {
+  std::size_t bytes = blocks_.size() * sizeof(FacetBlock) + fields_.size() * sizeof(FacetField);
+  for (const auto& nodes : levels_) bytes += nodes.size() * sizeof(FacetNode);
+  return bytes;
+}
+
+template <class T>
+std::shared_ptr<const Facets> FacetsCache::of(const TetVolume<T>& view, const Box3& bounds, double isovalue) {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::find_if(last_.begin(), last_.end(), [&](const Entry& e) { return e.isovalue == isovalue; });
+  if (found != last_.end()) {
+    std::rotate(last_.begin(), found, found + 1);
+  } else {
+    if (last_.size() == kept) last_.pop_back();
+    last_.insert(last_.begin(), {isovalue, std::make_shared<const Facets>(view, bounds, isovalue)});
+  }
+  return last_.front().facets;
+}
+
+#define RHORAY_FACETS(T)                                             \
+  template Facets::Facets(const TetVolume<T>&, const Box3&, double); \
+  template std::shared_ptr<const Facets> FacetsCache::of(const TetVolume<T>&, const Box3&, double);
+RHORAY_FACETS(float)
+RHORAY_FACETS(double)
+#undef RHORAY_FACETS
+
+}  // namespace rhoray::render

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "formats/base/vector.h"
+#include "render/volumes/tet_volume.h"
+
+namespace rhoray::render {
+
+/// Sixteen facets, side by side. A quadrilateral's corners stand in order round it; a triangle repeats its last one.
+struct alignas(64) FacetBlock {
+  static constexpr std::uint32_t size = 16;
+  float corner[4][3][size];
+};
+
+/// The boxes of up to sixteen nodes of the level below, or blocks, side by side; beyond the last: empty ones.
+struct alignas(64) FacetNode {
+  static constexpr std::uint32_t size = 16;
+  float low[3][size], high[3][size];
+};
+
+/// The linear field of a facet's cell: value + gradient . (p - anchor), the isovalue subtracted; p in the mesh's frame.
+struct FacetField {
+  double gradient[3];
+  double value;
+  std::uint64_t cell;  ///< id
+  float cell_size;     ///< the longest edge, mesh units
+  float doubt;         ///< what rounding of the gradient puts the field off by inside the cell, at most; infinite where
+                       ///< the cell is flat, or nearly, and the gradient says nothing
+};
+
+/// An isosurface of a mesh made ready for rays: in a cell the field is linear, and the surface a triangle or a
+/// quadrilateral whose corners lie on the cell's edges.
+///
+/// A corner's position is computed from the edge's two points in rising order of their positions, and rounded to single
+/// precision last: all cells round an edge have the same bits, so that facets share their corners and edges as cells
+/// share their edges and faces. Where a point's value is the isovalue corners are at the point, and facets may shrink
+/// to edges or points.
+///
+/// Corners stand in the facets' own frame: (p - anchor) * scale, at most 1 from its middle along each axis. Single
+/// precision moves them by at most 2^-25 there.
+///
+/// Above the facets, in the order of a Morton curve through their middles, stands a tree of 16 children for each node:
+/// child c of node n of a level is node 16 n + c of the level below; level 0 is above blocks. The last level has one
+/// node.
+class Facets {
+ public:
+  /// @param bounds  of all points of the mesh, its frame
+  template <class T>
+  Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue);
+
+  std::uint32_t count() const { return count_; }
+  const FacetBlock* blocks() const { return blocks_.data(); }
+  const FacetField* fields() const { return fields_.data(); }  ///< one for each facet
+  int level_count() const { return static_cast<int>(levels_.size()); }
+  const FacetNode* level(int l) const { return levels_[static_cast<std::size_t>(l)].data(); }
+
+  const Vec3& anchor() const { return anchor_; }
+  double scale() const { return scale_; }                   ///< a power of two
+  const std::array<float, 3>& low() const { return low_; }  ///< of all corners
+  const std::array<float, 3>& high() const { return high_; }
+
+  std::size_t size_bytes() const;
+
+ private:
+  void build_levels();
+
+  std::uint32_t count_ = 0;
+  std::vector<FacetBlock> blocks_;
+  std::vector<FacetField> fields_;
+  std::vector<std::vector<FacetNode>> levels_;
+  Vec3 anchor_;
+  double scale_ = 1;
+  std::array<float, 3> low_{}, high_{};
+};
+
+/// The facets of one mesh for the last isovalues asked about. Any thread may ask.
+class FacetsCache {
+ public:
+  /// @return  the isosurface, and whether it was made for this call
+  template <class T>
+  std::shared_ptr<const Facets> of(const TetVolume<T>& view, const Box3& bounds, double isovalue);
+
+ private:
+  struct Entry {
+    double isovalue;
+    std::shared_ptr<const Facets> facets;
+  };
+  static constexpr std::size_t kept = 4;
+
+  std::mutex mutex_;
+  std::vector<Entry> last_;  ///< newest first
+};
+
+}  // namespace rhoray::render
