@@ -135,19 +135,10 @@ class GroupWalk {
     return {(x & 7) | (y & 3) << 3 | (z & 3) << 5, x | y << 21 | z << 42};
   }
 
-  struct StoredBlock {
-    int block[3];  ///< not mirrored
-    Place at;
-  };
-  HWY_INLINE StoredBlock stored(const int* mirrored) const {
-    StoredBlock found;
-    for (int a = 0; a < 3; ++a) found.block[a] = lattice_.block(a, mirrored[a]);
-    found.at = place_of(found.block);
-    return found;
-  }
-
   HWY_INLINE void fetch(BlockAhead& ahead) {
-    const auto [block, at] = stored(ahead.block);
+    int block[3];  // not mirrored
+    for (int a = 0; a < 3; ++a) block[a] = lattice_.block(a, ahead.block[a]);
+    const Place at = place_of(block);
     BlockSamples& samples = scratch_.blocks[at.place];
     if (scratch_.block_key[at.place] != at.key) {
       scratch_.block_key[at.place] = at.key;
@@ -182,8 +173,6 @@ class GroupWalk {
     added.rays = rays, added.samples = -1;
     ahead.rays |= rays;
     note_place(block);
-    if (const auto [stored_block, at] = stored(block); scratch_.block_key[at.place] != at.key)
-      expect_block(surface_.source, surface_.sample_bytes, stored_block);
     while (alive_ != 0 && (alive_ & ~ahead.rays) == 0) pass_next();
   }
 

@@ -28,7 +28,6 @@ Surface surface_of(const GridVolume<T>& view, const Occupancy& occupancy, const 
   const Index3 cells = grid.macro.leaf_count;
   return {.source = SampleSource(view.samples().data(), view.tables(), grid.layout.sample_count),
           .type = formats::element_type_of<T>(),
-          .sample_bytes = sizeof(T),
           .leaf_count = {static_cast<int>(cells.x), static_cast<int>(cells.y), static_cast<int>(cells.z)},
           .node_count = occupancy.node_count(),
           .nodes = occupancy.nodes(),

@@ -20,7 +20,6 @@ enum class Search { preview, bracketed, certified };
 struct Surface {
   SampleSource source;
   formats::ElementType type;
-  std::size_t sample_bytes;
   int leaf_count[3];
   std::array<int, 3> node_count;
   const std::uint64_t* nodes;
