@@ -18,15 +18,7 @@ struct HitArrays {
   std::uint32_t *root_count, *iteration_count, *cost;
 };
 
-/// The first `count` answers, made misses.
-inline HitArrays misses(HitBatch& hits, std::size_t count) {
-  std::fill_n(hits.t.data(), count, std::numeric_limits<double>::infinity());
-  std::fill_n(hits.error.data(), count, std::numeric_limits<double>::quiet_NaN());
-  std::fill_n(hits.value.data(), count, 0.0);
-  for (const auto& component : hits.gradient) std::fill_n(component.data(), count, 0.0);
-  std::fill_n(hits.cell.data(), count, std::uint64_t{0});
-  for (const auto* numbers : {&hits.root_count, &hits.iteration_count, &hits.cost})
-    std::fill_n(numbers->data(), count, 0u);
+inline HitArrays arrays_of(const HitBatch& hits) {
   return {.t = hits.t.data(),
           .value = hits.value.data(),
           .error = hits.error.data(),
@@ -46,6 +38,15 @@ inline HitArrays from(const HitArrays& hits, std::size_t first) {
           .root_count = hits.root_count + first,
           .iteration_count = hits.iteration_count + first,
           .cost = hits.cost + first};
+}
+
+inline void write_misses(const HitArrays& hits, std::size_t count) {
+  std::fill_n(hits.t, count, std::numeric_limits<double>::infinity());
+  std::fill_n(hits.error, count, std::numeric_limits<double>::quiet_NaN());
+  std::fill_n(hits.value, count, 0.0);
+  for (double* component : hits.gradient) std::fill_n(component, count, 0.0);
+  std::fill_n(hits.cell, count, std::uint64_t{0});
+  for (std::uint32_t* numbers : {hits.root_count, hits.iteration_count, hits.cost}) std::fill_n(numbers, count, 0u);
 }
 
 inline RayArrays from(const RayBatch& rays, std::size_t first) {

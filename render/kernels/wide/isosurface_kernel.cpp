@@ -61,14 +61,16 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
               prepared(scratch.isosurface, volume.occupancies->of(view.levels(), question.isovalue));
           const Surface surface = surface_of(view, *memory.occupancy, question);
           const FirstCrossings answer = first_crossings_on(machine, search);
-          const HitArrays all = misses(hits, rays.count);
-          for (std::size_t first = 0; first < rays.count; first += RayGroup::size)
+          for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
+            const std::size_t count = std::min(RayGroup::size, rays.count - first);
+            const HitArrays chunk = from(arrays_of(hits), first);
+            write_misses(chunk, count);
             if (const std::uint64_t doubtful =
-                    answer(surface, from(rays, first), std::min(RayGroup::size, rays.count - first), from(all, first),
-                           memory, scratch.counters);
+                    answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
                 doubtful != 0)
               ask_again(redoing_kernel_for(view), volume, question, rays, first, doubtful, hits, memory.doubtful,
                         scratch);
+          }
         }
       },
       volume.view);
