@@ -19,6 +19,7 @@
 #include "render/kernels/wide/maximum_looks-inl.h"
 #include "render/kernels/wide/maximum_parts.h"
 #include "render/kernels/wide/maximum_samples-inl.h"
+#include "render/kernels/wide/maximum_slabs-inl.h"
 #include "render/kernels/wide/maximum_state-inl.h"
 #include "render/kernels/wide/octant.h"
 
@@ -34,6 +35,7 @@ class Search {
       : state_(field, rays, scratch, lattice, frustum),
         looks_(state_),
         blocks_(state_, looks_),
+        slabs_(state_, looks_),
         field_(field),
         scratch_(scratch) {}
 
@@ -46,7 +48,7 @@ class Search {
       const int at[3] = {region.at[0], region.at[1], region.at[2]};
       if (region.is_block)
         blocks_.look_into(at);
-      else
+      else if (!slabs_.covers(at[state_.frustum.major], queue, bucket))
         open_node(at, region.largest);
     }
     looks_.decide();
@@ -115,6 +117,7 @@ class Search {
   SearchState state_;
   CloseLooks looks_;
   BlockWalk blocks_;
+  SlabSweep slabs_;
   const MaximumField& field_;
   MaximumScratch& scratch_;
 };
