@@ -25,7 +25,8 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 
 /// Looks for cells on rays through a block whose cubics may hold a larger value than was found.
 ///
-/// Values in a block are off by less than 12 margins of its range (3 for a place that is off on all axes, as much for a
+/// Places are counted from the block's corner: they are less than 32, and rounding moves them by less than `margin`.
+/// Values are off by less than 12 margins of the block's range (3 for a place that is off on all axes, as much for a
 /// part that goes on beyond its cell, the rest where the neighbouring cell is the true one), and 2^-20 of it for the
 /// interpolation itself. A value is reached for certain where the place lies three margins inside a cell.
 class BlockWalk {
@@ -86,6 +87,23 @@ class BlockWalk {
     return hn::Load(floats, result);
   }
 
+  static constexpr float margin = 0x1p-18F;  ///< more than places from the block's corner are off
+
+  /// Where rays are on a minor axis where a block begins, from its corner.
+  HWY_INLINE VecF start_in_box(int m, std::size_t first, double low_w, double low) const {
+    constexpr hn::Rebind<std::int32_t, Doubles> half_ints;
+    constexpr hn::RebindToSigned<Doubles> longs;
+    HWY_ALIGN float start[float_lanes];
+    for (std::size_t lane = 0; lane < float_lanes; lane += double_lanes) {
+      const auto ray = hn::PromoteTo(longs, hn::LoadU(half_ints, scratch_.at_block.ray + first + lane));
+      const VecD at_zero = hn::GatherIndex(doubles, scratch_.lines.exact_start[m], ray),
+                 slope = hn::GatherIndex(doubles, scratch_.lines.exact_slope[m], ray);
+      const VecD at_low = hn::MulAdd(slope, hn::Set(doubles, low_w), at_zero);
+      hn::Store(hn::DemoteTo(half_floats, hn::Sub(at_low, hn::Set(doubles, low))), half_floats, start + lane);
+    }
+    return hn::Load(floats, start);
+  }
+
   /// The samples of a block, in which a cell is where its lowest sample is.
   struct Cells {
     static constexpr float lowest = -4;  ///< less than any value with data
@@ -115,8 +133,8 @@ class BlockWalk {
                 .stride = {},
                 .highest = range.hi,
                 .unit = unit,
-                .error = static_cast<float>((range.hi - range.lo) * unit) * (12 * state_.margin + 0x1p-20F),
-                .margin = state_.margin};
+                .error = static_cast<float>((range.hi - range.lo) * unit) * (12 * margin + 0x1p-20F),
+                .margin = margin};
     // Mirrored axes are read backwards.
     std::int32_t lowest_sample = 0, lowest_cell = 0;
     for (int i = 0; i < 3; ++i) {
@@ -134,11 +152,9 @@ class BlockWalk {
     ways.from = hn::Sub(hn::Load(floats, at_block.from + first), low_w);
     ways.to = hn::Sub(hn::Load(floats, at_block.to + first), low_w);
     for (int m = 0; m < 2; ++m) {
-      const VecF low = hn::Set(floats, static_cast<float>(4 * block[axes[m + 1]]));
       ways.slope[m] = hn::GatherIndex(floats, lines.slope[m], ways.ray);
       ways.inverse[m] = hn::GatherIndex(floats, lines.inverse[m], ways.ray);
-      const VecF start = hn::GatherIndex(floats, lines.start[m], ways.ray);
-      ways.start[m] = hn::Sub(hn::MulAdd(ways.slope[m], low_w, start), low);
+      ways.start[m] = start_in_box(m, first, box.low_w, 4.0 * block[axes[m + 1]]);
     }
     ways.reached = reached_in_block(range.hi, unit, first);
     ways.reached_at =

@@ -46,10 +46,13 @@ class Search {
       const RegionQueue::Region region = queue.take(bucket);
       if (region.largest < state_.lowest_reached) continue;
       const int at[3] = {region.at[0], region.at[1], region.at[2]};
-      if (region.is_block)
+      const int slab = at[state_.frustum.major] / (region.is_block ? 4 : 1);
+      if (slabs_.is_swept(slab)) continue;
+      if (!region.is_block) {
+        if (!slabs_.sweep(slab, queue, bucket)) open_node(at, region.largest);
+      } else if (!slabs_.sweep_around_block(slab, queue, bucket)) {
         blocks_.look_into(at);
-      else if (!slabs_.covers(at[state_.frustum.major], queue, bucket))
-        open_node(at, region.largest);
+      }
     }
     looks_.decide();
   }

@@ -135,13 +135,14 @@ struct alignas(64) MaximumWindow {
   std::int32_t words[capacity];
 };
 
-/// Which slabs of nodes were asked for and swept, a bit each, and rays in coordinates from a slab's corner.
+/// Which slabs of nodes were swept, a bit each, and rays in coordinates from a slab's corner.
 struct alignas(64) SlabRays {
-  static constexpr std::size_t words = (1 << 14) / 16 / 64 + 1;
+  static constexpr std::size_t words = (1 << 14) / 16 / 64 + 1;  ///< the most that a lattice can have
 
   float start[2][RayGroup::size];
   float reached[RayGroup::size];  ///< below the slab's largest value
-  std::uint64_t asked[words], swept[words];
+  std::uint64_t swept[words];
+  std::uint8_t blocks[64 * words];  ///< that were looked into, up to multiples of 256
 };
 
 struct alignas(64) MaximumScratch {

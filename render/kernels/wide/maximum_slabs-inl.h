@@ -156,86 +156,113 @@ class SlabSweep {
     const bool is_short =
         type == ElementType::U8 || type == ElementType::I8 || type == ElementType::U16 || type == ElementType::I16;
     may_sweep_ = is_short && !state.field.has_gaps;
-    for (std::uint64_t& word : scratch_.slabs.asked) word = 0;
     for (std::uint64_t& word : scratch_.slabs.swept) word = 0;
+    for (int slab = 0; slab < state.lattice.node_count[state.frustum.major]; ++slab) scratch_.slabs.blocks[slab] = 0;
   }
 
-  /// Nothing is left to be looked at in a slab of nodes. It was swept before, or is now, where most of its blocks reach
-  /// a value; that is asked once.
-  HWY_NOINLINE bool covers(int slab, const RegionQueue& queue, int bucket) {
-    if (!may_sweep_) return false;
-    const auto word = static_cast<std::size_t>(slab) / 64;
-    const std::uint64_t bit = std::uint64_t{1} << slab % 64;
-    if ((scratch_.slabs.asked[word] & bit) != 0) return (scratch_.slabs.swept[word] & bit) != 0;
-    scratch_.slabs.asked[word] |= bit;
-    if (!sweep(slab, queue, bucket)) return false;
-    scratch_.slabs.swept[word] |= bit;
+  /// True where nothing is left to be looked at in a slab of nodes.
+  HWY_INLINE bool is_swept(int slab) const {
+    return (scratch_.slabs.swept[static_cast<std::size_t>(slab) / 64] >> slab % 64 & 1) != 0;
+  }
+
+  /// Sweeps a slab of nodes where it is worth it: where at least a third of its blocks are of this bucket or above.
+  HWY_NOINLINE bool sweep(int slab, const RegionQueue& queue, int bucket) {
+    if (!may_sweep_ || !sweep_box(slab, queue.least_of(bucket))) return false;
+    scratch_.slabs.swept[static_cast<std::size_t>(slab) / 64] |= std::uint64_t{1} << slab % 64;
     return true;
+  }
+
+  /// The same for a slab in which a block is about to be looked into; asked for one block of eight.
+  HWY_INLINE bool sweep_around_block(int slab, const RegionQueue& queue, int bucket) {
+    return ++scratch_.slabs.blocks[slab] % 8 == 0 && sweep(slab, queue, bucket);
   }
 
  private:
   static constexpr float margin = 0x1p-15F;  ///< more than places from the slab's corner are off
 
-  /// Blocks that rays of the group may pass in a slab, mirrored; false where the file has none.
-  HWY_INLINE bool find_blocks(int slab, int (&first)[3], int (&last)[3]) const {
+  /// The cells of a slab that rays of the group may pass, mirrored, from first to last; false where there are none. On
+  /// the file's first axis they are those of whole blocks.
+  HWY_INLINE bool find_cells(int slab, int (&first)[3], int (&last)[3]) const {
     const Frustum& frustum = state_.frustum;
     const MirroredLattice& lattice = state_.lattice;
     const int w = frustum.major;
-    const int block_count[3] = {4 * lattice.node_count[0], 4 * lattice.node_count[1], 4 * lattice.node_count[2]};
-    first[w] = 4 * slab, last[w] = 4 * slab + 3;
-    const int nearest = floored(frustum.first / 4), furthest = floored(frustum.last / 4);
-    first[w] = first[w] < nearest ? nearest : first[w], last[w] = last[w] > furthest ? furthest : last[w];
-    if (first[w] > last[w]) return false;
-    const SlabRectangle near = rectangle_in_slab(frustum, first[w], 4, block_count),
-                        far = rectangle_in_slab(frustum, last[w], 4, block_count);
+    const double low = 16.0 * slab, high = low + 16;
+    const double near = low < frustum.first ? frustum.first : low, far = high > frustum.last ? frustum.last : high;
+    if (near > far) return false;
+    first[w] = floored(near), last[w] = far == high ? 16 * slab + 15 : floored(far);
     for (int m = 0; m < 2; ++m) {
-      const int a = frustum.minor[m];
-      first[a] = near.first[m] < far.first[m] ? near.first[m] : far.first[m];
-      last[a] = near.last[m] > far.last[m] ? near.last[m] : far.last[m];
+      first[frustum.minor[m]] = floored(frustum.low[m].at(near));
+      last[frustum.minor[m]] = floored(frustum.high[m].at(far));
     }
     for (int a = 0; a < 3; ++a) {
-      const int count = field_.blocks.count[a];
-      const int lowest = lattice.is_mirrored(a) ? block_count[a] - count : 0, highest = lowest + count - 1;
+      if (a == 0) first[a] &= ~3, last[a] |= 3;
+      // The lattice may end within its last block.
+      const int lowest = lattice.is_mirrored(a) ? static_cast<int>(lattice.plane(a, field_.leaf_count[a])) : 0;
+      const int highest = lowest + field_.leaf_count[a] - 1;
       first[a] = first[a] < lowest ? lowest : first[a], last[a] = last[a] > highest ? highest : last[a];
       if (first[a] > last[a]) return false;
     }
     return true;
   }
 
-  HWY_INLINE bool sweep(int slab, const RegionQueue& queue, int bucket) {
-    int first[3], last[3];
-    if (!find_blocks(slab, first, last)) return false;
-    Window window;
-    for (int a = 0; a < 3; ++a) {
-      window.first[a] = 4 * first[a];
-      int end = 4 * last[a] + 4;
-      // The file may end within its last block.
-      if (state_.lattice.is_mirrored(a)) {
-        const int lowest = static_cast<int>(state_.lattice.plane(a, field_.leaf_count[a]));
-        window.first[a] = window.first[a] < lowest ? lowest : window.first[a];
-      } else if (end > field_.leaf_count[a]) {
-        end = field_.leaf_count[a];
-      }
-      window.count[a] = end - window.first[a] + 1;
-    }
-    if (!window.has_room()) return false;
-
-    int block[3], blocks = 0, high_ones = 0;
+  /// Of the blocks that a window touches: their range, how many they are, and how many reach a value.
+  struct Blocks {
     Range range{std::numeric_limits<double>::infinity(), nothing};
-    for (block[2] = first[2]; block[2] <= last[2]; ++block[2])
-      for (block[1] = first[1]; block[1] <= last[1]; ++block[1])
-        for (block[0] = first[0]; block[0] <= last[0]; ++block[0]) {
-          int place[3] = {};
-          state_.find_in_file(block, true, field_.blocks, place);
-          const Range here = range_of(field_, field_.blocks, place);
-          range.lo = here.lo < range.lo ? here.lo : range.lo, range.hi = here.hi > range.hi ? here.hi : range.hi;
-          ++blocks, high_ones += queue.bucket_of(here.hi) >= bucket;
+    int count = 0, high_count = 0;
+  };
+  template <class T>
+  HWY_INLINE Blocks look_over(const Window& window, double least) const {
+    int first[3], last[3];
+    for (int a = 0; a < 3; ++a) {
+      first[a] = state_.lattice.block(a, window.first[a] >> 2);
+      last[a] = state_.lattice.block(a, (window.first[a] + window.count[a] - 2) >> 2);
+      if (state_.lattice.is_mirrored(a)) {
+        const int swapped = first[a];
+        first[a] = last[a], last[a] = swapped;
+      }
+    }
+    Blocks blocks;
+    const int* count = field_.blocks.count;
+    for (int k = first[2]; k <= last[2]; ++k)
+      for (int j = first[1]; j <= last[1]; ++j)
+        for (int i = first[0]; i <= last[0]; ++i) {
+          const Range here =
+              stored_range<T>(field_.blocks.first, (static_cast<std::ptrdiff_t>(k) * count[1] + j) * count[0] + i);
+          blocks.range.lo = here.lo < blocks.range.lo ? here.lo : blocks.range.lo;
+          blocks.range.hi = here.hi > blocks.range.hi ? here.hi : blocks.range.hi;
+          ++blocks.count, blocks.high_count += here.hi >= least;
         }
-    scratch_.regions += static_cast<std::uint64_t>(blocks);
-    if (2 * high_ones < blocks) return false;
+    return blocks;
+  }
+
+  HWY_INLINE bool sweep_box(int slab, double least) {
+    int first[3], last[3];
+    if (!find_cells(slab, first, last)) return false;
+    Window window;
+    for (int a = 0; a < 3; ++a) window.first[a] = first[a], window.count[a] = last[a] - first[a] + 2;
+    if (!window.has_room()) return false;
+    using formats::ElementType;
+    switch (field_.type) {
+      case ElementType::U8:
+        return sweep_window<std::uint8_t>(window, least);
+      case ElementType::I8:
+        return sweep_window<std::int8_t>(window, least);
+      case ElementType::U16:
+        return sweep_window<std::uint16_t>(window, least);
+      default:
+        return sweep_window<std::int16_t>(window, least);
+    }
+  }
+
+  template <class T>
+  HWY_NOINLINE bool sweep_window(const Window& window, double least) {
+    const Blocks blocks = look_over<T>(window, least);
+    scratch_.regions += static_cast<std::uint64_t>(blocks.count);
+    if (3 * blocks.high_count < blocks.count) return false;
+    const Range& range = blocks.range;
     put_rays(window, range.hi);
     if (scratch_.at_block.count == 0) return true;
-    fill_of_type(window, range.hi);
+    fill<T>(field_, state_.lattice, window, range.hi, scratch_.window);
     switch (state_.frustum.major) {
       case 0:
         walk<0>(window, range);
@@ -325,20 +352,6 @@ class SlabSweep {
       count_cells(state_, passed, at_block.ray + first, at_block.count - first);
     }
     looks_.keep_suspects(box.highest, box.unit, box.low_w);
-  }
-
-  HWY_INLINE void fill_of_type(const Window& window, double highest) {
-    using formats::ElementType;
-    switch (field_.type) {
-      case ElementType::U8:
-        return fill<std::uint8_t>(field_, state_.lattice, window, highest, scratch_.window);
-      case ElementType::I8:
-        return fill<std::int8_t>(field_, state_.lattice, window, highest, scratch_.window);
-      case ElementType::U16:
-        return fill<std::uint16_t>(field_, state_.lattice, window, highest, scratch_.window);
-      default:
-        return fill<std::int16_t>(field_, state_.lattice, window, highest, scratch_.window);
-    }
   }
 
   SearchState& state_;
