@@ -30,7 +30,7 @@ struct Directions {
   std::uint64_t down[3];   ///< moves towards lower planes
   std::uint64_t steep[3];  ///< moves along the axis at least a quarter as fast as along any other
   std::uint64_t fastest[3];
-  std::uint64_t usable;    ///< finite, and moves
+  std::uint64_t usable;  ///< finite, and moves
 };
 
 /// True where 1 / d is a finite number: below, a ray passes no plane (PlaneTimesOf).
