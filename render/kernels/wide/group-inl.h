@@ -29,7 +29,8 @@ HWY_INLINE std::uint64_t first_rays(std::size_t count) {
 struct Directions {
   std::uint64_t down[3];   ///< moves towards lower planes
   std::uint64_t steep[3];  ///< moves along the axis at least a quarter as fast as along any other
-  std::uint64_t usable;    ///< finite, and moves
+  std::uint64_t fastest[3];
+  std::uint64_t usable;  ///< finite, and moves
 };
 
 /// True where 1 / d is a finite number: below, a ray passes no plane (PlaneTimesOf).
@@ -50,8 +51,11 @@ HWY_INLINE Directions directions_of(const RayArrays& rays, std::size_t count) {
       bits.down[a] |= bits_of(doubles, hn::And(steps, hn::Lt(d, hn::Zero(doubles)))) << r;
       size[a] = hn::Abs(d);
     }
-    const VecD least = hn::Mul(hn::Set(doubles, 0.25), hn::Max(hn::Max(size[0], size[1]), size[2]));
-    for (int a = 0; a < 3; ++a) bits.steep[a] |= bits_of(doubles, hn::Ge(size[a], least)) << r;
+    const VecD most = hn::Max(hn::Max(size[0], size[1]), size[2]), least = hn::Mul(hn::Set(doubles, 0.25), most);
+    for (int a = 0; a < 3; ++a) {
+      bits.steep[a] |= bits_of(doubles, hn::Ge(size[a], least)) << r;
+      bits.fastest[a] |= bits_of(doubles, hn::Ge(size[a], most)) << r;
+    }
     bits.usable |= bits_of(doubles, hn::And(finite, moves)) << r;
   }
   return bits;
@@ -74,8 +78,10 @@ HWY_INLINE ChosenRays rays_of_one_octant(const Directions& directions, std::uint
   int most = -1;
   for (int a = 0; a < 3; ++a) {
     if ((directions.steep[a] >> first & 1) == 0) continue;
-    if (const int steep = std::popcount(chosen.rays & directions.steep[a]); steep > most)
-      most = steep, chosen.major = a;
+    // Of axes that are steep for as many, the one that is fastest for more.
+    const int steep = std::popcount(chosen.rays & directions.steep[a]),
+              fastest = std::popcount(chosen.rays & directions.fastest[a]);
+    if (const int score = 128 * steep + fastest; score > most) most = score, chosen.major = a;
   }
   chosen.rays &= directions.steep[chosen.major];
   return chosen;

@@ -44,9 +44,8 @@ struct Coefficients {
   }
 };
 
-HWY_INLINE Coefficients coefficients(const float* samples, std::int32_t stride_u, std::int32_t stride_v,
-                                     std::int32_t stride_w, VecI cell, const Point& p, const Point& q) {
-  const auto corner = [&](std::int32_t offset) HWY_ATTR { return hn::GatherIndex(floats, samples + offset, cell); };
+/// @param f  at the corners: (u, v, w) at u + 2 v + 4 w
+HWY_INLINE Coefficients coefficients(const VecF* f, const Point& p, const Point& q) {
   struct Pair {
     VecF p, q;
   };
@@ -54,9 +53,8 @@ HWY_INLINE Coefficients coefficients(const float* samples, std::int32_t stride_u
     const VecF difference = hn::Sub(b, a);
     return Pair{hn::MulAdd(difference, at_p, a), hn::MulAdd(difference, at_q, a)};
   };
-  const auto along_u = [&](std::int32_t offset)
-                           HWY_ATTR { return between(corner(offset), corner(offset + stride_u), p.u, q.u); };
-  const Pair f00 = along_u(0), f10 = along_u(stride_v), f01 = along_u(stride_w), f11 = along_u(stride_v + stride_w);
+  const Pair f00 = between(f[0], f[1], p.u, q.u), f10 = between(f[2], f[3], p.u, q.u);
+  const Pair f01 = between(f[4], f[5], p.u, q.u), f11 = between(f[6], f[7], p.u, q.u);
   const Pair low_p = between(f00.p, f10.p, p.v, q.v), low_q = between(f00.q, f10.q, p.v, q.v);
   const Pair high_p = between(f01.p, f11.p, p.v, q.v), high_q = between(f01.q, f11.q, p.v, q.v);
   const Pair pp = between(low_p.p, high_p.p, p.w, q.w), qp = between(low_q.p, high_q.p, p.w, q.w);

@@ -19,6 +19,7 @@
 #include "render/kernels/wide/maximum_looks-inl.h"
 #include "render/kernels/wide/maximum_parts.h"
 #include "render/kernels/wide/maximum_samples-inl.h"
+#include "render/kernels/wide/maximum_slabs-inl.h"
 #include "render/kernels/wide/maximum_state-inl.h"
 #include "render/kernels/wide/octant.h"
 
@@ -34,6 +35,7 @@ class Search {
       : state_(field, rays, scratch, lattice, frustum),
         looks_(state_),
         blocks_(state_, looks_),
+        slabs_(state_, looks_),
         field_(field),
         scratch_(scratch) {}
 
@@ -44,10 +46,13 @@ class Search {
       const RegionQueue::Region region = queue.take(bucket);
       if (region.largest < state_.lowest_reached) continue;
       const int at[3] = {region.at[0], region.at[1], region.at[2]};
-      if (region.is_block)
+      const int slab = at[state_.frustum.major] / (region.is_block ? 4 : 1);
+      if (slabs_.is_swept(slab)) continue;
+      if (!region.is_block) {
+        if (!slabs_.sweep(slab, queue, bucket)) open_node(at, region.largest);
+      } else if (!slabs_.sweep_around_block(slab, queue, bucket)) {
         blocks_.look_into(at);
-      else
-        open_node(at, region.largest);
+      }
     }
     looks_.decide();
   }
@@ -115,6 +120,7 @@ class Search {
   SearchState state_;
   CloseLooks looks_;
   BlockWalk blocks_;
+  SlabSweep slabs_;
   const MaximumField& field_;
   MaximumScratch& scratch_;
 };

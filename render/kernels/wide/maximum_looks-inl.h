@@ -27,19 +27,21 @@ class CloseLooks {
  public:
   explicit CloseLooks(SearchState& state) : state_(state), field_(state.field), scratch_(state.scratch) {}
 
-  /// Puts the suspects of a block to the others, but for those that what was reached since rules out.
-  HWY_NOINLINE void keep_suspects(double highest, double unit) {
-    const BlockSuspects& at_hand = scratch_.at_hand;
+  /// Puts the suspects of a box to the others, but for those that what was reached since rules out.
+  /// @param low_w  where the box begins on the major axis
+  HWY_NOINLINE void keep_suspects(double highest, double unit, double low_w) {
+    BlockSuspects& at_hand = scratch_.at_hand;
     Suspects& suspects = scratch_.suspects;
     for (std::size_t i = 0; i < at_hand.count; ++i) {
       const auto ray = static_cast<std::size_t>(at_hand.ray[i]);
       const double bound = highest + static_cast<double>(at_hand.bound[i]) / unit;
       if (bound < scratch_.reached[ray]) continue;
       suspects.ray[suspects.count] = at_hand.ray[i];
-      suspects.from[suspects.count] = at_hand.from[i];
-      suspects.to[suspects.count] = at_hand.to[i];
+      suspects.from[suspects.count] = low_w + static_cast<double>(at_hand.from[i]);
+      suspects.to[suspects.count] = low_w + static_cast<double>(at_hand.to[i]);
       suspects.bound[suspects.count++] = bound;
     }
+    at_hand.count = 0;
     if (suspects.count > Suspects::capacity - BlockSuspects::capacity) decide();
   }
 

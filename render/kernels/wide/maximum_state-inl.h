@@ -76,7 +76,10 @@ struct SearchState {
                              HWY_ATTR { hn::Store(hn::DemoteTo(half_floats, x), half_floats, to + r); };
       for (int m = 0; m < 2; ++m) {
         const VecD slope = hn::Div(speed(group, frustum.minor[m], r), d_w);
-        store(hn::NegMulAdd(o_w, slope, mirrored_origin(lattice, group, frustum.minor[m], r)), lines.start[m]);
+        const VecD start = hn::NegMulAdd(o_w, slope, mirrored_origin(lattice, group, frustum.minor[m], r));
+        hn::Store(start, doubles, lines.exact_start[m] + r);
+        hn::Store(slope, doubles, lines.exact_slope[m] + r);
+        store(start, lines.start[m]);
         store(slope, lines.slope[m]);
         const VecD inverse = hn::Div(hn::Set(doubles, 1.0), slope);
         store(hn::Min(inverse, hn::Set(doubles, 0x1p40)), lines.inverse[m]);
@@ -152,12 +155,11 @@ struct SearchState {
   }
 
   /// When a ray is at a place on the major axis, and the other way round.
-  HWY_INLINE double time_at(std::size_t ray, float place) const {
+  HWY_INLINE double time_at(std::size_t ray, double place) const {
     const RayGroup& group = scratch.group;
     const int w = frustum.major;
     const double inverse = group.inverse[w][ray];
-    const double plane =
-        lattice.is_mirrored(w) ? lattice.plane(w, 0) - static_cast<double>(place) : static_cast<double>(place);
+    const double plane = lattice.is_mirrored(w) ? lattice.plane(w, 0) - place : place;
     const double t = (plane - group.plane_origin[w][ray]) * inverse;
     return t < group.t_in[ray] ? group.t_in[ray] : t > group.t_out[ray] ? group.t_out[ray] : t;
   }

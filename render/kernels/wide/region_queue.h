@@ -32,6 +32,11 @@ class RegionQueue {
     return at > 0 ? (at < 255 ? static_cast<int>(at) : 255) : 0;  // a NaN, from -infinity, comes to 0
   }
 
+  /// About the least value of those in a bucket.
+  RHORAY_INLINE double least_of(int bucket) const {
+    return bucket > 0 ? lowest_ + bucket / buckets_per_unit_ : lowest_;
+  }
+
   /// False where it is full.
   RHORAY_INLINE bool put(double largest, const int* at, bool is_block) {
     std::uint32_t place = unused_;
