@@ -270,7 +270,7 @@ class GroupWalk {
       const MaskF found = look_into_cells(lanes, next, looks, r, corner);
       if (surface_.time_phases) counters_.intersection_ticks += ticks_now() - ticks;
       VecF until = hn::Set(floats, 1.0f);
-      for (int a = 0; a < 3; ++a) until = hn::Add(until, hn::Sub(next.cell[a], hn::Floor(lanes.entry[a])));
+      for (int a = 0; a < 3; ++a) until = hn::Add(until, hn::Sub(next.cell[a], lanes.first_cell(a)));
       visits = hn::IfThenElse(found, until, visits);
       lanes.walking = hn::AndNot(found, lanes.walking);
     }

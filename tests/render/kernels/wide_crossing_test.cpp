@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -156,6 +157,62 @@ TEST(WideCrossing, agrees_with_the_scalar_reference_where_samples_are_the_isoval
       EXPECT_LE(found.largest_cells, largest_distance_cells) << grid.name << ", " << name_of(machine);
     }
   }
+}
+
+/// Whole numbers from 0 to 4: of a whole isovalue many samples are in the surface.
+preprocess::NeutralVolume whole_numbers(const Index3& samples, std::uint64_t seed) {
+  Dice dice(seed);
+  return volume_of<float>(samples, [&](const Index3&) { return static_cast<float>(dice.below(5)); });
+}
+
+/// Rays from lattice point to lattice point on which single precision rounds no place and no value at a plane.
+std::vector<Ray> rays_through_samples(const Index3& cells, std::size_t count, std::uint64_t seed) {
+  constexpr std::array<double, 4> steps{1.0, -1.0, 0.5, -0.5};
+  Dice dice(seed);
+  std::vector<Ray> rays;
+  while (rays.size() < count) {
+    Ray ray;
+    for (int a = 0; a < 3; ++a) {
+      ray.direction[a] = dice.below(3) == 0 ? 0 : dice.one_of(steps);
+      ray.origin[a] = static_cast<double>(dice.below(cells[a])) - 64 * ray.direction[a];
+    }
+    if (ray.direction.length() > 0) rays.push_back(ray);
+  }
+  return rays;
+}
+
+/// In single precision both: in double an isosurface that touches the ray may be on its other side.
+void expect_answers_of_the_reference(TracedVolume& traced, const std::vector<Ray>& rays) {
+  for (const double isovalue : {1.0, 2.0, 3.0}) {
+    const std::vector<Hit> reference = answers(traced, single, Machine::scalar, rays, isovalue);
+    for (const Machine machine : wide_machines()) {
+      const Difference found = difference(rays, reference, answers(traced, single, machine, rays, isovalue));
+      EXPECT_EQ(found.decisions, 0) << name_of(machine) << ", isovalue " << isovalue;
+      EXPECT_LE(found.largest_cells, 1e-4) << name_of(machine) << ", isovalue " << isovalue;
+      EXPECT_GT(found.hits, 100);
+    }
+  }
+}
+
+// A cell entered, or left, in a sample of the isovalue has a root there; the change of side that is asked for may be
+// another one. A search of the whole way by Newton's method ended in the sample.
+TEST(WideCrossing, finds_the_change_of_side_beside_a_root_at_an_end_of_the_way) {
+  TracedVolume traced(whole_numbers({21, 18, 23}, 91));
+  expect_answers_of_the_reference(traced, rays_through_samples({20, 17, 22}, 3000, 92));
+}
+
+// A ray in the upper face was moved into the cells below it by a little, where the field has another side.
+TEST(WideCrossing, sees_the_upper_face_itself_along_rays_in_it) {
+  TracedVolume traced(whole_numbers({21, 18, 23}, 93));
+  std::vector<Ray> rays = rays_through_samples({20, 17, 22}, 3000, 94);
+  Dice dice(95);
+  for (Ray& ray : rays) {
+    const int axis = static_cast<int>(dice.below(3));
+    ray.direction[axis] = 0;
+    ray.origin[axis] = axis == 0 ? 20 : axis == 1 ? 17 : 22;
+  }
+  std::erase_if(rays, [](const Ray& ray) { return !(ray.direction.length() > 0); });
+  expect_answers_of_the_reference(traced, rays);
 }
 
 TEST(WideCrossing, of_a_ray_does_not_depend_on_the_rays_beside_it) {
