@@ -25,6 +25,7 @@ struct Lanes {
   VecI samples;        ///< where those of the block begin
   VecI active[2];      ///< cells with corners on both sides, in two words
   VecI inside_out[2];  ///< cells that lie inside
+  VecI present[2];     ///< cells with data, where the volume has gaps
   VecI left[2];        ///< cells that the ray may still pass
   MaskF inside, has_side;
   MaskF walking;

@@ -83,7 +83,7 @@ IsosurfaceScratch& prepared(std::shared_ptr<IsosurfaceScratch>& scratch, std::sh
   return *scratch;
 }
 
-/// Asks the reference in double precision, and the judge, about these rays of a chunk that begins at `first`.
+/// Asks another kernel about these rays of a chunk that begins at `first`.
 void redo(Kernel redoing, const VolumeImplementation& volume, const Question& question, const RayBatch& rays,
           std::size_t first, std::uint64_t chosen, HitBatch& hits, KernelScratch& scratch) {
   IsosurfaceScratch& memory = *scratch.isosurface;
@@ -93,6 +93,7 @@ void redo(Kernel redoing, const VolumeImplementation& volume, const Question& qu
       act(first + static_cast<std::size_t>(std::countr_zero(bits)), place++);
   };
   memory.doubtful_rays.count = static_cast<std::size_t>(std::popcount(chosen));
+  scratch.counters.rays_wide -= memory.doubtful_rays.count;
   for_each_chosen([&](std::size_t r, std::size_t place) { memory.doubtful_rays.set(place, rays[r]); });
   redoing(volume, question, memory.doubtful_rays, memory.doubtful_hits, scratch);
   for_each_chosen([&](std::size_t r, std::size_t place) { hits.set(r, memory.doubtful_hits[place]); });
@@ -112,7 +113,8 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
           scratch.counters.rays_wide += rays.count;
           IsosurfaceScratch& memory =
               prepared(scratch.isosurface, volume.occupancies->of(view.levels(), question.isovalue));
-          const Surface surface = surface_of(view, *memory.occupancy, question);
+          Surface surface = surface_of(view, *memory.occupancy, question);
+          surface.source.has_gaps = volume.field.no_data_count > 0;
           const FirstCrossings answer = first_crossings_on(machine, search);
           const HitArrays all = misses(hits, rays.count);
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size)
@@ -120,7 +122,8 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
                     answer(surface, from(rays, first), std::min(RayGroup::size, rays.count - first), from(all, first),
                            memory, scratch.counters);
                 doubtful != 0)
-              redo(redoing_kernel_for(view), volume, question, rays, first, doubtful, hits, scratch);
+              redo(search == Search::certified ? redoing_kernel_for(view) : reference, volume, question, rays, first,
+                   doubtful, hits, scratch);
         }
       },
       volume.view);
@@ -133,12 +136,12 @@ Kernel kernel_by(Method::Way way) {
                                          : first_crossings<machine, Search::bracketed>;
 }
 
-/// A grid of which every cell has data, with macro levels that are trees of 64 children.
+/// A grid with macro levels that are trees of 64 children.
 bool is_fit(const VolumeImplementation& volume) {
   return std::visit(
       [&]<class View>(const View& view) {
         if constexpr (is_uniform_grid<View>)
-          return view.lattice().factor == 4 && volume.field.no_data_count == 0;
+          return view.lattice().factor == 4;
         else
           return false;
       },
