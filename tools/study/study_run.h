@@ -1,7 +1,7 @@
 #pragma once
 
-#include <initializer_list>
 #include <string>
+#include <vector>
 
 #include "formats/base/trouble.h"
 #include "tools/rhoray/common_options.h"
@@ -23,9 +23,9 @@ inline tools::Json context_with(const tools::Json& peculiar) {
 }
 
 /// Refuses, before the work, an output folder in which these tables could not be published after it (Trouble::usage).
-inline void require_publishable(const tools::CommonOptions& common, std::initializer_list<const char*> tables) {
+inline void require_publishable(const tools::CommonOptions& common, const std::vector<std::string>& tables) {
   if (common.output.empty()) return;
-  for (const char* table : tables)
+  for (const std::string& table : tables)
     for (const char* extension : {".csv", ".json"})
       tools::require_writable(common, common.output / concat(table, extension), {});
 }

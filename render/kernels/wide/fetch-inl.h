@@ -6,6 +6,7 @@
 #define RHORAY_WIDE_FETCH_INL_H
 #endif
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <type_traits>
@@ -77,6 +78,20 @@ HWY_INLINE void find_active_cells(const SampleSource& source, const int* block, 
   }
   out.active = cells_of_samples(active) & out.present;
   out.inside = cells_of_samples(inside);
+}
+
+/// Asks for the memory of a block's samples while other blocks are worked at.
+/// @param block  place among the file's blocks, not mirrored
+HWY_INLINE void expect_block(const SampleSource& source, std::size_t sample_bytes, const int* block) {
+  const auto* samples = static_cast<const std::uint8_t*>(source.samples);
+  const auto place = [&](int axis, int i) {
+    const int at = 4 * block[axis] + i, last = source.count[axis] - 1;
+    return source.address[axis][at < last ? at : last];
+  };
+  for (int k = 0; k <= 4; k += 2)
+    for (int j = 0; j <= 4; j += 4)
+      for (int i = 0; i <= 4; i += 4)
+        __builtin_prefetch(samples + sample_bytes * (place(0, i) + place(1, j) + place(2, k)));
 }
 
 /// @param block  place among the file's blocks, not mirrored

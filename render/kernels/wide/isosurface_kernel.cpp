@@ -28,6 +28,7 @@ Surface surface_of(const GridVolume<T>& view, const Occupancy& occupancy, const 
   const Index3 cells = grid.macro.leaf_count;
   return {.source = SampleSource(view.samples().data(), view.tables(), grid.layout.sample_count),
           .type = formats::element_type_of<T>(),
+          .sample_bytes = sizeof(T),
           .leaf_count = {static_cast<int>(cells.x), static_cast<int>(cells.y), static_cast<int>(cells.z)},
           .node_count = occupancy.node_count(),
           .nodes = occupancy.nodes(),
@@ -36,33 +37,25 @@ Surface surface_of(const GridVolume<T>& view, const Occupancy& occupancy, const 
           .time_phases = question.time_phases};
 }
 
-HitArrays misses(HitBatch& hits, std::size_t count) {
-  std::fill_n(hits.t.data(), count, std::numeric_limits<double>::infinity());
-  std::fill_n(hits.error.data(), count, std::numeric_limits<double>::quiet_NaN());
-  std::fill_n(hits.value.data(), count, 0.0);
-  for (const auto& component : hits.gradient) std::fill_n(component.data(), count, 0.0);
-  std::fill_n(hits.cell.data(), count, std::uint64_t{0});
-  for (const auto* numbers : {&hits.root_count, &hits.iteration_count, &hits.cost})
-    std::fill_n(numbers->data(), count, 0u);
-  return {.t = hits.t.data(),
-          .value = hits.value.data(),
-          .error = hits.error.data(),
-          .gradient = {hits.gradient[0].data(), hits.gradient[1].data(), hits.gradient[2].data()},
-          .cell = hits.cell.data(),
-          .root_count = hits.root_count.data(),
-          .iteration_count = hits.iteration_count.data(),
-          .cost = hits.cost.data()};
+HitArrays from(const HitBatch& hits, std::size_t first) {
+  return {
+      .t = hits.t.data() + first,
+      .value = hits.value.data() + first,
+      .error = hits.error.data() + first,
+      .gradient = {hits.gradient[0].data() + first, hits.gradient[1].data() + first, hits.gradient[2].data() + first},
+      .cell = hits.cell.data() + first,
+      .root_count = hits.root_count.data() + first,
+      .iteration_count = hits.iteration_count.data() + first,
+      .cost = hits.cost.data() + first};
 }
 
-HitArrays from(const HitArrays& hits, std::size_t first) {
-  return {.t = hits.t + first,
-          .value = hits.value + first,
-          .error = hits.error + first,
-          .gradient = {hits.gradient[0] + first, hits.gradient[1] + first, hits.gradient[2] + first},
-          .cell = hits.cell + first,
-          .root_count = hits.root_count + first,
-          .iteration_count = hits.iteration_count + first,
-          .cost = hits.cost + first};
+void write_misses(const HitArrays& hits, std::size_t count) {
+  std::fill_n(hits.t, count, std::numeric_limits<double>::infinity());
+  std::fill_n(hits.error, count, std::numeric_limits<double>::quiet_NaN());
+  std::fill_n(hits.value, count, 0.0);
+  for (double* component : hits.gradient) std::fill_n(component, count, 0.0);
+  std::fill_n(hits.cell, count, std::uint64_t{0});
+  for (std::uint32_t* numbers : {hits.root_count, hits.iteration_count, hits.cost}) std::fill_n(numbers, count, 0u);
 }
 
 RayArrays from(const RayBatch& rays, std::size_t first) {
@@ -116,14 +109,16 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
           Surface surface = surface_of(view, *memory.occupancy, question);
           surface.source.has_gaps = volume.field.no_data_count > 0;
           const FirstCrossings answer = first_crossings_on(machine, search);
-          const HitArrays all = misses(hits, rays.count);
-          for (std::size_t first = 0; first < rays.count; first += RayGroup::size)
+          for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
+            const std::size_t count = std::min(RayGroup::size, rays.count - first);
+            const HitArrays chunk = from(hits, first);
+            write_misses(chunk, count);
             if (const std::uint64_t doubtful =
-                    answer(surface, from(rays, first), std::min(RayGroup::size, rays.count - first), from(all, first),
-                           memory, scratch.counters);
+                    answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
                 doubtful != 0)
               redo(search == Search::certified ? redoing_kernel_for(view) : reference, volume, question, rays, first,
                    doubtful, hits, scratch);
+          }
         }
       },
       volume.view);

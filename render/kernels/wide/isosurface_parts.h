@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 
@@ -19,6 +20,7 @@ enum class Search { preview, bracketed, certified };
 struct Surface {
   SampleSource source;
   formats::ElementType type;
+  std::size_t sample_bytes;
   int leaf_count[3];
   std::array<int, 3> node_count;
   const std::uint64_t* nodes;
@@ -56,7 +58,8 @@ struct BlocksAhead {
 
   BlockAhead block[capacity];
   std::size_t count;
-  std::uint64_t rays;  ///< that may pass one of them
+  std::uint64_t rays;       ///< that may pass one of them
+  std::uint64_t places[2];  ///< where their samples are kept, or will be
 };
 
 /// Crossings of which the cell is known and the place in it is still to be refined, each in its ray's lane.

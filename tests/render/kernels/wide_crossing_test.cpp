@@ -15,6 +15,7 @@
 #include "render/method.h"
 #include "tests/render/support/rays.h"
 #include "tests/render/support/traced_volume.h"
+#include "tests/render/support/wide_machines.h"
 #include "tests/support/fields.h"
 
 namespace rhoray::tests {
@@ -27,13 +28,6 @@ using render::Ray;
 
 constexpr Method single = render::method_of(render::Accuracy::single);
 
-std::vector<Machine> wide_machines() {
-  std::vector<Machine> machines;
-  for (const Machine machine : {Machine::baseline, Machine::avx2, Machine::avx512})
-    if (render::has_machine(machine)) machines.push_back(machine);
-  return machines;
-}
-
 std::vector<Hit> answers(TracedVolume& traced, const Method& method, Machine machine, const std::vector<Ray>& rays,
                          double isovalue) {
   const render::Kernels kernels = render::choose_kernels(traced.volume().implementation(), method, machine);
@@ -41,25 +35,6 @@ std::vector<Hit> answers(TracedVolume& traced, const Method& method, Machine mac
   render::ask(kernels.first_crossing, traced.volume().implementation(), {.isovalue = isovalue, .method = method}, rays,
               hits, traced.scratch);
   return hits;
-}
-
-/// Squares of 8 x 8 rays from points around and inside a box [0, size] towards points in it.
-std::vector<Ray> bundles(const Vec3& size, std::size_t count, std::uint64_t seed) {
-  Dice dice(seed);
-  std::vector<Ray> rays;
-  while (rays.size() < count) {
-    const Vec3 target = dice.point({0, 0, 0}, size), towards = dice.direction();
-    const double back = dice.between(0.1, 3) * size.length(), spread = dice.between(0.01, 8);
-    const Vec3 u = towards.cross(Vec3(0.3, 0.5, 0.8)).normalized(), v = towards.cross(u);
-    const bool is_parallel = dice.below(4) == 0;
-    for (int y = 0; y < 8; ++y)
-      for (int x = 0; x < 8; ++x) {
-        const Vec3 shift = spread * ((x - 3.5) / 4 * u + (y - 3.5) / 4 * v), eye = target - back * towards;
-        rays.push_back({.origin = is_parallel ? eye + shift : eye,
-                        .direction = is_parallel ? towards : (target + shift - eye).normalized()});
-      }
-  }
-  return rays;
 }
 
 /// Waves of two lengths and some noise, around 1000.
