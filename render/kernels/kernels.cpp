@@ -16,6 +16,10 @@ Kernels choose_kernels(const VolumeImplementation& volume, const Method& method,
   return kernels;
 }
 
+bool finds_crossings_wide(const VolumeImplementation& volume) {
+  return wide::first_crossing_kernel(volume, method_of(Accuracy::single), Machine::baseline) != nullptr;
+}
+
 void ask(Kernel kernel, const VolumeImplementation& volume, const Question& question, std::span<const Ray> rays,
          std::span<Hit> hits, KernelScratch& scratch) {
   constexpr std::size_t batch_size = 1024;

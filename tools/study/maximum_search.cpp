@@ -151,6 +151,7 @@ class Study {
 };
 
 int run(const Wishes& wishes) {
+  require_publishable(wishes.common, {"maximum_search"});
   const Field field = load_field(wishes.file);
   tools::Table table{"maximum_search", "What the search for the largest value looks at, per ray", {}, {}};
   std::uint64_t wrong = 0;

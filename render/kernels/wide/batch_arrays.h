@@ -72,6 +72,7 @@ inline void ask_again(Kernel kernel, const VolumeImplementation& volume, const Q
       act(first + static_cast<std::size_t>(std::countr_zero(bits)), place++);
   };
   few.rays.count = static_cast<std::size_t>(std::popcount(chosen));
+  scratch.counters.rays_wide -= few.rays.count;
   for_each_chosen([&](std::size_t r, std::size_t place) { few.rays.set(place, rays[r]); });
   kernel(volume, question, few.rays, few.hits, scratch);
   for_each_chosen([&](std::size_t r, std::size_t place) { hits.set(r, few.hits[place]); });

@@ -84,7 +84,7 @@ HWY_INLINE std::uint64_t rays_that_may_pass(const IsosurfaceScratch& scratch, st
 struct BlockEntry {
   MaskF passes;
   MaskF close;    ///< rounding may have decided whether they pass
-  VecF entry[3];  ///< exact on the planes that they enter by
+  VecF entry[3];  ///< exact on the planes that they enter by; at most the upper plane of the last cells
   VecF last[3];   ///< the last cell of the block that the lattice has
   VecF end;       ///< the way until the ray leaves the block, or ends
 };
@@ -145,9 +145,7 @@ HWY_INLINE BlockEntry entry_into_blocks(const MirroredLattice& lattice, const La
   BlockEntry found{mask_of(floats, passes), mask_of(floats, close & asked), {}, {}, as_floats(end)};
   for (int a = 0; a < 3; ++a) {
     found.last[a] = as_floats(last[a]);
-    // A ray in the lattice's upper face goes through the cells below it. Being kept from the plane beyond, it reaches
-    // that plane at a time above 0, and one that does not move towards it never.
-    const VecF upper = hn::Add(found.last[a], hn::Set(floats, 1 - 0x1p-22f));
+    const VecF upper = hn::Add(found.last[a], hn::Set(floats, 1.0f));
     found.entry[a] = hn::Min(hn::Max(as_floats(entry[a]), hn::Zero(floats)), upper);
   }
   return found;

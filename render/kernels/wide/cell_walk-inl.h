@@ -25,9 +25,13 @@ struct Lanes {
   VecI samples;        ///< where those of the block begin
   VecI active[2];      ///< cells with corners on both sides, in two words
   VecI inside_out[2];  ///< cells that lie inside
+  VecI present[2];     ///< cells with data, where the volume has gaps
   VecI left[2];        ///< cells that the ray may still pass
   MaskF inside, has_side;
   MaskF walking;
+
+  /// The cell of an axis in which the ray enters; in the lattice's upper face those below it.
+  HWY_INLINE VecF first_cell(int axis) const { return hn::Min(hn::Floor(entry[axis]), last[axis]); }
 };
 
 /// A cell that each ray may pass next.
@@ -88,7 +92,7 @@ HWY_INLINE VecF find_cells(Lanes& lanes) {
     corner[4][a] = hn::MulAdd(lanes.end, lanes.slope[a], lanes.entry[a]);
   }
   for (int k = 1; k < 4; ++k) {
-    way[k] = way_to_plane(lanes, 2, hn::Set(floats, static_cast<float>(k)));
+    way[k] = way_to_upper_plane(lanes, 2, hn::Set(floats, static_cast<float>(k - 1)));
     const VecF inside = hn::Min(hn::Max(way[k], zero), lanes.end);
     for (int a = 0; a < 2; ++a) corner[k][a] = hn::MulAdd(inside, lanes.slope[a], lanes.entry[a]);
   }
@@ -119,7 +123,7 @@ HWY_INLINE VecF find_cells(Lanes& lanes) {
   VecF cells = hn::Min(hn::Floor(hn::Max(last_z, zero)), lanes.last[2]);
   cells = hn::Add(cells, hn::Min(hn::Floor(corner[4][0]), lanes.last[0]));
   cells = hn::Add(cells, hn::Min(hn::Floor(corner[4][1]), lanes.last[1]));
-  for (int a = 0; a < 3; ++a) cells = hn::Sub(cells, hn::Floor(lanes.entry[a]));
+  for (int a = 0; a < 3; ++a) cells = hn::Sub(cells, lanes.first_cell(a));
   return hn::Add(cells, hn::Set(floats, 1.0f));
 }
 

@@ -98,8 +98,14 @@ HWY_INLINE Changes first_changes(const CubicLanes& cubic, MaskF inside, MaskF as
   MaskF changed[4];
   for (int i = 0; i < 4; ++i) changed[i] = hn::And(asked, hn::Xor(is_inside(cubic.b[i]), inside));
   const MaskF any = hn::Or(hn::Or(changed[0], changed[1]), hn::Or(changed[2], changed[3]));
-  // With one change of sign among the coefficients there is one root.
-  const MaskF one_root = hn::AndNot(hn::Or(changed[0], hn::AndNot(changed[2], changed[1])), changed[3]);
+  // With one change of sign among the coefficients there is one root, unless an end is as good as zero: then there is
+  // one more, and a search on all of [0, 1] would end there.
+  VecF largest = hn::Max(hn::Abs(cubic.b[1]), hn::Abs(cubic.b[2]));
+  const VecF least_end = hn::Min(hn::Abs(cubic.b[0]), hn::Abs(cubic.b[3]));
+  largest = hn::Max(largest, hn::Max(hn::Abs(cubic.b[0]), hn::Abs(cubic.b[3])));
+  const MaskF clear_ends = hn::Gt(least_end, hn::Mul(largest, hn::Set(floats, 0x1p-23f)));
+  const MaskF one_sign = hn::AndNot(hn::Or(changed[0], hn::AndNot(changed[2], changed[1])), changed[3]);
+  const MaskF one_root = hn::And(clear_ends, one_sign);
   Changes changes{one_root, zero, one, ones_in(one_root)};
   const MaskF split = hn::AndNot(one_root, any);
   if (hn::AllFalse(floats, split)) return changes;

@@ -66,7 +66,7 @@ class GroupWalk {
     }
   }
 
-  /// @return  rays of the group of which not every decision is proven
+  /// @return  rays of the group that another kernel is to answer
   HWY_INLINE std::uint64_t run(Frustum& frustum) {
     prepare_ways(lattice_, scratch_);
     if constexpr (search == Search::certified) prepare_errors();
@@ -146,6 +146,7 @@ class GroupWalk {
     }
     constexpr std::size_t floats_each = sizeof(BlockSamples) / sizeof(float);
     ahead.samples = static_cast<std::int32_t>(at.place * floats_each);
+    ahead.present = mirrored_bits(samples.present, lattice_.octant);
     ahead.active = mirrored_bits(samples.active, lattice_.octant);
     // The cell's lowest corner is another one in the mirrored block; in a cell that is not active all are of one side.
     ahead.inside = mirrored_bits(samples.inside, lattice_.octant);
@@ -210,7 +211,7 @@ class GroupWalk {
     Lanes lanes;
     VecF corner[3];
     for (VecF& c : corner) c = hn::Zero(floats);
-    for (int w = 0; w < 2; ++w) lanes.active[w] = lanes.inside_out[w] = hn::Zero(ints);
+    for (int w = 0; w < 2; ++w) lanes.present[w] = lanes.active[w] = lanes.inside_out[w] = hn::Zero(ints);
     lanes.samples = hn::Zero(ints);
     const BlocksAhead& ahead = scratch_.ahead;
     for (std::size_t b = 0; b < ahead.count; ++b) {
@@ -226,6 +227,7 @@ class GroupWalk {
       };
       put(lanes.samples, static_cast<std::uint64_t>(block.samples));
       for (int w = 0; w < 2; ++w) {
+        if (surface_.source.has_gaps) put(lanes.present[w], block.present >> (32 * w));
         put(lanes.active[w], block.active >> (32 * w));
         put(lanes.inside_out[w], block.inside >> (32 * w));
       }
@@ -256,6 +258,8 @@ class GroupWalk {
 
   HWY_INLINE void pass_cells(Lanes& lanes, std::size_t r, const VecF* corner, MaskF passes) {
     VecF visits = find_cells(lanes);
+    if (surface_.source.has_gaps)
+      for (int w = 0; w < 2; ++w) lanes.left[w] = hn::And(lanes.left[w], lanes.present[w]);
     std::uint64_t solved = 0;
     while (true) {
       const NextCell next = take_next_cell(lanes);
@@ -275,7 +279,7 @@ class GroupWalk {
       const MaskF found = look_into_cells(lanes, next, looks, r, corner);
       if (surface_.time_phases) counters_.intersection_ticks += ticks_now() - ticks;
       VecF until = hn::Set(floats, 1.0f);
-      for (int a = 0; a < 3; ++a) until = hn::Add(until, hn::Sub(next.cell[a], hn::Floor(lanes.entry[a])));
+      for (int a = 0; a < 3; ++a) until = hn::Add(until, hn::Sub(next.cell[a], lanes.first_cell(a)));
       visits = hn::IfThenElse(found, until, visits);
       lanes.walking = hn::AndNot(found, lanes.walking);
     }
@@ -320,6 +324,15 @@ class GroupWalk {
     return corners;
   }
 
+  /// Takes out the lanes that enter a cell on another side than they were on. They have come out of cells without data,
+  /// where that is no crossing, or rounding has hidden a change at an edge between cells: the reference knows which.
+  HWY_INLINE MaskF without_strays(Lanes& lanes, MaskF looks, MaskF starts_inside, std::size_t r) {
+    const MaskF strays = hn::And(looks, hn::And(lanes.has_side, hn::Xor(starts_inside, lanes.inside)));
+    if (const std::uint64_t bits = bits_of(floats, strays); bits != 0) doubt(bits << r);
+    lanes.walking = hn::AndNot(strays, lanes.walking);
+    return hn::AndNot(strays, looks);
+  }
+
   /// Searches the cells of some lanes; which of them found a crossing.
   HWY_INLINE MaskF look_into_cells(Lanes& lanes, const NextCell& next, MaskF looks, std::size_t r,
                                    const VecF* block_corner) {
@@ -328,6 +341,7 @@ class GroupWalk {
     const Corners corners = corners_of(lanes, next, looks);
     const CubicLanes cubic = along(corners, in, out);
     const MaskF starts_inside = is_inside(cubic.b[0]);
+    if (search != Search::certified && surface_.source.has_gaps) looks = without_strays(lanes, looks, starts_inside, r);
     const MaskF sets_side = hn::AndNot(lanes.has_side, looks);
     lanes.inside = hn::Or(hn::AndNot(sets_side, lanes.inside), hn::And(sets_side, starts_inside));
     lanes.has_side = hn::Or(lanes.has_side, looks);
@@ -358,7 +372,7 @@ class GroupWalk {
   KernelCounters& counters_;
   Fetch fetch_;
   std::uint64_t alive_;                      ///< rays without a hit
-  std::uint64_t doubtful_ = 0;               ///< rays that have left the group because not all is certain
+  std::uint64_t doubtful_ = 0;               ///< rays that have left the group: another kernel is to answer them
   std::uint64_t inside_ = 0, has_side_ = 0;  ///< the side that each ray is on, if it has met data
   int stride_[3];                            ///< from a cell's lower to its upper sample, by mirrored axis
   int lowest_sample_ = 0;                    ///< of the mirrored block
@@ -374,7 +388,7 @@ std::uint64_t first_crossings(const Surface& surface, const RayArrays& rays, std
                    for (std::uint64_t bits = walk.run(frustum); bits != 0; bits &= bits - 1)
                      doubtful |= std::uint64_t{1} << group.index[std::countr_zero(bits)];
                  });
-  return search == Search::certified ? doubtful | scratch.group.grazing : 0;
+  return search == Search::certified ? doubtful | scratch.group.grazing : doubtful;
 }
 
 FirstCrossings first_crossings_by(Search search) {

@@ -59,7 +59,8 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
           scratch.counters.rays_wide += rays.count;
           IsosurfaceScratch& memory =
               prepared(scratch.isosurface, volume.occupancies->of(view.levels(), question.isovalue));
-          const Surface surface = surface_of(view, *memory.occupancy, question);
+          Surface surface = surface_of(view, *memory.occupancy, question);
+          surface.source.has_gaps = volume.field.no_data_count > 0;
           const FirstCrossings answer = first_crossings_on(machine, search);
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
             const std::size_t count = std::min(RayGroup::size, rays.count - first);
@@ -68,8 +69,8 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
             if (const std::uint64_t doubtful =
                     answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
                 doubtful != 0)
-              ask_again(redoing_kernel_for(view), volume, question, rays, first, doubtful, hits, memory.doubtful,
-                        scratch);
+              ask_again(search == Search::certified ? redoing_kernel_for(view) : reference, volume, question, rays,
+                        first, doubtful, hits, memory.doubtful, scratch);
           }
         }
       },
@@ -83,12 +84,12 @@ Kernel kernel_by(Method::Way way) {
                                          : first_crossings<machine, Search::bracketed>;
 }
 
-/// A grid of which every cell has data, with macro levels that are trees of 64 children.
+/// A grid with macro levels that are trees of 64 children.
 bool is_fit(const VolumeImplementation& volume) {
   return std::visit(
       [&]<class View>(const View& view) {
         if constexpr (is_uniform_grid<View>)
-          return view.lattice().factor == 4 && volume.field.no_data_count == 0;
+          return view.lattice().factor == 4;
         else
           return false;
       },

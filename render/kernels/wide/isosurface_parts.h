@@ -38,11 +38,11 @@ struct alignas(64) BlockFilter {
 
 /// A block that some rays of the group are still to pass.
 struct BlockAhead {
-  int block[3];                          ///< mirrored
-  std::uint64_t rays;                    ///< that may pass it
-  std::uint64_t taken;                   ///< of which it is the next one
-  std::int32_t samples = -1;             ///< where its samples begin among all kept; -1: not fetched
-  std::uint64_t active = 0, inside = 0;  ///< of BlockSamples, mirrored
+  int block[3];                                       ///< mirrored
+  std::uint64_t rays;                                 ///< that may pass it
+  std::uint64_t taken;                                ///< of which it is the next one
+  std::int32_t samples = -1;                          ///< where its samples begin among all kept; -1: not fetched
+  std::uint64_t present = 0, active = 0, inside = 0;  ///< of BlockSamples, mirrored
 };
 
 /// Blocks in the order in which rays pass them.
@@ -89,7 +89,8 @@ struct alignas(64) IsosurfaceScratch {
 };
 
 /// Answers at most 64 rays. Hits are written; what is no hit is left as it is, but for its cost.
-/// @return  certified: the rays of which not every decision is proven; nothing that was written for them counts
+/// @return  rays that another kernel is to answer, nothing that was written for them counts: certified, those of which
+///          not every decision is proven; else those that come out of a gap in the data on another side
 using FirstCrossings = std::uint64_t (*)(const Surface& surface, const RayArrays& rays, std::size_t count,
                                          const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters);
 
