@@ -12,6 +12,7 @@
 #include "tools/study/peers_tets.h"
 #include "tools/study/preprocess_speed.h"
 #include "tools/study/secondary_rays.h"
+#include "tools/study/structures.h"
 
 int main(int argc, char** argv) {
   using namespace rhoray;
@@ -19,7 +20,7 @@ int main(int argc, char** argv) {
   const tools::Subcommand subcommands[] = {
       study::preprocess_speed(), study::judge_cells(), study::closed_surfaces(), study::largest_values(),
       study::maximum_search(),   study::peers_grid(),  study::peers_tets(),      study::layouts(),
-      study::one_frame(),        study::mesh_scale(),  study::secondary_rays(),
+      study::structures(),       study::one_frame(),   study::mesh_scale(),      study::secondary_rays(),
   };
   return tools::run_command_line(subcommands, argc, argv);
 }
