@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "formats/base/parallel.h"
 #include "render/cells/side.h"
 #include "render/volumes/active_cells.h"
 
@@ -122,7 +123,8 @@ FacetField field_of(const std::array<std::array<double, 3>, 4>& points, const st
 }  // namespace
 
 template <class T>
-Facets::Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue) : anchor_(bounds.center()) {
+Facets::Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads)
+    : anchor_(bounds.center()) {
   const Vec3 half = 0.5 * bounds.size();
   const double largest = std::max({half.x, half.y, half.z});
   // Rounding of the middle may leave a point a little farther away than half the size.
@@ -147,22 +149,25 @@ Facets::Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue) : 
   count_ = static_cast<std::uint32_t>(placed.size());
   blocks_.resize((placed.size() + FacetBlock::size - 1) / FacetBlock::size);
   fields_.resize(placed.size());
-  for (std::uint32_t f = 0; f < count_; ++f) {
-    const ActiveCell& cell = placed[f].active;
-    const auto vertices = view.sorted_vertices(cell.cell);
-    const auto points = view.points_at(vertices);
-    const auto values = view.values_at(vertices);
-    FacetBlock& block = blocks_[f / FacetBlock::size];
-    for (std::size_t corner = 0; corner < 4; ++corner) {
-      const std::size_t a = facet_edges[cell.inside].edge[corner][0], b = facet_edges[cell.inside].edge[corner][1];
-      const double s = (isovalue - values[a]) / (values[b] - values[a]);
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        block.corner[corner][axis][f % FacetBlock::size] =
-            static_cast<float>((1 - s) * in_frame(points[a], axis) + s * in_frame(points[b], axis));
+  for_each_range(blocks_.size(), 1024, threads, [&](std::uint64_t first_block, std::uint64_t end_block) {
+    const auto end = static_cast<std::uint32_t>(std::min<std::uint64_t>(count_, end_block * FacetBlock::size));
+    for (auto f = static_cast<std::uint32_t>(first_block * FacetBlock::size); f < end; ++f) {
+      const ActiveCell& cell = placed[f].active;
+      const auto vertices = view.sorted_vertices(cell.cell);
+      const auto points = view.points_at(vertices);
+      const auto values = view.values_at(vertices);
+      FacetBlock& block = blocks_[f / FacetBlock::size];
+      for (std::size_t corner = 0; corner < 4; ++corner) {
+        const std::size_t a = facet_edges[cell.inside].edge[corner][0], b = facet_edges[cell.inside].edge[corner][1];
+        const double s = (isovalue - values[a]) / (values[b] - values[a]);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          block.corner[corner][axis][f % FacetBlock::size] =
+              static_cast<float>((1 - s) * in_frame(points[a], axis) + s * in_frame(points[b], axis));
+      }
+      fields_[f] = field_of(points, values, isovalue, anchor_);
+      fields_[f].cell = view.cell_id(cell.cell);
     }
-    fields_[f] = field_of(points, values, isovalue, anchor_);
-    fields_[f].cell = view.cell_id(cell.cell);
-  }
+  });
   build_levels();
 }
 
@@ -209,21 +214,22 @@ std::size_t Facets::size_bytes() const {
 }
 
 template <class T>
-std::shared_ptr<const Facets> FacetsCache::of(const TetVolume<T>& view, const Box3& bounds, double isovalue) {
+std::shared_ptr<const Facets> FacetsCache::of(const TetVolume<T>& view, const Box3& bounds, double isovalue,
+                                              unsigned threads) {
   const std::lock_guard lock(mutex_);
   const auto found = std::find_if(last_.begin(), last_.end(), [&](const Entry& e) { return e.isovalue == isovalue; });
   if (found != last_.end()) {
     std::rotate(last_.begin(), found, found + 1);
   } else {
     if (last_.size() == kept) last_.pop_back();
-    last_.insert(last_.begin(), {isovalue, std::make_shared<const Facets>(view, bounds, isovalue)});
+    last_.insert(last_.begin(), {isovalue, std::make_shared<const Facets>(view, bounds, isovalue, threads)});
   }
   return last_.front().facets;
 }
 
-#define RHORAY_FACETS(T)                                             \
-  template Facets::Facets(const TetVolume<T>&, const Box3&, double); \
-  template std::shared_ptr<const Facets> FacetsCache::of(const TetVolume<T>&, const Box3&, double);
+#define RHORAY_FACETS(T)                                                       \
+  template Facets::Facets(const TetVolume<T>&, const Box3&, double, unsigned); \
+  template std::shared_ptr<const Facets> FacetsCache::of(const TetVolume<T>&, const Box3&, double, unsigned);
 RHORAY_FACETS(float)
 RHORAY_FACETS(double)
 #undef RHORAY_FACETS

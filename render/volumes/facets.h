@@ -49,9 +49,10 @@ struct FacetField {
 /// node.
 class Facets {
  public:
-  /// @param bounds  of all points of the mesh, its frame
+  /// @param bounds   of all points of the mesh, its frame
+  /// @param threads  0 = all cores; the result is the same for any number
   template <class T>
-  Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue);
+  Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads);
 
   std::uint32_t count() const { return count_; }
   const FacetBlock* blocks() const { return blocks_.data(); }
@@ -81,9 +82,8 @@ class Facets {
 /// The facets of one mesh for the last isovalues asked about. Any thread may ask.
 class FacetsCache {
  public:
-  /// @return  the isosurface, and whether it was made for this call
   template <class T>
-  std::shared_ptr<const Facets> of(const TetVolume<T>& view, const Box3& bounds, double isovalue);
+  std::shared_ptr<const Facets> of(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads);
 
  private:
   struct Entry {

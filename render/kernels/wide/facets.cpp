@@ -1,6 +1,5 @@
 #include <bit>
 #include <cstring>
-#include <limits>
 
 #include "render/kernels/wide/facets_parts.h"
 #include "render/march/ticks.h"
@@ -18,6 +17,16 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 
 inline constexpr std::size_t pack = FacetScratch::pack, packs = FacetScratch::packs, lanes = FacetScratch::lanes;
 inline constexpr std::uint64_t pack_bits = (std::uint64_t{1} << pack) - 1;
+
+using Longs = hn::RebindToSigned<Doubles>;
+using UnsignedLongs = hn::RebindToUnsigned<Doubles>;
+using HalfInts = hn::Rebind<std::int32_t, Doubles>;
+using Counts = hn::Rebind<std::uint32_t, Doubles>;
+using VecI64 = hn::Vec<Longs>;
+inline constexpr Longs longs{};
+inline constexpr UnsignedLongs unsigned_longs{};
+inline constexpr HalfInts half_ints{};
+inline constexpr Counts counts{};
 
 /// Larger than any number in the facets' frame that matters, and small enough for sums.
 inline constexpr float beyond = 1e30f;
@@ -566,74 +575,112 @@ class FacetWalk {
       group_far_ = scratch_.pack_far[p] > group_far_ ? scratch_.pack_far[p] : group_far_;
   }
 
+  /// Numbers of lanes, in the order of the rays from r on.
+  template <class T>
+  HWY_INLINE static void in_order_of_rays(const T* of_lanes, std::size_t r, T* out) {
+    constexpr std::size_t run = double_lanes < 4 ? double_lanes : 4;
+    for (std::size_t i = 0; i < double_lanes; i += run)
+      std::memcpy(out + i, of_lanes + lane_of(r + i), run * sizeof(T));
+  }
+  HWY_INLINE static VecD depths(const float* of_lanes, std::size_t r) {
+    HWY_ALIGN float ordered[lanes];
+    in_order_of_rays(of_lanes, r, ordered);
+    return hn::PromoteTo(doubles, hn::Load(half_floats, ordered));
+  }
+
   /// Writes the hits of a group, and counts.
   HWY_INLINE void finish(std::uint64_t lanes_alive) {
+    std::uint64_t rays_alive = 0;
+    for (std::size_t quad = 0; quad < lanes / 4; ++quad)
+      rays_alive |= (lanes_alive >> lane_of(4 * quad) & 15) << 4 * quad;
+    for (std::size_t r = 0; r < count_; r += double_lanes)
+      if (const std::uint64_t bits = rays_alive >> r & ((std::uint64_t{1} << double_lanes) - 1); bits != 0)
+        finish_rays(bits, r);
     const auto ray_count = static_cast<std::uint64_t>(std::popcount(lanes_alive));
-    for (std::uint64_t bits = lanes_alive; bits != 0; bits &= bits - 1) {
-      const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
-      const std::size_t ray = ray_of(lane);
-      hits_.cost[ray] = static_cast<std::uint32_t>(visits_);
-      const bool is_hit = scratch_.facet[lane] != FacetScratch::no_facet;
-      if constexpr (certified) {
-        if (scratch_.second[lane] <= (is_hit ? scratch_.far[lane] : scratch_.end[lane])) {
-          doubtful_ |= std::uint64_t{1} << ray;
-          continue;
-        }
-      }
-      if (is_hit) write_hit(lane, ray);
-    }
     counters_.macrocells_visited += nodes_ * ray_count;
     counters_.cells_visited += blocks_ * ray_count;
     counters_.cells_solved += tests_ * (ray_count < pack ? ray_count : pack);
     nodes_ = blocks_ = tests_ = 0;
   }
 
-  /// The place is where the cell's own field is the isovalue, by its gradient in double; where rounding leads that out
-  /// of the cell, or the cell is flat, it is the facet's.
-  HWY_INLINE void write_hit(std::size_t lane, std::size_t ray) {
-    const FacetField& field = surface_.fields[scratch_.facet[lane]];
-    double value = field.value, speed = 0;
-    for (int a = 0; a < 3; ++a) {
-      value += field.gradient[a] * (rays_.origin[a][ray] - surface_.anchor[a]);
-      speed += field.gradient[a] * rays_.direction[a][ray];
+  /// @param alive  a bit for each of the rays from r on
+  HWY_INLINE void finish_rays(std::uint64_t alive, std::size_t r) {
+    hn::BlendedStore(hn::Set(counts, static_cast<std::uint32_t>(visits_)), mask_of(counts, alive), counts,
+                     hits_.cost + r);
+    HWY_ALIGN std::int32_t facet[lanes];
+    in_order_of_rays(scratch_.facet, r, facet);
+    const VecI64 index = hn::PromoteTo(longs, hn::Load(half_ints, facet));
+    MaskD hit = hn::And(mask_of(doubles, alive),
+                        hn::RebindMask(doubles, hn::Ne(index, hn::Set(longs, FacetScratch::no_facet))));
+    if constexpr (certified) {
+      const VecD far = hn::IfThenElse(hit, depths(scratch_.far, r), depths(scratch_.end, r));
+      const MaskD unsure = hn::And(mask_of(doubles, alive), hn::Le(depths(scratch_.second, r), far));
+      doubtful_ |= bits_of(doubles, unsure) << r;
+      hit = hn::AndNot(unsure, hit);
     }
-    const double d = rays_.direction[w_][ray];
-    const double t_facet = (static_cast<double>(sign_ * scratch_.depth[lane]) / surface_.scale + surface_.anchor[w_] -
-                            rays_.origin[w_][ray]) /
-                           d;
-    double t = -value / speed;
-    const double off = (t - t_facet) * d;
-    const double limit = 0x1p-6 * static_cast<double>(field.cell_size);
-    if (!(off <= limit && off >= -limit && field.doubt < beyond)) t = t_facet;
-    t = t < rays_.t_min[ray] ? rays_.t_min[ray] : t > rays_.t_max[ray] ? rays_.t_max[ray] : t;
-    hits_.t[ray] = t;
-    hits_.value[ray] = surface_.isovalue;
-    hits_.cell[ray] = field.cell;
-    for (int a = 0; a < 3; ++a) hits_.gradient[a][ray] = field.gradient[a];
-    hits_.root_count[ray] = 1;
-    if constexpr (certified) write_error(field, lane, ray, t, value, speed);
+    if (!hn::AllFalse(doubles, hit)) write_hits(hit, index, r);
   }
 
-  /// With u = 2^-53: the field at the origin is off by 8u of the terms that are added up, its slope by 4u of its terms;
-  /// inside the cell by what the gradient is off by.
-  HWY_INLINE void write_error(const FacetField& field, std::size_t lane, std::size_t ray, double t, double value,
-                              double speed) {
-    double terms = value < 0 ? -value : value, slopes = 0;
+  /// The place is where the cell's own field is the isovalue, by its gradient in double; where rounding leads that out
+  /// of the cell, or the cell is flat, it is the facet's.
+  HWY_INLINE void write_hits(MaskD hit, VecI64 facet, std::size_t r) {
+    static_assert(sizeof(FacetField) == 6 * sizeof(double));
+    const VecI64 index = hn::IfThenElseZero(hn::RebindMask(longs, hit), facet);
+    const VecI64 place = hn::Add(hn::ShiftLeft<2>(index), hn::Add(index, index));
+    const double* fields = surface_.fields->gradient;
+    const auto number = [&](int i) HWY_ATTR { return hn::GatherIndex(doubles, fields + i, place); };
+    VecD value = number(3), speed = hn::Zero(doubles), gradient[3];
     for (int a = 0; a < 3; ++a) {
-      const double g = field.gradient[a] < 0 ? -field.gradient[a] : field.gradient[a];
-      const double o = rays_.origin[a][ray] - surface_.anchor[a], d = rays_.direction[a][ray];
-      terms += g * ((o < 0 ? -o : o) + 1 / surface_.scale);
-      slopes += g * (d < 0 ? -d : d);
+      gradient[a] = number(a);
+      const VecD o = hn::Sub(hn::Load(doubles, rays_.origin[a] + r), hn::Set(doubles, surface_.anchor[a]));
+      value = hn::MulAdd(gradient[a], o, value);
+      speed = hn::MulAdd(gradient[a], hn::Load(doubles, rays_.direction[a] + r), speed);
+      hn::BlendedStore(gradient[a], hit, doubles, hits_.gradient[a] + r);
     }
-    const double size_of_t = t < 0 ? -t : t, steepness = speed < 0 ? -speed : speed;
-    const double error = (static_cast<double>(field.doubt) + 0x1p-48 * (terms + size_of_t * slopes)) / steepness;
-    const double depth_of_cell = static_cast<double>(field.cell_size) /
-                                 (rays_.direction[w_][ray] < 0 ? -rays_.direction[w_][ray] : rays_.direction[w_][ray]);
-    if (error <= 0.25e-3 * depth_of_cell && 2 * error < depth_of_cell)
-      hits_.error[ray] = error;
-    else
-      hits_.t[ray] = std::numeric_limits<double>::infinity(), doubtful_ |= std::uint64_t{1} << ray;
-    (void)lane;
+    const VecI64 sizes = hn::BitCast(longs, number(5));
+    const VecD cell_size =
+        hn::PromoteTo(doubles, hn::BitCast(half_floats, hn::TruncateTo(counts, hn::BitCast(unsigned_longs, sizes))));
+    const VecD doubt = hn::PromoteTo(
+        doubles,
+        hn::BitCast(half_floats, hn::TruncateTo(counts, hn::ShiftRight<32>(hn::BitCast(unsigned_longs, sizes)))));
+    const VecD d = hn::Load(doubles, rays_.direction[w_] + r);
+    const VecD to_mesh = hn::Set(doubles, static_cast<double>(sign_) / surface_.scale);
+    const VecD start = hn::Sub(hn::Load(doubles, rays_.origin[w_] + r), hn::Set(doubles, surface_.anchor[w_]));
+    const VecD t_facet = hn::Div(hn::MulSub(depths(scratch_.depth, r), to_mesh, start), d);
+    const VecD t_field = hn::Div(hn::Neg(value), speed);
+    const VecD off = hn::Abs(hn::Mul(hn::Sub(t_field, t_facet), d));
+    const MaskD is_near = hn::And(hn::Le(off, hn::Mul(cell_size, hn::Set(doubles, 0x1p-6))),
+                                  hn::Lt(doubt, hn::Set(doubles, static_cast<double>(beyond))));
+    const VecD t = hn::Min(hn::Max(hn::IfThenElse(is_near, t_field, t_facet), hn::Load(doubles, rays_.t_min + r)),
+                           hn::Load(doubles, rays_.t_max + r));
+    if constexpr (certified) hit = prove(hit, is_near, gradient, value, speed, t, cell_size, doubt, r);
+    hn::BlendedStore(t, hit, doubles, hits_.t + r);
+    hn::BlendedStore(hn::Set(doubles, surface_.isovalue), hit, doubles, hits_.value + r);
+    hn::BlendedStore(hn::BitCast(unsigned_longs, number(4)), hn::RebindMask(unsigned_longs, hit), unsigned_longs,
+                     hits_.cell + r);
+    hn::BlendedStore(hn::Set(counts, 1), mask_of(counts, bits_of(doubles, hit)), counts, hits_.root_count + r);
+  }
+
+  /// Writes the bounds of hits. With u = 2^-53: the field at the origin is off by 8u of the terms that are added up,
+  /// and so is its slope; inside the cell by what the gradient is off by.
+  /// @return  those that are good enough: within a quarter of a thousandth of the cell
+  HWY_INLINE MaskD prove(MaskD hit, MaskD is_by_field, const VecD* gradient, VecD value, VecD speed, VecD t,
+                         VecD cell_size, VecD doubt, std::size_t r) {
+    VecD terms = hn::Abs(value), slopes = hn::Zero(doubles);
+    for (int a = 0; a < 3; ++a) {
+      const VecD g = hn::Abs(gradient[a]);
+      const VecD o = hn::Sub(hn::Load(doubles, rays_.origin[a] + r), hn::Set(doubles, surface_.anchor[a]));
+      terms = hn::MulAdd(g, hn::Add(hn::Abs(o), hn::Set(doubles, 1 / surface_.scale)), terms);
+      slopes = hn::MulAdd(g, hn::Abs(hn::Load(doubles, rays_.direction[a] + r)), slopes);
+    }
+    const VecD rounding = hn::Mul(hn::Set(doubles, 0x1p-48), hn::MulAdd(hn::Abs(t), slopes, terms));
+    const VecD error = hn::Div(hn::Add(doubt, rounding), hn::Abs(speed));
+    const VecD largest = hn::Mul(hn::Set(doubles, 0.25e-3), cell_size);
+    const VecD in_depth = hn::Mul(error, hn::Abs(hn::Load(doubles, rays_.direction[w_] + r)));
+    const MaskD is_good = hn::And(is_by_field, hn::Le(in_depth, largest));
+    hn::BlendedStore(error, hit, doubles, hits_.error + r);
+    doubtful_ |= bits_of(doubles, hn::AndNot(is_good, hit)) << r;
+    return hn::And(hit, is_good);
   }
 
   const FacetSurface& surface_;

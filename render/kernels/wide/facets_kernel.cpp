@@ -32,6 +32,10 @@ FacetSurface surface_of(const Facets& facets, const Question& question) {
   return surface;
 }
 
+bool is_answerable(const Question& question) {
+  return question.use_hierarchy && std::abs(question.isovalue) <= largest_magnitude;
+}
+
 template <Machine machine, bool certified>
 void first_facets(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
                   KernelScratch& scratch) {
@@ -39,14 +43,14 @@ void first_facets(const VolumeImplementation& volume, const Question& question, 
       [&]<class View>(const View& view) {
         if constexpr (is_mesh<View>) {
           const Kernel reference = kernels_for(view, question.method.way).first_crossing;
-          if (!question.use_hierarchy || !(std::abs(question.isovalue) <= largest_magnitude)) {
+          if (!is_answerable(question)) {
             reference(volume, question, rays, hits, scratch);
             return;
           }
           scratch.counters.rays_wide += rays.count;
           if (!scratch.facets) scratch.facets = std::make_shared<FacetScratch>();
           FacetScratch& memory = *scratch.facets;
-          memory.facets = volume.facets->of(view, volume.bounds_volume, question.isovalue);
+          memory.facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, 1);
           const FacetSurface surface = surface_of(*memory.facets, question);
           const FirstFacets answer = first_facets_on(machine, certified);
           const HitArrays all = misses(hits, rays.count);
@@ -77,6 +81,15 @@ bool is_fit(const VolumeImplementation& volume) {
 }
 
 }  // namespace
+
+void prepare_facets(const VolumeImplementation& volume, const Question& question, unsigned threads) {
+  if (!is_answerable(question)) return;
+  std::visit(
+      [&]<class View>(const View& view) {
+        if constexpr (is_mesh<View>) volume.facets->of(view, volume.bounds_volume, question.isovalue, threads);
+      },
+      volume.view);
+}
 
 Kernel first_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
   const bool is_float = method.precision == Method::Precision::single &&
