@@ -13,25 +13,50 @@ namespace rhoray::render {
 
 namespace {
 
-/// A cell that the surface passes through.
-struct ActiveCell {
-  std::uint32_t cell;
-  std::uint32_t inside;  ///< bit i: vertex i, of those in rising order, is inside
+/// What a thread takes at a time.
+constexpr std::size_t candidates_per_part = 256;
+
+/// 64 cells, some of which the surface may pass through.
+struct Candidates {
+  std::uint32_t first;
+  std::uint64_t bits;
 };
 
 template <class T>
-std::vector<ActiveCell> active_cells_of(const TetVolume<T>& view, double isovalue) {
-  std::vector<ActiveCell> active;
-  for_each_candidate(view, isovalue, [&](std::uint32_t first, std::uint64_t bits) {
-    for (; bits != 0; bits &= bits - 1) {
-      const std::uint32_t cell = first + static_cast<std::uint32_t>(std::countr_zero(bits));
-      const std::array<double, 4> values = view.values_at(view.sorted_vertices(cell));
-      std::uint32_t inside = 0;
-      for (std::uint32_t i = 0; i < 4; ++i) inside |= static_cast<std::uint32_t>(is_inside(values[i] - isovalue)) << i;
-      if (inside != 0 && inside != 15 && has_data(values)) active.push_back({cell, inside});
+std::vector<Candidates> candidates_of(const TetVolume<T>& view, double isovalue) {
+  std::vector<Candidates> all;
+  for_each_candidate(view, isovalue, [&](std::uint32_t first, std::uint64_t bits) { all.push_back({first, bits}); });
+  return all;
+}
+
+/// Cells with data that have values on both sides, in their order.
+template <class T>
+std::vector<std::uint32_t> active_cells_of(const TetVolume<T>& view, double isovalue, unsigned threads) {
+  const std::vector<Candidates> candidates = candidates_of(view, isovalue);
+  std::vector<std::vector<std::uint32_t>> parts(candidates.size() / candidates_per_part + 1);
+  for_each_range(parts.size(), 8, threads, [&](std::uint64_t first_part, std::uint64_t end_part) {
+    std::vector<std::uint32_t> active;
+    for (std::uint64_t part = first_part; part < end_part; ++part) {
+      const std::size_t end = std::min<std::size_t>(candidates.size(), (part + 1) * candidates_per_part);
+      active.resize(64 * candidates_per_part);
+      std::size_t count = 0;
+      for (std::size_t c = part * candidates_per_part; c < end; ++c)
+        for (std::uint64_t bits = candidates[c].bits; bits != 0; bits &= bits - 1) {
+          const std::uint32_t cell = candidates[c].first + static_cast<std::uint32_t>(std::countr_zero(bits));
+          const std::array<double, 4> values = view.values_at(view.vertices(cell));
+          const int inside =
+              (values[0] >= isovalue) + (values[1] >= isovalue) + (values[2] >= isovalue) + (values[3] >= isovalue);
+          active[count] = cell;  // without a branch, which would be a guess
+          count += inside != 0 && inside != 4;
+        }
+      active.resize(count);
+      std::erase_if(active, [&](std::uint32_t cell) { return !has_data(view.values_at(view.vertices(cell))); });
+      parts[part] = active;
     }
   });
-  return active;
+  std::vector<std::uint32_t> all;
+  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
 }
 
 /// The edges on which a facet's corners lie, round it, by the vertices that are inside; each edge's lower vertex first.
@@ -59,6 +84,12 @@ constexpr std::array<FacetEdges, 16> make_facet_edges() {
   return all;
 }
 constexpr std::array<FacetEdges, 16> facet_edges = make_facet_edges();
+
+std::size_t inside_bits(const std::array<double, 4>& values, double isovalue) {
+  std::size_t bits = 0;
+  for (std::size_t i = 0; i < 4; ++i) bits |= static_cast<std::size_t>(is_inside(values[i] - isovalue)) << i;
+  return bits;
+}
 
 /// Bits 0 to 9 of x moved to every third place.
 std::uint32_t spread(std::uint32_t x) {
@@ -91,8 +122,7 @@ void sort_by_code(std::vector<Item>& items) {
 }
 
 struct PlacedCell {
-  ActiveCell active;
-  std::uint32_t code;
+  std::uint32_t cell, code;
 };
 
 /// The field of a cell, with vertices in rising order. Where the cell's volume is less than 2^-20 of the product of its
@@ -133,39 +163,43 @@ Facets::Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, un
   const auto in_frame = [&](const std::array<double, 3>& p, std::size_t axis) {
     return (p[axis] - anchor_[static_cast<int>(axis)]) * scale_;
   };
-  const std::vector<ActiveCell> active = active_cells_of(view, isovalue);
-  std::vector<PlacedCell> placed;
-  placed.reserve(active.size());
-  for (const ActiveCell& cell : active) {
-    const auto points = view.points_at(view.sorted_vertices(cell.cell));
-    std::array<double, 3> middle;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      middle[axis] = 0.25 * (in_frame(points[0], axis) + in_frame(points[1], axis) + in_frame(points[2], axis) +
-                             in_frame(points[3], axis));
-    placed.push_back({cell, morton_code(middle)});
-  }
+  const std::vector<std::uint32_t> active = active_cells_of(view, isovalue, threads);
+  std::vector<PlacedCell> placed(active.size());
+  for_each_range(active.size(), 1 << 14, threads, [&](std::uint64_t first, std::uint64_t end) {
+    for (std::uint64_t i = first; i < end; ++i) {
+      const auto points = view.points_at(view.vertices(active[i]));
+      std::array<double, 3> middle;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        middle[axis] = 0.25 * (in_frame(points[0], axis) + in_frame(points[1], axis) + in_frame(points[2], axis) +
+                               in_frame(points[3], axis));
+      placed[i] = {active[i], morton_code(middle)};
+    }
+  });
   sort_by_code(placed);
 
   count_ = static_cast<std::uint32_t>(placed.size());
   blocks_.resize((placed.size() + FacetBlock::size - 1) / FacetBlock::size);
   fields_.resize(placed.size());
+  cells_.resize(placed.size());
   for_each_range(blocks_.size(), 1024, threads, [&](std::uint64_t first_block, std::uint64_t end_block) {
     const auto end = static_cast<std::uint32_t>(std::min<std::uint64_t>(count_, end_block * FacetBlock::size));
     for (auto f = static_cast<std::uint32_t>(first_block * FacetBlock::size); f < end; ++f) {
-      const ActiveCell& cell = placed[f].active;
-      const auto vertices = view.sorted_vertices(cell.cell);
+      const std::uint32_t cell = placed[f].cell;
+      const auto vertices = view.sorted_vertices(cell);
       const auto points = view.points_at(vertices);
       const auto values = view.values_at(vertices);
+      const FacetEdges& edges = facet_edges[inside_bits(values, isovalue)];
       FacetBlock& block = blocks_[f / FacetBlock::size];
       for (std::size_t corner = 0; corner < 4; ++corner) {
-        const std::size_t a = facet_edges[cell.inside].edge[corner][0], b = facet_edges[cell.inside].edge[corner][1];
+        const std::size_t a = edges.edge[corner][0], b = edges.edge[corner][1];
         const double s = (isovalue - values[a]) / (values[b] - values[a]);
         for (std::size_t axis = 0; axis < 3; ++axis)
           block.corner[corner][axis][f % FacetBlock::size] =
               static_cast<float>((1 - s) * in_frame(points[a], axis) + s * in_frame(points[b], axis));
       }
       fields_[f] = field_of(points, values, isovalue, anchor_);
-      fields_[f].cell = view.cell_id(cell.cell);
+      fields_[f].cell = view.cell_id(cell);
+      cells_[f] = cell;
     }
   });
   build_levels();
@@ -208,7 +242,8 @@ void Facets::build_levels() {
 }
 
 std::size_t Facets::size_bytes() const {
-  std::size_t bytes = blocks_.size() * sizeof(FacetBlock) + fields_.size() * sizeof(FacetField);
+  std::size_t bytes =
+      blocks_.size() * sizeof(FacetBlock) + fields_.size() * (sizeof(FacetField) + sizeof(std::uint32_t));
   for (const auto& nodes : levels_) bytes += nodes.size() * sizeof(FacetNode);
   return bytes;
 }

@@ -56,7 +56,8 @@ class Facets {
 
   std::uint32_t count() const { return count_; }
   const FacetBlock* blocks() const { return blocks_.data(); }
-  const FacetField* fields() const { return fields_.data(); }  ///< one for each facet
+  const FacetField* fields() const { return fields_.data(); }   ///< one for each facet
+  const std::uint32_t* cells() const { return cells_.data(); }  ///< position in the mesh of each facet's
   int level_count() const { return static_cast<int>(levels_.size()); }
   const FacetNode* level(int l) const { return levels_[static_cast<std::size_t>(l)].data(); }
 
@@ -73,6 +74,7 @@ class Facets {
   std::uint32_t count_ = 0;
   std::vector<FacetBlock> blocks_;
   std::vector<FacetField> fields_;
+  std::vector<std::uint32_t> cells_;
   std::vector<std::vector<FacetNode>> levels_;
   Vec3 anchor_;
   double scale_ = 1;

@@ -39,6 +39,9 @@ class TetVolume {
     return mesh_.leaf_lists().list(static_cast<std::uint64_t>((leaf.z * count.y + leaf.y) * count.x + leaf.x));
   }
 
+  /// Point positions of a cell.
+  RHORAY_INLINE const std::array<std::uint32_t, 4>& vertices(std::uint32_t cell) const { return mesh_.cells()[cell]; }
+
   /// Point positions of a cell, rising.
   RHORAY_INLINE std::array<std::uint32_t, 4> sorted_vertices(std::uint32_t cell) const {
     std::array<std::uint32_t, 4> v = mesh_.cells()[cell];

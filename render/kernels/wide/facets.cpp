@@ -138,8 +138,7 @@ class FacetWalk {
     }
   }
 
-  /// Rays that the reference must answer.
-  std::uint64_t doubtful() const { return doubtful_; }
+  HWY_INLINE Unanswered unanswered() const { return unanswered_; }
 
  private:
   /// Of all rays of the chunk, as if all moved along this axis; those that do not, stay without hits.
@@ -197,6 +196,7 @@ class FacetWalk {
         hn::Store(hn::IfThenElse(alive, end, none), floats, scratch_.far + r);
         hn::Store(hn::Set(floats, never), floats, scratch_.nearest + r);
         hn::Store(hn::Set(floats, never), floats, scratch_.second + r);
+        hn::Store(hn::Set(floats, never), floats, scratch_.doubt + r);
       }
       const float least = least_of(hn::IfThenElse(alive, begin, hn::Set(floats, beyond)));
       const float most = largest_of(hn::IfThenElse(alive, end, none));
@@ -546,7 +546,7 @@ class FacetWalk {
     const MaskF unsure = hn::AndNot(sure, any);
 
     VecF nearest = hn::Load(floats, scratch_.nearest + r), second = hn::Load(floats, scratch_.second + r);
-    second = hn::Min(second, hn::IfThenElse(unsure, facet_near, second));
+    if (!hn::AllFalse(floats, unsure)) keep_doubts(unsure, facet_near, r, facet);
     second = hn::Min(second, hn::IfThenElse(sure, hn::Max(nearest, low), second));
     nearest = hn::Min(nearest, hn::IfThenElse(sure, low, nearest));
     hn::Store(second, floats, scratch_.second + r);
@@ -560,6 +560,19 @@ class FacetWalk {
     hn::Store(hn::IfThenElse(hit, high, far_before), floats, scratch_.far + r);
     hn::Store(hn::IfThenElse(hn::RebindMask(ints, hit), this_facet, best_facet), ints, scratch_.facet + r);
     return true;
+  }
+
+  /// In a certified answer: the facet is to be looked at again for these rays.
+  HWY_INLINE void keep_doubts(MaskF unsure, VecF near, std::size_t r, std::uint32_t facet) {
+    const VecF doubt = hn::Load(floats, scratch_.doubt + r);
+    hn::Store(hn::Min(doubt, hn::IfThenElse(unsure, near, doubt)), floats, scratch_.doubt + r);
+    for (std::uint64_t bits = bits_of(floats, unsure); bits != 0; bits &= bits - 1) {
+      const auto ray = static_cast<std::uint32_t>(ray_of(r + static_cast<std::size_t>(std::countr_zero(bits))));
+      if (scratch_.doubt_count < FacetScratch::doubt_capacity)
+        scratch_.doubts[scratch_.doubt_count++] = {ray, facet};
+      else
+        unanswered_.whole |= std::uint64_t{1} << ray;
+    }
   }
 
   HWY_INLINE void find_pack_far(std::size_t p) {
@@ -614,9 +627,11 @@ class FacetWalk {
                         hn::RebindMask(doubles, hn::Ne(index, hn::Set(longs, FacetScratch::no_facet))));
     if constexpr (certified) {
       const VecD far = hn::IfThenElse(hit, depths(scratch_.far, r), depths(scratch_.end, r));
-      const MaskD unsure = hn::And(mask_of(doubles, alive), hn::Le(depths(scratch_.second, r), far));
-      doubtful_ |= bits_of(doubles, unsure) << r;
-      hit = hn::AndNot(unsure, hit);
+      const MaskD not_proven = hn::Le(depths(scratch_.second, r), far);
+      const MaskD in_doubt = hn::AndNot(not_proven, hn::Le(depths(scratch_.doubt, r), far));
+      unanswered_.whole |= (bits_of(doubles, not_proven) & alive) << r;
+      unanswered_.part |= (bits_of(doubles, in_doubt) & alive) << r;
+      hit = hn::AndNot(not_proven, hit);
     }
     if (!hn::AllFalse(doubles, hit)) write_hits(hit, index, r);
   }
@@ -679,7 +694,7 @@ class FacetWalk {
     const VecD in_depth = hn::Mul(error, hn::Abs(hn::Load(doubles, rays_.direction[w_] + r)));
     const MaskD is_good = hn::And(is_by_field, hn::Le(in_depth, largest));
     hn::BlendedStore(error, hit, doubles, hits_.error + r);
-    doubtful_ |= bits_of(doubles, hn::AndNot(is_good, hit)) << r;
+    unanswered_.whole |= bits_of(doubles, hn::AndNot(is_good, hit)) << r;
     return hn::And(hit, is_good);
   }
 
@@ -697,25 +712,28 @@ class FacetWalk {
   alignas(64) float facet_near_[FacetBlock::size], facet_far_[FacetBlock::size];
   alignas(
       64) float margin_[FacetBlock::size];  ///< certified: what an edge's function is off by, at most, near the facet
-  std::uint64_t doubtful_ = 0;
+  Unanswered unanswered_;
   std::uint64_t visits_ = 0, nodes_ = 0, blocks_ = 0, tests_ = 0;
 };
 
 template <bool certified>
-std::uint64_t first_facets(const FacetSurface& surface, const RayArrays& rays, std::size_t count, const HitArrays& hits,
-                           FacetScratch& scratch, KernelCounters& counters) {
+Unanswered first_facets(const FacetSurface& surface, const RayArrays& rays, std::size_t count, const HitArrays& hits,
+                        FacetScratch& scratch, KernelCounters& counters) {
   const Directions directions = directions_of(surface, rays, count, certified ? certified_reach : reach);
   const std::uint64_t all = count >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1;
-  std::uint64_t others = all & ~directions.usable;
+  Unanswered unanswered{.whole = all & ~directions.usable};
+  scratch.doubt_count = 0;
   for (int axis = 0; axis < 3; ++axis)
     for (const bool down : {false, true}) {
       const std::uint64_t chosen = directions.along[axis] & (down ? directions.down[axis] : ~directions.down[axis]);
       if (chosen == 0) continue;
       FacetWalk<certified> walk(surface, rays, count, hits, axis, down, scratch, counters);
       walk.trace(lanes_of(chosen));
-      others |= walk.doubtful();
+      unanswered.whole |= walk.unanswered().whole;
+      unanswered.part |= walk.unanswered().part;
     }
-  return others;
+  unanswered.part &= ~unanswered.whole;
+  return unanswered;
 }
 
 FirstFacets first_facets_by(bool certified) {
