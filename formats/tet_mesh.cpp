@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <set>
 
 #include "formats/base/bytes.h"
 #include "formats/base/parallel.h"
+#include "formats/details/cluster_checks.h"
 #include "formats/details/deep_checks.h"
 #include "formats/details/details.h"
 #include "formats/format_error.h"
@@ -18,6 +20,7 @@ namespace {
 using details::Json;
 
 constexpr std::string_view mesh_kind = "tets";
+constexpr std::string_view clusters_feature = "cell-clusters";
 constexpr std::string_view curve_order = "curve";  // of cells; the source's has no name in the file
 constexpr std::uint64_t largest_count =
     std::numeric_limits<std::uint32_t>::max();  // of points and cells: 32-bit indices
@@ -51,6 +54,22 @@ std::vector<FieldSummary> read_fields(const details::Reader& reader) {
   return fields;
 }
 
+ClusterDescription read_clusters(const details::Reader& reader) {
+  ClusterDescription clusters;
+  clusters.cluster_size = reader.count("size", 1, ClusterShape::largest_cell_count);
+  if (!std::has_single_bit(clusters.cluster_size)) reader.refuse_value("size", "a power of two");
+  clusters.vertex_count = reader.count("vertex_count", 1);
+  clusters.box_unit = reader.number("box_unit", 0);
+  int exponent = 0;
+  if (std::frexp(clusters.box_unit, &exponent) != 0.5) reader.refuse_value("box_unit", "a power of two");
+  return clusters;
+}
+
+bool requires_clusters(const PackedFile& file) {
+  const std::vector<std::string>& required = file.description().required;
+  return std::find(required.begin(), required.end(), clusters_feature) != required.end();
+}
+
 TetMeshDescription read_description(const PackedFile& file) {
   if (file.description().kind != mesh_kind)
     refuse(file.name(), "header, __metadata__, kind", concat("'", file.description().kind, "'"), "'tets'");
@@ -63,7 +82,10 @@ TetMeshDescription read_description(const PackedFile& file) {
   description.cell_count = reader.count("cell_count", 1, largest_count);
   description.fields = read_fields(reader);
   description.lattice = read_lattice(reader.object("lattice"));
-  description.leaf_item_count = reader.count("leaf_item_count");
+  if (requires_clusters(file))
+    description.clusters = read_clusters(reader.object("clusters"));
+  else
+    description.leaf_item_count = reader.count("leaf_item_count");
   description.in_source_order = !reader.has("order");
   if (!description.in_source_order && reader.text("order") != curve_order) reader.refuse_value("order", "\"curve\"");
   description.flipped_cell_count = reader.count("flipped_cell_count");
@@ -136,6 +158,25 @@ void check_offsets(const PackedFile& file, std::string_view array, std::span<con
            concat("at least ", offsets[*bad], ", the one before"));
 }
 
+/// Corners must lie in the table of their cluster.
+void check_corners(const PackedFile& file, const CellClustersView& clusters) {
+  const auto largest_corner = [&](std::uint64_t cluster) {
+    std::uint8_t largest = 0;
+    for (std::uint64_t cell = clusters.first_cell(cluster); cell < clusters.end_cell(cluster); ++cell)
+      for (const std::uint8_t corner : clusters.corners[cell]) largest = std::max(largest, corner);
+    return largest;
+  };
+  const auto is_bad = [&](std::uint64_t first, std::uint64_t last) {
+    std::uint64_t bad = 0;
+    for (std::uint64_t cluster = first; cluster < last; ++cluster)
+      bad += largest_corner(cluster) >= clusters.table(cluster).size() ? 1 : 0;
+    return bad != 0;
+  };
+  if (const auto bad = first_bad(clusters.cluster_count(), is_bad))
+    refuse(file.name(), concat("array 'cluster.corners', cluster ", *bad), concat(+largest_corner(*bad)),
+           concat("positions in its table of ", clusters.table(*bad).size(), " vertices"));
+}
+
 /// Groups of `size` neighbouring numbers as one element each.
 template <std::size_t size, class T>
 std::span<const std::array<T, size>> grouped(std::span<const T> numbers) {
@@ -161,7 +202,7 @@ class MeshCheck {
   void run() {
     check_cells();
     check_ranks();
-    check_lists();
+    if (!mesh_.has_clusters()) check_lists();
     for (std::size_t field = 0; field < mesh_.description().fields.size(); ++field) {
       if (mesh_.description().fields[field].type == ElementType::F32)
         check_field<float>(field);
@@ -173,7 +214,7 @@ class MeshCheck {
  private:
   std::array<Vec3, 4> corners(std::uint64_t cell) const {
     std::array<Vec3, 4> p;
-    for (std::size_t v = 0; v < 4; ++v) p[v] = to_vec(mesh_.points()[mesh_.cells()[cell][v]]);
+    for (std::size_t v = 0; v < 4; ++v) p[v] = to_vec(mesh_.points()[mesh_.cell(cell)[v]]);
     return p;
   }
 
@@ -205,30 +246,31 @@ class MeshCheck {
   }
 
   void check_cells() {
-    for_each_range(mesh_.cells().size(), scan_piece, 0, [&](std::uint64_t first, std::uint64_t last) {
+    for_each_range(mesh_.description().cell_count, scan_piece, 0, [&](std::uint64_t first, std::uint64_t last) {
       for (std::uint64_t cell = first; cell < last; ++cell) check_cell(cell);
     });
     std::vector<bool> used(mesh_.points().size());
-    for (const std::array<std::uint32_t, 4>& cell : mesh_.cells())
-      for (const std::uint32_t point : cell) used[point] = true;
+    for (std::uint64_t cell = 0; cell < mesh_.description().cell_count; ++cell)
+      for (const std::uint32_t point : mesh_.cell(cell)) used[point] = true;
     for (std::size_t point = 0; point < used.size(); ++point)
       if (!used[point]) findings_.add("a point that no cell uses", point, [&] { return concat("point ", point); });
   }
 
   void check_cell(std::uint64_t cell) {
     const auto name = [&] { return concat("cell ", cell); };
-    std::array<std::uint32_t, 4> vertices = mesh_.cells()[cell];
+    std::array<std::uint32_t, 4> vertices = mesh_.cell(cell);
     std::sort(vertices.begin(), vertices.end());
     if (std::adjacent_find(vertices.begin(), vertices.end()) != vertices.end())
       findings_.add("a cell with a vertex twice", cell, name);
     const std::array<Vec3, 4> p = corners(cell);
+    if (mesh_.description().in_source_order && cell > 0 && mesh_.cell_id(cell) <= mesh_.cell_id(cell - 1))
+      findings_.add("cell ids that do not rise", cell, name);
     if (is_flipped(p)) findings_.add("a cell of negative orientation", cell, name);
+    if (mesh_.has_clusters()) return;
     const std::optional<std::uint64_t> leaf = leaf_at((p[0] + p[1] + p[2] + p[3]) / 4);
     if (leaf && !lists(*leaf, cell))
       findings_.add("a cell missing from the leaf list at its own centroid", cell,
                     [&] { return concat("cell ", cell, ", leaf ", *leaf); });
-    if (mesh_.description().in_source_order && cell > 0 && mesh_.cell_id(cell) <= mesh_.cell_id(cell - 1))
-      findings_.add("cell ids that do not rise", cell, name);
   }
 
   void check_ranks() {
@@ -258,10 +300,11 @@ class MeshCheck {
     for (const T value : values) tally.take(value);
     tally.compare(findings_);
 
+    if (mesh_.has_clusters()) return;
     const MacroLevelsView<T> levels = mesh_.macro_levels<T>(field);
     const std::string what = concat("macro levels of field '", summary.name, "'");
     details::check_levels_upward(levels, what, findings_);
-    for_each_range(mesh_.cells().size(), scan_piece, 0, [&](std::uint64_t first, std::uint64_t last) {
+    for_each_range(mesh_.description().cell_count, scan_piece, 0, [&](std::uint64_t first, std::uint64_t last) {
       for (std::uint64_t cell = first; cell < last; ++cell) check_intervals(cell, values, levels, what);
     });
     for (std::uint64_t leaf = 0; leaf < leaf_count_of(mesh_.description()); ++leaf)
@@ -273,7 +316,7 @@ class MeshCheck {
   template <class T>
   void check_intervals(std::uint64_t cell, std::span<const T> values, const MacroLevelsView<T>& levels,
                        const std::string& what) {
-    const std::array<std::uint32_t, 4>& vertices = mesh_.cells()[cell];
+    const std::array<std::uint32_t, 4> vertices = mesh_.cell(cell);
     const std::array<Vec3, 4> p = corners(cell);
     double sum = 0, largest = 0;
     for (const std::uint32_t vertex : vertices) {
@@ -306,11 +349,10 @@ class MeshCheck {
 TetMesh::TetMesh(PackedFile file) : file_(std::move(file)), description_(read_description(file_)) {
   const TetMeshDescription& d = description_;
   const std::span<const double> coordinates = file_.array<double>("points", {d.point_count, 3});
-  const std::span<const std::uint32_t> vertices = file_.array<std::uint32_t>("cells", {d.cell_count, 4});
-  leaf_lists_.offsets = file_.array<std::uint64_t>("leaf.offsets", {leaf_count_of(d) + 1});
-  leaf_lists_.items = file_.array<std::uint32_t>("leaf.items", {d.leaf_item_count});
-  if (leaf_lists_.items.size() != d.leaf_item_count)  // where the description says 0, the shape check takes any size
-    refuse(file_.name(), "array 'leaf.items'", concat(leaf_lists_.items.size(), " elements"), "none");
+  if (has_clusters())
+    view_clusters();
+  else
+    view_leaf_lists();
   if (!d.in_source_order) point_ranks_ = file_.array<std::uint32_t>("point_ranks", {d.point_count});
   if (file_.has("cell_ids") || d.dropped_cell_count != 0 || !d.in_source_order)
     cell_ids_ = file_.array<std::uint32_t>("cell_ids", {d.cell_count});
@@ -318,16 +360,43 @@ TetMesh::TetMesh(PackedFile file) : file_(std::move(file)), description_(read_de
     with_element_type(d.fields[field].type, [&](auto zero) {
       using T = decltype(zero);
       values<T>(field);
-      macro_levels<T>(field);
+      if (!has_clusters()) macro_levels<T>(field);
     });
 
   check_finite(file_, "points", coordinates);
-  check_below(file_, "cells", vertices, d.point_count);
   check_below(file_, "point_ranks", point_ranks_, d.point_count);
+  points_ = grouped<3>(coordinates);
+}
+
+void TetMesh::view_leaf_lists() {
+  const TetMeshDescription& d = description_;
+  const std::span<const std::uint32_t> vertices = file_.array<std::uint32_t>("cells", {d.cell_count, 4});
+  leaf_lists_.offsets = file_.array<std::uint64_t>("leaf.offsets", {leaf_count_of(d) + 1});
+  leaf_lists_.items = file_.array<std::uint32_t>("leaf.items", {d.leaf_item_count});
+  if (leaf_lists_.items.size() != d.leaf_item_count)  // where the description says 0, the shape check takes any size
+    refuse(file_.name(), "array 'leaf.items'", concat(leaf_lists_.items.size(), " elements"), "none");
+  check_below(file_, "cells", vertices, d.point_count);
   check_offsets(file_, "leaf.offsets", leaf_lists_.offsets, d.leaf_item_count);
   check_below(file_, "leaf.items", leaf_lists_.items, d.cell_count);
-  points_ = grouped<3>(coordinates);
   cells_ = grouped<4>(vertices);
+}
+
+void TetMesh::view_clusters() {
+  const TetMeshDescription& d = description_;
+  clusters_.shape = cluster_shape(d);
+  clusters_.box_unit = d.clusters->box_unit;
+  clusters_.table_starts = file_.array<std::uint64_t>("cluster.offsets", {clusters_.cluster_count() + 1});
+  clusters_.tables = file_.array<std::uint32_t>("cluster.vertices", {d.clusters->vertex_count});
+  clusters_.corners = grouped<4>(file_.array<std::uint8_t>("cluster.corners", {d.cell_count, 4}));
+  clusters_.boxes = view_cluster_boxes(file_, clusters_.shape);
+  check_offsets(file_, "cluster.offsets", clusters_.table_starts, d.clusters->vertex_count);
+  check_below(file_, "cluster.vertices", clusters_.tables, d.point_count);
+  check_corners(file_, clusters_);
+  for (std::size_t field = 0; field < d.fields.size(); ++field)
+    if (d.fields[field].type == ElementType::F32)
+      cluster_ranges<float>(field);
+    else
+      cluster_ranges<double>(field);
 }
 
 std::optional<std::size_t> TetMesh::find_field(std::string_view name) const {
@@ -336,21 +405,34 @@ std::optional<std::size_t> TetMesh::find_field(std::string_view name) const {
   return std::nullopt;
 }
 
+ClusterShape cluster_shape(const TetMeshDescription& description) {
+  return {.cell_count = description.cell_count, .cluster_size = description.clusters->cluster_size};
+}
+
 std::vector<ArraySpec> tet_mesh_arrays(const TetMeshDescription& description) {
   using enum ElementType;
-  std::vector<ArraySpec> arrays{
-      {.name = "leaf.offsets", .type = U64, .shape = {leaf_count_of(description) + 1}},
-      {.name = "leaf.items", .type = U32, .shape = {description.leaf_item_count}},
-      {.name = "points", .type = F64, .shape = {description.point_count, 3}},
-      {.name = "cells", .type = U32, .shape = {description.cell_count, 4}},
-  };
+  std::vector<ArraySpec> arrays;
+  if (description.clusters) {
+    const ClusterShape shape = cluster_shape(description);
+    arrays = cluster_box_arrays(shape);
+    arrays.push_back({.name = "cluster.offsets", .type = U64, .shape = {shape.count(0) + 1}});
+    arrays.push_back({.name = "cluster.vertices", .type = U32, .shape = {description.clusters->vertex_count}});
+    arrays.push_back({.name = "cluster.corners", .type = U8, .shape = {description.cell_count, 4}});
+  } else {
+    arrays.push_back({.name = "leaf.offsets", .type = U64, .shape = {leaf_count_of(description) + 1}});
+    arrays.push_back({.name = "leaf.items", .type = U32, .shape = {description.leaf_item_count}});
+  }
+  arrays.push_back({.name = "points", .type = F64, .shape = {description.point_count, 3}});
+  if (!description.clusters) arrays.push_back({.name = "cells", .type = U32, .shape = {description.cell_count, 4}});
   if (description.dropped_cell_count != 0 || !description.in_source_order)
     arrays.push_back({.name = "cell_ids", .type = U32, .shape = {description.cell_count}});
   if (!description.in_source_order)
     arrays.push_back({.name = "point_ranks", .type = U32, .shape = {description.point_count}});
   for (std::size_t field = 0; field < description.fields.size(); ++field) {
     const ElementType type = description.fields[field].type;
-    for (ArraySpec& level : macro_arrays(description.lattice.macro, 0, type, concat("range.", field, ".")))
+    for (ArraySpec& level : description.clusters
+                                ? cluster_range_arrays(cluster_shape(description), field, type)
+                                : macro_arrays(description.lattice.macro, 0, type, concat("range.", field, ".")))
       arrays.push_back(std::move(level));
     arrays.push_back({.name = concat("field.", field), .type = type, .shape = {description.point_count}});
   }
@@ -370,23 +452,29 @@ FileDescription describe(const TetMeshDescription& description) {
             {"point_count", description.point_count},
             {"cell_count", description.cell_count},
             {"fields", fields},
-            {"lattice", lattice_json},
-            {"leaf_item_count", description.leaf_item_count},
-            {"flipped_cell_count", description.flipped_cell_count},
-            {"flat_cell_count", description.flat_cell_count},
-            {"dropped_cell_count", description.dropped_cell_count},
-            {"unused_point_count", description.unused_point_count},
-            {"provenance", details::provenance_json(description.provenance)}};
+            {"lattice", lattice_json}};
+  if (description.clusters)
+    json["clusters"] = {{"size", description.clusters->cluster_size},
+                        {"vertex_count", description.clusters->vertex_count},
+                        {"box_unit", details::number_json(description.clusters->box_unit, "clusters.box_unit")}};
+  else
+    json["leaf_item_count"] = description.leaf_item_count;
+  json.update({{"flipped_cell_count", description.flipped_cell_count},
+               {"flat_cell_count", description.flat_cell_count},
+               {"dropped_cell_count", description.dropped_cell_count},
+               {"unused_point_count", description.unused_point_count},
+               {"provenance", details::provenance_json(description.provenance)}});
   if (!description.in_source_order) json["order"] = curve_order;
   return {.kind = std::string(mesh_kind),
-          .required = {},
+          .required = description.clusters ? std::vector{std::string(clusters_feature)} : std::vector<std::string>{},
           .details = details::dump(json),
-          .minor_version = description.in_source_order ? 0 : 2};
+          .minor_version = description.clusters || !description.in_source_order ? 2 : 0};
 }
 
 std::vector<std::string> deep_findings(const TetMesh& mesh) {
   details::Findings findings;
   MeshCheck(mesh, findings).run();
+  if (mesh.has_clusters()) details::check_clusters(mesh, findings);
   return findings.sentences();
 }
 

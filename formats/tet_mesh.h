@@ -10,11 +10,19 @@
 
 #include "formats/base/text.h"
 #include "formats/brick_grid.h"
+#include "formats/cell_clusters.h"
 #include "formats/field_summary.h"
 #include "formats/leaf_lists.h"
 #include "formats/packed_file.h"
 
 namespace rhoray::formats {
+
+/// What is told of clusters (cell_clusters.h).
+struct ClusterDescription {
+  std::uint64_t cluster_size = 64;  ///< as in ClusterShape
+  std::uint64_t vertex_count = 0;   ///< of all tables together
+  double box_unit = 1;              ///< a power of two
+};
 
 /// A tetrahedral mesh with fields at its points, linear inside each cell.
 ///
@@ -24,14 +32,17 @@ namespace rhoray::formats {
 ///     0-----2
 ///      \ | /
 ///        1
+///
+/// A structure over the cells tells which of them a ray may meet: leaf lists, or clusters.
 struct TetMeshDescription {
   Vec3 origin;  ///< world position of the mesh frame's zero: world = origin + point
   std::string length_unit;
   std::uint64_t point_count = 0;
   std::uint64_t cell_count = 0;
   std::vector<FieldSummary> fields;  ///< at least one; names differ
-  LeafLattice lattice;
-  std::uint64_t leaf_item_count = 0;
+  LeafLattice lattice;  ///< around the mesh; also without lists the measure of steps along a ray (leaf cells)
+  std::uint64_t leaf_item_count = 0;           ///< only with leaf lists
+  std::optional<ClusterDescription> clusters;  ///< nothing: leaf lists
 
   /// Cells and points stand as in the source. Else cells stand along a curve through space, points in the order in
   /// which cells name them first, and arrays "cell_ids" and "point_ranks" lead back.
@@ -45,22 +56,31 @@ struct TetMeshDescription {
   Provenance provenance;
 };
 
-/// A packed mesh, checked and ready for reading. Arrays: "points" F64 [points, 3] relative to origin, "cells" U32
-/// [cells, 4], optional "cell_ids" U32 [cells] and "point_ranks" U32 [points], "leaf.offsets" U64 [leaves + 1],
-/// "leaf.items" U32 [items]; and for each field f (by position) "field.<f>" F32 or F64 [points] and "range.<f>.0",
-/// "range.<f>.1", ... (leaf cells, macrocells).
+/// A packed mesh, checked and ready for reading. Arrays: "points" F64 [points, 3] relative to origin, optional
+/// "cell_ids" U32 [cells] and "point_ranks" U32 [points]; with leaf lists "cells" U32 [cells, 4], "leaf.offsets" U64
+/// [leaves + 1], "leaf.items" U32 [items]; with clusters "cluster.corners" U8 [cells, 4], "cluster.offsets" U64
+/// [clusters + 1], "cluster.vertices" U32 [vertices], "cluster.boxes.0", ... (clusters, entries above); and for each
+/// field f (by position) "field.<f>" F32 or F64 [points] and "range.<f>.0", "range.<f>.1", ... (leaf cells, macrocells;
+/// or clusters, entries above).
 class TetMesh {
  public:
   /// Refuses a file of another kind, shapes that differ from the description, a vertex index not below point_count,
-  /// offsets that fall, an item not below cell_count, a point that is not finite. Reads all indices and points once.
+  /// offsets that fall, an item not below cell_count, a corner beyond its cluster's table, entries of the tree of
+  /// clusters beyond its last one, a point that is not finite. Reads all indices and points once.
   explicit TetMesh(PackedFile file);
 
   const TetMeshDescription& description() const { return description_; }
   const PackedFile& file() const { return file_; }
 
   std::span<const std::array<double, 3>> points() const { return points_; }
-  std::span<const std::array<std::uint32_t, 4>> cells() const { return cells_; }
-  LeafListsView leaf_lists() const { return leaf_lists_; }
+  /// Positions of a cell's points.
+  std::array<std::uint32_t, 4> cell(std::uint64_t position) const {
+    return cells_.empty() ? clusters_.cell(position) : cells_[position];
+  }
+
+  bool has_clusters() const { return description_.clusters.has_value(); }
+  LeafListsView leaf_lists() const { return leaf_lists_; }        ///< only without clusters
+  const CellClustersView& clusters() const { return clusters_; }  ///< only with them
 
   /// The position in the source file of the cell that this one is, or was cut from.
   std::uint64_t cell_id(std::uint64_t cell) const { return cell_ids_.empty() ? cell : cell_ids_[cell]; }
@@ -76,12 +96,21 @@ class TetMesh {
   std::span<const T> values(std::size_t field) const {
     return file_.array<T>(concat("field.", field), {description_.point_count});
   }
+  /// Only with leaf lists.
   template <class T>
   MacroLevelsView<T> macro_levels(std::size_t field) const {
     return view_macro_levels<T>(file_, description_.lattice.macro, 0, concat("range.", field, "."));
   }
+  /// Only with clusters.
+  template <class T>
+  ClusterRangesView<T> cluster_ranges(std::size_t field) const {
+    return view_cluster_ranges<T>(file_, clusters_.shape, field);
+  }
 
  private:
+  void view_leaf_lists();
+  void view_clusters();
+
   PackedFile file_;
   TetMeshDescription description_;
   std::span<const std::array<double, 3>> points_;
@@ -89,12 +118,17 @@ class TetMesh {
   std::span<const std::uint32_t> cell_ids_;
   std::span<const std::uint32_t> point_ranks_;
   LeafListsView leaf_lists_;
+  CellClustersView clusters_;
 };
+
+/// Of a description with clusters.
+ClusterShape cluster_shape(const TetMeshDescription& description);
 
 std::vector<ArraySpec> tet_mesh_arrays(const TetMeshDescription& description);
 FileDescription describe(const TetMeshDescription& description);
 
-/// As for grids: intervals that lack a value, wrong ranges, a tetrahedron missing from the list at its own centroid.
+/// As for grids: intervals that lack a value, wrong ranges, a tetrahedron missing from the list at its own centroid or
+/// outside its cluster's box, a box outside the one above it.
 std::vector<std::string> deep_findings(const TetMesh& mesh);
 
 }  // namespace rhoray::formats

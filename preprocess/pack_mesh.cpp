@@ -1,16 +1,19 @@
 #include "preprocess/pack_mesh.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 #include <variant>
 
 #include "formats/base/trouble.h"
 #include "preprocess/cell_order/order_cells.h"
+#include "preprocess/clusters/build_clusters.h"
 #include "preprocess/inspect/choose_fields.h"
 #include "preprocess/inspect/clean_mesh.h"
 #include "preprocess/inspect/summarize.h"
@@ -56,7 +59,14 @@ formats::FieldSummary summary_of(const PointField& field) {
       field.values);
 }
 
-/// All but the leaf lists.
+void check_cluster_size(const PackMeshOptions& options) {
+  if (std::has_single_bit(options.cluster_size) && options.cluster_size <= formats::ClusterShape::largest_cell_count)
+    return;
+  throw Error(Trouble::usage, concat("cells of a cluster: found ", options.cluster_size,
+                                     "; expected a power of two, at most ", formats::ClusterShape::largest_cell_count));
+}
+
+/// All but the counts of the structure.
 formats::TetMeshDescription description_of(const NeutralMesh& mesh, const CleanMesh& clean,
                                            const std::vector<PointField>& fields, const PackMeshOptions& options) {
   formats::TetMeshDescription packed;
@@ -109,15 +119,60 @@ class MeteredWriter {
   ProgressMeter meter_;
 };
 
+/// Leaf lists or clusters: one of them is there.
+struct Structure {
+  std::optional<LeafLists> lists;
+  std::optional<Clusters> clusters;
+};
+
+/// Builds it and tells the description of it.
+Structure build_structure(const CleanMesh& clean, const PackMeshOptions& options, const Progress& progress,
+                          formats::TetMeshDescription& packed) {
+  Structure structure;
+  if (options.structure == MeshStructure::leaves) {
+    structure.lists = build_leaf_lists(clean.points, clean.cells, packed.lattice, progress);
+    packed.leaf_item_count = structure.lists->items.size();
+  } else {
+    structure.clusters = build_clusters(clean.points, clean.cells, options.cluster_size, progress);
+    packed.clusters = {.cluster_size = options.cluster_size,
+                       .vertex_count = structure.clusters->tables.size(),
+                       .box_unit = structure.clusters->box_unit};
+  }
+  return structure;
+}
+
+void write_structure(MeteredWriter& writer, const Structure& structure, const CleanMesh& clean) {
+  if (structure.lists) {
+    writer.write<std::array<std::uint32_t, 4>>("cells", clean.cells);
+    writer.write<std::uint64_t>("leaf.offsets", structure.lists->offsets);
+    writer.write<std::uint32_t>("leaf.items", structure.lists->items);
+    return;
+  }
+  const Clusters& clusters = *structure.clusters;
+  writer.write<std::uint64_t>("cluster.offsets", clusters.table_starts);
+  writer.write<std::uint32_t>("cluster.vertices", clusters.tables);
+  writer.write<std::array<std::uint8_t, 4>>("cluster.corners", clusters.corners);
+  for (std::size_t level = 0; level < clusters.boxes.size(); ++level)
+    writer.write<formats::BoxBlock>(concat("cluster.boxes.", level), clusters.boxes[level]);
+}
+
+template <class Level>
+void write_ranges(MeteredWriter& writer, std::size_t field, const std::vector<Level>& levels) {
+  for (std::size_t level = 0; level < levels.size(); ++level)
+    writer.write(concat("range.", field, ".", level), std::span<const typename Level::value_type>(levels[level]));
+}
+
 /// The field's values and its intervals on every level.
 template <class T>
 void write_field(MeteredWriter& writer, std::size_t field, const Array<T>& values, const CleanMesh& clean,
-                 const LeafLists& lists, const formats::MacroShape& shape) {
-  writer.write(concat("field.", field), std::span<const T>(values));
-  Levels<T> levels(1, build_leaf_ranges(clean.cells, std::span<const T>(values), lists.view()));
+                 const Structure& structure, const formats::MacroShape& shape) {
+  const std::span<const T> of_points(values);
+  writer.write(concat("field.", field), of_points);
+  if (structure.clusters)
+    return write_ranges(writer, field, build_cluster_ranges(clean.cells, of_points, structure.clusters->shape));
+  Levels<T> levels(1, build_leaf_ranges(clean.cells, of_points, structure.lists->view()));
   add_levels_above_leaves(levels, shape);
-  for (std::size_t level = 0; level < levels.size(); ++level)
-    writer.write(concat("range.", field, ".", level), std::span<const T>(levels[level]));
+  write_ranges(writer, field, levels);
 }
 
 }  // namespace
@@ -125,6 +180,7 @@ void write_field(MeteredWriter& writer, std::size_t field, const Array<T>& value
 PackMeshReport pack_mesh(const NeutralMesh& mesh, const std::filesystem::path& path, const PackMeshOptions& options,
                          const Progress& progress) {
   const std::string source_name = options.source_name.empty() ? "mesh" : options.source_name;
+  check_cluster_size(options);
   ProgressMeter inspecting(progress, "inspecting the mesh", 2);
   CleanMesh clean = clean_mesh(mesh, source_name);
   const Array<std::uint32_t> point_ranks = order_cells(clean);
@@ -139,21 +195,17 @@ PackMeshReport pack_mesh(const NeutralMesh& mesh, const std::filesystem::path& p
   for (const formats::FieldSummary& field : packed.fields) note_no_data(field, report.notes);
   inspecting.add(1);
 
-  const LeafLists lists = build_leaf_lists(clean.points, clean.cells, packed.lattice, progress);
-  packed.leaf_item_count = lists.items.size();
-
+  const Structure structure = build_structure(clean, options, progress, packed);
   const std::vector<formats::ArraySpec> arrays = formats::tet_mesh_arrays(packed);
   formats::PackedFileWriter file(path, formats::describe(packed), arrays,
                                  {.replace_existing = options.replace_existing});
   MeteredWriter writer(file, progress, bytes_of(arrays));
   writer.write<std::array<double, 3>>("points", clean.points);
-  writer.write<std::array<std::uint32_t, 4>>("cells", clean.cells);
   writer.write<std::uint32_t>("cell_ids", ids);
   writer.write<std::uint32_t>("point_ranks", point_ranks);
-  writer.write<std::uint64_t>("leaf.offsets", lists.offsets);
-  writer.write<std::uint32_t>("leaf.items", lists.items);
+  write_structure(writer, structure, clean);
   for (std::size_t f = 0; f < fields.size(); ++f)
-    std::visit([&](const auto& values) { write_field(writer, f, values, clean, lists, packed.lattice.macro); },
+    std::visit([&](const auto& values) { write_field(writer, f, values, clean, structure, packed.lattice.macro); },
                fields[f].values);
   ProgressMeter sealing(progress, "sealing", 1);
   report.file_bytes = file.commit();

@@ -58,7 +58,7 @@ NeutralMesh unpack_mesh(const TetMesh& packed) {
   mesh.cells.reserve(cells.size());
   mesh.cell_ids.reserve(cells.size());
   for (const std::uint32_t c : cells) {
-    const auto& cell = packed.cells()[c];
+    const auto cell = packed.cell(c);
     mesh.cell_ids.push_back(packed.cell_id(c));
     mesh.cells.push_back({packed.point_rank(cell[0]), packed.point_rank(cell[1]), packed.point_rank(cell[2]),
                           packed.point_rank(cell[3])});

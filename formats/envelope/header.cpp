@@ -27,8 +27,8 @@ constexpr std::array all_types{ElementType::U8,  ElementType::I8,  ElementType::
                                ElementType::U32, ElementType::I32, ElementType::U64, ElementType::I64,
                                ElementType::F32, ElementType::F64};
 
-/// Features that a file may require of its reader; of version 1.1.
-constexpr std::array<std::string_view, 2> known_features{"axis-tables", "sparse-bricks"};
+/// Features that a file may require of its reader; of version 1.1, the last one of 1.2.
+constexpr std::array<std::string_view, 3> known_features{"axis-tables", "sparse-bricks", "cell-clusters"};
 
 bool has_control_character(std::string_view text) {
   return std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
@@ -284,7 +284,7 @@ Header read_header(std::string_view file, std::string_view text, std::uint64_t d
   for (const std::string& feature : header.description.required)
     if (std::find(known_features.begin(), known_features.end(), feature) == known_features.end())
       refuse(file, "header, __metadata__, requires", concat("the feature '", feature.substr(0, 80), "'"),
-             "axis-tables or sparse-bricks; a newer program may know more", Trouble::unsupported);
+             "axis-tables, sparse-bricks or cell-clusters; a newer program may know more", Trouble::unsupported);
 
   for (const Listener::Array& array : heard.arrays) header.arrays.push_back(to_entry(file, array));
   check_layout(file, header.arrays, data_bytes);

@@ -80,7 +80,8 @@ void add_isosurface(StlFile& file, const std::array<Vec3, 4>& points, const std:
 
 void write_isosurface(StlFile& file, const TetMesh& mesh, std::size_t field, double isovalue) {
   with_values(mesh, field, [&](const auto values) {
-    for (const auto& cell : mesh.cells()) {
+    for (std::uint64_t c = 0; c < mesh.description().cell_count; ++c) {
+      const auto cell = mesh.cell(c);
       std::array<Vec3, 4> points;
       std::array<double, 4> at;
       for (std::size_t v = 0; v < 4; ++v) {
@@ -101,9 +102,10 @@ void write_own_surface(StlFile& file, const TetMesh& mesh) {
     std::array<std::uint32_t, 3> corners;
   };
   Array<Face> all;
-  all.reserve(4 * mesh.cells().size());
-  for (const auto& cell : mesh.cells())
+  all.reserve(4 * mesh.description().cell_count);
+  for (std::uint64_t c = 0; c < mesh.description().cell_count; ++c)
     for (const auto& face : faces) {
+      const auto cell = mesh.cell(c);
       const std::array corners{cell[face[0]], cell[face[1]], cell[face[2]]};
       std::array sorted = corners;
       std::sort(sorted.begin(), sorted.end());

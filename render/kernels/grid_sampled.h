@@ -27,6 +27,11 @@ class GridSampler {
     return {corners.smallest(), corners.largest()};
   }
 
+  template <class MayHold, class Region>
+  void walk(const SampledWalk& walk, KernelCounters& counters, MayHold&& may_hold, Region&& region) const {
+    walk_lattice(*this, walk, counters, may_hold, region);
+  }
+
   double sample(double t) const {
     const Index3 at = cell_at(ray_, planes_, lattice(), t);
     const TrilinearCell cell = view_.cell(at);

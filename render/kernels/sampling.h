@@ -12,11 +12,14 @@
 /// all lie on one side, or not above the largest sample so far, are passed over: their samples would say nothing else.
 ///
 /// A Sampler knows one ray in one kind of volume:
-///   lattice(), planes(), ray_lattice(), top_level()   the walk
-///   steps_per_t()                                     cells of the lattice that the ray passes while t grows by 1
-///   range(level, cell)                                of values; level may be 0
-///   sample(t)                                         the field there, NaN where there is no data
-///   complete(hit)                                     cell and gradient of a hit at hit.t
+///   lattice(), planes(), ray_lattice()   the part of the ray that samples are taken on
+///   steps_per_t()                        cells of the lattice that the ray passes while t grows by 1
+///   walk(walk, counters, may_hold, region)
+///                                        calls region(t_in, t_out) for parts of the ray, in the order of t_in, that
+///                                        hold all samples in regions whose range may_hold what is looked for; returns
+///                                        when it is false
+///   sample(t)                            the field there, NaN where there is no data
+///   complete(hit)                        cell and gradient of a hit at hit.t
 namespace rhoray::render {
 
 namespace {
@@ -31,6 +34,32 @@ struct SampleTrain {
     return static_cast<std::int64_t>(std::ceil((from - t_first) / step));
   }
 };
+
+/// How a Sampler is to walk.
+struct SampledWalk {
+  Segment segment;
+  bool use_hierarchy;
+  bool asks_cells;  ///< for their ranges too, not only those of regions above them
+};
+
+/// The walk through a lattice, for a Sampler with top_level() and range(level, cell) of values.
+template <class Sampler, class MayHold, class Region>
+void walk_lattice(const Sampler& sampler, const SampledWalk& walk, KernelCounters& counters, MayHold&& may_hold,
+                  Region&& region) {
+  const WalkLattice lattice = sampler.lattice();
+  const auto enters = [&](int level, const CellVisit& visit) {
+    ++counters.macrocells_visited;
+    return may_hold(sampler.range(level, visit.cell));
+  };
+  const auto leaf = [&](const CellVisit& visit) {
+    ++counters.cells_visited;
+    if (walk.asks_cells && !may_hold(sampler.range(0, visit.cell))) return true;
+    return region(visit.t_in, visit.t_out);
+  };
+  const int top = walk.use_hierarchy ? sampler.top_level() : 0;
+  walk_hierarchy(sampler.ray_lattice(), sampler.planes(), lattice, top, whole_level(lattice, lattice.cell_edge(top)),
+                 walk.segment.t_in, walk.segment.t_out, enters, leaf);
+}
 
 /// Between samples on different sides: one linear step, or ten halvings.
 template <class Sampler>
@@ -64,17 +93,11 @@ Hit sampled_crossing(Sampler& sampler, const Question& question, KernelCounters&
   const auto can_cross = [&](const Interval<double>& range) {
     return range.lo < question.isovalue && question.isovalue <= range.hi;
   };
-  const auto enters = [&](int level, const CellVisit& visit) {
-    ++counters.macrocells_visited;
-    return can_cross(sampler.range(level, visit.cell));
-  };
-  // Up to the sample after the leaf cell: the change may lie before it, in a region that is passed over.
-  const auto leaf = [&](const CellVisit& visit) {
-    ++counters.cells_visited;
-    if (!can_cross(sampler.range(0, visit.cell))) return true;
+  // Up to the sample after the region: the change may lie before it, in one that is passed over.
+  const auto look_for_change = [&](double t_in, double t_out) {
     const IntersectionTimer timer(question, counters);
-    const std::int64_t end = train.first_from(visit.t_out);
-    for (std::int64_t i = std::max(train.first_from(visit.t_in), last.number + 1); i <= end; ++i) {
+    const std::int64_t end = train.first_from(t_out);
+    for (std::int64_t i = std::max(train.first_from(t_in), last.number + 1); i <= end; ++i) {
       if (train.t(i) > segment->t_out) return true;
       if (i > 0 && last.number != i - 1) take(i - 1);
       const Sample before = last;
@@ -88,9 +111,7 @@ Hit sampled_crossing(Sampler& sampler, const Question& question, KernelCounters&
     }
     return true;
   };
-  const int top = question.use_hierarchy ? sampler.top_level() : 0;
-  walk_hierarchy(sampler.ray_lattice(), sampler.planes(), lattice, top, whole_level(lattice, lattice.cell_edge(top)),
-                 segment->t_in, segment->t_out, enters, leaf);
+  sampler.walk({*segment, question.use_hierarchy, true}, counters, can_cross, look_for_change);
   if (hit.is_miss()) return hit;
   hit.value = question.isovalue;
   hit.root_count = 1;
@@ -107,17 +128,14 @@ Hit sampled_maximum(Sampler& sampler, const Question& question, KernelCounters& 
   const SampleTrain train{segment->t_in, question.method.step / sampler.steps_per_t()};
   const auto is_beaten = [&](double largest) { return !hit.is_miss() && largest <= hit.value; };
 
-  const auto enters = [&](int level, const CellVisit& visit) {
-    ++counters.macrocells_visited;
-    const Interval<double> range = sampler.range(level, visit.cell);
-    return !range.is_empty() && !is_beaten(range.hi);
-  };
-  const auto leaf = [&](const CellVisit& visit) {
-    ++counters.cells_visited;
+  const auto may_hold = [&](const Interval<double>& range) { return !range.is_empty() && !is_beaten(range.hi); };
+  std::int64_t next = 0;
+  const auto take_samples = [&](double t_in, double t_out) {
     const IntersectionTimer timer(question, counters);
-    const std::int64_t end = train.first_from(visit.t_out);
-    for (std::int64_t i = train.first_from(visit.t_in); i < end; ++i) {
+    const std::int64_t end = train.first_from(t_out);
+    for (std::int64_t i = std::max(train.first_from(t_in), next); i < end; ++i) {
       ++counters.samples_taken;
+      next = i + 1;
       const double value = sampler.sample(train.t(i));
       if (std::isnan(value) || is_beaten(value)) continue;
       hit.t = train.t(i);
@@ -125,9 +143,7 @@ Hit sampled_maximum(Sampler& sampler, const Question& question, KernelCounters& 
     }
     return true;
   };
-  const int top = question.use_hierarchy ? sampler.top_level() : 0;
-  walk_hierarchy(sampler.ray_lattice(), sampler.planes(), lattice, top, whole_level(lattice, lattice.cell_edge(top)),
-                 segment->t_in, segment->t_out, enters, leaf);
+  sampler.walk({*segment, question.use_hierarchy, false}, counters, may_hold, take_samples);
   if (!hit.is_miss()) sampler.complete(hit);
   return hit;
 }

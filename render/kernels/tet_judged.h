@@ -7,9 +7,11 @@
 #include "render/kernels/judged.h"
 #include "render/kernels/tet_walk.h"
 
-/// A mesh's questions answered by the exact judge, who is shown the tetrahedra listed in the leaf cells along the ray.
-/// Lists reach a millionth of a leaf cell beyond it, and the lattice a little beyond the mesh (preprocess/leaf_lists):
-/// so the rounding of the walk leaves out none, for rays that start less than 2^28 leaf cells away.
+/// A mesh's questions answered by the exact judge, who is shown the tetrahedra listed in the leaf cells along the ray,
+/// or those of the clusters whose boxes it meets. Lists reach a millionth of a leaf cell beyond it, and the lattice a
+/// little beyond the mesh (preprocess/leaf_lists): so the rounding of the walk leaves out none, for rays that start
+/// less than 2^28 leaf cells away. Boxes hold their tetrahedra, and none is missed that the ray touches
+/// (cluster_walk.h).
 ///
 /// He sees those whose values reach the isovalue, and joins their parts of the ray: right where the cells are a
 /// partition, which share their faces. Where cells overlap, or points hang in faces, there is no one field; then he may
@@ -19,33 +21,56 @@ namespace rhoray::render {
 
 namespace {
 
-/// The tetrahedra listed in leaf cells along the ray, each once, rising.
-/// @param may_matter  (range of values in a region or tetrahedron): false to leave it out
-template <class View, class MayMatter>
-std::vector<std::uint32_t> tets_along(const View& view, const Question& question, const Ray& ray,
-                                      KernelCounters& counters, MayMatter&& may_matter) {
-  std::vector<std::uint32_t> tets;
+template <class View, class MayMatter, class Take>
+void take_from_lists(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
+                     MayMatter&& may_matter, Take&& take) {
   const WalkLattice lattice = view.lattice();
   const Ray ray_lattice = view.on_lattice(ray);
   const PlaneTimes planes(ray_lattice);
   const std::optional<Segment> segment = clip_to_lattice(ray_lattice, planes, lattice.leaf_count);
-  if (!segment) return tets;
+  if (!segment) return;
   auto enters = [&](int level, const CellVisit& visit) {
     ++counters.macrocells_visited;
     return may_matter(view.range(level, visit.cell));
   };
   auto leaf = [&](const CellVisit& visit) {
     ++counters.cells_visited;
-    for (const std::uint32_t tet : view.tetrahedra_at(visit.cell)) {
-      const TetValues values = view.values_at(view.sorted_vertices(tet));
-      const auto [lo, hi] = std::minmax({values[0], values[1], values[2], values[3]});
-      if (has_data(values) && may_matter({lo, hi})) tets.push_back(tet);
-    }
+    for (const std::uint32_t tet : view.tetrahedra_at(visit.cell)) take(tet);
     return true;
   };
   const int top = question.use_hierarchy ? view.level_count() : 0;
   walk_hierarchy(ray_lattice, planes, lattice, top, whole_level(lattice, lattice.cell_edge(top)), segment->t_in,
                  segment->t_out, enters, leaf);
+}
+
+template <class View, class MayMatter, class Take>
+void take_from_clusters(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
+                        MayMatter&& may_matter, Take&& take) {
+  const formats::CellClustersView& clusters = view.clusters();
+  walk_clusters(
+      view, BoxRay(ray, clusters.box_unit), question.use_hierarchy, counters, may_matter, [](double) { return true; },
+      [&](const ClusterVisit& visit) {
+        for (std::uint64_t tet = clusters.first_cell(visit.entry); tet < clusters.end_cell(visit.entry); ++tet)
+          take(static_cast<std::uint32_t>(tet));
+        return true;
+      });
+}
+
+/// The tetrahedra of leaf cells or clusters along the ray, each once, rising.
+/// @param may_matter  (range of values in a region or tetrahedron): false to leave it out
+template <class View, class MayMatter>
+std::vector<std::uint32_t> tets_along(const View& view, const Question& question, const Ray& ray,
+                                      KernelCounters& counters, MayMatter&& may_matter) {
+  std::vector<std::uint32_t> tets;
+  const auto take = [&](std::uint32_t tet) {
+    const TetValues values = view.values_at(view.sorted_vertices(tet));
+    const auto [lo, hi] = std::minmax({values[0], values[1], values[2], values[3]});
+    if (has_data(values) && may_matter(Interval<double>{lo, hi})) tets.push_back(tet);
+  };
+  if (view.has_clusters())
+    take_from_clusters(view, question, ray, counters, may_matter, take);
+  else
+    take_from_lists(view, question, ray, counters, may_matter, take);
   std::sort(tets.begin(), tets.end());
   tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
   counters.cells_solved += tets.size();
@@ -96,7 +121,7 @@ Hit judged_largest_value(const View& view, const Question& question, const Ray& 
   ++scratch.counters.rays_judged;
   const std::vector<TetForJudge> tets =
       shown(view, tets_along(view, question, ray, scratch.counters,
-                             [&](const Interval<double>& range) { return !range.is_empty(); }));
+                             [](const Interval<double>& range) { return !range.is_empty(); }));
   const TetMaximumVerdict verdict = judge_largest_value(tets, ray);
   Hit hit;
   if (!verdict.has_value) return hit;

@@ -13,7 +13,7 @@ Kernels kernels_for(const View& view, Method::Way way) {
                                        certified_first_crossing<View>, judged_first_crossing<View>>(way),
           .largest_value = kernel_for<View, largest_value_on_ray<View>, sampled_maximum_on_ray<View>,
                                       certified_largest_value<View>, judged_largest_value<View>>(way),
-          .queue_entries = largest_queue_size(view.lattice(), view.level_count())};
+          .queue_entries = queue_size_for(view)};
 }
 
 template <class View>

@@ -1,47 +1,161 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
+#include <tuple>
 
 #include "render/kernels/largest_value_search.h"
 #include "render/kernels/tet_walk.h"
 
+/// The largest value along a ray through a mesh. On a tetrahedron the field is linear, so its largest value on a ray is
+/// where the ray enters or leaves: direct, preview and paper are the same.
+///
+/// Regions (leaf cells and macrocells, or clusters and the entries above them) are opened in the order of their largest
+/// values, those of one value front to back, until none is left that could hold a larger value, the same at a smaller
+/// t, or at the same t in a cell of a smaller id: so the answer does not depend on which regions there are.
 namespace rhoray::render {
 
 namespace {
 
-/// On a tetrahedron the field is linear, so its largest value on a ray is where the ray enters or leaves: direct,
-/// preview and paper are the same.
+class LargestSoFar {
+ public:
+  void offer(double value, double t, std::uint64_t id) {
+    if (std::tuple(-value, t, id) < std::tuple(-value_, t_, id_)) value_ = value, t_ = t, id_ = id;
+  }
+  bool beats(const MaximumQueue::Entry& region) const {
+    return region.bound < value_ || (region.bound == value_ && region.t_in > t_);
+  }
+  Hit hit() const {
+    Hit hit;
+    if (value_ == nothing) return hit;
+    hit.t = t_;
+    hit.value = value_;
+    hit.cell = id_;
+    return hit;
+  }
+
+ private:
+  static constexpr double nothing = -std::numeric_limits<double>::infinity();
+  double value_ = nothing, t_ = std::numeric_limits<double>::infinity();
+  std::uint64_t id_ = 0;
+};
+
+/// Offers what the ray reaches in tetrahedra.
+template <class Real, class View>
+class ValuesAlong {
+ public:
+  ValuesAlong(const View& view, const Ray& ray, KernelCounters& counters, LargestSoFar& largest)
+      : view_(view), ray_(ray), shear_(ray), counters_(counters), largest_(largest) {}
+
+  RHORAY_INLINE void look_into(std::uint32_t tet) const {
+    const auto vertices = view_.sorted_vertices(tet);
+    const TetValues values = view_.values_at(vertices);
+    if (!has_data(values)) return;
+    ++counters_.cells_solved;
+    const TetPoints p = view_.points_at(vertices);
+    auto passage = pass_through(
+        SeenTetOf<Real>{{shear_.see(p[0]), shear_.see(p[1]), shear_.see(p[2]), shear_.see(p[3])}, values}, 0);
+    if (passage) passage = clip(*passage, ray_.t_min, ray_.t_max);
+    if (!passage) return;
+    // Rounding must not lift a value over those of the cell: the bounds of regions are made of them.
+    const double most = std::max({values[0], values[1], values[2], values[3]});
+    largest_.offer(std::min(passage->in.value, most), passage->in.t, view_.cell_id(tet));
+    largest_.offer(std::min(passage->out.value, most), passage->out.t, view_.cell_id(tet));
+  }
+
+ private:
+  const View& view_;
+  const Ray& ray_;
+  RayShearOf<Real> shear_;
+  KernelCounters& counters_;
+  LargestSoFar& largest_;
+};
+
+/// Opens regions until the largest value beats all that wait. `open(region)` looks into one, or puts what it consists
+/// of into the queue.
+template <class Open>
+void open_regions(MaximumQueue& queue, const LargestSoFar& largest, Open&& open) {
+  while (!queue.is_empty()) {
+    const MaximumQueue::Entry region = queue.pop();
+    if (largest.beats(region)) return;
+    open(region);
+  }
+}
+
+template <class View, class Look>
+void search_lists(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch,
+                  const LargestSoFar& largest, const Look& look_into) {
+  const WalkLattice lattice = view.lattice();
+  const Ray ray_lattice = view.on_lattice(ray);
+  const PlaneTimes planes(ray_lattice);
+  const std::optional<Segment> segment = clip_to_lattice(ray_lattice, planes, lattice.leaf_count);
+  if (!segment) return;
+  KernelCounters& counters = scratch.counters;
+  const auto put_level = [&](int level, const CellBlock& block, double t_in, double t_out) {
+    walk_level(ray_lattice, planes, lattice, lattice.cell_edge(level), block, t_in, t_out, [&](const CellVisit& visit) {
+      if (visit.has_no_length()) return true;
+      ++(level > 0 ? counters.macrocells_visited : counters.cells_visited);
+      const Interval<double> range = view.range(level, visit.cell);
+      const MaximumQueue::Entry region{
+          .bound = range.hi, .t_in = visit.t_in, .t_out = visit.t_out, .cell = visit.cell, .level = level};
+      if (!range.is_empty() && !largest.beats(region)) scratch.queue.push(region);
+      return true;
+    });
+  };
+  const int top = question.use_hierarchy ? view.level_count() : 0;
+  put_level(top, whole_level(lattice, lattice.cell_edge(top)), segment->t_in, segment->t_out);
+  open_regions(scratch.queue, largest, [&](const MaximumQueue::Entry& region) {
+    if (region.level > 0) {
+      const int below = region.level - 1;
+      return put_level(below, children(lattice, region.cell, lattice.cell_edge(below)), region.t_in, region.t_out);
+    }
+    const IntersectionTimer timer(question, counters);
+    for (const std::uint32_t tet : view.tetrahedra_at(region.cell)) look_into(tet);
+  });
+}
+
+template <class View, class Look>
+void search_clusters(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch,
+                     const LargestSoFar& largest, const Look& look_into) {
+  const formats::CellClustersView& clusters = view.clusters();
+  const BoxRay box_ray(ray, clusters.box_unit);
+  KernelCounters& counters = scratch.counters;
+  const auto put_block = [&](int level, std::uint64_t block) {
+    ++counters.macrocells_visited;
+    const auto& ranges = view.cluster_ranges()[static_cast<std::size_t>(level)][block];
+    const auto has_values = [](const Interval<double>& range) { return !range.is_empty(); };
+    meet_block(view, box_ray, level, block, has_values, [&](const ClusterVisit& visit) {
+      const MaximumQueue::Entry region{.bound = static_cast<double>(ranges.hi[visit.entry % BoxRay::width]),
+                                       .t_in = visit.part.t_in,
+                                       .t_out = visit.part.t_out,
+                                       .cell = {},
+                                       .level = level,
+                                       .id = visit.entry};
+      if (!largest.beats(region)) scratch.queue.push(region);
+    });
+  };
+  const int top = first_level(view, question.use_hierarchy);
+  for (std::uint64_t block = 0; block < clusters.shape.block_count(top); ++block) put_block(top, block);
+  open_regions(scratch.queue, largest, [&](const MaximumQueue::Entry& region) {
+    if (region.level > 0) return put_block(region.level - 1, region.id);
+    ++counters.cells_visited;
+    const IntersectionTimer timer(question, counters);
+    for (std::uint64_t tet = clusters.first_cell(region.id); tet < clusters.end_cell(region.id); ++tet)
+      look_into(static_cast<std::uint32_t>(tet));
+  });
+}
+
 template <class Real, class View>
 Hit largest_value_in(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
-  const Ray ray_lattice = view.on_lattice(ray);
-  KernelCounters& counters = scratch.counters;
-  const RayShearOf<Real> shear(ray);
-
-  const auto offer_tet = [&](std::uint32_t tet, double bound, const auto& offer) {
-    const auto vertices = view.sorted_vertices(tet);
-    const TetValues values = view.values_at(vertices);
-    if (!has_data(values)) return;
-    ++counters.cells_solved;
-    const TetPoints p = view.points_at(vertices);
-    auto passage =
-        pass_through(SeenTetOf<Real>{{shear.see(p[0]), shear.see(p[1]), shear.see(p[2]), shear.see(p[3])}, values}, 0);
-    if (passage) passage = clip(*passage, ray.t_min, ray.t_max);
-    if (!passage) return;
-    // Rounding must not lift a value over its leaf's bound: the queue relies on it.
-    offer(std::min(passage->in.value, bound), passage->in.t, view.cell_id(tet));
-    offer(std::min(passage->out.value, bound), passage->out.t, view.cell_id(tet));
-  };
-  const auto bound = [&](int level, const Index3& cell) {
-    ++(level > 0 ? counters.macrocells_visited : counters.cells_visited);
-    return view.range(level, cell).hi;
-  };
-  const auto open_leaf = [&](const MaximumQueue::Entry& entry, const auto& offer) {
-    const IntersectionTimer timer(question, counters);
-    for (const std::uint32_t tet : view.tetrahedra_at(entry.cell)) offer_tet(tet, entry.bound, offer);
-  };
-  return largest_value_search(ray_lattice, PlaneTimes(ray_lattice), view.lattice(),
-                              question.use_hierarchy ? view.level_count() : 0, -std::numeric_limits<double>::infinity(),
-                              scratch, bound, open_leaf);
+  LargestSoFar largest;
+  const ValuesAlong<Real, View> values(view, ray, scratch.counters, largest);
+  const auto look_into = [&](std::uint32_t tet) { values.look_into(tet); };
+  scratch.queue.clear();
+  if (view.has_clusters())
+    search_clusters(view, question, ray, scratch, largest, look_into);
+  else
+    search_lists(view, question, ray, scratch, largest, look_into);
+  return largest.hit();
 }
 
 template <class View>
@@ -49,6 +163,12 @@ Hit largest_value_on_ray(const View& view, const Question& question, const Ray& 
   return question.method.precision == Method::Precision::single
              ? largest_value_in<float>(view, question, ray, scratch)
              : largest_value_in<double>(view, question, ray, scratch);
+}
+
+/// Room in the queue for what one ray puts in; through clusters for most rays, and what it grows to is kept.
+template <class View>
+std::size_t queue_size_for(const View& view) {
+  return view.has_clusters() ? 1024 : largest_queue_size(view.lattice(), view.level_count());
 }
 
 }  // namespace

@@ -1,14 +1,18 @@
 #pragma once
 
+#include <algorithm>
+#include <vector>
+
 #include "render/cells/tet_methods.h"
 #include "render/kernels/sampling.h"
+#include "render/kernels/tet_walk.h"
 
 namespace rhoray::render {
 
 namespace {
 
-/// A ray through a mesh (sampling.h): each sample is looked up in the tetrahedra that the leaf cell there lists. Steps
-/// are in leaf cells, about the size of a tetrahedron.
+/// A ray through a mesh (sampling.h): each sample is looked up in the tetrahedra that the leaf cell there lists, or in
+/// those of the clusters whose boxes hold it. Steps are in leaf cells, about the size of a tetrahedron.
 template <class View>
 class TetSampler {
  public:
@@ -22,7 +26,15 @@ class TetSampler {
   double steps_per_t() const { return ray_lattice_.direction.length(); }
   Interval<double> range(int level, const Index3& cell) const { return view_.range(level, cell); }
 
-  /// Linear in the first listed tetrahedron that holds the point, rounding included.
+  template <class MayHold, class Region>
+  void walk(const SampledWalk& walk, KernelCounters& counters, MayHold&& may_hold, Region&& region) const {
+    if (view_.has_clusters())
+      walk_in_order(walk, counters, may_hold, region);
+    else
+      walk_lattice(*this, walk, counters, may_hold, region);
+  }
+
+  /// Linear in the tetrahedron that holds the point, rounding included; of several in the preferred one.
   double sample(double t) const {
     const std::optional<Found> found = find(t);
     return found ? found->value : std::numeric_limits<double>::quiet_NaN();
@@ -42,21 +54,78 @@ class TetSampler {
     double value;
   };
 
-  std::optional<Found> find(double t) const {
-    const Vec3 p = ray_.at(t), p_lattice = ray_lattice_.at(t);
-    Index3 leaf;
-    for (int a = 0; a < 3; ++a)
-      leaf[a] = static_cast<std::int64_t>(
-          std::clamp(std::floor(p_lattice[a]), 0.0, static_cast<double>(lattice().leaf_count[a] - 1)));
-    for (const std::uint32_t tet : view_.tetrahedra_at(leaf)) {
-      const auto vertices = view_.sorted_vertices(tet);
-      const TetValues values = view_.values_at(vertices);
-      const std::array<double, 4> w = barycentric(view_.points_at(vertices), p);
-      // Nothing is above a NaN, which the weights of a flat tetrahedron are.
-      if (!(std::min({w[0], w[1], w[2], w[3]}) >= -default_tet_slack) || !has_data(values)) continue;
-      return Found{tet, w[0] * values[0] + w[1] * values[1] + w[2] * values[2] + w[3] * values[3]};
+  /// Clusters overlap and are not met in the order of where they begin.
+  template <class MayHold, class Region>
+  void walk_in_order(const SampledWalk& walk, KernelCounters& counters, MayHold& may_hold, Region& region) const {
+    std::vector<ClusterVisit> visits;
+    walk_clusters(
+        view_, BoxRay(ray_, view_.clusters().box_unit), walk.use_hierarchy, counters, may_hold,
+        [](double) { return true; },
+        [&](const ClusterVisit& visit) {
+          visits.push_back(visit);
+          return true;
+        });
+    std::sort(visits.begin(), visits.end(),
+              [](const ClusterVisit& a, const ClusterVisit& b) { return a.part.t_in < b.part.t_in; });
+    for (const ClusterVisit& visit : visits) {
+      const double t_in = std::max(visit.part.t_in, walk.segment.t_in);
+      const double t_out = std::min(visit.part.t_out, walk.segment.t_out);
+      if (t_in <= t_out && !region(t_in, t_out)) return;
     }
-    return std::nullopt;
+  }
+
+  std::optional<Found> find(double t) const {
+    const Vec3 p = ray_.at(t);
+    std::optional<Found> found;
+    const auto look_into = [&](std::uint32_t tet) {
+      if (found && !is_preferred(view_, tet, found->tet)) return;
+      if (const auto value = value_in(tet, p)) found = {tet, *value};
+    };
+    if (view_.has_clusters()) {
+      look_around(p, view_.clusters().shape.top_level(), 0, look_into);
+    } else {
+      const Vec3 p_lattice = ray_lattice_.at(t);
+      Index3 leaf;
+      for (int a = 0; a < 3; ++a)
+        leaf[a] = static_cast<std::int64_t>(
+            std::clamp(std::floor(p_lattice[a]), 0.0, static_cast<double>(lattice().leaf_count[a] - 1)));
+      for (const std::uint32_t tet : view_.tetrahedra_at(leaf)) look_into(tet);
+    }
+    return found;
+  }
+
+  /// Looks into the cells of the clusters below a block whose boxes hold the point, or nearly: a point with weights of
+  /// -slack at least may lie up to three slacks of the box beside it.
+  template <class Look>
+  void look_around(const Vec3& p, int level, std::uint64_t block, Look& look_into) const {
+    const formats::CellClustersView& clusters = view_.clusters();
+    const formats::BoxBlock& boxes = clusters.boxes[static_cast<std::size_t>(level)][block];
+    for (std::size_t e = 0; e < BoxRay::width; ++e) {
+      bool holds = true;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double x = p[static_cast<int>(axis)] / clusters.box_unit;
+        const double lo = static_cast<double>(boxes.lo[axis][e]), hi = static_cast<double>(boxes.hi[axis][e]);
+        const double beside = 4 * default_tet_slack * (hi - lo);
+        holds = holds && lo - beside <= x && x <= hi + beside;
+      }
+      if (!holds) continue;
+      const std::uint64_t entry = block * BoxRay::width + e;
+      if (level > 0)
+        look_around(p, level - 1, entry, look_into);
+      else
+        for (std::uint64_t tet = clusters.first_cell(entry); tet < clusters.end_cell(entry); ++tet)
+          look_into(static_cast<std::uint32_t>(tet));
+    }
+  }
+
+  /// Nothing when the tetrahedron does not hold the point or has no data.
+  std::optional<double> value_in(std::uint32_t tet, const Vec3& p) const {
+    const auto vertices = view_.sorted_vertices(tet);
+    const TetValues values = view_.values_at(vertices);
+    const std::array<double, 4> w = barycentric(view_.points_at(vertices), p);
+    // Nothing is above a NaN, which the weights of a flat tetrahedron are.
+    if (!(std::min({w[0], w[1], w[2], w[3]}) >= -default_tet_slack) || !has_data(values)) return std::nullopt;
+    return w[0] * values[0] + w[1] * values[1] + w[2] * values[2] + w[3] * values[3];
   }
 
   static std::array<double, 4> barycentric(const TetPoints& points, const Vec3& p) {

@@ -4,12 +4,13 @@
 #include <cmath>
 
 #include "render/cells/tet_methods.h"
+#include "render/kernels/cluster_walk.h"
 #include "render/kernels/intersection_timer.h"
 #include "render/kernels/kernels.h"
 #include "render/march/lattice_walk.h"
 
 /// What the kernels of tetrahedral meshes share: a ray's walk through the leaf cells, to the tetrahedra that their
-/// lists name (paper, section 4.2).
+/// lists name (paper, section 4.2), or through clusters, to their tetrahedra.
 namespace rhoray::render {
 
 namespace {
@@ -28,13 +29,24 @@ RHORAY_INLINE bool is_preferred(const View& view, std::uint32_t tet, std::uint32
   return id != other ? id < other : tet < to;
 }
 
-/// Calls look(tetrahedron, values of its sorted vertices) for those that may hold the isosurface and have data, leaf
-/// after leaf along the ray; a tetrahedron comes up once for every leaf cell that lists it.
+/// Calls look(tetrahedron, values of its sorted vertices) for those that may hold the isosurface and have data.
+template <class View, class Look>
+RHORAY_INLINE void look_into(const View& view, const Question& question, std::uint32_t tet, KernelCounters& counters,
+                             Look&& look) {
+  const auto vertices = view.sorted_vertices(tet);
+  const TetValues values = view.values_at(vertices);
+  const auto [lo, hi] = std::minmax({values[0], values[1], values[2], values[3]});
+  if (!(lo < question.isovalue && question.isovalue <= hi) || !has_data(values)) return;
+  ++counters.cells_solved;
+  look(tet, LocalTet{view.points_at(vertices), values});
+}
+
+/// Looks into the tetrahedra along the ray, leaf after leaf; one comes up once for every leaf cell that lists it.
 /// @param leaf_begins  (t_in of the leaf): false to stop
 /// @param leaf_ends    (t_out of the leaf): false to stop
 template <class View, class Begins, class Look, class Ends>
-void walk_active_tets(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
-                      Begins&& leaf_begins, Look&& look, Ends&& leaf_ends) {
+void walk_active_lists(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
+                       Begins&& leaf_begins, Look&& look, Ends&& leaf_ends) {
   const WalkLattice lattice = view.lattice();
   const Ray ray_lattice = view.on_lattice(ray);
   const PlaneTimes planes(ray_lattice);
@@ -52,19 +64,43 @@ void walk_active_tets(const View& view, const Question& question, const Ray& ray
     ++counters.cells_visited;
     if (!can_cross(view.range(0, visit.cell))) return true;
     const IntersectionTimer timer(question, counters);
-    for (const std::uint32_t tet : view.tetrahedra_at(visit.cell)) {
-      const auto vertices = view.sorted_vertices(tet);
-      const TetValues values = view.values_at(vertices);
-      const auto [lo, hi] = std::minmax({values[0], values[1], values[2], values[3]});
-      if (!can_cross({lo, hi}) || !has_data(values)) continue;
-      ++counters.cells_solved;
-      look(tet, LocalTet{view.points_at(vertices), values});
-    }
+    for (const std::uint32_t tet : view.tetrahedra_at(visit.cell)) look_into(view, question, tet, counters, look);
     return leaf_ends(visit.t_out);
   };
   const int top = question.use_hierarchy ? view.level_count() : 0;
   walk_hierarchy(ray_lattice, planes, lattice, top, whole_level(lattice, lattice.cell_edge(top)), segment->t_in,
                  segment->t_out, enters, leaf);
+}
+
+/// Looks into the tetrahedra of the clusters along the ray, each once. Clusters overlap: a hit in one of them may lie
+/// behind one in another, so that only those are left out that begin behind it.
+template <class View, class Begins, class Look>
+void walk_active_clusters(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
+                          Begins&& cluster_begins, Look&& look) {
+  const double iso = question.isovalue;
+  const formats::CellClustersView& clusters = view.clusters();
+  walk_clusters(
+      view, BoxRay(ray, clusters.box_unit), question.use_hierarchy, counters,
+      [&](const Interval<double>& range) { return range.lo < iso && iso <= range.hi; }, cluster_begins,
+      [&](const ClusterVisit& visit) {
+        const IntersectionTimer timer(question, counters);
+        for (std::uint64_t tet = clusters.first_cell(visit.entry); tet < clusters.end_cell(visit.entry); ++tet)
+          look_into(view, question, static_cast<std::uint32_t>(tet), counters, look);
+        return true;
+      });
+}
+
+/// Calls look(tetrahedron, values of its sorted vertices) for those along the ray that may hold the isosurface and have
+/// data: front to back, but for how leaf cells and clusters overlap.
+/// @param matters_from  (t): false when nothing that lies behind t matters
+/// @param ends_at       (t): false when nothing matters at t or behind it
+template <class View, class MattersFrom, class Look, class EndsAt>
+void walk_active_tets(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
+                      MattersFrom&& matters_from, Look&& look, EndsAt&& ends_at) {
+  if (view.has_clusters())
+    walk_active_clusters(view, question, ray, counters, matters_from, look);
+  else
+    walk_active_lists(view, question, ray, counters, matters_from, look, ends_at);
 }
 
 /// Completes a hit at t in a tetrahedron.

@@ -12,28 +12,44 @@
 namespace rhoray::render {
 
 /// A packed mesh with one of its fields as rays cross it, in its own frame: points relative to the mesh's origin.
+///
+/// Which cells a ray may meet, leaf lists tell or clusters (formats/cell_clusters.h).
 template <class T>
 class TetVolume {
  public:
-  TetVolume(const formats::TetMesh& mesh, std::size_t field)
-      : mesh_(mesh), values_(mesh.values<T>(field)), levels_(mesh.macro_levels<T>(field)) {}
+  TetVolume(const formats::TetMesh& mesh, std::size_t field) : mesh_(mesh), values_(mesh.values<T>(field)) {
+    if (mesh.has_clusters())
+      cluster_ranges_ = mesh.cluster_ranges<T>(field);
+    else
+      levels_ = mesh.macro_levels<T>(field);
+  }
 
-  WalkLattice lattice() const { return {levels_.shape.leaf_count, levels_.shape.factor}; }
-  int level_count() const { return levels_.shape.level_count; }
   const formats::TetMeshDescription& description() const { return mesh_.description(); }
 
+  /// Leaf cells around the mesh, about the size of a tetrahedron, also where no lists name what they hold.
+  WalkLattice lattice() const {
+    const formats::MacroShape& shape = description().lattice.macro;
+    return {shape.leaf_count, shape.factor};
+  }
   /// The same ray with positions in leaf cells, and the same t.
   RHORAY_INLINE Ray on_lattice(const Ray& ray) const {
     const formats::LeafLattice& lattice = mesh_.description().lattice;
     return {(ray.origin - lattice.low) / lattice.leaf_size, ray.direction / lattice.leaf_size, ray.t_min, ray.t_max};
   }
 
+  bool has_clusters() const { return mesh_.has_clusters(); }
+
+  // With clusters.
+  const formats::CellClustersView& clusters() const { return mesh_.clusters(); }
+  const formats::ClusterRangesView<T>& cluster_ranges() const { return cluster_ranges_; }
+
+  // With leaf lists.
+  int level_count() const { return levels_.shape.level_count; }
   /// The values that occur in the tetrahedra of a leaf cell (level 0) or macrocell.
   RHORAY_INLINE Interval<double> range(int level, const Index3& cell) const {
     const Interval<T> stored = levels_.range(level, cell.x, cell.y, cell.z);
     return {static_cast<double>(stored.lo), static_cast<double>(stored.hi)};
   }
-
   RHORAY_INLINE std::span<const std::uint32_t> tetrahedra_at(const Index3& leaf) const {
     const Index3& count = levels_.shape.leaf_count;
     return mesh_.leaf_lists().list(static_cast<std::uint64_t>((leaf.z * count.y + leaf.y) * count.x + leaf.x));
@@ -44,7 +60,7 @@ class TetVolume {
 
   /// Point positions of a cell, rising.
   RHORAY_INLINE std::array<std::uint32_t, 4> sorted_vertices(std::uint32_t cell) const {
-    std::array<std::uint32_t, 4> v = mesh_.cells()[cell];
+    std::array<std::uint32_t, 4> v = mesh_.cell(cell);
     if (v[1] < v[0]) std::swap(v[0], v[1]);
     if (v[3] < v[2]) std::swap(v[2], v[3]);
     if (v[2] < v[0]) std::swap(v[0], v[2]);
@@ -69,6 +85,7 @@ class TetVolume {
   formats::TetMesh mesh_;
   std::span<const T> values_;
   formats::MacroLevelsView<T> levels_;
+  formats::ClusterRangesView<T> cluster_ranges_;
 };
 
 /// False when a value is NaN or infinite: the tetrahedron is absent.

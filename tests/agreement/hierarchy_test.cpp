@@ -55,7 +55,9 @@ TEST(Hierarchy, on_and_off_give_the_same_picture_of_meshes) {
   const TemporaryFolder folder;
   const auto mesh = box_mesh({.cells = {9, 8, 7}, .jitter = 0.15, .grading = 6}, distance_field({0.3, 0.4, 0.5}));
   for (const double leaves : {0.1, 1.0, 8.0}) {
-    const render::Volume volume = packed(folder, concat("m", leaves), mesh, {.leaf_cells_per_tetrahedron = leaves});
+    const render::Volume volume =
+        packed(folder, concat("m", leaves), mesh,
+               {.structure = preprocess::MeshStructure::leaves, .leaf_cells_per_tetrahedron = leaves});
     for (const render::Mode mode : {render::Mode::isosurface, render::Mode::mip}) {
       render::Scene scene = oblique_scene(volume, 0.31);
       scene.mode = mode;
@@ -67,11 +69,15 @@ TEST(Hierarchy, on_and_off_give_the_same_picture_of_meshes) {
 TEST(Hierarchy, leaf_lattices_of_any_resolution_give_the_same_picture_of_a_mesh) {
   const TemporaryFolder folder;
   const auto mesh = box_mesh({.cells = {9, 8, 7}, .jitter = 0.15, .grading = 6}, distance_field({0.3, 0.4, 0.5}));
-  const render::Volume coarse = packed(folder, "coarse", mesh, {.leaf_cell_count = 1});
+  const render::Volume coarse =
+      packed(folder, "coarse", mesh, {.structure = preprocess::MeshStructure::leaves, .leaf_cell_count = 1});
   const render::Scene scene = oblique_scene(coarse, 0.31);
   const render::Framebuffer expected = picture(coarse, scene);
   for (const std::uint64_t leaves : {20u, 500u, 20000u})
-    expect_same_bits(expected, picture(packed(folder, concat(leaves), mesh, {.leaf_cell_count = leaves}), scene));
+    expect_same_bits(expected,
+                     picture(packed(folder, concat(leaves), mesh,
+                                    {.structure = preprocess::MeshStructure::leaves, .leaf_cell_count = leaves}),
+                             scene));
 }
 
 }  // namespace rhoray::tests

@@ -27,10 +27,11 @@ std::string grid_bytes() {
   return memory.content();
 }
 
-std::string mesh_bytes() {
+std::string mesh_bytes(bool has_clusters = false) {
   const MemoryFile memory;
-  const auto mesh = tests::sample_tets(
+  auto mesh = tests::sample_tets(
       1, {{"f", [](const Vec3& p) { return p.x; }}, {"g", [](const Vec3& p) { return p.y; }}}, {2, 2, 1});
+  if (has_clusters) mesh = clustered(mesh, 4);
   PackedFileWriter writer(memory.descriptor(), describe(mesh.description), tet_mesh_arrays(mesh.description));
   mesh.write_into(writer).commit();
   return memory.content();
@@ -334,6 +335,28 @@ TEST(ResealedFile, details_of_a_mesh_out_of_their_limits_are_refused_by_name) {
            {R"(fields\":[)", R"(fields\":[7,)", "fields: found [7"},
        })
     expect_error(attack.trouble, attack.words, [&] { open_mesh(with_header_change(file, attack.from, attack.to)); });
+}
+
+TEST(ResealedFile, details_of_clusters_are_asked_for_and_held_to_their_limits) {
+  const std::string file = mesh_bytes(true);
+  for (const Attack& attack : std::vector<Attack>{
+           {R"(requires":"cell-clusters")", R"(requires":"")", "leaf_item_count: found nothing"},
+           {R"(clusters\":{)", R"(_clusters\":{)", "clusters: found nothing"},
+           {R"(size\":4)", R"(_size\":4)", "clusters.size: found nothing"},
+           {R"(size\":4)", R"(size\":0)", "clusters.size: found 0"},
+           {R"(size\":4)", R"(size\":3)", "clusters.size: found 3; expected a power of two"},
+           {R"(size\":4)", R"(size\":128)", "clusters.size: found 128"},
+           {R"(size\":4)", R"(size\":2)", "array 'cluster.offsets'"},
+           {R"(vertex_count\":)", R"(vertex_count\":9223372036854775807,\"old\":)", "array 'cluster.vertices'"},
+           {R"(vertex_count\":)", R"(vertex_count\":0,\"old\":)", "clusters.vertex_count: found 0"},
+           {R"(box_unit\":1.0)", R"(box_unit\":0.75)", "clusters.box_unit: found 0.75; expected a power of two"},
+           {R"(box_unit\":1.0)", R"(box_unit\":0.0)", "clusters.box_unit: found 0.0; expected a power of two"},
+           {R"(cell_count\":6)", R"(cell_count\":4294967295)", "array 'cluster.offsets'"},
+       })
+    expect_error(attack.trouble, attack.words, [&] { open_mesh(with_header_change(file, attack.from, attack.to)); });
+  const std::string lists = mesh_bytes();
+  expect_error(Trouble::invalid, "clusters: found nothing",
+               [&] { open_mesh(with_header_change(lists, R"(requires":"")", R"(requires":"cell-clusters")")); });
 }
 
 }  // namespace

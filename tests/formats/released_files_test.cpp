@@ -76,13 +76,46 @@ TEST(ReleasedFiles, mesh_of_version_1_0_is_read) {
   EXPECT_THAT(deep_findings(mesh), testing::IsEmpty());
   EXPECT_EQ(mesh.description().origin, Vec3(10, 20, 30));
   EXPECT_EQ(mesh.points().size(), 8U);
-  EXPECT_EQ(mesh.cells().size(), 6U);
+  EXPECT_EQ(mesh.description().cell_count, 6U);
   EXPECT_EQ(mesh.find_field("potential"), 0U);
   EXPECT_EQ(mesh.find_field("partial"), 1U);
   for (std::size_t p = 0; p < 8; ++p)
     EXPECT_FLOAT_EQ(mesh.values<float>(0)[p], static_cast<float>(mesh.points()[p][0] - 2 * mesh.points()[p][2]));
   EXPECT_EQ(mesh.description().fields[1].no_data_count, 1U);
   EXPECT_EQ(mesh.macro_levels<float>(0).range(1, 0, 0, 0), (Interval<float>{-2, 1}));
+}
+
+TEST(ReleasedFiles, clusters_of_version_1_2_are_read) {
+  const TetMesh mesh(released("1.2-clustered-tets.rho"));
+  EXPECT_EQ(mesh.file().version(), "1.2");
+  EXPECT_THAT(mesh.file().damaged_blocks(), testing::IsEmpty());
+  EXPECT_THAT(deep_findings(mesh), testing::IsEmpty());
+  ASSERT_TRUE(mesh.has_clusters());
+  EXPECT_EQ(mesh.clusters().cluster_count(), 3U);
+  EXPECT_EQ(mesh.description().cell_count, 12U);
+  EXPECT_EQ(mesh.description().dropped_cell_count, 1U);
+  EXPECT_EQ(mesh.description().fields[1].no_data_count, 1U);
+  std::uint64_t id_sum = 0;
+  double volume = 0;
+  for (std::uint64_t c = 0; c < 12; ++c) {
+    id_sum += mesh.cell_id(c);
+    std::array<Vec3, 4> p;
+    for (std::size_t v = 0; v < 4; ++v) {
+      const auto& point = mesh.points()[mesh.cell(c)[v]];
+      p[v] = Vec3(point[0], point[1], point[2]);
+    }
+    volume += (p[1] - p[0]).cross(p[2] - p[0]).dot(p[3] - p[0]) / 6;
+  }
+  EXPECT_EQ(id_sum, 12U * 13 / 2 - 3) << "all but cell 3";
+  EXPECT_NEAR(volume, 2, 1e-12);
+  for (std::size_t p = 0; p < 12; ++p) {
+    const std::uint64_t rank = mesh.point_rank(p);  // x fastest
+    const Vec3 world = mesh.description().origin + Vec3(mesh.points()[p][0], mesh.points()[p][1], mesh.points()[p][2]);
+    EXPECT_EQ(world, Vec3(static_cast<double>(10 + rank % 3), static_cast<double>(20 + rank / 3 % 2),
+                          static_cast<double>(30 + rank / 6)));
+    EXPECT_FLOAT_EQ(mesh.values<float>(0)[p], static_cast<float>(world.x - 2 * world.z));
+  }
+  EXPECT_LE(mesh.cluster_ranges<float>(0)[0][0].hi[2], -48.0F);
 }
 
 }  // namespace

@@ -38,9 +38,9 @@ TEST(TetMesh, comes_back_as_written) {
   ASSERT_EQ(mesh.points().size(), 27U);
   for (std::size_t p = 0; p < 27; ++p)
     EXPECT_THAT(mesh.points()[p], testing::ElementsAreArray(sample.points.data() + 3 * p, 3));
-  ASSERT_EQ(mesh.cells().size(), 48U);
   for (std::size_t c = 0; c < 48; ++c)
-    EXPECT_THAT(mesh.cells()[c], testing::ElementsAreArray(sample.cells.data() + 4 * c, 4));
+    EXPECT_THAT(mesh.cell(c), testing::ElementsAreArray(sample.cells.data() + 4 * c, 4));
+  EXPECT_FALSE(mesh.has_clusters());
   EXPECT_THAT(mesh.leaf_lists().offsets, testing::ElementsAreArray(sample.offsets));
   EXPECT_THAT(mesh.leaf_lists().items, testing::ElementsAreArray(sample.items));
   EXPECT_EQ(mesh.find_field("far"), 1U);
@@ -102,6 +102,31 @@ TEST(TetMesh, tells_where_cells_and_points_stood_in_the_source) {
   EXPECT_EQ(packed(small_mesh(), folder / "s.rho").file().version(), "1.0");
 }
 
+TEST(TetMesh, comes_back_as_written_in_clusters_of_any_size) {
+  for (const std::uint64_t size : {1U, 4U, 16U, 32U, 64U}) {
+    const TemporaryFolder folder;
+    const TetSample sample = clustered(small_mesh(), size);
+    const TetMesh mesh = packed(sample, folder / "m.rho");
+    EXPECT_EQ(mesh.file().version(), "1.2");
+    EXPECT_THAT(mesh.file().description().required, testing::ElementsAre("cell-clusters"));
+    ASSERT_TRUE(mesh.has_clusters());
+    for (std::size_t c = 0; c < 48; ++c)
+      EXPECT_THAT(mesh.cell(c), testing::ElementsAreArray(sample.cells.data() + 4 * c, 4));
+    const CellClustersView& clusters = mesh.clusters();
+    EXPECT_EQ(clusters.cluster_count(), (48 + size - 1) / size);
+    EXPECT_EQ(clusters.end_cell(clusters.cluster_count() - 1), 48U);
+    EXPECT_EQ(clusters.cluster_of(47), clusters.cluster_count() - 1);
+    EXPECT_EQ(clusters.shape.top_level(), size <= 4 ? 1 : 0);
+    const auto top = static_cast<std::size_t>(clusters.shape.top_level());
+    const BoxBlock& root = clusters.boxes[top].front();
+    EXPECT_EQ(*std::min_element(root.lo[0].begin(), root.lo[0].end()), 0);
+    EXPECT_EQ(*std::max_element(root.hi[2].begin(), root.hi[2].end()), 1);
+    const RangeBlock<float>& heights = mesh.cluster_ranges<float>(0)[top].front();
+    EXPECT_EQ(*std::max_element(heights.hi.begin(), heights.hi.end()), 1);
+    EXPECT_THAT(deep_findings(mesh), testing::IsEmpty());
+  }
+}
+
 // ---- content that would lead a reader astray -----------------------------------------------------------------------
 
 void open_after(const std::function<void(TetSample&)>& spoil) {
@@ -137,6 +162,31 @@ TEST(TetMesh, refuses_what_a_hot_loop_could_not_survive) {
       s = reordered_mesh();
       s.point_ranks[20] = 27;
     });
+  });
+}
+
+TEST(TetMesh, refuses_clusters_that_a_hot_loop_could_not_survive) {
+  const auto refuses = [](const std::string& words, const std::function<void(TetSample&)>& spoil) {
+    expect_error(Trouble::invalid, words, [&] {
+      open_after([&](TetSample& s) {
+        s = clustered(s, 16);
+        spoil(s);
+      });
+    });
+  };
+  refuses("array 'cluster.vertices', element 2: found 27; expected an index below 27",
+          [](TetSample& s) { s.clusters.vertices[2] = 27; });
+  refuses("array 'cluster.corners', cluster 1: found", [](TetSample& s) {
+    s.clusters.corners[4 * 16 + 7] = static_cast<std::uint8_t>(s.clusters.offsets[2] - s.clusters.offsets[1]);
+  });
+  refuses("array 'cluster.offsets', element 0: found 1", [](TetSample& s) { s.clusters.offsets[0] = 1; });
+  refuses("array 'cluster.offsets', element 3: found", [](TetSample& s) { ++s.clusters.offsets.back(); });
+  refuses("array 'cluster.offsets', element 2: found", [](TetSample& s) { s.clusters.offsets[2] = 1; });
+  refuses("array 'cluster.boxes.0', entry 3: found one that is not empty; expected 3 entries",
+          [](TetSample& s) { s.clusters.boxes[0][8 + 3] = 0; });
+  refuses("array 'range.1.0', entry 7: found one that is not empty", [](TetSample& s) {
+    s.ranges[1][0][7] = 0;
+    s.ranges[1][0][15] = 0;
   });
 }
 
@@ -209,6 +259,33 @@ TEST(TetMeshDeepFindings, name_each_kind_of_lie) {
                 s.point_ranks[9] = s.point_ranks[8];
               }),
               ElementsAre("a point rank given twice: point 9"));
+}
+
+TEST(TetMeshDeepFindings, name_each_kind_of_lie_about_clusters) {
+  using testing::Contains, testing::ElementsAre, testing::HasSubstr;
+  const auto findings = [](const std::function<void(TetSample&)>& spoil) {
+    return findings_after([&](TetSample& s) {
+      s = clustered(s, 4);
+      spoil(s);
+    });
+  };
+  EXPECT_THAT(findings([](TetSample&) {}), testing::IsEmpty());
+  EXPECT_THAT(findings([](TetSample& s) { std::swap(s.clusters.vertices[0], s.clusters.vertices[1]); }),
+              Contains("a table of vertices that does not rise: cluster 0"));
+  EXPECT_THAT(findings([](TetSample& s) {
+                const std::size_t vertices = s.clusters.offsets[1];
+                for (std::uint8_t& corner : std::span(s.clusters.corners).first(16))
+                  if (corner + 1U == vertices) --corner;
+              }),
+              Contains("a table with vertices that no cell of it uses: cluster 0"));
+  EXPECT_THAT(findings([](TetSample& s) { s.clusters.boxes[0][48 + 3 * 8 + 3] -= 0.1F; }),
+              ElementsAre("a cluster that reaches out of its box: cluster 11"));
+  EXPECT_THAT(findings([](TetSample& s) { s.clusters.boxes[0][8 + 1] -= 0.1F; }),
+              ElementsAre("a box that does not hold those below it: entry 0 of level 1"));
+  EXPECT_THAT(findings([](TetSample& s) { s.ranges[0][0][8 + 2] = -1; }),
+              Contains(HasSubstr("ranges of field 'height': a cluster's lacks a value of its cells: cluster 2")));
+  EXPECT_THAT(findings([](TetSample& s) { s.ranges[1][1][8] = -1e9F; }),
+              ElementsAre("ranges of field 'far': an entry does not match the level below: entry 0 of level 1"));
 }
 
 }  // namespace

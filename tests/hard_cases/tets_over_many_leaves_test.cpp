@@ -48,7 +48,8 @@ TEST(TetsOverManyLeaves, do_not_hide_a_nearer_crossing) {
   int hits = 0, hidden_by_the_first_leaf = 0;
   for (const auto& [mesh, leaves_per_cell] :
        {std::pair(&graded, 0.01), {&graded, 1.0}, {&graded, 50.0}, {&strewn, 1.0}, {&strewn, 50.0}}) {
-    TracedVolume traced(*mesh, {.leaf_cells_per_tetrahedron = leaves_per_cell});
+    TracedVolume traced(
+        *mesh, {.structure = preprocess::MeshStructure::leaves, .leaf_cells_per_tetrahedron = leaves_per_cell});
     const auto& view = std::get<render::TetVolume<double>>(traced.volume().implementation().view);
     Dice dice(1);
     for (int trial = 0; trial < 400; ++trial) {

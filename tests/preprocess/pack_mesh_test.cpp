@@ -46,7 +46,7 @@ void expect_true_ranges(const TetMesh& mesh, std::size_t field) {
                mesh.leaf_lists().list(static_cast<std::uint64_t>((k * leaves.y + j) * leaves.x + i))) {
             Interval<T> range;
             bool is_absent = false;
-            for (const std::uint32_t vertex : mesh.cells()[cell]) {
+            for (const std::uint32_t vertex : mesh.cell(cell)) {
               is_absent = is_absent || !std::isfinite(values[vertex]);
               range.include(values[vertex]);
             }
@@ -75,7 +75,7 @@ TetMesh packed(const NeutralMesh& mesh, const PackMeshOptions& options = {},
   TetMesh opened(PackedFile::open(folder / "m.rho"));
   EXPECT_THAT(formats::deep_findings(opened), IsEmpty());
   EXPECT_THAT(opened.file().damaged_blocks(), IsEmpty());
-  for (std::size_t f = 0; f < opened.description().fields.size(); ++f) {
+  for (std::size_t f = 0; f < opened.description().fields.size() && !opened.has_clusters(); ++f) {
     if (opened.description().fields[f].type == formats::ElementType::F32)
       expect_true_ranges<float>(opened, f);
     else
@@ -108,14 +108,14 @@ TEST(PackMesh, keeps_points_cells_and_values) {
   const TetMesh opened = packed(mesh);
   const auto& description = opened.description();
   ASSERT_EQ(opened.points().size(), mesh.points.size());
-  ASSERT_EQ(opened.cells().size(), mesh.cells.size());
+  ASSERT_EQ(description.cell_count, mesh.cells.size());
   std::vector<bool> is_here(mesh.cells.size());
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
     const std::uint64_t id = opened.cell_id(c);
     ASSERT_LT(id, is_here.size());
     EXPECT_FALSE(is_here[id]);
     is_here[id] = true;
-    for (std::size_t v = 0; v < 4; ++v) EXPECT_EQ(opened.point_rank(opened.cells()[c][v]), mesh.cells[id][v]);
+    for (std::size_t v = 0; v < 4; ++v) EXPECT_EQ(opened.point_rank(opened.cell(c)[v]), mesh.cells[id][v]);
   }
   const auto values = opened.values<double>(0);
   for (std::size_t p = 0; p < mesh.points.size(); ++p) {
@@ -139,7 +139,12 @@ TEST(PackMesh, holds_for_graded_aligned_far_and_strewn_meshes_and_any_hierarchy)
   }
   for (const NeutralMesh& mesh : meshes) {
     packed(mesh);
-    packed(mesh, {.leaf_cells_per_tetrahedron = 0.05, .macro_factor = 2, .macro_level_count = 6});
+    packed(mesh, {.cluster_size = 4});
+    packed(mesh, {.structure = MeshStructure::leaves});
+    packed(mesh, {.structure = MeshStructure::leaves,
+                  .leaf_cells_per_tetrahedron = 0.05,
+                  .macro_factor = 2,
+                  .macro_level_count = 6});
   }
 }
 
@@ -148,10 +153,11 @@ TEST(PackMesh, makes_about_as_many_leaf_cells_as_asked) {
   const auto leaf_cells = [&](const PackMeshOptions& options) {
     return static_cast<double>(volume(packed(mesh, options).description().lattice.macro.leaf_count));
   };
-  EXPECT_NEAR(leaf_cells({}), 6000, 600);
-  EXPECT_NEAR(leaf_cells({.leaf_cells_per_tetrahedron = 0.1}), 600, 120);
-  EXPECT_NEAR(leaf_cells({.leaf_cell_count = 20000}), 20000, 2000);
-  EXPECT_EQ(leaf_cells({.leaf_cells_per_tetrahedron = 1e-9}), 1);
+  EXPECT_NEAR(leaf_cells({}), 6000, 600) << "clusters keep the lattice as a measure";
+  EXPECT_NEAR(leaf_cells({.structure = MeshStructure::leaves}), 6000, 600);
+  EXPECT_NEAR(leaf_cells({.structure = MeshStructure::leaves, .leaf_cells_per_tetrahedron = 0.1}), 600, 120);
+  EXPECT_NEAR(leaf_cells({.structure = MeshStructure::leaves, .leaf_cell_count = 20000}), 20000, 2000);
+  EXPECT_EQ(leaf_cells({.structure = MeshStructure::leaves, .leaf_cells_per_tetrahedron = 1e-9}), 1);
 }
 
 TEST(PackMesh, reports_what_it_met_and_keeps_the_ids_of_cells) {
@@ -190,14 +196,20 @@ TEST(PackMesh, keeps_ids_that_the_importer_gave_also_where_no_cell_is_dropped) {
 }
 
 TEST(PackMesh, has_empty_intervals_where_all_cells_lack_data) {
-  const TetMesh opened = packed(tests::box_mesh(
-      {.cells = {8, 8, 8}, .jitter = 0.1}, [](const Vec3& p) { return p.x < 0.6 ? nan : p.x; }, true));
+  const auto mesh = tests::box_mesh(
+      {.cells = {8, 8, 8}, .jitter = 0.1}, [](const Vec3& p) { return p.x < 0.6 ? nan : p.x; }, true);
+  const TetMesh opened = packed(mesh, {.structure = MeshStructure::leaves});
   EXPECT_EQ(opened.description().fields[0].type, formats::ElementType::F32);
   const auto levels = opened.macro_levels<float>(0);
   EXPECT_TRUE(levels.range(0, 0, 0, 0).is_empty());
   EXPECT_TRUE(levels.range(1, 0, 1, 1).is_empty());
   EXPECT_EQ(levels.range(3, 0, 0, 0).hi, 1.0f);
   EXPECT_GE(levels.range(3, 0, 0, 0).lo, 0.6f);
+  const auto clusters = packed(mesh, {.cluster_size = 8}).cluster_ranges<float>(0);
+  const auto empty = std::count_if(clusters[0].begin(), clusters[0].end(),
+                                   [](const formats::RangeBlock<float>& block) { return block.lo[0] > block.hi[0]; });
+  EXPECT_GT(empty, 16) << "of 48";
+  EXPECT_LT(empty, 32);
 }
 
 TEST(PackMesh, packs_several_fields_of_both_precisions_in_the_order_asked) {
@@ -241,15 +253,18 @@ TEST(PackMesh, writes_the_same_bytes_on_any_number_of_threads) {
   EXPECT_TRUE(files[0] == files[2]);
 }
 
-TEST(PackMesh, takes_at_most_100_bytes_for_a_tetrahedron_beyond_points_and_fields) {
+TEST(PackMesh, takes_at_most_14_bytes_for_a_tetrahedron_beyond_points_and_fields_and_100_with_lists) {
   const TemporaryFolder folder;
   for (const double grading : {1.0, 50.0}) {
     const NeutralMesh mesh = tests::box_mesh(
         {.cells = {20, 20, 20}, .jitter = grading == 1 ? 0.15 : 0, .grading = grading}, tests::product_field(), true);
-    const auto report = pack_mesh(mesh, folder / "m.rho", {.replace_existing = true});
-    const double beyond =
-        static_cast<double>(report.file_bytes) - static_cast<double>(mesh.points.size()) * (3 * 8 + 4);
-    EXPECT_LT(beyond / static_cast<double>(mesh.cells.size()), 100);
+    const auto bytes_beyond = [&](MeshStructure structure) {
+      const auto report = pack_mesh(mesh, folder / "m.rho", {.structure = structure, .replace_existing = true});
+      const auto beyond = static_cast<double>(report.file_bytes - mesh.points.size() * (3 * 8 + 4));
+      return beyond / static_cast<double>(mesh.cells.size());
+    };
+    EXPECT_LT(bytes_beyond(MeshStructure::clusters), 14);
+    EXPECT_LT(bytes_beyond(MeshStructure::leaves), 100);
   }
 }
 
@@ -262,9 +277,13 @@ TEST(PackMesh, refuses_bad_meshes_and_bad_wishes_and_leaves_nothing) {
   EXPECT_THAT(refusal(wrong, {.source_name = "a.vtu"}).what(), HasSubstr("a.vtu, cell 3: found vertex 125"));
   EXPECT_EQ(refusal(good, {.fields = {"valeu"}}).hint(), "did you mean value?");
   for (const double share : {0.0, -1.0, nan, std::numeric_limits<double>::infinity()})
-    EXPECT_EQ(refusal(good, {.leaf_cells_per_tetrahedron = share}).trouble(), Trouble::usage);
-  EXPECT_EQ(refusal(good, {.leaf_cell_count = std::uint64_t{1} << 40}).trouble(), Trouble::usage);
+    EXPECT_EQ(refusal(good, {.structure = MeshStructure::leaves, .leaf_cells_per_tetrahedron = share}).trouble(),
+              Trouble::usage);
+  EXPECT_EQ(refusal(good, {.structure = MeshStructure::leaves, .leaf_cell_count = std::uint64_t{1} << 40}).trouble(),
+            Trouble::usage);
   EXPECT_EQ(refusal(good, {.macro_factor = 1}).trouble(), Trouble::usage);
+  for (const std::uint64_t size : {0U, 3U, 128U})
+    EXPECT_EQ(refusal(good, {.cluster_size = size}).trouble(), Trouble::usage);
 }
 
 TEST(PackMesh, can_be_stopped_by_its_progress) {

@@ -133,6 +133,14 @@ formats::BrickGrid packed(const GridSample<T>& grid, const std::filesystem::path
   return formats::BrickGrid(formats::PackedFile::open(path));
 }
 
+/// Clusters of cells, as arrays of a file; ranges as TetSample has them.
+struct ClusterSample {
+  std::vector<std::uint64_t> offsets;
+  std::vector<std::uint32_t> vertices;
+  std::vector<std::uint8_t> corners;
+  std::vector<std::vector<float>> boxes;  ///< per level: [blocks, 2, 3, 8]
+};
+
 struct TetSample {
   formats::TetMeshDescription description;
   std::vector<double> points;
@@ -142,13 +150,22 @@ struct TetSample {
   std::vector<std::uint64_t> offsets;
   std::vector<std::uint32_t> items;
   std::vector<std::vector<float>> values;               ///< per field, at points
-  std::vector<std::vector<std::vector<float>>> ranges;  ///< per field: leaf cells, level 1, ...
+  std::vector<std::vector<std::vector<float>>> ranges;  ///< per field: leaf cells, level 1, ...; or clusters, ...
+  ClusterSample clusters;                               ///< where the description has them: instead of lists
 
   formats::PackedFileWriter& write_into(formats::PackedFileWriter& writer) const {
-    writer.write_all("leaf.offsets", std::span<const std::uint64_t>(offsets));
-    writer.write_all("leaf.items", std::span<const std::uint32_t>(items));
     writer.write_all("points", std::span<const double>(points));
-    writer.write_all("cells", std::span<const std::uint32_t>(cells));
+    if (description.clusters) {
+      writer.write_all("cluster.offsets", std::span<const std::uint64_t>(clusters.offsets));
+      writer.write_all("cluster.vertices", std::span<const std::uint32_t>(clusters.vertices));
+      writer.write_all("cluster.corners", std::span<const std::uint8_t>(clusters.corners));
+      for (std::size_t l = 0; l < clusters.boxes.size(); ++l)
+        writer.write_all(concat("cluster.boxes.", l), std::span<const float>(clusters.boxes[l]));
+    } else {
+      writer.write_all("leaf.offsets", std::span<const std::uint64_t>(offsets));
+      writer.write_all("leaf.items", std::span<const std::uint32_t>(items));
+      writer.write_all("cells", std::span<const std::uint32_t>(cells));
+    }
     if (!cell_ids.empty()) writer.write_all("cell_ids", std::span<const std::uint32_t>(cell_ids));
     if (!point_ranks.empty()) writer.write_all("point_ranks", std::span<const std::uint32_t>(point_ranks));
     for (std::size_t f = 0; f < values.size(); ++f) {
@@ -238,6 +255,74 @@ inline TetSample sample_tets(std::int64_t edge, const std::vector<NamedField>& f
       }
   for (const std::vector<float>& leaves : leaf_ranges) mesh.ranges.push_back(levels_above(d.lattice.macro, 0, leaves));
   d.leaf_item_count = mesh.items.size();
+  return mesh;
+}
+
+/// Entries of a tree of eights, each made of intervals per channel: 3 of a box, 1 of a field's range. As arrays of a
+/// file, [level][block][lo, hi][channel][entry], with empty entries up to the next multiple of eight.
+inline std::vector<std::vector<float>> tree_of_eights(std::vector<std::vector<Interval<float>>> entries) {
+  std::vector<std::vector<float>> levels;
+  for (;;) {
+    const std::size_t channels = entries.front().size(), blocks = (entries.size() + 7) / 8;
+    entries.resize(8 * blocks, std::vector<Interval<float>>(channels));
+    levels.emplace_back();
+    std::vector<std::vector<Interval<float>>> above(blocks, std::vector<Interval<float>>(channels));
+    for (std::size_t block = 0; block < blocks; ++block) {
+      for (const bool is_high : {false, true})
+        for (std::size_t c = 0; c < channels; ++c)
+          for (std::size_t e = 0; e < 8; ++e) {
+            const Interval<float>& interval = entries[8 * block + e][c];
+            levels.back().push_back(is_high ? interval.hi : interval.lo);
+            above[block][c].include(interval);
+          }
+    }
+    if (blocks == 1) return levels;
+    entries = std::move(above);
+  }
+}
+
+/// The same mesh with clusters of `size` cells instead of leaf lists; coordinates that floats hold.
+inline TetSample clustered(TetSample mesh, std::uint64_t size) {
+  formats::TetMeshDescription& d = mesh.description;
+  d.leaf_item_count = 0;
+  mesh.ranges.clear();
+  std::vector<std::vector<Interval<float>>> boxes;
+  std::vector<std::vector<std::vector<Interval<float>>>> ranges(mesh.values.size());
+  mesh.clusters.offsets = {0};
+  for (std::uint64_t first = 0; first < d.cell_count; first += size) {
+    const std::uint64_t end = std::min(first + size, d.cell_count);
+    std::vector<std::uint32_t> table(mesh.cells.begin() + static_cast<std::ptrdiff_t>(4 * first),
+                                     mesh.cells.begin() + static_cast<std::ptrdiff_t>(4 * end));
+    std::sort(table.begin(), table.end());
+    table.erase(std::unique(table.begin(), table.end()), table.end());
+    std::vector<Interval<float>> box(3);
+    for (const std::uint32_t vertex : table)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        box[axis].include(static_cast<float>(mesh.points[3 * std::size_t{vertex} + axis]));
+    boxes.push_back(box);
+    for (std::uint64_t corner = 4 * first; corner < 4 * end; ++corner)
+      mesh.clusters.corners.push_back(
+          static_cast<std::uint8_t>(std::lower_bound(table.begin(), table.end(), mesh.cells[corner]) - table.begin()));
+    for (std::size_t f = 0; f < mesh.values.size(); ++f) {
+      Interval<float> range;
+      for (std::uint64_t cell = first; cell < end; ++cell) {
+        Interval<float> of_cell;
+        bool present = true;
+        for (std::size_t v = 0; v < 4; ++v) {
+          const float value = mesh.values[f][mesh.cells[4 * cell + v]];
+          present = present && std::isfinite(value);
+          of_cell.include(value);
+        }
+        if (present) range.include(of_cell);
+      }
+      ranges[f].push_back({range});
+    }
+    mesh.clusters.vertices.insert(mesh.clusters.vertices.end(), table.begin(), table.end());
+    mesh.clusters.offsets.push_back(mesh.clusters.vertices.size());
+  }
+  d.clusters = {.cluster_size = size, .vertex_count = mesh.clusters.vertices.size(), .box_unit = 1};
+  mesh.clusters.boxes = tree_of_eights(boxes);
+  for (const auto& field : ranges) mesh.ranges.push_back(tree_of_eights(field));
   return mesh;
 }
 

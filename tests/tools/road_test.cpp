@@ -85,8 +85,19 @@ TEST(PackCommand, takes_its_options_to_heart) {
     for (const auto& n : json["leaf_cells"]["count"]) count *= n.get<std::uint64_t>();
     return count;
   };
-  EXPECT_GT(leaves(info("box.vtu --leaf-ratio 8")), 4 * leaves(info("box.vtu")));
-  EXPECT_LT(leaves(info("box.vtu --cells 30")), leaves(info("box.vtu")));
+  const std::string box = "box.vtu --structure leaves";
+  EXPECT_GT(leaves(info(box + " --leaf-ratio 8")), 4 * leaves(info(box)));
+  EXPECT_LT(leaves(info(box + " --cells 30")), leaves(info(box)));
+  EXPECT_EQ(info(box + " --levels 2")["macro_levels"]["count"], 2);
+  const nlohmann::json clusters = info("box.vtu");
+  EXPECT_FALSE(clusters.contains("leaf_cells"));
+  EXPECT_EQ(clusters["clusters"]["size"], 64);
+  EXPECT_LT(clusters["structure_bytes"], info(box)["structure_bytes"]);
+  for (const char* of_lists : {"--leaf-ratio 8", "--cells 30", "--levels 2", "--factor 3"}) {
+    const RunResult refused = bench.shell(std::string("rhoray pack box.vtu -q --force -o x.rho ") + of_lists);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_THAT(refused.err, testing::HasSubstr("is for volumes or --structure leaves"));
+  }
 }
 
 TEST(BenchCommand, fills_its_tables) {

@@ -23,6 +23,15 @@ struct InfoOptions {
   bool findings = false;
 };
 
+/// What a packed mesh holds beside its points, their values and the envelope.
+std::uint64_t structure_bytes(const formats::PackedFile& file) {
+  std::uint64_t bytes = 0;
+  for (const formats::ArrayEntry& entry : file.arrays())
+    if (entry.name != "points" && !entry.name.starts_with("field.") && !entry.name.starts_with('_'))
+      bytes += entry.byte_count;
+  return bytes;
+}
+
 /// A packed file as JSON: what its kind says, the arrays, and the memory that reading all of it takes.
 Json packed_info(const std::filesystem::path& path, bool with_findings) {
   const formats::PackedFile file = formats::PackedFile::open(path);
@@ -41,6 +50,7 @@ Json packed_info(const std::filesystem::path& path, bool with_findings) {
     for (const auto& point : mesh.points())
       box.extendBy(mesh.description().origin + Vec3(point[0], point[1], point[2]));
     json["box"] = json_of(box);
+    json["structure_bytes"] = structure_bytes(file);
     if (with_findings) json["findings"] = findings_json(preprocess::inspect_mesh(preprocess::unpack_mesh(mesh)));
   }
   json["memory"] = {{"mapped_bytes", file.file_bytes()}};
@@ -139,12 +149,23 @@ std::string layout_text(const Json& json) {
                                 : concat("bricks of ", layout["brick_edge"].get<int>(), "^3 samples, superbricks of ",
                                          numbers(layout["superbrick_edge"], " x "), " bricks"));
   }
+  if (json.contains("clusters")) {
+    const Json& clusters = json["clusters"];
+    const auto count = clusters["count"].get<std::uint64_t>(), size = clusters["size"].get<std::uint64_t>();
+    const double vertices = clusters["vertices"].get<double>() / static_cast<double>(count);
+    text += row("clusters", concat(grouped(count), " of ", size, size == 1 ? " cell, " : " cells, ",
+                                   rounded(vertices, 3), " vertices each"));
+  }
   if (json.contains("leaf_cells"))
     text += row("leaf cells", concat(numbers(json["leaf_cells"]["count"], " x "), ", ",
                                      grouped(json["leaf_cells"]["items"]), " entries in their lists"));
   if (json.contains("macro_levels"))
     text += row("levels", concat(json["macro_levels"]["count"].get<int>(), " of macrocells, factor ",
                                  json["macro_levels"]["factor"].get<std::int64_t>()));
+  if (json.contains("structure_bytes")) {
+    const double per_cell = json["structure_bytes"].get<double>() / json["cells"].get<double>();
+    text += row("structure", concat(rounded(per_cell, 3), " bytes a cell beside points and fields"));
+  }
   return text;
 }
 

@@ -61,6 +61,7 @@ std::string command_line(const PackCommand& command, const std::filesystem::path
   for (const std::string& field : pack.fields) fields += (fields.empty() ? "" : ",") + field;
   add(!pack.raw.empty(), "--raw", pack.raw);
   add(!fields.empty(), "--field", fields);
+  add(!pack.structure.empty(), "--structure", pack.structure);
   add(pack.cells != defaults.cells, "--cells", pack.cells);
   add(pack.leaf_ratio.has_value(), "--leaf-ratio", concat(pack.leaf_ratio.value_or(0)));
   add(pack.levels != defaults.levels, "--levels", concat(pack.levels));
@@ -101,42 +102,47 @@ int run(PackCommand& command) {
 Subcommand pack_subcommand() {
   const auto command = std::make_shared<PackCommand>();
   PackOptions& pack = command->pack;
-  return {.name = "pack",
-          .summary = "Volume or mesh to a packed file",
-          .examples =
-              "  rhoray pack head.nrrd -o head.rho\n"
-              "  rhoray pack torso.vtu --field potential -o torso.rho\n"
-              "  rhoray pack ct.raw --raw 512x512x275:uint16:le --spacing 0.78,0.78,1 -o ct.rho\n",
-          .options = all_options(
-              {{file_option("FILE", "Volume or mesh", pack.input)},
-               output_options(command->common, "Packed file; default the input's name with .rho"),
-               {value_option(
-                    "--field", "A[,B]",
-                    "Fields to keep, the first one is shown by default; default all of a mesh, the first of a volume",
-                    pack.fields),
-                value_option("--raw", "WxHxD:TYPE[:le|be][:SKIP]", "Read bytes without a header", pack.raw),
-                value_option("--spacing", "X,Y,Z", "Instead of the file's (volumes)", pack.spacing),
-                value_option("--origin", "X,Y,Z", "Instead of the file's (volumes)", pack.origin),
-                value_option("--type", "TYPE", "Store samples as U8, I8, U16, I16, U32, I32, F32 or F64 (volumes)",
-                             pack.type),
-                choice_option("--layout", {"bricks", "linear", "sparse"},
-                              "Order of samples in the file (volumes): bricks (default), linear, or only the bricks "
-                              "that hold data",
-                              pack.layout),
-                value_option("--brick-edge", "N", "Samples per axis of a brick (volumes); default 4, sparse 8",
-                             pack.brick_edge),
-                flag_option("--cell-data", "Also keep cell fields, averaged to points (meshes)", pack.cell_data),
-                max_error_option(pack.max_error), value_option("--time", "T", time_help, pack.time),
-                value_option("--cells", "auto|N", "About N leaf cells (meshes); default auto, one per tetrahedron",
-                             pack.cells),
-                value_option("--leaf-ratio", "R", "Leaf cells per tetrahedron (meshes); default 1", pack.leaf_ratio),
-                value_option("--levels", "N", "Levels of macrocells; default 3", pack.levels),
-                value_option("--factor", "N", "Cells per axis of a macrocell; default 4", pack.factor)},
-               threads_option(command->common),
-               memory_option(command->common,
-                             "Cap on memory, such as 512M: larger data streams through the output's folder"),
-               message_options(command->common, "What was packed, as one JSON document on stdout")}),
-          .run = [command] { return run(*command); }};
+  return {
+      .name = "pack",
+      .summary = "Volume or mesh to a packed file",
+      .examples =
+          "  rhoray pack head.nrrd -o head.rho\n"
+          "  rhoray pack torso.vtu --field potential -o torso.rho\n"
+          "  rhoray pack ct.raw --raw 512x512x275:uint16:le --spacing 0.78,0.78,1 -o ct.rho\n",
+      .options = all_options(
+          {{file_option("FILE", "Volume or mesh", pack.input)},
+           output_options(command->common, "Packed file; default the input's name with .rho"),
+           {value_option(
+                "--field", "A[,B]",
+                "Fields to keep, the first one is shown by default; default all of a mesh, the first of a volume",
+                pack.fields),
+            value_option("--raw", "WxHxD:TYPE[:le|be][:SKIP]", "Read bytes without a header", pack.raw),
+            value_option("--spacing", "X,Y,Z", "Instead of the file's (volumes)", pack.spacing),
+            value_option("--origin", "X,Y,Z", "Instead of the file's (volumes)", pack.origin),
+            value_option("--type", "TYPE", "Store samples as U8, I8, U16, I16, U32, I32, F32 or F64 (volumes)",
+                         pack.type),
+            choice_option("--layout", {"bricks", "linear", "sparse"},
+                          "Order of samples in the file (volumes): bricks (default), linear, or only the bricks "
+                          "that hold data",
+                          pack.layout),
+            value_option("--brick-edge", "N", "Samples per axis of a brick (volumes); default 4, sparse 8",
+                         pack.brick_edge),
+            flag_option("--cell-data", "Also keep cell fields, averaged to points (meshes)", pack.cell_data),
+            max_error_option(pack.max_error), value_option("--time", "T", time_help, pack.time),
+            choice_option("--structure", {"clusters", "leaves"},
+                          "How rays find tetrahedra (meshes): clusters of neighbours (default), or lists of the "
+                          "leaf cells of a uniform lattice",
+                          pack.structure),
+            value_option("--cells", "auto|N", "About N leaf cells (leaves); default auto, one per tetrahedron",
+                         pack.cells),
+            value_option("--leaf-ratio", "R", "Leaf cells per tetrahedron (leaves); default 1", pack.leaf_ratio),
+            value_option("--levels", "N", "Levels of macrocells (volumes, leaves); default 3", pack.levels),
+            value_option("--factor", "N", "Cells per axis of a macrocell (volumes, leaves); default 4", pack.factor)},
+           threads_option(command->common),
+           memory_option(command->common,
+                         "Cap on memory, such as 512M: larger data streams through the output's folder"),
+           message_options(command->common, "What was packed, as one JSON document on stdout")}),
+      .run = [command] { return run(*command); }};
 }
 
 }  // namespace rhoray::tools

@@ -52,16 +52,13 @@ void check_options(const PackOptions& options) {
     bool for_volumes;
     const char* name;
   };
-  const Row rows[] = {{!options.layout.empty(), true, "--layout"},
-                      {options.brick_edge.has_value(), true, "--brick-edge"},
-                      {options.type.has_value(), true, "--type"},
-                      {options.spacing.has_value(), true, "--spacing"},
-                      {options.origin.has_value(), true, "--origin"},
-                      {options.cells != "auto", false, "--cells"},
-                      {options.leaf_ratio.has_value(), false, "--leaf-ratio"},
-                      {options.cell_data, false, "--cell-data"},
-                      {options.max_error.has_value(), false, "--max-error"},
-                      {!options.time.empty(), false, "--time"}};
+  const Row rows[] = {
+      {!options.layout.empty(), true, "--layout"},    {options.brick_edge.has_value(), true, "--brick-edge"},
+      {options.type.has_value(), true, "--type"},     {options.spacing.has_value(), true, "--spacing"},
+      {options.origin.has_value(), true, "--origin"}, {!options.structure.empty(), false, "--structure"},
+      {options.cells != "auto", false, "--cells"},    {options.leaf_ratio.has_value(), false, "--leaf-ratio"},
+      {options.cell_data, false, "--cell-data"},      {options.max_error.has_value(), false, "--max-error"},
+      {!options.time.empty(), false, "--time"}};
   const bool volume = is_volume(options);
   for (const Row& row : rows)
     if (row.given && row.for_volumes != volume)
@@ -72,6 +69,21 @@ void check_options(const PackOptions& options) {
                 concat("--field: found ", options.fields.size(), " names; bytes of --raw are one field"));
   if (options.brick_edge && options.layout == "linear")
     throw Error(Trouble::usage, "--brick-edge: has no meaning with --layout linear");
+}
+
+bool has_leaf_lists(const PackOptions& options) {
+  return options.structure == "leaves";
+}
+
+/// Options that say how leaf lists are built would be passed over in silence with clusters.
+void check_structure(const PackOptions& options) {
+  if (is_volume(options) || has_leaf_lists(options)) return;
+  const PackOptions defaults;
+  for (const auto& [given, name] : {std::pair{options.cells != defaults.cells, "--cells"},
+                                    std::pair{options.leaf_ratio.has_value(), "--leaf-ratio"},
+                                    std::pair{options.levels != defaults.levels, "--levels"},
+                                    std::pair{options.factor != defaults.factor, "--factor"}})
+    if (given) throw Error(Trouble::usage, concat(name, ": is for volumes or --structure leaves"));
 }
 
 /// Whether the raw bytes are there is known before reading.
@@ -170,13 +182,15 @@ void give_fields(preprocess::NeutralMesh& mesh, preprocess::PackMeshOptions& pac
 
 PackResult pack_mesh(const PackOptions& options, const std::filesystem::path& output,
                      const preprocess::Progress& progress) {
-  preprocess::PackMeshOptions pack{.fields = options.fields,
-                                   .cells_to_points = options.cell_data,
-                                   .macro_factor = options.factor,
-                                   .macro_level_count = options.levels,
-                                   .command = options.command,
-                                   .source_name = options.input.filename().string(),
-                                   .replace_existing = options.replace_existing};
+  preprocess::PackMeshOptions pack{
+      .fields = options.fields,
+      .cells_to_points = options.cell_data,
+      .structure = has_leaf_lists(options) ? preprocess::MeshStructure::leaves : preprocess::MeshStructure::clusters,
+      .macro_factor = options.factor,
+      .macro_level_count = options.levels,
+      .command = options.command,
+      .source_name = options.input.filename().string(),
+      .replace_existing = options.replace_existing};
   pack.leaf_cells_per_tetrahedron = options.leaf_ratio.value_or(pack.leaf_cells_per_tetrahedron);
   if (options.cells != "auto") read_value(options.cells, pack.leaf_cell_count);
   if (progress) progress("reading", 0, 0);
@@ -212,6 +226,7 @@ void check_pack(const PackOptions& options) {
   require_input(options.input);
   if (options.raw.empty()) check_kind(options);
   check_options(options);
+  check_structure(options);
   check_raw(options);
   if (options.cells != "auto") {
     std::int64_t count = 0;

@@ -16,6 +16,7 @@ namespace rhoray::tools {
 struct PackOptions {
   std::filesystem::path input;
   std::vector<std::string> fields;
+  std::string structure;  ///< empty = not said
   std::string cells = "auto";
   std::optional<double> leaf_ratio;
   int levels = 3;

@@ -133,23 +133,29 @@ Json json_of(const formats::GridDescription& grid) {
 Json json_of(const formats::TetMeshDescription& mesh) {
   Json fields = Json::array();
   for (const formats::FieldSummary& field : mesh.fields) fields.push_back(json_of(field));
+  Json json{{"points", mesh.point_count},
+            {"cells", mesh.cell_count},
+            {"origin", json_of(mesh.origin)},
+            {"length_unit", mesh.length_unit}};
   const formats::LeafLattice& lattice = mesh.lattice;
-  return {{"points", mesh.point_count},
-          {"cells", mesh.cell_count},
-          {"origin", json_of(mesh.origin)},
-          {"length_unit", mesh.length_unit},
-          {"leaf_cells",
-           {{"count", json_of(lattice.macro.leaf_count)},
-            {"size", json_of(lattice.leaf_size)},
-            {"items", mesh.leaf_item_count}}},
-          {"macro_levels", {{"count", lattice.macro.level_count}, {"factor", lattice.macro.factor}}},
-          {"fields", fields},
-          {"packing",
-           {{"flipped_cells", mesh.flipped_cell_count},
-            {"flat_cells", mesh.flat_cell_count},
-            {"dropped_cells", mesh.dropped_cell_count},
-            {"unused_points", mesh.unused_point_count}}},
-          {"provenance", json_of(mesh.provenance)}};
+  if (mesh.clusters)
+    json["clusters"] = {{"count", formats::cluster_shape(mesh).count(0)},
+                        {"size", mesh.clusters->cluster_size},
+                        {"vertices", mesh.clusters->vertex_count}};
+  else
+    json.update(Json{{"leaf_cells",
+                      {{"count", json_of(lattice.macro.leaf_count)},
+                       {"size", json_of(lattice.leaf_size)},
+                       {"items", mesh.leaf_item_count}}},
+                     {"macro_levels", {{"count", lattice.macro.level_count}, {"factor", lattice.macro.factor}}}});
+  json.update(Json{{"fields", fields},
+                   {"packing",
+                    {{"flipped_cells", mesh.flipped_cell_count},
+                     {"flat_cells", mesh.flat_cell_count},
+                     {"dropped_cells", mesh.dropped_cell_count},
+                     {"unused_points", mesh.unused_point_count}}},
+                   {"provenance", json_of(mesh.provenance)}});
+  return json;
 }
 
 Box3 bounds_of(const SampleLattice& lattice) {

@@ -9,13 +9,15 @@
 #include "tools/study/maximum_search.h"
 #include "tools/study/peers_grid.h"
 #include "tools/study/preprocess_speed.h"
+#include "tools/study/structures.h"
 
 int main(int argc, char** argv) {
   using namespace rhoray;
   tools::end_cleanly_on_interrupt();
   const tools::Subcommand subcommands[] = {
-      study::preprocess_speed(), study::judge_cells(), study::closed_surfaces(), study::largest_values(),
-      study::maximum_search(),   study::peers_grid(),  study::layouts(),         study::one_frame(),
+      study::preprocess_speed(), study::judge_cells(),    study::closed_surfaces(),
+      study::largest_values(),   study::maximum_search(), study::peers_grid(),
+      study::layouts(),          study::structures(),     study::one_frame(),
   };
   return tools::run_command_line(subcommands, argc, argv);
 }

@@ -41,7 +41,7 @@ Box3 TetField::box() const {
 
 TetField::Cell TetField::cell(std::size_t c) const {
   Cell cell;
-  cell.vertex = mesh_.cells()[c];
+  cell.vertex = mesh_.cell(c);
   for (std::size_t v = 0; v < 4; ++v) {
     cell.point[v] = mesh_.points()[cell.vertex[v]];
     cell.value[v] = values_[cell.vertex[v]];

@@ -404,7 +404,7 @@ std::vector<HardCase> tet_cases() {
   }
   add({.id = "T24",
        .story = "Cells that reach over many leaf cells: the crossing that is found first may lie behind another.",
-       .pack = mesh_of(numbers, {.leaf_cells_per_tetrahedron = 40}),
+       .pack = mesh_of(numbers, {.structure = preprocess::MeshStructure::leaves, .leaf_cells_per_tetrahedron = 40}),
        .isovalues = {0.5, 1},
        .rays = all_rays_at(numbers, 240, 23),
        .naive = {"paper float", 24},
@@ -415,7 +415,7 @@ std::vector<HardCase> tet_cases() {
          .story =
              "Cells whose sides lie in the planes of the leaf lattice: one that rounding leaves out of a list is a "
              "hole.",
-         .pack = mesh_of(fitting, {.leaf_cell_count = 64}),
+         .pack = mesh_of(fitting, {.structure = preprocess::MeshStructure::leaves, .leaf_cell_count = 64}),
          .isovalues = {0.5, 1},
          .rays = all_rays_at(fitting, 240, 24),
          .naive = {"paper float", 25},

@@ -72,6 +72,20 @@ struct AllCells {
   }
 };
 
+/// The packed mesh as it is: points in its own frame and order, so that looking into all cells sees the same bits.
+preprocess::NeutralMesh packed_mesh(const TracedVolume& traced) {
+  const formats::TetMesh packed(traced.volume().file());
+  preprocess::NeutralMesh mesh;
+  mesh.points.assign(packed.points().begin(), packed.points().end());
+  for (std::uint64_t c = 0; c < packed.description().cell_count; ++c) {
+    const auto cell = packed.cell(c);
+    mesh.cells.push_back({cell[0], cell[1], cell[2], cell[3]});
+  }
+  const std::span<const double> values = packed.values<double>(0);
+  mesh.point_fields.push_back({.name = "value", .unit = {}, .values = {values.begin(), values.end()}});
+  return mesh;
+}
+
 TEST(TetFirstCrossing, meets_the_plane_of_a_linear_field_at_its_exact_t) {
   const Vec3 slope(0.3, -0.7, 0.5);
   TracedVolume traced(box_mesh({.cells = {5, 4, 6}, .jitter = 0.1}, linear_field(slope, 0.1)));
@@ -98,11 +112,10 @@ TEST(TetFirstCrossing, is_what_looking_into_every_cell_finds) {
   for (const double jitter : {0.0, 0.12}) {
     const auto mesh = box_mesh({.cells = {4, 4, 4}, .jitter = jitter, .grading = 5}, field);
     for (const double leaves_per_cell : {0.05, 1.0, 8.0}) {
-      TracedVolume traced(mesh, {.leaf_cells_per_tetrahedron = leaves_per_cell, .macro_factor = 2});
-      const Vec3 origin = traced.volume().implementation().world_from_volume.origin;
-      // The judge looks from where the packed points are, so that it sees the same bits.
-      auto moved = mesh;
-      for (auto& p : moved.points) p = to_array(to_vec3(p) - origin);
+      TracedVolume traced(mesh, {.structure = preprocess::MeshStructure::leaves,
+                                 .leaf_cells_per_tetrahedron = leaves_per_cell,
+                                 .macro_factor = 2});
+      const auto moved = packed_mesh(traced);
       for (const Ray& ray : rays_through_cube(700, 2)) {
         const Hit hit = traced.first_crossing(ray, 0.3), flat = traced.first_crossing(ray, 0.3, false);
         ASSERT_EQ(hit.t, AllCells{moved}.first_crossing(traced.ray_volume(ray), 0.3));
@@ -179,9 +192,7 @@ TEST(TetLargestValue, is_what_looking_into_every_cell_finds) {
   const auto field = [](const Vec3& p) { return -std::abs(p.x - 0.45) - (p - Vec3(0.4, 0.6, 0.5)).length(); };
   const auto mesh = box_mesh({.cells = {4, 5, 3}, .jitter = 0.1}, field);
   TracedVolume traced(mesh, {.macro_factor = 2});
-  const Vec3 origin = traced.volume().implementation().world_from_volume.origin;
-  auto moved = mesh;
-  for (auto& p : moved.points) p = to_array(to_vec3(p) - origin);
+  const auto moved = packed_mesh(traced);
   for (const Ray& ray : rays_through_cube(1500, 5)) {
     const Hit hit = traced.largest_value(ray);
     const double truth = AllCells{moved}.largest_value(traced.ray_volume(ray));
@@ -198,7 +209,10 @@ TEST(TetLargestValue, is_what_looking_into_every_cell_finds) {
 
 TEST(TetLargestValue, never_needs_more_of_the_queue_than_is_reserved) {
   TracedVolume traced(box_mesh({.cells = {5, 5, 5}}, distance_field({0.3, 0.3, 0.3})),
-                      {.leaf_cells_per_tetrahedron = 5, .macro_factor = 2, .macro_level_count = 4});
+                      {.structure = preprocess::MeshStructure::leaves,
+                       .leaf_cells_per_tetrahedron = 5,
+                       .macro_factor = 2,
+                       .macro_level_count = 4});
   traced.largest_value({.origin = {-1, 0.5, 0.5}, .direction = {1, 0, 0}});
   const std::size_t capacity = traced.scratch.queue.capacity();
   for (const Ray& ray : rays_through_cube(1000, 6)) traced.largest_value(ray);

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "formats/cell_clusters.h"
+#include "preprocess/neutral.h"
+#include "preprocess/progress.h"
+
+namespace rhoray::preprocess {
+
+/// Clusters as they are written (formats::CellClustersView).
+struct Clusters {
+  formats::ClusterShape shape;
+  double box_unit = 1;
+  Array<std::uint64_t> table_starts;
+  Array<std::uint32_t> tables;
+  Array<std::array<std::uint8_t, 4>> corners;
+  std::vector<Array<formats::BoxBlock>> boxes;
+};
+
+/// Cuts cells that stand in a good order into clusters.
+/// @param cluster_size  a power of two, at most formats::ClusterShape::largest_cell_count
+Clusters build_clusters(std::span<const std::array<double, 3>> points,
+                        std::span<const std::array<std::uint32_t, 4>> cells, std::uint64_t cluster_size,
+                        const Progress& progress = {});
+
+/// The range of a field in every cluster and above: of the values at the vertices of cells that have data at all four.
+/// T is float or double.
+template <class T>
+std::vector<Array<formats::RangeBlock<T>>> build_cluster_ranges(std::span<const std::array<std::uint32_t, 4>> cells,
+                                                                std::span<const T> values,
+                                                                const formats::ClusterShape& shape);
+
+}  // namespace rhoray::preprocess
