@@ -29,29 +29,66 @@ std::vector<Candidates> candidates_of(const TetVolume<T>& view, double isovalue)
   return all;
 }
 
+/// How a vertex counts among a cell's four: the cell is active where they add up to 1, 2 or 3.
+std::uint8_t count_of(double value, double isovalue) {
+  return std::isfinite(value) ? value >= isovalue : 4;
+}
+
+/// Appends a cell that is active, without a branch, which would be a guess.
+struct ActiveList {
+  std::uint32_t* cells;
+  std::size_t count = 0;
+
+  void add(std::uint32_t cell, unsigned counted) {
+    cells[count] = cell;
+    count += counted - 1 < 3;
+  }
+};
+
+/// The active ones of 64 cells that are in clusters: each vertex of a cluster is looked at once.
+template <class T>
+void find_active_in_clusters(const TetVolume<T>& view, const Candidates& candidates, double isovalue,
+                             ActiveList& active) {
+  const formats::CellClustersView& clusters = view.clusters();
+  for (std::uint64_t bits = candidates.bits; bits != 0;) {
+    const std::uint64_t cluster =
+        clusters.cluster_of(candidates.first + static_cast<std::uint64_t>(std::countr_zero(bits)));
+    const std::span<const std::uint32_t> table = clusters.table(cluster);
+    std::array<std::uint8_t, 256> counts;
+    for (std::size_t v = 0; v < table.size(); ++v) counts[v] = count_of(view.value_at(table[v]), isovalue);
+    const std::uint64_t end = clusters.end_cell(cluster);
+    for (std::uint64_t cell = clusters.first_cell(cluster); cell < end; ++cell) {
+      const std::array<std::uint8_t, 4>& v = clusters.corners[cell];
+      active.add(static_cast<std::uint32_t>(cell),
+                 static_cast<unsigned>(counts[v[0]]) + counts[v[1]] + counts[v[2]] + counts[v[3]]);
+    }
+    bits = end >= candidates.first + 64 ? 0 : bits & ~std::uint64_t{0} << (end - candidates.first);
+  }
+}
+
+template <class T>
+void find_active(const TetVolume<T>& view, const Candidates& candidates, double isovalue, ActiveList& active) {
+  if (view.has_clusters()) return find_active_in_clusters(view, candidates, isovalue, active);
+  for (std::uint64_t bits = candidates.bits; bits != 0; bits &= bits - 1) {
+    const std::uint32_t cell = candidates.first + static_cast<std::uint32_t>(std::countr_zero(bits));
+    unsigned counted = 0;
+    for (const std::uint32_t v : view.vertices(cell)) counted += count_of(view.value_at(v), isovalue);
+    active.add(cell, counted);
+  }
+}
+
 /// Cells with data that have values on both sides, in their order.
 template <class T>
 std::vector<std::uint32_t> active_cells_of(const TetVolume<T>& view, double isovalue, unsigned threads) {
   const std::vector<Candidates> candidates = candidates_of(view, isovalue);
   std::vector<std::vector<std::uint32_t>> parts(candidates.size() / candidates_per_part + 1);
   for_each_range(parts.size(), 8, threads, [&](std::uint64_t first_part, std::uint64_t end_part) {
-    std::vector<std::uint32_t> active;
+    std::vector<std::uint32_t> found(64 * candidates_per_part + 1);
     for (std::uint64_t part = first_part; part < end_part; ++part) {
+      ActiveList active{found.data()};
       const std::size_t end = std::min<std::size_t>(candidates.size(), (part + 1) * candidates_per_part);
-      active.resize(64 * candidates_per_part);
-      std::size_t count = 0;
-      for (std::size_t c = part * candidates_per_part; c < end; ++c)
-        for (std::uint64_t bits = candidates[c].bits; bits != 0; bits &= bits - 1) {
-          const std::uint32_t cell = candidates[c].first + static_cast<std::uint32_t>(std::countr_zero(bits));
-          const std::array<double, 4> values = view.values_at(view.vertices(cell));
-          const int inside =
-              (values[0] >= isovalue) + (values[1] >= isovalue) + (values[2] >= isovalue) + (values[3] >= isovalue);
-          active[count] = cell;  // without a branch, which would be a guess
-          count += inside != 0 && inside != 4;
-        }
-      active.resize(count);
-      std::erase_if(active, [&](std::uint32_t cell) { return !has_data(view.values_at(view.vertices(cell))); });
-      parts[part] = active;
+      for (std::size_t c = part * candidates_per_part; c < end; ++c) find_active(view, candidates[c], isovalue, active);
+      parts[part].assign(active.cells, active.cells + active.count);
     }
   });
   std::vector<std::uint32_t> all;

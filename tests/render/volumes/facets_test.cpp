@@ -45,19 +45,22 @@ std::array<Corner, 4> corners_of(const Facets& facets, std::uint32_t f) {
 }
 
 TEST(Facets, are_one_for_each_cell_with_values_on_both_sides) {
-  Made made(box_mesh({.cells = {7, 8, 6}, .jitter = 0.12}, waves));
-  const auto& view = made.view();
-  for (const double isovalue : {0.1, 0.9, -1.5, 7.0}) {
-    std::set<std::uint64_t> expected, found;
-    for (std::uint32_t cell = 0; cell < view.description().cell_count; ++cell) {
-      const auto values = view.values_at(view.sorted_vertices(cell));
-      const auto inside = std::count_if(values.begin(), values.end(), [&](double v) { return v >= isovalue; });
-      if (inside != 0 && inside != 4) expected.insert(view.cell_id(cell));
+  const auto mesh = box_mesh({.cells = {7, 8, 6}, .jitter = 0.12}, waves);
+  for (const auto structure : {preprocess::MeshStructure::clusters, preprocess::MeshStructure::leaves}) {
+    Made made(mesh, {.structure = structure});
+    const auto& view = made.view();
+    for (const double isovalue : {0.1, 0.9, -1.5, 7.0}) {
+      std::set<std::uint64_t> expected, found;
+      for (std::uint32_t cell = 0; cell < view.description().cell_count; ++cell) {
+        const auto values = view.values_at(view.sorted_vertices(cell));
+        const auto inside = std::count_if(values.begin(), values.end(), [&](double v) { return v >= isovalue; });
+        if (inside != 0 && inside != 4) expected.insert(view.cell_id(cell));
+      }
+      const Facets facets = made.facets(isovalue);
+      for (std::uint32_t f = 0; f < facets.count(); ++f) found.insert(facets.fields()[f].cell);
+      EXPECT_EQ(found, expected);
+      EXPECT_EQ(facets.count(), expected.size());
     }
-    const Facets facets = made.facets(isovalue);
-    for (std::uint32_t f = 0; f < facets.count(); ++f) found.insert(facets.fields()[f].cell);
-    EXPECT_EQ(found, expected);
-    EXPECT_EQ(facets.count(), expected.size());
   }
 }
 
@@ -150,9 +153,9 @@ TEST(Facets, stand_in_boxes_that_hold_them) {
   }
 }
 
-TEST(Facets, are_the_same_bytes_for_any_number_of_threads_and_order_of_leaf_cells) {
+TEST(Facets, are_the_same_bytes_for_any_number_of_threads_and_either_structure) {
   const auto mesh = box_mesh({.cells = {30, 30, 30}, .jitter = 0.12}, waves);
-  Made made(mesh), finer(mesh, {.leaf_cells_per_tetrahedron = 5, .macro_factor = 3});
+  Made made(mesh);
   const Facets one = made.facets(0.1);
   ASSERT_GT(one.count(), 1024U * 16);
   const auto is_same = [&](const Facets& other) {
@@ -162,7 +165,11 @@ TEST(Facets, are_the_same_bytes_for_any_number_of_threads_and_order_of_leaf_cell
            one.size_bytes() == other.size_bytes();
   };
   for (const unsigned threads : {2U, 3U, 8U}) EXPECT_TRUE(is_same(made.facets(0.1, threads))) << threads;
-  EXPECT_TRUE(is_same(finer.facets(0.1)));
+  using enum preprocess::MeshStructure;
+  EXPECT_TRUE(is_same(Made(mesh, {.cluster_size = 8}).facets(0.1)));
+  EXPECT_TRUE(is_same(Made(mesh, {.structure = leaves}).facets(0.1)));
+  EXPECT_TRUE(
+      is_same(Made(mesh, {.structure = leaves, .leaf_cells_per_tetrahedron = 5, .macro_factor = 3}).facets(0.1)));
 }
 
 }  // namespace
