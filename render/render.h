@@ -43,6 +43,7 @@ struct FrameStatistics {
   double largest_error = 0;             ///< of all hits' bounds; NaN where the method proves none
   std::uint64_t highlights_shaded = 0;  ///< hits for which the specular effect was computed
   Phases phases;
+  double preparation_s = 0;  ///< of wall_s: the isovalue made ready, where the last frames had another one
   double wall_s = 0;
   std::string_view machine;  ///< what the kernel that answered is compiled for: scalar, baseline, avx2 or avx512
 };

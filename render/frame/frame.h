@@ -19,6 +19,7 @@ namespace rhoray::render {
 struct Frame {
   const VolumeImplementation& volume;
   Kernel kernel;
+  Preparation prepare;  ///< null: nothing to prepare
   std::size_t queue_entries;
   Question question;
   Look look;

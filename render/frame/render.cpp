@@ -47,6 +47,7 @@ Frame choose_frame(const Volume& volume, const Scene& scene, const FrameOptions&
   const bool is_mip = scene.mode == Mode::mip;
   return {.volume = implementation,
           .kernel = is_mip ? kernels.largest_value : kernels.first_crossing,
+          .prepare = is_mip ? nullptr : kernels.prepare_first_crossing,
           .queue_entries = is_mip ? kernels.queue_entries : 0,
           .question = {.isovalue = scene.isovalue,
                        .field_range = implementation.field.range,
@@ -147,7 +148,14 @@ FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOpti
   const auto clock_start = std::chrono::steady_clock::now();
   const std::uint64_t ticks_start = ticks_now();
 
+  const auto seconds_since = [](std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+
   const Frame frame = choose_frame(volume, scene, options);
+  const auto preparation_start = std::chrono::steady_clock::now();
+  if (frame.prepare != nullptr) frame.prepare(frame.volume, frame.question, options.threads);
+  const double preparation_s = frame.prepare != nullptr ? seconds_since(preparation_start) : 0;
   const std::vector<Pass> passes = passes_of(frame, options, refinement.first_spacing);
   framebuffer.reshape(options.width, options.height, options.channels);
   FrameMemory::Implementation& kept = memory.implementation();
@@ -163,7 +171,8 @@ FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOpti
   }
 
   FrameStatistics statistics = statistics_of(kept, scene);
-  statistics.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock_start).count();
+  statistics.preparation_s = preparation_s;
+  statistics.wall_s = seconds_since(clock_start);
   if (options.time_phases)
     statistics.phases = phases_of(kept, statistics.wall_s / static_cast<double>(ticks_now() - ticks_start));
   return statistics;

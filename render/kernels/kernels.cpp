@@ -11,7 +11,10 @@ namespace rhoray::render {
 Kernels choose_kernels(const VolumeImplementation& volume, const Method& method, Machine machine) {
   Kernels kernels = std::visit([&](const auto& view) { return kernels_for(view, method.way); }, volume.view);
   if (const Kernel wide = wide::first_crossing_kernel(volume, method, machine)) kernels.first_crossing = wide;
-  if (const Kernel wide = wide::first_facet_kernel(volume, method, machine)) kernels.first_crossing = wide;
+  if (const Kernel wide = wide::first_facet_kernel(volume, method, machine)) {
+    kernels.first_crossing = wide;
+    kernels.prepare_first_crossing = wide::prepare_facets;
+  }
   if (const Kernel wide = wide::largest_value_kernel(volume, method, machine)) kernels.largest_value = wide;
   return kernels;
 }

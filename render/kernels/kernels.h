@@ -76,12 +76,16 @@ using Kernel = void (*)(const VolumeImplementation& volume, const Question& ques
 void ask(Kernel kernel, const VolumeImplementation& volume, const Question& question, std::span<const Ray> rays,
          std::span<Hit> hits, KernelScratch& scratch);
 
+/// Makes ready what a kernel keeps of a volume for its question, by so many threads (0: all cores).
+using Preparation = void (*)(const VolumeImplementation& volume, const Question& question, unsigned threads);
+
 /// The questions that a frame may ask of a volume (paper, section 4), each as the kernel for its kind, value type,
 /// method and machine. Chosen once per frame.
 struct Kernels {
   Kernel first_crossing;      ///< where the ray first passes from one side of the isovalue to the other
   Kernel largest_value;       ///< the largest value on the ray and the smallest t where it is reached
   std::size_t queue_entries;  ///< the most that one ray can put into the queue
+  Preparation prepare_first_crossing = nullptr;  ///< null: nothing to prepare. A kernel that finds it undone does it
 };
 
 /// True where a wide kernel finds first crossings in single precision, on every machine that is not `scalar`.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "formats/base/parallel.h"
 #include "render/cells/side.h"
 #include "render/volumes/active_cells.h"
 
@@ -12,25 +13,87 @@ namespace rhoray::render {
 
 namespace {
 
-/// A cell that the surface passes through.
-struct ActiveCell {
-  std::uint32_t cell;
-  std::uint32_t inside;  ///< bit i: vertex i, of those in rising order, is inside
+/// What a thread takes at a time.
+constexpr std::size_t candidates_per_part = 256;
+
+/// 64 cells, some of which the surface may pass through.
+struct Candidates {
+  std::uint32_t first;
+  std::uint64_t bits;
 };
 
 template <class T>
-std::vector<ActiveCell> active_cells_of(const TetVolume<T>& view, double isovalue) {
-  std::vector<ActiveCell> active;
-  for_each_candidate(view, isovalue, [&](std::uint32_t first, std::uint64_t bits) {
-    for (; bits != 0; bits &= bits - 1) {
-      const std::uint32_t cell = first + static_cast<std::uint32_t>(std::countr_zero(bits));
-      const std::array<double, 4> values = view.values_at(view.sorted_vertices(cell));
-      std::uint32_t inside = 0;
-      for (std::uint32_t i = 0; i < 4; ++i) inside |= static_cast<std::uint32_t>(is_inside(values[i] - isovalue)) << i;
-      if (inside != 0 && inside != 15 && has_data(values)) active.push_back({cell, inside});
+std::vector<Candidates> candidates_of(const TetVolume<T>& view, double isovalue) {
+  std::vector<Candidates> all;
+  for_each_candidate(view, isovalue, [&](std::uint32_t first, std::uint64_t bits) { all.push_back({first, bits}); });
+  return all;
+}
+
+/// How a vertex counts among a cell's four: the cell is active where they add up to 1, 2 or 3.
+std::uint8_t count_of(double value, double isovalue) {
+  return std::isfinite(value) ? value >= isovalue : 4;
+}
+
+/// Appends a cell that is active, without a branch, which would be a guess.
+struct ActiveList {
+  std::uint32_t* cells;
+  std::size_t count = 0;
+
+  void add(std::uint32_t cell, unsigned counted) {
+    cells[count] = cell;
+    count += counted - 1 < 3;
+  }
+};
+
+/// The active ones of 64 cells that are in clusters: each vertex of a cluster is looked at once.
+template <class T>
+void find_active_in_clusters(const TetVolume<T>& view, const Candidates& candidates, double isovalue,
+                             ActiveList& active) {
+  const formats::CellClustersView& clusters = view.clusters();
+  for (std::uint64_t bits = candidates.bits; bits != 0;) {
+    const std::uint64_t cluster =
+        clusters.cluster_of(candidates.first + static_cast<std::uint64_t>(std::countr_zero(bits)));
+    const std::span<const std::uint32_t> table = clusters.table(cluster);
+    std::array<std::uint8_t, 256> counts;
+    for (std::size_t v = 0; v < table.size(); ++v) counts[v] = count_of(view.value_at(table[v]), isovalue);
+    const std::uint64_t end = clusters.end_cell(cluster);
+    for (std::uint64_t cell = clusters.first_cell(cluster); cell < end; ++cell) {
+      const std::array<std::uint8_t, 4>& v = clusters.corners[cell];
+      active.add(static_cast<std::uint32_t>(cell),
+                 static_cast<unsigned>(counts[v[0]]) + counts[v[1]] + counts[v[2]] + counts[v[3]]);
+    }
+    bits = end >= candidates.first + 64 ? 0 : bits & ~std::uint64_t{0} << (end - candidates.first);
+  }
+}
+
+template <class T>
+void find_active(const TetVolume<T>& view, const Candidates& candidates, double isovalue, ActiveList& active) {
+  if (view.has_clusters()) return find_active_in_clusters(view, candidates, isovalue, active);
+  for (std::uint64_t bits = candidates.bits; bits != 0; bits &= bits - 1) {
+    const std::uint32_t cell = candidates.first + static_cast<std::uint32_t>(std::countr_zero(bits));
+    unsigned counted = 0;
+    for (const std::uint32_t v : view.vertices(cell)) counted += count_of(view.value_at(v), isovalue);
+    active.add(cell, counted);
+  }
+}
+
+/// Cells with data that have values on both sides, in their order.
+template <class T>
+std::vector<std::uint32_t> active_cells_of(const TetVolume<T>& view, double isovalue, unsigned threads) {
+  const std::vector<Candidates> candidates = candidates_of(view, isovalue);
+  std::vector<std::vector<std::uint32_t>> parts(candidates.size() / candidates_per_part + 1);
+  for_each_range(parts.size(), 8, threads, [&](std::uint64_t first_part, std::uint64_t end_part) {
+    std::vector<std::uint32_t> found(64 * candidates_per_part + 1);
+    for (std::uint64_t part = first_part; part < end_part; ++part) {
+      ActiveList active{found.data()};
+      const std::size_t end = std::min<std::size_t>(candidates.size(), (part + 1) * candidates_per_part);
+      for (std::size_t c = part * candidates_per_part; c < end; ++c) find_active(view, candidates[c], isovalue, active);
+      parts[part].assign(active.cells, active.cells + active.count);
     }
   });
-  return active;
+  std::vector<std::uint32_t> all;
+  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
 }
 
 /// The edges on which a facet's corners lie, round it, by the vertices that are inside; each edge's lower vertex first.
@@ -58,6 +121,12 @@ constexpr std::array<FacetEdges, 16> make_facet_edges() {
   return all;
 }
 constexpr std::array<FacetEdges, 16> facet_edges = make_facet_edges();
+
+std::size_t inside_bits(const std::array<double, 4>& values, double isovalue) {
+  std::size_t bits = 0;
+  for (std::size_t i = 0; i < 4; ++i) bits |= static_cast<std::size_t>(is_inside(values[i] - isovalue)) << i;
+  return bits;
+}
 
 /// Bits 0 to 9 of x moved to every third place.
 std::uint32_t spread(std::uint32_t x) {
@@ -90,8 +159,7 @@ void sort_by_code(std::vector<Item>& items) {
 }
 
 struct PlacedCell {
-  ActiveCell active;
-  std::uint32_t code;
+  std::uint32_t cell, code;
 };
 
 /// The field of a cell, with vertices in rising order. Where the cell's volume is less than 2^-20 of the product of its
@@ -122,7 +190,8 @@ FacetField field_of(const std::array<std::array<double, 3>, 4>& points, const st
 }  // namespace
 
 template <class T>
-Facets::Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue) : anchor_(bounds.center()) {
+Facets::Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads)
+    : anchor_(bounds.center()) {
   const Vec3 half = 0.5 * bounds.size();
   const double largest = std::max({half.x, half.y, half.z});
   // Rounding of the middle may leave a point a little farther away than half the size.
@@ -131,38 +200,45 @@ Facets::Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue) : 
   const auto in_frame = [&](const std::array<double, 3>& p, std::size_t axis) {
     return (p[axis] - anchor_[static_cast<int>(axis)]) * scale_;
   };
-  const std::vector<ActiveCell> active = active_cells_of(view, isovalue);
-  std::vector<PlacedCell> placed;
-  placed.reserve(active.size());
-  for (const ActiveCell& cell : active) {
-    const auto points = view.points_at(view.sorted_vertices(cell.cell));
-    std::array<double, 3> middle;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      middle[axis] = 0.25 * (in_frame(points[0], axis) + in_frame(points[1], axis) + in_frame(points[2], axis) +
-                             in_frame(points[3], axis));
-    placed.push_back({cell, morton_code(middle)});
-  }
+  const std::vector<std::uint32_t> active = active_cells_of(view, isovalue, threads);
+  std::vector<PlacedCell> placed(active.size());
+  for_each_range(active.size(), 1 << 14, threads, [&](std::uint64_t first, std::uint64_t end) {
+    for (std::uint64_t i = first; i < end; ++i) {
+      const auto points = view.points_at(view.vertices(active[i]));
+      std::array<double, 3> middle;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        middle[axis] = 0.25 * (in_frame(points[0], axis) + in_frame(points[1], axis) + in_frame(points[2], axis) +
+                               in_frame(points[3], axis));
+      placed[i] = {active[i], morton_code(middle)};
+    }
+  });
   sort_by_code(placed);
 
   count_ = static_cast<std::uint32_t>(placed.size());
   blocks_.resize((placed.size() + FacetBlock::size - 1) / FacetBlock::size);
   fields_.resize(placed.size());
-  for (std::uint32_t f = 0; f < count_; ++f) {
-    const ActiveCell& cell = placed[f].active;
-    const auto vertices = view.sorted_vertices(cell.cell);
-    const auto points = view.points_at(vertices);
-    const auto values = view.values_at(vertices);
-    FacetBlock& block = blocks_[f / FacetBlock::size];
-    for (std::size_t corner = 0; corner < 4; ++corner) {
-      const std::size_t a = facet_edges[cell.inside].edge[corner][0], b = facet_edges[cell.inside].edge[corner][1];
-      const double s = (isovalue - values[a]) / (values[b] - values[a]);
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        block.corner[corner][axis][f % FacetBlock::size] =
-            static_cast<float>((1 - s) * in_frame(points[a], axis) + s * in_frame(points[b], axis));
+  cells_.resize(placed.size());
+  for_each_range(blocks_.size(), 1024, threads, [&](std::uint64_t first_block, std::uint64_t end_block) {
+    const auto end = static_cast<std::uint32_t>(std::min<std::uint64_t>(count_, end_block * FacetBlock::size));
+    for (auto f = static_cast<std::uint32_t>(first_block * FacetBlock::size); f < end; ++f) {
+      const std::uint32_t cell = placed[f].cell;
+      const auto vertices = view.sorted_vertices(cell);
+      const auto points = view.points_at(vertices);
+      const auto values = view.values_at(vertices);
+      const FacetEdges& edges = facet_edges[inside_bits(values, isovalue)];
+      FacetBlock& block = blocks_[f / FacetBlock::size];
+      for (std::size_t corner = 0; corner < 4; ++corner) {
+        const std::size_t a = edges.edge[corner][0], b = edges.edge[corner][1];
+        const double s = (isovalue - values[a]) / (values[b] - values[a]);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          block.corner[corner][axis][f % FacetBlock::size] =
+              static_cast<float>((1 - s) * in_frame(points[a], axis) + s * in_frame(points[b], axis));
+      }
+      fields_[f] = field_of(points, values, isovalue, anchor_);
+      fields_[f].cell = view.cell_id(cell);
+      cells_[f] = cell;
     }
-    fields_[f] = field_of(points, values, isovalue, anchor_);
-    fields_[f].cell = view.cell_id(cell.cell);
-  }
+  });
   build_levels();
 }
 
@@ -203,27 +279,29 @@ void Facets::build_levels() {
 }
 
 std::size_t Facets::size_bytes() const {
-  std::size_t bytes = blocks_.size() * sizeof(FacetBlock) + fields_.size() * sizeof(FacetField);
+  std::size_t bytes =
+      blocks_.size() * sizeof(FacetBlock) + fields_.size() * (sizeof(FacetField) + sizeof(std::uint32_t));
   for (const auto& nodes : levels_) bytes += nodes.size() * sizeof(FacetNode);
   return bytes;
 }
 
 template <class T>
-std::shared_ptr<const Facets> FacetsCache::of(const TetVolume<T>& view, const Box3& bounds, double isovalue) {
+std::shared_ptr<const Facets> FacetsCache::of(const TetVolume<T>& view, const Box3& bounds, double isovalue,
+                                              unsigned threads) {
   const std::lock_guard lock(mutex_);
   const auto found = std::find_if(last_.begin(), last_.end(), [&](const Entry& e) { return e.isovalue == isovalue; });
   if (found != last_.end()) {
     std::rotate(last_.begin(), found, found + 1);
   } else {
     if (last_.size() == kept) last_.pop_back();
-    last_.insert(last_.begin(), {isovalue, std::make_shared<const Facets>(view, bounds, isovalue)});
+    last_.insert(last_.begin(), {isovalue, std::make_shared<const Facets>(view, bounds, isovalue, threads)});
   }
   return last_.front().facets;
 }
 
-#define RHORAY_FACETS(T)                                             \
-  template Facets::Facets(const TetVolume<T>&, const Box3&, double); \
-  template std::shared_ptr<const Facets> FacetsCache::of(const TetVolume<T>&, const Box3&, double);
+#define RHORAY_FACETS(T)                                                       \
+  template Facets::Facets(const TetVolume<T>&, const Box3&, double, unsigned); \
+  template std::shared_ptr<const Facets> FacetsCache::of(const TetVolume<T>&, const Box3&, double, unsigned);
 RHORAY_FACETS(float)
 RHORAY_FACETS(double)
 #undef RHORAY_FACETS

@@ -49,13 +49,15 @@ struct FacetField {
 /// node.
 class Facets {
  public:
-  /// @param bounds  of all points of the mesh, its frame
+  /// @param bounds   of all points of the mesh, its frame
+  /// @param threads  0 = all cores; the result is the same for any number
   template <class T>
-  Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue);
+  Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads);
 
   std::uint32_t count() const { return count_; }
   const FacetBlock* blocks() const { return blocks_.data(); }
-  const FacetField* fields() const { return fields_.data(); }  ///< one for each facet
+  const FacetField* fields() const { return fields_.data(); }   ///< one for each facet
+  const std::uint32_t* cells() const { return cells_.data(); }  ///< position in the mesh of each facet's
   int level_count() const { return static_cast<int>(levels_.size()); }
   const FacetNode* level(int l) const { return levels_[static_cast<std::size_t>(l)].data(); }
 
@@ -72,6 +74,7 @@ class Facets {
   std::uint32_t count_ = 0;
   std::vector<FacetBlock> blocks_;
   std::vector<FacetField> fields_;
+  std::vector<std::uint32_t> cells_;
   std::vector<std::vector<FacetNode>> levels_;
   Vec3 anchor_;
   double scale_ = 1;
@@ -81,9 +84,8 @@ class Facets {
 /// The facets of one mesh for the last isovalues asked about. Any thread may ask.
 class FacetsCache {
  public:
-  /// @return  the isosurface, and whether it was made for this call
   template <class T>
-  std::shared_ptr<const Facets> of(const TetVolume<T>& view, const Box3& bounds, double isovalue);
+  std::shared_ptr<const Facets> of(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads);
 
  private:
   struct Entry {

@@ -1,3 +1,4 @@
+#include "render/volumes/facets.h"
 #include "render/volumes/load_view.h"
 #include "render/volumes/volume.h"
 
@@ -22,7 +23,8 @@ std::shared_ptr<const VolumeImplementation> load_tets(const formats::PackedFile&
                              .length_unit = description.length_unit,
                              .world_from_volume = Affine{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, description.origin},
                              .bounds_volume = bounds,
-                             .view = std::move(view)});
+                             .view = std::move(view),
+                             .facets = std::make_shared<FacetsCache>()});
   };
   if (summary.type == formats::ElementType::F32) return make(TetVolume<float>(mesh, chosen));
   return make(TetVolume<double>(mesh, chosen));

@@ -55,9 +55,12 @@ class TetVolume {
     return mesh_.leaf_lists().list(static_cast<std::uint64_t>((leaf.z * count.y + leaf.y) * count.x + leaf.x));
   }
 
+  /// Point positions of a cell.
+  RHORAY_INLINE std::array<std::uint32_t, 4> vertices(std::uint32_t cell) const { return mesh_.cell(cell); }
+
   /// Point positions of a cell, rising.
   RHORAY_INLINE std::array<std::uint32_t, 4> sorted_vertices(std::uint32_t cell) const {
-    std::array<std::uint32_t, 4> v = mesh_.cell(cell);
+    std::array<std::uint32_t, 4> v = vertices(cell);
     if (v[1] < v[0]) std::swap(v[0], v[1]);
     if (v[3] < v[2]) std::swap(v[2], v[3]);
     if (v[2] < v[0]) std::swap(v[0], v[2]);
@@ -66,6 +69,7 @@ class TetVolume {
     return v;
   }
 
+  RHORAY_INLINE double value_at(std::uint32_t point) const { return static_cast<double>(values_[point]); }
   RHORAY_INLINE std::array<double, 4> values_at(const std::array<std::uint32_t, 4>& v) const {
     return {static_cast<double>(values_[v[0]]), static_cast<double>(values_[v[1]]), static_cast<double>(values_[v[2]]),
             static_cast<double>(values_[v[3]])};

@@ -6,13 +6,14 @@
 #include <vector>
 
 #include "formats/base/affine.h"
-#include "render/volumes/facets.h"
 #include "render/volumes/grid_volume.h"
 #include "render/volumes/nanovdb_volume.h"
 #include "render/volumes/occupancy.h"
 #include "render/volumes/tet_volume.h"
 
 namespace rhoray::render {
+
+class FacetsCache;
 
 /// One loaded volume: what every kind has in common, and the view that kernels read.
 struct VolumeImplementation {
@@ -33,7 +34,7 @@ struct VolumeImplementation {
                NanoVdbVolume>
       view;
   std::unique_ptr<OccupancyCache> occupancies = std::make_unique<OccupancyCache>();  ///< of the field of a grid
-  std::unique_ptr<FacetsCache> facets = std::make_unique<FacetsCache>();             ///< of the field of a mesh
+  std::shared_ptr<FacetsCache> facets{};  ///< of the field of a mesh; null for grids
 };
 
 }  // namespace rhoray::render

@@ -92,6 +92,7 @@ Json statistics_json(const render::FrameStatistics& statistics) {
           {"largest_error", statistics.largest_error},
           {"highlights_shaded", statistics.highlights_shaded},
           {"machine", statistics.machine},
+          {"preparation_s", statistics.preparation_s},
           {"wall_s", statistics.wall_s},
           {"phases_cpu_s",
            {{"traversal", phases.traversal}, {"intersection", phases.intersection}, {"shading", phases.shading}}}};
@@ -117,6 +118,7 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
               : concat("  largest error         ", rounded(statistics.largest_error), "\n")) +
          count("highlights shaded", statistics.highlights_shaded) + phase("traversal", phases.traversal) +
          phase("intersection", phases.intersection) + phase("shading", phases.shading) +
+         concat("  isovalue prepared in ", rounded(statistics.preparation_s, 3), " s\n") +
          concat("  traced in            ", rounded(statistics.wall_s, 3), " s\n");
 }
 

@@ -1,6 +1,5 @@
 #include <bit>
 #include <cstring>
-#include <limits>
 
 #include "render/kernels/wide/facets_parts.h"
 #include "render/march/ticks.h"
@@ -18,6 +17,16 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 
 inline constexpr std::size_t pack = FacetScratch::pack, packs = FacetScratch::packs, lanes = FacetScratch::lanes;
 inline constexpr std::uint64_t pack_bits = (std::uint64_t{1} << pack) - 1;
+
+using Longs = hn::RebindToSigned<Doubles>;
+using UnsignedLongs = hn::RebindToUnsigned<Doubles>;
+using HalfInts = hn::Rebind<std::int32_t, Doubles>;
+using Counts = hn::Rebind<std::uint32_t, Doubles>;
+using VecI64 = hn::Vec<Longs>;
+inline constexpr Longs longs{};
+inline constexpr UnsignedLongs unsigned_longs{};
+inline constexpr HalfInts half_ints{};
+inline constexpr Counts counts{};
 
 /// Larger than any number in the facets' frame that matters, and small enough for sums.
 inline constexpr float beyond = 1e30f;
@@ -129,8 +138,7 @@ class FacetWalk {
     }
   }
 
-  /// Rays that the reference must answer.
-  std::uint64_t doubtful() const { return doubtful_; }
+  HWY_INLINE Unanswered unanswered() const { return unanswered_; }
 
  private:
   /// Of all rays of the chunk, as if all moved along this axis; those that do not, stay without hits.
@@ -188,6 +196,7 @@ class FacetWalk {
         hn::Store(hn::IfThenElse(alive, end, none), floats, scratch_.far + r);
         hn::Store(hn::Set(floats, never), floats, scratch_.nearest + r);
         hn::Store(hn::Set(floats, never), floats, scratch_.second + r);
+        hn::Store(hn::Set(floats, never), floats, scratch_.doubt + r);
       }
       const float least = least_of(hn::IfThenElse(alive, begin, hn::Set(floats, beyond)));
       const float most = largest_of(hn::IfThenElse(alive, end, none));
@@ -537,7 +546,7 @@ class FacetWalk {
     const MaskF unsure = hn::AndNot(sure, any);
 
     VecF nearest = hn::Load(floats, scratch_.nearest + r), second = hn::Load(floats, scratch_.second + r);
-    second = hn::Min(second, hn::IfThenElse(unsure, facet_near, second));
+    if (!hn::AllFalse(floats, unsure)) keep_doubts(unsure, facet_near, r, facet);
     second = hn::Min(second, hn::IfThenElse(sure, hn::Max(nearest, low), second));
     nearest = hn::Min(nearest, hn::IfThenElse(sure, low, nearest));
     hn::Store(second, floats, scratch_.second + r);
@@ -553,6 +562,19 @@ class FacetWalk {
     return true;
   }
 
+  /// In a certified answer: the facet is to be looked at again for these rays.
+  HWY_INLINE void keep_doubts(MaskF unsure, VecF near, std::size_t r, std::uint32_t facet) {
+    const VecF doubt = hn::Load(floats, scratch_.doubt + r);
+    hn::Store(hn::Min(doubt, hn::IfThenElse(unsure, near, doubt)), floats, scratch_.doubt + r);
+    for (std::uint64_t bits = bits_of(floats, unsure); bits != 0; bits &= bits - 1) {
+      const auto ray = static_cast<std::uint32_t>(ray_of(r + static_cast<std::size_t>(std::countr_zero(bits))));
+      if (scratch_.doubt_count < FacetScratch::doubt_capacity)
+        scratch_.doubts[scratch_.doubt_count++] = {ray, facet};
+      else
+        unanswered_.whole |= std::uint64_t{1} << ray;
+    }
+  }
+
   HWY_INLINE void find_pack_far(std::size_t p) {
     const float* reach = certified ? scratch_.far : scratch_.depth;
     VecF most = hn::Load(floats, reach + pack * p);
@@ -566,74 +588,114 @@ class FacetWalk {
       group_far_ = scratch_.pack_far[p] > group_far_ ? scratch_.pack_far[p] : group_far_;
   }
 
+  /// Numbers of lanes, in the order of the rays from r on.
+  template <class T>
+  HWY_INLINE static void in_order_of_rays(const T* of_lanes, std::size_t r, T* out) {
+    constexpr std::size_t run = double_lanes < 4 ? double_lanes : 4;
+    for (std::size_t i = 0; i < double_lanes; i += run)
+      std::memcpy(out + i, of_lanes + lane_of(r + i), run * sizeof(T));
+  }
+  HWY_INLINE static VecD depths(const float* of_lanes, std::size_t r) {
+    HWY_ALIGN float ordered[lanes];
+    in_order_of_rays(of_lanes, r, ordered);
+    return hn::PromoteTo(doubles, hn::Load(half_floats, ordered));
+  }
+
   /// Writes the hits of a group, and counts.
   HWY_INLINE void finish(std::uint64_t lanes_alive) {
+    std::uint64_t rays_alive = 0;
+    for (std::size_t quad = 0; quad < lanes / 4; ++quad)
+      rays_alive |= (lanes_alive >> lane_of(4 * quad) & 15) << 4 * quad;
+    for (std::size_t r = 0; r < count_; r += double_lanes)
+      if (const std::uint64_t bits = rays_alive >> r & ((std::uint64_t{1} << double_lanes) - 1); bits != 0)
+        finish_rays(bits, r);
     const auto ray_count = static_cast<std::uint64_t>(std::popcount(lanes_alive));
-    for (std::uint64_t bits = lanes_alive; bits != 0; bits &= bits - 1) {
-      const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
-      const std::size_t ray = ray_of(lane);
-      hits_.cost[ray] = static_cast<std::uint32_t>(visits_);
-      const bool is_hit = scratch_.facet[lane] != FacetScratch::no_facet;
-      if constexpr (certified) {
-        if (scratch_.second[lane] <= (is_hit ? scratch_.far[lane] : scratch_.end[lane])) {
-          doubtful_ |= std::uint64_t{1} << ray;
-          continue;
-        }
-      }
-      if (is_hit) write_hit(lane, ray);
-    }
     counters_.macrocells_visited += nodes_ * ray_count;
     counters_.cells_visited += blocks_ * ray_count;
     counters_.cells_solved += tests_ * (ray_count < pack ? ray_count : pack);
     nodes_ = blocks_ = tests_ = 0;
   }
 
-  /// The place is where the cell's own field is the isovalue, by its gradient in double; where rounding leads that out
-  /// of the cell, or the cell is flat, it is the facet's.
-  HWY_INLINE void write_hit(std::size_t lane, std::size_t ray) {
-    const FacetField& field = surface_.fields[scratch_.facet[lane]];
-    double value = field.value, speed = 0;
-    for (int a = 0; a < 3; ++a) {
-      value += field.gradient[a] * (rays_.origin[a][ray] - surface_.anchor[a]);
-      speed += field.gradient[a] * rays_.direction[a][ray];
+  /// @param alive  a bit for each of the rays from r on
+  HWY_INLINE void finish_rays(std::uint64_t alive, std::size_t r) {
+    hn::BlendedStore(hn::Set(counts, static_cast<std::uint32_t>(visits_)), mask_of(counts, alive), counts,
+                     hits_.cost + r);
+    HWY_ALIGN std::int32_t facet[lanes];
+    in_order_of_rays(scratch_.facet, r, facet);
+    const VecI64 index = hn::PromoteTo(longs, hn::Load(half_ints, facet));
+    MaskD hit = hn::And(mask_of(doubles, alive),
+                        hn::RebindMask(doubles, hn::Ne(index, hn::Set(longs, FacetScratch::no_facet))));
+    if constexpr (certified) {
+      const VecD far = hn::IfThenElse(hit, depths(scratch_.far, r), depths(scratch_.end, r));
+      const MaskD not_proven = hn::Le(depths(scratch_.second, r), far);
+      const MaskD in_doubt = hn::AndNot(not_proven, hn::Le(depths(scratch_.doubt, r), far));
+      unanswered_.whole |= (bits_of(doubles, not_proven) & alive) << r;
+      unanswered_.part |= (bits_of(doubles, in_doubt) & alive) << r;
+      hit = hn::AndNot(not_proven, hit);
     }
-    const double d = rays_.direction[w_][ray];
-    const double t_facet = (static_cast<double>(sign_ * scratch_.depth[lane]) / surface_.scale + surface_.anchor[w_] -
-                            rays_.origin[w_][ray]) /
-                           d;
-    double t = -value / speed;
-    const double off = (t - t_facet) * d;
-    const double limit = 0x1p-6 * static_cast<double>(field.cell_size);
-    if (!(off <= limit && off >= -limit && field.doubt < beyond)) t = t_facet;
-    t = t < rays_.t_min[ray] ? rays_.t_min[ray] : t > rays_.t_max[ray] ? rays_.t_max[ray] : t;
-    hits_.t[ray] = t;
-    hits_.value[ray] = surface_.isovalue;
-    hits_.cell[ray] = field.cell;
-    for (int a = 0; a < 3; ++a) hits_.gradient[a][ray] = field.gradient[a];
-    hits_.root_count[ray] = 1;
-    if constexpr (certified) write_error(field, lane, ray, t, value, speed);
+    if (!hn::AllFalse(doubles, hit)) write_hits(hit, index, r);
   }
 
-  /// With u = 2^-53: the field at the origin is off by 8u of the terms that are added up, its slope by 4u of its terms;
-  /// inside the cell by what the gradient is off by.
-  HWY_INLINE void write_error(const FacetField& field, std::size_t lane, std::size_t ray, double t, double value,
-                              double speed) {
-    double terms = value < 0 ? -value : value, slopes = 0;
+  /// The place is where the cell's own field is the isovalue, by its gradient in double; where rounding leads that out
+  /// of the cell, or the cell is flat, it is the facet's.
+  HWY_INLINE void write_hits(MaskD hit, VecI64 facet, std::size_t r) {
+    static_assert(sizeof(FacetField) == 6 * sizeof(double));
+    const VecI64 index = hn::IfThenElseZero(hn::RebindMask(longs, hit), facet);
+    const VecI64 place = hn::Add(hn::ShiftLeft<2>(index), hn::Add(index, index));
+    const double* fields = surface_.fields->gradient;
+    const auto number = [&](int i) HWY_ATTR { return hn::GatherIndex(doubles, fields + i, place); };
+    VecD value = number(3), speed = hn::Zero(doubles), gradient[3];
     for (int a = 0; a < 3; ++a) {
-      const double g = field.gradient[a] < 0 ? -field.gradient[a] : field.gradient[a];
-      const double o = rays_.origin[a][ray] - surface_.anchor[a], d = rays_.direction[a][ray];
-      terms += g * ((o < 0 ? -o : o) + 1 / surface_.scale);
-      slopes += g * (d < 0 ? -d : d);
+      gradient[a] = number(a);
+      const VecD o = hn::Sub(hn::Load(doubles, rays_.origin[a] + r), hn::Set(doubles, surface_.anchor[a]));
+      value = hn::MulAdd(gradient[a], o, value);
+      speed = hn::MulAdd(gradient[a], hn::Load(doubles, rays_.direction[a] + r), speed);
+      hn::BlendedStore(gradient[a], hit, doubles, hits_.gradient[a] + r);
     }
-    const double size_of_t = t < 0 ? -t : t, steepness = speed < 0 ? -speed : speed;
-    const double error = (static_cast<double>(field.doubt) + 0x1p-48 * (terms + size_of_t * slopes)) / steepness;
-    const double depth_of_cell = static_cast<double>(field.cell_size) /
-                                 (rays_.direction[w_][ray] < 0 ? -rays_.direction[w_][ray] : rays_.direction[w_][ray]);
-    if (error <= 0.25e-3 * depth_of_cell && 2 * error < depth_of_cell)
-      hits_.error[ray] = error;
-    else
-      hits_.t[ray] = std::numeric_limits<double>::infinity(), doubtful_ |= std::uint64_t{1} << ray;
-    (void)lane;
+    const VecI64 sizes = hn::BitCast(longs, number(5));
+    const VecD cell_size =
+        hn::PromoteTo(doubles, hn::BitCast(half_floats, hn::TruncateTo(counts, hn::BitCast(unsigned_longs, sizes))));
+    const VecD doubt = hn::PromoteTo(
+        doubles,
+        hn::BitCast(half_floats, hn::TruncateTo(counts, hn::ShiftRight<32>(hn::BitCast(unsigned_longs, sizes)))));
+    const VecD d = hn::Load(doubles, rays_.direction[w_] + r);
+    const VecD to_mesh = hn::Set(doubles, static_cast<double>(sign_) / surface_.scale);
+    const VecD start = hn::Sub(hn::Load(doubles, rays_.origin[w_] + r), hn::Set(doubles, surface_.anchor[w_]));
+    const VecD t_facet = hn::Div(hn::MulSub(depths(scratch_.depth, r), to_mesh, start), d);
+    const VecD t_field = hn::Div(hn::Neg(value), speed);
+    const VecD off = hn::Abs(hn::Mul(hn::Sub(t_field, t_facet), d));
+    const MaskD is_near = hn::And(hn::Le(off, hn::Mul(cell_size, hn::Set(doubles, 0x1p-6))),
+                                  hn::Lt(doubt, hn::Set(doubles, static_cast<double>(beyond))));
+    const VecD t = hn::Min(hn::Max(hn::IfThenElse(is_near, t_field, t_facet), hn::Load(doubles, rays_.t_min + r)),
+                           hn::Load(doubles, rays_.t_max + r));
+    if constexpr (certified) hit = prove(hit, is_near, gradient, value, speed, t, cell_size, doubt, r);
+    hn::BlendedStore(t, hit, doubles, hits_.t + r);
+    hn::BlendedStore(hn::Set(doubles, surface_.isovalue), hit, doubles, hits_.value + r);
+    hn::BlendedStore(hn::BitCast(unsigned_longs, number(4)), hn::RebindMask(unsigned_longs, hit), unsigned_longs,
+                     hits_.cell + r);
+    hn::BlendedStore(hn::Set(counts, 1), mask_of(counts, bits_of(doubles, hit)), counts, hits_.root_count + r);
+  }
+
+  /// Writes the bounds of hits. With u = 2^-53: the field at the origin is off by 8u of the terms that are added up,
+  /// and so is its slope; inside the cell by what the gradient is off by.
+  /// @return  those that are good enough: within a quarter of a thousandth of the cell
+  HWY_INLINE MaskD prove(MaskD hit, MaskD is_by_field, const VecD* gradient, VecD value, VecD speed, VecD t,
+                         VecD cell_size, VecD doubt, std::size_t r) {
+    VecD terms = hn::Abs(value), slopes = hn::Zero(doubles);
+    for (int a = 0; a < 3; ++a) {
+      const VecD g = hn::Abs(gradient[a]);
+      const VecD o = hn::Sub(hn::Load(doubles, rays_.origin[a] + r), hn::Set(doubles, surface_.anchor[a]));
+      terms = hn::MulAdd(g, hn::Add(hn::Abs(o), hn::Set(doubles, 1 / surface_.scale)), terms);
+      slopes = hn::MulAdd(g, hn::Abs(hn::Load(doubles, rays_.direction[a] + r)), slopes);
+    }
+    const VecD rounding = hn::Mul(hn::Set(doubles, 0x1p-48), hn::MulAdd(hn::Abs(t), slopes, terms));
+    const VecD error = hn::Div(hn::Add(doubt, rounding), hn::Abs(speed));
+    const VecD largest = hn::Mul(hn::Set(doubles, 0.25e-3), cell_size);
+    const VecD in_depth = hn::Mul(error, hn::Abs(hn::Load(doubles, rays_.direction[w_] + r)));
+    const MaskD is_good = hn::And(is_by_field, hn::Le(in_depth, largest));
+    hn::BlendedStore(error, hit, doubles, hits_.error + r);
+    unanswered_.whole |= bits_of(doubles, hn::AndNot(is_good, hit)) << r;
+    return hn::And(hit, is_good);
   }
 
   const FacetSurface& surface_;
@@ -650,25 +712,28 @@ class FacetWalk {
   alignas(64) float facet_near_[FacetBlock::size], facet_far_[FacetBlock::size];
   alignas(
       64) float margin_[FacetBlock::size];  ///< certified: what an edge's function is off by, at most, near the facet
-  std::uint64_t doubtful_ = 0;
+  Unanswered unanswered_;
   std::uint64_t visits_ = 0, nodes_ = 0, blocks_ = 0, tests_ = 0;
 };
 
 template <bool certified>
-std::uint64_t first_facets(const FacetSurface& surface, const RayArrays& rays, std::size_t count, const HitArrays& hits,
-                           FacetScratch& scratch, KernelCounters& counters) {
+Unanswered first_facets(const FacetSurface& surface, const RayArrays& rays, std::size_t count, const HitArrays& hits,
+                        FacetScratch& scratch, KernelCounters& counters) {
   const Directions directions = directions_of(surface, rays, count, certified ? certified_reach : reach);
   const std::uint64_t all = count >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1;
-  std::uint64_t others = all & ~directions.usable;
+  Unanswered unanswered{.whole = all & ~directions.usable};
+  scratch.doubt_count = 0;
   for (int axis = 0; axis < 3; ++axis)
     for (const bool down : {false, true}) {
       const std::uint64_t chosen = directions.along[axis] & (down ? directions.down[axis] : ~directions.down[axis]);
       if (chosen == 0) continue;
       FacetWalk<certified> walk(surface, rays, count, hits, axis, down, scratch, counters);
       walk.trace(lanes_of(chosen));
-      others |= walk.doubtful();
+      unanswered.whole |= walk.unanswered().whole;
+      unanswered.part |= walk.unanswered().part;
     }
-  return others;
+  unanswered.part &= ~unanswered.whole;
+  return unanswered;
 }
 
 FirstFacets first_facets_by(bool certified) {

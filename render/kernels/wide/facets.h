@@ -9,4 +9,7 @@ namespace rhoray::render::wide {
 /// that products of doubles cannot hold, and for ways other than those of the table in README.md.
 Kernel first_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine);
 
+/// Makes the facets of an isovalue, if they are not kept from before.
+void prepare_facets(const VolumeImplementation& volume, const Question& question, unsigned threads);
+
 }  // namespace rhoray::render::wide

@@ -1,6 +1,12 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
 
+#include "render/cells/tet_methods.h"
+#include "render/kernels/tet_walk.h"
 #include "render/kernels/wide/facets.h"
 #include "render/kernels/wide/facets_parts.h"
 #include "render/volumes/volume.h"
@@ -32,6 +38,65 @@ FacetSurface surface_of(const Facets& facets, const Question& question) {
   return surface;
 }
 
+bool is_answerable(const Question& question) {
+  return question.use_hierarchy && std::abs(question.isovalue) <= largest_magnitude;
+}
+
+/// Completes a certified answer by what double precision says of the cells of facets in doubt, cell by cell as
+/// certified_crossing of tet_certified.h.
+/// @return  false when that leaves a doubt
+template <class View>
+bool settle(const View& view, const Question& question, const Ray& ray, std::span<const FacetDoubt> doubts,
+            std::uint32_t index, const Facets& facets, Hit& hit) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const TetRay<double> tet_ray(ray);
+  std::optional<std::uint32_t> hit_tet;
+  double earliest = hit.is_miss() ? hit.t : hit.t - hit.error, error = hit.is_miss() ? 0 : hit.error;
+  double t = hit.t, doubtful_from = infinity;
+  for (const FacetDoubt& doubt : doubts) {
+    if (doubt.ray != index) continue;
+    const std::uint32_t tet = facets.cells()[doubt.facet];
+    const auto vertices = view.sorted_vertices(tet);
+    const TetPoints points = view.points_at(vertices);
+    const CertifiedTetCrossing found =
+        certify_tet_crossing<double>(tet_ray, points, view.values_at(vertices), question.isovalue);
+    if (found.decision == Decision::unknown) {
+      for (const auto& point : points) doubtful_from = std::min(doubtful_from, tet_ray.shear.see(point).t);
+    } else if (found.decision == Decision::crosses) {
+      earliest = std::min(earliest, found.t - found.t_error);
+      if (found.t > t || (found.t == t && hit_tet && !is_preferred(view, tet, *hit_tet))) continue;
+      t = found.t, error = found.t_error, hit_tet = tet;
+    }
+  }
+  const double t_rounding = 0x1p-50 * std::abs(doubtful_from);
+  if (doubtful_from < infinity && !(t + error < doubtful_from - t_rounding)) return false;
+  if (t == infinity) return true;
+  if (hit_tet) fill_in(hit, view, question, *hit_tet, t);
+  hit.error = std::max(error, t - earliest);
+  return true;
+}
+
+/// @param chosen  rays of the chunk that begins at `first`
+/// @return        those that remain in doubt
+template <class View>
+std::uint64_t settle_doubts(const View& view, const Question& question, const RayBatch& rays, std::size_t first,
+                            std::uint64_t chosen, const FacetScratch& memory, HitBatch& hits,
+                            KernelCounters& counters) {
+  std::uint64_t left = 0;
+  const std::span<const FacetDoubt> doubts(memory.doubts, memory.doubt_count);
+  for (; chosen != 0; chosen &= chosen - 1) {
+    const auto index = static_cast<std::uint32_t>(std::countr_zero(chosen));
+    Hit hit = hits[first + index];
+    if (settle(view, question, rays[first + index], doubts, index, *memory.facets, hit)) {
+      hits.set(first + index, hit);
+      ++counters.rays_redone;
+    } else {
+      left |= std::uint64_t{1} << index;
+    }
+  }
+  return left;
+}
+
 template <Machine machine, bool certified>
 void first_facets(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
                   KernelScratch& scratch) {
@@ -39,24 +104,26 @@ void first_facets(const VolumeImplementation& volume, const Question& question, 
       [&]<class View>(const View& view) {
         if constexpr (is_mesh<View>) {
           const Kernel reference = kernels_for(view, question.method.way).first_crossing;
-          if (!question.use_hierarchy || !(std::abs(question.isovalue) <= largest_magnitude)) {
+          if (!is_answerable(question)) {
             reference(volume, question, rays, hits, scratch);
             return;
           }
           scratch.counters.rays_wide += rays.count;
           if (!scratch.facets) scratch.facets = std::make_shared<FacetScratch>();
           FacetScratch& memory = *scratch.facets;
-          memory.facets = volume.facets->of(view, volume.bounds_volume, question.isovalue);
+          memory.facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, 1);
           const FacetSurface surface = surface_of(*memory.facets, question);
           const FirstFacets answer = first_facets_on(machine, certified);
           const HitArrays all = misses(hits, rays.count);
-          for (std::size_t first = 0; first < rays.count; first += RayGroup::size)
-            if (const std::uint64_t others =
-                    answer(surface, from(rays, first), std::min(RayGroup::size, rays.count - first), from(all, first),
-                           memory, scratch.counters);
-                others != 0)
-              ask_again(certified ? redoing_kernel_for(view) : reference, volume, question, rays, first, others, hits,
-                        memory.others, scratch);
+          for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
+            Unanswered left = answer(surface, from(rays, first), std::min(RayGroup::size, rays.count - first),
+                                     from(all, first), memory, scratch.counters);
+            if (left.part != 0)
+              left.whole |= settle_doubts(view, question, rays, first, left.part, memory, hits, scratch.counters);
+            if (left.whole != 0)
+              ask_again(certified ? redoing_kernel_for(view) : reference, volume, question, rays, first, left.whole,
+                        hits, memory.others, scratch);
+          }
         }
       },
       volume.view);
@@ -77,6 +144,15 @@ bool is_fit(const VolumeImplementation& volume) {
 }
 
 }  // namespace
+
+void prepare_facets(const VolumeImplementation& volume, const Question& question, unsigned threads) {
+  if (!is_answerable(question)) return;
+  std::visit(
+      [&]<class View>(const View& view) {
+        if constexpr (is_mesh<View>) volume.facets->of(view, volume.bounds_volume, question.isovalue, threads);
+      },
+      volume.view);
+}
 
 Kernel first_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
   const bool is_float = method.precision == Method::Precision::single &&

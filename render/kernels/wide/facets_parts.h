@@ -43,6 +43,11 @@ inline constexpr double certified_reach = 0x1p20;
 /// Rays that start farther away than this go to the reference at once.
 inline constexpr double reach = 0x1p40;
 
+/// A ray of a chunk that single precision cannot tell whether it passes through a facet.
+struct FacetDoubt {
+  std::uint32_t ray, facet;
+};
+
 /// 64 rays of a batch: pack p holds lanes 16 p to 16 p + 15, a square of 4 x 4 of a chunk of 8 x 8.
 struct alignas(64) FacetScratch {
   static constexpr std::size_t lanes = RayGroup::size, pack = 16, packs = lanes / pack;
@@ -52,11 +57,16 @@ struct alignas(64) FacetScratch {
   float depth[lanes];                   ///< of the nearest hit, or `end`; below all in lanes without a ray
   std::int32_t facet[lanes];            ///< that was hit; no_facet
   float far[lanes];                     ///< certified: of the nearest hit, at most
-  float nearest[lanes], second[lanes];  ///< certified: the two least depths that any hit or doubt may have
+  float nearest[lanes], second[lanes];  ///< certified: the two least depths that any hit may have
+  float doubt[lanes];                   ///< certified: the least depth of any facet in doubt
   float cull_offset[lanes / 4], cull_slope[lanes / 4];  ///< of each pack: lower and upper bounds of u, then of v
   float pack_far[packs];
 
   static constexpr std::int32_t no_facet = 0x7fffffff;
+
+  static constexpr std::size_t doubt_capacity = 1024;
+  FacetDoubt doubts[doubt_capacity];  ///< of a chunk
+  std::size_t doubt_count;
 
   std::shared_ptr<const Facets> facets;
   FewRays others;  ///< what the reference is asked about
@@ -73,11 +83,15 @@ constexpr std::size_t ray_of(std::size_t lane) {
   return (pack / 2 * 4 + in_pack / 4) * 8 + pack % 2 * 4 + in_pack % 4;
 }
 
+/// A bit for each ray of a chunk that is not answered yet.
+struct Unanswered {
+  std::uint64_t whole = 0;  ///< by the reference: what is no ray of finite numbers; certified: what is not proven
+  std::uint64_t part = 0;   ///< certified: what is written is the answer but for facets in doubt (FacetScratch::doubts)
+};
+
 /// Answers at most 64 rays. Hits are written; what is no hit is left as it is, but for its cost.
-/// @return  the rays that the reference must answer: those that are no rays of finite numbers, and certified ones of
-///          which not every decision is proven
-using FirstFacets = std::uint64_t (*)(const FacetSurface& surface, const RayArrays& rays, std::size_t count,
-                                      const HitArrays& hits, FacetScratch& scratch, KernelCounters& counters);
+using FirstFacets = Unanswered (*)(const FacetSurface& surface, const RayArrays& rays, std::size_t count,
+                                   const HitArrays& hits, FacetScratch& scratch, KernelCounters& counters);
 
 /// `baseline` is what the processor has of SSE4, or else one lane.
 FirstFacets first_facets_on(Machine machine, bool certified);
