@@ -35,6 +35,20 @@ struct TetRay {
   RHORAY_INLINE explicit TetRay(const Ray& from) : ray(from), shear(from) {}
 };
 
+/// The tetrahedron as the ray sees it; nothing when all of it lies on one side of the ray in x or in y, where the ray
+/// passes through no face: what most of those are that a ray is held against.
+template <class Real>
+RHORAY_INLINE std::optional<SeenTetOf<Real>> see_near(const RayShearOf<Real>& shear, const TetPoints& points,
+                                                      const TetValues& values) {
+  const SeenTetOf<Real> tet{{shear.see(points[0]), shear.see(points[1]), shear.see(points[2]), shear.see(points[3])},
+                            values};
+  const auto& v = tet.vertex;
+  const auto [left, right] = std::minmax({v[0].x, v[1].x, v[2].x, v[3].x});
+  const auto [below, above] = std::minmax({v[0].y, v[1].y, v[2].y, v[3].y});
+  if (left > 0 || right < 0 || below > 0 || above < 0) return std::nullopt;
+  return tet;
+}
+
 /// Appendix B of the paper in numbers of type Real: t where the ray meets the isoplane between t_min and t_max, if all
 /// barycentric coordinates there are at least -slack of their sum; nothing where the field is constant along the ray.
 /// The coordinate of vertex i is the plane equation n_i . (p - q) / n_i . (p_i - q) of the face opposite, q in that
@@ -77,10 +91,9 @@ RHORAY_INLINE std::optional<double> find_crossing(TetMethod method, const TetRay
                                                   double slack = default_tet_slack) {
   if (method != TetMethod::edges)
     return isoplane_crossing<Real>(ray.ray, points, values, isovalue, method == TetMethod::slack ? slack : 0);
-  const RayShearOf<Real>& shear = ray.shear;
-  std::optional<TetPassage> passage = pass_through(
-      SeenTetOf<Real>{{shear.see(points[0]), shear.see(points[1]), shear.see(points[2]), shear.see(points[3])}, values},
-      isovalue);
+  const std::optional<SeenTetOf<Real>> seen = see_near(ray.shear, points, values);
+  if (!seen) return std::nullopt;
+  std::optional<TetPassage> passage = pass_through(*seen, isovalue);
   if (passage) passage = clip(*passage, ray.ray.t_min, ray.ray.t_max);
   if (!passage) return std::nullopt;
   return first_crossing(*passage);

@@ -42,7 +42,7 @@ class BoxRay {
       if (!std::isfinite(inverse_[a])) inverse_[a] = 0;  // does not move
       moves = moves || inverse_[a] != 0;
     }
-    if (!moves || !is_finite) t_max_ = -std::numeric_limits<double>::infinity();
+    if (!moves || !is_finite || !(t_min_ <= t_max_)) t_max_ = -std::numeric_limits<double>::infinity();
   }
 
   struct Parts {
@@ -69,10 +69,11 @@ class BoxRay {
         parts.t_out[e] = std::min(parts.t_out[e], (static_cast<double>(far[e]) - origin) * inverse);
       }
     }
+    // A NaN (infinity minus infinity) comes first: it stays, and says that the box is not met.
     constexpr double rounding = 0x1p-50, least = 1e-300;
     for (std::size_t e = 0; e < width; ++e) {
-      parts.t_in[e] = std::max(t_min_, parts.t_in[e] - (std::abs(parts.t_in[e]) * rounding + least));
-      parts.t_out[e] = std::min(t_max_, parts.t_out[e] + (std::abs(parts.t_out[e]) * rounding + least));
+      parts.t_in[e] = std::max(parts.t_in[e] - (std::abs(parts.t_in[e]) * rounding + least), t_min_);
+      parts.t_out[e] = std::min(parts.t_out[e] + (std::abs(parts.t_out[e]) * rounding + least), t_max_);
     }
     return parts;
   }

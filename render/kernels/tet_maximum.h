@@ -52,9 +52,9 @@ class ValuesAlong {
     const TetValues values = view_.values_at(vertices);
     if (!has_data(values)) return;
     ++counters_.cells_solved;
-    const TetPoints p = view_.points_at(vertices);
-    auto passage = pass_through(
-        SeenTetOf<Real>{{shear_.see(p[0]), shear_.see(p[1]), shear_.see(p[2]), shear_.see(p[3])}, values}, 0);
+    const std::optional<SeenTetOf<Real>> seen = see_near(shear_, view_.points_at(vertices), values);
+    if (!seen) return;
+    auto passage = pass_through(*seen, 0);
     if (passage) passage = clip(*passage, ray_.t_min, ray_.t_max);
     if (!passage) return;
     // Rounding must not lift a value over those of the cell: the bounds of regions are made of them.

@@ -18,7 +18,7 @@ class TetField {
   TetField(const formats::TetMesh& mesh, const std::string& field);
 
   Box3 box() const;  ///< of all cells
-  std::size_t cell_count() const { return mesh_.cells().size(); }
+  std::size_t cell_count() const { return mesh_.description().cell_count; }
 
   struct Cell {
     std::array<std::uint32_t, 4> vertex;
