@@ -218,7 +218,7 @@ Facets::Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, un
   blocks_.resize((placed.size() + FacetBlock::size - 1) / FacetBlock::size);
   fields_.resize(placed.size());
   cells_.resize(placed.size());
-  for_each_range(blocks_.size(), 1024, threads, [&](std::uint64_t first_block, std::uint64_t end_block) {
+  for_each_range(blocks_.size(), 256, threads, [&](std::uint64_t first_block, std::uint64_t end_block) {
     const auto end = static_cast<std::uint32_t>(std::min<std::uint64_t>(count_, end_block * FacetBlock::size));
     for (auto f = static_cast<std::uint32_t>(first_block * FacetBlock::size); f < end; ++f) {
       const std::uint32_t cell = placed[f].cell;

@@ -97,7 +97,6 @@ HWY_INLINE VecF edge_function(VecF ax, VecF ay, VecF bx, VecF by) {
 template <bool certified>
 class FacetWalk {
  public:
-  /// @param u, v, w  w is the rays' axis
   HWY_INLINE FacetWalk(const FacetSurface& surface, const RayArrays& rays, std::size_t count, const HitArrays& hits,
                        int axis, bool down, FacetScratch& scratch, KernelCounters& counters)
       : surface_(surface),
@@ -106,34 +105,29 @@ class FacetWalk {
         scratch_(scratch),
         counters_(counters),
         count_(count),
-        u_(axis == 0   ? 1
-           : axis == 1 ? 2
-                       : 0),
-        v_(axis == 0   ? 2
-           : axis == 1 ? 0
-                       : 1),
+        u_((axis + 1) % 3),
+        v_((axis + 2) % 3),
         w_(axis),
         sign_(down ? -1.0f : 1.0f) {
     describe_rays();
   }
 
-  /// Traces these lanes, as one group or as several.
-  HWY_INLINE void trace(std::uint64_t lanes_alive) {
-    if (lanes_alive == 0) return;
-    if (begin_group(lanes_alive)) {
-      walk(lanes_alive);
-      return;
-    }
+  /// Traces these lanes: together where they lie close, else pack by pack, or each alone.
+  void trace(std::uint64_t lanes_alive) {
+    begin_group(lanes_alive);
+    if (is_narrow(lanes_alive)) return walk(lanes_alive);
     for (std::size_t p = 0; p < packs; ++p) {
       const std::uint64_t in_pack = lanes_alive & pack_bits << pack * p;
       if (in_pack == 0) continue;
-      if (in_pack != lanes_alive && begin_group(in_pack)) {
+      begin_group(in_pack);
+      if (is_narrow(in_pack)) {
         walk(in_pack);
         continue;
       }
       for (std::uint64_t bits = in_pack; bits != 0; bits &= bits - 1) {
         const std::uint64_t alone = bits & (~bits + 1);
-        if (begin_group(alone) || true) walk(alone);
+        begin_group(alone);
+        walk(alone);
       }
     }
   }
@@ -164,7 +158,7 @@ class FacetWalk {
       store(hn::Mul(towards, hn::MulAdd(hn::Load(doubles, rays_.t_min + r), speed, w)), begin + r);
       store(hn::Mul(towards, hn::MulAdd(hn::Load(doubles, rays_.t_max + r), speed, w)), end + r);
     }
-    for (std::size_t quad = 0; quad < lanes / 4; ++quad) {
+    for (std::size_t quad = 0; 4 * quad < count_; ++quad) {
       const auto place = [&](const float* from, float* to)
                              HWY_ATTR { std::memcpy(to + lane_of(4 * quad), from + 4 * quad, 4 * sizeof(float)); };
       for (int m = 0; m < 2; ++m) place(slope[m], scratch_.slope[m]), place(shift[m], scratch_.shift[m]);
@@ -183,8 +177,7 @@ class FacetWalk {
   }
 
   /// Makes these lanes, and no others, ready, and bounds the places of their rays.
-  /// @return  false when the rays lie so far apart that most of what one meets is met by no other
-  HWY_INLINE bool begin_group(std::uint64_t lanes_alive) {
+  void begin_group(std::uint64_t lanes_alive) {
     const VecF none = hn::Set(floats, -beyond);
     float first = beyond, last = -beyond;
     for (std::size_t r = 0; r < lanes; r += float_lanes) {
@@ -208,10 +201,11 @@ class FacetWalk {
     const float low = down ? -last : first, high = down ? -first : last;
     w_low_ = surface_.low[w_] > low ? surface_.low[w_] : low;
     w_high_ = surface_.high[w_] < high ? surface_.high[w_] : high;
-    if (!(w_low_ <= w_high_)) return true;  // and nothing will be met
-    bound_places(lanes_alive);
-    return (lanes_alive & (lanes_alive - 1)) == 0 || !is_too_wide(lanes_alive);
+    if (has_facets()) bound_places(lanes_alive);
   }
+
+  /// False where no facet lies between the depths at which the group's rays begin and end.
+  HWY_INLINE bool has_facets() const { return surface_.facet_count != 0 && w_low_ <= w_high_; }
 
   /// Lines that the places of each pack's rays keep between, and the group's: u at w is at least -(offset + slope w) by
   /// the first of four, at most offset + slope w by the second; v by the others. The least of linear functions lies
@@ -270,8 +264,10 @@ class FacetWalk {
     }
   }
 
-  /// Reckons with facets spread evenly over their box.
-  HWY_INLINE bool is_too_wide(std::uint64_t lanes_alive) const {
+  /// False when the rays lie so far apart that most of what one meets is met by no other; reckoned with facets spread
+  /// evenly over their box.
+  HWY_INLINE bool is_narrow(std::uint64_t lanes_alive) const {
+    if ((lanes_alive & (lanes_alive - 1)) == 0 || !has_facets()) return true;
     float share = 1;
     for (int m = 0; m < 2; ++m) {
       const int axis = m == 0 ? u_ : v_;
@@ -282,7 +278,7 @@ class FacetWalk {
       share *= width < 1 ? width : 1;
     }
     constexpr float facets_per_ray = 24;
-    return share * static_cast<float>(surface_.facet_count) >
+    return share * static_cast<float>(surface_.facet_count) <=
            facets_per_ray * static_cast<float>(std::popcount(lanes_alive));
   }
 
@@ -292,9 +288,9 @@ class FacetWalk {
     std::int32_t level;  ///< -1: a block
   };
 
-  HWY_INLINE void walk(std::uint64_t lanes_alive) {
+  void walk(std::uint64_t lanes_alive) {
     visits_ = 0;
-    if (surface_.facet_count != 0 && w_low_ <= w_high_) {
+    if (has_facets()) {
       for (std::size_t p = 0; p < packs; ++p) find_pack_far(p);
       find_group_far();
       Entry stack[(FacetNode::size - 1) * FacetSurface::largest_level_count + 1];

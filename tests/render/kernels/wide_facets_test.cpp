@@ -287,7 +287,7 @@ TEST(WideFacets, certified_decide_as_the_judge_and_keep_their_bounds) {
   all.push_back(made("whole values on a lattice", box_mesh({.cells = {6, 6, 6}}, whole), {1}, 0.2));
   for (const Mesh& mesh : all) {
     if (mesh.name == "strewn") continue;  // its cells are no partition
-    const std::vector<Ray> coherent = bundles(mesh.box, 500, 81), stressful = stressful_rays_in(mesh.box, 300, 82);
+    const std::vector<Ray> coherent = bundles(mesh.box, 256, 81), stressful = stressful_rays_in(mesh.box, 128, 82);
     for (const double isovalue : mesh.isovalues)
       for (const bool is_coherent : {true, false}) {
         const std::vector<Ray>& rays = is_coherent ? coherent : stressful;

@@ -154,10 +154,10 @@ TEST(Facets, stand_in_boxes_that_hold_them) {
 }
 
 TEST(Facets, are_the_same_bytes_for_any_number_of_threads_and_either_structure) {
-  const auto mesh = box_mesh({.cells = {30, 30, 30}, .jitter = 0.12}, waves);
+  const auto mesh = box_mesh({.cells = {24, 24, 24}, .jitter = 0.12}, waves);
   Made made(mesh);
   const Facets one = made.facets(0.1);
-  ASSERT_GT(one.count(), 1024U * 16);
+  ASSERT_GT(one.count(), 256U * 16);
   const auto is_same = [&](const Facets& other) {
     return one.count() == other.count() &&
            std::memcmp(one.blocks(), other.blocks(), one.count() / 16 * sizeof(render::FacetBlock)) == 0 &&
