@@ -7,15 +7,19 @@
 #include "tools/study/largest_values.h"
 #include "tools/study/layouts.h"
 #include "tools/study/maximum_search.h"
+#include "tools/study/mesh_scale.h"
 #include "tools/study/peers_grid.h"
+#include "tools/study/peers_tets.h"
 #include "tools/study/preprocess_speed.h"
+#include "tools/study/secondary_rays.h"
 
 int main(int argc, char** argv) {
   using namespace rhoray;
   tools::end_cleanly_on_interrupt();
   const tools::Subcommand subcommands[] = {
       study::preprocess_speed(), study::judge_cells(), study::closed_surfaces(), study::largest_values(),
-      study::maximum_search(),   study::peers_grid(),  study::layouts(),         study::one_frame(),
+      study::maximum_search(),   study::peers_grid(),  study::peers_tets(),      study::layouts(),
+      study::one_frame(),        study::mesh_scale(),  study::secondary_rays(),
   };
   return tools::run_command_line(subcommands, argc, argv);
 }

@@ -12,6 +12,10 @@ preprocess::NeutralMesh warped_box(std::int64_t edge) {
   preprocess::NeutralMesh mesh;
   preprocess::NeutralField field{
       .name = "value", .unit = {}, .component_count = 1, .was_single_precision = true, .values = {}};
+  const auto point_count = static_cast<std::size_t>((edge + 1) * (edge + 1) * (edge + 1));
+  mesh.points.reserve(point_count);
+  field.values.reserve(point_count);
+  mesh.cells.reserve(static_cast<std::size_t>(6 * edge * edge * edge));
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> shift(-0.1, 0.1);
   for (std::int64_t k = 0; k <= edge; ++k)

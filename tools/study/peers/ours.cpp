@@ -27,7 +27,8 @@ class OwnPeer final : public Peer {
 
   Preparation prepare(const PeerData& data, double isovalue) override {
     Preparation preparation;
-    if (!volume_) preparation.once_ms = cpu_ms_of([&] { volume_ = render::Volume::load(data.packed_file); });
+    if (!volume_)
+      preparation.once_ms = cpu_ms_of([&] { volume_ = render::Volume::load(data.packed_file, data.field); });
     scene_.isovalue = isovalue;
     scene_.window = data.range;
     // What an isovalue takes is in the first frame that shows it.

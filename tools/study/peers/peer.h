@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/base/interval.h"
+#include "formats/base/vector.h"
 #include "preprocess/neutral.h"
 #include "render/camera.h"
 
@@ -15,9 +16,12 @@ namespace rhoray::study {
 
 /// What every system is given.
 struct PeerData {
-  const preprocess::NeutralVolume& grid;  ///< plain samples (plain_grid.h)
-  Interval<double> range;                 ///< of the samples
-  std::filesystem::path packed_file;      ///< the same, packed as `rhoray pack` does without options
+  const preprocess::NeutralVolume* grid = nullptr;  ///< plain samples (plain_grid.h)
+  const preprocess::NeutralMesh* mesh = nullptr;    ///< or tetrahedra with one field
+  Box3 bounds;                                      ///< in the world, as the cameras see it
+  Interval<double> range;                           ///< of the values
+  std::filesystem::path packed_file;                ///< the same, packed as `rhoray pack` does without options
+  std::string field;                                ///< which of that file's; empty: the first
 };
 
 struct PeerView {

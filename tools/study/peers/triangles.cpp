@@ -2,11 +2,14 @@
 
 #include <vtkAOSDataArrayTemplate.h>
 #include <vtkCellArray.h>
+#include <vtkContour3DLinearGrid.h>
+#include <vtkDoubleArray.h>
 #include <vtkFlyingEdges3D.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
+#include <vtkUnstructuredGrid.h>
 
 #include <algorithm>
 
@@ -34,49 +37,155 @@ vtkSmartPointer<vtkImageData> vtk_image(const preprocess::NeutralVolume& grid) {
   return image;
 }
 
-struct Triangles::State {
-  std::optional<double> isovalue;
-  double extraction_ms = 0;
-  vtkSmartPointer<vtkPolyData> surface;
+/// One way to make triangles.
+class Triangles::Extractor {
+ public:
+  virtual ~Extractor() = default;
+
+  /// Takes what VTK wants to see of the data. Not timed.
+  virtual void take(const PeerData& data) = 0;
+  virtual vtkSmartPointer<vtkPolyData> surface(double isovalue) = 0;
+  /// True when the first surface makes something that later ones use.
+  virtual bool prepares_once() const { return false; }
+
+  vtkSmartPointer<vtkPolyData> last;
 };
 
-Triangles::Triangles() : state_(std::make_unique<State>()) {}
-Triangles::~Triangles() = default;
+namespace {
 
-double Triangles::extract(const PeerData& data, double isovalue) {
-  if (state_->isovalue == isovalue) return state_->extraction_ms;
-  state_->surface = nullptr;
-  state_->extraction_ms = cpu_ms_of([&] {
+class FlyingEdges final : public Triangles::Extractor {
+ public:
+  void take(const PeerData& data) override { image_ = vtk_image(*data.grid); }
+
+  vtkSmartPointer<vtkPolyData> surface(double isovalue) override {
     vtkNew<vtkFlyingEdges3D> filter;
-    filter->SetInputData(vtk_image(data.grid));
+    filter->SetInputData(image_);
     filter->SetValue(0, isovalue);
     filter->ComputeNormalsOff();
     filter->ComputeGradientsOff();
     filter->ComputeScalarsOff();
     filter->Update();
-    state_->surface = filter->GetOutput();
-  });
-  state_->isovalue = isovalue;
-  return state_->extraction_ms;
+    return filter->GetOutput();
+  }
+
+ private:
+  vtkSmartPointer<vtkImageData> image_;
+};
+
+/// Tetrahedra with one field as VTK's grid.
+vtkSmartPointer<vtkUnstructuredGrid> vtk_tetrahedra(const preprocess::NeutralMesh& mesh) {
+  const auto count = static_cast<vtkIdType>(mesh.points.size());
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  points->SetNumberOfPoints(count);
+  for (vtkIdType p = 0; p < count; ++p) points->SetPoint(p, mesh.points[static_cast<std::size_t>(p)].data());
+  vtkNew<vtkCellArray> cells;
+  cells->AllocateExact(static_cast<vtkIdType>(mesh.cells.size()), 4 * static_cast<vtkIdType>(mesh.cells.size()));
+  for (const auto& cell : mesh.cells) {
+    const vtkIdType corners[4] = {static_cast<vtkIdType>(cell[0]), static_cast<vtkIdType>(cell[1]),
+                                  static_cast<vtkIdType>(cell[2]), static_cast<vtkIdType>(cell[3])};
+    cells->InsertNextCell(4, corners);
+  }
+  vtkNew<vtkDoubleArray> values;
+  values->SetNumberOfTuples(count);
+  for (vtkIdType p = 0; p < count; ++p) values->SetValue(p, mesh.point_fields[0].values[static_cast<std::size_t>(p)]);
+  const auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
+  grid->SetPoints(points);
+  grid->SetCells(VTK_TETRA, cells);
+  grid->GetPointData()->SetScalars(values);
+  return grid;
+}
+
+class LinearGridContour final : public Triangles::Extractor {
+ public:
+  explicit LinearGridContour(bool with_tree) : with_tree_(with_tree) {
+    filter_->SequentialProcessingOn();
+    filter_->SetOutputPointsPrecision(vtkAlgorithm::SINGLE_PRECISION);
+    filter_->MergePointsOff();
+    filter_->InterpolateAttributesOff();
+    filter_->ComputeNormalsOff();
+    filter_->ComputeScalarsOff();
+    filter_->SetUseScalarTree(with_tree);
+  }
+
+  void take(const PeerData& data) override {
+    if (mesh_ == data.mesh) return;
+    mesh_ = data.mesh;
+    filter_->SetInputData(vtk_tetrahedra(*data.mesh));
+  }
+
+  vtkSmartPointer<vtkPolyData> surface(double isovalue) override {
+    filter_->SetValue(0, isovalue);
+    filter_->Modified();
+    filter_->Update();
+    const auto copy = vtkSmartPointer<vtkPolyData>::New();
+    copy->ShallowCopy(filter_->GetOutput());
+    return copy;
+  }
+
+  bool prepares_once() const override { return with_tree_; }
+
+ private:
+  bool with_tree_;
+  const preprocess::NeutralMesh* mesh_ = nullptr;
+  vtkNew<vtkContour3DLinearGrid> filter_;
+};
+
+}  // namespace
+
+Triangles::Triangles(std::unique_ptr<Extractor> extractor, const std::string& maker, const std::string& variant)
+    : extractor_(std::move(extractor)), maker_(maker), variant_(variant) {}
+Triangles::~Triangles() = default;
+
+std::shared_ptr<Triangles> flying_edges() {
+  return std::make_shared<Triangles>(std::make_unique<FlyingEdges>(), "FlyingEdges", "");
+}
+
+std::shared_ptr<Triangles> linear_grid_contour(bool with_tree) {
+  return std::make_shared<Triangles>(std::make_unique<LinearGridContour>(with_tree),
+                                     with_tree ? "Contour3DLinearGrid with its tree" : "Contour3DLinearGrid",
+                                     with_tree ? "tree" : "");
+}
+
+std::string Triangles::named(const std::string& system) const {
+  return variant_.empty() ? system : concat(system, ", ", variant_);
+}
+
+Preparation Triangles::extract(const PeerData& data, double isovalue) {
+  if (isovalue_ == isovalue) return preparation_;
+  const bool is_first = !isovalue_;
+  extractor_->take(data);
+  const auto extraction_ms = [&] {
+    extractor_->last = nullptr;
+    return cpu_ms_of([&] { extractor_->last = extractor_->surface(isovalue); });
+  };
+  preparation_.extraction_ms = extraction_ms();
+  if (is_first && extractor_->prepares_once()) {
+    const double with_preparation = preparation_.extraction_ms;
+    preparation_.extraction_ms = extraction_ms();
+    preparation_.once_ms = std::max(0.0, with_preparation - preparation_.extraction_ms);
+  }
+  isovalue_ = isovalue;
+  return preparation_;
 }
 
 std::size_t Triangles::vertex_count() const {
-  return static_cast<std::size_t>(state_->surface->GetNumberOfPoints());
+  return static_cast<std::size_t>(extractor_->last->GetNumberOfPoints());
 }
 
 std::size_t Triangles::triangle_count() const {
-  return static_cast<std::size_t>(state_->surface->GetNumberOfPolys());
+  return static_cast<std::size_t>(extractor_->last->GetNumberOfPolys());
 }
 
 void Triangles::copy_vertices(std::span<float> out) const {
   if (vertex_count() == 0) return;
-  const auto* points = vtkAOSDataArrayTemplate<float>::FastDownCast(state_->surface->GetPoints()->GetData());
+  const auto* points = vtkAOSDataArrayTemplate<float>::FastDownCast(extractor_->last->GetPoints()->GetData());
   RHORAY_CHECK(points != nullptr && out.size() == 3 * vertex_count());
   std::copy_n(const_cast<vtkAOSDataArrayTemplate<float>*>(points)->GetPointer(0), out.size(), out.begin());
 }
 
 void Triangles::copy_triangles(std::span<std::uint32_t> out) const {
-  vtkCellArray* const polygons = state_->surface->GetPolys();
+  vtkCellArray* const polygons = extractor_->last->GetPolys();
   RHORAY_CHECK(polygons->IsHomogeneous() == 3 || triangle_count() == 0);
   const auto copy = [&](const auto* corners) {
     std::transform(corners, corners + out.size(), out.begin(), [](auto c) { return static_cast<std::uint32_t>(c); });
@@ -88,11 +197,11 @@ void Triangles::copy_triangles(std::span<std::uint32_t> out) const {
 }
 
 double Triangles::memory_mb() const {
-  return 1.024e-3 * static_cast<double>(state_->surface->GetActualMemorySize());  // of kibibytes
+  return 1.024e-3 * static_cast<double>(extractor_->last->GetActualMemorySize());  // of kibibytes
 }
 
 vtkPolyData* Triangles::vtk() const {
-  return state_->surface;
+  return extractor_->last;
 }
 
 }  // namespace rhoray::study

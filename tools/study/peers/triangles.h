@@ -9,14 +9,21 @@ class vtkPolyData;
 
 namespace rhoray::study {
 
-/// The isosurface of vtkFlyingEdges3D, extracted once for all systems that want triangles.
+/// Triangles of an isosurface, extracted once for all systems that want them.
 class Triangles {
  public:
-  Triangles();
+  class Extractor;
+
+  /// @param variant  tells this maker's triangles from others in the names of systems; may be empty
+  Triangles(std::unique_ptr<Extractor> extractor, const std::string& maker, const std::string& variant);
   ~Triangles();
 
-  /// Extracts the surface, unless that of this isovalue is there. Returns what extraction took in CPU milliseconds.
-  double extract(const PeerData& data, double isovalue);
+  const std::string& maker() const { return maker_; }  ///< "FlyingEdges"
+  std::string named(const std::string& system) const;  ///< "Embree, packets", with the variant
+
+  /// Extracts the surface, unless that of this isovalue is there. Returns what extraction took, once and for this
+  /// isovalue.
+  Preparation extract(const PeerData& data, double isovalue);
 
   std::size_t vertex_count() const;
   std::size_t triangle_count() const;
@@ -26,8 +33,14 @@ class Triangles {
   vtkPolyData* vtk() const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<Extractor> extractor_;
+  std::string maker_, variant_;
+  std::optional<double> isovalue_;
+  Preparation preparation_;
 };
+
+std::shared_ptr<Triangles> flying_edges();  ///< of grids: vtkFlyingEdges3D
+/// Of tetrahedra: vtkContour3DLinearGrid, which looks at every cell, or only where its tree of value ranges says.
+std::shared_ptr<Triangles> linear_grid_contour(bool with_tree);
 
 }  // namespace rhoray::study

@@ -90,10 +90,10 @@ class NanoVdbPeer final : public Peer {
 
   Preparation prepare(const PeerData& data, double isovalue) override {
     grid_ = {};
-    stretch_ = frame_per_world(data.grid);
+    stretch_ = frame_per_world(*data.grid);
     Preparation preparation;
     preparation.build_ms = cpu_ms_of([&] {
-      const auto source = vdb_grid(data.grid, isovalue, only_crossed_);
+      const auto source = vdb_grid(*data.grid, isovalue, only_crossed_);
       has_voxels_ = !source->empty();
       grid_ = nanovdb::openToNanoVDB(*source, nanovdb::StatsMode::BBox, nanovdb::ChecksumMode::Disable);
     });
@@ -159,10 +159,10 @@ class LevelSetPeer final : public Peer {
 
   Preparation prepare(const PeerData& data, double isovalue) override {
     grid_ = nullptr;
-    stretch_ = frame_per_world(data.grid);
+    stretch_ = frame_per_world(*data.grid);
     Preparation preparation;
     openvdb::FloatGrid::Ptr source;
-    preparation.once_ms = cpu_ms_of([&] { source = vdb_grid(data.grid, isovalue, false); });
+    preparation.once_ms = cpu_ms_of([&] { source = vdb_grid(*data.grid, isovalue, false); });
     preparation.build_ms = cpu_ms_of([&] {
       constexpr float half_width = 3;
       grid_ = openvdb::tools::levelSetRebuild(*source, 0.0F, half_width);

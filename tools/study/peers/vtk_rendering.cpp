@@ -37,11 +37,12 @@ struct DepthRange {
   double near, far;
 };
 
-DepthRange depth_range(const PeerView& view, const Vec3& size) {
+DepthRange depth_range(const PeerView& view, const Box3& box) {
   const Vec3 forward = (view.camera.target - view.camera.position).normalized();
   double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 p(corner & 1 ? size.x : 0, corner & 2 ? size.y : 0, corner & 4 ? size.z : 0);
+    const Vec3 p(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                 corner & 4 ? box.max.z : box.min.z);
     const double depth = (p - view.camera.position).dot(forward);
     nearest = std::min(nearest, depth);
     farthest = std::max(farthest, depth);
@@ -59,10 +60,9 @@ void set_camera(vtkRenderer* renderer, const PeerView& view, const DepthRange& r
   camera->SetClippingRange(range.near, range.far);
 }
 
-Vec3 size_of(const preprocess::NeutralVolume& grid) {
-  const Index3 cells = grid.sample_count - Index3(1);
-  return Vec3(static_cast<double>(cells.x), static_cast<double>(cells.y), static_cast<double>(cells.z)) *
-         spacing_of(grid);
+/// From outside the box, of few pixels: for what only the first picture does.
+PeerView few_pixels(const Box3& box) {
+  return {.camera = {.position = box.center() + box.size() * 2.5, .target = box.center()}, .width = 16, .height = 16};
 }
 
 class Drawing final : public Peer {
@@ -78,17 +78,19 @@ class Drawing final : public Peer {
     renderer_->AddActor(actor_);
   }
 
-  std::string name() const override { return "VTK, drawing"; }
-  std::string does() const override { return "triangles of FlyingEdges through OpenGL, in software without a GPU"; }
+  std::string name() const override { return triangles_->named("VTK, drawing"); }
+  std::string does() const override {
+    return concat("triangles of ", triangles_->maker(), " through OpenGL, in software without a GPU");
+  }
 
   Preparation prepare(const PeerData& data, double isovalue) override {
     Preparation preparation;
-    preparation.extraction_ms = triangles_->extract(data, isovalue);
-    size_ = size_of(data.grid);
+    preparation.once_ms = triangles_->extract(data, isovalue).once_ms;
+    preparation.extraction_ms = triangles_->extract(data, isovalue).extraction_ms;
+    bounds_ = data.bounds;
     mapper_->SetInputData(triangles_->vtk());
     // The first picture sends the triangles to OpenGL.
-    preparation.build_ms = cpu_ms_of(
-        [&] { draw({.camera = {.position = size_ * 3.0, .target = size_ * 0.5}, .width = 16, .height = 16}); });
+    preparation.build_ms = cpu_ms_of([&] { draw(few_pixels(bounds_)); });
     return preparation;
   }
 
@@ -96,7 +98,7 @@ class Drawing final : public Peer {
 
   void draw(const PeerView& view) override {
     window_->SetSize(view.width, view.height);
-    set_camera(renderer_, view, depth_range(view, size_));
+    set_camera(renderer_, view, depth_range(view, bounds_));
     window_->Render();
     window_->GetRGBACharPixelData(0, 0, view.width - 1, view.height - 1, 0, color_);
   }
@@ -105,7 +107,7 @@ class Drawing final : public Peer {
     draw(view);
     vtkNew<vtkFloatArray> depths;
     window_->GetZbufferData(0, 0, view.width - 1, view.height - 1, depths);
-    const DepthRange range = depth_range(view, size_);
+    const DepthRange range = depth_range(view, bounds_);
     const Vec3 forward = (view.camera.target - view.camera.position).normalized();
     const PixelRays<double> rays(view.camera, view.width, view.height);
     std::vector<double> distances;
@@ -122,7 +124,7 @@ class Drawing final : public Peer {
 
  private:
   std::shared_ptr<Triangles> triangles_;
-  Vec3 size_{1, 1, 1};
+  Box3 bounds_;
   vtkNew<vtkRenderWindow> window_;
   vtkNew<vtkRenderer> renderer_;
   vtkNew<vtkActor> actor_;
@@ -151,9 +153,9 @@ class LargestValues final : public Peer {
 
   Preparation prepare(const PeerData& data, double) override {
     range_ = data.range;
-    size_ = size_of(data.grid);
-    const Vec3 spacing = spacing_of(data.grid);
-    mapper_->SetInputData(vtk_image(data.grid));
+    bounds_ = data.bounds;
+    const Vec3 spacing = spacing_of(*data.grid);
+    mapper_->SetInputData(vtk_image(*data.grid));
     mapper_->SetSampleDistance(static_cast<float>(step_ * std::min({spacing.x, spacing.y, spacing.z})));
     vtkNew<vtkColorTransferFunction> gray;
     gray->AddRGBPoint(range_.lo, 0, 0, 0);
@@ -165,14 +167,13 @@ class LargestValues final : public Peer {
     volume_->GetProperty()->SetScalarOpacity(opaque);
     Preparation preparation;
     // The first cast also makes the mapper's own table of smallest and largest values.
-    preparation.once_ms = cpu_ms_of(
-        [&] { draw({.camera = {.position = size_ * 3.0, .target = size_ * 0.5}, .width = 16, .height = 16}); });
+    preparation.once_ms = cpu_ms_of([&] { draw(few_pixels(bounds_)); });
     return preparation;
   }
 
   void draw(const PeerView& view) override {
     window_->SetSize(view.width, view.height);
-    set_camera(renderer_, view, depth_range(view, size_));
+    set_camera(renderer_, view, depth_range(view, bounds_));
     // What the mapper's Render does, up to where the picture goes to OpenGL.
     mapper_->PerImageInitialization(renderer_, volume_, 0, nullptr, nullptr, nullptr);
     mapper_->PerVolumeInitialization(renderer_, volume_);
@@ -204,7 +205,7 @@ class LargestValues final : public Peer {
  private:
   double step_;
   Interval<double> range_;
-  Vec3 size_{1, 1, 1};
+  Box3 bounds_;
   vtkNew<vtkGenericOpenGLRenderWindow> window_;
   vtkNew<vtkRenderer> renderer_;
   vtkNew<vtkVolume> volume_;

@@ -1,0 +1,9 @@
+#pragma once
+
+#include "tools/rhoray/command_line.h"
+
+namespace rhoray::study {
+
+tools::Subcommand mesh_scale();
+
+}  // namespace rhoray::study
