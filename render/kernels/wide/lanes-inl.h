@@ -62,6 +62,27 @@ HWY_INLINE hn::Mask<D> no_lane(D tag) {
   return hn::FirstN(tag, 0);
 }
 
+/// Vectors of doubles that hold as many lanes as one of floats.
+inline constexpr std::size_t parts_of_floats = float_lanes / double_lanes;
+
+/// Those lanes of floats that vector `part` of doubles holds.
+HWY_INLINE VecD as_doubles(VecF x, std::size_t part) {
+#if HWY_TARGET == HWY_SCALAR
+  (void)part;
+  return hn::PromoteTo(doubles, x);
+#else
+  return hn::PromoteTo(doubles, part == 0 ? hn::LowerHalf(half_floats, x) : hn::UpperHalf(half_floats, x));
+#endif
+}
+
+HWY_INLINE VecF as_floats(const VecD* parts) {
+#if HWY_TARGET == HWY_SCALAR
+  return hn::DemoteTo(floats, parts[0]);
+#else
+  return hn::Combine(floats, hn::DemoteTo(half_floats, parts[1]), hn::DemoteTo(half_floats, parts[0]));
+#endif
+}
+
 /// True in lanes that are finite numbers.
 HWY_INLINE MaskD is_finite(VecD x) {
   return hn::Le(hn::Abs(x), hn::Set(doubles, 1.7976931348623157e308));
