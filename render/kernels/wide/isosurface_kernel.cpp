@@ -1,6 +1,7 @@
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <span>
+#include <utility>
 
 #include "render/kernels/wide/isosurface.h"
 #include "render/kernels/wide/isosurface_parts.h"
@@ -54,23 +55,11 @@ HitArrays misses(HitBatch& hits, std::size_t count) {
           .cost = hits.cost.data()};
 }
 
-HitArrays from(const HitArrays& hits, std::size_t first) {
-  return {.t = hits.t + first,
-          .value = hits.value + first,
-          .error = hits.error + first,
-          .gradient = {hits.gradient[0] + first, hits.gradient[1] + first, hits.gradient[2] + first},
-          .cell = hits.cell + first,
-          .root_count = hits.root_count + first,
-          .iteration_count = hits.iteration_count + first,
-          .cost = hits.cost + first};
-}
-
-RayArrays from(const RayBatch& rays, std::size_t first) {
-  RayArrays arrays{
-      .origin = {}, .direction = {}, .t_min = rays.t_min.data() + first, .t_max = rays.t_max.data() + first};
-  for (std::size_t a = 0; a < 3; ++a)
-    arrays.origin[a] = rays.origin[a].data() + first, arrays.direction[a] = rays.direction[a].data() + first;
-  return arrays;
+RayArrays arrays_of(const RayBatch& rays) {
+  return {.origin = {rays.origin[0].data(), rays.origin[1].data(), rays.origin[2].data()},
+          .direction = {rays.direction[0].data(), rays.direction[1].data(), rays.direction[2].data()},
+          .t_min = rays.t_min.data(),
+          .t_max = rays.t_max.data()};
 }
 
 /// The thread's memory, with no block kept of another surface.
@@ -83,19 +72,22 @@ IsosurfaceScratch& prepared(std::shared_ptr<IsosurfaceScratch>& scratch, std::sh
   return *scratch;
 }
 
-/// Asks the reference in double precision, and the judge, about these rays of a chunk that begins at `first`.
-void redo(Kernel redoing, const VolumeImplementation& volume, const Question& question, const RayBatch& rays,
-          std::size_t first, std::uint64_t chosen, HitBatch& hits, KernelScratch& scratch) {
+/// Asks the reference in double precision, and the judge, about the rays in doubt.
+void redo_doubtful(Kernel redoing, const VolumeImplementation& volume, const Question& question, const RayBatch& rays,
+                   HitBatch& hits, KernelScratch& scratch) {
   IsosurfaceScratch& memory = *scratch.isosurface;
-  const auto for_each_chosen = [&](auto&& act) {
-    std::size_t place = 0;
-    for (std::uint64_t bits = chosen; bits != 0; bits &= bits - 1)
-      act(first + static_cast<std::size_t>(std::countr_zero(bits)), place++);
-  };
-  memory.doubtful_rays.count = static_cast<std::size_t>(std::popcount(chosen));
-  for_each_chosen([&](std::size_t r, std::size_t place) { memory.doubtful_rays.set(place, rays[r]); });
-  redoing(volume, question, memory.doubtful_rays, memory.doubtful_hits, scratch);
-  for_each_chosen([&](std::size_t r, std::size_t place) { hits.set(r, memory.doubtful_hits[place]); });
+  std::uint32_t* const begin = memory.doubtful.index;
+  std::sort(begin, begin + memory.doubtful.count);
+  std::uint32_t* const end = std::unique(begin, begin + std::exchange(memory.doubtful.count, 0));
+  for (std::uint32_t* first = begin; first < end;) {
+    const std::span<const std::uint32_t> some(
+        first, std::min<std::size_t>(RayGroup::size, static_cast<std::size_t>(end - first)));
+    memory.doubtful_rays.count = some.size();
+    for (std::size_t i = 0; i < some.size(); ++i) memory.doubtful_rays.set(i, rays[some[i]]);
+    redoing(volume, question, memory.doubtful_rays, memory.doubtful_hits, scratch);
+    for (std::size_t i = 0; i < some.size(); ++i) hits.set(some[i], memory.doubtful_hits[i]);
+    first += some.size();
+  }
 }
 
 template <Machine machine, Search search>
@@ -113,14 +105,20 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
           IsosurfaceScratch& memory =
               prepared(scratch.isosurface, volume.occupancies->of(view.levels(), question.isovalue));
           const Surface surface = surface_of(view, *memory.occupancy, question);
-          const FirstCrossings answer = first_crossings_on(machine, search);
-          const HitArrays all = misses(hits, rays.count);
-          for (std::size_t first = 0; first < rays.count; first += RayGroup::size)
-            if (const std::uint64_t doubtful =
-                    answer(surface, from(rays, first), std::min(RayGroup::size, rays.count - first), from(all, first),
-                           memory, scratch.counters);
-                doubtful != 0)
-              redo(redoing_kernel_for(view), volume, question, rays, first, doubtful, hits, scratch);
+          const CrossingKernels kernels = crossing_kernels_on(machine, search);
+          const RayArrays asked = arrays_of(rays);
+          const HitArrays answers = misses(hits, rays.count);
+          const auto redo = [&] {
+            if (memory.doubtful.count != 0)
+              redo_doubtful(redoing_kernel_for(view), volume, question, rays, hits, scratch);
+          };
+          for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
+            kernels.answer(surface, asked, first, std::min(RayGroup::size, rays.count - first), answers, memory,
+                           scratch.counters);
+            redo();
+          }
+          kernels.answer_waiting(surface, asked, answers, memory, scratch.counters);
+          redo();
         }
       },
       volume.view);

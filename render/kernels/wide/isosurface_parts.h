@@ -8,6 +8,7 @@
 #include "render/kernels/kernels.h"
 #include "render/kernels/wide/block_samples.h"
 #include "render/kernels/wide/ray_group.h"
+#include "render/kernels/wide/scattered.h"
 
 /// What the sources of the wide isosurface kernel hand to the part that is compiled once per machine.
 namespace rhoray::render::wide {
@@ -33,6 +34,23 @@ struct HitArrays {
   std::uint64_t* cell;
   std::uint32_t *root_count, *iteration_count, *cost;
 };
+
+RHORAY_INLINE RayArrays from(const RayArrays& rays, std::size_t first) {
+  RayArrays rest{.origin = {}, .direction = {}, .t_min = rays.t_min + first, .t_max = rays.t_max + first};
+  for (int a = 0; a < 3; ++a) rest.origin[a] = rays.origin[a] + first, rest.direction[a] = rays.direction[a] + first;
+  return rest;
+}
+
+RHORAY_INLINE HitArrays from(const HitArrays& hits, std::size_t first) {
+  return {.t = hits.t + first,
+          .value = hits.value + first,
+          .error = hits.error + first,
+          .gradient = {hits.gradient[0] + first, hits.gradient[1] + first, hits.gradient[2] + first},
+          .cell = hits.cell + first,
+          .root_count = hits.root_count + first,
+          .iteration_count = hits.iteration_count + first,
+          .cost = hits.cost + first};
+}
 
 /// Which blocks a group's rays may pass, in single precision with a margin: a ray passes plane k of an axis of the
 /// mirrored lattice on its way at k inverse_slope + near, or later, and at k inverse_slope + far, or sooner.
@@ -71,6 +89,12 @@ struct alignas(64) PendingHits {
   std::uint64_t rays;  ///< that have one
 };
 
+/// Certified: rays of a batch of which not every decision is proven; nothing that was written for them counts.
+struct DoubtfulRays {
+  std::uint32_t index[RayGroup::size * 20];
+  std::size_t count = 0;
+};
+
 /// What a thread keeps for the kernel.
 struct alignas(64) IsosurfaceScratch {
   static constexpr std::size_t kept_blocks = 128;
@@ -88,17 +112,26 @@ struct alignas(64) IsosurfaceScratch {
   PendingHits pending;
   std::uint64_t block_key[kept_blocks];
   BlockSamples blocks[kept_blocks];
+  ScatteredScratch scattered;
+  DoubtfulRays doubtful;
   std::shared_ptr<const Occupancy> occupancy;  ///< whose blocks are kept
   RayBatch doubtful_rays{RayGroup::size};      ///< certified: what the reference is asked about
   HitBatch doubtful_hits{RayGroup::size};
 };
 
-/// Answers at most 64 rays. Hits are written; what is no hit is left as it is, but for its cost.
-/// @return  certified: the rays of which not every decision is proven; nothing that was written for them counts
-using FirstCrossings = std::uint64_t (*)(const Surface& surface, const RayArrays& rays, std::size_t count,
-                                         const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters);
+/// What is compiled once per machine. Hits are written; what is no hit is left as it is, but for its cost. Rays in
+/// doubt are added to those of the scratch memory.
+struct CrossingKernels {
+  /// Answers at most 64 rays of a batch, from `first` on, a multiple of 64. Rays that go their own ways may be left
+  /// waiting.
+  void (*answer)(const Surface& surface, const RayArrays& rays, std::size_t first, std::size_t count,
+                 const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters);
+  /// Answers those that wait.
+  void (*answer_waiting)(const Surface& surface, const RayArrays& rays, const HitArrays& hits,
+                         IsosurfaceScratch& scratch, KernelCounters& counters);
+};
 
 /// `baseline` is what the processor has of SSE4, or else one lane.
-FirstCrossings first_crossings_on(Machine machine, Search search);
+CrossingKernels crossing_kernels_on(Machine machine, Search search);
 
 }  // namespace rhoray::render::wide
