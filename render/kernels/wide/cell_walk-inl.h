@@ -42,9 +42,10 @@ struct NextCell {
 ///
 /// An entry is rounded to single precision (2 u of up to 4), a slope and its inverse by u of themselves. So the way
 /// to a plane is off by at most 2 u times the inverse slope and 12 u (three roundings of a way of at most 4), what
-/// double precision does to the entry comes on top, and the difference of two is off by twice that. A point at such a
-/// time is off by no more than that: by the time's own error and 8 u, or, where it is taken to lie on the plane of
-/// another time, by both their errors. Only axes count of which the ray may pass a plane inside.
+/// double precision does to the entry comes on top, and the difference of two is off by twice that, and a little that
+/// is of second order. A point at such a time is off by no more than that: by the time's own error and 8 u, or, where
+/// it is taken to lie on the plane of another time, by both their errors. Only axes count of which the ray may pass a
+/// plane inside.
 HWY_INLINE VecF error_of_ways(const BlockEntry& at, const VecF* slope, const VecF* inverse_slope, VecF position_error) {
   const VecF one = hn::Set(floats, 1.0f), close = hn::Set(floats, 0x1p-20f);
   VecF steepest = one;
@@ -58,7 +59,8 @@ HWY_INLINE VecF error_of_ways(const BlockEntry& at, const VecF* slope, const Vec
     const MaskF counts = hn::Or(passes_upper, hn::And(close_to_lower, hn::Gt(cell, hn::Zero(floats))));
     steepest = hn::Max(steepest, hn::IfThenElseZero(hn::And(moves, counts), inverse_slope[a]));
   }
-  const VecF in_single = hn::MulAdd(steepest, hn::Set(floats, 4 * rounding_unit), hn::Set(floats, 24 * rounding_unit));
+  const VecF in_single =
+      hn::MulAdd(steepest, hn::Set(floats, 4.25f * rounding_unit), hn::Set(floats, 26 * rounding_unit));
   return hn::MulAdd(hn::Mul(hn::Set(floats, 4.0f), position_error), steepest, in_single);
 }
 
@@ -104,7 +106,7 @@ HWY_INLINE VecF find_cells(Lanes& lanes) {
     const VecI rows = hn::Sub(hn::Shl(hn::Set(ints, 16), high_y), hn::Shl(hn::Set(ints, 1), low_y));
     layers[k] = hn::And(columns, rows);
   }
-  const VecF slack = lanes.way_error;
+  const VecF slack = hn::Add(lanes.way_error, lanes.way_error);
   const VecF last_way = hn::Add(lanes.end, slack), first_way = hn::Neg(slack);
   for (int k = 0; k < 4; ++k) {
     MaskF passes = k == 0 ? lanes.walking : hn::And(lanes.walking, hn::Lt(way[k], last_way));

@@ -88,79 +88,125 @@ HWY_INLINE VecD cell_ids(const MirroredLattice& lattice, const int* leaf_count, 
   return id;
 }
 
-/// Refines the places of all crossings kept and writes them down.
-/// @return  certified: the rays of which the hit is not proven, or not placed well enough
+/// Refines the places of crossings and writes them down.
 template <Search search>
-HWY_INLINE std::uint64_t write_hits(const Surface& surface, const MirroredLattice& lattice, const RayArrays& rays,
-                                    const HitArrays& hits, const IsosurfaceScratch& scratch) {
-  const PendingHits& pending = scratch.pending;
-  const RayGroup& group = scratch.group;
-  const GroupNumbers numbers(group);
-  std::uint64_t doubtful = 0;
-  for (std::size_t first = 0; first < group.count; first += float_lanes) {
-    const std::uint64_t found = pending.rays >> first & first_rays(float_lanes);
-    if (found == 0) continue;
-    const MaskF used = mask_of(floats, found);
-    const auto load = [&](const float* from) HWY_ATTR { return hn::Load(floats, from + first); };
+class HitWriter {
+ public:
+  HWY_INLINE HitWriter(const Surface& surface, const MirroredLattice& lattice, const RayArrays& rays,
+                       const HitArrays& hits, const IsosurfaceScratch& scratch)
+      : surface_(surface),
+        lattice_(lattice),
+        rays_(rays),
+        hits_(hits),
+        scratch_(scratch),
+        pending_(scratch.pending),
+        numbers_(scratch.group) {}
+
+  /// All crossings kept.
+  /// @return  certified: the rays of which the hit is not proven, or not placed well enough
+  HWY_INLINE std::uint64_t write() {
+    for (std::size_t first = 0; first < scratch_.group.count; first += 2 * float_lanes) {
+      const std::uint64_t found = pending_.rays >> first & first_rays(2 * float_lanes);
+      if (found == 0) continue;
+      // Lanes without a hit hold what was there before: any numbers, which are not used.
+      RootSearch a = search_from(first), b = search_from(first + float_lanes);
+      if constexpr (search != Search::preview) refine(a, b);
+      write(a, first), write(b, first + float_lanes);
+    }
+    return doubtful_;
+  }
+
+ private:
+  HWY_INLINE VecF load(const float* from, std::size_t r) const { return hn::Load(floats, from + r); }
+  HWY_INLINE std::uint64_t found_from(std::size_t r) const { return pending_.rays >> r & first_rays(float_lanes); }
+
+  HWY_INLINE RootSearch search_from(std::size_t r) const {
     Corners corners;
-    VecF in[3], out[3], cell[3], p[3], gradient[3];
-    for (int c = 0; c < 8; ++c) corners.f[c] = load(pending.corner[c]);
-    for (int a = 0; a < 3; ++a)
-      in[a] = load(pending.in[a]), out[a] = load(pending.out[a]), cell[a] = load(pending.cell[a]);
-    // Lanes without a hit hold what was there before: any numbers, which are not used.
-    const CubicLanes cubic = along(corners, in, out);
-    const VecF low = hn::IfThenElseZero(used, load(pending.low)), high = hn::IfThenElseZero(used, load(pending.high));
-    const Roots roots = search == Search::preview ? secant_step(cubic, high) : refined(cubic, low, high);
+    VecF in[3], out[3];
+    for (int c = 0; c < 8; ++c) corners.f[c] = load(pending_.corner[c], r);
+    for (int a = 0; a < 3; ++a) in[a] = load(pending_.in[a], r), out[a] = load(pending_.out[a], r);
+    const MaskF used = mask_of(floats, found_from(r));
+    return RootSearch(along(corners, in, out), hn::IfThenElseZero(used, load(pending_.low, r)),
+                      hn::IfThenElseZero(used, load(pending_.high, r)));
+  }
+
+  HWY_INLINE void write(const RootSearch& searched, std::size_t first) {
+    const std::uint64_t found = found_from(first);
+    if (found == 0) return;
+    const CubicLanes& cubic = searched.cubic();
+    const MaskF used = mask_of(floats, found);
+    const Roots roots = search == Search::preview
+                            ? secant_step(cubic, hn::IfThenElseZero(used, load(pending_.high, first)))
+                            : searched.roots();
+    Corners corners;
+    VecF p[3], gradient[3];
+    for (int c = 0; c < 8; ++c) corners.f[c] = load(pending_.corner[c], first);
     const VecF rest = hn::Sub(hn::Set(floats, 1.0f), roots.s);
-    for (int a = 0; a < 3; ++a) p[a] = between(in[a], out[a], roots.s, rest);
+    for (int a = 0; a < 3; ++a)
+      p[a] = between(load(pending_.in[a], first), load(pending_.out[a], first), roots.s, rest);
     gradient_at(corners, p, gradient);
-    const VecF way_in = load(pending.way_in), length = hn::Sub(load(pending.way_out), way_in);
+    const VecF way_in = load(pending_.way_in, first), length = hn::Sub(load(pending_.way_out, first), way_in);
     const VecF way = hn::MulAdd(roots.s, length, way_in);
     VecF way_error = hn::Zero(floats);
     if constexpr (search == Search::certified) {
-      const VecF of_ways = load(pending.way_error);
-      way_error = hn::MulAdd(error_of_root(cubic, load(pending.margin), roots.s), length, hn::Add(of_ways, of_ways));
+      const VecF of_ways = load(pending_.way_error, first);
+      const VecF of_root = error_of_root(cubic, load(pending_.margin, first), roots.s);
+      way_error = hn::MulAdd(of_root, length, hn::Add(of_ways, of_ways));
     }
-
-    for (std::size_t part = 0; part < parts_of_floats; ++part) {
-      const std::size_t r = first + part * double_lanes;
-      MaskD lanes = mask_of(doubles, found >> (part * double_lanes));
-      const VecD t_per_way = hn::Load(doubles, scratch.t_per_way + r);
-      const VecD t = hn::Add(hn::Load(doubles, scratch.t_block + r), hn::Mul(as_doubles(way, part), t_per_way));
-      if constexpr (search == Search::certified) {
-        const VecD place = as_doubles(way_error, part);
-        const VecD error = hn::Add(hn::Mul(place, t_per_way), hn::Mul(hn::Set(doubles, 0x1p-49), hn::Abs(t)));
-        VecD per_way = hn::Zero(doubles);  // squared: how far the ray moves while it moves by 1 along its fastest axis
-        for (int a = 0; a < 3; ++a) {
-          const VecD slope = hn::PromoteTo(doubles, hn::Load(half_floats, scratch.slope[a] + r));
-          per_way = hn::MulAdd(slope, slope, per_way);
-        }
-        // A ray's own ends are exact: a hit that may lie beyond them is not certain. Neither is one without a bound.
-        const MaskD within = hn::And(hn::Ge(hn::Sub(t, error), numbers.read(rays.t_min, lanes, r)),
-                                     hn::Le(hn::Add(t, error), numbers.read(rays.t_max, lanes, r)));
-        const MaskD placed = hn::Le(hn::Mul(hn::Mul(place, place), per_way),
-                                    hn::Set(doubles, largest_place_error * largest_place_error));
-        doubtful |= (bits_of(doubles, hn::Not(hn::And(within, placed))) & bits_of(doubles, lanes)) << r;
-        lanes = hn::And(lanes, hn::And(within, placed));
-        numbers.write(doubles, error, lanes, r, hits.error);
-      }
-      numbers.write(doubles, hn::Min(t, hn::Load(doubles, group.t_out + r)), lanes, r, hits.t);
-      numbers.write(doubles, hn::Set(doubles, surface.isovalue), lanes, r, hits.value);
-      for (int a = 0; a < 3; ++a) {
-        const VecD along_axis = as_doubles(gradient[a], part);
-        numbers.write(doubles, lattice.is_mirrored(a) ? hn::Neg(along_axis) : along_axis, lanes, r, hits.gradient[a]);
-      }
-      constexpr hn::Rebind<std::int64_t, Doubles> whole;
-      numbers.write(whole, hn::ConvertTo(whole, cell_ids(lattice, surface.leaf_count, cell, part)),
-                    hn::RebindMask(whole, lanes), r, reinterpret_cast<std::int64_t*>(hits.cell));
-    }
+    for (std::size_t part = 0; part < parts_of_floats; ++part)
+      write_places(first + part * double_lanes, mask_of(doubles, found >> (part * double_lanes)), part, way, way_error,
+                   gradient);
     const auto counted = hn::RebindMask(ints, used);
-    numbers.write(ints, hn::Load(ints, pending.root_count + first), counted, first,
-                  reinterpret_cast<std::int32_t*>(hits.root_count));
-    numbers.write(ints, roots.iterations, counted, first, reinterpret_cast<std::int32_t*>(hits.iteration_count));
+    numbers_.write(ints, hn::Load(ints, pending_.root_count + first), counted, first,
+                   reinterpret_cast<std::int32_t*>(hits_.root_count));
+    numbers_.write(ints, roots.iterations, counted, first, reinterpret_cast<std::int32_t*>(hits_.iteration_count));
   }
-  return doubtful;
-}
+
+  /// What is written in double precision, of some rays from r on.
+  HWY_INLINE void write_places(std::size_t r, MaskD lanes, std::size_t part, VecF way, VecF way_error,
+                               const VecF* gradient) {
+    const VecD t_per_way = hn::Load(doubles, scratch_.t_per_way + r);
+    const VecD t = hn::Add(hn::Load(doubles, scratch_.t_block + r), hn::Mul(as_doubles(way, part), t_per_way));
+    if constexpr (search == Search::certified) {
+      const VecD place = as_doubles(way_error, part);
+      const VecD error = hn::Add(hn::Mul(place, t_per_way), hn::Mul(hn::Set(doubles, 0x1p-49), hn::Abs(t)));
+      VecD per_way = hn::Zero(doubles);  // squared: how far the ray moves while it moves by 1 along its fastest axis
+      for (int a = 0; a < 3; ++a) {
+        const VecD slope = hn::PromoteTo(doubles, hn::Load(half_floats, scratch_.slope[a] + r));
+        per_way = hn::MulAdd(slope, slope, per_way);
+      }
+      // A ray's own ends are exact: a hit that may lie beyond them is not certain. Neither is one without a bound.
+      const MaskD within = hn::And(hn::Ge(hn::Sub(t, error), numbers_.read(rays_.t_min, lanes, r)),
+                                   hn::Le(hn::Add(t, error), numbers_.read(rays_.t_max, lanes, r)));
+      const MaskD placed =
+          hn::Le(hn::Mul(hn::Mul(place, place), per_way), hn::Set(doubles, largest_place_error * largest_place_error));
+      const MaskD certain = hn::And(within, placed);
+      doubtful_ |= bits_of(doubles, hn::AndNot(certain, lanes)) << r;
+      lanes = hn::And(lanes, certain);
+      numbers_.write(doubles, error, lanes, r, hits_.error);
+    }
+    numbers_.write(doubles, hn::Min(t, hn::Load(doubles, scratch_.group.t_out + r)), lanes, r, hits_.t);
+    numbers_.write(doubles, hn::Set(doubles, surface_.isovalue), lanes, r, hits_.value);
+    for (int a = 0; a < 3; ++a) {
+      const VecD along_axis = as_doubles(gradient[a], part);
+      numbers_.write(doubles, lattice_.is_mirrored(a) ? hn::Neg(along_axis) : along_axis, lanes, r, hits_.gradient[a]);
+    }
+    VecF cell[3];
+    for (int a = 0; a < 3; ++a) cell[a] = load(pending_.cell[a], r - part * double_lanes);
+    constexpr hn::Rebind<std::int64_t, Doubles> whole;
+    numbers_.write(whole, hn::ConvertTo(whole, cell_ids(lattice_, surface_.leaf_count, cell, part)),
+                   hn::RebindMask(whole, lanes), r, reinterpret_cast<std::int64_t*>(hits_.cell));
+  }
+
+  const Surface& surface_;
+  const MirroredLattice& lattice_;
+  const RayArrays& rays_;
+  const HitArrays& hits_;
+  const IsosurfaceScratch& scratch_;
+  const PendingHits& pending_;
+  const GroupNumbers numbers_;
+  std::uint64_t doubtful_ = 0;
+};
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -33,14 +33,6 @@ struct CubicLanes {
   struct Jet {
     VecF value, slope;
   };
-  /// Affine in each argument; the cubic where all three agree (cells/cubic.h).
-  HWY_INLINE VecF polar(VecF x, VecF y, VecF z) const {
-    const VecF one = hn::Set(floats, 1.0f);
-    const VecF rest = hn::Sub(one, x), rest_y = hn::Sub(one, y);
-    const VecF c0 = between(b[0], b[1], x, rest), c1 = between(b[1], b[2], x, rest), c2 = between(b[2], b[3], x, rest);
-    return between(between(c0, c1, y, rest_y), between(c1, c2, y, rest_y), z, hn::Sub(one, z));
-  }
-
   HWY_INLINE Jet at(VecF s) const {
     const VecF r = hn::Sub(hn::Set(floats, 1.0f), s);
     const VecF c0 = between(b[0], b[1], s, r), c1 = between(b[1], b[2], s, r), c2 = between(b[2], b[3], s, r);
@@ -159,55 +151,74 @@ struct Roots {
   VecI iterations;
 };
 
-/// Newton's method kept inside a bracket, as bracketed_root of cells/cubic.h does it, until all lanes are done.
-HWY_INLINE Roots refined(const CubicLanes& cubic, VecF low, VecF high) {
-  constexpr float resolution = 1.19e-7f;
-  const VecF half = hn::Set(floats, 0.5f), least = hn::Set(floats, resolution);
-  const VecF zero = hn::Zero(floats), one = hn::Set(floats, 1.0f);
-  VecF largest = hn::Abs(cubic.b[0]);
-  for (int i = 1; i < 4; ++i) largest = hn::Max(largest, hn::Abs(cubic.b[i]));
-  const VecF noise = hn::Mul(largest, hn::Set(floats, 0x1p-23f));
+/// Newton's method kept inside a bracket, as bracketed_root of cells/cubic.h does it.
+class RootSearch {
+ public:
+  HWY_INLINE RootSearch(const CubicLanes& cubic, VecF low, VecF high) : cubic_(cubic), low_(low), high_(high) {
+    const VecF half = hn::Set(floats, 0.5f), zero = hn::Zero(floats), one = hn::Set(floats, 1.0f);
+    VecF largest = hn::Abs(cubic.b[0]);
+    for (int i = 1; i < 4; ++i) largest = hn::Max(largest, hn::Abs(cubic.b[i]));
+    noise_ = hn::Mul(largest, hn::Set(floats, 0x1p-23f));
 
-  // Where the straight line between the ends is zero, or the parabola with its vertex at the one end that is critical.
-  const VecF width = hn::Sub(high, low);
-  const MaskF low_critical = hn::Gt(low, zero), high_critical = hn::And(hn::Lt(high, one), hn::Gt(high, zero));
-  const MaskF any_critical = hn::Or(low_critical, high_critical);
-  VecF f_low = cubic.b[0], f_high = cubic.b[3];
-  if (!hn::AllFalse(floats, any_critical)) {
-    f_low = hn::IfThenElse(low_critical, cubic.at(low).value, f_low);
-    f_high = hn::IfThenElse(high_critical, cubic.at(high).value, f_high);
+    // Where the straight line between the ends is zero, or the parabola with its vertex at the one end that is
+    // critical.
+    const VecF width = hn::Sub(high, low);
+    const MaskF low_critical = hn::Gt(low, zero), high_critical = hn::And(hn::Lt(high, one), hn::Gt(high, zero));
+    const MaskF any_critical = hn::Or(low_critical, high_critical);
+    VecF f_low = cubic.b[0], f_high = cubic.b[3];
+    if (!hn::AllFalse(floats, any_critical)) {
+      f_low = hn::IfThenElse(low_critical, cubic.at(low).value, f_low);
+      f_high = hn::IfThenElse(high_critical, cubic.at(high).value, f_high);
+    }
+    const VecF rise = hn::Sub(f_low, f_high);
+    VecF guess = hn::MulAdd(width, hn::Div(f_low, rise), low);
+    const MaskF by_parabola = hn::Xor(low_critical, high_critical);
+    if (!hn::AllFalse(floats, by_parabola)) {
+      const VecF from_low = hn::MulAdd(width, hn::Sqrt(hn::Max(zero, hn::Div(f_low, rise))), low);
+      const VecF from_high = hn::NegMulAdd(width, hn::Sqrt(hn::Max(zero, hn::Div(f_high, hn::Neg(rise)))), high);
+      guess = hn::IfThenElse(by_parabola, hn::IfThenElse(low_critical, from_low, from_high), guess);
+    }
+    const MaskF in_piece = hn::And(hn::Ge(guess, low), hn::Le(guess, high));
+    roots_ = {hn::IfThenElse(in_piece, guess, hn::Mul(half, hn::Add(low, high))), hn::Zero(ints)};
+    inside_low_ = is_inside(f_low);
+    step_before_ = width;
+    active_ = hn::Gt(width, hn::Set(floats, resolution));
   }
-  const VecF rise = hn::Sub(f_low, f_high);
-  VecF guess = hn::MulAdd(width, hn::Div(f_low, rise), low);
-  const MaskF by_parabola = hn::Xor(low_critical, high_critical);
-  if (!hn::AllFalse(floats, by_parabola)) {
-    const VecF from_low = hn::MulAdd(width, hn::Sqrt(hn::Max(zero, hn::Div(f_low, rise))), low);
-    const VecF from_high = hn::NegMulAdd(width, hn::Sqrt(hn::Max(zero, hn::Div(f_high, hn::Neg(rise)))), high);
-    guess = hn::IfThenElse(by_parabola, hn::IfThenElse(low_critical, from_low, from_high), guess);
-  }
-  const MaskF in_piece = hn::And(hn::Ge(guess, low), hn::Le(guess, high));
-  Roots roots{hn::IfThenElse(in_piece, guess, hn::Mul(half, hn::Add(low, high))), hn::Zero(ints)};
 
-  const MaskF inside_low = is_inside(f_low);
-  VecF step_before = width;
-  MaskF active = hn::Gt(width, least);
-  for (int step = 0; step < 100 && !hn::AllFalse(floats, active); ++step) {
-    const CubicLanes::Jet f = cubic.at(roots.s);
-    roots.iterations = hn::Add(roots.iterations, ones_in(active));
-    const MaskF at_low_side = hn::Not(hn::Xor(is_inside(f.value), inside_low));
-    low = hn::IfThenElse(hn::And(active, at_low_side), roots.s, low);
-    high = hn::IfThenElse(hn::AndNot(at_low_side, active), roots.s, high);
-    const VecF newton = hn::Sub(roots.s, hn::Div(f.value, f.slope));
-    const VecF size = hn::Abs(hn::Sub(newton, roots.s));
+  HWY_INLINE bool is_done() const { return hn::AllFalse(floats, active_); }
+  HWY_INLINE const CubicLanes& cubic() const { return cubic_; }
+  HWY_INLINE const Roots& roots() const { return roots_; }
+
+  HWY_INLINE void step() {
+    const VecF half = hn::Set(floats, 0.5f), least = hn::Set(floats, resolution);
+    const CubicLanes::Jet f = cubic_.at(roots_.s);
+    roots_.iterations = hn::Add(roots_.iterations, ones_in(active_));
+    const MaskF at_low_side = hn::Not(hn::Xor(is_inside(f.value), inside_low_));
+    low_ = hn::IfThenElse(hn::And(active_, at_low_side), roots_.s, low_);
+    high_ = hn::IfThenElse(hn::AndNot(at_low_side, active_), roots_.s, high_);
+    const VecF newton = hn::Sub(roots_.s, hn::Div(f.value, f.slope));
+    const VecF size = hn::Abs(hn::Sub(newton, roots_.s));
     const MaskF is_newton =
-        hn::And(hn::And(hn::Ge(newton, low), hn::Le(newton, high)), hn::Le(size, hn::Mul(half, step_before)));
-    const VecF next = hn::IfThenElse(is_newton, newton, hn::Mul(half, hn::Add(low, high)));
-    active = hn::AndNot(hn::Le(hn::Abs(f.value), noise), active);
-    step_before = hn::Abs(hn::Sub(next, roots.s));
-    roots.s = hn::IfThenElse(active, next, roots.s);
-    active = hn::And(active, hn::And(hn::Gt(step_before, least), hn::Gt(hn::Sub(high, low), least)));
+        hn::And(hn::And(hn::Ge(newton, low_), hn::Le(newton, high_)), hn::Le(size, hn::Mul(half, step_before_)));
+    const VecF next = hn::IfThenElse(is_newton, newton, hn::Mul(half, hn::Add(low_, high_)));
+    active_ = hn::AndNot(hn::Le(hn::Abs(f.value), noise_), active_);
+    step_before_ = hn::Abs(hn::Sub(next, roots_.s));
+    roots_.s = hn::IfThenElse(active_, next, roots_.s);
+    active_ = hn::And(active_, hn::And(hn::Gt(step_before_, least), hn::Gt(hn::Sub(high_, low_), least)));
   }
-  return roots;
+
+ private:
+  static constexpr float resolution = 1.19e-7f;
+
+  CubicLanes cubic_;
+  VecF low_, high_, step_before_, noise_;
+  MaskF inside_low_, active_;
+  Roots roots_;
+};
+
+/// Lets two searches go on side by side, so that neither waits for its own last step, until all lanes are done.
+HWY_INLINE void refine(RootSearch& a, RootSearch& b) {
+  for (int step = 0; step < 100 && !(a.is_done() && b.is_done()); ++step) a.step(), b.step();
 }
 
 /// One secant step.

@@ -82,6 +82,7 @@ class GroupWalk {
     for (std::size_t r = 0; r < group_.count; r += float_lanes) hn::Store(hn::Zero(ints), ints, scratch_.visits + r);
     prepare();
     scratch_.ahead.count = 0, scratch_.ahead.rays = 0;
+    scratch_.ahead.places[0] = scratch_.ahead.places[1] = 0;
     int alive_in_frustum = std::popcount(alive_);
     if (alive_ != 0)
       walk_blocks(frustum, lattice_, surface_.nodes, surface_.summits, [&](const int* block) HWY_ATTR {
@@ -145,7 +146,7 @@ class GroupWalk {
   }
 
   HWY_INLINE void finish() {
-    doubtful_ |= write_hits<search>(surface_, lattice_, rays_, hits_, scratch_);
+    doubtful_ |= HitWriter<search>(surface_, lattice_, rays_, hits_, scratch_).write();
     const GroupNumbers numbers(group_);
     for (std::size_t r = 0; r < group_.count; r += float_lanes)
       numbers.write(ints, hn::Load(ints, scratch_.visits + r), hn::FirstN(ints, group_.count - r), r,
@@ -193,8 +194,8 @@ class GroupWalk {
   }
 
   HWY_INLINE void fetch(BlockAhead& ahead) {
-    const int block[3] = {lattice_.block(0, ahead.block[0]), lattice_.block(1, ahead.block[1]),
-                          lattice_.block(2, ahead.block[2])};
+    int block[3];  // not mirrored
+    for (int a = 0; a < 3; ++a) block[a] = lattice_.block(a, ahead.block[a]);
     const Place at = place_of(block);
     BlockSamples& samples = scratch_.blocks[at.place];
     if (scratch_.block_key[at.place] != at.key) {
@@ -210,11 +211,13 @@ class GroupWalk {
 
   /// True where the list has room, and keeps no other block in the same place.
   HWY_INLINE bool fits(const int* block) const {
-    const BlocksAhead& ahead = scratch_.ahead;
-    if (ahead.count == BlocksAhead::capacity) return false;
-    for (std::size_t b = 0; b < ahead.count; ++b)
-      if (place_of(ahead.block[b].block).place == place_of(block).place) return false;
-    return true;
+    const std::size_t place = place_of(block).place;
+    return scratch_.ahead.count < BlocksAhead::capacity && (scratch_.ahead.places[place / 64] >> place % 64 & 1) == 0;
+  }
+
+  HWY_INLINE void note_place(const int* block) {
+    const std::size_t place = place_of(block).place;
+    scratch_.ahead.places[place / 64] |= std::uint64_t{1} << place % 64;
   }
 
   /// Adds a block to those ahead, and lets the rays go on when each has one to pass.
@@ -227,6 +230,7 @@ class GroupWalk {
     for (int a = 0; a < 3; ++a) added.block[a] = block[a];
     added.rays = rays, added.samples = -1;
     ahead.rays |= rays;
+    note_place(block);
     while (alive_ != 0 && (alive_ & ~ahead.rays) == 0) pass_next();
   }
 
@@ -249,10 +253,11 @@ class GroupWalk {
     for (std::size_t r = 0; r < group_.count; r += float_lanes)
       if (const std::uint64_t lanes = going >> r & first_rays(float_lanes); lanes != 0) pass_taken_blocks(r, lanes);
     std::size_t kept = 0;
-    ahead.rays = 0;
+    ahead.rays = 0, ahead.places[0] = ahead.places[1] = 0;
     for (std::size_t b = 0; b < ahead.count; ++b) {
       if ((ahead.block[b].rays & alive_) == 0) continue;
       ahead.rays |= ahead.block[b].rays;
+      note_place(ahead.block[b].block);
       ahead.block[kept++] = ahead.block[b];
     }
     ahead.count = kept;
@@ -376,11 +381,28 @@ class GroupWalk {
       place = hn::MulAdd(next.cell[a], hn::Set(floats, static_cast<float>(stride_[a])), place);
     const VecI index = hn::Add(hn::ConvertTo(ints, place), lanes.samples);
     const VecI first = hn::IfThenElse(hn::RebindMask(ints, asked), index, hn::Set(ints, lowest_sample_));
+    const float* samples = scratch_.blocks[0].difference;
     Corners corners;
+#if HWY_TARGET <= HWY_AVX2
+    // Both corners of an edge along x with one read, as a number of twice the size.
+    constexpr hn::Rebind<std::int64_t, Doubles> offsets;
+    const bool is_mirrored = stride_[0] < 0;
+    const auto from = [&](auto half) HWY_ATTR { return hn::ShiftLeft<2>(hn::PromoteTo(offsets, half)); };
+    const auto low = from(hn::LowerHalf(half_ints, first)), high = from(hn::UpperHalf(half_ints, first));
+    for (int edge = 0; edge < 4; ++edge) {
+      const int offset = (edge & 1 ? stride_[1] : 0) + (edge & 2 ? stride_[2] : 0) - (is_mirrored ? 1 : 0);
+      const auto* pairs = reinterpret_cast<const double*>(samples + offset);
+      const VecF low_pairs = hn::BitCast(floats, hn::GatherOffset(doubles, pairs, low));
+      const VecF high_pairs = hn::BitCast(floats, hn::GatherOffset(doubles, pairs, high));
+      corners.f[2 * edge + is_mirrored] = hn::ConcatEven(floats, high_pairs, low_pairs);
+      corners.f[2 * edge + !is_mirrored] = hn::ConcatOdd(floats, high_pairs, low_pairs);
+    }
+#else
     for (int c = 0; c < 8; ++c) {
       const int offset = (c & 1 ? stride_[0] : 0) + (c & 2 ? stride_[1] : 0) + (c & 4 ? stride_[2] : 0);
-      corners.f[c] = hn::GatherIndex(floats, scratch_.blocks[0].difference, hn::Add(first, hn::Set(ints, offset)));
+      corners.f[c] = hn::GatherIndex(floats, samples + offset, first);
     }
+#endif
     return corners;
   }
 

@@ -37,14 +37,7 @@ Surface surface_of(const GridVolume<T>& view, const Occupancy& occupancy, const 
           .time_phases = question.time_phases};
 }
 
-HitArrays misses(HitBatch& hits, std::size_t count) {
-  std::fill_n(hits.t.data(), count, std::numeric_limits<double>::infinity());
-  std::fill_n(hits.error.data(), count, std::numeric_limits<double>::quiet_NaN());
-  std::fill_n(hits.value.data(), count, 0.0);
-  for (const auto& component : hits.gradient) std::fill_n(component.data(), count, 0.0);
-  std::fill_n(hits.cell.data(), count, std::uint64_t{0});
-  for (const auto* numbers : {&hits.root_count, &hits.iteration_count, &hits.cost})
-    std::fill_n(numbers->data(), count, 0u);
+HitArrays arrays_of(const HitBatch& hits) {
   return {.t = hits.t.data(),
           .value = hits.value.data(),
           .error = hits.error.data(),
@@ -53,6 +46,15 @@ HitArrays misses(HitBatch& hits, std::size_t count) {
           .root_count = hits.root_count.data(),
           .iteration_count = hits.iteration_count.data(),
           .cost = hits.cost.data()};
+}
+
+void write_misses(const HitArrays& hits, std::size_t count) {
+  std::fill_n(hits.t, count, std::numeric_limits<double>::infinity());
+  std::fill_n(hits.error, count, std::numeric_limits<double>::quiet_NaN());
+  std::fill_n(hits.value, count, 0.0);
+  for (double* component : hits.gradient) std::fill_n(component, count, 0.0);
+  std::fill_n(hits.cell, count, std::uint64_t{0});
+  for (std::uint32_t* numbers : {hits.root_count, hits.iteration_count, hits.cost}) std::fill_n(numbers, count, 0u);
 }
 
 RayArrays arrays_of(const RayBatch& rays) {
@@ -107,14 +109,15 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
           const Surface surface = surface_of(view, *memory.occupancy, question);
           const CrossingKernels kernels = crossing_kernels_on(machine, search);
           const RayArrays asked = arrays_of(rays);
-          const HitArrays answers = misses(hits, rays.count);
+          const HitArrays answers = arrays_of(hits);
           const auto redo = [&] {
             if (memory.doubtful.count != 0)
               redo_doubtful(redoing_kernel_for(view), volume, question, rays, hits, scratch);
           };
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
-            kernels.answer(surface, asked, first, std::min(RayGroup::size, rays.count - first), answers, memory,
-                           scratch.counters);
+            const std::size_t count = std::min(RayGroup::size, rays.count - first);
+            write_misses(from(answers, first), count);
+            kernels.answer(surface, asked, first, count, answers, memory, scratch.counters);
             redo();
           }
           kernels.answer_waiting(surface, asked, answers, memory, scratch.counters);

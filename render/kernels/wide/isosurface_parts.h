@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 
@@ -74,7 +75,8 @@ struct BlocksAhead {
 
   BlockAhead block[capacity];
   std::size_t count;
-  std::uint64_t rays;  ///< that may pass one of them
+  std::uint64_t rays;       ///< that may pass one of them
+  std::uint64_t places[2];  ///< where their samples are kept, or will be
 };
 
 /// Crossings of which the cell is known and the place in it is still to be refined, each in its ray's lane.
@@ -91,7 +93,7 @@ struct alignas(64) PendingHits {
 
 /// Certified: rays of a batch of which not every decision is proven; nothing that was written for them counts.
 struct DoubtfulRays {
-  std::uint32_t index[RayGroup::size * 20];
+  std::uint32_t index[RayGroup::size * 20];  ///< of a chunk, and of the groups that its scattered rays complete
   std::size_t count = 0;
 };
 

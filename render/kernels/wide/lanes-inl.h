@@ -20,6 +20,7 @@ using Doubles = hn::CappedTag<double, 8>;
 using Floats = hn::CappedTag<float, 16>;
 using Ints = hn::RebindToSigned<Floats>;
 using HalfFloats = hn::Rebind<float, Doubles>;  ///< as many floats as doubles
+using HalfInts = hn::Rebind<std::int32_t, Doubles>;
 using VecD = hn::Vec<Doubles>;
 using VecF = hn::Vec<Floats>;
 using VecI = hn::Vec<Ints>;
@@ -30,6 +31,7 @@ inline constexpr Doubles doubles{};
 inline constexpr Floats floats{};
 inline constexpr Ints ints{};
 inline constexpr HalfFloats half_floats{};
+inline constexpr HalfInts half_ints{};
 
 inline constexpr std::size_t double_lanes = hn::MaxLanes(doubles);
 inline constexpr std::size_t float_lanes = hn::MaxLanes(floats);
