@@ -12,6 +12,7 @@
 
 #include "render/kernels/kernels.h"
 #include "render/method.h"
+#include "tests/render/support/bundles.h"
 #include "tests/render/support/rays.h"
 #include "tests/render/support/traced_volume.h"
 #include "tests/render/support/wide_machines.h"

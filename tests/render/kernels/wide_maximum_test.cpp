@@ -10,6 +10,7 @@
 #include "render/kernels/wide/maximum.h"
 #include "render/method.h"
 #include "tests/render/support/allocation_count.h"
+#include "tests/render/support/bundles.h"
 #include "tests/render/support/grid_judge.h"
 #include "tests/render/support/rays.h"
 #include "tests/render/support/traced_volume.h"
