@@ -29,7 +29,7 @@ inline HitArrays arrays_of(const HitBatch& hits) {
           .cost = hits.cost.data()};
 }
 
-inline HitArrays from(const HitArrays& hits, std::size_t first) {
+RHORAY_INLINE HitArrays from(const HitArrays& hits, std::size_t first) {
   return {.t = hits.t + first,
           .value = hits.value + first,
           .error = hits.error + first,
@@ -49,12 +49,21 @@ inline void write_misses(const HitArrays& hits, std::size_t count) {
   for (std::uint32_t* numbers : {hits.root_count, hits.iteration_count, hits.cost}) std::fill_n(numbers, count, 0u);
 }
 
+inline RayArrays arrays_of(const RayBatch& rays) {
+  return {.origin = {rays.origin[0].data(), rays.origin[1].data(), rays.origin[2].data()},
+          .direction = {rays.direction[0].data(), rays.direction[1].data(), rays.direction[2].data()},
+          .t_min = rays.t_min.data(),
+          .t_max = rays.t_max.data()};
+}
+
+RHORAY_INLINE RayArrays from(const RayArrays& rays, std::size_t first) {
+  RayArrays rest{.origin = {}, .direction = {}, .t_min = rays.t_min + first, .t_max = rays.t_max + first};
+  for (int a = 0; a < 3; ++a) rest.origin[a] = rays.origin[a] + first, rest.direction[a] = rays.direction[a] + first;
+  return rest;
+}
+
 inline RayArrays from(const RayBatch& rays, std::size_t first) {
-  RayArrays arrays{
-      .origin = {}, .direction = {}, .t_min = rays.t_min.data() + first, .t_max = rays.t_max.data() + first};
-  for (std::size_t a = 0; a < 3; ++a)
-    arrays.origin[a] = rays.origin[a].data() + first, arrays.direction[a] = rays.direction[a].data() + first;
-  return arrays;
+  return from(arrays_of(rays), first);
 }
 
 /// A few rays of a batch, and their answers.

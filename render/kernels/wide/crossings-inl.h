@@ -26,8 +26,7 @@ inline constexpr double largest_place_error = 1e-3;
 /// Where a group's numbers go to and come from.
 class GroupNumbers {
  public:
-  explicit HWY_INLINE GroupNumbers(const RayGroup& group)
-      : index_(group.index), is_in_order_(group.index[group.count - 1] == group.count - 1) {}
+  explicit HWY_INLINE GroupNumbers(const RayGroup& group) : index_(group.index), is_in_order_(group.is_in_order) {}
 
   /// Writes some lanes of the rays from r on into the batch.
   template <class D, class T>

@@ -10,7 +10,9 @@
 #include <hwy/highway.h>
 
 #include "render/kernels/wide/block_entry-inl.h"
+#include "render/kernels/wide/block_search-inl.h"
 #include "render/kernels/wide/cell_walk-inl.h"
+#include "render/kernels/wide/corners-inl.h"
 #include "render/kernels/wide/crossings-inl.h"
 #include "render/kernels/wide/cubic-inl.h"
 #include "render/kernels/wide/fetch-inl.h"
@@ -21,25 +23,33 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-using Fetch = void (*)(const SampleSource&, const int*, double, BlockSamples&);
-Fetch fetch_of(formats::ElementType type) {
+/// How samples of one type are read.
+struct Reading {
+  void (*fetch)(const SampleSource&, const int*, double, BlockSamples&);
+  void (*load_corners)(const SampleSource&, const int*, double, std::uint64_t, CornersScratch&);
+};
+
+template <class T>
+constexpr Reading reading{fetch_block<T>, load_corners<T>};
+
+Reading reading_of(formats::ElementType type) {
   switch (type) {
     case formats::ElementType::U8:
-      return fetch_block<std::uint8_t>;
+      return reading<std::uint8_t>;
     case formats::ElementType::I8:
-      return fetch_block<std::int8_t>;
+      return reading<std::int8_t>;
     case formats::ElementType::U16:
-      return fetch_block<std::uint16_t>;
+      return reading<std::uint16_t>;
     case formats::ElementType::I16:
-      return fetch_block<std::int16_t>;
+      return reading<std::int16_t>;
     case formats::ElementType::U32:
-      return fetch_block<std::uint32_t>;
+      return reading<std::uint32_t>;
     case formats::ElementType::I32:
-      return fetch_block<std::int32_t>;
+      return reading<std::int32_t>;
     case formats::ElementType::F32:
-      return fetch_block<float>;
+      return reading<float>;
     default:
-      return fetch_block<double>;
+      return reading<double>;
   }
 }
 
@@ -57,21 +67,20 @@ class GroupWalk {
         scratch_(scratch),
         group_(scratch.group),
         counters_(counters),
-        fetch_(fetch_of(surface.type)),
+        reading_(reading_of(surface.type)),
         alive_(scratch.group.inside) {
     for (int a = 0; a < 3; ++a) {
       const int stride = a == 0 ? 1 : a == 1 ? 5 : 25;
       stride_[a] = lattice.is_mirrored(a) ? -stride : stride;
       if (lattice.is_mirrored(a)) lowest_sample_ += 4 * stride;
+      upward_[a] = lattice.is_mirrored(a) ? -1 : 1;
     }
   }
 
   /// @return  rays of the group that another kernel is to answer
   HWY_INLINE std::uint64_t run(Frustum& frustum) {
-    prepare_ways(lattice_, scratch_);
-    if constexpr (search == Search::certified) prepare_errors();
     for (std::size_t r = 0; r < group_.count; r += float_lanes) hn::Store(hn::Zero(ints), ints, scratch_.visits + r);
-    scratch_.pending.rays = 0;
+    prepare();
     scratch_.ahead.count = 0, scratch_.ahead.rays = 0;
     scratch_.ahead.places[0] = scratch_.ahead.places[1] = 0;
     int alive_in_frustum = std::popcount(alive_);
@@ -86,15 +95,64 @@ class GroupWalk {
         return true;
       });
     pass_all_ahead();
+    finish();
+    return doubtful_;
+  }
+
+  /// The same for the scattered rays that are the group, each on its own way. When half of them are done, the others
+  /// may wait again.
+  HWY_INLINE std::uint64_t run_scattered(WaitingRays& rays) {
+    const std::uint64_t fresh = alive_ & ~rays.under_way;
+    prepare();
+    std::uint64_t new_there = rays.new_there | fresh;
+    inside_ = rays.inside, has_side_ = rays.has_side;
+    BlockSearch blocks(surface_, lattice_, scratch_, search == Search::certified);
+    blocks.start(fresh & alive_);
+    doubt(blocks.doubtful());
+    const int most_left = group_.count > float_lanes ? static_cast<int>(group_.count / 2) : 0;
+    while (std::popcount(alive_) > most_left) {
+      const std::uint64_t found = blocks.find_blocks(alive_, new_there);
+      alive_ = found | blocks.still_searching();
+      doubt(blocks.doubtful());
+      for (std::size_t r = 0; r < group_.count; r += float_lanes)
+        if (const std::uint64_t lanes = (found & alive_) >> r & first_rays(float_lanes); lanes != 0)
+          pass_found_blocks(r, lanes);
+      new_there &= ~found;
+    }
+    finish();
+    rays.clear();
+    for (std::uint64_t bits = alive_; bits != 0; bits &= bits - 1)
+      wait(static_cast<std::size_t>(std::countr_zero(bits)), new_there, rays);
+    return doubtful_;
+  }
+
+ private:
+  HWY_INLINE void prepare() {
+    prepare_ways(lattice_, scratch_);
+    if constexpr (search == Search::certified) prepare_errors();
+    scratch_.pending.rays = 0;
+  }
+
+  HWY_INLINE void wait(std::size_t r, std::uint64_t new_there, WaitingRays& rays) const {
+    const std::size_t lane = rays.rays.count++;
+    const auto take_bit = [&](std::uint64_t from, std::uint64_t& to) { to |= (from >> r & 1) << lane; };
+    copy_ray(group_, r, rays.rays, lane);
+    const BlockSearchScratch& places = scratch_.scattered.search;
+    rays.places.t[lane] = places.t[r], rays.places.error[lane] = places.error[r];
+    for (int a = 0; a < 3; ++a) rays.places.block[a][lane] = places.block[a][r];
+    rays.visits[lane] = scratch_.visits[r];
+    take_bit(inside_, rays.inside), take_bit(has_side_, rays.has_side);
+    take_bit(all_rays, rays.under_way), take_bit(new_there, rays.new_there);
+  }
+
+  HWY_INLINE void finish() {
     doubtful_ |= HitWriter<search>(surface_, lattice_, rays_, hits_, scratch_).write();
     const GroupNumbers numbers(group_);
     for (std::size_t r = 0; r < group_.count; r += float_lanes)
       numbers.write(ints, hn::Load(ints, scratch_.visits + r), hn::FirstN(ints, group_.count - r), r,
                     reinterpret_cast<std::int32_t*>(hits_.cost));
-    return doubtful_;
   }
 
- private:
   HWY_INLINE void doubt(std::uint64_t rays) {
     doubtful_ |= rays;
     alive_ &= ~rays;
@@ -142,7 +200,7 @@ class GroupWalk {
     BlockSamples& samples = scratch_.blocks[at.place];
     if (scratch_.block_key[at.place] != at.key) {
       scratch_.block_key[at.place] = at.key;
-      fetch_(surface_.source, block, surface_.isovalue, samples);
+      reading_.fetch(surface_.source, block, surface_.isovalue, samples);
     }
     constexpr std::size_t floats_each = sizeof(BlockSamples) / sizeof(float);
     ahead.samples = static_cast<std::int32_t>(at.place * floats_each);
@@ -194,7 +252,7 @@ class GroupWalk {
     }
     const std::uint64_t going = alive_ & ~waiting;
     for (std::size_t r = 0; r < group_.count; r += float_lanes)
-      if (const std::uint64_t lanes = going >> r & first_rays(float_lanes); lanes != 0) pass_blocks(r, lanes);
+      if (const std::uint64_t lanes = going >> r & first_rays(float_lanes); lanes != 0) pass_taken_blocks(r, lanes);
     std::size_t kept = 0;
     ahead.rays = 0, ahead.places[0] = ahead.places[1] = 0;
     for (std::size_t b = 0; b < ahead.count; ++b) {
@@ -207,7 +265,7 @@ class GroupWalk {
   }
 
   /// Lets some of the rays from r on pass the blocks that they have taken.
-  HWY_INLINE void pass_blocks(std::size_t r, std::uint64_t going) {
+  HWY_INLINE void pass_taken_blocks(std::size_t r, std::uint64_t going) {
     Lanes lanes;
     VecF corner[3];
     for (VecF& c : corner) c = hn::Zero(floats);
@@ -232,6 +290,21 @@ class GroupWalk {
         put(lanes.inside_out[w], block.inside >> (32 * w));
       }
     }
+    pass_blocks<false>(lanes, r, going, corner);
+  }
+
+  /// The same for blocks that they have found by themselves.
+  HWY_NOINLINE void pass_found_blocks(std::size_t r, std::uint64_t going) {
+    Lanes lanes;
+    VecF corner[3];
+    for (int a = 0; a < 3; ++a) corner[a] = hn::Load(floats, scratch_.scattered.search.corner[a] + r);
+    for (int w = 0; w < 2; ++w) lanes.active[w] = hn::Set(ints, -1), lanes.inside_out[w] = hn::Zero(ints);
+    lanes.samples = hn::Zero(ints);
+    pass_blocks<true>(lanes, r, going, corner);
+  }
+
+  template <bool is_scattered>
+  HWY_INLINE void pass_blocks(Lanes& lanes, std::size_t r, std::uint64_t going, const VecF* corner) {
     const BlockEntry at = entry_into_blocks(lattice_, ends_, scratch_, r, mask_of(floats, going), corner);
     lanes.walking = at.passes;
     if constexpr (search == Search::certified) {
@@ -253,9 +326,10 @@ class GroupWalk {
           error_of_ways(at, lanes.slope, lanes.inverse_slope, hn::Load(floats, scratch_.position_error + r));
     lanes.inside = mask_of(floats, inside_ >> r);
     lanes.has_side = mask_of(floats, has_side_ >> r);
-    pass_cells(lanes, r, corner, at.passes);
+    pass_cells<is_scattered>(lanes, r, corner, at.passes);
   }
 
+  template <bool is_scattered>
   HWY_INLINE void pass_cells(Lanes& lanes, std::size_t r, const VecF* corner, MaskF passes) {
     VecF visits = find_cells(lanes);
     if (surface_.source.has_gaps)
@@ -266,9 +340,20 @@ class GroupWalk {
       lanes.walking = hn::And(lanes.walking, next.exists);
       if (hn::AllFalse(floats, lanes.walking)) break;
       MaskF looks = hn::And(lanes.walking, hn::Lt(next.way_in, next.way_out));
+      MaskF sees = lanes.walking;
+      Corners corners;
+      if constexpr (is_scattered) {
+        // Only now is it known in which cells something is to be seen.
+        const MaskF possible = search == Search::certified ? lanes.walking : looks;
+        const MaskF asked = hn::And(possible, is_in_lattice(next, corner));
+        if (hn::AllFalse(floats, asked)) continue;
+        corners = loaded_corners(next, corner, asked);
+        sees = hn::And(asked, has_other_side(corners, lanes));
+        looks = hn::And(looks, sees);
+      }
       if constexpr (search == Search::certified) {
         const VecF length = hn::Sub(next.way_out, next.way_in);
-        const MaskF unclear = hn::And(lanes.walking, hn::Le(hn::Abs(length), lanes.way_error));
+        const MaskF unclear = hn::And(sees, hn::Le(hn::Abs(length), lanes.way_error));
         if (const std::uint64_t bits = bits_of(floats, unclear); bits != 0) doubt(bits << r);
         lanes.walking = hn::AndNot(unclear, lanes.walking);
         looks = hn::AndNot(unclear, looks);
@@ -276,7 +361,8 @@ class GroupWalk {
       if (hn::AllFalse(floats, looks)) continue;
       solved += hn::CountTrue(floats, looks);
       const std::uint64_t ticks = surface_.time_phases ? ticks_now() : 0;
-      const MaskF found = look_into_cells(lanes, next, looks, r, corner);
+      if constexpr (!is_scattered) corners = corners_of(lanes, next, looks);
+      const MaskF found = look_into_cells(lanes, next, corners, looks, r, corner);
       if (surface_.time_phases) counters_.intersection_ticks += ticks_now() - ticks;
       VecF until = hn::Set(floats, 1.0f);
       for (int a = 0; a < 3; ++a) until = hn::Add(until, hn::Sub(next.cell[a], lanes.first_cell(a)));
@@ -333,12 +419,48 @@ class GroupWalk {
     return hn::AndNot(strays, looks);
   }
 
+  /// Masks of blocks know which cells the lattice has; without them it is to be asked.
+  HWY_INLINE MaskF is_in_lattice(const NextCell& next, const VecF* block_corner) const {
+    MaskF exists = hn::FirstN(floats, float_lanes);
+    for (int a = 0; a < 3; ++a) {
+      const VecF at = hn::Add(block_corner[a], next.cell[a]);
+      exists = hn::And(exists, hn::Ge(at, hn::Set(floats, static_cast<float>(ends_.first[a]))));
+      exists = hn::And(exists, hn::Lt(at, hn::Set(floats, static_cast<float>(ends_.last[a]))));
+    }
+    return exists;
+  }
+
+  /// The same, from the volume itself.
+  HWY_INLINE Corners loaded_corners(const NextCell& next, const VecF* block_corner, MaskF asked) {
+    CornersScratch& cells = scratch_.scattered.corners;
+    for (int a = 0; a < 3; ++a) {
+      const VecF mirrored = hn::Add(block_corner[a], next.cell[a]);
+      const VecF end = hn::Set(floats, static_cast<float>(16 * lattice_.node_count[a]));
+      hn::Store(hn::ConvertTo(ints, lattice_.is_mirrored(a) ? hn::Sub(end, mirrored) : mirrored), ints,
+                cells.lowest[a]);
+    }
+    reading_.load_corners(surface_.source, upward_, surface_.isovalue, bits_of(floats, asked), cells);
+    Corners corners;
+    for (int c = 0; c < 8; ++c) corners.f[c] = hn::Load(floats, cells.difference[c]);
+    return corners;
+  }
+
+  /// Cells with corners on both sides, or on the other side than the ray's.
+  HWY_INLINE static MaskF has_other_side(const Corners& corners, const Lanes& lanes) {
+    MaskF any = is_inside(corners.f[0]), all = any;
+    for (int c = 1; c < 8; ++c) {
+      const MaskF here = is_inside(corners.f[c]);
+      any = hn::Or(any, here), all = hn::And(all, here);
+    }
+    const MaskF is_active = hn::AndNot(all, any);
+    return hn::Or(is_active, hn::And(lanes.has_side, hn::Xor(all, lanes.inside)));
+  }
+
   /// Searches the cells of some lanes; which of them found a crossing.
-  HWY_INLINE MaskF look_into_cells(Lanes& lanes, const NextCell& next, MaskF looks, std::size_t r,
-                                   const VecF* block_corner) {
+  HWY_INLINE MaskF look_into_cells(Lanes& lanes, const NextCell& next, const Corners& corners, MaskF looks,
+                                   std::size_t r, const VecF* block_corner) {
     VecF in[3], out[3];
     ends_in_cell(lanes, next, in, out);
-    const Corners corners = corners_of(lanes, next, looks);
     const CubicLanes cubic = along(corners, in, out);
     const MaskF starts_inside = is_inside(cubic.b[0]);
     if (search != Search::certified && surface_.source.has_gaps) looks = without_strays(lanes, looks, starts_inside, r);
@@ -370,37 +492,92 @@ class GroupWalk {
   IsosurfaceScratch& scratch_;
   RayGroup& group_;
   KernelCounters& counters_;
-  Fetch fetch_;
+  const Reading reading_;
   std::uint64_t alive_;                      ///< rays without a hit
   std::uint64_t doubtful_ = 0;               ///< rays that have left the group: another kernel is to answer them
   std::uint64_t inside_ = 0, has_side_ = 0;  ///< the side that each ray is on, if it has met data
   int stride_[3];                            ///< from a cell's lower to its upper sample, by mirrored axis
   int lowest_sample_ = 0;                    ///< of the mirrored block
+  int upward_[3];                            ///< from a cell's lower to its upper sample, in the lattice
 };
 
-template <Search search>
-std::uint64_t first_crossings(const Surface& surface, const RayArrays& rays, std::size_t count, const HitArrays& hits,
-                              IsosurfaceScratch& scratch, KernelCounters& counters) {
-  std::uint64_t doubtful = 0;
-  for_each_group(rays, count, surface.leaf_count, surface.node_count, scratch.group,
-                 [&](RayGroup& group, const MirroredLattice& lattice, Frustum& frustum) HWY_ATTR {
-                   GroupWalk<search> walk(surface, lattice, rays, hits, scratch, counters);
-                   for (std::uint64_t bits = walk.run(frustum); bits != 0; bits &= bits - 1)
-                     doubtful |= std::uint64_t{1} << group.index[std::countr_zero(bits)];
-                 });
-  return search == Search::certified ? doubtful | scratch.group.grazing : doubtful;
+/// Notes rays of a group that are in doubt.
+HWY_INLINE void keep_doubtful(std::uint64_t rays, std::size_t first, const RayGroup& group,
+                              IsosurfaceScratch& scratch) {
+  for (; rays != 0; rays &= rays - 1)
+    scratch.doubtful.index[scratch.doubtful.count++] =
+        static_cast<std::uint32_t>(first) + group.index[std::countr_zero(rays)];
 }
 
-FirstCrossings first_crossings_by(Search search) {
+/// Answers half of these rays or more.
+template <Search search>
+HWY_NOINLINE void answer_most(const Surface& surface, WaitingRays& waiting, const RayArrays& rays,
+                              const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters) {
+  RayGroup& group = scratch.group;
+  group = waiting.rays;
+  for (std::size_t lane = group.count; lane % 16 != 0; ++lane) copy_ray(group, group.count - 1, group, lane);
+  group.inside = first_rays(group.count);
+  scratch.scattered.search = waiting.places;
+  for (std::size_t r = 0; r < RayGroup::size; ++r)
+    scratch.visits[r] = (waiting.under_way >> r & 1) != 0 ? waiting.visits[r] : 0;
+  const MirroredLattice lattice(group.octant, surface.node_count);
+  GroupWalk<search> walk(surface, lattice, rays, hits, scratch, counters);
+  keep_doubtful(walk.run_scattered(waiting), 0, group, scratch);
+}
+
+template <Search search>
+void first_crossings(const Surface& surface, const RayArrays& rays, std::size_t first, std::size_t count,
+                     const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters) {
+  const RayArrays chunk = from(rays, first);
+  const HitArrays answers = from(hits, first);
+  const auto visit = [&](RayGroup& group, const MirroredLattice& lattice, Frustum& frustum) HWY_ATTR {
+    GroupWalk<search> walk(surface, lattice, chunk, answers, scratch, counters);
+    keep_doubtful(walk.run(frustum), first, group, scratch);
+  };
+  const auto scatter = [&](const RayGroup& group) HWY_ATTR {
+    if (surface.source.has_gaps) return false;
+    // What is in doubt already is not asked about again.
+    std::uint64_t joining = search == Search::certified ? group.inside & ~group.grazing : group.inside;
+    WaitingRays& waiting = scratch.scattered.waiting[group.octant];
+    const RayGroup* source = &group;
+    for (; joining != 0; joining &= joining - 1) {
+      if (waiting.rays.count == RayGroup::size) {
+        if (source == &group) source = &(scratch.scattered.joining = group);
+        answer_most<search>(surface, waiting, rays, hits, scratch, counters);
+      }
+      copy_ray(*source, static_cast<std::size_t>(std::countr_zero(joining)), waiting.rays, waiting.rays.count);
+      waiting.rays.index[waiting.rays.count++] += static_cast<std::uint32_t>(first);
+    }
+    return true;
+  };
+  const std::uint64_t grazing =
+      for_each_group(chunk, count, surface.leaf_count, surface.node_count, scratch.group, visit, scatter);
+  if constexpr (search == Search::certified)
+    for (std::uint64_t bits = grazing; bits != 0; bits &= bits - 1)
+      scratch.doubtful.index[scratch.doubtful.count++] =
+          static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(std::countr_zero(bits));
+}
+
+template <Search search>
+void answer_waiting(const Surface& surface, const RayArrays& rays, const HitArrays& hits, IsosurfaceScratch& scratch,
+                    KernelCounters& counters) {
+  for (WaitingRays& waiting : scratch.scattered.waiting)
+    while (waiting.rays.count != 0) answer_most<search>(surface, waiting, rays, hits, scratch, counters);
+}
+
+template <Search search>
+constexpr CrossingKernels kernels_of{first_crossings<search>, answer_waiting<search>};
+
+CrossingKernels crossing_kernels(Search search) {
   switch (search) {
     case Search::preview:
-      return first_crossings<Search::preview>;
+      return kernels_of<Search::preview>;
     case Search::certified:
-      return first_crossings<Search::certified>;
+      return kernels_of<Search::certified>;
     case Search::bracketed:
       break;
   }
-  return first_crossings<Search::bracketed>;
+  return kernels_of<Search::bracketed>;
 }
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE
@@ -410,17 +587,17 @@ HWY_AFTER_NAMESPACE();
 
 namespace rhoray::render::wide {
 
-FirstCrossings first_crossings_on(Machine machine, Search search) {
+CrossingKernels crossing_kernels_on(Machine machine, Search search) {
 #if HWY_TARGETS & HWY_AVX3
-  if (machine == Machine::avx512) return N_AVX3::first_crossings_by(search);
+  if (machine == Machine::avx512) return N_AVX3::crossing_kernels(search);
 #endif
 #if HWY_TARGETS & HWY_AVX2
-  if (machine == Machine::avx2) return N_AVX2::first_crossings_by(search);
+  if (machine == Machine::avx2) return N_AVX2::crossing_kernels(search);
 #endif
 #if HWY_TARGETS & HWY_SSE4
-  if (__builtin_cpu_supports("sse4.1")) return N_SSE4::first_crossings_by(search);
+  if (__builtin_cpu_supports("sse4.1")) return N_SSE4::crossing_kernels(search);
 #endif
-  return HWY_NAMESPACE::first_crossings_by(search);
+  return HWY_NAMESPACE::crossing_kernels(search);
 }
 
 }  // namespace rhoray::render::wide

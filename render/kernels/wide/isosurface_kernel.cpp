@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <utility>
 
 #include "render/kernels/wide/isosurface.h"
 #include "render/kernels/wide/isosurface_parts.h"
@@ -45,6 +47,25 @@ IsosurfaceScratch& prepared(std::shared_ptr<IsosurfaceScratch>& scratch, std::sh
   return *scratch;
 }
 
+/// Asks another kernel about the rays in doubt.
+void redo_doubtful(Kernel redoing, const VolumeImplementation& volume, const Question& question, const RayBatch& rays,
+                   HitBatch& hits, KernelScratch& scratch) {
+  IsosurfaceScratch& memory = *scratch.isosurface;
+  std::uint32_t* const begin = memory.doubtful.index;
+  std::sort(begin, begin + memory.doubtful.count);
+  std::uint32_t* const end = std::unique(begin, begin + std::exchange(memory.doubtful.count, 0));
+  scratch.counters.rays_wide -= static_cast<std::uint64_t>(end - begin);
+  for (std::uint32_t* first = begin; first < end;) {
+    const std::span<const std::uint32_t> some(
+        first, std::min<std::size_t>(RayGroup::size, static_cast<std::size_t>(end - first)));
+    memory.few.rays.count = some.size();
+    for (std::size_t i = 0; i < some.size(); ++i) memory.few.rays.set(i, rays[some[i]]);
+    redoing(volume, question, memory.few.rays, memory.few.hits, scratch);
+    for (std::size_t i = 0; i < some.size(); ++i) hits.set(some[i], memory.few.hits[i]);
+    first += some.size();
+  }
+}
+
 template <Machine machine, Search search>
 void first_crossings(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
                      KernelScratch& scratch) {
@@ -61,17 +82,22 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
               prepared(scratch.isosurface, volume.occupancies->of(view.levels(), question.isovalue));
           Surface surface = surface_of(view, *memory.occupancy, question);
           surface.source.has_gaps = volume.field.no_data_count > 0;
-          const FirstCrossings answer = first_crossings_on(machine, search);
+          const CrossingKernels kernels = crossing_kernels_on(machine, search);
+          const RayArrays asked = arrays_of(rays);
+          const HitArrays answers = arrays_of(hits);
+          const auto redo = [&] {
+            if (memory.doubtful.count != 0)
+              redo_doubtful(search == Search::certified ? redoing_kernel_for(view) : reference, volume, question, rays,
+                            hits, scratch);
+          };
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
             const std::size_t count = std::min(RayGroup::size, rays.count - first);
-            const HitArrays chunk = from(arrays_of(hits), first);
-            write_misses(chunk, count);
-            if (const std::uint64_t doubtful =
-                    answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
-                doubtful != 0)
-              ask_again(search == Search::certified ? redoing_kernel_for(view) : reference, volume, question, rays,
-                        first, doubtful, hits, memory.doubtful, scratch);
+            write_misses(from(answers, first), count);
+            kernels.answer(surface, asked, first, count, answers, memory, scratch.counters);
+            redo();
           }
+          kernels.answer_waiting(surface, asked, answers, memory, scratch.counters);
+          redo();
         }
       },
       volume.view);

@@ -10,6 +10,7 @@
 #include "render/kernels/wide/batch_arrays.h"
 #include "render/kernels/wide/block_samples.h"
 #include "render/kernels/wide/ray_group.h"
+#include "render/kernels/wide/scattered.h"
 
 /// What the sources of the wide isosurface kernel hand to the part that is compiled once per machine.
 namespace rhoray::render::wide {
@@ -67,6 +68,12 @@ struct alignas(64) PendingHits {
   std::uint64_t rays;  ///< that have one
 };
 
+/// Certified: rays of a batch of which not every decision is proven; nothing that was written for them counts.
+struct DoubtfulRays {
+  std::uint32_t index[RayGroup::size * 20];  ///< of a chunk, and of the groups that its scattered rays complete
+  std::size_t count = 0;
+};
+
 /// What a thread keeps for the kernel.
 struct alignas(64) IsosurfaceScratch {
   static constexpr std::size_t kept_blocks = 128;
@@ -84,17 +91,25 @@ struct alignas(64) IsosurfaceScratch {
   PendingHits pending;
   std::uint64_t block_key[kept_blocks];
   BlockSamples blocks[kept_blocks];
+  ScatteredScratch scattered;
+  DoubtfulRays doubtful;
   std::shared_ptr<const Occupancy> occupancy;  ///< whose blocks are kept
-  FewRays doubtful;                            ///< certified: what the reference is asked about
+  FewRays few;                                 ///< of the doubtful ones
 };
 
-/// Answers at most 64 rays. Hits are written; what is no hit is left as it is, but for its cost.
-/// @return  rays that another kernel is to answer, nothing that was written for them counts: certified, those of which
-///          not every decision is proven; else those that come out of a gap in the data on another side
-using FirstCrossings = std::uint64_t (*)(const Surface& surface, const RayArrays& rays, std::size_t count,
-                                         const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters);
+/// What is compiled once per machine. Hits are written; what is no hit is left as it is, but for its cost. Rays in
+/// doubt are added to those of the scratch memory.
+struct CrossingKernels {
+  /// Answers at most 64 rays of a batch, from `first` on, a multiple of 64. Rays that go their own ways may be left
+  /// waiting.
+  void (*answer)(const Surface& surface, const RayArrays& rays, std::size_t first, std::size_t count,
+                 const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters);
+  /// Answers those that wait.
+  void (*answer_waiting)(const Surface& surface, const RayArrays& rays, const HitArrays& hits,
+                         IsosurfaceScratch& scratch, KernelCounters& counters);
+};
 
 /// `baseline` is what the processor has of SSE4, or else one lane.
-FirstCrossings first_crossings_on(Machine machine, Search search);
+CrossingKernels crossing_kernels_on(Machine machine, Search search);
 
 }  // namespace rhoray::render::wide

@@ -38,6 +38,17 @@ std::vector<Hit> answers(TracedVolume& traced, const Method& method, Machine mac
   return hits;
 }
 
+/// Rays from anywhere in a box [0, size] to all sides, some of them cut short.
+std::vector<Ray> scattered_rays(const Vec3& size, std::size_t count, std::uint64_t seed) {
+  Dice dice(seed);
+  std::vector<Ray> rays(count);
+  for (Ray& ray : rays) {
+    ray = {.origin = dice.point({0, 0, 0}, size), .direction = dice.direction()};
+    if (dice.below(3) == 0) ray.t_max = dice.between(0, size.length());
+  }
+  return rays;
+}
+
 /// Waves of two lengths and some noise, around 1000.
 template <class T>
 preprocess::NeutralVolume waves(const Index3& samples, std::uint64_t seed, double scale, double offset) {
@@ -247,6 +258,70 @@ TEST(WideCrossing, of_a_ray_does_not_depend_on_the_rays_beside_it) {
       const std::vector<Hit> alone = answers(*grid.traced, single, machine, {shuffled[i]}, 1000);
       ASSERT_TRUE(same_bits(alone[0], apart[i])) << name_of(machine) << ", ray " << order[i];
     }
+  }
+}
+
+TEST(WideCrossing, of_rays_to_all_sides_agrees_with_the_scalar_reference) {
+  for (const Grid& grid : grids()) {
+    const std::vector<Ray> rays = scattered_rays(grid.size, 5000, 14);
+    for (const double isovalue : grid.isovalues) {
+      const std::vector<Hit> reference = answers(*grid.traced, Method{}, Machine::scalar, rays, isovalue);
+      for (const Machine machine : wide_machines()) {
+        const Difference found = difference(rays, reference, answers(*grid.traced, single, machine, rays, isovalue));
+        EXPECT_EQ(found.decisions, 0) << grid.name << ", " << name_of(machine) << ", isovalue " << isovalue;
+        EXPECT_LE(found.largest_cells, largest_distance_cells) << grid.name << ", " << name_of(machine);
+        EXPECT_GT(found.hits, 200) << grid.name;
+      }
+    }
+  }
+}
+
+TEST(WideCrossing, certified_of_a_ray_is_the_same_in_a_square_of_neighbours_and_among_rays_to_all_sides) {
+  constexpr Method certified = render::method_of(render::Accuracy::certified);
+  for (const Grid& grid : grids()) {
+    const std::vector<Ray> squares = bundles(grid.size, 1000, 24), stressful = stressful_rays(grid.size, 1000, 25);
+    std::vector<Ray> mixed;  // each square of 64 becomes 64 rays that are far apart
+    for (std::size_t i = 0; i < 64; ++i)
+      for (std::size_t square = 0; square + 64 <= squares.size(); square += 64) mixed.push_back(squares[square + i]);
+    for (const Machine machine : wide_machines())
+      for (const double isovalue : {grid.isovalues[0], std::round(grid.isovalues[0])}) {
+        const std::vector<Hit> together = answers(*grid.traced, certified, machine, squares, isovalue);
+        const std::vector<Hit> apart = answers(*grid.traced, certified, machine, mixed, isovalue);
+        std::size_t place = 0;
+        for (std::size_t i = 0; i < 64; ++i)
+          for (std::size_t square = 0; square + 64 <= squares.size(); square += 64, ++place) {
+            ASSERT_TRUE(same_bits(together[square + i], apart[place]))
+                << grid.name << ", " << name_of(machine) << ", ray " << square + i;
+            ASSERT_EQ(together[square + i].cost, apart[place].cost) << grid.name << ", ray " << square + i;
+          }
+        // Neighbours of one octant close to each other: 64 rays with hardly a difference between them.
+        for (std::size_t r = 0; r < stressful.size(); r += 100) {
+          const std::vector<Ray> copies(64, stressful[r]);
+          const Hit alone = answers(*grid.traced, certified, machine, {stressful[r]}, isovalue)[0];
+          ASSERT_TRUE(same_bits(alone, answers(*grid.traced, certified, machine, copies, isovalue)[63]))
+              << grid.name << ", " << name_of(machine) << ", ray " << r;
+        }
+      }
+  }
+}
+
+TEST(WideCrossing, goes_no_farther_than_a_ray_does) {
+  const Grid grid = grid_of_waves<std::uint16_t>("", {97, 82, 91}, 3, 400, 1000);
+  std::vector<Ray> rays = scattered_rays(grid.size, 3000, 26);
+  for (const Ray& ray : bundles(grid.size, 3000, 27)) rays.push_back(ray);
+  for (Ray& ray : rays) ray.t_max = std::numeric_limits<double>::infinity();
+  for (const Machine machine : wide_machines()) {
+    const std::vector<Hit> whole = answers(*grid.traced, single, machine, rays, 1500.5);
+    std::vector<Ray> cut = rays;
+    for (std::size_t r = 0; r < rays.size(); ++r) cut[r].t_max = whole[r].is_miss() ? 8.0 : 0.75 * whole[r].t;
+    const std::vector<Hit> rest = answers(*grid.traced, single, machine, cut, 1500.5);
+    std::uint64_t cost = 0, cost_cut = 0;
+    for (std::size_t r = 0; r < rays.size(); ++r) {
+      EXPECT_TRUE(rest[r].is_miss()) << name_of(machine) << ", ray " << r;
+      EXPECT_LE(rest[r].cost, whole[r].cost) << name_of(machine) << ", ray " << r;
+      cost += whole[r].cost, cost_cut += rest[r].cost;
+    }
+    EXPECT_LT(4 * cost_cut, 3 * cost) << name_of(machine);
   }
 }
 
