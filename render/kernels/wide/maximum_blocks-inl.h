@@ -91,7 +91,6 @@ class BlockWalk {
 
   /// Where rays are on a minor axis where a block begins, from its corner.
   HWY_INLINE VecF start_in_box(int m, std::size_t first, double low_w, double low) const {
-    constexpr hn::Rebind<std::int32_t, Doubles> half_ints;
     constexpr hn::RebindToSigned<Doubles> longs;
     HWY_ALIGN float start[float_lanes];
     for (std::size_t lane = 0; lane < float_lanes; lane += double_lanes) {

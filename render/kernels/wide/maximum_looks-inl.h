@@ -132,7 +132,6 @@ class CloseLooks {
     const RayGroup& group = scratch_.group;
     const VecD zero = hn::Zero(doubles), one = hn::Set(doubles, 1.0);
     scratch_.looks += count;
-    constexpr hn::Rebind<std::int32_t, Doubles> half_ints;
     constexpr hn::RebindToSigned<Doubles> longs;
 
     HWY_ALIGN double corner[8][8];

@@ -70,7 +70,6 @@ struct WindowCells {
     VecI near, far;  // two words
 #if HWY_TARGET <= HWY_AVX2
     constexpr hn::RebindToSigned<Doubles> longs;
-    constexpr hn::Rebind<std::int32_t, Doubles> half_ints;
     const auto two_words = [&](hn::Vec<decltype(half_ints)> at) HWY_ATTR {
       const void* first = from;
       return hn::BitCast(ints, hn::GatherOffset(longs, static_cast<const std::int64_t*>(first),
