@@ -298,7 +298,10 @@ class GroupWalk {
     Lanes lanes;
     VecF corner[3];
     for (int a = 0; a < 3; ++a) corner[a] = hn::Load(floats, scratch_.scattered.search.corner[a] + r);
-    for (int w = 0; w < 2; ++w) lanes.active[w] = hn::Set(ints, -1), lanes.inside_out[w] = hn::Zero(ints);
+    for (int w = 0; w < 2; ++w) {
+      lanes.active[w] = lanes.present[w] = hn::Set(ints, -1);
+      lanes.inside_out[w] = hn::Zero(ints);
+    }
     lanes.samples = hn::Zero(ints);
     pass_blocks<true>(lanes, r, going, corner);
   }
