@@ -85,7 +85,9 @@ TEST(BoxRay, says_the_same_in_any_unit) {
     const BoxRay::Parts other = BoxRay(scaled, 0x1p40).meet(block);
     for (std::size_t e = 0; e < 8; ++e) {
       ASSERT_EQ(one.is_met(e), other.is_met(e));
-      if (one.is_met(e)) ASSERT_EQ(one.t_in[e], other.t_in[e]);
+      if (one.is_met(e)) {
+        ASSERT_EQ(one.t_in[e], other.t_in[e]);
+      }
     }
   }
 }

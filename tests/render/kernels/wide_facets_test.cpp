@@ -280,7 +280,7 @@ TEST(WideFacets, of_closed_surfaces_are_met_by_every_ray_aimed_inside) {
 }
 
 TEST(WideFacets, certified_decide_as_the_judge_and_keep_their_bounds) {
-  std::uint64_t rays_asked = 0, rays_redone = 0;
+  std::uint64_t rays_asked = 0, rays_redone = 0, hard_rays_redone = 0;
   std::vector<Mesh> all = meshes();
   const auto whole = [](const Vec3& p) { return std::round(4 * waves(p)); };
   all.push_back(made("whole values", box_mesh({.cells = {9, 8, 10}, .jitter = 0.14}, whole), {0}, 0.2));
@@ -298,6 +298,8 @@ TEST(WideFacets, certified_decide_as_the_judge_and_keep_their_bounds) {
           if (is_coherent && mesh.isovalues.size() > 1) {
             rays_asked += rays.size();
             rays_redone += mesh.traced->scratch.counters.rays_redone;
+          } else {
+            hard_rays_redone += mesh.traced->scratch.counters.rays_redone;
           }
           for (std::size_t r = 0; r < rays.size(); ++r) {
             const std::string where = mesh.name + ", " + name_of(machine) + ", ray " + std::to_string(r);
@@ -310,7 +312,7 @@ TEST(WideFacets, certified_decide_as_the_judge_and_keep_their_bounds) {
       }
   }
   EXPECT_LT(rays_redone, rays_asked / 100);
-  EXPECT_GT(rays_redone, 0U);
+  EXPECT_GT(hard_rays_redone, 0U);
 }
 
 TEST(WideFacets, leave_rays_without_numbers_and_meshes_beyond_measure_to_the_reference) {
