@@ -337,6 +337,7 @@ class GroupWalk {
     VecF visits = find_cells(lanes);
     if (surface_.source.has_gaps)
       for (int w = 0; w < 2; ++w) lanes.left[w] = hn::And(lanes.left[w], lanes.present[w]);
+    const bool is_at_border = !hn::AllFalse(floats, hn::And(lanes.walking, is_cut_off(corner)));
     std::uint64_t solved = 0;
     while (true) {
       const NextCell next = take_next_cell(lanes);
@@ -345,10 +346,13 @@ class GroupWalk {
       MaskF looks = hn::And(lanes.walking, hn::Lt(next.way_in, next.way_out));
       MaskF sees = lanes.walking;
       Corners corners;
+      if (is_at_border) {
+        sees = hn::And(sees, is_in_lattice(next, corner));
+        looks = hn::And(looks, sees);
+      }
       if constexpr (is_scattered) {
         // Only now is it known in which cells something is to be seen.
-        const MaskF possible = search == Search::certified ? lanes.walking : looks;
-        const MaskF asked = hn::And(possible, is_in_lattice(next, corner));
+        const MaskF asked = search == Search::certified ? sees : looks;
         if (hn::AllFalse(floats, asked)) continue;
         corners = loaded_corners(next, corner, asked);
         sees = hn::And(asked, has_other_side(corners, lanes));
@@ -422,7 +426,18 @@ class GroupWalk {
     return hn::AndNot(strays, looks);
   }
 
-  /// Masks of blocks know which cells the lattice has; without them it is to be asked.
+  /// Blocks that the lattice ends in.
+  HWY_INLINE MaskF is_cut_off(const VecF* block_corner) const {
+    MaskF cut_off = no_lane(floats);
+    for (int a = 0; a < 3; ++a) {
+      const VecF first = hn::Set(floats, static_cast<float>(ends_.first[a]));
+      const VecF last = hn::Set(floats, static_cast<float>(ends_.last[a] - 4));
+      cut_off = hn::Or(cut_off, hn::Or(hn::Lt(block_corner[a], first), hn::Gt(block_corner[a], last)));
+    }
+    return cut_off;
+  }
+
+  /// Cells that the lattice has: those found to be near a ray's way may lie beyond its ends.
   HWY_INLINE MaskF is_in_lattice(const NextCell& next, const VecF* block_corner) const {
     MaskF exists = hn::FirstN(floats, float_lanes);
     for (int a = 0; a < 3; ++a) {
