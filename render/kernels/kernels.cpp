@@ -20,7 +20,9 @@ Kernels choose_kernels(const VolumeImplementation& volume, const Method& method,
 }
 
 bool finds_crossings_wide(const VolumeImplementation& volume) {
-  return wide::first_crossing_kernel(volume, method_of(Accuracy::single), Machine::baseline) != nullptr;
+  const Method single = method_of(Accuracy::single);
+  return wide::first_crossing_kernel(volume, single, Machine::baseline) != nullptr ||
+         wide::first_facet_kernel(volume, single, Machine::baseline) != nullptr;
 }
 
 void ask(Kernel kernel, const VolumeImplementation& volume, const Question& question, std::span<const Ray> rays,

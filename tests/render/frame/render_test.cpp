@@ -192,7 +192,8 @@ TEST(Render, says_for_which_machine_the_kernel_that_answered_is_compiled) {
   EXPECT_EQ(machine_of(grid, single, true), name_of(render::chosen_machine()));
   EXPECT_EQ(machine_of(grid, single, false), "scalar") << "a wide kernel that leaves the question to the other";
   EXPECT_EQ(machine_of(grid, Method{}, true), "scalar");
-  EXPECT_EQ(machine_of(mesh, single, true), "scalar");
+  EXPECT_EQ(machine_of(mesh, single, true), name_of(render::chosen_machine()));
+  EXPECT_EQ(machine_of(mesh, Method{}, true), "scalar");
 }
 
 TEST(Render, shades_no_highlight_that_the_scene_does_not_call_for) {
