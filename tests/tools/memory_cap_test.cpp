@@ -144,7 +144,7 @@ class MemoryCapOfPack : public testing::Test {
   void expect_the_cap_holds(const std::vector<std::string>& words, std::uint64_t least_bytes = 8 * cap) {
     std::vector<std::string> command{"pack"};
     command.insert(command.end(), words.begin(), words.end());
-    command.insert(command.end(), {"-o", "packed.rho"});
+    command.insert(command.end(), {"-o", "packed.rho", "--force"});
     const Peaks free = watched(bench_.path(), command);
     ASSERT_EQ(free.exit_code, 0) << read_file(bench_ / "said");
     fs::rename(bench_ / "packed.rho", bench_ / "free.rho");

@@ -57,8 +57,9 @@ TEST(TetValidation, holds_a_proving_method_against_the_bounds_that_it_states) {
   EXPECT_TRUE(honest.holds());
   EXPECT_GT(honest.largest("bound stated by the method", "box"), 0);
   EXPECT_GT(honest.largest("bound, surface to renderer", "box"), 0);
-  const validate::Report boastful =
-      ball().report(question, understating_bounds(ball().renderer(question.isovalue, certified)));
+  // Its own errors are far below the limits for all methods: some that are not, and that no bound tells of.
+  const validate::Report boastful = ball().report(
+      question, understating_bounds(shifting_hits(ball().renderer(question.isovalue, certified), 1e-4 * cell_edge())));
   expect_caught("bounds_said_to_be_0", boastful);
   EXPECT_GT(found(boastful, "elsewhere"), 0);
 }
