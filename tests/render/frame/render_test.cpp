@@ -1,4 +1,5 @@
 #include "render/render.h"
+#include "render/volumes/facets.h"
 
 #include <gtest/gtest.h>
 
@@ -193,7 +194,26 @@ TEST(Render, says_for_which_machine_the_kernel_that_answered_is_compiled) {
   EXPECT_EQ(machine_of(grid, single, false), "scalar") << "a wide kernel that leaves the question to the other";
   EXPECT_EQ(machine_of(grid, Method{}, true), "scalar");
   EXPECT_EQ(machine_of(mesh, single, true), name_of(render::chosen_machine()));
+  EXPECT_EQ(machine_of(mesh, single, false), "scalar");
   EXPECT_EQ(machine_of(mesh, Method{}, true), "scalar");
+}
+
+TEST(Render, prepares_an_isovalue_of_a_mesh_once) {
+  const TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
+  Scene scene = scene_of(mesh.volume(), Mode::isosurface);
+  scene.method = method_of(render::Accuracy::single);
+  Framebuffer picture;
+  const FrameStatistics first = render::render(mesh.volume(), scene, {.width = 20, .height = 20}, picture);
+  EXPECT_EQ(first.preparation_s > 0, render::chosen_machine() != render::Machine::scalar);
+  EXPECT_LT(first.preparation_s, first.wall_s);
+  const auto kept = mesh.volume().implementation().facets;
+  const auto& view = std::get<render::TetVolume<double>>(mesh.volume().implementation().view);
+  const Box3& bounds = mesh.volume().implementation().bounds_volume;
+  const auto facets = kept->of(view, bounds, scene.isovalue, 1);
+  render::render(mesh.volume(), scene, {.width = 20, .height = 20}, picture);
+  EXPECT_EQ(kept->of(view, bounds, scene.isovalue, 1), facets);
+  scene.method = {};
+  EXPECT_EQ(render::render(mesh.volume(), scene, {.width = 20, .height = 20}, picture).preparation_s, 0);
 }
 
 TEST(Render, shades_no_highlight_that_the_scene_does_not_call_for) {
