@@ -38,8 +38,8 @@ constexpr bool proves(const Method& method) {
   return method.way == Method::Way::certified || method.way == Method::Way::judged;
 }
 
-/// The levels of accuracy that a user chooses from; commands and pictures call `single` float.
-enum class Accuracy { preview, single, certified, exact };
+/// The levels of accuracy that a user chooses from; commands and pictures call `single` float and `twofold` double.
+enum class Accuracy { preview, single, twofold, certified, exact };
 
 constexpr Method method_of(Accuracy accuracy) {
   switch (accuracy) {
@@ -47,6 +47,8 @@ constexpr Method method_of(Accuracy accuracy) {
       return {.way = Method::Way::preview, .precision = Method::Precision::single};
     case Accuracy::single:
       return {.way = Method::Way::direct, .precision = Method::Precision::single};
+    case Accuracy::twofold:
+      return {};
     case Accuracy::certified:
       return {.way = Method::Way::certified};
     case Accuracy::exact:

@@ -8,6 +8,7 @@
 
 #include "render/framebuffer.h"
 #include "render/load.h"
+#include "render/method.h"
 #include "render/scene.h"
 
 namespace rhoray::render {
@@ -46,6 +47,10 @@ struct FrameStatistics {
   double wall_s = 0;
   std::string_view machine;  ///< what the kernel that answered is compiled for: scalar, baseline, avx2 or avx512
 };
+
+/// What answers who names no method: isosurfaces at the level `float` in volumes of which wide kernels find them, where
+/// it takes a fraction of the time; all else at `double`. It does not depend on the machine.
+Method default_method(const Volume& volume, Mode mode);
 
 /// Memory of the threads that trace frames, to be kept from one frame to the next; one frame uses it at a time. It
 /// holds nothing that a picture depends on: a frame with it is the same, bit for bit, as one without.

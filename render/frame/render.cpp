@@ -120,6 +120,11 @@ FrameStatistics::Phases phases_of(const FrameMemory::Implementation& memory, dou
 
 }  // namespace
 
+Method default_method(const Volume& volume, Mode mode) {
+  const bool is_wide = mode == Mode::isosurface && finds_crossings_wide(volume.implementation());
+  return method_of(is_wide ? Accuracy::single : Accuracy::twofold);
+}
+
 FrameMemory::FrameMemory() : implementation_(std::make_unique<Implementation>()) {}
 FrameMemory::~FrameMemory() = default;
 FrameMemory::FrameMemory(FrameMemory&&) noexcept = default;

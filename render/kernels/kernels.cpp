@@ -19,6 +19,12 @@ Kernels choose_kernels(const VolumeImplementation& volume, const Method& method,
   return kernels;
 }
 
+bool finds_crossings_wide(const VolumeImplementation& volume) {
+  const Method single = method_of(Accuracy::single);
+  return wide::first_crossing_kernel(volume, single, Machine::baseline) != nullptr ||
+         wide::first_facet_kernel(volume, single, Machine::baseline) != nullptr;
+}
+
 void ask(Kernel kernel, const VolumeImplementation& volume, const Question& question, std::span<const Ray> rays,
          std::span<Hit> hits, KernelScratch& scratch) {
   constexpr std::size_t batch_size = 1024;

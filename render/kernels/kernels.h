@@ -29,7 +29,7 @@ struct KernelCounters {
   std::uint64_t rays_redone = 0;         ///< certified: what single precision could not decide
   std::uint64_t rays_judged = 0;         ///< decided by the judge
   std::uint64_t touches = 0;             ///< judged hits at which the field only touches the isovalue
-  std::uint64_t rays_wide = 0;           ///< answered by a wide kernel, which may leave a whole frame to the scalar one
+  std::uint64_t rays_wide = 0;           ///< answered by a wide kernel, which may leave rays or a whole frame to others
   std::uint64_t intersection_ticks = 0;  ///< time spent solving; 0 unless Question::time_phases
 
   std::uint64_t visits() const { return macrocells_visited + cells_visited; }
@@ -87,6 +87,9 @@ struct Kernels {
   std::size_t queue_entries;  ///< the most that one ray can put into the queue
   Preparation prepare_first_crossing = nullptr;  ///< null: nothing to prepare. A kernel that finds it undone does it
 };
+
+/// True where a wide kernel finds first crossings in single precision, on every machine that is not `scalar`.
+bool finds_crossings_wide(const VolumeImplementation& volume);
 
 Kernels choose_kernels(const VolumeImplementation& volume, const Method& method, Machine machine = chosen_machine());
 

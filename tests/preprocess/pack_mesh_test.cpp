@@ -205,11 +205,12 @@ TEST(PackMesh, has_empty_intervals_where_all_cells_lack_data) {
   EXPECT_TRUE(levels.range(1, 0, 1, 1).is_empty());
   EXPECT_EQ(levels.range(3, 0, 0, 0).hi, 1.0f);
   EXPECT_GE(levels.range(3, 0, 0, 0).lo, 0.6f);
-  const auto clusters = packed(mesh, {.cluster_size = 8}).cluster_ranges<float>(0);
+  const TetMesh clustered = packed(mesh, {.cluster_size = 8});
+  const auto clusters = clustered.cluster_ranges<float>(0);
   const auto empty = std::count_if(clusters[0].begin(), clusters[0].end(),
                                    [](const formats::RangeBlock<float>& block) { return block.lo[0] > block.hi[0]; });
   EXPECT_GT(empty, 16) << "of 48";
-  EXPECT_LT(empty, 32);
+  EXPECT_LT(empty, 40);
 }
 
 TEST(PackMesh, packs_several_fields_of_both_precisions_in_the_order_asked) {

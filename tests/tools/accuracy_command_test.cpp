@@ -27,9 +27,10 @@ TEST(MethodWords, name_every_method_and_are_read_back) {
   const auto expect_same = [](const std::vector<std::string>& words, Mode mode, bool is_mesh) {
     for (const std::string& word : words) {
       const tools::MethodOption option = tools::option_of(tools::method_named(word, mode, is_mesh), mode, is_mesh);
-      const bool is_level = tools::method_named(word, mode, is_mesh) == render::method_of(render::Accuracy::single);
+      const render::Method method = tools::method_named(word, mode, is_mesh);
+      const bool is_level = method.way == render::Method::Way::direct;
       EXPECT_EQ(option.option, is_level ? "--accuracy" : "--method");
-      EXPECT_EQ(option.word, is_level ? "float" : word);
+      EXPECT_EQ(option.word, is_level ? word.substr(word.find(':') + 1) : word);
     }
   };
   expect_same(grid, Mode::isosurface, false);
@@ -66,14 +67,24 @@ TEST(AccuracyCommand, levels_draw_the_same_picture_and_every_method_says_how_it_
   const Workbench bench;
   bench.make_ball();
   bench.make_box();
+  ASSERT_EQ(bench
+                .rhoray({"pack", "ball.raw", "--raw", "24x24x24:uint8", "--type", "F32", "--layout", "sparse", "-o",
+                         "sparse.rho", "-q"})
+                .exit_code,
+            0);
   struct Choice {
     std::vector<std::string> words;
     std::string method;
   };
   const std::vector<Choice> choices{{{"ball.rho", "--accuracy", "preview"}, "preview"},
-                                    {{"ball.rho"}, "bracketed:double"},
-                                    {{"ball.rho", "--accuracy", "float"}, "float"},
-                                    {{"box.rho"}, "edges:double"},
+                                    {{"ball.rho"}, "float"},
+                                    {{"ball.rho", "--accuracy", "double"}, "double"},
+                                    {{"ball.rho", "--method", "bracketed"}, "double"},
+                                    {{"ball.rho", "--mode", "mip"}, "double"},
+                                    {{"sparse.rho"}, "double"},
+                                    {{"box.rho"}, "float"},
+                                    {{"box.rho", "--accuracy", "double"}, "double"},
+                                    {{"box.rho", "--method", "edges:float"}, "float"},
                                     {{"ball.rho", "--accuracy", "certified"}, "certified"},
                                     {{"ball.rho", "--accuracy", "exact"}, "exact"},
                                     {{"ball.rho", "--method", "paper"}, "paper:double"},
@@ -94,6 +105,8 @@ TEST(AccuracyCommand, levels_draw_the_same_picture_and_every_method_says_how_it_
     const RunResult result = bench.rhoray(words);
     ASSERT_EQ(result.exit_code, 0) << result.err;
     const nlohmann::json json = nlohmann::json::parse(result.out);
+    const std::string machine = json["statistics"]["machine"];
+    EXPECT_THAT(result.err, HasSubstr("p.png: " + choice.method + " by " + machine + " kernels, traced in "));
     EXPECT_EQ(json["method"], choice.method);
     const bool is_proven = choice.method == "certified" || choice.method == "exact";
     EXPECT_EQ(json["statistics"]["largest_error"].is_number(), is_proven);

@@ -161,7 +161,10 @@ const Case cases[] = {
      {"pack", "ball.raw", "--raw", "24x24x24:uint8", "--cells", "5", "-o", "x.rho"},
      2,
      "--cells: is for meshes"},
-    {"too many levels", {"pack", "box.vtu", "--levels", "99", "-o", "x.rho"}, 2, "--levels: found 99"},
+    {"too many levels",
+     {"pack", "box.vtu", "--structure", "leaves", "--levels", "99", "-o", "x.rho"},
+     2,
+     "--levels: found 99"},
     {"no repetition", {"bench", "open", "ball.rho", "--repeat", "0"}, 2, "--repeat: found 0"},
     {"unknown table", {"bench", "thread", "ball.rho"}, 2, "no table 'thread'", "did you mean threads?"},
 

@@ -20,6 +20,7 @@ using Way = Method::Way;
 
 constexpr std::pair<const char*, Accuracy> accuracies[] = {{"preview", Accuracy::preview},
                                                            {"float", Accuracy::single},
+                                                           {"double", Accuracy::twofold},
                                                            {"certified", Accuracy::certified},
                                                            {"exact", Accuracy::exact}};
 
@@ -100,7 +101,8 @@ std::vector<std::string> accuracy_words() {
 Accuracy accuracy_named(const std::string& word) {
   for (const auto& [name, accuracy] : accuracies)
     if (word == name) return accuracy;
-  throw Error(Trouble::usage, concat("--accuracy: found '", word, "'; expected preview, float, certified or exact"),
+  throw Error(Trouble::usage,
+              concat("--accuracy: found '", word, "'; expected preview, float, double, certified or exact"),
               did_you_mean(word, accuracy_words()));
 }
 

@@ -104,9 +104,9 @@ std::vector<Option> picture_options(PictureOptions& options) {
                    options.range),
       choice_option(
           "--accuracy", accuracy_words(),
-          "preview: a first look; float: single precision inside cells; certified: every hit and miss proven, "
-          "with a bound of its error; exact: every decision in exact arithmetic, slow; default the direct method in "
-          "double precision",
+          "preview: a first look; float: single precision inside cells; double: double precision; certified: every hit "
+          "and miss proven, with a bound of its error; exact: every decision in exact arithmetic, slow. Default float "
+          "for isosurfaces of meshes and of uniform, dense grids, which many rays cross at once, else double",
           options.accuracy),
       value_option("--method", "NAME", method_help(), options.method),
       value_option("--channels", "A,B",
@@ -116,7 +116,7 @@ std::vector<Option> picture_options(PictureOptions& options) {
                     "A heat map instead of colours: error (certified, exact), roots in the hit cell, iterations of the "
                     "root, cost (cells visited); default color",
                     options.show),
-      flag_option("--no-hierarchy", "Walk every leaf cell, for comparison; the picture is the same",
+      flag_option("--no-hierarchy", "Walk every leaf cell, for comparison; the same picture at double",
                   options.no_hierarchy)};
 }
 
@@ -207,12 +207,11 @@ render::Volume load_volume(const std::filesystem::path& path, const std::string&
 
 namespace {
 
-render::Method choose_method(const PictureOptions& options, render::Mode mode, bool is_mesh) {
+render::Method choose_method(const PictureOptions& options, render::Mode mode, const render::Volume& volume) {
   if (!options.method.empty() && !options.accuracy.empty())
     throw Error(Trouble::usage, "--method and --accuracy say the same thing twice: give one of them");
-  if (!options.method.empty()) return method_named(options.method, mode, is_mesh);
-  // Single precision saves nothing yet, and loses rays at outlines of meshes: it is for whoever asks for it.
-  if (options.accuracy.empty()) return {};
+  if (!options.method.empty()) return method_named(options.method, mode, volume.is_mesh());
+  if (options.accuracy.empty()) return render::default_method(volume, mode);
   return method_of(accuracy_named(options.accuracy));
 }
 
@@ -222,7 +221,7 @@ PicturePlan plan_picture(const PictureOptions& options, const render::Volume& vo
   PicturePlan plan;
   render::Scene& scene = plan.scene;
   scene.mode = options.mode == "mip" ? render::Mode::mip : render::Mode::isosurface;
-  scene.method = choose_method(options, scene.mode, volume.is_mesh());
+  scene.method = choose_method(options, scene.mode, volume);
   Box3 shown = volume.bounds();
   if (scene.mode == render::Mode::isosurface) {
     const Isovalue iso = options.isovalue == "auto" && volume.is_level_set()

@@ -25,7 +25,7 @@ struct PictureOptions {
   std::optional<Color> surface_color, background;
   std::optional<double> specular;
   std::optional<Interval<double>> range;
-  std::string accuracy;  ///< empty = the direct method in double precision, unless a method is named
+  std::string accuracy;  ///< empty = render::default_method, unless a method is named
   std::string method;
   std::vector<std::string> channels;
   std::string show = "color";  ///< or error, roots, iterations, cost: a heat map

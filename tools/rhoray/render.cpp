@@ -175,7 +175,8 @@ void report(const RenderCommand& command, const std::filesystem::path& output, c
                                                  rounded(heat.hi), " (bright)"));
   if (statistics.hits == 0) say(command.common, "note: the picture is empty: no ray met anything");
   say(command.common,
-      concat(output.string(), ": traced in ", rounded(statistics.wall_s, 3), " s, ", rounded(total, 3), " s in all"));
+      concat(output.string(), ": ", method_text(plan, volume), " by ", statistics.machine, " kernels, traced in ",
+             rounded(statistics.wall_s, 3), " s, ", rounded(total, 3), " s in all"));
   say(command.common, concat("reproduce: ", reproduce));
 }
 

@@ -47,7 +47,7 @@ void refuse_damage(const formats::PackedFile& file, unsigned threads) {
                 concat("`rhoray verify ", file.name(), "` lists all blocks"));
 }
 
-/// Without a word the bracketed method in double.
+/// Without a word the level double: depths are compared as closely as it promises them.
 render::Method chosen_method(const ValidateCommand& command, bool is_mesh) {
   if (!command.method.empty() && !command.accuracy.empty())
     throw Error(Trouble::usage, "--method and --accuracy say the same thing twice: give one of them");
@@ -129,7 +129,8 @@ Subcommand validate_subcommand() {
                          command->isovalue),
             value_option("--field", "NAME", "Field; default the first that is not the same everywhere", command->field),
             choice_option("--accuracy", accuracy_words(),
-                          "Level of the renderer; without it, the direct method in double", command->accuracy),
+                          "Level of the renderer; default double, which is exact enough for the limits",
+                          command->accuracy),
             value_option("--method", "NAME", method_help(), command->method),
             value_option("--samples", "N", "Rays sent from around the data; default 100000", command->samples),
             value_option("--seed", "N",

@@ -142,6 +142,7 @@ int run(const Wishes& wishes) {
   tools::require_within("--rays", static_cast<double>(wishes.rays), 1, 1e11);
   tools::require_within("--edge", static_cast<double>(wishes.edge), 4, 256);
   tools::require_within("--sample", static_cast<double>(wishes.sample_every), 1, 1e12);
+  require_publishable(wishes.common, {"closed_surfaces"});
   tools::require_within("--seed", static_cast<double>(wishes.seed), 0, 65535);
   const tools::ThreadLimit limit(wishes.common.threads);
   const tools::Stopwatch watch;

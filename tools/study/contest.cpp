@@ -216,7 +216,7 @@ tools::Table largest_value_table(const ContestWishes& wishes, const Subject& sub
   const Contest contest = contestants();
   say_left_out(contest, wishes);
   table.context = context_of(wishes, subject, contest, truth);
-  Heat{wishes, subject, tell, {}, own_largest_values(truth), "Rhoray, default"}.run(contest, table);
+  Heat{wishes, subject, tell, {}, own_largest_values(truth), "Rhoray, double"}.run(contest, table);
   return table;
 }
 
@@ -246,7 +246,7 @@ std::vector<tools::Option> contest_options(ContestWishes& wishes, const std::vec
         tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", wishes.common.progress)}});
 }
 
-void prepare_contest(const ContestWishes& wishes, const std::vector<std::string>& systems) {
+void prepare_contest(const ContestWishes& wishes, const std::vector<std::string>& systems, const std::string& name) {
   tools::require_within("--repeat", wishes.rounds.rounds, 1, 10'000);
   tools::require_within("--row-seconds", wishes.rounds.row_seconds, 0, 1e6);
   for (const std::string& system : wishes.systems)
@@ -254,6 +254,8 @@ void prepare_contest(const ContestWishes& wishes, const std::vector<std::string>
       throw Error(Trouble::usage, concat("--systems: found '", system, "'; expected ", listed(systems)),
                   did_you_mean(system, systems));
   tools::require_input(wishes.input);
+  if (!wishes.no_isosurfaces) require_publishable(wishes.common, {name + "_isosurface"});
+  if (wishes.mip) require_publishable(wishes.common, {name + "_mip"});
   ::setenv("VTK_SMP_BACKEND_IN_USE", "Sequential", 1);
   ::setenv("VTK_SMP_MAX_THREADS", "1", 1);
   ::setenv("LP_NUM_THREADS", "0", 1);  // Mesa's software renderer

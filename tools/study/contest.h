@@ -38,7 +38,8 @@ std::vector<tools::Option> contest_options(ContestWishes& wishes, const std::vec
                                            const std::string& tables);
 
 /// Refuses what cannot be done (Trouble::usage), and asks libraries that read the environment for one thread.
-void prepare_contest(const ContestWishes& wishes, const std::vector<std::string>& systems);
+/// @param name  of the tables, as for run_contest
+void prepare_contest(const ContestWishes& wishes, const std::vector<std::string>& systems, const std::string& name);
 
 /// The data as the systems get it, and what is shown of it.
 struct Subject {

@@ -270,6 +270,7 @@ const Row& named(std::span<const Row> rows, const std::string& option, const std
 int run(const Wishes& wishes) {
   tools::require_within("--cells", static_cast<double>(wishes.cells), 1, 1e12);
   tools::require_within("--width", wishes.width, 1e-300, 1);
+  require_publishable(wishes.common, {"judge_cells"});
   tools::require_within("--seed", static_cast<double>(wishes.seed), 0, 65535);
   Chosen chosen;
   chosen.fill(wishes.methods.empty());

@@ -193,6 +193,7 @@ Json row_of(const FieldToShow& field, const MethodToShow& method, const Tally& t
 int run(const Wishes& wishes) {
   tools::require_within("--rays", static_cast<double>(wishes.rays), 1, 1e10);
   tools::require_within("--samples", static_cast<double>(wishes.samples), 2, 1024);
+  require_publishable(wishes.common, {"largest_values"});
   tools::require_within("--seed", static_cast<double>(wishes.seed), 0, 65535);
   const tools::ThreadLimit limit(wishes.common.threads);
   const tools::ScratchFolder scratch(wishes.scratch);

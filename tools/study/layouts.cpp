@@ -35,13 +35,9 @@ using tools::Json;
 /// What a picture is asked for; the same for every layout.
 struct Shown {
   std::string isovalue = "auto";
-  std::string accuracy = "default";
+  std::string accuracy = "double";
   tools::PictureSize size{512, 512};
 };
-
-render::Method method_of_level(const std::string& level) {
-  return level == "default" ? render::Method{} : render::method_of(tools::accuracy_named(level));
-}
 
 struct Wishes {
   tools::CommonOptions common;
@@ -95,7 +91,7 @@ struct Entrant {
 render::Scene scene_of(const Shown& shown, const render::Volume& volume, double isovalue, tools::StudyView view) {
   render::Scene scene;
   scene.isovalue = isovalue;
-  scene.method = method_of_level(shown.accuracy);
+  scene.method = render::method_of(tools::accuracy_named(shown.accuracy));
   scene.camera = tools::study_camera(view, volume, isovalue, double{1} * shown.size.width / shown.size.height);
   return scene;
 }
@@ -232,6 +228,7 @@ std::string instructions_source(const Wishes& wishes) {
 constexpr std::size_t usual = 2;
 
 int run(const Wishes& wishes) {
+  require_publishable(wishes.common, {"layouts"});
   tools::require_within("--repeat", wishes.rounds.rounds, 1, 10'000);
   tools::require_within("--row-seconds", wishes.rounds.row_seconds, 0, 1e6);
   tools::require_input(wishes.input);
@@ -293,10 +290,10 @@ int run(const Wishes& wishes) {
 }
 
 std::vector<tools::Option> shown_options(Shown& shown) {
-  std::vector<std::string> levels = tools::accuracy_words();
-  levels.emplace_back("default");
   return {tools::value_option("--iso", "V", "Isovalue, as in render; default auto", shown.isovalue),
-          tools::choice_option("--accuracy", levels, "Level; default is what render does without one", shown.accuracy),
+          tools::choice_option("--accuracy", tools::accuracy_words(),
+                               "Level; default double, at which all layouts of the same samples give one picture",
+                               shown.accuracy),
           tools::value_option("--size", "WxH", "Pixels; default 512x512", shown.size)};
 }
 

@@ -89,7 +89,7 @@ void add_rows(const Wishes& wishes, std::uint64_t cell_count, const std::filesys
   std::vector<PeerPointer> peers;
   for (const std::string& level : wishes.levels) peers.push_back(own_isosurface(level));
   const std::size_t isosurface_count = peers.size();
-  if (wishes.mip) peers.push_back(own_largest_values("default"));
+  if (wishes.mip) peers.push_back(own_largest_values("double"));
   std::vector<double> isovalue_ms;
   std::vector<TimedRow> rows;
   for (std::size_t p = 0; p < peers.size(); ++p) {
@@ -121,6 +121,7 @@ void add_rows(const Wishes& wishes, std::uint64_t cell_count, const std::filesys
 }
 
 int run(const Wishes& wishes) {
+  require_publishable(wishes.common, {"mesh_scale"});
   tools::require_within("--repeat", wishes.rounds.rounds, 1, 10'000);
   tools::require_within("--row-seconds", wishes.rounds.row_seconds, 0, 1e6);
   tools::Table table{"mesh_scale", "Meshes of growing size, the same picture: CPU time of one thread", {}, {}};

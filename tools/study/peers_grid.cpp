@@ -32,7 +32,7 @@ const std::vector<std::string> system_words{"ours", "embree", "nanovdb", "openvd
 Contest isosurface_contest(const Wishes& wishes) {
   Contest contest;
   if (wishes.wants("ours"))
-    for (const char* level : {"preview", "float", "default", "certified", "exact"}) contest.add(own_isosurface(level));
+    for (const char* level : {"preview", "float", "double", "certified", "exact"}) contest.add(own_isosurface(level));
   const std::shared_ptr<Triangles> triangles = flying_edges();
 #ifdef RHORAY_WITH_EMBREE
   if (wishes.wants("embree")) {
@@ -64,7 +64,7 @@ Contest isosurface_contest(const Wishes& wishes) {
 Contest largest_value_contest(const Wishes& wishes) {
   Contest contest;
   if (wishes.wants("ours"))
-    for (const char* level : {"float", "default", "certified"}) contest.add(own_largest_values(level));
+    for (const char* level : {"float", "double", "certified"}) contest.add(own_largest_values(level));
 #ifdef RHORAY_WITH_VTK_RENDERING
   if (wishes.wants("vtk"))
     for (const double step : {1.0, 0.5, 0.1}) contest.add(vtk_largest_values(step));
@@ -76,7 +76,7 @@ Contest largest_value_contest(const Wishes& wishes) {
 }
 
 int run(const Wishes& wishes) {
-  prepare_contest(wishes, system_words);
+  prepare_contest(wishes, system_words, "peers");
   const tools::ScratchFolder scratch(wishes.scratch);
   preprocess::NeutralVolume grid = plain_grid(wishes.input, wishes.field);
   const std::filesystem::path file = scratch.path() / "grid.rho";

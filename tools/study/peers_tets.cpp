@@ -28,7 +28,7 @@ const std::vector<std::string> system_words{"ours", "embree", "vtk"};
 Contest isosurface_contest(const ContestWishes& wishes) {
   Contest contest;
   if (wishes.wants("ours"))
-    for (const char* level : {"float", "default", "certified", "exact"}) contest.add(own_isosurface(level));
+    for (const char* level : {"float", "double", "certified", "exact"}) contest.add(own_isosurface(level));
   const std::shared_ptr<Triangles> triangles = linear_grid_contour(false), with_tree = linear_grid_contour(true);
 #ifdef RHORAY_WITH_EMBREE
   if (wishes.wants("embree"))
@@ -56,7 +56,7 @@ Contest isosurface_contest(const ContestWishes& wishes) {
 Contest largest_value_contest(const ContestWishes& wishes) {
   Contest contest;
   if (wishes.wants("ours"))
-    for (const char* level : {"float", "default", "certified"}) contest.add(own_largest_values(level));
+    for (const char* level : {"float", "double", "certified"}) contest.add(own_largest_values(level));
   return contest;
 }
 
@@ -87,7 +87,7 @@ double mean_size(const preprocess::NeutralMesh& mesh) {
 }
 
 int run(const ContestWishes& wishes) {
-  prepare_contest(wishes, system_words);
+  prepare_contest(wishes, system_words, "peers_tets");
   const preprocess::NeutralMesh mesh = mesh_of(wishes.input, wishes.field);
   PeerData data;
   data.mesh = &mesh;

@@ -23,11 +23,11 @@
 #include "tools/rhoray/command_line.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/new_file.h"
 #include "tools/rhoray/option_values.h"
 #include "tools/rhoray/table.h"
 #include "tools/rhoray/version.h"
 #include "tools/study/preprocess_speed.h"
+#include "tools/study/study_run.h"
 #include "tools/study/warped_box.h"
 
 namespace rhoray::study {
@@ -36,13 +36,12 @@ namespace {
 using tools::Json;
 
 struct Wishes {
-  std::filesystem::path output;  ///< folder; empty = print only
+  tools::CommonOptions common;
   std::filesystem::path scratch = std::filesystem::temp_directory_path();
   std::vector<std::string> meshes{"500000", "1000000"};
   std::vector<std::string> sizes{"128", "256"};
   std::int64_t volume_edge = 384;
   int repeat = 3;
-  bool force = false;
 };
 
 /// CPU and wall seconds of the steps of one row, by the step's name.
@@ -222,11 +221,9 @@ void measure(std::vector<Row>& rows, int repeat) {
 }
 
 Json context(const Wishes& wishes) {
-  const tools::Machine machine = tools::this_machine();
-  return {
-      {"processor", machine.processor}, {"cores", machine.core_count},        {"memory_bytes", machine.memory_bytes},
-      {"system", machine.system},       {"version", tools::version()},        {"commit", tools::commit()},
-      {"compiler", tools::compiler()},  {"vtk", vtkVersion::GetVTKVersion()}, {"repeat", wishes.repeat}};
+  return context_with({{"memory_bytes", tools::this_machine().memory_bytes},
+                       {"vtk", vtkVersion::GetVTKVersion()},
+                       {"repeat", wishes.repeat}});
 }
 
 tools::Table table_of(const std::vector<Row>& rows, const Wishes& wishes) {
@@ -254,14 +251,12 @@ tools::Table table_of(const std::vector<Row>& rows, const Wishes& wishes) {
 int run(const Wishes& wishes) {
   tools::require_within("--repeat", wishes.repeat, 1, 1000);
   tools::require_within("--volume", static_cast<double>(wishes.volume_edge), 0, 4096);
+  require_publishable(wishes.common, {"preprocess_speed"});
   const tools::ScratchFolder scratch(wishes.scratch);
   std::vector<Row> rows = rows_of(wishes, scratch.path());
   measure(rows, wishes.repeat);
   const tools::Table table = table_of(rows, wishes);
-  std::fputs(tools::text_of(table).c_str(), stdout);
-  if (wishes.output.empty()) return 0;
-  tools::write_new_file(wishes.output / (table.name + ".csv"), tools::csv_of(table), wishes.force);
-  tools::write_new_file(wishes.output / (table.name + ".json"), tools::json_of(table).dump(2) + "\n", wishes.force);
+  publish(table, wishes.common);
   return 0;
 }
 
@@ -273,8 +268,9 @@ tools::Subcommand preprocess_speed() {
       .name = "preprocess-speed",
       .summary = "Packing and resampling beside VTK and a plain copy of the bytes",
       .examples = "  rhoray-study preprocess-speed --meshes 500000 --sizes 128,256 -o results\n",
-      .options = {tools::value_option("-o,--output", "FOLDER", "For preprocess_speed.csv and .json", wishes->output),
-                  tools::flag_option("--force", "Replace files that are there", wishes->force),
+      .options = {tools::value_option("-o,--output", "FOLDER", "For preprocess_speed.csv and .json",
+                                      wishes->common.output),
+                  tools::flag_option("--force", "Replace files that are there", wishes->common.force),
                   tools::value_option("--scratch", "FOLDER", "For files that are written to be timed", wishes->scratch),
                   tools::value_option("--meshes", "N[,N]", "Numbers of tetrahedra", wishes->meshes),
                   tools::value_option("--sizes", "N[,N]", "Samples on an axis", wishes->sizes),

@@ -29,7 +29,7 @@ struct Wishes {
   tools::CommonOptions common;
   std::filesystem::path input;
   std::string isovalue = "auto", view = "front";
-  std::vector<std::string> levels{"float", "certified", "default"};
+  std::vector<std::string> levels{"float", "certified", "double"};
   tools::PictureSize size{512, 512};
   RoundsOptions rounds;
 };
@@ -131,8 +131,7 @@ tools::Table measure(const Wishes& wishes, const std::function<void(const std::s
     std::vector<TimedRow> rows;
     for (const std::string& level : wishes.levels)
       rows.push_back({.name = level, .act = [&, level] {
-                        const render::Method method =
-                            level == "default" ? render::Method{} : render::method_of(tools::accuracy_named(level));
+                        const render::Method method = render::method_of(tools::accuracy_named(level));
                         render::RayQuestions(volume, isovalue, method).first_crossings(kind.rays, hits);
                       }});
     if (rows.empty() || kind.rays.empty()) continue;
@@ -155,6 +154,7 @@ tools::Table measure(const Wishes& wishes, const std::function<void(const std::s
 }
 
 int run(const Wishes& wishes) {
+  require_publishable(wishes.common, {"secondary_rays"});
   tools::require_within("--repeat", wishes.rounds.rounds, 1, 10'000);
   tools::require_input(wishes.input);
   const tools::Table table = [&] {
@@ -180,8 +180,8 @@ tools::Subcommand secondary_rays() {
            tools::output_options(wishes->common, "FOLDER for secondary_rays.csv and .json"),
            {tools::value_option("--iso", "V", "Isovalue, as in render; default auto", wishes->isovalue),
             tools::value_option("--view", "NAME", "front, from-feet, close-up or inside; default front", wishes->view),
-            tools::value_option("--levels", "NAME[,NAME]",
-                                "As render's --accuracy, and default; default float,certified,default", wishes->levels),
+            tools::value_option("--levels", "NAME[,NAME]", "As render's --accuracy; default float,certified,double",
+                                wishes->levels),
             tools::value_option("--size", "WxH", "Pixels whose hits rays start from; default 512x512", wishes->size),
             tools::value_option("--repeat", "N", "Rounds; default 5", wishes->rounds.rounds),
             tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", wishes->common.progress)}}),

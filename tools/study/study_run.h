@@ -1,7 +1,7 @@
 #pragma once
 
-#include <span>
 #include <string>
+#include <vector>
 
 #include "formats/base/trouble.h"
 #include "tools/rhoray/common_options.h"
@@ -20,6 +20,14 @@ inline tools::Json context_with(const tools::Json& peculiar) {
                       {"version", tools::version()},    {"commit", tools::commit()},   {"compiler", tools::compiler()}};
   context.update(peculiar);
   return context;
+}
+
+/// Refuses, before the work, an output folder in which these tables could not be published after it (Trouble::usage).
+inline void require_publishable(const tools::CommonOptions& common, const std::vector<std::string>& tables) {
+  if (common.output.empty()) return;
+  for (const std::string& table : tables)
+    for (const char* extension : {".csv", ".json"})
+      tools::require_writable(common, common.output / concat(table, extension), {});
 }
 
 /// To stdout, and as CSV and JSON into the output folder, if one is given.

@@ -18,15 +18,7 @@ struct HitArrays {
   std::uint32_t *root_count, *iteration_count, *cost;
 };
 
-/// The first `count` answers, made misses.
-inline HitArrays misses(HitBatch& hits, std::size_t count) {
-  std::fill_n(hits.t.data(), count, std::numeric_limits<double>::infinity());
-  std::fill_n(hits.error.data(), count, std::numeric_limits<double>::quiet_NaN());
-  std::fill_n(hits.value.data(), count, 0.0);
-  for (const auto& component : hits.gradient) std::fill_n(component.data(), count, 0.0);
-  std::fill_n(hits.cell.data(), count, std::uint64_t{0});
-  for (const auto* numbers : {&hits.root_count, &hits.iteration_count, &hits.cost})
-    std::fill_n(numbers->data(), count, 0u);
+inline HitArrays arrays_of(const HitBatch& hits) {
   return {.t = hits.t.data(),
           .value = hits.value.data(),
           .error = hits.error.data(),
@@ -37,7 +29,7 @@ inline HitArrays misses(HitBatch& hits, std::size_t count) {
           .cost = hits.cost.data()};
 }
 
-inline HitArrays from(const HitArrays& hits, std::size_t first) {
+RHORAY_INLINE HitArrays from(const HitArrays& hits, std::size_t first) {
   return {.t = hits.t + first,
           .value = hits.value + first,
           .error = hits.error + first,
@@ -48,12 +40,30 @@ inline HitArrays from(const HitArrays& hits, std::size_t first) {
           .cost = hits.cost + first};
 }
 
+inline void write_misses(const HitArrays& hits, std::size_t count) {
+  std::fill_n(hits.t, count, std::numeric_limits<double>::infinity());
+  std::fill_n(hits.error, count, std::numeric_limits<double>::quiet_NaN());
+  std::fill_n(hits.value, count, 0.0);
+  for (double* component : hits.gradient) std::fill_n(component, count, 0.0);
+  std::fill_n(hits.cell, count, std::uint64_t{0});
+  for (std::uint32_t* numbers : {hits.root_count, hits.iteration_count, hits.cost}) std::fill_n(numbers, count, 0u);
+}
+
+inline RayArrays arrays_of(const RayBatch& rays) {
+  return {.origin = {rays.origin[0].data(), rays.origin[1].data(), rays.origin[2].data()},
+          .direction = {rays.direction[0].data(), rays.direction[1].data(), rays.direction[2].data()},
+          .t_min = rays.t_min.data(),
+          .t_max = rays.t_max.data()};
+}
+
+RHORAY_INLINE RayArrays from(const RayArrays& rays, std::size_t first) {
+  RayArrays rest{.origin = {}, .direction = {}, .t_min = rays.t_min + first, .t_max = rays.t_max + first};
+  for (int a = 0; a < 3; ++a) rest.origin[a] = rays.origin[a] + first, rest.direction[a] = rays.direction[a] + first;
+  return rest;
+}
+
 inline RayArrays from(const RayBatch& rays, std::size_t first) {
-  RayArrays arrays{
-      .origin = {}, .direction = {}, .t_min = rays.t_min.data() + first, .t_max = rays.t_max.data() + first};
-  for (std::size_t a = 0; a < 3; ++a)
-    arrays.origin[a] = rays.origin[a].data() + first, arrays.direction[a] = rays.direction[a].data() + first;
-  return arrays;
+  return from(arrays_of(rays), first);
 }
 
 /// A few rays of a batch, and their answers.
@@ -71,6 +81,7 @@ inline void ask_again(Kernel kernel, const VolumeImplementation& volume, const Q
       act(first + static_cast<std::size_t>(std::countr_zero(bits)), place++);
   };
   few.rays.count = static_cast<std::size_t>(std::popcount(chosen));
+  scratch.counters.rays_wide -= few.rays.count;
   for_each_chosen([&](std::size_t r, std::size_t place) { few.rays.set(place, rays[r]); });
   kernel(volume, question, few.rays, few.hits, scratch);
   for_each_chosen([&](std::size_t r, std::size_t place) { hits.set(r, few.hits[place]); });

@@ -14,6 +14,7 @@ struct SampleSource {
   const std::uint64_t* address[3];  ///< of a sample: the sum of its coordinates' entries
   int count[3];                     ///< samples per axis
   bool has_whole_rows;              ///< samples 4 i to 4 i + 3 of an axis x lie side by side
+  bool has_gaps = false;            ///< some samples may be NaN or infinite
 
   SampleSource(const void* first, const formats::AxisTables& tables, const Index3& sample_count);
 };
@@ -23,8 +24,9 @@ struct alignas(64) BlockSamples {
   static constexpr std::size_t size = 125;
 
   float difference[128];
-  std::uint64_t active;  ///< cells of the block, bit x + 4 y + 16 z, with corners on both sides
-  std::uint64_t inside;  ///< cells whose lowest corner is inside
+  std::uint64_t present;  ///< cells of the block, bit x + 4 y + 16 z, that the lattice has and that have data
+  std::uint64_t active;   ///< of these, cells with corners on both sides
+  std::uint64_t inside;   ///< cells whose lowest corner is inside
 };
 
 }  // namespace rhoray::render::wide

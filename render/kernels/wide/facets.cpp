@@ -20,12 +20,10 @@ inline constexpr std::uint64_t pack_bits = (std::uint64_t{1} << pack) - 1;
 
 using Longs = hn::RebindToSigned<Doubles>;
 using UnsignedLongs = hn::RebindToUnsigned<Doubles>;
-using HalfInts = hn::Rebind<std::int32_t, Doubles>;
 using Counts = hn::Rebind<std::uint32_t, Doubles>;
 using VecI64 = hn::Vec<Longs>;
 inline constexpr Longs longs{};
 inline constexpr UnsignedLongs unsigned_longs{};
-inline constexpr HalfInts half_ints{};
 inline constexpr Counts counts{};
 
 /// Larger than any number in the facets' frame that matters, and small enough for sums.

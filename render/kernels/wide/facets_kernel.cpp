@@ -114,10 +114,12 @@ void first_facets(const VolumeImplementation& volume, const Question& question, 
           memory.facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, 1);
           const FacetSurface surface = surface_of(*memory.facets, question);
           const FirstFacets answer = first_facets_on(machine, certified);
-          const HitArrays all = misses(hits, rays.count);
+          const HitArrays answers = arrays_of(hits);
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
-            Unanswered left = answer(surface, from(rays, first), std::min(RayGroup::size, rays.count - first),
-                                     from(all, first), memory, scratch.counters);
+            const std::size_t count = std::min(RayGroup::size, rays.count - first);
+            const HitArrays chunk = from(answers, first);
+            write_misses(chunk, count);
+            Unanswered left = answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
             if (left.part != 0)
               left.whole |= settle_doubts(view, question, rays, first, left.part, memory, hits, scratch.counters);
             if (left.whole != 0)

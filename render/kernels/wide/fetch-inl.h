@@ -49,16 +49,33 @@ HWY_INLINE std::uint64_t cells_of_samples(unsigned __int128 bits) {
   return cells;
 }
 
-HWY_INLINE void find_active_cells(const SampleSource& source, const int* block, BlockSamples& out) {
+/// One bit for each sample of a block.
+template <class Test>
+HWY_INLINE unsigned __int128 samples_that(const BlockSamples& samples, Test&& test) {
   std::uint64_t words[2] = {};
   for (std::size_t i = 0; i < 128; i += float_lanes)
-    words[i / 64] |= bits_of(floats, hn::Ge(hn::Load(floats, out.difference + i), hn::Zero(floats))) << i % 64;
-  const unsigned __int128 inside = static_cast<unsigned __int128>(words[1]) << 64 | words[0];
-  unsigned __int128 any = inside | inside >> 1, all = inside & inside >> 1;
-  any |= any >> 5, all &= all >> 5;
-  any |= any >> 25, all &= all >> 25;
-  const std::uint64_t existing = existing_cells(source, block);
-  out.active = cells_of_samples(any & ~all) & existing;
+    words[i / 64] |= bits_of(floats, test(hn::Load(floats, samples.difference + i))) << i % 64;
+  return static_cast<unsigned __int128>(words[1]) << 64 | words[0];
+}
+
+/// At the lowest corner of each cell: that of all its corners.
+HWY_INLINE unsigned __int128 of_all_corners(unsigned __int128 samples) {
+  samples &= samples >> 1;
+  samples &= samples >> 5;
+  return samples & samples >> 25;
+}
+
+/// @param has_gaps  samples may be NaN or infinite; the cells that they touch have no data
+HWY_INLINE void find_active_cells(const SampleSource& source, const int* block, bool has_gaps, BlockSamples& out) {
+  const unsigned __int128 inside = samples_that(out, [](VecF f) HWY_ATTR { return hn::Ge(f, hn::Zero(floats)); });
+  const unsigned __int128 active = ~of_all_corners(inside) & ~of_all_corners(~inside);
+  out.present = existing_cells(source, block);
+  if (has_gaps) {
+    const VecF infinite = hn::Set(floats, std::numeric_limits<float>::infinity());
+    out.present &= cells_of_samples(
+        of_all_corners(samples_that(out, [=](VecF f) HWY_ATTR { return hn::Lt(hn::Abs(f), infinite); })));
+  }
+  out.active = cells_of_samples(active) & out.present;
   out.inside = cells_of_samples(inside);
 }
 
@@ -102,7 +119,7 @@ HWY_NOINLINE void fetch_block(const SampleSource& source, const int* block, doub
       }
   }
   for (std::size_t i = BlockSamples::size; i < 128; ++i) out.difference[i] = 0;
-  find_active_cells(source, block, out);
+  find_active_cells(source, block, std::is_floating_point_v<T> && source.has_gaps, out);
 }
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE

@@ -50,6 +50,23 @@ RHORAY_INLINE SlabRectangle rectangle_in_slab(const Frustum& frustum, int slab, 
   return cells;
 }
 
+/// Where something of the lattice, a number for each node or summit, lies in its array.
+struct MirroredPlaces {
+  std::ptrdiff_t first = 0, step[3];
+
+  /// @param count  per axis
+  RHORAY_INLINE MirroredPlaces(const MirroredLattice& lattice, const int* count)
+      : step{1, count[0], static_cast<std::ptrdiff_t>(count[0]) * count[1]} {
+    for (int a = 0; a < 3; ++a)
+      if (lattice.is_mirrored(a)) first += (count[a] - 1) * step[a], step[a] = -step[a];
+  }
+
+  /// Of the one whose coordinates along axes w, u, v are these.
+  RHORAY_INLINE std::ptrdiff_t of(int w, int at_w, int u, int at_u, int v, int at_v) const {
+    return first + at_w * step[w] + at_u * step[u] + at_v * step[v];
+  }
+};
+
 /// Calls visit(block) for the blocks with a bit, position in the mirrored lattice, that the frustum meets: from front
 /// to back for each ray of the group, until it returns false. It may make the frustum narrower; that counts from the
 /// next slab of nodes on.
@@ -67,21 +84,13 @@ RHORAY_INLINE void walk_blocks(const Frustum& frustum, const MirroredLattice& la
   const int first_node = slab_of(frustum.first, 16, node_count[w]),
             last_node = slab_of(frustum.last, 16, node_count[w]);
 
-  // Where a node or a summit lies in its array; coordinates along w, u, v.
-  const auto place = [&](const int* count, int at_w, int at_u, int at_v) {
-    std::ptrdiff_t c[3];
-    c[w] = at_w, c[u] = at_u, c[v] = at_v;
-    for (int a = 0; a < 3; ++a)
-      if (lattice.is_mirrored(a)) c[a] = count[a] - 1 - c[a];
-    return (c[2] * count[1] + c[1]) * count[0] + c[0];
-  };
-
+  const MirroredPlaces node_places(lattice, node_count), summit_places(lattice, summit_count);
   for (int slab = first_node; slab <= last_node; ++slab) {
     if (slab == first_node || slab % 4 == 0) {
       const SlabRectangle high = rectangle_in_slab(frustum, slab / 4, 64, summit_count);
       std::uint64_t any = 0;
       for (int j = high.first[1]; j <= high.last[1]; ++j)
-        for (int i = high.first[0]; i <= high.last[0]; ++i) any |= summits[place(summit_count, slab / 4, i, j)];
+        for (int i = high.first[0]; i <= high.last[0]; ++i) any |= summits[summit_places.of(w, slab / 4, u, i, v, j)];
       if (any == 0) {
         slab |= 3;
         continue;
@@ -92,7 +101,7 @@ RHORAY_INLINE void walk_blocks(const Frustum& frustum, const MirroredLattice& la
     bool has_blocks = false;
     for (int j = cells.first[1]; j <= cells.last[1]; ++j)
       for (int i = cells.first[0]; i <= cells.last[0]; ++i) {
-        const std::uint64_t stored = nodes[place(node_count, slab, i, j)];
+        const std::uint64_t stored = nodes[node_places.of(w, slab, u, i, v, j)];
         if (stored == 0) continue;
         if (!has_blocks) {
           const int block_count[3] = {4 * node_count[0], 4 * node_count[1], 4 * node_count[2]};

@@ -29,7 +29,8 @@ HWY_INLINE std::uint64_t first_rays(std::size_t count) {
 struct Directions {
   std::uint64_t down[3];   ///< moves towards lower planes
   std::uint64_t steep[3];  ///< moves along the axis at least a quarter as fast as along any other
-  std::uint64_t usable;    ///< finite, and moves
+  std::uint64_t fastest[3];
+  std::uint64_t usable;  ///< finite, and moves
 };
 
 /// True where 1 / d is a finite number: below, a ray passes no plane (PlaneTimesOf).
@@ -50,8 +51,11 @@ HWY_INLINE Directions directions_of(const RayArrays& rays, std::size_t count) {
       bits.down[a] |= bits_of(doubles, hn::And(steps, hn::Lt(d, hn::Zero(doubles)))) << r;
       size[a] = hn::Abs(d);
     }
-    const VecD least = hn::Mul(hn::Set(doubles, 0.25), hn::Max(hn::Max(size[0], size[1]), size[2]));
-    for (int a = 0; a < 3; ++a) bits.steep[a] |= bits_of(doubles, hn::Ge(size[a], least)) << r;
+    const VecD most = hn::Max(hn::Max(size[0], size[1]), size[2]), least = hn::Mul(hn::Set(doubles, 0.25), most);
+    for (int a = 0; a < 3; ++a) {
+      bits.steep[a] |= bits_of(doubles, hn::Ge(size[a], least)) << r;
+      bits.fastest[a] |= bits_of(doubles, hn::Ge(size[a], most)) << r;
+    }
     bits.usable |= bits_of(doubles, hn::And(finite, moves)) << r;
   }
   return bits;
@@ -74,8 +78,10 @@ HWY_INLINE ChosenRays rays_of_one_octant(const Directions& directions, std::uint
   int most = -1;
   for (int a = 0; a < 3; ++a) {
     if ((directions.steep[a] >> first & 1) == 0) continue;
-    if (const int steep = std::popcount(chosen.rays & directions.steep[a]); steep > most)
-      most = steep, chosen.major = a;
+    // Of axes that are steep for as many, the one that is fastest for more.
+    const int steep = std::popcount(chosen.rays & directions.steep[a]),
+              fastest = std::popcount(chosen.rays & directions.fastest[a]);
+    if (const int score = 128 * steep + fastest; score > most) most = score, chosen.major = a;
   }
   chosen.rays &= directions.steep[chosen.major];
   return chosen;
@@ -84,7 +90,8 @@ HWY_INLINE ChosenRays rays_of_one_octant(const Directions& directions, std::uint
 /// Puts these rays of a chunk into the group, from its first lane on.
 HWY_INLINE void gather_rays(const RayArrays& rays, std::uint64_t chosen, RayGroup& group) {
   group.count = static_cast<std::size_t>(std::popcount(chosen));
-  if (chosen == first_rays(group.count)) {
+  group.is_in_order = chosen == first_rays(group.count);
+  if (group.is_in_order) {
     for (std::size_t r = 0; r < group.count; r += double_lanes) {
       for (int a = 0; a < 3; ++a) {
         hn::Store(hn::Load(doubles, rays.origin[a] + r), doubles, group.origin[a] + r);
@@ -118,6 +125,16 @@ HWY_INLINE void gather_rays(const RayArrays& rays, std::uint64_t chosen, RayGrou
   }
 }
 
+/// Puts a clipped ray of a group behind those of another.
+HWY_INLINE void copy_ray(const RayGroup& from, std::size_t ray, RayGroup& to, std::size_t lane) {
+  for (int a = 0; a < 3; ++a) {
+    to.origin[a][lane] = from.origin[a][ray], to.direction[a][lane] = from.direction[a][ray];
+    to.plane_origin[a][lane] = from.plane_origin[a][ray], to.inverse[a][lane] = from.inverse[a][ray];
+  }
+  to.t_in[lane] = from.t_in[ray], to.t_out[lane] = from.t_out[ray];
+  to.index[lane] = from.index[ray];
+}
+
 /// True where two times lie so close together that rounding may have exchanged them (WalkRounding::may_be_exchanged),
 /// or where they are not finite numbers.
 HWY_INLINE MaskD may_be_exchanged(VecD a, VecD b) {
@@ -129,7 +146,7 @@ HWY_INLINE MaskD may_be_exchanged(VecD a, VecD b) {
 HWY_INLINE void clip_group(const int* leaf_count, RayGroup& group) {
   const VecD zero = hn::Zero(doubles), half = hn::Set(doubles, 0.5);
   const VecD never = hn::Set(doubles, 0x1p960);  // an inverse with which no plane ahead is ever reached
-  group.inside = 0;
+  group.inside = 0, group.grazing = 0;
   for (std::size_t r = 0; r < group.count; r += double_lanes) {
     VecD t_in = hn::Load(doubles, group.t_in + r), t_out = hn::Load(doubles, group.t_out + r);
     MaskD inside = hn::FirstN(doubles, group.count - r), possible = inside;
@@ -154,9 +171,7 @@ HWY_INLINE void clip_group(const int* leaf_count, RayGroup& group) {
     }
     inside = hn::And(hn::And(inside, hn::Le(t_in, t_out)), hn::And(is_finite(t_in), is_finite(t_out)));
     inside = hn::And(inside, possible);
-    for (std::uint64_t bits = bits_of(doubles, hn::And(possible, may_be_exchanged(t_in, t_out))); bits != 0;
-         bits &= bits - 1)
-      group.grazing |= std::uint64_t{1} << group.index[r + static_cast<std::size_t>(std::countr_zero(bits))];
+    group.grazing |= bits_of(doubles, hn::And(possible, may_be_exchanged(t_in, t_out))) << r;
     hn::Store(t_in, doubles, group.t_in + r);
     hn::Store(t_out, doubles, group.t_out + r);
     group.inside |= bits_of(doubles, inside) << r;
@@ -235,13 +250,19 @@ HWY_INLINE bool is_too_wide(const Frustum& frustum, std::size_t ray_count) {
   return largest > 4.0 * static_cast<double>(ray_count);
 }
 
+/// Fewer rays than this have nothing in common that pays.
+inline constexpr std::size_t fewest_together = 8;
+
 /// Calls visit(group, lattice, frustum) with groups of the rays of a chunk until each that enters the lattice was in
-/// one. group.grazing then tells of all of them.
-template <class Visit>
-HWY_INLINE void for_each_group(const RayArrays& rays, std::size_t count, const int* leaf_count,
-                               const std::array<int, 3>& node_count, RayGroup& group, Visit&& visit) {
+/// one. Groups of few rays and those that are too wide are offered to scatter(group) first; if it does not take these,
+/// their rays are visited one by one.
+/// @return  rays of the chunk of which rounding hides whether they meet the lattice
+template <class Visit, class Scatter>
+HWY_INLINE std::uint64_t for_each_group(const RayArrays& rays, std::size_t count, const int* leaf_count,
+                                        const std::array<int, 3>& node_count, RayGroup& group, Visit&& visit,
+                                        Scatter&& scatter) {
   const Directions directions = directions_of(rays, count);
-  group.grazing = 0;
+  std::uint64_t grazing = 0;
   for (std::uint64_t remaining = directions.usable; remaining != 0;) {
     ChosenRays chosen = rays_of_one_octant(directions, remaining);
     const MirroredLattice lattice(chosen.octant, node_count);
@@ -249,18 +270,31 @@ HWY_INLINE void for_each_group(const RayArrays& rays, std::size_t count, const i
     group.major = chosen.major;
     gather_rays(rays, chosen.rays, group);
     clip_group(leaf_count, group);
-    if (group.inside != 0) {
+    for (std::uint64_t bits = group.grazing; bits != 0; bits &= bits - 1)
+      grazing |= std::uint64_t{1} << group.index[std::countr_zero(bits)];
+    const auto inside = static_cast<std::size_t>(std::popcount(group.inside));
+    if (inside != 0 && !(inside < fewest_together && scatter(group))) {
       Frustum frustum = frustum_around(lattice, group, group.inside);
-      if (group.count > 1 && is_too_wide(frustum, static_cast<std::size_t>(std::popcount(group.inside)))) {
-        chosen.rays &= ~chosen.rays + 1;  // its first ray alone
-        gather_rays(rays, chosen.rays, group);
-        clip_group(leaf_count, group);
-        frustum = frustum_around(lattice, group, group.inside);
+      const bool is_wide = group.count > 1 && is_too_wide(frustum, inside);
+      if (!is_wide || !scatter(group)) {
+        if (is_wide) {
+          chosen.rays &= ~chosen.rays + 1;  // its first ray alone
+          gather_rays(rays, chosen.rays, group);
+          clip_group(leaf_count, group);
+          frustum = frustum_around(lattice, group, group.inside);
+        }
+        if (group.inside != 0) visit(group, lattice, frustum);
       }
-      if (group.inside != 0) visit(group, lattice, frustum);
     }
     remaining &= ~chosen.rays;
   }
+  return grazing;
+}
+
+template <class Visit>
+HWY_INLINE void for_each_group(const RayArrays& rays, std::size_t count, const int* leaf_count,
+                               const std::array<int, 3>& node_count, RayGroup& group, Visit&& visit) {
+  for_each_group(rays, count, leaf_count, node_count, group, visit, [](const RayGroup&) { return false; });
 }
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE

@@ -9,249 +9,51 @@
 
 #include <hwy/highway.h>
 
+#include "render/kernels/wide/block_entry-inl.h"
+#include "render/kernels/wide/block_search-inl.h"
+#include "render/kernels/wide/cell_walk-inl.h"
+#include "render/kernels/wide/corners-inl.h"
+#include "render/kernels/wide/crossings-inl.h"
+#include "render/kernels/wide/cubic-inl.h"
 #include "render/kernels/wide/fetch-inl.h"
 #include "render/kernels/wide/group-inl.h"
 #include "render/kernels/wide/lanes-inl.h"
+#include "render/kernels/wide/margins-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// An inverse slope of an axis along which the ray passes no plane, and the time of planes that are never passed.
-inline constexpr float never_passed = 0x1p100f;
+/// How samples of one type are read.
+struct Reading {
+  void (*fetch)(const SampleSource&, const int*, double, BlockSamples&);
+  void (*load_corners)(const SampleSource&, const int*, double, std::uint64_t, CornersScratch&);
+};
 
-/// Bounds of a certified hit's place, in cells, that are good enough without a second look.
-inline constexpr double largest_place_error = 1e-3;
+template <class T>
+constexpr Reading reading{fetch_block<T>, load_corners<T>};
 
-/// A unit of rounding in single precision.
-inline constexpr float rounding_unit = 0x1p-24f;
-
-using Fetch = void (*)(const SampleSource&, const int*, double, BlockSamples&);
-Fetch fetch_of(formats::ElementType type) {
+Reading reading_of(formats::ElementType type) {
   switch (type) {
     case formats::ElementType::U8:
-      return fetch_block<std::uint8_t>;
+      return reading<std::uint8_t>;
     case formats::ElementType::I8:
-      return fetch_block<std::int8_t>;
+      return reading<std::int8_t>;
     case formats::ElementType::U16:
-      return fetch_block<std::uint16_t>;
+      return reading<std::uint16_t>;
     case formats::ElementType::I16:
-      return fetch_block<std::int16_t>;
+      return reading<std::int16_t>;
     case formats::ElementType::U32:
-      return fetch_block<std::uint32_t>;
+      return reading<std::uint32_t>;
     case formats::ElementType::I32:
-      return fetch_block<std::int32_t>;
+      return reading<std::int32_t>;
     case formats::ElementType::F32:
-      return fetch_block<float>;
+      return reading<float>;
     default:
-      return fetch_block<double>;
+      return reading<double>;
   }
 }
 
-struct Vec3F {
-  VecF x, y, z;
-};
-
-/// (1 - w) a + w b: exact at w = 0 and w = 1, and of the sign of a and b where they agree.
-HWY_INLINE VecF between(VecF a, VecF b, VecF w, VecF rest) {
-  return hn::MulAdd(w, b, hn::Mul(rest, a));
-}
-
-/// The eight corners of a cell.
-struct Corners {
-  VecF f[8];
-};
-
-/// A cubic by its Bernstein coefficients.
-struct CubicLanes {
-  VecF b[4];
-
-  struct Jet {
-    VecF value, slope;
-  };
-  /// Affine in each argument; the cubic where all three agree (cells/cubic.h).
-  HWY_INLINE VecF polar(VecF x, VecF y, VecF z) const {
-    const VecF one = hn::Set(floats, 1.0f);
-    const VecF rest = hn::Sub(one, x), rest_y = hn::Sub(one, y);
-    const VecF c0 = between(b[0], b[1], x, rest), c1 = between(b[1], b[2], x, rest), c2 = between(b[2], b[3], x, rest);
-    return between(between(c0, c1, y, rest_y), between(c1, c2, y, rest_y), z, hn::Sub(one, z));
-  }
-
-  HWY_INLINE Jet at(VecF s) const {
-    const VecF r = hn::Sub(hn::Set(floats, 1.0f), s);
-    const VecF c0 = between(b[0], b[1], s, r), c1 = between(b[1], b[2], s, r), c2 = between(b[2], b[3], s, r);
-    const VecF d0 = between(c0, c1, s, r), d1 = between(c1, c2, s, r);
-    return {between(d0, d1, s, r), hn::Mul(hn::Set(floats, 3.0f), hn::Sub(d1, d0))};
-  }
-};
-
-/// The field along a straight line between two points of a cell (`along` in cells/trilinear.h).
-HWY_INLINE CubicLanes along(const Corners& corners, const VecF* in, const VecF* out) {
-  const VecF one = hn::Set(floats, 1.0f);
-  VecF w[3][2], rest[3][2];
-  for (int a = 0; a < 3; ++a) {
-    w[a][0] = in[a], w[a][1] = out[a];
-    rest[a][0] = hn::Sub(one, in[a]), rest[a][1] = hn::Sub(one, out[a]);
-  }
-  VecF g[8];  // a + 2 b + 4 c
-  for (int a = 0; a < 2; ++a) {
-    VecF x[4];
-    for (int e = 0; e < 4; ++e) x[e] = between(corners.f[2 * e], corners.f[2 * e + 1], w[0][a], rest[0][a]);
-    for (int b = 0; b < 2; ++b) {
-      const VecF near = between(x[0], x[1], w[1][b], rest[1][b]), far = between(x[2], x[3], w[1][b], rest[1][b]);
-      for (int c = 0; c < 2; ++c) g[a + 2 * b + 4 * c] = between(near, far, w[2][c], rest[2][c]);
-    }
-  }
-  const VecF third = hn::Set(floats, 1.0f / 3.0f);
-  return {{g[0], hn::Mul(hn::Add(hn::Add(g[1], g[2]), g[4]), third), hn::Mul(hn::Add(hn::Add(g[3], g[5]), g[6]), third),
-           g[7]}};
-}
-
-/// Derivatives along the axes at a point of the cell.
-HWY_INLINE void gradient_at(const Corners& corners, const VecF* p, VecF* gradient) {
-  const VecF one = hn::Set(floats, 1.0f);
-  const VecF* f = corners.f;
-  const VecF rest[3] = {hn::Sub(one, p[0]), hn::Sub(one, p[1]), hn::Sub(one, p[2])};
-  const auto bilinear = [&](VecF a, VecF b, VecF c, VecF d, int u, int v) HWY_ATTR {
-    return between(between(a, b, p[u], rest[u]), between(c, d, p[u], rest[u]), p[v], rest[v]);
-  };
-  gradient[0] = bilinear(hn::Sub(f[1], f[0]), hn::Sub(f[3], f[2]), hn::Sub(f[5], f[4]), hn::Sub(f[7], f[6]), 1, 2);
-  gradient[1] = bilinear(hn::Sub(f[2], f[0]), hn::Sub(f[3], f[1]), hn::Sub(f[6], f[4]), hn::Sub(f[7], f[5]), 0, 2);
-  gradient[2] = bilinear(hn::Sub(f[4], f[0]), hn::Sub(f[5], f[1]), hn::Sub(f[6], f[2]), hn::Sub(f[7], f[3]), 0, 1);
-}
-
-HWY_INLINE MaskF is_inside(VecF difference) {
-  return hn::Ge(difference, hn::Zero(floats));
-}
-
-/// In which lanes a cubic changes side, how often, and on which piece of [0, 1], where it is monotone, it does so
-/// first. A change at 0 itself has the piece [0, 0].
-struct Changes {
-  MaskF found;
-  VecF low, high;
-  VecI count;
-};
-
-HWY_INLINE VecI ones_in(MaskF mask) {
-  return hn::IfThenElseZero(hn::RebindMask(ints, mask), hn::Set(ints, 1));
-}
-
-/// The first changes of side of cubics that start on the side `inside` (changes_of_side of cells/cubic.h).
-HWY_INLINE Changes first_changes(const CubicLanes& cubic, MaskF inside, MaskF asked) {
-  const VecF zero = hn::Zero(floats), one = hn::Set(floats, 1.0f);
-  MaskF changed[4];
-  for (int i = 0; i < 4; ++i) changed[i] = hn::And(asked, hn::Xor(is_inside(cubic.b[i]), inside));
-  const MaskF any = hn::Or(hn::Or(changed[0], changed[1]), hn::Or(changed[2], changed[3]));
-  // With one change of sign among the coefficients there is one root.
-  const MaskF one_root = hn::AndNot(hn::Or(changed[0], hn::AndNot(changed[2], changed[1])), changed[3]);
-  Changes changes{one_root, zero, one, ones_in(one_root)};
-  const MaskF split = hn::AndNot(one_root, any);
-  if (hn::AllFalse(floats, split)) return changes;
-
-  // The critical points, without cancellation (critical_points of cells/cubic.h).
-  VecF d0 = hn::Sub(cubic.b[1], cubic.b[0]), d1 = hn::Sub(cubic.b[2], cubic.b[1]), d2 = hn::Sub(cubic.b[3], cubic.b[2]);
-  const VecF unit = hn::Max(hn::Abs(d0), hn::Max(hn::Abs(d1), hn::Abs(d2)));
-  d0 = hn::Div(d0, unit), d1 = hn::Div(d1, unit), d2 = hn::Div(d2, unit);
-  const VecF a = hn::Add(hn::Sub(d0, hn::Add(d1, d1)), d2), half_b = hn::Sub(d1, d0);
-  const VecF discriminant = hn::NegMulAdd(d0, d2, hn::Mul(d1, d1));
-  const MaskF has_roots = hn::Ge(discriminant, zero);
-  const VecF q = hn::Neg(hn::Add(half_b, hn::CopySign(hn::Sqrt(hn::Max(discriminant, zero)), half_b)));
-  VecF s0 = hn::Div(q, a), s1 = hn::Div(d0, q);
-  const auto in_unit = [&](VecF s) HWY_ATTR { return hn::And(has_roots, hn::And(hn::Gt(s, zero), hn::Lt(s, one))); };
-  s0 = hn::IfThenElse(in_unit(s0), s0, one), s1 = hn::IfThenElse(in_unit(s1), s1, one);
-  const VecF ends[3] = {hn::Min(s0, s1), hn::Max(s0, s1), one};
-
-  // From piece to piece; those that are none have both ends at 1, where the side cannot change again.
-  const MaskF at_zero = hn::And(split, changed[0]);
-  MaskF side = hn::Xor(inside, changed[0]);
-  changes.found = hn::Or(changes.found, at_zero);
-  changes.count = hn::Add(changes.count, ones_in(at_zero));
-  changes.high = hn::IfThenElse(at_zero, zero, changes.high);
-  VecF low = zero;
-  for (int i = 0; i < 3; ++i) {
-    const VecF value = hn::IfThenElse(hn::Eq(ends[i], one), cubic.b[3], cubic.at(ends[i]).value);
-    const MaskF changes_here = hn::And(split, hn::Xor(is_inside(value), side));
-    const MaskF first = hn::AndNot(changes.found, changes_here);
-    changes.low = hn::IfThenElse(first, low, changes.low);
-    changes.high = hn::IfThenElse(first, ends[i], changes.high);
-    changes.found = hn::Or(changes.found, changes_here);
-    changes.count = hn::Add(changes.count, ones_in(changes_here));
-    side = hn::Xor(side, changes_here);
-    low = ends[i];
-  }
-  return changes;
-}
-
-/// Changes between the sides at entry and exit only.
-HWY_INLINE Changes changes_between_ends(VecF at_in, VecF at_out, MaskF inside, MaskF asked) {
-  const MaskF changed_in = hn::And(asked, hn::Xor(is_inside(at_in), inside));
-  const MaskF changed_out = hn::And(asked, hn::Xor(is_inside(at_out), inside));
-  const MaskF found = hn::Or(changed_in, changed_out);
-  return {found, hn::Zero(floats), hn::IfThenZeroElse(changed_in, hn::Set(floats, 1.0f)), ones_in(found)};
-}
-
-struct Roots {
-  VecF s;
-  VecI iterations;
-};
-
-/// Newton's method kept inside a bracket, as bracketed_root of cells/cubic.h does it, until all lanes are done.
-HWY_INLINE Roots refined(const CubicLanes& cubic, VecF low, VecF high) {
-  constexpr float resolution = 1.19e-7f;
-  const VecF half = hn::Set(floats, 0.5f), least = hn::Set(floats, resolution);
-  const VecF zero = hn::Zero(floats), one = hn::Set(floats, 1.0f);
-  VecF largest = hn::Abs(cubic.b[0]);
-  for (int i = 1; i < 4; ++i) largest = hn::Max(largest, hn::Abs(cubic.b[i]));
-  const VecF noise = hn::Mul(largest, hn::Set(floats, 0x1p-23f));
-
-  // Where the straight line between the ends is zero, or the parabola with its vertex at the one end that is critical.
-  const VecF width = hn::Sub(high, low);
-  const MaskF low_critical = hn::Gt(low, zero), high_critical = hn::And(hn::Lt(high, one), hn::Gt(high, zero));
-  const MaskF any_critical = hn::Or(low_critical, high_critical);
-  VecF f_low = cubic.b[0], f_high = cubic.b[3];
-  if (!hn::AllFalse(floats, any_critical)) {
-    f_low = hn::IfThenElse(low_critical, cubic.at(low).value, f_low);
-    f_high = hn::IfThenElse(high_critical, cubic.at(high).value, f_high);
-  }
-  const VecF rise = hn::Sub(f_low, f_high);
-  VecF guess = hn::MulAdd(width, hn::Div(f_low, rise), low);
-  const MaskF by_parabola = hn::Xor(low_critical, high_critical);
-  if (!hn::AllFalse(floats, by_parabola)) {
-    const VecF from_low = hn::MulAdd(width, hn::Sqrt(hn::Max(zero, hn::Div(f_low, rise))), low);
-    const VecF from_high = hn::NegMulAdd(width, hn::Sqrt(hn::Max(zero, hn::Div(f_high, hn::Neg(rise)))), high);
-    guess = hn::IfThenElse(by_parabola, hn::IfThenElse(low_critical, from_low, from_high), guess);
-  }
-  const MaskF in_piece = hn::And(hn::Ge(guess, low), hn::Le(guess, high));
-  Roots roots{hn::IfThenElse(in_piece, guess, hn::Mul(half, hn::Add(low, high))), hn::Zero(ints)};
-
-  const MaskF inside_low = is_inside(f_low);
-  VecF step_before = width;
-  MaskF active = hn::Gt(width, least);
-  for (int step = 0; step < 100 && !hn::AllFalse(floats, active); ++step) {
-    const CubicLanes::Jet f = cubic.at(roots.s);
-    roots.iterations = hn::Add(roots.iterations, ones_in(active));
-    const MaskF at_low_side = hn::Not(hn::Xor(is_inside(f.value), inside_low));
-    low = hn::IfThenElse(hn::And(active, at_low_side), roots.s, low);
-    high = hn::IfThenElse(hn::AndNot(at_low_side, active), roots.s, high);
-    const VecF newton = hn::Sub(roots.s, hn::Div(f.value, f.slope));
-    const VecF size = hn::Abs(hn::Sub(newton, roots.s));
-    const MaskF is_newton =
-        hn::And(hn::And(hn::Ge(newton, low), hn::Le(newton, high)), hn::Le(size, hn::Mul(half, step_before)));
-    const VecF next = hn::IfThenElse(is_newton, newton, hn::Mul(half, hn::Add(low, high)));
-    active = hn::AndNot(hn::Le(hn::Abs(f.value), noise), active);
-    step_before = hn::Abs(hn::Sub(next, roots.s));
-    roots.s = hn::IfThenElse(active, next, roots.s);
-    active = hn::And(active, hn::And(hn::Gt(step_before, least), hn::Gt(hn::Sub(high, low), least)));
-  }
-  return roots;
-}
-
-/// One secant step.
-HWY_INLINE Roots secant_step(const CubicLanes& cubic, VecF high) {
-  const VecF s = hn::Div(cubic.b[0], hn::Sub(cubic.b[0], cubic.b[3]));
-  return {hn::IfThenElseZero(hn::Gt(high, hn::Zero(floats)), s), hn::Set(ints, 1)};
-}
-
-/// The kernel at work on one group.
+/// The kernel at work on one group. Rays stay in their lanes; the blocks come to them.
 template <Search search>
 class GroupWalk {
  public:
@@ -259,30 +61,32 @@ class GroupWalk {
                        const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters)
       : surface_(surface),
         lattice_(lattice),
+        ends_(lattice, surface.leaf_count),
         rays_(rays),
         hits_(hits),
         scratch_(scratch),
         group_(scratch.group),
         counters_(counters),
-        fetch_(fetch_of(surface.type)),
+        reading_(reading_of(surface.type)),
         alive_(scratch.group.inside) {
     for (int a = 0; a < 3; ++a) {
       const int stride = a == 0 ? 1 : a == 1 ? 5 : 25;
       stride_[a] = lattice.is_mirrored(a) ? -stride : stride;
       if (lattice.is_mirrored(a)) lowest_sample_ += 4 * stride;
+      upward_[a] = lattice.is_mirrored(a) ? -1 : 1;
     }
   }
 
-  /// @return  rays of the group of which not every decision is proven
+  /// @return  rays of the group that another kernel is to answer
   HWY_INLINE std::uint64_t run(Frustum& frustum) {
-    prepare_slopes();
-    if constexpr (search == Search::certified) prepare_errors();
-    for (std::size_t r = 0; r < group_.count; r += float_lanes) hn::Store(hn::Zero(ints), ints, scratch_.state + r);
-    scratch_.pending.count = 0;
+    for (std::size_t r = 0; r < group_.count; r += float_lanes) hn::Store(hn::Zero(ints), ints, scratch_.visits + r);
+    prepare();
+    scratch_.ahead.count = 0, scratch_.ahead.rays = 0;
+    scratch_.ahead.places[0] = scratch_.ahead.places[1] = 0;
     int alive_in_frustum = std::popcount(alive_);
     if (alive_ != 0)
       walk_blocks(frustum, lattice_, surface_.nodes, surface_.summits, [&](const int* block) HWY_ATTR {
-        pass_block(block);
+        meet(block);
         if (alive_ == 0) return false;
         if (const int alive = std::popcount(alive_); 2 * alive < alive_in_frustum) {
           frustum = frustum_around(lattice_, group_, alive_);
@@ -290,25 +94,78 @@ class GroupWalk {
         }
         return true;
       });
-    write_hits();
-    for (std::size_t r = 0; r < group_.count; ++r)
-      hits_.cost[group_.index[r]] = static_cast<std::uint32_t>(scratch_.state[r] / RayState::one_visit);
+    pass_all_ahead();
+    finish();
+    return doubtful_;
+  }
+
+  /// The same for the scattered rays that are the group, each on its own way. When half of them are done, the others
+  /// may wait again.
+  HWY_INLINE std::uint64_t run_scattered(WaitingRays& rays) {
+    const std::uint64_t fresh = alive_ & ~rays.under_way;
+    prepare();
+    std::uint64_t new_there = rays.new_there | fresh;
+    inside_ = rays.inside, has_side_ = rays.has_side;
+    BlockSearch blocks(surface_, lattice_, scratch_, search == Search::certified);
+    blocks.start(fresh & alive_);
+    doubt(blocks.doubtful());
+    const int most_left = group_.count > float_lanes ? static_cast<int>(group_.count / 2) : 0;
+    while (std::popcount(alive_) > most_left) {
+      const std::uint64_t found = blocks.find_blocks(alive_, new_there);
+      alive_ = found | blocks.still_searching();
+      doubt(blocks.doubtful());
+      for (std::size_t r = 0; r < group_.count; r += float_lanes)
+        if (const std::uint64_t lanes = (found & alive_) >> r & first_rays(float_lanes); lanes != 0)
+          pass_found_blocks(r, lanes);
+      new_there &= ~found;
+    }
+    finish();
+    rays.clear();
+    for (std::uint64_t bits = alive_; bits != 0; bits &= bits - 1)
+      wait(static_cast<std::size_t>(std::countr_zero(bits)), new_there, rays);
     return doubtful_;
   }
 
  private:
+  HWY_INLINE void prepare() {
+    prepare_ways(lattice_, scratch_);
+    if constexpr (search == Search::certified) prepare_errors();
+    scratch_.pending.rays = 0;
+  }
+
+  HWY_INLINE void wait(std::size_t r, std::uint64_t new_there, WaitingRays& rays) const {
+    const std::size_t lane = rays.rays.count++;
+    const auto take_bit = [&](std::uint64_t from, std::uint64_t& to) { to |= (from >> r & 1) << lane; };
+    copy_ray(group_, r, rays.rays, lane);
+    const BlockSearchScratch& places = scratch_.scattered.search;
+    rays.places.t[lane] = places.t[r], rays.places.error[lane] = places.error[r];
+    for (int a = 0; a < 3; ++a) rays.places.block[a][lane] = places.block[a][r];
+    rays.visits[lane] = scratch_.visits[r];
+    take_bit(inside_, rays.inside), take_bit(has_side_, rays.has_side);
+    take_bit(all_rays, rays.under_way), take_bit(new_there, rays.new_there);
+  }
+
+  HWY_INLINE void finish() {
+    doubtful_ |= HitWriter<search>(surface_, lattice_, rays_, hits_, scratch_).write();
+    const GroupNumbers numbers(group_);
+    for (std::size_t r = 0; r < group_.count; r += float_lanes)
+      numbers.write(ints, hn::Load(ints, scratch_.visits + r), hn::FirstN(ints, group_.count - r), r,
+                    reinterpret_cast<std::int32_t*>(hits_.cost));
+  }
+
   HWY_INLINE void doubt(std::uint64_t rays) {
     doubtful_ |= rays;
     alive_ &= ~rays;
   }
 
-  /// What double precision may put the points of a ray off by (point_error of grid_certified.h). Rays that pass no
-  /// plane of an axis, but are so close to one that single precision does not tell the sides of it apart, are in doubt.
+  /// What double precision may put the points of a ray off by (point_error of grid_certified.h). Rays of which that is
+  /// too much to find cells by are in doubt, and those that pass no plane of an axis, but are so close to one that
+  /// single precision does not tell the sides of it apart.
   HWY_INLINE void prepare_errors() {
     for (std::size_t r = 0; r < group_.count; r += double_lanes) {
       const VecD t = hn::Max(hn::Abs(hn::Load(doubles, group_.t_in + r)), hn::Abs(hn::Load(doubles, group_.t_out + r)));
       VecD reach = hn::Zero(doubles);
-      MaskD is_close = hn::FirstN(doubles, 0);
+      MaskD is_close = no_lane(doubles);
       for (int a = 0; a < 3; ++a) {
         const VecD o = hn::Load(doubles, group_.origin[a] + r);
         reach = hn::Max(reach, hn::MulAdd(t, speed(group_, a, r), hn::Abs(o)));
@@ -320,378 +177,311 @@ class GroupWalk {
       const VecD error = hn::MulAdd(reach, hn::Set(doubles, 0x1p-49), hn::Set(doubles, 0x1p-52));
       hn::StoreU(hn::DemoteTo(half_floats, hn::Min(error, hn::Set(doubles, 1.0))), half_floats,
                  scratch_.position_error + r);
-      doubt((bits_of(doubles, is_close) << r) & alive_);
+      const MaskD is_small = hn::Le(error, hn::Set(doubles, 0x1p-21));
+      doubt((bits_of(doubles, hn::Or(is_close, hn::Not(is_small))) << r) & alive_);
     }
   }
 
-  /// A ray's way is counted along the axis on which it moves fastest: by itself, whatever the group's axis is.
-  HWY_INLINE void prepare_slopes() {
-    for (std::size_t r = 0; r < group_.count; r += double_lanes) {
-      VecD inverse[3], fastest = hn::Zero(doubles), t_per_way = hn::Set(doubles, 0x1p1000);
-      for (int a = 0; a < 3; ++a) {
-        inverse[a] = hn::Abs(hn::Load(doubles, group_.inverse[a] + r));
-        fastest = hn::Max(fastest, speed(group_, a, r));
-        t_per_way = hn::Min(t_per_way, inverse[a]);
-      }
-      hn::Store(fastest, doubles, scratch_.way_per_t + r);
-      hn::Store(t_per_way, doubles, scratch_.t_per_way + r);
-      for (int a = 0; a < 3; ++a) {
-        hn::StoreU(hn::DemoteTo(half_floats, hn::Mul(speed(group_, a, r), t_per_way)), half_floats,
-                   scratch_.slope[a] + r);
-        const VecD moving = hn::Min(hn::Mul(fastest, inverse[a]), hn::Set(doubles, double{never_passed} / 2));
-        const VecD inverse_slope = hn::IfThenElse(has_finite_inverse(hn::Load(doubles, group_.direction[a] + r)),
-                                                  moving, hn::Set(doubles, double{never_passed}));
-        hn::StoreU(hn::DemoteTo(half_floats, inverse_slope), half_floats, scratch_.inverse_slope[a] + r);
-      }
-    }
-  }
-
-  /// The place in a block's mirrored coordinates at which rays enter it; exact on the planes that they enter by.
-  HWY_INLINE VecD entry_on(int axis, const int* block, std::size_t r, VecD t_in, VecD t_near) const {
-    const VecD plane = hn::Set(doubles, lattice_.plane(axis, 4 * block[axis]));
-    const VecD at =
-        hn::MulAdd(t_in, hn::Load(doubles, group_.direction[axis] + r), hn::Load(doubles, group_.origin[axis] + r));
-    const VecD within = lattice_.is_mirrored(axis) ? hn::Sub(plane, at) : hn::Sub(at, plane);
-    return hn::IfThenElse(hn::Eq(t_near, t_in), hn::Set(doubles, static_cast<double>(first_plane_[axis])), within);
-  }
-
-  struct Entries {
-    MaskD part;
-    VecD entry[3], end;
+  /// Where a block's samples are kept, and by which number.
+  struct Place {
+    std::size_t place;
+    std::uint64_t key;
   };
-
-  /// Rays that pass so close to an edge of the block that rounding may have put them on the wrong side of it.
-  HWY_INLINE void doubt_close_to_edges(std::size_t r, VecD t_in, VecD t_out, const VecD* near, const VecD* far) {
-    MaskD close = may_be_exchanged(t_in, t_out), enters = no_lane(doubles), leaves = no_lane(doubles);
-    for (int a = 0; a < 3; ++a) {
-      const MaskD at_entry = may_be_exchanged(near[a], t_in), at_exit = may_be_exchanged(far[a], t_out);
-      close = hn::Or(close, hn::Or(hn::And(enters, at_entry), hn::And(leaves, at_exit)));
-      enters = hn::Or(enters, at_entry);
-      leaves = hn::Or(leaves, at_exit);
-    }
-    close = hn::And(close, hn::Not(hn::Gt(t_in, hn::Add(t_out, hn::Mul(hn::Abs(t_out), hn::Set(doubles, 0x1p-49))))));
-    if (const std::uint64_t rays = (bits_of(doubles, close) << r) & alive_; rays != 0) doubt(rays);
-  }
-
-  /// Which of some rays pass the block, and where they enter.
-  HWY_INLINE Entries entries(const int* block, std::size_t r) {
-    const VecD from = hn::Load(doubles, group_.t_in + r), to = hn::Load(doubles, group_.t_out + r);
-    VecD t_in = from, t_out = to, near[3], far[3];
-    for (int a = 0; a < 3; ++a) {
-      const VecD o = hn::Load(doubles, group_.plane_origin[a] + r), inverse = hn::Load(doubles, group_.inverse[a] + r);
-      near[a] = hn::Mul(hn::Sub(hn::Set(doubles, lattice_.plane(a, 4 * block[a] + first_plane_[a])), o), inverse);
-      far[a] = hn::Mul(hn::Sub(hn::Set(doubles, lattice_.plane(a, 4 * block[a] + last_cell_[a] + 1)), o), inverse);
-      t_in = hn::Max(t_in, near[a]);
-      t_out = hn::Min(t_out, far[a]);
-    }
-    if constexpr (search == Search::certified) doubt_close_to_edges(r, t_in, t_out, near, far);
-    Entries found;
-    found.part = hn::And(hn::Lt(t_in, t_out), mask_of(doubles, alive_ >> r));
-    if (hn::AllFalse(doubles, found.part)) return found;
-    hn::BlendedStore(t_in, found.part, doubles, scratch_.t_block + r);
-    for (int a = 0; a < 3; ++a) found.entry[a] = entry_on(a, block, r, t_in, near[a]);
-    found.end = hn::Mul(hn::Sub(t_out, t_in), hn::Load(doubles, scratch_.way_per_t + r));
-    return found;
-  }
-
-  /// The rays that pass the block, side by side.
-  HWY_INLINE void list_rays(const int* block) {
-    RaysInBlock& list = scratch_.rays_in_block;
-    list.count = 0;
-    for (std::size_t r = 0; r < group_.count; r += float_lanes) {
-      if ((alive_ >> r & first_rays(float_lanes)) == 0) continue;
-      MaskF part;
-      VecF entry[3], end;
-#if HWY_TARGET == HWY_SCALAR
-      const Entries all = entries(block, r);
-      part = mask_of(floats, bits_of(doubles, all.part));
-      if (hn::AllFalse(floats, part)) continue;
-      for (int a = 0; a < 3; ++a) entry[a] = hn::DemoteTo(floats, all.entry[a]);
-      end = hn::DemoteTo(floats, all.end);
-#else
-      const Entries low = entries(block, r), high = entries(block, r + double_lanes);
-      const std::uint64_t bits = bits_of(doubles, low.part) | bits_of(doubles, high.part) << double_lanes;
-      if (bits == 0) continue;
-      part = mask_of(floats, bits);
-      for (int a = 0; a < 3; ++a)
-        entry[a] =
-            hn::Combine(floats, hn::DemoteTo(half_floats, high.entry[a]), hn::DemoteTo(half_floats, low.entry[a]));
-      end = hn::Combine(floats, hn::DemoteTo(half_floats, high.end), hn::DemoteTo(half_floats, low.end));
-#endif
-      const std::size_t at = list.count;
-      for (int a = 0; a < 3; ++a) {
-        hn::StoreU(hn::Compress(entry[a], part), floats, list.entry[a] + at);
-        hn::StoreU(hn::Compress(hn::Load(floats, scratch_.slope[a] + r), part), floats, list.slope[a] + at);
-        hn::StoreU(hn::Compress(hn::Load(floats, scratch_.inverse_slope[a] + r), part), floats,
-                   list.inverse_slope[a] + at);
-      }
-      hn::StoreU(hn::Compress(end, part), floats, list.end + at);
-      if constexpr (search == Search::certified)
-        hn::StoreU(hn::Compress(hn::Load(floats, scratch_.position_error + r), part), floats, list.position_error + at);
-      const VecI rays = hn::Iota(ints, static_cast<std::int32_t>(r));
-      hn::StoreU(hn::Compress(rays, hn::RebindMask(ints, part)), ints, list.ray + at);
-      list.count += hn::CountTrue(floats, part);
-    }
-  }
-
-  HWY_INLINE const BlockSamples& samples_of(const int* mirrored) {
-    const int block[3] = {lattice_.block(0, mirrored[0]), lattice_.block(1, mirrored[1]),
-                          lattice_.block(2, mirrored[2])};
+  HWY_INLINE Place place_of(const int* block) const {
     const auto x = static_cast<std::uint64_t>(block[0]), y = static_cast<std::uint64_t>(block[1]),
                z = static_cast<std::uint64_t>(block[2]);
-    const std::uint64_t key = x | y << 21 | z << 42;
-    const std::size_t place = (x & 7) | (y & 3) << 3 | (z & 3) << 5;
-    BlockSamples& samples = scratch_.blocks[place];
-    if (scratch_.block_key[place] != key) {
-      scratch_.block_key[place] = key;
-      fetch_(surface_.source, block, surface_.isovalue, samples);
-    }
-    return samples;
+    return {(x & 7) | (y & 3) << 3 | (z & 3) << 5, x | y << 21 | z << 42};
   }
 
-  /// Which cells of the block the lattice has.
-  HWY_INLINE void measure_block(const int* block) {
-    for (int a = 0; a < 3; ++a) {
-      const int outside = 16 * lattice_.node_count[a] - surface_.leaf_count[a] - 4 * block[a];
-      const int existing = surface_.leaf_count[a] - 4 * block[a];
-      first_plane_[a] = lattice_.is_mirrored(a) && outside > 0 ? outside : 0;
-      last_cell_[a] = !lattice_.is_mirrored(a) && existing < 4 ? existing - 1 : 3;
+  HWY_INLINE void fetch(BlockAhead& ahead) {
+    int block[3];  // not mirrored
+    for (int a = 0; a < 3; ++a) block[a] = lattice_.block(a, ahead.block[a]);
+    const Place at = place_of(block);
+    BlockSamples& samples = scratch_.blocks[at.place];
+    if (scratch_.block_key[at.place] != at.key) {
+      scratch_.block_key[at.place] = at.key;
+      reading_.fetch(surface_.source, block, surface_.isovalue, samples);
     }
-  }
-
-  HWY_INLINE void pass_block(const int* block) {
-    measure_block(block);
-    list_rays(block);
-    const RaysInBlock& list = scratch_.rays_in_block;
-    if (list.count == 0) return;
-    counters_.macrocells_visited += list.count;
-    const BlockSamples& samples = samples_of(block);
-    const std::uint64_t active = mirrored_bits(samples.active, lattice_.octant);
-    if (active == 0) return;
+    constexpr std::size_t floats_each = sizeof(BlockSamples) / sizeof(float);
+    ahead.samples = static_cast<std::int32_t>(at.place * floats_each);
+    ahead.present = mirrored_bits(samples.present, lattice_.octant);
+    ahead.active = mirrored_bits(samples.active, lattice_.octant);
     // The cell's lowest corner is another one in the mirrored block; in a cell that is not active all are of one side.
-    const std::uint64_t inside = mirrored_bits(samples.inside, lattice_.octant);
-    for (std::size_t first = 0; first < list.count; first += float_lanes)
-      walk_cells(block, samples, active, inside, first);
+    ahead.inside = mirrored_bits(samples.inside, lattice_.octant);
   }
 
-  /// Lanes of rays on their way through the cells of a block.
-  struct Lanes {
-    VecF entry[3], slope[3], inverse_slope[3], end;
-    VecF cell[3];        ///< 0 to 3
-    VecF next[3];        ///< how far on its way the next plane of each axis inside the block is
-    VecF after_next[3];  ///< and the one after it: known early, steps do not wait for it
-    VecF way_in;         ///< how far the ray is where it enters the cell
-    VecI bit;            ///< of the cell
-    VecF way_error;      ///< certified: of times of planes, on the way, and of the points there
-    MaskF doubtful;
-    VecI state;
-    MaskF inside, has_side;
-    MaskF walking;
-  };
-
-  /// How far the upper plane of cell `cell` of an axis is; those of the block's last cells are not passed inside.
-  HWY_INLINE VecF way_to_plane(const Lanes& lanes, int axis, VecF cell) const {
-    const VecF one = hn::Set(floats, 1.0f), never = hn::Set(floats, never_passed);
-    const VecF at = hn::Mul(hn::Sub(hn::Add(cell, one), lanes.entry[axis]), lanes.inverse_slope[axis]);
-    return hn::IfThenElse(hn::Ge(cell, hn::Set(floats, static_cast<float>(last_cell_[axis]))), never, at);
+  /// True where the list has room, and keeps no other block in the same place.
+  HWY_INLINE bool fits(const int* block) const {
+    const std::size_t place = place_of(block).place;
+    return scratch_.ahead.count < BlocksAhead::capacity && (scratch_.ahead.places[place / 64] >> place % 64 & 1) == 0;
   }
 
-  HWY_INLINE Lanes lanes_from(std::size_t first) const {
-    const RaysInBlock& list = scratch_.rays_in_block;
-    const VecF zero = hn::Zero(floats);
+  HWY_INLINE void note_place(const int* block) {
+    const std::size_t place = place_of(block).place;
+    scratch_.ahead.places[place / 64] |= std::uint64_t{1} << place % 64;
+  }
+
+  /// Adds a block to those ahead, and lets the rays go on when each has one to pass.
+  HWY_INLINE void meet(const int* block) {
+    const std::uint64_t rays = rays_that_may_pass(scratch_, alive_, block);
+    if (rays == 0) return;
+    BlocksAhead& ahead = scratch_.ahead;
+    while (!fits(block)) pass_next();
+    BlockAhead& added = ahead.block[ahead.count++];
+    for (int a = 0; a < 3; ++a) added.block[a] = block[a];
+    added.rays = rays, added.samples = -1;
+    ahead.rays |= rays;
+    note_place(block);
+    while (alive_ != 0 && (alive_ & ~ahead.rays) == 0) pass_next();
+  }
+
+  HWY_INLINE void pass_all_ahead() {
+    while (scratch_.ahead.count != 0) pass_next();
+  }
+
+  /// Each ray that has a block ahead passes the first of them.
+  HWY_NOINLINE void pass_next() {
+    BlocksAhead& ahead = scratch_.ahead;
+    std::uint64_t waiting = alive_;
+    for (std::size_t b = 0; b < ahead.count; ++b) {
+      BlockAhead& block = ahead.block[b];
+      block.taken = block.rays & waiting;
+      block.rays &= ~block.taken;
+      waiting &= ~block.taken;
+      if (block.taken != 0 && block.samples < 0) fetch(block);
+    }
+    const std::uint64_t going = alive_ & ~waiting;
+    for (std::size_t r = 0; r < group_.count; r += float_lanes)
+      if (const std::uint64_t lanes = going >> r & first_rays(float_lanes); lanes != 0) pass_taken_blocks(r, lanes);
+    std::size_t kept = 0;
+    ahead.rays = 0, ahead.places[0] = ahead.places[1] = 0;
+    for (std::size_t b = 0; b < ahead.count; ++b) {
+      if ((ahead.block[b].rays & alive_) == 0) continue;
+      ahead.rays |= ahead.block[b].rays;
+      note_place(ahead.block[b].block);
+      ahead.block[kept++] = ahead.block[b];
+    }
+    ahead.count = kept;
+  }
+
+  /// Lets some of the rays from r on pass the blocks that they have taken.
+  HWY_INLINE void pass_taken_blocks(std::size_t r, std::uint64_t going) {
     Lanes lanes;
-    lanes.walking = hn::FirstN(floats, list.count - first);
-    for (int a = 0; a < 3; ++a) {
-      lanes.slope[a] = hn::Load(floats, list.slope[a] + first);
-      lanes.inverse_slope[a] = hn::Load(floats, list.inverse_slope[a] + first);
-      // A ray in the lattice's upper face goes through the cells below it. Being kept from the plane beyond, it reaches
-      // that plane at a time above 0, and one that does not move towards it never.
-      const VecF end = hn::Set(floats, static_cast<float>(last_cell_[a] + 1) - 0x1p-22f);
-      lanes.entry[a] = hn::Min(hn::Max(hn::Load(floats, list.entry[a] + first), zero), end);
-      lanes.cell[a] = hn::Floor(lanes.entry[a]);
-      lanes.next[a] = way_to_plane(lanes, a, lanes.cell[a]);
-      lanes.after_next[a] = way_to_plane(lanes, a, hn::Add(lanes.cell[a], hn::Set(floats, 1.0f)));
-    }
-    lanes.end = hn::Load(floats, list.end + first);
-    lanes.way_in = zero;
-    if constexpr (search == Search::certified) find_errors(lanes, hn::Load(floats, list.position_error + first));
-    const VecF bit = hn::MulAdd(lanes.cell[2], hn::Set(floats, 16.0f),
-                                hn::MulAdd(lanes.cell[1], hn::Set(floats, 4.0f), lanes.cell[0]));
-    lanes.bit = hn::NearestInt(bit);
-    const VecI rays = hn::IfThenElseZero(hn::RebindMask(ints, lanes.walking), hn::Load(ints, list.ray + first));
-    lanes.state = hn::GatherIndex(ints, scratch_.state, rays);
-    lanes.state = hn::Add(lanes.state, hn::Set(ints, RayState::one_visit));
-    lanes.inside = hn::RebindMask(floats, hn::TestBit(lanes.state, hn::Set(ints, RayState::inside)));
-    lanes.has_side = hn::RebindMask(floats, hn::TestBit(lanes.state, hn::Set(ints, RayState::has_side)));
-    return lanes;
-  }
-
-  /// What the times of planes inside the block, as parts of the way, and the ray's points at these times may be off by.
-  ///
-  /// An entry is rounded to single precision (2 u of up to 4), a slope and its inverse by u of themselves. So the way
-  /// to a plane is off by at most 2 u times the inverse slope and 12 u (three roundings of a way of at most 4), and a
-  /// point there by that and by 8 u more; what double precision does to the entry comes on top. Only axes count of
-  /// which the ray may pass a plane inside. A ray that enters close to such a plane is in doubt: it may be on its other
-  /// side.
-  HWY_INLINE void find_errors(Lanes& lanes, VecF position_error) const {
-    const VecF one = hn::Set(floats, 1.0f), close = hn::Set(floats, 0x1p-20f);
-    VecF steepest = one;
-    lanes.doubtful = no_lane(floats);
-    for (int a = 0; a < 3; ++a) {
-      const VecF leaves_at = hn::MulAdd(lanes.end, lanes.slope[a], lanes.entry[a]);
-      const MaskF passes = hn::Ge(leaves_at, hn::Sub(hn::Add(lanes.cell[a], one), close));
-      const VecF first = hn::Set(floats, static_cast<float>(first_plane_[a]) + 0.5f);
-      const VecF last = hn::Set(floats, static_cast<float>(last_cell_[a]) + 0.5f);
-      const MaskF inside = hn::Lt(lanes.cell[a], hn::Set(floats, static_cast<float>(last_cell_[a])));
-      steepest = hn::Max(steepest, hn::IfThenElseZero(hn::And(passes, inside), lanes.inverse_slope[a]));
-      const VecF plane = hn::Round(lanes.entry[a]);
-      const MaskF inner_plane = hn::And(hn::Gt(plane, first), hn::Lt(plane, last));
-      const MaskF moves = hn::Lt(lanes.inverse_slope[a], hn::Set(floats, never_passed));
-      const VecF distance = hn::Abs(hn::Sub(lanes.entry[a], plane));
-      const MaskF is_close =
-          hn::Le(distance, hn::MulAdd(hn::Set(floats, 4.0f), position_error, hn::Set(floats, 4 * rounding_unit)));
-      lanes.doubtful = hn::Or(lanes.doubtful, hn::And(moves, hn::And(inner_plane, is_close)));
-    }
-    const VecF in_single =
-        hn::MulAdd(steepest, hn::Set(floats, 4 * rounding_unit), hn::Set(floats, 24 * rounding_unit));
-    lanes.way_error = hn::MulAdd(hn::Mul(hn::Set(floats, 4.0f), position_error), steepest, in_single);
-  }
-
-  /// Lanes that leave the cell so close to a second plane that rounding may have exchanged the two.
-  HWY_INLINE MaskF leave_close_to_edges(const Lanes& lanes) const {
-    const VecF low_xy = hn::Min(lanes.next[0], lanes.next[1]), high_xy = hn::Max(lanes.next[0], lanes.next[1]);
-    const VecF low_ze = hn::Min(lanes.next[2], lanes.end), high_ze = hn::Max(lanes.next[2], lanes.end);
-    const VecF first = hn::Min(low_xy, low_ze);
-    const VecF second = hn::Min(hn::Max(low_xy, low_ze), hn::Min(high_xy, high_ze));
-    return hn::Le(hn::Sub(second, first), hn::Add(lanes.way_error, lanes.way_error));
-  }
-
-  /// How far the ray is where it leaves the cell.
-  HWY_INLINE VecF way_out(const Lanes& lanes) const {
-    return hn::Min(hn::Min(hn::Min(lanes.next[0], lanes.next[1]), lanes.next[2]), lanes.end);
-  }
-
-  /// Lets some lanes go on to their next cells.
-  HWY_INLINE void step(Lanes& lanes, MaskF moved) const {
-    const VecF one = hn::Set(floats, 1.0f);
-    const VecF first = hn::Min(hn::Min(lanes.next[0], lanes.next[1]), lanes.next[2]);
-    const MaskF along_x = hn::And(moved, hn::Eq(lanes.next[0], first)), not_x = hn::AndNot(along_x, moved);
-    const MaskF along_y = hn::And(not_x, hn::Eq(lanes.next[1], first)), along_z = hn::AndNot(along_y, not_x);
-    const MaskF along[3] = {along_x, along_y, along_z};
-    const MaskF stays = hn::Lt(first, lanes.end);
-    for (int a = 0; a < 3; ++a) {
-      lanes.cell[a] = hn::IfThenElse(along[a], hn::Add(lanes.cell[a], one), lanes.cell[a]);
-      lanes.next[a] = hn::IfThenElse(along[a], lanes.after_next[a], lanes.next[a]);
-      lanes.after_next[a] = way_to_plane(lanes, a, hn::Add(lanes.cell[a], one));
-    }
-    lanes.bit = hn::Add(lanes.bit, hn::IfThenElseZero(hn::RebindMask(ints, along[0]), hn::Set(ints, 1)));
-    lanes.bit = hn::Add(lanes.bit, hn::IfThenElseZero(hn::RebindMask(ints, along[1]), hn::Set(ints, 4)));
-    lanes.bit = hn::Add(lanes.bit, hn::IfThenElseZero(hn::RebindMask(ints, along[2]), hn::Set(ints, 16)));
-    lanes.way_in = hn::IfThenElse(moved, first, lanes.way_in);
-    lanes.walking = hn::And(lanes.walking, hn::Or(stays, hn::Not(moved)));
-  }
-
-  /// The same, for lanes of which it is certain to which cells they go on; the others are in doubt.
-  HWY_INLINE void go_on(Lanes& lanes, MaskF moved) const {
-    if constexpr (search == Search::certified) {
-      const MaskF close = hn::And(moved, leave_close_to_edges(lanes));
-      lanes.doubtful = hn::Or(lanes.doubtful, close);
-      lanes.walking = hn::AndNot(close, lanes.walking);
-      moved = hn::AndNot(close, moved);
-    }
-    step(lanes, moved);
-  }
-
-  /// The points, in the cell's coordinates, at which the rays enter and leave it.
-  HWY_INLINE void ends_in_cell(const Lanes& lanes, VecF way_out_of_cell, VecF* in, VecF* out) const {
-    const VecF zero = hn::Zero(floats), one = hn::Set(floats, 1.0f);
-    for (int a = 0; a < 3; ++a) {
-      const auto place = [&](VecF way) HWY_ATTR {
-        return hn::Min(hn::Max(hn::Sub(hn::MulAdd(way, lanes.slope[a], lanes.entry[a]), lanes.cell[a]), zero), one);
+    VecF corner[3];
+    for (VecF& c : corner) c = hn::Zero(floats);
+    for (int w = 0; w < 2; ++w) lanes.present[w] = lanes.active[w] = lanes.inside_out[w] = hn::Zero(ints);
+    lanes.samples = hn::Zero(ints);
+    const BlocksAhead& ahead = scratch_.ahead;
+    for (std::size_t b = 0; b < ahead.count; ++b) {
+      const BlockAhead& block = ahead.block[b];
+      const std::uint64_t takers = block.taken >> r & first_rays(float_lanes);
+      if (takers == 0) continue;
+      const MaskF mask = mask_of(floats, takers);
+      const auto mask_i = hn::RebindMask(ints, mask);
+      for (int a = 0; a < 3; ++a)
+        corner[a] = hn::IfThenElse(mask, hn::Set(floats, static_cast<float>(4 * block.block[a])), corner[a]);
+      const auto put = [&](VecI& to, std::uint64_t number) HWY_ATTR {
+        to = hn::IfThenElse(mask_i, hn::Set(ints, static_cast<std::int32_t>(number)), to);
       };
-      const VecF last_plane = hn::Mul(hn::Sub(lanes.cell[a], lanes.entry[a]), lanes.inverse_slope[a]);
-      in[a] = hn::IfThenZeroElse(hn::Eq(last_plane, lanes.way_in), place(lanes.way_in));
-      out[a] = hn::IfThenElse(hn::Eq(lanes.next[a], way_out_of_cell), one, place(way_out_of_cell));
+      put(lanes.samples, static_cast<std::uint64_t>(block.samples));
+      for (int w = 0; w < 2; ++w) {
+        if (surface_.source.has_gaps) put(lanes.present[w], block.present >> (32 * w));
+        put(lanes.active[w], block.active >> (32 * w));
+        put(lanes.inside_out[w], block.inside >> (32 * w));
+      }
     }
+    pass_blocks<false>(lanes, r, going, corner);
   }
 
-  HWY_INLINE Corners corners_of(const Lanes& lanes, const BlockSamples& samples, MaskF asked) const {
+  /// The same for blocks that they have found by themselves.
+  HWY_NOINLINE void pass_found_blocks(std::size_t r, std::uint64_t going) {
+    Lanes lanes;
+    VecF corner[3];
+    for (int a = 0; a < 3; ++a) corner[a] = hn::Load(floats, scratch_.scattered.search.corner[a] + r);
+    for (int w = 0; w < 2; ++w) {
+      lanes.active[w] = lanes.present[w] = hn::Set(ints, -1);
+      lanes.inside_out[w] = hn::Zero(ints);
+    }
+    lanes.samples = hn::Zero(ints);
+    pass_blocks<true>(lanes, r, going, corner);
+  }
+
+  template <bool is_scattered>
+  HWY_INLINE void pass_blocks(Lanes& lanes, std::size_t r, std::uint64_t going, const VecF* corner) {
+    const BlockEntry at = entry_into_blocks(lattice_, ends_, scratch_, r, mask_of(floats, going), corner);
+    lanes.walking = at.passes;
+    if constexpr (search == Search::certified) {
+      doubt(bits_of(floats, at.close) << r);
+      lanes.walking = hn::AndNot(at.close, lanes.walking);
+    }
+    if (hn::AllFalse(floats, lanes.walking)) return;
+    counters_.macrocells_visited += hn::CountTrue(floats, at.passes);
+    for (int a = 0; a < 3; ++a) {
+      lanes.entry[a] = at.entry[a];
+      lanes.last[a] = at.last[a];
+      lanes.slope[a] = hn::Load(floats, scratch_.slope[a] + r);
+      lanes.inverse_slope[a] = hn::Load(floats, scratch_.inverse_slope[a] + r);
+    }
+    lanes.end = at.end;
+    lanes.way_error = hn::Zero(floats);
+    if constexpr (search == Search::certified)
+      lanes.way_error =
+          error_of_ways(at, lanes.slope, lanes.inverse_slope, hn::Load(floats, scratch_.position_error + r));
+    lanes.inside = mask_of(floats, inside_ >> r);
+    lanes.has_side = mask_of(floats, has_side_ >> r);
+    pass_cells<is_scattered>(lanes, r, corner, at.passes);
+  }
+
+  template <bool is_scattered>
+  HWY_INLINE void pass_cells(Lanes& lanes, std::size_t r, const VecF* corner, MaskF passes) {
+    VecF visits = find_cells(lanes);
+    if (surface_.source.has_gaps)
+      for (int w = 0; w < 2; ++w) lanes.left[w] = hn::And(lanes.left[w], lanes.present[w]);
+    const bool is_at_border = !hn::AllFalse(floats, hn::And(lanes.walking, is_cut_off(corner)));
+    std::uint64_t solved = 0;
+    while (true) {
+      const NextCell next = take_next_cell(lanes);
+      lanes.walking = hn::And(lanes.walking, next.exists);
+      if (hn::AllFalse(floats, lanes.walking)) break;
+      MaskF looks = hn::And(lanes.walking, hn::Lt(next.way_in, next.way_out));
+      MaskF sees = lanes.walking;
+      Corners corners;
+      if (is_at_border) {
+        sees = hn::And(sees, is_in_lattice(next, corner));
+        looks = hn::And(looks, sees);
+      }
+      if constexpr (is_scattered) {
+        // Only now is it known in which cells something is to be seen.
+        const MaskF asked = search == Search::certified ? sees : looks;
+        if (hn::AllFalse(floats, asked)) continue;
+        corners = loaded_corners(next, corner, asked);
+        sees = hn::And(asked, has_other_side(corners, lanes));
+        looks = hn::And(looks, sees);
+      }
+      if constexpr (search == Search::certified) {
+        const VecF length = hn::Sub(next.way_out, next.way_in);
+        const MaskF unclear = hn::And(sees, hn::Le(hn::Abs(length), lanes.way_error));
+        if (const std::uint64_t bits = bits_of(floats, unclear); bits != 0) doubt(bits << r);
+        lanes.walking = hn::AndNot(unclear, lanes.walking);
+        looks = hn::AndNot(unclear, looks);
+      }
+      if (hn::AllFalse(floats, looks)) continue;
+      solved += hn::CountTrue(floats, looks);
+      const std::uint64_t ticks = surface_.time_phases ? ticks_now() : 0;
+      if constexpr (!is_scattered) corners = corners_of(lanes, next, looks);
+      const MaskF found = look_into_cells(lanes, next, corners, looks, r, corner);
+      if (surface_.time_phases) counters_.intersection_ticks += ticks_now() - ticks;
+      VecF until = hn::Set(floats, 1.0f);
+      for (int a = 0; a < 3; ++a) until = hn::Add(until, hn::Sub(next.cell[a], lanes.first_cell(a)));
+      visits = hn::IfThenElse(found, until, visits);
+      lanes.walking = hn::AndNot(found, lanes.walking);
+    }
+    counters_.cells_solved += solved;
+    const VecI cells = hn::IfThenElseZero(hn::RebindMask(ints, passes), hn::ConvertTo(ints, visits));
+    counters_.cells_visited += static_cast<std::uint64_t>(hn::GetLane(hn::SumOfLanes(ints, cells)));
+    const VecI all = hn::Add(hn::Load(ints, scratch_.visits + r), hn::Add(cells, ones_in(passes)));
+    hn::Store(all, ints, scratch_.visits + r);
+    const std::uint64_t here = first_rays(float_lanes) << r;
+    inside_ = (inside_ & ~here) | bits_of(floats, lanes.inside) << r;
+    has_side_ = (has_side_ & ~here) | bits_of(floats, lanes.has_side) << r;
+  }
+
+  HWY_INLINE Corners corners_of(const Lanes& lanes, const NextCell& next, MaskF asked) const {
     VecF place = hn::Set(floats, static_cast<float>(lowest_sample_));
     for (int a = 0; a < 3; ++a)
-      place = hn::MulAdd(lanes.cell[a], hn::Set(floats, static_cast<float>(stride_[a])), place);
-    const VecI index =
-        hn::NearestInt(hn::IfThenElse(asked, place, hn::Set(floats, static_cast<float>(lowest_sample_))));
+      place = hn::MulAdd(next.cell[a], hn::Set(floats, static_cast<float>(stride_[a])), place);
+    const VecI index = hn::Add(hn::ConvertTo(ints, place), lanes.samples);
+    const VecI first = hn::IfThenElse(hn::RebindMask(ints, asked), index, hn::Set(ints, lowest_sample_));
+    const float* samples = scratch_.blocks[0].difference;
     Corners corners;
+#if HWY_TARGET <= HWY_AVX2
+    // Both corners of an edge along x with one read, as a number of twice the size.
+    constexpr hn::Rebind<std::int64_t, Doubles> offsets;
+    const bool is_mirrored = stride_[0] < 0;
+    const auto from = [&](auto half) HWY_ATTR { return hn::ShiftLeft<2>(hn::PromoteTo(offsets, half)); };
+    const auto low = from(hn::LowerHalf(half_ints, first)), high = from(hn::UpperHalf(half_ints, first));
+    for (int edge = 0; edge < 4; ++edge) {
+      const int offset = (edge & 1 ? stride_[1] : 0) + (edge & 2 ? stride_[2] : 0) - (is_mirrored ? 1 : 0);
+      const auto* pairs = reinterpret_cast<const double*>(samples + offset);
+      const VecF low_pairs = hn::BitCast(floats, hn::GatherOffset(doubles, pairs, low));
+      const VecF high_pairs = hn::BitCast(floats, hn::GatherOffset(doubles, pairs, high));
+      corners.f[2 * edge + is_mirrored] = hn::ConcatEven(floats, high_pairs, low_pairs);
+      corners.f[2 * edge + !is_mirrored] = hn::ConcatOdd(floats, high_pairs, low_pairs);
+    }
+#else
     for (int c = 0; c < 8; ++c) {
       const int offset = (c & 1 ? stride_[0] : 0) + (c & 2 ? stride_[1] : 0) + (c & 4 ? stride_[2] : 0);
-      corners.f[c] = hn::GatherIndex(floats, samples.difference, hn::Add(index, hn::Set(ints, offset)));
+      corners.f[c] = hn::GatherIndex(floats, samples + offset, first);
     }
+#endif
     return corners;
   }
 
-  HWY_INLINE void walk_cells(const int* block, const BlockSamples& samples, std::uint64_t active, std::uint64_t inside,
-                             std::size_t first) {
-    Lanes lanes = lanes_from(first);
-    // Cells to look into: the active ones, and those of the other side than the ray's.
-    const std::uint64_t from_inside = active | ~inside, from_outside = active | inside;
-    const auto words = [](std::uint64_t bits, int high)
-                           HWY_ATTR { return hn::Set(ints, static_cast<std::int32_t>(bits >> (32 * high))); };
-    VecI to_look[2];
-    const auto choose_cells = [&]() HWY_ATTR {
-      const auto is_inside_lane = hn::RebindMask(ints, lanes.inside), has_side = hn::RebindMask(ints, lanes.has_side);
-      for (int high = 0; high < 2; ++high)
-        to_look[high] = hn::IfThenElse(
-            has_side, hn::IfThenElse(is_inside_lane, words(from_inside, high), words(from_outside, high)),
-            words(active, high));
-    };
-    choose_cells();
-    if constexpr (search == Search::certified) lanes.walking = hn::AndNot(lanes.doubtful, lanes.walking);
-    const VecF start = hn::Add(hn::Add(lanes.cell[0], lanes.cell[1]), lanes.cell[2]);
-    MaskF hit = no_lane(floats);
-    std::uint64_t solved = 0;
-    while (!hn::AllFalse(floats, lanes.walking)) {
-      const VecI word = hn::IfThenElse(hn::Gt(lanes.bit, hn::Set(ints, 31)), to_look[1], to_look[0]);
-      constexpr hn::RebindToUnsigned<Ints> unsigned_ints;
-      const auto bits =
-          hn::Shr(hn::BitCast(unsigned_ints, word), hn::BitCast(unsigned_ints, hn::And(lanes.bit, hn::Set(ints, 31))));
-      const MaskF looks =
-          hn::And(lanes.walking, hn::RebindMask(floats, hn::TestBit(hn::BitCast(ints, bits), hn::Set(ints, 1))));
-      const MaskF passes = hn::AndNot(looks, lanes.walking);
-      if (!hn::AllFalse(floats, passes)) {
-        go_on(lanes, passes);
-        continue;
-      }
-      solved += hn::CountTrue(floats, looks);
-      const std::uint64_t ticks = surface_.time_phases ? ticks_now() : 0;
-      const bool has_new_sides = !hn::AllFalse(floats, hn::AndNot(lanes.has_side, looks));
-      const MaskF found = look_into_cells(block, samples, lanes, looks, first);
-      if (surface_.time_phases) counters_.intersection_ticks += ticks_now() - ticks;
-      hit = hn::Or(hit, found);
-      lanes.walking = hn::AndNot(found, lanes.walking);
-      if (has_new_sides) choose_cells();
-      go_on(lanes, lanes.walking);
+  /// Takes out the lanes that enter a cell on another side than they were on. They have come out of cells without data,
+  /// where that is no crossing, or rounding has hidden a change at an edge between cells: the reference knows which.
+  HWY_INLINE MaskF without_strays(Lanes& lanes, MaskF looks, MaskF starts_inside, std::size_t r) {
+    const MaskF strays = hn::And(looks, hn::And(lanes.has_side, hn::Xor(starts_inside, lanes.inside)));
+    if (const std::uint64_t bits = bits_of(floats, strays); bits != 0) doubt(bits << r);
+    lanes.walking = hn::AndNot(strays, lanes.walking);
+    return hn::AndNot(strays, looks);
+  }
+
+  /// Blocks that the lattice ends in.
+  HWY_INLINE MaskF is_cut_off(const VecF* block_corner) const {
+    MaskF cut_off = no_lane(floats);
+    for (int a = 0; a < 3; ++a) {
+      const VecF first = hn::Set(floats, static_cast<float>(ends_.first[a]));
+      const VecF last = hn::Set(floats, static_cast<float>(ends_.last[a] - 4));
+      cut_off = hn::Or(cut_off, hn::Or(hn::Lt(block_corner[a], first), hn::Gt(block_corner[a], last)));
     }
-    // A step changes one coordinate by 1; that of a ray that left the block led to a cell that it did not visit.
-    const VecF last = hn::Add(hn::Add(lanes.cell[0], lanes.cell[1]), lanes.cell[2]);
-    const MaskF used = hn::FirstN(floats, scratch_.rays_in_block.count - first);
-    const VecI visits = hn::Add(hn::NearestInt(hn::IfThenElseZero(used, hn::Sub(last, start))), ones_in(hit));
-    counters_.cells_visited += static_cast<std::uint64_t>(hn::GetLane(hn::SumOfLanes(ints, visits)));
-    counters_.cells_solved += solved;
-    keep_state(lanes, visits, first);
-    if constexpr (search == Search::certified)
-      for (std::uint64_t bits = bits_of(floats, hn::And(used, lanes.doubtful)); bits != 0; bits &= bits - 1)
-        doubt(std::uint64_t{1} << scratch_.rays_in_block.ray[first + static_cast<std::size_t>(std::countr_zero(bits))]);
+    return cut_off;
+  }
+
+  /// Cells that the lattice has: those found to be near a ray's way may lie beyond its ends.
+  HWY_INLINE MaskF is_in_lattice(const NextCell& next, const VecF* block_corner) const {
+    MaskF exists = hn::FirstN(floats, float_lanes);
+    for (int a = 0; a < 3; ++a) {
+      const VecF at = hn::Add(block_corner[a], next.cell[a]);
+      exists = hn::And(exists, hn::Ge(at, hn::Set(floats, static_cast<float>(ends_.first[a]))));
+      exists = hn::And(exists, hn::Lt(at, hn::Set(floats, static_cast<float>(ends_.last[a]))));
+    }
+    return exists;
+  }
+
+  /// The same, from the volume itself.
+  HWY_INLINE Corners loaded_corners(const NextCell& next, const VecF* block_corner, MaskF asked) {
+    CornersScratch& cells = scratch_.scattered.corners;
+    for (int a = 0; a < 3; ++a) {
+      const VecF mirrored = hn::Add(block_corner[a], next.cell[a]);
+      const VecF end = hn::Set(floats, static_cast<float>(16 * lattice_.node_count[a]));
+      hn::Store(hn::ConvertTo(ints, lattice_.is_mirrored(a) ? hn::Sub(end, mirrored) : mirrored), ints,
+                cells.lowest[a]);
+    }
+    reading_.load_corners(surface_.source, upward_, surface_.isovalue, bits_of(floats, asked), cells);
+    Corners corners;
+    for (int c = 0; c < 8; ++c) corners.f[c] = hn::Load(floats, cells.difference[c]);
+    return corners;
+  }
+
+  /// Cells with corners on both sides, or on the other side than the ray's.
+  HWY_INLINE static MaskF has_other_side(const Corners& corners, const Lanes& lanes) {
+    MaskF any = is_inside(corners.f[0]), all = any;
+    for (int c = 1; c < 8; ++c) {
+      const MaskF here = is_inside(corners.f[c]);
+      any = hn::Or(any, here), all = hn::And(all, here);
+    }
+    const MaskF is_active = hn::AndNot(all, any);
+    return hn::Or(is_active, hn::And(lanes.has_side, hn::Xor(all, lanes.inside)));
   }
 
   /// Searches the cells of some lanes; which of them found a crossing.
-  HWY_INLINE MaskF look_into_cells(const int* block, const BlockSamples& samples, Lanes& lanes, MaskF looks,
-                                   std::size_t first) {
-    const VecF leaves = way_out(lanes);
+  HWY_INLINE MaskF look_into_cells(Lanes& lanes, const NextCell& next, const Corners& corners, MaskF looks,
+                                   std::size_t r, const VecF* block_corner) {
     VecF in[3], out[3];
-    ends_in_cell(lanes, leaves, in, out);
-    const Corners corners = corners_of(lanes, samples, looks);
+    ends_in_cell(lanes, next, in, out);
     const CubicLanes cubic = along(corners, in, out);
     const MaskF starts_inside = is_inside(cubic.b[0]);
+    if (search != Search::certified && surface_.source.has_gaps) looks = without_strays(lanes, looks, starts_inside, r);
     const MaskF sets_side = hn::AndNot(lanes.has_side, looks);
     lanes.inside = hn::Or(hn::AndNot(sets_side, lanes.inside), hn::And(sets_side, starts_inside));
     lanes.has_side = hn::Or(lanes.has_side, looks);
@@ -701,221 +491,111 @@ class GroupWalk {
     if constexpr (search == Search::certified) {
       margin = margin_of(corners, lanes.way_error);
       const MaskF doubtful = hn::And(looks, is_in_doubt(cubic, margin, lanes.inside, changes.found));
-      lanes.doubtful = hn::Or(lanes.doubtful, doubtful);
+      if (const std::uint64_t bits = bits_of(floats, doubtful); bits != 0) doubt(bits << r);
       lanes.walking = hn::AndNot(doubtful, lanes.walking);
       changes.found = hn::AndNot(doubtful, changes.found);
     }
-    if (!hn::AllFalse(floats, changes.found)) keep_hits(block, lanes, corners, leaves, in, out, margin, changes, first);
+    if (const std::uint64_t bits = bits_of(floats, changes.found); bits != 0) {
+      keep_hits<search>(scratch_.pending, r, lanes, next, block_corner, corners, in, out, margin, changes);
+      alive_ &= ~(bits << r);
+    }
     return changes.found;
-  }
-
-  /// How far the cubic may be from the exact one on any segment in question (enclosed_along of
-  /// cells/certified_crossing.h); infinite where nothing is certain. Of its 18.7 u an unrounded third takes 0.5 u more.
-  HWY_INLINE static VecF margin_of(const Corners& corners, VecF way_error) {
-    VecF least = corners.f[0], largest = corners.f[0];
-    for (int c = 1; c < 8; ++c) least = hn::Min(least, corners.f[c]), largest = hn::Max(largest, corners.f[c]);
-    const VecF size = hn::Max(hn::Abs(least), hn::Abs(largest));
-    const VecF of_points = hn::Mul(hn::Set(floats, 3.2f), hn::Add(way_error, hn::Set(floats, rounding_unit)));
-    const VecF margin =
-        hn::MulAdd(size, hn::Set(floats, 20.1f * rounding_unit), hn::Mul(of_points, hn::Sub(largest, least)));
-    const MaskF usable = hn::And(hn::Le(way_error, hn::Set(floats, 1e-3f)), hn::Ge(size, hn::Set(floats, 0x1p-100f)));
-    return hn::IfThenElse(usable, margin, hn::Set(floats, std::numeric_limits<float>::infinity()));
-  }
-
-  HWY_INLINE static CubicLanes start_side_up(const CubicLanes& cubic, MaskF starts_inside) {
-    CubicLanes turned;
-    for (int i = 0; i < 4; ++i) turned.b[i] = hn::IfThenElse(starts_inside, cubic.b[i], hn::Neg(cubic.b[i]));
-    return turned;
-  }
-
-  /// Certain that no exact cubic changes side on [x, y]: its convex hull stays above the margin.
-  HWY_INLINE static MaskF is_clear(const CubicLanes& cubic, VecF margin, VecF x, VecF y) {
-    const VecF least = hn::Min(hn::Min(cubic.polar(x, x, x), cubic.polar(x, x, y)),
-                               hn::Min(cubic.polar(x, y, y), cubic.polar(y, y, y)));
-    return hn::Gt(least, margin);
-  }
-
-  /// Where it is not certain on which side the ray enters the cell, or, without a change found, that there is none.
-  HWY_INLINE static MaskF is_in_doubt(const CubicLanes& cubic, VecF margin, MaskF starts_inside, MaskF found) {
-    const CubicLanes turned = start_side_up(cubic, starts_inside);
-    const MaskF starts = hn::Gt(turned.b[0], margin);
-    const VecF rest = hn::Min(hn::Min(turned.b[1], turned.b[2]), turned.b[3]);
-    MaskF decided = hn::And(starts, hn::Or(found, hn::Gt(rest, margin)));
-    return hn::Not(decided);
-  }
-
-  /// Adds crossings to those that are to be refined.
-  HWY_INLINE void keep_hits(const int* block, const Lanes& lanes, const Corners& corners, VecF leaves, const VecF* in,
-                            const VecF* out, VecF margin, const Changes& changes, std::size_t first) {
-    PendingHits& pending = scratch_.pending;
-    const std::size_t at = pending.count;
-    const auto keep = [&](VecF numbers, float* to)
-                          HWY_ATTR { hn::StoreU(hn::Compress(numbers, changes.found), floats, to + at); };
-    const auto found = hn::RebindMask(ints, changes.found);
-    for (int c = 0; c < 8; ++c) keep(corners.f[c], pending.corner[c]);
-    for (int a = 0; a < 3; ++a) keep(in[a], pending.in[a]), keep(out[a], pending.out[a]);
-    keep(lanes.way_in, pending.way_in);
-    keep(leaves, pending.way_out);
-    keep(changes.low, pending.low);
-    keep(changes.high, pending.high);
-    if constexpr (search == Search::certified) {
-      keep(margin, pending.margin);
-      keep(lanes.way_error, pending.way_error);
-    }
-    hn::StoreU(hn::Compress(changes.count, found), ints, pending.root_count + at);
-    hn::StoreU(hn::Compress(hn::Load(ints, scratch_.rays_in_block.ray + first), found), ints, pending.ray + at);
-    HWY_ALIGN std::int32_t bits[16];
-    hn::StoreU(hn::Compress(lanes.bit, found), ints, bits);
-    const std::size_t count = hn::CountTrue(floats, changes.found);
-    for (std::size_t h = 0; h < count; ++h) {
-      pending.cell[at + h] = cell_id(block, bits[h]);
-      alive_ &= ~(std::uint64_t{1} << pending.ray[at + h]);
-    }
-    pending.count += count;
-  }
-
-  /// @param bit  of the cell in the mirrored block
-  HWY_INLINE std::int64_t cell_id(const int* block, int bit) const {
-    std::int64_t id = 0;
-    for (int a = 2; a >= 0; --a) {
-      int cell = 4 * block[a] + (bit >> (2 * a) & 3);
-      if (lattice_.is_mirrored(a)) cell = 16 * lattice_.node_count[a] - 1 - cell;
-      id = id * surface_.leaf_count[a] + cell;
-    }
-    return id;
-  }
-
-  /// Refines the places of all crossings found and writes them down.
-  HWY_INLINE void write_hits() {
-    const PendingHits& pending = scratch_.pending;
-    for (std::size_t first = 0; first < pending.count; first += float_lanes) {
-      Corners corners;
-      VecF in[3], out[3], p[3], gradient[3];
-      for (int c = 0; c < 8; ++c) corners.f[c] = hn::Load(floats, pending.corner[c] + first);
-      for (int a = 0; a < 3; ++a) {
-        in[a] = hn::Load(floats, pending.in[a] + first);
-        out[a] = hn::Load(floats, pending.out[a] + first);
-      }
-      // Lanes beyond the last hit hold what was there before: any numbers, which are not used.
-      const CubicLanes cubic = along(corners, in, out);
-      const MaskF used = hn::FirstN(floats, pending.count - first);
-      const VecF low = hn::IfThenElseZero(used, hn::Load(floats, pending.low + first));
-      const VecF high = hn::IfThenElseZero(used, hn::Load(floats, pending.high + first));
-      const Roots roots = search == Search::preview ? secant_step(cubic, high) : refined(cubic, low, high);
-      const VecF rest = hn::Sub(hn::Set(floats, 1.0f), roots.s);
-      for (int a = 0; a < 3; ++a) p[a] = between(in[a], out[a], roots.s, rest);
-      gradient_at(corners, p, gradient);
-      const VecF way_in = hn::Load(floats, pending.way_in + first), way_out = hn::Load(floats, pending.way_out + first);
-
-      HWY_ALIGN float ways[16], gradients[3][16];
-      HWY_ALIGN std::int32_t iterations[16];
-      hn::Store(hn::MulAdd(roots.s, hn::Sub(way_out, way_in), way_in), floats, ways);
-      for (int a = 0; a < 3; ++a)
-        hn::Store(lattice_.is_mirrored(a) ? hn::Neg(gradient[a]) : gradient[a], floats, gradients[a]);
-      hn::Store(roots.iterations, ints, iterations);
-      HWY_ALIGN float way_errors[16];
-      if constexpr (search == Search::certified) {
-        const VecF s_error = error_of_root(cubic, hn::Load(floats, pending.margin + first), roots.s);
-        const VecF way_error = hn::Load(floats, pending.way_error + first);
-        hn::Store(hn::MulAdd(s_error, hn::Sub(way_out, way_in), hn::Add(way_error, way_error)), floats, way_errors);
-      }
-      const std::size_t end = pending.count - first < float_lanes ? pending.count - first : float_lanes;
-      for (std::size_t h = 0; h < end; ++h) {
-        const auto ray = static_cast<std::size_t>(pending.ray[first + h]);
-        const std::size_t at = group_.index[ray];
-        const double t = scratch_.t_block[ray] + ways[h] * scratch_.t_per_way[ray];
-        if constexpr (search == Search::certified) {
-          const double error = way_errors[h] * scratch_.t_per_way[ray] + 0x1p-49 * (t < 0 ? -t : t);
-          // A ray's own ends are exact: a hit that may lie beyond them is not certain. Neither is one without a bound.
-          double per_way = 0;  // squared: how far the ray moves while it moves by 1 along the major axis
-          for (int a = 0; a < 3; ++a) per_way += double{scratch_.slope[a][ray]} * scratch_.slope[a][ray];
-          const double place = way_errors[h];
-          if (!(t - error >= rays_.t_min[at] && t + error <= rays_.t_max[at] &&
-                place * place * per_way <= largest_place_error * largest_place_error)) {
-            doubt(std::uint64_t{1} << ray);
-            continue;
-          }
-          hits_.error[at] = error;
-        }
-        hits_.t[at] = t < group_.t_out[ray] ? t : group_.t_out[ray];
-        hits_.value[at] = surface_.isovalue;
-        for (int a = 0; a < 3; ++a) hits_.gradient[a][at] = gradients[a][h];
-        hits_.cell[at] = static_cast<std::uint64_t>(pending.cell[first + h]);
-        hits_.root_count[at] = static_cast<std::uint32_t>(pending.root_count[first + h]);
-        hits_.iteration_count[at] = static_cast<std::uint32_t>(iterations[h]);
-      }
-    }
-  }
-
-  /// How far the exact first change of side may be from a root, as a share of the way through the cell; infinite where
-  /// nothing is proven.
-  HWY_INLINE static VecF error_of_root(const CubicLanes& cubic, VecF margin, VecF root) {
-    const VecF zero = hn::Zero(floats), one = hn::Set(floats, 1.0f);
-    const CubicLanes turned = start_side_up(cubic, is_inside(cubic.b[0]));
-    const VecF slope = hn::Abs(turned.at(root).slope);
-    const VecF reach = hn::Max(hn::Set(floats, 0x1p-22f), hn::Div(hn::Mul(hn::Set(floats, 1.5f), margin), slope));
-    const VecF low = hn::Max(hn::Sub(root, reach), zero), high = hn::Min(hn::Add(root, reach), one);
-    const VecF middle = hn::Mul(hn::Set(floats, 0.5f), low);
-    const MaskF clear_at_once = is_clear(turned, margin, zero, low);
-    const MaskF clear =
-        hn::Or(clear_at_once, hn::And(is_clear(turned, margin, zero, middle), is_clear(turned, margin, middle, low)));
-    const MaskF changed = hn::Lt(turned.polar(high, high, high), hn::Neg(margin));
-    const MaskF proven = hn::And(clear, changed);
-    const VecF error = hn::Mul(hn::Max(hn::Sub(high, root), hn::Sub(root, low)), hn::Set(floats, 1 + 0x1p-20f));
-    return hn::IfThenElse(proven, error, hn::Set(floats, std::numeric_limits<float>::infinity()));
-  }
-
-  HWY_INLINE void keep_state(const Lanes& lanes, VecI visits, std::size_t first) {
-    const auto bit = [&](MaskF mask, std::int32_t value)
-                         HWY_ATTR { return hn::IfThenElseZero(hn::RebindMask(ints, mask), hn::Set(ints, value)); };
-    VecI state = hn::AndNot(hn::Set(ints, RayState::one_visit - 1), lanes.state);
-    state = hn::Or(state, hn::Or(bit(lanes.inside, RayState::inside), bit(lanes.has_side, RayState::has_side)));
-    state = hn::Add(state, hn::Mul(visits, hn::Set(ints, RayState::one_visit)));
-    HWY_ALIGN std::int32_t states[16];
-    hn::Store(state, ints, states);
-    const RaysInBlock& list = scratch_.rays_in_block;
-    for (std::size_t lane = 0; lane < float_lanes && first + lane < list.count; ++lane)
-      scratch_.state[list.ray[first + lane]] = states[lane];
   }
 
   const Surface& surface_;
   const MirroredLattice& lattice_;
+  const LatticeEnds ends_;
   const RayArrays& rays_;
   const HitArrays& hits_;
   IsosurfaceScratch& scratch_;
   RayGroup& group_;
   KernelCounters& counters_;
-  Fetch fetch_;
-  std::uint64_t alive_;                ///< rays without a hit
-  std::uint64_t doubtful_ = 0;         ///< rays that have left the group because not all is certain
-  int stride_[3];                      ///< from a cell's lower to its upper sample, by mirrored axis
-  int lowest_sample_ = 0;              ///< of the mirrored block
-  int first_plane_[3], last_cell_[3];  ///< of the mirrored block, as far as the lattice has cells there
+  const Reading reading_;
+  std::uint64_t alive_;                      ///< rays without a hit
+  std::uint64_t doubtful_ = 0;               ///< rays that have left the group: another kernel is to answer them
+  std::uint64_t inside_ = 0, has_side_ = 0;  ///< the side that each ray is on, if it has met data
+  int stride_[3];                            ///< from a cell's lower to its upper sample, by mirrored axis
+  int lowest_sample_ = 0;                    ///< of the mirrored block
+  int upward_[3];                            ///< from a cell's lower to its upper sample, in the lattice
 };
 
-template <Search search>
-std::uint64_t first_crossings(const Surface& surface, const RayArrays& rays, std::size_t count, const HitArrays& hits,
-                              IsosurfaceScratch& scratch, KernelCounters& counters) {
-  std::uint64_t doubtful = 0;
-  for_each_group(rays, count, surface.leaf_count, surface.node_count, scratch.group,
-                 [&](RayGroup& group, const MirroredLattice& lattice, Frustum& frustum) HWY_ATTR {
-                   GroupWalk<search> walk(surface, lattice, rays, hits, scratch, counters);
-                   for (std::uint64_t bits = walk.run(frustum); bits != 0; bits &= bits - 1)
-                     doubtful |= std::uint64_t{1} << group.index[std::countr_zero(bits)];
-                 });
-  return search == Search::certified ? doubtful | scratch.group.grazing : 0;
+/// Notes rays of a group that are in doubt.
+HWY_INLINE void keep_doubtful(std::uint64_t rays, std::size_t first, const RayGroup& group,
+                              IsosurfaceScratch& scratch) {
+  for (; rays != 0; rays &= rays - 1)
+    scratch.doubtful.index[scratch.doubtful.count++] =
+        static_cast<std::uint32_t>(first) + group.index[std::countr_zero(rays)];
 }
 
-FirstCrossings first_crossings_by(Search search) {
+/// Answers half of these rays or more.
+template <Search search>
+HWY_NOINLINE void answer_most(const Surface& surface, WaitingRays& waiting, const RayArrays& rays,
+                              const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters) {
+  RayGroup& group = scratch.group;
+  group = waiting.rays;
+  for (std::size_t lane = group.count; lane % 16 != 0; ++lane) copy_ray(group, group.count - 1, group, lane);
+  group.inside = first_rays(group.count);
+  scratch.scattered.search = waiting.places;
+  for (std::size_t r = 0; r < RayGroup::size; ++r)
+    scratch.visits[r] = (waiting.under_way >> r & 1) != 0 ? waiting.visits[r] : 0;
+  const MirroredLattice lattice(group.octant, surface.node_count);
+  GroupWalk<search> walk(surface, lattice, rays, hits, scratch, counters);
+  keep_doubtful(walk.run_scattered(waiting), 0, group, scratch);
+}
+
+template <Search search>
+void first_crossings(const Surface& surface, const RayArrays& rays, std::size_t first, std::size_t count,
+                     const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters) {
+  const RayArrays chunk = from(rays, first);
+  const HitArrays answers = from(hits, first);
+  const auto visit = [&](RayGroup& group, const MirroredLattice& lattice, Frustum& frustum) HWY_ATTR {
+    GroupWalk<search> walk(surface, lattice, chunk, answers, scratch, counters);
+    keep_doubtful(walk.run(frustum), first, group, scratch);
+  };
+  const auto scatter = [&](const RayGroup& group) HWY_ATTR {
+    if (surface.source.has_gaps) return false;
+    // What is in doubt already is not asked about again.
+    std::uint64_t joining = search == Search::certified ? group.inside & ~group.grazing : group.inside;
+    WaitingRays& waiting = scratch.scattered.waiting[group.octant];
+    const RayGroup* source = &group;
+    for (; joining != 0; joining &= joining - 1) {
+      if (waiting.rays.count == RayGroup::size) {
+        if (source == &group) source = &(scratch.scattered.joining = group);
+        answer_most<search>(surface, waiting, rays, hits, scratch, counters);
+      }
+      copy_ray(*source, static_cast<std::size_t>(std::countr_zero(joining)), waiting.rays, waiting.rays.count);
+      waiting.rays.index[waiting.rays.count++] += static_cast<std::uint32_t>(first);
+    }
+    return true;
+  };
+  const std::uint64_t grazing =
+      for_each_group(chunk, count, surface.leaf_count, surface.node_count, scratch.group, visit, scatter);
+  if constexpr (search == Search::certified)
+    for (std::uint64_t bits = grazing; bits != 0; bits &= bits - 1)
+      scratch.doubtful.index[scratch.doubtful.count++] =
+          static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(std::countr_zero(bits));
+}
+
+template <Search search>
+void answer_waiting(const Surface& surface, const RayArrays& rays, const HitArrays& hits, IsosurfaceScratch& scratch,
+                    KernelCounters& counters) {
+  for (WaitingRays& waiting : scratch.scattered.waiting)
+    while (waiting.rays.count != 0) answer_most<search>(surface, waiting, rays, hits, scratch, counters);
+}
+
+template <Search search>
+constexpr CrossingKernels kernels_of{first_crossings<search>, answer_waiting<search>};
+
+CrossingKernels crossing_kernels(Search search) {
   switch (search) {
     case Search::preview:
-      return first_crossings<Search::preview>;
+      return kernels_of<Search::preview>;
     case Search::certified:
-      return first_crossings<Search::certified>;
+      return kernels_of<Search::certified>;
     case Search::bracketed:
       break;
   }
-  return first_crossings<Search::bracketed>;
+  return kernels_of<Search::bracketed>;
 }
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE
@@ -925,17 +605,17 @@ HWY_AFTER_NAMESPACE();
 
 namespace rhoray::render::wide {
 
-FirstCrossings first_crossings_on(Machine machine, Search search) {
+CrossingKernels crossing_kernels_on(Machine machine, Search search) {
 #if HWY_TARGETS & HWY_AVX3
-  if (machine == Machine::avx512) return N_AVX3::first_crossings_by(search);
+  if (machine == Machine::avx512) return N_AVX3::crossing_kernels(search);
 #endif
 #if HWY_TARGETS & HWY_AVX2
-  if (machine == Machine::avx2) return N_AVX2::first_crossings_by(search);
+  if (machine == Machine::avx2) return N_AVX2::crossing_kernels(search);
 #endif
 #if HWY_TARGETS & HWY_SSE4
-  if (__builtin_cpu_supports("sse4.1")) return N_SSE4::first_crossings_by(search);
+  if (__builtin_cpu_supports("sse4.1")) return N_SSE4::crossing_kernels(search);
 #endif
-  return HWY_NAMESPACE::first_crossings_by(search);
+  return HWY_NAMESPACE::crossing_kernels(search);
 }
 
 }  // namespace rhoray::render::wide

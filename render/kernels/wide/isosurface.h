@@ -5,8 +5,8 @@
 namespace rhoray::render::wide {
 
 /// The first crossing of an isosurface for groups of rays at once; null where the scalar kernels answer: for volumes
-/// other than uniform dense grids with macro levels of factor 4, with samples that have no data, and for ways other
-/// than those of the table in README.md.
+/// other than uniform dense grids with macro levels of factor 4, and for ways other than those of the table in
+/// README.md.
 Kernel first_crossing_kernel(const VolumeImplementation& volume, const Method& method, Machine machine);
 
 }  // namespace rhoray::render::wide

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <utility>
 
 #include "render/kernels/wide/isosurface.h"
 #include "render/kernels/wide/isosurface_parts.h"
@@ -45,6 +47,25 @@ IsosurfaceScratch& prepared(std::shared_ptr<IsosurfaceScratch>& scratch, std::sh
   return *scratch;
 }
 
+/// Asks another kernel about the rays in doubt.
+void redo_doubtful(Kernel redoing, const VolumeImplementation& volume, const Question& question, const RayBatch& rays,
+                   HitBatch& hits, KernelScratch& scratch) {
+  IsosurfaceScratch& memory = *scratch.isosurface;
+  std::uint32_t* const begin = memory.doubtful.index;
+  std::sort(begin, begin + memory.doubtful.count);
+  std::uint32_t* const end = std::unique(begin, begin + std::exchange(memory.doubtful.count, 0));
+  scratch.counters.rays_wide -= static_cast<std::uint64_t>(end - begin);
+  for (std::uint32_t* first = begin; first < end;) {
+    const std::span<const std::uint32_t> some(
+        first, std::min<std::size_t>(RayGroup::size, static_cast<std::size_t>(end - first)));
+    memory.few.rays.count = some.size();
+    for (std::size_t i = 0; i < some.size(); ++i) memory.few.rays.set(i, rays[some[i]]);
+    redoing(volume, question, memory.few.rays, memory.few.hits, scratch);
+    for (std::size_t i = 0; i < some.size(); ++i) hits.set(some[i], memory.few.hits[i]);
+    first += some.size();
+  }
+}
+
 template <Machine machine, Search search>
 void first_crossings(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
                      KernelScratch& scratch) {
@@ -59,16 +80,24 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
           scratch.counters.rays_wide += rays.count;
           IsosurfaceScratch& memory =
               prepared(scratch.isosurface, volume.occupancies->of(view.levels(), question.isovalue));
-          const Surface surface = surface_of(view, *memory.occupancy, question);
-          const FirstCrossings answer = first_crossings_on(machine, search);
-          const HitArrays all = misses(hits, rays.count);
-          for (std::size_t first = 0; first < rays.count; first += RayGroup::size)
-            if (const std::uint64_t doubtful =
-                    answer(surface, from(rays, first), std::min(RayGroup::size, rays.count - first), from(all, first),
-                           memory, scratch.counters);
-                doubtful != 0)
-              ask_again(redoing_kernel_for(view), volume, question, rays, first, doubtful, hits, memory.doubtful,
-                        scratch);
+          Surface surface = surface_of(view, *memory.occupancy, question);
+          surface.source.has_gaps = volume.field.no_data_count > 0;
+          const CrossingKernels kernels = crossing_kernels_on(machine, search);
+          const RayArrays asked = arrays_of(rays);
+          const HitArrays answers = arrays_of(hits);
+          const auto redo = [&] {
+            if (memory.doubtful.count != 0)
+              redo_doubtful(search == Search::certified ? redoing_kernel_for(view) : reference, volume, question, rays,
+                            hits, scratch);
+          };
+          for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
+            const std::size_t count = std::min(RayGroup::size, rays.count - first);
+            write_misses(from(answers, first), count);
+            kernels.answer(surface, asked, first, count, answers, memory, scratch.counters);
+            redo();
+          }
+          kernels.answer_waiting(surface, asked, answers, memory, scratch.counters);
+          redo();
         }
       },
       volume.view);
@@ -81,12 +110,12 @@ Kernel kernel_by(Method::Way way) {
                                          : first_crossings<machine, Search::bracketed>;
 }
 
-/// A grid of which every cell has data, with macro levels that are trees of 64 children.
+/// A grid with macro levels that are trees of 64 children.
 bool is_fit(const VolumeImplementation& volume) {
   return std::visit(
       [&]<class View>(const View& view) {
         if constexpr (is_uniform_grid<View>)
-          return view.lattice().factor == 4 && volume.field.no_data_count == 0;
+          return view.lattice().factor == 4;
         else
           return false;
       },

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 
@@ -9,6 +10,7 @@
 #include "render/kernels/wide/batch_arrays.h"
 #include "render/kernels/wide/block_samples.h"
 #include "render/kernels/wide/ray_group.h"
+#include "render/kernels/wide/scattered.h"
 
 /// What the sources of the wide isosurface kernel hand to the part that is compiled once per machine.
 namespace rhoray::render::wide {
@@ -28,33 +30,48 @@ struct Surface {
   bool time_phases;
 };
 
-/// Rays that pass one block, packed side by side: where they enter it in its mirrored coordinates, 0 to 4, and how they
-/// go on while they move by 1 along their fastest axis.
-struct alignas(64) RaysInBlock {
-  static constexpr std::size_t capacity = RayGroup::size + 16;
-
-  float entry[3][capacity];
-  float slope[3][capacity];
-  float inverse_slope[3][capacity];
-  float end[capacity];             ///< the way until the ray leaves the block, or ends
-  float position_error[capacity];  ///< certified: what double precision may have put the ray's points off by
-  std::int32_t ray[capacity];
-  std::size_t count;
+/// Which blocks a group's rays may pass, in single precision with a margin: a ray passes plane k of an axis of the
+/// mirrored lattice on its way at k inverse_slope + near, or later, and at k inverse_slope + far, or sooner.
+struct alignas(64) BlockFilter {
+  float near[3][RayGroup::size], far[3][RayGroup::size];
+  float first[RayGroup::size], last[RayGroup::size];  ///< the part of the way inside the lattice
 };
 
-/// Crossings of which the cell is known and the place in it is still to be refined, side by side.
-struct alignas(64) PendingHits {
-  static constexpr std::size_t capacity = RayGroup::size + 16;
+/// A block that some rays of the group are still to pass.
+struct BlockAhead {
+  int block[3];                                       ///< mirrored
+  std::uint64_t rays;                                 ///< that may pass it
+  std::uint64_t taken;                                ///< of which it is the next one
+  std::int32_t samples = -1;                          ///< where its samples begin among all kept; -1: not fetched
+  std::uint64_t present = 0, active = 0, inside = 0;  ///< of BlockSamples, mirrored
+};
 
-  float corner[8][capacity];                  ///< of the cell, less the isovalue
-  float in[3][capacity], out[3][capacity];    ///< where the ray enters and leaves the cell
-  float way_in[capacity], way_out[capacity];  ///< from where it entered the block
-  float low[capacity], high[capacity];        ///< the piece of the way on which the cubic is monotone and changes side
-  float margin[capacity], way_error[capacity];  ///< certified: of values, and of the way
-  std::int32_t root_count[capacity];
-  std::int32_t ray[capacity];
-  std::int64_t cell[capacity];  ///< id
+/// Blocks in the order in which rays pass them.
+struct BlocksAhead {
+  static constexpr std::size_t capacity = 24;
+
+  BlockAhead block[capacity];
   std::size_t count;
+  std::uint64_t rays;       ///< that may pass one of them
+  std::uint64_t places[2];  ///< where their samples are kept, or will be
+};
+
+/// Crossings of which the cell is known and the place in it is still to be refined, each in its ray's lane.
+struct alignas(64) PendingHits {
+  float corner[8][RayGroup::size];                        ///< of the cell, less the isovalue
+  float in[3][RayGroup::size], out[3][RayGroup::size];    ///< where the ray enters and leaves the cell
+  float way_in[RayGroup::size], way_out[RayGroup::size];  ///< from where it entered the block
+  float low[RayGroup::size], high[RayGroup::size];        ///< the piece on which the cubic is monotone and changes side
+  float margin[RayGroup::size], way_error[RayGroup::size];  ///< certified: of values, and of the way
+  float cell[3][RayGroup::size];                            ///< in the mirrored lattice
+  std::int32_t root_count[RayGroup::size];
+  std::uint64_t rays;  ///< that have one
+};
+
+/// Certified: rays of a batch of which not every decision is proven; nothing that was written for them counts.
+struct DoubtfulRays {
+  std::uint32_t index[RayGroup::size * 20];  ///< of a chunk, and of the groups that its scattered rays complete
+  std::size_t count = 0;
 };
 
 /// What a thread keeps for the kernel.
@@ -66,30 +83,33 @@ struct alignas(64) IsosurfaceScratch {
   float slope[3][RayGroup::size];          ///< along each axis, while the ray goes by 1 along its fastest one
   float inverse_slope[3][RayGroup::size];  ///< never_passed where the ray passes no plane
   double way_per_t[RayGroup::size], t_per_way[RayGroup::size];  ///< the way counted along the ray's fastest axis
-  float position_error[RayGroup::size];
-  double t_block[RayGroup::size];      ///< when each ray entered the last block that it passed
-  std::int32_t state[RayGroup::size];  ///< of each ray: see RayState
-  RaysInBlock rays_in_block;
+  float position_error[RayGroup::size];  ///< certified: what double precision may have put the ray's points off by
+  double t_block[RayGroup::size];        ///< when each ray entered the last block that it passed
+  std::int32_t visits[RayGroup::size];   ///< blocks and cells
+  BlockFilter filter;
+  BlocksAhead ahead;
   PendingHits pending;
   std::uint64_t block_key[kept_blocks];
   BlockSamples blocks[kept_blocks];
+  ScatteredScratch scattered;
+  DoubtfulRays doubtful;
   std::shared_ptr<const Occupancy> occupancy;  ///< whose blocks are kept
-  FewRays doubtful;                            ///< certified: what the reference is asked about
+  FewRays few;                                 ///< of the doubtful ones
 };
 
-/// What is known of a ray while it goes from block to block, in one number.
-struct RayState {
-  static constexpr std::int32_t inside = 1;     ///< the side that it is on
-  static constexpr std::int32_t has_side = 2;   ///< it has met data
-  static constexpr std::int32_t one_visit = 4;  ///< from here on: blocks and cells visited
+/// What is compiled once per machine. Hits are written; what is no hit is left as it is, but for its cost. Rays in
+/// doubt are added to those of the scratch memory.
+struct CrossingKernels {
+  /// Answers at most 64 rays of a batch, from `first` on, a multiple of 64. Rays that go their own ways may be left
+  /// waiting.
+  void (*answer)(const Surface& surface, const RayArrays& rays, std::size_t first, std::size_t count,
+                 const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters);
+  /// Answers those that wait.
+  void (*answer_waiting)(const Surface& surface, const RayArrays& rays, const HitArrays& hits,
+                         IsosurfaceScratch& scratch, KernelCounters& counters);
 };
-
-/// Answers at most 64 rays. Hits are written; what is no hit is left as it is, but for its cost.
-/// @return  certified: the rays of which not every decision is proven; nothing that was written for them counts
-using FirstCrossings = std::uint64_t (*)(const Surface& surface, const RayArrays& rays, std::size_t count,
-                                         const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters);
 
 /// `baseline` is what the processor has of SSE4, or else one lane.
-FirstCrossings first_crossings_on(Machine machine, Search search);
+CrossingKernels crossing_kernels_on(Machine machine, Search search);
 
 }  // namespace rhoray::render::wide

@@ -20,6 +20,7 @@ using Doubles = hn::CappedTag<double, 8>;
 using Floats = hn::CappedTag<float, 16>;
 using Ints = hn::RebindToSigned<Floats>;
 using HalfFloats = hn::Rebind<float, Doubles>;  ///< as many floats as doubles
+using HalfInts = hn::Rebind<std::int32_t, Doubles>;
 using VecD = hn::Vec<Doubles>;
 using VecF = hn::Vec<Floats>;
 using VecI = hn::Vec<Ints>;
@@ -30,6 +31,7 @@ inline constexpr Doubles doubles{};
 inline constexpr Floats floats{};
 inline constexpr Ints ints{};
 inline constexpr HalfFloats half_floats{};
+inline constexpr HalfInts half_ints{};
 
 inline constexpr std::size_t double_lanes = hn::MaxLanes(doubles);
 inline constexpr std::size_t float_lanes = hn::MaxLanes(floats);
@@ -60,6 +62,27 @@ HWY_INLINE hn::Mask<D> mask_of(D tag, std::uint64_t bits) {
 template <class D>
 HWY_INLINE hn::Mask<D> no_lane(D tag) {
   return hn::FirstN(tag, 0);
+}
+
+/// Vectors of doubles that hold as many lanes as one of floats.
+inline constexpr std::size_t parts_of_floats = float_lanes / double_lanes;
+
+/// Those lanes of floats that vector `part` of doubles holds.
+HWY_INLINE VecD as_doubles(VecF x, std::size_t part) {
+#if HWY_TARGET == HWY_SCALAR
+  (void)part;
+  return hn::PromoteTo(doubles, x);
+#else
+  return hn::PromoteTo(doubles, part == 0 ? hn::LowerHalf(half_floats, x) : hn::UpperHalf(half_floats, x));
+#endif
+}
+
+HWY_INLINE VecF as_floats(const VecD* parts) {
+#if HWY_TARGET == HWY_SCALAR
+  return hn::DemoteTo(floats, parts[0]);
+#else
+  return hn::Combine(floats, hn::DemoteTo(half_floats, parts[1]), hn::DemoteTo(half_floats, parts[0]));
+#endif
 }
 
 /// True in lanes that are finite numbers.

@@ -8,6 +8,7 @@
 
 #include "render/kernels/grid_maximum.h"
 #include "render/kernels/kernel_of.h"
+#include "render/kernels/wide/batch_arrays.h"
 #include "render/kernels/wide/maximum_parts.h"
 
 namespace rhoray::render::wide {
@@ -92,13 +93,6 @@ MaximumField field_of(const VolumeImplementation& volume, const GridVolume<T>& v
   return field;
 }
 
-RayArrays arrays_from(const RayBatch& rays, std::size_t first) {
-  return {.origin = {&rays.origin[0][first], &rays.origin[1][first], &rays.origin[2][first]},
-          .direction = {&rays.direction[0][first], &rays.direction[1][first], &rays.direction[2][first]},
-          .t_min = &rays.t_min[first],
-          .t_max = &rays.t_max[first]};
-}
-
 Hit hit_of(const FoundMaximum& found, std::uint32_t cost) {
   Hit hit;
   if (found.value > -std::numeric_limits<double>::infinity())
@@ -126,7 +120,7 @@ void largest_values(const VolumeImplementation& volume, const Question& question
       memory.found[r] = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), 0, false};
       memory.cost[r] = 0;
     }
-    search(field, arrays_from(rays, first), count, memory);
+    search(field, from(rays, first), count, memory);
     for (std::size_t r = 0; r < count; ++r) {
       hits.set(first + r, hit_of(memory.found[r], memory.cost[r]));
       cells += memory.cost[r];

@@ -8,6 +8,7 @@
 #include "render/kernels/machine.h"
 #include "render/kernels/wide/block_samples.h"
 #include "render/kernels/wide/ray_group.h"
+#include "render/kernels/wide/region_queue.h"
 
 /// What the sources of the wide kernel for largest values hand to the part that is compiled once per machine.
 ///
@@ -58,29 +59,11 @@ struct MaximumField {
   const void* context;
 };
 
-/// Regions of the frustum of a group with the largest value in each, the largest first: 256 buckets of values, and in
-/// each the last one put in.
-struct RegionQueue {
-  struct Region {
-    double largest;
-    std::int16_t at[3];  ///< mirrored, in regions of its size
-    std::uint16_t is_block;
-    std::uint32_t next;
-  };
-  static constexpr std::uint32_t capacity = 4096;
-  static constexpr std::uint32_t none = ~std::uint32_t{0};
-
-  double lowest, buckets_per_unit;
-  std::uint64_t filled[4];  ///< bit b of word w: bucket 64 w + b has regions
-  std::uint32_t count, unused;
-  std::uint32_t first[256];
-  Region regions[capacity];
-};
-
 /// The rays of a group in single precision: places on the minor axes as functions of the place on the major one.
 struct alignas(64) GroupLines {
   static constexpr std::size_t size = RayGroup::size;
 
+  double exact_start[2][size], exact_slope[2][size];
   float start[2][size];  ///< where the major axis is 0
   float slope[2][size];
   float inverse[2][size];      ///< of the slope; large where it is close to 0
@@ -89,22 +72,22 @@ struct alignas(64) GroupLines {
   float reached_at[size];      ///< no less than where it was found, on the major axis
 };
 
-/// Parts of rays in a block that may hold a larger value than was found.
+/// Parts of rays in a box of cells that may hold a larger value than was found.
 struct alignas(64) BlockSuspects {
   static constexpr std::size_t capacity = 64 * 10 + 16;
 
   std::int32_t ray[capacity];
-  float from[capacity], to[capacity];
-  float bound[capacity];  ///< no value there is larger, in the block's unit
+  float from[capacity], to[capacity];  ///< on the major axis, from where the box begins
+  float bound[capacity];               ///< no value there is larger, in the box's unit
   std::size_t count;
 };
 
-/// The same of all blocks, until they are looked at closely.
+/// The same of all boxes, until they are looked at closely.
 struct Suspects {
   static constexpr std::size_t capacity = 2048;
 
   std::int32_t ray[capacity];
-  float from[capacity], to[capacity];
+  double from[capacity], to[capacity];  ///< on the major axis
   double bound[capacity];
   std::size_t count;
 };
@@ -144,11 +127,31 @@ struct alignas(64) MaximumBlock {
   float largest[160];  ///< of the cell of which this is the lowest corner
 };
 
+/// The samples of a slab of nodes around a group's rays (Window).
+struct alignas(64) MaximumWindow {
+  static constexpr int longest = 40;  ///< samples on an axis
+  static constexpr std::size_t capacity = 17 * 34 * 34;
+
+  std::int32_t words[capacity];
+};
+
+/// Which slabs of nodes were swept, a bit each, and rays in coordinates from a slab's corner.
+struct alignas(64) SlabRays {
+  static constexpr std::size_t words = (1 << 14) / 16 / 64 + 1;  ///< the most that a lattice can have
+
+  float start[2][RayGroup::size];
+  float reached[RayGroup::size];  ///< below the slab's largest value
+  std::uint64_t swept[words];
+  std::uint8_t blocks[64 * words];  ///< that were looked into, up to multiples of 256
+};
+
 struct alignas(64) MaximumScratch {
   RayGroup group;
   GroupLines lines;
   RegionQueue queue;
   MaximumBlock block;
+  MaximumWindow window;
+  SlabRays slabs;
   RaysAtBlock at_block;
   BlockSuspects at_hand;
   Suspects suspects;

@@ -19,10 +19,11 @@ struct alignas(64) RayGroup {
   double t_in[size], t_out[size];  ///< the part inside the lattice
   std::uint32_t index[size];       ///< place in the batch
   std::uint64_t inside;            ///< rays that have such a part
-  std::uint64_t grazing;           ///< of the chunk: rays of which rounding hides whether they meet the lattice
+  std::uint64_t grazing;           ///< rays of which rounding hides whether they meet the lattice
   std::size_t count;
-  unsigned octant;  ///< bit a: the rays move down on axis a
-  int major;        ///< the axis along which they move most, all together
+  bool is_in_order;  ///< ray r of the group is ray r of the batch
+  unsigned octant;   ///< bit a: the rays move down on axis a
+  int major;         ///< the axis along which they move most, all together
 };
 
 /// A batch's rays as plain arrays, from the first of a chunk of at most 64 on.

@@ -71,7 +71,7 @@ TEST(BoxRay, misses_no_box_that_the_ray_touches_and_no_part_of_it) {
       ASSERT_GE(parts.t_out[e], exact.out.convert_to<double>() * (1 - 1e-15));
     }
   }
-  EXPECT_GT(met, 800);
+  EXPECT_GT(met, 300);
   EXPECT_GT(touched, 5);
   EXPECT_LT(said, met + met / 20);
 }

@@ -10,9 +10,11 @@
 #include "render/kernels/wide/maximum.h"
 #include "render/method.h"
 #include "tests/render/support/allocation_count.h"
+#include "tests/render/support/bundles.h"
 #include "tests/render/support/grid_judge.h"
 #include "tests/render/support/rays.h"
 #include "tests/render/support/traced_volume.h"
+#include "tests/render/support/wide_machines.h"
 #include "tests/support/fields.h"
 
 namespace rhoray::tests {
@@ -24,13 +26,6 @@ using render::Method;
 using render::Ray;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-std::vector<Machine> wide_machines() {
-  std::vector<Machine> machines;
-  for (const Machine machine : {Machine::baseline, Machine::avx2, Machine::avx512})
-    if (render::has_machine(machine)) machines.push_back(machine);
-  return machines;
-}
 
 std::vector<Hit> largest_values(const TracedVolume& traced, const Method& method, Machine machine,
                                 const std::vector<Ray>& rays_world) {
@@ -44,32 +39,6 @@ std::vector<Hit> largest_values(const TracedVolume& traced, const Method& method
   render::ask(kernels.largest_value, volume, {.field_range = traced.volume().field().range, .method = method}, rays,
               hits, scratch);
   return hits;
-}
-
-/// Squares of 8 x 8 rays from points around and inside a box [0, size] towards points in it, from one point or
-/// parallel.
-std::vector<Ray> bundles(const Vec3& size, std::size_t count, std::uint64_t seed) {
-  Dice dice(seed);
-  std::vector<Ray> rays;
-  while (rays.size() < count) {
-    const Vec3 target = dice.point({0, 0, 0}, size);
-    Vec3 towards = dice.direction();
-    if (dice.below(4) == 0) {
-      const int axis = static_cast<int>(dice.below(3));
-      towards = Vec3(0);
-      towards[axis] = dice.coin() ? 1 : -1;
-    }
-    const double back = dice.between(0.1, 3) * size.length(), spread = dice.between(0.01, 8);
-    const Vec3 u = towards.cross(Vec3(0.3, 0.5, 0.8)).normalized(), v = towards.cross(u);
-    const bool is_parallel = dice.below(4) == 0;
-    for (int y = 0; y < 8; ++y)
-      for (int x = 0; x < 8; ++x) {
-        const Vec3 shift = spread * ((x - 3.5) / 4 * u + (y - 3.5) / 4 * v), eye = target - back * towards;
-        rays.push_back({.origin = is_parallel ? eye + shift : eye,
-                        .direction = is_parallel ? towards : (target + shift - eye).normalized()});
-      }
-  }
-  return rays;
 }
 
 std::vector<Ray> rays_through(const Vec3& size, std::size_t count, std::uint64_t seed) {

@@ -44,7 +44,7 @@ TEST(StudyProgram, shows_every_system_that_is_there_beside_the_exact_answer) {
     EXPECT_GT(row["cpu_ms"], 0.0) << where;
     EXPECT_GT(row["hits"], 100) << where;
     EXPECT_EQ(row["picture"].is_string(), system.starts_with("Rhoray")) << where;
-    const bool is_proven = system == "Rhoray, exact" || system == "Rhoray, certified" || system == "Rhoray, default";
+    const bool is_proven = system == "Rhoray, exact" || system == "Rhoray, certified" || system == "Rhoray, double";
     EXPECT_LE(row["missed"], is_proven ? 0 : 30) << where;
     EXPECT_LE(row["false"], is_proven ? 0 : 60) << where;
     const double median = row["error_median_voxels"];
@@ -53,8 +53,8 @@ TEST(StudyProgram, shows_every_system_that_is_there_beside_the_exact_answer) {
       EXPECT_EQ(row["over_ours"], 1);
     }
   }
-  for (const char* system : {"Rhoray, preview", "Rhoray, float", "Rhoray, default", "Rhoray, certified",
-                             "Rhoray, exact", "NanoVDB, dense", "NanoVDB, narrow", "OpenVDB, level set"})
+  for (const char* system : {"Rhoray, preview", "Rhoray, float", "Rhoray, double", "Rhoray, certified", "Rhoray, exact",
+                             "NanoVDB, dense", "NanoVDB, narrow", "OpenVDB, level set"})
     EXPECT_EQ(seen[system], 2) << system;
   // Others are there, or it is said why not.
   const json& left_out = surface["context"]["left_out"];
@@ -69,7 +69,7 @@ TEST(StudyProgram, shows_every_system_that_is_there_beside_the_exact_answer) {
     ++seen[system];
     EXPECT_LT(row["error_mean_levels"], system.starts_with("Rhoray") ? 1e-5 : 10.0) << system;
   }
-  EXPECT_EQ(seen["Rhoray, default"], 2);
+  EXPECT_EQ(seen["Rhoray, double"], 2);
   const bool has_vtk = !largest["context"]["left_out"].contains("VTK, largest values");
   for (const char* system : {"VTK, step 1", "VTK, step 0.5", "VTK, step 0.1"}) EXPECT_EQ(seen[system], has_vtk ? 2 : 0);
 }
@@ -110,12 +110,20 @@ TEST(StudyProgram, refuses_requests_without_sense) {
                                                              {{"peers-grid", "smooth.rho", "--repeat", "0"}, 2},
                                                              {{"peers-grid", "none.rho"}, 3},
                                                              {{"layouts", "smooth.rho", "--accuracy", "high"}, 2},
+                                                             {{"layouts", "smooth.rho", "-o", "nowhere"}, 2},
+                                                             {{"peers-grid", "smooth.rho", "-o", "nowhere"}, 2},
+                                                             {{"maximum-search", "smooth.rho", "-o", "nowhere"}, 2},
+                                                             {{"judge-cells", "-o", "nowhere"}, 2},
+                                                             {{"closed-surfaces", "-o", "nowhere"}, 2},
+                                                             {{"largest-values", "-o", "nowhere"}, 2},
+                                                             {{"preprocess-speed", "-o", "nowhere"}, 2},
                                                              {{"layouts", "smooth.raw"}, 4}}) {
     std::vector<std::string> line{RHORAY_STUDY_PROGRAM};
     line.insert(line.end(), words.begin(), words.end());
     const RunResult result = run_program(line, folder.path());
     EXPECT_EQ(result.exit_code, code) << testing::PrintToString(words) << result.err;
     EXPECT_NE(result.err, "");
+    EXPECT_EQ(result.out, "") << "no work was done for nothing";
   }
 }
 

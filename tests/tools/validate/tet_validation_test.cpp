@@ -57,8 +57,9 @@ TEST(TetValidation, holds_a_proving_method_against_the_bounds_that_it_states) {
   EXPECT_TRUE(honest.holds());
   EXPECT_GT(honest.largest("bound stated by the method", "box"), 0);
   EXPECT_GT(honest.largest("bound, surface to renderer", "box"), 0);
-  const validate::Report boastful =
-      ball().report(question, understating_bounds(ball().renderer(question.isovalue, certified)));
+  // Its own errors are far below the limits for all methods: some that are not, and that no bound tells of.
+  const validate::Report boastful = ball().report(
+      question, understating_bounds(shifting_hits(ball().renderer(question.isovalue, certified), 1e-4 * cell_edge())));
   expect_caught("bounds_said_to_be_0", boastful);
   EXPECT_GT(found(boastful, "elsewhere"), 0);
 }
@@ -192,7 +193,7 @@ TEST(TetJudge, sees_the_surface_that_a_cell_without_volume_carries) {
   // Over the half of the square without a cell below, only the flat one is there.
   const auto crossing = judge.first_crossing({{0.375, 0.5, 3}, {0, 0, -1}});
   ASSERT_TRUE(crossing);
-  EXPECT_EQ(crossing->cell, 0U);
+  EXPECT_EQ(formats::TetMesh(file.volume().file()).cell_id(crossing->cell), 0U);
   EXPECT_NEAR(crossing->t, 3, 1e-12);
   EXPECT_FALSE(judge.first_crossing({{0.0625, 0.125, 3}, {0, 0, -1}})) << "both sides lie below there";
 }

@@ -16,7 +16,7 @@ class OwnPeer final : public Peer {
  public:
   OwnPeer(render::Mode mode, const std::string& level) : level_(level) {
     scene_.mode = mode;
-    if (level != "default") scene_.method = render::method_of(tools::accuracy_named(level));
+    scene_.method = render::method_of(tools::accuracy_named(level));
   }
 
   std::string name() const override { return concat("Rhoray, ", level_); }

@@ -4,7 +4,7 @@
 
 namespace rhoray::study {
 
-/// `render` at one level: "preview", "float", "default" (double), "certified" or "exact".
+/// `render` at one level: "preview", "float", "double", "certified" or "exact".
 PeerPointer own_isosurface(const std::string& level);
 PeerPointer own_largest_values(const std::string& level);
 

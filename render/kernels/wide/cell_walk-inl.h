@@ -1,0 +1,179 @@
+// Which cells of their blocks rays pass, and in which order: without going from cell to cell.
+#if defined(RHORAY_WIDE_CELL_WALK_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef RHORAY_WIDE_CELL_WALK_INL_H
+#undef RHORAY_WIDE_CELL_WALK_INL_H
+#else
+#define RHORAY_WIDE_CELL_WALK_INL_H
+#endif
+
+#include <cstdint>
+
+#include <hwy/highway.h>
+
+#include "render/kernels/wide/block_entry-inl.h"
+#include "render/kernels/wide/lanes-inl.h"
+#include "render/kernels/wide/margins-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace rhoray::render::wide::HWY_NAMESPACE {
+
+/// Rays on their way through the cells of a block, each of its own block.
+struct Lanes {
+  VecF entry[3], slope[3], inverse_slope[3], end;
+  VecF last[3];        ///< the last cell
+  VecF way_error;      ///< certified: of times of planes, on the way, and of the points there; else 0
+  VecI samples;        ///< where those of the block begin
+  VecI active[2];      ///< cells with corners on both sides, in two words
+  VecI inside_out[2];  ///< cells that lie inside
+  VecI present[2];     ///< cells with data, where the volume has gaps
+  VecI left[2];        ///< cells that the ray may still pass
+  MaskF inside, has_side;
+  MaskF walking;
+
+  /// The cell of an axis in which the ray enters; in the lattice's upper face those below it.
+  HWY_INLINE VecF first_cell(int axis) const { return hn::Min(hn::Floor(entry[axis]), last[axis]); }
+};
+
+/// A cell that each ray may pass next.
+struct NextCell {
+  MaskF exists;
+  VecF cell[3];          ///< 0 to 3
+  VecF near[3], far[3];  ///< how far on its way its planes are
+  VecF way_in, way_out;
+};
+
+/// What the times of planes inside the block, as parts of the way, and the ray's points at these times may be off by.
+///
+/// An entry is rounded to single precision (2 u of up to 4), a slope and its inverse by u of themselves. So the way
+/// to a plane is off by at most 2 u times the inverse slope and 12 u (three roundings of a way of at most 4), what
+/// double precision does to the entry comes on top, and the difference of two is off by twice that, and a little that
+/// is of second order. A point at such a time is off by no more than that: by the time's own error and 8 u, or, where
+/// it is taken to lie on the plane of another time, by both their errors. Only axes count of which the ray may pass a
+/// plane inside.
+HWY_INLINE VecF error_of_ways(const BlockEntry& at, const VecF* slope, const VecF* inverse_slope, VecF position_error) {
+  const VecF one = hn::Set(floats, 1.0f), close = hn::Set(floats, 0x1p-20f);
+  VecF steepest = one;
+  for (int a = 0; a < 3; ++a) {
+    const VecF cell = hn::Floor(at.entry[a]);
+    const VecF leaves_at = hn::MulAdd(at.end, slope[a], at.entry[a]);
+    const VecF reach = hn::MulAdd(hn::Set(floats, 4.0f), position_error, close);
+    const MaskF passes_upper = hn::And(hn::Ge(leaves_at, hn::Sub(hn::Add(cell, one), reach)), hn::Lt(cell, at.last[a]));
+    const MaskF close_to_lower = hn::Le(hn::Sub(at.entry[a], cell), reach);
+    const MaskF moves = hn::Lt(inverse_slope[a], hn::Set(floats, never_passed));
+    const MaskF counts = hn::Or(passes_upper, hn::And(close_to_lower, hn::Gt(cell, hn::Zero(floats))));
+    steepest = hn::Max(steepest, hn::IfThenElseZero(hn::And(moves, counts), inverse_slope[a]));
+  }
+  const VecF in_single =
+      hn::MulAdd(steepest, hn::Set(floats, 4.25f * rounding_unit), hn::Set(floats, 26 * rounding_unit));
+  return hn::MulAdd(hn::Mul(hn::Set(floats, 4.0f), position_error), steepest, in_single);
+}
+
+/// How far on its way a ray passes plane k of an axis.
+HWY_INLINE VecF way_to_plane(const Lanes& lanes, int axis, VecF k) {
+  return hn::Mul(hn::Sub(k, lanes.entry[axis]), lanes.inverse_slope[axis]);
+}
+
+/// The same, for the upper plane of a cell: that of the block's last one is not passed inside.
+HWY_INLINE VecF way_to_upper_plane(const Lanes& lanes, int axis, VecF cell) {
+  const VecF at = way_to_plane(lanes, axis, hn::Add(cell, hn::Set(floats, 1.0f)));
+  return hn::IfThenElse(hn::Ge(cell, lanes.last[axis]), hn::Set(floats, never_passed), at);
+}
+
+/// Finds the cells that the rays may pass, a few more than they do: layer by layer along z, the rectangle around the
+/// points where the ray enters and leaves the layer.
+/// @return  how many cells a ray passes until it leaves the block
+HWY_INLINE VecF find_cells(Lanes& lanes) {
+  constexpr float reach = 0x1p-18f;  // more than all errors of a point
+  const VecF zero = hn::Zero(floats), above = hn::Add(hn::Set(floats, reach), lanes.way_error), below = hn::Neg(above);
+  VecF way[5];  // unclipped, of planes 1 to 3
+  VecF corner[5][2];
+  for (int a = 0; a < 2; ++a) {
+    corner[0][a] = lanes.entry[a];
+    corner[4][a] = hn::MulAdd(lanes.end, lanes.slope[a], lanes.entry[a]);
+  }
+  for (int k = 1; k < 4; ++k) {
+    way[k] = way_to_upper_plane(lanes, 2, hn::Set(floats, static_cast<float>(k - 1)));
+    const VecF inside = hn::Min(hn::Max(way[k], zero), lanes.end);
+    for (int a = 0; a < 2; ++a) corner[k][a] = hn::MulAdd(inside, lanes.slope[a], lanes.entry[a]);
+  }
+  const auto cell_below = [&](VecF at) HWY_ATTR { return hn::ConvertTo(ints, hn::Max(hn::Add(at, below), zero)); };
+  const auto cell_above = [&](VecF at, VecF last)
+                              HWY_ATTR { return hn::ConvertTo(ints, hn::Min(hn::Add(at, above), last)); };
+  const VecF last_x = hn::Add(lanes.last[0], hn::Set(floats, 0.5f)),
+             last_y = hn::Add(lanes.last[1], hn::Set(floats, 0.5f));
+  VecI layers[4];
+  for (int k = 0; k < 4; ++k) {
+    const VecI low_x = cell_below(corner[k][0]), high_x = cell_above(corner[k + 1][0], last_x);
+    const VecI low_y = hn::ShiftLeft<2>(cell_below(corner[k][1]));
+    const VecI high_y = hn::ShiftLeft<2>(cell_above(corner[k + 1][1], last_y));
+    const VecI columns = hn::Sub(hn::Shl(hn::Set(ints, 0x2222), high_x), hn::Shl(hn::Set(ints, 0x1111), low_x));
+    const VecI rows = hn::Sub(hn::Shl(hn::Set(ints, 16), high_y), hn::Shl(hn::Set(ints, 1), low_y));
+    layers[k] = hn::And(columns, rows);
+  }
+  const VecF slack = hn::Add(lanes.way_error, lanes.way_error);
+  const VecF last_way = hn::Add(lanes.end, slack), first_way = hn::Neg(slack);
+  for (int k = 0; k < 4; ++k) {
+    MaskF passes = k == 0 ? lanes.walking : hn::And(lanes.walking, hn::Lt(way[k], last_way));
+    if (k < 3) passes = hn::And(passes, hn::Gt(way[k + 1], first_way));
+    layers[k] = hn::IfThenElseZero(hn::RebindMask(ints, passes), layers[k]);
+  }
+  lanes.left[0] = hn::Or(layers[0], hn::ShiftLeft<16>(layers[1]));
+  lanes.left[1] = hn::Or(layers[2], hn::ShiftLeft<16>(layers[3]));
+  const VecF last_z = hn::MulAdd(lanes.end, lanes.slope[2], lanes.entry[2]);
+  VecF cells = hn::Min(hn::Floor(hn::Max(last_z, zero)), lanes.last[2]);
+  cells = hn::Add(cells, hn::Min(hn::Floor(corner[4][0]), lanes.last[0]));
+  cells = hn::Add(cells, hn::Min(hn::Floor(corner[4][1]), lanes.last[1]));
+  for (int a = 0; a < 3; ++a) cells = hn::Sub(cells, lanes.first_cell(a));
+  return hn::Add(cells, hn::Set(floats, 1.0f));
+}
+
+/// The first of the cells left of which something is to be seen: active ones, and those of the other side than the
+/// ray's, so that a change that rounding hides at an edge between cells is met there. It is no longer left.
+HWY_INLINE NextCell take_next_cell(Lanes& lanes) {
+  const VecI one = hn::Set(ints, 1), zero = hn::Zero(ints);
+  const VecI side = hn::VecFromMask(ints, hn::RebindMask(ints, lanes.inside));
+  const VecI has_side = hn::VecFromMask(ints, hn::RebindMask(ints, lanes.has_side));
+  VecI looks[2];
+  for (int w = 0; w < 2; ++w)
+    looks[w] = hn::And(lanes.left[w], hn::Or(lanes.active[w], hn::And(hn::Xor(lanes.inside_out[w], side), has_side)));
+  const auto in_second = hn::Eq(looks[0], zero);
+  const VecI word = hn::IfThenElse(in_second, looks[1], looks[0]);
+  const VecI lowest = hn::And(word, hn::Neg(word));
+  NextCell next;
+  next.exists = hn::RebindMask(floats, hn::Ne(word, zero));
+  const VecI rest = hn::Not(hn::Or(lowest, hn::Sub(lowest, one)));  // without it and all before
+  lanes.left[0] = hn::IfThenZeroElse(in_second, hn::And(lanes.left[0], rest));
+  lanes.left[1] = hn::IfThenElse(in_second, hn::And(lanes.left[1], rest), lanes.left[1]);
+
+  const VecI power = hn::And(hn::ShiftRight<23>(hn::BitCast(ints, hn::ConvertTo(floats, lowest))), hn::Set(ints, 255));
+  const VecI bit = hn::Sub(power, hn::Set(ints, 127)), three = hn::Set(ints, 3);
+  const VecI z = hn::Add(hn::ShiftRight<4>(bit), hn::IfThenElseZero(in_second, hn::Set(ints, 2)));
+  next.cell[0] = hn::ConvertTo(floats, hn::And(bit, three));
+  next.cell[1] = hn::ConvertTo(floats, hn::And(hn::ShiftRight<2>(bit), three));
+  next.cell[2] = hn::ConvertTo(floats, hn::And(z, three));
+  next.way_in = hn::Zero(floats), next.way_out = lanes.end;
+  for (int a = 0; a < 3; ++a) {
+    next.near[a] = way_to_plane(lanes, a, next.cell[a]);
+    next.far[a] = way_to_upper_plane(lanes, a, next.cell[a]);
+    next.way_in = hn::Max(next.way_in, next.near[a]);
+    next.way_out = hn::Min(next.way_out, next.far[a]);
+  }
+  return next;
+}
+
+/// The points, in the cell's coordinates, at which the rays enter and leave it: exact on the planes that they pass.
+HWY_INLINE void ends_in_cell(const Lanes& lanes, const NextCell& next, VecF* in, VecF* out) {
+  const VecF zero = hn::Zero(floats), one = hn::Set(floats, 1.0f);
+  for (int a = 0; a < 3; ++a) {
+    const auto place = [&](VecF way) HWY_ATTR {
+      return hn::Min(hn::Max(hn::Sub(hn::MulAdd(way, lanes.slope[a], lanes.entry[a]), next.cell[a]), zero), one);
+    };
+    in[a] = hn::IfThenZeroElse(hn::Eq(next.near[a], next.way_in), place(next.way_in));
+    out[a] = hn::IfThenElse(hn::Eq(next.far[a], next.way_out), one, place(next.way_out));
+  }
+}
+
+}  // namespace rhoray::render::wide::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

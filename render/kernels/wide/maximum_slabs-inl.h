@@ -1,0 +1,366 @@
+// Slabs of the lattice in which most blocks may hold a larger value than was found, noise above all: all rays of a
+// group walk through them at once.
+#if defined(RHORAY_WIDE_MAXIMUM_SLABS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef RHORAY_WIDE_MAXIMUM_SLABS_INL_H
+#undef RHORAY_WIDE_MAXIMUM_SLABS_INL_H
+#else
+#define RHORAY_WIDE_MAXIMUM_SLABS_INL_H
+#endif
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include <hwy/highway.h>
+
+#include "render/kernels/wide/frustum_walk.h"
+#include "render/kernels/wide/lanes-inl.h"
+#include "render/kernels/wide/maximum_cubic-inl.h"
+#include "render/kernels/wide/maximum_looks-inl.h"
+#include "render/kernels/wide/maximum_samples-inl.h"
+#include "render/kernels/wide/maximum_state-inl.h"
+#include "render/kernels/wide/maximum_walk-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace rhoray::render::wide::HWY_NAMESPACE {
+
+/// Samples of a box of blocks as whole numbers of 16 bits: how far each lies below the box's largest value. Stored in
+/// words of two, a sample and the one beyond it on the third axis, so that four corners of a cell lie in two words side
+/// by side. Mirrored as the lattice is.
+struct Window {
+  int first[3];  ///< in the mirrored lattice, in cells
+  int count[3];  ///< samples
+
+  HWY_INLINE std::int32_t stride(int axis) const { return axis == 0 ? 1 : axis == 1 ? count[0] : count[0] * count[1]; }
+  HWY_INLINE bool has_room() const {
+    for (const int n : count)
+      if (n > MaximumWindow::longest) return false;
+    return static_cast<std::size_t>(stride(2)) * static_cast<std::size_t>(count[2]) <= MaximumWindow::capacity;
+  }
+};
+
+/// @tparam major  the major axis
+template <int major>
+struct WindowCells {
+  static constexpr float lowest = -0x1p17F;  ///< less than any value
+
+  const std::int32_t* words;
+  std::int32_t stride_y;
+
+  /// The highest value of the window is 0.
+  HWY_INLINE static VecF bound(VecI) { return hn::Zero(floats); }
+
+  HWY_INLINE Coefficients coefficients(VecI cell, const Point& p, const Point& q) const {
+    VecF below[8];
+    read_four(words, cell, below);
+    read_four(words + stride_y, cell, below + 2);
+    const Coefficients b = HWY_NAMESPACE::coefficients(below, in_file_order(p), in_file_order(q));
+    return {hn::Neg(b.b0), hn::Neg(b.b1), hn::Neg(b.b2), hn::Neg(b.b3)};
+  }
+
+ private:
+  HWY_INLINE static Point in_file_order(const Point& p) {
+    if constexpr (major == 0) return {p.w, p.u, p.v};
+    if constexpr (major == 1) return {p.u, p.w, p.v};
+    return p;
+  }
+
+  /// Two corners, and the two beyond them on the third axis.
+  HWY_INLINE static void read_four(const std::int32_t* from, VecI cell, VecF* below) {
+    VecI near, far;  // two words
+#if HWY_TARGET <= HWY_AVX2
+    constexpr hn::RebindToSigned<Doubles> longs;
+    const auto two_words = [&](hn::Vec<decltype(half_ints)> at) HWY_ATTR {
+      const void* first = from;
+      return hn::BitCast(ints, hn::GatherOffset(longs, static_cast<const std::int64_t*>(first),
+                                                hn::ShiftLeft<2>(hn::PromoteTo(longs, at))));
+    };
+    const VecI low = two_words(hn::LowerHalf(half_ints, cell)), high = two_words(hn::UpperHalf(half_ints, cell));
+    near = hn::ConcatEven(ints, high, low), far = hn::ConcatOdd(ints, high, low);
+#else
+    HWY_ALIGN std::int32_t at[float_lanes], words_near[float_lanes], words_far[float_lanes];
+    hn::Store(cell, ints, at);
+    for (std::size_t lane = 0; lane < float_lanes; ++lane) {
+      std::memcpy(words_near + lane, from + at[lane], 4);
+      std::memcpy(words_far + lane, from + at[lane] + 1, 4);
+    }
+    near = hn::Load(ints, words_near), far = hn::Load(ints, words_far);
+#endif
+    const VecI low_half = hn::Set(ints, 0xffff);
+    const auto upper = [](VecI words) HWY_ATTR {
+      constexpr hn::RebindToUnsigned<Ints> unsigned_ints;
+      return hn::BitCast(ints, hn::ShiftRight<16>(hn::BitCast(unsigned_ints, words)));
+    };
+    below[0] = hn::ConvertTo(floats, hn::And(near, low_half)), below[1] = hn::ConvertTo(floats, hn::And(far, low_half));
+    below[4] = hn::ConvertTo(floats, upper(near)), below[5] = hn::ConvertTo(floats, upper(far));
+  }
+};
+
+/// @tparam T  whole numbers of at most 16 bits
+template <class T>
+HWY_NOINLINE void fill(const MaximumField& field, const MirroredLattice& lattice, const Window& window, double highest,
+                       MaximumWindow& memory) {
+  const SampleSource& source = field.source;
+  constexpr hn::CappedTag<std::int32_t, 4> row;
+  constexpr hn::Rebind<T, decltype(row)> stored_row;
+  const auto top = static_cast<std::int32_t>(highest);
+  const int* n = window.count;
+  std::uint64_t address[3][MaximumWindow::longest];
+  for (int a = 0; a < 3; ++a)
+    for (int i = 0; i < n[a]; ++i) {
+      const int at = window.first[a] + i;
+      address[a][i] = source.address[a][lattice.is_mirrored(a) ? static_cast<int>(lattice.plane(a, at)) : at];
+    }
+  // On the first axis four samples of the file at once, as far as there are so many.
+  const bool is_down = lattice.is_mirrored(0);
+  const int in_rows = source.has_whole_rows && hn::MaxLanes(row) == 4 ? n[0] / 4 * 4 : 0;
+  for (int y = 0; y < n[1]; ++y) {
+    const T* from = static_cast<const T*>(source.samples) + address[1][y];
+    std::int32_t* to = memory.words + window.stride(1) * y;
+    for (int i = 0; i < in_rows; i += 4) {
+      const int x = is_down ? n[0] - 4 - i : i;
+      const T* four = from + address[0][is_down ? x + 3 : x];
+      const auto below = [&](int z) HWY_ATTR {
+        const auto stored = hn::PromoteTo(row, hn::LoadU(stored_row, four + address[2][z]));
+        return hn::Sub(hn::Set(row, top), stored);
+      };
+      auto near = below(0);
+      for (int z = 0; z + 1 < n[2]; ++z) {
+        const auto far = below(z + 1);
+        const auto words = hn::Or(near, hn::ShiftLeft<16>(far));
+        hn::StoreU(is_down ? hn::Reverse(row, words) : words, row, to + x + window.stride(2) * z);
+        near = far;
+      }
+    }
+    for (int i = in_rows; i < n[0]; ++i) {
+      const int x = is_down ? n[0] - 1 - i : i;
+      const T* one = from + address[0][x];
+      for (int z = 0; z + 1 < n[2]; ++z) {
+        const std::int32_t near = top - one[address[2][z]], far = top - one[address[2][z + 1]];
+        to[x + window.stride(2) * z] = static_cast<std::int32_t>(static_cast<std::uint32_t>(near | far << 16));
+      }
+    }
+  }
+}
+
+/// Values are off by less than 12 margins of the window's range, as in blocks (BlockWalk), and by 2^-20 of it for the
+/// interpolation. Places are counted from the slab's corner, so that the margin is smaller than elsewhere: places are
+/// less than 128 and rounded by 2^-18 at most in start and sum, and by 16 units of rounding of the slope.
+class SlabSweep {
+ public:
+  SlabSweep(SearchState& state, CloseLooks& looks)
+      : state_(state), looks_(looks), field_(state.field), scratch_(state.scratch) {
+    using formats::ElementType;
+    const ElementType type = state.field.type;
+    const bool is_short =
+        type == ElementType::U8 || type == ElementType::I8 || type == ElementType::U16 || type == ElementType::I16;
+    may_sweep_ = is_short && !state.field.has_gaps;
+    for (std::uint64_t& word : scratch_.slabs.swept) word = 0;
+    for (int slab = 0; slab < state.lattice.node_count[state.frustum.major]; ++slab) scratch_.slabs.blocks[slab] = 0;
+  }
+
+  /// True where nothing is left to be looked at in a slab of nodes.
+  HWY_INLINE bool is_swept(int slab) const {
+    return (scratch_.slabs.swept[static_cast<std::size_t>(slab) / 64] >> slab % 64 & 1) != 0;
+  }
+
+  /// Sweeps a slab of nodes where it is worth it: where at least a third of its blocks are of this bucket or above.
+  HWY_NOINLINE bool sweep(int slab, const RegionQueue& queue, int bucket) {
+    if (!may_sweep_ || !sweep_box(slab, queue.least_of(bucket))) return false;
+    scratch_.slabs.swept[static_cast<std::size_t>(slab) / 64] |= std::uint64_t{1} << slab % 64;
+    return true;
+  }
+
+  /// The same for a slab in which a block is about to be looked into; asked for one block of eight.
+  HWY_INLINE bool sweep_around_block(int slab, const RegionQueue& queue, int bucket) {
+    return ++scratch_.slabs.blocks[slab] % 8 == 0 && sweep(slab, queue, bucket);
+  }
+
+ private:
+  static constexpr float margin = 0x1p-15F;  ///< more than places from the slab's corner are off
+
+  /// The cells of a slab that rays of the group may pass, mirrored, from first to last; false where there are none. On
+  /// the file's first axis they are those of whole blocks.
+  HWY_INLINE bool find_cells(int slab, int (&first)[3], int (&last)[3]) const {
+    const Frustum& frustum = state_.frustum;
+    const MirroredLattice& lattice = state_.lattice;
+    const int w = frustum.major;
+    const double low = 16.0 * slab, high = low + 16;
+    const double near = low < frustum.first ? frustum.first : low, far = high > frustum.last ? frustum.last : high;
+    if (near > far) return false;
+    first[w] = floored(near), last[w] = far == high ? 16 * slab + 15 : floored(far);
+    for (int m = 0; m < 2; ++m) {
+      first[frustum.minor[m]] = floored(frustum.low[m].at(near));
+      last[frustum.minor[m]] = floored(frustum.high[m].at(far));
+    }
+    for (int a = 0; a < 3; ++a) {
+      if (a == 0) first[a] &= ~3, last[a] |= 3;
+      // The lattice may end within its last block.
+      const int lowest = lattice.is_mirrored(a) ? static_cast<int>(lattice.plane(a, field_.leaf_count[a])) : 0;
+      const int highest = lowest + field_.leaf_count[a] - 1;
+      first[a] = first[a] < lowest ? lowest : first[a], last[a] = last[a] > highest ? highest : last[a];
+      if (first[a] > last[a]) return false;
+    }
+    return true;
+  }
+
+  /// Of the blocks that a window touches: their range, how many they are, and how many reach a value.
+  struct Blocks {
+    Range range{std::numeric_limits<double>::infinity(), nothing};
+    int count = 0, high_count = 0;
+  };
+  template <class T>
+  HWY_INLINE Blocks look_over(const Window& window, double least) const {
+    int first[3], last[3];
+    for (int a = 0; a < 3; ++a) {
+      first[a] = state_.lattice.block(a, window.first[a] >> 2);
+      last[a] = state_.lattice.block(a, (window.first[a] + window.count[a] - 2) >> 2);
+      if (state_.lattice.is_mirrored(a)) {
+        const int swapped = first[a];
+        first[a] = last[a], last[a] = swapped;
+      }
+    }
+    Blocks blocks;
+    const int* count = field_.blocks.count;
+    for (int k = first[2]; k <= last[2]; ++k)
+      for (int j = first[1]; j <= last[1]; ++j)
+        for (int i = first[0]; i <= last[0]; ++i) {
+          const Range here =
+              stored_range<T>(field_.blocks.first, (static_cast<std::ptrdiff_t>(k) * count[1] + j) * count[0] + i);
+          blocks.range.lo = here.lo < blocks.range.lo ? here.lo : blocks.range.lo;
+          blocks.range.hi = here.hi > blocks.range.hi ? here.hi : blocks.range.hi;
+          ++blocks.count, blocks.high_count += here.hi >= least;
+        }
+    return blocks;
+  }
+
+  HWY_INLINE bool sweep_box(int slab, double least) {
+    int first[3], last[3];
+    if (!find_cells(slab, first, last)) return false;
+    Window window;
+    for (int a = 0; a < 3; ++a) window.first[a] = first[a], window.count[a] = last[a] - first[a] + 2;
+    if (!window.has_room()) return false;
+    using formats::ElementType;
+    switch (field_.type) {
+      case ElementType::U8:
+        return sweep_window<std::uint8_t>(window, least);
+      case ElementType::I8:
+        return sweep_window<std::int8_t>(window, least);
+      case ElementType::U16:
+        return sweep_window<std::uint16_t>(window, least);
+      default:
+        return sweep_window<std::int16_t>(window, least);
+    }
+  }
+
+  template <class T>
+  HWY_NOINLINE bool sweep_window(const Window& window, double least) {
+    const Blocks blocks = look_over<T>(window, least);
+    scratch_.regions += static_cast<std::uint64_t>(blocks.count);
+    if (3 * blocks.high_count < blocks.count) return false;
+    const Range& range = blocks.range;
+    put_rays(window, range.hi);
+    if (scratch_.at_block.count == 0) return true;
+    fill<T>(field_, state_.lattice, window, range.hi, scratch_.window);
+    switch (state_.frustum.major) {
+      case 0:
+        walk<0>(window, range);
+        break;
+      case 1:
+        walk<1>(window, range);
+        break;
+      default:
+        walk<2>(window, range);
+    }
+    return true;
+  }
+
+  /// Rays that have a part in the slab and may be changed there.
+  HWY_INLINE void put_rays(const Window& window, double highest) {
+    const GroupLines& lines = scratch_.lines;
+    SlabRays& slab = scratch_.slabs;
+    RaysAtBlock& at_block = scratch_.at_block;
+    const int low_w = window.first[state_.frustum.major];
+    for (std::size_t r = 0; r < state_.vectors * float_lanes; r += double_lanes) {
+      for (int m = 0; m < 2; ++m) {
+        const VecD at_low =
+            hn::MulAdd(hn::Load(doubles, lines.exact_slope[m] + r), hn::Set(doubles, static_cast<double>(low_w)),
+                       hn::Load(doubles, lines.exact_start[m] + r));
+        const VecD start =
+            hn::Sub(at_low, hn::Set(doubles, static_cast<double>(window.first[state_.frustum.minor[m]])));
+        hn::Store(hn::DemoteTo(half_floats, start), half_floats, slab.start[m] + r);
+      }
+      const VecD below = hn::Sub(hn::Load(doubles, scratch_.reached + r), hn::Set(doubles, highest));
+      const VecD lower =
+          hn::Max(hn::NegMulAdd(hn::Abs(below), hn::Set(doubles, 0x1p-22), below), hn::Set(doubles, -0x1p20));
+      hn::Store(hn::DemoteTo(half_floats, lower), half_floats, slab.reached + r);
+    }
+    const VecF low = hn::Set(floats, static_cast<float>(low_w));
+    const VecF length = hn::Set(floats, static_cast<float>(window.count[state_.frustum.major] - 1));
+    at_block.count = 0;
+    for (std::size_t r = 0; r < state_.vectors * float_lanes; r += float_lanes) {
+      const VecF from = hn::Max(hn::Sub(hn::Load(floats, lines.from + r), low), hn::Zero(floats));
+      const VecF to = hn::Min(hn::Sub(hn::Load(floats, lines.to + r), low), length);
+      const MaskF passing = hn::And(hn::Lt(from, to), SearchState::may_improve(hn::Zero(floats), hn::Add(from, low),
+                                                                               hn::Load(floats, slab.reached + r),
+                                                                               hn::Load(floats, lines.reached_at + r)));
+      hn::CompressStore(hn::Iota(ints, static_cast<std::int32_t>(r)), hn::RebindMask(ints, passing), ints,
+                        at_block.ray + at_block.count);
+      hn::CompressStore(from, passing, floats, at_block.from + at_block.count);
+      at_block.count += hn::CompressStore(to, passing, floats, at_block.to + at_block.count);
+    }
+    // Lanes beyond the last ray pass through nothing.
+    for (std::size_t lane = at_block.count; lane < at_block.count + float_lanes; ++lane)
+      at_block.ray[lane] = at_block.ray[0], at_block.from[lane] = 1, at_block.to[lane] = 0;
+  }
+
+  template <int major>
+  HWY_NOINLINE void walk(const Window& window, const Range& range) {
+    const RaysAtBlock& at_block = scratch_.at_block;
+    const GroupLines& lines = scratch_.lines;
+    const SlabRays& slab = scratch_.slabs;
+    constexpr int axes[3] = {major, major == 0 ? 1 : 0, major == 2 ? 1 : 2};
+    CellBox box{.low_w = static_cast<double>(window.first[major]),
+                .last = {},
+                .first = 0,
+                .stride = {},
+                .highest = range.hi,
+                .unit = 1,
+                .error = static_cast<float>(range.hi - range.lo) * (12 * margin + 0x1p-20F),
+                .margin = margin};
+    for (int i = 0; i < 3; ++i) {
+      box.last[i] = static_cast<float>(window.count[axes[i]] - 2);
+      box.stride[i] = window.stride(axes[i]);
+    }
+    const WindowCells<major> cells{scratch_.window.words, window.stride(1)};
+    const VecF low_w = hn::Set(floats, static_cast<float>(window.first[major]));
+    for (std::size_t first = 0; first < at_block.count; first += float_lanes) {
+      Ways ways;
+      ways.ray = hn::Load(ints, at_block.ray + first);
+      ways.from = hn::Load(floats, at_block.from + first);
+      ways.to = hn::Load(floats, at_block.to + first);
+      for (int m = 0; m < 2; ++m) {
+        ways.start[m] = hn::GatherIndex(floats, slab.start[m], ways.ray);
+        ways.slope[m] = hn::GatherIndex(floats, lines.slope[m], ways.ray);
+        ways.inverse[m] = hn::GatherIndex(floats, lines.inverse[m], ways.ray);
+      }
+      ways.reached = hn::GatherIndex(floats, slab.reached, ways.ray);
+      ways.reached_at =
+          hn::Add(hn::Sub(hn::GatherIndex(floats, lines.reached_at, ways.ray), low_w), hn::Set(floats, state_.margin));
+      const VecF passed = walk_cells(state_, looks_, box, cells, ways);
+      count_cells(state_, passed, at_block.ray + first, at_block.count - first);
+    }
+    looks_.keep_suspects(box.highest, box.unit, box.low_w);
+  }
+
+  SearchState& state_;
+  CloseLooks& looks_;
+  const MaximumField& field_;
+  MaximumScratch& scratch_;
+  bool may_sweep_;
+};
+
+}  // namespace rhoray::render::wide::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,185 @@
+// What the search for the largest values of a group of rays knows.
+#if defined(RHORAY_WIDE_MAXIMUM_STATE_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef RHORAY_WIDE_MAXIMUM_STATE_INL_H
+#undef RHORAY_WIDE_MAXIMUM_STATE_INL_H
+#else
+#define RHORAY_WIDE_MAXIMUM_STATE_INL_H
+#endif
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include <hwy/highway.h>
+
+#include "render/kernels/wide/frustum_walk.h"
+#include "render/kernels/wide/group-inl.h"
+#include "render/kernels/wide/lanes-inl.h"
+#include "render/kernels/wide/maximum_parts.h"
+#include "render/kernels/wide/maximum_samples-inl.h"
+#include "render/kernels/wide/octant.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace rhoray::render::wide::HWY_NAMESPACE {
+
+/// Numbers in single precision on the safe side.
+HWY_INLINE float float_not_above(double x) {
+  const float rounded = static_cast<float>(x);
+  if (!(static_cast<double>(rounded) > x)) return rounded;
+  const float lower = rounded - 0x1p-23F * (rounded < 0 ? -rounded : rounded);
+  return lower < rounded ? lower : -std::numeric_limits<float>::min();
+}
+HWY_INLINE float float_not_below(double x) {
+  return -float_not_above(-x);
+}
+
+inline constexpr float nothing_float = -std::numeric_limits<float>::infinity();
+
+/// What the parts of the search for one group of rays share.
+///
+/// Places in single precision are off by less than `margin`, 8 units of rounding of the lattice's extent: start and
+/// slope of a line are rounded once, and so are their product and sum. Regions are wider by it, so that a ray is found
+/// in every one that it passes in double.
+struct SearchState {
+  const MaximumField& field;
+  const RayArrays& rays;
+  MaximumScratch& scratch;
+  const MirroredLattice& lattice;
+  const Frustum& frustum;
+  float margin;             ///< more than positions are off in single precision
+  std::size_t vectors = 0;  ///< of floats, that hold all rays of the group
+  double lowest_reached = nothing;
+
+  SearchState(const MaximumField& of_field, const RayArrays& of_rays, MaximumScratch& memory,
+              const MirroredLattice& mirrored, const Frustum& around)
+      : field(of_field), rays(of_rays), scratch(memory), lattice(mirrored), frustum(around) {
+    int longest = 0;
+    for (const int count : mirrored.node_count) longest = count > longest ? count : longest;
+    double furthest = 0;
+    for (std::size_t r = 0; r < memory.group.count; ++r)
+      for (int a = 0; a < 3; ++a) {
+        const double o = memory.group.origin[a][r];
+        furthest = o > furthest ? o : -o > furthest ? -o : furthest;
+      }
+    margin = 0x1p-21F * 16 * static_cast<float>(longest) + static_cast<float>(0x1p-46 * furthest);
+    make_lines();
+  }
+
+  /// The rays as functions of the place on the major axis. The margin holds all rounding there is in these.
+  HWY_INLINE void make_lines() {
+    const RayGroup& group = scratch.group;
+    GroupLines& lines = scratch.lines;
+    const int w = frustum.major;
+    for (std::size_t r = 0; r < group.count; r += double_lanes) {
+      const VecD o_w = mirrored_origin(lattice, group, w, r), d_w = speed(group, w, r);
+      const auto store = [&](VecD x, float* to)
+                             HWY_ATTR { hn::Store(hn::DemoteTo(half_floats, x), half_floats, to + r); };
+      for (int m = 0; m < 2; ++m) {
+        const VecD slope = hn::Div(speed(group, frustum.minor[m], r), d_w);
+        const VecD start = hn::NegMulAdd(o_w, slope, mirrored_origin(lattice, group, frustum.minor[m], r));
+        hn::Store(start, doubles, lines.exact_start[m] + r);
+        hn::Store(slope, doubles, lines.exact_slope[m] + r);
+        store(start, lines.start[m]);
+        store(slope, lines.slope[m]);
+        const VecD inverse = hn::Div(hn::Set(doubles, 1.0), slope);
+        store(hn::Min(inverse, hn::Set(doubles, 0x1p40)), lines.inverse[m]);
+      }
+      const VecD around = hn::Set(doubles, static_cast<double>(margin));
+      store(hn::Sub(hn::MulAdd(hn::Load(doubles, group.t_in + r), d_w, o_w), around), lines.from);
+      store(hn::Add(hn::MulAdd(hn::Load(doubles, group.t_out + r), d_w, o_w), around), lines.to);
+    }
+    for (std::size_t r = 0; r < GroupLines::size; ++r) {
+      const bool is_inside = r < group.count && (group.inside >> r & 1) != 0;
+      lines.reached[r] = is_inside ? nothing_float : std::numeric_limits<float>::infinity();
+      lines.reached_at[r] = std::numeric_limits<float>::infinity();
+      scratch.reached[r] = scratch.known_value[r] = nothing;
+      scratch.known_t[r] = std::numeric_limits<double>::infinity();
+      for (std::uint64_t& key : scratch.last_looks[r].key) key = ~std::uint64_t{0};
+      scratch.last_looks[r].next = 0;
+      if (!is_inside) lines.from[r] = 1, lines.to[r] = 0;
+    }
+    vectors = (group.count + float_lanes - 1) / float_lanes;
+    scratch.suspects.count = scratch.looks_left.count = 0;
+  }
+
+  /// True for regions that the file has; `place` is where.
+  HWY_INLINE bool find_in_file(const int* mirrored, bool is_block, const StoredRanges& level, int* place) const {
+    for (int a = 0; a < 3; ++a) {
+      place[a] = is_block ? lattice.block(a, mirrored[a]) : lattice.node(a, mirrored[a]);
+      if (place[a] < 0 || place[a] >= level.count[a]) return false;
+    }
+    return true;
+  }
+
+  /// Rays of a vector that pass a region and can be changed by it.
+  struct Passing {
+    MaskF rays;
+    VecF from, to;
+  };
+  HWY_INLINE Passing rays_through(const int* region, float edge, float largest, std::size_t r) const {
+    const GroupLines& lines = scratch.lines;
+    const float low_w = static_cast<float>(region[frustum.major]) * edge;
+    Passing passing;
+    passing.from = hn::Max(hn::Load(floats, lines.from + r), hn::Set(floats, low_w - margin));
+    passing.to = hn::Min(hn::Load(floats, lines.to + r), hn::Set(floats, low_w + edge + margin));
+    for (int m = 0; m < 2; ++m) {
+      const float low = static_cast<float>(region[frustum.minor[m]]) * edge;
+      const VecF start = hn::Load(floats, lines.start[m] + r), inverse = hn::Load(floats, lines.inverse[m] + r);
+      passing.from = hn::Max(passing.from, hn::Mul(hn::Sub(hn::Set(floats, low - margin), start), inverse));
+      passing.to = hn::Min(passing.to, hn::Mul(hn::Sub(hn::Set(floats, low + edge + margin), start), inverse));
+    }
+    passing.rays = hn::And(hn::Le(passing.from, passing.to),
+                           may_improve(hn::Set(floats, largest), passing.from, hn::Load(floats, lines.reached + r),
+                                       hn::Load(floats, lines.reached_at + r)));
+    return passing;
+  }
+
+  /// False where no value up to `bound`, from that place on, takes the place of what was reached.
+  HWY_INLINE static MaskF may_improve(VecF bound, VecF from, VecF reached, VecF reached_at) {
+    return hn::Or(hn::Gt(bound, reached), hn::And(hn::Eq(bound, reached), hn::Lt(from, reached_at)));
+  }
+
+  /// Some value on the ray is at least this, no further away than `place`.
+  HWY_INLINE void set_reached(std::size_t ray, double value, float place) {
+    if (!(value > scratch.reached[ray] || (value == scratch.reached[ray] && place < scratch.lines.reached_at[ray])))
+      return;
+    scratch.reached[ray] = value;
+    scratch.lines.reached[ray] = float_not_above(value);
+    scratch.lines.reached_at[ray] = place;
+  }
+
+  /// Takes over what was found on a ray.
+  HWY_INLINE void knows(std::size_t ray, const FoundMaximum& found) {
+    scratch.known_value[ray] = found.value, scratch.known_t[ray] = found.t;
+    set_reached(ray, found.value, float_not_below(place_at(ray, found.t)) + margin);
+  }
+
+  /// When a ray is at a place on the major axis, and the other way round.
+  HWY_INLINE double time_at(std::size_t ray, double place) const {
+    const RayGroup& group = scratch.group;
+    const int w = frustum.major;
+    const double inverse = group.inverse[w][ray];
+    const double plane = lattice.is_mirrored(w) ? lattice.plane(w, 0) - place : place;
+    const double t = (plane - group.plane_origin[w][ray]) * inverse;
+    return t < group.t_in[ray] ? group.t_in[ray] : t > group.t_out[ray] ? group.t_out[ray] : t;
+  }
+  HWY_INLINE double place_at(std::size_t ray, double t) const {
+    const RayGroup& group = scratch.group;
+    const int w = frustum.major;
+    const double o = lattice.is_mirrored(w) ? lattice.plane(w, 0) - group.origin[w][ray] : group.origin[w][ray];
+    const double d = group.direction[w][ray];
+    return o + t * (d < 0 ? -d : d);
+  }
+
+  HWY_INLINE void find_lowest_reached() {
+    VecF lowest = hn::Set(floats, std::numeric_limits<float>::infinity());
+    for (std::size_t r = 0; r < vectors * float_lanes; r += float_lanes)
+      lowest = hn::Min(lowest, hn::Load(floats, scratch.lines.reached + r));
+    lowest_reached = static_cast<double>(hn::GetLane(hn::MinOfLanes(floats, lowest)));
+  }
+};
+
+}  // namespace rhoray::render::wide::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,166 @@
+// Rays side by side from cell to cell of a box, in single precision.
+#if defined(RHORAY_WIDE_MAXIMUM_WALK_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef RHORAY_WIDE_MAXIMUM_WALK_INL_H
+#undef RHORAY_WIDE_MAXIMUM_WALK_INL_H
+#else
+#define RHORAY_WIDE_MAXIMUM_WALK_INL_H
+#endif
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include <hwy/highway.h>
+
+#include "render/kernels/wide/lanes-inl.h"
+#include "render/kernels/wide/maximum_cubic-inl.h"
+#include "render/kernels/wide/maximum_looks-inl.h"
+#include "render/kernels/wide/maximum_state-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace rhoray::render::wide::HWY_NAMESPACE {
+
+/// A box of cells in the mirrored lattice. Axes are in the order w, u, v: the major one, the minor ones rising.
+struct CellBox {
+  double low_w;                   ///< where it begins on the major axis
+  float last[3];                  ///< number of its last cell on each axis
+  std::int32_t first, stride[3];  ///< where its lowest cell lies in arrays of it, and how far neighbours lie apart
+  double highest, unit;           ///< values are (value - highest) * unit
+  float error;                    ///< more than values are off, in that unit
+  float margin;                   ///< more than places are off
+};
+
+/// Rays in coordinates from the box's lowest corner: places on the minor axes as functions of that on the major one.
+struct Ways {
+  VecI ray;
+  VecF from, to;  ///< parts in the box; lanes in which they have no length do nothing
+  VecF start[2], slope[2], inverse[2];
+  VecF reached, reached_at;  ///< in the box's unit and coordinates
+};
+
+/// Takes over what rays have reached in a box.
+HWY_NOINLINE void raise(SearchState& state, const CellBox& box, MaskF raised, const Ways& ways) {
+  HWY_ALIGN float values[16], places[16];
+  HWY_ALIGN std::int32_t rays[16];
+  hn::Store(ways.reached, floats, values);
+  hn::Store(ways.reached_at, floats, places);
+  hn::Store(ways.ray, ints, rays);
+  for (std::uint64_t bits = bits_of(floats, raised); bits != 0; bits &= bits - 1) {
+    const int lane = std::countr_zero(bits);
+    // Single precision has lost more than this rounding: the error holds for both.
+    const double value = box.highest + static_cast<double>(values[lane]) / box.unit;
+    state.set_reached(static_cast<std::size_t>(rays[lane]), value,
+                      float_not_below(box.low_w + static_cast<double>(places[lane])));
+  }
+  state.find_lowest_reached();
+}
+
+/// What may hold a larger value than was found goes to the suspects.
+/// @param cells  cells.bound(cell): no value in it is larger; cells.coefficients(cell, p, q): along the way from p to q
+/// @return       how many cells each ray has passed
+template <class Cells>
+HWY_INLINE VecF walk_cells(SearchState& state, CloseLooks& looks, const CellBox& box, const Cells& cells, Ways ways) {
+  BlockSuspects& at_hand = state.scratch.at_hand;
+  const VecF zero = hn::Zero(floats), one = hn::Set(floats, 1.0F);
+  const VecF never = hn::Set(floats, std::numeric_limits<float>::infinity());
+  const VecF error = hn::Set(floats, box.error);
+  const VecF last_w = hn::Set(floats, box.last[0]), last_u = hn::Set(floats, box.last[1]),
+             last_v = hn::Set(floats, box.last[2]);
+  const VecI stride_w = hn::Set(ints, box.stride[0]), stride_u = hn::Set(ints, box.stride[1]),
+             stride_v = hn::Set(ints, box.stride[2]);
+  const VecF start_u = ways.start[0], start_v = ways.start[1], slope_u = ways.slope[0], slope_v = ways.slope[1];
+
+  const auto clamped = [&](VecF x, VecF last) HWY_ATTR { return hn::Min(hn::Max(hn::Floor(x), zero), last); };
+  VecF from = ways.from;
+  const VecF to = ways.to;
+  VecF p_w = from, p_u = hn::MulAdd(slope_u, from, start_u), p_v = hn::MulAdd(slope_v, from, start_v);
+  VecF cell_w = clamped(p_w, last_w), cell_u = clamped(p_u, last_u), cell_v = clamped(p_v, last_v);
+  p_w = hn::Sub(p_w, cell_w), p_u = hn::Sub(p_u, cell_u), p_v = hn::Sub(p_v, cell_v);
+  VecI cell =
+      hn::Add(hn::Add(hn::Set(ints, box.first), hn::Mul(hn::ConvertTo(ints, cell_w), stride_w)),
+              hn::Add(hn::Mul(hn::ConvertTo(ints, cell_u), stride_u), hn::Mul(hn::ConvertTo(ints, cell_v), stride_v)));
+  // Where the next plane of an axis is passed, on the major axis; never beyond the box's last cell.
+  const auto next_on_major = [&]() HWY_ATTR {
+    return hn::IfThenElse(hn::Lt(cell_w, last_w), hn::Add(cell_w, one), never);
+  };
+  const auto next_on_minor = [&](VecF c, VecF last, VecF start, VecF inverse) HWY_ATTR {
+    return hn::IfThenElse(hn::Lt(c, last), hn::Mul(hn::Sub(hn::Add(c, one), start), inverse), never);
+  };
+  VecF next_w = next_on_major(), next_u = next_on_minor(cell_u, last_u, start_u, ways.inverse[0]),
+       next_v = next_on_minor(cell_v, last_v, start_v, ways.inverse[1]);
+
+  MaskF active = hn::Le(from, to), raised = no_lane(floats);
+  VecF passed = zero;
+  for (;;) {
+    const VecF leave = hn::Min(hn::Min(next_w, to), hn::Min(next_u, next_v));
+    const VecF q_w = hn::Sub(leave, cell_w), q_u = hn::Sub(hn::MulAdd(slope_u, leave, start_u), cell_u),
+               q_v = hn::Sub(hn::MulAdd(slope_v, leave, start_v), cell_v);
+    const MaskF wanted = hn::And(
+        active, SearchState::may_improve(hn::Add(cells.bound(cell), error), from, ways.reached, ways.reached_at));
+    passed = hn::Add(passed, hn::IfThenElseZero(active, one));
+    if (!hn::AllFalse(floats, wanted)) {
+      const Coefficients b = cells.coefficients(cell, {p_u, p_v, p_w}, {q_u, q_v, q_w});
+      // Without data all coefficients are no numbers, or far below the values of the box.
+      const VecF hull = b.largest();
+      const VecF highest_here = hn::Add(hn::IfThenElseZero(hn::Ge(hull, hn::Set(floats, Cells::lowest)), hull), error);
+      const MaskF suspect =
+          hn::And(wanted, SearchState::may_improve(highest_here, from, ways.reached, ways.reached_at));
+      if (!hn::AllFalse(floats, suspect)) {
+        if (at_hand.count + float_lanes > BlockSuspects::capacity)
+          looks.keep_suspects(box.highest, box.unit, box.low_w);
+        hn::CompressStore(ways.ray, hn::RebindMask(ints, suspect), ints, at_hand.ray + at_hand.count);
+        hn::CompressStore(from, suspect, floats, at_hand.from + at_hand.count);
+        hn::CompressStore(leave, suspect, floats, at_hand.to + at_hand.count);
+        at_hand.count += hn::CompressStore(highest_here, suspect, floats, at_hand.bound + at_hand.count);
+
+        // A value that is reached for certain: at a point well inside the cell and well inside the ray.
+        const VecF s = b.likely_maximum();
+        const auto is_inside = [&](VecF p, VecF q) HWY_ATTR {
+          const VecF half = hn::Set(floats, 0.5F);
+          return hn::Le(hn::Abs(hn::Sub(hn::MulAdd(s, hn::Sub(q, p), p), half)),
+                        hn::Set(floats, 0.5F - 3 * box.margin));
+        };
+        const VecF length = hn::Sub(leave, from);
+        const MaskF inside = hn::And(hn::And(is_inside(p_u, q_u), is_inside(p_v, q_v)),
+                                     hn::And(is_inside(p_w, q_w), hn::Ge(length, hn::Set(floats, 128 * state.margin))));
+        const VecF value = hn::Sub(b.at(s), error);
+        const MaskF has_data =
+            hn::Le(hn::Abs(hn::Add(hn::Add(b.b0, b.b1), hn::Add(b.b2, b.b3))), hn::Set(floats, -4 * Cells::lowest));
+        const MaskF rises = hn::And(hn::And(suspect, has_data), hn::And(inside, hn::Gt(value, ways.reached)));
+        ways.reached = hn::IfThenElse(rises, value, ways.reached);
+        const VecF place = hn::MulAdd(s, length, from);
+        ways.reached_at = hn::IfThenElse(rises, hn::Add(place, hn::Set(floats, state.margin)), ways.reached_at);
+        raised = hn::Or(raised, rises);
+      }
+    }
+    active = hn::And(active, hn::Lt(leave, to));
+    if (hn::AllFalse(floats, active)) break;
+    const MaskF passes_w = hn::Le(next_w, leave), passes_u = hn::Le(next_u, leave), passes_v = hn::Le(next_v, leave);
+    const VecF step_w = hn::IfThenElseZero(passes_w, one), step_u = hn::IfThenElseZero(passes_u, one),
+               step_v = hn::IfThenElseZero(passes_v, one);
+    cell = hn::Add(cell, hn::Add(hn::IfThenElseZero(hn::RebindMask(ints, passes_w), stride_w),
+                                 hn::Add(hn::IfThenElseZero(hn::RebindMask(ints, passes_u), stride_u),
+                                         hn::IfThenElseZero(hn::RebindMask(ints, passes_v), stride_v))));
+    cell_w = hn::Add(cell_w, step_w), cell_u = hn::Add(cell_u, step_u), cell_v = hn::Add(cell_v, step_v);
+    p_w = hn::Sub(q_w, step_w), p_u = hn::Sub(q_u, step_u), p_v = hn::Sub(q_v, step_v);
+    next_w = next_on_major(), next_u = next_on_minor(cell_u, last_u, start_u, ways.inverse[0]),
+    next_v = next_on_minor(cell_v, last_v, start_v, ways.inverse[1]);
+    from = leave;
+  }
+  if (!hn::AllFalse(floats, raised)) raise(state, box, raised, ways);
+  return passed;
+}
+
+/// Counts the cells that rays have passed.
+HWY_INLINE void count_cells(SearchState& state, VecF cells, const std::int32_t* ray, std::size_t rays) {
+  HWY_ALIGN float counted[16];
+  hn::Store(cells, floats, counted);
+  for (std::size_t lane = 0; lane < rays && lane < float_lanes; ++lane)
+    state.scratch.cost[state.scratch.group.index[ray[lane]]] += 1 + static_cast<std::uint32_t>(counted[lane]);
+}
+
+}  // namespace rhoray::render::wide::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "render/kernels/machine.h"
+
+namespace rhoray::tests {
+
+/// Those that this processor has, of the machines that wide kernels are compiled for.
+inline std::vector<render::Machine> wide_machines() {
+  std::vector<render::Machine> machines;
+  for (const render::Machine machine : {render::Machine::baseline, render::Machine::avx2, render::Machine::avx512})
+    if (render::has_machine(machine)) machines.push_back(machine);
+  return machines;
+}
+
+}  // namespace rhoray::tests
