@@ -285,25 +285,7 @@ std::size_t Facets::size_bytes() const {
   return bytes;
 }
 
-template <class T>
-std::shared_ptr<const Facets> FacetsCache::of(const TetVolume<T>& view, const Box3& bounds, double isovalue,
-                                              unsigned threads) {
-  const std::lock_guard lock(mutex_);
-  const auto found = std::find_if(last_.begin(), last_.end(), [&](const Entry& e) { return e.isovalue == isovalue; });
-  if (found != last_.end()) {
-    std::rotate(last_.begin(), found, found + 1);
-  } else {
-    if (last_.size() == kept) last_.pop_back();
-    last_.insert(last_.begin(), {isovalue, std::make_shared<const Facets>(view, bounds, isovalue, threads)});
-  }
-  return last_.front().facets;
-}
-
-#define RHORAY_FACETS(T)                                                       \
-  template Facets::Facets(const TetVolume<T>&, const Box3&, double, unsigned); \
-  template std::shared_ptr<const Facets> FacetsCache::of(const TetVolume<T>&, const Box3&, double, unsigned);
-RHORAY_FACETS(float)
-RHORAY_FACETS(double)
-#undef RHORAY_FACETS
+template Facets::Facets(const TetVolume<float>&, const Box3&, double, unsigned);
+template Facets::Facets(const TetVolume<double>&, const Box3&, double, unsigned);
 
 }  // namespace rhoray::render

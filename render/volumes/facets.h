@@ -3,10 +3,10 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "formats/base/vector.h"
+#include "render/volumes/last_isovalues.h"
 #include "render/volumes/tet_volume.h"
 
 namespace rhoray::render {
@@ -85,17 +85,12 @@ class Facets {
 class FacetsCache {
  public:
   template <class T>
-  std::shared_ptr<const Facets> of(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads);
+  std::shared_ptr<const Facets> of(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads) {
+    return last_.of(isovalue, [&] { return std::make_shared<const Facets>(view, bounds, isovalue, threads); });
+  }
 
  private:
-  struct Entry {
-    double isovalue;
-    std::shared_ptr<const Facets> facets;
-  };
-  static constexpr std::size_t kept = 4;
-
-  std::mutex mutex_;
-  std::vector<Entry> last_;  ///< newest first
+  LastIsovalues<Facets> last_;
 };
 
 }  // namespace rhoray::render

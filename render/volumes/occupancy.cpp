@@ -105,22 +105,7 @@ Occupancy::Occupancy(const formats::MacroLevelsView<T>& levels, double isovalue)
       }
 }
 
-template <class T>
-std::shared_ptr<const Occupancy> OccupancyCache::of(const formats::MacroLevelsView<T>& levels, double isovalue) {
-  const std::lock_guard lock(mutex_);
-  const auto found = std::find_if(last_.begin(), last_.end(), [&](const Entry& e) { return e.isovalue == isovalue; });
-  if (found != last_.end()) {
-    std::rotate(last_.begin(), found, found + 1);
-  } else {
-    if (last_.size() == kept) last_.pop_back();
-    last_.insert(last_.begin(), {isovalue, std::make_shared<const Occupancy>(levels, isovalue)});
-  }
-  return last_.front().occupancy;
-}
-
-#define RHORAY_OCCUPANCY(T)                                                  \
-  template Occupancy::Occupancy(const formats::MacroLevelsView<T>&, double); \
-  template std::shared_ptr<const Occupancy> OccupancyCache::of(const formats::MacroLevelsView<T>&, double);
+#define RHORAY_OCCUPANCY(T) template Occupancy::Occupancy(const formats::MacroLevelsView<T>&, double);
 RHORAY_OCCUPANCY(std::uint8_t)
 RHORAY_OCCUPANCY(std::int8_t)
 RHORAY_OCCUPANCY(std::uint16_t)

@@ -3,10 +3,10 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "formats/macro_levels.h"
+#include "render/volumes/last_isovalues.h"
 
 namespace rhoray::render {
 
@@ -40,17 +40,12 @@ class Occupancy {
 class OccupancyCache {
  public:
   template <class T>
-  std::shared_ptr<const Occupancy> of(const formats::MacroLevelsView<T>& levels, double isovalue);
+  std::shared_ptr<const Occupancy> of(const formats::MacroLevelsView<T>& levels, double isovalue) {
+    return last_.of(isovalue, [&] { return std::make_shared<const Occupancy>(levels, isovalue); });
+  }
 
  private:
-  struct Entry {
-    double isovalue;
-    std::shared_ptr<const Occupancy> occupancy;
-  };
-  static constexpr std::size_t kept = 4;
-
-  std::mutex mutex_;
-  std::vector<Entry> last_;  ///< newest first
+  LastIsovalues<Occupancy> last_;
 };
 
 }  // namespace rhoray::render

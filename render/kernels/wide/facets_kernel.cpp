@@ -9,6 +9,7 @@
 #include "render/kernels/tet_walk.h"
 #include "render/kernels/wide/facets.h"
 #include "render/kernels/wide/facets_parts.h"
+#include "render/kernels/wide/kernel_on.h"
 #include "render/volumes/volume.h"
 
 namespace rhoray::render::wide {
@@ -131,11 +132,6 @@ void first_facets(const VolumeImplementation& volume, const Question& question, 
       volume.view);
 }
 
-template <Machine machine>
-Kernel kernel_by(Method::Way way) {
-  return way == Method::Way::certified ? first_facets<machine, true> : first_facets<machine, false>;
-}
-
 /// A mesh of which products of lengths and values stay far from the limits of doubles.
 bool is_fit(const VolumeImplementation& volume) {
   const bool is_of_tets = std::visit([]<class View>(const View&) { return is_mesh<View>; }, volume.view);
@@ -157,20 +153,10 @@ void prepare_facets(const VolumeImplementation& volume, const Question& question
 }
 
 Kernel first_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
-  const bool is_float = method.precision == Method::Precision::single &&
-                        (method.way == Method::Way::direct || method.way == Method::Way::preview);
-  if (!(is_float || method.way == Method::Way::certified) || !is_fit(volume)) return nullptr;
-  switch (machine) {
-    case Machine::scalar:
-      return nullptr;
-    case Machine::baseline:
-      return kernel_by<Machine::baseline>(method.way);
-    case Machine::avx2:
-      return kernel_by<Machine::avx2>(method.way);
-    case Machine::avx512:
-      return kernel_by<Machine::avx512>(method.way);
-  }
-  return nullptr;
+  if (!has_wide_crossings(method) || !is_fit(volume)) return nullptr;
+  return kernel_on(machine, [&]<Machine wide>() -> Kernel {
+    return method.way == Method::Way::certified ? first_facets<wide, true> : first_facets<wide, false>;
+  });
 }
 
 }  // namespace rhoray::render::wide

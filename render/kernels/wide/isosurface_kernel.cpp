@@ -5,6 +5,7 @@
 
 #include "render/kernels/wide/isosurface.h"
 #include "render/kernels/wide/isosurface_parts.h"
+#include "render/kernels/wide/kernel_on.h"
 #include "render/volumes/volume.h"
 
 namespace rhoray::render::wide {
@@ -103,13 +104,6 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
       volume.view);
 }
 
-template <Machine machine>
-Kernel kernel_by(Method::Way way) {
-  return way == Method::Way::preview     ? first_crossings<machine, Search::preview>
-         : way == Method::Way::certified ? first_crossings<machine, Search::certified>
-                                         : first_crossings<machine, Search::bracketed>;
-}
-
 /// A grid with macro levels that are trees of 64 children.
 bool is_fit(const VolumeImplementation& volume) {
   return std::visit(
@@ -125,20 +119,12 @@ bool is_fit(const VolumeImplementation& volume) {
 }  // namespace
 
 Kernel first_crossing_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
-  const bool is_float = method.precision == Method::Precision::single &&
-                        (method.way == Method::Way::direct || method.way == Method::Way::preview);
-  if (!(is_float || method.way == Method::Way::certified) || !is_fit(volume)) return nullptr;
-  switch (machine) {
-    case Machine::scalar:
-      return nullptr;
-    case Machine::baseline:
-      return kernel_by<Machine::baseline>(method.way);
-    case Machine::avx2:
-      return kernel_by<Machine::avx2>(method.way);
-    case Machine::avx512:
-      return kernel_by<Machine::avx512>(method.way);
-  }
-  return nullptr;
+  if (!has_wide_crossings(method) || !is_fit(volume)) return nullptr;
+  return kernel_on(machine, [&]<Machine wide>() -> Kernel {
+    return method.way == Method::Way::preview     ? first_crossings<wide, Search::preview>
+           : method.way == Method::Way::certified ? first_crossings<wide, Search::certified>
+                                                  : first_crossings<wide, Search::bracketed>;
+  });
 }
 
 }  // namespace rhoray::render::wide

@@ -9,6 +9,7 @@
 #include "render/kernels/grid_maximum.h"
 #include "render/kernels/kernel_of.h"
 #include "render/kernels/wide/batch_arrays.h"
+#include "render/kernels/wide/kernel_on.h"
 #include "render/kernels/wide/maximum_parts.h"
 
 namespace rhoray::render::wide {
@@ -132,21 +133,6 @@ void largest_values(const VolumeImplementation& volume, const Question& question
   scratch.counters.intersection_ticks += memory.ticks;
 }
 
-template <class View>
-Kernel kernel_on(Machine machine) {
-  switch (machine) {
-    case Machine::scalar:
-      break;
-    case Machine::baseline:
-      return largest_values<View, Machine::baseline>;
-    case Machine::avx2:
-      return largest_values<View, Machine::avx2>;
-    case Machine::avx512:
-      return largest_values<View, Machine::avx512>;
-  }
-  return nullptr;
-}
-
 bool is_direct(Method::Way way) {
   return way == Method::Way::direct || way == Method::Way::preview || way == Method::Way::slack;
 }
@@ -164,7 +150,8 @@ Kernel largest_value_kernel(const VolumeImplementation& volume, const Method& me
           const bool is_small = std::max({size.x, size.y, size.z}) <= largest_size;
           const Interval<double>& range = volume.field.range;
           const bool has_range = range.is_empty() || std::isfinite(range.hi - range.lo);
-          if (view.lattice().factor == 4 && is_small && has_range) return kernel_on<View>(machine);
+          if (view.lattice().factor == 4 && is_small && has_range)
+            return kernel_on(machine, []<Machine wide>() -> Kernel { return largest_values<View, wide>; });
         }
         return nullptr;
       },

@@ -14,6 +14,7 @@
 #include "render/kernels/kernels.h"
 #include "render/method.h"
 #include "tests/render/support/bundles.h"
+#include "tests/render/support/crossings.h"
 #include "tests/render/support/rays.h"
 #include "tests/render/support/traced_volume.h"
 #include "tests/render/support/wide_machines.h"
@@ -28,15 +29,6 @@ using render::Method;
 using render::Ray;
 
 constexpr Method single = render::method_of(render::Accuracy::single);
-
-std::vector<Hit> answers(TracedVolume& traced, const Method& method, Machine machine, const std::vector<Ray>& rays,
-                         double isovalue) {
-  const render::Kernels kernels = render::choose_kernels(traced.volume().implementation(), method, machine);
-  std::vector<Hit> hits(rays.size());
-  render::ask(kernels.first_crossing, traced.volume().implementation(), {.isovalue = isovalue, .method = method}, rays,
-              hits, traced.scratch);
-  return hits;
-}
 
 /// Rays from anywhere in a box [0, size] to all sides, some of them cut short.
 std::vector<Ray> scattered_rays(const Vec3& size, std::size_t count, std::uint64_t seed) {

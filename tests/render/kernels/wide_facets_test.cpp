@@ -12,8 +12,10 @@
 #include "render/kernels/kernels.h"
 #include "render/method.h"
 #include "render/ray_questions.h"
+#include "tests/render/support/crossings.h"
 #include "tests/render/support/rays.h"
 #include "tests/render/support/traced_volume.h"
+#include "tests/render/support/wide_machines.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 
@@ -28,22 +30,6 @@ using render::Ray;
 constexpr Method single = render::method_of(render::Accuracy::single);
 constexpr Method certified = render::method_of(render::Accuracy::certified);
 constexpr Method judged = render::method_of(render::Accuracy::exact);
-
-std::vector<Machine> wide_machines() {
-  std::vector<Machine> machines;
-  for (const Machine machine : {Machine::baseline, Machine::avx2, Machine::avx512})
-    if (render::has_machine(machine)) machines.push_back(machine);
-  return machines;
-}
-
-std::vector<Hit> answers(TracedVolume& traced, const Method& method, Machine machine, const std::vector<Ray>& rays,
-                         double isovalue) {
-  const render::Kernels kernels = render::choose_kernels(traced.volume().implementation(), method, machine);
-  std::vector<Hit> hits(rays.size());
-  render::ask(kernels.first_crossing, traced.volume().implementation(), {.isovalue = isovalue, .method = method}, rays,
-              hits, traced.scratch);
-  return hits;
-}
 
 struct Mesh {
   std::string name;

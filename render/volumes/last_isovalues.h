@@ -1,0 +1,40 @@
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace rhoray::render {
+
+/// What was prepared of one volume for the last isovalues asked about. Any thread may ask; while one prepares, others
+/// wait.
+template <class Prepared>
+class LastIsovalues {
+ public:
+  /// @param prepare  makes it (a shared pointer), where it is not kept
+  template <class Prepare>
+  std::shared_ptr<const Prepared> of(double isovalue, const Prepare& prepare) {
+    const std::lock_guard lock(mutex_);
+    const auto found = std::find_if(last_.begin(), last_.end(), [&](const Entry& e) { return e.isovalue == isovalue; });
+    if (found != last_.end()) {
+      std::rotate(last_.begin(), found, found + 1);
+    } else {
+      if (last_.size() == kept) last_.pop_back();
+      last_.insert(last_.begin(), {isovalue, prepare()});
+    }
+    return last_.front().prepared;
+  }
+
+ private:
+  struct Entry {
+    double isovalue;
+    std::shared_ptr<const Prepared> prepared;
+  };
+  static constexpr std::size_t kept = 4;
+
+  std::mutex mutex_;
+  std::vector<Entry> last_;  ///< newest first
+};
+
+}  // namespace rhoray::render
