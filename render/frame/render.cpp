@@ -17,15 +17,18 @@ namespace rhoray::render {
 namespace {
 
 void check_request(const Scene& scene, const FrameOptions& options) {
+  if (scene.layers.size() != 1)
+    throw Error(Trouble::usage, concat("a scene of ", scene.layers.size(), " layers; expected 1"));
+  const Layer& layer = scene.layers[0];
   if (options.width < 1 || options.height < 1)
     throw Error(Trouble::usage,
                 concat("picture of ", options.width, " x ", options.height, " pixels; expected at least 1 x 1"));
-  if (scene.mode == Mode::isosurface && !std::isfinite(scene.isovalue))
-    throw Error(Trouble::usage, concat("isovalue ", scene.isovalue, "; expected a finite number"));
-  if (scene.mode == Mode::mip && (scene.window.is_empty() || !std::isfinite(scene.window.hi - scene.window.lo)))
+  if (layer.mode == Mode::isosurface && !std::isfinite(layer.isovalue))
+    throw Error(Trouble::usage, concat("isovalue ", layer.isovalue, "; expected a finite number"));
+  if (layer.mode == Mode::mip && (layer.window.is_empty() || !std::isfinite(layer.window.hi - layer.window.lo)))
     throw Error(Trouble::usage,
-                concat("window ", scene.window.lo, " to ", scene.window.hi, "; expected a finite range"));
-  const Method& method = scene.method;
+                concat("window ", layer.window.lo, " to ", layer.window.hi, "; expected a finite range"));
+  const Method& method = layer.method;
   if (method.way == Method::Way::sampled && !(method.step >= 1e-4 && method.step <= 1e4))
     throw Error(Trouble::usage, concat("steps of ", method.step, " cells; expected 0.0001 to 10000"));
   if (method.way == Method::Way::slack && !(method.slack >= 0 && method.slack <= 1))
@@ -42,23 +45,25 @@ void check_refinement(const Refinement& refinement) {
 }
 
 Frame choose_frame(const Volume& volume, const Scene& scene, const FrameOptions& options) {
+  const Layer& layer = scene.layers[0];
   const VolumeImplementation& implementation = volume.implementation();
-  const Kernels kernels = choose_kernels(implementation, scene.method);
-  const bool is_mip = scene.mode == Mode::mip;
+  const Kernels kernels = choose_kernels(implementation, layer.method);
+  const bool is_mip = layer.mode == Mode::mip;
   return {.volume = implementation,
           .kernel = is_mip ? kernels.largest_value : kernels.first_crossing,
           .prepare = is_mip ? nullptr : kernels.prepare_first_crossing,
           .queue_entries = is_mip ? kernels.queue_entries : 0,
-          .question = {.isovalue = scene.isovalue,
+          .question = {.isovalue = layer.isovalue,
                        .field_range = implementation.field.range,
-                       .method = scene.method,
+                       .method = layer.method,
                        .use_hierarchy = options.use_hierarchy,
                        .use_last_t = options.use_last_t,
                        .time_phases = options.time_phases},
-          .look = {.scene = scene,
-                   .effects = effects_called_for(scene),
+          .look = {.layer = layer,
+                   .background = scene.background,
+                   .effects = effects_called_for(layer),
                    .facing = Facing(implementation.world_from_volume),
-                   .proves = proves(scene.method)},
+                   .proves = proves(layer.method)},
           .camera_rays = CameraRays(scene.camera, options.width, options.height),
           .volume_from_world = implementation.world_from_volume.inverse()};
 }
@@ -100,7 +105,7 @@ FrameStatistics statistics_of(const FrameMemory::Implementation& memory, const S
   statistics.rays_judged = counters.rays_judged;
   statistics.touches = counters.touches;
   statistics.machine = name_of(counters.rays_wide > 0 ? chosen_machine() : Machine::scalar);
-  if (!proves(scene.method)) statistics.largest_error = std::numeric_limits<double>::quiet_NaN();
+  if (!proves(scene.layers[0].method)) statistics.largest_error = std::numeric_limits<double>::quiet_NaN();
   return statistics;
 }
 
