@@ -16,10 +16,12 @@ namespace rhoray::render {
 
 namespace {
 
-void check_request(const Scene& scene, const FrameOptions& options) {
+void check_request(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options) {
   if (scene.layers.size() != 1)
     throw Error(Trouble::usage, concat("a scene of ", scene.layers.size(), " layers; expected 1"));
   const Layer& layer = scene.layers[0];
+  if (layer.volume >= volumes.size())
+    throw Error(Trouble::usage, concat("a layer of volume ", layer.volume, " of ", volumes.size()));
   if (options.width < 1 || options.height < 1)
     throw Error(Trouble::usage,
                 concat("picture of ", options.width, " x ", options.height, " pixels; expected at least 1 x 1"));
@@ -44,9 +46,9 @@ void check_refinement(const Refinement& refinement) {
                 concat("a first pass of every ", refinement.first_spacing, "th pixel; expected 1, 2, 4, 8 or 16"));
 }
 
-Frame choose_frame(const Volume& volume, const Scene& scene, const FrameOptions& options) {
+Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options) {
   const Layer& layer = scene.layers[0];
-  const VolumeImplementation& implementation = volume.implementation();
+  const VolumeImplementation& implementation = volumes[layer.volume].implementation();
   const Kernels kernels = choose_kernels(implementation, layer.method);
   const bool is_mip = layer.mode == Mode::mip;
   return {.volume = implementation,
@@ -135,20 +137,35 @@ FrameMemory::~FrameMemory() = default;
 FrameMemory::FrameMemory(FrameMemory&&) noexcept = default;
 FrameMemory& FrameMemory::operator=(FrameMemory&&) noexcept = default;
 
-FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options,
+FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
                        Framebuffer& framebuffer) {
   FrameMemory memory;
-  return render(volume, scene, options, framebuffer, memory);
+  return render(volumes, scene, options, framebuffer, memory);
+}
+
+FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+                       Framebuffer& framebuffer, FrameMemory& memory) {
+  return refine(volumes, scene, options, {.first_spacing = 1}, framebuffer, memory);
+}
+
+FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options,
+                       Framebuffer& framebuffer) {
+  return render(std::span(&volume, 1), scene, options, framebuffer);
 }
 
 FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer,
                        FrameMemory& memory) {
-  return refine(volume, scene, options, {.first_spacing = 1}, framebuffer, memory);
+  return render(std::span(&volume, 1), scene, options, framebuffer, memory);
 }
 
 FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOptions& options,
                        const Refinement& refinement, Framebuffer& framebuffer, FrameMemory& memory) {
-  check_request(scene, options);
+  return refine(std::span(&volume, 1), scene, options, refinement, framebuffer, memory);
+}
+
+FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+                       const Refinement& refinement, Framebuffer& framebuffer, FrameMemory& memory) {
+  check_request(volumes, scene, options);
   check_refinement(refinement);
   const auto clock_start = std::chrono::steady_clock::now();
   const std::uint64_t ticks_start = ticks_now();
@@ -157,7 +174,7 @@ FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOpti
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
 
-  const Frame frame = choose_frame(volume, scene, options);
+  const Frame frame = choose_frame(volumes, scene, options);
   const auto preparation_start = std::chrono::steady_clock::now();
   if (frame.prepare != nullptr) frame.prepare(frame.volume, frame.question, options.threads);
   const double preparation_s = frame.prepare != nullptr ? seconds_since(preparation_start) : 0;
