@@ -27,6 +27,19 @@ RHORAY_INLINE CellPassage passage_of(const Geometry& geometry, const Ray& ray, c
   return passage;
 }
 
+/// How far from a crossing a ray may start that is said to start in it, in cells: crossings are found to 2^-20 of a
+/// cell in single precision.
+inline constexpr double start_error_cells = 0x1p-18;
+
+/// True where a ray that starts in a crossing may be in this cell only because the crossing's place is rounded.
+template <class Geometry>
+RHORAY_INLINE bool is_beside_start(const Geometry& geometry, const Ray& ray, const CellVisit& visit) {
+  double way = 0;
+  for (int a = 0; a < 3; ++a)
+    way = std::max(way, std::abs(geometry.direction_in_cell(a, ray.direction[a], visit.cell[a])));
+  return (visit.t_out - ray.t_min) * way < start_error_cells;
+}
+
 template <class Real, class View>
 Hit crossing_by_method(const View& view, const Question& question, const Ray& ray, KernelCounters& counters) {
   Hit hit;
@@ -37,18 +50,22 @@ Hit crossing_by_method(const View& view, const Question& question, const Ray& ra
   const CrossingMethod method = in_cell_method(question.method.way);
 
   SideOnRay side(view, ray);
+  bool starts_in_crossing = ray.start_side != StartSide::unknown;
+  if (starts_in_crossing) side.set(ray.start_side == StartSide::inside);
   const auto see = [](int, const CellVisit&) { return true; };
   const auto look = [&](const TrilinearCell& cell, const CellVisit& visit, const auto& before) {
     const Vec3 in = entry_point(view.geometry(), ray, planes, visit);
     const Vec3 out = exit_point(view.geometry(), ray, planes, visit);
+    if (starts_in_crossing && is_beside_start(view.geometry(), ray, visit)) return true;
     const bool starts_inside = is_inside(minus<Real>(cell, iso).cell.at(Imath::Vec3<Real>(in)));
     // A macrocell's range says nothing of cells without data in it: the side that was taken from there may be no longer
     // known where the ray leaves it.
     if (side.inside() && *side.inside() != starts_inside && before && !side.leaves_through_data(*before, planes))
       side.forget();
     if (!side.inside()) side.set(starts_inside);
-    const CellCrossing found =
-        find_crossing<Real>(method, cell, passage_of(view.geometry(), ray, visit, in, out), iso, *side.inside());
+    CellPassage passage = passage_of(view.geometry(), ray, visit, in, out);
+    passage.starts_in_crossing = std::exchange(starts_in_crossing, false);
+    const CellCrossing found = find_crossing<Real>(method, cell, passage, iso, *side.inside());
     if (!found.crosses) return true;  // the side at the exit is the side at the entry
     hit.t = visit.t_at(found.s);
     hit.value = iso;

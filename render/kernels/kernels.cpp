@@ -29,6 +29,7 @@ void ask(Kernel kernel, const VolumeImplementation& volume, const Question& ques
          std::span<Hit> hits, KernelScratch& scratch) {
   constexpr std::size_t batch_size = 1024;
   RayBatch asked(std::min(rays.size(), batch_size));
+  asked.has_start_sides = true;
   HitBatch answered(std::min(rays.size(), batch_size));
   for (std::size_t first = 0; first < rays.size(); first += batch_size) {
     asked.count = std::min(batch_size, rays.size() - first);
