@@ -25,9 +25,11 @@ struct Frame {
   Look look;
   CameraRays camera_rays;
   Affine volume_from_world;
+  std::optional<SurfaceBoxes> boxes{};  ///< nothing is met outside them; none: not known
 };
 
-/// Pixels that are traced one after another before anyone looks: those of a few lattices.
+/// Pixels that are traced one after another before anyone looks: those of a few lattices. Rays are made, and the kernel
+/// is asked about them, in blocks of pixels that may see one of the frame's boxes; the others are background.
 class Pass {
  public:
   void add(const Frame& frame, const PixelLattice& lattice);
@@ -44,6 +46,8 @@ class Pass {
     std::size_t part;
     Tile tile;
   };
+  static void trace_blocks(const Frame& frame, const Part& part, const Tile& tile, Worker& worker, Framebuffer& out);
+
   std::vector<Part> parts_;
   std::vector<PartTile> tiles_;
 };

@@ -61,6 +61,27 @@ RHORAY_INLINE void for_each_pixel(const PixelLattice& lattice, const Tile& tile,
   });
 }
 
+/// Calls fill(pixel, count) for all pixels, side by side, for which rays of a tile's untraced blocks stand.
+template <class Fill>
+void for_each_background_run(const PixelLattice& lattice, const Tile& tile, const Fill& fill) {
+  for_each_untraced_run(tile, [&](int first, int row, int count) {
+    const int y_begin = lattice.y_first + row * lattice.spacing;
+    const int y_end = std::min(y_begin + lattice.extent, lattice.height);
+    const bool is_closed = lattice.extent == lattice.spacing;  // no pixels of other lattices between them
+    const int step = is_closed ? count : 1;
+    for (int x = first; x < first + count; x += step) {
+      const int x_begin = lattice.x_first + x * lattice.spacing;
+      const int x_end = std::min(x_begin + (step - 1) * lattice.spacing + lattice.extent, lattice.width);
+      for (int y = y_begin; y < y_end; ++y)
+        fill(pixel_at(lattice, x_begin, y), static_cast<std::size_t>(x_end - x_begin));
+    }
+  });
+}
+
+void fill_colors(const float (&color)[4], float* to, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) std::copy_n(color, 4, to + 4 * i);
+}
+
 RHORAY_INLINE void shade_tile_inline(const Look& look, Worker& worker) {
   const HitBatch& hits = worker.hits;
   const Vec3& background = look.background;
@@ -92,11 +113,11 @@ void shade_tile(const Look& look, Worker& worker) {
 void expect_tile(const PixelLattice& lattice, const Tile& tile, const Framebuffer& out) {
   if (lattice.spacing != 1) return;
   constexpr std::size_t line_floats = 64 / sizeof(float);
-  const auto width = static_cast<std::size_t>(tile.x_end - tile.x_begin);
-  for (int y = tile.y_begin; y < tile.y_end; ++y) {
-    const float* row = out.color.data() + 4 * pixel_at(lattice, tile.x_begin, y);
-    for (std::size_t i = 0; i < 4 * width; i += line_floats) __builtin_prefetch(row + i, 1);
-  }
+  for_each_run(tile, [&](const Run& run) {
+    const float* row = out.color.data() + 4 * pixel_at(lattice, run.x, run.y);
+    for (std::size_t i = 0; i < 4 * static_cast<std::size_t>(run.count); i += line_floats)
+      __builtin_prefetch(row + i, 1);
+  });
 }
 
 void write_tile(const Look& look, const PixelLattice& lattice, const Tile& tile, const Worker& worker,
@@ -133,6 +154,24 @@ void write_tile(const Look& look, const PixelLattice& lattice, const Tile& tile,
   if (!out.iterations.empty())
     write_each([&](std::size_t r, std::size_t pixel) { out.iterations[pixel] = hits.iteration_count[r]; });
   if (!out.cost.empty()) write_each([&](std::size_t r, std::size_t pixel) { out.cost[pixel] = hits.cost[r]; });
+}
+
+void write_background(const Look& look, const PixelLattice& lattice, const Tile& tile, Framebuffer& out) {
+  const Vec3& background = look.background;
+  const float color[4] = {static_cast<float>(background.x), static_cast<float>(background.y),
+                          static_cast<float>(background.z), 0};
+  for_each_background_run(lattice, tile, [&](std::size_t first, std::size_t count) {
+    const auto fill = [&](auto& channel, auto value) {
+      if (!channel.empty()) std::fill_n(channel.data() + first, count, value);
+    };
+    fill_colors(color, out.color.data() + 4 * first, count);
+    fill(out.depth, std::numeric_limits<float>::infinity());
+    if (!out.normal.empty()) std::fill_n(out.normal.data() + 3 * first, 3 * count, 0.0F);
+    fill(out.cell, Framebuffer::no_cell);
+    fill(out.value, std::numeric_limits<double>::quiet_NaN());
+    fill(out.error, std::numeric_limits<float>::quiet_NaN());
+    for (auto* numbers : {&out.roots, &out.iterations, &out.cost}) fill(*numbers, std::uint32_t{0});
+  });
 }
 
 }  // namespace rhoray::render

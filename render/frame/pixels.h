@@ -24,9 +24,12 @@ void shade_tile(const Look& look, Worker& worker);
 /// Asks for the memory into which a tile will be written while others work at it; changes nothing.
 void expect_tile(const PixelLattice& lattice, const Tile& tile, const Framebuffer& out);
 
-/// Writes a tile's colours, and of its hits what the framebuffer has channels for. A pixel of a lattice with a spacing
-/// also stands for its neighbours to the right and below, up to the next pixel of the lattice.
+/// Writes the colours of a tile's traced blocks, and of its hits what the framebuffer has channels for. A pixel of a
+/// lattice with a spacing also stands for its neighbours to the right and below, up to the next pixel of the lattice.
 void write_tile(const Look& look, const PixelLattice& lattice, const Tile& tile, const Worker& worker,
                 Framebuffer& out);
+
+/// Writes the other blocks' pixels: what write_tile writes of a ray that meets nothing and cost nothing.
+void write_background(const Look& look, const PixelLattice& lattice, const Tile& tile, Framebuffer& out);
 
 }  // namespace rhoray::render

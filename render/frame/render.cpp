@@ -95,6 +95,7 @@ FrameStatistics statistics_of(const FrameMemory::Implementation& memory, const S
   for (const Worker* worker : memory.workers()) {
     counters += worker->scratch.counters;
     statistics.rays += worker->ray_count;
+    statistics.rays_ruled_out += worker->rays_ruled_out;
     statistics.hits += worker->hit_count;
     statistics.highlights_shaded += worker->highlights;
     statistics.largest_error = std::max(statistics.largest_error, worker->largest_error);
@@ -174,10 +175,13 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
 
-  const Frame frame = choose_frame(volumes, scene, options);
+  Frame frame = choose_frame(volumes, scene, options);
   const auto preparation_start = std::chrono::steady_clock::now();
-  if (frame.prepare != nullptr) frame.prepare(frame.volume, frame.question, options.threads);
+  if (frame.prepare != nullptr) frame.boxes = frame.prepare(frame.volume, frame.question, options.threads);
+  const bool is_wide = frame.boxes.has_value();
   const double preparation_s = frame.prepare != nullptr ? seconds_since(preparation_start) : 0;
+  if (!frame.boxes && options.use_hierarchy && keeps_to_bounds(frame.volume, frame.question.method))
+    frame.boxes = box_around(frame.volume.bounds_volume);
   const std::vector<Pass> passes = passes_of(frame, options, refinement.first_spacing);
   framebuffer.reshape(options.width, options.height, options.channels);
   FrameMemory::Implementation& kept = memory.implementation();
@@ -193,6 +197,7 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
   }
 
   FrameStatistics statistics = statistics_of(kept, scene);
+  if (is_wide) statistics.machine = name_of(chosen_machine());
   statistics.preparation_s = preparation_s;
   statistics.wall_s = seconds_since(clock_start);
   if (options.time_phases)
