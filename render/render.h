@@ -34,6 +34,7 @@ struct FrameStatistics {
   };
   std::uint64_t rays = 0;
   std::uint64_t rays_ruled_out = 0;  ///< of these: known to meet nothing by where it can be met, and not traced
+  std::uint64_t rays_through = 0;    ///< asked again behind a surface that is not opaque
   std::uint64_t hits = 0;
   std::uint64_t macrocells_visited = 0;
   std::uint64_t cells_visited = 0;      ///< leaf cells whose values or lists were read

@@ -71,10 +71,9 @@ std::uint16_t BlockMask::of_tile(const Tile& tile) const {
   return static_cast<std::uint16_t>(blocks);
 }
 
-BlockMask blocks_that_may_meet(const SurfaceBoxes& boxes, const BoxProjection& projection,
-                               const PixelLattice& lattice) {
-  BlockMask mask(lattice);
-  if (boxes.level_count == 0) return mask;
+void add_blocks_that_may_meet(const SurfaceBoxes& boxes, const BoxProjection& projection, const PixelLattice& lattice,
+                              BlockMask& mask) {
+  if (boxes.level_count == 0) return;
   const BoxProjection::OntoLattice onto(projection, boxes, lattice);
   const BlockRange all{0, (lattice.columns() - 1) / block_edge, 0, (lattice.rows() - 1) / block_edge};
   std::array<Entry, (BoxNode::size - 1) * SurfaceBoxes::largest_level_count + 1> stack;
@@ -97,7 +96,6 @@ BlockMask blocks_that_may_meet(const SurfaceBoxes& boxes, const BoxProjection& p
         stack[top++] = {BoxNode::size * entry.node + i, entry.level - 1, range};
     }
   }
-  return mask;
 }
 
 }  // namespace rhoray::render

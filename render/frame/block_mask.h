@@ -38,7 +38,8 @@ class BlockMask {
   std::vector<std::uint64_t> words_;  ///< a bit for each block, row by row
 };
 
-/// The blocks of which some ray may meet a box; of a projection that is certain.
-BlockMask blocks_that_may_meet(const SurfaceBoxes& boxes, const BoxProjection& projection, const PixelLattice& lattice);
+/// Adds the blocks of which some ray may meet a box; of a projection that is certain.
+void add_blocks_that_may_meet(const SurfaceBoxes& boxes, const BoxProjection& projection, const PixelLattice& lattice,
+                              BlockMask& mask);
 
 }  // namespace rhoray::render
