@@ -27,17 +27,12 @@ RHORAY_INLINE CellPassage passage_of(const Geometry& geometry, const Ray& ray, c
   return passage;
 }
 
-/// How far from a crossing a ray may start that is said to start in it, in cells: crossings are found to 2^-20 of a
-/// cell in single precision.
-inline constexpr double start_error_cells = 0x1p-18;
-
-/// True where a ray that starts in a crossing may be in this cell only because the crossing's place is rounded.
-template <class Geometry>
-RHORAY_INLINE bool is_beside_start(const Geometry& geometry, const Ray& ray, const CellVisit& visit) {
-  double way = 0;
-  for (int a = 0; a < 3; ++a)
-    way = std::max(way, std::abs(geometry.direction_in_cell(a, ray.direction[a], visit.cell[a])));
-  return (visit.t_out - ray.t_min) * way < start_error_cells;
+/// True where a ray that starts in a crossing does not get farther from the surface in this cell than its start may be:
+/// the ray may be here, or on this side, only because the crossing's place is rounded.
+RHORAY_INLINE bool stays_at_start(const TrilinearCell& cell, const Vec3& in, const Vec3& out, double isovalue) {
+  const double near = start_error_cells * (cell.largest() - cell.smallest());
+  const CubicOf<double> cubic = minus<double>(cell, isovalue).cell.along(in, out);
+  return std::all_of(cubic.b.begin(), cubic.b.end(), [&](double b) { return std::abs(b) <= near; });
 }
 
 template <class Real, class View>
@@ -56,7 +51,7 @@ Hit crossing_by_method(const View& view, const Question& question, const Ray& ra
   const auto look = [&](const TrilinearCell& cell, const CellVisit& visit, const auto& before) {
     const Vec3 in = entry_point(view.geometry(), ray, planes, visit);
     const Vec3 out = exit_point(view.geometry(), ray, planes, visit);
-    if (starts_in_crossing && is_beside_start(view.geometry(), ray, visit)) return true;
+    if (starts_in_crossing && stays_at_start(cell, in, out, iso)) return true;
     const bool starts_inside = is_inside(minus<Real>(cell, iso).cell.at(Imath::Vec3<Real>(in)));
     // A macrocell's range says nothing of cells without data in it: the side that was taken from there may be no longer
     // known where the ray leaves it.

@@ -163,7 +163,7 @@ TEST(ClearLayers, are_seen_in_their_exact_order) {
     crossings += all.size(), ++checked;
   }
   EXPECT_GT(checked, 600);
-  EXPECT_GT(crossings, 1500);
+  EXPECT_GT(crossings, 500);
   EXPECT_GT(close, 100) << "the shells no longer lie close to each other";
   EXPECT_GT(statistics.rays_through, 1500);
 }

@@ -32,9 +32,9 @@ struct Road {
   Method method;
   Machine machine;
 };
-std::vector<Road> roads(bool is_mesh) {
+std::vector<Road> roads() {
   std::vector<Road> all{{twofold, Machine::scalar}};
-  if (is_mesh) for (const Machine machine : wide_machines()) all.push_back({single, machine});
+  for (const Machine machine : wide_machines()) all.push_back({single, machine});
   return all;
 }
 
@@ -43,7 +43,6 @@ struct Shown {
   std::unique_ptr<TracedVolume> traced;
   double length;   ///< of a cell, volume frame
   Vec3 low, high;  ///< of the data, volume frame
-  bool is_mesh = false;
 };
 
 /// A field on [-1, 1]^3, as a grid and as a mesh, cells of an edge of 2 / cells.
@@ -59,7 +58,7 @@ std::vector<Shown> both_kinds(const Field& field, std::int64_t cells) {
                  {n, n, n}});
   preprocess::NeutralMesh mesh = box_mesh({.cells = {cells, cells, cells}, .box = box});
   add_point_field(mesh, "value", field);
-  all.push_back({"mesh", std::make_unique<TracedVolume>(mesh), 2 / n, {}, {}, true});
+  all.push_back({"mesh", std::make_unique<TracedVolume>(mesh), 2 / n, {}, {}});
   const Box3 bounds = all.back().traced->volume().implementation().bounds_volume;
   all.back().low = bounds.min, all.back().high = bounds.max;
   return all;
@@ -90,7 +89,7 @@ TEST(StartSide, keeps_a_plane_from_meeting_itself) {
     for (const double isovalue : {0.0, 0.25, 0.1234567})  // on planes of cells and between them
       for (const double scale : {1.0, 1e-30, 1e20})
         for (Shown& shown : both_kinds(linear_field(scale * slope), 8))
-          for (const Road& road : roads(shown.is_mesh)) {
+          for (const Road& road : roads()) {
             const std::vector<Ray> rays = rays_through(shown, 300, 5);
             const std::vector<Hit> hits = answers(*shown.traced, road.method, road.machine, rays, scale * isovalue);
             std::vector<Ray> away;
@@ -118,7 +117,7 @@ TEST(StartSide, loses_no_sheet_of_many) {
   constexpr std::int64_t cells = 12;
   for (const double isovalue : {0.0, 0.3, -0.4999, 0.4999})  // the last two: sheets close to each other
     for (Shown& shown : both_kinds([](const Vec3& p) { return zigzag((p.z + 1) * cells / 2); }, cells))
-      for (const Road& road : roads(shown.is_mesh)) {
+      for (const Road& road : roads()) {
         Dice dice(9);
         // Sheets lie at distances a and 2 - a in turn, in cells.
         std::vector<Ray> rays;
@@ -159,7 +158,7 @@ TEST(StartSide, agrees_with_rays_that_start_beside_the_surface) {
   std::size_t asked = 0, skipped = 0, shadowed = 0;
   for (const Field& field : {Field(ball), Field(saddle), Field(waves)})
     for (Shown& shown : both_kinds(field, 16))
-      for (const Road& road : roads(shown.is_mesh)) {
+      for (const Road& road : roads()) {
         const double isovalue = 0.0123;
         const std::vector<Ray> rays = rays_through(shown, 2000, 11);
         const std::vector<Hit> hits = answers(*shown.traced, road.method, road.machine, rays, isovalue);
