@@ -63,7 +63,13 @@ Ray behind(const Ray& ray, const Hit& hit) {
   return rest;
 }
 
-/// Asks a layer for the crossings behind those that were just shown.
+/// Makes the rays that show a layer's crossing go on behind it.
+void leave_crossings(std::uint8_t layer, const LayerOfRays& shown, LayerWork& work) {
+  for (std::size_t r = 0; r < work.rays.count; ++r)
+    if (shown.of[r] == layer) work.rays.set(r, behind(work.rays[r], work.hits[r]));
+}
+
+/// Asks for what these rays meet next, where light from there would be seen.
 void go_on(const FrameLayer& layer, std::uint8_t index, const LayerOfRays& shown, Worker& worker) {
   LayerWork& work = worker.layers[index];
   worker.few.clear();
@@ -73,9 +79,7 @@ void go_on(const FrameLayer& layer, std::uint8_t index, const LayerOfRays& shown
       work.hits.t[r] = infinity;
       continue;
     }
-    const Ray rest = behind(work.rays[r], work.hits[r]);
-    work.rays.set(r, rest);
-    worker.few_rays.set(worker.few.size(), rest);
+    worker.few_rays.set(worker.few.size(), work.rays[r]);
     worker.few.push_back(r);
   }
   if (worker.few.empty()) return;
@@ -115,6 +119,7 @@ void peel_clear_layers(const Frame& frame, Worker& worker) {
     for (std::size_t l = 0; l < frame.layers.size(); ++l) {
       if (frame.layers[l].part != Part::clear) continue;
       const auto index = static_cast<std::uint8_t>(l);
+      leave_crossings(index, next, worker.layers[l]);
       shade_clear(frame.layers[l].look, worker.layers[l], next, index, worker.counts, worker.front);
       go_on(frame.layers[l], index, next, worker);
     }
