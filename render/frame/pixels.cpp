@@ -84,14 +84,14 @@ void fill_colors(const float (&color)[4], float* to, std::size_t count) {
 
 RHORAY_INLINE void shade_tile_inline(const Look& look, Worker& worker) {
   const HitBatch& hits = worker.hits;
-  const Vec3& background = look.scene.background;
+  const Vec3& background = look.background;
   const std::size_t count = worker.rays.count;
   for (std::size_t r = count; r % group_size != 0; ++r) hits.t[r] = infinity;  // the last group's empty rooms
   for (std::size_t first = 0; first < count; first += group_size) {
     Lanes alpha;
     Colors colors;
     const int hit_count = find_hits(hits.t.data() + first, alpha);
-    if (hit_count > 0) shade(look.scene, look.effects, look.facing, worker.rays, hits, first, colors);
+    if (hit_count > 0) shade(look.layer, look.effects, look.facing, worker.rays, hits, first, colors);
     over_background(colors.red, alpha, background.x, worker.colors.red + first);
     over_background(colors.green, alpha, background.y, worker.colors.green + first);
     over_background(colors.blue, alpha, background.z, worker.colors.blue + first);
@@ -157,7 +157,7 @@ void write_tile(const Look& look, const PixelLattice& lattice, const Tile& tile,
 }
 
 void write_background(const Look& look, const PixelLattice& lattice, const Tile& tile, Framebuffer& out) {
-  const Vec3& background = look.scene.background;
+  const Vec3& background = look.background;
   const float color[4] = {static_cast<float>(background.x), static_cast<float>(background.y),
                           static_cast<float>(background.z), 0};
   for_each_background_run(lattice, tile, [&](std::size_t first, std::size_t count) {
