@@ -153,8 +153,8 @@ void Occupancy::find_boxes(const Index3& leaf_count) {
                                                   : BoxEdge::summit;
   BoxList list{leaf_count, {}, 0};
   const auto add_node = [&](const Index3& node, std::uint64_t bits) {
-    if (edge == BoxEdge::node) return list.add(std::int64_t{4} * node, bits, 4);
-    for (; bits != 0; bits &= bits - 1) list.add(std::int64_t{4} * node, bits & (~bits + 1), 4);
+    if (edge == BoxEdge::node) return list.add(node * 4, bits, 4);
+    for (; bits != 0; bits &= bits - 1) list.add(node * 4, bits & (~bits + 1), 4);
   };
   std::size_t at = 0;
   Index3 summit;
@@ -163,11 +163,11 @@ void Occupancy::find_boxes(const Index3& leaf_count) {
     for (summit.y = 0; summit.y < summits.y; ++summit.y)
       for (summit.x = 0; summit.x < summits.x; ++summit.x, ++at) {
         std::uint64_t bits = summits_[at];
-        if (edge == BoxEdge::summit && bits != 0) list.add(std::int64_t{4} * summit, bits, 16);
+        if (edge == BoxEdge::summit && bits != 0) list.add(summit * 4, bits, 16);
         if (edge == BoxEdge::summit) continue;
         for (; bits != 0; bits &= bits - 1) {
           const int bit = std::countr_zero(bits);
-          const Index3 node = std::int64_t{4} * summit + Index3(bit & 3, bit >> 2 & 3, bit >> 4);
+          const Index3 node = summit * 4 + Index3(bit & 3, bit >> 2 & 3, bit >> 4);
           add_node(node,
                    nodes_[static_cast<std::size_t>((node.z * node_count_[1] + node.y) * node_count_[0] + node.x)]);
         }
