@@ -154,7 +154,7 @@ TEST(BlockMask, has_every_block_in_which_a_ray_meets_a_box) {
     const BoxProjection projection(rays, volume_from_world, world_from_volume, bounds);
     ASSERT_TRUE(projection.is_certain());
     const auto levels = tree_of(boxes);
-    const BlockMask mask = blocks_that_may_meet(boxes_of(levels, *levels), projection, lattice);
+    const BlockMask mask = blocks_that_may_meet(render::boxes_of(levels, *levels), projection, lattice);
     const std::vector<char> has = blocks_of(mask, lattice);
     const std::vector<char> met = blocks_by_rays(rays, volume_from_world, lattice, boxes);
     ++scenes;
@@ -183,7 +183,7 @@ TEST(BlockMask, has_no_other_block_where_an_orthographic_camera_looks_along_an_a
     const auto levels = tree_of(boxes);
     const BoxProjection projection(rays, {}, {}, boxes[0]);
     const std::vector<char> has =
-        blocks_of(blocks_that_may_meet(boxes_of(levels, *levels), projection, lattice), lattice);
+        blocks_of(blocks_that_may_meet(render::boxes_of(levels, *levels), projection, lattice), lattice);
     ASSERT_EQ(has, blocks_by_rays(rays, {}, lattice, boxes)) << round;
     marked += std::count(has.begin(), has.end(), 1);
     blocks += std::ssize(has);
@@ -203,8 +203,8 @@ TEST(BlockMask, has_nothing_where_there_is_nothing_and_all_where_the_eye_is_in_a
     return std::count(has.begin(), has.end(), 1);
   };
   EXPECT_EQ(marked({}), 0);
-  EXPECT_EQ(marked(box_around(behind)), 0);
-  EXPECT_EQ(marked(box_around(around)), 19 * 9);
+  EXPECT_EQ(marked(render::box_around(behind)), 0);
+  EXPECT_EQ(marked(render::box_around(around)), 19 * 9);
 }
 
 TEST(BoxProjection, is_the_same_on_every_machine) {
@@ -219,7 +219,7 @@ TEST(BoxProjection, is_the_same_on_every_machine) {
     const CameraRays rays(any_camera(dice, world_from_volume, bounds), lattice.width, lattice.height);
     const BoxProjection projection(rays, world_from_volume.inverse(), world_from_volume, bounds);
     render::ProjectedNode expected, got;
-    const SurfaceBoxes tree = boxes_of(levels, *levels);
+    const SurfaceBoxes tree = render::boxes_of(levels, *levels);
     BoxProjection::OntoLattice(projection, tree, lattice, render::Machine::scalar)
         .project(levels->front().front(), expected);
     for (const render::Machine machine : {render::Machine::avx2, render::Machine::avx512}) {
