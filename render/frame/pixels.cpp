@@ -62,7 +62,7 @@ RHORAY_INLINE void for_each_pixel(const PixelLattice& lattice, const Tile& tile,
 }
 
 RHORAY_INLINE void shade_tile_inline(const Look& look, Worker& worker) {
-  const HitBatch& hits = worker.hits;
+  HitBatch& hits = worker.hits;
   const Vec3& background = look.scene.background;
   const std::size_t count = worker.rays.count;
   for (std::size_t r = count; r % group_size != 0; ++r) hits.t[r] = infinity;  // the last group's empty rooms
@@ -70,13 +70,19 @@ RHORAY_INLINE void shade_tile_inline(const Look& look, Worker& worker) {
     Lanes alpha;
     Colors colors;
     const int hit_count = find_hits(hits.t.data() + first, alpha);
-    if (hit_count > 0) shade(look.scene, look.effects, look.facing, worker.rays, hits, first, colors);
+    if (hit_count > 0) {
+      double field_values[group_size];
+      if (look.lookup != nullptr) (*look.lookup)(worker.rays, hits, first, field_values);
+      shade(look.scene, look.effects, look.facing, worker.rays, hits, first, field_values, colors);
+    }
     over_background(colors.red, alpha, background.x, worker.colors.red + first);
     over_background(colors.green, alpha, background.y, worker.colors.green + first);
     over_background(colors.blue, alpha, background.z, worker.colors.blue + first);
     std::copy_n(alpha.data(), group_size, worker.colors.alpha + first);
     worker.hit_count += static_cast<std::uint64_t>(hit_count);
     if (look.effects.specular) worker.highlights += static_cast<std::uint64_t>(hit_count);
+    if (look.effects.smooth_normals) worker.smooth_normals += static_cast<std::uint64_t>(hit_count);
+    if (look.effects.field_color) worker.field_values += static_cast<std::uint64_t>(hit_count);
   }
   if (!look.proves) return;
   for (std::size_t r = 0; r < count; ++r)

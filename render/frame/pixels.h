@@ -5,6 +5,7 @@
 #include "render/frame/tiles.h"
 #include "render/frame/worker.h"
 #include "render/framebuffer.h"
+#include "render/kernels/hit_lookup.h"
 
 namespace rhoray::render {
 
@@ -13,7 +14,8 @@ struct Look {
   const Scene& scene;
   EffectSet effects;
   Facing facing;
-  bool proves;  ///< hits carry bounds of their errors
+  bool proves;                        ///< hits carry bounds of their errors
+  const HitLookup* lookup = nullptr;  ///< where effects ask for more than hits say
   Machine machine = chosen_machine();
 };
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "formats/base/text.h"
@@ -25,6 +26,10 @@ void check_request(const Scene& scene, const FrameOptions& options) {
   if (scene.mode == Mode::mip && (scene.window.is_empty() || !std::isfinite(scene.window.hi - scene.window.lo)))
     throw Error(Trouble::usage,
                 concat("window ", scene.window.lo, " to ", scene.window.hi, "; expected a finite range"));
+  if (const auto& colors = scene.surface.color_by;
+      colors && (colors->range.is_empty() || !std::isfinite(colors->range.hi - colors->range.lo)))
+    throw Error(Trouble::usage, concat("colours of '", colors->field, "' from ", colors->range.lo, " to ",
+                                       colors->range.hi, "; expected a finite range"));
   const Method& method = scene.method;
   if (method.way == Method::Way::sampled && !(method.step >= 1e-4 && method.step <= 1e4))
     throw Error(Trouble::usage, concat("steps of ", method.step, " cells; expected 0.0001 to 10000"));
@@ -41,7 +46,16 @@ void check_refinement(const Refinement& refinement) {
                 concat("a first pass of every ", refinement.first_spacing, "th pixel; expected 1, 2, 4, 8 or 16"));
 }
 
-Frame choose_frame(const Volume& volume, const Scene& scene, const FrameOptions& options) {
+/// What the scene's effects ask for beyond what hits say; nothing when they ask for none.
+std::optional<HitLookup> choose_lookup(const Volume& volume, const Scene& scene, unsigned threads) {
+  const EffectSet effects = effects_called_for(scene);
+  HitWishes wishes{.smooth_gradients = effects.smooth_normals, .field = {}};
+  if (effects.field_color) wishes.field = scene.surface.color_by->field;
+  if (wishes.none()) return std::nullopt;
+  return HitLookup(volume.implementation(), wishes, threads);
+}
+
+Frame choose_frame(const Volume& volume, const Scene& scene, const FrameOptions& options, const HitLookup* lookup) {
   const VolumeImplementation& implementation = volume.implementation();
   const Kernels kernels = choose_kernels(implementation, scene.method);
   const bool is_mip = scene.mode == Mode::mip;
@@ -58,7 +72,8 @@ Frame choose_frame(const Volume& volume, const Scene& scene, const FrameOptions&
           .look = {.scene = scene,
                    .effects = effects_called_for(scene),
                    .facing = Facing(implementation.world_from_volume),
-                   .proves = proves(scene.method)},
+                   .proves = proves(scene.method),
+                   .lookup = lookup},
           .camera_rays = CameraRays(scene.camera, options.width, options.height),
           .volume_from_world = implementation.world_from_volume.inverse()};
 }
@@ -90,6 +105,8 @@ FrameStatistics statistics_of(const FrameMemory::Implementation& memory, const S
     statistics.rays += worker->ray_count;
     statistics.hits += worker->hit_count;
     statistics.highlights_shaded += worker->highlights;
+    statistics.normals_smoothed += worker->smooth_normals;
+    statistics.colors_looked_up += worker->field_values;
     statistics.largest_error = std::max(statistics.largest_error, worker->largest_error);
   }
   statistics.macrocells_visited = counters.macrocells_visited;
@@ -152,10 +169,11 @@ FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOpti
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
 
-  const Frame frame = choose_frame(volume, scene, options);
   const auto preparation_start = std::chrono::steady_clock::now();
+  const std::optional<HitLookup> lookup = choose_lookup(volume, scene, options.threads);
+  const Frame frame = choose_frame(volume, scene, options, lookup ? &*lookup : nullptr);
   if (frame.prepare != nullptr) frame.prepare(frame.volume, frame.question, options.threads);
-  const double preparation_s = frame.prepare != nullptr ? seconds_since(preparation_start) : 0;
+  const double preparation_s = frame.prepare != nullptr || lookup ? seconds_since(preparation_start) : 0;
   const std::vector<Pass> passes = passes_of(frame, options, refinement.first_spacing);
   framebuffer.reshape(options.width, options.height, options.channels);
   FrameMemory::Implementation& kept = memory.implementation();

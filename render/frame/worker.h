@@ -20,7 +20,7 @@ struct alignas(128) Worker {
   TileColors colors;
   KernelScratch scratch;
   const void* rays_begun_by = nullptr;  ///< whose numbers the rays have that all rays share
-  std::uint64_t ray_count = 0, hit_count = 0, highlights = 0;
+  std::uint64_t ray_count = 0, hit_count = 0, highlights = 0, smooth_normals = 0, field_values = 0;
   std::uint64_t tile_ticks = 0, shading_ticks = 0;
   double largest_error = 0;
 
@@ -30,7 +30,7 @@ struct alignas(128) Worker {
     scratch.last_t.reset();
     scratch.counters = {};
     rays_begun_by = nullptr;
-    ray_count = hit_count = highlights = tile_ticks = shading_ticks = 0;
+    ray_count = hit_count = highlights = smooth_normals = field_values = tile_ticks = shading_ticks = 0;
     largest_error = 0;
   }
 };

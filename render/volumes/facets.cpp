@@ -177,6 +177,7 @@ FacetField field_of(const std::array<std::array<double, 3>, 4>& points, const st
   FacetField field{.gradient = {g.x, g.y, g.z},
                    .value = (values[0] - isovalue) - g.dot(Vec3(points[0][0], points[0][1], points[0][2]) - anchor),
                    .cell = 0,
+                   .tet = 0,
                    .cell_size = static_cast<float>(std::sqrt(size2)),
                    .doubt = std::numeric_limits<float>::infinity()};
   const double six_volumes = std::abs(a.dot(b.cross(c)));
@@ -185,6 +186,29 @@ FacetField field_of(const std::array<std::array<double, 3>, 4>& points, const st
   if (six_volumes > 0x1p-20 * cube && std::isfinite(field.value))
     field.doubt = static_cast<float>(0x1p-44 * (hi - lo) * (cube / six_volumes) * (cube / six_volumes));
   return field;
+}
+
+/// Beyond all corners.
+constexpr float none = 1e30f;
+
+/// The least and the largest numbers of lists of sixteen.
+Interval<float> range_of(std::span<const float* const> lists) {
+  constexpr std::size_t size = FacetBlock::size;
+  static_assert(FacetNode::size == size);
+  float low[size], high[size];
+  std::fill_n(low, size, none);
+  std::fill_n(high, size, -none);
+  for (const float* list : lists)
+    for (std::size_t i = 0; i < size; ++i) {
+      low[i] = list[i] < low[i] ? list[i] : low[i];
+      high[i] = list[i] > high[i] ? list[i] : high[i];
+    }
+  for (std::size_t half = size / 2; half > 0; half /= 2)
+    for (std::size_t i = 0; i < half; ++i) {
+      low[i] = low[i + half] < low[i] ? low[i + half] : low[i];
+      high[i] = high[i + half] > high[i] ? high[i + half] : high[i];
+    }
+  return {low[0], high[0]};
 }
 
 }  // namespace
@@ -217,7 +241,6 @@ Facets::Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, un
   count_ = static_cast<std::uint32_t>(placed.size());
   blocks_.resize((placed.size() + FacetBlock::size - 1) / FacetBlock::size);
   fields_.resize(placed.size());
-  cells_.resize(placed.size());
   for_each_range(blocks_.size(), 256, threads, [&](std::uint64_t first_block, std::uint64_t end_block) {
     const auto end = static_cast<std::uint32_t>(std::min<std::uint64_t>(count_, end_block * FacetBlock::size));
     for (auto f = static_cast<std::uint32_t>(first_block * FacetBlock::size); f < end; ++f) {
@@ -227,60 +250,62 @@ Facets::Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, un
       const auto values = view.values_at(vertices);
       const FacetEdges& edges = facet_edges[inside_bits(values, isovalue)];
       FacetBlock& block = blocks_[f / FacetBlock::size];
+      double place[4][3];
+      for (std::size_t v = 0; v < 4; ++v)
+        for (std::size_t axis = 0; axis < 3; ++axis) place[v][axis] = in_frame(points[v], axis);
       for (std::size_t corner = 0; corner < 4; ++corner) {
         const std::size_t a = edges.edge[corner][0], b = edges.edge[corner][1];
         const double s = (isovalue - values[a]) / (values[b] - values[a]);
         for (std::size_t axis = 0; axis < 3; ++axis)
           block.corner[corner][axis][f % FacetBlock::size] =
-              static_cast<float>((1 - s) * in_frame(points[a], axis) + s * in_frame(points[b], axis));
+              static_cast<float>((1 - s) * place[a][axis] + s * place[b][axis]);
       }
       fields_[f] = field_of(points, values, isovalue, anchor_);
-      fields_[f].cell = view.cell_id(cell);
-      cells_[f] = cell;
+      fields_[f].cell = static_cast<std::uint32_t>(view.cell_id(cell));
+      fields_[f].tet = cell;
     }
   });
   build_levels();
 }
 
 void Facets::build_levels() {
-  constexpr float none = 1e30f;
-  const auto next_level = [&](std::size_t child_count, auto&& box_of) {
+  const auto next_level = [&](std::size_t child_count, auto&& range_of_child) {
     FacetNode empty;
     std::fill_n(&empty.low[0][0], 3 * FacetNode::size, none);
     std::fill_n(&empty.high[0][0], 3 * FacetNode::size, -none);
     std::vector<FacetNode> nodes((child_count + FacetNode::size - 1) / FacetNode::size, empty);
     for (std::size_t child = 0; child < child_count; ++child)
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        box_of(child, axis, nodes[child / FacetNode::size].low[axis][child % FacetNode::size],
-               nodes[child / FacetNode::size].high[axis][child % FacetNode::size]);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const Interval<float> range = range_of_child(child, axis);
+        nodes[child / FacetNode::size].low[axis][child % FacetNode::size] = range.lo;
+        nodes[child / FacetNode::size].high[axis][child % FacetNode::size] = range.hi;
+      }
     levels_.push_back(std::move(nodes));
   };
-  next_level(blocks_.size(), [&](std::size_t b, std::size_t axis, float& low, float& high) {
-    const std::size_t in_block = std::min<std::size_t>(FacetBlock::size, count_ - b * FacetBlock::size);
-    for (std::size_t corner = 0; corner < 4; ++corner)
-      for (std::size_t f = 0; f < in_block; ++f) {
-        low = std::min(low, blocks_[b].corner[corner][axis][f]);
-        high = std::max(high, blocks_[b].corner[corner][axis][f]);
-      }
+  const auto range_of_node = [](const FacetNode& node, std::size_t axis) {
+    return Interval<float>{range_of(std::array{node.low[axis]}).lo, range_of(std::array{node.high[axis]}).hi};
+  };
+
+  // Beyond the last facet stands the last one again, which no box feels.
+  if (const std::uint32_t last = count_ % FacetBlock::size; last != 0)
+    for (auto& corner : blocks_.back().corner)
+      for (float* numbers : corner) std::fill(numbers + last, numbers + FacetBlock::size, numbers[last - 1]);
+  next_level(blocks_.size(), [&](std::size_t b, std::size_t axis) {
+    const auto& corner = blocks_[b].corner;
+    return range_of(std::array{corner[0][axis], corner[1][axis], corner[2][axis], corner[3][axis]});
   });
   while (levels_.back().size() > 1)
-    next_level(levels_.back().size(), [&](std::size_t n, std::size_t axis, float& low, float& high) {
-      const FacetNode& node = levels_[levels_.size() - 1][n];
-      low = *std::min_element(node.low[axis], node.low[axis] + FacetNode::size);
-      high = *std::max_element(node.high[axis], node.high[axis] + FacetNode::size);
-    });
+    next_level(levels_.back().size(),
+               [&](std::size_t n, std::size_t axis) { return range_of_node(levels_.back()[n], axis); });
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    low_[axis] = none, high_[axis] = -none;
-    if (levels_.back().empty()) continue;
-    const FacetNode& top = levels_.back().front();
-    low_[axis] = *std::min_element(top.low[axis], top.low[axis] + FacetNode::size);
-    high_[axis] = *std::max_element(top.high[axis], top.high[axis] + FacetNode::size);
+    const Interval<float> range =
+        levels_.back().empty() ? Interval<float>{none, -none} : range_of_node(levels_.back().front(), axis);
+    low_[axis] = range.lo, high_[axis] = range.hi;
   }
 }
 
 std::size_t Facets::size_bytes() const {
-  std::size_t bytes =
-      blocks_.size() * sizeof(FacetBlock) + fields_.size() * (sizeof(FacetField) + sizeof(std::uint32_t));
+  std::size_t bytes = blocks_.size() * sizeof(FacetBlock) + fields_.size() * sizeof(FacetField);
   for (const auto& nodes : levels_) bytes += nodes.size() * sizeof(FacetNode);
   return bytes;
 }

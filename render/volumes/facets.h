@@ -27,7 +27,8 @@ struct alignas(64) FacetNode {
 struct FacetField {
   double gradient[3];
   double value;
-  std::uint64_t cell;  ///< id
+  std::uint32_t cell;  ///< id
+  std::uint32_t tet;   ///< position in the mesh
   float cell_size;     ///< the longest edge, mesh units
   float doubt;         ///< what rounding of the gradient puts the field off by inside the cell, at most; infinite where
                        ///< the cell is flat, or nearly, and the gradient says nothing
@@ -56,8 +57,7 @@ class Facets {
 
   std::uint32_t count() const { return count_; }
   const FacetBlock* blocks() const { return blocks_.data(); }
-  const FacetField* fields() const { return fields_.data(); }   ///< one for each facet
-  const std::uint32_t* cells() const { return cells_.data(); }  ///< position in the mesh of each facet's
+  const FacetField* fields() const { return fields_.data(); }  ///< one for each facet
   int level_count() const { return static_cast<int>(levels_.size()); }
   const FacetNode* level(int l) const { return levels_[static_cast<std::size_t>(l)].data(); }
 
@@ -74,7 +74,6 @@ class Facets {
   std::uint32_t count_ = 0;
   std::vector<FacetBlock> blocks_;
   std::vector<FacetField> fields_;
-  std::vector<std::uint32_t> cells_;
   std::vector<std::vector<FacetNode>> levels_;
   Vec3 anchor_;
   double scale_ = 1;
