@@ -12,6 +12,7 @@
 namespace rhoray::render {
 
 /// Sixteen facets, side by side. A quadrilateral's corners stand in order round it; a triangle repeats its last one.
+/// Beyond the last facet of all stands the last one again.
 struct alignas(64) FacetBlock {
   static constexpr std::uint32_t size = 16;
   float corner[4][3][size];
@@ -56,8 +57,8 @@ class Facets {
   Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads);
 
   std::uint32_t count() const { return count_; }
-  const FacetBlock* blocks() const { return blocks_.data(); }
-  const FacetField* fields() const { return fields_.data(); }  ///< one for each facet
+  const FacetBlock* blocks() const { return blocks_.get(); }
+  const FacetField* fields() const { return fields_.get(); }  ///< one for each facet
   int level_count() const { return static_cast<int>(levels_.size()); }
   const FacetNode* level(int l) const { return levels_[static_cast<std::size_t>(l)].data(); }
 
@@ -69,11 +70,12 @@ class Facets {
   std::size_t size_bytes() const;
 
  private:
+  std::size_t block_count() const { return (std::size_t{count_} + FacetBlock::size - 1) / FacetBlock::size; }
   void build_levels();
 
   std::uint32_t count_ = 0;
-  std::vector<FacetBlock> blocks_;
-  std::vector<FacetField> fields_;
+  std::unique_ptr<FacetBlock[]> blocks_;
+  std::unique_ptr<FacetField[]> fields_;
   std::vector<std::vector<FacetNode>> levels_;
   Vec3 anchor_;
   double scale_ = 1;
