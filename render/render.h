@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <stop_token>
 #include <string_view>
 
@@ -73,13 +74,20 @@ class FrameMemory {
 };
 
 /// Traces one ray through the middle of every pixel. The framebuffer is the same, bit for bit, for any number of
-/// threads. Refuses a picture without pixels, an isovalue or a camera that is not finite, a method that does not answer
-/// the question, smooth normals of a grid, colours by a field that is not there, and the channel `error` where the
-/// method proves nothing (Trouble::usage).
-FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer);
+/// threads. Refuses a picture without pixels, a scene without layers, a layer of a volume that is not there, an
+/// isovalue or a camera that is not finite, a method that does not answer the question, smooth normals of
+/// a grid, colours by a field that is not there, and the channel `error` where the method proves nothing
+/// (Trouble::usage).
+FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+                       Framebuffer& framebuffer);
 
 /// As above, in memory that is kept: that of the threads, and the framebuffer's own where the last frame had its size
 /// and its channels.
+FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+                       Framebuffer& framebuffer, FrameMemory& memory);
+
+// A scene of one volume.
+FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer);
 FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer,
                        FrameMemory& memory);
 
@@ -98,6 +106,8 @@ struct Refinement {
 
 /// Renders in passes. The finished picture is that of render, bit for bit; counts of cells may differ. A frame that was
 /// ended early has traced fewer rays than the picture has pixels.
+FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+                       const Refinement& refinement, Framebuffer& framebuffer, FrameMemory& memory);
 FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOptions& options,
                        const Refinement& refinement, Framebuffer& framebuffer, FrameMemory& memory);
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "formats/base/interval.h"
 #include "formats/base/vector.h"
@@ -23,8 +25,8 @@ enum class Normals {
 struct FieldColors {
   std::string field;
   ColorMap map = ColorMap::viridis;
-  Interval<double>
-      range{};  ///< from the map's first colour to its last; not empty. Values beyond have those of the ends
+  /// From the map's first colour to its last; not empty. Values beyond have the colours of its ends.
+  Interval<double> range{};
 };
 
 /// How an isosurface looks: linear RGB in [0, 1]. The light stands at the eye.
@@ -37,14 +39,20 @@ struct Surface {
   double shininess = 40;   ///< Blinn-Phong exponent
 };
 
-/// One picture of one volume: what it shows, from where, and how it looks.
-struct Scene {
+/// What is shown of one volume, and how it looks.
+struct Layer {
+  std::size_t volume = 0;  ///< index into the volumes that the scene is rendered with
   Mode mode = Mode::isosurface;
   double isovalue = 0;
   Method method{};
   Interval<double> window{};  ///< values shown from black to white in MIP; must not be empty there
-  Camera camera{};
   Surface surface{};
+};
+
+/// What a picture shows, and from where.
+struct Scene {
+  std::vector<Layer> layers = std::vector<Layer>(1);
+  Camera camera{};
   Vec3 background{1, 1, 1};  ///< linear RGB
 };
 

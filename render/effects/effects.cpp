@@ -2,9 +2,9 @@
 
 namespace rhoray::render {
 
-EffectSet effects_called_for(const Scene& scene) {
-  const bool is_surface = scene.mode == Mode::isosurface;
-  const Surface& surface = scene.surface;
+EffectSet effects_called_for(const Layer& layer) {
+  const bool is_surface = layer.mode == Mode::isosurface;
+  const Surface& surface = layer.surface;
   return {.diffuse = is_surface,
           .smooth_normals = is_surface && surface.normals == Normals::smooth,
           .field_color = is_surface && surface.color_by.has_value(),

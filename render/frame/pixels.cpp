@@ -63,7 +63,7 @@ RHORAY_INLINE void for_each_pixel(const PixelLattice& lattice, const Tile& tile,
 
 RHORAY_INLINE void shade_tile_inline(const Look& look, Worker& worker) {
   HitBatch& hits = worker.hits;
-  const Vec3& background = look.scene.background;
+  const Vec3& background = look.background;
   const std::size_t count = worker.rays.count;
   for (std::size_t r = count; r % group_size != 0; ++r) hits.t[r] = infinity;  // the last group's empty rooms
   for (std::size_t first = 0; first < count; first += group_size) {
@@ -73,7 +73,7 @@ RHORAY_INLINE void shade_tile_inline(const Look& look, Worker& worker) {
     if (hit_count > 0) {
       double field_values[group_size];
       if (look.lookup != nullptr) (*look.lookup)(worker.rays, hits, first, field_values);
-      shade(look.scene, look.effects, look.facing, worker.rays, hits, first, field_values, colors);
+      shade(look.layer, look.effects, look.facing, worker.rays, hits, first, field_values, colors);
     }
     over_background(colors.red, alpha, background.x, worker.colors.red + first);
     over_background(colors.green, alpha, background.y, worker.colors.green + first);

@@ -11,7 +11,8 @@ namespace rhoray::render {
 
 /// How hits are made into pixels; chosen once for a frame.
 struct Look {
-  const Scene& scene;
+  const Layer& layer;
+  Vec3 background;
   EffectSet effects;
   Facing facing;
   bool proves;                        ///< hits carry bounds of their errors

@@ -17,20 +17,25 @@ namespace rhoray::render {
 
 namespace {
 
-void check_request(const Scene& scene, const FrameOptions& options) {
+void check_request(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options) {
+  if (scene.layers.size() != 1)
+    throw Error(Trouble::usage, concat("a scene of ", scene.layers.size(), " layers; expected 1"));
+  const Layer& layer = scene.layers[0];
+  if (layer.volume >= volumes.size())
+    throw Error(Trouble::usage, concat("a layer of volume ", layer.volume, " of ", volumes.size()));
   if (options.width < 1 || options.height < 1)
     throw Error(Trouble::usage,
                 concat("picture of ", options.width, " x ", options.height, " pixels; expected at least 1 x 1"));
-  if (scene.mode == Mode::isosurface && !std::isfinite(scene.isovalue))
-    throw Error(Trouble::usage, concat("isovalue ", scene.isovalue, "; expected a finite number"));
-  if (scene.mode == Mode::mip && (scene.window.is_empty() || !std::isfinite(scene.window.hi - scene.window.lo)))
+  if (layer.mode == Mode::isosurface && !std::isfinite(layer.isovalue))
+    throw Error(Trouble::usage, concat("isovalue ", layer.isovalue, "; expected a finite number"));
+  if (layer.mode == Mode::mip && (layer.window.is_empty() || !std::isfinite(layer.window.hi - layer.window.lo)))
     throw Error(Trouble::usage,
-                concat("window ", scene.window.lo, " to ", scene.window.hi, "; expected a finite range"));
-  if (const auto& colors = scene.surface.color_by;
+                concat("window ", layer.window.lo, " to ", layer.window.hi, "; expected a finite range"));
+  if (const auto& colors = layer.surface.color_by;
       colors && (colors->range.is_empty() || !std::isfinite(colors->range.hi - colors->range.lo)))
     throw Error(Trouble::usage, concat("colours of '", colors->field, "' from ", colors->range.lo, " to ",
                                        colors->range.hi, "; expected a finite range"));
-  const Method& method = scene.method;
+  const Method& method = layer.method;
   if (method.way == Method::Way::sampled && !(method.step >= 1e-4 && method.step <= 1e4))
     throw Error(Trouble::usage, concat("steps of ", method.step, " cells; expected 0.0001 to 10000"));
   if (method.way == Method::Way::slack && !(method.slack >= 0 && method.slack <= 1))
@@ -46,33 +51,36 @@ void check_refinement(const Refinement& refinement) {
                 concat("a first pass of every ", refinement.first_spacing, "th pixel; expected 1, 2, 4, 8 or 16"));
 }
 
-/// What the scene's effects ask for beyond what hits say; nothing when they ask for none.
-std::optional<HitLookup> choose_lookup(const Volume& volume, const Scene& scene, unsigned threads) {
-  const EffectSet effects = effects_called_for(scene);
+/// What a layer's effects ask for beyond what hits say; nothing when they ask for none.
+std::optional<HitLookup> choose_lookup(std::span<const Volume> volumes, const Layer& layer, unsigned threads) {
+  const EffectSet effects = effects_called_for(layer);
   HitWishes wishes{.smooth_gradients = effects.smooth_normals, .field = {}};
-  if (effects.field_color) wishes.field = scene.surface.color_by->field;
+  if (effects.field_color) wishes.field = layer.surface.color_by->field;
   if (wishes.none()) return std::nullopt;
-  return HitLookup(volume.implementation(), wishes, threads);
+  return HitLookup(volumes[layer.volume].implementation(), wishes, threads);
 }
 
-Frame choose_frame(const Volume& volume, const Scene& scene, const FrameOptions& options, const HitLookup* lookup) {
-  const VolumeImplementation& implementation = volume.implementation();
-  const Kernels kernels = choose_kernels(implementation, scene.method);
-  const bool is_mip = scene.mode == Mode::mip;
+Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+                   const HitLookup* lookup) {
+  const Layer& layer = scene.layers[0];
+  const VolumeImplementation& implementation = volumes[layer.volume].implementation();
+  const Kernels kernels = choose_kernels(implementation, layer.method);
+  const bool is_mip = layer.mode == Mode::mip;
   return {.volume = implementation,
           .kernel = is_mip ? kernels.largest_value : kernels.first_crossing,
           .prepare = is_mip ? nullptr : kernels.prepare_first_crossing,
           .queue_entries = is_mip ? kernels.queue_entries : 0,
-          .question = {.isovalue = scene.isovalue,
+          .question = {.isovalue = layer.isovalue,
                        .field_range = implementation.field.range,
-                       .method = scene.method,
+                       .method = layer.method,
                        .use_hierarchy = options.use_hierarchy,
                        .use_last_t = options.use_last_t,
                        .time_phases = options.time_phases},
-          .look = {.scene = scene,
-                   .effects = effects_called_for(scene),
+          .look = {.layer = layer,
+                   .background = scene.background,
+                   .effects = effects_called_for(layer),
                    .facing = Facing(implementation.world_from_volume),
-                   .proves = proves(scene.method),
+                   .proves = proves(layer.method),
                    .lookup = lookup},
           .camera_rays = CameraRays(scene.camera, options.width, options.height),
           .volume_from_world = implementation.world_from_volume.inverse()};
@@ -117,7 +125,7 @@ FrameStatistics statistics_of(const FrameMemory::Implementation& memory, const S
   statistics.rays_judged = counters.rays_judged;
   statistics.touches = counters.touches;
   statistics.machine = name_of(counters.rays_wide > 0 ? chosen_machine() : Machine::scalar);
-  if (!proves(scene.method)) statistics.largest_error = std::numeric_limits<double>::quiet_NaN();
+  if (!proves(scene.layers[0].method)) statistics.largest_error = std::numeric_limits<double>::quiet_NaN();
   return statistics;
 }
 
@@ -147,20 +155,35 @@ FrameMemory::~FrameMemory() = default;
 FrameMemory::FrameMemory(FrameMemory&&) noexcept = default;
 FrameMemory& FrameMemory::operator=(FrameMemory&&) noexcept = default;
 
-FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options,
+FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
                        Framebuffer& framebuffer) {
   FrameMemory memory;
-  return render(volume, scene, options, framebuffer, memory);
+  return render(volumes, scene, options, framebuffer, memory);
+}
+
+FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+                       Framebuffer& framebuffer, FrameMemory& memory) {
+  return refine(volumes, scene, options, {.first_spacing = 1}, framebuffer, memory);
+}
+
+FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options,
+                       Framebuffer& framebuffer) {
+  return render(std::span(&volume, 1), scene, options, framebuffer);
 }
 
 FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer,
                        FrameMemory& memory) {
-  return refine(volume, scene, options, {.first_spacing = 1}, framebuffer, memory);
+  return render(std::span(&volume, 1), scene, options, framebuffer, memory);
 }
 
 FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOptions& options,
                        const Refinement& refinement, Framebuffer& framebuffer, FrameMemory& memory) {
-  check_request(scene, options);
+  return refine(std::span(&volume, 1), scene, options, refinement, framebuffer, memory);
+}
+
+FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+                       const Refinement& refinement, Framebuffer& framebuffer, FrameMemory& memory) {
+  check_request(volumes, scene, options);
   check_refinement(refinement);
   const auto clock_start = std::chrono::steady_clock::now();
   const std::uint64_t ticks_start = ticks_now();
@@ -170,8 +193,8 @@ FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOpti
   };
 
   const auto preparation_start = std::chrono::steady_clock::now();
-  const std::optional<HitLookup> lookup = choose_lookup(volume, scene, options.threads);
-  const Frame frame = choose_frame(volume, scene, options, lookup ? &*lookup : nullptr);
+  const std::optional<HitLookup> lookup = choose_lookup(volumes, scene.layers[0], options.threads);
+  const Frame frame = choose_frame(volumes, scene, options, lookup ? &*lookup : nullptr);
   if (frame.prepare != nullptr) frame.prepare(frame.volume, frame.question, options.threads);
   const double preparation_s = frame.prepare != nullptr || lookup ? seconds_since(preparation_start) : 0;
   const std::vector<Pass> passes = passes_of(frame, options, refinement.first_spacing);

@@ -127,13 +127,13 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
 }
 
 std::string method_text(const PicturePlan& plan, const render::Volume& volume) {
-  return option_of(plan.scene.method, plan.scene.mode, volume.is_mesh()).word;
+  return option_of(plan.scene.layers[0].method, plan.scene.layers[0].mode, volume.is_mesh()).word;
 }
 
 void report(const RenderCommand& command, const std::filesystem::path& output, const render::Volume& volume,
             const PicturePlan& plan, const render::FrameStatistics& statistics, const Stations& stations,
             const std::vector<Json>& picks, const Interval<double>& heat, const std::string& reproduce) {
-  const bool iso = plan.scene.mode == render::Mode::isosurface;
+  const bool iso = plan.scene.layers[0].mode == render::Mode::isosurface;
   const double total = stations.open_s + stations.trace_s + stations.wait_for_checks_s + stations.write_s;
   if (command.common.json) {
     Json json{{"picture", output.string()},
@@ -144,10 +144,10 @@ void report(const RenderCommand& command, const std::filesystem::path& output, c
               {"size", {plan.frame.width, plan.frame.height}},
               {"camera", camera_json(plan.scene.camera)}};
     if (iso) {
-      json["isovalue"] = plan.scene.isovalue;
+      json["isovalue"] = plan.scene.layers[0].isovalue;
       json["isovalue_from"] = plan.isovalue_from;
     } else {
-      json["range"] = json_of(plan.scene.window);
+      json["range"] = json_of(plan.scene.layers[0].window);
     }
     json["statistics"] = statistics_json(statistics);
     json["seconds"] = {{"open", stations.open_s},
@@ -167,8 +167,8 @@ void report(const RenderCommand& command, const std::filesystem::path& output, c
   }
   for (const std::string& note : volume.notes()) say(command.common, concat("note: ", note));
   if (iso && plan.isovalue_from != "given")
-    say(command.common,
-        concat("isovalue ", plan.scene.isovalue, " (", plan.isovalue_from, " of field '", volume.field().name, "')"));
+    say(command.common, concat("isovalue ", plan.scene.layers[0].isovalue, " (", plan.isovalue_from, " of field '",
+                               volume.field().name, "')"));
   if (const std::string first = volume.field_names().front();
       command.picture.field.empty() && volume.field().name != first)
     say(command.common,

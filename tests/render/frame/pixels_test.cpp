@@ -41,8 +41,9 @@ std::unique_ptr<render::Worker> made_up_hits(const Tile& tile) {
 
 Framebuffer picture_of(const Scene& scene, const Tile& tile, Machine machine, const render::ChannelSet& channels) {
   const auto worker = made_up_hits(tile);
-  const render::Look look{.scene = scene,
-                          .effects = effects_called_for(scene),
+  const render::Look look{.layer = scene.layers[0],
+                          .background = scene.background,
+                          .effects = effects_called_for(scene.layers[0]),
                           .facing = render::Facing(world_from_volume),
                           .proves = false,
                           .machine = machine};
@@ -57,8 +58,8 @@ TEST(Pixels, have_the_same_bits_on_every_machine) {
   for (const render::Mode mode : {render::Mode::isosurface, render::Mode::mip})
     for (const Tile tile : {Tile{0, 32, 0, 32}, Tile{0, 29, 0, 13}}) {
       Scene scene;
-      scene.mode = mode;
-      scene.window = {0, 1};
+      scene.layers[0].mode = mode;
+      scene.layers[0].window = {0, 1};
       const Framebuffer scalar = picture_of(scene, tile, Machine::scalar, {.normal = true});
       for (const Machine machine : {Machine::baseline, Machine::avx2, Machine::avx512}) {
         if (!has_machine(machine)) continue;
@@ -89,9 +90,10 @@ TEST(Pixels, are_the_formulas_in_double_within_a_quarter_step_of_16_bit_colour) 
         const Vec3 normal = world_from_volume.gradient(hit.gradient).normalized();
         const double cosine =
             has_gradient ? std::abs(normal.dot(world_from_volume.vector(worker->rays[r].direction))) : 1;
-        const double highlight = scene.surface.specular * std::pow(cosine, scene.surface.shininess);
-        color = (scene.surface.ambient + (1 - scene.surface.ambient) * cosine) * scene.surface.color +
-                Vec3(highlight, highlight, highlight);
+        const render::Surface& surface = scene.layers[0].surface;
+        const double highlight = surface.specular * std::pow(cosine, surface.shininess);
+        color =
+            (surface.ambient + (1 - surface.ambient) * cosine) * surface.color + Vec3(highlight, highlight, highlight);
         ++hits, without_gradient += !has_gradient;
       }
       for (int c = 0; c < 3; ++c) ASSERT_NEAR(picture.color[4 * pixel + static_cast<std::size_t>(c)], color[c], 4e-6);
