@@ -35,7 +35,7 @@ struct VolumeImplementation {
                NanoVdbVolume>
       view;
   std::unique_ptr<OccupancyCache> occupancies = std::make_unique<OccupancyCache>();  ///< of the field of a grid
-  std::shared_ptr<FacetsCache> facets{};  ///< of the field of a mesh; null for grids
+  std::shared_ptr<FacetsCache> facets{};                   ///< of the field of a mesh; null for grids
   std::shared_ptr<PointGradientsCache> point_gradients{};  ///< likewise
 };
 
