@@ -41,6 +41,8 @@ Json picture_context(const BenchOptions& options, const render::Volume& volume) 
   Json json = context(options);
   json["size"] = {options.size.width, options.size.height};
   json["field"] = volume.field().name;
+  if (!options.normals.empty()) json["normals"] = options.normals;
+  if (!options.color_by.empty()) json["color_by"] = options.color_by;
   json["samples_or_cells"] = volume.is_mesh() ? "tetrahedra" : "grid";
   return json;
 }
@@ -84,6 +86,8 @@ std::vector<Shot> shots(const BenchOptions& options, const render::Volume& volum
   picture.size = options.size;
   picture.accuracy = options.accuracy;
   picture.view = options.view;
+  picture.normals = options.normals;
+  picture.color_by = options.color_by;
   const auto add = [&](const std::string& scene) {
     Shot shot{.scene = scene, .plan = plan_picture(picture, volume)};
     shot.plan.frame.threads = options.threads;
@@ -96,6 +100,7 @@ std::vector<Shot> shots(const BenchOptions& options, const render::Volume& volum
   }
   if (options.mip) {
     picture.mode = "mip";
+    picture.normals = picture.color_by = {};
     add("mip");
   }
   return list;

@@ -92,6 +92,8 @@ Json statistics_json(const render::FrameStatistics& statistics) {
           {"touches", statistics.touches},
           {"largest_error", statistics.largest_error},
           {"highlights_shaded", statistics.highlights_shaded},
+          {"normals_smoothed", statistics.normals_smoothed},
+          {"colors_looked_up", statistics.colors_looked_up},
           {"machine", statistics.machine},
           {"preparation_s", statistics.preparation_s},
           {"wall_s", statistics.wall_s},
@@ -117,9 +119,11 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
          (std::isnan(statistics.largest_error)
               ? std::string()
               : concat("  largest error         ", rounded(statistics.largest_error), "\n")) +
-         count("highlights shaded", statistics.highlights_shaded) + phase("traversal", phases.traversal) +
+         count("highlights shaded", statistics.highlights_shaded) +
+         count("normals smoothed", statistics.normals_smoothed) +
+         count("colours looked up", statistics.colors_looked_up) + phase("traversal", phases.traversal) +
          phase("intersection", phases.intersection) + phase("shading", phases.shading) +
-         concat("  isovalue prepared in ", rounded(statistics.preparation_s, 3), " s\n") +
+         concat("  prepared in          ", rounded(statistics.preparation_s, 3), " s\n") +
          concat("  traced in            ", rounded(statistics.wall_s, 3), " s\n");
 }
 
@@ -251,6 +255,7 @@ Subcommand render_subcommand() {
       .examples =
           "  rhoray render head.rho -o head.png\n"
           "  rhoray render head.rho --iso 500 --view -y --size 1080p -o skin.png\n"
+          "  rhoray render heart.rho --iso 0.3 --normals smooth --color-by pressure --colormap coolwarm -o heart.png\n"
           "  rhoray render head.rho --mode mip --range 0,2000 -o mip.exr --channels depth,value\n"
           "  rhoray render smoke.vdb --iso 0.5 -o smoke.png\n",
       .options = all_options(
