@@ -252,7 +252,7 @@ TEST(RenderCommand, refuses_looks_that_do_not_apply) {
   refused({"ball.rho", "--normals", "smooth"}, "'smooth' is of meshes, and ball.rho is a grid");
   refused({"box.rho", "--normals", "exact"}, "'exact' is of grids, and box.rho is a mesh");
   refused({"box.rho", "--normals", "round"}, "flat");
-  refused({"box.rho", "--color-by", "heigth"}, "did you mean 'height'");
+  refused({"box.rho", "--color-by", "heigth"}, "did you mean height?");
   refused({"box.rho", "--colormap", "gray"}, "--color-by names it");
   refused({"box.rho", "--mode", "mip", "--normals", "flat"}, "--normals is of isosurfaces");
   refused({"box.rho", "--mode", "mip", "--color-by", "height"}, "--color-by is of isosurfaces");
