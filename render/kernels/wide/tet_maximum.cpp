@@ -5,6 +5,7 @@
 #include <memory>
 #include <variant>
 
+#include "render/kernels/compiled_for.h"
 #include "render/kernels/tet_maximum.h"
 #include "render/kernels/wide/kernel_on.h"
 #include "render/kernels/wide/tet_maximum_parts.h"
@@ -20,8 +21,8 @@ inline constexpr bool is_mesh<TetVolume<T>> = true;
 
 /// As the scalar kernel, which comes to a cell when the ray meets its cluster's box.
 template <class View>
-void look_at(const void* context, const RayArrays& rays, const TetSuspect* suspects, std::size_t count,
-             LargestSoFar* found) {
+RHORAY_INLINE void look_at(const void* context, const RayArrays& rays, const TetSuspect* suspects, std::size_t count,
+                           LargestSoFar* found) {
   const View& view = *static_cast<const View*>(context);
   const formats::CellClustersView& clusters = view.clusters();
   KernelCounters unused;
@@ -39,7 +40,8 @@ void look_at(const void* context, const RayArrays& rays, const TetSuspect* suspe
 }
 
 template <class T>
-TetMaximumField field_of(const VolumeImplementation& volume, const TetVolume<T>& view, const Question& question) {
+TetMaximumField field_of(const VolumeImplementation& volume, const TetVolume<T>& view, const Question& question,
+                         Machine machine) {
   const formats::CellClustersView& clusters = view.clusters();
   TetMaximumField field{.points = view.points().data()->data(),
                         .values = view.values().data(),
@@ -58,7 +60,7 @@ TetMaximumField field_of(const VolumeImplementation& volume, const TetVolume<T>&
                         .low = {},
                         .high = {},
                         .time_phases = question.time_phases,
-                        .look = look_at<TetVolume<T>>,
+                        .look = compiled_for<look_at<TetVolume<T>>>(machine),
                         .context = &view};
   for (int level = 0; level <= field.top_level; ++level) {
     field.boxes[level] = clusters.boxes[static_cast<std::size_t>(level)].data();
@@ -87,7 +89,7 @@ void largest_values(const VolumeImplementation& volume, const Question& question
           const Kernel reference = kernels_for(view, question.method.way).largest_value;
           if (!question.use_hierarchy) return reference(volume, question, rays, hits, scratch);
           scratch.counters.rays_wide += rays.count;
-          const TetMaximumField field = field_of(volume, view, question);
+          const TetMaximumField field = field_of(volume, view, question, machine);
           TetMaximumScratch& memory = prepared(scratch.tet_maximum, field.values);
           const TetLargestValues search = tet_largest_values_on(machine);
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
@@ -95,7 +97,7 @@ void largest_values(const VolumeImplementation& volume, const Question& question
             const std::uint64_t left = search(field, from(rays, first), count, memory, scratch.counters);
             for (std::size_t r = 0; r < count; ++r) {
               Hit hit = memory.found[r].hit();
-              hit.cost = memory.cost[r];
+              hit.cost = memory.cost[lane_of(r)];
               hits.set(first + r, hit);
             }
             if (left != 0) ask_again(reference, volume, question, rays, first, left, hits, memory.others, scratch);

@@ -34,6 +34,9 @@ inline constexpr float rounded_place = 0x1p-21f;
 /// More than a value, or a level, in a cluster's frame is off by: 2^-25 and 2^-24.
 inline constexpr float rounded_value = 0x1p-22f;
 
+/// Of smaller ranges no shares are taken: they all count as zero.
+inline constexpr double least_range = 1e-290;
+
 class TetCells {
  public:
   HWY_INLINE TetCells(const TetMaximumField& field, const RayArrays& rays, const TetRays& group, TetScratch& scratch)
@@ -73,7 +76,7 @@ class TetCells {
   HWY_INLINE void raise(std::size_t lane, double reached) {
     scratch_.reached[lane] = reached;
     const double size = field_.range.hi - field_.range.lo;
-    const double share = size > 0 ? (reached - field_.range.lo) / size : 0;
+    const double share = size > least_range ? (reached - field_.range.lo) / size : 0;
     scratch_.reached_share[lane] = static_cast<float>(share) - 0x1p-23f;
   }
 
@@ -137,8 +140,9 @@ class TetCells {
     const auto& block =
         static_cast<const formats::RangeBlock<T>*>(field_.ranges[0])[cluster / formats::ClusterShape::width];
     local.lowest = block.lo[cluster % formats::ClusterShape::width];
-    local.range = block.hi[cluster % formats::ClusterShape::width] - local.lowest;
-    const bool has_inverse = local.range > 1e-290;
+    local.highest = block.hi[cluster % formats::ClusterShape::width];
+    local.range = local.highest - local.lowest;
+    const bool has_inverse = local.range > least_range;
     local.per_range = has_inverse ? 1 / local.range : 0;
     const double largest = std::abs(local.lowest) + local.range;
     const double error = has_inverse ? 6 * 0x1p-50 * largest * local.per_range : 0;
@@ -154,7 +158,7 @@ class TetCells {
     for (std::uint64_t cell = first; cell < first + field_.cluster_size && cell < field_.cell_count; ++cell) {
       ++looks;
       for (std::uint64_t bits = lanes; bits != 0; bits &= bits - 1)
-        suspect(local.lowest + local.range, cell, static_cast<std::size_t>(std::countr_zero(bits)));
+        suspect(local.highest, cell, static_cast<std::size_t>(std::countr_zero(bits)));
       make_room();
     }
   }
@@ -171,7 +175,6 @@ class TetCells {
   /// @return  the lanes that may meet the box, and have not reached more than its values
   HWY_INLINE std::uint64_t enter(const LocalCluster& local, std::uint64_t lanes) {
     const VecD scale = hn::Set(doubles, local.scale), lowest = hn::Set(doubles, local.lowest);
-    const double highest = local.lowest + local.range;
     const auto center = [&](int axis) { return local.center[axis] - group_.middle[axis]; };
     const VecD at_w = hn::Set(doubles, center(group_.w));
     const int minor[2] = {group_.u, group_.v};
@@ -179,7 +182,6 @@ class TetCells {
     const VecD low_w = hn::Set(doubles, center(group_.w) + local.low[group_.w] / local.scale - margin),
                high_w = hn::Set(doubles, center(group_.w) + local.high[group_.w] / local.scale + margin);
     std::uint64_t in_reach = 0;
-    whole_ = 0;
     for (std::size_t r = 0; r < TetScratch::lanes; r += double_lanes) {
       for (int m = 0; m < 2; ++m) {
         const VecD place = hn::Sub(
@@ -188,9 +190,14 @@ class TetCells {
         hn::Store(hn::DemoteTo(half_floats, hn::Mul(place, scale)), half_floats, scratch_.place[m] + r);
       }
       const VecD begin = hn::Load(doubles, scratch_.begin + r), end = hn::Load(doubles, scratch_.end + r);
-      whole_ |= bits_of(doubles, hn::And(hn::Le(begin, low_w), hn::Ge(end, high_w))) << r;
+      const auto along = [&](VecD x) HWY_ATTR {
+        const VecD moved = hn::Mul(hn::Sub(x, at_w), scale), four = hn::Set(doubles, 4.0);
+        return hn::DemoteTo(half_floats, hn::Max(hn::Min(moved, four), hn::Neg(four)));
+      };
+      hn::Store(along(begin), half_floats, scratch_.local_begin + r);
+      hn::Store(along(end), half_floats, scratch_.local_end + r);
       const VecD reached = hn::Load(doubles, scratch_.reached + r);
-      in_reach |= bits_of(doubles, hn::And(hn::Le(reached, hn::Set(doubles, highest)),
+      in_reach |= bits_of(doubles, hn::And(hn::Le(reached, hn::Set(doubles, local.highest)),
                                            hn::And(hn::Le(begin, high_w), hn::Ge(end, low_w))))
                   << r;
       const VecD over = hn::Mul(hn::Sub(hn::Max(reached, lowest), lowest), hn::Set(doubles, local.per_range));
@@ -275,35 +282,65 @@ class TetCells {
     const std::uint64_t left = field_.cell_count - first;
     const std::size_t count = left < field_.cluster_size ? left : field_.cluster_size;
     const std::uint8_t* const corners = field_.corners + 4 * first;
-    for (std::size_t c = 0; c < count; ++c) {
-      const std::uint8_t* const corner = corners + 4 * c;
-      const std::uint32_t common =
-          scratch_.codes[corner[0]] & scratch_.codes[corner[1]] & scratch_.codes[corner[2]] & scratch_.codes[corner[3]];
-      // 0x80 in every byte that is zero.
-      std::uint32_t packs = ~(((common & 0x7f7f7f7fU) + 0x7f7f7f7fU) | common | 0x7f7f7f7fU);
-      if (packs == 0) continue;
-      Corners at;
-      if (!take_corners(local, corner, at)) continue;
-      for (; packs != 0; packs &= packs - 1) {
-        const auto p = static_cast<std::size_t>(std::countr_zero(packs)) / 8;
-        compare(local, at, first + c, p, lanes >> TetScratch::pack * p & pack_bits);
+    constexpr bool has_gathers = float_lanes >= 8;
+    if (!has_gathers || count % float_lanes != 0) {
+      for (std::size_t c = 0; c < count; ++c) {
+        const std::uint8_t* const corner = corners + 4 * c;
+        const std::uint32_t common = scratch_.codes[corner[0]] & scratch_.codes[corner[1]] & scratch_.codes[corner[2]] &
+                                     scratch_.codes[corner[3]];
+        const std::uint32_t packs = ~(((common & 0x7f7f7f7fU) + 0x7f7f7f7fU) | common | 0x7f7f7f7fU);
+        if (packs != 0) compare_with_packs(local, corner, first + c, packs, lanes);
       }
-      make_room();
+      return;
+    }
+    const VecC low_byte = hn::Set(codes, 0xffU), without_top = hn::Set(codes, 0x7f7f7f7fU);
+    for (std::size_t c = 0; c < count; c += float_lanes) {
+      HWY_ALIGN std::uint32_t corners_of[float_lanes];
+      std::memcpy(corners_of, corners + 4 * c, sizeof corners_of);
+      const VecC corner = hn::Load(codes, corners_of);
+      const auto code_of = [&](VecC at) HWY_ATTR {
+        return hn::GatherIndex(codes, scratch_.codes, hn::BitCast(ints, hn::And(at, low_byte)));
+      };
+      const VecC common = hn::And(hn::And(code_of(corner), code_of(hn::ShiftRight<8>(corner))),
+                                  hn::And(code_of(hn::ShiftRight<16>(corner)), code_of(hn::ShiftRight<24>(corner))));
+      // 0x80 in every byte that is zero.
+      const VecC packs =
+          hn::Not(hn::Or(hn::Or(hn::Add(hn::And(common, without_top), without_top), common), without_top));
+      HWY_ALIGN std::uint32_t packs_of[float_lanes];
+      hn::Store(packs, codes, packs_of);
+      for (std::uint64_t bits = bits_of(codes, hn::Ne(packs, hn::Zero(codes))); bits != 0; bits &= bits - 1) {
+        const auto i = static_cast<std::size_t>(std::countr_zero(bits));
+        compare_with_packs(local, corners + 4 * (c + i), first + c + i, packs_of[i], lanes);
+      }
     }
   }
 
-  /// A cell's corners; values less no level.
+  /// @param packs  0x80 in the byte of each pack that may meet the cell
+  HWY_INLINE void compare_with_packs(const LocalCluster& local, const std::uint8_t* corner, std::uint64_t cell,
+                                     std::uint32_t packs, std::uint64_t lanes) {
+    Corners at;
+    if (!take_corners(local, corner, at)) return;
+    for (; packs != 0; packs &= packs - 1) {
+      const auto p = static_cast<std::size_t>(std::countr_zero(packs)) / 8;
+      compare(local, at, cell, p, lanes >> TetScratch::pack * p & pack_bits);
+    }
+    make_room();
+  }
+
   struct Corners {
-    float u[4], v[4], w[4], value[4], largest;
+    float u[4], v[4], w[4], value[4];
+    float low, high;  ///< of w
+    float largest;    ///< of values
   };
 
   /// @return  false where a value is missing
   HWY_INLINE bool take_corners(const LocalCluster& local, const std::uint8_t* corner, Corners& at) const {
-    at.largest = -1;
+    at.largest = -1, at.low = 2, at.high = -2;
     bool has_values = true;
     for (int i = 0; i < 4; ++i) {
       at.u[i] = local.place[group_.u][corner[i]], at.v[i] = local.place[group_.v][corner[i]];
       at.w[i] = local.place[group_.w][corner[i]], at.value[i] = local.value[corner[i]];
+      at.low = at.w[i] < at.low ? at.w[i] : at.low, at.high = at.w[i] > at.high ? at.w[i] : at.high;
       at.largest = at.value[i] > at.largest ? at.value[i] : at.largest;
       has_values = has_values && std::abs(at.value[i]) <= 2;  // not where there is no data: a NaN, or infinite
     }
@@ -340,8 +377,8 @@ class TetCells {
   }
 
   /// A cell against the rays of a pack.
-  HWY_INLINE void compare(const LocalCluster& local, const Corners& at, std::uint64_t cell, std::size_t p,
-                          std::uint64_t in_pack) {
+  HWY_NOINLINE void compare(const LocalCluster& local, const Corners& at, std::uint64_t cell, std::size_t p,
+                            std::uint64_t in_pack) {
     ++looks;
     const VecF error = hn::Set(floats, place_error_), minus_error = hn::Set(floats, -place_error_);
     for (std::size_t i = 0; i < TetScratch::pack; i += float_lanes) {
@@ -391,13 +428,19 @@ class TetCells {
         suspects = hn::Or(suspects, hn::Or(left_up, right_up));
       }
       suspects = hn::And(suspects, near);
-      if (!hn::AllFalse(floats, suspects)) note(local, seen, suspects, at.largest, cell, r);
+      if (!hn::AllFalse(floats, suspects)) note(local, seen, suspects, at, cell, r);
     }
   }
 
   /// Bounds of the values of suspects; the lower ones raise the rays' levels.
-  HWY_INLINE void note(const LocalCluster& local, const Seen& seen, MaskF suspects, float largest, std::uint64_t cell,
-                       std::size_t r) {
+  HWY_NOINLINE void note(const LocalCluster& local, const Seen& seen, MaskF suspects, const Corners& at,
+                         std::uint64_t cell, std::size_t r) {
+    // Where rays begin and end is off by no more than places are, times in the scalar kernel by as much again.
+    const float margin = 2 * place_error_;
+    const VecF begin = hn::Load(floats, scratch_.local_begin + r), end = hn::Load(floats, scratch_.local_end + r);
+    suspects = hn::And(suspects, hn::And(hn::Le(begin, hn::Set(floats, at.high + margin)),
+                                         hn::Ge(end, hn::Set(floats, at.low - margin))));
+    if (hn::AllFalse(floats, suspects)) return;
     const VecF zero = hn::Zero(floats), level = hn::Load(floats, scratch_.level + r);
     const VecF weight_error = hn::Mul(hn::Set(floats, 3.1f), seen.edge_error);
     VecF most = zero, least = zero;
@@ -420,8 +463,9 @@ class TetCells {
       const VecF low = hn::Div(hn::Sub(up, seen.sum_error), hn::Add(weight, weight_error));
       least = hn::Max(least, hn::IfThenElseZero(hn::Or(sure_left, sure_right), low));
     }
-    most = hn::Add(hn::Min(hn::Add(level, most), hn::Set(floats, largest)), hn::Set(floats, rounded_value));
-    const MaskF whole = hn::And(suspects, mask_of(floats, whole_ >> r));
+    most = hn::Add(hn::Min(hn::Add(level, most), hn::Set(floats, at.largest)), hn::Set(floats, rounded_value));
+    const MaskF whole = hn::And(suspects, hn::And(hn::Le(begin, hn::Set(floats, at.low - margin)),
+                                                  hn::Ge(end, hn::Set(floats, at.high + margin))));
     const VecF raised =
         hn::Sub(hn::MulAdd(least, hn::Set(floats, 1 - 0x1p-20f), level), hn::Set(floats, rounded_value));
     const MaskF rises = hn::And(whole, hn::Gt(raised, level));
@@ -433,7 +477,8 @@ class TetCells {
     const double above = slack(local);
     for (std::uint64_t bits = bits_of(floats, suspects); bits != 0; bits &= bits - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
-      suspect(local.lowest + static_cast<double>(most_of[lane]) * local.range + above, cell, r + lane);
+      const double most_value = local.lowest + static_cast<double>(most_of[lane]) * local.range + above;
+      suspect(local.per_range > 0 ? most_value : local.highest, cell, r + lane);
     }
   }
 
@@ -452,7 +497,6 @@ class TetCells {
   const TetRays& group_;
   TetScratch& scratch_;
   float place_error_ = 0;
-  std::uint64_t whole_ = 0;    ///< lanes whose rays neither begin nor end in the cluster
   std::uint64_t changed_ = 0;  ///< lanes whose level was raised
 };
 

@@ -26,7 +26,7 @@ class TetSearch {
                        KernelCounters& counters)
       : field_(field), group_(group), scratch_(scratch), counters_(counters), cells_(field, rays, group, scratch) {
     const double size = field.range.hi - field.range.lo;
-    lowest_ = field.range.lo, per_range_ = size > 1e-290 ? 1 / size : 0;
+    lowest_ = field.range.lo, per_range_ = size > least_range ? 1 / size : 0;
   }
 
   void run() {
@@ -45,8 +45,10 @@ class TetSearch {
     const std::uint64_t lanes = lanes_through(region);
     if (lanes == 0) return;
     const auto ray_count = static_cast<std::uint64_t>(std::popcount(lanes));
-    for (std::uint64_t bits = lanes; bits != 0; bits &= bits - 1)
-      ++scratch_.cost[ray_of(static_cast<std::size_t>(std::countr_zero(bits)))];
+    for (std::size_t r = 0; r < TetScratch::lanes; r += float_lanes) {
+      const VecC more = hn::IfThenElseZero(mask_of(codes, lanes >> r), hn::Set(codes, 1U));
+      hn::Store(hn::Add(hn::Load(codes, scratch_.cost + r), more), codes, scratch_.cost + r);
+    }
     if (region.level > 0) {
       counters_.macrocells_visited += ray_count;
       open(region.level - 1, region.entry);
@@ -168,7 +170,7 @@ class TetSearch {
 
 std::uint64_t tet_largest_values(const TetMaximumField& field, const RayArrays& rays, std::size_t count,
                                  TetScratch& scratch, KernelCounters& counters) {
-  for (std::size_t r = 0; r < count; ++r) scratch.found[r] = {}, scratch.cost[r] = 0;
+  for (std::size_t r = 0; r < TetScratch::lanes; ++r) scratch.found[r] = {}, scratch.cost[r] = 0;
   scratch.suspect_count = 0;
   const MainAxes axes = main_axes(field, rays, count);
   for (int axis = 0; axis < 3; ++axis)

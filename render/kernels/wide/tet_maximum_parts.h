@@ -60,10 +60,10 @@ struct alignas(64) LocalCluster {
   float place[3][capacity];
   float value[capacity];
   std::uint64_t cluster = none;
-  double center[3], scale;  ///< place = (point - center) * scale
-  double lowest, range, per_range;
-  float low[3], high[3];  ///< box
-  float value_error;      ///< of the means that the scalar kernel rounds, six times
+  double center[3], scale;                   ///< place = (point - center) * scale
+  double lowest, highest, range, per_range;  ///< of values
+  float low[3], high[3];                     ///< box
+  float value_error;                         ///< of the means that the scalar kernel rounds, six times
   std::uint32_t vertex_count;
 };
 
@@ -87,12 +87,12 @@ struct alignas(64) TetMaximumScratch {
   double line_offset[16], line_slope[16];  ///< of each pack, l: bounds of -u, u, -v, v: offset + slope w
 
   // In the cluster that is looked into.
-  float place[2][lanes];
+  float place[2][lanes], local_begin[lanes], local_end[lanes];
   float level[lanes];  ///< `reached` there
   std::uint32_t codes[LocalCluster::capacity];
 
-  LargestSoFar found[lanes];  ///< by ray
   std::uint32_t cost[lanes];
+  LargestSoFar found[lanes];  ///< by ray, not by lane
 
   static constexpr std::size_t suspect_capacity = 1024;
   TetSuspect suspects[suspect_capacity + lanes];
@@ -102,7 +102,7 @@ struct alignas(64) TetMaximumScratch {
   TetRegion regions[region_capacity];
   std::size_t region_count;
 
-  static constexpr std::size_t slot_count = 64;
+  static constexpr std::size_t slot_count = 256;
   LocalCluster clusters[slot_count];
   const void* values = nullptr;  ///< of the field that they are from
 

@@ -162,7 +162,7 @@ TEST(WideTetMaximum, is_the_scalar_kernels_in_meshes_of_many_shapes) {
                                     [](const Vec3& p) { return waves(p * 1e-9); }),
                            1000);
   hits += expect_agreement("plate", squeezed(box_mesh({.cells = {12, 12, 2}, .jitter = 0.1}, waves), 1e-4), 1000);
-  hits += expect_agreement("flat", squeezed(box_mesh({.cells = {8, 8, 2}}, waves), 0), 600);
+  hits += expect_agreement("flat cells", squeezed(box_mesh({.cells = {8, 8, 2}}, waves), 1e-9), 600);
   hits += expect_agreement(
       "strewn",
       [] {
@@ -228,7 +228,8 @@ TEST(WideTetMaximum, is_the_judges_to_rounding) {
     const std::vector<Hit> wide = largest_values(traced, Method{}, machine, rays).hits;
     for (std::size_t r = 0; r < rays.size(); ++r) {
       ASSERT_EQ(wide[r].is_miss(), judged[r].is_miss()) << r;
-      if (!judged[r].is_miss()) EXPECT_NEAR(wide[r].value, judged[r].value, 1e-12) << name_of(machine) << ", ray " << r;
+      if (judged[r].is_miss()) continue;
+      EXPECT_NEAR(wide[r].value, judged[r].value, 1e-12) << name_of(machine) << ", ray " << r;
     }
   }
 }
