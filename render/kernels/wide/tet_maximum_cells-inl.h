@@ -59,13 +59,9 @@ class TetCells {
 
   /// Decides about all suspects.
   HWY_NOINLINE void decide() {
-    std::size_t kept = 0;
+    forget_suspects_below_reached();
+    field_.look(field_.context, rays_, scratch_.suspects, scratch_.suspect_count, scratch_.found);
     for (std::size_t s = 0; s < scratch_.suspect_count; ++s) {
-      const TetSuspect& suspect = scratch_.suspects[s];
-      if (!(suspect.most < scratch_.reached[lane_of(suspect.ray)])) scratch_.suspects[kept++] = suspect;
-    }
-    field_.look(field_.context, rays_, scratch_.suspects, kept, scratch_.found);
-    for (std::size_t s = 0; s < kept; ++s) {
       const std::size_t ray = scratch_.suspects[s].ray, lane = lane_of(ray);
       if (scratch_.found[ray].value > scratch_.reached[lane]) raise(lane, scratch_.found[ray].value);
     }
@@ -73,6 +69,22 @@ class TetCells {
   }
 
  private:
+  HWY_INLINE void forget_suspects_below_reached() {
+    std::size_t kept = 0;
+    for (std::size_t s = 0; s < scratch_.suspect_count; ++s) {
+      const TetSuspect& suspect = scratch_.suspects[s];
+      if (!(suspect.most < scratch_.reached[lane_of(suspect.ray)])) scratch_.suspects[kept++] = suspect;
+    }
+    scratch_.suspect_count = kept;
+  }
+
+  /// Where most suspects stay, values are equal: what is decided rules out those behind.
+  HWY_INLINE void make_room() {
+    if (scratch_.suspect_count < TetScratch::suspect_capacity) return;
+    forget_suspects_below_reached();
+    if (scratch_.suspect_count >= TetScratch::suspect_capacity * 3 / 4) decide();
+  }
+
   HWY_INLINE void raise(std::size_t lane, double reached) {
     scratch_.reached[lane] = reached;
     const double size = field_.range.hi - field_.range.lo;
@@ -167,8 +179,19 @@ class TetCells {
     scratch_.suspects[scratch_.suspect_count++] = {most, static_cast<std::uint32_t>(cell),
                                                    static_cast<std::uint32_t>(ray_of(lane))};
   }
-  HWY_INLINE void make_room() {
-    if (scratch_.suspect_count >= TetScratch::suspect_capacity) decide();
+  /// Those of lanes that have found the cluster's largest value before they come to it.
+  HWY_INLINE std::uint64_t satisfied(const LocalCluster& local, std::uint64_t lanes) const {
+    const auto edge = [&](float at) { return local.center[group_.w] + at / local.scale; };
+    const double low = edge(local.low[group_.w]), high = edge(local.high[group_.w]);
+    std::uint64_t done = 0;
+    for (std::uint64_t bits = lanes; bits != 0; bits &= bits - 1) {
+      const std::size_t lane = static_cast<std::size_t>(std::countr_zero(bits)), ray = ray_of(lane);
+      if (scratch_.found[ray].value != local.highest) continue;
+      const double origin = rays_.origin[group_.w][ray], direction = rays_.direction[group_.w][ray];
+      const double a = (low - origin) / direction, b = (high - origin) / direction, near = a < b ? a : b;
+      if (near - 0x1p-48 * std::abs(near) > scratch_.found[ray].t) done |= std::uint64_t{1} << lane;
+    }
+    return done;
   }
 
   /// Shifts and levels of the rays in the cluster's frame.
@@ -181,7 +204,7 @@ class TetCells {
     const double margin = place_error_ / local.scale;
     const VecD low_w = hn::Set(doubles, center(group_.w) + local.low[group_.w] / local.scale - margin),
                high_w = hn::Set(doubles, center(group_.w) + local.high[group_.w] / local.scale + margin);
-    std::uint64_t in_reach = 0;
+    std::uint64_t in_reach = 0, at_highest = 0;
     for (std::size_t r = 0; r < TetScratch::lanes; r += double_lanes) {
       for (int m = 0; m < 2; ++m) {
         const VecD place = hn::Sub(
@@ -200,12 +223,14 @@ class TetCells {
       in_reach |= bits_of(doubles, hn::And(hn::Le(reached, hn::Set(doubles, local.highest)),
                                            hn::And(hn::Le(begin, high_w), hn::Ge(end, low_w))))
                   << r;
+      at_highest |= bits_of(doubles, hn::Eq(reached, hn::Set(doubles, local.highest))) << r;
       const VecD over = hn::Mul(hn::Sub(hn::Max(reached, lowest), lowest), hn::Set(doubles, local.per_range));
       const auto level = hn::DemoteTo(half_floats, hn::Min(over, hn::Set(doubles, 1.0)));
       hn::Store(hn::Max(hn::Sub(level, hn::Set(half_floats, 0x1p-23f)), hn::Zero(half_floats)), half_floats,
                 scratch_.level + r);
     }
     lanes &= in_reach;
+    if ((lanes & at_highest) != 0) lanes &= ~satisfied(local, lanes & at_highest);
     if (lanes == 0) return 0;
     std::uint64_t met = 0;
     for (std::size_t r = 0; r < TetScratch::lanes; r += float_lanes) {

@@ -94,7 +94,7 @@ struct alignas(64) TetMaximumScratch {
   std::uint32_t cost[lanes];
   LargestSoFar found[lanes];  ///< by ray, not by lane
 
-  static constexpr std::size_t suspect_capacity = 1024;
+  static constexpr std::size_t suspect_capacity = 256;
   TetSuspect suspects[suspect_capacity + lanes];
   std::size_t suspect_count;
 
