@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <stop_token>
 #include <string_view>
 
@@ -18,7 +19,7 @@ struct FrameOptions {
   int height = 720;
   ChannelSet channels{};
   unsigned threads = 0;       ///< 0 = all cores
-  bool use_hierarchy = true;  ///< false walks every leaf cell by scalar kernels: the same in double
+  bool use_hierarchy = true;  ///< false walks every leaf cell on every ray by scalar kernels: the same in double
   bool use_last_t =
       true;  ///< MIP: prune with the value at the last ray's t (paper, section 4.3); the picture is the same
   bool time_phases = false;  ///< fills FrameStatistics::Phases; costs a few per cent of time
@@ -32,6 +33,8 @@ struct FrameStatistics {
     double shading = 0;       ///< hits made into colours and channels
   };
   std::uint64_t rays = 0;
+  std::uint64_t rays_ruled_out = 0;  ///< of these: known to meet nothing by where it can be met, and not traced
+  std::uint64_t rays_through = 0;    ///< asked again behind a surface that is not opaque
   std::uint64_t hits = 0;
   std::uint64_t macrocells_visited = 0;
   std::uint64_t cells_visited = 0;      ///< leaf cells whose values or lists were read
@@ -70,12 +73,19 @@ class FrameMemory {
 };
 
 /// Traces one ray through the middle of every pixel. The framebuffer is the same, bit for bit, for any number of
-/// threads. Refuses a picture without pixels, an isovalue or a camera that is not finite, a method that does not answer
-/// the question, and the channel `error` where the method proves nothing (Trouble::usage).
-FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer);
+/// threads. Refuses a picture without pixels, a scene without layers, a layer of a volume that is not there, an
+/// isovalue or a camera that is not finite, a method that does not answer the question, and the channel `error` where
+/// the method proves nothing (Trouble::usage).
+FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+                       Framebuffer& framebuffer);
 
 /// As above, in memory that is kept: that of the threads, and the framebuffer's own where the last frame had its size
 /// and its channels.
+FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+                       Framebuffer& framebuffer, FrameMemory& memory);
+
+// A scene of one volume.
+FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer);
 FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer,
                        FrameMemory& memory);
 
@@ -94,6 +104,8 @@ struct Refinement {
 
 /// Renders in passes. The finished picture is that of render, bit for bit; counts of cells may differ. A frame that was
 /// ended early has traced fewer rays than the picture has pixels.
+FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+                       const Refinement& refinement, Framebuffer& framebuffer, FrameMemory& memory);
 FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOptions& options,
                        const Refinement& refinement, Framebuffer& framebuffer, FrameMemory& memory);
 

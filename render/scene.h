@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include "formats/base/interval.h"
 #include "formats/base/vector.h"
 #include "render/camera.h"
@@ -15,16 +18,23 @@ struct Surface {
   double ambient = 0.12;
   double specular = 0.25;  ///< 0: no highlight is computed
   double shininess = 40;   ///< Blinn-Phong exponent
+  double opacity = 1;      ///< share of the light behind that the surface holds back; 0: it is not traced
 };
 
-/// One picture of one volume: what it shows, from where, and how it looks.
-struct Scene {
+/// What is shown of one volume, and how it looks.
+struct Layer {
+  std::size_t volume = 0;  ///< index into the volumes that the scene is rendered with
   Mode mode = Mode::isosurface;
   double isovalue = 0;
   Method method{};
   Interval<double> window{};  ///< values shown from black to white in MIP; must not be empty there
-  Camera camera{};
   Surface surface{};
+};
+
+/// What a picture shows, and from where.
+struct Scene {
+  std::vector<Layer> layers = std::vector<Layer>(1);
+  Camera camera{};
   Vec3 background{1, 1, 1};  ///< linear RGB
 };
 

@@ -2,9 +2,9 @@
 
 namespace rhoray::render {
 
-EffectSet effects_called_for(const Scene& scene) {
-  const bool is_surface = scene.mode == Mode::isosurface;
-  return {.diffuse = is_surface, .specular = is_surface && scene.surface.specular > 0, .intensity = !is_surface};
+EffectSet effects_called_for(const Layer& layer) {
+  const bool is_surface = layer.mode == Mode::isosurface;
+  return {.diffuse = is_surface, .specular = is_surface && layer.surface.specular > 0, .intensity = !is_surface};
 }
 
 }  // namespace rhoray::render

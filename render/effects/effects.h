@@ -9,26 +9,26 @@
 
 namespace rhoray::render {
 
-/// What a scene calls for beyond finding the hit. What is not in the set is neither computed nor read.
+/// What a layer calls for beyond finding the hit. What is not in the set is neither computed nor read.
 struct EffectSet {
   bool diffuse = false;
   bool specular = false;
   bool intensity = false;
 };
 
-/// Reads the scene, not switches: an isosurface is lit, one with gloss has a highlight, a projection shows intensity.
-EffectSet effects_called_for(const Scene& scene);
+/// Reads the layer, not switches: an isosurface is lit, one with gloss has a highlight, a projection shows intensity.
+EffectSet effects_called_for(const Layer& layer);
 
 /// Colours of the group of hits that begins at `first`; any numbers where nothing was hit.
-RHORAY_INLINE void shade(const Scene& scene, const EffectSet& effects, const Facing& facing, const RayBatch& rays,
+RHORAY_INLINE void shade(const Layer& layer, const EffectSet& effects, const Facing& facing, const RayBatch& rays,
                          const HitBatch& hits, std::size_t first, Colors& colors) {
   colors = {};
-  if (effects.intensity) add_intensity(scene.window, hits.value.data() + first, colors);
+  if (effects.intensity) add_intensity(layer.window, hits.value.data() + first, colors);
   if (!effects.diffuse) return;
   Lanes cosines;
   facing.cosines(rays, hits, first, cosines);
-  add_diffuse(scene.surface, cosines, colors);
-  if (effects.specular) add_specular(scene.surface, cosines, colors);
+  add_diffuse(layer.surface, cosines, colors);
+  if (effects.specular) add_specular(layer.surface, cosines, colors);
 }
 
 }  // namespace rhoray::render

@@ -220,14 +220,14 @@ render::Method choose_method(const PictureOptions& options, render::Mode mode, c
 PicturePlan plan_picture(const PictureOptions& options, const render::Volume& volume) {
   PicturePlan plan;
   render::Scene& scene = plan.scene;
-  scene.mode = options.mode == "mip" ? render::Mode::mip : render::Mode::isosurface;
-  scene.method = choose_method(options, scene.mode, volume);
+  scene.layers[0].mode = options.mode == "mip" ? render::Mode::mip : render::Mode::isosurface;
+  scene.layers[0].method = choose_method(options, scene.layers[0].mode, volume);
   Box3 shown = volume.bounds();
-  if (scene.mode == render::Mode::isosurface) {
+  if (scene.layers[0].mode == render::Mode::isosurface) {
     const Isovalue iso = options.isovalue == "auto" && volume.is_level_set()
                              ? Isovalue{0, "the surface of the level set"}
                              : choose_isovalue(options.isovalue, volume.field());
-    scene.isovalue = iso.value;
+    scene.layers[0].isovalue = iso.value;
     plan.isovalue_from = iso.from;
     const Box3 surface = volume.isosurface_bounds(iso.value);
     plan.surface_is_empty = surface.isEmpty();
@@ -235,15 +235,15 @@ PicturePlan plan_picture(const PictureOptions& options, const render::Volume& vo
   } else {
     if (volume.field().range.is_empty())
       throw Error(Trouble::invalid, concat("field '", volume.field().name, "' holds no finite value"));
-    scene.window = options.range.value_or(volume.field().range);
+    scene.layers[0].window = options.range.value_or(volume.field().range);
   }
   scene.camera = plan_camera(options, shown);
-  if (options.surface_color) scene.surface.color = options.surface_color->linear;
+  if (options.surface_color) scene.layers[0].surface.color = options.surface_color->linear;
   if (options.specular) {
     require_within("--specular", *options.specular, 0, 1);
-    scene.surface.specular = *options.specular;
+    scene.layers[0].surface.specular = *options.specular;
   }
-  const double grey = scene.mode == render::Mode::mip ? 0 : 1;
+  const double grey = scene.layers[0].mode == render::Mode::mip ? 0 : 1;
   scene.background = options.background ? options.background->linear : Vec3(grey, grey, grey);
 
   plan.frame.width = options.size.width;
@@ -262,16 +262,16 @@ std::vector<std::string> reproducing_command(const PicturePlan& plan, const rend
   std::vector<std::string> words{"rhoray", "render", input.string(), "-o", output.string()};
   const auto add = [&](const std::string& name, const std::string& value) { words.insert(words.end(), {name, value}); };
   add("--field", volume.field().name);
-  if (scene.mode == render::Mode::mip) {
+  if (scene.layers[0].mode == render::Mode::mip) {
     add("--mode", "mip");
-    add("--range", concat(scene.window.lo, ",", scene.window.hi));
+    add("--range", concat(scene.layers[0].window.lo, ",", scene.layers[0].window.hi));
   } else {
     add("--mode", "iso");
-    add("--iso", concat(scene.isovalue));
-    add("--surface-color", text_of(scene.surface.color));
-    add("--specular", concat(scene.surface.specular));
+    add("--iso", concat(scene.layers[0].isovalue));
+    add("--surface-color", text_of(scene.layers[0].surface.color));
+    add("--specular", concat(scene.layers[0].surface.specular));
   }
-  const MethodOption method = option_of(scene.method, scene.mode, volume.is_mesh());
+  const MethodOption method = option_of(scene.layers[0].method, scene.layers[0].mode, volume.is_mesh());
   add(method.option, method.word);
   add("--size", concat(plan.frame.width, "x", plan.frame.height));
   add("--camera-position", text_of(camera.position));

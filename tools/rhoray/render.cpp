@@ -81,6 +81,7 @@ Json camera_json(const render::Camera& camera) {
 Json statistics_json(const render::FrameStatistics& statistics) {
   const render::FrameStatistics::Phases& phases = statistics.phases;
   return {{"rays", statistics.rays},
+          {"rays_ruled_out", statistics.rays_ruled_out},
           {"hits", statistics.hits},
           {"macrocells_visited", statistics.macrocells_visited},
           {"cells_visited", statistics.cells_visited},
@@ -108,11 +109,11 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
     return concat("  ", name, std::string(22 - std::string_view(name).size(), ' '), rounded(seconds, 3), " s of CPU, ",
                   rounded(all > 0 ? 100 * seconds / all : 0, 3), " %\n");
   };
-  return count("rays", statistics.rays) + count("hits", statistics.hits) +
-         count("macrocells visited", statistics.macrocells_visited) + count("cells visited", statistics.cells_visited) +
-         count("cells solved", statistics.cells_solved) + count("samples taken", statistics.samples_taken) +
-         count("rays redone in double", statistics.rays_redone) + count("rays judged exactly", statistics.rays_judged) +
-         count("touches", statistics.touches) +
+  return count("rays", statistics.rays) + count("ruled out", statistics.rays_ruled_out) +
+         count("hits", statistics.hits) + count("macrocells visited", statistics.macrocells_visited) +
+         count("cells visited", statistics.cells_visited) + count("cells solved", statistics.cells_solved) +
+         count("samples taken", statistics.samples_taken) + count("rays redone in double", statistics.rays_redone) +
+         count("rays judged exactly", statistics.rays_judged) + count("touches", statistics.touches) +
          (std::isnan(statistics.largest_error)
               ? std::string()
               : concat("  largest error         ", rounded(statistics.largest_error), "\n")) +
@@ -123,13 +124,13 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
 }
 
 std::string method_text(const PicturePlan& plan, const render::Volume& volume) {
-  return option_of(plan.scene.method, plan.scene.mode, volume.is_mesh()).word;
+  return option_of(plan.scene.layers[0].method, plan.scene.layers[0].mode, volume.is_mesh()).word;
 }
 
 void report(const RenderCommand& command, const std::filesystem::path& output, const render::Volume& volume,
             const PicturePlan& plan, const render::FrameStatistics& statistics, const Stations& stations,
             const std::vector<Json>& picks, const Interval<double>& heat, const std::string& reproduce) {
-  const bool iso = plan.scene.mode == render::Mode::isosurface;
+  const bool iso = plan.scene.layers[0].mode == render::Mode::isosurface;
   const double total = stations.open_s + stations.trace_s + stations.wait_for_checks_s + stations.write_s;
   if (command.common.json) {
     Json json{{"picture", output.string()},
@@ -140,10 +141,10 @@ void report(const RenderCommand& command, const std::filesystem::path& output, c
               {"size", {plan.frame.width, plan.frame.height}},
               {"camera", camera_json(plan.scene.camera)}};
     if (iso) {
-      json["isovalue"] = plan.scene.isovalue;
+      json["isovalue"] = plan.scene.layers[0].isovalue;
       json["isovalue_from"] = plan.isovalue_from;
     } else {
-      json["range"] = json_of(plan.scene.window);
+      json["range"] = json_of(plan.scene.layers[0].window);
     }
     json["statistics"] = statistics_json(statistics);
     json["seconds"] = {{"open", stations.open_s},
@@ -163,8 +164,8 @@ void report(const RenderCommand& command, const std::filesystem::path& output, c
   }
   for (const std::string& note : volume.notes()) say(command.common, concat("note: ", note));
   if (iso && plan.isovalue_from != "given")
-    say(command.common,
-        concat("isovalue ", plan.scene.isovalue, " (", plan.isovalue_from, " of field '", volume.field().name, "')"));
+    say(command.common, concat("isovalue ", plan.scene.layers[0].isovalue, " (", plan.isovalue_from, " of field '",
+                               volume.field().name, "')"));
   if (const std::string first = volume.field_names().front();
       command.picture.field.empty() && volume.field().name != first)
     say(command.common,

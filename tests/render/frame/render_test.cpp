@@ -37,10 +37,10 @@ bool same_bytes(const Framebuffer& a, const Framebuffer& b) {
 
 Scene scene_of(const render::Volume& volume, Mode mode, std::string_view view = "iso", double aspect = 1) {
   Scene scene;
-  scene.mode = mode;
+  scene.layers[0].mode = mode;
   scene.camera = fit_camera(volume.bounds(), render::named_view(view), aspect);
-  scene.isovalue = 0;
-  scene.window = {.lo = -10, .hi = 10};
+  scene.layers[0].isovalue = 0;
+  scene.layers[0].window = {.lo = -10, .hi = 10};
   return scene;
 }
 
@@ -80,7 +80,7 @@ TEST(Render, gives_the_same_picture_without_hierarchy_and_without_last_t) {
       for (const std::string_view view : {"iso", "+x", "-z"})
         for (const bool orthographic : {false, true}) {
           Scene scene = scene_of(traced.volume(), mode, view);
-          scene.method = method;
+          scene.layers[0].method = method;
           scene.camera.orthographic = orthographic;
           scene.camera.orthographic_height = 32;
           FrameOptions options{.width = 64, .height = 64, .channels = all_channels};
@@ -185,7 +185,7 @@ TEST(Render, says_for_which_machine_the_kernel_that_answered_is_compiled) {
   Framebuffer picture;
   const auto machine_of = [&](const TracedVolume& traced, const Method& method, bool use_hierarchy) {
     Scene scene = scene_of(traced.volume(), Mode::isosurface);
-    scene.method = method;
+    scene.layers[0].method = method;
     return render::render(traced.volume(), scene, {.width = 20, .height = 20, .use_hierarchy = use_hierarchy}, picture)
         .machine;
   };
@@ -201,7 +201,7 @@ TEST(Render, says_for_which_machine_the_kernel_that_answered_is_compiled) {
 TEST(Render, prepares_an_isovalue_of_a_mesh_once) {
   const TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
   Scene scene = scene_of(mesh.volume(), Mode::isosurface);
-  scene.method = method_of(render::Accuracy::single);
+  scene.layers[0].method = method_of(render::Accuracy::single);
   Framebuffer picture;
   const FrameStatistics first = render::render(mesh.volume(), scene, {.width = 20, .height = 20}, picture);
   EXPECT_EQ(first.preparation_s > 0, render::chosen_machine() != render::Machine::scalar);
@@ -209,10 +209,10 @@ TEST(Render, prepares_an_isovalue_of_a_mesh_once) {
   const auto kept = mesh.volume().implementation().facets;
   const auto& view = std::get<render::TetVolume<double>>(mesh.volume().implementation().view);
   const Box3& bounds = mesh.volume().implementation().bounds_volume;
-  const auto facets = kept->of(view, bounds, scene.isovalue, 1);
+  const auto facets = kept->of(view, bounds, scene.layers[0].isovalue, 1);
   render::render(mesh.volume(), scene, {.width = 20, .height = 20}, picture);
-  EXPECT_EQ(kept->of(view, bounds, scene.isovalue, 1), facets);
-  scene.method = {};
+  EXPECT_EQ(kept->of(view, bounds, scene.layers[0].isovalue, 1), facets);
+  scene.layers[0].method = {};
   EXPECT_EQ(render::render(mesh.volume(), scene, {.width = 20, .height = 20}, picture).preparation_s, 0);
 }
 
@@ -224,10 +224,10 @@ TEST(Render, shades_no_highlight_that_the_scene_does_not_call_for) {
   const FrameStatistics glossy = render::render(traced.volume(), scene, options, picture);
   EXPECT_GT(glossy.hits, 100U);
   EXPECT_EQ(glossy.highlights_shaded, glossy.hits);
-  scene.surface.specular = 0;
+  scene.layers[0].surface.specular = 0;
   EXPECT_EQ(render::render(traced.volume(), scene, options, picture).highlights_shaded, 0U);
-  scene.surface.specular = 1;
-  scene.mode = Mode::mip;
+  scene.layers[0].surface.specular = 1;
+  scene.layers[0].mode = Mode::mip;
   EXPECT_EQ(render::render(traced.volume(), scene, options, picture).highlights_shaded, 0U);
 }
 
@@ -285,14 +285,14 @@ TEST(Render, refuses_pictures_and_scenes_that_make_no_sense) {
   EXPECT_TRUE(refused(good, 4, -1));
   for (const double bad : {std::nan(""), HUGE_VAL}) {
     Scene scene = good;
-    scene.isovalue = bad;
+    scene.layers[0].isovalue = bad;
     EXPECT_TRUE(refused(scene, 4, 4));
     scene = mip;
-    scene.window.hi = bad;
+    scene.layers[0].window.hi = bad;
     EXPECT_TRUE(refused(scene, 4, 4));
   }
   Scene scene = mip;
-  scene.window = {};
+  scene.layers[0].window = {};
   EXPECT_TRUE(refused(scene, 4, 4));
   scene = good;
   scene.camera.target = scene.camera.position;
