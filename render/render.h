@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <stop_token>
 #include <string_view>
 
@@ -18,7 +19,7 @@ struct FrameOptions {
   int height = 720;
   ChannelSet channels{};
   unsigned threads = 0;       ///< 0 = all cores
-  bool use_hierarchy = true;  ///< false walks every leaf cell by scalar kernels: the same in double
+  bool use_hierarchy = true;  ///< false walks every leaf cell on every ray by scalar kernels: the same in double
   bool use_last_t =
       true;  ///< MIP: prune with the value at the last ray's t (paper, section 4.3); the picture is the same
   bool time_phases = false;  ///< fills FrameStatistics::Phases; costs a few per cent of time
@@ -32,6 +33,8 @@ struct FrameStatistics {
     double shading = 0;       ///< hits made into colours and channels
   };
   std::uint64_t rays = 0;
+  std::uint64_t rays_ruled_out = 0;  ///< of these: known to meet nothing by where it can be met, and not traced
+  std::uint64_t rays_through = 0;    ///< asked again behind a surface that is not opaque
   std::uint64_t hits = 0;
   std::uint64_t macrocells_visited = 0;
   std::uint64_t cells_visited = 0;      ///< leaf cells whose values or lists were read
@@ -42,8 +45,11 @@ struct FrameStatistics {
   std::uint64_t touches = 0;            ///< judged hits at which the field only touches the isovalue
   double largest_error = 0;             ///< of all hits' bounds; NaN where the method proves none
   std::uint64_t highlights_shaded = 0;  ///< hits for which the specular effect was computed
+  std::uint64_t normals_smoothed = 0;   ///< hits for which gradients at a cell's points were read
+  std::uint64_t colors_looked_up = 0;   ///< hits for which the field that colours the surface was read
   Phases phases;
-  double preparation_s = 0;  ///< of wall_s: the isovalue made ready, where the last frames had another one
+  double preparation_s = 0;  ///< of wall_s: what is kept with the volume and was not there yet made ready: the
+                             ///< isovalue, gradients at points
   double wall_s = 0;
   std::string_view machine;  ///< what the kernel that answered is compiled for: scalar, baseline, avx2 or avx512
 };
@@ -70,12 +76,20 @@ class FrameMemory {
 };
 
 /// Traces one ray through the middle of every pixel. The framebuffer is the same, bit for bit, for any number of
-/// threads. Refuses a picture without pixels, an isovalue or a camera that is not finite, a method that does not answer
-/// the question, and the channel `error` where the method proves nothing (Trouble::usage).
-FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer);
+/// threads. Refuses a picture without pixels, a scene without layers, a layer of a volume that is not there, an
+/// isovalue or a camera that is not finite, a method that does not answer the question, smooth normals of
+/// a grid, colours by a field that is not there, and the channel `error` where the method proves nothing
+/// (Trouble::usage).
+FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+                       Framebuffer& framebuffer);
 
 /// As above, in memory that is kept: that of the threads, and the framebuffer's own where the last frame had its size
 /// and its channels.
+FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+                       Framebuffer& framebuffer, FrameMemory& memory);
+
+// A scene of one volume.
+FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer);
 FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer,
                        FrameMemory& memory);
 
@@ -94,6 +108,8 @@ struct Refinement {
 
 /// Renders in passes. The finished picture is that of render, bit for bit; counts of cells may differ. A frame that was
 /// ended early has traced fewer rays than the picture has pixels.
+FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+                       const Refinement& refinement, Framebuffer& framebuffer, FrameMemory& memory);
 FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOptions& options,
                        const Refinement& refinement, Framebuffer& framebuffer, FrameMemory& memory);
 

@@ -2,9 +2,14 @@
 
 namespace rhoray::render {
 
-EffectSet effects_called_for(const Scene& scene) {
-  const bool is_surface = scene.mode == Mode::isosurface;
-  return {.diffuse = is_surface, .specular = is_surface && scene.surface.specular > 0, .intensity = !is_surface};
+EffectSet effects_called_for(const Layer& layer) {
+  const bool is_surface = layer.mode == Mode::isosurface;
+  const Surface& surface = layer.surface;
+  return {.diffuse = is_surface,
+          .smooth_normals = is_surface && surface.normals == Normals::smooth,
+          .field_color = is_surface && surface.color_by.has_value(),
+          .specular = is_surface && surface.specular > 0,
+          .intensity = !is_surface};
 }
 
 }  // namespace rhoray::render

@@ -25,6 +25,7 @@ class TetVolume {
   }
 
   const formats::TetMeshDescription& description() const { return mesh_.description(); }
+  const formats::TetMesh& mesh() const { return mesh_; }
 
   /// Leaf cells around the mesh, about the size of a tetrahedron, also where no lists name what they hold.
   WalkLattice lattice() const {

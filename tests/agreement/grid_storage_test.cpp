@@ -16,7 +16,7 @@ void expect_same_pictures(const render::Volume& a, const render::Volume& b, doub
   for (const render::Mode mode : {render::Mode::isosurface, render::Mode::mip})
     for (const bool straight : {false, true}) {
       render::Scene scene = straight ? straight_scene(a, isovalue) : oblique_scene(a, isovalue);
-      scene.mode = mode;
+      scene.layers[0].mode = mode;
       const render::Framebuffer expected = picture(a, scene);
       EXPECT_GT(hit_count(expected), least_hits);
       expect_same_bits(expected, picture(b, scene));

@@ -26,10 +26,10 @@ TEST(Hierarchy, on_and_off_give_the_same_picture_of_grids_for_any_factor_and_num
       const render::Volume b = packed(folder, "noise" + name, noise, options);
       for (const render::Mode mode : {render::Mode::isosurface, render::Mode::mip}) {
         render::Scene scene = oblique_scene(a, 0.5);
-        scene.mode = mode;
+        scene.layers[0].mode = mode;
         expect_hierarchy_changes_nothing(a, scene);
         scene = oblique_scene(b, 8.5);
-        scene.mode = mode;
+        scene.layers[0].mode = mode;
         expect_hierarchy_changes_nothing(b, scene);
       }
     }
@@ -60,7 +60,7 @@ TEST(Hierarchy, on_and_off_give_the_same_picture_of_meshes) {
                {.structure = preprocess::MeshStructure::leaves, .leaf_cells_per_tetrahedron = leaves});
     for (const render::Mode mode : {render::Mode::isosurface, render::Mode::mip}) {
       render::Scene scene = oblique_scene(volume, 0.31);
-      scene.mode = mode;
+      scene.layers[0].mode = mode;
       expect_hierarchy_changes_nothing(volume, scene);
     }
   }

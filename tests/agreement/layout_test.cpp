@@ -11,7 +11,7 @@ TEST(Layout, bricked_and_linear_volumes_give_the_same_bits) {
     const render::Volume bricked = packed(folder, concat("bricks", edge, ".rho"), volume, {.brick_edge = edge});
     for (const render::Mode mode : {render::Mode::isosurface, render::Mode::mip}) {
       render::Scene scene = oblique_scene(linear, 4.5);
-      scene.mode = mode;
+      scene.layers[0].mode = mode;
       const render::Framebuffer expected = picture(linear, scene);
       EXPECT_GT(hit_count(expected), 4000u);
       expect_same_bits(expected, picture(bricked, scene));

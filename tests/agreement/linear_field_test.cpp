@@ -66,7 +66,7 @@ TEST(LinearField, has_its_maximum_where_the_ray_enters_or_leaves_the_box) {
   const render::Volume grid = packed(folder, "g", sampled_volume<double>(count, lattice_over(box, count), field));
   const render::Volume mesh = packed(folder, "m", box_mesh({.cells = {4, 4, 4}, .jitter = 0.15}, field));
   render::Scene scene = oblique_scene(grid, 0, true);
-  scene.mode = render::Mode::mip;
+  scene.layers[0].mode = render::Mode::mip;
   const render::Framebuffer from_grid = picture(grid, scene), from_mesh = picture(mesh, scene);
   EXPECT_GT(hit_count(from_grid), 3000u);
   std::size_t differ = 0;

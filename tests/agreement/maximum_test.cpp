@@ -126,10 +126,10 @@ TEST(Maximum, of_packed_grids_equals_brute_force_by_both_rules) {
     const auto neutral = noise_volume<float>(count, largest, 17);
     const render::Volume volume = packed(folder, concat(largest), neutral);
     render::Scene scene = oblique_scene(volume, 0);
-    scene.mode = render::Mode::mip;
+    scene.layers[0].mode = render::Mode::mip;
     double deficit = 0;
     for (const render::Method& method : {render::Method{}, face_rule}) {
-      scene.method = method;
+      scene.layers[0].method = method;
       const render::Framebuffer found = picture(volume, scene);
       std::size_t checked = 0, mask_differs = 0;
       for (int y = 0; y < found.height; ++y)
@@ -161,7 +161,7 @@ TEST(Maximum, of_packed_meshes_equals_brute_force) {
   add_point_field(neutral, "noise", [&](const Vec3&) { return static_cast<double>(random() % 1000); });
   const render::Volume volume = packed(folder, "m", neutral);
   render::Scene scene = oblique_scene(volume, 0);
-  scene.mode = render::Mode::mip;
+  scene.layers[0].mode = render::Mode::mip;
   const render::Framebuffer found = picture(volume, scene);
   std::size_t checked = 0, mask_differs = 0;
   for (int y = 0; y < found.height; ++y)
@@ -186,9 +186,9 @@ TEST(Maximum, does_not_depend_on_the_last_t) {
       packed(folder, "v",
              sampled_volume<float>(count, lattice_over({{-1, -1, -1}, {1, 1, 1}}, count), marschner_lobb_field(3)));
   render::Scene scene = oblique_scene(volume, 0);
-  scene.mode = render::Mode::mip;
+  scene.layers[0].mode = render::Mode::mip;
   for (const render::Method& method : {render::Method{}, face_rule}) {
-    scene.method = method;
+    scene.layers[0].method = method;
     expect_same_bits(picture(volume, scene, {.use_last_t = true}), picture(volume, scene, {.use_last_t = false}));
   }
 }

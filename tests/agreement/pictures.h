@@ -34,8 +34,8 @@ inline render::Volume packed(const TemporaryFolder& folder, std::string_view nam
 /// A picture of the whole volume from a direction that is parallel to nothing in it.
 inline render::Scene oblique_scene(const render::Volume& volume, double isovalue, bool orthographic = false) {
   render::Scene scene;
-  scene.isovalue = isovalue;
-  scene.window = volume.field().range;
+  scene.layers[0].isovalue = isovalue;
+  scene.layers[0].window = volume.field().range;
   scene.camera = render::fit_camera(
       volume.bounds(), {.azimuth_deg = 33, .elevation_deg = 21, .zoom = 1.1, .orthographic = orthographic}, 1);
   return scene;

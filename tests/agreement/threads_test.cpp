@@ -6,7 +6,7 @@ namespace {
 
 void expect_threads_change_nothing(const render::Volume& volume, render::Scene scene) {
   for (const render::Mode mode : {render::Mode::isosurface, render::Mode::mip}) {
-    scene.mode = mode;
+    scene.layers[0].mode = mode;
     render::FrameOptions options{.width = 131, .height = 97, .channels = all_channels, .threads = 1};
     render::Framebuffer expected, found;
     const render::FrameStatistics one = render::render(volume, scene, options, expected);

@@ -19,7 +19,7 @@ TEST(RayQuestions, answers_the_rays_of_a_camera_as_render_does) {
   const TracedVolume mesh(box_mesh({.cells = {3, 3, 3}}, distance_field({0.5, 0.5, 0.5})));
   for (const auto& [volume, isovalue] : {std::pair{&grid.volume(), 6.0}, {&mesh.volume(), 0.4}}) {
     render::Scene scene;
-    scene.isovalue = isovalue;
+    scene.layers[0].isovalue = isovalue;
     scene.camera = render::fit_camera(volume->bounds(), render::named_view("iso"), 1.5);
     const render::FrameOptions options{.width = 60, .height = 40, .channels = {.depth = true, .cell = true}};
     render::Framebuffer picture;

@@ -41,6 +41,8 @@ Json picture_context(const BenchOptions& options, const render::Volume& volume) 
   Json json = context(options);
   json["size"] = {options.size.width, options.size.height};
   json["field"] = volume.field().name;
+  if (!options.normals.empty()) json["normals"] = options.normals;
+  if (!options.color_by.empty()) json["color_by"] = options.color_by;
   json["samples_or_cells"] = volume.is_mesh() ? "tetrahedra" : "grid";
   return json;
 }
@@ -84,10 +86,12 @@ std::vector<Shot> shots(const BenchOptions& options, const render::Volume& volum
   picture.size = options.size;
   picture.accuracy = options.accuracy;
   picture.view = options.view;
+  picture.normals = options.normals;
+  picture.color_by = options.color_by;
   const auto add = [&](const std::string& scene) {
     Shot shot{.scene = scene, .plan = plan_picture(picture, volume)};
     shot.plan.frame.threads = options.threads;
-    if (scene.empty()) shot.scene = concat("iso ", shot.plan.scene.isovalue);
+    if (scene.empty()) shot.scene = concat("iso ", shot.plan.scene.layers[0].isovalue);
     list.push_back(std::move(shot));
   };
   for (const std::string& isovalue : options.isovalues) {
@@ -96,6 +100,7 @@ std::vector<Shot> shots(const BenchOptions& options, const render::Volume& volum
   }
   if (options.mip) {
     picture.mode = "mip";
+    picture.normals = picture.color_by = {};
     add("mip");
   }
   return list;
@@ -144,7 +149,7 @@ struct Change {
 /// By a ten-thousandth of the range.
 void next_isovalue(render::Scene& scene, const render::Volume& volume) {
   const Interval<double> range = volume.field().range;
-  scene.isovalue += 1e-4 * (range.hi - range.lo);
+  scene.layers[0].isovalue += 1e-4 * (range.hi - range.lo);
 }
 
 /// By one degree about the z axis.
@@ -291,8 +296,9 @@ Table views_table(const BenchOptions& options, const Step& step) {
     for (const StudyView view : study_views) {
       rows.push_back({view, shot.another(), {}});
       render::Scene& scene = rows.back().shot.plan.scene;
-      const bool is_surface = scene.mode == render::Mode::isosurface;
-      scene.camera = study_camera(view, volume, is_surface ? std::optional(scene.isovalue) : std::nullopt, aspect);
+      const bool is_surface = scene.layers[0].mode == render::Mode::isosurface;
+      scene.camera =
+          study_camera(view, volume, is_surface ? std::optional(scene.layers[0].isovalue) : std::nullopt, aspect);
     }
   CpuMeter meter;
   const auto seconds = interleaved(rows.size(), options.repeat, [&](std::size_t r) {

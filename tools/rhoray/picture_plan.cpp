@@ -1,5 +1,6 @@
 #include "tools/rhoray/picture_plan.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "formats/base/nearest_name.h"
@@ -7,6 +8,7 @@
 #include "formats/shape_field.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/open_vdb.h"
+#include "render/color_map.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/input_file.h"
 #include "tools/rhoray/method_words.h"
@@ -34,6 +36,21 @@ constexpr std::pair<const char*, render::DiaryPage> diary_words[] = {{"error", r
 std::vector<std::string> words_of_show() {
   std::vector<std::string> words{"color"};
   for (const auto& [word, page] : diary_words) words.emplace_back(word);
+  return words;
+}
+
+/// What a surface may be lit by, and in what it is.
+constexpr struct {
+  const char* word;
+  render::Normals normals;
+  bool of_meshes;
+} normals_words[] = {{"flat", render::Normals::exact, true},
+                     {"smooth", render::Normals::smooth, true},
+                     {"exact", render::Normals::exact, false}};
+
+std::vector<std::string> words_of_colormaps() {
+  std::vector<std::string> words;
+  for (const render::NamedColorMap& named : render::color_maps()) words.emplace_back(named.name);
   return words;
 }
 
@@ -73,6 +90,12 @@ std::string range_text(const formats::FieldSummary& field) {
 
 }  // namespace
 
+std::vector<std::string> words_of_normals() {
+  std::vector<std::string> words;
+  for (const auto& row : normals_words) words.emplace_back(row.word);
+  return words;
+}
+
 std::vector<Option> picture_options(PictureOptions& options) {
   return {
       choice_option("--mode", {"iso", "mip"}, "Isosurface, or maximum intensity projection", options.mode),
@@ -97,10 +120,19 @@ std::vector<Option> picture_options(PictureOptions& options) {
       value_option("--camera-target", "X,Y,Z", "Point looked at", options.camera_target),
       value_option("--camera-up", "X,Y,Z", "Direction that is up in the picture", options.camera_up),
       value_option("--surface-color", "COLOR", "#rrggbb (sRGB), or r,g,b (linear, 0 to 1)", options.surface_color),
+      choice_option("--normals", words_of_normals(),
+                    "What the surface of a mesh is lit by: flat, the exact gradient of each cell, or smooth, linear "
+                    "between means at the points; of a grid exact, the gradient of its trilinear field",
+                    options.normals),
+      value_option("--color-by", "NAME", "Colour the surface by a field of the same file, where rays hit it",
+                   options.color_by),
+      choice_option("--colormap", words_of_colormaps(), "Colours of --color-by; default viridis", options.colormap),
       value_option("--background", "COLOR", "As above; default white for isosurfaces, black for MIP",
                    options.background),
       value_option("--specular", "S", "Strength of the highlight, 0 to 1; 0 computes none", options.specular),
-      value_option("--range", "A,B", "Values shown from black to white in MIP; default the field's range",
+      value_option("--range", "A,B",
+                   "Values shown from black to white in MIP, or from the first colour to the last by --color-by; "
+                   "default the field's range",
                    options.range),
       choice_option(
           "--accuracy", accuracy_words(),
@@ -217,33 +249,86 @@ render::Method choose_method(const PictureOptions& options, render::Mode mode, c
 
 }  // namespace
 
+namespace {
+
+render::Normals choose_normals(const PictureOptions& options, const render::Volume& volume) {
+  for (const auto& row : normals_words) {
+    if (options.normals != row.word) continue;
+    if (row.of_meshes != volume.is_mesh())
+      throw Error(Trouble::usage,
+                  concat("--normals: '", row.word, "' is of ", row.of_meshes ? "meshes" : "grids", ", and ",
+                         volume.file().name(), " is ", volume.is_mesh() ? "a mesh" : "a grid"),
+                  volume.is_mesh() ? "flat is the exact gradient of every cell"
+                                   : "exact, the gradient of the trilinear field, is how grids are lit");
+    return row.normals;
+  }
+  return render::Normals::exact;
+}
+
+render::FieldColors choose_field_colors(const PictureOptions& options, const render::Volume& volume) {
+  const std::vector<std::string> names = volume.field_names();
+  if (std::find(names.begin(), names.end(), options.color_by) == names.end()) {
+    std::string known;
+    for (const std::string& name : names) known += concat(known.empty() ? "" : ", ", "'", name, "'");
+    throw Error(Trouble::usage, concat("--color-by: no field '", options.color_by, "'; there is ", known),
+                did_you_mean(options.color_by, names));
+  }
+  const auto field = volume.field(options.color_by);
+  if (!field)
+    throw Error(Trouble::unsupported,
+                concat("--color-by: '", options.color_by, "' is another grid of ", volume.file().name(),
+                       ", with voxels of its own; a surface is coloured "
+                       "by its own field, '",
+                       volume.field().name, "'"));
+  if (field->range.is_empty())
+    throw Error(Trouble::invalid, concat("--color-by: field '", field->name, "' holds no finite value"));
+  render::FieldColors colors{.field = field->name, .range = options.range.value_or(field->range)};
+  for (const render::NamedColorMap& named : render::color_maps())
+    if (options.colormap == named.name) colors.map = named.map;
+  return colors;
+}
+
+/// What is said of surfaces where none is shown.
+void refuse_surface_options(const PictureOptions& options) {
+  for (const auto& [option, text] : {std::pair{"--normals", &options.normals}, {"--color-by", &options.color_by}})
+    if (!text->empty())
+      throw Error(Trouble::usage, concat(option, " is of isosurfaces; a maximum intensity projection has no surface"));
+}
+
+}  // namespace
+
 PicturePlan plan_picture(const PictureOptions& options, const render::Volume& volume) {
   PicturePlan plan;
   render::Scene& scene = plan.scene;
-  scene.mode = options.mode == "mip" ? render::Mode::mip : render::Mode::isosurface;
-  scene.method = choose_method(options, scene.mode, volume);
+  if (!options.colormap.empty() && options.color_by.empty())
+    throw Error(Trouble::usage, "--colormap is of the colours by a field: --color-by names it");
+  scene.layers[0].mode = options.mode == "mip" ? render::Mode::mip : render::Mode::isosurface;
+  scene.layers[0].method = choose_method(options, scene.layers[0].mode, volume);
   Box3 shown = volume.bounds();
-  if (scene.mode == render::Mode::isosurface) {
+  if (scene.layers[0].mode == render::Mode::isosurface) {
     const Isovalue iso = options.isovalue == "auto" && volume.is_level_set()
                              ? Isovalue{0, "the surface of the level set"}
                              : choose_isovalue(options.isovalue, volume.field());
-    scene.isovalue = iso.value;
+    scene.layers[0].isovalue = iso.value;
     plan.isovalue_from = iso.from;
     const Box3 surface = volume.isosurface_bounds(iso.value);
     plan.surface_is_empty = surface.isEmpty();
     if (!plan.surface_is_empty) shown = surface;
+    scene.layers[0].surface.normals = choose_normals(options, volume);
+    if (!options.color_by.empty()) scene.layers[0].surface.color_by = choose_field_colors(options, volume);
   } else {
+    refuse_surface_options(options);
     if (volume.field().range.is_empty())
       throw Error(Trouble::invalid, concat("field '", volume.field().name, "' holds no finite value"));
-    scene.window = options.range.value_or(volume.field().range);
+    scene.layers[0].window = options.range.value_or(volume.field().range);
   }
   scene.camera = plan_camera(options, shown);
-  if (options.surface_color) scene.surface.color = options.surface_color->linear;
+  if (options.surface_color) scene.layers[0].surface.color = options.surface_color->linear;
   if (options.specular) {
     require_within("--specular", *options.specular, 0, 1);
-    scene.surface.specular = *options.specular;
+    scene.layers[0].surface.specular = *options.specular;
   }
-  const double grey = scene.mode == render::Mode::mip ? 0 : 1;
+  const double grey = scene.layers[0].mode == render::Mode::mip ? 0 : 1;
   scene.background = options.background ? options.background->linear : Vec3(grey, grey, grey);
 
   plan.frame.width = options.size.width;
@@ -262,16 +347,25 @@ std::vector<std::string> reproducing_command(const PicturePlan& plan, const rend
   std::vector<std::string> words{"rhoray", "render", input.string(), "-o", output.string()};
   const auto add = [&](const std::string& name, const std::string& value) { words.insert(words.end(), {name, value}); };
   add("--field", volume.field().name);
-  if (scene.mode == render::Mode::mip) {
+  if (scene.layers[0].mode == render::Mode::mip) {
     add("--mode", "mip");
-    add("--range", concat(scene.window.lo, ",", scene.window.hi));
+    add("--range", concat(scene.layers[0].window.lo, ",", scene.layers[0].window.hi));
   } else {
     add("--mode", "iso");
-    add("--iso", concat(scene.isovalue));
-    add("--surface-color", text_of(scene.surface.color));
-    add("--specular", concat(scene.surface.specular));
+    add("--iso", concat(scene.layers[0].isovalue));
+    add("--surface-color", text_of(scene.layers[0].surface.color));
+    for (const auto& row : normals_words)
+      if (row.of_meshes == volume.is_mesh() && row.normals == scene.layers[0].surface.normals)
+        add("--normals", row.word);
+    if (const auto& colors = scene.layers[0].surface.color_by) {
+      add("--color-by", colors->field);
+      for (const render::NamedColorMap& named : render::color_maps())
+        if (named.map == colors->map) add("--colormap", std::string(named.name));
+      if (colors->range.lo < colors->range.hi) add("--range", concat(colors->range.lo, ",", colors->range.hi));
+    }
+    add("--specular", concat(scene.layers[0].surface.specular));
   }
-  const MethodOption method = option_of(scene.method, scene.mode, volume.is_mesh());
+  const MethodOption method = option_of(scene.layers[0].method, scene.layers[0].mode, volume.is_mesh());
   add(method.option, method.word);
   add("--size", concat(plan.frame.width, "x", plan.frame.height));
   add("--camera-position", text_of(camera.position));

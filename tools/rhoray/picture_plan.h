@@ -25,12 +25,18 @@ struct PictureOptions {
   std::optional<Color> surface_color, background;
   std::optional<double> specular;
   std::optional<Interval<double>> range;
+  std::string normals;   ///< empty = flat in meshes, exact in grids
+  std::string color_by;  ///< a field; empty = surface_color
+  std::string colormap;  ///< empty = viridis
   std::string accuracy;  ///< empty = render::default_method, unless a method is named
   std::string method;
   std::vector<std::string> channels;
   std::string show = "color";  ///< or error, roots, iterations, cost: a heat map
   bool no_hierarchy = false;
 };
+
+/// What surfaces may be lit by.
+std::vector<std::string> words_of_normals();
 
 /// The rows of these options, for `render`.
 std::vector<Option> picture_options(PictureOptions& options);

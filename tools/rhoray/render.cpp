@@ -81,6 +81,7 @@ Json camera_json(const render::Camera& camera) {
 Json statistics_json(const render::FrameStatistics& statistics) {
   const render::FrameStatistics::Phases& phases = statistics.phases;
   return {{"rays", statistics.rays},
+          {"rays_ruled_out", statistics.rays_ruled_out},
           {"hits", statistics.hits},
           {"macrocells_visited", statistics.macrocells_visited},
           {"cells_visited", statistics.cells_visited},
@@ -91,6 +92,8 @@ Json statistics_json(const render::FrameStatistics& statistics) {
           {"touches", statistics.touches},
           {"largest_error", statistics.largest_error},
           {"highlights_shaded", statistics.highlights_shaded},
+          {"normals_smoothed", statistics.normals_smoothed},
+          {"colors_looked_up", statistics.colors_looked_up},
           {"machine", statistics.machine},
           {"preparation_s", statistics.preparation_s},
           {"wall_s", statistics.wall_s},
@@ -108,28 +111,30 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
     return concat("  ", name, std::string(22 - std::string_view(name).size(), ' '), rounded(seconds, 3), " s of CPU, ",
                   rounded(all > 0 ? 100 * seconds / all : 0, 3), " %\n");
   };
-  return count("rays", statistics.rays) + count("hits", statistics.hits) +
-         count("macrocells visited", statistics.macrocells_visited) + count("cells visited", statistics.cells_visited) +
-         count("cells solved", statistics.cells_solved) + count("samples taken", statistics.samples_taken) +
-         count("rays redone in double", statistics.rays_redone) + count("rays judged exactly", statistics.rays_judged) +
-         count("touches", statistics.touches) +
+  return count("rays", statistics.rays) + count("ruled out", statistics.rays_ruled_out) +
+         count("hits", statistics.hits) + count("macrocells visited", statistics.macrocells_visited) +
+         count("cells visited", statistics.cells_visited) + count("cells solved", statistics.cells_solved) +
+         count("samples taken", statistics.samples_taken) + count("rays redone in double", statistics.rays_redone) +
+         count("rays judged exactly", statistics.rays_judged) + count("touches", statistics.touches) +
          (std::isnan(statistics.largest_error)
               ? std::string()
               : concat("  largest error         ", rounded(statistics.largest_error), "\n")) +
-         count("highlights shaded", statistics.highlights_shaded) + phase("traversal", phases.traversal) +
+         count("highlights shaded", statistics.highlights_shaded) +
+         count("normals smoothed", statistics.normals_smoothed) +
+         count("colours looked up", statistics.colors_looked_up) + phase("traversal", phases.traversal) +
          phase("intersection", phases.intersection) + phase("shading", phases.shading) +
-         concat("  isovalue prepared in ", rounded(statistics.preparation_s, 3), " s\n") +
+         concat("  prepared in          ", rounded(statistics.preparation_s, 3), " s\n") +
          concat("  traced in            ", rounded(statistics.wall_s, 3), " s\n");
 }
 
 std::string method_text(const PicturePlan& plan, const render::Volume& volume) {
-  return option_of(plan.scene.method, plan.scene.mode, volume.is_mesh()).word;
+  return option_of(plan.scene.layers[0].method, plan.scene.layers[0].mode, volume.is_mesh()).word;
 }
 
 void report(const RenderCommand& command, const std::filesystem::path& output, const render::Volume& volume,
             const PicturePlan& plan, const render::FrameStatistics& statistics, const Stations& stations,
             const std::vector<Json>& picks, const Interval<double>& heat, const std::string& reproduce) {
-  const bool iso = plan.scene.mode == render::Mode::isosurface;
+  const bool iso = plan.scene.layers[0].mode == render::Mode::isosurface;
   const double total = stations.open_s + stations.trace_s + stations.wait_for_checks_s + stations.write_s;
   if (command.common.json) {
     Json json{{"picture", output.string()},
@@ -140,10 +145,10 @@ void report(const RenderCommand& command, const std::filesystem::path& output, c
               {"size", {plan.frame.width, plan.frame.height}},
               {"camera", camera_json(plan.scene.camera)}};
     if (iso) {
-      json["isovalue"] = plan.scene.isovalue;
+      json["isovalue"] = plan.scene.layers[0].isovalue;
       json["isovalue_from"] = plan.isovalue_from;
     } else {
-      json["range"] = json_of(plan.scene.window);
+      json["range"] = json_of(plan.scene.layers[0].window);
     }
     json["statistics"] = statistics_json(statistics);
     json["seconds"] = {{"open", stations.open_s},
@@ -163,8 +168,8 @@ void report(const RenderCommand& command, const std::filesystem::path& output, c
   }
   for (const std::string& note : volume.notes()) say(command.common, concat("note: ", note));
   if (iso && plan.isovalue_from != "given")
-    say(command.common,
-        concat("isovalue ", plan.scene.isovalue, " (", plan.isovalue_from, " of field '", volume.field().name, "')"));
+    say(command.common, concat("isovalue ", plan.scene.layers[0].isovalue, " (", plan.isovalue_from, " of field '",
+                               volume.field().name, "')"));
   if (const std::string first = volume.field_names().front();
       command.picture.field.empty() && volume.field().name != first)
     say(command.common,
@@ -250,6 +255,7 @@ Subcommand render_subcommand() {
       .examples =
           "  rhoray render head.rho -o head.png\n"
           "  rhoray render head.rho --iso 500 --view -y --size 1080p -o skin.png\n"
+          "  rhoray render heart.rho --iso 0.3 --normals smooth --color-by pressure --colormap coolwarm -o heart.png\n"
           "  rhoray render head.rho --mode mip --range 0,2000 -o mip.exr --channels depth,value\n"
           "  rhoray render smoke.vdb --iso 0.5 -o smoke.png\n",
       .options = all_options(

@@ -90,8 +90,8 @@ struct Entrant {
 
 render::Scene scene_of(const Shown& shown, const render::Volume& volume, double isovalue, tools::StudyView view) {
   render::Scene scene;
-  scene.isovalue = isovalue;
-  scene.method = render::method_of(tools::accuracy_named(shown.accuracy));
+  scene.layers[0].isovalue = isovalue;
+  scene.layers[0].method = render::method_of(tools::accuracy_named(shown.accuracy));
   scene.camera = tools::study_camera(view, volume, isovalue, double{1} * shown.size.width / shown.size.height);
   return scene;
 }

@@ -108,8 +108,8 @@ Json row_of(const Wishes& wishes, const NamedMesh& mesh, const NeutralMesh& sour
   const double pack_s = meter.measure([&] { packed = preprocess::pack_mesh(source, file, pack).description; }).cpu_s;
   const render::Volume volume = render::Volume::load(file);
   render::Scene scene;
-  scene.isovalue = tools::choose_isovalue(wishes.isovalue, volume.field()).value;
-  scene.camera = tools::study_camera(tools::study_view_named("front"), volume, scene.isovalue,
+  scene.layers[0].isovalue = tools::choose_isovalue(wishes.isovalue, volume.field()).value;
+  scene.camera = tools::study_camera(tools::study_view_named("front"), volume, scene.layers[0].isovalue,
                                      double{1} * wishes.size.width / wishes.size.height);
   render::Framebuffer picture;
   render::FrameMemory memory;

@@ -15,7 +15,7 @@ namespace rhoray::render::wide {
 struct HitArrays {
   double *t, *value, *error, *gradient[3];
   std::uint64_t* cell;
-  std::uint32_t *root_count, *iteration_count, *cost;
+  std::uint32_t *tet, *root_count, *iteration_count, *cost;
 };
 
 inline HitArrays arrays_of(const HitBatch& hits) {
@@ -24,6 +24,7 @@ inline HitArrays arrays_of(const HitBatch& hits) {
           .error = hits.error.data(),
           .gradient = {hits.gradient[0].data(), hits.gradient[1].data(), hits.gradient[2].data()},
           .cell = hits.cell.data(),
+          .tet = hits.tet.data(),
           .root_count = hits.root_count.data(),
           .iteration_count = hits.iteration_count.data(),
           .cost = hits.cost.data()};
@@ -35,6 +36,7 @@ RHORAY_INLINE HitArrays from(const HitArrays& hits, std::size_t first) {
           .error = hits.error + first,
           .gradient = {hits.gradient[0] + first, hits.gradient[1] + first, hits.gradient[2] + first},
           .cell = hits.cell + first,
+          .tet = hits.tet + first,
           .root_count = hits.root_count + first,
           .iteration_count = hits.iteration_count + first,
           .cost = hits.cost + first};
@@ -46,18 +48,24 @@ inline void write_misses(const HitArrays& hits, std::size_t count) {
   std::fill_n(hits.value, count, 0.0);
   for (double* component : hits.gradient) std::fill_n(component, count, 0.0);
   std::fill_n(hits.cell, count, std::uint64_t{0});
-  for (std::uint32_t* numbers : {hits.root_count, hits.iteration_count, hits.cost}) std::fill_n(numbers, count, 0u);
+  for (std::uint32_t* numbers : {hits.tet, hits.root_count, hits.iteration_count, hits.cost})
+    std::fill_n(numbers, count, 0u);
 }
 
 inline RayArrays arrays_of(const RayBatch& rays) {
   return {.origin = {rays.origin[0].data(), rays.origin[1].data(), rays.origin[2].data()},
           .direction = {rays.direction[0].data(), rays.direction[1].data(), rays.direction[2].data()},
           .t_min = rays.t_min.data(),
-          .t_max = rays.t_max.data()};
+          .t_max = rays.t_max.data(),
+          .start_side = rays.has_start_sides ? rays.start_side.data() : nullptr};
 }
 
 RHORAY_INLINE RayArrays from(const RayArrays& rays, std::size_t first) {
-  RayArrays rest{.origin = {}, .direction = {}, .t_min = rays.t_min + first, .t_max = rays.t_max + first};
+  RayArrays rest{.origin = {},
+                 .direction = {},
+                 .t_min = rays.t_min + first,
+                 .t_max = rays.t_max + first,
+                 .start_side = rays.start_side != nullptr ? rays.start_side + first : nullptr};
   for (int a = 0; a < 3; ++a) rest.origin[a] = rays.origin[a] + first, rest.direction[a] = rays.direction[a] + first;
   return rest;
 }
@@ -80,6 +88,7 @@ inline void ask_again(Kernel kernel, const VolumeImplementation& volume, const Q
     for (std::uint64_t bits = chosen; bits != 0; bits &= bits - 1)
       act(first + static_cast<std::size_t>(std::countr_zero(bits)), place++);
   };
+  few.rays.has_start_sides = rays.has_start_sides;
   few.rays.count = static_cast<std::size_t>(std::popcount(chosen));
   scratch.counters.rays_wide -= few.rays.count;
   for_each_chosen([&](std::size_t r, std::size_t place) { few.rays.set(place, rays[r]); });

@@ -41,7 +41,7 @@ class NanoVdbVolume : public Vdb {
       EXPECT_GT(hit_count(expected), 500U);
       expect_same_picture(picture(sparse, scene), expected);
       expect_same_picture(picture(sparse, scene, {.use_hierarchy = false}), expected);
-      scene.mode = render::Mode::mip;
+      scene.layers[0].mode = render::Mode::mip;
       const render::Framebuffer brightest = picture(packed, scene);
       EXPECT_GT(hit_count(brightest), 500U);
       expect_same_picture(picture(sparse, scene), brightest);

@@ -13,19 +13,19 @@ namespace {
 using render::Colors;
 using render::EffectSet;
 using render::Facing;
+using render::Layer;
 using render::Mode;
-using render::Scene;
 
 constexpr std::size_t group_size = render::RayBatch::group_size;
 
-Scene surface_scene() {
-  Scene scene;
-  scene.surface = {.color = {0.5, 0.25, 1}, .ambient = 0.2, .specular = 0.4, .shininess = 10};
-  return scene;
+Layer lit_surface() {
+  Layer layer;
+  layer.surface = {.color = {0.5, 0.25, 1}, .ambient = 0.2, .specular = 0.4, .shininess = 10};
+  return layer;
 }
 
 /// One hit, shaded in every place of a group; refuses a group in which places differ.
-Vec3 shaded(const Scene& scene, const EffectSet& effects, const Vec3& gradient, const Vec3& direction, double value = 0,
+Vec3 shaded(const Layer& layer, const EffectSet& effects, const Vec3& gradient, const Vec3& direction, double value = 0,
             const Affine& world_from_volume = {}) {
   render::RayBatch rays(group_size);
   render::HitBatch hits(group_size);
@@ -35,34 +35,34 @@ Vec3 shaded(const Scene& scene, const EffectSet& effects, const Vec3& gradient, 
   }
   rays.count = group_size;
   Colors colors;
-  shade(scene, effects, Facing(world_from_volume), rays, hits, 0, colors);
+  shade(layer, effects, Facing(world_from_volume), rays, hits, 0, nullptr, colors);
   for (std::size_t i = 1; i < group_size; ++i)
     EXPECT_TRUE(colors.red[i] == colors.red[0] && colors.green[i] == colors.green[0] &&
                 colors.blue[i] == colors.blue[0]);
   return {colors.red[0], colors.green[0], colors.blue[0]};
 }
 
-TEST(EffectsCalledFor, are_read_from_the_scene) {
-  Scene scene = surface_scene();
-  EffectSet set = effects_called_for(scene);
+TEST(EffectsCalledFor, are_read_from_the_layer) {
+  Layer layer = lit_surface();
+  EffectSet set = effects_called_for(layer);
   EXPECT_TRUE(set.diffuse && set.specular && !set.intensity);
-  scene.surface.specular = 0;
-  EXPECT_FALSE(effects_called_for(scene).specular);
-  scene.surface.specular = 1;
-  scene.mode = Mode::mip;
-  set = effects_called_for(scene);
+  layer.surface.specular = 0;
+  EXPECT_FALSE(effects_called_for(layer).specular);
+  layer.surface.specular = 1;
+  layer.mode = Mode::mip;
+  set = effects_called_for(layer);
   EXPECT_TRUE(!set.diffuse && !set.specular && set.intensity);
 }
 
 TEST(Shade, lights_a_surface_by_the_angle_to_the_eye) {
-  const Scene scene = surface_scene();
+  const Layer layer = lit_surface();
   const Vec3 away(0, 0, -1), facing(0, 0, 3), tilted(0, 5 * std::sqrt(0.75), 2.5);
   const EffectSet dull{.diffuse = true};
   for (const double side : {1.0, -1.0}) {
-    EXPECT_LT((shaded(scene, dull, side * facing, away) - scene.surface.color).length(), 1e-6);
-    EXPECT_LT((shaded(scene, dull, side * tilted, away) - 0.6 * scene.surface.color).length(), 1e-6);
+    EXPECT_LT((shaded(layer, dull, side * facing, away) - layer.surface.color).length(), 1e-6);
+    EXPECT_LT((shaded(layer, dull, side * tilted, away) - 0.6 * layer.surface.color).length(), 1e-6);
   }
-  const Vec3 highlight = shaded(scene, effects_called_for(scene), tilted, away) - shaded(scene, dull, tilted, away);
+  const Vec3 highlight = shaded(layer, effects_called_for(layer), tilted, away) - shaded(layer, dull, tilted, away);
   const double expected = 0.4 * std::pow(0.5, 10);
   EXPECT_LT((highlight - Vec3(expected, expected, expected)).length(), 1e-6);
 }
@@ -70,8 +70,8 @@ TEST(Shade, lights_a_surface_by_the_angle_to_the_eye) {
 // A quarter of a step of 16-bit colour, for any angle, any cell and any length of the gradient, against the formulas in
 // double.
 TEST(Shade, is_as_the_formulas_say_in_cells_of_any_shape_and_for_gradients_of_any_length) {
-  Scene scene = surface_scene();
-  scene.surface.shininess = 40;
+  Layer layer = lit_surface();
+  layer.surface.shininess = 40;
   const Affine sheared{{2e-3, 1e-4, 0}, {-3e-4, 4e-3, 2e-4}, {1e-3, 0, 7e-2}, {5, 6, 7}};
   Affine huge = sheared, mirrored = sheared;
   for (Vec3* axis : {&huge.x_axis, &huge.y_axis, &huge.z_axis}) *axis *= 1e30;
@@ -83,9 +83,9 @@ TEST(Shade, is_as_the_formulas_say_in_cells_of_any_shape_and_for_gradients_of_an
         const Vec3 gradient(std::sin(k), std::cos(2.1 * k), std::sin(3.3 * k + 1));
         const Vec3 direction = Vec3(std::cos(0.7 * k), 0.4, std::sin(0.9 * k)).normalized();
         const double cosine = std::abs(map.gradient(gradient).normalized().dot(direction));
-        const Vec3 color = (0.2 + 0.8 * cosine) * scene.surface.color + 0.4 * std::pow(cosine, 40.0) * Vec3(1, 1, 1);
+        const Vec3 color = (0.2 + 0.8 * cosine) * layer.surface.color + 0.4 * std::pow(cosine, 40.0) * Vec3(1, 1, 1);
         const Vec3 got =
-            shaded(scene, effects_called_for(scene), gradient * length, map.inverse().vector(direction), 0, map);
+            shaded(layer, effects_called_for(layer), gradient * length, map.inverse().vector(direction), 0, map);
         // A gradient of a few of the smallest doubles has few digits itself.
         if (length > 1e-310) largest = std::max(largest, (got - color).length());
         EXPECT_LT((got - color).length(), length > 1e-310 ? 4e-6 : 1e-4) << length << ", " << k;
@@ -94,12 +94,12 @@ TEST(Shade, is_as_the_formulas_say_in_cells_of_any_shape_and_for_gradients_of_an
 }
 
 TEST(Shade, lights_a_hit_without_gradient_as_if_it_faced_the_eye) {
-  const Scene scene = surface_scene();
+  const Layer layer = lit_surface();
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
-  const Vec3 facing = shaded(scene, effects_called_for(scene), {0, 0, 1}, {0, 0, 1});
+  const Vec3 facing = shaded(layer, effects_called_for(layer), {0, 0, 1}, {0, 0, 1});
   for (const Vec3& none :
        {Vec3(0, 0, 0), Vec3(-0.0, 0, 0), Vec3(nan, 1, 1), Vec3(1, nan, 1), Vec3(1, 1, nan), Vec3(0, infinity, 1)}) {
-    EXPECT_EQ(shaded(scene, effects_called_for(scene), none, {0, 0, 1}), facing) << none;
+    EXPECT_EQ(shaded(layer, effects_called_for(layer), none, {0, 0, 1}), facing) << none;
     EXPECT_EQ(Facing({}).normal(none, {0, 0, 1}), Vec3(0, 0, 0)) << none;
   }
 }
@@ -112,11 +112,34 @@ TEST(Facing, gives_the_unit_normal_towards_the_eye) {
   }
 }
 
+TEST(Shade, colours_a_surface_by_a_field_and_leaves_its_own_colour_where_that_says_nothing) {
+  Layer layer = lit_surface();
+  layer.surface.specular = 0;
+  layer.surface.color_by = {.field = "f", .map = render::ColorMap::coolwarm, .range = {.lo = 10, .hi = 30}};
+  render::RayBatch rays(group_size);
+  render::HitBatch hits(group_size);
+  double values[group_size];
+  for (std::size_t i = 0; i < group_size; ++i) {
+    rays.set(i, {.origin = {0, 0, 0}, .direction = {0, 0, -1}});
+    hits.set(i, {.t = 1, .gradient = {0, std::sqrt(0.75), 0.5}});
+    values[i] = 5 + 0.5 * static_cast<double>(i);
+  }
+  values[7] = std::numeric_limits<double>::quiet_NaN();
+  values[8] = std::numeric_limits<double>::infinity();
+  Colors colors;
+  shade(layer, effects_called_for(layer), Facing({}), rays, hits, 0, values, colors);
+  for (std::size_t i = 0; i < group_size; ++i) {
+    const Vec3 base = i == 7 ? layer.surface.color : color_of(render::ColorMap::coolwarm, (values[i] - 10) / 20);
+    const Vec3 found(colors.red[i], colors.green[i], colors.blue[i]);
+    EXPECT_LT((found - 0.6 * base).length(), 1e-3) << values[i];
+  }
+}
+
 TEST(Shade, shows_a_projection_as_even_steps_of_grey) {
-  Scene scene;
-  scene.mode = Mode::mip;
-  scene.window = {.lo = 100, .hi = 300};
-  const auto grey = [&](double value) { return shaded(scene, effects_called_for(scene), {0, 0, 0}, {0, 0, 1}, value); };
+  Layer layer;
+  layer.mode = Mode::mip;
+  layer.window = {.lo = 100, .hi = 300};
+  const auto grey = [&](double value) { return shaded(layer, effects_called_for(layer), {0, 0, 0}, {0, 0, 1}, value); };
   EXPECT_EQ(grey(100), Vec3(0, 0, 0));
   EXPECT_EQ(grey(50), Vec3(0, 0, 0));
   EXPECT_EQ(grey(300), Vec3(1, 1, 1));
@@ -126,7 +149,7 @@ TEST(Shade, shows_a_projection_as_even_steps_of_grey) {
     const double share = (value - 100) / 200;
     EXPECT_NEAR(grey(value).x, share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4), 1e-6);
   }
-  scene.window = {.lo = 5, .hi = 5};
+  layer.window = {.lo = 5, .hi = 5};
   EXPECT_EQ(grey(4), Vec3(0, 0, 0));
   EXPECT_EQ(grey(5), Vec3(1, 1, 1));
   EXPECT_EQ(grey(6), Vec3(1, 1, 1));

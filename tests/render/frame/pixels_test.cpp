@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <vector>
 
 #include "tests/render/support/rays.h"
 
@@ -21,8 +22,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 const Affine world_from_volume{{0.7, 0.1, 0}, {-0.2, 1.3, 0.4}, {0.3, 0, -2.1}, {12, -7, 3.3}};
 
 /// A tile's worth of made-up rays and hits: every second one a hit, some without a gradient.
-std::unique_ptr<render::Worker> made_up_hits(const Tile& tile) {
-  auto worker = std::make_unique<render::Worker>();
+std::unique_ptr<render::LayerWork> made_up_hits(const Tile& tile) {
+  auto worker = std::make_unique<render::LayerWork>();
   Dice dice(20261121);
   worker->rays.count = tile.count();
   for (std::size_t r = 0; r < tile.count(); ++r) {
@@ -40,15 +41,23 @@ std::unique_ptr<render::Worker> made_up_hits(const Tile& tile) {
 }
 
 Framebuffer picture_of(const Scene& scene, const Tile& tile, Machine machine, const render::ChannelSet& channels) {
-  const auto worker = made_up_hits(tile);
-  const render::Look look{.scene = scene,
-                          .effects = effects_called_for(scene),
+  const auto work = made_up_hits(tile);
+  const render::Look look{.layer = scene.layers[0],
+                          .effects = effects_called_for(scene.layers[0]),
                           .facing = render::Facing(world_from_volume),
                           .proves = false,
                           .machine = machine};
-  shade_tile(look, *worker);
+  const auto colors = std::make_unique<render::TileColors>();
+  render::WorkerCounts counts;
+  fill_background(scene.background, work->rays.count, *colors);
+  shade_hits(look, *work, counts, *colors);
   Framebuffer picture(tile.x_end, tile.y_end, channels);
-  write_tile(look, {.width = tile.x_end, .height = tile.y_end}, tile, *worker, picture);
+  const render::PixelLattice lattice{.width = tile.x_end, .height = tile.y_end};
+  write_colors(lattice, tile, *colors, picture);
+  std::vector<Vec3> normals;
+  for (std::size_t r = 0; r < work->rays.count; ++r)
+    normals.push_back(look.facing.normal(work->hits[r].gradient, work->rays[r].direction));
+  write_channels(lattice, tile, work->hits, normals.data(), picture);
   return picture;
 }
 
@@ -57,8 +66,8 @@ TEST(Pixels, have_the_same_bits_on_every_machine) {
   for (const render::Mode mode : {render::Mode::isosurface, render::Mode::mip})
     for (const Tile tile : {Tile{0, 32, 0, 32}, Tile{0, 29, 0, 13}}) {
       Scene scene;
-      scene.mode = mode;
-      scene.window = {0, 1};
+      scene.layers[0].mode = mode;
+      scene.layers[0].window = {0, 1};
       const Framebuffer scalar = picture_of(scene, tile, Machine::scalar, {.normal = true});
       for (const Machine machine : {Machine::baseline, Machine::avx2, Machine::avx512}) {
         if (!has_machine(machine)) continue;
@@ -89,9 +98,10 @@ TEST(Pixels, are_the_formulas_in_double_within_a_quarter_step_of_16_bit_colour) 
         const Vec3 normal = world_from_volume.gradient(hit.gradient).normalized();
         const double cosine =
             has_gradient ? std::abs(normal.dot(world_from_volume.vector(worker->rays[r].direction))) : 1;
-        const double highlight = scene.surface.specular * std::pow(cosine, scene.surface.shininess);
-        color = (scene.surface.ambient + (1 - scene.surface.ambient) * cosine) * scene.surface.color +
-                Vec3(highlight, highlight, highlight);
+        const render::Surface& surface = scene.layers[0].surface;
+        const double highlight = surface.specular * std::pow(cosine, surface.shininess);
+        color =
+            (surface.ambient + (1 - surface.ambient) * cosine) * surface.color + Vec3(highlight, highlight, highlight);
         ++hits, without_gradient += !has_gradient;
       }
       for (int c = 0; c < 3; ++c) ASSERT_NEAR(picture.color[4 * pixel + static_cast<std::size_t>(c)], color[c], 4e-6);

@@ -39,9 +39,9 @@ Field blob() {
 
 Scene scene_of(const render::Volume& volume, Mode mode, double aspect) {
   Scene scene;
-  scene.mode = mode;
+  scene.layers[0].mode = mode;
   scene.camera = fit_camera(volume.bounds(), render::named_view("iso"), aspect);
-  scene.window = {.lo = -10, .hi = 10};
+  scene.layers[0].window = {.lo = -10, .hi = 10};
   return scene;
 }
 
@@ -152,8 +152,8 @@ TEST(FrameMemory, changes_no_picture_and_no_count) {
           for (const ChannelSet& channels : {all_channels, ChannelSet{}}) {
             Scene scene = scene_of(traced->volume(), mode, 1);
             // Single precision is what wide kernels answer; each frame another isovalue.
-            if (edge == 45) scene.method = method_of(render::Accuracy::single);
-            scene.isovalue = 0.1 * threads;
+            if (edge == 45) scene.layers[0].method = method_of(render::Accuracy::single);
+            scene.layers[0].isovalue = 0.1 * threads;
             const FrameOptions options{.width = edge, .height = edge, .channels = channels, .threads = threads};
             Framebuffer fresh;
             const FrameStatistics first = render::render(traced->volume(), scene, options, fresh);

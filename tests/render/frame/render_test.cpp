@@ -11,6 +11,7 @@
 #include "formats/base/trouble.h"
 #include "tests/render/support/allocation_count.h"
 #include "tests/render/support/traced_volume.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 
@@ -37,10 +38,10 @@ bool same_bytes(const Framebuffer& a, const Framebuffer& b) {
 
 Scene scene_of(const render::Volume& volume, Mode mode, std::string_view view = "iso", double aspect = 1) {
   Scene scene;
-  scene.mode = mode;
+  scene.layers[0].mode = mode;
   scene.camera = fit_camera(volume.bounds(), render::named_view(view), aspect);
-  scene.isovalue = 0;
-  scene.window = {.lo = -10, .hi = 10};
+  scene.layers[0].isovalue = 0;
+  scene.layers[0].window = {.lo = -10, .hi = 10};
   return scene;
 }
 
@@ -72,6 +73,62 @@ TEST(Render, gives_the_same_bytes_and_counts_for_any_number_of_threads) {
       }
 }
 
+/// What effects ask for beyond hits does not move the hits, is counted, and is not done for a scene without them.
+TEST(Render, looks_up_normals_and_colours_for_scenes_that_ask_for_them_and_for_no_others) {
+  TracedVolume grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
+  for (const TracedVolume* traced : {&grid, &mesh})
+    for (const auto accuracy : {render::Accuracy::single, render::Accuracy::twofold, render::Accuracy::certified}) {
+      const render::Volume& volume = traced->volume();
+      Scene scene = scene_of(volume, Mode::isosurface);
+      scene.layers[0].method = method_of(accuracy);
+      scene.layers[0].surface.ambient = 1, scene.layers[0].surface.specular = 0;
+      FrameOptions options{.width = 61, .height = 47, .channels = all_channels};
+      Framebuffer plain, looked_up, again;
+      const FrameStatistics without = render::render(volume, scene, options, plain);
+      EXPECT_GT(without.hits, 100U);
+      EXPECT_EQ(without.normals_smoothed + without.colors_looked_up, 0U);
+
+      scene.layers[0].surface.color_by = {.field = "value", .map = render::ColorMap::cubehelix, .range = {-3, 5}};
+      if (volume.is_mesh()) scene.layers[0].surface.normals = render::Normals::smooth;
+      options.threads = 1;
+      const FrameStatistics with = render::render(volume, scene, options, looked_up);
+      EXPECT_EQ(with.hits, without.hits);
+      EXPECT_EQ(with.colors_looked_up, with.hits);
+      EXPECT_EQ(with.normals_smoothed, volume.is_mesh() ? with.hits : 0);
+      EXPECT_TRUE(same_bytes(plain.depth, looked_up.depth) && same_bytes(plain.cell, looked_up.cell));
+      EXPECT_EQ(same_bytes(plain.normal, looked_up.normal), !volume.is_mesh());
+      const Vec3 expected = color_of(render::ColorMap::cubehelix, 3.0 / 8);
+      for (std::size_t pixel = 0; pixel < looked_up.pixel_count(); ++pixel) {
+        if (looked_up.color[4 * pixel + 3] == 0) continue;
+        for (std::size_t c = 0; c < 3; ++c)
+          ASSERT_NEAR(looked_up.color[4 * pixel + c], expected[static_cast<int>(c)], 2e-5);
+      }
+      options.threads = 3;
+      render::render(volume, scene, options, again);
+      EXPECT_TRUE(same_bytes(looked_up, again));
+
+      scene.layers[0].surface.color_by = {};
+      scene.layers[0].surface.normals = {};
+      const FrameStatistics after = render::render(volume, scene, options, again);
+      EXPECT_TRUE(same_bytes(plain, again));
+      EXPECT_EQ(after.normals_smoothed + after.colors_looked_up, 0U);
+    }
+}
+
+TEST(Render, refuses_colours_that_it_cannot_show) {
+  TracedVolume mesh(box_mesh({}, blob()));
+  Scene scene = scene_of(mesh.volume(), Mode::isosurface);
+  Framebuffer picture;
+  const auto render_by = [&](const std::string& field, const Interval<double>& range) {
+    scene.layers[0].surface.color_by = {.field = field, .range = range};
+    render::render(mesh.volume(), scene, {.width = 4, .height = 4}, picture);
+  };
+  expect_error(Trouble::usage, "expected a finite range", [&] { render_by("value", {}); });
+  expect_error(Trouble::usage, "no field 'colour'", [&] { render_by("colour", {0, 1}); });
+  EXPECT_NO_THROW(render_by("value", {0, 0}));
+}
+
 TEST(Render, gives_the_same_picture_without_hierarchy_and_without_last_t) {
   const TracedVolume traced = TracedVolume(sampled_volume<float>({25, 22, 27}, {}, blob()));
   for (const Mode mode : {Mode::isosurface, Mode::mip})
@@ -80,7 +137,7 @@ TEST(Render, gives_the_same_picture_without_hierarchy_and_without_last_t) {
       for (const std::string_view view : {"iso", "+x", "-z"})
         for (const bool orthographic : {false, true}) {
           Scene scene = scene_of(traced.volume(), mode, view);
-          scene.method = method;
+          scene.layers[0].method = method;
           scene.camera.orthographic = orthographic;
           scene.camera.orthographic_height = 32;
           FrameOptions options{.width = 64, .height = 64, .channels = all_channels};
@@ -185,7 +242,7 @@ TEST(Render, says_for_which_machine_the_kernel_that_answered_is_compiled) {
   Framebuffer picture;
   const auto machine_of = [&](const TracedVolume& traced, const Method& method, bool use_hierarchy) {
     Scene scene = scene_of(traced.volume(), Mode::isosurface);
-    scene.method = method;
+    scene.layers[0].method = method;
     return render::render(traced.volume(), scene, {.width = 20, .height = 20, .use_hierarchy = use_hierarchy}, picture)
         .machine;
   };
@@ -201,7 +258,7 @@ TEST(Render, says_for_which_machine_the_kernel_that_answered_is_compiled) {
 TEST(Render, prepares_an_isovalue_of_a_mesh_once) {
   const TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
   Scene scene = scene_of(mesh.volume(), Mode::isosurface);
-  scene.method = method_of(render::Accuracy::single);
+  scene.layers[0].method = method_of(render::Accuracy::single);
   Framebuffer picture;
   const FrameStatistics first = render::render(mesh.volume(), scene, {.width = 20, .height = 20}, picture);
   EXPECT_EQ(first.preparation_s > 0, render::chosen_machine() != render::Machine::scalar);
@@ -209,10 +266,10 @@ TEST(Render, prepares_an_isovalue_of_a_mesh_once) {
   const auto kept = mesh.volume().implementation().facets;
   const auto& view = std::get<render::TetVolume<double>>(mesh.volume().implementation().view);
   const Box3& bounds = mesh.volume().implementation().bounds_volume;
-  const auto facets = kept->of(view, bounds, scene.isovalue, 1);
+  const auto facets = kept->of(view, bounds, scene.layers[0].isovalue, 1);
   render::render(mesh.volume(), scene, {.width = 20, .height = 20}, picture);
-  EXPECT_EQ(kept->of(view, bounds, scene.isovalue, 1), facets);
-  scene.method = {};
+  EXPECT_EQ(kept->of(view, bounds, scene.layers[0].isovalue, 1), facets);
+  scene.layers[0].method = {};
   EXPECT_EQ(render::render(mesh.volume(), scene, {.width = 20, .height = 20}, picture).preparation_s, 0);
 }
 
@@ -224,10 +281,10 @@ TEST(Render, shades_no_highlight_that_the_scene_does_not_call_for) {
   const FrameStatistics glossy = render::render(traced.volume(), scene, options, picture);
   EXPECT_GT(glossy.hits, 100U);
   EXPECT_EQ(glossy.highlights_shaded, glossy.hits);
-  scene.surface.specular = 0;
+  scene.layers[0].surface.specular = 0;
   EXPECT_EQ(render::render(traced.volume(), scene, options, picture).highlights_shaded, 0U);
-  scene.surface.specular = 1;
-  scene.mode = Mode::mip;
+  scene.layers[0].surface.specular = 1;
+  scene.layers[0].mode = Mode::mip;
   EXPECT_EQ(render::render(traced.volume(), scene, options, picture).highlights_shaded, 0U);
 }
 
@@ -285,14 +342,14 @@ TEST(Render, refuses_pictures_and_scenes_that_make_no_sense) {
   EXPECT_TRUE(refused(good, 4, -1));
   for (const double bad : {std::nan(""), HUGE_VAL}) {
     Scene scene = good;
-    scene.isovalue = bad;
+    scene.layers[0].isovalue = bad;
     EXPECT_TRUE(refused(scene, 4, 4));
     scene = mip;
-    scene.window.hi = bad;
+    scene.layers[0].window.hi = bad;
     EXPECT_TRUE(refused(scene, 4, 4));
   }
   Scene scene = mip;
-  scene.window = {};
+  scene.layers[0].window = {};
   EXPECT_TRUE(refused(scene, 4, 4));
   scene = good;
   scene.camera.target = scene.camera.position;

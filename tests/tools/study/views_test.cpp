@@ -19,7 +19,7 @@ TEST(StudyViews, show_the_surface_whole_close_up_and_from_within) {
   const render::Volume volume = render::Volume::load(folder / "ball.rho");
   const auto covered = [&](StudyView view, double isovalue) {
     render::Scene scene;
-    scene.isovalue = isovalue;
+    scene.layers[0].isovalue = isovalue;
     scene.camera = tools::study_camera(view, volume, isovalue, 1);
     render::Framebuffer picture;
     return static_cast<double>(render::render(volume, scene, {.width = 40, .height = 40}, picture).hits) / 1600;

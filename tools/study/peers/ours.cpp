@@ -15,13 +15,13 @@ namespace {
 class OwnPeer final : public Peer {
  public:
   OwnPeer(render::Mode mode, const std::string& level) : level_(level) {
-    scene_.mode = mode;
-    scene_.method = render::method_of(tools::accuracy_named(level));
+    scene_.layers[0].mode = mode;
+    scene_.layers[0].method = render::method_of(tools::accuracy_named(level));
   }
 
   std::string name() const override { return concat("Rhoray, ", level_); }
   std::string does() const override {
-    const tools::MethodOption option = tools::option_of(scene_.method, scene_.mode, false);
+    const tools::MethodOption option = tools::option_of(scene_.layers[0].method, scene_.layers[0].mode, false);
     return concat("method ", option.word, ", from the packed file");
   }
 
@@ -29,8 +29,8 @@ class OwnPeer final : public Peer {
     Preparation preparation;
     if (!volume_)
       preparation.once_ms = cpu_ms_of([&] { volume_ = render::Volume::load(data.packed_file, data.field); });
-    scene_.isovalue = isovalue;
-    scene_.window = data.range;
+    scene_.layers[0].isovalue = isovalue;
+    scene_.layers[0].window = data.range;
     // What an isovalue takes is in the first frame that shows it.
     const double first_ms = cpu_ms_of([&] { show_few_pixels(); });
     preparation.build_ms = std::max(0.0, first_ms - cpu_ms_of([&] { show_few_pixels(); }));
@@ -40,14 +40,14 @@ class OwnPeer final : public Peer {
   void draw(const PeerView& view) override { render(view, {.threads = 1}); }
 
   std::vector<double> answers(const PeerView& view) override {
-    if (scene_.mode == render::Mode::mip) {
+    if (scene_.layers[0].mode == render::Mode::mip) {
       render(view, {.channels = {.value = true}});
       return picture_.value;
     }
     // The distances that `render` rounds to float, in full.
     const auto rays = render::camera_rays(*volume_, view.camera, view.width, view.height);
     std::vector<render::Hit> hits(rays.size());
-    render::RayQuestions(*volume_, scene_.isovalue, scene_.method, 0).first_crossings(rays, hits);
+    render::RayQuestions(*volume_, scene_.layers[0].isovalue, scene_.layers[0].method, 0).first_crossings(rays, hits);
     std::vector<double> distances;
     for (const render::Hit& hit : hits) distances.push_back(hit.t);
     return distances;
