@@ -19,7 +19,7 @@ struct FrameOptions {
   int height = 720;
   ChannelSet channels{};
   unsigned threads = 0;       ///< 0 = all cores
-  bool use_hierarchy = true;  ///< false walks every leaf cell by scalar kernels: the same in double
+  bool use_hierarchy = true;  ///< false walks every leaf cell on every ray by scalar kernels: the same in double
   bool use_last_t =
       true;  ///< MIP: prune with the value at the last ray's t (paper, section 4.3); the picture is the same
   bool time_phases = false;  ///< fills FrameStatistics::Phases; costs a few per cent of time
@@ -33,6 +33,8 @@ struct FrameStatistics {
     double shading = 0;       ///< hits made into colours and channels
   };
   std::uint64_t rays = 0;
+  std::uint64_t rays_ruled_out = 0;  ///< of these: known to meet nothing by where it can be met, and not traced
+  std::uint64_t rays_through = 0;    ///< asked again behind a surface that is not opaque
   std::uint64_t hits = 0;
   std::uint64_t macrocells_visited = 0;
   std::uint64_t cells_visited = 0;      ///< leaf cells whose values or lists were read

@@ -18,6 +18,7 @@ struct Surface {
   double ambient = 0.12;
   double specular = 0.25;  ///< 0: no highlight is computed
   double shininess = 40;   ///< Blinn-Phong exponent
+  double opacity = 1;      ///< share of the light behind that the surface holds back; 0: it is not traced
 };
 
 /// What is shown of one volume, and how it looks.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "render/cells/trilinear.h"
@@ -23,6 +24,7 @@ struct CellPassage {
   Vec3 in, out;            ///< points of entry and exit in [0, 1]^3, exactly 0 or 1 on the planes passed
   Vec3 origin, direction;  ///< the ray itself
   double t_in, t_out;
+  bool starts_in_crossing = false;  ///< the ray starts at `in`, in a crossing: its side there is known, not the field's
 };
 
 struct CellCrossing {
@@ -138,10 +140,18 @@ RHORAY_INLINE CellCrossing paper(const TrilinearCell& cell, const CellPassage& w
   return found;
 }
 
+/// The value of a crossing, as a ray sees it that leaves it towards a side.
 template <class Real>
-RHORAY_INLINE CellCrossing preview(const TrilinearCellOf<Real>& differences, const Imath::Vec3<Real>& in,
-                                   const Imath::Vec3<Real>& out, bool starts_inside) {
-  const Real at_in = differences.at(in), at_out = differences.at(out);
+RHORAY_INLINE Real least_of_side(bool inside) {
+  return inside ? Real(0) : -std::numeric_limits<Real>::min();
+}
+
+template <class Real>
+RHORAY_INLINE CellCrossing preview(const TrilinearCellOf<Real>& differences, const CellPassage& way,
+                                   bool starts_inside) {
+  const Real at_in =
+      way.starts_in_crossing ? least_of_side<Real>(starts_inside) : differences.at(Imath::Vec3<Real>(way.in));
+  const Real at_out = differences.at(Imath::Vec3<Real>(way.out));
   CellCrossing found{.iterations = 1, .root_count = 1};
   if (is_inside(at_in) != starts_inside) {
     found.crosses = true;
@@ -155,7 +165,8 @@ RHORAY_INLINE CellCrossing preview(const TrilinearCellOf<Real>& differences, con
 }
 
 template <class Real>
-RHORAY_INLINE CellCrossing bracketed(const CubicOf<Real>& cubic, bool starts_inside) {
+RHORAY_INLINE CellCrossing bracketed(CubicOf<Real> cubic, const CellPassage& way, bool starts_inside) {
+  if (way.starts_in_crossing) cubic.b[0] = least_of_side<Real>(starts_inside);
   const SideChanges<Real> changes = changes_of_side(cubic, starts_inside);
   return {changes.count > 0, static_cast<double>(changes.first), changes.iterations, changes.count};
 }
@@ -169,9 +180,9 @@ RHORAY_INLINE CellCrossing find_crossing(CrossingMethod method, const TrilinearC
                                          double isovalue, bool starts_inside) {
   if (method == CrossingMethod::paper) return crossing_methods::paper<Real>(cell, way, isovalue);
   const TrilinearCellOf<Real> differences = minus<Real>(cell, isovalue).cell;
+  if (method == CrossingMethod::preview) return crossing_methods::preview<Real>(differences, way, starts_inside);
   const Imath::Vec3<Real> in(way.in), out(way.out);
-  if (method == CrossingMethod::preview) return crossing_methods::preview<Real>(differences, in, out, starts_inside);
-  return crossing_methods::bracketed(differences.along(in, out), starts_inside);
+  return crossing_methods::bracketed(differences.along(in, out), way, starts_inside);
 }
 
 }  // namespace rhoray::render

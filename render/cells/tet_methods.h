@@ -99,6 +99,20 @@ RHORAY_INLINE std::optional<double> find_crossing(TetMethod method, const TetRay
   return first_crossing(*passage);
 }
 
+/// The same, by TetMethod::edges, for a ray that starts in a crossing on a known side: a crossing at which it leaves
+/// that side. Of neighbours that the ray passes within rounding of its start, those count that turn the other way.
+template <class Real>
+RHORAY_INLINE std::optional<double> find_leaving(const TetRay<Real>& ray, const TetPoints& points,
+                                                 const TetValues& values, double isovalue, bool from_inside) {
+  const std::optional<SeenTetOf<Real>> seen = see_near(ray.shear, points, values);
+  if (!seen) return std::nullopt;
+  const std::optional<TetPassage> passage = pass_through(*seen, isovalue);
+  if (!passage || is_inside(passage->in.value) != from_inside) return std::nullopt;
+  const std::optional<double> t = first_crossing(*passage);
+  if (!t || !(*t >= ray.ray.t_min && *t <= ray.ray.t_max)) return std::nullopt;
+  return t;
+}
+
 struct CertifiedTetCrossing {
   Decision decision = Decision::unknown;
   double t = 0;

@@ -43,7 +43,10 @@ static_assert(sizeof(EffectSet) == rows.size(), "an effect has no row here");
 
 std::vector<EffectReason> reasons_for_effects(const Layer& layer) {
   const EffectSet effects = effects_called_for(layer);
+  const bool is_clear = !is_projection(layer) && layer.surface.opacity < 1;
   std::vector<EffectReason> reasons;
+  reasons.push_back({"transparency", is_clear,
+                     is_projection(layer) ? why_diffuse(layer) : concat("opacity is ", layer.surface.opacity)});
   for (const Row& row : rows) reasons.push_back({row.effect, effects.*row.called_for, row.why(layer)});
   return reasons;
 }

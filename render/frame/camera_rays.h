@@ -35,6 +35,13 @@ class CameraRays {
     return through / std::sqrt(through.dot(through));
   }
 
+  // What rays are made of, world units: the eye (orthographic: the middle of the picture), and from there to the
+  // picture's middle, and on to its right and lower edge.
+  const Vec3& position() const { return position_; }
+  const Vec3& forward() const { return forward_; }
+  const Vec3& across() const { return across_; }
+  const Vec3& down() const { return down_; }
+
   Ray through_pixel(int x, int y) const {
     const double across = across_of(x), down = down_of(y);
     return {.origin = origin(across, down), .direction = direction(across, down)};

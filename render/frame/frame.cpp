@@ -1,46 +1,134 @@
 #include "render/frame/frame.h"
 
+#include "render/frame/tracing.h"
 #include "render/march/ticks.h"
 
 namespace rhoray::render {
 
+namespace {
+
+/// Nothing where every ray is to be asked about.
+std::optional<BlockMask> mask_of(const Frame& frame, const PixelLattice& lattice) {
+  BlockMask mask(lattice);
+  for (const FrameLayer& layer : frame.layers) {
+    if (!layer.boxes) return std::nullopt;
+    const VolumeImplementation& volume = layer.volume;
+    const BoxProjection projection(frame.camera_rays, layer.volume_from_world, volume.world_from_volume,
+                                   volume.bounds_volume);
+    if (!projection.is_certain()) return std::nullopt;
+    add_blocks_that_may_meet(*layer.boxes, projection, lattice, mask);
+  }
+  return mask;
+}
+
+/// Into the worker's hits: of each ray that of the first surface, opaque or clear, or of the largest value where there
+/// are no surfaces.
+void gather_first(const Frame& frame, Worker& worker) {
+  for (std::size_t r = 0; r < worker.layers[0].rays.count; ++r) {
+    std::size_t first = 0;
+    for (std::size_t l = 0; l < frame.layers.size(); ++l)
+      if (frame.layers[l].part != Part::veil && worker.layers[l].hits.t[r] < worker.layers[first].hits.t[r]) first = l;
+    worker.first.of[r] = static_cast<std::uint8_t>(first);
+    worker.first_hits.set(r, worker.layers[first].hits[r]);
+  }
+}
+
+/// Of the first hits: towards the eye, world axes.
+void find_normals(const Frame& frame, Worker& worker) {
+  const bool has_one_layer = frame.has_one_layer();
+  const HitBatch& hits = has_one_layer ? worker.layers[0].hits : worker.first_hits;
+  for (std::size_t r = 0; r < worker.layers[0].rays.count; ++r) {
+    const std::size_t layer = has_one_layer ? 0 : worker.first.of[r];
+    const Hit hit = hits[r];
+    worker.normals[r] = frame.layers[layer].look.facing.normal(hit.gradient, worker.layers[layer].rays[r].direction);
+  }
+}
+
+void shade_layers(const Frame& frame, Worker& worker) {
+  const std::size_t count = worker.layers[0].rays.count;
+  fill_background(frame.background, count, worker.colors);
+  if (frame.has_one_layer()) {
+    shade_hits(frame.layers[0].look, worker.layers[0], worker.counts, worker.colors);
+  } else {
+    bool has_clear = false;
+    for (std::size_t l = 0; l < frame.layers.size(); ++l) {
+      const FrameLayer& layer = frame.layers[l];
+      if (layer.part == Part::opaque)
+        shade_shown(layer.look, worker.layers[l], worker.shown, static_cast<std::uint8_t>(l), worker.counts,
+                    worker.colors);
+      has_clear |= layer.part == Part::clear;
+    }
+    if (has_clear) {
+      begin_front(count, worker.front);
+      peel_clear_layers(frame, worker);
+      put_in_front(worker.front, count, worker.colors);
+    }
+    for (std::size_t l = 0; l < frame.layers.size(); ++l)
+      if (frame.layers[l].part == Part::veil)
+        lay_veil(frame.layers[l].look, worker.layers[l], worker.counts, worker.colors);
+  }
+  for (std::size_t r = 0; r < count; ++r) worker.counts.hits += worker.colors.alpha[r] > 0;
+}
+
+/// @return  how many rays that were
+std::size_t trace_blocks(const Frame& frame, const LatticeRays& rays, const Tile& tile, Worker& worker,
+                         Framebuffer& out) {
+  expect_tile(rays.lattice, tile, out);
+  trace_layers(frame, rays, tile, worker);
+
+  const std::uint64_t shading_start = ticks_now();
+  const bool has_one_layer = frame.has_one_layer();
+  if (frame.keeps_channels && !has_one_layer) gather_first(frame, worker);
+  shade_layers(frame, worker);
+  write_colors(rays.lattice, tile, worker.colors, out);
+  if (frame.keeps_channels) {
+    if (!out.normal.empty()) find_normals(frame, worker);
+    write_channels(rays.lattice, tile, has_one_layer ? worker.layers[0].hits : worker.first_hits, worker.normals.data(),
+                   out);
+  }
+  worker.counts.shading_ticks += ticks_now() - shading_start;
+  return worker.layers[0].rays.count;
+}
+
+}  // namespace
+
 void Pass::add(const Frame& frame, const PixelLattice& lattice) {
   if (lattice.columns() <= 0 || lattice.rows() <= 0) return;
-  for (const Tile& tile : tiles_in_order(lattice.columns(), lattice.rows())) tiles_.push_back({parts_.size(), tile});
-  parts_.push_back({lattice, PixelRays(frame.camera_rays, frame.volume_from_world, lattice)});
+  const std::optional<BlockMask> mask = mask_of(frame, lattice);
+  for (Tile tile : tiles_in_order(lattice.columns(), lattice.rows())) {
+    if (mask) tile.blocks = mask->of_tile(tile);
+    tiles_.push_back({rays_.size(), tile});
+  }
+  LatticeRays& rays = rays_.emplace_back(LatticeRays{lattice, {}});
+  for (const FrameLayer& layer : frame.layers)
+    rays.of_layers.emplace_back(frame.camera_rays, layer.volume_from_world, lattice);
 }
 
 void Pass::trace_tile(const Frame& frame, std::size_t index, Worker& worker, Framebuffer& out) const {
-  const auto& [part_index, tile] = tiles_[index];
-  const auto& [lattice, rays] = parts_[part_index];
+  const auto& [rays_index, tile] = tiles_[index];
+  const LatticeRays& rays = rays_[rays_index];
+  WorkerCounts& counts = worker.counts;
   const std::uint64_t start = ticks_now();
-  if (worker.rays_begun_by != &rays) rays.begin(worker.rays);
-  worker.rays_begun_by = &rays;
-  rays.fill(tile, worker.rays);
-  expect_tile(lattice, tile, out);
-  worker.scratch.last_t.reset();
-  frame.kernel(frame.volume, frame.question, worker.rays, worker.hits, worker.scratch);
-  worker.ray_count += worker.rays.count;
-
-  const std::uint64_t shading_start = ticks_now();
-  shade_tile(frame.look, worker);
-  write_tile(frame.look, lattice, tile, worker, out);
-  const std::uint64_t end = ticks_now();
-  worker.shading_ticks += end - shading_start;
-  worker.tile_ticks += end - start;
+  write_background(frame.background, rays.lattice, tile, out);
+  counts.shading_ticks += ticks_now() - start;
+  const std::size_t traced = tile.blocks != 0 ? trace_blocks(frame, rays, tile, worker, out) : 0;
+  counts.rays += tile.count();
+  counts.rays_ruled_out += tile.count() - traced;
+  counts.tile_ticks += ticks_now() - start;
 }
 
-void FrameMemory::Implementation::begin_frame(unsigned threads, std::size_t queue_entries) {
+void FrameMemory::Implementation::begin_frame(unsigned threads, std::size_t layer_count, std::size_t queue_entries) {
   if (!threads_ || threads_->asked_for() != threads) threads_.emplace(threads);
   places_.resize(threads_->worker_count());
   for (Place& place : places_) place.works = false;
+  layer_count_ = layer_count;
   queue_entries_ = queue_entries;
 }
 
 Worker& FrameMemory::Implementation::worker(std::size_t index) {
   Place& place = places_[index];
   if (!place.worker) place.worker = std::make_unique<Worker>();
-  if (!place.works) place.worker->begin_frame(queue_entries_);
+  if (!place.works) place.worker->begin_frame(layer_count_, queue_entries_);
   place.works = true;
   return *place.worker;
 }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "render/frame/block_mask.h"
 #include "render/frame/pixel_rays.h"
 #include "render/frame/pixels.h"
 #include "render/frame/tile_threads.h"
@@ -15,19 +16,45 @@
 
 namespace rhoray::render {
 
-/// What was chosen once for the frame; nothing here changes while tiles are traced.
-struct Frame {
-  const VolumeImplementation& volume;
-  Kernel kernel;
-  Preparation prepare;  ///< null: nothing to prepare
-  std::size_t queue_entries;
-  Question question;
-  Look look;
-  CameraRays camera_rays;
-  Affine volume_from_world;
+/// How a layer lies among the others of a frame.
+enum class Part {
+  opaque,  ///< what is nearest hides what is behind
+  clear,   ///< a surface through which others are seen, in their order along the ray
+  veil     ///< largest values among surfaces: light over what is behind, up to the nearest opaque one
 };
 
-/// Pixels that are traced one after another before anyone looks: those of a few lattices.
+/// What one layer asks of the rays, and how it looks.
+struct FrameLayer {
+  const VolumeImplementation& volume;
+  Part part;
+  Kernel kernel;
+  Kernel kernel_through;  ///< clear: for rays that go on behind a crossing
+  Preparation prepare;    ///< null: nothing to prepare
+  Question question, question_through;
+  Look look;
+  Affine volume_from_world;
+  std::optional<SurfaceBoxes> boxes{};  ///< nothing is met outside them; none: not known
+};
+
+/// What was chosen once for the frame; nothing here changes while tiles are traced.
+struct Frame {
+  std::vector<FrameLayer> layers;  ///< opaque ones first, then clear ones, then veils; else as the scene has them
+  std::size_t queue_entries;
+  CameraRays camera_rays;
+  Vec3 background;
+  bool keeps_channels;  ///< beside the colour
+
+  bool has_one_layer() const { return layers.size() == 1 && layers.front().part == Part::opaque; }
+};
+
+/// The rays of a lattice's pixels, and which blocks of them may meet something.
+struct LatticeRays {
+  PixelLattice lattice;
+  std::vector<PixelRays> of_layers;
+};
+
+/// Pixels that are traced one after another before anyone looks: those of a few lattices. Rays are made, and kernels
+/// are asked about them, in blocks of pixels that may see one of the layers' boxes; the others are background.
 class Pass {
  public:
   void add(const Frame& frame, const PixelLattice& lattice);
@@ -36,23 +63,20 @@ class Pass {
   void trace_tile(const Frame& frame, std::size_t index, Worker& worker, Framebuffer& out) const;
 
  private:
-  struct Part {
-    PixelLattice lattice;
-    PixelRays rays;
-  };
-  struct PartTile {
-    std::size_t part;
+  struct PassTile {
+    std::size_t rays;
     Tile tile;
   };
-  std::vector<Part> parts_;
-  std::vector<PartTile> tiles_;
+
+  std::vector<LatticeRays> rays_;
+  std::vector<PassTile> tiles_;
 };
 
 /// The threads, and their memory, made by each of them when it first works.
 class FrameMemory::Implementation {
  public:
   /// @param threads  as FrameOptions::threads
-  void begin_frame(unsigned threads, std::size_t queue_entries);
+  void begin_frame(unsigned threads, std::size_t layer_count, std::size_t queue_entries);
   const TileThreads& threads() const { return *threads_; }
   Worker& worker(std::size_t index);
   /// Those that have worked in this frame.
@@ -65,7 +89,7 @@ class FrameMemory::Implementation {
   };
   std::optional<TileThreads> threads_;
   std::vector<Place> places_;
-  std::size_t queue_entries_ = 0;
+  std::size_t layer_count_ = 1, queue_entries_ = 0;
 };
 
 }  // namespace rhoray::render

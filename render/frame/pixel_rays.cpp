@@ -62,11 +62,13 @@ void PixelRays::begin(RayBatch& rays) const {
 RHORAY_INLINE void PixelRays::fill_inline(const PixelRays& pixels, const Tile& tile, RayBatch& rays) {
   const CameraRays camera = pixels.camera_;
   const Affine volume_from_world = pixels.volume_from_world_;
+  std::size_t count = 0;
   // A run writes block_edge rays; those beyond its own are overwritten by the next.
   for_each_run(
       tile, [&](const Run& run) __attribute__((always_inline)) {
         const double* across = pixels.across_.data() + run.x;
         const double down = pixels.down_[static_cast<std::size_t>(run.y)];
+        count = run.first + static_cast<std::size_t>(run.count);
         if (camera.is_orthographic())
           fill_run(across, at(rays.origin, run.first),
                    [&](double a) { return volume_from_world.point(camera.origin(a, down)); });
@@ -74,10 +76,10 @@ RHORAY_INLINE void PixelRays::fill_inline(const PixelRays& pixels, const Tile& t
           fill_run(across, at(rays.direction, run.first),
                    [&](double a) { return volume_from_world.vector(camera.direction(a, down)); });
       });
+  rays.count = count;
 }
 
 void PixelRays::fill(const Tile& tile, RayBatch& rays) const {
-  rays.count = tile.count();
   compiled_for<fill_inline>(machine_)(*this, tile, rays);
 }
 

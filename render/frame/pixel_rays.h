@@ -4,22 +4,12 @@
 
 #include "formats/base/affine.h"
 #include "render/frame/camera_rays.h"
+#include "render/frame/pixel_lattice.h"
 #include "render/frame/tiles.h"
 #include "render/kernels/batch.h"
 #include "render/kernels/machine.h"
 
 namespace rhoray::render {
-
-/// Pixels at equal distances: all of a picture, or those of one step of its refinement.
-struct PixelLattice {
-  int x_first = 0, y_first = 0;
-  int spacing = 1;
-  int extent = 1;             ///< pixels that one stands for, across and down
-  int width = 0, height = 0;  ///< of the picture
-
-  int columns() const { return (width - x_first + spacing - 1) / spacing; }
-  int rows() const { return (height - y_first + spacing - 1) / spacing; }
-};
 
 /// The rays of a lattice's pixels, in a volume's frame: those of CameraRays, to the last bit and on every machine.
 class PixelRays {
@@ -30,7 +20,7 @@ class PixelRays {
   /// Writes what all rays have in common, once for a batch that is filled again and again.
   void begin(RayBatch& rays) const;
 
-  /// The rays of a tile of the lattice, in the order of for_each_run. The batch has room for a tile.
+  /// The rays of a tile's traced blocks, in the order of for_each_run. The batch has room for a tile.
   void fill(const Tile& tile, RayBatch& rays) const;
 
  private:

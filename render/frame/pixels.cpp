@@ -16,20 +16,107 @@ bool is_hit(const HitBatch& hits, std::size_t r) {
   return hits.t[r] < infinity;
 }
 
-/// Where a group's hits are, as the alpha of its pixels, and how many there are.
-RHORAY_INLINE int find_hits(const double* t, Lanes& alpha) {
-  for (std::size_t i = 0; i < group_size; ++i) alpha[i] = t[i] < infinity ? 1 : 0;
+/// Which places of a group a mask shows, as 1 and 0, and how many.
+template <class IsShown>
+RHORAY_INLINE int find_shown(const IsShown& is_shown, Lanes& share) {
+  for (std::size_t i = 0; i < group_size; ++i) share[i] = is_shown(i) ? 1 : 0;
   float count = 0;
-  for (std::size_t i = 0; i < group_size; ++i) count += alpha[i];
+  for (std::size_t i = 0; i < group_size; ++i) count += share[i];
   return static_cast<int>(count);
 }
 
-/// One colour of a group, and the background where nothing was hit.
-RHORAY_INLINE void over_background(const Lanes& color, const Lanes& alpha, double background, float* out) {
-  const auto behind = static_cast<float>(background);
-  Lanes shown;
-  for (std::size_t i = 0; i < group_size; ++i) shown[i] = alpha[i] > 0 ? color[i] : behind;
-  std::copy_n(shown.data(), group_size, out);
+/// A group of a tile's colours.
+struct GroupColors {
+  float *red, *green, *blue, *alpha;
+};
+RHORAY_INLINE GroupColors group_of(TileColors& colors, std::size_t first) {
+  return {colors.red + first, colors.green + first, colors.blue + first, colors.alpha + first};
+}
+
+/// Calls act(first, shown lanes, their colours) for the groups of which a layer's hits are shown.
+/// @param is_shown  (ray of the batch)
+template <class IsShown, class Act>
+RHORAY_INLINE void for_each_shown_group(const Look& look, const LayerWork& work, const IsShown& is_shown,
+                                        WorkerCounts& counts, const Act& act) {
+  for (std::size_t first = 0; first < work.rays.count; first += group_size) {
+    Lanes shown;
+    const int count = find_shown([&](std::size_t i) { return is_shown(first + i); }, shown);
+    if (count == 0) continue;
+    Colors colors;
+    shade(look.layer, look.effects, look.facing, work.rays, work.hits, first, colors);
+    act(first, shown, colors);
+    if (look.effects.specular) counts.highlights += static_cast<std::uint64_t>(count);
+  }
+}
+
+RHORAY_INLINE void put(const Lanes& color, const Lanes& shown, float* out) {
+  for (std::size_t i = 0; i < group_size; ++i) out[i] = shown[i] > 0 ? color[i] : out[i];
+}
+
+RHORAY_INLINE void put_group(const Lanes& shown, const Colors& colors, const GroupColors& out) {
+  put(colors.red, shown, out.red);
+  put(colors.green, shown, out.green);
+  put(colors.blue, shown, out.blue);
+  put(shown, shown, out.alpha);
+}
+
+RHORAY_INLINE void shade_hits_inline(const Look& look, const LayerWork& work, WorkerCounts& counts,
+                                     TileColors& colors) {
+  double* t = work.hits.t.data();
+  for (std::size_t r = work.rays.count; r % group_size != 0; ++r) t[r] = infinity;  // the last group's empty rooms
+  for_each_shown_group(
+      look, work, [t](std::size_t r) { return t[r] < infinity; }, counts,
+      [&](std::size_t first, const Lanes& shown, const Colors& shaded) {
+        put_group(shown, shaded, group_of(colors, first));
+      });
+}
+
+RHORAY_INLINE void shade_shown_inline(const Look& look, const LayerWork& work, const LayerOfRays& shown,
+                                      std::uint8_t layer, WorkerCounts& counts, TileColors& colors) {
+  for_each_shown_group(
+      look, work, [&](std::size_t r) { return shown.of[r] == layer; }, counts,
+      [&](std::size_t first, const Lanes& lanes, const Colors& shaded) {
+        put_group(lanes, shaded, group_of(colors, first));
+      });
+}
+
+/// Adds light that comes through what is before it.
+RHORAY_INLINE void add_through(const Lanes& color, const Lanes& share, float* out) {
+  for (std::size_t i = 0; i < group_size; ++i) out[i] += share[i] > 0 ? share[i] * color[i] : 0;
+}
+
+RHORAY_INLINE void shade_clear_inline(const Look& look, const LayerWork& work, const LayerOfRays& next,
+                                      std::uint8_t layer, WorkerCounts& counts, TileColors& front) {
+  const auto opacity = static_cast<float>(look.layer.surface.opacity);
+  for_each_shown_group(
+      look, work, [&](std::size_t r) { return next.of[r] == layer; }, counts,
+      [&](std::size_t first, Lanes share, const Colors& shaded) {
+        const GroupColors out = group_of(front, first);
+        for (std::size_t i = 0; i < group_size; ++i) {
+          share[i] *= opacity * out.alpha[i];
+          out.alpha[i] -= share[i];
+        }
+        add_through(shaded.red, share, out.red);
+        add_through(shaded.green, share, out.green);
+        add_through(shaded.blue, share, out.blue);
+      });
+}
+
+RHORAY_INLINE void lay_veil_inline(const Look& look, const LayerWork& work, WorkerCounts& counts, TileColors& colors) {
+  double* t = work.hits.t.data();
+  for (std::size_t r = work.rays.count; r % group_size != 0; ++r) t[r] = infinity;
+  for_each_shown_group(
+      look, work, [t](std::size_t r) { return t[r] < infinity; }, counts,
+      [&](std::size_t first, const Lanes& shown, const Colors& light) {
+        const GroupColors out = group_of(colors, first);
+        for (std::size_t i = 0; i < group_size; ++i) {
+          const float share = shown[i] > 0 ? light.red[i] : 0;  // of white
+          out.red[i] += share * (1 - out.red[i]);
+          out.green[i] += share * (1 - out.green[i]);
+          out.blue[i] += share * (1 - out.blue[i]);
+          out.alpha[i] += share * (1 - out.alpha[i]);
+        }
+      });
 }
 
 RHORAY_INLINE std::size_t pixel_at(const PixelLattice& lattice, int x, int y) {
@@ -61,61 +148,103 @@ RHORAY_INLINE void for_each_pixel(const PixelLattice& lattice, const Tile& tile,
   });
 }
 
-RHORAY_INLINE void shade_tile_inline(const Look& look, Worker& worker) {
-  const HitBatch& hits = worker.hits;
-  const Vec3& background = look.background;
-  const std::size_t count = worker.rays.count;
-  for (std::size_t r = count; r % group_size != 0; ++r) hits.t[r] = infinity;  // the last group's empty rooms
-  for (std::size_t first = 0; first < count; first += group_size) {
-    Lanes alpha;
-    Colors colors;
-    const int hit_count = find_hits(hits.t.data() + first, alpha);
-    if (hit_count > 0) shade(look.layer, look.effects, look.facing, worker.rays, hits, first, colors);
-    over_background(colors.red, alpha, background.x, worker.colors.red + first);
-    over_background(colors.green, alpha, background.y, worker.colors.green + first);
-    over_background(colors.blue, alpha, background.z, worker.colors.blue + first);
-    std::copy_n(alpha.data(), group_size, worker.colors.alpha + first);
-    worker.hit_count += static_cast<std::uint64_t>(hit_count);
-    if (look.effects.specular) worker.highlights += static_cast<std::uint64_t>(hit_count);
-  }
-  if (!look.proves) return;
-  for (std::size_t r = 0; r < count; ++r)
-    if (is_hit(hits, r) && hits.error[r] > worker.largest_error) worker.largest_error = hits.error[r];
+/// Calls fill(pixel, count) for all pixels, side by side, for which rays of a tile's untraced blocks stand.
+template <class Fill>
+void for_each_background_run(const PixelLattice& lattice, const Tile& tile, const Fill& fill) {
+  for_each_untraced_run(tile, [&](int first, int row, int count) {
+    const int y_begin = lattice.y_first + row * lattice.spacing;
+    const int y_end = std::min(y_begin + lattice.extent, lattice.height);
+    const bool is_closed = lattice.extent == lattice.spacing;  // no pixels of other lattices between them
+    const int step = is_closed ? count : 1;
+    for (int x = first; x < first + count; x += step) {
+      const int x_begin = lattice.x_first + x * lattice.spacing;
+      const int x_end = std::min(x_begin + (step - 1) * lattice.spacing + lattice.extent, lattice.width);
+      for (int y = y_begin; y < y_end; ++y)
+        fill(pixel_at(lattice, x_begin, y), static_cast<std::size_t>(x_end - x_begin));
+    }
+  });
+}
+
+void fill_colors(const float (&color)[4], float* to, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) std::copy_n(color, 4, to + 4 * i);
 }
 
 }  // namespace
 
-void shade_tile(const Look& look, Worker& worker) {
-  compiled_for<shade_tile_inline>(look.machine)(look, worker);
+void fill_background(const Vec3& background, std::size_t count, TileColors& colors) {
+  count = (count + group_size - 1) / group_size * group_size;
+  std::fill_n(colors.red, count, static_cast<float>(background.x));
+  std::fill_n(colors.green, count, static_cast<float>(background.y));
+  std::fill_n(colors.blue, count, static_cast<float>(background.z));
+  std::fill_n(colors.alpha, count, 0.0F);
+}
+
+void shade_hits(const Look& look, const LayerWork& work, WorkerCounts& counts, TileColors& colors) {
+  compiled_for<shade_hits_inline>(look.machine)(look, work, counts, colors);
+  if (!look.proves) return;
+  for (std::size_t r = 0; r < work.rays.count; ++r)
+    if (is_hit(work.hits, r)) counts.largest_error = std::max(counts.largest_error, work.hits.error[r]);
+}
+
+void shade_shown(const Look& look, const LayerWork& work, const LayerOfRays& shown, std::uint8_t layer,
+                 WorkerCounts& counts, TileColors& colors) {
+  compiled_for<shade_shown_inline>(look.machine)(look, work, shown, layer, counts, colors);
+  if (!look.proves) return;
+  for (std::size_t r = 0; r < work.rays.count; ++r)
+    if (shown.of[r] == layer) counts.largest_error = std::max(counts.largest_error, work.hits.error[r]);
+}
+
+void begin_front(std::size_t count, TileColors& front) {
+  fill_background({0, 0, 0}, count, front);
+  std::fill_n(front.alpha, (count + group_size - 1) / group_size * group_size, 1.0F);
+}
+
+void shade_clear(const Look& look, const LayerWork& work, const LayerOfRays& next, std::uint8_t layer,
+                 WorkerCounts& counts, TileColors& front) {
+  compiled_for<shade_clear_inline>(look.machine)(look, work, next, layer, counts, front);
+}
+
+void put_in_front(const TileColors& front, std::size_t count, TileColors& colors) {
+  for (std::size_t r = 0; r < count; ++r) {
+    const float through = front.alpha[r];
+    colors.red[r] = front.red[r] + through * colors.red[r];
+    colors.green[r] = front.green[r] + through * colors.green[r];
+    colors.blue[r] = front.blue[r] + through * colors.blue[r];
+    colors.alpha[r] = 1 - through * (1 - colors.alpha[r]);
+  }
+}
+
+void lay_veil(const Look& look, const LayerWork& work, WorkerCounts& counts, TileColors& colors) {
+  compiled_for<lay_veil_inline>(look.machine)(look, work, counts, colors);
 }
 
 void expect_tile(const PixelLattice& lattice, const Tile& tile, const Framebuffer& out) {
   if (lattice.spacing != 1) return;
   constexpr std::size_t line_floats = 64 / sizeof(float);
-  const auto width = static_cast<std::size_t>(tile.x_end - tile.x_begin);
-  for (int y = tile.y_begin; y < tile.y_end; ++y) {
-    const float* row = out.color.data() + 4 * pixel_at(lattice, tile.x_begin, y);
-    for (std::size_t i = 0; i < 4 * width; i += line_floats) __builtin_prefetch(row + i, 1);
-  }
+  for_each_run(tile, [&](const Run& run) {
+    const float* row = out.color.data() + 4 * pixel_at(lattice, run.x, run.y);
+    for (std::size_t i = 0; i < 4 * static_cast<std::size_t>(run.count); i += line_floats)
+      __builtin_prefetch(row + i, 1);
+  });
 }
 
-void write_tile(const Look& look, const PixelLattice& lattice, const Tile& tile, const Worker& worker,
-                Framebuffer& out) {
-  const auto write_each = [&](const auto& write) { for_each_pixel(lattice, tile, write); };
-  const HitBatch& hits = worker.hits;
-  const TileColors& colors = worker.colors;
-  write_each([&, color = out.color.data()](std::size_t r, std::size_t pixel) {
+void write_colors(const PixelLattice& lattice, const Tile& tile, const TileColors& colors, Framebuffer& out) {
+  for_each_pixel(lattice, tile, [&, color = out.color.data()](std::size_t r, std::size_t pixel) {
     color[4 * pixel] = colors.red[r];
     color[4 * pixel + 1] = colors.green[r];
     color[4 * pixel + 2] = colors.blue[r];
     color[4 * pixel + 3] = colors.alpha[r];
   });
+}
+
+void write_channels(const PixelLattice& lattice, const Tile& tile, const HitBatch& hits, const Vec3* normals,
+                    Framebuffer& out) {
+  const auto write_each = [&](const auto& write) { for_each_pixel(lattice, tile, write); };
   if (!out.depth.empty())
     write_each([&](std::size_t r, std::size_t pixel) { out.depth[pixel] = static_cast<float>(hits.t[r]); });
   if (!out.normal.empty())
     write_each([&](std::size_t r, std::size_t pixel) {
-      const Hit hit = hits[r];
-      const Vec3 normal = hit.is_miss() ? Vec3(0, 0, 0) : look.facing.normal(hit.gradient, worker.rays[r].direction);
+      const Vec3 normal = is_hit(hits, r) ? normals[r] : Vec3(0, 0, 0);
       for (int axis = 0; axis < 3; ++axis)
         out.normal[3 * pixel + static_cast<std::size_t>(axis)] = static_cast<float>(normal[axis]);
     });
@@ -133,6 +262,23 @@ void write_tile(const Look& look, const PixelLattice& lattice, const Tile& tile,
   if (!out.iterations.empty())
     write_each([&](std::size_t r, std::size_t pixel) { out.iterations[pixel] = hits.iteration_count[r]; });
   if (!out.cost.empty()) write_each([&](std::size_t r, std::size_t pixel) { out.cost[pixel] = hits.cost[r]; });
+}
+
+void write_background(const Vec3& background, const PixelLattice& lattice, const Tile& tile, Framebuffer& out) {
+  const float color[4] = {static_cast<float>(background.x), static_cast<float>(background.y),
+                          static_cast<float>(background.z), 0};
+  for_each_background_run(lattice, tile, [&](std::size_t first, std::size_t count) {
+    const auto fill = [&](auto& channel, auto value) {
+      if (!channel.empty()) std::fill_n(channel.data() + first, count, value);
+    };
+    fill_colors(color, out.color.data() + 4 * first, count);
+    fill(out.depth, std::numeric_limits<float>::infinity());
+    if (!out.normal.empty()) std::fill_n(out.normal.data() + 3 * first, 3 * count, 0.0F);
+    fill(out.cell, Framebuffer::no_cell);
+    fill(out.value, std::numeric_limits<double>::quiet_NaN());
+    fill(out.error, std::numeric_limits<float>::quiet_NaN());
+    for (auto* numbers : {&out.roots, &out.iterations, &out.cost}) fill(*numbers, std::uint32_t{0});
+  });
 }
 
 }  // namespace rhoray::render

@@ -8,25 +8,51 @@
 
 namespace rhoray::render {
 
-/// How hits are made into pixels; chosen once for a frame.
+/// How a layer's hits are made into colours; chosen once for a frame.
 struct Look {
   const Layer& layer;
-  Vec3 background;
   EffectSet effects;
   Facing facing;
   bool proves;  ///< hits carry bounds of their errors
   Machine machine = chosen_machine();
 };
 
-/// Colours of the hits of a worker's batch, and their counts. The same numbers on every machine.
-void shade_tile(const Look& look, Worker& worker);
+// Colours of a tile's rays: the same numbers on every machine.
+
+/// All of them the background's.
+void fill_background(const Vec3& background, std::size_t count, TileColors& colors);
+
+/// Those of all hits, over what is there.
+void shade_hits(const Look& look, const LayerWork& work, WorkerCounts& counts, TileColors& colors);
+
+/// Those of the hits that `shown` names, over what is there.
+void shade_shown(const Look& look, const LayerWork& work, const LayerOfRays& shown, std::uint8_t layer,
+                 WorkerCounts& counts, TileColors& colors);
+
+/// Clear surfaces, from front to back: no light yet, and all that lies behind is seen.
+void begin_front(std::size_t count, TileColors& front);
+/// Adds the hits that `next` names, behind what has been added.
+void shade_clear(const Look& look, const LayerWork& work, const LayerOfRays& next, std::uint8_t layer,
+                 WorkerCounts& counts, TileColors& front);
+void put_in_front(const TileColors& front, std::size_t count, TileColors& colors);
+
+/// Largest values as white light over what is there, which shows through as far as the grey of a projection by itself
+/// is below white.
+void lay_veil(const Look& look, const LayerWork& work, WorkerCounts& counts, TileColors& colors);
 
 /// Asks for the memory into which a tile will be written while others work at it; changes nothing.
 void expect_tile(const PixelLattice& lattice, const Tile& tile, const Framebuffer& out);
 
-/// Writes a tile's colours, and of its hits what the framebuffer has channels for. A pixel of a lattice with a spacing
-/// also stands for its neighbours to the right and below, up to the next pixel of the lattice.
-void write_tile(const Look& look, const PixelLattice& lattice, const Tile& tile, const Worker& worker,
-                Framebuffer& out);
+/// Writes the colours of a tile's traced blocks. A pixel of a lattice with a spacing also stands for its neighbours to
+/// the right and below, up to the next pixel of the lattice.
+void write_colors(const PixelLattice& lattice, const Tile& tile, const TileColors& colors, Framebuffer& out);
+
+/// Writes of a tile's hits what the framebuffer has channels for.
+/// @param normals  of the hits: towards the eye, world axes; read where the framebuffer keeps them
+void write_channels(const PixelLattice& lattice, const Tile& tile, const HitBatch& hits, const Vec3* normals,
+                    Framebuffer& out);
+
+/// Writes the other blocks' pixels: what is written of a ray that meets nothing and cost nothing.
+void write_background(const Vec3& background, const PixelLattice& lattice, const Tile& tile, Framebuffer& out);
 
 }  // namespace rhoray::render

@@ -28,6 +28,8 @@ struct RayQuestions::Worker {
   RayBatch rays{batch_size};
   HitBatch hits{batch_size};
   KernelScratch scratch;
+
+  Worker() { rays.has_start_sides = true; }
 };
 
 RayQuestions::RayQuestions(const Volume& volume, double isovalue, const Method& method, unsigned threads)

@@ -16,26 +16,36 @@ namespace rhoray::render {
 
 namespace {
 
-void check_request(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options) {
-  if (scene.layers.size() != 1)
-    throw Error(Trouble::usage, concat("a scene of ", scene.layers.size(), " layers; expected 1"));
-  const Layer& layer = scene.layers[0];
+void check_layer(std::span<const Volume> volumes, const Layer& layer) {
   if (layer.volume >= volumes.size())
     throw Error(Trouble::usage, concat("a layer of volume ", layer.volume, " of ", volumes.size()));
-  if (options.width < 1 || options.height < 1)
-    throw Error(Trouble::usage,
-                concat("picture of ", options.width, " x ", options.height, " pixels; expected at least 1 x 1"));
   if (layer.mode == Mode::isosurface && !std::isfinite(layer.isovalue))
     throw Error(Trouble::usage, concat("isovalue ", layer.isovalue, "; expected a finite number"));
   if (layer.mode == Mode::mip && (layer.window.is_empty() || !std::isfinite(layer.window.hi - layer.window.lo)))
     throw Error(Trouble::usage,
                 concat("window ", layer.window.lo, " to ", layer.window.hi, "; expected a finite range"));
+  if (!(layer.surface.opacity >= 0 && layer.surface.opacity <= 1))
+    throw Error(Trouble::usage, concat("an opacity of ", layer.surface.opacity, "; expected 0 to 1"));
   const Method& method = layer.method;
   if (method.way == Method::Way::sampled && !(method.step >= 1e-4 && method.step <= 1e4))
     throw Error(Trouble::usage, concat("steps of ", method.step, " cells; expected 0.0001 to 10000"));
   if (method.way == Method::Way::slack && !(method.slack >= 0 && method.slack <= 1))
     throw Error(Trouble::usage, concat("a slack of ", method.slack, "; expected 0 to 1"));
-  if (options.channels.error && !proves(method))
+}
+
+bool all_prove(const Scene& scene) {
+  return std::all_of(scene.layers.begin(), scene.layers.end(), [](const Layer& layer) { return proves(layer.method); });
+}
+
+void check_request(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options) {
+  if (options.width < 1 || options.height < 1)
+    throw Error(Trouble::usage,
+                concat("picture of ", options.width, " x ", options.height, " pixels; expected at least 1 x 1"));
+  if (scene.layers.empty() || scene.layers.size() >= LayerOfRays::none)
+    throw Error(Trouble::usage,
+                concat("a scene of ", scene.layers.size(), " layers; expected 1 to ", LayerOfRays::none - 1));
+  for (const Layer& layer : scene.layers) check_layer(volumes, layer);
+  if (options.channels.error && !all_prove(scene))
     throw Error(Trouble::usage, "the channel 'error' needs a method that proves one: certified or exact");
 }
 
@@ -46,28 +56,67 @@ void check_refinement(const Refinement& refinement) {
                 concat("a first pass of every ", refinement.first_spacing, "th pixel; expected 1, 2, 4, 8 or 16"));
 }
 
-Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options) {
-  const Layer& layer = scene.layers[0];
-  const VolumeImplementation& implementation = volumes[layer.volume].implementation();
-  const Kernels kernels = choose_kernels(implementation, layer.method);
+Part part_of(const Layer& layer, const Scene& scene) {
+  if (layer.mode == Mode::mip) return scene.layers.size() == 1 ? Part::opaque : Part::veil;
+  return layer.surface.opacity < 1 ? Part::clear : Part::opaque;
+}
+
+FrameLayer choose_layer(const Volume& volume, const Layer& layer, Part part, const FrameOptions& options) {
+  const VolumeImplementation& implementation = volume.implementation();
   const bool is_mip = layer.mode == Mode::mip;
-  return {.volume = implementation,
-          .kernel = is_mip ? kernels.largest_value : kernels.first_crossing,
-          .prepare = is_mip ? nullptr : kernels.prepare_first_crossing,
-          .queue_entries = is_mip ? kernels.queue_entries : 0,
-          .question = {.isovalue = layer.isovalue,
-                       .field_range = implementation.field.range,
-                       .method = layer.method,
-                       .use_hierarchy = options.use_hierarchy,
-                       .use_last_t = options.use_last_t,
-                       .time_phases = options.time_phases},
-          .look = {.layer = layer,
-                   .background = scene.background,
-                   .effects = effects_called_for(layer),
-                   .facing = Facing(implementation.world_from_volume),
-                   .proves = proves(layer.method)},
-          .camera_rays = CameraRays(scene.camera, options.width, options.height),
-          .volume_from_world = implementation.world_from_volume.inverse()};
+  const Kernels kernels = choose_kernels(implementation, layer.method);
+  const Method method_through = default_method(volume, Mode::isosurface);
+  Question question{.isovalue = layer.isovalue,
+                    .field_range = implementation.field.range,
+                    .method = layer.method,
+                    .use_hierarchy = options.use_hierarchy,
+                    .use_last_t = options.use_last_t,
+                    .time_phases = options.time_phases};
+  Question question_through = question;
+  question_through.method = method_through;
+  return {
+      .volume = implementation,
+      .part = part,
+      .kernel = is_mip ? kernels.largest_value : kernels.first_crossing,
+      .kernel_through = part == Part::clear ? choose_kernels(implementation, method_through).first_crossing : nullptr,
+      .prepare = is_mip ? nullptr : kernels.prepare_first_crossing,
+      .question = question,
+      .question_through = question_through,
+      .look = {.layer = layer,
+               .effects = effects_called_for(layer),
+               .facing = Facing(implementation.world_from_volume),
+               .proves = proves(layer.method)},
+      .volume_from_world = implementation.world_from_volume.inverse()};
+}
+
+/// Without what cannot be seen: a surface that holds back no light.
+Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options) {
+  Frame frame{.layers = {},
+              .queue_entries = 0,
+              .camera_rays = CameraRays(scene.camera, options.width, options.height),
+              .background = scene.background,
+              .keeps_channels = options.channels.any()};
+  for (const Part part : {Part::opaque, Part::clear, Part::veil})
+    for (const Layer& layer : scene.layers) {
+      if (part_of(layer, scene) != part) continue;
+      if (layer.mode == Mode::isosurface && layer.surface.opacity == 0) continue;
+      const Volume& volume = volumes[layer.volume];
+      frame.layers.push_back(choose_layer(volume, layer, part, options));
+      if (layer.mode == Mode::mip)
+        frame.queue_entries =
+            std::max(frame.queue_entries, choose_kernels(volume.implementation(), layer.method).queue_entries);
+    }
+  return frame;
+}
+
+/// Makes a layer ready, and finds out where it can be met at all.
+/// @return  true where wide kernels were made ready
+bool prepare(FrameLayer& layer, const FrameOptions& options) {
+  if (layer.prepare != nullptr) layer.boxes = layer.prepare(layer.volume, layer.question, options.threads);
+  const bool is_wide = layer.boxes.has_value();
+  if (!is_wide && options.use_hierarchy && keeps_to_bounds(layer.volume, layer.question.method))
+    layer.boxes = box_around(layer.volume.bounds_volume);
+  return is_wide;
 }
 
 /// The passes of a picture whose first one traces one pixel of first_spacing x first_spacing.
@@ -93,11 +142,14 @@ FrameStatistics statistics_of(const FrameMemory::Implementation& memory, const S
   FrameStatistics statistics;
   KernelCounters counters;
   for (const Worker* worker : memory.workers()) {
-    counters += worker->scratch.counters;
-    statistics.rays += worker->ray_count;
-    statistics.hits += worker->hit_count;
-    statistics.highlights_shaded += worker->highlights;
-    statistics.largest_error = std::max(statistics.largest_error, worker->largest_error);
+    for (const LayerWork& layer : worker->layers) counters += layer.scratch.counters;
+    const WorkerCounts& counts = worker->counts;
+    statistics.rays += counts.rays;
+    statistics.rays_ruled_out += counts.rays_ruled_out;
+    statistics.rays_through += counts.rays_through;
+    statistics.hits += counts.hits;
+    statistics.highlights_shaded += counts.highlights;
+    statistics.largest_error = std::max(statistics.largest_error, counts.largest_error);
   }
   statistics.macrocells_visited = counters.macrocells_visited;
   statistics.cells_visited = counters.cells_visited;
@@ -107,16 +159,16 @@ FrameStatistics statistics_of(const FrameMemory::Implementation& memory, const S
   statistics.rays_judged = counters.rays_judged;
   statistics.touches = counters.touches;
   statistics.machine = name_of(counters.rays_wide > 0 ? chosen_machine() : Machine::scalar);
-  if (!proves(scene.layers[0].method)) statistics.largest_error = std::numeric_limits<double>::quiet_NaN();
+  if (!all_prove(scene)) statistics.largest_error = std::numeric_limits<double>::quiet_NaN();
   return statistics;
 }
 
 FrameStatistics::Phases phases_of(const FrameMemory::Implementation& memory, double seconds_per_tick) {
   std::uint64_t intersection = 0, shading = 0, tiles = 0;
   for (const Worker* worker : memory.workers()) {
-    intersection += worker->scratch.counters.intersection_ticks;
-    shading += worker->shading_ticks;
-    tiles += worker->tile_ticks;
+    for (const LayerWork& layer : worker->layers) intersection += layer.scratch.counters.intersection_ticks;
+    shading += worker->counts.shading_ticks;
+    tiles += worker->counts.tile_ticks;
   }
   FrameStatistics::Phases phases;
   phases.intersection = static_cast<double>(intersection) * seconds_per_tick;
@@ -174,14 +226,18 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
 
-  const Frame frame = choose_frame(volumes, scene, options);
-  const auto preparation_start = std::chrono::steady_clock::now();
-  if (frame.prepare != nullptr) frame.prepare(frame.volume, frame.question, options.threads);
-  const double preparation_s = frame.prepare != nullptr ? seconds_since(preparation_start) : 0;
+  Frame frame = choose_frame(volumes, scene, options);
+  bool is_wide = false;
+  double preparation_s = 0;
+  for (FrameLayer& layer : frame.layers) {
+    const auto preparation_start = std::chrono::steady_clock::now();
+    is_wide |= prepare(layer, options);
+    if (layer.prepare != nullptr) preparation_s += seconds_since(preparation_start);
+  }
   const std::vector<Pass> passes = passes_of(frame, options, refinement.first_spacing);
   framebuffer.reshape(options.width, options.height, options.channels);
   FrameMemory::Implementation& kept = memory.implementation();
-  kept.begin_frame(options.threads, frame.queue_entries);
+  kept.begin_frame(options.threads, frame.layers.size(), frame.queue_entries);
   int spacing = refinement.first_spacing;
   for (const Pass& pass : passes) {
     kept.threads().for_each_tile(pass.tile_count(), [&](std::size_t tile, std::size_t worker) {
@@ -193,6 +249,7 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
   }
 
   FrameStatistics statistics = statistics_of(kept, scene);
+  if (is_wide) statistics.machine = name_of(chosen_machine());
   statistics.preparation_s = preparation_s;
   statistics.wall_s = seconds_since(clock_start);
   if (options.time_phases)

@@ -58,24 +58,28 @@ class RayBatch {
     for (std::size_t axis = 0; axis < 3; ++axis)
       origin[axis] = LaneArray<double>(capacity), direction[axis] = LaneArray<double>(capacity);
     t_min = LaneArray<double>(capacity), t_max = LaneArray<double>(capacity);
+    start_side = LaneArray<StartSide>(capacity);
   }
 
   Ray operator[](std::size_t i) const {
     return {.origin = {origin[0][i], origin[1][i], origin[2][i]},
             .direction = {direction[0][i], direction[1][i], direction[2][i]},
             .t_min = t_min[i],
-            .t_max = t_max[i]};
+            .t_max = t_max[i],
+            .start_side = has_start_sides ? start_side[i] : StartSide::unknown};
   }
   void set(std::size_t i, const Ray& ray) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       origin[axis][i] = ray.origin[static_cast<int>(axis)];
       direction[axis][i] = ray.direction[static_cast<int>(axis)];
     }
-    t_min[i] = ray.t_min, t_max[i] = ray.t_max;
+    t_min[i] = ray.t_min, t_max[i] = ray.t_max, start_side[i] = ray.start_side;
   }
 
   std::size_t count = 0;  ///< rays that are asked about
   LaneArray<double> origin[3], direction[3], t_min, t_max;
+  bool has_start_sides = false;  ///< else those of all rays are unknown, whatever the array holds
+  LaneArray<StartSide> start_side;
 };
 
 /// One answer for each ray of a batch.

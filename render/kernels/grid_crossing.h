@@ -27,6 +27,14 @@ RHORAY_INLINE CellPassage passage_of(const Geometry& geometry, const Ray& ray, c
   return passage;
 }
 
+/// True where a ray that starts in a crossing does not get farther from the surface in this cell than its start may be:
+/// the ray may be here, or on this side, only because the crossing's place is rounded.
+RHORAY_INLINE bool stays_at_start(const TrilinearCell& cell, const Vec3& in, const Vec3& out, double isovalue) {
+  const double near = start_error_cells * (cell.largest() - cell.smallest());
+  const CubicOf<double> cubic = minus<double>(cell, isovalue).cell.along(in, out);
+  return std::all_of(cubic.b.begin(), cubic.b.end(), [&](double b) { return std::abs(b) <= near; });
+}
+
 template <class Real, class View>
 Hit crossing_by_method(const View& view, const Question& question, const Ray& ray, KernelCounters& counters) {
   Hit hit;
@@ -37,18 +45,22 @@ Hit crossing_by_method(const View& view, const Question& question, const Ray& ra
   const CrossingMethod method = in_cell_method(question.method.way);
 
   SideOnRay side(view, ray);
+  bool starts_in_crossing = ray.start_side != StartSide::unknown;
+  if (starts_in_crossing) side.set(ray.start_side == StartSide::inside);
   const auto see = [](int, const CellVisit&) { return true; };
   const auto look = [&](const TrilinearCell& cell, const CellVisit& visit, const auto& before) {
     const Vec3 in = entry_point(view.geometry(), ray, planes, visit);
     const Vec3 out = exit_point(view.geometry(), ray, planes, visit);
+    if (starts_in_crossing && stays_at_start(cell, in, out, iso)) return true;
     const bool starts_inside = is_inside(minus<Real>(cell, iso).cell.at(Imath::Vec3<Real>(in)));
     // A macrocell's range says nothing of cells without data in it: the side that was taken from there may be no longer
     // known where the ray leaves it.
     if (side.inside() && *side.inside() != starts_inside && before && !side.leaves_through_data(*before, planes))
       side.forget();
     if (!side.inside()) side.set(starts_inside);
-    const CellCrossing found =
-        find_crossing<Real>(method, cell, passage_of(view.geometry(), ray, visit, in, out), iso, *side.inside());
+    CellPassage passage = passage_of(view.geometry(), ray, visit, in, out);
+    passage.starts_in_crossing = std::exchange(starts_in_crossing, false);
+    const CellCrossing found = find_crossing<Real>(method, cell, passage, iso, *side.inside());
     if (!found.crosses) return true;  // the side at the exit is the side at the entry
     hit.t = visit.t_at(found.s);
     hit.value = iso;

@@ -77,7 +77,9 @@ void ask(Kernel kernel, const VolumeImplementation& volume, const Question& ques
          std::span<Hit> hits, KernelScratch& scratch);
 
 /// Makes ready what a kernel keeps of a volume for its question, by so many threads (0: all cores).
-using Preparation = void (*)(const VolumeImplementation& volume, const Question& question, unsigned threads);
+/// @return  boxes outside of which no ray is answered; none where another kernel is left to answer
+using Preparation = std::optional<SurfaceBoxes> (*)(const VolumeImplementation& volume, const Question& question,
+                                                    unsigned threads);
 
 /// The questions that a frame may ask of a volume (paper, section 4), each as the kernel for its kind, value type,
 /// method and machine. Chosen once per frame.
@@ -90,6 +92,10 @@ struct Kernels {
 
 /// True where a wide kernel finds first crossings in single precision, on every machine that is not `scalar`.
 bool finds_crossings_wide(const VolumeImplementation& volume);
+
+/// True where rays that pass the volume's bounds by are answered by a miss. Methods that find a tetrahedron by its
+/// barycentric coordinates promise nothing of flat ones.
+bool keeps_to_bounds(const VolumeImplementation& volume, const Method& method);
 
 Kernels choose_kernels(const VolumeImplementation& volume, const Method& method, Machine machine = chosen_machine());
 

@@ -19,7 +19,10 @@ Hit crossing_by_method(const View& view, const Question& question, const Ray& ra
   std::uint32_t hit_tet = 0;
   const auto look = [&](std::uint32_t tet, const LocalTet& local) {
     const std::optional<double> t =
-        find_crossing<Real>(method, tet_ray, local.points, local.values, question.isovalue, question.method.slack);
+        ray.start_side == StartSide::unknown
+            ? find_crossing<Real>(method, tet_ray, local.points, local.values, question.isovalue, question.method.slack)
+            : find_leaving<Real>(tet_ray, local.points, local.values, question.isovalue,
+                                 ray.start_side == StartSide::inside);
     if (!t || *t > hit.t || (*t == hit.t && !is_preferred(view, tet, hit_tet))) return;
     hit.t = *t;
     hit_tet = tet;

@@ -11,6 +11,13 @@
 
 namespace rhoray::render {
 
+/// On which side of the isosurface a ray starts, where that is known and not to be read from the field.
+enum class StartSide : std::int8_t { outside = -1, unknown = 0, inside = 1 };
+
+/// How far from the surface a ray may start that is said to start in a crossing, in cells: in single precision
+/// crossings are found to 2^-20 of a cell.
+inline constexpr double start_error_cells = 0x1p-17;
+
 /// Points origin + t * direction with t_min <= t <= t_max, in the frame of the room that holds it. The direction need
 /// not be of unit length: kernels work in the lattice's frame, where t stays the distance in world units.
 struct Ray {
@@ -18,6 +25,10 @@ struct Ray {
   Vec3 direction;
   double t_min = 0;
   double t_max = std::numeric_limits<double>::infinity();
+  /// Of a ray that starts in a crossing, where rounding leaves the field's sign open. Its first crossing is the first
+  /// that leaves this side: neither the one that it starts in nor, where that is known to rounding only, one beside it.
+  /// Heeded by the methods `direct` and `preview`.
+  StartSide start_side = StartSide::unknown;
 
   Vec3 at(double t) const { return origin + t * direction; }
 };

@@ -243,34 +243,23 @@ Facets::Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, un
 }
 
 void Facets::build_levels() {
-  constexpr float none = 1e30f;
-  const auto next_level = [&](std::size_t child_count, auto&& box_of) {
-    FacetNode empty;
-    std::fill_n(&empty.low[0][0], 3 * FacetNode::size, none);
-    std::fill_n(&empty.high[0][0], 3 * FacetNode::size, -none);
-    std::vector<FacetNode> nodes((child_count + FacetNode::size - 1) / FacetNode::size, empty);
-    for (std::size_t child = 0; child < child_count; ++child)
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        box_of(child, axis, nodes[child / FacetNode::size].low[axis][child % FacetNode::size],
-               nodes[child / FacetNode::size].high[axis][child % FacetNode::size]);
-    levels_.push_back(std::move(nodes));
-  };
-  next_level(blocks_.size(), [&](std::size_t b, std::size_t axis, float& low, float& high) {
+  std::vector<FacetNode>& lowest = levels_.emplace_back(
+      std::vector<FacetNode>((blocks_.size() + FacetNode::size - 1) / FacetNode::size, FacetNode::of_empty_boxes()));
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const std::size_t in_block = std::min<std::size_t>(FacetBlock::size, count_ - b * FacetBlock::size);
-    for (std::size_t corner = 0; corner < 4; ++corner)
-      for (std::size_t f = 0; f < in_block; ++f) {
-        low = std::min(low, blocks_[b].corner[corner][axis][f]);
-        high = std::max(high, blocks_[b].corner[corner][axis][f]);
-      }
-  });
-  while (levels_.back().size() > 1)
-    next_level(levels_.back().size(), [&](std::size_t n, std::size_t axis, float& low, float& high) {
-      const FacetNode& node = levels_[levels_.size() - 1][n];
-      low = *std::min_element(node.low[axis], node.low[axis] + FacetNode::size);
-      high = *std::max_element(node.high[axis], node.high[axis] + FacetNode::size);
-    });
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      float& low = lowest[b / FacetNode::size].low[axis][b % FacetNode::size];
+      float& high = lowest[b / FacetNode::size].high[axis][b % FacetNode::size];
+      for (std::size_t corner = 0; corner < 4; ++corner)
+        for (std::size_t f = 0; f < in_block; ++f) {
+          low = std::min(low, blocks_[b].corner[corner][axis][f]);
+          high = std::max(high, blocks_[b].corner[corner][axis][f]);
+        }
+    }
+  }
+  add_upper_levels(levels_);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    low_[axis] = none, high_[axis] = -none;
+    low_[axis] = FacetNode::nowhere, high_[axis] = -FacetNode::nowhere;
     if (levels_.back().empty()) continue;
     const FacetNode& top = levels_.back().front();
     low_[axis] = *std::min_element(top.low[axis], top.low[axis] + FacetNode::size);

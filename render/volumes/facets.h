@@ -7,6 +7,7 @@
 
 #include "formats/base/vector.h"
 #include "render/volumes/last_isovalues.h"
+#include "render/volumes/surface_boxes.h"
 #include "render/volumes/tet_volume.h"
 
 namespace rhoray::render {
@@ -17,11 +18,7 @@ struct alignas(64) FacetBlock {
   float corner[4][3][size];
 };
 
-/// The boxes of up to sixteen nodes of the level below, or blocks, side by side; beyond the last: empty ones.
-struct alignas(64) FacetNode {
-  static constexpr std::uint32_t size = 16;
-  float low[3][size], high[3][size];
-};
+using FacetNode = BoxNode;
 
 /// The linear field of a facet's cell: value + gradient . (p - anchor), the isovalue subtracted; p in the mesh's frame.
 struct FacetField {
@@ -60,6 +57,7 @@ class Facets {
   const std::uint32_t* cells() const { return cells_.data(); }  ///< position in the mesh of each facet's
   int level_count() const { return static_cast<int>(levels_.size()); }
   const FacetNode* level(int l) const { return levels_[static_cast<std::size_t>(l)].data(); }
+  const BoxLevels& levels() const { return levels_; }
 
   const Vec3& anchor() const { return anchor_; }
   double scale() const { return scale_; }                   ///< a power of two
@@ -75,7 +73,7 @@ class Facets {
   std::vector<FacetBlock> blocks_;
   std::vector<FacetField> fields_;
   std::vector<std::uint32_t> cells_;
-  std::vector<std::vector<FacetNode>> levels_;
+  BoxLevels levels_;
   Vec3 anchor_;
   double scale_ = 1;
   std::array<float, 3> low_{}, high_{};

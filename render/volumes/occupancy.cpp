@@ -62,6 +62,43 @@ struct Straddling {
   }
 };
 
+constexpr std::size_t most_boxes = std::size_t{1} << 14;
+
+/// What a box is around the blocks of.
+enum class BoxEdge { block, node, summit };
+
+/// Boxes in cells, up to where the cells end.
+struct BoxList {
+  Index3 leaf_count;
+  std::vector<BoxNode> nodes;
+  std::size_t count;
+
+  /// Around those of 4 x 4 x 4 children that have a bit.
+  /// @param first  of the children
+  /// @param edge   of a child, in cells
+  void add(const Index3& first, std::uint64_t bits, std::int64_t edge) {
+    if (count % BoxNode::size == 0) nodes.push_back(BoxNode::of_empty_boxes());
+    BoxNode& node = nodes.back();
+    const std::size_t place = count++ % BoxNode::size;
+    for (int axis = 0; axis < 3; ++axis) {
+      const unsigned along = bits_along(bits, axis);
+      const std::int64_t low = (first[axis] + std::countr_zero(along)) * edge,
+                         high = (first[axis] + std::bit_width(along)) * edge;
+      node.low[axis][place] = static_cast<float>(low);
+      node.high[axis][place] = static_cast<float>(std::min(high, leaf_count[axis]));
+    }
+  }
+
+ private:
+  /// The places 0 to 3 on an axis at which there are bits.
+  static unsigned bits_along(std::uint64_t bits, int axis) {
+    constexpr std::uint64_t plane[3] = {0x1111'1111'1111'1111, 0x000f'000f'000f'000f, 0x0000'0000'0000'ffff};
+    unsigned along = 0;
+    for (int i = 0; i < 4; ++i) along |= static_cast<unsigned>((bits & plane[axis] << (i << (2 * axis))) != 0) << i;
+    return along;
+  }
+};
+
 }  // namespace
 
 template <class T>
@@ -103,6 +140,46 @@ Occupancy::Occupancy(const formats::MacroLevelsView<T>& levels, double isovalue)
         }
         summits_[at] = summit;
       }
+  find_boxes(levels.shape.leaf_count);
+}
+
+void Occupancy::find_boxes(const Index3& leaf_count) {
+  std::size_t block_count = 0, node_count = 0;
+  for (const std::uint64_t node : nodes_)
+    if (node != 0) block_count += static_cast<std::size_t>(std::popcount(node)), ++node_count;
+  // In a frame every box may have to be projected, which takes as long as a few rays.
+  const BoxEdge edge = block_count <= most_boxes  ? BoxEdge::block
+                       : node_count <= most_boxes ? BoxEdge::node
+                                                  : BoxEdge::summit;
+  BoxList list{leaf_count, {}, 0};
+  const auto add_node = [&](const Index3& node, std::uint64_t bits) {
+    if (edge == BoxEdge::node) return list.add(node * 4, bits, 4);
+    for (; bits != 0; bits &= bits - 1) list.add(node * 4, bits & (~bits + 1), 4);
+  };
+  std::size_t at = 0;
+  Index3 summit;
+  const Index3 summits(node_count_[0] / 4, node_count_[1] / 4, node_count_[2] / 4);
+  for (summit.z = 0; summit.z < summits.z; ++summit.z)
+    for (summit.y = 0; summit.y < summits.y; ++summit.y)
+      for (summit.x = 0; summit.x < summits.x; ++summit.x, ++at) {
+        std::uint64_t bits = summits_[at];
+        if (edge == BoxEdge::summit && bits != 0) list.add(summit * 4, bits, 16);
+        if (edge == BoxEdge::summit) continue;
+        for (; bits != 0; bits &= bits - 1) {
+          const int bit = std::countr_zero(bits);
+          const Index3 node = summit * 4 + Index3(bit & 3, bit >> 2 & 3, bit >> 4);
+          add_node(node,
+                   nodes_[static_cast<std::size_t>((node.z * node_count_[1] + node.y) * node_count_[0] + node.x)]);
+        }
+      }
+  boxes_.push_back(std::move(list.nodes));
+  add_upper_levels(boxes_);
+}
+
+std::size_t Occupancy::size_bytes() const {
+  std::size_t bytes = (nodes_.size() + summits_.size()) * sizeof(std::uint64_t);
+  for (const auto& level : boxes_) bytes += level.size() * sizeof(BoxNode);
+  return bytes;
 }
 
 #define RHORAY_OCCUPANCY(T) template Occupancy::Occupancy(const formats::MacroLevelsView<T>&, double);

@@ -7,6 +7,7 @@
 
 #include "formats/macro_levels.h"
 #include "render/volumes/last_isovalues.h"
+#include "render/volumes/surface_boxes.h"
 
 namespace rhoray::render {
 
@@ -29,11 +30,19 @@ class Occupancy {
 
   const std::uint64_t* nodes() const { return nodes_.data(); }      ///< x fastest
   const std::uint64_t* summits() const { return summits_.data(); }  ///< x fastest, node_count() / 4 per axis
-  std::size_t size_bytes() const { return (nodes_.size() + summits_.size()) * sizeof(std::uint64_t); }
+
+  /// Around all blocks that have a bit, in cells: around single blocks where these are few, else around those of a
+  /// node, or those of a summit.
+  const BoxLevels& boxes() const { return boxes_; }
+
+  std::size_t size_bytes() const;
 
  private:
+  void find_boxes(const Index3& leaf_count);
+
   std::array<int, 3> node_count_;
   std::vector<std::uint64_t> nodes_, summits_;
+  BoxLevels boxes_;
 };
 
 /// The occupancies of one volume for the last isovalues asked about. Any thread may ask.

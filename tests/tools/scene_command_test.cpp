@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/workbench.h"
+#include "tools/rhoray/scene/document.h"
 
 namespace rhoray::tests {
 namespace {
@@ -127,6 +128,58 @@ TEST(SceneCommand, keeps_the_scene_in_the_picture_and_says_it_in_json) {
   EXPECT_EQ(pixels("pictures/again.exr"), pixels("pictures/first.exr"));
 }
 
+TEST(SceneCommand, draws_several_layers_of_several_files_and_ends_with_a_command_that_draws_them_again) {
+  const Workbench bench;
+  bench.make_ball();
+  bench.make_box();
+  write_file(bench / "two.json", R"({"data": {"b": {"file": "ball.rho"}, "x": {"file": "box.rho", "field": "length"}},
+    "layers": [{"type": "isosurface", "data": "b", "isovalue": [60, "p99"], "opacity": 0.5},
+               {"type": "isosurface", "data": "x", "isovalue": 0.5}], "image": {"size": [40, 30]}})");
+  for (const std::vector<std::string>& look :
+       {std::vector<std::string>{"two.json"},
+        {"ball.rho", "--iso", "60,120,9000", "--opacity", "0.3", "--size", "40x30"}}) {
+    SCOPED_TRACE(look[0]);
+    const RunResult first = bench.rhoray(words({"render", "-o", "p.png"}, look));
+    ASSERT_EQ(first.exit_code, 0) << first.err;
+    const std::string bytes = read_file(bench / "p.png"), command = line_after(first.err, "reproduce: ");
+    EXPECT_THAT(command, testing::StartsWith("rhoray render '{\"data\":"));
+    std::filesystem::remove(bench / "p.png");
+    const RunResult again = bench.shell(command);
+    ASSERT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_TRUE(read_file(bench / "p.png") == bytes);
+    EXPECT_EQ(line_after(again.err, "reproduce: "), command);
+    std::filesystem::remove(bench / "p.png");
+  }
+}
+
+TEST(SceneCommand, draws_nothing_of_a_surface_that_holds_back_no_light) {
+  const Workbench bench;
+  bench.make_ball();
+  const RunResult result = bench.rhoray({"render", "ball.rho", "--opacity", "0", "--size", "8x8", "-o", "p.png"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("the picture is empty"));
+}
+
+TEST(SceneCommand, reads_the_documents_that_are_published) {
+  const Workbench bench;
+  bench.make_ball();
+  const std::filesystem::path made = bench / "made/200000-192x192x256";
+  std::filesystem::create_directories(made);
+  for (const char* name : {"torso.rho", "torso-ct.rho"}) std::filesystem::copy_file(bench / "ball.rho", made / name);
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(RHORAY_SOURCE_DIR "/data/scenes")) {
+    const std::filesystem::path name = entry.path().filename();
+    if (name.extension() != ".json" || name == "scene.schema.json") continue;
+    SCOPED_TRACE(name);
+    std::filesystem::create_directories(bench / "scenes");
+    std::filesystem::copy_file(entry.path(), bench / ("scenes/" + name.string()));
+    const tools::SceneDocument document = tools::read_scene(bench / ("scenes/" + name.string()));
+    EXPECT_TRUE(document.warnings.empty()) << document.warnings.front();
+    ++count;
+  }
+  EXPECT_GE(count, 3);
+}
+
 TEST(SceneCommand, warns_of_unknown_keys_and_draws) {
   const Workbench bench;
   bench.make_ball();
@@ -155,7 +208,7 @@ TEST(SceneCommand, explains_each_layer_and_effect_without_drawing) {
     EXPECT_THAT(result.out, HasSubstr(line));
   EXPECT_FALSE(std::filesystem::exists(bench / "e.png"));
   const Json json = Json::parse(bench.rhoray({"render", "e.json", "--explain", "--json"}).out);
-  EXPECT_EQ(json["layers"][0]["effects"][1]["called_for"], false);
+  EXPECT_EQ(json["layers"][0]["effects"][2]["called_for"], false);
 }
 
 TEST(SceneCommand, explains_the_kernels_that_are_then_taken) {
@@ -169,7 +222,7 @@ TEST(SceneCommand, explains_the_kernels_that_are_then_taken) {
       const Json told = Json::parse(bench.rhoray(words(look, {"--explain"})).out);
       const Json drawn = Json::parse(bench.rhoray(words(look, {"-o", "k.png", "--force"})).out);
       EXPECT_EQ(told["layers"][0]["kernel"], drawn["statistics"]["machine"]);
-      EXPECT_EQ(told["layers"][0]["effects"][1]["called_for"].get<bool>(),
+      EXPECT_EQ(told["layers"][0]["effects"][2]["called_for"].get<bool>(),
                 drawn["statistics"]["highlights_shaded"].get<int>() > 0);
     }
 }

@@ -122,7 +122,7 @@ std::vector<Mistake> mistakes() {
       {"{}",
        "s.json: has no \"data\"; expected an object of files by name, such as {\"head\": {\"file\": \"head.rho\"}}"},
       {R"({"data": {"ball": {"file": "ball.rho"}}})",
-       "s.json: has no \"layers\"; expected an array of 1 to 256 layers"},
+       "s.json: has no \"layers\"; expected an array of 1 to 254 layers"},
       {with("accuracy", "\"flaot\""), "s.json: /accuracy: found \"flaot\"; " + levels, "did you mean float?"},
       {with("accuracy", "3"), "s.json: /accuracy: found 3; " + levels},
 
@@ -146,8 +146,8 @@ std::vector<Mistake> mistakes() {
        "s.json: /data/ball/field: found 1; expected a text"},
 
       // layers
-      {with("layers", "[]"), "s.json: /layers: found []; expected an array of 1 to 256 layers"},
-      {with("layers", "{}"), "s.json: /layers: found an object; expected an array of 1 to 256 layers"},
+      {with("layers", "[]"), "s.json: /layers: found []; expected an array of 1 to 254 layers"},
+      {with("layers", "{}"), "s.json: /layers: found an object; expected an array of 1 to 254 layers"},
       {with("layers", "[7]"), "s.json: /layers/0: found 7; expected an object"},
       {with("layers", "[{}]"), "s.json: /layers/0: has no \"type\"; expected one of \"isosurface\", \"mip\""},
       {with("layers", R"([{"type": "isosurfce"}])"),
@@ -246,12 +246,12 @@ TEST_F(SceneDocument, refuses_what_is_too_large) {
   std::string layers;
   for (int i = 0; i < 257; ++i) layers += concat(i == 0 ? "" : ",", R"({"type": "mip"})");
   EXPECT_EQ(answer_to(with("layers", concat("[", layers, "]"))).fact,
-            "s.json: /layers: found an array of 257; expected an array of 1 to 256 layers");
+            "s.json: /layers: found an array of 257; expected an array of 1 to 254 layers");
   std::string isovalues;
   for (int i = 1; i < 200; ++i) isovalues += concat(i == 1 ? "" : ",", i);
   const std::string many = concat(R"({"type": "isosurface", "isovalue": [)", isovalues, "]}");
   EXPECT_EQ(answer_to(with("layers", concat("[", many, ",", many, "]"))).fact,
-            "s.json: /layers: more than 256 layers and isovalues");
+            "s.json: /layers: more than 254 layers and isovalues");
 }
 
 TEST_F(SceneDocument, warns_of_unknown_keys_with_the_nearest_one) {

@@ -89,6 +89,7 @@ Json camera_json(const render::Camera& camera) {
 Json statistics_json(const render::FrameStatistics& statistics) {
   const render::FrameStatistics::Phases& phases = statistics.phases;
   return {{"rays", statistics.rays},
+          {"rays_ruled_out", statistics.rays_ruled_out},
           {"hits", statistics.hits},
           {"macrocells_visited", statistics.macrocells_visited},
           {"cells_visited", statistics.cells_visited},
@@ -116,11 +117,11 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
     return concat("  ", name, std::string(22 - std::string_view(name).size(), ' '), rounded(seconds, 3), " s of CPU, ",
                   rounded(all > 0 ? 100 * seconds / all : 0, 3), " %\n");
   };
-  return count("rays", statistics.rays) + count("hits", statistics.hits) +
-         count("macrocells visited", statistics.macrocells_visited) + count("cells visited", statistics.cells_visited) +
-         count("cells solved", statistics.cells_solved) + count("samples taken", statistics.samples_taken) +
-         count("rays redone in double", statistics.rays_redone) + count("rays judged exactly", statistics.rays_judged) +
-         count("touches", statistics.touches) +
+  return count("rays", statistics.rays) + count("ruled out", statistics.rays_ruled_out) +
+         count("hits", statistics.hits) + count("macrocells visited", statistics.macrocells_visited) +
+         count("cells visited", statistics.cells_visited) + count("cells solved", statistics.cells_solved) +
+         count("samples taken", statistics.samples_taken) + count("rays redone in double", statistics.rays_redone) +
+         count("rays judged exactly", statistics.rays_judged) + count("touches", statistics.touches) +
          (std::isnan(statistics.largest_error)
               ? std::string()
               : concat("  largest error         ", rounded(statistics.largest_error), "\n")) +

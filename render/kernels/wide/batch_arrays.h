@@ -53,11 +53,16 @@ inline RayArrays arrays_of(const RayBatch& rays) {
   return {.origin = {rays.origin[0].data(), rays.origin[1].data(), rays.origin[2].data()},
           .direction = {rays.direction[0].data(), rays.direction[1].data(), rays.direction[2].data()},
           .t_min = rays.t_min.data(),
-          .t_max = rays.t_max.data()};
+          .t_max = rays.t_max.data(),
+          .start_side = rays.has_start_sides ? rays.start_side.data() : nullptr};
 }
 
 RHORAY_INLINE RayArrays from(const RayArrays& rays, std::size_t first) {
-  RayArrays rest{.origin = {}, .direction = {}, .t_min = rays.t_min + first, .t_max = rays.t_max + first};
+  RayArrays rest{.origin = {},
+                 .direction = {},
+                 .t_min = rays.t_min + first,
+                 .t_max = rays.t_max + first,
+                 .start_side = rays.start_side != nullptr ? rays.start_side + first : nullptr};
   for (int a = 0; a < 3; ++a) rest.origin[a] = rays.origin[a] + first, rest.direction[a] = rays.direction[a] + first;
   return rest;
 }
@@ -80,6 +85,7 @@ inline void ask_again(Kernel kernel, const VolumeImplementation& volume, const Q
     for (std::uint64_t bits = chosen; bits != 0; bits &= bits - 1)
       act(first + static_cast<std::size_t>(std::countr_zero(bits)), place++);
   };
+  few.rays.has_start_sides = rays.has_start_sides;
   few.rays.count = static_cast<std::size_t>(std::popcount(chosen));
   scratch.counters.rays_wide -= few.rays.count;
   for_each_chosen([&](std::size_t r, std::size_t place) { few.rays.set(place, rays[r]); });

@@ -156,6 +156,9 @@ class FacetWalk {
       store(hn::Mul(towards, hn::MulAdd(hn::Load(doubles, rays_.t_min + r), speed, w)), begin + r);
       store(hn::Mul(towards, hn::MulAdd(hn::Load(doubles, rays_.t_max + r), speed, w)), end + r);
     }
+    if (rays_.start_side != nullptr)
+      for (std::size_t r = 0; r < count_; ++r)
+        scratch_.start_side[lane_of(r)] = static_cast<float>(rays_.start_side[r]);
     for (std::size_t quad = 0; 4 * quad < count_; ++quad) {
       const auto place = [&](const float* from, float* to)
                              HWY_ATTR { std::memcpy(to + lane_of(4 * quad), from + 4 * quad, 4 * sizeof(float)); };
@@ -484,13 +487,30 @@ class FacetWalk {
                  this_facet = hn::Set(ints, static_cast<std::int32_t>(facet));
       const MaskF is_lower = hn::RebindMask(floats, hn::Lt(this_facet, best_facet));
       const MaskF is_first = hn::Or(hn::Lt(depth, best), hn::And(hn::Eq(depth, best), is_lower));
-      const MaskF hit = hn::And(hn::And(any, is_first), hn::Ge(depth, hn::Load(floats, scratch_.begin + r)));
+      MaskF hit = hn::And(hn::And(any, is_first), hn::Ge(depth, hn::Load(floats, scratch_.begin + r)));
+      if (rays_.start_side != nullptr) hit = hn::And(hit, leaves_start_side(facet, slope_u, slope_v, r));
       if (hn::AllFalse(floats, hit)) continue;
       hn::Store(hn::IfThenElse(hit, depth, best), floats, scratch_.depth + r);
       hn::Store(hn::IfThenElse(hn::RebindMask(ints, hit), this_facet, best_facet), ints, scratch_.facet + r);
       changed = true;
     }
     return changed;
+  }
+
+  /// Rays that come to the facet on the side on which they start, or of which that is unknown.
+  HWY_INLINE MaskF leaves_start_side(std::uint32_t facet, VecF slope_u, VecF slope_v, std::size_t r) const {
+    const double* gradient = surface_.fields[facet].gradient;
+    double largest = 0;
+    for (int a = 0; a < 3; ++a) {
+      const double size = gradient[a] < 0 ? -gradient[a] : gradient[a];
+      largest = size > largest ? size : largest;
+    }
+    const auto component = [&](int axis)
+                               HWY_ATTR { return hn::Set(floats, static_cast<float>(gradient[axis] / largest)); };
+    const VecF rise = hn::Mul(hn::Set(floats, sign_),
+                              hn::MulAdd(slope_u, component(u_), hn::MulAdd(slope_v, component(v_), component(w_))));
+    // Written so that the facet of a flat cell, whose gradient is none, counts.
+    return hn::Not(hn::Gt(hn::Mul(rise, hn::Load(floats, scratch_.start_side + r)), hn::Zero(floats)));
   }
 
   /// The mean of the corners' depths by the areas opposite, between the least of them and the largest.

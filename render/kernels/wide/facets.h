@@ -10,6 +10,8 @@ namespace rhoray::render::wide {
 Kernel first_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine);
 
 /// Makes the facets of an isovalue, if they are not kept from before.
-void prepare_facets(const VolumeImplementation& volume, const Question& question, unsigned threads);
+/// @return  the boxes around them; none where the scalar kernels answer
+std::optional<SurfaceBoxes> prepare_facets(const VolumeImplementation& volume, const Question& question,
+                                           unsigned threads);
 
 }  // namespace rhoray::render::wide

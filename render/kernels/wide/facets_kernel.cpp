@@ -39,6 +39,10 @@ FacetSurface surface_of(const Facets& facets, const Question& question) {
   return surface;
 }
 
+/// How far from a facet's corners a ray may pass that meets it, in the facets' frame: far above place_error, and the
+/// rounding of the corners themselves.
+constexpr double facet_margin = 0x1p-18;
+
 bool is_answerable(const Question& question) {
   return question.use_hierarchy && std::abs(question.isovalue) <= largest_magnitude;
 }
@@ -143,11 +147,20 @@ bool is_fit(const VolumeImplementation& volume) {
 
 }  // namespace
 
-void prepare_facets(const VolumeImplementation& volume, const Question& question, unsigned threads) {
-  if (!is_answerable(question)) return;
-  std::visit(
-      [&]<class View>(const View& view) {
-        if constexpr (is_mesh<View>) volume.facets->of(view, volume.bounds_volume, question.isovalue, threads);
+std::optional<SurfaceBoxes> prepare_facets(const VolumeImplementation& volume, const Question& question,
+                                           unsigned threads) {
+  if (!is_answerable(question)) return std::nullopt;
+  return std::visit(
+      [&]<class View>(const View& view) -> std::optional<SurfaceBoxes> {
+        if constexpr (is_mesh<View>) {
+          const auto facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, threads);
+          SurfaceBoxes boxes = boxes_of(facets, facets->levels());
+          boxes.anchor = facets->anchor();
+          boxes.unit = 1 / facets->scale();
+          boxes.margin = facet_margin;
+          return boxes;
+        }
+        return std::nullopt;
       },
       volume.view);
 }

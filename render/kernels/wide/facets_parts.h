@@ -54,6 +54,7 @@ struct alignas(64) FacetScratch {
 
   float slope[2][lanes], shift[2][lanes];
   float begin[lanes], end[lanes];       ///< of the ray: depths, which are w, or -w where the rays move that way
+  float start_side[lanes];              ///< as StartSide; only where rays have any
   float depth[lanes];                   ///< of the nearest hit, or `end`; below all in lanes without a ray
   std::int32_t facet[lanes];            ///< that was hit; no_facet
   float far[lanes];                     ///< certified: of the nearest hit, at most

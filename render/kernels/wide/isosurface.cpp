@@ -105,7 +105,8 @@ class GroupWalk {
     const std::uint64_t fresh = alive_ & ~rays.under_way;
     prepare();
     std::uint64_t new_there = rays.new_there | fresh;
-    inside_ = rays.inside, has_side_ = rays.has_side;
+    inside_ = (inside_ & fresh) | rays.inside, has_side_ = (has_side_ & fresh) | rays.has_side;
+    starting_ = (starting_ & fresh) | rays.starting;
     BlockSearch blocks(surface_, lattice_, scratch_, search == Search::certified);
     blocks.start(fresh & alive_);
     doubt(blocks.doubtful());
@@ -131,6 +132,16 @@ class GroupWalk {
     prepare_ways(lattice_, scratch_);
     if constexpr (search == Search::certified) prepare_errors();
     scratch_.pending.rays = 0;
+    if (search != Search::certified && rays_.start_side != nullptr) take_start_sides();
+  }
+
+  HWY_INLINE void take_start_sides() {
+    for (std::size_t r = 0; r < group_.count; ++r) {
+      const StartSide side = rays_.start_side[group_.index[r]];
+      inside_ |= std::uint64_t{side == StartSide::inside} << r;
+      has_side_ |= std::uint64_t{side != StartSide::unknown} << r;
+    }
+    starting_ = has_side_;
   }
 
   HWY_INLINE void wait(std::size_t r, std::uint64_t new_there, WaitingRays& rays) const {
@@ -141,7 +152,7 @@ class GroupWalk {
     rays.places.t[lane] = places.t[r], rays.places.error[lane] = places.error[r];
     for (int a = 0; a < 3; ++a) rays.places.block[a][lane] = places.block[a][r];
     rays.visits[lane] = scratch_.visits[r];
-    take_bit(inside_, rays.inside), take_bit(has_side_, rays.has_side);
+    take_bit(inside_, rays.inside), take_bit(has_side_, rays.has_side), take_bit(starting_, rays.starting);
     take_bit(all_rays, rays.under_way), take_bit(new_there, rays.new_there);
   }
 
@@ -426,6 +437,22 @@ class GroupWalk {
     return hn::AndNot(strays, looks);
   }
 
+  /// Of rays that start in a crossing: their first cubics begin on the side that is known. Takes out the lanes that do
+  /// not get farther from the surface than their starts may be.
+  HWY_INLINE MaskF leave_crossings(const Lanes& lanes, const Corners& corners, MaskF looks, CubicLanes& cubic,
+                                   std::size_t r) {
+    const MaskF starts = hn::And(looks, mask_of(floats, starting_ >> r));
+    VecF low = corners.f[0], high = corners.f[0], farthest = hn::Zero(floats);
+    for (int c = 1; c < 8; ++c) low = hn::Min(low, corners.f[c]), high = hn::Max(high, corners.f[c]);
+    for (int i = 0; i < 4; ++i) farthest = hn::Max(farthest, hn::Abs(cubic.b[i]));
+    const VecF near = hn::Mul(hn::Set(floats, static_cast<float>(start_error_cells)), hn::Sub(high, low));
+    const MaskF stays = hn::And(starts, hn::Le(farthest, near)), leaves = hn::AndNot(stays, starts);
+    const VecF least = hn::IfThenElse(lanes.inside, hn::Zero(floats), hn::Set(floats, -0x1p-126F));
+    cubic.b[0] = hn::IfThenElse(leaves, least, cubic.b[0]);
+    starting_ &= ~(bits_of(floats, leaves) << r);
+    return hn::AndNot(stays, looks);
+  }
+
   /// Blocks that the lattice ends in.
   HWY_INLINE MaskF is_cut_off(const VecF* block_corner) const {
     MaskF cut_off = no_lane(floats);
@@ -479,7 +506,8 @@ class GroupWalk {
                                    std::size_t r, const VecF* block_corner) {
     VecF in[3], out[3];
     ends_in_cell(lanes, next, in, out);
-    const CubicLanes cubic = along(corners, in, out);
+    CubicLanes cubic = along(corners, in, out);
+    if (search != Search::certified && starting_ != 0) looks = leave_crossings(lanes, corners, looks, cubic, r);
     const MaskF starts_inside = is_inside(cubic.b[0]);
     if (search != Search::certified && surface_.source.has_gaps) looks = without_strays(lanes, looks, starts_inside, r);
     const MaskF sets_side = hn::AndNot(lanes.has_side, looks);
@@ -514,6 +542,7 @@ class GroupWalk {
   std::uint64_t alive_;                      ///< rays without a hit
   std::uint64_t doubtful_ = 0;               ///< rays that have left the group: another kernel is to answer them
   std::uint64_t inside_ = 0, has_side_ = 0;  ///< the side that each ray is on, if it has met data
+  std::uint64_t starting_ = 0;               ///< rays that start in a crossing and have not looked into a cell
   int stride_[3];                            ///< from a cell's lower to its upper sample, by mirrored axis
   int lowest_sample_ = 0;                    ///< of the mirrored block
   int upward_[3];                            ///< from a cell's lower to its upper sample, in the lattice

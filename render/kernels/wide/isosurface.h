@@ -9,4 +9,9 @@ namespace rhoray::render::wide {
 /// README.md.
 Kernel first_crossing_kernel(const VolumeImplementation& volume, const Method& method, Machine machine);
 
+/// Finds the blocks of an isovalue, if they are not kept from before.
+/// @return  the boxes around them; none where the scalar kernels answer
+std::optional<SurfaceBoxes> prepare_occupancy(const VolumeImplementation& volume, const Question& question,
+                                              unsigned threads);
+
 }  // namespace rhoray::render::wide

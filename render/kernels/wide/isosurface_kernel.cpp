@@ -67,6 +67,10 @@ void redo_doubtful(Kernel redoing, const VolumeImplementation& volume, const Que
   }
 }
 
+bool is_answerable(const VolumeImplementation& volume, const Question& question) {
+  return question.use_hierarchy && is_in_range_of_float(volume.field.range, question.isovalue);
+}
+
 template <Machine machine, Search search>
 void first_crossings(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
                      KernelScratch& scratch) {
@@ -74,7 +78,7 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
       [&]<class View>(const View& view) {
         if constexpr (is_uniform_grid<View>) {
           const Kernel reference = kernels_for(view, question.method.way).first_crossing;
-          if (!question.use_hierarchy || !is_in_range_of_float(volume.field.range, question.isovalue)) {
+          if (!is_answerable(volume, question)) {
             reference(volume, question, rays, hits, scratch);
             return;
           }
@@ -117,6 +121,23 @@ bool is_fit(const VolumeImplementation& volume) {
 }
 
 }  // namespace
+
+std::optional<SurfaceBoxes> prepare_occupancy(const VolumeImplementation& volume, const Question& question, unsigned) {
+  if (!is_answerable(volume, question)) return std::nullopt;
+  return std::visit(
+      [&]<class View>(const View& view) -> std::optional<SurfaceBoxes> {
+        if constexpr (is_uniform_grid<View>) {
+          const auto occupancy = volume.occupancies->of(view.levels(), question.isovalue);
+          const Index3 cells = view.lattice().leaf_count;
+          SurfaceBoxes boxes = boxes_of(occupancy, occupancy->boxes());
+          // Far above what rounding exchanges at edges between cells; and single precision rounds the last cells.
+          boxes.margin = 1.0 / 64 + 0x1p-24 * static_cast<double>(std::max({cells.x, cells.y, cells.z}));
+          return boxes;
+        }
+        return std::nullopt;
+      },
+      volume.view);
+}
 
 Kernel first_crossing_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
   if (!has_wide_crossings(method) || !is_fit(volume)) return nullptr;

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "render/march/ray.h"
+
 namespace rhoray::render::wide {
 
 /// Up to 64 rays whose directions lie in one octant, with what a lattice asks of them. Each number in an array of its
@@ -32,6 +34,7 @@ struct RayArrays {
   const double* direction[3];
   const double* t_min;
   const double* t_max;
+  const StartSide* start_side;  ///< null where those of all rays are unknown
 };
 
 }  // namespace rhoray::render::wide

@@ -29,11 +29,12 @@ struct WaitingRays {
   BlockSearchScratch places;
   std::int32_t visits[RayGroup::size];
   std::uint64_t inside, has_side;      ///< the side that they are on, as GroupWalk has it
+  std::uint64_t starting;              ///< likewise
   std::uint64_t under_way, new_there;  ///< those that have a place; of these, those that are to look for a block there
 
   void clear() {
     rays.count = 0, rays.is_in_order = false;
-    inside = has_side = under_way = new_there = 0;
+    inside = has_side = starting = under_way = new_there = 0;
   }
 };
 

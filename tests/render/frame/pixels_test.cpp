@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <vector>
 
 #include "tests/render/support/rays.h"
 
@@ -21,8 +22,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 const Affine world_from_volume{{0.7, 0.1, 0}, {-0.2, 1.3, 0.4}, {0.3, 0, -2.1}, {12, -7, 3.3}};
 
 /// A tile's worth of made-up rays and hits: every second one a hit, some without a gradient.
-std::unique_ptr<render::Worker> made_up_hits(const Tile& tile) {
-  auto worker = std::make_unique<render::Worker>();
+std::unique_ptr<render::LayerWork> made_up_hits(const Tile& tile) {
+  auto worker = std::make_unique<render::LayerWork>();
   Dice dice(20261121);
   worker->rays.count = tile.count();
   for (std::size_t r = 0; r < tile.count(); ++r) {
@@ -40,16 +41,23 @@ std::unique_ptr<render::Worker> made_up_hits(const Tile& tile) {
 }
 
 Framebuffer picture_of(const Scene& scene, const Tile& tile, Machine machine, const render::ChannelSet& channels) {
-  const auto worker = made_up_hits(tile);
+  const auto work = made_up_hits(tile);
   const render::Look look{.layer = scene.layers[0],
-                          .background = scene.background,
                           .effects = effects_called_for(scene.layers[0]),
                           .facing = render::Facing(world_from_volume),
                           .proves = false,
                           .machine = machine};
-  shade_tile(look, *worker);
+  const auto colors = std::make_unique<render::TileColors>();
+  render::WorkerCounts counts;
+  fill_background(scene.background, work->rays.count, *colors);
+  shade_hits(look, *work, counts, *colors);
   Framebuffer picture(tile.x_end, tile.y_end, channels);
-  write_tile(look, {.width = tile.x_end, .height = tile.y_end}, tile, *worker, picture);
+  const render::PixelLattice lattice{.width = tile.x_end, .height = tile.y_end};
+  write_colors(lattice, tile, *colors, picture);
+  std::vector<Vec3> normals;
+  for (std::size_t r = 0; r < work->rays.count; ++r)
+    normals.push_back(look.facing.normal(work->hits[r].gradient, work->rays[r].direction));
+  write_channels(lattice, tile, work->hits, normals.data(), picture);
   return picture;
 }
 

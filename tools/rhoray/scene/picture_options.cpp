@@ -105,6 +105,8 @@ std::vector<Option> picture_options(PictureOptions& options) {
                            layer.specular)),
       layers(number_option("--shininess", "N", "Exponent of the highlight; default 40", limits::shininess,
                            layer.shininess)),
+      layers(number_option("--opacity", "O", "Share of the light behind that a surface holds back, 0 to 1; default 1",
+                           limits::share, layer.opacity)),
       layers(value_option("--range", "A,B", "Values shown from black to white in MIP; default the field's range",
                           layer.range)),
       choice_option(

@@ -104,6 +104,7 @@ render::Surface surface_of(const LayerWish& wish) {
   surface.ambient = wish.ambient.value_or(surface.ambient);
   surface.specular = wish.specular.value_or(surface.specular);
   surface.shininess = wish.shininess.value_or(surface.shininess);
+  surface.opacity = wish.opacity.value_or(surface.opacity);
   return surface;
 }
 
@@ -320,6 +321,7 @@ SceneWishes spelled_out(const ScenePlan& plan) {
       wish.ambient = layer.surface.ambient;
       wish.specular = layer.surface.specular;
       wish.shininess = layer.surface.shininess;
+      wish.opacity = layer.surface.opacity;
     }
     wishes.layers.push_back(std::move(wish));
   }
@@ -361,6 +363,7 @@ std::vector<std::string> reproducing_command(const ScenePlan& plan, const std::f
     add("--ambient", concat(*layer.ambient));
     add("--specular", concat(*layer.specular));
     add("--shininess", concat(*layer.shininess));
+    add("--opacity", concat(*layer.opacity));
   }
   if (layer.method.empty())
     add("--accuracy", layer.accuracy);

@@ -36,7 +36,9 @@ Rows rows_of_isosurfaces() {
       row("specular", &LayerWish::specular, number_within(limits::share),
           "Strength of the highlight; 0 computes none; default 0.25"),
       row("shininess", &LayerWish::shininess, number_within(limits::shininess),
-          "Exponent of the highlight: larger is smaller and sharper; default 40")};
+          "Exponent of the highlight: larger is smaller and sharper; default 40"),
+      row("opacity", &LayerWish::opacity, number_within(limits::share),
+          "Share of the light behind that the surface holds back; 0: it is not traced; default 1")};
 }
 
 Rows rows_of_projections() {

@@ -29,7 +29,7 @@ struct LayerWish {
   std::vector<std::string> isovalues{"auto"};  ///< numbers, p95 (percentile), or auto; one surface each
   std::optional<Interval<double>> range{};
   std::optional<Color> color{};
-  std::optional<double> ambient{}, specular{}, shininess{};
+  std::optional<double> ambient{}, specular{}, shininess{}, opacity{};
   std::string accuracy{};  ///< a level; empty = the scene's
   std::string method{};    ///< instead of a level
   bool visible = true;
@@ -60,14 +60,14 @@ struct SceneWishes {
   std::string document{};  ///< what the scene was read from; empty: the command line
 };
 
-inline constexpr std::size_t most_layers = 256;
+inline constexpr std::size_t most_layers = 254;  ///< that a frame takes
 
 /// What numbers may be.
 namespace limits {
 inline constexpr Interval<double> elevation_deg{-90, 90};
 inline constexpr Interval<double> zoom{1e-6, 1e6};
 inline constexpr Interval<double> fov_deg{0.001, 179};
-inline constexpr Interval<double> share{0, 1};  ///< ambient, specular
+inline constexpr Interval<double> share{0, 1};  ///< ambient, specular, opacity
 inline constexpr Interval<double> shininess{1, 1e4};
 inline constexpr Interval<double> percentile{0, 100};
 }  // namespace limits

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "formats/base/vector.h"
+
+namespace rhoray::render {
+
+/// The boxes of up to sixteen nodes of the level below, or things, side by side; beyond the last: empty ones.
+struct alignas(64) BoxNode {
+  static constexpr std::uint32_t size = 16;
+  static constexpr float nowhere = 1e30f;  ///< an empty box begins here and ends at the opposite
+  float low[3][size], high[3][size];
+
+  static BoxNode of_empty_boxes();
+};
+
+/// Levels of a tree of boxes: child c of node n of a level is node 16 n + c of the level below. The last level has one
+/// node, or none where there are no boxes.
+using BoxLevels = std::vector<std::vector<BoxNode>>;
+
+/// Adds the levels above the first.
+void add_upper_levels(BoxLevels& levels);
+
+/// Boxes that together contain every place where some question about a volume can be answered, as a tree.
+///
+/// A box (low, high) of the tree stands for the points anchor + unit * p, p from low - margin to high + margin, of the
+/// volume's frame. The margin is what a kernel may see of a thing outside the thing's box, beside what rounding moves a
+/// ray by.
+struct SurfaceBoxes {
+  static constexpr int largest_level_count = 8;
+
+  std::shared_ptr<const void> owner;  ///< of the nodes
+  std::array<const BoxNode*, largest_level_count> levels{};
+  int level_count = 0;  ///< 0: no boxes
+  Vec3 anchor{0, 0, 0};
+  double unit = 1;
+  double margin = 0;
+};
+
+/// The tree of these levels; `owner` owns them.
+SurfaceBoxes boxes_of(std::shared_ptr<const void> owner, const BoxLevels& levels);
+
+/// A single box, with a margin of a thousandth of its longest edge, a finite number above 0.
+SurfaceBoxes box_around(const Box3& box);
+
+}  // namespace rhoray::render

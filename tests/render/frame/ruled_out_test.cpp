@@ -1,0 +1,203 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "render/ray_questions.h"
+#include "render/render.h"
+#include "tests/render/support/rays.h"
+#include "tests/render/support/traced_volume.h"
+#include "tests/support/fields.h"
+#include "tests/support/meshes.h"
+
+/// Rays that are known to meet nothing are not traced: pictures are those of all rays asked one by one.
+namespace rhoray::tests {
+namespace {
+
+using render::Accuracy;
+using render::Framebuffer;
+using render::FrameOptions;
+using render::FrameStatistics;
+using render::Hit;
+using render::Method;
+using render::Mode;
+using render::Scene;
+
+/// Two balls in the far corners of a box, one of them small.
+Field two_balls() {
+  return
+      [](const Vec3& p) { return std::max(9 - (p - Vec3(12, 10, 13)).length(), 3 - (p - Vec3(40, 30, 33)).length()); };
+}
+
+Affine oriented() {
+  return {{0.6, 0.8, 0}, {-1.6, 1.2, 0}, {0, 0, 0.5}, {1000, -2000, 500}};
+}
+
+/// Not a number is the same as not a number.
+bool same(double a, double b) {
+  return std::memcmp(&a, &b, sizeof(double)) == 0 || (std::isnan(a) && std::isnan(b));
+}
+
+/// Pixels of which the picture says anything but what the ray's own answer says.
+int different_pixels(const Framebuffer& picture, const std::vector<Hit>& hits) {
+  int different = 0;
+  for (std::size_t pixel = 0; pixel < hits.size(); ++pixel) {
+    const Hit& hit = hits[pixel];
+    const bool is_same = picture.color[4 * pixel + 3] == (hit.is_miss() ? 0 : 1) &&
+                         picture.depth[pixel] == static_cast<float>(hit.t) &&
+                         picture.cell[pixel] == (hit.is_miss() ? Framebuffer::no_cell : hit.cell) &&
+                         same(picture.value[pixel], hit.is_miss() ? std::nan("") : hit.value) &&
+                         picture.roots[pixel] == hit.root_count && picture.iterations[pixel] == hit.iteration_count &&
+                         (picture.error.empty() || same(picture.error[pixel], static_cast<float>(hit.error)));
+    different += !is_same;
+  }
+  return different;
+}
+
+struct Shown {
+  FrameStatistics statistics;
+  Framebuffer picture;
+  std::vector<Hit> hits;  ///< of all rays, one by one
+};
+
+Shown show(const render::Volume& volume, const Scene& scene, FrameOptions options) {
+  Shown shown;
+  const Method& method = scene.layers[0].method;
+  options.channels = {.depth = true,
+                      .normal = true,
+                      .cell = true,
+                      .value = true,
+                      .error = proves(method),
+                      .roots = true,
+                      .iterations = true,
+                      .cost = true};
+  shown.statistics = render::render(volume, scene, options, shown.picture);
+  const std::vector<render::Ray> rays = render::camera_rays(volume, scene.camera, options.width, options.height);
+  shown.hits.resize(rays.size());
+  render::RayQuestions questions(volume, scene.layers[0].isovalue, method);
+  if (scene.layers[0].mode == Mode::mip)
+    questions.largest_values(rays, shown.hits);
+  else
+    questions.first_crossings(rays, shown.hits);
+  return shown;
+}
+
+/// From afar with much background, near, inside with most behind the eye, and from a face of the box.
+std::vector<render::Camera> cameras_of(const render::Volume& volume) {
+  const Box3 box = volume.bounds();
+  const Vec3 middle = box.center(), size = box.size();
+  render::Camera far = fit_camera(box, render::named_view("iso"), 1.3);
+  far.position = middle + 2.0 * (far.position - middle);
+  render::Camera flat = far;
+  flat.orthographic = true;
+  flat.orthographic_height = 2.2 * size.length();
+  return {far,
+          flat,
+          fit_camera(box, render::named_view("+x"), 1.3),
+          {.position = middle, .target = box.max, .up = {0, 0, 1}, .vertical_fov_deg = 80},
+          {.position = {box.min.x, middle.y, middle.z}, .target = middle, .up = {0, 1, 1}, .vertical_fov_deg = 120}};
+}
+
+TEST(RuledOut, rays_are_those_that_miss_and_pictures_stay_the_same) {
+  const TracedVolume grid(sampled_volume<float>(
+      {49, 43, 45}, oriented(), [](const Vec3& p) { return two_balls()(oriented().inverse().point(p)); }));
+  const TracedVolume mesh(box_mesh({.cells = {12, 10, 11}, .box = Box3({0, 0, 0}, {48, 42, 44})}, two_balls()));
+  for (const TracedVolume* traced : {&grid, &mesh})
+    for (const Accuracy accuracy :
+         {Accuracy::preview, Accuracy::single, Accuracy::twofold, Accuracy::certified, Accuracy::exact})
+      for (const Mode mode : {Mode::isosurface, Mode::mip}) {
+        const bool is_slow = accuracy == Accuracy::exact;
+        const FrameOptions options{.width = is_slow ? 41 : 133, .height = is_slow ? 31 : 101, .threads = 2};
+        std::uint64_t ruled_out = 0, rays = 0, missed = 0;
+        for (const render::Camera& camera : cameras_of(traced->volume())) {
+          Scene scene;
+          scene.camera = camera;
+          scene.layers[0].mode = mode;
+          scene.layers[0].method = method_of(accuracy);
+          scene.layers[0].window = {.lo = -30, .hi = 10};
+          const Shown shown = show(traced->volume(), scene, options);
+          EXPECT_EQ(different_pixels(shown.picture, shown.hits), 0) << static_cast<int>(accuracy);
+          const auto misses = static_cast<std::uint64_t>(
+              std::count_if(shown.hits.begin(), shown.hits.end(), [](const Hit& hit) { return hit.is_miss(); }));
+          EXPECT_EQ(shown.statistics.rays, shown.hits.size());
+          EXPECT_EQ(shown.statistics.hits + misses, shown.hits.size());
+          EXPECT_LE(shown.statistics.rays_ruled_out, misses);
+          ruled_out += shown.statistics.rays_ruled_out, missed += misses, rays += shown.hits.size();
+        }
+        EXPECT_GT(missed, rays / 4);
+        const bool is_wide =
+            mode == Mode::isosurface && render::chosen_machine() != render::Machine::scalar &&
+            (accuracy == Accuracy::single || accuracy == Accuracy::preview || accuracy == Accuracy::certified);
+        // Scalar kernels rule out by the volume's bounds alone; and of small pictures blocks are large.
+        EXPECT_GT(ruled_out, is_wide   ? missed * 6 / 10
+                             : is_slow ? 0
+                                       : missed / 8)
+            << static_cast<int>(accuracy) << " of " << missed;
+      }
+}
+
+TEST(RuledOut, all_rays_are_where_the_isovalue_is_passed_nowhere) {
+  const TracedVolume grid(sampled_volume<float>({49, 43, 45}, {}, two_balls()));
+  const TracedVolume mesh(box_mesh({.cells = {12, 10, 11}, .box = Box3({0, 0, 0}, {48, 42, 44})}, two_balls()));
+  for (const TracedVolume* traced : {&grid, &mesh})
+    for (const int spacing : {1, 4}) {
+      Scene scene;
+      scene.background = {0.25, 0.5, 0.75};
+      scene.camera = fit_camera(traced->volume().bounds(), render::named_view("iso"), 1);
+      scene.layers[0].isovalue = 100;
+      scene.layers[0].method = method_of(Accuracy::single);
+      const FrameOptions options{.width = 75, .height = 53, .channels = {.depth = true, .cell = true, .cost = true}};
+      Framebuffer picture(75, 53, options.channels);
+      std::fill(picture.color.begin(), picture.color.end(), -1.0F);
+      render::FrameMemory memory;
+      const FrameStatistics statistics =
+          render::refine(traced->volume(), scene, options, {.first_spacing = spacing}, picture, memory);
+      EXPECT_EQ(statistics.rays, 75U * 53U);
+      EXPECT_EQ(statistics.machine, name_of(render::chosen_machine()));
+      if (render::chosen_machine() != render::Machine::scalar) {
+        EXPECT_EQ(statistics.rays_ruled_out, 75U * 53U);
+        EXPECT_EQ(statistics.macrocells_visited + statistics.cells_visited, 0U);
+      }
+      for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel) {
+        ASSERT_EQ(picture.color[4 * pixel], 0.25F);
+        ASSERT_EQ(picture.color[4 * pixel + 2], 0.75F);
+        ASSERT_EQ(picture.color[4 * pixel + 3], 0.0F);
+        ASSERT_TRUE(std::isinf(picture.depth[pixel]));
+        ASSERT_EQ(picture.cell[pixel], Framebuffer::no_cell);
+        ASSERT_EQ(picture.cost[pixel], 0U);
+      }
+    }
+}
+
+TEST(RuledOut, no_rays_are_without_the_hierarchy) {
+  const TracedVolume grid(sampled_volume<float>({20, 21, 22}, {}, two_balls()));
+  Scene scene;
+  scene.camera = cameras_of(grid.volume()).front();
+  scene.layers[0].window = {.lo = -30, .hi = 10};
+  Framebuffer picture;
+  for (const Mode mode : {Mode::isosurface, Mode::mip}) {
+    scene.layers[0].mode = mode;
+    const FrameOptions options{.width = 40, .height = 40, .use_hierarchy = false};
+    EXPECT_EQ(render::render(grid.volume(), scene, options, picture).rays_ruled_out, 0U);
+  }
+}
+
+// What rules out is found anew for each lattice of pixels.
+TEST(RuledOut, rays_of_refined_pictures_are_about_as_many) {
+  const TracedVolume grid(sampled_volume<float>({49, 43, 45}, {}, two_balls()));
+  Scene scene;
+  scene.camera = cameras_of(grid.volume()).front();
+  scene.layers[0].method = method_of(Accuracy::single);
+  const FrameOptions options{.width = 300, .height = 220};
+  Framebuffer plain, refined;
+  render::FrameMemory memory;
+  const FrameStatistics at_once = render::render(grid.volume(), scene, options, plain);
+  const FrameStatistics in_passes =
+      render::refine(grid.volume(), scene, options, {.first_spacing = 2}, refined, memory);
+  EXPECT_EQ(plain.color, refined.color);
+  EXPECT_GT(in_passes.rays_ruled_out, at_once.rays_ruled_out * 9 / 10);
+  EXPECT_GT(at_once.hits, 300U);
+}
+
+}  // namespace
+}  // namespace rhoray::tests
