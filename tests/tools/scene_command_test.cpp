@@ -14,7 +14,7 @@ using testing::HasSubstr;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* ball_scene = R"({
-  "data": {"ball": {"file": "ball.rho"}},
+  "data": {"data": {"file": "ball.rho"}},
   "layers": [{"type": "isosurface", "isovalue": "p90", "color": "#336699", "specular": 0.1, "shininess": 12, "ambient": 0.3}],
   "camera": {"view": "-x", "zoom": 1.7},
   "image": {"size": [40, 30], "background": [0.1, 0.2, 0.3]}
@@ -202,7 +202,7 @@ TEST(SceneCommand, explains_each_layer_and_effect_without_drawing) {
   for (const char* line :
        {"layer 0: isosurface 100 of 'ball' in ball.rho\n", "  method double (asked for), one ray at a time\n",
         "  diffuse: a surface is lit, from the eye\n", "  no specular: specular is 0\n",
-        "layer 1: largest values from 0 to 243 of 'ball' in ball.rho\n", "  intensity: a projection shows values",
+        "layer 1: largest values from 0 to 237 of 'ball' in ball.rho\n", "  intensity: a projection shows values",
         "isovalue 9000 is outside the range", "/layers/2: not traced: \"visible\" is false\n",
         "data \"box\": ball.raw is not opened: no visible layer shows it\n"})
     EXPECT_THAT(result.out, HasSubstr(line));

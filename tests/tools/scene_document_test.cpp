@@ -99,8 +99,8 @@ std::vector<Mistake> mistakes() {
   return {
       // not JSON
       {"",
-       "s.json, line 1, column 1: attempting to parse an empty input; check that your input string or stream contains "
-       "the expected JSON"},
+       "s.json, line 1, column 1: syntax error while parsing value - unexpected end of input; expected '[', '{', or a "
+       "literal"},
       {"{\n  \"data\": {,}\n}",
        "s.json, line 2, column 12: syntax error while parsing object key - unexpected ','; expected string literal"},
       {"{\"data\": 1",
@@ -168,10 +168,10 @@ std::vector<Mistake> mistakes() {
       {with_layer(R"("isovalue": [])"), "s.json: /layers/1/isovalue: found []; " + isovalue + ", or an array of these"},
       {with_layer(R"("isovalue": [100, true])"), "s.json: /layers/1/isovalue/1: found true; " + isovalue},
       {with("layers", R"([{"type": "isosurface", "isovalue": 900}])"),
-       "s.json: /layers/0/isovalue: isovalue 900 is outside the range 0 to 243 of field 'ball'",
+       "s.json: /layers/0/isovalue: isovalue 900 is outside the range 0 to 237 of field 'ball'",
        "auto takes one from the histogram"},
       {with("layers", R"([{"type": "isosurface", "isovalue": [900, -4]}])"),
-       "s.json: /layers/0/isovalue/0: isovalue 900 is outside the range 0 to 243 of field 'ball'",
+       "s.json: /layers/0/isovalue/0: isovalue 900 is outside the range 0 to 237 of field 'ball'",
        "auto takes one from the histogram"},
       {with_layer(R"("range": [0, 10])"),
        "s.json: /layers/1/range: found in a layer of type \"isosurface\"; expected in one of type \"mip\""},

@@ -245,7 +245,7 @@ ValueKind<std::vector<std::string>> isovalues_value() {
           .read =
               [expected, read_one](const Json& json, const Reading& at) {
                 if (!json.is_array()) return std::vector<std::string>{read_one(json, at)};
-                if (json.empty()) at.place.refuse(json, expected);
+                if (json.empty()) at.place.refuse(json, expected + ", or an array of these");
                 std::vector<std::string> texts;
                 for (std::size_t i = 0; i < json.size(); ++i) texts.push_back(read_one(json[i], at.at(i)));
                 return texts;
