@@ -109,6 +109,17 @@ const formats::FieldSummary& Volume::field() const {
 std::vector<std::string> Volume::field_names() const {
   return implementation_->field_names;
 }
+std::optional<formats::FieldSummary> Volume::field(const std::string& name) const {
+  if (name == field().name) return field();
+  return std::visit(
+      [&]<class View>(const View& view) -> std::optional<formats::FieldSummary> {
+        if constexpr (!std::is_same_v<View, NanoVdbVolume>)
+          for (const formats::FieldSummary& summary : view.description().fields)
+            if (summary.name == name) return summary;
+        return std::nullopt;
+      },
+      implementation_->view);
+}
 const std::string& Volume::length_unit() const {
   return implementation_->length_unit;
 }

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,8 @@ class Volume {
   const formats::PackedFile& file() const;
   const formats::FieldSummary& field() const;
   std::vector<std::string> field_names() const;
+  /// Of a field of the file, by name; nothing where there is none, or it is another grid of an OpenVDB file.
+  std::optional<formats::FieldSummary> field(const std::string& name) const;
   const std::string& length_unit() const;
   bool is_mesh() const;
   bool is_level_set() const;  ///< its values are distances to the surface where they are 0

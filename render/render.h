@@ -45,8 +45,11 @@ struct FrameStatistics {
   std::uint64_t touches = 0;            ///< judged hits at which the field only touches the isovalue
   double largest_error = 0;             ///< of all hits' bounds; NaN where the method proves none
   std::uint64_t highlights_shaded = 0;  ///< hits for which the specular effect was computed
+  std::uint64_t normals_smoothed = 0;   ///< hits for which gradients at a cell's points were read
+  std::uint64_t colors_looked_up = 0;   ///< hits for which the field that colours the surface was read
   Phases phases;
-  double preparation_s = 0;  ///< of wall_s: the isovalue made ready, where the last frames had another one
+  double preparation_s = 0;  ///< of wall_s: what is kept with the volume and was not there yet made ready: the
+                             ///< isovalue, gradients at points
   double wall_s = 0;
   std::string_view machine;  ///< what the kernel that answered is compiled for: scalar, baseline, avx2 or avx512
 };
@@ -74,8 +77,9 @@ class FrameMemory {
 
 /// Traces one ray through the middle of every pixel. The framebuffer is the same, bit for bit, for any number of
 /// threads. Refuses a picture without pixels, a scene without layers, a layer of a volume that is not there, an
-/// isovalue or a camera that is not finite, a method that does not answer the question, and the channel `error` where
-/// the method proves nothing (Trouble::usage).
+/// isovalue or a camera that is not finite, a method that does not answer the question, smooth normals of
+/// a grid, colours by a field that is not there, and the channel `error` where the method proves nothing
+/// (Trouble::usage).
 FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
                        Framebuffer& framebuffer);
 

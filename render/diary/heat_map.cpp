@@ -1,31 +1,15 @@
 #include "render/diary.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "formats/base/vector.h"
+#include "render/color_map.h"
 
 namespace rhoray::render {
 
 namespace {
 
-/// sRGB, an even part of viridis (S. van der Walt and N. Smith) from each to the next.
-constexpr double viridis[5][3] = {
-    {0.267, 0.005, 0.329}, {0.230, 0.322, 0.546}, {0.128, 0.567, 0.551}, {0.369, 0.789, 0.383}, {0.993, 0.906, 0.144}};
 constexpr Vec3 no_number(0.21, 0.21, 0.21);  // linear
-
-double linear_from_srgb(double encoded) {
-  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
-
-Vec3 color_at(double share) {
-  const double place = 4 * std::clamp(share, 0.0, 1.0);
-  const int before = std::min(3, static_cast<int>(place));
-  Vec3 color;
-  for (int c = 0; c < 3; ++c)
-    color[c] = linear_from_srgb(viridis[before][c] + (place - before) * (viridis[before + 1][c] - viridis[before][c]));
-  return color;
-}
 
 /// What is drawn of a pixel, on the page's scale; NaN where there is no number.
 double number_at(DiaryPage page, const Framebuffer& picture, std::size_t pixel) {
@@ -60,7 +44,8 @@ Interval<double> draw_heat_map(DiaryPage page, Framebuffer& picture) {
   for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel) {
     const double number = number_at(page, picture, pixel);
     const double width = range.hi - range.lo;
-    const Vec3 color = std::isfinite(number) ? color_at(width > 0 ? (number - range.lo) / width : 0) : no_number;
+    const Vec3 color =
+        std::isfinite(number) ? color_of(ColorMap::viridis, width > 0 ? (number - range.lo) / width : 0) : no_number;
     for (std::size_t c = 0; c < 3; ++c) picture.color[4 * pixel + c] = static_cast<float>(color[static_cast<int>(c)]);
     picture.color[4 * pixel + 3] = 1;
   }

@@ -18,4 +18,15 @@ RHORAY_INLINE void add_diffuse(const Surface& surface, const Lanes& cosines, Col
   }
 }
 
+/// The same for a surface whose colour differs from hit to hit.
+RHORAY_INLINE void add_diffuse(const Surface& surface, const Colors& base, const Lanes& cosines, Colors& colors) {
+  const auto ambient = static_cast<float>(surface.ambient);
+  for (std::size_t i = 0; i < cosines.size(); ++i) {
+    const float light = ambient + (1 - ambient) * cosines[i];
+    colors.red[i] += light * base.red[i];
+    colors.green[i] += light * base.green[i];
+    colors.blue[i] += light * base.blue[i];
+  }
+}
+
 }  // namespace rhoray::render

@@ -18,6 +18,16 @@ bool is_projection(const Layer& layer) {
 std::string why_diffuse(const Layer& layer) {
   return is_projection(layer) ? "a projection shows values, not a lit surface" : "a surface is lit, from the eye";
 }
+std::string why_smooth_normals(const Layer& layer) {
+  if (is_projection(layer)) return why_diffuse(layer);
+  return layer.surface.normals == Normals::smooth ? "normals are smooth"
+                                                  : "normals are the exact gradient of the hit's cell";
+}
+std::string why_field_color(const Layer& layer) {
+  if (is_projection(layer)) return why_diffuse(layer);
+  return layer.surface.color_by ? concat("coloured by '", layer.surface.color_by->field, "'")
+                                : "no field colours the surface";
+}
 std::string why_specular(const Layer& layer) {
   return is_projection(layer) ? why_diffuse(layer) : concat("specular is ", layer.surface.specular);
 }
@@ -35,6 +45,8 @@ struct Row {
 
 /// A row for every effect: EffectSet holds a bool of each and nothing else.
 constexpr std::array rows{Row{"diffuse", &EffectSet::diffuse, why_diffuse},
+                          Row{"smooth normals", &EffectSet::smooth_normals, why_smooth_normals},
+                          Row{"colour by field", &EffectSet::field_color, why_field_color},
                           Row{"specular", &EffectSet::specular, why_specular},
                           Row{"intensity", &EffectSet::intensity, why_intensity}};
 static_assert(sizeof(EffectSet) == rows.size(), "an effect has no row here");

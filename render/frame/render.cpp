@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "formats/base/text.h"
@@ -26,6 +27,10 @@ void check_layer(std::span<const Volume> volumes, const Layer& layer) {
                 concat("window ", layer.window.lo, " to ", layer.window.hi, "; expected a finite range"));
   if (!(layer.surface.opacity >= 0 && layer.surface.opacity <= 1))
     throw Error(Trouble::usage, concat("an opacity of ", layer.surface.opacity, "; expected 0 to 1"));
+  if (const auto& colors = layer.surface.color_by;
+      colors && (colors->range.is_empty() || !std::isfinite(colors->range.hi - colors->range.lo)))
+    throw Error(Trouble::usage, concat("colours of '", colors->field, "' from ", colors->range.lo, " to ",
+                                       colors->range.hi, "; expected a finite range"));
   const Method& method = layer.method;
   if (method.way == Method::Way::sampled && !(method.step >= 1e-4 && method.step <= 1e4))
     throw Error(Trouble::usage, concat("steps of ", method.step, " cells; expected 0.0001 to 10000"));
@@ -61,6 +66,15 @@ Part part_of(const Layer& layer, const Scene& scene) {
   return layer.surface.opacity < 1 ? Part::clear : Part::opaque;
 }
 
+/// What a layer's effects ask for beyond what hits say; null when they ask for none.
+std::shared_ptr<const HitLookup> choose_lookup(const Volume& volume, const Layer& layer, unsigned threads) {
+  const EffectSet effects = effects_called_for(layer);
+  HitWishes wishes{.smooth_gradients = effects.smooth_normals, .field = {}};
+  if (effects.field_color) wishes.field = layer.surface.color_by->field;
+  if (wishes.none()) return nullptr;
+  return std::make_shared<const HitLookup>(volume.implementation(), wishes, threads);
+}
+
 FrameLayer choose_layer(const Volume& volume, const Layer& layer, Part part, const FrameOptions& options) {
   const VolumeImplementation& implementation = volume.implementation();
   const bool is_mip = layer.mode == Mode::mip;
@@ -85,7 +99,8 @@ FrameLayer choose_layer(const Volume& volume, const Layer& layer, Part part, con
       .look = {.layer = layer,
                .effects = effects_called_for(layer),
                .facing = Facing(implementation.world_from_volume),
-               .proves = proves(layer.method)},
+               .proves = proves(layer.method),
+               .lookup = choose_lookup(volume, layer, options.threads)},
       .volume_from_world = implementation.world_from_volume.inverse()};
 }
 
@@ -149,6 +164,8 @@ FrameStatistics statistics_of(const FrameMemory::Implementation& memory, const S
     statistics.rays_through += counts.rays_through;
     statistics.hits += counts.hits;
     statistics.highlights_shaded += counts.highlights;
+    statistics.normals_smoothed += counts.smooth_normals;
+    statistics.colors_looked_up += counts.field_values;
     statistics.largest_error = std::max(statistics.largest_error, counts.largest_error);
   }
   statistics.macrocells_visited = counters.macrocells_visited;
@@ -226,14 +243,14 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
 
+  const auto preparation_start = std::chrono::steady_clock::now();
   Frame frame = choose_frame(volumes, scene, options);
-  bool is_wide = false;
-  double preparation_s = 0;
+  bool is_wide = false, prepares = false;
   for (FrameLayer& layer : frame.layers) {
-    const auto preparation_start = std::chrono::steady_clock::now();
     is_wide |= prepare(layer, options);
-    if (layer.prepare != nullptr) preparation_s += seconds_since(preparation_start);
+    prepares |= layer.prepare != nullptr || layer.look.lookup;
   }
+  const double preparation_s = prepares ? seconds_since(preparation_start) : 0;
   const std::vector<Pass> passes = passes_of(frame, options, refinement.first_spacing);
   framebuffer.reshape(options.width, options.height, options.channels);
   FrameMemory::Implementation& kept = memory.implementation();

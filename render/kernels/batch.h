@@ -16,6 +16,7 @@ struct Hit {
   double t = std::numeric_limits<double>::infinity();  ///< infinity: nothing was hit
   double value = 0;                                    ///< of the field there
   std::uint64_t cell = 0;                              ///< id of the cell
+  std::uint32_t tet = 0;                               ///< in a mesh the position of that cell; only for first_crossing
   Vec3 gradient{0, 0, 0};                              ///< of the field there, volume frame; only for first_crossing
   /// How far the exact answer may be from this one: from t for a crossing, from the value for a largest value. NaN
   /// where the method proves nothing.
@@ -91,13 +92,14 @@ class HitBatch {
     t = LaneArray<double>(capacity), value = LaneArray<double>(capacity), error = LaneArray<double>(capacity);
     for (auto& component : gradient) component = LaneArray<double>(capacity);
     cell = LaneArray<std::uint64_t>(capacity);
-    for (auto* numbers : {&root_count, &iteration_count, &cost}) *numbers = LaneArray<std::uint32_t>(capacity);
+    for (auto* numbers : {&tet, &root_count, &iteration_count, &cost}) *numbers = LaneArray<std::uint32_t>(capacity);
   }
 
   Hit operator[](std::size_t i) const {
     return {.t = t[i],
             .value = value[i],
             .cell = cell[i],
+            .tet = tet[i],
             .gradient = {gradient[0][i], gradient[1][i], gradient[2][i]},
             .error = error[i],
             .root_count = root_count[i],
@@ -105,14 +107,14 @@ class HitBatch {
             .cost = cost[i]};
   }
   void set(std::size_t i, const Hit& hit) {
-    t[i] = hit.t, value[i] = hit.value, error[i] = hit.error, cell[i] = hit.cell;
+    t[i] = hit.t, value[i] = hit.value, error[i] = hit.error, cell[i] = hit.cell, tet[i] = hit.tet;
     for (std::size_t axis = 0; axis < 3; ++axis) gradient[axis][i] = hit.gradient[static_cast<int>(axis)];
     root_count[i] = hit.root_count, iteration_count[i] = hit.iteration_count, cost[i] = hit.cost;
   }
 
   LaneArray<double> t, value, error, gradient[3];
   LaneArray<std::uint64_t> cell;
-  LaneArray<std::uint32_t> root_count, iteration_count, cost;
+  LaneArray<std::uint32_t> tet, root_count, iteration_count, cost;
 };
 
 }  // namespace rhoray::render

@@ -45,6 +45,7 @@ class TetSampler {
     if (!found) return;
     const auto vertices = view_.sorted_vertices(found->tet);
     hit.cell = view_.cell_id(found->tet);
+    hit.tet = found->tet;
     hit.gradient = tet_gradient(view_.points_at(vertices), view_.values_at(vertices));
   }
 

@@ -110,6 +110,7 @@ void fill_in(Hit& hit, const View& view, const Question& question, std::uint32_t
   hit.t = t;
   hit.value = question.isovalue;
   hit.cell = view.cell_id(tet);
+  hit.tet = tet;
   hit.gradient = tet_gradient(view.points_at(vertices), view.values_at(vertices));
   hit.root_count = 1;
 }

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "formats/base/parallel.h"
 #include "render/cells/side.h"
@@ -158,33 +159,139 @@ void sort_by_code(std::vector<Item>& items) {
   }
 }
 
+/// A cell, and where it stands on the curve.
 struct PlacedCell {
   std::uint32_t cell, code;
 };
 
-/// The field of a cell, with vertices in rising order. Where the cell's volume is less than 2^-20 of the product of its
-/// edges' lengths, and the sum of a few rounded products of them says little, the gradient is in doubt; above, it is
-/// off by less than 2^-53 * 64 * 2^20 of itself, taken with that product.
-FacetField field_of(const std::array<std::array<double, 3>, 4>& points, const std::array<double, 4>& values,
-                    double isovalue, const Vec3& anchor) {
-  const auto edge = [&](std::size_t to) {
-    return Vec3(points[to][0] - points[0][0], points[to][1] - points[0][1], points[to][2] - points[0][2]);
-  };
-  const Vec3 a = edge(1), b = edge(2), c = edge(3);
-  const double size2 =
-      std::max({a.length2(), b.length2(), c.length2(), (b - a).length2(), (c - a).length2(), (c - b).length2()});
-  const Vec3 g = tet_gradient(points, values);
-  FacetField field{.gradient = {g.x, g.y, g.z},
-                   .value = (values[0] - isovalue) - g.dot(Vec3(points[0][0], points[0][1], points[0][2]) - anchor),
-                   .cell = 0,
-                   .cell_size = static_cast<float>(std::sqrt(size2)),
-                   .doubt = std::numeric_limits<float>::infinity()};
-  const double six_volumes = std::abs(a.dot(b.cross(c)));
-  const auto [lo, hi] = std::minmax({values[0], values[1], values[2], values[3]});
-  const double cube = size2 * std::sqrt(size2);
-  if (six_volumes > 0x1p-20 * cube && std::isfinite(field.value))
-    field.doubt = static_cast<float>(0x1p-44 * (hi - lo) * (cube / six_volumes) * (cube / six_volumes));
-  return field;
+/// Cells of a block of facets, vertices in rising order; each number of sixteen side by side.
+struct BlockCells {
+  static constexpr std::size_t size = FacetBlock::size;
+  double point[4][3][size];  ///< [vertex][axis]
+  double value[4][size];     ///< [vertex]
+};
+
+/// Beyond the last cell stands the last one again.
+template <class T>
+void gather(const TetVolume<T>& view, std::span<const PlacedCell> placed, BlockCells& cells) {
+  for (std::size_t f = 0; f < BlockCells::size; ++f) {
+    const auto vertices = view.sorted_vertices(placed[std::min(f, placed.size() - 1)].cell);
+    const auto points = view.points_at(vertices);
+    for (std::size_t v = 0; v < 4; ++v) {
+      cells.value[v][f] = view.value_at(vertices[v]);
+      for (std::size_t axis = 0; axis < 3; ++axis) cells.point[v][axis][f] = points[v][axis];
+    }
+  }
+}
+
+void find_corners(const BlockCells& cells, double isovalue, const Vec3& anchor, double scale, FacetBlock& block) {
+  constexpr std::size_t size = BlockCells::size;
+  double place[4][3][size];
+  for (std::size_t v = 0; v < 4; ++v)
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double middle = anchor[static_cast<int>(axis)];
+      for (std::size_t f = 0; f < size; ++f) place[v][axis][f] = (cells.point[v][axis][f] - middle) * scale;
+    }
+  const FacetEdges* edges[size];
+  for (std::size_t f = 0; f < size; ++f)
+    edges[f] = &facet_edges[inside_bits({cells.value[0][f], cells.value[1][f], cells.value[2][f], cells.value[3][f]},
+                                        isovalue)];
+  for (std::size_t corner = 0; corner < 4; ++corner) {
+    double from[3][size], to[3][size], value_from[size], value_to[size];
+    for (std::size_t f = 0; f < size; ++f) {
+      const std::size_t a = edges[f]->edge[corner][0], b = edges[f]->edge[corner][1];
+      value_from[f] = cells.value[a][f], value_to[f] = cells.value[b][f];
+      for (std::size_t axis = 0; axis < 3; ++axis) from[axis][f] = place[a][axis][f], to[axis][f] = place[b][axis][f];
+    }
+    double share[size];
+    for (std::size_t f = 0; f < size; ++f) share[f] = (isovalue - value_from[f]) / (value_to[f] - value_from[f]);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (std::size_t f = 0; f < size; ++f)
+        block.corner[corner][axis][f] = static_cast<float>((1 - share[f]) * from[axis][f] + share[f] * to[axis][f]);
+  }
+}
+
+/// Six volumes and the gradients of cells: tet_gradient, bit for bit.
+void find_gradients(const BlockCells& cells, double* six_volumes, double (*gradient)[BlockCells::size]) {
+  constexpr std::size_t size = BlockCells::size;
+  double flat[size];
+  for (std::size_t f = 0; f < size; ++f) {
+    const auto edge = [&](std::size_t to) {
+      return Vec3(cells.point[to][0][f] - cells.point[0][0][f], cells.point[to][1][f] - cells.point[0][1][f],
+                  cells.point[to][2][f] - cells.point[0][2][f]);
+    };
+    const Vec3 a = edge(1), b = edge(2), c = edge(3);
+    const Vec3 bc = b.cross(c), ca = c.cross(a), ab = a.cross(b);
+    const double volumes = a.dot(bc);
+    const Vec3 sum = (cells.value[1][f] - cells.value[0][f]) * bc + (cells.value[2][f] - cells.value[0][f]) * ca +
+                     (cells.value[3][f] - cells.value[0][f]) * ab;
+    gradient[0][f] = sum.x / volumes, gradient[1][f] = sum.y / volumes, gradient[2][f] = sum.z / volumes;
+    six_volumes[f] = std::abs(volumes);
+    flat[f] = 1 / volumes;
+  }
+  for (std::size_t f = 0; f < size; ++f) {
+    if (std::isfinite(flat[f])) continue;
+    std::array<std::array<double, 3>, 4> points;
+    for (std::size_t v = 0; v < 4; ++v)
+      for (std::size_t axis = 0; axis < 3; ++axis) points[v][axis] = cells.point[v][axis][f];
+    const Vec3 g = tet_gradient(points, {cells.value[0][f], cells.value[1][f], cells.value[2][f], cells.value[3][f]});
+    for (std::size_t axis = 0; axis < 3; ++axis) gradient[axis][f] = g[static_cast<int>(axis)];
+  }
+}
+
+/// The fields of cells. Where a cell's volume is less than 2^-20 of the product of its edges' lengths, and the sum of a
+/// few rounded products of them says little, the gradient is in doubt; above, it is off by less than 2^-53 * 64 * 2^20
+/// of itself, taken with that product.
+void find_fields(const BlockCells& cells, double isovalue, const Vec3& anchor, std::span<FacetField> fields) {
+  constexpr std::size_t size = BlockCells::size;
+  constexpr double largest = std::numeric_limits<double>::max();
+  double six_volumes[size], gradient[3][size], value[size], cell_size[size], doubt[size];
+  find_gradients(cells, six_volumes, gradient);
+  for (std::size_t f = 0; f < size; ++f) {
+    Vec3 p[4];
+    for (std::size_t v = 0; v < 4; ++v) p[v] = {cells.point[v][0][f], cells.point[v][1][f], cells.point[v][2][f]};
+    const Vec3 a = p[1] - p[0], b = p[2] - p[0], c = p[3] - p[0], g(gradient[0][f], gradient[1][f], gradient[2][f]);
+    const auto larger = [](double x, double y) { return x < y ? y : x; };
+    const auto smaller = [](double x, double y) { return x < y ? x : y; };
+    const double size2 = larger(larger(larger(a.dot(a), b.dot(b)), larger(c.dot(c), (b - a).dot(b - a))),
+                                larger((c - a).dot(c - a), (c - b).dot(c - b)));
+    const double* v[4] = {cells.value[0], cells.value[1], cells.value[2], cells.value[3]};
+    const double low = smaller(smaller(v[0][f], v[1][f]), smaller(v[2][f], v[3][f]));
+    const double high = larger(larger(v[0][f], v[1][f]), larger(v[2][f], v[3][f]));
+    const double length = std::sqrt(size2), cube = size2 * length, shape = cube / six_volumes[f];
+    value[f] = (v[0][f] - isovalue) - g.dot(p[0] - anchor);
+    cell_size[f] = length;
+    const double rounding = 0x1p-44 * (high - low) * shape * shape;
+    const bool is_told = six_volumes[f] > 0x1p-20 * cube && std::abs(value[f]) <= largest;
+    doubt[f] = is_told ? rounding : std::numeric_limits<double>::infinity();
+  }
+  for (std::size_t f = 0; f < fields.size(); ++f)
+    fields[f] = {.gradient = {gradient[0][f], gradient[1][f], gradient[2][f]},
+                 .value = value[f],
+                 .cell = 0,
+                 .tet = 0,
+                 .cell_size = static_cast<float>(cell_size[f]),
+                 .doubt = static_cast<float>(doubt[f])};
+}
+
+/// The least and the largest numbers of lists of sixteen.
+Interval<float> range_of(std::span<const float* const> lists) {
+  constexpr std::size_t size = FacetBlock::size;
+  static_assert(FacetNode::size == size);
+  float low[size], high[size];
+  std::fill_n(low, size, FacetNode::nowhere);
+  std::fill_n(high, size, -FacetNode::nowhere);
+  for (const float* list : lists)
+    for (std::size_t i = 0; i < size; ++i) {
+      low[i] = list[i] < low[i] ? list[i] : low[i];
+      high[i] = list[i] > high[i] ? list[i] : high[i];
+    }
+  for (std::size_t half = size / 2; half > 0; half /= 2)
+    for (std::size_t i = 0; i < half; ++i) {
+      low[i] = low[i + half] < low[i] ? low[i + half] : low[i];
+      high[i] = high[i + half] > high[i] ? high[i + half] : high[i];
+    }
+  return {low[0], high[0]};
 }
 
 }  // namespace
@@ -215,28 +322,21 @@ Facets::Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, un
   sort_by_code(placed);
 
   count_ = static_cast<std::uint32_t>(placed.size());
-  blocks_.resize((placed.size() + FacetBlock::size - 1) / FacetBlock::size);
-  fields_.resize(placed.size());
-  cells_.resize(placed.size());
-  for_each_range(blocks_.size(), 256, threads, [&](std::uint64_t first_block, std::uint64_t end_block) {
-    const auto end = static_cast<std::uint32_t>(std::min<std::uint64_t>(count_, end_block * FacetBlock::size));
-    for (auto f = static_cast<std::uint32_t>(first_block * FacetBlock::size); f < end; ++f) {
-      const std::uint32_t cell = placed[f].cell;
-      const auto vertices = view.sorted_vertices(cell);
-      const auto points = view.points_at(vertices);
-      const auto values = view.values_at(vertices);
-      const FacetEdges& edges = facet_edges[inside_bits(values, isovalue)];
-      FacetBlock& block = blocks_[f / FacetBlock::size];
-      for (std::size_t corner = 0; corner < 4; ++corner) {
-        const std::size_t a = edges.edge[corner][0], b = edges.edge[corner][1];
-        const double s = (isovalue - values[a]) / (values[b] - values[a]);
-        for (std::size_t axis = 0; axis < 3; ++axis)
-          block.corner[corner][axis][f % FacetBlock::size] =
-              static_cast<float>((1 - s) * in_frame(points[a], axis) + s * in_frame(points[b], axis));
+  blocks_ = std::make_unique_for_overwrite<FacetBlock[]>(block_count());
+  fields_ = std::make_unique_for_overwrite<FacetField[]>(count_);
+  for_each_range(block_count(), 256, threads, [&](std::uint64_t first_block, std::uint64_t end_block) {
+    BlockCells cells;
+    for (std::uint64_t b = first_block; b < end_block; ++b) {
+      const std::size_t first = b * FacetBlock::size;
+      const std::size_t in_block = std::min<std::size_t>(FacetBlock::size, placed.size() - first);
+      const std::span<FacetField> fields(fields_.get() + first, in_block);
+      gather(view, std::span(placed).subspan(first, in_block), cells);
+      find_corners(cells, isovalue, anchor_, scale_, blocks_[b]);
+      find_fields(cells, isovalue, anchor_, fields);
+      for (std::size_t f = 0; f < in_block; ++f) {
+        fields[f].tet = placed[first + f].cell;
+        fields[f].cell = static_cast<std::uint32_t>(view.cell_id(fields[f].tet));
       }
-      fields_[f] = field_of(points, values, isovalue, anchor_);
-      fields_[f].cell = view.cell_id(cell);
-      cells_[f] = cell;
     }
   });
   build_levels();
@@ -244,32 +344,27 @@ Facets::Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, un
 
 void Facets::build_levels() {
   std::vector<FacetNode>& lowest = levels_.emplace_back(
-      std::vector<FacetNode>((blocks_.size() + FacetNode::size - 1) / FacetNode::size, FacetNode::of_empty_boxes()));
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const std::size_t in_block = std::min<std::size_t>(FacetBlock::size, count_ - b * FacetBlock::size);
+      std::vector<FacetNode>((block_count() + FacetNode::size - 1) / FacetNode::size, FacetNode::of_empty_boxes()));
+  for (std::size_t b = 0; b < block_count(); ++b)
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      float& low = lowest[b / FacetNode::size].low[axis][b % FacetNode::size];
-      float& high = lowest[b / FacetNode::size].high[axis][b % FacetNode::size];
-      for (std::size_t corner = 0; corner < 4; ++corner)
-        for (std::size_t f = 0; f < in_block; ++f) {
-          low = std::min(low, blocks_[b].corner[corner][axis][f]);
-          high = std::max(high, blocks_[b].corner[corner][axis][f]);
-        }
+      const auto& corner = blocks_[b].corner;
+      const Interval<float> range =
+          range_of(std::array{corner[0][axis], corner[1][axis], corner[2][axis], corner[3][axis]});
+      lowest[b / FacetNode::size].low[axis][b % FacetNode::size] = range.lo;
+      lowest[b / FacetNode::size].high[axis][b % FacetNode::size] = range.hi;
     }
-  }
   add_upper_levels(levels_);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     low_[axis] = FacetNode::nowhere, high_[axis] = -FacetNode::nowhere;
     if (levels_.back().empty()) continue;
     const FacetNode& top = levels_.back().front();
-    low_[axis] = *std::min_element(top.low[axis], top.low[axis] + FacetNode::size);
-    high_[axis] = *std::max_element(top.high[axis], top.high[axis] + FacetNode::size);
+    low_[axis] = range_of(std::array{top.low[axis]}).lo;
+    high_[axis] = range_of(std::array{top.high[axis]}).hi;
   }
 }
 
 std::size_t Facets::size_bytes() const {
-  std::size_t bytes =
-      blocks_.size() * sizeof(FacetBlock) + fields_.size() * (sizeof(FacetField) + sizeof(std::uint32_t));
+  std::size_t bytes = block_count() * sizeof(FacetBlock) + count_ * sizeof(FacetField);
   for (const auto& nodes : levels_) bytes += nodes.size() * sizeof(FacetNode);
   return bytes;
 }

@@ -13,6 +13,7 @@
 namespace rhoray::render {
 
 /// Sixteen facets, side by side. A quadrilateral's corners stand in order round it; a triangle repeats its last one.
+/// Beyond the last facet of all stands the last one again.
 struct alignas(64) FacetBlock {
   static constexpr std::uint32_t size = 16;
   float corner[4][3][size];
@@ -24,7 +25,8 @@ using FacetNode = BoxNode;
 struct FacetField {
   double gradient[3];
   double value;
-  std::uint64_t cell;  ///< id
+  std::uint32_t cell;  ///< id
+  std::uint32_t tet;   ///< position in the mesh
   float cell_size;     ///< the longest edge, mesh units
   float doubt;         ///< what rounding of the gradient puts the field off by inside the cell, at most; infinite where
                        ///< the cell is flat, or nearly, and the gradient says nothing
@@ -52,9 +54,8 @@ class Facets {
   Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads);
 
   std::uint32_t count() const { return count_; }
-  const FacetBlock* blocks() const { return blocks_.data(); }
-  const FacetField* fields() const { return fields_.data(); }   ///< one for each facet
-  const std::uint32_t* cells() const { return cells_.data(); }  ///< position in the mesh of each facet's
+  const FacetBlock* blocks() const { return blocks_.get(); }
+  const FacetField* fields() const { return fields_.get(); }  ///< one for each facet
   int level_count() const { return static_cast<int>(levels_.size()); }
   const FacetNode* level(int l) const { return levels_[static_cast<std::size_t>(l)].data(); }
   const BoxLevels& levels() const { return levels_; }
@@ -67,12 +68,12 @@ class Facets {
   std::size_t size_bytes() const;
 
  private:
+  std::size_t block_count() const { return (std::size_t{count_} + FacetBlock::size - 1) / FacetBlock::size; }
   void build_levels();
 
   std::uint32_t count_ = 0;
-  std::vector<FacetBlock> blocks_;
-  std::vector<FacetField> fields_;
-  std::vector<std::uint32_t> cells_;
+  std::unique_ptr<FacetBlock[]> blocks_;
+  std::unique_ptr<FacetField[]> fields_;
   BoxLevels levels_;
   Vec3 anchor_;
   double scale_ = 1;

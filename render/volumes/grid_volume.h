@@ -121,6 +121,7 @@ class GridVolume {
   WalkLattice lattice() const { return {levels_.shape.leaf_count, levels_.shape.factor}; }
   int level_count() const { return levels_.shape.level_count; }
   const formats::GridDescription& description() const { return grid_.description(); }
+  const formats::BrickGrid& grid() const { return grid_; }
   RHORAY_INLINE const Geometry& geometry() const { return geometry_; }
 
   // What is stored, for kernels that read it by themselves. The first two only of a dense grid.

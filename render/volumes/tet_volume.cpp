@@ -1,5 +1,6 @@
 #include "render/volumes/facets.h"
 #include "render/volumes/load_view.h"
+#include "render/volumes/point_gradients.h"
 #include "render/volumes/volume.h"
 
 namespace rhoray::render {
@@ -24,7 +25,8 @@ std::shared_ptr<const VolumeImplementation> load_tets(const formats::PackedFile&
                              .world_from_volume = Affine{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, description.origin},
                              .bounds_volume = bounds,
                              .view = std::move(view),
-                             .facets = std::make_shared<FacetsCache>()});
+                             .facets = std::make_shared<FacetsCache>(),
+                             .point_gradients = std::make_shared<PointGradientsCache>()});
   };
   if (summary.type == formats::ElementType::F32) return make(TetVolume<float>(mesh, chosen));
   return make(TetVolume<double>(mesh, chosen));

@@ -25,6 +25,7 @@ class TetVolume {
   }
 
   const formats::TetMeshDescription& description() const { return mesh_.description(); }
+  const formats::TetMesh& mesh() const { return mesh_; }
 
   /// Leaf cells around the mesh, about the size of a tetrahedron, also where no lists name what they hold.
   WalkLattice lattice() const {
@@ -36,6 +37,9 @@ class TetVolume {
     const formats::LeafLattice& lattice = mesh_.description().lattice;
     return {(ray.origin - lattice.low) / lattice.leaf_size, ray.direction / lattice.leaf_size, ray.t_min, ray.t_max};
   }
+
+  std::span<const std::array<double, 3>> points() const { return mesh_.points(); }
+  std::span<const T> values() const { return values_; }
 
   bool has_clusters() const { return mesh_.has_clusters(); }
 

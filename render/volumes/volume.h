@@ -14,6 +14,7 @@
 namespace rhoray::render {
 
 class FacetsCache;
+class PointGradientsCache;
 
 /// One loaded volume: what every kind has in common, and the view that kernels read.
 struct VolumeImplementation {
@@ -34,7 +35,8 @@ struct VolumeImplementation {
                NanoVdbVolume>
       view;
   std::unique_ptr<OccupancyCache> occupancies = std::make_unique<OccupancyCache>();  ///< of the field of a grid
-  std::shared_ptr<FacetsCache> facets{};  ///< of the field of a mesh; null for grids
+  std::shared_ptr<FacetsCache> facets{};                   ///< of the field of a mesh; null for grids
+  std::shared_ptr<PointGradientsCache> point_gradients{};  ///< likewise
 };
 
 }  // namespace rhoray::render

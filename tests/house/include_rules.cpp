@@ -36,8 +36,8 @@ const Floor rooms_of_render[] = {
     {"render/kernels",
      {"formats", "render/kernels", "render/volumes", "render/judge", "render/cells", "render/march",
       "render/method.h"}},
-    {"render/effects", {"formats/base", "render/effects", "render/kernels", "render/scene.h"}},
-    {"render/diary", {"formats/base", "render/diary", "render/diary.h", "render/framebuffer.h"}},
+    {"render/effects", {"formats/base", "render/effects", "render/kernels", "render/scene.h", "render/color_map.h"}},
+    {"render/diary", {"formats/base", "render/diary", "render/diary.h", "render/framebuffer.h", "render/color_map.h"}},
     {"render/frame", {"formats", "render"}}};
 
 /// Where a third-party library is received. `header` is a pattern for what stands between the brackets.

@@ -208,6 +208,56 @@ TEST(RenderCommand, prints_choices_and_statistics_as_json) {
   EXPECT_EQ(json["reproduce"], line_after(result.err, "reproduce: "));
 }
 
+TEST(RenderCommand, colours_and_smooths_a_mesh_when_asked_and_reproduces_it) {
+  const Workbench bench;
+  bench.make_box();
+  const std::vector<std::string> plain{"render", "box.rho", "--field", "length", "--iso",
+                                       "0.9",    "--size",  "48x48",   "--json"};
+  const auto with = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> all = plain;
+    all.insert(all.end(), words.begin(), words.end());
+    const RunResult result = bench.rhoray(all);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(result.out);
+  };
+  const nlohmann::json off = with({"-o", "plain.png"});
+  EXPECT_EQ(off["statistics"]["normals_smoothed"], 0);
+  EXPECT_EQ(off["statistics"]["colors_looked_up"], 0);
+  with({"--normals", "flat", "-o", "flat.exr"});
+  with({"--normals", "smooth", "-o", "smooth.exr"});
+  const nlohmann::json on = with(
+      {"--normals", "smooth", "--color-by", "height", "--colormap", "coolwarm", "--range", "0.1,0.8", "-o", "on.exr"});
+  EXPECT_GT(on["statistics"]["hits"], 100);
+  EXPECT_EQ(on["statistics"]["normals_smoothed"], on["statistics"]["hits"]);
+  EXPECT_EQ(on["statistics"]["colors_looked_up"], on["statistics"]["hits"]);
+  EXPECT_NE(read_picture(bench / "flat.exr").pixels, read_picture(bench / "smooth.exr").pixels);
+  EXPECT_NE(read_picture(bench / "smooth.exr").pixels, read_picture(bench / "on.exr").pixels);
+  const std::string reproduce = on["reproduce"];
+  EXPECT_THAT(reproduce, HasSubstr("--normals smooth --color-by height --colormap coolwarm --range 0.1,0.8"));
+  const std::vector<float> first = read_picture(bench / "on.exr").pixels;
+  ASSERT_EQ(bench.shell(reproduce + " --force").exit_code, 0);
+  EXPECT_EQ(read_picture(bench / "on.exr").pixels, first);
+}
+
+TEST(RenderCommand, refuses_looks_that_do_not_apply) {
+  const Workbench bench;
+  bench.make_box();
+  bench.make_ball();
+  const auto refused = [&](std::vector<std::string> words, const std::string& reason) {
+    words.insert(words.begin(), "render");
+    const RunResult result = bench.rhoray(words);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.err, HasSubstr(reason));
+  };
+  refused({"ball.rho", "--normals", "smooth"}, "'smooth' is of meshes, and ball.rho is a grid");
+  refused({"box.rho", "--normals", "exact"}, "'exact' is of grids, and box.rho is a mesh");
+  refused({"box.rho", "--normals", "round"}, "flat");
+  refused({"box.rho", "--color-by", "heigth"}, "did you mean height?");
+  refused({"box.rho", "--colormap", "gray"}, "--color-by names it");
+  refused({"box.rho", "--mode", "mip", "--normals", "flat"}, "--normals is of isosurfaces");
+  refused({"box.rho", "--mode", "mip", "--color-by", "height"}, "--color-by is of isosurfaces");
+}
+
 TEST(RenderCommand, says_nothing_when_quiet_and_shows_progress_when_asked) {
   const Workbench bench;
   bench.make_ball();

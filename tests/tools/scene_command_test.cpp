@@ -30,6 +30,13 @@ std::vector<std::string> words(std::vector<std::string> first, const std::vector
   return first;
 }
 
+/// What --explain says of an effect of the first layer.
+bool is_called_for(const Json& explanation, const std::string& effect) {
+  for (const Json& row : explanation["layers"][0]["effects"])
+    if (row["effect"] == effect) return row["called_for"];
+  throw std::runtime_error("no effect " + effect);
+}
+
 std::string metadata(const std::filesystem::path& picture, const std::string& name) {
   const auto file = OIIO::ImageInput::open(picture.string());
   if (!file) throw std::runtime_error(OIIO::geterror());
@@ -208,7 +215,7 @@ TEST(SceneCommand, explains_each_layer_and_effect_without_drawing) {
     EXPECT_THAT(result.out, HasSubstr(line));
   EXPECT_FALSE(std::filesystem::exists(bench / "e.png"));
   const Json json = Json::parse(bench.rhoray({"render", "e.json", "--explain", "--json"}).out);
-  EXPECT_EQ(json["layers"][0]["effects"][2]["called_for"], false);
+  EXPECT_FALSE(is_called_for(json, "specular"));
 }
 
 TEST(SceneCommand, explains_the_kernels_that_are_then_taken) {
@@ -222,9 +229,28 @@ TEST(SceneCommand, explains_the_kernels_that_are_then_taken) {
       const Json told = Json::parse(bench.rhoray(words(look, {"--explain"})).out);
       const Json drawn = Json::parse(bench.rhoray(words(look, {"-o", "k.png", "--force"})).out);
       EXPECT_EQ(told["layers"][0]["kernel"], drawn["statistics"]["machine"]);
-      EXPECT_EQ(told["layers"][0]["effects"][2]["called_for"].get<bool>(),
-                drawn["statistics"]["highlights_shaded"].get<int>() > 0);
+      EXPECT_EQ(is_called_for(told, "specular"), drawn["statistics"]["highlights_shaded"].get<int>() > 0);
     }
+}
+
+TEST(SceneCommand, explains_the_effects_that_are_then_counted) {
+  const Workbench bench;
+  bench.make_box();
+  for (const std::vector<std::string>& look : {std::vector<std::string>{"--specular", "0"},
+                                               {"--normals", "smooth"},
+                                               {"--color-by", "height"},
+                                               {"--opacity", "0.5"}}) {
+    SCOPED_TRACE(look[0]);
+    const std::vector<std::string> all =
+        words({"render", "box.rho", "--field", "length", "--size", "16x12", "--json"}, look);
+    const Json told = Json::parse(bench.rhoray(words(all, {"--explain"})).out);
+    const Json counts = Json::parse(bench.rhoray(words(all, {"-o", "p.png", "--force"})).out)["statistics"];
+    for (const auto& [effect, counter] : {std::pair{"specular", "highlights_shaded"},
+                                          {"smooth normals", "normals_smoothed"},
+                                          {"colour by field", "colors_looked_up"},
+                                          {"transparency", "rays_through"}})
+      EXPECT_EQ(is_called_for(told, effect), counts[counter].get<int>() > 0) << effect;
+  }
 }
 
 TEST(SceneCommand, prints_schema_and_keys_without_a_file) {

@@ -174,7 +174,19 @@ std::vector<Mistake> mistakes() {
        "s.json: /layers/0/isovalue/0: isovalue 900 is outside the range 0 to 237 of field 'ball'",
        "auto takes one from the histogram"},
       {with_layer(R"("range": [0, 10])"),
-       "s.json: /layers/1/range: found in a layer of type \"isosurface\"; expected in one of type \"mip\""},
+       "s.json: /layers/1/range: on a surface it is of the colours by a field: \"color_by\" names it"},
+      {with_layer(R"("colormap": "gray")"),
+       "s.json: /layers/1/colormap: is of the colours by a field: \"color_by\" names it"},
+      {with_layer(R"("color_by": "bal")"), "s.json: /layers/1/color_by: no field 'bal'; there is 'ball'",
+       "did you mean ball?"},
+      {with_layer(R"("color_by": "ball", "colormap": "viridsi")"),
+       "s.json: /layers/1/colormap: found \"viridsi\"; expected one of \"viridis\", \"cubehelix\", \"gray\", "
+       "\"coolwarm\"",
+       "did you mean viridis?"},
+      {with_layer(R"("normals": "smooth")"), "s.json: /layers/1/normals: 'smooth' is of meshes, and ball.rho is a grid",
+       "exact, the gradient of the trilinear field, is how grids are lit"},
+      {with("layers", R"([{"type": "mip", "normals": "flat"}])"),
+       "s.json: /layers/0/normals: found in a layer of type \"mip\"; expected in one of type \"isosurface\""},
       {with("layers", R"([{"type": "mip", "isovalue": 4}])"),
        "s.json: /layers/0/isovalue: found in a layer of type \"mip\"; expected in one of type \"isosurface\""},
       {with("layers", R"([{"type": "mip", "range": [9, 4]}])"),
@@ -309,7 +321,8 @@ TEST_F(SceneDocument, gives_surfaces_without_a_colour_one_each_only_where_there_
 TEST_F(SceneDocument, spelled_out_is_planned_to_the_same_scene) {
   write_file(bench() / "s.json", R"({"data": {"b": {"file": "ball.rho"}, "x": {"file": "box.rho"}},
     "layers": [{"type": "isosurface", "data": "b", "isovalue": ["auto", 33.3], "method": "sampled:0.25+bisect"},
-               {"type": "mip", "data": "x"}, {"type": "mip", "data": "x", "range": [0.1, 0.7]}],
+               {"type": "mip", "data": "x"}, {"type": "mip", "data": "x", "range": [0.1, 0.7]},
+               {"type": "isosurface", "data": "x", "normals": "smooth", "color_by": "length", "colormap": "gray", "range": [0, 2]}],
     "camera": {"azimuth": 33.3, "elevation": -71.7, "zoom": 1.7, "ortho": true},
     "image": {"size": [40, 30], "channels": ["depth", "cost"], "show": "roots", "hierarchy": false}})");
   const Json first = tools::scene_json(tools::spelled_out(planned(bench() / "s.json")));

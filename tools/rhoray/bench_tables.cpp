@@ -42,6 +42,8 @@ Json picture_context(const BenchOptions& options, const render::Volume& volume) 
   Json json = context(options);
   json["size"] = {options.size.width, options.size.height};
   json["field"] = volume.field().name;
+  if (!options.normals.empty()) json["normals"] = options.normals;
+  if (!options.color_by.empty()) json["color_by"] = options.color_by;
   json["samples_or_cells"] = volume.is_mesh() ? "tetrahedra" : "grid";
   return json;
 }
@@ -91,6 +93,8 @@ std::vector<Shot> shots(const BenchOptions& options, const render::Volume& volum
   wishes.image.size = options.size;
   wishes.accuracy = options.accuracy;
   wishes.camera.view = options.view;
+  wishes.layers[0].normals = options.normals;
+  wishes.layers[0].color_by = options.color_by;
   const auto add = [&](const std::string& scene) {
     Shot shot{.scene = scene, .plan = plan_of(wishes, volume)};
     shot.plan.frame.threads = options.threads;

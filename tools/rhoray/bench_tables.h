@@ -16,7 +16,8 @@ struct BenchOptions {
   std::string field;
   std::string accuracy;  ///< as in render
   std::string view = "iso";
-  PictureSize size{512, 512};  ///< the paper's
+  std::string normals, color_by;  ///< as in render
+  PictureSize size{512, 512};     ///< the paper's
   int repeat = 5;
   unsigned threads = 0;
   bool mip = false;               ///< also rows of maximum intensity projection

@@ -90,6 +90,7 @@ Json statistics_json(const render::FrameStatistics& statistics) {
   const render::FrameStatistics::Phases& phases = statistics.phases;
   return {{"rays", statistics.rays},
           {"rays_ruled_out", statistics.rays_ruled_out},
+          {"rays_through", statistics.rays_through},
           {"hits", statistics.hits},
           {"macrocells_visited", statistics.macrocells_visited},
           {"cells_visited", statistics.cells_visited},
@@ -100,6 +101,8 @@ Json statistics_json(const render::FrameStatistics& statistics) {
           {"touches", statistics.touches},
           {"largest_error", statistics.largest_error},
           {"highlights_shaded", statistics.highlights_shaded},
+          {"normals_smoothed", statistics.normals_smoothed},
+          {"colors_looked_up", statistics.colors_looked_up},
           {"machine", statistics.machine},
           {"preparation_s", statistics.preparation_s},
           {"wall_s", statistics.wall_s},
@@ -118,16 +121,19 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
                   rounded(all > 0 ? 100 * seconds / all : 0, 3), " %\n");
   };
   return count("rays", statistics.rays) + count("ruled out", statistics.rays_ruled_out) +
-         count("hits", statistics.hits) + count("macrocells visited", statistics.macrocells_visited) +
-         count("cells visited", statistics.cells_visited) + count("cells solved", statistics.cells_solved) +
-         count("samples taken", statistics.samples_taken) + count("rays redone in double", statistics.rays_redone) +
-         count("rays judged exactly", statistics.rays_judged) + count("touches", statistics.touches) +
+         count("through surfaces", statistics.rays_through) + count("hits", statistics.hits) +
+         count("macrocells visited", statistics.macrocells_visited) + count("cells visited", statistics.cells_visited) +
+         count("cells solved", statistics.cells_solved) + count("samples taken", statistics.samples_taken) +
+         count("rays redone in double", statistics.rays_redone) + count("rays judged exactly", statistics.rays_judged) +
+         count("touches", statistics.touches) +
          (std::isnan(statistics.largest_error)
               ? std::string()
               : concat("  largest error         ", rounded(statistics.largest_error), "\n")) +
-         count("highlights shaded", statistics.highlights_shaded) + phase("traversal", phases.traversal) +
+         count("highlights shaded", statistics.highlights_shaded) +
+         count("normals smoothed", statistics.normals_smoothed) +
+         count("colours looked up", statistics.colors_looked_up) + phase("traversal", phases.traversal) +
          phase("intersection", phases.intersection) + phase("shading", phases.shading) +
-         concat("  isovalue prepared in ", rounded(statistics.preparation_s, 3), " s\n") +
+         concat("  prepared in          ", rounded(statistics.preparation_s, 3), " s\n") +
          concat("  traced in            ", rounded(statistics.wall_s, 3), " s\n");
 }
 
@@ -345,6 +351,7 @@ Subcommand render_subcommand() {
       .examples =
           "  rhoray render head.rho -o head.png\n"
           "  rhoray render head.rho --iso 500 --view -y --size 1080p -o skin.png\n"
+          "  rhoray render heart.rho --iso 0.3 --normals smooth --color-by pressure --colormap coolwarm -o heart.png\n"
           "  rhoray render head.rho --mode mip --range 0,2000 -o mip.exr --channels depth,value\n"
           "  rhoray render smoke.vdb --iso 0.5 -o smoke.png\n"
           "  rhoray render torso.json --size 4k -o torso.png\n",

@@ -15,7 +15,7 @@ namespace rhoray::render::wide {
 struct HitArrays {
   double *t, *value, *error, *gradient[3];
   std::uint64_t* cell;
-  std::uint32_t *root_count, *iteration_count, *cost;
+  std::uint32_t *tet, *root_count, *iteration_count, *cost;
 };
 
 inline HitArrays arrays_of(const HitBatch& hits) {
@@ -24,6 +24,7 @@ inline HitArrays arrays_of(const HitBatch& hits) {
           .error = hits.error.data(),
           .gradient = {hits.gradient[0].data(), hits.gradient[1].data(), hits.gradient[2].data()},
           .cell = hits.cell.data(),
+          .tet = hits.tet.data(),
           .root_count = hits.root_count.data(),
           .iteration_count = hits.iteration_count.data(),
           .cost = hits.cost.data()};
@@ -35,6 +36,7 @@ RHORAY_INLINE HitArrays from(const HitArrays& hits, std::size_t first) {
           .error = hits.error + first,
           .gradient = {hits.gradient[0] + first, hits.gradient[1] + first, hits.gradient[2] + first},
           .cell = hits.cell + first,
+          .tet = hits.tet + first,
           .root_count = hits.root_count + first,
           .iteration_count = hits.iteration_count + first,
           .cost = hits.cost + first};
@@ -46,7 +48,8 @@ inline void write_misses(const HitArrays& hits, std::size_t count) {
   std::fill_n(hits.value, count, 0.0);
   for (double* component : hits.gradient) std::fill_n(component, count, 0.0);
   std::fill_n(hits.cell, count, std::uint64_t{0});
-  for (std::uint32_t* numbers : {hits.root_count, hits.iteration_count, hits.cost}) std::fill_n(numbers, count, 0u);
+  for (std::uint32_t* numbers : {hits.tet, hits.root_count, hits.iteration_count, hits.cost})
+    std::fill_n(numbers, count, 0u);
 }
 
 inline RayArrays arrays_of(const RayBatch& rays) {

@@ -685,9 +685,12 @@ class FacetWalk {
     if constexpr (certified) hit = prove(hit, is_near, gradient, value, speed, t, cell_size, doubt, r);
     hn::BlendedStore(t, hit, doubles, hits_.t + r);
     hn::BlendedStore(hn::Set(doubles, surface_.isovalue), hit, doubles, hits_.value + r);
-    hn::BlendedStore(hn::BitCast(unsigned_longs, number(4)), hn::RebindMask(unsigned_longs, hit), unsigned_longs,
-                     hits_.cell + r);
-    hn::BlendedStore(hn::Set(counts, 1), mask_of(counts, bits_of(doubles, hit)), counts, hits_.root_count + r);
+    const auto cell_and_tet = hn::BitCast(unsigned_longs, number(4));
+    const auto hit_counts = mask_of(counts, bits_of(doubles, hit));
+    hn::BlendedStore(hn::And(cell_and_tet, hn::Set(unsigned_longs, 0xffffffff)), hn::RebindMask(unsigned_longs, hit),
+                     unsigned_longs, hits_.cell + r);
+    hn::BlendedStore(hn::TruncateTo(counts, hn::ShiftRight<32>(cell_and_tet)), hit_counts, counts, hits_.tet + r);
+    hn::BlendedStore(hn::Set(counts, 1), hit_counts, counts, hits_.root_count + r);
   }
 
   /// Writes the bounds of hits. With u = 2^-53: the field at the origin is off by 8u of the terms that are added up,

@@ -60,7 +60,7 @@ bool settle(const View& view, const Question& question, const Ray& ray, std::spa
   double t = hit.t, doubtful_from = infinity;
   for (const FacetDoubt& doubt : doubts) {
     if (doubt.ray != index) continue;
-    const std::uint32_t tet = facets.cells()[doubt.facet];
+    const std::uint32_t tet = facets.fields()[doubt.facet].tet;
     const auto vertices = view.sorted_vertices(tet);
     const TetPoints points = view.points_at(vertices);
     const CertifiedTetCrossing found =

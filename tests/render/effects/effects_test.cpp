@@ -35,7 +35,7 @@ Vec3 shaded(const Layer& layer, const EffectSet& effects, const Vec3& gradient, 
   }
   rays.count = group_size;
   Colors colors;
-  shade(layer, effects, Facing(world_from_volume), rays, hits, 0, colors);
+  shade(layer, effects, Facing(world_from_volume), rays, hits, 0, nullptr, colors);
   for (std::size_t i = 1; i < group_size; ++i)
     EXPECT_TRUE(colors.red[i] == colors.red[0] && colors.green[i] == colors.green[0] &&
                 colors.blue[i] == colors.blue[0]);
@@ -109,6 +109,29 @@ TEST(Facing, gives_the_unit_normal_towards_the_eye) {
   for (const double length : {1.0, -1.0, 1e-300, 1e300}) {
     const Vec3 normal = Facing(map).normal(Vec3(1, 2, 4) * length, map.inverse().vector({-1, 0, 0}));
     EXPECT_LT((normal - Vec3(1, 1, 1).normalized()).length(), 1e-15) << length;
+  }
+}
+
+TEST(Shade, colours_a_surface_by_a_field_and_leaves_its_own_colour_where_that_says_nothing) {
+  Layer layer = lit_surface();
+  layer.surface.specular = 0;
+  layer.surface.color_by = {.field = "f", .map = render::ColorMap::coolwarm, .range = {.lo = 10, .hi = 30}};
+  render::RayBatch rays(group_size);
+  render::HitBatch hits(group_size);
+  double values[group_size];
+  for (std::size_t i = 0; i < group_size; ++i) {
+    rays.set(i, {.origin = {0, 0, 0}, .direction = {0, 0, -1}});
+    hits.set(i, {.t = 1, .gradient = {0, std::sqrt(0.75), 0.5}});
+    values[i] = 5 + 0.5 * static_cast<double>(i);
+  }
+  values[7] = std::numeric_limits<double>::quiet_NaN();
+  values[8] = std::numeric_limits<double>::infinity();
+  Colors colors;
+  shade(layer, effects_called_for(layer), Facing({}), rays, hits, 0, values, colors);
+  for (std::size_t i = 0; i < group_size; ++i) {
+    const Vec3 base = i == 7 ? layer.surface.color : color_of(render::ColorMap::coolwarm, (values[i] - 10) / 20);
+    const Vec3 found(colors.red[i], colors.green[i], colors.blue[i]);
+    EXPECT_LT((found - 0.6 * base).length(), 1e-3) << values[i];
   }
 }
 

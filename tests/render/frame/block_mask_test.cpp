@@ -34,7 +34,7 @@ bool meets(const Ray& ray, const Box3& box) {
       if (o < box.min[axis] || o > box.max[axis]) return false;
       continue;
     }
-    const auto [near, far] = std::minmax((box.min[axis] - o) / d, (box.max[axis] - o) / d);
+    const auto [near, far] = std::minmax({(box.min[axis] - o) / d, (box.max[axis] - o) / d});
     first = std::max(first, near), last = std::min(last, far);
   }
   return first <= last;

@@ -11,6 +11,7 @@
 #include "formats/base/trouble.h"
 #include "tests/render/support/allocation_count.h"
 #include "tests/render/support/traced_volume.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 
@@ -70,6 +71,62 @@ TEST(Render, gives_the_same_bytes_and_counts_for_any_number_of_threads) {
           EXPECT_EQ(again.highlights_shaded, first.highlights_shaded);
         }
       }
+}
+
+/// What effects ask for beyond hits does not move the hits, is counted, and is not done for a scene without them.
+TEST(Render, looks_up_normals_and_colours_for_scenes_that_ask_for_them_and_for_no_others) {
+  TracedVolume grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
+  for (const TracedVolume* traced : {&grid, &mesh})
+    for (const auto accuracy : {render::Accuracy::single, render::Accuracy::twofold, render::Accuracy::certified}) {
+      const render::Volume& volume = traced->volume();
+      Scene scene = scene_of(volume, Mode::isosurface);
+      scene.layers[0].method = method_of(accuracy);
+      scene.layers[0].surface.ambient = 1, scene.layers[0].surface.specular = 0;
+      FrameOptions options{.width = 61, .height = 47, .channels = all_channels};
+      Framebuffer plain, looked_up, again;
+      const FrameStatistics without = render::render(volume, scene, options, plain);
+      EXPECT_GT(without.hits, 100U);
+      EXPECT_EQ(without.normals_smoothed + without.colors_looked_up, 0U);
+
+      scene.layers[0].surface.color_by = {.field = "value", .map = render::ColorMap::cubehelix, .range = {-3, 5}};
+      if (volume.is_mesh()) scene.layers[0].surface.normals = render::Normals::smooth;
+      options.threads = 1;
+      const FrameStatistics with = render::render(volume, scene, options, looked_up);
+      EXPECT_EQ(with.hits, without.hits);
+      EXPECT_EQ(with.colors_looked_up, with.hits);
+      EXPECT_EQ(with.normals_smoothed, volume.is_mesh() ? with.hits : 0);
+      EXPECT_TRUE(same_bytes(plain.depth, looked_up.depth) && same_bytes(plain.cell, looked_up.cell));
+      EXPECT_EQ(same_bytes(plain.normal, looked_up.normal), !volume.is_mesh());
+      const Vec3 expected = color_of(render::ColorMap::cubehelix, 3.0 / 8);
+      for (std::size_t pixel = 0; pixel < looked_up.pixel_count(); ++pixel) {
+        if (looked_up.color[4 * pixel + 3] == 0) continue;
+        for (std::size_t c = 0; c < 3; ++c)
+          ASSERT_NEAR(looked_up.color[4 * pixel + c], expected[static_cast<int>(c)], 2e-5);
+      }
+      options.threads = 3;
+      render::render(volume, scene, options, again);
+      EXPECT_TRUE(same_bytes(looked_up, again));
+
+      scene.layers[0].surface.color_by = {};
+      scene.layers[0].surface.normals = {};
+      const FrameStatistics after = render::render(volume, scene, options, again);
+      EXPECT_TRUE(same_bytes(plain, again));
+      EXPECT_EQ(after.normals_smoothed + after.colors_looked_up, 0U);
+    }
+}
+
+TEST(Render, refuses_colours_that_it_cannot_show) {
+  TracedVolume mesh(box_mesh({}, blob()));
+  Scene scene = scene_of(mesh.volume(), Mode::isosurface);
+  Framebuffer picture;
+  const auto render_by = [&](const std::string& field, const Interval<double>& range) {
+    scene.layers[0].surface.color_by = {.field = field, .range = range};
+    render::render(mesh.volume(), scene, {.width = 4, .height = 4}, picture);
+  };
+  expect_error(Trouble::usage, "expected a finite range", [&] { render_by("value", {}); });
+  expect_error(Trouble::usage, "no field 'colour'", [&] { render_by("colour", {0, 1}); });
+  EXPECT_NO_THROW(render_by("value", {0, 0}));
 }
 
 TEST(Render, gives_the_same_picture_without_hierarchy_and_without_last_t) {

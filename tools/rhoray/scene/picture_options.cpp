@@ -5,6 +5,7 @@
 
 #include "formats/base/trouble.h"
 #include "tools/rhoray/method_words.h"
+#include "tools/rhoray/scene/looks.h"
 #include "tools/rhoray/scene/picture_words.h"
 
 namespace rhoray::tools {
@@ -98,6 +99,14 @@ std::vector<Option> picture_options(PictureOptions& options) {
       layers(value_option("--surface-color", "COLOR",
                           "#rrggbb (sRGB), or r,g,b (linear, 0 to 1); several surfaces have one each by default",
                           layer.color)),
+      layers(choice_option("--normals", normals_words(),
+                           "What the surface of a mesh is lit by: flat, the exact gradient of each cell, or smooth, "
+                           "linear between means "
+                           "at the points; of a grid exact, the gradient of its trilinear field",
+                           layer.normals)),
+      layers(value_option("--color-by", "NAME", "Colour the surface by a field of the same file, where rays hit it",
+                          layer.color_by)),
+      layers(choice_option("--colormap", colormap_words(), "Colours of --color-by; default viridis", layer.colormap)),
       value_option("--background", "COLOR", "As above; default white for isosurfaces, black for MIP", image.background),
       layers(number_option("--ambient", "A", "Share of light from all sides, 0 to 1; default 0.12", limits::share,
                            layer.ambient)),
@@ -107,8 +116,11 @@ std::vector<Option> picture_options(PictureOptions& options) {
                            layer.shininess)),
       layers(number_option("--opacity", "O", "Share of the light behind that a surface holds back, 0 to 1; default 1",
                            limits::share, layer.opacity)),
-      layers(value_option("--range", "A,B", "Values shown from black to white in MIP; default the field's range",
-                          layer.range)),
+      layers(
+          value_option("--range", "A,B",
+                       "Values shown from black to white in MIP, or from the first colour to the last by --color-by; "
+                       "default the field's range",
+                       layer.range)),
       choice_option(
           "--accuracy", accuracy_words(),
           "preview: a first look; float: single precision inside cells; double: double precision; certified: every hit "
@@ -127,12 +139,24 @@ std::vector<Option> picture_options(PictureOptions& options) {
                     image.hierarchy)};
 }
 
+namespace {
+
+/// What is said of surfaces where none is shown.
+void refuse_words_of_surfaces(const LayerWish& layer) {
+  for (const auto& [option, text] : {std::pair{"--normals", &layer.normals}, {"--color-by", &layer.color_by}})
+    if (!text->empty())
+      throw Error(Trouble::usage, concat(option, " is of isosurfaces; a maximum intensity projection has no surface"));
+}
+
+}  // namespace
+
 SceneWishes wishes_of(const PictureOptions& options, const std::filesystem::path& file) {
   SceneWishes wishes = options.wishes;
   wishes.data[0].file = file;
   wishes.layers[0].type = options.mode == "mip" ? LayerType::mip : LayerType::isosurface;
   if (!wishes.layers[0].method.empty() && !wishes.accuracy.empty())
     throw Error(Trouble::usage, "--method and --accuracy say the same thing twice: give one of them");
+  if (wishes.layers[0].type == LayerType::mip) refuse_words_of_surfaces(wishes.layers[0]);
   return wishes;
 }
 

@@ -8,6 +8,7 @@
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/method_words.h"
 #include "tools/rhoray/scene/document.h"
+#include "tools/rhoray/scene/looks.h"
 #include "tools/rhoray/scene/picture_words.h"
 #include "tools/rhoray/scene/place.h"
 #include "tools/rhoray/scene/tables.h"
@@ -98,16 +99,6 @@ render::Method choose_method(const SceneWishes& wishes, std::size_t index, rende
   return accuracy.empty() ? render::default_method(volume, mode) : render::method_of(accuracy_named(accuracy));
 }
 
-render::Surface surface_of(const LayerWish& wish) {
-  render::Surface surface;
-  if (wish.color) surface.color = wish.color->linear;
-  surface.ambient = wish.ambient.value_or(surface.ambient);
-  surface.specular = wish.specular.value_or(surface.specular);
-  surface.shininess = wish.shininess.value_or(surface.shininess);
-  surface.opacity = wish.opacity.value_or(surface.opacity);
-  return surface;
-}
-
 /// Adds the layers of a planned scene one after another.
 class LayerPlanner {
  public:
@@ -135,7 +126,7 @@ class LayerPlanner {
     layer.method = choose_method(wishes_, index, layer.mode, volume);
     switch (wish.type) {
       case LayerType::isosurface:
-        layer.surface = surface_of(wish);
+        layer.surface = choose_surface(wish, volume, layer_place(wishes_, index));
         return add_isosurfaces(index, layer);
       case LayerType::mip:
         return add_projection(index, layer);
@@ -318,6 +309,12 @@ SceneWishes spelled_out(const ScenePlan& plan) {
     } else {
       wish.isovalues = {concat(layer.isovalue)};
       wish.color = Color{layer.surface.color};
+      wish.normals = word_of(layer.surface.normals, plan.volumes[layer.volume].is_mesh());
+      if (const auto& colors = layer.surface.color_by) {
+        wish.color_by = colors->field;
+        wish.colormap = word_of(colors->map);
+        if (colors->range.lo < colors->range.hi) wish.range = colors->range;  // else the field's, as without
+      }
       wish.ambient = layer.surface.ambient;
       wish.specular = layer.surface.specular;
       wish.shininess = layer.surface.shininess;
@@ -360,6 +357,12 @@ std::vector<std::string> reproducing_command(const ScenePlan& plan, const std::f
     add("--mode", "iso");
     add("--iso", layer.isovalues[0]);
     add("--surface-color", text_of_vector(layer.color->linear));
+    add("--normals", layer.normals);
+    if (!layer.color_by.empty()) {
+      add("--color-by", layer.color_by);
+      add("--colormap", layer.colormap);
+      if (layer.range) add("--range", concat(layer.range->lo, ",", layer.range->hi));
+    }
     add("--ambient", concat(*layer.ambient));
     add("--specular", concat(*layer.specular));
     add("--shininess", concat(*layer.shininess));

@@ -4,6 +4,7 @@
 
 #include "formats/base/trouble.h"
 #include "tools/rhoray/method_words.h"
+#include "tools/rhoray/scene/looks.h"
 #include "tools/rhoray/scene/picture_words.h"
 
 namespace rhoray::tools {
@@ -32,6 +33,15 @@ Rows rows_of_isosurfaces() {
           "Value of the surface; \"auto\" is Otsu's threshold, several values are several layers; default \"auto\""),
       row("color", &LayerWish::color, color_value(),
           "Default neutral; in scenes of several isosurfaces each has one of its own"),
+      row("normals", &LayerWish::normals, word_value(normals_words()),
+          "What lights it: \"flat\", in a mesh the exact gradient of each cell, the default there; \"smooth\", in a "
+          "mesh linear between means at the points; \"exact\", in a grid the gradient of its trilinear field"),
+      row("color_by", &LayerWish::color_by, text_value(),
+          "A field of the same file that colours the surface; where it has no data \"color\" stays"),
+      row("colormap", &LayerWish::colormap, word_value(colormap_words()),
+          "Colours of \"color_by\"; default \"viridis\""),
+      row("range", &LayerWish::range, interval_value(),
+          "Values of \"color_by\" from the map's first colour to its last; default the field's range"),
       row("ambient", &LayerWish::ambient, number_within(limits::share), "Share of light from all sides; default 0.12"),
       row("specular", &LayerWish::specular, number_within(limits::share),
           "Strength of the highlight; 0 computes none; default 0.25"),

@@ -27,8 +27,11 @@ struct LayerWish {
   LayerType type = LayerType::isosurface;
   std::string data{};                          ///< a DataWish's name; empty = the only one
   std::vector<std::string> isovalues{"auto"};  ///< numbers, p95 (percentile), or auto; one surface each
-  std::optional<Interval<double>> range{};
+  std::optional<Interval<double>> range{};     ///< of MIP, or of color_by
   std::optional<Color> color{};
+  std::string normals{};   ///< a word; empty = flat in meshes, exact in grids
+  std::string color_by{};  ///< a field of the data; empty = color
+  std::string colormap{};  ///< a word; empty = viridis
   std::optional<double> ambient{}, specular{}, shininess{}, opacity{};
   std::string accuracy{};  ///< a level; empty = the scene's
   std::string method{};    ///< instead of a level
