@@ -184,7 +184,7 @@ FrameStatistics::Phases phases_of(const FrameMemory::Implementation& memory, dou
   std::uint64_t intersection = 0, shading = 0, tiles = 0;
   for (const Worker* worker : memory.workers()) {
     for (const LayerWork& layer : worker->layers) intersection += layer.scratch.counters.intersection_ticks;
-    shading += worker->counts.shading_ticks;
+    shading += worker->counts.shading_ticks - worker->counts.tracing_ticks;
     tiles += worker->counts.tile_ticks;
   }
   FrameStatistics::Phases phases;

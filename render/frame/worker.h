@@ -33,6 +33,7 @@ struct WorkerCounts {
   std::uint64_t rays = 0, rays_ruled_out = 0, rays_through = 0, hits = 0;
   std::uint64_t highlights = 0, smooth_normals = 0, field_values = 0;
   std::uint64_t tile_ticks = 0, shading_ticks = 0;
+  std::uint64_t tracing_ticks = 0;  ///< while shading: of rays that go on
   double largest_error = 0;
 };
 
