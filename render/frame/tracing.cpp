@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "render/frame/lighting.h"
+
 namespace rhoray::render {
 
 namespace {
@@ -113,14 +115,14 @@ void peel_clear_layers(const Frame& frame, Worker& worker) {
     rays.has_start_sides = true;
     std::fill_n(rays.start_side.data(), ray_count, StartSide::unknown);
   }
-  worker.few_rays.has_start_sides = true;
   LayerOfRays next;
   while (find_next(frame, worker, ray_count, next))
     for (std::size_t l = 0; l < frame.layers.size(); ++l) {
       if (frame.layers[l].part != Part::clear) continue;
       const auto index = static_cast<std::uint8_t>(l);
+      receive_light(frame, index, &next, worker);
       leave_crossings(index, next, worker.layers[l]);
-      shade_clear(frame.layers[l].look, worker.layers[l], next, index, worker.counts, worker.front);
+      shade_clear(frame.layers[l].look, worker.layers[l], next, index, worker.received, worker.counts, worker.front);
       go_on(frame.layers[l], index, next, worker);
     }
   for (std::size_t l = 0; l < frame.layers.size(); ++l) {
