@@ -4,6 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "render/effects/occlusion.h"
+#include "render/effects/received.h"
 #include "render/frame/tiles.h"
 #include "render/kernels/kernels.h"
 
@@ -28,12 +30,34 @@ struct LayerOfRays {
   alignas(64) std::uint8_t of[tile_capacity];
 };
 
+/// A hit that light may reach.
+struct LitHit {
+  std::uint32_t ray;
+  double t;
+  StartSide side;  ///< of its surface that the eye sees
+  Vec3 normal;     ///< unit length, world axes, towards that side
+};
+
+/// From a hit towards where light may come from.
+struct LightRay {
+  LitHit from;
+  Vec3 direction;  ///< unit length, world axes
+  double t_max;
+};
+
+/// What frames ask for beside rays of the camera.
+struct WorkerNeeds {
+  std::size_t layer_count = 1, queue_entries = 0;
+  std::size_t light_count = 0;  ///< as far as shadows are cast
+  bool occlusion = false;
+};
+
 /// What a thread has traced and shaded.
 struct WorkerCounts {
   std::uint64_t rays = 0, rays_ruled_out = 0, rays_through = 0, hits = 0;
+  std::uint64_t shadow_rays = 0, occlusion_rays = 0;
   std::uint64_t highlights = 0, smooth_normals = 0, field_values = 0;
   std::uint64_t tile_ticks = 0, shading_ticks = 0;
-  std::uint64_t tracing_ticks = 0;  ///< while shading: of rays that go on
   double largest_error = 0;
 };
 
@@ -50,18 +74,34 @@ struct alignas(128) Worker {
   RayBatch few_rays{tile_capacity};  ///< of one layer, asked again behind its last crossing
   HitBatch few_hits{tile_capacity};
   std::vector<std::uint32_t> few;  ///< which rays these are
+  // Where effects ask for the light that reaches hits.
+  std::vector<LitHit> lit_hits;
+  std::vector<LightRay> light_rays;
+  ReceivedLight received;
+  std::vector<OcclusionDirections> pixels;  ///< of the tile's rays
   WorkerCounts counts;
 
-  Worker() { few.reserve(tile_capacity); }
+  Worker() {
+    few.reserve(tile_capacity);
+    few_rays.has_start_sides = true;
+  }
 
   /// Forgets everything but memory. Kernels know by themselves of which volume and isovalue they keep something.
-  void begin_frame(std::size_t layer_count, std::size_t queue_entries) {
-    layers.resize(layer_count);
+  void begin_frame(const WorkerNeeds& needs) {
+    layers.resize(needs.layer_count);
     for (LayerWork& layer : layers) {
-      layer.scratch.queue.reserve(queue_entries);
+      layer.scratch.queue.reserve(needs.queue_entries);
       layer.scratch.last_t.reset();
       layer.scratch.counters = {};
       layer.rays_begun_by = nullptr;
+    }
+    if (needs.light_count > 0 || needs.occlusion) {
+      lit_hits.reserve(tile_capacity), light_rays.reserve(tile_capacity);
+      while (received.of_lights.size() < needs.light_count) received.of_lights.emplace_back(tile_capacity);
+    }
+    if (needs.occlusion) {
+      pixels.reserve(tile_capacity);
+      if (received.ambient.data() == nullptr) received.ambient = LaneArray<float>(tile_capacity);
     }
     counts = {};
   }

@@ -91,6 +91,8 @@ Json statistics_json(const render::FrameStatistics& statistics) {
   return {{"rays", statistics.rays},
           {"rays_ruled_out", statistics.rays_ruled_out},
           {"rays_through", statistics.rays_through},
+          {"shadow_rays", statistics.shadow_rays},
+          {"occlusion_rays", statistics.occlusion_rays},
           {"hits", statistics.hits},
           {"macrocells_visited", statistics.macrocells_visited},
           {"cells_visited", statistics.cells_visited},
@@ -121,7 +123,8 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
                   rounded(all > 0 ? 100 * seconds / all : 0, 3), " %\n");
   };
   return count("rays", statistics.rays) + count("ruled out", statistics.rays_ruled_out) +
-         count("through surfaces", statistics.rays_through) + count("hits", statistics.hits) +
+         count("through surfaces", statistics.rays_through) + count("shadow rays", statistics.shadow_rays) +
+         count("occlusion rays", statistics.occlusion_rays) + count("hits", statistics.hits) +
          count("macrocells visited", statistics.macrocells_visited) + count("cells visited", statistics.cells_visited) +
          count("cells solved", statistics.cells_solved) + count("samples taken", statistics.samples_taken) +
          count("rays redone in double", statistics.rays_redone) + count("rays judged exactly", statistics.rays_judged) +
