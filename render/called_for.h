@@ -17,8 +17,8 @@ struct EffectReason {
   std::string why;  ///< "specular is 0.25"
 };
 
-/// Every effect there is, asked of a layer: what the frame computes is decided by the same function.
-std::vector<EffectReason> reasons_for_effects(const Layer& layer);
+/// Every effect there is, asked of a layer in its scene: what the frame computes is decided by the same function.
+std::vector<EffectReason> reasons_for_effects(const Scene& scene, const Layer& layer);
 
 /// What the kernel that answers a layer's rays is compiled for: scalar, baseline, avx2 or avx512.
 std::string_view machine_for(const Volume& volume, const Layer& layer, const FrameOptions& options);

@@ -208,7 +208,7 @@ TEST(SceneCommand, explains_each_layer_and_effect_without_drawing) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   for (const char* line :
        {"layer 0: isosurface 100 of 'ball' in ball.rho\n", "  method double (asked for), one ray at a time\n",
-        "  diffuse: a surface is lit, from the eye\n", "  no specular: specular is 0\n",
+        "  diffuse: a surface is lit\n", "  no specular: specular is 0\n",
         "layer 1: largest values from 0 to 237 of 'ball' in ball.rho\n", "  intensity: a projection shows values",
         "isovalue 9000 is outside the range", "/layers/2: not traced: \"visible\" is false\n",
         "data \"box\": ball.raw is not opened: no visible layer shows it\n"})

@@ -43,7 +43,7 @@ Json explained_layer(const SceneWishes& wishes, const ScenePlan& plan, std::size
             {"method_because", why_method(wishes, wishes.layers[origin.wish])},
             {"kernel", render::machine_for(volume, layer, plan.frame)},
             {"effects", Json::array()}};
-  for (const render::EffectReason& reason : render::reasons_for_effects(layer))
+  for (const render::EffectReason& reason : render::reasons_for_effects(plan.scene, layer))
     json["effects"].push_back({{"effect", reason.effect}, {"called_for", reason.called_for}, {"why", reason.why}});
   return json;
 }
