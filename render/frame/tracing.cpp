@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "render/frame/lighting.h"
+#include "render/march/ticks.h"
 
 namespace rhoray::render {
 
@@ -86,7 +87,9 @@ void go_on(const FrameLayer& layer, std::uint8_t index, const LayerOfRays& shown
   }
   if (worker.few.empty()) return;
   worker.few_rays.count = worker.few.size();
+  const std::uint64_t start = ticks_now();
   layer.kernel_through(layer.volume, layer.question_through, worker.few_rays, worker.few_hits, work.scratch);
+  worker.counts.shading_ticks -= ticks_now() - start;  // rays are no shading, within which this is called
   for (std::size_t i = 0; i < worker.few.size(); ++i) work.hits.set(worker.few[i], worker.few_hits[i]);
   worker.counts.rays_through += worker.few.size();
 }
