@@ -76,17 +76,18 @@ class Facing {
     return normal * ((gradient.dot(direction_volume) > 0 ? -1 : 1) / length);
   }
 
+  /// A gradient of the same direction whose products with vectors neither overflow nor vanish.
+  RHORAY_INLINE static Vec3 scaled(const Vec3& gradient) {
+    const double x = std::abs(gradient.x), y = std::abs(gradient.y), z = std::abs(gradient.z);
+    const double xy = x > y ? x : y;
+    return gradient * to_unit(xy > z ? xy : z);
+  }
+
  private:
   /// A power of 2 that brings a number above 0 and below 2^1023 into [1, 2); numbers below 2^-1022 stay below 2.
   RHORAY_INLINE static double to_unit(double number) {
     constexpr std::uint64_t exponent_bits = 0x7ff0'0000'0000'0000, twice_one = 0x7fe0'0000'0000'0000;
     return std::bit_cast<double>(twice_one - (std::bit_cast<std::uint64_t>(number) & exponent_bits));
-  }
-
-  RHORAY_INLINE static Vec3 scaled(const Vec3& gradient) {
-    const double x = std::abs(gradient.x), y = std::abs(gradient.y), z = std::abs(gradient.z);
-    const double xy = x > y ? x : y;
-    return gradient * to_unit(xy > z ? xy : z);
   }
 
   Affine world_from_gradient_;  ///< times length_; only vectors are mapped

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -30,19 +31,16 @@ struct LayerOfRays {
   alignas(64) std::uint8_t of[tile_capacity];
 };
 
-/// A hit that light may reach.
-struct LitHit {
-  std::uint32_t ray;
-  double t;
-  StartSide side;  ///< of its surface that the eye sees
-  Vec3 normal;     ///< unit length, world axes, towards that side
-};
+/// Rays from hits towards where light may come from, in the places of the tile's rays that met these.
+struct LightRays {
+  LaneArray<std::uint8_t> is_shown{tile_capacity};  ///< whether there is a hit that light may reach
+  LaneArray<StartSide> side{tile_capacity};         ///< of its surface: the one that the eye sees
+  LaneArray<double> direction[3]{LaneArray<double>(tile_capacity), LaneArray<double>(tile_capacity),
+                                 LaneArray<double>(tile_capacity)};  ///< unit length, world axes
+  LaneArray<double> t_max{tile_capacity};                            ///< below 0: nothing is asked
+  std::vector<std::size_t> groups;                                   ///< of the tile's, that are asked about
 
-/// From a hit towards where light may come from.
-struct LightRay {
-  LitHit from;
-  Vec3 direction;  ///< unit length, world axes
-  double t_max;
+  LightRays() { groups.reserve(tile_capacity / RayBatch::group_size); }
 };
 
 /// What frames ask for beside rays of the camera.
@@ -75,8 +73,8 @@ struct alignas(128) Worker {
   HitBatch few_hits{tile_capacity};
   std::vector<std::uint32_t> few;  ///< which rays these are
   // Where effects ask for the light that reaches hits.
-  std::vector<LitHit> lit_hits;
-  std::vector<LightRay> light_rays;
+  std::unique_ptr<LightRays> light_rays;
+  std::vector<Vec3> eye_normals;  ///< of the hits: unit length, world axes, towards the eye
   ReceivedLight received;
   std::vector<OcclusionDirections> pixels;  ///< of the tile's rays
   WorkerCounts counts;
@@ -96,11 +94,11 @@ struct alignas(128) Worker {
       layer.rays_begun_by = nullptr;
     }
     if (needs.light_count > 0 || needs.occlusion) {
-      lit_hits.reserve(tile_capacity), light_rays.reserve(tile_capacity);
+      if (!light_rays) light_rays = std::make_unique<LightRays>();
       while (received.of_lights.size() < needs.light_count) received.of_lights.emplace_back(tile_capacity);
     }
     if (needs.occlusion) {
-      pixels.reserve(tile_capacity);
+      pixels.reserve(tile_capacity), eye_normals.resize(tile_capacity);
       if (received.ambient.data() == nullptr) received.ambient = LaneArray<float>(tile_capacity);
     }
     counts = {};
