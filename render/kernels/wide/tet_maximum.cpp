@@ -43,25 +43,28 @@ template <class T>
 TetMaximumField field_of(const VolumeImplementation& volume, const TetVolume<T>& view, const Question& question,
                          Machine machine) {
   const formats::CellClustersView& clusters = view.clusters();
-  TetMaximumField field{.points = view.points().data()->data(),
-                        .values = view.values().data(),
-                        .is_single = sizeof(T) == sizeof(float),
-                        .has_gaps = volume.field.no_data_count > 0,
-                        .range = volume.field.range,
-                        .table_starts = clusters.table_starts.data(),
-                        .tables = clusters.tables.data(),
-                        .corners = clusters.corners.data()->data(),
-                        .cell_count = clusters.shape.cell_count,
-                        .cluster_size = clusters.shape.cluster_size,
-                        .box_unit = clusters.box_unit,
-                        .top_level = clusters.shape.top_level(),
-                        .boxes = {},
-                        .ranges = {},
-                        .low = {},
-                        .high = {},
-                        .time_phases = question.time_phases,
-                        .look = compiled_for<look_at<TetVolume<T>>>(machine),
-                        .context = &view};
+  TetMaximumField field{
+      .points = view.points().data()->data(),
+      .values = view.values().data(),
+      .is_single = sizeof(T) == sizeof(float),
+      .has_gaps = volume.field.no_data_count > 0,
+      .range = volume.field.range,
+      .table_starts = clusters.table_starts.data(),
+      .tables = clusters.tables.data(),
+      .corners = clusters.corners.data()->data(),
+      .cell_count = clusters.shape.cell_count,
+      .cluster_size = clusters.shape.cluster_size,
+      .box_unit = clusters.box_unit,
+      .top_level = clusters.shape.top_level(),
+      .boxes = {},
+      .ranges = {},
+      .low = {},
+      .high = {},
+      .time_phases = question.time_phases,
+      .look = compiled_for<look_at<TetVolume<T>>>(machine),
+      .cell_id = [](const void* context,
+                    std::uint32_t tet) { return static_cast<const TetVolume<T>*>(context)->cell_id(tet); },
+      .context = &view};
   for (int level = 0; level <= field.top_level; ++level) {
     field.boxes[level] = clusters.boxes[static_cast<std::size_t>(level)].data();
     field.ranges[level] = view.cluster_ranges()[static_cast<std::size_t>(level)].data();

@@ -11,18 +11,14 @@
 #include <cmath>
 #include <cstring>
 
-#include "render/kernels/wide/tet_maximum_rays-inl.h"
+#include "render/kernels/wide/tet_maximum_cluster-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 namespace {
 
-using Longs = hn::RebindToSigned<Doubles>;
-using Counts = hn::Rebind<std::uint32_t, Doubles>;
 using Codes = hn::RebindToUnsigned<Floats>;
 using VecC = hn::Vec<Codes>;
-inline constexpr Longs longs{};
-inline constexpr Counts counts{};
 inline constexpr Codes codes{};
 
 /// How far a place in a ray's picture plane, in a cluster's frame, is off by what is rounded to single precision, for
@@ -34,20 +30,23 @@ inline constexpr float rounded_place = 0x1p-21f;
 /// More than a value, or a level, in a cluster's frame is off by: 2^-25 and 2^-24.
 inline constexpr float rounded_value = 0x1p-22f;
 
-/// Of smaller ranges no shares are taken: they all count as zero.
-inline constexpr double least_range = 1e-290;
-
 class TetCells {
  public:
   HWY_INLINE TetCells(const TetMaximumField& field, const RayArrays& rays, const TetRays& group, TetScratch& scratch)
-      : field_(field), rays_(rays), group_(group), scratch_(scratch) {}
+      : suspects(field, rays, group, scratch),
+        field_(field),
+        rays_(rays),
+        group_(group),
+        scratch_(scratch),
+        clusters_(field, scratch) {}
 
+  TetSuspects suspects;
   std::uint64_t looks = 0;  ///< cells against 16 rays
 
   /// Looks for suspects in a cluster.
   /// @param lanes  that may meet it
   void look_into(std::uint64_t cluster, std::uint64_t lanes) {
-    const LocalCluster& local = made_ready(cluster);
+    const LocalCluster& local = clusters_.made_ready(cluster);
     place_error_ = rounded_place + static_cast<float>(group_.place_error * local.scale) * 1.01f;
     if (!(place_error_ < 0x1p-3f)) return suspect_all(local, lanes);
     lanes = enter(local, lanes);
@@ -57,110 +56,7 @@ class TetCells {
     leave(local, lanes);
   }
 
-  /// Decides about all suspects.
-  HWY_NOINLINE void decide() {
-    forget_suspects_below_reached();
-    field_.look(field_.context, rays_, scratch_.suspects, scratch_.suspect_count, scratch_.found);
-    for (std::size_t s = 0; s < scratch_.suspect_count; ++s) {
-      const std::size_t ray = scratch_.suspects[s].ray, lane = lane_of(ray);
-      if (scratch_.found[ray].value > scratch_.reached[lane]) raise(lane, scratch_.found[ray].value);
-    }
-    scratch_.suspect_count = 0;
-  }
-
  private:
-  HWY_INLINE void forget_suspects_below_reached() {
-    std::size_t kept = 0;
-    for (std::size_t s = 0; s < scratch_.suspect_count; ++s) {
-      const TetSuspect& suspect = scratch_.suspects[s];
-      if (!(suspect.most < scratch_.reached[lane_of(suspect.ray)])) scratch_.suspects[kept++] = suspect;
-    }
-    scratch_.suspect_count = kept;
-  }
-
-  /// Where most suspects stay, values are equal: what is decided rules out those behind.
-  HWY_INLINE void make_room() {
-    if (scratch_.suspect_count < TetScratch::suspect_capacity) return;
-    forget_suspects_below_reached();
-    if (scratch_.suspect_count >= TetScratch::suspect_capacity * 3 / 4) decide();
-  }
-
-  HWY_INLINE void raise(std::size_t lane, double reached) {
-    scratch_.reached[lane] = reached;
-    const double size = field_.range.hi - field_.range.lo;
-    const double share = size > least_range ? (reached - field_.range.lo) / size : 0;
-    scratch_.reached_share[lane] = static_cast<float>(share) - 0x1p-23f;
-  }
-
-  HWY_INLINE const LocalCluster& made_ready(std::uint64_t cluster) {
-    LocalCluster& local = scratch_.clusters[cluster % TetScratch::slot_count];
-    if (local.cluster != cluster) make_ready(cluster, local);
-    return local;
-  }
-
-  HWY_NOINLINE void make_ready(std::uint64_t cluster, LocalCluster& local) {
-    local.cluster = cluster;
-    const formats::BoxBlock& block = field_.boxes[0][cluster / formats::ClusterShape::width];
-    const std::size_t entry = cluster % formats::ClusterShape::width;
-    double half = 0;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double low = block.lo[a][entry], high = block.hi[a][entry];
-      local.center[a] = 0.5 * (low + high) * field_.box_unit;
-      half = TetRays::larger(half, 0.5 * (high - low) * field_.box_unit);
-    }
-    int exponent;
-    std::frexp(half, &exponent);
-    local.scale = half > 0 ? std::ldexp(1.0, -exponent) : 1;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const auto at = [&](float x) { return (x * field_.box_unit - local.center[a]) * local.scale; };
-      local.low[a] = static_cast<float>(at(block.lo[a][entry])) - 0x1p-23f;
-      local.high[a] = static_cast<float>(at(block.hi[a][entry])) + 0x1p-23f;
-    }
-    if (field_.is_single)
-      take_range<float>(cluster, local);
-    else
-      take_range<double>(cluster, local);
-    const std::uint32_t* const table = field_.tables + field_.table_starts[cluster];
-    local.vertex_count = static_cast<std::uint32_t>(field_.table_starts[cluster + 1] - field_.table_starts[cluster]);
-    HWY_ALIGN std::uint32_t at[LocalCluster::capacity];
-    HWY_ALIGN double value[LocalCluster::capacity];
-    for (std::size_t i = 0; i < LocalCluster::capacity && (i < local.vertex_count || i % 16 != 0); ++i)
-      at[i] = table[i < local.vertex_count ? i : 0];
-    for (std::size_t i = 0; i < local.vertex_count; ++i)
-      value[i] = field_.is_single ? static_cast<const float*>(field_.values)[at[i]]
-                                  : static_cast<const double*>(field_.values)[at[i]];
-    for (std::size_t i = 0; i < local.vertex_count; i += double_lanes) {
-      const hn::Vec<Longs> index = to_longs(hn::Load(counts, at + i));
-      const hn::Vec<Longs> place = hn::Add(index, hn::Add(index, index));
-      for (std::size_t a = 0; a < 3; ++a) {
-        const VecD x = hn::GatherIndex(doubles, field_.points + a, place);
-        const VecD moved = hn::Mul(hn::Sub(x, hn::Set(doubles, local.center[a])), hn::Set(doubles, local.scale));
-        hn::Store(hn::DemoteTo(half_floats, moved), half_floats, local.place[a] + i);
-      }
-      const VecD share = hn::Mul(hn::Sub(hn::Load(doubles, value + i), hn::Set(doubles, local.lowest)),
-                                 hn::Set(doubles, local.per_range));
-      hn::Store(hn::DemoteTo(half_floats, share), half_floats, local.value + i);
-    }
-  }
-
-  HWY_INLINE static hn::Vec<Longs> to_longs(hn::Vec<Counts> x) {
-    return hn::BitCast(longs, hn::PromoteTo(hn::RebindToUnsigned<Doubles>(), x));
-  }
-
-  template <class T>
-  HWY_INLINE void take_range(std::uint64_t cluster, LocalCluster& local) const {
-    const auto& block =
-        static_cast<const formats::RangeBlock<T>*>(field_.ranges[0])[cluster / formats::ClusterShape::width];
-    local.lowest = block.lo[cluster % formats::ClusterShape::width];
-    local.highest = block.hi[cluster % formats::ClusterShape::width];
-    local.range = local.highest - local.lowest;
-    const bool has_inverse = local.range > least_range;
-    local.per_range = has_inverse ? 1 / local.range : 0;
-    const double largest = std::abs(local.lowest) + local.range;
-    const double error = has_inverse ? 6 * 0x1p-50 * largest * local.per_range : 0;
-    local.value_error = error < 1e30 ? static_cast<float>(error) : 1e30f;
-  }
-
   /// What is taken off for rounding where a share of a cluster's range becomes a value.
   HWY_INLINE static double slack(const LocalCluster& local) { return 0x1p-50 * (std::abs(local.lowest) + local.range); }
 
@@ -170,15 +66,11 @@ class TetCells {
     for (std::uint64_t cell = first; cell < first + field_.cluster_size && cell < field_.cell_count; ++cell) {
       ++looks;
       for (std::uint64_t bits = lanes; bits != 0; bits &= bits - 1)
-        suspect(local.highest, cell, static_cast<std::size_t>(std::countr_zero(bits)));
-      make_room();
+        suspects.add(local.highest, cell, static_cast<std::size_t>(std::countr_zero(bits)));
+      suspects.make_room();
     }
   }
 
-  HWY_INLINE void suspect(double most, std::uint64_t cell, std::size_t lane) {
-    scratch_.suspects[scratch_.suspect_count++] = {most, static_cast<std::uint32_t>(cell),
-                                                   static_cast<std::uint32_t>(ray_of(lane))};
-  }
   /// Those of lanes that have found the cluster's largest value before they come to it.
   HWY_INLINE std::uint64_t satisfied(const LocalCluster& local, std::uint64_t lanes) const {
     const auto edge = [&](float at) { return local.center[group_.w] + at / local.scale; };
@@ -349,7 +241,7 @@ class TetCells {
       const auto p = static_cast<std::size_t>(std::countr_zero(packs)) / 8;
       compare(local, at, cell, p, lanes >> TetScratch::pack * p & pack_bits);
     }
-    make_room();
+    suspects.make_room();
   }
 
   struct Corners {
@@ -445,27 +337,27 @@ class TetCells {
       const VecF level = hn::Load(floats, scratch_.level + r);
       for (int c = 0; c < 4; ++c) seen.over[c] = hn::Sub(hn::Set(floats, at.value[c]), level);
       const VecF minus_sum_error = hn::Neg(seen.sum_error);
-      MaskF suspects = no_lane(floats);
+      MaskF doubtful = no_lane(floats);
       for (const Face& face : faces) {
         const VecF sum = weighted(seen, face);
         const MaskF left_up = hn::And(turns_left(seen, face), hn::Ge(sum, minus_sum_error));
         const MaskF right_up = hn::And(turns_right(seen, face), hn::Le(sum, seen.sum_error));
-        suspects = hn::Or(suspects, hn::Or(left_up, right_up));
+        doubtful = hn::Or(doubtful, hn::Or(left_up, right_up));
       }
-      suspects = hn::And(suspects, near);
-      if (!hn::AllFalse(floats, suspects)) note(local, seen, suspects, at, cell, r);
+      doubtful = hn::And(doubtful, near);
+      if (!hn::AllFalse(floats, doubtful)) note(local, seen, doubtful, at, cell, r);
     }
   }
 
-  /// Bounds of the values of suspects; the lower ones raise the rays' levels.
-  HWY_NOINLINE void note(const LocalCluster& local, const Seen& seen, MaskF suspects, const Corners& at,
+  /// Bounds of the values of doubtful; the lower ones raise the rays' levels.
+  HWY_NOINLINE void note(const LocalCluster& local, const Seen& seen, MaskF doubtful, const Corners& at,
                          std::uint64_t cell, std::size_t r) {
     // Where rays begin and end is off by no more than places are, times in the scalar kernel by as much again.
     const float margin = 2 * place_error_;
     const VecF begin = hn::Load(floats, scratch_.local_begin + r), end = hn::Load(floats, scratch_.local_end + r);
-    suspects = hn::And(suspects, hn::And(hn::Le(begin, hn::Set(floats, at.high + margin)),
+    doubtful = hn::And(doubtful, hn::And(hn::Le(begin, hn::Set(floats, at.high + margin)),
                                          hn::Ge(end, hn::Set(floats, at.low - margin))));
-    if (hn::AllFalse(floats, suspects)) return;
+    if (hn::AllFalse(floats, doubtful)) return;
     const VecF zero = hn::Zero(floats), level = hn::Load(floats, scratch_.level + r);
     const VecF weight_error = hn::Mul(hn::Set(floats, 3.1f), seen.edge_error);
     VecF most = zero, least = zero;
@@ -489,7 +381,7 @@ class TetCells {
       least = hn::Max(least, hn::IfThenElseZero(hn::Or(sure_left, sure_right), low));
     }
     most = hn::Add(hn::Min(hn::Add(level, most), hn::Set(floats, at.largest)), hn::Set(floats, rounded_value));
-    const MaskF whole = hn::And(suspects, hn::And(hn::Le(begin, hn::Set(floats, at.low - margin)),
+    const MaskF whole = hn::And(doubtful, hn::And(hn::Le(begin, hn::Set(floats, at.low - margin)),
                                                   hn::Ge(end, hn::Set(floats, at.high + margin))));
     const VecF raised =
         hn::Sub(hn::MulAdd(least, hn::Set(floats, 1 - 0x1p-20f), level), hn::Set(floats, rounded_value));
@@ -500,10 +392,10 @@ class TetCells {
     HWY_ALIGN float most_of[float_lanes];
     hn::Store(most, floats, most_of);
     const double above = slack(local);
-    for (std::uint64_t bits = bits_of(floats, suspects); bits != 0; bits &= bits - 1) {
+    for (std::uint64_t bits = bits_of(floats, doubtful); bits != 0; bits &= bits - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
       const double most_value = local.lowest + static_cast<double>(most_of[lane]) * local.range + above;
-      suspect(local.per_range > 0 ? most_value : local.highest, cell, r + lane);
+      suspects.add(local.per_range > 0 ? most_value : local.highest, cell, r + lane);
     }
   }
 
@@ -511,7 +403,7 @@ class TetCells {
     for (std::uint64_t bits = changed_ & lanes; bits != 0; bits &= bits - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
       const double reached = local.lowest + static_cast<double>(scratch_.level[lane]) * local.range - slack(local);
-      if (reached > scratch_.reached[lane]) raise(lane, reached);
+      if (reached > scratch_.reached[lane]) suspects.raise(lane, reached);
     }
   }
 
@@ -521,6 +413,7 @@ class TetCells {
   const RayArrays& rays_;
   const TetRays& group_;
   TetScratch& scratch_;
+  TetClusters clusters_;
   float place_error_ = 0;
   std::uint64_t changed_ = 0;  ///< lanes whose level was raised
 };

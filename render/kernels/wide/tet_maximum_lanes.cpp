@@ -36,7 +36,7 @@ class TetSearch {
       const TetRegion region = take();
       visit(region);
     }
-    cells_.decide();
+    cells_.suspects.decide();
     counters_.cells_solved += cells_.looks * TetScratch::pack;
   }
 

@@ -28,6 +28,8 @@ struct TetSuspect {
 using LookAtSuspects = void (*)(const void* context, const RayArrays& rays, const TetSuspect* suspects,
                                 std::size_t count, LargestSoFar* found);
 
+using CellIdOf = std::uint64_t (*)(const void* context, std::uint32_t tet);
+
 /// One field of one mesh with clusters.
 struct TetMaximumField {
   static constexpr int largest_level_count = 11;  ///< 2^32 clusters of one cell
@@ -48,6 +50,7 @@ struct TetMaximumField {
   double low[3], high[3];                   ///< of all points
   bool time_phases;
   LookAtSuspects look;
+  CellIdOf cell_id;
   const void* context;
 };
 
