@@ -19,6 +19,7 @@ namespace {
 
 using Codes = hn::RebindToUnsigned<Floats>;
 using VecC = hn::Vec<Codes>;
+using MaskC = hn::Mask<Codes>;
 inline constexpr Codes codes{};
 
 /// How far a place in a ray's picture plane, in a cluster's frame, is off by what is rounded to single precision, for
@@ -98,6 +99,7 @@ class TetCells {
                high_w = hn::Set(doubles, center(group_.w) + local.high[group_.w] / local.scale + margin);
     std::uint64_t in_reach = 0, at_highest = 0;
     for (std::size_t r = 0; r < TetScratch::lanes; r += double_lanes) {
+      if ((lanes >> r & double_bits) == 0) continue;
       for (int m = 0; m < 2; ++m) {
         const VecD place = hn::Sub(
             hn::MulAdd(hn::Load(doubles, scratch_.slope[m] + r), at_w, hn::Load(doubles, scratch_.shift[m] + r)),
@@ -126,6 +128,7 @@ class TetCells {
     if (lanes == 0) return 0;
     std::uint64_t met = 0;
     for (std::size_t r = 0; r < TetScratch::lanes; r += float_lanes) {
+      if ((lanes >> r & pack_bits) == 0) continue;
       MaskF in = mask_of(floats, lanes >> r);
       for (int m = 0; m < 2; ++m) {
         const VecF shift = hn::Load(floats, scratch_.place[m] + r),
@@ -210,14 +213,38 @@ class TetCells {
       }
       return;
     }
-    const VecC low_byte = hn::Set(codes, 0xffU), without_top = hn::Set(codes, 0x7f7f7f7fU);
+#if HWY_TARGET <= HWY_AVX3 && HWY_TARGET != HWY_SCALAR
+    if (local.vertex_count <= 4 * float_lanes) {
+      const VecC table[4] = {hn::Load(codes, scratch_.codes), hn::Load(codes, scratch_.codes + float_lanes),
+                             hn::Load(codes, scratch_.codes + 2 * float_lanes),
+                             hn::Load(codes, scratch_.codes + 3 * float_lanes)};
+      return compare_those_met(local, first, count, lanes, [&](VecC corner) HWY_ATTR {
+        const auto place = hn::IndicesFromVec(codes, hn::And(corner, hn::Set(codes, 15U)));
+        const MaskC is_odd = hn::TestBit(corner, hn::Set(codes, 16U)),
+                    is_high = hn::TestBit(corner, hn::Set(codes, 32U));
+        const auto either = [&](int t) HWY_ATTR {
+          return hn::IfThenElse(is_odd, hn::TableLookupLanes(table[t + 1], place),
+                                hn::TableLookupLanes(table[t], place));
+        };
+        return hn::IfThenElse(is_high, either(2), either(0));
+      });
+    }
+#endif
+    compare_those_met(local, first, count, lanes, [&](VecC corner) HWY_ATTR {
+      return hn::GatherIndex(codes, scratch_.codes, hn::BitCast(ints, hn::And(corner, hn::Set(codes, 0xffU))));
+    });
+  }
+
+  /// @param code_of  (vector of corners): codes of the vertices in their lowest bytes
+  template <class CodeOf>
+  HWY_INLINE void compare_those_met(const LocalCluster& local, std::uint64_t first, std::size_t count,
+                                    std::uint64_t lanes, const CodeOf& code_of) {
+    const VecC without_top = hn::Set(codes, 0x7f7f7f7fU);
+    const std::uint8_t* const corners = field_.corners + 4 * first;
     for (std::size_t c = 0; c < count; c += float_lanes) {
       HWY_ALIGN std::uint32_t corners_of[float_lanes];
       std::memcpy(corners_of, corners + 4 * c, sizeof corners_of);
       const VecC corner = hn::Load(codes, corners_of);
-      const auto code_of = [&](VecC at) HWY_ATTR {
-        return hn::GatherIndex(codes, scratch_.codes, hn::BitCast(ints, hn::And(at, low_byte)));
-      };
       const VecC common = hn::And(hn::And(code_of(corner), code_of(hn::ShiftRight<8>(corner))),
                                   hn::And(code_of(hn::ShiftRight<16>(corner)), code_of(hn::ShiftRight<24>(corner))));
       // 0x80 in every byte that is zero.
@@ -244,23 +271,25 @@ class TetCells {
     suspects.make_room();
   }
 
+  HWY_INLINE static float larger(float a, float b) {
+    return a > b ? a : b;
+  }
+
   struct Corners {
     float u[4], v[4], w[4], value[4];
-    float low, high;  ///< of w
-    float largest;    ///< of values
+    float largest;  ///< of values
   };
 
   /// @return  false where a value is missing
   HWY_INLINE bool take_corners(const LocalCluster& local, const std::uint8_t* corner, Corners& at) const {
-    at.largest = -1, at.low = 2, at.high = -2;
+    const float *const u = local.place[group_.u], *const v = local.place[group_.v], *const w = local.place[group_.w];
+    for (int i = 0; i < 4; ++i)
+      at.u[i] = u[corner[i]], at.v[i] = v[corner[i]], at.w[i] = w[corner[i]], at.value[i] = local.value[corner[i]];
+    at.largest = larger(larger(at.value[0], at.value[1]), larger(at.value[2], at.value[3]));
     bool has_values = true;
-    for (int i = 0; i < 4; ++i) {
-      at.u[i] = local.place[group_.u][corner[i]], at.v[i] = local.place[group_.v][corner[i]];
-      at.w[i] = local.place[group_.w][corner[i]], at.value[i] = local.value[corner[i]];
-      at.low = at.w[i] < at.low ? at.w[i] : at.low, at.high = at.w[i] > at.high ? at.w[i] : at.high;
-      at.largest = at.value[i] > at.largest ? at.value[i] : at.largest;
-      has_values = has_values && std::abs(at.value[i]) <= 2;  // not where there is no data: a NaN, or infinite
-    }
+    // A NaN, or infinite, where there is no data.
+    if (field_.has_gaps)
+      for (const float value : at.value) has_values = has_values && std::abs(value) <= 2;
     return has_values;
   }
 
@@ -314,8 +343,11 @@ class TetCells {
       const VecF right = hn::Max(hn::Max(x[0], x[1]), hn::Max(x[2], x[3]));
       const VecF below = hn::Min(hn::Min(y[0], y[1]), hn::Min(y[2], y[3]));
       const VecF above = hn::Max(hn::Max(y[0], y[1]), hn::Max(y[2], y[3]));
-      const MaskF near = hn::And(hn::And(mask_of(floats, in_pack >> i), hn::Le(hn::Max(left, below), error)),
-                                 hn::Ge(hn::Min(right, above), minus_error));
+      const VecF level = hn::Load(floats, scratch_.level + r);
+      const MaskF gains =
+          hn::And(mask_of(floats, in_pack >> i), hn::Le(level, hn::Set(floats, at.largest + 2 * rounded_value)));
+      const MaskF near =
+          hn::And(hn::And(gains, hn::Le(hn::Max(left, below), error)), hn::Ge(hn::Min(right, above), minus_error));
       if (hn::AllFalse(floats, near)) continue;
 
       // Places here are at most `size`; an edge's function is off by products of places and errors, of two errors, and
@@ -334,7 +366,6 @@ class TetCells {
         seen.left[e] = hn::Ge(seen.edge[e], minus_edge_error);
         seen.right[e] = hn::Le(seen.edge[e], seen.edge_error);
       }
-      const VecF level = hn::Load(floats, scratch_.level + r);
       for (int c = 0; c < 4; ++c) seen.over[c] = hn::Sub(hn::Set(floats, at.value[c]), level);
       const VecF minus_sum_error = hn::Neg(seen.sum_error);
       MaskF doubtful = no_lane(floats);
@@ -349,14 +380,16 @@ class TetCells {
     }
   }
 
-  /// Bounds of the values of doubtful; the lower ones raise the rays' levels.
+  /// Bounds of the values of suspects; the lower ones raise the rays' levels.
   HWY_NOINLINE void note(const LocalCluster& local, const Seen& seen, MaskF doubtful, const Corners& at,
                          std::uint64_t cell, std::size_t r) {
     // Where rays begin and end is off by no more than places are, times in the scalar kernel by as much again.
     const float margin = 2 * place_error_;
     const VecF begin = hn::Load(floats, scratch_.local_begin + r), end = hn::Load(floats, scratch_.local_end + r);
-    doubtful = hn::And(doubtful, hn::And(hn::Le(begin, hn::Set(floats, at.high + margin)),
-                                         hn::Ge(end, hn::Set(floats, at.low - margin))));
+    const float w_high = larger(larger(at.w[0], at.w[1]), larger(at.w[2], at.w[3]));
+    const float w_low = -larger(larger(-at.w[0], -at.w[1]), larger(-at.w[2], -at.w[3]));
+    doubtful = hn::And(doubtful, hn::And(hn::Le(begin, hn::Set(floats, w_high + margin)),
+                                         hn::Ge(end, hn::Set(floats, w_low - margin))));
     if (hn::AllFalse(floats, doubtful)) return;
     const VecF zero = hn::Zero(floats), level = hn::Load(floats, scratch_.level + r);
     const VecF weight_error = hn::Mul(hn::Set(floats, 3.1f), seen.edge_error);
@@ -381,8 +414,8 @@ class TetCells {
       least = hn::Max(least, hn::IfThenElseZero(hn::Or(sure_left, sure_right), low));
     }
     most = hn::Add(hn::Min(hn::Add(level, most), hn::Set(floats, at.largest)), hn::Set(floats, rounded_value));
-    const MaskF whole = hn::And(doubtful, hn::And(hn::Le(begin, hn::Set(floats, at.low - margin)),
-                                                  hn::Ge(end, hn::Set(floats, at.high + margin))));
+    const MaskF whole = hn::And(doubtful, hn::And(hn::Le(begin, hn::Set(floats, w_low - margin)),
+                                                  hn::Ge(end, hn::Set(floats, w_high + margin))));
     const VecF raised =
         hn::Sub(hn::MulAdd(least, hn::Set(floats, 1 - 0x1p-20f), level), hn::Set(floats, rounded_value));
     const MaskF rises = hn::And(whole, hn::Gt(raised, level));
@@ -408,6 +441,7 @@ class TetCells {
   }
 
   static constexpr std::uint64_t pack_bits = (std::uint64_t{1} << TetScratch::pack) - 1;
+  static constexpr std::uint64_t double_bits = (std::uint64_t{1} << double_lanes) - 1;
 
   const TetMaximumField& field_;
   const RayArrays& rays_;
