@@ -3,7 +3,7 @@
 namespace rhoray::render {
 
 EffectSet effects_called_for(const Layer& layer) {
-  const bool is_surface = layer.mode == Mode::isosurface;
+  const bool is_surface = layer.mode != Mode::mip;
   const Surface& surface = layer.surface;
   return {.diffuse = is_surface,
           .smooth_normals = is_surface && surface.normals == Normals::smooth,

@@ -235,6 +235,11 @@ LookUp look_up_for(const GridVolume<T, Samples<T>, Geometry>& view, const Volume
   });
 }
 
+[[noreturn]] LookUp look_up_for(const SurfaceVolume&, const VolumeImplementation& volume, const HitWishes&, unsigned,
+                                Machine) {
+  throw Error(Trouble::usage, concat(volume.file.name(), ": a surface has no fields"));
+}
+
 LookUp look_up_for(const NanoVdbVolume& view, const VolumeImplementation& volume, const HitWishes& wishes, unsigned,
                    Machine machine) {
   if (*wishes.field != volume.field.name)

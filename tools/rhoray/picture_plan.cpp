@@ -98,7 +98,8 @@ std::vector<std::string> words_of_normals() {
 
 std::vector<Option> picture_options(PictureOptions& options) {
   return {
-      choice_option("--mode", {"iso", "mip"}, "Isosurface, or maximum intensity projection", options.mode),
+      choice_option("--mode", {"iso", "mip"},
+                    "Isosurface, or maximum intensity projection; a surface is shown as it is", options.mode),
       value_option(
           "--iso", "V",
           "Isovalue: a number, p95 (percentile), or auto (Otsu's threshold; of boundary_distance a ten-thousandth of "
@@ -121,8 +122,9 @@ std::vector<Option> picture_options(PictureOptions& options) {
       value_option("--camera-up", "X,Y,Z", "Direction that is up in the picture", options.camera_up),
       value_option("--surface-color", "COLOR", "#rrggbb (sRGB), or r,g,b (linear, 0 to 1)", options.surface_color),
       choice_option("--normals", words_of_normals(),
-                    "What the surface of a mesh is lit by: flat, the exact gradient of each cell, or smooth, linear "
-                    "between means at the points; of a grid exact, the gradient of its trilinear field",
+                    "What the surface of a mesh, or a surface by itself, is lit by: flat, the exact gradient of each "
+                    "cell or normal of each triangle, or smooth, linear between means at the points; of a grid exact, "
+                    "the gradient of its trilinear field",
                     options.normals),
       value_option("--color-by", "NAME", "Colour the surface by a field of the same file, where rays hit it",
                    options.color_by),
@@ -219,7 +221,7 @@ render::Volume load_field_that_varies(const std::filesystem::path& path) {
 
 }  // namespace
 
-render::Volume load_volume(const std::filesystem::path& path, const std::string& field) {
+render::Volume load_shown(const std::filesystem::path& path, const std::string& field) {
   require_input(path);
   if (preprocess::is_vdb(path)) return render::Volume::load(preprocess::open_vdb(path, field));
   if (!formats::PackedFile::looks_packed(path) && preprocess::foreign_kind(path) != preprocess::ForeignKind::unknown) {
@@ -235,6 +237,14 @@ render::Volume load_volume(const std::filesystem::path& path, const std::string&
     const std::string hint = did_you_mean(field, render::Volume::load(path).field_names());
     throw Error(error.trouble(), error.what(), hint.empty() ? error.hint() : hint);
   }
+}
+
+render::Volume load_volume(const std::filesystem::path& path, const std::string& field) {
+  const render::Volume volume = load_shown(path, field);
+  if (volume.is_surface())
+    throw Error(Trouble::invalid, concat(path.string(), ": holds a surface; expected a grid or a mesh with fields"),
+                concat("look at it: rhoray render ", path.string()));
+  return volume;
 }
 
 namespace {
@@ -254,12 +264,15 @@ namespace {
 render::Normals choose_normals(const PictureOptions& options, const render::Volume& volume) {
   for (const auto& row : normals_words) {
     if (options.normals != row.word) continue;
-    if (row.of_meshes != volume.is_mesh())
+    if (row.of_meshes != (volume.is_mesh() || volume.is_surface()))
       throw Error(Trouble::usage,
                   concat("--normals: '", row.word, "' is of ", row.of_meshes ? "meshes" : "grids", ", and ",
-                         volume.file().name(), " is ", volume.is_mesh() ? "a mesh" : "a grid"),
-                  volume.is_mesh() ? "flat is the exact gradient of every cell"
-                                   : "exact, the gradient of the trilinear field, is how grids are lit");
+                         volume.file().name(), " is ",
+                         volume.is_mesh()      ? "a mesh"
+                         : volume.is_surface() ? "a surface"
+                                               : "a grid"),
+                  !row.of_meshes ? "flat is the exact gradient of every cell"
+                                 : "exact, the gradient of the trilinear field, is how grids are lit");
     return row.normals;
   }
   return render::Normals::exact;
@@ -288,6 +301,22 @@ render::FieldColors choose_field_colors(const PictureOptions& options, const ren
   return colors;
 }
 
+/// What is said of fields where there is none.
+void refuse_field_options(const PictureOptions& options, const render::Volume& volume) {
+  const PictureOptions defaults;
+  for (const auto& [given, option] : {std::pair{options.isovalue != defaults.isovalue, "--iso"},
+                                      {options.mode != defaults.mode, "--mode"},
+                                      {!options.color_by.empty(), "--color-by"},
+                                      {options.range.has_value(), "--range"},
+                                      {!options.method.empty(), "--method"}})
+    if (given)
+      throw Error(Trouble::usage,
+                  concat(option, ": is of fields, and ", volume.file().name(), " holds triangles, shown as they are"));
+  if (!options.accuracy.empty() && options.accuracy != "float" && options.accuracy != "double")
+    throw Error(Trouble::usage, concat("--accuracy: found '", options.accuracy, "'; expected float or double of ",
+                                       volume.file().name(), ", which holds triangles"));
+}
+
 /// What is said of surfaces where none is shown.
 void refuse_surface_options(const PictureOptions& options) {
   for (const auto& [option, text] : {std::pair{"--normals", &options.normals}, {"--color-by", &options.color_by}})
@@ -302,7 +331,10 @@ PicturePlan plan_picture(const PictureOptions& options, const render::Volume& vo
   render::Scene& scene = plan.scene;
   if (!options.colormap.empty() && options.color_by.empty())
     throw Error(Trouble::usage, "--colormap is of the colours by a field: --color-by names it");
-  scene.layers[0].mode = options.mode == "mip" ? render::Mode::mip : render::Mode::isosurface;
+  if (volume.is_surface()) refuse_field_options(options, volume);
+  scene.layers[0].mode = volume.is_surface()     ? render::Mode::triangles
+                         : options.mode == "mip" ? render::Mode::mip
+                                                 : render::Mode::isosurface;
   scene.layers[0].method = choose_method(options, scene.layers[0].mode, volume);
   Box3 shown = volume.bounds();
   if (scene.layers[0].mode == render::Mode::isosurface) {
@@ -316,6 +348,8 @@ PicturePlan plan_picture(const PictureOptions& options, const render::Volume& vo
     if (!plan.surface_is_empty) shown = surface;
     scene.layers[0].surface.normals = choose_normals(options, volume);
     if (!options.color_by.empty()) scene.layers[0].surface.color_by = choose_field_colors(options, volume);
+  } else if (scene.layers[0].mode == render::Mode::triangles) {
+    scene.layers[0].surface.normals = choose_normals(options, volume);
   } else {
     refuse_surface_options(options);
     if (volume.field().range.is_empty())
@@ -346,16 +380,18 @@ std::vector<std::string> reproducing_command(const PicturePlan& plan, const rend
   const render::Camera& camera = scene.camera;
   std::vector<std::string> words{"rhoray", "render", input.string(), "-o", output.string()};
   const auto add = [&](const std::string& name, const std::string& value) { words.insert(words.end(), {name, value}); };
-  add("--field", volume.field().name);
+  if (!volume.is_surface()) add("--field", volume.field().name);
   if (scene.layers[0].mode == render::Mode::mip) {
     add("--mode", "mip");
     add("--range", concat(scene.layers[0].window.lo, ",", scene.layers[0].window.hi));
   } else {
-    add("--mode", "iso");
-    add("--iso", concat(scene.layers[0].isovalue));
+    if (!volume.is_surface()) {
+      add("--mode", "iso");
+      add("--iso", concat(scene.layers[0].isovalue));
+    }
     add("--surface-color", text_of(scene.layers[0].surface.color));
     for (const auto& row : normals_words)
-      if (row.of_meshes == volume.is_mesh() && row.normals == scene.layers[0].surface.normals)
+      if (row.of_meshes == (volume.is_mesh() || volume.is_surface()) && row.normals == scene.layers[0].surface.normals)
         add("--normals", row.word);
     if (const auto& colors = scene.layers[0].surface.color_by) {
       add("--color-by", colors->field);

@@ -46,7 +46,7 @@ struct PicturePlan {
   render::Scene scene;
   render::FrameOptions frame;
   std::optional<render::DiaryPage> page;  ///< drawn instead of colours
-  std::string isovalue_from;              ///< "given", "percentile 95", "Otsu's threshold"; empty for MIP
+  std::string isovalue_from;              ///< "given", "percentile 95", "Otsu's threshold"; empty for MIP and triangles
   bool surface_is_empty = false;          ///< the isosurface passes through no cell
 };
 
@@ -63,6 +63,9 @@ Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& f
 /// Opens a packed file, or an OpenVDB file, for rendering: refuses other foreign files with the way to pack them, and
 /// an unknown field with the nearest one. Without a name it takes the first field that is not the same everywhere, or
 /// the first when all are.
+render::Volume load_shown(const std::filesystem::path& path, const std::string& field);
+
+/// As above; refuses a surface, which has no fields (Trouble::invalid).
 render::Volume load_volume(const std::filesystem::path& path, const std::string& field);
 
 PicturePlan plan_picture(const PictureOptions& options, const render::Volume& volume);

@@ -134,20 +134,23 @@ std::string method_text(const PicturePlan& plan, const render::Volume& volume) {
 void report(const RenderCommand& command, const std::filesystem::path& output, const render::Volume& volume,
             const PicturePlan& plan, const render::FrameStatistics& statistics, const Stations& stations,
             const std::vector<Json>& picks, const Interval<double>& heat, const std::string& reproduce) {
-  const bool iso = plan.scene.layers[0].mode == render::Mode::isosurface;
+  const render::Mode mode = plan.scene.layers[0].mode;
+  const bool iso = mode == render::Mode::isosurface;
   const double total = stations.open_s + stations.trace_s + stations.wait_for_checks_s + stations.write_s;
   if (command.common.json) {
     Json json{{"picture", output.string()},
               {"file", command.input.string()},
-              {"field", volume.field().name},
-              {"mode", iso ? "iso" : "mip"},
+              {"mode", iso                         ? "iso"
+                       : mode == render::Mode::mip ? "mip"
+                                                   : "triangles"},
               {"method", method_text(plan, volume)},
               {"size", {plan.frame.width, plan.frame.height}},
               {"camera", camera_json(plan.scene.camera)}};
+    if (!volume.is_surface()) json["field"] = volume.field().name;
     if (iso) {
       json["isovalue"] = plan.scene.layers[0].isovalue;
       json["isovalue_from"] = plan.isovalue_from;
-    } else {
+    } else if (mode == render::Mode::mip) {
       json["range"] = json_of(plan.scene.layers[0].window);
     }
     json["statistics"] = statistics_json(statistics);
@@ -170,10 +173,9 @@ void report(const RenderCommand& command, const std::filesystem::path& output, c
   if (iso && plan.isovalue_from != "given")
     say(command.common, concat("isovalue ", plan.scene.layers[0].isovalue, " (", plan.isovalue_from, " of field '",
                                volume.field().name, "')"));
-  if (const std::string first = volume.field_names().front();
-      command.picture.field.empty() && volume.field().name != first)
-    say(command.common,
-        concat("note: field '", first, "' is the same everywhere: '", volume.field().name, "' is shown"));
+  if (!volume.is_surface() && command.picture.field.empty() && volume.field().name != volume.field_names().front())
+    say(command.common, concat("note: field '", volume.field_names().front(), "' is the same everywhere: '",
+                               volume.field().name, "' is shown"));
   if (plan.page)
     say(command.common, heat.is_empty() ? concat("note: nothing to show of ", command.picture.show)
                                         : concat(command.picture.show, ": ", rounded(heat.lo), " (dark) to ",
@@ -200,7 +202,7 @@ int run(RenderCommand& command) {
   ProgressDisplay display(command.common);
   display.show(concat("opening ", command.input.string()));
   Stopwatch opening;
-  const render::Volume volume = load_volume(command.input, command.picture.field);
+  const render::Volume volume = load_shown(command.input, command.picture.field);
   require_writable(command.common, output, command.input);
   require_memory(command);
   stations.open_s = opening.seconds();
@@ -251,12 +253,13 @@ Subcommand render_subcommand() {
   const auto command = std::make_shared<RenderCommand>();
   return {
       .name = "render",
-      .summary = "Packed file to a picture: isosurface or maximum intensity projection",
+      .summary = "Packed file to a picture: isosurface, maximum intensity projection, or a surface by itself",
       .examples =
           "  rhoray render head.rho -o head.png\n"
           "  rhoray render head.rho --iso 500 --view -y --size 1080p -o skin.png\n"
           "  rhoray render heart.rho --iso 0.3 --normals smooth --color-by pressure --colormap coolwarm -o heart.png\n"
           "  rhoray render head.rho --mode mip --range 0,2000 -o mip.exr --channels depth,value\n"
+          "  rhoray render lungs.rho --normals smooth -o lungs.png\n"
           "  rhoray render smoke.vdb --iso 0.5 -o smoke.png\n",
       .options = all_options(
           {{file_option("FILE", "Packed file, or OpenVDB file (.vdb)", command->input)},
