@@ -4,6 +4,7 @@
 #include "formats/base/trouble.h"
 #include "render/volumes/facets.h"
 #include "render/volumes/load_view.h"
+#include "render/volumes/point_gradients.h"
 #include "render/volumes/volume.h"
 
 namespace rhoray::render {
@@ -26,7 +27,8 @@ std::shared_ptr<const VolumeImplementation> load_surface(const formats::PackedFi
                            .world_from_volume = Affine{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}},
                            .bounds_volume = bounds,
                            .view = SurfaceVolume(mesh),
-                           .facets = std::make_shared<FacetsCache>()});
+                           .facets = std::make_shared<FacetsCache>(),
+                           .point_gradients = std::make_shared<PointGradientsCache>()});
 }
 
 }  // namespace rhoray::render

@@ -120,8 +120,8 @@ TEST(Surfaces, are_the_same_at_double_with_and_without_the_tree) {
 }
 
 TEST(Surfaces, hide_and_are_hidden_among_other_layers) {
-  const Shown shown;
-  // The isosurface is a ball of radius 0.79 of trilinear cells: some of it before the triangles, some behind.
+  const Shown shown(2);
+  // The isosurface is a ball of radius 0.79: before the middles of triangles, behind their corners.
   const Layer red = triangles({1, 0, 0}), blue = isosurface(0.205, {0, 0, 1});
   const Framebuffer of_triangles = picture_of(shown, scene_of({red})), of_field = picture_of(shown, scene_of({blue}));
   const Framebuffer both = picture_of(shown, scene_of({red, blue}));
@@ -174,6 +174,32 @@ TEST(Surfaces, are_not_asked_about_when_they_hold_back_no_light) {
   const Framebuffer alone = picture_of(shown, scene_of({isosurface(0.5, {0, 0, 1})}));
   EXPECT_EQ(found.color, alone.color);
   EXPECT_EQ(statistics.rays_through, 0U);
+}
+
+TEST(Surfaces, have_smooth_normals_that_are_those_of_the_ball) {
+  const Shown shown(3);
+  Layer layer = triangles({1, 0, 0});
+  const Framebuffer flat = picture_of(shown, scene_of({layer}));
+  layer.surface.normals = render::Normals::smooth;
+  const Scene scene = scene_of({layer});
+  render::FrameStatistics statistics;
+  const Framebuffer smooth = picture_of(shown, scene, &statistics);
+  const std::vector<render::Ray> rays = camera_rays(shown.volumes[0], scene.camera, edge, edge);
+  EXPECT_EQ(smooth.depth, flat.depth);
+  EXPECT_EQ(statistics.normals_smoothed, statistics.hits);
+  double worst_flat = 1, worst_smooth = 1;
+  for (std::size_t p = 0; p < smooth.pixel_count(); ++p) {
+    if (!(smooth.depth[p] < infinity)) continue;
+    const Vec3 outward = rays[p].at(static_cast<double>(smooth.depth[p])).normalized();
+    if (outward.dot(rays[p].direction) > -0.3) continue;  // near the border a mean may turn away from the eye
+    const auto normal = [&](const Framebuffer& of) {
+      return Vec3(of.normal[3 * p], of.normal[3 * p + 1], of.normal[3 * p + 2]);
+    };
+    worst_flat = std::min(worst_flat, outward.dot(normal(flat)));
+    worst_smooth = std::min(worst_smooth, outward.dot(normal(smooth)));
+  }
+  EXPECT_LT(worst_flat, 0.995);
+  EXPECT_GT(worst_smooth, 0.9995);
 }
 
 TEST(Surfaces, refuse_what_asks_for_a_field) {
