@@ -92,7 +92,7 @@ TEST(SurfaceMesh, keeps_points_in_double_precision) {
 TEST(SurfaceMesh, refuses_a_corner_that_is_no_point) {
   Made made;
   made.triangles[1][2] = 4;
-  expect_error(Trouble::invalid, "array 'triangles', element 5: 4; expected an index below 4",
+  expect_error(Trouble::invalid, "array 'triangles', element 5: found 4; expected an index below 4",
                [&] { opened(made.bytes()); });
 }
 
