@@ -122,7 +122,7 @@ TEST(Surfaces, are_the_same_at_double_with_and_without_the_tree) {
 TEST(Surfaces, hide_and_are_hidden_among_other_layers) {
   const Shown shown(2);
   // The isosurface is a ball of radius 0.79: before the middles of triangles, behind their corners.
-  const Layer red = triangles({1, 0, 0}), blue = isosurface(0.205, {0, 0, 1});
+  const Layer red = triangles({1, 0, 0}), blue = isosurface(0.215, {0, 0, 1});
   const Framebuffer of_triangles = picture_of(shown, scene_of({red})), of_field = picture_of(shown, scene_of({blue}));
   const Framebuffer both = picture_of(shown, scene_of({red, blue}));
   std::size_t nearer[2] = {0, 0};
