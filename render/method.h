@@ -17,7 +17,7 @@ namespace rhoray::render {
 /// Promises: direct meets every crossing that its arithmetic tells apart and none twice; preview misses what enters and
 /// leaves a cell on one side; paper is what was published in 1999, gaps and all; sampled misses what lies between two
 /// samples. What certified calls a miss is one, what it calls a hit lies within its bound: in a grid at most 1e-3 cells
-/// where single precision decided, and 1e-12 cells where double or the judge did; more where the ray's own numbers
+/// where single precision decided, 1e-6 where double did, 1e-12 where the judge did; more where the ray's own numbers
 /// leave more open (cells/certified_crossing.h: is_placed_well). Judged is the exact answer for the ray's numbers and
 /// the stored data.
 struct Method {

@@ -35,12 +35,12 @@ struct FieldColors {
   Interval<double> range{};
 };
 
-/// How a surface looks: linear RGB in [0, 1]. The light stands at the eye.
+/// How a surface looks: linear RGB in [0, 1]. Both of its sides look alike.
 struct Surface {
   Vec3 color{0.78, 0.74, 0.68};
   std::optional<FieldColors> color_by{};
   Normals normals = Normals::exact;
-  double ambient = 0.12;
+  double ambient = 0.12;   ///< share of light that comes from everywhere, white; lights give the rest
   double specular = 0.25;  ///< 0: no highlight is computed
   double shininess = 40;   ///< Blinn-Phong exponent
   double opacity = 1;      ///< share of the light behind that the surface holds back; 0: it is not traced
@@ -56,9 +56,43 @@ struct Layer {
   Surface surface{};
 };
 
+/// What shines on surfaces. Light does not grow weaker with distance.
+struct Light {
+  enum class Kind {
+    head,         ///< stands at the eye
+    directional,  ///< comes from one direction
+    point         ///< stands in a place
+  };
+
+  Kind kind = Kind::head;
+  Vec3 place{0, 0, 0};  ///< directional: the direction towards it, of any length; point: where it stands; world axes
+  Vec3 color{1, 1, 1};  ///< linear RGB, its intensity included; 0: it is dropped
+  /// Opaque isosurfaces hold its light back from all surfaces, clear ones and themselves included; clear surfaces and
+  /// largest values let all of it through. Hits lie where their method says: those of the methods `paper` and
+  /// `sampled`, which may lie off the surface, may be in its shadow. A head light's shadows are never seen.
+  bool casts_shadows = false;
+};
+
+/// How much of the ambient light reaches a surface: what opaque isosurfaces nearby hold back of it is found out by a
+/// number of rays.
+struct Occlusion {
+  int samples = 16;   ///< rays of each hit, at most 4096
+  double radius = 0;  ///< how far away surfaces hold light back, world units; 0: there is no occlusion
+};
+
+/// Surfaces fade into a colour with their distance from where rays start; the background does not.
+struct Fog {
+  Vec3 color{1, 1, 1};  ///< linear RGB
+  Interval<double>
+      range{};  ///< distances, world units: up to the first nothing fades, from the second on all; not empty
+};
+
 /// What a picture shows, and from where.
 struct Scene {
   std::vector<Layer> layers = std::vector<Layer>(1);
+  std::vector<Light> lights = std::vector<Light>(1);
+  Occlusion occlusion{};
+  std::optional<Fog> fog{};
   Camera camera{};
   Vec3 background{1, 1, 1};  ///< linear RGB
 };

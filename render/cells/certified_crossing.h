@@ -194,11 +194,12 @@ RHORAY_INLINE CertifiedCrossing certify_crossing(const TrilinearCell& cell, cons
 }
 
 /// True when the place of a change is known well enough to be believed without a second look: to a thousandth of a cell
-/// edge in single precision and to 1e-12 in double; or, where the points themselves are known less well than that, to
-/// 64 times their error, which is what surfaces down to a few degrees from the chord make of it.
+/// edge in single precision and to a millionth in double, so that the judge is not asked where a ray grazes a surface
+/// that it certainly meets; or, where the points themselves are known less well than that, to 64 times their error,
+/// which is what surfaces down to a few degrees from the chord make of it.
 template <class Real>
 RHORAY_INLINE bool is_placed_well(const CertifiedCrossing& found, const Vec3& in, const Vec3& out, double point_error) {
-  constexpr double cell_edges = std::numeric_limits<Real>::digits < 53 ? 1e-3 : 1e-12;
+  constexpr double cell_edges = std::numeric_limits<Real>::digits < 53 ? 1e-3 : 1e-6;
   return found.s_error * (out - in).length() <= std::max(cell_edges, 64 * point_error);
 }
 

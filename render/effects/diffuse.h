@@ -29,4 +29,26 @@ RHORAY_INLINE void add_diffuse(const Surface& surface, const Colors& base, const
   }
 }
 
+/// Light that arrives at hits, by Lambert's law.
+/// @param color    of the light
+/// @param shares   of it that reach the hits
+/// @param cosines  of the angle between the normal and the direction to the light; below 0 it is behind the surface
+RHORAY_INLINE void add_arriving(const Imath::V3f& color, const Lanes& shares, const Lanes& cosines, Colors& arriving) {
+  for (std::size_t i = 0; i < cosines.size(); ++i) {
+    const float light = cosines[i] > 0 ? shares[i] * cosines[i] : 0;  // written so that a NaN becomes 0
+    arriving.red[i] += light * color.x;
+    arriving.green[i] += light * color.y;
+    arriving.blue[i] += light * color.z;
+  }
+}
+
+/// What a surface sends back of the light that arrives.
+RHORAY_INLINE void add_sent_back(const Colors& base, const Colors& arriving, Colors& colors) {
+  for (std::size_t i = 0; i < base.red.size(); ++i) {
+    colors.red[i] += base.red[i] * arriving.red[i];
+    colors.green[i] += base.green[i] * arriving.green[i];
+    colors.blue[i] += base.blue[i] * arriving.blue[i];
+  }
+}
+
 }  // namespace rhoray::render

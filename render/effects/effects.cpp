@@ -1,6 +1,34 @@
 #include "render/effects/effects.h"
 
+#include <algorithm>
+
 namespace rhoray::render {
+
+namespace {
+
+bool shines(const Light& light) {
+  return light.color != Vec3(0, 0, 0);
+}
+
+/// Whether there is anything that holds light back.
+bool has_opaque_surface(const Scene& scene) {
+  return std::any_of(scene.layers.begin(), scene.layers.end(), holds_light_back);
+}
+
+/// Lights do nothing for a surface that has ambient light only.
+bool shows_lights(const Surface& surface) {
+  return surface.ambient < 1 || surface.specular > 0;
+}
+
+bool casts_visible_shadows(const Light& light) {
+  return light.casts_shadows && light.kind != Light::Kind::head && shines(light);
+}
+
+}  // namespace
+
+bool holds_light_back(const Layer& layer) {
+  return layer.mode != Mode::mip && layer.surface.opacity == 1;
+}
 
 EffectSet effects_called_for(const Layer& layer) {
   const bool is_surface = layer.mode != Mode::mip;
@@ -10,6 +38,41 @@ EffectSet effects_called_for(const Layer& layer) {
           .field_color = is_surface && surface.color_by.has_value(),
           .specular = is_surface && surface.specular > 0,
           .intensity = !is_surface};
+}
+
+EffectSet effects_called_for(const Scene& scene, const Layer& layer) {
+  EffectSet effects = effects_called_for(layer);
+  if (!effects.diffuse) return effects;
+  effects.shadows = shows_lights(layer.surface) && has_opaque_surface(scene) &&
+                    std::any_of(scene.lights.begin(), scene.lights.end(), casts_visible_shadows);
+  effects.occlusion = scene.occlusion.samples > 0 && scene.occlusion.radius > 0 && layer.surface.ambient > 0 &&
+                      has_opaque_surface(scene);
+  effects.lights = effects.occlusion || !is_lit_from_the_eye_alone(scene);
+  effects.fog = scene.fog.has_value();
+  return effects;
+}
+
+LayerLights lights_of(const Scene& scene, const Affine& world_from_volume) {
+  LayerLights of_layer{.lights = {}, .world_from_volume = world_from_volume};
+  const Affine volume_from_world = world_from_volume.inverse();
+  for (const Light& light : scene.lights) {
+    if (!shines(light)) continue;
+    const bool is_point = light.kind == Light::Kind::point;
+    of_layer.lights.push_back({.kind = light.kind,
+                               .casts_shadows = casts_visible_shadows(light),
+                               .place = is_point ? volume_from_world.point(light.place) : light.place.normalized(),
+                               .color = Imath::V3f(light.color)});
+  }
+  return of_layer;
+}
+
+bool is_lit_from_the_eye_alone(const Scene& scene) {
+  std::size_t shining = 0, white_heads = 0;
+  for (const Light& light : scene.lights) {
+    shining += shines(light);
+    white_heads += light.kind == Light::Kind::head && light.color == Vec3(1, 1, 1);
+  }
+  return shining == 1 && white_heads == 1;
 }
 
 }  // namespace rhoray::render

@@ -3,8 +3,12 @@
 #include "render/effects/diffuse.h"
 #include "render/effects/facing.h"
 #include "render/effects/field_color.h"
+#include "render/effects/fog.h"
 #include "render/effects/intensity.h"
 #include "render/effects/lanes.h"
+#include "render/effects/lights.h"
+#include "render/effects/occlusion.h"
+#include "render/effects/received.h"
 #include "render/effects/specular.h"
 #include "render/scene.h"
 
@@ -17,29 +21,84 @@ struct EffectSet {
   bool field_color = false;
   bool specular = false;
   bool intensity = false;
+  bool lights = false;     ///< others than one white light at the eye
+  bool shadows = false;    ///< rays towards lights are asked about
+  bool occlusion = false;  ///< rays into surroundings are asked about
+  bool fog = false;
 };
 
 /// Reads the layer, not switches: an isosurface is lit, one with gloss has a highlight, one that names a field is
 /// coloured by it; a projection shows intensity.
 EffectSet effects_called_for(const Layer& layer);
 
+/// The same in its scene: shadows where a light that shines casts them, something holds light back, and the surface
+/// shows lights at all; occlusion where it has a radius, there is ambient light and something that holds it back.
+EffectSet effects_called_for(const Scene& scene, const Layer& layer);
+
+/// True of opaque isosurfaces.
+bool holds_light_back(const Layer& layer);
+
+/// What shines on a layer beside a white light at the eye, and what of that reaches its hits; read where effects call
+/// for lights, or fog.
+struct Surroundings {
+  const LayerLights* lights = nullptr;
+  const ReceivedLight* received = nullptr;
+  const Fog* fog = nullptr;
+};
+
+/// Colours of a surface under many lights.
+/// @param base  the surface's own colours
+RHORAY_INLINE void shade_under_lights(const Surface& surface, const EffectSet& effects, const Facing& facing,
+                                      const Surroundings& surroundings, const RayBatch& rays, const HitBatch& hits,
+                                      std::size_t first, const Colors& base, Colors& colors) {
+  const LayerLights& of_layer = *surroundings.lights;
+  Directions to_eye, normal, to_light;
+  find_directions_to_eye(of_layer.world_from_volume, rays, first, to_eye);
+  facing.normals(rays, hits, first, to_eye, normal);
+  Lanes ambient, shares, cosines;
+  ambient.fill(static_cast<float>(surface.ambient));
+  if (effects.occlusion) darken_ambient(surroundings.received->ambient.data() + first, ambient);
+  Colors arriving{ambient, ambient, ambient};
+  for (std::size_t l = 0; l < of_layer.lights.size(); ++l) {
+    const LayerLights::One& light = of_layer.lights[l];
+    shares.fill(1);
+    if (effects.shadows && light.casts_shadows) surroundings.received->find_shares(l, first, shares);
+    find_directions_to_light(light, of_layer.world_from_volume, rays, hits, first, to_eye, to_light);
+    find_cosines(normal, to_light, cosines);
+    add_arriving(light.color * static_cast<float>(1 - surface.ambient), shares, cosines, arriving);
+    if (effects.specular) add_specular(surface, light.color, shares, cosines, normal, to_light, to_eye, colors);
+  }
+  add_sent_back(base, arriving, colors);
+}
+
 /// Colours of the group of hits that begins at `first`; any numbers where nothing was hit.
 /// @param field_values  at the hits of the group, of the field that the surface is coloured by; else not read
 RHORAY_INLINE void shade(const Layer& layer, const EffectSet& effects, const Facing& facing, const RayBatch& rays,
-                         const HitBatch& hits, std::size_t first, const double* field_values, Colors& colors) {
+                         const HitBatch& hits, std::size_t first, const double* field_values, Colors& colors,
+                         const Surroundings& surroundings = {}) {
   colors = {};
   if (effects.intensity) add_intensity(layer.window, hits.value.data() + first, colors);
   if (!effects.diffuse) return;
-  Lanes cosines;
-  facing.cosines(rays, hits, first, cosines);
-  if (effects.field_color) {
+  if (effects.lights) {
     Colors base;
-    find_field_colors(layer.surface, field_values, base);
-    add_diffuse(layer.surface, base, cosines, colors);
+    if (effects.field_color)
+      find_field_colors(layer.surface, field_values, base);
+    else
+      fill_colors(Imath::V3f(layer.surface.color), base);
+    shade_under_lights(layer.surface, effects, facing, surroundings, rays, hits, first, base, colors);
   } else {
-    add_diffuse(layer.surface, cosines, colors);
+    Lanes cosines;
+    facing.cosines(rays, hits, first, cosines);
+    if (effects.field_color) {
+      Colors base;
+      find_field_colors(layer.surface, field_values, base);
+      add_diffuse(layer.surface, base, cosines, colors);
+    } else {
+      add_diffuse(layer.surface, cosines, colors);
+    }
+    if (effects.specular) add_specular(layer.surface, cosines, colors);
   }
-  if (effects.specular) add_specular(layer.surface, cosines, colors);
+  if (effects.fog) mix_fog(*surroundings.fog, hits.t.data() + first, colors);
 }
 
 }  // namespace rhoray::render

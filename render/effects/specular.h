@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "render/effects/lanes.h"
 #include "render/effects/power.h"
 #include "render/scene.h"
@@ -15,6 +17,29 @@ RHORAY_INLINE void add_specular(const Surface& surface, const Lanes& cosines, Co
     colors.red[i] += highlight;
     colors.green[i] += highlight;
     colors.blue[i] += highlight;
+  }
+}
+
+/// The same of a light anywhere.
+/// @param color    of the light
+/// @param shares   of it that reach the hits
+/// @param cosines  of the angle between the normal and the direction to the light: no highlight unless above 0
+RHORAY_INLINE void add_specular(const Surface& surface, const Imath::V3f& color, const Lanes& shares,
+                                const Lanes& cosines, const Directions& normal, const Directions& to_light,
+                                const Directions& to_eye, Colors& colors) {
+  const auto strength = static_cast<float>(surface.specular), shininess = static_cast<float>(surface.shininess);
+  Lanes half_cosines;
+  for (std::size_t i = 0; i < cosines.size(); ++i) {
+    const float x = to_light.x[i] + to_eye.x[i], y = to_light.y[i] + to_eye.y[i], z = to_light.z[i] + to_eye.z[i];
+    const float cosine = (normal.x[i] * x + normal.y[i] * y + normal.z[i] * z) / std::sqrt(x * x + y * y + z * z);
+    const float above = cosine > 0 ? cosine : 0;
+    half_cosines[i] = above < 1 ? above : 1;
+  }
+  for (std::size_t i = 0; i < cosines.size(); ++i) {
+    const float highlight = cosines[i] > 0 ? shares[i] * (strength * power(half_cosines[i], shininess)) : 0;
+    colors.red[i] += highlight * color.x;
+    colors.green[i] += highlight * color.y;
+    colors.blue[i] += highlight * color.z;
   }
 }
 

@@ -1,5 +1,6 @@
 #include "render/frame/frame.h"
 
+#include "render/frame/lighting.h"
 #include "render/frame/tracing.h"
 #include "render/march/ticks.h"
 
@@ -48,14 +49,17 @@ void shade_layers(const Frame& frame, Worker& worker) {
   const std::size_t count = worker.layers[0].rays.count;
   fill_background(frame.background, count, worker.colors);
   if (frame.has_one_layer()) {
-    shade_hits(frame.layers[0].look, worker.layers[0], worker.counts, worker.colors);
+    receive_light(frame, 0, nullptr, worker);
+    shade_hits(frame.layers[0].look, worker.layers[0], worker.received, worker.counts, worker.colors);
   } else {
     bool has_clear = false;
     for (std::size_t l = 0; l < frame.layers.size(); ++l) {
       const FrameLayer& layer = frame.layers[l];
-      if (layer.part == Part::opaque)
-        shade_shown(layer.look, worker.layers[l], worker.shown, static_cast<std::uint8_t>(l), worker.counts,
-                    worker.colors);
+      const auto index = static_cast<std::uint8_t>(l);
+      if (layer.part == Part::opaque) {
+        receive_light(frame, index, &worker.shown, worker);
+        shade_shown(layer.look, worker.layers[l], worker.shown, index, worker.received, worker.counts, worker.colors);
+      }
       has_clear |= layer.part == Part::clear;
     }
     if (has_clear) {
@@ -65,7 +69,7 @@ void shade_layers(const Frame& frame, Worker& worker) {
     }
     for (std::size_t l = 0; l < frame.layers.size(); ++l)
       if (frame.layers[l].part == Part::veil)
-        lay_veil(frame.layers[l].look, worker.layers[l], worker.counts, worker.colors);
+        lay_veil(frame.layers[l].look, worker.layers[l], worker.received, worker.counts, worker.colors);
   }
   for (std::size_t r = 0; r < count; ++r) worker.counts.hits += worker.colors.alpha[r] > 0;
 }
@@ -75,6 +79,7 @@ std::size_t trace_blocks(const Frame& frame, const LatticeRays& rays, const Tile
                          Framebuffer& out) {
   expect_tile(rays.lattice, tile, out);
   trace_layers(frame, rays, tile, worker);
+  if (frame.needs.occlusion) number_pixels(rays.lattice, tile, worker);
 
   const std::uint64_t shading_start = ticks_now();
   const bool has_one_layer = frame.has_one_layer();
@@ -117,18 +122,17 @@ void Pass::trace_tile(const Frame& frame, std::size_t index, Worker& worker, Fra
   counts.tile_ticks += ticks_now() - start;
 }
 
-void FrameMemory::Implementation::begin_frame(unsigned threads, std::size_t layer_count, std::size_t queue_entries) {
+void FrameMemory::Implementation::begin_frame(unsigned threads, const WorkerNeeds& needs) {
   if (!threads_ || threads_->asked_for() != threads) threads_.emplace(threads);
   places_.resize(threads_->worker_count());
   for (Place& place : places_) place.works = false;
-  layer_count_ = layer_count;
-  queue_entries_ = queue_entries;
+  needs_ = needs;
 }
 
 Worker& FrameMemory::Implementation::worker(std::size_t index) {
   Place& place = places_[index];
   if (!place.worker) place.worker = std::make_unique<Worker>();
-  if (!place.works) place.worker->begin_frame(layer_count_, queue_entries_);
+  if (!place.works) place.worker->begin_frame(needs_);
   place.works = true;
   return *place.worker;
 }

@@ -28,7 +28,7 @@ struct FrameLayer {
   const VolumeImplementation& volume;
   Part part;
   Kernel kernel;
-  Kernel kernel_through;  ///< clear: for rays that go on behind a crossing
+  Kernel kernel_through;  ///< for rays that start in crossings, those of clear surfaces or of light; null: not asked
   Preparation prepare;    ///< null: nothing to prepare
   Question question, question_through;
   Look look;
@@ -39,10 +39,11 @@ struct FrameLayer {
 /// What was chosen once for the frame; nothing here changes while tiles are traced.
 struct Frame {
   std::vector<FrameLayer> layers;  ///< opaque ones first, then clear ones, then veils; else as the scene has them
-  std::size_t queue_entries;
   CameraRays camera_rays;
   Vec3 background;
   bool keeps_channels;  ///< beside the colour
+  Occlusion occlusion;
+  WorkerNeeds needs;
 
   bool has_one_layer() const { return layers.size() == 1 && layers.front().part == Part::opaque; }
 };
@@ -76,7 +77,7 @@ class Pass {
 class FrameMemory::Implementation {
  public:
   /// @param threads  as FrameOptions::threads
-  void begin_frame(unsigned threads, std::size_t layer_count, std::size_t queue_entries);
+  void begin_frame(unsigned threads, const WorkerNeeds& needs);
   const TileThreads& threads() const { return *threads_; }
   Worker& worker(std::size_t index);
   /// Those that have worked in this frame.
@@ -89,7 +90,7 @@ class FrameMemory::Implementation {
   };
   std::optional<TileThreads> threads_;
   std::vector<Place> places_;
-  std::size_t layer_count_ = 1, queue_entries_ = 0;
+  WorkerNeeds needs_;
 };
 
 }  // namespace rhoray::render

@@ -36,8 +36,10 @@ RHORAY_INLINE GroupColors group_of(TileColors& colors, std::size_t first) {
 /// Calls act(first, shown lanes, their colours) for the groups of which a layer's hits are shown.
 /// @param is_shown  (ray of the batch)
 template <class IsShown, class Act>
-RHORAY_INLINE void for_each_shown_group(const Look& look, LayerWork& work, const IsShown& is_shown,
-                                        WorkerCounts& counts, const Act& act) {
+RHORAY_INLINE void for_each_shown_group(const Look& look, LayerWork& work, const ReceivedLight& received,
+                                        const IsShown& is_shown, WorkerCounts& counts, const Act& act) {
+  const Surroundings surroundings{
+      .lights = &look.lights, .received = &received, .fog = look.fog ? &*look.fog : nullptr};
   for (std::size_t first = 0; first < work.rays.count; first += group_size) {
     Lanes shown;
     const int count = find_shown([&](std::size_t i) { return is_shown(first + i); }, shown);
@@ -45,7 +47,7 @@ RHORAY_INLINE void for_each_shown_group(const Look& look, LayerWork& work, const
     Colors colors;
     double field_values[group_size];
     if (look.lookup) (*look.lookup)(work.rays, work.hits, first, field_values);
-    shade(look.layer, look.effects, look.facing, work.rays, work.hits, first, field_values, colors);
+    shade(look.layer, look.effects, look.facing, work.rays, work.hits, first, field_values, colors, surroundings);
     act(first, shown, colors);
     const auto hit_count = static_cast<std::uint64_t>(count);
     if (look.effects.specular) counts.highlights += hit_count;
@@ -65,20 +67,21 @@ RHORAY_INLINE void put_group(const Lanes& shown, const Colors& colors, const Gro
   put(shown, shown, out.alpha);
 }
 
-RHORAY_INLINE void shade_hits_inline(const Look& look, LayerWork& work, WorkerCounts& counts, TileColors& colors) {
+RHORAY_INLINE void shade_hits_inline(const Look& look, LayerWork& work, const ReceivedLight& received,
+                                     WorkerCounts& counts, TileColors& colors) {
   double* t = work.hits.t.data();
   for (std::size_t r = work.rays.count; r % group_size != 0; ++r) t[r] = infinity;  // the last group's empty rooms
   for_each_shown_group(
-      look, work, [t](std::size_t r) { return t[r] < infinity; }, counts,
+      look, work, received, [t](std::size_t r) { return t[r] < infinity; }, counts,
       [&](std::size_t first, const Lanes& shown, const Colors& shaded) {
         put_group(shown, shaded, group_of(colors, first));
       });
 }
 
 RHORAY_INLINE void shade_shown_inline(const Look& look, LayerWork& work, const LayerOfRays& shown, std::uint8_t layer,
-                                      WorkerCounts& counts, TileColors& colors) {
+                                      const ReceivedLight& received, WorkerCounts& counts, TileColors& colors) {
   for_each_shown_group(
-      look, work, [&](std::size_t r) { return shown.of[r] == layer; }, counts,
+      look, work, received, [&](std::size_t r) { return shown.of[r] == layer; }, counts,
       [&](std::size_t first, const Lanes& lanes, const Colors& shaded) {
         put_group(lanes, shaded, group_of(colors, first));
       });
@@ -90,10 +93,10 @@ RHORAY_INLINE void add_through(const Lanes& color, const Lanes& share, float* ou
 }
 
 RHORAY_INLINE void shade_clear_inline(const Look& look, LayerWork& work, const LayerOfRays& next, std::uint8_t layer,
-                                      WorkerCounts& counts, TileColors& front) {
+                                      const ReceivedLight& received, WorkerCounts& counts, TileColors& front) {
   const auto opacity = static_cast<float>(look.layer.surface.opacity);
   for_each_shown_group(
-      look, work, [&](std::size_t r) { return next.of[r] == layer; }, counts,
+      look, work, received, [&](std::size_t r) { return next.of[r] == layer; }, counts,
       [&](std::size_t first, Lanes share, const Colors& shaded) {
         const GroupColors out = group_of(front, first);
         for (std::size_t i = 0; i < group_size; ++i) {
@@ -106,11 +109,12 @@ RHORAY_INLINE void shade_clear_inline(const Look& look, LayerWork& work, const L
       });
 }
 
-RHORAY_INLINE void lay_veil_inline(const Look& look, LayerWork& work, WorkerCounts& counts, TileColors& colors) {
+RHORAY_INLINE void lay_veil_inline(const Look& look, LayerWork& work, const ReceivedLight& received,
+                                   WorkerCounts& counts, TileColors& colors) {
   double* t = work.hits.t.data();
   for (std::size_t r = work.rays.count; r % group_size != 0; ++r) t[r] = infinity;
   for_each_shown_group(
-      look, work, [t](std::size_t r) { return t[r] < infinity; }, counts,
+      look, work, received, [t](std::size_t r) { return t[r] < infinity; }, counts,
       [&](std::size_t first, const Lanes& shown, const Colors& light) {
         const GroupColors out = group_of(colors, first);
         for (std::size_t i = 0; i < group_size; ++i) {
@@ -183,16 +187,17 @@ void fill_background(const Vec3& background, std::size_t count, TileColors& colo
   std::fill_n(colors.alpha, count, 0.0F);
 }
 
-void shade_hits(const Look& look, LayerWork& work, WorkerCounts& counts, TileColors& colors) {
-  compiled_for<shade_hits_inline>(look.machine)(look, work, counts, colors);
+void shade_hits(const Look& look, LayerWork& work, const ReceivedLight& received, WorkerCounts& counts,
+                TileColors& colors) {
+  compiled_for<shade_hits_inline>(look.machine)(look, work, received, counts, colors);
   if (!look.proves) return;
   for (std::size_t r = 0; r < work.rays.count; ++r)
     if (is_hit(work.hits, r)) counts.largest_error = std::max(counts.largest_error, work.hits.error[r]);
 }
 
-void shade_shown(const Look& look, LayerWork& work, const LayerOfRays& shown, std::uint8_t layer, WorkerCounts& counts,
-                 TileColors& colors) {
-  compiled_for<shade_shown_inline>(look.machine)(look, work, shown, layer, counts, colors);
+void shade_shown(const Look& look, LayerWork& work, const LayerOfRays& shown, std::uint8_t layer,
+                 const ReceivedLight& received, WorkerCounts& counts, TileColors& colors) {
+  compiled_for<shade_shown_inline>(look.machine)(look, work, shown, layer, received, counts, colors);
   if (!look.proves) return;
   for (std::size_t r = 0; r < work.rays.count; ++r)
     if (shown.of[r] == layer) counts.largest_error = std::max(counts.largest_error, work.hits.error[r]);
@@ -203,9 +208,9 @@ void begin_front(std::size_t count, TileColors& front) {
   std::fill_n(front.alpha, (count + group_size - 1) / group_size * group_size, 1.0F);
 }
 
-void shade_clear(const Look& look, LayerWork& work, const LayerOfRays& next, std::uint8_t layer, WorkerCounts& counts,
-                 TileColors& front) {
-  compiled_for<shade_clear_inline>(look.machine)(look, work, next, layer, counts, front);
+void shade_clear(const Look& look, LayerWork& work, const LayerOfRays& next, std::uint8_t layer,
+                 const ReceivedLight& received, WorkerCounts& counts, TileColors& front) {
+  compiled_for<shade_clear_inline>(look.machine)(look, work, next, layer, received, counts, front);
 }
 
 void put_in_front(const TileColors& front, std::size_t count, TileColors& colors) {
@@ -218,8 +223,9 @@ void put_in_front(const TileColors& front, std::size_t count, TileColors& colors
   }
 }
 
-void lay_veil(const Look& look, LayerWork& work, WorkerCounts& counts, TileColors& colors) {
-  compiled_for<lay_veil_inline>(look.machine)(look, work, counts, colors);
+void lay_veil(const Look& look, LayerWork& work, const ReceivedLight& received, WorkerCounts& counts,
+              TileColors& colors) {
+  compiled_for<lay_veil_inline>(look.machine)(look, work, received, counts, colors);
 }
 
 void expect_tile(const PixelLattice& lattice, const Tile& tile, const Framebuffer& out) {

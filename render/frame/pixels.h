@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "render/effects/effects.h"
 #include "render/frame/pixel_rays.h"
@@ -16,33 +17,38 @@ struct Look {
   const Layer& layer;
   EffectSet effects;
   Facing facing;
+  LayerLights lights{};
+  std::optional<Fog> fog{};
   bool proves;                                ///< hits carry bounds of their errors
   std::shared_ptr<const HitLookup> lookup{};  ///< where effects ask for more than hits say
   Machine machine = chosen_machine();
 };
 
-// Colours of a tile's rays: the same numbers on every machine.
+// Colours of a tile's rays: the same numbers on every machine. What of the light reaches the hits is read where effects
+// ask for it.
 
 /// All of them the background's.
 void fill_background(const Vec3& background, std::size_t count, TileColors& colors);
 
 /// Those of all hits, over what is there.
-void shade_hits(const Look& look, LayerWork& work, WorkerCounts& counts, TileColors& colors);
+void shade_hits(const Look& look, LayerWork& work, const ReceivedLight& received, WorkerCounts& counts,
+                TileColors& colors);
 
 /// Those of the hits that `shown` names, over what is there.
-void shade_shown(const Look& look, LayerWork& work, const LayerOfRays& shown, std::uint8_t layer, WorkerCounts& counts,
-                 TileColors& colors);
+void shade_shown(const Look& look, LayerWork& work, const LayerOfRays& shown, std::uint8_t layer,
+                 const ReceivedLight& received, WorkerCounts& counts, TileColors& colors);
 
 /// Clear surfaces, from front to back: no light yet, and all that lies behind is seen.
 void begin_front(std::size_t count, TileColors& front);
 /// Adds the hits that `next` names, behind what has been added.
-void shade_clear(const Look& look, LayerWork& work, const LayerOfRays& next, std::uint8_t layer, WorkerCounts& counts,
-                 TileColors& front);
+void shade_clear(const Look& look, LayerWork& work, const LayerOfRays& next, std::uint8_t layer,
+                 const ReceivedLight& received, WorkerCounts& counts, TileColors& front);
 void put_in_front(const TileColors& front, std::size_t count, TileColors& colors);
 
 /// Largest values as white light over what is there, which shows through as far as the grey of a projection by itself
 /// is below white.
-void lay_veil(const Look& look, LayerWork& work, WorkerCounts& counts, TileColors& colors);
+void lay_veil(const Look& look, LayerWork& work, const ReceivedLight& received, WorkerCounts& counts,
+              TileColors& colors);
 
 /// Asks for the memory into which a tile will be written while others work at it; changes nothing.
 void expect_tile(const PixelLattice& lattice, const Tile& tile, const Framebuffer& out);

@@ -47,6 +47,35 @@ void check_layer(std::span<const Volume> volumes, const Layer& layer) {
     throw Error(Trouble::usage, concat("a slack of ", method.slack, "; expected 0 to 1"));
 }
 
+bool is_finite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+std::string text_of(const Vec3& v) {
+  return concat("(", v.x, ", ", v.y, ", ", v.z, ")");
+}
+
+void check_light(const Light& light) {
+  const Vec3& color = light.color;
+  if (!is_finite(color) || color.x < 0 || color.y < 0 || color.z < 0)
+    throw Error(Trouble::usage, concat("a light of colour ", text_of(color), "; expected finite numbers from 0 up"));
+  if (light.kind == Light::Kind::point && !is_finite(light.place))
+    throw Error(Trouble::usage, concat("a light at ", text_of(light.place), "; expected finite numbers"));
+  if (light.kind == Light::Kind::directional && (!is_finite(light.place) || light.place == Vec3(0, 0, 0)))
+    throw Error(Trouble::usage, concat("a light from the direction ", text_of(light.place), "; expected a finite one"));
+}
+
+void check_effects(const Scene& scene) {
+  for (const Light& light : scene.lights) check_light(light);
+  const Occlusion& occlusion = scene.occlusion;
+  if (occlusion.samples < 0 || occlusion.samples > 4096 || !(occlusion.radius >= 0))
+    throw Error(Trouble::usage, concat("occlusion by ", occlusion.samples, " samples up to ", occlusion.radius,
+                                       " away; expected 0 to 4096 samples, and a distance from 0 up"));
+  if (scene.fog && (scene.fog->range.is_empty() || !std::isfinite(scene.fog->range.hi - scene.fog->range.lo)))
+    throw Error(Trouble::usage,
+                concat("fog from ", scene.fog->range.lo, " to ", scene.fog->range.hi, "; expected a finite range"));
+}
+
 bool all_prove(const Scene& scene) {
   return std::all_of(scene.layers.begin(), scene.layers.end(), [](const Layer& layer) { return proves(layer.method); });
 }
@@ -59,6 +88,7 @@ void check_request(std::span<const Volume> volumes, const Scene& scene, const Fr
     throw Error(Trouble::usage,
                 concat("a scene of ", scene.layers.size(), " layers; expected 1 to ", LayerOfRays::none - 1));
   for (const Layer& layer : scene.layers) check_layer(volumes, layer);
+  check_effects(scene);
   if (options.channels.error && !all_prove(scene))
     throw Error(Trouble::usage, "the channel 'error' needs a method that proves one: certified or exact");
 }
@@ -84,7 +114,17 @@ std::shared_ptr<const HitLookup> choose_lookup(const Volume& volume, const Layer
   return std::make_shared<const HitLookup>(volume.implementation(), wishes, threads);
 }
 
-FrameLayer choose_layer(const Volume& volume, const Layer& layer, Part part, const FrameOptions& options) {
+/// Whether rays that start in crossings are asked of a layer.
+bool meets_rays_from_crossings(const Layer& layer, Part part, const Scene& scene) {
+  if (part == Part::clear) return true;
+  return holds_light_back(layer) && std::any_of(scene.layers.begin(), scene.layers.end(), [&](const Layer& any) {
+           const EffectSet effects = effects_called_for(scene, any);
+           return effects.shadows || effects.occlusion;
+         });
+}
+
+FrameLayer choose_layer(const Volume& volume, const Layer& layer, Part part, const Scene& scene,
+                        const FrameOptions& options) {
   const VolumeImplementation& implementation = volume.implementation();
   const bool is_mip = layer.mode == Mode::mip;
   const Kernels kernels = choose_kernels(implementation, layer.method);
@@ -97,39 +137,51 @@ FrameLayer choose_layer(const Volume& volume, const Layer& layer, Part part, con
                     .time_phases = options.time_phases};
   Question question_through = question;
   question_through.method = method_through;
-  return {
-      .volume = implementation,
-      .part = part,
-      .kernel = is_mip ? kernels.largest_value : kernels.first_crossing,
-      .kernel_through = part == Part::clear ? choose_kernels(implementation, method_through).first_crossing : nullptr,
-      .prepare = is_mip ? nullptr : kernels.prepare_first_crossing,
-      .question = question,
-      .question_through = question_through,
-      .look = {.layer = layer,
-               .effects = effects_called_for(layer),
-               .facing = Facing(implementation.world_from_volume),
-               .proves = proves(layer.method),
-               .lookup = choose_lookup(volume, layer, options.threads)},
-      .volume_from_world = implementation.world_from_volume.inverse()};
+  return {.volume = implementation,
+          .part = part,
+          .kernel = is_mip ? kernels.largest_value : kernels.first_crossing,
+          .kernel_through = meets_rays_from_crossings(layer, part, scene)
+                                ? choose_kernels(implementation, method_through).first_crossing
+                                : nullptr,
+          .prepare = is_mip ? nullptr : kernels.prepare_first_crossing,
+          .question = question,
+          .question_through = question_through,
+          .look = {.layer = layer,
+                   .effects = effects_called_for(scene, layer),
+                   .facing = Facing(implementation.world_from_volume),
+                   .lights = lights_of(scene, implementation.world_from_volume),
+                   .fog = scene.fog,
+                   .proves = proves(layer.method),
+                   .lookup = choose_lookup(volume, layer, options.threads)},
+          .volume_from_world = implementation.world_from_volume.inverse()};
+}
+
+void add_needs(const Volume& volume, const FrameLayer& layer, WorkerNeeds& needs) {
+  const Look& look = layer.look;
+  if (look.layer.mode == Mode::mip)
+    needs.queue_entries =
+        std::max(needs.queue_entries, choose_kernels(volume.implementation(), look.layer.method).queue_entries);
+  if (look.effects.shadows) needs.light_count = look.lights.lights.size();
+  needs.occlusion |= look.effects.occlusion;
 }
 
 /// Without what cannot be seen: a surface that holds back no light.
 Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options) {
   Frame frame{.layers = {},
-              .queue_entries = 0,
               .camera_rays = CameraRays(scene.camera, options.width, options.height),
               .background = scene.background,
-              .keeps_channels = options.channels.any()};
+              .keeps_channels = options.channels.any(),
+              .occlusion = scene.occlusion,
+              .needs = {}};
   for (const Part part : {Part::opaque, Part::clear, Part::veil})
     for (const Layer& layer : scene.layers) {
       if (part_of(layer, scene) != part) continue;
       if (layer.mode != Mode::mip && layer.surface.opacity == 0) continue;
       const Volume& volume = volumes[layer.volume];
-      frame.layers.push_back(choose_layer(volume, layer, part, options));
-      if (layer.mode == Mode::mip)
-        frame.queue_entries =
-            std::max(frame.queue_entries, choose_kernels(volume.implementation(), layer.method).queue_entries);
+      frame.layers.push_back(choose_layer(volume, layer, part, scene, options));
+      add_needs(volume, frame.layers.back(), frame.needs);
     }
+  frame.needs.layer_count = frame.layers.size();
   return frame;
 }
 
@@ -171,6 +223,8 @@ FrameStatistics statistics_of(const FrameMemory::Implementation& memory, const S
     statistics.rays += counts.rays;
     statistics.rays_ruled_out += counts.rays_ruled_out;
     statistics.rays_through += counts.rays_through;
+    statistics.shadow_rays += counts.shadow_rays;
+    statistics.occlusion_rays += counts.occlusion_rays;
     statistics.hits += counts.hits;
     statistics.highlights_shaded += counts.highlights;
     statistics.normals_smoothed += counts.smooth_normals;
@@ -263,7 +317,7 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
   const std::vector<Pass> passes = passes_of(frame, options, refinement.first_spacing);
   framebuffer.reshape(options.width, options.height, options.channels);
   FrameMemory::Implementation& kept = memory.implementation();
-  kept.begin_frame(options.threads, frame.layers.size(), frame.queue_entries);
+  kept.begin_frame(options.threads, frame.needs);
   int spacing = refinement.first_spacing;
   for (const Pass& pass : passes) {
     kept.threads().for_each_tile(pass.tile_count(), [&](std::size_t tile, std::size_t worker) {

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "render/frame/lighting.h"
+#include "render/march/ticks.h"
+
 namespace rhoray::render {
 
 namespace {
@@ -86,7 +89,9 @@ void go_on(const FrameLayer& layer, std::uint8_t index, const LayerOfRays& shown
   }
   if (worker.few.empty()) return;
   worker.few_rays.count = worker.few.size();
+  const std::uint64_t start = ticks_now();
   layer.kernel_through(layer.volume, layer.question_through, worker.few_rays, worker.few_hits, work.scratch);
+  worker.counts.shading_ticks -= ticks_now() - start;  // rays are no shading, within which this is called
   for (std::size_t i = 0; i < worker.few.size(); ++i) work.hits.set(worker.few[i], worker.few_hits[i]);
   worker.counts.rays_through += worker.few.size();
 }
@@ -115,14 +120,14 @@ void peel_clear_layers(const Frame& frame, Worker& worker) {
     rays.has_start_sides = true;
     std::fill_n(rays.start_side.data(), ray_count, StartSide::unknown);
   }
-  worker.few_rays.has_start_sides = true;
   LayerOfRays next;
   while (find_next(frame, worker, ray_count, next))
     for (std::size_t l = 0; l < frame.layers.size(); ++l) {
       if (frame.layers[l].part != Part::clear) continue;
       const auto index = static_cast<std::uint8_t>(l);
+      receive_light(frame, index, &next, worker);
       leave_crossings(frame.layers[l], index, next, worker.layers[l]);
-      shade_clear(frame.layers[l].look, worker.layers[l], next, index, worker.counts, worker.front);
+      shade_clear(frame.layers[l].look, worker.layers[l], next, index, worker.received, worker.counts, worker.front);
       go_on(frame.layers[l], index, next, worker);
     }
   for (std::size_t l = 0; l < frame.layers.size(); ++l) {

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "render/effects/occlusion.h"
+#include "render/effects/received.h"
 #include "render/frame/tiles.h"
 #include "render/kernels/kernels.h"
 
@@ -28,9 +31,29 @@ struct LayerOfRays {
   alignas(64) std::uint8_t of[tile_capacity];
 };
 
+/// Rays from hits towards where light may come from, in the places of the tile's rays that met these.
+struct LightRays {
+  LaneArray<std::uint8_t> is_shown{tile_capacity};  ///< whether there is a hit that light may reach
+  LaneArray<StartSide> side{tile_capacity};         ///< of its surface: the one that the eye sees
+  LaneArray<double> direction[3]{LaneArray<double>(tile_capacity), LaneArray<double>(tile_capacity),
+                                 LaneArray<double>(tile_capacity)};  ///< unit length, world axes
+  LaneArray<double> t_max{tile_capacity};                            ///< below 0: nothing is asked
+  std::vector<std::size_t> groups;                                   ///< of the tile's, that are asked about
+
+  LightRays() { groups.reserve(tile_capacity / RayBatch::group_size); }
+};
+
+/// What frames ask for beside rays of the camera.
+struct WorkerNeeds {
+  std::size_t layer_count = 1, queue_entries = 0;
+  std::size_t light_count = 0;  ///< as far as shadows are cast
+  bool occlusion = false;
+};
+
 /// What a thread has traced and shaded.
 struct WorkerCounts {
   std::uint64_t rays = 0, rays_ruled_out = 0, rays_through = 0, hits = 0;
+  std::uint64_t shadow_rays = 0, occlusion_rays = 0;
   std::uint64_t highlights = 0, smooth_normals = 0, field_values = 0;
   std::uint64_t tile_ticks = 0, shading_ticks = 0;
   double largest_error = 0;
@@ -49,18 +72,34 @@ struct alignas(128) Worker {
   RayBatch few_rays{tile_capacity};  ///< of one layer, asked again behind its last crossing
   HitBatch few_hits{tile_capacity};
   std::vector<std::uint32_t> few;  ///< which rays these are
+  // Where effects ask for the light that reaches hits.
+  std::unique_ptr<LightRays> light_rays;
+  std::vector<Vec3> eye_normals;  ///< of the hits: unit length, world axes, towards the eye
+  ReceivedLight received;
+  std::vector<OcclusionDirections> pixels;  ///< of the tile's rays
   WorkerCounts counts;
 
-  Worker() { few.reserve(tile_capacity); }
+  Worker() {
+    few.reserve(tile_capacity);
+    few_rays.has_start_sides = true;
+  }
 
   /// Forgets everything but memory. Kernels know by themselves of which volume and isovalue they keep something.
-  void begin_frame(std::size_t layer_count, std::size_t queue_entries) {
-    layers.resize(layer_count);
+  void begin_frame(const WorkerNeeds& needs) {
+    layers.resize(needs.layer_count);
     for (LayerWork& layer : layers) {
-      layer.scratch.queue.reserve(queue_entries);
+      layer.scratch.queue.reserve(needs.queue_entries);
       layer.scratch.last_t.reset();
       layer.scratch.counters = {};
       layer.rays_begun_by = nullptr;
+    }
+    if (needs.light_count > 0 || needs.occlusion) {
+      if (!light_rays) light_rays = std::make_unique<LightRays>();
+      while (received.of_lights.size() < needs.light_count) received.of_lights.emplace_back(tile_capacity);
+    }
+    if (needs.occlusion) {
+      pixels.reserve(tile_capacity), eye_normals.resize(tile_capacity);
+      if (received.ambient.data() == nullptr) received.ambient = LaneArray<float>(tile_capacity);
     }
     counts = {};
   }

@@ -6,6 +6,7 @@
 #include "render/kernels/wide/facets.h"
 #include "render/kernels/wide/isosurface.h"
 #include "render/kernels/wide/maximum.h"
+#include "render/kernels/wide/tet_maximum.h"
 
 namespace rhoray::render {
 
@@ -20,6 +21,7 @@ Kernels choose_kernels(const VolumeImplementation& volume, const Method& method,
     kernels.prepare_first_crossing = wide::prepare_facets;
   }
   if (const Kernel wide = wide::largest_value_kernel(volume, method, machine)) kernels.largest_value = wide;
+  if (const Kernel wide = wide::largest_value_in_tets_kernel(volume, method, machine)) kernels.largest_value = wide;
   return kernels;
 }
 

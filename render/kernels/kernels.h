@@ -19,6 +19,7 @@ namespace wide {
 struct FacetScratch;
 struct IsosurfaceScratch;
 struct MaximumScratch;
+struct TetMaximumScratch;
 }  // namespace wide
 
 struct KernelCounters {
@@ -63,9 +64,10 @@ struct KernelScratch {
   MaximumQueue queue;
   std::optional<double> last_t;  ///< forgotten at the start of every tile, so that counts do not depend on threads
   KernelCounters counters;
-  std::shared_ptr<wide::IsosurfaceScratch> isosurface;  ///< of the wide isosurface kernel, made when first asked
-  std::shared_ptr<wide::MaximumScratch> maximum;        ///< of the wide kernel for largest values, likewise
-  std::shared_ptr<wide::FacetScratch> facets;           ///< of the wide isosurface kernel of meshes, likewise
+  std::shared_ptr<wide::IsosurfaceScratch> isosurface;   ///< of the wide isosurface kernel, made when first asked
+  std::shared_ptr<wide::MaximumScratch> maximum;         ///< of the wide kernel for largest values, likewise
+  std::shared_ptr<wide::FacetScratch> facets;            ///< of the wide isosurface kernel of meshes, likewise
+  std::shared_ptr<wide::TetMaximumScratch> tet_maximum;  ///< of the wide kernel for largest values in meshes, likewise
 };
 
 /// A question, answered for a batch of rays in the volume's frame; hits has room for as many.

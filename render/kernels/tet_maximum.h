@@ -1,14 +1,13 @@
 #pragma once
 
 #include <algorithm>
-#include <limits>
-#include <tuple>
 
+#include "render/kernels/largest_so_far.h"
 #include "render/kernels/largest_value_search.h"
 #include "render/kernels/tet_walk.h"
 
 /// The largest value along a ray through a mesh. On a tetrahedron the field is linear, so its largest value on a ray is
-/// where the ray enters or leaves: direct, preview and paper are the same.
+/// where the ray enters or leaves: direct, preview and paper are the same, in double whatever the precision asked for.
 ///
 /// Regions (leaf cells and macrocells, or clusters and the entries above them) are opened in the order of their largest
 /// values, those of one value front to back, until none is left that could hold a larger value, the same at a smaller
@@ -17,31 +16,13 @@ namespace rhoray::render {
 
 namespace {
 
-class LargestSoFar {
- public:
-  void offer(double value, double t, std::uint64_t id) {
-    if (std::tuple(-value, t, id) < std::tuple(-value_, t_, id_)) value_ = value, t_ = t, id_ = id;
-  }
-  bool beats(const MaximumQueue::Entry& region) const {
-    return region.bound < value_ || (region.bound == value_ && region.t_in > t_);
-  }
-  Hit hit() const {
-    Hit hit;
-    if (value_ == nothing) return hit;
-    hit.t = t_;
-    hit.value = value_;
-    hit.cell = id_;
-    return hit;
-  }
-
- private:
-  static constexpr double nothing = -std::numeric_limits<double>::infinity();
-  double value_ = nothing, t_ = std::numeric_limits<double>::infinity();
-  std::uint64_t id_ = 0;
-};
+/// True where nothing in the region can take the place of what was found.
+inline bool beats(const LargestSoFar& largest, const MaximumQueue::Entry& region) {
+  return region.bound < largest.value || (region.bound == largest.value && region.t_in > largest.t);
+}
 
 /// Offers what the ray reaches in tetrahedra.
-template <class Real, class View>
+template <class View>
 class ValuesAlong {
  public:
   ValuesAlong(const View& view, const Ray& ray, KernelCounters& counters, LargestSoFar& largest)
@@ -52,7 +33,7 @@ class ValuesAlong {
     const TetValues values = view_.values_at(vertices);
     if (!has_data(values)) return;
     ++counters_.cells_solved;
-    const std::optional<SeenTetOf<Real>> seen = see_near(shear_, view_.points_at(vertices), values);
+    const std::optional<SeenTet> seen = see_near(shear_, view_.points_at(vertices), values);
     if (!seen) return;
     auto passage = pass_through(*seen, 0);
     if (passage) passage = clip(*passage, ray_.t_min, ray_.t_max);
@@ -66,7 +47,7 @@ class ValuesAlong {
  private:
   const View& view_;
   const Ray& ray_;
-  RayShearOf<Real> shear_;
+  RayShear shear_;
   KernelCounters& counters_;
   LargestSoFar& largest_;
 };
@@ -77,7 +58,7 @@ template <class Open>
 void open_regions(MaximumQueue& queue, const LargestSoFar& largest, Open&& open) {
   while (!queue.is_empty()) {
     const MaximumQueue::Entry region = queue.pop();
-    if (largest.beats(region)) return;
+    if (beats(largest, region)) return;
     open(region);
   }
 }
@@ -98,7 +79,7 @@ void search_lists(const View& view, const Question& question, const Ray& ray, Ke
       const Interval<double> range = view.range(level, visit.cell);
       const MaximumQueue::Entry region{
           .bound = range.hi, .t_in = visit.t_in, .t_out = visit.t_out, .cell = visit.cell, .level = level};
-      if (!range.is_empty() && !largest.beats(region)) scratch.queue.push(region);
+      if (!range.is_empty() && !beats(largest, region)) scratch.queue.push(region);
       return true;
     });
   };
@@ -131,7 +112,7 @@ void search_clusters(const View& view, const Question& question, const Ray& ray,
                                        .cell = {},
                                        .level = level,
                                        .id = visit.entry};
-      if (!largest.beats(region)) scratch.queue.push(region);
+      if (!beats(largest, region)) scratch.queue.push(region);
     });
   };
   const int top = first_level(view, question.use_hierarchy);
@@ -145,10 +126,10 @@ void search_clusters(const View& view, const Question& question, const Ray& ray,
   });
 }
 
-template <class Real, class View>
-Hit largest_value_in(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
+template <class View>
+Hit largest_value_on_ray(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
   LargestSoFar largest;
-  const ValuesAlong<Real, View> values(view, ray, scratch.counters, largest);
+  const ValuesAlong<View> values(view, ray, scratch.counters, largest);
   const auto look_into = [&](std::uint32_t tet) { values.look_into(tet); };
   scratch.queue.clear();
   if (view.has_clusters())
@@ -156,13 +137,6 @@ Hit largest_value_in(const View& view, const Question& question, const Ray& ray,
   else
     search_lists(view, question, ray, scratch, largest, look_into);
   return largest.hit();
-}
-
-template <class View>
-Hit largest_value_on_ray(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
-  return question.method.precision == Method::Precision::single
-             ? largest_value_in<float>(view, question, ray, scratch)
-             : largest_value_in<double>(view, question, ray, scratch);
 }
 
 /// Room in the queue for what one ray puts in; through clusters for most rays, and what it grows to is kept.

@@ -38,6 +38,9 @@ class TetVolume {
     return {(ray.origin - lattice.low) / lattice.leaf_size, ray.direction / lattice.leaf_size, ray.t_min, ray.t_max};
   }
 
+  std::span<const std::array<double, 3>> points() const { return mesh_.points(); }
+  std::span<const T> values() const { return values_; }
+
   bool has_clusters() const { return mesh_.has_clusters(); }
 
   // With clusters.

@@ -103,7 +103,7 @@ const Case cases[] = {
      {"render", "ball.rho", "--iso", "9000", "-o", "x.png"},
      2,
      "outside the range 0 to 2",
-     "--iso auto"},
+     "auto takes one"},
     {"isovalue that is no number", {"render", "ball.rho", "--iso", "skin", "-o", "x.png"}, 2, "--iso: found 'skin'"},
     {"isovalue nan", {"render", "ball.rho", "--iso", "nan", "-o", "x.png"}, 2, "--iso: found 'nan'"},
     {"isovalue infinite", {"render", "ball.rho", "--iso", "inf", "-o", "x.png"}, 2, "--iso: found 'inf'"},

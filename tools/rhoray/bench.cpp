@@ -8,8 +8,8 @@
 #include "tools/rhoray/input_file.h"
 #include "tools/rhoray/method_words.h"
 #include "tools/rhoray/new_file.h"
-#include "tools/rhoray/picture_plan.h"
 #include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/scene/looks.h"
 #include "tools/rhoray/subcommands.h"
 #include "tools/rhoray/threads.h"
 
@@ -134,7 +134,7 @@ Subcommand bench_subcommand() {
                 choice_option("--accuracy", accuracy_words(), "As in render, whose default it has", bench.accuracy),
                 value_option("--view", "WORD", "Side to look from, as in render; default iso", bench.view),
                 value_option("--field", "NAME", "Field; default the first", bench.field),
-                choice_option("--normals", words_of_normals(), "What surfaces are lit by, as in render", bench.normals),
+                choice_option("--normals", normals_words(), "What surfaces are lit by, as in render", bench.normals),
                 value_option("--color-by", "NAME", "Field that colours surfaces, as in render", bench.color_by),
                 flag_option("--mip", "Also time maximum intensity projection", bench.mip),
                 value_option("--scratch", "FOLDER", "Where table pack writes; default the system's temporary folder",

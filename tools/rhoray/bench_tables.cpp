@@ -6,13 +6,14 @@
 #include "formats/base/trouble.h"
 #include "formats/packed_file.h"
 #include "tools/rhoray/cpu_meter.h"
+#include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/input_file.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/new_file.h"
 #include "tools/rhoray/pack_any.h"
 #include "tools/rhoray/picture_hash.h"
-#include "tools/rhoray/picture_plan.h"
+#include "tools/rhoray/scene/plan.h"
 #include "tools/rhoray/version.h"
 #include "tools/rhoray/views.h"
 
@@ -68,7 +69,7 @@ void add_seconds(Json& row, const std::string& name, const Spread& spread) {
 /// A picture that is traced again and again in memory that is kept, and what came out last.
 struct Shot {
   std::string scene;
-  PicturePlan plan;
+  ScenePlan plan;
   render::Framebuffer picture{};
   render::FrameMemory memory{};
   render::FrameStatistics statistics{};
@@ -80,27 +81,32 @@ struct Shot {
   Shot another() const { return {.scene = scene, .plan = plan}; }
 };
 
+ScenePlan plan_of(const SceneWishes& wishes, const render::Volume& volume) {
+  ScenePlan plan = plan_layers(wishes, [&](const DataWish&) { return volume; });
+  aim_camera(wishes, plan);
+  return plan;
+}
+
 std::vector<Shot> shots(const BenchOptions& options, const render::Volume& volume) {
   std::vector<Shot> list;
-  PictureOptions picture;
-  picture.size = options.size;
-  picture.accuracy = options.accuracy;
-  picture.view = options.view;
-  picture.normals = options.normals;
-  picture.color_by = options.color_by;
+  SceneWishes wishes{.data = std::vector<DataWish>(1), .layers = std::vector<LayerWish>(1)};
+  wishes.image.size = options.size;
+  wishes.accuracy = options.accuracy;
+  wishes.camera.view = options.view;
+  wishes.layers[0].normals = options.normals;
+  wishes.layers[0].color_by = options.color_by;
   const auto add = [&](const std::string& scene) {
-    Shot shot{.scene = scene, .plan = plan_picture(picture, volume)};
+    Shot shot{.scene = scene, .plan = plan_of(wishes, volume)};
     shot.plan.frame.threads = options.threads;
     if (scene.empty()) shot.scene = concat("iso ", shot.plan.scene.layers[0].isovalue);
     list.push_back(std::move(shot));
   };
   for (const std::string& isovalue : options.isovalues) {
-    picture.isovalue = isovalue;
+    wishes.layers[0].isovalues = {isovalue};
     add({});
   }
   if (options.mip) {
-    picture.mode = "mip";
-    picture.normals = picture.color_by = {};
+    wishes.layers[0].type = LayerType::mip;
     add("mip");
   }
   return list;

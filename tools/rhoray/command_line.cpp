@@ -33,12 +33,16 @@ std::string overview(std::span<const Subcommand> subcommands) {
   return text;
 }
 
+bool takes_no_value(const Option& row) {
+  return row.kind == Option::Kind::flag || row.kind == Option::Kind::answer;
+}
+
 /// The options of one subcommand in CLI11's hands, row by row.
 std::vector<CLI::Option*> add_options(CLI::App& app, const Subcommand& subcommand) {
   std::vector<CLI::Option*> added;
   const CLI::callback_t taken_later = [](const CLI::results_t&) { return true; };
   for (const Option& row : subcommand.options) {
-    if (row.kind == Option::Kind::flag) {
+    if (takes_no_value(row)) {
       added.push_back(app.add_flag(row.names, row.help));
       continue;
     }
@@ -70,6 +74,16 @@ std::vector<std::string> long_names(const Subcommand& subcommand) {
               concat("`rhoray ", subcommand.name, " --help` shows what is expected"));
 }
 
+/// Gives the answer that was asked for, if any was.
+bool answers(const Subcommand& subcommand, std::span<CLI::Option* const> added) {
+  for (std::size_t i = 0; i < added.size(); ++i)
+    if (subcommand.options[i].kind == Option::Kind::answer && added[i]->count() > 0) {
+      subcommand.options[i].take({});
+      return true;
+    }
+  return false;
+}
+
 /// Hands what was given to the rows, each with its name in front of a refusal.
 void take_values(const Subcommand& subcommand, std::span<CLI::Option* const> added) {
   for (std::size_t i = 0; i < added.size(); ++i) {
@@ -79,7 +93,7 @@ void take_values(const Subcommand& subcommand, std::span<CLI::Option* const> add
       throw Error(Trouble::usage, concat("no ", row.names, " given"),
                   concat("`rhoray ", subcommand.name, " --help` ends with an example"));
     for (const std::string& text : added[i]->results()) try {
-        row.take(row.kind == Option::Kind::flag ? std::string{} : text);
+        row.take(takes_no_value(row) ? std::string{} : text);
       } catch (const Error& error) {
         throw Error(error.trouble(), concat(row.names.substr(row.names.find(',') + 1), ": ", error.what()),
                     error.hint());
@@ -103,6 +117,7 @@ int run_subcommand(const Subcommand& subcommand, int argc, const char* const* ar
     throw Error(Trouble::usage, first_line(error.what()));
   }
   if (!app.remaining().empty()) refuse_extra(subcommand, app.remaining());
+  if (answers(subcommand, added)) return 0;
   take_values(subcommand, added);
   return subcommand.run();
 }

@@ -10,10 +10,11 @@ namespace rhoray::tools {
 /// One row of a subcommand's options: how it is spelled, what it takes, what it does, and where the answer goes.
 struct Option {
   enum class Kind {
-    flag,   ///< takes no value; `take` is called with an empty text
-    value,  ///< takes one value, at most once
-    file,   ///< a positional argument that must be there
-    files   ///< as many positional arguments as there are, at least one
+    flag,    ///< takes no value; `take` is called with an empty text
+    answer,  ///< the same, and it is all that is done, as with --help: no file need be given, nothing is run
+    value,   ///< takes one value, at most once
+    file,    ///< a positional argument that must be there
+    files    ///< as many positional arguments as there are, at least one
   };
 
   Kind kind = Kind::value;

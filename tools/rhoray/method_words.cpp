@@ -111,11 +111,11 @@ std::string method_help() {
                 ". Meshes: ", forms(Mode::isosurface, true), ". MIP: ", forms(Mode::mip, false));
 }
 
-Method method_named(const std::string& word, Mode mode, bool is_mesh) {
+Method method_named(const std::string& word, Mode mode, bool is_mesh, const std::string& asked_by) {
   const auto refuse = [&]() -> Method {
     std::vector<std::string> known;
     for (const MethodWord& row : words_for(mode, is_mesh)) known.emplace_back(row.word);
-    throw Error(Trouble::usage, concat("--method: found '", word, "'; expected one of ", forms(mode, is_mesh)),
+    throw Error(Trouble::usage, concat(asked_by, ": found '", word, "'; expected one of ", forms(mode, is_mesh)),
                 did_you_mean(word, known));
   };
   const std::size_t colon = word.find(':');
@@ -129,7 +129,7 @@ Method method_named(const std::string& word, Mode mode, bool is_mesh) {
       if (!method.bisect) take_ending(rest, "+linear");
       const std::optional<double> step = number_in(rest);
       if (!step) return refuse();
-      require_within("--method sampled:", *step, 1e-4, 1e4);
+      require_within(asked_by + " sampled:", *step, 1e-4, 1e4);
       method.step = *step;
       return method;
     }
@@ -140,7 +140,7 @@ Method method_named(const std::string& word, Mode mode, bool is_mesh) {
         take_ending(rest, ":double");
       const std::optional<double> slack = number_in(rest);
       if (!slack) return refuse();
-      require_within("--method slack:", *slack, 0, 1);
+      require_within(asked_by + " slack:", *slack, 0, 1);
       method.slack = *slack;
       return method;
     }

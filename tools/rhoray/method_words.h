@@ -16,7 +16,9 @@ render::Accuracy accuracy_named(const std::string& word);
 std::string method_help();
 
 /// The method that a word names for this question; refuses others with the words there are (Trouble::usage).
-render::Method method_named(const std::string& word, render::Mode mode, bool is_mesh);
+/// @param asked_by  what the refusal names as its place
+render::Method method_named(const std::string& word, render::Mode mode, bool is_mesh,
+                            const std::string& asked_by = "--method");
 
 /// The option and its word by which a picture's method is asked for again: --accuracy where a level is it.
 struct MethodOption {

@@ -3,6 +3,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <limits>
 #include <utility>
@@ -191,6 +192,17 @@ void read_value(const std::string& text, std::vector<std::string>& out) {
   out = std::move(parts);
 }
 
+Option number_option(std::string names, std::string value, std::string help, const Interval<double>& limits,
+                     std::optional<double>& out) {
+  return {Option::Kind::value, std::move(names), std::move(value), std::move(help),
+          [&out, limits](const std::string& text) {
+            double number = 0;
+            read_value(text, number);
+            if (!limits.contains(number)) refuse(text, concat("a number from ", limits.lo, " to ", limits.hi));
+            out = number;
+          }};
+}
+
 Option choice_option(std::string names, std::vector<std::string> words, std::string help, std::string& out) {
   std::string list;
   for (const std::string& word : words) list += (list.empty() ? "" : "|") + word;
@@ -206,6 +218,13 @@ Option choice_option(std::string names, std::vector<std::string> words, std::str
 
 Option flag_option(std::string names, std::string help, bool& out) {
   return {Option::Kind::flag, std::move(names), "", std::move(help), [&out](const std::string&) { out = true; }};
+}
+
+Option answer_option(std::string names, std::string help, std::string (*text)()) {
+  return {Option::Kind::answer, std::move(names), "", std::move(help), [text](const std::string&) {
+            const std::string answer = text();
+            if (std::fputs(answer.c_str(), stdout) < 0) throw Error(Trouble::resource, "stdout cannot be written");
+          }};
 }
 
 Option file_option(std::string name, std::string help, std::filesystem::path& out) {

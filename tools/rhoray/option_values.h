@@ -60,10 +60,16 @@ Option value_option(std::string names, std::string value, std::string help, T& o
           [&out](const std::string& text) { read_value(text, out); }};
 }
 
+/// A row for an option that takes a number within limits.
+Option number_option(std::string names, std::string value, std::string help, const Interval<double>& limits,
+                     std::optional<double>& out);
+
 /// A row for an option that takes one of some words.
 Option choice_option(std::string names, std::vector<std::string> words, std::string help, std::string& out);
 
 Option flag_option(std::string names, std::string help, bool& out);
+/// A row that prints a text to stdout instead of all else.
+Option answer_option(std::string names, std::string help, std::string (*text)());
 Option file_option(std::string name, std::string help, std::filesystem::path& out);
 Option files_option(std::string name, std::string help, std::vector<std::filesystem::path>& out);
 

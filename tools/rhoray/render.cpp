@@ -1,5 +1,6 @@
 #include "render/render.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <future>
@@ -11,10 +12,15 @@
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/method_words.h"
 #include "tools/rhoray/pick.h"
-#include "tools/rhoray/picture_plan.h"
 #include "tools/rhoray/pictures.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/report.h"
+#include "tools/rhoray/scene/document.h"
+#include "tools/rhoray/scene/explain.h"
+#include "tools/rhoray/scene/picture_options.h"
+#include "tools/rhoray/scene/picture_words.h"
+#include "tools/rhoray/scene/plan.h"
+#include "tools/rhoray/scene/schema.h"
 #include "tools/rhoray/subcommands.h"
 #include "tools/rhoray/version.h"
 
@@ -29,6 +35,8 @@ struct RenderCommand {
   std::vector<PixelPlace> picks;
   bool statistics = false;
   bool no_verify = false;
+  bool explain = false;
+  bool print_scene = false;
 };
 
 /// Seconds of the stations on the way to a picture.
@@ -48,8 +56,8 @@ std::uint64_t framebuffer_bytes(const PictureSize& size, const render::ChannelSe
   return pixel * static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
 }
 
-void require_memory(const RenderCommand& command) {
-  const std::uint64_t needed = framebuffer_bytes(command.picture.size, channel_set(command.picture.channels));
+void require_memory(const RenderCommand& command, const ScenePlan& plan) {
+  const std::uint64_t needed = framebuffer_bytes({plan.frame.width, plan.frame.height}, plan.frame.channels);
   const std::uint64_t machine = this_machine().memory_bytes, asked = command.common.memory.bytes;
   const std::uint64_t limit = asked != 0 ? asked : machine;
   if (needed > limit)
@@ -82,6 +90,9 @@ Json statistics_json(const render::FrameStatistics& statistics) {
   const render::FrameStatistics::Phases& phases = statistics.phases;
   return {{"rays", statistics.rays},
           {"rays_ruled_out", statistics.rays_ruled_out},
+          {"rays_through", statistics.rays_through},
+          {"shadow_rays", statistics.shadow_rays},
+          {"occlusion_rays", statistics.occlusion_rays},
           {"hits", statistics.hits},
           {"macrocells_visited", statistics.macrocells_visited},
           {"cells_visited", statistics.cells_visited},
@@ -112,10 +123,12 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
                   rounded(all > 0 ? 100 * seconds / all : 0, 3), " %\n");
   };
   return count("rays", statistics.rays) + count("ruled out", statistics.rays_ruled_out) +
-         count("hits", statistics.hits) + count("macrocells visited", statistics.macrocells_visited) +
-         count("cells visited", statistics.cells_visited) + count("cells solved", statistics.cells_solved) +
-         count("samples taken", statistics.samples_taken) + count("rays redone in double", statistics.rays_redone) +
-         count("rays judged exactly", statistics.rays_judged) + count("touches", statistics.touches) +
+         count("through surfaces", statistics.rays_through) + count("shadow rays", statistics.shadow_rays) +
+         count("occlusion rays", statistics.occlusion_rays) + count("hits", statistics.hits) +
+         count("macrocells visited", statistics.macrocells_visited) + count("cells visited", statistics.cells_visited) +
+         count("cells solved", statistics.cells_solved) + count("samples taken", statistics.samples_taken) +
+         count("rays redone in double", statistics.rays_redone) + count("rays judged exactly", statistics.rays_judged) +
+         count("touches", statistics.touches) +
          (std::isnan(statistics.largest_error)
               ? std::string()
               : concat("  largest error         ", rounded(statistics.largest_error), "\n")) +
@@ -127,64 +140,106 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
          concat("  traced in            ", rounded(statistics.wall_s, 3), " s\n");
 }
 
-std::string method_text(const PicturePlan& plan, const render::Volume& volume) {
-  return option_of(plan.scene.layers[0].method, plan.scene.layers[0].mode, volume.is_mesh()).word;
+/// The words of the layers' methods, each once.
+std::string method_text(const ScenePlan& plan) {
+  std::vector<std::string> words;
+  for (const render::Layer& layer : plan.scene.layers) {
+    const std::string word = option_of(layer.method, layer.mode, plan.volumes[layer.volume].is_mesh()).word;
+    if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
+  }
+  std::string text;
+  for (const std::string& word : words) text += concat(text.empty() ? "" : ", ", word);
+  return text;
 }
 
-void report(const RenderCommand& command, const std::filesystem::path& output, const render::Volume& volume,
-            const PicturePlan& plan, const render::FrameStatistics& statistics, const Stations& stations,
-            const std::vector<Json>& picks, const Interval<double>& heat, const std::string& reproduce) {
-  const render::Mode mode = plan.scene.layers[0].mode;
-  const bool iso = mode == render::Mode::isosurface;
+/// What is shown of a scene of one layer.
+Json shown_json(const ScenePlan& plan) {
+  const render::Layer& layer = plan.scene.layers[0];
+  const bool iso = layer.mode == render::Mode::isosurface;
+  Json json{{"file", plan.data[layer.volume].file.string()}};
+  if (layer.mode == render::Mode::triangles) {
+    json["mode"] = "triangles";
+    return json;
+  }
+  json["field"] = plan.data[layer.volume].field;
+  json["mode"] = iso ? "iso" : "mip";
+  if (iso) {
+    json["isovalue"] = layer.isovalue;
+    json["isovalue_from"] = plan.origins[0].isovalue_from;
+  } else {
+    json["range"] = json_of(layer.window);
+  }
+  return json;
+}
+
+/// Where picks and pictures of what was traced are kept.
+struct Drawn {
+  std::filesystem::path output;
+  ScenePlan plan;
+  render::FrameStatistics statistics;
+  Stations stations;
+  std::vector<Json> picks;
+  Interval<double> heat;
+  std::string reproduce;
+};
+
+void report_json(const Drawn& drawn) {
+  const ScenePlan& plan = drawn.plan;
+  const Stations& stations = drawn.stations;
+  Json json{{"picture", drawn.output.string()}};
+  if (plan.scene.layers.size() == 1) json.update(shown_json(plan));
+  json["method"] = method_text(plan);
+  json["size"] = {plan.frame.width, plan.frame.height};
+  json["camera"] = camera_json(plan.scene.camera);
+  json["scene"] = scene_json(spelled_out(plan));
+  json["statistics"] = statistics_json(drawn.statistics);
+  json["seconds"] = {{"open", stations.open_s},
+                     {"trace", stations.trace_s},
+                     {"wait_for_checks", stations.wait_for_checks_s},
+                     {"write", stations.write_s}};
+  if (!drawn.picks.empty()) json["picks"] = drawn.picks;
+  json["reproduce"] = drawn.reproduce;
+  std::puts(dump(json).c_str());
+}
+
+void say_choices(const CommonOptions& common, const ScenePlan& plan) {
+  for (const std::string& note : plan.notes) say(common, concat("note: ", note));
+  for (std::size_t i = 0; i < plan.origins.size(); ++i) {
+    const std::string& from = plan.origins[i].isovalue_from;
+    const render::Layer& layer = plan.scene.layers[i];
+    if (!from.empty() && from != "given")
+      say(common, concat("isovalue ", layer.isovalue, " (", from, " of field '",
+                         plan.volumes[layer.volume].field().name, "')"));
+  }
+}
+
+void report(const RenderCommand& command, const Drawn& drawn) {
+  const CommonOptions& common = command.common;
+  const ScenePlan& plan = drawn.plan;
+  const Stations& stations = drawn.stations;
   const double total = stations.open_s + stations.trace_s + stations.wait_for_checks_s + stations.write_s;
-  if (command.common.json) {
-    Json json{{"picture", output.string()},
-              {"file", command.input.string()},
-              {"mode", iso                         ? "iso"
-                       : mode == render::Mode::mip ? "mip"
-                                                   : "triangles"},
-              {"method", method_text(plan, volume)},
-              {"size", {plan.frame.width, plan.frame.height}},
-              {"camera", camera_json(plan.scene.camera)}};
-    if (!volume.is_surface()) json["field"] = volume.field().name;
-    if (iso) {
-      json["isovalue"] = plan.scene.layers[0].isovalue;
-      json["isovalue_from"] = plan.isovalue_from;
-    } else if (mode == render::Mode::mip) {
-      json["range"] = json_of(plan.scene.layers[0].window);
-    }
-    json["statistics"] = statistics_json(statistics);
-    json["seconds"] = {{"open", stations.open_s},
-                       {"trace", stations.trace_s},
-                       {"wait_for_checks", stations.wait_for_checks_s},
-                       {"write", stations.write_s}};
-    if (!picks.empty()) json["picks"] = picks;
-    json["reproduce"] = reproduce;
-    std::puts(dump(json).c_str());
+  if (common.json) {
+    report_json(drawn);
   } else {
     if (command.statistics)
-      std::fputs(concat("  method                ", method_text(plan, volume), "\n  machine               ",
-                        statistics.machine, "\n", statistics_text(statistics))
+      std::fputs(concat("  method                ", method_text(plan), "\n  machine               ",
+                        drawn.statistics.machine, "\n", statistics_text(drawn.statistics))
                      .c_str(),
                  stdout);
-    for (const Json& pick : picks) std::puts(picked_text(pick, volume.length_unit()).c_str());
+    for (const Json& pick : drawn.picks) std::puts(picked_text(pick, plan.volumes[0].length_unit()).c_str());
   }
-  for (const std::string& note : volume.notes()) say(command.common, concat("note: ", note));
-  if (iso && plan.isovalue_from != "given")
-    say(command.common, concat("isovalue ", plan.scene.layers[0].isovalue, " (", plan.isovalue_from, " of field '",
-                               volume.field().name, "')"));
-  if (!volume.is_surface() && command.picture.field.empty() && volume.field().name != volume.field_names().front())
-    say(command.common, concat("note: field '", volume.field_names().front(), "' is the same everywhere: '",
-                               volume.field().name, "' is shown"));
-  if (plan.page)
-    say(command.common, heat.is_empty() ? concat("note: nothing to show of ", command.picture.show)
-                                        : concat(command.picture.show, ": ", rounded(heat.lo), " (dark) to ",
-                                                 rounded(heat.hi), " (bright)"));
-  if (statistics.hits == 0) say(command.common, "note: the picture is empty: no ray met anything");
-  say(command.common,
-      concat(output.string(), ": ", method_text(plan, volume), " by ", statistics.machine, " kernels, traced in ",
-             rounded(statistics.wall_s, 3), " s, ", rounded(total, 3), " s in all"));
-  say(command.common, concat("reproduce: ", reproduce));
+  say_choices(common, plan);
+  if (plan.page) {
+    const std::string shown = word_of(*plan.page);
+    say(common, drawn.heat.is_empty()
+                    ? concat("note: nothing to show of ", shown)
+                    : concat(shown, ": ", rounded(drawn.heat.lo), " (dark) to ", rounded(drawn.heat.hi), " (bright)"));
+  }
+  if (drawn.statistics.hits == 0) say(common, "note: the picture is empty: no ray met anything");
+  say(common,
+      concat(drawn.output.string(), ": ", method_text(plan), " by ", drawn.statistics.machine, " kernels, traced in ",
+             rounded(drawn.statistics.wall_s, 3), " s, ", rounded(total, 3), " s in all"));
+  say(common, concat("reproduce: ", drawn.reproduce));
 }
 
 std::vector<Json> take_picks(const std::vector<PixelPlace>& pixels, const render::Framebuffer& framebuffer) {
@@ -193,21 +248,34 @@ std::vector<Json> take_picks(const std::vector<PixelPlace>& pixels, const render
   return picks;
 }
 
-int run(RenderCommand& command) {
-  const std::filesystem::path output = command.common.output.empty()
-                                           ? std::filesystem::path(command.input).replace_extension(".png")
-                                           : command.common.output;
-  require_picture_format(output, channel_set(command.picture.channels));
-  Stations stations;
-  ProgressDisplay display(command.common);
-  display.show(concat("opening ", command.input.string()));
-  Stopwatch opening;
-  const render::Volume volume = load_shown(command.input, command.picture.field);
-  require_writable(command.common, output, command.input);
-  require_memory(command);
-  stations.open_s = opening.seconds();
+/// What is asked for: a document under the options beside it, or a file and options alone.
+SceneWishes wishes_of(const RenderCommand& command) {
+  if (!is_scene_document(command.input)) return wishes_of(command.picture, command.input);
+  const SceneDocument document = read_scene(command.input);
+  for (const std::string& warning : document.warnings) say(command.common, concat("warning: ", warning));
+  return with_options(document.wishes, command.picture);
+}
 
-  PicturePlan plan = plan_picture(command.picture, volume);
+std::filesystem::path output_of(const RenderCommand& command, const SceneWishes& wishes) {
+  if (!command.common.output.empty()) return command.common.output;
+  if (command.input.string() == wishes.document || wishes.document.empty())
+    return std::filesystem::path(command.input).replace_extension(".png");
+  throw Error(Trouble::usage, "a scene on the command line has no file name; expected -o with the picture's name");
+}
+
+/// Of all files of a scene; the first one with damage is refused.
+void check_files(const ScenePlan& plan) {
+  for (const render::Volume& volume : plan.volumes) refuse_damage(volume.file(), volume.file().damaged_blocks(1));
+}
+
+void require_writable(const RenderCommand& command, const std::filesystem::path& output, const ScenePlan& plan) {
+  require_writable(command.common, output, command.input);
+  for (const DataWish& data : plan.data) require_writable(command.common, output, data.file);
+}
+
+/// Traces and writes the picture, while the files' checksums are read beside.
+void draw(const RenderCommand& command, ProgressDisplay& display, Drawn& drawn) {
+  ScenePlan& plan = drawn.plan;
   plan.frame.threads = command.common.threads;
   plan.frame.time_phases = command.statistics;
   // Picks and heat maps need channels that are not kept in the picture.
@@ -215,35 +283,68 @@ int run(RenderCommand& command) {
   if (!command.picks.empty()) plan.frame.channels |= {.depth = true, .cell = true, .value = true};
   if (plan.page) plan.frame.channels |= render::channel_of(*plan.page);
 
-  // Checksums are read beside the rendering; the picture is written only when both are done and well.
-  std::future<std::vector<formats::DamagedBlock>> checks;
-  if (!command.no_verify)
-    checks = std::async(std::launch::async, [file = volume.file()] { return file.damaged_blocks(1); });
+  // The picture is written only when both are done and well.
+  std::future<void> checks;
+  if (!command.no_verify) checks = std::async(std::launch::async, [&plan] { check_files(plan); });
   display.show("tracing");
   render::Framebuffer framebuffer;
   const Stopwatch tracing;
-  const render::FrameStatistics statistics = render::render(volume, plan.scene, plan.frame, framebuffer);
-  stations.trace_s = tracing.seconds();
-  const std::vector<Json> picks = take_picks(command.picks, framebuffer);
-  Interval<double> heat;
-  if (plan.page) heat = render::draw_heat_map(*plan.page, framebuffer);
+  drawn.statistics = render::render(plan.volumes, plan.scene, plan.frame, framebuffer);
+  drawn.stations.trace_s = tracing.seconds();
+  drawn.picks = take_picks(command.picks, framebuffer);
+  if (plan.page) drawn.heat = render::draw_heat_map(*plan.page, framebuffer);
   framebuffer.keep(kept);
   plan.frame.channels = kept;
   const Stopwatch waiting;
-  if (checks.valid()) refuse_damage(volume.file(), checks.get());
-  stations.wait_for_checks_s = waiting.seconds();
+  if (checks.valid()) checks.get();
+  drawn.stations.wait_for_checks_s = waiting.seconds();
 
-  display.show(concat("writing ", output.string()));
+  display.show(concat("writing ", drawn.output.string()));
   const Stopwatch writing;
-  const std::string reproduce = shell_line(reproducing_command(plan, volume, command.input, output));
+  drawn.reproduce = shell_line(reproducing_command(plan, drawn.output));
+  const std::filesystem::path folder = std::filesystem::absolute(drawn.output).parent_path();
   write_picture(framebuffer,
                 {{"Software", concat("rhoray ", version())},
-                 {"rhoray:command", reproduce},
-                 {"rhoray:machine", std::string(statistics.machine)}},
-                output, command.common.force);
-  stations.write_s = writing.seconds();
+                 {"rhoray:command", drawn.reproduce},
+                 {"rhoray:scene", dump(scene_json(spelled_out(plan), folder))},
+                 {"rhoray:machine", std::string(drawn.statistics.machine)}},
+                drawn.output, command.common.force);
+  drawn.stations.write_s = writing.seconds();
+}
+
+int run(RenderCommand& command) {
+  const SceneWishes wishes = wishes_of(command);
+  ProgressDisplay display(command.common);
+  Drawn drawn;
+  const bool draws = !command.explain && !command.print_scene;
+  if (draws) {
+    drawn.output = output_of(command, wishes);
+    require_picture_format(drawn.output, channel_set(wishes.image.channels.value_or(std::vector<std::string>{})));
+  }
+  display.show(concat("opening ", wishes.data[0].file.string()));
+  const Stopwatch opening;
+  drawn.plan = plan_layers(wishes);
+  if (command.explain) {
+    display.clear();
+    const Json explanation = explained(wishes, drawn.plan);
+    if (command.common.json)
+      std::puts(dump(explanation).c_str());
+    else
+      for (const std::string& line : explained_lines(explanation)) std::puts(line.c_str());
+    return 0;
+  }
+  if (draws) {
+    require_writable(command, drawn.output, drawn.plan);
+    require_memory(command, drawn.plan);
+  }
+  drawn.stations.open_s = opening.seconds();
+  aim_camera(wishes, drawn.plan);
+  if (draws) draw(command, display, drawn);
   display.clear();
-  report(command, output, volume, plan, statistics, stations, picks, heat, reproduce);
+  if (draws)
+    report(command, drawn);
+  else
+    std::fputs(dump_lines(scene_json(spelled_out(drawn.plan))).c_str(), stdout);
   return 0;
 }
 
@@ -253,20 +354,27 @@ Subcommand render_subcommand() {
   const auto command = std::make_shared<RenderCommand>();
   return {
       .name = "render",
-      .summary = "Packed file to a picture: isosurface, maximum intensity projection, or a surface by itself",
+      .summary = "Packed file or scene to a picture: isosurfaces, maximum intensity projection, surfaces",
       .examples =
           "  rhoray render head.rho -o head.png\n"
           "  rhoray render head.rho --iso 500 --view -y --size 1080p -o skin.png\n"
           "  rhoray render heart.rho --iso 0.3 --normals smooth --color-by pressure --colormap coolwarm -o heart.png\n"
           "  rhoray render head.rho --mode mip --range 0,2000 -o mip.exr --channels depth,value\n"
           "  rhoray render lungs.rho --normals smooth -o lungs.png\n"
-          "  rhoray render smoke.vdb --iso 0.5 -o smoke.png\n",
+          "  rhoray render smoke.vdb --iso 0.5 -o smoke.png\n"
+          "  rhoray render torso.json --size 4k -o torso.png\n",
       .options = all_options(
-          {{file_option("FILE", "Packed file, or OpenVDB file (.vdb)", command->input)},
+          {{file_option("FILE", "Packed file, OpenVDB file (.vdb), or scene document (.json)", command->input)},
            output_options(command->common, "Picture: .png, .exr, .tif or .jpg; default the file's name with .png"),
            picture_options(command->picture),
            {value_option("--pick", "X,Y", "Say which cell a pixel shows; several: X,Y:X,Y", command->picks),
             flag_option("--stats", "What was traced: rays, cells, seconds by phase, on stdout", command->statistics),
+            flag_option("--explain", "Say what the scene calls for, what not, and why; render nothing",
+                        command->explain),
+            flag_option("--print-scene", "Print the scene as a document, every choice spelled out; render nothing",
+                        command->print_scene),
+            answer_option("--scene-help", "Print what may stand in a scene document", scene_reference),
+            answer_option("--scene-schema", "Print the JSON Schema of scene documents", scene_schema_text),
             flag_option("--no-verify", "Do not check the file's checksums beside the rendering", command->no_verify)},
            threads_option(command->common),
            memory_option(command->common, "Refuse a picture that takes more; default what the machine has"),

@@ -51,4 +51,8 @@ std::string histogram_bars(const formats::FieldSummary& field, std::size_t width
 /// JSON that holds text of any bytes: what is not UTF-8 is replaced.
 std::string dump(const Json& json);
 
+/// The same over several lines for people: one for each member, lists that hold no objects on one line. Ends with a
+/// line's end.
+std::string dump_lines(const Json& json);
+
 }  // namespace rhoray::tools

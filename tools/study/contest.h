@@ -7,7 +7,7 @@
 
 #include "render/load.h"
 #include "tools/rhoray/common_options.h"
-#include "tools/rhoray/picture_plan.h"
+#include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/table.h"
 #include "tools/rhoray/views.h"
 #include "tools/study/peers/peer.h"

@@ -9,10 +9,10 @@
 #include <random>
 
 #include "render/ray_questions.h"
+#include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/input_file.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/method_words.h"
-#include "tools/rhoray/picture_plan.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/views.h"
 #include "tools/study/rounds.h"

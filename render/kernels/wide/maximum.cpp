@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <variant>
+#include <vector>
 
 #include "render/kernels/grid_maximum.h"
 #include "render/kernels/kernel_of.h"
@@ -72,6 +73,14 @@ StoredRanges ranges_of(const formats::MacroLevelsView<T>& levels, int level) {
           {static_cast<int>(count.x), static_cast<int>(count.y), static_cast<int>(count.z)}};
 }
 
+/// True where the samples of every four on an axis lie `step` apart; the last four are all there.
+bool is_in_fours(const std::vector<std::uint64_t>& table, std::uint64_t step) {
+  if (table.size() % 4 != 0) return false;
+  for (std::size_t i = 0; i < table.size(); ++i)
+    if (table[i] != table[i / 4 * 4] + i % 4 * step) return false;
+  return true;
+}
+
 template <class T>
 MaximumField field_of(const VolumeImplementation& volume, const GridVolume<T>& view, bool time_phases) {
   const Index3 leaf_count = view.lattice().leaf_count;
@@ -83,6 +92,7 @@ MaximumField field_of(const VolumeImplementation& volume, const GridVolume<T>& v
       .blocks = ranges_of(view.levels(), 1),
       .nodes = ranges_of(view.levels(), 2),
       .has_gaps = volume.field.no_data_count > 0,
+      .has_squares = is_in_fours(view.tables().x, 1) && is_in_fours(view.tables().y, 4),
       .time_phases = time_phases,
       .look_closely = look_closely<GridVolume<T>>,
       .context = &view};

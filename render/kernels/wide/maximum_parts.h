@@ -54,6 +54,7 @@ struct MaximumField {
   std::array<int, 3> node_count;  ///< of 16 cells, a multiple of 4
   StoredRanges blocks, nodes;     ///< of 4 and of 16 cells; there may be none of 16
   bool has_gaps;                  ///< some samples have no data
+  bool has_squares;               ///< samples 4 i to 4 i + 3 of x and 4 j to 4 j + 3 of y lie together, x fastest
   bool time_phases;
   LookClosely look_closely;
   const void* context;
@@ -130,9 +131,9 @@ struct alignas(64) MaximumBlock {
 /// The samples of a slab of nodes around a group's rays (Window).
 struct alignas(64) MaximumWindow {
   static constexpr int longest = 40;  ///< samples on an axis
-  static constexpr std::size_t capacity = 17 * 34 * 34;
+  static constexpr std::size_t capacity = 17 * 34 * 36;
 
-  std::int32_t words[capacity];
+  std::int32_t words[2 * capacity];  ///< behind the window as many that are written and not read
 };
 
 /// Which slabs of nodes were swept, a bit each, and rays in coordinates from a slab's corner.

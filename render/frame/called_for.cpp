@@ -1,0 +1,105 @@
+#include "render/called_for.h"
+
+#include <algorithm>
+#include <array>
+
+#include "formats/base/text.h"
+#include "render/effects/effects.h"
+#include "render/kernels/kernels.h"
+#include "render/volumes/volume.h"
+
+namespace rhoray::render {
+
+namespace {
+
+bool is_projection(const Layer& layer) {
+  return layer.mode == Mode::mip;
+}
+
+constexpr const char* no_surface = "a projection shows values, not a lit surface";
+
+std::string why_diffuse(const Scene&, const Layer&) {
+  return "a surface is lit";
+}
+std::string why_smooth_normals(const Scene&, const Layer& layer) {
+  return layer.surface.normals == Normals::smooth ? "normals are smooth"
+                                                  : "normals are the exact gradient of the hit's cell";
+}
+std::string why_field_color(const Scene&, const Layer& layer) {
+  return layer.surface.color_by ? concat("coloured by '", layer.surface.color_by->field, "'")
+                                : "no field colours the surface";
+}
+std::string why_specular(const Scene&, const Layer& layer) {
+  return concat("specular is ", layer.surface.specular);
+}
+std::string why_intensity(const Scene&, const Layer& layer) {
+  return is_projection(layer)
+             ? concat("a projection shows values, ", layer.window.lo, " black to ", layer.window.hi, " white")
+             : "it is of projections";
+}
+std::string why_lights(const Scene& scene, const Layer&) {
+  if (is_lit_from_the_eye_alone(scene)) return "one white light at the eye is all that shines";
+  return concat(scene.lights.size(), scene.lights.size() == 1 ? " light" : " lights");
+}
+std::string why_shadows(const Scene& scene, const Layer& layer) {
+  if (effects_called_for(scene, layer).shadows) return "a light casts them, and an opaque surface holds it back";
+  const bool asked =
+      std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.casts_shadows; });
+  return asked ? "none could be seen: the light stands at the eye or does not shine, or nothing opaque holds it back"
+               : "no light casts any";
+}
+std::string why_occlusion(const Scene& scene, const Layer& layer) {
+  const Occlusion& occlusion = scene.occlusion;
+  if (!(occlusion.radius > 0)) return "its radius is 0";
+  if (effects_called_for(scene, layer).occlusion)
+    return concat(occlusion.samples, " rays a hit, up to ", occlusion.radius, " away");
+  return "there is no ambient light, or nothing opaque that holds it back";
+}
+std::string why_fog(const Scene& scene, const Layer&) {
+  return scene.fog ? concat("surfaces fade from ", scene.fog->range.lo, " to ", scene.fog->range.hi) : "there is none";
+}
+
+struct Row {
+  std::string_view effect;
+  bool EffectSet::*called_for;
+  std::string (*why)(const Scene& scene, const Layer& layer);
+};
+
+/// A row for every effect: EffectSet holds a bool of each and nothing else.
+constexpr std::array rows{Row{"diffuse", &EffectSet::diffuse, why_diffuse},
+                          Row{"smooth normals", &EffectSet::smooth_normals, why_smooth_normals},
+                          Row{"colour by field", &EffectSet::field_color, why_field_color},
+                          Row{"specular", &EffectSet::specular, why_specular},
+                          Row{"intensity", &EffectSet::intensity, why_intensity},
+                          Row{"lights", &EffectSet::lights, why_lights},
+                          Row{"shadows", &EffectSet::shadows, why_shadows},
+                          Row{"ambient occlusion", &EffectSet::occlusion, why_occlusion},
+                          Row{"fog", &EffectSet::fog, why_fog}};
+static_assert(sizeof(EffectSet) == rows.size(), "an effect has no row here");
+
+}  // namespace
+
+std::vector<EffectReason> reasons_for_effects(const Scene& scene, const Layer& layer) {
+  const EffectSet effects = effects_called_for(scene, layer);
+  const bool is_surface = !is_projection(layer);
+  std::vector<EffectReason> reasons;
+  reasons.push_back({"transparency", is_surface && layer.surface.opacity < 1,
+                     is_surface ? concat("opacity is ", layer.surface.opacity) : no_surface});
+  for (const Row& row : rows) {
+    const bool is_told = is_surface || row.called_for == &EffectSet::intensity;
+    reasons.push_back({row.effect, effects.*row.called_for, is_told ? row.why(scene, layer) : no_surface});
+  }
+  return reasons;
+}
+
+std::string_view machine_for(const Volume& volume, const Layer& layer, const FrameOptions& options) {
+  const auto kernel = [&](Machine machine) {
+    const Kernels kernels = choose_kernels(volume.implementation(), layer.method, machine);
+    return is_projection(layer) ? kernels.largest_value : kernels.first_crossing;
+  };
+  const Machine machine = chosen_machine();
+  const bool is_wide = options.use_hierarchy && kernel(machine) != kernel(Machine::scalar);
+  return name_of(is_wide ? machine : Machine::scalar);
+}
+
+}  // namespace rhoray::render

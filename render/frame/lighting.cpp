@@ -1,0 +1,241 @@
+#include "render/frame/lighting.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "render/march/ticks.h"
+
+namespace rhoray::render {
+
+namespace {
+
+constexpr std::size_t group_size = RayBatch::group_size;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double not_asked = -1;  // where a ray would end
+
+std::size_t whole_groups(std::size_t count) {
+  return (count + group_size - 1) / group_size * group_size;
+}
+
+void find_shown(const LayerWork& work, std::uint8_t layer, const LayerOfRays* shown, LightRays& light) {
+  const std::size_t count = work.rays.count;
+  std::uint8_t* is_shown = light.is_shown.data();
+  if (shown == nullptr)
+    for (std::size_t r = 0; r < count; ++r) is_shown[r] = work.hits.t[r] < infinity;
+  else
+    for (std::size_t r = 0; r < count; ++r) is_shown[r] = shown->of[r] == layer;
+  std::fill(is_shown + count, is_shown + whole_groups(count), std::uint8_t{0});
+}
+
+/// Products of the gradients of a group's hits, made neither too large nor too small, with vectors of the volume's
+/// frame.
+/// @param vectors  (hit of the batch)
+template <class Vectors>
+void multiply_gradients(const HitBatch& hits, std::size_t first, const Vectors& vectors, double* product) {
+  const double *gx = hits.gradient[0].data() + first, *gy = hits.gradient[1].data() + first,
+               *gz = hits.gradient[2].data() + first;
+  for (std::size_t i = 0; i < group_size; ++i)
+    product[i] = Facing::scaled({gx[i], gy[i], gz[i]}).dot(vectors(first + i));
+}
+
+/// The side of its surface from which each ray has met it; unknown where the field has no gradient.
+/// @param is_field  sides take turns along a ray; triangles may face any way
+void find_sides(const LayerWork& work, bool is_field, LightRays& light) {
+  for (std::size_t first = 0; first < work.rays.count; first += group_size) {
+    double along[group_size];
+    multiply_gradients(
+        work.hits, first,
+        [&](std::size_t r) {
+          return Vec3(work.rays.direction[0][r], work.rays.direction[1][r], work.rays.direction[2][r]);
+        },
+        along);
+    for (std::size_t i = 0; i < group_size; ++i)
+      light.side[first + i] = static_cast<StartSide>((along[i] < 0) - (along[i] > 0));
+  }
+  if (!work.rays.has_start_sides || !is_field) return;
+  for (std::size_t r = 0; r < work.rays.count; ++r)
+    if (work.rays.start_side[r] != StartSide::unknown) light.side[r] = work.rays.start_side[r];
+}
+
+/// Of a ray: the unit vector towards the eye, world axes.
+Vec3 to_eye(const LayerLights& lights, const Ray& ray) {
+  return -lights.world_from_volume.vector(ray.direction).normalized();
+}
+
+/// The unit normal on the side that the eye sees. A hit without a gradient faces the eye.
+Vec3 eye_normal(const Look& look, const Ray& ray, const Vec3& gradient, StartSide side) {
+  const Vec3 normal = look.facing.normal(gradient, ray.direction);
+  if (side == StartSide::unknown || normal == Vec3(0, 0, 0)) return to_eye(look.lights, ray);
+  return (gradient.dot(ray.direction) > 0) == (side == StartSide::outside) ? normal : -normal;
+}
+
+/// On which side of a layer's surface a hit of another one lies. What is known of its own surface is known of every one
+/// of the same field: at the hit the field has the hit's isovalue.
+StartSide side_for(const FrameLayer& layer, const FrameLayer& of_hit, StartSide side) {
+  if (&layer.volume != &of_hit.volume) return StartSide::unknown;
+  const double isovalue = layer.question.isovalue, of_field = of_hit.question.isovalue;
+  if (isovalue == of_field) return side;
+  return of_field > isovalue ? StartSide::inside : StartSide::outside;
+}
+
+/// Writes a group of the rays that are asked about, as the volume of a layer sees them. Each keeps its place in its
+/// group, since neighbours in the picture share what they meet.
+/// @param eye_rays  that met the hits, in the same frame
+/// @param place     of the group in the batch
+void write_group(const LightRays& light, std::size_t first, const FrameLayer& layer, const FrameLayer& of_hits,
+                 const LayerWork& hit_work, const RayBatch& eye_rays, RayBatch& rays, std::size_t place) {
+  double t[group_size];
+  for (std::size_t i = 0; i < group_size; ++i) t[i] = light.t_max[first + i] >= 0 ? hit_work.hits.t[first + i] : 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double *origin = eye_rays.origin[axis].data() + first, *direction = eye_rays.direction[axis].data() + first;
+    double* out = rays.origin[axis].data() + place;
+    for (std::size_t i = 0; i < group_size; ++i) out[i] = origin[i] + t[i] * direction[i];
+  }
+  const double *x = light.direction[0].data() + first, *y = light.direction[1].data() + first,
+               *z = light.direction[2].data() + first;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double of_x = layer.volume_from_world.x_axis[axis], of_y = layer.volume_from_world.y_axis[axis],
+                 of_z = layer.volume_from_world.z_axis[axis];
+    double* out = rays.direction[axis].data() + place;
+    for (std::size_t i = 0; i < group_size; ++i) out[i] = x[i] * of_x + y[i] * of_y + z[i] * of_z;
+  }
+  std::fill_n(rays.t_min.data() + place, group_size, 0.0);
+  std::copy_n(light.t_max.data() + first, group_size, rays.t_max.data() + place);
+  for (std::size_t i = 0; i < group_size; ++i)
+    rays.start_side[place + i] = side_for(layer, of_hits, light.side[first + i]);
+}
+
+bool is_asked(const LightRays& light, std::size_t first) {
+  const double* t_max = light.t_max.data() + first;
+  return std::any_of(t_max, t_max + group_size, [](double t) { return t >= 0; });
+}
+
+/// Makes an end to the rays that a surface holds back: LightRays::t_max.
+void drop_blocked(const Frame& frame, const FrameLayer& of_hits, const LayerWork& hit_work, Worker& worker) {
+  LightRays& light = *worker.light_rays;
+  for (std::size_t l = 0; l < frame.layers.size(); ++l) {
+    const FrameLayer& layer = frame.layers[l];
+    if (!holds_light_back(layer.look.layer)) continue;
+    LayerWork& work = worker.layers[l];
+    light.groups.clear();
+    for (std::size_t first = 0; first < hit_work.rays.count; first += group_size) {
+      if (!is_asked(light, first)) continue;
+      write_group(light, first, layer, of_hits, hit_work, work.rays, worker.few_rays, light.groups.size() * group_size);
+      light.groups.push_back(first);
+    }
+    if (light.groups.empty()) return;
+    worker.few_rays.count = light.groups.size() * group_size;
+    layer.kernel_through(layer.volume, layer.question_through, worker.few_rays, worker.few_hits, work.scratch);
+    for (std::size_t g = 0; g < light.groups.size(); ++g) {
+      const double* t = worker.few_hits.t.data() + g * group_size;
+      double* t_max = light.t_max.data() + light.groups[g];
+      for (std::size_t i = 0; i < group_size; ++i) t_max[i] = t[i] < infinity ? not_asked : t_max[i];
+    }
+  }
+}
+
+/// Aims the rays of all hits at a light, and asks about those whose light stands on the side that the eye sees.
+void aim_at(const LayerLights::One& light, const Look& look, const LayerWork& work, LightRays& rays) {
+  const std::size_t end = whole_groups(work.rays.count);
+  if (light.kind == Light::Kind::directional) {
+    for (int axis = 0; axis < 3; ++axis) std::fill_n(rays.direction[axis].data(), end, light.place[axis]);
+    std::fill_n(rays.t_max.data(), end, infinity);
+  } else {
+    for (std::size_t r = 0; r < work.rays.count; ++r) {
+      const WayToLight way = way_to_light(light, look.lights.world_from_volume, work.rays[r].at(work.hits.t[r]));
+      for (int axis = 0; axis < 3; ++axis) rays.direction[axis][r] = way.direction[axis];
+      rays.t_max[r] = way.distance;
+    }
+  }
+}
+
+void keep_those_before_surfaces(const Look& look, const Affine& volume_from_world, const LayerWork& work,
+                                LightRays& light) {
+  const auto direction = [&](std::size_t r) {
+    return Vec3(light.direction[0][r], light.direction[1][r], light.direction[2][r]);
+  };
+  for (std::size_t first = 0; first < work.rays.count; first += group_size) {
+    double towards[group_size];
+    multiply_gradients(
+        work.hits, first, [&](std::size_t r) { return volume_from_world.vector(direction(r)); }, towards);
+    for (std::size_t i = 0; i < group_size; ++i) {
+      const std::size_t r = first + i;
+      const bool is_behind =
+          !(towards[i] * static_cast<double>(light.side[r]) > 0) && light.side[r] != StartSide::unknown;
+      light.t_max[r] = light.is_shown[r] == 0 || is_behind ? not_asked : light.t_max[r];
+    }
+  }
+  // Without a gradient a hit faces the eye.
+  for (std::size_t r = 0; r < work.rays.count; ++r)
+    if (light.side[r] == StartSide::unknown && !(to_eye(look.lights, work.rays[r]).dot(direction(r)) > 0))
+      light.t_max[r] = not_asked;
+}
+
+std::size_t asked_count(const LightRays& light, std::size_t count) {
+  return static_cast<std::size_t>(
+      std::count_if(light.t_max.data(), light.t_max.data() + count, [](double t) { return t >= 0; }));
+}
+
+void receive_from(const Frame& frame, std::uint8_t index, std::size_t light_index, Worker& worker) {
+  const FrameLayer& layer = frame.layers[index];
+  const LayerWork& work = worker.layers[index];
+  LightRays& light = *worker.light_rays;
+  aim_at(layer.look.lights.lights[light_index], layer.look, work, light);
+  keep_those_before_surfaces(layer.look, layer.volume_from_world, work, light);
+  worker.counts.shadow_rays += asked_count(light, work.rays.count);
+  drop_blocked(frame, layer, work, worker);
+  float* shares = worker.received.of_lights[light_index].data();
+  for (std::size_t r = 0; r < work.rays.count; ++r) shares[r] = light.t_max[r] >= 0 ? 1 : 0;
+}
+
+void receive_from_surroundings(const Frame& frame, std::uint8_t index, Worker& worker) {
+  const FrameLayer& layer = frame.layers[index];
+  const LayerWork& work = worker.layers[index];
+  LightRays& light = *worker.light_rays;
+  float* shares = worker.received.ambient.data();
+  const std::size_t count = work.rays.count;
+  for (std::size_t r = 0; r < count; ++r)
+    if (light.is_shown[r] != 0)
+      worker.eye_normals[r] = eye_normal(layer.look, work.rays[r], work.hits[r].gradient, light.side[r]);
+  std::fill_n(shares, count, 0.0F);
+  const float share = 1 / static_cast<float>(frame.occlusion.samples);
+  for (int sample = 0; sample < frame.occlusion.samples; ++sample) {
+    std::fill_n(light.t_max.data(), whole_groups(count), not_asked);
+    for (std::size_t r = 0; r < count; ++r) {
+      if (light.is_shown[r] == 0) continue;
+      const Vec3 direction = worker.pixels[r].about(worker.eye_normals[r], sample);
+      for (int axis = 0; axis < 3; ++axis) light.direction[axis][r] = direction[axis];
+      light.t_max[r] = frame.occlusion.radius;
+    }
+    worker.counts.occlusion_rays += asked_count(light, count);
+    drop_blocked(frame, layer, work, worker);
+    for (std::size_t r = 0; r < count; ++r) shares[r] += light.t_max[r] >= 0 ? share : 0;
+  }
+}
+
+}  // namespace
+
+void number_pixels(const PixelLattice& lattice, const Tile& tile, Worker& worker) {
+  worker.pixels.clear();
+  for_each_run(tile, [&](const Run& run) {
+    for (int i = 0; i < run.count; ++i)
+      worker.pixels.emplace_back(static_cast<std::uint32_t>(lattice.x_first + (run.x + i) * lattice.spacing),
+                                 static_cast<std::uint32_t>(lattice.y_first + run.y * lattice.spacing));
+  });
+}
+
+void receive_light(const Frame& frame, std::uint8_t layer, const LayerOfRays* shown, Worker& worker) {
+  const FrameLayer& of_hits = frame.layers[layer];
+  const EffectSet& effects = of_hits.look.effects;
+  if (!effects.shadows && !effects.occlusion) return;
+  const std::uint64_t start = ticks_now();
+  find_shown(worker.layers[layer], layer, shown, *worker.light_rays);
+  find_sides(worker.layers[layer], of_hits.look.layer.mode != Mode::triangles, *worker.light_rays);
+  for (std::size_t l = 0; l < of_hits.look.lights.lights.size(); ++l)
+    if (effects.shadows && of_hits.look.lights.lights[l].casts_shadows) receive_from(frame, layer, l, worker);
+  if (effects.occlusion) receive_from_surroundings(frame, layer, worker);
+  // Rays are no shading, within which this is called.
+  worker.counts.shading_ticks -= ticks_now() - start;
+}
+
+}  // namespace rhoray::render

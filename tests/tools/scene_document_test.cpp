@@ -1,0 +1,364 @@
+#include "tools/rhoray/scene/document.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "formats/base/trouble.h"
+#include "tests/tools/workbench.h"
+#include "tools/rhoray/scene/plan.h"
+#include "tools/rhoray/scene/schema.h"
+#include "tools/rhoray/scene/tables.h"
+
+namespace rhoray::tests {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using tools::Json;
+
+/// What is said of a document; the bench's folder is left out of names.
+struct Answer {
+  std::string fact, hint;
+  int exit_code = 0;
+  std::vector<std::string> warnings;
+};
+
+class SceneDocument : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    bench_ = new Workbench;
+    bench_->make_ball();
+    bench_->make_box();
+    write_file(*bench_ / "ball.txt", "not a volume");
+  }
+  static void TearDownTestSuite() {
+    delete bench_;
+    bench_ = nullptr;
+  }
+
+  static const Workbench& bench() { return *bench_; }
+
+  static std::string without_folder(std::string text) {
+    const std::string folder = bench().path().string() + "/";
+    for (std::size_t at; (at = text.find(folder)) != std::string::npos;) text.erase(at, folder.size());
+    return text;
+  }
+
+  /// Reads and plans s.json with this text.
+  static Answer answer_to(const std::string& text) {
+    write_file(bench() / "s.json", text);
+    Answer answer;
+    try {
+      const tools::SceneDocument document = tools::read_scene(bench() / "s.json");
+      for (const std::string& warning : document.warnings) answer.warnings.push_back(without_folder(warning));
+      tools::ScenePlan plan = tools::plan_layers(document.wishes);
+      tools::aim_camera(document.wishes, plan);
+    } catch (const Error& error) {
+      answer.fact = without_folder(error.what());
+      answer.hint = without_folder(error.hint());
+      answer.exit_code = static_cast<int>(error.trouble());
+    }
+    return answer;
+  }
+
+ private:
+  static Workbench* bench_;
+};
+Workbench* SceneDocument::bench_ = nullptr;
+
+/// A scene that has nothing wrong, with one member replaced by what is wrong.
+std::string with(const std::string& key, const std::string& value) {
+  const auto member = [&](const char* name, const char* good) {
+    return concat('"', name, "\": ", key == name ? value : good);
+  };
+  std::string text = concat("{", member("data", R"({"ball": {"file": "ball.rho"}})"), ", ",
+                            member("layers", R"([{"type": "isosurface", "isovalue": 100}])"));
+  if (key != "data" && key != "layers") text += concat(", \"", key, "\": ", value);
+  return text + "}";
+}
+std::string with_layer(const std::string& members) {
+  return with("layers", concat(R"([{"type": "isosurface", "isovalue": 100}, {"type": "isosurface", )", members, "}]"));
+}
+
+struct Mistake {
+  std::string document;
+  std::string fact;
+  std::string hint = "";
+  int exit_code = 4;
+};
+
+std::vector<Mistake> mistakes() {
+  const std::string isovalue = "expected a number, \"auto\" or a percentile such as \"p95\"";
+  const std::string color = "expected a colour: \"#rrggbb\", or linear [r, g, b] from 0 to 1";
+  const std::string size = "expected [width, height] from 1 to 65536, or \"720p\", \"1080p\", \"4k\"";
+  const std::string views = R"(expected one of "iso", "+x", "-x", "+y", "-y", "+z", "-z")";
+  const std::string channels = R"("depth", "normal", "cell", "value", "error", "roots", "iterations", "cost")";
+  const std::string levels = R"(expected one of "preview", "float", "double", "certified", "exact")";
+  std::string deep = R"({"data": )";
+  for (int level = 0; level < 20; ++level) deep += "[";
+  return {
+      // not JSON
+      {"",
+       "s.json, line 1, column 1: syntax error while parsing value - unexpected end of input; expected '[', '{', or a "
+       "literal"},
+      {"{\n  \"data\": {,}\n}",
+       "s.json, line 2, column 12: syntax error while parsing object key - unexpected ','; expected string literal"},
+      {"{\"data\": 1",
+       "s.json, line 1, column 11: syntax error while parsing object - unexpected end of input; expected '}'"},
+      {deep, "s.json: /data" +
+                 [] {
+                   std::string zeros;
+                   for (int i = 0; i < 15; ++i) zeros += "/0";
+                   return zeros;
+                 }() +
+                 ": nested deeper than 16 levels"},
+      {R"({"data": {"a": {"file": "ball.rho", "file": "box.rho"}}, "layers": []})",
+       "s.json: /data/a/file: the key is there twice"},
+      {R"({"layers": [], "layers": []})", "s.json: /layers: the key is there twice"},
+      {with_layer(R"("isovalue": 1e999)"), "s.json: /layers/1/isovalue: found 1e999; expected a finite number"},
+
+      // the document
+      {"[1, 2]", "s.json: found [1,2]; expected an object"},
+      {"{}",
+       "s.json: has no \"data\"; expected an object of files by name, such as {\"head\": {\"file\": \"head.rho\"}}"},
+      {R"({"data": {"ball": {"file": "ball.rho"}}})",
+       "s.json: has no \"layers\"; expected an array of 1 to 254 layers"},
+      {with("accuracy", "\"flaot\""), "s.json: /accuracy: found \"flaot\"; " + levels, "did you mean float?"},
+      {with("accuracy", "3"), "s.json: /accuracy: found 3; " + levels},
+
+      // data
+      {with("data", "{}"),
+       "s.json: /data: found an object; expected an object of files by name, such as {\"head\": {\"file\": "
+       "\"head.rho\"}}"},
+      {with("data", "\"ball.rho\""),
+       "s.json: /data: found \"ball.rho\"; expected an object of files by name, such as {\"head\": {\"file\": "
+       "\"head.rho\"}}"},
+      {with("data", R"({"ball": "ball.rho"})"), "s.json: /data/ball: found \"ball.rho\"; expected an object"},
+      {with("data", R"({"a/b": {}})"), "s.json: /data/a~1b: has no \"file\"; expected a file"},
+      {with("data", R"({"ball": {"file": ""}})"), "s.json: /data/ball/file: found \"\"; expected a file"},
+      {with("data", R"({"ball": {"file": "bal.rho"}})"), "s.json: /data/ball/file: bal.rho: no such file",
+       "did you mean ball.rho?", 3},
+      {with("data", R"({"ball": {"file": "ball.rho", "field": "bone"}})"),
+       "s.json: /data/ball/field: ball.rho: no field 'bone'; it has 'ball'"},
+      {with("data", R"({"ball": {"file": "box.rho", "field": "heigth"}})"),
+       "s.json: /data/ball/field: box.rho: no field 'heigth'; it has 'height', 'length'", "did you mean height?"},
+      {with("data", R"({"ball": {"file": "ball.rho", "field": 1}})"),
+       "s.json: /data/ball/field: found 1; expected a text"},
+
+      // layers
+      {with("layers", "[]"), "s.json: /layers: found []; expected an array of 1 to 254 layers"},
+      {with("layers", "{}"), "s.json: /layers: found an object; expected an array of 1 to 254 layers"},
+      {with("layers", "[7]"), "s.json: /layers/0: found 7; expected an object"},
+      {with("layers", "[{}]"), "s.json: /layers/0: has no \"type\"; expected one of \"isosurface\", \"mip\""},
+      {with("layers", R"([{"type": "isosurfce"}])"),
+       "s.json: /layers/0/type: found \"isosurfce\"; expected one of \"isosurface\", \"mip\"",
+       "did you mean isosurface?"},
+      {with("layers", R"([{"type": "isosurface", "visible": false}])"),
+       "s.json: /layers: no layer is visible; expected at least one"},
+      {with_layer(R"("visible": "yes")"), "s.json: /layers/1/visible: found \"yes\"; expected true or false"},
+      {with_layer(R"("data": "bal")"), "s.json: /layers/1/data: found \"bal\"; expected \"ball\"",
+       "did you mean ball?"},
+      {R"({"data": {"a": {"file": "ball.rho"}, "b": {"file": "box.rho"}}, "layers": [{"type": "mip"}]})",
+       "s.json: /layers/0: has no \"data\"; expected one of \"a\", \"b\""},
+      {with_layer(R"("isovalue": "hihg")"), "s.json: /layers/1/isovalue: found \"hihg\"; " + isovalue},
+      {with_layer(R"("isovalue": "aut")"), "s.json: /layers/1/isovalue: found \"aut\"; " + isovalue,
+       "did you mean auto?"},
+      {with_layer(R"("isovalue": "p101")"), "s.json: /layers/1/isovalue: found \"p101\"; " + isovalue},
+      {with_layer(R"("isovalue": null)"), "s.json: /layers/1/isovalue: found null; " + isovalue},
+      {with_layer(R"("isovalue": [])"), "s.json: /layers/1/isovalue: found []; " + isovalue + ", or an array of these"},
+      {with_layer(R"("isovalue": [100, true])"), "s.json: /layers/1/isovalue/1: found true; " + isovalue},
+      {with("layers", R"([{"type": "isosurface", "isovalue": 900}])"),
+       "s.json: /layers/0/isovalue: isovalue 900 is outside the range 0 to 237 of field 'ball'",
+       "auto takes one from the histogram"},
+      {with("layers", R"([{"type": "isosurface", "isovalue": [900, -4]}])"),
+       "s.json: /layers/0/isovalue/0: isovalue 900 is outside the range 0 to 237 of field 'ball'",
+       "auto takes one from the histogram"},
+      {with_layer(R"("range": [0, 10])"),
+       "s.json: /layers/1/range: on a surface it is of the colours by a field: \"color_by\" names it"},
+      {with_layer(R"("colormap": "gray")"),
+       "s.json: /layers/1/colormap: is of the colours by a field: \"color_by\" names it"},
+      {with_layer(R"("color_by": "bal")"), "s.json: /layers/1/color_by: no field 'bal'; there is 'ball'",
+       "did you mean ball?"},
+      {with_layer(R"("color_by": "ball", "colormap": "viridsi")"),
+       "s.json: /layers/1/colormap: found \"viridsi\"; expected one of \"viridis\", \"cubehelix\", \"gray\", "
+       "\"coolwarm\"",
+       "did you mean viridis?"},
+      {with_layer(R"("normals": "smooth")"), "s.json: /layers/1/normals: 'smooth' is of meshes, and ball.rho is a grid",
+       "exact, the gradient of the trilinear field, is how grids are lit"},
+      {with("layers", R"([{"type": "mip", "normals": "flat"}])"),
+       "s.json: /layers/0/normals: found in a layer of type \"mip\"; expected in one of type \"isosurface\""},
+      {with("layers", R"([{"type": "mip", "isovalue": 4}])"),
+       "s.json: /layers/0/isovalue: found in a layer of type \"mip\"; expected in one of type \"isosurface\""},
+      {with("layers", R"([{"type": "mip", "range": [9, 4]}])"),
+       "s.json: /layers/0/range: found [9,4]; expected two numbers [a, b] with a below b"},
+      {with_layer(R"("color": "red")"), "s.json: /layers/1/color: found \"red\"; " + color},
+      {with_layer(R"("color": [0, 1, 2])"), "s.json: /layers/1/color: found [0,1,2]; " + color},
+      {with_layer(R"("specular": 1.5)"), "s.json: /layers/1/specular: found 1.5; expected a number from 0 to 1"},
+      {with_layer(R"("shininess": 0)"), "s.json: /layers/1/shininess: found 0; expected a number from 1 to 10000"},
+      {with_layer(R"("ambient": {"a": 1})"),
+       "s.json: /layers/1/ambient: found an object; expected a number from 0 to 1"},
+      {with_layer(R"("accuracy": "exact", "method": "paper")"),
+       "s.json: /layers/1/method: \"accuracy\" is there too; expected one of the two"},
+      {with_layer(R"("method": "papr")"),
+       "s.json: /layers/1/method: found 'papr'; expected one of bracketed[:float|:double], paper[:float|:double], "
+       "sampled:STEP[+linear|+bisect]",
+       "did you mean paper?"},
+
+      // camera
+      {with("camera", "[]"), "s.json: /camera: found []; expected an object"},
+      {with("camera", R"({"view": "front"})"), "s.json: /camera/view: found \"front\"; " + views},
+      {with("camera", R"({"elevation": 91})"), "s.json: /camera/elevation: found 91; expected a number from -90 to 90"},
+      {with("camera", R"({"zoom": 0})"), "s.json: /camera/zoom: found 0; expected a number from 1e-06 to 1e+06"},
+      {with("camera", R"({"fov": "wide"})"),
+       "s.json: /camera/fov: found \"wide\"; expected a number from 0.001 to 179"},
+      {with("camera", R"({"ortho": 1})"), "s.json: /camera/ortho: found 1; expected true or false"},
+      {with("camera", R"({"ortho_height": -1})"), "s.json: /camera/ortho_height: found -1; expected a number above 0"},
+      {with("camera", R"({"position": [1, 2]})"),
+       "s.json: /camera/position: found [1,2]; expected three numbers [x, y, z]"},
+      {with("camera", R"({"up": [0, 0, "z"]})"),
+       "s.json: /camera/up: found [0,0,\"z\"]; expected three numbers [x, y, z]"},
+      {with("camera", R"({"position": [0, 0, 9], "target": [0, 0, 0]})"),
+       "s.json: /camera: the camera has no direction: position, target and up lie on one line",
+       "give another \"up\" or \"target\""},
+
+      // image
+      {with("image", R"({"size": [0, 10]})"), "s.json: /image/size: found [0,10]; " + size},
+      {with("image", R"({"size": [1.5, 10]})"), "s.json: /image/size: found [1.5,10]; " + size},
+      {with("image", R"({"size": "huge"})"), "s.json: /image/size: found \"huge\"; " + size},
+      {with("image", R"({"background": "#12345"})"), "s.json: /image/background: found \"#12345\"; " + color},
+      {with("image", R"({"channels": "depth"})"),
+       "s.json: /image/channels: found \"depth\"; expected an array of " + channels},
+      {with("image", R"({"channels": ["depht"]})"),
+       "s.json: /image/channels/0: found \"depht\"; expected one of " + channels, "did you mean depth?"},
+      {with("image", R"({"channels": ["cost", "cost"]})"),
+       "s.json: /image/channels/1: found \"cost\"; expected each word once"},
+      {with("image", R"({"channels": ["error"]})"),
+       "s.json: /image/channels: the channel 'error' needs a method that proves one: certified or exact"},
+      {with("image", R"({"show": "error"})"),
+       "s.json: /image/show: the channel 'error' needs a method that proves one: certified or exact"},
+  };
+}
+
+TEST_F(SceneDocument, says_of_every_mistake_where_it_is_what_was_found_and_what_is_expected) {
+  ASSERT_GE(mistakes().size(), 60U);
+  for (const Mistake& mistake : mistakes()) {
+    SCOPED_TRACE(mistake.document);
+    const Answer answer = answer_to(mistake.document);
+    EXPECT_EQ(answer.fact, mistake.fact);
+    EXPECT_EQ(answer.hint, mistake.hint);
+    EXPECT_EQ(answer.exit_code, mistake.exit_code);
+    EXPECT_EQ(answer.fact.find('\n'), std::string::npos);
+  }
+  EXPECT_EQ(answer_to(with("accuracy", "\"double\"")).fact, "") << "the scene that the cases spoil has nothing wrong";
+}
+
+TEST_F(SceneDocument, refuses_what_is_too_large) {
+  EXPECT_EQ(answer_to(std::string((4U << 20) + 1, ' ')).fact,
+            "s.json: is larger than 4 MiB; expected a scene document");
+  std::string layers;
+  for (int i = 0; i < 257; ++i) layers += concat(i == 0 ? "" : ",", R"({"type": "mip"})");
+  EXPECT_EQ(answer_to(with("layers", concat("[", layers, "]"))).fact,
+            "s.json: /layers: found an array of 257; expected an array of 1 to 254 layers");
+  std::string isovalues;
+  for (int i = 1; i < 200; ++i) isovalues += concat(i == 1 ? "" : ",", i);
+  const std::string many = concat(R"({"type": "isosurface", "isovalue": [)", isovalues, "]}");
+  EXPECT_EQ(answer_to(with("layers", concat("[", many, ",", many, "]"))).fact,
+            "s.json: /layers: more than 254 layers and isovalues");
+}
+
+TEST_F(SceneDocument, warns_of_unknown_keys_with_the_nearest_one) {
+  EXPECT_THAT(answer_to(with("camera", R"({"zomm": 2})")).warnings,
+              ElementsAre("s.json: /camera/zomm: unknown key, not read; did you mean zoom?"));
+  EXPECT_THAT(answer_to(with("flamingo", "1")).warnings, ElementsAre("s.json: /flamingo: unknown key, not read"));
+  const Answer layer = answer_to(with_layer(R"("isovlaue": 3)"));
+  EXPECT_THAT(layer.warnings, ElementsAre("s.json: /layers/1/isovlaue: unknown key, not read; did you mean isovalue?"));
+  EXPECT_EQ(layer.fact, "");
+}
+
+tools::ScenePlan planned(const std::filesystem::path& file) {
+  const tools::SceneDocument document = tools::read_scene(file);
+  tools::ScenePlan plan = tools::plan_layers(document.wishes);
+  tools::aim_camera(document.wishes, plan);
+  return plan;
+}
+
+TEST_F(SceneDocument, shows_several_isovalues_of_several_files) {
+  write_file(bench() / "s.json", R"({"data": {"b": {"file": "ball.rho"}, "x": {"file": "box.rho", "field": "length"}},
+    "layers": [{"type": "isosurface", "data": "b", "isovalue": [50, "p99", 900], "specular": 0},
+               {"type": "mip", "data": "b", "visible": false},
+               {"type": "isosurface", "data": "x", "isovalue": 0.5, "color": [0.5, 0.25, 0]}]})");
+  const tools::ScenePlan plan = planned(bench() / "s.json");
+  ASSERT_EQ(plan.scene.layers.size(), 3U);
+  EXPECT_EQ(plan.volumes.size(), 2U);
+  EXPECT_EQ(plan.scene.layers[0].isovalue, 50);
+  EXPECT_EQ(plan.origins[1].isovalue_from, "percentile 99");
+  EXPECT_EQ(plan.scene.layers[2].volume, 1U);
+  EXPECT_EQ(plan.scene.layers[2].surface.color, Vec3(0.5, 0.25, 0));
+  EXPECT_EQ(plan.scene.layers[1].surface.specular, 0);
+  EXPECT_NE(plan.scene.layers[0].surface.color, plan.scene.layers[1].surface.color);
+  EXPECT_THAT(plan.notes, ElementsAre(HasSubstr("isovalue 900 is outside the range")));
+}
+
+TEST_F(SceneDocument, opens_only_what_is_visible) {
+  write_file(bench() / "s.json", R"({"data": {"b": {"file": "ball.rho"}, "t": {"file": "ball.txt"}},
+    "layers": [{"type": "mip", "data": "b"}, {"type": "mip", "data": "t", "visible": false}]})");
+  EXPECT_EQ(planned(bench() / "s.json").volumes.size(), 1U);
+}
+
+TEST_F(SceneDocument, gives_surfaces_without_a_colour_one_each_only_where_there_are_several) {
+  const auto colors = [&](const std::string& layers) {
+    write_file(bench() / "s.json", with("layers", layers));
+    std::vector<Vec3> list;
+    for (const render::Layer& layer : planned(bench() / "s.json").scene.layers) list.push_back(layer.surface.color);
+    return list;
+  };
+  EXPECT_EQ(colors(R"([{"type": "isosurface", "isovalue": 100}])").at(0), render::Surface{}.color);
+  const std::vector<Vec3> eight = colors(R"([{"type": "isosurface", "isovalue": [10, 20, 30, 40, 50, 60, 70, 80]}])");
+  for (std::size_t i = 0; i < eight.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) EXPECT_GT((eight[i] - eight[j]).length(), 0.1) << i << " " << j;
+}
+
+TEST_F(SceneDocument, spelled_out_is_planned_to_the_same_scene) {
+  write_file(bench() / "s.json", R"({"data": {"b": {"file": "ball.rho"}, "x": {"file": "box.rho"}},
+    "layers": [{"type": "isosurface", "data": "b", "isovalue": ["auto", 33.3], "method": "sampled:0.25+bisect"},
+               {"type": "mip", "data": "x"}, {"type": "mip", "data": "x", "range": [0.1, 0.7]},
+               {"type": "isosurface", "data": "x", "normals": "smooth", "color_by": "length", "colormap": "gray", "range": [0, 2]}],
+    "camera": {"azimuth": 33.3, "elevation": -71.7, "zoom": 1.7, "ortho": true},
+    "image": {"size": [40, 30], "channels": ["depth", "cost"], "show": "roots", "hierarchy": false}})");
+  const Json first = tools::scene_json(tools::spelled_out(planned(bench() / "s.json")));
+  std::filesystem::create_directory(bench() / "elsewhere");
+  write_file(bench() / "elsewhere/t.json",
+             tools::scene_json(tools::spelled_out(planned(bench() / "s.json")), bench() / "elsewhere").dump());
+  EXPECT_THAT(read_file(bench() / "elsewhere/t.json"), HasSubstr("\"../ball.rho\""));
+  const tools::ScenePlan again = planned(bench() / "elsewhere/t.json");
+  EXPECT_EQ(again.frame.width, 40);
+  EXPECT_TRUE(again.frame.channels.cost);
+  EXPECT_FALSE(again.frame.use_hierarchy);
+  Json second = tools::scene_json(tools::spelled_out(again));
+  second["data"] = first["data"];  // by other ways
+  EXPECT_EQ(second.dump(), first.dump());
+}
+
+TEST(SceneSchema, is_the_published_one) {
+  EXPECT_EQ(read_file(RHORAY_SOURCE_DIR "/data/scenes/scene.schema.json"), tools::scene_schema_text())
+      << "rhoray render --scene-schema > data/scenes/scene.schema.json";
+  EXPECT_THAT(read_file(RHORAY_SOURCE_DIR "/data/scenes/README.md"), HasSubstr(tools::scene_reference()))
+      << "rhoray render --scene-help prints the tables";
+}
+
+TEST(SceneSchema, knows_every_key_and_nothing_else) {
+  const Json schema = tools::scene_schema();
+  for (const auto& row : tools::scene_rows()) EXPECT_TRUE(schema["properties"].contains(row.key)) << row.key;
+  EXPECT_EQ(schema["required"], Json({"data", "layers"}));
+  const Json& kinds = schema["properties"]["layers"]["items"]["oneOf"];
+  ASSERT_EQ(kinds.size(), tools::layer_kinds().size());
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    EXPECT_EQ(kinds[i]["properties"]["type"]["const"], tools::layer_kinds()[i].word);
+    EXPECT_EQ(kinds[i]["properties"].size(), tools::layer_kinds()[i].rows.size() + 1);
+  }
+  EXPECT_FALSE(kinds[1]["properties"].contains("isovalue"));
+  EXPECT_EQ(schema["properties"]["camera"]["properties"]["elevation"]["maximum"], 90);
+}
+
+}  // namespace
+}  // namespace rhoray::tests

@@ -1,0 +1,108 @@
+#include "tools/rhoray/data_choice.h"
+
+#include "formats/base/nearest_name.h"
+#include "formats/base/trouble.h"
+#include "formats/shape_field.h"
+#include "preprocess/import_mesh.h"
+#include "preprocess/open_vdb.h"
+#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/input_file.h"
+#include "tools/rhoray/option_values.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+/// "0 to 255 HU of field 'density'".
+std::string range_text(const formats::FieldSummary& field) {
+  return concat(field.range.lo, " to ", field.range.hi, field.unit.empty() ? "" : " ", field.unit, " of field '",
+                field.name, "'");
+}
+
+}  // namespace
+
+Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& field) {
+  if (field.range.is_empty()) throw Error(Trouble::invalid, concat("field '", field.name, "' holds no finite value"));
+  if (text == "auto" && field.name == formats::boundary_distance && field.range.hi > 0)
+    return {formats::shape_share_of_distance * field.range.hi, "a ten-thousandth of the largest distance"};
+  if (text == "auto") {
+    const std::optional<double> threshold = formats::otsu_threshold(field);
+    if (!threshold)
+      throw Error(Trouble::usage, concat("field '", field.name, "' has the value ", field.range.lo,
+                                         " everywhere: no isovalue parts it"));
+    return {*threshold, "Otsu's threshold"};
+  }
+  const bool is_percentile = text.starts_with("p");
+  double value = 0;
+  try {
+    read_value(is_percentile ? text.substr(1) : text, value);
+  } catch (const Error&) {
+    throw Error(Trouble::usage,
+                concat("--iso: found '", text, "'; expected a number, a percentile such as p95, or auto"));
+  }
+  if (is_percentile) {
+    require_within("--iso p", value, 0, 100);
+    return {formats::percentile(field, value / 100), concat("percentile ", value)};
+  }
+  if (!field.range.contains(value))
+    throw Error(Trouble::usage, concat("isovalue ", value, " is outside the range ", range_text(field)),
+                "auto takes one from the histogram");
+  return {value, "given"};
+}
+
+bool is_outside(const std::string& isovalue, const formats::FieldSummary& field) {
+  try {
+    double value = 0;
+    read_value(isovalue, value);
+    return !field.range.contains(value);
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+namespace {
+
+bool varies(const formats::FieldSummary& field) {
+  return field.range.lo < field.range.hi;
+}
+
+/// The first field; where that is the same everywhere, the first one that is not.
+render::Volume load_field_that_varies(const std::filesystem::path& path) {
+  const render::Volume first = render::Volume::load(path);
+  if (varies(first.field())) return first;
+  for (const std::string& name : first.field_names()) {
+    const render::Volume other = render::Volume::load(path, name);
+    if (varies(other.field())) return other;
+  }
+  return first;
+}
+
+}  // namespace
+
+render::Volume load_shown(const std::filesystem::path& path, const std::string& field) {
+  require_input(path);
+  if (preprocess::is_vdb(path)) return render::Volume::load(preprocess::open_vdb(path, field));
+  if (!formats::PackedFile::looks_packed(path) && preprocess::foreign_kind(path) != preprocess::ForeignKind::unknown) {
+    const std::filesystem::path packed = std::filesystem::path(path.filename()).replace_extension(".rho");
+    throw Error(Trouble::invalid, concat(path.string(), ": is not a packed file"),
+                concat("pack it first: ", shell_line({"rhoray", "pack", path.string(), "-o", packed.string()})));
+  }
+  if (field.empty()) return load_field_that_varies(path);
+  try {
+    return render::Volume::load(path, field);
+  } catch (const Error& error) {
+    if (error.trouble() != Trouble::usage) throw;
+    const std::string hint = did_you_mean(field, render::Volume::load(path).field_names());
+    throw Error(error.trouble(), error.what(), hint.empty() ? error.hint() : hint);
+  }
+}
+
+render::Volume load_volume(const std::filesystem::path& path, const std::string& field) {
+  const render::Volume volume = load_shown(path, field);
+  if (volume.is_surface())
+    throw Error(Trouble::invalid, concat(path.string(), ": holds a surface; expected a grid or a mesh with fields"),
+                concat("look at it: rhoray render ", path.string()));
+  return volume;
+}
+
+}  // namespace rhoray::tools

@@ -1,0 +1,75 @@
+#include "tools/rhoray/scene/document.h"
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+
+#include "formats/base/trouble.h"
+#include "tools/rhoray/input_file.h"
+#include "tools/rhoray/scene/json_tree.h"
+#include "tools/rhoray/scene/tables.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+constexpr std::string_view blanks = " \t\r\n";
+
+bool begins_with_brace(std::string_view text) {
+  const std::size_t at = text.find_first_not_of(blanks);
+  return at != std::string_view::npos && text[at] == '{';
+}
+
+/// The first bytes of a file, or fewer where it ends; none where it cannot be read.
+std::string first_bytes(const std::filesystem::path& path, std::size_t count) {
+  std::string text(count, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(text.data(), static_cast<std::streamsize>(count));
+  text.resize(file.bad() ? 0 : static_cast<std::size_t>(file.gcount()));
+  return text;
+}
+
+std::string document_text(const std::filesystem::path& path) {
+  constexpr std::size_t most_bytes = std::size_t{4} << 20;
+  require_input(path);
+  if (std::filesystem::is_directory(path))
+    throw Error(Trouble::unreadable, concat(path.string(), ": is a folder; expected a scene document"));
+  std::string text = first_bytes(path, most_bytes + 1);
+  if (text.size() > most_bytes)
+    throw Error(Trouble::invalid, concat(path.string(), ": is larger than 4 MiB; expected a scene document"));
+  return text;
+}
+
+}  // namespace
+
+bool is_scene_document(const std::filesystem::path& input) {
+  if (begins_with_brace(input.string())) return true;
+  std::string extension = input.extension().string();
+  for (char& letter : extension) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  if (extension == ".json") return true;
+  std::error_code ignored;
+  constexpr std::size_t enough = 64;
+  return std::filesystem::is_regular_file(input, ignored) && begins_with_brace(first_bytes(input, enough));
+}
+
+SceneDocument read_scene(const std::filesystem::path& input) {
+  const bool is_text = begins_with_brace(input.string());
+  const std::string name = is_text ? "scene" : input.string();
+  const Json json = read_json(is_text ? input.string() : document_text(input), name);
+  SceneDocument document;
+  const std::filesystem::path folder = is_text ? std::filesystem::path() : input.parent_path();
+  document.wishes = read_object(json, Reading{{name, {}}, folder, document.warnings}, scene_rows());
+  document.wishes.document = name;
+  return document;
+}
+
+Json scene_json(const SceneWishes& wishes, const std::filesystem::path& folder) {
+  SceneWishes named = wishes;
+  if (!folder.empty())
+    for (DataWish& data : named.data)
+      data.file = std::filesystem::absolute(data.file).lexically_normal().lexically_proximate(
+          std::filesystem::absolute(folder).lexically_normal());
+  return write_object(named, scene_rows());
+}
+
+}  // namespace rhoray::tools

@@ -1,0 +1,88 @@
+#include "tools/rhoray/scene/explain.h"
+
+#include <algorithm>
+
+#include "render/called_for.h"
+#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/scene/tables.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+std::string unit_text(const render::Volume& volume) {
+  const std::string& unit = volume.field().unit;
+  return unit.empty() ? "" : " " + unit;
+}
+
+/// isosurface 500 HU of 'density' in head.rho; triangles of heart.rho
+std::string shown_text(const render::Layer& layer, const ScenePlan& plan) {
+  const render::Volume& volume = plan.volumes[layer.volume];
+  if (layer.mode == render::Mode::triangles) return concat("triangles of ", plan.data[layer.volume].file.string());
+  const std::string of =
+      concat(unit_text(volume), " of '", volume.field().name, "' in ", plan.data[layer.volume].file.string());
+  if (layer.mode == render::Mode::mip)
+    return concat("largest values from ", layer.window.lo, " to ", layer.window.hi, of);
+  return concat("isosurface ", layer.isovalue, of);
+}
+
+std::string why_method(const SceneWishes& wishes, const LayerWish& layer) {
+  if (!layer.method.empty() || !layer.accuracy.empty() || !wishes.accuracy.empty()) return "asked for";
+  return "default";
+}
+
+Json explained_layer(const SceneWishes& wishes, const ScenePlan& plan, std::size_t index) {
+  const render::Layer& layer = plan.scene.layers[index];
+  const LayerOrigin& origin = plan.origins[index];
+  const render::Volume& volume = plan.volumes[layer.volume];
+  const MethodOption method = option_of(layer.method, layer.mode, volume.is_mesh());
+  Json json{{"layer", index},
+            {"wish", origin.wish},
+            {"shows", shown_text(layer, plan)},
+            {"isovalue_from", origin.isovalue_from},
+            {"method", method.word},
+            {"method_because", why_method(wishes, wishes.layers[origin.wish])},
+            {"kernel", render::machine_for(volume, layer, plan.frame)},
+            {"effects", Json::array()}};
+  for (const render::EffectReason& reason : render::reasons_for_effects(plan.scene, layer))
+    json["effects"].push_back({{"effect", reason.effect}, {"called_for", reason.called_for}, {"why", reason.why}});
+  return json;
+}
+
+bool is_opened(const DataWish& data, const ScenePlan& plan) {
+  return std::any_of(plan.data.begin(), plan.data.end(), [&](const DataWish& each) { return each.name == data.name; });
+}
+
+}  // namespace
+
+Json explained(const SceneWishes& wishes, const ScenePlan& plan) {
+  Json json{{"layers", Json::array()}, {"left_out", plan.notes}};
+  for (std::size_t i = 0; i < plan.scene.layers.size(); ++i) json["layers"].push_back(explained_layer(wishes, plan, i));
+  for (std::size_t i = 0; i < wishes.layers.size(); ++i)
+    if (!wishes.layers[i].visible)
+      json["left_out"].push_back(concat("/layers/", i, ": not traced: \"visible\" is false"));
+  for (const DataWish& data : wishes.data)
+    if (!is_opened(data, plan))
+      json["left_out"].push_back(
+          concat("data \"", data.name, "\": ", data.file.string(), " is not opened: no visible layer shows it"));
+  return json;
+}
+
+std::vector<std::string> explained_lines(const Json& explanation) {
+  std::vector<std::string> lines;
+  for (const Json& layer : explanation["layers"]) {
+    const auto text = [&](const char* key) { return layer[key].get<std::string>(); };
+    const std::string from = text("isovalue_from"), kernel = text("kernel");
+    lines.push_back(concat("layer ", layer["layer"].get<std::size_t>(), ": ", text("shows"),
+                           from.empty() || from == "given" ? "" : concat(" (", from, ")")));
+    lines.push_back(concat("  method ", text("method"), " (", text("method_because"), "), ",
+                           kernel == "scalar" ? "one ray at a time" : concat("wide ", kernel, " kernel")));
+    for (const Json& effect : layer["effects"])
+      lines.push_back(concat(effect["called_for"].get<bool>() ? "  " : "  no ", effect["effect"].get<std::string>(),
+                             ": ", effect["why"].get<std::string>()));
+  }
+  for (const Json& note : explanation["left_out"]) lines.push_back(note.get<std::string>());
+  return lines;
+}
+
+}  // namespace rhoray::tools

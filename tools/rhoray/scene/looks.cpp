@@ -1,0 +1,125 @@
+#include "tools/rhoray/scene/looks.h"
+
+#include <algorithm>
+
+#include "formats/base/nearest_name.h"
+#include "formats/base/trouble.h"
+#include "render/color_map.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+/// What a surface may be lit by, and in what it is.
+constexpr struct {
+  const char* word;
+  render::Normals normals;
+  bool of_meshes;
+} normals_rows[] = {{"flat", render::Normals::exact, true},
+                    {"smooth", render::Normals::smooth, true},
+                    {"exact", render::Normals::exact, false}};
+
+/// A refusal that names the key of a document's layer, or the option.
+Error refusal(const Place& layer, const std::string& key, const std::string& option, const std::string& fact,
+              const std::string& hint = {}, Trouble trouble = Trouble::usage) {
+  if (layer.document.empty()) return {trouble, concat(option, ": ", fact), hint};
+  return {trouble == Trouble::usage ? Trouble::invalid : trouble, concat(layer.at(key).text(), ": ", fact), hint};
+}
+
+render::Normals choose_normals(const LayerWish& wish, const render::Volume& volume, const Place& layer) {
+  for (const auto& row : normals_rows) {
+    if (wish.normals != row.word) continue;
+    if (row.of_meshes != has_flat_normals(volume))
+      throw refusal(
+          layer, "normals", "--normals",
+          concat("'", row.word, "' is of ", row.of_meshes ? "meshes" : "grids", ", and ", volume.file().name(), " is ",
+                 volume.is_mesh()      ? "a mesh"
+                 : volume.is_surface() ? "a surface"
+                                       : "a grid"),
+          !row.of_meshes ? "flat is the exact gradient of every cell"
+                         : "exact, the gradient of the trilinear field, is how grids are lit");
+    return row.normals;
+  }
+  return render::Normals::exact;
+}
+
+/// The field that colours the surface; refuses one that it cannot be coloured by.
+formats::FieldSummary color_field(const LayerWish& wish, const render::Volume& volume, const Place& layer) {
+  const std::vector<std::string> names = volume.field_names();
+  const auto refuse = [&](const std::string& fact, const std::string& hint, Trouble trouble) {
+    return refusal(layer, "color_by", "--color-by", fact, hint, trouble);
+  };
+  if (std::find(names.begin(), names.end(), wish.color_by) == names.end()) {
+    std::string known;
+    for (const std::string& name : names) known += concat(known.empty() ? "" : ", ", "'", name, "'");
+    throw refuse(concat("no field '", wish.color_by, "'; there is ", known), did_you_mean(wish.color_by, names),
+                 Trouble::usage);
+  }
+  const std::optional<formats::FieldSummary> field = volume.field(wish.color_by);
+  if (!field)
+    throw refuse(
+        concat("'", wish.color_by, "' is another grid of ", volume.file().name(),
+               ", with voxels of its own; a surface is coloured by its own field, '", volume.field().name, "'"),
+        {}, Trouble::unsupported);
+  if (field->range.is_empty())
+    throw refuse(concat("field '", field->name, "' holds no finite value"), {}, Trouble::invalid);
+  return *field;
+}
+
+render::FieldColors choose_field_colors(const LayerWish& wish, const render::Volume& volume, const Place& layer) {
+  const formats::FieldSummary field = color_field(wish, volume, layer);
+  render::FieldColors colors{.field = field.name, .range = wish.range.value_or(field.range)};
+  for (const render::NamedColorMap& named : render::color_maps())
+    if (wish.colormap == named.name) colors.map = named.map;
+  return colors;
+}
+
+}  // namespace
+
+std::vector<std::string> normals_words() {
+  std::vector<std::string> words;
+  for (const auto& row : normals_rows) words.emplace_back(row.word);
+  return words;
+}
+
+bool has_flat_normals(const render::Volume& volume) {
+  return volume.is_mesh() || volume.is_surface();
+}
+
+std::string word_of(render::Normals normals, bool flat) {
+  for (const auto& row : normals_rows)
+    if (row.normals == normals && row.of_meshes == flat) return row.word;
+  return {};
+}
+
+std::vector<std::string> colormap_words() {
+  std::vector<std::string> words;
+  for (const render::NamedColorMap& named : render::color_maps()) words.emplace_back(named.name);
+  return words;
+}
+
+std::string word_of(render::ColorMap map) {
+  for (const render::NamedColorMap& named : render::color_maps())
+    if (named.map == map) return std::string(named.name);
+  return {};
+}
+
+render::Surface choose_surface(const LayerWish& wish, const render::Volume& volume, const Place& layer) {
+  render::Surface surface;
+  if (wish.color) surface.color = wish.color->linear;
+  surface.ambient = wish.ambient.value_or(surface.ambient);
+  surface.specular = wish.specular.value_or(surface.specular);
+  surface.shininess = wish.shininess.value_or(surface.shininess);
+  surface.opacity = wish.opacity.value_or(surface.opacity);
+  surface.normals = choose_normals(wish, volume, layer);
+  if (!wish.color_by.empty()) {
+    surface.color_by = choose_field_colors(wish, volume, layer);
+    return surface;
+  }
+  const std::string needs = layer.document.empty() ? "--color-by names it" : "\"color_by\" names it";
+  if (!wish.colormap.empty()) throw refusal(layer, "colormap", "--colormap", "is of the colours by a field: " + needs);
+  if (wish.range) throw refusal(layer, "range", "--range", "on a surface it is of the colours by a field: " + needs);
+  return surface;
+}
+
+}  // namespace rhoray::tools

@@ -1,0 +1,184 @@
+#include "tools/rhoray/scene/picture_options.h"
+
+#include <memory>
+#include <utility>
+
+#include "formats/base/trouble.h"
+#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/scene/looks.h"
+#include "tools/rhoray/scene/picture_words.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+/// A row that also notes that it was given.
+Option of_the_layer(PictureOptions& options, Option row) {
+  row.take = [take = row.take, name = row.names, &given = options.of_the_layer](const std::string& text) {
+    take(text);
+    given.push_back(name);
+  };
+  return row;
+}
+
+Option word_option(std::string names, const std::vector<std::string>& words, std::string help,
+                   std::optional<std::string>& out) {
+  const auto word = std::make_shared<std::string>();
+  Option row = choice_option(std::move(names), words, std::move(help), *word);
+  row.take = [take = row.take, word, &out](const std::string& text) {
+    take(text);
+    out = *word;
+  };
+  return row;
+}
+
+Option switch_option(std::string names, std::string help, bool answer, std::optional<bool>& out) {
+  return {Option::Kind::flag, std::move(names), "", std::move(help),
+          [answer, &out](const std::string&) { out = answer; }};
+}
+
+Option above_zero_option(std::string names, std::string value, std::string help, std::optional<double>& out) {
+  return {Option::Kind::value, std::move(names), std::move(value), std::move(help), [&out](const std::string& text) {
+            double number = 0;
+            read_value(text, number);
+            if (!(number > 0)) throw Error(Trouble::usage, concat("found '", text, "'; expected a number above 0"));
+            out = number;
+          }};
+}
+
+template <class T>
+void replace(std::optional<T>& old, const std::optional<T>& said) {
+  if (said) old = said;
+}
+
+/// A view by a word or angles replaces a place that was given; an angle of view, an orthographic one.
+CameraWish camera_under(CameraWish camera, const CameraWish& said) {
+  if (said.view) camera.azimuth_deg = camera.elevation_deg = std::nullopt;
+  if (said.view || said.azimuth_deg || said.elevation_deg) camera.position = camera.target = camera.up = std::nullopt;
+  if (said.fov_deg) camera.orthographic = std::nullopt, camera.orthographic_height = std::nullopt;
+  replace(camera.view, said.view);
+  for (const auto member : {&CameraWish::azimuth_deg, &CameraWish::elevation_deg, &CameraWish::zoom,
+                            &CameraWish::fov_deg, &CameraWish::orthographic_height})
+    replace(camera.*member, said.*member);
+  for (const auto member : {&CameraWish::position, &CameraWish::target, &CameraWish::up})
+    replace(camera.*member, said.*member);
+  replace(camera.orthographic, said.orthographic);
+  return camera;
+}
+
+}  // namespace
+
+std::vector<Option> picture_options(PictureOptions& options) {
+  SceneWishes& scene = options.wishes;
+  LayerWish& layer = scene.layers[0];
+  CameraWish& camera = scene.camera;
+  ImageWish& image = scene.image;
+  const auto layers = [&](Option row) { return of_the_layer(options, std::move(row)); };
+  return {
+      layers(choice_option("--mode", {"iso", "mip"},
+                           "Isosurface, or maximum intensity projection; a surface is shown as it is", options.mode)),
+      layers(value_option(
+          "--iso", "V[,V...]",
+          "Isovalue: a number, p95 (percentile), or auto (Otsu's threshold; of boundary_distance a ten-thousandth of "
+          "the largest); several are several surfaces; default auto",
+          layer.isovalues)),
+      layers(value_option("--field", "NAME", "Field to show; default the first", scene.data[0].field)),
+      value_option("--size", "WxH", "Pixels, or 720p, 1080p, 4k; default 1280x720", image.size),
+      word_option("--view", view_words(), "Side to look from: iso (three-quarter), +x, -x, +y, -y, +z, -z; default iso",
+                  camera.view),
+      value_option("--azimuth", "DEG", "Angle around the world's z axis; 0 looks along +y", camera.azimuth_deg),
+      number_option("--elevation", "DEG", "Angle above the horizon; 90 looks straight down", limits::elevation_deg,
+                    camera.elevation_deg),
+      number_option("--zoom", "FACTOR", "1: the data just fits; 2: twice as large", limits::zoom, camera.zoom),
+      number_option("--fov", "DEG", "Vertical opening angle; default 30", limits::fov_deg, camera.fov_deg),
+      switch_option("--ortho", "Orthographic projection", true, camera.orthographic),
+      above_zero_option("--ortho-height", "H", "World units that the picture's height shows; implies --ortho",
+                        camera.orthographic_height),
+      value_option("--camera-position", "X,Y,Z", "Eye, in world units; default fitted to the data", camera.position),
+      value_option("--camera-target", "X,Y,Z", "Point looked at", camera.target),
+      value_option("--camera-up", "X,Y,Z", "Direction that is up in the picture", camera.up),
+      layers(value_option("--surface-color", "COLOR",
+                          "#rrggbb (sRGB), or r,g,b (linear, 0 to 1); several surfaces have one each by default",
+                          layer.color)),
+      layers(choice_option("--normals", normals_words(),
+                           "What the surface of a mesh, or a surface by itself, is lit by: flat, the exact gradient of "
+                           "each cell or normal of each triangle, or smooth, linear between means "
+                           "at the points; of a grid exact, the gradient of its trilinear field",
+                           layer.normals)),
+      layers(value_option("--color-by", "NAME", "Colour the surface by a field of the same file, where rays hit it",
+                          layer.color_by)),
+      layers(choice_option("--colormap", colormap_words(), "Colours of --color-by; default viridis", layer.colormap)),
+      value_option("--background", "COLOR", "As above; default white for isosurfaces, black for MIP", image.background),
+      layers(number_option("--ambient", "A", "Share of light from all sides, 0 to 1; default 0.12", limits::share,
+                           layer.ambient)),
+      layers(number_option("--specular", "S", "Strength of the highlight, 0 to 1; 0 computes none", limits::share,
+                           layer.specular)),
+      layers(number_option("--shininess", "N", "Exponent of the highlight; default 40", limits::shininess,
+                           layer.shininess)),
+      layers(number_option("--opacity", "O", "Share of the light behind that a surface holds back, 0 to 1; default 1",
+                           limits::share, layer.opacity)),
+      layers(
+          value_option("--range", "A,B",
+                       "Values shown from black to white in MIP, or from the first colour to the last by --color-by; "
+                       "default the field's range",
+                       layer.range)),
+      choice_option(
+          "--accuracy", accuracy_words(),
+          "preview: a first look; float: single precision inside cells; double: double precision; certified: every hit "
+          "and miss proven, with a bound of its error; exact: every decision in exact arithmetic, slow. Default float "
+          "for isosurfaces of meshes and of uniform, dense grids, which many rays cross at once, else double",
+          scene.accuracy),
+      layers(value_option("--method", "NAME", method_help(), layer.method)),
+      value_option("--channels", "A,B",
+                   "Also keep depth, normal, cell, value; error (certified, exact), roots, iterations, cost (EXR only)",
+                   image.channels),
+      word_option("--show", show_words(),
+                  "A heat map instead of colours: error (certified, exact), roots in the hit cell, iterations of the "
+                  "root, cost (cells visited); default color",
+                  image.show),
+      switch_option("--no-hierarchy", "Walk every leaf cell, for comparison; the same picture at double", false,
+                    image.hierarchy)};
+}
+
+namespace {
+
+/// What is said of surfaces where none is shown.
+void refuse_words_of_surfaces(const LayerWish& layer) {
+  for (const auto& [option, text] : {std::pair{"--normals", &layer.normals}, {"--color-by", &layer.color_by}})
+    if (!text->empty())
+      throw Error(Trouble::usage, concat(option, " is of isosurfaces; a maximum intensity projection has no surface"));
+}
+
+}  // namespace
+
+SceneWishes wishes_of(const PictureOptions& options, const std::filesystem::path& file) {
+  SceneWishes wishes = options.wishes;
+  wishes.data[0].file = file;
+  wishes.layers[0].type = options.mode == "mip" ? LayerType::mip : LayerType::isosurface;
+  if (!wishes.layers[0].method.empty() && !wishes.accuracy.empty())
+    throw Error(Trouble::usage, "--method and --accuracy say the same thing twice: give one of them");
+  if (wishes.layers[0].type == LayerType::mip) refuse_words_of_surfaces(wishes.layers[0]);
+  return wishes;
+}
+
+SceneWishes with_options(SceneWishes document, const PictureOptions& options) {
+  if (!options.of_the_layer.empty())
+    throw Error(Trouble::usage,
+                concat(options.of_the_layer.front(), ": given beside the scene ", document.document,
+                       ", whose layers say what is shown"),
+                "say it in a layer of the document");
+  const SceneWishes& said = options.wishes;
+  document.camera = camera_under(document.camera, said.camera);
+  replace(document.image.size, said.image.size);
+  replace(document.image.background, said.image.background);
+  replace(document.image.channels, said.image.channels);
+  replace(document.image.show, said.image.show);
+  replace(document.image.hierarchy, said.image.hierarchy);
+  if (!said.accuracy.empty()) {
+    document.accuracy = said.accuracy;
+    for (LayerWish& layer : document.layers) layer.accuracy.clear(), layer.method.clear();
+  }
+  return document;
+}
+
+}  // namespace rhoray::tools

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tools/rhoray/option_values.h"
+#include "tools/rhoray/scene/wishes.h"
+
+namespace rhoray::tools {
+
+/// What may be said about a picture on the command line: wishes of one file and one layer.
+struct PictureOptions {
+  SceneWishes wishes{.data = std::vector<DataWish>(1), .layers = std::vector<LayerWish>(1)};
+  std::string mode = "iso";
+  std::vector<std::string> of_the_layer;  ///< options given that say what is shown and how it looks
+};
+
+/// The rows of these options, for `render`. They write into `options`, which stays where it is.
+std::vector<Option> picture_options(PictureOptions& options);
+
+/// Wishes of a file. Refuses options that say the same thing twice (Trouble::usage).
+SceneWishes wishes_of(const PictureOptions& options, const std::filesystem::path& file);
+
+/// A document's wishes under these options: size, background, channels, accuracy and camera are replaced. Refuses
+/// options about a layer, which do not say about which (Trouble::usage).
+SceneWishes with_options(SceneWishes document, const PictureOptions& options);
+
+}  // namespace rhoray::tools

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/diary.h"
+#include "render/framebuffer.h"
+
+namespace rhoray::tools {
+
+// The words of views, channels and heat maps, as options and documents take them.
+
+std::vector<std::string> view_words();
+
+std::vector<std::string> channel_words();
+/// Refuses words that name none, as option --channels (Trouble::usage).
+render::ChannelSet channel_set(const std::vector<std::string>& words);
+std::vector<std::string> words_of(const render::ChannelSet& channels);
+
+std::vector<std::string> show_words();                                 ///< "color" first
+std::optional<render::DiaryPage> page_named(const std::string& word);  ///< nothing for color
+std::string word_of(render::DiaryPage page);
+
+}  // namespace rhoray::tools

@@ -1,0 +1,423 @@
+#include "tools/rhoray/scene/plan.h"
+
+#include <algorithm>
+#include <array>
+
+#include "formats/base/nearest_name.h"
+#include "formats/base/trouble.h"
+#include "tools/rhoray/data_choice.h"
+#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/scene/document.h"
+#include "tools/rhoray/scene/looks.h"
+#include "tools/rhoray/scene/picture_words.h"
+#include "tools/rhoray/scene/place.h"
+#include "tools/rhoray/scene/tables.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+/// Colours of several isosurfaces, in order: Paul Tol's scheme "light" (technical note SRON/EPS/TN/09-002), made to be
+/// told apart with any colour vision; they are light enough that shading still shows.
+constexpr std::array palette{"#77aadd", "#ee8866", "#eedd88", "#44bb99", "#ffaabb", "#bbcc33", "#99ddff", "#aaaa00"};
+
+Place root(const SceneWishes& wishes) {
+  return {wishes.document, {}};
+}
+Place layer_place(const SceneWishes& wishes, std::size_t layer) {
+  return root(wishes).at("layers").at(layer);
+}
+
+/// What the act refuses is refused with its place in the document. On the command line the messages name the options.
+template <class Act>
+auto at_place(const Place& place, const Act& act) {
+  try {
+    return act();
+  } catch (const Error& error) {
+    if (place.document.empty()) throw;
+    const Trouble trouble = error.trouble() == Trouble::usage ? Trouble::invalid : error.trouble();
+    throw Error(trouble, concat(place.text(), ": ", error.what()), error.hint());
+  }
+}
+
+std::vector<std::string> names_of(const std::vector<DataWish>& data) {
+  std::vector<std::string> names;
+  for (const DataWish& each : data) names.push_back(each.name);
+  return names;
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += concat(text.empty() ? "" : ", ", '"', name, '"');
+  return text;
+}
+
+const DataWish& data_of(const SceneWishes& wishes, std::size_t index) {
+  const LayerWish& layer = wishes.layers[index];
+  const std::vector<std::string> names = names_of(wishes.data);
+  if (layer.data.empty() && wishes.data.size() == 1) return wishes.data[0];
+  if (layer.data.empty())
+    throw Error(Trouble::invalid,
+                concat(layer_place(wishes, index).text(), ": has no \"data\"; expected one of ", listed(names)));
+  const auto found = std::find(names.begin(), names.end(), layer.data);
+  if (found == names.end())
+    throw Error(Trouble::invalid,
+                concat(layer_place(wishes, index).at("data").text(), ": found \"", layer.data, "\"; expected ",
+                       names.size() == 1 ? "" : "one of ", listed(names)),
+                did_you_mean(layer.data, names));
+  return wishes.data[static_cast<std::size_t>(found - names.begin())];
+}
+
+/// The index of the data's volume, opened when it is first asked for.
+std::size_t volume_of(const SceneWishes& wishes, const DataWish& data, const OpenData& open, ScenePlan& plan) {
+  const std::vector<std::string> names = names_of(plan.data);
+  const auto found = std::find(names.begin(), names.end(), data.name);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  const Place place = root(wishes).at("data").at(data.name).at(data.field.empty() ? "file" : "field");
+  plan.volumes.push_back(at_place(place, [&] { return open(data); }));
+  const render::Volume& volume = plan.volumes.back();
+  plan.data.push_back(data);
+  plan.data.back().field = volume.field().name;
+  for (const std::string& note : volume.notes()) plan.notes.push_back(note);
+  if (!volume.is_surface() && data.field.empty() && volume.field().name != volume.field_names().front())
+    plan.notes.push_back(concat("field '", volume.field_names().front(), "' is the same everywhere: '",
+                                volume.field().name, "' is shown"));
+  return plan.volumes.size() - 1;
+}
+
+render::Method choose_method(const SceneWishes& wishes, std::size_t index, render::Mode mode,
+                             const render::Volume& volume) {
+  const LayerWish& layer = wishes.layers[index];
+  const Place place = layer_place(wishes, index).at("method");
+  if (!layer.method.empty() && !layer.accuracy.empty())
+    throw Error(Trouble::invalid, concat(place.text(), ": \"accuracy\" is there too; expected one of the two"));
+  if (!layer.method.empty())
+    return at_place(Place{wishes.document, {}}, [&] {
+      return wishes.document.empty() ? method_named(layer.method, mode, volume.is_mesh())
+                                     : method_named(layer.method, mode, volume.is_mesh(), place.pointer);
+    });
+  const std::string& accuracy = layer.accuracy.empty() ? wishes.accuracy : layer.accuracy;
+  return accuracy.empty() ? render::default_method(volume, mode) : render::method_of(accuracy_named(accuracy));
+}
+
+/// What a layer says of fields is refused where its data are triangles.
+void refuse_words_of_fields(const SceneWishes& wishes, const LayerWish& layer, const render::Volume& volume) {
+  const LayerWish defaults;
+  const std::string& accuracy = layer.accuracy.empty() ? wishes.accuracy : layer.accuracy;
+  for (const auto& [given, option] : {std::pair{layer.isovalues != defaults.isovalues, "--iso"},
+                                      {layer.type == LayerType::mip, "--mode"},
+                                      {!layer.color_by.empty(), "--color-by"},
+                                      {!layer.colormap.empty(), "--colormap"},
+                                      {layer.range.has_value(), "--range"},
+                                      {!layer.method.empty(), "--method"}})
+    if (given)
+      throw Error(Trouble::usage,
+                  concat(option, ": is of fields, and ", volume.file().name(), " holds triangles, shown as they are"));
+  if (!accuracy.empty() && accuracy != "float" && accuracy != "double")
+    throw Error(Trouble::usage, concat("--accuracy: found '", accuracy, "'; expected float or double of ",
+                                       volume.file().name(), ", which holds triangles"));
+}
+
+/// Adds the layers of a planned scene one after another.
+class LayerPlanner {
+ public:
+  LayerPlanner(const SceneWishes& wishes, const OpenData& open) : wishes_(wishes), open_(open) {}
+
+  ScenePlan plan() {
+    for (std::size_t index = 0; index < wishes_.layers.size(); ++index)
+      if (wishes_.layers[index].visible) add(index);
+    require_layers();
+    color_several_surfaces();
+    return std::move(plan_);
+  }
+
+ private:
+  struct Outside {
+    std::size_t wish, isovalue, volume;
+  };
+
+  void add(std::size_t index) {
+    const LayerWish& wish = wishes_.layers[index];
+    render::Layer layer;
+    layer.volume = volume_of(wishes_, data_of(wishes_, index), open_, plan_);
+    const render::Volume& volume = plan_.volumes[layer.volume];
+    if (volume.is_surface()) return add_triangles(index, layer);
+    layer.mode = wish.type == LayerType::mip ? render::Mode::mip : render::Mode::isosurface;
+    layer.method = choose_method(wishes_, index, layer.mode, volume);
+    switch (wish.type) {
+      case LayerType::isosurface:
+        layer.surface = choose_surface(wish, volume, layer_place(wishes_, index));
+        return add_isosurfaces(index, layer);
+      case LayerType::mip:
+        return add_projection(index, layer);
+    }
+  }
+
+  void add_triangles(std::size_t index, render::Layer layer) {
+    const LayerWish& wish = wishes_.layers[index];
+    const render::Volume& volume = plan_.volumes[layer.volume];
+    at_place(layer_place(wishes_, index), [&] { refuse_words_of_fields(wishes_, wish, volume); });
+    layer.mode = render::Mode::triangles;
+    layer.method = choose_method(wishes_, index, layer.mode, volume);
+    layer.surface = choose_surface(wish, volume, layer_place(wishes_, index));
+    put(index, layer, {});
+  }
+
+  void add_isosurfaces(std::size_t index, const render::Layer& layer) {
+    const std::vector<std::string>& isovalues = wishes_.layers[index].isovalues;
+    const render::Volume& volume = plan_.volumes[layer.volume];
+    for (std::size_t i = 0; i < isovalues.size(); ++i) {
+      if (is_outside(isovalues[i], volume.field())) {
+        outside_.push_back({index, i, layer.volume});
+        continue;
+      }
+      const Isovalue isovalue = chosen(index, i, volume);
+      put(index, layer, isovalue.from);
+      plan_.scene.layers.back().isovalue = isovalue.value;
+    }
+  }
+
+  void add_projection(std::size_t index, const render::Layer& layer) {
+    const formats::FieldSummary& field = plan_.volumes[layer.volume].field();
+    at_place(layer_place(wishes_, index), [&] {
+      if (field.range.is_empty())
+        throw Error(Trouble::invalid, concat("field '", field.name, "' holds no finite value"));
+    });
+    put(index, layer, {});
+    plan_.scene.layers.back().window = wishes_.layers[index].range.value_or(field.range);
+  }
+
+  void put(std::size_t index, const render::Layer& layer, const std::string& isovalue_from) {
+    if (plan_.origins.empty()) plan_.scene.layers.clear();
+    plan_.scene.layers.push_back(layer);
+    plan_.origins.push_back({index, isovalue_from});
+    if (plan_.origins.size() > most_layers)
+      at_place(root(wishes_).at("layers"),
+               [] { throw Error(Trouble::usage, concat("more than ", most_layers, " layers and isovalues")); });
+  }
+
+  Place isovalue_place(std::size_t index, std::size_t i) const {
+    const Place place = layer_place(wishes_, index).at("isovalue");
+    return wishes_.layers[index].isovalues.size() == 1 ? place : place.at(i);
+  }
+
+  Isovalue chosen(std::size_t index, std::size_t i, const render::Volume& volume) const {
+    const std::string& text = wishes_.layers[index].isovalues[i];
+    if (text == "auto" && volume.is_level_set()) return {0, "the surface of the level set"};
+    return at_place(isovalue_place(index, i), [&] { return choose_isovalue(text, volume.field()); });
+  }
+
+  /// Isovalues that no cell has are left out, but not the last thing that is shown.
+  void require_layers() {
+    if (plan_.origins.empty() && !outside_.empty())
+      chosen(outside_[0].wish, outside_[0].isovalue, plan_.volumes[outside_[0].volume]);
+    if (plan_.origins.empty())
+      throw Error(Trouble::invalid,
+                  concat(root(wishes_).at("layers").text(), ": no layer is visible; expected at least one"));
+    for (const Outside& one : outside_) try {
+        chosen(one.wish, one.isovalue, plan_.volumes[one.volume]);
+      } catch (const Error& refusal) {
+        plan_.notes.push_back(concat(refusal.what(), ": left out"));
+      }
+  }
+
+  void color_several_surfaces() {
+    std::vector<std::size_t> surfaces;
+    for (std::size_t i = 0; i < plan_.scene.layers.size(); ++i)
+      if (plan_.scene.layers[i].mode == render::Mode::isosurface) surfaces.push_back(i);
+    if (surfaces.size() < 2) return;
+    for (std::size_t i = 0; i < surfaces.size(); ++i) {
+      if (wishes_.layers[plan_.origins[surfaces[i]].wish].color) continue;
+      Color color;
+      read_value(palette[i % palette.size()], color);
+      plan_.scene.layers[surfaces[i]].surface.color = color.linear;
+    }
+  }
+
+  const SceneWishes& wishes_;
+  const OpenData& open_;
+  ScenePlan plan_;
+  std::vector<Outside> outside_;
+};
+
+bool proves_errors(const render::Layer& layer) {
+  return render::proves(layer.method);
+}
+
+/// Size, channels and background.
+void plan_image(const SceneWishes& wishes, ScenePlan& plan) {
+  const ImageWish& image = wishes.image;
+  const PictureSize size = image.size.value_or(PictureSize{});
+  plan.frame.width = size.width;
+  plan.frame.height = size.height;
+  plan.frame.channels = channel_set(image.channels.value_or(std::vector<std::string>{}));
+  plan.frame.use_hierarchy = image.hierarchy.value_or(true);
+  plan.page = page_named(image.show.value_or("color"));
+  const std::vector<render::Layer>& layers = plan.scene.layers;
+  const bool shows_error = plan.page && render::channel_of(*plan.page).error;
+  if ((plan.frame.channels.error || shows_error) && !std::all_of(layers.begin(), layers.end(), proves_errors))
+    at_place(root(wishes).at("image").at(shows_error ? "show" : "channels"), [] {
+      throw Error(Trouble::usage, "the channel 'error' needs a method that proves one: certified or exact");
+    });
+  const bool is_projection = std::all_of(layers.begin(), layers.end(),
+                                         [](const render::Layer& layer) { return layer.mode == render::Mode::mip; });
+  const double grey = is_projection ? 0 : 1;
+  plan.scene.background = image.background ? image.background->linear : Vec3(grey, grey, grey);
+}
+
+/// Around all that is shown; around the data where no surface passes through any cell.
+Box3 shown_box(const ScenePlan& plan) {
+  Box3 shown, data;
+  for (const render::Layer& layer : plan.scene.layers) {
+    const render::Volume& volume = plan.volumes[layer.volume];
+    data.extendBy(volume.bounds());
+    shown.extendBy(layer.mode == render::Mode::isosurface ? volume.isosurface_bounds(layer.isovalue) : volume.bounds());
+  }
+  return shown.isEmpty() ? data : shown;
+}
+
+std::string text_of_vector(const Vec3& v) {
+  return concat(v.x, ",", v.y, ",", v.z);
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += concat(text.empty() ? "" : ",", word);
+  return text;
+}
+
+}  // namespace
+
+ScenePlan plan_layers(const SceneWishes& wishes, const OpenData& open) {
+  ScenePlan plan = LayerPlanner(wishes, open).plan();
+  plan_image(wishes, plan);
+  return plan;
+}
+
+ScenePlan plan_layers(const SceneWishes& wishes) {
+  return plan_layers(wishes, [](const DataWish& data) { return load_shown(data.file, data.field); });
+}
+
+void aim_camera(const SceneWishes& wishes, ScenePlan& plan) {
+  const CameraWish& wish = wishes.camera;
+  const bool is_document = !wishes.document.empty();
+  at_place(root(wishes).at("camera"), [&] {
+    render::View view = render::named_view(wish.view.value_or("iso"));
+    view.azimuth_deg = wish.azimuth_deg.value_or(view.azimuth_deg);
+    view.elevation_deg = wish.elevation_deg.value_or(view.elevation_deg);
+    view.zoom = wish.zoom.value_or(view.zoom);
+    view.vertical_fov_deg = wish.fov_deg.value_or(view.vertical_fov_deg);
+    view.orthographic = wish.orthographic_height ? true : wish.orthographic.value_or(false);
+
+    const double aspect = static_cast<double>(plan.frame.width) / plan.frame.height;
+    const bool is_given = wish.position && wish.target && wish.up && (!view.orthographic || wish.orthographic_height);
+    render::Camera& camera = plan.scene.camera;
+    camera = render::fit_camera(is_given ? plan.volumes[0].bounds() : shown_box(plan), view, aspect);
+    camera.position = wish.position.value_or(camera.position);
+    camera.target = wish.target.value_or(camera.target);
+    camera.up = wish.up.value_or(camera.up);
+    camera.orthographic_height = wish.orthographic_height.value_or(camera.orthographic_height);
+    const Vec3 forward = camera.target - camera.position;
+    if (!(forward.cross(camera.up).length() > 0))
+      throw Error(Trouble::usage, "the camera has no direction: position, target and up lie on one line",
+                  is_document ? "give another \"up\" or \"target\"" : "give another --camera-up or --camera-target");
+  });
+}
+
+SceneWishes spelled_out(const ScenePlan& plan) {
+  const render::Camera& camera = plan.scene.camera;
+  SceneWishes wishes{.data = plan.data};
+  for (std::size_t i = 0; i < wishes.data.size(); ++i)
+    if (wishes.data[i].name.empty()) wishes.data[i].name = "data";  // of a command line
+  for (const render::Layer& layer : plan.scene.layers) {
+    LayerWish wish{.data = wishes.data[layer.volume].name};
+    const MethodOption method = option_of(layer.method, layer.mode, plan.volumes[layer.volume].is_mesh());
+    (method.option == "--accuracy" ? wish.accuracy : wish.method) = method.word;
+    if (layer.mode == render::Mode::mip) {
+      wish.type = LayerType::mip;
+      wish.range = layer.window;
+    } else {
+      if (layer.mode == render::Mode::isosurface) wish.isovalues = {concat(layer.isovalue)};
+      wish.color = Color{layer.surface.color};
+      wish.normals = word_of(layer.surface.normals, has_flat_normals(plan.volumes[layer.volume]));
+      if (const auto& colors = layer.surface.color_by) {
+        wish.color_by = colors->field;
+        wish.colormap = word_of(colors->map);
+        if (colors->range.lo < colors->range.hi) wish.range = colors->range;  // else the field's, as without
+      }
+      wish.ambient = layer.surface.ambient;
+      wish.specular = layer.surface.specular;
+      wish.shininess = layer.surface.shininess;
+      wish.opacity = layer.surface.opacity;
+    }
+    wishes.layers.push_back(std::move(wish));
+  }
+  wishes.camera.position = camera.position;
+  wishes.camera.target = camera.target;
+  wishes.camera.up = camera.up;
+  if (camera.orthographic)
+    wishes.camera.orthographic_height = camera.orthographic_height;
+  else
+    wishes.camera.fov_deg = camera.vertical_fov_deg;
+  wishes.image.size = PictureSize{plan.frame.width, plan.frame.height};
+  wishes.image.background = Color{plan.scene.background};
+  if (plan.frame.channels.any()) wishes.image.channels = words_of(plan.frame.channels);
+  if (plan.page) wishes.image.show = word_of(*plan.page);
+  if (!plan.frame.use_hierarchy) wishes.image.hierarchy = false;
+  return wishes;
+}
+
+std::vector<std::string> reproducing_command(const ScenePlan& plan, const std::filesystem::path& output) {
+  const SceneWishes wishes = spelled_out(plan);
+  std::vector<std::string> words{"rhoray", "render"};
+  if (plan.scene.layers.size() > 1) {
+    words.insert(words.end(), {dump(scene_json(wishes)), "-o", output.string()});
+    return words;
+  }
+  const LayerWish& layer = wishes.layers[0];
+  const CameraWish& camera = wishes.camera;
+  const ImageWish& image = wishes.image;
+  words.insert(words.end(), {wishes.data[0].file.string(), "-o", output.string()});
+  const auto add = [&](const std::string& name, const std::string& value) { words.insert(words.end(), {name, value}); };
+  const bool is_field = plan.scene.layers[0].mode != render::Mode::triangles;
+  if (is_field) add("--field", wishes.data[0].field);
+  if (layer.type == LayerType::mip) {
+    add("--mode", "mip");
+    add("--range", concat(layer.range->lo, ",", layer.range->hi));
+  } else {
+    if (is_field) {
+      add("--mode", "iso");
+      add("--iso", layer.isovalues[0]);
+    }
+    add("--surface-color", text_of_vector(layer.color->linear));
+    add("--normals", layer.normals);
+    if (!layer.color_by.empty()) {
+      add("--color-by", layer.color_by);
+      add("--colormap", layer.colormap);
+      if (layer.range) add("--range", concat(layer.range->lo, ",", layer.range->hi));
+    }
+    add("--ambient", concat(*layer.ambient));
+    add("--specular", concat(*layer.specular));
+    add("--shininess", concat(*layer.shininess));
+    add("--opacity", concat(*layer.opacity));
+  }
+  if (layer.method.empty())
+    add("--accuracy", layer.accuracy);
+  else
+    add("--method", layer.method);
+  add("--size", concat(image.size->width, "x", image.size->height));
+  add("--camera-position", text_of_vector(*camera.position));
+  add("--camera-target", text_of_vector(*camera.target));
+  add("--camera-up", text_of_vector(*camera.up));
+  if (camera.orthographic_height)
+    add("--ortho-height", concat(*camera.orthographic_height));
+  else
+    add("--fov", concat(*camera.fov_deg));
+  add("--background", text_of_vector(image.background->linear));
+  if (image.channels) add("--channels", joined(*image.channels));
+  if (image.show) add("--show", *image.show);
+  if (image.hierarchy) words.push_back("--no-hierarchy");
+  return words;
+}
+
+}  // namespace rhoray::tools

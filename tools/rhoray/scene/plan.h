@@ -1,0 +1,53 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/diary.h"
+#include "render/load.h"
+#include "render/render.h"
+#include "tools/rhoray/scene/wishes.h"
+
+namespace rhoray::tools {
+
+/// Where a layer of the planned scene comes from.
+struct LayerOrigin {
+  std::size_t wish = 0;       ///< index into SceneWishes::layers
+  std::string isovalue_from;  ///< "given", "percentile 95", "Otsu's threshold"; empty for MIP
+};
+
+/// Everything that was chosen.
+struct ScenePlan {
+  std::vector<render::Volume> volumes;
+  std::vector<DataWish> data;  ///< of each volume, with the name of its field
+  render::Scene scene;
+  std::vector<LayerOrigin> origins;  ///< of each layer
+  render::FrameOptions frame;
+  std::optional<render::DiaryPage> page;  ///< drawn instead of colours
+  std::vector<std::string> notes;         ///< what was left out or chosen otherwise than asked, one line each
+};
+
+using OpenData = std::function<render::Volume(const DataWish&)>;
+
+/// Opens the data of visible layers and chooses what is shown of them; all but the camera. An isovalue outside its
+/// field's range is left out with a note where anything else is shown. Refuses what does not go together: of a document
+/// with the JSON pointer (Trouble::invalid), of a command line with the option (Trouble::usage).
+ScenePlan plan_layers(const SceneWishes& wishes, const OpenData& open);
+
+/// The same, with data opened by load_volume.
+ScenePlan plan_layers(const SceneWishes& wishes);
+
+/// Points the camera: where it is not said, so that all that is shown is seen. Looks at every cell of a mesh.
+void aim_camera(const SceneWishes& wishes, ScenePlan& plan);
+
+/// Wishes that say every choice of the plan, so that they are planned to the same picture.
+SceneWishes spelled_out(const ScenePlan& plan);
+
+/// The command that makes this picture again, every choice spelled out: in options for a scene of one layer, else in a
+/// document on the command line.
+std::vector<std::string> reproducing_command(const ScenePlan& plan, const std::filesystem::path& output);
+
+}  // namespace rhoray::tools

@@ -1,0 +1,48 @@
+#include "tools/rhoray/scene/schema.h"
+
+#include "formats/base/text.h"
+#include "tools/rhoray/scene/tables.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+/// A bar would end a table's cell.
+std::string cell(const std::string& text) {
+  std::string out;
+  for (const char letter : text) out += letter == '|' ? std::string("\\|") : std::string(1, letter);
+  return out;
+}
+
+template <class Object>
+std::string table(const std::string& title, const std::vector<Row<Object>>& rows) {
+  std::string text = concat("### ", title, "\n\n| key | takes | |\n|---|---|---|\n");
+  for (const Row<Object>& row : rows)
+    text += concat("| `", row.key, "` | ", cell(row.expected), " | ", row.required ? "Must be there. " : "",
+                   cell(row.help), " |\n");
+  return text;
+}
+
+}  // namespace
+
+Json scene_schema() {
+  Json schema{
+      {"$schema", "https://json-schema.org/draft/2020-12/schema"},
+      {"title", "Rhoray scene"},
+      {"description", "What a picture shows, from where, and how right: rhoray render SCENE.json -o picture.png"}};
+  schema.update(schema_of(scene_rows()));
+  return schema;
+}
+
+std::string scene_schema_text() {
+  return dump_lines(scene_schema());
+}
+
+std::string scene_reference() {
+  std::string text = table("The document", scene_rows()) + "\n" + table("`data`, one for each name", data_rows());
+  for (const LayerKind& kind : layer_kinds())
+    text += "\n" + table(concat("`layers`, of type `\"", kind.word, "\"`: ", kind.help), kind.rows);
+  return text + "\n" + table("`camera`", camera_rows()) + "\n" + table("`image`", image_rows());
+}
+
+}  // namespace rhoray::tools

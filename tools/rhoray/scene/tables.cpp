@@ -1,0 +1,227 @@
+#include "tools/rhoray/scene/tables.h"
+
+#include <algorithm>
+
+#include "formats/base/trouble.h"
+#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/scene/looks.h"
+#include "tools/rhoray/scene/picture_words.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+using Rows = std::vector<Row<LayerWish>>;
+
+Rows operator+(Rows rows, const Rows& more) {
+  rows.insert(rows.end(), more.begin(), more.end());
+  return rows;
+}
+
+Rows rows_of_every_layer() {
+  return {
+      row("data", &LayerWish::data, text_value(), "Name of the data shown; may be left out where there is only one"),
+      row("visible", &LayerWish::visible, yes_or_no(), "false: the layer is left out, its file is not opened"),
+      row("accuracy", &LayerWish::accuracy, word_value(accuracy_words()),
+          "How right the layer is drawn; default the scene's accuracy"),
+      row("method", &LayerWish::method, method_value(), "One method by name instead of an accuracy, for comparison")};
+}
+
+Rows rows_of_isosurfaces() {
+  return {
+      row("isovalue", &LayerWish::isovalues, isovalues_value(),
+          "Value of the surface; \"auto\" is Otsu's threshold, several values are several layers; default \"auto\""),
+      row("color", &LayerWish::color, color_value(),
+          "Default neutral; in scenes of several isosurfaces each has one of its own"),
+      row("normals", &LayerWish::normals, word_value(normals_words()),
+          "What lights it: \"flat\", in a mesh the exact gradient of each cell, the default there; \"smooth\", in a "
+          "mesh linear between means at the points; \"exact\", in a grid the gradient of its trilinear field"),
+      row("color_by", &LayerWish::color_by, text_value(),
+          "A field of the same file that colours the surface; where it has no data \"color\" stays"),
+      row("colormap", &LayerWish::colormap, word_value(colormap_words()),
+          "Colours of \"color_by\"; default \"viridis\""),
+      row("range", &LayerWish::range, interval_value(),
+          "Values of \"color_by\" from the map's first colour to its last; default the field's range"),
+      row("ambient", &LayerWish::ambient, number_within(limits::share), "Share of light from all sides; default 0.12"),
+      row("specular", &LayerWish::specular, number_within(limits::share),
+          "Strength of the highlight; 0 computes none; default 0.25"),
+      row("shininess", &LayerWish::shininess, number_within(limits::shininess),
+          "Exponent of the highlight: larger is smaller and sharper; default 40"),
+      row("opacity", &LayerWish::opacity, number_within(limits::share),
+          "Share of the light behind that the surface holds back; 0: it is not traced; default 1")};
+}
+
+Rows rows_of_projections() {
+  return {
+      row("range", &LayerWish::range, interval_value(), "Values shown from black to white; default the field's range")};
+}
+
+bool has_key(const LayerKind& kind, const std::string& key) {
+  return std::any_of(kind.rows.begin(), kind.rows.end(), [&](const Row<LayerWish>& row) { return row.key == key; });
+}
+
+/// Refuses a key that only layers of other types have.
+void refuse_keys_of_others(const Json& json, const LayerKind& kind, const Reading& at) {
+  for (const auto& [key, value] : json.items())
+    for (const LayerKind& other : layer_kinds())
+      if (!has_key(kind, key) && has_key(other, key))
+        throw Error(Trouble::invalid, concat(at.place.at(key).text(), ": found in a layer of type \"", kind.word,
+                                             "\"; expected in one of type \"", other.word, '"'));
+}
+
+const LayerKind& kind_of(const Json& json, const Reading& at) {
+  std::vector<std::string> words;
+  for (const LayerKind& kind : layer_kinds()) words.emplace_back(kind.word);
+  const ValueKind<std::string> type = word_value(words);
+  if (!json.contains("type")) refuse_missing_key("type", type.expected, at);
+  const std::string word = type.read(json["type"], at.at("type"));
+  return *std::find_if(layer_kinds().begin(), layer_kinds().end(),
+                       [&](const LayerKind& kind) { return word == kind.word; });
+}
+
+LayerWish read_layer(const Json& json, const Reading& at) {
+  if (!json.is_object()) at.place.refuse(json, "an object");
+  const LayerKind& kind = kind_of(json, at);
+  Json rest = json;
+  rest.erase("type");
+  refuse_keys_of_others(rest, kind, at);
+  LayerWish layer = read_object(rest, at, kind.rows);
+  layer.type = kind.type;
+  return layer;
+}
+
+Json layer_schema(const LayerKind& kind) {
+  Json schema{{"title", kind.word}, {"description", kind.help}};
+  schema.update(schema_of(kind.rows));
+  schema["properties"] = Json{{"type", {{"const", kind.word}}}};
+  schema["properties"].update(schema_of(kind.rows)["properties"]);
+  schema["required"] = Json::array({"type"});
+  return schema;
+}
+
+/// A list of at least one entry and at most most_layers.
+ValueKind<std::vector<LayerWish>> layers_value() {
+  const std::string expected = concat("an array of 1 to ", most_layers, " layers");
+  Json kinds = Json::array();
+  for (const LayerKind& kind : layer_kinds()) kinds.push_back(layer_schema(kind));
+  Json schema{{"type", "array"}, {"minItems", 1}, {"maxItems", most_layers}};
+  schema["items"]["oneOf"] = std::move(kinds);
+  return {.expected = expected,
+          .schema = std::move(schema),
+          .read =
+              [expected](const Json& json, const Reading& at) {
+                if (!json.is_array() || json.empty() || json.size() > most_layers) at.place.refuse(json, expected);
+                std::vector<LayerWish> layers;
+                for (std::size_t i = 0; i < json.size(); ++i) layers.push_back(read_layer(json[i], at.at(i)));
+                return layers;
+              },
+          .write =
+              [](const std::vector<LayerWish>& layers) {
+                Json json = Json::array();
+                for (const LayerWish& layer : layers) {
+                  json.push_back({{"type", kind_of(layer.type).word}});
+                  json.back().update(write_object(layer, kind_of(layer.type).rows));
+                }
+                return json;
+              }};
+}
+
+/// Files by the names that layers use.
+ValueKind<std::vector<DataWish>> data_value() {
+  const std::string expected = "an object of files by name, such as {\"head\": {\"file\": \"head.rho\"}}";
+  return {.expected = expected,
+          .schema = {{"type", "object"}, {"minProperties", 1}, {"additionalProperties", schema_of(data_rows())}},
+          .read =
+              [expected](const Json& json, const Reading& at) {
+                if (!json.is_object() || json.empty()) at.place.refuse(json, expected);
+                std::vector<DataWish> data;
+                for (const auto& [name, value] : json.items()) {
+                  data.push_back(read_object(value, at.at(name), data_rows()));
+                  data.back().name = name;
+                }
+                return data;
+              },
+          .write =
+              [](const std::vector<DataWish>& data) {
+                Json json = Json::object();
+                for (const DataWish& each : data) json[each.name] = write_object(each, data_rows());
+                return json;
+              }};
+}
+
+/// What an editor reads to know the schema; of no meaning to us.
+Row<SceneWishes> schema_row() {
+  const ValueKind<std::string> text = text_value();
+  return {.key = "$schema",
+          .help = "Where this schema lies, for editors",
+          .expected = text.expected,
+          .schema = text.schema,
+          .read = [read = text.read](const Json& json, const Reading& at, SceneWishes&) { read(json, at); },
+          .write = [](const SceneWishes&) { return Json(); }};
+}
+
+}  // namespace
+
+std::span<const LayerKind> layer_kinds() {
+  static const std::vector<LayerKind> kinds{
+      {LayerType::isosurface, "isosurface", "Where the field has one value",
+       rows_of_every_layer() + rows_of_isosurfaces()},
+      {LayerType::mip, "mip", "The largest value along every ray", rows_of_every_layer() + rows_of_projections()}};
+  return kinds;
+}
+
+const LayerKind& kind_of(LayerType type) {
+  return *std::find_if(layer_kinds().begin(), layer_kinds().end(),
+                       [&](const LayerKind& kind) { return kind.type == type; });
+}
+
+const std::vector<Row<DataWish>>& data_rows() {
+  static const std::vector<Row<DataWish>> rows{
+      required(row("file", &DataWish::file, file_value(),
+                   "Packed file or OpenVDB file; a relative name is one in the document's folder")),
+      row("field", &DataWish::field, text_value(), "Default the first field that is not the same everywhere")};
+  return rows;
+}
+
+const std::vector<Row<CameraWish>>& camera_rows() {
+  static const std::vector<Row<CameraWish>> rows{
+      row("view", &CameraWish::view, word_value(view_words()), "Side to look from; default \"iso\", three-quarter"),
+      row("azimuth", &CameraWish::azimuth_deg, number(), "Degrees around the world's z axis; 0 looks along +y"),
+      row("elevation", &CameraWish::elevation_deg, number_within(limits::elevation_deg),
+          "Degrees above the horizon; 90 looks straight down"),
+      row("zoom", &CameraWish::zoom, number_within(limits::zoom),
+          "1, the default: what is shown just fits; 2: twice as large"),
+      row("fov", &CameraWish::fov_deg, number_within(limits::fov_deg), "Vertical opening angle in degrees; default 30"),
+      row("ortho", &CameraWish::orthographic, yes_or_no(), "true: orthographic projection"),
+      row("ortho_height", &CameraWish::orthographic_height, number_above_zero(),
+          "World units that the picture's height shows; implies \"ortho\""),
+      row("position", &CameraWish::position, vector_value(), "Eye, in world units; default fitted to what is shown"),
+      row("target", &CameraWish::target, vector_value(), "Point looked at"),
+      row("up", &CameraWish::up, vector_value(), "Direction that is up in the picture")};
+  return rows;
+}
+
+const std::vector<Row<ImageWish>>& image_rows() {
+  static const std::vector<Row<ImageWish>> rows{
+      row("size", &ImageWish::size, size_value(), "Pixels; default [1280, 720]"),
+      row("background", &ImageWish::background, color_value(), "Default white, and black behind projections alone"),
+      row("channels", &ImageWish::channels, words_value(channel_words()), "Also keep these (EXR only)"),
+      row("show", &ImageWish::show, word_value(show_words()), "A heat map instead of colours; default \"color\""),
+      row("hierarchy", &ImageWish::hierarchy, yes_or_no(),
+          "false walks every leaf cell, for comparison; the same picture at double")};
+  return rows;
+}
+
+const std::vector<Row<SceneWishes>>& scene_rows() {
+  static const std::vector<Row<SceneWishes>> rows{
+      schema_row(),
+      required(row("data", &SceneWishes::data, data_value(), "Files and their fields, by names of one's own")),
+      required(row("layers", &SceneWishes::layers, layers_value(), "What is shown")),
+      row("camera", &SceneWishes::camera, object_value(camera_rows()),
+          "From where; default a three-quarter view of all layers"),
+      row("image", &SceneWishes::image, object_value(image_rows()), "The picture"),
+      row("accuracy", &SceneWishes::accuracy, word_value(accuracy_words()), "Of layers that name none")};
+  return rows;
+}
+
+}  // namespace rhoray::tools

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/base/interval.h"
+#include "formats/base/vector.h"
+#include "tools/rhoray/option_values.h"
+
+namespace rhoray::tools {
+
+// What someone wishes to see: filled by the command line (picture_options.h) or read from a scene document
+// (document.h), and planned by plan.h. What is not said is chosen by the data.
+
+/// A file, opened for one of its fields.
+struct DataWish {
+  std::string name{};  ///< by which layers ask for it
+  std::filesystem::path file{};
+  std::string field{};  ///< empty = the first that is not the same everywhere
+};
+
+enum class LayerType { isosurface, mip };
+
+struct LayerWish {
+  LayerType type = LayerType::isosurface;
+  std::string data{};                          ///< a DataWish's name; empty = the only one
+  std::vector<std::string> isovalues{"auto"};  ///< numbers, p95 (percentile), or auto; one surface each
+  std::optional<Interval<double>> range{};     ///< of MIP, or of color_by
+  std::optional<Color> color{};
+  std::string normals{};   ///< a word; empty = flat in meshes, exact in grids
+  std::string color_by{};  ///< a field of the data; empty = color
+  std::string colormap{};  ///< a word; empty = viridis
+  std::optional<double> ambient{}, specular{}, shininess{}, opacity{};
+  std::string accuracy{};  ///< a level; empty = the scene's
+  std::string method{};    ///< instead of a level
+  bool visible = true;
+};
+
+struct CameraWish {
+  std::optional<std::string> view{};
+  std::optional<double> azimuth_deg{}, elevation_deg{}, zoom{}, fov_deg{};
+  std::optional<bool> orthographic{};
+  std::optional<double> orthographic_height{};  ///< implies orthographic
+  std::optional<Vec3> position{}, target{}, up{};
+};
+
+struct ImageWish {
+  std::optional<PictureSize> size{};
+  std::optional<Color> background{};
+  std::optional<std::vector<std::string>> channels{};
+  std::optional<std::string> show{};  ///< color, or a heat map
+  std::optional<bool> hierarchy{};    ///< false: every leaf cell is walked
+};
+
+struct SceneWishes {
+  std::vector<DataWish> data{};
+  std::vector<LayerWish> layers{};
+  CameraWish camera{};
+  ImageWish image{};
+  std::string accuracy{};  ///< of layers that name none; empty = render::default_method
+  std::string document{};  ///< what the scene was read from; empty: the command line
+};
+
+inline constexpr std::size_t most_layers = 254;  ///< that a frame takes
+
+/// What numbers may be.
+namespace limits {
+inline constexpr Interval<double> elevation_deg{-90, 90};
+inline constexpr Interval<double> zoom{1e-6, 1e6};
+inline constexpr Interval<double> fov_deg{0.001, 179};
+inline constexpr Interval<double> share{0, 1};  ///< ambient, specular, opacity
+inline constexpr Interval<double> shininess{1, 1e4};
+inline constexpr Interval<double> percentile{0, 100};
+}  // namespace limits
+
+}  // namespace rhoray::tools
