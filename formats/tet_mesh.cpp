@@ -12,19 +12,24 @@
 #include "formats/details/cluster_checks.h"
 #include "formats/details/deep_checks.h"
 #include "formats/details/details.h"
+#include "formats/details/scan.h"
 #include "formats/format_error.h"
 
 namespace rhoray::formats {
 namespace {
 
+using details::check_below;
+using details::check_finite;
+using details::first_bad;
+using details::grouped;
 using details::Json;
+using details::scan_piece;
 
 constexpr std::string_view mesh_kind = "tets";
 constexpr std::string_view clusters_feature = "cell-clusters";
 constexpr std::string_view curve_order = "curve";  // of cells; the source's has no name in the file
 constexpr std::uint64_t largest_count =
     std::numeric_limits<std::uint32_t>::max();  // of points and cells: 32-bit indices
-constexpr std::uint64_t scan_piece = 1 << 18;   // elements; a smaller scan is done before a thread has started
 
 // ---- description ---------------------------------------------------------------------------------------------------
 
@@ -98,50 +103,6 @@ TetMeshDescription read_description(const PackedFile& file) {
 
 // ---- the scan at opening -------------------------------------------------------------------------------------------
 
-/// The first position at which `is_bad(first, last)` meets a bad element, narrowed down only where there is one.
-/// @param is_bad  tells of a range whether it holds a bad element; written to run at the speed of memory
-template <class IsBad>
-std::optional<std::uint64_t> first_bad(std::uint64_t count, IsBad is_bad) {
-  constexpr std::uint64_t chunk = 4096;
-  std::atomic<std::uint64_t> worst{count};
-  for_each_range(count, scan_piece, 0, [&](std::uint64_t first, std::uint64_t last) {
-    for (std::uint64_t at = first; at < last; at += chunk) {
-      const std::uint64_t end = std::min(at + chunk, last);
-      if (!is_bad(at, end)) continue;
-      std::uint64_t element = at;
-      while (!is_bad(element, element + 1)) ++element;
-      std::uint64_t known = worst;
-      while (element < known && !worst.compare_exchange_weak(known, element)) {
-      }
-      return;
-    }
-  });
-  return worst == count ? std::nullopt : std::optional(worst.load());
-}
-
-void check_below(const PackedFile& file, std::string_view array, std::span<const std::uint32_t> indices,
-                 std::uint64_t limit) {
-  const auto is_bad = [&](std::uint64_t first, std::uint64_t last) {
-    std::uint32_t largest = 0;
-    for (std::uint64_t i = first; i < last; ++i) largest = std::max(largest, indices[i]);
-    return largest >= limit;
-  };
-  if (const auto bad = first_bad(indices.size(), is_bad))
-    refuse(file.name(), concat("array '", array, "', element ", *bad), concat(indices[*bad]),
-           concat("an index below ", limit));
-}
-
-void check_finite(const PackedFile& file, std::string_view array, std::span<const double> numbers) {
-  const auto is_bad = [&](std::uint64_t first, std::uint64_t last) {
-    std::uint64_t bad = 0;
-    for (std::uint64_t i = first; i < last; ++i)  // written so that a NaN also counts
-      bad += std::abs(numbers[i]) <= std::numeric_limits<double>::max() ? 0 : 1;
-    return bad != 0;
-  };
-  if (const auto bad = first_bad(numbers.size(), is_bad))
-    refuse(file.name(), concat("array '", array, "', element ", *bad), concat(numbers[*bad]), "a finite number");
-}
-
 void check_offsets(const PackedFile& file, std::string_view array, std::span<const std::uint64_t> offsets,
                    std::uint64_t item_count) {
   if (offsets.front() != 0) refuse(file.name(), concat("array '", array, "', element 0"), concat(offsets.front()), "0");
@@ -175,13 +136,6 @@ void check_corners(const PackedFile& file, const CellClustersView& clusters) {
   if (const auto bad = first_bad(clusters.cluster_count(), is_bad))
     refuse(file.name(), concat("array 'cluster.corners', cluster ", *bad), concat(+largest_corner(*bad)),
            concat("positions in its table of ", clusters.table(*bad).size(), " vertices"));
-}
-
-/// Groups of `size` neighbouring numbers as one element each.
-template <std::size_t size, class T>
-std::span<const std::array<T, size>> grouped(std::span<const T> numbers) {
-  static_assert(sizeof(std::array<T, size>) == size * sizeof(T));
-  return {reinterpret_cast<const std::array<T, size>*>(numbers.data()), numbers.size() / size};
 }
 
 std::uint64_t leaf_count_of(const TetMeshDescription& description) {
@@ -363,7 +317,7 @@ TetMesh::TetMesh(PackedFile file) : file_(std::move(file)), description_(read_de
       if (!has_clusters()) macro_levels<T>(field);
     });
 
-  check_finite(file_, "points", coordinates);
+  check_finite<double>(file_, "points", coordinates);
   check_below(file_, "point_ranks", point_ranks_, d.point_count);
   points_ = grouped<3>(coordinates);
 }

@@ -75,6 +75,10 @@ Box3 crossed_box(const TetVolume<T>& view, double isovalue) {
   return box;
 }
 
+Box3 crossed_box(const SurfaceVolume&, double) {
+  return {};
+}
+
 }  // namespace
 
 void check_field_name(const formats::PackedFile& file, const std::string& field,
@@ -96,8 +100,9 @@ Volume Volume::load(const formats::PackedFile& file, const std::string& field) {
   if (file.description().kind == "grid") return Volume(load_grid(file, field));
   if (file.description().kind == "tets") return Volume(load_tets(file, field));
   if (file.description().kind == formats::VdbGrid::kind) return Volume(load_vdb(file, field));
+  if (file.description().kind == formats::SurfaceMesh::kind) return Volume(load_surface(file, field));
   throw Error(Trouble::unsupported,
-              concat(file.name(), ": kind '", file.description().kind, "'; expected 'grid' or 'tets'"));
+              concat(file.name(), ": kind '", file.description().kind, "'; expected 'grid', 'tets' or 'surface'"));
 }
 
 const formats::PackedFile& Volume::file() const {
@@ -113,7 +118,7 @@ std::optional<formats::FieldSummary> Volume::field(const std::string& name) cons
   if (name == field().name) return field();
   return std::visit(
       [&]<class View>(const View& view) -> std::optional<formats::FieldSummary> {
-        if constexpr (!std::is_same_v<View, NanoVdbVolume>)
+        if constexpr (!std::is_same_v<View, NanoVdbVolume> && !std::is_same_v<View, SurfaceVolume>)
           for (const formats::FieldSummary& summary : view.description().fields)
             if (summary.name == name) return summary;
         return std::nullopt;
@@ -125,6 +130,9 @@ const std::string& Volume::length_unit() const {
 }
 bool Volume::is_mesh() const {
   return implementation_->file.description().kind == "tets";
+}
+bool Volume::is_surface() const {
+  return std::holds_alternative<SurfaceVolume>(implementation_->view);
 }
 bool Volume::is_level_set() const {
   return implementation_->is_level_set;

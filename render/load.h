@@ -14,8 +14,8 @@ namespace rhoray::render {
 
 struct VolumeImplementation;
 
-/// What rays cross: a packed grid, a packed mesh with one chosen field, or a grid of an OpenVDB file. Copies share
-/// everything.
+/// What rays cross: a packed grid, a packed mesh with one chosen field, a packed surface, which has none, or a grid of
+/// an OpenVDB file. Copies share everything.
 class Volume {
  public:
   /// Opens a packed file and checks what rendering relies on; block checksums are left to the caller
@@ -27,19 +27,20 @@ class Volume {
   static Volume load(const formats::PackedFile& file, const std::string& field = {});
 
   const formats::PackedFile& file() const;
-  const formats::FieldSummary& field() const;
+  const formats::FieldSummary& field() const;  ///< of a surface: without a name and values
   std::vector<std::string> field_names() const;
   /// Of a field of the file, by name; nothing where there is none, or it is another grid of an OpenVDB file.
   std::optional<formats::FieldSummary> field(const std::string& name) const;
   const std::string& length_unit() const;
-  bool is_mesh() const;
+  bool is_mesh() const;       ///< of tetrahedra
+  bool is_surface() const;    ///< triangles, shown as they are (Mode::triangles): no field
   bool is_level_set() const;  ///< its values are distances to the surface where they are 0
 
   const std::vector<std::string>& notes() const;  ///< what loading changed, one sentence each
 
   Box3 bounds() const;  ///< of all cells, world axes
   /// Of the isosurface, world axes: in a mesh its own; in a grid those of the macrocells of the lowest level that it
-  /// can pass through. Empty when the isovalue is passed nowhere.
+  /// can pass through. Empty when the isovalue is passed nowhere, and of a surface.
   Box3 isosurface_bounds(double isovalue) const;
 
   const VolumeImplementation& implementation() const { return *implementation_; }  ///< for the room's inside

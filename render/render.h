@@ -56,7 +56,7 @@ struct FrameStatistics {
   std::string_view machine;  ///< what the kernel that answered is compiled for: scalar, baseline, avx2 or avx512
 };
 
-/// What answers who names no method: isosurfaces at the level `float` in volumes of which wide kernels find them, where
+/// What answers who names no method: surfaces at the level `float` in volumes of which wide kernels find them, where
 /// it takes a fraction of the time; all else at `double`. It does not depend on the machine.
 Method default_method(const Volume& volume, Mode mode);
 
@@ -79,9 +79,9 @@ class FrameMemory {
 
 /// Traces one ray through the middle of every pixel. The framebuffer is the same, bit for bit, for any number of
 /// threads. Refuses a picture without pixels, a scene without layers, a layer of a volume that is not there, an
-/// isovalue or a camera that is not finite, a method that does not answer the question, smooth normals of
-/// a grid, colours by a field that is not there, a light or fog that is not finite, and the channel `error` where the
-/// method proves nothing (Trouble::usage).
+/// isovalue or a camera that is not finite, a mode that is not one of the volume's kind, a method that does not answer
+/// the question, smooth normals of a grid, colours by a field that is not there, a light or fog that is not finite, and
+/// the channel `error` where the method proves nothing (Trouble::usage).
 FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
                        Framebuffer& framebuffer);
 

@@ -13,12 +13,18 @@
 
 namespace rhoray::render {
 
-enum class Mode { isosurface, mip };
+enum class Mode {
+  isosurface,
+  mip,
+  triangles  ///< of a surface (Volume::is_surface), which is shown in no other way
+};
 
 /// What a surface is lit by.
 enum class Normals {
-  exact,  ///< the gradient of the field in the hit's cell: in meshes the surface is flat in every cell
-  smooth  ///< of meshes: linear in the cell between gradients at its points, each a mean over the cells around it
+  exact,  ///< the gradient of the field in the hit's cell: in meshes the surface is flat in every cell, as triangles
+          ///< are
+  smooth  ///< of meshes: linear in the cell between gradients at its points, each a mean over the cells around it;
+          ///< of triangles: between normals at their corners, means by the angles of the triangles there
 };
 
 /// Colours by a field of the same file at each hit. Where it has no data the surface's own colour stays.
@@ -29,7 +35,7 @@ struct FieldColors {
   Interval<double> range{};
 };
 
-/// How an isosurface looks: linear RGB in [0, 1]. Both of its sides look alike.
+/// How a surface looks: linear RGB in [0, 1]. Both of its sides look alike.
 struct Surface {
   Vec3 color{0.78, 0.74, 0.68};
   std::optional<FieldColors> color_by{};
@@ -44,7 +50,7 @@ struct Surface {
 struct Layer {
   std::size_t volume = 0;  ///< index into the volumes that the scene is rendered with
   Mode mode = Mode::isosurface;
-  double isovalue = 0;
+  double isovalue = 0;  ///< of isosurfaces
   Method method{};
   Interval<double> window{};  ///< values shown from black to white in MIP; must not be empty there
   Surface surface{};

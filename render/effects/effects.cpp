@@ -27,11 +27,11 @@ bool casts_visible_shadows(const Light& light) {
 }  // namespace
 
 bool holds_light_back(const Layer& layer) {
-  return layer.mode == Mode::isosurface && layer.surface.opacity == 1;
+  return layer.mode != Mode::mip && layer.surface.opacity == 1;
 }
 
 EffectSet effects_called_for(const Layer& layer) {
-  const bool is_surface = layer.mode == Mode::isosurface;
+  const bool is_surface = layer.mode != Mode::mip;
   const Surface& surface = layer.surface;
   return {.diffuse = is_surface,
           .smooth_normals = is_surface && surface.normals == Normals::smooth,

@@ -39,7 +39,8 @@ void multiply_gradients(const HitBatch& hits, std::size_t first, const Vectors& 
 }
 
 /// The side of its surface from which each ray has met it; unknown where the field has no gradient.
-void find_sides(const LayerWork& work, LightRays& light) {
+/// @param is_field  sides take turns along a ray; triangles may face any way
+void find_sides(const LayerWork& work, bool is_field, LightRays& light) {
   for (std::size_t first = 0; first < work.rays.count; first += group_size) {
     double along[group_size];
     multiply_gradients(
@@ -51,7 +52,7 @@ void find_sides(const LayerWork& work, LightRays& light) {
     for (std::size_t i = 0; i < group_size; ++i)
       light.side[first + i] = static_cast<StartSide>((along[i] < 0) - (along[i] > 0));
   }
-  if (!work.rays.has_start_sides) return;
+  if (!work.rays.has_start_sides || !is_field) return;
   for (std::size_t r = 0; r < work.rays.count; ++r)
     if (work.rays.start_side[r] != StartSide::unknown) light.side[r] = work.rays.start_side[r];
 }
@@ -229,7 +230,7 @@ void receive_light(const Frame& frame, std::uint8_t layer, const LayerOfRays* sh
   if (!effects.shadows && !effects.occlusion) return;
   const std::uint64_t start = ticks_now();
   find_shown(worker.layers[layer], layer, shown, *worker.light_rays);
-  find_sides(worker.layers[layer], *worker.light_rays);
+  find_sides(worker.layers[layer], of_hits.look.layer.mode != Mode::triangles, *worker.light_rays);
   for (std::size_t l = 0; l < of_hits.look.lights.lights.size(); ++l)
     if (effects.shadows && of_hits.look.lights.lights[l].casts_shadows) receive_from(frame, layer, l, worker);
   if (effects.occlusion) receive_from_surroundings(frame, layer, worker);

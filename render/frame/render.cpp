@@ -20,6 +20,15 @@ namespace {
 void check_layer(std::span<const Volume> volumes, const Layer& layer) {
   if (layer.volume >= volumes.size())
     throw Error(Trouble::usage, concat("a layer of volume ", layer.volume, " of ", volumes.size()));
+  const Volume& volume = volumes[layer.volume];
+  if (volume.is_surface() != (layer.mode == Mode::triangles))
+    throw Error(Trouble::usage, volume.is_surface()
+                                    ? concat(volume.file().name(), ": holds triangles, which are shown as they are")
+                                    : concat(volume.file().name(), ": holds no triangles to be shown"));
+  if (layer.mode == Mode::triangles && layer.method.way != Method::Way::direct)
+    throw Error(Trouble::usage, concat(volume.file().name(), ": triangles are met at the levels float and double"));
+  if (layer.mode == Mode::triangles && layer.surface.color_by)
+    throw Error(Trouble::usage, concat(volume.file().name(), ": a surface has no fields to be coloured by"));
   if (layer.mode == Mode::isosurface && !std::isfinite(layer.isovalue))
     throw Error(Trouble::usage, concat("isovalue ", layer.isovalue, "; expected a finite number"));
   if (layer.mode == Mode::mip && (layer.window.is_empty() || !std::isfinite(layer.window.hi - layer.window.lo)))
@@ -119,7 +128,7 @@ FrameLayer choose_layer(const Volume& volume, const Layer& layer, Part part, con
   const VolumeImplementation& implementation = volume.implementation();
   const bool is_mip = layer.mode == Mode::mip;
   const Kernels kernels = choose_kernels(implementation, layer.method);
-  const Method method_through = default_method(volume, Mode::isosurface);
+  const Method method_through = default_method(volume, is_mip ? Mode::isosurface : layer.mode);
   Question question{.isovalue = layer.isovalue,
                     .field_range = implementation.field.range,
                     .method = layer.method,
@@ -167,7 +176,7 @@ Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const Fr
   for (const Part part : {Part::opaque, Part::clear, Part::veil})
     for (const Layer& layer : scene.layers) {
       if (part_of(layer, scene) != part) continue;
-      if (layer.mode == Mode::isosurface && layer.surface.opacity == 0) continue;
+      if (layer.mode != Mode::mip && layer.surface.opacity == 0) continue;
       const Volume& volume = volumes[layer.volume];
       frame.layers.push_back(choose_layer(volume, layer, part, scene, options));
       add_needs(volume, frame.layers.back(), frame.needs);
@@ -251,7 +260,7 @@ FrameStatistics::Phases phases_of(const FrameMemory::Implementation& memory, dou
 }  // namespace
 
 Method default_method(const Volume& volume, Mode mode) {
-  const bool is_wide = mode == Mode::isosurface && finds_crossings_wide(volume.implementation());
+  const bool is_wide = mode != Mode::mip && finds_crossings_wide(volume.implementation());
   return method_of(is_wide ? Accuracy::single : Accuracy::twofold);
 }
 

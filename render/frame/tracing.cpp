@@ -56,10 +56,11 @@ bool find_next(const Frame& frame, const Worker& worker, std::size_t ray_count, 
 
 /// The ray behind its crossing. Where two crossings were met at one t the next is looked for behind it, so that
 /// surfaces folded into each other come to an end.
-Ray behind(const Ray& ray, const Hit& hit) {
+/// @param is_field  the crossing is a field's, whose sides take turns; triangles may face any way
+Ray behind(const Ray& ray, const Hit& hit, bool is_field) {
   Ray rest = ray;
   rest.t_min = hit.t > ray.t_min ? hit.t : std::nextafter(hit.t, infinity);
-  if (ray.start_side == StartSide::unknown)
+  if (ray.start_side == StartSide::unknown || !is_field)
     rest.start_side = hit.gradient.dot(ray.direction) > 0 ? StartSide::inside : StartSide::outside;
   else
     rest.start_side = ray.start_side == StartSide::inside ? StartSide::outside : StartSide::inside;
@@ -67,9 +68,10 @@ Ray behind(const Ray& ray, const Hit& hit) {
 }
 
 /// Makes the rays that show a layer's crossing go on behind it.
-void leave_crossings(std::uint8_t layer, const LayerOfRays& shown, LayerWork& work) {
+void leave_crossings(const FrameLayer& layer, std::uint8_t index, const LayerOfRays& shown, LayerWork& work) {
+  const bool is_field = layer.look.layer.mode != Mode::triangles;
   for (std::size_t r = 0; r < work.rays.count; ++r)
-    if (shown.of[r] == layer) work.rays.set(r, behind(work.rays[r], work.hits[r]));
+    if (shown.of[r] == index) work.rays.set(r, behind(work.rays[r], work.hits[r], is_field));
 }
 
 /// Asks for what these rays meet next, where light from there would be seen.
@@ -124,7 +126,7 @@ void peel_clear_layers(const Frame& frame, Worker& worker) {
       if (frame.layers[l].part != Part::clear) continue;
       const auto index = static_cast<std::uint8_t>(l);
       receive_light(frame, index, &next, worker);
-      leave_crossings(index, next, worker.layers[l]);
+      leave_crossings(frame.layers[l], index, next, worker.layers[l]);
       shade_clear(frame.layers[l].look, worker.layers[l], next, index, worker.received, worker.counts, worker.front);
       go_on(frame.layers[l], index, next, worker);
     }

@@ -1,5 +1,7 @@
 #include "render/kernels/hit_lookup.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <type_traits>
@@ -9,6 +11,7 @@
 #include "formats/base/text.h"
 #include "formats/base/trouble.h"
 #include "formats/format_error.h"
+#include "render/cells/triangle_crossing.h"
 #include "render/kernels/compiled_for.h"
 #include "render/volumes/load_view.h"
 #include "render/volumes/point_gradients.h"
@@ -161,6 +164,38 @@ RHORAY_INLINE void look_up_in_mesh(const MeshLookup<T>& lookup, const RayBatch& 
   if (const auto* doubles = std::get_if<2>(&lookup.field)) look_up(*doubles);
 }
 
+// Surfaces.
+
+/// Weights of a place in a triangle by the areas opposite its corners; none below 0. Those of a triangle without area
+/// are numbers of which not all are finite.
+std::array<double, 3> weights_at(const TrianglePoints& points, const Vec3& place) {
+  const auto from_place = [&](std::size_t c) { return Vec3(points[c][0], points[c][1], points[c][2]) - place; };
+  const Vec3 normal = triangle_normal(points), away[3] = {from_place(0), from_place(1), from_place(2)};
+  std::array<double, 3> weight;
+  double sum = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    weight[c] = std::max(0.0, normal.dot(away[(c + 1) % 3].cross(away[(c + 2) % 3])));
+    sum += weight[c];
+  }
+  for (double& w : weight) w /= sum;
+  return weight;
+}
+
+/// The triangle's own normal stays where the smooth one is zero or not finite.
+void replace_by_smooth(const SurfaceVolume& view, const PointGradients& normals, const Ray& ray, std::size_t r,
+                       HitBatch& hits) {
+  const auto vertices = view.vertices(hits.tet[r]);
+  const std::array<double, 3> weight = weights_at(view.points_at(vertices), ray.at(hits.t[r]));
+  Vec3 smooth(0, 0, 0);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::array<double, 3>& normal = normals.of_points()[vertices[c]];
+    smooth += weight[c] * Vec3(normal[0], normal[1], normal[2]);
+  }
+  const double size = smooth.length2();
+  if (!(size > 0 && size < infinity)) return;
+  for (int axis = 0; axis < 3; ++axis) hits.gradient[axis][r] = smooth[axis];
+}
+
 // Grids.
 
 template <class Grid>
@@ -233,6 +268,16 @@ LookUp look_up_for(const GridVolume<T, Samples<T>, Geometry>& view, const Volume
                       formats::element_name(view.description().fields[field].type),
                       is_sparse ? "F32 or F64 in a sparse grid" : "a type of at most 32 bits, or F64");
   });
+}
+
+LookUp look_up_for(const SurfaceVolume& view, const VolumeImplementation& volume, const HitWishes& wishes,
+                   unsigned threads, Machine) {
+  if (wishes.field) throw Error(Trouble::usage, concat(volume.file.name(), ": a surface has no fields"));
+  return [&view, normals = volume.point_gradients->of(view, threads)](const RayBatch& rays, HitBatch& hits,
+                                                                      std::size_t first, double*) {
+    for (std::size_t r = first; r < first + group_size && r < rays.count; ++r)
+      if (hits.t[r] < infinity) replace_by_smooth(view, *normals, rays[r], r, hits);
+  };
 }
 
 LookUp look_up_for(const NanoVdbVolume& view, const VolumeImplementation& volume, const HitWishes& wishes, unsigned,

@@ -13,7 +13,8 @@ namespace rhoray::render {
 
 /// What is to be known at hits beyond what kernels say of them.
 struct HitWishes {
-  bool smooth_gradients = false;     ///< in meshes: linear in the hit cell between gradients at its points
+  bool smooth_gradients =
+      false;  ///< in meshes: linear in the hit cell between gradients at its points; in surfaces: between normals
   std::optional<std::string> field;  ///< of the same file, the volume's own included
 
   bool none() const { return !smooth_gradients && !field; }

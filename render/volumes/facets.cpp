@@ -8,6 +8,7 @@
 
 #include "formats/base/parallel.h"
 #include "render/cells/side.h"
+#include "render/cells/triangle_crossing.h"
 #include "render/volumes/active_cells.h"
 
 namespace rhoray::render {
@@ -274,6 +275,22 @@ void find_fields(const BlockCells& cells, double isovalue, const Vec3& anchor, s
                  .doubt = static_cast<float>(doubt[f])};
 }
 
+/// The plane of a triangle, as its field. Where its height is less than 2^-20 of its longest edge, rounding says
+/// little about the normal.
+FacetField plane_of(const TrianglePoints& p, const Vec3& anchor) {
+  const Vec3 normal = triangle_normal(p);
+  const auto corner = [&](std::size_t i) { return Vec3(p[i][0], p[i][1], p[i][2]); };
+  const double longest =
+      std::max({(corner(1) - corner(0)).length(), (corner(2) - corner(1)).length(), (corner(0) - corner(2)).length()});
+  const bool is_told = normal.length() > 0x1p-20 * longest * longest;
+  return {.gradient = {normal.x, normal.y, normal.z},
+          .value = -normal.dot(corner(0) - anchor),
+          .cell = 0,
+          .tet = 0,
+          .cell_size = static_cast<float>(longest),
+          .doubt = is_told ? 0 : std::numeric_limits<float>::infinity()};
+}
+
 /// The least and the largest numbers of lists of sixteen.
 Interval<float> range_of(std::span<const float* const> lists) {
   constexpr std::size_t size = FacetBlock::size;
@@ -296,27 +313,63 @@ Interval<float> range_of(std::span<const float* const> lists) {
 
 }  // namespace
 
-template <class T>
-Facets::Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads)
-    : anchor_(bounds.center()) {
+void Facets::set_frame(const Box3& bounds) {
+  anchor_ = bounds.center();
   const Vec3 half = 0.5 * bounds.size();
   const double largest = std::max({half.x, half.y, half.z});
   // Rounding of the middle may leave a point a little farther away than half the size.
   if (largest > 0) scale_ = std::ldexp(1.0, -(std::ilogb(largest * (1 + 0x1p-20)) + 1));
+}
 
-  const auto in_frame = [&](const std::array<double, 3>& p, std::size_t axis) {
-    return (p[axis] - anchor_[static_cast<int>(axis)]) * scale_;
-  };
+Vec3 Facets::in_frame(const std::array<double, 3>& p) const {
+  return (Vec3(p[0], p[1], p[2]) - anchor_) * scale_;
+}
+
+Facets::Facets(const SurfaceVolume& view, const Box3& bounds, unsigned threads) {
+  set_frame(bounds);
+  std::vector<PlacedCell> placed(view.triangle_count());
+  for_each_range(placed.size(), 1 << 14, threads, [&](std::uint64_t first, std::uint64_t end) {
+    for (auto t = static_cast<std::uint32_t>(first); t < end; ++t) {
+      const TrianglePoints points = view.points_at(view.vertices(t));
+      const Vec3 middle = (in_frame(points[0]) + in_frame(points[1]) + in_frame(points[2])) / 3;
+      placed[t] = {t, morton_code({middle.x, middle.y, middle.z})};
+    }
+  });
+  sort_by_code(placed);
+
+  count_ = static_cast<std::uint32_t>(placed.size());
+  blocks_ = std::make_unique_for_overwrite<FacetBlock[]>(block_count());
+  fields_ = std::make_unique_for_overwrite<FacetField[]>(count_);
+  for_each_range(block_count(), 256, threads, [&](std::uint64_t first_block, std::uint64_t end_block) {
+    for (std::size_t f = first_block * FacetBlock::size; f < end_block * FacetBlock::size; ++f) {
+      const std::uint32_t triangle = placed[std::min<std::size_t>(f, count_ - 1)].cell;
+      const TrianglePoints points = view.points_at(view.vertices(triangle));
+      FacetBlock& block = blocks_[f / FacetBlock::size];
+      for (std::size_t corner = 0; corner < 4; ++corner) {
+        const Vec3 place = in_frame(points[std::min<std::size_t>(corner, 2)]);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          block.corner[corner][axis][f % FacetBlock::size] = static_cast<float>(place[static_cast<int>(axis)]);
+      }
+      if (f >= count_) continue;
+      fields_[f] = plane_of(points, anchor_);
+      fields_[f].tet = triangle;
+      fields_[f].cell = static_cast<std::uint32_t>(view.cell_id(triangle));
+    }
+  });
+  build_levels();
+}
+
+template <class T>
+Facets::Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads) {
+  set_frame(bounds);
   const std::vector<std::uint32_t> active = active_cells_of(view, isovalue, threads);
   std::vector<PlacedCell> placed(active.size());
   for_each_range(active.size(), 1 << 14, threads, [&](std::uint64_t first, std::uint64_t end) {
     for (std::uint64_t i = first; i < end; ++i) {
       const auto points = view.points_at(view.vertices(active[i]));
-      std::array<double, 3> middle;
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        middle[axis] = 0.25 * (in_frame(points[0], axis) + in_frame(points[1], axis) + in_frame(points[2], axis) +
-                               in_frame(points[3], axis));
-      placed[i] = {active[i], morton_code(middle)};
+      const Vec3 middle =
+          0.25 * (in_frame(points[0]) + in_frame(points[1]) + in_frame(points[2]) + in_frame(points[3]));
+      placed[i] = {active[i], morton_code({middle.x, middle.y, middle.z})};
     }
   });
   sort_by_code(placed);

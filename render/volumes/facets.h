@@ -8,6 +8,7 @@
 #include "formats/base/vector.h"
 #include "render/volumes/last_isovalues.h"
 #include "render/volumes/surface_boxes.h"
+#include "render/volumes/surface_volume.h"
 #include "render/volumes/tet_volume.h"
 
 namespace rhoray::render {
@@ -22,18 +23,19 @@ struct alignas(64) FacetBlock {
 using FacetNode = BoxNode;
 
 /// The linear field of a facet's cell: value + gradient . (p - anchor), the isovalue subtracted; p in the mesh's frame.
+/// Of a surface's triangle: zero in its plane, rising on the side on which its corners turn counter-clockwise.
 struct FacetField {
   double gradient[3];
   double value;
   std::uint32_t cell;  ///< id
-  std::uint32_t tet;   ///< position in the mesh
+  std::uint32_t tet;   ///< position in the mesh, or of a surface's triangle
   float cell_size;     ///< the longest edge, mesh units
   float doubt;         ///< what rounding of the gradient puts the field off by inside the cell, at most; infinite where
                        ///< the cell is flat, or nearly, and the gradient says nothing
 };
 
-/// An isosurface of a mesh made ready for rays: in a cell the field is linear, and the surface a triangle or a
-/// quadrilateral whose corners lie on the cell's edges.
+/// An isosurface of a mesh, or a surface's triangles, made ready for rays. Of an isosurface: in a cell the field is
+/// linear, and the surface a triangle or a quadrilateral whose corners lie on the cell's edges.
 ///
 /// A corner's position is computed from the edge's two points in rising order of their positions, and rounded to single
 /// precision last: all cells round an edge have the same bits, so that facets share their corners and edges as cells
@@ -53,6 +55,9 @@ class Facets {
   template <class T>
   Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads);
 
+  /// The triangles of a surface. A point has the same bits in all triangles that share it.
+  Facets(const SurfaceVolume& view, const Box3& bounds, unsigned threads);
+
   std::uint32_t count() const { return count_; }
   const FacetBlock* blocks() const { return blocks_.get(); }
   const FacetField* fields() const { return fields_.get(); }  ///< one for each facet
@@ -69,6 +74,8 @@ class Facets {
 
  private:
   std::size_t block_count() const { return (std::size_t{count_} + FacetBlock::size - 1) / FacetBlock::size; }
+  void set_frame(const Box3& bounds);
+  Vec3 in_frame(const std::array<double, 3>& p) const;
   void build_levels();
 
   std::uint32_t count_ = 0;
@@ -80,12 +87,16 @@ class Facets {
   std::array<float, 3> low_{}, high_{};
 };
 
-/// The facets of one mesh for the last isovalues asked about. Any thread may ask.
+/// The facets of one mesh for the last isovalues asked about, or of one surface. Any thread may ask.
 class FacetsCache {
  public:
   template <class T>
   std::shared_ptr<const Facets> of(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads) {
     return last_.of(isovalue, [&] { return std::make_shared<const Facets>(view, bounds, isovalue, threads); });
+  }
+  /// Whatever the isovalue: a surface has none.
+  std::shared_ptr<const Facets> of(const SurfaceVolume& view, const Box3& bounds, double, unsigned threads) {
+    return last_.of(0, [&] { return std::make_shared<const Facets>(view, bounds, threads); });
   }
 
  private:

@@ -9,6 +9,7 @@
 #include "render/volumes/grid_volume.h"
 #include "render/volumes/nanovdb_volume.h"
 #include "render/volumes/occupancy.h"
+#include "render/volumes/surface_volume.h"
 #include "render/volumes/tet_volume.h"
 
 namespace rhoray::render {
@@ -19,7 +20,7 @@ class PointGradientsCache;
 /// One loaded volume: what every kind has in common, and the view that kernels read.
 struct VolumeImplementation {
   formats::PackedFile file;
-  formats::FieldSummary field;
+  formats::FieldSummary field;  ///< of a surface: none, without a name
   std::vector<std::string> field_names;
   std::string length_unit;
   bool is_level_set = false;         ///< distances to a surface, which is where they are 0
@@ -32,11 +33,11 @@ struct VolumeImplementation {
                RectilinearVolume<std::int16_t>, RectilinearVolume<std::uint32_t>, RectilinearVolume<std::int32_t>,
                RectilinearVolume<float>, RectilinearVolume<double>, SparseVolume<float>, SparseVolume<double>,
                SparseRectilinearVolume<float>, SparseRectilinearVolume<double>, TetVolume<float>, TetVolume<double>,
-               NanoVdbVolume>
+               NanoVdbVolume, SurfaceVolume>
       view;
   std::unique_ptr<OccupancyCache> occupancies = std::make_unique<OccupancyCache>();  ///< of the field of a grid
-  std::shared_ptr<FacetsCache> facets{};                   ///< of the field of a mesh; null for grids
-  std::shared_ptr<PointGradientsCache> point_gradients{};  ///< likewise
+  std::shared_ptr<FacetsCache> facets{};                   ///< of the field of a mesh, or of a surface; null for grids
+  std::shared_ptr<PointGradientsCache> point_gradients{};  ///< of the field of a mesh
 };
 
 }  // namespace rhoray::render

@@ -79,7 +79,7 @@ render::Volume load_field_that_varies(const std::filesystem::path& path) {
 
 }  // namespace
 
-render::Volume load_volume(const std::filesystem::path& path, const std::string& field) {
+render::Volume load_shown(const std::filesystem::path& path, const std::string& field) {
   require_input(path);
   if (preprocess::is_vdb(path)) return render::Volume::load(preprocess::open_vdb(path, field));
   if (!formats::PackedFile::looks_packed(path) && preprocess::foreign_kind(path) != preprocess::ForeignKind::unknown) {
@@ -95,6 +95,14 @@ render::Volume load_volume(const std::filesystem::path& path, const std::string&
     const std::string hint = did_you_mean(field, render::Volume::load(path).field_names());
     throw Error(error.trouble(), error.what(), hint.empty() ? error.hint() : hint);
   }
+}
+
+render::Volume load_volume(const std::filesystem::path& path, const std::string& field) {
+  const render::Volume volume = load_shown(path, field);
+  if (volume.is_surface())
+    throw Error(Trouble::invalid, concat(path.string(), ": holds a surface; expected a grid or a mesh with fields"),
+                concat("look at it: rhoray render ", path.string()));
+  return volume;
 }
 
 }  // namespace rhoray::tools

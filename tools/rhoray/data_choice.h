@@ -23,6 +23,9 @@ bool is_outside(const std::string& isovalue, const formats::FieldSummary& field)
 /// Opens a packed file, or an OpenVDB file, for rendering: refuses other foreign files with the way to pack them, and
 /// an unknown field with the nearest one. Without a name it takes the first field that is not the same everywhere, or
 /// the first when all are.
+render::Volume load_shown(const std::filesystem::path& path, const std::string& field);
+
+/// As above; refuses a surface, which has no fields (Trouble::invalid).
 render::Volume load_volume(const std::filesystem::path& path, const std::string& field);
 
 }  // namespace rhoray::tools

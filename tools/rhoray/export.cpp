@@ -3,6 +3,7 @@
 #include "formats/base/nearest_name.h"
 #include "formats/base/trouble.h"
 #include "formats/brick_grid.h"
+#include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/export_grid.h"
 #include "preprocess/export_tets.h"
@@ -64,6 +65,9 @@ Content content_of(const std::filesystem::path& input) {
     throw Error(Trouble::invalid, concat(input.string(), ": is not a packed file"),
                 concat("pack it first: ", shell_line({"rhoray", "pack", input.string()})));
   const formats::PackedFile file = formats::PackedFile::open(input);
+  if (file.description().kind == formats::SurfaceMesh::kind)
+    throw Error(Trouble::unsupported, concat(input.string(), ": holds a surface; expected a grid or a mesh"),
+                "the lines of numpy in formats/SPEC.md read its points and triangles");
   if (file.description().kind == "tets") return {true, formats::TetMesh(file).description().fields};
   return {false, formats::BrickGrid(file).description().fields};
 }

@@ -104,13 +104,14 @@ Subcommand pack_subcommand() {
   PackOptions& pack = command->pack;
   return {
       .name = "pack",
-      .summary = "Volume or mesh to a packed file",
+      .summary = "Volume, mesh or surface to a packed file",
       .examples =
           "  rhoray pack head.nrrd -o head.rho\n"
           "  rhoray pack torso.vtu --field potential -o torso.rho\n"
+          "  rhoray pack heart.stl -o heart.rho\n"
           "  rhoray pack ct.raw --raw 512x512x275:uint16:le --spacing 0.78,0.78,1 -o ct.rho\n",
       .options = all_options(
-          {{file_option("FILE", "Volume or mesh", pack.input)},
+          {{file_option("FILE", "Volume, mesh or surface", pack.input)},
            output_options(command->common, "Packed file; default the input's name with .rho"),
            {value_option(
                 "--field", "A[,B]",

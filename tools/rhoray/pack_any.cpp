@@ -9,6 +9,7 @@
 #include "preprocess/import_volume.h"
 #include "preprocess/memory_cap.h"
 #include "preprocess/pack_mesh.h"
+#include "preprocess/pack_surface.h"
 #include "preprocess/pack_volume.h"
 #include "preprocess/position_fields.h"
 #include "tools/rhoray/input_file.h"
@@ -22,6 +23,10 @@ bool is_volume(const PackOptions& options) {
   return !options.raw.empty() || preprocess::foreign_kind(options.input) == preprocess::ForeignKind::volume;
 }
 
+bool is_surface(const PackOptions& options) {
+  return options.raw.empty() && preprocess::foreign_kind(options.input) == preprocess::ForeignKind::surface;
+}
+
 void check_kind(const PackOptions& options) {
   const std::string name = options.input.string();
   if (formats::PackedFile::looks_packed(options.input))
@@ -30,18 +35,17 @@ void check_kind(const PackOptions& options) {
   switch (preprocess::foreign_kind(options.input)) {
     case preprocess::ForeignKind::volume:
     case preprocess::ForeignKind::mesh:
-      return;
     case preprocess::ForeignKind::surface:
-      throw Error(Trouble::invalid, concat(name, ": holds a surface; expected a volume or tetrahedra"),
-                  concat("fill it first: rhoray tetrahedralize ", name, " -o ", options.input.stem().string(), ".vtu"));
+      return;
     case preprocess::ForeignKind::unknown:
       break;
   }
   const std::string advice = preprocess::advice_on(options.input);
   throw Error(Trouble::invalid,
               concat(name, ": found a file of a kind that is not known here; expected a volume (",
-                     preprocess::extensions_of(preprocess::ForeignKind::volume), ") or a mesh (",
-                     preprocess::extensions_of(preprocess::ForeignKind::mesh), ")"),
+                     preprocess::extensions_of(preprocess::ForeignKind::volume), "), a mesh (",
+                     preprocess::extensions_of(preprocess::ForeignKind::mesh), ") or a surface (",
+                     preprocess::extensions_of(preprocess::ForeignKind::surface), ")"),
               !advice.empty() ? advice : "--raw 256x256x128:uint16:le reads bytes without a header");
 }
 
@@ -59,7 +63,13 @@ void check_options(const PackOptions& options) {
       {options.cells != "auto", false, "--cells"},    {options.leaf_ratio.has_value(), false, "--leaf-ratio"},
       {options.cell_data, false, "--cell-data"},      {options.max_error.has_value(), false, "--max-error"},
       {!options.time.empty(), false, "--time"}};
-  const bool volume = is_volume(options);
+  const bool volume = is_volume(options), surface = is_surface(options);
+  for (const Row& row : rows)
+    if (row.given && surface)
+      throw Error(Trouble::usage, concat(row.name, ": is for ", row.for_volumes ? "volumes" : "meshes", ", and ",
+                                         options.input.string(), " is a surface"));
+  if (surface && !options.fields.empty())
+    throw Error(Trouble::usage, concat("--field: ", options.input.string(), " is a surface, which has no fields"));
   for (const Row& row : rows)
     if (row.given && row.for_volumes != volume)
       throw Error(Trouble::usage, concat(row.name, ": is for ", row.for_volumes ? "volumes" : "meshes", ", and ",
@@ -77,7 +87,7 @@ bool has_leaf_lists(const PackOptions& options) {
 
 /// Options that say how leaf lists are built would be passed over in silence with clusters.
 void check_structure(const PackOptions& options) {
-  if (is_volume(options) || has_leaf_lists(options)) return;
+  if (is_volume(options) || (!is_surface(options) && has_leaf_lists(options))) return;
   const PackOptions defaults;
   for (const auto& [given, name] : {std::pair{options.cells != defaults.cells, "--cells"},
                                     std::pair{options.leaf_ratio.has_value(), "--leaf-ratio"},
@@ -220,6 +230,31 @@ PackResult pack_mesh(const PackOptions& options, const std::filesystem::path& ou
   return result;
 }
 
+PackResult pack_surface(const PackOptions& options, const std::filesystem::path& output,
+                        const preprocess::Progress& progress) {
+  if (progress) progress("reading", 0, 0);
+  const preprocess::NeutralSurface surface =
+      preprocess::import_surface(options.input, {}, {.memory_limit_bytes = options.memory_limit_bytes});
+  const preprocess::PackSurfaceReport report =
+      preprocess::pack_surface(surface, output,
+                               {.command = options.command,
+                                .source_name = options.input.filename().string(),
+                                .replace_existing = options.replace_existing},
+                               progress);
+  const formats::SurfaceMeshDescription& packed = report.description;
+  PackResult result{
+      .kind = formats::SurfaceMesh::kind,
+      .description = json_of(packed),
+      .content = concat(grouped(packed.triangle_count), " triangles, ", grouped(packed.point_count), " points"),
+      .notes = surface.notes,
+      .raw_bytes = 3 * formats::element_bytes(packed.point_type) * packed.point_count +
+                   3 * sizeof(std::uint32_t) * packed.triangle_count,
+      .file_bytes = report.file_bytes,
+      .cell_count = packed.triangle_count};
+  result.notes.insert(result.notes.end(), report.notes.begin(), report.notes.end());
+  return result;
+}
+
 }  // namespace
 
 void check_pack(const PackOptions& options) {
@@ -242,8 +277,8 @@ PackResult pack_any(const PackOptions& options, const std::filesystem::path& out
                     const preprocess::Progress& progress) {
   std::optional<preprocess::MemoryCap> cap;
   if (options.memory_limit_bytes != 0) cap.emplace(options.memory_limit_bytes, scratch_folder(options, output));
-  PackResult result =
-      is_volume(options) ? pack_volume(options, output, progress) : pack_mesh(options, output, progress);
+  const auto pack = is_volume(options) ? pack_volume : is_surface(options) ? pack_surface : pack_mesh;
+  PackResult result = pack(options, output, progress);
   if (cap && preprocess::MemoryCap::folder_is_memory(scratch_folder(options, output)))
     result.notes.push_back("the output's folder lies in memory itself: --memory saves none there");
   return result;

@@ -36,11 +36,11 @@ struct PackOptions {
 
 /// What packing did.
 struct PackResult {
-  std::string kind;  ///< "grid" or "tets"
+  std::string kind;  ///< "grid", "tets" or "surface"
   Json description;
   std::string content;  ///< "72,089,600 samples U16", "51,419 tetrahedra, 8,278 points"
   std::vector<std::string> notes;
-  std::uint64_t raw_bytes = 0;  ///< samples; or points, cells and fields as the packed file holds them
+  std::uint64_t raw_bytes = 0;  ///< samples; or points, cells (triangles) and fields as the packed file holds them
   std::uint64_t file_bytes = 0;
   std::uint64_t cell_count = 0;
 };
@@ -49,7 +49,8 @@ struct PackResult {
 /// belong to that kind.
 void check_pack(const PackOptions& options);
 
-/// Reads a volume or a mesh and packs it. Under a memory cap large arrays lie in the output's folder, without names.
+/// Reads a volume, a mesh or a surface and packs it. Under a memory cap large arrays lie in the output's folder,
+/// without names.
 PackResult pack_any(const PackOptions& options, const std::filesystem::path& output,
                     const preprocess::Progress& progress);
 

@@ -1,6 +1,7 @@
 #include "tools/rhoray/pick.h"
 
 #include <charconv>
+#include <cmath>
 
 #include "formats/base/trouble.h"
 #include "tools/rhoray/measure.h"
@@ -42,7 +43,7 @@ Json picked(const render::Framebuffer& framebuffer, const PixelPlace& pixel) {
     return json;
   }
   json["cell"] = framebuffer.cell[at];
-  json["value"] = framebuffer.value[at];
+  if (!std::isnan(framebuffer.value[at])) json["value"] = framebuffer.value[at];
   json["depth"] = framebuffer.depth[at];
   return json;
 }
@@ -50,8 +51,9 @@ Json picked(const render::Framebuffer& framebuffer, const PixelPlace& pixel) {
 std::string picked_text(const Json& pick, const std::string& length_unit) {
   const std::string pixel = concat("pixel ", pick["pixel"][0].get<int>(), ",", pick["pixel"][1].get<int>(), ": ");
   if (pick["cell"].is_null()) return pixel + "nothing is hit";
-  return concat(pixel, "cell ", pick["cell"].get<std::uint64_t>(), ", value ", rounded(pick["value"].get<double>()),
-                ", depth ", rounded(pick["depth"].get<double>()), length_unit.empty() ? "" : " ", length_unit);
+  const std::string value = pick.contains("value") ? concat(", value ", rounded(pick["value"].get<double>())) : "";
+  return concat(pixel, "cell ", pick["cell"].get<std::uint64_t>(), value, ", depth ",
+                rounded(pick["depth"].get<double>()), length_unit.empty() ? "" : " ", length_unit);
 }
 
 }  // namespace rhoray::tools

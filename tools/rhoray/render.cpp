@@ -156,9 +156,13 @@ std::string method_text(const ScenePlan& plan) {
 Json shown_json(const ScenePlan& plan) {
   const render::Layer& layer = plan.scene.layers[0];
   const bool iso = layer.mode == render::Mode::isosurface;
-  Json json{{"file", plan.data[layer.volume].file.string()},
-            {"field", plan.data[layer.volume].field},
-            {"mode", iso ? "iso" : "mip"}};
+  Json json{{"file", plan.data[layer.volume].file.string()}};
+  if (layer.mode == render::Mode::triangles) {
+    json["mode"] = "triangles";
+    return json;
+  }
+  json["field"] = plan.data[layer.volume].field;
+  json["mode"] = iso ? "iso" : "mip";
   if (iso) {
     json["isovalue"] = layer.isovalue;
     json["isovalue_from"] = plan.origins[0].isovalue_from;
@@ -350,12 +354,13 @@ Subcommand render_subcommand() {
   const auto command = std::make_shared<RenderCommand>();
   return {
       .name = "render",
-      .summary = "Packed file or scene to a picture: isosurfaces or maximum intensity projection",
+      .summary = "Packed file or scene to a picture: isosurfaces, maximum intensity projection, surfaces",
       .examples =
           "  rhoray render head.rho -o head.png\n"
           "  rhoray render head.rho --iso 500 --view -y --size 1080p -o skin.png\n"
           "  rhoray render heart.rho --iso 0.3 --normals smooth --color-by pressure --colormap coolwarm -o heart.png\n"
           "  rhoray render head.rho --mode mip --range 0,2000 -o mip.exr --channels depth,value\n"
+          "  rhoray render lungs.rho --normals smooth -o lungs.png\n"
           "  rhoray render smoke.vdb --iso 0.5 -o smoke.png\n"
           "  rhoray render torso.json --size 4k -o torso.png\n",
       .options = all_options(

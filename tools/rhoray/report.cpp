@@ -188,6 +188,19 @@ Json json_of(const formats::TetMeshDescription& mesh) {
   return json;
 }
 
+Json json_of(const formats::SurfaceMeshDescription& surface) {
+  return {{"points", surface.point_count},
+          {"triangles", surface.triangle_count},
+          {"point_type", formats::element_name(surface.point_type)},
+          {"length_unit", surface.length_unit},
+          {"box", json_of(surface.bounds)},
+          {"packing",
+           {{"flat_triangles", surface.flat_triangle_count},
+            {"dropped_facets", surface.dropped_facet_count},
+            {"unused_points", surface.unused_point_count}}},
+          {"provenance", json_of(surface.provenance)}};
+}
+
 Box3 bounds_of(const SampleLattice& lattice) {
   Box3 box;
   for (int corner = 0; corner < 8; ++corner) box.extendBy(lattice.world_from_grid.point(corner_of(lattice, corner)));

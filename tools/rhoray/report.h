@@ -8,6 +8,7 @@
 #include "formats/base/affine.h"
 #include "formats/brick_grid.h"
 #include "formats/field_summary.h"
+#include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
 
 namespace rhoray::tools {
@@ -24,6 +25,7 @@ Json json_of(const formats::FieldSummary& field);
 Json json_of(const formats::Provenance& provenance);
 Json json_of(const formats::GridDescription& grid);
 Json json_of(const formats::TetMeshDescription& mesh);
+Json json_of(const formats::SurfaceMeshDescription& surface);
 
 /// Where the samples of a volume stand: in the frame of the map at 0, 1, 2, ..., or where a table of the axis says.
 struct SampleLattice {

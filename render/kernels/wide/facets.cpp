@@ -1,6 +1,7 @@
 #include <bit>
 #include <cstring>
 
+#include "render/kernels/triangle_start.h"
 #include "render/kernels/wide/facets_parts.h"
 #include "render/march/ticks.h"
 
@@ -488,7 +489,8 @@ class FacetWalk {
       const MaskF is_lower = hn::RebindMask(floats, hn::Lt(this_facet, best_facet));
       const MaskF is_first = hn::Or(hn::Lt(depth, best), hn::And(hn::Eq(depth, best), is_lower));
       MaskF hit = hn::And(hn::And(any, is_first), hn::Ge(depth, hn::Load(floats, scratch_.begin + r)));
-      if (rays_.start_side != nullptr) hit = hn::And(hit, leaves_start_side(facet, slope_u, slope_v, r));
+      if (rays_.start_side != nullptr)
+        hit = hn::And(hit, leaves_start_side(corners, facet, slope_u, slope_v, shift_u, shift_v, r));
       if (hn::AllFalse(floats, hit)) continue;
       hn::Store(hn::IfThenElse(hit, depth, best), floats, scratch_.depth + r);
       hn::Store(hn::IfThenElse(hn::RebindMask(ints, hit), this_facet, best_facet), ints, scratch_.facet + r);
@@ -498,7 +500,8 @@ class FacetWalk {
   }
 
   /// Rays that come to the facet on the side on which they start, or of which that is unknown.
-  HWY_INLINE MaskF leaves_start_side(std::uint32_t facet, VecF slope_u, VecF slope_v, std::size_t r) const {
+  HWY_INLINE MaskF leaves_start_side(const Corners& corners, std::uint32_t facet, VecF slope_u, VecF slope_v,
+                                     VecF shift_u, VecF shift_v, std::size_t r) const {
     const double* gradient = surface_.fields[facet].gradient;
     double largest = 0;
     for (int a = 0; a < 3; ++a) {
@@ -509,8 +512,17 @@ class FacetWalk {
                                HWY_ATTR { return hn::Set(floats, static_cast<float>(gradient[axis] / largest)); };
     const VecF rise = hn::Mul(hn::Set(floats, sign_),
                               hn::MulAdd(slope_u, component(u_), hn::MulAdd(slope_v, component(v_), component(w_))));
+    const VecF start_side = hn::Load(floats, scratch_.start_side + r), leaving = hn::Mul(rise, start_side);
     // Written so that the facet of a flat cell, whose gradient is none, counts.
-    return hn::Not(hn::Gt(hn::Mul(rise, hn::Load(floats, scratch_.start_side + r)), hn::Zero(floats)));
+    if (!surface_.is_of_triangles) return hn::Not(hn::Gt(leaving, hn::Zero(floats)));
+    // As starts_in of triangle_start.h; a normal here is 1 to 1.7 long.
+    const VecF w = hn::Mul(hn::Set(floats, sign_), hn::Load(floats, scratch_.begin + r));
+    const VecF away_u = hn::Sub(hn::MulAdd(slope_u, w, shift_u), corners.u[0]),
+               away_v = hn::Sub(hn::MulAdd(slope_v, w, shift_v), corners.v[0]);
+    const VecF away = hn::MulAdd(away_u, component(u_),
+                                 hn::MulAdd(away_v, component(v_), hn::Mul(hn::Sub(w, corners.w[0]), component(w_))));
+    const MaskF is_far = hn::Gt(hn::Abs(away), hn::Set(floats, static_cast<float>(start_distance)));
+    return hn::Or(hn::Or(is_far, hn::Lt(leaving, hn::Zero(floats))), hn::Eq(start_side, hn::Zero(floats)));
   }
 
   /// The mean of the corners' depths by the areas opposite, between the least of them and the largest.

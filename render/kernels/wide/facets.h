@@ -4,9 +4,10 @@
 
 namespace rhoray::render::wide {
 
-/// The first crossing of a mesh's isosurface for groups of rays at once, by the facets that the surface is made of
-/// (volumes/facets.h); null where the scalar kernels answer: for other volumes, for meshes of a size or with values
-/// that products of doubles cannot hold, and for ways other than those of the table in README.md.
+/// The first crossing of a mesh's isosurface, or of a surface's triangles, for groups of rays at once, by the facets
+/// that the surface is made of (volumes/facets.h); null where the scalar kernels answer: for other volumes, for meshes
+/// of a size or with values that products of doubles cannot hold, and for ways other than those of the table in
+/// README.md.
 Kernel first_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine);
 
 /// Makes the facets of an isovalue, if they are not kept from before.

@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <type_traits>
 
 #include "render/cells/tet_methods.h"
 #include "render/kernels/tet_walk.h"
@@ -20,8 +21,10 @@ template <class View>
 inline constexpr bool is_mesh = false;
 template <class T>
 inline constexpr bool is_mesh<TetVolume<T>> = true;
+template <class View>
+inline constexpr bool has_facets = is_mesh<View> || std::is_same_v<View, SurfaceVolume>;
 
-FacetSurface surface_of(const Facets& facets, const Question& question) {
+FacetSurface surface_of(const Facets& facets, const Question& question, bool is_of_triangles) {
   FacetSurface surface{.blocks = facets.blocks(),
                        .fields = facets.fields(),
                        .levels = {},
@@ -31,7 +34,8 @@ FacetSurface surface_of(const Facets& facets, const Question& question) {
                        .scale = facets.scale(),
                        .low = {},
                        .high = {},
-                       .isovalue = question.isovalue,
+                       .isovalue = is_of_triangles ? std::numeric_limits<double>::quiet_NaN() : question.isovalue,
+                       .is_of_triangles = is_of_triangles,
                        .time_phases = question.time_phases};
   for (int l = 0; l < facets.level_count(); ++l) surface.levels[l] = facets.level(l);
   std::copy(facets.low().begin(), facets.low().end(), surface.low);
@@ -107,7 +111,7 @@ void first_facets(const VolumeImplementation& volume, const Question& question, 
                   KernelScratch& scratch) {
   std::visit(
       [&]<class View>(const View& view) {
-        if constexpr (is_mesh<View>) {
+        if constexpr (has_facets<View>) {
           const Kernel reference = kernels_for(view, question.method.way).first_crossing;
           if (!is_answerable(question)) {
             reference(volume, question, rays, hits, scratch);
@@ -117,7 +121,7 @@ void first_facets(const VolumeImplementation& volume, const Question& question, 
           if (!scratch.facets) scratch.facets = std::make_shared<FacetScratch>();
           FacetScratch& memory = *scratch.facets;
           memory.facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, 1);
-          const FacetSurface surface = surface_of(*memory.facets, question);
+          const FacetSurface surface = surface_of(*memory.facets, question, !is_mesh<View>);
           const FirstFacets answer = first_facets_on(machine, certified);
           const HitArrays answers = arrays_of(hits);
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
@@ -125,24 +129,29 @@ void first_facets(const VolumeImplementation& volume, const Question& question, 
             const HitArrays chunk = from(answers, first);
             write_misses(chunk, count);
             Unanswered left = answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
-            if (left.part != 0)
-              left.whole |= settle_doubts(view, question, rays, first, left.part, memory, hits, scratch.counters);
+            Kernel other = reference;
+            if constexpr (certified && is_mesh<View>) {
+              if (left.part != 0)
+                left.whole |= settle_doubts(view, question, rays, first, left.part, memory, hits, scratch.counters);
+              other = redoing_kernel_for(view);
+            }
             if (left.whole != 0)
-              ask_again(certified ? redoing_kernel_for(view) : reference, volume, question, rays, first, left.whole,
-                        hits, memory.others, scratch);
+              ask_again(other, volume, question, rays, first, left.whole, hits, memory.others, scratch);
           }
         }
       },
       volume.view);
 }
 
-/// A mesh of which products of lengths and values stay far from the limits of doubles.
+/// A mesh or surface of which products of lengths and values stay far from the limits of doubles.
 bool is_fit(const VolumeImplementation& volume) {
-  const bool is_of_tets = std::visit([]<class View>(const View&) { return is_mesh<View>; }, volume.view);
+  const bool is_known = std::visit([]<class View>(const View&) { return has_facets<View>; }, volume.view);
+  const bool has_values = !std::holds_alternative<SurfaceVolume>(volume.view);
   const Vec3 size = volume.bounds_volume.size();
   const double longest = std::max({size.x, size.y, size.z});
-  return is_of_tets && longest >= 1 / largest_magnitude && longest <= largest_magnitude &&
-         std::abs(volume.field.range.lo) <= largest_magnitude && std::abs(volume.field.range.hi) <= largest_magnitude;
+  return is_known && longest >= 1 / largest_magnitude && longest <= largest_magnitude &&
+         (!has_values || (std::abs(volume.field.range.lo) <= largest_magnitude &&
+                          std::abs(volume.field.range.hi) <= largest_magnitude));
 }
 
 }  // namespace
@@ -152,7 +161,7 @@ std::optional<SurfaceBoxes> prepare_facets(const VolumeImplementation& volume, c
   if (!is_answerable(question)) return std::nullopt;
   return std::visit(
       [&]<class View>(const View& view) -> std::optional<SurfaceBoxes> {
-        if constexpr (is_mesh<View>) {
+        if constexpr (has_facets<View>) {
           const auto facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, threads);
           SurfaceBoxes boxes = boxes_of(facets, facets->levels());
           boxes.anchor = facets->anchor();
@@ -167,6 +176,8 @@ std::optional<SurfaceBoxes> prepare_facets(const VolumeImplementation& volume, c
 
 Kernel first_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
   if (!has_wide_crossings(method) || !is_fit(volume)) return nullptr;
+  const bool is_surface = std::holds_alternative<SurfaceVolume>(volume.view);
+  if (is_surface && method.way == Method::Way::certified) return nullptr;
   return kernel_on(machine, [&]<Machine wide>() -> Kernel {
     return method.way == Method::Way::certified ? first_facets<wide, true> : first_facets<wide, false>;
   });

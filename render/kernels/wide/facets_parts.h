@@ -17,7 +17,7 @@ namespace rhoray::render::wide {
 /// Lengths, values and isovalues up to this size, lengths from its inverse on, are answered by wide kernels.
 inline constexpr double largest_magnitude = 1e60;
 
-/// One isosurface of one mesh.
+/// One isosurface of one mesh, or the triangles of a surface.
 struct FacetSurface {
   static constexpr int largest_level_count = 8;
 
@@ -29,7 +29,8 @@ struct FacetSurface {
   double anchor[3];
   double scale;
   float low[3], high[3];
-  double isovalue;
+  double isovalue;  ///< NaN of a surface
+  bool is_of_triangles;
   bool time_phases;
 };
 

@@ -15,9 +15,10 @@ std::string unit_text(const render::Volume& volume) {
   return unit.empty() ? "" : " " + unit;
 }
 
-/// isosurface 500 HU of 'density' in head.rho
+/// isosurface 500 HU of 'density' in head.rho; triangles of heart.rho
 std::string shown_text(const render::Layer& layer, const ScenePlan& plan) {
   const render::Volume& volume = plan.volumes[layer.volume];
+  if (layer.mode == render::Mode::triangles) return concat("triangles of ", plan.data[layer.volume].file.string());
   const std::string of =
       concat(unit_text(volume), " of '", volume.field().name, "' in ", plan.data[layer.volume].file.string());
   if (layer.mode == render::Mode::mip)

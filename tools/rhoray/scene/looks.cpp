@@ -29,12 +29,15 @@ Error refusal(const Place& layer, const std::string& key, const std::string& opt
 render::Normals choose_normals(const LayerWish& wish, const render::Volume& volume, const Place& layer) {
   for (const auto& row : normals_rows) {
     if (wish.normals != row.word) continue;
-    if (row.of_meshes != volume.is_mesh())
-      throw refusal(layer, "normals", "--normals",
-                    concat("'", row.word, "' is of ", row.of_meshes ? "meshes" : "grids", ", and ",
-                           volume.file().name(), " is ", volume.is_mesh() ? "a mesh" : "a grid"),
-                    volume.is_mesh() ? "flat is the exact gradient of every cell"
-                                     : "exact, the gradient of the trilinear field, is how grids are lit");
+    if (row.of_meshes != has_flat_normals(volume))
+      throw refusal(
+          layer, "normals", "--normals",
+          concat("'", row.word, "' is of ", row.of_meshes ? "meshes" : "grids", ", and ", volume.file().name(), " is ",
+                 volume.is_mesh()      ? "a mesh"
+                 : volume.is_surface() ? "a surface"
+                                       : "a grid"),
+          !row.of_meshes ? "flat is the exact gradient of every cell"
+                         : "exact, the gradient of the trilinear field, is how grids are lit");
     return row.normals;
   }
   return render::Normals::exact;
@@ -79,9 +82,13 @@ std::vector<std::string> normals_words() {
   return words;
 }
 
-std::string word_of(render::Normals normals, bool is_mesh) {
+bool has_flat_normals(const render::Volume& volume) {
+  return volume.is_mesh() || volume.is_surface();
+}
+
+std::string word_of(render::Normals normals, bool flat) {
   for (const auto& row : normals_rows)
-    if (row.normals == normals && row.of_meshes == is_mesh) return row.word;
+    if (row.normals == normals && row.of_meshes == flat) return row.word;
   return {};
 }
 

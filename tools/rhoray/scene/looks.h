@@ -12,16 +12,17 @@ namespace rhoray::tools {
 
 // How surfaces look: words, and what is chosen by what the data are.
 
-/// What surfaces may be lit by: flat and smooth in meshes, exact in grids.
+/// What surfaces may be lit by: flat and smooth in meshes and of triangles, exact in grids.
 std::vector<std::string> normals_words();
-std::string word_of(render::Normals normals, bool is_mesh);
+std::string word_of(render::Normals normals, bool has_flat_normals);
+bool has_flat_normals(const render::Volume& volume);  ///< meshes and surfaces: also smooth ones
 
 std::vector<std::string> colormap_words();
 std::string word_of(render::ColorMap map);
 
-/// Colours, light, normals and opacity of an isosurface of this volume. Refuses normals that the volume has not,
-/// colours by a field that is not there, and a range or colour map without such a field: of a document with the place
-/// (Trouble::invalid), of a command line with the option (Trouble::usage).
+/// Colours, light, normals and opacity of an isosurface of this volume, or of its triangles. Refuses normals that the
+/// volume has not, colours by a field that is not there, and a range or colour map without such a field: of a document
+/// with the place (Trouble::invalid), of a command line with the option (Trouble::usage).
 /// @param layer  where the wish stands; of a command line without a document
 render::Surface choose_surface(const LayerWish& wish, const render::Volume& volume, const Place& layer);
 

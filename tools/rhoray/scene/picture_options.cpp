@@ -75,7 +75,8 @@ std::vector<Option> picture_options(PictureOptions& options) {
   ImageWish& image = scene.image;
   const auto layers = [&](Option row) { return of_the_layer(options, std::move(row)); };
   return {
-      layers(choice_option("--mode", {"iso", "mip"}, "Isosurface, or maximum intensity projection", options.mode)),
+      layers(choice_option("--mode", {"iso", "mip"},
+                           "Isosurface, or maximum intensity projection; a surface is shown as it is", options.mode)),
       layers(value_option(
           "--iso", "V[,V...]",
           "Isovalue: a number, p95 (percentile), or auto (Otsu's threshold; of boundary_distance a ten-thousandth of "
@@ -100,8 +101,8 @@ std::vector<Option> picture_options(PictureOptions& options) {
                           "#rrggbb (sRGB), or r,g,b (linear, 0 to 1); several surfaces have one each by default",
                           layer.color)),
       layers(choice_option("--normals", normals_words(),
-                           "What the surface of a mesh is lit by: flat, the exact gradient of each cell, or smooth, "
-                           "linear between means "
+                           "What the surface of a mesh, or a surface by itself, is lit by: flat, the exact gradient of "
+                           "each cell or normal of each triangle, or smooth, linear between means "
                            "at the points; of a grid exact, the gradient of its trilinear field",
                            layer.normals)),
       layers(value_option("--color-by", "NAME", "Colour the surface by a field of the same file, where rays hit it",

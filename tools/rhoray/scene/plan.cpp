@@ -79,8 +79,9 @@ std::size_t volume_of(const SceneWishes& wishes, const DataWish& data, const Ope
   plan.data.push_back(data);
   plan.data.back().field = volume.field().name;
   for (const std::string& note : volume.notes()) plan.notes.push_back(note);
-  if (const std::string first = volume.field_names().front(); data.field.empty() && volume.field().name != first)
-    plan.notes.push_back(concat("field '", first, "' is the same everywhere: '", volume.field().name, "' is shown"));
+  if (!volume.is_surface() && data.field.empty() && volume.field().name != volume.field_names().front())
+    plan.notes.push_back(concat("field '", volume.field_names().front(), "' is the same everywhere: '",
+                                volume.field().name, "' is shown"));
   return plan.volumes.size() - 1;
 }
 
@@ -97,6 +98,24 @@ render::Method choose_method(const SceneWishes& wishes, std::size_t index, rende
     });
   const std::string& accuracy = layer.accuracy.empty() ? wishes.accuracy : layer.accuracy;
   return accuracy.empty() ? render::default_method(volume, mode) : render::method_of(accuracy_named(accuracy));
+}
+
+/// What a layer says of fields is refused where its data are triangles.
+void refuse_words_of_fields(const SceneWishes& wishes, const LayerWish& layer, const render::Volume& volume) {
+  const LayerWish defaults;
+  const std::string& accuracy = layer.accuracy.empty() ? wishes.accuracy : layer.accuracy;
+  for (const auto& [given, option] : {std::pair{layer.isovalues != defaults.isovalues, "--iso"},
+                                      {layer.type == LayerType::mip, "--mode"},
+                                      {!layer.color_by.empty(), "--color-by"},
+                                      {!layer.colormap.empty(), "--colormap"},
+                                      {layer.range.has_value(), "--range"},
+                                      {!layer.method.empty(), "--method"}})
+    if (given)
+      throw Error(Trouble::usage,
+                  concat(option, ": is of fields, and ", volume.file().name(), " holds triangles, shown as they are"));
+  if (!accuracy.empty() && accuracy != "float" && accuracy != "double")
+    throw Error(Trouble::usage, concat("--accuracy: found '", accuracy, "'; expected float or double of ",
+                                       volume.file().name(), ", which holds triangles"));
 }
 
 /// Adds the layers of a planned scene one after another.
@@ -122,6 +141,7 @@ class LayerPlanner {
     render::Layer layer;
     layer.volume = volume_of(wishes_, data_of(wishes_, index), open_, plan_);
     const render::Volume& volume = plan_.volumes[layer.volume];
+    if (volume.is_surface()) return add_triangles(index, layer);
     layer.mode = wish.type == LayerType::mip ? render::Mode::mip : render::Mode::isosurface;
     layer.method = choose_method(wishes_, index, layer.mode, volume);
     switch (wish.type) {
@@ -131,6 +151,16 @@ class LayerPlanner {
       case LayerType::mip:
         return add_projection(index, layer);
     }
+  }
+
+  void add_triangles(std::size_t index, render::Layer layer) {
+    const LayerWish& wish = wishes_.layers[index];
+    const render::Volume& volume = plan_.volumes[layer.volume];
+    at_place(layer_place(wishes_, index), [&] { refuse_words_of_fields(wishes_, wish, volume); });
+    layer.mode = render::Mode::triangles;
+    layer.method = choose_method(wishes_, index, layer.mode, volume);
+    layer.surface = choose_surface(wish, volume, layer_place(wishes_, index));
+    put(index, layer, {});
   }
 
   void add_isosurfaces(std::size_t index, const render::Layer& layer) {
@@ -265,7 +295,7 @@ ScenePlan plan_layers(const SceneWishes& wishes, const OpenData& open) {
 }
 
 ScenePlan plan_layers(const SceneWishes& wishes) {
-  return plan_layers(wishes, [](const DataWish& data) { return load_volume(data.file, data.field); });
+  return plan_layers(wishes, [](const DataWish& data) { return load_shown(data.file, data.field); });
 }
 
 void aim_camera(const SceneWishes& wishes, ScenePlan& plan) {
@@ -307,9 +337,9 @@ SceneWishes spelled_out(const ScenePlan& plan) {
       wish.type = LayerType::mip;
       wish.range = layer.window;
     } else {
-      wish.isovalues = {concat(layer.isovalue)};
+      if (layer.mode == render::Mode::isosurface) wish.isovalues = {concat(layer.isovalue)};
       wish.color = Color{layer.surface.color};
-      wish.normals = word_of(layer.surface.normals, plan.volumes[layer.volume].is_mesh());
+      wish.normals = word_of(layer.surface.normals, has_flat_normals(plan.volumes[layer.volume]));
       if (const auto& colors = layer.surface.color_by) {
         wish.color_by = colors->field;
         wish.colormap = word_of(colors->map);
@@ -349,13 +379,16 @@ std::vector<std::string> reproducing_command(const ScenePlan& plan, const std::f
   const ImageWish& image = wishes.image;
   words.insert(words.end(), {wishes.data[0].file.string(), "-o", output.string()});
   const auto add = [&](const std::string& name, const std::string& value) { words.insert(words.end(), {name, value}); };
-  add("--field", wishes.data[0].field);
+  const bool is_field = plan.scene.layers[0].mode != render::Mode::triangles;
+  if (is_field) add("--field", wishes.data[0].field);
   if (layer.type == LayerType::mip) {
     add("--mode", "mip");
     add("--range", concat(layer.range->lo, ",", layer.range->hi));
   } else {
-    add("--mode", "iso");
-    add("--iso", layer.isovalues[0]);
+    if (is_field) {
+      add("--mode", "iso");
+      add("--iso", layer.isovalues[0]);
+    }
     add("--surface-color", text_of_vector(layer.color->linear));
     add("--normals", layer.normals);
     if (!layer.color_by.empty()) {

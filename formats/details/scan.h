@@ -1,0 +1,75 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "formats/base/parallel.h"
+#include "formats/base/text.h"
+#include "formats/format_error.h"
+#include "formats/packed_file.h"
+
+/// What meshes check of whole arrays when they are opened.
+namespace rhoray::formats::details {
+
+inline constexpr std::uint64_t scan_piece = 1 << 18;  // elements; a smaller scan is done before a thread has started
+
+/// The first position at which `is_bad(first, last)` meets a bad element, narrowed down only where there is one.
+/// @param is_bad  tells of a range whether it holds a bad element; written to run at the speed of memory
+template <class IsBad>
+std::optional<std::uint64_t> first_bad(std::uint64_t count, IsBad is_bad) {
+  constexpr std::uint64_t chunk = 4096;
+  std::atomic<std::uint64_t> worst{count};
+  for_each_range(count, scan_piece, 0, [&](std::uint64_t first, std::uint64_t last) {
+    for (std::uint64_t at = first; at < last; at += chunk) {
+      const std::uint64_t end = std::min(at + chunk, last);
+      if (!is_bad(at, end)) continue;
+      std::uint64_t element = at;
+      while (!is_bad(element, element + 1)) ++element;
+      std::uint64_t known = worst;
+      while (element < known && !worst.compare_exchange_weak(known, element)) {
+      }
+      return;
+    }
+  });
+  return worst == count ? std::nullopt : std::optional(worst.load());
+}
+
+inline void check_below(const PackedFile& file, std::string_view array, std::span<const std::uint32_t> indices,
+                        std::uint64_t limit) {
+  const auto is_bad = [&](std::uint64_t first, std::uint64_t last) {
+    std::uint32_t largest = 0;
+    for (std::uint64_t i = first; i < last; ++i) largest = std::max(largest, indices[i]);
+    return largest >= limit;
+  };
+  if (const auto bad = first_bad(indices.size(), is_bad))
+    refuse(file.name(), concat("array '", array, "', element ", *bad), concat(indices[*bad]),
+           concat("an index below ", limit));
+}
+
+template <class T>
+void check_finite(const PackedFile& file, std::string_view array, std::span<const T> numbers) {
+  const auto is_bad = [&](std::uint64_t first, std::uint64_t last) {
+    std::uint64_t bad = 0;
+    for (std::uint64_t i = first; i < last; ++i)  // written so that a NaN also counts
+      bad += std::abs(numbers[i]) <= std::numeric_limits<T>::max() ? 0 : 1;
+    return bad != 0;
+  };
+  if (const auto bad = first_bad(numbers.size(), is_bad))
+    refuse(file.name(), concat("array '", array, "', element ", *bad), concat(numbers[*bad]), "a finite number");
+}
+
+/// Groups of `size` neighbouring numbers as one element each.
+template <std::size_t size, class T>
+std::span<const std::array<T, size>> grouped(std::span<const T> numbers) {
+  static_assert(sizeof(std::array<T, size>) == size * sizeof(T));
+  return {reinterpret_cast<const std::array<T, size>*>(numbers.data()), numbers.size() / size};
+}
+
+}  // namespace rhoray::formats::details

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/base/vector.h"
+#include "formats/brick_grid.h"
+#include "formats/packed_file.h"
+
+namespace rhoray::formats {
+
+/// Triangles in space: landmarks among what is shown of volumes. They need not be closed, nor face one way.
+struct SurfaceMeshDescription {
+  std::string length_unit;
+  ElementType point_type = ElementType::F32;  ///< F32 or F64
+  std::uint64_t point_count = 0;
+  std::uint64_t triangle_count = 0;
+  Box3 bounds;  ///< of all points
+
+  /// Triangles are the source's facets, one for one. Else array "triangle_ids" leads back.
+  bool has_source_order = true;
+
+  // What packing met.
+  std::uint64_t flat_triangle_count = 0;  ///< without area, kept: they close what their neighbours leave open
+  std::uint64_t dropped_facet_count = 0;  ///< a corner twice, or a coordinate that is not finite
+  std::uint64_t unused_point_count = 0;   ///< belong to no triangle, dropped
+  Provenance provenance;
+};
+
+/// A packed surface, checked and ready for reading. Arrays: "points" F32 or F64 [points, 3] in world axes, "triangles"
+/// U32 [triangles, 3], optional "triangle_ids" U32 [triangles]. Corners stand as in the source: where its facets are
+/// seen counter-clockwise from outside, so are these.
+class SurfaceMesh {
+ public:
+  static constexpr const char* kind = "surface";
+
+  /// Refuses a file of another kind, shapes that differ from the description, a corner not below point_count, a point
+  /// that is not finite. Reads all corners and points once.
+  explicit SurfaceMesh(PackedFile file);
+
+  const SurfaceMeshDescription& description() const { return description_; }
+  const PackedFile& file() const { return file_; }
+
+  std::array<double, 3> point(std::uint64_t position) const {
+    if (floats_.empty()) return doubles_[position];
+    const std::array<float, 3>& p = floats_[position];
+    return {p[0], p[1], p[2]};
+  }
+  std::span<const std::array<std::uint32_t, 3>> triangles() const { return triangles_; }
+
+  /// The position in the source file of the facet that this triangle is, or was cut from.
+  std::uint64_t triangle_id(std::uint64_t triangle) const {
+    return triangle_ids_.empty() ? triangle : triangle_ids_[triangle];
+  }
+
+ private:
+  PackedFile file_;
+  SurfaceMeshDescription description_;
+  std::span<const std::array<float, 3>> floats_;  ///< either these,
+  std::span<const std::array<double, 3>> doubles_;
+  std::span<const std::array<std::uint32_t, 3>> triangles_;
+  std::span<const std::uint32_t> triangle_ids_;
+};
+
+std::vector<ArraySpec> surface_mesh_arrays(const SurfaceMeshDescription& description);
+FileDescription describe(const SurfaceMeshDescription& description);
+
+/// Wrong bounds, a point that no triangle has, a corner twice in one triangle, ids that fall.
+std::vector<std::string> deep_findings(const SurfaceMesh& surface);
+
+}  // namespace rhoray::formats

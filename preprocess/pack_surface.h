@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "formats/surface_mesh.h"
+#include "preprocess/neutral.h"
+#include "preprocess/progress.h"
+
+namespace rhoray::preprocess {
+
+struct PackSurfaceOptions {
+  std::string command{};
+  std::string source_name{};
+  bool replace_existing = false;
+};
+
+struct PackSurfaceReport {
+  formats::SurfaceMeshDescription description;
+  std::uint64_t file_bytes = 0;
+  std::vector<std::string> notes;  ///< what was met and done about it, one sentence each; without the importer's
+};
+
+/// Writes a surface as a packed one. Facets of more than three corners are cut into triangles between their own
+/// corners: by ears of their projection along their mean normal's largest component. Points are stored as F32 where
+/// that keeps every bit, else as F64. Refuses a surface without triangles, and faces made of several outlines
+/// (Trouble::unsupported).
+PackSurfaceReport pack_surface(const NeutralSurface& surface, const std::filesystem::path& path,
+                               const PackSurfaceOptions& options = {}, const Progress& progress = {});
+
+}  // namespace rhoray::preprocess
