@@ -43,6 +43,16 @@ std::string metadata(const std::filesystem::path& picture, const std::string& na
   return file->spec().get_string_attribute(name);
 }
 
+std::vector<std::uint8_t> pixels(const std::filesystem::path& picture) {
+  const auto file = OIIO::ImageInput::open(picture.string());
+  if (!file) throw std::runtime_error(OIIO::geterror());
+  const OIIO::ImageSpec& spec = file->spec();
+  std::vector<std::uint8_t> bytes(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels));
+  if (!file->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, bytes.data()))
+    throw std::runtime_error(file->geterror());
+  return bytes;
+}
+
 TEST(SceneCommand, draws_the_picture_that_options_draw) {
   const Workbench bench;
   bench.make_ball();
@@ -173,6 +183,7 @@ TEST(SceneCommand, reads_the_documents_that_are_published) {
   const std::filesystem::path made = bench / "made/200000-192x192x256";
   std::filesystem::create_directories(made);
   for (const char* name : {"torso.rho", "torso-ct.rho"}) std::filesystem::copy_file(bench / "ball.rho", made / name);
+  std::filesystem::copy_file(bench / "ball.rho", bench / "made/head-ct.rho");
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(RHORAY_SOURCE_DIR "/data/scenes")) {
     const std::filesystem::path name = entry.path().filename();
@@ -184,7 +195,7 @@ TEST(SceneCommand, reads_the_documents_that_are_published) {
     EXPECT_TRUE(document.warnings.empty()) << document.warnings.front();
     ++count;
   }
-  EXPECT_GE(count, 3);
+  EXPECT_GE(count, 8);
 }
 
 TEST(SceneCommand, warns_of_unknown_keys_and_draws) {
@@ -251,6 +262,83 @@ TEST(SceneCommand, explains_the_effects_that_are_then_counted) {
                                           {"transparency", "rays_through"}})
       EXPECT_EQ(is_called_for(told, effect), counts[counter].get<int>() > 0) << effect;
   }
+}
+
+/// A document of the ball with these members beside its layer.
+std::string ball_with(const std::string& members) {
+  return concat(R"({"data": {"data": {"file": "ball.rho"}}, "layers": [{"type": "isosurface", "isovalue": 100}],
+    "image": {"size": [40, 30]}, )",
+                members, "}");
+}
+
+TEST(SceneCommand, lights_as_options_do) {
+  const Workbench bench;
+  bench.make_ball();
+  const struct {
+    std::vector<std::string> options;
+    const char* members;
+  } cases[] = {
+      {{"--shadows"}, R"("lights": [{"type": "directional", "azimuth": -40, "elevation": 40, "from": "camera",
+         "intensity": 0.8, "shadows": true}, {"type": "head", "intensity": 0.35}])"},
+      {{"--light", "70,10"}, R"("lights": [{"type": "directional", "azimuth": 70, "elevation": 10, "intensity": 0.8},
+         {"type": "head", "intensity": 0.35}])"},
+      {{"--ao"}, R"("effects": {"ambient_occlusion": {"samples": 16}})"},
+      {{"--fog", "30,90"}, R"("effects": {"fog": {"range": [30, 90]}})"}};
+  /// Bytes of p.png: pixels, and the scene and command that it keeps.
+  const auto picture = [&](const std::vector<std::string>& first, const std::vector<std::string>& more = {}) {
+    const RunResult result = bench.rhoray(words(words(first, {"-o", "p.png", "--force"}), more));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return read_file(bench / "p.png");
+  };
+  const std::vector<std::string> plain{"render", "ball.rho", "--iso", "100", "--size", "40x30"};
+  for (const auto& [options, members] : cases) {
+    SCOPED_TRACE(options[0]);
+    const std::string by_options = picture(plain, options);
+    EXPECT_TRUE(picture({"render", ball_with(members)}) == by_options) << "the same, byte for byte";
+    const std::vector<std::uint8_t> lit = pixels(bench / "p.png");
+    picture(plain);
+    EXPECT_NE(lit, pixels(bench / "p.png"));
+  }
+  // Beside a document they replace what it says.
+  const std::string other = ball_with(R"("lights": [], "effects": {"fog": {}, "ambient_occlusion": {"radius": 1}})");
+  const std::vector<std::string> all{"--shadows", "--ao", "--fog", "30,90"};
+  EXPECT_TRUE(picture({"render", other}, all) == picture(plain, all));
+}
+
+TEST(SceneCommand, refuses_lights_that_make_no_sense) {
+  const Workbench bench;
+  bench.make_ball();
+  for (const auto& [option, text, fact] : {std::tuple{"--light", "30", "elevation from -90 to 90"},
+                                           {"--light", "30,91", "elevation from -90 to 90"},
+                                           {"--light", "30,up", "a finite number"},
+                                           {"--fog", "9,3", "a below b"}}) {
+    const RunResult result = bench.rhoray({"render", "ball.rho", option, text, "-o", "p.png"});
+    EXPECT_EQ(result.exit_code, 2) << option << " " << text;
+    EXPECT_THAT(result.err, HasSubstr(fact));
+  }
+}
+
+TEST(SceneCommand, counts_rays_towards_lights_only_where_they_are_called_for) {
+  const Workbench bench;
+  bench.make_ball();
+  for (const std::vector<std::string>& look : {std::vector<std::string>{},
+                                               {"--shadows"},
+                                               {"--ao"},
+                                               {"--light", "40,40"},
+                                               {"--fog", "1,200"},
+                                               {"--shadows", "--mode", "mip"},
+                                               {"--shadows", "--opacity", "0.5"}}) {
+    SCOPED_TRACE(look.empty() ? "plain" : look.back());
+    const std::vector<std::string> all = words({"render", "ball.rho", "--size", "32x32", "--json"}, look);
+    const Json told = Json::parse(bench.rhoray(words(all, {"--explain"})).out);
+    const Json counts = Json::parse(bench.rhoray(words(all, {"-o", "p.png", "--force"})).out)["statistics"];
+    EXPECT_EQ(is_called_for(told, "shadows"), counts["shadow_rays"].get<int>() > 0);
+    EXPECT_EQ(is_called_for(told, "ambient occlusion"), counts["occlusion_rays"].get<int>() > 0);
+    EXPECT_EQ(is_called_for(told, "fog"), !look.empty() && look[0] == "--fog");
+    EXPECT_EQ(told["lights"].size(), !look.empty() && (look[0] == "--shadows" || look[0] == "--light") ? 2U : 1U);
+  }
+  EXPECT_THAT(bench.rhoray({"render", "ball.rho", "--light", "90,0", "--shadows", "--explain"}).out,
+              HasSubstr("light 0: from (1, 0, 0), colour (0.8, 0.8, 0.8), casts shadows\nlight 1: at the eye"));
 }
 
 TEST(SceneCommand, prints_schema_and_keys_without_a_file) {

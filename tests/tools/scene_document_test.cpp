@@ -204,6 +204,41 @@ std::vector<Mistake> mistakes() {
        "sampled:STEP[+linear|+bisect]",
        "did you mean paper?"},
 
+      // lights
+      {with("lights", "{}"), "s.json: /lights: found an object; expected an array of 0 to 64 lights"},
+      {with("lights", "[{}]"),
+       "s.json: /lights/0: has no \"type\"; expected one of \"head\", \"directional\", \"point\""},
+      {with("lights", R"([{"type": "sun"}])"),
+       "s.json: /lights/0/type: found \"sun\"; expected one of \"head\", \"directional\", \"point\""},
+      {with("lights", R"([{"type": "head"}, {"type": "point"}])"),
+       "s.json: /lights/1: has no \"position\"; expected three numbers [x, y, z]"},
+      {with("lights", R"([{"type": "head", "shadows": true}])"),
+       "s.json: /lights/0/shadows: found in a light of type \"head\"; expected in one of type \"directional\""},
+      {with("lights", R"([{"type": "directional"}])"),
+       "s.json: /lights/0: has no direction; expected \"direction\", or \"azimuth\" and \"elevation\""},
+      {with("lights", R"([{"type": "directional", "direction": [0, 0, 0]}])"),
+       "s.json: /lights/0/direction: found [0,0,0]; expected a direction"},
+      {with("lights", R"([{"type": "directional", "direction": [0, 0, 1], "elevation": 9}])"),
+       "s.json: /lights/0/direction: \"elevation\" is there too; expected one of the two"},
+      {with("lights", R"([{"type": "directional", "azimuth": 9, "from": "camra"}])"),
+       "s.json: /lights/0/from: found \"camra\"; expected one of \"world\", \"camera\"", "did you mean camera?"},
+      {with("lights", R"([{"type": "head", "intensity": -1}])"),
+       "s.json: /lights/0/intensity: found -1; expected a number from 0 to 10000"},
+      {with("lights", R"([{"type": "head", "color": [2, 2, 2]}])"), "s.json: /lights/0/color: found [2,2,2]; " + color},
+
+      // effects
+      {with("effects", "[]"), "s.json: /effects: found []; expected an object"},
+      {with("effects", R"({"ambient_occlusion": true})"),
+       "s.json: /effects/ambient_occlusion: found true; expected an object"},
+      {with("effects", R"({"ambient_occlusion": {"samples": 2.5}})"),
+       "s.json: /effects/ambient_occlusion/samples: found 2.5; expected a whole number from 1 to 4096"},
+      {with("effects", R"({"ambient_occlusion": {"samples": 5000}})"),
+       "s.json: /effects/ambient_occlusion/samples: found 5000; expected a whole number from 1 to 4096"},
+      {with("effects", R"({"ambient_occlusion": {"radius": 0}})"),
+       "s.json: /effects/ambient_occlusion/radius: found 0; expected a number above 0"},
+      {with("effects", R"({"fog": {"range": [5, 5]}})"),
+       "s.json: /effects/fog/range: found [5,5]; expected two numbers [a, b] with a below b"},
+
       // camera
       {with("camera", "[]"), "s.json: /camera: found []; expected an object"},
       {with("camera", R"({"view": "front"})"), "s.json: /camera/view: found \"front\"; " + views},
@@ -269,6 +304,8 @@ TEST_F(SceneDocument, refuses_what_is_too_large) {
 TEST_F(SceneDocument, warns_of_unknown_keys_with_the_nearest_one) {
   EXPECT_THAT(answer_to(with("camera", R"({"zomm": 2})")).warnings,
               ElementsAre("s.json: /camera/zomm: unknown key, not read; did you mean zoom?"));
+  EXPECT_THAT(answer_to(with("effects", R"({"fogg": {}})")).warnings,
+              ElementsAre("s.json: /effects/fogg: unknown key, not read; did you mean fog?"));
   EXPECT_THAT(answer_to(with("flamingo", "1")).warnings, ElementsAre("s.json: /flamingo: unknown key, not read"));
   const Answer layer = answer_to(with_layer(R"("isovlaue": 3)"));
   EXPECT_THAT(layer.warnings, ElementsAre("s.json: /layers/1/isovlaue: unknown key, not read; did you mean isovalue?"));
@@ -323,6 +360,10 @@ TEST_F(SceneDocument, spelled_out_is_planned_to_the_same_scene) {
     "layers": [{"type": "isosurface", "data": "b", "isovalue": ["auto", 33.3], "method": "sampled:0.25+bisect"},
                {"type": "mip", "data": "x"}, {"type": "mip", "data": "x", "range": [0.1, 0.7]},
                {"type": "isosurface", "data": "x", "normals": "smooth", "color_by": "length", "colormap": "gray", "range": [0, 2]}],
+    "lights": [{"type": "directional", "azimuth": 20, "elevation": 30, "from": "camera", "shadows": true},
+               {"type": "point", "position": [1, 2, 3], "color": [0.9, 0.7, 0.1], "intensity": 3.3},
+               {"type": "head", "intensity": 0.3}],
+    "effects": {"ambient_occlusion": {"samples": 5}, "fog": {"color": [0.1, 0.2, 0.3]}},
     "camera": {"azimuth": 33.3, "elevation": -71.7, "zoom": 1.7, "ortho": true},
     "image": {"size": [40, 30], "channels": ["depth", "cost"], "show": "roots", "hierarchy": false}})");
   const Json first = tools::scene_json(tools::spelled_out(planned(bench() / "s.json")));
@@ -334,9 +375,56 @@ TEST_F(SceneDocument, spelled_out_is_planned_to_the_same_scene) {
   EXPECT_EQ(again.frame.width, 40);
   EXPECT_TRUE(again.frame.channels.cost);
   EXPECT_FALSE(again.frame.use_hierarchy);
+  EXPECT_EQ(again.scene.lights.at(1).color, Vec3(0.9, 0.7, 0.1) * 3.3);
   Json second = tools::scene_json(tools::spelled_out(again));
   second["data"] = first["data"];  // by other ways
   EXPECT_EQ(second.dump(), first.dump());
+}
+
+TEST_F(SceneDocument, places_lights_by_directions_and_by_angles_from_world_and_camera) {
+  const auto direction = [&](const std::string& light, const std::string& camera) {
+    write_file(bench() / "s.json", concat(R"({"data": {"b": {"file": "ball.rho"}}, "layers": [{"type": "isosurface"}],
+      "lights": [{"type": "directional", )",
+                                          light, R"(}], "camera": )", camera, "}"));
+    return planned(bench() / "s.json").scene.lights.at(0).place;
+  };
+  const auto is_near = [](const Vec3& a, const Vec3& b) { return (a - b).length() < 1e-12; };
+  // From its right, from above, and from the eye itself, seen from +x with z up: right is +y.
+  EXPECT_TRUE(is_near(direction(R"("azimuth": 90, "from": "camera")", R"({"view": "+x"})"), {0, 1, 0}));
+  EXPECT_TRUE(is_near(direction(R"("elevation": 90, "from": "camera")", R"({"view": "+x"})"), {0, 0, 1}));
+  EXPECT_TRUE(is_near(direction(R"("azimuth": 0, "from": "camera")", R"({"view": "+x"})"), {1, 0, 0}));
+  EXPECT_TRUE(is_near(direction(R"("azimuth": 90)", R"({"view": "-y"})"), {1, 0, 0}));
+  EXPECT_TRUE(is_near(direction(R"("azimuth": 0)", R"({"view": "+x"})"), {0, -1, 0}));
+  EXPECT_EQ(direction(R"("direction": [1, 2, 3])", R"({"view": "+x"})"), Vec3(1, 2, 3));
+}
+
+TEST_F(SceneDocument, fits_occlusion_and_fog_to_what_is_shown_where_they_say_no_distance) {
+  write_file(bench() / "s.json", R"({"data": {"b": {"file": "ball.rho"}}, "layers": [{"type": "mip"}],
+    "effects": {"ambient_occlusion": {}, "fog": {}}, "camera": {"view": "-y", "ortho": true},
+    "image": {"background": [0.25, 0.5, 1]}})");
+  const tools::ScenePlan plan = planned(bench() / "s.json");
+  const Box3 box = plan.volumes[0].bounds();
+  EXPECT_DOUBLE_EQ(plan.scene.occlusion.radius, box.size().length() / 10);
+  EXPECT_EQ(plan.scene.occlusion.samples, 16);
+  ASSERT_TRUE(plan.scene.fog);
+  EXPECT_EQ(plan.scene.fog->color, Vec3(0.25, 0.5, 1));
+  const double to_front = box.min.y - plan.scene.camera.position.y;
+  EXPECT_NEAR(plan.scene.fog->range.lo, to_front, 1e-9);
+  EXPECT_NEAR(plan.scene.fog->range.hi, to_front + 2 * box.size().y, 1e-9);
+}
+
+TEST_F(SceneDocument, without_lights_has_one_white_light_at_the_eye_and_no_effects) {
+  write_file(bench() / "s.json", with("accuracy", "\"double\""));
+  const tools::ScenePlan plan = planned(bench() / "s.json");
+  ASSERT_EQ(plan.scene.lights.size(), 1U);
+  EXPECT_EQ(plan.scene.lights[0].kind, render::Light::Kind::head);
+  EXPECT_EQ(plan.scene.lights[0].color, Vec3(1, 1, 1));
+  EXPECT_EQ(plan.scene.occlusion.radius, 0);
+  EXPECT_FALSE(plan.scene.fog);
+  EXPECT_FALSE(tools::scene_json(tools::spelled_out(plan)).contains("lights"));
+  EXPECT_FALSE(tools::scene_json(tools::spelled_out(plan)).contains("effects"));
+  write_file(bench() / "s.json", with("lights", R"([{"type": "head"}, {"type": "head", "intensity": 0}])"));
+  EXPECT_THAT(planned(bench() / "s.json").notes, ElementsAre("light 1 shines with no intensity: not traced"));
 }
 
 TEST(SceneSchema, is_the_published_one) {
@@ -357,6 +445,9 @@ TEST(SceneSchema, knows_every_key_and_nothing_else) {
     EXPECT_EQ(kinds[i]["properties"].size(), tools::layer_kinds()[i].rows.size() + 1);
   }
   EXPECT_FALSE(kinds[1]["properties"].contains("isovalue"));
+  const Json& lights = schema["properties"]["lights"]["items"]["oneOf"];
+  ASSERT_EQ(lights.size(), tools::light_kinds().size());
+  EXPECT_EQ(lights[2]["required"], Json({"type", "position"}));
   EXPECT_EQ(schema["properties"]["camera"]["properties"]["elevation"]["maximum"], 90);
 }
 

@@ -325,6 +325,7 @@ int run(RenderCommand& command) {
   const Stopwatch opening;
   drawn.plan = plan_layers(wishes);
   if (command.explain) {
+    aim_camera(wishes, drawn.plan);
     display.clear();
     const Json explanation = explained(wishes, drawn.plan);
     if (command.common.json)

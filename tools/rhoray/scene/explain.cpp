@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "render/called_for.h"
+#include "tools/rhoray/measure.h"
 #include "tools/rhoray/method_words.h"
 #include "tools/rhoray/scene/tables.h"
 
@@ -49,6 +50,24 @@ Json explained_layer(const SceneWishes& wishes, const ScenePlan& plan, std::size
   return json;
 }
 
+std::string vector_text(const Vec3& v) {
+  return concat("(", rounded(v.x, 3), ", ", rounded(v.y, 3), ", ", rounded(v.z, 3), ")");
+}
+
+/// directional, from (0.6, -0.6, 0.5), casts shadows
+std::string light_text(const render::Light& light) {
+  const std::string brightness = concat(", colour ", vector_text(light.color));
+  switch (light.kind) {
+    case render::Light::Kind::head:
+      return "at the eye" + brightness;
+    case render::Light::Kind::directional:
+      return concat("from ", vector_text(light.place), brightness, light.casts_shadows ? ", casts shadows" : "");
+    case render::Light::Kind::point:
+      return concat("at ", vector_text(light.place), brightness, light.casts_shadows ? ", casts shadows" : "");
+  }
+  return {};
+}
+
 bool is_opened(const DataWish& data, const ScenePlan& plan) {
   return std::any_of(plan.data.begin(), plan.data.end(), [&](const DataWish& each) { return each.name == data.name; });
 }
@@ -56,7 +75,8 @@ bool is_opened(const DataWish& data, const ScenePlan& plan) {
 }  // namespace
 
 Json explained(const SceneWishes& wishes, const ScenePlan& plan) {
-  Json json{{"layers", Json::array()}, {"left_out", plan.notes}};
+  Json json{{"layers", Json::array()}, {"lights", Json::array()}, {"left_out", plan.notes}};
+  for (const render::Light& light : plan.scene.lights) json["lights"].push_back(light_text(light));
   for (std::size_t i = 0; i < plan.scene.layers.size(); ++i) json["layers"].push_back(explained_layer(wishes, plan, i));
   for (std::size_t i = 0; i < wishes.layers.size(); ++i)
     if (!wishes.layers[i].visible)
@@ -81,6 +101,9 @@ std::vector<std::string> explained_lines(const Json& explanation) {
       lines.push_back(concat(effect["called_for"].get<bool>() ? "  " : "  no ", effect["effect"].get<std::string>(),
                              ": ", effect["why"].get<std::string>()));
   }
+  const Json& lights = explanation["lights"];
+  for (std::size_t i = 0; i < lights.size(); ++i)
+    lines.push_back(concat("light ", i, ": ", lights[i].get<std::string>()));
   for (const Json& note : explanation["left_out"]) lines.push_back(note.get<std::string>());
   return lines;
 }

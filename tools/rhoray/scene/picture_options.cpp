@@ -46,9 +46,31 @@ Option above_zero_option(std::string names, std::string value, std::string help,
           }};
 }
 
+Option angles_option(std::string names, std::string help, std::optional<Angles>& out) {
+  return {Option::Kind::value, std::move(names), "AZ,EL", std::move(help), [&out](const std::string& text) {
+            const std::string expected = concat("two angles azimuth,elevation in degrees, elevation from ",
+                                                limits::elevation_deg.lo, " to ", limits::elevation_deg.hi);
+            const std::size_t comma = text.find(',');
+            if (comma == std::string::npos)
+              throw Error(Trouble::usage, concat("found '", text, "'; expected ", expected));
+            Angles angles;
+            read_value(text.substr(0, comma), angles.azimuth_deg);
+            read_value(text.substr(comma + 1), angles.elevation_deg);
+            if (!limits::elevation_deg.contains(angles.elevation_deg))
+              throw Error(Trouble::usage, concat("found '", text, "'; expected ", expected));
+            out = angles;
+          }};
+}
+
 template <class T>
 void replace(std::optional<T>& old, const std::optional<T>& said) {
   if (said) old = said;
+}
+
+/// The lights that options ask for; nothing where they ask for none.
+std::optional<std::vector<LightWish>> lights_of(const PictureOptions& options) {
+  if (!options.shadows && !options.key_light) return std::nullopt;
+  return key_and_fill(options.key_light, options.shadows);
 }
 
 /// A view by a word or angles replaces a place that was given; an angle of view, an orthographic one.
@@ -117,6 +139,21 @@ std::vector<Option> picture_options(PictureOptions& options) {
                            layer.shininess)),
       layers(number_option("--opacity", "O", "Share of the light behind that a surface holds back, 0 to 1; default 1",
                            limits::share, layer.opacity)),
+      flag_option("--shadows",
+                  "A key light, by default from the upper left of the camera, whose light opaque surfaces hold back; a "
+                  "weaker light at the eye fills its shadows. Default one light at the eye, without shadows",
+                  options.shadows),
+      angles_option("--light",
+                    "A key light from where a camera of this azimuth and elevation would stand, with the weaker light "
+                    "at the eye; with --shadows it casts them",
+                    options.key_light),
+      {Option::Kind::flag, "--ao", "",
+       "Ambient occlusion: less light from all sides where opaque surfaces are near, up to a tenth of the diagonal of "
+       "what is shown; 16 rays a hit",
+       [&effects = scene.effects](const std::string&) { effects.occlusion = OcclusionWish{}; }},
+      {Option::Kind::value, "--fog", "A,B",
+       "Surfaces fade into the background with their distance from the eye, from A on; at B nothing of them is left",
+       [&effects = scene.effects](const std::string& text) { read_value(text, effects.fog.emplace().range); }},
       layers(
           value_option("--range", "A,B",
                        "Values shown from black to white in MIP, or from the first colour to the last by --color-by; "
@@ -154,6 +191,7 @@ void refuse_words_of_surfaces(const LayerWish& layer) {
 SceneWishes wishes_of(const PictureOptions& options, const std::filesystem::path& file) {
   SceneWishes wishes = options.wishes;
   wishes.data[0].file = file;
+  wishes.lights = lights_of(options);
   wishes.layers[0].type = options.mode == "mip" ? LayerType::mip : LayerType::isosurface;
   if (!wishes.layers[0].method.empty() && !wishes.accuracy.empty())
     throw Error(Trouble::usage, "--method and --accuracy say the same thing twice: give one of them");
@@ -169,6 +207,9 @@ SceneWishes with_options(SceneWishes document, const PictureOptions& options) {
                 "say it in a layer of the document");
   const SceneWishes& said = options.wishes;
   document.camera = camera_under(document.camera, said.camera);
+  replace(document.lights, lights_of(options));
+  replace(document.effects.occlusion, said.effects.occlusion);
+  replace(document.effects.fog, said.effects.fog);
   replace(document.image.size, said.image.size);
   replace(document.image.background, said.image.background);
   replace(document.image.channels, said.image.channels);

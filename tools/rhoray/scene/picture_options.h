@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tools/rhoray/option_values.h"
+#include "tools/rhoray/scene/lights.h"
 #include "tools/rhoray/scene/wishes.h"
 
 namespace rhoray::tools {
@@ -13,6 +14,8 @@ namespace rhoray::tools {
 struct PictureOptions {
   SceneWishes wishes{.data = std::vector<DataWish>(1), .layers = std::vector<LayerWish>(1)};
   std::string mode = "iso";
+  bool shadows = false;                   ///< the key light casts them
+  std::optional<Angles> key_light;        ///< where it stands
   std::vector<std::string> of_the_layer;  ///< options given that say what is shown and how it looks
 };
 
@@ -22,8 +25,8 @@ std::vector<Option> picture_options(PictureOptions& options);
 /// Wishes of a file. Refuses options that say the same thing twice (Trouble::usage).
 SceneWishes wishes_of(const PictureOptions& options, const std::filesystem::path& file);
 
-/// A document's wishes under these options: size, background, channels, accuracy and camera are replaced. Refuses
-/// options about a layer, which do not say about which (Trouble::usage).
+/// A document's wishes under these options: size, background, channels, accuracy, camera, lights and effects are
+/// replaced. Refuses options about a layer, which do not say about which (Trouble::usage).
 SceneWishes with_options(SceneWishes document, const PictureOptions& options);
 
 }  // namespace rhoray::tools

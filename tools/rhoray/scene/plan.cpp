@@ -8,6 +8,7 @@
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/method_words.h"
 #include "tools/rhoray/scene/document.h"
+#include "tools/rhoray/scene/lights.h"
 #include "tools/rhoray/scene/looks.h"
 #include "tools/rhoray/scene/picture_words.h"
 #include "tools/rhoray/scene/place.h"
@@ -298,7 +299,9 @@ ScenePlan plan_layers(const SceneWishes& wishes) {
   return plan_layers(wishes, [](const DataWish& data) { return load_shown(data.file, data.field); });
 }
 
-void aim_camera(const SceneWishes& wishes, ScenePlan& plan) {
+namespace {
+
+void place_camera(const SceneWishes& wishes, const ShownBox& shown, ScenePlan& plan) {
   const CameraWish& wish = wishes.camera;
   const bool is_document = !wishes.document.empty();
   at_place(root(wishes).at("camera"), [&] {
@@ -312,7 +315,7 @@ void aim_camera(const SceneWishes& wishes, ScenePlan& plan) {
     const double aspect = static_cast<double>(plan.frame.width) / plan.frame.height;
     const bool is_given = wish.position && wish.target && wish.up && (!view.orthographic || wish.orthographic_height);
     render::Camera& camera = plan.scene.camera;
-    camera = render::fit_camera(is_given ? plan.volumes[0].bounds() : shown_box(plan), view, aspect);
+    camera = render::fit_camera(is_given ? plan.volumes[0].bounds() : shown(), view, aspect);
     camera.position = wish.position.value_or(camera.position);
     camera.target = wish.target.value_or(camera.target);
     camera.up = wish.up.value_or(camera.up);
@@ -322,6 +325,28 @@ void aim_camera(const SceneWishes& wishes, ScenePlan& plan) {
       throw Error(Trouble::usage, "the camera has no direction: position, target and up lie on one line",
                   is_document ? "give another \"up\" or \"target\"" : "give another --camera-up or --camera-target");
   });
+}
+
+void place_lights(const SceneWishes& wishes, const ShownBox& shown, ScenePlan& plan) {
+  render::Scene& scene = plan.scene;
+  scene.lights = choose_lights(wishes, scene.camera);
+  scene.occlusion = choose_occlusion(wishes.effects.occlusion, shown);
+  scene.fog = choose_fog(wishes.effects.fog, scene.camera, scene.background, shown);
+  for (std::size_t i = 0; i < scene.lights.size(); ++i)
+    if (scene.lights[i].color == Vec3(0, 0, 0))
+      plan.notes.push_back(concat("light ", i, " shines with no intensity: not traced"));
+}
+
+}  // namespace
+
+void aim_camera(const SceneWishes& wishes, ScenePlan& plan) {
+  std::optional<Box3> box;
+  const ShownBox shown = [&] {
+    if (!box) box = shown_box(plan);
+    return *box;
+  };
+  place_camera(wishes, shown, plan);
+  place_lights(wishes, shown, plan);
 }
 
 SceneWishes spelled_out(const ScenePlan& plan) {
@@ -352,6 +377,8 @@ SceneWishes spelled_out(const ScenePlan& plan) {
     }
     wishes.layers.push_back(std::move(wish));
   }
+  wishes.lights = light_wishes(plan.scene.lights);
+  wishes.effects = effect_wishes(plan.scene);
   wishes.camera.position = camera.position;
   wishes.camera.target = camera.target;
   wishes.camera.up = camera.up;
@@ -370,7 +397,9 @@ SceneWishes spelled_out(const ScenePlan& plan) {
 std::vector<std::string> reproducing_command(const ScenePlan& plan, const std::filesystem::path& output) {
   const SceneWishes wishes = spelled_out(plan);
   std::vector<std::string> words{"rhoray", "render"};
-  if (plan.scene.layers.size() > 1) {
+  const bool needs_document =
+      plan.scene.layers.size() > 1 || wishes.lights || wishes.effects.occlusion || wishes.effects.fog;
+  if (needs_document) {
     words.insert(words.end(), {dump(scene_json(wishes)), "-o", output.string()});
     return words;
   }

@@ -40,14 +40,15 @@ ScenePlan plan_layers(const SceneWishes& wishes, const OpenData& open);
 /// The same, with data opened by load_volume.
 ScenePlan plan_layers(const SceneWishes& wishes);
 
-/// Points the camera: where it is not said, so that all that is shown is seen. Looks at every cell of a mesh.
+/// Points the camera: where it is not said, so that all that is shown is seen. Then places what depends on it: lights,
+/// ambient occlusion, fog. Looks at every cell of a mesh where any of these is fitted to what is shown.
 void aim_camera(const SceneWishes& wishes, ScenePlan& plan);
 
 /// Wishes that say every choice of the plan, so that they are planned to the same picture.
 SceneWishes spelled_out(const ScenePlan& plan);
 
-/// The command that makes this picture again, every choice spelled out: in options for a scene of one layer, else in a
-/// document on the command line.
+/// The command that makes this picture again, every choice spelled out: in options for a scene of one layer under one
+/// white light at the eye, else in a document on the command line.
 std::vector<std::string> reproducing_command(const ScenePlan& plan, const std::filesystem::path& output);
 
 }  // namespace rhoray::tools

@@ -56,71 +56,96 @@ Rows rows_of_projections() {
       row("range", &LayerWish::range, interval_value(), "Values shown from black to white; default the field's range")};
 }
 
-bool has_key(const LayerKind& kind, const std::string& key) {
-  return std::any_of(kind.rows.begin(), kind.rows.end(), [&](const Row<LayerWish>& row) { return row.key == key; });
+Row<LightWish> color_row() {
+  return row("color", &LightWish::color, color_value(), "Default white");
+}
+Row<LightWish> intensity_row() {
+  return row("intensity", &LightWish::intensity, number_within(limits::intensity),
+             "How strong it is; default 1; 0: it is not traced");
+}
+Row<LightWish> shadows_row() {
+  return row("shadows", &LightWish::shadows, yes_or_no(), "true: opaque isosurfaces hold it back; default false");
 }
 
-/// Refuses a key that only layers of other types have.
-void refuse_keys_of_others(const Json& json, const LayerKind& kind, const Reading& at) {
+template <class Object>
+bool has_key(const Kind<Object>& kind, const std::string& key) {
+  return std::any_of(kind.rows.begin(), kind.rows.end(), [&](const Row<Object>& row) { return row.key == key; });
+}
+
+/// Refuses a key that only objects of other types have.
+/// @param noun  what the objects are
+template <class Object>
+void refuse_keys_of_others(const Json& json, const Kind<Object>& kind, std::span<const Kind<Object>> kinds,
+                           const char* noun, const Reading& at) {
   for (const auto& [key, value] : json.items())
-    for (const LayerKind& other : layer_kinds())
+    for (const Kind<Object>& other : kinds)
       if (!has_key(kind, key) && has_key(other, key))
-        throw Error(Trouble::invalid, concat(at.place.at(key).text(), ": found in a layer of type \"", kind.word,
+        throw Error(Trouble::invalid, concat(at.place.at(key).text(), ": found in a ", noun, " of type \"", kind.word,
                                              "\"; expected in one of type \"", other.word, '"'));
 }
 
-const LayerKind& kind_of(const Json& json, const Reading& at) {
+template <class Object>
+const Kind<Object>& kind_said(const Json& json, std::span<const Kind<Object>> kinds, const Reading& at) {
   std::vector<std::string> words;
-  for (const LayerKind& kind : layer_kinds()) words.emplace_back(kind.word);
+  for (const Kind<Object>& kind : kinds) words.emplace_back(kind.word);
   const ValueKind<std::string> type = word_value(words);
   if (!json.contains("type")) refuse_missing_key("type", type.expected, at);
   const std::string word = type.read(json["type"], at.at("type"));
-  return *std::find_if(layer_kinds().begin(), layer_kinds().end(),
-                       [&](const LayerKind& kind) { return word == kind.word; });
+  return *std::find_if(kinds.begin(), kinds.end(), [&](const Kind<Object>& kind) { return word == kind.word; });
 }
 
-LayerWish read_layer(const Json& json, const Reading& at) {
+template <class Object>
+Object read_by_type(const Json& json, std::span<const Kind<Object>> kinds, const char* noun, const Reading& at) {
   if (!json.is_object()) at.place.refuse(json, "an object");
-  const LayerKind& kind = kind_of(json, at);
+  const Kind<Object>& kind = kind_said(json, kinds, at);
   Json rest = json;
   rest.erase("type");
-  refuse_keys_of_others(rest, kind, at);
-  LayerWish layer = read_object(rest, at, kind.rows);
-  layer.type = kind.type;
-  return layer;
+  refuse_keys_of_others(rest, kind, kinds, noun, at);
+  Object object = read_object(rest, at, kind.rows);
+  object.type = kind.type;
+  return object;
 }
 
-Json layer_schema(const LayerKind& kind) {
+template <class Object>
+Json schema_of(const Kind<Object>& kind) {
+  const Json of_rows = schema_of(kind.rows);
   Json schema{{"title", kind.word}, {"description", kind.help}};
-  schema.update(schema_of(kind.rows));
+  schema.update(of_rows);
   schema["properties"] = Json{{"type", {{"const", kind.word}}}};
-  schema["properties"].update(schema_of(kind.rows)["properties"]);
+  schema["properties"].update(of_rows["properties"]);
   schema["required"] = Json::array({"type"});
+  if (of_rows.contains("required"))
+    for (const Json& key : of_rows["required"]) schema["required"].push_back(key);
   return schema;
 }
 
-/// A list of at least one entry and at most most_layers.
-ValueKind<std::vector<LayerWish>> layers_value() {
-  const std::string expected = concat("an array of 1 to ", most_layers, " layers");
-  Json kinds = Json::array();
-  for (const LayerKind& kind : layer_kinds()) kinds.push_back(layer_schema(kind));
-  Json schema{{"type", "array"}, {"minItems", 1}, {"maxItems", most_layers}};
-  schema["items"]["oneOf"] = std::move(kinds);
+/// A list of objects that say their type.
+template <class Object>
+ValueKind<std::vector<Object>> list_by_type(std::span<const Kind<Object>> kinds, const char* noun,
+                                            const Interval<std::size_t>& counts) {
+  const std::string expected = concat("an array of ", counts.lo, " to ", counts.hi, " ", noun, "s");
+  Json schemas = Json::array();
+  for (const Kind<Object>& kind : kinds) schemas.push_back(schema_of(kind));
+  Json schema{{"type", "array"}, {"minItems", counts.lo}, {"maxItems", counts.hi}};
+  schema["items"]["oneOf"] = std::move(schemas);
   return {.expected = expected,
           .schema = std::move(schema),
           .read =
-              [expected](const Json& json, const Reading& at) {
-                if (!json.is_array() || json.empty() || json.size() > most_layers) at.place.refuse(json, expected);
-                std::vector<LayerWish> layers;
-                for (std::size_t i = 0; i < json.size(); ++i) layers.push_back(read_layer(json[i], at.at(i)));
-                return layers;
+              [=](const Json& json, const Reading& at) {
+                if (!json.is_array() || json.size() < counts.lo || json.size() > counts.hi)
+                  at.place.refuse(json, expected);
+                std::vector<Object> list;
+                for (std::size_t i = 0; i < json.size(); ++i)
+                  list.push_back(read_by_type(json[i], kinds, noun, at.at(i)));
+                return list;
               },
           .write =
-              [](const std::vector<LayerWish>& layers) {
+              [=](const std::vector<Object>& list) {
                 Json json = Json::array();
-                for (const LayerWish& layer : layers) {
-                  json.push_back({{"type", kind_of(layer.type).word}});
-                  json.back().update(write_object(layer, kind_of(layer.type).rows));
+                for (const Object& object : list) {
+                  const Kind<Object>& kind = kind_of(object.type, kinds);
+                  json.push_back({{"type", kind.word}});
+                  json.back().update(write_object(object, kind.rows));
                 }
                 return json;
               }};
@@ -170,9 +195,28 @@ std::span<const LayerKind> layer_kinds() {
   return kinds;
 }
 
-const LayerKind& kind_of(LayerType type) {
-  return *std::find_if(layer_kinds().begin(), layer_kinds().end(),
-                       [&](const LayerKind& kind) { return kind.type == type; });
+std::span<const LightKind> light_kinds() {
+  using Type = render::Light::Kind;
+  static const std::vector<LightKind> kinds{
+      {Type::head, "head", "At the eye", {color_row(), intensity_row()}},
+      {Type::directional,
+       "directional",
+       "From one direction, as the sun",
+       {row("direction", &LightWish::direction, vector_value(), "Towards it, in world axes"),
+        row("azimuth", &LightWish::azimuth_deg, number(),
+            "Instead, with \"elevation\": degrees, as those of a camera that stands where the light comes from; "
+            "default 0"),
+        row("elevation", &LightWish::elevation_deg, number_within(limits::elevation_deg), "Likewise; default 0"),
+        row("from", &LightWish::from, word_value({"world", "camera"}),
+            "What the angles count from: \"world\", the default, or \"camera\", where 0 is the eye, azimuth goes to "
+            "the picture's right and elevation up"),
+        color_row(), intensity_row(), shadows_row()}},
+      {Type::point,
+       "point",
+       "In a place; it does not grow weaker with distance",
+       {required(row("position", &LightWish::position, vector_value(), "Where it stands, in world units")), color_row(),
+        intensity_row(), shadows_row()}}};
+  return kinds;
 }
 
 const std::vector<Row<DataWish>>& data_rows() {
@@ -180,6 +224,32 @@ const std::vector<Row<DataWish>>& data_rows() {
       required(row("file", &DataWish::file, file_value(),
                    "Packed file or OpenVDB file; a relative name is one in the document's folder")),
       row("field", &DataWish::field, text_value(), "Default the first field that is not the same everywhere")};
+  return rows;
+}
+
+const std::vector<Row<OcclusionWish>>& occlusion_rows() {
+  static const std::vector<Row<OcclusionWish>> rows{
+      row("samples", &OcclusionWish::samples, whole_number_within(limits::occlusion_samples),
+          "Rays of each hit: more are slower and less grainy; default 16"),
+      row("radius", &OcclusionWish::radius, number_above_zero(),
+          "How far away surfaces hold light back, world units; default a tenth of the diagonal of what is shown")};
+  return rows;
+}
+
+const std::vector<Row<FogWish>>& fog_rows() {
+  static const std::vector<Row<FogWish>> rows{
+      row("color", &FogWish::color, color_value(), "What surfaces fade into; default the background"),
+      row("range", &FogWish::range, interval_value(),
+          "Distances from the eye, world units: up to the first nothing fades, from the second on all; default from "
+          "the nearest of what is shown on, so that its farthest fades by half")};
+  return rows;
+}
+
+const std::vector<Row<EffectsWish>>& effect_rows() {
+  static const std::vector<Row<EffectsWish>> rows{
+      row("ambient_occlusion", &EffectsWish::occlusion, object_value(occlusion_rows()),
+          "Where opaque isosurfaces stand near, less of the ambient light arrives"),
+      row("fog", &EffectsWish::fog, object_value(fog_rows()), "Surfaces fade with distance")};
   return rows;
 }
 
@@ -216,7 +286,12 @@ const std::vector<Row<SceneWishes>>& scene_rows() {
   static const std::vector<Row<SceneWishes>> rows{
       schema_row(),
       required(row("data", &SceneWishes::data, data_value(), "Files and their fields, by names of one's own")),
-      required(row("layers", &SceneWishes::layers, layers_value(), "What is shown")),
+      required(
+          row("layers", &SceneWishes::layers, list_by_type(layer_kinds(), "layer", {1, most_layers}), "What is shown")),
+      row("lights", &SceneWishes::lights, list_by_type(light_kinds(), "light", {0, most_lights}),
+          "What shines; default one white light at the eye"),
+      row("effects", &SceneWishes::effects, object_value(effect_rows()),
+          "Of the whole picture; each that is named is on"),
       row("camera", &SceneWishes::camera, object_value(camera_rows()),
           "From where; default a three-quarter view of all layers"),
       row("image", &SceneWishes::image, object_value(image_rows()), "The picture"),

@@ -13,17 +13,29 @@ namespace rhoray::tools {
 
 const std::vector<Row<SceneWishes>>& scene_rows();
 const std::vector<Row<DataWish>>& data_rows();
+const std::vector<Row<OcclusionWish>>& occlusion_rows();
+const std::vector<Row<FogWish>>& fog_rows();
+const std::vector<Row<EffectsWish>>& effect_rows();
 const std::vector<Row<CameraWish>>& camera_rows();
 const std::vector<Row<ImageWish>>& image_rows();
 
-/// A type of layer, its word in documents, and what may be said about it.
-struct LayerKind {
-  LayerType type;
+/// A type of layer or light, its word in documents, and what may be said about it.
+template <class Object>
+struct Kind {
+  decltype(Object::type) type;
   const char* word;
   const char* help;
-  std::vector<Row<LayerWish>> rows;
+  std::vector<Row<Object>> rows;
 };
+using LayerKind = Kind<LayerWish>;
+using LightKind = Kind<LightWish>;
+
 std::span<const LayerKind> layer_kinds();
-const LayerKind& kind_of(LayerType type);
+std::span<const LightKind> light_kinds();
+
+template <class Object>
+const Kind<Object>& kind_of(decltype(Object::type) type, std::span<const Kind<Object>> kinds) {
+  return *std::find_if(kinds.begin(), kinds.end(), [&](const Kind<Object>& kind) { return kind.type == type; });
+}
 
 }  // namespace rhoray::tools

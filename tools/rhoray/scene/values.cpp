@@ -86,6 +86,20 @@ ValueKind<double> number_above_zero() {
   return kind;
 }
 
+ValueKind<int> whole_number_within(const Interval<int>& limits) {
+  const std::string expected = concat("a whole number from ", limits.lo, " to ", limits.hi);
+  return {.expected = expected,
+          .schema = {{"type", "integer"}, {"minimum", limits.lo}, {"maximum", limits.hi}},
+          .read =
+              [limits, expected](const Json& json, const Reading& at) {
+                const Interval<double> of_doubles{static_cast<double>(limits.lo), static_cast<double>(limits.hi)};
+                if (!json.is_number_integer() || !of_doubles.contains(json.get<double>()))
+                  at.place.refuse(json, expected);
+                return json.get<int>();
+              },
+          .write = [](int value) -> Json { return value; }};
+}
+
 ValueKind<bool> yes_or_no() {
   return {.expected = "true or false",
           .schema = {{"type", "boolean"}},

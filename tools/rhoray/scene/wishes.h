@@ -7,6 +7,7 @@
 
 #include "formats/base/interval.h"
 #include "formats/base/vector.h"
+#include "render/scene.h"
 #include "tools/rhoray/option_values.h"
 
 namespace rhoray::tools {
@@ -54,9 +55,38 @@ struct ImageWish {
   std::optional<bool> hierarchy{};    ///< false: every leaf cell is walked
 };
 
+struct LightWish {
+  render::Light::Kind type = render::Light::Kind::head;
+  std::optional<Vec3> direction{};  ///< towards it
+  std::optional<double> azimuth_deg{}, elevation_deg{};
+  std::string from{};  ///< a word: what the angles count from; empty = the world
+  std::optional<Vec3> position{};
+  std::optional<Color> color{};
+  std::optional<double> intensity{};
+  std::optional<bool> shadows{};
+};
+
+struct OcclusionWish {
+  std::optional<int> samples{};
+  std::optional<double> radius{};  ///< default a share of what is shown
+};
+
+struct FogWish {
+  std::optional<Color> color{};  ///< default the background
+  std::optional<Interval<double>> range{};
+};
+
+/// Of the whole picture.
+struct EffectsWish {
+  std::optional<OcclusionWish> occlusion{};
+  std::optional<FogWish> fog{};
+};
+
 struct SceneWishes {
   std::vector<DataWish> data{};
   std::vector<LayerWish> layers{};
+  std::optional<std::vector<LightWish>> lights{};  ///< default one white light at the eye
+  EffectsWish effects{};
   CameraWish camera{};
   ImageWish image{};
   std::string accuracy{};  ///< of layers that name none; empty = render::default_method
@@ -64,6 +94,7 @@ struct SceneWishes {
 };
 
 inline constexpr std::size_t most_layers = 254;  ///< that a frame takes
+inline constexpr std::size_t most_lights = 64;
 
 /// What numbers may be.
 namespace limits {
@@ -73,6 +104,8 @@ inline constexpr Interval<double> fov_deg{0.001, 179};
 inline constexpr Interval<double> share{0, 1};  ///< ambient, specular, opacity
 inline constexpr Interval<double> shininess{1, 1e4};
 inline constexpr Interval<double> percentile{0, 100};
+inline constexpr Interval<double> intensity{0, 1e4};
+inline constexpr Interval<int> occlusion_samples{1, 4096};
 }  // namespace limits
 
 }  // namespace rhoray::tools
