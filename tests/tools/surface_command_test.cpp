@@ -121,7 +121,7 @@ TEST(SurfaceCommands, refuse_damaged_files) {
   write_file(bench / "changed.rho", changed);
   const RunResult run = bench.rhoray({"render", "changed.rho", "-o", "x.png"});
   EXPECT_EQ(run.exit_code, 4);
-  EXPECT_THAT(run.err, HasSubstr("array 'points'"));
+  EXPECT_THAT(run.err, HasSubstr("arrays points,"));
   EXPECT_EQ(bench.rhoray({"verify", "changed.rho"}).exit_code, 4);
   EXPECT_FALSE(std::filesystem::exists(bench / "x.png"));
 }
