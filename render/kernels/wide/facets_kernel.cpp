@@ -10,6 +10,7 @@
 #include "render/kernels/tet_walk.h"
 #include "render/kernels/wide/facets.h"
 #include "render/kernels/wide/facets_parts.h"
+#include "render/kernels/wide/is_mesh.h"
 #include "render/kernels/wide/kernel_on.h"
 #include "render/volumes/volume.h"
 
@@ -17,10 +18,6 @@ namespace rhoray::render::wide {
 
 namespace {
 
-template <class View>
-inline constexpr bool is_mesh = false;
-template <class T>
-inline constexpr bool is_mesh<TetVolume<T>> = true;
 template <class View>
 inline constexpr bool has_facets = is_mesh<View> || std::is_same_v<View, SurfaceVolume>;
 

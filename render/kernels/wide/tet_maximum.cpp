@@ -7,17 +7,13 @@
 
 #include "render/kernels/compiled_for.h"
 #include "render/kernels/tet_maximum.h"
+#include "render/kernels/wide/is_mesh.h"
 #include "render/kernels/wide/kernel_on.h"
 #include "render/kernels/wide/tet_maximum_parts.h"
 
 namespace rhoray::render::wide {
 
 namespace {
-
-template <class View>
-inline constexpr bool is_mesh = false;
-template <class T>
-inline constexpr bool is_mesh<TetVolume<T>> = true;
 
 /// As the scalar kernel, which comes to a cell when the ray meets its cluster's box.
 template <class View>
