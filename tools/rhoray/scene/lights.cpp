@@ -24,14 +24,18 @@ struct CameraAxes {
   }
 };
 
-/// Towards where a camera of these angles would stand, or in the axes of the camera that there is.
+/// Towards where a camera of these angles would stand, or in the axes of the camera that there is. Multiples of 90
+/// degrees give exact axes.
 Vec3 direction_of(const LightWish& wish, const render::Camera& camera) {
   constexpr double radians_per_degree = std::numbers::pi / 180;
-  const double azimuth = wish.azimuth_deg.value_or(0) * radians_per_degree;
-  const double elevation = wish.elevation_deg.value_or(0) * radians_per_degree;
-  const double right = std::cos(elevation) * std::sin(azimuth), front = std::cos(elevation) * std::cos(azimuth),
-               up = std::sin(elevation);
-  if (wish.from != "camera") return {right, -front, up};
+  const auto cosine = [](double deg) {
+    return std::fmod(std::abs(deg), 180) == 90 ? 0.0 : std::cos(deg * radians_per_degree);
+  };
+  const auto sine = [&](double deg) { return cosine(deg - 90); };
+  const double azimuth = wish.azimuth_deg.value_or(0), elevation = wish.elevation_deg.value_or(0);
+  const double right = cosine(elevation) * sine(azimuth), front = cosine(elevation) * cosine(azimuth),
+               up = sine(elevation);
+  if (wish.from != "camera") return Vec3(right, 0 - front, up);
   const CameraAxes axes(camera);
   return right * axes.right + up * axes.up + front * axes.to_eye;
 }
