@@ -20,14 +20,29 @@ namespace {
 sem_t interrupted;  // a handler may do no more than post it
 std::mutex scratch_mutex;
 std::filesystem::path scratch;  // empty when there is none
+std::mutex request_mutex;
+std::stop_source* request = nullptr;  // of an InterruptRequest
 
 extern "C" void on_interrupt(int) {
   ::sem_post(&interrupted);
 }
 
-void wait_and_end() {
+void wait_for_interrupt() {
   while (::sem_wait(&interrupted) != 0 && errno == EINTR) {
   }
+}
+
+/// False where nobody takes the request, or it was made before.
+bool request_end() {
+  const std::lock_guard lock(request_mutex);
+  if (request == nullptr || !request->request_stop()) return false;
+  std::fputs("\nrhoray: interrupted: writing what there is; once more ends at once\n", stderr);
+  return true;
+}
+
+void wait_and_end() {
+  do wait_for_interrupt();
+  while (request_end());
   const std::lock_guard lock(scratch_mutex);
   std::error_code ignored;
   if (!scratch.empty()) std::filesystem::remove_all(scratch, ignored);
@@ -44,6 +59,17 @@ void end_cleanly_on_interrupt() {
   action.sa_handler = on_interrupt;
   action.sa_flags = SA_RESTART;
   RHORAY_CHECK(::sigaction(SIGINT, &action, nullptr) == 0);
+}
+
+InterruptRequest::InterruptRequest() {
+  const std::lock_guard lock(request_mutex);
+  RHORAY_CHECK(request == nullptr);
+  request = &source_;
+}
+
+InterruptRequest::~InterruptRequest() {
+  const std::lock_guard lock(request_mutex);
+  request = nullptr;
 }
 
 ScratchFolder::ScratchFolder(const std::filesystem::path& inside) {

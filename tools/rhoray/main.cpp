@@ -8,6 +8,6 @@ int main(int argc, char** argv) {
   const Subcommand subcommands[] = {info_subcommand(),   import_subcommand(),   pack_subcommand(),
                                     verify_subcommand(), resample_subcommand(), tetrahedralize_subcommand(),
                                     render_subcommand(), export_subcommand(),   validate_subcommand(),
-                                    bench_subcommand()};
+                                    bench_subcommand(),  accuracy_subcommand()};
   return run_command_line(subcommands, argc, argv);
 }

@@ -1,0 +1,258 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <thread>
+
+#include "tests/tools/workbench.h"
+#include "tools/rhoray/accuracy/gnuplot.h"
+
+namespace rhoray::tests {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+const std::string small = " --size 80x60 --repeat 1 -q";
+
+/// Rows of a CSV file by column; quoted fields hold no line ends here.
+std::vector<std::map<std::string, std::string>> csv_rows(const std::string& text) {
+  std::vector<std::vector<std::string>> lines;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = text.find('\n', at);
+    std::vector<std::string> fields(1);
+    bool is_quoted = false;
+    for (const char letter : text.substr(at, end - at))
+      if (letter == '"')
+        is_quoted = !is_quoted;
+      else if (letter == ',' && !is_quoted)
+        fields.emplace_back();
+      else
+        fields.back() += letter;
+    lines.push_back(std::move(fields));
+    at = end + 1;
+  }
+  std::vector<std::map<std::string, std::string>> rows;
+  for (std::size_t line = 1; line < lines.size(); ++line) {
+    EXPECT_EQ(lines[line].size(), lines[0].size());
+    for (std::size_t c = 0; c < lines[0].size(); ++c) rows.resize(line), rows.back()[lines[0][c]] = lines[line][c];
+  }
+  return rows;
+}
+
+json row_named(const json& results, const std::string& variant, const std::string& group = {}) {
+  for (const json& row : results.at("rows"))
+    if (row.at("variant") == variant && (group.empty() || row.at("group") == group)) return row;
+  throw std::runtime_error("no row " + variant);
+}
+
+json results_of(const Workbench& bench, const std::string& folder) {
+  return json::parse(read_file(bench / (folder + "/results.json")));
+}
+
+void run_well(const Workbench& bench, const std::string& words) {
+  const RunResult run = bench.shell("rhoray accuracy " + words);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+}
+
+TEST(AccuracyReport, measures_a_method_that_is_worse_on_purpose_as_worse) {
+  const Workbench bench;
+  bench.make_ball();
+  run_well(bench, "ball.rho --iso 60 -o out --size 120x90 --repeat 1 -q");
+  const json results = results_of(bench, "out");
+  const json good = row_named(results, "sampled:0.0625+linear"), bad = row_named(results, "sampled:2+linear");
+  for (const char* measure : {"depth_median_cells", "depth_p99_cells", "depth_kept_by_99_cells", "value_median",
+                              "value_p99", "normal_median_deg", "normal_p99_deg", "rmse_of_255", "flip"})
+    EXPECT_GT(bad.at(measure).get<double>(), good.at(measure).get<double>()) << measure;
+  EXPECT_GT(bad.at("missed").get<int>(), good.at("missed").get<int>());
+  const json exact = row_named(results, "exact"), large = row_named(results, "1/2 of the size"),
+             smaller = row_named(results, "1/4 of the size");
+  EXPECT_EQ(exact.at("depth_max_cells"), 0);
+  EXPECT_EQ(exact.at("flip"), 0);
+  EXPECT_GT(smaller.at("flip").get<double>(), large.at("flip").get<double>());
+  EXPECT_TRUE(large.at("depth_p99_cells").is_null()) << "a smaller picture asks other rays";
+  for (const json& row : results.at("rows")) EXPECT_EQ(row.at("judged_pixels").is_null(), row.at("missed").is_null());
+}
+
+TEST(AccuracyReport, says_the_same_in_csv_and_json_and_explains_every_column) {
+  const Workbench bench;
+  bench.make_ball();
+  run_well(bench, "ball.rho --iso 60 -o out" + small);
+  const json results = results_of(bench, "out");
+  EXPECT_EQ(results.at("schema"), "rhoray-accuracy 1");
+  const auto rows = csv_rows(read_file(bench / "out/results.csv"));
+  ASSERT_EQ(rows.size(), results.at("rows").size());
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const json& row = results.at("rows")[r];
+    ASSERT_EQ(row.size(), rows[r].size());
+    for (const auto& [name, value] : row.items()) {
+      const std::string text = value.is_null() ? "" : value.is_string() ? value.get<std::string>() : value.dump();
+      EXPECT_EQ(rows[r].at(name), text) << name;
+    }
+  }
+  ASSERT_EQ(results.at("columns").size(), results.at("rows")[0].size());
+  for (const json& column : results.at("columns"))
+    EXPECT_TRUE(results.at("rows")[0].contains(column.at("name").get<std::string>())) << column;
+  for (const char* fact : {"processor", "compiler", "commit", "command", "seed"})
+    EXPECT_TRUE(results.at("context").contains(fact)) << fact;
+}
+
+TEST(AccuracyReport, is_one_page_that_sends_for_nothing) {
+  const Workbench bench;
+  bench.make_ball();
+  run_well(bench, "ball.rho --iso 60 -o out" + small);
+  const std::string page = read_file(bench / "out/report.html");
+  EXPECT_FALSE(std::regex_search(page, std::regex("https?:|@import|url\\([^#]|<script|<link")));
+  std::size_t pictures = 0;
+  for (std::size_t at = page.find("src="); at != std::string::npos; at = page.find("src=", at + 1), ++pictures)
+    EXPECT_EQ(page.substr(at, 27), "src=\"data:image/png;base64,");
+  EXPECT_GE(pictures, 9U);
+  EXPECT_THAT(page, HasSubstr("Content-Security-Policy\" content=\"default-src 'none'"));
+  EXPECT_THAT(page, HasSubstr("The fastest method that is within"));
+  EXPECT_THAT(page, HasSubstr("rhoray accuracy ball.rho"));
+  if (tools::has_gnuplot()) {
+    EXPECT_THAT(page, HasSubstr("<svg"));
+    for (const char* plot : {"error_time", "wrong_time", "convergence", "distribution", "flip_time"})
+      EXPECT_THAT(read_file(bench / ("out/" + std::string(plot) + ".svg")), HasSubstr("</svg>")) << plot;
+  }
+}
+
+TEST(AccuracyReport, repeats_itself_by_its_command) {
+  const Workbench bench;
+  std::string bumps;
+  for (int i = 0; i < 24 * 24 * 24; ++i)
+    bumps +=
+        static_cast<char>(128 + 80 * std::sin(0.7 * (i % 24)) * std::sin(0.6 * (i / 24 % 24)) - 3 * (i / 576 - 12));
+  write_file(bench / "bumps.raw", bumps);
+  ASSERT_EQ(bench.rhoray({"pack", "bumps.raw", "--raw", "24x24x24:uint8", "-o", "bumps.rho", "-q"}).exit_code, 0);
+  run_well(bench, "bumps.rho --iso 128 --shadows --ao -o out" + small);
+  const json first = results_of(bench, "out");
+  EXPECT_GT(row_named(first, "1 rays a hit").at("flip"), row_named(first, "256 rays a hit").at("flip"));
+  const RunResult again = bench.shell(first.at("context").at("command").get<std::string>() + " --force -q");
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  const json second = results_of(bench, "out");
+  ASSERT_EQ(first.at("rows").size(), second.at("rows").size());
+  for (std::size_t r = 0; r < first.at("rows").size(); ++r)
+    for (const char* measure : {"variant", "missed", "depth_max_cells", "value_max", "normal_max_deg", "flip"})
+      EXPECT_EQ(first.at("rows")[r].at(measure), second.at("rows")[r].at(measure)) << measure;
+}
+
+TEST(AccuracyReport, is_complete_without_gnuplot_and_names_the_package) {
+  const Workbench bench;
+  bench.make_ball();
+  const RunResult run =
+      bench.shell("PATH=/nowhere " RHORAY_PROGRAM " accuracy ball.rho --iso 60 -o out --size 80x60 --repeat 1");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(line_after(run.err, "note: no plots were drawn"), HasSubstr("gnuplot-nox"));
+  const std::string page = read_file(bench / "out/report.html");
+  EXPECT_THAT(page, HasSubstr("gnuplot-nox"));
+  EXPECT_EQ(page.find("<svg"), std::string::npos);
+  EXPECT_EQ(csv_rows(read_file(bench / "out/results.csv")).size(), results_of(bench, "out").at("rows").size());
+}
+
+TEST(AccuracyReport, measures_largest_values_and_meshes) {
+  const Workbench bench;
+  bench.make_ball();
+  bench.make_box();
+  run_well(bench, "ball.rho --mode mip -o mip" + small);
+  const json mip = results_of(bench, "mip");
+  EXPECT_EQ(row_named(mip, "exact").at("value_max"), 0);
+  EXPECT_LE(row_named(mip, "double").at("value_max"), 1e-9);
+  EXPECT_GT(row_named(mip, "sampled:2+linear").at("value_median"),
+            row_named(mip, "sampled:0.25+linear").at("value_median"));
+  EXPECT_THAT(row_named(mip, "8 bits").at("note").get<std::string>(), HasSubstr("whole numbers of 8 bits"));
+
+  run_well(bench, "box.rho --field length --iso 0.8 -o mesh --time-limit 30" + small);
+  const json mesh = results_of(bench, "mesh");
+  EXPECT_LE(row_named(mesh, "double").at("depth_max_cells"), 1e-9);
+  EXPECT_GT(row_named(mesh, "grid 32").at("depth_median_cells"), row_named(mesh, "grid 128").at("depth_median_cells"));
+  EXPECT_GT(row_named(mesh, "grid 32").at("preprocess_s"), 0);
+  EXPECT_GT(row_named(mesh, "OpenVDB 64").at("judged_pixels"), 0);
+  EXPECT_EQ(row_named(mesh, "smooth normals").at("missed"), nullptr);
+  EXPECT_GT(row_named(mesh, "smooth normals").at("normal_p99_deg"), 0);
+}
+
+TEST(AccuracyReport, measures_copies_with_fewer_bits_against_the_data_they_are_made_from) {
+  const Workbench bench;
+  bench.make_ball_raw();
+  std::string bytes = read_file(bench / "ball.raw");
+  bytes[0] = '\xff';  // the range is 0 to 255, and both copies hold every whole number of it
+  write_file(bench / "ball.raw", bytes);
+  ASSERT_EQ(
+      bench.rhoray({"pack", "ball.raw", "--raw", "24x24x24:uint8", "--type", "F32", "-o", "f.rho", "-q"}).exit_code, 0);
+  run_well(bench, "f.rho --iso 60.3 -o out" + small);
+  const json results = results_of(bench, "out");
+  for (const char* bits : {"8 bits", "16 bits"}) {
+    EXPECT_LE(row_named(results, bits).at("depth_p99_cells"), 1e-5) << bits;
+    EXPECT_EQ(row_named(results, bits).at("missed"), 0) << bits;
+  }
+}
+
+TEST(AccuracyReport, looks_at_layers_one_by_one) {
+  const Workbench bench;
+  bench.make_ball();
+  run_well(bench, "ball.rho --iso 60,120 --opacity 0.5 -o out" + small);
+  const json results = results_of(bench, "out");
+  ASSERT_EQ(results.at("layers").size(), 2U);
+  EXPECT_THAT(results.at("layers")[1].at("layer").get<std::string>(), HasSubstr("isosurface 120"));
+  EXPECT_EQ(results.at("rows").size() % 2, 0U);
+  EXPECT_TRUE(std::filesystem::exists(bench / "out/layer2_true.png"));
+}
+
+TEST(AccuracyReport, is_complete_after_an_interrupt) {
+  const Workbench bench;
+  bench.make_ball();
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::setenv("PATH", "/nowhere", 1);  // plots take most of the time of small pictures
+    if (::chdir(bench.path().c_str()) == 0)
+      ::execl(RHORAY_PROGRAM, "rhoray", "accuracy", "ball.rho", "--iso", "60", "-o", "out", "--size", "320x240",
+              "--repeat", "1000", "-q", nullptr);
+    ::_exit(127);
+  }
+  for (int wait = 0; wait < 1200 && !std::filesystem::exists(bench / "out/report.html"); ++wait)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  ::kill(child, SIGINT);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  const json results = results_of(bench, "out");
+  EXPECT_THAT(results.at("stage").get<std::string>(), HasSubstr("Interrupted."));
+  EXPECT_EQ(csv_rows(read_file(bench / "out/results.csv")).size(), results.at("rows").size());
+  EXPECT_GT(results.at("rows").size(), 20U) << "a whole pass";
+  EXPECT_THAT(read_file(bench / "out/report.html"), testing::EndsWith("</html>\n"));
+  for (const auto& entry : std::filesystem::directory_iterator(bench / "out"))
+    EXPECT_FALSE(entry.is_directory()) << entry.path() << ": passing files are left";
+}
+
+TEST(AccuracyReport, refuses_what_cannot_be_studied_in_one_line) {
+  const Workbench bench;
+  bench.make_ball();
+  std::filesystem::create_directory(bench / "full");
+  write_file(bench / "full/something", "x");
+  write_file(bench / "file", "x");
+  const auto refused = [&](const std::string& words, int exit_code, const std::string& fact) {
+    const RunResult run = bench.shell("rhoray accuracy " + words + " --size 40x30");
+    EXPECT_EQ(run.exit_code, exit_code) << words;
+    EXPECT_THAT(run.err, HasSubstr(fact)) << words;
+  };
+  refused("ball.rho", 2, "-o: missing");
+  refused("ball.rho --iso 1000 -o out", 2, "1000");
+  refused("ball.rho --iso 60 -o full", 2, "is not empty");
+  refused("ball.rho --iso 60 -o file", 2, "is not a folder");
+  refused("ball.rho --iso 60 -o no/such/folder", 2, "the folder cannot be made");
+  refused("ball.rho --iso 60 -o /proc/accuracy", 5, "the folder cannot be made");
+  refused("nothing.rho --iso 60 -o out", 3, "nothing.rho");
+  refused("ball.rho --iso 60 --repeat 0 -o out", 2, "--repeat");
+  refused("ball.rho --iso 60 --camera-position 0,0,500 --camera-target 0,0,1000 --camera-up 0,1,0 -o out", 2,
+          "none of 1,200 rays meets anything");
+  EXPECT_EQ(read_file(bench / "full/something"), "x");
+}
+
+}  // namespace
+}  // namespace rhoray::tests

@@ -1,0 +1,313 @@
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+
+#include "formats/base/trouble.h"
+#include "tools/rhoray/accuracy/pages.h"
+#include "tools/rhoray/accuracy/results.h"
+#include "tools/rhoray/accuracy/study.h"
+#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/damage.h"
+#include "tools/rhoray/interrupt.h"
+#include "tools/rhoray/measure.h"
+#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/scene/document.h"
+#include "tools/rhoray/scene/picture_options.h"
+#include "tools/rhoray/scene/plan.h"
+#include "tools/rhoray/subcommands.h"
+#include "tools/rhoray/threads.h"
+#include "tools/rhoray/version.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+struct AccuracyCommand {
+  CommonOptions common;
+  std::filesystem::path input;
+  PictureOptions picture;
+  std::uint64_t seed = 1;
+  double time_limit_s = 600;
+  int repeat = 5;
+};
+
+constexpr PictureSize default_size{.width = 640, .height = 480};
+constexpr int coarse_shrink = 4;
+constexpr double coarse_pixels = 40'000;  ///< a picture with no more needs no coarse pass
+
+/// Options of a picture that mean nothing where every method is tried and colours are compared.
+bool is_of_one_picture(const std::string& names) {
+  return names == "--accuracy" || names == "--method" || names == "--channels" || names == "--show";
+}
+
+std::vector<Option> study_picture_options(PictureOptions& picture) {
+  std::vector<Option> rows = picture_options(picture);
+  std::erase_if(rows, [](const Option& row) { return is_of_one_picture(row.names); });
+  return rows;
+}
+
+SceneWishes wishes_of(const AccuracyCommand& command) {
+  SceneWishes wishes;
+  if (is_scene_document(command.input)) {
+    const SceneDocument document = read_scene(command.input);
+    for (const std::string& warning : document.warnings) say(command.common, concat("warning: ", warning));
+    wishes = with_options(document.wishes, command.picture);
+  } else {
+    wishes = wishes_of(command.picture, command.input);
+  }
+  if (!wishes.image.size) wishes.image.size = default_size;
+  wishes.image.channels.reset();
+  wishes.image.show.reset();
+  return wishes;
+}
+
+void check(const AccuracyCommand& command) {
+  if (command.common.output.empty())
+    throw Error(Trouble::usage, "-o: missing; expected the folder for the results",
+                concat("rhoray accuracy ", command.input.string(), " -o accuracy"));
+  require_within("--time-limit", command.time_limit_s, 1, 1e6);
+  require_within("--repeat", command.repeat, 1, 1000);
+}
+
+void refuse_damage(const ScenePlan& plan, unsigned threads) {
+  for (const render::Volume& volume : plan.volumes) {
+    const std::vector<formats::DamagedBlock> blocks = volume.file().damaged_blocks(threads);
+    if (!blocks.empty())
+      throw Error(Trouble::invalid, concat(volume.file().name(), ": ", damage_text(volume.file(), blocks.front())),
+                  concat("`rhoray verify ", volume.file().name(), "` lists all blocks"));
+  }
+}
+
+/// The command that makes this study again, the picture spelled out.
+std::string study_command(const AccuracyCommand& command, const ScenePlan& plan) {
+  std::vector<std::string> words;
+  const std::vector<std::string> picture = reproducing_command(plan, command.common.output);
+  for (std::size_t i = 0; i < picture.size(); ++i)
+    if (is_of_one_picture(picture[i]))
+      ++i;  // and its value
+    else
+      words.push_back(i == 1 ? "accuracy" : picture[i]);
+  words.insert(words.end(), {"--seed", concat(command.seed), "--repeat", concat(command.repeat), "--time-limit",
+                             concat(command.time_limit_s)});
+  if (command.common.threads != 0) words.insert(words.end(), {"--threads", concat(command.common.threads)});
+  return shell_line(words);
+}
+
+std::string date_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  ::gmtime_r(&now, &parts);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", &parts);
+  return text;
+}
+
+Json facts_of(const AccuracyCommand& command, const ScenePlan& plan) {
+  const Machine machine = this_machine();
+  std::string inputs;
+  for (const DataWish& data : plan.data) inputs += concat(inputs.empty() ? "" : ", ", data.file.filename().string());
+  return {{"input", inputs},
+          {"date", date_now()},
+          {"processor", machine.processor},
+          {"cores", machine.core_count},
+          {"threads", command.common.threads == 0 ? machine.core_count : command.common.threads},
+          {"memory_bytes", machine.memory_bytes},
+          {"system", machine.system},
+          {"version", version()},
+          {"commit", commit()},
+          {"compiler", compiler()},
+          {"seed", command.seed},
+          {"repeat", command.repeat},
+          {"time_limit_s", command.time_limit_s},
+          {"size", {plan.frame.width, plan.frame.height}},
+          {"command", study_command(command, plan)}};
+}
+
+std::string size_text(const PictureSize& size) {
+  return concat(size.width, " x ", size.height);
+}
+
+/// The whole of the work: a coarse pass over all layers, one at the full size, then times again and again.
+class Work {
+ public:
+  Work(const AccuracyCommand& command, const ScenePlan& plan, ProgressDisplay& display, StudyContext& context)
+      : command_(command),
+        display_(display),
+        context_(context),
+        scratch_(command.common.output),
+        folder_(command.common.output, scratch_.path()),
+        size_{plan.frame.width, plan.frame.height} {
+    for (std::size_t layer = 0; layer < plan.scene.layers.size(); ++layer) {
+      if (plan.scene.layers[layer].mode == render::Mode::triangles) {
+        context_.notes.push_back(concat("layer ", layer, " holds triangles, which are shown as they are: left out"));
+        continue;
+      }
+      studies_.push_back(std::make_unique<LayerStudy>(plan, layer, study_options()));
+      layers_.push_back(studies_.back().get());
+    }
+    if (layers_.empty())
+      throw Error(Trouble::usage,
+                  "every layer holds triangles, which are shown as they are: there is nothing to compare");
+  }
+
+  /// False when it was interrupted.
+  bool run() {
+    try {
+      coarse_pass();
+      full_pass();
+      rounds();
+    } catch (const Error& error) {
+      if (error.trouble() != Trouble::interrupted || layers_[0]->result() == nullptr) throw;
+      context_.stage = concat("Interrupted. ", context_.stage);
+      write();
+      return false;
+    }
+    write();
+    return true;
+  }
+
+  const std::vector<const LayerStudy*>& layers() const { return layers_; }
+
+ private:
+  LayerStudyOptions study_options() {
+    LayerStudyOptions options{.seed = command_.seed, .threads = command_.common.threads, .stop = interrupt_.token()};
+    options.forms = {.folder = scratch_.path(),
+                     .memory_limit_bytes = command_.common.memory.bytes,
+                     .seconds = 0.1 * command_.time_limit_s,
+                     .progress = [stop = interrupt_.token()](std::string_view, std::uint64_t, std::uint64_t) {
+                       if (stop.stop_requested()) throw Error(Trouble::interrupted, "interrupted");
+                     }};
+    return options;
+  }
+
+  double seconds_left() const { return command_.time_limit_s - watch_.seconds(); }
+
+  void write() {
+    display_.show("writing");
+    folder_.write(layers_, context_);
+    written_s_ = watch_.seconds();
+  }
+  void write_now_and_then() {
+    constexpr double pause_s = 15;
+    if (watch_.seconds() - written_s_ > pause_s) write();
+  }
+
+  void coarse_pass() {
+    if (static_cast<double>(size_.width) * size_.height <= coarse_pixels) return;
+    const PictureSize size{std::max(1, size_.width / coarse_shrink), std::max(1, size_.height / coarse_shrink)};
+    context_.stage =
+        concat("A coarse pass, ", size_text(size), " pixels; the picture's own size is ", size_text(size_), ".");
+    pass("coarse pass", size, 0.03 * command_.time_limit_s);
+    write();
+  }
+
+  void full_pass() {
+    pass("full size", size_, 0.15 * std::max(1.0, seconds_left()) / static_cast<double>(layers_.size()));
+    context_.stage.clear();
+    write();
+  }
+
+  void pass(const char* name, const PictureSize& size, double judge_seconds) {
+    std::size_t layers_left = studies_.size();
+    for (const auto& study : studies_) {
+      const double seconds = std::max(1.0, 0.7 * seconds_left()) / static_cast<double>(layers_left--);
+      const std::string phase = concat(name, ", ", size_text(size), ", ", study->name());
+      display_.show(phase, 0, study->variants().size());
+      study->pass({.size = size,
+                   .judge_seconds = judge_seconds,
+                   .seconds = seconds,
+                   .variant_seconds = 0.03 * command_.time_limit_s / static_cast<double>(studies_.size()),
+                   .variant_done = [&](std::size_t done) {
+                     display_.show(phase, done, study->variants().size());
+                     write_now_and_then();
+                     display_.show(phase, done, study->variants().size());
+                   }});
+    }
+  }
+
+  /// Every variant is drawn once in each round, so that what else runs on the machine meets all of them.
+  void rounds() {
+    for (int round = 2; round <= command_.repeat && seconds_left() > 0; ++round) {
+      const std::string phase = concat("round ", round, " of ", command_.repeat);
+      for (const auto& study : studies_) {
+        const std::size_t count = study->result()->rows.size();
+        for (std::size_t row = 0; row < count; ++row) {
+          display_.show(phase, row, count);
+          const double foreseen = study->foreseen_s(row);
+          if (foreseen > 0 && foreseen < 0.1 * seconds_left()) study->time_again(row);
+          write_now_and_then();
+        }
+      }
+    }
+  }
+
+  const AccuracyCommand& command_;
+  ProgressDisplay& display_;
+  StudyContext& context_;
+  Stopwatch watch_;
+  InterruptRequest interrupt_;
+  ScratchFolder scratch_;
+  ResultsFolder folder_;
+  PictureSize size_;
+  std::vector<std::unique_ptr<LayerStudy>> studies_;
+  std::vector<const LayerStudy*> layers_;
+  double written_s_ = 0;
+};
+
+int run(AccuracyCommand& command) {
+  check(command);
+  const SceneWishes wishes = wishes_of(command);
+  const ThreadLimit limit(command.common.threads);
+  ProgressDisplay display(command.common);
+  display.show(concat("opening ", wishes.data[0].file.string()));
+  ScenePlan plan = plan_layers(wishes);
+  aim_camera(wishes, plan);
+  refuse_damage(plan, command.common.threads);
+  require_results_folder(command.common.output, command.common.force);
+
+  StudyContext context{.facts = facts_of(command, plan), .stage = {}, .notes = plan.notes};
+  Work work(command, plan, display, context);
+  const bool is_whole = work.run();
+  display.clear();
+  if (command.common.json)
+    std::puts(dump(results_json(work.layers(), context)).c_str());
+  else
+    for (const LayerStudy* layer : work.layers()) {
+      std::puts(concat(layer->name(), ":").c_str());
+      for (const std::string& sentence : conclusions_of(*layer)) std::puts(concat("  ", sentence).c_str());
+    }
+  for (const std::string& note : context.notes) say(command.common, concat("note: ", note));
+  say(command.common, concat("report: ", (command.common.output / "report.html").string()));
+  return is_whole ? 0 : static_cast<int>(Trouble::interrupted);
+}
+
+}  // namespace
+
+Subcommand accuracy_subcommand() {
+  const auto command = std::make_shared<AccuracyCommand>();
+  return {
+      .name = "accuracy",
+      .summary = "What accuracy costs in time: every method on your own data, against the exact answer",
+      .examples =
+          "  rhoray accuracy head.rho --iso 500 -o head_accuracy\n"
+          "  rhoray accuracy torso.json -o torso_accuracy --size 1280x720 --time-limit 1800\n"
+          "  rhoray accuracy pet.rho --mode mip -o pet_accuracy\n"
+          "Writes results.csv, results.json, report.html (one page that needs nothing beside it), pictures and, where\n"
+          "gnuplot is installed, plots. They are there after the first pass, a coarse one, and are written again as\n"
+          "figures come in; an interrupt ends with a complete report of what there is.\n",
+      .options = all_options(
+          {{file_option("FILE", "Packed file, OpenVDB file (.vdb), or scene document (.json)", command->input)},
+           output_options(command->common, "Folder for the results; it is made if it is not there"),
+           study_picture_options(command->picture),
+           {value_option("--seed", "N", "Of the random numbers that choose pixels; default 1", command->seed),
+            value_option("--repeat", "N", "How often every variant is timed; default 5", command->repeat),
+            value_option("--time-limit", "S",
+                         "Seconds to work; what does not fit is left out, and said so; default 600",
+                         command->time_limit_s)},
+           threads_option(command->common),
+           memory_option(command->common, "A copy of the data that takes more is left out; default half the machine's"),
+           message_options(command->common, "The results as one JSON document on stdout")}),
+      .run = [command] { return run(*command); }};
+}
+
+}  // namespace rhoray::tools

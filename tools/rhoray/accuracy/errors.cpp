@@ -1,0 +1,69 @@
+#include "tools/rhoray/accuracy/errors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace rhoray::tools {
+
+namespace {
+
+template <class T>
+double quantile(const std::vector<T>& sorted, double share) {
+  return static_cast<double>(sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]);
+}
+
+template <class T>
+std::optional<Quantiles> of_sorted(const std::vector<T>& sorted) {
+  if (sorted.empty()) return std::nullopt;
+  return Quantiles{quantile(sorted, 0.5), quantile(sorted, 0.99), quantile(sorted, 1)};
+}
+
+}  // namespace
+
+std::optional<Quantiles> quantiles_of(std::vector<double> values) {
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });
+  std::sort(values.begin(), values.end());
+  return of_sorted(values);
+}
+
+Share share_of(std::uint64_t count, std::uint64_t looked_at, bool are_all) {
+  if (looked_at == 0) return {0, 0, 1};
+  const double n = static_cast<double>(looked_at), p = static_cast<double>(count) / n;
+  if (are_all) return {p, p, p};
+  constexpr double z = 1.959963984540054;  // 97.5 % of the normal distribution
+  const double middle = (p + z * z / (2 * n)) / (1 + z * z / n);
+  const double half = z / (1 + z * z / n) * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n));
+  return {p, count == 0 ? 0 : std::max(0.0, middle - half), count == looked_at ? 1 : std::min(1.0, middle + half)};
+}
+
+ErrorCounts count_errors(const ErrorList& list) {
+  ErrorCounts counts{.rays = list.errors.size()};
+  for (const float error : list.errors) {
+    if (std::isnan(error)) continue;
+    counts.missed += error == is_missed;
+    counts.false_hits += error == is_false;
+    counts.true_hits += error != is_false;
+    if (std::isfinite(error)) counts.sorted.push_back(error);
+  }
+  std::sort(counts.sorted.begin(), counts.sorted.end());
+  counts.error = of_sorted(counts.sorted);
+  counts.value_error = quantiles_of(list.value_errors);
+  return counts;
+}
+
+double ErrorCounts::within(double limit) const {
+  const std::uint64_t seen = true_hits + false_hits;
+  if (seen == 0) return 1;
+  const auto beyond = std::upper_bound(sorted.begin(), sorted.end(), static_cast<float>(limit));
+  return static_cast<double>(beyond - sorted.begin()) / static_cast<double>(seen);
+}
+
+double ErrorCounts::kept_by(double share) const {
+  const std::uint64_t seen = true_hits + false_hits;
+  if (seen == 0) return 0;
+  const auto at = static_cast<std::size_t>(std::ceil(share * static_cast<double>(seen))) - 1;
+  return at < sorted.size() ? static_cast<double>(sorted[at]) : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace rhoray::tools

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tools/rhoray/accuracy/results.h"
+
+namespace rhoray::tools {
+
+/// Refuses a folder that cannot be made, and one with anything in it unless told to go ahead (Trouble::usage).
+void require_results_folder(const std::filesystem::path& folder, bool may_replace);
+
+/// Writes what a study has found out so far into a folder, again and again; every file is whole at any time:
+/// results.csv, results.json, report.html, and for each layer plots (.svg) and pictures (.png).
+class ResultsFolder {
+ public:
+  /// @param passing  a folder for passing files
+  ResultsFolder(std::filesystem::path folder, std::filesystem::path passing);
+
+  /// Adds a note where gnuplot fails; then the tables and the page are there without plots.
+  void write(const std::vector<const LayerStudy*>& layers, StudyContext& context);
+
+ private:
+  struct Figure {
+    std::string title, caption, body;  ///< HTML
+  };
+  std::vector<Figure> plots(const LayerStudy& layer, const std::string& prefix, StudyContext& context);
+  std::vector<Figure> pictures(const LayerStudy& layer, const std::string& prefix);
+  std::string picture(const render::Framebuffer& pixels, const std::string& name, const std::string& description);
+  std::string layer_section(const LayerStudy& layer, const std::string& prefix, StudyContext& context);
+
+  std::filesystem::path folder_, passing_;
+  bool has_gnuplot_ = true;                                                      ///< until it turns out not to
+  std::map<std::string, std::pair<const void*, std::vector<Figure>>> pictures_;  ///< by layer: of which pass
+};
+
+}  // namespace rhoray::tools

@@ -1,0 +1,162 @@
+#include "tools/rhoray/accuracy/truth.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <thread>
+
+#include "formats/base/checks.h"
+#include "formats/base/trouble.h"
+#include "tools/rhoray/cpu_meter.h"
+#include "tools/rhoray/measure.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+using render::Hit;
+using render::Ray;
+using render::RayQuestions;
+
+void end_if_asked(const std::stop_token& stop) {
+  if (stop.stop_requested()) throw Error(Trouble::interrupted, "interrupted");
+}
+
+constexpr std::size_t rays_at_a_time = 4096;  // an interrupt waits for so many
+
+void answer_crossings(const Asking& asking, std::span<const Ray> rays, std::span<Hit> hits) {
+  RayQuestions questions(asking.volume, asking.isovalue, asking.method, asking.threads);
+  for (std::size_t first = 0; first < rays.size(); first += rays_at_a_time) {
+    end_if_asked(asking.stop);
+    const std::size_t count = std::min(rays_at_a_time, rays.size() - first);
+    questions.first_crossings(rays.subspan(first, count), hits.subspan(first, count));
+  }
+}
+
+/// Each thread asks for itself: the search keeps what it knows from ray to ray, and the answers do not depend on it.
+void answer_largest(const Asking& asking, std::span<const Ray> rays, std::span<Hit> hits) {
+  constexpr std::size_t piece = 512;
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    RayQuestions questions(asking.volume, asking.isovalue, asking.method);
+    for (std::size_t first = next.fetch_add(piece); first < rays.size() && !asking.stop.stop_requested();
+         first = next.fetch_add(piece)) {
+      const std::size_t count = std::min(piece, rays.size() - first);
+      questions.largest_values(rays.subspan(first, count), hits.subspan(first, count));
+    }
+  };
+  const unsigned threads = asking.threads != 0 ? asking.threads : std::max(1u, this_machine().core_count);
+  {
+    std::vector<std::jthread> workers;
+    for (unsigned thread = 1; thread < threads; ++thread) workers.emplace_back(work);
+    work();
+  }
+  end_if_asked(asking.stop);
+}
+
+/// All pixels in random order. The generator's numbers are the standard's, so a seed is the same order everywhere.
+std::vector<std::uint32_t> shuffled_pixels(std::uint64_t count, std::uint64_t seed) {
+  RHORAY_CHECK(count <= std::numeric_limits<std::uint32_t>::max());
+  std::vector<std::uint32_t> pixels(count);
+  std::iota(pixels.begin(), pixels.end(), 0U);
+  std::mt19937_64 random(seed);
+  for (std::size_t left = pixels.size(); left > 1; --left) std::swap(pixels[left - 1], pixels[random() % left]);
+  return pixels;
+}
+
+}  // namespace
+
+std::vector<Hit> answers(const Asking& asking, std::span<const Ray> rays) {
+  std::vector<Hit> hits(rays.size());
+  if (asking.mode == render::Mode::mip)
+    answer_largest(asking, rays, hits);
+  else
+    answer_crossings(asking, rays, hits);
+  return hits;
+}
+
+std::vector<Ray> rays_of(const render::Volume& volume, const render::Camera& camera, const PictureSize& size,
+                         std::span<const std::uint32_t> pixels) {
+  std::vector<Ray> all = render::camera_rays(volume, camera, size.width, size.height);
+  if (pixels.size() == all.size()) return all;
+  std::vector<Ray> rays;
+  rays.reserve(pixels.size());
+  for (const std::uint32_t pixel : pixels) rays.push_back(all[pixel]);
+  return rays;
+}
+
+std::uint64_t Truth::hit_count() const {
+  return static_cast<std::uint64_t>(
+      std::count_if(hits.begin(), hits.end(), [](const Hit& hit) { return !hit.is_miss(); }));
+}
+
+Truth find_truth(const TruthWish& wish) {
+  Truth truth{.size = wish.size};
+  std::vector<std::uint32_t> order = shuffled_pixels(truth.pixel_count(), wish.seed);
+  order.resize(std::min<std::size_t>(order.size(), wish.most_pixels));
+  const Asking asking{.volume = wish.volume,
+                      .mode = wish.layer.mode,
+                      .isovalue = wish.layer.isovalue,
+                      .method = render::method_of(render::Accuracy::exact),
+                      .threads = wish.threads,
+                      .stop = wish.stop};
+  const Stopwatch watch;
+  CpuMeter meter;
+  std::vector<Hit> hits;  // in that order
+  const std::vector<Ray> rays = rays_of(wish.volume, wish.camera, wish.size, order);
+  const bool is_ordered = order.size() == truth.pixel_count();  // rays_of then gives all in the picture's order
+  std::size_t done = 0;
+  std::vector<Ray> some;
+  truth.cpu_s = meter
+                    .measure([&] {
+                      constexpr std::size_t piece = 4096;
+                      while (done < order.size() && (done == 0 || watch.seconds() < wish.seconds)) {
+                        const std::size_t count = std::min(piece, order.size() - done);
+                        some.clear();
+                        for (std::size_t i = done; i < done + count; ++i)
+                          some.push_back(is_ordered ? rays[order[i]] : rays[i]);
+                        const std::vector<Hit> found = answers(asking, some);
+                        hits.insert(hits.end(), found.begin(), found.end());
+                        done += count;
+                      }
+                    })
+                    .cpu_s;
+  std::vector<std::size_t> rising(done);
+  std::iota(rising.begin(), rising.end(), std::size_t{0});
+  std::sort(rising.begin(), rising.end(), [&](std::size_t a, std::size_t b) { return order[a] < order[b]; });
+  for (const std::size_t i : rising) {
+    truth.pixels.push_back(order[i]);
+    truth.rays.push_back(is_ordered ? rays[order[i]] : rays[i]);
+    truth.hits.push_back(hits[i]);
+    truth.cells_per_t.push_back(hits[i].is_miss() ? 0 : wish.field.cells_per_t(truth.rays.back(), hits[i]));
+  }
+  return truth;
+}
+
+ErrorList errors_against(const Truth& truth, const FieldTruth& field, const render::Layer& layer,
+                         std::span<const Hit> hits) {
+  RHORAY_CHECK(hits.size() == truth.hits.size());
+  const bool is_projection = layer.mode == render::Mode::mip;
+  ErrorList list;
+  list.errors.reserve(hits.size());
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const Hit &is = truth.hits[i], &said = hits[i];
+    if (is.is_miss() || said.is_miss()) {
+      list.errors.push_back(is.is_miss() && said.is_miss() ? nothing_there : is.is_miss() ? is_false : is_missed);
+      continue;
+    }
+    if (is_projection) {
+      list.value_errors.push_back(std::abs(said.value - is.value));
+      list.errors.push_back(static_cast<float>(list.value_errors.back()));
+      continue;
+    }
+    list.errors.push_back(static_cast<float>(std::abs(said.t - is.t) * truth.cells_per_t[i]));
+    if (const auto value = field.value(truth.rays[i], is, layer.isovalue, said.t))
+      list.value_errors.push_back(std::abs(*value - layer.isovalue));
+  }
+  return list;
+}
+
+}  // namespace rhoray::tools
