@@ -111,8 +111,10 @@ class TetCells {
         const VecD moved = hn::Mul(hn::Sub(x, at_w), scale), four = hn::Set(doubles, 4.0);
         return hn::DemoteTo(half_floats, hn::Max(hn::Min(moved, four), hn::Neg(four)));
       };
-      hn::Store(along(begin), half_floats, scratch_.local_begin + r);
-      hn::Store(along(end), half_floats, scratch_.local_end + r);
+      if (!group_.go_through) {
+        hn::Store(along(begin), half_floats, scratch_.local_begin + r);
+        hn::Store(along(end), half_floats, scratch_.local_end + r);
+      }
       const VecD reached = hn::Load(doubles, scratch_.reached + r);
       in_reach |= bits_of(doubles, hn::And(hn::Le(reached, hn::Set(doubles, local.highest)),
                                            hn::And(hn::Le(begin, high_w), hn::Ge(end, low_w))))
@@ -383,14 +385,11 @@ class TetCells {
   /// Bounds of the values of suspects; the lower ones raise the rays' levels.
   HWY_NOINLINE void note(const LocalCluster& local, const Seen& seen, MaskF doubtful, const Corners& at,
                          std::uint64_t cell, std::size_t r) {
-    // Where rays begin and end is off by no more than places are, times in the scalar kernel by as much again.
-    const float margin = 2 * place_error_;
-    const VecF begin = hn::Load(floats, scratch_.local_begin + r), end = hn::Load(floats, scratch_.local_end + r);
-    const float w_high = larger(larger(at.w[0], at.w[1]), larger(at.w[2], at.w[3]));
-    const float w_low = -larger(larger(-at.w[0], -at.w[1]), larger(-at.w[2], -at.w[3]));
-    doubtful = hn::And(doubtful, hn::And(hn::Le(begin, hn::Set(floats, w_high + margin)),
-                                         hn::Ge(end, hn::Set(floats, w_low - margin))));
-    if (hn::AllFalse(floats, doubtful)) return;
+    MaskF whole = doubtful;  // the ray goes through all of the cell
+    if (!group_.go_through) {
+      whole = clip(at, r, doubtful);
+      if (hn::AllFalse(floats, doubtful)) return;
+    }
     const VecF zero = hn::Zero(floats), level = hn::Load(floats, scratch_.level + r);
     const VecF weight_error = hn::Mul(hn::Set(floats, 3.1f), seen.edge_error);
     VecF most = zero, least = zero;
@@ -414,8 +413,6 @@ class TetCells {
       least = hn::Max(least, hn::IfThenElseZero(hn::Or(sure_left, sure_right), low));
     }
     most = hn::Add(hn::Min(hn::Add(level, most), hn::Set(floats, at.largest)), hn::Set(floats, rounded_value));
-    const MaskF whole = hn::And(doubtful, hn::And(hn::Le(begin, hn::Set(floats, w_low - margin)),
-                                                  hn::Ge(end, hn::Set(floats, w_high + margin))));
     const VecF raised =
         hn::Sub(hn::MulAdd(least, hn::Set(floats, 1 - 0x1p-20f), level), hn::Set(floats, rounded_value));
     const MaskF rises = hn::And(whole, hn::Gt(raised, level));
@@ -430,6 +427,20 @@ class TetCells {
       const double most_value = local.lowest + static_cast<double>(most_of[lane]) * local.range + above;
       suspects.add(local.per_range > 0 ? most_value : local.highest, cell, r + lane);
     }
+  }
+
+  /// Takes out of `doubtful` the rays that end before the cell, or begin behind it.
+  /// @return  the others that begin before it and end behind it
+  HWY_INLINE MaskF clip(const Corners& at, std::size_t r, MaskF& doubtful) const {
+    // Where rays begin and end is off by no more than places are, times in the scalar kernel by as much again.
+    const float margin = 2 * place_error_;
+    const VecF begin = hn::Load(floats, scratch_.local_begin + r), end = hn::Load(floats, scratch_.local_end + r);
+    const float w_high = larger(larger(at.w[0], at.w[1]), larger(at.w[2], at.w[3]));
+    const float w_low = -larger(larger(-at.w[0], -at.w[1]), larger(-at.w[2], -at.w[3]));
+    doubtful = hn::And(doubtful, hn::And(hn::Le(begin, hn::Set(floats, w_high + margin)),
+                                         hn::Ge(end, hn::Set(floats, w_low - margin))));
+    return hn::And(doubtful, hn::And(hn::Le(begin, hn::Set(floats, w_low - margin)),
+                                     hn::Ge(end, hn::Set(floats, w_high + margin))));
   }
 
   HWY_INLINE void leave(const LocalCluster& local, std::uint64_t lanes) {

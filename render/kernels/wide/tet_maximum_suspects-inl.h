@@ -93,12 +93,12 @@ class TetDecisions {
 
   /// BoxRay::meet for one box of each ray.
   HWY_INLINE MaskD meets_box(const VecD* origin, const VecD* direction, VecD t_min, VecD t_max) const {
-    const VecD unit = hn::Set(doubles, field_.box_unit), zero = hn::Zero(doubles);
+    const VecD per_unit = hn::Set(doubles, 1 / field_.box_unit), zero = hn::Zero(doubles);  // a power of two
     VecD t_in = hn::Set(doubles, -infinite), t_out = hn::Set(doubles, infinite);
     for (int m = 0; m < 3; ++m) {
       const auto a = static_cast<std::size_t>(axes_[m]);
-      const VecD from = hn::Div(origin[m], unit);
-      const VecD exact = hn::Div(hn::Set(doubles, 1.0), hn::Div(direction[m], unit));
+      const VecD from = hn::Mul(origin[m], per_unit);
+      const VecD exact = hn::Div(hn::Set(doubles, 1.0), hn::Mul(direction[m], per_unit));
       const VecD inverse = hn::IfThenElseZero(is_finite(exact), exact);
       const MaskD moves = hn::Ne(inverse, zero), rises = hn::Gt(inverse, zero);
       const VecD low = hn::PromoteTo(doubles, hn::Load(half_floats, box_[a])),
