@@ -23,10 +23,10 @@ using MaskC = hn::Mask<Codes>;
 inline constexpr Codes codes{};
 
 /// How far a place in a ray's picture plane, in a cluster's frame, is off by what is rounded to single precision, for
-/// rays that meet the cluster's box: with a = 2^-24, by a / 2 for the corner's u, a for slope times w (each off by
-/// a / 2), a for their difference, a for the shift (up to 2), 2 a for the last difference (up to 4); a / 2 more without
-/// fused operations. And by TetRays::place_error.
-inline constexpr float rounded_place = 0x1p-21f;
+/// rays that pass the cluster's box within 2: with a = 2^-24, by a / 2 for the corner's u, a for slope times w (each
+/// off by a / 2), a for their difference, 2 a for the shift (up to 4), 4 a for the last difference (up to 6); a / 2
+/// more without fused operations. And by TetRays::place_error. Others pass all cells by far more than they are off.
+inline constexpr float rounded_place = 0x1p-20f;
 
 /// More than a value, or a level, in a cluster's frame is off by: 2^-25 and 2^-24.
 inline constexpr float rounded_value = 0x1p-22f;
@@ -88,7 +88,7 @@ class TetCells {
   }
 
   /// Shifts and levels of the rays in the cluster's frame.
-  /// @return  the lanes that may meet the box, and have not reached more than its values
+  /// @return  the lanes that may find more than they have reached
   HWY_INLINE std::uint64_t enter(const LocalCluster& local, std::uint64_t lanes) {
     const VecD scale = hn::Set(doubles, local.scale), lowest = hn::Set(doubles, local.lowest);
     const auto center = [&](int axis) { return local.center[axis] - group_.middle[axis]; };
@@ -127,22 +127,7 @@ class TetCells {
     }
     lanes &= in_reach;
     if ((lanes & at_highest) != 0) lanes &= ~satisfied(local, lanes & at_highest);
-    if (lanes == 0) return 0;
-    std::uint64_t met = 0;
-    for (std::size_t r = 0; r < TetScratch::lanes; r += float_lanes) {
-      if ((lanes >> r & pack_bits) == 0) continue;
-      MaskF in = mask_of(floats, lanes >> r);
-      for (int m = 0; m < 2; ++m) {
-        const VecF shift = hn::Load(floats, scratch_.place[m] + r),
-                   slope = hn::Load(floats, scratch_.tree_slope[m] + r);
-        const VecF a = hn::MulAdd(slope, hn::Set(floats, local.low[group_.w]), shift),
-                   b = hn::MulAdd(slope, hn::Set(floats, local.high[group_.w]), shift);
-        in = hn::And(in, hn::And(hn::Ge(hn::Max(a, b), hn::Set(floats, local.low[minor[m]] - place_error_)),
-                                 hn::Le(hn::Min(a, b), hn::Set(floats, local.high[minor[m]] + place_error_))));
-      }
-      met |= bits_of(floats, in) << r;
-    }
-    return met;
+    return lanes;
   }
 
   /// Of each vertex a byte for each pack, with bits for the sides of the pack's rays on which it lies, and for values

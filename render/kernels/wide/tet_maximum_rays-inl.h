@@ -103,7 +103,7 @@ class TetRays {
   float tree_margin;                      ///< likewise in units of boxes, with rounding to single precision
   float group_offset[4], group_slope[4];  ///< bounds of all packs, as their lines, in units of boxes
   float first, last;                      ///< of the ends of all rays, in units of boxes
-  bool go_through;                        ///< all begin and end farther from the mesh, along w, than half its largest side
+  bool go_through;  ///< all begin and end farther from the mesh, along w, than half its largest side
 
  private:
   const TetMaximumField& field_;

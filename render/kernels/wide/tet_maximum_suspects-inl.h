@@ -259,7 +259,10 @@ class TetDecisions {
 class TetSuspects {
  public:
   HWY_INLINE TetSuspects(const TetMaximumField& field, const RayArrays& rays, const TetRays& group, TetScratch& scratch)
-      : field_(field), rays_(rays), group_(group), scratch_(scratch) {}
+      : field_(field), rays_(rays), group_(group), scratch_(scratch) {
+    const double size = field.range.hi - field.range.lo;
+    per_range_ = size > least_range ? 1 / size : 0;
+  }
 
   HWY_INLINE void add(double most, std::uint64_t cell, std::size_t lane) {
     scratch_.suspects[scratch_.suspect_count++] = {most, static_cast<std::uint32_t>(cell),
@@ -286,9 +289,7 @@ class TetSuspects {
 
   HWY_INLINE void raise(std::size_t lane, double reached) {
     scratch_.reached[lane] = reached;
-    const double size = field_.range.hi - field_.range.lo;
-    const double share = size > least_range ? (reached - field_.range.lo) / size : 0;
-    scratch_.reached_share[lane] = static_cast<float>(share) - 0x1p-23f;
+    scratch_.reached_share[lane] = static_cast<float>((reached - field_.range.lo) * per_range_) - 0x1p-23f;
   }
 
  private:
@@ -314,6 +315,7 @@ class TetSuspects {
   const RayArrays& rays_;
   [[maybe_unused]] const TetRays& group_;
   TetScratch& scratch_;
+  double per_range_;
 };
 
 }  // namespace
