@@ -143,6 +143,7 @@ class LayerPlanner {
     layer.volume = volume_of(wishes_, data_of(wishes_, index), open_, plan_);
     const render::Volume& volume = plan_.volumes[layer.volume];
     if (volume.is_surface()) return add_triangles(index, layer);
+    if (wish.type == LayerType::mesh) refuse_fields(index, volume);
     layer.mode = wish.type == LayerType::mip ? render::Mode::mip : render::Mode::isosurface;
     layer.method = choose_method(wishes_, index, layer.mode, volume);
     switch (wish.type) {
@@ -151,7 +152,19 @@ class LayerPlanner {
         return add_isosurfaces(index, layer);
       case LayerType::mip:
         return add_projection(index, layer);
+      case LayerType::mesh:
+        break;
     }
+  }
+
+  /// What is to be triangles, and is not.
+  [[noreturn]] void refuse_fields(std::size_t index, const render::Volume& volume) const {
+    const std::string fact = concat(volume.file().name(), ": is a ", volume.is_mesh() ? "mesh of tetrahedra" : "grid",
+                                    "; expected a packed surface of triangles");
+    throw Error(Trouble::invalid,
+                wishes_.document.empty() ? concat("--mesh: ", fact)
+                                         : concat(layer_place(wishes_, index).at("data").text(), ": ", fact),
+                "its isosurfaces are layers of type \"isosurface\"");
   }
 
   void add_triangles(std::size_t index, render::Layer layer) {
@@ -225,7 +238,7 @@ class LayerPlanner {
   void color_several_surfaces() {
     std::vector<std::size_t> surfaces;
     for (std::size_t i = 0; i < plan_.scene.layers.size(); ++i)
-      if (plan_.scene.layers[i].mode == render::Mode::isosurface) surfaces.push_back(i);
+      if (plan_.scene.layers[i].mode != render::Mode::mip) surfaces.push_back(i);
     if (surfaces.size() < 2) return;
     for (std::size_t i = 0; i < surfaces.size(); ++i) {
       if (wishes_.layers[plan_.origins[surfaces[i]].wish].color) continue;
@@ -362,7 +375,10 @@ SceneWishes spelled_out(const ScenePlan& plan) {
       wish.type = LayerType::mip;
       wish.range = layer.window;
     } else {
-      if (layer.mode == render::Mode::isosurface) wish.isovalues = {concat(layer.isovalue)};
+      if (layer.mode == render::Mode::isosurface)
+        wish.isovalues = {concat(layer.isovalue)};
+      else
+        wish.type = LayerType::mesh;
       wish.color = Color{layer.surface.color};
       wish.normals = word_of(layer.surface.normals, has_flat_normals(plan.volumes[layer.volume]));
       if (const auto& colors = layer.surface.color_by) {

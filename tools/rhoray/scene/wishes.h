@@ -22,7 +22,7 @@ struct DataWish {
   std::string field{};  ///< empty = the first that is not the same everywhere
 };
 
-enum class LayerType { isosurface, mip };
+enum class LayerType { isosurface, mip, mesh };
 
 struct LayerWish {
   LayerType type = LayerType::isosurface;
