@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "render/effects/power.h"
+#include "render/effects/spread_directions.h"
 
 namespace rhoray::tests {
 namespace {
@@ -157,8 +158,14 @@ TEST(EffectsCalledFor, are_read_from_the_scene) {
   scene.lights[1].color = {0, 0, 1};
   set = called_for();
   EXPECT_TRUE(set.lights && set.shadows);
+  EXPECT_FALSE(called_for().soft_shadows) << "a light without a size";
+  scene.lights[1].size = 0.1;
+  EXPECT_TRUE(called_for().soft_shadows);
+  scene.lights[1].casts_shadows = false;
+  EXPECT_FALSE(called_for().soft_shadows) << "no shadows";
+  scene.lights[1].casts_shadows = true;
   scene.layers[0].surface.opacity = 0.5;
-  EXPECT_FALSE(called_for().shadows) << "nothing holds light back";
+  EXPECT_FALSE(called_for().shadows || called_for().soft_shadows) << "nothing holds light back";
   scene.layers.push_back(lit_surface());
   EXPECT_TRUE(called_for().shadows);
   scene.lights = {{}};
@@ -174,14 +181,14 @@ TEST(EffectsCalledFor, are_read_from_the_scene) {
   EXPECT_TRUE(!set.fog && !set.lights && set.intensity);
 }
 
-TEST(OcclusionDirections, lie_around_the_normal_as_the_cosine_weighs) {
+TEST(SpreadDirections, lie_around_the_normal_as_the_cosine_weighs) {
   double height = 0;
   Vec3 sum(0, 0, 0);
   int count = 0;
   for (const Vec3& any : {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(1, 0, 0), Vec3(0.3, -0.7, -1e-9), Vec3(-1, 2, 3)})
     for (std::uint32_t pixel = 0; pixel < 50; ++pixel) {
       const Vec3 normal = any.normalized();
-      const render::OcclusionDirections directions(pixel, 7 * pixel);
+      const render::SpreadDirections directions(pixel, 7 * pixel);
       for (int sample = 0; sample < 32; ++sample, ++count) {
         const Vec3 direction = directions.about(normal, sample);
         EXPECT_NEAR(direction.length(), 1, 1e-12);
@@ -191,6 +198,31 @@ TEST(OcclusionDirections, lie_around_the_normal_as_the_cosine_weighs) {
     }
   EXPECT_NEAR(height / count, 2.0 / 3, 0.003);  // the mean of a cosine that weighs itself
   EXPECT_LT(sum.length() / count, 0.003);
+}
+
+TEST(SpreadDirections, fill_a_cone_evenly) {
+  for (const double cap_height : {1.0, 0.3, 1e-9})
+    for (const Vec3& any : {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(0.3, -0.7, -1e-9)}) {
+      const Vec3 axis = any.normalized();
+      double below = 0, lowest = 0;
+      Vec3 sum(0, 0, 0);
+      int count = 0;
+      for (std::uint32_t pixel = 0; pixel < 50; ++pixel) {
+        const render::SpreadDirections directions(pixel, 7 * pixel);
+        for (int sample = 0; sample < 32; ++sample, ++count) {
+          const Vec3 direction = directions.within(axis, cap_height, sample);
+          EXPECT_NEAR(direction.length(), 1, 1e-12);
+          const Vec3 across = direction - direction.dot(axis) * axis;
+          // 1 - cosine, without the digits that the difference would lose
+          const double height = across.dot(across) / (1 + direction.dot(axis));
+          below += height, lowest = std::max(lowest, height), sum += across;
+        }
+      }
+      EXPECT_NEAR(below / count / cap_height, 0.5, 0.005);
+      EXPECT_LE(lowest, cap_height * (1 + 1e-6));
+      EXPECT_GT(lowest, 0.99 * cap_height);
+      EXPECT_LT(sum.length() / count / std::sqrt(cap_height), 0.005);
+    }
 }
 
 TEST(Shade, lights_a_hit_without_gradient_as_if_it_faced_the_eye) {

@@ -82,6 +82,11 @@ Row<LightWish> intensity_row() {
 Row<LightWish> shadows_row() {
   return row("shadows", &LightWish::shadows, yes_or_no(), "true: opaque isosurfaces hold it back; default false");
 }
+Row<LightWish> samples_row() {
+  return row("samples", &LightWish::samples, whole_number_within(limits::light_samples),
+             "Shadow rays of each hit to points spread over a light that has a size: more are slower and less grainy; "
+             "default 16");
+}
 
 template <class Object>
 bool has_key(const Kind<Object>& kind, const std::string& key) {
@@ -229,12 +234,18 @@ std::span<const LightKind> light_kinds() {
         row("from", &LightWish::from, word_value({"world", "camera"}),
             "What the angles count from: \"world\", the default, or \"camera\", where 0 is the eye, azimuth goes to "
             "the picture's right and elevation up"),
-        color_row(), intensity_row(), shadows_row()}},
+        color_row(), intensity_row(), shadows_row(),
+        row("angular_diameter", &LightWish::angular_diameter_deg, number_within(limits::angular_diameter_deg),
+            "Degrees under which it is seen, for soft edges of shadows (the sun: 0.53); default 0, sharp"),
+        samples_row()}},
       {Type::point,
        "point",
        "In a place; it does not grow weaker with distance",
        {required(row("position", &LightWish::position, vector_value(), "Where it stands, in world units")), color_row(),
-        intensity_row(), shadows_row()}}};
+        intensity_row(), shadows_row(),
+        row("radius", &LightWish::radius, number_from_zero(),
+            "Of the ball that shines, world units, for soft edges of shadows; default 0, sharp"),
+        samples_row()}}};
   return kinds;
 }
 
