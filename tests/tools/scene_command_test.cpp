@@ -282,6 +282,8 @@ TEST(SceneCommand, lights_as_options_do) {
          "intensity": 0.8, "shadows": true}, {"type": "head", "intensity": 0.35}])"},
       {{"--light", "70,10"}, R"("lights": [{"type": "directional", "azimuth": 70, "elevation": 10, "intensity": 0.8},
          {"type": "head", "intensity": 0.35}])"},
+      {{"--light", "70,10", "--light-size", "8"}, R"("lights": [{"type": "directional", "azimuth": 70, "elevation": 10,
+         "intensity": 0.8, "shadows": true, "angular_diameter": 8}, {"type": "head", "intensity": 0.35}])"},
       {{"--ao"}, R"("effects": {"ambient_occlusion": {"samples": 16}})"},
       {{"--fog", "30,90"}, R"("effects": {"fog": {"range": [30, 90]}})"}};
   /// Bytes of p.png: pixels, and the scene and command that it keeps.
@@ -312,6 +314,7 @@ TEST(SceneCommand, refuses_lights_that_make_no_sense) {
   for (const auto& [option, text, fact] : {std::tuple{"--light", "30", "elevation from -90 to 90"},
                                            {"--light", "30,91", "elevation from -90 to 90"},
                                            {"--light", "30,up", "a finite number"},
+                                           {"--light-size", "181", "0 to 180"},
                                            {"--fog", "9,3", "a below b"}}) {
     const RunResult result = bench.rhoray({"render", "ball.rho", option, text, "-o", "p.png"});
     EXPECT_EQ(result.exit_code, 2) << option << " " << text;
@@ -324,6 +327,7 @@ TEST(SceneCommand, counts_rays_towards_lights_only_where_they_are_called_for) {
   bench.make_ball();
   for (const std::vector<std::string>& look : {std::vector<std::string>{},
                                                {"--shadows"},
+                                               {"--light-size", "5"},
                                                {"--ao"},
                                                {"--light", "40,40"},
                                                {"--fog", "1,200"},
@@ -336,7 +340,9 @@ TEST(SceneCommand, counts_rays_towards_lights_only_where_they_are_called_for) {
     EXPECT_EQ(is_called_for(told, "shadows"), counts["shadow_rays"].get<int>() > 0);
     EXPECT_EQ(is_called_for(told, "ambient occlusion"), counts["occlusion_rays"].get<int>() > 0);
     EXPECT_EQ(is_called_for(told, "fog"), !look.empty() && look[0] == "--fog");
-    EXPECT_EQ(told["lights"].size(), !look.empty() && (look[0] == "--shadows" || look[0] == "--light") ? 2U : 1U);
+    EXPECT_EQ(is_called_for(told, "soft shadows"), !look.empty() && look[0] == "--light-size");
+    const bool has_key_light = !look.empty() && (look[0] == "--shadows" || look[0].starts_with("--light"));
+    EXPECT_EQ(told["lights"].size(), has_key_light ? 2U : 1U);
   }
   EXPECT_THAT(bench.rhoray({"render", "ball.rho", "--light", "90,0", "--shadows", "--explain"}).out,
               HasSubstr("light 0: from (1, 0, 0), colour (0.8, 0.8, 0.8), casts shadows\nlight 1: at the eye"));
