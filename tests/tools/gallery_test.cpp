@@ -38,6 +38,12 @@ std::string maker_of(const std::string& file) {
   const std::pair<const char*, const char*> makers[] = {
       {"torso-ct.rho",
        "rhoray-recipes torso-ct --size 192x192x256 -o torso-ct.nhdr && rhoray pack torso-ct.nhdr -o torso-ct.rho -q"},
+      {"pet.rho", "rhoray pack \"$SHARED/volumes/pet_dicom_299slices.zip\" -o pet.rho -q"},
+      {"utahtorso.rho", "rhoray pack \"$SHARED/unstructured/utahtorso/utahtorso-lowres.vtu\" -o utahtorso.rho -q"},
+      {"utahtorso-heart.rho",
+       "rhoray pack \"$SHARED/unstructured/utahtorso/utahtorso-lowres-heart.ply\" -o utahtorso-heart.rho -q"},
+      {"utahtorso-skin.rho",
+       "rhoray pack \"$SHARED/unstructured/utahtorso/utahtorso-lowres-skin.ply\" -o utahtorso-skin.rho -q"},
       {"head-ct.rho", "rhoray pack \"$SHARED/volumes/vhf_ct_head/vhf_ct_head.nhdr\" -o head-ct.rho -q"}};
   for (const auto& [name, maker] : makers)
     if (file == name) return maker;
