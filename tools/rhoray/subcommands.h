@@ -15,6 +15,7 @@ Subcommand render_subcommand();
 Subcommand bench_subcommand();
 Subcommand export_subcommand();
 Subcommand validate_subcommand();
+Subcommand compare_subcommand();
 Subcommand accuracy_subcommand();
 
 }  // namespace rhoray::tools
