@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "render/frame/tiles.h"
 #include "render/frame/worker.h"
 #include "render/kernels/kernels.h"
+#include "render/kernels/wide/facet_blockers.h"
 #include "render/render.h"
 #include "render/volumes/volume.h"
 
@@ -34,6 +36,10 @@ struct FrameLayer {
   Look look;
   Affine volume_from_world;
   std::optional<SurfaceBoxes> boxes{};  ///< nothing is met outside them; none: not known
+  /// By light, what of this layer may hold it back from hits of the same volume: rays that start outside, inside; null
+  /// where not known to be less than all.
+  std::vector<std::array<std::shared_ptr<const wide::FacetBlockers>, 2>> blockers{};
+  wide::BlockerKernel kernel_of_blockers = nullptr;
 };
 
 /// What was chosen once for the frame; nothing here changes while tiles are traced.

@@ -110,26 +110,59 @@ bool is_asked(const LightRays& light, std::size_t first) {
   return std::any_of(t_max, t_max + group_size, [](double t) { return t >= 0; });
 }
 
+/// The side on which all rays of a group start that are asked about; unknown where they differ or one's is.
+StartSide common_side(const LightRays& light, std::size_t first, const FrameLayer& layer, const FrameLayer& of_hits) {
+  bool any[3] = {false, false, false};
+  for (std::size_t i = 0; i < group_size; ++i)
+    if (light.t_max[first + i] >= 0) any[1 + static_cast<int>(side_for(layer, of_hits, light.side[first + i]))] = true;
+  if (any[1] || any[0] == any[2]) return StartSide::unknown;
+  return any[0] ? StartSide::outside : StartSide::inside;
+}
+
+/// Asks about groups that lie in the worker's few rays, and makes an end to those that are held back.
+void drop_blocked_groups(const FrameLayer& layer, const wide::FacetBlockers* blockers, LayerWork& work,
+                         Worker& worker) {
+  LightRays& light = *worker.light_rays;
+  if (light.groups.empty()) return;
+  worker.few_rays.count = light.groups.size() * group_size;
+  if (blockers != nullptr)
+    layer.kernel_of_blockers(layer.volume, layer.question_through, *blockers, worker.few_rays, worker.few_hits,
+                             work.scratch);
+  else
+    layer.kernel_through(layer.volume, layer.question_through, worker.few_rays, worker.few_hits, work.scratch);
+  for (std::size_t g = 0; g < light.groups.size(); ++g) {
+    const double* t = worker.few_hits.t.data() + g * group_size;
+    double* t_max = light.t_max.data() + light.groups[g];
+    for (std::size_t i = 0; i < group_size; ++i) t_max[i] = t[i] < infinity ? not_asked : t_max[i];
+  }
+}
+
+constexpr std::size_t no_light = ~std::size_t{0};
+
 /// Makes an end to the rays that a surface holds back: LightRays::t_max.
-void drop_blocked(const Frame& frame, const FrameLayer& of_hits, const LayerWork& hit_work, Worker& worker) {
+/// @param light_index  to which they go; no_light: to all sides
+void drop_blocked(const Frame& frame, const FrameLayer& of_hits, const LayerWork& hit_work, std::size_t light_index,
+                  Worker& worker) {
   LightRays& light = *worker.light_rays;
   for (std::size_t l = 0; l < frame.layers.size(); ++l) {
     const FrameLayer& layer = frame.layers[l];
     if (!holds_light_back(layer.look.layer)) continue;
     LayerWork& work = worker.layers[l];
-    light.groups.clear();
-    for (std::size_t first = 0; first < hit_work.rays.count; first += group_size) {
-      if (!is_asked(light, first)) continue;
-      write_group(light, first, layer, of_hits, hit_work, work.rays, worker.few_rays, light.groups.size() * group_size);
-      light.groups.push_back(first);
-    }
-    if (light.groups.empty()) return;
-    worker.few_rays.count = light.groups.size() * group_size;
-    layer.kernel_through(layer.volume, layer.question_through, worker.few_rays, worker.few_hits, work.scratch);
-    for (std::size_t g = 0; g < light.groups.size(); ++g) {
-      const double* t = worker.few_hits.t.data() + g * group_size;
-      double* t_max = light.t_max.data() + light.groups[g];
-      for (std::size_t i = 0; i < group_size; ++i) t_max[i] = t[i] < infinity ? not_asked : t_max[i];
+    const bool has_blockers = light_index < layer.blockers.size();
+    // Groups of rays that start on one side are asked about what may hold these back, the others about all.
+    for (const StartSide side : {StartSide::unknown, StartSide::outside, StartSide::inside}) {
+      if (side != StartSide::unknown && !has_blockers) break;
+      light.groups.clear();
+      for (std::size_t first = 0; first < hit_work.rays.count; first += group_size) {
+        if (!is_asked(light, first)) continue;
+        if (has_blockers && common_side(light, first, layer, of_hits) != side) continue;
+        write_group(light, first, layer, of_hits, hit_work, work.rays, worker.few_rays,
+                    light.groups.size() * group_size);
+        light.groups.push_back(first);
+      }
+      const wide::FacetBlockers* blockers =
+          side != StartSide::unknown ? layer.blockers[light_index][side == StartSide::inside].get() : nullptr;
+      drop_blocked_groups(layer, blockers, work, worker);
     }
   }
 }
@@ -192,8 +225,10 @@ void aim_at_point_of(const LayerLights::One& light, const Look& look, const Laye
 }
 
 /// The share of a light's points that are seen from each hit, among those before its surface.
-void receive_from_points(const Frame& frame, const FrameLayer& layer, const LayerWork& work,
-                         const LayerLights::One& of_light, float* shares, Worker& worker) {
+void receive_from_points(const Frame& frame, const FrameLayer& layer, const LayerWork& work, std::size_t light_index,
+                         Worker& worker) {
+  const LayerLights::One& of_light = layer.look.lights.lights[light_index];
+  float* shares = worker.received.of_lights[light_index].data();
   LightRays& light = *worker.light_rays;
   const std::size_t count = work.rays.count;
   for (std::size_t r = 0; r < count; ++r) light.is_lit[r] = light.t_max[r] >= 0;
@@ -204,7 +239,7 @@ void receive_from_points(const Frame& frame, const FrameLayer& layer, const Laye
     keep_those_before_surfaces(layer.look, layer.volume_from_world, work, light);
     worker.counts.shadow_rays += asked_count(light, count);
     for (std::size_t r = 0; r < count; ++r) light.asked[r] += light.t_max[r] >= 0 ? 1.0F : 0.0F;
-    drop_blocked(frame, layer, work, worker);
+    drop_blocked(frame, layer, work, light_index, worker);
     for (std::size_t r = 0; r < count; ++r) light.free[r] += light.t_max[r] >= 0 ? 1.0F : 0.0F;
   }
   for (std::size_t r = 0; r < count; ++r)
@@ -218,10 +253,9 @@ void receive_from(const Frame& frame, std::uint8_t index, std::size_t light_inde
   LightRays& light = *worker.light_rays;
   aim_at(of_light, layer.look, work, light);
   keep_those_before_surfaces(layer.look, layer.volume_from_world, work, light);
-  if (of_light.extent > 0)
-    return receive_from_points(frame, layer, work, of_light, worker.received.of_lights[light_index].data(), worker);
+  if (of_light.extent > 0) return receive_from_points(frame, layer, work, light_index, worker);
   worker.counts.shadow_rays += asked_count(light, work.rays.count);
-  drop_blocked(frame, layer, work, worker);
+  drop_blocked(frame, layer, work, light_index, worker);
   float* shares = worker.received.of_lights[light_index].data();
   for (std::size_t r = 0; r < work.rays.count; ++r) shares[r] = light.t_max[r] >= 0 ? 1 : 0;
 }
@@ -246,7 +280,7 @@ void receive_from_surroundings(const Frame& frame, std::uint8_t index, Worker& w
       light.t_max[r] = frame.occlusion.radius;
     }
     worker.counts.occlusion_rays += asked_count(light, count);
-    drop_blocked(frame, layer, work, worker);
+    drop_blocked(frame, layer, work, no_light, worker);
     for (std::size_t r = 0; r < count; ++r) shares[r] += light.t_max[r] >= 0 ? share : 0;
   }
 }

@@ -201,6 +201,31 @@ bool prepare(FrameLayer& layer, const FrameOptions& options) {
   return is_wide;
 }
 
+/// How much longer a map makes vectors, at most.
+double longest_stretch(const Affine& map) {
+  return std::sqrt(map.x_axis.dot(map.x_axis) + map.y_axis.dot(map.y_axis) + map.z_axis.dot(map.z_axis));
+}
+
+wide::LightPlace place_in(const FrameLayer& layer, const LayerLights::One& light) {
+  const double stretch = longest_stretch(layer.volume_from_world);
+  if (light.kind == Light::Kind::point) return {.is_place = true, .at = light.place, .reach = light.extent * stretch};
+  // From the middle of a cap of this height to its rim.
+  return {.at = layer.volume_from_world.vector(light.place), .reach = std::sqrt(2 * light.extent) * stretch};
+}
+
+/// Finds out what of a layer may hold back the light of those that cast shadows.
+void prepare_blockers(FrameLayer& layer, const FrameOptions& options) {
+  if (!layer.look.effects.shadows || !holds_light_back(layer.look.layer)) return;
+  layer.kernel_of_blockers = wide::blocker_kernel(layer.volume, layer.question_through.method, chosen_machine());
+  if (layer.kernel_of_blockers == nullptr) return;
+  layer.blockers.resize(layer.look.lights.lights.size());
+  for (std::size_t l = 0; l < layer.blockers.size(); ++l)
+    if (const LayerLights::One& light = layer.look.lights.lights[l]; light.casts_shadows)
+      for (const StartSide side : {StartSide::outside, StartSide::inside})
+        layer.blockers[l][side == StartSide::inside] =
+            wide::blockers_of(layer.volume, layer.question_through, place_in(layer, light), side, options.threads);
+}
+
 /// The passes of a picture whose first one traces one pixel of first_spacing x first_spacing.
 std::vector<Pass> passes_of(const Frame& frame, const FrameOptions& options, int first_spacing) {
   std::vector<Pass> passes(1);
@@ -317,6 +342,7 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
   bool is_wide = false, prepares = false;
   for (FrameLayer& layer : frame.layers) {
     is_wide |= prepare(layer, options);
+    prepare_blockers(layer, options);
     prepares |= layer.prepare != nullptr || layer.look.lookup;
   }
   const double preparation_s = prepares ? seconds_since(preparation_start) : 0;

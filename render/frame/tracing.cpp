@@ -74,26 +74,47 @@ void leave_crossings(const FrameLayer& layer, std::uint8_t index, const LayerOfR
     if (shown.of[r] == index) work.rays.set(r, behind(work.rays[r], work.hits[r], is_field));
 }
 
+constexpr double not_asked = -1;  // where a ray would end
+
+/// Writes the rays of a group that go on, each in its own place, where neighbours in the picture share what they meet.
+/// Of those through which no light would be seen there is no next hit.
+/// @param place  of the group among the worker's few rays
+/// @return       how many go on
+std::size_t write_group(LayerWork& work, std::uint8_t index, const LayerOfRays& shown, std::size_t first,
+                        std::size_t place, Worker& worker) {
+  std::size_t count = 0;
+  Ray not_going = work.rays[first];
+  not_going.t_max = not_asked;
+  for (std::size_t i = 0; i < RayBatch::group_size; ++i) {
+    const std::size_t r = first + i;
+    const bool is_left = r < work.rays.count && shown.of[r] == index;
+    const bool goes_on = is_left && !(worker.front.alpha[r] < least_light);
+    if (is_left && !goes_on) work.hits.t[r] = infinity;
+    worker.few_rays.set(place + i, goes_on ? work.rays[r] : not_going);
+    count += goes_on;
+  }
+  return count;
+}
+
 /// Asks for what these rays meet next, where light from there would be seen.
 void go_on(const FrameLayer& layer, std::uint8_t index, const LayerOfRays& shown, Worker& worker) {
   LayerWork& work = worker.layers[index];
   worker.few.clear();
-  for (std::uint32_t r = 0; r < work.rays.count; ++r) {
-    if (shown.of[r] != index) continue;
-    if (worker.front.alpha[r] < least_light) {
-      work.hits.t[r] = infinity;
-      continue;
-    }
-    worker.few_rays.set(worker.few.size(), work.rays[r]);
-    worker.few.push_back(r);
+  for (std::size_t first = 0; first < work.rays.count; first += RayBatch::group_size) {
+    const std::size_t place = worker.few.size() * RayBatch::group_size;
+    const std::size_t going = write_group(work, index, shown, first, place, worker);
+    if (going != 0) worker.few.push_back(static_cast<std::uint32_t>(first));
+    worker.counts.rays_through += going;
   }
   if (worker.few.empty()) return;
-  worker.few_rays.count = worker.few.size();
+  worker.few_rays.count = worker.few.size() * RayBatch::group_size;
   const std::uint64_t start = ticks_now();
   layer.kernel_through(layer.volume, layer.question_through, worker.few_rays, worker.few_hits, work.scratch);
   worker.counts.shading_ticks -= ticks_now() - start;  // rays are no shading, within which this is called
-  for (std::size_t i = 0; i < worker.few.size(); ++i) work.hits.set(worker.few[i], worker.few_hits[i]);
-  worker.counts.rays_through += worker.few.size();
+  for (std::size_t g = 0; g < worker.few.size(); ++g)
+    for (std::size_t i = 0; i < RayBatch::group_size; ++i)
+      if (const std::size_t at = g * RayBatch::group_size + i; worker.few_rays.t_max[at] >= 0)
+        work.hits.set(worker.few[g] + i, worker.few_hits[at]);
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ struct alignas(128) Worker {
   TileColors front;                  ///< of clear surfaces: light, and in alpha how much they let through
   RayBatch few_rays{tile_capacity};  ///< of one layer, asked again behind its last crossing
   HitBatch few_hits{tile_capacity};
-  std::vector<std::uint32_t> few;  ///< which rays these are
+  std::vector<std::uint32_t> few;  ///< where the groups begin that these are
   // Where effects ask for the light that reaches hits.
   std::unique_ptr<LightRays> light_rays;
   std::vector<Vec3> eye_normals;  ///< of the hits: unit length, world axes, towards the eye
@@ -83,7 +83,7 @@ struct alignas(128) Worker {
   WorkerCounts counts;
 
   Worker() {
-    few.reserve(tile_capacity);
+    few.reserve(tile_capacity / RayBatch::group_size);
     few_rays.has_start_sides = true;
   }
 

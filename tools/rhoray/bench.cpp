@@ -3,12 +3,14 @@
 #include "formats/base/nearest_name.h"
 #include "formats/base/trouble.h"
 #include "formats/packed_file.h"
+#include "tools/rhoray/bench_effects.h"
 #include "tools/rhoray/bench_tables.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/input_file.h"
 #include "tools/rhoray/method_words.h"
 #include "tools/rhoray/new_file.h"
 #include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/scene/document.h"
 #include "tools/rhoray/scene/looks.h"
 #include "tools/rhoray/subcommands.h"
 #include "tools/rhoray/threads.h"
@@ -17,16 +19,40 @@ namespace rhoray::tools {
 
 namespace {
 
-struct TableRow {
-  const char* name;
-  bool of_packed_file;  ///< else of a file that is to be packed
-  Table (*measure)(const BenchOptions&, const Step&);
+enum class Takes {
+  packed,           ///< a packed file
+  packed_or_scene,  ///< or a scene document
+  unpacked          ///< a file that is to be packed
 };
 
-constexpr TableRow table_rows[] = {{"phases", true, phases_table}, {"threads", true, threads_table},
-                                   {"views", true, views_table},   {"isovalue", true, isovalue_table},
-                                   {"memory", true, memory_table}, {"open", true, open_table},
-                                   {"pack", false, pack_table}};
+struct TableRow {
+  const char* name;
+  Takes takes;
+  std::vector<Table> (*measure)(const BenchOptions&, const Step&);
+  std::vector<const char*> also = {};  ///< names of tables that come with it
+};
+
+template <Table (*table)(const BenchOptions&, const Step&)>
+std::vector<Table> only(const BenchOptions& options, const Step& step) {
+  return {table(options, step)};
+}
+
+const TableRow table_rows[] = {{"phases", Takes::packed, only<phases_table>},
+                               {"threads", Takes::packed, only<threads_table>},
+                               {"views", Takes::packed, only<views_table>},
+                               {"isovalue", Takes::packed, only<isovalue_table>},
+                               {"effects", Takes::packed_or_scene, effects_tables, {"table_4", "table_1"}},
+                               {"memory", Takes::packed, only<memory_table>},
+                               {"open", Takes::packed, only<open_table>},
+                               {"pack", Takes::unpacked, only<pack_table>}};
+
+/// Refuses a file that a table does not take.
+void require_kind(const TableRow& table, const std::filesystem::path& input, bool is_packed, bool is_scene) {
+  if (table.takes == Takes::unpacked || is_packed || (is_scene && table.takes == Takes::packed_or_scene)) return;
+  throw Error(Trouble::invalid, concat(input.string(), ": is not a packed file",
+                                       table.takes == Takes::packed_or_scene ? " or a scene" : "", ", which table '",
+                                       table.name, "' measures"));
+}
 
 struct BenchCommand {
   CommonOptions common;
@@ -48,17 +74,21 @@ std::vector<TableRow> choose_tables(BenchCommand& command) {
     for (const TableRow& row : table_rows)
       if (asked == row.name) chosen.push_back(row);
     if (chosen.empty())
-      throw Error(Trouble::usage,
-                  concat("no table '", asked, "'; there are phases, threads, views, isovalue, memory, open and pack"),
-                  did_you_mean(asked, names));
+      throw Error(
+          Trouble::usage,
+          concat("no table '", asked, "'; there are phases, threads, views, isovalue, effects, memory, open and pack"),
+          did_you_mean(asked, names));
   }
   require_input(command.bench.input);
-  const bool packed = formats::PackedFile::looks_packed(command.bench.input);
+  const bool is_packed = formats::PackedFile::looks_packed(command.bench.input);
+  const bool is_scene = !is_packed && is_scene_document(command.bench.input);
+  const auto suits = [&](Takes takes) {
+    if (is_scene) return takes == Takes::packed_or_scene;
+    return is_packed == (takes != Takes::unpacked);
+  };
   for (const TableRow& row : table_rows)
-    if (command.words.size() == 1 && row.of_packed_file == packed) chosen.push_back(row);
-  if (chosen.front().of_packed_file && !packed)
-    throw Error(Trouble::invalid, concat(command.bench.input.string(), ": is not a packed file, which table '",
-                                         chosen.front().name, "' measures"));
+    if (command.words.size() == 1 && suits(row.takes)) chosen.push_back(row);
+  require_kind(chosen.front(), command.bench.input, is_packed, is_scene);
   return chosen;
 }
 
@@ -84,6 +114,16 @@ void show(const BenchCommand& command, const Table& table) {
     std::fputs((command.csv ? csv_of(table) : text_of(table)).c_str(), stdout);
 }
 
+/// Of all tables that these measure.
+std::vector<std::string> names_of(const std::vector<TableRow>& tables) {
+  std::vector<std::string> names;
+  for (const TableRow& row : tables) {
+    names.emplace_back(row.name);
+    names.insert(names.end(), row.also.begin(), row.also.end());
+  }
+  return names;
+}
+
 int run(BenchCommand& command) {
   if (command.bench.scratch.empty()) command.bench.scratch = std::filesystem::temp_directory_path();
   command.bench.threads = command.common.threads;
@@ -91,16 +131,16 @@ int run(BenchCommand& command) {
   const std::vector<TableRow> tables = choose_tables(command);
   check(command);
   if (!command.common.output.empty())
-    for (const TableRow& row : tables)
+    for (const std::string& name : names_of(tables))
       for (const char* extension : {".csv", ".json"})
-        require_writable(command.common, command.common.output / concat(row.name, extension), command.bench.input);
+        require_writable(command.common, command.common.output / (name + extension), command.bench.input);
   const ThreadLimit limit(command.common.threads);
   for (const TableRow& row : tables) {
-    const Table table = [&] {
+    const std::vector<Table> measured = [&] {
       ProgressDisplay display(command.common);
       return row.measure(command.bench, [&](std::string_view what) { display.show(concat(row.name, ": ", what)); });
     }();
-    show(command, table);
+    for (const Table& table : measured) show(command, table);
   }
   return 0;
 }
@@ -110,40 +150,44 @@ int run(BenchCommand& command) {
 Subcommand bench_subcommand() {
   const auto command = std::make_shared<BenchCommand>();
   BenchOptions& bench = command->bench;
-  return {.name = "bench",
-          .summary = "Measure speed: the paper's tables and our own",
-          .examples =
-              "  rhoray bench phases head.rho --iso 500,1250 --repeat 9\n"
-              "  rhoray bench threads head.rho --size 512x512\n"
-              "  rhoray bench pack head.nrrd --json\n"
-              "Tables: phases (shares of traversal, intersection and shading), threads (1 to all), views (front, from\n"
-              "the feet, close up, inside: rays per second and cycles per ray), isovalue (the next picture after a\n"
-              "change), memory (beyond the mapped file), open (with and without checksums), pack (beside reading and\n"
-              "writing once).\n",
-          .options = all_options(
-              {{files_option("[TABLE] FILE",
-                             "Table, and a packed file (all but pack) or one to pack (pack); without a table, "
-                             "all that suit the file",
-                             command->words)},
-               {value_option("-o,--output", "FOLDER", "Also write TABLE.csv and TABLE.json into this folder",
-                             command->common.output),
-                flag_option("--force", "Replace these files if they are there", command->common.force),
-                value_option("--repeat", "N", "Timed repetitions; default 5", bench.repeat),
-                value_option("--size", "WxH", "Pixels; default 512x512, the paper's", bench.size),
-                value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", bench.isovalues),
-                choice_option("--accuracy", accuracy_words(), "As in render, whose default it has", bench.accuracy),
-                value_option("--view", "WORD", "Side to look from, as in render; default iso", bench.view),
-                value_option("--field", "NAME", "Field; default the first", bench.field),
-                choice_option("--normals", normals_words(), "What surfaces are lit by, as in render", bench.normals),
-                value_option("--color-by", "NAME", "Field that colours surfaces, as in render", bench.color_by),
-                flag_option("--mip", "Also time maximum intensity projection", bench.mip),
-                value_option("--scratch", "FOLDER", "Where table pack writes; default the system's temporary folder",
-                             bench.scratch),
-                flag_option("--csv", "CSV on stdout", command->csv)},
-               threads_option(command->common),
-               memory_option(command->common, "Limit for the process that reads the input of table pack"),
-               message_options(command->common, "One JSON document per table and line, on stdout")}),
-          .run = [command] { return run(*command); }};
+  return {
+      .name = "bench",
+      .summary = "Measure speed: the paper's tables and our own",
+      .examples =
+          "  rhoray bench phases head.rho --iso 500,1250 --repeat 9\n"
+          "  rhoray bench threads head.rho --size 512x512\n"
+          "  rhoray bench effects head.json --repeat 9\n"
+          "  rhoray bench pack head.nrrd --json\n"
+          "Tables: phases (shares of traversal, intersection and shading), threads (1 to all), views (front, from\n"
+          "the feet, close up, inside: rays per second and cycles per ray), isovalue (the next picture after a\n"
+          "change), effects (each alone over the plain picture, and the paper's Tables 4 and 1), memory (beyond the "
+          "mapped file), open (with and without checksums), pack (beside reading and\n"
+          "writing once).\n",
+      .options = all_options(
+          {{files_option(
+               "[TABLE] FILE",
+               "Table, and a packed file (all but pack), a scene (effects) or a file to pack (pack); without a table, "
+               "all that suit the file",
+               command->words)},
+           {value_option("-o,--output", "FOLDER", "Also write TABLE.csv and TABLE.json into this folder",
+                         command->common.output),
+            flag_option("--force", "Replace these files if they are there", command->common.force),
+            value_option("--repeat", "N", "Timed repetitions; default 5", bench.repeat),
+            value_option("--size", "WxH", "Pixels; default 512x512, the paper's", bench.size),
+            value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", bench.isovalues),
+            choice_option("--accuracy", accuracy_words(), "As in render, whose default it has", bench.accuracy),
+            value_option("--view", "WORD", "Side to look from, as in render; default iso", bench.view),
+            value_option("--field", "NAME", "Field; default the first", bench.field),
+            choice_option("--normals", normals_words(), "What surfaces are lit by, as in render", bench.normals),
+            value_option("--color-by", "NAME", "Field that colours surfaces, as in render", bench.color_by),
+            flag_option("--mip", "Also time maximum intensity projection", bench.mip),
+            value_option("--scratch", "FOLDER", "Where table pack writes; default the system's temporary folder",
+                         bench.scratch),
+            flag_option("--csv", "CSV on stdout", command->csv)},
+           threads_option(command->common),
+           memory_option(command->common, "Limit for the process that reads the input of table pack"),
+           message_options(command->common, "One JSON document per table and line, on stdout")}),
+      .run = [command] { return run(*command); }};
 }
 
 }  // namespace rhoray::tools

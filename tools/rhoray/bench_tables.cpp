@@ -5,6 +5,7 @@
 
 #include "formats/base/trouble.h"
 #include "formats/packed_file.h"
+#include "tools/rhoray/bench_parts.h"
 #include "tools/rhoray/cpu_meter.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/input_file.h"
@@ -23,47 +24,14 @@ namespace {
 
 constexpr double gibibyte = 1024.0 * 1024.0 * 1024.0;
 
-Json context(const BenchOptions& options) {
-  const Machine machine = this_machine();
-  return {{"processor", machine.processor},
-          {"cores", machine.core_count},
-          {"memory_bytes", machine.memory_bytes},
-          {"system", machine.system},
-          {"version", version()},
-          {"commit", commit()},
-          {"compiler", compiler()},
-          {"input", options.input.filename().string()},
-          {"input_bytes", input_bytes(options.input)},
-          {"repeat", options.repeat},
-          {"threads", options.threads == 0 ? machine.core_count : options.threads}};
-}
-
 Json picture_context(const BenchOptions& options, const render::Volume& volume) {
-  Json json = context(options);
+  Json json = bench_context(options);
   json["size"] = {options.size.width, options.size.height};
   json["field"] = volume.field().name;
   if (!options.normals.empty()) json["normals"] = options.normals;
   if (!options.color_by.empty()) json["color_by"] = options.color_by;
   json["samples_or_cells"] = volume.is_mesh() ? "tetrahedra" : "grid";
   return json;
-}
-
-/// seconds[row] of act(row), every row once untimed and then `repeat` times, round after round.
-std::vector<std::vector<double>> interleaved(std::size_t row_count, int repeat,
-                                             const std::function<double(std::size_t row)>& act) {
-  std::vector<std::vector<double>> seconds(row_count);
-  for (int round = -1; round < repeat; ++round)
-    for (std::size_t row = 0; row < row_count; ++row) {
-      const double taken = act(row);
-      if (round >= 0) seconds[row].push_back(taken);
-    }
-  return seconds;
-}
-
-void add_seconds(Json& row, const std::string& name, const Spread& spread) {
-  row[name] = spread.median;
-  row[name + "_min"] = spread.smallest;
-  row[name + "_max"] = spread.largest;
 }
 
 /// A picture that is traced again and again in memory that is kept, and what came out last.
@@ -239,7 +207,7 @@ Table phases_table(const BenchOptions& options, const Step& step) {
              {"intersection_percent", 100 * phases[i].intersection / all},
              {"shading_percent", 100 * phases[i].shading / all},
              {"fps", 1 / frame.median}};
-    add_seconds(row, "frame_s", frame);
+    add_spread(row, "frame_s", frame);
     row["rays"] = statistics.rays;
     row["hits"] = statistics.hits;
     row["cells_visited"] = statistics.cells_visited;
@@ -280,7 +248,7 @@ Table threads_table(const BenchOptions& options, const Step& step) {
              {"fps", 1 / frame.median},
              {"speedup", speedup},
              {"efficiency", speedup / threads}};
-    add_seconds(row, "frame_s", frame);
+    add_spread(row, "frame_s", frame);
     row["cpu_s"] = spread_of(cpu_seconds[i]).median;
     row["machine"] = rows[i].statistics.machine;
     row["picture"] = picture_hash(rows[i].picture);
@@ -325,7 +293,7 @@ Table views_table(const BenchOptions& options, const Step& step) {
     const render::FrameStatistics& statistics = row.shot.statistics;
     const double rays = static_cast<double>(statistics.rays);
     Json json{{"scene", row.shot.scene}, {"view", name_of(row.view)}, {"fps", 1 / frame.median}};
-    add_seconds(json, "frame_s", frame);
+    add_spread(json, "frame_s", frame);
     json["million_rays_per_s"] = 1e-6 * rays / frame.median;
     json["cycles_per_ray"] = spread_of(row.cycles).median / rays;
     json["covered"] = static_cast<double>(statistics.hits) / rays;
@@ -373,8 +341,8 @@ Table isovalue_table(const BenchOptions& options, const Step& step) {
         return row == 0 ? picture.show_next() : picture.show_again();
       });
       Json json{{"scene", shot.scene}, {"changed", change.name}};
-      add_seconds(json, "next_s", spread_of(seconds[0]));
-      add_seconds(json, "again_s", spread_of(seconds[1]));
+      add_spread(json, "next_s", spread_of(seconds[0]));
+      add_spread(json, "again_s", spread_of(seconds[1]));
       const Spread extra = spread_of(picture.extra_ms());
       json["change_ms"] = extra.median;
       json["change_ms_min"] = extra.smallest;
@@ -401,11 +369,11 @@ Table open_table(const BenchOptions& options, const Step& step) {
     ways[row].act();
     return watch.seconds();
   });
-  Table table{"open", "Opening a packed file (page cache warm)", context(options), {}};
+  Table table{"open", "Opening a packed file (page cache warm)", bench_context(options), {}};
   for (std::size_t i = 0; i < std::size(ways); ++i) {
     const Spread spread = spread_of(seconds[i]);
     Json row{{"what", ways[i].name}};
-    add_seconds(row, "seconds", spread);
+    add_spread(row, "seconds", spread);
     row["file_bytes"] = file.file_bytes();
     row["s_per_gib"] = spread.median / (static_cast<double>(file.file_bytes()) / gibibyte);
     table.rows.push_back(std::move(row));
@@ -435,12 +403,12 @@ Table pack_table(const BenchOptions& options, const Step& step) {
   });
   cpu_seconds.erase(cpu_seconds.begin());  // the round that was not timed
 
-  Table table{"pack", "Packing, beside reading the file and writing the raw data once", context(options), {}};
+  Table table{"pack", "Packing, beside reading the file and writing the raw data once", bench_context(options), {}};
   const Spread packing = spread_of(seconds[0]), copying = spread_of(seconds[1]);
   Json row{{"content", packed.content}};
-  add_seconds(row, "pack_s", packing);
+  add_spread(row, "pack_s", packing);
   row["pack_cpu_s"] = spread_of(cpu_seconds).median;
-  add_seconds(row, "copy_s", copying);
+  add_spread(row, "copy_s", copying);
   row["pack_over_copy"] = packing.median / copying.median;
   row["raw_bytes"] = packed.raw_bytes;
   row["file_bytes"] = packed.file_bytes;

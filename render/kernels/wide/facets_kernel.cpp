@@ -8,6 +8,7 @@
 
 #include "render/cells/tet_methods.h"
 #include "render/kernels/tet_walk.h"
+#include "render/kernels/wide/facet_blockers.h"
 #include "render/kernels/wide/facets.h"
 #include "render/kernels/wide/facets_parts.h"
 #include "render/kernels/wide/is_mesh.h"
@@ -21,7 +22,8 @@ namespace {
 template <class View>
 inline constexpr bool has_facets = is_mesh<View> || std::is_same_v<View, SurfaceVolume>;
 
-FacetSurface surface_of(const Facets& facets, const Question& question, bool is_of_triangles) {
+/// @param levels  of the facets, or of some
+FacetSurface surface_of(const Facets& facets, const BoxLevels& levels, const Question& question, bool is_of_triangles) {
   FacetSurface surface{.blocks = facets.blocks(),
                        .fields = facets.fields(),
                        .levels = {},
@@ -34,7 +36,7 @@ FacetSurface surface_of(const Facets& facets, const Question& question, bool is_
                        .isovalue = is_of_triangles ? std::numeric_limits<double>::quiet_NaN() : question.isovalue,
                        .is_of_triangles = is_of_triangles,
                        .time_phases = question.time_phases};
-  for (int l = 0; l < facets.level_count(); ++l) surface.levels[l] = facets.level(l);
+  for (std::size_t l = 0; l < levels.size(); ++l) surface.levels[l] = levels[l].data();
   std::copy(facets.low().begin(), facets.low().end(), surface.low);
   std::copy(facets.high().begin(), facets.high().end(), surface.high);
   return surface;
@@ -118,7 +120,7 @@ void first_facets(const VolumeImplementation& volume, const Question& question, 
           if (!scratch.facets) scratch.facets = std::make_shared<FacetScratch>();
           FacetScratch& memory = *scratch.facets;
           memory.facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, 1);
-          const FacetSurface surface = surface_of(*memory.facets, question, !is_mesh<View>);
+          const FacetSurface surface = surface_of(*memory.facets, memory.facets->levels(), question, !is_mesh<View>);
           const FirstFacets answer = first_facets_on(machine, certified);
           const HitArrays answers = arrays_of(hits);
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
@@ -134,6 +136,32 @@ void first_facets(const VolumeImplementation& volume, const Question& question, 
             }
             if (left.whole != 0)
               ask_again(other, volume, question, rays, first, left.whole, hits, memory.others, scratch);
+          }
+        }
+      },
+      volume.view);
+}
+
+template <Machine machine>
+void first_blockers(const VolumeImplementation& volume, const Question& question, const FacetBlockers& blockers,
+                    const RayBatch& rays, HitBatch& hits, KernelScratch& scratch) {
+  std::visit(
+      [&]<class View>(const View& view) {
+        if constexpr (is_mesh<View>) {
+          scratch.counters.rays_wide += rays.count;
+          if (!scratch.facets) scratch.facets = std::make_shared<FacetScratch>();
+          FacetScratch& memory = *scratch.facets;
+          const FacetSurface surface = surface_of(blockers.facets(), blockers.levels(), question, false);
+          const FirstFacets answer = first_facets_on(machine, false);
+          const HitArrays answers = arrays_of(hits);
+          for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
+            const std::size_t count = std::min(RayGroup::size, rays.count - first);
+            const HitArrays chunk = from(answers, first);
+            write_misses(chunk, count);
+            const Unanswered left = answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
+            if (left.whole != 0)
+              ask_again(kernels_for(view, question.method.way).first_crossing, volume, question, rays, first,
+                        left.whole, hits, memory.others, scratch);
           }
         }
       },
@@ -178,6 +206,36 @@ Kernel first_facet_kernel(const VolumeImplementation& volume, const Method& meth
   return kernel_on(machine, [&]<Machine wide>() -> Kernel {
     return method.way == Method::Way::certified ? first_facets<wide, true> : first_facets<wide, false>;
   });
+}
+
+BlockerKernel blocker_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
+  const bool is_of_mesh = std::visit([]<class View>(const View&) { return is_mesh<View>; }, volume.view);
+  if (!is_of_mesh || method.way == Method::Way::certified || first_facet_kernel(volume, method, machine) == nullptr)
+    return nullptr;
+  switch (machine) {
+    case Machine::baseline:
+      return first_blockers<Machine::baseline>;
+    case Machine::avx2:
+      return first_blockers<Machine::avx2>;
+    case Machine::avx512:
+      return first_blockers<Machine::avx512>;
+    case Machine::scalar:
+      break;
+  }
+  return nullptr;
+}
+
+std::shared_ptr<const FacetBlockers> blockers_of(const VolumeImplementation& volume, const Question& question,
+                                                 const LightPlace& light, StartSide side, unsigned threads) {
+  if (!is_answerable(question)) return nullptr;
+  return std::visit(
+      [&]<class View>(const View& view) -> std::shared_ptr<const FacetBlockers> {
+        if constexpr (is_mesh<View>)
+          return std::make_shared<const FacetBlockers>(
+              volume.facets->of(view, volume.bounds_volume, question.isovalue, threads), light, side, threads);
+        return nullptr;
+      },
+      volume.view);
 }
 
 }  // namespace rhoray::render::wide

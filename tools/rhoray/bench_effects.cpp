@@ -1,0 +1,388 @@
+#include "tools/rhoray/bench_effects.h"
+
+#include <algorithm>
+
+#include "formats/base/trouble.h"
+#include "tools/rhoray/bench_parts.h"
+#include "tools/rhoray/picture_hash.h"
+#include "tools/rhoray/scene/document.h"
+#include "tools/rhoray/scene/plan.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+/// What was asked for, every choice spelled out, and what its files are.
+struct Asked {
+  SceneWishes wishes;
+  ScenePlan plan;
+
+  const render::Volume& volume(const std::string& data) const {
+    for (std::size_t i = 0; i < plan.data.size(); ++i)
+      if (wishes.data[i].name == data) return plan.volumes[i];
+    throw Error(Trouble::internal, concat("no data \"", data, '"'));
+  }
+};
+
+using LightType = render::Light::Kind;
+
+constexpr const char* plain = "plain";
+constexpr const char* lit = "one light beside the eye";
+constexpr const char* hard_shadows = "hard shadows";
+constexpr const char* one_shell = "one opaque shell";
+
+/// From the upper left of the camera.
+LightWish key_light() {
+  return {.type = LightType::directional, .azimuth_deg = -40, .elevation_deg = 40, .from = "camera"};
+}
+
+bool has_surface(const Asked& asked) {
+  return std::any_of(asked.wishes.layers.begin(), asked.wishes.layers.end(),
+                     [](const LayerWish& layer) { return layer.type != LayerType::mip; });
+}
+
+/// Changes surfaces; false where no layer could be changed.
+template <class Change>
+bool change_surfaces(SceneWishes& scene, const Change& change) {
+  bool any = false;
+  for (LayerWish& layer : scene.layers)
+    if (layer.type != LayerType::mip) any |= change(layer);
+  return any;
+}
+
+bool light_it(SceneWishes& scene, const LightWish& light) {
+  scene.lights = {light};
+  return true;
+}
+
+/// Everything is there and nothing of it can be seen: a light and a surface that are switched off, and one left out.
+bool add_what_is_off(SceneWishes& scene, const Asked&) {
+  LightWish none = key_light();
+  none.intensity = 0, none.shadows = true, none.angular_diameter_deg = 5;
+  scene.lights = {{.type = LightType::head}, none};
+  LayerWish clear = scene.layers[0], hidden = scene.layers[0];
+  clear.opacity = 0, hidden.visible = false;
+  scene.layers.insert(scene.layers.end(), {clear, hidden});
+  return true;
+}
+
+bool shed_key_light(SceneWishes& scene, const Asked&) {
+  return light_it(scene, key_light());
+}
+bool cast_hard_shadows(SceneWishes& scene, const Asked&) {
+  LightWish light = key_light();
+  light.shadows = true;
+  return light_it(scene, light);
+}
+bool cast_soft_shadows(SceneWishes& scene, const Asked&) {
+  LightWish light = key_light();
+  light.shadows = true, light.angular_diameter_deg = 5;
+  return light_it(scene, light);
+}
+bool occlude(SceneWishes& scene, const Asked& asked) {
+  scene.effects.occlusion = asked.wishes.effects.occlusion.value_or(OcclusionWish{});
+  return true;
+}
+bool shine(SceneWishes& scene, const Asked&) {
+  return change_surfaces(scene, [](LayerWish& layer) {
+    layer.specular = 0.25;
+    return true;
+  });
+}
+bool smooth(SceneWishes& scene, const Asked& asked) {
+  return change_surfaces(scene, [&](LayerWish& layer) {
+    const render::Volume& volume = asked.volume(layer.data);
+    if (!volume.is_mesh() && !volume.is_surface()) return false;
+    layer.normals = "smooth";
+    return true;
+  });
+}
+bool color_by_field(SceneWishes& scene, const Asked& asked) {
+  return change_surfaces(scene, [&](LayerWish& layer) {
+    if (layer.type != LayerType::isosurface) return false;
+    layer.color_by = asked.volume(layer.data).field().name;
+    return true;
+  });
+}
+bool raise_fog(SceneWishes& scene, const Asked& asked) {
+  scene.effects.fog = asked.wishes.effects.fog.value_or(FogWish{});
+  return true;
+}
+bool clear_all(SceneWishes& scene, const Asked&) {
+  return change_surfaces(scene, [](LayerWish& layer) {
+    layer.opacity = 0.5;
+    return true;
+  });
+}
+
+/// The first isosurface alone.
+bool keep_one_shell(SceneWishes& scene, const Asked&) {
+  const auto first = std::find_if(scene.layers.begin(), scene.layers.end(),
+                                  [](const LayerWish& layer) { return layer.type == LayerType::isosurface; });
+  if (first == scene.layers.end()) return false;
+  scene.layers = {LayerWish(*first)};
+  return true;
+}
+
+/// It and another one of the same field, by 2 % of the field's range inside it, or outside where the range ends.
+bool clear_two_shells(SceneWishes& scene, const Asked& asked) {
+  if (!keep_one_shell(scene, asked)) return false;
+  LayerWish& shell = scene.layers[0];
+  shell.opacity = 0.5;
+  double isovalue = 0;
+  read_value(shell.isovalues[0], isovalue);
+  const Interval<double> range = asked.volume(shell.data).field().range;
+  const double step = 0.02 * (range.hi - range.lo);
+  LayerWish other = shell;
+  other.isovalues = {concat(isovalue + step < range.hi ? isovalue + step : isovalue - step)};
+  scene.layers.push_back(other);
+  return true;
+}
+
+bool show_all(SceneWishes& scene, const Asked& asked) {
+  scene = asked.wishes;
+  return true;
+}
+
+/// A picture with one effect more than another one.
+struct EffectRow {
+  const char* name;
+  const char* over;                                                 ///< the row that it is compared with
+  bool (*switch_on)(SceneWishes& plain_scene, const Asked& asked);  ///< false: the scene has nothing of it
+};
+
+constexpr EffectRow effect_rows_measured[] = {{plain, plain, [](SceneWishes&, const Asked&) { return true; }},
+                                              {"all effects off", plain, add_what_is_off},
+                                              {lit, plain, shed_key_light},
+                                              {hard_shadows, lit, cast_hard_shadows},
+                                              {"soft shadows, 16 rays", lit, cast_soft_shadows},
+                                              {"ambient occlusion", plain, occlude},
+                                              {"specular", plain, shine},
+                                              {"smooth normals", plain, smooth},
+                                              {"colour by a field", plain, color_by_field},
+                                              {"fog", plain, raise_fog},
+                                              {"clear surfaces", plain, clear_all},
+                                              {one_shell, plain, keep_one_shell},
+                                              {"two clear shells", one_shell, clear_two_shells},
+                                              {"the scene as it is", plain, show_all}};
+
+/// Its layers in matte paint under a light at the eye.
+SceneWishes plain_scene(const SceneWishes& asked) {
+  SceneWishes scene{.data = asked.data};
+  scene.camera = asked.camera;
+  scene.image.size = asked.image.size, scene.image.background = asked.image.background;
+  for (const LayerWish& layer : asked.layers) {
+    LayerWish matte{.type = layer.type, .data = layer.data, .isovalues = layer.isovalues};
+    if (layer.type == LayerType::mip) matte.range = layer.range;
+    matte.color = layer.color;
+    matte.accuracy = layer.accuracy, matte.method = layer.method;
+    matte.specular = 0;
+    scene.layers.push_back(matte);
+  }
+  return scene;
+}
+
+/// A row's picture and what it took, round after round.
+struct Measured {
+  const EffectRow* row;
+  std::size_t over = 0;  ///< index of the row that it is compared with
+  ScenePlan plan;
+  render::Framebuffer picture{};
+  render::FrameMemory memory{};
+  render::FrameStatistics statistics{};
+  std::vector<double> cpu_s{}, wall_s{};
+
+  void trace() {
+    const double before = usage_so_far().cpu_s;
+    statistics = render::render(plan.volumes, plan.scene, plan.frame, picture, memory);
+    cpu_s.push_back(usage_so_far().cpu_s - before);
+    wall_s.push_back(statistics.wall_s);
+  }
+};
+
+SceneWishes wishes_of(const BenchOptions& options) {
+  SceneWishes wishes;
+  if (!is_scene_document(options.input)) {
+    wishes = {.data = std::vector<DataWish>(1), .layers = std::vector<LayerWish>(1)};
+    wishes.data[0].file = options.input, wishes.data[0].field = options.field;
+    LayerWish& layer = wishes.layers[0];
+    layer.isovalues = options.isovalues;
+    layer.normals = options.normals, layer.color_by = options.color_by;
+    if (options.mip) wishes.layers.push_back({.type = LayerType::mip});
+    wishes.camera.view = options.view;
+  } else {
+    for (const auto& [is_given, name] : {std::pair{options.isovalues != BenchOptions{}.isovalues, "--iso"},
+                                         {!options.field.empty(), "--field"},
+                                         {!options.normals.empty(), "--normals"},
+                                         {!options.color_by.empty(), "--color-by"},
+                                         {options.mip, "--mip"}})
+      if (is_given)
+        throw Error(Trouble::usage, concat(name, ": given beside the scene ", options.input.string(),
+                                           ", whose layers say what is shown"));
+    wishes = read_scene(options.input).wishes;
+  }
+  if (!options.accuracy.empty()) {
+    wishes.accuracy = options.accuracy;
+    for (LayerWish& layer : wishes.layers) layer.accuracy.clear(), layer.method.clear();
+  }
+  wishes.image.size = options.size;
+  wishes.image.channels = std::nullopt, wishes.image.show = std::nullopt;
+  return wishes;
+}
+
+Asked asked_of(const BenchOptions& options) {
+  const SceneWishes wishes = wishes_of(options);
+  Asked asked;
+  asked.plan = plan_layers(wishes);
+  aim_camera(wishes, asked.plan);
+  asked.wishes = spelled_out(asked.plan);
+  return asked;
+}
+
+/// Plans a scene with the files that are open already.
+ScenePlan planned(const SceneWishes& wishes, const Asked& asked, unsigned threads) {
+  ScenePlan plan = plan_layers(wishes, [&](const DataWish& data) { return asked.volume(data.name); });
+  aim_camera(wishes, plan);
+  plan.frame.threads = threads;
+  return plan;
+}
+
+std::vector<Measured> rows_of(const Asked& asked, unsigned threads) {
+  std::vector<Measured> rows;
+  for (const EffectRow& row : effect_rows_measured) {
+    SceneWishes scene = plain_scene(asked.wishes);
+    if (!row.switch_on(scene, asked)) continue;
+    rows.push_back({.row = &row, .plan = planned(scene, asked, threads)});
+    rows.back().over = static_cast<std::size_t>(
+        std::find_if(rows.begin(), rows.end(), [&](const Measured& m) { return m.row->name == row.over; }) -
+        rows.begin());
+  }
+  return rows;
+}
+
+std::vector<double> ratios(const std::vector<double>& of, const std::vector<double>& over) {
+  std::vector<double> list;
+  for (std::size_t i = 0; i < of.size(); ++i) list.push_back(of[i] / over[i]);
+  return list;
+}
+
+std::vector<double> milliseconds(std::vector<double> seconds) {
+  for (double& s : seconds) s *= 1e3;
+  return seconds;
+}
+
+Json context_of(const BenchOptions& options, const Asked& asked) {
+  Json json = bench_context(options);
+  json["size"] = {options.size.width, options.size.height};
+  json["scene"] = scene_json(asked.wishes);
+  return json;
+}
+
+Table effects_table(const std::vector<Measured>& rows, const Json& context) {
+  Table table{"effects", "What each effect costs: CPU time over the same picture without it", context, {}};
+  for (const Measured& measured : rows) {
+    const render::FrameStatistics& counts = measured.statistics;
+    Json row{{"effect", measured.row->name}, {"over", measured.row->over}};
+    add_spread(row, "ratio", spread_of(ratios(measured.cpu_s, rows[measured.over].cpu_s)));
+    add_spread(row, "cpu_ms", spread_of(milliseconds(measured.cpu_s)));
+    row["fps"] = 1 / spread_of(measured.wall_s).median;
+    row["rays"] = counts.rays;
+    row["ruled_out"] = counts.rays_ruled_out;
+    row["hits"] = counts.hits;
+    row["shadow_rays"] = counts.shadow_rays;
+    row["occlusion_rays"] = counts.occlusion_rays;
+    row["rays_through"] = counts.rays_through;
+    row["highlights"] = counts.highlights_shaded;
+    row["normals_smoothed"] = counts.normals_smoothed;
+    row["colors_looked_up"] = counts.colors_looked_up;
+    row["cells_visited"] = counts.cells_visited;
+    row["cells_solved"] = counts.cells_solved;
+    row["machine"] = counts.machine;
+    row["picture"] = picture_hash(measured.picture);
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+/// Parker et al. 1999, Table 4: the Visible Male on 64 processors.
+struct PaperFrames {
+  const char* shows;
+  double fps;
+  const char* row;  ///< of ours
+};
+constexpr PaperFrames paper_frames[] = {{"no shadows, no texture", 15.9, lit},
+                                        {"shadows, no texture", 8.7, hard_shadows},
+                                        {"no shadows, texture", 12.6, "texture"},
+                                        {"shadows, texture", 7.5, "texture, hard shadows"}};
+
+Table paper_table_4(const std::vector<Measured>& rows, const Json& context) {
+  Table table{"table_4", "The paper's Table 4: frames per second of CPU time with shadows and texture", context, {}};
+  const auto fps_of = [&](const char* name) -> std::optional<double> {
+    for (const Measured& row : rows)
+      if (row.row->name == std::string_view(name)) return 1 / spread_of(row.cpu_s).median;
+    return std::nullopt;
+  };
+  for (const PaperFrames& paper : paper_frames) {
+    const std::optional<double> fps = fps_of(paper.row), first = fps_of(paper_frames[0].row);
+    table.rows.push_back({{"shows", paper.shows},
+                          {"paper_fps", paper.fps},
+                          {"paper_time", paper_frames[0].fps / paper.fps},
+                          {"fps", fps ? Json(*fps) : Json()},
+                          {"time", fps && first ? Json(*first / *fps) : Json()}});
+  }
+  return table;
+}
+
+/// Shares of a frame's CPU time, in percent.
+Json shares(const char* who, const std::string& shows, double traversal, double intersection, double shading,
+            const std::string& fps) {
+  return {{"who", who},
+          {"shows", shows},
+          {"traversal_percent", traversal},
+          {"intersection_percent", intersection},
+          {"shading_percent", shading},
+          {"fps", fps}};
+}
+
+Table paper_table_1(std::vector<Measured>& rows, int repeat, const Json& context) {
+  Table table{"table_1", "The paper's Table 1: where the time goes, and frames per second", context, {}};
+  constexpr const char* authors = "Parker et al. 1999, 64 processors";
+  table.rows.push_back(shares(authors, "skin of the Visible Woman", 55, 22, 23, "7-15"));
+  table.rows.push_back(shares(authors, "bone of the Visible Woman", 66, 21, 13, "6-15"));
+  for (Measured& measured : rows) {
+    render::FrameStatistics::Phases sum;
+    measured.plan.frame.time_phases = true;
+    for (int round = 0; round < repeat; ++round) {
+      measured.trace();
+      const render::FrameStatistics::Phases& phases = measured.statistics.phases;
+      sum.traversal += phases.traversal, sum.intersection += phases.intersection, sum.shading += phases.shading;
+    }
+    const double all = sum.traversal + sum.intersection + sum.shading;
+    table.rows.push_back(shares("rhoray", measured.row->name, 100 * sum.traversal / all, 100 * sum.intersection / all,
+                                100 * sum.shading / all, rounded(1 / spread_of(measured.wall_s).median)));
+  }
+  return table;
+}
+
+}  // namespace
+
+std::vector<Table> effects_tables(const BenchOptions& options, const Step& step) {
+  const Asked asked = asked_of(options);
+  if (!has_surface(asked))
+    throw Error(Trouble::invalid, concat(options.input.string(),
+                                         ": shows no surface, and table 'effects' measures what surfaces look like"));
+  std::vector<Measured> rows = rows_of(asked, options.threads);
+  interleaved(rows.size(), options.repeat, [&](std::size_t row) {
+    step(rows[row].row->name);
+    rows[row].trace();
+    return rows[row].wall_s.back();
+  });
+  for (Measured& row : rows) row.cpu_s.erase(row.cpu_s.begin()), row.wall_s.erase(row.wall_s.begin());  // not timed
+  const Json context = context_of(options, asked);
+  std::vector<Table> tables{effects_table(rows, context), paper_table_4(rows, context)};
+  step("phases");
+  tables.push_back(paper_table_1(rows, options.repeat, context));
+  return tables;
+}
+
+}  // namespace rhoray::tools
