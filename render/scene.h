@@ -8,6 +8,7 @@
 #include "formats/base/interval.h"
 #include "formats/base/vector.h"
 #include "render/camera.h"
+#include "render/clip.h"
 #include "render/color_map.h"
 #include "render/method.h"
 
@@ -54,6 +55,7 @@ struct Layer {
   Method method{};
   Interval<double> window{};  ///< values shown from black to white in MIP; must not be empty there
   Surface surface{};
+  bool clipped = true;  ///< false: it is shown whole, whatever Scene::clip takes away of others
 };
 
 /// What shines on surfaces. Light does not grow weaker with distance.
@@ -93,6 +95,7 @@ struct Scene {
   std::vector<Light> lights = std::vector<Light>(1);
   Occlusion occlusion{};
   std::optional<Fog> fog{};
+  std::optional<Clip> clip{};
   Camera camera{};
   Vec3 background{1, 1, 1};  ///< linear RGB
 };

@@ -59,6 +59,17 @@ std::string why_fog(const Scene& scene, const Layer&) {
   return scene.fog ? concat("surfaces fade from ", scene.fog->range.lo, " to ", scene.fog->range.hi) : "there is none";
 }
 
+std::string why_clipped(const Scene& scene, const Layer& layer) {
+  if (!scene.clip) return "there is no clip region";
+  if (!layer.clipped) return "the layer is shown whole";
+  const std::size_t planes = scene.clip->planes.size();
+  const std::string box = scene.clip->box ? "a box" : "";
+  const std::string of_planes = planes == 0 ? "" : concat(planes, planes == 1 ? " plane" : " planes");
+  return concat(scene.clip->cuts_away ? "what lies in " : "rays end at ", box,
+                box.empty() || of_planes.empty() ? "" : " and ", of_planes,
+                scene.clip->cuts_away ? " is cut away" : "");
+}
+
 struct Row {
   std::string_view effect;
   bool EffectSet::*called_for;
@@ -85,6 +96,7 @@ std::vector<EffectReason> reasons_for_effects(const Scene& scene, const Layer& l
   std::vector<EffectReason> reasons;
   reasons.push_back({"transparency", is_surface && layer.surface.opacity < 1,
                      is_surface ? concat("opacity is ", layer.surface.opacity) : no_surface});
+  reasons.push_back({"clipping", layer.clipped && scene.clip.has_value(), why_clipped(scene, layer)});
   for (const Row& row : rows) {
     const bool is_told = is_surface || row.called_for == &EffectSet::intensity;
     reasons.push_back({row.effect, effects.*row.called_for, is_told ? row.why(scene, layer) : no_surface});

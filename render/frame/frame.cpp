@@ -17,7 +17,9 @@ std::optional<BlockMask> mask_of(const Frame& frame, const PixelLattice& lattice
     const BoxProjection projection(frame.camera_rays, layer.volume_from_world, volume.world_from_volume,
                                    volume.bounds_volume);
     if (!projection.is_certain()) return std::nullopt;
-    add_blocks_that_may_meet(*layer.boxes, projection, lattice, mask);
+    std::optional<ClipRegion::InFrame> clip;
+    if (layer.clipped) clip.emplace(*frame.clip, volume.world_from_volume, *layer.boxes);
+    add_blocks_that_may_meet(*layer.boxes, projection, lattice, mask, clip ? &*clip : nullptr);
   }
   return mask;
 }
@@ -107,6 +109,7 @@ void Pass::add(const Frame& frame, const PixelLattice& lattice) {
   LatticeRays& rays = rays_.emplace_back(LatticeRays{lattice, {}});
   for (const FrameLayer& layer : frame.layers)
     rays.of_layers.emplace_back(frame.camera_rays, layer.volume_from_world, lattice);
+  if (frame.needs.world_rays) rays.in_world.emplace(frame.camera_rays, Affine(), lattice);
 }
 
 void Pass::trace_tile(const Frame& frame, std::size_t index, Worker& worker, Framebuffer& out) const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "render/frame/block_mask.h"
+#include "render/frame/clip_region.h"
 #include "render/frame/pixel_rays.h"
 #include "render/frame/pixels.h"
 #include "render/frame/tile_threads.h"
@@ -34,12 +35,14 @@ struct FrameLayer {
   Look look;
   Affine volume_from_world;
   std::optional<SurfaceBoxes> boxes{};  ///< nothing is met outside them; none: not known
+  bool clipped = false;                 ///< its rays end where Frame::clip ends them
 };
 
 /// What was chosen once for the frame; nothing here changes while tiles are traced.
 struct Frame {
   std::vector<FrameLayer> layers;  ///< opaque ones first, then clear ones, then veils; else as the scene has them
   CameraRays camera_rays;
+  std::optional<ClipRegion> clip;  ///< of the layers that it takes something away of
   Vec3 background;
   bool keeps_channels;  ///< beside the colour
   Occlusion occlusion;
@@ -52,6 +55,7 @@ struct Frame {
 struct LatticeRays {
   PixelLattice lattice;
   std::vector<PixelRays> of_layers;
+  std::optional<PixelRays> in_world{};  ///< where WorkerNeeds::world_rays are asked for
 };
 
 /// Pixels that are traced one after another before anyone looks: those of a few lattices. Rays are made, and kernels

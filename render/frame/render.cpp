@@ -65,6 +65,20 @@ void check_light(const Light& light) {
     throw Error(Trouble::usage, concat("a light from the direction ", text_of(light.place), "; expected a finite one"));
 }
 
+void check_clip(const Clip& clip) {
+  if (clip.box)
+    for (int axis = 0; axis < 3; ++axis)
+      if (!(clip.box->min[axis] < clip.box->max[axis]))
+        throw Error(Trouble::usage, concat("a clip box from ", text_of(clip.box->min), " to ", text_of(clip.box->max),
+                                           "; expected one that is not empty"));
+  if (clip.planes.size() > Clip::most_planes)
+    throw Error(Trouble::usage, concat(clip.planes.size(), " clip planes; expected at most ", Clip::most_planes));
+  for (const HalfSpace& plane : clip.planes)
+    if (!is_finite(plane.point) || !is_finite(plane.normal) || plane.normal == Vec3(0, 0, 0))
+      throw Error(Trouble::usage, concat("a clip plane through ", text_of(plane.point), " with the normal ",
+                                         text_of(plane.normal), "; expected finite numbers and a direction"));
+}
+
 void check_effects(const Scene& scene) {
   for (const Light& light : scene.lights) check_light(light);
   const Occlusion& occlusion = scene.occlusion;
@@ -89,6 +103,7 @@ void check_request(std::span<const Volume> volumes, const Scene& scene, const Fr
                 concat("a scene of ", scene.layers.size(), " layers; expected 1 to ", LayerOfRays::none - 1));
   for (const Layer& layer : scene.layers) check_layer(volumes, layer);
   check_effects(scene);
+  if (scene.clip) check_clip(*scene.clip);
   if (options.channels.error && !all_prove(scene))
     throw Error(Trouble::usage, "the channel 'error' needs a method that proves one: certified or exact");
 }
@@ -161,14 +176,24 @@ void add_needs(const Volume& volume, const FrameLayer& layer, WorkerNeeds& needs
   if (look.layer.mode == Mode::mip)
     needs.queue_entries =
         std::max(needs.queue_entries, choose_kernels(volume.implementation(), look.layer.method).queue_entries);
+  needs.world_rays |= layer.clipped;
   if (look.effects.shadows) needs.light_count = look.lights.lights.size();
   needs.occlusion |= look.effects.occlusion;
 }
 
-/// Without what cannot be seen: a surface that holds back no light.
+/// What is left of a layer.
+enum class Left { all, part, nothing };
+
+Left what_is_left_of(const Volume& volume, const Layer& layer, const Scene& scene) {
+  if (!scene.clip || !layer.clipped || leaves_whole(*scene.clip, volume.bounds())) return Left::all;
+  return what_is_left(*scene.clip, volume.bounds()).isEmpty() ? Left::nothing : Left::part;
+}
+
+/// Without what cannot be seen: a surface that holds back no light, and what is clipped away whole.
 Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options) {
   Frame frame{.layers = {},
               .camera_rays = CameraRays(scene.camera, options.width, options.height),
+              .clip = std::nullopt,
               .background = scene.background,
               .keeps_channels = options.channels.any(),
               .occlusion = scene.occlusion,
@@ -178,7 +203,13 @@ Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const Fr
       if (part_of(layer, scene) != part) continue;
       if (layer.mode != Mode::mip && layer.surface.opacity == 0) continue;
       const Volume& volume = volumes[layer.volume];
+      const Left left = what_is_left_of(volume, layer, scene);
+      if (left == Left::nothing) continue;
       frame.layers.push_back(choose_layer(volume, layer, part, scene, options));
+      if (left == Left::part) {
+        frame.layers.back().clipped = true;
+        if (!frame.clip) frame.clip.emplace(*scene.clip);
+      }
       add_needs(volume, frame.layers.back(), frame.needs);
     }
   frame.needs.layer_count = frame.layers.size();
@@ -222,6 +253,8 @@ FrameStatistics statistics_of(const FrameMemory::Implementation& memory, const S
     const WorkerCounts& counts = worker->counts;
     statistics.rays += counts.rays;
     statistics.rays_ruled_out += counts.rays_ruled_out;
+    statistics.rays_clipped += counts.rays_clipped;
+    statistics.rays_clipped_away += counts.rays_clipped_away;
     statistics.rays_through += counts.rays_through;
     statistics.shadow_rays += counts.shadow_rays;
     statistics.occlusion_rays += counts.occlusion_rays;

@@ -90,6 +90,8 @@ Json statistics_json(const render::FrameStatistics& statistics) {
   const render::FrameStatistics::Phases& phases = statistics.phases;
   return {{"rays", statistics.rays},
           {"rays_ruled_out", statistics.rays_ruled_out},
+          {"rays_clipped", statistics.rays_clipped},
+          {"rays_clipped_away", statistics.rays_clipped_away},
           {"rays_through", statistics.rays_through},
           {"shadow_rays", statistics.shadow_rays},
           {"occlusion_rays", statistics.occlusion_rays},
@@ -123,6 +125,7 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
                   rounded(all > 0 ? 100 * seconds / all : 0, 3), " %\n");
   };
   return count("rays", statistics.rays) + count("ruled out", statistics.rays_ruled_out) +
+         count("clipped", statistics.rays_clipped) + count("clipped away", statistics.rays_clipped_away) +
          count("through surfaces", statistics.rays_through) + count("shadow rays", statistics.shadow_rays) +
          count("occlusion rays", statistics.occlusion_rays) + count("hits", statistics.hits) +
          count("macrocells visited", statistics.macrocells_visited) + count("cells visited", statistics.cells_visited) +

@@ -5,6 +5,7 @@
 
 #include "formats/base/trouble.h"
 #include "tools/rhoray/method_words.h"
+#include "tools/rhoray/scene/clip.h"
 #include "tools/rhoray/scene/looks.h"
 #include "tools/rhoray/scene/picture_words.h"
 
@@ -96,7 +97,7 @@ std::vector<Option> picture_options(PictureOptions& options) {
   CameraWish& camera = scene.camera;
   ImageWish& image = scene.image;
   const auto layers = [&](Option row) { return of_the_layer(options, std::move(row)); };
-  return {
+  std::vector<Option> rows{
       layers(choice_option("--mode", {"iso", "mip"},
                            "Isosurface, or maximum intensity projection; a surface is shown as it is", options.mode)),
       layers(value_option(
@@ -175,6 +176,9 @@ std::vector<Option> picture_options(PictureOptions& options) {
                   image.show),
       switch_option("--no-hierarchy", "Walk every leaf cell, for comparison; the same picture at double", false,
                     image.hierarchy)};
+  const std::vector<Option> clip_rows = clip_options(scene.clip);
+  rows.insert(rows.end(), clip_rows.begin(), clip_rows.end());
+  return rows;
 }
 
 namespace {
@@ -210,6 +214,7 @@ SceneWishes with_options(SceneWishes document, const PictureOptions& options) {
   replace(document.lights, lights_of(options));
   replace(document.effects.occlusion, said.effects.occlusion);
   replace(document.effects.fog, said.effects.fog);
+  replace(document.clip, said.clip);
   replace(document.image.size, said.image.size);
   replace(document.image.background, said.image.background);
   replace(document.image.channels, said.image.channels);

@@ -7,6 +7,7 @@
 #include "formats/base/trouble.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/method_words.h"
+#include "tools/rhoray/scene/clip.h"
 #include "tools/rhoray/scene/document.h"
 #include "tools/rhoray/scene/lights.h"
 #include "tools/rhoray/scene/looks.h"
@@ -141,6 +142,7 @@ class LayerPlanner {
     const LayerWish& wish = wishes_.layers[index];
     render::Layer layer;
     layer.volume = volume_of(wishes_, data_of(wishes_, index), open_, plan_);
+    layer.clipped = wish.clip.value_or(true);
     const render::Volume& volume = plan_.volumes[layer.volume];
     if (volume.is_surface()) return add_triangles(index, layer);
     layer.mode = wish.type == LayerType::mip ? render::Mode::mip : render::Mode::isosurface;
@@ -272,7 +274,9 @@ Box3 shown_box(const ScenePlan& plan) {
   for (const render::Layer& layer : plan.scene.layers) {
     const render::Volume& volume = plan.volumes[layer.volume];
     data.extendBy(volume.bounds());
-    shown.extendBy(layer.mode == render::Mode::isosurface ? volume.isosurface_bounds(layer.isovalue) : volume.bounds());
+    const Box3 whole =
+        layer.mode == render::Mode::isosurface ? volume.isosurface_bounds(layer.isovalue) : volume.bounds();
+    shown.extendBy(layer.clipped && plan.scene.clip ? what_is_left(*plan.scene.clip, whole) : whole);
   }
   return shown.isEmpty() ? data : shown;
 }
@@ -292,6 +296,9 @@ std::string joined(const std::vector<std::string>& words) {
 ScenePlan plan_layers(const SceneWishes& wishes, const OpenData& open) {
   ScenePlan plan = LayerPlanner(wishes, open).plan();
   plan_image(wishes, plan);
+  const Place clip = root(wishes).at("clip");
+  plan.scene.clip = choose_clip(wishes.clip, clip);
+  for (const std::string& note : clip_notes(plan, clip)) plan.notes.push_back(note);
   return plan;
 }
 
@@ -375,8 +382,10 @@ SceneWishes spelled_out(const ScenePlan& plan) {
       wish.shininess = layer.surface.shininess;
       wish.opacity = layer.surface.opacity;
     }
+    if (plan.scene.clip) wish.clip = layer.clipped;
     wishes.layers.push_back(std::move(wish));
   }
+  wishes.clip = clip_wish(plan.scene.clip);
   wishes.lights = light_wishes(plan.scene.lights);
   wishes.effects = effect_wishes(plan.scene);
   wishes.camera.position = camera.position;
@@ -397,8 +406,8 @@ SceneWishes spelled_out(const ScenePlan& plan) {
 std::vector<std::string> reproducing_command(const ScenePlan& plan, const std::filesystem::path& output) {
   const SceneWishes wishes = spelled_out(plan);
   std::vector<std::string> words{"rhoray", "render"};
-  const bool needs_document =
-      plan.scene.layers.size() > 1 || wishes.lights || wishes.effects.occlusion || wishes.effects.fog;
+  const bool needs_document = plan.scene.layers.size() > 1 || wishes.lights || wishes.effects.occlusion ||
+                              wishes.effects.fog || (plan.scene.clip && !plan.scene.layers[0].clipped);
   if (needs_document) {
     words.insert(words.end(), {dump(scene_json(wishes)), "-o", output.string()});
     return words;
@@ -434,6 +443,8 @@ std::vector<std::string> reproducing_command(const ScenePlan& plan, const std::f
     add("--accuracy", layer.accuracy);
   else
     add("--method", layer.method);
+  if (wishes.clip)
+    for (const std::string& word : clip_words(*wishes.clip)) words.push_back(word);
   add("--size", concat(image.size->width, "x", image.size->height));
   add("--camera-position", text_of_vector(*camera.position));
   add("--camera-target", text_of_vector(*camera.target));

@@ -4,6 +4,7 @@
 
 #include "formats/base/trouble.h"
 #include "tools/rhoray/method_words.h"
+#include "tools/rhoray/scene/clip.h"
 #include "tools/rhoray/scene/looks.h"
 #include "tools/rhoray/scene/picture_words.h"
 
@@ -18,13 +19,18 @@ Rows operator+(Rows rows, const Rows& more) {
   return rows;
 }
 
+Row<LayerWish> clip_row() {
+  return row("clip", &LayerWish::clip, yes_or_no(), "false: shown whole, whatever the scene's \"clip\" takes away");
+}
+
 Rows rows_of_every_layer() {
   return {
       row("data", &LayerWish::data, text_value(), "Name of the data shown; may be left out where there is only one"),
       row("visible", &LayerWish::visible, yes_or_no(), "false: the layer is left out, its file is not opened"),
       row("accuracy", &LayerWish::accuracy, word_value(accuracy_words()),
           "How right the layer is drawn; default the scene's accuracy"),
-      row("method", &LayerWish::method, method_value(), "One method by name instead of an accuracy, for comparison")};
+      row("method", &LayerWish::method, method_value(), "One method by name instead of an accuracy, for comparison"),
+      clip_row()};
 }
 
 Rows rows_of_isosurfaces() {
@@ -292,6 +298,8 @@ const std::vector<Row<SceneWishes>>& scene_rows() {
           "What shines; default one white light at the eye"),
       row("effects", &SceneWishes::effects, object_value(effect_rows()),
           "Of the whole picture; each that is named is on"),
+      row("clip", &SceneWishes::clip, object_value(clip_rows()),
+          "A region of which only the inside is shown, or only the outside; what is clipped away holds no light back"),
       row("camera", &SceneWishes::camera, object_value(camera_rows()),
           "From where; default a three-quarter view of all layers"),
       row("image", &SceneWishes::image, object_value(image_rows()), "The picture"),

@@ -37,6 +37,7 @@ struct LayerWish {
   std::string accuracy{};  ///< a level; empty = the scene's
   std::string method{};    ///< instead of a level
   bool visible = true;
+  std::optional<bool> clip{};  ///< false: shown whole
 };
 
 struct CameraWish {
@@ -82,11 +83,18 @@ struct EffectsWish {
   std::optional<FogWish> fog{};
 };
 
+struct ClipWish {
+  std::optional<Box3> box{};
+  std::vector<render::HalfSpace> planes{};
+  std::string keep{};  ///< a word; empty = inside
+};
+
 struct SceneWishes {
   std::vector<DataWish> data{};
   std::vector<LayerWish> layers{};
   std::optional<std::vector<LightWish>> lights{};  ///< default one white light at the eye
   EffectsWish effects{};
+  std::optional<ClipWish> clip{};
   CameraWish camera{};
   ImageWish image{};
   std::string accuracy{};  ///< of layers that name none; empty = render::default_method
