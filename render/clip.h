@@ -18,9 +18,11 @@ struct HalfSpace {
 /// closed, and convex.
 ///
 /// Of layers that are clipped only what lies in the region is shown, or, where it is cut away, only what does not lie
-/// in its inside. Rays end at its faces: what they meet is in or out by its t, in double precision; a ray that begins
-/// at a face begins on the side that the field has there, so that no surface is drawn in a face. Rays towards lights
-/// and into surroundings end likewise: what is clipped away holds no light back.
+/// in its inside. Rays end at its faces, at a t in double precision that is off by no more than the rounding of two
+/// products of three terms and of a quotient: a crossing of smaller or larger t is in or out by that, as far as the
+/// layer's level tells its t. A ray that begins at a face begins on the side that the field has there, so that no
+/// surface is drawn in a face. Rays towards lights and into surroundings end likewise: what is clipped away holds no
+/// light back.
 struct Clip {
   static constexpr std::size_t most_planes = 6;
 

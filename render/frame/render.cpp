@@ -216,13 +216,27 @@ Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const Fr
   return frame;
 }
 
+/// Around what a layer may show, volume frame; the whole where what is left is too small to tell.
+Box3 kept_bounds(const FrameLayer& layer, const std::optional<Clip>& clip) {
+  const Box3& bounds = layer.volume.bounds_volume;
+  if (!layer.clipped) return bounds;
+  Clip in_volume{.cuts_away = clip->cuts_away};
+  const Affine& map = layer.volume.world_from_volume;
+  for (const HalfSpace& half : half_spaces_of(*clip))
+    in_volume.planes.push_back(
+        {.point = layer.volume_from_world.point(half.point),
+         .normal = {half.normal.dot(map.x_axis), half.normal.dot(map.y_axis), half.normal.dot(map.z_axis)}});
+  const Box3 kept = what_is_left(in_volume, bounds);
+  return !kept.isEmpty() && kept.size().length() > 0x1p-20 * bounds.size().length() ? kept : bounds;
+}
+
 /// Makes a layer ready, and finds out where it can be met at all.
 /// @return  true where wide kernels were made ready
-bool prepare(FrameLayer& layer, const FrameOptions& options) {
+bool prepare(FrameLayer& layer, const std::optional<Clip>& clip, const FrameOptions& options) {
   if (layer.prepare != nullptr) layer.boxes = layer.prepare(layer.volume, layer.question, options.threads);
   const bool is_wide = layer.boxes.has_value();
   if (!is_wide && options.use_hierarchy && keeps_to_bounds(layer.volume, layer.question.method))
-    layer.boxes = box_around(layer.volume.bounds_volume);
+    layer.boxes = box_around(kept_bounds(layer, clip));
   return is_wide;
 }
 
@@ -343,7 +357,7 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
   Frame frame = choose_frame(volumes, scene, options);
   bool is_wide = false, prepares = false;
   for (FrameLayer& layer : frame.layers) {
-    is_wide |= prepare(layer, options);
+    is_wide |= prepare(layer, scene.clip, options);
     prepares |= layer.prepare != nullptr || layer.look.lookup;
   }
   const double preparation_s = prepares ? seconds_since(preparation_start) : 0;
