@@ -39,6 +39,7 @@ struct FrameStatistics {
   std::uint64_t rays_through = 0;       ///< asked again behind a surface that is not opaque
   std::uint64_t shadow_rays = 0;        ///< from hits to lights that may be blocked
   std::uint64_t occlusion_rays = 0;     ///< from hits into their surroundings
+  std::uint64_t slice_lookups = 0;      ///< places of which slices asked for the field's value
   std::uint64_t hits = 0;
   std::uint64_t macrocells_visited = 0;
   std::uint64_t cells_visited = 0;      ///< leaf cells whose values or lists were read

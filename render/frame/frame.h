@@ -8,6 +8,7 @@
 #include "render/frame/clip_region.h"
 #include "render/frame/pixel_rays.h"
 #include "render/frame/pixels.h"
+#include "render/frame/slices.h"
 #include "render/frame/tile_threads.h"
 #include "render/frame/tiles.h"
 #include "render/frame/worker.h"
@@ -34,13 +35,15 @@ struct FrameLayer {
   Question question, question_through;
   Look look;
   Affine volume_from_world;
-  std::optional<SurfaceBoxes> boxes{};  ///< nothing is met outside them; none: not known
-  bool clipped = false;                 ///< its rays end where Frame::clip ends them
+  std::optional<SurfaceBoxes> boxes{};        ///< nothing is met outside them; none: not known
+  std::shared_ptr<const SlicePlane> slice{};  ///< asked in the place of kernels
+  bool clipped = false;                       ///< its rays end where Frame::clip ends them
 };
 
 /// What was chosen once for the frame; nothing here changes while tiles are traced.
 struct Frame {
-  std::vector<FrameLayer> layers;  ///< opaque ones first, then clear ones, then veils; else as the scene has them
+  /// Opaque ones first, then clear ones, then veils, slices before others; else as the scene has them.
+  std::vector<FrameLayer> layers;
   CameraRays camera_rays;
   std::optional<ClipRegion> clip;  ///< of the layers that it takes something away of
   Vec3 background;

@@ -72,7 +72,7 @@ Vec3 eye_normal(const Look& look, const Ray& ray, const Vec3& gradient, StartSid
 /// On which side of a layer's surface a hit of another one lies. What is known of its own surface is known of every one
 /// of the same field: at the hit the field has the hit's isovalue.
 StartSide side_for(const FrameLayer& layer, const FrameLayer& of_hit, StartSide side) {
-  if (&layer.volume != &of_hit.volume) return StartSide::unknown;
+  if (&layer.volume != &of_hit.volume || of_hit.slice) return StartSide::unknown;
   const double isovalue = layer.question.isovalue, of_field = of_hit.question.isovalue;
   if (isovalue == of_field) return side;
   return of_field > isovalue ? StartSide::inside : StartSide::outside;

@@ -80,6 +80,15 @@ void ask_behind_cut(const FrameLayer& layer, Kernel kernel, const Question& ques
 }
 
 /// @param ends  of all rays of the tile; null: they do not end
+void ask_slice(const Frame& frame, const FrameLayer& layer, const double* ends, Worker& worker, LayerWork& work) {
+  const WorldRays& world = *worker.world;
+  const bool is_cut = layer.clipped && frame.clip->cuts_away();
+  worker.counts.slice_places += layer.slice->ask(
+      work.rays, world.rays, {.begin = is_cut ? world.kept.again.data() : nullptr, .end = ends}, work.hits);
+  for (std::size_t r = 0; r < work.rays.count; ++r) work.scratch.counters.cells_visited += work.hits.cost[r];
+}
+
+/// @param ends  of all rays of the tile; null: they do not end
 void ask_layer(const Frame& frame, const FrameLayer& layer, const PixelRays& rays, const Tile& tile, const double* ends,
                Worker& worker, LayerWork& work) {
   if (work.rays_begun_by != &rays) rays.begin(work.rays);
@@ -89,6 +98,7 @@ void ask_layer(const Frame& frame, const FrameLayer& layer, const PixelRays& ray
     shorten(worker.world->kept, ends, work.rays);
   else if (ends != nullptr)
     std::copy_n(ends, work.rays.count, work.rays.t_max.data());
+  if (layer.slice) return ask_slice(frame, layer, ends, worker, work);
   work.scratch.last_t.reset();
   layer.kernel(layer.volume, layer.question, work.rays, work.hits, work.scratch);
   if (!layer.clipped || !frame.clip->cuts_away()) return;
@@ -175,6 +185,21 @@ void go_on(const Frame& frame, std::uint8_t index, const LayerOfRays& shown, Wor
   ask_behind_cut(layer, layer.kernel_through, layer.question_through, worker.nearest.data(), worker, work);
 }
 
+/// Where the nearest is a slice, what is not opaque is only seen before it.
+void end_before_slices(const Frame& frame, Worker& worker) {
+  for (std::size_t r = 0; r < worker.layers[0].rays.count; ++r) {
+    const std::uint8_t shown = worker.shown.of[r];
+    if (shown != LayerOfRays::none && frame.layers[shown].slice && worker.layers[shown].hits.t[r] == worker.nearest[r])
+      worker.nearest[r] = std::nextafter(worker.nearest[r], -infinity);
+  }
+}
+
+/// A slice is met once.
+void leave_slices(std::uint8_t index, const LayerOfRays& shown, LayerWork& work) {
+  for (std::size_t r = 0; r < work.rays.count; ++r)
+    if (shown.of[r] == index) work.hits.t[r] = infinity;
+}
+
 }  // namespace
 
 void trace_layers(const Frame& frame, const LatticeRays& rays, const Tile& tile, Worker& worker) {
@@ -187,6 +212,8 @@ void trace_layers(const Frame& frame, const LatticeRays& rays, const Tile& tile,
   std::fill_n(worker.shown.of, tile_capacity, LayerOfRays::none);
   for (std::size_t l = 0; l < frame.layers.size(); ++l) {
     LayerWork& work = worker.layers[l];
+    if (frame.layers[0].slice && l > 0 && frame.layers[l].part != frame.layers[l - 1].part)
+      end_before_slices(frame, worker);
     ask_layer(frame, frame.layers[l], rays.of_layers[l], tile, worker.nearest.data(), worker, work);
     if (frame.layers[l].part == Part::opaque) keep_nearest(work, static_cast<std::uint8_t>(l), worker);
   }
@@ -206,9 +233,12 @@ void peel_clear_layers(const Frame& frame, Worker& worker) {
       if (frame.layers[l].part != Part::clear) continue;
       const auto index = static_cast<std::uint8_t>(l);
       receive_light(frame, index, &next, worker);
-      leave_crossings(frame.layers[l], index, next, worker.layers[l]);
+      if (!frame.layers[l].slice) leave_crossings(frame.layers[l], index, next, worker.layers[l]);
       shade_clear(frame.layers[l].look, worker.layers[l], next, index, worker.received, worker.counts, worker.front);
-      go_on(frame, index, next, worker);
+      if (frame.layers[l].slice)
+        leave_slices(index, next, worker.layers[l]);
+      else
+        go_on(frame, index, next, worker);
     }
   for (std::size_t l = 0; l < frame.layers.size(); ++l) {
     if (frame.layers[l].part != Part::clear) continue;

@@ -33,18 +33,6 @@ ValueKind<Box3> box_value() {
               }};
 }
 
-/// A vector that is not 0.
-ValueKind<Vec3> direction_value() {
-  ValueKind<Vec3> kind = vector_value();
-  kind.expected = "three numbers [x, y, z], not all 0";
-  kind.read = [read = kind.read, expected = kind.expected](const Json& json, const Reading& at) {
-    const Vec3 direction = read(json, at);
-    if (direction == Vec3(0, 0, 0)) at.place.refuse(json, expected);
-    return direction;
-  };
-  return kind;
-}
-
 ValueKind<std::vector<render::HalfSpace>> half_spaces_value() {
   constexpr std::size_t most = render::Clip::most_planes;
   const std::string expected = concat("an array of 1 to ", most, " planes");
@@ -92,18 +80,29 @@ Box3 read_box(const std::string& text) {
   return {low, high};
 }
 
+std::string words_of(const Vec3& a, const Vec3& b) {
+  return concat(a.x, ",", a.y, ",", a.z, ",", b.x, ",", b.y, ",", b.z);
+}
+
+}  // namespace
+
+ValueKind<Vec3> direction_value() {
+  ValueKind<Vec3> kind = vector_value();
+  kind.expected = "three numbers [x, y, z], not all 0";
+  kind.read = [read = kind.read, expected = kind.expected](const Json& json, const Reading& at) {
+    const Vec3 direction = read(json, at);
+    if (direction == Vec3(0, 0, 0)) at.place.refuse(json, expected);
+    return direction;
+  };
+  return kind;
+}
+
 render::HalfSpace read_half_space(const std::string& text) {
   const std::string expected = "six finite numbers px,py,pz,nx,ny,nz: a point, and a normal that is not 0";
   const auto [point, normal] = two_vectors(text, expected);
   if (normal == Vec3(0, 0, 0)) throw Error(Trouble::usage, concat("found '", text, "'; expected ", expected));
   return {.point = point, .normal = normal};
 }
-
-std::string words_of(const Vec3& a, const Vec3& b) {
-  return concat(a.x, ",", a.y, ",", a.z, ",", b.x, ",", b.y, ",", b.z);
-}
-
-}  // namespace
 
 const std::vector<Row<render::HalfSpace>>& half_space_rows() {
   static const std::vector<Row<render::HalfSpace>> rows{
@@ -163,13 +162,22 @@ std::vector<std::string> clip_words(const ClipWish& wish) {
   return words;
 }
 
+Box3 bounds_of(const render::Layer& layer, const ScenePlan& plan) {
+  const Box3 bounds = plan.volumes[layer.volume].bounds();
+  return layer.mode == render::Mode::slice ? part_of_plane(layer.plane, bounds) : bounds;
+}
+
 std::vector<std::string> clip_notes(const ScenePlan& plan, const Place& place) {
   std::vector<std::string> notes;
+  for (std::size_t i = 0; i < plan.scene.layers.size(); ++i)
+    if (bounds_of(plan.scene.layers[i], plan).isEmpty())
+      notes.push_back(concat("layer ", i, ": its plane passes the data by: nothing is shown of it"));
   if (!plan.scene.clip) return notes;
   const std::string subject = place.document.empty() ? "clip" : place.text();
   for (std::size_t i = 0; i < plan.scene.layers.size(); ++i) {
     const render::Layer& layer = plan.scene.layers[i];
-    const Box3 bounds = plan.volumes[layer.volume].bounds();
+    const Box3 bounds = bounds_of(layer, plan);
+    if (bounds.isEmpty()) continue;
     if (layer.clipped && what_is_left(*plan.scene.clip, bounds).isEmpty())
       notes.push_back(concat(subject, ": nothing of layer ", i, " is left"));
   }

@@ -16,6 +16,11 @@ namespace rhoray::tools {
 const std::vector<Row<ClipWish>>& clip_rows();
 const std::vector<Row<render::HalfSpace>>& half_space_rows();
 
+/// A vector that is not 0.
+ValueKind<Vec3> direction_value();
+/// px,py,pz,nx,ny,nz; refuses others (Trouble::usage).
+render::HalfSpace read_half_space(const std::string& text);
+
 /// The rows of the options that say the same.
 std::vector<Option> clip_options(std::optional<ClipWish>& wish);
 
@@ -27,7 +32,10 @@ std::optional<ClipWish> clip_wish(const std::optional<render::Clip>& clip);
 /// The options that say the same.
 std::vector<std::string> clip_words(const ClipWish& wish);
 
-/// Of each layer of which the region leaves nothing a line.
+/// Around what a layer may show before anything is clipped away; empty for a slice that passes its data by.
+Box3 bounds_of(const render::Layer& layer, const ScenePlan& plan);
+
+/// Of each slice that passes its data by, and of each layer of which the region leaves nothing, a line.
 /// @param place  of the region in its document; of a command line without a document
 std::vector<std::string> clip_notes(const ScenePlan& plan, const Place& place);
 

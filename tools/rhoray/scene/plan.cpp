@@ -14,6 +14,7 @@
 #include "tools/rhoray/scene/looks.h"
 #include "tools/rhoray/scene/picture_words.h"
 #include "tools/rhoray/scene/place.h"
+#include "tools/rhoray/scene/slices.h"
 #include "tools/rhoray/scene/tables.h"
 
 namespace rhoray::tools {
@@ -119,6 +120,7 @@ void refuse_words_of_fields(const SceneWishes& wishes, const LayerWish& layer, c
   const std::string accuracy = accuracy_of(wishes, layer);
   for (const auto& [given, option] : {std::pair{layer.isovalues != defaults.isovalues, "--iso"},
                                       {layer.type == LayerType::mip, "--mode"},
+                                      {layer.type == LayerType::slice, "--slice"},
                                       {!layer.color_by.empty(), "--color-by"},
                                       {!layer.colormap.empty(), "--colormap"},
                                       {layer.range.has_value(), "--range"},
@@ -158,6 +160,10 @@ class LayerPlanner {
     const render::Volume& volume = plan_.volumes[layer.volume];
     if (volume.is_surface()) return add_triangles(index, layer);
     if (wish.type == LayerType::mesh) refuse_fields(index, volume);
+    if (wish.type == LayerType::slice) {
+      choose_slice(wish, volume, layer_place(wishes_, index), layer);
+      return put(index, layer, {});
+    }
     layer.mode = wish.type == LayerType::mip ? render::Mode::mip : render::Mode::isosurface;
     layer.method = choose_method(wishes_, index, layer.mode, volume);
     switch (wish.type) {
@@ -167,6 +173,7 @@ class LayerPlanner {
       case LayerType::mip:
         return add_projection(index, layer);
       case LayerType::mesh:
+      case LayerType::slice:
         break;
     }
   }
@@ -262,7 +269,8 @@ class LayerPlanner {
   void color_several_surfaces() {
     std::vector<std::size_t> surfaces;
     for (std::size_t i = 0; i < plan_.scene.layers.size(); ++i)
-      if (plan_.scene.layers[i].mode != render::Mode::mip) surfaces.push_back(i);
+      if (plan_.scene.layers[i].mode != render::Mode::mip && plan_.scene.layers[i].mode != render::Mode::slice)
+        surfaces.push_back(i);
     if (surfaces.size() < 2) return;
     for (std::size_t i = 0; i < surfaces.size(); ++i) {
       if (wishes_.layers[plan_.origins[surfaces[i]].wish].color) continue;
@@ -310,7 +318,7 @@ Box3 shown_box(const ScenePlan& plan) {
     const render::Volume& volume = plan.volumes[layer.volume];
     data.extendBy(volume.bounds());
     const Box3 whole =
-        layer.mode == render::Mode::isosurface ? volume.isosurface_bounds(layer.isovalue) : volume.bounds();
+        layer.mode == render::Mode::isosurface ? volume.isosurface_bounds(layer.isovalue) : bounds_of(layer, plan);
     shown.extendBy(layer.clipped && plan.scene.clip ? what_is_left(*plan.scene.clip, whole) : whole);
   }
   return shown.isEmpty() ? data : shown;
@@ -377,6 +385,14 @@ void place_lights(const SceneWishes& wishes, const ShownBox& shown, ScenePlan& p
   for (const std::string& note : light_notes(scene, plan.volumes)) plan.notes.push_back(note);
 }
 
+/// Rays of an eye inside data start on the side that the field has there.
+void note_camera_inside(ScenePlan& plan) {
+  if (plan.scene.camera.orthographic) return;
+  for (std::size_t v = 0; v < plan.volumes.size(); ++v)
+    if (plan.volumes[v].bounds().intersects(plan.scene.camera.position))
+      plan.notes.push_back(concat("the camera stands inside ", plan.data[v].file.string(), ": rays begin in it"));
+}
+
 }  // namespace
 
 void aim_camera(const SceneWishes& wishes, ScenePlan& plan) {
@@ -387,6 +403,7 @@ void aim_camera(const SceneWishes& wishes, ScenePlan& plan) {
   };
   place_camera(wishes, shown, plan);
   place_lights(wishes, shown, plan);
+  note_camera_inside(plan);
 }
 
 SceneWishes spelled_out(const ScenePlan& plan) {
@@ -396,9 +413,13 @@ SceneWishes spelled_out(const ScenePlan& plan) {
     if (wishes.data[i].name.empty()) wishes.data[i].name = "data";  // of a command line
   for (const render::Layer& layer : plan.scene.layers) {
     LayerWish wish{.data = wishes.data[layer.volume].name};
-    const MethodOption method = option_of(layer.method, layer.mode, plan.volumes[layer.volume].is_mesh());
-    (method.option == "--accuracy" ? wish.accuracy : wish.method) = method.word;
-    if (layer.mode == render::Mode::mip) {
+    if (layer.mode != render::Mode::slice) {
+      const MethodOption method = option_of(layer.method, layer.mode, plan.volumes[layer.volume].is_mesh());
+      (method.option == "--accuracy" ? wish.accuracy : wish.method) = method.word;
+    }
+    if (layer.mode == render::Mode::slice) {
+      say_slice(layer, wish);
+    } else if (layer.mode == render::Mode::mip) {
       wish.type = LayerType::mip;
       wish.range = layer.window;
     } else {
@@ -443,7 +464,8 @@ std::vector<std::string> reproducing_command(const ScenePlan& plan, const std::f
   const SceneWishes wishes = spelled_out(plan);
   std::vector<std::string> words{"rhoray", "render"};
   const bool needs_document = plan.scene.layers.size() > 1 || wishes.lights || wishes.effects.occlusion ||
-                              wishes.effects.fog || (plan.scene.clip && !plan.scene.layers[0].clipped);
+                              wishes.effects.fog || (plan.scene.clip && !plan.scene.layers[0].clipped) ||
+                              plan.scene.layers[0].mode == render::Mode::slice;
   if (needs_document) {
     words.insert(words.end(), {dump(scene_json(wishes)), "-o", output.string()});
     return words;

@@ -7,6 +7,7 @@
 #include "tools/rhoray/scene/clip.h"
 #include "tools/rhoray/scene/looks.h"
 #include "tools/rhoray/scene/picture_words.h"
+#include "tools/rhoray/scene/slices.h"
 
 namespace rhoray::tools {
 
@@ -19,17 +20,16 @@ Rows operator+(Rows rows, const Rows& more) {
   return rows;
 }
 
-Row<LayerWish> clip_row() {
-  return row("clip", &LayerWish::clip, yes_or_no(), "false: shown whole, whatever the scene's \"clip\" takes away");
-}
-
-Rows rows_of_every_layer() {
+Rows rows_of_data() {
   return {
       row("data", &LayerWish::data, text_value(), "Name of the data shown; may be left out where there is only one"),
       row("visible", &LayerWish::visible, yes_or_no(), "false: the layer is left out, its file is not opened"),
-      row("accuracy", &LayerWish::accuracy, word_value(accuracy_words()),
-          "How right the layer is drawn; default the scene's accuracy"),
-      clip_row()};
+      row("clip", &LayerWish::clip, yes_or_no(), "false: shown whole, whatever the scene's \"clip\" takes away")};
+}
+
+Rows rows_of_every_layer() {
+  return rows_of_data() + Rows{row("accuracy", &LayerWish::accuracy, word_value(accuracy_words()),
+                                   "How right the layer is drawn; default the scene's accuracy")};
 }
 
 Rows rows_of_every_field() {
@@ -221,7 +221,9 @@ std::span<const LayerKind> layer_kinds() {
       {LayerType::mip, "mip", "The largest value along every ray",
        rows_of_every_layer() + rows_of_every_field() + rows_of_projections()},
       {LayerType::mesh, "mesh", "Triangles of a packed surface, a landmark among the others",
-       rows_of_every_layer() + rows_of_triangles() + rows_of_lit_surfaces()}};
+       rows_of_every_layer() + rows_of_triangles() + rows_of_lit_surfaces()},
+      {LayerType::slice, "slice", "The field on a plane, in colours; in double precision at every accuracy",
+       rows_of_data() + slice_rows()}};
   return kinds;
 }
 

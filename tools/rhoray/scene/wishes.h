@@ -22,7 +22,7 @@ struct DataWish {
   std::string field{};  ///< empty = the first that is not the same everywhere
 };
 
-enum class LayerType { isosurface, mip, mesh };
+enum class LayerType { isosurface, mip, mesh, slice };
 
 struct LayerWish {
   LayerType type = LayerType::isosurface;
@@ -38,6 +38,11 @@ struct LayerWish {
   std::string method{};    ///< instead of a level
   bool visible = true;
   std::optional<bool> clip{};  ///< false: shown whole
+  std::string axis{};          ///< of slices: a word; empty = point and normal
+  std::optional<double> position{};
+  std::optional<Vec3> point{}, normal{};
+  std::optional<Interval<double>> threshold{};
+  std::optional<bool> lit{};
 };
 
 struct CameraWish {
