@@ -34,9 +34,12 @@ struct FrameStatistics {
   };
   std::uint64_t rays = 0;
   std::uint64_t rays_ruled_out = 0;  ///< of these: known to meet nothing by where it can be met, and not traced
-  std::uint64_t rays_through = 0;    ///< asked again behind a surface that is not opaque
-  std::uint64_t shadow_rays = 0;     ///< from hits to lights that may be blocked
-  std::uint64_t occlusion_rays = 0;  ///< from hits into their surroundings
+  std::uint64_t rays_clipped = 0;    ///< traced ones that a clip region shortens; 0 where it takes nothing of any layer
+  std::uint64_t rays_clipped_away = 0;  ///< of these: nothing is left of them
+  std::uint64_t rays_through = 0;       ///< asked again behind a surface that is not opaque
+  std::uint64_t shadow_rays = 0;        ///< from hits to lights that may be blocked
+  std::uint64_t occlusion_rays = 0;     ///< from hits into their surroundings
+  std::uint64_t slice_lookups = 0;      ///< places of which slices asked for the field's value
   std::uint64_t hits = 0;
   std::uint64_t macrocells_visited = 0;
   std::uint64_t cells_visited = 0;      ///< leaf cells whose values or lists were read
@@ -79,9 +82,9 @@ class FrameMemory {
 
 /// Traces one ray through the middle of every pixel. The framebuffer is the same, bit for bit, for any number of
 /// threads. Refuses a picture without pixels, a scene without layers, a layer of a volume that is not there, an
-/// isovalue or a camera that is not finite, a mode that is not one of the volume's kind, a method that does not answer
-/// the question, smooth normals of a grid, colours by a field that is not there, a light or fog that is not finite, and
-/// the channel `error` where the method proves nothing (Trouble::usage).
+/// isovalue, a clip region or a camera that is not finite, a clip box that is empty, a mode that is not one of the
+/// volume's kind, a method that does not answer the question, smooth normals of a grid, colours by a field that is not
+/// there, a light or fog that is not finite, and the channel `error` where the method proves nothing (Trouble::usage).
 FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
                        Framebuffer& framebuffer);
 

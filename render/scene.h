@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "formats/base/interval.h"
 #include "formats/base/vector.h"
 #include "render/camera.h"
+#include "render/clip.h"
 #include "render/color_map.h"
 #include "render/method.h"
 
@@ -16,7 +18,8 @@ namespace rhoray::render {
 enum class Mode {
   isosurface,
   mip,
-  triangles  ///< of a surface (Volume::is_surface), which is shown in no other way
+  triangles,  ///< of a surface (Volume::is_surface), which is shown in no other way
+  slice       ///< the field on a plane
 };
 
 /// What a surface is lit by.
@@ -43,6 +46,7 @@ struct Surface {
   double ambient = 0.12;   ///< share of light that comes from everywhere, white; lights give the rest
   double specular = 0.25;  ///< 0: no highlight is computed
   double shininess = 40;   ///< Blinn-Phong exponent
+  bool lit = true;         ///< slices may not be: they show their own colours, and neither ambient light nor others
   double opacity = 1;      ///< share of the light behind that the surface holds back; 0: it is not traced
 };
 
@@ -54,6 +58,13 @@ struct Layer {
   Method method{};
   Interval<double> window{};  ///< values shown from black to white in MIP; must not be empty there
   Surface surface{};
+  /// Of slices, which are coloured by the volume's own field (Surface::color_by), trilinear or linear in its cells, in
+  /// double precision at every level. Nothing is shown where there is no data. A slice holds no light back. Of a slice
+  /// and a surface at the same t the slice is shown; a slice in a face of the clip region is met at that face's t.
+  HalfSpace plane{};  ///< its normal may point either way
+  Interval<double> threshold{-std::numeric_limits<double>::infinity(),
+                             std::numeric_limits<double>::infinity()};  ///< only values within are shown
+  bool clipped = true;  ///< false: it is shown whole, whatever Scene::clip takes away of others
 };
 
 /// What shines on surfaces. Light does not grow weaker with distance.
@@ -98,6 +109,7 @@ struct Scene {
   std::vector<Light> lights = std::vector<Light>(1);
   Occlusion occlusion{};
   std::optional<Fog> fog{};
+  std::optional<Clip> clip{};
   Camera camera{};
   Vec3 background{1, 1, 1};  ///< linear RGB
 };

@@ -42,21 +42,24 @@ double extent_of(const Light& light) {
 }  // namespace
 
 bool holds_light_back(const Layer& layer) {
-  return layer.mode != Mode::mip && layer.surface.opacity == 1;
+  return (layer.mode == Mode::isosurface || layer.mode == Mode::triangles) && layer.surface.opacity == 1;
 }
 
 EffectSet effects_called_for(const Layer& layer) {
-  const bool is_surface = layer.mode != Mode::mip;
+  const bool is_slice = layer.mode == Mode::slice, is_mip = layer.mode == Mode::mip;
   const Surface& surface = layer.surface;
-  return {.diffuse = is_surface,
-          .smooth_normals = is_surface && surface.normals == Normals::smooth,
-          .field_color = is_surface && surface.color_by.has_value(),
-          .specular = is_surface && surface.specular > 0,
-          .intensity = !is_surface};
+  const bool is_lit = !is_mip && (!is_slice || surface.lit);
+  return {.diffuse = is_lit,
+          .smooth_normals = is_lit && !is_slice && surface.normals == Normals::smooth,
+          .field_color = !is_mip && surface.color_by.has_value(),
+          .specular = is_lit && surface.specular > 0,
+          .intensity = is_mip,
+          .true_colors = is_slice && !is_lit};
 }
 
 EffectSet effects_called_for(const Scene& scene, const Layer& layer) {
   EffectSet effects = effects_called_for(layer);
+  effects.fog = scene.fog.has_value() && layer.mode != Mode::mip;
   if (!effects.diffuse) return effects;
   effects.shadows = shows_lights(layer.surface) && has_opaque_surface(scene) &&
                     std::any_of(scene.lights.begin(), scene.lights.end(), casts_visible_shadows);
@@ -66,7 +69,6 @@ EffectSet effects_called_for(const Scene& scene, const Layer& layer) {
   effects.occlusion = scene.occlusion.samples > 0 && scene.occlusion.radius > 0 && layer.surface.ambient > 0 &&
                       has_opaque_surface(scene);
   effects.lights = effects.occlusion || !is_lit_from_the_eye_alone(scene);
-  effects.fog = scene.fog.has_value();
   return effects;
 }
 

@@ -21,6 +21,7 @@ struct EffectSet {
   bool field_color = false;
   bool specular = false;
   bool intensity = false;
+  bool true_colors = false;   ///< those of the field, as they are
   bool lights = false;        ///< others than one white light at the eye
   bool shadows = false;       ///< rays towards lights are asked about
   bool soft_shadows = false;  ///< several of each hit, towards lights that are not points
@@ -36,7 +37,7 @@ EffectSet effects_called_for(const Layer& layer);
 /// shows lights at all; occlusion where it has a radius, there is ambient light and something that holds it back.
 EffectSet effects_called_for(const Scene& scene, const Layer& layer);
 
-/// True of opaque isosurfaces.
+/// True of opaque isosurfaces and triangles.
 bool holds_light_back(const Layer& layer);
 
 /// What shines on a layer beside a white light at the eye, and what of that reaches its hits; read where effects call
@@ -79,15 +80,15 @@ RHORAY_INLINE void shade(const Layer& layer, const EffectSet& effects, const Fac
                          const Surroundings& surroundings = {}) {
   colors = {};
   if (effects.intensity) add_intensity(layer.window, hits.value.data() + first, colors);
-  if (!effects.diffuse) return;
-  if (effects.lights) {
+  if (effects.true_colors) find_field_colors(layer.surface, field_values, colors);
+  if (effects.diffuse && effects.lights) {
     Colors base;
     if (effects.field_color)
       find_field_colors(layer.surface, field_values, base);
     else
       fill_colors(Imath::V3f(layer.surface.color), base);
     shade_under_lights(layer.surface, effects, facing, surroundings, rays, hits, first, base, colors);
-  } else {
+  } else if (effects.diffuse) {
     Lanes cosines;
     facing.cosines(rays, hits, first, cosines);
     if (effects.field_color) {

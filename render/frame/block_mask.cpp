@@ -72,7 +72,7 @@ std::uint16_t BlockMask::of_tile(const Tile& tile) const {
 }
 
 void add_blocks_that_may_meet(const SurfaceBoxes& boxes, const BoxProjection& projection, const PixelLattice& lattice,
-                              BlockMask& mask) {
+                              BlockMask& mask, const ClipRegion::InFrame* clip) {
   if (boxes.level_count == 0) return;
   const BoxProjection::OntoLattice onto(projection, boxes, lattice);
   const BlockRange all{0, (lattice.columns() - 1) / block_edge, 0, (lattice.rows() - 1) / block_edge};
@@ -83,11 +83,13 @@ void add_blocks_that_may_meet(const SurfaceBoxes& boxes, const BoxProjection& pr
     const Entry entry = stack[--top];
     if (mask.has_all_of(entry.range)) continue;
     ProjectedNode projected;
-    onto.project(boxes.levels[static_cast<std::size_t>(entry.level)][entry.node], projected);
+    const BoxNode& node = boxes.levels[static_cast<std::size_t>(entry.level)][entry.node];
+    onto.project(node, projected);
     for (std::size_t i = 0; i < BoxNode::size; ++i) {
       const Whole columns(projected.first_column[i], projected.last_column[i], lattice.columns()),
           rows(projected.first_row[i], projected.last_row[i], lattice.rows());
       if (columns.is_empty() || rows.is_empty()) continue;
+      if (clip != nullptr && clip->takes_away(node, i)) continue;
       const BlockRange range{columns.first / block_edge, columns.last / block_edge, rows.first / block_edge,
                              rows.last / block_edge};
       if (entry.level == 0 || range.is_single())

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "render/frame/box_projection.h"
+#include "render/frame/clip_region.h"
 #include "render/frame/pixel_lattice.h"
 #include "render/frame/tiles.h"
 #include "render/volumes/surface_boxes.h"
@@ -39,7 +40,8 @@ class BlockMask {
 };
 
 /// Adds the blocks of which some ray may meet a box; of a projection that is certain.
+/// @param clip  where given, boxes of which it leaves nothing do not count
 void add_blocks_that_may_meet(const SurfaceBoxes& boxes, const BoxProjection& projection, const PixelLattice& lattice,
-                              BlockMask& mask);
+                              BlockMask& mask, const ClipRegion::InFrame* clip = nullptr);
 
 }  // namespace rhoray::render

@@ -18,8 +18,17 @@ bool is_projection(const Layer& layer) {
 
 constexpr const char* no_surface = "a projection shows values, not a lit surface";
 
-std::string why_diffuse(const Scene&, const Layer&) {
-  return "a surface is lit";
+constexpr const char* not_lit = "a slice shows its own colours";
+
+bool is_unlit_slice(const Layer& layer) {
+  return layer.mode == Mode::slice && !layer.surface.lit;
+}
+
+std::string why_diffuse(const Scene&, const Layer& layer) {
+  return layer.mode == Mode::slice ? "the slice is lit" : "a surface is lit";
+}
+std::string why_true_colors(const Scene&, const Layer& layer) {
+  return layer.mode != Mode::slice ? "they are of slices" : is_unlit_slice(layer) ? not_lit : "the slice is lit";
 }
 std::string why_smooth_normals(const Scene&, const Layer& layer) {
   return layer.surface.normals == Normals::smooth ? "normals are smooth"
@@ -66,6 +75,17 @@ std::string why_fog(const Scene& scene, const Layer&) {
   return scene.fog ? concat("surfaces fade from ", scene.fog->range.lo, " to ", scene.fog->range.hi) : "there is none";
 }
 
+std::string why_clipped(const Scene& scene, const Layer& layer) {
+  if (!scene.clip) return "there is no clip region";
+  if (!layer.clipped) return "the layer is shown whole";
+  const std::size_t planes = scene.clip->planes.size();
+  const std::string box = scene.clip->box ? "a box" : "";
+  const std::string of_planes = planes == 0 ? "" : concat(planes, planes == 1 ? " plane" : " planes");
+  return concat(scene.clip->cuts_away ? "what lies in " : "rays end at ", box,
+                box.empty() || of_planes.empty() ? "" : " and ", of_planes,
+                scene.clip->cuts_away ? " is cut away" : "");
+}
+
 struct Row {
   std::string_view effect;
   bool EffectSet::*called_for;
@@ -78,6 +98,7 @@ constexpr std::array rows{Row{"diffuse", &EffectSet::diffuse, why_diffuse},
                           Row{"colour by field", &EffectSet::field_color, why_field_color},
                           Row{"specular", &EffectSet::specular, why_specular},
                           Row{"intensity", &EffectSet::intensity, why_intensity},
+                          Row{"true colours", &EffectSet::true_colors, why_true_colors},
                           Row{"lights", &EffectSet::lights, why_lights},
                           Row{"shadows", &EffectSet::shadows, why_shadows},
                           Row{"soft shadows", &EffectSet::soft_shadows, why_soft_shadows},
@@ -93,14 +114,21 @@ std::vector<EffectReason> reasons_for_effects(const Scene& scene, const Layer& l
   std::vector<EffectReason> reasons;
   reasons.push_back({"transparency", is_surface && layer.surface.opacity < 1,
                      is_surface ? concat("opacity is ", layer.surface.opacity) : no_surface});
+  reasons.push_back({"clipping", layer.clipped && scene.clip.has_value(), why_clipped(scene, layer)});
   for (const Row& row : rows) {
-    const bool is_told = is_surface || row.called_for == &EffectSet::intensity;
-    reasons.push_back({row.effect, effects.*row.called_for, is_told ? row.why(scene, layer) : no_surface});
+    const bool is_of_light = row.called_for != &EffectSet::intensity && row.called_for != &EffectSet::true_colors;
+    const bool is_told = is_surface || !is_of_light;
+    const bool is_lit = !is_unlit_slice(layer) || !is_of_light || effects.*row.called_for;
+    reasons.push_back({row.effect, effects.*row.called_for,
+                       !is_told  ? no_surface
+                       : !is_lit ? not_lit
+                                 : row.why(scene, layer)});
   }
   return reasons;
 }
 
 std::string_view machine_for(const Volume& volume, const Layer& layer, const FrameOptions& options) {
+  if (layer.mode == Mode::slice) return name_of(chosen_machine());
   const auto kernel = [&](Machine machine) {
     const Kernels kernels = choose_kernels(volume.implementation(), layer.method, machine);
     return is_projection(layer) ? kernels.largest_value : kernels.first_crossing;

@@ -1,5 +1,7 @@
 #include "render/frame/frame.h"
 
+#include <limits>
+
 #include "render/frame/lighting.h"
 #include "render/frame/tracing.h"
 #include "render/march/ticks.h"
@@ -7,6 +9,8 @@
 namespace rhoray::render {
 
 namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Nothing where every ray is to be asked about.
 std::optional<BlockMask> mask_of(const Frame& frame, const PixelLattice& lattice) {
@@ -17,9 +21,17 @@ std::optional<BlockMask> mask_of(const Frame& frame, const PixelLattice& lattice
     const BoxProjection projection(frame.camera_rays, layer.volume_from_world, volume.world_from_volume,
                                    volume.bounds_volume);
     if (!projection.is_certain()) return std::nullopt;
-    add_blocks_that_may_meet(*layer.boxes, projection, lattice, mask);
+    std::optional<ClipRegion::InFrame> clip;
+    if (layer.clipped) clip.emplace(*frame.clip, volume.world_from_volume, *layer.boxes);
+    add_blocks_that_may_meet(*layer.boxes, projection, lattice, mask, clip ? &*clip : nullptr);
   }
   return mask;
+}
+
+/// Of equal t slices come first.
+bool comes_before(const Frame& frame, const Worker& worker, std::size_t ray, std::size_t layer, std::size_t other) {
+  const double t = worker.layers[layer].hits.t[ray], other_t = worker.layers[other].hits.t[ray];
+  return t < other_t || (t == other_t && t < infinity && frame.layers[layer].slice && !frame.layers[other].slice);
 }
 
 /// Into the worker's hits: of each ray that of the first surface, opaque or clear, or of the largest value where there
@@ -28,7 +40,7 @@ void gather_first(const Frame& frame, Worker& worker) {
   for (std::size_t r = 0; r < worker.layers[0].rays.count; ++r) {
     std::size_t first = 0;
     for (std::size_t l = 0; l < frame.layers.size(); ++l)
-      if (frame.layers[l].part != Part::veil && worker.layers[l].hits.t[r] < worker.layers[first].hits.t[r]) first = l;
+      if (frame.layers[l].part != Part::veil && comes_before(frame, worker, r, l, first)) first = l;
     worker.first.of[r] = static_cast<std::uint8_t>(first);
     worker.first_hits.set(r, worker.layers[first].hits[r]);
   }
@@ -107,6 +119,7 @@ void Pass::add(const Frame& frame, const PixelLattice& lattice) {
   LatticeRays& rays = rays_.emplace_back(LatticeRays{lattice, {}});
   for (const FrameLayer& layer : frame.layers)
     rays.of_layers.emplace_back(frame.camera_rays, layer.volume_from_world, lattice);
+  if (frame.needs.world_rays) rays.in_world.emplace(frame.camera_rays, Affine(), lattice);
 }
 
 void Pass::trace_tile(const Frame& frame, std::size_t index, Worker& worker, Framebuffer& out) const {

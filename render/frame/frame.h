@@ -6,8 +6,10 @@
 #include <vector>
 
 #include "render/frame/block_mask.h"
+#include "render/frame/clip_region.h"
 #include "render/frame/pixel_rays.h"
 #include "render/frame/pixels.h"
+#include "render/frame/slices.h"
 #include "render/frame/tile_threads.h"
 #include "render/frame/tiles.h"
 #include "render/frame/worker.h"
@@ -35,17 +37,21 @@ struct FrameLayer {
   Question question, question_through;
   Look look;
   Affine volume_from_world;
-  std::optional<SurfaceBoxes> boxes{};  ///< nothing is met outside them; none: not known
+  std::optional<SurfaceBoxes> boxes{};        ///< nothing is met outside them; none: not known
+  std::shared_ptr<const SlicePlane> slice{};  ///< asked in the place of kernels
+  bool clipped = false;                       ///< its rays end where Frame::clip ends them
   /// By light, what of this layer may hold it back from hits of the same volume: rays that start outside, inside; null
-  /// where not known to be less than all.
+  /// where not known to be less than all. None of a layer that is clipped.
   std::vector<std::array<std::shared_ptr<const wide::FacetBlockers>, 2>> blockers{};
   wide::BlockerKernel kernel_of_blockers = nullptr;
 };
 
 /// What was chosen once for the frame; nothing here changes while tiles are traced.
 struct Frame {
-  std::vector<FrameLayer> layers;  ///< opaque ones first, then clear ones, then veils; else as the scene has them
+  /// Opaque ones first, then clear ones, then veils, slices before others; else as the scene has them.
+  std::vector<FrameLayer> layers;
   CameraRays camera_rays;
+  std::optional<ClipRegion> clip;  ///< of the layers that it takes something away of
   Vec3 background;
   bool keeps_channels;  ///< beside the colour
   Occlusion occlusion;
@@ -58,6 +64,7 @@ struct Frame {
 struct LatticeRays {
   PixelLattice lattice;
   std::vector<PixelRays> of_layers;
+  std::optional<PixelRays> in_world{};  ///< where WorkerNeeds::world_rays are asked for
 };
 
 /// Pixels that are traced one after another before anyone looks: those of a few lattices. Rays are made, and kernels

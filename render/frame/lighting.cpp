@@ -72,7 +72,7 @@ Vec3 eye_normal(const Look& look, const Ray& ray, const Vec3& gradient, StartSid
 /// On which side of a layer's surface a hit of another one lies. What is known of its own surface is known of every one
 /// of the same field: at the hit the field has the hit's isovalue.
 StartSide side_for(const FrameLayer& layer, const FrameLayer& of_hit, StartSide side) {
-  if (&layer.volume != &of_hit.volume) return StartSide::unknown;
+  if (&layer.volume != &of_hit.volume || of_hit.slice) return StartSide::unknown;
   const double isovalue = layer.question.isovalue, of_field = of_hit.question.isovalue;
   if (isovalue == of_field) return side;
   return of_field > isovalue ? StartSide::inside : StartSide::outside;
@@ -110,6 +110,47 @@ bool is_asked(const LightRays& light, std::size_t first) {
   return std::any_of(t_max, t_max + group_size, [](double t) { return t >= 0; });
 }
 
+/// Between which t the rays of a group lie in the clip region.
+void find_spans(const ClipRegion& clip, const LightRays& light, std::size_t first, const LayerWork& hit_work,
+                WorldRays& world) {
+  RayBatch& rays = world.light_rays;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::size_t i = 0; i < group_size; ++i) {
+      const double t = light.t_max[first + i] >= 0 ? hit_work.hits.t[first + i] : 0;
+      rays.origin[axis][i] = world.rays.origin[axis][first + i] + t * world.rays.direction[axis][first + i];
+      rays.direction[axis][i] = light.direction[axis][first + i];
+    }
+  rays.count = group_size;
+  clip.find_spans(rays, world.span_from.data(), world.span_to.data());
+}
+
+/// Ends a group of rays where one of the parts ends that the clip region leaves of them.
+/// @param part      0, or 1: behind what is cut away
+/// @param of_kept   what they start from lies in what is left, whatever rounding says
+/// @param place     of the group in the batch
+void shorten_group(const ClipRegion& clip, int part, bool of_kept, const WorldRays& world, RayBatch& rays,
+                   std::size_t place) {
+  for (std::size_t i = 0; i < group_size; ++i) {
+    const double from = world.span_from[i], to = world.span_to[i];
+    const bool is_met = from <= to && to >= 0, starts_in = from <= 0;
+    double &t_min = rays.t_min[place + i], &t_max = rays.t_max[place + i];
+    double begin = 0;
+    if (!clip.cuts_away()) {
+      begin = starts_in || of_kept ? 0 : from;
+      t_max = is_met || of_kept ? std::min(t_max, to) : not_asked;
+    } else if (part == 0) {
+      const bool stays = !is_met || (starts_in && of_kept);
+      t_max = stays ? t_max : starts_in ? not_asked : std::min(t_max, from);
+    } else {
+      begin = to;
+      t_max = is_met && !(starts_in && of_kept) && to <= t_max ? t_max : not_asked;
+    }
+    if (!(t_max >= 0)) continue;
+    t_min = begin;
+    if (begin > 0) rays.start_side[place + i] = StartSide::unknown;
+  }
+}
+
 /// The side on which all rays of a group start that are asked about; unknown where they differ or one's is.
 StartSide common_side(const LightRays& light, std::size_t first, const FrameLayer& layer, const FrameLayer& of_hits) {
   bool any[3] = {false, false, false};
@@ -139,31 +180,50 @@ void drop_blocked_groups(const FrameLayer& layer, const wide::FacetBlockers* blo
 
 constexpr std::size_t no_light = ~std::size_t{0};
 
-/// Makes an end to the rays that a surface holds back: LightRays::t_max.
+/// Makes an end to the rays that a layer's surface holds back: LightRays::t_max.
+/// @param part         as for shorten_group
 /// @param light_index  to which they go; no_light: to all sides
+/// @return             false where nothing was asked
+bool drop_blocked_by(const Frame& frame, std::size_t index, int part, const FrameLayer& of_hits,
+                     const LayerWork& hit_work, std::size_t light_index, Worker& worker) {
+  LightRays& light = *worker.light_rays;
+  const FrameLayer& layer = frame.layers[index];
+  LayerWork& work = worker.layers[index];
+  const bool has_blockers = light_index < layer.blockers.size();
+  bool any = false;
+  // Groups of rays that start on one side are asked about what may hold these back, the others about all.
+  for (const StartSide side : {StartSide::unknown, StartSide::outside, StartSide::inside}) {
+    if (side != StartSide::unknown && !has_blockers) break;
+    light.groups.clear();
+    for (std::size_t first = 0; first < hit_work.rays.count; first += group_size) {
+      if (!is_asked(light, first)) continue;
+      any = true;
+      if (has_blockers && common_side(light, first, layer, of_hits) != side) continue;
+      const std::size_t place = light.groups.size() * group_size;
+      write_group(light, first, layer, of_hits, hit_work, work.rays, worker.few_rays, place);
+      if (layer.clipped) {
+        find_spans(*frame.clip, light, first, hit_work, *worker.world);
+        shorten_group(*frame.clip, part, of_hits.clipped, *worker.world, worker.few_rays, place);
+      }
+      light.groups.push_back(first);
+    }
+    const wide::FacetBlockers* blockers =
+        side != StartSide::unknown ? layer.blockers[light_index][side == StartSide::inside].get() : nullptr;
+    drop_blocked_groups(layer, blockers, work, worker);
+  }
+  return any;
+}
+
+/// Makes an end to the rays that any surface holds back.
+/// @param light_index  as for drop_blocked_by
 void drop_blocked(const Frame& frame, const FrameLayer& of_hits, const LayerWork& hit_work, std::size_t light_index,
                   Worker& worker) {
-  LightRays& light = *worker.light_rays;
   for (std::size_t l = 0; l < frame.layers.size(); ++l) {
     const FrameLayer& layer = frame.layers[l];
     if (!holds_light_back(layer.look.layer)) continue;
-    LayerWork& work = worker.layers[l];
-    const bool has_blockers = light_index < layer.blockers.size();
-    // Groups of rays that start on one side are asked about what may hold these back, the others about all.
-    for (const StartSide side : {StartSide::unknown, StartSide::outside, StartSide::inside}) {
-      if (side != StartSide::unknown && !has_blockers) break;
-      light.groups.clear();
-      for (std::size_t first = 0; first < hit_work.rays.count; first += group_size) {
-        if (!is_asked(light, first)) continue;
-        if (has_blockers && common_side(light, first, layer, of_hits) != side) continue;
-        write_group(light, first, layer, of_hits, hit_work, work.rays, worker.few_rays,
-                    light.groups.size() * group_size);
-        light.groups.push_back(first);
-      }
-      const wide::FacetBlockers* blockers =
-          side != StartSide::unknown ? layer.blockers[light_index][side == StartSide::inside].get() : nullptr;
-      drop_blocked_groups(layer, blockers, work, worker);
-    }
+    const int parts = layer.clipped && frame.clip->cuts_away() ? 2 : 1;
+    for (int part = 0; part < parts; ++part)
+      if (!drop_blocked_by(frame, l, part, of_hits, hit_work, light_index, worker)) return;
   }
 }
 

@@ -47,12 +47,13 @@ RHORAY_INLINE void for_each_shown_group(const Look& look, LayerWork& work, const
     Colors colors;
     double field_values[group_size];
     if (look.lookup) (*look.lookup)(work.rays, work.hits, first, field_values);
-    shade(look.layer, look.effects, look.facing, work.rays, work.hits, first, field_values, colors, surroundings);
+    const double* values = look.layer.mode == Mode::slice ? work.hits.value.data() + first : field_values;
+    shade(look.layer, look.effects, look.facing, work.rays, work.hits, first, values, colors, surroundings);
     act(first, shown, colors);
     const auto hit_count = static_cast<std::uint64_t>(count);
     if (look.effects.specular) counts.highlights += hit_count;
     if (look.effects.smooth_normals) counts.smooth_normals += hit_count;
-    if (look.effects.field_color) counts.field_values += hit_count;
+    if (look.effects.field_color && look.lookup) counts.field_values += hit_count;
   }
 }
 

@@ -17,6 +17,25 @@ namespace rhoray::render {
 
 namespace {
 
+bool is_finite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+std::string text_of(const Vec3& v) {
+  return concat("(", v.x, ", ", v.y, ", ", v.z, ")");
+}
+
+void check_slice(const Layer& layer) {
+  const HalfSpace& plane = layer.plane;
+  if (!is_finite(plane.point) || !is_finite(plane.normal) || plane.normal == Vec3(0, 0, 0))
+    throw Error(Trouble::usage, concat("a slice through ", text_of(plane.point), " with the normal ",
+                                       text_of(plane.normal), "; expected finite numbers and a direction"));
+  if (!layer.surface.color_by) throw Error(Trouble::usage, "a slice without colours; expected those of its field");
+  if (layer.threshold.is_empty())
+    throw Error(Trouble::usage, concat("a slice of values from ", layer.threshold.lo, " to ", layer.threshold.hi,
+                                       "; expected a range that is not empty"));
+}
+
 void check_layer(std::span<const Volume> volumes, const Layer& layer) {
   if (layer.volume >= volumes.size())
     throw Error(Trouble::usage, concat("a layer of volume ", layer.volume, " of ", volumes.size()));
@@ -40,19 +59,12 @@ void check_layer(std::span<const Volume> volumes, const Layer& layer) {
       colors && (colors->range.is_empty() || !std::isfinite(colors->range.hi - colors->range.lo)))
     throw Error(Trouble::usage, concat("colours of '", colors->field, "' from ", colors->range.lo, " to ",
                                        colors->range.hi, "; expected a finite range"));
+  if (layer.mode == Mode::slice) check_slice(layer);
   const Method& method = layer.method;
   if (method.way == Method::Way::sampled && !(method.step >= 1e-4 && method.step <= 1e4))
     throw Error(Trouble::usage, concat("steps of ", method.step, " cells; expected 0.0001 to 10000"));
   if (method.way == Method::Way::slack && !(method.slack >= 0 && method.slack <= 1))
     throw Error(Trouble::usage, concat("a slack of ", method.slack, "; expected 0 to 1"));
-}
-
-bool is_finite(const Vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-std::string text_of(const Vec3& v) {
-  return concat("(", v.x, ", ", v.y, ", ", v.z, ")");
 }
 
 void check_light(const Light& light) {
@@ -68,6 +80,20 @@ void check_light(const Light& light) {
     throw Error(Trouble::usage, concat("a light of size ", light.size, " by ", light.samples,
                                        " samples; expected finite sizes from 0 up, at most 180 degrees, and 1 to 4096 "
                                        "samples"));
+}
+
+void check_clip(const Clip& clip) {
+  if (clip.box)
+    for (int axis = 0; axis < 3; ++axis)
+      if (!(clip.box->min[axis] < clip.box->max[axis]))
+        throw Error(Trouble::usage, concat("a clip box from ", text_of(clip.box->min), " to ", text_of(clip.box->max),
+                                           "; expected one that is not empty"));
+  if (clip.planes.size() > Clip::most_planes)
+    throw Error(Trouble::usage, concat(clip.planes.size(), " clip planes; expected at most ", Clip::most_planes));
+  for (const HalfSpace& plane : clip.planes)
+    if (!is_finite(plane.point) || !is_finite(plane.normal) || plane.normal == Vec3(0, 0, 0))
+      throw Error(Trouble::usage, concat("a clip plane through ", text_of(plane.point), " with the normal ",
+                                         text_of(plane.normal), "; expected finite numbers and a direction"));
 }
 
 void check_effects(const Scene& scene) {
@@ -94,6 +120,7 @@ void check_request(std::span<const Volume> volumes, const Scene& scene, const Fr
                 concat("a scene of ", scene.layers.size(), " layers; expected 1 to ", LayerOfRays::none - 1));
   for (const Layer& layer : scene.layers) check_layer(volumes, layer);
   check_effects(scene);
+  if (scene.clip) check_clip(*scene.clip);
   if (options.channels.error && !all_prove(scene))
     throw Error(Trouble::usage, "the channel 'error' needs a method that proves one: certified or exact");
 }
@@ -115,12 +142,13 @@ std::shared_ptr<const HitLookup> choose_lookup(const Volume& volume, const Layer
   const EffectSet effects = effects_called_for(layer);
   HitWishes wishes{.smooth_gradients = effects.smooth_normals, .field = {}};
   if (effects.field_color) wishes.field = layer.surface.color_by->field;
-  if (wishes.none()) return nullptr;
+  if (layer.mode == Mode::slice || wishes.none()) return nullptr;
   return std::make_shared<const HitLookup>(volume.implementation(), wishes, threads);
 }
 
 /// Whether rays that start in crossings are asked of a layer.
 bool meets_rays_from_crossings(const Layer& layer, Part part, const Scene& scene) {
+  if (layer.mode == Mode::slice) return false;
   if (part == Part::clear) return true;
   return holds_light_back(layer) && std::any_of(scene.layers.begin(), scene.layers.end(), [&](const Layer& any) {
            const EffectSet effects = effects_called_for(scene, any);
@@ -148,7 +176,7 @@ FrameLayer choose_layer(const Volume& volume, const Layer& layer, Part part, con
           .kernel_through = meets_rays_from_crossings(layer, part, scene)
                                 ? choose_kernels(implementation, method_through).first_crossing
                                 : nullptr,
-          .prepare = is_mip ? nullptr : kernels.prepare_first_crossing,
+          .prepare = is_mip || layer.mode == Mode::slice ? nullptr : kernels.prepare_first_crossing,
           .question = question,
           .question_through = question_through,
           .look = {.layer = layer,
@@ -166,38 +194,79 @@ void add_needs(const Volume& volume, const FrameLayer& layer, WorkerNeeds& needs
   if (look.layer.mode == Mode::mip)
     needs.queue_entries =
         std::max(needs.queue_entries, choose_kernels(volume.implementation(), look.layer.method).queue_entries);
+  needs.world_rays |= layer.clipped || layer.slice;
   if (look.effects.shadows) needs.light_count = look.lights.lights.size();
   needs.occlusion |= look.effects.occlusion;
   needs.spread_directions |= look.effects.occlusion || look.effects.soft_shadows;
 }
 
-/// Without what cannot be seen: a surface that holds back no light.
+/// What is left of a layer.
+enum class Left { all, part, nothing };
+
+Left what_is_left_of(const Volume& volume, const Layer& layer, const Scene& scene) {
+  const Box3 whole = layer.mode == Mode::slice ? part_of_plane(layer.plane, volume.bounds()) : volume.bounds();
+  if (!scene.clip || !layer.clipped || leaves_whole(*scene.clip, whole)) return Left::all;
+  return what_is_left(*scene.clip, whole).isEmpty() ? Left::nothing : Left::part;
+}
+
+/// Without what cannot be seen: a surface that holds back no light, and what is clipped away whole.
 Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options) {
   Frame frame{.layers = {},
               .camera_rays = CameraRays(scene.camera, options.width, options.height),
+              .clip = std::nullopt,
               .background = scene.background,
               .keeps_channels = options.channels.any(),
               .occlusion = scene.occlusion,
               .needs = {}};
-  for (const Part part : {Part::opaque, Part::clear, Part::veil})
+  for (const auto& [part, is_slice] : {std::pair{Part::opaque, true},
+                                       {Part::opaque, false},
+                                       {Part::clear, true},
+                                       {Part::clear, false},
+                                       {Part::veil, false}})
     for (const Layer& layer : scene.layers) {
-      if (part_of(layer, scene) != part) continue;
+      if (part_of(layer, scene) != part || (layer.mode == Mode::slice) != is_slice) continue;
       if (layer.mode != Mode::mip && layer.surface.opacity == 0) continue;
       const Volume& volume = volumes[layer.volume];
+      const Left left = what_is_left_of(volume, layer, scene);
+      if (left == Left::nothing) continue;
       frame.layers.push_back(choose_layer(volume, layer, part, scene, options));
+      if (is_slice)
+        frame.layers.back().slice = std::make_shared<const SlicePlane>(volume.implementation(), layer, scene.clip);
+      if (left == Left::part) {
+        frame.layers.back().clipped = true;
+        if (!frame.clip) frame.clip.emplace(*scene.clip);
+      }
       add_needs(volume, frame.layers.back(), frame.needs);
     }
   frame.needs.layer_count = frame.layers.size();
   return frame;
 }
 
+/// Around what a layer may show, volume frame; the whole where what is left is too small to tell.
+Box3 kept_bounds(const FrameLayer& layer, const std::optional<Clip>& clip) {
+  const Box3& bounds = layer.volume.bounds_volume;
+  if (!layer.clipped) return bounds;
+  Clip in_volume{.cuts_away = clip->cuts_away};
+  const Affine& map = layer.volume.world_from_volume;
+  for (const HalfSpace& half : half_spaces_of(*clip))
+    in_volume.planes.push_back(
+        {.point = layer.volume_from_world.point(half.point),
+         .normal = {half.normal.dot(map.x_axis), half.normal.dot(map.y_axis), half.normal.dot(map.z_axis)}});
+  const Box3 kept = what_is_left(in_volume, bounds);
+  return !kept.isEmpty() && kept.size().length() > 0x1p-20 * bounds.size().length() ? kept : bounds;
+}
+
 /// Makes a layer ready, and finds out where it can be met at all.
 /// @return  true where wide kernels were made ready
-bool prepare(FrameLayer& layer, const FrameOptions& options) {
+bool prepare(FrameLayer& layer, const std::optional<Clip>& clip, const FrameOptions& options) {
+  if (layer.slice) {
+    if (options.use_hierarchy) layer.boxes = layer.slice->boxes();
+    return false;
+  }
   if (layer.prepare != nullptr) layer.boxes = layer.prepare(layer.volume, layer.question, options.threads);
   const bool is_wide = layer.boxes.has_value();
   if (!is_wide && options.use_hierarchy && keeps_to_bounds(layer.volume, layer.question.method))
-    layer.boxes = box_around(layer.volume.bounds_volume);
+    layer.boxes = box_around(kept_bounds(layer, clip));
   return is_wide;
 }
 
@@ -253,10 +322,13 @@ FrameStatistics statistics_of(const FrameMemory::Implementation& memory, const S
     const WorkerCounts& counts = worker->counts;
     statistics.rays += counts.rays;
     statistics.rays_ruled_out += counts.rays_ruled_out;
+    statistics.rays_clipped += counts.rays_clipped;
+    statistics.rays_clipped_away += counts.rays_clipped_away;
     statistics.rays_through += counts.rays_through;
     statistics.shadow_rays += counts.shadow_rays;
     statistics.occlusion_rays += counts.occlusion_rays;
     statistics.hits += counts.hits;
+    statistics.slice_lookups += counts.slice_places;
     statistics.highlights_shaded += counts.highlights;
     statistics.normals_smoothed += counts.smooth_normals;
     statistics.colors_looked_up += counts.field_values;
@@ -341,8 +413,8 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
   Frame frame = choose_frame(volumes, scene, options);
   bool is_wide = false, prepares = false;
   for (FrameLayer& layer : frame.layers) {
-    is_wide |= prepare(layer, options);
-    prepare_blockers(layer, options);
+    is_wide |= prepare(layer, scene.clip, options);
+    if (!layer.clipped) prepare_blockers(layer, options);
     prepares |= layer.prepare != nullptr || layer.look.lookup;
   }
   const double preparation_s = prepares ? seconds_since(preparation_start) : 0;

@@ -7,6 +7,7 @@
 
 #include "render/effects/received.h"
 #include "render/effects/spread_directions.h"
+#include "render/frame/clip_region.h"
 #include "render/frame/tiles.h"
 #include "render/kernels/kernels.h"
 
@@ -45,18 +46,33 @@ struct LightRays {
   LightRays() { groups.reserve(tile_capacity / RayBatch::group_size); }
 };
 
+/// Rays of a tile in world axes, and what a clip region leaves of them.
+struct WorldRays {
+  RayBatch rays{tile_capacity};
+  const void* begun_by = nullptr;  ///< as LayerWork::rays_begun_by
+  KeptParts kept{tile_capacity};
+  std::vector<std::uint32_t> cut;                                      ///< rays that are asked about behind the cut
+  LaneArray<double> span_from{tile_capacity}, span_to{tile_capacity};  ///< of rays towards lights, in the region
+  RayBatch light_rays{tile_capacity};                                  ///< these rays
+
+  WorldRays() { cut.reserve(tile_capacity); }
+};
+
 /// What frames ask for beside rays of the camera.
 struct WorkerNeeds {
   std::size_t layer_count = 1, queue_entries = 0;
   std::size_t light_count = 0;  ///< as far as shadows are cast
   bool occlusion = false;
   bool spread_directions = false;  ///< of the pixels: occlusion, or lights that are not points
+  bool world_rays = false;
 };
 
 /// What a thread has traced and shaded.
 struct WorkerCounts {
   std::uint64_t rays = 0, rays_ruled_out = 0, rays_through = 0, hits = 0;
   std::uint64_t shadow_rays = 0, occlusion_rays = 0;
+  std::uint64_t rays_clipped = 0, rays_clipped_away = 0;
+  std::uint64_t slice_places = 0;
   std::uint64_t highlights = 0, smooth_normals = 0, field_values = 0;
   std::uint64_t tile_ticks = 0, shading_ticks = 0;
   double largest_error = 0;
@@ -80,6 +96,7 @@ struct alignas(128) Worker {
   std::vector<Vec3> eye_normals;  ///< of the hits: unit length, world axes, towards the eye
   ReceivedLight received;
   std::vector<SpreadDirections> pixels;  ///< of the tile's rays
+  std::unique_ptr<WorldRays> world;      ///< where layers are clipped
   WorkerCounts counts;
 
   Worker() {
@@ -104,6 +121,10 @@ struct alignas(128) Worker {
     if (needs.occlusion) {
       eye_normals.resize(tile_capacity);
       if (received.ambient.data() == nullptr) received.ambient = LaneArray<float>(tile_capacity);
+    }
+    if (needs.world_rays) {
+      if (!world) world = std::make_unique<WorldRays>();
+      world->begun_by = nullptr;
     }
     counts = {};
   }

@@ -311,6 +311,92 @@ TEST(SceneCommand, lights_as_options_do) {
   EXPECT_TRUE(picture({"render", other}, all) == picture(plain, all));
 }
 
+TEST(SceneCommand, clips_and_slices_as_options_do) {
+  const Workbench bench;
+  bench.make_ball();
+  const auto picture = [&](const std::vector<std::string>& first) {
+    const RunResult result = bench.rhoray(words(first, {"--size", "40x30", "-o", "p.png", "--force"}));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return read_file(bench / "p.png");
+  };
+  const auto document = [](const std::string& layers, const std::string& more = "") {
+    return concat(R"({"data": {"data": {"file": "ball.rho"}}, "layers": [)", layers, "]", more, "}");
+  };
+  const std::string ball = R"({"type": "isosurface", "isovalue": 100})";
+  const std::vector<std::string> plain{"render", "ball.rho", "--iso", "100"};
+  const std::string whole = picture(plain);
+  for (const auto& [options, layers, more] :
+       {std::tuple{std::vector<std::string>{"--clip-plane", "12,0,0,1,0,0"}, ball,
+                   R"(, "clip": {"planes": [{"point": [12, 0, 0], "normal": [1, 0, 0]}]})"},
+        {std::vector<std::string>{"--clip-box", "3,3,3,12,13,14", "--clip-plane", "9,0,0,1,0,1", "--cut-away"}, ball,
+         R"(, "clip": {"box": [[3, 3, 3], [12, 13, 14]], "planes": [{"point": [9, 0, 0], "normal": [1, 0, 1]}],
+            "keep": "outside"})"},
+        {std::vector<std::string>{"--slice", "z=9", "--slice", "y", "--colormap", "gray", "--range", "0,200"},
+         R"({"type": "slice", "axis": "z", "position": 9, "colormap": "gray", "range": [0, 200]},
+            {"type": "slice", "axis": "y", "colormap": "gray", "range": [0, 200]}, )" +
+             ball,
+         ""}}) {
+    SCOPED_TRACE(options[0]);
+    const std::string by_options = picture(words(plain, options));
+    EXPECT_TRUE(by_options == picture({"render", document(layers, more)})) << "the same, byte for byte";
+    EXPECT_FALSE(by_options == whole);
+    // The command that the picture keeps makes it again.
+    const Json told = Json::parse(
+        bench.rhoray(words(words(plain, options), {"--size", "40x30", "-o", "q.png", "--force", "--json"})).out);
+    EXPECT_TRUE(read_file(bench / "q.png") != whole);
+    EXPECT_TRUE(picture({"render", told["scene"].dump()}) == by_options);
+  }
+  // Slices by themselves, and beside a projection.
+  EXPECT_TRUE(picture({"render", "ball.rho", "--slice", "8,0,0,2,0,0"}) ==
+              picture({"render", document(R"({"type": "slice", "point": [8, 0, 0], "normal": [2, 0, 0]})")}));
+  EXPECT_TRUE(picture({"render", "ball.rho", "--slice", "x", "--mode", "mip", "--range", "10,90"}) ==
+              picture({"render", document(R"({"type": "slice", "axis": "x"}, {"type": "mip", "range": [10, 90]})")}));
+  EXPECT_THAT(bench.rhoray({"render", "ball.rho", "--clip-plane", "0,0,-900,0,0,-1", "-o", "p.png", "--force"}).err,
+              HasSubstr("clip: nothing of layer 0 is left"));
+}
+
+TEST(SceneCommand, refuses_regions_and_planes_that_make_no_sense) {
+  const Workbench bench;
+  bench.make_ball();
+  for (const auto& [options, fact] :
+       {std::pair{std::vector<std::string>{"--clip-box", "0,0,0,1,1"}, "six finite numbers x0,y0,z0,x1,y1,z1"},
+        {std::vector<std::string>{"--clip-box", "0,0,0,1,1,0"}, "six finite numbers x0,y0,z0,x1,y1,z1"},
+        {std::vector<std::string>{"--clip-box", "0,0,0,1,1,nan"}, "six finite numbers x0,y0,z0,x1,y1,z1"},
+        {std::vector<std::string>{"--clip-plane", "0,0,0,0,0,0"}, "a point, and a normal that is not 0"},
+        {std::vector<std::string>{"--clip-plane", "z=4"}, "a point, and a normal that is not 0"},
+        {std::vector<std::string>{"--cut-away"}, "there is nothing to cut away"},
+        {std::vector<std::string>{"--slice", "w=4"}, "an axis and a position such as z=40"},
+        {std::vector<std::string>{"--slice", "z="}, "an axis and a position such as z=40"},
+        {std::vector<std::string>{"--slice", "z=high"}, "an axis and a position such as z=40"},
+        {std::vector<std::string>{"--slice", "1,2,3,0,0,0"}, "an axis and a position such as z=40"},
+        {std::vector<std::string>{"--slice", "z", "--specular", "0.5"}, "--specular: only slices are shown"}}) {
+    const RunResult result = bench.rhoray(words(words({"render", "ball.rho"}, options), {"-o", "p.png"}));
+    EXPECT_EQ(result.exit_code, 2) << options.back();
+    EXPECT_THAT(result.err, HasSubstr(fact));
+  }
+  std::vector<std::string> seven{"render", "ball.rho", "-o", "p.png"};
+  for (int i = 0; i < 7; ++i) seven = words(seven, {"--clip-plane", "0,0,0,0,0,1"});
+  EXPECT_THAT(bench.rhoray(seven).err, HasSubstr("expected at most 6"));
+}
+
+TEST(SceneCommand, counts_what_is_clipped_and_sliced_only_where_it_is_called_for) {
+  const Workbench bench;
+  bench.make_ball();
+  for (const std::vector<std::string>& look : {std::vector<std::string>{"--iso", "100"},
+                                               {"--iso", "100", "--clip-plane", "12,0,0,1,0,0"},
+                                               {"--slice", "z"},
+                                               {"--slice", "z", "--clip-plane", "12,0,0,1,0,0", "--cut-away"}}) {
+    SCOPED_TRACE(look.back());
+    const std::vector<std::string> all = words({"render", "ball.rho", "--size", "32x32", "--json"}, look);
+    const Json told = Json::parse(bench.rhoray(words(all, {"--explain"})).out);
+    const Json counts = Json::parse(bench.rhoray(words(all, {"-o", "p.png", "--force"})).out)["statistics"];
+    EXPECT_EQ(is_called_for(told, "clipping"), counts["rays_clipped"].get<int>() > 0);
+    EXPECT_EQ(is_called_for(told, "true colours"), counts["slice_lookups"].get<int>() > 0);
+  }
+  EXPECT_THAT(bench.rhoray({"render", "ball.rho", "--slice", "z=9", "--explain"}).out,
+              HasSubstr("layer 0: slice across z at 9 of 'ball' in ball.rho\n"));
+}
+
 TEST(SceneCommand, refuses_lights_that_make_no_sense) {
   const Workbench bench;
   bench.make_ball();

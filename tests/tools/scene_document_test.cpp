@@ -150,9 +150,10 @@ std::vector<Mistake> mistakes() {
       {with("layers", "[]"), "s.json: /layers: found []; expected an array of 1 to 254 layers"},
       {with("layers", "{}"), "s.json: /layers: found an object; expected an array of 1 to 254 layers"},
       {with("layers", "[7]"), "s.json: /layers/0: found 7; expected an object"},
-      {with("layers", "[{}]"), "s.json: /layers/0: has no \"type\"; expected one of \"isosurface\", \"mip\", \"mesh\""},
+      {with("layers", "[{}]"),
+       "s.json: /layers/0: has no \"type\"; expected one of \"isosurface\", \"mip\", \"mesh\", \"slice\""},
       {with("layers", R"([{"type": "isosurfce"}])"),
-       "s.json: /layers/0/type: found \"isosurfce\"; expected one of \"isosurface\", \"mip\", \"mesh\"",
+       "s.json: /layers/0/type: found \"isosurfce\"; expected one of \"isosurface\", \"mip\", \"mesh\", \"slice\"",
        "did you mean isosurface?"},
       {with("layers", R"([{"type": "isosurface", "visible": false}])"),
        "s.json: /layers: no layer is visible; expected at least one"},
@@ -227,6 +228,30 @@ std::vector<Mistake> mistakes() {
       {R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "mip"}]})",
        "s.json: /layers/0: --mode: is of fields, and cube.rho holds triangles, shown as they are"},
 
+      // slices
+      {with("layers", R"([{"type": "slice"}])"),
+       "s.json: /layers/0: has no plane; expected \"axis\", or \"point\" and \"normal\""},
+      {with("layers", R"([{"type": "slice", "point": [0, 0, 0]}])"),
+       "s.json: /layers/0: has no plane; expected \"axis\", or \"point\" and \"normal\""},
+      {with("layers", R"([{"type": "slice", "axis": "w"}])"),
+       "s.json: /layers/0/axis: found \"w\"; expected one of \"x\", \"y\", \"z\""},
+      {with("layers", R"([{"type": "slice", "position": 4, "normal": [0, 0, 1]}])"),
+       "s.json: /layers/0/position: is of an axis; expected \"axis\" too"},
+      {with("layers", R"([{"type": "slice", "axis": "x", "normal": [0, 0, 1]}])"),
+       "s.json: /layers/0/axis: \"point\" or \"normal\" is there too; expected one of the two"},
+      {with("layers", R"([{"type": "slice", "normal": [0, 0, 0]}])"),
+       "s.json: /layers/0/normal: found [0,0,0]; expected three numbers [x, y, z], not all 0"},
+      {with("layers", R"([{"type": "slice", "axis": "x", "threshold": [3, 3]}])"),
+       "s.json: /layers/0/threshold: found [3,3]; expected two numbers [a, b] with a below b"},
+      {with("layers", R"([{"type": "slice", "axis": "x", "colormap": "grey"}])"),
+       "s.json: /layers/0/colormap: found \"grey\"; expected one of \"viridis\", \"cubehelix\", \"gray\", "
+       "\"coolwarm\"",
+       "did you mean gray?"},
+      {with("layers", R"([{"type": "slice", "axis": "x", "isovalue": 4}])"),
+       "s.json: /layers/0/isovalue: found in a layer of type \"slice\"; expected in one of type \"isosurface\""},
+      {R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "slice", "axis": "x"}]})",
+       "s.json: /layers/0: --slice: is of fields, and cube.rho holds triangles, shown as they are"},
+
       // lights
       {with("lights", R"([{"type": "directional", "azimuth": 9, "angular_diameter": 181}])"),
        "s.json: /lights/0/angular_diameter: found 181; expected a number from 0 to 180"},
@@ -269,6 +294,29 @@ std::vector<Mistake> mistakes() {
        "s.json: /effects/ambient_occlusion/radius: found 0; expected a number above 0"},
       {with("effects", R"({"fog": {"range": [5, 5]}})"),
        "s.json: /effects/fog/range: found [5,5]; expected two numbers [a, b] with a below b"},
+
+      // clip
+      {with("clip", "[0, 1]"), "s.json: /clip: found [0,1]; expected an object"},
+      {with("clip", "{}"), "s.json: /clip: has no region; expected \"box\" or \"planes\""},
+      {with("clip", R"({"keep": "outside"})"), "s.json: /clip: has no region; expected \"box\" or \"planes\""},
+      {with("clip", R"({"box": [0, 1]})"), "s.json: /clip/box/0: found 0; expected three numbers [x, y, z]"},
+      {with("clip", R"({"box": [[0, 0, 0], [1, 0, 1]]})"),
+       "s.json: /clip/box: found [[0,0,0],[1,0,1]]; expected two corners [[x, y, z], [x, y, z]], each number of the "
+       "first below that of the second"},
+      {with("clip", R"({"box": [[0, 0, 0], [1, 1, 1e999]]})"),
+       "s.json: /clip/box/1/2: found 1e999; expected a finite number"},
+      {with("clip", R"({"planes": []})"), "s.json: /clip/planes: found []; expected an array of 1 to 6 planes"},
+      {with("clip", R"({"planes": [1, 2, 3, 4, 5, 6, 7]})"),
+       "s.json: /clip/planes: found [1,2,3,4,5,6,7]; expected an array of 1 to 6 planes"},
+      {with("clip", R"({"planes": [{"point": [0, 0, 0]}]})"),
+       "s.json: /clip/planes/0: has no \"normal\"; expected three numbers [x, y, z], not all 0"},
+      {with("clip", R"({"planes": [{"point": [0, 0, 0], "normal": [0, 0, 0]}]})"),
+       "s.json: /clip/planes/0/normal: found [0,0,0]; expected three numbers [x, y, z], not all 0"},
+      {with("clip", R"({"planes": [{"point": [0, 0], "normal": [0, 0, 1]}]})"),
+       "s.json: /clip/planes/0/point: found [0,0]; expected three numbers [x, y, z]"},
+      {with("clip", R"({"box": [[0, 0, 0], [1, 1, 1]], "keep": "outsde"})"),
+       "s.json: /clip/keep: found \"outsde\"; expected one of \"inside\", \"outside\"", "did you mean outside?"},
+      {with_layer(R"("clip": "no")"), "s.json: /layers/1/clip: found \"no\"; expected true or false"},
 
       // camera
       {with("camera", "[]"), "s.json: /camera: found []; expected an object"},
@@ -389,14 +437,18 @@ TEST_F(SceneDocument, gives_surfaces_without_a_colour_one_each_only_where_there_
 TEST_F(SceneDocument, spelled_out_is_planned_to_the_same_scene) {
   write_file(bench() / "s.json", R"({"data": {"b": {"file": "ball.rho"}, "x": {"file": "box.rho"}},
     "layers": [{"type": "isosurface", "data": "b", "isovalue": ["auto", 33.3], "method": "sampled:0.25+bisect"},
-               {"type": "mip", "data": "x"}, {"type": "mip", "data": "x", "range": [0.1, 0.7]},
-               {"type": "isosurface", "data": "x", "normals": "smooth", "color_by": "length", "colormap": "gray", "range": [0, 2]}],
+               {"type": "mip", "data": "x", "clip": false}, {"type": "mip", "data": "x", "range": [0.1, 0.7]},
+               {"type": "isosurface", "data": "x", "normals": "smooth", "color_by": "length", "colormap": "gray", "range": [0, 2]},
+               {"type": "slice", "data": "x", "axis": "z", "position": 0.3, "threshold": [0.1, 0.9], "opacity": 0.8},
+               {"type": "slice", "data": "x", "normal": [1, 2, 3], "colormap": "gray", "range": [0.2, 0.3], "lit": true}],
     "lights": [{"type": "directional", "azimuth": 20, "elevation": 30, "from": "camera", "shadows": true},
                {"type": "point", "position": [1, 2, 3], "color": [0.9, 0.7, 0.1], "intensity": 3.3, "radius": 0.25,
                 "samples": 9, "shadows": true},
                {"type": "directional", "direction": [1, 2, 3], "shadows": true, "angular_diameter": 0.53},
                {"type": "head", "intensity": 0.3}],
     "effects": {"ambient_occlusion": {"samples": 5}, "fog": {"color": [0.1, 0.2, 0.3]}},
+    "clip": {"box": [[0.1, -9, -9], [9, 9, 9.3]], "planes": [{"point": [0.1, 0, 0], "normal": [1, 2, 3]}],
+             "keep": "outside"},
     "camera": {"azimuth": 33.3, "elevation": -71.7, "zoom": 1.7, "ortho": true},
     "image": {"size": [40, 30], "channels": ["depth", "cost"], "show": "roots", "hierarchy": false}})");
   const Json first = tools::scene_json(tools::spelled_out(planned(bench() / "s.json")));
@@ -413,9 +465,53 @@ TEST_F(SceneDocument, spelled_out_is_planned_to_the_same_scene) {
   EXPECT_EQ(again.scene.lights.at(1).samples, 9);
   EXPECT_EQ(again.scene.lights.at(2).size, 0.53);
   EXPECT_EQ(again.scene.lights.at(2).samples, 16);
+  const std::size_t slices = again.scene.layers.size() - 2;
+  EXPECT_EQ(again.scene.layers.at(slices).plane.point.z, 0.3);
+  EXPECT_EQ(again.scene.layers.at(slices).threshold, (Interval<double>{0.1, 0.9}));
+  EXPECT_EQ(again.scene.layers.at(slices).surface.opacity, 0.8);
+  EXPECT_FALSE(again.scene.layers.at(slices).surface.lit);
+  EXPECT_EQ(again.scene.layers.at(slices + 1).plane.normal, Vec3(1, 2, 3));
+  EXPECT_EQ(again.scene.layers.at(slices + 1).surface.color_by->map, render::ColorMap::gray);
+  EXPECT_TRUE(again.scene.layers.at(slices + 1).surface.lit);
+  EXPECT_EQ(again.scene.clip->box, Box3({0.1, -9, -9}, {9, 9, 9.3}));
+  EXPECT_EQ(again.scene.clip->planes.at(0).normal, Vec3(1, 2, 3));
+  EXPECT_TRUE(again.scene.clip->cuts_away);
+  EXPECT_FALSE(again.scene.layers.at(2).clipped);
   Json second = tools::scene_json(tools::spelled_out(again));
   second["data"] = first["data"];  // by other ways
   EXPECT_EQ(second.dump(), first.dump());
+}
+
+TEST_F(SceneDocument, says_of_what_layers_a_clip_region_leaves_nothing) {
+  const auto notes_of = [&](const std::string& clip) {
+    write_file(bench() / "s.json", concat(R"({"data": {"b": {"file": "ball.rho"}}, "layers": [
+      {"type": "isosurface", "isovalue": 100}, {"type": "mip", "clip": false}], "clip": )",
+                                          clip, "}"));
+    std::vector<std::string> notes;
+    for (const std::string& note : planned(bench() / "s.json").notes) notes.push_back(without_folder(note));
+    return notes;
+  };
+  EXPECT_THAT(notes_of(R"({"box": [[900, 0, 0], [901, 1, 1]]})"),
+              ElementsAre("s.json: /clip: nothing of layer 0 is left"));
+  EXPECT_THAT(notes_of(R"({"planes": [{"point": [0, 0, 900], "normal": [0, 0, 1]}]})"),
+              ElementsAre("s.json: /clip: nothing of layer 0 is left"));
+  EXPECT_THAT(notes_of(R"({"box": [[-900, -900, -900], [900, 900, 900]], "keep": "outside"})"),
+              ElementsAre("s.json: /clip: nothing of layer 0 is left"));
+  EXPECT_THAT(notes_of(R"({"box": [[-900, -900, -900], [900, 900, 900]]})"), ElementsAre());
+}
+
+TEST_F(SceneDocument, says_of_slices_that_pass_the_data_by_and_of_a_camera_inside) {
+  write_file(bench() / "s.json", R"({"data": {"b": {"file": "ball.rho"}}, "layers": [
+    {"type": "slice", "axis": "z"}, {"type": "slice", "axis": "z", "position": 900}]})");
+  EXPECT_THAT(planned(bench() / "s.json").notes,
+              ElementsAre("layer 1: its plane passes the data by: nothing is shown of it"));
+  const Vec3 middle = planned(bench() / "s.json").scene.layers[0].plane.point;
+  write_file(
+      bench() / "s.json",
+      concat(R"({"data": {"b": {"file": "ball.rho"}}, "layers": [{"type": "mip"}, {"type": "slice", "axis": "x"}],
+               "camera": {"position": [)",
+             middle.x, ",", middle.y, ",", middle.z, R"(], "target": [900, 0, 0]}})"));
+  EXPECT_THAT(planned(bench() / "s.json").notes, ElementsAre(testing::EndsWith("ball.rho: rays begin in it")));
 }
 
 TEST_F(SceneDocument, shows_triangles_as_a_layer_of_their_own) {

@@ -90,9 +90,12 @@ Json statistics_json(const render::FrameStatistics& statistics) {
   const render::FrameStatistics::Phases& phases = statistics.phases;
   return {{"rays", statistics.rays},
           {"rays_ruled_out", statistics.rays_ruled_out},
+          {"rays_clipped", statistics.rays_clipped},
+          {"rays_clipped_away", statistics.rays_clipped_away},
           {"rays_through", statistics.rays_through},
           {"shadow_rays", statistics.shadow_rays},
           {"occlusion_rays", statistics.occlusion_rays},
+          {"slice_lookups", statistics.slice_lookups},
           {"hits", statistics.hits},
           {"macrocells_visited", statistics.macrocells_visited},
           {"cells_visited", statistics.cells_visited},
@@ -123,12 +126,13 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
                   rounded(all > 0 ? 100 * seconds / all : 0, 3), " %\n");
   };
   return count("rays", statistics.rays) + count("ruled out", statistics.rays_ruled_out) +
+         count("clipped", statistics.rays_clipped) + count("clipped away", statistics.rays_clipped_away) +
          count("through surfaces", statistics.rays_through) + count("shadow rays", statistics.shadow_rays) +
-         count("occlusion rays", statistics.occlusion_rays) + count("hits", statistics.hits) +
-         count("macrocells visited", statistics.macrocells_visited) + count("cells visited", statistics.cells_visited) +
-         count("cells solved", statistics.cells_solved) + count("samples taken", statistics.samples_taken) +
-         count("rays redone in double", statistics.rays_redone) + count("rays judged exactly", statistics.rays_judged) +
-         count("touches", statistics.touches) +
+         count("occlusion rays", statistics.occlusion_rays) + count("slice lookups", statistics.slice_lookups) +
+         count("hits", statistics.hits) + count("macrocells visited", statistics.macrocells_visited) +
+         count("cells visited", statistics.cells_visited) + count("cells solved", statistics.cells_solved) +
+         count("samples taken", statistics.samples_taken) + count("rays redone in double", statistics.rays_redone) +
+         count("rays judged exactly", statistics.rays_judged) + count("touches", statistics.touches) +
          (std::isnan(statistics.largest_error)
               ? std::string()
               : concat("  largest error         ", rounded(statistics.largest_error), "\n")) +
@@ -162,12 +166,12 @@ Json shown_json(const ScenePlan& plan) {
     return json;
   }
   json["field"] = plan.data[layer.volume].field;
-  json["mode"] = iso ? "iso" : "mip";
+  json["mode"] = iso ? "iso" : layer.mode == render::Mode::slice ? "slice" : "mip";
   if (iso) {
     json["isovalue"] = layer.isovalue;
     json["isovalue_from"] = plan.origins[0].isovalue_from;
   } else {
-    json["range"] = json_of(layer.window);
+    json["range"] = json_of(layer.mode == render::Mode::slice ? layer.surface.color_by->range : layer.window);
   }
   return json;
 }

@@ -55,6 +55,16 @@ class NanoVdbVolume : public Vdb {
       const render::Framebuffer brightest = picture(packed, scene);
       EXPECT_GT(hit_count(brightest), 500U);
       expect_same_picture(picture(sparse, scene), brightest);
+      const render::HalfSpace plane{.point = packed.bounds().center(), .normal = {1, -2, 3}};
+      scene.clip = render::Clip{.planes = {plane}};
+      expect_same_picture(picture(sparse, scene), picture(packed, scene));
+      scene.layers[0].mode = render::Mode::slice;
+      scene.layers[0].plane = plane;
+      scene.layers[0].surface.color_by =
+          render::FieldColors{.field = packed.field().name, .range = packed.field().range};
+      const render::Framebuffer sliced = picture(packed, scene);
+      EXPECT_GT(hit_count(sliced), 500U);
+      expect_same_picture(picture(sparse, scene), sliced);
     }
   }
 };

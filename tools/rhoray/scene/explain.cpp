@@ -5,6 +5,7 @@
 #include "render/called_for.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/method_words.h"
+#include "tools/rhoray/scene/slices.h"
 #include "tools/rhoray/scene/tables.h"
 
 namespace rhoray::tools {
@@ -22,12 +23,14 @@ std::string shown_text(const render::Layer& layer, const ScenePlan& plan) {
   if (layer.mode == render::Mode::triangles) return concat("triangles of ", plan.data[layer.volume].file.string());
   const std::string of =
       concat(unit_text(volume), " of '", volume.field().name, "' in ", plan.data[layer.volume].file.string());
+  if (layer.mode == render::Mode::slice) return concat("slice ", text_of_slice(layer.plane), of);
   if (layer.mode == render::Mode::mip)
     return concat("largest values from ", layer.window.lo, " to ", layer.window.hi, of);
   return concat("isosurface ", layer.isovalue, of);
 }
 
 std::string why_method(const SceneWishes& wishes, const LayerWish& layer) {
+  if (layer.type == LayerType::slice) return "of every slice";
   if (!layer.method.empty() || !layer.accuracy.empty() || !wishes.accuracy.empty()) return "asked for";
   return "default";
 }

@@ -1,12 +1,16 @@
 #include "tools/rhoray/scene/picture_options.h"
 
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <utility>
 
 #include "formats/base/trouble.h"
 #include "tools/rhoray/method_words.h"
+#include "tools/rhoray/scene/clip.h"
 #include "tools/rhoray/scene/looks.h"
 #include "tools/rhoray/scene/picture_words.h"
+#include "tools/rhoray/scene/slices.h"
 
 namespace rhoray::tools {
 
@@ -96,7 +100,7 @@ std::vector<Option> picture_options(PictureOptions& options) {
   CameraWish& camera = scene.camera;
   ImageWish& image = scene.image;
   const auto layers = [&](Option row) { return of_the_layer(options, std::move(row)); };
-  return {
+  std::vector<Option> rows{
       layers(choice_option("--mode", {"iso", "mip"},
                            "Isosurface, or maximum intensity projection; a surface is shown as it is", options.mode)),
       layers(value_option(
@@ -131,7 +135,9 @@ std::vector<Option> picture_options(PictureOptions& options) {
                            layer.normals)),
       layers(value_option("--color-by", "NAME", "Colour the surface by a field of the same file, where rays hit it",
                           layer.color_by)),
-      layers(choice_option("--colormap", colormap_words(), "Colours of --color-by; default viridis", layer.colormap)),
+      layers(choice_option("--colormap", colormap_words(), "Colours of --color-by and --slice; default viridis",
+                           layer.colormap)),
+      layers(slice_option(options.slices)),
       value_option("--background", "COLOR", "As above; default white for isosurfaces, black for MIP", image.background),
       layers(number_option("--ambient", "A", "Share of light from all sides, 0 to 1; default 0.12", limits::share,
                            layer.ambient)),
@@ -162,8 +168,8 @@ std::vector<Option> picture_options(PictureOptions& options) {
        [&effects = scene.effects](const std::string& text) { read_value(text, effects.fog.emplace().range); }},
       layers(
           value_option("--range", "A,B",
-                       "Values shown from black to white in MIP, or from the first colour to the last by --color-by; "
-                       "default the field's range",
+                       "Values shown from black to white in MIP, or from the first colour to the last by --color-by or "
+                       "--slice; default the field's range",
                        layer.range)),
       choice_option(
           "--accuracy", accuracy_words(),
@@ -181,6 +187,9 @@ std::vector<Option> picture_options(PictureOptions& options) {
                   image.show),
       switch_option("--no-hierarchy", "Walk every leaf cell, for comparison; the same picture at double", false,
                     image.hierarchy)};
+  const std::vector<Option> clip_rows = clip_options(scene.clip);
+  rows.insert(rows.end(), clip_rows.begin(), clip_rows.end());
+  return rows;
 }
 
 namespace {
@@ -192,10 +201,38 @@ void refuse_words_of_surfaces(const LayerWish& layer) {
       throw Error(Trouble::usage, concat(option, " is of isosurfaces; a maximum intensity projection has no surface"));
 }
 
+/// Slices before the layer that options speak of; alone where nothing asks for that layer.
+void add_slices(const PictureOptions& options, SceneWishes& wishes) {
+  if (options.slices.empty()) return;
+  LayerWish& layer = wishes.layers[0];
+  std::vector<LayerWish> slices = options.slices;
+  const bool has_range = layer.color_by.empty() && layer.type != LayerType::mip;
+  for (LayerWish& slice : slices) {
+    slice.colormap = layer.colormap;
+    if (has_range) slice.range = layer.range;
+  }
+  if (layer.color_by.empty()) layer.colormap.clear();
+  if (has_range) layer.range.reset();
+  const std::vector<std::string>& given = options.of_the_layer;
+  const auto is_given = [&](const char* name) { return std::find(given.begin(), given.end(), name) != given.end(); };
+  if (is_given("--mode") || is_given("--iso")) {
+    wishes.layers.insert(wishes.layers.begin(), slices.begin(), slices.end());
+    return;
+  }
+  constexpr std::array of_slices{"--slice", "--field", "--colormap", "--range", "--opacity"};
+  for (const std::string& name : given)
+    if (std::find(of_slices.begin(), of_slices.end(), name) == of_slices.end())
+      throw Error(Trouble::usage, concat(name, ": only slices are shown, and it is not of them"),
+                  "--mode iso or --iso shows an isosurface too");
+  for (LayerWish& slice : slices) slice.opacity = layer.opacity;
+  wishes.layers = std::move(slices);
+}
+
 /// A layer of its own for each file of triangles.
 void add_landmarks(const std::vector<std::string>& files, SceneWishes& wishes) {
   if (files.empty()) return;
-  wishes.data[0].name = wishes.layers[0].data = "data";
+  wishes.data[0].name = "data";
+  for (LayerWish& layer : wishes.layers) layer.data = "data";
   for (std::size_t i = 0; i < files.size(); ++i) {
     const std::string name = concat("mesh ", i + 1);
     wishes.data.push_back({.name = name, .file = files[i]});
@@ -213,6 +250,7 @@ SceneWishes wishes_of(const PictureOptions& options, const std::filesystem::path
   if (!wishes.layers[0].method.empty() && !wishes.accuracy.empty())
     throw Error(Trouble::usage, "--method and --accuracy say the same thing twice: give one of them");
   if (wishes.layers[0].type == LayerType::mip) refuse_words_of_surfaces(wishes.layers[0]);
+  add_slices(options, wishes);
   add_landmarks(options.meshes, wishes);
   return wishes;
 }
@@ -228,6 +266,7 @@ SceneWishes with_options(SceneWishes document, const PictureOptions& options) {
   replace(document.lights, lights_of(options));
   replace(document.effects.occlusion, said.effects.occlusion);
   replace(document.effects.fog, said.effects.fog);
+  replace(document.clip, said.clip);
   replace(document.image.size, said.image.size);
   replace(document.image.background, said.image.background);
   replace(document.image.channels, said.image.channels);

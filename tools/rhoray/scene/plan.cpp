@@ -7,12 +7,14 @@
 #include "formats/base/trouble.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/method_words.h"
+#include "tools/rhoray/scene/clip.h"
 #include "tools/rhoray/scene/document.h"
 #include "tools/rhoray/scene/light_notes.h"
 #include "tools/rhoray/scene/lights.h"
 #include "tools/rhoray/scene/looks.h"
 #include "tools/rhoray/scene/picture_words.h"
 #include "tools/rhoray/scene/place.h"
+#include "tools/rhoray/scene/slices.h"
 #include "tools/rhoray/scene/tables.h"
 
 namespace rhoray::tools {
@@ -118,6 +120,7 @@ void refuse_words_of_fields(const SceneWishes& wishes, const LayerWish& layer, c
   const std::string accuracy = accuracy_of(wishes, layer);
   for (const auto& [given, option] : {std::pair{layer.isovalues != defaults.isovalues, "--iso"},
                                       {layer.type == LayerType::mip, "--mode"},
+                                      {layer.type == LayerType::slice, "--slice"},
                                       {!layer.color_by.empty(), "--color-by"},
                                       {!layer.colormap.empty(), "--colormap"},
                                       {layer.range.has_value(), "--range"},
@@ -153,9 +156,14 @@ class LayerPlanner {
     const LayerWish& wish = wishes_.layers[index];
     render::Layer layer;
     layer.volume = volume_of(wishes_, data_of(wishes_, index), open_, plan_);
+    layer.clipped = wish.clip.value_or(true);
     const render::Volume& volume = plan_.volumes[layer.volume];
     if (volume.is_surface()) return add_triangles(index, layer);
     if (wish.type == LayerType::mesh) refuse_fields(index, volume);
+    if (wish.type == LayerType::slice) {
+      choose_slice(wish, volume, layer_place(wishes_, index), layer);
+      return put(index, layer, {});
+    }
     layer.mode = wish.type == LayerType::mip ? render::Mode::mip : render::Mode::isosurface;
     layer.method = choose_method(wishes_, index, layer.mode, volume);
     switch (wish.type) {
@@ -165,6 +173,7 @@ class LayerPlanner {
       case LayerType::mip:
         return add_projection(index, layer);
       case LayerType::mesh:
+      case LayerType::slice:
         break;
     }
   }
@@ -260,7 +269,8 @@ class LayerPlanner {
   void color_several_surfaces() {
     std::vector<std::size_t> surfaces;
     for (std::size_t i = 0; i < plan_.scene.layers.size(); ++i)
-      if (plan_.scene.layers[i].mode != render::Mode::mip) surfaces.push_back(i);
+      if (plan_.scene.layers[i].mode != render::Mode::mip && plan_.scene.layers[i].mode != render::Mode::slice)
+        surfaces.push_back(i);
     if (surfaces.size() < 2) return;
     for (std::size_t i = 0; i < surfaces.size(); ++i) {
       if (wishes_.layers[plan_.origins[surfaces[i]].wish].color) continue;
@@ -307,7 +317,9 @@ Box3 shown_box(const ScenePlan& plan) {
   for (const render::Layer& layer : plan.scene.layers) {
     const render::Volume& volume = plan.volumes[layer.volume];
     data.extendBy(volume.bounds());
-    shown.extendBy(layer.mode == render::Mode::isosurface ? volume.isosurface_bounds(layer.isovalue) : volume.bounds());
+    const Box3 whole =
+        layer.mode == render::Mode::isosurface ? volume.isosurface_bounds(layer.isovalue) : bounds_of(layer, plan);
+    shown.extendBy(layer.clipped && plan.scene.clip ? what_is_left(*plan.scene.clip, whole) : whole);
   }
   return shown.isEmpty() ? data : shown;
 }
@@ -327,6 +339,9 @@ std::string joined(const std::vector<std::string>& words) {
 ScenePlan plan_layers(const SceneWishes& wishes, const OpenData& open) {
   ScenePlan plan = LayerPlanner(wishes, open).plan();
   plan_image(wishes, plan);
+  const Place clip = root(wishes).at("clip");
+  plan.scene.clip = choose_clip(wishes.clip, clip);
+  for (const std::string& note : clip_notes(plan, clip)) plan.notes.push_back(note);
   return plan;
 }
 
@@ -370,6 +385,14 @@ void place_lights(const SceneWishes& wishes, const ShownBox& shown, ScenePlan& p
   for (const std::string& note : light_notes(scene, plan.volumes)) plan.notes.push_back(note);
 }
 
+/// Rays of an eye inside data start on the side that the field has there.
+void note_camera_inside(ScenePlan& plan) {
+  if (plan.scene.camera.orthographic) return;
+  for (std::size_t v = 0; v < plan.volumes.size(); ++v)
+    if (plan.volumes[v].bounds().intersects(plan.scene.camera.position))
+      plan.notes.push_back(concat("the camera stands inside ", plan.data[v].file.string(), ": rays begin in it"));
+}
+
 }  // namespace
 
 void aim_camera(const SceneWishes& wishes, ScenePlan& plan) {
@@ -380,6 +403,7 @@ void aim_camera(const SceneWishes& wishes, ScenePlan& plan) {
   };
   place_camera(wishes, shown, plan);
   place_lights(wishes, shown, plan);
+  note_camera_inside(plan);
 }
 
 SceneWishes spelled_out(const ScenePlan& plan) {
@@ -389,9 +413,13 @@ SceneWishes spelled_out(const ScenePlan& plan) {
     if (wishes.data[i].name.empty()) wishes.data[i].name = "data";  // of a command line
   for (const render::Layer& layer : plan.scene.layers) {
     LayerWish wish{.data = wishes.data[layer.volume].name};
-    const MethodOption method = option_of(layer.method, layer.mode, plan.volumes[layer.volume].is_mesh());
-    (method.option == "--accuracy" ? wish.accuracy : wish.method) = method.word;
-    if (layer.mode == render::Mode::mip) {
+    if (layer.mode != render::Mode::slice) {
+      const MethodOption method = option_of(layer.method, layer.mode, plan.volumes[layer.volume].is_mesh());
+      (method.option == "--accuracy" ? wish.accuracy : wish.method) = method.word;
+    }
+    if (layer.mode == render::Mode::slice) {
+      say_slice(layer, wish);
+    } else if (layer.mode == render::Mode::mip) {
       wish.type = LayerType::mip;
       wish.range = layer.window;
     } else {
@@ -411,8 +439,10 @@ SceneWishes spelled_out(const ScenePlan& plan) {
       wish.shininess = layer.surface.shininess;
       wish.opacity = layer.surface.opacity;
     }
+    if (plan.scene.clip) wish.clip = layer.clipped;
     wishes.layers.push_back(std::move(wish));
   }
+  wishes.clip = clip_wish(plan.scene.clip);
   wishes.lights = light_wishes(plan.scene.lights);
   wishes.effects = effect_wishes(plan.scene);
   wishes.camera.position = camera.position;
@@ -433,8 +463,9 @@ SceneWishes spelled_out(const ScenePlan& plan) {
 std::vector<std::string> reproducing_command(const ScenePlan& plan, const std::filesystem::path& output) {
   const SceneWishes wishes = spelled_out(plan);
   std::vector<std::string> words{"rhoray", "render"};
-  const bool needs_document =
-      plan.scene.layers.size() > 1 || wishes.lights || wishes.effects.occlusion || wishes.effects.fog;
+  const bool needs_document = plan.scene.layers.size() > 1 || wishes.lights || wishes.effects.occlusion ||
+                              wishes.effects.fog || (plan.scene.clip && !plan.scene.layers[0].clipped) ||
+                              plan.scene.layers[0].mode == render::Mode::slice;
   if (needs_document) {
     words.insert(words.end(), {dump(scene_json(wishes)), "-o", output.string()});
     return words;
@@ -470,6 +501,8 @@ std::vector<std::string> reproducing_command(const ScenePlan& plan, const std::f
     add("--accuracy", layer.accuracy);
   else
     add("--method", layer.method);
+  if (wishes.clip)
+    for (const std::string& word : clip_words(*wishes.clip)) words.push_back(word);
   add("--size", concat(image.size->width, "x", image.size->height));
   add("--camera-position", text_of_vector(*camera.position));
   add("--camera-target", text_of_vector(*camera.target));

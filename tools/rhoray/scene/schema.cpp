@@ -1,6 +1,7 @@
 #include "tools/rhoray/scene/schema.h"
 
 #include "formats/base/text.h"
+#include "tools/rhoray/scene/clip.h"
 #include "tools/rhoray/scene/tables.h"
 
 namespace rhoray::tools {
@@ -46,6 +47,7 @@ std::string scene_reference() {
     text += "\n" + table(concat("`lights`, of type `\"", kind.word, "\"`: ", kind.help), kind.rows);
   text += "\n" + table("`effects`", effect_rows()) + "\n" + table("`ambient_occlusion` of effects", occlusion_rows()) +
           "\n" + table("`fog` of effects", fog_rows());
+  text += "\n" + table("`clip`", clip_rows()) + "\n" + table("`planes` of clip", half_space_rows());
   return text + "\n" + table("`camera`", camera_rows()) + "\n" + table("`image`", image_rows());
 }
 

@@ -4,8 +4,10 @@
 
 #include "formats/base/trouble.h"
 #include "tools/rhoray/method_words.h"
+#include "tools/rhoray/scene/clip.h"
 #include "tools/rhoray/scene/looks.h"
 #include "tools/rhoray/scene/picture_words.h"
+#include "tools/rhoray/scene/slices.h"
 
 namespace rhoray::tools {
 
@@ -18,12 +20,16 @@ Rows operator+(Rows rows, const Rows& more) {
   return rows;
 }
 
-Rows rows_of_every_layer() {
+Rows rows_of_data() {
   return {
       row("data", &LayerWish::data, text_value(), "Name of the data shown; may be left out where there is only one"),
       row("visible", &LayerWish::visible, yes_or_no(), "false: the layer is left out, its file is not opened"),
-      row("accuracy", &LayerWish::accuracy, word_value(accuracy_words()),
-          "How right the layer is drawn; default the scene's accuracy")};
+      row("clip", &LayerWish::clip, yes_or_no(), "false: shown whole, whatever the scene's \"clip\" takes away")};
+}
+
+Rows rows_of_every_layer() {
+  return rows_of_data() + Rows{row("accuracy", &LayerWish::accuracy, word_value(accuracy_words()),
+                                   "How right the layer is drawn; default the scene's accuracy")};
 }
 
 Rows rows_of_every_field() {
@@ -215,7 +221,9 @@ std::span<const LayerKind> layer_kinds() {
       {LayerType::mip, "mip", "The largest value along every ray",
        rows_of_every_layer() + rows_of_every_field() + rows_of_projections()},
       {LayerType::mesh, "mesh", "Triangles of a packed surface, a landmark among the others",
-       rows_of_every_layer() + rows_of_triangles() + rows_of_lit_surfaces()}};
+       rows_of_every_layer() + rows_of_triangles() + rows_of_lit_surfaces()},
+      {LayerType::slice, "slice", "The field on a plane, in colours; in double precision at every accuracy",
+       rows_of_data() + slice_rows()}};
   return kinds;
 }
 
@@ -322,6 +330,8 @@ const std::vector<Row<SceneWishes>>& scene_rows() {
           "What shines; default one white light at the eye"),
       row("effects", &SceneWishes::effects, object_value(effect_rows()),
           "Of the whole picture; each that is named is on"),
+      row("clip", &SceneWishes::clip, object_value(clip_rows()),
+          "A region of which only the inside is shown, or only the outside; what is clipped away holds no light back"),
       row("camera", &SceneWishes::camera, object_value(camera_rows()),
           "From where; default a three-quarter view of all layers"),
       row("image", &SceneWishes::image, object_value(image_rows()), "The picture"),

@@ -22,7 +22,7 @@ struct DataWish {
   std::string field{};  ///< empty = the first that is not the same everywhere
 };
 
-enum class LayerType { isosurface, mip, mesh };
+enum class LayerType { isosurface, mip, mesh, slice };
 
 struct LayerWish {
   LayerType type = LayerType::isosurface;
@@ -37,6 +37,12 @@ struct LayerWish {
   std::string accuracy{};  ///< a level; empty = the scene's
   std::string method{};    ///< instead of a level
   bool visible = true;
+  std::optional<bool> clip{};  ///< false: shown whole
+  std::string axis{};          ///< of slices: a word; empty = point and normal
+  std::optional<double> position{};
+  std::optional<Vec3> point{}, normal{};
+  std::optional<Interval<double>> threshold{};
+  std::optional<bool> lit{};
 };
 
 struct CameraWish {
@@ -85,11 +91,18 @@ struct EffectsWish {
   std::optional<FogWish> fog{};
 };
 
+struct ClipWish {
+  std::optional<Box3> box{};
+  std::vector<render::HalfSpace> planes{};
+  std::string keep{};  ///< a word; empty = inside
+};
+
 struct SceneWishes {
   std::vector<DataWish> data{};
   std::vector<LayerWish> layers{};
   std::optional<std::vector<LightWish>> lights{};  ///< default one white light at the eye
   EffectsWish effects{};
+  std::optional<ClipWish> clip{};
   CameraWish camera{};
   ImageWish image{};
   std::string accuracy{};  ///< of layers that name none; empty = render::default_method

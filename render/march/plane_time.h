@@ -1,0 +1,25 @@
+#pragma once
+
+#include "formats/base/checks.h"
+#include "formats/base/vector.h"
+
+namespace rhoray::render {
+
+/// How a ray lies to a plane.
+struct PlanePassage {
+  double along;  ///< how fast it moves to the side of the normal
+  double t;      ///< when it passes the plane; infinite or NaN where along is 0
+  double ahead;  ///< above 0: it starts on the other side
+};
+
+/// All who ask when a ray passes a plane ask here: of one plane they get the same bits, whichever way its normal
+/// points. t is off by no more than the rounding of two products of three terms, and of a quotient.
+RHORAY_INLINE PlanePassage passage_of(const Vec3& point, const Vec3& normal, const Vec3& origin,
+                                      const Vec3& direction) {
+  const double along = normal.x * direction.x + normal.y * direction.y + normal.z * direction.z;
+  const double ahead =
+      normal.x * (point.x - origin.x) + normal.y * (point.y - origin.y) + normal.z * (point.z - origin.z);
+  return {along, ahead / along, ahead};
+}
+
+}  // namespace rhoray::render

@@ -1,0 +1,641 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "formats/base/trouble.h"
+#include "preprocess/pack_surface.h"
+#include "render/frame/clip_region.h"
+#include "render/ray_questions.h"
+#include "tests/agreement/pictures.h"
+#include "tests/render/support/wide_machines.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/surfaces.h"
+
+/// What a clip region leaves of a picture.
+namespace rhoray::tests {
+namespace {
+
+using render::Clip;
+using render::Framebuffer;
+using render::HalfSpace;
+using render::Layer;
+using render::Mode;
+using render::Ray;
+using render::Scene;
+
+constexpr int edge = 80;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+const Box3 cube{{-1, -1, -1}, {1, 1, 1}};
+
+double waves(const Vec3& p) {
+  return std::sin(5 * p.x + 1) + std::sin(4 * p.y) * std::cos(6 * p.z) + 0.2 * p.z;
+}
+
+struct Shown {
+  TemporaryFolder folder;
+  std::vector<render::Volume> volumes;  ///< a grid, a mesh, a sparse grid with turned axes, and a ball of triangles
+
+  Shown() {
+    const Index3 samples(25, 25, 25);
+    Affine turned = lattice_over(cube, samples);
+    std::swap(turned.x_axis, turned.z_axis);
+    preprocess::NeutralMesh mesh = box_mesh({.cells = {9, 9, 9}, .box = cube, .jitter = 0.1});
+    add_point_field(mesh, "value", waves);
+    volumes.push_back(packed(folder, "grid.rho", sampled_volume<float>(samples, lattice_over(cube, samples), waves)));
+    volumes.push_back(packed(folder, "mesh.rho", mesh));
+    volumes.push_back(packed(folder, "turned.rho",
+                             sampled_volume<float>(samples, turned,
+                                                   [](const Vec3& p) {
+                                                     return p.x > 0.8 ? std::numeric_limits<double>::quiet_NaN()
+                                                                      : 1 - p.length();
+                                                   }),
+                             {.order = preprocess::SampleOrder::sparse}));
+    preprocess::pack_surface(moved(round_surface(3), Vec3(0), 0.8), folder / "ball.rho");
+    volumes.push_back(render::Volume::load(folder / "ball.rho"));
+  }
+};
+
+Layer surface(std::size_t volume, double isovalue, render::Accuracy accuracy, double opacity = 1) {
+  Layer layer{.volume = volume, .isovalue = isovalue, .method = render::method_of(accuracy)};
+  if (volume == 3) layer.mode = Mode::triangles;
+  layer.surface.color = {0.2 + 0.2 * static_cast<double>(volume), 0.6, 0.3};
+  layer.surface.opacity = opacity;
+  return layer;
+}
+
+Scene scene_of(const std::vector<Layer>& layers, const std::optional<Clip>& clip = {}, bool orthographic = false) {
+  Scene scene;
+  scene.layers = layers;
+  scene.clip = clip;
+  scene.camera =
+      render::fit_camera(cube, {.azimuth_deg = 33, .elevation_deg = 21, .zoom = 1.1, .orthographic = orthographic}, 1);
+  scene.background = {0.9, 0.8, 0.7};
+  return scene;
+}
+
+struct Picture {
+  Framebuffer pixels;
+  render::FrameStatistics statistics;
+};
+
+Picture picture_of(const std::vector<render::Volume>& volumes, const Scene& scene, unsigned threads = 1,
+                   bool use_hierarchy = true) {
+  Picture picture;
+  picture.statistics = render::render(
+      volumes, scene,
+      {.width = edge, .height = edge, .channels = all_channels, .threads = threads, .use_hierarchy = use_hierarchy},
+      picture.pixels);
+  return picture;
+}
+
+const std::vector<HalfSpace> oblique{{.point = {0.1, 0, 0.2}, .normal = {1, -2, 0.5}},
+                                     {.point = {-0.2, 0.3, 0}, .normal = {0.3, 1, 2}}};
+
+/// Regions of all kinds.
+std::vector<Clip> regions() {
+  std::vector<Clip> all{{.planes = {oblique[0]}},
+                        {.planes = oblique},
+                        {.box = Box3({-0.5, -0.7, -2}, {0.6, 0.4, 0.5})},
+                        {.box = Box3({-0.5, -0.7, -2}, {0.6, 0.4, 0.5}), .planes = oblique}};
+  for (std::size_t i = 0, count = all.size(); i < count; ++i) {
+    all.push_back(all[i]);
+    all.back().cuts_away = true;
+  }
+  return all;
+}
+
+bool lies_in(const Clip& clip, const Vec3& place, double slack) {
+  if (clip.box)
+    for (int axis = 0; axis < 3; ++axis)
+      if (!(place[axis] >= clip.box->min[axis] - slack && place[axis] <= clip.box->max[axis] + slack)) return false;
+  return std::all_of(clip.planes.begin(), clip.planes.end(),
+                     [&](const HalfSpace& half) { return half.normal.normalized().dot(place - half.point) >= -slack; });
+}
+
+/// Whether a place is shown; nothing where it lies in a face, to rounding.
+std::optional<bool> is_kept(const Clip& clip, const Vec3& place, double slack = 1e-5) {
+  const bool surely_in = lies_in(clip, place, -slack), maybe_in = lies_in(clip, place, slack);
+  if (surely_in != maybe_in) return std::nullopt;
+  return surely_in != clip.cuts_away;
+}
+
+/// All crossings of an isosurface along a ray, by the exact judge.
+std::vector<double> crossings_on(render::RayQuestions& judge, Ray ray) {
+  std::vector<double> all;
+  for (;;) {
+    const render::Hit hit = judge.first_crossing(ray);
+    if (hit.is_miss()) return all;
+    all.push_back(hit.t);
+    ray.t_min = hit.t + 1e-7;
+  }
+}
+
+TEST(Clip, shows_the_first_of_the_exact_crossings_that_is_kept) {
+  const Shown shown;
+  const double isovalues[] = {0.4, 0.3, 0.5};
+  for (const bool orthographic : {false, true})
+    for (std::size_t v = 0; v < 3; ++v) {
+      const Scene whole = scene_of({surface(v, isovalues[v], render::Accuracy::single)}, {}, orthographic);
+      const render::Volume& volume = shown.volumes[v];
+      render::RayQuestions judge(volume, isovalues[v], render::method_of(render::Accuracy::exact));
+      const std::vector<Ray> rays = camera_rays(volume, whole.camera, edge, edge);
+      const Affine& world = world_from_ray_frame(volume);
+      std::vector<std::vector<double>> crossings;
+      for (const Ray& ray : rays) crossings.push_back(crossings_on(judge, ray));
+      for (const render::Accuracy accuracy :
+           {render::Accuracy::single, render::Accuracy::twofold, render::Accuracy::certified}) {
+        std::size_t hits = 0, misses = 0, changed = 0, wrong = 0;
+        for (const Clip& clip : regions()) {
+          Scene scene = whole;
+          scene.clip = clip;
+          scene.layers[0].method = render::method_of(accuracy);
+          const Picture found = picture_of(shown.volumes, scene);
+          EXPECT_GT(found.statistics.rays_clipped, 100);
+          for (std::size_t p = 0; p < rays.size(); ++p) {
+            double expected = infinity;
+            bool is_clear_cut = true;
+            for (std::size_t c = 0; c < crossings[p].size() && expected == infinity; ++c) {
+              const std::optional<bool> kept = is_kept(clip, world.point(rays[p].at(crossings[p][c])));
+              is_clear_cut &= kept.has_value() && (c == 0 || crossings[p][c] - crossings[p][c - 1] > 1e-3);
+              if (kept.value_or(false)) expected = crossings[p][c];
+            }
+            if (!is_clear_cut) continue;
+            (expected < infinity ? hits : misses) += 1;
+            changed += !crossings[p].empty() && expected != crossings[p].front();
+            const double depth = static_cast<double>(found.pixels.depth[p]);
+            wrong += expected == infinity ? depth < infinity : !(std::abs(depth - expected) < 2e-5);
+          }
+        }
+        EXPECT_GT(hits, 2500);
+        EXPECT_GT(misses, 2500);
+        EXPECT_GT(changed, 1500);
+        // Single precision may have a ray that grazes the surface either way.
+        EXPECT_LE(wrong, accuracy == render::Accuracy::single ? 8 : 0);
+      }
+    }
+}
+
+TEST(Clip, parts_a_picture_into_what_is_kept_and_what_is_cut_away) {
+  const Shown shown;
+  for (std::size_t v = 0; v < 4; ++v)
+    for (const Clip& clip : regions()) {
+      if (clip.cuts_away) continue;
+      Scene scene = scene_of({surface(v, 0.35, render::Accuracy::twofold)});
+      const Picture whole = picture_of(shown.volumes, scene);
+      scene.clip = clip;
+      const Picture inside = picture_of(shown.volumes, scene);
+      scene.clip->cuts_away = true;
+      const Picture outside = picture_of(shown.volumes, scene);
+      std::size_t differing = 0;
+      for (std::size_t p = 0; p < whole.pixels.pixel_count(); ++p) {
+        const float nearest = std::min(inside.pixels.depth[p], outside.pixels.depth[p]);
+        if (std::isinf(nearest) || std::isinf(whole.pixels.depth[p]))
+          differing += nearest != whole.pixels.depth[p];
+        else
+          differing += !(std::abs(nearest - whole.pixels.depth[p]) < 1e-5F);
+      }
+      // In a face the parts of a ray begin and end to rounding: a hit there may be in neither or in both.
+      EXPECT_LE(differing, 1) << v;
+    }
+}
+
+TEST(Clip, ends_largest_values_at_its_faces) {
+  const Shown shown;
+  for (const std::size_t v : {0, 1, 2}) {
+    Layer layer{.volume = v, .mode = Mode::mip, .window = {-2, 2}};
+    const Scene whole = scene_of({layer});
+    const render::Volume& volume = shown.volumes[v];
+    render::RayQuestions kernel(volume, 0, render::Method{});
+    const std::vector<Ray> rays = camera_rays(volume, whole.camera, edge, edge);
+    const Affine& world = world_from_ray_frame(volume);
+    std::size_t different_from_whole = 0;
+    for (const Clip& clip : regions()) {
+      Scene scene = whole;
+      scene.clip = clip;
+      const Picture found = picture_of(shown.volumes, scene);
+      for (std::size_t p = 0; p < rays.size(); ++p) {
+        // By halves of its own: between which t the places of the ray lie in the region.
+        double from = -infinity, to = infinity;
+        for (const HalfSpace& half : render::half_spaces_of(clip)) {
+          const double along = half.normal.dot(world.vector(rays[p].direction)),
+                       t = half.normal.dot(half.point - world.point(rays[p].origin)) / along;
+          (along > 0 ? from : to) = along > 0 ? std::max(from, t) : std::min(to, t);
+        }
+        double expected = -infinity;
+        const auto look = [&](double t_min, double t_max) {
+          Ray part = rays[p];
+          part.t_min = std::max(t_min, 0.0), part.t_max = t_max;
+          render::Hit hit;
+          kernel.largest_values(std::span(&part, 1), std::span(&hit, 1));
+          if (!hit.is_miss()) expected = std::max(expected, hit.value);
+        };
+        if (!clip.cuts_away)
+          look(from, to);
+        else if (from <= to)
+          look(0, from), look(to, infinity);
+        else
+          look(0, infinity);
+        const double value = found.pixels.value[p];
+        if (expected == -infinity)
+          EXPECT_TRUE(std::isnan(value)) << p;
+        else
+          EXPECT_NEAR(value, expected, 1e-12) << p;
+        render::Hit hit;
+        kernel.largest_values(std::span(&rays[p], 1), std::span(&hit, 1));
+        different_from_whole += !hit.is_miss() && hit.value != expected;
+      }
+    }
+    EXPECT_GT(different_from_whole, 8000);
+  }
+}
+
+TEST(Clip, cuts_a_ball_where_formulas_say) {
+  const TemporaryFolder folder;
+  const Index3 samples(129, 129, 129);
+  std::vector<render::Volume> volumes;
+  volumes.push_back(packed(
+      folder, "ball.rho",
+      sampled_volume<float>(samples, lattice_over(cube, samples), [](const Vec3& p) { return 1 - p.length2(); })));
+  const double radius = 0.8, isovalue = 1 - radius * radius, height = 0.3;
+  Scene scene =
+      scene_of({surface(0, isovalue, render::Accuracy::twofold)}, Clip{.planes = {{{0, 0, height}, {0, 0, -1}}}});
+  scene.camera = render::fit_camera(cube, {.azimuth_deg = 0, .elevation_deg = 90, .orthographic = true}, 1);
+  const int wide = 400;
+  Framebuffer found;
+  render::render(volumes[0], scene, {.width = wide, .height = wide, .channels = all_channels, .threads = 2}, found);
+  const double pixel = scene.camera.orthographic_height / wide;
+  std::size_t bowl = 0, rim = 0;
+  for (std::size_t p = 0; p < found.pixel_count(); ++p) {
+    const double across = (static_cast<double>(p % wide) + 0.5 - wide / 2.0) * pixel,
+                 down = (static_cast<double>(p / wide) + 0.5 - wide / 2.0) * pixel,
+                 square = across * across + down * down;
+    const double z = scene.camera.position.z - static_cast<double>(found.depth[p]);
+    const double expected = radius * radius - square;
+    if (std::abs(expected) < 1e-3 || std::abs(expected - height * height) < 1e-3) continue;
+    if (expected < 0) {
+      EXPECT_TRUE(std::isinf(found.depth[p]));
+    } else if (expected > height * height) {
+      EXPECT_NEAR(z, -std::sqrt(expected), 1e-4 / std::sqrt(expected));  // the bottom, seen through the hole
+      ++bowl;
+    } else {
+      EXPECT_NEAR(z, std::sqrt(expected), 1e-4 / std::sqrt(expected));
+      ++rim;
+    }
+  }
+  const double pi = std::acos(-1), area = pixel * pixel;
+  EXPECT_NEAR(static_cast<double>(bowl) * area, pi * (radius * radius - height * height), 0.02);
+  EXPECT_NEAR(static_cast<double>(rim) * area, pi * height * height, 0.02);
+}
+
+/// A field that is z, seen along z from above: every number is exact.
+struct Ramp {
+  TemporaryFolder folder;
+  std::vector<render::Volume> volumes;
+
+  explicit Ramp(double far_away = 0) {
+    const Index3 samples(9, 9, 9);
+    Affine map;
+    map.origin = Vec3(far_away);
+    volumes.push_back(
+        packed(folder, "grid.rho", sampled_volume<float>(samples, map, [=](const Vec3& p) { return p.z - far_away; })));
+    preprocess::NeutralMesh mesh =
+        box_mesh({.cells = {4, 4, 4}, .box = {Vec3(far_away), Vec3(far_away) + Vec3(8, 8, 8)}});
+    add_point_field(mesh, "value", [=](const Vec3& p) { return p.z - far_away; });
+    volumes.push_back(packed(folder, "mesh.rho", mesh));
+  }
+
+  Scene scene(std::size_t volume, double isovalue, const Clip& clip, double far_away = 0) const {
+    Scene scene = scene_of({surface(volume, isovalue, render::Accuracy::twofold)}, clip);
+    scene.camera = {.position = Vec3(far_away) + Vec3(4, 4, 16),
+                    .target = Vec3(far_away) + Vec3(4, 4, 0),
+                    .up = {0, 1, 0},
+                    .orthographic = true,
+                    .orthographic_height = 7};
+    return scene;
+  }
+};
+
+TEST(Clip, decides_on_t_on_which_side_of_a_face_a_crossing_is) {
+  constexpr std::size_t all = std::size_t{edge} * edge;
+  for (const double far_away : {0.0, 0x1p20}) {
+    const Ramp ramp(far_away);
+    for (std::size_t v = 0; v < 2; ++v)
+      for (const double z : {4.0, 5.0, 4.5})  // the first two are faces between cells
+        for (const bool cuts_away : {false, true}) {
+          const auto hits_at = [&](double isovalue, double sign) {
+            const Clip clip{.planes = {{Vec3(far_away) + Vec3(0, 0, z), {0, 0, 3 * sign}}}, .cuts_away = cuts_away};
+            return hit_count(picture_of(ramp.volumes, ramp.scene(v, isovalue, clip, far_away)).pixels);
+          };
+          const double above = cuts_away ? -1 : 1;
+          EXPECT_EQ(hits_at(z + 0x1p-20, above), all);
+          EXPECT_EQ(hits_at(z - 0x1p-20, above), 0);
+          EXPECT_EQ(hits_at(z + 0x1p-20, -above), 0);
+          EXPECT_EQ(hits_at(z - 0x1p-20, -above), all);
+          // In the face itself: where one part of the ray ends on a side of the surface, the other begins on it.
+          EXPECT_EQ(hits_at(z, above) + hits_at(z, -above), all);
+        }
+  }
+}
+
+TEST(Clip, draws_no_surface_in_its_faces) {
+  const Shown shown;
+  // Everything inside: a field that is above the isovalue everywhere has no surface, wherever it is cut.
+  for (std::size_t v = 0; v < 3; ++v)
+    for (const Clip& clip : regions())
+      EXPECT_EQ(hit_count(picture_of(shown.volumes, scene_of({surface(v, -3, render::Accuracy::single)}, clip)).pixels),
+                0);
+}
+
+TEST(Clip, leaves_layers_whole_that_say_so) {
+  const Shown shown;
+  std::vector<Layer> layers{surface(0, 0.4, render::Accuracy::single), surface(3, 0, render::Accuracy::single)};
+  layers[1].clipped = false;
+  const Clip none_of_it{.box = Box3({5, 5, 5}, {6, 6, 6})};
+  const Picture found = picture_of(shown.volumes, scene_of(layers, none_of_it)),
+                expected = picture_of(shown.volumes, scene_of({layers[1]}));
+  EXPECT_EQ(found.pixels.color, expected.pixels.color);
+  EXPECT_EQ(found.statistics.rays_clipped, 0);
+}
+
+TEST(Clip, costs_nothing_where_it_takes_nothing_away) {
+  const Shown shown;
+  const std::vector<Layer> layers{surface(0, 0.4, render::Accuracy::single),
+                                  surface(1, 0.2, render::Accuracy::single, 0.5)};
+  const Picture without = picture_of(shown.volumes, scene_of(layers));
+  for (const Clip& clip :
+       {Clip{}, Clip{.box = Box3({-1, -1, -1}, {1, 1, 1})}, Clip{.planes = {{{0, 0, -4}, {0, 0, 1}}}},
+        Clip{.box = Box3({2, 2, 2}, {3, 3, 3}), .cuts_away = true}}) {
+    const Picture with = picture_of(shown.volumes, scene_of(layers, clip));
+    EXPECT_EQ(with.pixels.color, without.pixels.color);
+    EXPECT_EQ(with.statistics.rays_clipped, 0);
+    EXPECT_EQ(with.statistics.rays_clipped_away, 0);
+    EXPECT_EQ(with.statistics.cells_visited, without.statistics.cells_visited);
+    EXPECT_EQ(with.statistics.rays_ruled_out, without.statistics.rays_ruled_out);
+  }
+}
+
+TEST(Clip, leaves_out_rays_that_it_leaves_nothing_of) {
+  const Shown shown;
+  for (std::size_t v = 0; v < 3; ++v) {
+    Layer layer = surface(v, 0.4, render::Accuracy::twofold);
+    for (const Mode mode : {Mode::isosurface, Mode::mip}) {
+      layer.mode = mode;
+      layer.window = {-2, 2};
+      const Picture whole = picture_of(shown.volumes, scene_of({layer}));
+      for (const Clip& clip : regions()) {
+        const Picture with = picture_of(shown.volumes, scene_of({layer}, clip)),
+                      slow = picture_of(shown.volumes, scene_of({layer}, clip), 1, false);
+        EXPECT_EQ(with.pixels.depth, slow.pixels.depth);
+        EXPECT_EQ(with.pixels.color, slow.pixels.color);
+        EXPECT_GE(with.statistics.rays_ruled_out, whole.statistics.rays_ruled_out);
+        EXPECT_EQ(slow.statistics.rays_ruled_out, 0);
+      }
+      const Clip small{.box = Box3({-0.2, -0.2, -0.2}, {0.1, 0.1, 0.1})};
+      const Picture little = picture_of(shown.volumes, scene_of({layer}, small));
+      EXPECT_GT(little.statistics.rays_ruled_out, whole.statistics.rays_ruled_out + edge * edge / 4);
+      EXPECT_LT(little.statistics.macrocells_visited + little.statistics.cells_visited,
+                whole.statistics.macrocells_visited + whole.statistics.cells_visited);
+      EXPECT_GT(little.statistics.rays_clipped_away, 50);
+    }
+  }
+}
+
+TEST(Clip, shows_the_background_where_nothing_is_left) {
+  const Shown shown;
+  for (const Clip& clip : {Clip{.box = Box3({2, 2, 2}, {3, 3, 3})}, Clip{.planes = {{{0, 0, 2}, {0, 0, 1}}}},
+                           Clip{.box = Box3({-2, -2, -2}, {3, 3, 3}), .cuts_away = true}}) {
+    const Picture found = picture_of(shown.volumes, scene_of({surface(0, 0.4, render::Accuracy::single)}, clip));
+    EXPECT_EQ(hit_count(found.pixels), 0);
+    EXPECT_EQ(found.statistics.rays_ruled_out, found.statistics.rays);
+    EXPECT_EQ(found.pixels.color[0], 0.9F);
+  }
+}
+
+TEST(Clip, keeps_the_order_of_clear_surfaces) {
+  const Shown shown;
+  std::vector<Layer> layers{
+      surface(2, 0.5, render::Accuracy::single, 0.3), surface(2, 0.3, render::Accuracy::single, 0.5),
+      surface(0, 0.4, render::Accuracy::single, 0.2), surface(3, 0, render::Accuracy::single, 0.4)};
+  // Light that is ambient only: then a pixel is the mix of the layers' colours, and tells how often each was met.
+  for (Layer& layer : layers) layer.surface.ambient = 1, layer.surface.specular = 0;
+  layers[3].clipped = false;
+  const Scene whole = scene_of(layers);
+  struct Crossing {
+    double t;
+    std::size_t layer;
+  };
+  std::vector<std::vector<Crossing>> crossings(std::size_t{edge} * edge);
+  for (std::size_t l = 0; l < layers.size(); ++l) {
+    const render::Volume& volume = shown.volumes[layers[l].volume];
+    render::RayQuestions judge(volume, layers[l].isovalue,
+                               render::method_of(l == 3 ? render::Accuracy::twofold : render::Accuracy::exact));
+    const std::vector<Ray> rays = camera_rays(volume, whole.camera, edge, edge);
+    for (std::size_t p = 0; p < rays.size(); ++p)
+      for (const double t : crossings_on(judge, rays[p])) crossings[p].push_back({t, l});
+  }
+  for (auto& along : crossings)
+    std::sort(along.begin(), along.end(), [](const Crossing& a, const Crossing& b) { return a.t < b.t; });
+  const render::Volume& grid = shown.volumes[0];
+  const std::vector<Ray> rays = camera_rays(grid, whole.camera, edge, edge);
+  for (const Clip& clip : regions()) {
+    Scene scene = whole;
+    scene.clip = clip;
+    const Picture found = picture_of(shown.volumes, scene, 2);
+    std::size_t checked = 0;
+    for (std::size_t p = 0; p < rays.size(); ++p) {
+      Vec3 light(0, 0, 0);
+      double through = 1;
+      bool is_clear_cut = true;
+      for (std::size_t c = 0; c < crossings[p].size(); ++c) {
+        const Crossing& crossing = crossings[p][c];
+        const Layer& layer = layers[crossing.layer];
+        is_clear_cut &= c == 0 || crossing.t - crossings[p][c - 1].t > 1e-4;
+        const std::optional<bool> kept = is_kept(clip, world_from_ray_frame(grid).point(rays[p].at(crossing.t)));
+        is_clear_cut &= kept.has_value();
+        if (layer.clipped && !kept.value_or(false)) continue;
+        light += through * layer.surface.opacity * layer.surface.color;
+        through *= 1 - layer.surface.opacity;
+      }
+      if (!is_clear_cut || through < 0.01) continue;
+      ++checked;
+      light += through * scene.background;
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(static_cast<double>(found.pixels.color[4 * p + static_cast<std::size_t>(c)]), light[c], 1e-5) << p;
+    }
+    EXPECT_GT(checked, rays.size() / 2);
+  }
+}
+
+/// A ball of radius 0.5 over a plate, both fields of one lattice, and the sun above.
+struct Sundial {
+  TemporaryFolder folder;
+  std::vector<render::Volume> volumes;
+  Scene scene;
+
+  Sundial() {
+    const Index3 samples(65, 65, 65);
+    const auto add = [&](const char* name, const Field& field) {
+      volumes.push_back(packed(folder, name, sampled_volume<float>(samples, lattice_over(cube, samples), field)));
+    };
+    add("ball.rho", [](const Vec3& p) { return 0.25 - (p - Vec3(0, 0, 0.4)).length2(); });
+    add("plate.rho", [](const Vec3& p) { return -0.9 - p.z; });
+    scene = scene_of({surface(0, 0, render::Accuracy::single), surface(1, 0, render::Accuracy::single)});
+    scene.lights = {{.kind = render::Light::Kind::directional, .place = {0, 0, 1}, .casts_shadows = true}};
+    scene.camera = render::fit_camera(cube, {.azimuth_deg = 0, .elevation_deg = 30}, 1);
+    for (Layer& layer : scene.layers) layer.surface = {.ambient = 0.2, .specular = 0};
+  }
+};
+
+TEST(Clip, lets_light_through_what_is_clipped_away) {
+  const Sundial dial;
+  const std::vector<Ray> rays = camera_rays(dial.volumes[1], dial.scene.camera, edge, edge);
+  const Affine& world = world_from_ray_frame(dial.volumes[1]);
+  for (const bool plate_is_clipped : {true, false})
+    for (const bool cuts_away : {false, true}) {
+      // The half of the ball at x > 0.1, or the other one. The ball's other half is a bowl, which casts the same
+      // shadow.
+      Scene scene = dial.scene;
+      scene.clip = Clip{.box = Box3({0.1, -3, plate_is_clipped ? -0.5 : -3}, {3, 3, 3}), .cuts_away = cuts_away};
+      scene.layers[1].clipped = plate_is_clipped && cuts_away;
+      const Picture found = picture_of(dial.volumes, scene);
+      std::size_t lit = 0, dark = 0;
+      for (std::size_t p = 0; p < rays.size(); ++p) {
+        const Vec3 place = world.point(rays[p].at(static_cast<double>(found.pixels.depth[p])));
+        if (!(std::abs(place.z + 0.9) < 1e-3)) continue;  // not the plate
+        const double radius = std::hypot(place.x, place.y);
+        if (std::abs(radius - 0.5) < 0.02 || std::abs(place.x - 0.1) < 0.02) continue;
+        const bool is_dark = radius < 0.5 && (place.x > 0.1) != cuts_away;
+        EXPECT_NEAR(found.pixels.color[4 * p], 0.78 * (is_dark ? 0.2 : 1), 0.01) << place.x << ' ' << place.y;
+        (is_dark ? dark : lit) += 1;
+      }
+      EXPECT_GT(lit, 300);
+      EXPECT_GT(dark, 60);
+      EXPECT_GT(found.statistics.shadow_rays, 500);
+    }
+}
+
+TEST(Clip, makes_no_spots_on_surfaces_under_lights) {
+  // Rays towards lights start on the surface, some of them in the region's faces: nothing may shade itself.
+  const TemporaryFolder folder;
+  const Index3 samples(33, 33, 33);
+  std::vector<render::Volume> volumes;
+  volumes.push_back(packed(folder, "plate.rho",
+                           sampled_volume<float>(samples, lattice_over(cube, samples), linear_field({0.1, 0.2, -1}))));
+  for (const bool cuts_away : {false, true})
+    for (const double place : {0.0, 0.01, -0.3}) {
+      Scene scene =
+          scene_of({surface(0, 0, render::Accuracy::single)},
+                   Clip{.planes = {{{0, 0, place}, {0.1, 0.2, cuts_away ? 1.0 : -1.0}}}, .cuts_away = cuts_away});
+      scene.lights = {{.kind = render::Light::Kind::directional, .place = {-1, -1, 2}, .casts_shadows = true}};
+      scene.occlusion.radius = 0.3;
+      Scene unlit = scene;
+      unlit.lights[0].casts_shadows = false;
+      unlit.occlusion.radius = 0;
+      const Picture found = picture_of(volumes, scene), expected = picture_of(volumes, unlit);
+      for (std::size_t i = 0; i < found.pixels.color.size(); ++i)
+        ASSERT_NEAR(found.pixels.color[i], expected.pixels.color[i], 1e-5) << i;
+    }
+}
+
+TEST(Clip, gives_the_same_bytes_for_any_number_of_threads_and_in_passes) {
+  const Shown shown;
+  std::vector<Layer> layers{surface(0, 0.4, render::Accuracy::single), surface(1, 0.2, render::Accuracy::single, 0.5),
+                            surface(2, 0.3, render::Accuracy::single, 0.7), surface(3, 0, render::Accuracy::single)};
+  layers[3].clipped = false;
+  for (const Clip& clip : regions()) {
+    Scene scene = scene_of(layers, clip);
+    scene.lights.push_back({.kind = render::Light::Kind::point, .place = {-3, -2, 4}, .casts_shadows = true});
+    const Picture one = picture_of(shown.volumes, scene), three = picture_of(shown.volumes, scene, 3);
+    EXPECT_EQ(one.pixels.color, three.pixels.color);
+    EXPECT_EQ(one.pixels.depth, three.pixels.depth);
+    EXPECT_EQ(one.statistics.rays_clipped, three.statistics.rays_clipped);
+    EXPECT_EQ(one.statistics.rays_clipped_away, three.statistics.rays_clipped_away);
+    Framebuffer refined;
+    render::FrameMemory memory;
+    render::refine(shown.volumes, scene, {.width = edge, .height = edge, .channels = all_channels, .threads = 2},
+                   {.first_spacing = 4}, refined, memory);
+    EXPECT_EQ(one.pixels.color, refined.color);
+  }
+}
+
+TEST(Clip, finds_the_same_parts_of_rays_on_every_machine) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> number(-2, 2);
+  constexpr std::size_t count = 4 * render::RayBatch::group_size;
+  render::RayBatch rays(count);
+  rays.count = count;
+  for (std::size_t r = 0; r < count; ++r) {
+    Ray ray{.origin = {number(random), number(random), number(random)},
+            .direction = Vec3(number(random), number(random), number(random)).normalized()};
+    if (r % 5 == 0) ray.direction = {0, 0, 1};  // along faces
+    if (r % 10 == 0) ray.origin = {0.6, 0, -2};
+    rays.set(r, ray);
+  }
+  for (const Clip& clip : regions()) {
+    render::KeptParts plain(count);
+    render::ClipRegion(clip, render::Machine::scalar).find_kept(rays, plain);
+    for (const render::Machine machine : wide_machines()) {
+      render::KeptParts wide(count);
+      render::ClipRegion(clip, machine).find_kept(rays, wide);
+      for (std::size_t r = 0; r < count; ++r) {
+        ASSERT_EQ(plain.t_min[r], wide.t_min[r]);
+        ASSERT_EQ(plain.t_max[r], wide.t_max[r]);
+        ASSERT_EQ(plain.again[r], wide.again[r]);
+      }
+    }
+    std::size_t kept = 0, gone = 0;
+    for (std::size_t r = 0; r < count; ++r)
+      for (double t = 0; t < 6; t += 0.07) {
+        const std::optional<bool> expected = is_kept(clip, rays[r].at(t), 1e-9);
+        const bool found = (t >= plain.t_min[r] && t <= plain.t_max[r]) || t >= plain.again[r];
+        if (!expected) continue;
+        ASSERT_EQ(found, *expected) << r << ' ' << t;
+        (found ? kept : gone) += 1;
+      }
+    EXPECT_GT(kept, 100);
+    EXPECT_GT(gone, 100);
+  }
+}
+
+TEST(Clip, knows_what_it_leaves_of_boxes) {
+  EXPECT_EQ(what_is_left(Clip{}, cube), cube);
+  EXPECT_EQ(what_is_left(Clip{.box = Box3({0, -2, -2}, {2, 2, 0.5})}, cube), Box3({0, -1, -1}, {1, 1, 0.5}));
+  EXPECT_TRUE(what_is_left(Clip{.box = Box3({2, -2, -2}, {3, 2, 0.5})}, cube).isEmpty());
+  EXPECT_TRUE(what_is_left(Clip{.planes = {{{0, 0, 1.1}, {0, 0, 1}}}}, cube).isEmpty());
+  EXPECT_TRUE(what_is_left(Clip{.box = Box3({-2, -2, -2}, {2, 2, 2}), .cuts_away = true}, cube).isEmpty());
+  // A corner of the cube, x + y + z >= 2: a tetrahedron.
+  const Box3 corner = what_is_left(Clip{.planes = {{{1, 1, 0}, {2, 2, 2}}}}, cube);
+  EXPECT_NEAR((corner.min - Vec3(0, 0, 0)).length(), 0, 1e-9);
+  EXPECT_EQ(corner.max, Vec3(1, 1, 1));
+  // What lies between planes that meet inside the cube has a corner of their own.
+  const Box3 inner = what_is_left(
+      Clip{.planes = {{{0.25, 0, 0}, {-1, 1, 0}}, {{0.25, 0, 0}, {-1, -1, 0}}, {{0, 0, 0.5}, {0, 0, -1}}}}, cube);
+  EXPECT_NEAR(inner.max.x, 0.25, 1e-9);
+  EXPECT_NEAR(inner.max.z, 0.5, 1e-9);
+  EXPECT_TRUE(leaves_whole(Clip{.box = cube}, cube));
+  EXPECT_FALSE(leaves_whole(Clip{.box = Box3({-1, -1, -1}, {1, 1, 0.999})}, cube));
+  EXPECT_TRUE(leaves_whole(Clip{.box = Box3({1.1, 0, 0}, {2, 1, 1}), .cuts_away = true}, cube));
+  EXPECT_FALSE(leaves_whole(Clip{.box = Box3({0.9, 0, 0}, {2, 1, 1}), .cuts_away = true}, cube));
+}
+
+TEST(Clip, refuses_what_is_no_region) {
+  const Shown shown;
+  const auto refuse = [&](const Clip& clip, const char* what) {
+    expect_error(Trouble::usage, what,
+                 [&] { picture_of(shown.volumes, scene_of({surface(0, 0.4, render::Accuracy::single)}, clip)); });
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  refuse({.box = Box3({0, 0, 0}, {1, 0, 1})}, "expected one that is not empty");
+  refuse({.box = Box3({0, 0, nan}, {1, 1, 1})}, "expected one that is not empty");
+  refuse({.planes = {{{0, 0, 0}, {0, 0, 0}}}}, "expected finite numbers and a direction");
+  refuse({.planes = {{{0, nan, 0}, {0, 0, 1}}}}, "expected finite numbers and a direction");
+  refuse({.planes = std::vector<HalfSpace>(7)}, "7 clip planes; expected at most 6");
+}
+
+}  // namespace
+}  // namespace rhoray::tests

@@ -1,0 +1,187 @@
+#include "tools/rhoray/scene/clip.h"
+
+#include <utility>
+
+#include "formats/base/trouble.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+constexpr const char* keep_inside = "inside";
+constexpr const char* keep_outside = "outside";
+
+bool is_box(const Vec3& low, const Vec3& high) {
+  return low.x < high.x && low.y < high.y && low.z < high.z;
+}
+
+/// Two corners.
+ValueKind<Box3> box_value() {
+  const std::string expected = "two corners [[x, y, z], [x, y, z]], each number of the first below that of the second";
+  const ValueKind<Vec3> corner = vector_value();
+  return {.expected = expected,
+          .schema = {{"type", "array"}, {"items", corner.schema}, {"minItems", 2}, {"maxItems", 2}},
+          .read = [=](const Json& json, const Reading& at) -> Box3 {
+            if (!json.is_array() || json.size() != 2) at.place.refuse(json, expected);
+            const Vec3 low = corner.read(json[0], at.at(0)), high = corner.read(json[1], at.at(1));
+            if (!is_box(low, high)) at.place.refuse(json, expected);
+            return {low, high};
+          },
+          .write =
+              [=](const Box3& box) {
+                return Json::array({corner.write(box.min), corner.write(box.max)});
+              }};
+}
+
+ValueKind<std::vector<render::HalfSpace>> half_spaces_value() {
+  constexpr std::size_t most = render::Clip::most_planes;
+  const std::string expected = concat("an array of 1 to ", most, " planes");
+  return {.expected = expected,
+          .schema = {{"type", "array"}, {"items", schema_of(half_space_rows())}, {"minItems", 1}, {"maxItems", most}},
+          .read =
+              [expected](const Json& json, const Reading& at) {
+                if (!json.is_array() || json.empty() || json.size() > most) at.place.refuse(json, expected);
+                std::vector<render::HalfSpace> planes;
+                for (std::size_t i = 0; i < json.size(); ++i)
+                  planes.push_back(read_object(json[i], at.at(i), half_space_rows()));
+                return planes;
+              },
+          .write =
+              [](const std::vector<render::HalfSpace>& planes) {
+                Json json = Json::array();
+                for (const render::HalfSpace& plane : planes) json.push_back(write_object(plane, half_space_rows()));
+                return planes.empty() ? Json() : json;
+              }};
+}
+
+/// Six numbers as two vectors.
+std::pair<Vec3, Vec3> two_vectors(const std::string& text, const std::string& expected) {
+  std::size_t third_comma = std::string::npos, from = 0;
+  for (int comma = 0; comma < 3; ++comma) {
+    third_comma = text.find(',', from);
+    from = third_comma + 1;
+    if (third_comma == std::string::npos)
+      throw Error(Trouble::usage, concat("found '", text, "'; expected ", expected));
+  }
+  std::pair<Vec3, Vec3> vectors;
+  try {
+    read_value(text.substr(0, third_comma), vectors.first);
+    read_value(text.substr(third_comma + 1), vectors.second);
+  } catch (const Error&) {
+    throw Error(Trouble::usage, concat("found '", text, "'; expected ", expected));
+  }
+  return vectors;
+}
+
+Box3 read_box(const std::string& text) {
+  const std::string expected = "six finite numbers x0,y0,z0,x1,y1,z1, the first three each below its partner";
+  const auto [low, high] = two_vectors(text, expected);
+  if (!is_box(low, high)) throw Error(Trouble::usage, concat("found '", text, "'; expected ", expected));
+  return {low, high};
+}
+
+std::string words_of(const Vec3& a, const Vec3& b) {
+  return concat(a.x, ",", a.y, ",", a.z, ",", b.x, ",", b.y, ",", b.z);
+}
+
+}  // namespace
+
+ValueKind<Vec3> direction_value() {
+  ValueKind<Vec3> kind = vector_value();
+  kind.expected = "three numbers [x, y, z], not all 0";
+  kind.read = [read = kind.read, expected = kind.expected](const Json& json, const Reading& at) {
+    const Vec3 direction = read(json, at);
+    if (direction == Vec3(0, 0, 0)) at.place.refuse(json, expected);
+    return direction;
+  };
+  return kind;
+}
+
+render::HalfSpace read_half_space(const std::string& text) {
+  const std::string expected = "six finite numbers px,py,pz,nx,ny,nz: a point, and a normal that is not 0";
+  const auto [point, normal] = two_vectors(text, expected);
+  if (normal == Vec3(0, 0, 0)) throw Error(Trouble::usage, concat("found '", text, "'; expected ", expected));
+  return {.point = point, .normal = normal};
+}
+
+const std::vector<Row<render::HalfSpace>>& half_space_rows() {
+  static const std::vector<Row<render::HalfSpace>> rows{
+      required(row("point", &render::HalfSpace::point, vector_value(), "A place in the plane, in world units")),
+      required(row("normal", &render::HalfSpace::normal, direction_value(),
+                   "Towards the side that belongs to the region, of any length"))};
+  return rows;
+}
+
+const std::vector<Row<ClipWish>>& clip_rows() {
+  static const std::vector<Row<ClipWish>> rows{
+      row("box", &ClipWish::box, box_value(), "The region lies in this box, in world axes"),
+      row("planes", &ClipWish::planes, half_spaces_value(), "The region lies on the normal's side of each plane"),
+      row("keep", &ClipWish::keep, word_value({keep_inside, keep_outside}),
+          "\"inside\", the default: what lies outside the region is clipped away; \"outside\": what lies in it")};
+  return rows;
+}
+
+std::vector<Option> clip_options(std::optional<ClipWish>& wish) {
+  const auto said = [&wish]() -> ClipWish& { return wish ? *wish : wish.emplace(); };
+  return {{Option::Kind::value, "--clip-box", "X0,Y0,Z0,X1,Y1,Z1",
+           "Show only what lies in this box, world units; surfaces are open where it cuts them",
+           [said](const std::string& text) { said().box = read_box(text); }},
+          {Option::Kind::value, "--clip-plane", "PX,PY,PZ,NX,NY,NZ",
+           concat("Show only what lies on the side of a plane to which its normal points, such as 0,0,40,0,0,1: above "
+                  "z = 40; may be given up to ",
+                  render::Clip::most_planes, " times"),
+           [said](const std::string& text) {
+             if (said().planes.size() == render::Clip::most_planes)
+               throw Error(Trouble::usage, concat("found one more; expected at most ", render::Clip::most_planes));
+             said().planes.push_back(read_half_space(text));
+           }},
+          {Option::Kind::flag, "--cut-away", "", "Take away what lies in the clip box and planes, and show the rest",
+           [said](const std::string&) { said().keep = keep_outside; }}};
+}
+
+std::optional<render::Clip> choose_clip(const std::optional<ClipWish>& wish, const Place& place) {
+  if (!wish) return std::nullopt;
+  if (!wish->box && wish->planes.empty() && place.document.empty())
+    throw Error(Trouble::usage, "--cut-away: there is nothing to cut away; expected --clip-box or --clip-plane too");
+  if (!wish->box && wish->planes.empty())
+    throw Error(Trouble::invalid, concat(place.text(), ": has no region; expected \"box\" or \"planes\""));
+  return render::Clip{.box = wish->box, .planes = wish->planes, .cuts_away = wish->keep == keep_outside};
+}
+
+std::optional<ClipWish> clip_wish(const std::optional<render::Clip>& clip) {
+  if (!clip) return std::nullopt;
+  return ClipWish{.box = clip->box, .planes = clip->planes, .keep = clip->cuts_away ? keep_outside : keep_inside};
+}
+
+std::vector<std::string> clip_words(const ClipWish& wish) {
+  std::vector<std::string> words;
+  if (wish.box) words.insert(words.end(), {"--clip-box", words_of(wish.box->min, wish.box->max)});
+  for (const render::HalfSpace& plane : wish.planes)
+    words.insert(words.end(), {"--clip-plane", words_of(plane.point, plane.normal)});
+  if (wish.keep == keep_outside) words.emplace_back("--cut-away");
+  return words;
+}
+
+Box3 bounds_of(const render::Layer& layer, const ScenePlan& plan) {
+  const Box3 bounds = plan.volumes[layer.volume].bounds();
+  return layer.mode == render::Mode::slice ? part_of_plane(layer.plane, bounds) : bounds;
+}
+
+std::vector<std::string> clip_notes(const ScenePlan& plan, const Place& place) {
+  std::vector<std::string> notes;
+  for (std::size_t i = 0; i < plan.scene.layers.size(); ++i)
+    if (bounds_of(plan.scene.layers[i], plan).isEmpty())
+      notes.push_back(concat("layer ", i, ": its plane passes the data by: nothing is shown of it"));
+  if (!plan.scene.clip) return notes;
+  const std::string subject = place.document.empty() ? "clip" : place.text();
+  for (std::size_t i = 0; i < plan.scene.layers.size(); ++i) {
+    const render::Layer& layer = plan.scene.layers[i];
+    const Box3 bounds = bounds_of(layer, plan);
+    if (bounds.isEmpty()) continue;
+    if (layer.clipped && what_is_left(*plan.scene.clip, bounds).isEmpty())
+      notes.push_back(concat(subject, ": nothing of layer ", i, " is left"));
+  }
+  return notes;
+}
+
+}  // namespace rhoray::tools

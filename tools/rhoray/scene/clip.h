@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/rhoray/option_values.h"
+#include "tools/rhoray/scene/plan.h"
+#include "tools/rhoray/scene/values.h"
+#include "tools/rhoray/scene/wishes.h"
+
+namespace rhoray::tools {
+
+// The clip region: what may be said about it in documents and on the command line, and what it means.
+
+const std::vector<Row<ClipWish>>& clip_rows();
+const std::vector<Row<render::HalfSpace>>& half_space_rows();
+
+/// A vector that is not 0.
+ValueKind<Vec3> direction_value();
+/// px,py,pz,nx,ny,nz; refuses others (Trouble::usage).
+render::HalfSpace read_half_space(const std::string& text);
+
+/// The rows of the options that say the same.
+std::vector<Option> clip_options(std::optional<ClipWish>& wish);
+
+/// The region that is wished for. Refuses one that has neither a box nor planes.
+/// @param place  of the wish in its document; of a command line without a document
+std::optional<render::Clip> choose_clip(const std::optional<ClipWish>& wish, const Place& place);
+/// A wish that says the same.
+std::optional<ClipWish> clip_wish(const std::optional<render::Clip>& clip);
+/// The options that say the same.
+std::vector<std::string> clip_words(const ClipWish& wish);
+
+/// Around what a layer may show before anything is clipped away; empty for a slice that passes its data by.
+Box3 bounds_of(const render::Layer& layer, const ScenePlan& plan);
+
+/// Of each slice that passes its data by, and of each layer of which the region leaves nothing, a line.
+/// @param place  of the region in its document; of a command line without a document
+std::vector<std::string> clip_notes(const ScenePlan& plan, const Place& place);
+
+}  // namespace rhoray::tools
