@@ -25,12 +25,14 @@ std::string format_of(const std::filesystem::path& path) {
   return {};
 }
 
-EncodePicture* load_encoder() {
+/// An act of the module that holds OpenImageIO.
+template <class Act>
+Act* load_act(const char* name, const char* what_cannot) {
   const std::filesystem::path module = std::filesystem::read_symlink("/proc/self/exe").parent_path() / pictures_module;
   void* const handle = ::dlopen(module.c_str(), RTLD_NOW | RTLD_LOCAL);
-  void* const symbol = handle == nullptr ? nullptr : ::dlsym(handle, encode_picture_symbol);
-  if (symbol == nullptr) throw Error(Trouble::unsupported, concat("pictures cannot be written: ", ::dlerror()));
-  return reinterpret_cast<EncodePicture*>(symbol);
+  void* const symbol = handle == nullptr ? nullptr : ::dlsym(handle, name);
+  if (symbol == nullptr) throw Error(Trouble::unsupported, concat(what_cannot, ": ", ::dlerror()));
+  return reinterpret_cast<Act*>(symbol);
 }
 
 void require_ids_that_fit(const render::Framebuffer& picture, const std::filesystem::path& path) {
@@ -58,9 +60,36 @@ void write_picture(const render::Framebuffer& picture, const std::vector<Picture
                    const std::filesystem::path& path, bool replace_existing) {
   require_ids_that_fit(picture, path);
   NewFile file(path);
-  const std::string trouble = load_encoder()(picture, texts, format_of(path), file.open_name().string());
+  const auto encode = load_act<EncodePicture>(encode_picture_symbol, "pictures cannot be written");
+  const std::string trouble = encode(picture, texts, format_of(path), file.open_name().string());
   if (!trouble.empty()) throw Error(Trouble::resource, concat(path.string(), ": ", trouble));
   file.commit(replace_existing);
+}
+
+const std::vector<std::filesystem::path>& known_fonts() {
+  static const std::vector<std::filesystem::path> fonts{
+      "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",    // Debian, Ubuntu
+      "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",  // Fedora
+      "/usr/share/fonts/TTF/DejaVuSans.ttf",                // Arch
+      "/usr/share/fonts/dejavu/DejaVuSans.ttf"};
+  return fonts;
+}
+
+std::filesystem::path find_font(const std::vector<std::filesystem::path>& known_fonts) {
+  std::error_code ignored;
+  for (const std::filesystem::path& font : known_fonts)
+    if (std::filesystem::is_regular_file(font, ignored)) return font;
+  throw Error(Trouble::unsupported,
+              concat("annotations need the font DejaVu Sans; there is no ", known_fonts.front().string()),
+              "on Debian the package fonts-dejavu-core brings it");
+}
+
+TextImage make_text_image(const std::string& text, int pixels, const std::filesystem::path& font) {
+  static const auto make = load_act<MakeTextImage>(make_text_image_symbol, "text cannot be drawn");
+  TextImage image;
+  const std::string trouble = make(text, pixels, font.string(), image);
+  if (!trouble.empty()) throw Error(Trouble::unsupported, concat(font.string(), ": ", trouble));
+  return image;
 }
 
 }  // namespace rhoray::tools
