@@ -74,7 +74,7 @@ struct EdgeSamples::Work {
   std::vector<std::uint32_t> open;                  ///< pixels whose samples differ
   std::vector<std::uint32_t> of_samples;            ///< the pixel of each sample
   std::vector<double> across, down;                 ///< where each sample lies
-  std::vector<OcclusionDirections> sample_numbers;  ///< of each sample, where occlusion asks
+  std::vector<SpreadDirections> sample_numbers;  ///< of each sample, where light asks
   LatticeRays rays;
 
   Work() {
@@ -174,7 +174,7 @@ void EdgeSamples::trace(Worker& worker, Work& work) const {
   for (const FrameLayer& layer : frame_.layers)
     work.rays.of_layers.emplace_back(frame_.camera_rays, layer.volume_from_world, work.across, work.down);
   trace_layers(frame_, work.rays, Tile{}, worker);
-  if (frame_.needs.occlusion) std::swap(worker.pixels, work.sample_numbers);
+  if (frame_.needs.spread_directions) std::swap(worker.pixels, work.sample_numbers);
   const std::uint64_t shading_start = ticks_now();
   shade_layers(frame_, worker);
   for (std::size_t r = 0; r < work.of_samples.size(); ++r)
@@ -208,7 +208,7 @@ void EdgeSamples::refine_tile(const Tile& tile, Worker& worker, Work& work, Fram
         work.across.push_back(frame_.camera_rays.across_at(pixel.x + 0.5 + place.x));
         work.down.push_back(frame_.camera_rays.down_at(pixel.y + 0.5 + place.y));
         work.of_samples.push_back(index);
-        if (frame_.needs.occlusion)
+        if (frame_.needs.spread_directions)
           work.sample_numbers.emplace_back(static_cast<std::uint32_t>(pixel.x),
                                            static_cast<std::uint32_t>(pixel.y + sample * height_));
       }

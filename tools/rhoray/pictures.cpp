@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "formats/base/trouble.h"
+#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/new_file.h"
 #include "tools/rhoray/pictures_module.h"
 
@@ -25,13 +26,14 @@ std::string format_of(const std::filesystem::path& path) {
   return {};
 }
 
-/// An act of the module that holds OpenImageIO.
+/// An act of the module.
 template <class Act>
-Act* load_act(const char* name, const char* what_cannot) {
+Act* load(const char* name) {
   const std::filesystem::path module = std::filesystem::read_symlink("/proc/self/exe").parent_path() / pictures_module;
   void* const handle = ::dlopen(module.c_str(), RTLD_NOW | RTLD_LOCAL);
   void* const symbol = handle == nullptr ? nullptr : ::dlsym(handle, name);
-  if (symbol == nullptr) throw Error(Trouble::unsupported, concat(what_cannot, ": ", ::dlerror()));
+  if (symbol == nullptr)
+    throw Error(Trouble::unsupported, concat("pictures can be neither written nor read: ", ::dlerror()));
   return reinterpret_cast<Act*>(symbol);
 }
 
@@ -60,8 +62,8 @@ void write_picture(const render::Framebuffer& picture, const std::vector<Picture
                    const std::filesystem::path& path, bool replace_existing) {
   require_ids_that_fit(picture, path);
   NewFile file(path);
-  const auto encode = load_act<EncodePicture>(encode_picture_symbol, "pictures cannot be written");
-  const std::string trouble = encode(picture, texts, format_of(path), file.open_name().string());
+  const std::string trouble =
+      load<EncodePicture>(encode_picture_symbol)(picture, texts, format_of(path), file.open_name().string());
   if (!trouble.empty()) throw Error(Trouble::resource, concat(path.string(), ": ", trouble));
   file.commit(replace_existing);
 }
@@ -85,11 +87,19 @@ std::filesystem::path find_font(const std::vector<std::filesystem::path>& known_
 }
 
 TextImage make_text_image(const std::string& text, int pixels, const std::filesystem::path& font) {
-  static const auto make = load_act<MakeTextImage>(make_text_image_symbol, "text cannot be drawn");
+  static const auto make = load<MakeTextImage>(make_text_image_symbol);
   TextImage image;
   const std::string trouble = make(text, pixels, font.string(), image);
   if (!trouble.empty()) throw Error(Trouble::unsupported, concat(font.string(), ": ", trouble));
   return image;
+}
+
+StoredPicture read_picture(const std::filesystem::path& path) {
+  require_input(path);
+  StoredPicture picture;
+  const std::string trouble = load<DecodePicture>(decode_picture_symbol)(path.string(), picture);
+  if (!trouble.empty()) throw Error(Trouble::invalid, concat(path.string(), ": no picture: ", trouble));
+  return picture;
 }
 
 }  // namespace rhoray::tools

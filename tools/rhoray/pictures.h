@@ -40,4 +40,15 @@ const std::vector<std::filesystem::path>& known_fonts();  ///< DejaVu Sans, wher
 /// One line of UTF-8, in letters of so many pixels. What the font does not have is shown as its empty box.
 TextImage make_text_image(const std::string& text, int pixels, const std::filesystem::path& font);
 
+/// A picture as its file holds it: rows from the top, pixels from the left, channels side by side.
+struct StoredPicture {
+  int width = 0, height = 0;
+  std::vector<std::string> channels;  ///< "R", "G", "B", "A", "Z", ...
+  std::vector<float> numbers;         ///< as stored; of integers the share of the largest that their type holds
+};
+
+/// Reads a picture of any format above. Refuses what is not there (Trouble::unreadable), and what is no picture or is
+/// damaged (Trouble::invalid).
+StoredPicture read_picture(const std::filesystem::path& path);
+
 }  // namespace rhoray::tools
