@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -41,13 +42,14 @@ struct Framebuffer {
 
   int width = 0;
   int height = 0;
-  std::vector<float>
-      color;  ///< linear RGBA, 4 per pixel; alpha is 1 where something is hit, else 0 over the background colour
-  std::vector<float> depth;                            ///< 1 per pixel
-  std::vector<float> normal;                           ///< 3 per pixel
-  std::vector<std::uint64_t> cell;                     ///< 1 per pixel
-  std::vector<double> value;                           ///< 1 per pixel
-  std::vector<float> error;                            ///< 1 per pixel
+  std::array<float, 3> background{1, 1, 1};  ///< linear RGB, behind what is hit
+  std::vector<float> color;         ///< linear RGBA, 4 per pixel, over the background; alpha is how much of the
+                                    ///< pixel something hides: 1 where something opaque is hit, else 0
+  std::vector<float> depth;         ///< 1 per pixel
+  std::vector<float> normal;        ///< 3 per pixel
+  std::vector<std::uint64_t> cell;  ///< 1 per pixel
+  std::vector<double> value;        ///< 1 per pixel
+  std::vector<float> error;         ///< 1 per pixel
   std::vector<std::uint32_t> roots, iterations, cost;  ///< 1 per pixel each
 };
 

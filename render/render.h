@@ -18,6 +18,9 @@ struct FrameOptions {
   int width = 1280;
   int height = 720;
   ChannelSet channels{};
+  /// Most samples of a pixel. 1: the ray through its middle is all. More: pixels at edges get further rays, spread over
+  /// the pixel, as long as these differ; a colour is their mean in linear light. Channels are those of the middle.
+  int antialiasing = 1;
   unsigned threads = 0;       ///< 0 = all cores
   bool use_hierarchy = true;  ///< false walks every leaf cell on every ray by scalar kernels: the same in double
   bool use_last_t =
@@ -40,6 +43,8 @@ struct FrameStatistics {
   std::uint64_t shadow_rays = 0;        ///< from hits to lights that may be blocked
   std::uint64_t occlusion_rays = 0;     ///< from hits into their surroundings
   std::uint64_t slice_lookups = 0;      ///< places of which slices asked for the field's value
+  std::uint64_t edge_pixels = 0;        ///< that got further samples; 0 without antialiasing
+  std::uint64_t edge_samples = 0;       ///< of `rays`: beyond the first of a pixel; 0 without antialiasing
   std::uint64_t hits = 0;
   std::uint64_t macrocells_visited = 0;
   std::uint64_t cells_visited = 0;      ///< leaf cells whose values or lists were read
@@ -80,11 +85,12 @@ class FrameMemory {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// Traces one ray through the middle of every pixel. The framebuffer is the same, bit for bit, for any number of
-/// threads. Refuses a picture without pixels, a scene without layers, a layer of a volume that is not there, an
-/// isovalue, a clip region or a camera that is not finite, a clip box that is empty, a mode that is not one of the
-/// volume's kind, a method that does not answer the question, smooth normals of a grid, colours by a field that is not
-/// there, a light or fog that is not finite, and the channel `error` where the method proves nothing (Trouble::usage).
+/// Traces one ray through the middle of every pixel, and further ones where FrameOptions::antialiasing asks for them.
+/// The framebuffer is the same, bit for bit, for any number of threads. Refuses a picture without pixels, a scene
+/// without layers, a layer of a volume that is not there, an isovalue, a clip region or a camera that is not finite, a
+/// clip box that is empty, a mode that is not one of the volume's kind, a method that does not answer the question,
+/// smooth normals of a grid, colours by a field that is not there, a light or fog that is not finite, and the channel
+/// `error` where the method proves nothing (Trouble::usage).
 FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
                        Framebuffer& framebuffer);
 

@@ -21,6 +21,10 @@ class CameraRays {
   double across_of(int x) const { return (2 * x + 1) / width_ - 1; }
   double down_of(int y) const { return (2 * y + 1) / height_ - 1; }
 
+  /// The same of any place in the picture, in pixels from its left or upper edge.
+  double across_at(double x) const { return 2 * x / width_ - 1; }
+  double down_at(double y) const { return 2 * y / height_ - 1; }
+
   bool is_orthographic() const { return orthographic_; }
 
   /// The same for all rays of a perspective camera.

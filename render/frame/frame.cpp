@@ -57,6 +57,19 @@ void find_normals(const Frame& frame, Worker& worker) {
   }
 }
 
+/// Of every pixel of a tile's traced blocks: into the frame's array.
+void write_first_layers(const Frame& frame, const PixelLattice& lattice, const Tile& tile, const Worker& worker) {
+  for_each_run(tile, [&](const Run& run) {
+    for (int i = 0; i < run.count; ++i) {
+      const int x = lattice.x_first + (run.x + i) * lattice.spacing, y = lattice.y_first + run.y * lattice.spacing;
+      frame.first_layers[static_cast<std::size_t>(y) * static_cast<std::size_t>(lattice.width) +
+                         static_cast<std::size_t>(x)] = worker.first.of[run.first + static_cast<std::size_t>(i)];
+    }
+  });
+}
+
+}  // namespace
+
 void shade_layers(const Frame& frame, Worker& worker) {
   const std::size_t count = worker.layers[0].rays.count;
   fill_background(frame.background, count, worker.colors);
@@ -86,6 +99,8 @@ void shade_layers(const Frame& frame, Worker& worker) {
   for (std::size_t r = 0; r < count; ++r) worker.counts.hits += worker.colors.alpha[r] > 0;
 }
 
+namespace {
+
 /// @return  how many rays that were
 std::size_t trace_blocks(const Frame& frame, const LatticeRays& rays, const Tile& tile, Worker& worker,
                          Framebuffer& out) {
@@ -100,6 +115,7 @@ std::size_t trace_blocks(const Frame& frame, const LatticeRays& rays, const Tile
   write_colors(rays.lattice, tile, worker.colors, out);
   if (frame.keeps_channels) {
     if (!out.normal.empty()) find_normals(frame, worker);
+    if (frame.first_layers != nullptr) write_first_layers(frame, rays.lattice, tile, worker);
     write_channels(rays.lattice, tile, has_one_layer ? worker.layers[0].hits : worker.first_hits, worker.normals.data(),
                    out);
   }

@@ -56,6 +56,7 @@ struct Frame {
   bool keeps_channels;  ///< beside the colour
   Occlusion occlusion;
   WorkerNeeds needs;
+  std::uint8_t* first_layers = nullptr;  ///< of every pixel the layer of its first surface; null: not asked
 
   bool has_one_layer() const { return layers.size() == 1 && layers.front().part == Part::opaque; }
 };
@@ -85,6 +86,9 @@ class Pass {
   std::vector<LatticeRays> rays_;
   std::vector<PassTile> tiles_;
 };
+
+/// Makes colours of what a tile's rays have met: into Worker::colors.
+void shade_layers(const Frame& frame, Worker& worker);
 
 /// The threads, and their memory, made by each of them when it first works.
 class FrameMemory::Implementation {

@@ -50,6 +50,14 @@ PixelRays::PixelRays(const CameraRays& camera, const Affine& volume_from_world, 
     down_[j] = camera.down_of(lattice.y_first + static_cast<int>(j) * lattice.spacing);
 }
 
+PixelRays::PixelRays(const CameraRays& camera, const Affine& volume_from_world, std::span<const double> across,
+                     std::span<const double> down)
+    : camera_(camera),
+      volume_from_world_(volume_from_world),
+      machine_(Machine::scalar),
+      across_places_(across),
+      down_places_(down) {}
+
 void PixelRays::begin(RayBatch& rays) const {
   std::fill_n(rays.t_min.data(), tile_capacity, 0.0);
   std::fill_n(rays.t_max.data(), tile_capacity, std::numeric_limits<double>::infinity());
@@ -79,7 +87,19 @@ RHORAY_INLINE void PixelRays::fill_inline(const PixelRays& pixels, const Tile& t
   rays.count = count;
 }
 
+void PixelRays::fill_places(RayBatch& rays) const {
+  for (std::size_t r = 0; r < across_places_.size(); ++r) {
+    const double across = across_places_[r], down = down_places_[r];
+    const Vec3 vector = camera_.is_orthographic() ? volume_from_world_.point(camera_.origin(across, down))
+                                                  : volume_from_world_.vector(camera_.direction(across, down));
+    LaneArray<double>(&arrays)[3] = camera_.is_orthographic() ? rays.origin : rays.direction;
+    for (int axis = 0; axis < 3; ++axis) arrays[axis][r] = vector[axis];
+  }
+  rays.count = across_places_.size();
+}
+
 void PixelRays::fill(const Tile& tile, RayBatch& rays) const {
+  if (!across_places_.empty()) return fill_places(rays);
   compiled_for<fill_inline>(machine_)(*this, tile, rays);
 }
 

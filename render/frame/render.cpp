@@ -10,6 +10,7 @@
 
 #include "formats/base/text.h"
 #include "formats/base/trouble.h"
+#include "render/frame/antialiasing.h"
 #include "render/frame/frame.h"
 #include "render/march/ticks.h"
 
@@ -118,6 +119,8 @@ void check_request(std::span<const Volume> volumes, const Scene& scene, const Fr
   if (scene.layers.empty() || scene.layers.size() >= LayerOfRays::none)
     throw Error(Trouble::usage,
                 concat("a scene of ", scene.layers.size(), " layers; expected 1 to ", LayerOfRays::none - 1));
+  if (options.antialiasing < 1 || options.antialiasing > most_samples)
+    throw Error(Trouble::usage, concat(options.antialiasing, " samples of a pixel; expected 1 to ", most_samples));
   for (const Layer& layer : scene.layers) check_layer(volumes, layer);
   check_effects(scene);
   if (scene.clip) check_clip(*scene.clip);
@@ -215,7 +218,7 @@ Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const Fr
               .camera_rays = CameraRays(scene.camera, options.width, options.height),
               .clip = std::nullopt,
               .background = scene.background,
-              .keeps_channels = options.channels.any(),
+              .keeps_channels = options.channels.any() || options.antialiasing > 1,
               .occlusion = scene.occlusion,
               .needs = {}};
   for (const auto& [part, is_slice] : {std::pair{Part::opaque, true},
@@ -327,6 +330,8 @@ FrameStatistics statistics_of(const FrameMemory::Implementation& memory, const S
     statistics.rays_through += counts.rays_through;
     statistics.shadow_rays += counts.shadow_rays;
     statistics.occlusion_rays += counts.occlusion_rays;
+    statistics.edge_pixels += counts.edge_pixels;
+    statistics.edge_samples += counts.edge_samples;
     statistics.hits += counts.hits;
     statistics.slice_lookups += counts.slice_places;
     statistics.highlights_shaded += counts.highlights;
@@ -419,7 +424,11 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
   }
   const double preparation_s = prepares ? seconds_since(preparation_start) : 0;
   const std::vector<Pass> passes = passes_of(frame, options, refinement.first_spacing);
-  framebuffer.reshape(options.width, options.height, options.channels);
+  std::optional<EdgeSamples> edges;
+  if (options.antialiasing > 1) edges.emplace(frame, options);
+  framebuffer.reshape(options.width, options.height, edges ? edges->channels() : options.channels);
+  for (int c = 0; c < 3; ++c)
+    framebuffer.background[static_cast<std::size_t>(c)] = static_cast<float>(scene.background[c]);
   FrameMemory::Implementation& kept = memory.implementation();
   kept.begin_frame(options.threads, frame.needs);
   int spacing = refinement.first_spacing;
@@ -430,6 +439,10 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
     if (refinement.stop.stop_requested()) break;
     if (refinement.pass_done && !refinement.pass_done(spacing)) break;
     spacing /= 2;
+  }
+  if (edges) {
+    if (spacing == 0) edges->add_to(kept, refinement.stop, framebuffer);
+    framebuffer.keep(options.channels);
   }
 
   FrameStatistics statistics = statistics_of(kept, scene);

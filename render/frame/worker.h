@@ -73,6 +73,7 @@ struct WorkerCounts {
   std::uint64_t shadow_rays = 0, occlusion_rays = 0;
   std::uint64_t rays_clipped = 0, rays_clipped_away = 0;
   std::uint64_t slice_places = 0;
+  std::uint64_t edge_pixels = 0, edge_samples = 0;
   std::uint64_t highlights = 0, smooth_normals = 0, field_values = 0;
   std::uint64_t tile_ticks = 0, shading_ticks = 0;
   double largest_error = 0;

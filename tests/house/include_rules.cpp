@@ -60,6 +60,7 @@ const Guest guests[] = {
     {"GDCM", std::regex("gdcm\\w+\\.h"), {"preprocess/import"}},
     {"oneTBB", std::regex("tbb/.*"), {"preprocess", "render", "tools", "data"}},
     {"OpenImageIO", std::regex("OpenImageIO/.*"), {"tools", "preprocess/import"}},
+    {"FreeType", std::regex("ft2build\\.h|freetype/.*"), {"tools"}},
     {"Eigen", std::regex("Eigen/.*"), {"data"}},
     {"CLI11", std::regex("CLI/.*"), {"tools", "data"}},
     {"JSON for Modern C++", std::regex("nlohmann/.*"), {"formats", "tools"}},

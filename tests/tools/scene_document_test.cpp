@@ -350,6 +350,23 @@ std::vector<Mistake> mistakes() {
        "s.json: /image/channels: the channel 'error' needs a method that proves one: certified or exact"},
       {with("image", R"({"show": "error"})"),
        "s.json: /image/show: the channel 'error' needs a method that proves one: certified or exact"},
+      {with("image", R"({"antialias": 65})"),
+       "s.json: /image/antialias: found 65; expected a whole number from 1 to 64"},
+
+      // annotations
+      {with("annotations", "true"), "s.json: /annotations: found true; expected an object"},
+      {with("annotations", R"({"axes": "left"})"),
+       "s.json: /annotations/axes: found \"left\"; expected true, false or an object"},
+      {with("annotations", R"({"axes": {"corner": "lfet"}})"),
+       "s.json: /annotations/axes/corner: found \"lfet\"; expected one of \"left\", \"right\"", "did you mean left?"},
+      {with("annotations", R"({"box": {}})"), "s.json: /annotations/box: found an object; expected true or false"},
+      {with("annotations", R"({"caption": ""})"), "s.json: /annotations/caption: found \"\"; expected a text"},
+      {with("annotations", R"({"colorbar": {"position": "top"}})"),
+       "s.json: /annotations/colorbar/position: found \"top\"; expected one of \"left\", \"right\""},
+      {with("annotations", R"({"colorbar": true})"),
+       "s.json: /annotations/colorbar: no layer shows values by colours; expected one of a projection, or coloured by "
+       "a "
+       "field"},
   };
 }
 

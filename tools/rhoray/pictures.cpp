@@ -68,6 +68,32 @@ void write_picture(const render::Framebuffer& picture, const std::vector<Picture
   file.commit(replace_existing);
 }
 
+const std::vector<std::filesystem::path>& known_fonts() {
+  static const std::vector<std::filesystem::path> fonts{
+      "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",    // Debian, Ubuntu
+      "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",  // Fedora
+      "/usr/share/fonts/TTF/DejaVuSans.ttf",                // Arch
+      "/usr/share/fonts/dejavu/DejaVuSans.ttf"};
+  return fonts;
+}
+
+std::filesystem::path find_font(const std::vector<std::filesystem::path>& known_fonts) {
+  std::error_code ignored;
+  for (const std::filesystem::path& font : known_fonts)
+    if (std::filesystem::is_regular_file(font, ignored)) return font;
+  throw Error(Trouble::unsupported,
+              concat("annotations need the font DejaVu Sans; there is no ", known_fonts.front().string()),
+              "on Debian the package fonts-dejavu-core brings it");
+}
+
+TextImage make_text_image(const std::string& text, int pixels, const std::filesystem::path& font) {
+  static const auto make = load<MakeTextImage>(make_text_image_symbol);
+  TextImage image;
+  const std::string trouble = make(text, pixels, font.string(), image);
+  if (!trouble.empty()) throw Error(Trouble::unsupported, concat(font.string(), ": ", trouble));
+  return image;
+}
+
 StoredPicture read_picture(const std::filesystem::path& path) {
   require_input(path);
   StoredPicture picture;

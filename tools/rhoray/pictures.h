@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "render/framebuffer.h"
+#include "tools/rhoray/annotations/canvas.h"
 
 namespace rhoray::tools {
 
@@ -22,14 +23,22 @@ void require_picture_format(const std::filesystem::path& path, const render::Cha
 /// Writes a framebuffer; the format follows from the extension of `path`. The file is whole or not there.
 ///
 /// PNG and TIFF hold 8-bit sRGB, opaque, over the background that the framebuffer carries; so does JPEG, with loss.
-/// EXR holds 32-bit float: R, G, B (linear, 0 where nothing is hit) and A; and of the channels that were asked for
-/// Z (depth), N.x, N.y, N.z, value, error; and as unsigned 32-bit cell (4294967295 where nothing is hit; an id that
-/// does not fit is refused, Trouble::unsupported), roots, iterations and cost.
+/// EXR holds 32-bit float: R, G, B (linear, without the background: 0 where nothing is hit) and A; and of the channels
+/// that were asked for Z (depth), N.x, N.y, N.z, value, error; and as unsigned 32-bit cell (4294967295 where nothing is
+/// hit; an id that does not fit is refused, Trouble::unsupported), roots, iterations and cost.
 ///
 /// OpenImageIO stands in a module of its own beside the program, `rhoray-pictures.so`, loaded here: it takes longer to
 /// load than most commands run.
 void write_picture(const render::Framebuffer& picture, const std::vector<PictureText>& texts,
                    const std::filesystem::path& path, bool replace_existing);
+
+/// A font with the letters of most languages; refuses where none of the known files is there, naming the package that
+/// brings it (Trouble::unsupported).
+std::filesystem::path find_font(const std::vector<std::filesystem::path>& known_fonts);
+const std::vector<std::filesystem::path>& known_fonts();  ///< DejaVu Sans, where systems keep it
+
+/// One line of UTF-8, in letters of so many pixels. What the font does not have is shown as its empty box.
+TextImage make_text_image(const std::string& text, int pixels, const std::filesystem::path& font);
 
 /// A picture as its file holds it: rows from the top, pixels from the left, channels side by side.
 struct StoredPicture {

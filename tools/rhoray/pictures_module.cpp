@@ -1,6 +1,8 @@
 #include "tools/rhoray/pictures_module.h"
 
 #include <OpenImageIO/imageio.h>
+#include <ft2build.h>
+#include FT_FREETYPE_H
 
 #include <algorithm>
 #include <cmath>
@@ -76,7 +78,8 @@ std::vector<ExrChannels> exr_channels(const render::Framebuffer& picture) {
   };
   all.push_back({{"R", "G", "B", "A"}, OIIO::TypeDesc::FLOAT, [&](FloatPixels& pixels, std::size_t pixel) {
                    const float alpha = picture.color[4 * pixel + 3];
-                   for (std::size_t c = 0; c < 3; ++c) pixels.add(alpha * picture.color[4 * pixel + c]);
+                   for (std::size_t c = 0; c < 3; ++c)
+                     pixels.add(picture.color[4 * pixel + c] - (1 - alpha) * picture.background[c]);
                    pixels.add(alpha);
                  }});
   add_numbers("Z", picture.depth);
@@ -146,6 +149,107 @@ extern "C" __attribute__((visibility("default"))) std::string rhoray_encode_pict
       else if (!std::exchange(is_described, true))
         encoded.spec.attribute("ImageDescription", text.value);
     return write(encoded, format, open_name);
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+}
+
+namespace {
+
+constexpr char32_t no_letter = 0xfffd;  // what stands for bytes that are no UTF-8
+
+/// The letters of a UTF-8 text.
+std::u32string letters_of(const std::string& text) {
+  std::u32string letters;
+  for (std::size_t at = 0; at < text.size();) {
+    const auto first = static_cast<unsigned char>(text[at]);
+    const std::size_t count = first < 0x80 ? 1 : first >> 5 == 6 ? 2 : first >> 4 == 14 ? 3 : first >> 3 == 30 ? 4 : 0;
+    bool is_whole = count > 0 && at + count <= text.size();
+    char32_t letter = count == 1 ? first : first & (0x7fU >> count);
+    for (std::size_t i = 1; is_whole && i < count; ++i) {
+      const auto next = static_cast<unsigned char>(text[at + i]);
+      is_whole = next >> 6 == 2;
+      letter = letter << 6 | (next & 0x3fU);
+    }
+    letters += is_whole ? letter : no_letter;
+    at += is_whole ? count : 1;
+  }
+  return letters;
+}
+
+/// A font file at a size, through FreeType.
+class Font {
+ public:
+  Font(const std::string& file, int pixels) {
+    if (FT_Init_FreeType(&library_) != 0) return;
+    if (FT_New_Face(library_, file.c_str(), 0, &face_) != 0) return;
+    is_ready_ = FT_Set_Pixel_Sizes(face_, 0, static_cast<FT_UInt>(pixels)) == 0;
+  }
+  Font(const Font&) = delete;
+  Font& operator=(const Font&) = delete;
+  ~Font() {
+    if (face_ != nullptr) FT_Done_Face(face_);
+    if (library_ != nullptr) FT_Done_FreeType(library_);
+  }
+
+  bool is_ready() const { return is_ready_; }
+
+  /// Calls act(bitmap, x, y) for every letter: where its upper left corner stands from where the baseline begins.
+  template <class Act>
+  void for_each_letter(const std::u32string& letters, const Act& act) const {
+    FT_UInt before = 0;
+    FT_Pos pen = 0;  // in 64ths of a pixel
+    for (const char32_t letter : letters) {
+      const FT_UInt glyph = FT_Get_Char_Index(face_, letter);
+      FT_Vector kerning{};
+      if (before != 0 && glyph != 0) FT_Get_Kerning(face_, before, glyph, FT_KERNING_DEFAULT, &kerning);
+      pen += kerning.x;
+      before = glyph;
+      if (FT_Load_Glyph(face_, glyph, FT_LOAD_RENDER | FT_LOAD_TARGET_LIGHT) != 0) continue;
+      const FT_GlyphSlot slot = face_->glyph;
+      act(slot->bitmap, static_cast<int>((pen + 32) >> 6) + slot->bitmap_left, -slot->bitmap_top);
+      pen += slot->advance.x;
+    }
+  }
+
+ private:
+  FT_Library library_ = nullptr;
+  FT_Face face_ = nullptr;
+  bool is_ready_ = false;
+};
+
+}  // namespace
+
+extern "C" __attribute__((visibility("default"))) std::string rhoray_make_text_image(const std::string& text,
+                                                                                     int pixels,
+                                                                                     const std::string& font_file,
+                                                                                     TextImage& out) noexcept {
+  try {
+    const Font font(font_file, pixels);
+    if (!font.is_ready()) return "is no font that can be read";
+    const std::u32string letters = letters_of(text);
+    int left = 0, top = 0, right = 0, bottom = 0;
+    bool is_first = true;
+    font.for_each_letter(letters, [&](const FT_Bitmap& letter, int x, int y) {
+      const int width = static_cast<int>(letter.width), height = static_cast<int>(letter.rows);
+      if (width == 0 || height == 0) return;
+      left = is_first ? x : std::min(left, x), top = is_first ? y : std::min(top, y);
+      right = is_first ? x + width : std::max(right, x + width);
+      bottom = is_first ? y + height : std::max(bottom, y + height);
+      is_first = false;
+    });
+    out = {.left = left, .top = top, .width = right - left, .height = bottom - top, .coverage = {}};
+    out.coverage.resize(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height));
+    font.for_each_letter(letters, [&](const FT_Bitmap& letter, int x, int y) {
+      for (int row = 0; row < static_cast<int>(letter.rows); ++row)
+        for (int column = 0; column < static_cast<int>(letter.width); ++column) {
+          const float covered = static_cast<float>(letter.buffer[row * letter.pitch + column]) / 255;
+          const int at = (y + row - top) * out.width + x + column - left;
+          float& pixel = out.coverage[static_cast<std::size_t>(at)];
+          pixel = std::max(pixel, covered);
+        }
+    });
+    return {};
   } catch (const std::exception& error) {
     return error.what();
   }

@@ -7,8 +7,8 @@
 
 namespace rhoray::tools {
 
-// The acts of the module that holds OpenImageIO. Nothing is thrown out of them; they return an empty text, or what went
-// wrong.
+// The acts of the module that holds OpenImageIO and FreeType. Nothing is thrown out of them; they return an empty text,
+// or what went wrong.
 
 /// Writes into the file `open_name` as `format` ("png", "openexr", "tiff", "jpeg").
 using EncodePicture = std::string(const render::Framebuffer& picture, const std::vector<PictureText>& texts,
@@ -16,8 +16,14 @@ using EncodePicture = std::string(const render::Framebuffer& picture, const std:
 
 using DecodePicture = std::string(const std::string& path, StoredPicture& picture) noexcept;
 
+/// How much of each pixel a line of text covers, drawn with the letters of a font file.
+/// @param pixels  the font's size
+using MakeTextImage = std::string(const std::string& text, int pixels, const std::string& font,
+                                  TextImage& out) noexcept;
+
 inline constexpr const char* pictures_module = "rhoray-pictures.so";  ///< beside the program
 inline constexpr const char* encode_picture_symbol = "rhoray_encode_picture";
 inline constexpr const char* decode_picture_symbol = "rhoray_decode_picture";
+inline constexpr const char* make_text_image_symbol = "rhoray_make_text_image";
 
 }  // namespace rhoray::tools

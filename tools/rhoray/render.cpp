@@ -15,6 +15,7 @@
 #include "tools/rhoray/pictures.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/report.h"
+#include "tools/rhoray/scene/annotations.h"
 #include "tools/rhoray/scene/document.h"
 #include "tools/rhoray/scene/explain.h"
 #include "tools/rhoray/scene/picture_options.h"
@@ -47,17 +48,20 @@ struct Stations {
   double write_s = 0;
 };
 
-std::uint64_t framebuffer_bytes(const PictureSize& size, const render::ChannelSet& channels) {
+/// @param antialiases  depths and normals are compared
+std::uint64_t framebuffer_bytes(const PictureSize& size, render::ChannelSet channels, bool antialiases) {
+  if (antialiases) channels |= {.depth = true, .normal = true};
   const std::uint64_t pixel =
       4 * sizeof(float) + (channels.depth ? sizeof(float) : 0) + (channels.normal ? 3 * sizeof(float) : 0) +
       (channels.cell ? sizeof(std::uint64_t) : 0) + (channels.value ? sizeof(double) : 0) +
-      (channels.error ? sizeof(float) : 0) +
+      (channels.error ? sizeof(float) : 0) + (antialiases ? 2 : 0) +
       sizeof(std::uint32_t) * (std::uint64_t{channels.roots} + channels.iterations + channels.cost);
   return pixel * static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
 }
 
 void require_memory(const RenderCommand& command, const ScenePlan& plan) {
-  const std::uint64_t needed = framebuffer_bytes({plan.frame.width, plan.frame.height}, plan.frame.channels);
+  const std::uint64_t needed =
+      framebuffer_bytes({plan.frame.width, plan.frame.height}, plan.frame.channels, plan.frame.antialiasing > 1);
   const std::uint64_t machine = this_machine().memory_bytes, asked = command.common.memory.bytes;
   const std::uint64_t limit = asked != 0 ? asked : machine;
   if (needed > limit)
@@ -96,6 +100,8 @@ Json statistics_json(const render::FrameStatistics& statistics) {
           {"shadow_rays", statistics.shadow_rays},
           {"occlusion_rays", statistics.occlusion_rays},
           {"slice_lookups", statistics.slice_lookups},
+          {"edge_pixels", statistics.edge_pixels},
+          {"edge_samples", statistics.edge_samples},
           {"hits", statistics.hits},
           {"macrocells_visited", statistics.macrocells_visited},
           {"cells_visited", statistics.cells_visited},
@@ -129,6 +135,7 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
          count("clipped", statistics.rays_clipped) + count("clipped away", statistics.rays_clipped_away) +
          count("through surfaces", statistics.rays_through) + count("shadow rays", statistics.shadow_rays) +
          count("occlusion rays", statistics.occlusion_rays) + count("slice lookups", statistics.slice_lookups) +
+         count("pixels at edges", statistics.edge_pixels) + count("samples at edges", statistics.edge_samples) +
          count("hits", statistics.hits) + count("macrocells visited", statistics.macrocells_visited) +
          count("cells visited", statistics.cells_visited) + count("cells solved", statistics.cells_solved) +
          count("samples taken", statistics.samples_taken) + count("rays redone in double", statistics.rays_redone) +
@@ -277,6 +284,19 @@ void require_writable(const RenderCommand& command, const std::filesystem::path&
   for (const DataWish& data : plan.data) require_writable(command.common, output, data.file);
 }
 
+bool has_annotations(const ScenePlan& plan) {
+  const auto& [axes, box, bar, caption] = plan.annotations;
+  return axes || box.value_or(false) || bar || !caption.empty();
+}
+
+void draw_annotations(const Drawn& drawn, render::Framebuffer& framebuffer) {
+  if (!has_annotations(drawn.plan)) return;
+  const std::filesystem::path font = find_font(known_fonts());
+  annotate(
+      annotations_of(drawn.plan, drawn.heat),
+      [&](const std::string& text, int pixels) { return make_text_image(text, pixels, font); }, framebuffer);
+}
+
 /// Traces and writes the picture, while the files' checksums are read beside.
 void draw(const RenderCommand& command, ProgressDisplay& display, Drawn& drawn) {
   ScenePlan& plan = drawn.plan;
@@ -286,6 +306,7 @@ void draw(const RenderCommand& command, ProgressDisplay& display, Drawn& drawn) 
   const render::ChannelSet kept = plan.frame.channels;
   if (!command.picks.empty()) plan.frame.channels |= {.depth = true, .cell = true, .value = true};
   if (plan.page) plan.frame.channels |= render::channel_of(*plan.page);
+  if (plan.annotations.box.value_or(false)) plan.frame.channels |= {.depth = true};
 
   // The picture is written only when both are done and well.
   std::future<void> checks;
@@ -297,6 +318,7 @@ void draw(const RenderCommand& command, ProgressDisplay& display, Drawn& drawn) 
   drawn.stations.trace_s = tracing.seconds();
   drawn.picks = take_picks(command.picks, framebuffer);
   if (plan.page) drawn.heat = render::draw_heat_map(*plan.page, framebuffer);
+  draw_annotations(drawn, framebuffer);
   framebuffer.keep(kept);
   plan.frame.channels = kept;
   const Stopwatch waiting;
@@ -341,6 +363,7 @@ int run(RenderCommand& command) {
   if (draws) {
     require_writable(command, drawn.output, drawn.plan);
     require_memory(command, drawn.plan);
+    if (has_annotations(drawn.plan)) find_font(known_fonts());
   }
   drawn.stations.open_s = opening.seconds();
   aim_camera(wishes, drawn.plan);

@@ -80,6 +80,12 @@ std::string light_text(const render::Light& light) {
   return {};
 }
 
+std::string antialiasing_text(const ScenePlan& plan) {
+  const int most = plan.frame.antialiasing;
+  if (most == 1) return "no antialiasing: one ray through the middle of every pixel";
+  return concat("antialiasing: up to ", most, " rays through pixels at edges, one through the others");
+}
+
 bool is_opened(const DataWish& data, const ScenePlan& plan) {
   return std::any_of(plan.data.begin(), plan.data.end(), [&](const DataWish& each) { return each.name == data.name; });
 }
@@ -88,6 +94,7 @@ bool is_opened(const DataWish& data, const ScenePlan& plan) {
 
 Json explained(const SceneWishes& wishes, const ScenePlan& plan) {
   Json json{{"layers", Json::array()}, {"lights", Json::array()}, {"left_out", plan.notes}};
+  json["antialiasing"] = antialiasing_text(plan);
   for (const render::Light& light : plan.scene.lights) json["lights"].push_back(light_text(light));
   for (std::size_t i = 0; i < plan.scene.layers.size(); ++i) json["layers"].push_back(explained_layer(wishes, plan, i));
   for (std::size_t i = 0; i < wishes.layers.size(); ++i)
@@ -116,6 +123,7 @@ std::vector<std::string> explained_lines(const Json& explanation) {
   const Json& lights = explanation["lights"];
   for (std::size_t i = 0; i < lights.size(); ++i)
     lines.push_back(concat("light ", i, ": ", lights[i].get<std::string>()));
+  lines.push_back(explanation["antialiasing"].get<std::string>());
   for (const Json& note : explanation["left_out"]) lines.push_back(note.get<std::string>());
   return lines;
 }

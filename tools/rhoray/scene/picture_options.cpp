@@ -50,6 +50,19 @@ Option above_zero_option(std::string names, std::string value, std::string help,
           }};
 }
 
+Option whole_number_option(std::string names, std::string value, std::string help, const Interval<int>& limits,
+                           std::optional<int>& out) {
+  return {Option::Kind::value, std::move(names), std::move(value), std::move(help),
+          [limits, &out](const std::string& text) {
+            int number = 0;
+            read_value(text, number);
+            if (!limits.contains(number))
+              throw Error(Trouble::usage,
+                          concat("found '", text, "'; expected a whole number from ", limits.lo, " to ", limits.hi));
+            out = number;
+          }};
+}
+
 Option angles_option(std::string names, std::string help, std::optional<Angles>& out) {
   return {Option::Kind::value, std::move(names), "AZ,EL", std::move(help), [&out](const std::string& text) {
             const std::string expected = concat("two angles azimuth,elevation in degrees, elevation from ",
@@ -186,7 +199,17 @@ std::vector<Option> picture_options(PictureOptions& options) {
                   "root, cost (cells visited); default color",
                   image.show),
       switch_option("--no-hierarchy", "Walk every leaf cell, for comparison; the same picture at double", false,
-                    image.hierarchy)};
+                    image.hierarchy),
+      whole_number_option("--antialias", "N",
+                          "Most samples of a pixel, 1 to 64: pixels at edges get as many as their differing asks for; "
+                          "default 1",
+                          limits::pixel_samples, image.antialias),
+      {Option::Kind::flag, "--axes", "", "Arrows along the world's axes, in the lower left corner",
+       [&annotations = scene.annotations](const std::string&) { annotations.axes = AxesWish{}; }},
+      switch_option("--box", "The box around what is shown, with ticks in world units", true, scene.annotations.box),
+      {Option::Kind::flag, "--colorbar", "", "The colours of --color-by, a projection or a heat map, and their values",
+       [&annotations = scene.annotations](const std::string&) { annotations.color_bar = ColorBarWish{}; }},
+      value_option("--caption", "TEXT", "Text below", scene.annotations.caption)};
   const std::vector<Option> clip_rows = clip_options(scene.clip);
   rows.insert(rows.end(), clip_rows.begin(), clip_rows.end());
   return rows;
@@ -272,6 +295,11 @@ SceneWishes with_options(SceneWishes document, const PictureOptions& options) {
   replace(document.image.channels, said.image.channels);
   replace(document.image.show, said.image.show);
   replace(document.image.hierarchy, said.image.hierarchy);
+  replace(document.image.antialias, said.image.antialias);
+  replace(document.annotations.axes, said.annotations.axes);
+  replace(document.annotations.box, said.annotations.box);
+  replace(document.annotations.color_bar, said.annotations.color_bar);
+  if (!said.annotations.caption.empty()) document.annotations.caption = said.annotations.caption;
   if (!said.accuracy.empty()) {
     document.accuracy = said.accuracy;
     for (LayerWish& layer : document.layers) layer.accuracy.clear(), layer.method.clear();

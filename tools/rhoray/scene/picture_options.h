@@ -28,8 +28,8 @@ std::vector<Option> picture_options(PictureOptions& options);
 /// Wishes of a file. Refuses options that say the same thing twice (Trouble::usage).
 SceneWishes wishes_of(const PictureOptions& options, const std::filesystem::path& file);
 
-/// A document's wishes under these options: size, background, channels, accuracy, camera, lights and effects are
-/// replaced. Refuses options about a layer, which do not say about which (Trouble::usage).
+/// A document's wishes under these options: size, background, channels, accuracy, camera, lights, effects and
+/// annotations are replaced. Refuses options about a layer, which do not say about which (Trouble::usage).
 SceneWishes with_options(SceneWishes document, const PictureOptions& options);
 
 }  // namespace rhoray::tools

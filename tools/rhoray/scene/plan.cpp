@@ -7,6 +7,7 @@
 #include "formats/base/trouble.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/method_words.h"
+#include "tools/rhoray/scene/annotations.h"
 #include "tools/rhoray/scene/clip.h"
 #include "tools/rhoray/scene/document.h"
 #include "tools/rhoray/scene/light_notes.h"
@@ -299,6 +300,11 @@ void plan_image(const SceneWishes& wishes, ScenePlan& plan) {
   plan.frame.channels = channel_set(image.channels.value_or(std::vector<std::string>{}));
   plan.frame.use_hierarchy = image.hierarchy.value_or(true);
   plan.page = page_named(image.show.value_or("color"));
+  plan.frame.antialiasing = image.antialias.value_or(1);
+  if (plan.page && plan.frame.antialiasing > 1) {
+    plan.frame.antialiasing = 1;
+    plan.notes.push_back("antialiasing: left out, a heat map shows one ray a pixel");
+  }
   const std::vector<render::Layer>& layers = plan.scene.layers;
   const bool shows_error = plan.page && render::channel_of(*plan.page).error;
   if ((plan.frame.channels.error || shows_error) && !std::all_of(layers.begin(), layers.end(), proves_errors))
@@ -328,6 +334,12 @@ std::string text_of_vector(const Vec3& v) {
   return concat(v.x, ",", v.y, ",", v.z);
 }
 
+/// Whether annotations say what no option says.
+bool needs_words(const AnnotationsWish& annotations) {
+  const auto& [axes, box, bar, caption] = annotations;
+  return (axes && !axes->corner.empty()) || (bar && !(bar->title.empty() && bar->position.empty()));
+}
+
 std::string joined(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += concat(text.empty() ? "" : ",", word);
@@ -342,6 +354,13 @@ ScenePlan plan_layers(const SceneWishes& wishes, const OpenData& open) {
   const Place clip = root(wishes).at("clip");
   plan.scene.clip = choose_clip(wishes.clip, clip);
   for (const std::string& note : clip_notes(plan, clip)) plan.notes.push_back(note);
+  plan.annotations = wishes.annotations;
+  if (plan.annotations.color_bar && !shows_values(plan))
+    at_place(root(wishes).at("annotations").at("colorbar"), [&] {
+      throw Error(Trouble::usage,
+                  concat(wishes.document.empty() ? "--colorbar: " : "",
+                         "no layer shows values by colours; expected one of a projection, or coloured by a field"));
+    });
   return plan;
 }
 
@@ -351,6 +370,8 @@ ScenePlan plan_layers(const SceneWishes& wishes) {
 
 namespace {
 
+constexpr double zoom_with_box = 0.75;  // numbers stand around it
+
 void place_camera(const SceneWishes& wishes, const ShownBox& shown, ScenePlan& plan) {
   const CameraWish& wish = wishes.camera;
   const bool is_document = !wishes.document.empty();
@@ -358,7 +379,8 @@ void place_camera(const SceneWishes& wishes, const ShownBox& shown, ScenePlan& p
     render::View view = render::named_view(wish.view.value_or("iso"));
     view.azimuth_deg = wish.azimuth_deg.value_or(view.azimuth_deg);
     view.elevation_deg = wish.elevation_deg.value_or(view.elevation_deg);
-    view.zoom = wish.zoom.value_or(view.zoom);
+    view.zoom =
+        wish.zoom.value_or(wishes.annotations.box.value_or(false) && !wish.position ? zoom_with_box : view.zoom);
     view.vertical_fov_deg = wish.fov_deg.value_or(view.vertical_fov_deg);
     view.orthographic = wish.orthographic_height ? true : wish.orthographic.value_or(false);
 
@@ -404,6 +426,7 @@ void aim_camera(const SceneWishes& wishes, ScenePlan& plan) {
   place_camera(wishes, shown, plan);
   place_lights(wishes, shown, plan);
   note_camera_inside(plan);
+  if (plan.annotations.box.value_or(false)) plan.annotated_box = shown();
 }
 
 SceneWishes spelled_out(const ScenePlan& plan) {
@@ -452,19 +475,23 @@ SceneWishes spelled_out(const ScenePlan& plan) {
     wishes.camera.orthographic_height = camera.orthographic_height;
   else
     wishes.camera.fov_deg = camera.vertical_fov_deg;
+  wishes.annotations = plan.annotations;
   wishes.image.size = PictureSize{plan.frame.width, plan.frame.height};
   wishes.image.background = Color{plan.scene.background};
   if (plan.frame.channels.any()) wishes.image.channels = words_of(plan.frame.channels);
   if (plan.page) wishes.image.show = word_of(*plan.page);
   if (!plan.frame.use_hierarchy) wishes.image.hierarchy = false;
+  if (plan.frame.antialiasing > 1) wishes.image.antialias = plan.frame.antialiasing;
   return wishes;
 }
 
 std::vector<std::string> reproducing_command(const ScenePlan& plan, const std::filesystem::path& output) {
   const SceneWishes wishes = spelled_out(plan);
   std::vector<std::string> words{"rhoray", "render"};
-  const bool needs_document = plan.scene.layers.size() > 1 || wishes.lights || wishes.effects.occlusion ||
-                              wishes.effects.fog || (plan.scene.clip && !plan.scene.layers[0].clipped) ||
+  const AnnotationsWish& annotations = wishes.annotations;
+  const bool needs_document = needs_words(annotations) || plan.scene.layers.size() > 1 || wishes.lights ||
+                              wishes.effects.occlusion || wishes.effects.fog ||
+                              (plan.scene.clip && !plan.scene.layers[0].clipped) ||
                               plan.scene.layers[0].mode == render::Mode::slice;
   if (needs_document) {
     words.insert(words.end(), {dump(scene_json(wishes)), "-o", output.string()});
@@ -515,6 +542,11 @@ std::vector<std::string> reproducing_command(const ScenePlan& plan, const std::f
   if (image.channels) add("--channels", joined(*image.channels));
   if (image.show) add("--show", *image.show);
   if (image.hierarchy) words.push_back("--no-hierarchy");
+  if (image.antialias) add("--antialias", concat(*image.antialias));
+  if (annotations.axes) words.push_back("--axes");
+  if (annotations.box.value_or(false)) words.push_back("--box");
+  if (annotations.color_bar) words.push_back("--colorbar");
+  if (!annotations.caption.empty()) add("--caption", annotations.caption);
   return words;
 }
 

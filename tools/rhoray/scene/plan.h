@@ -27,7 +27,9 @@ struct ScenePlan {
   std::vector<LayerOrigin> origins;  ///< of each layer
   render::FrameOptions frame;
   std::optional<render::DiaryPage> page;  ///< drawn instead of colours
-  std::vector<std::string> notes;         ///< what was left out or chosen otherwise than asked, one line each
+  AnnotationsWish annotations;
+  Box3 annotated_box;              ///< around what is shown, where annotations ask for it
+  std::vector<std::string> notes;  ///< what was left out or chosen otherwise than asked, one line each
 };
 
 using OpenData = std::function<render::Volume(const DataWish&)>;

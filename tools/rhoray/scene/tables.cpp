@@ -316,7 +316,35 @@ const std::vector<Row<ImageWish>>& image_rows() {
       row("channels", &ImageWish::channels, words_value(channel_words()), "Also keep these (EXR only)"),
       row("show", &ImageWish::show, word_value(show_words()), "A heat map instead of colours; default \"color\""),
       row("hierarchy", &ImageWish::hierarchy, yes_or_no(),
-          "false walks every leaf cell, for comparison; the same picture at double")};
+          "false walks every leaf cell, for comparison; the same picture at double"),
+      row("antialias", &ImageWish::antialias, whole_number_within(limits::pixel_samples),
+          "Most samples of a pixel: at edges, where neighbours differ, as many as their differing asks for; default 1, "
+          "none but the middle")};
+  return rows;
+}
+
+const std::vector<Row<AxesWish>>& axes_rows() {
+  static const std::vector<Row<AxesWish>> rows{
+      row("corner", &AxesWish::corner, word_value({"left", "right"}), "Which lower corner; default \"left\"")};
+  return rows;
+}
+
+const std::vector<Row<ColorBarWish>>& color_bar_rows() {
+  static const std::vector<Row<ColorBarWish>> rows{
+      row("title", &ColorBarWish::title, text_value(),
+          "Of every bar; default the field's name and unit, or what a heat map shows"),
+      row("position", &ColorBarWish::position, word_value({"left", "right"}), "Default \"right\"")};
+  return rows;
+}
+
+const std::vector<Row<AnnotationsWish>>& annotation_rows() {
+  static const std::vector<Row<AnnotationsWish>> rows{
+      switched_row("axes", &AnnotationsWish::axes, axes_rows(), "Arrows along the world's axes, in a corner"),
+      row("box", &AnnotationsWish::box, yes_or_no(),
+          "Around what is shown, with ticks in world units; a view that names no zoom leaves room for them: 0.75"),
+      switched_row("colorbar", &AnnotationsWish::color_bar, color_bar_rows(),
+                   "The colours of \"color_by\", of projections or of a heat map, and their values"),
+      row("caption", &AnnotationsWish::caption, text_value(), "Below, in lines of the picture's width")};
   return rows;
 }
 
@@ -335,6 +363,8 @@ const std::vector<Row<SceneWishes>>& scene_rows() {
       row("camera", &SceneWishes::camera, object_value(camera_rows()),
           "From where; default a three-quarter view of all layers"),
       row("image", &SceneWishes::image, object_value(image_rows()), "The picture"),
+      row("annotations", &SceneWishes::annotations, object_value(annotation_rows()),
+          "Drawn over the finished picture; channels of an EXR stay as they are"),
       row("accuracy", &SceneWishes::accuracy, word_value(accuracy_words()), "Of layers that name none")};
   return rows;
 }

@@ -18,6 +18,9 @@ const std::vector<Row<FogWish>>& fog_rows();
 const std::vector<Row<EffectsWish>>& effect_rows();
 const std::vector<Row<CameraWish>>& camera_rows();
 const std::vector<Row<ImageWish>>& image_rows();
+const std::vector<Row<AxesWish>>& axes_rows();
+const std::vector<Row<ColorBarWish>>& color_bar_rows();
+const std::vector<Row<AnnotationsWish>>& annotation_rows();
 
 /// A type of layer or light, its word in documents, and what may be said about it.
 template <class Object>

@@ -160,4 +160,27 @@ ValueKind<Object> object_value(const std::vector<Row<Object>>& rows) {
           }};
 }
 
+/// What is there as it is, or in so many words: true, or an object.
+template <class Object, class T>
+Row<Object> switched_row(std::string key, std::optional<T> Object::*member, const std::vector<Row<T>>& rows,
+                         std::string help) {
+  const std::string expected = "true, false or an object";
+  return {.key = std::move(key),
+          .help = std::move(help),
+          .expected = expected,
+          .schema = {{"oneOf", {{{"type", "boolean"}}, schema_of(rows)}}},
+          .read =
+              [member, expected, &rows](const Json& json, const Reading& at, Object& out) {
+                if (!json.is_boolean() && !json.is_object()) at.place.refuse(json, expected);
+                (out.*member).reset();
+                if (json.is_object()) out.*member = read_object(json, at, rows);
+                if (json == true) out.*member = T{};
+              },
+          .write = [member, &rows](const Object& object) -> Json {
+            if (!(object.*member)) return Json();
+            Json json = write_object(*(object.*member), rows);
+            return json.empty() ? Json(true) : json;
+          }};
+}
+
 }  // namespace rhoray::tools

@@ -59,6 +59,7 @@ struct ImageWish {
   std::optional<std::vector<std::string>> channels{};
   std::optional<std::string> show{};  ///< color, or a heat map
   std::optional<bool> hierarchy{};    ///< false: every leaf cell is walked
+  std::optional<int> antialias{};     ///< most samples of a pixel
 };
 
 struct LightWish {
@@ -97,6 +98,24 @@ struct ClipWish {
   std::string keep{};  ///< a word; empty = inside
 };
 
+/// Arrows along the world's axes.
+struct AxesWish {
+  std::string corner{};  ///< a word; empty = left
+};
+
+struct ColorBarWish {
+  std::string title{};     ///< empty = the field's name and unit
+  std::string position{};  ///< a word; empty = right
+};
+
+/// What is drawn over the finished picture.
+struct AnnotationsWish {
+  std::optional<AxesWish> axes{};
+  std::optional<bool> box{};  ///< around what is shown, with numbers
+  std::optional<ColorBarWish> color_bar{};
+  std::string caption{};
+};
+
 struct SceneWishes {
   std::vector<DataWish> data{};
   std::vector<LayerWish> layers{};
@@ -105,6 +124,7 @@ struct SceneWishes {
   std::optional<ClipWish> clip{};
   CameraWish camera{};
   ImageWish image{};
+  AnnotationsWish annotations{};
   std::string accuracy{};  ///< of layers that name none; empty = render::default_method
   std::string document{};  ///< what the scene was read from; empty: the command line
 };
@@ -122,6 +142,7 @@ inline constexpr Interval<double> shininess{1, 1e4};
 inline constexpr Interval<double> percentile{0, 100};
 inline constexpr Interval<double> intensity{0, 1e4};
 inline constexpr Interval<int> occlusion_samples{1, 4096};
+inline constexpr Interval<int> pixel_samples{1, 64};
 inline constexpr Interval<double> angular_diameter_deg{0, 180};
 inline constexpr Interval<int> light_samples{1, 4096};
 }  // namespace limits

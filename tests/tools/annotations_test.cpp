@@ -1,0 +1,362 @@
+#include "tools/rhoray/annotations/annotate.h"
+
+#include <OpenImageIO/imageio.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "render/render.h"
+#include "tests/support/expect_error.h"
+#include "tests/tools/workbench.h"
+#include "tools/rhoray/pictures.h"
+
+/// What is drawn over finished pictures.
+namespace rhoray::tests {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using namespace tools;
+
+render::Framebuffer blank(int width, int height, float grey = 1) {
+  render::Framebuffer picture(width, height, {.depth = true});
+  picture.background = {grey, grey, grey};
+  for (std::size_t p = 0; p < picture.pixel_count(); ++p) {
+    for (std::size_t c = 0; c < 3; ++c) picture.color[4 * p + c] = grey;
+    picture.color[4 * p + 3] = 0;
+    picture.depth[p] = std::numeric_limits<float>::infinity();
+  }
+  return picture;
+}
+
+/// Letters of 6 x 10, solid.
+TextImage blocks(const std::string& text, int pixels) {
+  const int width = static_cast<int>(text.size()) * pixels * 6 / 10;
+  return {.left = 0,
+          .top = -pixels,
+          .width = width,
+          .height = pixels,
+          .coverage = std::vector<float>(static_cast<std::size_t>(width * pixels), 1.0F)};
+}
+
+Vec3 color_at(const render::Framebuffer& picture, int x, int y) {
+  const std::size_t p = 4 * static_cast<std::size_t>(y * picture.width + x);
+  return Vec3(picture.color[p], picture.color[p + 1], picture.color[p + 2]);
+}
+
+std::vector<std::string> texts(const std::vector<Tick>& ticks) {
+  std::vector<std::string> all;
+  for (const Tick& tick : ticks) all.push_back(tick.text);
+  return all;
+}
+
+TEST(Ticks, stand_at_multiples_of_1_2_or_5_times_a_power_of_ten) {
+  EXPECT_THAT(texts(ticks_of({0, 1}, 6)), ElementsAre("0", "0.2", "0.4", "0.6", "0.8", "1.0"));
+  EXPECT_THAT(texts(ticks_of({-300, 900}, 8)), ElementsAre("−200", "0", "200", "400", "600", "800"));
+  EXPECT_THAT(texts(ticks_of({0.011, 0.034}, 5)), ElementsAre("0.015", "0.020", "0.025", "0.030"));
+  EXPECT_THAT(texts(ticks_of({0, 3e6}, 4)), ElementsAre("0", "1e+06", "2e+06", "3e+06"));
+  EXPECT_THAT(texts(ticks_of({-0.1, 0.3}, 5)), ElementsAre("−0.1", "0", "0.1", "0.2", "0.3"))
+      << "ends that are multiples but for rounding belong to the range";
+  EXPECT_THAT(texts(ticks_of({2.5, 2.5}, 5)), ElementsAre("2.5"));
+}
+
+TEST(Ticks, are_in_the_range_evenly_and_never_too_many) {
+  for (const double lo : {-7.3, 0.0, 1e-7, 12345.6})
+    for (const double width : {1e-3, 0.7, 13.0, 9e7})
+      for (const int most : {1, 2, 5, 9}) {
+        const std::vector<Tick> ticks = ticks_of({lo, lo + width}, most);
+        EXPECT_LE(ticks.size(), static_cast<std::size_t>(most));
+        if (most >= 5) {
+          EXPECT_GE(ticks.size(), 2U) << lo << " and " << width;
+        }
+        for (std::size_t i = 0; i < ticks.size(); ++i) {
+          EXPECT_GE(ticks[i].value, lo - 1e-8 * width);
+          EXPECT_LE(ticks[i].value, lo + width * (1 + 1e-8));
+          if (i >= 2) {
+            EXPECT_NEAR(ticks[i].value - ticks[i - 1].value, ticks[1].value - ticks[0].value, 1e-6 * width);
+          }
+        }
+      }
+}
+
+TEST(Canvas, a_line_covers_its_width_times_its_length) {
+  for (const Spot& to : {Spot{80, 10}, Spot{10, 80}, Spot{70, 55}}) {
+    render::Framebuffer picture = blank(96, 96, 0);
+    Canvas(picture, {0, 0, 0}, 0).line({10, 10}, to, 3, {1, 1, 1});
+    double sum = 0;
+    for (std::size_t p = 0; p < picture.pixel_count(); ++p) sum += static_cast<double>(picture.color[4 * p]);
+    const double length = (to - Spot{10, 10}).length();
+    EXPECT_NEAR(sum, 3 * length + std::numbers::pi * 1.5 * 1.5, 0.01 * 3 * length) << to.x << ", " << to.y;
+  }
+}
+
+TEST(Canvas, a_triangle_covers_its_area_and_alpha_grows_with_it) {
+  render::Framebuffer picture = blank(96, 96, 0);
+  Canvas(picture, {0, 0, 0}, 0).triangle({10.3, 12.1}, {83.2, 31.7}, {40.5, 77.9}, {1, 1, 1});
+  double color = 0, alpha = 0;
+  for (std::size_t p = 0; p < picture.pixel_count(); ++p) {
+    color += static_cast<double>(picture.color[4 * p]);
+    alpha += static_cast<double>(picture.color[4 * p + 3]);
+  }
+  const double area = 0.5 * std::abs(72.9 * 65.8 - 30.2 * 19.6);
+  EXPECT_NEAR(color, area, 0.01 * area);
+  EXPECT_NEAR(alpha, color, 1e-3);
+}
+
+TEST(ColorBar, has_the_maps_colours_in_every_row_and_ticks_where_their_values_are) {
+  for (const ColorBar& bar : {ColorBar{"potential (mV)", render::ColorMap::coolwarm, {-3, 5}},
+                              ColorBar{"density", render::ColorMap::gray, {-1000, 400}}})
+    for (const Side side : {Side::left, Side::right}) {
+      render::Framebuffer picture = blank(640, 400);
+      const Drawing drawing = annotate({.bars = {bar}, .bars_side = side}, blocks, picture);
+      ASSERT_EQ(drawing.bars.size(), 1U);
+      const Drawing::Bar& drawn = drawing.bars[0];
+      EXPECT_EQ(side == Side::left, drawn.x_end < 320);
+      for (int y = drawn.y_begin; y < drawn.y_end; ++y)
+        for (int x = drawn.x_begin; x < drawn.x_end; ++x) {
+          const Vec3 expected = render::color_of(bar.map, (drawn.y_end - y - 0.5) / (drawn.y_end - drawn.y_begin));
+          EXPECT_LT((color_at(picture, x, y) - expected).length(), 1e-6) << x << ", " << y;
+        }
+      const std::vector<Tick> ticks = ticks_of(bar.range, static_cast<int>(drawn.tick_rows.size()));
+      ASSERT_EQ(ticks.size(), drawn.tick_rows.size());
+      for (std::size_t i = 0; i < ticks.size(); ++i) {
+        const double share = (ticks[i].value - bar.range.lo) / (bar.range.hi - bar.range.lo);
+        EXPECT_NEAR(drawn.tick_rows[i], drawn.y_end - share * (drawn.y_end - drawn.y_begin), 1e-9);
+        EXPECT_LT(color_at(picture, drawn.x_end + 2, static_cast<int>(drawn.tick_rows[i])).x, 0.9) << "a tick is drawn";
+      }
+    }
+}
+
+TEST(Axes, point_where_a_camera_of_these_angles_sees_them) {
+  for (const bool orthographic : {false, true})
+    for (const double azimuth : {0.0, 33.0, -120.0})
+      for (const double elevation : {0.0, 25.0, -70.0}) {
+        const render::Camera camera =
+            render::fit_camera({{-1, -1, -1}, {1, 1, 1}},
+                               {.azimuth_deg = azimuth, .elevation_deg = elevation, .orthographic = orthographic}, 1.5);
+        render::Framebuffer picture = blank(300, 200);
+        const Drawing drawing = annotate({.camera = camera, .axes = true}, blocks, picture);
+        const double a = azimuth * std::numbers::pi / 180, e = elevation * std::numbers::pi / 180;
+        const Spot expected[3] = {
+            {std::cos(a), std::sin(a) * std::sin(e)}, {std::sin(a), -std::cos(a) * std::sin(e)}, {0, -std::cos(e)}};
+        const double length = 0.075 * 200;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          const Spot way = drawing.axes_tips[axis] - drawing.axes_origin;
+          EXPECT_NEAR(way.x, length * expected[axis].x, 1e-9) << azimuth << ", " << elevation << ": " << axis;
+          EXPECT_NEAR(way.y, length * expected[axis].y, 1e-9) << azimuth << ", " << elevation << ": " << axis;
+        }
+        EXPECT_LT(drawing.axes_origin.x, 100);
+        EXPECT_GT(drawing.axes_origin.y, 100);
+      }
+}
+
+TEST(Projection, sees_points_where_the_cameras_rays_pass) {
+  const Workbench bench;
+  bench.make_ball();
+  const render::Volume volume = render::Volume::load(bench / "ball.rho");
+  for (const bool orthographic : {false, true}) {
+    const render::Camera camera = render::fit_camera(
+        volume.bounds(), {.azimuth_deg = 41, .elevation_deg = 17, .orthographic = orthographic}, 1.5);
+    const Projection projection(camera, 30, 20);
+    render::Framebuffer picture;
+    render::Scene scene;
+    scene.layers[0].isovalue = 100;
+    scene.camera = camera;
+    render::render(volume, scene, {.width = 30, .height = 20, .channels = {.depth = true, .cell = true}}, picture);
+    int count = 0;
+    for (int y = 0; y < 20; ++y)
+      for (int x = 0; x < 30; ++x) {
+        const auto p = static_cast<std::size_t>(y * 30 + x);
+        if (picture.cell[p] == render::Framebuffer::no_cell) continue;
+        const std::uint64_t cell = picture.cell[p], edge = Workbench::ball_edge - 1;
+        const Vec3 middle(static_cast<double>(cell % edge) + 0.5, static_cast<double>(cell / edge % edge) + 0.5,
+                          static_cast<double>(cell / edge / edge) + 0.5);
+        const Seen seen = projection.of(middle);
+        const double cell_pixels = 2.0;
+        EXPECT_NEAR(seen.at.x, x + 0.5, cell_pixels);
+        EXPECT_NEAR(seen.at.y, y + 0.5, cell_pixels);
+        EXPECT_NEAR(seen.distance * projection.ray_length(seen.at), static_cast<double>(picture.depth[p]), 1.0);
+        ++count;
+      }
+    EXPECT_GT(count, 30);
+  }
+}
+
+TEST(Annotations, never_put_text_over_text_or_over_a_bar) {
+  const Box3 box{{-120, -40, 0}, {200, 70, 310}};
+  for (const auto& [width, height] : {std::pair(640, 480), {300, 700}, {1600, 500}})
+    for (const double azimuth : {0.0, 30.0, 75.0, 200.0}) {
+      const render::Camera camera = render::fit_camera(box, {.azimuth_deg = azimuth, .elevation_deg = 20, .zoom = 0.75},
+                                                       static_cast<double>(width) / height);
+      render::Framebuffer picture = blank(width, height);
+      const Drawing drawing = annotate(
+          {.camera = camera,
+           .axes = true,
+           .box = box,
+           .length_unit = "mm",
+           .bars = {{"a", render::ColorMap::viridis, {0, 7}}, {"another title", render::ColorMap::gray, {-1e-3, 1e-3}}},
+           .caption = "words that take more than one line in a narrow picture"},
+          blocks, picture);
+      EXPECT_GE(drawing.texts.size(), 12U);
+      for (std::size_t i = 0; i < drawing.texts.size(); ++i) {
+        for (std::size_t j = 0; j < i; ++j)
+          EXPECT_FALSE(drawing.texts[i].overlaps(drawing.texts[j]))
+              << width << ", " << azimuth << ": " << i << ", " << j;
+        for (const Drawing::Bar& bar : drawing.bars)
+          EXPECT_FALSE(
+              drawing.texts[i].overlaps({{bar.x_begin - 0.0, bar.y_begin - 0.0}, {bar.x_end + 0.0, bar.y_end + 0.0}}));
+        EXPECT_GE(drawing.texts[i].low.x, 0) << i;
+        EXPECT_LE(drawing.texts[i].high.x, width) << i;
+        EXPECT_LE(drawing.texts[i].high.y, height) << i;
+      }
+    }
+}
+
+TEST(BoxAnnotation, is_hidden_behind_what_is_nearer) {
+  const Box3 box{{-1, -1, -1}, {1, 1, 1}};
+  const render::Camera camera = render::fit_camera(box, {.azimuth_deg = 30, .elevation_deg = 20, .zoom = 0.75}, 1);
+  const Projection projection(camera, 400, 400);
+  // The corner nearest to the eye, and the one behind all.
+  const Seen near = projection.of({1, -1, 0.5}), far = projection.of({-1, 1, 0.5});
+  const double between = (near.distance + far.distance) / 2;
+  render::Framebuffer picture = blank(400, 400), hidden = blank(400, 400);
+  for (float& depth : hidden.depth) depth = static_cast<float>(between);
+  const Annotations annotations{.camera = camera, .box = box};
+  annotate(annotations, blocks, picture);
+  annotate(annotations, blocks, hidden);
+  const auto darkness = [](const render::Framebuffer& of, const Spot& at) {
+    return 1 - color_at(of, static_cast<int>(at.x), static_cast<int>(at.y)).x;
+  };
+  EXPECT_GT(darkness(picture, near.at), 0.3);
+  EXPECT_GT(darkness(picture, far.at), 0.3);
+  EXPECT_GT(darkness(hidden, near.at), 0.3);
+  EXPECT_EQ(darkness(hidden, far.at), 0);
+}
+
+TEST(Text, has_the_letters_of_many_languages) {
+  const std::filesystem::path font = find_font(known_fonts());
+  const auto image = [&](const std::string& text) { return make_text_image(text, 40, font); };
+  const TextImage missing = image("\U000F1234");  // of private use: the font's empty box
+  for (const char* letter : {"µ", "é", "°", "−", "Ω", "Ж", "²"}) {
+    const TextImage drawn = image(letter);
+    EXPECT_GT(drawn.coverage.size(), 0U) << letter;
+    EXPECT_FALSE(drawn.coverage == missing.coverage) << letter;
+  }
+  EXPECT_NEAR(image("−").height, image("-").height, 1) << "a minus is as thick as a hyphen, about";
+  EXPECT_GT(image("−").width, image("-").width);
+  EXPECT_EQ(image(" ").coverage.size(), 0U);
+  EXPECT_GT(image("\xff").coverage.size(), 0U) << "bytes that are no UTF-8 are seen to be none";
+  EXPECT_NEAR(image("HH").width, 2.2 * image("H").width, 0.2 * image("H").width);
+}
+
+TEST(Text, without_a_font_names_the_package_that_brings_it) {
+  expect_error(Trouble::unsupported, "annotations need the font DejaVu Sans; there is no /nowhere/DejaVuSans.ttf", [] {
+    find_font({"/nowhere/DejaVuSans.ttf", "/nor/here.ttf"});
+  });
+  try {
+    find_font({"/nowhere/DejaVuSans.ttf"});
+  } catch (const Error& error) {
+    EXPECT_THAT(error.hint(), HasSubstr("fonts-dejavu-core"));
+  }
+}
+
+struct Picture {
+  int width = 0, height = 0, channels = 0;
+  std::vector<std::string> names;
+  std::vector<float> values;
+};
+
+Picture read(const std::filesystem::path& file) {
+  const auto input = OIIO::ImageInput::open(file.string());
+  if (!input) throw std::runtime_error(OIIO::geterror());
+  const OIIO::ImageSpec& spec = input->spec();
+  Picture picture{spec.width, spec.height, spec.nchannels, spec.channelnames, {}};
+  picture.values.resize(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels));
+  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, picture.values.data()))
+    throw std::runtime_error(input->geterror());
+  return picture;
+}
+
+TEST(AnnotationCommand, draws_over_colours_and_leaves_channels_and_rays_alone) {
+  const Workbench bench;
+  bench.make_ball();
+  const std::vector<std::string> plain{"render", "ball.rho", "--iso",      "100",          "--size", "200x150",
+                                       "--zoom", "0.75",     "--channels", "depth,normal", "--json", "-o"};
+  const auto with = [&](const char* output, const std::vector<std::string>& more) {
+    std::vector<std::string> words = plain;
+    words.emplace_back(output);
+    words.insert(words.end(), more.begin(), more.end());
+    const RunResult result = bench.rhoray(words);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(result.out);
+  };
+  const auto without = with("plain.exr", {});
+  const auto annotated = with("annotated.exr", {"--axes", "--box", "--caption", "Ball"});
+  EXPECT_EQ(annotated["statistics"]["rays"], without["statistics"]["rays"]);
+  EXPECT_EQ(annotated["scene"]["annotations"],
+            nlohmann::json::parse(R"({"axes": true, "box": true, "caption": "Ball"})"));
+  EXPECT_FALSE(without["scene"].contains("annotations"));
+  const Picture a = read(bench / "plain.exr"), b = read(bench / "annotated.exr");
+  ASSERT_EQ(a.names, b.names);
+  std::size_t changed = 0;
+  for (std::size_t i = 0; i < a.values.size(); ++i) {
+    const bool is_color = i % static_cast<std::size_t>(a.channels) < 4;
+    if (a.values[i] == b.values[i] || (std::isnan(a.values[i]) && std::isnan(b.values[i]))) continue;
+    EXPECT_TRUE(is_color) << a.names[i % static_cast<std::size_t>(a.channels)];
+    ++changed;
+  }
+  EXPECT_GT(changed, 1000U);
+}
+
+TEST(AnnotationCommand, tells_the_command_and_the_scene_that_draw_the_same_again) {
+  const Workbench bench;
+  bench.make_ball();
+  for (
+      const std::string& document :
+      {std::string(R"x("annotations": {"axes": true, "box": true, "colorbar": true, "caption": "Ä ball"})x"),
+       std::string(
+           R"x("annotations": {"axes": {"corner": "right"}, "colorbar": {"title": "T (µm)", "position": "left"}})x")}) {
+    write_file(bench / "s.json", R"({"data": {"data": {"file": "ball.rho"}}, "layers": [{"type": "mip"}],
+                                     "image": {"size": [160, 120]}, )" +
+                                     document + "}");
+    const RunResult first = bench.rhoray({"render", "s.json", "-o", "p.png", "--force"});
+    ASSERT_EQ(first.exit_code, 0) << first.err;
+    const std::string picture = read_file(bench / "p.png");
+    const RunResult again = bench.shell(line_after(first.err, "reproduce: ") + " --force");
+    ASSERT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_TRUE(read_file(bench / "p.png") == picture) << document;
+  }
+}
+
+TEST(AnnotationCommand, shows_the_colours_of_a_projection_beside_it) {
+  const Workbench bench;
+  bench.make_ball();
+  ASSERT_EQ(
+      bench.rhoray({"render", "ball.rho", "--mode", "mip", "--colorbar", "--size", "300x200", "-o", "p.png"}).exit_code,
+      0);
+  const Picture picture = read(bench / "p.png");
+  // Down through the bar, in the only place right of the ball where a row is all of one grey and the next is darker.
+  int rows = 0;
+  const auto grey = [&](int x, int y) { return picture.values[static_cast<std::size_t>(3 * (y * picture.width + x))]; };
+  int best = 0;
+  for (int x = 200; x < 300; ++x) {
+    rows = 0;
+    for (int y = 1; y < 200; ++y) rows += grey(x, y) < grey(x, y - 1);
+    best = std::max(best, rows);
+  }
+  EXPECT_GT(best, 80) << "nearly every row of the bar is darker than the one above";
+}
+
+TEST(AnnotationCommand, refuses_a_bar_where_nothing_is_shown_by_colours) {
+  const Workbench bench;
+  bench.make_ball();
+  const RunResult refused = bench.rhoray({"render", "ball.rho", "--colorbar", "-o", "p.png"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--colorbar: no layer shows values by colours"));
+}
+
+}  // namespace
+}  // namespace rhoray::tests

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "formats/base/interval.h"
+#include "formats/base/vector.h"
+#include "render/framebuffer.h"
+
+namespace rhoray::tools {
+
+/// A place in a picture, or a way there: pixels from its upper left corner, so that pixel (0, 0) has its middle at
+/// (0.5, 0.5).
+struct Spot {
+  double x = 0, y = 0;
+
+  friend Spot operator+(const Spot& a, const Spot& b) { return {a.x + b.x, a.y + b.y}; }
+  friend Spot operator-(const Spot& a, const Spot& b) { return {a.x - b.x, a.y - b.y}; }
+  friend Spot operator*(double factor, const Spot& a) { return {factor * a.x, factor * a.y}; }
+  double dot(const Spot& other) const { return x * other.x + y * other.y; }
+  double length() const;
+};
+
+/// A rectangle of a picture.
+struct Area {
+  Spot low, high;  ///< its upper left and its lower right corner
+
+  double width() const { return high.x - low.x; }
+  double height() const { return high.y - low.y; }
+  bool overlaps(const Area& other) const;
+  Area grown(double by) const;
+};
+
+/// How much of each pixel a line of text covers.
+struct TextImage {
+  int left = 0, top = 0;  ///< of its first column and row, from where the line's baseline begins
+  int width = 0, height = 0;
+  std::vector<float> coverage;  ///< rows from the top, 0 to 1
+};
+
+/// Draws over the colours of a picture, with smooth edges, in linear light; alpha grows where something is drawn. All
+/// that is drawn has a rim of another colour around it, which is not seen where the picture has that colour already.
+class Canvas {
+ public:
+  /// @param rim        colour of rims, linear
+  /// @param rim_width  pixels
+  Canvas(render::Framebuffer& picture, const Vec3& rim, double rim_width)
+      : picture_(picture), rim_(rim), rim_width_(rim_width) {}
+
+  /// Where a line is seen: asked with pixels that it covers, and its share from a to b there.
+  using IsSeen = std::function<bool(int x, int y, double share)>;
+
+  /// A line with round ends.
+  void line(const Spot& a, const Spot& b, double width, const Vec3& color, const IsSeen& is_seen = nullptr);
+  void triangle(const Spot& a, const Spot& b, const Spot& c, const Vec3& color);
+  /// Exactly these pixels, without a rim.
+  void fill(int x_begin, int x_end, int y_begin, int y_end, const Vec3& color);
+  /// @param at  where the baseline begins, rounded to whole pixels
+  void text(const TextImage& text, const Spot& at, const Vec3& color);
+
+ private:
+  template <class Columns, class Distance>
+  void shape(const Area& around, const Columns& columns, const Distance& distance, const Vec3& color);
+  void blend(int x, int y, double share, const Vec3& color);
+
+  render::Framebuffer& picture_;
+  Vec3 rim_;
+  double rim_width_;
+};
+
+}  // namespace rhoray::tools
