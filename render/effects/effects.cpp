@@ -36,6 +36,7 @@ EffectSet effects_called_for(const Layer& layer) {
   return {.diffuse = is_surface,
           .smooth_normals = is_surface && surface.normals == Normals::smooth,
           .field_color = is_surface && surface.color_by.has_value(),
+          .texture = is_surface && surface.texture.has_value(),
           .specular = is_surface && surface.specular > 0,
           .intensity = !is_surface};
 }

@@ -54,7 +54,7 @@ struct WorkerNeeds {
 struct WorkerCounts {
   std::uint64_t rays = 0, rays_ruled_out = 0, rays_through = 0, hits = 0;
   std::uint64_t shadow_rays = 0, occlusion_rays = 0;
-  std::uint64_t highlights = 0, smooth_normals = 0, field_values = 0;
+  std::uint64_t highlights = 0, smooth_normals = 0, field_values = 0, texture_lookups = 0;
   std::uint64_t tile_ticks = 0, shading_ticks = 0;
   double largest_error = 0;
 };

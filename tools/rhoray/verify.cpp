@@ -3,6 +3,7 @@
 
 #include "formats/base/trouble.h"
 #include "formats/brick_grid.h"
+#include "formats/color_grid.h"
 #include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
 #include "tools/rhoray/common_options.h"
@@ -40,6 +41,7 @@ std::vector<std::string> content_findings(const formats::PackedFile& file, bool 
       const formats::BrickGrid grid(file);
       return deep ? formats::deep_findings(grid) : std::vector<std::string>{};
     }
+    if (file.description().kind == formats::ColorGrid::kind) formats::ColorGrid(file);
     if (file.description().kind == formats::SurfaceMesh::kind) {
       const formats::SurfaceMesh surface(file);
       return deep ? formats::deep_findings(surface) : std::vector<std::string>{};

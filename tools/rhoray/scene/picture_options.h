@@ -14,6 +14,7 @@ namespace rhoray::tools {
 struct PictureOptions {
   SceneWishes wishes{.data = std::vector<DataWish>(1), .layers = std::vector<LayerWish>(1)};
   std::string mode = "iso";
+  std::filesystem::path texture;          ///< empty = none
   bool shadows = false;                   ///< the key light casts them
   std::optional<Angles> key_light;        ///< where it stands
   std::vector<std::string> of_the_layer;  ///< options given that say what is shown and how it looks

@@ -42,6 +42,10 @@ Rows rows_of_isosurfaces() {
           "Colours of \"color_by\"; default \"viridis\""),
       row("range", &LayerWish::range, interval_value(),
           "Values of \"color_by\" from the map's first colour to its last; default the field's range"),
+      row("texture", &LayerWish::texture, text_value(),
+          "Name of data packed with --color, whose colours cover the surface, registered in world axes; where it has "
+          "no "
+          "texels, and as far as these are clear, \"color\" stays"),
       row("ambient", &LayerWish::ambient, number_within(limits::share), "Share of light from all sides; default 0.12"),
       row("specular", &LayerWish::specular, number_within(limits::share),
           "Strength of the highlight; 0 computes none; default 0.25"),
