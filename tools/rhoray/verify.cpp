@@ -41,7 +41,9 @@ std::vector<std::string> content_findings(const formats::PackedFile& file, bool 
       const formats::BrickGrid grid(file);
       return deep ? formats::deep_findings(grid) : std::vector<std::string>{};
     }
-    if (file.description().kind == formats::ColorGrid::kind) formats::ColorGrid(file);
+    if (file.description().kind == formats::ColorGrid::kind) {
+      const formats::ColorGrid grid(file);  // every texel is a colour: there is nothing deeper
+    }
     if (file.description().kind == formats::SurfaceMesh::kind) {
       const formats::SurfaceMesh surface(file);
       return deep ? formats::deep_findings(surface) : std::vector<std::string>{};

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -46,7 +49,7 @@ struct Group {
     rays.count = group_size;
     for (std::size_t i = 0; i < group_size; ++i) {
       const Vec3 direction(1, -2, 3);
-      rays.set(i, {.origin = places[i % places.size()] - 4 * direction, .direction = direction});
+      rays.set(i, {.origin = places[i % places.size()] - 4.0 * direction, .direction = direction});
       hits.t[i] = 4;
       shown[i] = 1;
     }
