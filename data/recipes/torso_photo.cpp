@@ -64,10 +64,11 @@ Vec3 fat_light(const Vec3& p) {
   return mixed(septum, color, step_between(0.03, 0.16, lobule.from_wall));
 }
 
-/// How a muscle runs at a point: places along and across its fibres, mm, and how much of a pale sheet covers it.
+/// How a muscle runs at a point: places along and across its fibres, mm, how much of a pale sinew covers it, and how
+/// deep the groove to its neighbour is.
 struct Fibres {
   double along = 0, across = 0;
-  double sheet = 0;
+  double sinew = 0, groove = 0;
 };
 
 /// Fibres that run together towards a point, seen in the plane of x and z.
@@ -76,8 +77,9 @@ Fibres fan(double x, double z, double to_x, double to_z) {
   return {.along = std::hypot(dx, dz), .across = 130 * std::atan2(dz, -dx)};
 }
 
+/// 1 at no distance, 0 beyond half the width.
 double near(double distance_mm, double half_width_mm) {
-  return step_between(half_width_mm, 0.4 * half_width_mm, std::abs(distance_mm));
+  return step_between(half_width_mm, 0.2 * half_width_mm, std::abs(distance_mm));
 }
 
 /// A triangle wave of period 1 and height 1.
@@ -88,60 +90,70 @@ double zigzag(double t) {
 /// Straight abdominal muscles, side by side, cut by sinews.
 Fibres belly(double x, double z, double wobble) {
   Fibres fibres{.along = z, .across = x};
-  for (const double sinew : {352.0, 302.0, 250.0})
-    fibres.sheet = std::max(fibres.sheet, near(z - sinew - 5 * wobble - 6 * zigzag(x / 24), 4.5));
-  fibres.sheet = std::max(fibres.sheet, near(x, 5));
+  for (const double sinew : {346.0, 296.0, 244.0})
+    fibres.sinew = std::max(fibres.sinew, 0.8 * near(z - sinew - 5 * wobble - 4 * zigzag(x / 31), 5));
+  fibres.sinew = std::max(fibres.sinew, near(x, 6 + 1.5 * wobble));
   return fibres;
 }
 
 Fibres front(double x, double z, double wobble) {
-  constexpr double chest_begins = 384, belly_half_width = 70;
-  const double chest_border = z - chest_begins - 0.0011 * x * x + 4 * wobble;
+  constexpr double belly_half_width = 68;
+  const double chest_border = z - 374 - 0.0023 * x * x + 5 * wobble;
   if (chest_border > 0) {
-    Fibres fibres = fan(x, z, 185, 468);
-    fibres.sheet = std::max(near(chest_border, 4), near(x, 9 + 2 * wobble));
+    Fibres fibres = fan(x, z, 185, 462);
+    fibres.sinew = 0.9 * near(x, 11 + 3 * wobble) * step_between(515, 480, z);
+    fibres.groove = std::max(near(chest_border, 7), 0.7 * near(z - 452 - 0.1 * x - 4 * wobble, 4));
     return fibres;
   }
-  const double side = x - belly_half_width - 5 * std::sin(z / 60);
+  const double side = x - belly_half_width - 6 * std::sin(z / 60) - 2 * wobble;
   if (side < 0) {
     Fibres fibres = belly(x, z, wobble);
-    fibres.sheet = std::max({fibres.sheet, near(side, 5), near(chest_border, 4)});
+    fibres.sinew = std::max(fibres.sinew, 0.6 * near(side, 7));
+    fibres.groove = near(chest_border, 7);
     return fibres;
   }
   // The oblique muscle ends in saw teeth under the ribs.
-  const double teeth = z - 372 - 20 * zigzag(x / 26) - 0.35 * (x - 90);
-  Fibres fibres = teeth > 0 ? fan(x, z, 40, 520) : Fibres{.along = 0.8 * z + 0.6 * x, .across = 0.8 * x - 0.6 * z};
-  fibres.sheet = std::max({near(side, 5), near(chest_border, 4), near(teeth, 3)});
+  const double teeth = z - 350 - 16 * zigzag(z / 90 + x / 34) - 0.5 * (x - 90) + 3 * wobble;
+  Fibres fibres = teeth > 0 ? fan(x, z, 20, 560) : Fibres{.along = 0.8 * z + 0.6 * x, .across = 0.8 * x - 0.6 * z};
+  fibres.sinew = std::max(0.6 * near(side, 7), 0.75 * step_between(26, 4, side) * step_between(215, 150, z));
+  fibres.groove = std::max(near(chest_border, 7), near(teeth, 5));
   return fibres;
 }
 
 Fibres back(double x, double z, double wobble) {
-  const double hood = z - 392 - 1.1 * x + 4 * wobble;  // what lies between the shoulders
+  const double hood = z - 392 - 1.1 * x + 5 * wobble;  // what lies between the shoulders
   if (hood > 0) {
     Fibres fibres = fan(x, z, 190, 540);
-    fibres.sheet = std::max(near(hood, 4), near(x, 8));
+    fibres.sinew = 0.8 * near(x, 9);
+    fibres.groove = near(hood, 6);
     return fibres;
   }
   Fibres fibres = fan(x, z, 175, 455);
-  const double diamond = 300 - z - 1.3 * x + 6 * wobble;  // the sheet above the hips
-  fibres.sheet = std::max({near(hood, 4), near(x, 7), 0.85 * step_between(-6, 10, diamond)});
+  const double diamond = 268 - z - 1.5 * x + 8 * wobble;  // the sheet above the hips
+  fibres.sinew = std::max(0.8 * near(x, 7), 0.8 * step_between(-12, 14, diamond));
+  fibres.groove = near(hood, 6);
   return fibres;
 }
 
-Vec3 muscle_light(const Vec3& p, double depth) {
-  static const Vec3 dark = light(112, 26, 24), red = light(178, 62, 50), pale = light(216, 142, 120),
-                    sinew = light(236, 222, 202), vein = light(70, 52, 92), artery = light(160, 22, 20);
-  const double x = std::abs(p.x), wobble = noise(p / 23);
+Vec3 muscle_light(const Vec3& p) {
+  static const Vec3 dark = light(104, 24, 22), red = light(172, 54, 44), pale = light(206, 128, 106),
+                    sinew = light(232, 214, 190), fat = light(222, 176, 110), vein = light(72, 44, 76),
+                    artery = light(168, 20, 18);
+  const double x = std::abs(p.x), wobble = noise(p / 23) + 0.4 * noise(p / 7);
   const double from_front = std::atan2(x, -(p.y - torso::body_centre.y));
-  const Fibres fibres = from_front < 0.56 * std::numbers::pi ? front(x, p.z, wobble) : back(x, p.z, wobble);
-  const double across = fibres.across + 1.5 * noise(p / 9) + 4 * noise(p / 40);
-  const double thread = noise({across / 1.7, fibres.along / 34, depth / 2.5});
-  const double bundle = noise({across / 6.5, fibres.along / 90, depth / 6 + 31});
-  Vec3 color = mixed(dark, red, 0.55 + 0.55 * thread + 0.3 * bundle + 0.25 * noise(p / 55));
-  color = mixed(color, pale, 0.55 * step_between(0.1, 0.0, std::abs(bundle)));
-  color = mixed(color, sinew, fibres.sheet * (0.82 + 0.15 * thread));
-  color = mixed(color, vein, 0.75 * vessels(p, 62, 0.045));
-  return mixed(color, artery, 0.7 * vessels(p + Vec3(140, 60, 90), 70, 0.028));
+  const double turn = 0.56 * std::numbers::pi + 0.05 * noise(p / 30);
+  Fibres fibres = from_front < turn ? front(x, p.z, wobble) : back(x, p.z, wobble);
+  fibres.groove = std::max(fibres.groove, near(120 * (from_front - turn), 6));
+  // Both sides of the body alike, but not the same.
+  const double across = fibres.across + 2 * noise(p / 12) + 5 * noise(p / 45), side = p.x < 0 ? 70 : 0;
+  const double thread = noise({across / 2.6, fibres.along / 45, side});
+  const double bundle = noise({across / 8, fibres.along / 110, side + 30});
+  Vec3 color = mixed(dark, red, 0.6 + 0.5 * thread + 0.35 * bundle + 0.3 * noise(p / 50));
+  color = mixed(color, pale, 0.45 * step_between(0.12, 0.0, std::abs(bundle)) * (0.7 + 0.6 * thread));
+  color = mixed(color, mixed(dark, fat, 0.5 + 0.9 * noise(p / 18)), 0.75 * fibres.groove);
+  color = mixed(color, sinew, fibres.sinew * (0.8 + 0.3 * thread));
+  color = mixed(color, vein, 0.8 * vessels(p, 66, 0.027));
+  return mixed(color, artery, 0.75 * vessels(p + Vec3(140, 60, 90), 74, 0.018));
 }
 
 Vec3 chest_light(const Vec3& p) {
@@ -196,7 +208,7 @@ Vec3 tissue_light(const Vec3& p, double reach) {
   if (std::min(torso::left_lung(p), torso::right_lung(p)) < 0) return lung_light(p);
   if (torso::heart(p) < reach) return heart_light(p);
   if (torso::rib_cage(p) + chest_wall_mm < 0) return chest_light(p);
-  return skin + fat_mm < reach ? muscle_light(p, -skin) : fat_light(p);
+  return skin + fat_mm < reach ? muscle_light(p) : fat_light(p);
 }
 
 std::array<std::uint8_t, 3> tissue_color(const Vec3& p, double reach) {
@@ -210,7 +222,8 @@ void write_torso_photo(const std::filesystem::path& path, const Index3& texel_co
     if (n < 2 || n > 16384)
       throw Error(Trouble::usage, concat("size ", nx, "x", ny, "x", nz, "; expected 2 to 16384 texels on each axis"));
   const CtLattice lattice = ct_lattice(texel_count);
-  const double reach = 0.8 * std::max({lattice.spacing.x, lattice.spacing.y, lattice.spacing.z});
+  // As far as the surfaces in a CT of voxels of 2 mm or so may be off, and the texels around them.
+  const double reach = 2.2 + std::max({lattice.spacing.x, lattice.spacing.y, lattice.spacing.z});
   const NrrdHeader header{.type = "uint8",
                           .component_count = 3,
                           .sample_count = texel_count,

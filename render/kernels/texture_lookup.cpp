@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <cstring>
 
 #include "render/kernels/compiled_for.h"
 
@@ -58,72 +57,55 @@ RHORAY_INLINE void find_places(const View& view, const RayBatch& rays, const Hit
   }
 }
 
-/// N components of a texel, the first one lowest; of three the fourth is any number.
+/// Red, green, blue and the share that covers. Eight texels are mixed in these, hit by hit: gathers of single
+/// components for many hits at once take twice the time of the whole look-up (on processors that guard against gather
+/// data sampling).
+using Light [[gnu::vector_size(16)]] = float;
+
+/// Of a texel of N components; what its alpha covers.
 template <int N>
-RHORAY_INLINE std::uint32_t texel_at(const std::uint8_t* texel) {
+RHORAY_INLINE Light light_of(const float* linear, const std::uint8_t* texel) {
   static_assert(N == 3 || N == 4);
-  if constexpr (N == 4) {
-    std::uint32_t components;
-    std::memcpy(&components, texel, sizeof components);
-    return components;
-  }
-  std::uint16_t low;
-  std::memcpy(&low, texel, sizeof low);
-  return low | std::uint32_t{texel[2]} << 16;
+  Light light{linear[texel[0]], linear[texel[1]], linear[texel[2]], 1};
+  if constexpr (N == 4) light *= static_cast<float>(texel[3]) * (1.0F / 255);
+  return light;
 }
 
-struct alignas(64) Corners {
-  std::uint32_t texel[8][group_size];
-};
-
-template <int N>
-RHORAY_INLINE void read_corners(const View& view, const TexelPlaces& places, Corners& corners) {
-  for (std::size_t i = 0; i < group_size; ++i) {
-    if (places.is_read[i] == 0) {
-      for (auto& corner : corners.texel) corner[i] = 0;
-      continue;
-    }
-    const auto table_entries = [&](int axis, const std::uint64_t* table, std::uint64_t* entries) {
-      const std::int32_t before = places.before[axis][i], behind = before < view.last[axis] ? before + 1 : before;
-      entries[0] = table[before], entries[1] = table[behind];
-    };
-    std::uint64_t x[2], y[2], z[2];
-    table_entries(0, view.x, x), table_entries(1, view.y, y), table_entries(2, view.z, z);
-    for (unsigned c = 0; c < 8; ++c)
-      corners.texel[c][i] = texel_at<N>(view.texels + N * (x[c & 1] + y[c >> 1 & 1] + z[c >> 2]));
-  }
+/// Exactly a where both are the same.
+RHORAY_INLINE Light between(const Light& a, const Light& b, float share) {
+  return a + share * (b - a);
 }
 
+/// Of the hit in place i of its group.
 template <int N>
-RHORAY_INLINE void mix_corners(const View& view, const TexelPlaces& places, const Corners& corners,
-                               CoveringColors& colors) {
-  for (std::size_t i = 0; i < group_size; ++i) colors.red[i] = colors.green[i] = colors.blue[i] = colors.share[i] = 0;
-  for (unsigned c = 0; c < 8; ++c)
-    for (std::size_t i = 0; i < group_size; ++i) {
-      const float x = places.weight[0][i], y = places.weight[1][i], z = places.weight[2][i];
-      const std::uint32_t texel = corners.texel[c][i];
-      float weight = (c & 1 ? x : 1 - x) * (c >> 1 & 1 ? y : 1 - y) * (c >> 2 ? z : 1 - z);
-      if constexpr (N == 4) weight *= static_cast<float>(static_cast<std::int32_t>(texel >> 24)) * (1.0F / 255);
-      weight = places.is_read[i] != 0 ? weight : 0;
-      colors.red[i] += weight * view.linear[texel & 255];
-      colors.green[i] += weight * view.linear[texel >> 8 & 255];
-      colors.blue[i] += weight * view.linear[texel >> 16 & 255];
-      if constexpr (N == 4) colors.share[i] += weight;
-    }
-  if constexpr (N == 3)
-    for (std::size_t i = 0; i < group_size; ++i) colors.share[i] = static_cast<float>(places.is_read[i]);
+RHORAY_INLINE Light mixed_texels(const View& view, const TexelPlaces& places, std::size_t i) {
+  const auto behind = [&](int axis) {
+    const std::int32_t before = places.before[axis][i];
+    return before < view.last[axis] ? before + 1 : before;
+  };
+  const std::uint8_t* left = view.texels + N * view.x[places.before[0][i]];
+  const std::uint8_t* right = view.texels + N * view.x[behind(0)];
+  const std::uint64_t y[2] = {N * view.y[places.before[1][i]], N * view.y[behind(1)]},
+                      z[2] = {N * view.z[places.before[2][i]], N * view.z[behind(2)]};
+  const auto row = [&](std::uint64_t at) {
+    return between(light_of<N>(view.linear, left + at), light_of<N>(view.linear, right + at), places.weight[0][i]);
+  };
+  const auto layer = [&](std::uint64_t at) { return between(row(y[0] + at), row(y[1] + at), places.weight[1][i]); };
+  return between(layer(z[0]), layer(z[1]), places.weight[2][i]);
 }
 
 template <int N>
 RHORAY_INLINE void look_up(const View& view, const RayBatch& rays, const HitBatch& hits, std::size_t first,
                            const float* shown, CoveringColors& colors, int& count) {
   TexelPlaces places;
-  Corners corners;
   find_places(view, rays, hits, first, shown, places);
-  read_corners<N>(view, places, corners);
-  mix_corners<N>(view, places, corners, colors);
   count = 0;
-  for (std::size_t i = 0; i < group_size; ++i) count += places.is_read[i];
+  for (std::size_t i = 0; i < group_size; ++i) {
+    Light light{0, 0, 0, 0};
+    if (places.is_read[i] != 0) light = mixed_texels<N>(view, places, i);
+    colors.red[i] = light[0], colors.green[i] = light[1], colors.blue[i] = light[2], colors.share[i] = light[3];
+    count += places.is_read[i];
+  }
 }
 
 /// a * b: target_from_source of b's source.

@@ -20,7 +20,9 @@ TEST(TorsoPhoto, is_registered_with_the_ct_and_shows_each_tissue_where_the_formu
   const Index3 n(43, 30, 68);  // texels of 10 mm
   recipes::write_torso_photo(folder / "photo.nhdr", n, false);
   recipes::write_torso_ct(folder / "ct.nhdr", n, false);
-  const auto photo = preprocess::import_volume(folder / "photo.nhdr", {.raw = {}, .field = {}, .colors = true});
+  preprocess::ImportVolumeOptions colors;
+  colors.colors = true;
+  const auto photo = preprocess::import_volume(folder / "photo.nhdr", colors);
   const auto ct = preprocess::import_volume(folder / "ct.nhdr");
   EXPECT_EQ(photo.component_count, 3);
   EXPECT_EQ(photo.sample_count, n);

@@ -182,7 +182,8 @@ TEST(SceneCommand, reads_the_documents_that_are_published) {
   bench.make_ball();
   const std::filesystem::path made = bench / "made/200000-192x192x256";
   std::filesystem::create_directories(made);
-  for (const char* name : {"torso.rho", "torso-ct.rho"}) std::filesystem::copy_file(bench / "ball.rho", made / name);
+  for (const char* name : {"torso.rho", "torso-ct.rho", "torso-photo.rho"})
+    std::filesystem::copy_file(bench / "ball.rho", made / name);
   std::filesystem::copy_file(bench / "ball.rho", bench / "made/head-ct.rho");
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(RHORAY_SOURCE_DIR "/data/scenes")) {

@@ -120,7 +120,7 @@ TEST(TextureCommand, refuses_what_does_not_go_with_colours) {
       {{"photo.nrrd", "--color", "--brick-edge", "65"}, 2, "brick edge: found 65"},
       {{"ball.raw", "--color", "--raw", "24x24x24:uint8"}, 2, "--raw: is for values"},
       {{"box.vtu", "--color"}, 2, "--color: is for volumes of colours, and box.vtu is a mesh"},
-      {{"photo.nrrd"}, 3, "3 numbers for each sample"},
+      {{"photo.nrrd"}, 7, "3 numbers for each sample"},
   };
   for (const Case& one : cases) {
     std::vector<std::string> words{"pack"};

@@ -62,7 +62,9 @@ NeutralVolume read(const std::filesystem::path& path, const std::string& field =
 
 /// Read by a worker, as tools do.
 NeutralVolume imported(const std::filesystem::path& path) {
-  return import_volume(path, {.raw = {}, .field = {}, .colors = true});
+  ImportVolumeOptions options;
+  options.colors = true;
+  return import_volume(path, options);
 }
 
 /// @param is_flipped  rows lie from the top of the picture
