@@ -73,6 +73,11 @@ struct Light {
   /// largest values let all of it through. Hits lie where their method says: those of the methods `paper` and
   /// `sampled`, which may lie off the surface, may be in its shadow. A head light's shadows are never seen.
   bool casts_shadows = false;
+  /// How large it is to shadows: of a directional light the angle under which it is seen, degrees up to 180; of one in
+  /// a place the radius of a ball around it, world units. 0: a point, whose shadows have sharp edges, by one ray of
+  /// each hit. What stands within the ball may hold its light back.
+  double size = 0;
+  int samples = 16;  ///< rays of each hit towards points spread over a light that has a size, at most 4096
 };
 
 /// How much of the ambient light reaches a surface: what opaque isosurfaces nearby hold back of it is found out by a

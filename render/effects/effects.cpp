@@ -1,6 +1,8 @@
 #include "render/effects/effects.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace rhoray::render {
 
@@ -22,6 +24,19 @@ bool shows_lights(const Surface& surface) {
 
 bool casts_visible_shadows(const Light& light) {
   return light.casts_shadows && light.kind != Light::Kind::head && shines(light);
+}
+
+bool is_wide(const Light& light) {
+  return light.size > 0;
+}
+
+/// What directions to a light need: of a directional one how high the cap of the sphere is that it takes, of one in a
+/// place its radius.
+double extent_of(const Light& light) {
+  if (light.kind == Light::Kind::point) return light.size;
+  constexpr double radians_per_degree = std::numbers::pi / 180;
+  const double sine = std::sin(light.size * radians_per_degree / 4);
+  return 2 * sine * sine;
 }
 
 }  // namespace
@@ -46,6 +61,9 @@ EffectSet effects_called_for(const Scene& scene, const Layer& layer) {
   if (!effects.diffuse) return effects;
   effects.shadows = shows_lights(layer.surface) && has_opaque_surface(scene) &&
                     std::any_of(scene.lights.begin(), scene.lights.end(), casts_visible_shadows);
+  effects.soft_shadows =
+      effects.shadows && std::any_of(scene.lights.begin(), scene.lights.end(),
+                                     [](const Light& light) { return casts_visible_shadows(light) && is_wide(light); });
   effects.occlusion = scene.occlusion.samples > 0 && scene.occlusion.radius > 0 && layer.surface.ambient > 0 &&
                       has_opaque_surface(scene);
   effects.lights = effects.occlusion || !is_lit_from_the_eye_alone(scene);
@@ -62,7 +80,9 @@ LayerLights lights_of(const Scene& scene, const Affine& world_from_volume) {
     of_layer.lights.push_back({.kind = light.kind,
                                .casts_shadows = casts_visible_shadows(light),
                                .place = is_point ? volume_from_world.point(light.place) : light.place.normalized(),
-                               .color = Imath::V3f(light.color)});
+                               .color = Imath::V3f(light.color),
+                               .extent = extent_of(light),
+                               .rays = is_wide(light) ? light.samples : 1});
   }
   return of_layer;
 }

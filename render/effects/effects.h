@@ -23,9 +23,10 @@ struct EffectSet {
   bool texture = false;
   bool specular = false;
   bool intensity = false;
-  bool lights = false;     ///< others than one white light at the eye
-  bool shadows = false;    ///< rays towards lights are asked about
-  bool occlusion = false;  ///< rays into surroundings are asked about
+  bool lights = false;        ///< others than one white light at the eye
+  bool shadows = false;       ///< rays towards lights are asked about
+  bool soft_shadows = false;  ///< several of each hit, towards lights that are not points
+  bool occlusion = false;     ///< rays into surroundings are asked about
   bool fog = false;
 };
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+#include <limits>
 #include <vector>
 
 #include "formats/base/affine.h"
@@ -15,6 +17,10 @@ struct LayerLights {
     bool casts_shadows;
     Vec3 place;  ///< directional: the unit vector towards it, world axes; point: where it stands, volume frame
     Imath::V3f color;
+    /// Where shadows are cast, half the size: directional: 1 - the cosine of half its angle; point: its radius, world
+    /// units.
+    double extent = 0;
+    int rays = 1;  ///< of each hit, if it casts shadows; spread over it where it has an extent
   };
 
   std::vector<One> lights;
@@ -39,6 +45,15 @@ inline WayToLight way_to_light(const LayerLights::One& light, const Affine& worl
   const Vec3 way = world_from_volume.vector(light.place - place);
   const double distance = way.length();
   return {way / distance, distance};
+}
+
+/// How high the cap of the unit sphere is that a light with an extent takes, seen from a distance; from within it, half
+/// of the sphere.
+inline double cap_height_of(const LayerLights::One& light, double distance) {
+  if (light.kind == Light::Kind::directional) return light.extent;
+  if (!(light.extent < distance)) return 1;
+  const double sine = light.extent / distance;
+  return sine * sine / (1 + std::sqrt(1 - sine * sine));
 }
 
 /// To the eye, from the hits of the rays from `first` on.

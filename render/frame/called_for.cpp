@@ -52,6 +52,13 @@ std::string why_shadows(const Scene& scene, const Layer& layer) {
   return asked ? "none could be seen: the light stands at the eye or does not shine, or nothing opaque holds it back"
                : "no light casts any";
 }
+std::string why_soft_shadows(const Scene& scene, const Layer& layer) {
+  if (!effects_called_for(scene, layer).soft_shadows) return "no light that casts shadows has a size";
+  int samples = 0;
+  for (const Light& light : scene.lights)
+    if (light.casts_shadows && light.size > 0) samples = std::max(samples, light.samples);
+  return concat("a light has a size: up to ", samples, " rays a hit and light");
+}
 std::string why_occlusion(const Scene& scene, const Layer& layer) {
   const Occlusion& occlusion = scene.occlusion;
   if (!(occlusion.radius > 0)) return "its radius is 0";
@@ -78,6 +85,7 @@ constexpr std::array rows{Row{"diffuse", &EffectSet::diffuse, why_diffuse},
                           Row{"intensity", &EffectSet::intensity, why_intensity},
                           Row{"lights", &EffectSet::lights, why_lights},
                           Row{"shadows", &EffectSet::shadows, why_shadows},
+                          Row{"soft shadows", &EffectSet::soft_shadows, why_soft_shadows},
                           Row{"ambient occlusion", &EffectSet::occlusion, why_occlusion},
                           Row{"fog", &EffectSet::fog, why_fog}};
 static_assert(sizeof(EffectSet) == rows.size(), "an effect has no row here");

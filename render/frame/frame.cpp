@@ -79,7 +79,7 @@ std::size_t trace_blocks(const Frame& frame, const LatticeRays& rays, const Tile
                          Framebuffer& out) {
   expect_tile(rays.lattice, tile, out);
   trace_layers(frame, rays, tile, worker);
-  if (frame.needs.occlusion) number_pixels(rays.lattice, tile, worker);
+  if (frame.needs.spread_directions) number_pixels(rays.lattice, tile, worker);
 
   const std::uint64_t shading_start = ticks_now();
   const bool has_one_layer = frame.has_one_layer();

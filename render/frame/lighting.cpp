@@ -176,12 +176,50 @@ std::size_t asked_count(const LightRays& light, std::size_t count) {
       std::count_if(light.t_max.data(), light.t_max.data() + count, [](double t) { return t >= 0; }));
 }
 
+/// Aims the rays of the lit hits at a point of a light that has a size: where it stands they go as far as they come
+/// nearest to its middle.
+void aim_at_point_of(const LayerLights::One& light, const Look& look, const LayerWork& work,
+                     const std::vector<SpreadDirections>& pixels, int sample, LightRays& rays) {
+  for (std::size_t r = 0; r < work.rays.count; ++r) {
+    rays.t_max[r] = not_asked;
+    if (rays.is_lit[r] == 0) continue;
+    const WayToLight way = way_to_light(light, look.lights.world_from_volume, work.rays[r].at(work.hits.t[r]));
+    const double cap_height = cap_height_of(light, way.distance);
+    const Vec3 direction = pixels[r].within(way.direction, cap_height, sample);
+    for (int axis = 0; axis < 3; ++axis) rays.direction[axis][r] = direction[axis];
+    rays.t_max[r] = way.distance < infinity ? way.distance * direction.dot(way.direction) : infinity;
+  }
+}
+
+/// The share of a light's points that are seen from each hit, among those before its surface.
+void receive_from_points(const Frame& frame, const FrameLayer& layer, const LayerWork& work,
+                         const LayerLights::One& of_light, float* shares, Worker& worker) {
+  LightRays& light = *worker.light_rays;
+  const std::size_t count = work.rays.count;
+  for (std::size_t r = 0; r < count; ++r) light.is_lit[r] = light.t_max[r] >= 0;
+  std::fill_n(light.asked.data(), count, 0.0F), std::fill_n(light.free.data(), count, 0.0F);
+  for (int sample = 0; sample < of_light.rays; ++sample) {
+    std::fill_n(light.t_max.data(), whole_groups(count), not_asked);
+    aim_at_point_of(of_light, layer.look, work, worker.pixels, sample, light);
+    keep_those_before_surfaces(layer.look, layer.volume_from_world, work, light);
+    worker.counts.shadow_rays += asked_count(light, count);
+    for (std::size_t r = 0; r < count; ++r) light.asked[r] += light.t_max[r] >= 0 ? 1.0F : 0.0F;
+    drop_blocked(frame, layer, work, worker);
+    for (std::size_t r = 0; r < count; ++r) light.free[r] += light.t_max[r] >= 0 ? 1.0F : 0.0F;
+  }
+  for (std::size_t r = 0; r < count; ++r)
+    shares[r] = light.asked[r] > 0 ? light.free[r] / light.asked[r] : static_cast<float>(light.is_lit[r]);
+}
+
 void receive_from(const Frame& frame, std::uint8_t index, std::size_t light_index, Worker& worker) {
   const FrameLayer& layer = frame.layers[index];
   const LayerWork& work = worker.layers[index];
+  const LayerLights::One& of_light = layer.look.lights.lights[light_index];
   LightRays& light = *worker.light_rays;
-  aim_at(layer.look.lights.lights[light_index], layer.look, work, light);
+  aim_at(of_light, layer.look, work, light);
   keep_those_before_surfaces(layer.look, layer.volume_from_world, work, light);
+  if (of_light.extent > 0)
+    return receive_from_points(frame, layer, work, of_light, worker.received.of_lights[light_index].data(), worker);
   worker.counts.shadow_rays += asked_count(light, work.rays.count);
   drop_blocked(frame, layer, work, worker);
   float* shares = worker.received.of_lights[light_index].data();

@@ -66,6 +66,11 @@ void check_light(const Light& light) {
     throw Error(Trouble::usage, concat("a light at ", text_of(light.place), "; expected finite numbers"));
   if (light.kind == Light::Kind::directional && (!is_finite(light.place) || light.place == Vec3(0, 0, 0)))
     throw Error(Trouble::usage, concat("a light from the direction ", text_of(light.place), "; expected a finite one"));
+  const double largest = light.kind == Light::Kind::directional ? 180 : std::numeric_limits<double>::max();
+  if (!(light.size >= 0 && light.size <= largest) || light.samples < 1 || light.samples > 4096)
+    throw Error(Trouble::usage, concat("a light of size ", light.size, " by ", light.samples,
+                                       " samples; expected finite sizes from 0 up, at most 180 degrees, and 1 to 4096 "
+                                       "samples"));
 }
 
 void check_effects(const Scene& scene) {
@@ -173,6 +178,7 @@ void add_needs(const Volume& volume, const FrameLayer& layer, WorkerNeeds& needs
         std::max(needs.queue_entries, choose_kernels(volume.implementation(), look.layer.method).queue_entries);
   if (look.effects.shadows) needs.light_count = look.lights.lights.size();
   needs.occlusion |= look.effects.occlusion;
+  needs.spread_directions |= look.effects.occlusion || look.effects.soft_shadows;
 }
 
 /// Without what cannot be seen: a surface that holds back no light.

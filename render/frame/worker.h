@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "render/effects/occlusion.h"
 #include "render/effects/received.h"
+#include "render/effects/spread_directions.h"
 #include "render/frame/tiles.h"
 #include "render/kernels/kernels.h"
 
@@ -38,6 +38,8 @@ struct LightRays {
   LaneArray<double> direction[3]{LaneArray<double>(tile_capacity), LaneArray<double>(tile_capacity),
                                  LaneArray<double>(tile_capacity)};  ///< unit length, world axes
   LaneArray<double> t_max{tile_capacity};                            ///< below 0: nothing is asked
+  LaneArray<std::uint8_t> is_lit{tile_capacity};                     ///< hits before which a wide light's middle stands
+  LaneArray<float> asked{tile_capacity}, free{tile_capacity};        ///< rays to a wide light, and those not held back
   std::vector<std::size_t> groups;                                   ///< of the tile's, that are asked about
 
   LightRays() { groups.reserve(tile_capacity / RayBatch::group_size); }
@@ -48,6 +50,7 @@ struct WorkerNeeds {
   std::size_t layer_count = 1, queue_entries = 0;
   std::size_t light_count = 0;  ///< as far as shadows are cast
   bool occlusion = false;
+  bool spread_directions = false;  ///< of the pixels: occlusion, or lights that are not points
 };
 
 /// What a thread has traced and shaded.
@@ -76,7 +79,7 @@ struct alignas(128) Worker {
   std::unique_ptr<LightRays> light_rays;
   std::vector<Vec3> eye_normals;  ///< of the hits: unit length, world axes, towards the eye
   ReceivedLight received;
-  std::vector<OcclusionDirections> pixels;  ///< of the tile's rays
+  std::vector<SpreadDirections> pixels;  ///< of the tile's rays
   WorkerCounts counts;
 
   Worker() {
@@ -97,8 +100,9 @@ struct alignas(128) Worker {
       if (!light_rays) light_rays = std::make_unique<LightRays>();
       while (received.of_lights.size() < needs.light_count) received.of_lights.emplace_back(tile_capacity);
     }
+    if (needs.spread_directions) pixels.reserve(tile_capacity);
     if (needs.occlusion) {
-      pixels.reserve(tile_capacity), eye_normals.resize(tile_capacity);
+      eye_normals.resize(tile_capacity);
       if (received.ambient.data() == nullptr) received.ambient = LaneArray<float>(tile_capacity);
     }
     counts = {};

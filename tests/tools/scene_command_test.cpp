@@ -180,18 +180,20 @@ TEST(SceneCommand, draws_nothing_of_a_surface_that_holds_back_no_light) {
 TEST(SceneCommand, reads_the_documents_that_are_published) {
   const Workbench bench;
   bench.make_ball();
-  const std::filesystem::path made = bench / "made/200000-192x192x256";
-  std::filesystem::create_directories(made);
-  for (const char* name : {"torso.rho", "torso-ct.rho", "torso-photo.rho"})
-    std::filesystem::copy_file(bench / "ball.rho", made / name);
-  std::filesystem::copy_file(bench / "ball.rho", bench / "made/head-ct.rho");
+  std::filesystem::create_directories(bench / "scenes");
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(RHORAY_SOURCE_DIR "/data/scenes")) {
     const std::filesystem::path name = entry.path().filename();
     if (name.extension() != ".json" || name == "scene.schema.json") continue;
     SCOPED_TRACE(name);
-    std::filesystem::create_directories(bench / "scenes");
     std::filesystem::copy_file(entry.path(), bench / ("scenes/" + name.string()));
+    const Json scene = Json::parse(read_file(entry.path()));
+    for (const Json& data : scene["data"]) {
+      const std::filesystem::path file = bench.path() / "scenes" / data["file"].get<std::string>();
+      std::filesystem::create_directories(file.lexically_normal().parent_path());
+      std::filesystem::copy_file(bench / "ball.rho", file.lexically_normal(),
+                                 std::filesystem::copy_options::skip_existing);
+    }
     const tools::SceneDocument document = tools::read_scene(bench / ("scenes/" + name.string()));
     EXPECT_TRUE(document.warnings.empty()) << document.warnings.front();
     ++count;
@@ -283,6 +285,8 @@ TEST(SceneCommand, lights_as_options_do) {
          "intensity": 0.8, "shadows": true}, {"type": "head", "intensity": 0.35}])"},
       {{"--light", "70,10"}, R"("lights": [{"type": "directional", "azimuth": 70, "elevation": 10, "intensity": 0.8},
          {"type": "head", "intensity": 0.35}])"},
+      {{"--light", "70,10", "--light-size", "8"}, R"("lights": [{"type": "directional", "azimuth": 70, "elevation": 10,
+         "intensity": 0.8, "shadows": true, "angular_diameter": 8}, {"type": "head", "intensity": 0.35}])"},
       {{"--ao"}, R"("effects": {"ambient_occlusion": {"samples": 16}})"},
       {{"--fog", "30,90"}, R"("effects": {"fog": {"range": [30, 90]}})"}};
   /// Bytes of p.png: pixels, and the scene and command that it keeps.
@@ -313,6 +317,7 @@ TEST(SceneCommand, refuses_lights_that_make_no_sense) {
   for (const auto& [option, text, fact] : {std::tuple{"--light", "30", "elevation from -90 to 90"},
                                            {"--light", "30,91", "elevation from -90 to 90"},
                                            {"--light", "30,up", "a finite number"},
+                                           {"--light-size", "181", "0 to 180"},
                                            {"--fog", "9,3", "a below b"}}) {
     const RunResult result = bench.rhoray({"render", "ball.rho", option, text, "-o", "p.png"});
     EXPECT_EQ(result.exit_code, 2) << option << " " << text;
@@ -325,6 +330,7 @@ TEST(SceneCommand, counts_rays_towards_lights_only_where_they_are_called_for) {
   bench.make_ball();
   for (const std::vector<std::string>& look : {std::vector<std::string>{},
                                                {"--shadows"},
+                                               {"--light-size", "5"},
                                                {"--ao"},
                                                {"--light", "40,40"},
                                                {"--fog", "1,200"},
@@ -337,7 +343,9 @@ TEST(SceneCommand, counts_rays_towards_lights_only_where_they_are_called_for) {
     EXPECT_EQ(is_called_for(told, "shadows"), counts["shadow_rays"].get<int>() > 0);
     EXPECT_EQ(is_called_for(told, "ambient occlusion"), counts["occlusion_rays"].get<int>() > 0);
     EXPECT_EQ(is_called_for(told, "fog"), !look.empty() && look[0] == "--fog");
-    EXPECT_EQ(told["lights"].size(), !look.empty() && (look[0] == "--shadows" || look[0] == "--light") ? 2U : 1U);
+    EXPECT_EQ(is_called_for(told, "soft shadows"), !look.empty() && look[0] == "--light-size");
+    const bool has_key_light = !look.empty() && (look[0] == "--shadows" || look[0].starts_with("--light"));
+    EXPECT_EQ(told["lights"].size(), has_key_light ? 2U : 1U);
   }
   EXPECT_THAT(bench.rhoray({"render", "ball.rho", "--light", "90,0", "--shadows", "--explain"}).out,
               HasSubstr("light 0: from (1, 0, 0), colour (0.8, 0.8, 0.8), casts shadows\nlight 1: at the eye"));

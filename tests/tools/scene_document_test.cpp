@@ -30,6 +30,7 @@ class SceneDocument : public testing::Test {
     bench_->make_ball();
     bench_->make_box();
     bench_->make_photo();
+    bench_->make_cube();
     write_file(*bench_ / "ball.txt", "not a volume");
   }
   static void TearDownTestSuite() {
@@ -156,9 +157,9 @@ std::vector<Mistake> mistakes() {
       {with("layers", "[]"), "s.json: /layers: found []; expected an array of 1 to 254 layers"},
       {with("layers", "{}"), "s.json: /layers: found an object; expected an array of 1 to 254 layers"},
       {with("layers", "[7]"), "s.json: /layers/0: found 7; expected an object"},
-      {with("layers", "[{}]"), "s.json: /layers/0: has no \"type\"; expected one of \"isosurface\", \"mip\""},
+      {with("layers", "[{}]"), "s.json: /layers/0: has no \"type\"; expected one of \"isosurface\", \"mip\", \"mesh\""},
       {with("layers", R"([{"type": "isosurfce"}])"),
-       "s.json: /layers/0/type: found \"isosurfce\"; expected one of \"isosurface\", \"mip\"",
+       "s.json: /layers/0/type: found \"isosurfce\"; expected one of \"isosurface\", \"mip\", \"mesh\"",
        "did you mean isosurface?"},
       {with("layers", R"([{"type": "isosurface", "visible": false}])"),
        "s.json: /layers: no layer is visible; expected at least one"},
@@ -232,7 +233,37 @@ std::vector<Mistake> mistakes() {
        "sampled:STEP[+linear|+bisect]",
        "did you mean paper?"},
 
+      // triangles
+      {with("layers", R"([{"type": "mesh"}])"),
+       "s.json: /layers/0/data: ball.rho: is a grid; expected a packed surface of triangles",
+       "its isosurfaces are layers of type \"isosurface\""},
+      {R"({"data": {"b": {"file": "box.rho"}}, "layers": [{"type": "mesh"}]})",
+       "s.json: /layers/0/data: box.rho: is a mesh of tetrahedra; expected a packed surface of triangles",
+       "its isosurfaces are layers of type \"isosurface\""},
+      {R"({"data": {"c": {"file": "cube.off"}}, "layers": [{"type": "mesh"}]})",
+       "s.json: /data/c/file: cube.off: is not a packed file", "pack it first: rhoray pack cube.off -o cube.rho"},
+      {R"({"data": {"c": {"file": "cube.rho", "field": "a"}}, "layers": [{"type": "mesh"}]})",
+       "s.json: /data/c/field: cube.rho: no field 'a'; a surface has no fields"},
+      {R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "mesh", "isovalue": 1}]})",
+       "s.json: /layers/0/isovalue: found in a layer of type \"mesh\"; expected in one of type \"isosurface\""},
+      {R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "mesh", "color_by": "a"}]})",
+       "s.json: /layers/0/color_by: found in a layer of type \"mesh\"; expected in one of type \"isosurface\""},
+      {R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "mesh", "normals": "exact"}]})",
+       "s.json: /layers/0/normals: found \"exact\"; expected one of \"flat\", \"smooth\""},
+      {R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "mesh", "accuracy": "exact"}]})",
+       "s.json: /layers/0: --accuracy: found 'exact'; expected float or double of cube.rho, which holds triangles"},
+      {R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "mip"}]})",
+       "s.json: /layers/0: --mode: is of fields, and cube.rho holds triangles, shown as they are"},
+
       // lights
+      {with("lights", R"([{"type": "directional", "azimuth": 9, "angular_diameter": 181}])"),
+       "s.json: /lights/0/angular_diameter: found 181; expected a number from 0 to 180"},
+      {with("lights", R"([{"type": "directional", "azimuth": 9, "radius": 1}])"),
+       "s.json: /lights/0/radius: found in a light of type \"directional\"; expected in one of type \"point\""},
+      {with("lights", R"([{"type": "point", "position": [0, 0, 9], "radius": -1}])"),
+       "s.json: /lights/0/radius: found -1; expected a number from 0 up"},
+      {with("lights", R"([{"type": "point", "position": [0, 0, 9], "samples": 0}])"),
+       "s.json: /lights/0/samples: found 0; expected a whole number from 1 to 4096"},
       {with("lights", "{}"), "s.json: /lights: found an object; expected an array of 0 to 64 lights"},
       {with("lights", "[{}]"),
        "s.json: /lights/0: has no \"type\"; expected one of \"head\", \"directional\", \"point\""},
@@ -428,7 +459,9 @@ TEST_F(SceneDocument, spelled_out_is_planned_to_the_same_scene) {
                {"type": "isosurface", "data": "x", "normals": "smooth", "color_by": "length", "colormap": "gray", "range": [0, 2]},
                {"type": "isosurface", "data": "b", "isovalue": 44, "texture": "p"}],
     "lights": [{"type": "directional", "azimuth": 20, "elevation": 30, "from": "camera", "shadows": true},
-               {"type": "point", "position": [1, 2, 3], "color": [0.9, 0.7, 0.1], "intensity": 3.3},
+               {"type": "point", "position": [1, 2, 3], "color": [0.9, 0.7, 0.1], "intensity": 3.3, "radius": 0.25,
+                "samples": 9, "shadows": true},
+               {"type": "directional", "direction": [1, 2, 3], "shadows": true, "angular_diameter": 0.53},
                {"type": "head", "intensity": 0.3}],
     "effects": {"ambient_occlusion": {"samples": 5}, "fog": {"color": [0.1, 0.2, 0.3]}},
     "camera": {"azimuth": 33.3, "elevation": -71.7, "zoom": 1.7, "ortho": true},
@@ -443,9 +476,79 @@ TEST_F(SceneDocument, spelled_out_is_planned_to_the_same_scene) {
   EXPECT_TRUE(again.frame.channels.cost);
   EXPECT_FALSE(again.frame.use_hierarchy);
   EXPECT_EQ(again.scene.lights.at(1).color, Vec3(0.9, 0.7, 0.1) * 3.3);
+  EXPECT_EQ(again.scene.lights.at(1).size, 0.25);
+  EXPECT_EQ(again.scene.lights.at(1).samples, 9);
+  EXPECT_EQ(again.scene.lights.at(2).size, 0.53);
+  EXPECT_EQ(again.scene.lights.at(2).samples, 16);
   Json second = tools::scene_json(tools::spelled_out(again));
   second["data"] = first["data"];  // by other ways
   EXPECT_EQ(second.dump(), first.dump());
+}
+
+TEST_F(SceneDocument, shows_triangles_as_a_layer_of_their_own) {
+  write_file(bench() / "s.json", R"({"data": {"b": {"file": "ball.rho"}, "c": {"file": "cube.rho"}},
+    "accuracy": "certified",
+    "layers": [{"type": "isosurface", "data": "b", "isovalue": 100},
+               {"type": "mesh", "data": "c", "normals": "smooth", "opacity": 0.5, "specular": 0},
+               {"type": "mesh", "data": "c", "color": [1, 0, 0], "accuracy": "double"}]})");
+  const tools::ScenePlan plan = planned(bench() / "s.json");
+  ASSERT_EQ(plan.scene.layers.size(), 3U);
+  const render::Layer& first = plan.scene.layers[1];
+  EXPECT_EQ(first.mode, render::Mode::triangles);
+  EXPECT_EQ(first.surface.normals, render::Normals::smooth);
+  EXPECT_EQ(first.surface.opacity, 0.5);
+  EXPECT_EQ(first.method, render::method_of(render::Accuracy::single)) << "triangles have no certified level";
+  EXPECT_EQ(plan.scene.layers[2].method, render::method_of(render::Accuracy::twofold));
+  EXPECT_EQ(plan.scene.layers[2].surface.color, Vec3(1, 0, 0));
+  EXPECT_NE(first.surface.color, plan.scene.layers[0].surface.color);
+  const Json spelled = tools::scene_json(tools::spelled_out(plan));
+  EXPECT_EQ(spelled["layers"][1]["type"], "mesh");
+  EXPECT_FALSE(spelled["layers"][1].contains("isovalue"));
+}
+
+TEST_F(SceneDocument, knows_triangles_by_the_older_type_too) {
+  write_file(bench() / "s.json", R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "isosurface"}]})");
+  const tools::ScenePlan plan = planned(bench() / "s.json");
+  EXPECT_EQ(plan.scene.layers.at(0).mode, render::Mode::triangles);
+  EXPECT_EQ(tools::scene_json(tools::spelled_out(plan))["layers"][0]["type"], "mesh");
+}
+
+TEST_F(SceneDocument, notes_lights_that_may_not_be_meant_and_surfaces_that_are_not_traced) {
+  const auto notes = [&](const std::string& lights, const std::string& layer = R"("isovalue": 100)",
+                         const std::string& camera = R"({"view": "-y"})") {
+    write_file(bench() / "s.json", concat(R"({"data": {"b": {"file": "ball.rho"}}, "layers": [{"type": "isosurface", )",
+                                          layer, "}], \"lights\": ", lights, ", \"camera\": ", camera, "}"));
+    std::vector<std::string> said = planned(bench() / "s.json").notes;
+    for (std::string& note : said) note = without_folder(note);
+    return said;
+  };
+  const auto point = [](const char* position, const char* more = "") {
+    return concat(R"([{"type": "point", "position": )", position, more, "}]");
+  };
+  // The ball is 23 wide; its isosurface 100 has a radius of 7.3 about (11.5, 11.5, 11.5).
+  const auto is_inside = ElementsAre(HasSubstr("light 0 stands inside opaque surfaces"));
+  EXPECT_THAT(notes(point("[11.5, 11.5, 11.5]")), is_inside);
+  EXPECT_THAT(notes(point("[9, 12, 15]", R"(, "shadows": true)")), is_inside);
+  EXPECT_THAT(notes(point("[11.5, -3, 11.5]")), testing::IsEmpty());
+  EXPECT_THAT(notes(point("[11.5, 11.5, 11.5]"), R"("isovalue": 100, "opacity": 0.9)"), testing::IsEmpty())
+      << "a clear surface lets it out";
+  EXPECT_THAT(notes(point("[11.5, 11.5, 13]"), R"("isovalue": 100)",
+                    R"({"position": [11.5, 10, 11.5], "target": [11.5, 11.5, 11.5]})"),
+              testing::IsEmpty())
+      << "the eye is there too";
+  // Looking along +y.
+  const auto is_behind = ElementsAre(HasSubstr("light 0 shines from behind what is looked at"));
+  EXPECT_THAT(notes(R"([{"type": "directional", "direction": [0.05, 1, 0]}])"), is_behind);
+  EXPECT_THAT(notes(point("[11.5, 90, 11.5]")), is_behind);
+  EXPECT_THAT(notes(R"([{"type": "directional", "direction": [0.5, 1, 0]}])"), testing::IsEmpty());
+  EXPECT_THAT(notes(R"([{"type": "directional", "direction": [0, -1, 0]}])"), testing::IsEmpty());
+  EXPECT_THAT(notes(R"([{"type": "directional", "direction": [0, -1, 0], "angular_diameter": 3}])"),
+              ElementsAre(HasSubstr("light 0 has a size, which only shadows show")));
+  EXPECT_THAT(notes("[]"), testing::IsEmpty());
+  EXPECT_THAT(notes("[]", R"("isovalue": 100, "ambient": 0)"), ElementsAre(HasSubstr("no light shines")));
+  EXPECT_THAT(notes(R"([{"type": "head"}])", R"("isovalue": 100, "opacity": 0)"),
+              ElementsAre("s.json: /layers/0/opacity: is 0: the surface is not traced"));
+  EXPECT_THAT(notes(R"([{"type": "head"}])", R"("isovalue": 100, "opacity": 1)"), testing::IsEmpty());
 }
 
 TEST_F(SceneDocument, places_lights_by_directions_and_by_angles_from_world_and_camera) {

@@ -12,13 +12,8 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-/// cube.off of six squares, and cube.rho.
 void make_cube(const Workbench& bench) {
-  write_file(bench / "cube.off",
-             "OFF\n8 6 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n"
-             "4 0 2 3 1\n4 4 5 7 6\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n4 1 3 7 5\n");
-  const RunResult packed = bench.rhoray({"pack", "cube.off", "-o", "cube.rho"});
-  ASSERT_EQ(packed.exit_code, 0) << packed.err;
+  const RunResult packed = bench.make_cube();
   EXPECT_THAT(packed.err, HasSubstr("12 triangles, 8 points"));
   EXPECT_THAT(packed.err, HasSubstr("note: 6 facets of more than three corners cut into triangles"));
 }
@@ -108,6 +103,45 @@ TEST(SurfaceCommands, refuse_what_asks_for_a_field) {
   const RunResult exported = bench.rhoray({"export", "cube.rho", "-o", "x.stl"});
   EXPECT_EQ(exported.exit_code, 7);
   EXPECT_THAT(exported.err, HasSubstr("holds a surface"));
+}
+
+TEST(SurfaceCommands, stand_as_landmarks_beside_another_file) {
+  const Workbench bench;
+  make_cube(bench);
+  bench.make_ball();
+  const std::vector<std::string> look{"--size", "32x24", "--json", "-o", "p.png", "--force"};
+  const auto drawn = [&](std::vector<std::string> first) {
+    first.insert(first.begin(), "render");
+    first.insert(first.end(), look.begin(), look.end());
+    const RunResult run = bench.rhoray(first);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return json::parse(run.out);
+  };
+  const json one = drawn({"ball.rho", "--iso", "100", "--mesh", "cube.rho", "--shadows"});
+  const std::string bytes = read_file(bench / "p.png");
+  ASSERT_EQ(one["scene"]["layers"].size(), 2);
+  EXPECT_EQ(one["scene"]["layers"][1]["type"], "mesh");
+  EXPECT_EQ(one["scene"]["data"].size(), 2);
+  std::filesystem::remove(bench / "p.png");
+  EXPECT_EQ(bench.shell(one["reproduce"].get<std::string>()).exit_code, 0);
+  EXPECT_TRUE(read_file(bench / "p.png") == bytes);
+  std::filesystem::copy_file(bench / "cube.rho", bench / "other.rho");
+  EXPECT_EQ(drawn({"ball.rho", "--mesh", "cube.rho,other.rho", "--accuracy", "certified"})["scene"]["layers"].size(),
+            3);
+  EXPECT_EQ(drawn({"ball.rho", "--mode", "mip", "--mesh", "cube.rho"})["scene"]["layers"][0]["type"], "mip");
+
+  for (const auto& [file, exit_code, fact, hint] :
+       {std::tuple{"cube.off", 4, "cube.off: is not a packed file", "rhoray pack cube.off -o cube.rho"},
+        {"ball.rho", 4, "--mesh: ball.rho: is a grid; expected a packed surface", "isosurface"},
+        {"cub.rho", 3, "cub.rho: no such file", "did you mean cube.rho?"}}) {
+    const RunResult refused = bench.rhoray({"render", "ball.rho", "--mesh", file, "-o", "x.png"});
+    EXPECT_EQ(refused.exit_code, exit_code) << file;
+    EXPECT_THAT(refused.err, HasSubstr(fact));
+    EXPECT_THAT(refused.err, HasSubstr(hint));
+    EXPECT_FALSE(std::filesystem::exists(bench / "x.png"));
+  }
+  write_file(bench / "s.json", R"({"data": {"b": {"file": "ball.rho"}}, "layers": [{"type": "mip"}]})");
+  EXPECT_EQ(bench.rhoray({"render", "s.json", "--mesh", "cube.rho", "-o", "x.png"}).exit_code, 2);
 }
 
 TEST(SurfaceCommands, refuse_damaged_files) {

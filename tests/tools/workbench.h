@@ -98,6 +98,16 @@ class Workbench {
     if (packed.exit_code != 0) throw std::runtime_error("box.rho was not made: " + packed.err);
   }
 
+  /// cube.off of six squares, and cube.rho of twelve triangles.
+  RunResult make_cube() const {
+    write_file(folder_ / "cube.off",
+               "OFF\n8 6 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n"
+               "4 0 2 3 1\n4 4 5 7 6\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n4 1 3 7 5\n");
+    RunResult packed = rhoray({"pack", "cube.off", "-o", "cube.rho"});
+    if (packed.exit_code != 0) throw std::runtime_error("cube.rho was not made: " + packed.err);
+    return packed;
+  }
+
  private:
   TemporaryFolder folder_;
 };

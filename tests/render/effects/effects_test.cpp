@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "render/effects/power.h"
+#include "render/effects/spread_directions.h"
 
 namespace rhoray::tests {
 namespace {
@@ -26,7 +28,7 @@ Layer lit_surface() {
 
 /// One hit, shaded in every place of a group; refuses a group in which places differ.
 Vec3 shaded(const Layer& layer, const EffectSet& effects, const Vec3& gradient, const Vec3& direction, double value = 0,
-            const Affine& world_from_volume = {}) {
+            const Affine& world_from_volume = {}, const render::Surroundings& surroundings = {}) {
   render::RayBatch rays(group_size);
   render::HitBatch hits(group_size);
   for (std::size_t i = 0; i < group_size; ++i) {
@@ -35,7 +37,7 @@ Vec3 shaded(const Layer& layer, const EffectSet& effects, const Vec3& gradient, 
   }
   rays.count = group_size;
   Colors colors;
-  shade(layer, effects, Facing(world_from_volume), rays, hits, 0, nullptr, colors);
+  shade(layer, effects, Facing(world_from_volume), rays, hits, 0, nullptr, colors, surroundings);
   for (std::size_t i = 1; i < group_size; ++i)
     EXPECT_TRUE(colors.red[i] == colors.red[0] && colors.green[i] == colors.green[0] &&
                 colors.blue[i] == colors.blue[0]);
@@ -91,6 +93,136 @@ TEST(Shade, is_as_the_formulas_say_in_cells_of_any_shape_and_for_gradients_of_an
         EXPECT_LT((got - color).length(), length > 1e-310 ? 4e-6 : 1e-4) << length << ", " << k;
       }
   EXPECT_GT(largest, 1e-8) << "is this still computed in single precision?";
+}
+
+// The same for lights anywhere, against the formulas in double.
+TEST(Shade, adds_up_lights_as_the_formulas_say) {
+  const Affine sheared{{2e-3, 1e-4, 0}, {-3e-4, 4e-3, 2e-4}, {1e-3, 0, 7e-2}, {5, 6, 7}};
+  Affine huge = sheared, mirrored = sheared;
+  for (Vec3* axis : {&huge.x_axis, &huge.y_axis, &huge.z_axis, &huge.origin}) *axis *= 1e20;
+  mirrored.x_axis *= -1;
+  render::Scene scene;
+  scene.layers[0] = lit_surface();
+  const render::Surface& surface = scene.layers[0].surface;
+  double highlights = 0;
+  for (const Affine& map : {sheared, huge, mirrored})
+    for (const double length : {1.0, 1e-300, 1e300})
+      for (int k = 0; k < 200; ++k) {
+        const double unit = map.z_axis.length();
+        const Vec3 gradient(std::sin(k), std::cos(2.1 * k), std::sin(3.3 * k + 1));
+        const Vec3 direction = Vec3(std::cos(0.7 * k), 0.4, std::sin(0.9 * k)).normalized();
+        // The hits of shaded() lie at t = 1 from the origin of the volume's frame.
+        const Vec3 place = map.origin + direction;
+        scene.lights = {
+            {.color = {0.5, 0.25, 0.125}},
+            {.kind = render::Light::Kind::directional, .place = {3, std::sin(0.3 * k), -2}, .color = {0.1, 0.2, 2}},
+            {.kind = render::Light::Kind::point,
+             .place = place + unit * Vec3(std::cos(k), 2, std::sin(0.2 * k)),
+             .color = {1, 0.1, 0.3}}};
+        const Vec3 to_eye = -direction;
+        Vec3 normal = map.gradient(gradient).normalized();
+        if (normal.dot(to_eye) < 0) normal = -normal;
+        Vec3 expected = surface.ambient * surface.color;
+        for (const render::Light& light : scene.lights) {
+          const Vec3 to_light = light.kind == render::Light::Kind::head    ? to_eye
+                                : light.kind == render::Light::Kind::point ? (light.place - place).normalized()
+                                                                           : light.place.normalized();
+          const double cosine = normal.dot(to_light);
+          if (cosine <= 0) continue;
+          const double highlight =
+              surface.specular *
+              std::pow(std::max(0.0, normal.dot((to_light + to_eye).normalized())), surface.shininess);
+          highlights += highlight;
+          expected += light.color * ((1 - surface.ambient) * cosine * surface.color + highlight * Vec3(1, 1, 1));
+        }
+        const render::LayerLights lights = lights_of(scene, map);
+        const Vec3 got = shaded(scene.layers[0], effects_called_for(scene, scene.layers[0]), gradient * length,
+                                map.inverse().vector(direction), 0, map, {.lights = &lights});
+        // A place moved by less than doubles tell it from the origin's: the light's direction is off by as much.
+        EXPECT_LT((got - expected).length(), 2e-5) << length << ", " << k;
+      }
+  EXPECT_GT(highlights, 1);
+}
+
+TEST(EffectsCalledFor, are_read_from_the_scene) {
+  render::Scene scene;
+  scene.layers[0] = lit_surface();
+  const auto called_for = [&] { return effects_called_for(scene, scene.layers[0]); };
+  EffectSet set = called_for();
+  EXPECT_TRUE(!set.lights && !set.shadows && !set.occlusion && !set.fog) << "one white light at the eye";
+  scene.lights[0].color = {1, 1, 0.5};
+  EXPECT_TRUE(called_for().lights);
+  scene.lights = {{}, {.kind = render::Light::Kind::point, .color = {0, 0, 0}, .casts_shadows = true}};
+  set = called_for();
+  EXPECT_TRUE(!set.lights && !set.shadows) << "a light of no intensity";
+  scene.lights[1].color = {0, 0, 1};
+  set = called_for();
+  EXPECT_TRUE(set.lights && set.shadows);
+  EXPECT_FALSE(called_for().soft_shadows) << "a light without a size";
+  scene.lights[1].size = 0.1;
+  EXPECT_TRUE(called_for().soft_shadows);
+  scene.lights[1].casts_shadows = false;
+  EXPECT_FALSE(called_for().soft_shadows) << "no shadows";
+  scene.lights[1].casts_shadows = true;
+  scene.layers[0].surface.opacity = 0.5;
+  EXPECT_FALSE(called_for().shadows || called_for().soft_shadows) << "nothing holds light back";
+  scene.layers.push_back(lit_surface());
+  EXPECT_TRUE(called_for().shadows);
+  scene.lights = {{}};
+  scene.occlusion.radius = 1;
+  set = called_for();
+  EXPECT_TRUE(set.lights && set.occlusion && !set.shadows);
+  scene.layers[0].surface.ambient = 0;
+  EXPECT_FALSE(called_for().occlusion);
+  scene.fog = render::Fog{.range = {.lo = 0, .hi = 1}};
+  EXPECT_TRUE(called_for().fog);
+  scene.layers[0].mode = Mode::mip;
+  set = called_for();
+  EXPECT_TRUE(!set.fog && !set.lights && set.intensity);
+}
+
+TEST(SpreadDirections, lie_around_the_normal_as_the_cosine_weighs) {
+  double height = 0;
+  Vec3 sum(0, 0, 0);
+  int count = 0;
+  for (const Vec3& any : {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(1, 0, 0), Vec3(0.3, -0.7, -1e-9), Vec3(-1, 2, 3)})
+    for (std::uint32_t pixel = 0; pixel < 50; ++pixel) {
+      const Vec3 normal = any.normalized();
+      const render::SpreadDirections directions(pixel, 7 * pixel);
+      for (int sample = 0; sample < 32; ++sample, ++count) {
+        const Vec3 direction = directions.about(normal, sample);
+        EXPECT_NEAR(direction.length(), 1, 1e-12);
+        EXPECT_GT(direction.dot(normal), 0);
+        height += direction.dot(normal), sum += direction - direction.dot(normal) * normal;
+      }
+    }
+  EXPECT_NEAR(height / count, 2.0 / 3, 0.003);  // the mean of a cosine that weighs itself
+  EXPECT_LT(sum.length() / count, 0.003);
+}
+
+TEST(SpreadDirections, fill_a_cone_evenly) {
+  for (const double cap_height : {1.0, 0.3, 1e-9})
+    for (const Vec3& any : {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(0.3, -0.7, -1e-9)}) {
+      const Vec3 axis = any.normalized();
+      double below = 0, lowest = 0;
+      Vec3 sum(0, 0, 0);
+      int count = 0;
+      for (std::uint32_t pixel = 0; pixel < 50; ++pixel) {
+        const render::SpreadDirections directions(pixel, 7 * pixel);
+        for (int sample = 0; sample < 32; ++sample, ++count) {
+          const Vec3 direction = directions.within(axis, cap_height, sample);
+          EXPECT_NEAR(direction.length(), 1, 1e-12);
+          const Vec3 across = direction - direction.dot(axis) * axis;
+          // 1 - cosine, without the digits that the difference would lose
+          const double height = across.dot(across) / (1 + direction.dot(axis));
+          below += height, lowest = std::max(lowest, height), sum += across;
+        }
+      }
+      EXPECT_NEAR(below / count / cap_height, 0.5, 0.005);
+      EXPECT_LE(lowest, cap_height * (1 + 1e-6));
+      EXPECT_GT(lowest, 0.99 * cap_height);
+      EXPECT_LT(sum.length() / count / std::sqrt(cap_height), 0.005);
+    }
 }
 
 TEST(Shade, lights_a_hit_without_gradient_as_if_it_faced_the_eye) {

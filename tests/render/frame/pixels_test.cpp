@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "tests/render/support/rays.h"
@@ -43,8 +44,10 @@ std::unique_ptr<render::LayerWork> made_up_hits(const Tile& tile) {
 Framebuffer picture_of(const Scene& scene, const Tile& tile, Machine machine, const render::ChannelSet& channels) {
   const auto work = made_up_hits(tile);
   const render::Look look{.layer = scene.layers[0],
-                          .effects = effects_called_for(scene.layers[0]),
+                          .effects = effects_called_for(scene, scene.layers[0]),
                           .facing = render::Facing(world_from_volume),
+                          .lights = lights_of(scene, world_from_volume),
+                          .fog = scene.fog,
                           .proves = false,
                           .machine = machine};
   const auto colors = std::make_unique<render::TileColors>();
@@ -63,11 +66,18 @@ Framebuffer picture_of(const Scene& scene, const Tile& tile, Machine machine, co
 
 // What only rounds exactly and fuses nothing is the same everywhere.
 TEST(Pixels, have_the_same_bits_on_every_machine) {
-  for (const render::Mode mode : {render::Mode::isosurface, render::Mode::mip})
+  for (const auto& [mode, has_lights] :
+       {std::pair(render::Mode::isosurface, false), {render::Mode::isosurface, true}, {render::Mode::mip, false}})
     for (const Tile tile : {Tile{0, 32, 0, 32}, Tile{0, 29, 0, 13}}) {
       Scene scene;
       scene.layers[0].mode = mode;
       scene.layers[0].window = {0, 1};
+      if (has_lights) {
+        scene.lights = {{},
+                        {.kind = render::Light::Kind::directional, .place = {1, -2, 3}, .color = {1, 0.5, 0.2}},
+                        {.kind = render::Light::Kind::point, .place = {10, -2, 13}}};
+        scene.fog = render::Fog{.color = {0, 0, 1}, .range = {.lo = 0, .hi = 60}};
+      }
       const Framebuffer scalar = picture_of(scene, tile, Machine::scalar, {.normal = true});
       for (const Machine machine : {Machine::baseline, Machine::avx2, Machine::avx512}) {
         if (!has_machine(machine)) continue;

@@ -21,6 +21,7 @@ namespace {
 using render::Framebuffer;
 using render::FrameOptions;
 using render::FrameStatistics;
+using render::Light;
 using render::Method;
 using render::Mode;
 using render::Scene;
@@ -293,7 +294,9 @@ TEST(Render, allocates_nothing_per_ray) {
   const TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
   for (const TracedVolume* traced : {&grid, &mesh})
     for (const Mode mode : {Mode::isosurface, Mode::mip}) {
-      const Scene scene = scene_of(traced->volume(), mode);
+      Scene scene = scene_of(traced->volume(), mode);
+      scene.lights.push_back({.kind = Light::Kind::directional, .place = {1, 2, 3}, .casts_shadows = true});
+      scene.occlusion = {.samples = 2, .radius = 5};
       const auto allocations_of = [&](int edge) {
         Framebuffer picture;
         FrameOptions options{.width = edge, .height = edge, .channels = all_channels, .threads = 1};

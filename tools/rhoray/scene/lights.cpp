@@ -93,6 +93,10 @@ LightWish wish_of(const render::Light& light) {
   if (light.kind == Type::directional) wish.direction = light.place;
   if (light.kind == Type::point) wish.position = light.place;
   if (light.kind != Type::head) wish.shadows = light.casts_shadows;
+  if (light.size > 0) {
+    (light.kind == Type::point ? wish.radius : wish.angular_diameter_deg) = light.size;
+    wish.samples = light.samples;
+  }
   return wish;
 }
 
@@ -102,8 +106,10 @@ bool is_white_head(const render::Light& light) {
 
 }  // namespace
 
-std::vector<LightWish> key_and_fill(const std::optional<Angles>& towards, bool shadows) {
+std::vector<LightWish> key_and_fill(const std::optional<Angles>& towards, bool shadows,
+                                    const std::optional<double>& angular_diameter_deg) {
   LightWish key{.type = Type::directional, .intensity = 0.8, .shadows = shadows};
+  key.angular_diameter_deg = angular_diameter_deg;
   key.azimuth_deg = towards ? towards->azimuth_deg : -40;
   key.elevation_deg = towards ? towards->elevation_deg : 40;
   if (!towards) key.from = "camera";
@@ -119,6 +125,8 @@ std::vector<render::Light> choose_lights(const SceneWishes& wishes, const render
     light.place = place_of(wish, camera, place.at(lights.size()));
     light.color = (wish.color ? wish.color->linear : Vec3(1, 1, 1)) * wish.intensity.value_or(1);
     light.casts_shadows = wish.shadows.value_or(false);
+    light.size = (wish.type == Type::point ? wish.radius : wish.angular_diameter_deg).value_or(0);
+    light.samples = wish.samples.value_or(light.samples);
     lights.push_back(light);
   }
   return lights;

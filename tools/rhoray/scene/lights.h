@@ -18,9 +18,11 @@ struct Angles {
   double azimuth_deg = 0, elevation_deg = 0;
 };
 
-/// What the options --shadows and --light ask for: a key light, and a weaker one at the eye that fills its shadows.
+/// What the options --shadows, --light and --light-size ask for: a key light, and a weaker one at the eye that fills
+/// its shadows.
 /// @param towards  the key light, in the world; nothing: from the upper left of the camera
-std::vector<LightWish> key_and_fill(const std::optional<Angles>& towards, bool shadows);
+std::vector<LightWish> key_and_fill(const std::optional<Angles>& towards, bool shadows,
+                                    const std::optional<double>& angular_diameter_deg);
 
 /// One white light at the eye where nothing is wished. Refuses a directional light without a direction or with two
 /// (Trouble::invalid).

@@ -76,8 +76,8 @@ void add_texture(const std::filesystem::path& file, SceneWishes& scene) {
 
 /// The lights that options ask for; nothing where they ask for none.
 std::optional<std::vector<LightWish>> lights_of(const PictureOptions& options) {
-  if (!options.shadows && !options.key_light) return std::nullopt;
-  return key_and_fill(options.key_light, options.shadows);
+  if (!options.shadows && !options.key_light && !options.key_light_size) return std::nullopt;
+  return key_and_fill(options.key_light, options.shadows || options.key_light_size, options.key_light_size);
 }
 
 /// A view by a word or angles replaces a place that was given; an angle of view, an orthographic one.
@@ -112,6 +112,8 @@ std::vector<Option> picture_options(PictureOptions& options) {
           "the largest); several are several surfaces; default auto",
           layer.isovalues)),
       layers(value_option("--field", "NAME", "Field to show; default the first", scene.data[0].field)),
+      layers(value_option("--mesh", "FILE[,FILE...]",
+                          "Packed surfaces whose triangles stand beside the file as landmarks", options.meshes)),
       value_option("--size", "WxH", "Pixels, or 720p, 1080p, 4k; default 1280x720", image.size),
       word_option("--view", view_words(), "Side to look from: iso (three-quarter), +x, -x, +y, -y, +z, -z; default iso",
                   camera.view),
@@ -157,6 +159,10 @@ std::vector<Option> picture_options(PictureOptions& options) {
                     "A key light from where a camera of this azimuth and elevation would stand, with the weaker light "
                     "at the eye; with --shadows it casts them",
                     options.key_light),
+      number_option("--light-size", "DEG",
+                    "Angle under which the key light is seen: with it the light casts shadows, and their edges are "
+                    "soft, by 16 rays a hit; default 0, sharp edges",
+                    limits::angular_diameter_deg, options.key_light_size),
       {Option::Kind::flag, "--ao", "",
        "Ambient occlusion: less light from all sides where opaque surfaces are near, up to a tenth of the diagonal of "
        "what is shown; 16 rays a hit",
@@ -197,6 +203,17 @@ void refuse_words_of_surfaces(const LayerWish& layer) {
       throw Error(Trouble::usage, concat(option, " is of isosurfaces; a maximum intensity projection has no surface"));
 }
 
+/// A layer of its own for each file of triangles.
+void add_landmarks(const std::vector<std::string>& files, SceneWishes& wishes) {
+  if (files.empty()) return;
+  wishes.data[0].name = wishes.layers[0].data = "data";
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const std::string name = concat("mesh ", i + 1);
+    wishes.data.push_back({.name = name, .file = files[i]});
+    wishes.layers.push_back({.type = LayerType::mesh, .data = name});
+  }
+}
+
 }  // namespace
 
 SceneWishes wishes_of(const PictureOptions& options, const std::filesystem::path& file) {
@@ -208,6 +225,7 @@ SceneWishes wishes_of(const PictureOptions& options, const std::filesystem::path
   if (!wishes.layers[0].method.empty() && !wishes.accuracy.empty())
     throw Error(Trouble::usage, "--method and --accuracy say the same thing twice: give one of them");
   if (wishes.layers[0].type == LayerType::mip) refuse_words_of_surfaces(wishes.layers[0]);
+  add_landmarks(options.meshes, wishes);
   return wishes;
 }
 

@@ -15,8 +15,10 @@ struct PictureOptions {
   SceneWishes wishes{.data = std::vector<DataWish>(1), .layers = std::vector<LayerWish>(1)};
   std::string mode = "iso";
   std::filesystem::path texture;          ///< empty = none
+  std::vector<std::string> meshes;        ///< files of triangles, landmarks beside the file
   bool shadows = false;                   ///< the key light casts them
   std::optional<Angles> key_light;        ///< where it stands
+  std::optional<double> key_light_size;   ///< degrees; its shadows are soft
   std::vector<std::string> of_the_layer;  ///< options given that say what is shown and how it looks
 };
 

@@ -8,6 +8,7 @@
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/method_words.h"
 #include "tools/rhoray/scene/document.h"
+#include "tools/rhoray/scene/light_notes.h"
 #include "tools/rhoray/scene/lights.h"
 #include "tools/rhoray/scene/looks.h"
 #include "tools/rhoray/scene/picture_words.h"
@@ -132,6 +133,16 @@ void note_textures_elsewhere(ScenePlan& plan) {
   }
 }
 
+bool is_level_of_triangles(const std::string& accuracy) {
+  return accuracy == "float" || accuracy == "double";
+}
+
+/// The level asked for, by the layer or the scene; a scene's level that triangles have not is none of theirs.
+std::string accuracy_of(const SceneWishes& wishes, const LayerWish& layer) {
+  if (!layer.accuracy.empty()) return layer.accuracy;
+  return layer.type != LayerType::mesh || is_level_of_triangles(wishes.accuracy) ? wishes.accuracy : "";
+}
+
 render::Method choose_method(const SceneWishes& wishes, std::size_t index, render::Mode mode,
                              const render::Volume& volume) {
   const LayerWish& layer = wishes.layers[index];
@@ -143,14 +154,14 @@ render::Method choose_method(const SceneWishes& wishes, std::size_t index, rende
       return wishes.document.empty() ? method_named(layer.method, mode, volume.is_mesh())
                                      : method_named(layer.method, mode, volume.is_mesh(), place.pointer);
     });
-  const std::string& accuracy = layer.accuracy.empty() ? wishes.accuracy : layer.accuracy;
+  const std::string accuracy = accuracy_of(wishes, layer);
   return accuracy.empty() ? render::default_method(volume, mode) : render::method_of(accuracy_named(accuracy));
 }
 
 /// What a layer says of fields is refused where its data are triangles.
 void refuse_words_of_fields(const SceneWishes& wishes, const LayerWish& layer, const render::Volume& volume) {
   const LayerWish defaults;
-  const std::string& accuracy = layer.accuracy.empty() ? wishes.accuracy : layer.accuracy;
+  const std::string accuracy = accuracy_of(wishes, layer);
   for (const auto& [given, option] : {std::pair{layer.isovalues != defaults.isovalues, "--iso"},
                                       {layer.type == LayerType::mip, "--mode"},
                                       {!layer.color_by.empty(), "--color-by"},
@@ -160,7 +171,7 @@ void refuse_words_of_fields(const SceneWishes& wishes, const LayerWish& layer, c
     if (given)
       throw Error(Trouble::usage,
                   concat(option, ": is of fields, and ", volume.file().name(), " holds triangles, shown as they are"));
-  if (!accuracy.empty() && accuracy != "float" && accuracy != "double")
+  if (!accuracy.empty() && !is_level_of_triangles(accuracy))
     throw Error(Trouble::usage, concat("--accuracy: found '", accuracy, "'; expected float or double of ",
                                        volume.file().name(), ", which holds triangles"));
 }
@@ -174,6 +185,7 @@ class LayerPlanner {
     for (std::size_t index = 0; index < wishes_.layers.size(); ++index)
       if (wishes_.layers[index].visible) add(index);
     require_layers();
+    note_invisible_surfaces();
     color_several_surfaces();
     note_textures_elsewhere(plan_);
     return std::move(plan_);
@@ -190,6 +202,7 @@ class LayerPlanner {
     layer.volume = volume_of(wishes_, data_of(wishes_, index), open_, plan_);
     const render::Volume& volume = plan_.volumes[layer.volume];
     if (volume.is_surface()) return add_triangles(index, layer);
+    if (wish.type == LayerType::mesh) refuse_fields(index, volume);
     layer.mode = wish.type == LayerType::mip ? render::Mode::mip : render::Mode::isosurface;
     layer.method = choose_method(wishes_, index, layer.mode, volume);
     switch (wish.type) {
@@ -199,7 +212,19 @@ class LayerPlanner {
         return add_isosurfaces(index, layer);
       case LayerType::mip:
         return add_projection(index, layer);
+      case LayerType::mesh:
+        break;
     }
+  }
+
+  /// What is to be triangles, and is not.
+  [[noreturn]] void refuse_fields(std::size_t index, const render::Volume& volume) const {
+    const std::string fact = concat(volume.file().name(), ": is a ", volume.is_mesh() ? "mesh of tetrahedra" : "grid",
+                                    "; expected a packed surface of triangles");
+    throw Error(Trouble::invalid,
+                wishes_.document.empty() ? concat("--mesh: ", fact)
+                                         : concat(layer_place(wishes_, index).at("data").text(), ": ", fact),
+                "its isosurfaces are layers of type \"isosurface\"");
   }
 
   void add_triangles(std::size_t index, render::Layer layer) {
@@ -271,10 +296,20 @@ class LayerPlanner {
       }
   }
 
+  void note_invisible_surfaces() {
+    for (std::size_t i = 0; i < plan_.scene.layers.size(); ++i) {
+      const render::Layer& layer = plan_.scene.layers[i];
+      if (layer.mode == render::Mode::mip || layer.surface.opacity > 0) continue;
+      const Place place = layer_place(wishes_, plan_.origins[i].wish).at("opacity");
+      plan_.notes.push_back(
+          concat(wishes_.document.empty() ? "--opacity" : place.text(), ": is 0: the surface is not traced"));
+    }
+  }
+
   void color_several_surfaces() {
     std::vector<std::size_t> surfaces;
     for (std::size_t i = 0; i < plan_.scene.layers.size(); ++i)
-      if (plan_.scene.layers[i].mode == render::Mode::isosurface) surfaces.push_back(i);
+      if (plan_.scene.layers[i].mode != render::Mode::mip) surfaces.push_back(i);
     if (surfaces.size() < 2) return;
     for (std::size_t i = 0; i < surfaces.size(); ++i) {
       if (wishes_.layers[plan_.origins[surfaces[i]].wish].color) continue;
@@ -381,9 +416,7 @@ void place_lights(const SceneWishes& wishes, const ShownBox& shown, ScenePlan& p
   scene.lights = choose_lights(wishes, scene.camera);
   scene.occlusion = choose_occlusion(wishes.effects.occlusion, shown);
   scene.fog = choose_fog(wishes.effects.fog, scene.camera, scene.background, shown);
-  for (std::size_t i = 0; i < scene.lights.size(); ++i)
-    if (scene.lights[i].color == Vec3(0, 0, 0))
-      plan.notes.push_back(concat("light ", i, " shines with no intensity: not traced"));
+  for (const std::string& note : light_notes(scene, plan.volumes)) plan.notes.push_back(note);
 }
 
 }  // namespace
@@ -422,7 +455,10 @@ SceneWishes spelled_out(const ScenePlan& plan) {
       wish.type = LayerType::mip;
       wish.range = layer.window;
     } else {
-      if (layer.mode == render::Mode::isosurface) wish.isovalues = {concat(layer.isovalue)};
+      if (layer.mode == render::Mode::isosurface)
+        wish.isovalues = {concat(layer.isovalue)};
+      else
+        wish.type = LayerType::mesh;
       wish.color = Color{layer.surface.color};
       wish.normals = word_of(layer.surface.normals, has_flat_normals(plan.volumes[layer.volume]));
       if (const auto& colors = layer.surface.color_by) {

@@ -23,7 +23,11 @@ Rows rows_of_every_layer() {
       row("data", &LayerWish::data, text_value(), "Name of the data shown; may be left out where there is only one"),
       row("visible", &LayerWish::visible, yes_or_no(), "false: the layer is left out, its file is not opened"),
       row("accuracy", &LayerWish::accuracy, word_value(accuracy_words()),
-          "How right the layer is drawn; default the scene's accuracy"),
+          "How right the layer is drawn; default the scene's accuracy")};
+}
+
+Rows rows_of_every_field() {
+  return {
       row("method", &LayerWish::method, method_value(), "One method by name instead of an accuracy, for comparison")};
 }
 
@@ -32,7 +36,7 @@ Rows rows_of_isosurfaces() {
       row("isovalue", &LayerWish::isovalues, isovalues_value(),
           "Value of the surface; \"auto\" is Otsu's threshold, several values are several layers; default \"auto\""),
       row("color", &LayerWish::color, color_value(),
-          "Default neutral; in scenes of several isosurfaces each has one of its own"),
+          "Default neutral; in scenes of several surfaces each has one of its own"),
       row("normals", &LayerWish::normals, word_value(normals_words()),
           "What lights it: \"flat\", in a mesh the exact gradient of each cell, the default there; \"smooth\", in a "
           "mesh linear between means at the points; \"exact\", in a grid the gradient of its trilinear field"),
@@ -41,11 +45,23 @@ Rows rows_of_isosurfaces() {
       row("colormap", &LayerWish::colormap, word_value(colormap_words()),
           "Colours of \"color_by\"; default \"viridis\""),
       row("range", &LayerWish::range, interval_value(),
-          "Values of \"color_by\" from the map's first colour to its last; default the field's range"),
+          "Values of \"color_by\" from the map's first colour to its last; default the field's range")};
+}
+
+Rows rows_of_triangles() {
+  return {row("color", &LayerWish::color, color_value(),
+              "Default neutral; in scenes of several surfaces each has one of its own"),
+          row("normals", &LayerWish::normals, word_value({"flat", "smooth"}),
+              "What lights it: \"flat\", the normal of each triangle, the default; \"smooth\", linear between means at "
+              "the corners")};
+}
+
+Rows rows_of_lit_surfaces() {
+  return {
       row("texture", &LayerWish::texture, text_value(),
-          "Name of data packed with --color, whose colours cover the surface, registered in world axes; where it has "
-          "no "
-          "texels, and as far as these are clear, \"color\" stays"),
+          "Name of data packed with --color, whose colours, registered in world axes, cover the surface; where there "
+          "are "
+          "none, \"color\" stays"),
       row("ambient", &LayerWish::ambient, number_within(limits::share), "Share of light from all sides; default 0.12"),
       row("specular", &LayerWish::specular, number_within(limits::share),
           "Strength of the highlight; 0 computes none; default 0.25"),
@@ -69,6 +85,11 @@ Row<LightWish> intensity_row() {
 }
 Row<LightWish> shadows_row() {
   return row("shadows", &LightWish::shadows, yes_or_no(), "true: opaque isosurfaces hold it back; default false");
+}
+Row<LightWish> samples_row() {
+  return row("samples", &LightWish::samples, whole_number_within(limits::light_samples),
+             "Shadow rays of each hit to points spread over a light that has a size: more are slower and less grainy; "
+             "default 16");
 }
 
 template <class Object>
@@ -194,8 +215,11 @@ Row<SceneWishes> schema_row() {
 std::span<const LayerKind> layer_kinds() {
   static const std::vector<LayerKind> kinds{
       {LayerType::isosurface, "isosurface", "Where the field has one value",
-       rows_of_every_layer() + rows_of_isosurfaces()},
-      {LayerType::mip, "mip", "The largest value along every ray", rows_of_every_layer() + rows_of_projections()}};
+       rows_of_every_layer() + rows_of_every_field() + rows_of_isosurfaces() + rows_of_lit_surfaces()},
+      {LayerType::mip, "mip", "The largest value along every ray",
+       rows_of_every_layer() + rows_of_every_field() + rows_of_projections()},
+      {LayerType::mesh, "mesh", "Triangles of a packed surface, a landmark among the others",
+       rows_of_every_layer() + rows_of_triangles() + rows_of_lit_surfaces()}};
   return kinds;
 }
 
@@ -214,12 +238,18 @@ std::span<const LightKind> light_kinds() {
         row("from", &LightWish::from, word_value({"world", "camera"}),
             "What the angles count from: \"world\", the default, or \"camera\", where 0 is the eye, azimuth goes to "
             "the picture's right and elevation up"),
-        color_row(), intensity_row(), shadows_row()}},
+        color_row(), intensity_row(), shadows_row(),
+        row("angular_diameter", &LightWish::angular_diameter_deg, number_within(limits::angular_diameter_deg),
+            "Degrees under which it is seen, for soft edges of shadows (the sun: 0.53); default 0, sharp"),
+        samples_row()}},
       {Type::point,
        "point",
        "In a place; it does not grow weaker with distance",
        {required(row("position", &LightWish::position, vector_value(), "Where it stands, in world units")), color_row(),
-        intensity_row(), shadows_row()}}};
+        intensity_row(), shadows_row(),
+        row("radius", &LightWish::radius, number_from_zero(),
+            "Of the ball that shines, world units, for soft edges of shadows; default 0, sharp"),
+        samples_row()}}};
   return kinds;
 }
 

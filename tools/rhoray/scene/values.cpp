@@ -75,6 +75,17 @@ ValueKind<double> number_within(const Interval<double>& limits) {
   return kind;
 }
 
+ValueKind<double> number_from_zero() {
+  ValueKind<double> kind = number();
+  kind.expected = "a number from 0 up";
+  kind.schema["minimum"] = 0;
+  kind.read = [](const Json& json, const Reading& at) {
+    if (!json.is_number() || !(json.get<double>() >= 0)) at.place.refuse(json, "a number from 0 up");
+    return json.get<double>();
+  };
+  return kind;
+}
+
 ValueKind<double> number_above_zero() {
   ValueKind<double> kind = number();
   kind.expected = "a number above 0";

@@ -38,6 +38,7 @@ struct ValueKind {
 ValueKind<double> number();
 ValueKind<double> number_within(const Interval<double>& limits);
 ValueKind<double> number_above_zero();
+ValueKind<double> number_from_zero();
 ValueKind<int> whole_number_within(const Interval<int>& limits);
 ValueKind<bool> yes_or_no();
 ValueKind<std::string> text_value();

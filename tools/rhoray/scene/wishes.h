@@ -22,7 +22,7 @@ struct DataWish {
   std::string field{};  ///< empty = the first that is not the same everywhere
 };
 
-enum class LayerType { isosurface, mip };
+enum class LayerType { isosurface, mip, mesh };
 
 struct LayerWish {
   LayerType type = LayerType::isosurface;
@@ -65,6 +65,9 @@ struct LightWish {
   std::optional<Color> color{};
   std::optional<double> intensity{};
   std::optional<bool> shadows{};
+  std::optional<double> angular_diameter_deg{};  ///< of a directional light
+  std::optional<double> radius{};                ///< of a point light
+  std::optional<int> samples{};                  ///< of one that has a size
 };
 
 struct OcclusionWish {
@@ -107,6 +110,8 @@ inline constexpr Interval<double> shininess{1, 1e4};
 inline constexpr Interval<double> percentile{0, 100};
 inline constexpr Interval<double> intensity{0, 1e4};
 inline constexpr Interval<int> occlusion_samples{1, 4096};
+inline constexpr Interval<double> angular_diameter_deg{0, 180};
+inline constexpr Interval<int> light_samples{1, 4096};
 }  // namespace limits
 
 }  // namespace rhoray::tools
