@@ -4,10 +4,9 @@
 #include <bit>
 #include <cmath>
 
-#include "formats/base/bytes.h"
 #include "formats/base/checks.h"
-#include "formats/base/invertible.h"
 #include "formats/details/details.h"
+#include "formats/details/grid_details.h"
 #include "formats/format_error.h"
 
 namespace rhoray::formats {
@@ -16,9 +15,6 @@ namespace {
 using details::Json;
 
 constexpr std::string_view grid_kind = "grid";
-constexpr std::int64_t largest_brick_edge = 64;
-constexpr std::int64_t largest_superbrick_edge = 64;
-
 // Without these a reader would put samples where they do not belong.
 constexpr std::string_view axis_tables_feature = "axis-tables";
 constexpr std::string_view sparse_bricks_feature = "sparse-bricks";
@@ -34,26 +30,6 @@ void read_sparse(const details::Reader& reader, BrickLayout& layout) {
   if (layout.superbrick_edge != Index3(1, 1, 1)) reader.refuse_value("superbrick_edge", "[1,1,1] in a sparse grid");
   layout.is_sparse = true;
   layout.stored_brick_count = reader.count("stored_brick_count", 0, BrickGrid::no_brick);
-}
-
-BrickLayout read_layout(const details::Reader& reader, bool is_sparse) {
-  BrickLayout layout;
-  layout.sample_count = reader.index("sample_count", 2, details::largest_axis);
-  layout.brick_edge = static_cast<std::int64_t>(reader.count("brick_edge", 1, largest_brick_edge));
-  layout.superbrick_edge = reader.index("superbrick_edge", 1, largest_superbrick_edge);
-  if (is_sparse) read_sparse(reader, layout);
-  // Each padded axis is below 2^21, so that three of them fit; with the bytes of a sample they may not.
-  const Index3 padded = layout.padded_count();
-  if (!checked_product({static_cast<std::uint64_t>(volume(padded)), sizeof(double)}))
-    reader.refuse_value("sample_count", "a grid whose size fits 64 bits");
-  return layout;
-}
-
-Affine read_affine(const details::Reader& reader) {
-  const details::Reader axes = reader.object("world_from_grid");
-  const Affine affine{axes.vector("x_axis"), axes.vector("y_axis"), axes.vector("z_axis"), axes.vector("origin")};
-  if (!is_invertible(affine)) reader.refuse_value("world_from_grid", "axes that span a volume");
-  return affine;
 }
 
 bool is_floating(ElementType type) {
@@ -88,8 +64,9 @@ GridDescription read_description(const PackedFile& file) {
   const Json json = details::parse(file);
   const details::Reader reader(json, file.name(), "details");
   GridDescription description;
-  description.layout = read_layout(reader, requires_feature(file, sparse_bricks_feature));
-  description.world_from_grid = read_affine(reader);
+  description.layout = details::read_layout(reader, 2);
+  if (requires_feature(file, sparse_bricks_feature)) read_sparse(reader, description.layout);
+  description.world_from_grid = details::read_affine(reader);
   description.length_unit = reader.text("length_unit");
   read_one_field(reader.object("field"), description);
   if (reader.has("more_fields"))
@@ -134,14 +111,6 @@ void check_slots(const PackedFile& file, std::span<const std::uint32_t> slots, s
 std::vector<std::uint64_t> shape_of(const Index3& count) {
   return {static_cast<std::uint64_t>(count.z), static_cast<std::uint64_t>(count.y),
           static_cast<std::uint64_t>(count.x)};
-}
-
-Json affine_json(const Affine& affine) {
-  const std::string_view what = "world_from_grid";
-  return {{"x_axis", details::vector_json(affine.x_axis, what)},
-          {"y_axis", details::vector_json(affine.y_axis, what)},
-          {"z_axis", details::vector_json(affine.z_axis, what)},
-          {"origin", details::vector_json(affine.origin, what)}};
 }
 
 Json certificate_json(const Certificate& certificate, const std::string& field) {
@@ -254,7 +223,7 @@ FileDescription describe(const GridDescription& description) {
   Json json{{"sample_count", details::index_json(layout.sample_count)},
             {"brick_edge", layout.brick_edge},
             {"superbrick_edge", details::index_json(layout.superbrick_edge)},
-            {"world_from_grid", affine_json(description.world_from_grid)},
+            {"world_from_grid", details::affine_json(description.world_from_grid)},
             {"length_unit", description.length_unit},
             {"field", grid_field_json(description, 0)},
             {"macro", details::macro_json(description.macro)},

@@ -23,6 +23,7 @@ RawVolume parse_raw_volume(const std::string& text);
 struct ImportVolumeOptions {
   std::optional<RawVolume> raw;            ///< read as headerless bytes
   std::string field;                       ///< name of the array to take; empty = the only or first scalar one
+  bool colors = false;                     ///< 8-bit colours of 3 or 4 components are read instead of values
   bool length_of_vectors = false;          ///< where no array is scalar: the length of the first, instead of refusing
   std::optional<Vec3> spacing;             ///< replaces the file's
   std::optional<Vec3> origin;              ///< replaces the file's
@@ -33,7 +34,8 @@ struct ImportVolumeOptions {
 
 /// Reads NRRD (.nrrd, .nhdr), MetaImage (.mhd, .mha), NIfTI (.nii, .nii.gz), VTK image data (.vti, legacy .vtk), or raw
 /// bytes. The reader runs in a process of its own; its crash becomes a refusal.
-/// Spacing, origin and direction become world_from_grid, units are kept.
+/// Spacing, origin and direction become world_from_grid, units are kept. Colours are read from stacks of pictures,
+/// NRRD, MetaImage and VTK image data.
 NeutralVolume import_volume(const std::filesystem::path& path, const ImportVolumeOptions& options = {});
 
 }  // namespace rhoray::preprocess

@@ -27,13 +27,14 @@ struct VectorArray {
   int component_count = 2;
 };
 
-/// Samples on a regular lattice, x fastest, one value each.
+/// Samples on a regular lattice, x fastest, one value each; or colours.
 struct NeutralVolume {
   Index3 sample_count;
+  int component_count = 1;  ///< of a sample, side by side: of colours 3 (red, green, blue) or 4 (and alpha)
   formats::ElementType type = formats::ElementType::U8;
   Array<std::byte> owned_samples;       ///< either these,
   std::shared_ptr<const void> mapping;  ///< or a mapping that keeps `samples` alive
-  std::span<const std::byte> samples;   ///< native byte order, volume(sample_count) elements
+  std::span<const std::byte> samples;   ///< native byte order, component_count x volume(sample_count) elements
   std::filesystem::path samples_file;   ///< when not empty, `mapping` is of this file and `samples` lie in it
   std::uint64_t samples_first_byte = 0;
   Affine world_from_grid;

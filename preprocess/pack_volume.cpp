@@ -13,9 +13,9 @@
 
 #include "formats/base/bytes.h"
 #include "formats/base/checks.h"
-#include "formats/base/invertible.h"
 #include "formats/base/trouble.h"
 #include "preprocess/bricks/convert.h"
+#include "preprocess/bricks/lattice_choice.h"
 #include "preprocess/bricks/sparse_bricks.h"
 #include "preprocess/bricks/write_samples.h"
 #include "preprocess/inspect/summarize.h"
@@ -41,12 +41,7 @@ formats::BrickLayout chosen_layout(const Index3& sample_count, const PackVolumeO
     case SampleOrder::bricks:
       break;
   }
-  const std::int64_t edge = options.brick_edge.value_or(4);
-  if (edge < 2 || edge > 64) throw Error(Trouble::usage, concat("brick edge: found ", edge, "; expected 2 to 64"));
-  const std::int64_t superbrick = options.largest_superbrick;
-  if (superbrick < 1 || superbrick > 64)
-    throw Error(Trouble::usage, concat("superbrick edge: found ", superbrick, "; expected 1 to 64"));
-  return formats::BrickLayout::bricked(sample_count, edge, superbrick);
+  return bricked_layout(sample_count, options.brick_edge.value_or(4), options.largest_superbrick);
 }
 
 void check_samples(const NeutralVolume& volume, const std::string& source_name) {
@@ -61,14 +56,6 @@ void check_samples(const NeutralVolume& volume, const std::string& source_name) 
   if (!bytes || *bytes != volume.samples.size())
     throw Error(Trouble::invalid, concat(source_name, ": found ", volume.samples.size(), " bytes of samples; expected ",
                                          n.x, " x ", n.y, " x ", n.z, " of ", formats::element_name(volume.type)));
-}
-
-void check_frame(const Affine& world_from_grid, const std::string& source_name) {
-  if (!is_invertible(world_from_grid))
-    throw Error(Trouble::invalid,
-                concat(source_name, ": found grid axes that span a volume of ", world_from_grid.determinant(),
-                       "; expected three independent, finite axes, not too small to be inverted, and a finite origin"),
-                "give the spacing and the origin yourself");
 }
 
 void check_axes(const NeutralVolume& volume, const std::string& source_name) {

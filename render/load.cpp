@@ -4,6 +4,7 @@
 
 #include "formats/base/text.h"
 #include "formats/base/trouble.h"
+#include "formats/color_grid.h"
 #include "render/volumes/load_view.h"
 #include "render/volumes/volume.h"
 
@@ -101,6 +102,9 @@ Volume Volume::load(const formats::PackedFile& file, const std::string& field) {
   if (file.description().kind == "tets") return Volume(load_tets(file, field));
   if (file.description().kind == formats::VdbGrid::kind) return Volume(load_vdb(file, field));
   if (file.description().kind == formats::SurfaceMesh::kind) return Volume(load_surface(file, field));
+  if (file.description().kind == formats::ColorGrid::kind)
+    throw Error(Trouble::invalid, concat(file.name(), ": holds colours; expected a grid, a mesh or a surface"),
+                "colours cover a surface of other data: --texture FILE, or the key \"texture\" of a scene's layer");
   throw Error(Trouble::unsupported,
               concat(file.name(), ": kind '", file.description().kind, "'; expected 'grid', 'tets' or 'surface'"));
 }

@@ -57,6 +57,7 @@ struct FrameStatistics {
   std::uint64_t highlights_shaded = 0;  ///< hits for which the specular effect was computed
   std::uint64_t normals_smoothed = 0;   ///< hits for which gradients at a cell's points were read
   std::uint64_t colors_looked_up = 0;   ///< hits for which the field that colours the surface was read
+  std::uint64_t texture_lookups = 0;    ///< hits for which texels were read
   Phases phases;
   double preparation_s = 0;  ///< of wall_s: what is kept with the volume and was not there yet made ready: the
                              ///< isovalue, gradients at points
@@ -89,8 +90,8 @@ class FrameMemory {
 /// The framebuffer is the same, bit for bit, for any number of threads. Refuses a picture without pixels, a scene
 /// without layers, a layer of a volume that is not there, an isovalue, a clip region or a camera that is not finite, a
 /// clip box that is empty, a mode that is not one of the volume's kind, a method that does not answer the question,
-/// smooth normals of a grid, colours by a field that is not there, a light or fog that is not finite, and the channel
-/// `error` where the method proves nothing (Trouble::usage).
+/// smooth normals of a grid, colours by a field that is not there, or beside a texture, a light or fog that is not
+/// finite, and the channel `error` where the method proves nothing (Trouble::usage).
 FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
                        Framebuffer& framebuffer);
 

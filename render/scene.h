@@ -12,6 +12,7 @@
 #include "render/clip.h"
 #include "render/color_map.h"
 #include "render/method.h"
+#include "render/texture.h"
 
 namespace rhoray::render {
 
@@ -42,6 +43,7 @@ struct FieldColors {
 struct Surface {
   Vec3 color{0.78, 0.74, 0.68};
   std::optional<FieldColors> color_by{};
+  std::optional<Texture> texture{};  ///< covers the surface's own colour where it has texels; not beside color_by
   Normals normals = Normals::exact;
   double ambient = 0.12;   ///< share of light that comes from everywhere, white; lights give the rest
   double specular = 0.25;  ///< 0: no highlight is computed

@@ -13,6 +13,7 @@
 #include "data/recipes/potential.h"
 #include "data/recipes/test_volumes.h"
 #include "data/recipes/torso_ct.h"
+#include "data/recipes/torso_photo.h"
 #include "data/recipes/torso_scene.h"
 #include "data/recipes/torso_surface.h"
 #include "formats/base/trouble.h"
@@ -116,6 +117,19 @@ void add_torso_ct(CLI::App& program) {
   command->callback([] { recipes::write_torso_ct(output.path, parse_size(size), output.replace_existing); });
 }
 
+void add_torso_photo(CLI::App& program) {
+  static Output output;
+  static std::string size = "320x224x512";
+  CLI::App* command =
+      program.add_subcommand("torso-photo", "Synthetic photographs of the same torso's sections, 8-bit RGB");
+  add_output(*command, output, "Volume to write (.nhdr); the colours go beside it (.raw)");
+  command->add_option("--size", size, "Texels on each axis")->capture_default_str();
+  command->footer(
+      "Example:\n  rhoray-recipes torso-photo -o torso_photo.nhdr --size 320x224x512\n"
+      "  rhoray pack torso_photo.nhdr --color -o torso_photo.rho");
+  command->callback([] { recipes::write_torso_photo(output.path, parse_size(size), output.replace_existing); });
+}
+
 void add_marschner_lobb(CLI::App& program) {
   static Output output;
   static recipes::MarschnerLobbOptions options;
@@ -160,6 +174,7 @@ int main(int argc, char** argv) {
   add_torso_surface(program);
   add_torso_potential(program);
   add_torso_ct(program);
+  add_torso_photo(program);
   add_marschner_lobb(program);
   add_test_volume(program, "smooth", recipes::TestVolume::smooth,
                   "A smooth body with a gyroid in it, 16 bit: isovalues 600.5 (skin) and 2200.5");

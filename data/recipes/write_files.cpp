@@ -54,16 +54,18 @@ void write_nrrd(const std::filesystem::path& path, bool replace_existing, const 
   const auto triple = [](const Vec3& v) { return concat("(", v.x, ",", v.y, ",", v.z, ")"); };
   const Index3 n = header.sample_count;
 
+  const bool is_colored = header.component_count > 1;
   NewFile text(path, replace_existing), raw(raw_path, replace_existing);
-  text.write(concat("NRRD0005\ncontent: ", header.content, "\ntype: ", header.type, "\ndimension: 3\n",
-                    header.in_patient_mm ? "space: left-posterior-superior\n" : "space dimension: 3\n",  //
-                    "sizes: ", n.x, " ", n.y, " ", n.z, "\n",                                            //
-                    "space directions: ", triple({header.spacing.x, 0, 0}), " ", triple({0, header.spacing.y, 0}), " ",
-                    triple({0, 0, header.spacing.z}), "\n",
-                    header.in_patient_mm ? "space units: \"mm\" \"mm\" \"mm\"\n" : "",  //
-                    "kinds: domain domain domain\nendian: little\nencoding: raw\n",     //
-                    "space origin: ", triple(header.first_sample), "\n",                //
-                    "data file: ", raw_path.filename().string(), "\n"));
+  text.write(concat(
+      "NRRD0005\ncontent: ", header.content, "\ntype: ", header.type, "\ndimension: ", is_colored ? "4\n" : "3\n",
+      header.in_patient_mm ? "space: left-posterior-superior\n" : "space dimension: 3\n",               //
+      "sizes: ", is_colored ? concat(header.component_count, " ") : "", n.x, " ", n.y, " ", n.z, "\n",  //
+      "space directions: ", is_colored ? "none " : "", triple({header.spacing.x, 0, 0}), " ",
+      triple({0, header.spacing.y, 0}), " ", triple({0, 0, header.spacing.z}), "\n",
+      header.in_patient_mm ? "space units: \"mm\" \"mm\" \"mm\"\n" : "",                                   //
+      "kinds: ", is_colored ? "RGB-color " : "", "domain domain domain\nendian: little\nencoding: raw\n",  //
+      "space origin: ", triple(header.first_sample), "\n",                                                 //
+      "data file: ", raw_path.filename().string(), "\n"));
   write_samples(raw);
   raw.commit();
   text.commit();

@@ -34,7 +34,8 @@ class NewFile {
 
 /// What stands in the header of a detached NRRD file: samples in x-fastest order, little-endian.
 struct NrrdHeader {
-  std::string type;  ///< NRRD's name: "int16", "uint8", "float"
+  std::string type;         ///< NRRD's name: "int16", "uint8", "float"
+  int component_count = 1;  ///< of each sample; 3: colours
   Index3 sample_count;
   Vec3 first_sample;  ///< position of the centre of the first sample
   Vec3 spacing;

@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -136,6 +137,10 @@ RHORAY_INSTANTIATE(std::uint32_t);
 RHORAY_INSTANTIATE(std::int32_t);
 RHORAY_INSTANTIATE(float);
 RHORAY_INSTANTIATE(double);
+using Rgb = std::array<std::uint8_t, 3>;
+using Rgba = std::array<std::uint8_t, 4>;
+RHORAY_INSTANTIATE(Rgb);
+RHORAY_INSTANTIATE(Rgba);
 #undef RHORAY_INSTANTIATE
 
 }  // namespace rhoray::preprocess

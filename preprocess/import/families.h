@@ -21,6 +21,11 @@ NeutralVolume read_dicom(const std::filesystem::path& path, const std::string& f
 NeutralVolume read_legacy_vtk_volume(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_raw(const std::filesystem::path& path, const RawVolume& raw);
 
+// Colours (VolumeRequest::colors).
+NeutralVolume read_nrrd_colors(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_metaimage_colors(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_vti_colors(const std::filesystem::path& path, const std::string& field);
+
 CellMesh read_vtu(const std::filesystem::path& path);
 CellMesh read_pvtu(const std::filesystem::path& path);
 CellMesh read_vts(const std::filesystem::path& path);

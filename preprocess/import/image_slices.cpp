@@ -56,7 +56,7 @@ int page_count(const fs::path& file) {
   return pages;
 }
 
-std::vector<Slice> slices_of(const fs::path& path) {
+std::vector<Slice> slices_of(const fs::path& path, std::size_t least) {
   std::vector<Slice> slices;
   if (fs::is_directory(path)) {
     for (const fs::path& file : files_in(path))
@@ -65,14 +65,21 @@ std::vector<Slice> slices_of(const fs::path& path) {
     const int pages = page_count(path);
     for (int page = 0; page < pages; ++page) slices.push_back({path, page});
   }
-  if (slices.size() < 2)
-    throw Error(Trouble::unsupported, concat(path.string(), ": found ", slices.size(), " slice; expected at least 2"),
+  if (slices.size() < least)
+    throw Error(Trouble::unsupported,
+                concat(path.string(), ": found ", slices.size(), " slice; expected at least ", least),
                 "name the folder that holds the slices of the volume");
   return slices;
 }
 
-/// Pixels of one slice, all channels, in the type of the file.
-std::vector<std::byte> pixels_of(const Slice& slice, const Picture& expected) {
+/// Bytes of one slice, all channels, in the type of the file.
+std::size_t bytes_of(const Picture& picture) {
+  return static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) * picture.channels.size() *
+         picture.type.size();
+}
+
+/// Reads the pixels of one slice, all channels.
+void read_pixels(const Slice& slice, const Picture& expected, std::byte* pixels) {
   const auto input = open(slice.file);
   if (!input->seek_subimage(slice.page, 0))
     refuse_input(slice.file, concat("page ", slice.page), input->geterror(), "a picture");
@@ -80,11 +87,8 @@ std::vector<std::byte> pixels_of(const Slice& slice, const Picture& expected) {
   if (found != expected)
     refuse_input(slice.file, concat("page ", slice.page), text_of(found),
                  concat(text_of(expected), ", as the first slice"));
-  std::vector<std::byte> pixels(static_cast<std::size_t>(found.width) * static_cast<std::size_t>(found.height) *
-                                found.channels.size() * found.type.size());
-  if (!input->read_image(slice.page, 0, 0, -1, found.type, pixels.data()))
+  if (!input->read_image(slice.page, 0, 0, -1, found.type, pixels))
     refuse_input(slice.file, concat("page ", slice.page), input->geterror(), "a whole picture");
-  return pixels;
 }
 
 ElementType element_type_of_oiio(const Picture& picture, const fs::path& path) {
@@ -152,17 +156,33 @@ void take_slice(const std::vector<std::byte>& pixels, const Picture& picture, co
     } else if (choice.channel == Choice::grey && (sample != value(pixel, 1) || sample != value(pixel, 2))) {
       throw Error(Trouble::unsupported,
                   concat(slice.file.string(), ", pixel ", pixel, ": found a colour; expected grey, or a choice"),
-                  "take one channel: --field R, G, B or luminance");
+                  "take one channel: --field R, G, B or luminance; or all of them, as a texture: --color");
     }
     std::memcpy(to.data() + pixel * sizeof(T), &sample, sizeof sample);
   }
 }
 
+/// Refuses what is not red, green and blue of 8 bits, with or without an alpha by itself.
+void check_colors(const OIIO::ImageSpec& spec, const fs::path& path) {
+  const std::vector<std::string>& names = spec.channelnames;
+  const bool has_alpha = names.size() == 4;
+  const bool is_rgb = (names.size() == 3 || has_alpha) && names[0] == "R" && names[1] == "G" && names[2] == "B" &&
+                      (!has_alpha || names[3] == "A");
+  if (!is_rgb || spec.format != OIIO::TypeDesc::UINT8)
+    refuse_input(path, "header", text_of(picture_of(spec)), "R, G, B, or R, G, B, A, of 8 bits", Trouble::unsupported);
+  if (has_alpha && spec.get_int_attribute("oiio:UnassociatedAlpha") == 0)
+    refuse_input(path, "header", "colours multiplied by alpha", "colours by themselves (unassociated alpha)",
+                 Trouble::unsupported);
+}
+
+constexpr const char* no_spacing =
+    "pictures do not say how far apart samples are: 1 x 1 x 1 taken; --spacing X,Y,Z says it";
+
 }  // namespace
 
 NeutralVolume read_image_slices(const fs::path& path, const std::string& field) {
   OIIO::attribute("threads", 1);
-  const std::vector<Slice> slices = slices_of(path);
+  const std::vector<Slice> slices = slices_of(path, 2);
   const Picture picture = picture_of(open(slices.front().file)->spec());
   const Choice choice = choose(picture, field, path);
   NeutralVolume volume;
@@ -171,15 +191,37 @@ NeutralVolume read_image_slices(const fs::path& path, const std::string& field) 
   Array<std::byte> samples(checked_volume_bytes(path, volume.sample_count, volume.type));
   const std::size_t slice_bytes = samples.size() / slices.size();
   formats::with_element_type(volume.type, [&]<class T>(T) {
-    for (std::size_t k = 0; k < slices.size(); ++k)
-      take_slice<T>(pixels_of(slices[k], picture), picture, choice, slices[k],
-                    std::span(samples).subspan(k * slice_bytes, slice_bytes));
+    std::vector<std::byte> pixels(bytes_of(picture));
+    for (std::size_t k = 0; k < slices.size(); ++k) {
+      read_pixels(slices[k], picture, pixels.data());
+      take_slice<T>(pixels, picture, choice, slices[k], std::span(samples).subspan(k * slice_bytes, slice_bytes));
+    }
   });
   set_samples(volume, std::move(samples));
   volume.world_from_grid = axis_parallel({1, 1, 1}, {0, 0, 0});
   volume.field_name = field.empty() ? "intensity" : field;
   if (colour_count(picture) == 3) volume.other_fields.assign(picture.channels.begin(), picture.channels.end());
-  volume.notes.push_back("pictures do not say how far apart samples are: 1 x 1 x 1 taken; --spacing X,Y,Z says it");
+  volume.notes.emplace_back(no_spacing);
+  finish_volume(volume, path);
+  return volume;
+}
+
+NeutralVolume read_color_slices(const fs::path& path) {
+  OIIO::attribute("threads", 1);
+  const std::vector<Slice> slices = slices_of(path, 1);
+  const OIIO::ImageSpec spec = open(slices.front().file)->spec();
+  const Picture picture = picture_of(spec);
+  check_colors(spec, slices.front().file);
+  NeutralVolume volume;
+  volume.component_count = static_cast<int>(picture.channels.size());
+  volume.sample_count = {picture.width, picture.height, static_cast<std::int64_t>(slices.size())};
+  Array<std::byte> samples(checked_color_bytes(path, volume.sample_count, volume.component_count));
+  const std::size_t slice_bytes = bytes_of(picture);
+  for (std::size_t k = 0; k < slices.size(); ++k) read_pixels(slices[k], picture, samples.data() + k * slice_bytes);
+  set_samples(volume, std::move(samples));
+  volume.world_from_grid = axis_parallel({1, 1, 1}, {0, 0, 0});
+  volume.field_name = "colors";
+  volume.notes.emplace_back(no_spacing);
   finish_volume(volume, path);
   return volume;
 }

@@ -14,4 +14,8 @@ namespace rhoray::preprocess {
 ///               grey that all colours agree on
 NeutralVolume read_image_slices(const std::filesystem::path& path, const std::string& field);
 
+/// The same of colours: red, green and blue of 8 bits each, and alpha by itself where there is one. A single picture is
+/// a single slice.
+NeutralVolume read_color_slices(const std::filesystem::path& path);
+
 }  // namespace rhoray::preprocess

@@ -55,6 +55,7 @@ NeutralVolume import_volume(const fs::path& path, const ImportVolumeOptions& opt
   const std::string_view worker = options.raw ? import_worker : worker_for(path);
   const VolumeRequest request{.raw = options.raw,
                               .field = options.field,
+                              .colors = options.colors,
                               .length_of_vectors = options.length_of_vectors && worker == import_worker};
   NeutralVolume volume = take_volume(run_reader(path, volume_arguments(path, request), options, worker));
   if (options.spacing) set_spacing(volume.world_from_grid, *options.spacing);

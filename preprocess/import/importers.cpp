@@ -38,6 +38,10 @@ constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string
     {".zip", read_dicom},
     {"dicom/", read_dicom},
 };
+constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string&)> color_importers[] = {
+    {".nrrd", read_nrrd_colors},     {".nhdr", read_nrrd_colors}, {".mhd", read_metaimage_colors},
+    {".mha", read_metaimage_colors}, {".vti", read_vti_colors},
+};
 constexpr Importer<CellMesh(const std::filesystem::path&)> mesh_importers[] = {
     {".vtu", read_vtu},    {".pvtu", read_pvtu},        {".vts", read_vts},         {".vtk", read_legacy_vtk_mesh},
     {".bin", read_plot3d}, {".xyz", read_plot3d},       {".x", read_plot3d},        {".q", read_plot3d},
@@ -100,6 +104,11 @@ void check_field_name(const NeutralVolume& volume, const std::string& field, con
 NeutralVolume read_volume(const std::filesystem::path& path, const VolumeRequest& request) {
   if (request.raw) {
     NeutralVolume volume = read_raw(path, *request.raw);
+    check_field_name(volume, request.field, path);
+    return volume;
+  }
+  if (request.colors) {
+    NeutralVolume volume = importer_for(color_importers, path, "volume of colours")(path, request.field);
     check_field_name(volume, request.field, path);
     return volume;
   }

@@ -217,9 +217,8 @@ void check_files(const Header& header, const ForeignFile& file, const std::vecto
                  "sizes that the data can fill");
 }
 
-}  // namespace
-
-NeutralVolume read_metaimage(const fs::path& path, const std::string&) {
+/// @param colors  samples of 3 or 4 components of 8 bits are read, and no others
+NeutralVolume read_samples(const fs::path& path, bool colors) {
   const ForeignFile file(path);
   const Header header(file);
   const std::vector<int> axes = header.numbers<int>({"NDims"}, 1);
@@ -230,17 +229,23 @@ NeutralVolume read_metaimage(const fs::path& path, const std::string&) {
   if (sizes.empty()) refuse_input(path, "header", "no key DimSize", "three sizes");
   if (header.word("BinaryData", "True") == "False")
     refuse_input(path, "key BinaryData", "False: samples as text", "True", Trouble::unsupported);
-  const std::vector<int> channels = header.numbers<int>({"ElementNumberOfChannels"}, 1);
-  if (!channels.empty() && channels[0] != 1)
-    refuse_input(path, "key ElementNumberOfChannels", concat(channels[0], " numbers for each sample"), "1",
-                 Trouble::unsupported);
+  const std::vector<int> said = header.numbers<int>({"ElementNumberOfChannels"}, 1);
+  const int channels = said.empty() ? 1 : said[0];
+  if (colors ? channels != 3 && channels != 4 : channels != 1)
+    refuse_input(path, "key ElementNumberOfChannels", concat(channels, " numbers for each sample"),
+                 colors ? "3 or 4: colours" : "1", Trouble::unsupported);
 
   NeutralVolume volume;
   volume.sample_count = {sizes[0], sizes[1], sizes[2]};
+  volume.component_count = channels;
   volume.type = sample_type(header);
+  if (colors && volume.type != ElementType::U8)
+    refuse_input(path, "key ElementType", header.word("ElementType", ""), "MET_UCHAR: colours of 8 bits",
+                 Trouble::unsupported);
   volume.world_from_grid = world_from_grid(header);
   volume.field_name = stem_of(path);
-  const std::uint64_t bytes = checked_volume_bytes(path, volume.sample_count, volume.type);
+  const std::uint64_t bytes = colors ? checked_color_bytes(path, volume.sample_count, channels)
+                                     : checked_volume_bytes(path, volume.sample_count, volume.type);
   const std::vector<std::string> files = data_files(header, file);
   if (!files.empty() && static_cast<std::uint64_t>(sizes[2]) % files.size() != 0)
     refuse_input(path, "key ElementDataFile", concat(files.size(), " files for ", sizes[2], " slices"),
@@ -260,6 +265,16 @@ NeutralVolume read_metaimage(const fs::path& path, const std::string&) {
   }
   finish_volume(volume, path);
   return volume;
+}
+
+}  // namespace
+
+NeutralVolume read_metaimage(const fs::path& path, const std::string&) {
+  return read_samples(path, false);
+}
+
+NeutralVolume read_metaimage_colors(const fs::path& path, const std::string&) {
+  return read_samples(path, true);
 }
 
 }  // namespace rhoray::preprocess

@@ -140,14 +140,34 @@ bool is_in_space(const Nrrd& nrrd, unsigned axis) {
   return kind == nrrdKindUnknown || kind == nrrdKindDomain || kind == nrrdKindSpace;
 }
 
+/// Whether the fastest axis may hold red, green and blue, and alpha.
+bool begins_with_colors(const Nrrd& nrrd) {
+  const NrrdAxisInfo& axis = nrrd.axis[0];
+  switch (axis.kind) {
+    case nrrdKindUnknown:
+    case nrrdKindList:
+    case nrrdKindVector:
+    case nrrdKind3Color:
+    case nrrdKindRGBColor:
+    case nrrdKind4Color:
+    case nrrdKindRGBAColor:
+    case nrrdKind3Vector:
+    case nrrdKind4Vector:
+      return (axis.size == 3 || axis.size == 4) && !has_direction(nrrd, 0);
+    default:
+      return false;
+  }
+}
+
 /// The three axes of the volume, fastest first. Others may only have one sample.
-std::array<unsigned, 3> volume_axes(const std::filesystem::path& path, const Nrrd& nrrd) {
+/// @param has_colors  the first axis has the components of colours
+std::array<unsigned, 3> volume_axes(const std::filesystem::path& path, const Nrrd& nrrd, bool has_colors) {
   std::vector<unsigned> axes;
-  for (unsigned axis = 0; axis < nrrd.dim; ++axis)
+  for (unsigned axis = has_colors ? 1 : 0; axis < nrrd.dim; ++axis)
     if (is_in_space(nrrd, axis)) axes.push_back(axis);
   for (std::size_t i = axes.size(); axes.size() > 3 && i-- > 0;)
     if (nrrd.axis[axes[i]].size == 1) axes.erase(axes.begin() + static_cast<std::ptrdiff_t>(i));
-  for (unsigned axis = 0; axis < nrrd.dim; ++axis)
+  for (unsigned axis = has_colors ? 1 : 0; axis < nrrd.dim; ++axis)
     if (!is_in_space(nrrd, axis) && nrrd.axis[axis].size > 1)
       refuse_input(path, concat("axis ", axis),
                    concat(nrrd.axis[axis].size, " numbers for each sample (kind ",
@@ -217,27 +237,48 @@ std::string sample_unit(const Nrrd& nrrd) {
   return unit;
 }
 
-}  // namespace
+void check_colors(const std::filesystem::path& path, const Nrrd& nrrd) {
+  if (!begins_with_colors(nrrd))
+    refuse_input(path, "axis 0",
+                 concat(nrrd.axis[0].size, " samples of kind ", airEnumStr(nrrdKind, nrrd.axis[0].kind)),
+                 "3 or 4 of kind RGB-color, RGBA-color or vector: colours", Trouble::unsupported);
+  if (nrrd.type != nrrdTypeUChar)
+    refuse_input(path, "key type", airEnumStr(nrrdType, nrrd.type), "uchar: colours of 8 bits", Trouble::unsupported);
+}
 
-NeutralVolume read_nrrd(const std::filesystem::path& path, const std::string&) {
+/// @param colors  samples of 3 or 4 components of 8 bits are read, and no others
+NeutralVolume read_samples(const std::filesystem::path& path, bool colors) {
   if (!ForeignFile(path).text().starts_with("NRRD000"))  // Teem would also take PNG, PNM and text here
     refuse_input(path, "byte 0", "another beginning", "NRRD000");
   // The header alone, so that nothing is allocated for sizes that are refused.
   const auto [header, io] = load_header(path);
-  const std::array<unsigned, 3> axes = volume_axes(path, *header);
+  if (colors) check_colors(path, *header);
+  const std::array<unsigned, 3> axes = volume_axes(path, *header, colors);
   const auto size = [&, &nrrd = *header](std::size_t i) { return static_cast<std::int64_t>(nrrd.axis[axes[i]].size); };
   NeutralVolume volume;
   volume.sample_count = {size(0), size(1), size(2)};
+  if (colors) volume.component_count = static_cast<int>(header->axis[0].size);
   volume.type = type_of(path, *header);
   volume.world_from_grid = world_from_grid(path, *header, axes);
   volume.length_unit = length_unit(*header, axes);
   volume.field_unit = sample_unit(*header);
   volume.field_name = stem_of(path);
-  const std::uint64_t bytes = checked_volume_bytes(path, volume.sample_count, volume.type);
+  const std::uint64_t bytes = colors ? checked_color_bytes(path, volume.sample_count, volume.component_count)
+                                     : checked_volume_bytes(path, volume.sample_count, volume.type);
   check_data_size(path, *io, bytes);
   if (!left_in_file(volume, path, *io, bytes)) set_samples(volume, load_samples(path, *header, bytes));
   finish_volume(volume, path);
   return volume;
+}
+
+}  // namespace
+
+NeutralVolume read_nrrd(const std::filesystem::path& path, const std::string&) {
+  return read_samples(path, false);
+}
+
+NeutralVolume read_nrrd_colors(const std::filesystem::path& path, const std::string&) {
+  return read_samples(path, true);
 }
 
 }  // namespace rhoray::preprocess

@@ -14,6 +14,7 @@ namespace rhoray::preprocess {
 struct VolumeRequest {
   std::optional<RawVolume> raw;  ///< read as headerless bytes, whatever the extension
   std::string field;             ///< as in ImportVolumeOptions
+  bool colors = false;           ///< likewise
   bool length_of_vectors = false;
 };
 

@@ -75,6 +75,10 @@ std::uint64_t checked_volume_bytes(const std::filesystem::path& path, const Inde
   return *bytes;
 }
 
+std::uint64_t checked_color_bytes(const std::filesystem::path& path, const Index3& n, int component_count) {
+  return checked_volume_bytes(path, n, ElementType::U32) / 4 * static_cast<std::uint64_t>(component_count);
+}
+
 void check_packed_size(const std::filesystem::path& path, std::uint64_t wanted_bytes, std::uint64_t file_bytes) {
   constexpr std::uint64_t tightest = 1040;  // zlib shrinks to no less than about 1/1032
   if (wanted_bytes / tightest > file_bytes)
@@ -328,6 +332,52 @@ NeutralVolume volume_of_field(const std::filesystem::path& path, const PointGrid
   volume.field_name = field.empty() ? array.name : field;
   if (array.in_cells) volume.notes.push_back("values stand in cells; each became a sample at the middle of its cell");
   set_chosen(volume, array, choice.component);
+  finish_volume(volume, path);
+  return volume;
+}
+
+namespace {
+
+bool holds_colors(const GridArray& array) {
+  return array.type == ElementType::U8 && (array.component_count == 3 || array.component_count == 4);
+}
+
+GridArray& choose_colors(const std::filesystem::path& path, std::vector<GridArray>& arrays, const std::string& field) {
+  for (GridArray& array : arrays) {
+    if (field.empty() ? !holds_colors(array) || array.in_cells : array.name != field) continue;
+    const std::string place = concat("array '", array.name, "'");
+    if (!holds_colors(array))
+      refuse_input(path, place, concat(array.component_count, " components of ", formats::element_name(array.type)),
+                   "3 or 4 of U8: colours", Trouble::unsupported);
+    if (array.in_cells) refuse_input(path, place, "colours in cells", "colours at points", Trouble::unsupported);
+    return array;
+  }
+  throw Error(field.empty() ? Trouble::unsupported : Trouble::usage,
+              concat(path.string(), ": found no ", field.empty() ? "colours" : concat("field '", field, "'"),
+                     "; expected an array of 3 or 4 components of U8 at points, of: ", names_of(arrays)));
+}
+
+}  // namespace
+
+NeutralVolume colors_of_field(const std::filesystem::path& path, const PointGrid& grid, std::vector<GridArray> arrays,
+                              const std::string& field) {
+  GridArray& array = choose_colors(path, arrays, field);
+  if (array.load) {
+    array.owned = array.load();
+    array.values = array.owned;
+  }
+  NeutralVolume volume;
+  volume.component_count = array.component_count;
+  volume.sample_count = grid.point_count;
+  volume.world_from_grid = grid.world_from_grid;
+  volume.field_name = array.name;
+  const std::uint64_t bytes = checked_color_bytes(path, grid.point_count, array.component_count);
+  if (array.values.size() != bytes)
+    refuse_input(path, concat("array '", array.name, "'"), concat(array.values.size(), " bytes"), concat(bytes));
+  if (!array.owned.empty())
+    set_samples(volume, std::move(array.owned));
+  else
+    set_samples(volume, {array.values.begin(), array.values.end()});
   finish_volume(volume, path);
   return volume;
 }

@@ -22,6 +22,9 @@ void make_native(std::span<std::byte> bytes, std::size_t element_bytes, bool big
 std::uint64_t checked_volume_bytes(const std::filesystem::path& path, const Index3& sample_count,
                                    formats::ElementType type);
 
+/// The same of colours of 8 bits a component, of which a texel has 3 or 4.
+std::uint64_t checked_color_bytes(const std::filesystem::path& path, const Index3& sample_count, int component_count);
+
 /// Refuses sizes that so short a file cannot hold even if packed by zlib as tightly as it can.
 void check_packed_size(const std::filesystem::path& path, std::uint64_t wanted_bytes, std::uint64_t file_bytes);
 
@@ -79,6 +82,13 @@ class VectorsOnly : public Error {
 /// empty takes the first with one component, or throws VectorsOnly. Values in cells become samples at the middles of
 /// cells, with a note.
 NeutralVolume volume_of_field(const std::filesystem::path& path, const PointGrid& grid, std::vector<GridArray> arrays,
+                              const std::string& field);
+
+using TakeField = NeutralVolume(const std::filesystem::path& path, const PointGrid& grid, std::vector<GridArray> arrays,
+                                const std::string& field);
+
+/// The colours in one array of 3 or 4 8-bit components at points: the one that `field` names, or the first.
+NeutralVolume colors_of_field(const std::filesystem::path& path, const PointGrid& grid, std::vector<GridArray> arrays,
                               const std::string& field);
 
 }  // namespace rhoray::preprocess

@@ -88,7 +88,7 @@ bool add_arrays(std::vector<GridArray>& arrays, const VtkXmlStream& file, const 
 
 }  // namespace
 
-std::optional<NeutralVolume> stream_vti(const std::filesystem::path& path, const std::string& field) {
+std::optional<NeutralVolume> stream_vti(const std::filesystem::path& path, const std::string& field, TakeField* take) {
   const ForeignFile source(path);
   const std::optional<VtkXmlStream> file = VtkXmlStream::open(source);
   if (!file || file->data_set().name != "ImageData" || file->data_set().children.size() != 1) return std::nullopt;
@@ -101,7 +101,7 @@ std::optional<NeutralVolume> stream_vti(const std::filesystem::path& path, const
   if (!add_arrays(arrays, *file, piece.child("PointData"), grid->point_count, false) ||
       !add_arrays(arrays, *file, piece.child("CellData"), grid->point_count, true))
     return std::nullopt;
-  return volume_of_field(path, *grid, std::move(arrays), field);
+  return take(path, *grid, std::move(arrays), field);
 }
 
 }  // namespace rhoray::preprocess

@@ -61,11 +61,9 @@ double precision_of(vtkDataArray* coordinates) {
   return coordinates != nullptr && coordinates->GetDataTypeSize() < 8 ? 0x1p-23 : 0x1p-52;
 }
 
-}  // namespace
-
-NeutralVolume read_vti(const std::filesystem::path& path, const std::string& field) {
+NeutralVolume read_image_data(const std::filesystem::path& path, const std::string& field, TakeField* take) {
   check_vtk_xml(path, "ImageData");
-  if (std::optional<NeutralVolume> volume = stream_vti(path, field)) return *std::move(volume);
+  if (std::optional<NeutralVolume> volume = stream_vti(path, field, take)) return *std::move(volume);
   const VtkErrors errors;
   vtkNew<vtkXMLImageDataReader> reader;
   reader->SetFileName(path.c_str());
@@ -76,7 +74,17 @@ NeutralVolume read_vti(const std::filesystem::path& path, const std::string& fie
   collect(arrays, *image->GetPointData(), false);
   collect(arrays, *image->GetCellData(), true);
   const int* size = image->GetDimensions();
-  return volume_of_field(path, {{size[0], size[1], size[2]}, world_from_points(*image)}, std::move(arrays), field);
+  return take(path, {{size[0], size[1], size[2]}, world_from_points(*image)}, std::move(arrays), field);
+}
+
+}  // namespace
+
+NeutralVolume read_vti(const std::filesystem::path& path, const std::string& field) {
+  return read_image_data(path, field, volume_of_field);
+}
+
+NeutralVolume read_vti_colors(const std::filesystem::path& path, const std::string& field) {
+  return read_image_data(path, field, colors_of_field);
 }
 
 NeutralVolume read_vtr(const std::filesystem::path& path, const std::string& field) {

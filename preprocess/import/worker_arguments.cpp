@@ -6,8 +6,8 @@
 namespace rhoray::preprocess {
 
 std::vector<std::string> volume_arguments(const std::filesystem::path& path, const VolumeRequest& request) {
-  std::vector<std::string> arguments{request.length_of_vectors ? "volume-or-length" : "volume", path.string(),
-                                     request.field};
+  const char* verb = request.colors ? "colors" : request.length_of_vectors ? "volume-or-length" : "volume";
+  std::vector<std::string> arguments{verb, path.string(), request.field};
   if (!request.raw) return arguments;
   const RawVolume& raw = *request.raw;
   for (int axis = 0; axis < 3; ++axis) arguments.push_back(concat(raw.sample_count[axis]));
@@ -26,6 +26,7 @@ VolumeRequest volume_request(const std::vector<std::string>& arguments) {
   if (arguments.size() != 3 && arguments.size() != 9)
     throw Error(Trouble::usage, concat("found ", arguments.size(), " arguments; expected 3 or 9"));
   VolumeRequest request;
+  request.colors = arguments[0] == "colors";
   request.length_of_vectors = arguments[0] == "volume-or-length";
   request.field = arguments[2];
   if (arguments.size() == 3) return request;

@@ -175,9 +175,10 @@ void hand_over(const NeutralVolume& volume, int descriptor) {
                                    static_cast<std::uint64_t>(n.z),
                                    static_cast<std::uint64_t>(volume.type),
                                    in_file ? 1U : 0U,
-                                   volume.samples_first_byte};
+                                   volume.samples_first_byte,
+                                   static_cast<std::uint64_t>(volume.component_count)};
   parcel.add("facts", facts);
-  if (!in_file) parcel.add("samples", volume.type, {facts[2], facts[1], facts[0]}, volume.samples);
+  if (!in_file) parcel.add("samples", volume.type, {facts[2], facts[1], facts[0], facts[6]}, volume.samples);
   const Array<std::array<double, 3>> axes = axes_of(volume.world_from_grid);
   parcel.add("world_from_grid", axes);
   std::array<Array<double>, 3> positions;
@@ -229,8 +230,9 @@ constexpr auto last_type = static_cast<std::uint64_t>(ElementType::F64);
 void map_samples(const Unpacking& parcel, NeutralVolume& volume, std::uint64_t first_byte) {
   const ForeignFile source(volume.samples_file);
   const Index3& n = volume.sample_count;
-  const auto bytes = checked_product({static_cast<std::uint64_t>(n.x), static_cast<std::uint64_t>(n.y),
-                                      static_cast<std::uint64_t>(n.z), formats::element_bytes(volume.type)});
+  const auto bytes = checked_product(
+      {static_cast<std::uint64_t>(n.x), static_cast<std::uint64_t>(n.y), static_cast<std::uint64_t>(n.z),
+       static_cast<std::uint64_t>(volume.component_count), formats::element_bytes(volume.type)});
   parcel.expect(bytes && first_byte <= source.bytes().size() && *bytes <= source.bytes().size() - first_byte,
                 "array 'facts'", "samples beyond the end of their file", "samples within it");
   volume.samples = source.bytes().subspan(first_byte, *bytes);
@@ -242,7 +244,8 @@ void take_samples(const PackedFile& file, const Unpacking& parcel, NeutralVolume
   const Index3& n = volume.sample_count;
   const formats::ArrayEntry& entry = file.entry("samples");
   const std::vector<std::uint64_t> shape{static_cast<std::uint64_t>(n.z), static_cast<std::uint64_t>(n.y),
-                                         static_cast<std::uint64_t>(n.x)};
+                                         static_cast<std::uint64_t>(n.x),
+                                         static_cast<std::uint64_t>(volume.component_count)};
   parcel.expect(entry.shape == shape && entry.type == volume.type, "array 'samples'", "another shape or type",
                 "what 'facts' says");
   volume.samples = file.bytes("samples");
@@ -255,13 +258,16 @@ NeutralVolume take_volume(const PackedFile& file) {
   Unpacking parcel(file, "neutral-volume");
   NeutralVolume volume;
   const Array<std::uint64_t> facts = parcel.values<std::uint64_t>("facts");
-  parcel.expect(facts.size() == 6 && facts[3] <= last_type, "array 'facts'", "other facts", "sizes, type and place");
+  parcel.expect(facts.size() == 7 && facts[3] <= last_type, "array 'facts'", "other facts", "sizes, type and place");
+  parcel.expect(facts[6] == 1 || facts[6] == 3 || facts[6] == 4, "array 'facts'",
+                "a count of components that no one has", "1, 3 or 4");
   for (int axis = 0; axis < 3; ++axis) {
     const std::uint64_t count = facts[static_cast<std::size_t>(axis)];
     parcel.expect(count >= 1 && count <= std::uint64_t{1} << 40, "array 'facts'", "an absurd size", "1 to 2^40");
     volume.sample_count[axis] = static_cast<std::int64_t>(count);
   }
   volume.type = static_cast<ElementType>(facts[3]);
+  volume.component_count = static_cast<int>(facts[6]);
   volume.samples_file = parcel.next_text();
   parcel.expect((facts[4] != 0) == !volume.samples_file.empty(), "array 'facts'", "no file", "one for the samples");
   if (facts[4] != 0)

@@ -52,6 +52,7 @@ EffectSet effects_called_for(const Layer& layer) {
   return {.diffuse = is_lit,
           .smooth_normals = is_lit && !is_slice && surface.normals == Normals::smooth,
           .field_color = !is_mip && surface.color_by.has_value(),
+          .texture = !is_mip && !is_slice && surface.texture.has_value(),
           .specular = is_lit && surface.specular > 0,
           .intensity = is_mip,
           .true_colors = is_slice && !is_lit};

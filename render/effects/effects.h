@@ -10,6 +10,7 @@
 #include "render/effects/occlusion.h"
 #include "render/effects/received.h"
 #include "render/effects/specular.h"
+#include "render/effects/texture.h"
 #include "render/scene.h"
 
 namespace rhoray::render {
@@ -19,6 +20,7 @@ struct EffectSet {
   bool diffuse = false;
   bool smooth_normals = false;
   bool field_color = false;
+  bool texture = false;
   bool specular = false;
   bool intensity = false;
   bool true_colors = false;   ///< those of the field, as they are
@@ -30,7 +32,7 @@ struct EffectSet {
 };
 
 /// Reads the layer, not switches: an isosurface is lit, one with gloss has a highlight, one that names a field is
-/// coloured by it; a projection shows intensity.
+/// coloured by it, one that names a texture covered by it; a projection shows intensity.
 EffectSet effects_called_for(const Layer& layer);
 
 /// The same in its scene: shadows where a light that shines casts them, something holds light back, and the surface
@@ -73,27 +75,35 @@ RHORAY_INLINE void shade_under_lights(const Surface& surface, const EffectSet& e
   add_sent_back(base, arriving, colors);
 }
 
+/// Those of the surface itself, as it is under white light.
+RHORAY_INLINE void find_own_colors(const Surface& surface, const EffectSet& effects, const double* field_values,
+                                   const CoveringColors* texture, Colors& base) {
+  if (effects.field_color)
+    find_field_colors(surface, field_values, base);
+  else
+    fill_colors(Imath::V3f(surface.color), base);
+  if (effects.texture) cover(*texture, base);
+}
+
 /// Colours of the group of hits that begins at `first`; any numbers where nothing was hit.
 /// @param field_values  at the hits of the group, of the field that the surface is coloured by; else not read
+/// @param texture       what covers the surface there; read where effects call for it
 RHORAY_INLINE void shade(const Layer& layer, const EffectSet& effects, const Facing& facing, const RayBatch& rays,
                          const HitBatch& hits, std::size_t first, const double* field_values, Colors& colors,
-                         const Surroundings& surroundings = {}) {
+                         const Surroundings& surroundings = {}, const CoveringColors* texture = nullptr) {
   colors = {};
   if (effects.intensity) add_intensity(layer.window, hits.value.data() + first, colors);
   if (effects.true_colors) find_field_colors(layer.surface, field_values, colors);
   if (effects.diffuse && effects.lights) {
     Colors base;
-    if (effects.field_color)
-      find_field_colors(layer.surface, field_values, base);
-    else
-      fill_colors(Imath::V3f(layer.surface.color), base);
+    find_own_colors(layer.surface, effects, field_values, texture, base);
     shade_under_lights(layer.surface, effects, facing, surroundings, rays, hits, first, base, colors);
   } else if (effects.diffuse) {
     Lanes cosines;
     facing.cosines(rays, hits, first, cosines);
-    if (effects.field_color) {
+    if (effects.field_color || effects.texture) {
       Colors base;
-      find_field_colors(layer.surface, field_values, base);
+      find_own_colors(layer.surface, effects, field_values, texture, base);
       add_diffuse(layer.surface, base, cosines, colors);
     } else {
       add_diffuse(layer.surface, cosines, colors);

@@ -38,6 +38,10 @@ std::string why_field_color(const Scene&, const Layer& layer) {
   return layer.surface.color_by ? concat("coloured by '", layer.surface.color_by->field, "'")
                                 : "no field colours the surface";
 }
+std::string why_texture(const Scene&, const Layer& layer) {
+  return layer.surface.texture ? concat("covered by the colours in ", layer.surface.texture->file().name())
+                               : "no texture covers the surface";
+}
 std::string why_specular(const Scene&, const Layer& layer) {
   return concat("specular is ", layer.surface.specular);
 }
@@ -96,6 +100,7 @@ struct Row {
 constexpr std::array rows{Row{"diffuse", &EffectSet::diffuse, why_diffuse},
                           Row{"smooth normals", &EffectSet::smooth_normals, why_smooth_normals},
                           Row{"colour by field", &EffectSet::field_color, why_field_color},
+                          Row{"texture", &EffectSet::texture, why_texture},
                           Row{"specular", &EffectSet::specular, why_specular},
                           Row{"intensity", &EffectSet::intensity, why_intensity},
                           Row{"true colours", &EffectSet::true_colors, why_true_colors},

@@ -47,8 +47,12 @@ RHORAY_INLINE void for_each_shown_group(const Look& look, LayerWork& work, const
     Colors colors;
     double field_values[group_size];
     if (look.lookup) (*look.lookup)(work.rays, work.hits, first, field_values);
+    CoveringColors texture;
+    if (look.texture)
+      counts.texture_lookups +=
+          static_cast<std::uint64_t>((*look.texture)(work.rays, work.hits, first, shown.data(), texture));
     const double* values = look.layer.mode == Mode::slice ? work.hits.value.data() + first : field_values;
-    shade(look.layer, look.effects, look.facing, work.rays, work.hits, first, values, colors, surroundings);
+    shade(look.layer, look.effects, look.facing, work.rays, work.hits, first, values, colors, surroundings, &texture);
     act(first, shown, colors);
     const auto hit_count = static_cast<std::uint64_t>(count);
     if (look.effects.specular) counts.highlights += hit_count;

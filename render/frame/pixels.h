@@ -9,6 +9,7 @@
 #include "render/frame/worker.h"
 #include "render/framebuffer.h"
 #include "render/kernels/hit_lookup.h"
+#include "render/kernels/texture_lookup.h"
 
 namespace rhoray::render {
 
@@ -21,6 +22,7 @@ struct Look {
   std::optional<Fog> fog{};
   bool proves;                                ///< hits carry bounds of their errors
   std::shared_ptr<const HitLookup> lookup{};  ///< where effects ask for more than hits say
+  std::shared_ptr<const TextureLookup> texture{};
   Machine machine = chosen_machine();
 };
 

@@ -61,6 +61,9 @@ void check_layer(std::span<const Volume> volumes, const Layer& layer) {
     throw Error(Trouble::usage, concat("colours of '", colors->field, "' from ", colors->range.lo, " to ",
                                        colors->range.hi, "; expected a finite range"));
   if (layer.mode == Mode::slice) check_slice(layer);
+  if (layer.surface.texture && layer.surface.color_by)
+    throw Error(Trouble::usage, concat("a texture, ", layer.surface.texture->file().name(), ", and colours by '",
+                                       layer.surface.color_by->field, "'; expected one of the two"));
   const Method& method = layer.method;
   if (method.way == Method::Way::sampled && !(method.step >= 1e-4 && method.step <= 1e4))
     throw Error(Trouble::usage, concat("steps of ", method.step, " cells; expected 0.0001 to 10000"));
@@ -149,6 +152,12 @@ std::shared_ptr<const HitLookup> choose_lookup(const Volume& volume, const Layer
   return std::make_shared<const HitLookup>(volume.implementation(), wishes, threads);
 }
 
+std::shared_ptr<const TextureLookup> choose_texture(const Volume& volume, const Layer& layer) {
+  if (!effects_called_for(layer).texture) return nullptr;
+  return std::make_shared<const TextureLookup>(layer.surface.texture->grid(),
+                                               volume.implementation().world_from_volume);
+}
+
 /// Whether rays that start in crossings are asked of a layer.
 bool meets_rays_from_crossings(const Layer& layer, Part part, const Scene& scene) {
   if (layer.mode == Mode::slice) return false;
@@ -188,7 +197,8 @@ FrameLayer choose_layer(const Volume& volume, const Layer& layer, Part part, con
                    .lights = lights_of(scene, implementation.world_from_volume),
                    .fog = scene.fog,
                    .proves = proves(layer.method),
-                   .lookup = choose_lookup(volume, layer, options.threads)},
+                   .lookup = choose_lookup(volume, layer, options.threads),
+                   .texture = choose_texture(volume, layer)},
           .volume_from_world = implementation.world_from_volume.inverse()};
 }
 
@@ -337,6 +347,7 @@ FrameStatistics statistics_of(const FrameMemory::Implementation& memory, const S
     statistics.highlights_shaded += counts.highlights;
     statistics.normals_smoothed += counts.smooth_normals;
     statistics.colors_looked_up += counts.field_values;
+    statistics.texture_lookups += counts.texture_lookups;
     statistics.largest_error = std::max(statistics.largest_error, counts.largest_error);
   }
   statistics.macrocells_visited = counters.macrocells_visited;

@@ -74,7 +74,7 @@ struct WorkerCounts {
   std::uint64_t rays_clipped = 0, rays_clipped_away = 0;
   std::uint64_t slice_places = 0;
   std::uint64_t edge_pixels = 0, edge_samples = 0;
-  std::uint64_t highlights = 0, smooth_normals = 0, field_values = 0;
+  std::uint64_t highlights = 0, smooth_normals = 0, field_values = 0, texture_lookups = 0;
   std::uint64_t tile_ticks = 0, shading_ticks = 0;
   double largest_error = 0;
 };

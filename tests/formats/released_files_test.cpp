@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "formats/brick_grid.h"
+#include "formats/color_grid.h"
+#include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
 
 // Files that released versions wrote. They stay here for ever, and every later version opens them.
@@ -116,6 +118,51 @@ TEST(ReleasedFiles, clusters_of_version_1_2_are_read) {
     EXPECT_FLOAT_EQ(mesh.values<float>(0)[p], static_cast<float>(world.x - 2 * world.z));
   }
   EXPECT_LE(mesh.cluster_ranges<float>(0)[0][0].hi[2], -48.0F);
+}
+
+TEST(ReleasedFiles, surface_of_version_1_3_is_read) {
+  const SurfaceMesh surface(released("1.3-surface.rho"));
+  EXPECT_EQ(surface.file().version(), "1.3");
+  EXPECT_THAT(surface.file().damaged_blocks(), testing::IsEmpty());
+  EXPECT_THAT(deep_findings(surface), testing::IsEmpty());
+  const SurfaceMeshDescription& d = surface.description();
+  EXPECT_EQ(d.point_type, ElementType::F32);
+  EXPECT_EQ(d.point_count, 5U);
+  EXPECT_EQ(d.bounds, Box3(Vec3(0, 0, 0), Vec3(2, 1, 4)));
+  EXPECT_EQ(d.dropped_facet_count, 1U);
+  EXPECT_EQ(d.unused_point_count, 1U);
+  EXPECT_EQ(d.provenance.source_name, "corner.ply");
+  ASSERT_EQ(d.triangle_count, 4U) << "a quadrilateral and two triangles; one with a corner twice is not there";
+  const std::uint64_t ids[] = {0, 0, 1, 3};
+  Vec3 areas(0, 0, 0);
+  for (std::uint64_t t = 0; t < 4; ++t) {
+    EXPECT_EQ(surface.triangle_id(t), ids[t]);
+    Vec3 p[3];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto point = surface.point(surface.triangles()[t][c]);
+      p[c] = Vec3(point[0], point[1], point[2]);
+    }
+    areas += (p[1] - p[0]).cross(p[2] - p[0]) / 2.0;
+  }
+  EXPECT_EQ(areas, Vec3(-2, -4, 2)) << "2 x 1 below, 2 x 4 / 2 in front, 1 x 4 / 2 to the left, as they turn";
+}
+
+TEST(ReleasedFiles, colours_of_version_1_4_are_read) {
+  const ColorGrid grid(released("1.4-colors.rho"));
+  EXPECT_EQ(grid.file().version(), "1.4");
+  EXPECT_THAT(grid.file().damaged_blocks(), testing::IsEmpty());
+  const ColorGridDescription& d = grid.description();
+  EXPECT_EQ(d.layout, (BrickLayout{{5, 4, 3}, 2, {3, 2, 2}}));
+  EXPECT_EQ(d.world_from_grid, (Affine{{0, 0.5, 0}, {-0.25, 0, 0}, {0, 0, 2}, {1, -2, 3.5}}));
+  EXPECT_EQ(d.length_unit, "mm");
+  EXPECT_TRUE(d.has_alpha());
+  EXPECT_EQ(d.provenance.source_name, "photo.nrrd");
+  for (int k = 0; k < 3; ++k)
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < 5; ++i) {
+        const std::span<const std::uint8_t> texel = grid.texels().subspan(4 * grid.tables().address(i, j, k), 4);
+        ASSERT_THAT(texel, testing::ElementsAre(10 * i, 100 + j, 200 + k, 255 - i - j - k));
+      }
 }
 
 }  // namespace

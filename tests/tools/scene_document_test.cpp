@@ -29,6 +29,7 @@ class SceneDocument : public testing::Test {
     bench_ = new Workbench;
     bench_->make_ball();
     bench_->make_box();
+    bench_->make_photo();
     bench_->make_cube();
     write_file(*bench_ / "ball.txt", "not a volume");
   }
@@ -87,6 +88,12 @@ struct Mistake {
   std::string hint = "";
   int exit_code = 4;
 };
+
+/// A layer of the ball beside the colours in photo.rho.
+std::string with_texture(const std::string& members, const std::string& photo = R"({"file": "photo.rho"})") {
+  return concat(R"({"data": {"ball": {"file": "ball.rho"}, "photo": )", photo,
+                R"(}, "layers": [{"type": "isosurface", "data": "ball", "isovalue": 100, )", members, "}]}");
+}
 
 std::vector<Mistake> mistakes() {
   const std::string isovalue = "expected a number, \"auto\" or a percentile such as \"p95\"";
@@ -181,6 +188,27 @@ std::vector<Mistake> mistakes() {
        "s.json: /layers/1/colormap: is of the colours by a field: \"color_by\" names it"},
       {with_layer(R"("color_by": "bal")"), "s.json: /layers/1/color_by: no field 'bal'; there is 'ball'",
        "did you mean ball?"},
+      // textures
+      {with_texture(R"("texture": 3)"), "s.json: /layers/0/texture: found 3; expected a text"},
+      {with_texture(R"("texture": "phto")"),
+       "s.json: /layers/0/texture: found \"phto\"; expected one of \"ball\", \"photo\"", "did you mean photo?"},
+      {with_texture(R"("texture": "ball")"),
+       "s.json: /layers/0/texture: ball.rho: holds a grid; expected a packed file of colours",
+       "rhoray pack --color makes it of a folder of pictures, .nrrd, .mha or .vti"},
+      {with_texture(R"("texture": "photo")", R"({"file": "photo.nrrd"})"),
+       "s.json: /layers/0/texture: photo.nrrd: is not a packed file; expected a packed file of colours",
+       "rhoray pack --color makes it of a folder of pictures, .nrrd, .mha or .vti"},
+      {with_texture(R"("texture": "photo")", R"({"file": "foto.rho"})"),
+       "s.json: /data/photo/file: foto.rho: no such file", "did you mean photo.rho?", 3},
+      {with_texture(R"("texture": "photo")", R"({"file": "photo.rho", "field": "red"})"),
+       "s.json: /layers/0/texture: photo.rho: field 'red': colours have no fields"},
+      {with_texture(R"("texture": "photo", "color_by": "ball")"),
+       "s.json: /layers/0/texture: \"color_by\" is there too; expected one of the two"},
+      {R"({"data": {"photo": {"file": "photo.rho"}}, "layers": [{"type": "isosurface"}]})",
+       "s.json: /data/photo/file: photo.rho: holds colours; expected a grid, a mesh or a surface",
+       "colours cover a surface of other data: --texture FILE, or the key \"texture\" of a scene's layer"},
+      {with("layers", R"([{"type": "mip", "texture": "photo"}])"),
+       "s.json: /layers/0/texture: found in a layer of type \"mip\"; expected in one of type \"isosurface\""},
       {with_layer(R"("color_by": "ball", "colormap": "viridsi")"),
        "s.json: /layers/1/colormap: found \"viridsi\"; expected one of \"viridis\", \"cubehelix\", \"gray\", "
        "\"coolwarm\"",
@@ -438,6 +466,43 @@ TEST_F(SceneDocument, opens_only_what_is_visible) {
   EXPECT_EQ(planned(bench() / "s.json").volumes.size(), 1U);
 }
 
+TEST_F(SceneDocument, opens_a_texture_once_and_only_where_a_visible_layer_names_it) {
+  const auto plan_with = [](const std::string& layers) {
+    write_file(bench() / "s.json", concat(R"({"data": {"b": {"file": "ball.rho"}, "p": {"file": "photo.rho"}, )",
+                                          R"("t": {"file": "ball.txt"}}, "layers": [)", layers, "]}"));
+    return planned(bench() / "s.json");
+  };
+  const tools::ScenePlan none = plan_with(R"({"type": "isosurface", "data": "b", "isovalue": 100},
+    {"type": "isosurface", "data": "b", "isovalue": 90, "texture": "t", "visible": false})");
+  EXPECT_EQ(none.textures.size(), 0U);
+  const tools::ScenePlan two = plan_with(R"({"type": "isosurface", "data": "b", "isovalue": [100, 110], "texture": "p"},
+    {"type": "isosurface", "data": "b", "isovalue": 90, "texture": "p"})");
+  ASSERT_EQ(two.textures.size(), 1U);
+  ASSERT_EQ(two.scene.layers.size(), 3U);
+  for (const render::Layer& layer : two.scene.layers)
+    EXPECT_EQ(&layer.surface.texture->grid(), &two.textures[0].grid());
+  EXPECT_THAT(two.notes, testing::IsEmpty());
+}
+
+TEST_F(SceneDocument, notes_a_texture_that_lies_elsewhere) {
+  const auto notes_of = [](const std::string& origin, double isovalue) {
+    const RunResult packed =
+        bench().rhoray({"pack", "photo.nrrd", "--color", "--origin", origin, "-o", "moved.rho", "-q", "--force"});
+    EXPECT_EQ(packed.exit_code, 0) << packed.err;
+    write_file(bench() / "s.json",
+               concat(R"({"data": {"b": {"file": "ball.rho"}, "p": {"file": "moved.rho"}}, "layers": [)",
+                      R"({"type": "isosurface", "data": "b", "isovalue": )", isovalue, R"(, "texture": "p"}]})"));
+    return planned(bench() / "s.json").notes;
+  };
+  EXPECT_THAT(notes_of("1,1,1", 100), testing::IsEmpty());
+  EXPECT_THAT(notes_of("10,1,1", 100), testing::IsEmpty());
+  const auto is_told = ElementsAre(
+      testing::AllOf(HasSubstr("moved.rho covers nothing of layer 0"), HasSubstr("check spacing and origin")));
+  EXPECT_THAT(notes_of("100,1,1", 100), is_told);
+  // Beside a small surface, but within the data's bounds.
+  EXPECT_THAT(notes_of("20,1,1", 230), is_told);
+}
+
 TEST_F(SceneDocument, gives_surfaces_without_a_colour_one_each_only_where_there_are_several) {
   const auto colors = [&](const std::string& layers) {
     write_file(bench() / "s.json", with("layers", layers));
@@ -452,12 +517,14 @@ TEST_F(SceneDocument, gives_surfaces_without_a_colour_one_each_only_where_there_
 }
 
 TEST_F(SceneDocument, spelled_out_is_planned_to_the_same_scene) {
-  write_file(bench() / "s.json", R"({"data": {"b": {"file": "ball.rho"}, "x": {"file": "box.rho"}},
+  write_file(bench() / "s.json",
+             R"({"data": {"b": {"file": "ball.rho"}, "x": {"file": "box.rho"}, "p": {"file": "photo.rho"}},
     "layers": [{"type": "isosurface", "data": "b", "isovalue": ["auto", 33.3], "method": "sampled:0.25+bisect"},
                {"type": "mip", "data": "x", "clip": false}, {"type": "mip", "data": "x", "range": [0.1, 0.7]},
                {"type": "isosurface", "data": "x", "normals": "smooth", "color_by": "length", "colormap": "gray", "range": [0, 2]},
                {"type": "slice", "data": "x", "axis": "z", "position": 0.3, "threshold": [0.1, 0.9], "opacity": 0.8},
-               {"type": "slice", "data": "x", "normal": [1, 2, 3], "colormap": "gray", "range": [0.2, 0.3], "lit": true}],
+               {"type": "slice", "data": "x", "normal": [1, 2, 3], "colormap": "gray", "range": [0.2, 0.3], "lit": true},
+               {"type": "isosurface", "data": "b", "isovalue": 44, "texture": "p"}],
     "lights": [{"type": "directional", "azimuth": 20, "elevation": 30, "from": "camera", "shadows": true},
                {"type": "point", "position": [1, 2, 3], "color": [0.9, 0.7, 0.1], "intensity": 3.3, "radius": 0.25,
                 "samples": 9, "shadows": true},

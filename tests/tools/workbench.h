@@ -64,6 +64,25 @@ class Workbench {
     if (packed.exit_code != 0) throw std::runtime_error("ball.rho was not made: " + packed.err);
   }
 
+  /// photo.nrrd: 8 x 8 x 8 texels around ball.rho, redder to the right, with blue that rises upward.
+  void make_photo_nrrd() const {
+    std::string text =
+        "NRRD0004\ntype: uchar\ndimension: 4\nspace dimension: 3\nsizes: 3 8 8 8\nkinds: RGB-color space space space\n"
+        "space directions: none (3,0,0) (0,3,0) (0,0,3)\nspace origin: (1,1,1)\nencoding: raw\n\n";
+    for (int k = 0; k < 8; ++k)
+      for (int j = 0; j < 8; ++j)
+        for (int i = 0; i < 8; ++i)
+          for (const int component : {100 + 20 * i, 60, 20 * k}) text += static_cast<char>(component);
+    write_file(folder_ / "photo.nrrd", text);
+  }
+
+  /// photo.rho, from photo.nrrd.
+  void make_photo() const {
+    make_photo_nrrd();
+    const RunResult packed = rhoray({"pack", "photo.nrrd", "--color", "-o", "photo.rho", "-q"});
+    if (packed.exit_code != 0) throw std::runtime_error("photo.rho was not made: " + packed.err);
+  }
+
   /// box.vtu: the unit cube in 384 tetrahedra, with fields 'height' (z) and 'length' (distance from 0).
   void make_box_vtu() const {
     preprocess::NeutralMesh mesh = box_mesh({});

@@ -2,6 +2,7 @@
 
 #include "formats/base/nearest_name.h"
 #include "formats/base/trouble.h"
+#include "formats/color_grid.h"
 #include "formats/shape_field.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/open_vdb.h"
@@ -103,6 +104,19 @@ render::Volume load_volume(const std::filesystem::path& path, const std::string&
     throw Error(Trouble::invalid, concat(path.string(), ": holds a surface; expected a grid or a mesh with fields"),
                 concat("look at it: rhoray render ", path.string()));
   return volume;
+}
+
+render::Texture load_texture(const std::filesystem::path& path) {
+  require_input(path);
+  const auto refuse = [&](const std::string& found) {
+    throw Error(Trouble::invalid, concat(path.string(), ": ", found, "; expected a packed file of colours"),
+                "rhoray pack --color makes it of a folder of pictures, .nrrd, .mha or .vti");
+  };
+  if (!formats::PackedFile::looks_packed(path)) refuse("is not a packed file");
+  const formats::PackedFile file = formats::PackedFile::open(path);
+  const std::string& kind = file.description().kind;
+  if (kind != formats::ColorGrid::kind) refuse(concat("holds a ", kind == "tets" ? "mesh" : kind));
+  return render::Texture::load(file);
 }
 
 }  // namespace rhoray::tools

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "render/load.h"
+#include "render/texture.h"
 
 namespace rhoray::tools {
 
@@ -27,5 +28,8 @@ render::Volume load_shown(const std::filesystem::path& path, const std::string& 
 
 /// As above; refuses a surface, which has no fields (Trouble::invalid).
 render::Volume load_volume(const std::filesystem::path& path, const std::string& field);
+
+/// Opens a packed file of colours; refuses others with the way to pack colours (Trouble::invalid).
+render::Texture load_texture(const std::filesystem::path& path);
 
 }  // namespace rhoray::tools

@@ -3,6 +3,7 @@
 
 #include "formats/base/trouble.h"
 #include "formats/brick_grid.h"
+#include "formats/color_grid.h"
 #include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/unpack_mesh.h"
@@ -53,7 +54,9 @@ Json packed_info(const std::filesystem::path& path, bool with_findings) {
     json["box"] = json_of(box);
     json["structure_bytes"] = structure_bytes(file);
     if (with_findings) json["findings"] = findings_json(preprocess::inspect_mesh(preprocess::unpack_mesh(mesh)));
-  } else if (kind == formats::SurfaceMesh::kind)
+  } else if (kind == formats::ColorGrid::kind)
+    json.update(json_of(formats::ColorGrid(file).description()));
+  else if (kind == formats::SurfaceMesh::kind)
     json.update(json_of(formats::SurfaceMesh(file).description()));
   json["memory"] = {{"mapped_bytes", file.file_bytes()}};
   json["arrays"] = Json::array();
@@ -216,6 +219,9 @@ std::string info_text(const Json& json) {
   std::string text = concat(json["file"].get<std::string>(), ": ", json["packed"].get<bool>() ? "packed " : "", kind,
                             ", ", bytes_text(json["file_bytes"]), "\n");
   if (json.contains("samples")) text += row("samples", numbers(json["samples"], " x "));
+  if (json.contains("texels"))
+    text += row("texels", concat(numbers(json["texels"], " x "), ", ", json["components"].get<std::string>(),
+                                 " of 8 bits (sRGB)"));
   for (const char* name : {"points", "cells", "facets", "triangles"})
     if (json.contains(name)) text += row(name, grouped(json[name]));
   text += geometry_text(json) + layout_text(json);

@@ -66,6 +66,7 @@ std::string command_line(const PackCommand& command, const std::filesystem::path
   add(pack.leaf_ratio.has_value(), "--leaf-ratio", concat(pack.leaf_ratio.value_or(0)));
   add(pack.levels != defaults.levels, "--levels", concat(pack.levels));
   add(pack.factor != defaults.factor, "--factor", concat(pack.factor));
+  if (pack.color) words.push_back("--color");
   add(pack.type.has_value(), "--type",
       std::string(formats::element_name(pack.type.value_or(formats::ElementType::U8))));
   add(!pack.layout.empty(), "--layout", pack.layout);
@@ -109,6 +110,7 @@ Subcommand pack_subcommand() {
           "  rhoray pack head.nrrd -o head.rho\n"
           "  rhoray pack torso.vtu --field potential -o torso.rho\n"
           "  rhoray pack heart.stl -o heart.rho\n"
+          "  rhoray pack slices/ --color --spacing 0.33,0.33,1 -o photographs.rho\n"
           "  rhoray pack ct.raw --raw 512x512x275:uint16:le --spacing 0.78,0.78,1 -o ct.rho\n",
       .options = all_options(
           {{file_option("FILE", "Volume, mesh or surface", pack.input)},
@@ -118,6 +120,11 @@ Subcommand pack_subcommand() {
                 "Fields to keep, the first one is shown by default; default all of a mesh, the first of a volume",
                 pack.fields),
             value_option("--raw", "WxHxD:TYPE[:le|be][:SKIP]", "Read bytes without a header", pack.raw),
+            flag_option(
+                "--color",
+                "Keep the colours (volumes of RGB or RGBA, 8 bits: a folder of pictures, .nrrd, .mha, .vti), to "
+                "be laid on surfaces as a texture",
+                pack.color),
             value_option("--spacing", "X,Y,Z", "Instead of the file's (volumes)", pack.spacing),
             value_option("--origin", "X,Y,Z", "Instead of the file's (volumes)", pack.origin),
             value_option("--type", "TYPE", "Store samples as U8, I8, U16, I16, U32, I32, F32 or F64 (volumes)",
@@ -126,7 +133,7 @@ Subcommand pack_subcommand() {
                           "Order of samples in the file (volumes): bricks (default), linear, or only the bricks "
                           "that hold data",
                           pack.layout),
-            value_option("--brick-edge", "N", "Samples per axis of a brick (volumes); default 4, sparse 8",
+            value_option("--brick-edge", "N", "Samples per axis of a brick (volumes); default 4, sparse 8, colours 8",
                          pack.brick_edge),
             flag_option("--cell-data", "Also keep cell fields, averaged to points (meshes)", pack.cell_data),
             max_error_option(pack.max_error), value_option("--time", "T", time_help, pack.time),

@@ -8,6 +8,7 @@
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
 #include "preprocess/memory_cap.h"
+#include "preprocess/pack_colors.h"
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_surface.h"
 #include "preprocess/pack_volume.h"
@@ -49,6 +50,21 @@ void check_kind(const PackOptions& options) {
               !advice.empty() ? advice : "--raw 256x256x128:uint16:le reads bytes without a header");
 }
 
+/// What --color goes without.
+void check_color_options(const PackOptions& options) {
+  const PackOptions defaults;
+  if (!is_volume(options))
+    throw Error(Trouble::usage, concat("--color: is for volumes of colours, and ", options.input.string(), " is a ",
+                                       is_surface(options) ? "surface" : "mesh"));
+  for (const auto& [given, name] : {std::pair{!options.raw.empty(), "--raw"},
+                                    {options.type.has_value(), "--type"},
+                                    {options.layout == "sparse", "--layout sparse"},
+                                    {options.levels != defaults.levels, "--levels"},
+                                    {options.factor != defaults.factor, "--factor"},
+                                    {options.fields.size() > 1, "--field with several names"}})
+    if (given) throw Error(Trouble::usage, concat(name, ": is for values, and --color asks for colours"));
+}
+
 /// An option that belongs to the other kind would be passed over in silence.
 void check_options(const PackOptions& options) {
   struct Row {
@@ -64,6 +80,7 @@ void check_options(const PackOptions& options) {
       {options.cell_data, false, "--cell-data"},      {options.max_error.has_value(), false, "--max-error"},
       {!options.time.empty(), false, "--time"}};
   const bool volume = is_volume(options), surface = is_surface(options);
+  if (options.color) check_color_options(options);
   for (const Row& row : rows)
     if (row.given && surface)
       throw Error(Trouble::usage, concat(row.name, ": is for ", row.for_volumes ? "volumes" : "meshes", ", and ",
@@ -182,6 +199,36 @@ PackResult pack_volume(const PackOptions& options, const std::filesystem::path& 
           .cell_count = static_cast<std::uint64_t>(rhoray::volume(grid.macro.leaf_count))};
 }
 
+PackResult pack_colors(const PackOptions& options, const std::filesystem::path& output,
+                       const preprocess::Progress& progress) {
+  if (progress) progress("reading", 0, 0);
+  const preprocess::NeutralVolume colors =
+      preprocess::import_volume(options.input, {.raw = {},
+                                                .field = options.fields.empty() ? std::string() : options.fields[0],
+                                                .colors = true,
+                                                .spacing = options.spacing,
+                                                .origin = options.origin,
+                                                .memory_limit_bytes = options.memory_limit_bytes,
+                                                .scratch_folder = scratch_folder(options, output),
+                                                .progress = progress});
+  preprocess::PackColorsOptions pack{.is_linear = options.layout == "linear",
+                                     .command = options.command,
+                                     .source_name = options.input.filename().string(),
+                                     .replace_existing = options.replace_existing};
+  pack.brick_edge = options.brick_edge.value_or(pack.brick_edge);
+  const preprocess::PackColorsReport report = preprocess::pack_colors(colors, output, pack, progress);
+  const formats::ColorGridDescription& grid = report.description;
+  const auto texel_count = static_cast<std::uint64_t>(rhoray::volume(grid.layout.sample_count));
+  return {.kind = formats::ColorGrid::kind,
+          .description = json_of(grid),
+          .content = concat(text_of(grid.layout.sample_count), " = ", grouped(texel_count), " colours ",
+                            grid.has_alpha() ? "RGBA" : "RGB"),
+          .notes = colors.notes,
+          .raw_bytes = texel_count * static_cast<std::uint64_t>(grid.component_count),
+          .file_bytes = report.file_bytes,
+          .cell_count = texel_count};
+}
+
 /// A mesh with fields in its cells alone shows them; one without fields that vary shows where it is.
 void give_fields(preprocess::NeutralMesh& mesh, preprocess::PackMeshOptions& pack) {
   if (!preprocess::has_varying_field(mesh)) return preprocess::add_position_fields(mesh);
@@ -277,7 +324,10 @@ PackResult pack_any(const PackOptions& options, const std::filesystem::path& out
                     const preprocess::Progress& progress) {
   std::optional<preprocess::MemoryCap> cap;
   if (options.memory_limit_bytes != 0) cap.emplace(options.memory_limit_bytes, scratch_folder(options, output));
-  const auto pack = is_volume(options) ? pack_volume : is_surface(options) ? pack_surface : pack_mesh;
+  const auto pack = options.color         ? pack_colors
+                    : is_volume(options)  ? pack_volume
+                    : is_surface(options) ? pack_surface
+                                          : pack_mesh;
   PackResult result = pack(options, output, progress);
   if (cap && preprocess::MemoryCap::folder_is_memory(scratch_folder(options, output)))
     result.notes.push_back("the output's folder lies in memory itself: --memory saves none there");

@@ -25,6 +25,7 @@ struct PackOptions {
   std::string layout;  ///< empty = not said
   std::optional<std::int64_t> brick_edge;
   std::string raw;
+  bool color = false;  ///< colours for a texture
   std::optional<Vec3> spacing, origin;
   bool cell_data = false;
   std::optional<double> max_error;
@@ -36,7 +37,7 @@ struct PackOptions {
 
 /// What packing did.
 struct PackResult {
-  std::string kind;  ///< "grid", "tets" or "surface"
+  std::string kind;  ///< "grid", "colors", "tets" or "surface"
   Json description;
   std::string content;  ///< "72,089,600 samples U16", "51,419 tetrahedra, 8,278 points"
   std::vector<std::string> notes;

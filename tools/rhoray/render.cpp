@@ -114,6 +114,7 @@ Json statistics_json(const render::FrameStatistics& statistics) {
           {"highlights_shaded", statistics.highlights_shaded},
           {"normals_smoothed", statistics.normals_smoothed},
           {"colors_looked_up", statistics.colors_looked_up},
+          {"texture_lookups", statistics.texture_lookups},
           {"machine", statistics.machine},
           {"preparation_s", statistics.preparation_s},
           {"wall_s", statistics.wall_s},
@@ -145,7 +146,8 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
               : concat("  largest error         ", rounded(statistics.largest_error), "\n")) +
          count("highlights shaded", statistics.highlights_shaded) +
          count("normals smoothed", statistics.normals_smoothed) +
-         count("colours looked up", statistics.colors_looked_up) + phase("traversal", phases.traversal) +
+         count("colours looked up", statistics.colors_looked_up) +
+         count("texture lookups", statistics.texture_lookups) + phase("traversal", phases.traversal) +
          phase("intersection", phases.intersection) + phase("shading", phases.shading) +
          concat("  prepared in          ", rounded(statistics.preparation_s, 3), " s\n") +
          concat("  traced in            ", rounded(statistics.wall_s, 3), " s\n");
@@ -277,11 +279,13 @@ std::filesystem::path output_of(const RenderCommand& command, const SceneWishes&
 /// Of all files of a scene; the first one with damage is refused.
 void check_files(const ScenePlan& plan) {
   for (const render::Volume& volume : plan.volumes) refuse_damage(volume.file(), volume.file().damaged_blocks(1));
+  for (const render::Texture& texture : plan.textures) refuse_damage(texture.file(), texture.file().damaged_blocks(1));
 }
 
 void require_writable(const RenderCommand& command, const std::filesystem::path& output, const ScenePlan& plan) {
   require_writable(command.common, output, command.input);
-  for (const DataWish& data : plan.data) require_writable(command.common, output, data.file);
+  for (const auto* data : {&plan.data, &plan.texture_data})
+    for (const DataWish& each : *data) require_writable(command.common, output, each.file);
 }
 
 bool has_annotations(const ScenePlan& plan) {
@@ -389,6 +393,7 @@ Subcommand render_subcommand() {
           "  rhoray render heart.rho --iso 0.3 --normals smooth --color-by pressure --colormap coolwarm -o heart.png\n"
           "  rhoray render head.rho --mode mip --range 0,2000 -o mip.exr --channels depth,value\n"
           "  rhoray render lungs.rho --normals smooth -o lungs.png\n"
+          "  rhoray render head.rho --iso 500 --texture photographs.rho -o skin.png\n"
           "  rhoray render smoke.vdb --iso 0.5 -o smoke.png\n"
           "  rhoray render torso.json --size 4k -o torso.png\n",
       .options = all_options(

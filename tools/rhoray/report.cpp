@@ -160,6 +160,16 @@ Json json_of(const formats::GridDescription& grid) {
           {"provenance", json_of(grid.provenance)}};
 }
 
+Json json_of(const formats::ColorGridDescription& grid) {
+  return {{"texels", json_of(grid.layout.sample_count)},
+          {"components", grid.has_alpha() ? "RGBA" : "RGB"},
+          {"geometry", json_of(grid.world_from_grid)},
+          {"length_unit", grid.length_unit},
+          {"box", json_of(grid.bounds())},
+          {"layout", layout_json(grid.layout)},
+          {"provenance", json_of(grid.provenance)}};
+}
+
 Json json_of(const formats::TetMeshDescription& mesh) {
   Json fields = Json::array();
   for (const formats::FieldSummary& field : mesh.fields) fields.push_back(json_of(field));

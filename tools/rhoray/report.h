@@ -7,6 +7,7 @@
 
 #include "formats/base/affine.h"
 #include "formats/brick_grid.h"
+#include "formats/color_grid.h"
 #include "formats/field_summary.h"
 #include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
@@ -24,6 +25,7 @@ Json json_of(const Interval<double>& interval);  ///< null when empty
 Json json_of(const formats::FieldSummary& field);
 Json json_of(const formats::Provenance& provenance);
 Json json_of(const formats::GridDescription& grid);
+Json json_of(const formats::ColorGridDescription& grid);
 Json json_of(const formats::TetMeshDescription& mesh);
 Json json_of(const formats::SurfaceMeshDescription& surface);
 

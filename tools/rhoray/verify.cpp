@@ -3,6 +3,7 @@
 
 #include "formats/base/trouble.h"
 #include "formats/brick_grid.h"
+#include "formats/color_grid.h"
 #include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
 #include "tools/rhoray/common_options.h"
@@ -39,6 +40,9 @@ std::vector<std::string> content_findings(const formats::PackedFile& file, bool 
     if (file.description().kind == "grid") {
       const formats::BrickGrid grid(file);
       return deep ? formats::deep_findings(grid) : std::vector<std::string>{};
+    }
+    if (file.description().kind == formats::ColorGrid::kind) {
+      const formats::ColorGrid grid(file);  // every texel is a colour: there is nothing deeper
     }
     if (file.description().kind == formats::SurfaceMesh::kind) {
       const formats::SurfaceMesh surface(file);

@@ -87,7 +87,9 @@ std::string antialiasing_text(const ScenePlan& plan) {
 }
 
 bool is_opened(const DataWish& data, const ScenePlan& plan) {
-  return std::any_of(plan.data.begin(), plan.data.end(), [&](const DataWish& each) { return each.name == data.name; });
+  const auto is_this = [&](const DataWish& each) { return each.name == data.name; };
+  return std::any_of(plan.data.begin(), plan.data.end(), is_this) ||
+         std::any_of(plan.texture_data.begin(), plan.texture_data.end(), is_this);
 }
 
 }  // namespace

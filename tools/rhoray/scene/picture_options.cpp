@@ -84,6 +84,13 @@ void replace(std::optional<T>& old, const std::optional<T>& said) {
   if (said) old = said;
 }
 
+/// Beside the file that is shown; both have names then, by which the layer asks for them.
+void add_texture(const std::filesystem::path& file, SceneWishes& scene) {
+  scene.data[0].name = scene.layers[0].data = "data";
+  scene.data.push_back({.name = "texture", .file = file});
+  scene.layers[0].texture = "texture";
+}
+
 /// The lights that options ask for; nothing where they ask for none.
 std::optional<std::vector<LightWish>> lights_of(const PictureOptions& options) {
   if (!options.shadows && !options.key_light && !options.key_light_size) return std::nullopt;
@@ -151,6 +158,9 @@ std::vector<Option> picture_options(PictureOptions& options) {
       layers(choice_option("--colormap", colormap_words(), "Colours of --color-by and --slice; default viridis",
                            layer.colormap)),
       layers(slice_option(options.slices)),
+      layers(value_option("--texture", "FILE",
+                          "Cover the surface by the colours of a file packed with --color, registered in world axes",
+                          options.texture)),
       value_option("--background", "COLOR", "As above; default white for isosurfaces, black for MIP", image.background),
       layers(number_option("--ambient", "A", "Share of light from all sides, 0 to 1; default 0.12", limits::share,
                            layer.ambient)),
@@ -219,7 +229,8 @@ namespace {
 
 /// What is said of surfaces where none is shown.
 void refuse_words_of_surfaces(const LayerWish& layer) {
-  for (const auto& [option, text] : {std::pair{"--normals", &layer.normals}, {"--color-by", &layer.color_by}})
+  for (const auto& [option, text] :
+       {std::pair{"--normals", &layer.normals}, {"--color-by", &layer.color_by}, {"--texture", &layer.texture}})
     if (!text->empty())
       throw Error(Trouble::usage, concat(option, " is of isosurfaces; a maximum intensity projection has no surface"));
 }
@@ -268,6 +279,7 @@ void add_landmarks(const std::vector<std::string>& files, SceneWishes& wishes) {
 SceneWishes wishes_of(const PictureOptions& options, const std::filesystem::path& file) {
   SceneWishes wishes = options.wishes;
   wishes.data[0].file = file;
+  if (!options.texture.empty()) add_texture(options.texture, wishes);
   wishes.lights = lights_of(options);
   wishes.layers[0].type = options.mode == "mip" ? LayerType::mip : LayerType::isosurface;
   if (!wishes.layers[0].method.empty() && !wishes.accuracy.empty())

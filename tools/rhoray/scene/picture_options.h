@@ -15,6 +15,7 @@ struct PictureOptions {
   SceneWishes wishes{.data = std::vector<DataWish>(1), .layers = std::vector<LayerWish>(1)};
   std::string mode = "iso";
   std::vector<LayerWish> slices{};
+  std::filesystem::path texture;          ///< empty = none
   std::vector<std::string> meshes;        ///< files of triangles, landmarks beside the file
   bool shadows = false;                   ///< the key light casts them
   std::optional<Angles> key_light;        ///< where it stands

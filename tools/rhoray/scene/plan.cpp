@@ -57,6 +57,19 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
+/// The data that a layer names.
+/// @param key  of the layer, where the name stands
+const DataWish& data_named(const SceneWishes& wishes, const std::string& name, const Place& key) {
+  const std::vector<std::string> names = names_of(wishes.data);
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end())
+    throw Error(
+        Trouble::invalid,
+        concat(key.text(), ": found \"", name, "\"; expected ", names.size() == 1 ? "" : "one of ", listed(names)),
+        did_you_mean(name, names));
+  return wishes.data[static_cast<std::size_t>(found - names.begin())];
+}
+
 const DataWish& data_of(const SceneWishes& wishes, std::size_t index) {
   const LayerWish& layer = wishes.layers[index];
   const std::vector<std::string> names = names_of(wishes.data);
@@ -64,13 +77,7 @@ const DataWish& data_of(const SceneWishes& wishes, std::size_t index) {
   if (layer.data.empty())
     throw Error(Trouble::invalid,
                 concat(layer_place(wishes, index).text(), ": has no \"data\"; expected one of ", listed(names)));
-  const auto found = std::find(names.begin(), names.end(), layer.data);
-  if (found == names.end())
-    throw Error(Trouble::invalid,
-                concat(layer_place(wishes, index).at("data").text(), ": found \"", layer.data, "\"; expected ",
-                       names.size() == 1 ? "" : "one of ", listed(names)),
-                did_you_mean(layer.data, names));
-  return wishes.data[static_cast<std::size_t>(found - names.begin())];
+  return data_named(wishes, layer.data, layer_place(wishes, index).at("data"));
 }
 
 /// The index of the data's volume, opened when it is first asked for.
@@ -88,6 +95,45 @@ std::size_t volume_of(const SceneWishes& wishes, const DataWish& data, const Ope
     plan.notes.push_back(concat("field '", volume.field_names().front(), "' is the same everywhere: '",
                                 volume.field().name, "' is shown"));
   return plan.volumes.size() - 1;
+}
+
+/// The texture of a layer that names one, opened when it is first asked for.
+std::optional<render::Texture> texture_of(const SceneWishes& wishes, std::size_t index, ScenePlan& plan) {
+  const LayerWish& layer = wishes.layers[index];
+  if (layer.texture.empty()) return std::nullopt;
+  const Place key = layer_place(wishes, index).at("texture");
+  const DataWish& data = data_named(wishes, layer.texture, key);
+  at_place(key, [&] {
+    const std::string option = wishes.document.empty() ? "--texture: " : "";
+    if (!layer.color_by.empty())
+      throw Error(Trouble::usage, concat(option, wishes.document.empty() ? "--color-by" : "\"color_by\"",
+                                         " is there too; expected one of the two"));
+    if (!data.field.empty())
+      throw Error(Trouble::usage, concat(data.file.string(), ": field '", data.field, "': colours have no fields"));
+  });
+  const std::vector<std::string> names = names_of(plan.texture_data);
+  const auto found = std::find(names.begin(), names.end(), data.name);
+  if (found != names.end()) return plan.textures[static_cast<std::size_t>(found - names.begin())];
+  plan.textures.push_back(at_place(key, [&] { return load_texture(data.file); }));
+  plan.texture_data.push_back(data);
+  return plan.textures.back();
+}
+
+/// Tells of textures that lie nowhere near the surface that they are to cover.
+void note_textures_elsewhere(ScenePlan& plan) {
+  for (std::size_t i = 0; i < plan.scene.layers.size(); ++i) {
+    const render::Layer& layer = plan.scene.layers[i];
+    if (!layer.surface.texture) continue;
+    const render::Volume& volume = plan.volumes[layer.volume];
+    const render::Texture& texture = *layer.surface.texture;
+    if (texture.contains(volume.bounds())) continue;
+    const bool is_near =
+        texture.may_overlap(volume.bounds()) &&
+        (layer.mode == render::Mode::triangles || texture.may_overlap(volume.isosurface_bounds(layer.isovalue)));
+    if (!is_near)
+      plan.notes.push_back(concat("the texture ", texture.file().name(), " covers nothing of layer ", i,
+                                  ": it lies elsewhere in the world; check spacing and origin of both"));
+  }
 }
 
 bool is_level_of_triangles(const std::string& accuracy) {
@@ -145,6 +191,7 @@ class LayerPlanner {
     require_layers();
     note_invisible_surfaces();
     color_several_surfaces();
+    note_textures_elsewhere(plan_);
     return std::move(plan_);
   }
 
@@ -170,6 +217,7 @@ class LayerPlanner {
     switch (wish.type) {
       case LayerType::isosurface:
         layer.surface = choose_surface(wish, volume, layer_place(wishes_, index));
+        layer.surface.texture = texture_of(wishes_, index, plan_);
         return add_isosurfaces(index, layer);
       case LayerType::mip:
         return add_projection(index, layer);
@@ -196,6 +244,7 @@ class LayerPlanner {
     layer.mode = render::Mode::triangles;
     layer.method = choose_method(wishes_, index, layer.mode, volume);
     layer.surface = choose_surface(wish, volume, layer_place(wishes_, index));
+    layer.surface.texture = texture_of(wishes_, index, plan_);
     put(index, layer, {});
   }
 
@@ -429,11 +478,22 @@ void aim_camera(const SceneWishes& wishes, ScenePlan& plan) {
   if (plan.annotations.box.value_or(false)) plan.annotated_box = shown();
 }
 
+namespace {
+
+std::string name_of_texture(const ScenePlan& plan, const render::Texture& texture) {
+  for (std::size_t i = 0; i < plan.textures.size(); ++i)
+    if (&plan.textures[i].grid() == &texture.grid()) return plan.texture_data[i].name;
+  return {};
+}
+
+}  // namespace
+
 SceneWishes spelled_out(const ScenePlan& plan) {
   const render::Camera& camera = plan.scene.camera;
   SceneWishes wishes{.data = plan.data};
   for (std::size_t i = 0; i < wishes.data.size(); ++i)
     if (wishes.data[i].name.empty()) wishes.data[i].name = "data";  // of a command line
+  wishes.data.insert(wishes.data.end(), plan.texture_data.begin(), plan.texture_data.end());
   for (const render::Layer& layer : plan.scene.layers) {
     LayerWish wish{.data = wishes.data[layer.volume].name};
     if (layer.mode != render::Mode::slice) {
@@ -457,6 +517,7 @@ SceneWishes spelled_out(const ScenePlan& plan) {
         wish.colormap = word_of(colors->map);
         if (colors->range.lo < colors->range.hi) wish.range = colors->range;  // else the field's, as without
       }
+      if (layer.surface.texture) wish.texture = name_of_texture(plan, *layer.surface.texture);
       wish.ambient = layer.surface.ambient;
       wish.specular = layer.surface.specular;
       wish.shininess = layer.surface.shininess;
@@ -519,6 +580,7 @@ std::vector<std::string> reproducing_command(const ScenePlan& plan, const std::f
       add("--colormap", layer.colormap);
       if (layer.range) add("--range", concat(layer.range->lo, ",", layer.range->hi));
     }
+    if (!layer.texture.empty()) add("--texture", plan.texture_data[0].file.string());
     add("--ambient", concat(*layer.ambient));
     add("--specular", concat(*layer.specular));
     add("--shininess", concat(*layer.shininess));

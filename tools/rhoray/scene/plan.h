@@ -23,6 +23,8 @@ struct LayerOrigin {
 struct ScenePlan {
   std::vector<render::Volume> volumes;
   std::vector<DataWish> data;  ///< of each volume, with the name of its field
+  std::vector<render::Texture> textures;
+  std::vector<DataWish> texture_data;  ///< of each texture
   render::Scene scene;
   std::vector<LayerOrigin> origins;  ///< of each layer
   render::FrameOptions frame;

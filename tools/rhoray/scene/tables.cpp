@@ -64,6 +64,9 @@ Rows rows_of_triangles() {
 
 Rows rows_of_lit_surfaces() {
   return {
+      row("texture", &LayerWish::texture, text_value(),
+          "Name of data packed with --color, whose colours, registered in world axes, cover the surface; "
+          "where there are none, \"color\" stays"),
       row("ambient", &LayerWish::ambient, number_within(limits::share), "Share of light from all sides; default 0.12"),
       row("specular", &LayerWish::specular, number_within(limits::share),
           "Strength of the highlight; 0 computes none; default 0.25"),

@@ -33,6 +33,7 @@ struct LayerWish {
   std::string normals{};   ///< a word; empty = flat in meshes, exact in grids
   std::string color_by{};  ///< a field of the data; empty = color
   std::string colormap{};  ///< a word; empty = viridis
+  std::string texture{};   ///< name of the data whose colours cover the surface; empty = none
   std::optional<double> ambient{}, specular{}, shininess{}, opacity{};
   std::string accuracy{};  ///< a level; empty = the scene's
   std::string method{};    ///< instead of a level

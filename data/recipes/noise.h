@@ -1,0 +1,20 @@
+#pragma once
+
+#include "formats/base/vector.h"
+
+namespace rhoray::recipes {
+
+/// Gradient noise: smooth, about -1 to 1, 0 at whole numbers, features about one unit wide.
+double noise(const Vec3& p);
+
+/// Noise of several sizes, each half as wide and half as strong as the one before.
+double layered_noise(const Vec3& p, int layers);
+
+/// Cells of different shapes, about one unit wide.
+struct NoiseCell {
+  double from_wall = 0;  ///< how much nearer the cell's own middle is than the next one's
+  double number = 0;     ///< of the cell, 0 to 1
+};
+NoiseCell noise_cell(const Vec3& p);
+
+}  // namespace rhoray::recipes

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "formats/color_grid.h"
+#include "preprocess/neutral.h"
+#include "preprocess/progress.h"
+
+namespace rhoray::preprocess {
+
+struct PackColorsOptions {
+  bool is_linear = false;               ///< x fastest instead of bricks
+  std::int64_t brick_edge = 8;          ///< 2 to 64
+  std::int64_t largest_superbrick = 8;  ///< as PackVolumeOptions
+  std::string command{};                ///< kept in the file
+  std::string source_name{};            ///< kept in the file
+  bool replace_existing = false;
+};
+
+struct PackColorsReport {
+  formats::ColorGridDescription description;
+  std::uint64_t file_bytes = 0;
+};
+
+/// Sorts colours into bricks and writes them as a packed file for textures. Parallel over oneTBB; the file does not
+/// depend on the number of threads. Refuses what is not colours of 3 or 4 components of 8 bits on a uniform lattice.
+PackColorsReport pack_colors(const NeutralVolume& colors, const std::filesystem::path& path,
+                             const PackColorsOptions& options = {}, const Progress& progress = {});
+
+}  // namespace rhoray::preprocess
