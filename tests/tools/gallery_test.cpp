@@ -38,6 +38,8 @@ std::string maker_of(const std::string& file) {
   const std::pair<const char*, const char*> makers[] = {
       {"torso-ct.rho",
        "rhoray-recipes torso-ct --size 192x192x256 -o torso-ct.nhdr && rhoray pack torso-ct.nhdr -o torso-ct.rho -q"},
+      {"torso-photo.rho",
+       "rhoray-recipes torso-photo -o torso-photo.nhdr && rhoray pack torso-photo.nhdr --color -o torso-photo.rho -q"},
       {"pet.rho", "rhoray pack \"$SHARED/volumes/pet_dicom_299slices.zip\" -o pet.rho -q"},
       {"utahtorso.rho", "rhoray pack \"$SHARED/unstructured/utahtorso/utahtorso-lowres.vtu\" -o utahtorso.rho -q"},
       {"utahtorso-heart.rho",
