@@ -37,6 +37,11 @@ bool takes_no_value(const Option& row) {
   return row.kind == Option::Kind::flag || row.kind == Option::Kind::answer;
 }
 
+/// Those whose value ends in dots take one value each time that they are given.
+bool may_be_repeated(const Option& row) {
+  return row.kind == Option::Kind::value && row.value.ends_with("...");
+}
+
 /// The options of one subcommand in CLI11's hands, row by row.
 std::vector<CLI::Option*> add_options(CLI::App& app, const Subcommand& subcommand) {
   std::vector<CLI::Option*> added;
@@ -49,6 +54,7 @@ std::vector<CLI::Option*> add_options(CLI::App& app, const Subcommand& subcomman
     CLI::Option* option = app.add_option(row.names, taken_later, row.help);
     option->type_name(row.value);
     option->expected(1);
+    if (may_be_repeated(row)) option->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args(false);
     if (row.kind == Option::Kind::files) option->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args();
     added.push_back(option);
   }

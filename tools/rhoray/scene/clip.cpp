@@ -126,7 +126,7 @@ std::vector<Option> clip_options(std::optional<ClipWish>& wish) {
   return {{Option::Kind::value, "--clip-box", "X0,Y0,Z0,X1,Y1,Z1",
            "Show only what lies in this box, world units; surfaces are open where it cuts them",
            [said](const std::string& text) { said().box = read_box(text); }},
-          {Option::Kind::value, "--clip-plane", "PX,PY,PZ,NX,NY,NZ",
+          {Option::Kind::value, "--clip-plane", "PX,PY,PZ,NX,NY,NZ...",
            concat("Show only what lies on the side of a plane to which its normal points, such as 0,0,40,0,0,1: above "
                   "z = 40; may be given up to ",
                   render::Clip::most_planes, " times"),

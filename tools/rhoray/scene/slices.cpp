@@ -89,7 +89,7 @@ std::vector<Row<LayerWish>> slice_rows() {
 
 Option slice_option(std::vector<LayerWish>& slices) {
   return {
-      Option::Kind::value, "--slice", "AXIS[=POSITION]",
+      Option::Kind::value, "--slice", "AXIS[=POSITION]...",
       "Show the field on a plane, in colours of --colormap over --range: z=40 lies across z at 40 world units, z in "
       "the middle of the data, px,py,pz,nx,ny,nz through a point across a normal; may be given several times. "
       "With --mode or --iso slices are shown beside that, else by themselves",
