@@ -12,7 +12,7 @@
 
 namespace rhoray::render {
 
-/// What a clip region leaves of rays: a part, and where something is cut away another one behind the cut.
+/// What a clip region leaves of whole groups of rays: a part, and where something is cut away another one behind it.
 struct KeptParts {
   LaneArray<double> t_min, t_max;  ///< t_max below t_min where nothing is left
   LaneArray<double> again;         ///< where the second part begins; infinity: there is none

@@ -12,7 +12,7 @@ struct Option {
   enum class Kind {
     flag,    ///< takes no value; `take` is called with an empty text
     answer,  ///< the same, and it is all that is done, as with --help: no file need be given, nothing is run
-    value,   ///< takes one value, at most once
+    value,   ///< takes one value, at most once; each time that it is given where the value's name ends in "..."
     file,    ///< a positional argument that must be there
     files    ///< as many positional arguments as there are, at least one
   };

@@ -392,6 +392,8 @@ Subcommand render_subcommand() {
           "  rhoray render head.rho --iso 500 --view -y --size 1080p -o skin.png\n"
           "  rhoray render heart.rho --iso 0.3 --normals smooth --color-by pressure --colormap coolwarm -o heart.png\n"
           "  rhoray render head.rho --mode mip --range 0,2000 -o mip.exr --channels depth,value\n"
+          "  rhoray render head.rho --slice z=40 --slice y --colormap gray --range -200,400 -o planes.png\n"
+          "  rhoray render head.rho --iso 500 --clip-plane 0,0,40,0,0,-1 --slice z=40 --colormap gray -o open.png\n"
           "  rhoray render lungs.rho --normals smooth -o lungs.png\n"
           "  rhoray render head.rho --iso 500 --texture photographs.rho -o skin.png\n"
           "  rhoray render smoke.vdb --iso 0.5 -o smoke.png\n"
