@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "formats/base/trouble.h"
+#include "tools/rhoray/accuracy/choice.h"
 #include "tools/rhoray/accuracy/pages.h"
 #include "tools/rhoray/accuracy/results.h"
 #include "tools/rhoray/accuracy/study.h"
@@ -29,6 +30,7 @@ struct AccuracyCommand {
   std::uint64_t seed = 1;
   double time_limit_s = 600;
   int repeat = 5;
+  Goal goal;
 };
 
 constexpr PictureSize default_size{.width = 640, .height = 480};
@@ -67,6 +69,7 @@ void check(const AccuracyCommand& command) {
                 concat("rhoray accuracy ", command.input.string(), " -o accuracy"));
   require_within("--time-limit", command.time_limit_s, 1, 1e6);
   require_within("--repeat", command.repeat, 1, 1000);
+  check(command.goal);
 }
 
 void refuse_damage(const ScenePlan& plan, unsigned threads) {
@@ -266,6 +269,11 @@ int run(AccuracyCommand& command) {
   require_results_folder(command.common.output, command.common.force);
 
   StudyContext context{.facts = facts_of(command, plan), .stage = {}, .notes = plan.notes};
+  if (command.goal.is_given()) {
+    display.show("trying methods");
+    for (const Choice& choice : choose_methods(plan, command.goal, command.common.threads))
+      context.notes.push_back(concat("`rhoray render` would take ", choice.sentence));
+  }
   Work work(command, plan, display, context);
   const bool is_whole = work.run();
   display.clear();
@@ -299,6 +307,7 @@ Subcommand accuracy_subcommand() {
           {{file_option("FILE", "Packed file, OpenVDB file (.vdb), or scene document (.json)", command->input)},
            output_options(command->common, "Folder for the results; it is made if it is not there"),
            study_picture_options(command->picture),
+           goal_options(command->goal),
            {value_option("--seed", "N", "Of the random numbers that choose pixels; default 1", command->seed),
             value_option("--repeat", "N", "How often every variant is timed; default 5", command->repeat),
             value_option("--time-limit", "S",

@@ -7,6 +7,8 @@
 
 #include "formats/base/bytes.h"
 #include "formats/base/trouble.h"
+#include "tools/rhoray/accuracy/choice.h"
+#include "tools/rhoray/accuracy/self_check.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/measure.h"
@@ -38,6 +40,8 @@ struct RenderCommand {
   bool no_verify = false;
   bool explain = false;
   bool print_scene = false;
+  Goal goal;
+  SelfCheckOptions self_check;
 };
 
 /// Seconds of the stations on the way to a picture.
@@ -194,6 +198,8 @@ struct Drawn {
   std::vector<Json> picks;
   Interval<double> heat;
   std::string reproduce;
+  std::vector<Choice> choices;
+  std::optional<SelfCheck> self_check;
 };
 
 void report_json(const Drawn& drawn) {
@@ -211,6 +217,7 @@ void report_json(const Drawn& drawn) {
                      {"wait_for_checks", stations.wait_for_checks_s},
                      {"write", stations.write_s}};
   if (!drawn.picks.empty()) json["picks"] = drawn.picks;
+  if (drawn.self_check) json["verify"] = json_of(*drawn.self_check);
   json["reproduce"] = drawn.reproduce;
   std::puts(dump(json).c_str());
 }
@@ -239,9 +246,11 @@ void report(const RenderCommand& command, const Drawn& drawn) {
                         drawn.statistics.machine, "\n", statistics_text(drawn.statistics))
                      .c_str(),
                  stdout);
+    if (drawn.self_check) std::fputs(text_of(*drawn.self_check).c_str(), stdout);
     for (const Json& pick : drawn.picks) std::puts(picked_text(pick, plan.volumes[0].length_unit()).c_str());
   }
   say_choices(common, plan);
+  for (const Choice& choice : drawn.choices) say(common, choice.sentence);
   if (plan.page) {
     const std::string shown = word_of(*plan.page);
     say(common, drawn.heat.is_empty()
@@ -311,6 +320,7 @@ void draw(const RenderCommand& command, ProgressDisplay& display, Drawn& drawn) 
   if (!command.picks.empty()) plan.frame.channels |= {.depth = true, .cell = true, .value = true};
   if (plan.page) plan.frame.channels |= render::channel_of(*plan.page);
   if (plan.annotations.box.value_or(false)) plan.frame.channels |= {.depth = true};
+  if (command.self_check.pixels > 0) plan.frame.channels |= channels_to_check(plan);
 
   // The picture is written only when both are done and well.
   std::future<void> checks;
@@ -321,6 +331,10 @@ void draw(const RenderCommand& command, ProgressDisplay& display, Drawn& drawn) 
   drawn.statistics = render::render(plan.volumes, plan.scene, plan.frame, framebuffer);
   drawn.stations.trace_s = tracing.seconds();
   drawn.picks = take_picks(command.picks, framebuffer);
+  if (command.self_check.pixels > 0) {
+    display.show("tracing again");
+    drawn.self_check = checked(plan, framebuffer, command.self_check, command.common.threads);
+  }
   if (plan.page) drawn.heat = render::draw_heat_map(*plan.page, framebuffer);
   draw_annotations(drawn, framebuffer);
   framebuffer.keep(kept);
@@ -342,8 +356,21 @@ void draw(const RenderCommand& command, ProgressDisplay& display, Drawn& drawn) 
   drawn.stations.write_s = writing.seconds();
 }
 
+/// What choosing a method, and tracing again, cannot go together with.
+void check(RenderCommand& command, const SceneWishes& wishes) {
+  check(command.goal);
+  command.self_check.max_error = command.goal.max_error;
+  const bool names_method =
+      !command.picture.wishes.accuracy.empty() || !command.picture.wishes.layers[0].method.empty();
+  if (command.goal.is_given() && names_method)
+    throw Error(Trouble::usage, "--max-error and --budget-ms choose the method: leave --accuracy and --method out");
+  if (command.goal.is_given() && wishes.image.show.value_or("color") == "error")
+    throw Error(Trouble::usage, "--show error needs --accuracy certified or exact, and --max-error chooses the method");
+}
+
 int run(RenderCommand& command) {
   const SceneWishes wishes = wishes_of(command);
+  check(command, wishes);
   ProgressDisplay display(command.common);
   Drawn drawn;
   const bool draws = !command.explain && !command.print_scene;
@@ -368,15 +395,23 @@ int run(RenderCommand& command) {
     require_writable(command, drawn.output, drawn.plan);
     require_memory(command, drawn.plan);
     if (has_annotations(drawn.plan)) find_font(known_fonts());
+    if (command.self_check.pixels > 0) require_checkable(drawn.plan);
   }
   drawn.stations.open_s = opening.seconds();
   aim_camera(wishes, drawn.plan);
+  if (draws && command.goal.is_given()) {
+    display.show("trying methods");
+    drawn.choices = choose_methods(drawn.plan, command.goal, command.common.threads);
+  }
   if (draws) draw(command, display, drawn);
   display.clear();
   if (draws)
     report(command, drawn);
   else
     std::fputs(dump_lines(scene_json(spelled_out(drawn.plan))).c_str(), stdout);
+  if (drawn.self_check && !drawn.self_check->broken.empty())
+    throw Error(Trouble::outside_limit,
+                concat(drawn.output.string(), ": outside the limit: ", drawn.self_check->broken));
   return 0;
 }
 
@@ -402,6 +437,7 @@ Subcommand render_subcommand() {
           {{file_option("FILE", "Packed file, OpenVDB file (.vdb), or scene document (.json)", command->input)},
            output_options(command->common, "Picture: .png, .exr, .tif or .jpg; default the file's name with .png"),
            picture_options(command->picture),
+           goal_options(command->goal),
            {value_option("--pick", "X,Y", "Say which cell a pixel shows; several: X,Y:X,Y", command->picks),
             flag_option("--stats", "What was traced: rays, cells, seconds by phase, on stdout", command->statistics),
             flag_option("--explain", "Say what the scene calls for, what not, and why; render nothing",
@@ -410,6 +446,13 @@ Subcommand render_subcommand() {
                         command->print_scene),
             answer_option("--scene-help", "Print what may stand in a scene document", scene_reference),
             answer_option("--scene-schema", "Print the JSON Schema of scene documents", scene_schema_text),
+            value_option(
+                "--verify", "N",
+                "Trace N random pixels, and N where the picture's content ends, again by exact arithmetic, and "
+                "say what was found; exit code 6 where the method's promise does not hold",
+                command->self_check.pixels),
+            value_option("--verify-seed", "N", "Of the random numbers that choose these pixels; default 1",
+                         command->self_check.seed),
             flag_option("--no-verify", "Do not check the file's checksums beside the rendering", command->no_verify)},
            threads_option(command->common),
            memory_option(command->common, "Refuse a picture that takes more; default what the machine has"),

@@ -1,0 +1,174 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "preprocess/pack_volume.h"
+#include "render/render.h"
+#include "tests/support/fields.h"
+#include "tests/tools/workbench.h"
+#include "tools/rhoray/accuracy/self_check.h"
+#include "tools/rhoray/scene/plan.h"
+
+namespace rhoray::tests {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+struct DataSet {
+  const char* name;
+  Field field;
+  const char* isovalue;
+};
+
+/// Smooth and rough, thin and thick.
+std::vector<DataSet> data_sets() {
+  return {
+      {"ball.rho", distance_field({0.1, 0, -0.1}), "0.6"},
+      {"ripples.rho", marschner_lobb_field(3), "0.5"},
+      {"product.rho", product_field(), "0.1"},
+      {"gyroid.rho",
+       [](const Vec3& p) {
+         return std::sin(6 * p.x) * std::cos(6 * p.y) + std::sin(6 * p.y) * std::cos(6 * p.z) +
+                std::sin(6 * p.z) * std::cos(6 * p.x);
+       },
+       "0.3"},
+      {"rough.rho",
+       [](const Vec3& p) { return p.z + 0.3 * std::sin(17 * p.x + 3 * p.y) * std::cos(13 * p.y - 5 * p.z); }, "0.1"}};
+}
+
+void make(const Workbench& bench, const DataSet& data) {
+  const Index3 count(28, 28, 28);
+  const auto volume = sampled_volume<float>(count, lattice_over(Box3({-1, -1, -1}, {1, 1, 1}), count), data.field);
+  preprocess::pack_volume(volume, bench / data.name);
+}
+
+json rendered(const Workbench& bench, const std::string& words) {
+  const RunResult run = bench.shell("rhoray render " + words + " --json --size 320x240 --force -o p.png");
+  EXPECT_EQ(run.exit_code, 0) << words << run.err;
+  return json::parse(run.out);
+}
+
+TEST(AccuracyChoice, keeps_its_error_on_five_data_sets_also_from_where_it_has_not_looked) {
+  const Workbench bench;
+  std::map<std::string, int> methods;
+  for (const DataSet& data : data_sets()) {
+    make(bench, data);
+    for (const char* error : {"0.3", "0.003", "1e-10"}) {
+      SCOPED_TRACE(std::string(data.name) + " " + error);
+      const std::string what = std::string(data.name) + " --iso " + data.isovalue;
+      const json first = rendered(bench, what + " --max-error " + error + " --verify 1000");
+      EXPECT_LE(first["verify"]["random"]["kept_by_99"].get<double>(), std::stod(error));
+      const std::string method = first["method"];
+      ++methods[method];
+      EXPECT_THAT(first["reproduce"].get<std::string>(), HasSubstr(method));
+      const std::string option = method.find(':') == std::string::npos ? " --accuracy " : " --method ";
+      const json other = rendered(bench, what + option + method + " --view -x --verify 1000 --verify-seed 7");
+      EXPECT_LE(other["verify"]["random"]["kept_by_99"].get<double>(), std::stod(error));
+    }
+  }
+  EXPECT_GE(methods.size(), 2U) << "the error asked for makes no difference: is the choice still one?";
+}
+
+TEST(AccuracyChoice, takes_the_best_that_keeps_the_time_and_says_so_when_none_does) {
+  const Workbench bench;
+  bench.make_ball();
+  const auto said = [&](const std::string& words) {
+    const RunResult run = bench.shell("rhoray render ball.rho --iso 60 --size 64x48 --force -o p.png " + words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return line_after(run.err, "method ");
+  };
+  EXPECT_THAT(said("--budget-ms 100000"), testing::StartsWith("exact: the most exact that keeps the time"));
+  EXPECT_THAT(said("--budget-ms 1e-6"), HasSubstr("no method keeps the time: the fastest"));
+  EXPECT_THAT(said("--budget-ms 1e-6 --max-error 1e-10"),
+              HasSubstr("keeps the error in 99 % of the pixels, beyond the time"));
+  EXPECT_THAT(said("--mode mip --iso auto --max-error 1e-6"), HasSubstr("of the field's range"));
+}
+
+TEST(AccuracyChoice, refuses_what_contradicts_itself) {
+  const Workbench bench;
+  bench.make_ball();
+  for (const char* words :
+       {"--max-error 0", "--budget-ms -1", "--max-error 1 --accuracy float", "--budget-ms 1 --method paper"}) {
+    const RunResult run = bench.shell(std::string("rhoray render ball.rho --iso 60 -o p.png ") + words);
+    EXPECT_EQ(run.exit_code, 2) << words;
+    EXPECT_FALSE(std::filesystem::exists(bench / "p.png"));
+  }
+}
+
+TEST(AccuracyChoice, is_told_in_the_report) {
+  const Workbench bench;
+  bench.make_ball();
+  ASSERT_EQ(
+      bench.shell("rhoray accuracy ball.rho --iso 60 -o out --size 64x48 --repeat 1 --max-error 0.01 -q").exit_code, 0);
+  const json results = json::parse(read_file(bench / "out/results.json"));
+  EXPECT_THAT(results["notes"].dump(), HasSubstr("would take method "));
+}
+
+TEST(SelfCheck, finds_the_levels_as_good_as_they_promise) {
+  const Workbench bench;
+  bench.make_ball();
+  bench.make_box();
+  for (const std::string words :
+       {"ball.rho --iso 60 --accuracy float", "ball.rho --iso 60 --accuracy double",
+        "ball.rho --iso 60 --accuracy certified", "ball.rho --iso 60 --accuracy exact",
+        "ball.rho --iso 60,120 --accuracy certified", "ball.rho --mode mip", "ball.rho --mode mip --accuracy certified",
+        "box.rho --field length --iso 0.8", "box.rho --field length --iso 0.8 --accuracy certified"}) {
+    const json check = rendered(bench, words + " --verify 200 --verify-seed 3")["verify"];
+    EXPECT_EQ(check["seed"], 3);
+    EXPECT_EQ(check["random"]["pixels"], 200) << words;
+    EXPECT_GT(check["edges"]["pixels"], 0) << words;
+    EXPECT_TRUE(check["holds"]) << words;
+    EXPECT_NE(check["limit"], "") << words;
+  }
+  const RunResult run =
+      bench.shell("rhoray render ball.rho --iso 60 --method sampled:2 --size 320x240 -o p.png --force --verify 300");
+  EXPECT_EQ(run.exit_code, 0) << "a method that promises nothing breaks nothing";
+  EXPECT_THAT(run.out, HasSubstr("the method promises nothing"));
+  EXPECT_THAT(run.out, HasSubstr("random 300 pixels: "));
+  EXPECT_THAT(run.out, HasSubstr("seed 1"));
+}
+
+TEST(SelfCheck, notices_a_picture_that_is_wrong) {
+  const Workbench bench;
+  bench.make_ball();
+  tools::SceneWishes wishes{.data = std::vector<tools::DataWish>(1), .layers = std::vector<tools::LayerWish>(1)};
+  wishes.data[0].file = bench / "ball.rho";
+  wishes.layers[0].isovalues = {"60"};
+  wishes.layers[0].accuracy = "certified";
+  wishes.image.size = tools::PictureSize{80, 60};
+  tools::ScenePlan plan = tools::plan_layers(wishes);
+  tools::aim_camera(wishes, plan);
+  plan.frame.channels = tools::channels_to_check(plan);
+  render::Framebuffer right;
+  render::render(plan.volumes, plan.scene, plan.frame, right);
+  const auto check = [&](const render::Framebuffer& picture, std::optional<double> limit = {}) {
+    return tools::checked(plan, picture, {.pixels = 500, .seed = 1, .max_error = limit}, 1);
+  };
+  EXPECT_EQ(check(right).broken, "");
+  render::Framebuffer wrong = right;
+  for (float& depth : wrong.depth) depth *= 1.001F;
+  EXPECT_THAT(check(wrong).broken, HasSubstr("beyond their bound"));
+  EXPECT_GT(check(wrong).random.largest, 0.01);
+  EXPECT_GT(check(wrong).random.largest_value_error, 0.1);
+  EXPECT_THAT(check(wrong, 1e-3).broken, HasSubstr("keep only"));
+  EXPECT_EQ(check(wrong, 10.0).broken, "");
+  wrong = right;
+  for (float& depth : wrong.depth) depth = std::numeric_limits<float>::infinity();
+  EXPECT_THAT(check(wrong).broken, HasSubstr("missed"));
+  EXPECT_EQ(check(wrong).random.false_hits, 0U);
+  for (float& depth : wrong.depth) depth = 1;
+  EXPECT_GT(check(wrong).random.false_hits, 0U);
+}
+
+TEST(SelfCheck, refuses_pictures_whose_pixels_are_of_several_places) {
+  const Workbench bench;
+  bench.make_ball();
+  const RunResult run = bench.shell("rhoray render ball.rho --iso 60,120 --opacity 0.5 --verify 10 -o p.png");
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("--verify: a clear surface"));
+}
+
+}  // namespace
+}  // namespace rhoray::tests
