@@ -46,9 +46,9 @@ std::string scene_reference() {
     text += "\n" + table(concat("`lights`, of type `\"", kind.word, "\"`: ", kind.help), kind.rows);
   text += "\n" + table("`effects`", effect_rows()) + "\n" + table("`ambient_occlusion` of effects", occlusion_rows()) +
           "\n" + table("`fog` of effects", fog_rows());
-  return text + "\n" + table("`camera`", camera_rows()) + "\n" + table("`image`", image_rows()) + "\n" +
-         table("`annotations`", annotation_rows()) + "\n" + table("`axes` of annotations", axes_rows()) + "\n" +
-         table("`colorbar` of annotations", color_bar_rows());
+  return text + "\n" + table("`camera`", camera_rows()) + "\n" + table("`keyframes` of the camera", keyframe_rows()) +
+         "\n" + table("`image`", image_rows()) + "\n" + table("`annotations`", annotation_rows()) + "\n" +
+         table("`axes` of annotations", axes_rows()) + "\n" + table("`colorbar` of annotations", color_bar_rows());
 }
 
 }  // namespace rhoray::tools
