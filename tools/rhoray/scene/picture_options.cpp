@@ -214,6 +214,9 @@ std::vector<Option> picture_options(PictureOptions& options) {
                           "Most samples of a pixel, 1 to 64: pixels at edges get as many as their differing asks for; "
                           "default 1",
                           limits::pixel_samples, image.antialias),
+      whole_number_option("--frames", "N",
+                          "Pictures from the first key frame of a scene's camera to the last; -o out_%04d.png",
+                          limits::frames, image.frames),
       {Option::Kind::flag, "--axes", "", "Arrows along the world's axes, in the lower left corner",
        [&annotations = scene.annotations](const std::string&) { annotations.axes = AxesWish{}; }},
       switch_option("--box", "The box around what is shown, with ticks in world units", true, scene.annotations.box),
@@ -308,6 +311,7 @@ SceneWishes with_options(SceneWishes document, const PictureOptions& options) {
   replace(document.image.show, said.image.show);
   replace(document.image.hierarchy, said.image.hierarchy);
   replace(document.image.antialias, said.image.antialias);
+  replace(document.image.frames, said.image.frames);
   replace(document.annotations.axes, said.annotations.axes);
   replace(document.annotations.box, said.annotations.box);
   replace(document.annotations.color_bar, said.annotations.color_bar);

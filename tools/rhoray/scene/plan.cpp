@@ -366,18 +366,7 @@ void plan_image(const SceneWishes& wishes, ScenePlan& plan) {
   plan.scene.background = image.background ? image.background->linear : Vec3(grey, grey, grey);
 }
 
-/// Around all that is shown; around the data where no surface passes through any cell.
-Box3 shown_box(const ScenePlan& plan) {
-  Box3 shown, data;
-  for (const render::Layer& layer : plan.scene.layers) {
-    const render::Volume& volume = plan.volumes[layer.volume];
-    data.extendBy(volume.bounds());
-    const Box3 whole =
-        layer.mode == render::Mode::isosurface ? volume.isosurface_bounds(layer.isovalue) : bounds_of(layer, plan);
-    shown.extendBy(layer.clipped && plan.scene.clip ? what_is_left(*plan.scene.clip, whole) : whole);
-  }
-  return shown.isEmpty() ? data : shown;
-}
+constexpr double zoom_with_box = 0.75;  // numbers stand around it
 
 std::string text_of_vector(const Vec3& v) {
   return concat(v.x, ",", v.y, ",", v.z);
@@ -417,9 +406,17 @@ ScenePlan plan_layers(const SceneWishes& wishes) {
   return plan_layers(wishes, [](const DataWish& data) { return load_shown(data.file, data.field); });
 }
 
-namespace {
-
-constexpr double zoom_with_box = 0.75;  // numbers stand around it
+Box3 shown_box(const ScenePlan& plan) {
+  Box3 shown, data;
+  for (const render::Layer& layer : plan.scene.layers) {
+    const render::Volume& volume = plan.volumes[layer.volume];
+    data.extendBy(volume.bounds());
+    const Box3 whole =
+        layer.mode == render::Mode::isosurface ? volume.isosurface_bounds(layer.isovalue) : bounds_of(layer, plan);
+    shown.extendBy(layer.clipped && plan.scene.clip ? what_is_left(*plan.scene.clip, whole) : whole);
+  }
+  return shown.isEmpty() ? data : shown;
+}
 
 void place_camera(const SceneWishes& wishes, const ShownBox& shown, ScenePlan& plan) {
   const CameraWish& wish = wishes.camera;
@@ -448,6 +445,8 @@ void place_camera(const SceneWishes& wishes, const ShownBox& shown, ScenePlan& p
   });
 }
 
+namespace {
+
 void place_lights(const SceneWishes& wishes, const ShownBox& shown, ScenePlan& plan) {
   render::Scene& scene = plan.scene;
   scene.lights = choose_lights(wishes, scene.camera);
@@ -472,6 +471,10 @@ void aim_camera(const SceneWishes& wishes, ScenePlan& plan) {
     if (!box) box = shown_box(plan);
     return *box;
   };
+  aim_camera(wishes, shown, plan);
+}
+
+void aim_camera(const SceneWishes& wishes, const ShownBox& shown, ScenePlan& plan) {
   place_camera(wishes, shown, plan);
   place_lights(wishes, shown, plan);
   note_camera_inside(plan);

@@ -9,6 +9,7 @@
 #include "render/diary.h"
 #include "render/load.h"
 #include "render/render.h"
+#include "tools/rhoray/scene/lights.h"
 #include "tools/rhoray/scene/wishes.h"
 
 namespace rhoray::tools {
@@ -47,6 +48,15 @@ ScenePlan plan_layers(const SceneWishes& wishes);
 /// Points the camera: where it is not said, so that all that is shown is seen. Then places what depends on it: lights,
 /// ambient occlusion, fog. Looks at every cell of a mesh where any of these is fitted to what is shown.
 void aim_camera(const SceneWishes& wishes, ScenePlan& plan);
+
+/// The same, around what is known to be shown.
+void aim_camera(const SceneWishes& wishes, const ShownBox& shown, ScenePlan& plan);
+
+/// The camera alone.
+void place_camera(const SceneWishes& wishes, const ShownBox& shown, ScenePlan& plan);
+
+/// Around all that is shown; around the data where no surface passes through any cell.
+Box3 shown_box(const ScenePlan& plan);
 
 /// Wishes that say every choice of the plan, so that they are planned to the same picture.
 SceneWishes spelled_out(const ScenePlan& plan);

@@ -48,9 +48,9 @@ std::string scene_reference() {
   text += "\n" + table("`effects`", effect_rows()) + "\n" + table("`ambient_occlusion` of effects", occlusion_rows()) +
           "\n" + table("`fog` of effects", fog_rows());
   text += "\n" + table("`clip`", clip_rows()) + "\n" + table("`planes` of clip", half_space_rows());
-  return text + "\n" + table("`camera`", camera_rows()) + "\n" + table("`image`", image_rows()) + "\n" +
-         table("`annotations`", annotation_rows()) + "\n" + table("`axes` of annotations", axes_rows()) + "\n" +
-         table("`colorbar` of annotations", color_bar_rows());
+  return text + "\n" + table("`camera`", camera_rows()) + "\n" + table("`keyframes` of the camera", keyframe_rows()) +
+         "\n" + table("`image`", image_rows()) + "\n" + table("`annotations`", annotation_rows()) + "\n" +
+         table("`axes` of annotations", axes_rows()) + "\n" + table("`colorbar` of annotations", color_bar_rows());
 }
 
 }  // namespace rhoray::tools

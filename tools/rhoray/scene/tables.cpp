@@ -294,6 +294,22 @@ const std::vector<Row<EffectsWish>>& effect_rows() {
   return rows;
 }
 
+const std::vector<Row<KeyframeWish>>& keyframe_rows() {
+  static const std::vector<Row<KeyframeWish>> rows{
+      required(row("time", &KeyframeWish::time, number(), "Times rise from key to key")),
+      row("azimuth", &KeyframeWish::azimuth_deg, number(),
+          "As the camera's; 360 is a turn after 0. Between keys a monotone cubic, as of all numbers"),
+      row("elevation", &KeyframeWish::elevation_deg, number_within(limits::elevation_deg), "As the camera's"),
+      row("zoom", &KeyframeWish::zoom, number_within(limits::zoom), "As the camera's; its logarithm moves"),
+      row("fov", &KeyframeWish::fov_deg, number_within(limits::fov_deg), "As the camera's"),
+      row("position", &KeyframeWish::position, vector_value(),
+          "In place of angles: as the camera's; between keys a cubic as of Catmull and Rom"),
+      row("target", &KeyframeWish::target, vector_value(), "Likewise"),
+      row("up", &KeyframeWish::up, vector_value(), "Likewise"),
+      row("isovalue", &KeyframeWish::isovalue, number(), "Of the only isosurface of the scene")};
+  return rows;
+}
+
 const std::vector<Row<CameraWish>>& camera_rows() {
   static const std::vector<Row<CameraWish>> rows{
       row("view", &CameraWish::view, word_value(view_words()), "Side to look from; default \"iso\", three-quarter"),
@@ -308,7 +324,9 @@ const std::vector<Row<CameraWish>>& camera_rows() {
           "World units that the picture's height shows; implies \"ortho\""),
       row("position", &CameraWish::position, vector_value(), "Eye, in world units; default fitted to what is shown"),
       row("target", &CameraWish::target, vector_value(), "Point looked at"),
-      row("up", &CameraWish::up, vector_value(), "Direction that is up in the picture")};
+      row("up", &CameraWish::up, vector_value(), "Direction that is up in the picture"),
+      row("keyframes", &CameraWish::keyframes, list_of(keyframe_rows(), "key frames"),
+          "How the camera moves: an array of at least 2 times, and what is there; -o out_%04d.png names the pictures")};
   return rows;
 }
 
@@ -322,7 +340,9 @@ const std::vector<Row<ImageWish>>& image_rows() {
           "false walks every leaf cell, for comparison; the same picture at double"),
       row("antialias", &ImageWish::antialias, whole_number_within(limits::pixel_samples),
           "Most samples of a pixel: at edges, where neighbours differ, as many as their differing asks for; default 1, "
-          "none but the middle")};
+          "none but the middle"),
+      row("frames", &ImageWish::frames, whole_number_within(limits::frames),
+          "From the first of the camera's \"keyframes\" to the last, at even times; default 25 for each unit of time")};
   return rows;
 }
 

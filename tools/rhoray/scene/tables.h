@@ -17,6 +17,7 @@ const std::vector<Row<OcclusionWish>>& occlusion_rows();
 const std::vector<Row<FogWish>>& fog_rows();
 const std::vector<Row<EffectsWish>>& effect_rows();
 const std::vector<Row<CameraWish>>& camera_rows();
+const std::vector<Row<KeyframeWish>>& keyframe_rows();
 const std::vector<Row<ImageWish>>& image_rows();
 const std::vector<Row<AxesWish>>& axes_rows();
 const std::vector<Row<ColorBarWish>>& color_bar_rows();

@@ -160,6 +160,27 @@ ValueKind<Object> object_value(const std::vector<Row<Object>>& rows) {
           }};
 }
 
+/// Any number of objects of one kind.
+template <class Object>
+ValueKind<std::vector<Object>> list_of(const std::vector<Row<Object>>& rows, const char* noun) {
+  const std::string expected = concat("an array of ", noun);
+  return {.expected = expected,
+          .schema = {{"type", "array"}, {"items", schema_of(rows)}},
+          .read =
+              [expected, &rows](const Json& json, const Reading& at) {
+                if (!json.is_array()) at.place.refuse(json, expected);
+                std::vector<Object> list;
+                for (std::size_t i = 0; i < json.size(); ++i) list.push_back(read_object(json[i], at.at(i), rows));
+                return list;
+              },
+          .write =
+              [&rows](const std::vector<Object>& list) {
+                Json json = Json::array();
+                for (const Object& object : list) json.push_back(write_object(object, rows));
+                return json;
+              }};
+}
+
 /// What is there as it is, or in so many words: true, or an object.
 template <class Object, class T>
 Row<Object> switched_row(std::string key, std::optional<T> Object::*member, const std::vector<Row<T>>& rows,

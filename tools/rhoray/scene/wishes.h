@@ -46,12 +46,21 @@ struct LayerWish {
   std::optional<bool> lit{};
 };
 
+/// What the camera, or the isovalue of a scene's only isosurface, is at a time.
+struct KeyframeWish {
+  double time = 0;
+  std::optional<double> azimuth_deg{}, elevation_deg{}, zoom{}, fov_deg{};
+  std::optional<Vec3> position{}, target{}, up{};
+  std::optional<double> isovalue{};
+};
+
 struct CameraWish {
   std::optional<std::string> view{};
   std::optional<double> azimuth_deg{}, elevation_deg{}, zoom{}, fov_deg{};
   std::optional<bool> orthographic{};
   std::optional<double> orthographic_height{};  ///< implies orthographic
   std::optional<Vec3> position{}, target{}, up{};
+  std::optional<std::vector<KeyframeWish>> keyframes{};
 };
 
 struct ImageWish {
@@ -61,6 +70,7 @@ struct ImageWish {
   std::optional<std::string> show{};  ///< color, or a heat map
   std::optional<bool> hierarchy{};    ///< false: every leaf cell is walked
   std::optional<int> antialias{};     ///< most samples of a pixel
+  std::optional<int> frames{};        ///< from the camera's first key frame to its last
 };
 
 struct LightWish {
@@ -144,6 +154,7 @@ inline constexpr Interval<double> percentile{0, 100};
 inline constexpr Interval<double> intensity{0, 1e4};
 inline constexpr Interval<int> occlusion_samples{1, 4096};
 inline constexpr Interval<int> pixel_samples{1, 64};
+inline constexpr Interval<int> frames{1, 100000};
 inline constexpr Interval<double> angular_diameter_deg{0, 180};
 inline constexpr Interval<int> light_samples{1, 4096};
 }  // namespace limits
