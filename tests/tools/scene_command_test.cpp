@@ -180,17 +180,20 @@ TEST(SceneCommand, draws_nothing_of_a_surface_that_holds_back_no_light) {
 TEST(SceneCommand, reads_the_documents_that_are_published) {
   const Workbench bench;
   bench.make_ball();
-  const std::filesystem::path made = bench / "made/200000-192x192x256";
-  std::filesystem::create_directories(made);
-  for (const char* name : {"torso.rho", "torso-ct.rho"}) std::filesystem::copy_file(bench / "ball.rho", made / name);
-  std::filesystem::copy_file(bench / "ball.rho", bench / "made/head-ct.rho");
+  std::filesystem::create_directories(bench / "scenes");
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(RHORAY_SOURCE_DIR "/data/scenes")) {
     const std::filesystem::path name = entry.path().filename();
     if (name.extension() != ".json" || name == "scene.schema.json") continue;
     SCOPED_TRACE(name);
-    std::filesystem::create_directories(bench / "scenes");
     std::filesystem::copy_file(entry.path(), bench / ("scenes/" + name.string()));
+    const Json scene = Json::parse(read_file(entry.path()));
+    for (const Json& data : scene["data"]) {
+      const std::filesystem::path file = bench.path() / "scenes" / data["file"].get<std::string>();
+      std::filesystem::create_directories(file.lexically_normal().parent_path());
+      std::filesystem::copy_file(bench / "ball.rho", file.lexically_normal(),
+                                 std::filesystem::copy_options::skip_existing);
+    }
     const tools::SceneDocument document = tools::read_scene(bench / ("scenes/" + name.string()));
     EXPECT_TRUE(document.warnings.empty()) << document.warnings.front();
     ++count;

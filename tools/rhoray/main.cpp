@@ -5,9 +5,9 @@
 int main(int argc, char** argv) {
   using namespace rhoray::tools;
   end_cleanly_on_interrupt();
-  const Subcommand subcommands[] = {info_subcommand(),   import_subcommand(),   pack_subcommand(),
-                                    verify_subcommand(), resample_subcommand(), tetrahedralize_subcommand(),
-                                    render_subcommand(), export_subcommand(),   validate_subcommand(),
-                                    bench_subcommand()};
+  const Subcommand subcommands[] = {info_subcommand(),    import_subcommand(),   pack_subcommand(),
+                                    verify_subcommand(),  resample_subcommand(), tetrahedralize_subcommand(),
+                                    render_subcommand(),  export_subcommand(),   validate_subcommand(),
+                                    compare_subcommand(), bench_subcommand()};
   return run_command_line(subcommands, argc, argv);
 }

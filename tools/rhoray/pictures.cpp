@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "formats/base/trouble.h"
+#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/new_file.h"
 #include "tools/rhoray/pictures_module.h"
 
@@ -25,12 +26,15 @@ std::string format_of(const std::filesystem::path& path) {
   return {};
 }
 
-EncodePicture* load_encoder() {
+/// An act of the module.
+template <class Act>
+Act* load(const char* name) {
   const std::filesystem::path module = std::filesystem::read_symlink("/proc/self/exe").parent_path() / pictures_module;
   void* const handle = ::dlopen(module.c_str(), RTLD_NOW | RTLD_LOCAL);
-  void* const symbol = handle == nullptr ? nullptr : ::dlsym(handle, encode_picture_symbol);
-  if (symbol == nullptr) throw Error(Trouble::unsupported, concat("pictures cannot be written: ", ::dlerror()));
-  return reinterpret_cast<EncodePicture*>(symbol);
+  void* const symbol = handle == nullptr ? nullptr : ::dlsym(handle, name);
+  if (symbol == nullptr)
+    throw Error(Trouble::unsupported, concat("pictures can be neither written nor read: ", ::dlerror()));
+  return reinterpret_cast<Act*>(symbol);
 }
 
 void require_ids_that_fit(const render::Framebuffer& picture, const std::filesystem::path& path) {
@@ -58,9 +62,18 @@ void write_picture(const render::Framebuffer& picture, const std::vector<Picture
                    const std::filesystem::path& path, bool replace_existing) {
   require_ids_that_fit(picture, path);
   NewFile file(path);
-  const std::string trouble = load_encoder()(picture, texts, format_of(path), file.open_name().string());
+  const std::string trouble =
+      load<EncodePicture>(encode_picture_symbol)(picture, texts, format_of(path), file.open_name().string());
   if (!trouble.empty()) throw Error(Trouble::resource, concat(path.string(), ": ", trouble));
   file.commit(replace_existing);
+}
+
+StoredPicture read_picture(const std::filesystem::path& path) {
+  require_input(path);
+  StoredPicture picture;
+  const std::string trouble = load<DecodePicture>(decode_picture_symbol)(path.string(), picture);
+  if (!trouble.empty()) throw Error(Trouble::invalid, concat(path.string(), ": no picture: ", trouble));
+  return picture;
 }
 
 }  // namespace rhoray::tools

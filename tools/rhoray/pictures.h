@@ -31,4 +31,15 @@ void require_picture_format(const std::filesystem::path& path, const render::Cha
 void write_picture(const render::Framebuffer& picture, const std::vector<PictureText>& texts,
                    const std::filesystem::path& path, bool replace_existing);
 
+/// A picture as its file holds it: rows from the top, pixels from the left, channels side by side.
+struct StoredPicture {
+  int width = 0, height = 0;
+  std::vector<std::string> channels;  ///< "R", "G", "B", "A", "Z", ...
+  std::vector<float> numbers;         ///< as stored; of integers the share of the largest that their type holds
+};
+
+/// Reads a picture of any format above. Refuses what is not there (Trouble::unreadable), and what is no picture or is
+/// damaged (Trouble::invalid).
+StoredPicture read_picture(const std::filesystem::path& path);
+
 }  // namespace rhoray::tools

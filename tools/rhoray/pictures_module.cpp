@@ -151,4 +151,21 @@ extern "C" __attribute__((visibility("default"))) std::string rhoray_encode_pict
   }
 }
 
+extern "C" __attribute__((visibility("default"))) std::string rhoray_decode_picture(const std::string& path,
+                                                                                    StoredPicture& picture) noexcept {
+  try {
+    const auto file = OIIO::ImageInput::open(path);
+    if (!file) return OIIO::geterror();
+    const OIIO::ImageSpec spec = file->spec();
+    if (spec.depth != 1) return "it has several layers of pixels";
+    picture = {.width = spec.width, .height = spec.height, .channels = spec.channelnames, .numbers = {}};
+    picture.numbers.resize(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels));
+    if (!file->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, picture.numbers.data()))
+      return file->geterror();
+    return {};
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+}
+
 }  // namespace rhoray::tools

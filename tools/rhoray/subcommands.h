@@ -15,5 +15,6 @@ Subcommand render_subcommand();
 Subcommand bench_subcommand();
 Subcommand export_subcommand();
 Subcommand validate_subcommand();
+Subcommand compare_subcommand();
 
 }  // namespace rhoray::tools

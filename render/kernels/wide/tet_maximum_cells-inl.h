@@ -23,10 +23,10 @@ using MaskC = hn::Mask<Codes>;
 inline constexpr Codes codes{};
 
 /// How far a place in a ray's picture plane, in a cluster's frame, is off by what is rounded to single precision, for
-/// rays that meet the cluster's box: with a = 2^-24, by a / 2 for the corner's u, a for slope times w (each off by
-/// a / 2), a for their difference, a for the shift (up to 2), 2 a for the last difference (up to 4); a / 2 more without
-/// fused operations. And by TetRays::place_error.
-inline constexpr float rounded_place = 0x1p-21f;
+/// rays that pass the cluster's box within 2: with a = 2^-24, by a / 2 for the corner's u, a for slope times w (each
+/// off by a / 2), a for their difference, 2 a for the shift (up to 4), 4 a for the last difference (up to 6); a / 2
+/// more without fused operations. And by TetRays::place_error. Others pass all cells by far more than they are off.
+inline constexpr float rounded_place = 0x1p-20f;
 
 /// More than a value, or a level, in a cluster's frame is off by: 2^-25 and 2^-24.
 inline constexpr float rounded_value = 0x1p-22f;
@@ -88,7 +88,7 @@ class TetCells {
   }
 
   /// Shifts and levels of the rays in the cluster's frame.
-  /// @return  the lanes that may meet the box, and have not reached more than its values
+  /// @return  the lanes that may find more than they have reached
   HWY_INLINE std::uint64_t enter(const LocalCluster& local, std::uint64_t lanes) {
     const VecD scale = hn::Set(doubles, local.scale), lowest = hn::Set(doubles, local.lowest);
     const auto center = [&](int axis) { return local.center[axis] - group_.middle[axis]; };
@@ -111,8 +111,10 @@ class TetCells {
         const VecD moved = hn::Mul(hn::Sub(x, at_w), scale), four = hn::Set(doubles, 4.0);
         return hn::DemoteTo(half_floats, hn::Max(hn::Min(moved, four), hn::Neg(four)));
       };
-      hn::Store(along(begin), half_floats, scratch_.local_begin + r);
-      hn::Store(along(end), half_floats, scratch_.local_end + r);
+      if (!group_.go_through) {
+        hn::Store(along(begin), half_floats, scratch_.local_begin + r);
+        hn::Store(along(end), half_floats, scratch_.local_end + r);
+      }
       const VecD reached = hn::Load(doubles, scratch_.reached + r);
       in_reach |= bits_of(doubles, hn::And(hn::Le(reached, hn::Set(doubles, local.highest)),
                                            hn::And(hn::Le(begin, high_w), hn::Ge(end, low_w))))
@@ -125,22 +127,7 @@ class TetCells {
     }
     lanes &= in_reach;
     if ((lanes & at_highest) != 0) lanes &= ~satisfied(local, lanes & at_highest);
-    if (lanes == 0) return 0;
-    std::uint64_t met = 0;
-    for (std::size_t r = 0; r < TetScratch::lanes; r += float_lanes) {
-      if ((lanes >> r & pack_bits) == 0) continue;
-      MaskF in = mask_of(floats, lanes >> r);
-      for (int m = 0; m < 2; ++m) {
-        const VecF shift = hn::Load(floats, scratch_.place[m] + r),
-                   slope = hn::Load(floats, scratch_.tree_slope[m] + r);
-        const VecF a = hn::MulAdd(slope, hn::Set(floats, local.low[group_.w]), shift),
-                   b = hn::MulAdd(slope, hn::Set(floats, local.high[group_.w]), shift);
-        in = hn::And(in, hn::And(hn::Ge(hn::Max(a, b), hn::Set(floats, local.low[minor[m]] - place_error_)),
-                                 hn::Le(hn::Min(a, b), hn::Set(floats, local.high[minor[m]] + place_error_))));
-      }
-      met |= bits_of(floats, in) << r;
-    }
-    return met;
+    return lanes;
   }
 
   /// Of each vertex a byte for each pack, with bits for the sides of the pack's rays on which it lies, and for values
@@ -383,14 +370,11 @@ class TetCells {
   /// Bounds of the values of suspects; the lower ones raise the rays' levels.
   HWY_NOINLINE void note(const LocalCluster& local, const Seen& seen, MaskF doubtful, const Corners& at,
                          std::uint64_t cell, std::size_t r) {
-    // Where rays begin and end is off by no more than places are, times in the scalar kernel by as much again.
-    const float margin = 2 * place_error_;
-    const VecF begin = hn::Load(floats, scratch_.local_begin + r), end = hn::Load(floats, scratch_.local_end + r);
-    const float w_high = larger(larger(at.w[0], at.w[1]), larger(at.w[2], at.w[3]));
-    const float w_low = -larger(larger(-at.w[0], -at.w[1]), larger(-at.w[2], -at.w[3]));
-    doubtful = hn::And(doubtful, hn::And(hn::Le(begin, hn::Set(floats, w_high + margin)),
-                                         hn::Ge(end, hn::Set(floats, w_low - margin))));
-    if (hn::AllFalse(floats, doubtful)) return;
+    MaskF whole = doubtful;  // the ray goes through all of the cell
+    if (!group_.go_through) {
+      whole = clip(at, r, doubtful);
+      if (hn::AllFalse(floats, doubtful)) return;
+    }
     const VecF zero = hn::Zero(floats), level = hn::Load(floats, scratch_.level + r);
     const VecF weight_error = hn::Mul(hn::Set(floats, 3.1f), seen.edge_error);
     VecF most = zero, least = zero;
@@ -414,8 +398,6 @@ class TetCells {
       least = hn::Max(least, hn::IfThenElseZero(hn::Or(sure_left, sure_right), low));
     }
     most = hn::Add(hn::Min(hn::Add(level, most), hn::Set(floats, at.largest)), hn::Set(floats, rounded_value));
-    const MaskF whole = hn::And(doubtful, hn::And(hn::Le(begin, hn::Set(floats, w_low - margin)),
-                                                  hn::Ge(end, hn::Set(floats, w_high + margin))));
     const VecF raised =
         hn::Sub(hn::MulAdd(least, hn::Set(floats, 1 - 0x1p-20f), level), hn::Set(floats, rounded_value));
     const MaskF rises = hn::And(whole, hn::Gt(raised, level));
@@ -430,6 +412,20 @@ class TetCells {
       const double most_value = local.lowest + static_cast<double>(most_of[lane]) * local.range + above;
       suspects.add(local.per_range > 0 ? most_value : local.highest, cell, r + lane);
     }
+  }
+
+  /// Takes out of `doubtful` the rays that end before the cell, or begin behind it.
+  /// @return  the others that begin before it and end behind it
+  HWY_INLINE MaskF clip(const Corners& at, std::size_t r, MaskF& doubtful) const {
+    // Where rays begin and end is off by no more than places are, times in the scalar kernel by as much again.
+    const float margin = 2 * place_error_;
+    const VecF begin = hn::Load(floats, scratch_.local_begin + r), end = hn::Load(floats, scratch_.local_end + r);
+    const float w_high = larger(larger(at.w[0], at.w[1]), larger(at.w[2], at.w[3]));
+    const float w_low = -larger(larger(-at.w[0], -at.w[1]), larger(-at.w[2], -at.w[3]));
+    doubtful = hn::And(doubtful, hn::And(hn::Le(begin, hn::Set(floats, w_high + margin)),
+                                         hn::Ge(end, hn::Set(floats, w_low - margin))));
+    return hn::And(doubtful, hn::And(hn::Le(begin, hn::Set(floats, w_low - margin)),
+                                     hn::Ge(end, hn::Set(floats, w_high + margin))));
   }
 
   HWY_INLINE void leave(const LocalCluster& local, std::uint64_t lanes) {

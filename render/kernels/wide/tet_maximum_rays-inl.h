@@ -89,7 +89,7 @@ class TetRays {
       size = larger(size, field.high[a] - field.low[a]);
       largest = larger(largest, larger(-field.low[a], field.high[a]));
     }
-    describe(rays, count);
+    describe(rays, count, size);
     bound_packs();
     place_error = 0x1p-49 * (farthest_ + 2 * size);
     describe_for_tree(larger(largest, size));
@@ -103,6 +103,7 @@ class TetRays {
   float tree_margin;                      ///< likewise in units of boxes, with rounding to single precision
   float group_offset[4], group_slope[4];  ///< bounds of all packs, as their lines, in units of boxes
   float first, last;                      ///< of the ends of all rays, in units of boxes
+  bool go_through;  ///< all begin and end farther from the mesh, along w, than half its largest side
 
  private:
   const TetMaximumField& field_;
@@ -117,11 +118,13 @@ class TetRays {
   HWY_INLINE static double larger(double a, double b) { return a > b ? a : b; }
 
  private:
-  HWY_INLINE void describe(const RayArrays& rays, std::size_t count) {
+  HWY_INLINE void describe(const RayArrays& rays, std::size_t count, double size) {
     HWY_ALIGN double slope[2][TetScratch::lanes], shift[2][TetScratch::lanes], begin[TetScratch::lanes],
         end[TetScratch::lanes];
     const int minor[2] = {u, v};
     VecD farthest = hn::Zero(doubles);
+    const VecD outside = hn::Set(doubles, 0.5 * (field_.high[w] - field_.low[w]) + 0.5 * size);
+    MaskD stops_short = no_lane(doubles);
     for (std::size_t r = 0; r < count; r += double_lanes) {
       const VecD d = hn::Load(doubles, rays.direction[w] + r), inverse = hn::Div(hn::Set(doubles, 1.0), d);
       const auto start = [&](int axis) HWY_ATTR {
@@ -138,9 +141,13 @@ class TetRays {
       }
       const VecD from = hn::MulAdd(hn::Load(doubles, rays.t_min + r), d, at),
                  to = hn::MulAdd(hn::Load(doubles, rays.t_max + r), d, at);
-      hn::Store(hn::Min(from, to), doubles, begin + r);
-      hn::Store(hn::Max(from, to), doubles, end + r);
+      const VecD least = hn::Min(from, to), most = hn::Max(from, to);
+      hn::Store(least, doubles, begin + r);
+      hn::Store(most, doubles, end + r);
+      const MaskD goes_through = hn::And(hn::Le(least, hn::Neg(outside)), hn::Ge(most, outside));
+      stops_short = hn::Or(stops_short, hn::AndNot(goes_through, there));
     }
+    go_through = hn::AllFalse(doubles, stops_short);
     farthest_ = hn::GetLane(hn::MaxOfLanes(doubles, farthest));
     for (std::size_t quad = 0; 4 * quad < count; ++quad) {
       const auto place = [&](const double* from, double* to)

@@ -93,12 +93,12 @@ class TetDecisions {
 
   /// BoxRay::meet for one box of each ray.
   HWY_INLINE MaskD meets_box(const VecD* origin, const VecD* direction, VecD t_min, VecD t_max) const {
-    const VecD unit = hn::Set(doubles, field_.box_unit), zero = hn::Zero(doubles);
+    const VecD per_unit = hn::Set(doubles, 1 / field_.box_unit), zero = hn::Zero(doubles);  // a power of two
     VecD t_in = hn::Set(doubles, -infinite), t_out = hn::Set(doubles, infinite);
     for (int m = 0; m < 3; ++m) {
       const auto a = static_cast<std::size_t>(axes_[m]);
-      const VecD from = hn::Div(origin[m], unit);
-      const VecD exact = hn::Div(hn::Set(doubles, 1.0), hn::Div(direction[m], unit));
+      const VecD from = hn::Mul(origin[m], per_unit);
+      const VecD exact = hn::Div(hn::Set(doubles, 1.0), hn::Mul(direction[m], per_unit));
       const VecD inverse = hn::IfThenElseZero(is_finite(exact), exact);
       const MaskD moves = hn::Ne(inverse, zero), rises = hn::Gt(inverse, zero);
       const VecD low = hn::PromoteTo(doubles, hn::Load(half_floats, box_[a])),
@@ -259,7 +259,10 @@ class TetDecisions {
 class TetSuspects {
  public:
   HWY_INLINE TetSuspects(const TetMaximumField& field, const RayArrays& rays, const TetRays& group, TetScratch& scratch)
-      : field_(field), rays_(rays), group_(group), scratch_(scratch) {}
+      : field_(field), rays_(rays), group_(group), scratch_(scratch) {
+    const double size = field.range.hi - field.range.lo;
+    per_range_ = size > least_range ? 1 / size : 0;
+  }
 
   HWY_INLINE void add(double most, std::uint64_t cell, std::size_t lane) {
     scratch_.suspects[scratch_.suspect_count++] = {most, static_cast<std::uint32_t>(cell),
@@ -286,9 +289,7 @@ class TetSuspects {
 
   HWY_INLINE void raise(std::size_t lane, double reached) {
     scratch_.reached[lane] = reached;
-    const double size = field_.range.hi - field_.range.lo;
-    const double share = size > least_range ? (reached - field_.range.lo) / size : 0;
-    scratch_.reached_share[lane] = static_cast<float>(share) - 0x1p-23f;
+    scratch_.reached_share[lane] = static_cast<float>((reached - field_.range.lo) * per_range_) - 0x1p-23f;
   }
 
  private:
@@ -314,6 +315,7 @@ class TetSuspects {
   const RayArrays& rays_;
   [[maybe_unused]] const TetRays& group_;
   TetScratch& scratch_;
+  double per_range_;
 };
 
 }  // namespace

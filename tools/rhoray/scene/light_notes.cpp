@@ -65,10 +65,11 @@ bool is_behind(const Light& light, const render::Camera& camera) {
 }
 
 /// What is odd about a light that shines; nothing where nothing is.
-std::string note_of(const Light& light, const render::Camera& camera, const OpaqueSurfaces& surfaces) {
+std::string note_of(const Light& light, const render::Scene& scene, std::span<const render::Volume> volumes) {
+  const render::Camera& camera = scene.camera;
   if (light.kind == Light::Kind::head) return {};
   if (light.size > 0 && !light.casts_shadows) return "has a size, which only shadows show, but casts none";
-  if (light.kind == Light::Kind::point && is_inside(light, camera, surfaces))
+  if (light.kind == Light::Kind::point && is_inside(light, camera, OpaqueSurfaces(scene, volumes)))
     return concat("stands inside opaque surfaces, at (", light.place.x, ", ", light.place.y, ", ", light.place.z,
                   "): nothing outside them is lit by it");
   if (is_behind(light, camera)) return "shines from behind what is looked at: no more than rims are lit by it";
@@ -87,11 +88,10 @@ bool is_lit_by_nothing(const render::Scene& scene) {
 
 std::vector<std::string> light_notes(const render::Scene& scene, std::span<const render::Volume> volumes) {
   std::vector<std::string> notes;
-  const OpaqueSurfaces surfaces(scene, volumes);
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
     const Light& light = scene.lights[i];
     const std::string note =
-        light.color == Vec3(0, 0, 0) ? "shines with no intensity: not traced" : note_of(light, scene.camera, surfaces);
+        light.color == Vec3(0, 0, 0) ? "shines with no intensity: not traced" : note_of(light, scene, volumes);
     if (!note.empty()) notes.push_back(concat("light ", i, " ", note));
   }
   if (is_lit_by_nothing(scene)) notes.push_back("no light shines, and a surface without ambient light is black");

@@ -1,0 +1,122 @@
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include "formats/base/trouble.h"
+#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/measure.h"
+#include "tools/rhoray/picture_difference.h"
+#include "tools/rhoray/report.h"
+#include "tools/rhoray/subcommands.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+struct CompareCommand {
+  CommonOptions common;
+  std::vector<std::filesystem::path> files;
+  std::optional<double> limit;  ///< of a pixel's difference
+  std::optional<double> share;  ///< of pixels that may be beyond it
+  std::filesystem::path map;
+};
+
+void check(const CompareCommand& command) {
+  if (command.files.size() != 2)
+    throw Error(Trouble::usage, concat("found ", command.files.size(), " pictures; expected two"),
+                "rhoray compare a.png b.png");
+  if (command.limit && !(*command.limit >= 0))
+    throw Error(Trouble::usage, concat("--fail: found ", *command.limit, "; expected 0 or more"));
+  if (command.share && !(*command.share >= 0 && *command.share <= 1))
+    throw Error(Trouble::usage, concat("--fail-share: found ", *command.share, "; expected 0 to 1"));
+  if (command.share && !command.limit) throw Error(Trouble::usage, "--fail-share: means something only with --fail");
+  if (command.map.empty()) return;
+  require_picture_format(command.map, {});
+  for (const std::filesystem::path& file : command.files) require_writable(command.common, command.map, file);
+}
+
+double share_of(std::uint64_t pixels, const PictureDifference& difference) {
+  return static_cast<double>(pixels) / static_cast<double>(difference.of_pixel.size());
+}
+
+std::string text_of(const PictureDifference& difference, const CompareCommand& command) {
+  const auto pixels = [&](std::uint64_t count) {
+    return concat(count, " of ", difference.of_pixel.size(), " (", rounded(100 * share_of(count, difference)), " %)\n");
+  };
+  std::string text = concat("channels            ", listed(difference.channels), "\n");
+  if (!difference.only_a.empty())
+    text += concat("only in ", command.files[0].string(), ": ", listed(difference.only_a), "\n");
+  if (!difference.only_b.empty())
+    text += concat("only in ", command.files[1].string(), ": ", listed(difference.only_b), "\n");
+  text += concat("pixels that differ  ", pixels(difference.differing));
+  if (difference.differing != 0) {
+    const LargestDifference& largest = difference.largest;
+    text += concat("largest difference  ", rounded(largest.size), ": ", largest.channel, " at (", largest.x, ", ",
+                   largest.y, "), ", rounded(largest.a), " and ", rounded(largest.b), "\n");
+    text += concat("root mean square    ", rounded(difference.root_mean_square), " (",
+                   rounded(difference.peak_signal_to_noise()), " dB)\nmean                ", rounded(difference.mean),
+                   "\n");
+  }
+  if (command.limit)
+    text += concat("beyond ", rounded(*command.limit), ": ", pixels(difference.beyond(*command.limit)));
+  return text;
+}
+
+Json json_of(const PictureDifference& difference, const CompareCommand& command) {
+  const LargestDifference& largest = difference.largest;
+  Json json{{"a", command.files[0].string()},
+            {"b", command.files[1].string()},
+            {"channels", difference.channels},
+            {"only_a", difference.only_a},
+            {"only_b", difference.only_b},
+            {"pixels", difference.of_pixel.size()},
+            {"differing", difference.differing},
+            {"largest", {{"size", largest.size}, {"channel", largest.channel}, {"x", largest.x}, {"y", largest.y}}},
+            {"root_mean_square", difference.root_mean_square},
+            {"mean", difference.mean}};
+  if (command.limit) json["limit"] = *command.limit, json["beyond"] = difference.beyond(*command.limit);
+  return json;
+}
+
+int run(const CompareCommand& command) {
+  check(command);
+  const StoredPicture a = read_picture(command.files[0]), b = read_picture(command.files[1]);
+  const PictureDifference difference = difference_of(a, b, command.files[0].string(), command.files[1].string());
+  std::fputs(
+      command.common.json ? (dump(json_of(difference, command)) + "\n").c_str() : text_of(difference, command).c_str(),
+      stdout);
+  if (!command.map.empty()) {
+    write_picture(difference_map(difference.of_pixel, a.width, a.height), {}, command.map, command.common.force);
+    say(command.common, concat(command.map.string(), ": black where nothing differs, then dark to bright"));
+  }
+  if (!command.limit) return 0;
+  const std::uint64_t beyond = difference.beyond(*command.limit);
+  if (share_of(beyond, difference) > command.share.value_or(0))
+    throw Error(Trouble::outside_limit, concat(command.files[1].string(), ": ", beyond, " pixels differ by more than ",
+                                               rounded(*command.limit), " from ", command.files[0].string()));
+  return 0;
+}
+
+}  // namespace
+
+Subcommand compare_subcommand() {
+  const auto command = std::make_shared<CompareCommand>();
+  return {.name = "compare",
+          .summary = "Two pictures: how much they differ, and where",
+          .examples =
+              "  rhoray compare before.png after.png\n"
+              "  rhoray compare before.png after.png --fail 0.01 --fail-share 0.001 --map where.png\n"
+              "Channels of the same name are compared as they are stored: those of 8 bits as numbers from 0 to 1 (in\n"
+              "sRGB), those of EXR files as they are. Ends with exit code 6 when --fail is given and not kept.\n",
+          .options = all_options(
+              {{files_option("A B", "Two pictures of one size", command->files),
+                value_option("--fail", "E", "Largest difference that a pixel may have; 0 asks for the same picture",
+                             command->limit),
+                value_option("--fail-share", "S", "Share of pixels that may differ by more; default 0", command->share),
+                value_option("--map", "FILE", "Draw where they differ", command->map),
+                flag_option("--force", "Replace the map if it is there", command->common.force)},
+               message_options(command->common, "The figures as one JSON document on stdout")}),
+          .run = [command] { return run(*command); }};
+}
+
+}  // namespace rhoray::tools
