@@ -51,6 +51,7 @@ Hit crossing_by_method(const View& view, const Question& question, const Ray& ra
   const auto look = [&](const TrilinearCell& cell, const CellVisit& visit, const auto& before) {
     const Vec3 in = entry_point(view.geometry(), ray, planes, visit);
     const Vec3 out = exit_point(view.geometry(), ray, planes, visit);
+    if (!side.inside()) starts_in_crossing = false;  // there were cells without data between
     if (starts_in_crossing && stays_at_start(cell, in, out, iso)) return true;
     const bool starts_inside = is_inside(minus<Real>(cell, iso).cell.at(Imath::Vec3<Real>(in)));
     // A macrocell's range says nothing of cells without data in it: the side that was taken from there may be no longer

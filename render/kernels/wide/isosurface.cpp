@@ -430,22 +430,29 @@ class GroupWalk {
 
   /// Takes out the lanes that enter a cell on another side than they were on. They have come out of cells without data,
   /// where that is no crossing, or rounding has hidden a change at an edge between cells: the reference knows which.
-  HWY_INLINE MaskF without_strays(Lanes& lanes, MaskF looks, MaskF starts_inside, std::size_t r) {
-    const MaskF strays = hn::And(looks, hn::And(lanes.has_side, hn::Xor(starts_inside, lanes.inside)));
+  /// @param asked  lanes of `looks`
+  HWY_INLINE MaskF without_strays(Lanes& lanes, MaskF looks, MaskF asked, MaskF starts_inside, std::size_t r) {
+    const MaskF strays = hn::And(asked, hn::And(lanes.has_side, hn::Xor(starts_inside, lanes.inside)));
     if (const std::uint64_t bits = bits_of(floats, strays); bits != 0) doubt(bits << r);
     lanes.walking = hn::AndNot(strays, lanes.walking);
     return hn::AndNot(strays, looks);
   }
 
   /// Of rays that start in a crossing: their first cubics begin on the side that is known. Takes out the lanes that do
-  /// not get farther from the surface than their starts may be.
-  HWY_INLINE MaskF leave_crossings(const Lanes& lanes, const Corners& corners, MaskF looks, CubicLanes& cubic,
+  /// not get farther from the surface than their starts may be, and those that begin farther from it on the other side:
+  /// they have come out of cells without data, as in without_strays.
+  HWY_INLINE MaskF leave_crossings(Lanes& lanes, const Corners& corners, MaskF looks, CubicLanes& cubic,
                                    std::size_t r) {
-    const MaskF starts = hn::And(looks, mask_of(floats, starting_ >> r));
+    MaskF starts = hn::And(looks, mask_of(floats, starting_ >> r));
     VecF low = corners.f[0], high = corners.f[0], farthest = hn::Zero(floats);
     for (int c = 1; c < 8; ++c) low = hn::Min(low, corners.f[c]), high = hn::Max(high, corners.f[c]);
     for (int i = 0; i < 4; ++i) farthest = hn::Max(farthest, hn::Abs(cubic.b[i]));
     const VecF near = hn::Mul(hn::Set(floats, static_cast<float>(start_error_cells)), hn::Sub(high, low));
+    if (surface_.source.has_gaps) {
+      const MaskF is_far = hn::And(starts, hn::Gt(hn::Abs(cubic.b[0]), near));
+      looks = without_strays(lanes, looks, is_far, is_inside(cubic.b[0]), r);
+      starts = hn::And(starts, looks);
+    }
     const MaskF stays = hn::And(starts, hn::Le(farthest, near)), leaves = hn::AndNot(stays, starts);
     const VecF least = hn::IfThenElse(lanes.inside, hn::Zero(floats), hn::Set(floats, -0x1p-126F));
     cubic.b[0] = hn::IfThenElse(leaves, least, cubic.b[0]);
@@ -509,7 +516,8 @@ class GroupWalk {
     CubicLanes cubic = along(corners, in, out);
     if (search != Search::certified && starting_ != 0) looks = leave_crossings(lanes, corners, looks, cubic, r);
     const MaskF starts_inside = is_inside(cubic.b[0]);
-    if (search != Search::certified && surface_.source.has_gaps) looks = without_strays(lanes, looks, starts_inside, r);
+    if (search != Search::certified && surface_.source.has_gaps)
+      looks = without_strays(lanes, looks, looks, starts_inside, r);
     const MaskF sets_side = hn::AndNot(lanes.has_side, looks);
     lanes.inside = hn::Or(hn::AndNot(sets_side, lanes.inside), hn::And(sets_side, starts_inside));
     lanes.has_side = hn::Or(lanes.has_side, looks);

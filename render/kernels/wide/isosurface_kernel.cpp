@@ -59,6 +59,7 @@ void redo_doubtful(Kernel redoing, const VolumeImplementation& volume, const Que
   for (std::uint32_t* first = begin; first < end;) {
     const std::span<const std::uint32_t> some(
         first, std::min<std::size_t>(RayGroup::size, static_cast<std::size_t>(end - first)));
+    memory.few.rays.has_start_sides = rays.has_start_sides;
     memory.few.rays.count = some.size();
     for (std::size_t i = 0; i < some.size(); ++i) memory.few.rays.set(i, rays[some[i]]);
     redoing(volume, question, memory.few.rays, memory.few.hits, scratch);

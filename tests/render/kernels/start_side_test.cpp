@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -200,6 +201,46 @@ TEST(StartSide, agrees_with_rays_that_start_beside_the_surface) {
   EXPECT_GT(asked, 15'000);
   EXPECT_LT(static_cast<double>(skipped), 0.07 * static_cast<double>(asked));
   EXPECT_GT(shadowed, 1000);
+}
+
+/// Steep values, many samples without data among them.
+double with_gaps(const Index3& s) {
+  const bool is_missing = (s.x * s.x + 3 * s.y + s.z) % 11 == 0 || (s.x > 12 && s.x < 25);
+  return is_missing ? std::numeric_limits<double>::quiet_NaN()
+                    : static_cast<double>((s.x * 7 + s.y * 5 + s.z * 3) % 32);
+}
+
+TEST(StartSide, beside_samples_without_data_is_heeded_on_every_machine_as_by_the_scalar_kernel) {
+  TracedVolume traced(volume_of<float>({40, 33, 29}, with_gaps));
+  const Shown shown{"gaps", nullptr, 1, {0, 0, 0}, {39, 32, 28}};
+  const std::vector<Ray> rays = rays_through(shown, 4000, 3);
+  const std::vector<Hit> hits = answers(traced, twofold, Machine::scalar, rays, 16);
+  std::vector<Ray> away;
+  Dice dice(4);
+  for (std::size_t r = 0; r < rays.size(); ++r)
+    for (int i = 0; i < 8 && !hits[r].is_miss(); ++i) away.push_back(ray_from(rays[r], hits[r], dice.direction()));
+  ASSERT_GT(away.size(), 20'000U);
+  const std::vector<Hit> expected = answers(traced, twofold, Machine::scalar, away, 16);
+  for (const Machine machine : wide_machines()) {
+    const std::vector<Hit> found = answers(traced, single, machine, away, 16);
+    std::size_t differing = 0;
+    for (std::size_t r = 0; r < away.size(); ++r)
+      differing += found[r].is_miss() != expected[r].is_miss() ||
+                   (!found[r].is_miss() && std::abs(found[r].t - expected[r].t) > 1e-3);
+    // Rays that pass so close to an edge between cells that rounding takes them through others.
+    EXPECT_LE(differing, away.size() / 5000);
+  }
+}
+
+TEST(StartSide, is_forgotten_beyond_samples_without_data) {
+  // Along z: up to the isovalue at 2, no data at 3, below it again at 4, and through it at 4.5.
+  constexpr double nothing = std::numeric_limits<double>::quiet_NaN(), along[] = {-2, -1, 0, nothing, -1, 1, 2, 3};
+  TracedVolume traced(volume_of<float>({8, 8, 8}, [&](const Index3& s) { return along[s.z]; }));
+  std::vector<Ray> rays;
+  for (int i = 0; i < 40; ++i)
+    rays.push_back({.origin = {1.3 + 0.1 * i, 2.7, 2}, .direction = {0.01, 0.02, 1}, .start_side = StartSide::inside});
+  for (const Road& road : roads())
+    for (const Hit& hit : answers(traced, road.method, road.machine, rays, 0)) ASSERT_NEAR(hit.t, 2.5, 1e-6);
 }
 
 }  // namespace
