@@ -159,8 +159,9 @@ class Work {
       coarse_pass();
       full_pass();
       rounds();
-    } catch (const Error& error) {
-      if (error.trouble() != Trouble::interrupted || layers_[0]->result() == nullptr) throw;
+    } catch (const Error&) {
+      // A worker that is interrupted at the same time complains in its own words.
+      if (!interrupt_.token().stop_requested() || layers_[0]->result() == nullptr) throw;
       context_.stage = concat("Interrupted. ", context_.stage);
       write();
       return false;

@@ -31,10 +31,15 @@ int run_gnuplot(const std::filesystem::path& script, const std::filesystem::path
   ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), flags, 0600);
   ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), flags, 0600);
+  // Of a process group of its own: an interrupt from the terminal ends the study, not the plot that is being drawn.
+  posix_spawnattr_t attributes;
+  ::posix_spawnattr_init(&attributes);
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   std::string program = "gnuplot", argument = script.string();
   char* const words[] = {program.data(), argument.data(), nullptr};
   pid_t child = 0;
-  const int trouble = ::posix_spawnp(&child, "gnuplot", &actions, nullptr, words, environ);
+  const int trouble = ::posix_spawnp(&child, "gnuplot", &actions, &attributes, words, environ);
+  ::posix_spawnattr_destroy(&attributes);
   ::posix_spawn_file_actions_destroy(&actions);
   if (trouble != 0) return 127;
   int status = 0;
