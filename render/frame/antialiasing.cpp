@@ -71,9 +71,9 @@ SamplePlace sample_place(int index) {
 /// Pixels of a tile at edges, and the samples that are traced next.
 struct EdgeSamples::Work {
   std::vector<EdgePixel> pixels;
-  std::vector<std::uint32_t> open;                  ///< pixels whose samples differ
-  std::vector<std::uint32_t> of_samples;            ///< the pixel of each sample
-  std::vector<double> across, down;                 ///< where each sample lies
+  std::vector<std::uint32_t> open;               ///< pixels whose samples differ
+  std::vector<std::uint32_t> of_samples;         ///< the pixel of each sample
+  std::vector<double> across, down;              ///< where each sample lies
   std::vector<SpreadDirections> sample_numbers;  ///< of each sample, where light asks
   LatticeRays rays;
 
