@@ -3,6 +3,7 @@
 #include "tools/rhoray/command_line.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/study/closed_surfaces.h"
+#include "tools/study/extraction.h"
 #include "tools/study/judge_cells.h"
 #include "tools/study/largest_values.h"
 #include "tools/study/layouts.h"
@@ -21,6 +22,7 @@ int main(int argc, char** argv) {
       study::preprocess_speed(), study::judge_cells(), study::closed_surfaces(), study::largest_values(),
       study::maximum_search(),   study::peers_grid(),  study::peers_tets(),      study::layouts(),
       study::structures(),       study::one_frame(),   study::mesh_scale(),      study::secondary_rays(),
+      study::extraction(),
   };
   return tools::run_command_line(subcommands, argc, argv);
 }

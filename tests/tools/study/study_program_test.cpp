@@ -127,5 +127,23 @@ TEST(StudyProgram, refuses_requests_without_sense) {
   }
 }
 
+TEST(StudyProgram, sets_triangles_beside_direct_drawing) {
+  const TemporaryFolder folder;
+  make_grid(folder);
+  must_run({RHORAY_STUDY_PROGRAM, "extraction", "smooth.rho", "--iso", "600.5", "--size", "48x40", "-o", "."}, folder);
+  const json read = table(folder, "extraction");
+  ASSERT_EQ(read["rows"].size(), 5U);
+  for (const json& row : read["rows"]) {
+    const bool is_own = std::string(row["system"]).starts_with("Rhoray");
+    EXPECT_EQ(row["triangles"].is_null(), is_own) << row;
+    if (!is_own) {
+      // All three divide the same cells, so much alike that they make nearly as many.
+      const double triangles = row["triangles"];
+      EXPECT_NEAR(triangles, read["rows"][0]["triangles"], 0.1 * triangles);
+      EXPECT_GT(row["extraction_ms"], 0.0);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace rhoray::tests

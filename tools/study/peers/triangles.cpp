@@ -5,10 +5,12 @@
 #include <vtkContour3DLinearGrid.h>
 #include <vtkDoubleArray.h>
 #include <vtkFlyingEdges3D.h>
+#include <vtkMarchingCubes.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
+#include <vtkSynchronizedTemplates3D.h>
 #include <vtkUnstructuredGrid.h>
 
 #include <algorithm>
@@ -53,12 +55,14 @@ class Triangles::Extractor {
 
 namespace {
 
-class FlyingEdges final : public Triangles::Extractor {
+/// One of VTK's filters that make triangles of a grid.
+template <class Filter>
+class GridFilter final : public Triangles::Extractor {
  public:
   void take(const PeerData& data) override { image_ = vtk_image(*data.grid); }
 
   vtkSmartPointer<vtkPolyData> surface(double isovalue) override {
-    vtkNew<vtkFlyingEdges3D> filter;
+    vtkNew<Filter> filter;
     filter->SetInputData(image_);
     filter->SetValue(0, isovalue);
     filter->ComputeNormalsOff();
@@ -138,7 +142,14 @@ Triangles::Triangles(std::unique_ptr<Extractor> extractor, const std::string& ma
 Triangles::~Triangles() = default;
 
 std::shared_ptr<Triangles> flying_edges() {
-  return std::make_shared<Triangles>(std::make_unique<FlyingEdges>(), "FlyingEdges", "");
+  return std::make_shared<Triangles>(std::make_unique<GridFilter<vtkFlyingEdges3D>>(), "FlyingEdges", "");
+}
+std::shared_ptr<Triangles> marching_cubes() {
+  return std::make_shared<Triangles>(std::make_unique<GridFilter<vtkMarchingCubes>>(), "MarchingCubes", "");
+}
+std::shared_ptr<Triangles> synchronized_templates() {
+  return std::make_shared<Triangles>(std::make_unique<GridFilter<vtkSynchronizedTemplates3D>>(),
+                                     "SynchronizedTemplates", "");
 }
 
 std::shared_ptr<Triangles> linear_grid_contour(bool with_tree) {

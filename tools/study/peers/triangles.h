@@ -39,7 +39,11 @@ class Triangles {
   Preparation preparation_;
 };
 
-std::shared_ptr<Triangles> flying_edges();  ///< of grids: vtkFlyingEdges3D
+// Of grids: vtkFlyingEdges3D, vtkMarchingCubes, vtkSynchronizedTemplates3D.
+std::shared_ptr<Triangles> flying_edges();
+std::shared_ptr<Triangles> marching_cubes();
+std::shared_ptr<Triangles> synchronized_templates();
+
 /// Of tetrahedra: vtkContour3DLinearGrid, which looks at every cell, or only where its tree of value ranges says.
 std::shared_ptr<Triangles> linear_grid_contour(bool with_tree);
 

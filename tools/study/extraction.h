@@ -1,0 +1,10 @@
+#pragma once
+
+#include "tools/rhoray/command_line.h"
+
+namespace rhoray::study {
+
+/// The paper's Table 6: isosurfaces of a grid as triangles, beside drawing them directly.
+tools::Subcommand extraction();
+
+}  // namespace rhoray::study
