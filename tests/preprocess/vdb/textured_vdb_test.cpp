@@ -21,7 +21,7 @@ TEST_F(TexturedVdb, is_covered_as_the_packed_grid_of_the_same_samples) {
   pack_volume(volume_of<float>({37, 21, 30}, hill, turned), folder_ / "a.rho");
   export_vdb(folder_ / "a.rho", folder_ / "a.vdb");
   pack_colors(colors_of({19, 11, 15}, 3, telling_texel,
-                        {2 * turned.x_axis, 2 * turned.y_axis, 2 * turned.z_axis, turned.origin}),
+                        {2.0 * turned.x_axis, 2.0 * turned.y_axis, 2.0 * turned.z_axis, turned.origin}),
               folder_ / "c.rho");
   const render::Volume packed = render::Volume::load(folder_ / "a.rho"), sparse = loaded(folder_ / "a.vdb");
   render::Scene scene = oblique_scene(packed, 12);
