@@ -24,7 +24,7 @@ TEST_F(TexturedVdb, is_covered_as_the_packed_grid_of_the_same_samples) {
                         {2.0 * turned.x_axis, 2.0 * turned.y_axis, 2.0 * turned.z_axis, turned.origin}),
               folder_ / "c.rho");
   const render::Volume packed = render::Volume::load(folder_ / "a.rho"), sparse = loaded(folder_ / "a.vdb");
-  render::Scene scene = oblique_scene(packed, 12);
+  render::Scene scene = oblique_scene(packed, 10);
   scene.layers[0].surface.texture = render::Texture::load(folder_ / "c.rho");
   const render::Framebuffer expected = picture(packed, scene), found = picture(sparse, scene);
   EXPECT_GT(hit_count(expected), 400U);
