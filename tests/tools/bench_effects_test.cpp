@@ -92,6 +92,28 @@ TEST(BenchEffects, takes_a_scene_as_it_is) {
   EXPECT_NE(rows.at("one opaque shell")["picture"], rows.at("plain")["picture"]);
 }
 
+TEST(BenchEffects, has_a_row_for_each_of_texture_region_slices_and_edges) {
+  const Workbench bench;
+  bench.make_ball();
+  bench.make_photo();
+  write_file(bench / "s.json", R"({"data": {"b": {"file": "ball.rho"}, "p": {"file": "photo.rho"}},
+    "layers": [{"type": "slice", "data": "b", "axis": "z"},
+               {"type": "isosurface", "data": "b", "isovalue": 100, "texture": "p"}],
+    "clip": {"box": [[0, 0, 0], [23, 23, 14]]}})");
+  const RunResult run = bench.rhoray({"bench", "effects", "s.json", "--repeat", "1", "--size", "60x50", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto rows = rows_of(json::parse(run.out.substr(0, run.out.find('\n'))), "effect");
+  for (const auto& [effect, counter] : {std::pair{"texture", "texture_lookups"},
+                                        {"texture, hard shadows", "texture_lookups"},
+                                        {"clip region", "rays_clipped"},
+                                        {"slices", "slice_lookups"},
+                                        {"antialiasing, 16 samples", "edge_samples"}}) {
+    EXPECT_GT(rows.at(effect)[counter], 0) << effect;
+    EXPECT_EQ(rows.at("plain")[counter], 0) << effect;
+    EXPECT_NE(rows.at(effect)["picture"], rows.at("plain")["picture"]) << effect;
+  }
+}
+
 TEST(BenchEffects, refuses_what_it_cannot_measure) {
   const Workbench bench;
   bench.make_ball();

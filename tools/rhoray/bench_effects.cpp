@@ -29,6 +29,8 @@ using LightType = render::Light::Kind;
 constexpr const char* plain = "plain";
 constexpr const char* lit = "one light beside the eye";
 constexpr const char* hard_shadows = "hard shadows";
+constexpr const char* textured = "texture";
+constexpr const char* textured_in_shadows = "texture, hard shadows";
 constexpr const char* one_shell = "one opaque shell";
 
 /// From the upper left of the camera.
@@ -36,9 +38,12 @@ LightWish key_light() {
   return {.type = LightType::directional, .azimuth_deg = -40, .elevation_deg = 40, .from = "camera"};
 }
 
+bool is_surface(const LayerWish& layer) {
+  return layer.type == LayerType::isosurface || layer.type == LayerType::mesh;
+}
+
 bool has_surface(const Asked& asked) {
-  return std::any_of(asked.wishes.layers.begin(), asked.wishes.layers.end(),
-                     [](const LayerWish& layer) { return layer.type != LayerType::mip; });
+  return std::any_of(asked.wishes.layers.begin(), asked.wishes.layers.end(), is_surface);
 }
 
 /// Changes surfaces; false where no layer could be changed.
@@ -46,7 +51,7 @@ template <class Change>
 bool change_surfaces(SceneWishes& scene, const Change& change) {
   bool any = false;
   for (LayerWish& layer : scene.layers)
-    if (layer.type != LayerType::mip) any |= change(layer);
+    if (is_surface(layer)) any |= change(layer);
   return any;
 }
 
@@ -104,6 +109,34 @@ bool color_by_field(SceneWishes& scene, const Asked& asked) {
     return true;
   });
 }
+/// Plain scenes have the layers that were asked for, in order, without slices.
+bool cover(SceneWishes& scene, const Asked& asked) {
+  bool any = false;
+  std::size_t place = 0;
+  for (const LayerWish& layer : asked.wishes.layers) {
+    if (layer.type == LayerType::slice) continue;
+    scene.layers[place++].texture = layer.texture;
+    any |= !layer.texture.empty();
+  }
+  return any;
+}
+bool cover_and_cast_hard_shadows(SceneWishes& scene, const Asked& asked) {
+  return cover(scene, asked) && cast_hard_shadows(scene, asked);
+}
+bool clip_it(SceneWishes& scene, const Asked& asked) {
+  scene.clip = asked.wishes.clip;
+  return scene.clip.has_value();
+}
+bool add_slices(SceneWishes& scene, const Asked& asked) {
+  const std::size_t before = scene.layers.size();
+  for (const LayerWish& layer : asked.wishes.layers)
+    if (layer.type == LayerType::slice) scene.layers.push_back(layer);
+  return scene.layers.size() > before;
+}
+bool antialias(SceneWishes& scene, const Asked&) {
+  scene.image.antialias = 16;
+  return true;
+}
 bool raise_fog(SceneWishes& scene, const Asked& asked) {
   scene.effects.fog = asked.wishes.effects.fog.value_or(FogWish{});
   return true;
@@ -160,18 +193,24 @@ constexpr EffectRow effect_rows_measured[] = {{plain, plain, [](SceneWishes&, co
                                               {"specular", plain, shine},
                                               {"smooth normals", plain, smooth},
                                               {"colour by a field", plain, color_by_field},
+                                              {textured, plain, cover},
+                                              {textured_in_shadows, lit, cover_and_cast_hard_shadows},
+                                              {"clip region", plain, clip_it},
+                                              {"slices", plain, add_slices},
+                                              {"antialiasing, 16 samples", plain, antialias},
                                               {"fog", plain, raise_fog},
                                               {"clear surfaces", plain, clear_all},
                                               {one_shell, plain, keep_one_shell},
                                               {"two clear shells", one_shell, clear_two_shells},
                                               {"the scene as it is", plain, show_all}};
 
-/// Its layers in matte paint under a light at the eye.
+/// Its layers in matte paint under a light at the eye; slices are left out.
 SceneWishes plain_scene(const SceneWishes& asked) {
   SceneWishes scene{.data = asked.data};
   scene.camera = asked.camera;
   scene.image.size = asked.image.size, scene.image.background = asked.image.background;
   for (const LayerWish& layer : asked.layers) {
+    if (layer.type == LayerType::slice) continue;
     LayerWish matte{.type = layer.type, .data = layer.data, .isovalues = layer.isovalues};
     if (layer.type == LayerType::mip) matte.range = layer.range;
     matte.color = layer.color;
@@ -295,6 +334,10 @@ Table effects_table(const std::vector<Measured>& rows, const Json& context) {
     row["highlights"] = counts.highlights_shaded;
     row["normals_smoothed"] = counts.normals_smoothed;
     row["colors_looked_up"] = counts.colors_looked_up;
+    row["texture_lookups"] = counts.texture_lookups;
+    row["slice_lookups"] = counts.slice_lookups;
+    row["rays_clipped"] = counts.rays_clipped;
+    row["edge_samples"] = counts.edge_samples;
     row["cells_visited"] = counts.cells_visited;
     row["cells_solved"] = counts.cells_solved;
     row["machine"] = counts.machine;
