@@ -90,8 +90,9 @@ class FrameMemory {
 /// The framebuffer is the same, bit for bit, for any number of threads. Refuses a picture without pixels, a scene
 /// without layers, a layer of a volume that is not there, an isovalue, a clip region or a camera that is not finite, a
 /// clip box that is empty, a mode that is not one of the volume's kind, a method that does not answer the question,
-/// smooth normals of a grid, colours by a field that is not there, or beside a texture, a light or fog that is not
-/// finite, and the channel `error` where the method proves nothing (Trouble::usage).
+/// smooth normals of a grid, colours by a field beside a texture, a light or fog that is not finite, the channel
+/// `error` where the method proves nothing, and, of layers in view, colours by a field that is not there
+/// (Trouble::usage). Of layers outside the view that shade nothing in it nothing is read.
 FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
                        Framebuffer& framebuffer);
 

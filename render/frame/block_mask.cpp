@@ -58,6 +58,10 @@ bool BlockMask::has_all_of(const BlockRange& range) const {
   return has_all;
 }
 
+bool BlockMask::is_empty() const {
+  return std::all_of(words_.begin(), words_.end(), [](std::uint64_t word) { return word == 0; });
+}
+
 std::uint16_t BlockMask::of_tile(const Tile& tile) const {
   const int column = tile.x_begin / block_edge, row_begin = tile.y_begin / block_edge;
   const int row_end = (tile.y_end + block_edge - 1) / block_edge;

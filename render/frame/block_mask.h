@@ -26,6 +26,7 @@ class BlockMask {
 
   void add(const BlockRange& range);
   bool has_all_of(const BlockRange& range) const;
+  bool is_empty() const;
 
   /// As Tile::blocks; the tile is one of tiles_in_order.
   std::uint16_t of_tile(const Tile& tile) const;

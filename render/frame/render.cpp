@@ -158,14 +158,17 @@ std::shared_ptr<const TextureLookup> choose_texture(const Volume& volume, const 
                                                volume.implementation().world_from_volume);
 }
 
-/// Whether rays that start in crossings are asked of a layer.
-bool meets_rays_from_crossings(const Layer& layer, Part part, const Scene& scene) {
-  if (layer.mode == Mode::slice) return false;
-  if (part == Part::clear) return true;
+/// Whether light is asked for that a layer may hold back.
+bool may_shade_others(const Layer& layer, const Scene& scene) {
   return holds_light_back(layer) && std::any_of(scene.layers.begin(), scene.layers.end(), [&](const Layer& any) {
            const EffectSet effects = effects_called_for(scene, any);
            return effects.shadows || effects.occlusion;
          });
+}
+
+/// Whether rays that start in crossings are asked of a layer.
+bool meets_rays_from_crossings(const Layer& layer, Part part, const Scene& scene) {
+  return layer.mode != Mode::slice && (part == Part::clear || may_shade_others(layer, scene));
 }
 
 FrameLayer choose_layer(const Volume& volume, const Layer& layer, Part part, const Scene& scene,
@@ -222,7 +225,21 @@ Left what_is_left_of(const Volume& volume, const Layer& layer, const Scene& scen
   return what_is_left(*scene.clip, whole).isEmpty() ? Left::nothing : Left::part;
 }
 
-/// Without what cannot be seen: a surface that holds back no light, and what is clipped away whole.
+/// True where no ray through a pixel's middle can meet the volume's box.
+bool lies_outside_view(const Volume& volume, const CameraRays& camera_rays, const FrameOptions& options) {
+  const VolumeImplementation& implementation = volume.implementation();
+  const Affine& world_from_volume = implementation.world_from_volume;
+  const Box3& box = implementation.bounds_volume;
+  const BoxProjection projection(camera_rays, world_from_volume.inverse(), world_from_volume, box);
+  if (!projection.is_certain()) return false;
+  const PixelLattice lattice{.width = options.width, .height = options.height};
+  BlockMask met(lattice);
+  add_blocks_that_may_meet(box_around(box), projection, lattice, met);
+  return met.is_empty();
+}
+
+/// Without what cannot be seen: a surface that holds back no light, what is clipped away whole, and what lies outside
+/// the view and shades nothing. Nothing is prepared for these, nor read of them.
 Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options) {
   Frame frame{.layers = {},
               .camera_rays = CameraRays(scene.camera, options.width, options.height),
@@ -242,6 +259,10 @@ Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const Fr
       const Volume& volume = volumes[layer.volume];
       const Left left = what_is_left_of(volume, layer, scene);
       if (left == Left::nothing) continue;
+      // Further samples of a pixel look a little past the outermost rays.
+      if (options.antialiasing == 1 && !may_shade_others(layer, scene) &&
+          lies_outside_view(volume, frame.camera_rays, options))
+        continue;
       frame.layers.push_back(choose_layer(volume, layer, part, scene, options));
       if (is_slice)
         frame.layers.back().slice = std::make_shared<const SlicePlane>(volume.implementation(), layer, scene.clip);

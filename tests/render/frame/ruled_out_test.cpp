@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "formats/base/trouble.h"
 #include "render/ray_questions.h"
 #include "render/render.h"
 #include "tests/render/support/rays.h"
@@ -201,6 +202,47 @@ TEST(RuledOut, rays_of_refined_pictures_are_about_as_many) {
   EXPECT_EQ(plain.color, refined.color);
   EXPECT_GT(in_passes.rays_ruled_out, at_once.rays_ruled_out * 9 / 10);
   EXPECT_GT(at_once.hits, 300U);
+}
+
+TEST(RuledOut, layers_outside_the_view_are_not_looked_at_unless_they_shade_what_is_in_it) {
+  const Affine beside{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {500, 0, 0}};
+  const std::vector<render::Volume> volumes = [&] {
+    std::vector<render::Volume> both;
+    both.push_back(TracedVolume(sampled_volume<float>({49, 43, 45}, {}, two_balls())).volume());
+    both.push_back(TracedVolume(sampled_volume<float>({49, 43, 45}, beside, [&](const Vec3& p) {
+                     return two_balls()(beside.inverse().point(p));
+                   })).volume());
+    return both;
+  }();
+  Scene scene;
+  scene.camera = fit_camera(volumes[0].bounds(), render::named_view("-y"), 1);
+  const FrameOptions options{.width = 90, .height = 90, .channels = {.cell = true}};
+  const auto drawn = [&](const Scene& shown) {
+    Framebuffer picture;
+    const FrameStatistics statistics = render::render(volumes, shown, options, picture);
+    return std::pair{picture.color, statistics};
+  };
+  const auto alone = drawn(scene);
+  EXPECT_GT(alone.second.hits, 100U);
+  render::Layer far = scene.layers[0];
+  far.volume = 1;
+  far.surface.color_by = render::FieldColors{.field = "not there", .range = {.lo = 0, .hi = 1}};
+  scene.layers.push_back(far);
+  const auto with_far = drawn(scene);  // would be refused in view
+  EXPECT_EQ(with_far.first, alone.first);
+  EXPECT_EQ(with_far.second.cells_visited, alone.second.cells_visited);
+  EXPECT_EQ(with_far.second.macrocells_visited, alone.second.macrocells_visited);
+
+  scene.camera = fit_camera(volumes[1].bounds(), render::named_view("-y"), 1);
+  EXPECT_THROW(drawn(scene), Error);
+
+  // From the side of the far one light comes low: it is in the way, outside the view or not.
+  scene.layers[1].surface.color_by.reset();
+  scene.camera = fit_camera(volumes[0].bounds(), render::named_view("-y"), 1);
+  scene.lights = {{.kind = render::Light::Kind::directional, .place = {1, 0, 0}, .casts_shadows = true}};
+  Scene without = scene;
+  without.layers.pop_back();
+  EXPECT_NE(drawn(scene).first, drawn(without).first);
 }
 
 }  // namespace

@@ -12,11 +12,11 @@ namespace {
 using Rows = std::vector<ResultRow>;
 
 std::string ms_text(double ms) {
-  return concat(rounded(ms, 3), " ms");
+  return concat(short_number(ms, 3), " ms");
 }
 
 std::string times_text(double ratio) {
-  return ratio >= 1 ? concat(rounded(ratio, 2), " times") : concat("1/", rounded(1 / ratio, 2));
+  return ratio >= 1 ? concat(short_number(ratio, 2), " times") : concat("1/", short_number(1 / ratio, 2));
 }
 
 /// As users name it: `float`, `sampled:0.5+linear`, "8 bits (float)".
@@ -46,9 +46,9 @@ std::string wrong_text(const ResultRow& row, bool are_all) {
   const ErrorCounts& errors = *row.measured->errors;
   const auto ppm = [&](std::uint64_t count) {
     const Share share = share_of(count, errors.rays, are_all);
-    if (are_all) return rounded(1e6 * share.found, 3);
-    return concat(rounded(1e6 * share.found, 3), " (95 %: ", rounded(1e6 * share.low, 2), " to ",
-                  rounded(1e6 * share.high, 2), ")");
+    if (are_all) return short_number(1e6 * share.found, 3);
+    return concat(short_number(1e6 * share.found, 3), " (95 %: ", short_number(1e6 * share.low, 2), " to ",
+                  short_number(1e6 * share.high, 2), ")");
   };
   return concat("of a million pixels it misses ", ppm(errors.missed), " and shows ", ppm(errors.false_hits),
                 " that are not there");
@@ -88,7 +88,8 @@ void say_proof(const LayerStudy& layer, const Rows& rows, std::vector<std::strin
   out.push_back(sentence + ".");
   if (layer.scene().layers[0].mode != render::Mode::mip)
     out.push_back(concat("`", quick->measured->method, "`: ", wrong_text(*quick, layer.result()->truth.are_all()),
-                         "; depths lie within ", rounded(quick->measured->errors->error.value_or(Quantiles{}).p99, 2),
+                         "; depths lie within ",
+                         short_number(quick->measured->errors->error.value_or(Quantiles{}).p99, 2),
                          " cells in 99 of 100 pixels that both see."));
 }
 
@@ -99,8 +100,8 @@ void say_sampled(const LayerStudy& layer, const Rows& rows, std::vector<std::str
     if (const ResultRow* half = named(rows, group, "sampled:0.5+linear"); half != nullptr && own != nullptr)
       out.push_back(concat("Samples every half cell, as many renderers take them (`", half->measured->method,
                            "`), take ", times_text(half->cpu_ms / own->cpu_ms), " the time of `", own->measured->method,
-                           "`; 99 % of the pixels keep ", rounded(half->kept.value_or(0), 2), " ", error_unit(layer),
-                           " against ", rounded(own->kept.value_or(0), 2), "; ",
+                           "`; 99 % of the pixels keep ", short_number(half->kept.value_or(0), 2), " ",
+                           error_unit(layer), " against ", short_number(own->kept.value_or(0), 2), "; ",
                            wrong_text(*half, layer.result()->truth.are_all()), "."));
 }
 
@@ -108,11 +109,12 @@ void say_copies(const LayerStudy& layer, const Rows& rows, std::vector<std::stri
   for (const ResultRow& row : rows) {
     const Measured& measured = *row.measured;
     if (measured.variant.data.kind == DataForm::Kind::original || !row.kept) continue;
-    const std::string kept = std::isfinite(*row.kept)
-                                 ? concat("99 % of the pixels keep ", rounded(*row.kept, 2), " ", error_unit(layer))
-                                 : std::string("more than 1 % of the pixels are missed or false");
-    out.push_back(concat("Drawn from a copy, ", called(row), ", made in ", rounded(measured.preprocess_s, 2), " s, of ",
-                         bytes_text(measured.data_bytes), ": ", kept, ", ", ms_text(row.cpu_ms), " of CPU."));
+    const std::string kept = std::isfinite(*row.kept) ? concat("99 % of the pixels keep ", short_number(*row.kept, 2),
+                                                               " ", error_unit(layer))
+                                                      : std::string("more than 1 % of the pixels are missed or false");
+    out.push_back(concat("Drawn from a copy, ", called(row), ", made in ", short_number(measured.preprocess_s, 2),
+                         " s, of ", bytes_text(measured.data_bytes), ": ", kept, ", ", ms_text(row.cpu_ms),
+                         " of CPU."));
   }
 }
 
@@ -131,7 +133,7 @@ void say_order(const Rows& rows, std::vector<std::string>& out) {
     if (n < 4) continue;
     const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx);
     out.push_back(concat("Of the group `", group, "`: half the step makes the median error ",
-                         rounded(std::exp2(slope), 2), " times smaller (order ", rounded(slope, 2),
+                         short_number(std::exp2(slope), 2), " times smaller (order ", short_number(slope, 2),
                          ", fitted over steps of at most one cell)."));
   }
 }

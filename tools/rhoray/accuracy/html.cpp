@@ -30,6 +30,7 @@ tr.group td { background: #f3f5f8; font-weight: 600; text-align: left; }
 tr.front td:first-child { font-weight: 600; }
 td.left { color: #777; text-align: left; }
 .wide { overflow-x: auto; }
+.wide td { white-space: nowrap; }
 figure { margin: 1rem 0 1.6rem; }
 figure svg, figure img { max-width: 100%; height: auto; }
 figcaption { color: #444; font-size: .9rem; max-width: 52rem; }

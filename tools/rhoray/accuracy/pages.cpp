@@ -57,16 +57,16 @@ ErrorPicture heat_map(const LayerStudy& layer, const Measured& measured) {
 
 std::string cell(const std::optional<double>& value, int digits = 3) {
   if (!value) return "<td>–</td>";
-  return concat("<td>", std::isfinite(*value) ? rounded(*value, digits) : std::string("∞"), "</td>");
+  return concat("<td>", std::isfinite(*value) ? short_number(*value, digits) : std::string("∞"), "</td>");
 }
 
 std::string spread_cell(const std::vector<double>& times) {
   if (times.empty()) return "<td>–</td>";
   const Spread spread = spread_of(times);
-  if (times.size() == 1) return concat("<td>", rounded(spread.median, 3), "</td>");
-  return concat("<td title=\"", rounded(spread.smallest, 3), " to ", rounded(spread.largest, 3), "\">",
-                rounded(spread.median, 3), " <small>±",
-                rounded(50 * (spread.largest - spread.smallest) / spread.median, 2), " %</small></td>");
+  if (times.size() == 1) return concat("<td>", short_number(spread.median, 3), "</td>");
+  return concat("<td title=\"", short_number(spread.smallest, 3), " to ", short_number(spread.largest, 3), "\">",
+                short_number(spread.median, 3), " <small>±",
+                short_number(50 * (spread.largest - spread.smallest) / spread.median, 2), " %</small></td>");
 }
 
 std::string row_html(const ResultRow& row, const Truth& truth) {
@@ -82,9 +82,10 @@ std::string row_html(const ResultRow& row, const Truth& truth) {
       continue;
     }
     const Share share = share_of((*errors).*member, errors->rays, truth.are_all());
-    out += concat("<td>", rounded(1e6 * share.found, 3));
+    out += concat("<td>", short_number(1e6 * share.found, 3));
     if (!truth.are_all())
-      out += concat(" <small>[", rounded(1e6 * share.low, 2), ", ", rounded(1e6 * share.high, 2), "]</small>");
+      out +=
+          concat(" <small>[", short_number(1e6 * share.low, 2), ", ", short_number(1e6 * share.high, 2), "]</small>");
     out += "</td>";
   }
   const auto quantiles = [&](const std::optional<Quantiles>& of) {
@@ -170,7 +171,7 @@ std::string how_measured(const LayerStudy& layer) {
           : concat(grouped(truth.pixels.size()), " of ", grouped(truth.pixel_count()),
                    " pixels, drawn at random because exact arithmetic was too slow for all in the time given");
   return concat("<p class=\"lead\">", result.size.width, " x ", result.size.height, " pixels. Exact arithmetic judged ",
-                judged, " (", rounded(truth.cpu_s, 3), " s of CPU); ", grouped(truth.hit_count()),
+                judged, " (", short_number(truth.cpu_s, 3), " s of CPU); ", grouped(truth.hit_count()),
                 " of them show something. Pictures are compared with the one drawn at the level <code>",
                 html_text(result.picture_method), "</code>.</p>\n");
 }

@@ -186,6 +186,11 @@ Json results_json(const std::vector<const LayerStudy*>& layers, const StudyConte
           {"columns", columns},         {"rows", table_of(layers, context).rows}};
 }
 
+std::string short_number(double number, int digits) {
+  const double size = std::abs(number);
+  return size >= std::pow(10, digits) && size < 1e7 ? concat(std::llround(number)) : rounded(number, digits);
+}
+
 std::string error_unit(const LayerStudy& layer) {
   if (layer.scene().layers[0].mode != render::Mode::mip) return "cells";
   const std::string& unit = layer.volume().field().unit;

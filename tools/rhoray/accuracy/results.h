@@ -45,6 +45,9 @@ std::vector<std::string> conclusions_of(const LayerStudy& layer);
 inline constexpr const char* results_schema = "rhoray-accuracy 1";
 Json results_json(const std::vector<const LayerStudy*>& layers, const StudyContext& context);
 
+/// As `rounded`, but whole numbers below ten million in full: 1170, not 1.17e+03.
+std::string short_number(double number, int digits);
+
 std::string error_unit(const LayerStudy& layer);  ///< "cells", or the field's unit
 
 }  // namespace rhoray::tools
