@@ -25,6 +25,7 @@
 #include "tools/rhoray/scene/plan.h"
 #include "tools/rhoray/scene/schema.h"
 #include "tools/rhoray/scene/sweep.h"
+#include "tools/rhoray/statistics_words.h"
 #include "tools/rhoray/subcommands.h"
 #include "tools/rhoray/version.h"
 
@@ -95,69 +96,6 @@ Json camera_json(const render::Camera& camera) {
   else
     json["vertical_fov_deg"] = camera.vertical_fov_deg;
   return json;
-}
-
-Json statistics_json(const render::FrameStatistics& statistics) {
-  const render::FrameStatistics::Phases& phases = statistics.phases;
-  return {{"rays", statistics.rays},
-          {"rays_ruled_out", statistics.rays_ruled_out},
-          {"rays_clipped", statistics.rays_clipped},
-          {"rays_clipped_away", statistics.rays_clipped_away},
-          {"rays_through", statistics.rays_through},
-          {"shadow_rays", statistics.shadow_rays},
-          {"occlusion_rays", statistics.occlusion_rays},
-          {"slice_lookups", statistics.slice_lookups},
-          {"edge_pixels", statistics.edge_pixels},
-          {"edge_samples", statistics.edge_samples},
-          {"hits", statistics.hits},
-          {"macrocells_visited", statistics.macrocells_visited},
-          {"cells_visited", statistics.cells_visited},
-          {"cells_solved", statistics.cells_solved},
-          {"samples_taken", statistics.samples_taken},
-          {"rays_redone_in_double", statistics.rays_redone},
-          {"rays_judged_exactly", statistics.rays_judged},
-          {"touches", statistics.touches},
-          {"largest_error", statistics.largest_error},
-          {"highlights_shaded", statistics.highlights_shaded},
-          {"normals_smoothed", statistics.normals_smoothed},
-          {"colors_looked_up", statistics.colors_looked_up},
-          {"texture_lookups", statistics.texture_lookups},
-          {"machine", statistics.machine},
-          {"preparation_s", statistics.preparation_s},
-          {"wall_s", statistics.wall_s},
-          {"phases_cpu_s",
-           {{"traversal", phases.traversal}, {"intersection", phases.intersection}, {"shading", phases.shading}}}};
-}
-
-std::string statistics_text(const render::FrameStatistics& statistics) {
-  const auto count = [](const char* name, std::uint64_t number) {
-    return concat("  ", name, std::string(22 - std::string_view(name).size(), ' '), grouped(number), "\n");
-  };
-  const render::FrameStatistics::Phases& phases = statistics.phases;
-  const double all = phases.traversal + phases.intersection + phases.shading;
-  const auto phase = [&](const char* name, double seconds) {
-    return concat("  ", name, std::string(22 - std::string_view(name).size(), ' '), rounded(seconds, 3), " s of CPU, ",
-                  rounded(all > 0 ? 100 * seconds / all : 0, 3), " %\n");
-  };
-  return count("rays", statistics.rays) + count("ruled out", statistics.rays_ruled_out) +
-         count("clipped", statistics.rays_clipped) + count("clipped away", statistics.rays_clipped_away) +
-         count("through surfaces", statistics.rays_through) + count("shadow rays", statistics.shadow_rays) +
-         count("occlusion rays", statistics.occlusion_rays) + count("slice lookups", statistics.slice_lookups) +
-         count("pixels at edges", statistics.edge_pixels) + count("samples at edges", statistics.edge_samples) +
-         count("hits", statistics.hits) + count("macrocells visited", statistics.macrocells_visited) +
-         count("cells visited", statistics.cells_visited) + count("cells solved", statistics.cells_solved) +
-         count("samples taken", statistics.samples_taken) + count("rays redone in double", statistics.rays_redone) +
-         count("rays judged exactly", statistics.rays_judged) + count("touches", statistics.touches) +
-         (std::isnan(statistics.largest_error)
-              ? std::string()
-              : concat("  largest error         ", rounded(statistics.largest_error), "\n")) +
-         count("highlights shaded", statistics.highlights_shaded) +
-         count("normals smoothed", statistics.normals_smoothed) +
-         count("colours looked up", statistics.colors_looked_up) +
-         count("texture lookups", statistics.texture_lookups) + phase("traversal", phases.traversal) +
-         phase("intersection", phases.intersection) + phase("shading", phases.shading) +
-         concat("  prepared in          ", rounded(statistics.preparation_s, 3), " s\n") +
-         concat("  traced in            ", rounded(statistics.wall_s, 3), " s\n");
 }
 
 /// The words of the layers' methods, each once.
