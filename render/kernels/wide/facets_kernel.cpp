@@ -121,7 +121,7 @@ void first_facets(const VolumeImplementation& volume, const Question& question, 
           FacetScratch& memory = *scratch.facets;
           memory.facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, 1);
           const FacetSurface surface = surface_of(*memory.facets, memory.facets->levels(), question, !is_mesh<View>);
-          const FirstFacets answer = first_facets_on(machine, certified);
+          const FirstFacets answer = first_facets_on(machine, certified ? FacetSearch::certified : FacetSearch::first);
           const HitArrays answers = arrays_of(hits);
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
             const std::size_t count = std::min(RayGroup::size, rays.count - first);
@@ -152,7 +152,7 @@ void first_blockers(const VolumeImplementation& volume, const Question& question
           if (!scratch.facets) scratch.facets = std::make_shared<FacetScratch>();
           FacetScratch& memory = *scratch.facets;
           const FacetSurface surface = surface_of(blockers.facets(), blockers.levels(), question, false);
-          const FirstFacets answer = first_facets_on(machine, false);
+          const FirstFacets answer = first_facets_on(machine, FacetSearch::first);
           const HitArrays answers = arrays_of(hits);
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
             const std::size_t count = std::min(RayGroup::size, rays.count - first);

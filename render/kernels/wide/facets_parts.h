@@ -17,6 +17,12 @@ namespace rhoray::render::wide {
 /// Lengths, values and isovalues up to this size, lengths from its inverse on, are answered by wide kernels.
 inline constexpr double largest_magnitude = 1e60;
 
+/// What is asked of facets.
+enum class FacetSearch {
+  first,     ///< the nearest that the ray meets
+  certified  ///< the same, proven
+};
+
 /// One isosurface of one mesh, or the triangles of a surface.
 struct FacetSurface {
   static constexpr int largest_level_count = 8;
@@ -96,6 +102,6 @@ using FirstFacets = Unanswered (*)(const FacetSurface& surface, const RayArrays&
                                    const HitArrays& hits, FacetScratch& scratch, KernelCounters& counters);
 
 /// `baseline` is what the processor has of SSE4, or else one lane.
-FirstFacets first_facets_on(Machine machine, bool certified);
+FirstFacets first_facets_on(Machine machine, FacetSearch search);
 
 }  // namespace rhoray::render::wide
