@@ -112,7 +112,7 @@ std::size_t trace_blocks(const Frame& frame, const LatticeRays& rays, const Tile
   const bool has_one_layer = frame.has_one_layer();
   if (frame.keeps_channels && !has_one_layer) gather_first(frame, worker);
   shade_layers(frame, worker);
-  write_colors(rays.lattice, tile, worker.colors, out);
+  write_colors(rays.lattice, tile, worker.colors, out, frame.layers[0].look.machine);
   if (frame.keeps_channels) {
     if (!out.normal.empty()) find_normals(frame, worker);
     if (frame.first_layers != nullptr) write_first_layers(frame, rays.lattice, tile, worker);

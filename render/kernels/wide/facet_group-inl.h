@@ -107,12 +107,11 @@ class FacetGroup {
   float w_from = 0, w_to = 0;           ///< the part of the facets' box in which there are rays
   float line_offset[4], line_slope[4];  ///< bounds of all rays' places, as bound_places says
   float far = 0;
-  Unanswered unanswered;
+  Answered answered;
 
  private:
   /// Of all rays of the chunk, as if all moved along this axis; those that do not, stay without hits.
   HWY_INLINE void describe_rays() {
-    HWY_ALIGN float slope[2][lanes], shift[2][lanes], begin[lanes], end[lanes];
     const VecD scale = hn::Set(doubles, surface.scale);
     const VecD towards = hn::Set(doubles, static_cast<double>(sign));
     const int minor[2] = {axis_u, axis_v};
@@ -126,28 +125,22 @@ class FacetGroup {
       const VecD w = start(axis_w);
       for (int m = 0; m < 2; ++m) {
         const VecD s = hn::Mul(hn::Load(doubles, rays.direction[minor[m]] + r), inverse);
-        store(s, slope[m] + r);
-        store(hn::Sub(start(minor[m]), hn::Mul(s, w)), shift[m] + r);
+        store(s, r, scratch.slope[m]);
+        store(hn::Sub(start(minor[m]), hn::Mul(s, w)), r, scratch.shift[m]);
       }
       const VecD speed = hn::Mul(d, scale);
-      store(hn::Mul(towards, hn::MulAdd(hn::Load(doubles, rays.t_min + r), speed, w)), begin + r);
-      store(hn::Mul(towards, hn::MulAdd(hn::Load(doubles, rays.t_max + r), speed, w)), end + r);
+      store(hn::Mul(towards, hn::MulAdd(hn::Load(doubles, rays.t_min + r), speed, w)), r, scratch.begin);
+      store(hn::Mul(towards, hn::MulAdd(hn::Load(doubles, rays.t_max + r), speed, w)), r, scratch.end);
     }
     if (rays.start_side != nullptr)
       for (std::size_t r = 0; r < ray_count; ++r)
         scratch.start_side[lane_of(r)] = static_cast<float>(rays.start_side[r]);
-    for (std::size_t quad = 0; 4 * quad < ray_count; ++quad) {
-      const auto place = [&](const float* from, float* to)
-                             HWY_ATTR { std::memcpy(to + lane_of(4 * quad), from + 4 * quad, 4 * sizeof(float)); };
-      for (int m = 0; m < 2; ++m) place(slope[m], scratch.slope[m]), place(shift[m], scratch.shift[m]);
-      place(begin, scratch.begin), place(end, scratch.end);
-    }
   }
 
-  /// Numbers too large for floats become large ones.
-  HWY_INLINE static void store(VecD v, float* to) {
+  /// Numbers of the rays from r on. Those too large for floats become large ones.
+  HWY_INLINE static void store(VecD v, std::size_t r, float* of_lanes) {
     const VecD largest = hn::Set(doubles, static_cast<double>(beyond));
-    hn::StoreU(hn::DemoteTo(half_floats, hn::Max(hn::Min(v, largest), hn::Neg(largest))), half_floats, to);
+    store_in_lanes(half_floats, hn::DemoteTo(half_floats, hn::Max(hn::Min(v, largest), hn::Neg(largest))), of_lanes, r);
   }
 
   HWY_INLINE MaskF alive_in(std::uint64_t lanes_alive, std::size_t lane) const {

@@ -79,6 +79,30 @@ HWY_INLINE std::uint64_t lanes_of(std::uint64_t rays) {
   return in_lanes;
 }
 
+/// Numbers of the rays from r on, as many as doubles in a vector, in the lanes of the rays: those of a row of eight lie
+/// in two packs.
+template <class Tag>
+HWY_INLINE hn::Vec<Tag> load_from_lanes(Tag tag, const hn::TFromD<Tag>* of_lanes, std::size_t r) {
+#if HWY_TARGET <= HWY_AVX3
+  const hn::Half<Tag> half;
+  return hn::Combine(tag, hn::LoadU(half, of_lanes + lane_of(r + 4)), hn::LoadU(half, of_lanes + lane_of(r)));
+#else
+  static_assert(double_lanes <= 4);
+  return hn::LoadU(tag, of_lanes + lane_of(r));
+#endif
+}
+template <class Tag>
+HWY_INLINE void store_in_lanes(Tag tag, hn::Vec<Tag> numbers, hn::TFromD<Tag>* of_lanes, std::size_t r) {
+#if HWY_TARGET <= HWY_AVX3
+  const hn::Half<Tag> half;
+  hn::StoreU(hn::LowerHalf(half, numbers), half, of_lanes + lane_of(r));
+  hn::StoreU(hn::UpperHalf(half, numbers), half, of_lanes + lane_of(r + 4));
+#else
+  static_assert(double_lanes <= 4);
+  hn::StoreU(numbers, tag, of_lanes + lane_of(r));
+#endif
+}
+
 HWY_INLINE float least_of(VecF v) {
   return hn::GetLane(hn::MinOfLanes(floats, v));
 }

@@ -45,7 +45,7 @@ class FacetWalk {
     }
   }
 
-  HWY_INLINE Unanswered unanswered() const { return group_.unanswered; }
+  HWY_INLINE Answered answered() const { return group_.answered; }
 
  private:
   struct Entry {
@@ -130,12 +130,12 @@ class FacetWalk {
 };
 
 template <FacetSearch search>
-Unanswered first_facets(const FacetSurface& surface, const RayArrays& rays, std::size_t count, const HitArrays& hits,
-                        FacetScratch& scratch, KernelCounters& counters) {
+Answered first_facets(const FacetSurface& surface, const RayArrays& rays, std::size_t count, const HitArrays& hits,
+                      FacetScratch& scratch, KernelCounters& counters) {
   const Directions directions =
       directions_of(surface, rays, count, search == FacetSearch::certified ? certified_reach : reach);
   const std::uint64_t all = count >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1;
-  Unanswered unanswered{.whole = all & ~directions.usable};
+  Answered answered{.whole = all & ~directions.usable};
   scratch.doubt_count = 0;
   for (int axis = 0; axis < 3; ++axis)
     for (const bool down : {false, true}) {
@@ -143,11 +143,12 @@ Unanswered first_facets(const FacetSurface& surface, const RayArrays& rays, std:
       if (chosen == 0) continue;
       FacetWalk<search> walk(surface, rays, count, hits, axis, down, scratch, counters);
       walk.trace(lanes_of(chosen));
-      unanswered.whole |= walk.unanswered().whole;
-      unanswered.part |= walk.unanswered().part;
+      answered.hit |= walk.answered().hit;
+      answered.whole |= walk.answered().whole;
+      answered.part |= walk.answered().part;
     }
-  unanswered.part &= ~unanswered.whole;
-  return unanswered;
+  answered.part &= ~answered.whole;
+  return answered;
 }
 
 FirstFacets first_facets_by(FacetSearch search) {

@@ -126,8 +126,8 @@ void first_facets(const VolumeImplementation& volume, const Question& question, 
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
             const std::size_t count = std::min(RayGroup::size, rays.count - first);
             const HitArrays chunk = from(answers, first);
-            write_misses(chunk, count);
-            Unanswered left = answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
+            Answered left = answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
+            write_other_misses(chunk, count, left.hit);
             Kernel other = reference;
             if constexpr (certified && is_mesh<View>) {
               if (left.part != 0)
@@ -157,8 +157,8 @@ void first_blockers(const VolumeImplementation& volume, const Question& question
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
             const std::size_t count = std::min(RayGroup::size, rays.count - first);
             const HitArrays chunk = from(answers, first);
-            write_misses(chunk, count);
-            const Unanswered left = answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
+            const Answered left = answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
+            write_other_misses(chunk, count, left.hit);
             if (left.whole != 0)
               ask_again(kernels_for(view, question.method.way).first_crossing, volume, question, rays, first,
                         left.whole, hits, memory.others, scratch);
