@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "render/frame/lighting.h"
+#include "render/frame/streaming.h"
 #include "render/frame/tracing.h"
 #include "render/march/ticks.h"
 
@@ -104,7 +105,6 @@ namespace {
 /// @return  how many rays that were
 std::size_t trace_blocks(const Frame& frame, const LatticeRays& rays, const Tile& tile, Worker& worker,
                          Framebuffer& out) {
-  expect_tile(rays.lattice, tile, out);
   trace_layers(frame, rays, tile, worker);
   if (frame.needs.spread_directions) number_pixels(rays.lattice, tile, worker);
 
@@ -146,6 +146,7 @@ void Pass::trace_tile(const Frame& frame, std::size_t index, Worker& worker, Fra
   write_background(frame.background, rays.lattice, tile, out);
   counts.shading_ticks += ticks_now() - start;
   const std::size_t traced = tile.blocks != 0 ? trace_blocks(frame, rays, tile, worker, out) : 0;
+  end_streaming();
   counts.rays += tile.count();
   counts.rays_ruled_out += tile.count() - traced;
   counts.tile_ticks += ticks_now() - start;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "render/frame/streaming.h"
 #include "render/kernels/compiled_for.h"
 
 namespace rhoray::render {
@@ -181,6 +182,11 @@ RHORAY_INLINE void write_colors_inline(const PixelLattice& lattice, const Tile& 
   for_each_run(
       tile, [&](const Run& run) __attribute__((always_inline)) {
         float* to = out + 4 * pixel_at(lattice, run.x, run.y);
+        if (run.count == block_edge && begins_line(to)) {
+          alignas(64) float pixels[4 * block_edge];
+          write_run<block_edge>(colors, run.first, pixels);
+          return stream_lines<sizeof pixels / 64>(pixels, to);
+        }
         if (run.count == block_edge) return write_run<block_edge>(colors, run.first, to);
         for (std::size_t i = 0; i < static_cast<std::size_t>(run.count); ++i)
           write_run<1>(colors, run.first + i, to + 4 * i);
@@ -205,7 +211,12 @@ void for_each_background_run(const PixelLattice& lattice, const Tile& tile, cons
 }
 
 void fill_colors(const float (&color)[4], float* to, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) std::copy_n(color, 4, to + 4 * i);
+  alignas(64) float line[line_floats];
+  for (std::size_t i = 0; i < line_floats; ++i) line[i] = color[i % 4];
+  std::size_t i = 0;
+  for (; i < count && !begins_line(to + 4 * i); ++i) std::copy_n(color, 4, to + 4 * i);
+  for (; i + line_floats / 4 <= count; i += line_floats / 4) stream_lines<1>(line, to + 4 * i);
+  for (; i < count; ++i) std::copy_n(color, 4, to + 4 * i);
 }
 
 }  // namespace
@@ -257,16 +268,6 @@ void put_in_front(const TileColors& front, std::size_t count, TileColors& colors
 void lay_veil(const Look& look, LayerWork& work, const ReceivedLight& received, WorkerCounts& counts,
               TileColors& colors) {
   compiled_for<lay_veil_inline>(look.machine)(look, work, received, counts, colors);
-}
-
-void expect_tile(const PixelLattice& lattice, const Tile& tile, const Framebuffer& out) {
-  if (lattice.spacing != 1) return;
-  constexpr std::size_t line_floats = 64 / sizeof(float);
-  for_each_run(tile, [&](const Run& run) {
-    const float* row = out.color.data() + 4 * pixel_at(lattice, run.x, run.y);
-    for (std::size_t i = 0; i < 4 * static_cast<std::size_t>(run.count); i += line_floats)
-      __builtin_prefetch(row + i, 1);
-  });
 }
 
 void write_colors(const PixelLattice& lattice, const Tile& tile, const TileColors& colors, Framebuffer& out,
