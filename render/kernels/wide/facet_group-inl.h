@@ -152,30 +152,30 @@ class FacetGroup {
   /// above the straight line between any two of its values.
   HWY_INLINE void bound_places(std::uint64_t lanes_alive) {
     HWY_ALIGN float at_low[lanes / 4], at_high[lanes / 4];
-    const VecF w_low = hn::Set(floats, w_from), w_high = hn::Set(floats, w_to);
-    for (std::size_t p = 0; p < packs; ++p) {
-      float* bound[2] = {at_low + 4 * p, at_high + 4 * p};
-      if ((lanes_alive >> pack * p & pack_bits) == 0) {
-        for (int l = 0; l < 4; ++l) bound[0][l] = bound[1][l] = -beyond;
-        continue;
-      }
-      for (int m = 0; m < 2; ++m) {
-        VecF least[2], most[2];
-        for (int e = 0; e < 2; ++e) least[e] = hn::Set(floats, beyond), most[e] = hn::Set(floats, -beyond);
-        for (std::size_t i = 0; i < pack; i += float_lanes) {
-          const std::size_t r = pack * p + i;
+    float* const at[2] = {at_low, at_high};
+    const VecF end_of_box[2] = {hn::Set(floats, w_from), hn::Set(floats, w_to)};
+    for (int m = 0; m < 2; ++m) {
+      VecF least[2][packs], most[2][packs];
+      for (std::size_t p = 0; p < packs; ++p) {
+        for (int e = 0; e < 2; ++e) least[e][p] = hn::Set(floats, beyond), most[e][p] = hn::Set(floats, -beyond);
+        for (std::size_t r = pack * p; r < pack * (p + 1); r += float_lanes) {
           const MaskF alive = alive_in(lanes_alive, r);
           const VecF slope = hn::Load(floats, scratch.slope[m] + r), shift = hn::Load(floats, scratch.shift[m] + r);
           for (int e = 0; e < 2; ++e) {
-            const VecF place = hn::MulAdd(slope, e == 0 ? w_low : w_high, shift);
-            least[e] = hn::Min(least[e], hn::IfThenElse(alive, place, least[e]));
-            most[e] = hn::Max(most[e], hn::IfThenElse(alive, place, most[e]));
+            const VecF place = hn::MulAdd(slope, end_of_box[e], shift);
+            least[e][p] = hn::Min(least[e][p], hn::IfThenElse(alive, place, least[e][p]));
+            most[e][p] = hn::Max(most[e][p], hn::IfThenElse(alive, place, most[e][p]));
           }
         }
-        for (int e = 0; e < 2; ++e) {
-          bound[e][2 * m] = bound_margin - least_of(least[e]);
-          bound[e][2 * m + 1] = bound_margin + largest_of(most[e]);
-        }
+      }
+      for (int e = 0; e < 2; ++e) {
+        HWY_ALIGN float of_packs[2][packs];
+        for (VecF& v : least[e]) v = hn::Neg(v);
+        largest_of_each(least[e], of_packs[0]);
+        largest_of_each(most[e], of_packs[1]);
+        for (std::size_t p = 0; p < packs; ++p)
+          for (std::size_t side = 0; side < 2; ++side)
+            at[e][4 * p + 2 * static_cast<std::size_t>(m) + side] = bound_margin + of_packs[side][p];
       }
     }
     for (int l = 0; l < 4; ++l) {
@@ -195,7 +195,7 @@ class FacetGroup {
       const VecF slope = hn::Mul(hn::Sub(high, low), inverse);
       const VecF base = is_short ? hn::Max(low, high) : low;
       hn::Store(slope, floats, scratch.cull_slope + i);
-      hn::Store(hn::NegMulAdd(slope, w_low, base), floats, scratch.cull_offset + i);
+      hn::Store(hn::NegMulAdd(slope, end_of_box[0], base), floats, scratch.cull_offset + i);
     }
     for (int l = 0; l < 4; ++l) {
       const float low = group_at_low_[l], high = group_at_high_[l];

@@ -110,6 +110,25 @@ HWY_INLINE float largest_of(VecF v) {
   return hn::GetLane(hn::MaxOfLanes(floats, v));
 }
 
+/// Of each of four vectors.
+HWY_INLINE void largest_of_each(const VecF (&v)[4], float* out) {
+#if HWY_TARGET == HWY_SCALAR
+  for (int i = 0; i < 4; ++i) out[i] = hn::GetLane(v[i]);
+#else
+  // Blocks of four lanes are turned into one lane of each vector, then the blocks are compared.
+  const auto paired = [](VecF a, VecF b) HWY_ATTR {
+    return hn::Max(hn::InterleaveLower(floats, a, b), hn::InterleaveUpper(floats, a, b));
+  };
+  const VecF each = paired(paired(v[0], v[2]), paired(v[1], v[3]));
+  HWY_ALIGN float blocks[float_lanes];
+  hn::Store(each, floats, blocks);
+  const hn::FixedTag<float, 4> four;
+  auto largest = hn::Load(four, blocks);
+  for (std::size_t i = 4; i < float_lanes; i += 4) largest = hn::Max(largest, hn::Load(four, blocks + i));
+  hn::StoreU(largest, four, out);
+#endif
+}
+
 /// x_a y_b - y_a x_b. Without a fused operation: the rounded products of the edge seen from its other end are the same
 /// ones, so that the sign is opposite to the bit; and as rounding is monotone, it is never the wrong one.
 HWY_INLINE VecF edge_function(VecF ax, VecF ay, VecF bx, VecF by) {
