@@ -125,22 +125,27 @@ class FacetGroup {
       const VecD w = start(axis_w);
       for (int m = 0; m < 2; ++m) {
         const VecD s = hn::Mul(hn::Load(doubles, rays.direction[minor[m]] + r), inverse);
-        store(s, r, scratch.slope[m]);
-        store(hn::Sub(start(minor[m]), hn::Mul(s, w)), r, scratch.shift[m]);
+        store(s, scratch.slope[m], r);
+        store(hn::Sub(start(minor[m]), hn::Mul(s, w)), scratch.shift[m], r);
       }
       const VecD speed = hn::Mul(d, scale);
-      store(hn::Mul(towards, hn::MulAdd(hn::Load(doubles, rays.t_min + r), speed, w)), r, scratch.begin);
-      store(hn::Mul(towards, hn::MulAdd(hn::Load(doubles, rays.t_max + r), speed, w)), r, scratch.end);
+      store(at_most(hn::Mul(towards, hn::MulAdd(hn::Load(doubles, rays.t_min + r), speed, w))), scratch.begin, r);
+      store(at_most(hn::Mul(towards, hn::MulAdd(hn::Load(doubles, rays.t_max + r), speed, w))), scratch.end, r);
     }
     if (rays.start_side != nullptr)
       for (std::size_t r = 0; r < ray_count; ++r)
         scratch.start_side[lane_of(r)] = static_cast<float>(rays.start_side[r]);
   }
 
-  /// Numbers of the rays from r on. Those too large for floats become large ones.
-  HWY_INLINE static void store(VecD v, std::size_t r, float* of_lanes) {
+  /// Numbers of the rays from r on.
+  HWY_INLINE static void store(VecD v, float* of_lanes, std::size_t r) {
+    store_in_lanes(half_floats, hn::DemoteTo(half_floats, v), of_lanes, r);
+  }
+
+  /// Numbers too large for the facets' frame become large ones.
+  HWY_INLINE static VecD at_most(VecD v) {
     const VecD largest = hn::Set(doubles, static_cast<double>(beyond));
-    store_in_lanes(half_floats, hn::DemoteTo(half_floats, hn::Max(hn::Min(v, largest), hn::Neg(largest))), of_lanes, r);
+    return hn::Max(hn::Min(v, largest), hn::Neg(largest));
   }
 
   HWY_INLINE MaskF alive_in(std::uint64_t lanes_alive, std::size_t lane) const {

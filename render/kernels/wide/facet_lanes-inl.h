@@ -48,20 +48,22 @@ HWY_INLINE Directions directions_of(const FacetSurface& surface, const RayArrays
   Directions bits{};
   const VecD largest_start = hn::Set(doubles, farthest / surface.scale);
   for (std::size_t r = 0; r < count; r += double_lanes) {
-    VecD size[3], d[3];
-    MaskD usable = hn::And(hn::FirstN(doubles, count - r),
-                           hn::Le(hn::Load(doubles, rays.t_min + r), hn::Load(doubles, rays.t_max + r)));
+    VecD size[3], d[3], start_sum = hn::Zero(doubles);  // a sum with what is no number is none
     for (int a = 0; a < 3; ++a) {
       d[a] = hn::Load(doubles, rays.direction[a] + r);
       size[a] = hn::Abs(d[a]);
       const VecD start = hn::Sub(hn::Load(doubles, rays.origin[a] + r), hn::Set(doubles, surface.anchor[a]));
-      usable = hn::And(usable, hn::And(is_finite(d[a]), hn::Le(hn::Abs(start), largest_start)));
+      start_sum = hn::Add(start_sum, hn::Abs(start));
     }
     const MaskD x = hn::And(hn::Ge(size[0], size[1]), hn::Ge(size[0], size[2]));
     const MaskD y = hn::AndNot(x, hn::Ge(size[1], size[2]));
     const VecD largest = hn::Max(size[0], hn::Max(size[1], size[2]));
-    usable = hn::And(usable,
-                     hn::And(hn::Gt(largest, hn::Set(doubles, 0x1p-400)), hn::Lt(largest, hn::Set(doubles, 0x1p400))));
+    const VecD size_sum = hn::Add(size[0], hn::Add(size[1], size[2]));
+    const VecD t_min = hn::Load(doubles, rays.t_min + r), t_max = hn::Load(doubles, rays.t_max + r);
+    const MaskD usable = hn::And(
+        hn::And(hn::FirstN(doubles, count - r), hn::Le(t_min, t_max)),
+        hn::And(hn::Le(start_sum, largest_start),
+                hn::And(hn::Gt(largest, hn::Set(doubles, 0x1p-400)), hn::Lt(size_sum, hn::Set(doubles, 0x1p400)))));
     const MaskD along[3] = {x, y, hn::Not(hn::Or(x, y))};
     for (int a = 0; a < 3; ++a) {
       bits.along[a] |= bits_of(doubles, hn::And(usable, along[a])) << r;
