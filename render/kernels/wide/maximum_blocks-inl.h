@@ -44,10 +44,10 @@ class BlockWalk {
     for (std::size_t r = 0; r < state_.vectors * float_lanes; r += float_lanes) {
       const SearchState::Passing passing = state_.rays_through(block, 4, largest, r);
       if (hn::AllFalse(floats, passing.rays)) continue;
-      hn::CompressStore(hn::Iota(ints, static_cast<std::int32_t>(r)), hn::RebindMask(ints, passing.rays), ints,
-                        at_block.ray + at_block.count);
-      hn::CompressStore(passing.from, passing.rays, floats, at_block.from + at_block.count);
-      at_block.count += hn::CompressStore(passing.to, passing.rays, floats, at_block.to + at_block.count);
+      store_chosen(ints, hn::Iota(ints, static_cast<std::int32_t>(r)), hn::RebindMask(ints, passing.rays),
+                   at_block.ray + at_block.count);
+      store_chosen(floats, passing.from, passing.rays, at_block.from + at_block.count);
+      at_block.count += store_chosen(floats, passing.to, passing.rays, at_block.to + at_block.count);
     }
     if (at_block.count == 0) return;
     // Lanes beyond the last ray pass through nothing.

@@ -387,10 +387,10 @@ class SlabSweep {
       const MaskF passing = hn::And(hn::Lt(from, to), SearchState::may_improve(hn::Zero(floats), hn::Add(from, low),
                                                                                hn::Load(floats, slab.reached + r),
                                                                                hn::Load(floats, lines.reached_at + r)));
-      hn::CompressStore(hn::Iota(ints, static_cast<std::int32_t>(r)), hn::RebindMask(ints, passing), ints,
-                        at_block.ray + at_block.count);
-      hn::CompressStore(from, passing, floats, at_block.from + at_block.count);
-      at_block.count += hn::CompressStore(to, passing, floats, at_block.to + at_block.count);
+      store_chosen(ints, hn::Iota(ints, static_cast<std::int32_t>(r)), hn::RebindMask(ints, passing),
+                   at_block.ray + at_block.count);
+      store_chosen(floats, from, passing, at_block.from + at_block.count);
+      at_block.count += store_chosen(floats, to, passing, at_block.to + at_block.count);
     }
     // Lanes beyond the last ray pass through nothing.
     for (std::size_t lane = at_block.count; lane < at_block.count + float_lanes; ++lane)

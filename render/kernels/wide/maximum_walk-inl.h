@@ -109,10 +109,10 @@ HWY_INLINE VecF walk_cells(SearchState& state, CloseLooks& looks, const CellBox&
       if (!hn::AllFalse(floats, suspect)) {
         if (at_hand.count + float_lanes > BlockSuspects::capacity)
           looks.keep_suspects(box.highest, box.unit, box.low_w);
-        hn::CompressStore(ways.ray, hn::RebindMask(ints, suspect), ints, at_hand.ray + at_hand.count);
-        hn::CompressStore(from, suspect, floats, at_hand.from + at_hand.count);
-        hn::CompressStore(leave, suspect, floats, at_hand.to + at_hand.count);
-        at_hand.count += hn::CompressStore(highest_here, suspect, floats, at_hand.bound + at_hand.count);
+        store_chosen(ints, ways.ray, hn::RebindMask(ints, suspect), at_hand.ray + at_hand.count);
+        store_chosen(floats, from, suspect, at_hand.from + at_hand.count);
+        store_chosen(floats, leave, suspect, at_hand.to + at_hand.count);
+        at_hand.count += store_chosen(floats, highest_here, suspect, at_hand.bound + at_hand.count);
 
         // A value that is reached for certain: at a point well inside the cell and well inside the ray.
         const VecF s = b.likely_maximum();
