@@ -17,6 +17,7 @@ class OwnPeer final : public Peer {
   OwnPeer(render::Mode mode, const std::string& level) : level_(level) {
     scene_.layers[0].mode = mode;
     scene_.layers[0].method = render::method_of(tools::accuracy_named(level));
+    scene_.layers[0].surface.specular = 0;  // as light_pixel lights what others find
   }
 
   std::string name() const override { return concat("Rhoray, ", level_); }

@@ -52,8 +52,8 @@ class PixelRays {
   Direction origin_, forward_, across_, down_;
 };
 
-/// A pixel lit from the eye, with the numbers of render::Surface, without gloss: what systems that only give hits are
-/// made to compute as well.
+/// A pixel lit from the eye, with the numbers of render::Surface, without gloss, as own_isosurface lights it: what
+/// systems that only give hits are made to compute as well.
 /// @param cosine  between normal and ray
 inline void light_pixel(float* rgba, float cosine) {
   const float brightness = 0.12F + 0.88F * std::abs(cosine);
