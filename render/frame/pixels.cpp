@@ -219,6 +219,21 @@ void fill_colors(const float (&color)[4], float* to, std::size_t count) {
   for (; i < count; ++i) std::copy_n(color, 4, to + 4 * i);
 }
 
+/// Of those among the answers that are hits; 0 where none is.
+double largest_error_of(const HitBatch& hits, std::size_t count) {
+  constexpr std::size_t abreast = 8;  // so that none waits for the one before
+  double largest[abreast] = {};
+  const auto take = [&](std::size_t r, double& so_far) {
+    const double error = is_hit(hits, r) ? hits.error[r] : 0;
+    so_far = error > so_far ? error : so_far;
+  };
+  std::size_t r = 0;
+  for (; r + abreast <= count; r += abreast)
+    for (std::size_t lane = 0; lane < abreast; ++lane) take(r + lane, largest[lane]);
+  for (; r < count; ++r) take(r, largest[0]);
+  return *std::max_element(largest, largest + abreast);
+}
+
 }  // namespace
 
 void fill_background(const Vec3& background, std::size_t count, TileColors& colors) {
@@ -232,9 +247,7 @@ void fill_background(const Vec3& background, std::size_t count, TileColors& colo
 void shade_hits(const Look& look, LayerWork& work, const ReceivedLight& received, WorkerCounts& counts,
                 TileColors& colors) {
   compiled_for<shade_hits_inline>(look.machine)(look, work, received, counts, colors);
-  if (!look.proves) return;
-  for (std::size_t r = 0; r < work.rays.count; ++r)
-    if (is_hit(work.hits, r)) counts.largest_error = std::max(counts.largest_error, work.hits.error[r]);
+  if (look.proves) counts.largest_error = std::max(counts.largest_error, largest_error_of(work.hits, work.rays.count));
 }
 
 void shade_shown(const Look& look, LayerWork& work, const LayerOfRays& shown, std::uint8_t layer,

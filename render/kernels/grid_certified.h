@@ -6,6 +6,7 @@
 #include "render/kernels/grid_judged.h"
 #include "render/kernels/grid_maximum.h"
 #include "render/kernels/grid_passage.h"
+#include "render/kernels/resumed.h"
 
 /// The first crossing of a grid's isosurface, proven: what arithmetic of a precision cannot decide with its rounding
 /// included is decided in double precision, and what that cannot decide by the judge.
@@ -130,19 +131,23 @@ struct CertifiedHit {
   bool is_certain = true;
 };
 
+/// @param from  where to begin
 template <class Real, class View>
-CertifiedHit certified_crossing(const View& view, const Question& question, const Ray& ray, KernelCounters& counters) {
+CertifiedHit certified_crossing(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
+                                const ResumedAt& from = {}) {
   CertifiedHit answer;
   const WalkLattice lattice = view.lattice();
   const auto planes = view.plane_times(ray);
-  const std::optional<Segment> segment = clip_to_lattice(ray, planes, lattice.leaf_count);
+  std::optional<Segment> segment = clip_to_lattice(ray, planes, lattice.leaf_count);
   if (!segment) {
     answer.is_certain = certainly_misses(ray, planes, lattice.leaf_count);
     return answer;
   }
+  segment->t_in = std::clamp(from.t, segment->t_in, segment->t_out);
   const double iso = question.isovalue;
 
   SideOnRay side(view, ray);
+  if (from.side != StartSide::unknown) side.set(from.side == StartSide::inside);
   const auto see = [&](int level, const CellVisit& visit) {
     answer.is_certain = !passes_close_to_edge(planes, lattice, lattice.cell_edge(level), visit) ||
                         (stays_on_one_side_at(view, iso, ray, planes, visit.t_in) &&
@@ -182,10 +187,15 @@ CertifiedHit certified_crossing(const View& view, const Question& question, cons
 }
 
 /// What single precision could not decide: by double precision, or else by the judge.
+/// @param from  a ray that is asked about from some place on is asked about as a whole where that leaves a doubt
 template <class View>
-Hit certified_first_crossing_redone(const View& view, const Question& question, const Ray& ray,
-                                    KernelScratch& scratch) {
+Hit certified_first_crossing_redone(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch,
+                                    const ResumedAt& from = {}) {
   ++scratch.counters.rays_redone;
+  if (from.t > ray.t_min) {
+    const CertifiedHit answer = certified_crossing<double>(view, question, ray, scratch.counters, from);
+    if (answer.is_certain) return answer.hit;
+  }
   const CertifiedHit answer = certified_crossing<double>(view, question, ray, scratch.counters);
   return answer.is_certain ? answer.hit : judged_first_crossing(view, question, ray, scratch);
 }

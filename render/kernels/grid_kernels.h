@@ -20,8 +20,14 @@ Kernels kernels_for(const View& view, Method::Way way) {
 }
 
 template <class View>
-Kernel redoing_kernel_for(const View&) {
-  return kernel_of<View, certified_first_crossing_redone<View>>;
+void resume_certified(const View& view, const Question& question, const RayBatch& rays, std::span<const ResumedAt> from,
+                      HitBatch& hits, KernelScratch& scratch) {
+  for (std::size_t r = 0; r < rays.count; ++r) {
+    const std::uint64_t before = scratch.counters.visits();
+    Hit hit = certified_first_crossing_redone(view, question, rays[r], scratch, from[r]);
+    hit.cost = static_cast<std::uint32_t>(scratch.counters.visits() - before);
+    hits.set(r, hit);
+  }
 }
 
 }  // namespace rhoray::render

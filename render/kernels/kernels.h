@@ -105,8 +105,8 @@ Kernels choose_kernels(const VolumeImplementation& volume, const Method& method,
 template <class View>
 Kernels kernels_for(const View& view, Method::Way way);
 
-/// Of a uniform dense grid's, or a mesh's, certified first crossings: what single precision has not decided, by double
-/// precision or the judge.
+/// Of a mesh's certified first crossings: what single precision has not decided, by double precision or the judge.
+/// Grids: resumed.h.
 template <class View>
 Kernel redoing_kernel_for(const View& view);
 

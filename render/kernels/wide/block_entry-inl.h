@@ -83,10 +83,9 @@ HWY_INLINE std::uint64_t rays_that_may_pass(const IsosurfaceScratch& scratch, st
 /// Rays that enter blocks, each its own: in the block's mirrored coordinates, 0 to 4.
 struct BlockEntry {
   MaskF passes;
-  MaskF close;    ///< rounding may have decided whether they pass
   VecF entry[3];  ///< exact on the planes that they enter by; at most the upper plane of the last cells
   VecF last[3];   ///< the last cell of the block that the lattice has
-  VecF end;       ///< the way until the ray leaves the block, or ends
+  VecF end;       ///< the way until the ray leaves the block, or ends; not above 0 where it does not pass
 };
 
 /// The first lattice plane of an axis in mirrored coordinates, and the one after its last cell.
@@ -110,7 +109,7 @@ HWY_INLINE BlockEntry entry_into_blocks(const MirroredLattice& lattice, const La
   const RayGroup& group = scratch.group;
   const std::uint64_t asked = bits_of(floats, rays);
   VecD entry[3][parts_of_floats], last[3][parts_of_floats], end[parts_of_floats];
-  std::uint64_t passes = 0, close = 0;
+  std::uint64_t passes = 0;
   for (std::size_t part = 0; part < parts_of_floats; ++part) {
     const std::size_t r = first_ray + part * double_lanes;
     VecD t_in = hn::Load(doubles, group.t_in + r), t_out = hn::Load(doubles, group.t_out + r);
@@ -132,7 +131,6 @@ HWY_INLINE BlockEntry entry_into_blocks(const MirroredLattice& lattice, const La
     }
     const MaskD enters = hn::And(hn::Lt(t_in, t_out), mask_of(doubles, asked >> (part * double_lanes)));
     passes |= bits_of(doubles, enters) << (part * double_lanes);
-    close |= bits_of(doubles, may_be_exchanged(t_in, t_out)) << (part * double_lanes);
     hn::BlendedStore(t_in, enters, doubles, scratch.t_block + r);
     for (int a = 0; a < 3; ++a) {
       const VecD at =
@@ -142,7 +140,7 @@ HWY_INLINE BlockEntry entry_into_blocks(const MirroredLattice& lattice, const La
     }
     end[part] = hn::Mul(hn::Sub(t_out, t_in), hn::Load(doubles, scratch.way_per_t + r));
   }
-  BlockEntry found{mask_of(floats, passes), mask_of(floats, close & asked), {}, {}, as_floats(end)};
+  BlockEntry found{mask_of(floats, passes), {}, {}, as_floats(end)};
   for (int a = 0; a < 3; ++a) {
     found.last[a] = as_floats(last[a]);
     const VecF upper = hn::Add(found.last[a], hn::Set(floats, 1.0f));

@@ -27,6 +27,7 @@ struct alignas(64) BlockSamples {
   std::uint64_t present;  ///< cells of the block, bit x + 4 y + 16 z, that the lattice has and that have data
   std::uint64_t active;   ///< of these, cells with corners on both sides
   std::uint64_t inside;   ///< cells whose lowest corner is inside
+  float range;            ///< certified: that the differences and 0 span, infinite if it is no number; NaN: not known
 };
 
 }  // namespace rhoray::render::wide

@@ -53,6 +53,8 @@ class BlockSearch {
         ends_(lattice, surface.leaf_count),
         group_(scratch.group),
         scratch_(scratch.scattered.search),
+        way_per_t_(scratch.way_per_t),
+        position_error_(scratch.position_error),
         is_certified_(is_certified) {
     for (int a = 0; a < 3; ++a) {
       const bool mirrored = lattice.is_mirrored(a);
@@ -65,7 +67,10 @@ class BlockSearch {
   }
 
   /// Places rays where they enter the lattice, or start in it; others are where they were.
-  HWY_INLINE void start(std::uint64_t rays) {
+  /// @param touch  certified: (ray, block) for each block with a bit that the ray comes so close to that rounding may
+  ///               have decided that it does not pass it; false where the ray is to go no further
+  template <class Touch>
+  HWY_INLINE void start(std::uint64_t rays, const Touch& touch) {
     rays_ = rays;
     for (std::size_t r = 0; r < group_.count; r += double_lanes) {
       if ((rays >> r & first_rays(double_lanes)) == 0) continue;
@@ -85,7 +90,7 @@ class BlockSearch {
       hn::BlendedStore(hn::Min(error, hn::Set(doubles, 1.0)), mask_of(doubles, rays >> r), doubles, scratch_.error + r);
       Place place{from, {}};
       const MaskD asked = mask_of(doubles, rays >> r);
-      locate(place, known, low, high, asked, r);
+      locate(place, known, low, high, asked, r, touch);
       hn::BlendedStore(place.t, asked, doubles, scratch_.t + r);
       for (int a = 0; a < 3; ++a)
         hn::BlendedStore(place.block[a], hn::RebindMask(wholes, asked), wholes, scratch_.block[a] + r);
@@ -96,7 +101,8 @@ class BlockSearch {
   /// comes to it if it is new there. The corners of the blocks are kept.
   /// @param new_there  the rays that are, before and after
   /// @return  rays that have come to a block
-  HWY_NOINLINE std::uint64_t find_blocks(std::uint64_t rays, std::uint64_t& new_there) {
+  template <class Touch>
+  HWY_NOINLINE std::uint64_t find_blocks(std::uint64_t rays, std::uint64_t& new_there, const Touch& touch) {
     std::uint64_t found = 0;
     rays_ = rays;
     const int most_left = std::popcount(rays) / 4;
@@ -104,7 +110,7 @@ class BlockSearch {
       for (std::size_t r = 0; r < group_.count; r += double_lanes) {
         const std::uint64_t lanes = rays_ >> r & first_rays(double_lanes);
         if (lanes == 0) continue;
-        const std::uint64_t come = step(r, lanes, new_there >> r) << r;
+        const std::uint64_t come = step(r, lanes, new_there >> r, touch) << r;
         found |= come;
         rays_ &= ~come;
         new_there |= first_rays(double_lanes) << r;
@@ -119,9 +125,6 @@ class BlockSearch {
 
   /// Rays that are still on their way to the next block.
   HWY_INLINE std::uint64_t still_searching() const { return rays_; }
-
-  /// Certified: rays that pass so close to a block with a bit that rounding may have decided whether they pass it.
-  HWY_INLINE std::uint64_t doubtful() const { return doubtful_; }
 
  private:
   struct Place {
@@ -177,7 +180,8 @@ class BlockSearch {
 
   /// Lets rays that are in no block with a bit, or have passed it, go on to the end of the region without others.
   /// @return  those that have come to a block instead
-  HWY_INLINE std::uint64_t step(std::size_t r, std::uint64_t lanes, std::uint64_t new_there) {
+  template <class Touch>
+  HWY_INLINE std::uint64_t step(std::size_t r, std::uint64_t lanes, std::uint64_t new_there, const Touch& touch) {
     const MaskD asked = mask_of(doubles, lanes);
     Place place{hn::Load(doubles, scratch_.t + r), {}};
     VecW node_at[3], summit_at[3];
@@ -218,7 +222,7 @@ class BlockSearch {
     const VecD to = hn::Load(doubles, group_.t_out + r);
     const MaskD ends = hn::And(goes, hn::Ge(next.t, to));
     next.t = hn::Min(next.t, to);
-    locate(next, known, place.block, known.block, goes, r);
+    locate(next, known, place.block, known.block, goes, r, touch);
     hn::Store(hn::IfThenElse(goes, next.t, place.t), doubles, scratch_.t + r);
     for (int a = 0; a < 3; ++a)
       hn::Store(hn::IfThenElse(hn::RebindMask(wholes, goes), next.block[a], place.block[a]), wholes,
@@ -229,8 +233,9 @@ class BlockSearch {
 
   /// Finds the blocks at place.t: by the ray's point, and where that is close to a plane, by the plane's time.
   /// @param low, high  between which they lie
+  template <class Touch>
   HWY_INLINE void locate(Place& place, const Known& known, const VecW* low, const VecW* high, MaskD asked,
-                         std::size_t r) {
+                         std::size_t r, const Touch& touch) {
     const VecD error = hn::Load(doubles, scratch_.error + r);
     MaskD close = hn::Gt(error, hn::Set(doubles, 0.125));
     for (int a = 0; a < 3; ++a) {
@@ -244,7 +249,7 @@ class BlockSearch {
     close = hn::And(close, asked);
     if (hn::AllFalse(doubles, close)) return;
     locate_by_times(place, low, high, r);
-    if (is_certified_) doubt_close_to_surface(place, bits_of(doubles, close), r);
+    if (is_certified_) touch_blocks(place, bits_of(doubles, close), r, touch);
   }
 
   HWY_INLINE void locate_by_times(Place& place, const VecW* low, const VecW* high, std::size_t r) const {
@@ -261,27 +266,23 @@ class BlockSearch {
       }
   }
 
-  HWY_NOINLINE void doubt_close_to_surface(const Place& place, std::uint64_t lanes, std::size_t r) {
+  template <class Touch>
+  HWY_NOINLINE void touch_blocks(const Place& place, std::uint64_t lanes, std::size_t r, const Touch& touch) {
     HWY_ALIGN std::int64_t block[3][double_lanes];
+    HWY_ALIGN double t[double_lanes];
     for (int a = 0; a < 3; ++a) hn::Store(place.block[a], wholes, block[a]);
+    hn::Store(place.t, doubles, t);
     for (std::uint64_t bits = lanes; bits != 0; bits &= bits - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
-      const int at[3] = {static_cast<int>(block[0][lane]), static_cast<int>(block[1][lane]),
-                         static_cast<int>(block[2][lane])};
-      if (!is_close_to_surface(at, r + lane)) continue;
-      doubtful_ |= std::uint64_t{1} << (r + lane);
-      rays_ &= ~(std::uint64_t{1} << (r + lane));
+      bool goes_on = true;
+      for (int neighbour = 0; neighbour < 27 && goes_on; ++neighbour) {
+        const int step[3] = {neighbour % 3 - 1, neighbour / 3 % 3 - 1, neighbour / 9 - 1};
+        int at[3];
+        for (int a = 0; a < 3; ++a) at[a] = static_cast<int>(block[a][lane]) + step[a];
+        if (has_bit(at) && is_touched(at, r + lane, t[lane])) goes_on = touch(r + lane, at);
+      }
+      if (!goes_on) rays_ &= ~(std::uint64_t{1} << (r + lane));
     }
-  }
-
-  /// True where a block with a bit, this one or one beside it, is entered and left so close together that rounding may
-  /// have exchanged the two.
-  HWY_INLINE bool is_close_to_surface(const int* at, std::size_t ray) const {
-    for (int neighbour = 0; neighbour < 27; ++neighbour) {
-      const int block[3] = {at[0] + neighbour % 3 - 1, at[1] + neighbour / 3 % 3 - 1, at[2] + neighbour / 9 - 1};
-      if (has_bit(block) && passes_hardly(block, ray)) return true;
-    }
-    return false;
   }
 
   HWY_INLINE bool has_bit(const int* mirrored) const {
@@ -296,7 +297,9 @@ class BlockSearch {
     return (surface_.nodes[node] >> bit & 1) != 0;
   }
 
-  HWY_INLINE bool passes_hardly(const int* block, std::size_t ray) const {
+  /// True where the ray leaves the block no later than it enters it, but rounding may have exchanged the two; at t.
+  /// What it touches at other times it comes to then, or not at all.
+  HWY_INLINE bool is_touched(const int* block, std::size_t ray, double t) const {
     double t_in = group_.t_in[ray], t_out = group_.t_out[ray];
     for (int a = 0; a < 3; ++a) {
       const double low = 4 * block[a] > ends_.first[a] ? 4 * block[a] : ends_.first[a];
@@ -308,7 +311,11 @@ class BlockSearch {
       const double enters = time(low), leaves = time(high);
       t_in = enters > t_in ? enters : t_in, t_out = leaves < t_out ? leaves : t_out;
     }
-    return hn::AllTrue(doubles, may_be_exchanged(hn::Set(doubles, t_in), hn::Set(doubles, t_out)));
+    const auto way = [&](double apart) { return static_cast<float>(apart * way_per_t_[ray]); };
+    const auto is_within = [](float x, float error) { return !((x < 0 ? -x : x) > error); };
+    // Up to three planes are passed one after the other, each so close to the next.
+    return !(t_in < t_out) && is_within(way(t_out - t_in), position_error_[ray]) &&
+           is_within(way(t - t_in), 4 * position_error_[ray]);
   }
 
   const Surface& surface_;
@@ -316,10 +323,11 @@ class BlockSearch {
   const LatticeEnds ends_;
   const RayGroup& group_;
   BlockSearchScratch& scratch_;
+  const double* const way_per_t_;
+  const float* const position_error_;
   const bool is_certified_;
   int summit_count_[3];
   std::uint64_t rays_ = 0;  ///< still on their way to the next block
-  std::uint64_t doubtful_ = 0;
 };
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE

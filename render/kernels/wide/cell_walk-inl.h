@@ -22,6 +22,7 @@ struct Lanes {
   VecF entry[3], slope[3], inverse_slope[3], end;
   VecF last[3];        ///< the last cell
   VecF way_error;      ///< certified: of times of planes, on the way, and of the points there; else 0
+  VecF range;          ///< certified: of the block's samples (BlockSamples)
   VecI samples;        ///< where those of the block begin
   VecI active[2];      ///< cells with corners on both sides, in two words
   VecI inside_out[2];  ///< cells that lie inside
@@ -48,20 +49,25 @@ struct NextCell {
 /// to a plane is off by at most 2 u times the inverse slope and 12 u (three roundings of a way of at most 4), what
 /// double precision does to the entry comes on top, and the difference of two is off by twice that, and a little that
 /// is of second order. A point at such a time is off by no more than that: by the time's own error and 8 u, or, where
-/// it is taken to lie on the plane of another time, by both their errors. Only axes count of which the ray may pass a
-/// plane inside.
-HWY_INLINE VecF error_of_ways(const BlockEntry& at, const VecF* slope, const VecF* inverse_slope, VecF position_error) {
-  const VecF one = hn::Set(floats, 1.0f), close = hn::Set(floats, 0x1p-20f);
-  VecF steepest = one;
+/// it is taken to lie on the plane of another time, by both their errors. Slow axes, of which the inverse slope is
+/// above `slow_from`, count only where the ray may pass one of their planes inside.
+inline constexpr float slow_from = 16;
+
+/// @param r  first of the rays
+HWY_INLINE VecF error_of_ways(const IsosurfaceScratch& scratch, const BlockEntry& at, const Lanes& lanes,
+                              std::size_t r) {
+  const VecF position_error = hn::Load(floats, scratch.position_error + r);
+  VecF steepest = hn::Load(floats, scratch.steepest + r);
+  const VecF reach = hn::MulAdd(hn::Set(floats, 4.0f), position_error, hn::Set(floats, 0x1p-20f));
   for (int a = 0; a < 3; ++a) {
-    const VecF cell = hn::Floor(at.entry[a]);
-    const VecF leaves_at = hn::MulAdd(at.end, slope[a], at.entry[a]);
-    const VecF reach = hn::MulAdd(hn::Set(floats, 4.0f), position_error, close);
-    const MaskF passes_upper = hn::And(hn::Ge(leaves_at, hn::Sub(hn::Add(cell, one), reach)), hn::Lt(cell, at.last[a]));
-    const MaskF close_to_lower = hn::Le(hn::Sub(at.entry[a], cell), reach);
-    const MaskF moves = hn::Lt(inverse_slope[a], hn::Set(floats, never_passed));
-    const MaskF counts = hn::Or(passes_upper, hn::And(close_to_lower, hn::Gt(cell, hn::Zero(floats))));
-    steepest = hn::Max(steepest, hn::IfThenElseZero(hn::And(moves, counts), inverse_slope[a]));
+    const std::uint64_t slow = scratch.slow[a] >> r & first_rays(float_lanes);
+    if (slow == 0) continue;
+    // The cells between which the ray is for certain, inside the block.
+    const VecF low = hn::Floor(hn::Max(hn::Sub(at.entry[a], reach), hn::Zero(floats)));
+    const VecF leaves_at = hn::MulAdd(lanes.end, lanes.slope[a], hn::Add(at.entry[a], reach));
+    const VecF high = hn::Floor(hn::Min(leaves_at, hn::Add(at.last[a], hn::Set(floats, 0.5f))));
+    const MaskF counts = hn::And(mask_of(floats, slow), hn::Lt(low, high));
+    steepest = hn::Max(steepest, hn::IfThenElseZero(counts, lanes.inverse_slope[a]));
   }
   const VecF in_single =
       hn::MulAdd(steepest, hn::Set(floats, 4.25f * rounding_unit), hn::Set(floats, 26 * rounding_unit));

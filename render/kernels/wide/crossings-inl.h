@@ -21,7 +21,7 @@ HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
 /// Bounds of a certified hit's place, in cells, that are good enough without a second look.
-inline constexpr double largest_place_error = 1e-3;
+inline constexpr float largest_place_error = 1e-3f;
 
 /// Where a group's numbers go to and come from.
 class GroupNumbers {
@@ -63,7 +63,7 @@ class GroupNumbers {
 template <Search search>
 HWY_INLINE void keep_hits(PendingHits& pending, std::size_t r, const Lanes& lanes, const NextCell& next,
                           const VecF* block_corner, const Corners& corners, const VecF* in, const VecF* out,
-                          VecF margin, const Changes& changes) {
+                          const Changes& changes) {
   const auto keep = [&](VecF numbers, float* to) HWY_ATTR { hn::BlendedStore(numbers, changes.found, floats, to + r); };
   for (int c = 0; c < 8; ++c) keep(corners.f[c], pending.corner[c]);
   for (int a = 0; a < 3; ++a) {
@@ -72,7 +72,7 @@ HWY_INLINE void keep_hits(PendingHits& pending, std::size_t r, const Lanes& lane
   }
   keep(next.way_in, pending.way_in), keep(next.way_out, pending.way_out);
   keep(changes.low, pending.low), keep(changes.high, pending.high);
-  if constexpr (search == Search::certified) keep(margin, pending.margin), keep(lanes.way_error, pending.way_error);
+  if constexpr (search == Search::certified) keep(lanes.way_error, pending.way_error);
   hn::BlendedStore(changes.count, hn::RebindMask(ints, changes.found), ints, pending.root_count + r);
   pending.rays |= bits_of(floats, changes.found) << r;
 }
@@ -131,7 +131,7 @@ class HitWriter {
   }
 
   HWY_INLINE void write(const RootSearch& searched, std::size_t first) {
-    const std::uint64_t found = found_from(first);
+    std::uint64_t found = found_from(first);
     if (found == 0) return;
     const CubicLanes& cubic = searched.cubic();
     const MaskF used = mask_of(floats, found);
@@ -150,8 +150,19 @@ class HitWriter {
     VecF way_error = hn::Zero(floats);
     if constexpr (search == Search::certified) {
       const VecF of_ways = load(pending_.way_error, first);
-      const VecF of_root = error_of_root(cubic, load(pending_.margin, first), roots.s);
+      const VecF of_root = error_of_root(cubic, margin_of(corners, of_ways), roots.s);
       way_error = hn::MulAdd(of_root, length, hn::Add(of_ways, of_ways));
+      // Squared: how far the ray moves while it moves by 1 along its fastest axis.
+      VecF per_way = hn::Zero(floats);
+      for (int a = 0; a < 3; ++a) {
+        const VecF slope = load(scratch_.slope[a], first);
+        per_way = hn::MulAdd(slope, slope, per_way);
+      }
+      constexpr float largest = largest_place_error * largest_place_error * (1 - 0x1p-20f);
+      const MaskF placed = hn::Le(hn::Mul(hn::Mul(way_error, way_error), per_way), hn::Set(floats, largest));
+      const std::uint64_t misplaced = found & ~bits_of(floats, placed);
+      doubtful_ |= misplaced << first;
+      found &= ~misplaced;
     }
     for (std::size_t part = 0; part < parts_of_floats; ++part)
       write_places(first + part * double_lanes, mask_of(doubles, found >> (part * double_lanes)), part, way, way_error,
@@ -170,19 +181,11 @@ class HitWriter {
     if constexpr (search == Search::certified) {
       const VecD place = as_doubles(way_error, part);
       const VecD error = hn::Add(hn::Mul(place, t_per_way), hn::Mul(hn::Set(doubles, 0x1p-49), hn::Abs(t)));
-      VecD per_way = hn::Zero(doubles);  // squared: how far the ray moves while it moves by 1 along its fastest axis
-      for (int a = 0; a < 3; ++a) {
-        const VecD slope = hn::PromoteTo(doubles, hn::Load(half_floats, scratch_.slope[a] + r));
-        per_way = hn::MulAdd(slope, slope, per_way);
-      }
-      // A ray's own ends are exact: a hit that may lie beyond them is not certain. Neither is one without a bound.
+      // A ray's own ends are exact: a hit that may lie beyond them is not certain.
       const MaskD within = hn::And(hn::Ge(hn::Sub(t, error), numbers_.read(rays_.t_min, lanes, r)),
                                    hn::Le(hn::Add(t, error), numbers_.read(rays_.t_max, lanes, r)));
-      const MaskD placed =
-          hn::Le(hn::Mul(hn::Mul(place, place), per_way), hn::Set(doubles, largest_place_error * largest_place_error));
-      const MaskD certain = hn::And(within, placed);
-      doubtful_ |= bits_of(doubles, hn::AndNot(certain, lanes)) << r;
-      lanes = hn::And(lanes, certain);
+      doubtful_ |= bits_of(doubles, hn::AndNot(within, lanes)) << r;
+      lanes = hn::And(lanes, within);
       numbers_.write(doubles, error, lanes, r, hits_.error);
     }
     numbers_.write(doubles, hn::Min(t, hn::Load(doubles, scratch_.group.t_out + r)), lanes, r, hits_.t);

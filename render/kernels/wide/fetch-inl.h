@@ -77,6 +77,19 @@ HWY_INLINE void find_active_cells(const SampleSource& source, const int* block, 
   }
   out.active = cells_of_samples(active) & out.present;
   out.inside = cells_of_samples(inside);
+  out.range = std::numeric_limits<float>::quiet_NaN();
+}
+
+/// Finds the range of a block's samples. That of differences near the smallest numbers counts as infinite, as rounding
+/// has no share of them.
+HWY_INLINE void find_range(const SampleSource& source, BlockSamples& samples) {
+  VecF low = hn::Zero(floats), high = low;
+  for (std::size_t i = 0; i < 128; i += float_lanes) {
+    const VecF f = hn::Load(floats, samples.difference + i);
+    low = hn::Min(low, f), high = hn::Max(high, f);
+  }
+  const float range = hn::GetLane(hn::Sub(hn::MaxOfLanes(floats, high), hn::MinOfLanes(floats, low)));
+  samples.range = !source.has_gaps && range >= 0x1p-70f ? range : std::numeric_limits<float>::infinity();
 }
 
 /// @param block  place among the file's blocks, not mirrored

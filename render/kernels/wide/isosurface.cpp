@@ -77,6 +77,16 @@ class GroupWalk {
     }
   }
 
+  /// Where another kernel is to take up a ray of the group that is in doubt.
+  HWY_INLINE ResumedAt doubtful_from(std::size_t r) const {
+    ResumedAt from;
+    const auto has = [r](std::uint64_t rays) { return (rays >> r & 1) != 0; };
+    if (!has(resumed_)) return from;
+    from.t = scratch_.t_block[r];
+    if (has(resumed_with_side_)) from.side = has(resumed_inside_) ? StartSide::inside : StartSide::outside;
+    return from;
+  }
+
   /// @return  rays of the group that another kernel is to answer
   HWY_INLINE std::uint64_t run(Frustum& frustum) {
     for (std::size_t r = 0; r < group_.count; r += float_lanes) hn::Store(hn::Zero(ints), ints, scratch_.visits + r);
@@ -108,13 +118,12 @@ class GroupWalk {
     inside_ = (inside_ & fresh) | rays.inside, has_side_ = (has_side_ & fresh) | rays.has_side;
     starting_ = (starting_ & fresh) | rays.starting;
     BlockSearch blocks(surface_, lattice_, scratch_, search == Search::certified);
-    blocks.start(fresh & alive_);
-    doubt(blocks.doubtful());
+    const auto pass_hardly = [this](std::size_t r, const int* block) HWY_ATTR { return pass_touched_block(r, block); };
+    blocks.start(fresh & alive_, pass_hardly);
     const int most_left = group_.count > float_lanes ? static_cast<int>(group_.count / 2) : 0;
     while (std::popcount(alive_) > most_left) {
-      const std::uint64_t found = blocks.find_blocks(alive_, new_there);
+      const std::uint64_t found = blocks.find_blocks(alive_, new_there, pass_hardly);
       alive_ = found | blocks.still_searching();
-      doubt(blocks.doubtful());
       for (std::size_t r = 0; r < group_.count; r += float_lanes)
         if (const std::uint64_t lanes = (found & alive_) >> r & first_rays(float_lanes); lanes != 0)
           pass_found_blocks(r, lanes);
@@ -157,7 +166,8 @@ class GroupWalk {
   }
 
   HWY_INLINE void finish() {
-    doubtful_ |= HitWriter<search>(surface_, lattice_, rays_, hits_, scratch_).write();
+    touching_ = 0;
+    doubt_from_block(HitWriter<search>(surface_, lattice_, rays_, hits_, scratch_).write());
     const GroupNumbers numbers(group_);
     for (std::size_t r = 0; r < group_.count; r += float_lanes)
       numbers.write(ints, hn::Load(ints, scratch_.visits + r), hn::FirstN(ints, group_.count - r), r,
@@ -169,27 +179,50 @@ class GroupWalk {
     alive_ &= ~rays;
   }
 
+  /// The same for rays of which nothing is in doubt before the blocks that they have entered last.
+  /// Without gaps in the data a ray is on one side until it crosses: where that is known it was there, too.
+  HWY_INLINE void doubt_from_block(std::uint64_t rays) {
+    doubt(rays);
+    if (surface_.source.has_gaps) return;
+    resumed_ |= rays & ~touching_;
+    resumed_with_side_ |= rays & has_side_;
+    resumed_inside_ |= rays & inside_;
+  }
+
   /// What double precision may put the points of a ray off by (point_error of grid_certified.h). Rays of which that is
   /// too much to find cells by are in doubt, and those that pass no plane of an axis, but are so close to one that
   /// single precision does not tell the sides of it apart.
   HWY_INLINE void prepare_errors() {
     for (std::size_t r = 0; r < group_.count; r += double_lanes) {
       const VecD t = hn::Max(hn::Abs(hn::Load(doubles, group_.t_in + r)), hn::Abs(hn::Load(doubles, group_.t_out + r)));
-      VecD reach = hn::Zero(doubles);
+      VecD farthest = hn::Zero(doubles);
       MaskD is_close = no_lane(doubles);
       for (int a = 0; a < 3; ++a) {
         const VecD o = hn::Load(doubles, group_.origin[a] + r);
-        reach = hn::Max(reach, hn::MulAdd(t, speed(group_, a, r), hn::Abs(o)));
+        farthest = hn::Max(farthest, hn::Abs(o));
         const MaskD moves = has_finite_inverse(hn::Load(doubles, group_.direction[a] + r));
+        if (hn::AllTrue(doubles, moves)) continue;
         const VecD off_plane = hn::Abs(hn::Sub(o, hn::Round(o)));
         const MaskD near = hn::And(hn::Gt(off_plane, hn::Zero(doubles)), hn::Lt(off_plane, hn::Set(doubles, 0x1p-20)));
         is_close = hn::Or(is_close, hn::AndNot(moves, near));
       }
+      const VecD reach = hn::MulAdd(t, hn::Load(doubles, scratch_.way_per_t + r), farthest);
       const VecD error = hn::MulAdd(reach, hn::Set(doubles, 0x1p-49), hn::Set(doubles, 0x1p-52));
       hn::StoreU(hn::DemoteTo(half_floats, hn::Min(error, hn::Set(doubles, 1.0))), half_floats,
                  scratch_.position_error + r);
       const MaskD is_small = hn::Le(error, hn::Set(doubles, 0x1p-21));
       doubt((bits_of(doubles, hn::Or(is_close, hn::Not(is_small))) << r) & alive_);
+    }
+    for (std::uint64_t& rays : scratch_.slow) rays = 0;
+    for (std::size_t r = 0; r < group_.count; r += float_lanes) {
+      VecF steepest = hn::Zero(floats);
+      for (int a = 0; a < 3; ++a) {
+        const VecF inverse = hn::Load(floats, scratch_.inverse_slope[a] + r);
+        const MaskF is_slow = hn::Gt(inverse, hn::Set(floats, slow_from));
+        steepest = hn::Max(steepest, hn::IfThenZeroElse(is_slow, inverse));
+        scratch_.slow[a] |= bits_of(floats, hn::And(is_slow, hn::Lt(inverse, hn::Set(floats, never_passed)))) << r;
+      }
+      hn::Store(steepest, floats, scratch_.steepest + r);
     }
   }
 
@@ -215,6 +248,10 @@ class GroupWalk {
     }
     constexpr std::size_t floats_each = sizeof(BlockSamples) / sizeof(float);
     ahead.samples = static_cast<std::int32_t>(at.place * floats_each);
+    if constexpr (search == Search::certified) {
+      if (samples.range != samples.range) find_range(surface_.source, samples);
+      ahead.range = samples.range;
+    }
     ahead.present = mirrored_bits(samples.present, lattice_.octant);
     ahead.active = mirrored_bits(samples.active, lattice_.octant);
     // The cell's lowest corner is another one in the mirrored block; in a cell that is not active all are of one side.
@@ -282,6 +319,7 @@ class GroupWalk {
     for (VecF& c : corner) c = hn::Zero(floats);
     for (int w = 0; w < 2; ++w) lanes.present[w] = lanes.active[w] = lanes.inside_out[w] = hn::Zero(ints);
     lanes.samples = hn::Zero(ints);
+    lanes.range = hn::Zero(floats);
     const BlocksAhead& ahead = scratch_.ahead;
     for (std::size_t b = 0; b < ahead.count; ++b) {
       const BlockAhead& block = ahead.block[b];
@@ -295,6 +333,8 @@ class GroupWalk {
         to = hn::IfThenElse(mask_i, hn::Set(ints, static_cast<std::int32_t>(number)), to);
       };
       put(lanes.samples, static_cast<std::uint64_t>(block.samples));
+      if constexpr (search == Search::certified)
+        lanes.range = hn::IfThenElse(mask, hn::Set(floats, block.range), lanes.range);
       for (int w = 0; w < 2; ++w) {
         if (surface_.source.has_gaps) put(lanes.present[w], block.present >> (32 * w));
         put(lanes.active[w], block.active >> (32 * w));
@@ -317,13 +357,32 @@ class GroupWalk {
     pass_blocks<true>(lanes, r, going, corner);
   }
 
+  /// Certified: the same for a ray that rounding may have kept from a block.
+  /// @return  false where the ray is in doubt now
+  HWY_NOINLINE bool pass_touched_block(std::size_t ray, const int* block) {
+    const std::size_t lane = ray % float_lanes;
+    for (int a = 0; a < 3; ++a) scratch_.scattered.search.corner[a][ray] = static_cast<float>(4 * block[a]);
+    pass_found_blocks(ray - lane, std::uint64_t{1} << lane);
+    return (doubtful_ >> ray & 1) == 0;
+  }
+
   template <bool is_scattered>
   HWY_INLINE void pass_blocks(Lanes& lanes, std::size_t r, std::uint64_t going, const VecF* corner) {
     const BlockEntry at = entry_into_blocks(lattice_, ends_, scratch_, r, mask_of(floats, going), corner);
     lanes.walking = at.passes;
+    lanes.end = at.end;
     if constexpr (search == Search::certified) {
-      doubt(bits_of(floats, at.close) << r);
-      lanes.walking = hn::AndNot(at.close, lanes.walking);
+      // What is hardly passed is looked into as it is from where the ray touches it: a way without length.
+      const VecF size = hn::Abs(at.end);
+      const MaskF touches =
+          hn::And(mask_of(floats, going), hn::Not(hn::Gt(size, hn::Load(floats, scratch_.position_error + r))));
+      touching_ = bits_of(floats, touches) << r;
+      if (touching_ != 0) {
+        const MaskF lost = hn::AndNot(hn::Le(size, hn::Set(floats, 1.0f)), touches);  // of no finite time
+        doubt(bits_of(floats, lost) << r);
+        lanes.walking = hn::AndNot(lost, hn::Or(at.passes, touches));
+        lanes.end = hn::Max(at.end, hn::Zero(floats));
+      }
     }
     if (hn::AllFalse(floats, lanes.walking)) return;
     counters_.macrocells_visited += hn::CountTrue(floats, at.passes);
@@ -333,11 +392,8 @@ class GroupWalk {
       lanes.slope[a] = hn::Load(floats, scratch_.slope[a] + r);
       lanes.inverse_slope[a] = hn::Load(floats, scratch_.inverse_slope[a] + r);
     }
-    lanes.end = at.end;
     lanes.way_error = hn::Zero(floats);
-    if constexpr (search == Search::certified)
-      lanes.way_error =
-          error_of_ways(at, lanes.slope, lanes.inverse_slope, hn::Load(floats, scratch_.position_error + r));
+    if constexpr (search == Search::certified) lanes.way_error = error_of_ways(scratch_, at, lanes, r);
     lanes.inside = mask_of(floats, inside_ >> r);
     lanes.has_side = mask_of(floats, has_side_ >> r);
     pass_cells<is_scattered>(lanes, r, corner, at.passes);
@@ -354,33 +410,24 @@ class GroupWalk {
       const NextCell next = take_next_cell(lanes);
       lanes.walking = hn::And(lanes.walking, next.exists);
       if (hn::AllFalse(floats, lanes.walking)) break;
-      MaskF looks = hn::And(lanes.walking, hn::Lt(next.way_in, next.way_out));
-      MaskF sees = lanes.walking;
+      MaskF passes_cell = hn::Lt(next.way_in, next.way_out);
+      // Also into those of which rounding may hide that the ray passes them.
+      if constexpr (search == Search::certified)
+        passes_cell = hn::Ge(hn::Sub(next.way_out, next.way_in), hn::Neg(lanes.way_error));
+      MaskF looks = hn::And(lanes.walking, passes_cell);
       Corners corners;
-      if (is_at_border) {
-        sees = hn::And(sees, is_in_lattice(next, corner));
-        looks = hn::And(looks, sees);
-      }
+      if (is_at_border) looks = hn::And(looks, is_in_lattice(next, corner));
+      if (hn::AllFalse(floats, looks)) continue;
       if constexpr (is_scattered) {
         // Only now is it known in which cells something is to be seen.
-        const MaskF asked = search == Search::certified ? sees : looks;
-        if (hn::AllFalse(floats, asked)) continue;
-        corners = loaded_corners(next, corner, asked);
-        sees = hn::And(asked, has_other_side(corners, lanes));
-        looks = hn::And(looks, sees);
+        corners = loaded_corners(next, corner, looks);
+        looks = hn::And(looks, has_other_side(corners, lanes));
+        if (hn::AllFalse(floats, looks)) continue;
       }
-      if constexpr (search == Search::certified) {
-        const VecF length = hn::Sub(next.way_out, next.way_in);
-        const MaskF unclear = hn::And(sees, hn::Le(hn::Abs(length), lanes.way_error));
-        if (const std::uint64_t bits = bits_of(floats, unclear); bits != 0) doubt(bits << r);
-        lanes.walking = hn::AndNot(unclear, lanes.walking);
-        looks = hn::AndNot(unclear, looks);
-      }
-      if (hn::AllFalse(floats, looks)) continue;
       solved += hn::CountTrue(floats, looks);
       const std::uint64_t ticks = surface_.time_phases ? ticks_now() : 0;
       if constexpr (!is_scattered) corners = corners_of(lanes, next, looks);
-      const MaskF found = look_into_cells(lanes, next, corners, looks, r, corner);
+      const MaskF found = look_into_cells<is_scattered>(lanes, next, corners, looks, r, corner);
       if (surface_.time_phases) counters_.intersection_ticks += ticks_now() - ticks;
       VecF until = hn::Set(floats, 1.0f);
       for (int a = 0; a < 3; ++a) until = hn::Add(until, hn::Sub(next.cell[a], lanes.first_cell(a)));
@@ -436,6 +483,20 @@ class GroupWalk {
     if (const std::uint64_t bits = bits_of(floats, strays); bits != 0) doubt(bits << r);
     lanes.walking = hn::AndNot(strays, lanes.walking);
     return hn::AndNot(strays, looks);
+  }
+
+  /// Takes out the lanes that hardly pass their cells. Where the field is on one side in all of such a cell that the
+  /// ray may pass, and on the ray's own if that is known, it does not matter whether it does; the others are in doubt.
+  HWY_INLINE MaskF without_touched(Lanes& lanes, const NextCell& next, const Corners& corners, const CubicLanes& cubic,
+                                   MaskF looks, std::size_t r) {
+    const MaskF touched = hn::And(looks, hn::Le(hn::Sub(next.way_out, next.way_in), lanes.way_error));
+    if (hn::AllFalse(floats, touched)) return looks;
+    const MaskF side = hn::Or(hn::And(lanes.has_side, lanes.inside), hn::AndNot(lanes.has_side, is_inside(cubic.b[0])));
+    const MaskF unclear =
+        hn::And(touched, is_in_doubt(cubic, margin_of(corners, lanes.way_error), side, no_lane(floats)));
+    if (const std::uint64_t bits = bits_of(floats, unclear); bits != 0) doubt_from_block(bits << r);
+    lanes.walking = hn::AndNot(unclear, lanes.walking);
+    return hn::AndNot(touched, looks);
   }
 
   /// Of rays that start in a crossing: their first cubics begin on the side that is known. Takes out the lanes that do
@@ -508,7 +569,21 @@ class GroupWalk {
     return hn::Or(is_active, hn::And(lanes.has_side, hn::Xor(all, lanes.inside)));
   }
 
+  /// Certified: those of some lanes of which the side at the entry, or the change, is not clear of the margin. It is
+  /// that of all cells of the block, and their own where that does not do.
+  template <bool is_scattered>
+  HWY_INLINE MaskF doubtful_looks(const Lanes& lanes, const Corners& corners, const CubicLanes& cubic, MaskF looks,
+                                  MaskF found) const {
+    if constexpr (!is_scattered) {
+      const VecF margin = margin_in_block(lanes.range, lanes.way_error);
+      looks = hn::And(looks, is_in_doubt(cubic, margin, lanes.inside, found));
+      if (HWY_LIKELY(hn::AllFalse(floats, looks))) return looks;
+    }
+    return hn::And(looks, is_in_doubt(cubic, margin_of(corners, lanes.way_error), lanes.inside, found));
+  }
+
   /// Searches the cells of some lanes; which of them found a crossing.
+  template <bool is_scattered>
   HWY_INLINE MaskF look_into_cells(Lanes& lanes, const NextCell& next, const Corners& corners, MaskF looks,
                                    std::size_t r, const VecF* block_corner) {
     VecF in[3], out[3];
@@ -518,21 +593,20 @@ class GroupWalk {
     const MaskF starts_inside = is_inside(cubic.b[0]);
     if (search != Search::certified && surface_.source.has_gaps)
       looks = without_strays(lanes, looks, looks, starts_inside, r);
+    if constexpr (search == Search::certified) looks = without_touched(lanes, next, corners, cubic, looks, r);
     const MaskF sets_side = hn::AndNot(lanes.has_side, looks);
     lanes.inside = hn::Or(hn::AndNot(sets_side, lanes.inside), hn::And(sets_side, starts_inside));
     lanes.has_side = hn::Or(lanes.has_side, looks);
     Changes changes = search == Search::preview ? changes_between_ends(cubic.b[0], cubic.b[3], lanes.inside, looks)
                                                 : first_changes(cubic, lanes.inside, looks);
-    VecF margin = hn::Zero(floats);
     if constexpr (search == Search::certified) {
-      margin = margin_of(corners, lanes.way_error);
-      const MaskF doubtful = hn::And(looks, is_in_doubt(cubic, margin, lanes.inside, changes.found));
-      if (const std::uint64_t bits = bits_of(floats, doubtful); bits != 0) doubt(bits << r);
+      const MaskF doubtful = doubtful_looks<is_scattered>(lanes, corners, cubic, looks, changes.found);
+      if (const std::uint64_t bits = bits_of(floats, doubtful); bits != 0) doubt_from_block(bits << r);
       lanes.walking = hn::AndNot(doubtful, lanes.walking);
       changes.found = hn::AndNot(doubtful, changes.found);
     }
     if (const std::uint64_t bits = bits_of(floats, changes.found); bits != 0) {
-      keep_hits<search>(scratch_.pending, r, lanes, next, block_corner, corners, in, out, margin, changes);
+      keep_hits<search>(scratch_.pending, r, lanes, next, block_corner, corners, in, out, changes);
       alive_ &= ~(bits << r);
     }
     return changes.found;
@@ -547,8 +621,11 @@ class GroupWalk {
   RayGroup& group_;
   KernelCounters& counters_;
   const Reading reading_;
-  std::uint64_t alive_;                      ///< rays without a hit
-  std::uint64_t doubtful_ = 0;               ///< rays that have left the group: another kernel is to answer them
+  std::uint64_t alive_;         ///< rays without a hit
+  std::uint64_t doubtful_ = 0;  ///< rays that have left the group: another kernel is to answer them
+  std::uint64_t resumed_ = 0;   ///< of these, those without a doubt before their last blocks
+  std::uint64_t resumed_with_side_ = 0, resumed_inside_ = 0;  ///< the side that they are on there, if it is known
+  std::uint64_t touching_ = 0;               ///< rays of those at work now that hardly pass their blocks
   std::uint64_t inside_ = 0, has_side_ = 0;  ///< the side that each ray is on, if it has met data
   std::uint64_t starting_ = 0;               ///< rays that start in a crossing and have not looked into a cell
   int stride_[3];                            ///< from a cell's lower to its upper sample, by mirrored axis
@@ -557,11 +634,14 @@ class GroupWalk {
 };
 
 /// Notes rays of a group that are in doubt.
-HWY_INLINE void keep_doubtful(std::uint64_t rays, std::size_t first, const RayGroup& group,
+template <Search search>
+HWY_INLINE void keep_doubtful(const GroupWalk<search>& walk, std::uint64_t rays, std::size_t first,
                               IsosurfaceScratch& scratch) {
-  for (; rays != 0; rays &= rays - 1)
-    scratch.doubtful.index[scratch.doubtful.count++] =
-        static_cast<std::uint32_t>(first) + group.index[std::countr_zero(rays)];
+  for (; rays != 0; rays &= rays - 1) {
+    const auto r = static_cast<std::size_t>(std::countr_zero(rays));
+    scratch.doubtful.ray[scratch.doubtful.count++] = {static_cast<std::uint32_t>(first) + scratch.group.index[r],
+                                                      walk.doubtful_from(r)};
+  }
 }
 
 /// Answers half of these rays or more.
@@ -577,7 +657,7 @@ HWY_NOINLINE void answer_most(const Surface& surface, WaitingRays& waiting, cons
     scratch.visits[r] = (waiting.under_way >> r & 1) != 0 ? waiting.visits[r] : 0;
   const MirroredLattice lattice(group.octant, surface.node_count);
   GroupWalk<search> walk(surface, lattice, rays, hits, scratch, counters);
-  keep_doubtful(walk.run_scattered(waiting), 0, group, scratch);
+  keep_doubtful(walk, walk.run_scattered(waiting), 0, scratch);
 }
 
 template <Search search>
@@ -585,9 +665,9 @@ void first_crossings(const Surface& surface, const RayArrays& rays, std::size_t 
                      const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters) {
   const RayArrays chunk = from(rays, first);
   const HitArrays answers = from(hits, first);
-  const auto visit = [&](RayGroup& group, const MirroredLattice& lattice, Frustum& frustum) HWY_ATTR {
+  const auto visit = [&](RayGroup&, const MirroredLattice& lattice, Frustum& frustum) HWY_ATTR {
     GroupWalk<search> walk(surface, lattice, chunk, answers, scratch, counters);
-    keep_doubtful(walk.run(frustum), first, group, scratch);
+    keep_doubtful(walk, walk.run(frustum), first, scratch);
   };
   const auto scatter = [&](const RayGroup& group) HWY_ATTR {
     if (surface.source.has_gaps) return false;
@@ -609,8 +689,8 @@ void first_crossings(const Surface& surface, const RayArrays& rays, std::size_t 
       for_each_group(chunk, count, surface.leaf_count, surface.node_count, scratch.group, visit, scatter);
   if constexpr (search == Search::certified)
     for (std::uint64_t bits = grazing; bits != 0; bits &= bits - 1)
-      scratch.doubtful.index[scratch.doubtful.count++] =
-          static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(std::countr_zero(bits));
+      scratch.doubtful.ray[scratch.doubtful.count++] = {
+          static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(std::countr_zero(bits)), {}};
 }
 
 template <Search search>

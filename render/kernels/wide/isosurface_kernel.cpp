@@ -48,22 +48,28 @@ IsosurfaceScratch& prepared(std::shared_ptr<IsosurfaceScratch>& scratch, std::sh
   return *scratch;
 }
 
-/// Asks another kernel about the rays in doubt.
-void redo_doubtful(Kernel redoing, const VolumeImplementation& volume, const Question& question, const RayBatch& rays,
-                   HitBatch& hits, KernelScratch& scratch) {
+/// Asks about the rays in doubt again.
+/// @param ask  (rays, where they are in doubt, hits)
+template <class Ask>
+void redo_doubtful(const Ask& ask, const RayBatch& rays, HitBatch& hits, KernelScratch& scratch) {
   IsosurfaceScratch& memory = *scratch.isosurface;
-  std::uint32_t* const begin = memory.doubtful.index;
-  std::sort(begin, begin + memory.doubtful.count);
-  std::uint32_t* const end = std::unique(begin, begin + std::exchange(memory.doubtful.count, 0));
+  DoubtfulRay* const begin = memory.doubtful.ray;
+  DoubtfulRay* end = begin + std::exchange(memory.doubtful.count, 0);
+  // Of a ray that is there twice, the one that is to be asked about as a whole.
+  std::sort(begin, end, [](const DoubtfulRay& a, const DoubtfulRay& b) {
+    return a.index != b.index ? a.index < b.index : a.from.t < b.from.t;
+  });
+  end = std::unique(begin, end, [](const DoubtfulRay& a, const DoubtfulRay& b) { return a.index == b.index; });
   scratch.counters.rays_wide -= static_cast<std::uint64_t>(end - begin);
-  for (std::uint32_t* first = begin; first < end;) {
-    const std::span<const std::uint32_t> some(
+  ResumedAt from[RayGroup::size];
+  for (DoubtfulRay* first = begin; first < end;) {
+    const std::span<const DoubtfulRay> some(
         first, std::min<std::size_t>(RayGroup::size, static_cast<std::size_t>(end - first)));
     memory.few.rays.has_start_sides = rays.has_start_sides;
     memory.few.rays.count = some.size();
-    for (std::size_t i = 0; i < some.size(); ++i) memory.few.rays.set(i, rays[some[i]]);
-    redoing(volume, question, memory.few.rays, memory.few.hits, scratch);
-    for (std::size_t i = 0; i < some.size(); ++i) hits.set(some[i], memory.few.hits[i]);
+    for (std::size_t i = 0; i < some.size(); ++i) memory.few.rays.set(i, rays[some[i].index]), from[i] = some[i].from;
+    ask(memory.few.rays, std::span<const ResumedAt>(from, some.size()), memory.few.hits);
+    for (std::size_t i = 0; i < some.size(); ++i) hits.set(some[i].index, memory.few.hits[i]);
     first += some.size();
   }
 }
@@ -91,10 +97,14 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
           const CrossingKernels kernels = crossing_kernels_on(machine, search);
           const RayArrays asked = arrays_of(rays);
           const HitArrays answers = arrays_of(hits);
+          const auto ask = [&](const RayBatch& some, std::span<const ResumedAt> resumed_at, HitBatch& found) {
+            if constexpr (search == Search::certified)
+              resume_certified(view, question, some, resumed_at, found, scratch);
+            else
+              reference(volume, question, some, found, scratch);
+          };
           const auto redo = [&] {
-            if (memory.doubtful.count != 0)
-              redo_doubtful(search == Search::certified ? redoing_kernel_for(view) : reference, volume, question, rays,
-                            hits, scratch);
+            if (memory.doubtful.count != 0) redo_doubtful(ask, rays, hits, scratch);
           };
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
             const std::size_t count = std::min(RayGroup::size, rays.count - first);

@@ -7,6 +7,7 @@
 
 #include "formats/packed_file.h"
 #include "render/kernels/kernels.h"
+#include "render/kernels/resumed.h"
 #include "render/kernels/wide/batch_arrays.h"
 #include "render/kernels/wide/block_samples.h"
 #include "render/kernels/wide/ray_group.h"
@@ -44,6 +45,7 @@ struct BlockAhead {
   std::uint64_t taken;                                ///< of which it is the next one
   std::int32_t samples = -1;                          ///< where its samples begin among all kept; -1: not fetched
   std::uint64_t present = 0, active = 0, inside = 0;  ///< of BlockSamples, mirrored
+  float range = 0;                                    ///< certified: of BlockSamples
 };
 
 /// Blocks in the order in which rays pass them.
@@ -62,15 +64,19 @@ struct alignas(64) PendingHits {
   float in[3][RayGroup::size], out[3][RayGroup::size];    ///< where the ray enters and leaves the cell
   float way_in[RayGroup::size], way_out[RayGroup::size];  ///< from where it entered the block
   float low[RayGroup::size], high[RayGroup::size];        ///< the piece on which the cubic is monotone and changes side
-  float margin[RayGroup::size], way_error[RayGroup::size];  ///< certified: of values, and of the way
-  float cell[3][RayGroup::size];                            ///< in the mirrored lattice
+  float way_error[RayGroup::size];                        ///< certified
+  float cell[3][RayGroup::size];                          ///< in the mirrored lattice
   std::int32_t root_count[RayGroup::size];
   std::uint64_t rays;  ///< that have one
 };
 
-/// Certified: rays of a batch of which not every decision is proven; nothing that was written for them counts.
+/// A ray of a batch that is left to another kernel; nothing that was written for it counts.
+struct DoubtfulRay {
+  std::uint32_t index;
+  ResumedAt from;  ///< certified: where it is in doubt; else its start
+};
 struct DoubtfulRays {
-  std::uint32_t index[RayGroup::size * 20];  ///< of a chunk, and of the groups that its scattered rays complete
+  DoubtfulRay ray[RayGroup::size * 20];  ///< of a chunk, and of the groups that its scattered rays complete
   std::size_t count = 0;
 };
 
@@ -84,6 +90,7 @@ struct alignas(64) IsosurfaceScratch {
   float inverse_slope[3][RayGroup::size];  ///< never_passed where the ray passes no plane
   double way_per_t[RayGroup::size], t_per_way[RayGroup::size];  ///< the way counted along the ray's fastest axis
   float position_error[RayGroup::size];  ///< certified: what double precision may have put the ray's points off by
+  float steepest[RayGroup::size];        ///< certified: of inverse slopes, the largest of axes that are not slow
   double t_block[RayGroup::size];        ///< when each ray entered the last block that it passed
   std::int32_t visits[RayGroup::size];   ///< blocks and cells
   BlockFilter filter;
@@ -92,6 +99,7 @@ struct alignas(64) IsosurfaceScratch {
   std::uint64_t block_key[kept_blocks];
   BlockSamples blocks[kept_blocks];
   ScatteredScratch scattered;
+  std::uint64_t slow[3];  ///< certified: rays to which an axis is slow (error_of_ways)
   DoubtfulRays doubtful;
   std::shared_ptr<const Occupancy> occupancy;  ///< whose blocks are kept
   FewRays few;                                 ///< of the doubtful ones

@@ -33,9 +33,18 @@ HWY_INLINE VecF margin_of(const Corners& corners, VecF way_error) {
   return hn::IfThenElse(usable, margin, hn::Set(floats, std::numeric_limits<float>::infinity()));
 }
 
+/// At least margin_of any cell of a block whose values, less the isovalue and with 0, span `range`; where that is
+/// infinite (BlockSamples), this is.
+HWY_INLINE VecF margin_in_block(VecF range, VecF way_error) {
+  const VecF share = hn::MulAdd(way_error, hn::Set(floats, 3.25f), hn::Set(floats, 27 * rounding_unit));
+  const MaskF usable = hn::Le(way_error, hn::Set(floats, 1e-3f));
+  return hn::IfThenElse(usable, hn::Mul(range, share), hn::Set(floats, std::numeric_limits<float>::infinity()));
+}
+
 HWY_INLINE CubicLanes start_side_up(const CubicLanes& cubic, MaskF starts_inside) {
   CubicLanes turned;
-  for (int i = 0; i < 4; ++i) turned.b[i] = hn::IfThenElse(starts_inside, cubic.b[i], hn::Neg(cubic.b[i]));
+  const VecF sign = hn::IfThenZeroElse(starts_inside, hn::SignBit(floats));
+  for (int i = 0; i < 4; ++i) turned.b[i] = hn::Xor(cubic.b[i], sign);
   return turned;
 }
 
