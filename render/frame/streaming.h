@@ -4,10 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#if defined(__SSE__)
-#include <xmmintrin.h>
-#endif
-
 #include "render/kernels/machine.h"
 
 /// Stores that pass the caches by. A picture is larger than they are and not read before it is whole, so what lies
@@ -21,11 +17,13 @@ RHORAY_INLINE bool begins_line(const float* place) {
   return reinterpret_cast<std::uintptr_t>(place) % 64 == 0;
 }
 
-/// Copies whole cache lines to where one begins.
+/// Copies whole cache lines, from and to where one begins.
 template <std::size_t lines>
 RHORAY_INLINE void stream_lines(const float* from, float* to) {
 #if defined(__SSE__)
-  for (std::size_t i = 0; i < lines * line_floats; i += 4) _mm_stream_ps(to + i, _mm_load_ps(from + i));
+  using Four [[gnu::vector_size(16), gnu::may_alias]] = float;
+  for (std::size_t i = 0; i < lines * line_floats; i += 4)
+    __builtin_ia32_movntps(to + i, *reinterpret_cast<const Four*>(from + i));
 #else
   std::copy_n(from, lines * line_floats, to);
 #endif
@@ -34,7 +32,7 @@ RHORAY_INLINE void stream_lines(const float* from, float* to) {
 /// To be called after streaming, before another thread is told that it is done.
 inline void end_streaming() {
 #if defined(__SSE__)
-  _mm_sfence();
+  __builtin_ia32_sfence();
 #endif
 }
 
