@@ -13,6 +13,7 @@
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/views.h"
 #include "tools/study/figures.h"
+#include "tools/study/judged_view.h"
 #include "tools/study/shadow_starts.h"
 #include "tools/study/study_run.h"
 
@@ -171,17 +172,19 @@ int run(const Wishes& wishes) {
     tools::ProgressDisplay display(wishes.common);
     for (const std::string& text : wishes.isovalues) {
       const double isovalue = tools::choose_isovalue(text, volume.field()).value;
-      const ViewWish view{.isovalue = isovalue,
-                          .camera = tools::study_camera(tools::study_view_named(wishes.view), volume, isovalue,
-                                                        double{1} * wishes.size.width / wishes.size.height),
-                          .size = wishes.size,
-                          .judge_seconds = wishes.judge_seconds,
-                          .seed = wishes.seed};
+      display.show(concat("isovalue ", isovalue, ", the exact answer"));
+      const JudgedView view(volume,
+                            {.isovalue = isovalue,
+                             .camera = tools::study_camera(tools::study_view_named(wishes.view), volume, isovalue,
+                                                           double{1} * wishes.size.width / wishes.size.height),
+                             .size = wishes.size,
+                             .judge_seconds = wishes.judge_seconds,
+                             .seed = wishes.seed});
       display.show(concat("isovalue ", isovalue, ", shadow rays"));
-      for (Json& row : shadow_rows(ShadowStarts(volume, view, wishes.light), isovalue))
+      for (Json& row : shadow_rows(ShadowStarts(volume, isovalue, view.truth(), wishes.light), isovalue))
         shadows.rows.push_back(std::move(row));
       display.show(concat("isovalue ", isovalue, ", samples"));
-      for (Json& row : step_rows(JudgedView(volume, view), volume, isovalue)) sampled.rows.push_back(std::move(row));
+      for (Json& row : step_rows(view, volume, isovalue)) sampled.rows.push_back(std::move(row));
     }
   }
   publish(shadows, wishes.common);

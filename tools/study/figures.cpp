@@ -55,7 +55,9 @@ std::string script_of(const Figure& figure) {
       plots += concat(", \\\n     $g", s, " using 1:2:3 notitle with labels left noenhanced font ',11' offset 0.8,0.6");
   }
   return tools::plot_preamble(figure.x.label, figure.y.label) + tools::data_blocks(all) + axis_lines("x", figure.x) +
-         axis_lines("y", figure.y) + "set offsets graph 0.03, graph 0.08, graph 0.04, graph 0.02\nplot " + plots + "\n";
+         axis_lines("y", figure.y) +
+         "set key below left maxcols 3\nset offsets graph 0.03, graph 0.08, graph 0.04, graph 0.02\nplot " + plots +
+         "\n";
 }
 
 void publish(const std::vector<Figure>& figures, const tools::CommonOptions& common) {

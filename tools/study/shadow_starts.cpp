@@ -17,12 +17,6 @@ Vec3 in_single_precision(const Vec3& p) {
   return {rounded(p.x), rounded(p.y), rounded(p.z)};
 }
 
-render::Layer layer_of(double isovalue) {
-  render::Layer layer;
-  layer.isovalue = isovalue;
-  return layer;
-}
-
 }  // namespace
 
 const char* name_of(Start start) {
@@ -37,16 +31,10 @@ const char* name_of(Start start) {
   return "knows its side";
 }
 
-ShadowStarts::ShadowStarts(const render::Volume& volume, const ViewWish& wish, const Vec3& towards_light)
-    : volume_(volume), isovalue_(wish.isovalue) {
+ShadowStarts::ShadowStarts(const render::Volume& volume, double isovalue, const tools::Truth& truth,
+                           const Vec3& towards_light)
+    : volume_(volume), isovalue_(isovalue) {
   const tools::FieldTruth field(volume_);
-  const tools::Truth truth = tools::find_truth({.volume = volume_,
-                                                .layer = layer_of(isovalue_),
-                                                .camera = wish.camera,
-                                                .field = field,
-                                                .size = wish.size,
-                                                .seed = wish.seed,
-                                                .seconds = wish.judge_seconds});
   const Affine& world = render::world_from_ray_frame(volume_);
   const Affine frame = world.inverse();
   light_ = frame.vector(towards_light.normalized());

@@ -4,7 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "tools/study/judged_view.h"
+#include "render/load.h"
+#include "tools/rhoray/accuracy/truth.h"
 
 namespace rhoray::study {
 
@@ -33,12 +34,13 @@ struct StartCounts {
   std::uint64_t leaks = 0;           ///< lit, but should be dark
 };
 
-/// The pixels of a view whose light stands on the side that the eye sees, and of which is known whether the surface
-/// holds it back: exact answers for rays that start 1e-7 and 1e-5 cells off the exact hit, on the eye's side, agree.
+/// The judged pixels of a view whose light stands on the side that the eye sees, and of which is known whether the
+/// surface holds it back: exact answers for rays that start 1e-7 and 1e-5 cells off the exact hit, on the eye's side,
+/// agree.
 class ShadowStarts {
  public:
   /// @param towards_light  world axes, any length
-  ShadowStarts(const render::Volume& volume, const ViewWish& wish, const Vec3& towards_light);
+  ShadowStarts(const render::Volume& volume, double isovalue, const tools::Truth& truth, const Vec3& towards_light);
 
   std::uint64_t known() const { return cases_.size(); }
   std::uint64_t dark() const;
