@@ -15,7 +15,7 @@ const char* color_of(std::size_t i) {
 }
 
 int point_type_of(std::size_t i) {
-  constexpr int types[] = {7, 5, 9, 11, 13, 15, 4, 6};
+  constexpr int types[] = {7, 5, 9, 11, 13, 15, 4};  // as many as have no common factor with the colours
   return types[i % std::size(types)];
 }
 
@@ -35,17 +35,17 @@ std::string data_block(const std::string& name, const std::vector<PlotPoint>& po
   return text + "EOD\n";
 }
 
-std::string data_blocks(const std::vector<PlotSeries>& series) {
+std::string blocks(const std::vector<PlotSeries>& series) {
   std::string text;
   for (std::size_t s = 0; s < series.size(); ++s) text += data_block(concat("g", s), series[s].points);
   return text;
 }
 
-std::string plot_preamble(const std::string& x, const std::string& y) {
+std::string preamble(const std::string& x, const std::string& y) {
   return concat(
       "set terminal svg size 960,560 dynamic font 'Helvetica,15' background '#ffffff'\n"
       "set border 3 lc rgb '#444444'\nset tics nomirror\nset grid lc rgb '#dddddd' lt 1 lw 0.7\n"
-      "set key outside right top noenhanced samplen 1.5 spacing 1.2\nset xlabel ",
+      "set key outside right top Left reverse noenhanced samplen 1.5 spacing 1.2\nset xlabel ",
       in_quotes(x), " noenhanced\nset ylabel ", in_quotes(y), " noenhanced\n");
 }
 

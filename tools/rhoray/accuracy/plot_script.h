@@ -27,9 +27,9 @@ std::string in_quotes(const std::string& text);  ///< as a script holds it
 /// The points as the block $NAME: x, y, label.
 std::string data_block(const std::string& name, const std::vector<PlotPoint>& points);
 /// A block for each: $g0, $g1, ...
-std::string data_blocks(const std::vector<PlotSeries>& series);
+std::string blocks(const std::vector<PlotSeries>& series);
 
 /// Size, frame and names of the axes of a plot as SVG.
-std::string plot_preamble(const std::string& x, const std::string& y);
+std::string preamble(const std::string& x, const std::string& y);
 
 }  // namespace rhoray::tools

@@ -79,8 +79,8 @@ Plot error_against_time(const LayerStudy& layer, const std::vector<ResultRow>& r
   std::vector<Point> above, below;
   for (std::size_t i = 0; i < front.size(); ++i) (i % 2 == 0 ? above : below).push_back(front[i]);
   const char* const named = " using 1:2:3 notitle with labels left noenhanced font ',12' offset 0.8,";
-  std::string script = plot_preamble("CPU time of a picture, ms", axis.label) + data_blocks(groups) +
-                       data_block("front", front) + data_block("above", above) + data_block("below", below) +
+  std::string script = preamble("CPU time of a picture, ms", axis.label) + blocks(groups) + data_block("front", front) +
+                       data_block("above", above) + data_block("below", below) +
                        concat("set logscale xy\nset format y '10^{%L}'\nset yrange [", axis.least / 3, ":",
                               axis.most * 3, "]\nset offsets graph 0.02, graph 0.12, 0, 0\nplot ",
                               "$front using 1:2 with steps lw 2 lc rgb '#bbbbbb' title 'Pareto front', \\\n     ",
@@ -104,7 +104,7 @@ Plot wrong_against_time(const LayerStudy& layer, const std::vector<ResultRow>& r
   return {"wrong_time", "Wrong pixels against time",
           concat("Missed and false pixels of a million. Points at the lower edge have none among the ", rays,
                  " that were judged."),
-          plot_preamble("CPU time of a picture, ms", "missed and false pixels of a million") + data_blocks(groups) +
+          preamble("CPU time of a picture, ms", "missed and false pixels of a million") + blocks(groups) +
               concat("set logscale xy\nset format y '10^{%L}'\nset yrange [", least / 2, ":*]\nset ytics add ('0' ",
                      least, ")\nplot ", scatter(groups, false), "\n")};
 }
@@ -118,7 +118,7 @@ Plot flip_against_time(const std::vector<ResultRow>& rows) {
   return {"flip_time", "Seen difference against time",
           "Mean FLIP of the picture against the true one: 0 is the same to the eye, and pictures whose mean is below "
           "about 0.01 are hard to tell apart. Points at the lower edge do not differ.",
-          plot_preamble("CPU time of a picture, ms", "mean FLIP") + data_blocks(groups) +
+          preamble("CPU time of a picture, ms", "mean FLIP") + blocks(groups) +
               concat("set logscale xy\nset format y '10^{%L}'\nset yrange [", least / 2, ":1]\nset ytics add ('0' ",
                      least, ")\nplot ", scatter(groups, false), "\n")};
 }
@@ -146,7 +146,7 @@ std::optional<Plot> convergence(const LayerStudy& layer, const std::vector<Resul
       "Median error of pixels that both see, against the distance of samples along the ray. Dashed: errors that "
       "fall with the step and with its square. Bisection halves a step a fixed number of times, so its error "
       "falls with the step.",
-      plot_preamble("distance of samples, cells", concat("median error, ", error_unit(layer))) + data_blocks(groups) +
+      preamble("distance of samples, cells", concat("median error, ", error_unit(layer))) + blocks(groups) +
           concat("set logscale x 2\nset logscale y\nset format y '10^{%L}'\nset xrange [0.0125:2.5]\n"
                  "set xtics ('1/64' 0.015625, '1/32' 0.03125, '1/16' 0.0625, '1/8' 0.125, '1/4' 0.25, "
                  "'1/2' 0.5, '1' 1, '2' 2)\nplot ",
@@ -179,16 +179,16 @@ Plot distribution(const LayerStudy& layer, const std::vector<ResultRow>& rows) {
   for (std::size_t l = 0; l < lines.size(); ++l)
     plots += concat(l == 0 ? "" : ", \\\n     ", "$g", l, " using 1:2 with lines lw 2 lc rgb '", color_of(l),
                     "' title ", in_quotes(lines[l].name));
-  return {"distribution", "How errors are distributed",
-          "Which share of the pixels, of those that show or should show something, keeps an error. A line that ends "
-          "below 100 % misses or invents the rest.",
-          plot_preamble(
-              concat(layer.scene().layers[0].mode == render::Mode::mip ? "error of the value, " : "error of depth, ",
-                     error_unit(layer)),
-              "pixels that keep it, %") +
-              data_blocks(lines) +
-              concat("set logscale x\nset format x '10^{%L}'\nset xrange [", axis.least, ":", axis.most,
-                     "]\nset yrange [0:101]\nplot ", plots, "\n")};
+  return {
+      "distribution", "How errors are distributed",
+      "Which share of the pixels, of those that show or should show something, keeps an error. A line that ends "
+      "below 100 % misses or invents the rest.",
+      preamble(concat(layer.scene().layers[0].mode == render::Mode::mip ? "error of the value, " : "error of depth, ",
+                      error_unit(layer)),
+               "pixels that keep it, %") +
+          blocks(lines) +
+          concat("set logscale x\nset format x '10^{%L}'\nset xrange [", axis.least, ":", axis.most,
+                 "]\nset yrange [0:101]\nplot ", plots, "\n")};
 }
 
 }  // namespace
