@@ -128,7 +128,8 @@ Figure figure_of(const std::vector<Json>& rows, const std::string& name, const c
       isovalues.push_back(isovalue);
   for (const double isovalue : isovalues)
     for (const bool is_p99 : {false, true}) {
-      Curve curve{concat("isovalue ", tools::rounded(isovalue), is_p99 ? ", 99 % of pixels" : ", median"), {}, is_p99};
+      Curve curve{
+          concat("isovalue ", tools::rounded(isovalue, 6), is_p99 ? ", 99 % of pixels" : ", median"), {}, is_p99};
       const std::string key = concat(column, is_p99 ? "_p99_" : "_median_", name == normal_figure ? "deg" : "cells");
       for (const Json& row : rows)
         if (row["isovalue"] == isovalue && row["whole_numbers"] == true && row["level"] == rows.back()["level"] &&

@@ -138,7 +138,7 @@ std::vector<Figure> figures_of(const tools::Table& shadows, const tools::Table& 
     for (const char* refinement : {"linear", "solved"}) {
       const bool is_solved = refinement == std::string("solved");
       Curve curve{
-          concat(is_solved ? "solved, isovalue " : "sampled, isovalue ", tools::rounded(isovalue)), {}, is_solved};
+          concat(is_solved ? "solved, isovalue " : "sampled, isovalue ", tools::rounded(isovalue, 6)), {}, is_solved};
       for (const Json& row : sampled.rows) {
         if (row["isovalue"] != isovalue || row["refinement"] != refinement) continue;
         const double wrong = row["wrong_ppm"];

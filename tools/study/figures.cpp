@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/base/interval.h"
 #include "formats/base/text.h"
 #include "tools/rhoray/accuracy/gnuplot.h"
 #include "tools/rhoray/interrupt.h"
@@ -31,18 +32,22 @@ std::vector<tools::PlotSeries> series_of(const Figure& figure) {
   return all;
 }
 
-std::string axis_lines(const char* letter, const Axis& axis) {
+/// @param drawn  between which values points lie
+std::string axis_lines(const char* letter, const Axis& axis, const Interval<double>& drawn) {
   if (!axis.is_logarithmic) return {};
-  std::string text = concat("set logscale ", letter, "\nset format ", letter, " '10^{%L}'\n");
-  if (axis.least > 0)
-    text += concat("set ", letter, "range [", axis.least / 2, ":*]\nset ", letter, "tics add ('0' ", axis.least, ")\n");
-  return text;
+  // gnuplot would go on to whole powers of ten.
+  return concat("set logscale ", letter, "\nset format ", letter, " '10^{%L}'\nset ", letter, "range [", drawn.lo / 1.5,
+                ":", drawn.hi * 2, "]\n",
+                axis.least > 0 ? concat("set ", letter, "tics add ('0' ", axis.least, ")\n") : "");
 }
 
 }  // namespace
 
 std::string script_of(const Figure& figure) {
   const std::vector<tools::PlotSeries> all = series_of(figure);
+  Interval<double> x, y;
+  for (const tools::PlotSeries& series : all)
+    for (const tools::PlotPoint& point : series.points) x.include(point.x), y.include(point.y);
   std::string plots;
   for (std::size_t s = 0; s < all.size(); ++s) {
     if (all[s].points.empty()) continue;
@@ -54,10 +59,9 @@ std::string script_of(const Figure& figure) {
     if (has_labels)
       plots += concat(", \\\n     $g", s, " using 1:2:3 notitle with labels left noenhanced font ',11' offset 0.8,0.6");
   }
-  return tools::plot_preamble(figure.x.label, figure.y.label) + tools::data_blocks(all) + axis_lines("x", figure.x) +
-         axis_lines("y", figure.y) +
-         "set key below left maxcols 3\nset offsets graph 0.03, graph 0.08, graph 0.04, graph 0.02\nplot " + plots +
-         "\n";
+  return tools::preamble(figure.x.label, figure.y.label) + tools::blocks(all) + axis_lines("x", figure.x, x) +
+         axis_lines("y", figure.y, y) +
+         "set key below left maxcols 2\nset offsets graph 0.02, graph 0.02, 0, 0\nplot " + plots + "\n";
 }
 
 void publish(const std::vector<Figure>& figures, const tools::CommonOptions& common) {

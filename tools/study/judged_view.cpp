@@ -23,19 +23,20 @@ void put(Json& row, const std::string& name, const std::string& unit,
   put_one("max", &tools::Quantiles::largest);
 }
 
-render::Layer layer_of(double isovalue) {
-  render::Layer layer;
-  layer.isovalue = isovalue;
-  return layer;
+render::Scene scene_of(const ViewWish& wish) {
+  render::Scene scene;
+  scene.layers[0].isovalue = wish.isovalue;
+  scene.camera = wish.camera;
+  return scene;
 }
 
 }  // namespace
 
 JudgedView::JudgedView(const render::Volume& volume, const ViewWish& wish)
-    : volume_(volume), wish_(wish), field_(volume_), layer_(layer_of(wish.isovalue)) {
+    : volume_(volume), wish_(wish), field_(volume_), scene_(scene_of(wish_)) {
   truth_ = tools::find_truth({.volume = volume_,
-                              .layer = layer_,
-                              .camera = wish_.camera,
+                              .layer = scene_.layers[0],
+                              .camera = scene_.camera,
                               .field = field_,
                               .size = wish_.size,
                               .seed = wish_.seed,
@@ -63,7 +64,7 @@ Json JudgedView::ray_errors(const Shown& shown) const {
   const std::vector<render::Ray> rays = tools::rays_of(shown.volume, wish_.camera, wish_.size, truth_.pixels);
   const std::vector<render::Hit> hits =
       tools::answers({.volume = shown.volume, .isovalue = shown.isovalue, .method = shown.method}, rays);
-  const tools::ErrorCounts errors = tools::count_errors(tools::errors_against(truth_, field_, layer_, hits));
+  const tools::ErrorCounts errors = tools::count_errors(tools::errors_against(truth_, field_, scene_.layers[0], hits));
   std::vector<double> world;
   for (std::size_t i = 0; i < hits.size(); ++i)
     if (!hits[i].is_miss() && !truth_.hits[i].is_miss()) world.push_back(std::abs(hits[i].t - truth_.hits[i].t));
@@ -106,8 +107,7 @@ void JudgedView::draw(const Shown& shown) {
 
 render::FrameStatistics JudgedView::draw(const Shown& shown, const render::ChannelSet& channels, unsigned threads,
                                          render::Framebuffer& picture, render::FrameMemory& memory) const {
-  render::Scene scene;
-  scene.camera = wish_.camera;
+  render::Scene scene = scene_;
   scene.layers[0].isovalue = shown.isovalue;
   scene.layers[0].method = shown.method;
   return render::render(

@@ -60,7 +60,7 @@ class JudgedView {
   render::Volume volume_;
   ViewWish wish_;
   tools::FieldTruth field_;
-  render::Layer layer_;
+  render::Scene scene_;  ///< of one layer
   tools::Truth truth_;
   std::unique_ptr<const tools::TruePicture> picture_;
   render::Framebuffer timed_;

@@ -210,28 +210,41 @@ std::vector<Json> rows_of(const Wishes& wishes, const Forms& forms, double isova
   return rows;
 }
 
-std::vector<Figure> figures_of(const std::vector<Json>& rows, double first_isovalue) {
+/// Errors of all isovalues by the grid's size, which is all that they depend on: of the grids that keep the mesh's
+/// bricks. Differences and times of the first isovalue.
+std::vector<Figure> figures_of(const std::vector<Json>& rows) {
+  const double first_isovalue = rows[0]["isovalue"];
   Figure error{.name = error_figure,
                .x = {"samples on the longest axis"},
-               .y = {"depth error, cells of the mesh (99 % of pixels that both see)"},
+               .y = {"depth error, cells of the mesh"},
                .curves = {}};
   Figure time{.name = time_figure,
               .x = {"CPU time of a picture, ms"},
               .y = {.label = "picture difference, root mean square of 255 levels", .least = 1e-3},
               .curves = {}};
   for (const char* kind : {tetrahedra, grid_of_bricks, whole_grid, openvdb}) {
-    Curve against_size{kind, {}}, against_time{kind, {}};
+    Curve against_time{kind, {}};
     for (const Json& row : rows) {
       if (row["data"] != kind || row["isovalue"] != first_isovalue) continue;
       const double size = row["size"];
       const std::string label = size == 0 ? std::string(row["method"]) : concat(size);
-      if (size != 0 && row["depth_p99_cells"].is_number())
-        against_size.points.push_back({size, row["depth_p99_cells"], {}});
       against_time.points.push_back({row["cpu_ms"], row["rmse_of_255"], label});
     }
-    error.curves.push_back(std::move(against_size));
     time.curves.push_back(std::move(against_time));
   }
+  for (const bool is_p99 : {false, true})
+    for (const Json& first : rows) {
+      if (first["data"] != tetrahedra || first["method"] != rows[0]["method"]) continue;
+      Curve curve{concat("isovalue ", tools::rounded(first["isovalue"], 6), is_p99 ? ", 99 % of pixels" : ", median"),
+                  {},
+                  is_p99};
+      for (const Json& row : rows) {
+        const Json& depth = row[is_p99 ? "depth_p99_cells" : "depth_median_cells"];
+        if (row["data"] == grid_of_bricks && row["isovalue"] == first["isovalue"] && depth.is_number())
+          curve.points.push_back({row["size"], depth, {}});
+      }
+      error.curves.push_back(std::move(curve));
+    }
   return {error, time};
 }
 
@@ -275,7 +288,7 @@ int run(const Wishes& wishes) {
         table.rows.push_back(std::move(row));
   }
   publish(table, wishes.common);
-  publish(figures_of(table.rows, table.rows[0]["isovalue"]), wishes.common);
+  publish(figures_of(table.rows), wishes.common);
   return 0;
 }
 
@@ -289,7 +302,7 @@ tools::Subcommand resample_or_direct() {
       .examples =
           "  rhoray-study resample-or-direct torso.rho --iso p75 -o results\n"
           "  rhoray-study resample-or-direct torso.rho --iso p75 --grids 64 --whole none --vdb none\n"
-          "Errors are against the exact answer of the mesh. Figures show the first isovalue.\n",
+          "Errors are against the exact answer of the mesh. The figure of times shows the first isovalue.\n",
       .options = tools::all_options(
           {{tools::file_option("FILE", "Packed mesh of tetrahedra", wishes->input)},
            tools::output_options(wishes->common, "FOLDER for resample_or_direct.csv, .json and two figures (.svg)"),
