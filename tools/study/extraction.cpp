@@ -32,6 +32,7 @@ struct Wishes {
   std::vector<std::string> isovalues{"auto"};
   tools::PictureSize size{512, 512};
   int repeat = 3;
+  std::optional<double> cgal_triangles;
   std::filesystem::path scratch = std::filesystem::temp_directory_path();
 };
 
@@ -80,7 +81,11 @@ class Study {
     std::vector<Json> rows;
     for (const auto& make : {marching_cubes, synchronized_templates, flying_edges}) {
       display.show(concat("isovalue ", isovalue, ": ", make()->maker()));
-      rows.push_back(row_of_triangles(*make, isovalue, view));
+      rows.push_back(row_of_triangles(make, isovalue, view));
+    }
+    if (wishes_.cgal_triangles) {
+      display.show(concat("isovalue ", isovalue, ": CGAL's surface mesher"));
+      rows.push_back(row_of_triangles([&] { return cgal_mesher(*wishes_.cgal_triangles); }, isovalue, view));
     }
     for (const char* level : {"float", "certified"}) {
       display.show(concat("isovalue ", isovalue, ": Rhoray, ", level));
@@ -95,11 +100,13 @@ class Study {
   Json row_of_triangles(const Make& make, double isovalue, [[maybe_unused]] const PeerView& view) const {
     Times times;
     Json triangles, mb;
+    bool is_complete = true;
     std::string name = make()->maker();
     for (int i = 0; i < wishes_.repeat; ++i) {
       const std::shared_ptr<Triangles> surface = make();
       times.extraction.push_back(surface->extract(data_, isovalue).extraction_ms);
       triangles = surface->triangle_count(), mb = surface->memory_mb();
+      is_complete = is_complete && surface->is_complete();
 #ifdef RHORAY_WITH_EMBREE
       const PeerPointer embree = embree_packets(embree_triangles(surface));
       times.build.push_back(embree->prepare(data_, isovalue).build_ms);
@@ -109,6 +116,7 @@ class Study {
 #ifdef RHORAY_WITH_EMBREE
     name += ", Embree";
 #endif
+    if (!is_complete) name += ", not finished";
     return row_of(name, isovalue, times, triangles, mb);
   }
 
@@ -160,13 +168,18 @@ tools::Subcommand extraction() {
   const auto wishes = std::make_shared<Wishes>();
   return {.name = "extraction",
           .summary = "Another isovalue of a grid, by triangles and directly: the paper's Table 6",
-          .examples = "  rhoray-study extraction torso-ct.rho --iso 250 -o results\n",
+          .examples =
+              "  rhoray-study extraction torso-ct.rho --iso 250 -o results\n"
+              "  rhoray-study extraction small.rho --iso 250 --cgal 40000 -o results\n",
           .options = tools::all_options(
               {{tools::file_option("FILE", "Packed grid", wishes->input),
                 tools::value_option("--iso", "V[,V]", "Isovalues; default auto", wishes->isovalues),
                 tools::value_option("--field", "NAME", "Field; default the first", wishes->field),
                 tools::value_option("--size", "WxH", "Pixels; default 512x512", wishes->size),
                 tools::value_option("--repeat", "N", "Repetitions; default 3", wishes->repeat),
+                tools::number_option("--cgal", "TRIANGLES",
+                                     "Also CGAL's surface mesher, asked for about so many; it takes minutes",
+                                     {100, 10'000'000}, wishes->cgal_triangles),
                 tools::value_option("--scratch", "FOLDER", "For the packed grid", wishes->scratch),
                 tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", wishes->common.progress)},
                tools::output_options(wishes->common, "FOLDER for extraction.csv and .json")}),

@@ -188,7 +188,7 @@ GridSurface mesh_surface(const GridField& field, double isovalue, const EdgePoin
     surface.is_complete = false;
   }
   surface.triangles = triangles_of(complex, field);
-  for (std::size_t t = 0; t < surface.triangles.corners.size(); ++t)
+  for (std::size_t t = 0; wish.measures_offsets && t < surface.triangles.corners.size(); ++t)
     surface.offsets.push_back(largest_offset(field, isovalue, surface.triangles, t));
   for (Vec3& p : surface.triangles.points) p = field.frame_from_index(p);
   return surface;

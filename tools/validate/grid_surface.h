@@ -18,6 +18,7 @@ EdgePoints edge_points(const GridField& field, double isovalue, std::size_t most
 struct SurfaceWish {
   double facet_count = 40'000;  ///< about so many
   std::uint64_t most_evaluations = 400'000'000;
+  bool measures_offsets = true;  ///< false: GridSurface::offsets stays empty
 };
 
 /// The isosurface of a trilinear field as CGAL's surface mesher finds it: vertices lie on it up to 1e-9 of the grid,

@@ -5,19 +5,14 @@
 #include <functional>
 
 #include "formats/base/text.h"
+#include "tools/rhoray/accuracy/plot_script.h"
 
 namespace rhoray::tools {
 
 namespace {
 
-/// Paul Tol's scheme "bright" (technical note SRON/EPS/TN/09-002), which is told apart with any colour vision.
-constexpr const char* colors[] = {"#4477aa", "#ee6677", "#228833", "#ccbb44",
-                                  "#66ccee", "#aa3377", "#888888", "#000000"};
-constexpr int point_types[] = {7, 5, 9, 11, 13, 15, 4, 6};
-
-const char* color_of(std::size_t i) {
-  return colors[i % std::size(colors)];
-}
+using Point = PlotPoint;
+using Series = PlotSeries;
 
 /// The same in all plots.
 std::size_t look_of(const std::string& group) {
@@ -25,41 +20,6 @@ std::size_t look_of(const std::string& group) {
                                          group_bits,      group_samples,   group_grids,  group_vdb,
                                          group_occlusion, group_normals,   group_size};
   return static_cast<std::size_t>(std::find(std::begin(groups), std::end(groups), group) - std::begin(groups));
-}
-
-struct Point {
-  double x = 0, y = 0;
-  std::string label;
-};
-
-/// Points under one name.
-struct Series {
-  std::string name;
-  std::vector<Point> points;
-};
-
-std::string in_quotes(const std::string& text) {
-  std::string out = "'";
-  for (const char letter : text) out += letter == '\'' ? std::string("''") : std::string(1, letter);
-  return out + "'";
-}
-
-std::string data_block(const std::string& name, const std::vector<Point>& points) {
-  std::string text = concat("$", name, " << EOD\n");
-  for (const Point& point : points) {
-    std::string label = point.label;
-    std::replace(label.begin(), label.end(), '"', '\'');
-    text += concat(point.x, " ", point.y, " \"", label, "\"\n");
-  }
-  return text + "EOD\n";
-}
-
-std::string preamble(const std::string& x, const std::string& y) {
-  return concat(
-      "set terminal svg size 960,560 dynamic font 'Helvetica,15' background '#ffffff'\n"
-      "set border 3 lc rgb '#444444'\nset tics nomirror\nset grid lc rgb '#dddddd' lt 1 lw 0.7\n"
-      "set key outside right top noenhanced samplen 1.5 spacing 1.2\nset xlabel ",
-      in_quotes(x), " noenhanced\nset ylabel ", in_quotes(y), " noenhanced\n");
 }
 
 /// Groups of a layer's rows, in the order in which they appear.
@@ -81,14 +41,8 @@ std::string scatter(const std::vector<Series>& groups, bool has_lines) {
   std::string text;
   for (std::size_t g = 0; g < groups.size(); ++g)
     text += concat(text.empty() ? "" : ", \\\n     ", "$g", g, " using 1:2 with ", has_lines ? "linespoints" : "points",
-                   " pt ", point_types[look_of(groups[g].name) % std::size(point_types)], " ps 0.8 lw 1.4 lc rgb '",
+                   " pt ", point_type_of(look_of(groups[g].name)), " ps 0.8 lw 1.4 lc rgb '",
                    color_of(look_of(groups[g].name)), "' title ", in_quotes(groups[g].name));
-  return text;
-}
-
-std::string blocks(const std::vector<Series>& groups) {
-  std::string text;
-  for (std::size_t g = 0; g < groups.size(); ++g) text += data_block(concat("g", g), groups[g].points);
   return text;
 }
 

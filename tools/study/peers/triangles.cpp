@@ -14,11 +14,13 @@
 #include <vtkUnstructuredGrid.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "formats/base/checks.h"
 #include "formats/base/trouble.h"
 #include "tools/study/peers/vtk_image.h"
 #include "tools/study/plain_grid.h"
+#include "tools/validate/grid_surface.h"
 
 namespace rhoray::study {
 
@@ -49,6 +51,7 @@ class Triangles::Extractor {
   virtual vtkSmartPointer<vtkPolyData> surface(double isovalue) = 0;
   /// True when the first surface makes something that later ones use.
   virtual bool prepares_once() const { return false; }
+  virtual bool is_complete() const { return true; }
 
   vtkSmartPointer<vtkPolyData> last;
 };
@@ -74,6 +77,43 @@ class GridFilter final : public Triangles::Extractor {
 
  private:
   vtkSmartPointer<vtkImageData> image_;
+};
+
+class CgalMesher final : public Triangles::Extractor {
+ public:
+  explicit CgalMesher(double facet_count) : facet_count_(facet_count) {}
+
+  void take(const PeerData& data) override {
+    field_.emplace(formats::BrickGrid(formats::PackedFile::open(data.packed_file)), data.field);
+    spacing_ = spacing_of(*data.grid);
+  }
+
+  vtkSmartPointer<vtkPolyData> surface(double isovalue) override {
+    constexpr std::size_t most_seeds = 400'000;  // as `rhoray validate`
+    const auto seeds = tools::validate::edge_points(*field_, isovalue, most_seeds, 1);
+    const auto meshed = tools::validate::mesh_surface(*field_, isovalue, seeds,
+                                                      {.facet_count = facet_count_, .measures_offsets = false});
+    is_complete_ = meshed.is_complete;
+    vtkNew<vtkPoints> points;
+    points->SetDataTypeToFloat();
+    for (const Vec3& p : meshed.triangles.points)
+      points->InsertNextPoint((spacing_ * p).x, (spacing_ * p).y, (spacing_ * p).z);
+    vtkNew<vtkCellArray> triangles;
+    for (const auto& corners : meshed.triangles.corners)
+      triangles->InsertNextCell({vtkIdType{corners[0]}, vtkIdType{corners[1]}, vtkIdType{corners[2]}});
+    const auto made = vtkSmartPointer<vtkPolyData>::New();
+    made->SetPoints(points);
+    made->SetPolys(triangles);
+    return made;
+  }
+
+  bool is_complete() const override { return is_complete_; }
+
+ private:
+  double facet_count_;
+  std::optional<tools::validate::GridField> field_;
+  Vec3 spacing_{1, 1, 1};
+  bool is_complete_ = true;
 };
 
 /// Tetrahedra with one field as VTK's grid.
@@ -152,10 +192,18 @@ std::shared_ptr<Triangles> synchronized_templates() {
                                      "SynchronizedTemplates", "");
 }
 
+std::shared_ptr<Triangles> cgal_mesher(double facet_count) {
+  return std::make_shared<Triangles>(std::make_unique<CgalMesher>(facet_count), "CGAL's surface mesher", "");
+}
+
 std::shared_ptr<Triangles> linear_grid_contour(bool with_tree) {
   return std::make_shared<Triangles>(std::make_unique<LinearGridContour>(with_tree),
                                      with_tree ? "Contour3DLinearGrid with its tree" : "Contour3DLinearGrid",
                                      with_tree ? "tree" : "");
+}
+
+bool Triangles::is_complete() const {
+  return extractor_->is_complete();
 }
 
 std::string Triangles::named(const std::string& system) const {

@@ -21,6 +21,9 @@ class Triangles {
   const std::string& maker() const { return maker_; }  ///< "FlyingEdges"
   std::string named(const std::string& system) const;  ///< "Embree, packets", with the variant
 
+  /// False where the maker gave up before the surface was whole.
+  bool is_complete() const;
+
   /// Extracts the surface, unless that of this isovalue is there. Returns what extraction took, once and for this
   /// isovalue.
   Preparation extract(const PeerData& data, double isovalue);
@@ -43,6 +46,10 @@ class Triangles {
 std::shared_ptr<Triangles> flying_edges();
 std::shared_ptr<Triangles> marching_cubes();
 std::shared_ptr<Triangles> synchronized_templates();
+
+/// Of a grid, by CGAL's surface mesher with the settings of `rhoray validate` (tools/validate/grid_surface.h).
+/// @param facet_count  about so many triangles
+std::shared_ptr<Triangles> cgal_mesher(double facet_count);
 
 /// Of tetrahedra: vtkContour3DLinearGrid, which looks at every cell, or only where its tree of value ranges says.
 std::shared_ptr<Triangles> linear_grid_contour(bool with_tree);

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "tools/rhoray/command_line.h"
+
+namespace rhoray::study {
+
+/// What an isosurface loses when the field's samples are stored in fewer bits.
+tools::Subcommand bits();
+
+}  // namespace rhoray::study
