@@ -14,7 +14,7 @@
 #include "render/frame/tiles.h"
 #include "render/frame/worker.h"
 #include "render/kernels/kernels.h"
-#include "render/kernels/wide/facet_blockers.h"
+#include "render/kernels/wide/blockers.h"
 #include "render/render.h"
 #include "render/volumes/volume.h"
 
@@ -40,10 +40,10 @@ struct FrameLayer {
   std::optional<SurfaceBoxes> boxes{};        ///< nothing is met outside them; none: not known
   std::shared_ptr<const SlicePlane> slice{};  ///< asked in the place of kernels
   bool clipped = false;                       ///< its rays end where Frame::clip ends them
+  wide::AnyCrossing any_crossing = nullptr;  ///< as kernel_through, where no more is asked; null: that answers
   /// By light, what of this layer may hold it back from hits of the same volume: rays that start outside, inside; null
   /// where not known to be less than all. None of a layer that is clipped.
-  std::vector<std::array<std::shared_ptr<const wide::FacetBlockers>, 2>> blockers{};
-  wide::BlockerKernel kernel_of_blockers = nullptr;
+  std::vector<std::array<std::shared_ptr<const wide::Blockers>, 2>> blockers{};
 };
 
 /// What was chosen once for the frame; nothing here changes while tiles are traced.

@@ -1,6 +1,7 @@
 #include "render/frame/lighting.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 
 #include "render/march/ticks.h"
@@ -81,9 +82,11 @@ StartSide side_for(const FrameLayer& layer, const FrameLayer& of_hit, StartSide 
 /// Writes a group of the rays that are asked about, as the volume of a layer sees them. Each keeps its place in its
 /// group, since neighbours in the picture share what they meet.
 /// @param eye_rays  that met the hits, in the same frame
+/// @param chosen    those of the group that are asked about
 /// @param place     of the group in the batch
-void write_group(const LightRays& light, std::size_t first, const FrameLayer& layer, const FrameLayer& of_hits,
-                 const LayerWork& hit_work, const RayBatch& eye_rays, RayBatch& rays, std::size_t place) {
+void write_group(const LightRays& light, std::size_t first, std::uint64_t chosen, const FrameLayer& layer,
+                 const FrameLayer& of_hits, const LayerWork& hit_work, const RayBatch& eye_rays, RayBatch& rays,
+                 std::size_t place) {
   double t[group_size];
   for (std::size_t i = 0; i < group_size; ++i) t[i] = light.t_max[first + i] >= 0 ? hit_work.hits.t[first + i] : 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -100,14 +103,30 @@ void write_group(const LightRays& light, std::size_t first, const FrameLayer& la
     for (std::size_t i = 0; i < group_size; ++i) out[i] = x[i] * of_x + y[i] * of_y + z[i] * of_z;
   }
   std::fill_n(rays.t_min.data() + place, group_size, 0.0);
-  std::copy_n(light.t_max.data() + first, group_size, rays.t_max.data() + place);
-  for (std::size_t i = 0; i < group_size; ++i)
+  for (std::size_t i = 0; i < group_size; ++i) {
+    rays.t_max[place + i] = (chosen >> i & 1) != 0 ? light.t_max[first + i] : not_asked;
     rays.start_side[place + i] = side_for(layer, of_hits, light.side[first + i]);
+  }
 }
 
-bool is_asked(const LightRays& light, std::size_t first) {
-  const double* t_max = light.t_max.data() + first;
-  return std::any_of(t_max, t_max + group_size, [](double t) { return t >= 0; });
+/// Rays of a group that are asked about, by the sides on which they start as a layer sees it.
+struct AskedRays {
+  std::uint64_t of_side[3] = {0, 0, 0};
+
+  std::uint64_t& of(StartSide side) { return of_side[1 + static_cast<int>(side)]; }
+  std::uint64_t all() const { return of_side[0] | of_side[1] | of_side[2]; }
+};
+
+AskedRays find_asked(const LightRays& light, std::size_t first, const FrameLayer& layer, const FrameLayer& of_hits) {
+  AskedRays asked;
+  for (const StartSide side : {StartSide::outside, StartSide::unknown, StartSide::inside}) {
+    std::uint64_t& bits = asked.of(side_for(layer, of_hits, side));
+    for (std::size_t i = 0; i < group_size; ++i) {
+      const bool is_chosen = (light.t_max[first + i] >= 0) & (light.side[first + i] == side);
+      bits |= std::uint64_t{is_chosen} << i;
+    }
+  }
+  return asked;
 }
 
 /// Between which t the rays of a group lie in the clip region.
@@ -151,26 +170,20 @@ void shorten_group(const ClipRegion& clip, int part, bool of_kept, const WorldRa
   }
 }
 
-/// The side on which all rays of a group start that are asked about; unknown where they differ or one's is.
-StartSide common_side(const LightRays& light, std::size_t first, const FrameLayer& layer, const FrameLayer& of_hits) {
-  bool any[3] = {false, false, false};
-  for (std::size_t i = 0; i < group_size; ++i)
-    if (light.t_max[first + i] >= 0) any[1 + static_cast<int>(side_for(layer, of_hits, light.side[first + i]))] = true;
-  if (any[1] || any[0] == any[2]) return StartSide::unknown;
-  return any[0] ? StartSide::outside : StartSide::inside;
-}
-
 /// Asks about groups that lie in the worker's few rays, and makes an end to those that are held back.
-void drop_blocked_groups(const FrameLayer& layer, const wide::FacetBlockers* blockers, LayerWork& work,
-                         Worker& worker) {
+void drop_blocked_groups(const FrameLayer& layer, const wide::Blockers* blockers, LayerWork& work, Worker& worker) {
   LightRays& light = *worker.light_rays;
   if (light.groups.empty()) return;
   worker.few_rays.count = light.groups.size() * group_size;
-  if (blockers != nullptr)
-    layer.kernel_of_blockers(layer.volume, layer.question_through, *blockers, worker.few_rays, worker.few_hits,
-                             work.scratch);
-  else
-    layer.kernel_through(layer.volume, layer.question_through, worker.few_rays, worker.few_hits, work.scratch);
+  if (layer.any_crossing != nullptr) {
+    std::uint64_t crossed[tile_capacity / group_size];
+    layer.any_crossing(layer.volume, layer.question_through, blockers, worker.few_rays, crossed, work.scratch);
+    for (std::size_t g = 0; g < light.groups.size(); ++g)
+      for (std::uint64_t bits = crossed[g]; bits != 0; bits &= bits - 1)
+        light.t_max[light.groups[g] + static_cast<std::size_t>(std::countr_zero(bits))] = not_asked;
+    return;
+  }
+  layer.kernel_through(layer.volume, layer.question_through, worker.few_rays, worker.few_hits, work.scratch);
   for (std::size_t g = 0; g < light.groups.size(); ++g) {
     const double* t = worker.few_hits.t.data() + g * group_size;
     double* t_max = light.t_max.data() + light.groups[g];
@@ -189,26 +202,37 @@ bool drop_blocked_by(const Frame& frame, std::size_t index, int part, const Fram
   LightRays& light = *worker.light_rays;
   const FrameLayer& layer = frame.layers[index];
   LayerWork& work = worker.layers[index];
-  const bool has_blockers = light_index < layer.blockers.size();
+  const std::size_t group_count = whole_groups(hit_work.rays.count) / group_size;
+  AskedRays asked[tile_capacity / group_size];
   bool any = false;
-  // Groups of rays that start on one side are asked about what may hold these back, the others about all.
+  for (std::size_t g = 0; g < group_count; ++g) {
+    asked[g] = find_asked(light, g * group_size, layer, of_hits);
+    any |= asked[g].all() != 0;
+  }
+  // Rays that start on a known side are asked about what may hold these back, the others about all.
+  const bool has_blockers = light_index < layer.blockers.size();
   for (const StartSide side : {StartSide::unknown, StartSide::outside, StartSide::inside}) {
-    if (side != StartSide::unknown && !has_blockers) break;
+    const wide::Blockers* blockers = has_blockers && side != StartSide::unknown
+                                         ? layer.blockers[light_index][side == StartSide::inside].get()
+                                         : nullptr;
     light.groups.clear();
-    for (std::size_t first = 0; first < hit_work.rays.count; first += group_size) {
-      if (!is_asked(light, first)) continue;
-      any = true;
-      if (has_blockers && common_side(light, first, layer, of_hits) != side) continue;
-      const std::size_t place = light.groups.size() * group_size;
-      write_group(light, first, layer, of_hits, hit_work, work.rays, worker.few_rays, place);
+    for (std::size_t g = 0; g < group_count; ++g) {
+      std::uint64_t chosen = has_blockers ? asked[g].of(side) : side == StartSide::unknown ? asked[g].all() : 0;
+      if (chosen == 0) continue;
+      const std::size_t first = g * group_size, place = light.groups.size() * group_size;
+      write_group(light, first, chosen, layer, of_hits, hit_work, work.rays, worker.few_rays, place);
+      if (blockers != nullptr && blockers->heights) {
+        chosen = blockers->heights->below(worker.few_rays, place, chosen);
+        if (chosen == 0) continue;
+        for (std::size_t i = 0; i < group_size; ++i)
+          if ((chosen >> i & 1) == 0) worker.few_rays.t_max[place + i] = not_asked;
+      }
       if (layer.clipped) {
         find_spans(*frame.clip, light, first, hit_work, *worker.world);
         shorten_group(*frame.clip, part, of_hits.clipped, *worker.world, worker.few_rays, place);
       }
       light.groups.push_back(first);
     }
-    const wide::FacetBlockers* blockers =
-        side != StartSide::unknown ? layer.blockers[light_index][side == StartSide::inside].get() : nullptr;
     drop_blocked_groups(layer, blockers, work, worker);
   }
   return any;

@@ -40,7 +40,7 @@ inline constexpr float bound_margin = 0x1p-20f;
 struct Directions {
   std::uint64_t along[3];
   std::uint64_t down[3];
-  std::uint64_t usable;  ///< rays of finite numbers, that move, and start near enough
+  std::uint64_t strange;  ///< rays that are not of finite numbers, do not move, or start too far away
 };
 
 HWY_INLINE Directions directions_of(const FacetSurface& surface, const RayArrays& rays, std::size_t count,
@@ -49,8 +49,10 @@ HWY_INLINE Directions directions_of(const FacetSurface& surface, const RayArrays
   const VecD largest_start = hn::Set(doubles, farthest / surface.scale);
   for (std::size_t r = 0; r < count; r += double_lanes) {
     VecD size[3], d[3];
-    MaskD usable = hn::And(hn::FirstN(doubles, count - r),
-                           hn::Le(hn::Load(doubles, rays.t_min + r), hn::Load(doubles, rays.t_max + r)));
+    const VecD t_min = hn::Load(doubles, rays.t_min + r), t_max = hn::Load(doubles, rays.t_max + r);
+    // A ray that ends before it begins meets nothing.
+    const MaskD asked = hn::AndNot(hn::Gt(t_min, t_max), hn::FirstN(doubles, count - r));
+    MaskD usable = hn::And(asked, hn::Le(t_min, t_max));
     for (int a = 0; a < 3; ++a) {
       d[a] = hn::Load(doubles, rays.direction[a] + r);
       size[a] = hn::Abs(d[a]);
@@ -67,7 +69,7 @@ HWY_INLINE Directions directions_of(const FacetSurface& surface, const RayArrays
       bits.along[a] |= bits_of(doubles, hn::And(usable, along[a])) << r;
       bits.down[a] |= bits_of(doubles, hn::Lt(d[a], hn::Zero(doubles))) << r;
     }
-    bits.usable |= bits_of(doubles, usable) << r;
+    bits.strange |= bits_of(doubles, hn::AndNot(usable, asked)) << r;
   }
   return bits;
 }
@@ -77,6 +79,13 @@ HWY_INLINE std::uint64_t lanes_of(std::uint64_t rays) {
   std::uint64_t in_lanes = 0;
   for (std::size_t quad = 0; quad < lanes / 4; ++quad) in_lanes |= (rays >> 4 * quad & 15) << lane_of(4 * quad);
   return in_lanes;
+}
+
+/// The rays of a chunk's lanes.
+HWY_INLINE std::uint64_t rays_of(std::uint64_t in_lanes) {
+  std::uint64_t rays = 0;
+  for (std::size_t quad = 0; quad < lanes / 4; ++quad) rays |= (in_lanes >> lane_of(4 * quad) & 15) << 4 * quad;
+  return rays;
 }
 
 HWY_INLINE float least_of(VecF v) {
