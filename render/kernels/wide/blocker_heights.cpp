@@ -1,9 +1,11 @@
 #include "render/kernels/wide/blocker_heights.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
+
+#include "render/kernels/compiled_for.h"
 
 namespace rhoray::render::wide {
 
@@ -44,7 +46,8 @@ BlockerHeights::BlockerHeights(const SeenFromLight& seen, const Frame& frame, st
   const double wanted = 2 * longest * static_cast<double>(footprints.size()) / size;
   per_length_ = std::clamp(wanted, 1.0, double{most_places} - 1) / longest;
   for (int i = 0; i < 2; ++i) count_[i] = static_cast<int>((last[i] - first_[i]) * per_length_) + 1;
-  heights_.assign(static_cast<std::size_t>(count_[0]) * static_cast<std::size_t>(count_[1]), -nowhere);
+  heights_.assign(static_cast<std::size_t>(count_[0]) * static_cast<std::size_t>(count_[1]) + 1,
+                  -nowhere);  // the last: beyond all
   for (const Footprint& of : footprints) {
     int from[2], to[2];
     for (int i = 0; i < 2; ++i) {
@@ -58,31 +61,50 @@ BlockerHeights::BlockerHeights(const SeenFromLight& seen, const Frame& frame, st
   }
 }
 
-std::uint64_t BlockerHeights::below(const RayBatch& rays, std::size_t first, std::uint64_t chosen) const {
-  if (heights_.empty()) return 0;
+RHORAY_INLINE void BlockerHeights::find_below(const BlockerHeights& heights, const RayBatch& rays, std::size_t first,
+                                              std::uint8_t* is_below) {
   constexpr std::size_t size = RayBatch::group_size;
+  const SeenFromLight seen = heights.seen_;
   double at[3][size];
   for (int a = 0; a < 3; ++a) {
-    const int axis = a < 2 ? seen_.place_axis(a) : seen_.height_axis();
+    const int axis = a < 2 ? seen.place_axis(a) : seen.height_axis();
+    const double anchor = heights.frame_.anchor[axis], scale = heights.frame_.scale;
     const double* origin = rays.origin[axis].data() + first;
-    for (std::size_t i = 0; i < size; ++i) at[a][i] = (origin[i] - frame_.anchor[axis]) * frame_.scale;
+    for (std::size_t i = 0; i < size; ++i) at[a][i] = (origin[i] - anchor) * scale;
   }
-  for (int a = 0; a < 2; ++a)
-    for (std::size_t i = 0; i < size; ++i) at[a][i] = (at[a][i] - seen_.slope(a) * at[2][i] - first_[a]) * per_length_;
-  std::uint64_t below = 0;
-  for (std::uint64_t bits = chosen; bits != 0; bits &= bits - 1) {
-    const int i = std::countr_zero(bits);
+  for (int a = 0; a < 2; ++a) {
+    const double slope = seen.slope(a), begin = heights.first_[a], per_length = heights.per_length_;
+    for (std::size_t i = 0; i < size; ++i) at[a][i] = (at[a][i] - slope * at[2][i] - begin) * per_length;
+  }
+  std::int32_t index[size];
+  const std::int32_t across = heights.count_[0];
+  const double end_x = heights.count_[0], end_y = heights.count_[1];
+  for (std::size_t i = 0; i < size; ++i) {
     const double x = at[0][i], y = at[1][i];
-    // Written so that what is no number may be held back.
-    if (x < 0 || y < 0 || x >= count_[0] || y >= count_[1]) continue;
-    const bool is_number = x == x && y == y;
-    const float height =
-        is_number
-            ? heights_[static_cast<std::size_t>(y) * static_cast<std::size_t>(count_[0]) + static_cast<std::size_t>(x)]
-            : nowhere;
-    below |= std::uint64_t{!(seen_.sign() * at[2][i] > height + frame_.margin)} << i;
+    const bool is_within = (x >= 0) & (y >= 0) & (x < end_x) & (y < end_y);
+    const std::int32_t found =
+        static_cast<std::int32_t>(is_within ? y : 0) * across + static_cast<std::int32_t>(is_within ? x : 0);
+    index[i] = is_within ? found : across * heights.count_[1];
   }
-  return below;
+  const float* of = heights.heights_.data();
+  const double sign = seen.sign(), margin = heights.frame_.margin;
+  // Written so that what is no number may be held back.
+  for (std::size_t i = 0; i < size; ++i)
+    is_below[i] = !(sign * at[2][i] > of[index[i]] + margin) | !(at[0][i] + at[1][i] < nowhere);
+}
+
+std::uint64_t BlockerHeights::below(Machine machine, const RayBatch& rays, std::size_t first,
+                                    std::uint64_t chosen) const {
+  if (heights_.empty()) return 0;
+  std::uint8_t is_below[RayBatch::group_size];
+  compiled_for<find_below>(machine)(*this, rays, first, is_below);
+  std::uint64_t below = 0;
+  for (std::size_t i = 0; i < RayBatch::group_size; i += 8) {
+    std::uint64_t eight;
+    std::memcpy(&eight, is_below + i, 8);
+    below |= (eight * 0x0102'0408'1020'4080) >> 56 << i;
+  }
+  return below & chosen;
 }
 
 }  // namespace rhoray::render::wide

@@ -7,6 +7,7 @@
 
 #include "formats/base/vector.h"
 #include "render/kernels/batch.h"
+#include "render/kernels/machine.h"
 
 namespace rhoray::render::wide {
 
@@ -59,9 +60,12 @@ class BlockerHeights {
 
   /// @param chosen  rays of a group of the batch that go straight to the light
   /// @return        those of them that may be held back
-  std::uint64_t below(const RayBatch& rays, std::size_t first, std::uint64_t chosen) const;
+  std::uint64_t below(Machine machine, const RayBatch& rays, std::size_t first, std::uint64_t chosen) const;
 
  private:
+  static void find_below(const BlockerHeights& heights, const RayBatch& rays, std::size_t first,
+                         std::uint8_t* is_below);
+
   SeenFromLight seen_;
   Frame frame_;
   int count_[2] = {0, 0};
