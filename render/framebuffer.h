@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <new>
 #include <vector>
 
 namespace rhoray::render {
@@ -25,6 +26,21 @@ struct ChannelSet {
   bool any() const { return *this != ChannelSet{}; }
 };
 
+/// Places numbers at the beginning of a cache line.
+template <class T>
+struct OnCacheLines {
+  using value_type = T;
+
+  OnCacheLines() = default;
+  template <class U>
+  explicit OnCacheLines(const OnCacheLines<U>&) {}
+
+  T* allocate(std::size_t count) { return static_cast<T*>(::operator new (count * sizeof(T), std::align_val_t{64})); }
+  void deallocate(T* place, std::size_t) { ::operator delete (place, std::align_val_t{64}); }
+
+  friend bool operator==(const OnCacheLines&, const OnCacheLines&) { return true; }
+};
+
 /// A picture, rows from the top, pixels from the left. Channels that were not asked for stay empty.
 struct Framebuffer {
   static constexpr std::uint64_t no_cell = std::numeric_limits<std::uint64_t>::max();
@@ -43,13 +59,14 @@ struct Framebuffer {
   int width = 0;
   int height = 0;
   std::array<float, 3> background{1, 1, 1};  ///< linear RGB, behind what is hit
-  std::vector<float> color;         ///< linear RGBA, 4 per pixel, over the background; alpha is how much of the
-                                    ///< pixel something hides: 1 where something opaque is hit, else 0
-  std::vector<float> depth;         ///< 1 per pixel
-  std::vector<float> normal;        ///< 3 per pixel
-  std::vector<std::uint64_t> cell;  ///< 1 per pixel
-  std::vector<double> value;        ///< 1 per pixel
-  std::vector<float> error;         ///< 1 per pixel
+  /// Linear RGBA, 4 per pixel, over the background; alpha is how much of the pixel something hides: 1 where something
+  /// opaque is hit, else 0.
+  std::vector<float, OnCacheLines<float>> color;
+  std::vector<float> depth;                            ///< 1 per pixel
+  std::vector<float> normal;                           ///< 3 per pixel
+  std::vector<std::uint64_t> cell;                     ///< 1 per pixel
+  std::vector<double> value;                           ///< 1 per pixel
+  std::vector<float> error;                            ///< 1 per pixel
   std::vector<std::uint32_t> roots, iterations, cost;  ///< 1 per pixel each
 };
 

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "render/frame/lighting.h"
+#include "render/frame/streaming.h"
 #include "render/frame/tracing.h"
 #include "render/march/ticks.h"
 
@@ -104,7 +105,6 @@ namespace {
 /// @return  how many rays that were
 std::size_t trace_blocks(const Frame& frame, const LatticeRays& rays, const Tile& tile, Worker& worker,
                          Framebuffer& out) {
-  expect_tile(rays.lattice, tile, out);
   trace_layers(frame, rays, tile, worker);
   if (frame.needs.spread_directions) number_pixels(rays.lattice, tile, worker);
 
@@ -112,7 +112,7 @@ std::size_t trace_blocks(const Frame& frame, const LatticeRays& rays, const Tile
   const bool has_one_layer = frame.has_one_layer();
   if (frame.keeps_channels && !has_one_layer) gather_first(frame, worker);
   shade_layers(frame, worker);
-  write_colors(rays.lattice, tile, worker.colors, out);
+  write_colors(rays.lattice, tile, worker.colors, out, frame.layers[0].look.machine);
   if (frame.keeps_channels) {
     if (!out.normal.empty()) find_normals(frame, worker);
     if (frame.first_layers != nullptr) write_first_layers(frame, rays.lattice, tile, worker);
@@ -146,6 +146,7 @@ void Pass::trace_tile(const Frame& frame, std::size_t index, Worker& worker, Fra
   write_background(frame.background, rays.lattice, tile, out);
   counts.shading_ticks += ticks_now() - start;
   const std::size_t traced = tile.blocks != 0 ? trace_blocks(frame, rays, tile, worker, out) : 0;
+  end_streaming();
   counts.rays += tile.count();
   counts.rays_ruled_out += tile.count() - traced;
   counts.tile_ticks += ticks_now() - start;

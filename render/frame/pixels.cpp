@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "render/frame/streaming.h"
 #include "render/kernels/compiled_for.h"
 
 namespace rhoray::render {
@@ -161,6 +162,37 @@ RHORAY_INLINE void for_each_pixel(const PixelLattice& lattice, const Tile& tile,
   });
 }
 
+/// Writes pixels side by side.
+template <std::size_t count>
+RHORAY_INLINE void write_run(const TileColors& colors, std::size_t first, float* __restrict out) {
+  for (std::size_t i = 0; i < count; ++i) {
+    out[4 * i] = colors.red[first + i];
+    out[4 * i + 1] = colors.green[first + i];
+    out[4 * i + 2] = colors.blue[first + i];
+    out[4 * i + 3] = colors.alpha[first + i];
+  }
+}
+
+RHORAY_INLINE void write_colors_inline(const PixelLattice& lattice, const Tile& tile, const TileColors& colors,
+                                       float* out) {
+  if (lattice.spacing != 1) {
+    for_each_pixel(lattice, tile, [&](std::size_t r, std::size_t pixel) { write_run<1>(colors, r, out + 4 * pixel); });
+    return;
+  }
+  for_each_run(
+      tile, [&](const Run& run) __attribute__((always_inline)) {
+        float* to = out + 4 * pixel_at(lattice, run.x, run.y);
+        if (run.count == block_edge && begins_line(to)) {
+          alignas(64) float pixels[4 * block_edge];
+          write_run<block_edge>(colors, run.first, pixels);
+          return stream_lines<sizeof pixels / 64>(pixels, to);
+        }
+        if (run.count == block_edge) return write_run<block_edge>(colors, run.first, to);
+        for (std::size_t i = 0; i < static_cast<std::size_t>(run.count); ++i)
+          write_run<1>(colors, run.first + i, to + 4 * i);
+      });
+}
+
 /// Calls fill(pixel, count) for all pixels, side by side, for which rays of a tile's untraced blocks stand.
 template <class Fill>
 void for_each_background_run(const PixelLattice& lattice, const Tile& tile, const Fill& fill) {
@@ -179,7 +211,12 @@ void for_each_background_run(const PixelLattice& lattice, const Tile& tile, cons
 }
 
 void fill_colors(const float (&color)[4], float* to, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) std::copy_n(color, 4, to + 4 * i);
+  alignas(64) float line[line_floats];
+  for (std::size_t i = 0; i < line_floats; ++i) line[i] = color[i % 4];
+  std::size_t i = 0;
+  for (; i < count && !begins_line(to + 4 * i); ++i) std::copy_n(color, 4, to + 4 * i);
+  for (; i + line_floats / 4 <= count; i += line_floats / 4) stream_lines<1>(line, to + 4 * i);
+  for (; i < count; ++i) std::copy_n(color, 4, to + 4 * i);
 }
 
 }  // namespace
@@ -233,23 +270,9 @@ void lay_veil(const Look& look, LayerWork& work, const ReceivedLight& received, 
   compiled_for<lay_veil_inline>(look.machine)(look, work, received, counts, colors);
 }
 
-void expect_tile(const PixelLattice& lattice, const Tile& tile, const Framebuffer& out) {
-  if (lattice.spacing != 1) return;
-  constexpr std::size_t line_floats = 64 / sizeof(float);
-  for_each_run(tile, [&](const Run& run) {
-    const float* row = out.color.data() + 4 * pixel_at(lattice, run.x, run.y);
-    for (std::size_t i = 0; i < 4 * static_cast<std::size_t>(run.count); i += line_floats)
-      __builtin_prefetch(row + i, 1);
-  });
-}
-
-void write_colors(const PixelLattice& lattice, const Tile& tile, const TileColors& colors, Framebuffer& out) {
-  for_each_pixel(lattice, tile, [&, color = out.color.data()](std::size_t r, std::size_t pixel) {
-    color[4 * pixel] = colors.red[r];
-    color[4 * pixel + 1] = colors.green[r];
-    color[4 * pixel + 2] = colors.blue[r];
-    color[4 * pixel + 3] = colors.alpha[r];
-  });
+void write_colors(const PixelLattice& lattice, const Tile& tile, const TileColors& colors, Framebuffer& out,
+                  Machine machine) {
+  compiled_for<write_colors_inline>(machine)(lattice, tile, colors, out.color.data());
 }
 
 void write_channels(const PixelLattice& lattice, const Tile& tile, const HitBatch& hits, const Vec3* normals,

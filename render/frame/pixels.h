@@ -52,12 +52,10 @@ void put_in_front(const TileColors& front, std::size_t count, TileColors& colors
 void lay_veil(const Look& look, LayerWork& work, const ReceivedLight& received, WorkerCounts& counts,
               TileColors& colors);
 
-/// Asks for the memory into which a tile will be written while others work at it; changes nothing.
-void expect_tile(const PixelLattice& lattice, const Tile& tile, const Framebuffer& out);
-
 /// Writes the colours of a tile's traced blocks. A pixel of a lattice with a spacing also stands for its neighbours to
 /// the right and below, up to the next pixel of the lattice.
-void write_colors(const PixelLattice& lattice, const Tile& tile, const TileColors& colors, Framebuffer& out);
+void write_colors(const PixelLattice& lattice, const Tile& tile, const TileColors& colors, Framebuffer& out,
+                  Machine machine = chosen_machine());
 
 /// Writes of a tile's hits what the framebuffer has channels for.
 /// @param normals  of the hits: towards the eye, world axes; read where the framebuffer keeps them

@@ -62,8 +62,8 @@ inline std::size_t hit_count(const render::Framebuffer& framebuffer) {
                                                 [](std::uint64_t id) { return id != render::Framebuffer::no_cell; }));
 }
 
-template <class T>
-bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+template <class T, class Place>
+bool same_bits(const std::vector<T, Place>& a, const std::vector<T, Place>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 

@@ -7,6 +7,7 @@
 #include "tests/tools/workbench.h"
 #include "tools/rhoray/scene/plan.h"
 #include "tools/rhoray/scene/schema.h"
+#include "tools/rhoray/scene/spelled_out.h"
 #include "tools/rhoray/scene/tables.h"
 
 namespace rhoray::tests {

@@ -15,6 +15,7 @@
 #include "tools/rhoray/scene/document.h"
 #include "tools/rhoray/scene/picture_options.h"
 #include "tools/rhoray/scene/plan.h"
+#include "tools/rhoray/scene/spelled_out.h"
 #include "tools/rhoray/subcommands.h"
 #include "tools/rhoray/threads.h"
 #include "tools/rhoray/version.h"

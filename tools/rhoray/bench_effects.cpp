@@ -7,6 +7,7 @@
 #include "tools/rhoray/picture_hash.h"
 #include "tools/rhoray/scene/document.h"
 #include "tools/rhoray/scene/plan.h"
+#include "tools/rhoray/scene/spelled_out.h"
 
 namespace rhoray::tools {
 

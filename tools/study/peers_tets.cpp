@@ -31,11 +31,14 @@ Contest isosurface_contest(const ContestWishes& wishes) {
     for (const char* level : {"float", "double", "certified", "exact"}) contest.add(own_isosurface(level));
   const std::shared_ptr<Triangles> triangles = linear_grid_contour(false), with_tree = linear_grid_contour(true);
 #ifdef RHORAY_WITH_EMBREE
-  if (wishes.wants("embree"))
-    for (const auto& scene : {embree_triangles(triangles), embree_cells(true), embree_cells(false)}) {
+  if (wishes.wants("embree")) {
+    constexpr auto wide = CellCallback::sixteen_rays, plain = CellCallback::ray_by_ray;
+    for (const auto& scene : {embree_triangles(triangles), embree_cells(true, wide), embree_cells(false, wide)}) {
       contest.add(embree_packets(scene));
       contest.add(embree_single_rays(scene));
     }
+    for (const bool only_crossed : {true, false}) contest.add(embree_packets(embree_cells(only_crossed, plain)));
+  }
 #else
   if (wishes.wants("embree")) contest.left_out["Embree"] = "not built: install libembree-dev";
 #endif

@@ -42,14 +42,34 @@ RHORAY_INLINE HitArrays from(const HitArrays& hits, std::size_t first) {
           .cost = hits.cost + first};
 }
 
-inline void write_misses(const HitArrays& hits, std::size_t count) {
+/// Writes that nothing was met; not the cost of finding that.
+inline void write_misses_alone(const HitArrays& hits, std::size_t count) {
   std::fill_n(hits.t, count, std::numeric_limits<double>::infinity());
   std::fill_n(hits.error, count, std::numeric_limits<double>::quiet_NaN());
   std::fill_n(hits.value, count, 0.0);
   for (double* component : hits.gradient) std::fill_n(component, count, 0.0);
   std::fill_n(hits.cell, count, std::uint64_t{0});
-  for (std::uint32_t* numbers : {hits.tet, hits.root_count, hits.iteration_count, hits.cost})
-    std::fill_n(numbers, count, 0u);
+  for (std::uint32_t* numbers : {hits.tet, hits.root_count, hits.iteration_count}) std::fill_n(numbers, count, 0u);
+}
+
+inline void write_misses(const HitArrays& hits, std::size_t count) {
+  write_misses_alone(hits, count);
+  std::fill_n(hits.cost, count, 0u);
+}
+
+/// Writes misses of all but some of at most 64 rays.
+/// @param hit  a bit for each ray that is left as it is
+inline void write_other_misses(const HitArrays& hits, std::size_t count, std::uint64_t hit) {
+  constexpr std::size_t few = 8;
+  for (std::size_t first = 0; first < count; first += few) {
+    const std::uint64_t hit_here = hit >> first & 0xff;
+    const std::size_t end = std::min(first + few, count);
+    if (hit_here == 0)
+      write_misses_alone(from(hits, first), end - first);
+    else if (hit_here != 0xff)
+      for (std::size_t r = first; r < end; ++r)
+        if ((hit >> r & 1) == 0) write_misses_alone(from(hits, r), 1);
+  }
 }
 
 inline RayArrays arrays_of(const RayBatch& rays) {

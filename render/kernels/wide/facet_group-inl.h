@@ -116,12 +116,11 @@ class FacetGroup {
   float far = 0;
   float all_from = 0, all_to = 0;  ///< any: the depths that lie between the ends of all rays
   std::uint64_t crossed = 0;       ///< any: lanes that have met a facet
-  Unanswered unanswered;
+  Answered answered;
 
  private:
   /// Of all rays of the chunk, as if all moved along this axis; those that do not, stay without hits.
   HWY_INLINE void describe_rays() {
-    HWY_ALIGN float slope[2][lanes], shift[2][lanes], begin[lanes], end[lanes];
     const VecD scale = hn::Set(doubles, surface.scale);
     const VecD towards = hn::Set(doubles, static_cast<double>(sign));
     const int minor[2] = {axis_u, axis_v};
@@ -135,28 +134,27 @@ class FacetGroup {
       const VecD w = start(axis_w);
       for (int m = 0; m < 2; ++m) {
         const VecD s = hn::Mul(hn::Load(doubles, rays.direction[minor[m]] + r), inverse);
-        store(s, slope[m] + r);
-        store(hn::Sub(start(minor[m]), hn::Mul(s, w)), shift[m] + r);
+        store(s, scratch.slope[m], r);
+        store(hn::Sub(start(minor[m]), hn::Mul(s, w)), scratch.shift[m], r);
       }
       const VecD speed = hn::Mul(d, scale);
-      store(hn::Mul(towards, hn::MulAdd(hn::Load(doubles, rays.t_min + r), speed, w)), begin + r);
-      store(hn::Mul(towards, hn::MulAdd(hn::Load(doubles, rays.t_max + r), speed, w)), end + r);
+      store(at_most(hn::Mul(towards, hn::MulAdd(hn::Load(doubles, rays.t_min + r), speed, w))), scratch.begin, r);
+      store(at_most(hn::Mul(towards, hn::MulAdd(hn::Load(doubles, rays.t_max + r), speed, w))), scratch.end, r);
     }
     if (rays.start_side != nullptr)
       for (std::size_t r = 0; r < ray_count; ++r)
         scratch.start_side[lane_of(r)] = static_cast<float>(rays.start_side[r]);
-    for (std::size_t quad = 0; 4 * quad < ray_count; ++quad) {
-      const auto place = [&](const float* from, float* to)
-                             HWY_ATTR { std::memcpy(to + lane_of(4 * quad), from + 4 * quad, 4 * sizeof(float)); };
-      for (int m = 0; m < 2; ++m) place(slope[m], scratch.slope[m]), place(shift[m], scratch.shift[m]);
-      place(begin, scratch.begin), place(end, scratch.end);
-    }
   }
 
-  /// Numbers too large for floats become large ones.
-  HWY_INLINE static void store(VecD v, float* to) {
+  /// Numbers of the rays from r on.
+  HWY_INLINE static void store(VecD v, float* of_lanes, std::size_t r) {
+    store_in_lanes(half_floats, hn::DemoteTo(half_floats, v), of_lanes, r);
+  }
+
+  /// Numbers too large for the facets' frame become large ones.
+  HWY_INLINE static VecD at_most(VecD v) {
     const VecD largest = hn::Set(doubles, static_cast<double>(beyond));
-    hn::StoreU(hn::DemoteTo(half_floats, hn::Max(hn::Min(v, largest), hn::Neg(largest))), half_floats, to);
+    return hn::Max(hn::Min(v, largest), hn::Neg(largest));
   }
 
   HWY_INLINE MaskF alive_in(std::uint64_t lanes_alive, std::size_t lane) const {
@@ -168,30 +166,30 @@ class FacetGroup {
   /// above the straight line between any two of its values.
   HWY_INLINE void bound_places(std::uint64_t lanes_alive) {
     HWY_ALIGN float at_low[lanes / 4], at_high[lanes / 4];
-    const VecF w_low = hn::Set(floats, w_from), w_high = hn::Set(floats, w_to);
-    for (std::size_t p = 0; p < packs; ++p) {
-      float* bound[2] = {at_low + 4 * p, at_high + 4 * p};
-      if ((lanes_alive >> pack * p & pack_bits) == 0) {
-        for (int l = 0; l < 4; ++l) bound[0][l] = bound[1][l] = -beyond;
-        continue;
-      }
-      for (int m = 0; m < 2; ++m) {
-        VecF least[2], most[2];
-        for (int e = 0; e < 2; ++e) least[e] = hn::Set(floats, beyond), most[e] = hn::Set(floats, -beyond);
-        for (std::size_t i = 0; i < pack; i += float_lanes) {
-          const std::size_t r = pack * p + i;
+    float* const at[2] = {at_low, at_high};
+    const VecF end_of_box[2] = {hn::Set(floats, w_from), hn::Set(floats, w_to)};
+    for (int m = 0; m < 2; ++m) {
+      VecF least[2][packs], most[2][packs];
+      for (std::size_t p = 0; p < packs; ++p) {
+        for (int e = 0; e < 2; ++e) least[e][p] = hn::Set(floats, beyond), most[e][p] = hn::Set(floats, -beyond);
+        for (std::size_t r = pack * p; r < pack * (p + 1); r += float_lanes) {
           const MaskF alive = alive_in(lanes_alive, r);
           const VecF slope = hn::Load(floats, scratch.slope[m] + r), shift = hn::Load(floats, scratch.shift[m] + r);
           for (int e = 0; e < 2; ++e) {
-            const VecF place = hn::MulAdd(slope, e == 0 ? w_low : w_high, shift);
-            least[e] = hn::Min(least[e], hn::IfThenElse(alive, place, least[e]));
-            most[e] = hn::Max(most[e], hn::IfThenElse(alive, place, most[e]));
+            const VecF place = hn::MulAdd(slope, end_of_box[e], shift);
+            least[e][p] = hn::Min(least[e][p], hn::IfThenElse(alive, place, least[e][p]));
+            most[e][p] = hn::Max(most[e][p], hn::IfThenElse(alive, place, most[e][p]));
           }
         }
-        for (int e = 0; e < 2; ++e) {
-          bound[e][2 * m] = bound_margin - least_of(least[e]);
-          bound[e][2 * m + 1] = bound_margin + largest_of(most[e]);
-        }
+      }
+      for (int e = 0; e < 2; ++e) {
+        HWY_ALIGN float of_packs[2][packs];
+        for (VecF& v : least[e]) v = hn::Neg(v);
+        largest_of_each(least[e], of_packs[0]);
+        largest_of_each(most[e], of_packs[1]);
+        for (std::size_t p = 0; p < packs; ++p)
+          for (std::size_t side = 0; side < 2; ++side)
+            at[e][4 * p + 2 * static_cast<std::size_t>(m) + side] = bound_margin + of_packs[side][p];
       }
     }
     for (int l = 0; l < 4; ++l) {
@@ -211,7 +209,7 @@ class FacetGroup {
       const VecF slope = hn::Mul(hn::Sub(high, low), inverse);
       const VecF base = is_short ? hn::Max(low, high) : low;
       hn::Store(slope, floats, scratch.cull_slope + i);
-      hn::Store(hn::NegMulAdd(slope, w_low, base), floats, scratch.cull_offset + i);
+      hn::Store(hn::NegMulAdd(slope, end_of_box[0], base), floats, scratch.cull_offset + i);
     }
     for (int l = 0; l < 4; ++l) {
       const float low = group_at_low_[l], high = group_at_high_[l];

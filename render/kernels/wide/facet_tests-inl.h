@@ -317,7 +317,7 @@ class FacetTests {
       if (group_.scratch.doubt_count < FacetScratch::doubt_capacity)
         group_.scratch.doubts[group_.scratch.doubt_count++] = {ray, facet};
       else
-        group_.unanswered.whole |= std::uint64_t{1} << ray;
+        group_.answered.whole |= std::uint64_t{1} << ray;
     }
   }
 

@@ -1,4 +1,5 @@
 #include <bit>
+#include <limits>
 
 #include "render/kernels/wide/facets_parts.h"
 #include "render/march/ticks.h"
@@ -45,15 +46,27 @@ class FacetWalk {
     }
   }
 
-  HWY_INLINE Unanswered unanswered() const { return group_.unanswered; }
+  HWY_INLINE Answered answered() const { return group_.answered; }
   HWY_INLINE std::uint64_t crossed() const { return group_.crossed; }  ///< lanes
 
  private:
-  struct Entry {
-    float near;
-    std::uint32_t node;
-    std::int32_t level;  ///< -1: a block
-  };
+  /// A node or block on the stack as one number, so that comparing two compares how near they are: from above the key
+  /// of its least depth, its level, counted from 1 and 0 for a block, and its place there.
+  using Entry = std::uint64_t;
+  static constexpr int level_shift = 28;
+  static HWY_INLINE Entry entry_of(std::uint32_t key, std::uint32_t level, std::uint32_t place) {
+    return Entry{key} << 32 | Entry{level} << level_shift | place;
+  }
+
+  /// Whole numbers in the order of the floats.
+  static HWY_INLINE std::uint32_t key_of(float depth) {
+    const auto bits = std::bit_cast<std::int32_t>(depth);
+    return static_cast<std::uint32_t>(bits ^ (bits >> 31 & 0x7fffffff)) ^ 0x80000000;
+  }
+  static HWY_INLINE VecI keys_of(VecF depth) {
+    const VecI bits = hn::BitCast(ints, depth), sign = hn::Set(ints, std::numeric_limits<std::int32_t>::min());
+    return hn::Xor(hn::Xor(bits, hn::AndNot(sign, hn::ShiftRight<31>(bits))), sign);
+  }
 
   void walk(std::uint64_t lanes_alive) {
     visits_ = 0;
@@ -62,17 +75,19 @@ class FacetWalk {
       group_.find_group_far();
       Entry stack[(FacetNode::size - 1) * FacetSurface::largest_level_count + 1];
       std::size_t top = 0;
-      stack[top++] = {-beyond, 0, group_.surface.level_count - 1};
+      stack[top++] = entry_of(0, static_cast<std::uint32_t>(group_.surface.level_count), 0);
       while (top != 0) {
         const Entry entry = stack[--top];
-        if (entry.near > group_.far) continue;
+        if (entry >> 32 > key_of(group_.far)) continue;
         ++visits_;
-        if (entry.level >= 0) {
-          open(entry, stack, top);
+        const std::uint32_t level = static_cast<std::uint32_t>(entry) >> level_shift,
+                            place = static_cast<std::uint32_t>(entry) & ((1U << level_shift) - 1);
+        if (level > 0) {
+          open(level, place, stack, top);
           ++nodes_;
         } else {
           const std::uint64_t start = group_.surface.time_phases ? ticks_now() : 0;
-          tests_.look_into(entry.node);
+          tests_.look_into(place);
           if (group_.surface.time_phases) counters_.intersection_ticks += ticks_now() - start;
           ++blocks_;
         }
@@ -83,9 +98,9 @@ class FacetWalk {
   }
 
   /// Puts those children of a node that the group may meet on the stack, the nearest on top.
-  HWY_INLINE void open(const Entry& entry, Entry* stack, std::size_t& top) {
-    const FacetNode& node = group_.surface.levels[entry.level][entry.node];
-    HWY_ALIGN float near_of[FacetNode::size];
+  HWY_INLINE void open(std::uint32_t level, std::uint32_t place, Entry* stack, std::size_t& top) {
+    const FacetNode& node = group_.surface.levels[level - 1][place];
+    HWY_ALIGN std::int32_t keys[FacetNode::size];
     std::uint64_t met = 0;
     for (std::size_t i = 0; i < FacetNode::size; i += float_lanes) {
       const VecF w_low = hn::Max(hn::Load(floats, node.low[group_.axis_w] + i), hn::Set(floats, group_.w_from));
@@ -102,16 +117,16 @@ class FacetWalk {
         in = hn::And(in, hn::Ge(hn::Add(bound(2 * m), high), hn::Zero(floats)));
         in = hn::And(in, hn::Ge(hn::Sub(bound(2 * m + 1), low), hn::Zero(floats)));
       }
-      hn::Store(near, floats, near_of + i);
+      hn::Store(keys_of(near), ints, keys + i);
       met |= bits_of(floats, in) << i;
     }
     const std::size_t bottom = top;
     for (; met != 0; met &= met - 1) {
       const auto child = static_cast<std::uint32_t>(std::countr_zero(met));
-      const Entry added{near_of[child], FacetNode::size * entry.node + child, entry.level - 1};
-      std::size_t place = top++;
-      for (; place > bottom && stack[place - 1].near < added.near; --place) stack[place] = stack[place - 1];
-      stack[place] = added;
+      const Entry added = entry_of(static_cast<std::uint32_t>(keys[child]), level - 1, FacetNode::size * place + child);
+      std::size_t at = top++;
+      for (; at > bottom && stack[at - 1] < added; --at) stack[at] = stack[at - 1];
+      stack[at] = added;
     }
   }
 
@@ -141,20 +156,21 @@ HWY_INLINE void for_each_direction(const Directions& directions, const Act& act)
 }
 
 template <FacetSearch search>
-Unanswered first_facets(const FacetSurface& surface, const RayArrays& rays, std::size_t count, const HitArrays& hits,
-                        FacetScratch& scratch, KernelCounters& counters) {
+Answered first_facets(const FacetSurface& surface, const RayArrays& rays, std::size_t count, const HitArrays& hits,
+                      FacetScratch& scratch, KernelCounters& counters) {
   const Directions directions =
       directions_of(surface, rays, count, search == FacetSearch::certified ? certified_reach : reach);
-  Unanswered unanswered{.whole = directions.strange};
+  Answered answered{.whole = directions.strange};
   scratch.doubt_count = 0;
   for_each_direction(directions, [&](int axis, bool down, std::uint64_t chosen) HWY_ATTR {
     FacetWalk<search> walk(surface, rays, count, hits, axis, down, scratch, counters);
     walk.trace(lanes_of(chosen));
-    unanswered.whole |= walk.unanswered().whole;
-    unanswered.part |= walk.unanswered().part;
+    answered.hit |= walk.answered().hit;
+    answered.whole |= walk.answered().whole;
+    answered.part |= walk.answered().part;
   });
-  unanswered.part &= ~unanswered.whole;
-  return unanswered;
+  answered.part &= ~answered.whole;
+  return answered;
 }
 
 MetFacets any_facets(const FacetSurface& surface, const RayArrays& rays, std::size_t count, FacetScratch& scratch,

@@ -132,8 +132,8 @@ void first_facets(const VolumeImplementation& volume, const Question& question, 
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
             const std::size_t count = std::min(RayGroup::size, rays.count - first);
             const HitArrays chunk = from(answers, first);
-            write_misses(chunk, count);
-            Unanswered left = answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
+            Answered left = answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
+            write_other_misses(chunk, count, left.hit);
             Kernel other = reference;
             if constexpr (certified && is_mesh<View>) {
               if (left.part != 0)

@@ -99,15 +99,17 @@ constexpr std::size_t ray_of(std::size_t lane) {
   return (pack / 2 * 4 + in_pack / 4) * 8 + pack % 2 * 4 + in_pack % 4;
 }
 
-/// A bit for each ray of a chunk that is not answered yet.
-struct Unanswered {
-  std::uint64_t whole = 0;  ///< by the reference: what is no ray of finite numbers; certified: what is not proven
-  std::uint64_t part = 0;   ///< certified: what is written is the answer but for facets in doubt (FacetScratch::doubts)
+/// What is known of a chunk's rays: a bit for each.
+struct Answered {
+  std::uint64_t hit = 0;    ///< their hits are written
+  std::uint64_t whole = 0;  ///< to be asked of the reference: what is no ray of finite numbers; certified: what is not
+                            ///< proven
+  std::uint64_t part = 0;   ///< certified: the answer but for facets in doubt (FacetScratch::doubts)
 };
 
-/// Answers at most 64 rays. Hits are written; what is no hit is left as it is, but for its cost.
-using FirstFacets = Unanswered (*)(const FacetSurface& surface, const RayArrays& rays, std::size_t count,
-                                   const HitArrays& hits, FacetScratch& scratch, KernelCounters& counters);
+/// Answers at most 64 rays. Hits are written, and what each ray cost; of what is no hit nothing else.
+using FirstFacets = Answered (*)(const FacetSurface& surface, const RayArrays& rays, std::size_t count,
+                                 const HitArrays& hits, FacetScratch& scratch, KernelCounters& counters);
 
 /// Which of at most 64 rays meet a facet.
 struct MetFacets {

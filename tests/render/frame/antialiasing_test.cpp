@@ -32,8 +32,8 @@ Answer traced(std::span<const render::Volume> volumes, const Scene& scene, const
   return answer;
 }
 
-template <class T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+template <class T, class Place>
+bool same_bytes(const std::vector<T, Place>& a, const std::vector<T, Place>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 

@@ -28,8 +28,8 @@ using render::Scene;
 
 constexpr render::ChannelSet all_channels{.depth = true, .normal = true, .cell = true, .value = true};
 
-template <class T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+template <class T, class Place>
+bool same_bytes(const std::vector<T, Place>& a, const std::vector<T, Place>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 bool same_bytes(const Framebuffer& a, const Framebuffer& b) {

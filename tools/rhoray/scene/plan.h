@@ -58,11 +58,4 @@ void place_camera(const SceneWishes& wishes, const ShownBox& shown, ScenePlan& p
 /// Around all that is shown; around the data where no surface passes through any cell.
 Box3 shown_box(const ScenePlan& plan);
 
-/// Wishes that say every choice of the plan, so that they are planned to the same picture.
-SceneWishes spelled_out(const ScenePlan& plan);
-
-/// The command that makes this picture again, every choice spelled out: in options for a scene of one layer under one
-/// white light at the eye, else in a document on the command line.
-std::vector<std::string> reproducing_command(const ScenePlan& plan, const std::filesystem::path& output);
-
 }  // namespace rhoray::tools

@@ -87,46 +87,57 @@ __attribute__((target_clones("arch=skylake-avx512", "avx2,fma", "default"))) voi
   }
 }
 
-void meet_1(const Cell& cell, float isovalue, RTCRayHit& rayhit, unsigned cell_number, unsigned geometry) {
-  RTCRay& ray = rayhit.ray;
+/// One ray of N, as Embree's own examples of user geometry go through them.
+template <unsigned N>
+void meet_ray(const Cell& cell, float isovalue, RTCRayHitN* rayhit, unsigned i, unsigned cell_number,
+              unsigned geometry) {
+  RTCRayN* ray = RTCRayHitN_RayN(rayhit, N);
+  RTCHitN* hit = RTCRayHitN_HitN(rayhit, N);
+  const float from[3] = {RTCRayN_org_x(ray, N, i), RTCRayN_org_y(ray, N, i), RTCRayN_org_z(ray, N, i)};
+  const float to[3] = {RTCRayN_dir_x(ray, N, i), RTCRayN_dir_y(ray, N, i), RTCRayN_dir_z(ray, N, i)};
   const auto at = [&](const float* plane) {
-    return plane[0] * ray.org_x + plane[1] * ray.org_y + plane[2] * ray.org_z + plane[3];
+    return plane[0] * from[0] + plane[1] * from[1] + plane[2] * from[2] + plane[3];
   };
-  const auto along = [&](const float* plane) {
-    return plane[0] * ray.dir_x + plane[1] * ray.dir_y + plane[2] * ray.dir_z;
-  };
+  const auto along = [&](const float* plane) { return plane[0] * to[0] + plane[1] * to[1] + plane[2] * to[2]; };
   const float t = (isovalue - at(cell.field)) / along(cell.field);
-  if (!(t > ray.tnear) || !(t < ray.tfar)) return;
+  if (!(t > RTCRayN_tnear(ray, N, i)) || !(t < RTCRayN_tfar(ray, N, i))) return;
   for (const auto& weight : cell.weight)
     if (!(at(weight) + t * along(weight) >= -slack)) return;
-  ray.tfar = t;
-  rayhit.hit.Ng_x = cell.field[0];
-  rayhit.hit.Ng_y = cell.field[1];
-  rayhit.hit.Ng_z = cell.field[2];
-  rayhit.hit.primID = cell_number;
-  rayhit.hit.geomID = geometry;
+  RTCRayN_tfar(ray, N, i) = t;
+  RTCHitN_Ng_x(hit, N, i) = cell.field[0];
+  RTCHitN_Ng_y(hit, N, i) = cell.field[1];
+  RTCHitN_Ng_z(hit, N, i) = cell.field[2];
+  RTCHitN_primID(hit, N, i) = cell_number;
+  RTCHitN_geomID(hit, N, i) = geometry;
 }
 
+template <CellCallback callback>
 void meet_cell(const RTCIntersectFunctionNArguments* asked) {
   const Cells& cells = *static_cast<const Cells*>(asked->geometryUserPtr);
   const Cell& cell = cells.cells[asked->primID];
-  if (!(cell.lo < cells.isovalue && cells.isovalue <= cell.hi)) return;
-  if (asked->N == 16)
-    meet_16(cell, cells.isovalue, asked->valid, *reinterpret_cast<RTCRayHit16*>(asked->rayhit), asked->primID,
-            asked->geomID);
-  else if (asked->valid[0] != 0)
-    meet_1(cell, cells.isovalue, *reinterpret_cast<RTCRayHit*>(asked->rayhit), asked->primID, asked->geomID);
+  const float isovalue = cells.isovalue;
+  if (!(cell.lo < isovalue && isovalue <= cell.hi)) return;
+  if (asked->N != 16) {
+    if (asked->valid[0] != 0) meet_ray<1>(cell, isovalue, asked->rayhit, 0, asked->primID, asked->geomID);
+  } else if constexpr (callback == CellCallback::sixteen_rays) {
+    meet_16(cell, isovalue, asked->valid, *reinterpret_cast<RTCRayHit16*>(asked->rayhit), asked->primID, asked->geomID);
+  } else {
+    for (unsigned i = 0; i < 16; ++i)
+      if (asked->valid[i] != 0) meet_ray<16>(cell, isovalue, asked->rayhit, i, asked->primID, asked->geomID);
+  }
 }
 
 class CellScene final : public EmbreeScene {
  public:
-  explicit CellScene(bool only_crossed) : only_crossed_(only_crossed) {}
+  CellScene(bool only_crossed, CellCallback callback) : only_crossed_(only_crossed), callback_(callback) {}
 
   std::string named(const std::string& way) const override {
-    return concat("Embree, ", only_crossed_ ? "crossed cells, " : "all cells, ", way);
+    return concat("Embree, ", only_crossed_ ? "crossed cells, " : "all cells, ",
+                  callback_ == CellCallback::ray_by_ray ? "plain callback, " : "", way);
   }
   std::string shows() const override {
-    return only_crossed_ ? "user geometry of the cells that the isovalue crosses" : "user geometry of all cells";
+    return concat("user geometry of ", only_crossed_ ? "the cells that the isovalue crosses" : "all cells",
+                  callback_ == CellCallback::ray_by_ray ? ", a callback that goes through its rays" : "");
   }
   Vec3 middle() const override { return cells_.middle; }
 
@@ -168,18 +179,21 @@ class CellScene final : public EmbreeScene {
     rtcSetGeometryUserData(geometry, &cells_);
     rtcSetGeometryBoundsFunction(
         geometry, [](const RTCBoundsFunctionArguments* asked) { bounds_of_cell(asked); }, nullptr);
-    rtcSetGeometryIntersectFunction(geometry, meet_cell);
+    rtcSetGeometryIntersectFunction(geometry, callback_ == CellCallback::sixteen_rays
+                                                  ? meet_cell<CellCallback::sixteen_rays>
+                                                  : meet_cell<CellCallback::ray_by_ray>);
     finish(geometry);
   }
 
   bool only_crossed_;
+  CellCallback callback_;
   Cells cells_;
 };
 
 }  // namespace
 
-std::shared_ptr<EmbreeScene> embree_cells(bool only_crossed) {
-  return std::make_shared<CellScene>(only_crossed);
+std::shared_ptr<EmbreeScene> embree_cells(bool only_crossed, CellCallback callback) {
+  return std::make_shared<CellScene>(only_crossed, callback);
 }
 
 }  // namespace rhoray::study

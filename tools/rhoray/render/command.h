@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "tools/rhoray/accuracy/choice.h"
+#include "tools/rhoray/accuracy/self_check.h"
+#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/pick.h"
+#include "tools/rhoray/scene/picture_options.h"
+
+namespace rhoray::tools {
+
+/// What was asked of `rhoray render`.
+struct RenderCommand {
+  CommonOptions common;
+  std::filesystem::path input;
+  PictureOptions picture;
+  std::vector<PixelPlace> picks;
+  bool statistics = false;
+  bool no_verify = false;
+  bool explain = false;
+  bool print_scene = false;
+  Goal goal;
+  SelfCheckOptions self_check;
+  std::optional<int> frame;  ///< the only one to be drawn
+  std::optional<int> sheet;  ///< how many frames stand in a row of one picture of all
+};
+
+}  // namespace rhoray::tools

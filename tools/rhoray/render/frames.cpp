@@ -1,0 +1,211 @@
+#include "tools/rhoray/render/frames.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "formats/base/trouble.h"
+#include "tools/rhoray/measure.h"
+#include "tools/rhoray/pictures.h"
+#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/render/picture.h"
+#include "tools/rhoray/render/picture_report.h"
+#include "tools/rhoray/scene/document.h"
+#include "tools/rhoray/scene/picture_words.h"
+#include "tools/rhoray/scene/spelled_out.h"
+#include "tools/rhoray/scene/sweep.h"
+#include "tools/rhoray/statistics_words.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+/// The names of a sweep's pictures, by frame.
+std::filesystem::path frame_name(const RenderCommand& command, int frame) {
+  const std::filesystem::path& pattern = command.common.output;
+  if (const auto name = numbered(pattern, frame)) return *name;
+  if (command.frame && pattern.filename().string().find('%') == std::string::npos && !pattern.empty()) return pattern;
+  throw Error(Trouble::usage,
+              concat("-o: found '", pattern.string(), "'; expected a name with a place for the frame's number"),
+              "such as out_%04d.png");
+}
+
+struct DrawnFrame {
+  int frame;
+  double time;
+  std::optional<double> isovalue;  ///< of a scene of one isosurface
+  std::filesystem::path picture;
+  render::FrameStatistics statistics;
+  double write_s;
+  std::string reproduce;
+};
+
+DrawnFrame drawn_frame(int frame, const Sweep& sweep, const Drawn& drawn) {
+  DrawnFrame of{frame,          sweep.time_of(frame), {}, drawn.output, drawn.statistics, drawn.stations.write_s,
+                drawn.reproduce};
+  const std::vector<render::Layer>& layers = drawn.plan.scene.layers;
+  if (layers.size() == 1 && layers[0].mode == render::Mode::isosurface) of.isovalue = layers[0].isovalue;
+  return of;
+}
+
+Json json_of(const DrawnFrame& frame) {
+  Json json{{"frame", frame.frame}, {"time", frame.time}, {"picture", frame.picture.string()}};
+  if (frame.isovalue) json["isovalue"] = *frame.isovalue;
+  json["statistics"] = statistics_json(frame.statistics);
+  json["seconds"] = {{"trace", frame.statistics.wall_s},
+                     {"of_it_preparation", frame.statistics.preparation_s},
+                     {"write", frame.write_s}};
+  json["reproduce"] = frame.reproduce;
+  return json;
+}
+
+void report_frames(const RenderCommand& command, const ScenePlan& plan, const std::vector<DrawnFrame>& frames) {
+  double traced_s = 0, preparation_s = 0;
+  for (const DrawnFrame& frame : frames)
+    traced_s += frame.statistics.wall_s, preparation_s += frame.statistics.preparation_s;
+  const double rate = static_cast<double>(frames.size()) / traced_s;
+  if (command.common.json) {
+    Json json{{"method", method_text(plan)},
+              {"size", {plan.frame.width, plan.frame.height}},
+              {"frames_per_second", rate},
+              {"frames", Json::array()}};
+    for (const DrawnFrame& frame : frames) json["frames"].push_back(json_of(frame));
+    std::puts(dump(json).c_str());
+  } else if (command.statistics) {
+    std::puts("  frame       time   isovalue         rays         hits  prepared s  traced s");
+    for (const DrawnFrame& frame : frames) {
+      char line[160];
+      std::snprintf(line, sizeof line, "  %5d %10s %10s %12s %12s %11.4f %9.4f", frame.frame,
+                    rounded(frame.time).c_str(), frame.isovalue ? rounded(*frame.isovalue).c_str() : "-",
+                    grouped(frame.statistics.rays).c_str(), grouped(frame.statistics.hits).c_str(),
+                    frame.statistics.preparation_s, frame.statistics.wall_s);
+      std::puts(line);
+    }
+  }
+  say_choices(command.common, plan);
+  say(command.common,
+      concat(frames.front().picture.string(), " to ", frames.back().picture.string(), ": ", frames.size(),
+             " frames by ", frames.back().statistics.machine, " kernels, traced in ", rounded(traced_s, 3), " s, ",
+             rounded(preparation_s, 3), " s of it preparation: ", rounded(rate, 3), " frames per second"));
+}
+
+/// The scene of a plan with its key frames.
+SceneWishes spelled_out(const ScenePlan& plan, const SceneWishes& wishes, const Sweep& sweep) {
+  SceneWishes spelled = spelled_out(plan);
+  spelled.camera = wishes.camera;
+  spelled.image.frames = sweep.frame_count();
+  return spelled;
+}
+
+/// Copies a picture to a place of a sheet, counted from the upper left in rows.
+void put_on_sheet(const render::Framebuffer& picture, std::size_t place, int columns, render::Framebuffer& sheet) {
+  const int column = static_cast<int>(place) % columns, row = static_cast<int>(place) / columns;
+  const auto width = static_cast<std::size_t>(picture.width);
+  for (int y = 0; y < picture.height; ++y) {
+    const std::size_t to = static_cast<std::size_t>(row * picture.height + y) * static_cast<std::size_t>(sheet.width) +
+                           static_cast<std::size_t>(column) * width;
+    const float* from = picture.color.data() + 4 * static_cast<std::size_t>(y) * width;
+    std::copy_n(from, 4 * width, sheet.color.data() + 4 * to);
+  }
+}
+
+/// A picture of all frames, empty places in the background's colour.
+render::Framebuffer empty_sheet(const ScenePlan& plan, int columns, int frame_count) {
+  const int rows = (frame_count + columns - 1) / columns;
+  render::Framebuffer sheet(plan.frame.width * columns, plan.frame.height * rows, {});
+  for (std::size_t c = 0; c < 3; ++c)
+    sheet.background[c] = static_cast<float>(plan.scene.background[static_cast<int>(c)]);
+  for (std::size_t pixel = 0; pixel < sheet.pixel_count(); ++pixel)
+    std::copy_n(sheet.background.data(), 3, sheet.color.data() + 4 * pixel);
+  return sheet;
+}
+
+/// All frames in one picture.
+void draw_sheet(const RenderCommand& command, ProgressDisplay& display, const SceneWishes& wishes, Sweep& sweep,
+                ScenePlan plan) {
+  Drawn drawn;
+  drawn.output = command.common.output;
+  drawn.plan = std::move(plan);
+  const int columns = *command.sheet, frame_count = sweep.frame_count();
+  if (drawn.plan.frame.channels.any())
+    throw Error(Trouble::usage, "--sheet: keeps colours alone; expected no --channels beside it");
+  ScenePlan& shown = drawn.plan;
+  require_picture(command, drawn.output, shown);
+  render::Framebuffer sheet = empty_sheet(shown, columns, frame_count);
+  Checks checks(command, shown);
+  render::FrameMemory memory;
+  std::vector<DrawnFrame> frames;
+  for (int frame = 0; frame < frame_count; ++frame) {
+    display.show("drawing (frames)", static_cast<std::uint64_t>(frame), static_cast<std::uint64_t>(frame_count));
+    sweep.plan_frame(frame, shown);
+    put_on_sheet(trace(command, memory, drawn), frames.size(), columns, sheet);
+    frames.push_back(drawn_frame(frame, sweep, drawn));
+  }
+  checks.wait();
+  const SceneWishes spelled = spelled_out(shown, wishes, sweep);
+  drawn.reproduce = shell_line(
+      {"rhoray", "render", dump(scene_json(spelled)), "--sheet", concat(columns), "-o", drawn.output.string()});
+  write(command, sheet, spelled, drawn);
+  display.clear();
+  report_frames(command, shown, frames);
+  say(command.common, concat("reproduce: ", drawn.reproduce));
+}
+
+void draw_frames(const RenderCommand& command, ProgressDisplay& display, Sweep& sweep, ScenePlan plan) {
+  const int first = command.frame.value_or(0), end = command.frame ? first + 1 : sweep.frame_count();
+  Drawn drawn;
+  drawn.plan = std::move(plan);
+  const std::vector<std::string> notes = drawn.plan.notes;
+  for (int frame = first; frame < end; ++frame) require_picture(command, frame_name(command, frame), drawn.plan);
+  Checks checks(command, drawn.plan);
+  render::FrameMemory memory;
+  std::vector<DrawnFrame> frames;
+  for (int frame = first; frame < end; ++frame) {
+    display.show("drawing (frames)", static_cast<std::uint64_t>(frame - first),
+                 static_cast<std::uint64_t>(end - first));
+    drawn.plan.notes = notes;
+    sweep.plan_frame(frame, drawn.plan);
+    drawn.output = frame_name(command, frame);
+    draw(command, memory, checks, drawn);
+    frames.push_back(drawn_frame(frame, sweep, drawn));
+  }
+  display.clear();
+  report_frames(command, drawn.plan, frames);
+}
+
+}  // namespace
+
+void run_frames(const RenderCommand& command, const SceneWishes& wishes) {
+  ProgressDisplay display(command.common);
+  Sweep sweep(wishes);
+  if (command.frame && (*command.frame < 0 || *command.frame >= sweep.frame_count()))
+    throw Error(Trouble::usage, concat("--frame: found ", *command.frame, "; expected 0 to ", sweep.frame_count() - 1));
+  if (!command.picks.empty()) throw Error(Trouble::usage, "--pick: looks into one picture, not into frames");
+  if (command.self_check.pixels > 0) throw Error(Trouble::usage, "--verify: traces one picture again, not frames");
+  if (command.goal.is_given())
+    throw Error(Trouble::usage, "--max-error and --budget-ms choose a method for one picture, not for frames");
+  if (command.frame && command.sheet) throw Error(Trouble::usage, "--sheet: shows all frames, --frame one of them");
+  if (command.sheet && !(*command.sheet >= 1 && *command.sheet <= 1000))
+    throw Error(Trouble::usage, concat("--sheet: found ", *command.sheet, "; expected 1 to 1000"));
+  const int frame = command.frame.value_or(0);
+  const bool draws = !command.explain && !command.print_scene;
+  if (draws)
+    require_picture_format(command.sheet ? command.common.output : frame_name(command, frame),
+                           channel_set(wishes.image.channels.value_or(std::vector<std::string>{})));
+  display.show(concat("opening ", wishes.data[0].file.string()));
+  const SceneWishes of_frame = sweep.wishes_at(sweep.time_of(frame));
+  ScenePlan plan = plan_layers(of_frame);
+  if (draws && command.sheet) draw_sheet(command, display, wishes, sweep, std::move(plan));
+  if (draws && !command.sheet) draw_frames(command, display, sweep, std::move(plan));
+  if (draws) return;
+  sweep.plan_frame(frame, plan);
+  display.clear();
+  if (command.explain) {
+    explain(command, of_frame, plan);
+    std::puts(concat("frame ", frame, " of ", sweep.frame_count(), ", at time ", sweep.time_of(frame)).c_str());
+    return;
+  }
+  const SceneWishes spelled = command.frame ? spelled_out(plan) : spelled_out(plan, wishes, sweep);
+  std::fputs(dump_lines(scene_json(spelled)).c_str(), stdout);
+}
+
+}  // namespace rhoray::tools

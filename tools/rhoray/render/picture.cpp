@@ -1,0 +1,148 @@
+#include "tools/rhoray/render/picture.h"
+
+#include <algorithm>
+
+#include "formats/base/bytes.h"
+#include "formats/base/trouble.h"
+#include "tools/rhoray/damage.h"
+#include "tools/rhoray/measure.h"
+#include "tools/rhoray/pick.h"
+#include "tools/rhoray/pictures.h"
+#include "tools/rhoray/scene/annotations.h"
+#include "tools/rhoray/scene/document.h"
+#include "tools/rhoray/scene/picture_words.h"
+#include "tools/rhoray/scene/spelled_out.h"
+#include "tools/rhoray/version.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+/// @param antialiases  depths and normals are compared
+std::uint64_t framebuffer_bytes(const PictureSize& size, render::ChannelSet channels, bool antialiases) {
+  if (antialiases) channels |= {.depth = true, .normal = true};
+  const std::uint64_t pixel =
+      4 * sizeof(float) + (channels.depth ? sizeof(float) : 0) + (channels.normal ? 3 * sizeof(float) : 0) +
+      (channels.cell ? sizeof(std::uint64_t) : 0) + (channels.value ? sizeof(double) : 0) +
+      (channels.error ? sizeof(float) : 0) + (antialiases ? 2 : 0) +
+      sizeof(std::uint32_t) * (std::uint64_t{channels.roots} + channels.iterations + channels.cost);
+  return pixel * static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
+}
+
+void require_memory(const RenderCommand& command, const ScenePlan& plan) {
+  const std::uint64_t needed =
+      framebuffer_bytes({plan.frame.width, plan.frame.height}, plan.frame.channels, plan.frame.antialiasing > 1);
+  const std::uint64_t machine = this_machine().memory_bytes, asked = command.common.memory.bytes;
+  const std::uint64_t limit = asked != 0 ? asked : machine;
+  if (needed > limit)
+    throw Error(Trouble::resource, concat("--size: the picture takes ", bytes_text(needed), " of memory; ",
+                                          asked != 0 ? "--memory allows " : "this machine has ", bytes_text(limit)));
+}
+
+/// Refuses with the damaged blocks' names.
+void refuse_damage(const formats::PackedFile& file, const std::vector<formats::DamagedBlock>& blocks) {
+  if (blocks.empty()) return;
+  constexpr std::size_t shown_count = 4;
+  std::string fact = file.name() + ":";
+  for (std::size_t i = 0; i < std::min(shown_count, blocks.size()); ++i)
+    fact += concat(i == 0 ? " " : "; ", damage_text(file, blocks[i]));
+  if (blocks.size() > shown_count) fact += concat("; and ", blocks.size() - shown_count, " blocks more");
+  throw Error(Trouble::invalid, fact,
+              concat("no picture was written; `rhoray verify ", file.name(), "` lists all blocks"));
+}
+
+std::vector<Json> take_picks(const std::vector<PixelPlace>& pixels, const render::Framebuffer& framebuffer) {
+  std::vector<Json> picks;
+  for (const PixelPlace& pixel : pixels) picks.push_back(picked(framebuffer, pixel));
+  return picks;
+}
+
+/// Of all files of a scene; the first one with damage is refused.
+void check_files(const ScenePlan& plan) {
+  for (const render::Volume& volume : plan.volumes) refuse_damage(volume.file(), volume.file().damaged_blocks(1));
+  for (const render::Texture& texture : plan.textures) refuse_damage(texture.file(), texture.file().damaged_blocks(1));
+}
+
+void require_writable(const RenderCommand& command, const std::filesystem::path& output, const ScenePlan& plan) {
+  require_writable(command.common, output, command.input);
+  for (const auto* data : {&plan.data, &plan.texture_data})
+    for (const DataWish& each : *data) require_writable(command.common, output, each.file);
+}
+
+bool has_annotations(const ScenePlan& plan) {
+  const auto& [axes, box, bar, caption] = plan.annotations;
+  return axes || box.value_or(false) || bar || !caption.empty();
+}
+
+void draw_annotations(const Drawn& drawn, render::Framebuffer& framebuffer) {
+  if (!has_annotations(drawn.plan)) return;
+  const std::filesystem::path font = find_font(known_fonts());
+  annotate(
+      annotations_of(drawn.plan, drawn.heat),
+      [&](const std::string& text, int pixels) { return make_text_image(text, pixels, font); }, framebuffer);
+}
+
+}  // namespace
+
+Checks::Checks(const RenderCommand& command, const ScenePlan& plan) {
+  if (!command.no_verify) running_ = std::async(std::launch::async, [&plan] { check_files(plan); });
+}
+
+double Checks::wait() {
+  const Stopwatch waiting;
+  if (running_.valid()) running_.get();
+  return waiting.seconds();
+}
+
+void require_picture(const RenderCommand& command, const std::filesystem::path& output, const ScenePlan& plan) {
+  require_writable(command, output, plan);
+  require_memory(command, plan);
+  if (has_annotations(plan)) find_font(known_fonts());
+  if (command.self_check.pixels > 0) require_checkable(plan);
+}
+
+render::Framebuffer trace(const RenderCommand& command, render::FrameMemory& memory, Drawn& drawn) {
+  ScenePlan& plan = drawn.plan;
+  plan.frame.threads = command.common.threads;
+  plan.frame.time_phases = command.statistics;
+  // Picks and heat maps need channels that are not kept in the picture.
+  const render::ChannelSet kept = plan.frame.channels;
+  if (!command.picks.empty()) plan.frame.channels |= {.depth = true, .cell = true, .value = true};
+  if (plan.page) plan.frame.channels |= render::channel_of(*plan.page);
+  if (plan.annotations.box.value_or(false)) plan.frame.channels |= {.depth = true};
+  if (command.self_check.pixels > 0) plan.frame.channels |= channels_to_check(plan);
+
+  render::Framebuffer framebuffer;
+  const Stopwatch tracing;
+  drawn.statistics = render::render(plan.volumes, plan.scene, plan.frame, framebuffer, memory);
+  drawn.stations.trace_s = tracing.seconds();
+  drawn.picks = take_picks(command.picks, framebuffer);
+  if (command.self_check.pixels > 0)
+    drawn.self_check = checked(plan, framebuffer, command.self_check, command.common.threads);
+  if (plan.page) drawn.heat = render::draw_heat_map(*plan.page, framebuffer);
+  draw_annotations(drawn, framebuffer);
+  framebuffer.keep(kept);
+  plan.frame.channels = kept;
+  return framebuffer;
+}
+
+void write(const RenderCommand& command, const render::Framebuffer& picture, const SceneWishes& scene, Drawn& drawn) {
+  const Stopwatch writing;
+  const std::filesystem::path folder = std::filesystem::absolute(drawn.output).parent_path();
+  write_picture(picture,
+                {{"Software", concat("rhoray ", version())},
+                 {"rhoray:command", drawn.reproduce},
+                 {"rhoray:scene", dump(scene_json(scene, folder))},
+                 {"rhoray:machine", std::string(drawn.statistics.machine)}},
+                drawn.output, command.common.force);
+  drawn.stations.write_s = writing.seconds();
+}
+
+void draw(const RenderCommand& command, render::FrameMemory& memory, Checks& checks, Drawn& drawn) {
+  const render::Framebuffer picture = trace(command, memory, drawn);
+  drawn.stations.wait_for_checks_s = checks.wait();
+  drawn.reproduce = shell_line(reproducing_command(drawn.plan, drawn.output));
+  write(command, picture, spelled_out(drawn.plan), drawn);
+}
+
+}  // namespace rhoray::tools

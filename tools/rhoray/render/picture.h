@@ -1,0 +1,63 @@
+#pragma once
+
+#include <filesystem>
+#include <future>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/render.h"
+#include "tools/rhoray/accuracy/choice.h"
+#include "tools/rhoray/accuracy/self_check.h"
+#include "tools/rhoray/render/command.h"
+#include "tools/rhoray/report.h"
+#include "tools/rhoray/scene/plan.h"
+
+namespace rhoray::tools {
+
+/// Seconds of the stations on the way to a picture.
+struct Stations {
+  double open_s = 0;
+  double trace_s = 0;
+  double wait_for_checks_s = 0;
+  double write_s = 0;
+};
+
+/// A picture on its way: its scene, and what was found in making it.
+struct Drawn {
+  std::filesystem::path output;
+  ScenePlan plan;
+  render::FrameStatistics statistics;
+  Stations stations;
+  std::vector<Json> picks;
+  Interval<double> heat;
+  std::string reproduce;
+  std::vector<Choice> choices;
+  std::optional<SelfCheck> self_check;
+};
+
+/// Checksums of all files, read beside the rendering.
+class Checks {
+ public:
+  Checks(const RenderCommand& command, const ScenePlan& plan);
+
+  /// @return  seconds
+  double wait();
+
+ private:
+  std::future<void> running_;
+};
+
+/// What is refused before anything is traced.
+void require_picture(const RenderCommand& command, const std::filesystem::path& output, const ScenePlan& plan);
+
+/// Traces the picture and draws over it.
+render::Framebuffer trace(const RenderCommand& command, render::FrameMemory& memory, Drawn& drawn);
+
+/// Writes a picture with all that makes it again.
+void write(const RenderCommand& command, const render::Framebuffer& picture, const SceneWishes& scene, Drawn& drawn);
+
+/// Traces the picture, and writes it when the files are known to be well.
+void draw(const RenderCommand& command, render::FrameMemory& memory, Checks& checks, Drawn& drawn);
+
+}  // namespace rhoray::tools

@@ -1,0 +1,131 @@
+#include "tools/rhoray/render/picture_report.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "tools/rhoray/measure.h"
+#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/pick.h"
+#include "tools/rhoray/scene/document.h"
+#include "tools/rhoray/scene/explain.h"
+#include "tools/rhoray/scene/picture_words.h"
+#include "tools/rhoray/scene/spelled_out.h"
+#include "tools/rhoray/statistics_words.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+Json camera_json(const render::Camera& camera) {
+  Json json{{"position", json_of(camera.position)}, {"target", json_of(camera.target)}, {"up", json_of(camera.up)}};
+  if (camera.orthographic)
+    json["orthographic_height"] = camera.orthographic_height;
+  else
+    json["vertical_fov_deg"] = camera.vertical_fov_deg;
+  return json;
+}
+
+/// What is shown of a scene of one layer.
+Json shown_json(const ScenePlan& plan) {
+  const render::Layer& layer = plan.scene.layers[0];
+  const bool iso = layer.mode == render::Mode::isosurface;
+  Json json{{"file", plan.data[layer.volume].file.string()}};
+  if (layer.mode == render::Mode::triangles) {
+    json["mode"] = "triangles";
+    return json;
+  }
+  json["field"] = plan.data[layer.volume].field;
+  json["mode"] = iso ? "iso" : layer.mode == render::Mode::slice ? "slice" : "mip";
+  if (iso) {
+    json["isovalue"] = layer.isovalue;
+    json["isovalue_from"] = plan.origins[0].isovalue_from;
+  } else {
+    json["range"] = json_of(layer.mode == render::Mode::slice ? layer.surface.color_by->range : layer.window);
+  }
+  return json;
+}
+
+void report_json(const Drawn& drawn) {
+  const ScenePlan& plan = drawn.plan;
+  const Stations& stations = drawn.stations;
+  Json json{{"picture", drawn.output.string()}};
+  if (plan.scene.layers.size() == 1) json.update(shown_json(plan));
+  json["method"] = method_text(plan);
+  json["size"] = {plan.frame.width, plan.frame.height};
+  json["camera"] = camera_json(plan.scene.camera);
+  json["scene"] = scene_json(spelled_out(plan));
+  json["statistics"] = statistics_json(drawn.statistics);
+  json["seconds"] = {{"open", stations.open_s},
+                     {"trace", stations.trace_s},
+                     {"wait_for_checks", stations.wait_for_checks_s},
+                     {"write", stations.write_s}};
+  if (!drawn.picks.empty()) json["picks"] = drawn.picks;
+  if (drawn.self_check) json["verify"] = json_of(*drawn.self_check);
+  json["reproduce"] = drawn.reproduce;
+  std::puts(dump(json).c_str());
+}
+
+}  // namespace
+
+std::string method_text(const ScenePlan& plan) {
+  std::vector<std::string> words;
+  for (const render::Layer& layer : plan.scene.layers) {
+    const std::string word = option_of(layer.method, layer.mode, plan.volumes[layer.volume].is_mesh()).word;
+    if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
+  }
+  std::string text;
+  for (const std::string& word : words) text += concat(text.empty() ? "" : ", ", word);
+  return text;
+}
+
+void say_choices(const CommonOptions& common, const ScenePlan& plan) {
+  for (const std::string& note : plan.notes) say(common, concat("note: ", note));
+  for (std::size_t i = 0; i < plan.origins.size(); ++i) {
+    const std::string& from = plan.origins[i].isovalue_from;
+    const render::Layer& layer = plan.scene.layers[i];
+    if (!from.empty() && from != "given")
+      say(common, concat("isovalue ", layer.isovalue, " (", from, " of field '",
+                         plan.volumes[layer.volume].field().name, "')"));
+  }
+}
+
+void report(const RenderCommand& command, const Drawn& drawn) {
+  const CommonOptions& common = command.common;
+  const ScenePlan& plan = drawn.plan;
+  const Stations& stations = drawn.stations;
+  const double total = stations.open_s + stations.trace_s + stations.wait_for_checks_s + stations.write_s;
+  if (common.json) {
+    report_json(drawn);
+  } else {
+    if (command.statistics)
+      std::fputs(concat("  method                ", method_text(plan), "\n  machine               ",
+                        drawn.statistics.machine, "\n", statistics_text(drawn.statistics))
+                     .c_str(),
+                 stdout);
+    if (drawn.self_check) std::fputs(text_of(*drawn.self_check).c_str(), stdout);
+    for (const Json& pick : drawn.picks) std::puts(picked_text(pick, plan.volumes[0].length_unit()).c_str());
+  }
+  say_choices(common, plan);
+  for (const Choice& choice : drawn.choices) say(common, choice.sentence);
+  if (plan.page) {
+    const std::string shown = word_of(*plan.page);
+    say(common, drawn.heat.is_empty()
+                    ? concat("note: nothing to show of ", shown)
+                    : concat(shown, ": ", rounded(drawn.heat.lo), " (dark) to ", rounded(drawn.heat.hi), " (bright)"));
+  }
+  if (drawn.statistics.hits == 0) say(common, "note: the picture is empty: no ray met anything");
+  say(common,
+      concat(drawn.output.string(), ": ", method_text(plan), " by ", drawn.statistics.machine, " kernels, traced in ",
+             rounded(drawn.statistics.wall_s, 3), " s, ", rounded(total, 3), " s in all"));
+  say(common, concat("reproduce: ", drawn.reproduce));
+}
+
+void explain(const RenderCommand& command, const SceneWishes& wishes, const ScenePlan& plan) {
+  const Json explanation = explained(wishes, plan);
+  if (command.common.json)
+    std::puts(dump(explanation).c_str());
+  else
+    for (const std::string& line : explained_lines(explanation)) std::puts(line.c_str());
+}
+
+}  // namespace rhoray::tools
