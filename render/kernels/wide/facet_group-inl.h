@@ -38,12 +38,13 @@ class FacetGroup {
   template <FacetSearch search>
   void begin(std::uint64_t lanes_alive) {
     const VecF none = hn::Set(floats, -beyond);
-    float first = beyond, last = -beyond;
+    float first = beyond, last = -beyond, last_begin = -beyond, first_end = beyond;
     for (std::size_t r = 0; r < lanes; r += float_lanes) {
       const MaskF alive = alive_in(lanes_alive, r);
       const VecF begin = hn::Load(floats, scratch.begin + r), end = hn::Load(floats, scratch.end + r);
       hn::Store(hn::IfThenElse(alive, end, none), floats, scratch.depth + r);
-      hn::Store(hn::Set(ints, FacetScratch::no_facet), ints, scratch.facet + r);
+      if constexpr (search != FacetSearch::any)
+        hn::Store(hn::Set(ints, FacetScratch::no_facet), ints, scratch.facet + r);
       if constexpr (search == FacetSearch::certified) {
         hn::Store(hn::IfThenElse(alive, end, none), floats, scratch.far + r);
         hn::Store(hn::Set(floats, never), floats, scratch.nearest + r);
@@ -53,7 +54,13 @@ class FacetGroup {
       const float least = least_of(hn::IfThenElse(alive, begin, hn::Set(floats, beyond)));
       const float most = largest_of(hn::IfThenElse(alive, end, none));
       first = least < first ? least : first, last = most > last ? most : last;
+      if constexpr (search == FacetSearch::any) {
+        const float begins = largest_of(hn::IfThenElse(alive, begin, none));
+        const float ends = least_of(hn::IfThenElse(alive, end, hn::Set(floats, beyond)));
+        last_begin = begins > last_begin ? begins : last_begin, first_end = ends < first_end ? ends : first_end;
+      }
     }
+    all_from = last_begin, all_to = first_end;
     // The part of the facets' box, along w, in which there are rays.
     first -= bound_margin, last += bound_margin;
     const bool down = sign < 0;
@@ -107,6 +114,8 @@ class FacetGroup {
   float w_from = 0, w_to = 0;           ///< the part of the facets' box in which there are rays
   float line_offset[4], line_slope[4];  ///< bounds of all rays' places, as bound_places says
   float far = 0;
+  float all_from = 0, all_to = 0;  ///< any: the depths that lie between the ends of all rays
+  std::uint64_t crossed = 0;       ///< any: lanes that have met a facet
   Answered answered;
 
  private:

@@ -29,9 +29,7 @@ class FacetHits {
 
   /// @param visits  of nodes and blocks, for each of these lanes
   HWY_INLINE void write(std::uint64_t lanes_alive, std::uint64_t visits) {
-    std::uint64_t rays_alive = 0;
-    for (std::size_t quad = 0; quad < lanes / 4; ++quad)
-      rays_alive |= (lanes_alive >> lane_of(4 * quad) & 15) << 4 * quad;
+    const std::uint64_t rays_alive = rays_of(lanes_alive);
     for (std::size_t r = 0; r < group_.ray_count; r += double_lanes)
       if (const std::uint64_t bits = rays_alive >> r & ((std::uint64_t{1} << double_lanes) - 1); bits != 0)
         write_rays(bits, r, visits);
@@ -156,7 +154,7 @@ class FacetHits {
   }
 
   FacetGroup& group_;
-  const HitArrays& hits_;
+  const HitArrays hits_;
   double reach_;    ///< of the facets' frame, mesh units
   double to_mesh_;  ///< from depths to w, mesh units
 };

@@ -40,7 +40,7 @@ inline constexpr float bound_margin = 0x1p-20f;
 struct Directions {
   std::uint64_t along[3];
   std::uint64_t down[3];
-  std::uint64_t usable;  ///< rays of finite numbers, that move, and start near enough
+  std::uint64_t strange;  ///< rays that are not of finite numbers, do not move, or start too far away
 };
 
 HWY_INLINE Directions directions_of(const FacetSurface& surface, const RayArrays& rays, std::size_t count,
@@ -60,8 +60,10 @@ HWY_INLINE Directions directions_of(const FacetSurface& surface, const RayArrays
     const VecD largest = hn::Max(size[0], hn::Max(size[1], size[2]));
     const VecD size_sum = hn::Add(size[0], hn::Add(size[1], size[2]));
     const VecD t_min = hn::Load(doubles, rays.t_min + r), t_max = hn::Load(doubles, rays.t_max + r);
+    // A ray that ends before it begins meets nothing.
+    const MaskD asked = hn::AndNot(hn::Gt(t_min, t_max), hn::FirstN(doubles, count - r));
     const MaskD usable = hn::And(
-        hn::And(hn::FirstN(doubles, count - r), hn::Le(t_min, t_max)),
+        hn::And(asked, hn::Le(t_min, t_max)),
         hn::And(hn::Le(start_sum, largest_start),
                 hn::And(hn::Gt(largest, hn::Set(doubles, 0x1p-400)), hn::Lt(size_sum, hn::Set(doubles, 0x1p400)))));
     const MaskD along[3] = {x, y, hn::Not(hn::Or(x, y))};
@@ -69,7 +71,7 @@ HWY_INLINE Directions directions_of(const FacetSurface& surface, const RayArrays
       bits.along[a] |= bits_of(doubles, hn::And(usable, along[a])) << r;
       bits.down[a] |= bits_of(doubles, hn::Lt(d[a], hn::Zero(doubles))) << r;
     }
-    bits.usable |= bits_of(doubles, usable) << r;
+    bits.strange |= bits_of(doubles, hn::AndNot(usable, asked)) << r;
   }
   return bits;
 }
@@ -79,6 +81,13 @@ HWY_INLINE std::uint64_t lanes_of(std::uint64_t rays) {
   std::uint64_t in_lanes = 0;
   for (std::size_t quad = 0; quad < lanes / 4; ++quad) in_lanes |= (rays >> 4 * quad & 15) << lane_of(4 * quad);
   return in_lanes;
+}
+
+/// The rays of a chunk's lanes.
+HWY_INLINE std::uint64_t rays_of(std::uint64_t in_lanes) {
+  std::uint64_t rays = 0;
+  for (std::size_t quad = 0; quad < lanes / 4; ++quad) rays |= (in_lanes >> lane_of(4 * quad) & 15) << 4 * quad;
+  return rays;
 }
 
 /// Numbers of the rays from r on, as many as doubles in a vector, in the lanes of the rays: those of a row of eight lie

@@ -164,6 +164,11 @@ class FacetTests {
       const VecF weight_abc = hn::Add(hn::Add(ab, bc), ca), weight_acd = hn::Add(hn::Add(cd, da), ac);
       is_abc = hn::And(is_abc, hn::Ne(weight_abc, zero));
       any = hn::Or(is_abc, hn::And(is_acd, hn::Ne(weight_acd, zero)));
+      if constexpr (search == FacetSearch::any) {
+        changed |= note_any(corners, is_abc, any, ab, bc, cd, da, ac, hn::IfThenElse(is_abc, weight_abc, weight_acd), r,
+                            facet, f);
+        continue;
+      }
       const VecF depth =
           depth_at(corners, is_abc, ab, bc, cd, da, ac, hn::IfThenElse(is_abc, weight_abc, weight_acd), f);
       const VecF best = hn::Load(floats, group_.scratch.depth + r);
@@ -172,8 +177,7 @@ class FacetTests {
       const MaskF is_lower = hn::RebindMask(floats, hn::Lt(this_facet, best_facet));
       const MaskF is_first = hn::Or(hn::Lt(depth, best), hn::And(hn::Eq(depth, best), is_lower));
       MaskF hit = hn::And(hn::And(any, is_first), hn::Ge(depth, hn::Load(floats, group_.scratch.begin + r)));
-      if (group_.rays.start_side != nullptr)
-        hit = hn::And(hit, leaves_start_side(corners, facet, slope_u, slope_v, shift_u, shift_v, r));
+      if (group_.rays.start_side != nullptr) hit = hn::And(hit, leaves_start_side(corners, facet, r));
       if (hn::AllFalse(floats, hit)) continue;
       hn::Store(hn::IfThenElse(hit, depth, best), floats, group_.scratch.depth + r);
       hn::Store(hn::IfThenElse(hn::RebindMask(ints, hit), this_facet, best_facet), ints, group_.scratch.facet + r);
@@ -182,9 +186,40 @@ class FacetTests {
     return changed;
   }
 
+  /// Rays that are done when they pass through any facet between their ends.
+  /// @param through  rays that pass through this one
+  HWY_INLINE bool note_any(const Corners& corners, MaskF is_abc, MaskF through, VecF ab, VecF bc, VecF cd, VecF da,
+                           VecF ac, VecF weight, std::size_t r, std::uint32_t facet, std::uint32_t f) {
+    const VecF none = hn::Set(floats, -beyond), end = hn::Load(floats, group_.scratch.depth + r);
+    MaskF hit = hn::And(through, hn::Gt(end, none));
+    if (hn::AllFalse(floats, hit)) return false;
+    if (facet_near_[f] < group_.all_from || facet_far_[f] > group_.all_to) {
+      const VecF depth = depth_at(corners, is_abc, ab, bc, cd, da, ac, weight, f);
+      hit = hn::And(hit, hn::And(hn::Le(depth, end), hn::Ge(depth, hn::Load(floats, group_.scratch.begin + r))));
+    }
+    if (group_.rays.start_side != nullptr && !is_sure(facet))
+      hit = hn::And(hit, leaves_start_side(corners, source_of(facet), r));
+    if (hn::AllFalse(floats, hit)) return false;
+    hn::Store(hn::IfThenElse(hit, none, end), floats, group_.scratch.depth + r);
+    group_.crossed |= bits_of(floats, hit) << r;
+    return true;
+  }
+
+  /// @param facet  by its place in the blocks
+  HWY_INLINE bool is_sure(std::uint32_t facet) const {
+    const std::uint16_t* sure = group_.surface.sure;
+    return sure != nullptr && (sure[facet / FacetBlock::size] >> facet % FacetBlock::size & 1) != 0;
+  }
+  HWY_INLINE std::uint32_t source_of(std::uint32_t facet) const {
+    return group_.surface.sources != nullptr ? group_.surface.sources[facet] : facet;
+  }
+
   /// Rays that come to the facet on the side on which they start, or of which that is unknown.
-  HWY_INLINE MaskF leaves_start_side(const Corners& corners, std::uint32_t facet, VecF slope_u, VecF slope_v,
-                                     VecF shift_u, VecF shift_v, std::size_t r) const {
+  HWY_INLINE MaskF leaves_start_side(const Corners& corners, std::uint32_t facet, std::size_t r) const {
+    const VecF slope_u = hn::Load(floats, group_.scratch.slope[0] + r),
+               slope_v = hn::Load(floats, group_.scratch.slope[1] + r);
+    const VecF shift_u = hn::Load(floats, group_.scratch.shift[0] + r),
+               shift_v = hn::Load(floats, group_.scratch.shift[1] + r);
     const double* gradient = group_.surface.fields[facet].gradient;
     double largest = 0;
     for (int a = 0; a < 3; ++a) {

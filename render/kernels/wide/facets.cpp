@@ -47,6 +47,7 @@ class FacetWalk {
   }
 
   HWY_INLINE Answered answered() const { return group_.answered; }
+  HWY_INLINE std::uint64_t crossed() const { return group_.crossed; }  ///< lanes
 
  private:
   /// A node or block on the stack as one number, so that comparing two compares how near they are: from above the key
@@ -92,7 +93,7 @@ class FacetWalk {
         }
       }
     }
-    hits_.write(lanes_alive, visits_);
+    if constexpr (search != FacetSearch::any) hits_.write(lanes_alive, visits_);
     count(static_cast<std::uint64_t>(std::popcount(lanes_alive)));
   }
 
@@ -144,30 +145,51 @@ class FacetWalk {
   std::uint64_t visits_ = 0, nodes_ = 0, blocks_ = 0;
 };
 
+/// Calls act(axis, down, rays) for rays of a chunk that move most along one axis, one way.
+template <class Act>
+HWY_INLINE void for_each_direction(const Directions& directions, const Act& act) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool down : {false, true})
+      if (const std::uint64_t chosen = directions.along[axis] & (down ? directions.down[axis] : ~directions.down[axis]);
+          chosen != 0)
+        act(axis, down, chosen);
+}
+
 template <FacetSearch search>
 Answered first_facets(const FacetSurface& surface, const RayArrays& rays, std::size_t count, const HitArrays& hits,
                       FacetScratch& scratch, KernelCounters& counters) {
   const Directions directions =
       directions_of(surface, rays, count, search == FacetSearch::certified ? certified_reach : reach);
-  const std::uint64_t all = count >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1;
-  Answered answered{.whole = all & ~directions.usable};
+  Answered answered{.whole = directions.strange};
   scratch.doubt_count = 0;
-  for (int axis = 0; axis < 3; ++axis)
-    for (const bool down : {false, true}) {
-      const std::uint64_t chosen = directions.along[axis] & (down ? directions.down[axis] : ~directions.down[axis]);
-      if (chosen == 0) continue;
-      FacetWalk<search> walk(surface, rays, count, hits, axis, down, scratch, counters);
-      walk.trace(lanes_of(chosen));
-      answered.hit |= walk.answered().hit;
-      answered.whole |= walk.answered().whole;
-      answered.part |= walk.answered().part;
-    }
+  for_each_direction(directions, [&](int axis, bool down, std::uint64_t chosen) HWY_ATTR {
+    FacetWalk<search> walk(surface, rays, count, hits, axis, down, scratch, counters);
+    walk.trace(lanes_of(chosen));
+    answered.hit |= walk.answered().hit;
+    answered.whole |= walk.answered().whole;
+    answered.part |= walk.answered().part;
+  });
   answered.part &= ~answered.whole;
   return answered;
 }
 
-FirstFacets first_facets_by(FacetSearch search) {
-  return search == FacetSearch::certified ? first_facets<FacetSearch::certified> : first_facets<FacetSearch::first>;
+MetFacets any_facets(const FacetSurface& surface, const RayArrays& rays, std::size_t count, FacetScratch& scratch,
+                     KernelCounters& counters) {
+  const Directions directions = directions_of(surface, rays, count, reach);
+  MetFacets met{.crossed = 0, .unanswered = directions.strange};
+  for_each_direction(directions, [&](int axis, bool down, std::uint64_t chosen) HWY_ATTR {
+    FacetWalk<FacetSearch::any> walk(surface, rays, count, {}, axis, down, scratch, counters);
+    walk.trace(lanes_of(chosen));
+    met.crossed |= rays_of(walk.crossed());
+  });
+  return met;
+}
+
+FirstFacets first_facets_by(bool certified) {
+  return certified ? first_facets<FacetSearch::certified> : first_facets<FacetSearch::first>;
+}
+AnyFacets any_facets_by() {
+  return any_facets;
 }
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE
@@ -177,17 +199,30 @@ HWY_AFTER_NAMESPACE();
 
 namespace rhoray::render::wide {
 
-FirstFacets first_facets_on(Machine machine, FacetSearch search) {
+FirstFacets first_facets_on(Machine machine, bool certified) {
 #if HWY_TARGETS & HWY_AVX3
-  if (machine == Machine::avx512) return N_AVX3::first_facets_by(search);
+  if (machine == Machine::avx512) return N_AVX3::first_facets_by(certified);
 #endif
 #if HWY_TARGETS & HWY_AVX2
-  if (machine == Machine::avx2) return N_AVX2::first_facets_by(search);
+  if (machine == Machine::avx2) return N_AVX2::first_facets_by(certified);
 #endif
 #if HWY_TARGETS & HWY_SSE4
-  if (__builtin_cpu_supports("sse4.1")) return N_SSE4::first_facets_by(search);
+  if (__builtin_cpu_supports("sse4.1")) return N_SSE4::first_facets_by(certified);
 #endif
-  return HWY_NAMESPACE::first_facets_by(search);
+  return HWY_NAMESPACE::first_facets_by(certified);
+}
+
+AnyFacets any_facets_on(Machine machine) {
+#if HWY_TARGETS & HWY_AVX3
+  if (machine == Machine::avx512) return N_AVX3::any_facets_by();
+#endif
+#if HWY_TARGETS & HWY_AVX2
+  if (machine == Machine::avx2) return N_AVX2::any_facets_by();
+#endif
+#if HWY_TARGETS & HWY_SSE4
+  if (__builtin_cpu_supports("sse4.1")) return N_SSE4::any_facets_by();
+#endif
+  return HWY_NAMESPACE::any_facets_by();
 }
 
 }  // namespace rhoray::render::wide
