@@ -15,7 +15,8 @@
 #include "render/frame/worker.h"
 #include "render/kernels/kernels.h"
 #include "render/kernels/ordered_crossings.h"
-#include "render/kernels/wide/facet_blockers.h"
+#include "render/kernels/wide/blockers.h"
+#include "render/kernels/wide/grid_blockers.h"
 #include "render/render.h"
 #include "render/volumes/volume.h"
 
@@ -41,10 +42,10 @@ struct FrameLayer {
   std::optional<SurfaceBoxes> boxes{};        ///< nothing is met outside them; none: not known
   std::shared_ptr<const SlicePlane> slice{};  ///< asked in the place of kernels
   bool clipped = false;                       ///< its rays end where Frame::clip ends them
+  wide::AnyCrossing any_crossing = nullptr;   ///< as kernel_through, where no more is asked; null: that answers
   /// By light, what of this layer may hold it back from hits of the same volume: rays that start outside, inside; null
   /// where not known to be less than all. None of a layer that is clipped.
-  std::vector<std::array<std::shared_ptr<const wide::FacetBlockers>, 2>> blockers{};
-  wide::BlockerKernel kernel_of_blockers = nullptr;
+  std::vector<std::array<std::shared_ptr<const wide::Blockers>, 2>> blockers{};
 };
 
 /// Clear surfaces of one volume whose crossings are found by one walk along each ray.
@@ -108,6 +109,7 @@ class FrameMemory::Implementation {
   Worker& worker(std::size_t index);
   /// Those that have worked in this frame.
   std::vector<const Worker*> workers() const;
+  wide::BlockSlopesMemory& slopes() { return slopes_; }  ///< for the thread that begins frames
 
  private:
   struct Place {
@@ -117,6 +119,7 @@ class FrameMemory::Implementation {
   std::optional<TileThreads> threads_;
   std::vector<Place> places_;
   WorkerNeeds needs_;
+  wide::BlockSlopesMemory slopes_;
 };
 
 }  // namespace rhoray::render

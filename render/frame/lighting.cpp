@@ -1,8 +1,10 @@
 #include "render/frame/lighting.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 
+#include "render/frame/light_rays.h"
 #include "render/march/ticks.h"
 
 namespace rhoray::render {
@@ -11,7 +13,6 @@ namespace {
 
 constexpr std::size_t group_size = RayBatch::group_size;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double not_asked = -1;  // where a ray would end
 
 std::size_t whole_groups(std::size_t count) {
   return (count + group_size - 1) / group_size * group_size;
@@ -27,31 +28,10 @@ void find_shown(const LayerWork& work, std::uint8_t layer, const LayerOfRays* sh
   std::fill(is_shown + count, is_shown + whole_groups(count), std::uint8_t{0});
 }
 
-/// Products of the gradients of a group's hits, made neither too large nor too small, with vectors of the volume's
-/// frame.
-/// @param vectors  (hit of the batch)
-template <class Vectors>
-void multiply_gradients(const HitBatch& hits, std::size_t first, const Vectors& vectors, double* product) {
-  const double *gx = hits.gradient[0].data() + first, *gy = hits.gradient[1].data() + first,
-               *gz = hits.gradient[2].data() + first;
-  for (std::size_t i = 0; i < group_size; ++i)
-    product[i] = Facing::scaled({gx[i], gy[i], gz[i]}).dot(vectors(first + i));
-}
-
 /// The side of its surface from which each ray has met it; unknown where the field has no gradient.
 /// @param is_field  sides take turns along a ray; triangles may face any way
-void find_sides(const LayerWork& work, bool is_field, LightRays& light) {
-  for (std::size_t first = 0; first < work.rays.count; first += group_size) {
-    double along[group_size];
-    multiply_gradients(
-        work.hits, first,
-        [&](std::size_t r) {
-          return Vec3(work.rays.direction[0][r], work.rays.direction[1][r], work.rays.direction[2][r]);
-        },
-        along);
-    for (std::size_t i = 0; i < group_size; ++i)
-      light.side[first + i] = static_cast<StartSide>((along[i] < 0) - (along[i] > 0));
-  }
+void find_sides(Machine machine, const LayerWork& work, bool is_field, LightRays& light) {
+  find_sides_by_gradient(machine, work, light.side.data());
   if (!work.rays.has_start_sides || !is_field) return;
   for (std::size_t r = 0; r < work.rays.count; ++r)
     if (work.rays.start_side[r] != StartSide::unknown) light.side[r] = work.rays.start_side[r];
@@ -78,36 +58,10 @@ StartSide side_for(const FrameLayer& layer, const FrameLayer& of_hit, StartSide 
   return of_field > isovalue ? StartSide::inside : StartSide::outside;
 }
 
-/// Writes a group of the rays that are asked about, as the volume of a layer sees them. Each keeps its place in its
-/// group, since neighbours in the picture share what they meet.
-/// @param eye_rays  that met the hits, in the same frame
-/// @param place     of the group in the batch
-void write_group(const LightRays& light, std::size_t first, const FrameLayer& layer, const FrameLayer& of_hits,
-                 const LayerWork& hit_work, const RayBatch& eye_rays, RayBatch& rays, std::size_t place) {
-  double t[group_size];
-  for (std::size_t i = 0; i < group_size; ++i) t[i] = light.t_max[first + i] >= 0 ? hit_work.hits.t[first + i] : 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double *origin = eye_rays.origin[axis].data() + first, *direction = eye_rays.direction[axis].data() + first;
-    double* out = rays.origin[axis].data() + place;
-    for (std::size_t i = 0; i < group_size; ++i) out[i] = origin[i] + t[i] * direction[i];
-  }
-  const double *x = light.direction[0].data() + first, *y = light.direction[1].data() + first,
-               *z = light.direction[2].data() + first;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double of_x = layer.volume_from_world.x_axis[axis], of_y = layer.volume_from_world.y_axis[axis],
-                 of_z = layer.volume_from_world.z_axis[axis];
-    double* out = rays.direction[axis].data() + place;
-    for (std::size_t i = 0; i < group_size; ++i) out[i] = x[i] * of_x + y[i] * of_y + z[i] * of_z;
-  }
-  std::fill_n(rays.t_min.data() + place, group_size, 0.0);
-  std::copy_n(light.t_max.data() + first, group_size, rays.t_max.data() + place);
-  for (std::size_t i = 0; i < group_size; ++i)
-    rays.start_side[place + i] = side_for(layer, of_hits, light.side[first + i]);
-}
-
-bool is_asked(const LightRays& light, std::size_t first) {
-  const double* t_max = light.t_max.data() + first;
-  return std::any_of(t_max, t_max + group_size, [](double t) { return t >= 0; });
+/// The same of rays that start outside, unknown, inside.
+std::array<StartSide, 3> sides_for(const FrameLayer& layer, const FrameLayer& of_hit) {
+  return {side_for(layer, of_hit, StartSide::outside), side_for(layer, of_hit, StartSide::unknown),
+          side_for(layer, of_hit, StartSide::inside)};
 }
 
 /// Between which t the rays of a group lie in the clip region.
@@ -151,26 +105,20 @@ void shorten_group(const ClipRegion& clip, int part, bool of_kept, const WorldRa
   }
 }
 
-/// The side on which all rays of a group start that are asked about; unknown where they differ or one's is.
-StartSide common_side(const LightRays& light, std::size_t first, const FrameLayer& layer, const FrameLayer& of_hits) {
-  bool any[3] = {false, false, false};
-  for (std::size_t i = 0; i < group_size; ++i)
-    if (light.t_max[first + i] >= 0) any[1 + static_cast<int>(side_for(layer, of_hits, light.side[first + i]))] = true;
-  if (any[1] || any[0] == any[2]) return StartSide::unknown;
-  return any[0] ? StartSide::outside : StartSide::inside;
-}
-
 /// Asks about groups that lie in the worker's few rays, and makes an end to those that are held back.
-void drop_blocked_groups(const FrameLayer& layer, const wide::FacetBlockers* blockers, LayerWork& work,
-                         Worker& worker) {
+void drop_blocked_groups(const FrameLayer& layer, const wide::Blockers* blockers, LayerWork& work, Worker& worker) {
   LightRays& light = *worker.light_rays;
   if (light.groups.empty()) return;
   worker.few_rays.count = light.groups.size() * group_size;
-  if (blockers != nullptr)
-    layer.kernel_of_blockers(layer.volume, layer.question_through, *blockers, worker.few_rays, worker.few_hits,
-                             work.scratch);
-  else
-    layer.kernel_through(layer.volume, layer.question_through, worker.few_rays, worker.few_hits, work.scratch);
+  if (layer.any_crossing != nullptr) {
+    std::uint64_t crossed[tile_capacity / group_size];
+    layer.any_crossing(layer.volume, layer.question_through, blockers, worker.few_rays, crossed, work.scratch);
+    for (std::size_t g = 0; g < light.groups.size(); ++g)
+      for (std::uint64_t bits = crossed[g]; bits != 0; bits &= bits - 1)
+        light.t_max[light.groups[g] + static_cast<std::size_t>(std::countr_zero(bits))] = not_asked;
+    return;
+  }
+  layer.kernel_through(layer.volume, layer.question_through, worker.few_rays, worker.few_hits, work.scratch);
   for (std::size_t g = 0; g < light.groups.size(); ++g) {
     const double* t = worker.few_hits.t.data() + g * group_size;
     double* t_max = light.t_max.data() + light.groups[g];
@@ -189,26 +137,41 @@ bool drop_blocked_by(const Frame& frame, std::size_t index, int part, const Fram
   LightRays& light = *worker.light_rays;
   const FrameLayer& layer = frame.layers[index];
   LayerWork& work = worker.layers[index];
-  const bool has_blockers = light_index < layer.blockers.size();
+  const std::size_t group_count = whole_groups(hit_work.rays.count) / group_size;
+  RaysBySide asked[tile_capacity / group_size];
+  const Machine machine = layer.look.machine;
+  find_asked(machine, light, group_count, asked);
+  const std::array<StartSide, 3> sides = sides_for(layer, of_hits);
   bool any = false;
-  // Groups of rays that start on one side are asked about what may hold these back, the others about all.
+  // Rays that start on a known side are asked about what may hold these back, the others about all.
+  const bool has_blockers = light_index < layer.blockers.size();
   for (const StartSide side : {StartSide::unknown, StartSide::outside, StartSide::inside}) {
     if (side != StartSide::unknown && !has_blockers) break;
+    const wide::Blockers* blockers = has_blockers && side != StartSide::unknown
+                                         ? layer.blockers[light_index][side == StartSide::inside].get()
+                                         : nullptr;
     light.groups.clear();
-    for (std::size_t first = 0; first < hit_work.rays.count; first += group_size) {
-      if (!is_asked(light, first)) continue;
+    for (std::size_t g = 0; g < group_count; ++g) {
+      std::uint64_t chosen = 0;
+      for (std::size_t i = 0; i < sides.size(); ++i)
+        if (!has_blockers || sides[i] == side) chosen |= asked[g][i];
+      if (chosen == 0) continue;
       any = true;
-      if (has_blockers && common_side(light, first, layer, of_hits) != side) continue;
-      const std::size_t place = light.groups.size() * group_size;
-      write_group(light, first, layer, of_hits, hit_work, work.rays, worker.few_rays, place);
+      const std::size_t first = g * group_size, place = light.groups.size() * group_size;
+      write_light_rays(machine, light, {first, chosen, place, sides}, layer.volume_from_world, hit_work.hits, work.rays,
+                       worker.few_rays);
+      if (blockers != nullptr && blockers->heights) {
+        chosen = blockers->heights->below(machine, worker.few_rays, place, chosen);
+        if (chosen == 0) continue;
+        for (std::size_t i = 0; i < group_size; ++i)
+          if ((chosen >> i & 1) == 0) worker.few_rays.t_max[place + i] = not_asked;
+      }
       if (layer.clipped) {
         find_spans(*frame.clip, light, first, hit_work, *worker.world);
         shorten_group(*frame.clip, part, of_hits.clipped, *worker.world, worker.few_rays, place);
       }
       light.groups.push_back(first);
     }
-    const wide::FacetBlockers* blockers =
-        side != StartSide::unknown ? layer.blockers[light_index][side == StartSide::inside].get() : nullptr;
     drop_blocked_groups(layer, blockers, work, worker);
   }
   return any;
@@ -244,24 +207,13 @@ void aim_at(const LayerLights::One& light, const Look& look, const LayerWork& wo
 
 void keep_those_before_surfaces(const Look& look, const Affine& volume_from_world, const LayerWork& work,
                                 LightRays& light) {
-  const auto direction = [&](std::size_t r) {
-    return Vec3(light.direction[0][r], light.direction[1][r], light.direction[2][r]);
-  };
-  for (std::size_t first = 0; first < work.rays.count; first += group_size) {
-    double towards[group_size];
-    multiply_gradients(
-        work.hits, first, [&](std::size_t r) { return volume_from_world.vector(direction(r)); }, towards);
-    for (std::size_t i = 0; i < group_size; ++i) {
-      const std::size_t r = first + i;
-      const bool is_behind =
-          !(towards[i] * static_cast<double>(light.side[r]) > 0) && light.side[r] != StartSide::unknown;
-      light.t_max[r] = light.is_shown[r] == 0 || is_behind ? not_asked : light.t_max[r];
-    }
-  }
+  if (!ask_before_surfaces(look.machine, volume_from_world, work, light)) return;
   // Without a gradient a hit faces the eye.
-  for (std::size_t r = 0; r < work.rays.count; ++r)
-    if (light.side[r] == StartSide::unknown && !(to_eye(look.lights, work.rays[r]).dot(direction(r)) > 0))
+  for (std::size_t r = 0; r < work.rays.count; ++r) {
+    const Vec3 direction(light.direction[0][r], light.direction[1][r], light.direction[2][r]);
+    if (light.side[r] == StartSide::unknown && !(to_eye(look.lights, work.rays[r]).dot(direction) > 0))
       light.t_max[r] = not_asked;
+  }
 }
 
 std::size_t asked_count(const LightRays& light, std::size_t count) {
@@ -362,7 +314,8 @@ void receive_light(const Frame& frame, std::uint8_t layer, const LayerOfRays* sh
   if (!effects.shadows && !effects.occlusion) return;
   const std::uint64_t start = ticks_now();
   find_shown(worker.layers[layer], layer, shown, *worker.light_rays);
-  find_sides(worker.layers[layer], of_hits.look.layer.mode != Mode::triangles, *worker.light_rays);
+  find_sides(of_hits.look.machine, worker.layers[layer], of_hits.look.layer.mode != Mode::triangles,
+             *worker.light_rays);
   for (std::size_t l = 0; l < of_hits.look.lights.lights.size(); ++l)
     if (effects.shadows && of_hits.look.lights.lights[l].casts_shadows) receive_from(frame, layer, l, worker);
   if (effects.occlusion) receive_from_surroundings(frame, layer, worker);

@@ -318,16 +318,23 @@ wide::LightPlace place_in(const FrameLayer& layer, const LayerLights::One& light
 }
 
 /// Finds out what of a layer may hold back the light of those that cast shadows.
-void prepare_blockers(FrameLayer& layer, const FrameOptions& options) {
-  if (!layer.look.effects.shadows || !holds_light_back(layer.look.layer)) return;
-  layer.kernel_of_blockers = wide::blocker_kernel(layer.volume, layer.question_through.method, chosen_machine());
-  if (layer.kernel_of_blockers == nullptr) return;
+void prepare_blockers(FrameLayer& layer, const FrameOptions& options, wide::BlockSlopesMemory& memory) {
+  if (!holds_light_back(layer.look.layer) || layer.kernel_through == nullptr) return;
+  const Question& question = layer.question_through;
+  layer.any_crossing = wide::any_facet_kernel(layer.volume, question.method, chosen_machine());
+  const bool is_wide =
+      choose_kernels(layer.volume, question.method, chosen_machine()).prepare_first_crossing != nullptr;
+  if (!layer.look.effects.shadows || layer.clipped || !is_wide) return;
   layer.blockers.resize(layer.look.lights.lights.size());
-  for (std::size_t l = 0; l < layer.blockers.size(); ++l)
-    if (const LayerLights::One& light = layer.look.lights.lights[l]; light.casts_shadows)
-      for (const StartSide side : {StartSide::outside, StartSide::inside})
-        layer.blockers[l][side == StartSide::inside] =
-            wide::blockers_of(layer.volume, layer.question_through, place_in(layer, light), side, options.threads);
+  for (std::size_t l = 0; l < layer.blockers.size(); ++l) {
+    const LayerLights::One& light = layer.look.lights.lights[l];
+    if (!light.casts_shadows) continue;
+    const wide::LightPlace place = place_in(layer, light);
+    layer.blockers[l] = wide::facet_blockers_of(layer.volume, question, place, options.threads);
+    if (layer.blockers[l][0] || !place.is_one_direction()) continue;
+    if (const auto slopes = memory.of(layer.volume, question, options.threads))
+      layer.blockers[l] = wide::grid_blockers_of(*slopes, place);
+  }
 }
 
 /// The passes of a picture whose first one traces one pixel of first_spacing x first_spacing.
@@ -453,7 +460,7 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
   bool is_wide = false, prepares = false;
   for (FrameLayer& layer : frame.layers) {
     is_wide |= prepare(layer, scene.clip, options);
-    if (!layer.clipped) prepare_blockers(layer, options);
+    prepare_blockers(layer, options, memory.implementation().slopes());
     prepares |= layer.prepare != nullptr || layer.look.lookup;
   }
   choose_shells(options, frame);

@@ -10,6 +10,7 @@
 #include "render/cells/side.h"
 #include "render/cells/triangle_crossing.h"
 #include "render/volumes/active_cells.h"
+#include "render/volumes/facet_levels.h"
 
 namespace rhoray::render {
 
@@ -395,25 +396,38 @@ Facets::Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, un
   build_levels();
 }
 
-void Facets::build_levels() {
-  std::vector<FacetNode>& lowest = levels_.emplace_back(
-      std::vector<FacetNode>((block_count() + FacetNode::size - 1) / FacetNode::size, FacetNode::of_empty_boxes()));
-  for (std::size_t b = 0; b < block_count(); ++b)
+BoxLevels levels_above(const FacetBlock* blocks, std::size_t count) {
+  BoxLevels levels;
+  std::vector<FacetNode>& lowest = levels.emplace_back(
+      std::vector<FacetNode>((count + FacetNode::size - 1) / FacetNode::size, FacetNode::of_empty_boxes()));
+  for (std::size_t b = 0; b < count; ++b)
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto& corner = blocks_[b].corner;
+      const auto& corner = blocks[b].corner;
       const Interval<float> range =
           range_of(std::array{corner[0][axis], corner[1][axis], corner[2][axis], corner[3][axis]});
       lowest[b / FacetNode::size].low[axis][b % FacetNode::size] = range.lo;
       lowest[b / FacetNode::size].high[axis][b % FacetNode::size] = range.hi;
     }
-  add_upper_levels(levels_);
+  add_upper_levels(levels);
+  return levels;
+}
+
+FloatBox box_of(const BoxLevels& levels) {
+  FloatBox box{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    low_[axis] = FacetNode::nowhere, high_[axis] = -FacetNode::nowhere;
-    if (levels_.back().empty()) continue;
-    const FacetNode& top = levels_.back().front();
-    low_[axis] = range_of(std::array{top.low[axis]}).lo;
-    high_[axis] = range_of(std::array{top.high[axis]}).hi;
+    box.low[axis] = FacetNode::nowhere, box.high[axis] = -FacetNode::nowhere;
+    if (levels.back().empty()) continue;
+    const FacetNode& top = levels.back().front();
+    box.low[axis] = range_of(std::array{top.low[axis]}).lo;
+    box.high[axis] = range_of(std::array{top.high[axis]}).hi;
   }
+  return box;
+}
+
+void Facets::build_levels() {
+  levels_ = levels_above(blocks_.get(), block_count());
+  const FloatBox box = box_of(levels_);
+  low_ = box.low, high_ = box.high;
 }
 
 std::size_t Facets::size_bytes() const {

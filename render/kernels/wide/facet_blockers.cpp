@@ -3,15 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formats/base/parallel.h"
+#include "render/kernels/wide/facets_parts.h"
+#include "render/volumes/facet_levels.h"
 
 namespace rhoray::render::wide {
 
 namespace {
 
-/// Whether the field may change along a ray to the light in the way that ends the side: rise from below, fall from
-/// above. Single precision, by which the kernel tells a facet's side, is off by far less than the margin.
-bool may_block(const FacetField& field, const Vec3& anchor, const LightPlace& light, double sign) {
+enum class Blocks { never, perhaps, always };
+
+/// Whether the field changes along rays to the light in the way that ends the side: rises from below, falls from above.
+/// Single precision, by which the kernel tells a facet's side, is off by far less than the margin.
+Blocks how_it_blocks(const FacetField& field, const Vec3& anchor, const LightPlace& light, double sign) {
   constexpr double margin = 0x1p-16;
   const Vec3 gradient(field.gradient[0], field.gradient[1], field.gradient[2]);
   const double steepness = std::sqrt(gradient.dot(gradient));
@@ -19,33 +22,46 @@ bool may_block(const FacetField& field, const Vec3& anchor, const LightPlace& li
   const Vec3 way = light.is_place ? light.at - anchor : light.at;
   const double rise = sign * (gradient.dot(way) + (light.is_place ? field.value : 0));
   const double doubt = steepness * (light.reach + margin * std::sqrt(way.dot(way))) + std::abs(margin * field.value);
-  // Written so that what is no number counts.
-  return !(rise < -doubt) || !std::isfinite(static_cast<double>(field.doubt));
+  if (!std::isfinite(static_cast<double>(field.doubt))) return Blocks::perhaps;
+  if (rise < -doubt) return Blocks::never;
+  // From a ray's start, which may be anywhere, to a place: the side at the facet is not that of the whole way.
+  return rise > doubt && !light.is_place ? Blocks::always : Blocks::perhaps;  // what is no number: perhaps
 }
 
 }  // namespace
 
-FacetBlockers::FacetBlockers(std::shared_ptr<const Facets> facets, const LightPlace& light, StartSide side,
-                             unsigned threads)
+FacetBlockers::FacetBlockers(std::shared_ptr<const Facets> facets, const LightPlace& light, StartSide side)
     : facets_(std::move(facets)) {
-  if (facets_->levels().empty()) return;
+  constexpr std::uint32_t block_size = FacetBlock::size;
   const double sign = side == StartSide::outside ? 1 : -1;
-  levels_.push_back(facets_->levels().front());
-  std::vector<BoxNode>& nodes = levels_.front();
-  constexpr std::uint64_t block_size = FacetBlock::size, nodes_each = 64;
-  for_each_range(nodes.size(), nodes_each, threads, [&](std::uint64_t first_node, std::uint64_t end_node) {
-    for (std::uint64_t n = first_node; n < end_node; ++n)
-      for (std::uint64_t c = 0; c < BoxNode::size; ++c) {
-        const std::uint64_t first = (n * BoxNode::size + c) * block_size,
-                            end = std::min<std::uint64_t>(first + block_size, facets_->count());
-        bool is_kept = false;
-        for (std::uint64_t f = first; f < end && !is_kept; ++f)
-          is_kept = may_block(facets_->fields()[f], facets_->anchor(), light, sign);
-        if (is_kept) continue;
-        for (int a = 0; a < 3; ++a) nodes[n].low[a][c] = BoxNode::nowhere, nodes[n].high[a][c] = -BoxNode::nowhere;
-      }
-  });
-  add_upper_levels(levels_);
+  for (std::uint32_t f = 0; f < facets_->count(); ++f) {
+    const Blocks how = how_it_blocks(facets_->fields()[f], facets_->anchor(), light, sign);
+    if (how == Blocks::never) continue;
+    const std::size_t place = sources_.size();
+    if (place % block_size == 0) blocks_.emplace_back(), sure_.push_back(0);
+    sources_.push_back(f);
+    const FacetBlock& from = facets_->blocks()[f / block_size];
+    for (int c = 0; c < 4; ++c)
+      for (int a = 0; a < 3; ++a) blocks_.back().corner[c][a][place % block_size] = from.corner[c][a][f % block_size];
+    sure_.back() = static_cast<std::uint16_t>(sure_.back() | (how == Blocks::always) << (place % block_size));
+  }
+  if (const std::size_t left = sources_.size() % block_size; left != 0)
+    for (auto& corner : blocks_.back().corner)
+      for (auto& numbers : corner) std::fill(numbers + left, numbers + block_size, numbers[left - 1]);
+  levels_ = levels_above(blocks_.data(), blocks_.size());
+}
+
+BlockerHeights FacetBlockers::heights(const LightPlace& light) const {
+  const SeenFromLight seen(light.at);
+  std::vector<Footprint> footprints(sources_.size(), Footprint::of_nothing());
+  for (std::size_t f = 0; f < footprints.size(); ++f)
+    for (const auto& corner : blocks_[f / FacetBlock::size].corner) {
+      const std::size_t place = f % FacetBlock::size;
+      const float point[3] = {corner[0][place], corner[1][place], corner[2][place]};
+      footprints[f].add(seen, point);
+    }
+  return BlockerHeights(seen, {.anchor = facets_->anchor(), .scale = facets_->scale(), .margin = facet_margin},
+                        footprints);
 }
 
 }  // namespace rhoray::render::wide

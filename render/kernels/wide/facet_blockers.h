@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <vector>
 
-#include "render/kernels/kernels.h"
+#include "render/kernels/wide/blocker_heights.h"
 #include "render/volumes/facets.h"
 
 namespace rhoray::render::wide {
@@ -13,6 +15,8 @@ struct LightPlace {
   bool is_place = false;
   Vec3 at{0, 0, 0};
   double reach = 0;
+
+  bool is_one_direction() const { return !is_place && reach == 0; }
 };
 
 /// The facets of a mesh's isosurface that may hold back light which rays of one start side ask about. Sides take turns
@@ -20,33 +24,30 @@ struct LightPlace {
 /// all facets those through which it falls on every way to the light hold nothing back. These are half of most
 /// surfaces, and the half on which the rays start.
 ///
-/// Facets are left out block by block: what is asked about a kept block are its other facets too, which the kernel
-/// refuses by their sides.
+/// Those that are left stand in blocks and in a tree of their own, in the order of Facets.
 class FacetBlockers {
  public:
-  /// @param side  inside or outside
-  FacetBlockers(std::shared_ptr<const Facets> facets, const LightPlace& light, StartSide side, unsigned threads);
+  /// @param facets  of an isosurface
+  FacetBlockers(std::shared_ptr<const Facets> facets, const LightPlace& light, StartSide side);
 
   const Facets& facets() const { return *facets_; }
-  /// As Facets::levels, the boxes of the blocks left out empty.
+
+  std::uint32_t count() const { return static_cast<std::uint32_t>(sources_.size()); }
+  const FacetBlock* blocks() const { return blocks_.data(); }
+  const std::uint32_t* sources() const { return sources_.data(); }  ///< the place of each among Facets
+  /// Of each block a bit for each facet through which all rays to the light go in the way that ends the side.
+  const std::uint16_t* sure() const { return sure_.data(); }
   const BoxLevels& levels() const { return levels_; }
+
+  /// What they cover as seen from a light that stands in one direction.
+  BlockerHeights heights(const LightPlace& light) const;
 
  private:
   std::shared_ptr<const Facets> facets_;
+  std::vector<FacetBlock> blocks_;
+  std::vector<std::uint32_t> sources_;
+  std::vector<std::uint16_t> sure_;
   BoxLevels levels_;
 };
-
-/// First crossings of the facets that are left: those of Facets for all rays of that side towards that light.
-using BlockerKernel = void (*)(const VolumeImplementation& volume, const Question& question,
-                               const FacetBlockers& blockers, const RayBatch& rays, HitBatch& hits,
-                               KernelScratch& scratch);
-
-/// The kernel of meshes' isosurfaces in single precision, asked about blockers; null where first_facet_kernel is, and
-/// for triangles, which may face any way.
-BlockerKernel blocker_kernel(const VolumeImplementation& volume, const Method& method, Machine machine);
-
-/// The blockers of a question that blocker_kernel answers; null where it is answered by scalar kernels after all.
-std::shared_ptr<const FacetBlockers> blockers_of(const VolumeImplementation& volume, const Question& question,
-                                                 const LightPlace& light, StartSide side, unsigned threads);
 
 }  // namespace rhoray::render::wide

@@ -8,11 +8,13 @@
 
 #include "render/cells/tet_methods.h"
 #include "render/kernels/tet_walk.h"
-#include "render/kernels/wide/facet_blockers.h"
+#include "render/kernels/wide/ask_whether_any.h"
+#include "render/kernels/wide/blockers.h"
 #include "render/kernels/wide/facets.h"
 #include "render/kernels/wide/facets_parts.h"
 #include "render/kernels/wide/is_mesh.h"
 #include "render/kernels/wide/kernel_on.h"
+#include "render/volumes/facet_levels.h"
 #include "render/volumes/volume.h"
 
 namespace rhoray::render::wide {
@@ -22,12 +24,13 @@ namespace {
 template <class View>
 inline constexpr bool has_facets = is_mesh<View> || std::is_same_v<View, SurfaceVolume>;
 
-/// @param levels  of the facets, or of some
+/// @param levels  above some of the facets
 FacetSurface surface_of(const Facets& facets, const BoxLevels& levels, const Question& question, bool is_of_triangles) {
+  const FloatBox box = box_of(levels);
   FacetSurface surface{.blocks = facets.blocks(),
                        .fields = facets.fields(),
                        .levels = {},
-                       .level_count = facets.level_count(),
+                       .level_count = static_cast<int>(levels.size()),
                        .facet_count = facets.count(),
                        .anchor = {facets.anchor().x, facets.anchor().y, facets.anchor().z},
                        .scale = facets.scale(),
@@ -37,14 +40,17 @@ FacetSurface surface_of(const Facets& facets, const BoxLevels& levels, const Que
                        .is_of_triangles = is_of_triangles,
                        .time_phases = question.time_phases};
   for (std::size_t l = 0; l < levels.size(); ++l) surface.levels[l] = levels[l].data();
-  std::copy(facets.low().begin(), facets.low().end(), surface.low);
-  std::copy(facets.high().begin(), facets.high().end(), surface.high);
+  std::copy(box.low.begin(), box.low.end(), surface.low);
+  std::copy(box.high.begin(), box.high.end(), surface.high);
   return surface;
 }
 
-/// How far from a facet's corners a ray may pass that meets it, in the facets' frame: far above place_error, and the
-/// rounding of the corners themselves.
-constexpr double facet_margin = 0x1p-18;
+FacetSurface surface_of(const FacetBlockers& blockers, const Question& question) {
+  FacetSurface surface = surface_of(blockers.facets(), blockers.levels(), question, false);
+  surface.blocks = blockers.blocks(), surface.sources = blockers.sources(), surface.sure = blockers.sure();
+  surface.facet_count = blockers.count();
+  return surface;
+}
 
 bool is_answerable(const Question& question) {
   return question.use_hierarchy && std::abs(question.isovalue) <= largest_magnitude;
@@ -143,25 +149,33 @@ void first_facets(const VolumeImplementation& volume, const Question& question, 
 }
 
 template <Machine machine>
-void first_blockers(const VolumeImplementation& volume, const Question& question, const FacetBlockers& blockers,
-                    const RayBatch& rays, HitBatch& hits, KernelScratch& scratch) {
+void any_facets(const VolumeImplementation& volume, const Question& question, const Blockers* blockers,
+                const RayBatch& rays, std::uint64_t* crossed, KernelScratch& scratch) {
   std::visit(
       [&]<class View>(const View& view) {
-        if constexpr (is_mesh<View>) {
+        if constexpr (has_facets<View>) {
+          const Kernel reference = kernels_for(view, question.method.way).first_crossing;
           scratch.counters.rays_wide += rays.count;
           if (!scratch.facets) scratch.facets = std::make_shared<FacetScratch>();
           FacetScratch& memory = *scratch.facets;
-          const FacetSurface surface = surface_of(blockers.facets(), blockers.levels(), question, false);
-          const FirstFacets answer = first_facets_on(machine, false);
-          const HitArrays answers = arrays_of(hits);
+          FacetSurface surface{};
+          const bool is_wide = is_answerable(question);
+          if (is_wide && blockers == nullptr) {
+            memory.facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, 1);
+            surface = surface_of(*memory.facets, memory.facets->levels(), question, !is_mesh<View>);
+          } else if (is_wide) {
+            surface = surface_of(*blockers->facets, question);
+          }
+          const AnyFacets answer = any_facets_on(machine);
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
             const std::size_t count = std::min(RayGroup::size, rays.count - first);
-            const HitArrays chunk = from(answers, first);
-            write_misses(chunk, count);
-            const Unanswered left = answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
-            if (left.whole != 0)
-              ask_again(kernels_for(view, question.method.way).first_crossing, volume, question, rays, first,
-                        left.whole, hits, memory.others, scratch);
+            MetFacets met{.crossed = 0,
+                          .unanswered = count < RayGroup::size ? (std::uint64_t{1} << count) - 1 : ~std::uint64_t{0}};
+            if (is_wide) met = answer(surface, from(rays, first), count, memory, scratch.counters);
+            if (met.unanswered != 0)
+              met.crossed |=
+                  ask_whether_any(reference, volume, question, rays, first, met.unanswered, memory.others, scratch);
+            crossed[first / RayGroup::size] = met.crossed;
           }
         }
       },
@@ -208,34 +222,40 @@ Kernel first_facet_kernel(const VolumeImplementation& volume, const Method& meth
   });
 }
 
-BlockerKernel blocker_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
-  const bool is_of_mesh = std::visit([]<class View>(const View&) { return is_mesh<View>; }, volume.view);
-  if (!is_of_mesh || method.way == Method::Way::certified || first_facet_kernel(volume, method, machine) == nullptr)
-    return nullptr;
+AnyCrossing any_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
+  if (method.way == Method::Way::certified || first_facet_kernel(volume, method, machine) == nullptr) return nullptr;
   switch (machine) {
     case Machine::baseline:
-      return first_blockers<Machine::baseline>;
+      return any_facets<Machine::baseline>;
     case Machine::avx2:
-      return first_blockers<Machine::avx2>;
+      return any_facets<Machine::avx2>;
     case Machine::avx512:
-      return first_blockers<Machine::avx512>;
+      return any_facets<Machine::avx512>;
     case Machine::scalar:
       break;
   }
   return nullptr;
 }
 
-std::shared_ptr<const FacetBlockers> blockers_of(const VolumeImplementation& volume, const Question& question,
-                                                 const LightPlace& light, StartSide side, unsigned threads) {
-  if (!is_answerable(question)) return nullptr;
-  return std::visit(
-      [&]<class View>(const View& view) -> std::shared_ptr<const FacetBlockers> {
-        if constexpr (is_mesh<View>)
-          return std::make_shared<const FacetBlockers>(
-              volume.facets->of(view, volume.bounds_volume, question.isovalue, threads), light, side, threads);
-        return nullptr;
+std::array<std::shared_ptr<const Blockers>, 2> facet_blockers_of(const VolumeImplementation& volume,
+                                                                 const Question& question, const LightPlace& light,
+                                                                 unsigned threads) {
+  std::array<std::shared_ptr<const Blockers>, 2> of_sides;
+  if (!is_answerable(question) || !is_fit(volume)) return of_sides;
+  std::visit(
+      [&]<class View>(const View& view) {
+        if constexpr (is_mesh<View>) {
+          const auto facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, threads);
+          for (const StartSide side : {StartSide::outside, StartSide::inside}) {
+            const auto blockers = std::make_shared<Blockers>();
+            blockers->facets = std::make_shared<const FacetBlockers>(facets, light, side);
+            if (light.is_one_direction()) blockers->heights = blockers->facets->heights(light);
+            of_sides[side == StartSide::inside] = blockers;
+          }
+        }
       },
       volume.view);
+  return of_sides;
 }
 
 }  // namespace rhoray::render::wide

@@ -17,12 +17,22 @@ namespace rhoray::render::wide {
 /// Lengths, values and isovalues up to this size, lengths from its inverse on, are answered by wide kernels.
 inline constexpr double largest_magnitude = 1e60;
 
+/// What is asked of facets.
+enum class FacetSearch {
+  first,      ///< the nearest that the ray meets
+  certified,  ///< the same, proven
+  any         ///< whether there is one
+};
+
 /// One isosurface of one mesh, or the triangles of a surface.
 struct FacetSurface {
   static constexpr int largest_level_count = 8;
 
   const FacetBlock* blocks;
   const FacetField* fields;
+  const std::uint32_t* sources = nullptr;  ///< of each facet of a block its place among the fields; null: its own
+  /// Of each block a bit for each facet that all rays meet on the side on which they start; null: not known.
+  const std::uint16_t* sure = nullptr;
   const FacetNode* levels[largest_level_count];
   int level_count;
   std::uint32_t facet_count;
@@ -40,6 +50,10 @@ struct FacetSurface {
 /// certified_reach away.
 inline constexpr float place_error = 1.25f * 0x1p-22f;
 inline constexpr double certified_reach = 0x1p20;
+
+/// How far from a facet's corners a ray may pass that meets it, in the facets' frame: far above place_error, and the
+/// rounding of the corners themselves.
+inline constexpr double facet_margin = 0x1p-18;
 
 /// Rays that start farther away than this go to the reference at once.
 inline constexpr double reach = 0x1p40;
@@ -95,7 +109,16 @@ struct Unanswered {
 using FirstFacets = Unanswered (*)(const FacetSurface& surface, const RayArrays& rays, std::size_t count,
                                    const HitArrays& hits, FacetScratch& scratch, KernelCounters& counters);
 
+/// Which of at most 64 rays meet a facet.
+struct MetFacets {
+  std::uint64_t crossed = 0;
+  std::uint64_t unanswered = 0;  ///< what is no ray of finite numbers
+};
+using AnyFacets = MetFacets (*)(const FacetSurface& surface, const RayArrays& rays, std::size_t count,
+                                FacetScratch& scratch, KernelCounters& counters);
+
 /// `baseline` is what the processor has of SSE4, or else one lane.
 FirstFacets first_facets_on(Machine machine, bool certified);
+AnyFacets any_facets_on(Machine machine);
 
 }  // namespace rhoray::render::wide
