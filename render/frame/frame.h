@@ -109,7 +109,7 @@ class FrameMemory::Implementation {
   Worker& worker(std::size_t index);
   /// Those that have worked in this frame.
   std::vector<const Worker*> workers() const;
-  wide::BlockSlopesMemory& slopes() { return slopes_; }  ///< for the thread that begins frames
+  wide::GridBlockersMemory& grid_blockers() { return grid_blockers_; }  ///< for the thread that begins frames
 
  private:
   struct Place {
@@ -119,7 +119,7 @@ class FrameMemory::Implementation {
   std::optional<TileThreads> threads_;
   std::vector<Place> places_;
   WorkerNeeds needs_;
-  wide::BlockSlopesMemory slopes_;
+  wide::GridBlockersMemory grid_blockers_;
 };
 
 }  // namespace rhoray::render

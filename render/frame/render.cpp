@@ -318,7 +318,7 @@ wide::LightPlace place_in(const FrameLayer& layer, const LayerLights::One& light
 }
 
 /// Finds out what of a layer may hold back the light of those that cast shadows.
-void prepare_blockers(FrameLayer& layer, const FrameOptions& options, wide::BlockSlopesMemory& memory) {
+void prepare_blockers(FrameLayer& layer, const FrameOptions& options, wide::GridBlockersMemory& memory) {
   if (!holds_light_back(layer.look.layer) || layer.kernel_through == nullptr) return;
   const Question& question = layer.question_through;
   layer.any_crossing = wide::any_facet_kernel(layer.volume, question.method, chosen_machine());
@@ -331,9 +331,7 @@ void prepare_blockers(FrameLayer& layer, const FrameOptions& options, wide::Bloc
     if (!light.casts_shadows) continue;
     const wide::LightPlace place = place_in(layer, light);
     layer.blockers[l] = wide::facet_blockers_of(layer.volume, question, place, options.threads);
-    if (layer.blockers[l][0] || !place.is_one_direction()) continue;
-    if (const auto slopes = memory.of(layer.volume, question, options.threads))
-      layer.blockers[l] = wide::grid_blockers_of(*slopes, place);
+    if (!layer.blockers[l][0]) layer.blockers[l] = memory.of(layer.volume, question, place, options.threads);
   }
 }
 
@@ -460,7 +458,7 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
   bool is_wide = false, prepares = false;
   for (FrameLayer& layer : frame.layers) {
     is_wide |= prepare(layer, scene.clip, options);
-    prepare_blockers(layer, options, memory.implementation().slopes());
+    prepare_blockers(layer, options, memory.implementation().grid_blockers());
     prepares |= layer.prepare != nullptr || layer.look.lookup;
   }
   choose_shells(options, frame);

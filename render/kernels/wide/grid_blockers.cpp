@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "formats/base/parallel.h"
-#include "render/kernels/compiled_for.h"
 #include "render/kernels/wide/isosurface.h"
 #include "render/volumes/volume.h"
 
@@ -20,7 +19,7 @@ template <class T>
 inline constexpr bool is_uniform_grid<GridVolume<T>> = true;
 
 /// 5 x 5 x 5 samples around 4 x 4 x 4 cells, x + 5 y + 25 z, and room for those beyond.
-constexpr std::size_t sample_count = 125, room = 160, before = 32;
+constexpr std::size_t sample_count = 125, room = 160;
 constexpr std::size_t stride[3] = {1, 5, 25};
 
 /// Samples that are the lowest corner of a cell of the block.
@@ -35,49 +34,63 @@ constexpr std::array<std::uint8_t, sample_count> lowest_corners = [] {
 /// The samples of a block, and which of its cells the grid has: `cells` of them along each axis.
 struct BlockOfSamples {
   double value[room];
-  std::array<std::int64_t, 3> cells;
+  std::array<std::size_t, 3> cells;
 };
 
-/// @param edge  differences of corners beside each other along an axis, of cells that have corners on both sides
-RHORAY_INLINE void find_slopes(const BlockOfSamples& block, double isovalue, BlockSlopes::Block& out,
-                               std::uint8_t& any_active) {
-  std::uint8_t inside[room], active[before + room] = {};
+/// The cells of a block that have corners on both sides.
+RHORAY_INLINE void find_active(const BlockOfSamples& block, double isovalue, std::uint8_t* active) {
+  std::uint8_t inside[room];
   for (std::size_t i = 0; i < room; ++i) inside[i] = block.value[i] >= isovalue;
   for (std::size_t i = 0; i < sample_count; ++i) {
-    const std::uint8_t *a = inside + i, *b = a + stride[2];
+    const std::uint8_t *a = inside + i, *b = a + 25;
     const auto all = a[0] & a[1] & a[5] & a[6] & b[0] & b[1] & b[5] & b[6];
     const auto any = a[0] | a[1] | a[5] | a[6] | b[0] | b[1] | b[5] | b[6];
-    active[before + i] = static_cast<std::uint8_t>(any & ~all & lowest_corners[i]);
+    active[i] = static_cast<std::uint8_t>(any & ~all & lowest_corners[i]);
   }
-  for (std::size_t z = 0, i = 0; z < 5; ++z)
-    for (std::size_t y = 0; y < 5; ++y)
-      for (std::size_t x = 0; x < 5; ++x, ++i)
-        if (static_cast<std::int64_t>(x) >= block.cells[0] || static_cast<std::int64_t>(y) >= block.cells[1] ||
-            static_cast<std::int64_t>(z) >= block.cells[2])
-          active[before + i] = 0;
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  any_active = 0;
-  for (std::size_t i = 0; i < sample_count; ++i) any_active |= active[before + i];
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    // An edge belongs to the four cells around it.
-    const std::size_t one = stride[(axis + 1) % 3], other = stride[(axis + 2) % 3];
-    double least = infinity, greatest = -infinity;
-    for (std::size_t i = 0; i < sample_count; ++i) {
-      const std::uint8_t* cell = active + before + i;
-      const bool counts = (cell[0] | *(cell - one) | *(cell - other) | *(cell - one - other)) != 0;
-      const double difference = block.value[i + stride[axis]] - block.value[i];
-      const double low = counts ? difference : infinity, high = counts ? difference : -infinity;
-      least = low < least ? low : least, greatest = high > greatest ? high : greatest;
+}
+
+/// Adds a block's cells to those of its neighbours.
+void add_slopes(const BlockOfSamples& samples, double isovalue, BlockSlopes::Block& block,
+                std::vector<BlockSlopes::Cell>& cells) {
+  std::uint8_t active[sample_count];
+  find_active(samples, isovalue, active);
+  struct Differences {
+    double least[3], greatest[3];
+  } of[64];
+  std::uint8_t places[64];
+  std::size_t count = 0;
+  double largest = 0;
+  for (std::size_t z = 0; z < samples.cells[2]; ++z)
+    for (std::size_t y = 0; y < samples.cells[1]; ++y)
+      for (std::size_t x = 0; x < samples.cells[0]; ++x) {
+        const std::size_t lowest = x + 5 * y + 25 * z;
+        if (active[lowest] == 0) continue;
+        const double* value = samples.value + lowest;
+        for (std::size_t a = 0; a < 3; ++a) {
+          const std::size_t up = stride[a], one = stride[(a + 1) % 3], other = stride[(a + 2) % 3];
+          double least = value[up] - value[0], greatest = least;
+          for (const std::size_t edge : {one, other, one + other}) {
+            const double difference = value[edge + up] - value[edge];
+            least = std::min(least, difference), greatest = std::max(greatest, difference);
+          }
+          of[count].least[a] = least, of[count].greatest[a] = greatest;
+          largest = std::max({largest, std::abs(least), std::abs(greatest)});
+        }
+        places[count++] = static_cast<std::uint8_t>(x + 4 * y + 16 * z);
+      }
+  block.first_cell = static_cast<std::uint32_t>(cells.size());
+  block.cell_count = static_cast<std::uint32_t>(count);
+  // As a float it is no smaller, so that differences are 127 units at most.
+  block.unit = static_cast<float>(largest / 126);
+  const double unit = static_cast<double>(block.unit);
+  if (!(unit >= double{std::numeric_limits<float>::min()} && unit <= double{std::numeric_limits<float>::max()}))
+    block.unit = std::numeric_limits<float>::quiet_NaN();
+  for (std::size_t c = 0; c < count; ++c) {
+    BlockSlopes::Cell& cell = cells.emplace_back(BlockSlopes::Cell{places[c], {}, {}});
+    for (std::size_t a = 0; a < 3 && block.unit > 0; ++a) {
+      cell.least[a] = static_cast<std::int8_t>(std::floor(of[c].least[a] / unit));
+      cell.greatest[a] = static_cast<std::int8_t>(std::ceil(of[c].greatest[a] / unit));
     }
-    constexpr float outward = 0x1p-22F;
-    out.least[axis] = static_cast<float>(least) - outward * std::abs(static_cast<float>(least));
-    out.greatest[axis] = static_cast<float>(greatest) + outward * std::abs(static_cast<float>(greatest));
-    std::size_t first = 4, last = 0;
-    for (std::size_t i = 0; i < sample_count; ++i) {
-      const std::size_t at = i / stride[axis] % 5;
-      if (active[before + i] != 0) first = std::min(first, at), last = std::max(last, at + 1);
-    }
-    out.cell_low[axis] = static_cast<float>(first), out.cell_high[axis] = static_cast<float>(last);
   }
 }
 
@@ -89,7 +102,8 @@ void read_block(const GridVolume<T>& view, const Index3& block, BlockOfSamples& 
   std::uint64_t of[3][5];
   for (int a = 0; a < 3; ++a) {
     for (std::int64_t i = 0; i < 5; ++i) of[a][i] = address[a][std::min(4 * block[a] + i, samples[a] - 1)];
-    out.cells[static_cast<std::size_t>(a)] = std::min<std::int64_t>(4, samples[a] - 1 - 4 * block[a]);
+    out.cells[static_cast<std::size_t>(a)] =
+        static_cast<std::size_t>(std::min<std::int64_t>(4, samples[a] - 1 - 4 * block[a]));
   }
   const T* from = view.samples().data();
   double* to = out.value;
@@ -113,41 +127,73 @@ std::vector<Index3> blocks_of(const Occupancy& occupancy) {
   return blocks;
 }
 
+struct Slopes {
+  std::vector<BlockSlopes::Block> blocks;
+  std::vector<BlockSlopes::Cell> cells;
+};
+
 template <class T>
-std::vector<BlockSlopes::Block> slopes_of(const GridVolume<T>& view, const Occupancy& occupancy, double isovalue,
-                                          unsigned threads) {
+Slopes slopes_of(const GridVolume<T>& view, const Occupancy& occupancy, double isovalue, unsigned threads) {
   const std::vector<Index3> places = blocks_of(occupancy);
-  std::vector<BlockSlopes::Block> all(places.size());
-  const auto find = compiled_for<find_slopes>(chosen_machine());
-  constexpr std::uint64_t blocks_each = 256;
-  for_each_range(places.size(), blocks_each, threads, [&](std::uint64_t first, std::uint64_t end) {
+  constexpr std::uint64_t blocks_each = 1024;
+  std::vector<Slopes> parts((places.size() + blocks_each - 1) / blocks_each);
+  for_each_range(parts.size(), 1, threads, [&](std::uint64_t first_part, std::uint64_t end_part) {
     BlockOfSamples samples;
-    for (std::uint64_t b = first; b < end; ++b) {
-      read_block(view, places[b], samples);
-      std::uint8_t any_active = 0;
-      find(samples, isovalue, all[b], any_active);
-      for (int a = 0; a < 3; ++a) {
-        all[b].cell_low[a] += static_cast<float>(4 * places[b][a]);
-        all[b].cell_high[a] += static_cast<float>(4 * places[b][a]);
+    for (std::uint64_t part = first_part; part < end_part; ++part) {
+      const std::uint64_t end = std::min<std::uint64_t>(places.size(), (part + 1) * blocks_each);
+      for (std::uint64_t b = part * blocks_each; b < end; ++b) {
+        BlockSlopes::Block& block = parts[part].blocks.emplace_back();
+        for (int a = 0; a < 3; ++a) block.corner[a] = static_cast<float>(4 * places[b][a]);
+        read_block(view, places[b], samples);
+        add_slopes(samples, isovalue, block, parts[part].cells);
       }
-      if (any_active == 0) all[b].cell_high[0] = -1;
     }
   });
-  std::erase_if(all, [](const BlockSlopes::Block& block) { return block.cell_high[0] < 0; });
+  Slopes all;
+  for (Slopes& part : parts) {
+    for (BlockSlopes::Block& block : part.blocks) block.first_cell += static_cast<std::uint32_t>(all.cells.size());
+    all.blocks.insert(all.blocks.end(), part.blocks.begin(), part.blocks.end());
+    all.cells.insert(all.cells.end(), part.cells.begin(), part.cells.end());
+    part = {};
+  }
   return all;
 }
 
-/// Whether the field may rise along rays of this direction, times the sign. The kernel's single precision is off by far
-/// less than the margin.
-bool may_rise(const BlockSlopes::Block& block, const Vec3& direction, double sign) {
+/// Whether the field may rise in a cell along rays of a direction; their unit drops out. The kernel's single precision
+/// is off by far less than the margin.
+bool may_rise(const BlockSlopes::Cell& cell, const Vec3& direction) {
   constexpr double margin = 0x1p-16;
   double rise = 0, steepness = 0;
   for (int a = 0; a < 3; ++a) {
-    const double low = sign * direction[a] * static_cast<double>(block.least[a]),
-                 high = sign * direction[a] * static_cast<double>(block.greatest[a]);
+    const double low = direction[a] * cell.least[a], high = direction[a] * cell.greatest[a];
     rise += std::max(low, high), steepness += std::max(std::abs(low), std::abs(high));
   }
-  return !(rise < -margin * steepness);  // written so that what is no number may
+  return !(rise < -margin * steepness);
+}
+
+/// What the cells that may hold light back cover.
+std::vector<Footprint> footprints_of(const BlockSlopes& slopes, const SeenFromLight& seen, const Vec3& falling) {
+  // Of all cells the same, but for where they stand.
+  Footprint of_cell = Footprint::of_nothing();
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    const float point[3] = {static_cast<float>(corner & 1), static_cast<float>(corner >> 1 & 1),
+                            static_cast<float>(corner >> 2 & 1)};
+    of_cell.add(seen, point);
+  }
+  std::vector<Footprint> footprints;
+  for (const BlockSlopes::Block& block : slopes.blocks())
+    for (const BlockSlopes::Cell& cell : slopes.cells().subspan(block.first_cell, block.cell_count)) {
+      if (block.unit > 0 && !may_rise(cell, falling)) continue;
+      const float point[3] = {block.corner[0] + static_cast<float>(cell.place & 3),
+                              block.corner[1] + static_cast<float>(cell.place >> 2 & 3),
+                              block.corner[2] + static_cast<float>(cell.place >> 4)};
+      Footprint at = Footprint::of_nothing();
+      at.add(seen, point);
+      footprints.push_back({.low = {at.low[0] + of_cell.low[0], at.low[1] + of_cell.low[1]},
+                            .high = {at.high[0] + of_cell.high[0], at.high[1] + of_cell.high[1]},
+                            .height = at.height + of_cell.height});
+    }
+  return footprints;
 }
 
 }  // namespace
@@ -160,7 +206,8 @@ std::shared_ptr<const BlockSlopes> BlockSlopes::of(const VolumeImplementation& v
         if constexpr (is_uniform_grid<View>) {
           const auto slopes = std::make_shared<BlockSlopes>();
           slopes->occupancy_ = volume.occupancies->of(view.levels(), question.isovalue);
-          slopes->blocks_ = slopes_of(view, *slopes->occupancy_, question.isovalue, threads);
+          Slopes found = slopes_of(view, *slopes->occupancy_, question.isovalue, threads);
+          slopes->blocks_ = std::move(found.blocks), slopes->cells_ = std::move(found.cells);
           return slopes;
         }
         return nullptr;
@@ -168,8 +215,26 @@ std::shared_ptr<const BlockSlopes> BlockSlopes::of(const VolumeImplementation& v
       volume.view);
 }
 
-std::shared_ptr<const BlockSlopes> BlockSlopesMemory::of(const VolumeImplementation& volume, const Question& question,
-                                                         unsigned threads) {
+BlockersOfSides grid_blockers_of(const BlockSlopes& slopes, const LightPlace& light) {
+  BlockersOfSides of_sides;
+  if (!light.is_one_direction()) return of_sides;
+  const SeenFromLight seen(light.at);
+  // Far above what rounding moves points and rays by, as in prepare_occupancy.
+  float farthest = 0;
+  for (const BlockSlopes::Block& block : slopes.blocks())
+    for (const float low : block.corner) farthest = std::max(farthest, low + 4);
+  const double margin = 1.0 / 64 + 0x1p-21 * static_cast<double>(farthest);
+  for (const StartSide side : {StartSide::outside, StartSide::inside}) {
+    const auto blockers = std::make_shared<Blockers>();
+    blockers->heights.emplace(seen, BlockerHeights::Frame{.margin = margin},
+                              footprints_of(slopes, seen, side == StartSide::outside ? light.at : -light.at));
+    of_sides[side == StartSide::inside] = blockers;
+  }
+  return of_sides;
+}
+
+GridBlockersMemory::Kept* GridBlockersMemory::find(const VolumeImplementation& volume, const Question& question,
+                                                   unsigned threads) {
   const auto occupancy = std::visit(
       [&]<class View>(const View& view) -> std::shared_ptr<const Occupancy> {
         if constexpr (is_uniform_grid<View>) return volume.occupancies->of(view.levels(), question.isovalue);
@@ -178,44 +243,33 @@ std::shared_ptr<const BlockSlopes> BlockSlopesMemory::of(const VolumeImplementat
       volume.view);
   if (!occupancy) return nullptr;
   const auto found =
-      std::find_if(kept_.begin(), kept_.end(), [&](const auto& slopes) { return slopes->occupancy() == occupancy; });
+      std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) { return kept.slopes->occupancy() == occupancy; });
   if (found != kept_.end()) {
     std::rotate(kept_.begin(), found, found + 1);
-    return kept_.front();
+    return &kept_.front();
   }
   auto slopes = BlockSlopes::of(volume, question, threads);
   if (!slopes) return nullptr;
   if (kept_.size() == most_kept) kept_.pop_back();
-  kept_.insert(kept_.begin(), std::move(slopes));
-  return kept_.front();
+  kept_.insert(kept_.begin(), Kept{std::move(slopes), {}});
+  return &kept_.front();
 }
 
-std::array<std::shared_ptr<const Blockers>, 2> grid_blockers_of(const BlockSlopes& slopes, const LightPlace& light) {
-  std::array<std::shared_ptr<const Blockers>, 2> of_sides;
-  if (!light.is_one_direction()) return of_sides;
-  const SeenFromLight seen(light.at);
-  // Far above what rounding moves points and rays by, as in prepare_occupancy.
-  float farthest = 0;
-  for (const BlockSlopes::Block& block : slopes.blocks())
-    for (const float high : block.cell_high) farthest = std::max(farthest, high);
-  const double margin = 1.0 / 64 + 0x1p-22 * static_cast<double>(farthest);
-  for (const StartSide side : {StartSide::outside, StartSide::inside}) {
-    std::vector<Footprint> footprints;
-    footprints.reserve(slopes.blocks().size());
-    for (const BlockSlopes::Block& block : slopes.blocks()) {
-      if (!may_rise(block, light.at, side == StartSide::outside ? 1 : -1)) continue;
-      Footprint& of = footprints.emplace_back(Footprint::of_nothing());
-      for (unsigned corner = 0; corner < 8; ++corner) {
-        float point[3];
-        for (unsigned a = 0; a < 3; ++a) point[a] = (corner >> a & 1) != 0 ? block.cell_high[a] : block.cell_low[a];
-        of.add(seen, point);
-      }
-    }
-    const auto blockers = std::make_shared<Blockers>();
-    blockers->heights.emplace(seen, BlockerHeights::Frame{.margin = margin}, footprints);
-    of_sides[side == StartSide::inside] = blockers;
+BlockersOfSides GridBlockersMemory::of(const VolumeImplementation& volume, const Question& question,
+                                       const LightPlace& light, unsigned threads) {
+  if (!light.is_one_direction()) return {};
+  Kept* kept = find(volume, question, threads);
+  if (kept == nullptr) return {};
+  std::vector<OfLight>& lights = kept->lights;
+  const auto found =
+      std::find_if(lights.begin(), lights.end(), [&](const OfLight& of) { return of.towards == light.at; });
+  if (found != lights.end()) {
+    std::rotate(lights.begin(), found, found + 1);
+  } else {
+    if (lights.size() == most_kept) lights.pop_back();
+    lights.insert(lights.begin(), {light.at, grid_blockers_of(*kept->slopes, light)});
   }
-  return of_sides;
+  return lights.front().blockers;
 }
 
 }  // namespace rhoray::render::wide

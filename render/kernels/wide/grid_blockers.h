@@ -12,13 +12,19 @@
 
 namespace rhoray::render::wide {
 
-/// How steep the field is in the cells that a grid's isosurface passes through, block by block of 4 x 4 x 4 cells.
+/// How steep the field is in the cells that a grid's isosurface passes through: those with corners on both sides.
 class BlockSlopes {
  public:
-  /// Of the cells of one block that have corners on both sides.
+  /// Along each axis the differences of the cell's corners beside each other, as whole numbers, outward.
+  struct Cell {
+    std::uint8_t place;  ///< in its block: x + 4 y + 16 z
+    std::int8_t least[3], greatest[3];
+  };
+  /// 4 x 4 x 4 cells.
   struct Block {
-    float cell_low[3], cell_high[3];  ///< the box around them, in cells
-    float least[3], greatest[3];      ///< along each axis the differences of corners beside each other, outward
+    float corner[3];  ///< the lowest, in cells
+    float unit;       ///< of the differences; no number where they are too large
+    std::uint32_t first_cell, cell_count;
   };
 
   /// @param question  of which the wide kernel of grids finds crossings, as far as the volume is a grid
@@ -28,26 +34,42 @@ class BlockSlopes {
                                                unsigned threads);
 
   std::span<const Block> blocks() const { return blocks_; }
+  std::span<const Cell> cells() const { return cells_; }
   const std::shared_ptr<const Occupancy>& occupancy() const { return occupancy_; }  ///< of which these are the blocks
 
  private:
   std::shared_ptr<const Occupancy> occupancy_;
   std::vector<Block> blocks_;
+  std::vector<Cell> cells_;
 };
 
-/// Those found last. Not for two threads at once.
-class BlockSlopesMemory {
+/// By side: of rays that start outside, inside.
+using BlockersOfSides = std::array<std::shared_ptr<const Blockers>, 2>;
+
+/// As facet_blockers_of, of a grid: a cell through which the field falls along all rays to the light holds nothing back
+/// from rays that start below the isovalue. Null unless the light stands in one direction.
+BlockersOfSides grid_blockers_of(const BlockSlopes& slopes, const LightPlace& light);
+
+/// What was found last, kept from frame to frame. Not for two threads at once.
+class GridBlockersMemory {
  public:
-  std::shared_ptr<const BlockSlopes> of(const VolumeImplementation& volume, const Question& question, unsigned threads);
+  /// @param question  as for BlockSlopes
+  BlockersOfSides of(const VolumeImplementation& volume, const Question& question, const LightPlace& light,
+                     unsigned threads);
 
  private:
-  static constexpr std::size_t most_kept = 4;
-  std::vector<std::shared_ptr<const BlockSlopes>> kept_;  ///< newest first
-};
+  struct OfLight {
+    Vec3 towards;
+    BlockersOfSides blockers;
+  };
+  struct Kept {
+    std::shared_ptr<const BlockSlopes> slopes;
+    std::vector<OfLight> lights;  ///< newest first
+  };
+  Kept* find(const VolumeImplementation& volume, const Question& question, unsigned threads);
 
-/// As facet_blockers_of, of a grid: a block through which the field falls along all rays to the light, whichever of its
-/// cells they pass, holds nothing back from rays that start below the isovalue. Of a light that stands in one
-/// direction.
-std::array<std::shared_ptr<const Blockers>, 2> grid_blockers_of(const BlockSlopes& slopes, const LightPlace& light);
+  static constexpr std::size_t most_kept = 4;
+  std::vector<Kept> kept_;  ///< newest first
+};
 
 }  // namespace rhoray::render::wide

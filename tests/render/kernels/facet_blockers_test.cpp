@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <vector>
 
+#include "render/kernels/wide/blockers.h"
 #include "render/ray_questions.h"
 #include "tests/agreement/pictures.h"
 
@@ -23,31 +25,24 @@ double waves(const Vec3& p) {
   return std::sin(7 * p.x + 1) + std::sin(9 * p.y) * std::cos(6 * p.z);
 }
 
-/// Boxes of blocks that are not empty.
-std::size_t block_count(const render::BoxLevels& levels) {
-  std::size_t count = 0;
-  for (const render::BoxNode& node : levels.front())
-    for (std::size_t c = 0; c < render::BoxNode::size; ++c) count += node.low[0][c] <= node.high[0][c];
-  return count;
-}
-
-// From every hit that the camera sees, to the light, on the side that the camera is on: the crossings are those of the
-// whole surface, to the bit, though a part of it is left out.
-TEST(FacetBlockers, hold_back_what_the_whole_surface_does) {
+// From every hit that the camera sees, to the light, on the side that the camera is on: what is asked of a part of the
+// surface, or of all of it, and only whether there is any crossing, has the answer that the first crossings give; and
+// what stands above all blockers meets nothing.
+void expect_the_same_as_first_crossings(render::Machine machine) {
   const TemporaryFolder folder;
   preprocess::NeutralMesh mesh = box_mesh({.cells = {16, 16, 16}, .box = {{-1, -1, -1}, {1, 1, 1}}});
   add_point_field(mesh, "value", waves);
   const render::Volume volume = packed(folder, "mesh.rho", mesh);
   const render::VolumeImplementation& implementation = volume.implementation();
   const render::Question question{.isovalue = 0.2, .method = render::method_of(render::Accuracy::single)};
-  const render::Machine machine = render::Machine::baseline;
   const render::Kernel whole = choose_kernels(implementation, question.method, machine).first_crossing;
-  const render::wide::BlockerKernel some = render::wide::blocker_kernel(implementation, question.method, machine);
-  ASSERT_NE(some, nullptr);
+  const render::wide::AnyCrossing any = render::wide::any_facet_kernel(implementation, question.method, machine);
+  ASSERT_NE(any, nullptr);
 
   render::KernelScratch scratch;
   RayBatch rays(ray_count), light_rays(ray_count);
-  HitBatch seen(ray_count), by_all(ray_count), by_some(ray_count);
+  HitBatch seen(ray_count), by_all(ray_count);
+  std::vector<std::uint64_t> crossed(ray_count / 64), crossed_of_all(ray_count / 64);
   const render::Camera camera =
       render::fit_camera(volume.bounds(), {.azimuth_deg = 33, .elevation_deg = 31, .zoom = 1.3}, 1);
   const std::vector<render::Ray> of_camera = camera_rays(volume, camera, edge, edge);
@@ -55,7 +50,7 @@ TEST(FacetBlockers, hold_back_what_the_whole_surface_does) {
   rays.count = ray_count;
   whole(implementation, question, rays, seen, scratch);
 
-  std::size_t asked = 0, blocked = 0, left_out = 0;
+  std::size_t asked = 0, blocked = 0, left_out = 0, above = 0;
   light_rays.has_start_sides = true;
   const LightPlace lights[] = {{.is_place = false, .at = {1, -2, 1.5}, .reach = 0},
                                {.is_place = false, .at = {-1, -1, 0.1}, .reach = 0.2},
@@ -63,10 +58,11 @@ TEST(FacetBlockers, hold_back_what_the_whole_surface_does) {
                                {.is_place = true, .at = {-2, -3, 2}, .reach = 0.3}};
   for (const LightPlace& light : lights)
     for (const StartSide side : {StartSide::outside, StartSide::inside}) {
-      const auto blockers = render::wide::blockers_of(implementation, question, light, side, 2);
+      const auto blockers =
+          render::wide::facet_blockers_of(implementation, question, light, 2)[side == StartSide::inside];
       ASSERT_TRUE(blockers);
-      const std::size_t all = block_count(blockers->facets().levels());
-      left_out += all - block_count(blockers->levels());
+      left_out += blockers->facets->facets().count() - blockers->facets->count();
+      EXPECT_EQ(blockers->heights.has_value(), !light.is_place && light.reach == 0);
       std::size_t count = 0;
       for (std::size_t r = 0; r < ray_count; ++r) {
         const render::Hit hit = seen[r];
@@ -85,17 +81,32 @@ TEST(FacetBlockers, hold_back_what_the_whole_surface_does) {
       }
       light_rays.count = count;
       whole(implementation, question, light_rays, by_all, scratch);
-      some(implementation, question, *blockers, light_rays, by_some, scratch);
+      any(implementation, question, blockers.get(), light_rays, crossed.data(), scratch);
+      any(implementation, question, nullptr, light_rays, crossed_of_all.data(), scratch);
       for (std::size_t r = 0; r < count; ++r) {
-        ASSERT_EQ(by_some.t[r], by_all.t[r]) << r;
-        blocked += !by_all[r].is_miss();
+        const bool is_crossed = (crossed[r / 64] >> r % 64 & 1) != 0;
+        ASSERT_EQ(is_crossed, !by_all[r].is_miss()) << r;
+        ASSERT_EQ((crossed_of_all[r / 64] >> r % 64 & 1) != 0, is_crossed) << r;
+        blocked += is_crossed;
+      }
+      for (std::size_t first = 0; blockers->heights && first < count; first += 64) {
+        const std::uint64_t all = count - first < 64 ? (std::uint64_t{1} << (count - first)) - 1 : ~std::uint64_t{0};
+        const std::uint64_t below = blockers->heights->below(machine, light_rays, first, all);
+        ASSERT_EQ(crossed[first / 64] & all & ~below, 0U);
+        above += static_cast<std::size_t>(std::popcount(all & ~below));
       }
       asked += count;
     }
   EXPECT_GT(asked, 4000U);
   EXPECT_GT(blocked, 500U);
   EXPECT_LT(blocked, asked - 500);
-  EXPECT_GT(left_out, 100U);
+  EXPECT_GT(left_out, 1000U);
+  EXPECT_GT(above, 200U) << "no ray stands above all blockers: does this test still ask about them?";
+}
+
+TEST(FacetBlockers, hold_back_what_the_whole_surface_does) {
+  for (const render::Machine machine : {render::Machine::baseline, render::Machine::avx2, render::Machine::avx512})
+    if (render::has_machine(machine)) expect_the_same_as_first_crossings(machine);
 }
 
 // A ball: of its lit side nothing can hold the light back.
@@ -105,25 +116,29 @@ TEST(FacetBlockers, are_the_half_that_is_turned_away_from_the_light) {
   add_point_field(mesh, "value", [](const Vec3& p) { return 0.7 - p.length(); });
   const render::Volume volume = packed(folder, "mesh.rho", mesh);
   const render::Question question{.isovalue = 0.01, .method = render::method_of(render::Accuracy::single)};
-  const auto blockers =
-      render::wide::blockers_of(volume.implementation(), question, {.at = {0, 0, 1}}, StartSide::outside, 1);
+  const auto blockers = render::wide::facet_blockers_of(volume.implementation(), question, {.at = {0, 0, 1}}, 1)[0];
   ASSERT_TRUE(blockers);
-  const render::Facets& facets = blockers->facets();
+  const render::Facets& facets = blockers->facets->facets();
+  std::vector<bool> is_left(facets.count(), false);
+  for (std::uint32_t f = 0; f < blockers->facets->count(); ++f) is_left[blockers->facets->sources()[f]] = true;
   std::size_t kept_high = 0, kept_low = 0, high = 0, low = 0;
-  for (std::size_t n = 0; n < facets.levels().front().size(); ++n)
-    for (std::size_t c = 0; c < render::BoxNode::size; ++c) {
-      const render::BoxNode &all = facets.levels().front()[n], &kept = blockers->levels().front()[n];
-      if (!(all.low[2][c] <= all.high[2][c])) continue;
-      const bool is_kept = kept.low[2][c] <= kept.high[2][c];
-      if (all.low[2][c] > 0.1F) ++high, kept_high += is_kept;
-      if (all.high[2][c] < -0.1F) ++low, kept_low += is_kept;
-    }
-  EXPECT_GT(high, 50U);
-  EXPECT_LT(kept_high, high / 10);
+  for (std::uint32_t f = 0; f < facets.count(); ++f) {
+    const float z = facets.blocks()[f / 16].corner[0][2][f % 16];
+    if (z > 0.1F) ++high, kept_high += is_left[f];
+    if (z < -0.1F) ++low, kept_low += is_left[f];
+  }
+  EXPECT_GT(high, 500U);
+  EXPECT_EQ(kept_high, 0U);
   EXPECT_EQ(kept_low, low);
+  // Nothing holds light back from the upper half; from below it, everything may.
+  RayBatch rays(64);
+  for (std::size_t r = 0; r < 64; ++r)
+    rays.set(r, {.origin = {0.05 * static_cast<double>(r % 8), 0.05 * static_cast<double>(r / 8), r % 2 ? 0.69 : -0.9},
+                 .direction = {0, 0, 1}});
+  EXPECT_EQ(blockers->heights->below(render::Machine::baseline, rays, 0, ~std::uint64_t{0}), 0x5555555555555555U);
 }
 
-TEST(FacetBlockers, are_of_meshes_in_single_precision_only) {
+TEST(FacetBlockers, are_asked_about_in_single_precision_only) {
   const TemporaryFolder folder;
   preprocess::NeutralMesh mesh = box_mesh({});
   add_point_field(mesh, "value", waves);
@@ -132,7 +147,7 @@ TEST(FacetBlockers, are_of_meshes_in_single_precision_only) {
   const render::Volume of_grid =
       packed(folder, "grid.rho", sampled_volume<double>(samples, lattice_over({Vec3(-1), Vec3(1)}, samples), waves));
   const auto kernel = [](const render::Volume& volume, render::Accuracy accuracy, render::Machine machine) {
-    return render::wide::blocker_kernel(volume.implementation(), render::method_of(accuracy), machine);
+    return render::wide::any_facet_kernel(volume.implementation(), render::method_of(accuracy), machine);
   };
   EXPECT_NE(kernel(of_mesh, render::Accuracy::single, render::Machine::baseline), nullptr);
   EXPECT_EQ(kernel(of_mesh, render::Accuracy::single, render::Machine::scalar), nullptr);
