@@ -1,11 +1,13 @@
 #include "render/kernels/ordered_crossings.h"
 
+#include "render/kernels/wide/facets.h"
 #include "render/kernels/wide/shells.h"
 
 namespace rhoray::render {
 
 CrossingsKernel crossings_kernel(const VolumeImplementation& volume, const Question& question, Machine machine) {
-  return wide::shells_kernel(volume, question, machine);
+  if (const CrossingsKernel of_grid = wide::shells_kernel(volume, question, machine)) return of_grid;
+  return wide::facet_crossings_kernel(volume, question, machine);
 }
 
 }  // namespace rhoray::render

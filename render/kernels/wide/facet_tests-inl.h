@@ -13,6 +13,7 @@
 
 #include "render/kernels/triangle_start.h"
 #include "render/kernels/wide/facet_group-inl.h"
+#include "render/kernels/wide/facet_lists-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
@@ -171,6 +172,10 @@ class FacetTests {
       }
       const VecF depth =
           depth_at(corners, is_abc, ab, bc, cd, da, ac, hn::IfThenElse(is_abc, weight_abc, weight_acd), f);
+      if constexpr (search == FacetSearch::all) {
+        changed |= note_in_lists(group_, any, depth, r, facet);
+        continue;
+      }
       const VecF best = hn::Load(floats, group_.scratch.depth + r);
       const VecI best_facet = hn::Load(ints, group_.scratch.facet + r),
                  this_facet = hn::Set(ints, static_cast<std::int32_t>(facet));

@@ -1,6 +1,7 @@
 #include <bit>
 #include <limits>
 
+#include "render/kernels/wide/facet_shells_parts.h"
 #include "render/kernels/wide/facets_parts.h"
 #include "render/march/ticks.h"
 
@@ -13,6 +14,7 @@
 #include "render/kernels/wide/facet_group-inl.h"
 #include "render/kernels/wide/facet_hits-inl.h"
 #include "render/kernels/wide/facet_lanes-inl.h"
+#include "render/kernels/wide/facet_lists-inl.h"
 #include "render/kernels/wide/facet_tests-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -70,6 +72,7 @@ class FacetWalk {
 
   void walk(std::uint64_t lanes_alive) {
     visits_ = 0;
+    if constexpr (search == FacetSearch::all) clear_lists(*group_.scratch.lists);
     if (group_.has_facets()) {
       for (std::size_t p = 0; p < packs; ++p) group_.find_pack_far<search>(p);
       group_.find_group_far();
@@ -93,7 +96,10 @@ class FacetWalk {
         }
       }
     }
-    if constexpr (search != FacetSearch::any) hits_.write(lanes_alive, visits_);
+    if constexpr (search == FacetSearch::all)
+      write_lists(group_, lanes_alive, visits_);
+    else if constexpr (search != FacetSearch::any)
+      hits_.write(lanes_alive, visits_);
     count(static_cast<std::uint64_t>(std::popcount(lanes_alive)));
   }
 
@@ -185,11 +191,25 @@ MetFacets any_facets(const FacetSurface& surface, const RayArrays& rays, std::si
   return met;
 }
 
+std::uint64_t all_facets(const FacetSurface& surface, const RayArrays& rays, std::size_t count, FacetLists& lists,
+                         FacetScratch& scratch, KernelCounters& counters) {
+  const Directions directions = directions_of(surface, rays, count, reach);
+  scratch.lists = &lists;
+  for_each_direction(directions, [&](int axis, bool down, std::uint64_t chosen) HWY_ATTR {
+    FacetWalk<FacetSearch::all> walk(surface, rays, count, {}, axis, down, scratch, counters);
+    walk.trace(lanes_of(chosen));
+  });
+  return directions.strange;
+}
+
 FirstFacets first_facets_by(bool certified) {
   return certified ? first_facets<FacetSearch::certified> : first_facets<FacetSearch::first>;
 }
 AnyFacets any_facets_by() {
   return any_facets;
+}
+CrossFacets all_facets_by() {
+  return all_facets;
 }
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE
@@ -223,6 +243,19 @@ AnyFacets any_facets_on(Machine machine) {
   if (__builtin_cpu_supports("sse4.1")) return N_SSE4::any_facets_by();
 #endif
   return HWY_NAMESPACE::any_facets_by();
+}
+
+CrossFacets cross_facets_on(Machine machine) {
+#if HWY_TARGETS & HWY_AVX3
+  if (machine == Machine::avx512) return N_AVX3::all_facets_by();
+#endif
+#if HWY_TARGETS & HWY_AVX2
+  if (machine == Machine::avx2) return N_AVX2::all_facets_by();
+#endif
+#if HWY_TARGETS & HWY_SSE4
+  if (__builtin_cpu_supports("sse4.1")) return N_SSE4::all_facets_by();
+#endif
+  return HWY_NAMESPACE::all_facets_by();
 }
 
 }  // namespace rhoray::render::wide

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/kernels/kernels.h"
+#include "render/kernels/ordered_crossings.h"
 
 namespace rhoray::render::wide {
 
@@ -14,5 +15,9 @@ Kernel first_facet_kernel(const VolumeImplementation& volume, const Method& meth
 /// @return  the boxes around them; none where the scalar kernels answer
 std::optional<SurfaceBoxes> prepare_facets(const VolumeImplementation& volume, const Question& question,
                                            unsigned threads);
+
+/// All crossings of isosurfaces of a mesh; null where there is no such kernel, as for triangles, which may face any
+/// way.
+CrossingsKernel facet_crossings_kernel(const VolumeImplementation& volume, const Question& question, Machine machine);
 
 }  // namespace rhoray::render::wide

@@ -10,6 +10,7 @@
 #include "render/kernels/tet_walk.h"
 #include "render/kernels/wide/ask_whether_any.h"
 #include "render/kernels/wide/blockers.h"
+#include "render/kernels/wide/facet_shells_parts.h"
 #include "render/kernels/wide/facets.h"
 #include "render/kernels/wide/facets_parts.h"
 #include "render/kernels/wide/is_mesh.h"
@@ -182,6 +183,49 @@ void any_facets(const VolumeImplementation& volume, const Question& question, co
       volume.view);
 }
 
+/// How many crossings of a ray may be shown, a few for edges that are met twice included.
+std::size_t room_for(float passing, float least_light) {
+  std::size_t shown = 1;
+  for (float light = passing; shown < CrossingList::most && !(light < least_light); light *= passing) ++shown;
+  return shown + (FacetLists::capacity - CrossingList::most);
+}
+
+template <Machine machine>
+void cross_facets(const VolumeImplementation& volume, const CrossingsQuestion& question, const RayBatch& rays,
+                  std::span<CrossingList* const> lists, std::uint8_t* complete, CrossingsMemory& memory,
+                  KernelCounters& counters) {
+  if (!memory.facets) memory.facets = std::make_shared<FacetShellScratch>();
+  counters.rays_wide += rays.count;
+  std::fill_n(complete, rays.count, std::uint8_t{1});
+  std::visit(
+      [&]<class View>(const View& view) {
+        if constexpr (is_mesh<View>)
+          for (std::size_t s = 0; s < lists.size(); ++s) {
+            const CrossedSurface& asked = question.surfaces[s];
+            const auto facets = volume.facets->of(view, volume.bounds_volume, asked.isovalue, 1);
+            const FacetSurface surface = surface_of(
+                *facets, facets->levels(), {.isovalue = asked.isovalue, .time_phases = question.time_phases}, false);
+            FacetLists& found = memory.facets->lists;
+            found.room = room_for(asked.passing, question.least_light);
+            found.passing = asked.passing, found.least_light = question.least_light;
+            for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
+              const std::size_t count = std::min(RayGroup::size, rays.count - first);
+              CrossingArrays chunk{.hits = {}, .count = lists[s]->count.data() + first};
+              for (std::size_t k = 0; k < CrossingList::most; ++k)
+                chunk.hits[k] = from(arrays_of(lists[s]->hits(k)), first);
+              write_misses(chunk.hits[0], count);
+              std::fill_n(chunk.count, count, std::uint8_t{0});
+              found.written = &chunk, found.complete = complete + first;
+              std::uint64_t left =
+                  cross_facets_on(machine)(surface, from(rays, first), count, found, memory.facets->facets, counters);
+              for (; left != 0; left &= left - 1)
+                complete[first + static_cast<std::size_t>(std::countr_zero(left))] = 0;
+            }
+          }
+      },
+      volume.view);
+}
+
 /// A mesh or surface of which products of lengths and values stay far from the limits of doubles.
 bool is_fit(const VolumeImplementation& volume) {
   const bool is_known = std::visit([]<class View>(const View&) { return has_facets<View>; }, volume.view);
@@ -256,6 +300,24 @@ std::array<std::shared_ptr<const Blockers>, 2> facet_blockers_of(const VolumeImp
       },
       volume.view);
   return of_sides;
+}
+
+CrossingsKernel facet_crossings_kernel(const VolumeImplementation& volume, const Question& question, Machine machine) {
+  const bool is_of_mesh = std::visit([]<class View>(const View&) { return is_mesh<View>; }, volume.view);
+  if (!is_of_mesh || question.method.way != Method::Way::direct || !is_answerable(question) ||
+      first_facet_kernel(volume, question.method, machine) == nullptr)
+    return nullptr;
+  switch (machine) {
+    case Machine::scalar:
+      break;
+    case Machine::baseline:
+      return cross_facets<Machine::baseline>;
+    case Machine::avx2:
+      return cross_facets<Machine::avx2>;
+    case Machine::avx512:
+      return cross_facets<Machine::avx512>;
+  }
+  return nullptr;
 }
 
 }  // namespace rhoray::render::wide

@@ -21,7 +21,8 @@ inline constexpr double largest_magnitude = 1e60;
 enum class FacetSearch {
   first,      ///< the nearest that the ray meets
   certified,  ///< the same, proven
-  any         ///< whether there is one
+  any,        ///< whether there is one
+  all         ///< all of them, in their order
 };
 
 /// One isosurface of one mesh, or the triangles of a surface.
@@ -63,6 +64,8 @@ struct FacetDoubt {
   std::uint32_t ray, facet;
 };
 
+struct FacetLists;
+
 /// 64 rays of a batch: pack p holds lanes 16 p to 16 p + 15, a square of 4 x 4 of a chunk of 8 x 8.
 struct alignas(64) FacetScratch {
   static constexpr std::size_t lanes = RayGroup::size, pack = 16, packs = lanes / pack;
@@ -83,6 +86,8 @@ struct alignas(64) FacetScratch {
   static constexpr std::size_t doubt_capacity = 1024;
   FacetDoubt doubts[doubt_capacity];  ///< of a chunk
   std::size_t doubt_count;
+
+  FacetLists* lists;  ///< where all are asked for: those of the group
 
   std::shared_ptr<const Facets> facets;
   FewRays others;  ///< what the reference is asked about

@@ -79,8 +79,12 @@ Picture picture_of(const std::vector<render::Volume>& volumes, const Scene& scen
   return picture;
 }
 
-/// That first hits are the same to the bit, and colours but for a few pixels, in which a surface is touched or two meet
-/// within what rounding may move a crossing by.
+/// Where less light is left nothing more is looked for; but of several layers the reference shows what it has asked of
+/// the others already. A pixel with a crossing too many or too few before that differs by a hundred times more.
+constexpr float least_light = 1.0F / 1024;
+
+/// That first hits are the same to the bit, and colours to what the last light may show; but for a few pixels, in which
+/// a surface is touched or two meet within what rounding may move a crossing by.
 void expect_the_same(const Picture& found, const Picture& reference, std::size_t few) {
   EXPECT_EQ(found.pixels.depth, reference.pixels.depth);
   EXPECT_EQ(found.pixels.normal, reference.pixels.normal);
@@ -91,13 +95,13 @@ void expect_the_same(const Picture& found, const Picture& reference, std::size_t
   for (std::size_t p = 0; p < found.pixels.pixel_count(); ++p) {
     bool is_same = true;
     for (std::size_t c = 0; c < 4; ++c)
-      is_same &= std::abs(found.pixels.color[4 * p + c] - reference.pixels.color[4 * p + c]) < 2e-4F;
+      is_same &= std::abs(found.pixels.color[4 * p + c] - reference.pixels.color[4 * p + c]) < least_light;
     different += !is_same;
   }
   EXPECT_LE(different, few);
   EXPECT_NEAR(static_cast<double>(found.statistics.clear_crossings),
               static_cast<double>(reference.statistics.clear_crossings),
-              static_cast<double>(few) + 1e-3 * static_cast<double>(reference.statistics.clear_crossings));
+              static_cast<double>(few) + 1e-2 * static_cast<double>(reference.statistics.clear_crossings));
   EXPECT_GT(found.statistics.clear_crossings, 2000U);
 }
 
@@ -107,6 +111,8 @@ std::vector<std::vector<Layer>> scenes() {
           {surface(1, 0.3, {1, 0, 0}, 0.5), surface(1, 0.3 + 0.001 / 48, {0, 1, 0}, 0.5)},
           {surface(1, 0.3, {1, 0, 0}, 0.5), surface(0, 0.7, {0, 1, 0}, 0.4), surface(1, 0.6, {0, 0, 1}, 0.2),
            surface(1, 0.5, {0, 1, 1}, 0.6)},
+          {surface(3, 0.4, {1, 0, 0}, 0.5), surface(3, 0.55, {0, 1, 0}, 0.3)},
+          {surface(3, 0.4, {1, 0, 0}, 0.5), surface(0, 0.4, {0, 1, 0}, 0.5), surface(3, 0.4001, {0, 0, 1}, 0.5)},
           {surface(0, 0.4, {1, 0, 0}, 0.5), surface(1, 0.6, {0.2, 0.2, 0.2}, 1)}};
 }
 

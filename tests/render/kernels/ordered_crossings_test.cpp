@@ -16,6 +16,7 @@
 #include "tests/render/support/traced_volume.h"
 #include "tests/render/support/wide_machines.h"
 #include "tests/support/fields.h"
+#include "tests/support/meshes.h"
 
 /// All crossings of one walk along a ray, against first crossings in double precision, each asked behind the last.
 namespace rhoray::tests {
@@ -62,6 +63,10 @@ std::vector<Shown> all_shown() {
   made.push_back(grid_of<std::int32_t>("I32", {33, 9, 42}, 1e6, -2e9));
   made.push_back(grid_of<float>("F32", {29, 31, 27}, 1e-3, 1));
   made.push_back(grid_of<double>("F64", {25, 26, 27}, 1, 0));
+  preprocess::NeutralMesh mesh = box_mesh({.cells = {14, 12, 13}, .box = {{0, 0, 0}, {28, 24, 26}}, .jitter = 0.2});
+  add_point_field(mesh, "value",
+                  [](const Vec3& p) { return std::sin(0.4 * p.x) + std::sin(0.5 * p.y) * std::cos(0.3 * p.z); });
+  made.push_back({"mesh", std::make_unique<TracedVolume>(mesh), {28, 24, 26}, {0.1017, 0.13}});
   return made;
 }
 
