@@ -144,7 +144,7 @@ TEST(SelfCheck, notices_a_picture_that_is_wrong) {
   render::Framebuffer right;
   render::render(plan.volumes, plan.scene, plan.frame, right);
   const auto check = [&](const render::Framebuffer& picture, std::optional<double> limit = {}) {
-    return tools::checked(plan, picture, {.pixels = 500, .seed = 1, .max_error = limit}, 1);
+    return tools::checked(plan, picture, {.pixels = 500, .seed = 1, .limit = limit}, 1);
   };
   EXPECT_EQ(check(right).broken, "");
   render::Framebuffer wrong = right;
@@ -152,8 +152,11 @@ TEST(SelfCheck, notices_a_picture_that_is_wrong) {
   EXPECT_THAT(check(wrong).broken, HasSubstr("beyond their bound"));
   EXPECT_GT(check(wrong).random.largest, 0.01);
   EXPECT_GT(check(wrong).random.largest_value_error, 0.1);
-  EXPECT_THAT(check(wrong, 1e-3).broken, HasSubstr("keep only"));
-  EXPECT_EQ(check(wrong, 10.0).broken, "");
+  EXPECT_THAT(check(wrong, 1e-3).broken, HasSubstr("more than 1 in 100, at a confidence of 97.5 %"));
+  EXPECT_EQ(check(right, 1e-3).broken, "");
+  EXPECT_THAT(check(wrong, 10.0).broken,
+              testing::AllOf(HasSubstr("beyond their bound"), testing::Not(HasSubstr("1 in"))))
+      << "a wider limit does not excuse a proof that is wrong";
   wrong = right;
   for (float& depth : wrong.depth) depth = std::numeric_limits<float>::infinity();
   EXPECT_THAT(check(wrong).broken, HasSubstr("missed"));
@@ -162,9 +165,63 @@ TEST(SelfCheck, notices_a_picture_that_is_wrong) {
   EXPECT_GT(check(wrong).random.false_hits, 0U);
 }
 
+TEST(SelfCheck, ends_with_exit_code_6_for_a_method_that_is_worse_on_purpose) {
+  const Workbench bench;
+  bench.make_ball();
+  bench.make_box();
+  const auto run = [&](const std::string& words) {
+    return bench.shell("rhoray render " + words + " --size 240x180 --force -o p.png --verify 500");
+  };
+  struct Worse {
+    std::string picture, good, bad, limit;
+  };
+  for (const Worse& worse :
+       {Worse{"ball.rho --iso 60", "--method sampled:0.0625+linear", "--method sampled:2+linear", "0.01"},
+        Worse{"ball.rho --iso 60", "--accuracy double", "--method sampled:1+bisect", "1e-8"},
+        Worse{"ball.rho --mode mip", "--accuracy double", "--method sampled:2", "1e-3"},
+        Worse{"box.rho --field length --iso 0.8", "--accuracy float", "--method slack:0.3", "1e-3"}}) {
+    const std::string limit = " --verify-limit " + worse.limit;
+    const RunResult good = run(worse.picture + " " + worse.good + limit);
+    EXPECT_EQ(good.exit_code, 0) << worse.picture << good.err;
+    EXPECT_THAT(good.out, HasSubstr("within the limit"));
+    std::filesystem::remove(bench / "p.png");
+    const RunResult bad = run(worse.picture + " " + worse.bad + limit);
+    EXPECT_EQ(bad.exit_code, 6) << worse.picture << bad.out;
+    EXPECT_THAT(bad.out, HasSubstr("OUTSIDE THE LIMIT"));
+    EXPECT_THAT(bad.err, HasSubstr("more than 1 in 100, at a confidence of 97.5 %"));
+    EXPECT_TRUE(std::filesystem::exists(bench / "p.png")) << "the picture is written all the same";
+    EXPECT_EQ(run(worse.picture + " " + worse.bad).exit_code, 0) << "such a method promises nothing by itself";
+    const RunResult as_json = run(worse.picture + " " + worse.bad + limit + " --json");
+    EXPECT_EQ(as_json.exit_code, 6);
+    EXPECT_FALSE(json::parse(as_json.out)["verify"]["holds"]);
+  }
+}
+
+TEST(SelfCheck, looks_at_what_a_clip_region_leaves) {
+  const Workbench bench;
+  bench.make_ball();
+  for (const std::string words : {"--iso 60 --accuracy certified --clip-plane 11.5,11.5,11.5,-1,0.2,0.1",
+                                  "--iso 60 --accuracy exact --clip-box 4,4,4,12,12,30",
+                                  "--iso 60 --accuracy certified --clip-box 11,2,11,30,30,30 --cut-away",
+                                  "--mode mip --accuracy certified --clip-plane 10,11.5,11.5,-1,0.2,0.1",
+                                  "--mode mip --accuracy certified --clip-box 8,8,8,30,30,30 --cut-away"}) {
+    const json check = rendered(bench, "ball.rho " + words + " --verify 2000")["verify"];
+    EXPECT_TRUE(check["holds"]) << words << check;
+    EXPECT_GT(check["random"]["shown"], 100) << words;
+  }
+}
+
 TEST(SelfCheck, refuses_pictures_whose_pixels_are_of_several_places) {
   const Workbench bench;
   bench.make_ball();
+  const auto refused = [&](const std::string& words, const std::string& fact) {
+    const RunResult run = bench.shell("rhoray render ball.rho -o p.png --size 40x30 " + words);
+    EXPECT_EQ(run.exit_code, 2) << words;
+    EXPECT_THAT(run.err, HasSubstr(fact));
+  };
+  refused("--slice z=10 --verify 10", "--verify: a layer is a slice");
+  refused("--iso 60 --verify-limit 0.1", "--verify-limit: how many pixels");
+  refused("--iso 60 --verify 10 --verify-limit 0", "--verify-limit: found 0");
   const RunResult run = bench.shell("rhoray render ball.rho --iso 60,120 --opacity 0.5 --verify 10 -o p.png");
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.err, HasSubstr("--verify: a clear surface"));

@@ -1,13 +1,19 @@
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <signal.h>
+#include <sys/mount.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <chrono>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <thread>
 
+#include "formats/base/text.h"
 #include "tests/tools/workbench.h"
 #include "tools/rhoray/accuracy/gnuplot.h"
 
@@ -121,17 +127,22 @@ TEST(AccuracyReport, is_one_page_that_sends_for_nothing) {
   }
 }
 
-TEST(AccuracyReport, repeats_itself_by_its_command) {
-  const Workbench bench;
+/// bumps.rho: hills that shade one another.
+void make_bumps(const Workbench& bench) {
   std::string bumps;
   for (int i = 0; i < 24 * 24 * 24; ++i)
     bumps +=
         static_cast<char>(128 + 80 * std::sin(0.7 * (i % 24)) * std::sin(0.6 * (i / 24 % 24)) - 3 * (i / 576 - 12));
   write_file(bench / "bumps.raw", bumps);
   ASSERT_EQ(bench.rhoray({"pack", "bumps.raw", "--raw", "24x24x24:uint8", "-o", "bumps.rho", "-q"}).exit_code, 0);
+}
+
+TEST(AccuracyReport, repeats_itself_by_its_command) {
+  const Workbench bench;
+  make_bumps(bench);
   run_well(bench, "bumps.rho --iso 128 --shadows --ao -o out" + small);
   const json first = results_of(bench, "out");
-  EXPECT_GT(row_named(first, "1 rays a hit").at("flip"), row_named(first, "256 rays a hit").at("flip"));
+  EXPECT_GT(row_named(first, "1 ray a hit").at("flip"), row_named(first, "256 rays a hit").at("flip"));
   const RunResult again = bench.shell(first.at("context").at("command").get<std::string>() + " --force -q");
   ASSERT_EQ(again.exit_code, 0) << again.err;
   const json second = results_of(bench, "out");
@@ -139,6 +150,89 @@ TEST(AccuracyReport, repeats_itself_by_its_command) {
   for (std::size_t r = 0; r < first.at("rows").size(); ++r)
     for (const char* measure : {"variant", "missed", "depth_max_cells", "value_max", "normal_max_deg", "flip"})
       EXPECT_EQ(first.at("rows")[r].at(measure), second.at("rows")[r].at(measure)) << measure;
+}
+
+TEST(AccuracyReport, measures_every_effect_of_the_scene_by_its_number_of_samples) {
+  const Workbench bench;
+  bench.make_ball();
+  make_bumps(bench);
+  write_file(bench / "scene.json", R"({"data": {"bumps": {"file": "bumps.rho"}, "ball": {"file": "ball.rho"}},
+    "layers": [{"type": "isosurface", "data": "bumps", "isovalue": 128},
+               {"type": "isosurface", "data": "ball", "isovalue": 200}],
+    "lights": [{"type": "directional", "azimuth": 30, "elevation": 40, "shadows": true, "angular_diameter": 20,
+                "samples": 4}],
+    "effects": {"ambient_occlusion": {"samples": 4, "radius": 6}},
+    "image": {"antialias": 4}})");
+  run_well(bench, "scene.json -o out" + small);
+  const json results = results_of(bench, "out");
+  const auto flip = [&](const char* variant) { return row_named(results, variant).at("flip").get<double>(); };
+  EXPECT_GT(flip("1 ray a hit"), flip("64 rays a hit"));
+  EXPECT_GT(flip("1 sample a pixel"), flip("16 samples a pixel"));
+  EXPECT_GE(flip("1 ray to a light"), flip("64 rays to a light"));
+  EXPECT_TRUE(row_named(results, "4 rays to a light").at("judged_pixels").is_null()) << "the same places are hit";
+  EXPECT_TRUE(std::filesystem::exists(bench / "out/layer1_1_ray_to_a_light_error.png"));
+  const std::string page = read_file(bench / "out/report.html");
+  EXPECT_THAT(page, HasSubstr("Pictures that differ in looks alone"));
+  EXPECT_THAT(page, HasSubstr("Shadows of lights that have a size"));
+  run_well(bench, "ball.rho --iso 60 -o plain" + small);
+  for (const json& row : results_of(bench, "plain").at("rows"))
+    EXPECT_THAT(row.at("group").get<std::string>(), testing::Not(HasSubstr("samples"))) << "of a scene without effects";
+}
+
+TEST(AccuracyReport, measures_normals_the_other_way_than_the_scene_has_them) {
+  const Workbench bench;
+  bench.make_box();
+  run_well(bench, "box.rho --field length --iso 0.8 --normals smooth -o out --time-limit 30" + small);
+  EXPECT_GT(row_named(results_of(bench, "out"), "flat normals").at("normal_p99_deg"), 0);
+}
+
+TEST(AccuracyReport, judges_what_a_clip_region_leaves_and_leaves_slices_out) {
+  const Workbench bench;
+  bench.make_ball();
+  run_well(bench, "ball.rho --iso 60 --clip-box 0,0,0,24,24,12 --slice z=12 -o out" + small);
+  const json results = results_of(bench, "out");
+  EXPECT_THAT(results.at("notes").dump(), HasSubstr("is a slice"));
+  ASSERT_EQ(results.at("layers").size(), 1U);
+  for (const char* level : {"double", "certified"}) {
+    const json row = row_named(results, level);
+    EXPECT_EQ(row.at("missed"), 0) << level;
+    EXPECT_EQ(row.at("false_hits"), 0) << level;
+    EXPECT_LE(row.at("depth_max_cells"), 1e-3) << level;
+    EXPECT_LE(row.at("flip"), 1e-5) << level;
+  }
+  const RunResult alone = bench.shell("rhoray accuracy ball.rho --slice z=12 -o alone" + small);
+  EXPECT_EQ(alone.exit_code, 2) << alone.err;
+  EXPECT_THAT(alone.err, HasSubstr("there are no methods to compare"));
+}
+
+TEST(AccuracyReport, says_what_its_instruments_cost_and_what_variants_keep_in_memory) {
+  const Workbench bench;
+  bench.make_ball();
+  run_well(bench, "ball.rho --iso 60 -o out" + small);
+  const json results = results_of(bench, "out");
+  EXPECT_TRUE(results.at("context").at("instruments_share_of_time").is_number());
+  EXPECT_GE(results.at("context").at("instruments_pictures"), 3);
+  EXPECT_THAT(read_file(bench / "out/report.html"), HasSubstr("changes the CPU time of a picture by"));
+  for (const json& row : results.at("rows"))
+    if (row.at("times") > 0) {
+      EXPECT_GE(row.at("memory_bytes"), row.at("data_bytes")) << row.at("variant");
+    }
+}
+
+TEST(AccuracyReport, measures_what_is_too_slow_for_pictures_on_random_pixels) {
+  const Workbench bench;
+  bench.make_ball();
+  // 64 samples a cell along 76,800 rays are a hundred million: more than the tenth of a second that there is.
+  run_well(bench, "ball.rho --iso 60 -o out --size 320x240 --repeat 1 -q --time-limit 3");
+  const json results = results_of(bench, "out"), fine = row_named(results, "sampled:0.015625+linear");
+  EXPECT_THAT(fine.at("note").get<std::string>(), HasSubstr("too slow for a picture"));
+  EXPECT_LT(fine.at("judged_pixels"), results.at("layers")[0].at("judged_pixels"));
+  EXPECT_GT(fine.at("judged_pixels"), 0);
+  EXPECT_LT(fine.at("missed_ppm_low"), fine.at("missed_ppm_high")) << "a sample leaves something open";
+  EXPECT_GT(fine.at("cpu_ms"), row_named(results, "float").at("cpu_ms"));
+  EXPECT_EQ(fine.at("times"), 0);
+  EXPECT_TRUE(fine.at("flip").is_null());
+  EXPECT_THAT(read_file(bench / "out/report.html"), HasSubstr("≈ "));
 }
 
 TEST(AccuracyReport, is_complete_without_gnuplot_and_names_the_package) {
@@ -171,7 +265,13 @@ TEST(AccuracyReport, measures_largest_values_and_meshes) {
   EXPECT_LE(row_named(mesh, "double").at("depth_max_cells"), 1e-9);
   EXPECT_GT(row_named(mesh, "grid 32").at("depth_median_cells"), row_named(mesh, "grid 128").at("depth_median_cells"));
   EXPECT_GT(row_named(mesh, "grid 32").at("preprocess_s"), 0);
-  EXPECT_GT(row_named(mesh, "OpenVDB 64").at("judged_pixels"), 0);
+  EXPECT_GT(row_named(mesh, "grid 128").at("memory_bytes"), row_named(mesh, "grid 32").at("memory_bytes"));
+  for (const char* size : {"32", "64", "128"})
+    EXPECT_EQ(row_named(mesh, concat("OpenVDB ", size)).at("missed"),
+              row_named(mesh, concat("grid ", size)).at("missed"))
+        << "the same samples";
+  EXPECT_GT(row_named(mesh, "8 bits").at("depth_median_cells"), row_named(mesh, "16 bits").at("depth_median_cells"));
+  EXPECT_GT(row_named(mesh, "16 bits").at("depth_median_cells"), row_named(mesh, "double").at("depth_median_cells"));
   EXPECT_EQ(row_named(mesh, "smooth normals").at("missed"), nullptr);
   EXPECT_GT(row_named(mesh, "smooth normals").at("normal_p99_deg"), 0);
 }
@@ -252,6 +352,49 @@ TEST(AccuracyReport, refuses_what_cannot_be_studied_in_one_line) {
   refused("ball.rho --iso 60 --camera-position 0,0,500 --camera-target 0,0,1000 --camera-up 0,1,0 -o out", 2,
           "none of 1,200 rays meets anything");
   EXPECT_EQ(read_file(bench / "full/something"), "x");
+}
+
+/// Runs in a process of its own, in the folder, after `prepare`, which says whether it could.
+int exit_code_after(const Workbench& bench, const std::function<bool()>& prepare, const std::string& words) {
+  constexpr int not_prepared = 99;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    if (::chdir(bench.path().c_str()) != 0 || !prepare()) ::_exit(not_prepared);
+    const std::string line = concat(RHORAY_PROGRAM " accuracy ", words);
+    const int said = ::open("said", O_CREAT | O_WRONLY | O_TRUNC, 0600);
+    if (said >= 0) ::dup2(said, STDERR_FILENO);
+    ::execl("/bin/sh", "sh", "-c", line.c_str(), nullptr);
+    ::_exit(127);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST(AccuracyReport, ends_with_exit_code_5_in_a_folder_that_cannot_be_written) {
+  const Workbench bench;
+  bench.make_ball();
+  const RunResult run = bench.shell("rhoray accuracy ball.rho --iso 60 -o /proc/self --force" + small);
+  EXPECT_EQ(run.exit_code, 5);
+  EXPECT_THAT(run.err, HasSubstr("no folder can be made here"));
+}
+
+TEST(AccuracyReport, ends_with_exit_code_5_on_a_full_disk_and_leaves_whole_files_only) {
+  const Workbench bench;
+  bench.make_ball();
+  std::filesystem::create_directory(bench / "small");
+  const auto mount_small_disk = [] {
+    const bool alone = ::unshare(CLONE_NEWNS) == 0 || ::unshare(CLONE_NEWUSER | CLONE_NEWNS) == 0;
+    return alone && ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+           ::mount("small", "small", "tmpfs", 0, "size=64k") == 0 && ::chdir(".") == 0;
+  };
+  const std::string words = "ball.rho --iso 60 -o small/out" + small + "; code=$?; ls -A small/out > left; exit $code";
+  const int code = exit_code_after(bench, mount_small_disk, words);
+  if (code == 99) GTEST_SKIP() << "no right to mount a small file system";
+  EXPECT_EQ(code, 5) << read_file(bench / "said");
+  const std::string left = read_file(bench / "left");
+  EXPECT_THAT(left, testing::Not(HasSubstr("rhoray-scratch"))) << left;
+  EXPECT_THAT(left, testing::Not(HasSubstr(".report.html."))) << left;
 }
 
 }  // namespace

@@ -131,6 +131,17 @@ std::string size_text(const PictureSize& size) {
   return concat(size.width, " x ", size.height);
 }
 
+/// Null of layers that methods of several kinds draw.
+const char* why_left_out(const render::Layer& layer) {
+  if (layer.mode == render::Mode::triangles) return "holds triangles, which are shown as they are";
+  if (layer.mode == render::Mode::slice) return "is a slice, which is looked up in one way only";
+  return nullptr;
+}
+
+std::string minutes_text(double seconds) {
+  return seconds < 90 ? concat(std::llround(std::max(1.0, seconds)), " s") : concat(std::llround(seconds / 60), " min");
+}
+
 /// The whole of the work: a coarse pass over all layers, one at the full size, then times again and again.
 class Work {
  public:
@@ -142,16 +153,16 @@ class Work {
         folder_(command.common.output, scratch_.path()),
         size_{plan.frame.width, plan.frame.height} {
     for (std::size_t layer = 0; layer < plan.scene.layers.size(); ++layer) {
-      if (plan.scene.layers[layer].mode == render::Mode::triangles) {
-        context_.notes.push_back(concat("layer ", layer, " holds triangles, which are shown as they are: left out"));
+      if (const char* const reason = why_left_out(plan.scene.layers[layer])) {
+        context_.notes.push_back(concat("layer ", layer + 1, " ", reason, ": left out"));
         continue;
       }
       studies_.push_back(std::make_unique<LayerStudy>(plan, layer, study_options()));
       layers_.push_back(studies_.back().get());
     }
     if (layers_.empty())
-      throw Error(Trouble::usage,
-                  "every layer holds triangles, which are shown as they are: there is nothing to compare");
+      throw Error(Trouble::usage, "every layer is triangles or a slice: there are no methods to compare",
+                  "expected an isosurface or a projection");
   }
 
   /// False when it was interrupted.
@@ -159,14 +170,17 @@ class Work {
     try {
       coarse_pass();
       full_pass();
+      weigh_instruments();
       rounds();
     } catch (const Error&) {
       // A worker that is interrupted at the same time complains in its own words.
       if (!interrupt_.token().stop_requested() || layers_[0]->result() == nullptr) throw;
-      context_.stage = concat("Interrupted. ", context_.stage);
+      stage_ = concat("Interrupted. ", stage_);
+      is_ended_ = true;
       write();
       return false;
     }
+    stage_.clear();
     write();
     return true;
   }
@@ -188,7 +202,10 @@ class Work {
   double seconds_left() const { return command_.time_limit_s - watch_.seconds(); }
 
   void write() {
-    display_.show("writing");
+    context_.stage = stage_;
+    if (!stage_.empty() && !is_ended_)
+      context_.stage += concat(" Still at work, ", minutes_text(watch_.seconds()), " by now, for at most ",
+                               minutes_text(seconds_left()), " more: load this page again.");
     folder_.write(layers_, context_);
     written_s_ = watch_.seconds();
   }
@@ -200,19 +217,21 @@ class Work {
   void coarse_pass() {
     if (static_cast<double>(size_.width) * size_.height <= coarse_pixels) return;
     const PictureSize size{std::max(1, size_.width / coarse_shrink), std::max(1, size_.height / coarse_shrink)};
-    context_.stage =
-        concat("A coarse pass, ", size_text(size), " pixels; the picture's own size is ", size_text(size_), ".");
-    pass("coarse pass", size, 0.03 * command_.time_limit_s);
+    stage_ =
+        concat("Figures so far are of a coarse pass, ", size_text(size), " pixels instead of ", size_text(size_), ".");
+    pass("coarse pass", size, 0.03 * command_.time_limit_s, 0.0015 * command_.time_limit_s);
     write();
   }
 
   void full_pass() {
-    pass("full size", size_, 0.15 * std::max(1.0, seconds_left()) / static_cast<double>(layers_.size()));
-    context_.stage.clear();
+    if (stage_.empty()) stage_ = "Not every variant has been measured so far.";
+    const double layers = static_cast<double>(layers_.size());
+    pass("full size", size_, 0.15 * std::max(1.0, seconds_left()) / layers, 0.007 * command_.time_limit_s / layers);
+    stage_ = "Every variant has been measured, but its time not as often as asked for.";
     write();
   }
 
-  void pass(const char* name, const PictureSize& size, double judge_seconds) {
+  void pass(const char* name, const PictureSize& size, double judge_seconds, double part_seconds) {
     std::size_t layers_left = studies_.size();
     for (const auto& study : studies_) {
       const double seconds = std::max(1.0, 0.7 * seconds_left()) / static_cast<double>(layers_left--);
@@ -222,10 +241,12 @@ class Work {
                    .judge_seconds = judge_seconds,
                    .seconds = seconds,
                    .variant_seconds = 0.03 * command_.time_limit_s / static_cast<double>(studies_.size()),
-                   .variant_done = [&](std::size_t done) {
-                     display_.show(phase, done, study->variants().size());
+                   .part_seconds = part_seconds,
+                   .variant_done = [&](double share) {
+                     constexpr std::uint64_t whole = 1000;
+                     const auto done = static_cast<std::uint64_t>(share * whole);
                      write_now_and_then();
-                     display_.show(phase, done, study->variants().size());
+                     display_.show(phase, done, whole);
                    }});
     }
   }
@@ -246,6 +267,14 @@ class Work {
     }
   }
 
+  void weigh_instruments() {
+    if (seconds_left() <= 0) return;
+    display_.show("timing the instruments");
+    const InstrumentCost cost = studies_[0]->instrument_cost(0.02 * command_.time_limit_s);
+    context_.facts["instruments_share_of_time"] = cost.share;
+    context_.facts["instruments_pictures"] = cost.pictures;
+  }
+
   const AccuracyCommand& command_;
   ProgressDisplay& display_;
   StudyContext& context_;
@@ -256,6 +285,8 @@ class Work {
   PictureSize size_;
   std::vector<std::unique_ptr<LayerStudy>> studies_;
   std::vector<const LayerStudy*> layers_;
+  std::string stage_;  ///< how far the work is; empty: done
+  bool is_ended_ = false;
   double written_s_ = 0;
 };
 

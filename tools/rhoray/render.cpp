@@ -36,7 +36,8 @@ std::filesystem::path output_of(const RenderCommand& command, const SceneWishes&
 /// What choosing a method, and tracing again, cannot go together with.
 void check(RenderCommand& command, const SceneWishes& wishes) {
   check(command.goal);
-  command.self_check.max_error = command.goal.max_error;
+  check(command.self_check);
+  if (!command.self_check.limit) command.self_check.limit = command.goal.max_error;
   const bool names_method =
       !command.picture.wishes.accuracy.empty() || !command.picture.wishes.layers[0].method.empty();
   if (command.goal.is_given() && names_method)
@@ -128,6 +129,10 @@ Subcommand render_subcommand() {
                 "Trace N random pixels, and N where the picture's content ends, again by exact arithmetic, and "
                 "say what was found; exit code 6 where the method's promise does not hold",
                 command->self_check.pixels),
+            value_option("--verify-limit", "E",
+                         "Exit code 6 also where 99 % of the random pixels are not within E: cells along the ray; of a "
+                         "projection a share of the field's range",
+                         command->self_check.limit),
             value_option("--verify-seed", "N", "Of the random numbers that choose these pixels; default 1",
                          command->self_check.seed),
             flag_option("--no-verify", "Do not check the file's checksums beside the rendering", command->no_verify)},

@@ -35,8 +35,7 @@ render::Scene scene_of(const ViewWish& wish) {
 JudgedView::JudgedView(const render::Volume& volume, const ViewWish& wish)
     : volume_(volume), wish_(wish), field_(volume_), scene_(scene_of(wish_)) {
   truth_ = tools::find_truth({.volume = volume_,
-                              .layer = scene_.layers[0],
-                              .camera = scene_.camera,
+                              .scene = scene_,
                               .field = field_,
                               .size = wish_.size,
                               .seed = wish_.seed,

@@ -85,6 +85,7 @@ Candidate tried(Alone& alone, const render::Method& method, const Truth& truth, 
                                                             .mode = alone.layer().mode,
                                                             .isovalue = alone.layer().isovalue,
                                                             .method = method,
+                                                            .clip = clip_of(alone.scene, alone.layer()),
                                                             .threads = alone.threads,
                                                             .stop = stop},
                                                            truth.rays);
@@ -93,8 +94,7 @@ Candidate tried(Alone& alone, const render::Method& method, const Truth& truth, 
   candidate.foreseen_ms = traced_ms(alone);
   if (goal.max_error) {
     const std::uint64_t seen = errors.true_hits + errors.false_hits;
-    const double within = errors.within(*goal.max_error * alone.unit());
-    const auto beyond = static_cast<std::uint64_t>(std::llround((1 - within) * static_cast<double>(seen)));
+    const std::uint64_t beyond = errors.beyond(*goal.max_error * alone.unit());
     candidate.keeps_error = is_proven(method, *goal.max_error, alone.is_projection(), alone.volume.is_mesh()) ||
                             share_of(beyond, seen, false).high <= 0.01;
   }
@@ -168,8 +168,7 @@ Choice choose_method(const ScenePlan& plan, std::size_t index, const Goal& goal,
   alone.layer().volume = 0;
   const FieldTruth field(alone.volume);
   const Truth truth = find_truth({.volume = alone.volume,
-                                  .layer = alone.layer(),
-                                  .camera = alone.scene.camera,
+                                  .scene = alone.scene,
                                   .field = field,
                                   .size = alone.size,
                                   .seconds = judge_seconds,
@@ -191,7 +190,9 @@ Choice choose_method(const ScenePlan& plan, std::size_t index, const Goal& goal,
 std::vector<Choice> choose_methods(ScenePlan& plan, const Goal& goal, unsigned threads) {
   std::vector<std::size_t> layers;
   for (std::size_t layer = 0; layer < plan.scene.layers.size(); ++layer)
-    if (plan.scene.layers[layer].mode != render::Mode::triangles) layers.push_back(layer);
+    if (const render::Mode mode = plan.scene.layers[layer].mode;
+        mode == render::Mode::isosurface || mode == render::Mode::mip)
+      layers.push_back(layer);
   Goal of_layer = goal;
   if (goal.budget_ms)
     of_layer.budget_ms = *goal.budget_ms / static_cast<double>(std::max<std::size_t>(1, layers.size()));

@@ -44,7 +44,7 @@ struct Choice {
 Choice choose_method(const ScenePlan& plan, std::size_t layer, const Goal& goal, unsigned threads,
                      std::stop_token stop = {});
 
-/// Chooses for every layer that is not triangles, which share the time, and puts the methods into the plan.
+/// Chooses for every isosurface and projection, which share the time, and puts the methods into the plan.
 std::vector<Choice> choose_methods(ScenePlan& plan, const Goal& goal, unsigned threads);
 
 }  // namespace rhoray::tools

@@ -42,16 +42,20 @@ const ResultRow* cheapest_within(const Rows& rows, double limit) {
   return best;
 }
 
-std::string wrong_text(const ResultRow& row, bool are_all) {
+std::string wrong_text(const ResultRow& row) {
   const ErrorCounts& errors = *row.measured->errors;
+  if (row.measured->judges_all) {
+    if (errors.missed == 0 && errors.false_hits == 0)
+      return concat("of ", grouped(errors.rays), " pixels it misses none and invents none");
+    return concat("of ", grouped(errors.rays), " pixels it misses ", grouped(errors.missed), " and invents ",
+                  grouped(errors.false_hits));
+  }
   const auto ppm = [&](std::uint64_t count) {
-    const Share share = share_of(count, errors.rays, are_all);
-    if (are_all) return short_number(1e6 * share.found, 3);
+    const Share share = share_of(count, errors.rays, false);
     return concat(short_number(1e6 * share.found, 3), " (95 %: ", short_number(1e6 * share.low, 2), " to ",
                   short_number(1e6 * share.high, 2), ")");
   };
-  return concat("of a million pixels it misses ", ppm(errors.missed), " and shows ", ppm(errors.false_hits),
-                " that are not there");
+  return concat("of a million pixels it misses ", ppm(errors.missed), " and invents ", ppm(errors.false_hits));
 }
 
 /// Which method is enough for which error.
@@ -62,8 +66,7 @@ void say_fastest(const LayerStudy& layer, const Rows& rows, std::vector<std::str
   const auto say = [&](double limit, const ResultRow& best) {
     out.push_back(concat("The fastest method that is within ", rounded(limit),
                          is_projection ? " of the field's range" : " cells", " in 99 % of the pixels is ", called(best),
-                         ": ", ms_text(best.cpu_ms), " of CPU a picture; ",
-                         wrong_text(best, layer.result()->truth.are_all()), "."));
+                         ": ", ms_text(best.cpu_ms), " of CPU a picture; ", wrong_text(best), "."));
   };
   // Of limits that one method is the answer to, the tightest says it all.
   constexpr double limits[] = {0.1, 0.01, 0.001, 1e-6};
@@ -87,8 +90,7 @@ void say_proof(const LayerStudy& layer, const Rows& rows, std::vector<std::strin
     sentence += concat(", exact arithmetic for every ray (`exact`) ", times_text(exact->cpu_ms / quick->cpu_ms));
   out.push_back(sentence + ".");
   if (layer.scene().layers[0].mode != render::Mode::mip)
-    out.push_back(concat("`", quick->measured->method, "`: ", wrong_text(*quick, layer.result()->truth.are_all()),
-                         "; depths lie within ",
+    out.push_back(concat("`", quick->measured->method, "`: ", wrong_text(*quick), "; depths lie within ",
                          short_number(quick->measured->errors->error.value_or(Quantiles{}).p99, 2),
                          " cells in 99 of 100 pixels that both see."));
 }
@@ -96,25 +98,38 @@ void say_proof(const LayerStudy& layer, const Rows& rows, std::vector<std::strin
 void say_sampled(const LayerStudy& layer, const Rows& rows, std::vector<std::string>& out) {
   const ResultRow* own = named(rows, group_levels, "float");
   if (own == nullptr) own = named(rows, group_levels, "double");
-  for (const char* group : {group_linear, group_samples})
-    if (const ResultRow* half = named(rows, group, "sampled:0.5+linear"); half != nullptr && own != nullptr)
-      out.push_back(concat("Samples every half cell, as many renderers take them (`", half->measured->method,
-                           "`), take ", times_text(half->cpu_ms / own->cpu_ms), " the time of `", own->measured->method,
-                           "`; 99 % of the pixels keep ", short_number(half->kept.value_or(0), 2), " ",
-                           error_unit(layer), " against ", short_number(own->kept.value_or(0), 2), "; ",
-                           wrong_text(*half, layer.result()->truth.are_all()), "."));
+  for (const char* group : {group_linear, group_samples}) {
+    const ResultRow* half = named(rows, group, "sampled:0.5+linear");
+    if (half == nullptr || own == nullptr) continue;
+    // A time that is that of some rays, taken for all, is not held against that of pictures.
+    const std::string time =
+        half->measured->wall_ms.empty()
+            ? std::string("were too slow for a picture in the time given")
+            : concat("take ", times_text(half->cpu_ms / own->cpu_ms), " the time of `", own->measured->method, "`");
+    const std::string within =
+        std::isfinite(half->kept.value_or(0))
+            ? concat("99 % of the pixels are within ", short_number(half->kept.value_or(0), 2), " ", error_unit(layer))
+            : std::string("more than 1 % of the pixels are missed or false");
+    out.push_back(concat("Samples every half cell, as many renderers take them (`", half->measured->method, "`), ",
+                         time, "; ", within, ", of `", own->measured->method, "` within ",
+                         short_number(own->kept.value_or(0), 2), "; ", wrong_text(*half), "."));
+  }
 }
 
+/// A sentence for each kind of copy.
 void say_copies(const LayerStudy& layer, const Rows& rows, std::vector<std::string>& out) {
-  for (const ResultRow& row : rows) {
-    const Measured& measured = *row.measured;
-    if (measured.variant.data.kind == DataForm::Kind::original || !row.kept) continue;
-    const std::string kept = std::isfinite(*row.kept) ? concat("99 % of the pixels keep ", short_number(*row.kept, 2),
-                                                               " ", error_unit(layer))
-                                                      : std::string("more than 1 % of the pixels are missed or false");
-    out.push_back(concat("Drawn from a copy, ", called(row), ", made in ", short_number(measured.preprocess_s, 2),
-                         " s, of ", bytes_text(measured.data_bytes), ": ", kept, ", ", ms_text(row.cpu_ms),
-                         " of CPU."));
+  for (const char* group : {group_bits, group_grids, group_vdb}) {
+    std::string list;
+    for (const ResultRow& row : rows) {
+      const Measured& measured = *row.measured;
+      if (measured.variant.group != group || !row.kept) continue;
+      const std::string within = std::isfinite(*row.kept) ? concat("99 % of the pixels within ",
+                                                                   short_number(*row.kept, 2), " ", error_unit(layer))
+                                                          : concat("more than 1 % of the pixels missed or false");
+      list += concat(list.empty() ? "" : "; ", called(row), ": ", within, ", ", ms_text(row.cpu_ms), " of CPU, ",
+                     bytes_text(measured.memory_bytes), " of memory");
+    }
+    if (!list.empty()) out.push_back(concat("Drawn from copies, ", group, ". ", list, "."));
   }
 }
 

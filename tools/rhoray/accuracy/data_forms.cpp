@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstring>
 
+#include "formats/base/checks.h"
 #include "formats/base/trouble.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/export_grid.h"
+#include "preprocess/pack_mesh.h"
 #include "preprocess/pack_volume.h"
 #include "preprocess/resample.h"
 #include "preprocess/unpack_mesh.h"
@@ -105,7 +107,7 @@ const FormedData& DataForms::get(const DataForm& form, const FormOptions& option
 FormedData DataForms::make(const DataForm& form, const FormOptions& options) {
   switch (form.kind) {
     case DataForm::Kind::quantized:
-      return quantize(form.size, options);
+      return volume_.is_mesh() ? quantize_mesh(form.size, options) : quantize_grid(form.size, options);
     case DataForm::Kind::resampled:
     case DataForm::Kind::resampled_vdb:
       return resample(form, options);
@@ -115,7 +117,7 @@ FormedData DataForms::make(const DataForm& form, const FormOptions& options) {
   return {.volume = volume_, .file_bytes = volume_.file().file_bytes()};
 }
 
-FormedData DataForms::quantize(int bits, const FormOptions& options) const {
+FormedData DataForms::quantize_grid(int bits, const FormOptions& options) const {
   require_grid(volume_);
   const formats::BrickGrid grid(volume_.file());
   const formats::FieldSummary& field = volume_.field();
@@ -149,28 +151,61 @@ double DataForms::foreseen_s(const DataForm& form) const {
   return last_s_ * std::max(1.0, growth * growth);
 }
 
-FormedData DataForms::resample(const DataForm& form, const FormOptions& options) {
-  if (options.seconds > 0 && foreseen_s(form) > options.seconds)
-    throw Error(Trouble::resource, concat("would take some ", rounded(foreseen_s(form), 2), " s to make"));
+const preprocess::NeutralMesh& DataForms::mesh() {
   if (!mesh_)
     mesh_ = std::make_unique<preprocess::NeutralMesh>(preprocess::unpack_mesh(formats::TetMesh(volume_.file())));
+  return *mesh_;
+}
+
+/// Packed meshes hold floating-point numbers: the steps are the copy's, its size is the data's.
+FormedData DataForms::quantize_mesh(int bits, const FormOptions& options) {
+  const formats::FieldSummary& field = volume_.field();
+  const preprocess::NeutralMesh& whole = mesh();
   const Stopwatch watch;
+  const double steps = std::exp2(bits) - 1, width = field.range.hi - field.range.lo;
+  FormedData made{.volume = volume_, .scale = width > 0 ? steps / width : 1, .offset = field.range.lo};
+  preprocess::NeutralMesh copy;
+  copy.points = whole.points;
+  copy.cells = whole.cells;
+  copy.length_unit = whole.length_unit;
+  for (const preprocess::NeutralField& values : whole.point_fields)
+    if (values.name == field.name) copy.point_fields.push_back(values);
+  RHORAY_CHECK(copy.point_fields.size() == 1);
+  for (double& value : copy.point_fields[0].values) value = std::round(made.own(value));  // NaN stays
+  const std::filesystem::path path = options.folder / concat("bits", bits, ".rho");
+  preprocess::pack_mesh(copy, path, {.replace_existing = true}, options.progress);
+  made.volume = render::Volume::load(path);
+  made.preprocess_s = watch.seconds();
+  made.file_bytes = made.volume.file().file_bytes();
+  return made;
+}
+
+FormedData DataForms::resample(const DataForm& form, const FormOptions& options) {
   const std::filesystem::path grid = options.folder / concat("grid", form.size, ".rho");
-  preprocess::resample(*mesh_, grid,
-                       {.fields = {volume_.field().name},
-                        .lattice = {.longest_axis = form.size},
-                        .memory_limit_bytes = memory_limit(options),
-                        .replace_existing = true},
-                       options.progress);
-  std::filesystem::path path = grid;
-  if (form.kind == DataForm::Kind::resampled_vdb) {
-    path.replace_extension(".vdb");
-    preprocess::export_vdb(grid, path, {.replace_existing = true});
+  const bool is_vdb = form.kind == DataForm::Kind::resampled_vdb;
+  // The same samples as OpenVDB: only written anew.
+  const auto sampled = made_.find(text_of(DataForm{DataForm::Kind::resampled, form.size}));
+  double sampling_s = sampled == made_.end() ? 0 : sampled->second.preprocess_s;
+  if (!is_vdb || sampled == made_.end()) {
+    if (options.seconds > 0 && foreseen_s(form) > options.seconds)
+      throw Error(Trouble::resource, concat("would take some ", rounded(foreseen_s(form), 2), " s to make"));
+    const preprocess::NeutralMesh& whole = mesh();
+    const Stopwatch watch;
+    preprocess::resample(whole, grid,
+                         {.fields = {volume_.field().name},
+                          .lattice = {.longest_axis = form.size},
+                          .memory_limit_bytes = memory_limit(options),
+                          .replace_existing = true},
+                         options.progress);
+    sampling_s = watch.seconds();
+    last_ = form;
+    last_s_ = sampling_s;
   }
-  FormedData made{
-      .volume = load_volume(path, {}), .preprocess_s = watch.seconds(), .file_bytes = std::filesystem::file_size(path)};
-  last_ = form;
-  last_s_ = made.preprocess_s;
+  const Stopwatch watch;
+  std::filesystem::path path = grid;
+  if (is_vdb) preprocess::export_vdb(grid, path.replace_extension(".vdb"), {.replace_existing = true});
+  FormedData made{.volume = load_volume(path, {}), .file_bytes = std::filesystem::file_size(path)};
+  made.preprocess_s = sampling_s + watch.seconds();
   return made;
 }
 

@@ -44,16 +44,18 @@ class DataForms {
 
  private:
   FormedData make(const DataForm& form, const FormOptions& options);
-  FormedData quantize(int bits, const FormOptions& options) const;
+  FormedData quantize_grid(int bits, const FormOptions& options) const;
+  FormedData quantize_mesh(int bits, const FormOptions& options);
+  const preprocess::NeutralMesh& mesh();
   FormedData resample(const DataForm& form, const FormOptions& options);
   double foreseen_s(const DataForm& form) const;
 
   render::Volume volume_;
-  std::unique_ptr<preprocess::NeutralMesh> mesh_;  ///< of a volume that is resampled
+  std::unique_ptr<preprocess::NeutralMesh> mesh_;  ///< the volume, where it is one and copies were asked for
   std::map<std::string, FormedData> made_;
   std::map<std::string, Error> refused_;
-  DataForm last_;      ///< the last one resampled,
-  double last_s_ = 0;  ///< and how long it took
+  DataForm last_;      ///< the last one sampled on a grid,
+  double last_s_ = 0;  ///< and how long that took
 };
 
 }  // namespace rhoray::tools

@@ -54,9 +54,12 @@ ErrorCounts count_errors(const ErrorList& list) {
 
 double ErrorCounts::within(double limit) const {
   const std::uint64_t seen = true_hits + false_hits;
-  if (seen == 0) return 1;
-  const auto beyond = std::upper_bound(sorted.begin(), sorted.end(), static_cast<float>(limit));
-  return static_cast<double>(beyond - sorted.begin()) / static_cast<double>(seen);
+  return seen == 0 ? 1 : 1 - static_cast<double>(beyond(limit)) / static_cast<double>(seen);
+}
+
+std::uint64_t ErrorCounts::beyond(double limit) const {
+  const auto first = std::upper_bound(sorted.begin(), sorted.end(), static_cast<float>(limit));
+  return true_hits + false_hits - static_cast<std::uint64_t>(first - sorted.begin());
 }
 
 double ErrorCounts::kept_by(double share) const {

@@ -43,6 +43,7 @@ struct ErrorCounts {
 
   /// The share of rays that hit or should and whose error is at most so much; missed and false ones are beyond all.
   double within(double limit) const;
+  std::uint64_t beyond(double limit) const;  ///< the number of the others
   /// The error that this share of them keeps; infinity where too many are missed or false.
   double kept_by(double share) const;
   std::vector<float> sorted{};  ///< errors of rays that hit and should

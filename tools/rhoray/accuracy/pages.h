@@ -27,13 +27,13 @@ class ResultsFolder {
     std::string title, caption, body;  ///< HTML
   };
   std::vector<Figure> plots(const LayerStudy& layer, const std::string& prefix, StudyContext& context);
-  std::vector<Figure> pictures(const LayerStudy& layer, const std::string& prefix);
+  std::string pictures(const LayerStudy& layer, const std::string& prefix);
   std::string picture(const render::Framebuffer& pixels, const std::string& name, const std::string& description);
   std::string layer_section(const LayerStudy& layer, const std::string& prefix, StudyContext& context);
 
   std::filesystem::path folder_, passing_;
-  bool has_gnuplot_ = true;                                                      ///< until it turns out not to
-  std::map<std::string, std::pair<const void*, std::vector<Figure>>> pictures_;  ///< by layer: of which pass
+  bool has_gnuplot_ = true;                                              ///< until it turns out not to
+  std::map<std::string, std::pair<const void*, std::string>> pictures_;  ///< by layer: of which pass, as HTML
 };
 
 }  // namespace rhoray::tools

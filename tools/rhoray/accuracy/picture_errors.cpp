@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "formats/base/checks.h"
 #include "formats/base/vector.h"
@@ -54,8 +55,11 @@ PictureErrors TruePicture::against(const render::Framebuffer& picture) const {
       const float is = picture_.color[4 * pixel + c], said = picture.color[4 * pixel + c];
       if (is != said) squares += std::pow(srgb_level(is) - srgb_level(said), 2);
     }
+  std::vector<float> flip_map = flip_.against(rgb_of(picture));
+  const double flip = mean_of(flip_map);
   return {.rmse = std::sqrt(squares / (3 * static_cast<double>(picture.pixel_count()))),
-          .flip = mean_of(flip_.against(rgb_of(picture))),
+          .flip = flip,
+          .flip_map = std::move(flip_map),
           .normal_deg = normal_angles(picture_, picture)};
 }
 

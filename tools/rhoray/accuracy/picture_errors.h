@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "render/framebuffer.h"
 #include "tools/rhoray/accuracy/errors.h"
@@ -13,6 +14,7 @@ namespace rhoray::tools {
 struct PictureErrors {
   double rmse = 0;                      ///< over pixels and red, green, blue of 8-bit sRGB; 255 is the most there is
   double flip = 0;                      ///< mean over pixels, 0 to 1 (flip.h)
+  std::vector<float> flip_map{};        ///< of each pixel
   std::optional<Quantiles> normal_deg;  ///< angle between normals where both pictures show something
 };
 

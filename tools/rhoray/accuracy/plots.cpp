@@ -6,6 +6,7 @@
 
 #include "formats/base/text.h"
 #include "tools/rhoray/accuracy/plot_script.h"
+#include "tools/rhoray/measure.h"
 
 namespace rhoray::tools {
 
@@ -14,11 +15,16 @@ namespace {
 using Point = PlotPoint;
 using Series = PlotSeries;
 
+/// Groups whose variants follow one another: steps, sizes, counts.
+bool is_series(const std::string& group) {
+  return group != group_levels && group != group_published && group != group_normals;
+}
+
 /// The same in all plots.
 std::size_t look_of(const std::string& group) {
-  constexpr std::string_view groups[] = {group_levels,    group_published, group_linear, group_bisect,
-                                         group_bits,      group_samples,   group_grids,  group_vdb,
-                                         group_occlusion, group_normals,   group_size};
+  constexpr std::string_view groups[] = {group_levels,  group_published, group_linear, group_bisect,    group_bits,
+                                         group_samples, group_grids,     group_vdb,    group_occlusion, group_normals,
+                                         group_size,    group_shadows,   group_edges};
   return static_cast<std::size_t>(std::find(std::begin(groups), std::end(groups), group) - std::begin(groups));
 }
 
@@ -37,18 +43,23 @@ std::vector<Series> by_group(const std::vector<ResultRow>& rows,
   return all;
 }
 
-std::string scatter(const std::vector<Series>& groups, bool has_lines) {
+std::string scatter(const std::vector<Series>& groups) {
   std::string text;
   for (std::size_t g = 0; g < groups.size(); ++g)
-    text += concat(text.empty() ? "" : ", \\\n     ", "$g", g, " using 1:2 with ", has_lines ? "linespoints" : "points",
-                   " pt ", point_type_of(look_of(groups[g].name)), " ps 0.8 lw 1.4 lc rgb '",
-                   color_of(look_of(groups[g].name)), "' title ", in_quotes(groups[g].name));
+    text += concat(text.empty() ? "" : ", \\\n     ", "$g", g, " using 1:2 with ",
+                   is_series(groups[g].name) ? "linespoints" : "points", " pt ", point_type_of(look_of(groups[g].name)),
+                   " ps 0.8 lw 1.2 lc rgb '", color_of(look_of(groups[g].name)), "' title ", in_quotes(groups[g].name));
   return text;
 }
 
 /// An error on a logarithmic axis: 0 and what is below rounding lie at its end, what is not finite at the other.
 double on_axis(double error, double least, double most) {
   return std::isfinite(error) ? std::clamp(error, least, most) : most;
+}
+
+/// The power of ten at which a logarithmic axis shows 0: well below the smallest number that there can be.
+double place_of_zero(double smallest) {
+  return std::pow(10, std::floor(std::log10(smallest)) - 1);
 }
 
 struct ErrorAxis {
@@ -58,10 +69,10 @@ struct ErrorAxis {
 
 ErrorAxis error_axis(const LayerStudy& layer) {
   if (layer.scene().layers[0].mode != render::Mode::mip)
-    return {1e-16, 100, "error that 99 % of the pixels keep, cells"};
+    return {1e-16, 100, "error of depth, 99 % of the pixels within, cells"};
   const Interval<double> range = layer.volume().field().range;
   const double width = range.hi > range.lo ? range.hi - range.lo : 1;
-  return {1e-16 * width, width, concat("error that 99 % of the pixels keep, ", error_unit(layer))};
+  return {1e-16 * width, width, concat("error of the value, 99 % of the pixels within, ", error_unit(layer))};
 }
 
 Plot error_against_time(const LayerStudy& layer, const std::vector<ResultRow>& rows) {
@@ -81,46 +92,89 @@ Plot error_against_time(const LayerStudy& layer, const std::vector<ResultRow>& r
   const char* const named = " using 1:2:3 notitle with labels left noenhanced font ',12' offset 0.8,";
   std::string script = preamble("CPU time of a picture, ms", axis.label) + blocks(groups) + data_block("front", front) +
                        data_block("above", above) + data_block("below", below) +
-                       concat("set logscale xy\nset format y '10^{%L}'\nset yrange [", axis.least / 3, ":",
+                       concat("set logscale xy\nset format y '10^{%L}'\nset yrange [", axis.least / 30, ":",
                               axis.most * 3, "]\nset offsets graph 0.02, graph 0.12, 0, 0\nplot ",
                               "$front using 1:2 with steps lw 2 lc rgb '#bbbbbb' title 'Pareto front', \\\n     ",
-                              scatter(groups, false), ", \\\n     $above", named, "0.7",
+                              scatter(groups), ", \\\n     $above", named, "0.7",
                               below.empty() ? std::string() : concat(", \\\n     $below", named, "-0.8"), "\n");
-  return {"error_time", "Error against time",
-          "Down and to the left is better. The grey line joins the variants that no other beats in both; these are "
-          "named. Points at the upper edge miss or invent more than 1 % of the pixels; points at the lower edge are "
-          "exact to rounding.",
-          std::move(script)};
+  return {
+      "error_time", "Error against time",
+      "Down and to the left is better. The error is the one within which 99 % of the pixels lie that show or should "
+      "show something. The grey line joins the variants that no other beats in both time and error; these are named. "
+      "Thin lines join variants of a kind. Points at the upper edge miss or invent more than 1 % of the pixels; "
+      "points at the lower edge have no error beyond rounding.",
+      std::move(script)};
 }
 
-Plot wrong_against_time(const LayerStudy& layer, const std::vector<ResultRow>& rows) {
+/// Nothing where no pixel is wrong.
+std::optional<Plot> wrong_against_time(const LayerStudy& layer, const std::vector<ResultRow>& rows) {
+  const auto is_wrong = [](const ResultRow& row) {
+    return row.kept && row.measured->errors->missed + row.measured->errors->false_hits > 0;
+  };
+  if (std::none_of(rows.begin(), rows.end(), is_wrong)) return std::nullopt;
   const std::uint64_t rays = layer.result()->truth.pixels.size();
-  const double least = 0.3e6 / static_cast<double>(rays);
+  const double least = place_of_zero(1e6 / static_cast<double>(rays));
   const std::vector<Series> groups = by_group(rows, [&](const ResultRow& row) -> std::optional<double> {
     if (!row.kept) return std::nullopt;
     const ErrorCounts& errors = *row.measured->errors;
-    return std::max(least, 1e6 * static_cast<double>(errors.missed + errors.false_hits) / static_cast<double>(rays));
+    return std::max(least,
+                    1e6 * static_cast<double>(errors.missed + errors.false_hits) / static_cast<double>(errors.rays));
   });
-  return {"wrong_time", "Wrong pixels against time",
-          concat("Missed and false pixels of a million. Points at the lower edge have none among the ", rays,
-                 " that were judged."),
-          preamble("CPU time of a picture, ms", "missed and false pixels of a million") + blocks(groups) +
-              concat("set logscale xy\nset format y '10^{%L}'\nset yrange [", least / 2, ":*]\nset ytics add ('0' ",
-                     least, ")\nplot ", scatter(groups, false), "\n")};
+  return Plot{"wrong_time", "Wrong pixels against time",
+              concat("Missed and false pixels of a million. Points at 0 have none among the ", grouped(rays),
+                     " pixels that were judged, or among fewer of methods that were too slow."),
+              preamble("CPU time of a picture, ms", "missed and false pixels of a million") + blocks(groups) +
+                  concat("set logscale xy\nset format y '10^{%L}'\nset yrange [", least / 2, ":*]\nset ytics add ('0' ",
+                         least, ")\nplot ", scatter(groups), "\n")};
 }
 
 Plot flip_against_time(const std::vector<ResultRow>& rows) {
-  constexpr double least = 1e-7;
+  double smallest = 1e-3;
+  for (const ResultRow& row : rows)
+    if (const auto& picture = row.measured->picture_errors; picture && picture->flip > 0)
+      smallest = std::min(smallest, picture->flip);
+  const double least = place_of_zero(smallest);
   const std::vector<Series> groups = by_group(rows, [&](const ResultRow& row) -> std::optional<double> {
     if (!row.measured->picture_errors) return std::nullopt;
     return std::max(least, row.measured->picture_errors->flip);
   });
   return {"flip_time", "Seen difference against time",
-          "Mean FLIP of the picture against the true one: 0 is the same to the eye, and pictures whose mean is below "
-          "about 0.01 are hard to tell apart. Points at the lower edge do not differ.",
+          "Mean FLIP of the picture against the true one, 0 to 1: how different they look to someone who flips between "
+          "them on a screen of 67 pixels per degree. Points at 0 are the same picture.",
           preamble("CPU time of a picture, ms", "mean FLIP") + blocks(groups) +
               concat("set logscale xy\nset format y '10^{%L}'\nset yrange [", least / 2, ":1]\nset ytics add ('0' ",
-                     least, ")\nplot ", scatter(groups, false), "\n")};
+                     least, ")\nplot ", scatter(groups), "\n")};
+}
+
+/// What copies of the data save, or cost. Nothing where none was drawn.
+std::optional<Plot> error_against_memory(const LayerStudy& layer, const std::vector<ResultRow>& rows) {
+  const ErrorAxis axis = error_axis(layer);
+  std::vector<Series> groups;
+  std::vector<Point> names;
+  for (const ResultRow& row : rows) {
+    const Variant& variant = row.measured->variant;
+    const bool is_copy = variant.data.kind != DataForm::Kind::original;
+    const std::optional<ErrorCounts>& errors = row.measured->errors;
+    if (!errors || !errors->error || row.measured->memory_bytes == 0 || !(is_copy || variant.group == group_levels))
+      continue;
+    const Point point{static_cast<double>(row.measured->memory_bytes) / (1 << 20),
+                      on_axis(errors->error->median, axis.least, axis.most), variant.name};
+    if (groups.empty() || groups.back().name != variant.group) groups.push_back({variant.group, {}});
+    groups.back().points.push_back(point);
+    if (variant.group == group_bits || variant.group == group_grids) names.push_back(point);
+  }
+  if (names.empty()) return std::nullopt;
+  return Plot{
+      "error_memory", "Error against memory",
+      "Median error of pixels that both see, against what is mapped and kept to draw from: the data as they are, "
+      "by Rhoray's levels, and copies of them, by the level that is the default for each. Copies are judged "
+      "against the data as they are.",
+      preamble("memory, MiB", concat("median error, ", error_unit(layer))) + blocks(groups) +
+          data_block("names", names) +
+          concat("set logscale xy\nset format y '10^{%L}'\nset yrange [", axis.least / 30, ":", axis.most * 3,
+                 "]\nset offsets graph 0.05, graph 0.15, 0, 0\nplot ", scatter(groups),
+                 ", \\\n     $names using 1:2:3 notitle with labels left noenhanced font ',12' offset "
+                 "0.8,0.7\n")};
 }
 
 /// Nothing where no steps were measured.
@@ -150,7 +204,7 @@ std::optional<Plot> convergence(const LayerStudy& layer, const std::vector<Resul
           concat("set logscale x 2\nset logscale y\nset format y '10^{%L}'\nset xrange [0.0125:2.5]\n"
                  "set xtics ('1/64' 0.015625, '1/32' 0.03125, '1/16' 0.0625, '1/8' 0.125, '1/4' 0.25, "
                  "'1/2' 0.5, '1' 1, '2' 2)\nplot ",
-                 scatter(groups, true), guides, "\n")};
+                 scatter(groups), guides, "\n")};
 }
 
 /// Of the levels and of what is shown as pictures.
@@ -177,15 +231,15 @@ Plot distribution(const LayerStudy& layer, const std::vector<ResultRow>& rows) {
   }
   std::string plots;
   for (std::size_t l = 0; l < lines.size(); ++l)
-    plots += concat(l == 0 ? "" : ", \\\n     ", "$g", l, " using 1:2 with lines lw 2 lc rgb '", color_of(l),
-                    "' title ", in_quotes(lines[l].name));
+    plots += concat(l == 0 ? "" : ", \\\n     ", "$g", l, " using 1:2 with lines lw ",
+                    l % 2 == 0 ? "3.5" : "2 dt (12,8)", " lc rgb '", color_of(l), "' title ", in_quotes(lines[l].name));
   return {
       "distribution", "How errors are distributed",
-      "Which share of the pixels, of those that show or should show something, keeps an error. A line that ends "
-      "below 100 % misses or invents the rest.",
+      "Which share of the pixels, of those that show or should show something, is within an error. A line that ends "
+      "below 100 % misses or invents the rest. Every other line is dashed, so that it shows one that it covers.",
       preamble(concat(layer.scene().layers[0].mode == render::Mode::mip ? "error of the value, " : "error of depth, ",
                       error_unit(layer)),
-               "pixels that keep it, %") +
+               "pixels within it, %") +
           blocks(lines) +
           concat("set logscale x\nset format x '10^{%L}'\nset xrange [", axis.least, ":", axis.most,
                  "]\nset yrange [0:101]\nplot ", plots, "\n")};
@@ -196,10 +250,12 @@ Plot distribution(const LayerStudy& layer, const std::vector<ResultRow>& rows) {
 std::vector<Plot> plots_of(const LayerStudy& layer) {
   const std::vector<ResultRow> rows = rows_of(*layer.result());
   if (rows.size() < 2) return {};
-  std::vector<Plot> plots{error_against_time(layer, rows), wrong_against_time(layer, rows)};
+  std::vector<Plot> plots{error_against_time(layer, rows)};
+  if (const auto plot = wrong_against_time(layer, rows)) plots.push_back(*plot);
   if (const auto plot = convergence(layer, rows)) plots.push_back(*plot);
   plots.push_back(distribution(layer, rows));
   plots.push_back(flip_against_time(rows));
+  if (const auto plot = error_against_memory(layer, rows)) plots.push_back(*plot);
   return plots;
 }
 

@@ -57,7 +57,7 @@ Json row_json(const LayerStudy& layer, const PassResult& result, const Measured&
            {"missed", errors ? Json(errors->missed) : Json(nullptr)},
            {"false_hits", errors ? Json(errors->false_hits) : Json(nullptr)}};
   const auto share = [&](std::uint64_t ErrorCounts::*count) {
-    return errors ? std::optional(share_of((*errors).*count, errors->rays, result.truth.are_all())) : std::nullopt;
+    return errors ? std::optional(share_of((*errors).*count, errors->rays, measured.judges_all)) : std::nullopt;
   };
   put_share(row, "missed", share(&ErrorCounts::missed));
   put_share(row, "false", share(&ErrorCounts::false_hits));
@@ -71,9 +71,10 @@ Json row_json(const LayerStudy& layer, const PassResult& result, const Measured&
   put_times(row, "cpu_ms", measured.cpu_ms);
   put_times(row, "wall_ms", measured.wall_ms);
   row["times"] = measured.wall_ms.size();
-  row["prepare_ms"] = measured.left_out.empty() ? number(measured.prepare_ms) : Json(nullptr);
+  row["prepare_ms"] = measured.memory_bytes > 0 ? number(measured.prepare_ms) : Json(nullptr);
   row["preprocess_s"] = measured.left_out.empty() ? number(measured.preprocess_s) : Json(nullptr);
   row["data_bytes"] = measured.left_out.empty() ? Json(measured.data_bytes) : Json(nullptr);
+  row["memory_bytes"] = measured.memory_bytes > 0 ? Json(measured.memory_bytes) : Json(nullptr);
   row["front"] = is_on_front;
   row["note"] = measured.left_out.empty() ? measured.note : concat("left out: ", measured.left_out);
   return row;
@@ -123,16 +124,22 @@ const std::vector<ResultColumn>& result_columns() {
       {"normal_max_deg", "degrees", "largest of the same"},
       {"rmse_of_255", "8-bit levels", "root of the mean square difference of the pictures, in sRGB"},
       {"flip", "0 to 1", "mean of FLIP (Andersson et al. 2020), 67 pixels per degree"},
-      {"cpu_ms", "ms", "CPU time of all threads for the picture, median"},
+      {"cpu_ms", "ms",
+       "CPU time of all threads for the picture, median; where `times` is 0, that of the judged pixels alone, taken "
+       "for "
+       "all"},
       {"cpu_ms_min", "ms", "smallest"},
       {"cpu_ms_max", "ms", "largest"},
       {"wall_ms", "ms", "time that passed, median"},
       {"wall_ms_min", "ms", "smallest"},
       {"wall_ms_max", "ms", "largest"},
       {"times", "", "how often the picture was timed"},
-      {"prepare_ms", "ms", "what the first picture of an isovalue takes beside that"},
+      {"prepare_ms", "ms", "what the first picture of data just loaded, or of a new isovalue, takes beside that"},
       {"preprocess_s", "s", "to make the copy of the data"},
       {"data_bytes", "bytes", "file that is mapped or read"},
+      {"memory_bytes", "bytes",
+       "that is mapped, and what loading the data and drawing a first picture keeps beside it: by how much the "
+       "process's anonymous memory has grown, what was given back to the allocator not counted"},
       {"front", "", "no other variant of the layer is both faster and closer"},
       {"note", "", "why it was left out, or what is to be known"}};
   return columns;

@@ -106,6 +106,7 @@ std::vector<TrueHit> true_hits(const ScenePlan& plan, const render::Framebuffer&
                                            .mode = layer.mode,
                                            .isovalue = layer.isovalue,
                                            .method = render::method_of(render::Accuracy::exact),
+                                           .clip = clip_of(plan.scene, layer),
                                            .threads = threads},
                                           rays);
     for (std::size_t i = 0; i < hits.size(); ++i)
@@ -117,7 +118,7 @@ std::vector<TrueHit> true_hits(const ScenePlan& plan, const render::Framebuffer&
 }
 
 CheckedPixels checked_pixels(const ScenePlan& plan, const render::Framebuffer& picture,
-                             const std::vector<std::uint32_t>& pixels, unsigned threads) {
+                             const std::vector<std::uint32_t>& pixels, double limit, unsigned threads) {
   const bool is_value = is_projection(plan);
   const std::vector<TrueHit> truth = true_hits(plan, picture, pixels, threads);
   CheckedPixels found{.pixels = pixels.size()};
@@ -142,25 +143,48 @@ CheckedPixels checked_pixels(const ScenePlan& plan, const render::Framebuffer& p
   const ErrorCounts counts = count_errors(list);
   found.missed = counts.missed;
   found.false_hits = counts.false_hits;
+  found.shown = counts.true_hits + counts.false_hits;
+  found.beyond_limit = counts.beyond(limit);
   found.kept_by_99 = counts.kept_by(0.99);
   found.largest = counts.error ? counts.error->largest : 0;
   return found;
+}
+
+/// Empty where 99 % of all pixels may well be within the limit, for all that these tell.
+std::string limit_broken_by(const CheckedPixels& found, double limit, const char* which) {
+  if (!(share_of(found.beyond_limit, found.shown, false).low > 0.01)) return {};
+  return concat(found.beyond_limit, " of ", found.shown, " ", which,
+                " pixels that show or should show something are missed, false or off by more than ", rounded(limit),
+                ": more than 1 in 100, at a confidence of 97.5 %");
 }
 
 std::string broken_by(const CheckedPixels& found, const Promise& promise, bool is_proven, const char* which) {
   const double wrong = static_cast<double>(found.missed + found.false_hits);
   const double allowed = promise.wrong_share > 0 ? 1 + promise.wrong_share * static_cast<double>(found.pixels) : 0;
   std::string text;
+  const auto add = [&](const std::string& more) { text += concat(text.empty() || more.empty() ? "" : "; ", more); };
   if (wrong > allowed)
-    text += concat(found.missed, " missed and ", found.false_hits, " false of ", found.pixels, " ", which, " pixels");
-  const auto add = [&](const std::string& more) { text += concat(text.empty() ? "" : "; ", more); };
+    add(concat(found.missed, " missed and ", found.false_hits, " false of ", found.pixels, " ", which, " pixels"));
   if (is_proven && found.beyond_bound > 0) add(concat(found.beyond_bound, " ", which, " pixels beyond their bound"));
-  if (wrong <= allowed && found.pixels > 0 && std::isfinite(found.kept_by_99) && found.kept_by_99 > promise.kept)
-    add(concat("99 % of ", which, " pixels keep only ", rounded(found.kept_by_99), ", limit ", rounded(promise.kept)));
+  if (wrong <= allowed && std::isfinite(promise.kept)) add(limit_broken_by(found, promise.kept, which));
   return text;
 }
 
+/// The limit that was asked for, in the unit of errors.
+double limit_in_unit(const ScenePlan& plan, double limit) {
+  const Interval<double> range = plan.volumes[plan.scene.layers[0].volume].field().range;
+  return is_projection(plan) ? limit * (range.hi - range.lo) : limit;
+}
+
 }  // namespace
+
+void check(const SelfCheckOptions& options) {
+  if (!options.limit) return;
+  if (options.pixels == 0)
+    throw Error(Trouble::usage, "--verify-limit: how many pixels are traced again is not said", "--verify 1000");
+  if (!(*options.limit > 0))
+    throw Error(Trouble::usage, concat("--verify-limit: found ", *options.limit, "; expected a number above 0"));
+}
 
 render::ChannelSet channels_to_check(const ScenePlan& plan) {
   return {.depth = true, .value = true, .error = is_proven(plan)};
@@ -171,6 +195,8 @@ void require_checkable(const ScenePlan& plan) {
   for (const render::Layer& layer : layers) {
     if (layer.mode == render::Mode::triangles)
       throw Error(Trouble::usage, "--verify: a layer holds triangles; expected isosurfaces or one projection");
+    if (layer.mode == render::Mode::slice)
+      throw Error(Trouble::usage, "--verify: a layer is a slice; expected isosurfaces or one projection");
     if (layer.mode == render::Mode::mip && layers.size() > 1)
       throw Error(Trouble::usage, "--verify: a projection beside other layers; expected isosurfaces or one projection");
     if (layer.mode == render::Mode::isosurface && layers.size() > 1 && layer.surface.opacity < 1)
@@ -182,23 +208,27 @@ SelfCheck checked(const ScenePlan& plan, const render::Framebuffer& picture, con
                   unsigned threads) {
   std::mt19937_64 random(options.seed);
   SelfCheck check{.seed = options.seed, .unit = is_projection(plan) ? "" : "cells"};
-  check.random = checked_pixels(plan, picture, some_of(all_pixels(picture), options.pixels, random), threads);
-  check.edges = checked_pixels(plan, picture, some_of(edge_pixels(picture), options.pixels, random), threads);
-  Promise promise = promise_of(plan);
-  if (options.max_error) {
-    const Interval<double> range = plan.volumes[plan.scene.layers[0].volume].field().range;
-    const double unit = is_projection(plan) ? range.hi - range.lo : 1;
-    promise = {concat("--max-error ", *options.max_error, " in 99 % of the pixels"), 1, *options.max_error * unit};
-    if (!(check.random.kept_by_99 <= promise.kept))
-      check.broken = concat("99 % of random pixels keep only ", rounded(check.random.kept_by_99), ", limit ",
-                            rounded(promise.kept));
-  } else if (!promise.said.empty()) {
-    check.broken = broken_by(check.random, promise, is_proven(plan), "random");
-    const std::string at_edges =
-        broken_by(check.edges, {promise.said, promise.wrong_share * 10, HUGE_VAL}, is_proven(plan), "edge");
-    if (!at_edges.empty()) check.broken += concat(check.broken.empty() ? "" : "; ", at_edges);
+  const Promise promise = promise_of(plan);
+  const double limit = options.limit ? limit_in_unit(plan, *options.limit) : promise.kept;
+  const auto look_at = [&](const std::vector<std::uint32_t>& pixels) {
+    return checked_pixels(plan, picture, some_of(pixels, options.pixels, random), limit, threads);
+  };
+  check.random = look_at(all_pixels(picture));
+  check.edges = look_at(edge_pixels(picture));
+  const auto hold = [&](const std::string& broken) {
+    check.broken += concat(check.broken.empty() || broken.empty() ? "" : "; ", broken);
+  };
+  const bool holds_promise = !options.limit || is_proven(plan);
+  if (holds_promise && !promise.said.empty()) {
+    check.limit = promise.said;
+    hold(broken_by(check.random, promise, is_proven(plan), "random"));
+    hold(broken_by(check.edges, {promise.said, promise.wrong_share * 10, HUGE_VAL}, is_proven(plan), "edge"));
   }
-  check.limit = promise.said;
+  if (options.limit) {
+    check.limit += concat(check.limit.empty() ? "" : "; ", "99 % within ", *options.limit,
+                          is_projection(plan) ? " of the field's range" : " cells");
+    hold(limit_broken_by(check.random, limit, "random"));
+  }
   return check;
 }
 
@@ -221,6 +251,7 @@ Json json_of(const SelfCheck& check) {
     return Json{{"pixels", pixels.pixels},
                 {"missed", pixels.missed},
                 {"false_hits", pixels.false_hits},
+                {"shown", pixels.shown},
                 {"beyond_bound", pixels.beyond_bound},
                 {"kept_by_99", pixels.kept_by_99},
                 {"largest_error", pixels.largest},

@@ -13,12 +13,15 @@ namespace rhoray::tools {
 struct SelfCheckOptions {
   std::uint64_t pixels = 0;  ///< of each kind; 0: no check
   std::uint64_t seed = 1;
-  std::optional<double> max_error;  ///< limit for 99 % of the pixels, instead of what the method promises
+  std::optional<double> limit;  ///< for 99 % of the pixels, beside what is proven and instead of other promises: cells;
+                                ///< of largest values a share of the field's range
 };
 
 /// What exact arithmetic found of some pixels of a picture.
 struct CheckedPixels {
   std::uint64_t pixels = 0, missed = 0, false_hits = 0;
+  std::uint64_t shown = 0;         ///< of these: that show something, or should
+  std::uint64_t beyond_limit = 0;  ///< of those: missed, false, or off by more than the limit for 99 % of them
   std::uint64_t beyond_bound = 0;  ///< off by more than the picture says it may be, where it says so
   double kept_by_99 = 0;           ///< as in results.csv: cells; of largest values in the field's unit
   double largest = 0;              ///< of pixels that are neither missed nor false
@@ -32,6 +35,8 @@ struct SelfCheck {
   std::string limit{};   ///< what was promised, a sentence; empty where the method promises nothing
   std::string broken{};  ///< which of it does not hold; empty where all does
 };
+
+void check(const SelfCheckOptions& options);  ///< refuses a limit that is not above 0 (Trouble::usage)
 
 /// The channels that a check looks at.
 render::ChannelSet channels_to_check(const ScenePlan& plan);

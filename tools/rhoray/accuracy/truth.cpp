@@ -56,6 +56,67 @@ void answer_largest(const Asking& asking, std::span<const Ray> rays, std::span<H
   end_if_asked(asking.stop);
 }
 
+std::vector<Hit> answers_of_whole(const Asking& asking, std::span<const Ray> rays) {
+  std::vector<Hit> hits(rays.size());
+  if (asking.mode == render::Mode::mip)
+    answer_largest(asking, rays, hits);
+  else
+    answer_crossings(asking, rays, hits);
+  return hits;
+}
+
+/// The t at which a ray in world axes lies in a clip region's half spaces; `from` above `to` where nowhere.
+Interval<double> span_in(const std::vector<render::HalfSpace>& halves, const Ray& ray) {
+  Interval<double> span{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  for (const render::HalfSpace& half : halves) {
+    const double slope = half.normal.dot(ray.direction), height = half.normal.dot(half.point - ray.origin);
+    if (slope > 0)
+      span.lo = std::max(span.lo, height / slope);
+    else if (slope < 0)
+      span.hi = std::min(span.hi, height / slope);
+    else if (height > 0)
+      span.hi = -std::numeric_limits<double>::infinity();
+  }
+  return span;
+}
+
+/// Rays that end where the clip region ends them: the first part of what is left of each, and, where it cuts away, the
+/// second one after what is cut away. Parts of which nothing is left are not asked.
+std::vector<Hit> clipped_answers(const Asking& asking, std::span<const Ray> rays) {
+  const std::vector<render::HalfSpace> halves = render::half_spaces_of(*asking.clip);
+  const Affine& world_from_rays = render::world_from_ray_frame(asking.volume);
+  std::vector<Hit> hits(rays.size());
+  for (const int part : {0, 1}) {
+    if (part == 1 && !asking.clip->cuts_away) break;
+    std::vector<std::size_t> asked;
+    std::vector<Ray> parts;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      Ray ray = rays[i];
+      const Ray in_world{world_from_rays.point(ray.origin), world_from_rays.vector(ray.direction)};
+      const Interval<double> span = span_in(halves, in_world);
+      const bool passes_by = !(span.lo <= span.hi);
+      if (!asking.clip->cuts_away) {
+        ray.t_min = std::max(ray.t_min, span.lo);
+        ray.t_max = std::min(ray.t_max, span.hi);
+      } else if (part == 0 && !passes_by) {
+        ray.t_max = std::min(ray.t_max, span.lo);
+      } else if (part == 1) {
+        ray.t_min = passes_by ? std::numeric_limits<double>::infinity() : std::max(ray.t_min, span.hi);
+      }
+      const bool is_decided = part == 1 && asking.mode != render::Mode::mip && !hits[i].is_miss();
+      if (is_decided || !(ray.t_min < ray.t_max)) continue;
+      asked.push_back(i);
+      parts.push_back(ray);
+    }
+    const std::vector<Hit> found = answers_of_whole(asking, parts);
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      Hit& hit = hits[asked[i]];
+      if (hit.is_miss() || (!found[i].is_miss() && found[i].value > hit.value)) hit = found[i];
+    }
+  }
+  return hits;
+}
+
 /// All pixels in random order. The generator's numbers are the standard's, so a seed is the same order everywhere.
 std::vector<std::uint32_t> shuffled_pixels(std::uint64_t count, std::uint64_t seed) {
   RHORAY_CHECK(count <= std::numeric_limits<std::uint32_t>::max());
@@ -68,13 +129,13 @@ std::vector<std::uint32_t> shuffled_pixels(std::uint64_t count, std::uint64_t se
 
 }  // namespace
 
+const render::Clip* clip_of(const render::Scene& scene, const render::Layer& layer) {
+  return scene.clip && layer.clipped ? &*scene.clip : nullptr;
+}
+
 std::vector<Hit> answers(const Asking& asking, std::span<const Ray> rays) {
-  std::vector<Hit> hits(rays.size());
-  if (asking.mode == render::Mode::mip)
-    answer_largest(asking, rays, hits);
-  else
-    answer_crossings(asking, rays, hits);
-  return hits;
+  if (asking.clip != nullptr) return clipped_answers(asking, rays);
+  return answers_of_whole(asking, rays);
 }
 
 std::vector<Ray> rays_of(const render::Volume& volume, const render::Camera& camera, const PictureSize& size,
@@ -96,16 +157,18 @@ Truth find_truth(const TruthWish& wish) {
   Truth truth{.size = wish.size};
   std::vector<std::uint32_t> order = shuffled_pixels(truth.pixel_count(), wish.seed);
   order.resize(std::min<std::size_t>(order.size(), wish.most_pixels));
+  const render::Layer& layer = wish.scene.layers[0];
   const Asking asking{.volume = wish.volume,
-                      .mode = wish.layer.mode,
-                      .isovalue = wish.layer.isovalue,
+                      .mode = layer.mode,
+                      .isovalue = layer.isovalue,
                       .method = render::method_of(render::Accuracy::exact),
+                      .clip = clip_of(wish.scene, layer),
                       .threads = wish.threads,
                       .stop = wish.stop};
   const Stopwatch watch;
   CpuMeter meter;
   std::vector<Hit> hits;  // in that order
-  const std::vector<Ray> rays = rays_of(wish.volume, wish.camera, wish.size, order);
+  const std::vector<Ray> rays = rays_of(wish.volume, wish.scene.camera, wish.size, order);
   const bool is_ordered = order.size() == truth.pixel_count();  // rays_of then gives all in the picture's order
   std::size_t done = 0;
   std::vector<Ray> some;

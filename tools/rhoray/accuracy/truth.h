@@ -19,9 +19,13 @@ struct Asking {
   render::Mode mode = render::Mode::isosurface;
   double isovalue = 0;
   render::Method method{};
-  unsigned threads = 0;  ///< 0 = all cores
+  const render::Clip* clip = nullptr;  ///< what the scene leaves of the volume; null: all
+  unsigned threads = 0;                ///< 0 = all cores
   std::stop_token stop{};
 };
+
+/// What a scene leaves of a layer; null: all.
+const render::Clip* clip_of(const render::Scene& scene, const render::Layer& layer);
 
 /// What a method says of rays in the volume's frame. An interrupt ends it (Trouble::interrupted).
 std::vector<render::Hit> answers(const Asking& asking, std::span<const render::Ray> rays);
@@ -48,8 +52,7 @@ struct Truth {
 
 struct TruthWish {
   const render::Volume& volume;
-  const render::Layer& layer;
-  const render::Camera& camera;
+  const render::Scene& scene;  ///< of one layer
   const FieldTruth& field;
   PictureSize size;
   std::uint64_t seed = 1;

@@ -4,13 +4,14 @@
 
 #include "formats/base/text.h"
 #include "tools/rhoray/method_words.h"
+#include "tools/rhoray/scene/wishes.h"
 
 namespace rhoray::tools {
 
 namespace {
 
 /// What a row applies to.
-enum Applies : unsigned { grids = 1, meshes = 2, surfaces = 4, projections = 8 };
+enum Applies : unsigned { grids = 1, meshes = 2, surfaces = 4, projections = 8, all_of_them = 15 };
 
 /// A method on the data as they are.
 struct MethodRow {
@@ -62,20 +63,58 @@ struct DataRow {
   bool has_picture = false;
 };
 
-constexpr DataRow data_rows[] = {{group_bits, {DataForm::Kind::quantized, 8}, grids | surfaces | projections, true},
-                                 {group_bits, {DataForm::Kind::quantized, 16}, grids | surfaces | projections},
+constexpr DataRow data_rows[] = {{group_bits, {DataForm::Kind::quantized, 8}, all_of_them, true},
+                                 {group_bits, {DataForm::Kind::quantized, 16}, all_of_them},
                                  {group_grids, {DataForm::Kind::resampled, 32}, meshes | surfaces | projections},
                                  {group_grids, {DataForm::Kind::resampled, 64}, meshes | surfaces | projections, true},
                                  {group_grids, {DataForm::Kind::resampled, 128}, meshes | surfaces | projections},
                                  {group_grids, {DataForm::Kind::resampled, 256}, meshes | surfaces | projections},
+                                 {group_vdb, {DataForm::Kind::resampled_vdb, 32}, meshes | surfaces | projections},
                                  {group_vdb, {DataForm::Kind::resampled_vdb, 64}, meshes | surfaces | projections},
-                                 {group_vdb, {DataForm::Kind::resampled_vdb, 128}, meshes | surfaces | projections}};
+                                 {group_vdb, {DataForm::Kind::resampled_vdb, 128}, meshes | surfaces | projections},
+                                 {group_vdb, {DataForm::Kind::resampled_vdb, 256}, meshes | surfaces | projections}};
 
-constexpr int occlusion_counts[] = {1, 4, 16, 64, 256};
+/// An effect, by how many samples it is drawn.
+struct EffectRow {
+  const char* group;
+  SampledEffect effect;
+  std::vector<int> counts;
+  int most;  ///< what these are compared with
+  const char *one, *several;
+};
+
+const std::vector<EffectRow>& effect_rows() {
+  static const std::vector<EffectRow> rows{
+      {group_occlusion, SampledEffect::occlusion, {1, 4, 16, 64, 256}, 1024, "ray a hit", "rays a hit"},
+      {group_shadows, SampledEffect::soft_shadows, {1, 4, 16, 64, 256}, 1024, "ray to a light", "rays to a light"},
+      {group_edges,
+       SampledEffect::edges,
+       {1, 2, 4, 8, 16},
+       limits::pixel_samples.hi,
+       "sample a pixel",
+       "samples a pixel"}};
+  return rows;
+}
+
 constexpr int shrinks[] = {2, 4};
 
 bool applies(unsigned row, bool is_mesh, bool is_projection) {
   return (row & (is_mesh ? meshes : grids)) != 0 && (row & (is_projection ? projections : surfaces)) != 0;
+}
+
+bool calls_for(SampledEffect effect, const render::Scene& scene, int antialiasing) {
+  const bool is_surface = scene.layers[0].mode == render::Mode::isosurface;
+  switch (effect) {
+    case SampledEffect::occlusion:
+      return is_surface && scene.occlusion.radius > 0;
+    case SampledEffect::soft_shadows:
+      return is_surface && std::any_of(scene.lights.begin(), scene.lights.end(), is_soft);
+    case SampledEffect::edges:
+      return antialiasing > 1;
+    case SampledEffect::none:
+      break;
+  }
+  return false;
 }
 
 render::Method method_of_row(const MethodRow& row, render::Mode mode, bool is_mesh) {
@@ -99,7 +138,17 @@ std::string text_of(const DataForm& form) {
   return "original";
 }
 
-std::vector<Variant> variants_of(const render::Scene& scene, const render::Volume& volume) {
+int most_samples(SampledEffect effect) {
+  for (const EffectRow& row : effect_rows())
+    if (row.effect == effect) return row.most;
+  return 0;
+}
+
+bool is_soft(const render::Light& light) {
+  return light.casts_shadows && light.size > 0;
+}
+
+std::vector<Variant> variants_of(const render::Scene& scene, const render::Volume& volume, int antialiasing) {
   const render::Layer& layer = scene.layers[0];
   const bool is_mesh = volume.is_mesh(), is_projection = layer.mode == render::Mode::mip;
   std::vector<Variant> all;
@@ -112,13 +161,24 @@ std::vector<Variant> variants_of(const render::Scene& scene, const render::Volum
   for (const DataRow& row : data_rows)
     if (applies(row.applies, is_mesh, is_projection))
       all.push_back({.group = row.group, .name = text_of(row.form), .data = row.form, .has_picture = row.has_picture});
-  if (is_mesh && !is_projection && layer.surface.normals != render::Normals::smooth)
-    all.push_back({.group = group_normals, .name = "smooth normals", .normals = render::Normals::smooth});
-  if (scene.occlusion.radius > 0 && !is_projection)
-    for (const int count : occlusion_counts)
-      all.push_back({.group = group_occlusion, .name = concat(count, " rays a hit"), .occlusion_samples = count});
+  if (is_mesh && !is_projection) {
+    const bool is_smooth = layer.surface.normals == render::Normals::smooth;
+    all.push_back({.group = group_normals,
+                   .name = is_smooth ? "flat normals" : "smooth normals",
+                   .normals = is_smooth ? render::Normals::exact : render::Normals::smooth,
+                   .has_picture = true});
+  }
+  for (const EffectRow& row : effect_rows())
+    if (calls_for(row.effect, scene, antialiasing))
+      for (const int count : row.counts)
+        all.push_back({.group = row.group,
+                       .name = concat(count, " ", count == 1 ? row.one : row.several),
+                       .effect = row.effect,
+                       .samples = count,
+                       .has_picture = count == row.counts.front()});
   for (const int shrink : shrinks)
-    all.push_back({.group = group_size, .name = concat("1/", shrink, " of the size"), .shrink = shrink});
+    all.push_back(
+        {.group = group_size, .name = concat("1/", shrink, " of the size"), .shrink = shrink, .has_picture = true});
   return all;
 }
 

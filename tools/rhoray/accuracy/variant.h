@@ -13,7 +13,7 @@ namespace rhoray::tools {
 struct DataForm {
   enum class Kind {
     original,
-    quantized,     ///< of a grid: whole numbers of `size` bits, evenly over the field's range
+    quantized,     ///< values rounded to 2^`size` steps, evenly over the field's range; of a grid whole numbers
     resampled,     ///< of a mesh: a grid of `size` samples on the longest axis
     resampled_vdb  ///< the same as OpenVDB
   };
@@ -24,6 +24,14 @@ struct DataForm {
 };
 std::string text_of(const DataForm& form);  ///< "original", "8 bits", "grid 128", "OpenVDB 128"
 
+/// What is found out by a number of samples.
+enum class SampledEffect {
+  none,
+  occlusion,     ///< rays of a hit into its surroundings
+  soft_shadows,  ///< rays of a hit towards a light that has a size
+  edges          ///< rays through a pixel at an edge (antialiasing)
+};
+
 /// One way to draw the same picture: a row of the results.
 struct Variant {
   std::string group{};                     ///< variants that are one curve, or one question
@@ -31,11 +39,13 @@ struct Variant {
   std::optional<render::Method> method{};  ///< nothing: the default of the data that it is drawn from
   DataForm data{};
   std::optional<render::Normals> normals{};  ///< instead of the layer's
-  int occlusion_samples = 0;                 ///< instead of the scene's; 0: the scene's
-  int shrink = 1;                            ///< so many times fewer pixels on a side, enlarged to the picture
-  bool has_picture = false;                  ///< is shown in the report
+  SampledEffect effect = SampledEffect::none;
+  int samples = 0;           ///< of that effect, instead of the scene's
+  int shrink = 1;            ///< so many times fewer pixels on a side, enlarged to the picture
+  bool has_picture = false;  ///< is shown in the report
 
-  bool asks_rays() const { return shrink == 1 && occlusion_samples == 0 && !normals; }  ///< can differ in where it hits
+  /// Can differ in where it hits.
+  bool asks_rays() const { return shrink == 1 && effect == SampledEffect::none && !normals; }
 };
 
 // Names of groups that reports look for.
@@ -49,12 +59,18 @@ inline constexpr const char* group_grids = "resampled to a grid";
 inline constexpr const char* group_vdb = "resampled to OpenVDB";
 inline constexpr const char* group_normals = "normals";
 inline constexpr const char* group_occlusion = "occlusion samples";
+inline constexpr const char* group_shadows = "soft shadow samples";
+inline constexpr const char* group_edges = "samples at edges";
 inline constexpr const char* group_size = "picture size";
 
-/// How many rays a hit the picture is drawn with that occlusion_samples are compared with.
-inline constexpr int most_occlusion_samples = 1024;
+/// How many samples the picture is drawn with that others of an effect are compared with.
+int most_samples(SampledEffect effect);
+
+/// True of a light whose shadows have soft edges.
+bool is_soft(const render::Light& light);
 
 /// Every variant that applies to a scene of one layer; the first are the levels. Adding a method is a row of a table.
-std::vector<Variant> variants_of(const render::Scene& scene, const render::Volume& volume);
+/// @param antialiasing  as in render::FrameOptions
+std::vector<Variant> variants_of(const render::Scene& scene, const render::Volume& volume, int antialiasing);
 
 }  // namespace rhoray::tools
