@@ -25,6 +25,8 @@ struct FrameOptions {
   bool use_hierarchy = true;  ///< false walks every leaf cell on every ray by scalar kernels: the same in double
   bool use_last_t =
       true;  ///< MIP: prune with the value at the last ray's t (paper, section 4.3); the picture is the same
+  bool one_pass = true;  ///< clear surfaces by one walk along each ray, where kernels have it; false asks again behind
+                         ///< each crossing, which is the reference
   bool time_phases = false;  ///< fills FrameStatistics::Phases; costs a few per cent of time
 };
 
@@ -39,7 +41,8 @@ struct FrameStatistics {
   std::uint64_t rays_ruled_out = 0;  ///< of these: known to meet nothing by where it can be met, and not traced
   std::uint64_t rays_clipped = 0;    ///< traced ones that a clip region shortens; 0 where it takes nothing of any layer
   std::uint64_t rays_clipped_away = 0;  ///< of these: nothing is left of them
-  std::uint64_t rays_through = 0;       ///< asked again behind a surface that is not opaque
+  std::uint64_t clear_crossings = 0;    ///< of surfaces that are not opaque, of which light is shown
+  std::uint64_t rays_through = 0;       ///< of these: behind which the ray goes on
   std::uint64_t shadow_rays = 0;        ///< from hits to lights that may be blocked
   std::uint64_t occlusion_rays = 0;     ///< from hits into their surroundings
   std::uint64_t slice_lookups = 0;      ///< places of which slices asked for the field's value

@@ -3,6 +3,8 @@
 #include <limits>
 
 #include "render/frame/lighting.h"
+#include "render/frame/peeling.h"
+#include "render/frame/shells.h"
 #include "render/frame/tracing.h"
 #include "render/march/ticks.h"
 
@@ -89,7 +91,10 @@ void shade_layers(const Frame& frame, Worker& worker) {
     }
     if (has_clear) {
       begin_front(count, worker.front);
-      peel_clear_layers(frame, worker);
+      if (frame.shells.empty())
+        peel_clear_layers(frame, worker);
+      else
+        show_shells(frame, worker);
       put_in_front(worker.front, count, worker.colors);
     }
     for (std::size_t l = 0; l < frame.layers.size(); ++l)

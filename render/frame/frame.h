@@ -14,6 +14,7 @@
 #include "render/frame/tiles.h"
 #include "render/frame/worker.h"
 #include "render/kernels/kernels.h"
+#include "render/kernels/ordered_crossings.h"
 #include "render/kernels/wide/facet_blockers.h"
 #include "render/render.h"
 #include "render/volumes/volume.h"
@@ -46,10 +47,18 @@ struct FrameLayer {
   wide::BlockerKernel kernel_of_blockers = nullptr;
 };
 
+/// Clear surfaces of one volume whose crossings are found by one walk along each ray.
+struct ShellGroup {
+  CrossingsKernel kernel;
+  std::vector<std::uint8_t> layers;  ///< by their place in the frame
+  std::vector<CrossedSurface> surfaces;
+};
+
 /// What was chosen once for the frame; nothing here changes while tiles are traced.
 struct Frame {
   /// Opaque ones first, then clear ones, then veils, slices before others; else as the scene has them.
   std::vector<FrameLayer> layers;
+  std::vector<ShellGroup> shells{};  ///< of all clear layers; none: these are asked about crossing by crossing
   CameraRays camera_rays;
   std::optional<ClipRegion> clip;  ///< of the layers that it takes something away of
   Vec3 background;

@@ -114,6 +114,27 @@ RHORAY_INLINE void shade_clear_inline(const Look& look, LayerWork& work, const L
       });
 }
 
+/// Light of up to 512 becomes a multiple of 2^-42, of which sums up to 2048 are exact in whatever order.
+RHORAY_INLINE void add_exactly(const Lanes& color, const Lanes& share, double* out) {
+  constexpr double unit = 1536;  // numbers from 1024 to 2048 are such multiples
+  for (std::size_t i = 0; i < group_size; ++i) {
+    const double light = share[i] > 0 ? static_cast<double>(share[i]) * static_cast<double>(color[i]) : 0.0;
+    out[i] += light + unit - unit;
+  }
+}
+
+RHORAY_INLINE void add_clear_inline(const Look& look, LayerWork& work, const float* shares,
+                                    const ReceivedLight& received, WorkerCounts& counts, LightSums& light) {
+  for_each_shown_group(
+      look, work, received, [&](std::size_t r) { return shares[r] > 0; }, counts,
+      [&](std::size_t first, Lanes share, const Colors& shaded) {
+        for (std::size_t i = 0; i < group_size; ++i) share[i] = shares[first + i];
+        add_exactly(shaded.red, share, light.red.data() + first);
+        add_exactly(shaded.green, share, light.green.data() + first);
+        add_exactly(shaded.blue, share, light.blue.data() + first);
+      });
+}
+
 RHORAY_INLINE void lay_veil_inline(const Look& look, LayerWork& work, const ReceivedLight& received,
                                    WorkerCounts& counts, TileColors& colors) {
   double* t = work.hits.t.data();
@@ -229,6 +250,19 @@ void begin_front(std::size_t count, TileColors& front) {
 void shade_clear(const Look& look, LayerWork& work, const LayerOfRays& next, std::uint8_t layer,
                  const ReceivedLight& received, WorkerCounts& counts, TileColors& front) {
   compiled_for<shade_clear_inline>(look.machine)(look, work, next, layer, received, counts, front);
+}
+
+void add_clear(const Look& look, LayerWork& work, const float* shares, const ReceivedLight& received,
+               WorkerCounts& counts, LightSums& light) {
+  compiled_for<add_clear_inline>(look.machine)(look, work, shares, received, counts, light);
+}
+
+void put_into_front(const LightSums& light, std::size_t count, TileColors& front) {
+  for (std::size_t r = 0; r < count; ++r) {
+    front.red[r] = static_cast<float>(light.red[r]);
+    front.green[r] = static_cast<float>(light.green[r]);
+    front.blue[r] = static_cast<float>(light.blue[r]);
+  }
 }
 
 void put_in_front(const TileColors& front, std::size_t count, TileColors& colors) {

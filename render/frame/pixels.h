@@ -45,6 +45,12 @@ void begin_front(std::size_t count, TileColors& front);
 /// Adds the hits that `next` names, behind what has been added.
 void shade_clear(const Look& look, LayerWork& work, const LayerOfRays& next, std::uint8_t layer,
                  const ReceivedLight& received, WorkerCounts& counts, TileColors& front);
+/// Adds light of hits, each by its share, in any order.
+/// @param shares  of the tile's rays; 0: not shown
+void add_clear(const Look& look, LayerWork& work, const float* shares, const ReceivedLight& received,
+               WorkerCounts& counts, LightSums& light);
+/// The light that was added, as the light of `front`.
+void put_into_front(const LightSums& light, std::size_t count, TileColors& front);
 void put_in_front(const TileColors& front, std::size_t count, TileColors& colors);
 
 /// Largest values as white light over what is there, which shows through as far as the grey of a projection by itself

@@ -12,6 +12,7 @@
 #include "formats/base/trouble.h"
 #include "render/frame/antialiasing.h"
 #include "render/frame/frame.h"
+#include "render/frame/shells.h"
 #include "render/march/ticks.h"
 
 namespace rhoray::render {
@@ -358,6 +359,7 @@ FrameStatistics statistics_of(const FrameMemory::Implementation& memory, const S
     statistics.rays_ruled_out += counts.rays_ruled_out;
     statistics.rays_clipped += counts.rays_clipped;
     statistics.rays_clipped_away += counts.rays_clipped_away;
+    statistics.clear_crossings += counts.clear_crossings;
     statistics.rays_through += counts.rays_through;
     statistics.shadow_rays += counts.shadow_rays;
     statistics.occlusion_rays += counts.occlusion_rays;
@@ -454,6 +456,7 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
     if (!layer.clipped) prepare_blockers(layer, options);
     prepares |= layer.prepare != nullptr || layer.look.lookup;
   }
+  choose_shells(options, frame);
   const double preparation_s = prepares ? seconds_since(preparation_start) : 0;
   const std::vector<Pass> passes = passes_of(frame, options, refinement.first_spacing);
   std::optional<EdgeSamples> edges;

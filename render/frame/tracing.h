@@ -9,8 +9,9 @@ namespace rhoray::render {
 /// surface is the nearest: nothing is asked about behind it.
 void trace_layers(const Frame& frame, const LatticeRays& rays, const Tile& tile, Worker& worker);
 
-/// Light of the clear surfaces before the nearest opaque one, in their order along each ray, into Worker::front. A ray
-/// ends where less than 1 part in 1024 of the light behind would be seen.
-void peel_clear_layers(const Frame& frame, Worker& worker);
+/// Asks about the parts of rays behind what the clip region cuts away, WorldRays::cut.
+/// @param ends  of all rays of the tile; null: they do not end
+void ask_behind_cut(const FrameLayer& layer, Kernel kernel, const Question& question, const double* ends,
+                    Worker& worker, LayerWork& work);
 
 }  // namespace rhoray::render

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "render/frame/clip_region.h"
 #include "render/frame/tiles.h"
 #include "render/kernels/kernels.h"
+#include "render/kernels/ordered_crossings.h"
 
 namespace rhoray::render {
 
@@ -58,6 +60,17 @@ struct WorldRays {
   WorldRays() { cut.reserve(tile_capacity); }
 };
 
+/// What a tile's rays meet of one layer of a ShellGroup.
+struct ShellWork {
+  CrossingList crossings;
+  /// Of the k-th crossings the share of light that is theirs; 0: not shown.
+  std::array<LaneArray<float>, CrossingList::most> share;
+
+  ShellWork() : crossings(tile_capacity) {
+    for (auto& shares : share) shares = LaneArray<float>(tile_capacity);
+  }
+};
+
 /// What frames ask for beside rays of the camera.
 struct WorkerNeeds {
   std::size_t layer_count = 1, queue_entries = 0;
@@ -65,11 +78,40 @@ struct WorkerNeeds {
   bool occlusion = false;
   bool spread_directions = false;  ///< of the pixels: occlusion, or lights that are not points
   bool world_rays = false;
+  std::vector<std::uint8_t> shell_layers{};  ///< those crossed in one pass
+  std::size_t shell_groups = 0;
+};
+
+/// Light that is added up in an order of its own.
+struct LightSums {
+  explicit LightSums(std::size_t capacity) : red(capacity), green(capacity), blue(capacity) {}
+
+  LaneArray<double> red, green, blue;
+};
+
+/// Crossings of clear surfaces as one walk along each ray finds them.
+struct ShellsWork {
+  /// @param of_layers  whose hits are the first crossings
+  void begin_frame(std::vector<LayerWork>& of_layers, const WorkerNeeds& needs) {
+    if (layers.size() < of_layers.size()) layers.resize(of_layers.size());
+    for (const std::uint8_t l : needs.shell_layers) {
+      if (!layers[l]) layers[l] = std::make_unique<ShellWork>();
+      layers[l]->crossings.put_first_into(of_layers[l].hits);
+    }
+    if (memory.size() < needs.shell_groups) memory.resize(needs.shell_groups);
+    while (complete.size() < needs.shell_groups) complete.emplace_back(tile_capacity);
+  }
+
+  std::vector<std::unique_ptr<ShellWork>> layers;  ///< by layer; none of others than in groups
+  std::vector<CrossingsMemory> memory;             ///< by group
+  std::vector<LaneArray<std::uint8_t>> complete;   ///< by group
+  LaneArray<std::uint8_t> goes_on{tile_capacity};  ///< rays to be asked about behind what is noted
+  LightSums light{tile_capacity};                  ///< of what is shown
 };
 
 /// What a thread has traced and shaded.
 struct WorkerCounts {
-  std::uint64_t rays = 0, rays_ruled_out = 0, rays_through = 0, hits = 0;
+  std::uint64_t rays = 0, rays_ruled_out = 0, clear_crossings = 0, rays_through = 0, hits = 0;
   std::uint64_t shadow_rays = 0, occlusion_rays = 0;
   std::uint64_t rays_clipped = 0, rays_clipped_away = 0;
   std::uint64_t slice_places = 0;
@@ -98,6 +140,7 @@ struct alignas(128) Worker {
   ReceivedLight received;
   std::vector<SpreadDirections> pixels;  ///< of the tile's rays
   std::unique_ptr<WorldRays> world;      ///< where layers are clipped
+  ShellsWork shells;                     ///< where clear surfaces are crossed in one pass
   WorkerCounts counts;
 
   Worker() {
@@ -127,6 +170,7 @@ struct alignas(128) Worker {
       if (!world) world = std::make_unique<WorldRays>();
       world->begun_by = nullptr;
     }
+    shells.begin_frame(layers, needs);
     counts = {};
   }
 };

@@ -56,6 +56,9 @@ TEST(BenchEffects, switches_each_effect_on_alone_and_counts_what_it_asks_for) {
   only("colour by a field", "colors_looked_up");
   only("fog", "none");
   only("clear surfaces", "rays_through");
+  EXPECT_GE(rows.at("clear surfaces")["clear_per_hit"], 1.0);
+  EXPECT_GE(rows.at("two clear shells")["clear_crossings"], rows.at("two clear shells")["rays_through"]);
+  EXPECT_EQ(rows.at("one opaque shell")["clear_crossings"], 0);
   EXPECT_EQ(rows.at("hard shadows")["over"], "one light beside the eye");
   EXPECT_EQ(rows.at("two clear shells")["over"], "one opaque shell");
   EXPECT_NE(rows.at("fog")["picture"], plain["picture"]);

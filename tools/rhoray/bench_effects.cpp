@@ -330,6 +330,9 @@ Table effects_table(const std::vector<Measured>& rows, const Json& context) {
     row["hits"] = counts.hits;
     row["shadow_rays"] = counts.shadow_rays;
     row["occlusion_rays"] = counts.occlusion_rays;
+    row["clear_crossings"] = counts.clear_crossings;
+    row["clear_per_hit"] =
+        counts.hits > 0 ? static_cast<double>(counts.clear_crossings) / static_cast<double>(counts.hits) : 0;
     row["rays_through"] = counts.rays_through;
     row["highlights"] = counts.highlights_shaded;
     row["normals_smoothed"] = counts.normals_smoothed;

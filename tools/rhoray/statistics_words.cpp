@@ -13,6 +13,7 @@ Json statistics_json(const render::FrameStatistics& statistics) {
           {"rays_ruled_out", statistics.rays_ruled_out},
           {"rays_clipped", statistics.rays_clipped},
           {"rays_clipped_away", statistics.rays_clipped_away},
+          {"clear_crossings", statistics.clear_crossings},
           {"rays_through", statistics.rays_through},
           {"shadow_rays", statistics.shadow_rays},
           {"occlusion_rays", statistics.occlusion_rays},
@@ -51,13 +52,14 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
   };
   return count("rays", statistics.rays) + count("ruled out", statistics.rays_ruled_out) +
          count("clipped", statistics.rays_clipped) + count("clipped away", statistics.rays_clipped_away) +
-         count("through surfaces", statistics.rays_through) + count("shadow rays", statistics.shadow_rays) +
-         count("occlusion rays", statistics.occlusion_rays) + count("slice lookups", statistics.slice_lookups) +
-         count("pixels at edges", statistics.edge_pixels) + count("samples at edges", statistics.edge_samples) +
-         count("hits", statistics.hits) + count("macrocells visited", statistics.macrocells_visited) +
-         count("cells visited", statistics.cells_visited) + count("cells solved", statistics.cells_solved) +
-         count("samples taken", statistics.samples_taken) + count("rays redone in double", statistics.rays_redone) +
-         count("rays judged exactly", statistics.rays_judged) + count("touches", statistics.touches) +
+         count("clear crossings", statistics.clear_crossings) + count("through surfaces", statistics.rays_through) +
+         count("shadow rays", statistics.shadow_rays) + count("occlusion rays", statistics.occlusion_rays) +
+         count("slice lookups", statistics.slice_lookups) + count("pixels at edges", statistics.edge_pixels) +
+         count("samples at edges", statistics.edge_samples) + count("hits", statistics.hits) +
+         count("macrocells visited", statistics.macrocells_visited) + count("cells visited", statistics.cells_visited) +
+         count("cells solved", statistics.cells_solved) + count("samples taken", statistics.samples_taken) +
+         count("rays redone in double", statistics.rays_redone) + count("rays judged exactly", statistics.rays_judged) +
+         count("touches", statistics.touches) +
          (std::isnan(statistics.largest_error)
               ? std::string()
               : concat("  largest error         ", rounded(statistics.largest_error), "\n")) +

@@ -38,8 +38,10 @@ struct Lanes {
 /// A cell that each ray may pass next.
 struct NextCell {
   MaskF exists;
-  VecF cell[3];          ///< 0 to 3
-  VecF near[3], far[3];  ///< how far on its way its planes are
+  VecI bit;                  ///< its own, in its word
+  hn::Mask<Ints> in_second;  ///< whether that is the second one
+  VecF cell[3];              ///< 0 to 3
+  VecF near[3], far[3];      ///< how far on its way its planes are
   VecF way_in, way_out;
 };
 
@@ -133,27 +135,23 @@ HWY_INLINE VecF find_cells(Lanes& lanes) {
   return hn::Add(cells, hn::Set(floats, 1.0f));
 }
 
-/// The first of the cells left of which something is to be seen: active ones, and those of the other side than the
-/// ray's, so that a change that rounding hides at an edge between cells is met there. It is no longer left.
-HWY_INLINE NextCell take_next_cell(Lanes& lanes) {
+/// Takes the first of some of the cells left: neither it nor any before it is left.
+/// @param looks  which cells, in two words
+HWY_INLINE NextCell take_first_of(Lanes& lanes, const VecI* looks) {
   const VecI one = hn::Set(ints, 1), zero = hn::Zero(ints);
-  const VecI side = hn::VecFromMask(ints, hn::RebindMask(ints, lanes.inside));
-  const VecI has_side = hn::VecFromMask(ints, hn::RebindMask(ints, lanes.has_side));
-  VecI looks[2];
-  for (int w = 0; w < 2; ++w)
-    looks[w] = hn::And(lanes.left[w], hn::Or(lanes.active[w], hn::And(hn::Xor(lanes.inside_out[w], side), has_side)));
-  const auto in_second = hn::Eq(looks[0], zero);
-  const VecI word = hn::IfThenElse(in_second, looks[1], looks[0]);
-  const VecI lowest = hn::And(word, hn::Neg(word));
   NextCell next;
+  next.in_second = hn::Eq(looks[0], zero);
+  const VecI word = hn::IfThenElse(next.in_second, looks[1], looks[0]);
+  next.bit = hn::And(word, hn::Neg(word));
   next.exists = hn::RebindMask(floats, hn::Ne(word, zero));
-  const VecI rest = hn::Not(hn::Or(lowest, hn::Sub(lowest, one)));  // without it and all before
-  lanes.left[0] = hn::IfThenZeroElse(in_second, hn::And(lanes.left[0], rest));
-  lanes.left[1] = hn::IfThenElse(in_second, hn::And(lanes.left[1], rest), lanes.left[1]);
+  const VecI rest = hn::Not(hn::Or(next.bit, hn::Sub(next.bit, one)));  // without it and all before
+  lanes.left[0] = hn::IfThenZeroElse(next.in_second, hn::And(lanes.left[0], rest));
+  lanes.left[1] = hn::IfThenElse(next.in_second, hn::And(lanes.left[1], rest), lanes.left[1]);
 
-  const VecI power = hn::And(hn::ShiftRight<23>(hn::BitCast(ints, hn::ConvertTo(floats, lowest))), hn::Set(ints, 255));
+  const VecI power =
+      hn::And(hn::ShiftRight<23>(hn::BitCast(ints, hn::ConvertTo(floats, next.bit))), hn::Set(ints, 255));
   const VecI bit = hn::Sub(power, hn::Set(ints, 127)), three = hn::Set(ints, 3);
-  const VecI z = hn::Add(hn::ShiftRight<4>(bit), hn::IfThenElseZero(in_second, hn::Set(ints, 2)));
+  const VecI z = hn::Add(hn::ShiftRight<4>(bit), hn::IfThenElseZero(next.in_second, hn::Set(ints, 2)));
   next.cell[0] = hn::ConvertTo(floats, hn::And(bit, three));
   next.cell[1] = hn::ConvertTo(floats, hn::And(hn::ShiftRight<2>(bit), three));
   next.cell[2] = hn::ConvertTo(floats, hn::And(z, three));
@@ -165,6 +163,45 @@ HWY_INLINE NextCell take_next_cell(Lanes& lanes) {
     next.way_out = hn::Min(next.way_out, next.far[a]);
   }
   return next;
+}
+
+/// Of the cells left those of the words in which something is to be seen: active ones, and those of the other side than
+/// the ray's, so that a change that rounding hides at an edge between cells is met there.
+HWY_INLINE void find_looks(const Lanes& lanes, const VecI* active, const VecI* inside_out, MaskF inside, MaskF has_side,
+                           VecI* looks) {
+  const VecI side = hn::VecFromMask(ints, hn::RebindMask(ints, inside));
+  const VecI known = hn::VecFromMask(ints, hn::RebindMask(ints, has_side));
+  for (int w = 0; w < 2; ++w)
+    looks[w] = hn::And(lanes.left[w], hn::Or(active[w], hn::And(hn::Xor(inside_out[w], side), known)));
+}
+
+/// The first of the cells left in which something is to be seen.
+HWY_INLINE NextCell take_next_cell(Lanes& lanes) {
+  VecI looks[2];
+  find_looks(lanes, lanes.active, lanes.inside_out, lanes.inside, lanes.has_side, looks);
+  return take_first_of(lanes, looks);
+}
+
+/// Blocks that the lattice ends in.
+HWY_INLINE MaskF is_cut_off(const LatticeEnds& ends, const VecF* block_corner) {
+  MaskF cut_off = no_lane(floats);
+  for (int a = 0; a < 3; ++a) {
+    const VecF first = hn::Set(floats, static_cast<float>(ends.first[a]));
+    const VecF last = hn::Set(floats, static_cast<float>(ends.last[a] - 4));
+    cut_off = hn::Or(cut_off, hn::Or(hn::Lt(block_corner[a], first), hn::Gt(block_corner[a], last)));
+  }
+  return cut_off;
+}
+
+/// Cells that the lattice has: those found to be near a ray's way may lie beyond its ends.
+HWY_INLINE MaskF is_in_lattice(const LatticeEnds& ends, const NextCell& next, const VecF* block_corner) {
+  MaskF exists = hn::FirstN(floats, float_lanes);
+  for (int a = 0; a < 3; ++a) {
+    const VecF at = hn::Add(block_corner[a], next.cell[a]);
+    exists = hn::And(exists, hn::Ge(at, hn::Set(floats, static_cast<float>(ends.first[a]))));
+    exists = hn::And(exists, hn::Lt(at, hn::Set(floats, static_cast<float>(ends.last[a]))));
+  }
+  return exists;
 }
 
 /// The points, in the cell's coordinates, at which the rays enter and leave it: exact on the planes that they pass.

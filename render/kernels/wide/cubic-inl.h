@@ -92,8 +92,16 @@ HWY_INLINE VecI ones_in(MaskF mask) {
   return hn::IfThenElseZero(hn::RebindMask(ints, mask), hn::Set(ints, 1));
 }
 
-/// The first changes of side of cubics that start on the side `inside` (changes_of_side of cells/cubic.h).
-HWY_INLINE Changes first_changes(const CubicLanes& cubic, MaskF inside, MaskF asked) {
+/// Where cubics that start on a side may change it.
+struct Pieces {
+  MaskF once;     ///< they do so once, somewhere on [0, 1]
+  MaskF split;    ///< they may do so at 0 and on each of three pieces on which they are monotone
+  MaskF at_zero;  ///< of these: at 0
+  VecF ends[3];   ///< of the pieces; only where any lane is split. Those that are none have both ends at 1
+};
+
+/// @param inside  the sides on which they start
+HWY_INLINE Pieces pieces_of(const CubicLanes& cubic, MaskF inside, MaskF asked) {
   const VecF zero = hn::Zero(floats), one = hn::Set(floats, 1.0f);
   MaskF changed[4];
   for (int i = 0; i < 4; ++i) changed[i] = hn::And(asked, hn::Xor(is_inside(cubic.b[i]), inside));
@@ -105,10 +113,11 @@ HWY_INLINE Changes first_changes(const CubicLanes& cubic, MaskF inside, MaskF as
   largest = hn::Max(largest, hn::Max(hn::Abs(cubic.b[0]), hn::Abs(cubic.b[3])));
   const MaskF clear_ends = hn::Gt(least_end, hn::Mul(largest, hn::Set(floats, 0x1p-23f)));
   const MaskF one_sign = hn::AndNot(hn::Or(changed[0], hn::AndNot(changed[2], changed[1])), changed[3]);
-  const MaskF one_root = hn::And(clear_ends, one_sign);
-  Changes changes{one_root, zero, one, ones_in(one_root)};
-  const MaskF split = hn::AndNot(one_root, any);
-  if (hn::AllFalse(floats, split)) return changes;
+  Pieces pieces;
+  pieces.once = hn::And(clear_ends, one_sign);
+  pieces.split = hn::AndNot(pieces.once, any);
+  pieces.at_zero = hn::And(pieces.split, changed[0]);
+  if (hn::AllFalse(floats, pieces.split)) return pieces;
 
   // The critical points, without cancellation (critical_points of cells/cubic.h).
   VecF d0 = hn::Sub(cubic.b[1], cubic.b[0]), d1 = hn::Sub(cubic.b[2], cubic.b[1]), d2 = hn::Sub(cubic.b[3], cubic.b[2]);
@@ -121,26 +130,39 @@ HWY_INLINE Changes first_changes(const CubicLanes& cubic, MaskF inside, MaskF as
   VecF s0 = hn::Div(q, a), s1 = hn::Div(d0, q);
   const auto in_unit = [&](VecF s) HWY_ATTR { return hn::And(has_roots, hn::And(hn::Gt(s, zero), hn::Lt(s, one))); };
   s0 = hn::IfThenElse(in_unit(s0), s0, one), s1 = hn::IfThenElse(in_unit(s1), s1, one);
-  const VecF ends[3] = {hn::Min(s0, s1), hn::Max(s0, s1), one};
+  pieces.ends[0] = hn::Min(s0, s1), pieces.ends[1] = hn::Max(s0, s1), pieces.ends[2] = one;
+  return pieces;
+}
 
-  // From piece to piece; those that are none have both ends at 1, where the side cannot change again.
-  const MaskF at_zero = hn::And(split, changed[0]);
-  MaskF side = hn::Xor(inside, changed[0]);
-  changes.found = hn::Or(changes.found, at_zero);
-  changes.count = hn::Add(changes.count, ones_in(at_zero));
-  changes.high = hn::IfThenElse(at_zero, zero, changes.high);
+/// Calls change(lanes, low, high) for the pieces, one after another, on which cubics change side.
+/// @param inside  the sides on which they start
+template <class Change>
+HWY_INLINE void for_each_change(const CubicLanes& cubic, const Pieces& pieces, MaskF inside, const Change& change) {
+  const VecF zero = hn::Zero(floats), one = hn::Set(floats, 1.0f);
+  change(pieces.once, zero, one);
+  if (hn::AllFalse(floats, pieces.split)) return;
+  change(pieces.at_zero, zero, zero);
+  MaskF side = hn::Xor(inside, pieces.at_zero);
   VecF low = zero;
-  for (int i = 0; i < 3; ++i) {
-    const VecF value = hn::IfThenElse(hn::Eq(ends[i], one), cubic.b[3], cubic.at(ends[i]).value);
-    const MaskF changes_here = hn::And(split, hn::Xor(is_inside(value), side));
-    const MaskF first = hn::AndNot(changes.found, changes_here);
-    changes.low = hn::IfThenElse(first, low, changes.low);
-    changes.high = hn::IfThenElse(first, ends[i], changes.high);
-    changes.found = hn::Or(changes.found, changes_here);
-    changes.count = hn::Add(changes.count, ones_in(changes_here));
+  for (const VecF& end : pieces.ends) {
+    const VecF value = hn::IfThenElse(hn::Eq(end, one), cubic.b[3], cubic.at(end).value);
+    const MaskF changes_here = hn::And(pieces.split, hn::Xor(is_inside(value), side));
+    change(changes_here, low, end);
     side = hn::Xor(side, changes_here);
-    low = ends[i];
+    low = end;
   }
+}
+
+/// The first changes of side of cubics that start on the side `inside` (changes_of_side of cells/cubic.h).
+HWY_INLINE Changes first_changes(const CubicLanes& cubic, MaskF inside, MaskF asked) {
+  Changes changes{no_lane(floats), hn::Zero(floats), hn::Set(floats, 1.0f), hn::Zero(ints)};
+  for_each_change(cubic, pieces_of(cubic, inside, asked), inside, [&](MaskF lanes, VecF low, VecF high) HWY_ATTR {
+    const MaskF first = hn::AndNot(changes.found, lanes);
+    changes.low = hn::IfThenElse(first, low, changes.low);
+    changes.high = hn::IfThenElse(first, high, changes.high);
+    changes.found = hn::Or(changes.found, lanes);
+    changes.count = hn::Add(changes.count, ones_in(lanes));
+  });
   return changes;
 }
 

@@ -65,16 +65,14 @@ HWY_INLINE unsigned __int128 of_all_corners(unsigned __int128 samples) {
   return samples & samples >> 25;
 }
 
-/// @param has_gaps  samples may be NaN or infinite; the cells that they touch have no data
-HWY_INLINE void find_active_cells(const SampleSource& source, const int* block, bool has_gaps, BlockSamples& out) {
-  const unsigned __int128 inside = samples_that(out, [](VecF f) HWY_ATTR { return hn::Ge(f, hn::Zero(floats)); });
+/// Which cells have corners on both sides, and which lie inside, of samples of which the least that is inside is this.
+/// @param out  may be the samples themselves
+HWY_INLINE void find_active_cells(const SampleSource& source, const int* block, const BlockSamples& samples,
+                                  float least_inside, BlockSamples& out) {
+  const VecF least = hn::Set(floats, least_inside);
+  const unsigned __int128 inside = samples_that(samples, [=](VecF f) HWY_ATTR { return hn::Ge(f, least); });
   const unsigned __int128 active = ~of_all_corners(inside) & ~of_all_corners(~inside);
   out.present = existing_cells(source, block);
-  if (has_gaps) {
-    const VecF infinite = hn::Set(floats, std::numeric_limits<float>::infinity());
-    out.present &= cells_of_samples(
-        of_all_corners(samples_that(out, [=](VecF f) HWY_ATTR { return hn::Lt(hn::Abs(f), infinite); })));
-  }
   out.active = cells_of_samples(active) & out.present;
   out.inside = cells_of_samples(inside);
   out.range = std::numeric_limits<float>::quiet_NaN();
@@ -92,32 +90,67 @@ HWY_INLINE void find_range(const SampleSource& source, BlockSamples& samples) {
   samples.range = !source.has_gaps && range >= 0x1p-70f ? range : std::numeric_limits<float>::infinity();
 }
 
-/// @param block  place among the file's blocks, not mirrored
+/// Leaves cells out that touch samples that are NaN or infinite: they have no data.
+HWY_INLINE void leave_out_gaps(BlockSamples& samples) {
+  const VecF infinite = hn::Set(floats, std::numeric_limits<float>::infinity());
+  samples.present &= cells_of_samples(
+      of_all_corners(samples_that(samples, [=](VecF f) HWY_ATTR { return hn::Lt(hn::Abs(f), infinite); })));
+  samples.active &= samples.present;
+}
+
+/// Four samples side by side of a type that is exact in float.
 template <class T>
-HWY_NOINLINE void fetch_block(const SampleSource& source, const int* block, double isovalue, BlockSamples& out) {
+HWY_INLINE void fetch_row_in_float(const T* from, float isovalue, float* to) {
+  if constexpr (is_exact_in_float<T>) {
+    constexpr hn::CappedTag<float, 4> row;
+    constexpr hn::Rebind<T, decltype(row)> stored;
+    constexpr hn::Rebind<std::int32_t, decltype(row)> whole;
+    for (std::size_t i = 0; i < 4; i += hn::MaxLanes(row))
+      hn::StoreU(hn::Sub(hn::ConvertTo(row, hn::PromoteTo(whole, hn::LoadU(stored, from + i))), hn::Set(row, isovalue)),
+                 row, to + i);
+  }
+}
+
+/// The same for isovalues that are not: side_keeping_difference of each.
+template <class T>
+HWY_INLINE void fetch_row(const T* from, double isovalue, float* to) {
+  if constexpr (is_exact_in_float<T>) {
+    constexpr hn::CappedTag<double, 4> row;
+    constexpr hn::Rebind<T, decltype(row)> stored;
+    constexpr hn::Rebind<std::int32_t, decltype(row)> whole;
+    constexpr hn::Rebind<float, decltype(row)> rounded;
+    const auto least = hn::Set(row, -static_cast<double>(std::numeric_limits<float>::denorm_min()));
+    for (std::size_t i = 0; i < 4; i += hn::MaxLanes(row)) {
+      const auto difference =
+          hn::Sub(hn::PromoteTo(row, hn::PromoteTo(whole, hn::LoadU(stored, from + i))), hn::Set(row, isovalue));
+      const auto of_side = hn::IfThenElse(hn::Lt(difference, hn::Zero(row)), hn::Min(difference, least), difference);
+      hn::StoreU(hn::DemoteTo(rounded, of_side), rounded, to + i);
+    }
+  }
+}
+
+/// Samples less the isovalue.
+template <class T>
+HWY_INLINE void fetch_differences(const SampleSource& source, const int* block, double isovalue, BlockSamples& out) {
   const T* samples = static_cast<const T*>(source.samples);
   const int first[3] = {4 * block[0], 4 * block[1], 4 * block[2]};
   const bool is_whole =
       first[0] + 4 < source.count[0] && first[1] + 4 < source.count[1] && first[2] + 4 < source.count[2];
   const auto isovalue_float = static_cast<float>(isovalue);
   const bool in_float = is_exact_in_float<T> && static_cast<double>(isovalue_float) == isovalue;
-  if (is_whole && source.has_whole_rows && in_float) {
-    if constexpr (is_exact_in_float<T>) {
-      constexpr hn::CappedTag<float, 4> row;
-      constexpr hn::Rebind<T, decltype(row)> stored;
-      constexpr hn::Rebind<std::int32_t, decltype(row)> whole;
-      const auto iso = hn::Set(row, isovalue_float);
-      const std::uint64_t* x = source.address[0] + first[0];
-      for (int k = 0; k < 5; ++k)
-        for (int j = 0; j < 5; ++j) {
-          const T* from = samples + source.address[1][first[1] + j] + source.address[2][first[2] + k];
-          float* to = out.difference + 5 * j + 25 * k;
-          for (std::size_t i = 0; i < 4; i += hn::MaxLanes(row))
-            hn::StoreU(hn::Sub(hn::ConvertTo(row, hn::PromoteTo(whole, hn::LoadU(stored, from + x[0] + i))), iso), row,
-                       to + i);
-          to[4] = static_cast<float>(from[x[4]]) - isovalue_float;
-        }
-    }
+  if (is_exact_in_float<T> && is_whole && source.has_whole_rows) {
+    const std::uint64_t* x = source.address[0] + first[0];
+    for (int k = 0; k < 5; ++k)
+      for (int j = 0; j < 5; ++j) {
+        const T* from = samples + source.address[1][first[1] + j] + source.address[2][first[2] + k];
+        float* to = out.difference + 5 * j + 25 * k;
+        if (in_float)
+          fetch_row_in_float(from + x[0], isovalue_float, to);
+        else
+          fetch_row(from + x[0], isovalue, to);
+        to[4] = in_float ? static_cast<float>(from[x[4]]) - isovalue_float
+                         : side_keeping_difference(static_cast<double>(from[x[4]]), isovalue);
+      }
   } else {
     const auto place = [&](int axis, int i) {
       const int at = first[axis] + i, last = source.count[axis] - 1;
@@ -132,7 +165,37 @@ HWY_NOINLINE void fetch_block(const SampleSource& source, const int* block, doub
       }
   }
   for (std::size_t i = BlockSamples::size; i < 128; ++i) out.difference[i] = 0;
-  find_active_cells(source, block, std::is_floating_point_v<T> && source.has_gaps, out);
+}
+
+/// @param block  place among the file's blocks, not mirrored
+template <class T>
+HWY_NOINLINE void fetch_block(const SampleSource& source, const int* block, double isovalue, BlockSamples& out) {
+  fetch_differences<T>(source, block, isovalue, out);
+  find_active_cells(source, block, out, 0, out);
+  if (std::is_floating_point_v<T> && source.has_gaps) leave_out_gaps(out);
+}
+
+/// Types of which every value is one of single precision.
+template <class T>
+inline constexpr bool is_single = is_exact_in_float<T> || std::is_same_v<T, float>;
+
+/// The samples themselves of such types, for several isovalues. Of others nothing.
+template <class T>
+HWY_NOINLINE void fetch_values(const SampleSource& source, const int* block, BlockSamples& out) {
+  if constexpr (is_single<T>) fetch_differences<T>(source, block, 0, out);
+}
+
+/// Values less an isovalue, as side_keeping_difference has them.
+/// @param is_single  the isovalue is a number of single precision
+HWY_INLINE VecF less_isovalue(VecF values, double isovalue, bool is_single) {
+  if (is_single) return hn::Sub(values, hn::Set(floats, static_cast<float>(isovalue)));
+  VecD parts[parts_of_floats];
+  const VecD least = hn::Set(doubles, -static_cast<double>(std::numeric_limits<float>::denorm_min()));
+  for (std::size_t part = 0; part < parts_of_floats; ++part) {
+    const VecD difference = hn::Sub(as_doubles(values, part), hn::Set(doubles, isovalue));
+    parts[part] = hn::IfThenElse(hn::Lt(difference, hn::Zero(doubles)), hn::Min(difference, least), difference);
+  }
+  return as_floats(parts);
 }
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE

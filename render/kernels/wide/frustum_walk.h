@@ -70,10 +70,10 @@ struct MirroredPlaces {
 /// Calls visit(block) for the blocks with a bit, position in the mirrored lattice, that the frustum meets: from front
 /// to back for each ray of the group, until it returns false. It may make the frustum narrower; that counts from the
 /// next slab of nodes on.
-/// @param nodes, summits  as Occupancy has them
-template <class Visit>
-RHORAY_INLINE void walk_blocks(const Frustum& frustum, const MirroredLattice& lattice, const std::uint64_t* nodes,
-                               const std::uint64_t* summits, Visit&& visit) {
+/// @param nodes, summits  as Occupancy has them, or what several have together
+template <class Words, class Visit>
+RHORAY_INLINE void walk_blocks(const Frustum& frustum, const MirroredLattice& lattice, const Words& nodes,
+                               const Words& summits, Visit&& visit) {
   const int w = frustum.major, u = frustum.minor[0], v = frustum.minor[1];
   const int* node_count = lattice.node_count;
   const int summit_count[3] = {node_count[0] / 4, node_count[1] / 4, node_count[2] / 4};

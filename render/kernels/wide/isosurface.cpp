@@ -9,49 +9,20 @@
 
 #include <hwy/highway.h>
 
+#include "render/kernels/wide/block_corners-inl.h"
 #include "render/kernels/wide/block_entry-inl.h"
 #include "render/kernels/wide/block_search-inl.h"
+#include "render/kernels/wide/blocks_ahead-inl.h"
 #include "render/kernels/wide/cell_walk-inl.h"
-#include "render/kernels/wide/corners-inl.h"
 #include "render/kernels/wide/crossings-inl.h"
 #include "render/kernels/wide/cubic-inl.h"
-#include "render/kernels/wide/fetch-inl.h"
 #include "render/kernels/wide/group-inl.h"
 #include "render/kernels/wide/lanes-inl.h"
 #include "render/kernels/wide/margins-inl.h"
+#include "render/kernels/wide/reading-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
-
-/// How samples of one type are read.
-struct Reading {
-  void (*fetch)(const SampleSource&, const int*, double, BlockSamples&);
-  void (*load_corners)(const SampleSource&, const int*, double, std::uint64_t, CornersScratch&);
-};
-
-template <class T>
-constexpr Reading reading{fetch_block<T>, load_corners<T>};
-
-Reading reading_of(formats::ElementType type) {
-  switch (type) {
-    case formats::ElementType::U8:
-      return reading<std::uint8_t>;
-    case formats::ElementType::I8:
-      return reading<std::int8_t>;
-    case formats::ElementType::U16:
-      return reading<std::uint16_t>;
-    case formats::ElementType::I16:
-      return reading<std::int16_t>;
-    case formats::ElementType::U32:
-      return reading<std::uint32_t>;
-    case formats::ElementType::I32:
-      return reading<std::int32_t>;
-    case formats::ElementType::F32:
-      return reading<float>;
-    default:
-      return reading<double>;
-  }
-}
 
 /// The kernel at work on one group. Rays stay in their lanes; the blocks come to them.
 template <Search search>
@@ -68,13 +39,9 @@ class GroupWalk {
         group_(scratch.group),
         counters_(counters),
         reading_(reading_of(surface.type)),
+        corners_(lattice),
         alive_(scratch.group.inside) {
-    for (int a = 0; a < 3; ++a) {
-      const int stride = a == 0 ? 1 : a == 1 ? 5 : 25;
-      stride_[a] = lattice.is_mirrored(a) ? -stride : stride;
-      if (lattice.is_mirrored(a)) lowest_sample_ += 4 * stride;
-      upward_[a] = lattice.is_mirrored(a) ? -1 : 1;
-    }
+    for (int a = 0; a < 3; ++a) upward_[a] = lattice.is_mirrored(a) ? -1 : 1;
   }
 
   /// Where another kernel is to take up a ray of the group that is in doubt.
@@ -91,8 +58,7 @@ class GroupWalk {
   HWY_INLINE std::uint64_t run(Frustum& frustum) {
     for (std::size_t r = 0; r < group_.count; r += float_lanes) hn::Store(hn::Zero(ints), ints, scratch_.visits + r);
     prepare();
-    scratch_.ahead.count = 0, scratch_.ahead.rays = 0;
-    scratch_.ahead.places[0] = scratch_.ahead.places[1] = 0;
+    clear(scratch_.ahead);
     int alive_in_frustum = std::popcount(alive_);
     if (alive_ != 0)
       walk_blocks(frustum, lattice_, surface_.nodes, surface_.summits, [&](const int* block) HWY_ATTR {
@@ -226,21 +192,10 @@ class GroupWalk {
     }
   }
 
-  /// Where a block's samples are kept, and by which number.
-  struct Place {
-    std::size_t place;
-    std::uint64_t key;
-  };
-  HWY_INLINE Place place_of(const int* block) const {
-    const auto x = static_cast<std::uint64_t>(block[0]), y = static_cast<std::uint64_t>(block[1]),
-               z = static_cast<std::uint64_t>(block[2]);
-    return {(x & 7) | (y & 3) << 3 | (z & 3) << 5, x | y << 21 | z << 42};
-  }
-
   HWY_INLINE void fetch(BlockAhead& ahead) {
     int block[3];  // not mirrored
     for (int a = 0; a < 3; ++a) block[a] = lattice_.block(a, ahead.block[a]);
-    const Place at = place_of(block);
+    const KeptPlace at = kept_place_of<BlockAhead>(block);
     BlockSamples& samples = scratch_.blocks[at.place];
     if (scratch_.block_key[at.place] != at.key) {
       scratch_.block_key[at.place] = at.key;
@@ -258,28 +213,13 @@ class GroupWalk {
     ahead.inside = mirrored_bits(samples.inside, lattice_.octant);
   }
 
-  /// True where the list has room, and keeps no other block in the same place.
-  HWY_INLINE bool fits(const int* block) const {
-    const std::size_t place = place_of(block).place;
-    return scratch_.ahead.count < BlocksAhead::capacity && (scratch_.ahead.places[place / 64] >> place % 64 & 1) == 0;
-  }
-
-  HWY_INLINE void note_place(const int* block) {
-    const std::size_t place = place_of(block).place;
-    scratch_.ahead.places[place / 64] |= std::uint64_t{1} << place % 64;
-  }
-
   /// Adds a block to those ahead, and lets the rays go on when each has one to pass.
   HWY_INLINE void meet(const int* block) {
     const std::uint64_t rays = rays_that_may_pass(scratch_, alive_, block);
     if (rays == 0) return;
     BlocksAhead& ahead = scratch_.ahead;
-    while (!fits(block)) pass_next();
-    BlockAhead& added = ahead.block[ahead.count++];
-    for (int a = 0; a < 3; ++a) added.block[a] = block[a];
-    added.rays = rays, added.samples = -1;
-    ahead.rays |= rays;
-    note_place(block);
+    while (!fits(ahead, block)) pass_next();
+    add(ahead, block, rays).samples = -1;
     while (alive_ != 0 && (alive_ & ~ahead.rays) == 0) pass_next();
   }
 
@@ -287,29 +227,13 @@ class GroupWalk {
     while (scratch_.ahead.count != 0) pass_next();
   }
 
-  /// Each ray that has a block ahead passes the first of them.
   HWY_NOINLINE void pass_next() {
-    BlocksAhead& ahead = scratch_.ahead;
-    std::uint64_t waiting = alive_;
-    for (std::size_t b = 0; b < ahead.count; ++b) {
-      BlockAhead& block = ahead.block[b];
-      block.taken = block.rays & waiting;
-      block.rays &= ~block.taken;
-      waiting &= ~block.taken;
-      if (block.taken != 0 && block.samples < 0) fetch(block);
-    }
-    const std::uint64_t going = alive_ & ~waiting;
-    for (std::size_t r = 0; r < group_.count; r += float_lanes)
-      if (const std::uint64_t lanes = going >> r & first_rays(float_lanes); lanes != 0) pass_taken_blocks(r, lanes);
-    std::size_t kept = 0;
-    ahead.rays = 0, ahead.places[0] = ahead.places[1] = 0;
-    for (std::size_t b = 0; b < ahead.count; ++b) {
-      if ((ahead.block[b].rays & alive_) == 0) continue;
-      ahead.rays |= ahead.block[b].rays;
-      note_place(ahead.block[b].block);
-      ahead.block[kept++] = ahead.block[b];
-    }
-    ahead.count = kept;
+    pass_first_ahead(
+        scratch_.ahead, alive_, group_.count,
+        [&](BlockAhead& block) {
+          if (block.samples < 0) fetch(block);
+        },
+        [&](std::size_t r, std::uint64_t lanes) HWY_ATTR { pass_taken_blocks(r, lanes); });
   }
 
   /// Lets some of the rays from r on pass the blocks that they have taken.
@@ -404,7 +328,7 @@ class GroupWalk {
     VecF visits = find_cells(lanes);
     if (surface_.source.has_gaps)
       for (int w = 0; w < 2; ++w) lanes.left[w] = hn::And(lanes.left[w], lanes.present[w]);
-    const bool is_at_border = !hn::AllFalse(floats, hn::And(lanes.walking, is_cut_off(corner)));
+    const bool is_at_border = !hn::AllFalse(floats, hn::And(lanes.walking, is_cut_off(ends_, corner)));
     std::uint64_t solved = 0;
     while (true) {
       const NextCell next = take_next_cell(lanes);
@@ -416,7 +340,7 @@ class GroupWalk {
         passes_cell = hn::Ge(hn::Sub(next.way_out, next.way_in), hn::Neg(lanes.way_error));
       MaskF looks = hn::And(lanes.walking, passes_cell);
       Corners corners;
-      if (is_at_border) looks = hn::And(looks, is_in_lattice(next, corner));
+      if (is_at_border) looks = hn::And(looks, is_in_lattice(ends_, next, corner));
       if (hn::AllFalse(floats, looks)) continue;
       if constexpr (is_scattered) {
         // Only now is it known in which cells something is to be seen.
@@ -426,7 +350,7 @@ class GroupWalk {
       }
       solved += hn::CountTrue(floats, looks);
       const std::uint64_t ticks = surface_.time_phases ? ticks_now() : 0;
-      if constexpr (!is_scattered) corners = corners_of(lanes, next, looks);
+      if constexpr (!is_scattered) corners = corners_.of(next.cell, lanes.samples, scratch_.blocks, looks);
       const MaskF found = look_into_cells<is_scattered>(lanes, next, corners, looks, r, corner);
       if (surface_.time_phases) counters_.intersection_ticks += ticks_now() - ticks;
       VecF until = hn::Set(floats, 1.0f);
@@ -442,37 +366,6 @@ class GroupWalk {
     const std::uint64_t here = first_rays(float_lanes) << r;
     inside_ = (inside_ & ~here) | bits_of(floats, lanes.inside) << r;
     has_side_ = (has_side_ & ~here) | bits_of(floats, lanes.has_side) << r;
-  }
-
-  HWY_INLINE Corners corners_of(const Lanes& lanes, const NextCell& next, MaskF asked) const {
-    VecF place = hn::Set(floats, static_cast<float>(lowest_sample_));
-    for (int a = 0; a < 3; ++a)
-      place = hn::MulAdd(next.cell[a], hn::Set(floats, static_cast<float>(stride_[a])), place);
-    const VecI index = hn::Add(hn::ConvertTo(ints, place), lanes.samples);
-    const VecI first = hn::IfThenElse(hn::RebindMask(ints, asked), index, hn::Set(ints, lowest_sample_));
-    const float* samples = scratch_.blocks[0].difference;
-    Corners corners;
-#if HWY_TARGET <= HWY_AVX2
-    // Both corners of an edge along x with one read, as a number of twice the size.
-    constexpr hn::Rebind<std::int64_t, Doubles> offsets;
-    const bool is_mirrored = stride_[0] < 0;
-    const auto from = [&](auto half) HWY_ATTR { return hn::ShiftLeft<2>(hn::PromoteTo(offsets, half)); };
-    const auto low = from(hn::LowerHalf(half_ints, first)), high = from(hn::UpperHalf(half_ints, first));
-    for (int edge = 0; edge < 4; ++edge) {
-      const int offset = (edge & 1 ? stride_[1] : 0) + (edge & 2 ? stride_[2] : 0) - (is_mirrored ? 1 : 0);
-      const auto* pairs = reinterpret_cast<const double*>(samples + offset);
-      const VecF low_pairs = hn::BitCast(floats, hn::GatherOffset(doubles, pairs, low));
-      const VecF high_pairs = hn::BitCast(floats, hn::GatherOffset(doubles, pairs, high));
-      corners.f[2 * edge + is_mirrored] = hn::ConcatEven(floats, high_pairs, low_pairs);
-      corners.f[2 * edge + !is_mirrored] = hn::ConcatOdd(floats, high_pairs, low_pairs);
-    }
-#else
-    for (int c = 0; c < 8; ++c) {
-      const int offset = (c & 1 ? stride_[0] : 0) + (c & 2 ? stride_[1] : 0) + (c & 4 ? stride_[2] : 0);
-      corners.f[c] = hn::GatherIndex(floats, samples + offset, first);
-    }
-#endif
-    return corners;
   }
 
   /// Takes out the lanes that enter a cell on another side than they were on. They have come out of cells without data,
@@ -521,29 +414,7 @@ class GroupWalk {
     return hn::AndNot(stays, looks);
   }
 
-  /// Blocks that the lattice ends in.
-  HWY_INLINE MaskF is_cut_off(const VecF* block_corner) const {
-    MaskF cut_off = no_lane(floats);
-    for (int a = 0; a < 3; ++a) {
-      const VecF first = hn::Set(floats, static_cast<float>(ends_.first[a]));
-      const VecF last = hn::Set(floats, static_cast<float>(ends_.last[a] - 4));
-      cut_off = hn::Or(cut_off, hn::Or(hn::Lt(block_corner[a], first), hn::Gt(block_corner[a], last)));
-    }
-    return cut_off;
-  }
-
-  /// Cells that the lattice has: those found to be near a ray's way may lie beyond its ends.
-  HWY_INLINE MaskF is_in_lattice(const NextCell& next, const VecF* block_corner) const {
-    MaskF exists = hn::FirstN(floats, float_lanes);
-    for (int a = 0; a < 3; ++a) {
-      const VecF at = hn::Add(block_corner[a], next.cell[a]);
-      exists = hn::And(exists, hn::Ge(at, hn::Set(floats, static_cast<float>(ends_.first[a]))));
-      exists = hn::And(exists, hn::Lt(at, hn::Set(floats, static_cast<float>(ends_.last[a]))));
-    }
-    return exists;
-  }
-
-  /// The same, from the volume itself.
+  /// Corners of cells from the volume itself.
   HWY_INLINE Corners loaded_corners(const NextCell& next, const VecF* block_corner, MaskF asked) {
     CornersScratch& cells = scratch_.scattered.corners;
     for (int a = 0; a < 3; ++a) {
@@ -621,6 +492,7 @@ class GroupWalk {
   RayGroup& group_;
   KernelCounters& counters_;
   const Reading reading_;
+  const BlockCorners corners_;
   std::uint64_t alive_;         ///< rays without a hit
   std::uint64_t doubtful_ = 0;  ///< rays that have left the group: another kernel is to answer them
   std::uint64_t resumed_ = 0;   ///< of these, those without a doubt before their last blocks
@@ -628,8 +500,6 @@ class GroupWalk {
   std::uint64_t touching_ = 0;               ///< rays of those at work now that hardly pass their blocks
   std::uint64_t inside_ = 0, has_side_ = 0;  ///< the side that each ray is on, if it has met data
   std::uint64_t starting_ = 0;               ///< rays that start in a crossing and have not looked into a cell
-  int stride_[3];                            ///< from a cell's lower to its upper sample, by mirrored axis
-  int lowest_sample_ = 0;                    ///< of the mirrored block
   int upward_[3];                            ///< from a cell's lower to its upper sample, in the lattice
 };
 

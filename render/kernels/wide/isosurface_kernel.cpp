@@ -1,42 +1,15 @@
 #include <algorithm>
-#include <cmath>
 #include <span>
 #include <utility>
 
+#include "render/kernels/wide/grid_surface.h"
 #include "render/kernels/wide/isosurface.h"
 #include "render/kernels/wide/isosurface_parts.h"
 #include "render/kernels/wide/kernel_on.h"
-#include "render/volumes/volume.h"
 
 namespace rhoray::render::wide {
 
 namespace {
-
-/// The grids that wide kernels take: their index in the list of views is below the first of any other kind.
-template <class View>
-inline constexpr bool is_uniform_grid = false;
-template <class T>
-inline constexpr bool is_uniform_grid<GridVolume<T>> = true;
-
-/// True where no difference between values and isovalue, nor a product of it, leaves the range of single precision.
-bool is_in_range_of_float(const Interval<double>& range, double isovalue) {
-  const double largest = std::max(std::abs(range.lo - isovalue), std::abs(range.hi - isovalue));
-  return largest <= 0x1p60 && largest >= 0x1p-60;
-}
-
-template <class T>
-Surface surface_of(const GridVolume<T>& view, const Occupancy& occupancy, const Question& question) {
-  const formats::GridDescription& grid = view.description();
-  const Index3 cells = grid.macro.leaf_count;
-  return {.source = SampleSource(view.samples().data(), view.tables(), grid.layout.sample_count),
-          .type = formats::element_type_of<T>(),
-          .leaf_count = {static_cast<int>(cells.x), static_cast<int>(cells.y), static_cast<int>(cells.z)},
-          .node_count = occupancy.node_count(),
-          .nodes = occupancy.nodes(),
-          .summits = occupancy.summits(),
-          .isovalue = question.isovalue,
-          .time_phases = question.time_phases};
-}
 
 /// The thread's memory, with no block kept of another surface.
 IsosurfaceScratch& prepared(std::shared_ptr<IsosurfaceScratch>& scratch, std::shared_ptr<const Occupancy> occupancy) {
@@ -74,10 +47,6 @@ void redo_doubtful(const Ask& ask, const RayBatch& rays, HitBatch& hits, KernelS
   }
 }
 
-bool is_answerable(const VolumeImplementation& volume, const Question& question) {
-  return question.use_hierarchy && is_in_range_of_float(volume.field.range, question.isovalue);
-}
-
 template <Machine machine, Search search>
 void first_crossings(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
                      KernelScratch& scratch) {
@@ -85,7 +54,7 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
       [&]<class View>(const View& view) {
         if constexpr (is_uniform_grid<View>) {
           const Kernel reference = kernels_for(view, question.method.way).first_crossing;
-          if (!is_answerable(volume, question)) {
+          if (!is_answerable_wide(volume, question)) {
             reference(volume, question, rays, hits, scratch);
             return;
           }
@@ -119,22 +88,10 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
       volume.view);
 }
 
-/// A grid with macro levels that are trees of 64 children.
-bool is_fit(const VolumeImplementation& volume) {
-  return std::visit(
-      [&]<class View>(const View& view) {
-        if constexpr (is_uniform_grid<View>)
-          return view.lattice().factor == 4;
-        else
-          return false;
-      },
-      volume.view);
-}
-
 }  // namespace
 
 std::optional<SurfaceBoxes> prepare_occupancy(const VolumeImplementation& volume, const Question& question, unsigned) {
-  if (!is_answerable(volume, question)) return std::nullopt;
+  if (!is_answerable_wide(volume, question)) return std::nullopt;
   return std::visit(
       [&]<class View>(const View& view) -> std::optional<SurfaceBoxes> {
         if constexpr (is_uniform_grid<View>) {
@@ -151,7 +108,7 @@ std::optional<SurfaceBoxes> prepare_occupancy(const VolumeImplementation& volume
 }
 
 Kernel first_crossing_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
-  if (!has_wide_crossings(method) || !is_fit(volume)) return nullptr;
+  if (!has_wide_crossings(method) || !is_fit_grid(volume)) return nullptr;
   return kernel_on(machine, [&]<Machine wide>() -> Kernel {
     return method.way == Method::Way::preview     ? first_crossings<wide, Search::preview>
            : method.way == Method::Way::certified ? first_crossings<wide, Search::certified>

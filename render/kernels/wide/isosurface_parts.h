@@ -40,6 +40,8 @@ struct alignas(64) BlockFilter {
 
 /// A block that some rays of the group are still to pass.
 struct BlockAhead {
+  static constexpr int place_bits[3] = {3, 2, 2};  ///< of a block's position, that tell where its samples are kept
+
   int block[3];                                       ///< mirrored
   std::uint64_t rays;                                 ///< that may pass it
   std::uint64_t taken;                                ///< of which it is the next one
@@ -49,14 +51,17 @@ struct BlockAhead {
 };
 
 /// Blocks in the order in which rays pass them.
-struct BlocksAhead {
+template <class Block>
+struct ListOfBlocks {
   static constexpr std::size_t capacity = 24;
 
-  BlockAhead block[capacity];
+  Block block[capacity];
   std::size_t count;
-  std::uint64_t rays;       ///< that may pass one of them
-  std::uint64_t places[2];  ///< where their samples are kept, or will be
+  std::uint64_t rays;  ///< that may pass one of them
+  std::uint64_t places[1 << (Block::place_bits[0] + Block::place_bits[1] + Block::place_bits[2] -
+                             6)];  ///< where their samples are kept
 };
+using BlocksAhead = ListOfBlocks<BlockAhead>;
 
 /// Crossings of which the cell is known and the place in it is still to be refined, each in its ray's lane.
 struct alignas(64) PendingHits {

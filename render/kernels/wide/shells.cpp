@@ -1,0 +1,361 @@
+#include <bit>
+
+#include "render/kernels/wide/shells_parts.h"
+#include "render/march/ticks.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "render/kernels/wide/shells.cpp"
+#include <hwy/foreach_target.h>  // compiles what follows once per machine
+
+#include <hwy/highway.h>
+
+#include "render/kernels/wide/block_corners-inl.h"
+#include "render/kernels/wide/block_entry-inl.h"
+#include "render/kernels/wide/blocks_ahead-inl.h"
+#include "render/kernels/wide/cell_walk-inl.h"
+#include "render/kernels/wide/cubic-inl.h"
+#include "render/kernels/wide/group-inl.h"
+#include "render/kernels/wide/lanes-inl.h"
+#include "render/kernels/wide/reading-inl.h"
+#include "render/kernels/wide/shell_hits-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace rhoray::render::wide::HWY_NAMESPACE {
+
+/// The kernel at work on one group, as GroupWalk of isosurface.cpp; but a ray goes on behind its crossings, on the
+/// other side, until it ends, its light does, or one of its lists is full.
+template <int surfaces>
+class ShellWalk {
+ public:
+  HWY_INLINE ShellWalk(const Shells& shells, const MirroredLattice& lattice, std::size_t first_ray,
+                       const CrossingArrays* lists, std::uint8_t* complete, ShellScratch& scratch,
+                       KernelCounters& counters)
+      : shells_(shells),
+        any_(shells.surface[0]),
+        lattice_(lattice),
+        ends_(lattice, any_.leaf_count),
+        first_ray_(first_ray),
+        lists_(lists),
+        complete_(complete),
+        scratch_(scratch),
+        ways_(scratch.ways),
+        group_(scratch.ways.group),
+        counters_(counters),
+        reading_(reading_of(any_.type)),
+        has_values_(reading_.fetch_values != nullptr),
+        corners_(lattice),
+        hits_(shells, lattice, lists, first_ray, scratch),
+        alive_(group_.inside) {}
+
+  HWY_INLINE void run(Frustum& frustum) {
+    const VecI none = hn::Zero(ints);
+    for (std::size_t r = 0; r < group_.count; r += float_lanes) {
+      hn::Store(none, ints, ways_.visits + r);
+      hn::Store(hn::Set(floats, 1.0f), floats, scratch_.light + r);
+      for (int s = 0; s < surfaces; ++s) hn::Store(none, ints, scratch_.count[s] + r);
+    }
+    prepare_ways(lattice_, ways_);
+    clear(scratch_.ahead);
+    TogetherWords<surfaces> nodes, summits;
+    for (int s = 0; s < surfaces; ++s)
+      nodes.of[s] = shells_.surface[s].nodes, summits.of[s] = shells_.surface[s].summits;
+    int alive_in_frustum = std::popcount(alive_);
+    walk_blocks(frustum, lattice_, nodes, summits, [&](const int* block) HWY_ATTR {
+      meet(block);
+      if (alive_ == 0) return false;
+      if (const int alive = std::popcount(alive_); 2 * alive < alive_in_frustum) {
+        frustum = frustum_around(lattice_, group_, alive_);
+        alive_in_frustum = alive;
+      }
+      return true;
+    });
+    while (scratch_.ahead.count != 0) pass_next();
+    hits_.write();
+    for (std::size_t r = 0; r < group_.count; ++r) {
+      const std::size_t at = first_ray_ + group_.index[r];
+      for (int s = 0; s < surfaces; ++s) {
+        lists_[s].count[at] = static_cast<std::uint8_t>(scratch_.count[s][r]);
+        lists_[s].hits[0].cost[at] = static_cast<std::uint32_t>(ways_.visits[r]);
+      }
+      if ((full_ >> r & 1) != 0) complete_[at] = 0;
+    }
+  }
+
+ private:
+  /// Rays on their way through the cells of a block, each of its own, and of each surface what Lanes has of one.
+  struct ShellLanes : Lanes {
+    VecI active_of[surfaces][2], inside_out_of[surfaces][2], seen_of[surfaces];
+    MaskF inside_of[surfaces], has_side_of[surfaces];
+  };
+
+  HWY_INLINE bool has_bit(const Surface& surface, const int* block) const {
+    std::size_t node = 0;
+    int bit = 0;
+    for (int a = 2; a >= 0; --a) {
+      node = node * static_cast<std::size_t>(lattice_.node_count[a]) + static_cast<std::size_t>(block[a] / 4);
+      bit = 4 * bit + block[a] % 4;
+    }
+    return (surface.nodes[node] >> bit & 1) != 0;
+  }
+
+  HWY_INLINE void fetch(ShellBlockAhead& ahead) {
+    if (ahead.samples >= 0) return;
+    int block[3];  // not mirrored
+    for (int a = 0; a < 3; ++a) block[a] = lattice_.block(a, ahead.block[a]);
+    const KeptPlace at = kept_place_of<ShellBlockAhead>(block);
+    constexpr std::size_t floats_each = sizeof(BlockSamples) / sizeof(float);
+    ahead.samples = static_cast<std::int32_t>(at.place * floats_each);
+    const bool is_new = scratch_.block_key[at.place] != at.key;
+    scratch_.block_key[at.place] = at.key;
+    if (is_new && has_values_) reading_.fetch_values(any_.source, block, scratch_.blocks[0][at.place]);
+    for (int s = 0; s < surfaces; ++s) {
+      const Surface& surface = shells_.surface[s];
+      BlockSamples& samples = scratch_.blocks[s][at.place];
+      if (is_new && surfaces > 1 && !has_bit(surface, block)) {
+        samples.active = samples.inside = 0;  // nothing is to be seen of it
+      } else if (is_new && has_values_) {
+        find_active_cells(surface.source, block, scratch_.blocks[0][at.place], shells_.least_inside[s], samples);
+      } else if (is_new) {
+        reading_.fetch(surface.source, block, surface.isovalue, samples);
+      }
+      ahead.active[s] = mirrored_bits(samples.active, lattice_.octant);
+      ahead.inside[s] = mirrored_bits(samples.inside, lattice_.octant);
+    }
+  }
+
+  HWY_INLINE void meet(const int* block) {
+    const std::uint64_t rays = rays_that_may_pass(ways_, alive_, block);
+    if (rays == 0) return;
+    while (!fits(scratch_.ahead, block)) pass_next();
+    add(scratch_.ahead, block, rays).samples = -1;
+    while (alive_ != 0 && (alive_ & ~scratch_.ahead.rays) == 0) pass_next();
+  }
+
+  HWY_NOINLINE void pass_next() {
+    pass_first_ahead(
+        scratch_.ahead, alive_, group_.count, [&](ShellBlockAhead& block) { fetch(block); },
+        [&](std::size_t r, std::uint64_t lanes) HWY_ATTR { pass_taken_blocks(r, lanes); });
+  }
+
+  /// Lets some of the rays from r on pass the blocks that they have taken.
+  HWY_INLINE void pass_taken_blocks(std::size_t r, std::uint64_t going) {
+    ShellLanes lanes;
+    VecF corner[3];
+    const VecI none = hn::Zero(ints);
+    for (VecF& c : corner) c = hn::Zero(floats);
+    lanes.samples = none;
+    for (int s = 0; s < surfaces; ++s) {
+      lanes.seen_of[s] = none;
+      for (int w = 0; w < 2; ++w) lanes.active_of[s][w] = lanes.inside_out_of[s][w] = none;
+    }
+    for (std::size_t b = 0; b < scratch_.ahead.count; ++b) {
+      const ShellBlockAhead& block = scratch_.ahead.block[b];
+      const std::uint64_t takers = block.taken >> r & first_rays(float_lanes);
+      if (takers == 0) continue;
+      const MaskF mask = mask_of(floats, takers);
+      const auto mask_i = hn::RebindMask(ints, mask);
+      for (int a = 0; a < 3; ++a)
+        corner[a] = hn::IfThenElse(mask, hn::Set(floats, static_cast<float>(4 * block.block[a])), corner[a]);
+      const auto put = [&](VecI& to, std::uint64_t number) HWY_ATTR {
+        to = hn::IfThenElse(mask_i, hn::Set(ints, static_cast<std::int32_t>(number)), to);
+      };
+      put(lanes.samples, static_cast<std::uint64_t>(block.samples));
+      for (int s = 0; s < surfaces; ++s) {
+        if (block.active[s] == 0) continue;  // nothing is to be seen of it
+        put(lanes.seen_of[s], all_rays);
+        for (int w = 0; w < 2; ++w) {
+          put(lanes.active_of[s][w], block.active[s] >> (32 * w));
+          put(lanes.inside_out_of[s][w], block.inside[s] >> (32 * w));
+        }
+      }
+    }
+    pass_blocks(lanes, r, going, corner);
+  }
+
+  HWY_INLINE void pass_blocks(ShellLanes& lanes, std::size_t r, std::uint64_t going, const VecF* corner) {
+    const BlockEntry at = entry_into_blocks(lattice_, ends_, ways_, r, mask_of(floats, going), corner);
+    lanes.walking = at.passes;
+    if (hn::AllFalse(floats, lanes.walking)) return;
+    counters_.macrocells_visited += hn::CountTrue(floats, at.passes);
+    for (int a = 0; a < 3; ++a) {
+      lanes.entry[a] = at.entry[a];
+      lanes.last[a] = at.last[a];
+      lanes.slope[a] = hn::Load(floats, ways_.slope[a] + r);
+      lanes.inverse_slope[a] = hn::Load(floats, ways_.inverse_slope[a] + r);
+    }
+    lanes.end = at.end;
+    lanes.way_error = hn::Zero(floats);
+    for (int s = 0; s < surfaces; ++s) {
+      lanes.inside_of[s] = mask_of(floats, inside_[s] >> r);
+      lanes.has_side_of[s] = mask_of(floats, has_side_[s] >> r);
+    }
+    pass_cells(lanes, r, corner, at.passes);
+  }
+
+  HWY_INLINE void pass_cells(ShellLanes& lanes, std::size_t r, const VecF* corner, MaskF passes) {
+    const VecF visits = find_cells(lanes);
+    const bool is_at_border = !hn::AllFalse(floats, hn::And(lanes.walking, is_cut_off(ends_, corner)));
+    const VecI zero = hn::Zero(ints);
+    while (true) {
+      VecI looks_of[surfaces][2], any[2] = {zero, zero};
+      for (int s = 0; s < surfaces; ++s) {
+        // Of blocks in which a surface has nothing its sides are not known.
+        const MaskF known = hn::And(lanes.has_side_of[s], hn::RebindMask(floats, hn::Ne(lanes.seen_of[s], zero)));
+        find_looks(lanes, lanes.active_of[s], lanes.inside_out_of[s], lanes.inside_of[s], known, looks_of[s]);
+        for (int w = 0; w < 2; ++w) any[w] = hn::Or(any[w], looks_of[s][w]);
+      }
+      const NextCell next = take_first_of(lanes, any);
+      lanes.walking = hn::And(lanes.walking, next.exists);
+      if (hn::AllFalse(floats, lanes.walking)) break;
+      MaskF looks = hn::And(lanes.walking, hn::Lt(next.way_in, next.way_out));
+      if (is_at_border) looks = hn::And(looks, is_in_lattice(ends_, next, corner));
+      if (hn::AllFalse(floats, looks)) continue;
+      const std::uint64_t ticks = any_.time_phases ? ticks_now() : 0;
+      VecF in[3], out[3];
+      ends_in_cell(lanes, next, in, out);
+      Corners values;
+      if (has_values_) values = corners_.of(next.cell, lanes.samples, scratch_.blocks[0], looks);
+      MaskF found = no_lane(floats);
+      for (int s = 0; s < surfaces; ++s) {
+        const VecI word = hn::IfThenElse(next.in_second, looks_of[s][1], looks_of[s][0]);
+        const MaskF here = hn::And(looks, hn::RebindMask(floats, hn::Ne(hn::And(word, next.bit), zero)));
+        if (!hn::AllFalse(floats, here))
+          found = hn::Or(found, look_into_cells(s, lanes, next, values, in, out, here, r, corner));
+      }
+      if (!hn::AllFalse(floats, found)) end_rays(lanes, found, r);
+      if (any_.time_phases) counters_.intersection_ticks += ticks_now() - ticks;
+    }
+    const VecI cells = hn::IfThenElseZero(hn::RebindMask(ints, passes), hn::ConvertTo(ints, visits));
+    counters_.cells_visited += static_cast<std::uint64_t>(hn::GetLane(hn::SumOfLanes(ints, cells)));
+    const VecI all = hn::Add(hn::Load(ints, ways_.visits + r), hn::Add(cells, ones_in(passes)));
+    hn::Store(all, ints, ways_.visits + r);
+    const std::uint64_t here = first_rays(float_lanes) << r;
+    for (int s = 0; s < surfaces; ++s) {
+      inside_[s] = (inside_[s] & ~here) | bits_of(floats, lanes.inside_of[s]) << r;
+      has_side_[s] = (has_side_[s] & ~here) | bits_of(floats, lanes.has_side_of[s]) << r;
+    }
+  }
+
+  /// Searches the cells of some lanes for a surface.
+  /// @param values  at their corners, where they are kept
+  /// @return        those that crossed it
+  HWY_INLINE MaskF look_into_cells(int s, ShellLanes& lanes, const NextCell& next, const Corners& values,
+                                   const VecF* in, const VecF* out, MaskF looks, std::size_t r,
+                                   const VecF* block_corner) {
+    counters_.cells_solved += hn::CountTrue(floats, looks);
+    Corners corners;
+    if (has_values_)
+      for (int c = 0; c < 8; ++c)
+        corners.f[c] = less_isovalue(values.f[c], shells_.surface[s].isovalue, shells_.is_single[s]);
+    else
+      corners = corners_.of(next.cell, lanes.samples, scratch_.blocks[s], looks);
+    const CubicLanes cubic = along(corners, in, out);
+    MaskF& inside = lanes.inside_of[s];
+    const MaskF sets_side = hn::AndNot(lanes.has_side_of[s], looks);
+    inside = hn::Or(hn::AndNot(sets_side, inside), hn::And(sets_side, is_inside(cubic.b[0])));
+    lanes.has_side_of[s] = hn::Or(lanes.has_side_of[s], looks);
+    const MaskF side = inside;
+    const Pieces pieces = pieces_of(cubic, side, looks);
+    MaskF found = no_lane(floats);
+    VecI root_count = hn::Zero(ints);
+    for_each_change(cubic, pieces, side, [&](MaskF changed, VecF, VecF) HWY_ATTR {
+      found = hn::Or(found, changed);
+      inside = hn::Xor(inside, changed);
+      root_count = hn::Add(root_count, ones_in(changed));
+    });
+    if (hn::AllFalse(floats, found)) return found;
+    const FoundIn at{corners, next, in, out, block_corner, root_count, r, static_cast<std::uint8_t>(s)};
+    VecI count = hn::Load(ints, scratch_.count[s] + r);
+    VecF light = hn::Load(floats, scratch_.light + r);
+    const VecF passing = hn::Set(floats, shells_.passing[s]);
+    for_each_change(cubic, pieces, side, [&](MaskF changed, VecF low, VecF high) HWY_ATTR {
+      const MaskF has_room = hn::RebindMask(floats, hn::Lt(count, hn::Set(ints, std::int32_t{CrossingList::most})));
+      full_ |= bits_of(floats, hn::AndNot(has_room, changed)) << r;
+      const MaskF kept = hn::And(changed, has_room);
+      if (hn::AllFalse(floats, kept)) return;
+      hits_.keep(at, kept, low, high, count);
+      count = hn::Add(count, ones_in(kept));
+      light = hn::IfThenElse(kept, hn::Mul(light, passing), light);
+    });
+    hn::Store(count, ints, scratch_.count[s] + r);
+    hn::Store(light, floats, scratch_.light + r);
+    return found;
+  }
+
+  /// Ends the rays of which a list is full, and those that no light would pass.
+  HWY_INLINE void end_rays(ShellLanes& lanes, MaskF found, std::size_t r) {
+    const MaskF dark = hn::Lt(hn::Load(floats, scratch_.light + r), hn::Set(floats, shells_.least_light));
+    const std::uint64_t ended = bits_of(floats, hn::And(found, dark)) | (full_ >> r & first_rays(float_lanes));
+    if (ended == 0) return;
+    alive_ &= ~(ended << r);
+    lanes.walking = hn::AndNot(mask_of(floats, ended), lanes.walking);
+  }
+
+  const Shells& shells_;
+  const Surface& any_;  ///< of which all surfaces have the same but for isovalue and occupancy
+  const MirroredLattice& lattice_;
+  const LatticeEnds ends_;
+  const std::size_t first_ray_;
+  const CrossingArrays* const lists_;
+  std::uint8_t* const complete_;
+  ShellScratch& scratch_;
+  IsosurfaceScratch& ways_;
+  RayGroup& group_;
+  KernelCounters& counters_;
+  const Reading reading_;
+  const bool has_values_;  ///< blocks are kept as values, not as differences
+  const BlockCorners corners_;
+  ShellHits hits_;
+  std::uint64_t alive_;                                            ///< rays that go on
+  std::uint64_t full_ = 0;                                         ///< rays of which a crossing was not noted
+  std::uint64_t inside_[surfaces] = {}, has_side_[surfaces] = {};  ///< the side that each ray is on, if it has met data
+};
+
+template <int surfaces>
+HWY_INLINE void cross_some(const Shells& shells, const RayArrays& rays, std::size_t first, std::size_t count,
+                           const CrossingArrays* lists, std::uint8_t* complete, ShellScratch& scratch,
+                           KernelCounters& counters) {
+  const Surface& any = shells.surface[0];
+  for_each_group(from(rays, first), count, any.leaf_count, any.node_count, scratch.ways.group,
+                 [&](RayGroup&, const MirroredLattice& lattice, Frustum& frustum) HWY_ATTR {
+                   ShellWalk<surfaces> walk(shells, lattice, first, lists, complete, scratch, counters);
+                   walk.run(frustum);
+                 });
+}
+
+void cross_shells(const Shells& shells, const RayArrays& rays, std::size_t first, std::size_t count,
+                  const CrossingArrays* lists, std::uint8_t* complete, ShellScratch& scratch,
+                  KernelCounters& counters) {
+  if (shells.count == 1)
+    cross_some<1>(shells, rays, first, count, lists, complete, scratch, counters);
+  else
+    cross_some<2>(shells, rays, first, count, lists, complete, scratch, counters);
+}
+
+CrossShells cross_shells_here() {
+  return cross_shells;
+}
+
+}  // namespace rhoray::render::wide::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace rhoray::render::wide {
+
+CrossShells cross_shells_on(Machine machine) {
+#if HWY_TARGETS & HWY_AVX3
+  if (machine == Machine::avx512) return N_AVX3::cross_shells_here();
+#endif
+#if HWY_TARGETS & HWY_AVX2
+  if (machine == Machine::avx2) return N_AVX2::cross_shells_here();
+#endif
+#if HWY_TARGETS & HWY_SSE4
+  if (__builtin_cpu_supports("sse4.1")) return N_SSE4::cross_shells_here();
+#endif
+  return HWY_NAMESPACE::cross_shells_here();
+}
+
+}  // namespace rhoray::render::wide
+
+#endif

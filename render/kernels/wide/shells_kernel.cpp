@@ -1,0 +1,102 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <memory>
+
+#include "render/kernels/wide/grid_surface.h"
+#include "render/kernels/wide/kernel_on.h"
+#include "render/kernels/wide/shells.h"
+#include "render/kernels/wide/shells_parts.h"
+
+namespace rhoray::render::wide {
+
+namespace {
+
+/// Memory in which no block is kept of other surfaces.
+void keep_blocks_of(ShellScratch& scratch,
+                    const std::array<std::shared_ptr<const Occupancy>, most_shells>& occupancies) {
+  if (scratch.occupancies == occupancies) return;
+  std::fill(std::begin(scratch.block_key), std::end(scratch.block_key), IsosurfaceScratch::no_block);
+  scratch.occupancies = occupancies;
+}
+
+template <class View>
+Shells shells_of(const View& view, const VolumeImplementation& volume, const CrossingsQuestion& question,
+                 ShellScratch& scratch) {
+  const CrossedSurface &first = question.surfaces.front(), &last = question.surfaces.back();
+  keep_blocks_of(scratch, {volume.occupancies->of(view.levels(), first.isovalue),
+                           volume.occupancies->of(view.levels(), last.isovalue)});
+  Shells shells{.surface = {surface_of(view, *scratch.occupancies[0],
+                                       {.isovalue = first.isovalue, .time_phases = question.time_phases}),
+                            surface_of(view, *scratch.occupancies[1],
+                                       {.isovalue = last.isovalue, .time_phases = question.time_phases})},
+                .passing = {first.passing, last.passing},
+                .least_inside = {},
+                .is_single = {},
+                .count = static_cast<int>(question.surfaces.size()),
+                .least_light = question.least_light};
+  for (std::size_t s = 0; s < most_shells; ++s) {
+    const double isovalue = shells.surface[s].isovalue;
+    const auto nearest = static_cast<float>(isovalue);
+    shells.is_single[s] = static_cast<double>(nearest) == isovalue;
+    shells.least_inside[s] = static_cast<double>(nearest) < isovalue
+                                 ? std::nextafter(nearest, std::numeric_limits<float>::infinity())
+                                 : nearest;
+  }
+  return shells;
+}
+
+CrossingArrays crossing_arrays_of(CrossingList& list) {
+  CrossingArrays arrays{.hits = {}, .count = list.count.data()};
+  for (std::size_t k = 0; k < CrossingList::most; ++k) arrays.hits[k] = arrays_of(list.hits(k));
+  return arrays;
+}
+
+template <Machine machine>
+void cross(const VolumeImplementation& volume, const CrossingsQuestion& question, const RayBatch& rays,
+           std::span<CrossingList* const> lists, std::uint8_t* complete, CrossingsMemory& memory,
+           KernelCounters& counters) {
+  std::visit(
+      [&]<class View>(const View& view) {
+        if constexpr (is_uniform_grid<View>) {
+          if (!memory.shells) memory.shells = std::make_shared<ShellScratch>();
+          const Shells shells = shells_of(view, volume, question, *memory.shells);
+          CrossingArrays arrays[most_shells];
+          for (std::size_t s = 0; s < lists.size(); ++s) {
+            arrays[s] = crossing_arrays_of(*lists[s]);
+            write_misses(arrays[s].hits[0], rays.count);
+            std::fill_n(arrays[s].count, rays.count, std::uint8_t{0});
+          }
+          std::fill_n(complete, rays.count, std::uint8_t{1});
+          counters.rays_wide += rays.count;
+          const CrossShells answer = cross_shells_on(machine);
+          for (std::size_t first = 0; first < rays.count; first += RayGroup::size)
+            answer(shells, arrays_of(rays), first, std::min(RayGroup::size, rays.count - first), arrays, complete,
+                   *memory.shells, counters);
+        }
+      },
+      volume.view);
+}
+
+}  // namespace
+
+CrossingsKernel shells_kernel(const VolumeImplementation& volume, const Question& question, Machine machine) {
+  const bool is_known = has_wide_crossings(question.method) && question.method.way == Method::Way::direct;
+  if (!is_known || !is_fit_grid(volume) || !is_answerable_wide(volume, question) || volume.field.no_data_count > 0)
+    return nullptr;
+  switch (machine) {
+    case Machine::scalar:
+      break;
+    case Machine::baseline:
+      return cross<Machine::baseline>;
+    case Machine::avx2:
+      return cross<Machine::avx2>;
+    case Machine::avx512:
+      return cross<Machine::avx512>;
+  }
+  return nullptr;
+}
+
+}  // namespace rhoray::render::wide

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "formats/base/checks.h"
+#include "render/kernels/ordered_crossings.h"
+#include "render/kernels/wide/isosurface_parts.h"
+
+/// What the sources of the wide kernel for clear isosurfaces hand to the part that is compiled once per machine.
+namespace rhoray::render::wide {
+
+inline constexpr int most_shells = CrossingsQuestion::most_surfaces;
+
+/// One or two surfaces of one volume.
+struct Shells {
+  Surface surface[most_shells];  ///< that differ in isovalue and occupancy
+  float passing[most_shells];
+  float least_inside[most_shells];  ///< the least number of single precision that is not below the isovalue
+  bool is_single[most_shells];      ///< whether that is the isovalue
+  int count;
+  float least_light;
+};
+
+/// Words of the occupancies of all surfaces together.
+template <int surfaces>
+struct TogetherWords {
+  const std::uint64_t* of[surfaces];
+
+  template <class Index>
+  RHORAY_INLINE std::uint64_t operator[](Index i) const {
+    std::uint64_t word = of[0][i];
+    for (int s = 1; s < surfaces; ++s) word |= of[s][i];
+    return word;
+  }
+};
+
+/// A block that some rays of the group are still to pass.
+struct ShellBlockAhead {
+  /// Rays that go on behind their first crossings come to more blocks than others, before the next group does.
+  static constexpr int place_bits[3] = {3, 3, 3};
+
+  int block[3];          ///< mirrored
+  std::uint64_t rays;    ///< that may pass it
+  std::uint64_t taken;   ///< of which it is the next one
+  std::int32_t samples;  ///< where its samples begin among those that are kept; -1: not fetched
+  std::uint64_t active[most_shells], inside[most_shells];  ///< of BlockSamples, mirrored; 0 where it has no bit
+};
+
+/// Crossings of a group of which the place in the cell is still to be refined, one after another.
+struct alignas(64) FoundCrossings {
+  /// Four packs of lanes, and what one look may add.
+  static constexpr std::size_t capacity = 80;
+
+  float corner[8][capacity];                    ///< of the cell, less the isovalue
+  float in[3][capacity], out[3][capacity];      ///< where the ray enters and leaves the cell
+  float way_in[capacity], way_out[capacity];    ///< from where it entered the block
+  float low[capacity], high[capacity];          ///< the piece on which the cubic is monotone and changes side
+  float cell[3][capacity];                      ///< in the mirrored lattice
+  double t_block[capacity];                     ///< when the ray entered the block
+  std::int32_t ray[capacity], place[capacity];  ///< of the group; among the crossings of its ray
+  std::int32_t root_count[capacity];
+  std::uint8_t surface[capacity];
+  std::size_t count = 0;
+};
+
+/// What a thread keeps for the kernel.
+struct alignas(64) ShellScratch {
+  static constexpr std::size_t kept_blocks = 512;
+
+  IsosurfaceScratch ways;  ///< of a group; its blocks are not used
+  ListOfBlocks<ShellBlockAhead> ahead;
+  FoundCrossings found;
+  float light[RayGroup::size];                      ///< that passes what each ray has crossed
+  std::int32_t count[most_shells][RayGroup::size];  ///< crossings of each ray so far
+  /// Where values are numbers of single precision, those of the first surface are the samples themselves, for all
+  /// surfaces; else each has them less its isovalue.
+  BlockSamples blocks[most_shells][kept_blocks];
+  std::uint64_t block_key[kept_blocks];
+  std::array<std::shared_ptr<const Occupancy>, most_shells> occupancies;  ///< whose blocks are kept
+};
+
+/// A surface's crossings as plain arrays.
+struct CrossingArrays {
+  HitArrays hits[CrossingList::most];
+  std::uint8_t* count;
+};
+
+/// What is compiled once per machine: notes the crossings of at most 64 rays of a batch, from `first` on. First hits
+/// are misses before.
+using CrossShells = void (*)(const Shells& shells, const RayArrays& rays, std::size_t first, std::size_t count,
+                             const CrossingArrays* lists, std::uint8_t* complete, ShellScratch& scratch,
+                             KernelCounters& counters);
+
+/// `baseline` is what the processor has of SSE4, or else one lane.
+CrossShells cross_shells_on(Machine machine);
+
+}  // namespace rhoray::render::wide
