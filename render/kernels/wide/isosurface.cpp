@@ -233,7 +233,8 @@ class GroupWalk {
         [&](BlockAhead& block) {
           if (block.samples < 0) fetch(block);
         },
-        [&](std::size_t r, std::uint64_t lanes) HWY_ATTR { pass_taken_blocks(r, lanes); });
+        [&](std::size_t r, std::uint64_t lanes) HWY_ATTR
+        __attribute__((always_inline)) { pass_taken_blocks(r, lanes); });
   }
 
   /// Lets some of the rays from r on pass the blocks that they have taken.
