@@ -69,8 +69,7 @@ HWY_INLINE Block& add(ListOfBlocks<Block>& ahead, const int* block, std::uint64_
 /// Each ray that has a block ahead passes the first of them.
 /// @param alive  rays that are still to pass any; passing may take some of them out
 /// @param fetch  (block) before it is passed by any
-/// @param pass   (first ray, lanes from there): those that have taken blocks; to be forced inline (a call for every 16
-///               rays costs 7 % of a frame)
+/// @param pass   (first ray, lanes from there): those that have taken blocks
 template <class Block, class Fetch, class Pass>
 HWY_INLINE void pass_first_ahead(ListOfBlocks<Block>& ahead, const std::uint64_t& alive, std::size_t ray_count,
                                  Fetch&& fetch, Pass&& pass) {

@@ -233,6 +233,7 @@ class GroupWalk {
         [&](BlockAhead& block) {
           if (block.samples < 0) fetch(block);
         },
+        // Inlined: a call for every 16 rays costs 7 % of a frame.
         [&](std::size_t r, std::uint64_t lanes) HWY_ATTR
         __attribute__((always_inline)) { pass_taken_blocks(r, lanes); });
   }

@@ -134,8 +134,7 @@ class ShellWalk {
   HWY_NOINLINE void pass_next() {
     pass_first_ahead(
         scratch_.ahead, alive_, group_.count, [&](ShellBlockAhead& block) { fetch(block); },
-        [&](std::size_t r, std::uint64_t lanes) HWY_ATTR
-        __attribute__((always_inline)) { pass_taken_blocks(r, lanes); });
+        [&](std::size_t r, std::uint64_t lanes) HWY_ATTR { pass_taken_blocks(r, lanes); });
   }
 
   /// Lets some of the rays from r on pass the blocks that they have taken.
