@@ -6,6 +6,7 @@
 #define RHORAY_WIDE_MAXIMUM_WALK_INL_H
 #endif
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -38,6 +39,68 @@ struct Ways {
   VecF start[2], slope[2], inverse[2];
   VecF reached, reached_at;  ///< in the box's unit and coordinates
 };
+
+/// How few rays are spread over the lanes of a vector: each several times, with a part of a block of 4 cells.
+struct Spread {
+  HWY_ALIGN std::int32_t lane[float_lanes];               ///< of the ray
+  HWY_ALIGN float first[float_lanes], last[float_lanes];  ///< of the part, on the major axis; none where first > last
+  std::size_t used;                                       ///< lanes
+};
+
+inline constexpr std::size_t most_spread = float_lanes / 2;
+
+/// By the number of rays.
+inline constexpr auto spreads = [] {
+  std::array<Spread, most_spread + 1> by_rays{};
+  for (std::size_t rays = 1; rays <= most_spread; ++rays) {
+    Spread& spread = by_rays[rays];
+    const std::size_t parts = 4 * rays <= float_lanes ? 4 : 2;
+    spread.used = rays * parts;
+    for (std::size_t lane = 0; lane < float_lanes; ++lane) {
+      const std::size_t part = lane / rays;
+      spread.lane[lane] = static_cast<std::int32_t>(lane % rays);
+      if (part >= parts) {
+        spread.first[lane] = 8, spread.last[lane] = 0;
+        continue;
+      }
+      // At both ends places are a little outside.
+      const float length = 4.0F / static_cast<float>(parts);
+      spread.first[lane] = part == 0 ? -1 : length * static_cast<float>(part);
+      spread.last[lane] = part + 1 == parts ? 5 : length * static_cast<float>(part + 1);
+    }
+  }
+  return by_rays;
+}();
+
+/// A vector of the rays at a box.
+/// @param low_w  where the box begins on the major axis; parts and places where values were reached begin at 0
+HWY_INLINE Ways ways_at_box(const SearchState& state, std::size_t first, VecF low_w, VecF reached) {
+  const RaysAtBlock& at_block = state.scratch.at_block;
+  Ways ways;
+  ways.ray = hn::Load(ints, at_block.ray + first);
+  ways.from = hn::Sub(hn::Load(floats, at_block.from + first), low_w);
+  ways.to = hn::Sub(hn::Load(floats, at_block.to + first), low_w);
+  for (int m = 0; m < 2; ++m) {
+    ways.start[m] = hn::Load(floats, at_block.start[m] + first);
+    ways.slope[m] = hn::Load(floats, at_block.slope[m] + first);
+    ways.inverse[m] = hn::Load(floats, at_block.inverse[m] + first);
+  }
+  ways.reached = reached;
+  ways.reached_at =
+      hn::Add(hn::Sub(hn::Load(floats, at_block.reached_at + first), low_w), hn::Set(floats, state.margin));
+  return ways;
+}
+
+/// The first lanes' ways through a block of 4 cells, in parts side by side.
+HWY_INLINE void spread_out(const Spread& spread, Ways& ways) {
+  const auto lanes_of_floats = hn::IndicesFromVec(floats, hn::Load(ints, spread.lane));
+  const auto repeat = [&](VecF& x) HWY_ATTR { x = hn::TableLookupLanes(x, lanes_of_floats); };
+  for (VecF* x : {&ways.from, &ways.to, &ways.reached, &ways.reached_at}) repeat(*x);
+  for (int m = 0; m < 2; ++m) repeat(ways.start[m]), repeat(ways.slope[m]), repeat(ways.inverse[m]);
+  ways.ray = hn::TableLookupLanes(ways.ray, hn::IndicesFromVec(ints, hn::Load(ints, spread.lane)));
+  ways.from = hn::Max(ways.from, hn::Load(floats, spread.first));
+  ways.to = hn::Min(ways.to, hn::Load(floats, spread.last));
+}
 
 /// Takes over what rays have reached in a box.
 HWY_NOINLINE void raise(SearchState& state, const CellBox& box, MaskF raised, const Ways& ways) {
@@ -152,12 +215,15 @@ HWY_INLINE VecF walk_cells(SearchState& state, CloseLooks& looks, const CellBox&
   return passed;
 }
 
-/// Counts the cells that rays have passed.
-HWY_INLINE void count_cells(SearchState& state, VecF cells, const std::int32_t* ray, std::size_t rays) {
+/// Counts the cells that rays have passed, and for the first of them a block each.
+HWY_INLINE void count_cells(SearchState& state, VecF cells, VecI ray, std::size_t lanes, std::size_t blocks) {
   HWY_ALIGN float counted[16];
+  HWY_ALIGN std::int32_t rays[16];
   hn::Store(cells, floats, counted);
-  for (std::size_t lane = 0; lane < rays && lane < float_lanes; ++lane)
-    state.scratch.cost[state.scratch.group.index[ray[lane]]] += 1 + static_cast<std::uint32_t>(counted[lane]);
+  hn::Store(ray, ints, rays);
+  for (std::size_t lane = 0; lane < lanes && lane < float_lanes; ++lane)
+    state.scratch.cost[state.scratch.group.index[rays[lane]]] +=
+        static_cast<std::uint32_t>(lane < blocks) + static_cast<std::uint32_t>(counted[lane]);
 }
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE
