@@ -7,6 +7,7 @@
 #define HWY_TARGET_INCLUDE "render/kernels/wide/maximum_lanes.cpp"  // relative to the repository root
 #include <hwy/foreach_target.h>  // comes first: this file is included again for each machine
 
+#include <bit>
 #include <cstddef>
 #include <limits>
 
@@ -122,8 +123,9 @@ class Search {
   HWY_NOINLINE void open_node(const int* node, double largest) {
     const SearchState::Bounds bounds = state_.bounds_of(node, 16, float_not_below(largest));
     bool any = false;
-    for (std::size_t r = 0; r < state_.vectors * float_lanes && !any; r += float_lanes)
-      any = !hn::AllFalse(floats, state_.rays_through(bounds, r).rays);
+    for (std::uint64_t bits = state_.vectors_through(node, 16); bits != 0 && !any; bits &= bits - 1)
+      any = !hn::AllFalse(
+          floats, state_.rays_through(bounds, static_cast<std::size_t>(std::countr_zero(bits)) * float_lanes).rays);
     if (!any) return;
     const int w = state_.frustum.major, u = state_.frustum.minor[0], v = state_.frustum.minor[1];
     const int block_count[3] = {4 * state_.lattice.node_count[0], 4 * state_.lattice.node_count[1],

@@ -32,9 +32,10 @@ class CloseLooks {
   HWY_NOINLINE void keep_suspects(double highest, double unit, double low_w) {
     BlockSuspects& at_hand = scratch_.at_hand;
     Suspects& suspects = scratch_.suspects;
+    const double scale = 1 / unit;  // exact: a power of two
     for (std::size_t i = 0; i < at_hand.count; ++i) {
       const auto ray = static_cast<std::size_t>(at_hand.ray[i]);
-      const double bound = highest + static_cast<double>(at_hand.bound[i]) / unit;
+      const double bound = highest + static_cast<double>(at_hand.bound[i]) * scale;
       const double from = low_w + static_cast<double>(at_hand.from[i]);
       if (!may_improve(ray, bound, from)) continue;
       suspects.ray[suspects.count] = at_hand.ray[i];
@@ -252,7 +253,8 @@ class CloseLooks {
               field_.leaf_count[0] +
           looks.cell[0][i]);
       const FoundMaximum here{values[lane], times[lane], id, (entry_bits >> lane & 1) != 0};
-      if (is_better(here, found)) found = here;
+      if (!is_better(here, found)) continue;
+      found = here;
       state_.knows(ray, found);
     }
   }

@@ -74,6 +74,14 @@ struct alignas(64) GroupLines {
   float reached_at[size];      ///< no less than where it was found, on the major axis
 };
 
+/// Around the rays of each vector: lines on the minor axes as functions of the place on the major one, where it is 0
+/// and how fast they rise.
+struct alignas(64) VectorLines {
+  static constexpr std::size_t size = RayGroup::size / 4;  ///< the most vectors: of four lanes
+
+  float low[2][size], low_slope[2][size], high[2][size], high_slope[2][size];
+};
+
 /// Parts of rays in a box of cells that may hold a larger value than was found.
 struct alignas(64) BlockSuspects {
   static constexpr std::size_t capacity = 64 * 10 + 16;
@@ -151,6 +159,7 @@ struct SweptSlabs {
 struct alignas(64) MaximumScratch {
   RayGroup group;
   GroupLines lines;
+  VectorLines around;
   RegionQueue queue;
   MaximumBlock block;
   MaximumWindow window;

@@ -43,13 +43,10 @@ struct Window {
 /// @tparam major  the major axis
 template <int major>
 struct WindowCells {
-  static constexpr float lowest = -0x1p17F;  ///< less than any value
+  static constexpr bool is_plain = true;
 
   const std::int32_t* words;
   std::int32_t stride_y;
-
-  /// The highest value of the window is 0.
-  HWY_INLINE static VecF bound(VecI) { return hn::Zero(floats); }
 
   HWY_INLINE Coefficients coefficients(VecI cell, const Point& p, const Point& q) const {
     VecF below[8];

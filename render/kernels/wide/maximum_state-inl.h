@@ -107,7 +107,67 @@ struct SearchState {
       if (!is_inside) lines.from[r] = 1, lines.to[r] = 0;
     }
     vectors = (group.count + float_lanes - 1) / float_lanes;
+    put_lines_around();
     scratch.suspects.count = scratch.looks_left.count = 0;
+  }
+
+  /// Through the ends of the group's part of the lattice. Rays rise on the minor axes, and so do these lines.
+  HWY_INLINE void put_lines_around() {
+    const GroupLines& lines = scratch.lines;
+    VectorLines& around = scratch.around;
+    const auto first = static_cast<float>(frustum.first), last = static_cast<float>(frustum.last);
+    const float inverse_length = last > first ? 1 / (last - first) : 0;
+    const VecF far_away = hn::Set(floats, 0x1p100F);
+    for (std::size_t vector = 0; vector < vectors; ++vector) {
+      const std::size_t r = vector * float_lanes;
+      const MaskF is_inside = hn::Le(hn::Load(floats, lines.from + r), hn::Load(floats, lines.to + r));
+      for (int m = 0; m < 2; ++m) {
+        const VecF start = hn::Load(floats, lines.start[m] + r), slope = hn::Load(floats, lines.slope[m] + r);
+        const auto lowest_at = [&](float w) HWY_ATTR {
+          const VecF at = hn::MulAdd(slope, hn::Set(floats, w), start);
+          return hn::GetLane(hn::MinOfLanes(floats, hn::IfThenElse(is_inside, at, far_away)));
+        };
+        const auto highest_at = [&](float w) HWY_ATTR {
+          const VecF at = hn::MulAdd(slope, hn::Set(floats, w), start);
+          return hn::GetLane(hn::MaxOfLanes(floats, hn::IfThenElse(is_inside, at, hn::Neg(far_away))));
+        };
+        const float low = lowest_at(first), high = highest_at(first);
+        around.low_slope[m][vector] = (lowest_at(last) - low) * inverse_length;
+        around.high_slope[m][vector] = (highest_at(last) - high) * inverse_length;
+        around.low[m][vector] = low - first * around.low_slope[m][vector];
+        around.high[m][vector] = high - first * around.high_slope[m][vector];
+      }
+    }
+  }
+
+  /// Vectors of which rays may pass a region, as bits.
+  ///
+  /// Where the lines around them are near the lattice, their numbers are at most five times its extent: rounding (of
+  /// both factors and the sum, of the part's ends, of the slope) moves them by less than 26 units, a ray's own error is
+  /// less than a margin of 8, and eight margins hold both.
+  HWY_INLINE std::uint64_t vectors_through(const int* region, float edge) const {
+    const VectorLines& around = scratch.around;
+    const float low_w = static_cast<float>(region[frustum.major]) * edge;
+    const auto first = static_cast<float>(frustum.first), last = static_cast<float>(frustum.last);
+    const VecF near = hn::Set(floats, low_w - margin > first ? low_w - margin : first),
+               far = hn::Set(floats, low_w + edge + margin < last ? low_w + edge + margin : last);
+    std::uint64_t bits = 0;
+    for (std::size_t v = 0; v < vectors; v += float_lanes) {
+      MaskF passing = hn::FirstN(floats, vectors - v);
+      for (int m = 0; m < 2; ++m) {
+        const float low = static_cast<float>(region[frustum.minor[m]]) * edge;
+        const VecF lowest =
+            hn::MulAdd(hn::Load(floats, around.low_slope[m] + v), near, hn::Load(floats, around.low[m] + v));
+        const VecF highest =
+            hn::MulAdd(hn::Load(floats, around.high_slope[m] + v), far, hn::Load(floats, around.high[m] + v));
+        // What is not a number, from an eye too far away, passes.
+        passing = hn::AndNot(hn::Or(hn::Gt(lowest, hn::Set(floats, low + edge + 8 * margin)),
+                                    hn::Lt(highest, hn::Set(floats, low - 8 * margin))),
+                             passing);
+      }
+      bits |= bits_of(floats, passing) << v;
+    }
+    return bits;
   }
 
   /// True for regions that the file has; `place` is where.

@@ -109,10 +109,11 @@ HWY_NOINLINE void raise(SearchState& state, const CellBox& box, MaskF raised, co
   hn::Store(ways.reached, floats, values);
   hn::Store(ways.reached_at, floats, places);
   hn::Store(ways.ray, ints, rays);
+  const double scale = 1 / box.unit;  // exact: a power of two
   for (std::uint64_t bits = bits_of(floats, raised); bits != 0; bits &= bits - 1) {
     const int lane = std::countr_zero(bits);
     // Single precision has lost more than this rounding: the error holds for both.
-    const double value = box.highest + static_cast<double>(values[lane]) / box.unit;
+    const double value = box.highest + static_cast<double>(values[lane]) * scale;
     state.set_reached(static_cast<std::size_t>(rays[lane]), value,
                       float_not_below(box.low_w + static_cast<double>(places[lane])));
   }
@@ -120,7 +121,9 @@ HWY_NOINLINE void raise(SearchState& state, const CellBox& box, MaskF raised, co
 }
 
 /// What may hold a larger value than was found goes to the suspects.
-/// @param cells  cells.bound(cell): no value in it is larger; cells.coefficients(cell, p, q): along the way from p to q
+/// @param cells  cells.coefficients(cell, p, q): along the way from p to q; where they are not plain, with cells that
+/// may
+///               be without data, cells.bound(cell): no value in it is larger
 /// @return       how many cells each ray has passed
 template <class Cells>
 HWY_INLINE VecF walk_cells(SearchState& state, CloseLooks& looks, const CellBox& box, const Cells& cells, Ways ways) {
@@ -159,14 +162,17 @@ HWY_INLINE VecF walk_cells(SearchState& state, CloseLooks& looks, const CellBox&
     const VecF leave = hn::Min(hn::Min(next_w, to), hn::Min(next_u, next_v));
     const VecF q_w = hn::Sub(leave, cell_w), q_u = hn::Sub(hn::MulAdd(slope_u, leave, start_u), cell_u),
                q_v = hn::Sub(hn::MulAdd(slope_v, leave, start_v), cell_v);
-    const MaskF wanted = hn::And(
-        active, SearchState::may_improve(hn::Add(cells.bound(cell), error), from, ways.reached, ways.reached_at));
+    MaskF wanted = active;
+    if constexpr (!Cells::is_plain)
+      wanted = hn::And(
+          active, SearchState::may_improve(hn::Add(cells.bound(cell), error), from, ways.reached, ways.reached_at));
     passed = hn::Add(passed, hn::IfThenElseZero(active, one));
-    if (!hn::AllFalse(floats, wanted)) {
+    if (Cells::is_plain || !hn::AllFalse(floats, wanted)) {
       const Coefficients b = cells.coefficients(cell, {p_u, p_v, p_w}, {q_u, q_v, q_w});
       // Without data all coefficients are no numbers, or far below the values of the box.
-      const VecF hull = b.largest();
-      const VecF highest_here = hn::Add(hn::IfThenElseZero(hn::Ge(hull, hn::Set(floats, Cells::lowest)), hull), error);
+      VecF hull = b.largest();
+      if constexpr (!Cells::is_plain) hull = hn::IfThenElseZero(hn::Ge(hull, hn::Set(floats, Cells::lowest)), hull);
+      const VecF highest_here = hn::Add(hull, error);
       const MaskF suspect =
           hn::And(wanted, SearchState::may_improve(highest_here, from, ways.reached, ways.reached_at));
       if (!hn::AllFalse(floats, suspect)) {
@@ -188,9 +194,10 @@ HWY_INLINE VecF walk_cells(SearchState& state, CloseLooks& looks, const CellBox&
         const MaskF inside = hn::And(hn::And(is_inside(p_u, q_u), is_inside(p_v, q_v)),
                                      hn::And(is_inside(p_w, q_w), hn::Ge(length, hn::Set(floats, 128 * state.margin))));
         const VecF value = hn::Sub(b.at(s), error);
-        const MaskF has_data =
-            hn::Le(hn::Abs(hn::Add(hn::Add(b.b0, b.b1), hn::Add(b.b2, b.b3))), hn::Set(floats, -4 * Cells::lowest));
-        const MaskF rises = hn::And(hn::And(suspect, has_data), hn::And(inside, hn::Gt(value, ways.reached)));
+        MaskF rises = hn::And(suspect, hn::And(inside, hn::Gt(value, ways.reached)));
+        if constexpr (!Cells::is_plain)
+          rises = hn::And(rises, hn::Le(hn::Abs(hn::Add(hn::Add(b.b0, b.b1), hn::Add(b.b2, b.b3))),
+                                        hn::Set(floats, -4 * Cells::lowest)));
         ways.reached = hn::IfThenElse(rises, value, ways.reached);
         const VecF place = hn::MulAdd(s, length, from);
         ways.reached_at = hn::IfThenElse(rises, hn::Add(place, hn::Set(floats, state.margin)), ways.reached_at);

@@ -41,15 +41,13 @@ HWY_INLINE VecW look_up(VecW low, VecW high, VecW number) {
 /// The 5 x 5 x 5 samples of a block, (x, y, z) at x + 5 y + 25 z: how far each lies below the block's largest. In
 /// pairs of words, of which the lower one is looked up by the lower half of a number and the other by the upper half.
 struct WordTable {
+  static constexpr bool is_plain = true;         ///< corners are looked up sooner than a bound
   static constexpr float lowest = -0x1p17F;      ///< less than any value
   static constexpr std::int32_t both = 0x10001;  ///< times a distance: that of both words of a pair
 
   VecW part[4];
   std::int32_t first;      ///< of the lowest cell: its corner and the next one on the axis u
   std::int32_t stride[3];  ///< on the axes w, u, v, times `both`
-
-  /// The highest value of the block is 0. Corners are looked up sooner than a bound.
-  HWY_INLINE static VecF bound(VecI) { return hn::Zero(floats); }
 
   HWY_INLINE Coefficients coefficients(VecI cell, const Point& p, const Point& q) const {
     VecF below[8];
