@@ -97,8 +97,8 @@ struct FacetChunk {
 /// memory, under one node.
 struct alignas(64) FacetPart {
   static constexpr std::uint32_t capacity = FacetNode::size * FacetBlock::size;
-  /// Where more facets are expected, were they spread evenly over their box, or more blocks to be looked into, the whole
-  /// surface is asked about. Both by measurement (data/study/peers_tets.md).
+  /// Where more facets are expected, were they spread evenly over their box, or more blocks to be looked into, the
+  /// whole surface is asked about. Both by measurement (data/study/peers_tets.md).
   static constexpr float most_expected = capacity * 4;
   static constexpr std::uint32_t most_looked_into = 96;
 
