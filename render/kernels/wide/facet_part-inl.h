@@ -64,14 +64,14 @@ class PartSearch {
                         bool down)
       : whole_(whole), chunks_(chunks), chunk_count_(chunk_count), beam_(axis, down) {}
 
-  /// @return  false where there are more than a part holds
-  bool gather(FacetPart& part) {
+  /// @return  false where there are more than a part holds, or more to be expected
+  bool gather(FacetPart& part, float most_expected) {
     part.begin(whole_);
     if (!bound_lines()) return true;
     float at_low[4], at_high[4];
     bound_places(at_low, at_high);
     const float expected = beam_.share_of(whole_, at_low, at_high) * static_cast<float>(whole_.facet_count);
-    if (!(expected <= FacetPart::most_expected)) return false;
+    if (!(expected <= most_expected)) return false;
     beam_.set_lines(at_low, at_high);
     FacetStack stack(whole_);
     while (stack.count != 0) {

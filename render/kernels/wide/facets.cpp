@@ -112,7 +112,7 @@ HWY_INLINE void for_each_direction(const Directions& directions, const Act& act)
 }
 
 const FacetSurface& prepare_rays(const FacetSurface& whole, const RayArrays& rays, std::size_t count, double farthest,
-                                 FacetScratch& scratch, KernelCounters& counters) {
+                                 float most_expected, FacetScratch& scratch, KernelCounters& counters) {
   std::optional<std::pair<int, bool>> shared;
   bool is_shared = true;
   std::size_t chunk_count = 0;
@@ -135,7 +135,7 @@ const FacetSurface& prepare_rays(const FacetSurface& whole, const RayArrays& ray
   constexpr std::size_t few_chunks = 3;  // which share too little
   if (!is_shared || !shared || chunk_count <= few_chunks) return whole;
   PartSearch search(whole, scratch.chunks, chunk_count, shared->first, shared->second);
-  const bool is_whole = search.gather(scratch.part);
+  const bool is_whole = search.gather(scratch.part, most_expected);
   counters.macrocells_visited += scratch.part.node_count * count;
   counters.cells_visited += scratch.part.looked_into_count * count;
   scratch.part_visits = scratch.part.node_count + scratch.part.looked_into_count;

@@ -55,15 +55,16 @@ FacetSurface surface_of(const FacetBlockers& blockers, const Question& question)
 
 /// Calls act(surface, first, count, chunk) for the rays of a batch, a chunk at a time that begins at `first`, with what
 /// of the surface they are to be asked about.
-/// @param farthest  rays that start farther away go to the reference
+/// @param farthest, most_expected  as PrepareRays takes them
 template <class Act>
 void for_each_chunk(Machine machine, const FacetSurface& whole, const RayBatch& rays, double farthest,
-                    FacetScratch& memory, KernelCounters& counters, const Act& act) {
+                    float most_expected, FacetScratch& memory, KernelCounters& counters, const Act& act) {
   constexpr std::size_t at_once = FacetScratch::chunk_capacity * RayGroup::size;
   const PrepareRays prepare = prepare_rays_on(machine);
   for (std::size_t begin = 0; begin < rays.count; begin += at_once) {
     const std::size_t end = std::min(begin + at_once, rays.count);
-    const FacetSurface& surface = prepare(whole, from(rays, begin), end - begin, farthest, memory, counters);
+    const FacetSurface& surface =
+        prepare(whole, from(rays, begin), end - begin, farthest, most_expected, memory, counters);
     FacetChunk* chunk = memory.chunks;
     for (std::size_t first = begin; first < end; first += RayGroup::size)
       act(surface, first, std::min(RayGroup::size, end - first), *chunk++);
@@ -161,8 +162,8 @@ void first_facets(const VolumeImplementation& volume, const Question& question, 
             if (left.whole != 0)
               ask_again(other, volume, question, rays, first, left.whole, hits, memory.others, scratch);
           };
-          for_each_chunk(machine, whole, rays, certified ? certified_reach : reach, memory, scratch.counters,
-                         answer_chunk);
+          for_each_chunk(machine, whole, rays, certified ? certified_reach : reach, FacetPart::most_expected, memory,
+                         scratch.counters, answer_chunk);
         }
       },
       volume.view);
@@ -195,7 +196,7 @@ void any_facets(const VolumeImplementation& volume, const Question& question, co
             whole = surface_of(*blockers->facets, question);
           }
           const AnyFacets answer = any_facets_on(machine);
-          for_each_chunk(machine, whole, rays, reach, memory, scratch.counters,
+          for_each_chunk(machine, whole, rays, reach, FacetPart::most_expected_of_any, memory, scratch.counters,
                          [&](const FacetSurface& surface, std::size_t first, std::size_t count, FacetChunk& chunk) {
                            MetFacets met = answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
                            if (met.unanswered != 0)
@@ -247,7 +248,8 @@ void cross_facets(const VolumeImplementation& volume, const CrossingsQuestion& q
               for (; left != 0; left &= left - 1)
                 complete[first + static_cast<std::size_t>(std::countr_zero(left))] = 0;
             };
-            for_each_chunk(machine, whole, rays, reach, memory.facets->facets, counters, answer_chunk);
+            for_each_chunk(machine, whole, rays, reach, FacetPart::most_expected, memory.facets->facets, counters,
+                           answer_chunk);
           }
       },
       volume.view);

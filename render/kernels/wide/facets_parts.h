@@ -97,9 +97,10 @@ struct FacetChunk {
 /// memory, under one node.
 struct alignas(64) FacetPart {
   static constexpr std::uint32_t capacity = FacetNode::size * FacetBlock::size;
-  /// Where more facets are expected, were they spread evenly over their box, or more blocks to be looked into, the
-  /// whole surface is asked about. Both by measurement (data/study/peers_tets.md).
-  static constexpr float most_expected = capacity * 4;
+  /// Where more facets are expected, were they spread evenly over their box, the whole surface is asked about; a part
+  /// pays less for rays that end at any facet. So it is where more blocks have to be looked into. All by measurement
+  /// (data/study/peers_tets.md).
+  static constexpr float most_expected = capacity * 4, most_expected_of_any = capacity;
   static constexpr std::uint32_t most_looked_into = 96;
 
   FacetBlock blocks[FacetNode::size];
@@ -169,9 +170,12 @@ struct Answered {
 };
 
 /// Makes at most chunk_capacity chunks of rays ready.
-/// @return  the surface to ask about them: the whole one, or the part of it that they may meet
+/// @param farthest       rays that start farther away go to the reference
+/// @param most_expected  of facets in a part
+/// @return               the surface to ask about them: the whole one, or the part of it that they may meet
 using PrepareRays = const FacetSurface& (*)(const FacetSurface& whole, const RayArrays& rays, std::size_t count,
-                                            double farthest, FacetScratch& scratch, KernelCounters& counters);
+                                            double farthest, float most_expected, FacetScratch& scratch,
+                                            KernelCounters& counters);
 
 /// Answers a chunk of at most 64 rays that is ready. Hits are written, and what each ray cost; of what is no hit
 /// nothing else.
