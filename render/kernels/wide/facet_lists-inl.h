@@ -28,7 +28,7 @@ HWY_INLINE void clear_lists(FacetLists& lists) {
 /// @return  whether that is now nearer for any
 HWY_INLINE bool note_in_lists(FacetGroup& group, MaskF through, VecF depth, std::size_t r, std::uint32_t facet) {
   FacetLists& lists = *group.scratch.lists;
-  const VecF end = hn::Load(floats, group.scratch.depth + r), begin = hn::Load(floats, group.scratch.begin + r);
+  const VecF end = hn::Load(floats, group.scratch.depth + r), begin = hn::Load(floats, group.lines.begin + r);
   const MaskF met = hn::And(through, hn::And(hn::Le(depth, end), hn::Ge(depth, begin)));
   std::uint64_t bits = bits_of(floats, met);
   if (bits == 0) return false;

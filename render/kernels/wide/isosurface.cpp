@@ -394,9 +394,10 @@ class GroupWalk {
     return hn::AndNot(touched, looks);
   }
 
-  /// Of rays that start in a crossing: their first cubics begin on the side that is known. Takes out the lanes that do
-  /// not get farther from the surface than their starts may be, and those that begin farther from it on the other side:
-  /// they have come out of cells without data, as in without_strays.
+  /// Of rays that start in a crossing: their first cubics begin on the side that is known, by
+  /// crossing_methods::on_side. Takes out the lanes that do not get farther from the surface than their starts may be,
+  /// and those that begin farther from it on the other side: they have come out of cells without data, as in
+  /// without_strays.
   HWY_INLINE MaskF leave_crossings(Lanes& lanes, const Corners& corners, MaskF looks, CubicLanes& cubic,
                                    std::size_t r) {
     MaskF starts = hn::And(looks, mask_of(floats, starting_ >> r));
@@ -411,7 +412,8 @@ class GroupWalk {
     }
     const MaskF stays = hn::And(starts, hn::Le(farthest, near)), leaves = hn::AndNot(stays, starts);
     const VecF least = hn::IfThenElse(lanes.inside, hn::Zero(floats), hn::Set(floats, -0x1p-126F));
-    cubic.b[0] = hn::IfThenElse(leaves, least, cubic.b[0]);
+    const MaskF is_wrong = hn::Xor(is_inside(cubic.b[0]), lanes.inside);
+    cubic.b[0] = hn::IfThenElse(hn::And(leaves, is_wrong), least, cubic.b[0]);
     starting_ &= ~(bits_of(floats, leaves) << r);
     return hn::AndNot(stays, looks);
   }
