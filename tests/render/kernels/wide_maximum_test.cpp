@@ -104,6 +104,48 @@ TEST(WideMaximum, is_the_scalar_kernels_answer_bit_for_bit_for_every_type_of_sam
   EXPECT_GT(hits, 8000);
 }
 
+/// From the least to the largest number of a type, most of them far below the few that are high.
+template <class T>
+Samples over_all_of() {
+  constexpr double least = std::numeric_limits<T>::lowest(), largest = std::numeric_limits<T>::max();
+  return [](const Index3& at) {
+    const double kind = noise(97, 0)(at);
+    if (kind == 0) return largest;
+    if (kind == 1) return least;
+    return least + std::floor((largest - least) * (2.2 + waves(at)) / 6);
+  };
+}
+
+TEST(WideMaximum, is_the_scalar_kernels_answer_where_samples_span_their_whole_type) {
+  int hits = 0;
+  hits += agreement_of<std::uint8_t>(over_all_of<std::uint8_t>(), 301);
+  hits += agreement_of<std::int8_t>(over_all_of<std::int8_t>(), 302);
+  hits += agreement_of<std::uint16_t>(over_all_of<std::uint16_t>(), 303);
+  hits += agreement_of<std::int16_t>(over_all_of<std::int16_t>(), 304);
+  EXPECT_GT(hits, 4000);
+}
+
+// Groups of 8 x 8 rays from one eye; the blocks that are high concern few of them.
+TEST(WideMaximum, is_the_scalar_kernels_answer_from_eyes_near_and_far) {
+  const Vec3 size(36, 21, 69), middle = 0.5 * size;
+  const TracedVolume traced(volume_of<std::uint16_t>(
+      {37, 22, 70}, [](const Index3& at) { return static_cast<std::uint16_t>(over_all_of<std::uint16_t>()(at)); }));
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> anywhere(-1, 1);
+  std::vector<Ray> rays;
+  for (const double distance : {1.0, 1e2, 1e4, 1e7, 1e12, 1e30, 1e150}) {
+    for (int group = 0; group < 16; ++group) {
+      const Vec3 forward = Vec3(anywhere(random), anywhere(random), anywhere(random)).normalized();
+      const Vec3 eye = middle - distance * forward;
+      for (int pixel = 0; pixel < 64; ++pixel) {
+        const Vec3 target = middle + Vec3(1.1 * (pixel % 8) - 4, 0.9 * (pixel / 8) - 3, 0.8 * (pixel % 8) - 3);
+        rays.push_back({.origin = eye, .direction = (target - eye).normalized()});
+      }
+    }
+  }
+  EXPECT_GT(expect_agreement(traced, rays), 3000);
+}
+
 TEST(WideMaximum, is_the_scalar_kernels_answer_in_noise_plateaus_and_constants) {
   const std::vector<Samples> kinds{
       noise(100000, -50000),
