@@ -87,6 +87,7 @@ MaximumField field_of(const VolumeImplementation& volume, const GridVolume<T>& v
   MaximumField field{
       .source = SampleSource(view.samples().data(), view.tables(), view.description().layout.sample_count),
       .type = formats::element_type_of<T>(),
+      .sample_bytes = sizeof(T),
       .leaf_count = {},
       .node_count = {},
       .blocks = ranges_of(view.levels(), 1),

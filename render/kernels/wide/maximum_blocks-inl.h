@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <limits>
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include "render/kernels/wide/lanes-inl.h"
@@ -19,6 +20,7 @@
 #include "render/kernels/wide/maximum_samples-inl.h"
 #include "render/kernels/wide/maximum_state-inl.h"
 #include "render/kernels/wide/maximum_walk-inl.h"
+#include "render/kernels/wide/maximum_words-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
@@ -32,7 +34,13 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 class BlockWalk {
  public:
   BlockWalk(SearchState& state, CloseLooks& looks)
-      : state_(state), looks_(looks), field_(state.field), scratch_(state.scratch) {}
+      : state_(state), looks_(looks), field_(state.field), scratch_(state.scratch), order_(order_of(state)) {
+    using formats::ElementType;
+    const ElementType type = field_.type;
+    may_use_words_ =
+        field_.has_squares && !field_.has_gaps &&
+        (type == ElementType::U8 || type == ElementType::I8 || type == ElementType::U16 || type == ElementType::I16);
+  }
 
   HWY_NOINLINE void look_into(const int* block) {
     int place[3] = {};
@@ -41,46 +49,69 @@ class BlockWalk {
     const float largest = float_not_below(range.hi);
     RaysAtBlock& at_block = scratch_.at_block;
     at_block.count = 0;
-    for (std::size_t r = 0; r < state_.vectors * float_lanes; r += float_lanes) {
-      const SearchState::Passing passing = state_.rays_through(block, 4, largest, r);
-      if (hn::AllFalse(floats, passing.rays)) continue;
-      store_chosen(ints, hn::Iota(ints, static_cast<std::int32_t>(r)), hn::RebindMask(ints, passing.rays),
-                   at_block.ray + at_block.count);
-      store_chosen(floats, passing.from, passing.rays, at_block.from + at_block.count);
-      at_block.count += store_chosen(floats, passing.to, passing.rays, at_block.to + at_block.count);
+    const double low[3] = {4.0 * block[0], 4.0 * block[1], 4.0 * block[2]};
+    const SearchState::Bounds bounds = state_.bounds_of(block, 4, largest);
+    for (std::uint64_t bits = state_.vectors_through(block, 4); bits != 0; bits &= bits - 1) {
+      const std::size_t r = static_cast<std::size_t>(std::countr_zero(bits)) * float_lanes;
+      const SearchState::Passing passing = state_.rays_through(bounds, r);
+      if (!hn::AllFalse(floats, passing.rays))
+        state_.put_at_box(r, passing.rays, passing.from, passing.to, low, hn::Load(floats, scratch_.lines.reached + r));
     }
     if (at_block.count == 0) return;
-    // Lanes beyond the last ray pass through nothing.
-    for (std::size_t lane = at_block.count; lane < at_block.count + float_lanes; ++lane)
-      at_block.ray[lane] = at_block.ray[0], at_block.from[lane] = 1, at_block.to[lane] = 0;
-
-    const double unit = unit_for(range.hi - range.lo, in_float(field_.type));
-    fetch_of_type(field_, place, range.hi, unit, scratch_.block);
+    state_.close_box();
     scratch_.at_hand.count = 0;
-    for (std::size_t first = 0; first < at_block.count; first += float_lanes) walk_block(block, range, unit, first);
-    looks_.keep_suspects(range.hi, unit, 4.0 * block[state_.frustum.major]);
+#if RHORAY_HAS_WORD_TABLES
+    if (has_words(place)) return walk_block(block, range, 1, find_words(place, range.hi));
+#endif
+    const double unit = unit_for(range.hi - range.lo, in_float(field_.type));
+    walk_block(block, range, unit, find_cells(place, range.hi, unit));
+  }
+
+  /// Asks for a block's samples before they are needed, where they lie in squares.
+  HWY_INLINE void ask_for(const int* block) const {
+    int place[3];
+    if (!state_.find_in_file(block, true, field_.blocks, place) || !has_words(place)) return;
+    const SampleSource& source = field_.source;
+    const std::size_t size = field_.sample_bytes;
+    const int x = 4 * place[0], y = 4 * place[1];
+    const std::uint64_t near_x = source.address[0][x], far_x = source.address[0][x + 4];
+    const std::uint64_t near_y = source.address[1][y], far_y = source.address[1][y + 4];
+    for (const int z : {0, 2, 4}) {
+      const char* here = static_cast<const char*>(source.samples) + size * source.address[2][4 * place[2] + z];
+      hwy::Prefetch(here + size * (near_x + near_y));
+      hwy::Prefetch(here + size * (far_x + near_y));
+      hwy::Prefetch(here + size * (near_x + far_y));
+      hwy::Prefetch(here + size * (far_x + far_y));
+    }
   }
 
  private:
+  /// True for blocks whose samples can be read as squares of words.
+  HWY_INLINE bool has_words(const int* place) const {
+    bool is_whole = may_use_words_;
+    for (int a = 0; a < 3; ++a) is_whole = is_whole && 4 * place[a] + 4 < field_.source.count[a];
+    return is_whole;
+  }
+
   /// What rays have reached, in a block's unit: no more than it is, and below the block's largest value where that is
   /// not reached.
-  HWY_INLINE VecF reached_in_block(double highest, double unit, std::size_t first) const {
+  /// @param least  less than any value of the block, in its unit
+  HWY_INLINE VecF reached_in_block(double highest, double unit, float least, std::size_t first) const {
     const RaysAtBlock& at_block = scratch_.at_block;
-    const VecF least = hn::Set(floats, -8.0F);
     if (in_float(field_.type)) {
-      const VecF reached = hn::GatherIndex(floats, scratch_.lines.reached, hn::Load(ints, at_block.ray + first));
+      const VecF reached = hn::Load(floats, at_block.reached + first);
       const VecF from = hn::Set(floats, static_cast<float>(highest));
       const VecF below = hn::Sub(reached, from);
       const VecF lower = hn::NegMulAdd(hn::Abs(below), hn::Set(floats, 0x1p-22F), below);
       const VecF safe = hn::IfThenElse(hn::Eq(hn::Add(below, from), reached), below, lower);
-      return hn::Max(hn::Mul(safe, hn::Set(floats, static_cast<float>(unit))), least);
+      return hn::Max(hn::Mul(safe, hn::Set(floats, static_cast<float>(unit))), hn::Set(floats, least));
     }
     HWY_ALIGN float result[16];
     for (std::size_t lane = 0; lane < float_lanes; ++lane) {
       const double value = scratch_.reached[at_block.ray[first + lane]];
       const double below = value - highest, scaled = below * unit;
-      result[lane] = -8;
-      if (!(scaled > -8)) continue;
+      result[lane] = least;
+      if (!(scaled > static_cast<double>(least))) continue;
       result[lane] = float_not_above(scaled);
       if (below + highest != value) result[lane] -= 0x1p-22F * (result[lane] < 0 ? -result[lane] : result[lane]);
     }
@@ -89,83 +120,107 @@ class BlockWalk {
 
   static constexpr float margin = 0x1p-18F;  ///< more than places from the block's corner are off
 
-  /// Where rays are on a minor axis where a block begins, from its corner.
-  HWY_INLINE VecF start_in_box(int m, std::size_t first, double low_w, double low) const {
-    constexpr hn::RebindToSigned<Doubles> longs;
-    HWY_ALIGN float start[float_lanes];
-    for (std::size_t lane = 0; lane < float_lanes; lane += double_lanes) {
-      const auto ray = hn::PromoteTo(longs, hn::LoadU(half_ints, scratch_.at_block.ray + first + lane));
-      const VecD at_zero = hn::GatherIndex(doubles, scratch_.lines.exact_start[m], ray),
-                 slope = hn::GatherIndex(doubles, scratch_.lines.exact_slope[m], ray);
-      const VecD at_low = hn::MulAdd(slope, hn::Set(doubles, low_w), at_zero);
-      hn::Store(hn::DemoteTo(half_floats, hn::Sub(at_low, hn::Set(doubles, low))), half_floats, start + lane);
+  /// How samples (x, y, z), stored at x + 5 y + 25 z, follow each other along the axes w, u, v of the mirrored lattice.
+  struct Order {
+    std::int32_t stride[3];
+    std::int32_t lowest_sample = 0, lowest_cell = 0;  ///< of the lowest corner and cell
+  };
+
+  /// Mirrored axes are read backwards.
+  HWY_INLINE static Order order_of(const SearchState& state) {
+    const int axes[3] = {state.frustum.major, state.frustum.minor[0], state.frustum.minor[1]};
+    Order order;
+    for (int i = 0; i < 3; ++i) {
+      constexpr std::int32_t step[3] = {1, 5, 25};
+      const bool is_mirrored = state.lattice.is_mirrored(axes[i]);
+      order.stride[i] = is_mirrored ? -step[axes[i]] : step[axes[i]];
+      if (is_mirrored) order.lowest_sample += 4 * step[axes[i]], order.lowest_cell += 3 * step[axes[i]];
     }
-    return hn::Load(floats, start);
+    return order;
   }
 
   /// The samples of a block, in which a cell is where its lowest sample is.
   struct Cells {
+    static constexpr bool is_plain = false;
     static constexpr float lowest = -4;  ///< less than any value with data
 
     const float* samples;
     const float* largest;
-    std::int32_t stride_w, stride_u, stride_v;
+    std::int32_t first, stride[3];
 
     HWY_INLINE VecF bound(VecI cell) const { return hn::GatherIndex(floats, largest, cell); }
     HWY_INLINE Coefficients coefficients(VecI cell, const Point& p, const Point& q) const {
       VecF f[8];
       for (int c = 0; c < 8; ++c)
-        f[c] =
-            hn::GatherIndex(floats, samples + (c & 1) * stride_u + (c >> 1 & 1) * stride_v + (c >> 2) * stride_w, cell);
+        f[c] = hn::GatherIndex(floats, samples + (c & 1) * stride[1] + (c >> 1 & 1) * stride[2] + (c >> 2) * stride[0],
+                               cell);
       return HWY_NAMESPACE::coefficients(f, p, q);
     }
   };
 
-  /// The cells of a block along some rays.
-  HWY_NOINLINE void walk_block(const int* block, const Range& range, double unit, std::size_t first) {
-    const RaysAtBlock& at_block = scratch_.at_block;
-    const GroupLines& lines = scratch_.lines;
-    const int axes[3] = {state_.frustum.major, state_.frustum.minor[0], state_.frustum.minor[1]};
-    CellBox box{.low_w = 4.0 * block[axes[0]],
-                .last = {3, 3, 3},
-                .first = 0,
-                .stride = {},
-                .highest = range.hi,
-                .unit = unit,
-                .error = static_cast<float>((range.hi - range.lo) * unit) * (12 * margin + 0x1p-20F),
-                .margin = margin};
-    // Mirrored axes are read backwards.
-    std::int32_t lowest_sample = 0, lowest_cell = 0;
-    for (int i = 0; i < 3; ++i) {
-      constexpr std::int32_t step[3] = {1, 5, 25};
-      const bool is_mirrored = state_.lattice.is_mirrored(axes[i]);
-      box.stride[i] = is_mirrored ? -step[axes[i]] : step[axes[i]];
-      if (is_mirrored) lowest_sample += 4 * step[axes[i]], lowest_cell += 3 * step[axes[i]];
-    }
-    const Cells cells{scratch_.block.sample + lowest_sample, scratch_.block.largest + lowest_cell, box.stride[0],
-                      box.stride[1], box.stride[2]};
+  HWY_INLINE Cells find_cells(const int* place, double highest, double unit) const {
+    fetch_of_type(field_, place, highest, unit, scratch_.block);
+    return {.samples = scratch_.block.sample + order_.lowest_sample,
+            .largest = scratch_.block.largest + order_.lowest_cell,
+            .first = 0,
+            .stride = {order_.stride[0], order_.stride[1], order_.stride[2]}};
+  }
 
-    const VecF low_w = hn::Set(floats, static_cast<float>(4 * block[axes[0]]));
-    Ways ways;
-    ways.ray = hn::Load(ints, at_block.ray + first);
-    ways.from = hn::Sub(hn::Load(floats, at_block.from + first), low_w);
-    ways.to = hn::Sub(hn::Load(floats, at_block.to + first), low_w);
-    for (int m = 0; m < 2; ++m) {
-      ways.slope[m] = hn::GatherIndex(floats, lines.slope[m], ways.ray);
-      ways.inverse[m] = hn::GatherIndex(floats, lines.inverse[m], ways.ray);
-      ways.start[m] = start_in_box(m, first, box.low_w, 4.0 * block[axes[m + 1]]);
+#if RHORAY_HAS_WORD_TABLES
+  HWY_INLINE WordTable find_words(const int* place, double highest) const {
+    using formats::ElementType;
+    WordTable table;
+    table.first = WordTable::both * order_.lowest_sample + 0x10000 * order_.stride[1];
+    for (int i = 0; i < 3; ++i) table.stride[i] = WordTable::both * order_.stride[i];
+    switch (field_.type) {
+      case ElementType::U8:
+        fetch_words<std::uint8_t>(field_.source, place, highest, table);
+        break;
+      case ElementType::I8:
+        fetch_words<std::int8_t>(field_.source, place, highest, table);
+        break;
+      case ElementType::U16:
+        fetch_words<std::uint16_t>(field_.source, place, highest, table);
+        break;
+      default:
+        fetch_words<std::int16_t>(field_.source, place, highest, table);
     }
-    ways.reached = reached_in_block(range.hi, unit, first);
-    ways.reached_at =
-        hn::Add(hn::Sub(hn::GatherIndex(floats, lines.reached_at, ways.ray), low_w), hn::Set(floats, state_.margin));
-    const VecF passed = walk_cells(state_, looks_, box, cells, ways);
-    count_cells(state_, passed, at_block.ray + first, at_block.count - first);
+    return table;
+  }
+#endif
+
+  /// The cells of a block along the rays at it.
+  template <class AnyCells>
+  HWY_NOINLINE void walk_block(const int* block, const Range& range, double unit, const AnyCells& cells) {
+    const RaysAtBlock& at_block = scratch_.at_block;
+    const double low_w = 4.0 * block[state_.frustum.major];
+    const CellBox box{.low_w = low_w,
+                      .last = {3, 3, 3},
+                      .first = cells.first,
+                      .stride = {cells.stride[0], cells.stride[1], cells.stride[2]},
+                      .highest = range.hi,
+                      .unit = unit,
+                      .error = static_cast<float>((range.hi - range.lo) * unit) * (12 * margin + 0x1p-20F),
+                      .margin = margin};
+    const VecF low = hn::Set(floats, static_cast<float>(low_w));
+    for (std::size_t first = 0; first < at_block.count; first += float_lanes) {
+      const VecF reached = reached_in_block(range.hi, unit, 2 * AnyCells::lowest, first);
+      Ways ways = ways_at_box(state_, first, low, reached);
+      const std::size_t rays = at_block.count - first;
+      const Spread* spread = rays <= most_spread ? &spreads[rays] : nullptr;
+      if (spread) spread_out(*spread, ways);
+      const VecF passed = walk_cells(state_, looks_, box, cells, ways);
+      count_cells(state_, passed, ways.ray, spread ? spread->used : rays, rays);
+    }
+    looks_.keep_suspects(range.hi, unit, low_w);
   }
 
   SearchState& state_;
   CloseLooks& looks_;
   const MaximumField& field_;
   MaximumScratch& scratch_;
+  Order order_;
+  bool may_use_words_;
 };
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE

@@ -7,9 +7,11 @@
 #define HWY_TARGET_INCLUDE "render/kernels/wide/maximum_lanes.cpp"  // relative to the repository root
 #include <hwy/foreach_target.h>  // comes first: this file is included again for each machine
 
+#include <bit>
 #include <cstddef>
 #include <limits>
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include "render/kernels/wide/frustum_walk.h"
@@ -44,6 +46,7 @@ class Search {
     RegionQueue& queue = scratch_.queue;
     for (int bucket; (bucket = queue.highest_bucket()) >= 0 && bucket >= queue.bucket_of(state_.lowest_reached);) {
       const RegionQueue::Region region = queue.take(bucket);
+      ask_for_next();
       if (region.largest < state_.lowest_reached) continue;
       const int at[3] = {region.at[0], region.at[1], region.at[2]};
       const int slab = at[state_.frustum.major] / (region.is_block ? 4 : 1);
@@ -58,6 +61,33 @@ class Search {
   }
 
  private:
+  /// Asks for what the region that is likely to be taken next needs, before it is needed.
+  HWY_INLINE void ask_for_next() const {
+    const int bucket = scratch_.queue.highest_bucket();
+    if (bucket < 0) return;
+    const RegionQueue::Region& region = scratch_.queue.first_in(bucket);
+    const int at[3] = {region.at[0], region.at[1], region.at[2]};
+    if (region.is_block)
+      blocks_.ask_for(at);
+    else
+      ask_for_blocks(at);
+  }
+
+  /// Asks for the ranges of a node's blocks.
+  HWY_INLINE void ask_for_blocks(const int* node) const {
+    int first[3];
+    for (int a = 0; a < 3; ++a) {
+      first[a] = 4 * state_.lattice.node(a, node[a]);
+      if (first[a] < 0 || first[a] + 4 > field_.blocks.count[a]) return;
+    }
+    for (int k = 0; k < 4; ++k)
+      for (int j = 0; j < 4; ++j) {
+        const int block[3] = {first[0], first[1] + j, first[2] + k};
+        hwy::Prefetch(static_cast<const char*>(field_.blocks.first) +
+                      2 * field_.sample_bytes * place_of(field_.blocks, block));
+      }
+  }
+
   HWY_INLINE void put_nodes() {
     const int w = state_.frustum.major, u = state_.frustum.minor[0], v = state_.frustum.minor[1];
     const auto slab_of = [&](double at) HWY_ATTR {
@@ -91,10 +121,11 @@ class Search {
   }
 
   HWY_NOINLINE void open_node(const int* node, double largest) {
-    const float largest_float = float_not_below(largest);
+    const SearchState::Bounds bounds = state_.bounds_of(node, 16, float_not_below(largest));
     bool any = false;
-    for (std::size_t r = 0; r < state_.vectors * float_lanes && !any; r += float_lanes)
-      any = !hn::AllFalse(floats, state_.rays_through(node, 16, largest_float, r).rays);
+    for (std::uint64_t bits = state_.vectors_through(node, 16); bits != 0 && !any; bits &= bits - 1)
+      any = !hn::AllFalse(
+          floats, state_.rays_through(bounds, static_cast<std::size_t>(std::countr_zero(bits)) * float_lanes).rays);
     if (!any) return;
     const int w = state_.frustum.major, u = state_.frustum.minor[0], v = state_.frustum.minor[1];
     const int block_count[3] = {4 * state_.lattice.node_count[0], 4 * state_.lattice.node_count[1],

@@ -32,12 +32,14 @@ class CloseLooks {
   HWY_NOINLINE void keep_suspects(double highest, double unit, double low_w) {
     BlockSuspects& at_hand = scratch_.at_hand;
     Suspects& suspects = scratch_.suspects;
+    const double scale = 1 / unit;  // exact: a power of two
     for (std::size_t i = 0; i < at_hand.count; ++i) {
       const auto ray = static_cast<std::size_t>(at_hand.ray[i]);
-      const double bound = highest + static_cast<double>(at_hand.bound[i]) / unit;
-      if (bound < scratch_.reached[ray]) continue;
+      const double bound = highest + static_cast<double>(at_hand.bound[i]) * scale;
+      const double from = low_w + static_cast<double>(at_hand.from[i]);
+      if (!may_improve(ray, bound, from)) continue;
       suspects.ray[suspects.count] = at_hand.ray[i];
-      suspects.from[suspects.count] = low_w + static_cast<double>(at_hand.from[i]);
+      suspects.from[suspects.count] = from;
       suspects.to[suspects.count] = low_w + static_cast<double>(at_hand.to[i]);
       suspects.bound[suspects.count++] = bound;
     }
@@ -51,7 +53,7 @@ class CloseLooks {
     Suspects& suspects = scratch_.suspects;
     for (std::size_t i = 0; i < suspects.count; ++i) {
       const auto ray = static_cast<std::size_t>(suspects.ray[i]);
-      if (suspects.bound[i] < scratch_.reached[ray]) continue;
+      if (!may_improve(ray, suspects.bound[i], suspects.from[i])) continue;
       put_look(suspects.ray[i], state_.time_at(ray, suspects.from[i]), state_.time_at(ray, suspects.to[i]));
       if (scratch_.looks_left.count == first_looks) look_closely();
     }
@@ -62,6 +64,12 @@ class CloseLooks {
   }
 
  private:
+  /// False where no value up to `bound`, from that place on, takes the place of what was reached.
+  HWY_INLINE bool may_improve(std::size_t ray, double bound, double from) const {
+    const double reached = scratch_.reached[ray];
+    return bound > reached || (bound == reached && from < static_cast<double>(scratch_.lines.reached_at[ray]));
+  }
+
   static constexpr std::size_t first_looks = 128;
 
   /// The cell in the middle, up to rounding; those around it follow as far as the part reaches.
@@ -245,7 +253,8 @@ class CloseLooks {
               field_.leaf_count[0] +
           looks.cell[0][i]);
       const FoundMaximum here{values[lane], times[lane], id, (entry_bits >> lane & 1) != 0};
-      if (is_better(here, found)) found = here;
+      if (!is_better(here, found)) continue;
+      found = here;
       state_.knows(ray, found);
     }
   }

@@ -50,6 +50,7 @@ using LookClosely = void (*)(const void* context, const RayArrays& rays, std::si
 struct MaximumField {
   SampleSource source;
   formats::ElementType type;
+  std::size_t sample_bytes;
   int leaf_count[3];
   std::array<int, 3> node_count;  ///< of 16 cells, a multiple of 4
   StoredRanges blocks, nodes;     ///< of 4 and of 16 cells; there may be none of 16
@@ -71,6 +72,14 @@ struct alignas(64) GroupLines {
   float from[size], to[size];  ///< the part inside the lattice, on the major axis
   float reached[size];         ///< no more than the largest value found
   float reached_at[size];      ///< no less than where it was found, on the major axis
+};
+
+/// Around the rays of each vector: lines on the minor axes as functions of the place on the major one, where it is 0
+/// and how fast they rise.
+struct alignas(64) VectorLines {
+  static constexpr std::size_t size = RayGroup::size / 4;  ///< the most vectors: of four lanes
+
+  float low[2][size], low_slope[2][size], high[2][size], high_slope[2][size];
 };
 
 /// Parts of rays in a box of cells that may hold a larger value than was found.
@@ -117,7 +126,10 @@ struct alignas(64) RaysAtBlock {
   static constexpr std::size_t capacity = RayGroup::size + 16;
 
   std::int32_t ray[capacity];
-  float from[capacity], to[capacity];
+  float from[capacity], to[capacity];  ///< on the major axis
+  float start[2][capacity];            ///< places on the minor axes where the box begins, from its corner
+  float slope[2][capacity], inverse[2][capacity];
+  float reached[capacity], reached_at[capacity];
   std::size_t count;
 };
 
@@ -136,12 +148,10 @@ struct alignas(64) MaximumWindow {
   std::int32_t words[2 * capacity];  ///< behind the window as many that are written and not read
 };
 
-/// Which slabs of nodes were swept, a bit each, and rays in coordinates from a slab's corner.
-struct alignas(64) SlabRays {
+/// Which slabs of nodes were swept, a bit each.
+struct SweptSlabs {
   static constexpr std::size_t words = (1 << 14) / 16 / 64 + 1;  ///< the most that a lattice can have
 
-  float start[2][RayGroup::size];
-  float reached[RayGroup::size];  ///< below the slab's largest value
   std::uint64_t swept[words];
   std::uint8_t blocks[64 * words];  ///< that were looked into, up to multiples of 256
 };
@@ -149,10 +159,11 @@ struct alignas(64) SlabRays {
 struct alignas(64) MaximumScratch {
   RayGroup group;
   GroupLines lines;
+  VectorLines around;
   RegionQueue queue;
   MaximumBlock block;
   MaximumWindow window;
-  SlabRays slabs;
+  SweptSlabs slabs;
   RaysAtBlock at_block;
   BlockSuspects at_hand;
   Suspects suspects;

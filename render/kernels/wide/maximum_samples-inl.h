@@ -33,11 +33,17 @@ HWY_INLINE Range stored_range(const void* first, std::ptrdiff_t at) {
   return {static_cast<double>(ranges[0]), static_cast<double>(ranges[1])};
 }
 
+HWY_INLINE std::size_t place_of(const StoredRanges& level, const int* region) {
+  return (static_cast<std::size_t>(region[2]) * static_cast<std::size_t>(level.count[1]) +
+          static_cast<std::size_t>(region[1])) *
+             static_cast<std::size_t>(level.count[0]) +
+         static_cast<std::size_t>(region[0]);
+}
+
 /// Of a region of the file; hi is -infinity where nothing in it has data.
 HWY_INLINE Range range_of(const MaximumField& field, const StoredRanges& level, const int* region) {
   using formats::ElementType;
-  const std::ptrdiff_t at =
-      (static_cast<std::ptrdiff_t>(region[2]) * level.count[1] + region[1]) * level.count[0] + region[0];
+  const auto at = static_cast<std::ptrdiff_t>(place_of(level, region));
   const Range range = [&]() HWY_ATTR {
     switch (field.type) {
       case ElementType::U8:

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 
 #include <hwy/highway.h>
 
@@ -42,13 +43,10 @@ struct Window {
 /// @tparam major  the major axis
 template <int major>
 struct WindowCells {
-  static constexpr float lowest = -0x1p17F;  ///< less than any value
+  static constexpr bool is_plain = true;
 
   const std::int32_t* words;
   std::int32_t stride_y;
-
-  /// The highest value of the window is 0.
-  HWY_INLINE static VecF bound(VecI) { return hn::Zero(floats); }
 
   HWY_INLINE Coefficients coefficients(VecI cell, const Point& p, const Point& q) const {
     VecF below[8];
@@ -226,7 +224,7 @@ class SlabSweep {
     return (scratch_.slabs.swept[static_cast<std::size_t>(slab) / 64] >> slab % 64 & 1) != 0;
   }
 
-  /// Sweeps a slab of nodes where it is worth it: where at least a third of its blocks are of this bucket or above.
+  /// Sweeps a slab of nodes where it is worth it: where nearly all of its blocks are of this bucket or above.
   HWY_NOINLINE bool sweep(int slab, const RegionQueue& queue, int bucket) {
     if (!may_sweep_ || !sweep_box(slab, queue.least_of(bucket))) return false;
     scratch_.slabs.swept[static_cast<std::size_t>(slab) / 64] |= std::uint64_t{1} << slab % 64;
@@ -239,6 +237,9 @@ class SlabSweep {
   }
 
  private:
+  /// One of so many of a slab's blocks may be below a bucket where the slab is swept.
+  static constexpr int blocks_per_low = 20;
+
   static constexpr float margin = 0x1p-15F;  ///< more than places from the slab's corner are off
 
   /// The cells of a slab that rays of the group may pass, mirrored, from first to last; false where there are none. On
@@ -266,14 +267,10 @@ class SlabSweep {
     return true;
   }
 
-  /// Of the blocks that a window touches: their range, how many they are, and how many reach a value.
-  struct Blocks {
-    Range range{std::numeric_limits<double>::infinity(), nothing};
-    int count = 0, high_count = 0;
-  };
+  /// The range of the blocks that a window touches; none where too few of them reach a value.
   template <class T>
-  HWY_INLINE Blocks look_over(const Window& window, double least) const {
-    int first[3], last[3];
+  HWY_INLINE std::optional<Range> range_of_high(const Window& window, double least) {
+    int first[3], last[3], count = 1;
     for (int a = 0; a < 3; ++a) {
       first[a] = state_.lattice.block(a, window.first[a] >> 2);
       last[a] = state_.lattice.block(a, (window.first[a] + window.count[a] - 2) >> 2);
@@ -281,19 +278,24 @@ class SlabSweep {
         const int swapped = first[a];
         first[a] = last[a], last[a] = swapped;
       }
+      count *= last[a] - first[a] + 1;
     }
-    Blocks blocks;
-    const int* count = field_.blocks.count;
+    Range range{std::numeric_limits<double>::infinity(), nothing};
+    int low_left = count / blocks_per_low;
+    const int* stored = field_.blocks.count;
     for (int k = first[2]; k <= last[2]; ++k)
-      for (int j = first[1]; j <= last[1]; ++j)
+      for (int j = first[1]; j <= last[1]; ++j) {
+        scratch_.regions += static_cast<std::uint64_t>(last[0] - first[0] + 1);
         for (int i = first[0]; i <= last[0]; ++i) {
           const Range here =
-              stored_range<T>(field_.blocks.first, (static_cast<std::ptrdiff_t>(k) * count[1] + j) * count[0] + i);
-          blocks.range.lo = here.lo < blocks.range.lo ? here.lo : blocks.range.lo;
-          blocks.range.hi = here.hi > blocks.range.hi ? here.hi : blocks.range.hi;
-          ++blocks.count, blocks.high_count += here.hi >= least;
+              stored_range<T>(field_.blocks.first, (static_cast<std::ptrdiff_t>(k) * stored[1] + j) * stored[0] + i);
+          range.lo = here.lo < range.lo ? here.lo : range.lo;
+          range.hi = here.hi > range.hi ? here.hi : range.hi;
+          low_left -= here.hi < least;
         }
-    return blocks;
+        if (low_left < 0) return std::nullopt;
+      }
+    return range;
   }
 
   HWY_INLINE bool sweep_box(int slab, double least) {
@@ -335,10 +337,9 @@ class SlabSweep {
 
   template <class T>
   HWY_NOINLINE bool sweep_window(const Window& touched, double least) {
-    const Blocks blocks = look_over<T>(touched, least);
-    scratch_.regions += static_cast<std::uint64_t>(blocks.count);
-    if (3 * blocks.high_count < blocks.count) return false;
-    const Range& range = blocks.range;
+    const std::optional<Range> of_blocks = range_of_high<T>(touched, least);
+    if (!of_blocks) return false;
+    const Range& range = *of_blocks;
     const bool by_squares = HWY_TARGET != HWY_SCALAR && field_.has_squares;
     const Window window = by_squares ? of_whole_squares(touched) : touched;
     if (!window.has_room()) return false;
@@ -361,47 +362,32 @@ class SlabSweep {
   /// Rays that have a part in the slab and may be changed there.
   HWY_INLINE void put_rays(const Window& window, double highest) {
     const GroupLines& lines = scratch_.lines;
-    SlabRays& slab = scratch_.slabs;
-    RaysAtBlock& at_block = scratch_.at_block;
-    const int low_w = window.first[state_.frustum.major];
-    for (std::size_t r = 0; r < state_.vectors * float_lanes; r += double_lanes) {
-      for (int m = 0; m < 2; ++m) {
-        const VecD at_low =
-            hn::MulAdd(hn::Load(doubles, lines.exact_slope[m] + r), hn::Set(doubles, static_cast<double>(low_w)),
-                       hn::Load(doubles, lines.exact_start[m] + r));
-        const VecD start =
-            hn::Sub(at_low, hn::Set(doubles, static_cast<double>(window.first[state_.frustum.minor[m]])));
-        hn::Store(hn::DemoteTo(half_floats, start), half_floats, slab.start[m] + r);
-      }
-      const VecD below = hn::Sub(hn::Load(doubles, scratch_.reached + r), hn::Set(doubles, highest));
-      const VecD lower =
-          hn::Max(hn::NegMulAdd(hn::Abs(below), hn::Set(doubles, 0x1p-22), below), hn::Set(doubles, -0x1p20));
-      hn::Store(hn::DemoteTo(half_floats, lower), half_floats, slab.reached + r);
-    }
-    const VecF low = hn::Set(floats, static_cast<float>(low_w));
-    const VecF length = hn::Set(floats, static_cast<float>(window.count[state_.frustum.major] - 1));
-    at_block.count = 0;
+    const double low[3] = {static_cast<double>(window.first[0]), static_cast<double>(window.first[1]),
+                           static_cast<double>(window.first[2])};
+    const VecF low_w = hn::Set(floats, static_cast<float>(window.first[state_.frustum.major]));
+    const VecF end_w = hn::Add(low_w, hn::Set(floats, static_cast<float>(window.count[state_.frustum.major] - 1)));
+    scratch_.at_block.count = 0;
     for (std::size_t r = 0; r < state_.vectors * float_lanes; r += float_lanes) {
-      const VecF from = hn::Max(hn::Sub(hn::Load(floats, lines.from + r), low), hn::Zero(floats));
-      const VecF to = hn::Min(hn::Sub(hn::Load(floats, lines.to + r), low), length);
-      const MaskF passing = hn::And(hn::Lt(from, to), SearchState::may_improve(hn::Zero(floats), hn::Add(from, low),
-                                                                               hn::Load(floats, slab.reached + r),
+      const VecF from = hn::Max(hn::Load(floats, lines.from + r), low_w);
+      const VecF to = hn::Min(hn::Load(floats, lines.to + r), end_w);
+      VecD parts[parts_of_floats];
+      for (std::size_t part = 0; part < parts_of_floats; ++part) {
+        const VecD below =
+            hn::Sub(hn::Load(doubles, scratch_.reached + r + part * double_lanes), hn::Set(doubles, highest));
+        parts[part] =
+            hn::Max(hn::NegMulAdd(hn::Abs(below), hn::Set(doubles, 0x1p-22), below), hn::Set(doubles, -0x1p20));
+      }
+      const VecF reached = as_floats(parts);
+      const MaskF passing = hn::And(hn::Lt(from, to), SearchState::may_improve(hn::Zero(floats), from, reached,
                                                                                hn::Load(floats, lines.reached_at + r)));
-      store_chosen(ints, hn::Iota(ints, static_cast<std::int32_t>(r)), hn::RebindMask(ints, passing),
-                   at_block.ray + at_block.count);
-      store_chosen(floats, from, passing, at_block.from + at_block.count);
-      at_block.count += store_chosen(floats, to, passing, at_block.to + at_block.count);
+      if (!hn::AllFalse(floats, passing)) state_.put_at_box(r, passing, from, to, low, reached);
     }
-    // Lanes beyond the last ray pass through nothing.
-    for (std::size_t lane = at_block.count; lane < at_block.count + float_lanes; ++lane)
-      at_block.ray[lane] = at_block.ray[0], at_block.from[lane] = 1, at_block.to[lane] = 0;
+    if (scratch_.at_block.count != 0) state_.close_box();
   }
 
   template <int major>
   HWY_NOINLINE void walk(const Window& window, const Range& range) {
     const RaysAtBlock& at_block = scratch_.at_block;
-    const GroupLines& lines = scratch_.lines;
-    const SlabRays& slab = scratch_.slabs;
     constexpr int axes[3] = {major, major == 0 ? 1 : 0, major == 2 ? 1 : 2};
     CellBox box{.low_w = static_cast<double>(window.first[major]),
                 .last = {},
@@ -418,20 +404,9 @@ class SlabSweep {
     const WindowCells<major> cells{scratch_.window.words, window.stride(1)};
     const VecF low_w = hn::Set(floats, static_cast<float>(window.first[major]));
     for (std::size_t first = 0; first < at_block.count; first += float_lanes) {
-      Ways ways;
-      ways.ray = hn::Load(ints, at_block.ray + first);
-      ways.from = hn::Load(floats, at_block.from + first);
-      ways.to = hn::Load(floats, at_block.to + first);
-      for (int m = 0; m < 2; ++m) {
-        ways.start[m] = hn::GatherIndex(floats, slab.start[m], ways.ray);
-        ways.slope[m] = hn::GatherIndex(floats, lines.slope[m], ways.ray);
-        ways.inverse[m] = hn::GatherIndex(floats, lines.inverse[m], ways.ray);
-      }
-      ways.reached = hn::GatherIndex(floats, slab.reached, ways.ray);
-      ways.reached_at =
-          hn::Add(hn::Sub(hn::GatherIndex(floats, lines.reached_at, ways.ray), low_w), hn::Set(floats, state_.margin));
+      const Ways ways = ways_at_box(state_, first, low_w, hn::Load(floats, at_block.reached + first));
       const VecF passed = walk_cells(state_, looks_, box, cells, ways);
-      count_cells(state_, passed, at_block.ray + first, at_block.count - first);
+      count_cells(state_, passed, ways.ray, at_block.count - first, float_lanes);
     }
     looks_.keep_suspects(box.highest, box.unit, box.low_w);
   }

@@ -6,6 +6,7 @@
 #define RHORAY_WIDE_MAXIMUM_STATE_INL_H
 #endif
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -34,6 +35,13 @@ HWY_INLINE float float_not_below(double x) {
 }
 
 inline constexpr float nothing_float = -std::numeric_limits<float>::infinity();
+
+/// 0, 1, 2 and so on.
+alignas(64) inline constexpr auto lane_numbers = [] {
+  std::array<std::int32_t, float_lanes> numbers{};
+  for (std::size_t lane = 0; lane < numbers.size(); ++lane) numbers[lane] = static_cast<std::int32_t>(lane);
+  return numbers;
+}();
 
 /// What the parts of the search for one group of rays share.
 ///
@@ -99,7 +107,67 @@ struct SearchState {
       if (!is_inside) lines.from[r] = 1, lines.to[r] = 0;
     }
     vectors = (group.count + float_lanes - 1) / float_lanes;
+    put_lines_around();
     scratch.suspects.count = scratch.looks_left.count = 0;
+  }
+
+  /// Through the ends of the group's part of the lattice. Rays rise on the minor axes, and so do these lines.
+  HWY_INLINE void put_lines_around() {
+    const GroupLines& lines = scratch.lines;
+    VectorLines& around = scratch.around;
+    const auto first = static_cast<float>(frustum.first), last = static_cast<float>(frustum.last);
+    const float inverse_length = last > first ? 1 / (last - first) : 0;
+    const VecF far_away = hn::Set(floats, 0x1p100F);
+    for (std::size_t vector = 0; vector < vectors; ++vector) {
+      const std::size_t r = vector * float_lanes;
+      const MaskF is_inside = hn::Le(hn::Load(floats, lines.from + r), hn::Load(floats, lines.to + r));
+      for (int m = 0; m < 2; ++m) {
+        const VecF start = hn::Load(floats, lines.start[m] + r), slope = hn::Load(floats, lines.slope[m] + r);
+        const auto lowest_at = [&](float w) HWY_ATTR {
+          const VecF at = hn::MulAdd(slope, hn::Set(floats, w), start);
+          return hn::GetLane(hn::MinOfLanes(floats, hn::IfThenElse(is_inside, at, far_away)));
+        };
+        const auto highest_at = [&](float w) HWY_ATTR {
+          const VecF at = hn::MulAdd(slope, hn::Set(floats, w), start);
+          return hn::GetLane(hn::MaxOfLanes(floats, hn::IfThenElse(is_inside, at, hn::Neg(far_away))));
+        };
+        const float low = lowest_at(first), high = highest_at(first);
+        around.low_slope[m][vector] = (lowest_at(last) - low) * inverse_length;
+        around.high_slope[m][vector] = (highest_at(last) - high) * inverse_length;
+        around.low[m][vector] = low - first * around.low_slope[m][vector];
+        around.high[m][vector] = high - first * around.high_slope[m][vector];
+      }
+    }
+  }
+
+  /// Vectors of which rays may pass a region, as bits.
+  ///
+  /// Where the lines around them are near the lattice, their numbers are at most five times its extent: rounding (of
+  /// both factors and the sum, of the part's ends, of the slope) moves them by less than 26 units, a ray's own error is
+  /// less than a margin of 8, and eight margins hold both.
+  HWY_INLINE std::uint64_t vectors_through(const int* region, float edge) const {
+    const VectorLines& around = scratch.around;
+    const float low_w = static_cast<float>(region[frustum.major]) * edge;
+    const auto first = static_cast<float>(frustum.first), last = static_cast<float>(frustum.last);
+    const VecF near = hn::Set(floats, low_w - margin > first ? low_w - margin : first),
+               far = hn::Set(floats, low_w + edge + margin < last ? low_w + edge + margin : last);
+    std::uint64_t bits = 0;
+    for (std::size_t v = 0; v < vectors; v += float_lanes) {
+      MaskF passing = hn::FirstN(floats, vectors - v);
+      for (int m = 0; m < 2; ++m) {
+        const float low = static_cast<float>(region[frustum.minor[m]]) * edge;
+        const VecF lowest =
+            hn::MulAdd(hn::Load(floats, around.low_slope[m] + v), near, hn::Load(floats, around.low[m] + v));
+        const VecF highest =
+            hn::MulAdd(hn::Load(floats, around.high_slope[m] + v), far, hn::Load(floats, around.high[m] + v));
+        // What is not a number, from an eye too far away, passes.
+        passing = hn::AndNot(hn::Or(hn::Gt(lowest, hn::Set(floats, low + edge + 8 * margin)),
+                                    hn::Lt(highest, hn::Set(floats, low - 8 * margin))),
+                             passing);
+      }
+      bits |= bits_of(floats, passing) << v;
+    }
+    return bits;
   }
 
   /// True for regions that the file has; `place` is where.
@@ -111,27 +179,85 @@ struct SearchState {
     return true;
   }
 
+  /// A region as rays are compared with it: wider by the margin.
+  struct Bounds {
+    VecF first, last, low[2], high[2], largest;
+  };
+  HWY_INLINE Bounds bounds_of(const int* region, float edge, float largest) const {
+    Bounds bounds;
+    const float low_w = static_cast<float>(region[frustum.major]) * edge;
+    bounds.first = hn::Set(floats, low_w - margin), bounds.last = hn::Set(floats, low_w + edge + margin);
+    for (int m = 0; m < 2; ++m) {
+      const float low = static_cast<float>(region[frustum.minor[m]]) * edge;
+      bounds.low[m] = hn::Set(floats, low - margin), bounds.high[m] = hn::Set(floats, low + edge + margin);
+    }
+    bounds.largest = hn::Set(floats, largest);
+    return bounds;
+  }
+
   /// Rays of a vector that pass a region and can be changed by it.
   struct Passing {
     MaskF rays;
     VecF from, to;
   };
-  HWY_INLINE Passing rays_through(const int* region, float edge, float largest, std::size_t r) const {
+  HWY_INLINE Passing rays_through(const Bounds& region, std::size_t r) const {
     const GroupLines& lines = scratch.lines;
-    const float low_w = static_cast<float>(region[frustum.major]) * edge;
     Passing passing;
-    passing.from = hn::Max(hn::Load(floats, lines.from + r), hn::Set(floats, low_w - margin));
-    passing.to = hn::Min(hn::Load(floats, lines.to + r), hn::Set(floats, low_w + edge + margin));
+    passing.from = hn::Max(hn::Load(floats, lines.from + r), region.first);
+    passing.to = hn::Min(hn::Load(floats, lines.to + r), region.last);
     for (int m = 0; m < 2; ++m) {
-      const float low = static_cast<float>(region[frustum.minor[m]]) * edge;
       const VecF start = hn::Load(floats, lines.start[m] + r), inverse = hn::Load(floats, lines.inverse[m] + r);
-      passing.from = hn::Max(passing.from, hn::Mul(hn::Sub(hn::Set(floats, low - margin), start), inverse));
-      passing.to = hn::Min(passing.to, hn::Mul(hn::Sub(hn::Set(floats, low + edge + margin), start), inverse));
+      passing.from = hn::Max(passing.from, hn::Mul(hn::Sub(region.low[m], start), inverse));
+      passing.to = hn::Min(passing.to, hn::Mul(hn::Sub(region.high[m], start), inverse));
     }
     passing.rays = hn::And(hn::Le(passing.from, passing.to),
-                           may_improve(hn::Set(floats, largest), passing.from, hn::Load(floats, lines.reached + r),
+                           may_improve(region.largest, passing.from, hn::Load(floats, lines.reached + r),
                                        hn::Load(floats, lines.reached_at + r)));
     return passing;
+  }
+
+  /// Where rays of a vector are on a minor axis where a box begins, from its corner.
+  HWY_INLINE VecF start_in_box(int m, std::size_t r, double low_w, double low) const {
+    VecD parts[parts_of_floats];
+    for (std::size_t part = 0; part < parts_of_floats; ++part) {
+      const std::size_t ray = r + part * double_lanes;
+      const VecD at_low = hn::MulAdd(hn::Load(doubles, scratch.lines.exact_slope[m] + ray), hn::Set(doubles, low_w),
+                                     hn::Load(doubles, scratch.lines.exact_start[m] + ray));
+      parts[part] = hn::Sub(at_low, hn::Set(doubles, low));
+    }
+    return as_floats(parts);
+  }
+
+  /// Puts the chosen rays of a vector to those at a box.
+  /// @param low      the box's lowest corner, by axis
+  /// @param reached  what they have reached, in whatever unit
+  HWY_INLINE void put_at_box(std::size_t r, MaskF chosen, VecF from, VecF to, const double* low, VecF reached) const {
+    const GroupLines& lines = scratch.lines;
+    RaysAtBlock& at_block = scratch.at_block;
+    const std::size_t at = at_block.count;
+    const double low_w = low[frustum.major];
+    // Found once for all numbers of a ray: what order its lanes are in.
+    const VecI lanes = hn::Compress(hn::Load(ints, lane_numbers.data()), hn::RebindMask(ints, chosen));
+    const auto order = hn::IndicesFromVec(floats, lanes);
+    const auto put = [&](VecF x, float* numbers)
+                         HWY_ATTR { hn::StoreU(hn::TableLookupLanes(x, order), floats, numbers + at); };
+    for (int m = 0; m < 2; ++m) {
+      put(start_in_box(m, r, low_w, low[frustum.minor[m]]), at_block.start[m]);
+      put(hn::Load(floats, lines.slope[m] + r), at_block.slope[m]);
+      put(hn::Load(floats, lines.inverse[m] + r), at_block.inverse[m]);
+    }
+    put(from, at_block.from), put(to, at_block.to);
+    put(reached, at_block.reached), put(hn::Load(floats, lines.reached_at + r), at_block.reached_at);
+    hn::StoreU(hn::Add(lanes, hn::Set(ints, static_cast<std::int32_t>(r))), ints, at_block.ray + at);
+    at_block.count += hn::CountTrue(floats, chosen);
+  }
+
+  /// Lanes beyond the last ray pass through nothing.
+  HWY_INLINE void close_box() const {
+    RaysAtBlock& at_block = scratch.at_block;
+    hn::StoreU(hn::Set(ints, at_block.ray[0]), ints, at_block.ray + at_block.count);
+    hn::StoreU(hn::Set(floats, 1.0F), floats, at_block.from + at_block.count);
+    hn::StoreU(hn::Zero(floats), floats, at_block.to + at_block.count);
   }
 
   /// False where no value up to `bound`, from that place on, takes the place of what was reached.

@@ -6,6 +6,7 @@
 #define RHORAY_WIDE_MAXIMUM_WALK_INL_H
 #endif
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -39,6 +40,68 @@ struct Ways {
   VecF reached, reached_at;  ///< in the box's unit and coordinates
 };
 
+/// How few rays are spread over the lanes of a vector: each several times, with a part of a block of 4 cells.
+struct Spread {
+  HWY_ALIGN std::int32_t lane[float_lanes];               ///< of the ray
+  HWY_ALIGN float first[float_lanes], last[float_lanes];  ///< of the part, on the major axis; none where first > last
+  std::size_t used;                                       ///< lanes
+};
+
+inline constexpr std::size_t most_spread = float_lanes / 2;
+
+/// By the number of rays.
+inline constexpr auto spreads = [] {
+  std::array<Spread, most_spread + 1> by_rays{};
+  for (std::size_t rays = 1; rays <= most_spread; ++rays) {
+    Spread& spread = by_rays[rays];
+    const std::size_t parts = 4 * rays <= float_lanes ? 4 : 2;
+    spread.used = rays * parts;
+    for (std::size_t lane = 0; lane < float_lanes; ++lane) {
+      const std::size_t part = lane / rays;
+      spread.lane[lane] = static_cast<std::int32_t>(lane % rays);
+      if (part >= parts) {
+        spread.first[lane] = 8, spread.last[lane] = 0;
+        continue;
+      }
+      // At both ends places are a little outside.
+      const float length = 4.0F / static_cast<float>(parts);
+      spread.first[lane] = part == 0 ? -1 : length * static_cast<float>(part);
+      spread.last[lane] = part + 1 == parts ? 5 : length * static_cast<float>(part + 1);
+    }
+  }
+  return by_rays;
+}();
+
+/// A vector of the rays at a box.
+/// @param low_w  where the box begins on the major axis; parts and places where values were reached begin at 0
+HWY_INLINE Ways ways_at_box(const SearchState& state, std::size_t first, VecF low_w, VecF reached) {
+  const RaysAtBlock& at_block = state.scratch.at_block;
+  Ways ways;
+  ways.ray = hn::Load(ints, at_block.ray + first);
+  ways.from = hn::Sub(hn::Load(floats, at_block.from + first), low_w);
+  ways.to = hn::Sub(hn::Load(floats, at_block.to + first), low_w);
+  for (int m = 0; m < 2; ++m) {
+    ways.start[m] = hn::Load(floats, at_block.start[m] + first);
+    ways.slope[m] = hn::Load(floats, at_block.slope[m] + first);
+    ways.inverse[m] = hn::Load(floats, at_block.inverse[m] + first);
+  }
+  ways.reached = reached;
+  ways.reached_at =
+      hn::Add(hn::Sub(hn::Load(floats, at_block.reached_at + first), low_w), hn::Set(floats, state.margin));
+  return ways;
+}
+
+/// The first lanes' ways through a block of 4 cells, in parts side by side.
+HWY_INLINE void spread_out(const Spread& spread, Ways& ways) {
+  const auto lanes_of_floats = hn::IndicesFromVec(floats, hn::Load(ints, spread.lane));
+  const auto repeat = [&](VecF& x) HWY_ATTR { x = hn::TableLookupLanes(x, lanes_of_floats); };
+  for (VecF* x : {&ways.from, &ways.to, &ways.reached, &ways.reached_at}) repeat(*x);
+  for (int m = 0; m < 2; ++m) repeat(ways.start[m]), repeat(ways.slope[m]), repeat(ways.inverse[m]);
+  ways.ray = hn::TableLookupLanes(ways.ray, hn::IndicesFromVec(ints, hn::Load(ints, spread.lane)));
+  ways.from = hn::Max(ways.from, hn::Load(floats, spread.first));
+  ways.to = hn::Min(ways.to, hn::Load(floats, spread.last));
+}
+
 /// Takes over what rays have reached in a box.
 HWY_NOINLINE void raise(SearchState& state, const CellBox& box, MaskF raised, const Ways& ways) {
   HWY_ALIGN float values[16], places[16];
@@ -46,10 +109,11 @@ HWY_NOINLINE void raise(SearchState& state, const CellBox& box, MaskF raised, co
   hn::Store(ways.reached, floats, values);
   hn::Store(ways.reached_at, floats, places);
   hn::Store(ways.ray, ints, rays);
+  const double scale = 1 / box.unit;  // exact: a power of two
   for (std::uint64_t bits = bits_of(floats, raised); bits != 0; bits &= bits - 1) {
     const int lane = std::countr_zero(bits);
     // Single precision has lost more than this rounding: the error holds for both.
-    const double value = box.highest + static_cast<double>(values[lane]) / box.unit;
+    const double value = box.highest + static_cast<double>(values[lane]) * scale;
     state.set_reached(static_cast<std::size_t>(rays[lane]), value,
                       float_not_below(box.low_w + static_cast<double>(places[lane])));
   }
@@ -57,7 +121,9 @@ HWY_NOINLINE void raise(SearchState& state, const CellBox& box, MaskF raised, co
 }
 
 /// What may hold a larger value than was found goes to the suspects.
-/// @param cells  cells.bound(cell): no value in it is larger; cells.coefficients(cell, p, q): along the way from p to q
+/// @param cells  cells.coefficients(cell, p, q): along the way from p to q; where they are not plain, with cells that
+/// may
+///               be without data, cells.bound(cell): no value in it is larger
 /// @return       how many cells each ray has passed
 template <class Cells>
 HWY_INLINE VecF walk_cells(SearchState& state, CloseLooks& looks, const CellBox& box, const Cells& cells, Ways ways) {
@@ -96,14 +162,17 @@ HWY_INLINE VecF walk_cells(SearchState& state, CloseLooks& looks, const CellBox&
     const VecF leave = hn::Min(hn::Min(next_w, to), hn::Min(next_u, next_v));
     const VecF q_w = hn::Sub(leave, cell_w), q_u = hn::Sub(hn::MulAdd(slope_u, leave, start_u), cell_u),
                q_v = hn::Sub(hn::MulAdd(slope_v, leave, start_v), cell_v);
-    const MaskF wanted = hn::And(
-        active, SearchState::may_improve(hn::Add(cells.bound(cell), error), from, ways.reached, ways.reached_at));
+    MaskF wanted = active;
+    if constexpr (!Cells::is_plain)
+      wanted = hn::And(
+          active, SearchState::may_improve(hn::Add(cells.bound(cell), error), from, ways.reached, ways.reached_at));
     passed = hn::Add(passed, hn::IfThenElseZero(active, one));
-    if (!hn::AllFalse(floats, wanted)) {
+    if (Cells::is_plain || !hn::AllFalse(floats, wanted)) {
       const Coefficients b = cells.coefficients(cell, {p_u, p_v, p_w}, {q_u, q_v, q_w});
       // Without data all coefficients are no numbers, or far below the values of the box.
-      const VecF hull = b.largest();
-      const VecF highest_here = hn::Add(hn::IfThenElseZero(hn::Ge(hull, hn::Set(floats, Cells::lowest)), hull), error);
+      VecF hull = b.largest();
+      if constexpr (!Cells::is_plain) hull = hn::IfThenElseZero(hn::Ge(hull, hn::Set(floats, Cells::lowest)), hull);
+      const VecF highest_here = hn::Add(hull, error);
       const MaskF suspect =
           hn::And(wanted, SearchState::may_improve(highest_here, from, ways.reached, ways.reached_at));
       if (!hn::AllFalse(floats, suspect)) {
@@ -125,9 +194,10 @@ HWY_INLINE VecF walk_cells(SearchState& state, CloseLooks& looks, const CellBox&
         const MaskF inside = hn::And(hn::And(is_inside(p_u, q_u), is_inside(p_v, q_v)),
                                      hn::And(is_inside(p_w, q_w), hn::Ge(length, hn::Set(floats, 128 * state.margin))));
         const VecF value = hn::Sub(b.at(s), error);
-        const MaskF has_data =
-            hn::Le(hn::Abs(hn::Add(hn::Add(b.b0, b.b1), hn::Add(b.b2, b.b3))), hn::Set(floats, -4 * Cells::lowest));
-        const MaskF rises = hn::And(hn::And(suspect, has_data), hn::And(inside, hn::Gt(value, ways.reached)));
+        MaskF rises = hn::And(suspect, hn::And(inside, hn::Gt(value, ways.reached)));
+        if constexpr (!Cells::is_plain)
+          rises = hn::And(rises, hn::Le(hn::Abs(hn::Add(hn::Add(b.b0, b.b1), hn::Add(b.b2, b.b3))),
+                                        hn::Set(floats, -4 * Cells::lowest)));
         ways.reached = hn::IfThenElse(rises, value, ways.reached);
         const VecF place = hn::MulAdd(s, length, from);
         ways.reached_at = hn::IfThenElse(rises, hn::Add(place, hn::Set(floats, state.margin)), ways.reached_at);
@@ -152,12 +222,15 @@ HWY_INLINE VecF walk_cells(SearchState& state, CloseLooks& looks, const CellBox&
   return passed;
 }
 
-/// Counts the cells that rays have passed.
-HWY_INLINE void count_cells(SearchState& state, VecF cells, const std::int32_t* ray, std::size_t rays) {
+/// Counts the cells that rays have passed, and for the first of them a block each.
+HWY_INLINE void count_cells(SearchState& state, VecF cells, VecI ray, std::size_t lanes, std::size_t blocks) {
   HWY_ALIGN float counted[16];
+  HWY_ALIGN std::int32_t rays[16];
   hn::Store(cells, floats, counted);
-  for (std::size_t lane = 0; lane < rays && lane < float_lanes; ++lane)
-    state.scratch.cost[state.scratch.group.index[ray[lane]]] += 1 + static_cast<std::uint32_t>(counted[lane]);
+  hn::Store(ray, ints, rays);
+  for (std::size_t lane = 0; lane < lanes && lane < float_lanes; ++lane)
+    state.scratch.cost[state.scratch.group.index[rays[lane]]] +=
+        static_cast<std::uint32_t>(lane < blocks) + static_cast<std::uint32_t>(counted[lane]);
 }
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE

@@ -66,6 +66,9 @@ class RegionQueue {
     return -1;
   }
 
+  /// What take() of this bucket, one that has regions, would return.
+  RHORAY_INLINE const Region& first_in(int bucket) const { return regions_[first_[bucket]]; }
+
   RHORAY_INLINE Region take(int bucket) {
     const std::uint32_t place = first_[bucket];
     const Region region = regions_[place];
