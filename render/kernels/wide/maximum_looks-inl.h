@@ -140,12 +140,19 @@ class CloseLooks {
     const RayGroup& group = scratch_.group;
     const VecD zero = hn::Zero(doubles), one = hn::Set(doubles, 1.0);
     scratch_.looks += count;
-    constexpr hn::RebindToSigned<Doubles> longs;
 
     HWY_ALIGN double corner[8][8];
     read_corners(first, count, corner);
-    const auto ray = hn::PromoteTo(longs, hn::LoadU(half_ints, looks.ray + first));
-    const auto of_ray = [&](const double* numbers) HWY_ATTR { return hn::GatherIndex(doubles, numbers, ray); };
+    const std::int32_t* ray = looks.ray + first;
+    const auto of_ray = [ray](const double* n) HWY_ATTR {
+#if HWY_TARGET <= HWY_AVX3 && HWY_TARGET != HWY_SCALAR
+      return VecD{
+          _mm512_set_pd(n[ray[7]], n[ray[6]], n[ray[5]], n[ray[4]], n[ray[3]], n[ray[2]], n[ray[1]], n[ray[0]])};
+#else
+      constexpr hn::RebindToSigned<Doubles> longs;
+      return hn::GatherIndex(doubles, n, hn::PromoteTo(longs, hn::LoadU(half_ints, ray)));
+#endif
+    };
 
     // The whole way through the cell.
     VecD low[3], entry[3], exit[3];

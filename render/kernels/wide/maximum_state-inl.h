@@ -266,18 +266,19 @@ struct SearchState {
   }
 
   /// Some value on the ray is at least this, no further away than `place`.
-  HWY_INLINE void set_reached(std::size_t ray, double value, float place) {
+  /// @param below  no more than the value, in single precision
+  HWY_INLINE void set_reached(std::size_t ray, double value, float below, float place) {
     if (!(value > scratch.reached[ray] || (value == scratch.reached[ray] && place < scratch.lines.reached_at[ray])))
       return;
     scratch.reached[ray] = value;
-    scratch.lines.reached[ray] = float_not_above(value);
+    scratch.lines.reached[ray] = below;
     scratch.lines.reached_at[ray] = place;
   }
 
   /// Takes over what was found on a ray.
   HWY_INLINE void knows(std::size_t ray, const FoundMaximum& found) {
     scratch.known_value[ray] = found.value, scratch.known_t[ray] = found.t;
-    set_reached(ray, found.value, float_not_below(place_at(ray, found.t)) + margin);
+    set_reached(ray, found.value, float_not_above(found.value), float_not_below(place_at(ray, found.t)) + margin);
   }
 
   /// When a ray is at a place on the major axis, and the other way round.

@@ -104,26 +104,37 @@ HWY_INLINE void spread_out(const Spread& spread, Ways& ways) {
 
 /// Takes over what rays have reached in a box.
 HWY_NOINLINE void raise(SearchState& state, const CellBox& box, MaskF raised, const Ways& ways) {
-  HWY_ALIGN float values[16], places[16];
+  HWY_ALIGN double values[16];
+  HWY_ALIGN float values_below[16], places[16];
   HWY_ALIGN std::int32_t rays[16];
-  hn::Store(ways.reached, floats, values);
-  hn::Store(ways.reached_at, floats, places);
+  // Single precision has lost more than the rounding of this sum: the error holds for both.
+  const VecD highest = hn::Set(doubles, box.highest), scale = hn::Set(doubles, 1 / box.unit);
+  const VecD zero = hn::Zero(doubles);
+  VecD value[parts_of_floats], is_above[parts_of_floats];
+  for (std::size_t part = 0; part < parts_of_floats; ++part) {
+    value[part] = hn::Add(highest, hn::Mul(as_doubles(ways.reached, part), scale));
+    hn::Store(value[part], doubles, values + part * double_lanes);
+  }
+  const VecF nearest = hn::Min(as_floats(value), hn::Set(floats, std::numeric_limits<float>::max()));
+  for (std::size_t part = 0; part < parts_of_floats; ++part)
+    is_above[part] = hn::IfThenElse(hn::Gt(as_doubles(nearest, part), value[part]), hn::Set(doubles, 1.0), zero);
+  const VecF lower = hn::Min(hn::NegMulAdd(hn::Abs(nearest), hn::Set(floats, 0x1p-23F), nearest),
+                             hn::Sub(nearest, hn::Set(floats, std::numeric_limits<float>::min())));
+  hn::Store(hn::IfThenElse(hn::Gt(as_floats(is_above), hn::Zero(floats)), lower, nearest), floats, values_below);
+  const VecF place = hn::Add(ways.reached_at, hn::Set(floats, static_cast<float>(box.low_w)));
+  hn::Store(hn::MulAdd(hn::Abs(place), hn::Set(floats, 0x1p-23F), place), floats, places);
   hn::Store(ways.ray, ints, rays);
-  const double scale = 1 / box.unit;  // exact: a power of two
   for (std::uint64_t bits = bits_of(floats, raised); bits != 0; bits &= bits - 1) {
     const int lane = std::countr_zero(bits);
-    // Single precision has lost more than this rounding: the error holds for both.
-    const double value = box.highest + static_cast<double>(values[lane]) * scale;
-    state.set_reached(static_cast<std::size_t>(rays[lane]), value,
-                      float_not_below(box.low_w + static_cast<double>(places[lane])));
+    state.set_reached(static_cast<std::size_t>(rays[lane]), values[lane], values_below[lane], places[lane]);
   }
   state.find_lowest_reached();
 }
 
 /// What may hold a larger value than was found goes to the suspects.
-/// @param cells  cells.coefficients(cell, p, q): along the way from p to q; where they are not plain, with cells that
-/// may
-///               be without data, cells.bound(cell): no value in it is larger
+/// @param cells  cells.coefficients(cell, p, q): along the way from p to q. Where they are not plain some may be
+/// without
+///               data, and cells.bound(cell): no value in it is larger
 /// @return       how many cells each ray has passed
 template <class Cells>
 HWY_INLINE VecF walk_cells(SearchState& state, CloseLooks& looks, const CellBox& box, const Cells& cells, Ways ways) {
