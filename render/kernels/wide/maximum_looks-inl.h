@@ -143,6 +143,7 @@ class CloseLooks {
 
     HWY_ALIGN double corner[8][8];
     read_corners(first, count, corner);
+    // One by one where that is AVX-512: a gather takes longer on some processors (Zen 4).
     const std::int32_t* ray = looks.ray + first;
     const auto of_ray = [ray](const double* n) HWY_ATTR {
 #if HWY_TARGET <= HWY_AVX3 && HWY_TARGET != HWY_SCALAR
