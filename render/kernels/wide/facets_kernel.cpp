@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <type_traits>
+#include <utility>
 
 #include "render/cells/tet_methods.h"
 #include "render/kernels/tet_walk.h"
@@ -281,25 +282,33 @@ AnyCrossing any_facet_kernel(const VolumeImplementation& volume, const Method& m
   return nullptr;
 }
 
-std::array<std::shared_ptr<const Blockers>, 2> facet_blockers_of(const VolumeImplementation& volume,
-                                                                 const Question& question, const LightPlace& light,
-                                                                 unsigned threads) {
-  std::array<std::shared_ptr<const Blockers>, 2> of_sides;
-  if (!is_answerable(question) || !is_fit(volume)) return of_sides;
-  std::visit(
-      [&]<class View>(const View& view) {
-        if constexpr (is_mesh<View>) {
-          const auto facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, threads);
-          for (const StartSide side : {StartSide::outside, StartSide::inside}) {
-            const auto blockers = std::make_shared<Blockers>();
-            blockers->facets = std::make_shared<const FacetBlockers>(facets, light, side);
-            if (light.is_one_direction()) blockers->heights = blockers->facets->heights(light);
-            of_sides[side == StartSide::inside] = blockers;
-          }
-        }
+std::shared_ptr<const Facets> facets_with_blockers(const VolumeImplementation& volume, const Question& question,
+                                                   unsigned threads) {
+  if (!is_answerable(question) || !is_fit(volume)) return nullptr;
+  return std::visit(
+      [&]<class View>(const View& view) -> std::shared_ptr<const Facets> {
+        if constexpr (is_mesh<View>) return volume.facets->of(view, volume.bounds_volume, question.isovalue, threads);
+        return nullptr;
       },
       volume.view);
-  return of_sides;
+}
+
+std::shared_ptr<const LightBlockers> facet_blockers_of(std::shared_ptr<const Facets> facets, const LightPlace& light) {
+  return std::make_shared<const LightBlockers>([facets = std::move(facets), light](StartSide side) {
+    Blockers blockers;
+    blockers.facets = std::make_shared<const FacetBlockers>(facets, light, side);
+    if (light.is_one_direction()) blockers.heights = blockers.facets->heights(light);
+    return blockers;
+  });
+}
+
+std::shared_ptr<const LightBlockers> with_shadows(std::shared_ptr<const LightBlockers> before,
+                                                  const LightPlace& light) {
+  return std::make_shared<const LightBlockers>([before = std::move(before), light](StartSide side) {
+    Blockers blockers = before->of(side);
+    if (blockers.heights) blockers.facets->add_shadows(light, *blockers.heights);
+    return blockers;
+  });
 }
 
 CrossingsKernel facet_crossings_kernel(const VolumeImplementation& volume, const Question& question, Machine machine) {
