@@ -312,10 +312,14 @@ void number_pixels(const PixelLattice& lattice, const Tile& tile, Worker& worker
   });
 }
 
+bool asks_for_light(const FrameLayer& layer) {
+  return layer.look.effects.shadows || layer.look.effects.occlusion;
+}
+
 void receive_light(const Frame& frame, std::uint8_t layer, const LayerOfRays* shown, Worker& worker) {
   const FrameLayer& of_hits = frame.layers[layer];
   const EffectSet& effects = of_hits.look.effects;
-  if (!effects.shadows && !effects.occlusion) return;
+  if (!asks_for_light(of_hits)) return;
   const std::uint64_t start = ticks_now();
   find_shown(worker.layers[layer], layer, shown, *worker.light_rays);
   find_sides(of_hits.look.machine, worker.layers[layer], of_hits.look.layer.mode != Mode::triangles,
