@@ -57,11 +57,13 @@ class LightShares {
     std::fill_n(worker_.shells.goes_on.data(), ray_count, std::uint8_t{0});
     alignas(64) std::uint8_t is_asked[tile_capacity];
     std::copy_n(layers_[0].count, ray_count, is_asked);
+    is_complete_ = true;
     for (std::size_t l = 1; l < layers_.size(); ++l)
       for (std::size_t r = 0; r < ray_count; ++r)
         is_asked[r] = static_cast<std::uint8_t>(is_asked[r] | layers_[l].count[r]);
     for (std::size_t g = 0; g < frame_.shells.size(); ++g) {
       const std::uint8_t* complete = worker_.shells.complete[g].data();
+      is_complete_ &= std::find(complete, complete + ray_count, 0) == complete + ray_count;
       for (std::size_t r = 0; r < ray_count; ++r)
         is_asked[r] = static_cast<std::uint8_t>(is_asked[r] | (complete[r] ^ 1));
     }
@@ -95,10 +97,11 @@ class LightShares {
   };
 
   void share_light_of(std::size_t r) {
-    const double limit = known_until(r);
+    const double limit = is_complete_ ? infinity : known_until(r);
     for (OfLayer& of : layers_) of.taken = 0, of.look_ahead(r, limit);
     float light = 1;
-    while (!(light < least_light)) {
+    std::size_t shown = 0;
+    for (; !(light < least_light); ++shown) {
       OfLayer* first = &layers_[0];
       for (std::size_t l = 1; l < layers_.size(); ++l)
         if (layers_[l].next < first->next) first = &layers_[l];
@@ -108,11 +111,12 @@ class LightShares {
       if (first->taken == first->deepest) std::fill_n(first->share[first->deepest++], tile_capacity, 0.0F);
       first->share[first->taken++][r] = share;
       first->look_ahead(r, limit);
-      ++worker_.counts.clear_crossings;
-      worker_.counts.rays_through += !(light < least_light);
     }
+    worker_.counts.clear_crossings += shown;
+    worker_.counts.rays_through += light < least_light ? shown - 1 : shown;
     worker_.front.alpha[r] = light;
-    worker_.shells.goes_on[r] = limit < infinity && !(light < least_light);
+    if (limit == infinity) return;
+    worker_.shells.goes_on[r] = !(light < least_light);
     if (worker_.shells.goes_on[r] != 0) note_last(r);
   }
 
@@ -148,6 +152,7 @@ class LightShares {
   const Frame& frame_;
   Worker& worker_;
   std::vector<OfLayer> layers_;
+  bool is_complete_ = true;  ///< of all rays all crossings are noted
   std::vector<LastCrossing> last_;
 };
 

@@ -209,14 +209,14 @@ void cross_facets(const VolumeImplementation& volume, const CrossingsQuestion& q
             FacetLists& found = memory.facets->lists;
             found.room = room_for(asked.passing, question.least_light);
             found.passing = asked.passing, found.least_light = question.least_light;
+            CrossingArrays written{.hits = {}, .count = lists[s]->count.data()};
+            for (std::size_t k = 0; k < CrossingList::most; ++k) written.hits[k] = arrays_of(lists[s]->hits(k));
+            found.written = &written, found.complete = complete;
+            write_misses(written.hits[0], rays.count);
+            std::fill_n(written.count, rays.count, std::uint8_t{0});
             for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
               const std::size_t count = std::min(RayGroup::size, rays.count - first);
-              CrossingArrays chunk{.hits = {}, .count = lists[s]->count.data() + first};
-              for (std::size_t k = 0; k < CrossingList::most; ++k)
-                chunk.hits[k] = from(arrays_of(lists[s]->hits(k)), first);
-              write_misses(chunk.hits[0], count);
-              std::fill_n(chunk.count, count, std::uint8_t{0});
-              found.written = &chunk, found.complete = complete + first;
+              found.first = first;
               std::uint64_t left =
                   cross_facets_on(machine)(surface, from(rays, first), count, found, memory.facets->facets, counters);
               for (; left != 0; left &= left - 1)
