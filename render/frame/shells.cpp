@@ -55,20 +55,21 @@ class LightShares {
   void share_light(std::size_t ray_count) {
     std::fill_n(worker_.front.alpha, ray_count, 1.0F);
     std::fill_n(worker_.shells.goes_on.data(), ray_count, std::uint8_t{0});
-    alignas(64) std::uint8_t is_asked[tile_capacity];
-    std::copy_n(layers_[0].count, ray_count, is_asked);
+    std::fill_n(is_left_, ray_count, std::uint8_t{0});
     is_complete_ = true;
-    for (std::size_t l = 1; l < layers_.size(); ++l)
-      for (std::size_t r = 0; r < ray_count; ++r)
-        is_asked[r] = static_cast<std::uint8_t>(is_asked[r] | layers_[l].count[r]);
     for (std::size_t g = 0; g < frame_.shells.size(); ++g) {
       const std::uint8_t* complete = worker_.shells.complete[g].data();
       is_complete_ &= std::find(complete, complete + ray_count, 0) == complete + ray_count;
       for (std::size_t r = 0; r < ray_count; ++r)
-        is_asked[r] = static_cast<std::uint8_t>(is_asked[r] | (complete[r] ^ 1));
+        is_left_[r] = static_cast<std::uint8_t>(is_left_[r] | (complete[r] ^ 1));
     }
+    if (layers_.size() == 2 && is_complete_)
+      share_between_two(ray_count);
+    else
+      for (const OfLayer& of : layers_)
+        for (std::size_t r = 0; r < ray_count; ++r) is_left_[r] = static_cast<std::uint8_t>(is_left_[r] | of.count[r]);
     for (std::size_t r = 0; r < ray_count; ++r)
-      if (is_asked[r] != 0) share_light_of(r);
+      if (is_left_[r] != 0) share_light_of(r);
   }
 
   const std::vector<LastCrossing>& last() const { return last_; }
@@ -95,6 +96,39 @@ class LightShares {
       next = taken < count[r] && t[taken][r] <= limit ? t[taken][r] : infinity;
     }
   };
+
+  /// Shares the light of all rays that cross either layer once at most, without a branch; the others are left.
+  void share_between_two(std::size_t ray_count) {
+    OfLayer &a = layers_[0], &b = layers_[1];
+    const std::uint8_t *count_a = a.count, *count_b = b.count;
+    const double *t_a = a.t[0], *t_b = b.t[0];
+    float *share_a = a.share[0], *share_b = b.share[0], *alpha = worker_.front.alpha;
+    std::uint64_t shown = 0, through = 0;
+    unsigned any_a = 0, any_b = 0;
+    for (std::size_t r = 0; r < ray_count; ++r) {
+      const unsigned has_a = count_a[r], has_b = count_b[r];
+      const bool is_left = (has_a | has_b) > 1;
+      any_a |= has_a, any_b |= has_b;
+      const bool a_first = has_a != 0 && (has_b == 0 || t_a[r] <= t_b[r]);
+      const bool has_first = !is_left && (has_a | has_b) != 0;
+      const float of_first = has_first ? a_first ? a.opacity : b.opacity : 0;
+      const float behind_first = 1 - of_first;
+      const bool has_second = !is_left && (has_a & has_b) != 0 && !(behind_first < least_light);
+      const float of_second = has_second ? (a_first ? b.opacity : a.opacity) * behind_first : 0;
+      const float light = behind_first - of_second;
+      share_a[r] = a_first ? of_first : of_second;
+      share_b[r] = a_first ? of_second : of_first;
+      alpha[r] = light;
+      is_left_[r] = is_left;
+      shown += static_cast<unsigned>(has_first) + static_cast<unsigned>(has_second);
+      through += static_cast<unsigned>(has_first && !(behind_first < least_light)) +
+                 static_cast<unsigned>(has_second && !(light < least_light));
+    }
+    for (OfLayer* of : {&a, &b}) std::fill(of->share[0] + ray_count, of->share[0] + tile_capacity, 0.0F);
+    a.deepest = any_a != 0, b.deepest = any_b != 0;
+    worker_.counts.clear_crossings += shown;
+    worker_.counts.rays_through += through;
+  }
 
   void share_light_of(std::size_t r) {
     const double limit = is_complete_ ? infinity : known_until(r);
@@ -153,6 +187,7 @@ class LightShares {
   Worker& worker_;
   std::vector<OfLayer> layers_;
   bool is_complete_ = true;  ///< of all rays all crossings are noted
+  alignas(64) std::uint8_t is_left_[tile_capacity];
   std::vector<LastCrossing> last_;
 };
 

@@ -48,7 +48,7 @@ class ShellHits {
 
   /// @param place  of each, among the crossings of its ray
   HWY_INLINE void keep(const FoundIn& at, MaskF lanes, VecF low, VecF high, VecI place) {
-    if (!has_room_for(1)) write();
+    if (found_.count >= FoundCrossings::full) write();
     const std::size_t first = found_.count;
     put(at, lanes, low, high, place);
     put_whole(at.root_count, lanes, found_.root_count + first);
@@ -70,12 +70,6 @@ class ShellHits {
     for (std::uint64_t bits = bits_of(floats, lanes); bits != 0; bits &= bits - 1, ++c)
       found_.ray[c] = static_cast<std::int32_t>(at.ray) + std::countr_zero(bits);
   }
-  /// Whether more of them, as often as a vector has lanes, have a place.
-  HWY_INLINE bool has_room_for(std::size_t vectors) const {
-    return found_.count + vectors * float_lanes <= FoundCrossings::capacity;
-  }
-  HWY_INLINE void forget_from(std::size_t first) { found_.count = first; }
-
   /// Makes crossings of what was noted from `first` on, in cells of the rays from r on.
   HWY_INLINE void complete(std::size_t first, std::size_t r, const CellsAhead& cells) {
     for (std::size_t c = first; c < found_.count; ++c) {

@@ -73,15 +73,9 @@ class ShellLooks {
   HWY_INLINE std::uint64_t take(ShellLanes<surfaces>& lanes, std::size_t r, const VecF* block_corner, bool is_at_border,
                                 std::uint64_t& ended, std::uint64_t& full) {
     const std::uint64_t walking = bits_of(floats, lanes.walking);
-    if (!list_cells(lanes, block_corner, is_at_border)) return walking;
+    list_cells(lanes, block_corner, is_at_border);
     const std::size_t first_found = scratch_.found.count;
-    for (std::size_t first = 0; first < cells_.count; first += float_lanes) {
-      if (!hits_.has_room_for(3 * surfaces)) {
-        hits_.forget_from(first_found);
-        return walking;
-      }
-      look(lanes, first, block_corner);
-    }
+    for (std::size_t first = 0; first < cells_.count; first += float_lanes) look(lanes, first, block_corner);
     const std::uint64_t left = walking & find_strays(lanes, block_corner, is_at_border);
     link(r, left, ended, full);
     hits_.complete(first_found, r, cells_);
@@ -90,8 +84,7 @@ class ShellLooks {
 
  private:
   /// All cells that the rays pass and in which something is to be seen: of each ray in their order.
-  /// @return  false where there are too many
-  HWY_INLINE bool list_cells(const ShellLanes<surfaces>& lanes, const VecF* block_corner, bool is_at_border) {
+  HWY_INLINE void list_cells(const ShellLanes<surfaces>& lanes, const VecF* block_corner, bool is_at_border) {
     const VecI zero = hn::Zero(ints);
     VecI any[2] = {zero, zero};
     for (int s = 0; s < surfaces; ++s)
@@ -102,22 +95,18 @@ class ShellLooks {
       }
     cells_.count = 0;
     for_each_passed(lanes, any, block_corner, is_at_border, [&](const NextCell& cell, MaskF passes) HWY_ATTR {
-      if (cells_.count + float_lanes > CellsAhead::capacity) return false;
       const VecF bit = hn::MulAdd(hn::Set(floats, 16.0f), cell.cell[2],
                                   hn::MulAdd(hn::Set(floats, 4.0f), cell.cell[1], cell.cell[0]));
       const auto passes_i = hn::RebindMask(ints, passes);
       hn::StoreU(hn::Compress(hn::ConvertTo(ints, bit), passes_i), ints, cells_.bit + cells_.count);
       hn::StoreU(hn::Compress(hn::Iota(ints, 0), passes_i), ints, cells_.lane + cells_.count);
       cells_.count += hn::CountTrue(floats, passes);
-      return true;
     });
-    if (cells_.count + float_lanes > CellsAhead::capacity) return false;
     hn::StoreU(zero, ints, cells_.lane + cells_.count);
     hn::StoreU(zero, ints, cells_.bit + cells_.count);
-    return true;
   }
 
-  /// Calls act(cell, lanes) for some cells of the rays, as far as they pass them, until it returns false.
+  /// Calls act(cell, lanes) for some cells of the rays, as far as they pass them.
   /// @param words  which cells
   template <class Act>
   HWY_INLINE void for_each_passed(const ShellLanes<surfaces>& lanes, const VecI* words, const VecF* block_corner,
@@ -130,7 +119,7 @@ class ShellLooks {
       left[1] = hn::Xor(left[1], hn::IfThenElseZero(cell.in_second, cell.bit));
       MaskF passes = hn::And(cell.exists, hn::Lt(cell.way_in, cell.way_out));
       if (is_at_border) passes = hn::And(passes, is_in_lattice(ends_, cell, block_corner));
-      if (!act(cell, passes)) return;
+      act(cell, passes);
     }
   }
 
@@ -267,10 +256,8 @@ class ShellLooks {
       }
       inside_behind[s] = hn::Xor(begins_inside, odd.of_all);
     }
-    for_each_passed(lanes, off, block_corner, is_at_border, [&](const NextCell&, MaskF passes) HWY_ATTR {
-      strays |= bits_of(floats, passes);
-      return true;
-    });
+    for_each_passed(lanes, off, block_corner, is_at_border,
+                    [&](const NextCell&, MaskF passes) HWY_ATTR { strays |= bits_of(floats, passes); });
     const MaskF is_stray = mask_of(floats, strays);
     for (int s = 0; s < surfaces; ++s) {
       lanes.inside_of[s] = hn::Or(hn::And(is_stray, lanes.inside_of[s]), hn::AndNot(is_stray, inside_behind[s]));
