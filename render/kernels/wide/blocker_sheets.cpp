@@ -160,11 +160,12 @@ class Sheets {
     std::iota(sheet_of_.begin(), sheet_of_.end(), 0U);
     for (std::uint32_t f = 0; f < facets.size(); ++f)
       for (int c = 0; c < facets[f].count; ++c)
-        if (edges.is_inner(facets[f].edge[c])) join(f, edges.first_facet(facets[f].edge[c]));
-    for (std::uint32_t f = 0; f < facets.size(); ++f) sheet_of_[f] = first_of(f);
-    std::iota(order_.begin(), order_.end(), 0U);
-    std::stable_sort(order_.begin(), order_.end(),
-                     [this](std::uint32_t a, std::uint32_t b) { return sheet_of_[a] < sheet_of_[b]; });
+        if (const std::uint32_t edge = facets[f].edge[c]; edges.first_facet(edge) != f && edges.is_inner(edge))
+          join(f, edges.first_facet(edge));
+    std::vector<std::uint32_t> place(facets.size() + 1, 0);
+    for (std::uint32_t f = 0; f < facets.size(); ++f) ++place[(sheet_of_[f] = first_of(f)) + 1];
+    std::partial_sum(place.begin(), place.end(), place.begin());
+    for (std::uint32_t f = 0; f < facets.size(); ++f) order_[place[sheet_of_[f]]++] = f;
   }
 
   /// Calls act(numbers of its facets) for each.
