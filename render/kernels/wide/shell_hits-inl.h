@@ -20,6 +20,25 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
+/// Some lanes, to be brought before the others: their order is found once for many vectors.
+class ChosenLanes {
+ public:
+  explicit HWY_INLINE ChosenLanes(MaskF lanes)
+      : numbers_(hn::And(hn::Compress(hn::Iota(ints, 0), hn::RebindMask(ints, lanes)),
+                         hn::Set(ints, std::int32_t{float_lanes - 1}))),
+        order_(hn::IndicesFromVec(floats, numbers_)),
+        order_of_ints_(hn::IndicesFromVec(ints, numbers_)) {}
+
+  HWY_INLINE VecI numbers() const { return numbers_; }  ///< of the lanes
+  HWY_INLINE VecF first(VecF v) const { return hn::TableLookupLanes(v, order_); }
+  HWY_INLINE VecI first(VecI v) const { return hn::TableLookupLanes(v, order_of_ints_); }
+
+ private:
+  VecI numbers_;
+  decltype(hn::IndicesFromVec(floats, VecI())) order_;
+  decltype(hn::IndicesFromVec(ints, VecI())) order_of_ints_;
+};
+
 /// What a look into cells has found, but for the piece of the way on which a change lies.
 struct FoundIn {
   const Corners& corners;
@@ -51,7 +70,6 @@ class ShellHits {
     if (found_.count >= FoundCrossings::full) write();
     const std::size_t first = found_.count;
     put(at, lanes, low, high, place);
-    put_whole(at.root_count, lanes, found_.root_count + first);
     std::size_t c = first;
     for (std::uint64_t bits = bits_of(floats, lanes); bits != 0; bits &= bits - 1, ++c) {
       const std::size_t ray = at.ray + static_cast<std::size_t>(std::countr_zero(bits));
@@ -96,15 +114,11 @@ class ShellHits {
   }
 
  private:
-  HWY_INLINE static void put_whole(VecI numbers, MaskF lanes, std::int32_t* to) {
-    hn::StoreU(hn::Compress(numbers, hn::RebindMask(ints, lanes)), ints, to);
-  }
-
   /// Adds what is known of changes in some lanes, but for their rays.
   HWY_INLINE void put(const FoundIn& at, MaskF lanes, VecF low, VecF high, VecI place) {
     const std::size_t n = found_.count;
-    const auto put_one = [&](VecF numbers, float* to)
-                             HWY_ATTR { hn::StoreU(hn::Compress(numbers, lanes), floats, to + n); };
+    const ChosenLanes chosen(lanes);
+    const auto put_one = [&](VecF numbers, float* to) HWY_ATTR { hn::StoreU(chosen.first(numbers), floats, to + n); };
     for (int c = 0; c < 8; ++c) put_one(at.corners.f[c], found_.corner[c]);
     for (int a = 0; a < 3; ++a) {
       put_one(at.in[a], found_.in[a]), put_one(at.out[a], found_.out[a]);
@@ -112,7 +126,8 @@ class ShellHits {
     }
     put_one(at.next.way_in, found_.way_in), put_one(at.next.way_out, found_.way_out);
     put_one(low, found_.low), put_one(high, found_.high);
-    put_whole(place, lanes, found_.place + n);
+    hn::StoreU(chosen.first(place), ints, found_.place + n);
+    hn::StoreU(chosen.first(at.root_count), ints, found_.root_count + n);
     found_.count += hn::CountTrue(floats, lanes);
     for (std::size_t c = n; c < found_.count; ++c) found_.surface[c] = at.surface;
   }

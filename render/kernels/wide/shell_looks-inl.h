@@ -97,9 +97,9 @@ class ShellLooks {
     for_each_passed(lanes, any, block_corner, is_at_border, [&](const NextCell& cell, MaskF passes) HWY_ATTR {
       const VecF bit = hn::MulAdd(hn::Set(floats, 16.0f), cell.cell[2],
                                   hn::MulAdd(hn::Set(floats, 4.0f), cell.cell[1], cell.cell[0]));
-      const auto passes_i = hn::RebindMask(ints, passes);
-      hn::StoreU(hn::Compress(hn::ConvertTo(ints, bit), passes_i), ints, cells_.bit + cells_.count);
-      hn::StoreU(hn::Compress(hn::Iota(ints, 0), passes_i), ints, cells_.lane + cells_.count);
+      const ChosenLanes chosen(passes);
+      hn::StoreU(chosen.first(hn::ConvertTo(ints, bit)), ints, cells_.bit + cells_.count);
+      hn::StoreU(chosen.numbers(), ints, cells_.lane + cells_.count);
       cells_.count += hn::CountTrue(floats, passes);
     });
     hn::StoreU(zero, ints, cells_.lane + cells_.count);

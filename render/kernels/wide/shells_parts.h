@@ -73,7 +73,8 @@ struct alignas(64) CellsAhead {
 /// Crossings of a group of which the place in the cell is still to be refined, one after another.
 struct alignas(64) FoundCrossings {
   static constexpr std::size_t full = 128;  ///< these are written before more are looked for
-  /// And what a pack of rays may find in its blocks, at most three changes in each cell for each surface; and two vectors.
+  /// And what a pack of rays may find in its blocks, at most three changes in each cell for each surface; and two
+  /// vectors.
   static constexpr std::size_t capacity = full + 3 * most_shells * CellsAhead::most + 32;
 
   float corner[8][capacity];                    ///< of the cell, less the isovalue
