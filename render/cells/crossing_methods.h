@@ -140,17 +140,19 @@ RHORAY_INLINE CellCrossing paper(const TrilinearCell& cell, const CellPassage& w
   return found;
 }
 
-/// The value of a crossing, as a ray sees it that leaves it towards a side.
+/// The value in a crossing, as a ray sees it that leaves it towards a side: where rounding has put it on the other, the
+/// nearest of that side.
 template <class Real>
-RHORAY_INLINE Real least_of_side(bool inside) {
+RHORAY_INLINE Real on_side(Real value, bool inside) {
+  if (is_inside(value) == inside) return value;
   return inside ? Real(0) : -std::numeric_limits<Real>::min();
 }
 
 template <class Real>
 RHORAY_INLINE CellCrossing preview(const TrilinearCellOf<Real>& differences, const CellPassage& way,
                                    bool starts_inside) {
-  const Real at_in =
-      way.starts_in_crossing ? least_of_side<Real>(starts_inside) : differences.at(Imath::Vec3<Real>(way.in));
+  Real at_in = differences.at(Imath::Vec3<Real>(way.in));
+  if (way.starts_in_crossing) at_in = on_side(at_in, starts_inside);
   const Real at_out = differences.at(Imath::Vec3<Real>(way.out));
   CellCrossing found{.iterations = 1, .root_count = 1};
   if (is_inside(at_in) != starts_inside) {
@@ -166,7 +168,7 @@ RHORAY_INLINE CellCrossing preview(const TrilinearCellOf<Real>& differences, con
 
 template <class Real>
 RHORAY_INLINE CellCrossing bracketed(CubicOf<Real> cubic, const CellPassage& way, bool starts_inside) {
-  if (way.starts_in_crossing) cubic.b[0] = least_of_side<Real>(starts_inside);
+  if (way.starts_in_crossing) cubic.b[0] = on_side(cubic.b[0], starts_inside);
   const SideChanges<Real> changes = changes_of_side(cubic, starts_inside);
   return {changes.count > 0, static_cast<double>(changes.first), changes.iterations, changes.count};
 }

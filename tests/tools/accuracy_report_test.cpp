@@ -211,6 +211,7 @@ TEST(AccuracyReport, says_what_its_instruments_cost_and_what_variants_keep_in_me
   run_well(bench, "ball.rho --iso 60 -o out" + small);
   const json results = results_of(bench, "out");
   EXPECT_TRUE(results.at("context").at("instruments_share_of_time").is_number());
+  EXPECT_GE(results.at("context").at("instruments_noise"), 0);
   EXPECT_GE(results.at("context").at("instruments_pictures"), 3);
   EXPECT_THAT(read_file(bench / "out/report.html"), HasSubstr("changes the CPU time of a picture by"));
   for (const json& row : results.at("rows"))

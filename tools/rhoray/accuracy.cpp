@@ -272,6 +272,7 @@ class Work {
     display_.show("timing the instruments");
     const InstrumentCost cost = studies_[0]->instrument_cost(0.02 * command_.time_limit_s);
     context_.facts["instruments_share_of_time"] = cost.share;
+    context_.facts["instruments_noise"] = cost.noise;
     context_.facts["instruments_pictures"] = cost.pictures;
   }
 

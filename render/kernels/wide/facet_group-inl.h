@@ -13,25 +13,27 @@
 
 #include <hwy/highway.h>
 
+#include "render/kernels/wide/facet_beam-inl.h"
 #include "render/kernels/wide/facet_lanes-inl.h"
+#include "render/kernels/wide/facet_part-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
 /// The rays of a chunk that move most along one axis, one way; of these, some lanes at a time.
-class FacetGroup {
+class FacetGroup : public FacetBeam {
  public:
   HWY_INLINE FacetGroup(const FacetSurface& of_surface, const RayArrays& of_rays, std::size_t count, int axis,
-                        bool down, FacetScratch& memory)
-      : surface(of_surface),
+                        bool down, FacetChunk& chunk, FacetScratch& memory)
+      : FacetBeam(axis, down),
+        surface(of_surface),
         rays(of_rays),
+        lines(chunk.lines),
         scratch(memory),
-        ray_count(count),
-        axis_u((axis + 1) % 3),
-        axis_v((axis + 2) % 3),
-        axis_w(axis),
-        sign(down ? -1.0f : 1.0f) {
-    describe_rays();
+        ray_count(count) {
+    if (chunk.axis == axis && chunk.down == down) return;
+    describe_rays(surface, rays, count, *this, chunk.lines);
+    chunk.axis = axis, chunk.down = down;
   }
 
   /// Makes these lanes, and no others, ready, and bounds the places of their rays.
@@ -41,7 +43,7 @@ class FacetGroup {
     float first = beyond, last = -beyond, last_begin = -beyond, first_end = beyond;
     for (std::size_t r = 0; r < lanes; r += float_lanes) {
       const MaskF alive = alive_in(lanes_alive, r);
-      const VecF begin = hn::Load(floats, scratch.begin + r), end = hn::Load(floats, scratch.end + r);
+      const VecF begin = hn::Load(floats, lines.begin + r), end = hn::Load(floats, lines.end + r);
       hn::Store(hn::IfThenElse(alive, end, none), floats, scratch.depth + r);
       if constexpr (search != FacetSearch::any)
         hn::Store(hn::Set(ints, FacetScratch::no_facet), ints, scratch.facet + r);
@@ -61,12 +63,7 @@ class FacetGroup {
       }
     }
     all_from = last_begin, all_to = first_end;
-    // The part of the facets' box, along w, in which there are rays.
-    first -= bound_margin, last += bound_margin;
-    const bool down = sign < 0;
-    const float low = down ? -last : first, high = down ? -first : last;
-    w_from = surface.low[axis_w] > low ? surface.low[axis_w] : low;
-    w_to = surface.high[axis_w] < high ? surface.high[axis_w] : high;
+    cut(surface, first, last);
     if (has_facets()) bound_places(lanes_alive);
   }
 
@@ -77,17 +74,8 @@ class FacetGroup {
   /// evenly over their box.
   HWY_INLINE bool is_narrow(std::uint64_t lanes_alive) const {
     if ((lanes_alive & (lanes_alive - 1)) == 0 || !has_facets()) return true;
-    float share = 1;
-    for (int m = 0; m < 2; ++m) {
-      const int axis = m == 0 ? axis_u : axis_v;
-      const float size = surface.high[axis] - surface.low[axis] + bound_margin;
-      const float at_low = group_at_low_[2 * m] + group_at_low_[2 * m + 1];
-      const float at_high = group_at_high_[2 * m] + group_at_high_[2 * m + 1];
-      const float width = (at_low > at_high ? at_low : at_high) / size;
-      share *= width < 1 ? width : 1;
-    }
     constexpr float facets_per_ray = 24;
-    return share * static_cast<float>(surface.facet_count) <=
+    return share_of(surface, group_at_low_, group_at_high_) * static_cast<float>(surface.facet_count) <=
            facets_per_ray * static_cast<float>(std::popcount(lanes_alive));
   }
 
@@ -107,56 +95,14 @@ class FacetGroup {
 
   const FacetSurface& surface;
   const RayArrays& rays;
+  const FacetLines& lines;
   FacetScratch& scratch;
-  const std::size_t ray_count;  ///< of the chunk's rays
-  const int axis_u, axis_v, axis_w;
-  const float sign;                     ///< depth = sign w
-  float w_from = 0, w_to = 0;           ///< the part of the facets' box in which there are rays
-  float line_offset[4], line_slope[4];  ///< bounds of all rays' places, as bound_places says
-  float far = 0;
+  const std::size_t ray_count;     ///< of the chunk's rays
   float all_from = 0, all_to = 0;  ///< any: the depths that lie between the ends of all rays
   std::uint64_t crossed = 0;       ///< any: lanes that have met a facet
   Answered answered;
 
  private:
-  /// Of all rays of the chunk, as if all moved along this axis; those that do not, stay without hits.
-  HWY_INLINE void describe_rays() {
-    const VecD scale = hn::Set(doubles, surface.scale);
-    const VecD towards = hn::Set(doubles, static_cast<double>(sign));
-    const int minor[2] = {axis_u, axis_v};
-    for (std::size_t r = 0; r < ray_count; r += double_lanes) {
-      const VecD d = hn::Load(doubles, rays.direction[axis_w] + r);
-      const VecD inverse = hn::Div(hn::Set(doubles, 1.0), d);
-      const auto start = [&](int axis) HWY_ATTR {
-        return hn::Mul(hn::Sub(hn::Load(doubles, rays.origin[axis] + r), hn::Set(doubles, surface.anchor[axis])),
-                       scale);
-      };
-      const VecD w = start(axis_w);
-      for (int m = 0; m < 2; ++m) {
-        const VecD s = hn::Mul(hn::Load(doubles, rays.direction[minor[m]] + r), inverse);
-        store(s, scratch.slope[m], r);
-        store(hn::Sub(start(minor[m]), hn::Mul(s, w)), scratch.shift[m], r);
-      }
-      const VecD speed = hn::Mul(d, scale);
-      store(at_most(hn::Mul(towards, hn::MulAdd(hn::Load(doubles, rays.t_min + r), speed, w))), scratch.begin, r);
-      store(at_most(hn::Mul(towards, hn::MulAdd(hn::Load(doubles, rays.t_max + r), speed, w))), scratch.end, r);
-    }
-    if (rays.start_side != nullptr)
-      for (std::size_t r = 0; r < ray_count; ++r)
-        scratch.start_side[lane_of(r)] = static_cast<float>(rays.start_side[r]);
-  }
-
-  /// Numbers of the rays from r on.
-  HWY_INLINE static void store(VecD v, float* of_lanes, std::size_t r) {
-    store_in_lanes(half_floats, hn::DemoteTo(half_floats, v), of_lanes, r);
-  }
-
-  /// Numbers too large for the facets' frame become large ones.
-  HWY_INLINE static VecD at_most(VecD v) {
-    const VecD largest = hn::Set(doubles, static_cast<double>(beyond));
-    return hn::Max(hn::Min(v, largest), hn::Neg(largest));
-  }
-
   HWY_INLINE MaskF alive_in(std::uint64_t lanes_alive, std::size_t lane) const {
     return mask_of(floats, lanes_alive >> lane);
   }
@@ -174,7 +120,7 @@ class FacetGroup {
         for (int e = 0; e < 2; ++e) least[e][p] = hn::Set(floats, beyond), most[e][p] = hn::Set(floats, -beyond);
         for (std::size_t r = pack * p; r < pack * (p + 1); r += float_lanes) {
           const MaskF alive = alive_in(lanes_alive, r);
-          const VecF slope = hn::Load(floats, scratch.slope[m] + r), shift = hn::Load(floats, scratch.shift[m] + r);
+          const VecF slope = hn::Load(floats, lines.slope[m] + r), shift = hn::Load(floats, lines.shift[m] + r);
           for (int e = 0; e < 2; ++e) {
             const VecF place = hn::MulAdd(slope, end_of_box[e], shift);
             least[e][p] = hn::Min(least[e][p], hn::IfThenElse(alive, place, least[e][p]));
@@ -201,21 +147,15 @@ class FacetGroup {
         group_at_high_[l] = high > group_at_high_[l] ? high : group_at_high_[l];
       }
     }
-    // Over a short way a slope would be lost in rounding: there the bounds are constant.
-    const bool is_short = w_to - w_from < 0x1p-8f;
-    const VecF inverse = hn::Set(floats, is_short ? 0.0f : 1 / (w_to - w_from));
+    const VecF inverse = hn::Set(floats, is_short() ? 0.0f : 1 / (w_to - w_from));
     for (std::size_t i = 0; i < lanes / 4; i += float_lanes) {
       const VecF low = hn::Load(floats, at_low + i), high = hn::Load(floats, at_high + i);
       const VecF slope = hn::Mul(hn::Sub(high, low), inverse);
-      const VecF base = is_short ? hn::Max(low, high) : low;
+      const VecF base = is_short() ? hn::Max(low, high) : low;
       hn::Store(slope, floats, scratch.cull_slope + i);
       hn::Store(hn::NegMulAdd(slope, end_of_box[0], base), floats, scratch.cull_offset + i);
     }
-    for (int l = 0; l < 4; ++l) {
-      const float low = group_at_low_[l], high = group_at_high_[l];
-      line_slope[l] = is_short ? 0.0f : (high - low) / (w_to - w_from);
-      line_offset[l] = (is_short && high > low ? high : low) - line_slope[l] * w_from;
-    }
+    set_lines(group_at_low_, group_at_high_);
   }
 
   float group_at_low_[4], group_at_high_[4];

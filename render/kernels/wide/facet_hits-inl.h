@@ -48,7 +48,7 @@ class FacetHits {
     MaskD hit = hn::And(mask_of(doubles, alive),
                         hn::RebindMask(doubles, hn::Ne(index, hn::Set(longs, FacetScratch::no_facet))));
     if constexpr (search == FacetSearch::certified) {
-      const VecD far = hn::IfThenElse(hit, depths(group_.scratch.far, r), depths(group_.scratch.end, r));
+      const VecD far = hn::IfThenElse(hit, depths(group_.scratch.far, r), depths(group_.lines.end, r));
       const MaskD not_proven = hn::Le(depths(group_.scratch.second, r), far);
       const MaskD in_doubt = hn::AndNot(not_proven, hn::Le(depths(group_.scratch.doubt, r), far));
       group_.answered.whole |= (bits_of(doubles, not_proven) & alive) << r;

@@ -36,13 +36,6 @@ inline constexpr float never = 4 * beyond;
 /// What bounds of a group are widened by: more than the rounding of places and of the bounds themselves.
 inline constexpr float bound_margin = 0x1p-20f;
 
-/// Rays of a chunk by the axis on which they move most, and by the way they move along it.
-struct Directions {
-  std::uint64_t along[3];
-  std::uint64_t down[3];
-  std::uint64_t strange;  ///< rays that are not of finite numbers, do not move, or start too far away
-};
-
 HWY_INLINE Directions directions_of(const FacetSurface& surface, const RayArrays& rays, std::size_t count,
                                     double farthest) {
   Directions bits{};

@@ -53,7 +53,7 @@ HWY_INLINE bool insert_into_list(FacetGroup& group, std::size_t lane, float dept
 /// @return  whether that is now nearer for any
 HWY_INLINE bool note_in_lists(FacetGroup& group, MaskF through, VecF depth, std::size_t r, std::uint32_t facet) {
   FacetLists& lists = *group.scratch.lists;
-  const VecF end = hn::Load(floats, group.scratch.depth + r), begin = hn::Load(floats, group.scratch.begin + r);
+  const VecF end = hn::Load(floats, group.scratch.depth + r), begin = hn::Load(floats, group.lines.begin + r);
   const MaskF met = hn::And(through, hn::And(hn::Le(depth, end), hn::Ge(depth, begin)));
   const auto number = static_cast<std::int32_t>(facet);
   const VecI count = hn::Load(ints, lists.count + r);

@@ -36,7 +36,8 @@ struct FacetShellScratch {
 /// Notes the crossings of at most 64 rays. First hits are misses before, rays complete.
 /// @return  a bit for each ray that is to be answered by another kernel
 using CrossFacets = std::uint64_t (*)(const FacetSurface& surface, const RayArrays& rays, std::size_t count,
-                                      FacetLists& lists, FacetScratch& scratch, KernelCounters& counters);
+                                      FacetChunk& chunk, FacetLists& lists, FacetScratch& scratch,
+                                      KernelCounters& counters);
 
 /// `baseline` is what the processor has of SSE4, or else one lane.
 CrossFacets cross_facets_on(Machine machine);

@@ -32,33 +32,19 @@ class FacetTests {
         group_.surface.facet_count - first < FacetBlock::size ? group_.surface.facet_count - first : FacetBlock::size;
     std::uint64_t met = 0;
     for (std::size_t i = 0; i < FacetBlock::size; i += float_lanes) {
-      VecF w[4];
-      for (int c = 0; c < 4; ++c) w[c] = hn::Load(floats, block.corner[c][group_.axis_w] + i);
-      const VecF w_low = hn::Min(hn::Min(w[0], w[1]), hn::Min(w[2], w[3]));
-      const VecF w_high = hn::Max(hn::Max(w[0], w[1]), hn::Max(w[2], w[3]));
-      const VecF near = group_.sign < 0 ? hn::Neg(w_high) : w_low;
-      hn::Store(near, floats, facet_near_ + i);
-      hn::Store(group_.sign < 0 ? hn::Neg(w_low) : w_high, floats, facet_far_ + i);
-      MaskF in = hn::And(hn::Ge(w_high, hn::Set(floats, group_.w_from)), hn::Le(w_low, hn::Set(floats, group_.w_to)));
-      in = hn::And(in, hn::Le(near, hn::Set(floats, group_.far)));
-      VecF size = hn::Sub(w_high, w_low);
-      for (int m = 0; m < 2; ++m) {
-        const int axis = m == 0 ? group_.axis_u : group_.axis_v;
-        VecF below = hn::Set(floats, -beyond), above = below;  // the most that any corner is within a bound
-        VecF low = hn::Set(floats, beyond), high = hn::Set(floats, -beyond);
-        for (int c = 0; c < 4; ++c) {
-          const VecF place = hn::Load(floats, block.corner[c][axis] + i);
-          const auto bound = [&](int l) HWY_ATTR {
-            return hn::MulAdd(hn::Set(floats, group_.line_slope[l]), w[c], hn::Set(floats, group_.line_offset[l]));
-          };
-          below = hn::Max(below, hn::Add(bound(2 * m), place));
-          above = hn::Max(above, hn::Sub(bound(2 * m + 1), place));
-          if constexpr (search == FacetSearch::certified) low = hn::Min(low, place), high = hn::Max(high, place);
-        }
-        in = hn::And(in, hn::And(hn::Ge(below, hn::Zero(floats)), hn::Ge(above, hn::Zero(floats))));
-        if constexpr (search == FacetSearch::certified) size = hn::Max(size, hn::Sub(high, low));
-      }
+      const MetFacetLanes here = meet_facets(block, group_, i);
+      hn::Store(here.near, floats, facet_near_ + i);
+      hn::Store(group_.sign < 0 ? hn::Neg(here.w_low) : here.w_high, floats, facet_far_ + i);
       if constexpr (search == FacetSearch::certified) {
+        VecF size = hn::Sub(here.w_high, here.w_low);
+        for (const int axis : {group_.axis_u, group_.axis_v}) {
+          VecF low = hn::Set(floats, beyond), high = hn::Set(floats, -beyond);
+          for (int c = 0; c < 4; ++c) {
+            const VecF place = hn::Load(floats, block.corner[c][axis] + i);
+            low = hn::Min(low, place), high = hn::Max(high, place);
+          }
+          size = hn::Max(size, hn::Sub(high, low));
+        }
         // Corners of a facet near a ray have places of at most twice its size, d: products of a place and an error, of
         // two errors, and the rounding of two products and a difference.
         const VecF d = hn::Add(size, size);
@@ -67,7 +53,7 @@ class FacetTests {
             hn::Mul(hn::Set(floats, place_error), hn::MulAdd(d, factor, hn::Set(floats, 3 * place_error)));
         hn::Store(margin, floats, margin_ + i);
       }
-      met |= bits_of(floats, in) << i;
+      met |= bits_of(floats, here.in) << i;
     }
     met &= (std::uint64_t{1} << in_block) - 1;
     std::uint32_t changed = 0;
@@ -111,25 +97,27 @@ class FacetTests {
       }
       outside |= bits_of(floats, hn::Lt(within, hn::Zero(floats))) << i;
     }
+    const std::uint32_t facet = search == FacetSearch::any ? first + f : source_of(first + f);
     std::uint32_t changed = 0;
     for (std::size_t p = 0; p < packs; ++p) {
       if ((outside >> 4 * p & 15) != 0 || facet_near_[f] > group_.scratch.pack_far[p]) continue;
       ++tests_;
-      if (test_pack(corners, p, first + f, f)) changed |= 1U << p;
+      if (test_pack(corners, p, facet, f)) changed |= 1U << p;
     }
     return changed;
   }
 
-  /// @return  true when a ray was hit
+  /// @param facet  its place among the fields; for any crossing, in the blocks
+  /// @return       true when a ray was hit
   HWY_INLINE bool test_pack(const Corners& corners, std::size_t p, std::uint32_t facet, std::uint32_t f) {
     bool changed = false;
     const VecF zero = hn::Zero(floats);
     for (std::size_t i = 0; i < pack; i += float_lanes) {
       const std::size_t r = pack * p + i;
-      const VecF slope_u = hn::Load(floats, group_.scratch.slope[0] + r),
-                 slope_v = hn::Load(floats, group_.scratch.slope[1] + r);
-      const VecF shift_u = hn::Load(floats, group_.scratch.shift[0] + r),
-                 shift_v = hn::Load(floats, group_.scratch.shift[1] + r);
+      const VecF slope_u = hn::Load(floats, group_.lines.slope[0] + r),
+                 slope_v = hn::Load(floats, group_.lines.slope[1] + r);
+      const VecF shift_u = hn::Load(floats, group_.lines.shift[0] + r),
+                 shift_v = hn::Load(floats, group_.lines.shift[1] + r);
       VecF x[4], y[4];
       for (int c = 0; c < 4; ++c) {
         x[c] = hn::Sub(hn::NegMulAdd(slope_u, corners.w[c], corners.u[c]), shift_u);
@@ -181,7 +169,7 @@ class FacetTests {
                  this_facet = hn::Set(ints, static_cast<std::int32_t>(facet));
       const MaskF is_lower = hn::RebindMask(floats, hn::Lt(this_facet, best_facet));
       const MaskF is_first = hn::Or(hn::Lt(depth, best), hn::And(hn::Eq(depth, best), is_lower));
-      MaskF hit = hn::And(hn::And(any, is_first), hn::Ge(depth, hn::Load(floats, group_.scratch.begin + r)));
+      MaskF hit = hn::And(hn::And(any, is_first), hn::Ge(depth, hn::Load(floats, group_.lines.begin + r)));
       if (group_.rays.start_side != nullptr) hit = hn::And(hit, leaves_start_side(corners, facet, r));
       if (hn::AllFalse(floats, hit)) continue;
       hn::Store(hn::IfThenElse(hit, depth, best), floats, group_.scratch.depth + r);
@@ -200,7 +188,7 @@ class FacetTests {
     if (hn::AllFalse(floats, hit)) return false;
     if (facet_near_[f] < group_.all_from || facet_far_[f] > group_.all_to) {
       const VecF depth = depth_at(corners, is_abc, ab, bc, cd, da, ac, weight, f);
-      hit = hn::And(hit, hn::And(hn::Le(depth, end), hn::Ge(depth, hn::Load(floats, group_.scratch.begin + r))));
+      hit = hn::And(hit, hn::And(hn::Le(depth, end), hn::Ge(depth, hn::Load(floats, group_.lines.begin + r))));
     }
     if (group_.rays.start_side != nullptr && !is_sure(facet))
       hit = hn::And(hit, leaves_start_side(corners, source_of(facet), r));
@@ -221,10 +209,10 @@ class FacetTests {
 
   /// Rays that come to the facet on the side on which they start, or of which that is unknown.
   HWY_INLINE MaskF leaves_start_side(const Corners& corners, std::uint32_t facet, std::size_t r) const {
-    const VecF slope_u = hn::Load(floats, group_.scratch.slope[0] + r),
-               slope_v = hn::Load(floats, group_.scratch.slope[1] + r);
-    const VecF shift_u = hn::Load(floats, group_.scratch.shift[0] + r),
-               shift_v = hn::Load(floats, group_.scratch.shift[1] + r);
+    const VecF slope_u = hn::Load(floats, group_.lines.slope[0] + r),
+               slope_v = hn::Load(floats, group_.lines.slope[1] + r);
+    const VecF shift_u = hn::Load(floats, group_.lines.shift[0] + r),
+               shift_v = hn::Load(floats, group_.lines.shift[1] + r);
     const double* gradient = group_.surface.fields[facet].gradient;
     double largest = 0;
     for (int a = 0; a < 3; ++a) {
@@ -236,11 +224,11 @@ class FacetTests {
     const VecF rise = hn::Mul(hn::Set(floats, group_.sign),
                               hn::MulAdd(slope_u, component(group_.axis_u),
                                          hn::MulAdd(slope_v, component(group_.axis_v), component(group_.axis_w))));
-    const VecF start_side = hn::Load(floats, group_.scratch.start_side + r), leaving = hn::Mul(rise, start_side);
+    const VecF start_side = hn::Load(floats, group_.lines.start_side + r), leaving = hn::Mul(rise, start_side);
     // Written so that the facet of a flat cell, whose gradient is none, counts.
     if (!group_.surface.is_of_triangles) return hn::Not(hn::Gt(leaving, hn::Zero(floats)));
     // As starts_in of triangle_start.h; a normal here is 1 to 1.7 long.
-    const VecF w = hn::Mul(hn::Set(floats, group_.sign), hn::Load(floats, group_.scratch.begin + r));
+    const VecF w = hn::Mul(hn::Set(floats, group_.sign), hn::Load(floats, group_.lines.begin + r));
     const VecF away_u = hn::Sub(hn::MulAdd(slope_u, w, shift_u), corners.u[0]),
                away_v = hn::Sub(hn::MulAdd(slope_v, w, shift_v), corners.v[0]);
     const VecF away = hn::MulAdd(
@@ -273,7 +261,7 @@ class FacetTests {
       const VecF most = hn::Max(hn::Max(place[0], place[1]), hn::Max(place[2], place[3]));
       any = hn::And(any, hn::And(hn::Le(least, e), hn::Ge(most, hn::Neg(e))));
     }
-    const VecF begin = hn::Load(floats, group_.scratch.begin + r), end = hn::Load(floats, group_.scratch.end + r);
+    const VecF begin = hn::Load(floats, group_.lines.begin + r), end = hn::Load(floats, group_.lines.end + r);
     const VecF facet_near = hn::Sub(hn::Set(floats, facet_near_[f]), e),
                facet_far = hn::Add(hn::Set(floats, facet_far_[f]), e);
     any = hn::And(any, hn::And(hn::Ge(facet_far, begin), hn::Le(facet_near, end)));

@@ -1,5 +1,6 @@
 #include <bit>
-#include <limits>
+#include <optional>
+#include <utility>
 
 #include "render/kernels/wide/facet_shells_parts.h"
 #include "render/kernels/wide/facets_parts.h"
@@ -15,6 +16,7 @@
 #include "render/kernels/wide/facet_hits-inl.h"
 #include "render/kernels/wide/facet_lanes-inl.h"
 #include "render/kernels/wide/facet_lists-inl.h"
+#include "render/kernels/wide/facet_part-inl.h"
 #include "render/kernels/wide/facet_tests-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -25,8 +27,11 @@ template <FacetSearch search>
 class FacetWalk {
  public:
   HWY_INLINE FacetWalk(const FacetSurface& surface, const RayArrays& rays, std::size_t count, const HitArrays& hits,
-                       int axis, bool down, FacetScratch& scratch, KernelCounters& counters)
-      : group_(surface, rays, count, axis, down, scratch), tests_(group_), hits_(group_, hits), counters_(counters) {}
+                       int axis, bool down, FacetChunk& chunk, FacetScratch& scratch, KernelCounters& counters)
+      : group_(surface, rays, count, axis, down, chunk, scratch),
+        tests_(group_),
+        hits_(group_, hits),
+        counters_(counters) {}
 
   /// Traces these lanes: together where they lie close, else pack by pack, or each alone.
   void trace(std::uint64_t lanes_alive) {
@@ -52,45 +57,23 @@ class FacetWalk {
   HWY_INLINE std::uint64_t crossed() const { return group_.crossed; }  ///< lanes
 
  private:
-  /// A node or block on the stack as one number, so that comparing two compares how near they are: from above the key
-  /// of its least depth, its level, counted from 1 and 0 for a block, and its place there.
-  using Entry = std::uint64_t;
-  static constexpr int level_shift = 28;
-  static HWY_INLINE Entry entry_of(std::uint32_t key, std::uint32_t level, std::uint32_t place) {
-    return Entry{key} << 32 | Entry{level} << level_shift | place;
-  }
-
-  /// Whole numbers in the order of the floats.
-  static HWY_INLINE std::uint32_t key_of(float depth) {
-    const auto bits = std::bit_cast<std::int32_t>(depth);
-    return static_cast<std::uint32_t>(bits ^ (bits >> 31 & 0x7fffffff)) ^ 0x80000000;
-  }
-  static HWY_INLINE VecI keys_of(VecF depth) {
-    const VecI bits = hn::BitCast(ints, depth), sign = hn::Set(ints, std::numeric_limits<std::int32_t>::min());
-    return hn::Xor(hn::Xor(bits, hn::AndNot(sign, hn::ShiftRight<31>(bits))), sign);
-  }
-
   void walk(std::uint64_t lanes_alive) {
-    visits_ = 0;
+    visits_ = group_.scratch.part_visits;
     if constexpr (search == FacetSearch::all) clear_lists(*group_.scratch.lists);
     if (group_.has_facets()) {
       for (std::size_t p = 0; p < packs; ++p) group_.find_pack_far<search>(p);
       group_.find_group_far();
-      Entry stack[(FacetNode::size - 1) * FacetSurface::largest_level_count + 1];
-      std::size_t top = 0;
-      stack[top++] = entry_of(0, static_cast<std::uint32_t>(group_.surface.level_count), 0);
-      while (top != 0) {
-        const Entry entry = stack[--top];
+      FacetStack stack(group_.surface);
+      while (stack.count != 0) {
+        const FacetEntry entry = stack.entries[--stack.count];
         if (entry >> 32 > key_of(group_.far)) continue;
         ++visits_;
-        const std::uint32_t level = static_cast<std::uint32_t>(entry) >> level_shift,
-                            place = static_cast<std::uint32_t>(entry) & ((1U << level_shift) - 1);
-        if (level > 0) {
-          open(level, place, stack, top);
+        if (level_of(entry) > 0) {
+          stack.open(group_.surface, group_, entry);
           ++nodes_;
         } else {
           const std::uint64_t start = group_.surface.time_phases ? ticks_now() : 0;
-          tests_.look_into(place);
+          tests_.look_into(place_of(entry));
           if (group_.surface.time_phases) counters_.intersection_ticks += ticks_now() - start;
           ++blocks_;
         }
@@ -101,39 +84,6 @@ class FacetWalk {
     else if constexpr (search != FacetSearch::any)
       hits_.write(lanes_alive, visits_);
     count(static_cast<std::uint64_t>(std::popcount(lanes_alive)));
-  }
-
-  /// Puts those children of a node that the group may meet on the stack, the nearest on top.
-  HWY_INLINE void open(std::uint32_t level, std::uint32_t place, Entry* stack, std::size_t& top) {
-    const FacetNode& node = group_.surface.levels[level - 1][place];
-    HWY_ALIGN std::int32_t keys[FacetNode::size];
-    std::uint64_t met = 0;
-    for (std::size_t i = 0; i < FacetNode::size; i += float_lanes) {
-      const VecF w_low = hn::Max(hn::Load(floats, node.low[group_.axis_w] + i), hn::Set(floats, group_.w_from));
-      const VecF w_high = hn::Min(hn::Load(floats, node.high[group_.axis_w] + i), hn::Set(floats, group_.w_to));
-      const VecF near = group_.sign < 0 ? hn::Neg(w_high) : w_low;
-      MaskF in = hn::And(hn::Le(w_low, w_high), hn::Le(near, hn::Set(floats, group_.far)));
-      for (int m = 0; m < 2; ++m) {
-        const int axis = m == 0 ? group_.axis_u : group_.axis_v;
-        const VecF low = hn::Load(floats, node.low[axis] + i), high = hn::Load(floats, node.high[axis] + i);
-        const auto bound = [&](int l) HWY_ATTR {
-          return hn::MulAdd(hn::Set(floats, group_.line_slope[l]), group_.line_slope[l] > 0 ? w_high : w_low,
-                            hn::Set(floats, group_.line_offset[l]));
-        };
-        in = hn::And(in, hn::Ge(hn::Add(bound(2 * m), high), hn::Zero(floats)));
-        in = hn::And(in, hn::Ge(hn::Sub(bound(2 * m + 1), low), hn::Zero(floats)));
-      }
-      hn::Store(keys_of(near), ints, keys + i);
-      met |= bits_of(floats, in) << i;
-    }
-    const std::size_t bottom = top;
-    for (; met != 0; met &= met - 1) {
-      const auto child = static_cast<std::uint32_t>(std::countr_zero(met));
-      const Entry added = entry_of(static_cast<std::uint32_t>(keys[child]), level - 1, FacetNode::size * place + child);
-      std::size_t at = top++;
-      for (; at > bottom && stack[at - 1] < added; --at) stack[at] = stack[at - 1];
-      stack[at] = added;
-    }
   }
 
   HWY_INLINE void count(std::uint64_t rays) {
@@ -161,15 +111,44 @@ HWY_INLINE void for_each_direction(const Directions& directions, const Act& act)
         act(axis, down, chosen);
 }
 
+const FacetSurface& prepare_rays(const FacetSurface& whole, const RayArrays& rays, std::size_t count, double farthest,
+                                 float most_expected, FacetScratch& scratch, KernelCounters& counters) {
+  std::optional<std::pair<int, bool>> shared;
+  bool is_shared = true;
+  std::size_t chunk_count = 0;
+  for (std::size_t first = 0; first < count; first += lanes, ++chunk_count) {
+    FacetChunk& chunk = scratch.chunks[chunk_count];
+    const std::size_t in_chunk = count - first < lanes ? count - first : lanes;
+    const RayArrays of_chunk = from(rays, first);
+    chunk.directions = directions_of(whole, of_chunk, in_chunk, farthest);
+    chunk.axis = -1;
+    const auto one = only_direction(chunk.directions);
+    if (!one || (shared && shared != one)) {
+      is_shared = false;
+      continue;
+    }
+    shared = one;
+    describe_rays(whole, of_chunk, in_chunk, FacetBeam(one->first, one->second), chunk.lines);
+    chunk.axis = one->first, chunk.down = one->second;
+  }
+  scratch.part_visits = 0;
+  constexpr std::size_t few_chunks = 3;  // which share too little
+  if (!is_shared || !shared || chunk_count <= few_chunks) return whole;
+  PartSearch search(whole, scratch.chunks, chunk_count, shared->first, shared->second);
+  const bool is_whole = search.gather(scratch.part, most_expected);
+  counters.macrocells_visited += scratch.part.node_count * count;
+  counters.cells_visited += scratch.part.looked_into_count * count;
+  scratch.part_visits = scratch.part.node_count + scratch.part.looked_into_count;
+  return is_whole ? scratch.part.surface : whole;
+}
+
 template <FacetSearch search>
-Answered first_facets(const FacetSurface& surface, const RayArrays& rays, std::size_t count, const HitArrays& hits,
-                      FacetScratch& scratch, KernelCounters& counters) {
-  const Directions directions =
-      directions_of(surface, rays, count, search == FacetSearch::certified ? certified_reach : reach);
-  Answered answered{.whole = directions.strange};
+Answered first_facets(const FacetSurface& surface, const RayArrays& rays, std::size_t count, FacetChunk& chunk,
+                      const HitArrays& hits, FacetScratch& scratch, KernelCounters& counters) {
+  Answered answered{.whole = chunk.directions.strange};
   scratch.doubt_count = 0;
-  for_each_direction(directions, [&](int axis, bool down, std::uint64_t chosen) HWY_ATTR {
-    FacetWalk<search> walk(surface, rays, count, hits, axis, down, scratch, counters);
+  for_each_direction(chunk.directions, [&](int axis, bool down, std::uint64_t chosen) HWY_ATTR {
+    FacetWalk<search> walk(surface, rays, count, hits, axis, down, chunk, scratch, counters);
     walk.trace(lanes_of(chosen));
     answered.hit |= walk.answered().hit;
     answered.whole |= walk.answered().whole;
@@ -179,29 +158,30 @@ Answered first_facets(const FacetSurface& surface, const RayArrays& rays, std::s
   return answered;
 }
 
-MetFacets any_facets(const FacetSurface& surface, const RayArrays& rays, std::size_t count, FacetScratch& scratch,
-                     KernelCounters& counters) {
-  const Directions directions = directions_of(surface, rays, count, reach);
-  MetFacets met{.crossed = 0, .unanswered = directions.strange};
-  for_each_direction(directions, [&](int axis, bool down, std::uint64_t chosen) HWY_ATTR {
-    FacetWalk<FacetSearch::any> walk(surface, rays, count, {}, axis, down, scratch, counters);
+MetFacets any_facets(const FacetSurface& surface, const RayArrays& rays, std::size_t count, FacetChunk& chunk,
+                     FacetScratch& scratch, KernelCounters& counters) {
+  MetFacets met{.crossed = 0, .unanswered = chunk.directions.strange};
+  for_each_direction(chunk.directions, [&](int axis, bool down, std::uint64_t chosen) HWY_ATTR {
+    FacetWalk<FacetSearch::any> walk(surface, rays, count, {}, axis, down, chunk, scratch, counters);
     walk.trace(lanes_of(chosen));
     met.crossed |= rays_of(walk.crossed());
   });
   return met;
 }
 
-std::uint64_t all_facets(const FacetSurface& surface, const RayArrays& rays, std::size_t count, FacetLists& lists,
-                         FacetScratch& scratch, KernelCounters& counters) {
-  const Directions directions = directions_of(surface, rays, count, reach);
+std::uint64_t all_facets(const FacetSurface& surface, const RayArrays& rays, std::size_t count, FacetChunk& chunk,
+                         FacetLists& lists, FacetScratch& scratch, KernelCounters& counters) {
   scratch.lists = &lists;
-  for_each_direction(directions, [&](int axis, bool down, std::uint64_t chosen) HWY_ATTR {
-    FacetWalk<FacetSearch::all> walk(surface, rays, count, {}, axis, down, scratch, counters);
+  for_each_direction(chunk.directions, [&](int axis, bool down, std::uint64_t chosen) HWY_ATTR {
+    FacetWalk<FacetSearch::all> walk(surface, rays, count, {}, axis, down, chunk, scratch, counters);
     walk.trace(lanes_of(chosen));
   });
-  return directions.strange;
+  return chunk.directions.strange;
 }
 
+PrepareRays prepare_rays_by() {
+  return prepare_rays;
+}
 FirstFacets first_facets_by(bool certified) {
   return certified ? first_facets<FacetSearch::certified> : first_facets<FacetSearch::first>;
 }
@@ -218,6 +198,19 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 
 namespace rhoray::render::wide {
+
+PrepareRays prepare_rays_on(Machine machine) {
+#if HWY_TARGETS & HWY_AVX3
+  if (machine == Machine::avx512) return N_AVX3::prepare_rays_by();
+#endif
+#if HWY_TARGETS & HWY_AVX2
+  if (machine == Machine::avx2) return N_AVX2::prepare_rays_by();
+#endif
+#if HWY_TARGETS & HWY_SSE4
+  if (__builtin_cpu_supports("sse4.1")) return N_SSE4::prepare_rays_by();
+#endif
+  return HWY_NAMESPACE::prepare_rays_by();
+}
 
 FirstFacets first_facets_on(Machine machine, bool certified) {
 #if HWY_TARGETS & HWY_AVX3

@@ -54,6 +54,24 @@ FacetSurface surface_of(const FacetBlockers& blockers, const Question& question)
   return surface;
 }
 
+/// Calls act(surface, first, count, chunk) for the rays of a batch, a chunk at a time that begins at `first`, with what
+/// of the surface they are to be asked about.
+/// @param farthest, most_expected  as PrepareRays takes them
+template <class Act>
+void for_each_chunk(Machine machine, const FacetSurface& whole, const RayBatch& rays, double farthest,
+                    float most_expected, FacetScratch& memory, KernelCounters& counters, const Act& act) {
+  constexpr std::size_t at_once = FacetScratch::chunk_capacity * RayGroup::size;
+  const PrepareRays prepare = prepare_rays_on(machine);
+  for (std::size_t begin = 0; begin < rays.count; begin += at_once) {
+    const std::size_t end = std::min(begin + at_once, rays.count);
+    const FacetSurface& surface =
+        prepare(whole, from(rays, begin), end - begin, farthest, most_expected, memory, counters);
+    FacetChunk* chunk = memory.chunks;
+    for (std::size_t first = begin; first < end; first += RayGroup::size)
+      act(surface, first, std::min(RayGroup::size, end - first), *chunk++);
+  }
+}
+
 bool is_answerable(const Question& question) {
   return question.use_hierarchy && std::abs(question.isovalue) <= largest_magnitude;
 }
@@ -128,14 +146,14 @@ void first_facets(const VolumeImplementation& volume, const Question& question, 
           if (!scratch.facets) scratch.facets = std::make_shared<FacetScratch>();
           FacetScratch& memory = *scratch.facets;
           memory.facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, 1);
-          const FacetSurface surface = surface_of(*memory.facets, memory.facets->levels(), question, !is_mesh<View>);
+          const FacetSurface whole = surface_of(*memory.facets, memory.facets->levels(), question, !is_mesh<View>);
           const FirstFacets answer = first_facets_on(machine, certified);
           const HitArrays answers = arrays_of(hits);
-          for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
-            const std::size_t count = std::min(RayGroup::size, rays.count - first);
-            const HitArrays chunk = from(answers, first);
-            Answered left = answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
-            write_other_misses(chunk, count, left.hit);
+          const auto answer_chunk = [&](const FacetSurface& surface, std::size_t first, std::size_t count,
+                                        FacetChunk& chunk) {
+            const HitArrays written = from(answers, first);
+            Answered left = answer(surface, from(rays, first), count, chunk, written, memory, scratch.counters);
+            write_other_misses(written, count, left.hit);
             Kernel other = reference;
             if constexpr (certified && is_mesh<View>) {
               if (left.part != 0)
@@ -144,7 +162,9 @@ void first_facets(const VolumeImplementation& volume, const Question& question, 
             }
             if (left.whole != 0)
               ask_again(other, volume, question, rays, first, left.whole, hits, memory.others, scratch);
-          }
+          };
+          for_each_chunk(machine, whole, rays, certified ? certified_reach : reach, FacetPart::most_expected, memory,
+                         scratch.counters, answer_chunk);
         }
       },
       volume.view);
@@ -160,25 +180,31 @@ void any_facets(const VolumeImplementation& volume, const Question& question, co
           scratch.counters.rays_wide += rays.count;
           if (!scratch.facets) scratch.facets = std::make_shared<FacetScratch>();
           FacetScratch& memory = *scratch.facets;
-          FacetSurface surface{};
-          const bool is_wide = is_answerable(question);
-          if (is_wide && blockers == nullptr) {
+          if (!is_answerable(question)) {
+            for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
+              const std::size_t count = std::min(RayGroup::size, rays.count - first);
+              const std::uint64_t all = count < RayGroup::size ? (std::uint64_t{1} << count) - 1 : ~std::uint64_t{0};
+              crossed[first / RayGroup::size] =
+                  ask_whether_any(reference, volume, question, rays, first, all, memory.others, scratch);
+            }
+            return;
+          }
+          FacetSurface whole;
+          if (blockers == nullptr) {
             memory.facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, 1);
-            surface = surface_of(*memory.facets, memory.facets->levels(), question, !is_mesh<View>);
-          } else if (is_wide) {
-            surface = surface_of(*blockers->facets, question);
+            whole = surface_of(*memory.facets, memory.facets->levels(), question, !is_mesh<View>);
+          } else {
+            whole = surface_of(*blockers->facets, question);
           }
           const AnyFacets answer = any_facets_on(machine);
-          for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
-            const std::size_t count = std::min(RayGroup::size, rays.count - first);
-            MetFacets met{.crossed = 0,
-                          .unanswered = count < RayGroup::size ? (std::uint64_t{1} << count) - 1 : ~std::uint64_t{0}};
-            if (is_wide) met = answer(surface, from(rays, first), count, memory, scratch.counters);
-            if (met.unanswered != 0)
-              met.crossed |=
-                  ask_whether_any(reference, volume, question, rays, first, met.unanswered, memory.others, scratch);
-            crossed[first / RayGroup::size] = met.crossed;
-          }
+          for_each_chunk(machine, whole, rays, reach, FacetPart::most_expected_of_any, memory, scratch.counters,
+                         [&](const FacetSurface& surface, std::size_t first, std::size_t count, FacetChunk& chunk) {
+                           MetFacets met = answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
+                           if (met.unanswered != 0)
+                             met.crossed |= ask_whether_any(reference, volume, question, rays, first, met.unanswered,
+                                                            memory.others, scratch);
+                           crossed[first / RayGroup::size] = met.crossed;
+                         });
         }
       },
       volume.view);
@@ -204,7 +230,7 @@ void cross_facets(const VolumeImplementation& volume, const CrossingsQuestion& q
           for (std::size_t s = 0; s < lists.size(); ++s) {
             const CrossedSurface& asked = question.surfaces[s];
             const auto facets = volume.facets->of(view, volume.bounds_volume, asked.isovalue, 1);
-            const FacetSurface surface = surface_of(
+            const FacetSurface whole = surface_of(
                 *facets, facets->levels(), {.isovalue = asked.isovalue, .time_phases = question.time_phases}, false);
             FacetLists& found = memory.facets->lists;
             found.room = room_for(asked.passing, question.least_light);
@@ -214,14 +240,17 @@ void cross_facets(const VolumeImplementation& volume, const CrossingsQuestion& q
             found.written = &written, found.complete = complete;
             write_misses(written.hits[0], rays.count);
             std::fill_n(written.count, rays.count, std::uint8_t{0});
-            for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
-              const std::size_t count = std::min(RayGroup::size, rays.count - first);
+            const CrossFacets answer = cross_facets_on(machine);
+            const auto answer_chunk = [&](const FacetSurface& surface, std::size_t first, std::size_t count,
+                                          FacetChunk& chunk) {
               found.first = first;
               std::uint64_t left =
-                  cross_facets_on(machine)(surface, from(rays, first), count, found, memory.facets->facets, counters);
+                  answer(surface, from(rays, first), count, chunk, found, memory.facets->facets, counters);
               for (; left != 0; left &= left - 1)
                 complete[first + static_cast<std::size_t>(std::countr_zero(left))] = 0;
-            }
+            };
+            for_each_chunk(machine, whole, rays, reach, FacetPart::most_expected, memory.facets->facets, counters,
+                           answer_chunk);
           }
       },
       volume.view);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 
 #include "render/kernels/kernels.h"
@@ -66,14 +68,69 @@ struct FacetDoubt {
 
 struct FacetLists;
 
-/// 64 rays of a batch: pack p holds lanes 16 p to 16 p + 15, a square of 4 x 4 of a chunk of 8 x 8.
-struct alignas(64) FacetScratch {
-  static constexpr std::size_t lanes = RayGroup::size, pack = 16, packs = lanes / pack;
+/// Rays of a chunk by the axis on which they move most, and by the way they move along it: a bit for each.
+struct Directions {
+  std::uint64_t along[3];
+  std::uint64_t down[3];
+  std::uint64_t strange;  ///< rays that are not of finite numbers, do not move, or start too far away
+};
+
+/// The lines of a chunk's rays, as if all of them moved most along one axis. Pack p holds lanes 16 p to 16 p + 15, a
+/// square of 4 x 4 of a chunk of 8 x 8.
+struct alignas(64) FacetLines {
+  static constexpr std::size_t lanes = RayGroup::size;
 
   float slope[2][lanes], shift[2][lanes];
-  float begin[lanes], end[lanes];       ///< of the ray: depths, which are w, or -w where the rays move that way
-  float start_side[lanes];              ///< as StartSide; only where rays have any
-  float depth[lanes];                   ///< of the nearest hit, or `end`; below all in lanes without a ray
+  float begin[lanes], end[lanes];  ///< of the ray: depths, which are w, or -w where the rays move that way
+  float start_side[lanes];         ///< as StartSide; only where rays have any
+};
+
+/// What is known of 64 rays of a batch before they are followed.
+struct FacetChunk {
+  Directions directions;
+  FacetLines lines;
+  int axis;   ///< along which lines are described already; -1: along none
+  bool down;  ///< and the way
+};
+
+/// The facets that a batch of rays may meet, taken out of a surface as a surface of its own: few, side by side in
+/// memory, under one node.
+struct alignas(64) FacetPart {
+  static constexpr std::uint32_t capacity = FacetNode::size * FacetBlock::size;
+  /// Where more facets are expected, were they spread evenly over their box, the whole surface is asked about; a part
+  /// pays less for rays that end at any facet. So it is where more blocks have to be looked into. All by measurement
+  /// (data/study/peers_tets.md).
+  static constexpr float most_expected = capacity * 4, most_expected_of_any = capacity;
+  static constexpr std::uint32_t most_looked_into = 96;
+
+  FacetBlock blocks[FacetNode::size];
+  FacetNode node;
+  float corner[4][3][capacity + FacetBlock::size];  ///< while facets are gathered
+  std::uint32_t sources[capacity];
+  std::uint16_t sure[FacetNode::size];
+  std::uint32_t count;
+  std::uint32_t node_count, looked_into_count;  ///< nodes opened and blocks looked into for all rays of the batch
+  FacetSurface surface;
+
+  void begin(const FacetSurface& whole) {
+    surface = whole;
+    surface.blocks = blocks, surface.sources = sources, surface.sure = whole.sure != nullptr ? sure : nullptr;
+    surface.levels[0] = &node, surface.level_count = 1, surface.facet_count = 0;
+    std::fill(std::begin(sure), std::end(sure), std::uint16_t{0});
+    count = node_count = looked_into_count = 0;
+  }
+};
+
+/// Rays of a batch, 64 at a time.
+struct alignas(64) FacetScratch {
+  static constexpr std::size_t lanes = FacetLines::lanes, pack = 16, packs = lanes / pack;
+  static constexpr std::size_t chunk_capacity = 16;
+
+  FacetChunk chunks[chunk_capacity];
+  FacetPart part;
+  std::uint64_t part_visits;  ///< of nodes and blocks, for every ray of these chunks
+
+  alignas(64) float depth[lanes];       ///< of the nearest hit, or `end`; below all in lanes without a ray
   std::int32_t facet[lanes];            ///< that was hit; no_facet
   float far[lanes];                     ///< certified: of the nearest hit, at most
   float nearest[lanes], second[lanes];  ///< certified: the two least depths that any hit may have
@@ -112,9 +169,19 @@ struct Answered {
   std::uint64_t part = 0;   ///< certified: the answer but for facets in doubt (FacetScratch::doubts)
 };
 
-/// Answers at most 64 rays. Hits are written, and what each ray cost; of what is no hit nothing else.
+/// Makes at most chunk_capacity chunks of rays ready.
+/// @param farthest       rays that start farther away go to the reference
+/// @param most_expected  of facets in a part
+/// @return               the surface to ask about them: the whole one, or the part of it that they may meet
+using PrepareRays = const FacetSurface& (*)(const FacetSurface& whole, const RayArrays& rays, std::size_t count,
+                                            double farthest, float most_expected, FacetScratch& scratch,
+                                            KernelCounters& counters);
+
+/// Answers a chunk of at most 64 rays that is ready. Hits are written, and what each ray cost; of what is no hit
+/// nothing else.
 using FirstFacets = Answered (*)(const FacetSurface& surface, const RayArrays& rays, std::size_t count,
-                                 const HitArrays& hits, FacetScratch& scratch, KernelCounters& counters);
+                                 FacetChunk& chunk, const HitArrays& hits, FacetScratch& scratch,
+                                 KernelCounters& counters);
 
 /// Which of at most 64 rays meet a facet.
 struct MetFacets {
@@ -122,9 +189,10 @@ struct MetFacets {
   std::uint64_t unanswered = 0;  ///< what is no ray of finite numbers
 };
 using AnyFacets = MetFacets (*)(const FacetSurface& surface, const RayArrays& rays, std::size_t count,
-                                FacetScratch& scratch, KernelCounters& counters);
+                                FacetChunk& chunk, FacetScratch& scratch, KernelCounters& counters);
 
 /// `baseline` is what the processor has of SSE4, or else one lane.
+PrepareRays prepare_rays_on(Machine machine);
 FirstFacets first_facets_on(Machine machine, bool certified);
 AnyFacets any_facets_on(Machine machine);
 

@@ -19,6 +19,7 @@
 #include "render/kernels/wide/group-inl.h"
 #include "render/kernels/wide/lanes-inl.h"
 #include "render/kernels/wide/margins-inl.h"
+#include "render/kernels/wide/ray_states-inl.h"
 #include "render/kernels/wide/reading-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -40,99 +41,82 @@ class GroupWalk {
         counters_(counters),
         reading_(reading_of(surface.type)),
         corners_(lattice),
-        alive_(scratch.group.inside) {
+        states_{.alive = scratch.group.inside} {
     for (int a = 0; a < 3; ++a) upward_[a] = lattice.is_mirrored(a) ? -1 : 1;
   }
 
   /// Where another kernel is to take up a ray of the group that is in doubt.
-  HWY_INLINE ResumedAt doubtful_from(std::size_t r) const {
-    ResumedAt from;
-    const auto has = [r](std::uint64_t rays) { return (rays >> r & 1) != 0; };
-    if (!has(resumed_)) return from;
-    from.t = scratch_.t_block[r];
-    if (has(resumed_with_side_)) from.side = has(resumed_inside_) ? StartSide::inside : StartSide::outside;
-    return from;
-  }
+  HWY_INLINE ResumedAt doubtful_from(std::size_t r) const { return states_.doubtful_from(r, scratch_.t_block[r]); }
 
   /// @return  rays of the group that another kernel is to answer
   HWY_INLINE std::uint64_t run(Frustum& frustum) {
     for (std::size_t r = 0; r < group_.count; r += float_lanes) hn::Store(hn::Zero(ints), ints, scratch_.visits + r);
     prepare();
     clear(scratch_.ahead);
-    int alive_in_frustum = std::popcount(alive_);
-    if (alive_ != 0)
+    int alive_in_frustum = std::popcount(states_.alive);
+    if (states_.alive != 0)
       walk_blocks(frustum, lattice_, surface_.nodes, surface_.summits, [&](const int* block) HWY_ATTR {
         meet(block);
-        if (alive_ == 0) return false;
-        if (const int alive = std::popcount(alive_); 2 * alive < alive_in_frustum) {
-          frustum = frustum_around(lattice_, group_, alive_);
+        if (states_.alive == 0) return false;
+        if (const int alive = std::popcount(states_.alive); 2 * alive < alive_in_frustum) {
+          frustum = frustum_around(lattice_, group_, states_.alive);
           alive_in_frustum = alive;
         }
         return true;
       });
     pass_all_ahead();
     finish();
-    return doubtful_;
+    return states_.doubtful;
   }
 
   /// The same for the scattered rays that are the group, each on its own way. When half of them are done, the others
   /// may wait again.
   HWY_INLINE std::uint64_t run_scattered(WaitingRays& rays) {
-    const std::uint64_t fresh = alive_ & ~rays.under_way;
+    const std::uint64_t fresh = states_.alive & ~rays.under_way;
     prepare();
     std::uint64_t new_there = rays.new_there | fresh;
-    inside_ = (inside_ & fresh) | rays.inside, has_side_ = (has_side_ & fresh) | rays.has_side;
-    starting_ = (starting_ & fresh) | rays.starting;
+    states_.take_up(rays, fresh);
     BlockSearch blocks(surface_, lattice_, scratch_, search == Search::certified);
     const auto pass_hardly = [this](std::size_t r, const int* block) HWY_ATTR { return pass_touched_block(r, block); };
-    blocks.start(fresh & alive_, pass_hardly);
+    blocks.start(fresh & states_.alive, pass_hardly);
     const int most_left = group_.count > float_lanes ? static_cast<int>(group_.count / 2) : 0;
-    while (std::popcount(alive_) > most_left) {
-      const std::uint64_t found = blocks.find_blocks(alive_, new_there, pass_hardly);
-      alive_ = found | blocks.still_searching();
+    while (std::popcount(states_.alive) > most_left) {
+      const std::uint64_t found = blocks.find_blocks(states_.alive, new_there, pass_hardly);
+      states_.alive = found | blocks.still_searching();
       for (std::size_t r = 0; r < group_.count; r += float_lanes)
-        if (const std::uint64_t lanes = (found & alive_) >> r & first_rays(float_lanes); lanes != 0)
+        if (const std::uint64_t lanes = (found & states_.alive) >> r & first_rays(float_lanes); lanes != 0)
           pass_found_blocks(r, lanes);
       new_there &= ~found;
     }
     finish();
     rays.clear();
-    for (std::uint64_t bits = alive_; bits != 0; bits &= bits - 1)
+    for (std::uint64_t bits = states_.alive; bits != 0; bits &= bits - 1)
       wait(static_cast<std::size_t>(std::countr_zero(bits)), new_there, rays);
-    return doubtful_;
+    return states_.doubtful;
   }
 
  private:
   HWY_INLINE void prepare() {
     prepare_ways(lattice_, scratch_);
-    if constexpr (search == Search::certified) prepare_errors();
+    if constexpr (search == Search::certified) doubt(prepare_errors(group_, scratch_) & states_.alive);
     scratch_.pending.rays = 0;
-    if (search != Search::certified && rays_.start_side != nullptr) take_start_sides();
-  }
-
-  HWY_INLINE void take_start_sides() {
-    for (std::size_t r = 0; r < group_.count; ++r) {
-      const StartSide side = rays_.start_side[group_.index[r]];
-      inside_ |= std::uint64_t{side == StartSide::inside} << r;
-      has_side_ |= std::uint64_t{side != StartSide::unknown} << r;
-    }
-    starting_ = has_side_;
+    if (search != Search::certified && rays_.start_side != nullptr) states_.take_start_sides(rays_.start_side, group_);
   }
 
   HWY_INLINE void wait(std::size_t r, std::uint64_t new_there, WaitingRays& rays) const {
     const std::size_t lane = rays.rays.count++;
-    const auto take_bit = [&](std::uint64_t from, std::uint64_t& to) { to |= (from >> r & 1) << lane; };
     copy_ray(group_, r, rays.rays, lane);
     const BlockSearchScratch& places = scratch_.scattered.search;
     rays.places.t[lane] = places.t[r], rays.places.error[lane] = places.error[r];
     for (int a = 0; a < 3; ++a) rays.places.block[a][lane] = places.block[a][r];
     rays.visits[lane] = scratch_.visits[r];
-    take_bit(inside_, rays.inside), take_bit(has_side_, rays.has_side), take_bit(starting_, rays.starting);
-    take_bit(all_rays, rays.under_way), take_bit(new_there, rays.new_there);
+    states_.keep(r, rays, lane);
+    rays.under_way |= std::uint64_t{1} << lane;
+    rays.new_there |= (new_there >> r & 1) << lane;
   }
 
   HWY_INLINE void finish() {
-    touching_ = 0;
+    states_.touching = 0;
     doubt_from_block(HitWriter<search>(surface_, lattice_, rays_, hits_, scratch_).write());
     const GroupNumbers numbers(group_);
     for (std::size_t r = 0; r < group_.count; r += float_lanes)
@@ -140,57 +124,8 @@ class GroupWalk {
                     reinterpret_cast<std::int32_t*>(hits_.cost));
   }
 
-  HWY_INLINE void doubt(std::uint64_t rays) {
-    doubtful_ |= rays;
-    alive_ &= ~rays;
-  }
-
-  /// The same for rays of which nothing is in doubt before the blocks that they have entered last.
-  /// Without gaps in the data a ray is on one side until it crosses: where that is known it was there, too.
-  HWY_INLINE void doubt_from_block(std::uint64_t rays) {
-    doubt(rays);
-    if (surface_.source.has_gaps) return;
-    resumed_ |= rays & ~touching_;
-    resumed_with_side_ |= rays & has_side_;
-    resumed_inside_ |= rays & inside_;
-  }
-
-  /// What double precision may put the points of a ray off by (point_error of grid_certified.h). Rays of which that is
-  /// too much to find cells by are in doubt, and those that pass no plane of an axis, but are so close to one that
-  /// single precision does not tell the sides of it apart.
-  HWY_INLINE void prepare_errors() {
-    for (std::size_t r = 0; r < group_.count; r += double_lanes) {
-      const VecD t = hn::Max(hn::Abs(hn::Load(doubles, group_.t_in + r)), hn::Abs(hn::Load(doubles, group_.t_out + r)));
-      VecD farthest = hn::Zero(doubles);
-      MaskD is_close = no_lane(doubles);
-      for (int a = 0; a < 3; ++a) {
-        const VecD o = hn::Load(doubles, group_.origin[a] + r);
-        farthest = hn::Max(farthest, hn::Abs(o));
-        const MaskD moves = has_finite_inverse(hn::Load(doubles, group_.direction[a] + r));
-        if (hn::AllTrue(doubles, moves)) continue;
-        const VecD off_plane = hn::Abs(hn::Sub(o, hn::Round(o)));
-        const MaskD near = hn::And(hn::Gt(off_plane, hn::Zero(doubles)), hn::Lt(off_plane, hn::Set(doubles, 0x1p-20)));
-        is_close = hn::Or(is_close, hn::AndNot(moves, near));
-      }
-      const VecD reach = hn::MulAdd(t, hn::Load(doubles, scratch_.way_per_t + r), farthest);
-      const VecD error = hn::MulAdd(reach, hn::Set(doubles, 0x1p-49), hn::Set(doubles, 0x1p-52));
-      hn::StoreU(hn::DemoteTo(half_floats, hn::Min(error, hn::Set(doubles, 1.0))), half_floats,
-                 scratch_.position_error + r);
-      const MaskD is_small = hn::Le(error, hn::Set(doubles, 0x1p-21));
-      doubt((bits_of(doubles, hn::Or(is_close, hn::Not(is_small))) << r) & alive_);
-    }
-    for (std::uint64_t& rays : scratch_.slow) rays = 0;
-    for (std::size_t r = 0; r < group_.count; r += float_lanes) {
-      VecF steepest = hn::Zero(floats);
-      for (int a = 0; a < 3; ++a) {
-        const VecF inverse = hn::Load(floats, scratch_.inverse_slope[a] + r);
-        const MaskF is_slow = hn::Gt(inverse, hn::Set(floats, slow_from));
-        steepest = hn::Max(steepest, hn::IfThenZeroElse(is_slow, inverse));
-        scratch_.slow[a] |= bits_of(floats, hn::And(is_slow, hn::Lt(inverse, hn::Set(floats, never_passed)))) << r;
-      }
-      hn::Store(steepest, floats, scratch_.steepest + r);
-    }
-  }
+  HWY_INLINE void doubt(std::uint64_t rays) { states_.doubt(rays); }
+  HWY_INLINE void doubt_from_block(std::uint64_t rays) { states_.doubt_from_block(rays, surface_.source.has_gaps); }
 
   HWY_INLINE void fetch(BlockAhead& ahead) {
     int block[3];  // not mirrored
@@ -215,12 +150,12 @@ class GroupWalk {
 
   /// Adds a block to those ahead, and lets the rays go on when each has one to pass.
   HWY_INLINE void meet(const int* block) {
-    const std::uint64_t rays = rays_that_may_pass(scratch_, alive_, block);
+    const std::uint64_t rays = rays_that_may_pass(scratch_, states_.alive, block);
     if (rays == 0) return;
     BlocksAhead& ahead = scratch_.ahead;
     while (!fits(ahead, block)) pass_next();
     add(ahead, block, rays).samples = -1;
-    while (alive_ != 0 && (alive_ & ~ahead.rays) == 0) pass_next();
+    while (states_.alive != 0 && (states_.alive & ~ahead.rays) == 0) pass_next();
   }
 
   HWY_INLINE void pass_all_ahead() {
@@ -229,7 +164,7 @@ class GroupWalk {
 
   HWY_NOINLINE void pass_next() {
     pass_first_ahead(
-        scratch_.ahead, alive_, group_.count,
+        scratch_.ahead, states_.alive, group_.count,
         [&](BlockAhead& block) {
           if (block.samples < 0) fetch(block);
         },
@@ -289,7 +224,7 @@ class GroupWalk {
     const std::size_t lane = ray % float_lanes;
     for (int a = 0; a < 3; ++a) scratch_.scattered.search.corner[a][ray] = static_cast<float>(4 * block[a]);
     pass_found_blocks(ray - lane, std::uint64_t{1} << lane);
-    return (doubtful_ >> ray & 1) == 0;
+    return (states_.doubtful >> ray & 1) == 0;
   }
 
   template <bool is_scattered>
@@ -302,8 +237,8 @@ class GroupWalk {
       const VecF size = hn::Abs(at.end);
       const MaskF touches =
           hn::And(mask_of(floats, going), hn::Not(hn::Gt(size, hn::Load(floats, scratch_.position_error + r))));
-      touching_ = bits_of(floats, touches) << r;
-      if (touching_ != 0) {
+      states_.touching = bits_of(floats, touches) << r;
+      if (states_.touching != 0) {
         const MaskF lost = hn::AndNot(hn::Le(size, hn::Set(floats, 1.0f)), touches);  // of no finite time
         doubt(bits_of(floats, lost) << r);
         lanes.walking = hn::AndNot(lost, hn::Or(at.passes, touches));
@@ -320,8 +255,8 @@ class GroupWalk {
     }
     lanes.way_error = hn::Zero(floats);
     if constexpr (search == Search::certified) lanes.way_error = error_of_ways(scratch_, at, lanes, r);
-    lanes.inside = mask_of(floats, inside_ >> r);
-    lanes.has_side = mask_of(floats, has_side_ >> r);
+    lanes.inside = mask_of(floats, states_.inside >> r);
+    lanes.has_side = mask_of(floats, states_.has_side >> r);
     pass_cells<is_scattered>(lanes, r, corner, at.passes);
   }
 
@@ -366,8 +301,8 @@ class GroupWalk {
     const VecI all = hn::Add(hn::Load(ints, scratch_.visits + r), hn::Add(cells, ones_in(passes)));
     hn::Store(all, ints, scratch_.visits + r);
     const std::uint64_t here = first_rays(float_lanes) << r;
-    inside_ = (inside_ & ~here) | bits_of(floats, lanes.inside) << r;
-    has_side_ = (has_side_ & ~here) | bits_of(floats, lanes.has_side) << r;
+    states_.inside = (states_.inside & ~here) | bits_of(floats, lanes.inside) << r;
+    states_.has_side = (states_.has_side & ~here) | bits_of(floats, lanes.has_side) << r;
   }
 
   /// Takes out the lanes that enter a cell on another side than they were on. They have come out of cells without data,
@@ -394,12 +329,13 @@ class GroupWalk {
     return hn::AndNot(touched, looks);
   }
 
-  /// Of rays that start in a crossing: their first cubics begin on the side that is known. Takes out the lanes that do
-  /// not get farther from the surface than their starts may be, and those that begin farther from it on the other side:
-  /// they have come out of cells without data, as in without_strays.
+  /// Of rays that start in a crossing: their first cubics begin on the side that is known, by
+  /// crossing_methods::on_side. Takes out the lanes that do not get farther from the surface than their starts may be,
+  /// and those that begin farther from it on the other side: they have come out of cells without data, as in
+  /// without_strays.
   HWY_INLINE MaskF leave_crossings(Lanes& lanes, const Corners& corners, MaskF looks, CubicLanes& cubic,
                                    std::size_t r) {
-    MaskF starts = hn::And(looks, mask_of(floats, starting_ >> r));
+    MaskF starts = hn::And(looks, mask_of(floats, states_.starting >> r));
     VecF low = corners.f[0], high = corners.f[0], farthest = hn::Zero(floats);
     for (int c = 1; c < 8; ++c) low = hn::Min(low, corners.f[c]), high = hn::Max(high, corners.f[c]);
     for (int i = 0; i < 4; ++i) farthest = hn::Max(farthest, hn::Abs(cubic.b[i]));
@@ -411,8 +347,9 @@ class GroupWalk {
     }
     const MaskF stays = hn::And(starts, hn::Le(farthest, near)), leaves = hn::AndNot(stays, starts);
     const VecF least = hn::IfThenElse(lanes.inside, hn::Zero(floats), hn::Set(floats, -0x1p-126F));
-    cubic.b[0] = hn::IfThenElse(leaves, least, cubic.b[0]);
-    starting_ &= ~(bits_of(floats, leaves) << r);
+    const MaskF is_wrong = hn::Xor(is_inside(cubic.b[0]), lanes.inside);
+    cubic.b[0] = hn::IfThenElse(hn::And(leaves, is_wrong), least, cubic.b[0]);
+    states_.starting &= ~(bits_of(floats, leaves) << r);
     return hn::AndNot(stays, looks);
   }
 
@@ -462,7 +399,7 @@ class GroupWalk {
     VecF in[3], out[3];
     ends_in_cell(lanes, next, in, out);
     CubicLanes cubic = along(corners, in, out);
-    if (search != Search::certified && starting_ != 0) looks = leave_crossings(lanes, corners, looks, cubic, r);
+    if (search != Search::certified && states_.starting != 0) looks = leave_crossings(lanes, corners, looks, cubic, r);
     const MaskF starts_inside = is_inside(cubic.b[0]);
     if (search != Search::certified && surface_.source.has_gaps)
       looks = without_strays(lanes, looks, looks, starts_inside, r);
@@ -480,7 +417,7 @@ class GroupWalk {
     }
     if (const std::uint64_t bits = bits_of(floats, changes.found); bits != 0) {
       keep_hits<search>(scratch_.pending, r, lanes, next, block_corner, corners, in, out, changes);
-      alive_ &= ~(bits << r);
+      states_.alive &= ~(bits << r);
     }
     return changes.found;
   }
@@ -495,14 +432,8 @@ class GroupWalk {
   KernelCounters& counters_;
   const Reading reading_;
   const BlockCorners corners_;
-  std::uint64_t alive_;         ///< rays without a hit
-  std::uint64_t doubtful_ = 0;  ///< rays that have left the group: another kernel is to answer them
-  std::uint64_t resumed_ = 0;   ///< of these, those without a doubt before their last blocks
-  std::uint64_t resumed_with_side_ = 0, resumed_inside_ = 0;  ///< the side that they are on there, if it is known
-  std::uint64_t touching_ = 0;               ///< rays of those at work now that hardly pass their blocks
-  std::uint64_t inside_ = 0, has_side_ = 0;  ///< the side that each ray is on, if it has met data
-  std::uint64_t starting_ = 0;               ///< rays that start in a crossing and have not looked into a cell
-  int upward_[3];                            ///< from a cell's lower to its upper sample, in the lattice
+  RayStates states_;
+  int upward_[3];  ///< from a cell's lower to its upper sample, in the lattice
 };
 
 /// Notes rays of a group that are in doubt.

@@ -4,125 +4,19 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <random>
 #include <vector>
 
 #include "formats/base/trouble.h"
-#include "preprocess/pack_surface.h"
-#include "render/frame/clip_region.h"
 #include "render/ray_questions.h"
-#include "tests/agreement/pictures.h"
-#include "tests/render/support/wide_machines.h"
+#include "tests/render/frame/clipped_pictures.h"
 #include "tests/support/expect_error.h"
-#include "tests/support/surfaces.h"
 
 /// What a clip region leaves of a picture.
 namespace rhoray::tests {
 namespace {
 
-using render::Clip;
-using render::Framebuffer;
-using render::HalfSpace;
-using render::Layer;
-using render::Mode;
+using namespace clipped;
 using render::Ray;
-using render::Scene;
-
-constexpr int edge = 80;
-constexpr double infinity = std::numeric_limits<double>::infinity();
-const Box3 cube{{-1, -1, -1}, {1, 1, 1}};
-
-double waves(const Vec3& p) {
-  return std::sin(5 * p.x + 1) + std::sin(4 * p.y) * std::cos(6 * p.z) + 0.2 * p.z;
-}
-
-struct Shown {
-  TemporaryFolder folder;
-  std::vector<render::Volume> volumes;  ///< a grid, a mesh, a sparse grid with turned axes, and a ball of triangles
-
-  Shown() {
-    const Index3 samples(25, 25, 25);
-    Affine turned = lattice_over(cube, samples);
-    std::swap(turned.x_axis, turned.z_axis);
-    preprocess::NeutralMesh mesh = box_mesh({.cells = {9, 9, 9}, .box = cube, .jitter = 0.1});
-    add_point_field(mesh, "value", waves);
-    volumes.push_back(packed(folder, "grid.rho", sampled_volume<float>(samples, lattice_over(cube, samples), waves)));
-    volumes.push_back(packed(folder, "mesh.rho", mesh));
-    volumes.push_back(packed(folder, "turned.rho",
-                             sampled_volume<float>(samples, turned,
-                                                   [](const Vec3& p) {
-                                                     return p.x > 0.8 ? std::numeric_limits<double>::quiet_NaN()
-                                                                      : 1 - p.length();
-                                                   }),
-                             {.order = preprocess::SampleOrder::sparse}));
-    preprocess::pack_surface(moved(round_surface(3), Vec3(0), 0.8), folder / "ball.rho");
-    volumes.push_back(render::Volume::load(folder / "ball.rho"));
-  }
-};
-
-Layer surface(std::size_t volume, double isovalue, render::Accuracy accuracy, double opacity = 1) {
-  Layer layer{.volume = volume, .isovalue = isovalue, .method = render::method_of(accuracy)};
-  if (volume == 3) layer.mode = Mode::triangles;
-  layer.surface.color = {0.2 + 0.2 * static_cast<double>(volume), 0.6, 0.3};
-  layer.surface.opacity = opacity;
-  return layer;
-}
-
-Scene scene_of(const std::vector<Layer>& layers, const std::optional<Clip>& clip = {}, bool orthographic = false) {
-  Scene scene;
-  scene.layers = layers;
-  scene.clip = clip;
-  scene.camera =
-      render::fit_camera(cube, {.azimuth_deg = 33, .elevation_deg = 21, .zoom = 1.1, .orthographic = orthographic}, 1);
-  scene.background = {0.9, 0.8, 0.7};
-  return scene;
-}
-
-struct Picture {
-  Framebuffer pixels;
-  render::FrameStatistics statistics;
-};
-
-Picture picture_of(const std::vector<render::Volume>& volumes, const Scene& scene, unsigned threads = 1,
-                   bool use_hierarchy = true) {
-  Picture picture;
-  picture.statistics = render::render(
-      volumes, scene,
-      {.width = edge, .height = edge, .channels = all_channels, .threads = threads, .use_hierarchy = use_hierarchy},
-      picture.pixels);
-  return picture;
-}
-
-const std::vector<HalfSpace> oblique{{.point = {0.1, 0, 0.2}, .normal = {1, -2, 0.5}},
-                                     {.point = {-0.2, 0.3, 0}, .normal = {0.3, 1, 2}}};
-
-/// Regions of all kinds.
-std::vector<Clip> regions() {
-  std::vector<Clip> all{{.planes = {oblique[0]}},
-                        {.planes = oblique},
-                        {.box = Box3({-0.5, -0.7, -2}, {0.6, 0.4, 0.5})},
-                        {.box = Box3({-0.5, -0.7, -2}, {0.6, 0.4, 0.5}), .planes = oblique}};
-  for (std::size_t i = 0, count = all.size(); i < count; ++i) {
-    all.push_back(all[i]);
-    all.back().cuts_away = true;
-  }
-  return all;
-}
-
-bool lies_in(const Clip& clip, const Vec3& place, double slack) {
-  if (clip.box)
-    for (int axis = 0; axis < 3; ++axis)
-      if (!(place[axis] >= clip.box->min[axis] - slack && place[axis] <= clip.box->max[axis] + slack)) return false;
-  return std::all_of(clip.planes.begin(), clip.planes.end(),
-                     [&](const HalfSpace& half) { return half.normal.normalized().dot(place - half.point) >= -slack; });
-}
-
-/// Whether a place is shown; nothing where it lies in a face, to rounding.
-std::optional<bool> is_kept(const Clip& clip, const Vec3& place, double slack = 1e-5) {
-  const bool surely_in = lies_in(clip, place, -slack), maybe_in = lies_in(clip, place, slack);
-  if (surely_in != maybe_in) return std::nullopt;
-  return surely_in != clip.cuts_away;
-}
 
 /// All crossings of an isosurface along a ray, by the exact judge.
 std::vector<double> crossings_on(render::RayQuestions& judge, Ray ray) {
@@ -471,77 +365,6 @@ TEST(Clip, keeps_the_order_of_clear_surfaces) {
   }
 }
 
-/// A ball of radius 0.5 over a plate, both fields of one lattice, and the sun above.
-struct Sundial {
-  TemporaryFolder folder;
-  std::vector<render::Volume> volumes;
-  Scene scene;
-
-  Sundial() {
-    const Index3 samples(65, 65, 65);
-    const auto add = [&](const char* name, const Field& field) {
-      volumes.push_back(packed(folder, name, sampled_volume<float>(samples, lattice_over(cube, samples), field)));
-    };
-    add("ball.rho", [](const Vec3& p) { return 0.25 - (p - Vec3(0, 0, 0.4)).length2(); });
-    add("plate.rho", [](const Vec3& p) { return -0.9 - p.z; });
-    scene = scene_of({surface(0, 0, render::Accuracy::single), surface(1, 0, render::Accuracy::single)});
-    scene.lights = {{.kind = render::Light::Kind::directional, .place = {0, 0, 1}, .casts_shadows = true}};
-    scene.camera = render::fit_camera(cube, {.azimuth_deg = 0, .elevation_deg = 30}, 1);
-    for (Layer& layer : scene.layers) layer.surface = {.ambient = 0.2, .specular = 0};
-  }
-};
-
-TEST(Clip, lets_light_through_what_is_clipped_away) {
-  const Sundial dial;
-  const std::vector<Ray> rays = camera_rays(dial.volumes[1], dial.scene.camera, edge, edge);
-  const Affine& world = world_from_ray_frame(dial.volumes[1]);
-  for (const bool plate_is_clipped : {true, false})
-    for (const bool cuts_away : {false, true}) {
-      // The half of the ball at x > 0.1, or the other one. The ball's other half is a bowl, which casts the same
-      // shadow.
-      Scene scene = dial.scene;
-      scene.clip = Clip{.box = Box3({0.1, -3, plate_is_clipped ? -0.5 : -3}, {3, 3, 3}), .cuts_away = cuts_away};
-      scene.layers[1].clipped = plate_is_clipped && cuts_away;
-      const Picture found = picture_of(dial.volumes, scene);
-      std::size_t lit = 0, dark = 0;
-      for (std::size_t p = 0; p < rays.size(); ++p) {
-        const Vec3 place = world.point(rays[p].at(static_cast<double>(found.pixels.depth[p])));
-        if (!(std::abs(place.z + 0.9) < 1e-3)) continue;  // not the plate
-        const double radius = std::hypot(place.x, place.y);
-        if (std::abs(radius - 0.5) < 0.02 || std::abs(place.x - 0.1) < 0.02) continue;
-        const bool is_dark = radius < 0.5 && (place.x > 0.1) != cuts_away;
-        EXPECT_NEAR(found.pixels.color[4 * p], 0.78 * (is_dark ? 0.2 : 1), 0.01) << place.x << ' ' << place.y;
-        (is_dark ? dark : lit) += 1;
-      }
-      EXPECT_GT(lit, 300);
-      EXPECT_GT(dark, 60);
-      EXPECT_GT(found.statistics.shadow_rays, 500);
-    }
-}
-
-TEST(Clip, makes_no_spots_on_surfaces_under_lights) {
-  // Rays towards lights start on the surface, some of them in the region's faces: nothing may shade itself.
-  const TemporaryFolder folder;
-  const Index3 samples(33, 33, 33);
-  std::vector<render::Volume> volumes;
-  volumes.push_back(packed(folder, "plate.rho",
-                           sampled_volume<float>(samples, lattice_over(cube, samples), linear_field({0.1, 0.2, -1}))));
-  for (const bool cuts_away : {false, true})
-    for (const double place : {0.0, 0.01, -0.3}) {
-      Scene scene =
-          scene_of({surface(0, 0, render::Accuracy::single)},
-                   Clip{.planes = {{{0, 0, place}, {0.1, 0.2, cuts_away ? 1.0 : -1.0}}}, .cuts_away = cuts_away});
-      scene.lights = {{.kind = render::Light::Kind::directional, .place = {-1, -1, 2}, .casts_shadows = true}};
-      scene.occlusion.radius = 0.3;
-      Scene unlit = scene;
-      unlit.lights[0].casts_shadows = false;
-      unlit.occlusion.radius = 0;
-      const Picture found = picture_of(volumes, scene), expected = picture_of(volumes, unlit);
-      for (std::size_t i = 0; i < found.pixels.color.size(); ++i)
-        ASSERT_NEAR(found.pixels.color[i], expected.pixels.color[i], 1e-5) << i;
-    }
-}
-
 TEST(Clip, gives_the_same_bytes_for_any_number_of_threads_and_in_passes) {
   const Shown shown;
   std::vector<Layer> layers{surface(0, 0.4, render::Accuracy::single), surface(1, 0.2, render::Accuracy::single, 0.5),
@@ -561,66 +384,6 @@ TEST(Clip, gives_the_same_bytes_for_any_number_of_threads_and_in_passes) {
                    {.first_spacing = 4}, refined, memory);
     EXPECT_EQ(one.pixels.color, refined.color);
   }
-}
-
-TEST(Clip, finds_the_same_parts_of_rays_on_every_machine) {
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> number(-2, 2);
-  constexpr std::size_t count = 4 * render::RayBatch::group_size;
-  render::RayBatch rays(count);
-  rays.count = count;
-  for (std::size_t r = 0; r < count; ++r) {
-    Ray ray{.origin = {number(random), number(random), number(random)},
-            .direction = Vec3(number(random), number(random), number(random)).normalized()};
-    if (r % 5 == 0) ray.direction = {0, 0, 1};  // along faces
-    if (r % 10 == 0) ray.origin = {0.6, 0, -2};
-    rays.set(r, ray);
-  }
-  for (const Clip& clip : regions()) {
-    render::KeptParts plain(count);
-    render::ClipRegion(clip, render::Machine::scalar).find_kept(rays, plain);
-    for (const render::Machine machine : wide_machines()) {
-      render::KeptParts wide(count);
-      render::ClipRegion(clip, machine).find_kept(rays, wide);
-      for (std::size_t r = 0; r < count; ++r) {
-        ASSERT_EQ(plain.t_min[r], wide.t_min[r]);
-        ASSERT_EQ(plain.t_max[r], wide.t_max[r]);
-        ASSERT_EQ(plain.again[r], wide.again[r]);
-      }
-    }
-    std::size_t kept = 0, gone = 0;
-    for (std::size_t r = 0; r < count; ++r)
-      for (double t = 0; t < 6; t += 0.07) {
-        const std::optional<bool> expected = is_kept(clip, rays[r].at(t), 1e-9);
-        const bool found = (t >= plain.t_min[r] && t <= plain.t_max[r]) || t >= plain.again[r];
-        if (!expected) continue;
-        ASSERT_EQ(found, *expected) << r << ' ' << t;
-        (found ? kept : gone) += 1;
-      }
-    EXPECT_GT(kept, 20);
-    EXPECT_GT(gone, 20);
-  }
-}
-
-TEST(Clip, knows_what_it_leaves_of_boxes) {
-  EXPECT_EQ(what_is_left(Clip{}, cube), cube);
-  EXPECT_EQ(what_is_left(Clip{.box = Box3({0, -2, -2}, {2, 2, 0.5})}, cube), Box3({0, -1, -1}, {1, 1, 0.5}));
-  EXPECT_TRUE(what_is_left(Clip{.box = Box3({2, -2, -2}, {3, 2, 0.5})}, cube).isEmpty());
-  EXPECT_TRUE(what_is_left(Clip{.planes = {{{0, 0, 1.1}, {0, 0, 1}}}}, cube).isEmpty());
-  EXPECT_TRUE(what_is_left(Clip{.box = Box3({-2, -2, -2}, {2, 2, 2}), .cuts_away = true}, cube).isEmpty());
-  // A corner of the cube, x + y + z >= 2: a tetrahedron.
-  const Box3 corner = what_is_left(Clip{.planes = {{{1, 1, 0}, {2, 2, 2}}}}, cube);
-  EXPECT_NEAR((corner.min - Vec3(0, 0, 0)).length(), 0, 1e-9);
-  EXPECT_EQ(corner.max, Vec3(1, 1, 1));
-  // What lies between planes that meet inside the cube has a corner of their own.
-  const Box3 inner = what_is_left(
-      Clip{.planes = {{{0.25, 0, 0}, {-1, 1, 0}}, {{0.25, 0, 0}, {-1, -1, 0}}, {{0, 0, 0.5}, {0, 0, -1}}}}, cube);
-  EXPECT_NEAR(inner.max.x, 0.25, 1e-9);
-  EXPECT_NEAR(inner.max.z, 0.5, 1e-9);
-  EXPECT_TRUE(leaves_whole(Clip{.box = cube}, cube));
-  EXPECT_FALSE(leaves_whole(Clip{.box = Box3({-1, -1, -1}, {1, 1, 0.999})}, cube));
-  EXPECT_TRUE(leaves_whole(Clip{.box = Box3({1.1, 0, 0}, {2, 1, 1}), .cuts_away = true}, cube));
-  EXPECT_FALSE(leaves_whole(Clip{.box = Box3({0.9, 0, 0}, {2, 1, 1}), .cuts_away = true}, cube));
 }
 
 TEST(Clip, refuses_what_is_no_region) {

@@ -232,6 +232,21 @@ TEST(StartSide, beside_samples_without_data_is_heeded_on_every_machine_as_by_the
   }
 }
 
+TEST(StartSide, does_not_lift_a_field_that_is_on_that_side_already) {
+  // Samples of a CT. Along the ray the field falls from 500 to 499.9985 at the border of its first cell, nearer to the
+  // surface than a start may be, and in the second rises once more, to 499.9991, before it falls for good. Had it been
+  // put back to 500 at that border it would have risen above.
+  constexpr int samples[2][3][4] = {{{21, 0, 0, 0}, {487, 218, 46, 0}, {1003, 742, 392, 121}},
+                                    {{547, 305, 129, 15}, {1012, 846, 576, 302}, {1136, 1100, 973, 778}}};
+  TracedVolume traced(volume_of<std::uint16_t>({4, 3, 2}, [&](const Index3& s) { return samples[s.z][s.y][s.x]; }));
+  const std::vector<Ray> rays(20, {.origin = {1.55266037629275, 1.01039396752617, 0.650460289458863},
+                                   .direction = {0.50945904138751452, -0.76418856208127173, 0.69652603314699235},
+                                   .start_side = StartSide::outside});
+  for (const Road& road : roads())
+    for (const Hit& hit : answers(traced, road.method, road.machine, rays, 500))
+      EXPECT_TRUE(hit.is_miss()) << name_of(road.machine) << " at " << hit.t;
+}
+
 TEST(StartSide, is_forgotten_beyond_samples_without_data) {
   // Along z: up to the isovalue at 2, no data at 3, below it again at 4, and through it at 4.5.
   constexpr double nothing = std::numeric_limits<double>::quiet_NaN(), along[] = {-2, -1, 0, nothing, -1, 1, 2, 3};

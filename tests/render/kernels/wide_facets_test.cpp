@@ -206,6 +206,50 @@ TEST(WideFacets, of_a_ray_do_not_depend_on_the_rays_beside_it) {
   }
 }
 
+/// Squares of 32 x 32 rays, 8 x 8 after 8 x 8 as a tile's: from all of a mesh in one of them to a hundredth of it.
+std::vector<std::vector<Ray>> tiles(const Box3& box, std::size_t count, std::uint64_t seed) {
+  Dice dice(seed);
+  std::vector<std::vector<Ray>> all(count);
+  const double size = box.size().length();
+  for (std::vector<Ray>& rays : all) {
+    const Vec3 target = dice.point(box.min, box.max), towards = dice.direction();
+    const Vec3 u = towards.cross(Vec3(0.3, 0.5, 0.8)).normalized(), v = towards.cross(u);
+    const Vec3 eye = target - dice.between(0.1, 3) * size * towards;
+    const double spread = size * std::pow(10.0, dice.between(-2, 0));
+    for (int block = 0; block < 16; ++block)
+      for (int in_block = 0; in_block < 64; ++in_block) {
+        const int x = block % 4 * 8 + in_block % 8, y = block / 4 * 8 + in_block / 8;
+        rays.push_back(
+            {.origin = eye, .direction = target + spread * ((x - 15.5) / 16 * u + (y - 15.5) / 16 * v) - eye});
+      }
+  }
+  return all;
+}
+
+TEST(WideFacets, of_a_tile_are_those_of_its_blocks) {
+  for (const Mesh& mesh : meshes())
+    for (const Machine machine : wide_machines())
+      for (const Method& method : {single, certified}) {
+        std::uint64_t visits_together = 0, visits_apart = 0;
+        for (const std::vector<Ray>& rays : tiles(mesh.box, 30, 31)) {
+          const std::vector<Hit> together = answers(*mesh.traced, method, machine, rays, mesh.isovalues[0]);
+          for (std::size_t first = 0; first < rays.size(); first += 64) {
+            const auto begin = rays.begin() + static_cast<std::ptrdiff_t>(first);
+            const std::vector<Hit> apart =
+                answers(*mesh.traced, method, machine, {begin, begin + 64}, mesh.isovalues[0]);
+            for (std::size_t r = 0; r < apart.size(); ++r) {
+              Hit same = together[first + r];
+              visits_together += same.cost, visits_apart += apart[r].cost;
+              same.cost = apart[r].cost;
+              ASSERT_TRUE(same_bits(same, apart[r])) << mesh.name << ", " << name_of(machine) << ", ray " << first + r;
+            }
+          }
+        }
+        // What many blocks meet is found for all of them at once: were it not, they would visit as much.
+        EXPECT_NE(visits_together, visits_apart) << mesh.name << ", " << name_of(machine);
+      }
+}
+
 TEST(WideFacets, report_values_gradients_and_counts) {
   const Mesh mesh = made("", box_mesh({.cells = {9, 8, 10}, .jitter = 0.14}, waves), {}, 0.2);
   const std::vector<Ray> rays = bundles(mesh.box, 2000, 31);

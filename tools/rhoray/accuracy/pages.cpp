@@ -240,12 +240,13 @@ std::string facts_table(const Json& facts) {
 /// Empty before they were weighed.
 std::string instruments_html(const Json& facts) {
   if (!facts.contains("instruments_share_of_time")) return {};
+  const auto per_cent = [&](const char* key) { return with_powers(rounded(100 * facts.at(key).get<double>(), 2)); };
   return concat(
       " What measures (a reading of the clocks around each picture, and a look at each tile whether to end) "
       "changes the CPU time of a picture by ",
-      with_powers(rounded(100 * facts.at("instruments_share_of_time").get<double>(), 2)), " %: the least of ",
-      facts.at("instruments_pictures").dump(),
-      " pictures with them against the least of as many without, drawn in turn.");
+      per_cent("instruments_share_of_time"), " %: the least of ", facts.at("instruments_pictures").dump(),
+      " pictures with them against the least of as many without, drawn in turn; two series without them differ by ",
+      per_cent("instruments_noise"), " %.");
 }
 
 std::string how_measured(const LayerStudy& layer) {

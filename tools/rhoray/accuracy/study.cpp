@@ -3,6 +3,7 @@
 #include <malloc.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <random>
 #include <span>
@@ -176,16 +177,19 @@ void LayerStudy::weigh(Measured& row) {
 InstrumentCost LayerStudy::instrument_cost(double seconds) {
   const Variant plain{};
   const Setup drawn = setup(plain, result_->size, {});
-  constexpr std::size_t least_pairs = 3, most_pairs = 40;
+  constexpr std::size_t least_rounds = 3, most_rounds = 200;
   const Stopwatch watch;
   CpuMeter meter, inner;
-  std::vector<double> with, without;
-  while (with.size() < least_pairs || (with.size() < most_pairs && watch.seconds() < seconds)) {
-    without.push_back(
-        meter.measure([&] { render::render(drawn.data.volume, drawn.scene, drawn.frame, picture_, memory_); }).cpu_s);
+  const auto bare = [&] { render::render(drawn.data.volume, drawn.scene, drawn.frame, picture_, memory_); };
+  std::vector<double> without, with, again;
+  while (with.size() < least_rounds || (with.size() < most_rounds && watch.seconds() < seconds)) {
+    without.push_back(meter.measure(bare).cpu_s);
     with.push_back(meter.measure([&] { inner.measure([&] { draw(plain, result_->size, {}, picture_); }); }).cpu_s);
+    again.push_back(meter.measure(bare).cpu_s);
   }
-  return {.share = spread_of(with).smallest / spread_of(without).smallest - 1,
+  const double least = spread_of(without).smallest;
+  return {.share = spread_of(with).smallest / least - 1,
+          .noise = std::abs(spread_of(again).smallest / least - 1),
           .pictures = static_cast<int>(with.size())};
 }
 

@@ -41,6 +41,7 @@ struct Measured {
 /// What measuring adds to what is measured.
 struct InstrumentCost {
   double share = 0;  ///< of the CPU time of a picture: the least with against the least without, which took turns
+  double noise = 0;  ///< how far, in the same way, two series without them lie apart
   int pictures = 0;  ///< of each kind
 };
 
