@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -16,7 +15,7 @@
 #include "render/kernels/kernels.h"
 #include "render/kernels/ordered_crossings.h"
 #include "render/kernels/wide/blockers.h"
-#include "render/kernels/wide/grid_blockers.h"
+#include "render/kernels/wide/blockers_memory.h"
 #include "render/render.h"
 #include "render/volumes/volume.h"
 
@@ -43,9 +42,9 @@ struct FrameLayer {
   std::shared_ptr<const SlicePlane> slice{};  ///< asked in the place of kernels
   bool clipped = false;                       ///< its rays end where Frame::clip ends them
   wide::AnyCrossing any_crossing = nullptr;   ///< as kernel_through, where no more is asked; null: that answers
-  /// By light, what of this layer may hold it back from hits of the same volume: rays that start outside, inside; null
-  /// where not known to be less than all. None of a layer that is clipped.
-  std::vector<std::array<std::shared_ptr<const wide::Blockers>, 2>> blockers{};
+  /// By light, what of this layer may hold it back from hits of the same volume; null where not known to be less than
+  /// all. None of a layer that is clipped.
+  std::vector<std::shared_ptr<const wide::LightBlockers>> blockers{};
 };
 
 /// Clear surfaces of one volume whose crossings are found by one walk along each ray.
@@ -109,7 +108,7 @@ class FrameMemory::Implementation {
   Worker& worker(std::size_t index);
   /// Those that have worked in this frame.
   std::vector<const Worker*> workers() const;
-  wide::GridBlockersMemory& grid_blockers() { return grid_blockers_; }  ///< for the thread that begins frames
+  wide::BlockersMemory& blockers() { return blockers_; }  ///< for the thread that begins frames
 
  private:
   struct Place {
@@ -119,7 +118,7 @@ class FrameMemory::Implementation {
   std::optional<TileThreads> threads_;
   std::vector<Place> places_;
   WorkerNeeds needs_;
-  wide::GridBlockersMemory grid_blockers_;
+  wide::BlockersMemory blockers_;
 };
 
 }  // namespace rhoray::render

@@ -105,6 +105,10 @@ void shorten_group(const ClipRegion& clip, int part, bool of_kept, const WorldRa
   }
 }
 
+void end_rays(std::uint64_t rays, double* t_max) {
+  for (; rays != 0; rays &= rays - 1) t_max[std::countr_zero(rays)] = not_asked;
+}
+
 /// Asks about groups that lie in the worker's few rays, and makes an end to those that are held back.
 void drop_blocked_groups(const FrameLayer& layer, const wide::Blockers* blockers, LayerWork& work, Worker& worker) {
   LightRays& light = *worker.light_rays;
@@ -113,9 +117,7 @@ void drop_blocked_groups(const FrameLayer& layer, const wide::Blockers* blockers
   if (layer.any_crossing != nullptr) {
     std::uint64_t crossed[tile_capacity / group_size];
     layer.any_crossing(layer.volume, layer.question_through, blockers, worker.few_rays, crossed, work.scratch);
-    for (std::size_t g = 0; g < light.groups.size(); ++g)
-      for (std::uint64_t bits = crossed[g]; bits != 0; bits &= bits - 1)
-        light.t_max[light.groups[g] + static_cast<std::size_t>(std::countr_zero(bits))] = not_asked;
+    for (std::size_t g = 0; g < light.groups.size(); ++g) end_rays(crossed[g], light.t_max.data() + light.groups[g]);
     return;
   }
   layer.kernel_through(layer.volume, layer.question_through, worker.few_rays, worker.few_hits, work.scratch);
@@ -144,25 +146,27 @@ bool drop_blocked_by(const Frame& frame, std::size_t index, int part, const Fram
   const std::array<StartSide, 3> sides = sides_for(layer, of_hits);
   bool any = false;
   // Rays that start on a known side are asked about what may hold these back, the others about all.
-  const bool has_blockers = light_index < layer.blockers.size();
+  const wide::LightBlockers* of_light =
+      light_index < layer.blockers.size() ? layer.blockers[light_index].get() : nullptr;
   for (const StartSide side : {StartSide::unknown, StartSide::outside, StartSide::inside}) {
-    if (side != StartSide::unknown && !has_blockers) break;
-    const wide::Blockers* blockers = has_blockers && side != StartSide::unknown
-                                         ? layer.blockers[light_index][side == StartSide::inside].get()
-                                         : nullptr;
+    if (side != StartSide::unknown && of_light == nullptr) break;
+    const wide::Blockers* blockers = nullptr;
     light.groups.clear();
     for (std::size_t g = 0; g < group_count; ++g) {
       std::uint64_t chosen = 0;
       for (std::size_t i = 0; i < sides.size(); ++i)
-        if (!has_blockers || sides[i] == side) chosen |= asked[g][i];
+        if (of_light == nullptr || sides[i] == side) chosen |= asked[g][i];
       if (chosen == 0) continue;
       any = true;
+      if (of_light != nullptr && side != StartSide::unknown) blockers = &of_light->of(side);
       const std::size_t first = g * group_size, place = light.groups.size() * group_size;
       write_light_rays(machine, light, {first, chosen, place, sides}, layer.volume_from_world, hit_work.hits, work.rays,
                        worker.few_rays);
       if (blockers != nullptr && blockers->heights) {
-        chosen = blockers->heights->below(machine, worker.few_rays, place, chosen);
-        if (chosen == 0) continue;
+        const auto [below, in_shadow] = blockers->heights->know(machine, worker.few_rays, place, chosen);
+        end_rays(in_shadow, light.t_max.data() + first);
+        if (below == 0) continue;
+        chosen = below;
         for (std::size_t i = 0; i < group_size; ++i)
           if ((chosen >> i & 1) == 0) worker.few_rays.t_max[place + i] = not_asked;
       }
@@ -308,10 +312,14 @@ void number_pixels(const PixelLattice& lattice, const Tile& tile, Worker& worker
   });
 }
 
+bool asks_for_light(const FrameLayer& layer) {
+  return layer.look.effects.shadows || layer.look.effects.occlusion;
+}
+
 void receive_light(const Frame& frame, std::uint8_t layer, const LayerOfRays* shown, Worker& worker) {
   const FrameLayer& of_hits = frame.layers[layer];
   const EffectSet& effects = of_hits.look.effects;
-  if (!effects.shadows && !effects.occlusion) return;
+  if (!asks_for_light(of_hits)) return;
   const std::uint64_t start = ticks_now();
   find_shown(worker.layers[layer], layer, shown, *worker.light_rays);
   find_sides(of_hits.look.machine, worker.layers[layer], of_hits.look.layer.mode != Mode::triangles,

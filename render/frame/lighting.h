@@ -8,6 +8,9 @@ namespace rhoray::render {
 /// Notes which pixels a tile's rays stand for, on which directions into the surroundings depend.
 void number_pixels(const PixelLattice& lattice, const Tile& tile, Worker& worker);
 
+/// Whether a layer's effects ask for anything of the light that reaches its hits.
+bool asks_for_light(const FrameLayer& layer);
+
 /// Finds out, for the hits of a layer, what its effects ask for of the light that reaches them: into Worker::received.
 /// To be asked before the hits are shaded, which may take the place of their gradients.
 ///

@@ -318,7 +318,7 @@ wide::LightPlace place_in(const FrameLayer& layer, const LayerLights::One& light
 }
 
 /// Finds out what of a layer may hold back the light of those that cast shadows.
-void prepare_blockers(FrameLayer& layer, const FrameOptions& options, wide::GridBlockersMemory& memory) {
+void prepare_blockers(FrameLayer& layer, const FrameOptions& options, wide::BlockersMemory& memory) {
   if (!holds_light_back(layer.look.layer) || layer.kernel_through == nullptr) return;
   const Question& question = layer.question_through;
   layer.any_crossing = wide::any_facet_kernel(layer.volume, question.method, chosen_machine());
@@ -330,8 +330,7 @@ void prepare_blockers(FrameLayer& layer, const FrameOptions& options, wide::Grid
     const LayerLights::One& light = layer.look.lights.lights[l];
     if (!light.casts_shadows) continue;
     const wide::LightPlace place = place_in(layer, light);
-    layer.blockers[l] = wide::facet_blockers_of(layer.volume, question, place, options.threads);
-    if (!layer.blockers[l][0]) layer.blockers[l] = memory.of(layer.volume, question, place, options.threads);
+    layer.blockers[l] = memory.of(layer.volume, question, place, options.threads);
   }
 }
 
@@ -458,7 +457,7 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
   bool is_wide = false, prepares = false;
   for (FrameLayer& layer : frame.layers) {
     is_wide |= prepare(layer, scene.clip, options);
-    prepare_blockers(layer, options, memory.implementation().grid_blockers());
+    prepare_blockers(layer, options, memory.implementation().blockers());
     prepares |= layer.prepare != nullptr || layer.look.lookup;
   }
   choose_shells(options, frame);

@@ -1,6 +1,7 @@
 #include "render/frame/shells.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <utility>
 
@@ -31,59 +32,126 @@ bool go_together(const Frame& frame, const ShellGroup& group, const FrameLayer& 
          first.clipped == layer.clipped;
 }
 
-/// A ray's crossings with all layers as they are met, one after another.
-class NextCrossings {
+/// The rays' crossings with all layers as they are met, one after another: gives them their shares of the light.
+class LightShares {
  public:
-  NextCrossings(const Frame& frame, Worker& worker) : frame_(frame), worker_(worker), deepest_(frame.layers.size()) {
+  LightShares(const Frame& frame, Worker& worker) : frame_(frame), worker_(worker) {
     for (const ShellGroup& group : frame.shells)
-      layers_.insert(layers_.end(), group.layers.begin(), group.layers.end());
-    std::sort(layers_.begin(), layers_.end());  // of crossings at one t the first layer's comes first
-    taken_.resize(layers_.size());
+      for (const std::uint8_t layer : group.layers) {
+        ShellWork& work = *worker.shells.layers[layer];
+        OfLayer& of = layers_.emplace_back();
+        of.layer = layer;
+        of.opacity = static_cast<float>(frame.layers[layer].look.layer.surface.opacity);
+        of.count = work.crossings.count.data();
+        for (std::size_t k = 0; k < CrossingList::most; ++k) {
+          of.t[k] = work.crossings.hits(k).t.data();
+          of.share[k] = work.share[k].data();
+        }
+      }
+    // Of crossings at one t the first layer's comes first.
+    std::sort(layers_.begin(), layers_.end(), [](const OfLayer& a, const OfLayer& b) { return a.layer < b.layer; });
   }
 
-  /// Gives the crossings of a ray their shares of its light.
-  void share_light(std::size_t r) {
-    std::fill(taken_.begin(), taken_.end(), std::uint8_t{0});
-    const double limit = known_until(r);
-    float light = 1;
-    while (!(light < least_light)) {
-      std::size_t next = layers_.size();
-      double t = infinity;
-      for (std::size_t i = 0; i < layers_.size(); ++i) {
-        const CrossingList& list = crossings(i);
-        if (taken_[i] == list.count[r]) continue;
-        const double here = list.hits(taken_[i]).t[r];
-        if (here < t && here <= limit) t = here, next = i;
-      }
-      if (next == layers_.size()) break;
-      const std::uint8_t layer = layers_[next];
-      const float share = static_cast<float>(frame_.layers[layer].look.layer.surface.opacity) * light;
-      light -= share;
-      share_of(layer, taken_[next]++)[r] = share;
-      ++worker_.counts.clear_crossings;
-      worker_.counts.rays_through += !(light < least_light);
+  void share_light(std::size_t ray_count) {
+    std::fill_n(worker_.front.alpha, ray_count, 1.0F);
+    std::fill_n(worker_.shells.goes_on.data(), ray_count, std::uint8_t{0});
+    std::fill_n(is_left_, ray_count, std::uint8_t{0});
+    is_complete_ = true;
+    for (std::size_t g = 0; g < frame_.shells.size(); ++g) {
+      const std::uint8_t* complete = worker_.shells.complete[g].data();
+      is_complete_ &= std::find(complete, complete + ray_count, 0) == complete + ray_count;
+      for (std::size_t r = 0; r < ray_count; ++r)
+        is_left_[r] = static_cast<std::uint8_t>(is_left_[r] | (complete[r] ^ 1));
     }
-    worker_.front.alpha[r] = light;
-    worker_.shells.goes_on[r] = limit < infinity && !(light < least_light);
-    if (worker_.shells.goes_on[r] != 0) note_last(r);
+    if (layers_.size() == 2 && is_complete_)
+      share_between_two(ray_count);
+    else
+      for (const OfLayer& of : layers_)
+        for (std::size_t r = 0; r < ray_count; ++r) is_left_[r] = static_cast<std::uint8_t>(is_left_[r] | of.count[r]);
+    for (std::size_t r = 0; r < ray_count; ++r)
+      if (is_left_[r] != 0) share_light_of(r);
   }
 
   const std::vector<LastCrossing>& last() const { return last_; }
 
-  /// The most crossings of a layer that a ray shows.
-  std::size_t deepest(std::uint8_t layer) const { return deepest_[layer]; }
+  /// Calls act(layer, the most crossings of it that a ray shows).
+  template <class Act>
+  void for_each_layer(const Act& act) const {
+    for (const OfLayer& of : layers_) act(of.layer, of.deepest);
+  }
 
  private:
-  const CrossingList& crossings(std::size_t i) const { return worker_.shells.layers[layers_[i]]->crossings; }
+  struct OfLayer {
+    std::uint8_t layer = 0;
+    float opacity = 0;
+    const std::uint8_t* count = nullptr;
+    std::array<const double*, CrossingList::most> t{};
+    std::array<float*, CrossingList::most> share{};
+    std::size_t deepest = 0;  ///< so many of the shares have been asked for
+    // Of one ray:
+    std::size_t taken = 0;
+    double next = infinity;  ///< t of the first that is not taken
 
-  /// The k-th shares of a layer's crossings; of those asked for the first time, all are nothing.
-  float* share_of(std::uint8_t layer, std::size_t k) {
-    float* shares = worker_.shells.layers[layer]->share[k].data();
-    if (k == deepest_[layer]) {
-      std::fill_n(shares, tile_capacity, 0.0F);
-      ++deepest_[layer];
+    void look_ahead(std::size_t r, double limit) {
+      next = taken < count[r] && t[taken][r] <= limit ? t[taken][r] : infinity;
     }
-    return shares;
+  };
+
+  /// Shares the light of all rays that cross either layer once at most, without a branch; the others are left.
+  void share_between_two(std::size_t ray_count) {
+    OfLayer &a = layers_[0], &b = layers_[1];
+    const std::uint8_t *count_a = a.count, *count_b = b.count;
+    const double *t_a = a.t[0], *t_b = b.t[0];
+    float *share_a = a.share[0], *share_b = b.share[0], *alpha = worker_.front.alpha;
+    std::uint64_t shown = 0, through = 0;
+    unsigned any_a = 0, any_b = 0;
+    for (std::size_t r = 0; r < ray_count; ++r) {
+      const unsigned has_a = count_a[r], has_b = count_b[r];
+      const bool is_left = (has_a | has_b) > 1;
+      any_a |= has_a, any_b |= has_b;
+      const bool a_first = has_a != 0 && (has_b == 0 || t_a[r] <= t_b[r]);
+      const bool has_first = !is_left && (has_a | has_b) != 0;
+      const float of_first = has_first ? a_first ? a.opacity : b.opacity : 0;
+      const float behind_first = 1 - of_first;
+      const bool has_second = !is_left && (has_a & has_b) != 0 && !(behind_first < least_light);
+      const float of_second = has_second ? (a_first ? b.opacity : a.opacity) * behind_first : 0;
+      const float light = behind_first - of_second;
+      share_a[r] = a_first ? of_first : of_second;
+      share_b[r] = a_first ? of_second : of_first;
+      alpha[r] = light;
+      is_left_[r] = is_left;
+      shown += static_cast<unsigned>(has_first) + static_cast<unsigned>(has_second);
+      through += static_cast<unsigned>(has_first && !(behind_first < least_light)) +
+                 static_cast<unsigned>(has_second && !(light < least_light));
+    }
+    for (OfLayer* of : {&a, &b}) std::fill(of->share[0] + ray_count, of->share[0] + tile_capacity, 0.0F);
+    a.deepest = any_a != 0, b.deepest = any_b != 0;
+    worker_.counts.clear_crossings += shown;
+    worker_.counts.rays_through += through;
+  }
+
+  void share_light_of(std::size_t r) {
+    const double limit = is_complete_ ? infinity : known_until(r);
+    for (OfLayer& of : layers_) of.taken = 0, of.look_ahead(r, limit);
+    float light = 1;
+    std::size_t shown = 0;
+    for (; !(light < least_light); ++shown) {
+      OfLayer* first = &layers_[0];
+      for (std::size_t l = 1; l < layers_.size(); ++l)
+        if (layers_[l].next < first->next) first = &layers_[l];
+      if (first->next == infinity) break;
+      const float share = first->opacity * light;
+      light -= share;
+      if (first->taken == first->deepest) std::fill_n(first->share[first->deepest++], tile_capacity, 0.0F);
+      first->share[first->taken++][r] = share;
+      first->look_ahead(r, limit);
+    }
+    worker_.counts.clear_crossings += shown;
+    worker_.counts.rays_through += light < least_light ? shown - 1 : shown;
+    worker_.front.alpha[r] = light;
+    if (limit == infinity) return;
+    worker_.shells.goes_on[r] = !(light < least_light);
+    if (worker_.shells.goes_on[r] != 0) note_last(r);
   }
 
   /// Until which t all crossings of a ray are noted: the last of a list that is full, or infinity. Below all t where
@@ -105,21 +173,21 @@ class NextCrossings {
   }
 
   void note_last(std::size_t r) {
-    for (std::size_t i = 0; i < layers_.size(); ++i) {
-      if (taken_[i] == 0) continue;
-      Ray ray = worker_.layers[layers_[i]].rays[r];
+    for (const OfLayer& of : layers_) {
+      if (of.taken == 0) continue;
+      Ray ray = worker_.layers[of.layer].rays[r];
       ray.start_side = StartSide::unknown;
-      const bool is_field = frame_.layers[layers_[i]].look.layer.mode != Mode::triangles;
-      last_.push_back({.layer = layers_[i],
-                       .ray = static_cast<std::uint32_t>(r),
-                       .behind = behind(ray, crossings(i).hits(taken_[i] - 1U)[r], is_field)});
+      const bool is_field = frame_.layers[of.layer].look.layer.mode != Mode::triangles;
+      const Hit hit = worker_.shells.layers[of.layer]->crossings.hits(of.taken - 1)[r];
+      last_.push_back({.layer = of.layer, .ray = static_cast<std::uint32_t>(r), .behind = behind(ray, hit, is_field)});
     }
   }
 
   const Frame& frame_;
   Worker& worker_;
-  std::vector<std::uint8_t> layers_, taken_;
-  std::vector<std::size_t> deepest_;
+  std::vector<OfLayer> layers_;
+  bool is_complete_ = true;  ///< of all rays all crossings are noted
+  alignas(64) std::uint8_t is_left_[tile_capacity];
   std::vector<LastCrossing> last_;
 };
 
@@ -129,9 +197,11 @@ void show(const Frame& frame, std::uint8_t layer, std::size_t k, Worker& worker)
   ShellWork& shells = *worker.shells.layers[layer];
   if (k > 0) std::swap(work.hits, shells.crossings.hits(k));
   const float* share = shells.share[k].data();
-  LayerOfRays shown;
-  for (std::size_t r = 0; r < work.rays.count; ++r) shown.of[r] = share[r] > 0 ? layer : LayerOfRays::none;
-  receive_light(frame, layer, &shown, worker);
+  if (asks_for_light(frame.layers[layer])) {
+    LayerOfRays shown;
+    for (std::size_t r = 0; r < work.rays.count; ++r) shown.of[r] = share[r] > 0 ? layer : LayerOfRays::none;
+    receive_light(frame, layer, &shown, worker);
+  }
   add_clear(frame.layers[layer].look, work, share, worker.received, worker.counts, worker.shells.light);
   if (k > 0) std::swap(work.hits, shells.crossings.hits(k));
 }
@@ -174,19 +244,18 @@ void cross_shells(const Frame& frame, Worker& worker) {
 
 void show_shells(const Frame& frame, Worker& worker) {
   const std::size_t ray_count = worker.layers[0].rays.count;
-  NextCrossings crossings(frame, worker);
-  for (std::size_t r = 0; r < ray_count; ++r) crossings.share_light(r);
+  LightShares shares(frame, worker);
+  shares.share_light(ray_count);
   for (const auto* sums : {&worker.shells.light.red, &worker.shells.light.green, &worker.shells.light.blue})
     std::fill_n(sums->data(), (ray_count + RayBatch::group_size - 1) / RayBatch::group_size * RayBatch::group_size,
                 0.0);
-  for (std::size_t l = 0; l < frame.layers.size(); ++l) {
-    const auto layer = static_cast<std::uint8_t>(l);
-    for (std::size_t k = 0; k < crossings.deepest(layer); ++k) show(frame, layer, k, worker);
-  }
+  shares.for_each_layer([&](std::uint8_t layer, std::size_t deepest) {
+    for (std::size_t k = 0; k < deepest; ++k) show(frame, layer, k, worker);
+  });
   put_into_front(worker.shells.light, ray_count, worker.front);
   const std::uint8_t* goes_on = worker.shells.goes_on.data();
   if (std::any_of(goes_on, goes_on + ray_count, [](std::uint8_t goes) { return goes != 0; }))
-    peel_further(frame, goes_on, crossings.last(), worker);
+    peel_further(frame, goes_on, shares.last(), worker);
 }
 
 }  // namespace rhoray::render

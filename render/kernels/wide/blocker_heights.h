@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "formats/base/vector.h"
@@ -44,7 +45,16 @@ struct Footprint {
   }
 };
 
+/// Squares of the plane of places, each of which has a number of its own; and one beyond them all.
+struct Squares {
+  int count[2] = {0, 0};
+  double first[2] = {0, 0}, per_length = 0;
+
+  std::size_t size() const { return static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]); }
+};
+
 /// How high what may hold light back stands, place by place: a point that is higher is lit, and no ray has to tell so.
+/// And how low what surely does: a point that is lower lies in shadow.
 ///
 /// Footprints are of a frame (p - anchor) * scale, and have their corners in single precision. A margin is added to
 /// them on all sides: more than what rounding moves points by, and than what a kernel may see of a thing outside it.
@@ -53,24 +63,34 @@ class BlockerHeights {
   struct Frame {
     Vec3 anchor{0, 0, 0};
     double scale = 1;
-    double margin = 0;  ///< in this frame
+    double margin = 0;       ///< in this frame
+    bool ends_rays = false;  ///< rays that are asked about end where they are higher than all that may hold them back
   };
 
   BlockerHeights(const SeenFromLight& seen, const Frame& frame, std::span<const Footprint> footprints);
 
-  /// @param chosen  rays of a group of the batch that go straight to the light
-  /// @return        those of them that may be held back
-  std::uint64_t below(Machine machine, const RayBatch& rays, std::size_t first, std::uint64_t chosen) const;
+  const Squares& squares() const { return squares_; }
+
+  /// @param depths  of each square the height below which every point lies in shadow; -infinity: not known of any
+  void add_shadows(std::vector<float> depths) { shadows_ = std::move(depths); }
+
+  struct Known {
+    std::uint64_t asked;      ///< rays that may be held back
+    std::uint64_t in_shadow;  ///< rays that are
+  };
+
+  /// @param rays    of a group, which begins at `first`, that go straight to the light
+  /// @param chosen  the rays in question; nothing is said of others
+  Known know(Machine machine, RayBatch& rays, std::size_t first, std::uint64_t chosen) const;
 
  private:
-  static void find_below(const BlockerHeights& heights, const RayBatch& rays, std::size_t first,
-                         std::uint8_t* is_below);
+  static void find_known(const BlockerHeights& heights, RayBatch& rays, std::size_t first, std::uint8_t* is_asked,
+                         std::uint8_t* is_in_shadow);
 
   SeenFromLight seen_;
   Frame frame_;
-  int count_[2] = {0, 0};
-  double first_[2] = {0, 0}, per_length_ = 0;
-  std::vector<float> heights_;
+  Squares squares_;
+  std::vector<float> heights_, shadows_;
 };
 
 }  // namespace rhoray::render::wide

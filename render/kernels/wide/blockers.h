@@ -2,8 +2,11 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <utility>
 
 #include "render/kernels/kernels.h"
 #include "render/kernels/wide/blocker_heights.h"
@@ -17,6 +20,28 @@ struct Blockers {
   std::shared_ptr<const FacetBlockers> facets = {};  ///< of a mesh
 };
 
+/// The same for one light, found when rays of a side are first asked about. Any thread may ask.
+class LightBlockers {
+ public:
+  using Find = std::function<Blockers(StartSide)>;
+  explicit LightBlockers(Find find) : find_(std::move(find)) {}
+
+  /// @param side  not unknown
+  const Blockers& of(StartSide side) const {
+    OfSide& asked = sides_[side == StartSide::inside];
+    std::call_once(asked.once, [&] { asked.found = find_(side); });
+    return asked.found;
+  }
+
+ private:
+  struct OfSide {
+    std::once_flag once;
+    Blockers found;
+  };
+  Find find_;
+  mutable std::array<OfSide, 2> sides_;
+};
+
 /// Any crossing: whether there is one. A bit for each ray of each group of the batch, those whose t_max is below their
 /// t_min left clear.
 ///
@@ -27,11 +52,16 @@ using AnyCrossing = void (*)(const VolumeImplementation& volume, const Question&
 /// The kernel of meshes' isosurfaces, or of surfaces, in single precision; null where first_facet_kernel is.
 AnyCrossing any_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine);
 
-/// What of a mesh's isosurface may hold back light on the way to a light from hits that lie on one side: outside,
-/// inside. Null where that is not known to be less than all: of triangles, which may face any way, and where scalar
-/// kernels answer.
-std::array<std::shared_ptr<const Blockers>, 2> facet_blockers_of(const VolumeImplementation& volume,
-                                                                 const Question& question, const LightPlace& light,
-                                                                 unsigned threads);
+/// The facets of a mesh's isosurface, of which fewer than all may hold back light from hits that lie on one side of it.
+/// Null where that is not known: of triangles, which may face any way, and where scalar kernels answer.
+std::shared_ptr<const Facets> facets_with_blockers(const VolumeImplementation& volume, const Question& question,
+                                                   unsigned threads);
+
+/// What of them may hold back light on the way to a light.
+std::shared_ptr<const LightBlockers> facet_blockers_of(std::shared_ptr<const Facets> facets, const LightPlace& light);
+
+/// The same with what more than one frame is needed to pay for: what of the surface lies in shadow for certain.
+/// @param before  as facet_blockers_of says
+std::shared_ptr<const LightBlockers> with_shadows(std::shared_ptr<const LightBlockers> before, const LightPlace& light);
 
 }  // namespace rhoray::render::wide

@@ -135,26 +135,8 @@ HWY_INLINE VecF find_cells(Lanes& lanes) {
   return hn::Add(cells, hn::Set(floats, 1.0f));
 }
 
-/// Takes the first of some of the cells left: neither it nor any before it is left.
-/// @param looks  which cells, in two words
-HWY_INLINE NextCell take_first_of(Lanes& lanes, const VecI* looks) {
-  const VecI one = hn::Set(ints, 1), zero = hn::Zero(ints);
-  NextCell next;
-  next.in_second = hn::Eq(looks[0], zero);
-  const VecI word = hn::IfThenElse(next.in_second, looks[1], looks[0]);
-  next.bit = hn::And(word, hn::Neg(word));
-  next.exists = hn::RebindMask(floats, hn::Ne(word, zero));
-  const VecI rest = hn::Not(hn::Or(next.bit, hn::Sub(next.bit, one)));  // without it and all before
-  lanes.left[0] = hn::IfThenZeroElse(next.in_second, hn::And(lanes.left[0], rest));
-  lanes.left[1] = hn::IfThenElse(next.in_second, hn::And(lanes.left[1], rest), lanes.left[1]);
-
-  const VecI power =
-      hn::And(hn::ShiftRight<23>(hn::BitCast(ints, hn::ConvertTo(floats, next.bit))), hn::Set(ints, 255));
-  const VecI bit = hn::Sub(power, hn::Set(ints, 127)), three = hn::Set(ints, 3);
-  const VecI z = hn::Add(hn::ShiftRight<4>(bit), hn::IfThenElseZero(next.in_second, hn::Set(ints, 2)));
-  next.cell[0] = hn::ConvertTo(floats, hn::And(bit, three));
-  next.cell[1] = hn::ConvertTo(floats, hn::And(hn::ShiftRight<2>(bit), three));
-  next.cell[2] = hn::ConvertTo(floats, hn::And(z, three));
+/// How far on its way a ray passes the planes of a cell, and the cell.
+HWY_INLINE void find_ways(const Lanes& lanes, NextCell& next) {
   next.way_in = hn::Zero(floats), next.way_out = lanes.end;
   for (int a = 0; a < 3; ++a) {
     next.near[a] = way_to_plane(lanes, a, next.cell[a]);
@@ -162,6 +144,35 @@ HWY_INLINE NextCell take_first_of(Lanes& lanes, const VecI* looks) {
     next.way_in = hn::Max(next.way_in, next.near[a]);
     next.way_out = hn::Min(next.way_out, next.far[a]);
   }
+}
+
+/// The first of some cells.
+/// @param looks  which cells, in two words
+HWY_INLINE NextCell first_of(const Lanes& lanes, const VecI* looks) {
+  const VecI zero = hn::Zero(ints);
+  NextCell next;
+  next.in_second = hn::Eq(looks[0], zero);
+  const VecI word = hn::IfThenElse(next.in_second, looks[1], looks[0]);
+  next.bit = hn::And(word, hn::Neg(word));
+  next.exists = hn::RebindMask(floats, hn::Ne(word, zero));
+  const VecI power =
+      hn::And(hn::ShiftRight<23>(hn::BitCast(ints, hn::ConvertTo(floats, next.bit))), hn::Set(ints, 255));
+  const VecI bit = hn::Sub(power, hn::Set(ints, 127)), three = hn::Set(ints, 3);
+  const VecI z = hn::Add(hn::ShiftRight<4>(bit), hn::IfThenElseZero(next.in_second, hn::Set(ints, 2)));
+  next.cell[0] = hn::ConvertTo(floats, hn::And(bit, three));
+  next.cell[1] = hn::ConvertTo(floats, hn::And(hn::ShiftRight<2>(bit), three));
+  next.cell[2] = hn::ConvertTo(floats, hn::And(z, three));
+  find_ways(lanes, next);
+  return next;
+}
+
+/// Takes the first of some of the cells left: neither it nor any before it is left.
+/// @param looks  which cells, in two words
+HWY_INLINE NextCell take_first_of(Lanes& lanes, const VecI* looks) {
+  const NextCell next = first_of(lanes, looks);
+  const VecI rest = hn::Not(hn::Or(next.bit, hn::Sub(next.bit, hn::Set(ints, 1))));  // without it and all before
+  lanes.left[0] = hn::IfThenZeroElse(next.in_second, hn::And(lanes.left[0], rest));
+  lanes.left[1] = hn::IfThenElse(next.in_second, hn::And(lanes.left[1], rest), lanes.left[1]);
   return next;
 }
 

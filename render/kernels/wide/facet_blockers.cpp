@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/kernels/wide/blocker_sheets.h"
 #include "render/kernels/wide/facets_parts.h"
 #include "render/volumes/facet_levels.h"
 
@@ -62,6 +63,20 @@ BlockerHeights FacetBlockers::heights(const LightPlace& light) const {
     }
   return BlockerHeights(seen, {.anchor = facets_->anchor(), .scale = facets_->scale(), .margin = facet_margin},
                         footprints);
+}
+
+void FacetBlockers::add_shadows(const LightPlace& light, BlockerHeights& heights) const {
+  std::vector<FacetCorners> sure;
+  sure.reserve(sources_.size());
+  for (std::size_t f = 0; f < sources_.size(); ++f) {
+    const std::size_t block = f / FacetBlock::size, place = f % FacetBlock::size;
+    if ((sure_[block] >> place & 1) == 0) continue;
+    FacetCorners& corners = sure.emplace_back();
+    for (std::size_t c = 0; c < 4; ++c)
+      for (std::size_t a = 0; a < 3; ++a) corners[c][a] = blocks_[block].corner[c][a][place];
+  }
+  if (sure.empty()) return;
+  heights.add_shadows(heights_below_sheets(SeenFromLight(light.at), heights.squares(), facet_margin, sure));
 }
 
 }  // namespace rhoray::render::wide

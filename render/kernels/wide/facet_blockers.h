@@ -17,6 +17,7 @@ struct LightPlace {
   double reach = 0;
 
   bool is_one_direction() const { return !is_place && reach == 0; }
+  bool operator==(const LightPlace&) const = default;
 };
 
 /// The facets of a mesh's isosurface that may hold back light which rays of one start side ask about. Sides take turns
@@ -41,6 +42,8 @@ class FacetBlockers {
 
   /// What they cover as seen from a light that stands in one direction.
   BlockerHeights heights(const LightPlace& light) const;
+  /// @param heights  of the same light
+  void add_shadows(const LightPlace& light, BlockerHeights& heights) const;
 
  private:
   std::shared_ptr<const Facets> facets_;

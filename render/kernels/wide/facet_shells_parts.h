@@ -15,15 +15,16 @@ struct alignas(64) FacetLists {
   /// More than a CrossingList holds: a ray that passes through an edge meets two.
   static constexpr std::size_t capacity = CrossingList::most + 4;
 
-  float depth[FacetScratch::lanes][capacity];
-  std::int32_t facet[FacetScratch::lanes][capacity];
-  std::uint8_t count[FacetScratch::lanes];
+  float depth[capacity][FacetScratch::lanes];
+  std::int32_t facet[capacity][FacetScratch::lanes];
+  std::int32_t count[FacetScratch::lanes];
   std::uint64_t overflowed;  ///< lanes of which farther ones were left out
 
   std::size_t room;               ///< of a ray, at most capacity
   float passing, least_light;     ///< as CrossedSurface and CrossingsQuestion have it
-  const CrossingArrays* written;  ///< of a chunk
+  const CrossingArrays* written;  ///< of all rays
   std::uint8_t* complete;         ///< likewise
+  std::size_t first;              ///< ray of the chunk
 };
 
 /// What a thread keeps for it.

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <type_traits>
+#include <utility>
 
 #include "render/cells/tet_methods.h"
 #include "render/kernels/tet_walk.h"
@@ -234,15 +235,15 @@ void cross_facets(const VolumeImplementation& volume, const CrossingsQuestion& q
             FacetLists& found = memory.facets->lists;
             found.room = room_for(asked.passing, question.least_light);
             found.passing = asked.passing, found.least_light = question.least_light;
+            CrossingArrays written{.hits = {}, .count = lists[s]->count.data()};
+            for (std::size_t k = 0; k < CrossingList::most; ++k) written.hits[k] = arrays_of(lists[s]->hits(k));
+            found.written = &written, found.complete = complete;
+            write_misses(written.hits[0], rays.count);
+            std::fill_n(written.count, rays.count, std::uint8_t{0});
             const CrossFacets answer = cross_facets_on(machine);
             const auto answer_chunk = [&](const FacetSurface& surface, std::size_t first, std::size_t count,
                                           FacetChunk& chunk) {
-              CrossingArrays written{.hits = {}, .count = lists[s]->count.data() + first};
-              for (std::size_t k = 0; k < CrossingList::most; ++k)
-                written.hits[k] = from(arrays_of(lists[s]->hits(k)), first);
-              write_misses(written.hits[0], count);
-              std::fill_n(written.count, count, std::uint8_t{0});
-              found.written = &written, found.complete = complete + first;
+              found.first = first;
               std::uint64_t left =
                   answer(surface, from(rays, first), count, chunk, found, memory.facets->facets, counters);
               for (; left != 0; left &= left - 1)
@@ -310,25 +311,33 @@ AnyCrossing any_facet_kernel(const VolumeImplementation& volume, const Method& m
   return nullptr;
 }
 
-std::array<std::shared_ptr<const Blockers>, 2> facet_blockers_of(const VolumeImplementation& volume,
-                                                                 const Question& question, const LightPlace& light,
-                                                                 unsigned threads) {
-  std::array<std::shared_ptr<const Blockers>, 2> of_sides;
-  if (!is_answerable(question) || !is_fit(volume)) return of_sides;
-  std::visit(
-      [&]<class View>(const View& view) {
-        if constexpr (is_mesh<View>) {
-          const auto facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, threads);
-          for (const StartSide side : {StartSide::outside, StartSide::inside}) {
-            const auto blockers = std::make_shared<Blockers>();
-            blockers->facets = std::make_shared<const FacetBlockers>(facets, light, side);
-            if (light.is_one_direction()) blockers->heights = blockers->facets->heights(light);
-            of_sides[side == StartSide::inside] = blockers;
-          }
-        }
+std::shared_ptr<const Facets> facets_with_blockers(const VolumeImplementation& volume, const Question& question,
+                                                   unsigned threads) {
+  if (!is_answerable(question) || !is_fit(volume)) return nullptr;
+  return std::visit(
+      [&]<class View>(const View& view) -> std::shared_ptr<const Facets> {
+        if constexpr (is_mesh<View>) return volume.facets->of(view, volume.bounds_volume, question.isovalue, threads);
+        return nullptr;
       },
       volume.view);
-  return of_sides;
+}
+
+std::shared_ptr<const LightBlockers> facet_blockers_of(std::shared_ptr<const Facets> facets, const LightPlace& light) {
+  return std::make_shared<const LightBlockers>([facets = std::move(facets), light](StartSide side) {
+    Blockers blockers;
+    blockers.facets = std::make_shared<const FacetBlockers>(facets, light, side);
+    if (light.is_one_direction()) blockers.heights = blockers.facets->heights(light);
+    return blockers;
+  });
+}
+
+std::shared_ptr<const LightBlockers> with_shadows(std::shared_ptr<const LightBlockers> before,
+                                                  const LightPlace& light) {
+  return std::make_shared<const LightBlockers>([before = std::move(before), light](StartSide side) {
+    Blockers blockers = before->of(side);
+    if (blockers.heights) blockers.facets->add_shadows(light, *blockers.heights);
+    return blockers;
+  });
 }
 
 CrossingsKernel facet_crossings_kernel(const VolumeImplementation& volume, const Question& question, Machine machine) {

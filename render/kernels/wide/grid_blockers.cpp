@@ -49,49 +49,36 @@ RHORAY_INLINE void find_active(const BlockOfSamples& block, double isovalue, std
   }
 }
 
+/// Corners as parts of a unit of which the farthest from the isovalue is 127.
+SurfaceCells::Cell cell_of(std::size_t place, const double* lowest, double isovalue) {
+  double above[8], farthest = 0;
+  for (std::size_t c = 0; c < 8; ++c) {
+    above[c] = lowest[(c & 1) * stride[0] + (c >> 1 & 1) * stride[1] + (c >> 2) * stride[2]] - isovalue;
+    farthest = std::max(farthest, std::abs(above[c]));
+  }
+  SurfaceCells::Cell cell{.place = static_cast<std::uint8_t>(place), .corner = {}};
+  const double per_length = 127 / farthest;
+  if (!(farthest <= std::numeric_limits<double>::max() && per_length <= std::numeric_limits<double>::max())) {
+    cell.place |= SurfaceCells::Cell::unknown;
+    return cell;
+  }
+  for (std::size_t c = 0; c < 8; ++c) cell.corner[c] = static_cast<std::int8_t>(std::lrint(above[c] * per_length));
+  return cell;
+}
+
 /// Adds a block's cells to those of its neighbours.
-void add_slopes(const BlockOfSamples& samples, double isovalue, BlockSlopes::Block& block,
-                std::vector<BlockSlopes::Cell>& cells) {
+void add_cells(const BlockOfSamples& samples, double isovalue, SurfaceCells::Block& block,
+               std::vector<SurfaceCells::Cell>& cells) {
   std::uint8_t active[sample_count];
   find_active(samples, isovalue, active);
-  struct Differences {
-    double least[3], greatest[3];
-  } of[64];
-  std::uint8_t places[64];
-  std::size_t count = 0;
-  double largest = 0;
+  block.first_cell = static_cast<std::uint32_t>(cells.size());
   for (std::size_t z = 0; z < samples.cells[2]; ++z)
     for (std::size_t y = 0; y < samples.cells[1]; ++y)
       for (std::size_t x = 0; x < samples.cells[0]; ++x) {
         const std::size_t lowest = x + 5 * y + 25 * z;
-        if (active[lowest] == 0) continue;
-        const double* value = samples.value + lowest;
-        for (std::size_t a = 0; a < 3; ++a) {
-          const std::size_t up = stride[a], one = stride[(a + 1) % 3], other = stride[(a + 2) % 3];
-          double least = value[up] - value[0], greatest = least;
-          for (const std::size_t edge : {one, other, one + other}) {
-            const double difference = value[edge + up] - value[edge];
-            least = std::min(least, difference), greatest = std::max(greatest, difference);
-          }
-          of[count].least[a] = least, of[count].greatest[a] = greatest;
-          largest = std::max({largest, std::abs(least), std::abs(greatest)});
-        }
-        places[count++] = static_cast<std::uint8_t>(x + 4 * y + 16 * z);
+        if (active[lowest] != 0) cells.push_back(cell_of(x + 4 * y + 16 * z, samples.value + lowest, isovalue));
       }
-  block.first_cell = static_cast<std::uint32_t>(cells.size());
-  block.cell_count = static_cast<std::uint32_t>(count);
-  // As a float it is no smaller, so that differences are 127 units at most.
-  block.unit = static_cast<float>(largest / 126);
-  const double unit = static_cast<double>(block.unit);
-  if (!(unit >= double{std::numeric_limits<float>::min()} && unit <= double{std::numeric_limits<float>::max()}))
-    block.unit = std::numeric_limits<float>::quiet_NaN();
-  for (std::size_t c = 0; c < count; ++c) {
-    BlockSlopes::Cell& cell = cells.emplace_back(BlockSlopes::Cell{places[c], {}, {}});
-    for (std::size_t a = 0; a < 3 && block.unit > 0; ++a) {
-      cell.least[a] = static_cast<std::int8_t>(std::floor(of[c].least[a] / unit));
-      cell.greatest[a] = static_cast<std::int8_t>(std::ceil(of[c].greatest[a] / unit));
-    }
-  }
+  block.cell_count = static_cast<std::uint32_t>(cells.size()) - block.first_cell;
 }
 
 template <class T>
@@ -127,31 +114,31 @@ std::vector<Index3> blocks_of(const Occupancy& occupancy) {
   return blocks;
 }
 
-struct Slopes {
-  std::vector<BlockSlopes::Block> blocks;
-  std::vector<BlockSlopes::Cell> cells;
+struct Found {
+  std::vector<SurfaceCells::Block> blocks;
+  std::vector<SurfaceCells::Cell> cells;
 };
 
 template <class T>
-Slopes slopes_of(const GridVolume<T>& view, const Occupancy& occupancy, double isovalue, unsigned threads) {
+Found cells_of(const GridVolume<T>& view, const Occupancy& occupancy, double isovalue, unsigned threads) {
   const std::vector<Index3> places = blocks_of(occupancy);
   constexpr std::uint64_t blocks_each = 1024;
-  std::vector<Slopes> parts((places.size() + blocks_each - 1) / blocks_each);
+  std::vector<Found> parts((places.size() + blocks_each - 1) / blocks_each);
   for_each_range(parts.size(), 1, threads, [&](std::uint64_t first_part, std::uint64_t end_part) {
     BlockOfSamples samples;
     for (std::uint64_t part = first_part; part < end_part; ++part) {
       const std::uint64_t end = std::min<std::uint64_t>(places.size(), (part + 1) * blocks_each);
       for (std::uint64_t b = part * blocks_each; b < end; ++b) {
-        BlockSlopes::Block& block = parts[part].blocks.emplace_back();
+        SurfaceCells::Block& block = parts[part].blocks.emplace_back();
         for (int a = 0; a < 3; ++a) block.corner[a] = static_cast<float>(4 * places[b][a]);
         read_block(view, places[b], samples);
-        add_slopes(samples, isovalue, block, parts[part].cells);
+        add_cells(samples, isovalue, block, parts[part].cells);
       }
     }
   });
-  Slopes all;
-  for (Slopes& part : parts) {
-    for (BlockSlopes::Block& block : part.blocks) block.first_cell += static_cast<std::uint32_t>(all.cells.size());
+  Found all;
+  for (Found& part : parts) {
+    for (SurfaceCells::Block& block : part.blocks) block.first_cell += static_cast<std::uint32_t>(all.cells.size());
     all.blocks.insert(all.blocks.end(), part.blocks.begin(), part.blocks.end());
     all.cells.insert(all.cells.end(), part.cells.begin(), part.cells.end());
     part = {};
@@ -159,20 +146,23 @@ Slopes slopes_of(const GridVolume<T>& view, const Occupancy& occupancy, double i
   return all;
 }
 
-/// Whether the field may rise in a cell along rays of a direction; their unit drops out. The kernel's single precision
-/// is off by far less than the margin.
-bool may_rise(const BlockSlopes::Cell& cell, const Vec3& direction) {
-  constexpr double margin = 0x1p-16;
-  double rise = 0, steepness = 0;
-  for (int a = 0; a < 3; ++a) {
-    const double low = direction[a] * cell.least[a], high = direction[a] * cell.greatest[a];
-    rise += std::max(low, high), steepness += std::max(std::abs(low), std::abs(high));
-  }
-  return !(rise < -margin * steepness);
+/// Whether the field may rise in a cell along rays of a direction. Its slope along them is linear along each axis, so
+/// that it is greatest in a corner; there it is made of the differences along the three edges. The unit drops out.
+/// @param doubt  of the slope: the corners are rounded, and the kernel's single precision is off by far less
+bool may_rise(const SurfaceCells::Cell& cell, const float (&direction)[3], float doubt) {
+  if ((cell.place & SurfaceCells::Cell::unknown) != 0) return true;
+  float f[8], slope[8];
+  for (std::size_t c = 0; c < 8; ++c) f[c] = cell.corner[c];
+  for (std::size_t c = 0; c < 8; ++c)
+    slope[c] = direction[0] * (f[c | 1] - f[c & 6]) + direction[1] * (f[c | 2] - f[c & 5]) +
+               direction[2] * (f[c | 4] - f[c & 3]);
+  float greatest = slope[0];
+  for (const float at : slope) greatest = at > greatest ? at : greatest;
+  return !(greatest < -doubt);
 }
 
 /// What the cells that may hold light back cover.
-std::vector<Footprint> footprints_of(const BlockSlopes& slopes, const SeenFromLight& seen, const Vec3& falling) {
+std::vector<Footprint> footprints_of(const SurfaceCells& active, const SeenFromLight& seen, const Vec3& falling) {
   // Of all cells the same, but for where they stand.
   Footprint of_cell = Footprint::of_nothing();
   for (unsigned corner = 0; corner < 8; ++corner) {
@@ -180,13 +170,19 @@ std::vector<Footprint> footprints_of(const BlockSlopes& slopes, const SeenFromLi
                             static_cast<float>(corner >> 2 & 1)};
     of_cell.add(seen, point);
   }
+  const double fastest = std::abs(falling[seen.height_axis()]);
+  float direction[3], doubt = 0;
+  for (int a = 0; a < 3; ++a) {
+    direction[a] = static_cast<float>(falling[a] / fastest);
+    doubt += (1 + 0x1p-7F) * std::abs(direction[a]);  // two halves of a unit, and 2^-15 of what is steepest, 254 units
+  }
   std::vector<Footprint> footprints;
-  for (const BlockSlopes::Block& block : slopes.blocks())
-    for (const BlockSlopes::Cell& cell : slopes.cells().subspan(block.first_cell, block.cell_count)) {
-      if (block.unit > 0 && !may_rise(cell, falling)) continue;
+  for (const SurfaceCells::Block& block : active.blocks())
+    for (const SurfaceCells::Cell& cell : active.cells().subspan(block.first_cell, block.cell_count)) {
+      if (!may_rise(cell, direction, doubt)) continue;
       const float point[3] = {block.corner[0] + static_cast<float>(cell.place & 3),
                               block.corner[1] + static_cast<float>(cell.place >> 2 & 3),
-                              block.corner[2] + static_cast<float>(cell.place >> 4)};
+                              block.corner[2] + static_cast<float>(cell.place >> 4 & 3)};
       Footprint at = Footprint::of_nothing();
       at.add(seen, point);
       footprints.push_back({.low = {at.low[0] + of_cell.low[0], at.low[1] + of_cell.low[1]},
@@ -198,78 +194,45 @@ std::vector<Footprint> footprints_of(const BlockSlopes& slopes, const SeenFromLi
 
 }  // namespace
 
-std::shared_ptr<const BlockSlopes> BlockSlopes::of(const VolumeImplementation& volume, const Question& question,
-                                                   unsigned threads) {
+std::shared_ptr<const SurfaceCells> SurfaceCells::of(const VolumeImplementation& volume, const Question& question,
+                                                     unsigned threads) {
   if (!prepare_occupancy(volume, question, threads) || volume.field.no_data_count > 0) return nullptr;
   return std::visit(
-      [&]<class View>(const View& view) -> std::shared_ptr<const BlockSlopes> {
+      [&]<class View>(const View& view) -> std::shared_ptr<const SurfaceCells> {
         if constexpr (is_uniform_grid<View>) {
-          const auto slopes = std::make_shared<BlockSlopes>();
-          slopes->occupancy_ = volume.occupancies->of(view.levels(), question.isovalue);
-          Slopes found = slopes_of(view, *slopes->occupancy_, question.isovalue, threads);
-          slopes->blocks_ = std::move(found.blocks), slopes->cells_ = std::move(found.cells);
-          return slopes;
+          const auto active = std::make_shared<SurfaceCells>();
+          Found found = cells_of(view, *occupancy_of_grid(volume, question), question.isovalue, threads);
+          active->blocks_ = std::move(found.blocks), active->cells_ = std::move(found.cells);
+          return active;
         }
         return nullptr;
       },
       volume.view);
 }
 
-BlockersOfSides grid_blockers_of(const BlockSlopes& slopes, const LightPlace& light) {
-  BlockersOfSides of_sides;
-  if (!light.is_one_direction()) return of_sides;
-  const SeenFromLight seen(light.at);
-  // Far above what rounding moves points and rays by, as in prepare_occupancy.
-  float farthest = 0;
-  for (const BlockSlopes::Block& block : slopes.blocks())
-    for (const float low : block.corner) farthest = std::max(farthest, low + 4);
-  const double margin = 1.0 / 64 + 0x1p-21 * static_cast<double>(farthest);
-  for (const StartSide side : {StartSide::outside, StartSide::inside}) {
-    const auto blockers = std::make_shared<Blockers>();
-    blockers->heights.emplace(seen, BlockerHeights::Frame{.margin = margin},
-                              footprints_of(slopes, seen, side == StartSide::outside ? light.at : -light.at));
-    of_sides[side == StartSide::inside] = blockers;
-  }
-  return of_sides;
-}
-
-GridBlockersMemory::Kept* GridBlockersMemory::find(const VolumeImplementation& volume, const Question& question,
-                                                   unsigned threads) {
-  const auto occupancy = std::visit(
+std::shared_ptr<const Occupancy> occupancy_of_grid(const VolumeImplementation& volume, const Question& question) {
+  return std::visit(
       [&]<class View>(const View& view) -> std::shared_ptr<const Occupancy> {
         if constexpr (is_uniform_grid<View>) return volume.occupancies->of(view.levels(), question.isovalue);
         return nullptr;
       },
       volume.view);
-  if (!occupancy) return nullptr;
-  const auto found =
-      std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) { return kept.slopes->occupancy() == occupancy; });
-  if (found != kept_.end()) {
-    std::rotate(kept_.begin(), found, found + 1);
-    return &kept_.front();
-  }
-  auto slopes = BlockSlopes::of(volume, question, threads);
-  if (!slopes) return nullptr;
-  if (kept_.size() == most_kept) kept_.pop_back();
-  kept_.insert(kept_.begin(), Kept{std::move(slopes), {}});
-  return &kept_.front();
 }
 
-BlockersOfSides GridBlockersMemory::of(const VolumeImplementation& volume, const Question& question,
-                                       const LightPlace& light, unsigned threads) {
-  if (!light.is_one_direction()) return {};
-  Kept* kept = find(volume, question, threads);
-  if (kept == nullptr) return {};
-  std::vector<OfLight>& lights = kept->lights;
-  const auto found =
-      std::find_if(lights.begin(), lights.end(), [&](const OfLight& of) { return of.towards == light.at; });
-  if (found != lights.end()) {
-    std::rotate(lights.begin(), found, found + 1);
-  } else {
-    if (lights.size() == most_kept) lights.pop_back();
-    lights.insert(lights.begin(), {light.at, grid_blockers_of(*kept->slopes, light)});
-  }
-  return lights.front().blockers;
+std::shared_ptr<const LightBlockers> grid_blockers_of(std::shared_ptr<const SurfaceCells> cells,
+                                                      const LightPlace& light) {
+  return std::make_shared<const LightBlockers>([cells = std::move(cells), light](StartSide side) {
+    // Far above what rounding moves points and rays by, as in prepare_occupancy.
+    float farthest = 0;
+    for (const SurfaceCells::Block& block : cells->blocks())
+      for (const float low : block.corner) farthest = std::max(farthest, low + 4);
+    const double margin = 1.0 / 64 + 0x1p-21 * static_cast<double>(farthest);
+    const SeenFromLight seen(light.at);
+    Blockers blockers;
+    blockers.heights.emplace(seen, BlockerHeights::Frame{.margin = margin, .ends_rays = true},
+                             footprints_of(*cells, seen, side == StartSide::outside ? light.at : -light.at));
+    return blockers;
+  });
 }
 
 }  // namespace rhoray::render::wide

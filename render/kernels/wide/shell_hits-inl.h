@@ -20,6 +20,25 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
+/// Some lanes, to be brought before the others: their order is found once for many vectors.
+class ChosenLanes {
+ public:
+  explicit HWY_INLINE ChosenLanes(MaskF lanes)
+      : numbers_(hn::And(hn::Compress(hn::Iota(ints, 0), hn::RebindMask(ints, lanes)),
+                         hn::Set(ints, std::int32_t{float_lanes - 1}))),
+        order_(hn::IndicesFromVec(floats, numbers_)),
+        order_of_ints_(hn::IndicesFromVec(ints, numbers_)) {}
+
+  HWY_INLINE VecI numbers() const { return numbers_; }  ///< of the lanes
+  HWY_INLINE VecF first(VecF v) const { return hn::TableLookupLanes(v, order_); }
+  HWY_INLINE VecI first(VecI v) const { return hn::TableLookupLanes(v, order_of_ints_); }
+
+ private:
+  VecI numbers_;
+  decltype(hn::IndicesFromVec(floats, VecI())) order_;
+  decltype(hn::IndicesFromVec(ints, VecI())) order_of_ints_;
+};
+
 /// What a look into cells has found, but for the piece of the way on which a change lies.
 struct FoundIn {
   const Corners& corners;
@@ -28,7 +47,7 @@ struct FoundIn {
   const VecF* out;
   const VecF* block_corner;
   VecI root_count;
-  std::size_t ray;  ///< of the first lane
+  std::size_t ray;  ///< of the first lane; where cells of all rays are looked into together, the first of these
   std::uint8_t surface;
 };
 
@@ -48,29 +67,40 @@ class ShellHits {
 
   /// @param place  of each, among the crossings of its ray
   HWY_INLINE void keep(const FoundIn& at, MaskF lanes, VecF low, VecF high, VecI place) {
-    const std::size_t n = found_.count;
-    const auto put = [&](VecF numbers, float* to)
-                         HWY_ATTR { hn::StoreU(hn::Compress(numbers, lanes), floats, to + n); };
-    const auto lanes_i = hn::RebindMask(ints, lanes);
-    const auto put_whole = [&](VecI numbers, std::int32_t* to)
-                               HWY_ATTR { hn::StoreU(hn::Compress(numbers, lanes_i), ints, to + n); };
-    for (int c = 0; c < 8; ++c) put(at.corners.f[c], found_.corner[c]);
-    for (int a = 0; a < 3; ++a) {
-      put(at.in[a], found_.in[a]), put(at.out[a], found_.out[a]);
-      put(hn::Add(at.block_corner[a], at.next.cell[a]), found_.cell[a]);
-    }
-    put(at.next.way_in, found_.way_in), put(at.next.way_out, found_.way_out);
-    put(low, found_.low), put(high, found_.high);
-    put_whole(place, found_.place), put_whole(at.root_count, found_.root_count);
-    std::size_t count = n;
-    for (std::uint64_t bits = bits_of(floats, lanes); bits != 0; bits &= bits - 1, ++count) {
+    if (found_.count >= FoundCrossings::full) write();
+    const std::size_t first = found_.count;
+    put(at, lanes, low, high, place);
+    std::size_t c = first;
+    for (std::uint64_t bits = bits_of(floats, lanes); bits != 0; bits &= bits - 1, ++c) {
       const std::size_t ray = at.ray + static_cast<std::size_t>(std::countr_zero(bits));
-      found_.ray[count] = static_cast<std::int32_t>(ray);
-      found_.t_block[count] = scratch_.ways.t_block[ray];
-      found_.surface[count] = at.surface;
+      found_.ray[c] = static_cast<std::int32_t>(ray);
+      found_.t_block[c] = scratch_.ways.t_block[ray];
     }
-    found_.count = count;
-    if (count + float_lanes > FoundCrossings::capacity) write();
+  }
+
+  /// The same for cells of rays that are named by `complete`: it is not known yet which of these changes are crossings.
+  /// @param at     its `ray` is the first of the cells
+  /// @param place  among the changes in the cell
+  HWY_INLINE void note(const FoundIn& at, MaskF lanes, VecF low, VecF high, VecI place) {
+    const std::size_t first = found_.count;
+    put(at, lanes, low, high, place);
+    std::size_t c = first;
+    for (std::uint64_t bits = bits_of(floats, lanes); bits != 0; bits &= bits - 1, ++c)
+      found_.ray[c] = static_cast<std::int32_t>(at.ray) + std::countr_zero(bits);
+  }
+  /// Makes crossings of what was noted from `first` on, in cells of the rays from r on.
+  HWY_INLINE void complete(std::size_t first, std::size_t r, const CellsAhead& cells) {
+    for (std::size_t c = first; c < found_.count; ++c) {
+      const auto cell = static_cast<std::size_t>(found_.ray[c]);
+      const std::uint8_t surface = found_.surface[c];
+      const std::size_t ray = r + static_cast<std::size_t>(cells.lane[cell]);
+      const std::int32_t before = cells.place[surface][cell], place = before + found_.place[c];
+      found_.place[c] = before >= 0 && place < std::int32_t{CrossingList::most} ? place : -1;
+      found_.ray[c] = static_cast<std::int32_t>(ray);
+      found_.t_block[c] = scratch_.ways.t_block[ray];
+      found_.root_count[c] = cells.changes[surface][cell];
+    }
+    if (found_.count >= FoundCrossings::full) write();
   }
 
   /// Refines and writes down all that are kept.
@@ -84,6 +114,24 @@ class ShellHits {
   }
 
  private:
+  /// Adds what is known of changes in some lanes, but for their rays.
+  HWY_INLINE void put(const FoundIn& at, MaskF lanes, VecF low, VecF high, VecI place) {
+    const std::size_t n = found_.count;
+    const ChosenLanes chosen(lanes);
+    const auto put_one = [&](VecF numbers, float* to) HWY_ATTR { hn::StoreU(chosen.first(numbers), floats, to + n); };
+    for (int c = 0; c < 8; ++c) put_one(at.corners.f[c], found_.corner[c]);
+    for (int a = 0; a < 3; ++a) {
+      put_one(at.in[a], found_.in[a]), put_one(at.out[a], found_.out[a]);
+      put_one(hn::Add(at.block_corner[a], at.next.cell[a]), found_.cell[a]);
+    }
+    put_one(at.next.way_in, found_.way_in), put_one(at.next.way_out, found_.way_out);
+    put_one(low, found_.low), put_one(high, found_.high);
+    hn::StoreU(chosen.first(place), ints, found_.place + n);
+    hn::StoreU(chosen.first(at.root_count), ints, found_.root_count + n);
+    found_.count += hn::CountTrue(floats, lanes);
+    for (std::size_t c = n; c < found_.count; ++c) found_.surface[c] = at.surface;
+  }
+
   /// Arrays are read beyond what is kept, not beyond their ends; these numbers are not used.
   HWY_INLINE static std::size_t readable(std::size_t first) {
     return first + float_lanes <= FoundCrossings::capacity ? first : FoundCrossings::capacity - float_lanes;
@@ -126,6 +174,7 @@ class ShellHits {
   }
 
   HWY_INLINE void write_one(std::size_t i, double way, const float (&gradient)[3], std::int32_t iterations) {
+    if (found_.place[i] < 0) return;
     const IsosurfaceScratch& ways = scratch_.ways;
     const auto ray = static_cast<std::size_t>(found_.ray[i]);
     const std::size_t r = first_ray_ + ways.group.index[ray];

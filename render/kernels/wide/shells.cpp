@@ -18,6 +18,7 @@
 #include "render/kernels/wide/lanes-inl.h"
 #include "render/kernels/wide/reading-inl.h"
 #include "render/kernels/wide/shell_hits-inl.h"
+#include "render/kernels/wide/shell_looks-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
@@ -45,6 +46,7 @@ class ShellWalk {
         has_values_(reading_.fetch_values != nullptr),
         corners_(lattice),
         hits_(shells, lattice, lists, first_ray, scratch),
+        looks_(shells, ends_, corners_, has_values_, scratch, hits_, counters),
         alive_(group_.inside) {}
 
   HWY_INLINE void run(Frustum& frustum) {
@@ -82,11 +84,7 @@ class ShellWalk {
   }
 
  private:
-  /// Rays on their way through the cells of a block, each of its own, and of each surface what Lanes has of one.
-  struct ShellLanes : Lanes {
-    VecI active_of[surfaces][2], inside_out_of[surfaces][2], seen_of[surfaces];
-    MaskF inside_of[surfaces], has_side_of[surfaces];
-  };
+  using RayLanes = ShellLanes<surfaces>;
 
   HWY_INLINE bool has_bit(const Surface& surface, const int* block) const {
     std::size_t node = 0;
@@ -139,7 +137,7 @@ class ShellWalk {
 
   /// Lets some of the rays from r on pass the blocks that they have taken.
   HWY_INLINE void pass_taken_blocks(std::size_t r, std::uint64_t going) {
-    ShellLanes lanes;
+    RayLanes lanes;
     VecF corner[3];
     const VecI none = hn::Zero(ints);
     for (VecF& c : corner) c = hn::Zero(floats);
@@ -172,7 +170,7 @@ class ShellWalk {
     pass_blocks(lanes, r, going, corner);
   }
 
-  HWY_INLINE void pass_blocks(ShellLanes& lanes, std::size_t r, std::uint64_t going, const VecF* corner) {
+  HWY_INLINE void pass_blocks(RayLanes& lanes, std::size_t r, std::uint64_t going, const VecF* corner) {
     const BlockEntry at = entry_into_blocks(lattice_, ends_, ways_, r, mask_of(floats, going), corner);
     lanes.walking = at.passes;
     if (hn::AllFalse(floats, lanes.walking)) return;
@@ -192,9 +190,30 @@ class ShellWalk {
     pass_cells(lanes, r, corner, at.passes);
   }
 
-  HWY_INLINE void pass_cells(ShellLanes& lanes, std::size_t r, const VecF* corner, MaskF passes) {
+  HWY_INLINE void pass_cells(RayLanes& lanes, std::size_t r, const VecF* corner, MaskF passes) {
     const VecF visits = find_cells(lanes);
     const bool is_at_border = !hn::AllFalse(floats, hn::And(lanes.walking, is_cut_off(ends_, corner)));
+    const std::uint64_t ticks = any_.time_phases ? ticks_now() : 0;
+    std::uint64_t ended = 0, full = 0;
+    const std::uint64_t left = looks_.take(lanes, r, corner, is_at_border, ended, full);
+    alive_ &= ~(ended << r);
+    full_ |= full << r;
+    lanes.walking = mask_of(floats, left);
+    if (HWY_UNLIKELY(left != 0)) look_one_after_another(lanes, r, corner, is_at_border);
+    if (any_.time_phases) counters_.intersection_ticks += ticks_now() - ticks;
+    const VecI cells = hn::IfThenElseZero(hn::RebindMask(ints, passes), hn::ConvertTo(ints, visits));
+    counters_.cells_visited += static_cast<std::uint64_t>(hn::GetLane(hn::SumOfLanes(ints, cells)));
+    const VecI all = hn::Add(hn::Load(ints, ways_.visits + r), hn::Add(cells, ones_in(passes)));
+    hn::Store(all, ints, ways_.visits + r);
+    const std::uint64_t here = first_rays(float_lanes) << r;
+    for (int s = 0; s < surfaces; ++s) {
+      inside_[s] = (inside_[s] & ~here) | bits_of(floats, lanes.inside_of[s]) << r;
+      has_side_[s] = (has_side_[s] & ~here) | bits_of(floats, lanes.has_side_of[s]) << r;
+    }
+  }
+
+  /// Takes some rays from look to look, each with the side on which the last one has left it.
+  HWY_NOINLINE void look_one_after_another(RayLanes& lanes, std::size_t r, const VecF* corner, bool is_at_border) {
     const VecI zero = hn::Zero(ints);
     while (true) {
       VecI looks_of[surfaces][2], any[2] = {zero, zero};
@@ -210,7 +229,6 @@ class ShellWalk {
       MaskF looks = hn::And(lanes.walking, hn::Lt(next.way_in, next.way_out));
       if (is_at_border) looks = hn::And(looks, is_in_lattice(ends_, next, corner));
       if (hn::AllFalse(floats, looks)) continue;
-      const std::uint64_t ticks = any_.time_phases ? ticks_now() : 0;
       VecF in[3], out[3];
       ends_in_cell(lanes, next, in, out);
       Corners values;
@@ -223,25 +241,14 @@ class ShellWalk {
           found = hn::Or(found, look_into_cells(s, lanes, next, values, in, out, here, r, corner));
       }
       if (!hn::AllFalse(floats, found)) end_rays(lanes, found, r);
-      if (any_.time_phases) counters_.intersection_ticks += ticks_now() - ticks;
-    }
-    const VecI cells = hn::IfThenElseZero(hn::RebindMask(ints, passes), hn::ConvertTo(ints, visits));
-    counters_.cells_visited += static_cast<std::uint64_t>(hn::GetLane(hn::SumOfLanes(ints, cells)));
-    const VecI all = hn::Add(hn::Load(ints, ways_.visits + r), hn::Add(cells, ones_in(passes)));
-    hn::Store(all, ints, ways_.visits + r);
-    const std::uint64_t here = first_rays(float_lanes) << r;
-    for (int s = 0; s < surfaces; ++s) {
-      inside_[s] = (inside_[s] & ~here) | bits_of(floats, lanes.inside_of[s]) << r;
-      has_side_[s] = (has_side_[s] & ~here) | bits_of(floats, lanes.has_side_of[s]) << r;
     }
   }
 
   /// Searches the cells of some lanes for a surface.
   /// @param values  at their corners, where they are kept
   /// @return        those that crossed it
-  HWY_INLINE MaskF look_into_cells(int s, ShellLanes& lanes, const NextCell& next, const Corners& values,
-                                   const VecF* in, const VecF* out, MaskF looks, std::size_t r,
-                                   const VecF* block_corner) {
+  HWY_INLINE MaskF look_into_cells(int s, RayLanes& lanes, const NextCell& next, const Corners& values, const VecF* in,
+                                   const VecF* out, MaskF looks, std::size_t r, const VecF* block_corner) {
     counters_.cells_solved += hn::CountTrue(floats, looks);
     Corners corners;
     if (has_values_)
@@ -283,7 +290,7 @@ class ShellWalk {
   }
 
   /// Ends the rays of which a list is full, and those that no light would pass.
-  HWY_INLINE void end_rays(ShellLanes& lanes, MaskF found, std::size_t r) {
+  HWY_INLINE void end_rays(RayLanes& lanes, MaskF found, std::size_t r) {
     const MaskF dark = hn::Lt(hn::Load(floats, scratch_.light + r), hn::Set(floats, shells_.least_light));
     const std::uint64_t ended = bits_of(floats, hn::And(found, dark)) | (full_ >> r & first_rays(float_lanes));
     if (ended == 0) return;
@@ -306,6 +313,7 @@ class ShellWalk {
   const bool has_values_;  ///< blocks are kept as values, not as differences
   const BlockCorners corners_;
   ShellHits hits_;
+  ShellLooks<surfaces> looks_;
   std::uint64_t alive_;                                            ///< rays that go on
   std::uint64_t full_ = 0;                                         ///< rays of which a crossing was not noted
   std::uint64_t inside_[surfaces] = {}, has_side_[surfaces] = {};  ///< the side that each ray is on, if it has met data

@@ -50,10 +50,32 @@ struct ShellBlockAhead {
   std::uint64_t active[most_shells], inside[most_shells];  ///< of BlockSamples, mirrored; 0 where it has no bit
 };
 
+/// Looks into as many cells as a vector has lanes: a bit for each.
+struct OfLooks {
+  std::uint64_t looked, begins_inside;
+};
+
+/// Cells that a pack of rays has before it in its blocks, and what was found in them.
+struct alignas(64) CellsAhead {
+  /// Between nine planes, three along each axis, a way has ten parts at most.
+  static constexpr std::size_t most = 10 * 16;
+  static constexpr std::size_t capacity = most + 16;  ///< and a vector
+  static constexpr std::int32_t nowhere = -1;
+
+  std::int32_t lane[capacity], bit[capacity];  ///< the ray, and the cell's place in its block: x + 4 y + 16 z
+  std::int32_t changes[most_shells][capacity];
+  std::int32_t place[most_shells][capacity];  ///< of the first of these, if there are any, among the ray's crossings
+  OfLooks looks[most_shells][capacity];       ///< as many as there are vectors
+  std::uint64_t changed[capacity];            ///< likewise: cells in which anything has changed side
+  std::size_t count;
+};
+
 /// Crossings of a group of which the place in the cell is still to be refined, one after another.
 struct alignas(64) FoundCrossings {
-  /// Four packs of lanes, and what one look may add.
-  static constexpr std::size_t capacity = 80;
+  static constexpr std::size_t full = 128;  ///< these are written before more are looked for
+  /// And what a pack of rays may find in its blocks, at most three changes in each cell for each surface; and two
+  /// vectors.
+  static constexpr std::size_t capacity = full + 3 * most_shells * CellsAhead::most + 32;
 
   float corner[8][capacity];                    ///< of the cell, less the isovalue
   float in[3][capacity], out[3][capacity];      ///< where the ray enters and leaves the cell
@@ -61,7 +83,7 @@ struct alignas(64) FoundCrossings {
   float low[capacity], high[capacity];          ///< the piece on which the cubic is monotone and changes side
   float cell[3][capacity];                      ///< in the mirrored lattice
   double t_block[capacity];                     ///< when the ray entered the block
-  std::int32_t ray[capacity], place[capacity];  ///< of the group; among the crossings of its ray
+  std::int32_t ray[capacity], place[capacity];  ///< of the group; among the crossings of its ray, below 0: none
   std::int32_t root_count[capacity];
   std::uint8_t surface[capacity];
   std::size_t count = 0;
@@ -74,6 +96,7 @@ struct alignas(64) ShellScratch {
   IsosurfaceScratch ways;  ///< of a group; its blocks are not used
   ListOfBlocks<ShellBlockAhead> ahead;
   FoundCrossings found;
+  CellsAhead cells;
   float light[RayGroup::size];                      ///< that passes what each ray has crossed
   std::int32_t count[most_shells][RayGroup::size];  ///< crossings of each ray so far
   /// Where values are numbers of single precision, those of the first surface are the samples themselves, for all

@@ -340,6 +340,31 @@ TEST(Shadows, ask_nothing_where_no_light_is_held_back) {
   EXPECT_EQ(rays_of(other), 0) << "no surface";
 }
 
+// What may hold light back is kept while the light stands still; a frame does not depend on those before it.
+TEST(Shadows, are_the_same_whatever_frames_were_before) {
+  const TemporaryFolder folder;
+  const std::vector<render::Volume> volumes = both_kinds(
+      folder, [](const Vec3& p) { return std::sin(7 * p.x + 1) + std::sin(9 * p.y) * std::cos(6 * p.z); }, 16);
+  for (std::size_t v = 0; v < volumes.size(); ++v) {
+    render::FrameMemory memory;
+    std::size_t frame = 0;
+    for (const double isovalue : {0.2, 0.2, 0.1, 0.2})
+      for (const Light& light : {sun({-2, -1, 1.5}), sun({-2, -1, 1.5}), sun({-2, -1, 1.4}), lamp({-2, -1, 1.5}),
+                                 lamp({-2, -1, 1.5}), sun({-2, -1, 1.5}), sun({1, -1, 1}), sun({1, -1, 0.5})}) {
+        Scene scene = scene_of({matte(v, isovalue)}, {light});
+        scene.camera = render::fit_camera(cube, {.azimuth_deg = 33.0 + static_cast<double>(frame++ % 3)}, 1);
+        Picture picture;
+        picture.statistics =
+            render::render(volumes, scene, {.width = edge, .height = edge, .channels = all_channels, .threads = 2},
+                           picture.pixels, memory);
+        const Picture fresh = picture_of(volumes, scene);
+        ASSERT_EQ(picture.pixels.color, fresh.pixels.color) << frame << " of " << v;
+        EXPECT_EQ(picture.statistics.shadow_rays, fresh.statistics.shadow_rays);
+        EXPECT_NE(picture.pixels.color, picture_of(volumes, without_shadows(scene)).pixels.color);
+      }
+  }
+}
+
 TEST(Lights, that_are_one_together_give_the_light_of_one) {
   const TemporaryFolder folder;
   const std::vector<render::Volume> volumes = both_kinds(folder, waves, 12);

@@ -30,7 +30,7 @@ double waves(const Vec3& p) {
 // what stands above all blockers meets nothing.
 void expect_the_same_as_first_crossings(render::Machine machine) {
   const TemporaryFolder folder;
-  preprocess::NeutralMesh mesh = box_mesh({.cells = {16, 16, 16}, .box = {{-1, -1, -1}, {1, 1, 1}}});
+  preprocess::NeutralMesh mesh = box_mesh({.cells = {32, 32, 32}, .box = {{-1, -1, -1}, {1, 1, 1}}});
   add_point_field(mesh, "value", waves);
   const render::Volume volume = packed(folder, "mesh.rho", mesh);
   const render::VolumeImplementation& implementation = volume.implementation();
@@ -39,6 +39,8 @@ void expect_the_same_as_first_crossings(render::Machine machine) {
   const render::wide::AnyCrossing any = render::wide::any_facet_kernel(implementation, question.method, machine);
   ASSERT_NE(any, nullptr);
 
+  const auto facets = render::wide::facets_with_blockers(implementation, question, 2);
+  ASSERT_TRUE(facets);
   render::KernelScratch scratch;
   RayBatch rays(ray_count), light_rays(ray_count);
   HitBatch seen(ray_count), by_all(ray_count);
@@ -50,7 +52,7 @@ void expect_the_same_as_first_crossings(render::Machine machine) {
   rays.count = ray_count;
   whole(implementation, question, rays, seen, scratch);
 
-  std::size_t asked = 0, blocked = 0, left_out = 0, above = 0;
+  std::size_t asked = 0, blocked = 0, left_out = 0, above = 0, in_shadow = 0;
   light_rays.has_start_sides = true;
   const LightPlace lights[] = {{.is_place = false, .at = {1, -2, 1.5}, .reach = 0},
                                {.is_place = false, .at = {-1, -1, 0.1}, .reach = 0.2},
@@ -58,9 +60,8 @@ void expect_the_same_as_first_crossings(render::Machine machine) {
                                {.is_place = true, .at = {-2, -3, 2}, .reach = 0.3}};
   for (const LightPlace& light : lights)
     for (const StartSide side : {StartSide::outside, StartSide::inside}) {
-      const auto blockers =
-          render::wide::facet_blockers_of(implementation, question, light, 2)[side == StartSide::inside];
-      ASSERT_TRUE(blockers);
+      const auto of_light = render::wide::facet_blockers_of(facets, light);
+      const render::wide::Blockers* blockers = &of_light->of(side);
       left_out += blockers->facets->facets().count() - blockers->facets->count();
       EXPECT_EQ(blockers->heights.has_value(), !light.is_place && light.reach == 0);
       std::size_t count = 0;
@@ -81,7 +82,7 @@ void expect_the_same_as_first_crossings(render::Machine machine) {
       }
       light_rays.count = count;
       whole(implementation, question, light_rays, by_all, scratch);
-      any(implementation, question, blockers.get(), light_rays, crossed.data(), scratch);
+      any(implementation, question, blockers, light_rays, crossed.data(), scratch);
       any(implementation, question, nullptr, light_rays, crossed_of_all.data(), scratch);
       for (std::size_t r = 0; r < count; ++r) {
         const bool is_crossed = (crossed[r / 64] >> r % 64 & 1) != 0;
@@ -89,11 +90,16 @@ void expect_the_same_as_first_crossings(render::Machine machine) {
         ASSERT_EQ((crossed_of_all[r / 64] >> r % 64 & 1) != 0, is_crossed) << r;
         blocked += is_crossed;
       }
-      for (std::size_t first = 0; blockers->heights && first < count; first += 64) {
+      const auto with_shadows = render::wide::with_shadows(of_light, light);
+      const auto& heights = with_shadows->of(side).heights;
+      for (std::size_t first = 0; heights && first < count; first += 64) {
         const std::uint64_t all = count - first < 64 ? (std::uint64_t{1} << (count - first)) - 1 : ~std::uint64_t{0};
-        const std::uint64_t below = blockers->heights->below(machine, light_rays, first, all);
-        ASSERT_EQ(crossed[first / 64] & all & ~below, 0U);
-        above += static_cast<std::size_t>(std::popcount(all & ~below));
+        const auto known = heights->know(machine, light_rays, first, all);
+        ASSERT_EQ(crossed[first / 64] & all & ~(known.asked | known.in_shadow), 0U);
+        ASSERT_EQ(known.in_shadow & ~crossed[first / 64], 0U);
+        ASSERT_EQ(blockers->heights->know(machine, light_rays, first, all).asked, known.asked | known.in_shadow);
+        above += static_cast<std::size_t>(std::popcount(all & ~(known.asked | known.in_shadow)));
+        in_shadow += static_cast<std::size_t>(std::popcount(known.in_shadow));
       }
       asked += count;
     }
@@ -102,6 +108,7 @@ void expect_the_same_as_first_crossings(render::Machine machine) {
   EXPECT_LT(blocked, asked - 500);
   EXPECT_GT(left_out, 1000U);
   EXPECT_GT(above, 200U) << "no ray stands above all blockers: does this test still ask about them?";
+  EXPECT_GT(in_shadow, 50U) << "no ray starts below a sheet: does this test still ask about them?";
 }
 
 TEST(FacetBlockers, hold_back_what_the_whole_surface_does) {
@@ -116,8 +123,11 @@ TEST(FacetBlockers, are_the_half_that_is_turned_away_from_the_light) {
   add_point_field(mesh, "value", [](const Vec3& p) { return 0.7 - p.length(); });
   const render::Volume volume = packed(folder, "mesh.rho", mesh);
   const render::Question question{.isovalue = 0.01, .method = render::method_of(render::Accuracy::single)};
-  const auto blockers = render::wide::facet_blockers_of(volume.implementation(), question, {.at = {0, 0, 1}}, 1)[0];
-  ASSERT_TRUE(blockers);
+  const LightPlace light{.at = {0, 0, 1}};
+  const auto all = render::wide::facets_with_blockers(volume.implementation(), question, 1);
+  ASSERT_TRUE(all);
+  const auto of_light = render::wide::facet_blockers_of(all, light);
+  const render::wide::Blockers* blockers = &of_light->of(StartSide::outside);
   const render::Facets& facets = blockers->facets->facets();
   std::vector<bool> is_left(facets.count(), false);
   for (std::uint32_t f = 0; f < blockers->facets->count(); ++f) is_left[blockers->facets->sources()[f]] = true;
@@ -135,7 +145,12 @@ TEST(FacetBlockers, are_the_half_that_is_turned_away_from_the_light) {
   for (std::size_t r = 0; r < 64; ++r)
     rays.set(r, {.origin = {0.05 * static_cast<double>(r % 8), 0.05 * static_cast<double>(r / 8), r % 2 ? 0.69 : -0.9},
                  .direction = {0, 0, 1}});
-  EXPECT_EQ(blockers->heights->below(render::Machine::baseline, rays, 0, ~std::uint64_t{0}), 0x5555555555555555U);
+  EXPECT_EQ(blockers->heights->know(render::Machine::baseline, rays, 0, ~std::uint64_t{0}).asked, 0x5555555555555555U);
+  const auto with_shadows = render::wide::with_shadows(of_light, light);
+  const auto known =
+      with_shadows->of(StartSide::outside).heights->know(render::Machine::baseline, rays, 0, ~std::uint64_t{0});
+  EXPECT_EQ(known.asked, 0U);
+  EXPECT_EQ(known.in_shadow, 0x5555555555555555U);
 }
 
 TEST(FacetBlockers, are_asked_about_in_single_precision_only) {

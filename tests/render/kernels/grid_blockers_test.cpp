@@ -16,7 +16,7 @@ namespace {
 using render::HitBatch;
 using render::RayBatch;
 using render::StartSide;
-using render::wide::BlockSlopes;
+using render::wide::SurfaceCells;
 
 constexpr int edge = 64;
 constexpr std::size_t ray_count = static_cast<std::size_t>(edge) * edge;
@@ -35,12 +35,12 @@ void expect_nothing_above_to_be_held_back(const Field& field, double isovalue, c
   const render::Question question = question_of(isovalue);
   const render::Kernel kernel =
       choose_kernels(implementation, question.method, render::Machine::baseline).first_crossing;
-  const auto slopes = BlockSlopes::of(implementation, question, 2);
-  ASSERT_TRUE(slopes);
+  const auto cells = SurfaceCells::of(implementation, question, 2);
+  ASSERT_TRUE(cells);
   render::KernelScratch scratch;
   RayBatch rays(ray_count), light_rays(ray_count);
-  HitBatch seen(ray_count), met(ray_count);
-  std::size_t blocked = 0, above = 0, asked = 0;
+  HitBatch seen(ray_count), met(ray_count), met_before_ends(ray_count);
+  std::size_t blocked = 0, above = 0, asked = 0, ended = 0;
   for (const double azimuth : {33.0, 200.0}) {
     const render::Camera camera =
         render::fit_camera(volume.bounds(), {.azimuth_deg = azimuth, .elevation_deg = 31, .zoom = 1.3}, 1);
@@ -51,8 +51,9 @@ void expect_nothing_above_to_be_held_back(const Field& field, double isovalue, c
     light_rays.has_start_sides = true;
     for (const Vec3& light : {Vec3(1, -2, 1.5), Vec3(-1, -1, 0.1), Vec3(0, 0, 1), Vec3(0.3, 0.7, -2), Vec3(-3, 1, 1)})
       for (const StartSide side : {StartSide::outside, StartSide::inside}) {
-        const auto blockers = render::wide::grid_blockers_of(*slopes, {.at = light})[side == StartSide::inside];
-        ASSERT_TRUE(blockers && blockers->heights);
+        const auto of_light = render::wide::grid_blockers_of(cells, {.at = light});
+        const render::wide::Blockers* blockers = &of_light->of(side);
+        ASSERT_TRUE(blockers->heights);
         std::size_t count = 0;
         for (std::size_t r = 0; r < ray_count; ++r) {
           const render::Hit hit = seen[r];
@@ -67,14 +68,22 @@ void expect_nothing_above_to_be_held_back(const Field& field, double isovalue, c
         for (std::size_t first = 0; first < count; first += 64) {
           const std::uint64_t all = count - first < 64 ? (std::uint64_t{1} << (count - first)) - 1 : ~std::uint64_t{0};
           for (const render::Machine machine : {render::Machine::baseline, render::chosen_machine()}) {
-            const std::uint64_t below = blockers->heights->below(machine, light_rays, first, all);
+            const auto known = blockers->heights->know(machine, light_rays, first, all);
+            ASSERT_EQ(known.in_shadow, 0U);
             for (std::size_t i = 0; i < 64 && first + i < count; ++i) {
-              const bool is_asked = (below >> i & 1) != 0;
+              const bool is_asked = (known.asked >> i & 1) != 0;
               ASSERT_TRUE(is_asked || met[first + i].is_miss()) << first + i;
+              ended += is_asked && light_rays[first + i].t_max < std::numeric_limits<double>::infinity();
             }
-            above += static_cast<std::size_t>(std::popcount(all & ~below));
+            above += static_cast<std::size_t>(std::popcount(all & ~known.asked));
           }
         }
+        // What ends above all that may hold it back meets what it would without an end.
+        kernel(implementation, question, light_rays, met_before_ends, scratch);
+        for (std::size_t r = 0; r < count; ++r)
+          if (light_rays[r].t_max >= 0) {
+            ASSERT_EQ(met_before_ends[r].is_miss(), met[r].is_miss()) << r;
+          }
         for (std::size_t r = 0; r < count; ++r) blocked += !met[r].is_miss();
         asked += count;
       }
@@ -82,6 +91,7 @@ void expect_nothing_above_to_be_held_back(const Field& field, double isovalue, c
   EXPECT_GT(asked, 2000U);
   EXPECT_GT(blocked, 100U);
   EXPECT_GT(above, 200U) << "no ray stands above all blockers: does this test still ask about them?";
+  EXPECT_GT(ended, 200U);
 }
 
 double waves(const Vec3& p) {
@@ -106,16 +116,17 @@ TEST(GridBlockers, are_turned_away_from_the_light) {
   const render::Volume volume = packed(folder, "grid.rho",
                                        sampled_volume<float>(samples, lattice_over({Vec3(-1), Vec3(1)}, samples),
                                                              [](const Vec3& p) { return 0.7 - p.length(); }));
-  const auto slopes = BlockSlopes::of(volume.implementation(), question_of(0.01), 1);
-  ASSERT_TRUE(slopes);
-  const auto blockers = render::wide::grid_blockers_of(*slopes, {.at = {0, 0, 1}})[0];
-  ASSERT_TRUE(blockers && blockers->heights);
+  const auto cells = SurfaceCells::of(volume.implementation(), question_of(0.01), 1);
+  ASSERT_TRUE(cells);
+  const auto of_light = render::wide::grid_blockers_of(cells, {.at = {0, 0, 1}});
+  const render::wide::Blockers* blockers = &of_light->of(StartSide::outside);
+  ASSERT_TRUE(blockers->heights);
   // In cells: over the middle, half of the rays on the upper side, half below all.
   RayBatch rays(64);
   for (std::size_t r = 0; r < 64; ++r)
     rays.set(r, {.origin = {28.0 + static_cast<double>(r % 8), 28.0 + static_cast<double>(r / 8), r % 2 ? 54.0 : 4.0},
                  .direction = {0, 0, 1}});
-  EXPECT_EQ(blockers->heights->below(render::Machine::baseline, rays, 0, ~std::uint64_t{0}), 0x5555555555555555U);
+  EXPECT_EQ(blockers->heights->know(render::Machine::baseline, rays, 0, ~std::uint64_t{0}).asked, 0x5555555555555555U);
 }
 
 // The field may rise from one side of a gap to the other, and in no cell.
@@ -127,23 +138,7 @@ TEST(GridBlockers, are_not_known_where_data_have_gaps) {
   };
   const render::Volume volume =
       packed(folder, "grid.rho", sampled_volume<float>(samples, lattice_over({Vec3(-1), Vec3(1)}, samples), with_gap));
-  EXPECT_EQ(BlockSlopes::of(volume.implementation(), question_of(0.2), 1), nullptr);
-}
-
-TEST(GridBlockers, are_found_once_for_an_isovalue_and_a_light) {
-  const TemporaryFolder folder;
-  const Index3 samples(20, 20, 20);
-  const render::Volume volume =
-      packed(folder, "grid.rho", sampled_volume<float>(samples, lattice_over({Vec3(-1), Vec3(1)}, samples), waves));
-  render::wide::GridBlockersMemory memory;
-  const auto of = [&](double isovalue, const Vec3& light) {
-    return memory.of(volume.implementation(), question_of(isovalue), {.at = light}, 1)[0];
-  };
-  const auto first = of(0.2, {0, 0, 1});
-  ASSERT_TRUE(first);
-  EXPECT_NE(of(0.3, {0, 0, 1}), first);
-  EXPECT_NE(of(0.2, {0, 1, 1}), first);
-  EXPECT_EQ(of(0.2, {0, 0, 1}), first);
+  EXPECT_EQ(SurfaceCells::of(volume.implementation(), question_of(0.2), 1), nullptr);
 }
 
 }  // namespace

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "render/kernels/wide/blockers.h"
+#include "render/kernels/wide/grid_blockers.h"
+
+namespace rhoray::render::wide {
+
+/// What may hold light back, kept from frame to frame: it depends on the isovalue and on where the light stands in the
+/// volume's frame, not on the camera. Not for two threads at once.
+class BlockersMemory {
+ public:
+  /// @param question  of which wide kernels find crossings
+  /// @return          null where it is not known to be less than all of the surface: in meshes as facets_with_blockers
+  ///                  says, in grids as SurfaceCells::of does, and there unless the light stands in one direction
+  std::shared_ptr<const LightBlockers> of(const VolumeImplementation& volume, const Question& question,
+                                          const LightPlace& light, unsigned threads);
+
+ private:
+  struct OfLight {
+    LightPlace light;
+    std::shared_ptr<const LightBlockers> blockers;
+    bool has_shadows;  ///< from the second frame on
+  };
+  struct OfSurface {
+    std::shared_ptr<const void> surface;  ///< facets, or the occupancy of the cells
+    std::shared_ptr<const SurfaceCells> cells;
+    std::vector<OfLight> lights;  ///< newest first
+  };
+
+  static constexpr std::size_t most_kept = 4;
+  std::vector<OfSurface> kept_;  ///< newest first
+};
+
+}  // namespace rhoray::render::wide

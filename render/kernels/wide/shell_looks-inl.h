@@ -1,0 +1,314 @@
+// Looks into cells for clear surfaces: all that rays have before them in their blocks at once, whichever ray's they
+// are, so that every lane has one.
+#if defined(RHORAY_WIDE_SHELL_LOOKS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef RHORAY_WIDE_SHELL_LOOKS_INL_H
+#undef RHORAY_WIDE_SHELL_LOOKS_INL_H
+#else
+#define RHORAY_WIDE_SHELL_LOOKS_INL_H
+#endif
+
+#include <bit>
+#include <cstdint>
+
+#include <hwy/highway.h>
+
+#include "render/kernels/wide/block_corners-inl.h"
+#include "render/kernels/wide/cell_walk-inl.h"
+#include "render/kernels/wide/cubic-inl.h"
+#include "render/kernels/wide/lanes-inl.h"
+#include "render/kernels/wide/shell_hits-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace rhoray::render::wide::HWY_NAMESPACE {
+
+/// Rays on their way through the cells of a block, each of its own, and of each surface what Lanes has of one.
+template <int surfaces>
+struct ShellLanes : Lanes {
+  VecI active_of[surfaces][2], inside_out_of[surfaces][2], seen_of[surfaces];
+  MaskF inside_of[surfaces], has_side_of[surfaces];
+};
+
+/// Of each bit of 64, in two words, whether an odd number of lower ones is set; and of all.
+struct OddBelow {
+  VecI word[2];
+  MaskF of_all;
+
+  explicit HWY_INLINE OddBelow(const VecI* bits) {
+    VecI up_to[2];
+    for (int w = 0; w < 2; ++w) {
+      VecI x = bits[w];
+      x = hn::Xor(x, hn::ShiftLeft<1>(x)), x = hn::Xor(x, hn::ShiftLeft<2>(x)), x = hn::Xor(x, hn::ShiftLeft<4>(x));
+      x = hn::Xor(x, hn::ShiftLeft<8>(x)), x = hn::Xor(x, hn::ShiftLeft<16>(x));
+      up_to[w] = x;
+    }
+    const VecI of_first = hn::ShiftRight<31>(up_to[0]);  // all bits of it
+    word[0] = hn::ShiftLeft<1>(up_to[0]);
+    word[1] = hn::Xor(hn::ShiftLeft<1>(up_to[1]), of_first);
+    of_all = hn::RebindMask(floats, hn::Lt(hn::Xor(up_to[1], of_first), hn::Zero(ints)));
+  }
+};
+
+/// The looks of rays that pass their blocks. Every cell is looked into as if the ray came to it on the side on which
+/// the cell's own field begins. Where each side is the one that the changes before have led to, and so is that of the
+/// cells between, these are the looks that a ray takes one after another; the other rays, few, are left to take theirs
+/// so.
+template <int surfaces>
+class ShellLooks {
+ public:
+  HWY_INLINE ShellLooks(const Shells& shells, const LatticeEnds& ends, const BlockCorners& corners, bool has_values,
+                        ShellScratch& scratch, ShellHits& hits, KernelCounters& counters)
+      : shells_(shells),
+        ends_(ends),
+        corners_(corners),
+        has_values_(has_values),
+        scratch_(scratch),
+        cells_(scratch.cells),
+        hits_(hits),
+        counters_(counters) {}
+
+  /// Notes the crossings of the rays from r on. Of those that are left nothing is changed.
+  /// @param ended  bits of lanes: rays that are to go no farther
+  /// @param full   of these, those of which a crossing was not noted
+  /// @return       bits of lanes that are left
+  HWY_INLINE std::uint64_t take(ShellLanes<surfaces>& lanes, std::size_t r, const VecF* block_corner, bool is_at_border,
+                                std::uint64_t& ended, std::uint64_t& full) {
+    const std::uint64_t walking = bits_of(floats, lanes.walking);
+    list_cells(lanes, block_corner, is_at_border);
+    const std::size_t first_found = scratch_.found.count;
+    for (std::size_t first = 0; first < cells_.count; first += float_lanes) look(lanes, first, block_corner);
+    const std::uint64_t left = walking & find_strays(lanes, block_corner, is_at_border);
+    link(r, left, ended, full);
+    hits_.complete(first_found, r, cells_);
+    return left;
+  }
+
+ private:
+  /// All cells that the rays pass and in which something is to be seen: of each ray in their order.
+  HWY_INLINE void list_cells(const ShellLanes<surfaces>& lanes, const VecF* block_corner, bool is_at_border) {
+    const VecI zero = hn::Zero(ints);
+    VecI any[2] = {zero, zero};
+    for (int s = 0; s < surfaces; ++s)
+      for (int w = 0; w < 2; ++w) {
+        active_[s][w] = hn::And(lanes.left[w], lanes.active_of[s][w]);
+        any[w] = hn::Or(any[w], active_[s][w]);
+        hn::Store(zero, ints, odd_[s][w]);
+      }
+    cells_.count = 0;
+    for_each_passed(lanes, any, block_corner, is_at_border, [&](const NextCell& cell, MaskF passes) HWY_ATTR {
+      const VecF bit = hn::MulAdd(hn::Set(floats, 16.0f), cell.cell[2],
+                                  hn::MulAdd(hn::Set(floats, 4.0f), cell.cell[1], cell.cell[0]));
+      const ChosenLanes chosen(passes);
+      hn::StoreU(chosen.first(hn::ConvertTo(ints, bit)), ints, cells_.bit + cells_.count);
+      hn::StoreU(chosen.numbers(), ints, cells_.lane + cells_.count);
+      cells_.count += hn::CountTrue(floats, passes);
+    });
+    hn::StoreU(zero, ints, cells_.lane + cells_.count);
+    hn::StoreU(zero, ints, cells_.bit + cells_.count);
+  }
+
+  /// Calls act(cell, lanes) for some cells of the rays, as far as they pass them.
+  /// @param words  which cells
+  template <class Act>
+  HWY_INLINE void for_each_passed(const ShellLanes<surfaces>& lanes, const VecI* words, const VecF* block_corner,
+                                  bool is_at_border, const Act& act) const {
+    VecI left[2] = {words[0], words[1]};
+    while (true) {
+      const NextCell cell = first_of(lanes, left);
+      if (hn::AllFalse(floats, cell.exists)) return;
+      left[0] = hn::Xor(left[0], hn::IfThenZeroElse(cell.in_second, cell.bit));
+      left[1] = hn::Xor(left[1], hn::IfThenElseZero(cell.in_second, cell.bit));
+      MaskF passes = hn::And(cell.exists, hn::Lt(cell.way_in, cell.way_out));
+      if (is_at_border) passes = hn::And(passes, is_in_lattice(ends_, cell, block_corner));
+      act(cell, passes);
+    }
+  }
+
+  /// What is known of each cell's ray.
+  class OfCells {
+   public:
+    explicit HWY_INLINE OfCells(VecI lane)
+        : from_(hn::IndicesFromVec(floats, lane)), from_ints_(hn::IndicesFromVec(ints, lane)) {}
+
+    HWY_INLINE VecF operator()(VecF of_rays) const { return hn::TableLookupLanes(of_rays, from_); }
+    HWY_INLINE VecI operator()(VecI of_rays) const { return hn::TableLookupLanes(of_rays, from_ints_); }
+    /// A bit of 64, in two words.
+    HWY_INLINE MaskF operator()(const VecI* of_rays, VecI bit) const {
+      const VecI low = hn::TableLookupLanes(of_rays[0], from_ints_),
+                 high = hn::TableLookupLanes(of_rays[1], from_ints_);
+      const VecI word = hn::IfThenElse(hn::Lt(bit, hn::Set(ints, 32)), low, high), one = hn::Set(ints, 1);
+      const VecI mask = hn::Shl(one, hn::And(bit, hn::Set(ints, 31)));
+      return hn::RebindMask(floats, hn::Ne(hn::And(word, mask), hn::Zero(ints)));
+    }
+
+   private:
+    decltype(hn::IndicesFromVec(floats, VecI())) from_;
+    decltype(hn::IndicesFromVec(ints, VecI())) from_ints_;
+  };
+
+  HWY_INLINE OfCells of_cells(std::size_t first) const { return OfCells(hn::Load(ints, cells_.lane + first)); }
+
+  /// Looks into the cells from `first` on.
+  HWY_INLINE void look(const ShellLanes<surfaces>& lanes, std::size_t first, const VecF* block_corner) {
+    const OfCells of = of_cells(first);
+    const VecI bit = hn::Load(ints, cells_.bit + first);
+    Lanes ways;
+    VecF corner_of[3];
+    for (int a = 0; a < 3; ++a) {
+      ways.entry[a] = of(lanes.entry[a]), ways.last[a] = of(lanes.last[a]);
+      ways.slope[a] = of(lanes.slope[a]), ways.inverse_slope[a] = of(lanes.inverse_slope[a]);
+      corner_of[a] = of(block_corner[a]);
+    }
+    ways.end = of(lanes.end), ways.samples = of(lanes.samples);
+    NextCell cell;
+    const VecI three = hn::Set(ints, 3);
+    cell.cell[0] = hn::ConvertTo(floats, hn::And(bit, three));
+    cell.cell[1] = hn::ConvertTo(floats, hn::And(hn::ShiftRight<2>(bit), three));
+    cell.cell[2] = hn::ConvertTo(floats, hn::ShiftRight<4>(bit));
+    find_ways(ways, cell);
+    const MaskF looks = hn::FirstN(floats, cells_.count - first);
+    VecF in[3], out[3];
+    ends_in_cell(ways, cell, in, out);
+    Corners values;
+    if (has_values_) values = corners_.of(cell.cell, ways.samples, scratch_.blocks[0], looks);
+    VecI changes = hn::Zero(ints);
+    for (int s = 0; s < surfaces; ++s) {
+      const MaskF here = surfaces > 1 ? hn::And(looks, of(active_[s], bit)) : looks;
+      OfLooks& found = cells_.looks[s][first / float_lanes];
+      found.looked = bits_of(floats, here);
+      VecI count = hn::Zero(ints);
+      if (found.looked != 0) {
+        counters_.cells_solved += static_cast<std::uint64_t>(std::popcount(found.looked));
+        Corners corners;
+        if (has_values_)
+          for (int c = 0; c < 8; ++c)
+            corners.f[c] = less_isovalue(values.f[c], shells_.surface[s].isovalue, shells_.is_single[s]);
+        else
+          corners = corners_.of(cell.cell, ways.samples, scratch_.blocks[s], here);
+        const CubicLanes cubic = along(corners, in, out);
+        const MaskF side = is_inside(cubic.b[0]);
+        found.begins_inside = bits_of(floats, side);
+        const FoundIn at{corners, cell, in, out, corner_of, hn::Zero(ints), first, static_cast<std::uint8_t>(s)};
+        for_each_change(cubic, pieces_of(cubic, side, here), side, [&](MaskF changed, VecF low, VecF high) HWY_ATTR {
+          const std::uint64_t bits = bits_of(floats, changed);
+          if (bits == 0) return;
+          hits_.note(at, changed, low, high, count);
+          count = hn::Add(count, ones_in(changed));
+          note_change(s, first, bits);
+        });
+      }
+      hn::Store(count, ints, cells_.changes[s] + first);
+      changes = hn::Add(changes, count);
+    }
+    cells_.changed[first / float_lanes] = bits_of(ints, hn::Ne(changes, hn::Zero(ints)));
+  }
+
+  HWY_INLINE void note_change(int s, std::size_t first, std::uint64_t changed) {
+    for (; changed != 0; changed &= changed - 1) {
+      const std::size_t c = first + static_cast<std::size_t>(std::countr_zero(changed));
+      const std::int32_t bit = cells_.bit[c];
+      odd_[s][bit / 32][cells_.lane[c]] ^= static_cast<std::int32_t>(std::uint32_t{1} << bit % 32);
+    }
+  }
+
+  /// The sides on which rays are that have looked into no cell before, by the first that they look into.
+  HWY_INLINE void find_first_sides(int s, MaskF without_side, std::uint64_t& inside, std::uint64_t& has_side) const {
+    const VecI without = hn::VecFromMask(ints, hn::RebindMask(ints, without_side));
+    for (std::size_t first = 0; first < cells_.count; first += float_lanes) {
+      const OfLooks& found = cells_.looks[s][first / float_lanes];
+      const auto of_these = hn::MaskFromVec(of_cells(first)(without));
+      for (std::uint64_t bits = found.looked & bits_of(ints, of_these); bits != 0; bits &= bits - 1) {
+        const int i = std::countr_zero(bits);
+        const std::uint64_t lane = std::uint64_t{1} << cells_.lane[first + static_cast<std::size_t>(i)];
+        if ((has_side & lane) != 0) continue;
+        has_side |= lane;
+        inside |= (found.begins_inside >> i & 1) != 0 ? lane : 0;
+      }
+    }
+  }
+
+  /// Finds the sides of the rays behind their blocks.
+  /// @return  bits of lanes that come to a cell on another side than it has
+  HWY_INLINE std::uint64_t find_strays(ShellLanes<surfaces>& lanes, const VecF* block_corner, bool is_at_border) const {
+    std::uint64_t strays = 0;
+    MaskF inside_behind[surfaces], has_side_behind[surfaces];
+    VecI off[2] = {hn::Zero(ints), hn::Zero(ints)};  // cells between those that were looked into
+    for (int s = 0; s < surfaces; ++s) {
+      std::uint64_t has_side = bits_of(floats, lanes.has_side_of[s]);
+      std::uint64_t inside = bits_of(floats, lanes.inside_of[s]) & has_side;
+      const MaskF without_side = hn::AndNot(lanes.has_side_of[s], lanes.walking);
+      if (!hn::AllFalse(floats, without_side)) find_first_sides(s, without_side, inside, has_side);
+      const VecI changes[2] = {hn::Load(ints, odd_[s][0]), hn::Load(ints, odd_[s][1])};
+      const OddBelow odd(changes);
+      const MaskF begins_inside = mask_of(floats, inside);
+      has_side_behind[s] = mask_of(floats, has_side);
+      const VecI begins = hn::VecFromMask(ints, hn::RebindMask(ints, begins_inside));
+      const VecI side[2] = {hn::Xor(odd.word[0], begins), hn::Xor(odd.word[1], begins)};
+      const VecI known = hn::And(lanes.seen_of[s], hn::VecFromMask(ints, hn::RebindMask(ints, has_side_behind[s])));
+      for (int w = 0; w < 2; ++w)
+        off[w] = hn::Or(off[w], hn::And(hn::AndNot(lanes.active_of[s][w], lanes.left[w]),
+                                        hn::And(hn::Xor(lanes.inside_out_of[s][w], side[w]), known)));
+      for (std::size_t first = 0; first < cells_.count; first += float_lanes) {
+        const OfLooks& found = cells_.looks[s][first / float_lanes];
+        const MaskF comes_inside = of_cells(first)(side, hn::Load(ints, cells_.bit + first));
+        std::uint64_t other = found.looked & (found.begins_inside ^ bits_of(floats, comes_inside));
+        for (; other != 0; other &= other - 1)
+          strays |= std::uint64_t{1} << cells_.lane[first + static_cast<std::size_t>(std::countr_zero(other))];
+      }
+      inside_behind[s] = hn::Xor(begins_inside, odd.of_all);
+    }
+    for_each_passed(lanes, off, block_corner, is_at_border,
+                    [&](const NextCell&, MaskF passes) HWY_ATTR { strays |= bits_of(floats, passes); });
+    const MaskF is_stray = mask_of(floats, strays);
+    for (int s = 0; s < surfaces; ++s) {
+      lanes.inside_of[s] = hn::Or(hn::And(is_stray, lanes.inside_of[s]), hn::AndNot(is_stray, inside_behind[s]));
+      lanes.has_side_of[s] = hn::Or(hn::And(is_stray, lanes.has_side_of[s]), hn::AndNot(is_stray, has_side_behind[s]));
+    }
+    return strays;
+  }
+
+  /// Gives the changes in each cell their places among their rays' crossings, as far as rays go.
+  /// @param left  lanes whose changes are none
+  HWY_INLINE void link(std::size_t r, std::uint64_t left, std::uint64_t& ended, std::uint64_t& full) {
+    for (std::size_t first = 0; first < cells_.count; first += float_lanes)
+      for (std::uint64_t bits = cells_.changed[first / float_lanes]; bits != 0; bits &= bits - 1)
+        link_one(first + static_cast<std::size_t>(std::countr_zero(bits)), r, left, ended, full);
+  }
+
+  HWY_INLINE void link_one(std::size_t c, std::size_t r, std::uint64_t left, std::uint64_t& ended,
+                           std::uint64_t& full) {
+    const std::uint64_t lane = std::uint64_t{1} << cells_.lane[c];
+    const std::size_t ray = r + static_cast<std::size_t>(cells_.lane[c]);
+    const bool is_none = ((left | ended) & lane) != 0;
+    for (int s = 0; s < surfaces; ++s) {
+      cells_.place[s][c] = CellsAhead::nowhere;
+      if (is_none) continue;
+      std::int32_t& count = scratch_.count[s][ray];
+      cells_.place[s][c] = count;
+      for (std::int32_t change = 0; change < cells_.changes[s][c]; ++change) {
+        if (count == CrossingList::most) {
+          full |= lane;
+          break;
+        }
+        ++count;
+        scratch_.light[ray] *= shells_.passing[s];
+      }
+    }
+    if (scratch_.light[ray] < shells_.least_light || (full & lane) != 0) ended |= lane;
+  }
+
+  const Shells& shells_;
+  const LatticeEnds& ends_;
+  const BlockCorners& corners_;
+  const bool has_values_;
+  ShellScratch& scratch_;
+  CellsAhead& cells_;
+  ShellHits& hits_;
+  KernelCounters& counters_;
+  VecI active_[surfaces][2];                              ///< cells that rays may look into
+  HWY_ALIGN std::int32_t odd_[surfaces][2][float_lanes];  ///< of these, by ray, those with an odd number of changes
+};
+
+}  // namespace rhoray::render::wide::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
