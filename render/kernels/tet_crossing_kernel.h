@@ -11,8 +11,10 @@ RHORAY_INLINE TetMethod in_tet_method(Method::Way way) {
   return way == Method::Way::paper ? TetMethod::paper : way == Method::Way::slack ? TetMethod::slack : TetMethod::edges;
 }
 
-template <class Real, class View>
-Hit crossing_by_method(const View& view, const Question& question, const Ray& ray, KernelCounters& counters) {
+/// The nearest crossing in the tetrahedra that a walk shows.
+/// @param walk  (matters_from, look, ends_at): as walk_active_tets calls them
+template <class Real, class View, class Walk>
+Hit nearest_crossing(const View& view, const Question& question, const Ray& ray, Walk&& walk) {
   const TetMethod method = in_tet_method(question.method.way);
   const TetRay<Real> tet_ray(ray);
   Hit hit;
@@ -28,11 +30,16 @@ Hit crossing_by_method(const View& view, const Question& question, const Ray& ra
     hit_tet = tet;
   };
   // A tetrahedron reaches over several leaf cells: a crossing beyond this one waits until the ray gets there.
-  walk_active_tets(
-      view, question, ray, counters, [&](double t_in) { return !(hit.t < t_in); }, look,
-      [&](double t_out) { return !(hit.t <= t_out); });
+  walk([&](double t_in) { return !(hit.t < t_in); }, look, [&](double t_out) { return !(hit.t <= t_out); });
   if (!hit.is_miss()) fill_in(hit, view, question, hit_tet, hit.t);
   return hit;
+}
+
+template <class Real, class View>
+Hit crossing_by_method(const View& view, const Question& question, const Ray& ray, KernelCounters& counters) {
+  return nearest_crossing<Real>(view, question, ray, [&](auto&& matters_from, auto&& look, auto&& ends_at) {
+    walk_active_tets(view, question, ray, counters, matters_from, look, ends_at);
+  });
 }
 
 template <class View>

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <span>
 
 #include "render/cells/tet_methods.h"
 #include "render/kernels/cluster_walk.h"
@@ -41,12 +43,13 @@ RHORAY_INLINE void look_into(const View& view, const Question& question, std::ui
   look(tet, LocalTet{view.points_at(vertices), values});
 }
 
-/// Looks into the tetrahedra along the ray, leaf after leaf; one comes up once for every leaf cell that lists it.
+/// Shows the lists of the leaf cells along the ray that may hold the isosurface, front to back.
 /// @param leaf_begins  (t_in of the leaf): false to stop
+/// @param list         (the tetrahedra that a leaf cell lists)
 /// @param leaf_ends    (t_out of the leaf): false to stop
-template <class View, class Begins, class Look, class Ends>
-void walk_active_lists(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
-                       Begins&& leaf_begins, Look&& look, Ends&& leaf_ends) {
+template <class View, class Begins, class List, class Ends>
+void walk_active_leaves(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
+                        Begins&& leaf_begins, List&& list, Ends&& leaf_ends) {
   const WalkLattice lattice = view.lattice();
   const Ray ray_lattice = view.on_lattice(ray);
   const PlaneTimes planes(ray_lattice);
@@ -64,12 +67,24 @@ void walk_active_lists(const View& view, const Question& question, const Ray& ra
     ++counters.cells_visited;
     if (!can_cross(view.range(0, visit.cell))) return true;
     const IntersectionTimer timer(question, counters);
-    for (const std::uint32_t tet : view.tetrahedra_at(visit.cell)) look_into(view, question, tet, counters, look);
+    list(view.tetrahedra_at(visit.cell));
     return leaf_ends(visit.t_out);
   };
   const int top = question.use_hierarchy ? view.level_count() : 0;
   walk_hierarchy(ray_lattice, planes, lattice, top, whole_level(lattice, lattice.cell_edge(top)), segment->t_in,
                  segment->t_out, enters, leaf);
+}
+
+/// Looks into the tetrahedra along the ray, leaf after leaf; one comes up once for every leaf cell that lists it.
+template <class View, class Begins, class Look, class Ends>
+void walk_active_lists(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
+                       Begins&& leaf_begins, Look&& look, Ends&& leaf_ends) {
+  walk_active_leaves(
+      view, question, ray, counters, leaf_begins,
+      [&](std::span<const std::uint32_t> list) {
+        for (const std::uint32_t tet : list) look_into(view, question, tet, counters, look);
+      },
+      leaf_ends);
 }
 
 /// Looks into the tetrahedra of the clusters along the ray, each once. Clusters overlap: a hit in one of them may lie

@@ -101,6 +101,29 @@ TEST(StudyProgram, shows_the_same_picture_with_every_layout) {
   EXPECT_EQ(picture.size(), 2U);
 }
 
+TEST(StudyProgram, asks_every_structure_of_a_mesh_the_same_rays) {
+  const TemporaryFolder folder;
+  must_run({RHORAY_STUDY_PROGRAM, "structures", "--cells", "400", "--size", "32x32", "--repeat", "1", "-o", "."},
+           folder);
+  for (const auto& [name, rows_of_a_mesh] :
+       {std::pair("structures", 12U), std::pair("structures_orders", 19U), std::pair("structures_points", 5U)}) {
+    const json read = table(folder, name);
+    ASSERT_EQ(read["rows"].size(), 5 * rows_of_a_mesh) << name;  // even, graded in three ways, slivers
+    std::map<std::string, json> answers;
+    for (const json& row : read["rows"]) {
+      EXPECT_GT(row["cpu_us_per_ray"], 0.0) << row;
+      if (row.contains("answers")) {
+        EXPECT_EQ(answers.try_emplace(row["mesh"], row["answers"]).first->second, row["answers"]) << row;
+        EXPECT_GT(row["tested_per_ray"], 0.0) << row;
+      } else if (row["points"] == "doubles") {
+        EXPECT_EQ(row["off_largest_edges"], 0.0) << row;
+      } else {
+        EXPECT_GT(row["off_mean_edges"], 0.0) << row;
+      }
+    }
+  }
+}
+
 TEST(StudyProgram, refuses_requests_without_sense) {
   const TemporaryFolder folder;
   make_grid(folder);
@@ -117,6 +140,8 @@ TEST(StudyProgram, refuses_requests_without_sense) {
                                                              {{"closed-surfaces", "-o", "nowhere"}, 2},
                                                              {{"largest-values", "-o", "nowhere"}, 2},
                                                              {{"preprocess-speed", "-o", "nowhere"}, 2},
+                                                             {{"structures", "-o", "nowhere"}, 2},
+                                                             {{"structures", "--cells", "1"}, 2},
                                                              {{"layouts", "smooth.raw"}, 4}}) {
     std::vector<std::string> line{RHORAY_STUDY_PROGRAM};
     line.insert(line.end(), words.begin(), words.end());

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "formats/base/checks.h"
+#include "formats/base/interval.h"
+#include "formats/tet_mesh.h"
+
+namespace rhoray::study {
+
+/// A mesh as plain arrays, four positions of points for each cell, as the scalar search asks for it
+/// (render/mesh_search.h). Points and values stay those of the packed mesh, which must outlive it.
+class PlainMesh {
+ public:
+  /// The mesh's first field; its values are floats.
+  explicit PlainMesh(const formats::TetMesh& packed);
+
+  /// The same cells in another order; points keep their numbers, so that each cell answers with the same bits.
+  /// @param order  order[n] is the position here of the cell that stands at n there; every position once
+  PlainMesh reordered(std::span<const std::uint32_t> order) const;
+
+  std::uint32_t cell_count() const { return static_cast<std::uint32_t>(cells_.size()); }
+  std::span<const std::array<double, 3>> points() const { return points_; }
+  std::span<const float> values() const { return values_; }
+  std::uint64_t cell_id(std::uint32_t cell) const { return ids_[cell]; }
+
+  /// Point positions of a cell, rising.
+  RHORAY_INLINE std::array<std::uint32_t, 4> sorted_vertices(std::uint32_t cell) const {
+    std::array<std::uint32_t, 4> v = cells_[cell];
+    if (v[1] < v[0]) std::swap(v[0], v[1]);
+    if (v[3] < v[2]) std::swap(v[2], v[3]);
+    if (v[2] < v[0]) std::swap(v[0], v[2]);
+    if (v[3] < v[1]) std::swap(v[1], v[3]);
+    if (v[2] < v[1]) std::swap(v[1], v[2]);
+    return v;
+  }
+  RHORAY_INLINE std::array<double, 4> values_at(const std::array<std::uint32_t, 4>& v) const {
+    return {values_[v[0]], values_[v[1]], values_[v[2]], values_[v[3]]};
+  }
+  RHORAY_INLINE std::array<std::array<double, 3>, 4> points_at(const std::array<std::uint32_t, 4>& v) const {
+    return {points_[v[0]], points_[v[1]], points_[v[2]], points_[v[3]]};
+  }
+
+  /// Of the values at its vertices; empty (lo > hi) where one of them is not a finite number.
+  Interval<float> range(std::uint32_t cell) const;
+  Box3 box(std::uint32_t cell) const;
+  Vec3 center(std::uint32_t cell) const;  ///< of gravity: cells of one box have centers of their own
+  Box3 bounds() const;                    ///< of all cells
+
+  static constexpr double cell_bytes = sizeof(std::array<std::uint32_t, 4>);
+
+ private:
+  std::span<const std::array<double, 3>> points_;
+  std::span<const float> values_;
+  std::vector<std::array<std::uint32_t, 4>> cells_;
+  std::vector<std::uint32_t> ids_;
+};
+
+}  // namespace rhoray::study
