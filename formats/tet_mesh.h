@@ -44,8 +44,8 @@ struct TetMeshDescription {
   std::uint64_t leaf_item_count = 0;           ///< only with leaf lists
   std::optional<ClusterDescription> clusters;  ///< nothing: leaf lists
 
-  /// Cells and points stand as in the source. Else cells stand along a curve through space, points in the order in
-  /// which cells name them first, and arrays "cell_ids" and "point_ranks" lead back.
+  /// Cells and points stand as in the source. Else cells stand so that neighbours lie close together, points in the
+  /// order in which cells name them first, and arrays "cell_ids" and "point_ranks" lead back.
   bool in_source_order = true;
 
   // What packing met. Array "cell_ids" is there also when cells of the source are not here.

@@ -2,16 +2,17 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
-
-#include "preprocess/cell_order/hilbert_curve.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -19,55 +20,99 @@ namespace {
 using Range = tbb::blocked_range<std::size_t>;
 constexpr std::size_t grain = 4096;
 
+/// A cell and its centre, in the longest edge of the mesh's box: to 2^-24 of it, as near as the order asks for.
 struct Place {
-  std::uint64_t on_curve;
+  std::array<float, 3> center;
   std::uint32_t cell;
 };
 
-/// Steps of the curve along an axis.
-std::uint32_t step_at(double position, double low, double steps_per_length) {
-  constexpr double last = 0x1p21 - 1;
-  return static_cast<std::uint32_t>(std::clamp((position - low) * steps_per_length, 0.0, last));
-}
-
 Array<Place> places_of(const CleanMesh& mesh) {
   const Vec3 extent = mesh.box.max - mesh.box.min;
-  const double steps_per_length = 0x1p21 / std::max({extent.x, extent.y, extent.z});
+  const double longest = std::max({extent.x, extent.y, extent.z}), scale = longest > 0 ? 0.25 / longest : 0;
   Array<Place> places(mesh.cells.size());
   tbb::parallel_for(Range(0, places.size(), grain), [&](const Range& part) {
     for (std::size_t c = part.begin(); c < part.end(); ++c) {
-      std::array<std::uint32_t, 3> steps;
+      const auto& cell = mesh.cells[c];
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto& cell = mesh.cells[c];
-        const auto at = [&](std::size_t v) { return 0.25 * mesh.points[cell[v]][axis]; };
-        steps[axis] =
-            step_at((at(0) + at(1)) + (at(2) + at(3)), mesh.box.min[static_cast<int>(axis)], steps_per_length);
+        const auto at = [&](std::size_t v) {
+          return (mesh.points[cell[v]][axis] - mesh.box.min[static_cast<int>(axis)]) * scale;
+        };
+        places[c].center[axis] = static_cast<float>((at(0) + at(1)) + (at(2) + at(3)));
       }
-      places[c] = {hilbert_position(steps[0], steps[1], steps[2]), static_cast<std::uint32_t>(c)};
+      places[c].cell = static_cast<std::uint32_t>(c);
     }
   });
   return places;
 }
 
-/// By place on the curve, equal ones as they stand: digit after digit, the last one first.
-void sort_along_curve(Array<Place>& places) {
-  constexpr int digit_bits = 11, digit_count = 6;
-  constexpr std::size_t values = std::size_t{1} << digit_bits;
-  const auto digit = [](const Place& place, int d) {
-    return static_cast<std::size_t>(place.on_curve >> (d * digit_bits)) % values;
-  };
-  std::array<std::array<std::size_t, values>, digit_count> ends{};
+/// The axis along which centres reach farthest; nothing where all are one.
+std::optional<std::size_t> longest_axis(std::span<const Place> places) {
+  std::array<float, 3> lo = places.front().center, hi = lo;
   for (const Place& place : places)
-    for (int d = 0; d < digit_count; ++d) ++ends[static_cast<std::size_t>(d)][digit(place, d)];
-  Array<Place> sorted(places.size());
-  for (int d = 0; d < digit_count; ++d) {
-    auto& starts = ends[static_cast<std::size_t>(d)];
-    if (starts[digit(places.front(), d)] == places.size()) continue;  // the same everywhere
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      lo[axis] = std::min(lo[axis], place.center[axis]);
+      hi[axis] = std::max(hi[axis], place.center[axis]);
+    }
+  std::size_t longest = 0;
+  for (std::size_t axis = 1; axis < 3; ++axis)
+    if (hi[axis] - lo[axis] > hi[longest] - lo[longest]) longest = axis;
+  if (!(hi[longest] > lo[longest])) return std::nullopt;
+  return longest;
+}
+
+/// Along an axis, at one place as the cells stand: no two are equal.
+std::uint64_t rank_of(const Place& place, std::size_t axis) {
+  // Numbers of one sign are in the order of their bits.
+  return std::uint64_t{std::bit_cast<std::uint32_t>(place.center[axis])} << 32 | place.cell;
+}
+
+/// Puts the first `count` along an axis before the others, as std::nth_element does: three times as fast, because
+/// places move without a branch on how they compare.
+void put_first(std::span<Place> places, std::size_t count, std::size_t axis) {
+  // Where pivots divide badly this many times, std::nth_element's promise is needed.
+  for (auto rounds = 2 * std::bit_width(places.size()); rounds > 0 && places.size() > 16; --rounds) {
+    const std::size_t last = places.size() - 1;
+    std::array<std::size_t, 3> sample{0, last / 2, last};
+    std::sort(sample.begin(), sample.end(),
+              [&](std::size_t a, std::size_t b) { return rank_of(places[a], axis) < rank_of(places[b], axis); });
+    std::swap(places[sample[1]], places[last]);
+    const std::uint64_t pivot = rank_of(places[last], axis);
     std::size_t before = 0;
-    for (std::size_t& count : starts) before += std::exchange(count, before);
-    for (const Place& place : places) sorted[starts[digit(place, d)]++] = place;
-    std::swap(places, sorted);
+    for (std::size_t i = 0; i < last; ++i) {
+      const Place place = places[i];
+      places[i] = places[before];
+      places[before] = place;
+      before += rank_of(place, axis) < pivot;
+    }
+    std::swap(places[before], places[last]);
+    if (before == count) return;
+    if (before > count) {
+      places = places.first(before);
+    } else {
+      places = places.subspan(before + 1);
+      count -= before + 1;
+    }
   }
+  std::nth_element(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(count), places.end(),
+                   [&](const Place& a, const Place& b) { return rank_of(a, axis) < rank_of(b, axis); });
+}
+
+/// Halves the cells across their longest axis, and the halves again. The first part takes as many as the largest power
+/// of two below the count: blocks of any power of two that begin at its multiples are whole parts.
+void halve(std::span<Place> places) {
+  if (places.size() < 2) return;
+  const std::optional<std::size_t> axis = longest_axis(places);
+  if (!axis) {
+    std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.cell < b.cell; });
+    return;
+  }
+  const std::size_t half = std::bit_ceil(places.size()) / 2;
+  put_first(places, half, *axis);
+  const auto first = places.first(half), second = places.subspan(half);
+  if (places.size() > grain)
+    tbb::parallel_invoke([&] { halve(first); }, [&] { halve(second); });
+  else
+    halve(first), halve(second);
 }
 
 /// values[i] becomes the one that stood at from(i).
@@ -103,7 +148,7 @@ Array<std::uint32_t> number_points(CleanMesh& mesh) {
 Array<std::uint32_t> order_cells(CleanMesh& mesh) {
   {
     Array<Place> places = places_of(mesh);
-    sort_along_curve(places);
+    halve(places);
     const auto from = [&](std::size_t cell) { return places[cell].cell; };
     reorder(mesh.cells, from);
     reorder(mesh.source_cells, from);

@@ -332,7 +332,7 @@ std::vector<Way> MeshForWays::orders(double isovalue) const {
   for (const std::uint64_t size : {64, 8})
     for (const auto& [name, order] :
          {Order("as made", as_made(*plain)), Order("along Morton's curve", by_morton(*plain)),
-          Order("by halves", by_halves(*plain)), Order("along Hilbert's curve", as_they_stand(*plain))}) {
+          Order("along Hilbert's curve", by_hilbert(*plain)), Order("by halves", as_they_stand(*plain))}) {
       const auto moved = std::make_shared<const PlainMesh>(plain->reordered(order));
       const auto tree = std::make_shared<const ClusterTree>(*moved, size);
       add_clusters(concat(size, ": cells of 16 bytes ", name),

@@ -1,4 +1,4 @@
-#include "preprocess/cell_order/hilbert_curve.h"
+#include "tools/study/structures/hilbert_curve.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <map>
 #include <random>
 
-namespace rhoray::preprocess {
+namespace rhoray::study {
 namespace {
 
 using Cube = std::array<std::uint32_t, 3>;
@@ -63,4 +63,4 @@ TEST(HilbertCurve, has_its_ends_in_corners_of_one_edge) {
 }
 
 }  // namespace
-}  // namespace rhoray::preprocess
+}  // namespace rhoray::study

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace rhoray::preprocess {
+namespace rhoray::study {
 
 namespace hilbert {
 
@@ -74,4 +74,4 @@ constexpr std::uint64_t hilbert_position(std::uint32_t x, std::uint32_t y, std::
   return position;
 }
 
-}  // namespace rhoray::preprocess
+}  // namespace rhoray::study
