@@ -130,8 +130,9 @@ class TetCells {
     return lanes;
   }
 
-  /// Of each vertex a byte for each pack, with bits for the sides of the pack's rays on which it lies, and for values
-  /// that all of them have reached. A cell whose vertices have a bit in common is none of the pack's.
+  /// Of each vertex a byte for each pack, with bits for the sides of the pack's rays on which it lies, straight and
+  /// slanted, and for values that all of them have reached. A cell whose vertices have a bit in common is none of the
+  /// pack's.
   HWY_INLINE void encode(const LocalCluster& local, std::uint64_t lanes) {
     float offset[16], slope[16], least[4];
     std::uint32_t absent = 0;
@@ -165,11 +166,14 @@ class TetCells {
         const auto bound = [&](std::size_t l) HWY_ATTR {
           return hn::MulAdd(hn::Set(floats, slope[4 * p + l]), w, hn::Set(floats, offset[4 * p + l]));
         };
-        note(hn::Gt(hn::Neg(u), bound(0)), 0);
-        note(hn::Gt(u, bound(1)), 1);
-        note(hn::Gt(hn::Neg(v), bound(2)), 2);
-        note(hn::Gt(v, bound(3)), 3);
+        const VecF inside[4] = {hn::Add(bound(0), u), hn::Sub(bound(1), u), hn::Add(bound(2), v), hn::Sub(bound(3), v)};
+        const VecF zero = hn::Zero(floats);
+        for (std::size_t l = 0; l < 4; ++l) note(hn::Lt(inside[l], zero), static_cast<int>(l));
         note(hn::Lt(value, hn::Set(floats, least[p])), 4);
+        // Beyond three of the four corners that the sides make: a byte has no room for the last.
+        note(hn::Lt(hn::Add(inside[0], inside[2]), zero), 5);
+        note(hn::Lt(hn::Add(inside[1], inside[3]), zero), 6);
+        note(hn::Lt(hn::Add(inside[0], inside[3]), zero), 7);
       }
       hn::Store(code, codes, scratch_.codes + i);
     }
