@@ -73,23 +73,21 @@ class BlockWalk {
     if (!state_.find_in_file(block, true, field_.blocks, place) || !has_words(place)) return;
     const SampleSource& source = field_.source;
     const std::size_t size = field_.sample_bytes;
-    const int x = 4 * place[0], y = 4 * place[1];
-    const std::uint64_t near_x = source.address[0][x], far_x = source.address[0][x + 4];
-    const std::uint64_t near_y = source.address[1][y], far_y = source.address[1][y + 4];
+    const SquarePlaces at(source, place);
     for (const int z : {0, 2, 4}) {
-      const char* here = static_cast<const char*>(source.samples) + size * source.address[2][4 * place[2] + z];
-      hwy::Prefetch(here + size * (near_x + near_y));
-      hwy::Prefetch(here + size * (far_x + near_y));
-      hwy::Prefetch(here + size * (near_x + far_y));
-      hwy::Prefetch(here + size * (far_x + far_y));
+      const char* here = static_cast<const char*>(source.samples) + size * layer_address(source, place, z);
+      hwy::Prefetch(here + size * (at.near[0] + at.near[1]));
+      hwy::Prefetch(here + size * (at.far[0] + at.near[1]));
+      hwy::Prefetch(here + size * (at.near[0] + at.far[1]));
+      hwy::Prefetch(here + size * (at.far[0] + at.far[1]));
     }
   }
 
  private:
-  /// True for blocks whose samples can be read as squares of words.
+  /// True for blocks whose samples can be read as squares of words: those that the lattice ends in need four samples.
   HWY_INLINE bool has_words(const int* place) const {
     bool is_whole = may_use_words_;
-    for (int a = 0; a < 3; ++a) is_whole = is_whole && 4 * place[a] + 4 < field_.source.count[a];
+    for (int a = 0; a < 2; ++a) is_whole = is_whole && 4 * place[a] + 4 <= field_.source.count[a];
     return is_whole;
   }
 

@@ -69,9 +69,10 @@ HWY_INLINE VecD between(VecD a, VecD b, VecD w) {
   return hn::Add(hn::Mul(hn::Sub(hn::Set(doubles, 1.0), w), a), hn::Mul(w, b));
 }
 
-/// The largest value on a way, and where.
+/// The largest value on a way, and where; the values at its ends.
 struct Answer {
   VecD value, s;
+  VecD first, last;
 };
 
 /// CubicOf::along and largest_value (cells/trilinear.h, cells/cubic.h).
@@ -93,7 +94,7 @@ HWY_INLINE Answer largest_on_way(const VecD* f, const VecD* in, const VecD* out)
   const VecD b0 = gpp.p, b1 = hn::Div(hn::Add(hn::Add(gqp.p, gpq.p), gpp.q), three),
              b2 = hn::Div(hn::Add(hn::Add(gqq.p, gqp.q), gpq.q), three), b3 = gqq.q;
 
-  Answer best{b0, zero};
+  Answer best{b0, zero, b0, b3};
   const MaskD may_turn = hn::Or(hn::Gt(b1, b0), hn::Gt(b2, b3));
   if (!hn::AllFalse(doubles, may_turn)) {
     VecD d0 = hn::Sub(b1, b0), d1 = hn::Sub(b2, b1), d2 = hn::Sub(b3, b2);
@@ -121,7 +122,7 @@ HWY_INLINE Answer largest_on_way(const VecD* f, const VecD* in, const VecD* out)
     offer(hn::IfThenElse(swaps, one_root, other_root), has_other);
   }
   const MaskD ends_higher = hn::Gt(b3, best.value);
-  return {hn::IfThenElse(ends_higher, b3, best.value), hn::IfThenElse(ends_higher, one, best.s)};
+  return {hn::IfThenElse(ends_higher, b3, best.value), hn::IfThenElse(ends_higher, one, best.s), b0, b3};
 }
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE

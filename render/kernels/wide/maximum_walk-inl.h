@@ -128,7 +128,7 @@ HWY_NOINLINE void raise(SearchState& state, const CellBox& box, MaskF raised, co
     const int lane = std::countr_zero(bits);
     state.set_reached(static_cast<std::size_t>(rays[lane]), values[lane], values_below[lane], places[lane]);
   }
-  state.find_lowest_reached();
+  state.has_risen = true;
 }
 
 /// What may hold a larger value than was found goes to the suspects.
@@ -240,7 +240,7 @@ HWY_INLINE void count_cells(SearchState& state, VecF cells, VecI ray, std::size_
   hn::Store(cells, floats, counted);
   hn::Store(ray, ints, rays);
   for (std::size_t lane = 0; lane < lanes && lane < float_lanes; ++lane)
-    state.scratch.cost[state.scratch.group.index[rays[lane]]] +=
+    state.scratch.cost[state.scratch.rays.index[rays[lane]]] +=
         static_cast<std::uint32_t>(lane < blocks) + static_cast<std::uint32_t>(counted[lane]);
 }
 

@@ -209,6 +209,29 @@ TEST(WideMaximum, takes_lattices_of_every_small_size) {
   }
 }
 
+/// Squares of 4 x 4 samples end where the lattice does, so that its last blocks have no square beside them; or a sample
+/// earlier or later. The largest values lie at the ends.
+TEST(WideMaximum, reads_the_last_blocks_of_lattices_that_end_with_a_square) {
+  const auto at_ends = [](const Index3& at) {
+    return 9000 * waves(at) + 400.0 * static_cast<double>(at.x + at.y + at.z % 17) - 20000;
+  };
+  int hits = 0;
+  std::uint64_t seed = 400;
+  for (const Index3& count : {Index3(36, 24, 68), Index3(36, 25, 67), Index3(35, 24, 66), Index3(34, 28, 65)}) {
+    const Vec3 size(static_cast<double>(count.x - 1), static_cast<double>(count.y - 1),
+                    static_cast<double>(count.z - 1));
+    const std::vector<Ray> rays = rays_through(size, 1500, ++seed);
+    hits += expect_agreement(TracedVolume(volume_of<std::int16_t>(
+                                 count, [&](const Index3& at) { return static_cast<std::int16_t>(at_ends(at)); })),
+                             rays);
+    hits += expect_agreement(
+        TracedVolume(volume_of<std::uint8_t>(
+            count, [&](const Index3& at) { return static_cast<std::uint8_t>(at_ends(at) / 300 + 120); })),
+        rays);
+  }
+  EXPECT_GT(hits, 8000);
+}
+
 TEST(WideMaximum, reads_every_layout) {
   std::uint64_t seed = 200;
   const auto values = [](const Index3& at) { return static_cast<std::uint16_t>(noise(1000, 0)(at)); };
