@@ -51,7 +51,7 @@ class BlockWalk {
     at_block.count = 0;
     const double low[3] = {4.0 * block[0], 4.0 * block[1], 4.0 * block[2]};
     const SearchState::Bounds bounds = state_.bounds_of(block, 4, largest);
-    for (std::uint64_t bits = state_.vectors_through(block, 4); bits != 0; bits &= bits - 1) {
+    for (std::uint64_t bits = state_.vectors_through(block, 4, largest); bits != 0; bits &= bits - 1) {
       const std::size_t r = static_cast<std::size_t>(std::countr_zero(bits)) * float_lanes;
       const SearchState::Passing passing = state_.rays_through(bounds, r);
       if (!hn::AllFalse(floats, passing.rays))
@@ -139,7 +139,7 @@ class BlockWalk {
 
   /// The samples of a block, in which a cell is where its lowest sample is.
   struct Cells {
-    static constexpr bool is_plain = false;
+    static constexpr bool is_plain = false, is_below = false;
     static constexpr float lowest = -4;  ///< less than any value with data
 
     const float* samples;

@@ -26,6 +26,8 @@ struct Coefficients {
   VecF b0, b1, b2, b3;
 
   HWY_INLINE VecF largest() const { return hn::Max(hn::Max(b0, b1), hn::Max(b2, b3)); }
+  HWY_INLINE VecF smallest() const { return hn::Min(hn::Min(b0, b1), hn::Min(b2, b3)); }
+  HWY_INLINE Coefficients negated() const { return {hn::Neg(b0), hn::Neg(b1), hn::Neg(b2), hn::Neg(b3)}; }
 
   HWY_INLINE VecF at(VecF s) const {
     const VecF r = hn::Sub(hn::Set(floats, 1.0F), s), three = hn::Set(floats, 3.0F);

@@ -50,7 +50,7 @@ class Search {
       const RegionQueue::Region region = queue.take(bucket);
       ask_for_next();
       // Finding it anew takes longer than some regions that it would have spared.
-      if (++taken % 4 == 0 && state_.has_risen) state_.find_lowest_reached();
+      if (++taken % 16 == 0 && state_.has_risen) state_.find_lowest_reached();
       if (region.largest < state_.lowest_reached) continue;
       const int at[3] = {region.at[0], region.at[1], region.at[2]};
       const int slab = at[state_.frustum.major] / (region.is_block ? 4 : 1);
@@ -127,7 +127,8 @@ class Search {
   HWY_NOINLINE void open_node(const int* node, double largest) {
     const SearchState::Bounds bounds = state_.bounds_of(node, 16, float_not_below(largest));
     bool any = false;
-    for (std::uint64_t bits = state_.vectors_through(node, 16); bits != 0 && !any; bits &= bits - 1)
+    for (std::uint64_t bits = state_.vectors_through(node, 16, float_not_below(largest)); bits != 0 && !any;
+         bits &= bits - 1)
       any = !hn::AllFalse(
           floats, state_.rays_through(bounds, static_cast<std::size_t>(std::countr_zero(bits)) * float_lanes).rays);
     if (!any) return;

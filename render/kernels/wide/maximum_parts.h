@@ -67,10 +67,11 @@ struct MaximumField {
 struct alignas(64) SearchedRays {
   static constexpr std::size_t groups = 4;
   static constexpr std::size_t size = groups * RayGroup::size;
+  static constexpr std::size_t stride = size + 8;  ///< so that a ray's numbers lie in different sets of the cache
 
-  double origin[3][size], direction[3][size];
-  double plane_origin[3][size], inverse[3][size];
-  double t_in[size], t_out[size];
+  double origin[3][stride], direction[3][stride];
+  double plane_origin[3][stride], inverse[3][stride];
+  double t_in[stride], t_out[stride];
   std::uint32_t index[size];     ///< place in the chunk
   std::uint64_t inside[groups];  ///< rays with a part inside the lattice, by group
   std::size_t count;
@@ -80,14 +81,15 @@ struct alignas(64) SearchedRays {
 /// The rays of a search in single precision: places on the minor axes as functions of the place on the major one.
 struct alignas(64) GroupLines {
   static constexpr std::size_t size = SearchedRays::size;
+  static constexpr std::size_t stride = size + 16;
 
-  double exact_start[2][size], exact_slope[2][size];
-  float start[2][size];  ///< where the major axis is 0
-  float slope[2][size];
-  float inverse[2][size];      ///< of the slope; large where it is close to 0
-  float from[size], to[size];  ///< the part inside the lattice, on the major axis
-  float reached[size];         ///< no more than the largest value found
-  float reached_at[size];      ///< no less than where it was found, on the major axis
+  double exact_start[2][stride], exact_slope[2][stride];
+  float start[2][stride];  ///< where the major axis is 0
+  float slope[2][stride];
+  float inverse[2][stride];        ///< of the slope; large where it is close to 0
+  float from[stride], to[stride];  ///< the part inside the lattice, on the major axis
+  float reached[stride];           ///< no more than the largest value found
+  float reached_at[stride];        ///< no less than where it was found, on the major axis
 };
 
 /// Around the rays of each vector: lines on the minor axes as functions of the place on the major one, where it is 0
@@ -96,11 +98,12 @@ struct alignas(64) VectorLines {
   static constexpr std::size_t size = 64;  ///< the most vectors
 
   float low[2][size], low_slope[2][size], high[2][size], high_slope[2][size];
+  float reached[size];  ///< no more than what any of their rays has reached
 };
 
 /// Parts of rays in a box of cells that may hold a larger value than was found.
 struct alignas(64) BlockSuspects {
-  static constexpr std::size_t capacity = 1024;
+  static constexpr std::size_t capacity = 1024 + 16;
 
   std::int32_t ray[capacity];
   float from[capacity], to[capacity];  ///< on the major axis, from where the box begins
@@ -110,7 +113,7 @@ struct alignas(64) BlockSuspects {
 
 /// The same of all boxes, until they are looked at closely.
 struct Suspects {
-  static constexpr std::size_t capacity = 4096;
+  static constexpr std::size_t capacity = 4096 + 16;
 
   std::int32_t ray[capacity];
   double from[capacity], to[capacity];  ///< on the major axis
@@ -120,7 +123,7 @@ struct Suspects {
 
 /// Cells on rays that are to be looked at closely.
 struct alignas(64) Looks {
-  static constexpr std::size_t capacity = 512;
+  static constexpr std::size_t capacity = 512 + 16;
 
   std::int32_t ray[capacity];
   std::int32_t cell[3][capacity];

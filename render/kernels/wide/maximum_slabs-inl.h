@@ -43,7 +43,7 @@ struct Window {
 /// @tparam major  the major axis
 template <int major>
 struct WindowCells {
-  static constexpr bool is_plain = true;
+  static constexpr bool is_plain = true, is_below = true;
 
   const std::int32_t* words;
   std::int32_t stride_y;
@@ -52,8 +52,7 @@ struct WindowCells {
     VecF below[8];
     read_four(words, cell, below);
     read_four(words + stride_y, cell, below + 2);
-    const Coefficients b = HWY_NAMESPACE::coefficients(below, in_file_order(p), in_file_order(q));
-    return {hn::Neg(b.b0), hn::Neg(b.b1), hn::Neg(b.b2), hn::Neg(b.b3)};
+    return HWY_NAMESPACE::coefficients(below, in_file_order(p), in_file_order(q));
   }
 
  private:

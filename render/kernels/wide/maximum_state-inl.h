@@ -120,6 +120,7 @@ struct SearchState {
     const float inverse_length = last > first ? 1 / (last - first) : 0;
     const VecF far_away = hn::Set(floats, 0x1p100F);
     for (std::size_t vector = 0; vector < vectors; ++vector) {
+      around.reached[vector] = nothing_float;
       const std::size_t r = vector * float_lanes;
       const MaskF is_inside = hn::Le(hn::Load(floats, lines.from + r), hn::Load(floats, lines.to + r));
       for (int m = 0; m < 2; ++m) {
@@ -141,12 +142,12 @@ struct SearchState {
     }
   }
 
-  /// Vectors of which rays may pass a region, as bits.
+  /// Vectors of which rays may pass a region and have not reached more than its largest value, as bits.
   ///
   /// Where the lines around them are near the lattice, their numbers are at most five times its extent: rounding (of
   /// both factors and the sum, of the part's ends, of the slope) moves them by less than 26 units, a ray's own error is
   /// less than a margin of 8, and eight margins hold both.
-  HWY_INLINE std::uint64_t vectors_through(const int* region, float edge) const {
+  HWY_INLINE std::uint64_t vectors_through(const int* region, float edge, float largest) const {
     const VectorLines& around = scratch.around;
     const float low_w = static_cast<float>(region[frustum.major]) * edge;
     const auto first = static_cast<float>(frustum.first), last = static_cast<float>(frustum.last);
@@ -154,7 +155,8 @@ struct SearchState {
                far = hn::Set(floats, low_w + edge + margin < last ? low_w + edge + margin : last);
     std::uint64_t bits = 0;
     for (std::size_t v = 0; v < vectors; v += float_lanes) {
-      MaskF passing = hn::FirstN(floats, vectors - v);
+      MaskF passing = hn::And(hn::FirstN(floats, vectors - v),
+                              hn::Le(hn::Load(floats, around.reached + v), hn::Set(floats, largest)));
       for (int m = 0; m < 2; ++m) {
         const float low = static_cast<float>(region[frustum.minor[m]]) * edge;
         const VecF lowest =
@@ -303,10 +305,14 @@ struct SearchState {
   }
 
   HWY_INLINE void find_lowest_reached() {
-    VecF lowest = hn::Set(floats, std::numeric_limits<float>::infinity());
-    for (std::size_t r = 0; r < vectors * float_lanes; r += float_lanes)
-      lowest = hn::Min(lowest, hn::Load(floats, scratch.lines.reached + r));
-    lowest_reached = static_cast<double>(hn::GetLane(hn::MinOfLanes(floats, lowest)));
+    float lowest = std::numeric_limits<float>::infinity();
+    for (std::size_t vector = 0; vector < vectors; ++vector) {
+      const VecF reached = hn::Load(floats, scratch.lines.reached + vector * float_lanes);
+      const float here = hn::GetLane(hn::MinOfLanes(floats, reached));
+      scratch.around.reached[vector] = here;
+      lowest = here < lowest ? here : lowest;
+    }
+    lowest_reached = static_cast<double>(lowest);
     has_risen = false;
   }
 };

@@ -64,6 +64,7 @@ HWY_INLINE VecW look_up(VecW low, VecW high, VecW number) {
 /// pairs of words, of which the lower one is looked up by the lower half of a number and the other by the upper half.
 struct WordTable {
   static constexpr bool is_plain = true;         ///< corners are looked up sooner than a bound
+  static constexpr bool is_below = true;         ///< coefficients tell how far values lie below the largest
   static constexpr float lowest = -0x1p17F;      ///< less than any value
   static constexpr std::int32_t both = 0x10001;  ///< times a distance: that of both words of a pair
 
@@ -78,8 +79,7 @@ struct WordTable {
     read_pair(hn::Add(cell, along_v), below + 2);
     read_pair(beyond, below + 4);
     read_pair(hn::Add(beyond, along_v), below + 6);
-    const Coefficients b = HWY_NAMESPACE::coefficients(below, p, q);
-    return {hn::Neg(b.b0), hn::Neg(b.b1), hn::Neg(b.b2), hn::Neg(b.b3)};
+    return HWY_NAMESPACE::coefficients(below, p, q);
   }
 
  private:
