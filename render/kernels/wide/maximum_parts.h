@@ -173,6 +173,7 @@ struct SweptSlabs {
 
   std::uint64_t swept[words];
   std::uint8_t blocks[64 * words];  ///< that were looked into, up to multiples of 256
+  int next[64 * words];             ///< the highest bucket for which a slab is asked about again
 };
 
 struct alignas(64) MaximumScratch {
