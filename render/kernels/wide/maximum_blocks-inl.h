@@ -67,10 +67,13 @@ class BlockWalk {
     walk_block(block, range, unit, find_cells(place, range.hi, unit));
   }
 
-  /// Asks for a block's samples before they are needed, where they lie in squares.
+  /// Asks for a block's range and samples before they are needed; for samples where they lie in squares.
   HWY_INLINE void ask_for(const int* block) const {
     int place[3];
-    if (!state_.find_in_file(block, true, field_.blocks, place) || !has_words(place)) return;
+    if (!state_.find_in_file(block, true, field_.blocks, place)) return;
+    hwy::Prefetch(static_cast<const char*>(field_.blocks.first) +
+                  2 * field_.sample_bytes * place_of(field_.blocks, place));
+    if (!has_words(place)) return;
     const SampleSource& source = field_.source;
     const std::size_t size = field_.sample_bytes;
     const SquarePlaces at(source, place);
