@@ -98,9 +98,13 @@ HWY_INLINE Answer largest_on_way(const VecD* f, const VecD* in, const VecD* out)
 
   Answer best{b0, zero, b0, b3};
   const MaskD may_turn = hn::Or(hn::Gt(b1, b0), hn::Gt(b2, b3));
-  if (!hn::AllFalse(doubles, may_turn)) {
-    VecD d0 = hn::Sub(b1, b0), d1 = hn::Sub(b2, b1), d2 = hn::Sub(b3, b2);
-    const VecD unit = hn::Max(hn::Max(hn::Abs(d0), hn::Abs(d1)), hn::Abs(d2));
+  VecD d0 = hn::Sub(b1, b0), d1 = hn::Sub(b2, b1), d2 = hn::Sub(b3, b2);
+  const VecD unit = hn::Max(hn::Max(hn::Abs(d0), hn::Abs(d1)), hn::Abs(d2));
+  // All three clear of zero on one side: so is the derivative all the way, by far more than rounding moves its roots.
+  const VecD tiny = hn::Mul(hn::Set(doubles, 0x1p-20), unit);
+  const MaskD is_monotone =
+      hn::Or(hn::Gt(hn::Min(hn::Min(d0, d1), d2), tiny), hn::Lt(hn::Max(hn::Max(d0, d1), d2), hn::Neg(tiny)));
+  if (!hn::AllFalse(doubles, hn::AndNot(is_monotone, may_turn))) {
     d0 = hn::Div(d0, unit), d1 = hn::Div(d1, unit), d2 = hn::Div(d2, unit);
     const VecD a = hn::Add(hn::Sub(d0, hn::Mul(hn::Set(doubles, 2.0), d1)), d2), half_b = hn::Sub(d1, d0);
     const VecD discriminant = hn::Sub(hn::Mul(d1, d1), hn::Mul(d0, d2));
