@@ -179,11 +179,13 @@ HWY_INLINE void clip_group(const int* leaf_count, RayGroup& group) {
 }
 
 /// A mirrored coordinate of the rays' origins, and how fast it grows.
-HWY_INLINE VecD mirrored_origin(const MirroredLattice& lattice, const RayGroup& group, int axis, std::size_t r) {
+template <class Group>
+HWY_INLINE VecD mirrored_origin(const MirroredLattice& lattice, const Group& group, int axis, std::size_t r) {
   const VecD o = hn::Load(doubles, group.origin[axis] + r);
   return lattice.is_mirrored(axis) ? hn::Sub(hn::Set(doubles, lattice.plane(axis, 0)), o) : o;
 }
-HWY_INLINE VecD speed(const RayGroup& group, int axis, std::size_t r) {
+template <class Group>
+HWY_INLINE VecD speed(const Group& group, int axis, std::size_t r) {
   return hn::Abs(hn::Load(doubles, group.direction[axis] + r));
 }
 /// How far rays go along an axis while they go by 1 along the major axis.

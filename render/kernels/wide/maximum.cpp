@@ -92,6 +92,7 @@ MaximumField field_of(const VolumeImplementation& volume, const GridVolume<T>& v
       .node_count = {},
       .blocks = ranges_of(view.levels(), 1),
       .nodes = ranges_of(view.levels(), 2),
+      .range = volume.field.range.is_empty() ? 0 : volume.field.range.hi - volume.field.range.lo,
       .has_gaps = volume.field.no_data_count > 0,
       .has_squares = is_in_fours(view.tables().x, 1) && is_in_fours(view.tables().y, 4),
       .time_phases = time_phases,
@@ -126,8 +127,8 @@ void largest_values(const VolumeImplementation& volume, const Question& question
   std::uint64_t cells = 0;
   const MaximumField field = field_of(volume, view, question.time_phases);
   const LargestValues search = largest_values_on(machine);
-  for (std::size_t first = 0; first < rays.count; first += RayBatch::group_size) {
-    const std::size_t count = std::min(RayBatch::group_size, rays.count - first);
+  for (std::size_t first = 0; first < rays.count; first += SearchedRays::size) {
+    const std::size_t count = std::min(SearchedRays::size, rays.count - first);
     for (std::size_t r = 0; r < count; ++r) {
       memory.found[r] = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), 0, false};
       memory.cost[r] = 0;

@@ -51,7 +51,7 @@ class BlockWalk {
     at_block.count = 0;
     const double low[3] = {4.0 * block[0], 4.0 * block[1], 4.0 * block[2]};
     const SearchState::Bounds bounds = state_.bounds_of(block, 4, largest);
-    for (std::uint64_t bits = state_.vectors_through(block, 4); bits != 0; bits &= bits - 1) {
+    for (std::uint64_t bits = state_.vectors_through(block, 4, largest); bits != 0; bits &= bits - 1) {
       const std::size_t r = static_cast<std::size_t>(std::countr_zero(bits)) * float_lanes;
       const SearchState::Passing passing = state_.rays_through(bounds, r);
       if (!hn::AllFalse(floats, passing.rays))
@@ -67,29 +67,30 @@ class BlockWalk {
     walk_block(block, range, unit, find_cells(place, range.hi, unit));
   }
 
-  /// Asks for a block's samples before they are needed, where they lie in squares.
+  /// Asks for a block's range and samples before they are needed; for samples where they lie in squares.
   HWY_INLINE void ask_for(const int* block) const {
     int place[3];
-    if (!state_.find_in_file(block, true, field_.blocks, place) || !has_words(place)) return;
+    if (!state_.find_in_file(block, true, field_.blocks, place)) return;
+    hwy::Prefetch(static_cast<const char*>(field_.blocks.first) +
+                  2 * field_.sample_bytes * place_of(field_.blocks, place));
+    if (!has_words(place)) return;
     const SampleSource& source = field_.source;
     const std::size_t size = field_.sample_bytes;
-    const int x = 4 * place[0], y = 4 * place[1];
-    const std::uint64_t near_x = source.address[0][x], far_x = source.address[0][x + 4];
-    const std::uint64_t near_y = source.address[1][y], far_y = source.address[1][y + 4];
+    const SquarePlaces at(source, place);
     for (const int z : {0, 2, 4}) {
-      const char* here = static_cast<const char*>(source.samples) + size * source.address[2][4 * place[2] + z];
-      hwy::Prefetch(here + size * (near_x + near_y));
-      hwy::Prefetch(here + size * (far_x + near_y));
-      hwy::Prefetch(here + size * (near_x + far_y));
-      hwy::Prefetch(here + size * (far_x + far_y));
+      const char* here = static_cast<const char*>(source.samples) + size * layer_address(source, place, z);
+      hwy::Prefetch(here + size * (at.near[0] + at.near[1]));
+      hwy::Prefetch(here + size * (at.far[0] + at.near[1]));
+      hwy::Prefetch(here + size * (at.near[0] + at.far[1]));
+      hwy::Prefetch(here + size * (at.far[0] + at.far[1]));
     }
   }
 
  private:
-  /// True for blocks whose samples can be read as squares of words.
+  /// True for blocks whose samples can be read as squares of words: those that the lattice ends in need four samples.
   HWY_INLINE bool has_words(const int* place) const {
     bool is_whole = may_use_words_;
-    for (int a = 0; a < 3; ++a) is_whole = is_whole && 4 * place[a] + 4 < field_.source.count[a];
+    for (int a = 0; a < 2; ++a) is_whole = is_whole && 4 * place[a] + 4 <= field_.source.count[a];
     return is_whole;
   }
 
@@ -141,7 +142,7 @@ class BlockWalk {
 
   /// The samples of a block, in which a cell is where its lowest sample is.
   struct Cells {
-    static constexpr bool is_plain = false;
+    static constexpr bool is_plain = false, is_below = false;
     static constexpr float lowest = -4;  ///< less than any value with data
 
     const float* samples;

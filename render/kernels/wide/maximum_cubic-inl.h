@@ -26,6 +26,8 @@ struct Coefficients {
   VecF b0, b1, b2, b3;
 
   HWY_INLINE VecF largest() const { return hn::Max(hn::Max(b0, b1), hn::Max(b2, b3)); }
+  HWY_INLINE VecF smallest() const { return hn::Min(hn::Min(b0, b1), hn::Min(b2, b3)); }
+  HWY_INLINE Coefficients negated() const { return {hn::Neg(b0), hn::Neg(b1), hn::Neg(b2), hn::Neg(b3)}; }
 
   HWY_INLINE VecF at(VecF s) const {
     const VecF r = hn::Sub(hn::Set(floats, 1.0F), s), three = hn::Set(floats, 3.0F);
@@ -69,9 +71,10 @@ HWY_INLINE VecD between(VecD a, VecD b, VecD w) {
   return hn::Add(hn::Mul(hn::Sub(hn::Set(doubles, 1.0), w), a), hn::Mul(w, b));
 }
 
-/// The largest value on a way, and where.
+/// The largest value on a way, and where; the values at its ends.
 struct Answer {
   VecD value, s;
+  VecD first, last;
 };
 
 /// CubicOf::along and largest_value (cells/trilinear.h, cells/cubic.h).
@@ -93,11 +96,15 @@ HWY_INLINE Answer largest_on_way(const VecD* f, const VecD* in, const VecD* out)
   const VecD b0 = gpp.p, b1 = hn::Div(hn::Add(hn::Add(gqp.p, gpq.p), gpp.q), three),
              b2 = hn::Div(hn::Add(hn::Add(gqq.p, gqp.q), gpq.q), three), b3 = gqq.q;
 
-  Answer best{b0, zero};
+  Answer best{b0, zero, b0, b3};
   const MaskD may_turn = hn::Or(hn::Gt(b1, b0), hn::Gt(b2, b3));
-  if (!hn::AllFalse(doubles, may_turn)) {
-    VecD d0 = hn::Sub(b1, b0), d1 = hn::Sub(b2, b1), d2 = hn::Sub(b3, b2);
-    const VecD unit = hn::Max(hn::Max(hn::Abs(d0), hn::Abs(d1)), hn::Abs(d2));
+  VecD d0 = hn::Sub(b1, b0), d1 = hn::Sub(b2, b1), d2 = hn::Sub(b3, b2);
+  const VecD unit = hn::Max(hn::Max(hn::Abs(d0), hn::Abs(d1)), hn::Abs(d2));
+  // All three clear of zero on one side: so is the derivative all the way, by far more than rounding moves its roots.
+  const VecD tiny = hn::Mul(hn::Set(doubles, 0x1p-20), unit);
+  const MaskD is_monotone =
+      hn::Or(hn::Gt(hn::Min(hn::Min(d0, d1), d2), tiny), hn::Lt(hn::Max(hn::Max(d0, d1), d2), hn::Neg(tiny)));
+  if (!hn::AllFalse(doubles, hn::AndNot(is_monotone, may_turn))) {
     d0 = hn::Div(d0, unit), d1 = hn::Div(d1, unit), d2 = hn::Div(d2, unit);
     const VecD a = hn::Add(hn::Sub(d0, hn::Mul(hn::Set(doubles, 2.0), d1)), d2), half_b = hn::Sub(d1, d0);
     const VecD discriminant = hn::Sub(hn::Mul(d1, d1), hn::Mul(d0, d2));
@@ -121,7 +128,7 @@ HWY_INLINE Answer largest_on_way(const VecD* f, const VecD* in, const VecD* out)
     offer(hn::IfThenElse(swaps, one_root, other_root), has_other);
   }
   const MaskD ends_higher = hn::Gt(b3, best.value);
-  return {hn::IfThenElse(ends_higher, b3, best.value), hn::IfThenElse(ends_higher, one, best.s)};
+  return {hn::IfThenElse(ends_higher, b3, best.value), hn::IfThenElse(ends_higher, one, best.s), b0, b3};
 }
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE

@@ -18,6 +18,7 @@
 #include "render/kernels/wide/group-inl.h"
 #include "render/kernels/wide/lanes-inl.h"
 #include "render/kernels/wide/maximum_blocks-inl.h"
+#include "render/kernels/wide/maximum_groups-inl.h"
 #include "render/kernels/wide/maximum_looks-inl.h"
 #include "render/kernels/wide/maximum_parts.h"
 #include "render/kernels/wide/maximum_samples-inl.h"
@@ -44,9 +45,12 @@ class Search {
   void run() {
     put_nodes();
     RegionQueue& queue = scratch_.queue;
+    unsigned taken = 0;
     for (int bucket; (bucket = queue.highest_bucket()) >= 0 && bucket >= queue.bucket_of(state_.lowest_reached);) {
       const RegionQueue::Region region = queue.take(bucket);
       ask_for_next();
+      // Finding it anew takes longer than some regions that it would have spared.
+      if (++taken % 16 == 0 && state_.has_risen) state_.find_lowest_reached();
       if (region.largest < state_.lowest_reached) continue;
       const int at[3] = {region.at[0], region.at[1], region.at[2]};
       const int slab = at[state_.frustum.major] / (region.is_block ? 4 : 1);
@@ -123,7 +127,8 @@ class Search {
   HWY_NOINLINE void open_node(const int* node, double largest) {
     const SearchState::Bounds bounds = state_.bounds_of(node, 16, float_not_below(largest));
     bool any = false;
-    for (std::uint64_t bits = state_.vectors_through(node, 16); bits != 0 && !any; bits &= bits - 1)
+    for (std::uint64_t bits = state_.vectors_through(node, 16, float_not_below(largest)); bits != 0 && !any;
+         bits &= bits - 1)
       any = !hn::AllFalse(
           floats, state_.rays_through(bounds, static_cast<std::size_t>(std::countr_zero(bits)) * float_lanes).rays);
     if (!any) return;
@@ -157,9 +162,9 @@ class Search {
 };
 
 void largest_values(const MaximumField& field, const RayArrays& rays, std::size_t count, MaximumScratch& scratch) {
-  for_each_group(rays, count, field.leaf_count, field.node_count, scratch.group,
-                 [&](const RayGroup&, const MirroredLattice& lattice, const Frustum& frustum)
-                     HWY_ATTR { Search(field, rays, scratch, lattice, frustum).run(); });
+  const auto search = [&](const MirroredLattice& lattice, const Frustum& frustum)
+                          HWY_ATTR { Search(field, rays, scratch, lattice, frustum).run(); };
+  for_each_search(rays, count, field.leaf_count, field.node_count, scratch.group, scratch.rays, search);
 }
 
 }  // namespace

@@ -33,16 +33,17 @@ class CloseLooks {
     BlockSuspects& at_hand = scratch_.at_hand;
     Suspects& suspects = scratch_.suspects;
     const double scale = 1 / unit;  // exact: a power of two
+    std::size_t count = suspects.count;
     for (std::size_t i = 0; i < at_hand.count; ++i) {
-      const auto ray = static_cast<std::size_t>(at_hand.ray[i]);
       const double bound = highest + static_cast<double>(at_hand.bound[i]) * scale;
       const double from = low_w + static_cast<double>(at_hand.from[i]);
-      if (!may_improve(ray, bound, from)) continue;
-      suspects.ray[suspects.count] = at_hand.ray[i];
-      suspects.from[suspects.count] = from;
-      suspects.to[suspects.count] = low_w + static_cast<double>(at_hand.to[i]);
-      suspects.bound[suspects.count++] = bound;
+      suspects.ray[count] = at_hand.ray[i];
+      suspects.from[count] = from;
+      suspects.to[count] = low_w + static_cast<double>(at_hand.to[i]);
+      suspects.bound[count] = bound;
+      count += may_improve(at_hand.ray[i], bound, from);  // as good as random: no branch
     }
+    suspects.count = count;
     at_hand.count = 0;
     if (suspects.count > Suspects::capacity - BlockSuspects::capacity) decide();
   }
@@ -50,41 +51,85 @@ class CloseLooks {
   /// Looks closely at the suspects that what was reached since does not rule out.
   HWY_NOINLINE void decide() {
     const std::uint64_t start = field_.time_phases ? ticks_now() : 0;
-    Suspects& suspects = scratch_.suspects;
-    for (std::size_t i = 0; i < suspects.count; ++i) {
-      const auto ray = static_cast<std::size_t>(suspects.ray[i]);
-      if (!may_improve(ray, suspects.bound[i], suspects.from[i])) continue;
-      put_look(suspects.ray[i], state_.time_at(ray, suspects.from[i]), state_.time_at(ray, suspects.to[i]));
-      if (scratch_.looks_left.count == first_looks) look_closely();
+    const Suspects& suspects = scratch_.suspects;
+    Looks& looks = scratch_.looks_left;
+    for (std::size_t i = 0; i < suspects.count;) {
+      std::size_t count = 0;
+      for (; i < suspects.count && count < first_looks; ++i) {
+        looks.ray[count] = suspects.ray[i];
+        looks.from[count] = suspects.from[i], looks.to[count] = suspects.to[i];
+        count += may_improve(suspects.ray[i], suspects.bound[i], suspects.from[i]);
+      }
+      looks.count = count;
+      find_cells();
+      look_closely();
     }
-    look_closely();
-    suspects.count = 0;
+    scratch_.suspects.count = 0;
     state_.find_lowest_reached();
     if (field_.time_phases) scratch_.ticks += ticks_now() - start;
   }
 
  private:
   /// False where no value up to `bound`, from that place on, takes the place of what was reached.
-  HWY_INLINE bool may_improve(std::size_t ray, double bound, double from) const {
+  HWY_INLINE bool may_improve(std::int32_t ray, double bound, double from) const {
     const double reached = scratch_.reached[ray];
-    return bound > reached || (bound == reached && from < static_cast<double>(scratch_.lines.reached_at[ray]));
+    const bool is_larger = bound > reached, is_equal = bound == reached;
+    const bool is_nearer = from < static_cast<double>(scratch_.lines.reached_at[ray]);
+    return is_larger | (is_equal & is_nearer);
   }
 
   static constexpr std::size_t first_looks = 128;
 
-  /// The cell in the middle, up to rounding; those around it follow as far as the part reaches.
-  HWY_INLINE void put_look(std::int32_t ray, double from, double to) {
-    const RayGroup& group = scratch_.group;
-    const double middle = 0.5 * (from + to);
-    std::int32_t cell[3];
-    for (int a = 0; a < 3; ++a) {
-      const double at = group.origin[a][ray] + middle * group.direction[a][ray];
-      cell[a] = at > 0 ? (at < field_.leaf_count[a] ? floored(at) : field_.leaf_count[a] - 1) : 0;
+  /// Along a way that is so long on the major axis, in cells, a ray moves by at most four times as much on each of the
+  /// others: values rise by at most nine times that of the field's range. With the rest for rounding.
+  static constexpr double most_rise = 10;
+
+  /// Numbers of rays side by side.
+  HWY_INLINE static VecD of_rays(const double* n, const std::int32_t* ray) {
+    // One by one where that is AVX-512: a gather takes longer on some processors (Zen 4).
+#if HWY_TARGET <= HWY_AVX3 && HWY_TARGET != HWY_SCALAR
+    return VecD{_mm512_set_pd(n[ray[7]], n[ray[6]], n[ray[5]], n[ray[4]], n[ray[3]], n[ray[2]], n[ray[1]], n[ray[0]])};
+#else
+    constexpr hn::RebindToSigned<Doubles> longs;
+    return hn::GatherIndex(doubles, n, hn::PromoteTo(longs, hn::LoadU(half_ints, ray)));
+#endif
+  }
+
+  /// From places on the major axis to times, and the cells in the middle, up to rounding; those around it follow as far
+  /// as the part reaches.
+  HWY_INLINE void find_cells() {
+    const SearchedRays& group = scratch_.rays;
+    Looks& looks = scratch_.looks_left;
+    const int w = state_.frustum.major;
+    const bool is_mirrored = state_.lattice.is_mirrored(w);
+    const VecD end = hn::Set(doubles, state_.lattice.plane(w, 0)), half = hn::Set(doubles, 0.5);
+    for (std::size_t i = looks.count; i % double_lanes != 0; ++i) looks.ray[i] = looks.ray[0];
+    for (std::size_t i = 0; i < looks.count; i += double_lanes) {
+      const std::int32_t* ray = looks.ray + i;
+      const VecD plane_origin = of_rays(group.plane_origin[w], ray), inverse = of_rays(group.inverse[w], ray);
+      const VecD t_in = of_rays(group.t_in, ray), t_out = of_rays(group.t_out, ray);
+      const auto time_at = [&](VecD place) HWY_ATTR {
+        const VecD plane = is_mirrored ? hn::Sub(end, place) : place;
+        return hn::Min(hn::Max(hn::Mul(hn::Sub(plane, plane_origin), inverse), t_in), t_out);
+      };
+      const VecD from = time_at(hn::LoadU(doubles, looks.from + i)), to = time_at(hn::LoadU(doubles, looks.to + i));
+      hn::StoreU(from, doubles, looks.from + i);
+      hn::StoreU(to, doubles, looks.to + i);
+      const VecD middle = hn::Mul(half, hn::Add(from, to));
+      for (int a = 0; a < 3; ++a) {
+        const VecD at = hn::Add(of_rays(group.origin[a], ray), hn::Mul(middle, of_rays(group.direction[a], ray)));
+        const VecD last = hn::Set(doubles, static_cast<double>(field_.leaf_count[a] - 1));
+        const VecD cell = hn::Min(hn::Max(hn::Floor(at), hn::Zero(doubles)), last);
+        hn::StoreU(hn::DemoteTo(half_ints, cell), half_ints, looks.cell[a] + i);
+      }
     }
-    LastLooks& last = scratch_.last_looks[ray];
-    const std::size_t kept = last.next++ % LastLooks::kept;
-    last.key[kept] = key_of(cell), last.from[kept] = from, last.to[kept] = to;
-    put_look(ray, cell, from, to, 0);
+    for (std::size_t i = 0; i < looks.count; ++i) {
+      looks.way[i] = 0;
+      LastLooks& last = scratch_.last_looks[looks.ray[i]];
+      const std::size_t kept = last.next++ % LastLooks::kept;
+      const std::int32_t cell[3] = {looks.cell[0][i], looks.cell[1][i], looks.cell[2][i]};
+      last.key[kept] = key_of(cell), last.from[kept] = looks.from[i], last.to[kept] = looks.to[i];
+    }
   }
 
   HWY_INLINE static std::uint64_t key_of(const std::int32_t* cell) {
@@ -137,23 +182,13 @@ class CloseLooks {
   /// Some looks side by side, operation for operation as largest_in_cell<double> (grid_maximum.h).
   HWY_INLINE void look_at_cells(std::size_t first, std::size_t count) {
     const Looks& looks = scratch_.looks_left;
-    const RayGroup& group = scratch_.group;
+    const SearchedRays& group = scratch_.rays;
     const VecD zero = hn::Zero(doubles), one = hn::Set(doubles, 1.0);
     scratch_.looks += count;
 
     HWY_ALIGN double corner[8][8];
     read_corners(first, count, corner);
-    // One by one where that is AVX-512: a gather takes longer on some processors (Zen 4).
-    const std::int32_t* ray = looks.ray + first;
-    const auto of_ray = [ray](const double* n) HWY_ATTR {
-#if HWY_TARGET <= HWY_AVX3 && HWY_TARGET != HWY_SCALAR
-      return VecD{
-          _mm512_set_pd(n[ray[7]], n[ray[6]], n[ray[5]], n[ray[4]], n[ray[3]], n[ray[2]], n[ray[1]], n[ray[0]])};
-#else
-      constexpr hn::RebindToSigned<Doubles> longs;
-      return hn::GatherIndex(doubles, n, hn::PromoteTo(longs, hn::LoadU(half_ints, ray)));
-#endif
-    };
+    const auto of_ray = [&](const double* n) HWY_ATTR { return of_rays(n, looks.ray + first); };
 
     // The whole way through the cell.
     VecD low[3], entry[3], exit[3];
@@ -200,6 +235,8 @@ class CloseLooks {
     if (!hn::AllFalse(doubles, is_stray)) walk_strays(first, bits_of(doubles, is_stray) & first_rays(count));
 
     const MaskD wanted = hn::And(hn::And(has_data, hn::Lt(t_in, t_out)), hn::AndNot(is_stray, improves));
+    // No less than the values where the ray enters and leaves the cell, and what it has reached for certain.
+    VecD at_entry = bound, at_exit = bound, best = known;
     if (!hn::AllFalse(doubles, wanted)) {
       VecD largest_size = zero;
       for (VecD& value : f) {
@@ -220,6 +257,9 @@ class CloseLooks {
       const VecD along = hn::Add(hn::Mul(hn::Sub(one, answer.s), t_in), hn::Mul(answer.s, t_out));
       const VecD t = hn::Min(hn::Max(along, t_in), t_out);
       const VecD value = hn::Add(bound, answer.value);
+      at_entry = hn::IfThenElse(wanted, hn::Add(bound, answer.first), bound);
+      at_exit = hn::IfThenElse(wanted, hn::Add(bound, answer.last), bound);
+      best = hn::IfThenElse(wanted, hn::Max(known, value), known);
       // Differences that need another unit are left to the scalar kernel's own code.
       const MaskD is_far = hn::And(
           hn::Gt(largest_size, zero),
@@ -227,10 +267,26 @@ class CloseLooks {
       const MaskD is_far_and_wanted = hn::And(wanted, is_far);
       if (!hn::AllFalse(doubles, is_far_and_wanted))
         walk_strays(first, bits_of(doubles, is_far_and_wanted) & first_rays(count));
-      take_answers(first, count, hn::And(hn::AndNot(is_far, wanted), hn::Ge(value, known)), value, t,
+      const MaskD may_be_better =
+          hn::Or(hn::Gt(value, known), hn::And(hn::Eq(value, known), hn::Le(t, of_ray(scratch_.known_t))));
+      take_answers(first, count, hn::And(hn::AndNot(is_far, wanted), may_be_better), value, t,
                    hn::And(hn::Eq(value, bound), hn::Eq(t, t_in)));
+      // An answer in another unit, or none: nothing is known.
+      at_entry = hn::IfThenElse(is_far_and_wanted, best, at_entry);
+      at_exit = hn::IfThenElse(is_far_and_wanted, best, at_exit);
     }
-    follow(first, first_rays(count) & ~bits_of(doubles, is_stray), t_in, t_out, through_in, through_out);
+    // What sticks out of the cell by next to nothing has no values that are much larger than those at its ends.
+    const VecD speed = hn::Abs(of_ray(group.direction[state_.frustum.major]));
+    const VecD steepest = hn::Set(doubles, field_.range * most_rise), least = hn::Set(doubles, state_.exact_margin);
+    const auto goes_on = [&](VecD length, VecD value) HWY_ATTR {
+      const VecD rise = hn::Mul(hn::Add(hn::Mul(length, speed), least), steepest);
+      return hn::AndNot(hn::And(has_data, hn::Lt(hn::Add(value, rise), best)), hn::Gt(length, zero));
+    };
+    const VecD ways = hn::PromoteTo(doubles, hn::LoadU(half_ints, looks.way + first));
+    const MaskD before = hn::And(goes_on(hn::Sub(t_in, from), at_entry), hn::Le(ways, zero));
+    const MaskD behind = hn::And(goes_on(hn::Sub(to, t_out), at_exit), hn::Ge(ways, zero));
+    const std::uint64_t lanes = first_rays(count) & ~bits_of(doubles, is_stray);
+    follow(first, bits_of(doubles, before) & lanes, bits_of(doubles, behind) & lanes, through_in, through_out);
   }
 
   /// Looks at these as the scalar kernel walks.
@@ -239,23 +295,35 @@ class CloseLooks {
     for (std::uint64_t bits = lanes; bits != 0; bits &= bits - 1) {
       const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(bits));
       const auto ray = static_cast<std::size_t>(looks.ray[i]);
-      const std::uint32_t place = scratch_.group.index[ray];
+      const std::uint32_t place = scratch_.rays.index[ray];
       field_.look_closely(field_.context, state_.rays, place, looks.from[i], looks.to[i], scratch_.found[place]);
       state_.knows(ray, scratch_.found[place]);
     }
   }
 
+  /// @param wanted  lanes that are better than what their rays knew before these looks, or may be
   HWY_INLINE void take_answers(std::size_t first, std::size_t count, MaskD wanted, VecD value, VecD t, MaskD at_entry) {
+    const Looks& looks = scratch_.looks_left;
+    const int w = state_.frustum.major;
+    const VecD origin = of_rays(scratch_.rays.origin[w], looks.ray + first);
+    const VecD speed = hn::Abs(of_rays(scratch_.rays.direction[w], looks.ray + first));
+    const VecD from =
+        state_.lattice.is_mirrored(w) ? hn::Sub(hn::Set(doubles, state_.lattice.plane(w, 0)), origin) : origin;
+    const auto place = hn::DemoteTo(half_floats, hn::MulAdd(t, speed, from));
     HWY_ALIGN double values[8], times[8];
+    HWY_ALIGN float values_below[8], places[8];
     hn::Store(value, doubles, values);
     hn::Store(t, doubles, times);
+    hn::Store(SearchState::floats_not_above(value), half_floats, values_below);
+    hn::Store(
+        hn::Add(hn::MulAdd(hn::Abs(place), hn::Set(half_floats, 0x1p-23F), place), hn::Set(half_floats, state_.margin)),
+        half_floats, places);
     const std::uint64_t entry_bits = bits_of(doubles, at_entry);
-    const Looks& looks = scratch_.looks_left;
     for (std::uint64_t bits = bits_of(doubles, wanted) & first_rays(count); bits != 0; bits &= bits - 1) {
       const int lane = std::countr_zero(bits);
       const std::size_t i = first + static_cast<std::size_t>(lane);
       const auto ray = static_cast<std::size_t>(looks.ray[i]);
-      FoundMaximum& found = scratch_.found[scratch_.group.index[ray]];
+      FoundMaximum& found = scratch_.found[scratch_.rays.index[ray]];
       const auto id = static_cast<std::uint64_t>(
           (static_cast<std::int64_t>(looks.cell[2][i]) * field_.leaf_count[1] + looks.cell[1][i]) *
               field_.leaf_count[0] +
@@ -263,25 +331,20 @@ class CloseLooks {
       const FoundMaximum here{values[lane], times[lane], id, (entry_bits >> lane & 1) != 0};
       if (!is_better(here, found)) continue;
       found = here;
-      state_.knows(ray, found);
+      scratch_.known_value[ray] = here.value, scratch_.known_t[ray] = here.t;
+      state_.set_reached(ray, here.value, values_below[lane], places[lane]);
     }
   }
 
-  /// Goes on to the cells before and behind, as far as the parts of the rays in question reach.
-  HWY_INLINE void follow(std::size_t first, std::uint64_t lanes, VecD t_in, VecD t_out, const MaskD* through_in,
+  /// Goes on to the cells before and behind.
+  HWY_INLINE void follow(std::size_t first, std::uint64_t before, std::uint64_t behind, const MaskD* through_in,
                          const MaskD* through_out) {
-    const Looks& looks = scratch_.looks_left;
-    const VecD ways = hn::PromoteTo(doubles, hn::LoadU(hn::Rebind<std::int32_t, Doubles>(), looks.way + first));
-    const VecD zero = hn::Zero(doubles);
-    const MaskD before = hn::And(hn::Lt(hn::LoadU(doubles, looks.from + first), t_in), hn::Le(ways, zero));
-    const MaskD behind = hn::And(hn::Gt(hn::LoadU(doubles, looks.to + first), t_out), hn::Ge(ways, zero));
-    const std::uint64_t before_bits = bits_of(doubles, before) & lanes, behind_bits = bits_of(doubles, behind) & lanes;
-    if ((before_bits | behind_bits) == 0) return;
+    if ((before | behind) == 0) return;
     for (int a = 0; a < 3; ++a) {
-      const int step = (scratch_.group.octant >> a & 1) != 0 ? -1 : 1;
-      for (std::uint64_t bits = bits_of(doubles, through_in[a]) & before_bits; bits != 0; bits &= bits - 1)
+      const int step = (scratch_.rays.octant >> a & 1) != 0 ? -1 : 1;
+      for (std::uint64_t bits = bits_of(doubles, through_in[a]) & before; bits != 0; bits &= bits - 1)
         put_neighbour(first + static_cast<std::size_t>(std::countr_zero(bits)), a, -step, -1);
-      for (std::uint64_t bits = bits_of(doubles, through_out[a]) & behind_bits; bits != 0; bits &= bits - 1)
+      for (std::uint64_t bits = bits_of(doubles, through_out[a]) & behind; bits != 0; bits &= bits - 1)
         put_neighbour(first + static_cast<std::size_t>(std::countr_zero(bits)), a, step, 1);
     }
   }

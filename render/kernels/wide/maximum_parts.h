@@ -54,6 +54,7 @@ struct MaximumField {
   int leaf_count[3];
   std::array<int, 3> node_count;  ///< of 16 cells, a multiple of 4
   StoredRanges blocks, nodes;     ///< of 4 and of 16 cells; there may be none of 16
+  double range;                   ///< of the field's values
   bool has_gaps;                  ///< some samples have no data
   bool has_squares;               ///< samples 4 i to 4 i + 3 of x and 4 j to 4 j + 3 of y lie together, x fastest
   bool time_phases;
@@ -61,30 +62,48 @@ struct MaximumField {
   const void* context;
 };
 
-/// The rays of a group in single precision: places on the minor axes as functions of the place on the major one.
-struct alignas(64) GroupLines {
-  static constexpr std::size_t size = RayGroup::size;
+/// Rays that are searched together: one group, or several full ones of one octant and one major axis that lie side by
+/// side. Numbers as in RayGroup; lanes beyond `count` up to a multiple of 16 repeat the last ray.
+struct alignas(64) SearchedRays {
+  static constexpr std::size_t groups = 4;
+  static constexpr std::size_t size = groups * RayGroup::size;
+  static constexpr std::size_t stride = size + 8;  ///< so that a ray's numbers lie in different sets of the cache
 
-  double exact_start[2][size], exact_slope[2][size];
-  float start[2][size];  ///< where the major axis is 0
-  float slope[2][size];
-  float inverse[2][size];      ///< of the slope; large where it is close to 0
-  float from[size], to[size];  ///< the part inside the lattice, on the major axis
-  float reached[size];         ///< no more than the largest value found
-  float reached_at[size];      ///< no less than where it was found, on the major axis
+  double origin[3][stride], direction[3][stride];
+  double plane_origin[3][stride], inverse[3][stride];
+  double t_in[stride], t_out[stride];
+  std::uint32_t index[size];     ///< place in the chunk
+  std::uint64_t inside[groups];  ///< rays with a part inside the lattice, by group
+  std::size_t count;
+  unsigned octant;
+};
+
+/// The rays of a search in single precision: places on the minor axes as functions of the place on the major one.
+struct alignas(64) GroupLines {
+  static constexpr std::size_t size = SearchedRays::size;
+  static constexpr std::size_t stride = size + 16;
+
+  double exact_start[2][stride], exact_slope[2][stride];
+  float start[2][stride];  ///< where the major axis is 0
+  float slope[2][stride];
+  float inverse[2][stride];        ///< of the slope; large where it is close to 0
+  float from[stride], to[stride];  ///< the part inside the lattice, on the major axis
+  float reached[stride];           ///< no more than the largest value found
+  float reached_at[stride];        ///< no less than where it was found, on the major axis
 };
 
 /// Around the rays of each vector: lines on the minor axes as functions of the place on the major one, where it is 0
 /// and how fast they rise.
 struct alignas(64) VectorLines {
-  static constexpr std::size_t size = RayGroup::size / 4;  ///< the most vectors: of four lanes
+  static constexpr std::size_t size = 64;  ///< the most vectors
 
   float low[2][size], low_slope[2][size], high[2][size], high_slope[2][size];
+  float reached[size];  ///< no more than what any of their rays has reached
 };
 
 /// Parts of rays in a box of cells that may hold a larger value than was found.
 struct alignas(64) BlockSuspects {
-  static constexpr std::size_t capacity = 64 * 10 + 16;
+  static constexpr std::size_t capacity = 1024 + 16;
 
   std::int32_t ray[capacity];
   float from[capacity], to[capacity];  ///< on the major axis, from where the box begins
@@ -94,7 +113,7 @@ struct alignas(64) BlockSuspects {
 
 /// The same of all boxes, until they are looked at closely.
 struct Suspects {
-  static constexpr std::size_t capacity = 2048;
+  static constexpr std::size_t capacity = 4096 + 16;
 
   std::int32_t ray[capacity];
   double from[capacity], to[capacity];  ///< on the major axis
@@ -104,7 +123,7 @@ struct Suspects {
 
 /// Cells on rays that are to be looked at closely.
 struct alignas(64) Looks {
-  static constexpr std::size_t capacity = 512;
+  static constexpr std::size_t capacity = 512 + 16;
 
   std::int32_t ray[capacity];
   std::int32_t cell[3][capacity];
@@ -123,7 +142,7 @@ struct LastLooks {
 
 /// Rays that pass a block, packed side by side.
 struct alignas(64) RaysAtBlock {
-  static constexpr std::size_t capacity = RayGroup::size + 16;
+  static constexpr std::size_t capacity = SearchedRays::size + 16;
 
   std::int32_t ray[capacity];
   float from[capacity], to[capacity];  ///< on the major axis
@@ -154,10 +173,12 @@ struct SweptSlabs {
 
   std::uint64_t swept[words];
   std::uint8_t blocks[64 * words];  ///< that were looked into, up to multiples of 256
+  int next[64 * words];             ///< the highest bucket for which a slab is asked about again
 };
 
 struct alignas(64) MaximumScratch {
   RayGroup group;
+  SearchedRays rays;
   GroupLines lines;
   VectorLines around;
   RegionQueue queue;
@@ -168,14 +189,15 @@ struct alignas(64) MaximumScratch {
   BlockSuspects at_hand;
   Suspects suspects;
   Looks looks_left;
-  double reached[RayGroup::size];  ///< some value on the ray is at least this
-  LastLooks last_looks[RayGroup::size];
-  double known_value[RayGroup::size], known_t[RayGroup::size];  ///< what is in `found`, by place in the group
-  FoundMaximum found[RayGroup::size];                           ///< by place in the chunk
-  std::uint32_t cost[RayGroup::size];                           ///< by place in the chunk: blocks and cells visited
-  std::uint64_t regions, looks, ticks;                          ///< counted
+  double reached[SearchedRays::size];  ///< some value on the ray is at least this
+  LastLooks last_looks[SearchedRays::size];
+  double known_value[SearchedRays::size], known_t[SearchedRays::size];  ///< what is in `found`, by place in the search
+  FoundMaximum found[SearchedRays::size];                               ///< by place in the chunk
+  std::uint32_t cost[SearchedRays::size];  ///< by place in the chunk: blocks and cells visited
+  std::uint64_t regions, looks, ticks;     ///< counted
 };
 
+/// Of a chunk of at most SearchedRays::size rays.
 using LargestValues = void (*)(const MaximumField& field, const RayArrays& rays, std::size_t count,
                                MaximumScratch& scratch);
 

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <optional>
 
 #include <hwy/highway.h>
@@ -43,7 +44,7 @@ struct Window {
 /// @tparam major  the major axis
 template <int major>
 struct WindowCells {
-  static constexpr bool is_plain = true;
+  static constexpr bool is_plain = true, is_below = true;
 
   const std::int32_t* words;
   std::int32_t stride_y;
@@ -52,8 +53,7 @@ struct WindowCells {
     VecF below[8];
     read_four(words, cell, below);
     read_four(words + stride_y, cell, below + 2);
-    const Coefficients b = HWY_NAMESPACE::coefficients(below, in_file_order(p), in_file_order(q));
-    return {hn::Neg(b.b0), hn::Neg(b.b1), hn::Neg(b.b2), hn::Neg(b.b3)};
+    return HWY_NAMESPACE::coefficients(below, in_file_order(p), in_file_order(q));
   }
 
  private:
@@ -216,7 +216,10 @@ class SlabSweep {
         type == ElementType::U8 || type == ElementType::I8 || type == ElementType::U16 || type == ElementType::I16;
     may_sweep_ = is_short && !state.field.has_gaps;
     for (std::uint64_t& word : scratch_.slabs.swept) word = 0;
-    for (int slab = 0; slab < state.lattice.node_count[state.frustum.major]; ++slab) scratch_.slabs.blocks[slab] = 0;
+    for (int slab = 0; slab < state.lattice.node_count[state.frustum.major]; ++slab) {
+      scratch_.slabs.blocks[slab] = 0;
+      scratch_.slabs.next[slab] = std::numeric_limits<int>::max();
+    }
   }
 
   /// True where nothing is left to be looked at in a slab of nodes.
@@ -226,7 +229,11 @@ class SlabSweep {
 
   /// Sweeps a slab of nodes where it is worth it: where nearly all of its blocks are of this bucket or above.
   HWY_NOINLINE bool sweep(int slab, const RegionQueue& queue, int bucket) {
-    if (!may_sweep_ || !sweep_box(slab, queue.least_of(bucket))) return false;
+    if (!may_sweep_ || bucket > scratch_.slabs.next[slab]) return false;
+    if (!sweep_box(slab, queue.least_of(bucket))) {
+      scratch_.slabs.next[slab] = bucket - buckets_between;
+      return false;
+    }
     scratch_.slabs.swept[static_cast<std::size_t>(slab) / 64] |= std::uint64_t{1} << slab % 64;
     return true;
   }
@@ -237,6 +244,9 @@ class SlabSweep {
   }
 
  private:
+  /// A slab of which too many blocks were low is asked about again where the search has come down so far.
+  static constexpr int buckets_between = 8;
+
   /// One of so many of a slab's blocks may be below a bucket where the slab is swept.
   static constexpr int blocks_per_low = 20;
 

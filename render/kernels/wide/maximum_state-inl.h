@@ -54,28 +54,29 @@ struct SearchState {
   MaximumScratch& scratch;
   const MirroredLattice& lattice;
   const Frustum& frustum;
-  float margin;             ///< more than positions are off in single precision
-  std::size_t vectors = 0;  ///< of floats, that hold all rays of the group
-  double lowest_reached = nothing;
+  float margin;                     ///< more than positions are off in single precision
+  double exact_margin;              ///< the same in double
+  std::size_t vectors = 0;          ///< of floats, that hold all rays of the group
+  double lowest_reached = nothing;  ///< no more than what any ray has reached
+  bool has_risen = false;           ///< some ray has reached more since that was found
 
   SearchState(const MaximumField& of_field, const RayArrays& of_rays, MaximumScratch& memory,
               const MirroredLattice& mirrored, const Frustum& around)
       : field(of_field), rays(of_rays), scratch(memory), lattice(mirrored), frustum(around) {
     int longest = 0;
     for (const int count : mirrored.node_count) longest = count > longest ? count : longest;
-    double furthest = 0;
-    for (std::size_t r = 0; r < memory.group.count; ++r)
-      for (int a = 0; a < 3; ++a) {
-        const double o = memory.group.origin[a][r];
-        furthest = o > furthest ? o : -o > furthest ? -o : furthest;
-      }
+    VecD largest = hn::Zero(doubles);
+    for (std::size_t r = 0; r < memory.rays.count; r += double_lanes)
+      for (const auto& origin : memory.rays.origin) largest = hn::Max(largest, hn::Abs(hn::Load(doubles, origin + r)));
+    const double furthest = hn::GetLane(hn::MaxOfLanes(doubles, largest));
+    exact_margin = 0x1p-46 * (furthest + 16 * longest);
     margin = 0x1p-21F * 16 * static_cast<float>(longest) + static_cast<float>(0x1p-46 * furthest);
     make_lines();
   }
 
   /// The rays as functions of the place on the major axis. The margin holds all rounding there is in these.
   HWY_INLINE void make_lines() {
-    const RayGroup& group = scratch.group;
+    const SearchedRays& group = scratch.rays;
     GroupLines& lines = scratch.lines;
     const int w = frustum.major;
     for (std::size_t r = 0; r < group.count; r += double_lanes) {
@@ -96,8 +97,9 @@ struct SearchState {
       store(hn::Sub(hn::MulAdd(hn::Load(doubles, group.t_in + r), d_w, o_w), around), lines.from);
       store(hn::Add(hn::MulAdd(hn::Load(doubles, group.t_out + r), d_w, o_w), around), lines.to);
     }
-    for (std::size_t r = 0; r < GroupLines::size; ++r) {
-      const bool is_inside = r < group.count && (group.inside >> r & 1) != 0;
+    vectors = (group.count + float_lanes - 1) / float_lanes;
+    for (std::size_t r = 0; r < vectors * float_lanes; ++r) {
+      const bool is_inside = r < group.count && (group.inside[r / 64] >> r % 64 & 1) != 0;
       lines.reached[r] = is_inside ? nothing_float : std::numeric_limits<float>::infinity();
       lines.reached_at[r] = std::numeric_limits<float>::infinity();
       scratch.reached[r] = scratch.known_value[r] = nothing;
@@ -106,7 +108,6 @@ struct SearchState {
       scratch.last_looks[r].next = 0;
       if (!is_inside) lines.from[r] = 1, lines.to[r] = 0;
     }
-    vectors = (group.count + float_lanes - 1) / float_lanes;
     put_lines_around();
     scratch.suspects.count = scratch.looks_left.count = 0;
   }
@@ -119,6 +120,7 @@ struct SearchState {
     const float inverse_length = last > first ? 1 / (last - first) : 0;
     const VecF far_away = hn::Set(floats, 0x1p100F);
     for (std::size_t vector = 0; vector < vectors; ++vector) {
+      around.reached[vector] = nothing_float;
       const std::size_t r = vector * float_lanes;
       const MaskF is_inside = hn::Le(hn::Load(floats, lines.from + r), hn::Load(floats, lines.to + r));
       for (int m = 0; m < 2; ++m) {
@@ -140,12 +142,12 @@ struct SearchState {
     }
   }
 
-  /// Vectors of which rays may pass a region, as bits.
+  /// Vectors of which rays may pass a region and have not reached more than its largest value, as bits.
   ///
   /// Where the lines around them are near the lattice, their numbers are at most five times its extent: rounding (of
   /// both factors and the sum, of the part's ends, of the slope) moves them by less than 26 units, a ray's own error is
   /// less than a margin of 8, and eight margins hold both.
-  HWY_INLINE std::uint64_t vectors_through(const int* region, float edge) const {
+  HWY_INLINE std::uint64_t vectors_through(const int* region, float edge, float largest) const {
     const VectorLines& around = scratch.around;
     const float low_w = static_cast<float>(region[frustum.major]) * edge;
     const auto first = static_cast<float>(frustum.first), last = static_cast<float>(frustum.last);
@@ -153,7 +155,8 @@ struct SearchState {
                far = hn::Set(floats, low_w + edge + margin < last ? low_w + edge + margin : last);
     std::uint64_t bits = 0;
     for (std::size_t v = 0; v < vectors; v += float_lanes) {
-      MaskF passing = hn::FirstN(floats, vectors - v);
+      MaskF passing = hn::And(hn::FirstN(floats, vectors - v),
+                              hn::Le(hn::Load(floats, around.reached + v), hn::Set(floats, largest)));
       for (int m = 0; m < 2; ++m) {
         const float low = static_cast<float>(region[frustum.minor[m]]) * edge;
         const VecF lowest =
@@ -265,6 +268,17 @@ struct SearchState {
     return hn::Or(hn::Gt(bound, reached), hn::And(hn::Eq(bound, reached), hn::Lt(from, reached_at)));
   }
 
+  /// Numbers in single precision that are not above these, the same where there are such.
+  HWY_INLINE static hn::Vec<HalfFloats> floats_not_above(VecD x) {
+    const auto largest = hn::Set(half_floats, std::numeric_limits<float>::max());
+    const auto nearest = hn::Min(hn::DemoteTo(half_floats, x), largest);
+    const VecD is_above =
+        hn::IfThenElse(hn::Gt(hn::PromoteTo(doubles, nearest), x), hn::Set(doubles, 1.0), hn::Zero(doubles));
+    const auto lower = hn::Min(hn::NegMulAdd(hn::Abs(nearest), hn::Set(half_floats, 0x1p-23F), nearest),
+                               hn::Sub(nearest, hn::Set(half_floats, std::numeric_limits<float>::min())));
+    return hn::IfThenElse(hn::Gt(hn::DemoteTo(half_floats, is_above), hn::Zero(half_floats)), lower, nearest);
+  }
+
   /// Some value on the ray is at least this, no further away than `place`.
   /// @param below  no more than the value, in single precision
   HWY_INLINE void set_reached(std::size_t ray, double value, float below, float place) {
@@ -281,17 +295,9 @@ struct SearchState {
     set_reached(ray, found.value, float_not_above(found.value), float_not_below(place_at(ray, found.t)) + margin);
   }
 
-  /// When a ray is at a place on the major axis, and the other way round.
-  HWY_INLINE double time_at(std::size_t ray, double place) const {
-    const RayGroup& group = scratch.group;
-    const int w = frustum.major;
-    const double inverse = group.inverse[w][ray];
-    const double plane = lattice.is_mirrored(w) ? lattice.plane(w, 0) - place : place;
-    const double t = (plane - group.plane_origin[w][ray]) * inverse;
-    return t < group.t_in[ray] ? group.t_in[ray] : t > group.t_out[ray] ? group.t_out[ray] : t;
-  }
+  /// The place of a ray on the major axis.
   HWY_INLINE double place_at(std::size_t ray, double t) const {
-    const RayGroup& group = scratch.group;
+    const SearchedRays& group = scratch.rays;
     const int w = frustum.major;
     const double o = lattice.is_mirrored(w) ? lattice.plane(w, 0) - group.origin[w][ray] : group.origin[w][ray];
     const double d = group.direction[w][ray];
@@ -299,10 +305,15 @@ struct SearchState {
   }
 
   HWY_INLINE void find_lowest_reached() {
-    VecF lowest = hn::Set(floats, std::numeric_limits<float>::infinity());
-    for (std::size_t r = 0; r < vectors * float_lanes; r += float_lanes)
-      lowest = hn::Min(lowest, hn::Load(floats, scratch.lines.reached + r));
-    lowest_reached = static_cast<double>(hn::GetLane(hn::MinOfLanes(floats, lowest)));
+    float lowest = std::numeric_limits<float>::infinity();
+    for (std::size_t vector = 0; vector < vectors; ++vector) {
+      const VecF reached = hn::Load(floats, scratch.lines.reached + vector * float_lanes);
+      const float here = hn::GetLane(hn::MinOfLanes(floats, reached));
+      scratch.around.reached[vector] = here;
+      lowest = here < lowest ? here : lowest;
+    }
+    lowest_reached = static_cast<double>(lowest);
+    has_risen = false;
   }
 };
 

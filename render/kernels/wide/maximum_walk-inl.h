@@ -128,13 +128,13 @@ HWY_NOINLINE void raise(SearchState& state, const CellBox& box, MaskF raised, co
     const int lane = std::countr_zero(bits);
     state.set_reached(static_cast<std::size_t>(rays[lane]), values[lane], values_below[lane], places[lane]);
   }
-  state.find_lowest_reached();
+  state.has_risen = true;
 }
 
 /// What may hold a larger value than was found goes to the suspects.
-/// @param cells  cells.coefficients(cell, p, q): along the way from p to q. Where they are not plain some may be
-/// without
-///               data, and cells.bound(cell): no value in it is larger
+/// @param cells  cells.coefficients(cell, p, q): along the way from p to q; how far below the box's highest value where
+///               cells.is_below. Where they are not plain some may be without data, and cells.bound(cell): no value in
+///               it is larger
 /// @return       how many cells each ray has passed
 template <class Cells>
 HWY_INLINE VecF walk_cells(SearchState& state, CloseLooks& looks, const CellBox& box, const Cells& cells, Ways ways) {
@@ -179,14 +179,17 @@ HWY_INLINE VecF walk_cells(SearchState& state, CloseLooks& looks, const CellBox&
           active, SearchState::may_improve(hn::Add(cells.bound(cell), error), from, ways.reached, ways.reached_at));
     passed = hn::Add(passed, hn::IfThenElseZero(active, one));
     if (Cells::is_plain || !hn::AllFalse(floats, wanted)) {
-      const Coefficients b = cells.coefficients(cell, {p_u, p_v, p_w}, {q_u, q_v, q_w});
+      const Coefficients found = cells.coefficients(cell, {p_u, p_v, p_w}, {q_u, q_v, q_w});
       // Without data all coefficients are no numbers, or far below the values of the box.
-      VecF hull = b.largest();
+      VecF hull = Cells::is_below ? hn::Neg(found.smallest()) : found.largest();
       if constexpr (!Cells::is_plain) hull = hn::IfThenElseZero(hn::Ge(hull, hn::Set(floats, Cells::lowest)), hull);
       const VecF highest_here = hn::Add(hull, error);
-      const MaskF suspect =
-          hn::And(wanted, SearchState::may_improve(highest_here, from, ways.reached, ways.reached_at));
+      // Few vectors come further than the first, shorter question.
+      MaskF suspect = hn::And(wanted, hn::Ge(highest_here, ways.reached));
+      if (!hn::AllFalse(floats, suspect))
+        suspect = hn::And(suspect, SearchState::may_improve(highest_here, from, ways.reached, ways.reached_at));
       if (!hn::AllFalse(floats, suspect)) {
+        const Coefficients b = Cells::is_below ? found.negated() : found;
         if (at_hand.count + float_lanes > BlockSuspects::capacity)
           looks.keep_suspects(box.highest, box.unit, box.low_w);
         store_chosen(ints, ways.ray, hn::RebindMask(ints, suspect), at_hand.ray + at_hand.count);
@@ -240,7 +243,7 @@ HWY_INLINE void count_cells(SearchState& state, VecF cells, VecI ray, std::size_
   hn::Store(cells, floats, counted);
   hn::Store(ray, ints, rays);
   for (std::size_t lane = 0; lane < lanes && lane < float_lanes; ++lane)
-    state.scratch.cost[state.scratch.group.index[rays[lane]]] +=
+    state.scratch.cost[state.scratch.rays.index[rays[lane]]] +=
         static_cast<std::uint32_t>(lane < blocks) + static_cast<std::uint32_t>(counted[lane]);
 }
 

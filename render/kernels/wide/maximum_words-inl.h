@@ -28,6 +28,28 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 #define RHORAY_HAS_WORD_TABLES 0
 #endif
 
+/// Where the squares of a block and those beside them are stored, on the axes x and y; at the lattice's end, where
+/// there are none beside, its own once more.
+struct SquarePlaces {
+  std::uint64_t near[2], far[2];
+  std::size_t ends;
+
+  HWY_INLINE SquarePlaces(const SampleSource& source, const int* place) : ends(0) {
+    for (int a = 0; a < 2; ++a) {
+      const bool is_last = 4 * place[a] + 4 >= source.count[a];
+      near[a] = source.address[a][4 * place[a]];
+      far[a] = is_last ? near[a] : source.address[a][4 * place[a] + 4];
+      ends |= static_cast<std::size_t>(is_last) << a;
+    }
+  }
+};
+
+/// @param z  of the block's layers
+HWY_INLINE std::uint64_t layer_address(const SampleSource& source, const int* place, int z) {
+  const int at = 4 * place[2] + z, last = source.count[2] - 1;
+  return source.address[2][at < last ? at : last];
+}
+
 #if RHORAY_HAS_WORD_TABLES
 
 inline constexpr hn::FixedTag<std::uint16_t, 32> words{};
@@ -42,6 +64,7 @@ HWY_INLINE VecW look_up(VecW low, VecW high, VecW number) {
 /// pairs of words, of which the lower one is looked up by the lower half of a number and the other by the upper half.
 struct WordTable {
   static constexpr bool is_plain = true;         ///< corners are looked up sooner than a bound
+  static constexpr bool is_below = true;         ///< coefficients tell how far values lie below the largest
   static constexpr float lowest = -0x1p17F;      ///< less than any value
   static constexpr std::int32_t both = 0x10001;  ///< times a distance: that of both words of a pair
 
@@ -56,8 +79,7 @@ struct WordTable {
     read_pair(hn::Add(cell, along_v), below + 2);
     read_pair(beyond, below + 4);
     read_pair(hn::Add(beyond, along_v), below + 6);
-    const Coefficients b = HWY_NAMESPACE::coefficients(below, p, q);
-    return {hn::Neg(b.b0), hn::Neg(b.b1), hn::Neg(b.b2), hn::Neg(b.b3)};
+    return HWY_NAMESPACE::coefficients(below, p, q);
   }
 
  private:
@@ -72,13 +94,15 @@ struct WordTable {
 };
 
 /// Where the words of a block's layer z come from: numbers 0 to 15 are those of its square of 4 x 4 samples, 16 to 31
-/// those of the square beside it, 32 to 35 the row beyond, and 40 the sample beyond both.
-inline constexpr std::array<std::uint16_t, 32> layer_places = [] {
-  std::array<std::uint16_t, 32> places{};
-  for (std::size_t i = 0; i < 25; ++i) {
-    const std::size_t x = i % 5, y = i / 5;
-    places[i] = static_cast<std::uint16_t>(y < 4 ? (x < 4 ? x + 4 * y : 16 + 4 * y) : (x < 4 ? 32 + x : 40));
-  }
+/// those of the square beside it, 32 to 35 the row beyond, and 40 the sample beyond both. By whether the block is the
+/// lattice's last one on x (1) and on y (2): there the last samples are repeated.
+inline constexpr auto layer_places = [] {
+  std::array<std::array<std::uint16_t, 32>, 4> places{};
+  for (std::size_t ends = 0; ends < 4; ++ends)
+    for (std::size_t i = 0; i < 25; ++i) {
+      const std::size_t x = (ends & 1) != 0 && i % 5 == 4 ? 3 : i % 5, y = (ends & 2) != 0 && i / 5 == 4 ? 3 : i / 5;
+      places[ends][i] = static_cast<std::uint16_t>(y < 4 ? (x < 4 ? x + 4 * y : 16 + 4 * y) : (x < 4 ? 32 + x : 40));
+    }
   return places;
 }();
 
@@ -104,24 +128,22 @@ HWY_INLINE hn::Vec<Tag> load_words(Tag tag, const T* from) {
     return hn::BitCast(tag, hn::PromoteTo(wide, hn::LoadU(stored, from)));
 }
 
-/// The samples of a block that the file has whole, from squares of 4 x 4 samples.
+/// The samples of a block from squares of 4 x 4 samples.
 /// @param place  of the block in the file
 template <class T>
 HWY_NOINLINE void fetch_words(const SampleSource& source, const int* place, double highest, WordTable& table) {
   const T* samples = static_cast<const T*>(source.samples);
-  const int x = 4 * place[0], y = 4 * place[1];
-  const std::uint64_t near_x = source.address[0][x], far_x = source.address[0][x + 4];
-  const std::uint64_t near_y = source.address[1][y], far_y = source.address[1][y + 4];
+  const SquarePlaces at(source, place);
   constexpr hn::FixedTag<std::uint16_t, 16> square;
   constexpr hn::FixedTag<std::uint16_t, 8> row;
-  const VecW from = hn::LoadU(words, layer_places.data());
+  const VecW from = hn::LoadU(words, layer_places[at.ends].data());
   VecW layer[5];
   for (int z = 0; z < 5; ++z) {
-    const T* here = samples + source.address[2][4 * place[2] + z];
-    const VecW squares =
-        hn::Combine(words, load_words(square, here + near_y + far_x), load_words(square, here + near_y + near_x));
-    const auto beyond =
-        hn::Combine(square, load_words(row, here + far_y + far_x), load_words(row, here + far_y + near_x));
+    const T* here = samples + layer_address(source, place, z);
+    const VecW squares = hn::Combine(words, load_words(square, here + at.near[1] + at.far[0]),
+                                     load_words(square, here + at.near[1] + at.near[0]));
+    const auto beyond = hn::Combine(square, load_words(row, here + at.far[1] + at.far[0]),
+                                    load_words(row, here + at.far[1] + at.near[0]));
     layer[z] = look_up(squares, hn::ZeroExtendVector(words, beyond), from);
   }
   const VecW top = hn::Set(words, static_cast<std::uint16_t>(static_cast<std::int32_t>(highest)));

@@ -209,6 +209,29 @@ TEST(WideMaximum, takes_lattices_of_every_small_size) {
   }
 }
 
+/// Squares of 4 x 4 samples end where the lattice does, so that its last blocks have no square beside them; or a sample
+/// earlier or later. The largest values lie at the ends.
+TEST(WideMaximum, reads_the_last_blocks_of_lattices_that_end_with_a_square) {
+  const auto at_ends = [](const Index3& at) {
+    return 9000 * waves(at) + 400.0 * static_cast<double>(at.x + at.y + at.z % 17) - 20000;
+  };
+  int hits = 0;
+  std::uint64_t seed = 400;
+  for (const Index3& count : {Index3(36, 24, 68), Index3(36, 25, 67), Index3(35, 24, 66), Index3(34, 28, 65)}) {
+    const Vec3 size(static_cast<double>(count.x - 1), static_cast<double>(count.y - 1),
+                    static_cast<double>(count.z - 1));
+    const std::vector<Ray> rays = rays_through(size, 1500, ++seed);
+    hits += expect_agreement(TracedVolume(volume_of<std::int16_t>(
+                                 count, [&](const Index3& at) { return static_cast<std::int16_t>(at_ends(at)); })),
+                             rays);
+    hits += expect_agreement(
+        TracedVolume(volume_of<std::uint8_t>(
+            count, [&](const Index3& at) { return static_cast<std::uint8_t>(at_ends(at) / 300 + 120); })),
+        rays);
+  }
+  EXPECT_GT(hits, 8000);
+}
+
 TEST(WideMaximum, reads_every_layout) {
   std::uint64_t seed = 200;
   const auto values = [](const Index3& at) { return static_cast<std::uint16_t>(noise(1000, 0)(at)); };
@@ -235,6 +258,33 @@ TEST(WideMaximum, is_chosen_where_levels_have_factor_4_and_the_way_is_direct) {
   EXPECT_EQ(kernel(one_level, {.way = Method::Way::paper}, Machine::baseline), nullptr);
   EXPECT_EQ(kernel(one_level, {.way = Method::Way::certified}, Machine::baseline), nullptr);
   EXPECT_EQ(kernel(one_level, Method{}, Machine::scalar), nullptr);
+}
+
+/// Squares of 8 x 8 pixels of one eye, as a picture's tiles ask them: so many that four and more are searched together,
+/// up to where their frustum is too wide, with pixels that miss and with squares that are cut off.
+TEST(WideMaximum, is_the_scalar_kernels_answer_for_squares_of_pixels_searched_together) {
+  const TracedVolume traced(volume_of<std::int16_t>(
+      {60, 52, 68}, [](const Index3& at) { return static_cast<std::int16_t>(9000 * waves(at) + noise(1000, 0)(at)); }));
+  const Vec3 middle(29.5, 25.5, 33.5);
+  int hits = 0;
+  std::uint64_t seed = 900;
+  for (const double pixel : {0.05, 0.3, 1.0, 4.0, 15.0}) {
+    Dice dice(++seed);
+    std::vector<Ray> rays;
+    for (int picture = 0; picture < 3; ++picture) {
+      const Vec3 forward = dice.direction(), u = forward.cross(Vec3(0.3, 0.5, 0.8)).normalized(), v = forward.cross(u);
+      const Vec3 eye = middle - dice.between(40, 300) * forward;
+      for (int square = 0; square < 16; ++square)
+        for (int y = 0; y < 8; ++y)
+          for (int x = 0; x < (square == 13 ? 5 : 8); ++x) {
+            const double column = 8 * (square % 4) + x - 15.5, row = 8 * (square / 4) + y - 15.5;
+            const Vec3 target = middle + pixel * (column * u + row * v);
+            rays.push_back({.origin = eye, .direction = (target - eye).normalized()});
+          }
+    }
+    hits += expect_agreement(traced, rays);
+  }
+  EXPECT_GT(hits, 5000);
 }
 
 TEST(WideMaximum, of_a_ray_does_not_depend_on_the_rays_that_share_its_group) {
