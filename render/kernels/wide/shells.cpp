@@ -159,6 +159,7 @@ class ShellWalk {
   /// @return  rays that are not done with it
   HWY_INLINE std::uint64_t settle(ShellBlockAhead& block) {
     const std::uint64_t go_by = block.by & ~scratch_.ahead.rays;
+    if (go_by == 0) return block.rays | block.by;
     block.by &= ~go_by;
     for (int s = 0; s < surfaces; ++s) {
       const std::uint64_t off = (inside_[s] & block.by_side[s][0]) | (~inside_[s] & block.by_side[s][1]);
