@@ -59,7 +59,10 @@ HWY_INLINE void prepare_ways(const MirroredLattice& lattice, IsosurfaceScratch& 
 }
 
 /// Those of some rays of the group that may pass the block: all that do, and few more.
-HWY_INLINE std::uint64_t rays_that_may_pass(const IsosurfaceScratch& scratch, std::uint64_t rays, const int* block) {
+/// @param note  (first ray, enters, leaves): how far on their ways they do so, at the soonest and at the latest
+template <class Note>
+HWY_INLINE std::uint64_t rays_that_may_pass(const IsosurfaceScratch& scratch, std::uint64_t rays, const int* block,
+                                            const Note& note) {
   const BlockFilter& filter = scratch.filter;
   VecF low[3], high[3];
   for (int a = 0; a < 3; ++a) {
@@ -75,9 +78,13 @@ HWY_INLINE std::uint64_t rays_that_may_pass(const IsosurfaceScratch& scratch, st
       enters = hn::Max(enters, hn::MulAdd(low[a], inverse, hn::Load(floats, filter.near[a] + r)));
       leaves = hn::Min(leaves, hn::MulAdd(high[a], inverse, hn::Load(floats, filter.far[a] + r)));
     }
+    note(r, enters, leaves);
     found |= bits_of(floats, hn::Le(enters, leaves)) << r;
   }
   return found & rays;
+}
+HWY_INLINE std::uint64_t rays_that_may_pass(const IsosurfaceScratch& scratch, std::uint64_t rays, const int* block) {
+  return rays_that_may_pass(scratch, rays, block, [](std::size_t, VecF, VecF) {});
 }
 
 /// Rays that enter blocks, each its own: in the block's mirrored coordinates, 0 to 4.

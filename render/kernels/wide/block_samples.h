@@ -14,6 +14,7 @@ struct SampleSource {
   const std::uint64_t* address[3];  ///< of a sample: the sum of its coordinates' entries
   int count[3];                     ///< samples per axis
   bool has_whole_rows;              ///< samples 4 i to 4 i + 3 of an axis x lie side by side
+  bool has_whole_bricks;            ///< and 4 j to 4 j + 3 of y behind each other, and so 4 k to 4 k + 3 of z
   bool has_gaps = false;            ///< some samples may be NaN or infinite
 
   SampleSource(const void* first, const formats::AxisTables& tables, const Index3& sample_count);

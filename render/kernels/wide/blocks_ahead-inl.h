@@ -70,9 +70,10 @@ HWY_INLINE Block& add(ListOfBlocks<Block>& ahead, const int* block, std::uint64_
 /// @param alive  rays that are still to pass any; passing may take some of them out
 /// @param fetch  (block) before it is passed by any
 /// @param pass   (first ray, lanes from there): those that have taken blocks
-template <class Block, class Fetch, class Pass>
+/// @param settle (block) when the rays of all before it are known; says for which rays it is kept
+template <class Block, class Fetch, class Pass, class Settle>
 HWY_INLINE void pass_first_ahead(ListOfBlocks<Block>& ahead, const std::uint64_t& alive, std::size_t ray_count,
-                                 Fetch&& fetch, Pass&& pass) {
+                                 Fetch&& fetch, Pass&& pass, Settle&& settle) {
   std::uint64_t waiting = alive;
   for (std::size_t b = 0; b < ahead.count; ++b) {
     Block& block = ahead.block[b];
@@ -88,12 +89,17 @@ HWY_INLINE void pass_first_ahead(ListOfBlocks<Block>& ahead, const std::uint64_t
   ahead.rays = 0;
   for (std::uint64_t& places : ahead.places) places = 0;
   for (std::size_t b = 0; b < ahead.count; ++b) {
-    if ((ahead.block[b].rays & alive) == 0) continue;
+    if ((settle(ahead.block[b]) & alive) == 0) continue;
     ahead.rays |= ahead.block[b].rays;
     note_place(ahead, ahead.block[b].block);
     ahead.block[kept++] = ahead.block[b];
   }
   ahead.count = kept;
+}
+template <class Block, class Fetch, class Pass>
+HWY_INLINE void pass_first_ahead(ListOfBlocks<Block>& ahead, const std::uint64_t& alive, std::size_t ray_count,
+                                 Fetch&& fetch, Pass&& pass) {
+  pass_first_ahead(ahead, alive, ray_count, fetch, pass, [](const Block& block) { return block.rays; });
 }
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE

@@ -87,21 +87,20 @@ HWY_INLINE VecF way_to_upper_plane(const Lanes& lanes, int axis, VecF cell) {
   return hn::IfThenElse(hn::Ge(cell, lanes.last[axis]), hn::Set(floats, never_passed), at);
 }
 
-/// Finds the cells that the rays may pass, a few more than they do: layer by layer along z, the rectangle around the
-/// points where the ray enters and leaves the layer.
-/// @return  how many cells a ray passes until it leaves the block
-HWY_INLINE VecF find_cells(Lanes& lanes) {
+/// Finds the cells that the rays may pass on a part of their ways, a few more than they do: layer by layer along z, the
+/// rectangle around the points where the ray enters and leaves the layer.
+HWY_INLINE void find_cells(Lanes& lanes, VecF first_way, VecF last_way) {
   constexpr float reach = 0x1p-18f;  // more than all errors of a point
   const VecF zero = hn::Zero(floats), above = hn::Add(hn::Set(floats, reach), lanes.way_error), below = hn::Neg(above);
   VecF way[5];  // unclipped, of planes 1 to 3
   VecF corner[5][2];
   for (int a = 0; a < 2; ++a) {
-    corner[0][a] = lanes.entry[a];
-    corner[4][a] = hn::MulAdd(lanes.end, lanes.slope[a], lanes.entry[a]);
+    corner[0][a] = hn::MulAdd(first_way, lanes.slope[a], lanes.entry[a]);
+    corner[4][a] = hn::MulAdd(last_way, lanes.slope[a], lanes.entry[a]);
   }
   for (int k = 1; k < 4; ++k) {
     way[k] = way_to_upper_plane(lanes, 2, hn::Set(floats, static_cast<float>(k - 1)));
-    const VecF inside = hn::Min(hn::Max(way[k], zero), lanes.end);
+    const VecF inside = hn::Min(hn::Max(way[k], first_way), last_way);
     for (int a = 0; a < 2; ++a) corner[k][a] = hn::MulAdd(inside, lanes.slope[a], lanes.entry[a]);
   }
   const auto cell_below = [&](VecF at) HWY_ATTR { return hn::ConvertTo(ints, hn::Max(hn::Add(at, below), zero)); };
@@ -119,20 +118,32 @@ HWY_INLINE VecF find_cells(Lanes& lanes) {
     layers[k] = hn::And(columns, rows);
   }
   const VecF slack = hn::Add(lanes.way_error, lanes.way_error);
-  const VecF last_way = hn::Add(lanes.end, slack), first_way = hn::Neg(slack);
+  const VecF before = hn::Sub(first_way, slack), behind = hn::Add(last_way, slack);
   for (int k = 0; k < 4; ++k) {
-    MaskF passes = k == 0 ? lanes.walking : hn::And(lanes.walking, hn::Lt(way[k], last_way));
-    if (k < 3) passes = hn::And(passes, hn::Gt(way[k + 1], first_way));
+    MaskF passes = k == 0 ? lanes.walking : hn::And(lanes.walking, hn::Lt(way[k], behind));
+    if (k < 3) passes = hn::And(passes, hn::Gt(way[k + 1], before));
     layers[k] = hn::IfThenElseZero(hn::RebindMask(ints, passes), layers[k]);
   }
   lanes.left[0] = hn::Or(layers[0], hn::ShiftLeft<16>(layers[1]));
   lanes.left[1] = hn::Or(layers[2], hn::ShiftLeft<16>(layers[3]));
-  const VecF last_z = hn::MulAdd(lanes.end, lanes.slope[2], lanes.entry[2]);
-  VecF cells = hn::Min(hn::Floor(hn::Max(last_z, zero)), lanes.last[2]);
-  cells = hn::Add(cells, hn::Min(hn::Floor(corner[4][0]), lanes.last[0]));
-  cells = hn::Add(cells, hn::Min(hn::Floor(corner[4][1]), lanes.last[1]));
-  for (int a = 0; a < 3; ++a) cells = hn::Sub(cells, lanes.first_cell(a));
-  return hn::Add(cells, hn::Set(floats, 1.0f));
+}
+
+/// How many cells a ray passes until it leaves the block.
+HWY_INLINE VecF cells_passed(const Lanes& lanes) {
+  VecF cells = hn::Set(floats, 1.0f);
+  for (int a = 0; a < 3; ++a) {
+    const VecF last = hn::MulAdd(lanes.end, lanes.slope[a], lanes.entry[a]);
+    cells = hn::Add(cells, hn::Min(hn::Floor(hn::Max(last, hn::Zero(floats))), lanes.last[a]));
+    cells = hn::Sub(cells, lanes.first_cell(a));
+  }
+  return cells;
+}
+
+/// Finds the cells that the rays may pass on their whole ways.
+/// @return  how many cells a ray passes until it leaves the block
+HWY_INLINE VecF find_cells(Lanes& lanes) {
+  find_cells(lanes, hn::Zero(floats), lanes.end);
+  return cells_passed(lanes);
 }
 
 /// How far on its way a ray passes the planes of a cell, and the cell.

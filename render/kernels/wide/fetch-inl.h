@@ -44,7 +44,11 @@ HWY_INLINE std::uint64_t cells_of_samples(unsigned __int128 bits) {
   std::uint64_t cells = 0;
   for (int z = 0; z < 4; ++z) {
     const auto layer = static_cast<std::uint64_t>(bits >> (25 * z));
+#if HWY_TARGET <= HWY_AVX2
+    cells |= _pext_u64(layer, 15 * (1 | 1 << 5 | 1 << 10 | 1 << 15)) << (16 * z);
+#else
     for (int y = 0; y < 4; ++y) cells |= (layer >> (5 * y) & 15) << (4 * y + 16 * z);
+#endif
   }
   return cells;
 }
@@ -129,6 +133,34 @@ HWY_INLINE void fetch_row(const T* from, double isovalue, float* to) {
   }
 }
 
+/// The samples of a block whose bricks are whole, less an isovalue that is a float, of a type that is exact in float:
+/// layer by layer, from vectors of 16 samples.
+template <class T>
+HWY_INLINE void fetch_bricks(const SampleSource& source, const int* first, float isovalue, float* to) {
+  constexpr hn::Rebind<T, Floats> stored;
+  const T* samples = static_cast<const T*>(source.samples);
+  // Samples 0 to 15 of a layer of 5 x 5: every fifth is the next brick's.
+  HWY_ALIGN constexpr std::int32_t from[16] = {0, 1, 2, 3, 0, 4, 5, 6, 7, 4, 8, 9, 10, 11, 8, 12};
+  const auto order = hn::IndicesFromVec(floats, hn::Load(ints, from));
+  const MaskF of_next = mask_of(floats, 1 << 4 | 1 << 9 | 1 << 14);
+  const VecF less = hn::Set(floats, isovalue);
+  const auto layer_of = [&](const T* at) HWY_ATTR {
+    return hn::Sub(hn::ConvertTo(floats, hn::PromoteTo(ints, hn::LoadU(stored, at))), less);
+  };
+  for (int k = 0; k < 5; ++k) {
+    const std::uint64_t z = source.address[2][first[2] + k], y = source.address[1][first[1]] + z;
+    const T *here = samples + source.address[0][first[0]] + y, *next = samples + source.address[0][first[0] + 4] + y;
+    const std::uint64_t behind = source.address[1][first[1] + 4] - source.address[1][first[1]];
+    float* layer = to + 25 * k;
+    const VecF of_here = hn::TableLookupLanes(layer_of(here), order);
+    hn::StoreU(hn::IfThenElse(of_next, hn::TableLookupLanes(layer_of(next), order), of_here), floats, layer);
+    fetch_row_in_float(here + 12, isovalue, layer + 15);
+    layer[19] = static_cast<float>(next[12]) - isovalue;
+    fetch_row_in_float(here + behind, isovalue, layer + 20);
+    layer[24] = static_cast<float>(next[behind]) - isovalue;
+  }
+}
+
 /// Samples less the isovalue.
 template <class T>
 HWY_INLINE void fetch_differences(const SampleSource& source, const int* block, double isovalue, BlockSamples& out) {
@@ -138,6 +170,13 @@ HWY_INLINE void fetch_differences(const SampleSource& source, const int* block, 
       first[0] + 4 < source.count[0] && first[1] + 4 < source.count[1] && first[2] + 4 < source.count[2];
   const auto isovalue_float = static_cast<float>(isovalue);
   const bool in_float = is_exact_in_float<T> && static_cast<double>(isovalue_float) == isovalue;
+  if constexpr (is_exact_in_float<T> && float_lanes == 16) {
+    if (in_float && is_whole && source.has_whole_bricks) {
+      fetch_bricks<T>(source, first, isovalue_float, out.difference);
+      for (std::size_t i = BlockSamples::size; i < 128; ++i) out.difference[i] = 0;
+      return;
+    }
+  }
   if (is_exact_in_float<T> && is_whole && source.has_whole_rows) {
     const std::uint64_t* x = source.address[0] + first[0];
     for (int k = 0; k < 5; ++k)

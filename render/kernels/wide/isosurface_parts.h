@@ -41,6 +41,7 @@ struct alignas(64) BlockFilter {
 /// A block that some rays of the group are still to pass.
 struct BlockAhead {
   static constexpr int place_bits[3] = {3, 2, 2};  ///< of a block's position, that tell where its samples are kept
+  static constexpr std::size_t most = 24;          ///< in a list
 
   int block[3];                                       ///< mirrored
   std::uint64_t rays;                                 ///< that may pass it
@@ -53,7 +54,7 @@ struct BlockAhead {
 /// Blocks in the order in which rays pass them.
 template <class Block>
 struct ListOfBlocks {
-  static constexpr std::size_t capacity = 24;
+  static constexpr std::size_t capacity = Block::most;
 
   Block block[capacity];
   std::size_t count;

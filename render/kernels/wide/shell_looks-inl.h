@@ -17,6 +17,7 @@
 #include "render/kernels/wide/cubic-inl.h"
 #include "render/kernels/wide/lanes-inl.h"
 #include "render/kernels/wide/shell_hits-inl.h"
+#include "render/kernels/wide/shell_slabs-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
@@ -66,17 +67,33 @@ class ShellLooks {
         hits_(hits),
         counters_(counters) {}
 
+  /// Corners of some lanes' cells, less a surface's isovalue.
+  /// @param values  at the corners, where values are kept
+  HWY_INLINE Corners corners_less_isovalue(int s, const Corners& values, const VecF* cell, VecI samples,
+                                           MaskF asked) const {
+    if (!has_values_) return corners_.of(cell, samples, scratch_.blocks[s], asked);
+    Corners corners;
+    for (int c = 0; c < 8; ++c)
+      corners.f[c] = less_isovalue(values.f[c], shells_.surface[s].isovalue, shells_.is_single[s]);
+    return corners;
+  }
+
   /// Notes the crossings of the rays from r on. Of those that are left nothing is changed.
-  /// @param ended  bits of lanes: rays that are to go no farther
-  /// @param full   of these, those of which a crossing was not noted
-  /// @return       bits of lanes that are left
-  HWY_INLINE std::uint64_t take(ShellLanes<surfaces>& lanes, std::size_t r, const VecF* block_corner, bool is_at_border,
-                                std::uint64_t& ended, std::uint64_t& full) {
+  /// @param went_by  bits of lanes: rays that have gone by cells outside, or inside, of which no side is known before
+  /// @param ended    bits of lanes: rays that are to go no farther
+  /// @param full     of these, those of which a crossing was not noted
+  /// @return         bits of lanes that are left
+  HWY_INLINE std::uint64_t take(ShellLanes<surfaces>& lanes, std::size_t r, const VecF* block_corner,
+                                const BetweenSlabs& between, const std::uint64_t (&went_by)[surfaces][2],
+                                bool is_at_border, std::uint64_t& ended, std::uint64_t& full) {
     const std::uint64_t walking = bits_of(floats, lanes.walking);
     list_cells(lanes, block_corner, is_at_border);
     const std::size_t first_found = scratch_.found.count;
     for (std::size_t first = 0; first < cells_.count; first += float_lanes) look(lanes, first, block_corner);
-    const std::uint64_t left = walking & find_strays(lanes, block_corner, is_at_border);
+    std::uint64_t unsure = 0;
+    const std::uint64_t strays = find_strays(lanes, block_corner, between, went_by, is_at_border, unsure);
+    ended = full = walking & unsure;
+    const std::uint64_t left = walking & strays & ~unsure;
     link(r, left, ended, full);
     hits_.complete(first_found, r, cells_);
     return left;
@@ -112,9 +129,8 @@ class ShellLooks {
   HWY_INLINE void for_each_passed(const ShellLanes<surfaces>& lanes, const VecI* words, const VecF* block_corner,
                                   bool is_at_border, const Act& act) const {
     VecI left[2] = {words[0], words[1]};
-    while (true) {
+    while (!hn::AllTrue(ints, hn::Eq(hn::Or(left[0], left[1]), hn::Zero(ints)))) {
       const NextCell cell = first_of(lanes, left);
-      if (hn::AllFalse(floats, cell.exists)) return;
       left[0] = hn::Xor(left[0], hn::IfThenZeroElse(cell.in_second, cell.bit));
       left[1] = hn::Xor(left[1], hn::IfThenElseZero(cell.in_second, cell.bit));
       MaskF passes = hn::And(cell.exists, hn::Lt(cell.way_in, cell.way_out));
@@ -178,12 +194,7 @@ class ShellLooks {
       VecI count = hn::Zero(ints);
       if (found.looked != 0) {
         counters_.cells_solved += static_cast<std::uint64_t>(std::popcount(found.looked));
-        Corners corners;
-        if (has_values_)
-          for (int c = 0; c < 8; ++c)
-            corners.f[c] = less_isovalue(values.f[c], shells_.surface[s].isovalue, shells_.is_single[s]);
-        else
-          corners = corners_.of(cell.cell, ways.samples, scratch_.blocks[s], here);
+        const Corners corners = corners_less_isovalue(s, values, cell.cell, ways.samples, here);
         const CubicLanes cubic = along(corners, in, out);
         const MaskF side = is_inside(cubic.b[0]);
         found.begins_inside = bits_of(floats, side);
@@ -213,7 +224,8 @@ class ShellLooks {
   /// The sides on which rays are that have looked into no cell before, by the first that they look into.
   HWY_INLINE void find_first_sides(int s, MaskF without_side, std::uint64_t& inside, std::uint64_t& has_side) const {
     const VecI without = hn::VecFromMask(ints, hn::RebindMask(ints, without_side));
-    for (std::size_t first = 0; first < cells_.count; first += float_lanes) {
+    const std::uint64_t all = has_side | bits_of(floats, without_side);
+    for (std::size_t first = 0; first < cells_.count && has_side != all; first += float_lanes) {
       const OfLooks& found = cells_.looks[s][first / float_lanes];
       const auto of_these = hn::MaskFromVec(of_cells(first)(without));
       for (std::uint64_t bits = found.looked & bits_of(ints, of_these); bits != 0; bits &= bits - 1) {
@@ -227,8 +239,11 @@ class ShellLooks {
   }
 
   /// Finds the sides of the rays behind their blocks.
-  /// @return  bits of lanes that come to a cell on another side than it has
-  HWY_INLINE std::uint64_t find_strays(ShellLanes<surfaces>& lanes, const VecF* block_corner, bool is_at_border) const {
+  /// @param unsure  gets bits of lanes: rays that have gone by cells on another side than they have here at first
+  /// @return        bits of lanes that come to a cell on another side than it has
+  HWY_INLINE std::uint64_t find_strays(ShellLanes<surfaces>& lanes, const VecF* block_corner,
+                                       const BetweenSlabs& between, const std::uint64_t (&went_by)[surfaces][2],
+                                       bool is_at_border, std::uint64_t& unsure) const {
     std::uint64_t strays = 0;
     MaskF inside_behind[surfaces], has_side_behind[surfaces];
     VecI off[2] = {hn::Zero(ints), hn::Zero(ints)};  // cells between those that were looked into
@@ -236,7 +251,11 @@ class ShellLooks {
       std::uint64_t has_side = bits_of(floats, lanes.has_side_of[s]);
       std::uint64_t inside = bits_of(floats, lanes.inside_of[s]) & has_side;
       const MaskF without_side = hn::AndNot(lanes.has_side_of[s], lanes.walking);
-      if (!hn::AllFalse(floats, without_side)) find_first_sides(s, without_side, inside, has_side);
+      if (!hn::AllFalse(floats, without_side)) {
+        const std::uint64_t had_side = has_side;
+        find_first_sides(s, without_side, inside, has_side);
+        unsure |= has_side & ~had_side & ((inside & went_by[s][0]) | (~inside & went_by[s][1]));
+      }
       const VecI changes[2] = {hn::Load(ints, odd_[s][0]), hn::Load(ints, odd_[s][1])};
       const OddBelow odd(changes);
       const MaskF begins_inside = mask_of(floats, inside);
@@ -255,6 +274,11 @@ class ShellLooks {
           strays |= std::uint64_t{1} << cells_.lane[first + static_cast<std::size_t>(std::countr_zero(other))];
       }
       inside_behind[s] = hn::Xor(begins_inside, odd.of_all);
+      const MaskF is_seen = hn::RebindMask(floats, hn::Ne(lanes.seen_of[s], hn::Zero(ints)));
+      const MaskF off_in_front = hn::And(between.is_cut_in_front, hn::Xor(begins_inside, between.inside_in_front));
+      const MaskF off_behind =  // there the ray is on the other side
+          hn::AndNot(hn::Xor(inside_behind[s], between.inside_in_front), between.is_cut_behind);
+      strays |= bits_of(floats, hn::And(is_seen, hn::Or(off_in_front, off_behind)));
     }
     for_each_passed(lanes, off, block_corner, is_at_border,
                     [&](const NextCell&, MaskF passes) HWY_ATTR { strays |= bits_of(floats, passes); });

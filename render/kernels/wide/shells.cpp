@@ -19,6 +19,7 @@
 #include "render/kernels/wide/reading-inl.h"
 #include "render/kernels/wide/shell_hits-inl.h"
 #include "render/kernels/wide/shell_looks-inl.h"
+#include "render/kernels/wide/shell_slabs-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
@@ -57,6 +58,7 @@ class ShellWalk {
       for (int s = 0; s < surfaces; ++s) hn::Store(none, ints, scratch_.count[s] + r);
     }
     prepare_ways(lattice_, ways_);
+    prepare_places(lattice_, scratch_);
     clear(scratch_.ahead);
     TogetherWords<surfaces> nodes, summits;
     for (int s = 0; s < surfaces; ++s)
@@ -96,51 +98,96 @@ class ShellWalk {
     return (surface.nodes[node] >> bit & 1) != 0;
   }
 
-  HWY_INLINE void fetch(ShellBlockAhead& ahead) {
-    if (ahead.samples >= 0) return;
+  HWY_INLINE const BlockSlabs& fetch(ShellBlockAhead& ahead) {
     int block[3];  // not mirrored
     for (int a = 0; a < 3; ++a) block[a] = lattice_.block(a, ahead.block[a]);
     const KeptPlace at = kept_place_of<ShellBlockAhead>(block);
     constexpr std::size_t floats_each = sizeof(BlockSamples) / sizeof(float);
     ahead.samples = static_cast<std::int32_t>(at.place * floats_each);
-    const bool is_new = scratch_.block_key[at.place] != at.key;
-    scratch_.block_key[at.place] = at.key;
-    if (is_new && has_values_) reading_.fetch_values(any_.source, block, scratch_.blocks[0][at.place]);
+    if (scratch_.block_key[at.place] != at.key) {
+      scratch_.block_key[at.place] = at.key;
+      fetch_anew(block, at.place);
+    }
     for (int s = 0; s < surfaces; ++s) {
-      const Surface& surface = shells_.surface[s];
-      BlockSamples& samples = scratch_.blocks[s][at.place];
-      if (is_new && surfaces > 1 && !has_bit(surface, block)) {
-        samples.active = samples.inside = 0;  // nothing is to be seen of it
-      } else if (is_new && has_values_) {
-        find_active_cells(surface.source, block, scratch_.blocks[0][at.place], shells_.least_inside[s], samples);
-      } else if (is_new) {
-        reading_.fetch(surface.source, block, surface.isovalue, samples);
-      }
+      const BlockSamples& samples = scratch_.blocks[s][at.place];
       ahead.active[s] = mirrored_bits(samples.active, lattice_.octant);
       ahead.inside[s] = mirrored_bits(samples.inside, lattice_.octant);
     }
+    return scratch_.slabs[at.place];
+  }
+
+  HWY_INLINE void fetch_anew(const int* block, std::size_t place) {
+    if (has_values_) reading_.fetch_values(any_.source, block, scratch_.blocks[0][place]);
+    SeenInBlock seen[surfaces];
+    const float* values = scratch_.blocks[0][place].difference;
+    double base = 0;
+    for (int s = 0; s < surfaces; ++s) {
+      const Surface& surface = shells_.surface[s];
+      BlockSamples& samples = scratch_.blocks[s][place];
+      if (surfaces > 1 && !has_bit(surface, block)) {
+        samples.active = samples.inside = 0;  // nothing is to be seen of it
+      } else if (has_values_) {
+        find_active_cells(surface.source, block, scratch_.blocks[0][place], shells_.least_inside[s], samples);
+      } else {
+        reading_.fetch(surface.source, block, surface.isovalue, samples);
+        values = samples.difference, base = surface.isovalue;
+      }
+      seen[s] = {.active = samples.active, .inside = samples.inside, .isovalue = surface.isovalue};
+    }
+    for (SeenInBlock& of : seen) of.isovalue -= base;
+    scratch_.slabs[place] = slabs_of(values, existing_cells(any_.source, block), seen);
   }
 
   HWY_INLINE void meet(const int* block) {
-    const std::uint64_t rays = rays_that_may_pass(ways_, alive_, block);
+    HWY_ALIGN float enters[RayGroup::size], leaves[RayGroup::size];
+    const std::uint64_t rays =
+        rays_that_may_pass(ways_, alive_, block, [&](std::size_t r, VecF soonest, VecF latest) HWY_ATTR {
+          hn::Store(soonest, floats, enters + r), hn::Store(latest, floats, leaves + r);
+        });
     if (rays == 0) return;
     while (!fits(scratch_.ahead, block)) pass_next();
-    add(scratch_.ahead, block, rays).samples = -1;
+    ShellBlockAhead next;
+    for (int a = 0; a < 3; ++a) next.block[a] = block[a];
+    let_go_by<surfaces>(lattice_, scratch_, fetch(next), rays, enters, leaves, next);
+    if (settle(next) == 0) return;
+    add(scratch_.ahead, block, next.rays) = next;
     while (alive_ != 0 && (alive_ & ~scratch_.ahead.rays) == 0) pass_next();
   }
 
+  /// Lets the rays go by a block that have no other before it, unless they come to its cells on another side than these
+  /// lie on. The list has the blocks before it.
+  /// @return  rays that are not done with it
+  HWY_INLINE std::uint64_t settle(ShellBlockAhead& block) {
+    const std::uint64_t go_by = block.by & ~scratch_.ahead.rays;
+    if (go_by == 0) return block.rays | block.by;
+    block.by &= ~go_by;
+    for (int s = 0; s < surfaces; ++s) {
+      const std::uint64_t off = (inside_[s] & block.by_side[s][0]) | (~inside_[s] & block.by_side[s][1]);
+      block.rays |= go_by & has_side_[s] & off;
+      for (int side = 0; side < 2; ++side) went_by_[s][side] |= go_by & ~has_side_[s] & block.by_side[s][side];
+      leave(went_by_[s][0] & went_by_[s][1]);
+    }
+    return block.rays | block.by;
+  }
+
+  /// Some rays have gone by cells on one side and then come to others on the other side, or go by them, and it is not
+  /// known whether a look into one of the cells that were left out had told them theirs before: left to another kernel.
+  HWY_INLINE void leave(std::uint64_t rays) { alive_ &= ~rays, full_ |= rays; }
+
   HWY_NOINLINE void pass_next() {
     pass_first_ahead(
-        scratch_.ahead, alive_, group_.count, [&](ShellBlockAhead& block) { fetch(block); },
-        [&](std::size_t r, std::uint64_t lanes) HWY_ATTR { pass_taken_blocks(r, lanes); });
+        scratch_.ahead, alive_, group_.count, [](ShellBlockAhead&) {},
+        [&](std::size_t r, std::uint64_t lanes) HWY_ATTR { pass_taken_blocks(r, lanes); },
+        [&](ShellBlockAhead& block) { return settle(block); });
   }
 
   /// Lets some of the rays from r on pass the blocks that they have taken.
   HWY_INLINE void pass_taken_blocks(std::size_t r, std::uint64_t going) {
     RayLanes lanes;
-    VecF corner[3];
+    VecF corner[3], normal[3], ground, low, high;
     const VecI none = hn::Zero(ints);
-    for (VecF& c : corner) c = hn::Zero(floats);
+    for (VecF* v : {&corner[0], &corner[1], &corner[2], &normal[0], &normal[1], &normal[2], &ground, &low, &high})
+      *v = hn::Zero(floats);
     lanes.samples = none;
     for (int s = 0; s < surfaces; ++s) {
       lanes.seen_of[s] = none;
@@ -152,8 +199,11 @@ class ShellWalk {
       if (takers == 0) continue;
       const MaskF mask = mask_of(floats, takers);
       const auto mask_i = hn::RebindMask(ints, mask);
+      const auto put_float = [&](VecF& to, float number)
+                                 HWY_ATTR { to = hn::IfThenElse(mask, hn::Set(floats, number), to); };
       for (int a = 0; a < 3; ++a)
-        corner[a] = hn::IfThenElse(mask, hn::Set(floats, static_cast<float>(4 * block.block[a])), corner[a]);
+        put_float(corner[a], static_cast<float>(4 * block.block[a])), put_float(normal[a], block.normal[a]);
+      put_float(ground, block.ground), put_float(low, block.low), put_float(high, block.high);
       const auto put = [&](VecI& to, std::uint64_t number) HWY_ATTR {
         to = hn::IfThenElse(mask_i, hn::Set(ints, static_cast<std::int32_t>(number)), to);
       };
@@ -167,10 +217,16 @@ class ShellWalk {
         }
       }
     }
-    pass_blocks(lanes, r, going, corner);
+    pass_blocks(lanes, r, going, corner, {normal, ground, low, high});
   }
 
-  HWY_INLINE void pass_blocks(RayLanes& lanes, std::size_t r, std::uint64_t going, const VecF* corner) {
+  struct SlabLanes {
+    const VecF* normal;
+    VecF ground, low, high;
+  };
+
+  HWY_INLINE void pass_blocks(RayLanes& lanes, std::size_t r, std::uint64_t going, const VecF* corner,
+                              const SlabLanes& slabs) {
     const BlockEntry at = entry_into_blocks(lattice_, ends_, ways_, r, mask_of(floats, going), corner);
     lanes.walking = at.passes;
     if (hn::AllFalse(floats, lanes.walking)) return;
@@ -183,23 +239,35 @@ class ShellWalk {
     }
     lanes.end = at.end;
     lanes.way_error = hn::Zero(floats);
+    MaskF known = at.passes;
     for (int s = 0; s < surfaces; ++s) {
       lanes.inside_of[s] = mask_of(floats, inside_[s] >> r);
       lanes.has_side_of[s] = mask_of(floats, has_side_[s] >> r);
+      const MaskF is_seen = hn::RebindMask(floats, hn::Ne(lanes.seen_of[s], hn::Zero(ints)));
+      known = hn::AndNot(hn::AndNot(lanes.has_side_of[s], is_seen), known);
     }
-    pass_cells(lanes, r, corner, at.passes);
+    pass_cells(lanes, r, corner, at.passes,
+               BetweenSlabs(lanes, slabs.normal, slabs.ground, slabs.low, slabs.high, known));
   }
 
-  HWY_INLINE void pass_cells(RayLanes& lanes, std::size_t r, const VecF* corner, MaskF passes) {
-    const VecF visits = find_cells(lanes);
+  HWY_INLINE void pass_cells(RayLanes& lanes, std::size_t r, const VecF* corner, MaskF passes,
+                             const BetweenSlabs& between) {
+    find_cells(lanes, between.from, between.to);
+    const VecF visits = cells_passed(lanes);
     const bool is_at_border = !hn::AllFalse(floats, hn::And(lanes.walking, is_cut_off(ends_, corner)));
     const std::uint64_t ticks = any_.time_phases ? ticks_now() : 0;
     std::uint64_t ended = 0, full = 0;
-    const std::uint64_t left = looks_.take(lanes, r, corner, is_at_border, ended, full);
+    std::uint64_t went_by[surfaces][2];
+    for (int s = 0; s < surfaces; ++s)
+      for (int side = 0; side < 2; ++side) went_by[s][side] = went_by_[s][side] >> r;
+    const std::uint64_t left = looks_.take(lanes, r, corner, between, went_by, is_at_border, ended, full);
     alive_ &= ~(ended << r);
     full_ |= full << r;
     lanes.walking = mask_of(floats, left);
-    if (HWY_UNLIKELY(left != 0)) look_one_after_another(lanes, r, corner, is_at_border);
+    if (HWY_UNLIKELY(left != 0)) {
+      find_cells(lanes);
+      look_one_after_another(lanes, r, corner, is_at_border);
+    }
     if (any_.time_phases) counters_.intersection_ticks += ticks_now() - ticks;
     const VecI cells = hn::IfThenElseZero(hn::RebindMask(ints, passes), hn::ConvertTo(ints, visits));
     counters_.cells_visited += static_cast<std::uint64_t>(hn::GetLane(hn::SumOfLanes(ints, cells)));
@@ -250,12 +318,7 @@ class ShellWalk {
   HWY_INLINE MaskF look_into_cells(int s, RayLanes& lanes, const NextCell& next, const Corners& values, const VecF* in,
                                    const VecF* out, MaskF looks, std::size_t r, const VecF* block_corner) {
     counters_.cells_solved += hn::CountTrue(floats, looks);
-    Corners corners;
-    if (has_values_)
-      for (int c = 0; c < 8; ++c)
-        corners.f[c] = less_isovalue(values.f[c], shells_.surface[s].isovalue, shells_.is_single[s]);
-    else
-      corners = corners_.of(next.cell, lanes.samples, scratch_.blocks[s], looks);
+    const Corners corners = looks_.corners_less_isovalue(s, values, next.cell, lanes.samples, looks);
     const CubicLanes cubic = along(corners, in, out);
     MaskF& inside = lanes.inside_of[s];
     const MaskF sets_side = hn::AndNot(lanes.has_side_of[s], looks);
@@ -317,6 +380,7 @@ class ShellWalk {
   std::uint64_t alive_;                                            ///< rays that go on
   std::uint64_t full_ = 0;                                         ///< rays of which a crossing was not noted
   std::uint64_t inside_[surfaces] = {}, has_side_[surfaces] = {};  ///< the side that each ray is on, if it has met data
+  std::uint64_t went_by_[surfaces][2] = {};  ///< rays that have gone by cells outside, or inside, before they had one
 };
 
 template <int surfaces>

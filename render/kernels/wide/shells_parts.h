@@ -42,12 +42,27 @@ struct TogetherWords {
 struct ShellBlockAhead {
   /// Rays that go on behind their first crossings come to more blocks than others, before the next group does.
   static constexpr int place_bits[3] = {3, 3, 3};
+  static constexpr std::size_t most = 48;
 
-  int block[3];          ///< mirrored
-  std::uint64_t rays;    ///< that may pass it
-  std::uint64_t taken;   ///< of which it is the next one
-  std::int32_t samples;  ///< where its samples begin among those that are kept; -1: not fetched
+  int block[3];                           ///< mirrored
+  std::uint64_t rays;                     ///< that may pass a cell of it in which something is to be seen
+  std::uint64_t by;                       ///< that may pass others only
+  std::uint64_t by_side[most_shells][2];  ///< of these, those that may pass any outside, or inside
+  std::uint64_t taken;                    ///< of which it is the next one
+  std::int32_t samples;                   ///< where its samples begin among those that are kept
   std::uint64_t active[most_shells], inside[most_shells];  ///< of BlockSamples, mirrored; 0 where it has no bit
+  float normal[3], ground;                                 ///< height above the slabs' origin: mirrored
+  float low, high;                                         ///< of BlockSlabs
+};
+
+/// The field in a block as far as planes can tell. A height is the product of the normal and a place in the block, 0 to
+/// 4 each, that is not mirrored.
+struct BlockSlabs {
+  float normal[3];           ///< in values a cell
+  float size;                ///< sum of its magnitudes
+  float below[most_shells];  ///< a way that stays below this height comes to no change of side, and lies outside
+  float above[most_shells];  ///< likewise, inside
+  float low, high;           ///< the least and the greatest of these, of surfaces of which something is to be seen
 };
 
 /// Looks into as many cells as a vector has lanes: a bit for each.
@@ -97,11 +112,14 @@ struct alignas(64) ShellScratch {
   ListOfBlocks<ShellBlockAhead> ahead;
   FoundCrossings found;
   CellsAhead cells;
+  float start[3][RayGroup::size];                   ///< of each ray, in the mirrored lattice
+  float place_error[RayGroup::size];                ///< of places on the ray in single precision, in cells
   float light[RayGroup::size];                      ///< that passes what each ray has crossed
   std::int32_t count[most_shells][RayGroup::size];  ///< crossings of each ray so far
   /// Where values are numbers of single precision, those of the first surface are the samples themselves, for all
   /// surfaces; else each has them less its isovalue.
   BlockSamples blocks[most_shells][kept_blocks];
+  BlockSlabs slabs[kept_blocks];
   std::uint64_t block_key[kept_blocks];
   std::array<std::shared_ptr<const Occupancy>, most_shells> occupancies;  ///< whose blocks are kept
 };

@@ -75,6 +75,36 @@ TEST_F(NanoVdbVolume, shows_the_same_as_the_packed_grid_of_the_same_samples) {
   expect_agreement(noise_volume<float>({37, 21, 30}, 100, 7, turned), 60);
 }
 
+// A linear field is that of a mesh, too: one scene, three ways to hold its field.
+TEST_F(NanoVdbVolume, shows_of_a_linear_field_what_a_grid_and_tetrahedra_show) {
+  const Box3 box{{-2, 1, 5}, {1, 3, 9}};
+  const Index3 count(31, 21, 41);
+  const Field field = linear_field({0.3, -0.4, 0.9}, 0.7);
+  const render::Volume grid = packed(folder_, "a.rho", sampled_volume<float>(count, lattice_over(box, count), field));
+  export_vdb(folder_ / "a.rho", folder_ / "a.vdb");
+  const render::Volume sparse = loaded(folder_ / "a.vdb");
+  const render::Volume mesh =
+      packed(folder_, "m.rho", box_mesh({.cells = {7, 6, 5}, .box = box, .jitter = 0.15}, field));
+  render::Scene scene = oblique_scene(grid, field(box.center()) + 0.01);
+  scene.lights = {{.kind = render::Light::Kind::directional, .place = {1, -2, 3}, .casts_shadows = true}, {}};
+  scene.occlusion = {.samples = 2, .radius = 1};
+  scene.fog = render::Fog{.color = {0, 0, 1}, .range = {.lo = 5, .hi = 25}};
+  const render::Framebuffer expected = picture(grid, scene);
+  EXPECT_GT(hit_count(expected), 500U);
+  for (const render::Volume* volume : {&sparse, &mesh}) {
+    const render::Framebuffer found = picture(*volume, scene);
+    for (std::size_t p = 0; p < expected.depth.size(); ++p) {
+      const bool is_hit = expected.cell[p] != render::Framebuffer::no_cell;
+      ASSERT_EQ(found.cell[p] != render::Framebuffer::no_cell, is_hit) << p;
+      // Samples are numbers of single precision: the plane is off by 1e-7 of them, seen at a slant.
+      if (is_hit) {
+        ASSERT_NEAR(found.depth[p], expected.depth[p], 1e-5);
+      }
+    }
+    expect_same_light(found, expected);
+  }
+}
+
 TEST_F(NanoVdbVolume, shows_the_same_where_most_of_it_is_constant) {
   const auto sample = [](const Index3& s) {
     const auto far = [](std::int64_t a) { return static_cast<double>(a - 40); };

@@ -215,6 +215,46 @@ struct Layers {
   }
 };
 
+/// Means of squares of pixels, channel by channel.
+std::vector<double> means_of(const Framebuffer& fine, int square) {
+  const int across = fine.width / square;
+  std::vector<double> means(static_cast<std::size_t>(across) * static_cast<std::size_t>(fine.height / square) * 4);
+  for (std::size_t p = 0; p < fine.pixel_count(); ++p) {
+    const auto x = static_cast<int>(p) % fine.width / square, y = static_cast<int>(p) / fine.width / square;
+    for (std::size_t c = 0; c < 4; ++c)
+      means[4 * static_cast<std::size_t>(y * across + x) + c] +=
+          static_cast<double>(fine.color[4 * p + c]) / (square * square);
+  }
+  return means;
+}
+
+// A region that was held against the rays of another tile showed what it takes away along every edge.
+TEST(Antialiasing, shows_what_a_clip_region_leaves) {
+  Layers shown;
+  shown.scene.lights = {{}};
+  shown.scene.occlusion = {};
+  Layer slice{.volume = 0, .mode = render::Mode::slice};
+  slice.plane = {.point = {0.1, 0, 0}, .normal = {1, 0, 0}};
+  slice.surface.color_by = render::FieldColors{.field = shown.volumes[0].field().name, .range = {.lo = -2, .hi = 2}};
+  shown.scene.layers.push_back(slice);
+  shown.scene.layers[0].clipped = false;
+  constexpr int square = 6;
+  for (const bool cuts_away : {false, true}) {
+    shown.scene.clip = render::Clip{.planes = {{.point = {0.1, 0, 0}, .normal = {1, 0, 0}}}, .cuts_away = cuts_away};
+    const Answer smooth =
+        traced(shown.volumes, shown.scene, {.width = edge, .height = edge, .antialiasing = 16, .threads = 1});
+    const Answer fine =
+        traced(shown.volumes, shown.scene, {.width = square * edge, .height = square * edge, .threads = 1});
+    const std::vector<double> means = means_of(fine.picture, square);
+    std::size_t differing = 0;
+    for (std::size_t i = 0; i < means.size(); ++i)
+      differing += std::abs(static_cast<double>(smooth.picture.color[i]) - means[i]) > 0.15;
+    EXPECT_GT(smooth.statistics.edge_pixels, 300U);
+    // 16 samples of a pixel, and pixels whose middle and neighbours do not show that they lie at an edge.
+    EXPECT_LT(differing, means.size() / 200) << cuts_away;
+  }
+}
+
 TEST(Antialiasing, is_the_same_for_any_number_of_threads_and_in_passes) {
   const Layers shown;
   const FrameOptions one{.width = edge, .height = edge, .channels = all_channels, .antialiasing = 16, .threads = 1};

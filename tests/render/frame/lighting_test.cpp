@@ -144,6 +144,25 @@ TEST(Shadows, do_not_fall_from_a_plane_on_itself) {
   EXPECT_GT(lit, 100'000);
 }
 
+TEST(Shadows, do_not_fall_from_a_saddle_on_itself) {
+  // Cells of a grid have it as it is. It rises by less than 0.71 a unit; the lights stand higher.
+  const auto saddle = [](const Vec3& p) { return p.z - 0.5 * p.x * p.y; };
+  for (const double scale : scales)
+    for (const double steepness : {1.0, 1e-15, 1e15}) {
+      const TemporaryFolder folder;
+      const std::vector<render::Volume> volumes = both_kinds(folder, saddle, 12, scale, steepness);
+      for (const double isovalue : {0.0, 0.0517})  // through lattice points and beside them
+        for (std::size_t v = 0; v < volumes.size(); ++v)
+          for (const Light& light : {sun({1, -2, 3}), sun({-1, 1, 1.6}), lamp(scale * Vec3(0.5, -2, 9))}) {
+            const Scene scene =
+                scene_of({matte(v, isovalue * steepness)}, {light}, {scale * cube.min, scale * cube.max});
+            const Picture with = picture_of(volumes, scene), none = picture_of(volumes, without_shadows(scene));
+            ASSERT_EQ(with.pixels.color, none.pixels.color) << isovalue << ' ' << v << ' ' << scale << ' ' << steepness;
+            EXPECT_GT(with.statistics.shadow_rays, 1000);
+          }
+    }
+}
+
 TEST(Shadows, do_not_fall_from_slivers_on_themselves) {
   // Cells a hundred thousand times as wide as high.
   const Box3 flat{{-1, -1, -1e-5}, {1, 1, 1e-5}};

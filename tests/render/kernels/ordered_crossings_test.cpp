@@ -63,6 +63,22 @@ std::vector<Shown> all_shown() {
   made.push_back(grid_of<std::int32_t>("I32", {33, 9, 42}, 1e6, -2e9));
   made.push_back(grid_of<float>("F32", {29, 31, 27}, 1e-3, 1));
   made.push_back(grid_of<double>("F64", {25, 26, 27}, 1, 0));
+  // Fields that planes are close to, so that most rays go by what a block has.
+  const auto slow = [](const Index3& i) {
+    const double x = static_cast<double>(i.x), y = static_cast<double>(i.y), z = static_cast<double>(i.z);
+    return static_cast<std::uint16_t>(2000 + 900 * std::sin(0.11 * x) * std::cos(0.09 * y) + 600 * std::sin(0.12 * z));
+  };
+  made.push_back({"U16 slow",
+                  std::make_unique<TracedVolume>(volume_of<std::uint16_t>({61, 52, 49}, slow)),
+                  {60, 51, 48},
+                  {2100.5, 2107.3}});
+  const auto plane = [](const Index3& i) {
+    return 2.0 * static_cast<double>(i.x) - static_cast<double>(i.y) + 0.5 * static_cast<double>(i.z);
+  };
+  made.push_back({"F64 plane",
+                  std::make_unique<TracedVolume>(volume_of<double>({33, 29, 31}, plane)),
+                  {32, 28, 30},
+                  {24.0, 24.1}});
   preprocess::NeutralMesh mesh = box_mesh({.cells = {14, 12, 13}, .box = {{0, 0, 0}, {28, 24, 26}}, .jitter = 0.2});
   add_point_field(mesh, "value",
                   [](const Vec3& p) { return std::sin(0.4 * p.x) + std::sin(0.5 * p.y) * std::cos(0.3 * p.z); });
@@ -203,7 +219,7 @@ TEST(OrderedCrossings, are_those_of_double_precision_one_after_another) {
   }
   // Surfaces that are touched: single precision has a pair of crossings, or has none, where double has it otherwise.
   EXPECT_LE(others, asked / 250);
-  EXPECT_GT(crossings, 2 * asked);
+  EXPECT_GT(crossings, asked);
 }
 
 TEST(OrderedCrossings, of_a_surface_do_not_depend_on_the_other) {
