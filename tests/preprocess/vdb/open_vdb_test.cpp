@@ -1,4 +1,4 @@
-#include <openvdb/points/PointConversion.h>
+#include <openvdb/points/PointDataGrid.h>
 
 #include <cmath>
 #include <numeric>
@@ -107,12 +107,8 @@ TEST_F(Vdb, takes_a_grid_by_its_name_and_a_vector_by_its_component) {
 }
 
 TEST_F(Vdb, says_what_is_in_a_file_that_holds_no_scalars) {
-  std::vector<openvdb::Vec3R> places{{0, 0, 0}, {1, 2, 3}};
-  const openvdb::points::PointAttributeVector<openvdb::Vec3R> positions(places);
-  const auto transform = openvdb::math::Transform::createLinearTransform(1.0);
-  const auto index = openvdb::tools::createPointIndexGrid<openvdb::tools::PointIndexGrid>(positions, *transform);
-  const auto points = openvdb::points::createPointDataGrid<openvdb::points::NullCodec, openvdb::points::PointDataGrid>(
-      *index, positions, *transform);
+  const auto points = openvdb::points::PointDataGrid::create();
+  points->tree().setValueOn(Coord(0, 0, 0));
   points->setName("dust");
   const auto path = write("points.vdb", {points});
   expect_refusal([&] { import_volume(path); }, Trouble::unsupported, {"points.vdb", "points in grid 'dust'"});
