@@ -9,6 +9,7 @@
 #include "render/kernels/cluster_walk.h"
 #include "render/kernels/intersection_timer.h"
 #include "render/kernels/kernels.h"
+#include "render/kernels/met_tets.h"
 #include "render/march/lattice_walk.h"
 
 /// What the kernels of tetrahedral meshes share: a ray's walk through the leaf cells, to the tetrahedra that their
@@ -31,16 +32,23 @@ RHORAY_INLINE bool is_preferred(const View& view, std::uint32_t tet, std::uint32
   return id != other ? id < other : tet < to;
 }
 
-/// Calls look(tetrahedron, values of its sorted vertices) for those that may hold the isosurface and have data.
-template <class View, class Look>
+/// Calls look(tetrahedron, values of its sorted vertices) if it may hold the isosurface, has data, and is_new(it).
+template <class View, class Look, class IsNew>
 RHORAY_INLINE void look_into(const View& view, const Question& question, std::uint32_t tet, KernelCounters& counters,
-                             Look&& look) {
+                             Look&& look, IsNew&& is_new) {
   const auto vertices = view.sorted_vertices(tet);
   const TetValues values = view.values_at(vertices);
   const auto [lo, hi] = std::minmax({values[0], values[1], values[2], values[3]});
-  if (!(lo < question.isovalue && question.isovalue <= hi) || !has_data(values)) return;
+  if (!(lo < question.isovalue && question.isovalue <= hi) || !has_data(values) || !is_new(tet)) return;
   ++counters.cells_solved;
   look(tet, LocalTet{view.points_at(vertices), values});
+}
+
+/// The same for tetrahedra that come up once.
+template <class View, class Look>
+RHORAY_INLINE void look_into(const View& view, const Question& question, std::uint32_t tet, KernelCounters& counters,
+                             Look&& look) {
+  look_into(view, question, tet, counters, look, [](std::uint32_t) { return true; });
 }
 
 /// Shows the lists of the leaf cells along the ray that may hold the isosurface, front to back.
@@ -75,14 +83,16 @@ void walk_active_leaves(const View& view, const Question& question, const Ray& r
                  segment->t_out, enters, leaf);
 }
 
-/// Looks into the tetrahedra along the ray, leaf after leaf; one comes up once for every leaf cell that lists it.
+/// Looks into the tetrahedra along the ray, leaf after leaf, each once although several leaf cells list it.
 template <class View, class Begins, class Look, class Ends>
 void walk_active_lists(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
                        Begins&& leaf_begins, Look&& look, Ends&& leaf_ends) {
+  MetTets met;
+  const auto is_new = [&](std::uint32_t tet) { return met.add(tet); };
   walk_active_leaves(
       view, question, ray, counters, leaf_begins,
       [&](std::span<const std::uint32_t> list) {
-        for (const std::uint32_t tet : list) look_into(view, question, tet, counters, look);
+        for (const std::uint32_t tet : list) look_into(view, question, tet, counters, look, is_new);
       },
       leaf_ends);
 }

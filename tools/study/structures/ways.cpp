@@ -232,7 +232,7 @@ std::vector<Way> MeshForWays::structures(double isovalue) const {
                                                             ends_at);
                                  })});
   }
-  // The scalar kernel holds a ray against a cell once for each list that names it; the grids below do not.
+  // The scalar kernel reads the values of a cell in each list that names it; the grids below ask before that.
   const File& lists = parts_->files[lists_of_one];
   Way each_once = ways[lists_of_one];
   each_once.name += ", a mailbox";
