@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <vector>
 
 #include "formats/base/checks.h"
@@ -15,40 +14,45 @@ namespace rhoray::render {
 /// first 48, more than most rays meet, need no memory but their own.
 class MetTets {
  public:
-  MetTets() { slots_.fill(none); }
+  MetTets() { first_slots_.fill(none); }
+  MetTets(const MetTets&) = delete;
+  MetTets& operator=(const MetTets&) = delete;
 
   /// True for one that was not there. Position 2^32 - 1 is always new: that costs a test, no answer.
   RHORAY_INLINE bool add(std::uint32_t tet) {
     if (tet == none) return true;
-    const std::span<std::uint32_t> slots = more_slots_.empty() ? std::span(slots_) : std::span(more_slots_);
-    std::uint32_t& slot = place_of(tet, slots);
+    std::uint32_t& slot = place_of(tet);
     if (slot == tet) return false;
     slot = tet;
-    if (++count_ > slots.size() / 4 * 3) grow(slots);
+    if (++count_ > mask_ - mask_ / 4) grow();
     return true;
   }
 
  private:
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-  /// Where it stands, or the free slot where it belongs. Some are always free.
-  RHORAY_INLINE static std::uint32_t& place_of(std::uint32_t tet, std::span<std::uint32_t> slots) {
-    // Neighbours in a mesh have positions side by side: their last bits part them well.
-    std::size_t at = tet % slots.size();
-    while (slots[at] != none && slots[at] != tet) at = (at + 1) % slots.size();
-    return slots[at];
+  /// Where it stands, or the free slot where it belongs; a quarter is always free. Neighbours in a mesh have positions
+  /// side by side: their last bits part them well.
+  RHORAY_INLINE std::uint32_t& place_of(std::uint32_t tet) {
+    std::uint32_t at = tet & mask_;
+    while (slots_[at] != none && slots_[at] != tet) at = (at + 1) & mask_;
+    return slots_[at];
   }
 
-  void grow(std::span<const std::uint32_t> slots) {
-    std::vector<std::uint32_t> more(4 * slots.size(), none);
-    for (const std::uint32_t tet : slots)
-      if (tet != none) place_of(tet, more) = tet;
-    more_slots_.swap(more);
+  void grow() {
+    const std::vector<std::uint32_t> before(slots_, slots_ + mask_ + 1);
+    mask_ = 4 * mask_ + 3;
+    more_slots_.assign(std::size_t{mask_} + 1, none);
+    slots_ = more_slots_.data();
+    for (const std::uint32_t tet : before)
+      if (tet != none) place_of(tet) = tet;
   }
 
-  std::array<std::uint32_t, 64> slots_;
+  std::array<std::uint32_t, 64> first_slots_;
   std::vector<std::uint32_t> more_slots_;  ///< in their place, once they are full
-  std::size_t count_ = 0;
+  std::uint32_t* slots_ = first_slots_.data();
+  std::uint32_t mask_ = 63;  ///< slots less 1: a power of two less 1
+  std::uint32_t count_ = 0;
 };
 
 }  // namespace rhoray::render
