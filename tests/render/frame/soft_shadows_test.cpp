@@ -9,45 +9,21 @@
 
 #include "formats/base/trouble.h"
 #include "render/frame/camera_rays.h"
-#include "tests/agreement/pictures.h"
+#include "tests/render/frame/lit_pictures.h"
 #include "tests/support/expect_error.h"
 
 /// Shadows of lights that have a size: how much of a light is seen from where.
 namespace rhoray::tests {
 namespace {
 
-using render::Layer;
-using render::Light;
-using render::Scene;
+using namespace lit;
 
-constexpr int edge = 96;
 constexpr double floor_height = -0.5;
-
-struct Picture {
-  render::Framebuffer pixels;
-  render::FrameStatistics statistics;
-
-  bool is_hit(std::size_t p) const { return pixels.depth[p] < std::numeric_limits<float>::infinity(); }
-  double red(std::size_t p) const { return pixels.color[4 * p]; }
-};
-
-Picture picture_of(const std::vector<render::Volume>& volumes, const Scene& scene, unsigned threads = 1) {
-  Picture picture;
-  picture.statistics = render::render(
-      volumes, scene, {.width = edge, .height = edge, .channels = all_channels, .threads = threads}, picture.pixels);
-  return picture;
-}
 
 render::Volume grid_of(const TemporaryFolder& folder, const char* name, std::int64_t samples, const Box3& box,
                        const Field& field) {
   const Index3 count(samples, samples, samples);
   return packed(folder, name, sampled_volume<double>(count, lattice_over(box, count), field));
-}
-
-Layer matte(std::size_t volume, double isovalue) {
-  Layer layer{.volume = volume, .isovalue = isovalue, .method = render::method_of(render::Accuracy::single)};
-  layer.surface = {.color = {1, 1, 1}, .ambient = 0.25, .specular = 0};
-  return layer;
 }
 
 Scene scene_of(const std::vector<Layer>& layers, const Light& light) {
