@@ -28,5 +28,7 @@ template void resume_certified(const GridVolume<float>&, const Question&, const 
                                HitBatch&, KernelScratch&);
 template void resume_certified(const GridVolume<double>&, const Question&, const RayBatch&, std::span<const ResumedAt>,
                                HitBatch&, KernelScratch&);
+template void resume_certified(const NanoVdbVolume&, const Question&, const RayBatch&, std::span<const ResumedAt>,
+                               HitBatch&, KernelScratch&);
 
 }  // namespace rhoray::render

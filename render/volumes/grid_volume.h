@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -9,6 +10,7 @@
 #include "formats/brick_grid.h"
 #include "render/cells/trilinear.h"
 #include "render/march/lattice_walk.h"
+#include "render/volumes/stored_bricks.h"
 
 namespace rhoray::render {
 
@@ -44,6 +46,21 @@ class SparseSamples {
  public:
   SparseSamples(const formats::BrickGrid& grid, std::size_t field)
       : address_(grid.description().layout, grid.tables(), grid.brick_slots()), samples_(grid.samples<T>(field)) {}
+
+  /// The bricks of the grid that these are the samples of.
+  StoredBricks<T> bricks(const formats::BrickGrid& grid) const {
+    static constexpr T no_data[] = {std::numeric_limits<T>::quiet_NaN()};
+    const formats::BrickLayout& layout = grid.description().layout;
+    const formats::AxisTables& tables = grid.tables();
+    const auto size = static_cast<std::uint64_t>(layout.brick_edge * layout.brick_edge * layout.brick_edge);
+    return {.address = {tables.x.data(), tables.y.data(), tables.z.data()},
+            .slots = grid.brick_slots(),
+            .shift = std::countr_zero(size),
+            .samples = samples_.data(),
+            .stride = size,
+            .stored_count = static_cast<std::uint32_t>(layout.stored_brick_count),
+            .values = no_data};
+  }
 
   RHORAY_INLINE TrilinearCell cell(const Index3& c) const {
     TrilinearCell out;
@@ -115,6 +132,8 @@ class RectilinearGeometry {
 template <class T, class Samples = DenseSamples<T>, class Geometry = UniformGeometry>
 class GridVolume {
  public:
+  static constexpr formats::ElementType sample_type = formats::element_type_of<T>();
+
   GridVolume(const formats::BrickGrid& grid, std::size_t field)
       : grid_(grid), samples_(grid_, field), geometry_(grid.description()), levels_(grid.macro_levels<T>(field)) {}
 
@@ -128,6 +147,8 @@ class GridVolume {
   const formats::AxisTables& tables() const { return samples_.tables(); }
   std::span<const T> samples() const { return samples_.samples(); }
   const formats::MacroLevelsView<T>& levels() const { return levels_; }
+  /// Only of a sparse grid.
+  StoredBricks<T> bricks() const { return samples_.bricks(grid_); }
 
   /// When a ray passes the planes between cells.
   RHORAY_INLINE auto plane_times(const Ray& ray) const {

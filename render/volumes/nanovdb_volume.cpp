@@ -60,14 +60,14 @@ class NodeCheck {
   std::span<const std::byte> buffer_;
 };
 
-constexpr std::int64_t leaf_edge = nanovdb::NanoLeaf<float>::DIM;
+constexpr std::int64_t leaf_edge = LeafBricks::edge;
 
-/// Macrocells of the lowest level are as large as leaf nodes, or larger where a sparse grid spans so much space that
-/// their number would not fit memory.
+/// Macrocells of the lowest level have 4^3 cells, as wide kernels want them, or more where a sparse grid spans so much
+/// space that their number would not fit memory.
 formats::MacroShape choose_shape(const Index3& sample_count, const formats::PackedFile& file) {
   constexpr std::int64_t most_macrocells = std::int64_t{1} << 24;
-  formats::MacroShape shape{.leaf_count = sample_count - Index3(1, 1, 1), .factor = leaf_edge, .level_count = 1};
-  // Each count is at most 2^30 / 8, so that the product of three is made in double precision first.
+  formats::MacroShape shape{.leaf_count = sample_count - Index3(1, 1, 1), .factor = 4, .level_count = 1};
+  // Each count is at most 2^30 / 4, so that the product of three is made in double precision first.
   const auto too_many = [&] {
     const Index3 count = shape.count(1);
     return static_cast<double>(count.x) * static_cast<double>(count.y) * static_cast<double>(count.z) >
@@ -103,11 +103,6 @@ Index3 smaller(const Index3& a, const Index3& b) {
   return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
 }
 
-/// The number, rounded down to a multiple of the leaf's edge; also for negative ones.
-std::int64_t leaf_start(std::int64_t voxel) {
-  return voxel & ~(leaf_edge - 1);
-}
-
 }  // namespace
 
 NanoVdbVolume::NanoVdbVolume(const formats::VdbGrid& grid)
@@ -117,9 +112,11 @@ NanoVdbVolume::NanoVdbVolume(const formats::VdbGrid& grid)
       levels_(std::make_shared<Levels>()) {
   Levels& levels = *levels_;
   const formats::MacroShape shape = levels.shape = choose_shape(grid.description().sample_count, grid.file());
+  if (shape.factor < leaf_edge)
+    bricks_ = std::make_shared<const LeafBricks>(*tree_, first_sample_, grid.description().sample_count);
   for (int level = 1; level <= shape.level_count; ++level)
     levels.ranges.emplace_back(static_cast<std::size_t>(2 * volume(shape.count(level))));
-  build_lowest_level(levels.ranges.front());
+  build_lowest_level(levels);
   levels.view = {.shape = shape, .first_level = 1, .ranges = {levels.ranges.begin(), levels.ranges.end()}};
   for (int level = 2; level <= shape.level_count; ++level)
     for_each_index({0, 0, 0}, shape.count(level), [&](const Index3& c) {
@@ -130,22 +127,27 @@ NanoVdbVolume::NanoVdbVolume(const formats::VdbGrid& grid)
       });
       put(levels.ranges[static_cast<std::size_t>(level - 1)], shape.count(level), c, range);
     });
+  for_each_index({0, 0, 0}, shape.count(shape.level_count),
+                 [&](const Index3& c) { levels.values.include(levels.view.range(shape.level_count, c.x, c.y, c.z)); });
 }
 
-void NanoVdbVolume::build_lowest_level(std::vector<float>& ranges) const {
-  const formats::MacroShape& shape = levels_->shape;
-  const Index3 count = shape.count(1);
+void NanoVdbVolume::build_lowest_level(Levels& levels) const {
+  const Index3 count = levels.shape.count(1);
+  std::atomic<bool> has_gaps = false;
   for_each_range(static_cast<std::uint64_t>(count.z), 1, 0, [&](std::uint64_t first, std::uint64_t last) {
     const Index3 low(0, 0, static_cast<std::int64_t>(first)), high(count.x, count.y, static_cast<std::int64_t>(last));
     for_each_index(low, high, [&](const Index3& c) {
-      const Index3 from = c * shape.factor;
-      put(ranges, count, c, sample_range(from, smaller(from + Index3(1, 1, 1) * shape.factor, shape.leaf_count)));
+      const Index3 from = c * levels.shape.factor;
+      const Index3 to = smaller(from + Index3(1, 1, 1) * levels.shape.factor, levels.shape.leaf_count);
+      put(levels.ranges.front(), count, c, sample_range(from, to, has_gaps));
     });
   });
+  levels.has_gaps = has_gaps;
 }
 
 /// Over the samples from first to last. A leaf-sized block of voxels without a leaf node has one value.
-Interval<float> NanoVdbVolume::sample_range(const Index3& first, const Index3& last) const {
+Interval<float> NanoVdbVolume::sample_range(const Index3& first, const Index3& last,
+                                            std::atomic<bool>& has_gaps_anywhere) const {
   Interval<float> range;
   bool has_gaps = false;
   const auto include = [&](float value) {
@@ -172,7 +174,9 @@ Interval<float> NanoVdbVolume::sample_range(const Index3& first, const Index3& l
                                         static_cast<std::size_t>(in.y) * y_stride + static_cast<std::size_t>(in.z)]);
         });
       }
-  return has_gaps ? cell_range(first, last) : range;
+  if (!has_gaps) return range;
+  has_gaps_anywhere = true;
+  return cell_range(first, last);
 }
 
 /// Over the cells between the samples from first to last that have data.

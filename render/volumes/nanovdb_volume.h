@@ -2,6 +2,7 @@
 
 #include <nanovdb/NanoVDB.h>
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "render/cells/trilinear.h"
 #include "render/march/lattice_walk.h"
 #include "render/volumes/grid_volume.h"
+#include "render/volumes/leaf_bricks.h"
 
 namespace rhoray::render {
 
@@ -18,12 +20,25 @@ namespace rhoray::render {
 /// are not stored have the value of the tile or the background around them.
 class NanoVdbVolume {
  public:
+  static constexpr formats::ElementType sample_type = formats::ElementType::F32;
+
   /// Builds the macro levels from the leaf nodes: where the grid is sparse, that costs little. Refuses a buffer that is
   /// not a float grid, or whose nodes do not lie in it.
   explicit NanoVdbVolume(const formats::VdbGrid& grid);
 
   WalkLattice lattice() const { return {levels_->shape.leaf_count, levels_->shape.factor}; }
   int level_count() const { return levels_->shape.level_count; }
+  const formats::MacroLevelsView<float>& levels() const { return levels_->view; }
+
+  /// The leaf nodes as bricks. There may be no slots (LeafBricks), as where the macrocells of the lowest level are
+  /// larger.
+  StoredBricks<float> bricks() const { return bricks_ ? bricks_->view() : StoredBricks<float>{}; }
+
+  /// Of all cells that have data.
+  Interval<double> values() const {
+    return {static_cast<double>(levels_->values.lo), static_cast<double>(levels_->values.hi)};
+  }
+  bool has_gaps() const { return levels_->has_gaps; }  ///< some samples have no data
   RHORAY_INLINE UniformGeometry geometry() const { return {}; }
 
   /// When a ray passes the planes between cells.
@@ -73,6 +88,8 @@ class NanoVdbVolume {
     formats::MacroShape shape;
     std::vector<std::vector<float>> ranges;  ///< [level - 1]: as MacroLevelsView has them
     formats::MacroLevelsView<float> view;
+    Interval<float> values;
+    bool has_gaps = false;
   };
 
   RHORAY_INLINE nanovdb::Coord voxel(const Index3& sample) const {
@@ -80,14 +97,15 @@ class NanoVdbVolume {
             static_cast<std::int32_t>(first_sample_.y + sample.y),
             static_cast<std::int32_t>(first_sample_.z + sample.z)};
   }
-  Interval<float> sample_range(const Index3& first, const Index3& last) const;
+  Interval<float> sample_range(const Index3& first, const Index3& last, std::atomic<bool>& has_gaps) const;
   Interval<float> cell_range(const Index3& first, const Index3& last) const;
-  void build_lowest_level(std::vector<float>& ranges) const;
+  void build_lowest_level(Levels& levels) const;
 
   formats::VdbGrid grid_;  ///< keeps the buffer
   const nanovdb::NanoTree<float>* tree_;
   Index3 first_sample_;
   std::shared_ptr<Levels> levels_;
+  std::shared_ptr<const LeafBricks> bricks_;  ///< null where macrocells of the lowest level are larger
 };
 
 }  // namespace rhoray::render

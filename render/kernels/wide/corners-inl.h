@@ -8,6 +8,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <type_traits>
 
 #include <hwy/highway.h>
 
@@ -36,7 +37,12 @@ HWY_NOINLINE void load_corners(const SampleSource& source, const int* upward, do
       address[a][0] = at[0], address[a][1] = at[upward[a]];
     }
     for (int c = 0; c < 8; ++c) {
-      const T sample = samples[address[0][c & 1] + address[1][c >> 1 & 1] + address[2][c >> 2]];
+      const std::uint64_t at = address[0][c & 1] + address[1][c >> 1 & 1] + address[2][c >> 2];
+      T sample;
+      if (std::is_floating_point_v<T> && source.bricks.slots != nullptr)
+        sample = OneBrick<T>(source, at >> source.bricks.shift).at_address(at);
+      else
+        sample = samples[at];
       if constexpr (is_exact_in_float<T>) cells.stored[c][lane] = sample;
       if (!in_float) cells.difference[c][lane] = side_keeping_difference(static_cast<double>(sample), isovalue);
     }

@@ -161,11 +161,63 @@ HWY_INLINE void fetch_bricks(const SampleSource& source, const int* first, float
   }
 }
 
+/// Values less an isovalue, as side_keeping_difference has them.
+/// @param is_single  the isovalue is a number of single precision
+HWY_INLINE VecF less_isovalue(VecF values, double isovalue, bool is_single) {
+  if (is_single) return hn::Sub(values, hn::Set(floats, static_cast<float>(isovalue)));
+  VecD parts[parts_of_floats];
+  const VecD least = hn::Set(doubles, -static_cast<double>(std::numeric_limits<float>::denorm_min()));
+  for (std::size_t part = 0; part < parts_of_floats; ++part) {
+    const VecD difference = hn::Sub(as_doubles(values, part), hn::Set(doubles, isovalue));
+    parts[part] = hn::IfThenElse(hn::Lt(difference, hn::Zero(doubles)), hn::Min(difference, least), difference);
+  }
+  return as_floats(parts);
+}
+
+/// The samples of a block of stored bricks, less the isovalue. These are at most two on each axis, as a brick has at
+/// least as many samples as a block has cells.
+template <class T>
+HWY_INLINE void fetch_from_bricks(const SampleSource& source, const int* first, double isovalue, float* to) {
+  const int shift = source.bricks.shift;
+  std::uint64_t address[3][5];
+  int last_of_near[3] = {};  ///< of the samples on an axis, the last one in the first brick
+  for (int a = 0; a < 3; ++a)
+    for (int i = 0; i < 5; ++i) {
+      const int at = first[a] + i, last = source.count[a] - 1;
+      address[a][i] = source.address[a][at < last ? at : last];
+      if (address[a][i] >> shift == address[a][0] >> shift) last_of_near[a] = i;
+    }
+  OneBrick<T> bricks[2][2][2];  // z, y, x: the first and the last on each axis
+  for (int b = 0; b < 8; ++b)
+    bricks[b >> 2][b >> 1 & 1][b & 1] = OneBrick<T>(
+        source, (address[0][4 * (b & 1)] + address[1][4 * (b >> 1 & 1)] + address[2][4 * (b >> 2)]) >> shift);
+  HWY_ALIGN T values[128] = {};
+  for (int k = 0; k < 5; ++k)
+    for (int j = 0; j < 5; ++j) {
+      const OneBrick<T>* row = bricks[k > last_of_near[2]][j > last_of_near[1]];
+      const std::uint64_t begin = address[1][j] + address[2][k];
+      for (int i = 0; i < 5; ++i)
+        values[i + 5 * j + 25 * k] = row[i > last_of_near[0]].at_address(begin + address[0][i]);
+    }
+  if constexpr (std::is_same_v<T, float>)
+    for (std::size_t i = 0; i < 128; i += float_lanes)
+      hn::Store(less_isovalue(hn::Load(floats, values + i), isovalue, false), floats, to + i);
+  else
+    for (std::size_t i = 0; i < BlockSamples::size; ++i) to[i] = side_keeping_difference(values[i], isovalue);
+  for (std::size_t i = BlockSamples::size; i < 128; ++i) to[i] = 0;
+}
+
 /// Samples less the isovalue.
 template <class T>
 HWY_INLINE void fetch_differences(const SampleSource& source, const int* block, double isovalue, BlockSamples& out) {
   const T* samples = static_cast<const T*>(source.samples);
   const int first[3] = {4 * block[0], 4 * block[1], 4 * block[2]};
+  if constexpr (std::is_floating_point_v<T>) {
+    if (source.bricks.slots != nullptr) {
+      fetch_from_bricks<T>(source, first, isovalue, out.difference);
+      return;
+    }
+  }
   const bool is_whole =
       first[0] + 4 < source.count[0] && first[1] + 4 < source.count[1] && first[2] + 4 < source.count[2];
   const auto isovalue_float = static_cast<float>(isovalue);
@@ -222,19 +274,6 @@ inline constexpr bool is_single = is_exact_in_float<T> || std::is_same_v<T, floa
 template <class T>
 HWY_NOINLINE void fetch_values(const SampleSource& source, const int* block, BlockSamples& out) {
   if constexpr (is_single<T>) fetch_differences<T>(source, block, 0, out);
-}
-
-/// Values less an isovalue, as side_keeping_difference has them.
-/// @param is_single  the isovalue is a number of single precision
-HWY_INLINE VecF less_isovalue(VecF values, double isovalue, bool is_single) {
-  if (is_single) return hn::Sub(values, hn::Set(floats, static_cast<float>(isovalue)));
-  VecD parts[parts_of_floats];
-  const VecD least = hn::Set(doubles, -static_cast<double>(std::numeric_limits<float>::denorm_min()));
-  for (std::size_t part = 0; part < parts_of_floats; ++part) {
-    const VecD difference = hn::Sub(as_doubles(values, part), hn::Set(doubles, isovalue));
-    parts[part] = hn::IfThenElse(hn::Lt(difference, hn::Zero(doubles)), hn::Min(difference, least), difference);
-  }
-  return as_floats(parts);
 }
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE

@@ -52,7 +52,7 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
                      KernelScratch& scratch) {
   std::visit(
       [&]<class View>(const View& view) {
-        if constexpr (is_uniform_grid<View>) {
+        if constexpr (has_wide_surfaces<View>) {
           const Kernel reference = kernels_for(view, question.method.way).first_crossing;
           if (!is_answerable_wide(volume, question)) {
             reference(volume, question, rays, hits, scratch);
@@ -61,8 +61,7 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
           scratch.counters.rays_wide += rays.count;
           IsosurfaceScratch& memory =
               prepared(scratch.isosurface, volume.occupancies->of(view.levels(), question.isovalue));
-          Surface surface = surface_of(view, *memory.occupancy, question);
-          surface.source.has_gaps = volume.field.no_data_count > 0;
+          const Surface surface = surface_of(volume, view, *memory.occupancy, question);
           const CrossingKernels kernels = crossing_kernels_on(machine, search);
           const RayArrays asked = arrays_of(rays);
           const HitArrays answers = arrays_of(hits);
@@ -94,7 +93,7 @@ std::optional<SurfaceBoxes> prepare_occupancy(const VolumeImplementation& volume
   if (!is_answerable_wide(volume, question)) return std::nullopt;
   return std::visit(
       [&]<class View>(const View& view) -> std::optional<SurfaceBoxes> {
-        if constexpr (is_uniform_grid<View>) {
+        if constexpr (has_wide_surfaces<View>) {
           const auto occupancy = volume.occupancies->of(view.levels(), question.isovalue);
           const Index3 cells = view.lattice().leaf_count;
           SurfaceBoxes boxes = boxes_of(occupancy, occupancy->boxes());

@@ -28,9 +28,9 @@ Shells shells_of(const View& view, const VolumeImplementation& volume, const Cro
   const CrossedSurface &first = question.surfaces.front(), &last = question.surfaces.back();
   keep_blocks_of(scratch, {volume.occupancies->of(view.levels(), first.isovalue),
                            volume.occupancies->of(view.levels(), last.isovalue)});
-  Shells shells{.surface = {surface_of(view, *scratch.occupancies[0],
+  Shells shells{.surface = {surface_of(volume, view, *scratch.occupancies[0],
                                        {.isovalue = first.isovalue, .time_phases = question.time_phases}),
-                            surface_of(view, *scratch.occupancies[1],
+                            surface_of(volume, view, *scratch.occupancies[1],
                                        {.isovalue = last.isovalue, .time_phases = question.time_phases})},
                 .passing = {first.passing, last.passing},
                 .least_inside = {},
@@ -60,7 +60,7 @@ void cross(const VolumeImplementation& volume, const CrossingsQuestion& question
            KernelCounters& counters) {
   std::visit(
       [&]<class View>(const View& view) {
-        if constexpr (is_uniform_grid<View>) {
+        if constexpr (has_wide_surfaces<View>) {
           if (!memory.shells) memory.shells = std::make_shared<ShellScratch>();
           const Shells shells = shells_of(view, volume, question, *memory.shells);
           CrossingArrays arrays[most_shells];
@@ -84,8 +84,8 @@ void cross(const VolumeImplementation& volume, const CrossingsQuestion& question
 
 CrossingsKernel shells_kernel(const VolumeImplementation& volume, const Question& question, Machine machine) {
   const bool is_known = has_wide_crossings(question.method) && question.method.way == Method::Way::direct;
-  if (!is_known || !is_fit_grid(volume) || !is_answerable_wide(volume, question) || volume.field.no_data_count > 0)
-    return nullptr;
+  const bool is_whole = std::visit([&](const auto& view) { return !has_gaps(volume, view); }, volume.view);
+  if (!is_known || !is_fit_grid(volume) || !is_answerable_wide(volume, question) || !is_whole) return nullptr;
   switch (machine) {
     case Machine::scalar:
       break;

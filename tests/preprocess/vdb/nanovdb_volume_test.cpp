@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "formats/vdb_grid.h"
 #include "preprocess/export_grid.h"
@@ -48,6 +49,11 @@ class NanoVdbVolume : public Vdb {
       EXPECT_GT(hit_count(expected), 500U);
       expect_same_picture(picture(sparse, scene), expected);
       expect_same_picture(picture(sparse, scene, {.use_hierarchy = false}), expected);
+      for (const render::Accuracy accuracy : {render::Accuracy::single, render::Accuracy::certified}) {
+        scene.layers[0].method = render::method_of(accuracy);
+        expect_same_bits(picture(sparse, scene), picture(packed, scene));
+      }
+      scene.layers[0].method = {};
       scene.lights = {{.kind = render::Light::Kind::directional, .place = {1, -2, 3}, .casts_shadows = true}, {}};
       scene.occlusion = {.samples = 2, .radius = packed.bounds().size().length() / 8};
       expect_same_light(picture(sparse, scene), picture(packed, scene));
@@ -165,6 +171,35 @@ TEST_F(NanoVdbVolume, draws_a_level_set_where_its_distance_is_zero) {
     }
   EXPECT_EQ(missed, 0U);
   EXPECT_GT(hits, 1000U);
+}
+
+// Leaf nodes begin at multiples of 8 voxels, the box of active voxels and so the blocks of cells do not; and some leaf
+// nodes are tiles of one value.
+TEST_F(NanoVdbVolume, is_answered_wide_where_its_box_begins_anywhere) {
+  const auto grid = named_grid<openvdb::FloatGrid>("f", 2);
+  std::mt19937 random(5);
+  const openvdb::CoordBBox noisy(openvdb::Coord(-13, 3, 5), openvdb::Coord(17, 29, 38));
+  for (auto at = noisy.begin(); at; ++at) grid->tree().setValueOn(*at, static_cast<float>(random() % 6));
+  grid->fill(openvdb::CoordBBox(openvdb::Coord(-8, 8, 8), openvdb::Coord(7, 15, 23)), 4.0F, true);
+  grid->fill(openvdb::CoordBBox(openvdb::Coord(20, 3, 5), openvdb::Coord(36, 12, 20)), 3.0F, true);
+  grid->tree().prune();
+  const render::Volume volume = loaded(write("anywhere.vdb", {grid}));
+  EXPECT_EQ(render::default_method(volume, render::Mode::isosurface), render::method_of(render::Accuracy::single));
+  for (render::Scene scene : {oblique_scene(volume, 2.6), straight_scene(volume, 2.6)}) {
+    const render::Framebuffer expected = picture(volume, scene);
+    EXPECT_GT(hit_count(expected), 2000U);
+    for (const render::Accuracy accuracy : {render::Accuracy::single, render::Accuracy::certified}) {
+      scene.layers[0].method = render::method_of(accuracy);
+      const render::Framebuffer found = picture(volume, scene);
+      std::size_t elsewhere = 0;
+      for (std::size_t p = 0; p < found.depth.size(); ++p) {
+        ASSERT_EQ(std::isfinite(found.depth[p]), std::isfinite(expected.depth[p])) << p;
+        if (std::isfinite(found.depth[p])) elsewhere += std::abs(found.depth[p] - expected.depth[p]) > 1e-4F;
+      }
+      // Along tangents single precision may find the next crossing.
+      EXPECT_LE(elsewhere, 2U);
+    }
+  }
 }
 
 TEST_F(NanoVdbVolume, skips_space_in_which_nothing_is_stored) {

@@ -92,7 +92,14 @@ Grid grid_of_waves(const std::string& name, const Index3& samples, std::uint64_t
   return grid;
 }
 
-/// Every type of samples, odd sizes, flat and long grids, both layouts.
+preprocess::PackVolumeOptions in_bricks_of(std::int64_t edge) {
+  preprocess::PackVolumeOptions options;
+  options.order = preprocess::SampleOrder::sparse;
+  options.brick_edge = edge;
+  return options;
+}
+
+/// Every type of samples, odd sizes, flat and long grids, all layouts.
 std::vector<Grid> grids() {
   std::vector<Grid> made;
   preprocess::PackVolumeOptions linear;
@@ -107,6 +114,8 @@ std::vector<Grid> grids() {
   made.push_back(grid_of_waves<float>("F32", {29, 31, 27}, 8, 1e-3, 1));
   made.push_back(grid_of_waves<double>("F64", {25, 26, 27}, 9, 1e-3, 1e6));
   made.push_back(grid_of_waves<float>("two samples thick", {40, 2, 40}, 10, 1, 0));
+  made.push_back(grid_of_waves<float>("F32 sparse", {29, 31, 27}, 8, 1e-3, 1, in_bricks_of(8)));
+  made.push_back(grid_of_waves<double>("F64 sparse", {25, 26, 27}, 9, 1e-3, 1e6, in_bricks_of(4)));
   return made;
 }
 
@@ -126,7 +135,8 @@ std::vector<Grid> grids_with_gaps() {
   constexpr double nothing[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
                                 -std::numeric_limits<double>::infinity()};
   std::vector<Grid> made;
-  const auto add = [&]<class T>(const Index3& samples, const Gaps& gaps) {
+  const auto add = [&]<class T>(const Index3& samples, const Gaps& gaps,
+                                const preprocess::PackVolumeOptions& options = {}) {
     Dice dice(8);
     preprocess::NeutralVolume volume = volume_of<T>(samples, [&](const Index3& i) {
       const Vec3 p(static_cast<double>(i.x), static_cast<double>(i.y), static_cast<double>(i.z));
@@ -136,14 +146,24 @@ std::vector<Grid> grids_with_gaps() {
       return static_cast<T>(10 + std::sin(0.4 * p.x) + std::sin(0.5 * p.y) * std::cos(0.3 * p.z) +
                             dice.between(-0.1, 0.1));
     });
-    made.push_back({gaps.name, std::make_unique<TracedVolume>(volume), {}, {10.0131, 10.3077, 9.2877}});
+    made.push_back({gaps.name, std::make_unique<TracedVolume>(volume, options), {}, {10.0131, 10.3077, 9.2877}});
     for (int a = 0; a < 3; ++a) made.back().size[a] = static_cast<double>(samples[a] - 1);
   };
   for (const Gaps& gaps : all_gaps) {
     add.template operator()<float>({37, 30, 41}, gaps);
     add.template operator()<double>({25, 50, 33}, gaps);
+    add.template operator()<float>({37, 30, 41}, gaps, in_bricks_of(8));
+    add.template operator()<double>({25, 50, 33}, gaps, in_bricks_of(4));
   }
   return made;
+}
+
+TEST(WideCrossing, is_found_by_wide_kernels_in_all_of_these_grids_but_not_in_bricks_smaller_than_blocks) {
+  for (const auto& made : {grids(), grids_with_gaps()})
+    for (const Grid& grid : made)
+      EXPECT_TRUE(finds_crossings_wide(grid.traced->volume().implementation())) << grid.name;
+  const Grid grid = grid_of_waves<float>("", {29, 31, 27}, 8, 1, 1, in_bricks_of(2));
+  EXPECT_FALSE(finds_crossings_wide(grid.traced->volume().implementation()));
 }
 
 TEST(WideCrossing, agrees_with_the_scalar_reference_for_every_type_of_samples) {
