@@ -112,7 +112,9 @@ NanoVdbVolume::NanoVdbVolume(const formats::VdbGrid& grid)
       levels_(std::make_shared<Levels>()) {
   Levels& levels = *levels_;
   const formats::MacroShape shape = levels.shape = choose_shape(grid.description().sample_count, grid.file());
-  if (shape.factor < leaf_edge)
+  const Index3& cells = shape.leaf_count;
+  constexpr std::int64_t longest = 1 << 16;  // of tables with an entry for each sample on an axis
+  if (shape.factor < leaf_edge && std::max({cells.x, cells.y, cells.z}) < longest)
     bricks_ = std::make_shared<const LeafBricks>(*tree_, first_sample_, grid.description().sample_count);
   for (int level = 1; level <= shape.level_count; ++level)
     levels.ranges.emplace_back(static_cast<std::size_t>(2 * volume(shape.count(level))));

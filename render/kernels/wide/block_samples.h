@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "formats/base/checks.h"
 #include "formats/base/vector.h"
 #include "formats/brick_layout.h"
 #include "render/volumes/stored_bricks.h"
@@ -44,31 +43,6 @@ struct SampleSource {
         count{static_cast<int>(sample_count.x), static_cast<int>(sample_count.y), static_cast<int>(sample_count.z)},
         has_whole_rows(false),
         has_whole_bricks(false) {}
-};
-
-/// The samples of one brick, by their address in the grid.
-template <class T>
-class OneBrick {
- public:
-  OneBrick() = default;
-  RHORAY_INLINE OneBrick(const SampleSource& source, std::uint64_t number) {
-    const SampleSource::Bricks& bricks = source.bricks;
-    const std::uint32_t slot = bricks.slots[number];
-    if (slot < bricks.stored_count) {
-      samples_ = static_cast<const T*>(source.samples) + slot * bricks.stride;
-      kept_ = (std::uint64_t{1} << bricks.shift) - 1;
-    } else {
-      const std::uint32_t value = slot - bricks.stored_count;
-      samples_ = static_cast<const T*>(bricks.values) + (value < bricks.last_value ? value : bricks.last_value);
-      kept_ = 0;
-    }
-  }
-
-  RHORAY_INLINE T at_address(std::uint64_t address) const { return samples_[address & kept_]; }
-
- private:
-  const T* samples_ = nullptr;
-  std::uint64_t kept_ = 0;  ///< bits of an address that count; none where all samples have one value
 };
 
 /// The 5 x 5 x 5 samples around the 4 x 4 x 4 cells of a block, less the isovalue: sample (x, y, z) at x + 5 y + 25 z.

@@ -13,6 +13,7 @@
 #include <hwy/highway.h>
 
 #include "render/kernels/wide/block_samples.h"
+#include "render/kernels/wide/brick_samples.h"
 #include "render/kernels/wide/fetch-inl.h"
 #include "render/kernels/wide/lanes-inl.h"
 #include "render/kernels/wide/scattered.h"
@@ -38,11 +39,8 @@ HWY_NOINLINE void load_corners(const SampleSource& source, const int* upward, do
     }
     for (int c = 0; c < 8; ++c) {
       const std::uint64_t at = address[0][c & 1] + address[1][c >> 1 & 1] + address[2][c >> 2];
-      T sample;
-      if (std::is_floating_point_v<T> && source.bricks.slots != nullptr)
-        sample = OneBrick<T>(source, at >> source.bricks.shift).at_address(at);
-      else
-        sample = samples[at];
+      const bool is_in_brick = std::is_floating_point_v<T> && source.bricks.slots != nullptr;
+      const T sample = is_in_brick ? sample_in_brick<T>(source, at) : samples[at];
       if constexpr (is_exact_in_float<T>) cells.stored[c][lane] = sample;
       if (!in_float) cells.difference[c][lane] = side_keeping_difference(static_cast<double>(sample), isovalue);
     }

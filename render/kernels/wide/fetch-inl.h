@@ -13,6 +13,7 @@
 #include <hwy/highway.h>
 
 #include "render/kernels/wide/block_samples.h"
+#include "render/kernels/wide/brick_samples.h"
 #include "render/kernels/wide/lanes-inl.h"
 #include "render/kernels/wide/octant.h"
 
@@ -174,31 +175,11 @@ HWY_INLINE VecF less_isovalue(VecF values, double isovalue, bool is_single) {
   return as_floats(parts);
 }
 
-/// The samples of a block of stored bricks, less the isovalue. These are at most two on each axis, as a brick has at
-/// least as many samples as a block has cells.
+/// The samples of a block of stored bricks, less the isovalue.
 template <class T>
 HWY_INLINE void fetch_from_bricks(const SampleSource& source, const int* first, double isovalue, float* to) {
-  const int shift = source.bricks.shift;
-  std::uint64_t address[3][5];
-  int last_of_near[3] = {};  ///< of the samples on an axis, the last one in the first brick
-  for (int a = 0; a < 3; ++a)
-    for (int i = 0; i < 5; ++i) {
-      const int at = first[a] + i, last = source.count[a] - 1;
-      address[a][i] = source.address[a][at < last ? at : last];
-      if (address[a][i] >> shift == address[a][0] >> shift) last_of_near[a] = i;
-    }
-  OneBrick<T> bricks[2][2][2];  // z, y, x: the first and the last on each axis
-  for (int b = 0; b < 8; ++b)
-    bricks[b >> 2][b >> 1 & 1][b & 1] = OneBrick<T>(
-        source, (address[0][4 * (b & 1)] + address[1][4 * (b >> 1 & 1)] + address[2][4 * (b >> 2)]) >> shift);
   HWY_ALIGN T values[128] = {};
-  for (int k = 0; k < 5; ++k)
-    for (int j = 0; j < 5; ++j) {
-      const OneBrick<T>* row = bricks[k > last_of_near[2]][j > last_of_near[1]];
-      const std::uint64_t begin = address[1][j] + address[2][k];
-      for (int i = 0; i < 5; ++i)
-        values[i + 5 * j + 25 * k] = row[i > last_of_near[0]].at_address(begin + address[0][i]);
-    }
+  read_block_from_bricks(source, first, values);
   if constexpr (std::is_same_v<T, float>)
     for (std::size_t i = 0; i < 128; i += float_lanes)
       hn::Store(less_isovalue(hn::Load(floats, values + i), isovalue, false), floats, to + i);

@@ -6,17 +6,13 @@
 #include <limits>
 
 #include "formats/base/parallel.h"
+#include "render/kernels/wide/grid_source.h"
 #include "render/kernels/wide/isosurface.h"
 #include "render/volumes/volume.h"
 
 namespace rhoray::render::wide {
 
 namespace {
-
-template <class View>
-inline constexpr bool is_uniform_grid = false;
-template <class T>
-inline constexpr bool is_uniform_grid<GridVolume<T>> = true;
 
 /// 5 x 5 x 5 samples around 4 x 4 x 4 cells, x + 5 y + 25 z, and room for those beyond.
 constexpr std::size_t sample_count = 125, room = 160;

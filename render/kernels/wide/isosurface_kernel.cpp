@@ -52,7 +52,7 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
                      KernelScratch& scratch) {
   std::visit(
       [&]<class View>(const View& view) {
-        if constexpr (has_wide_surfaces<View>) {
+        if constexpr (is_taken_wide<View>) {
           const Kernel reference = kernels_for(view, question.method.way).first_crossing;
           if (!is_answerable_wide(volume, question)) {
             reference(volume, question, rays, hits, scratch);
@@ -93,7 +93,7 @@ std::optional<SurfaceBoxes> prepare_occupancy(const VolumeImplementation& volume
   if (!is_answerable_wide(volume, question)) return std::nullopt;
   return std::visit(
       [&]<class View>(const View& view) -> std::optional<SurfaceBoxes> {
-        if constexpr (has_wide_surfaces<View>) {
+        if constexpr (is_taken_wide<View>) {
           const auto occupancy = volume.occupancies->of(view.levels(), question.isovalue);
           const Index3 cells = view.lattice().leaf_count;
           SurfaceBoxes boxes = boxes_of(occupancy, occupancy->boxes());

@@ -10,6 +10,7 @@
 #include "render/kernels/grid_maximum.h"
 #include "render/kernels/kernel_of.h"
 #include "render/kernels/wide/batch_arrays.h"
+#include "render/kernels/wide/grid_source.h"
 #include "render/kernels/wide/kernel_on.h"
 #include "render/kernels/wide/maximum_parts.h"
 
@@ -60,11 +61,6 @@ void look_closely(const void* context, const RayArrays& rays, std::size_t r, dou
   });
 }
 
-template <class View>
-inline constexpr bool is_dense_uniform_grid = false;
-template <class T>
-inline constexpr bool is_dense_uniform_grid<GridVolume<T>> = true;
-
 template <class T>
 StoredRanges ranges_of(const formats::MacroLevelsView<T>& levels, int level) {
   if (level > levels.shape.level_count) return {nullptr, {0, 0, 0}};
@@ -81,23 +77,34 @@ bool is_in_fours(const std::vector<std::uint64_t>& table, std::uint64_t step) {
   return true;
 }
 
+/// Samples 4 i to 4 i + 3 of x and 4 j to 4 j + 3 of y lie together, x fastest.
 template <class T>
-MaximumField field_of(const VolumeImplementation& volume, const GridVolume<T>& view, bool time_phases) {
+bool has_squares(const GridVolume<T>& view) {
+  return is_in_fours(view.tables().x, 1) && is_in_fours(view.tables().y, 4);
+}
+template <class View>
+requires is_in_bricks<View>
+bool has_squares(const View&) {
+  return false;
+}
+
+template <class View>
+MaximumField field_of(const VolumeImplementation& volume, const View& view, bool time_phases) {
   const Index3 leaf_count = view.lattice().leaf_count;
-  MaximumField field{
-      .source = SampleSource(view.samples().data(), view.tables(), view.description().layout.sample_count),
-      .type = formats::element_type_of<T>(),
-      .sample_bytes = sizeof(T),
-      .leaf_count = {},
-      .node_count = {},
-      .blocks = ranges_of(view.levels(), 1),
-      .nodes = ranges_of(view.levels(), 2),
-      .range = volume.field.range.is_empty() ? 0 : volume.field.range.hi - volume.field.range.lo,
-      .has_gaps = volume.field.no_data_count > 0,
-      .has_squares = is_in_fours(view.tables().x, 1) && is_in_fours(view.tables().y, 4),
-      .time_phases = time_phases,
-      .look_closely = look_closely<GridVolume<T>>,
-      .context = &view};
+  const Interval<double> values = values_of(volume);
+  MaximumField field{.source = source_of(view),
+                     .type = View::sample_type,
+                     .sample_bytes = formats::element_bytes(View::sample_type),
+                     .leaf_count = {},
+                     .node_count = {},
+                     .blocks = ranges_of(view.levels(), 1),
+                     .nodes = ranges_of(view.levels(), 2),
+                     .range = values.is_empty() ? 0 : values.hi - values.lo,
+                     .has_gaps = has_gaps(volume, view),
+                     .has_squares = has_squares(view),
+                     .time_phases = time_phases,
+                     .look_closely = look_closely<View>,
+                     .context = &view};
   for (int axis = 0; axis < 3; ++axis) {
     field.leaf_count[axis] = static_cast<int>(leaf_count[axis]);
     field.node_count[static_cast<std::size_t>(axis)] = 4 * static_cast<int>((leaf_count[axis] + 63) / 64);
@@ -156,13 +163,13 @@ Kernel largest_value_kernel(const VolumeImplementation& volume, const Method& me
   return std::visit(
       [&](const auto& view) -> Kernel {
         using View = std::decay_t<decltype(view)>;
-        if constexpr (is_dense_uniform_grid<View>) {
+        if constexpr (is_taken_wide<View>) {
           constexpr std::int64_t largest_size = 1 << 14;  // places on it have enough digits in single precision
           const Index3 size = view.lattice().leaf_count;
           const bool is_small = std::max({size.x, size.y, size.z}) <= largest_size;
-          const Interval<double>& range = volume.field.range;
+          const Interval<double> range = values_of(volume);
           const bool has_range = range.is_empty() || std::isfinite(range.hi - range.lo);
-          if (view.lattice().factor == 4 && is_small && has_range)
+          if (is_fit_grid(volume) && is_small && has_range)
             return kernel_on(machine, []<Machine wide>() -> Kernel { return largest_values<View, wide>; });
         }
         return nullptr;

@@ -15,6 +15,7 @@
 
 #include <hwy/highway.h>
 
+#include "render/kernels/wide/brick_samples.h"
 #include "render/kernels/wide/lanes-inl.h"
 #include "render/kernels/wide/maximum_parts.h"
 
@@ -126,6 +127,17 @@ template <class T>
 HWY_NOINLINE void fetch(const MaximumField& field, const int* place, double highest, double unit, MaximumBlock& block) {
   const SampleSource& source = field.source;
   const T* samples = static_cast<const T*>(source.samples);
+  if constexpr (std::is_floating_point_v<T>) {
+    if (source.bricks.slots != nullptr) {
+      const int first[3] = {4 * place[0], 4 * place[1], 4 * place[2]};
+      T values[BlockSamples::size];
+      read_block_from_bricks(source, first, values);
+      for (std::size_t i = 0; i < BlockSamples::size; ++i)
+        block.sample[i] = static_cast<float>((static_cast<double>(values[i]) - highest) * unit);
+      find_largest(field.has_gaps, block);
+      return;
+    }
+  }
   std::uint64_t address[3][5];
   bool is_whole = source.has_whole_rows;
   for (int a = 0; a < 3; ++a)
@@ -193,7 +205,11 @@ HWY_NOINLINE void corners_of(const SampleSource& source, const Looks& looks, std
     const std::uint64_t* x = source.address[0] + looks.cell[0][i];
     const std::uint64_t* y = source.address[1] + looks.cell[1][i];
     const std::uint64_t* z = source.address[2] + looks.cell[2][i];
-    for (int c = 0; c < 8; ++c) stored[c][lane] = static_cast<Stored>(samples[x[c & 1] + y[c >> 1 & 1] + z[c >> 2]]);
+    for (int c = 0; c < 8; ++c) {
+      const std::uint64_t at = x[c & 1] + y[c >> 1 & 1] + z[c >> 2];
+      const bool is_in_brick = std::is_floating_point_v<T> && source.bricks.slots != nullptr;
+      stored[c][lane] = static_cast<Stored>(is_in_brick ? sample_in_brick<T>(source, at) : samples[at]);
+    }
   }
   for (int c = 0; c < 8; ++c) {
     if constexpr (sizeof(T) <= 2)

@@ -60,7 +60,7 @@ void cross(const VolumeImplementation& volume, const CrossingsQuestion& question
            KernelCounters& counters) {
   std::visit(
       [&]<class View>(const View& view) {
-        if constexpr (has_wide_surfaces<View>) {
+        if constexpr (is_taken_wide<View>) {
           if (!memory.shells) memory.shells = std::make_shared<ShellScratch>();
           const Shells shells = shells_of(view, volume, question, *memory.shells);
           CrossingArrays arrays[most_shells];

@@ -53,6 +53,13 @@ class NanoVdbVolume : public Vdb {
         scene.layers[0].method = render::method_of(accuracy);
         expect_same_bits(picture(sparse, scene), picture(packed, scene));
       }
+      scene.layers[0].method = render::method_of(render::Accuracy::single);
+      scene.layers[0].surface.opacity = 0.5;
+      scene.layers.push_back(scene.layers[0]);
+      scene.layers[1].isovalue += 1;
+      expect_same_bits(picture(sparse, scene), picture(packed, scene));
+      scene.layers.pop_back();
+      scene.layers[0].surface.opacity = 1;
       scene.layers[0].method = {};
       scene.lights = {{.kind = render::Light::Kind::directional, .place = {1, -2, 3}, .casts_shadows = true}, {}};
       scene.occlusion = {.samples = 2, .radius = packed.bounds().size().length() / 8};

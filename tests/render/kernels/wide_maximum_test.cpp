@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <variant>
 #include <vector>
 
 #include "render/kernels/kernels.h"
@@ -102,6 +103,27 @@ TEST(WideMaximum, is_the_scalar_kernels_answer_bit_for_bit_for_every_type_of_sam
   hits += agreement_of<float>(waves, 7);
   hits += agreement_of<double>(waves, 8);
   EXPECT_GT(hits, 8000);
+}
+
+// Waves in a ball and beside it a few more; what is not stored has no data.
+TEST(WideMaximum, is_the_scalar_kernels_answer_where_only_some_bricks_are_stored) {
+  int hits = 0;
+  const auto agreement_in_bricks_of = [&]<class T>(T, std::int64_t edge, std::uint64_t seed) {
+    const auto sample = [](const Index3& at) {
+      const Vec3 p(static_cast<double>(at.x), static_cast<double>(at.y), static_cast<double>(at.z));
+      const bool is_known = (p - Vec3(14, 11, 30)).length() < 11 || (at.z > 60 && at.x > 20);
+      return static_cast<T>(is_known ? waves(at) : nan);
+    };
+    const TracedVolume traced(volume_of<T>({37, 22, 70}, sample),
+                              {.order = preprocess::SampleOrder::sparse, .brick_edge = edge});
+    const auto& stored = std::get<render::SparseVolume<T>>(traced.volume().implementation().view).bricks();
+    EXPECT_LT(2 * stored.stored_count, stored.slots.size());
+    hits += expect_agreement(traced, rays_through({36, 21, 69}, 2000, seed));
+  };
+  agreement_in_bricks_of(float(), 8, 311);
+  agreement_in_bricks_of(float(), 4, 312);
+  agreement_in_bricks_of(double(), 4, 313);
+  EXPECT_GT(hits, 3000);
 }
 
 /// From the least to the largest number of a type, most of them far below the few that are high.
