@@ -132,7 +132,7 @@ class RectilinearGeometry {
 template <class T, class Samples = DenseSamples<T>, class Geometry = UniformGeometry>
 class GridVolume {
  public:
-  static constexpr formats::ElementType sample_type = formats::element_type_of<T>();
+  using Sample = T;
 
   GridVolume(const formats::BrickGrid& grid, std::size_t field)
       : grid_(grid), samples_(grid_, field), geometry_(grid.description()), levels_(grid.macro_levels<T>(field)) {}

@@ -20,7 +20,7 @@ namespace rhoray::render {
 /// are not stored have the value of the tile or the background around them.
 class NanoVdbVolume {
  public:
-  static constexpr formats::ElementType sample_type = formats::ElementType::F32;
+  using Sample = float;
 
   /// Builds the macro levels from the leaf nodes: where the grid is sparse, that costs little. Refuses a buffer that is
   /// not a float grid, or whose nodes do not lie in it.

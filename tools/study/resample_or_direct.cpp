@@ -123,9 +123,9 @@ class Forms {
                                if (kind == whole_grid) drawn = whole(copy.volume, size, bytes);
                              })
                              .cpu_s;
-    // The samples of a whole grid are those of the bricks, which may be there already.
+    // The samples of the others are those of the bricks, which may be there already.
     const auto bricks = std::find_if(all_.begin(), all_.end(), [&](const Form& form) {
-      return kind == whole_grid && form.kind == grid_of_bricks && form.size == size;
+      return kind != grid_of_bricks && form.kind == grid_of_bricks && form.size == size;
     });
     const double before_s = bricks == all_.end() ? 0 : bricks->resample_cpu_s;
     all_.push_back({.kind = kind,

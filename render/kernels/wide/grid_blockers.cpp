@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "formats/base/parallel.h"
+#include "render/kernels/wide/brick_samples.h"
 #include "render/kernels/wide/grid_source.h"
 #include "render/kernels/wide/isosurface.h"
 #include "render/volumes/volume.h"
@@ -78,22 +79,29 @@ void add_cells(const BlockOfSamples& samples, double isovalue, SurfaceCells::Blo
 }
 
 template <class T>
-void read_block(const GridVolume<T>& view, const Index3& block, BlockOfSamples& out) {
-  const auto& tables = view.tables();
-  const Index3 samples = view.description().layout.sample_count;
-  const std::uint64_t* const address[3] = {tables.x.data(), tables.y.data(), tables.z.data()};
-  std::uint64_t of[3][5];
-  for (int a = 0; a < 3; ++a) {
-    for (std::int64_t i = 0; i < 5; ++i) of[a][i] = address[a][std::min(4 * block[a] + i, samples[a] - 1)];
-    out.cells[static_cast<std::size_t>(a)] =
-        static_cast<std::size_t>(std::min<std::int64_t>(4, samples[a] - 1 - 4 * block[a]));
-  }
-  const T* from = view.samples().data();
-  double* to = out.value;
+void read_block_of_dense(const SampleSource& source, const int* first, T* values) {
+  std::uint64_t address[3][5];
+  for (int a = 0; a < 3; ++a)
+    for (int i = 0; i < 5; ++i) address[a][i] = source.address[a][std::min(first[a] + i, source.count[a] - 1)];
+  const T* from = static_cast<const T*>(source.samples);
   for (std::size_t z = 0; z < 5; ++z)
     for (std::size_t y = 0; y < 5; ++y)
-      for (std::size_t x = 0; x < 5; ++x) *to++ = static_cast<double>(from[of[0][x] + of[1][y] + of[2][z]]);
-  std::fill(to, out.value + room, 0.0);
+      for (std::size_t x = 0; x < 5; ++x) *values++ = from[address[0][x] + address[1][y] + address[2][z]];
+}
+
+template <class T>
+void read_block(const SampleSource& source, const Index3& block, BlockOfSamples& out) {
+  int first[3];
+  for (int a = 0; a < 3; ++a) {
+    first[a] = static_cast<int>(4 * block[a]);
+    out.cells[static_cast<std::size_t>(a)] = static_cast<std::size_t>(std::min(4, source.count[a] - 1 - first[a]));
+  }
+  T values[sample_count];
+  if (source.bricks.slots != nullptr)
+    read_block_from_bricks(source, first, values);
+  else
+    read_block_of_dense(source, first, values);
+  std::fill(std::copy(values, values + sample_count, out.value), out.value + room, 0.0);
 }
 
 std::vector<Index3> blocks_of(const Occupancy& occupancy) {
@@ -115,8 +123,9 @@ struct Found {
   std::vector<SurfaceCells::Cell> cells;
 };
 
-template <class T>
-Found cells_of(const GridVolume<T>& view, const Occupancy& occupancy, double isovalue, unsigned threads) {
+template <class View>
+Found cells_of(const View& view, const Occupancy& occupancy, double isovalue, unsigned threads) {
+  const SampleSource source = source_of(view);
   const std::vector<Index3> places = blocks_of(occupancy);
   constexpr std::uint64_t blocks_each = 1024;
   std::vector<Found> parts((places.size() + blocks_each - 1) / blocks_each);
@@ -127,7 +136,7 @@ Found cells_of(const GridVolume<T>& view, const Occupancy& occupancy, double iso
       for (std::uint64_t b = part * blocks_each; b < end; ++b) {
         SurfaceCells::Block& block = parts[part].blocks.emplace_back();
         for (int a = 0; a < 3; ++a) block.corner[a] = static_cast<float>(4 * places[b][a]);
-        read_block(view, places[b], samples);
+        read_block<typename View::Sample>(source, places[b], samples);
         add_cells(samples, isovalue, block, parts[part].cells);
       }
     }
@@ -192,10 +201,11 @@ std::vector<Footprint> footprints_of(const SurfaceCells& active, const SeenFromL
 
 std::shared_ptr<const SurfaceCells> SurfaceCells::of(const VolumeImplementation& volume, const Question& question,
                                                      unsigned threads) {
-  if (!prepare_occupancy(volume, question, threads) || volume.field.no_data_count > 0) return nullptr;
+  if (!prepare_occupancy(volume, question, threads)) return nullptr;
   return std::visit(
       [&]<class View>(const View& view) -> std::shared_ptr<const SurfaceCells> {
-        if constexpr (is_uniform_grid<View>) {
+        if constexpr (is_taken_wide<View>) {
+          if (has_gaps(volume, view)) return nullptr;
           const auto active = std::make_shared<SurfaceCells>();
           Found found = cells_of(view, *occupancy_of_grid(volume, question), question.isovalue, threads);
           active->blocks_ = std::move(found.blocks), active->cells_ = std::move(found.cells);
@@ -209,7 +219,7 @@ std::shared_ptr<const SurfaceCells> SurfaceCells::of(const VolumeImplementation&
 std::shared_ptr<const Occupancy> occupancy_of_grid(const VolumeImplementation& volume, const Question& question) {
   return std::visit(
       [&]<class View>(const View& view) -> std::shared_ptr<const Occupancy> {
-        if constexpr (is_uniform_grid<View>) return volume.occupancies->of(view.levels(), question.isovalue);
+        if constexpr (is_taken_wide<View>) return volume.occupancies->of(view.levels(), question.isovalue);
         return nullptr;
       },
       volume.view);

@@ -21,7 +21,7 @@ Surface surface_of(const VolumeImplementation& volume, const View& view, const O
                    const Question& question) {
   const Index3 cells = view.lattice().leaf_count;
   Surface surface{.source = source_of(view),
-                  .type = View::sample_type,
+                  .type = formats::element_type_of<typename View::Sample>(),
                   .leaf_count = {static_cast<int>(cells.x), static_cast<int>(cells.y), static_cast<int>(cells.z)},
                   .node_count = occupancy.node_count(),
                   .nodes = occupancy.nodes(),

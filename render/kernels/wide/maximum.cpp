@@ -93,8 +93,8 @@ MaximumField field_of(const VolumeImplementation& volume, const View& view, bool
   const Index3 leaf_count = view.lattice().leaf_count;
   const Interval<double> values = values_of(volume);
   MaximumField field{.source = source_of(view),
-                     .type = View::sample_type,
-                     .sample_bytes = formats::element_bytes(View::sample_type),
+                     .type = formats::element_type_of<typename View::Sample>(),
+                     .sample_bytes = sizeof(typename View::Sample),
                      .leaf_count = {},
                      .node_count = {},
                      .blocks = ranges_of(view.levels(), 1),

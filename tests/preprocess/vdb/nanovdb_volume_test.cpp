@@ -36,6 +36,11 @@ void expect_same_light(const render::Framebuffer& a, const render::Framebuffer& 
 
 class NanoVdbVolume : public Vdb {
  protected:
+  static std::uint64_t shadow_rays_of(const render::Volume& volume, const render::Scene& scene) {
+    render::Framebuffer framebuffer;
+    return render::render(volume, scene, {.width = 96, .height = 96}, framebuffer).shadow_rays;
+  }
+
   /// The same samples as a packed grid and as .vdb, drawn both ways.
   void expect_agreement(const NeutralVolume& volume, double isovalue) {
     pack_volume(volume, folder_ / "a.rho");
@@ -45,6 +50,7 @@ class NanoVdbVolume : public Vdb {
     EXPECT_EQ(sparse.field().range, packed.field().range);
     EXPECT_EQ(sparse.field().no_data_count, packed.field().no_data_count);
     for (render::Scene scene : {oblique_scene(packed, isovalue), straight_scene(packed, isovalue)}) {
+      const std::vector<render::Light> lights = scene.lights;
       const render::Framebuffer expected = picture(packed, scene);
       EXPECT_GT(hit_count(expected), 500U);
       expect_same_picture(picture(sparse, scene), expected);
@@ -54,6 +60,10 @@ class NanoVdbVolume : public Vdb {
         expect_same_bits(picture(sparse, scene), picture(packed, scene));
       }
       scene.layers[0].method = render::method_of(render::Accuracy::single);
+      scene.lights = {{.kind = render::Light::Kind::directional, .place = {1, -2, 3}, .casts_shadows = true}};
+      EXPECT_EQ(shadow_rays_of(sparse, scene), shadow_rays_of(packed, scene));
+      expect_same_bits(picture(sparse, scene), picture(packed, scene));
+      scene.lights = lights;
       scene.layers[0].surface.opacity = 0.5;
       scene.layers.push_back(scene.layers[0]);
       scene.layers[1].isovalue += 1;
