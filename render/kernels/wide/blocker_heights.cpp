@@ -29,9 +29,9 @@ Footprint Footprint::of_nothing() {
   return {.low = {nowhere, nowhere}, .high = {-nowhere, -nowhere}, .height = -nowhere};
 }
 
-void Squares::divide(const double (&last)[2], double mean_size) {
+void Squares::divide(const double (&last)[2], double edge) {
   const double longest = std::max(last[0] - first[0], last[1] - first[1]);
-  const double wanted = 2 * longest / mean_size;
+  const double wanted = longest / edge;
   // As single precision has it, in which some are counted.
   per_length = static_cast<double>(static_cast<float>(std::clamp(wanted, 1.0, double{most_places} - 1) / longest));
   for (int i = 0; i < 2; ++i) count[i] = static_cast<int>((last[i] - first[i]) * per_length) + 1;
@@ -50,7 +50,8 @@ BlockerHeights::BlockerHeights(const SeenFromLight& seen, const Frame& frame, st
     }
     size += std::max(of.high[0] - of.low[0], of.high[1] - of.low[1]);
   }
-  squares_.divide(last, size / static_cast<double>(footprints.size()));
+  // About half as large as what stands there.
+  squares_.divide(last, 0.5 * size / static_cast<double>(footprints.size()));
   heights_.assign(squares_.size() + 1, -nowhere);  // the last: beyond all
   for (const Footprint& of : footprints) {
     int from[2], to[2];

@@ -52,9 +52,8 @@ struct Squares {
 
   std::size_t size() const { return static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]); }
 
-  /// Squares about half as large as what stands there, from `first` to `last`.
-  /// @param mean_size  of what stands there
-  void divide(const double (&last)[2], double mean_size);
+  /// Squares of about this edge, from `first` to `last`: as many as fit a core's own cache, at most.
+  void divide(const double (&last)[2], double edge);
 };
 
 /// How high what may hold light back stands, place by place: a point that is higher is lit, and no ray has to tell so.

@@ -36,7 +36,7 @@ class SeenFacets {
   std::size_t count() const { return count_; }
   const SeenBlock* blocks() const { return blocks_.get(); }
 
-  /// Over all of them, taken larger by the margin; about half as large as they are.
+  /// Over all of them, taken larger by the margin; somewhat smaller than they are.
   const Squares& squares() const { return squares_; }
 
   /// Of a corner.
