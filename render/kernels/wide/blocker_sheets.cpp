@@ -39,13 +39,11 @@ RHORAY_INLINE unsigned facets_in(std::size_t block, std::size_t count) {
 }
 
 /// The squares that the facets of a block touch, and those in which their middles are; of those beyond all squares the
-/// nearest.
+/// nearest, where rims that lie between are noted as well.
 struct TouchedSquares {
   std::int32_t from[2][SeenBlock::size], to[2][SeenBlock::size], middle[2][SeenBlock::size];
-  std::uint8_t is_within[SeenBlock::size];  ///< the middle, of all squares
 
   RHORAY_INLINE TouchedSquares(const Squares& squares, double margin, const SeenBlock& block) {
-    for (std::size_t i = 0; i < SeenBlock::size; ++i) is_within[i] = 1;
     for (std::size_t a = 0; a < 2; ++a) {
       const float begin = static_cast<float>(squares.first[a]), per_length = static_cast<float>(squares.per_length);
       const float last = static_cast<float>(squares.count[a] - 1), wider = static_cast<float>(margin);
@@ -58,7 +56,6 @@ struct TouchedSquares {
         from[a][i] = static_cast<std::int32_t>(low_within < last ? low_within : last);
         to[a][i] = static_cast<std::int32_t>(high_within < last ? high_within : last);
         middle[a][i] = static_cast<std::int32_t>(at_within < last ? at_within : last);
-        is_within[i] = static_cast<std::uint8_t>(is_within[i] & (at >= 0) & (at < last + 1));
       }
     }
   }
@@ -104,7 +101,7 @@ RHORAY_INLINE void find_parts(const Squares& squares, double margin, const Sheet
       if (((is_up ? block.is_up : block.is_down) >> i & 1) != 0) {
         std::uint8_t& of =
             known[row_of(squares, touched.middle[1][i]) + static_cast<std::size_t>(touched.middle[0][i])];
-        of = static_cast<std::uint8_t>(of | (touched.is_within[i] != 0 ? holds_middle : 0));
+        of = static_cast<std::uint8_t>(of | holds_middle);
         continue;
       }
       for (int y = touched.from[1][i]; y <= touched.to[1][i]; ++y) {

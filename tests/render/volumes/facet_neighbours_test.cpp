@@ -161,7 +161,7 @@ TEST(FacetNeighbours, tell_how_thin_facets_are_turned) {
 }
 
 TEST(FacetNeighbours, of_zeros_there_is_one) {
-  const Corner other_a{-0.0F, 0.0F, -0.0F};
+  const Corner other_a{-0.0F, 0.0F, 0.0F};
   const FacetNeighbours neighbours = neighbours_of({{a, b, c, c}, {c, d, other_a, other_a}});
   EXPECT_EQ(FacetNeighbours::place_of(neighbours.of(0)[3]), 1U);
 }
