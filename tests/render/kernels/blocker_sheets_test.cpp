@@ -175,6 +175,10 @@ TEST(BlockerSheets, have_no_facets_that_are_no_numbers) {
   const std::vector<float> heights = heights_of(facets);
   EXPECT_EQ(heights[square_at(-0.06, -0.06)], unknown);
   EXPECT_NE(heights[square_at(-0.3, -0.3)], unknown);
+  // Half a square, and beyond its diagonal one of these.
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  constexpr std::array<float, 3> a{-0.5F, -0.5F, 0}, b{0.5F, -0.5F, 0}, c{-0.5F, 0.5F, 0}, none{nan, 0.5F, 0};
+  EXPECT_EQ(heights_of({{a, b, c, c}, {b, none, c, c}})[square_at(0.3, 0.3)], unknown);
   EXPECT_TRUE(heights_of({}).empty());
 }
 
