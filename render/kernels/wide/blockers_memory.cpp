@@ -45,8 +45,8 @@ std::shared_ptr<const LightBlockers> BlockersMemory::of(const VolumeImplementati
       of->blockers = with_shadows(chosen_machine(), of->blockers, light), of->shadows = shadows;
     return of->blockers;
   }
-  auto blockers =
-      facets ? facet_blockers_of(chosen_machine(), facets, light, shadows) : grid_blockers_of(kept->cells, light);
+  auto blockers = facets ? facet_blockers_of(chosen_machine(), facets, light, shadows)
+                         : grid_blockers_of(chosen_machine(), kept->cells, light);
   return put_in_front(kept->lights, {light, std::move(blockers), shadows}, most_kept).blockers;
 }
 
