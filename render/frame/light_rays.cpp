@@ -1,7 +1,9 @@
 #include "render/frame/light_rays.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
+#include <limits>
 
 #include "render/effects/facing.h"
 #include "render/kernels/compiled_for.h"
@@ -33,8 +35,15 @@ RHORAY_INLINE void multiply_gradients(const HitBatch& hits, std::size_t first, c
   for (std::size_t i = 0; i < group_size; ++i) product[i] = Facing::scaled({gx[i], gy[i], gz[i]}).dot(vectors(i));
 }
 
-RHORAY_INLINE void find_sides_inline(const LayerWork& work, StartSide* side) {
-  for (std::size_t first = 0; first < work.rays.count; first += group_size) {
+/// Where groups begin.
+struct Groups {
+  const std::size_t* first;
+  std::size_t count;
+};
+
+RHORAY_INLINE void find_sides_inline(const LayerWork& work, const Groups& groups, StartSide* side) {
+  for (std::size_t g = 0; g < groups.count; ++g) {
+    const std::size_t first = groups.first[g];
     const double *x = work.rays.direction[0].data() + first, *y = work.rays.direction[1].data() + first,
                  *z = work.rays.direction[2].data() + first;
     double along[group_size];
@@ -45,10 +54,11 @@ RHORAY_INLINE void find_sides_inline(const LayerWork& work, StartSide* side) {
   }
 }
 
-RHORAY_INLINE void ask_before_surfaces_inline(const Affine& volume_from_world, const LayerWork& work, LightRays& light,
-                                              bool& any_unknown) {
+RHORAY_INLINE void ask_before_surfaces_inline(const Affine& volume_from_world, const LayerWork& work,
+                                              const Groups& groups, LightRays& light, bool& any_unknown) {
   const Affine map = volume_from_world;
-  for (std::size_t first = 0; first < work.rays.count; first += group_size) {
+  for (std::size_t g = 0; g < groups.count; ++g) {
+    const std::size_t first = groups.first[g];
     const double *x = light.direction[0].data() + first, *y = light.direction[1].data() + first,
                  *z = light.direction[2].data() + first;
     double towards[group_size];
@@ -71,15 +81,32 @@ RHORAY_INLINE void ask_before_surfaces_inline(const Affine& volume_from_world, c
   }
 }
 
-RHORAY_INLINE void find_asked_inline(const LightRays& light, std::size_t groups, RaysBySide* asked) {
-  for (std::size_t g = 0; g < groups; ++g) {
-    const double* t_max = light.t_max.data() + g * group_size;
-    const StartSide* side = light.side.data() + g * group_size;
+RHORAY_INLINE void find_asked_inline(const LightRays& light, const Groups& groups, RaysBySide* asked) {
+  for (std::size_t g = 0; g < groups.count; ++g) {
+    const double* t_max = light.t_max.data() + groups.first[g];
+    const StartSide* side = light.side.data() + groups.first[g];
     for (const StartSide of : {StartSide::outside, StartSide::unknown, StartSide::inside}) {
       std::uint8_t is_asked[group_size];
       for (std::size_t i = 0; i < group_size; ++i) is_asked[i] = (t_max[i] >= 0) & (side[i] == of);
       asked[g][place_of(of)] = bits_of(is_asked);
     }
+  }
+}
+
+RHORAY_INLINE void count_inline(const LightRays& light, const Groups& groups, std::uint64_t& count) {
+  for (std::size_t g = 0; g < groups.count; ++g) {
+    const double* t_max = light.t_max.data() + groups.first[g];
+    std::uint64_t here = 0;
+    for (std::size_t i = 0; i < group_size; ++i) here += t_max[i] >= 0;
+    count += here;
+  }
+}
+
+RHORAY_INLINE void share_inline(const LightRays& light, const Groups& groups, float* shares) {
+  for (std::size_t g = 0; g < groups.count; ++g) {
+    const double* t_max = light.t_max.data() + groups.first[g];
+    float* out = shares + groups.first[g];
+    for (std::size_t i = 0; i < group_size; ++i) out[i] = t_max[i] >= 0 ? 1 : 0;
   }
 }
 
@@ -114,20 +141,47 @@ RHORAY_INLINE void write_inline(const LightRays& light, const GroupToWrite& grou
     out_side[i] = side[i] == StartSide::outside ? outside : side[i] == StartSide::inside ? inside : unknown;
 }
 
+Groups shown_in(const LightRays& light) {
+  return {light.shown.data(), light.shown.size()};
+}
+
 }  // namespace
 
-void find_sides_by_gradient(Machine machine, const LayerWork& work, StartSide* side) {
-  compiled_for<find_sides_inline>(machine)(work, side);
+void find_shown_groups(std::size_t count, LightRays& light) {
+  light.shown.clear();
+  for (std::size_t first = 0; first < count; first += group_size)
+    if (bits_of(light.is_shown.data() + first) != 0) light.shown.push_back(first);
+}
+
+void find_sides_by_gradient(Machine machine, const LayerWork& work, LightRays& light) {
+  compiled_for<find_sides_inline>(machine)(work, shown_in(light), light.side.data());
+}
+
+void aim_all(const Vec3& direction, LightRays& light) {
+  for (const std::size_t first : light.shown) {
+    for (int axis = 0; axis < 3; ++axis) std::fill_n(light.direction[axis].data() + first, group_size, direction[axis]);
+    std::fill_n(light.t_max.data() + first, group_size, std::numeric_limits<double>::infinity());
+  }
 }
 
 bool ask_before_surfaces(Machine machine, const Affine& volume_from_world, const LayerWork& work, LightRays& light) {
   bool any_unknown = false;
-  compiled_for<ask_before_surfaces_inline>(machine)(volume_from_world, work, light, any_unknown);
+  compiled_for<ask_before_surfaces_inline>(machine)(volume_from_world, work, shown_in(light), light, any_unknown);
   return any_unknown;
 }
 
-void find_asked(Machine machine, const LightRays& light, std::size_t groups, RaysBySide* asked) {
-  compiled_for<find_asked_inline>(machine)(light, groups, asked);
+void find_asked(Machine machine, const LightRays& light, RaysBySide* asked) {
+  compiled_for<find_asked_inline>(machine)(light, shown_in(light), asked);
+}
+
+std::uint64_t asked_count(Machine machine, const LightRays& light) {
+  std::uint64_t count = 0;
+  compiled_for<count_inline>(machine)(light, shown_in(light), count);
+  return count;
+}
+
+void share_of_asked(Machine machine, const LightRays& light, float* shares) {
+  compiled_for<share_inline>(machine)(light, shown_in(light), shares);
 }
 
 void write_light_rays(Machine machine, const LightRays& light, const GroupToWrite& group,

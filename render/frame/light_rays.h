@@ -11,8 +11,15 @@
 /// all of them.
 namespace rhoray::render {
 
-/// Of each ray the side of its surface from which it has met it, by the gradient there; unknown where there is none.
-void find_sides_by_gradient(Machine machine, const LayerWork& work, StartSide* side);
+/// Which groups have hits that are shown: LightRays::shown, by LightRays::is_shown of all rays.
+void find_shown_groups(std::size_t count, LightRays& light);
+
+/// Of each ray of these groups the side of its surface from which it has met it, by the gradient there; unknown where
+/// there is none.
+void find_sides_by_gradient(Machine machine, const LayerWork& work, LightRays& light);
+
+/// Aims these groups' rays into one direction.
+void aim_all(const Vec3& direction, LightRays& light);
 
 /// Asks only about rays from hits that are shown, to light that stands before the surface on the side that the eye
 /// sees: LightRays::t_max of the others is made `not_asked`.
@@ -24,8 +31,14 @@ using RaysBySide = std::array<std::uint64_t, 3>;
 constexpr std::size_t place_of(StartSide side) {
   return static_cast<std::size_t>(1 + static_cast<int>(side));
 }
-/// @param groups  of the batch, so many
-void find_asked(Machine machine, const LightRays& light, std::size_t groups, RaysBySide* asked);
+/// @param asked  of each of LightRays::shown
+void find_asked(Machine machine, const LightRays& light, RaysBySide* asked);
+
+/// How many rays of these groups are asked about.
+std::uint64_t asked_count(Machine machine, const LightRays& light);
+
+/// Of each ray of these groups 1 where it is still asked about, else 0.
+void share_of_asked(Machine machine, const LightRays& light, float* shares);
 
 /// Writes those rays of a group that are asked about, as the volume of a layer sees them.
 struct GroupToWrite {

@@ -26,15 +26,24 @@ void find_shown(const LayerWork& work, std::uint8_t layer, const LayerOfRays* sh
   else
     for (std::size_t r = 0; r < count; ++r) is_shown[r] = shown->of[r] == layer;
   std::fill(is_shown + count, is_shown + whole_groups(count), std::uint8_t{0});
+  find_shown_groups(count, light);
+}
+
+/// Calls act(ray of the batch) for the rays of groups that have hits that are shown.
+template <class Act>
+void for_each_near_shown(const LightRays& light, std::size_t count, const Act& act) {
+  for (const std::size_t first : light.shown)
+    for (std::size_t r = first; r < std::min(first + group_size, count); ++r) act(r);
 }
 
 /// The side of its surface from which each ray has met it; unknown where the field has no gradient.
 /// @param is_field  sides take turns along a ray; triangles may face any way
 void find_sides(Machine machine, const LayerWork& work, bool is_field, LightRays& light) {
-  find_sides_by_gradient(machine, work, light.side.data());
+  find_sides_by_gradient(machine, work, light);
   if (!work.rays.has_start_sides || !is_field) return;
-  for (std::size_t r = 0; r < work.rays.count; ++r)
+  for_each_near_shown(light, work.rays.count, [&](std::size_t r) {
     if (work.rays.start_side[r] != StartSide::unknown) light.side[r] = work.rays.start_side[r];
+  });
 }
 
 /// Of a ray: the unit vector towards the eye, world axes.
@@ -139,10 +148,9 @@ bool drop_blocked_by(const Frame& frame, std::size_t index, int part, const Fram
   LightRays& light = *worker.light_rays;
   const FrameLayer& layer = frame.layers[index];
   LayerWork& work = worker.layers[index];
-  const std::size_t group_count = whole_groups(hit_work.rays.count) / group_size;
   RaysBySide asked[tile_capacity / group_size];
   const Machine machine = layer.look.machine;
-  find_asked(machine, light, group_count, asked);
+  find_asked(machine, light, asked);
   const std::array<StartSide, 3> sides = sides_for(layer, of_hits);
   bool any = false;
   // Rays that start on a known side are asked about what may hold these back, the others about all.
@@ -152,14 +160,14 @@ bool drop_blocked_by(const Frame& frame, std::size_t index, int part, const Fram
     if (side != StartSide::unknown && of_light == nullptr) break;
     const wide::Blockers* blockers = nullptr;
     light.groups.clear();
-    for (std::size_t g = 0; g < group_count; ++g) {
+    for (std::size_t g = 0; g < light.shown.size(); ++g) {
       std::uint64_t chosen = 0;
       for (std::size_t i = 0; i < sides.size(); ++i)
         if (of_light == nullptr || sides[i] == side) chosen |= asked[g][i];
       if (chosen == 0) continue;
       any = true;
       if (of_light != nullptr && side != StartSide::unknown) blockers = &of_light->of(side);
-      const std::size_t first = g * group_size, place = light.groups.size() * group_size;
+      const std::size_t first = light.shown[g], place = light.groups.size() * group_size;
       write_light_rays(machine, light, {first, chosen, place, sides}, layer.volume_from_world, hit_work.hits, work.rays,
                        worker.few_rays);
       if (blockers != nullptr && blockers->heights) {
@@ -196,33 +204,23 @@ void drop_blocked(const Frame& frame, const FrameLayer& of_hits, const LayerWork
 
 /// Aims the rays of all hits at a light, and asks about those whose light stands on the side that the eye sees.
 void aim_at(const LayerLights::One& light, const Look& look, const LayerWork& work, LightRays& rays) {
-  const std::size_t end = whole_groups(work.rays.count);
-  if (light.kind == Light::Kind::directional) {
-    for (int axis = 0; axis < 3; ++axis) std::fill_n(rays.direction[axis].data(), end, light.place[axis]);
-    std::fill_n(rays.t_max.data(), end, infinity);
-  } else {
-    for (std::size_t r = 0; r < work.rays.count; ++r) {
-      const WayToLight way = way_to_light(light, look.lights.world_from_volume, work.rays[r].at(work.hits.t[r]));
-      for (int axis = 0; axis < 3; ++axis) rays.direction[axis][r] = way.direction[axis];
-      rays.t_max[r] = way.distance;
-    }
-  }
+  if (light.kind == Light::Kind::directional) return aim_all(light.place, rays);
+  for_each_near_shown(rays, work.rays.count, [&](std::size_t r) {
+    const WayToLight way = way_to_light(light, look.lights.world_from_volume, work.rays[r].at(work.hits.t[r]));
+    for (int axis = 0; axis < 3; ++axis) rays.direction[axis][r] = way.direction[axis];
+    rays.t_max[r] = way.distance;
+  });
 }
 
 void keep_those_before_surfaces(const Look& look, const Affine& volume_from_world, const LayerWork& work,
                                 LightRays& light) {
   if (!ask_before_surfaces(look.machine, volume_from_world, work, light)) return;
   // Without a gradient a hit faces the eye.
-  for (std::size_t r = 0; r < work.rays.count; ++r) {
+  for_each_near_shown(light, work.rays.count, [&](std::size_t r) {
     const Vec3 direction(light.direction[0][r], light.direction[1][r], light.direction[2][r]);
     if (light.side[r] == StartSide::unknown && !(to_eye(look.lights, work.rays[r]).dot(direction) > 0))
       light.t_max[r] = not_asked;
-  }
-}
-
-std::size_t asked_count(const LightRays& light, std::size_t count) {
-  return static_cast<std::size_t>(
-      std::count_if(light.t_max.data(), light.t_max.data() + count, [](double t) { return t >= 0; }));
+  });
 }
 
 /// Aims the rays of the lit hits at a point of a light that has a size: where it stands they go as far as they come
@@ -247,13 +245,14 @@ void receive_from_points(const Frame& frame, const FrameLayer& layer, const Laye
   float* shares = worker.received.of_lights[light_index].data();
   LightRays& light = *worker.light_rays;
   const std::size_t count = work.rays.count;
-  for (std::size_t r = 0; r < count; ++r) light.is_lit[r] = light.t_max[r] >= 0;
+  std::fill_n(light.is_lit.data(), count, std::uint8_t{0});
+  for_each_near_shown(light, count, [&](std::size_t r) { light.is_lit[r] = light.t_max[r] >= 0; });
   std::fill_n(light.asked.data(), count, 0.0F), std::fill_n(light.free.data(), count, 0.0F);
   for (int sample = 0; sample < of_light.rays; ++sample) {
     std::fill_n(light.t_max.data(), whole_groups(count), not_asked);
     aim_at_point_of(of_light, layer.look, work, worker.pixels, sample, light);
     keep_those_before_surfaces(layer.look, layer.volume_from_world, work, light);
-    worker.counts.shadow_rays += asked_count(light, count);
+    worker.counts.shadow_rays += asked_count(layer.look.machine, light);
     for (std::size_t r = 0; r < count; ++r) light.asked[r] += light.t_max[r] >= 0 ? 1.0F : 0.0F;
     drop_blocked(frame, layer, work, light_index, worker);
     for (std::size_t r = 0; r < count; ++r) light.free[r] += light.t_max[r] >= 0 ? 1.0F : 0.0F;
@@ -270,10 +269,9 @@ void receive_from(const Frame& frame, std::uint8_t index, std::size_t light_inde
   aim_at(of_light, layer.look, work, light);
   keep_those_before_surfaces(layer.look, layer.volume_from_world, work, light);
   if (of_light.extent > 0) return receive_from_points(frame, layer, work, light_index, worker);
-  worker.counts.shadow_rays += asked_count(light, work.rays.count);
+  worker.counts.shadow_rays += asked_count(layer.look.machine, light);
   drop_blocked(frame, layer, work, light_index, worker);
-  float* shares = worker.received.of_lights[light_index].data();
-  for (std::size_t r = 0; r < work.rays.count; ++r) shares[r] = light.t_max[r] >= 0 ? 1 : 0;
+  share_of_asked(layer.look.machine, light, worker.received.of_lights[light_index].data());
 }
 
 void receive_from_surroundings(const Frame& frame, std::uint8_t index, Worker& worker) {
@@ -295,7 +293,7 @@ void receive_from_surroundings(const Frame& frame, std::uint8_t index, Worker& w
       for (int axis = 0; axis < 3; ++axis) light.direction[axis][r] = direction[axis];
       light.t_max[r] = frame.occlusion.radius;
     }
-    worker.counts.occlusion_rays += asked_count(light, count);
+    worker.counts.occlusion_rays += asked_count(layer.look.machine, light);
     drop_blocked(frame, layer, work, no_light, worker);
     for (std::size_t r = 0; r < count; ++r) shares[r] += light.t_max[r] >= 0 ? share : 0;
   }

@@ -37,6 +37,7 @@ struct LayerOfRays {
 /// Rays from hits towards where light may come from, in the places of the tile's rays that met these.
 struct LightRays {
   LaneArray<std::uint8_t> is_shown{tile_capacity};  ///< whether there is a hit that light may reach
+  std::vector<std::size_t> shown;                   ///< where groups begin that have any; nothing is said of others
   LaneArray<StartSide> side{tile_capacity};         ///< of its surface: the one that the eye sees
   LaneArray<double> direction[3]{LaneArray<double>(tile_capacity), LaneArray<double>(tile_capacity),
                                  LaneArray<double>(tile_capacity)};  ///< unit length, world axes
@@ -45,7 +46,10 @@ struct LightRays {
   LaneArray<float> asked{tile_capacity}, free{tile_capacity};        ///< rays to a wide light, and those not held back
   std::vector<std::size_t> groups;                                   ///< of the tile's, that are asked about
 
-  LightRays() { groups.reserve(tile_capacity / RayBatch::group_size); }
+  LightRays() {
+    shown.reserve(tile_capacity / RayBatch::group_size);
+    groups.reserve(tile_capacity / RayBatch::group_size);
+  }
 };
 
 /// Rays of a tile in world axes, and what a clip region leaves of them.

@@ -430,6 +430,12 @@ void Facets::build_levels() {
   low_ = box.low, high_ = box.high;
 }
 
+const FacetNeighbours& Facets::neighbours() const {
+  std::call_once(neighbours_once_,
+                 [&] { neighbours_ = std::make_unique<FacetNeighbours>(blocks_.get(), fields_.get(), count_); });
+  return *neighbours_;
+}
+
 std::size_t Facets::size_bytes() const {
   std::size_t bytes = block_count() * sizeof(FacetBlock) + count_ * sizeof(FacetField);
   for (const auto& nodes : levels_) bytes += nodes.size() * sizeof(FacetNode);

@@ -3,9 +3,11 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "formats/base/vector.h"
+#include "render/volumes/facet_neighbours.h"
 #include "render/volumes/last_isovalues.h"
 #include "render/volumes/surface_boxes.h"
 #include "render/volumes/surface_volume.h"
@@ -70,7 +72,10 @@ class Facets {
   const std::array<float, 3>& low() const { return low_; }  ///< of all corners
   const std::array<float, 3>& high() const { return high_; }
 
-  std::size_t size_bytes() const;
+  /// Found when they are first asked for. Any thread may ask.
+  const FacetNeighbours& neighbours() const;
+
+  std::size_t size_bytes() const;  ///< without neighbours
 
  private:
   std::size_t block_count() const { return (std::size_t{count_} + FacetBlock::size - 1) / FacetBlock::size; }
@@ -85,6 +90,8 @@ class Facets {
   Vec3 anchor_;
   double scale_ = 1;
   std::array<float, 3> low_{}, high_{};
+  mutable std::once_flag neighbours_once_;
+  mutable std::unique_ptr<const FacetNeighbours> neighbours_;
 };
 
 /// The facets of one mesh for the last isovalues asked about, or of one surface. Any thread may ask.

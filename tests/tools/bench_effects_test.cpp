@@ -49,6 +49,7 @@ TEST(BenchEffects, switches_each_effect_on_alone_and_counts_what_it_asks_for) {
   };
   only("one light beside the eye", "none");
   only("hard shadows", "shadow_rays");
+  only("hard shadows, a light that moves", "shadow_rays");
   only("soft shadows, 16 rays", "shadow_rays");
   only("ambient occlusion", "occlusion_rays");
   only("specular", "highlights");
@@ -60,6 +61,7 @@ TEST(BenchEffects, switches_each_effect_on_alone_and_counts_what_it_asks_for) {
   EXPECT_GE(rows.at("two clear shells")["clear_crossings"], rows.at("two clear shells")["rays_through"]);
   EXPECT_EQ(rows.at("one opaque shell")["clear_crossings"], 0);
   EXPECT_EQ(rows.at("hard shadows")["over"], "one light beside the eye");
+  EXPECT_EQ(rows.at("hard shadows, a light that moves")["over"], "one light beside the eye");
   EXPECT_EQ(rows.at("two clear shells")["over"], "one opaque shell");
   EXPECT_NE(rows.at("fog")["picture"], plain["picture"]);
   EXPECT_LE(rows.at("soft shadows, 16 rays")["shadow_rays"], 16 * plain["hits"].get<int>());
@@ -92,6 +94,7 @@ TEST(BenchEffects, takes_a_scene_as_it_is) {
   EXPECT_GT(rows.at("the scene as it is")["rays_through"], 0);
   EXPECT_EQ(rows.at("plain")["rays_through"], 0);
   EXPECT_GT(rows.at("smooth normals")["normals_smoothed"], 0) << "of the triangles";
+  EXPECT_NE(rows.at("hard shadows, a light that moves")["picture"], rows.at("hard shadows")["picture"]);
   EXPECT_NE(rows.at("one opaque shell")["picture"], rows.at("plain")["picture"]);
 }
 

@@ -1,6 +1,7 @@
 #include "tools/rhoray/bench_effects.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "formats/base/trouble.h"
 #include "tools/rhoray/bench_parts.h"
@@ -183,12 +184,14 @@ struct EffectRow {
   const char* name;
   const char* over;                                                 ///< the row that it is compared with
   bool (*switch_on)(SceneWishes& plain_scene, const Asked& asked);  ///< false: the scene has nothing of it
+  double light_turns_by = 0;  ///< about the camera's upward axis, radians from frame to frame
 };
 
 constexpr EffectRow effect_rows_measured[] = {{plain, plain, [](SceneWishes&, const Asked&) { return true; }},
                                               {"all effects off", plain, add_what_is_off},
                                               {lit, plain, shed_key_light},
                                               {hard_shadows, lit, cast_hard_shadows},
+                                              {"hard shadows, a light that moves", lit, cast_hard_shadows, 0.003},
                                               {"soft shadows, 16 rays", lit, cast_soft_shadows},
                                               {"ambient occlusion", plain, occlude},
                                               {"specular", plain, shine},
@@ -233,10 +236,19 @@ struct Measured {
   std::vector<double> cpu_s{}, wall_s{};
 
   void trace() {
+    if (row->light_turns_by != 0) turn_light();
     const double before = usage_so_far().cpu_s;
     statistics = render::render(plan.volumes, plan.scene, plan.frame, picture, memory);
     cpu_s.push_back(usage_so_far().cpu_s - before);
     wall_s.push_back(statistics.wall_s);
+  }
+
+ private:
+  void turn_light() {
+    const Vec3 axis = plan.scene.camera.up.normalized();
+    Vec3& light = plan.scene.lights[0].place;
+    light = light * std::cos(row->light_turns_by) + axis.cross(light) * std::sin(row->light_turns_by) +
+            axis * (axis.dot(light) * (1 - std::cos(row->light_turns_by)));
   }
 };
 

@@ -29,24 +29,29 @@ Footprint Footprint::of_nothing() {
   return {.low = {nowhere, nowhere}, .high = {-nowhere, -nowhere}, .height = -nowhere};
 }
 
+void Squares::divide(const double (&last)[2], double edge) {
+  const double longest = std::max(last[0] - first[0], last[1] - first[1]);
+  const double wanted = longest / edge;
+  // As single precision has it, in which some are counted.
+  per_length = static_cast<double>(static_cast<float>(std::clamp(wanted, 1.0, double{most_places} - 1) / longest));
+  for (int i = 0; i < 2; ++i) count[i] = static_cast<int>((last[i] - first[i]) * per_length) + 1;
+}
+
 BlockerHeights::BlockerHeights(const SeenFromLight& seen, const Frame& frame, std::span<const Footprint> footprints)
     : seen_(seen), frame_(frame) {
   if (footprints.empty()) return;
   double last[2] = {-nowhere, -nowhere}, size = 0;
-  auto& [count, begin, per_length] = squares_;
-  begin[0] = begin[1] = nowhere;
+  const auto& [count, begin, per_length] = squares_;
+  squares_.first[0] = squares_.first[1] = nowhere;
   for (const Footprint& of : footprints) {
     for (int i = 0; i < 2; ++i) {
-      begin[i] = std::min(begin[i], of.low[i] - frame.margin);
+      squares_.first[i] = std::min(squares_.first[i], of.low[i] - frame.margin);
       last[i] = std::max(last[i], of.high[i] + frame.margin);
     }
     size += std::max(of.high[0] - of.low[0], of.high[1] - of.low[1]);
   }
   // About half as large as what stands there.
-  const double longest = std::max(last[0] - begin[0], last[1] - begin[1]);
-  const double wanted = 2 * longest * static_cast<double>(footprints.size()) / size;
-  per_length = std::clamp(wanted, 1.0, double{most_places} - 1) / longest;
-  for (int i = 0; i < 2; ++i) count[i] = static_cast<int>((last[i] - begin[i]) * per_length) + 1;
+  squares_.divide(last, 0.5 * size / static_cast<double>(footprints.size()));
   heights_.assign(squares_.size() + 1, -nowhere);  // the last: beyond all
   for (const Footprint& of : footprints) {
     int from[2], to[2];
@@ -88,21 +93,26 @@ RHORAY_INLINE void BlockerHeights::find_known(const BlockerHeights& heights, Ray
         static_cast<std::int32_t>(is_within ? y : 0) * across + static_cast<std::int32_t>(is_within ? x : 0);
     index[i] = is_within ? found : across * squares.count[1];
   }
-  const float* of = heights.heights_.data();
   const double sign = seen.sign(), margin = heights.frame_.margin;
+  float of[size];  // looked up by themselves: the loops beside are wide
+  const float* all = heights.heights_.data();
+  for (std::size_t i = 0; i < size; ++i) of[i] = all[index[i]];
   // Written so that what is no number may be held back.
   for (std::size_t i = 0; i < size; ++i)
-    is_asked[i] = !(sign * at[2][i] > of[index[i]] + margin) | !(at[0][i] + at[1][i] < nowhere);
+    is_asked[i] = !(sign * at[2][i] > static_cast<double>(of[i]) + margin) | !(at[0][i] + at[1][i] < nowhere);
   if (!heights.shadows_.empty()) {
-    const float* depth = heights.shadows_.data();
-    for (std::size_t i = 0; i < size; ++i) is_in_shadow[i] = sign * at[2][i] < depth[index[i]] - margin;
+    float depth[size];
+    const float* depths = heights.shadows_.data();
+    for (std::size_t i = 0; i < size; ++i) depth[i] = depths[index[i]];
+    for (std::size_t i = 0; i < size; ++i) is_in_shadow[i] = sign * at[2][i] < static_cast<double>(depth[i]) - margin;
   }
   if (heights.frame_.ends_rays) {
     const double* direction = rays.direction[height_axis].data() + first;
     double* t_max = rays.t_max.data() + first;
     for (std::size_t i = 0; i < size; ++i) {
       // Twice the margin: what is left of the way may be longer than this, not shorter.
-      const double t = (of[index[i]] + 2 * margin - sign * at[2][i]) / (sign * heights.frame_.scale * direction[i]);
+      const double t =
+          (static_cast<double>(of[i]) + 2 * margin - sign * at[2][i]) / (sign * heights.frame_.scale * direction[i]);
       t_max[i] = t < t_max[i] ? t : t_max[i];
     }
   }

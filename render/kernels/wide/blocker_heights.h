@@ -51,6 +51,9 @@ struct Squares {
   double first[2] = {0, 0}, per_length = 0;
 
   std::size_t size() const { return static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]); }
+
+  /// Squares of about this edge, from `first` to `last`: as many as fit a core's own cache, at most.
+  void divide(const double (&last)[2], double edge);
 };
 
 /// How high what may hold light back stands, place by place: a point that is higher is lit, and no ray has to tell so.
@@ -69,10 +72,12 @@ class BlockerHeights {
 
   BlockerHeights(const SeenFromLight& seen, const Frame& frame, std::span<const Footprint> footprints);
 
-  const Squares& squares() const { return squares_; }
-
-  /// @param depths  of each square the height below which every point lies in shadow; -infinity: not known of any
-  void add_shadows(std::vector<float> depths) { shadows_ = std::move(depths); }
+  /// The same where it is known, of each square and of what is beyond them.
+  /// @param heights  of what stands there, at most; empty: there is nothing
+  /// @param shadows  below which every point lies in shadow, -infinity: not known of any; empty: not known anywhere
+  BlockerHeights(const SeenFromLight& seen, const Frame& frame, const Squares& squares, std::vector<float> heights,
+                 std::vector<float> shadows)
+      : seen_(seen), frame_(frame), squares_(squares), heights_(std::move(heights)), shadows_(std::move(shadows)) {}
 
   struct Known {
     std::uint64_t asked;      ///< rays that may be held back

@@ -1,26 +1,44 @@
 #pragma once
 
-#include <array>
-#include <span>
+#include <cstdint>
 #include <vector>
 
+#include "render/kernels/machine.h"
 #include "render/kernels/wide/blocker_heights.h"
+#include "render/kernels/wide/seen_facets.h"
+#include "render/volumes/facet_neighbours.h"
 
 namespace rhoray::render::wide {
 
-/// A flat facet with its corners in order round it; a triangle repeats its last one.
-using FacetCorners = std::array<std::array<float, 3>, 4>;
+/// Of each square, and of what is beyond them.
+struct FacetHeights {
+  std::vector<float> above;  ///< the height above which no facet stands; -infinity: there is none
+  std::vector<float> below;  ///< below which all light is held back; -infinity: not known
+};
 
-/// Below which heights, square by square, every ray to the light is held back, by facets that have one side turned to
-/// it. They make sheets: where an edge has such a facet on either side, seen from the light, light passes neither
-/// through nor beside it. So a sheet that has a point in a square, and no rim there, covers all of it, and what lies
-/// below its facets lies in shadow. Of several sheets the highest counts.
+/// What facets may hold light back, and what they make of sheets.
+struct SheetFacets {
+  const SeenFacets& seen;
+  const std::uint32_t* sources;  ///< the place of each among the surface's
+  const std::uint16_t* sure;     ///< of each block a bit for each that has one side turned to the light for certain
+  bool rises;                    ///< the field, on the way to the light through these
+};
+
+/// The height above which nothing stands.
+/// @param margin  in the facets' frame: squares are taken to be larger by that much on all sides
+std::vector<float> heights_of_facets(Machine machine, const Squares& squares, double margin, const SeenFacets& facets);
+
+/// The same, and the height below which facets hold back every ray to the light. Facets that have one side turned to it
+/// make sheets: where two of them, and no third one, share an edge, and are turned alike (FacetNeighbours), the sheet
+/// goes on; every other edge is a rim. How many times a sheet lies over a place, facets that are seen from the other
+/// side taken off, changes at rims only, however thin a facet is and wherever rounding moves its corners. So in squares
+/// that share sides and have no rims a sheet lies over all places or over none; over all where one of them holds the
+/// middle of a facet, and touches only facets that are seen the right way for certain; and what lies below all facets
+/// that touch a square lies in shadow there. (Sheet by sheet more would be known where several lie over each other, but
+/// finding out which facets make one takes longer than that saves.)
 ///
-/// @param facets  with the same bits for a corner that several share
-/// @param margin  in their frame: squares are taken to be larger by that much on all sides, and facets so thin that it
-///                may turn them over to be none
-/// @return        of each square, and of what is beyond, the height; -infinity where not known
-std::vector<float> heights_below_sheets(const SeenFromLight& seen, const Squares& squares, double margin,
-                                        std::span<const FacetCorners> facets);
+/// @param neighbours  of the facets of the surface
+FacetHeights heights_of_sheets(Machine machine, const Squares& squares, double margin, const SheetFacets& facets,
+                               const FacetNeighbours& neighbours);
 
 }  // namespace rhoray::render::wide

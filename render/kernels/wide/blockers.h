@@ -58,10 +58,13 @@ std::shared_ptr<const Facets> facets_with_blockers(const VolumeImplementation& v
                                                    unsigned threads);
 
 /// What of them may hold back light on the way to a light.
-std::shared_ptr<const LightBlockers> facet_blockers_of(std::shared_ptr<const Facets> facets, const LightPlace& light);
+/// @param shadows  known: the facets' neighbours are found, once for all lights
+std::shared_ptr<const LightBlockers> facet_blockers_of(Machine machine, std::shared_ptr<const Facets> facets,
+                                                       const LightPlace& light, Shadows shadows);
 
-/// The same with what more than one frame is needed to pay for: what of the surface lies in shadow for certain.
-/// @param before  as facet_blockers_of says
-std::shared_ptr<const LightBlockers> with_shadows(std::shared_ptr<const LightBlockers> before, const LightPlace& light);
+/// The same with shadows that are known.
+/// @param before  of a light for which they are not
+std::shared_ptr<const LightBlockers> with_shadows(Machine machine, std::shared_ptr<const LightBlockers> before,
+                                                  const LightPlace& light);
 
 }  // namespace rhoray::render::wide

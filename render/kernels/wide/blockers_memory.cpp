@@ -34,17 +34,20 @@ std::shared_ptr<const LightBlockers> BlockersMemory::of(const VolumeImplementati
       facets ? std::shared_ptr<const void>(facets) : occupancy_of_grid(volume, question);
   if (!surface) return nullptr;
   OfSurface* kept = bring_to_front(kept_, [&](const OfSurface& of) { return of.surface == surface; });
+  const Shadows shadows = facets && kept != nullptr ? Shadows::known : Shadows::unknown;
   if (kept == nullptr) {
     auto cells = facets ? nullptr : SurfaceCells::of(volume, question, threads);
     if (!facets && !cells) return nullptr;
     kept = &put_in_front(kept_, {surface, std::move(cells), {}}, most_kept);
   }
   if (OfLight* of = bring_to_front(kept->lights, [&](const OfLight& one) { return one.light == light; })) {
-    if (facets && !of->has_shadows) of->blockers = with_shadows(of->blockers, light), of->has_shadows = true;
+    if (of->shadows != shadows)
+      of->blockers = with_shadows(chosen_machine(), of->blockers, light), of->shadows = shadows;
     return of->blockers;
   }
-  auto blockers = facets ? facet_blockers_of(facets, light) : grid_blockers_of(kept->cells, light);
-  return put_in_front(kept->lights, {light, std::move(blockers), false}, most_kept).blockers;
+  auto blockers = facets ? facet_blockers_of(chosen_machine(), facets, light, shadows)
+                         : grid_blockers_of(chosen_machine(), kept->cells, light);
+  return put_in_front(kept->lights, {light, std::move(blockers), shadows}, most_kept).blockers;
 }
 
 }  // namespace rhoray::render::wide

@@ -9,7 +9,9 @@
 namespace rhoray::render::wide {
 
 /// What may hold light back, kept from frame to frame: it depends on the isovalue and on where the light stands in the
-/// volume's frame, not on the camera. Not for two threads at once.
+/// volume's frame, not on the camera. Of a mesh's surface shadows are known from the second time on that it is asked
+/// about, whatever the light: what they take is found once for each surface, and an isovalue that is seen for one frame
+/// does not pay for it. Not for two threads at once.
 class BlockersMemory {
  public:
   /// @param question  of which wide kernels find crossings
@@ -22,7 +24,7 @@ class BlockersMemory {
   struct OfLight {
     LightPlace light;
     std::shared_ptr<const LightBlockers> blockers;
-    bool has_shadows;  ///< from the second frame on
+    Shadows shadows;
   };
   struct OfSurface {
     std::shared_ptr<const void> surface;  ///< facets, or the occupancy of the cells

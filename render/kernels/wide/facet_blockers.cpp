@@ -1,82 +1,143 @@
 #include "render/kernels/wide/facet_blockers.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <utility>
 
+#include "render/kernels/compiled_for.h"
 #include "render/kernels/wide/blocker_sheets.h"
 #include "render/kernels/wide/facets_parts.h"
+#include "render/kernels/wide/seen_facets.h"
 #include "render/volumes/facet_levels.h"
 
 namespace rhoray::render::wide {
 
 namespace {
 
-enum class Blocks { never, perhaps, always };
+constexpr std::uint32_t block_size = FacetBlock::size;
 
-/// Whether the field changes along rays to the light in the way that ends the side: rises from below, falls from above.
-/// Single precision, by which the kernel tells a facet's side, is off by far less than the margin.
-Blocks how_it_blocks(const FacetField& field, const Vec3& anchor, const LightPlace& light, double sign) {
-  constexpr double margin = 0x1p-16;
-  const Vec3 gradient(field.gradient[0], field.gradient[1], field.gradient[2]);
-  const double steepness = std::sqrt(gradient.dot(gradient));
-  // Past the facet's plane, on which the field is the isovalue, lies a place where it is more or less.
+/// By how much single precision may be off, at most and by far, that tells a facet's side in the kernel.
+constexpr double side_margin = 0x1p-16;
+
+/// The ways to a light from where rays of one side start.
+struct Ways {
+  double x, y, z;   ///< of one: from the facets' anchor where the light stands at a place
+  double off;       ///< how far others end from it, and what rounding adds
+  double of_value;  ///< 1 where the light stands at a place, else 0
+  double sign;      ///< of what the field changes by where such a ray leaves its side
+  bool
+      is_direction;  ///< else no facet ends the side of all rays: which start before it, and which behind, is not known
+};
+
+/// Of facets: through which the field may change along rays to the light in the way that ends the side (rises from
+/// below, falls from above), and through which it does for certain; a byte for each of a block.
+RHORAY_INLINE void tell_block(const FacetField* fields, const Ways& ways, std::uint8_t* is_kept,
+                              std::uint8_t* is_sure) {
+  double x[block_size], y[block_size], z[block_size], value[block_size], doubt[block_size];
+  for (std::size_t i = 0; i < block_size; ++i) {
+    x[i] = fields[i].gradient[0], y[i] = fields[i].gradient[1], z[i] = fields[i].gradient[2];
+    value[i] = fields[i].value, doubt[i] = static_cast<double>(fields[i].doubt);
+  }
+  for (std::size_t i = 0; i < block_size; ++i) {
+    const double steepness = std::sqrt(x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
+    // Past the facet's plane, on which the field is the isovalue, lies a place where it is more or less.
+    const double rise = ways.sign * (x[i] * ways.x + y[i] * ways.y + z[i] * ways.z + ways.of_value * value[i]);
+    const double of_value = side_margin * value[i],
+                 about = steepness * ways.off + (of_value < 0 ? -of_value : of_value);
+    const bool is_told = doubt[i] - doubt[i] == 0;  // else the cell is flat
+    is_kept[i] = !(is_told & (rise < -about));      // what is no number is kept
+    is_sure[i] = is_told & (rise > about) & ways.is_direction;
+  }
+}
+
+/// Bytes that are 0 or 1 as bits.
+RHORAY_INLINE std::uint16_t bits_of(const std::uint8_t* bytes) {
+  unsigned bits = 0;
+  for (unsigned i = 0; i < block_size; ++i) bits |= static_cast<unsigned>(bytes[i]) << i;
+  return static_cast<std::uint16_t>(bits);
+}
+
+/// The same of all facets, a bit for each.
+RHORAY_INLINE void tell_all(const FacetField* fields, std::size_t count, const Ways& ways, std::uint16_t* kept,
+                            std::uint16_t* sure) {
+  std::uint8_t is_kept[block_size], is_sure[block_size];
+  const std::size_t whole = count / block_size, left = count % block_size;
+  for (std::size_t b = 0; b < whole; ++b) {
+    tell_block(fields + b * block_size, ways, is_kept, is_sure);
+    kept[b] = bits_of(is_kept), sure[b] = bits_of(is_sure);
+  }
+  if (left == 0) return;
+  FacetField last[block_size];
+  for (std::size_t i = 0; i < block_size; ++i) last[i] = fields[whole * block_size + (i < left ? i : 0)];
+  tell_block(last, ways, is_kept, is_sure);
+  const unsigned in_block = (1U << left) - 1;
+  kept[whole] = static_cast<std::uint16_t>(bits_of(is_kept) & in_block);
+  sure[whole] = static_cast<std::uint16_t>(bits_of(is_sure) & in_block);
+}
+
+Ways ways_to(const LightPlace& light, const Vec3& anchor, StartSide side) {
   const Vec3 way = light.is_place ? light.at - anchor : light.at;
-  const double rise = sign * (gradient.dot(way) + (light.is_place ? field.value : 0));
-  const double doubt = steepness * (light.reach + margin * std::sqrt(way.dot(way))) + std::abs(margin * field.value);
-  if (!std::isfinite(static_cast<double>(field.doubt))) return Blocks::perhaps;
-  if (rise < -doubt) return Blocks::never;
-  // From a ray's start, which may be anywhere, to a place: the side at the facet is not that of the whole way.
-  return rise > doubt && !light.is_place ? Blocks::always : Blocks::perhaps;  // what is no number: perhaps
+  return {.x = way.x,
+          .y = way.y,
+          .z = way.z,
+          .off = light.reach + side_margin * std::sqrt(way.dot(way)),
+          .of_value = light.is_place ? 1.0 : 0.0,
+          .sign = side == StartSide::outside ? 1.0 : -1.0,
+          .is_direction = !light.is_place};
 }
 
 }  // namespace
 
-FacetBlockers::FacetBlockers(std::shared_ptr<const Facets> facets, const LightPlace& light, StartSide side)
-    : facets_(std::move(facets)) {
-  constexpr std::uint32_t block_size = FacetBlock::size;
-  const double sign = side == StartSide::outside ? 1 : -1;
-  for (std::uint32_t f = 0; f < facets_->count(); ++f) {
-    const Blocks how = how_it_blocks(facets_->fields()[f], facets_->anchor(), light, sign);
-    if (how == Blocks::never) continue;
-    const std::size_t place = sources_.size();
-    if (place % block_size == 0) blocks_.emplace_back(), sure_.push_back(0);
-    sources_.push_back(f);
-    const FacetBlock& from = facets_->blocks()[f / block_size];
-    for (int c = 0; c < 4; ++c)
-      for (int a = 0; a < 3; ++a) blocks_.back().corner[c][a][place % block_size] = from.corner[c][a][f % block_size];
-    sure_.back() = static_cast<std::uint16_t>(sure_.back() | (how == Blocks::always) << (place % block_size));
-  }
-  if (const std::size_t left = sources_.size() % block_size; left != 0)
-    for (auto& corner : blocks_.back().corner)
-      for (auto& numbers : corner) std::fill(numbers + left, numbers + block_size, numbers[left - 1]);
-  levels_ = levels_above(blocks_.data(), blocks_.size());
-}
-
-BlockerHeights FacetBlockers::heights(const LightPlace& light) const {
-  const SeenFromLight seen(light.at);
-  std::vector<Footprint> footprints(sources_.size(), Footprint::of_nothing());
-  for (std::size_t f = 0; f < footprints.size(); ++f)
-    for (const auto& corner : blocks_[f / FacetBlock::size].corner) {
-      const std::size_t place = f % FacetBlock::size;
-      const float point[3] = {corner[0][place], corner[1][place], corner[2][place]};
-      footprints[f].add(seen, point);
+FacetBlockers::FacetBlockers(Machine machine, std::shared_ptr<const Facets> facets, const LightPlace& light,
+                             StartSide side)
+    : facets_(std::move(facets)), side_(side) {
+  const std::size_t block_count = (std::size_t{facets_->count()} + block_size - 1) / block_size;
+  std::vector<std::uint16_t> kept(block_count), sure(block_count);
+  compiled_for<tell_all>(machine)(facets_->fields(), facets_->count(), ways_to(light, facets_->anchor(), side),
+                                  kept.data(), sure.data());
+  std::size_t count = 0;
+  for (const std::uint16_t bits : kept) count += static_cast<std::size_t>(std::popcount(bits));
+  const std::size_t kept_blocks = (count + block_size - 1) / block_size;
+  sources_.resize(count), sure_.resize(kept_blocks);
+  blocks_ = std::make_unique_for_overwrite<FacetBlock[]>(kept_blocks);
+  std::size_t place = 0;
+  for (std::size_t b = 0; b < block_count; ++b) {
+    std::uint32_t from[block_size], here = 0;
+    for (unsigned bits = kept[b]; bits != 0; bits &= bits - 1) {
+      const auto f = static_cast<std::uint32_t>(std::countr_zero(bits));
+      from[here] = f;
+      const std::size_t to = place + here++;
+      sources_[to] = static_cast<std::uint32_t>(b * block_size) + f;
+      sure_[to / block_size] =
+          static_cast<std::uint16_t>(sure_[to / block_size] | (sure[b] >> f & 1U) << to % block_size);
     }
-  return BlockerHeights(seen, {.anchor = facets_->anchor(), .scale = facets_->scale(), .margin = facet_margin},
-                        footprints);
+    for (std::size_t c = 0; c < 4; ++c)
+      for (std::size_t a = 0; a < 3; ++a) {
+        const float* numbers = facets_->blocks()[b].corner[c][a];
+        for (std::uint32_t i = 0; i < here; ++i)
+          blocks_[(place + i) / block_size].corner[c][a][(place + i) % block_size] = numbers[from[i]];
+      }
+    place += here;
+  }
+  if (const std::size_t left = count % block_size; left != 0)
+    for (auto& corner : blocks_[kept_blocks - 1].corner)
+      for (auto& numbers : corner) std::fill(numbers + left, numbers + block_size, numbers[left - 1]);
+  levels_ = levels_above(blocks_.get(), kept_blocks);
 }
 
-void FacetBlockers::add_shadows(const LightPlace& light, BlockerHeights& heights) const {
-  std::vector<FacetCorners> sure;
-  sure.reserve(sources_.size());
-  for (std::size_t f = 0; f < sources_.size(); ++f) {
-    const std::size_t block = f / FacetBlock::size, place = f % FacetBlock::size;
-    if ((sure_[block] >> place & 1) == 0) continue;
-    FacetCorners& corners = sure.emplace_back();
-    for (std::size_t c = 0; c < 4; ++c)
-      for (std::size_t a = 0; a < 3; ++a) corners[c][a] = blocks_[block].corner[c][a][place];
-  }
-  if (sure.empty()) return;
-  heights.add_shadows(heights_below_sheets(SeenFromLight(light.at), heights.squares(), facet_margin, sure));
+BlockerHeights FacetBlockers::heights(Machine machine, const LightPlace& light, Shadows shadows) const {
+  const SeenFromLight from_light(light.at);
+  const BlockerHeights::Frame frame{.anchor = facets_->anchor(), .scale = facets_->scale(), .margin = facet_margin};
+  const SeenFacets seen(machine, from_light, facet_margin, blocks_.get(), sources_.size());
+  const Squares& squares = seen.squares();
+  if (shadows == Shadows::unknown || facets_->count() > FacetNeighbours::most_facets)
+    return {from_light, frame, squares, heights_of_facets(machine, squares, facet_margin, seen), {}};
+  FacetHeights heights = heights_of_sheets(
+      machine, squares, facet_margin,
+      {.seen = seen, .sources = sources_.data(), .sure = sure_.data(), .rises = side_ == StartSide::outside},
+      facets_->neighbours());
+  return {from_light, frame, squares, std::move(heights.above), std::move(heights.below)};
 }
 
 }  // namespace rhoray::render::wide

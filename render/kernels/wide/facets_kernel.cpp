@@ -322,20 +322,21 @@ std::shared_ptr<const Facets> facets_with_blockers(const VolumeImplementation& v
       volume.view);
 }
 
-std::shared_ptr<const LightBlockers> facet_blockers_of(std::shared_ptr<const Facets> facets, const LightPlace& light) {
-  return std::make_shared<const LightBlockers>([facets = std::move(facets), light](StartSide side) {
+std::shared_ptr<const LightBlockers> facet_blockers_of(Machine machine, std::shared_ptr<const Facets> facets,
+                                                       const LightPlace& light, Shadows shadows) {
+  return std::make_shared<const LightBlockers>([machine, facets = std::move(facets), light, shadows](StartSide side) {
     Blockers blockers;
-    blockers.facets = std::make_shared<const FacetBlockers>(facets, light, side);
-    if (light.is_one_direction()) blockers.heights = blockers.facets->heights(light);
+    blockers.facets = std::make_shared<const FacetBlockers>(machine, facets, light, side);
+    if (light.is_one_direction()) blockers.heights = blockers.facets->heights(machine, light, shadows);
     return blockers;
   });
 }
 
-std::shared_ptr<const LightBlockers> with_shadows(std::shared_ptr<const LightBlockers> before,
+std::shared_ptr<const LightBlockers> with_shadows(Machine machine, std::shared_ptr<const LightBlockers> before,
                                                   const LightPlace& light) {
-  return std::make_shared<const LightBlockers>([before = std::move(before), light](StartSide side) {
+  return std::make_shared<const LightBlockers>([machine, before = std::move(before), light](StartSide side) {
     Blockers blockers = before->of(side);
-    if (blockers.heights) blockers.facets->add_shadows(light, *blockers.heights);
+    if (light.is_one_direction()) blockers.heights = blockers.facets->heights(machine, light, Shadows::known);
     return blockers;
   });
 }

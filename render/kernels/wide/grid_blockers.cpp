@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "formats/base/parallel.h"
+#include "render/kernels/compiled_for.h"
 #include "render/kernels/wide/brick_samples.h"
 #include "render/kernels/wide/grid_source.h"
 #include "render/kernels/wide/isosurface.h"
@@ -151,23 +152,42 @@ Found cells_of(const View& view, const Occupancy& occupancy, double isovalue, un
   return all;
 }
 
-/// Whether the field may rise in a cell along rays of a direction. Its slope along them is linear along each axis, so
-/// that it is greatest in a corner; there it is made of the differences along the three edges. The unit drops out.
-/// @param doubt  of the slope: the corners are rounded, and the kernel's single precision is off by far less
-bool may_rise(const SurfaceCells::Cell& cell, const float (&direction)[3], float doubt) {
-  if ((cell.place & SurfaceCells::Cell::unknown) != 0) return true;
-  float f[8], slope[8];
-  for (std::size_t c = 0; c < 8; ++c) f[c] = cell.corner[c];
-  for (std::size_t c = 0; c < 8; ++c)
-    slope[c] = direction[0] * (f[c | 1] - f[c & 6]) + direction[1] * (f[c | 2] - f[c & 5]) +
-               direction[2] * (f[c | 4] - f[c & 3]);
-  float greatest = slope[0];
-  for (const float at : slope) greatest = at > greatest ? at : greatest;
-  return !(greatest < -doubt);
+/// How the field changes along rays, from cell to cell; and by how much that may be off, as the corners are rounded,
+/// and the kernel's single precision is off by far less.
+struct Slope {
+  float x, y, z, doubt;
+};
+
+/// Whether the field may rise in cells along rays of a direction: 1 or 0 of each. Its slope along them is linear along
+/// each axis, so that it is greatest in a corner; there it is made of the differences along the three edges. The unit
+/// drops out.
+RHORAY_INLINE void find_rising(const SurfaceCells::Cell* cells, std::size_t count, const Slope& along,
+                               std::uint8_t* rises) {
+  constexpr std::size_t size = 16;
+  for (std::size_t first = 0; first < count; first += size) {
+    const std::size_t here = count - first < size ? count - first : size;
+    std::uint8_t is_unknown[size] = {}, is_rising[size];
+    float f[8][size] = {}, greatest[size];
+    for (std::size_t i = 0; i < here; ++i) {
+      const SurfaceCells::Cell& cell = cells[first + i];
+      is_unknown[i] = (cell.place & SurfaceCells::Cell::unknown) != 0;
+      for (std::size_t c = 0; c < 8; ++c) f[c][i] = cell.corner[c];
+    }
+    for (std::size_t i = 0; i < size; ++i) greatest[i] = -std::numeric_limits<float>::infinity();
+    for (std::size_t c = 0; c < 8; ++c)
+      for (std::size_t i = 0; i < size; ++i) {
+        const float slope = along.x * (f[c | 1][i] - f[c & 6][i]) + along.y * (f[c | 2][i] - f[c & 5][i]) +
+                            along.z * (f[c | 4][i] - f[c & 3][i]);
+        greatest[i] = slope > greatest[i] ? slope : greatest[i];
+      }
+    for (std::size_t i = 0; i < size; ++i) is_rising[i] = (is_unknown[i] != 0) | !(greatest[i] < -along.doubt);
+    for (std::size_t i = 0; i < here; ++i) rises[first + i] = is_rising[i];
+  }
 }
 
 /// What the cells that may hold light back cover.
-std::vector<Footprint> footprints_of(const SurfaceCells& active, const SeenFromLight& seen, const Vec3& falling) {
+std::vector<Footprint> footprints_of(Machine machine, const SurfaceCells& active, const SeenFromLight& seen,
+                                     const Vec3& falling) {
   // Of all cells the same, but for where they stand.
   Footprint of_cell = Footprint::of_nothing();
   for (unsigned corner = 0; corner < 8; ++corner) {
@@ -181,10 +201,15 @@ std::vector<Footprint> footprints_of(const SurfaceCells& active, const SeenFromL
     direction[a] = static_cast<float>(falling[a] / fastest);
     doubt += (1 + 0x1p-7F) * std::abs(direction[a]);  // two halves of a unit, and 2^-15 of what is steepest, 254 units
   }
+  std::vector<std::uint8_t> rises(active.cells().size());
+  compiled_for<find_rising>(machine)(active.cells().data(), active.cells().size(),
+                                     Slope{direction[0], direction[1], direction[2], doubt}, rises.data());
   std::vector<Footprint> footprints;
+  footprints.reserve(static_cast<std::size_t>(std::count(rises.begin(), rises.end(), std::uint8_t{1})));
   for (const SurfaceCells::Block& block : active.blocks())
-    for (const SurfaceCells::Cell& cell : active.cells().subspan(block.first_cell, block.cell_count)) {
-      if (!may_rise(cell, direction, doubt)) continue;
+    for (std::uint32_t c = block.first_cell; c < block.first_cell + block.cell_count; ++c) {
+      if (rises[c] == 0) continue;
+      const SurfaceCells::Cell& cell = active.cells()[c];
       const float point[3] = {block.corner[0] + static_cast<float>(cell.place & 3),
                               block.corner[1] + static_cast<float>(cell.place >> 2 & 3),
                               block.corner[2] + static_cast<float>(cell.place >> 4 & 3)};
@@ -225,9 +250,9 @@ std::shared_ptr<const Occupancy> occupancy_of_grid(const VolumeImplementation& v
       volume.view);
 }
 
-std::shared_ptr<const LightBlockers> grid_blockers_of(std::shared_ptr<const SurfaceCells> cells,
+std::shared_ptr<const LightBlockers> grid_blockers_of(Machine machine, std::shared_ptr<const SurfaceCells> cells,
                                                       const LightPlace& light) {
-  return std::make_shared<const LightBlockers>([cells = std::move(cells), light](StartSide side) {
+  return std::make_shared<const LightBlockers>([machine, cells = std::move(cells), light](StartSide side) {
     // Far above what rounding moves points and rays by, as in prepare_occupancy.
     float farthest = 0;
     for (const SurfaceCells::Block& block : cells->blocks())
@@ -236,7 +261,7 @@ std::shared_ptr<const LightBlockers> grid_blockers_of(std::shared_ptr<const Surf
     const SeenFromLight seen(light.at);
     Blockers blockers;
     blockers.heights.emplace(seen, BlockerHeights::Frame{.margin = margin, .ends_rays = true},
-                             footprints_of(*cells, seen, side == StartSide::outside ? light.at : -light.at));
+                             footprints_of(machine, *cells, seen, side == StartSide::outside ? light.at : -light.at));
     return blockers;
   });
 }

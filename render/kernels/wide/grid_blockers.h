@@ -45,7 +45,7 @@ std::shared_ptr<const Occupancy> occupancy_of_grid(const VolumeImplementation& v
 /// As facet_blockers_of, of a grid: a cell through which the field falls along all rays to the light holds nothing back
 /// from rays that start below the isovalue.
 /// @param light  stands in one direction
-std::shared_ptr<const LightBlockers> grid_blockers_of(std::shared_ptr<const SurfaceCells> cells,
+std::shared_ptr<const LightBlockers> grid_blockers_of(Machine machine, std::shared_ptr<const SurfaceCells> cells,
                                                       const LightPlace& light);
 
 }  // namespace rhoray::render::wide

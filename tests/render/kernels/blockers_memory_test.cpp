@@ -50,6 +50,32 @@ TEST(BlockersMemory, finds_those_of_an_isovalue_and_a_light_once) {
   }
 }
 
+// What an isovalue that is seen for one frame would pay for in vain is found when a surface is asked about again: for
+// all lights that come then, at once.
+TEST(BlockersMemory, knows_shadows_from_the_second_time_on_that_a_surface_is_asked_about) {
+  const TemporaryFolder folder;
+  preprocess::NeutralMesh mesh = box_mesh({.cells = {24, 24, 24}, .box = {{-1, -1, -1}, {1, 1, 1}}});
+  add_point_field(mesh, "value", [](const Vec3& p) { return 0.7 - p.length(); });
+  const render::Volume volume = packed(folder, "mesh.rho", mesh);
+  BlockersMemory memory;
+  const auto knows_shadows = [&](double isovalue, const LightPlace& light) {
+    const auto of_light =
+        memory.of(volume.implementation(),
+                  {.isovalue = isovalue, .method = render::method_of(render::Accuracy::single)}, light, 1);
+    render::RayBatch rays(64);
+    for (std::size_t r = 0; r < 64; ++r) rays.set(r, {.origin = {0, 0, -0.9}, .direction = light.at});
+    const auto known = of_light->of(StartSide::outside).heights->know(render::Machine::baseline, rays, 0, 1);
+    EXPECT_EQ(known.asked + known.in_shadow, 1U) << "the ball stands between";
+    return known.in_shadow == 1;
+  };
+  const LightPlace light{.at = {0, 0, 1}}, moved{.at = {0.1, 0, 1}}, and_again{.at = {0.2, 0, 1}};
+  EXPECT_FALSE(knows_shadows(0.01, light));
+  EXPECT_TRUE(knows_shadows(0.01, moved));
+  EXPECT_TRUE(knows_shadows(0.01, and_again));
+  EXPECT_TRUE(knows_shadows(0.01, light));
+  EXPECT_FALSE(knows_shadows(0.02, light));
+}
+
 // Where light stands at a place, or has a size, facets are known by it; cells are not.
 TEST(BlockersMemory, keeps_facets_for_lights_of_all_kinds) {
   const TemporaryFolder folder;

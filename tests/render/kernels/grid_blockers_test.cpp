@@ -51,9 +51,9 @@ void expect_nothing_above_to_be_held_back(const Field& field, double isovalue, c
     light_rays.has_start_sides = true;
     for (const Vec3& light : {Vec3(1, -2, 1.5), Vec3(-1, -1, 0.1), Vec3(0, 0, 1), Vec3(0.3, 0.7, -2), Vec3(-3, 1, 1)})
       for (const StartSide side : {StartSide::outside, StartSide::inside}) {
-        const auto of_light = render::wide::grid_blockers_of(cells, {.at = light});
-        const render::wide::Blockers* blockers = &of_light->of(side);
-        ASSERT_TRUE(blockers->heights);
+        const auto by_baseline = render::wide::grid_blockers_of(render::Machine::baseline, cells, {.at = light}),
+                   by_chosen = render::wide::grid_blockers_of(render::chosen_machine(), cells, {.at = light});
+        ASSERT_TRUE(by_baseline->of(side).heights && by_chosen->of(side).heights);
         std::size_t count = 0;
         for (std::size_t r = 0; r < ray_count; ++r) {
           const render::Hit hit = seen[r];
@@ -68,7 +68,8 @@ void expect_nothing_above_to_be_held_back(const Field& field, double isovalue, c
         for (std::size_t first = 0; first < count; first += 64) {
           const std::uint64_t all = count - first < 64 ? (std::uint64_t{1} << (count - first)) - 1 : ~std::uint64_t{0};
           for (const render::Machine machine : {render::Machine::baseline, render::chosen_machine()}) {
-            const auto known = blockers->heights->know(machine, light_rays, first, all);
+            const auto known = by_baseline->of(side).heights->know(machine, light_rays, first, all);
+            ASSERT_EQ(by_chosen->of(side).heights->know(machine, light_rays, first, all).asked, known.asked);
             ASSERT_EQ(known.in_shadow, 0U);
             for (std::size_t i = 0; i < 64 && first + i < count; ++i) {
               const bool is_asked = (known.asked >> i & 1) != 0;
@@ -118,7 +119,7 @@ TEST(GridBlockers, are_turned_away_from_the_light) {
                                                              [](const Vec3& p) { return 0.7 - p.length(); }));
   const auto cells = SurfaceCells::of(volume.implementation(), question_of(0.01), 1);
   ASSERT_TRUE(cells);
-  const auto of_light = render::wide::grid_blockers_of(cells, {.at = {0, 0, 1}});
+  const auto of_light = render::wide::grid_blockers_of(render::Machine::baseline, cells, {.at = {0, 0, 1}});
   const render::wide::Blockers* blockers = &of_light->of(StartSide::outside);
   ASSERT_TRUE(blockers->heights);
   // In cells: over the middle, half of the rays on the upper side, half below all.
