@@ -29,7 +29,9 @@ struct alignas(64) SeenBlock {
 class SeenFacets {
  public:
   /// @param blocks  are kept as they are, where they are, for as long as this
-  /// @param margin  in the facets' frame: far above what rounding moves places by
+  /// @param margin  in the facets' frame: far above what rounding moves places by. Where squares are counted single
+  ///                precision takes up to 2^-20 of it (of places up to 4), a quarter of facet_margin; what a kernel may
+  ///                see beside a facet is a tenth of what is left
   SeenFacets(Machine machine, const SeenFromLight& seen, double margin, const FacetBlock* blocks, std::size_t count);
 
   const SeenFromLight& from_light() const { return seen_; }
