@@ -79,12 +79,13 @@ class ShellLooks {
   }
 
   /// Notes the crossings of the rays from r on. Of those that are left nothing is changed.
-  /// @param went_by  bits of lanes: rays that have gone by cells outside, or inside, of which no side is known before
+  /// @param went_by  bits of lanes: rays that have gone by cells outside, or inside, of which no side is known before;
+  ///                 gets those that do so here
   /// @param ended    bits of lanes: rays that are to go no farther
   /// @param full     of these, those of which a crossing was not noted
   /// @return         bits of lanes that are left
   HWY_INLINE std::uint64_t take(ShellLanes<surfaces>& lanes, std::size_t r, const VecF* block_corner,
-                                const BetweenSlabs& between, const std::uint64_t (&went_by)[surfaces][2],
+                                const BetweenSlabs& between, std::uint64_t (&went_by)[surfaces][2],
                                 bool is_at_border, std::uint64_t& ended, std::uint64_t& full) {
     const std::uint64_t walking = bits_of(floats, lanes.walking);
     list_cells(lanes, block_corner, is_at_border);
@@ -238,11 +239,21 @@ class ShellLooks {
     }
   }
 
+  /// Notes that some rays have gone by what lies in front of the heights between which they look, or behind them.
+  HWY_INLINE static void go_by(const BetweenSlabs& between, std::uint64_t rays, std::uint64_t (&went_by)[2]) {
+    const std::uint64_t front = rays & bits_of(floats, between.is_cut_in_front),
+                        behind = rays & bits_of(floats, between.is_cut_behind),
+                        inside_in_front = bits_of(floats, between.inside_in_front);
+    went_by[1] |= (front & inside_in_front) | (behind & ~inside_in_front);
+    went_by[0] |= (front & ~inside_in_front) | (behind & inside_in_front);
+  }
+
   /// Finds the sides of the rays behind their blocks.
-  /// @param unsure  gets bits of lanes: rays that have gone by cells on another side than they have here at first
+  /// @param unsure  gets bits of lanes: rays that have gone by cells on both sides, or on another side than they have
+  ///                here at first
   /// @return        bits of lanes that come to a cell on another side than it has
   HWY_INLINE std::uint64_t find_strays(ShellLanes<surfaces>& lanes, const VecF* block_corner,
-                                       const BetweenSlabs& between, const std::uint64_t (&went_by)[surfaces][2],
+                                       const BetweenSlabs& between, std::uint64_t (&went_by)[surfaces][2],
                                        bool is_at_border, std::uint64_t& unsure) const {
     std::uint64_t strays = 0;
     MaskF inside_behind[surfaces], has_side_behind[surfaces];
@@ -251,9 +262,13 @@ class ShellLooks {
       std::uint64_t has_side = bits_of(floats, lanes.has_side_of[s]);
       std::uint64_t inside = bits_of(floats, lanes.inside_of[s]) & has_side;
       const MaskF without_side = hn::AndNot(lanes.has_side_of[s], lanes.walking);
+      const MaskF is_seen = hn::RebindMask(floats, hn::Ne(lanes.seen_of[s], hn::Zero(ints)));
       if (!hn::AllFalse(floats, without_side)) {
         const std::uint64_t had_side = has_side;
         find_first_sides(s, without_side, inside, has_side);
+        const std::uint64_t still_without = bits_of(floats, hn::And(without_side, is_seen)) & ~has_side;
+        go_by(between, still_without, went_by[s]);
+        unsure |= still_without & went_by[s][0] & went_by[s][1];
         unsure |= has_side & ~had_side & ((inside & went_by[s][0]) | (~inside & went_by[s][1]));
       }
       const VecI changes[2] = {hn::Load(ints, odd_[s][0]), hn::Load(ints, odd_[s][1])};
@@ -274,11 +289,10 @@ class ShellLooks {
           strays |= std::uint64_t{1} << cells_.lane[first + static_cast<std::size_t>(std::countr_zero(other))];
       }
       inside_behind[s] = hn::Xor(begins_inside, odd.of_all);
-      const MaskF is_seen = hn::RebindMask(floats, hn::Ne(lanes.seen_of[s], hn::Zero(ints)));
       const MaskF off_in_front = hn::And(between.is_cut_in_front, hn::Xor(begins_inside, between.inside_in_front));
       const MaskF off_behind =  // there the ray is on the other side
           hn::AndNot(hn::Xor(inside_behind[s], between.inside_in_front), between.is_cut_behind);
-      strays |= bits_of(floats, hn::And(is_seen, hn::Or(off_in_front, off_behind)));
+      strays |= has_side & bits_of(floats, hn::And(is_seen, hn::Or(off_in_front, off_behind)));
     }
     for_each_passed(lanes, off, block_corner, is_at_border,
                     [&](const NextCell&, MaskF passes) HWY_ATTR { strays |= bits_of(floats, passes); });

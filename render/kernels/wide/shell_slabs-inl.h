@@ -192,15 +192,14 @@ HWY_INLINE void let_go_by(const MirroredLattice& lattice, const ShellScratch& sc
     ahead.by_side[s][0] = ahead.by & below[s], ahead.by_side[s][1] = ahead.by & above[s];
 }
 
-/// Between the heights of their blocks' slabs, some rays of which the sides are known.
+/// Between the heights of their blocks' slabs.
 struct BetweenSlabs {
   VecF from, to;          ///< the part of the way on which changes of side are looked for
   MaskF is_cut_in_front;  ///< the part before it is left out: there all surfaces that are seen have the ray...
   MaskF inside_in_front;  ///< inside, or outside
   MaskF is_cut_behind;    ///< likewise the part behind it; on the other side
 
-  /// @param known  sides are, of all surfaces that are seen
-  HWY_INLINE BetweenSlabs(const Lanes& lanes, const VecF* normal, VecF ground, VecF low, VecF high, MaskF known) {
+  HWY_INLINE BetweenSlabs(const Lanes& lanes, const VecF* normal, VecF ground, VecF low, VecF high) {
     VecF height = ground, climb = hn::Zero(floats);
     for (int a = 0; a < 3; ++a) {
       height = hn::MulAdd(normal[a], lanes.entry[a], height);
@@ -210,8 +209,7 @@ struct BetweenSlabs {
     climb = hn::IfThenElse(hn::Lt(hn::Abs(climb), level), level, climb);
     const VecF at_low = hn::Div(hn::Sub(low, height), climb), at_high = hn::Div(hn::Sub(high, height), climb);
     const auto on_way = [&](VecF way) HWY_ATTR { return hn::Min(hn::Max(way, zero), lanes.end); };
-    from = hn::IfThenElseZero(known, on_way(hn::Min(at_low, at_high)));
-    to = hn::IfThenElse(known, on_way(hn::Max(at_low, at_high)), lanes.end);
+    from = on_way(hn::Min(at_low, at_high)), to = on_way(hn::Max(at_low, at_high));
     is_cut_in_front = hn::Gt(from, zero), is_cut_behind = hn::Lt(to, lanes.end);
     inside_in_front = hn::Lt(climb, zero);
   }

@@ -239,15 +239,11 @@ class ShellWalk {
     }
     lanes.end = at.end;
     lanes.way_error = hn::Zero(floats);
-    MaskF known = at.passes;
     for (int s = 0; s < surfaces; ++s) {
       lanes.inside_of[s] = mask_of(floats, inside_[s] >> r);
       lanes.has_side_of[s] = mask_of(floats, has_side_[s] >> r);
-      const MaskF is_seen = hn::RebindMask(floats, hn::Ne(lanes.seen_of[s], hn::Zero(ints)));
-      known = hn::AndNot(hn::AndNot(lanes.has_side_of[s], is_seen), known);
     }
-    pass_cells(lanes, r, corner, at.passes,
-               BetweenSlabs(lanes, slabs.normal, slabs.ground, slabs.low, slabs.high, known));
+    pass_cells(lanes, r, corner, at.passes, BetweenSlabs(lanes, slabs.normal, slabs.ground, slabs.low, slabs.high));
   }
 
   HWY_INLINE void pass_cells(RayLanes& lanes, std::size_t r, const VecF* corner, MaskF passes,
@@ -261,6 +257,8 @@ class ShellWalk {
     for (int s = 0; s < surfaces; ++s)
       for (int side = 0; side < 2; ++side) went_by[s][side] = went_by_[s][side] >> r;
     const std::uint64_t left = looks_.take(lanes, r, corner, between, went_by, is_at_border, ended, full);
+    for (int s = 0; s < surfaces; ++s)
+      for (int side = 0; side < 2; ++side) went_by_[s][side] |= (went_by[s][side] & first_rays(float_lanes)) << r;
     alive_ &= ~(ended << r);
     full_ |= full << r;
     lanes.walking = mask_of(floats, left);
