@@ -46,7 +46,7 @@ class ShellWalk {
         reading_(reading_of(any_.type)),
         has_values_(reading_.fetch_values != nullptr),
         corners_(lattice),
-        hits_(shells, lattice, lists, first_ray, scratch),
+        hits_(shells, lattice, has_values_, lists, first_ray, scratch),
         looks_(shells, ends_, corners_, has_values_, scratch, hits_, counters),
         alive_(group_.inside) {}
 
@@ -54,7 +54,6 @@ class ShellWalk {
     const VecI none = hn::Zero(ints);
     for (std::size_t r = 0; r < group_.count; r += float_lanes) {
       hn::Store(none, ints, ways_.visits + r);
-      hn::Store(hn::Set(floats, 1.0f), floats, scratch_.light + r);
       for (int s = 0; s < surfaces; ++s) hn::Store(none, ints, scratch_.count[s] + r);
     }
     prepare_ways(lattice_, ways_);
@@ -188,7 +187,7 @@ class ShellWalk {
     const VecI none = hn::Zero(ints);
     for (VecF* v : {&corner[0], &corner[1], &corner[2], &normal[0], &normal[1], &normal[2], &ground, &low, &high})
       *v = hn::Zero(floats);
-    lanes.samples = none;
+    lanes.samples = none, lanes.error = hn::Zero(floats);
     for (int s = 0; s < surfaces; ++s) {
       lanes.seen_of[s] = none;
       for (int w = 0; w < 2; ++w) lanes.active_of[s][w] = lanes.inside_out_of[s][w] = none;
@@ -204,6 +203,7 @@ class ShellWalk {
       for (int a = 0; a < 3; ++a)
         put_float(corner[a], static_cast<float>(4 * block.block[a])), put_float(normal[a], block.normal[a]);
       put_float(ground, block.ground), put_float(low, block.low), put_float(high, block.high);
+      put_float(lanes.error, block.error);
       const auto put = [&](VecI& to, std::uint64_t number) HWY_ATTR {
         to = hn::IfThenElse(mask_i, hn::Set(ints, static_cast<std::int32_t>(number)), to);
       };
@@ -332,27 +332,26 @@ class ShellWalk {
       root_count = hn::Add(root_count, ones_in(changed));
     });
     if (hn::AllFalse(floats, found)) return found;
-    const FoundIn at{corners, next, in, out, block_corner, root_count, r, static_cast<std::uint8_t>(s)};
+    const FoundIn at{has_values_ ? values : corners, next, in, out, block_corner, r, s};
     VecI count = hn::Load(ints, scratch_.count[s] + r);
-    VecF light = hn::Load(floats, scratch_.light + r);
-    const VecF passing = hn::Set(floats, shells_.passing[s]);
     for_each_change(cubic, pieces, side, [&](MaskF changed, VecF low, VecF high) HWY_ATTR {
       const MaskF has_room = hn::RebindMask(floats, hn::Lt(count, hn::Set(ints, std::int32_t{CrossingList::most})));
       full_ |= bits_of(floats, hn::AndNot(has_room, changed)) << r;
       const MaskF kept = hn::And(changed, has_room);
       if (hn::AllFalse(floats, kept)) return;
-      hits_.keep(at, kept, low, high, count);
+      hits_.keep(at, kept, low, high, count, root_count);
       count = hn::Add(count, ones_in(kept));
-      light = hn::IfThenElse(kept, hn::Mul(light, passing), light);
     });
     hn::Store(count, ints, scratch_.count[s] + r);
-    hn::Store(light, floats, scratch_.light + r);
     return found;
   }
 
   /// Ends the rays of which a list is full, and those that no light would pass.
   HWY_INLINE void end_rays(RayLanes& lanes, MaskF found, std::size_t r) {
-    const MaskF dark = hn::Lt(hn::Load(floats, scratch_.light + r), hn::Set(floats, shells_.least_light));
+    VecF light = hn::Set(floats, 1.0f);
+    for (int s = 0; s < surfaces; ++s)
+      light = hn::Mul(light, hn::GatherIndex(floats, shells_.passing[s], hn::Load(ints, scratch_.count[s] + r)));
+    const MaskF dark = hn::Lt(light, hn::Set(floats, shells_.least_light));
     const std::uint64_t ended = bits_of(floats, hn::And(found, dark)) | (full_ >> r & first_rays(float_lanes));
     if (ended == 0) return;
     alive_ &= ~(ended << r);
