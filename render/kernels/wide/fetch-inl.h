@@ -10,6 +10,7 @@
 #include <limits>
 #include <type_traits>
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include "render/kernels/wide/block_samples.h"
@@ -222,6 +223,25 @@ inline constexpr bool is_single = is_exact_in_float<T> || std::is_same_v<T, floa
 template <class T>
 HWY_NOINLINE void fetch_values(const SampleSource& source, const int* block, BlockSamples& out) {
   if constexpr (is_single<T>) fetch_differences<T>(source, block, 0, out);
+}
+
+/// Has the processor bring the samples of a block, if they lie in few places: in eight bricks.
+template <class T>
+HWY_NOINLINE void ask_for_block(const SampleSource& source, const int* block) {
+  if (!source.has_whole_bricks) return;
+  constexpr std::size_t in_line = 64 / sizeof(T), in_brick = 64, in_layer = 16;
+  const T* samples = static_cast<const T*>(source.samples);
+  std::uint64_t at[3][2];
+  for (int a = 0; a < 3; ++a)
+    for (int end = 0; end < 2; ++end) {
+      const int i = 4 * (block[a] + end), last = source.count[a] - 1;
+      at[a][end] = source.address[a][i < last ? i : last];
+    }
+  for (std::size_t brick = 0; brick < 8; ++brick) {
+    const T* first = samples + at[0][brick & 1] + at[1][brick >> 1 & 1] + at[2][brick >> 2];
+    const std::size_t needed = brick < 4 ? in_brick : in_layer;
+    for (std::size_t i = 0; i < needed; i += in_line) hwy::Prefetch(first + i);
+  }
 }
 
 /// Values less an isovalue, as side_keeping_difference has them.

@@ -63,8 +63,11 @@ class ShellWalk {
     for (int s = 0; s < surfaces; ++s)
       nodes.of[s] = shells_.surface[s].nodes, summits.of[s] = shells_.surface[s].summits;
     int alive_in_frustum = std::popcount(alive_);
+    BlocksExpected expected;
     walk_blocks(frustum, lattice_, nodes, summits, [&](const int* block) HWY_ATTR {
-      meet(block);
+      ask_for(block);
+      if (expected.count == BlocksExpected::most) meet(expected.take());
+      expected.add(block);
       if (alive_ == 0) return false;
       if (const int alive = std::popcount(alive_); 2 * alive < alive_in_frustum) {
         frustum = frustum_around(lattice_, group_, alive_);
@@ -72,6 +75,7 @@ class ShellWalk {
       }
       return true;
     });
+    while (expected.count != 0 && alive_ != 0) meet(expected.take());
     while (scratch_.ahead.count != 0) pass_next();
     hits_.write();
     for (std::size_t r = 0; r < group_.count; ++r) {
@@ -97,10 +101,21 @@ class ShellWalk {
     return (surface.nodes[node] >> bit & 1) != 0;
   }
 
+  HWY_INLINE KeptPlace kept_place(const int* mirrored, int* block) const {
+    for (int a = 0; a < 3; ++a) block[a] = lattice_.block(a, mirrored[a]);
+    return kept_place_of<ShellBlockAhead>(block);
+  }
+
+  /// Has the samples of a block brought that are not kept: they come while the blocks before it are passed.
+  HWY_INLINE void ask_for(const int* mirrored) const {
+    int block[3];
+    const KeptPlace at = kept_place(mirrored, block);
+    if (scratch_.block_key[at.place] != at.key) reading_.ask_for(any_.source, block);
+  }
+
   HWY_INLINE const BlockSlabs& fetch(ShellBlockAhead& ahead) {
     int block[3];  // not mirrored
-    for (int a = 0; a < 3; ++a) block[a] = lattice_.block(a, ahead.block[a]);
-    const KeptPlace at = kept_place_of<ShellBlockAhead>(block);
+    const KeptPlace at = kept_place(ahead.block, block);
     constexpr std::size_t floats_each = sizeof(BlockSamples) / sizeof(float);
     ahead.samples = static_cast<std::int32_t>(at.place * floats_each);
     if (scratch_.block_key[at.place] != at.key) {

@@ -56,6 +56,25 @@ struct ShellBlockAhead {
   float low, high, error;                                  ///< of BlockSlabs
 };
 
+/// Blocks that rays may come to, in their order, of which the samples have been asked for.
+struct BlocksExpected {
+  static constexpr std::size_t most = 4;
+
+  int block[most][3];
+  std::size_t first = 0, count = 0;
+
+  RHORAY_INLINE void add(const int* added) {
+    int* to = block[(first + count++) % most];
+    for (int a = 0; a < 3; ++a) to[a] = added[a];
+  }
+  /// The first of them, until another one is added.
+  RHORAY_INLINE const int* take() {
+    const int* taken = block[first];
+    first = (first + 1) % most, --count;
+    return taken;
+  }
+};
+
 /// The field in a block as far as planes can tell. A height is the product of the normal and a place in the block, 0 to
 /// 4 each, that is not mirrored.
 struct BlockSlabs {
