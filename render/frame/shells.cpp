@@ -28,6 +28,13 @@ CrossingsKernel kernel_of(const Frame& frame, const FrameLayer& layer) {
   return crossings_kernel(layer.volume, layer.question);
 }
 
+/// Whether a layer's crossings are shown by where they are and by their gradients alone.
+bool shows_only_places(const Frame& frame, const FrameLayer& layer) {
+  const Look& look = layer.look;
+  return !frame.keeps_channels && !look.lookup && !look.texture && !look.effects.smooth_normals &&
+         !asks_for_light(layer);
+}
+
 bool go_together(const Frame& frame, const ShellGroup& group, const FrameLayer& layer) {
   const FrameLayer& first = frame.layers[group.layers.front()];
   return group.layers.size() < CrossingsQuestion::most_surfaces && &first.volume == &layer.volume &&
@@ -189,7 +196,9 @@ void choose_shells(const FrameOptions& options, Frame& frame) {
     if (kernel == nullptr) return;
     const auto fit = std::find_if(groups.begin(), groups.end(),
                                   [&](const ShellGroup& group) { return go_together(frame, group, layer); });
-    ShellGroup& group = fit != groups.end() ? *fit : groups.emplace_back(ShellGroup{kernel, {}, {}});
+    ShellGroup& group =
+        fit != groups.end() ? *fit : groups.emplace_back(ShellGroup{.kernel = kernel, .layers = {}, .surfaces = {}});
+    group.only_places = group.only_places && shows_only_places(frame, layer);
     group.layers.push_back(static_cast<std::uint8_t>(l));
     group.surfaces.push_back(
         {.isovalue = layer.question.isovalue, .passing = static_cast<float>(1 - layer.look.layer.surface.opacity)});
@@ -207,7 +216,10 @@ void cross_shells(const Frame& frame, Worker& worker) {
     const FrameLayer& layer = frame.layers[group.layers.front()];
     LayerWork& work = worker.layers[group.layers.front()];
     group.kernel(layer.volume,
-                 {.surfaces = group.surfaces, .least_light = surely_dark, .time_phases = layer.question.time_phases},
+                 {.surfaces = group.surfaces,
+                  .least_light = surely_dark,
+                  .time_phases = layer.question.time_phases,
+                  .only_places = group.only_places},
                  work.rays, std::span<CrossingList* const>(lists, group.layers.size()),
                  worker.shells.complete[g].data(), worker.shells.memory[g], work.scratch.counters);
   }

@@ -121,14 +121,14 @@ class ShellHits {
     const ChosenLanes chosen(lanes);
     const auto put_one = [&](VecF numbers, float* to) HWY_ATTR { hn::StoreU(chosen.first(numbers), floats, to + n); };
     for (int c = 0; c < 8; ++c) put_one(at.corners.f[c], found_.corner[c]);
-    for (int a = 0; a < 3; ++a) {
-      put_one(at.in[a], found_.in[a]), put_one(at.out[a], found_.out[a]);
-      put_one(hn::Add(at.block_corner[a], at.next.cell[a]), found_.cell[a]);
+    for (int a = 0; a < 3; ++a) put_one(at.in[a], found_.in[a]), put_one(at.out[a], found_.out[a]);
+    if (!shells_.only_places) {
+      for (int a = 0; a < 3; ++a) put_one(hn::Add(at.block_corner[a], at.next.cell[a]), found_.cell[a]);
+      hn::StoreU(chosen.first(root_count), ints, found_.root_count + n);
     }
     put_one(at.next.way_in, found_.way_in), put_one(at.next.way_out, found_.way_out);
     put_one(low, found_.low), put_one(high, found_.high);
     hn::StoreU(chosen.first(place), ints, found_.place + n);
-    hn::StoreU(chosen.first(root_count), ints, found_.root_count + n);
     hn::StoreU(hn::Set(ints, at.surface), ints, found_.surface + n);
     found_.count += hn::CountTrue(floats, lanes);
     return chosen;
@@ -193,14 +193,17 @@ class ShellHits {
     const IsosurfaceScratch& ways = scratch_.ways;
     const auto ray = static_cast<std::size_t>(found_.ray[i]);
     const std::size_t r = first_ray_ + ways.group.index[ray];
-    const std::int32_t surface = found_.surface[i];
-    const HitArrays& to = lists_[surface].hits[found_.place[i]];
+    const HitArrays& to = lists_[found_.surface[i]].hits[found_.place[i]];
     const double t = found_.t_block[i] + way * ways.t_per_way[ray];
     to.t[r] = t < ways.group.t_out[ray] ? t : ways.group.t_out[ray];
-    to.value[r] = shells_.surface[surface].isovalue;
+    for (int a = 0; a < 3; ++a) to.gradient[a][r] = static_cast<double>(gradient[a]);
+    if (!shells_.only_places) write_cell(i, iterations, r, to);
+  }
+
+  HWY_INLINE void write_cell(std::size_t i, std::int32_t iterations, std::size_t r, const HitArrays& to) {
+    to.value[r] = shells_.surface[found_.surface[i]].isovalue;
     std::uint64_t cell = 0;
     for (int a = 2; a >= 0; --a) {
-      to.gradient[a][r] = static_cast<double>(gradient[a]);
       const auto mirrored = static_cast<std::int64_t>(found_.cell[a][i]);
       const std::int64_t at = lattice_.is_mirrored(a) ? 16 * lattice_.node_count[a] - 1 - mirrored : mirrored;
       cell = cell * static_cast<std::uint64_t>(shells_.surface[0].leaf_count[a]) + static_cast<std::uint64_t>(at);

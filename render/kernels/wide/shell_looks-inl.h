@@ -88,7 +88,8 @@ class ShellLooks {
     list_cells(lanes, block_corner, is_at_border);
     const std::size_t first_found = scratch_.found.count;
     has_many_ = false;
-    for (std::size_t first = 0; first < cells_.count; first += float_lanes) look(lanes, first, block_corner);
+    for (std::size_t first = 0; first < cells_.count; first += float_lanes)
+      look(lanes, first, block_corner, is_at_border);
     note_changes(first_found);
     std::uint64_t unsure = 0;
     const std::uint64_t strays = find_strays(lanes, block_corner, between, went_by, is_at_border, unsure);
@@ -166,15 +167,17 @@ class ShellLooks {
   HWY_INLINE OfCells of_cells(std::size_t first) const { return OfCells(hn::Load(ints, cells_.lane + first)); }
 
   /// Looks into the cells from `first` on.
-  HWY_INLINE void look(const ShellLanes<surfaces>& lanes, std::size_t first, const VecF* block_corner) {
+  HWY_INLINE void look(const ShellLanes<surfaces>& lanes, std::size_t first, const VecF* block_corner,
+                       bool is_at_border) {
     const OfCells of = of_cells(first);
     const VecI bit = hn::Load(ints, cells_.bit + first);
     Lanes ways;
     VecF corner_of[3];
     for (int a = 0; a < 3; ++a) {
-      ways.entry[a] = of(lanes.entry[a]), ways.last[a] = of(lanes.last[a]);
+      ways.entry[a] = of(lanes.entry[a]);
+      ways.last[a] = is_at_border ? of(lanes.last[a]) : hn::Set(floats, 3.0f);
       ways.slope[a] = of(lanes.slope[a]), ways.inverse_slope[a] = of(lanes.inverse_slope[a]);
-      corner_of[a] = of(block_corner[a]);
+      corner_of[a] = shells_.only_places ? hn::Zero(floats) : of(block_corner[a]);
     }
     ways.end = of(lanes.end), ways.samples = of(lanes.samples);
     NextCell cell;

@@ -160,11 +160,11 @@ class ShellWalk {
         });
     if (rays == 0) return;
     while (!fits(scratch_.ahead, block)) pass_next();
-    ShellBlockAhead next;
+    ShellBlockAhead& next = scratch_.ahead.block[scratch_.ahead.count];  // not added yet
     for (int a = 0; a < 3; ++a) next.block[a] = block[a];
     let_go_by<surfaces>(lattice_, scratch_, fetch(next), rays, enters, leaves, next);
     if (settle(next) == 0) return;
-    add(scratch_.ahead, block, next.rays) = next;
+    add(scratch_.ahead, block, next.rays);
     while (alive_ != 0 && (alive_ & ~scratch_.ahead.rays) == 0) pass_next();
   }
 

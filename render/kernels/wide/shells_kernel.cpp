@@ -47,7 +47,8 @@ Shells shells_of(const View& view, const VolumeImplementation& volume, const Cro
                 .least_inside = {},
                 .is_single = {},
                 .count = static_cast<int>(question.surfaces.size()),
-                .least_light = question.least_light};
+                .least_light = question.least_light,
+                .only_places = question.only_places};
   for (std::size_t s = 0; s < most_shells; ++s) {
     const double isovalue = shells.surface[s].isovalue;
     const auto nearest = static_cast<float>(isovalue);

@@ -24,6 +24,7 @@ struct Shells {
   bool is_single[most_shells];      ///< whether that is the isovalue
   int count;
   float least_light;
+  bool only_places;  ///< as CrossingsQuestion has it
 };
 
 /// Words of the occupancies of all surfaces together.
