@@ -71,16 +71,15 @@ HWY_INLINE unsigned __int128 of_all_corners(unsigned __int128 samples) {
 }
 
 /// Which cells have corners on both sides, and which lie inside, of samples of which the least that is inside is this.
-/// @param out  may be the samples themselves
-HWY_INLINE void find_active_cells(const SampleSource& source, const int* block, const BlockSamples& samples,
-                                  float least_inside, BlockSamples& out) {
+/// @param present  cells that the lattice has
+HWY_INLINE void find_active_cells(std::uint64_t present, float least_inside, BlockSamples& samples) {
   const VecF least = hn::Set(floats, least_inside);
   const unsigned __int128 inside = samples_that(samples, [=](VecF f) HWY_ATTR { return hn::Ge(f, least); });
   const unsigned __int128 active = ~of_all_corners(inside) & ~of_all_corners(~inside);
-  out.present = existing_cells(source, block);
-  out.active = cells_of_samples(active) & out.present;
-  out.inside = cells_of_samples(inside);
-  out.range = std::numeric_limits<float>::quiet_NaN();
+  samples.present = present;
+  samples.active = cells_of_samples(active) & present;
+  samples.inside = cells_of_samples(inside);
+  samples.range = std::numeric_limits<float>::quiet_NaN();
 }
 
 /// Finds the range of a block's samples. That of differences near the smallest numbers counts as infinite, as rounding
@@ -211,7 +210,7 @@ HWY_INLINE void fetch_differences(const SampleSource& source, const int* block, 
 template <class T>
 HWY_NOINLINE void fetch_block(const SampleSource& source, const int* block, double isovalue, BlockSamples& out) {
   fetch_differences<T>(source, block, isovalue, out);
-  find_active_cells(source, block, out, 0, out);
+  find_active_cells(existing_cells(source, block), 0, out);
   if (std::is_floating_point_v<T> && source.has_gaps) leave_out_gaps(out);
 }
 

@@ -265,19 +265,22 @@ class ShellLooks {
 
   /// The sides on which rays are that have looked into no cell before, by the first that they look into.
   HWY_INLINE void find_first_sides(int s, MaskF without_side, std::uint64_t& inside, std::uint64_t& has_side) const {
-    const VecI without = hn::VecFromMask(ints, hn::RebindMask(ints, without_side));
-    const std::uint64_t all = has_side | bits_of(floats, without_side);
-    for (std::size_t first = 0; first < cells_.count && has_side != all; first += float_lanes) {
+    HWY_ALIGN std::int32_t first_look[float_lanes];  // 1: inside, 0: outside, else none
+    hn::Store(hn::Set(ints, -1), ints, first_look);
+    for (std::size_t first = (cells_.count + float_lanes - 1) / float_lanes * float_lanes; first != 0;) {
+      first -= float_lanes;  // so that the first one is what is left
       const OfLooks& found = cells_.looks[s][first / float_lanes];
-      const auto of_these = hn::MaskFromVec(of_cells(first)(without));
-      for (std::uint64_t bits = found.looked & bits_of(ints, of_these); bits != 0; bits &= bits - 1) {
-        const int i = std::countr_zero(bits);
-        const std::uint64_t lane = std::uint64_t{1} << cells_.lane[first + static_cast<std::size_t>(i)];
-        if ((has_side & lane) != 0) continue;
-        has_side |= lane;
-        inside |= (found.begins_inside >> i & 1) != 0 ? lane : 0;
+      for (std::uint64_t bits = found.looked; bits != 0;) {
+        const int i = 63 - std::countl_zero(bits);
+        bits ^= std::uint64_t{1} << i;
+        first_look[cells_.lane[first + static_cast<std::size_t>(i)]] =
+            static_cast<std::int32_t>(found.begins_inside >> i & 1);
       }
     }
+    const VecI look = hn::Load(ints, first_look);
+    const std::uint64_t without = bits_of(floats, without_side);
+    has_side |= without & bits_of(ints, hn::Gt(look, hn::Set(ints, -1)));
+    inside |= without & bits_of(ints, hn::Eq(look, hn::Set(ints, 1)));
   }
 
   /// Notes that some rays have gone by what lies in front of the heights between which they look, or behind them.

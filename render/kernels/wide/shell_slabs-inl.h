@@ -188,7 +188,7 @@ HWY_INLINE void let_go_by(const MirroredLattice& lattice, const ShellScratch& sc
   }
   ahead.by = rays;
   for (int s = 0; s < surfaces; ++s)
-    if (ahead.active[s] != 0) ahead.by &= below[s] | above[s];
+    if (ahead.is_seen[s]) ahead.by &= below[s] | above[s];
   ahead.rays = rays & ~ahead.by;
   for (int s = 0; s < surfaces; ++s)
     ahead.by_side[s][0] = ahead.by & below[s], ahead.by_side[s][1] = ahead.by & above[s];

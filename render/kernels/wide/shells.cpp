@@ -122,34 +122,43 @@ class ShellWalk {
       scratch_.block_key[at.place] = at.key;
       fetch_anew(block, at.place);
     }
+    const SeenBlock& seen = scratch_.seen[at.place];
     for (int s = 0; s < surfaces; ++s) {
-      const BlockSamples& samples = scratch_.blocks[s][at.place];
-      ahead.active[s] = mirrored_bits(samples.active, lattice_.octant);
-      ahead.inside[s] = mirrored_bits(samples.inside, lattice_.octant);
+      ahead.is_seen[s] = seen.active[s] != 0;
+      split(mirrored_bits(seen.active[s], lattice_.octant), ahead.active[s]);
+      split(mirrored_bits(seen.inside[s], lattice_.octant), ahead.inside[s]);
     }
-    return scratch_.slabs[at.place];
+    return seen.slabs;
+  }
+
+  HWY_INLINE static void split(std::uint64_t bits, std::int32_t* words) {
+    for (int w = 0; w < 2; ++w) words[w] = static_cast<std::int32_t>(bits >> (32 * w));
   }
 
   HWY_INLINE void fetch_anew(const int* block, std::size_t place) {
-    if (has_values_) reading_.fetch_values(any_.source, block, scratch_.blocks[0][place]);
+    BlockSamples& values = scratch_.blocks[0][place];
+    if (has_values_) reading_.fetch_values(any_.source, block, values);
+    const std::uint64_t present = existing_cells(any_.source, block);
+    SeenBlock& kept = scratch_.seen[place];
     SeenInBlock seen[surfaces];
-    const float* values = scratch_.blocks[0][place].difference;
+    const float* of_slabs = values.difference;
     double base = 0;
     for (int s = 0; s < surfaces; ++s) {
       const Surface& surface = shells_.surface[s];
-      BlockSamples& samples = scratch_.blocks[s][place];
-      if (surfaces > 1 && !has_bit(surface, block)) {
-        samples.active = samples.inside = 0;  // nothing is to be seen of it
-      } else if (has_values_) {
-        find_active_cells(surface.source, block, scratch_.blocks[0][place], shells_.least_inside[s], samples);
-      } else {
-        reading_.fetch(surface.source, block, surface.isovalue, samples);
-        values = samples.difference, base = surface.isovalue;
+      seen[s] = {.active = 0, .inside = 0, .isovalue = surface.isovalue};  // nothing is to be seen of it
+      if (surfaces == 1 || has_bit(surface, block)) {
+        BlockSamples& samples = scratch_.blocks[has_values_ ? 0 : s][place];
+        if (has_values_)
+          find_active_cells(present, shells_.least_inside[s], samples);
+        else
+          reading_.fetch(surface.source, block, surface.isovalue, samples);
+        seen[s].active = samples.active, seen[s].inside = samples.inside;
+        if (!has_values_) of_slabs = samples.difference, base = surface.isovalue;
       }
-      seen[s] = {.active = samples.active, .inside = samples.inside, .isovalue = surface.isovalue};
+      kept.active[s] = seen[s].active, kept.inside[s] = seen[s].inside;
     }
     for (SeenInBlock& of : seen) of.isovalue -= base;
-    scratch_.slabs[place] = slabs_of(values, existing_cells(any_.source, block), seen);
+    kept.slabs = slabs_of(of_slabs, present, seen);
   }
 
   HWY_INLINE void meet(const int* block) {
@@ -161,7 +170,7 @@ class ShellWalk {
     if (rays == 0) return;
     while (!fits(scratch_.ahead, block)) pass_next();
     ShellBlockAhead& next = scratch_.ahead.block[scratch_.ahead.count];  // not added yet
-    for (int a = 0; a < 3; ++a) next.block[a] = block[a];
+    for (int a = 0; a < 3; ++a) next.block[a] = block[a], next.corner[a] = static_cast<float>(4 * block[a]);
     let_go_by<surfaces>(lattice_, scratch_, fetch(next), rays, enters, leaves, next);
     if (settle(next) == 0) return;
     add(scratch_.ahead, block, next.rays);
@@ -215,20 +224,18 @@ class ShellWalk {
       const auto mask_i = hn::RebindMask(ints, mask);
       const auto put_float = [&](VecF& to, float number)
                                  HWY_ATTR { to = hn::IfThenElse(mask, hn::Set(floats, number), to); };
-      for (int a = 0; a < 3; ++a)
-        put_float(corner[a], static_cast<float>(4 * block.block[a])), put_float(normal[a], block.normal[a]);
+      for (int a = 0; a < 3; ++a) put_float(corner[a], block.corner[a]), put_float(normal[a], block.normal[a]);
       put_float(ground, block.ground), put_float(low, block.low), put_float(high, block.high);
       put_float(lanes.error, block.error);
-      const auto put = [&](VecI& to, std::uint64_t number) HWY_ATTR {
-        to = hn::IfThenElse(mask_i, hn::Set(ints, static_cast<std::int32_t>(number)), to);
-      };
-      put(lanes.samples, static_cast<std::uint64_t>(block.samples));
+      const auto put = [&](VecI& to, std::int32_t number)
+                           HWY_ATTR { to = hn::IfThenElse(mask_i, hn::Set(ints, number), to); };
+      put(lanes.samples, block.samples);
       for (int s = 0; s < surfaces; ++s) {
-        if (block.active[s] == 0) continue;  // nothing is to be seen of it
-        put(lanes.seen_of[s], all_rays);
+        if (!block.is_seen[s]) continue;
+        put(lanes.seen_of[s], -1);
         for (int w = 0; w < 2; ++w) {
-          put(lanes.active_of[s][w], block.active[s] >> (32 * w));
-          put(lanes.inside_out_of[s][w], block.inside[s] >> (32 * w));
+          put(lanes.active_of[s][w], block.active[s][w]);
+          put(lanes.inside_out_of[s][w], block.inside[s][w]);
         }
       }
     }

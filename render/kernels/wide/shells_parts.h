@@ -51,10 +51,13 @@ struct ShellBlockAhead {
   std::uint64_t by;                       ///< that may pass others only
   std::uint64_t by_side[most_shells][2];  ///< of these, those that may pass any outside, or inside
   std::uint64_t taken;                    ///< of which it is the next one
-  std::int32_t samples;                   ///< where its samples begin among those that are kept
-  std::uint64_t active[most_shells], inside[most_shells];  ///< of BlockSamples, mirrored; 0 where it has no bit
-  float normal[3], ground;                                 ///< height above the slabs' origin: mirrored
-  float low, high, error;                                  ///< of BlockSlabs
+  // What lanes take from it, each number by itself:
+  float corner[3];                                              ///< lowest, in the mirrored lattice
+  std::int32_t samples;                                         ///< where its samples begin among those that are kept
+  bool is_seen[most_shells];                                    ///< whether it has a bit of the surface
+  std::int32_t active[most_shells][2], inside[most_shells][2];  ///< of BlockSamples, mirrored, in two words
+  float normal[3], ground;                                      ///< height above the slabs' origin: mirrored
+  float low, high, error;                                       ///< of BlockSlabs
 };
 
 /// Blocks that rays may come to, in their order, of which the samples have been asked for.
@@ -85,6 +88,12 @@ struct BlockSlabs {
   float above[most_shells];  ///< likewise, inside
   float low, high;           ///< the least and the greatest of these, of surfaces of which something is to be seen
   float error;               ///< of the samples, or of means of them, less an isovalue: more than all rounding
+};
+
+/// What is kept of a block beside its samples.
+struct alignas(64) SeenBlock {
+  std::uint64_t active[most_shells], inside[most_shells];  ///< as BlockSamples has them
+  BlockSlabs slabs;
 };
 
 /// Looks into as many cells as a vector has lanes: a bit for each.
@@ -139,7 +148,7 @@ struct alignas(64) ShellScratch {
   /// Where values are numbers of single precision, those of the first surface are the samples themselves, for all
   /// surfaces; else each has them less its isovalue.
   BlockSamples blocks[most_shells][kept_blocks];
-  BlockSlabs slabs[kept_blocks];
+  SeenBlock seen[kept_blocks];
   std::uint64_t block_key[kept_blocks];
   std::array<std::shared_ptr<const Occupancy>, most_shells> occupancies;  ///< whose blocks are kept
 };
