@@ -114,6 +114,7 @@ class ShellLooks {
         hn::Store(zero, ints, odd_[s][w]);
       }
     cells_.count = 0;
+    passed_[0] = passed_[1] = zero;
     for_each_passed(lanes, any, block_corner, is_at_border, [&](const NextCell& cell, MaskF passes) HWY_ATTR {
       const VecF bit = hn::MulAdd(hn::Set(floats, 16.0f), cell.cell[2],
                                   hn::MulAdd(hn::Set(floats, 4.0f), cell.cell[1], cell.cell[0]));
@@ -121,6 +122,9 @@ class ShellLooks {
       hn::StoreU(chosen.first(hn::ConvertTo(ints, bit)), ints, cells_.bit + cells_.count);
       hn::StoreU(chosen.numbers(), ints, cells_.lane + cells_.count);
       cells_.count += hn::CountTrue(floats, passes);
+      const VecI passed = hn::IfThenElseZero(hn::RebindMask(ints, passes), cell.bit);
+      passed_[0] = hn::Or(passed_[0], hn::IfThenZeroElse(cell.in_second, passed));
+      passed_[1] = hn::Or(passed_[1], hn::IfThenElseZero(cell.in_second, passed));
     });
     hn::StoreU(zero, ints, cells_.lane + cells_.count);
     hn::StoreU(zero, ints, cells_.bit + cells_.count);
@@ -263,24 +267,26 @@ class ShellLooks {
     }
   }
 
-  /// The sides on which rays are that have looked into no cell before, by the first that they look into.
-  HWY_INLINE void find_first_sides(int s, MaskF without_side, std::uint64_t& inside, std::uint64_t& has_side) const {
-    HWY_ALIGN std::int32_t first_look[float_lanes];  // 1: inside, 0: outside, else none
-    hn::Store(hn::Set(ints, -1), ints, first_look);
-    for (std::size_t first = (cells_.count + float_lanes - 1) / float_lanes * float_lanes; first != 0;) {
-      first -= float_lanes;  // so that the first one is what is left
+  /// The sides on which rays are that have looked into no cell before: those that they are known to have in front of
+  /// the heights between which they look, or that of the first cell that they look into.
+  /// @param has_side  gets rays that look into one
+  HWY_INLINE void find_first_sides(int s, std::uint64_t without_side, const BetweenSlabs& between,
+                                   std::uint64_t& inside, std::uint64_t& has_side) const {
+    const VecI looked = hn::Or(hn::And(passed_[0], active_[s][0]), hn::And(passed_[1], active_[s][1]));
+    const std::uint64_t finds = without_side & bits_of(ints, hn::Ne(looked, hn::Zero(ints)));
+    const std::uint64_t is_cut = finds & bits_of(floats, between.is_cut_in_front);
+    inside |= is_cut & bits_of(floats, between.inside_in_front);
+    has_side |= finds;
+    std::uint64_t left = finds & ~is_cut;
+    for (std::size_t first = 0; left != 0; first += float_lanes) {
       const OfLooks& found = cells_.looks[s][first / float_lanes];
-      for (std::uint64_t bits = found.looked; bits != 0;) {
-        const int i = 63 - std::countl_zero(bits);
-        bits ^= std::uint64_t{1} << i;
-        first_look[cells_.lane[first + static_cast<std::size_t>(i)]] =
-            static_cast<std::int32_t>(found.begins_inside >> i & 1);
+      for (std::uint64_t bits = found.looked; bits != 0 && left != 0; bits &= bits - 1) {
+        const int i = std::countr_zero(bits);
+        const std::uint64_t lane = left & std::uint64_t{1} << cells_.lane[first + static_cast<std::size_t>(i)];
+        left ^= lane;
+        if ((found.begins_inside >> i & 1) != 0) inside |= lane;
       }
     }
-    const VecI look = hn::Load(ints, first_look);
-    const std::uint64_t without = bits_of(floats, without_side);
-    has_side |= without & bits_of(ints, hn::Gt(look, hn::Set(ints, -1)));
-    inside |= without & bits_of(ints, hn::Eq(look, hn::Set(ints, 1)));
   }
 
   /// Notes that some rays have gone by what lies in front of the heights between which they look, or behind them.
@@ -294,12 +300,12 @@ class ShellLooks {
 
   /// Finds the sides of the rays behind their blocks.
   /// @param unsure  gets bits of lanes: rays that have gone by cells on both sides, or on another side than they have
-  ///                here at first
+  ///                here at first, and those that are on none yet and then come to a cell on another side than it has
   /// @return        bits of lanes that come to a cell on another side than it has
   HWY_INLINE std::uint64_t find_strays(ShellLanes<surfaces>& lanes, const VecF* block_corner,
                                        const BetweenSlabs& between, std::uint64_t (&went_by)[surfaces][2],
                                        bool is_at_border, std::uint64_t& unsure) const {
-    std::uint64_t strays = 0;
+    std::uint64_t strays = 0, has_all_sides = ~std::uint64_t{0};
     MaskF inside_behind[surfaces], has_side_behind[surfaces];
     VecI off[2] = {hn::Zero(ints), hn::Zero(ints)};  // cells between those that were looked into
     for (int s = 0; s < surfaces; ++s) {
@@ -309,8 +315,9 @@ class ShellLooks {
       const MaskF is_seen = hn::RebindMask(floats, hn::Ne(lanes.seen_of[s], hn::Zero(ints)));
       if (!hn::AllFalse(floats, without_side)) {
         const std::uint64_t had_side = has_side;
-        find_first_sides(s, without_side, inside, has_side);
+        find_first_sides(s, bits_of(floats, without_side), between, inside, has_side);
         const std::uint64_t still_without = bits_of(floats, hn::And(without_side, is_seen)) & ~has_side;
+        has_all_sides &= ~bits_of(floats, without_side);
         go_by(between, still_without, went_by[s]);
         unsure |= still_without & went_by[s][0] & went_by[s][1];
         unsure |= has_side & ~had_side & ((inside & went_by[s][0]) | (~inside & went_by[s][1]));
@@ -340,6 +347,7 @@ class ShellLooks {
     }
     for_each_passed(lanes, off, block_corner, is_at_border,
                     [&](const NextCell&, MaskF passes) HWY_ATTR { strays |= bits_of(floats, passes); });
+    unsure |= strays & ~has_all_sides;
     const MaskF is_stray = mask_of(floats, strays);
     for (int s = 0; s < surfaces; ++s) {
       lanes.inside_of[s] = hn::Or(hn::And(is_stray, lanes.inside_of[s]), hn::AndNot(is_stray, inside_behind[s]));
@@ -436,6 +444,7 @@ class ShellLooks {
   ShellHits& hits_;
   KernelCounters& counters_;
   VecI active_[surfaces][2];                              ///< cells that rays may look into
+  VecI passed_[2];                                        ///< of these, of all surfaces, those that they pass
   HWY_ALIGN std::int32_t odd_[surfaces][2][float_lanes];  ///< of these, by ray, those with an odd number of changes
   HWY_ALIGN std::int32_t before_[surfaces][float_lanes];  ///< crossings of each ray in front of its block
   bool has_many_;                                         ///< some cell has more than one change of a surface
