@@ -51,21 +51,26 @@ struct FoundIn {
   int surface;
 };
 
-/// Keeps changes of side, and makes them crossings, many at a time.
+/// Keeps changes of side of one surface, and makes them crossings, many at a time.
 class ShellHits {
  public:
   /// @param has_values  of blocks values are kept, not differences to isovalues
-  HWY_INLINE ShellHits(const Shells& shells, const MirroredLattice& lattice, bool has_values,
+  HWY_INLINE ShellHits(const Shells& shells, int surface, const MirroredLattice& lattice, bool has_values,
                        const CrossingArrays* lists, std::size_t first_ray, ShellScratch& scratch)
       : shells_(shells),
+        surface_(surface),
         lattice_(lattice),
         has_values_(has_values),
-        lists_(lists),
+        list_(lists[surface]),
         first_ray_(first_ray),
         scratch_(scratch),
-        found_(scratch.found) {
+        found_(scratch.found[surface]) {
     found_.count = 0;
   }
+
+  HWY_INLINE std::size_t count() const { return found_.count; }
+  /// Of one that was noted, and is not complete.
+  HWY_INLINE std::size_t cell_of(std::size_t noted) const { return static_cast<std::size_t>(found_.ray[noted]); }
 
   /// @param place       of each, among the crossings of its ray
   /// @param root_count  of its surface, in its cell
@@ -90,13 +95,13 @@ class ShellHits {
     hn::StoreU(hn::Add(chosen.numbers(), hn::Set(ints, static_cast<std::int32_t>(at.ray))), ints, found_.ray + first);
   }
   /// Makes crossings of what was noted from `first` on, in cells of the rays from r on.
-  /// @param place_of  (crossing, cell): among those of its ray; below 0: it is none
+  /// @param place_of  (cell, place among the changes in it): among those of its ray; below 0: it is none
   template <class PlaceOf>
   HWY_INLINE void complete(std::size_t first, std::size_t r, const CellsAhead& cells, const PlaceOf& place_of) {
     for (std::size_t c = first; c < found_.count; ++c) {
       const auto cell = static_cast<std::size_t>(found_.ray[c]);
       const std::size_t ray = r + static_cast<std::size_t>(cells.lane[cell]);
-      found_.place[c] = place_of(c, cell);
+      found_.place[c] = place_of(cell, found_.place[c]);
       found_.ray[c] = static_cast<std::int32_t>(ray);
       found_.t_block[c] = scratch_.ways.t_block[ray];
     }
@@ -129,7 +134,6 @@ class ShellHits {
     put_one(at.next.way_in, found_.way_in), put_one(at.next.way_out, found_.way_out);
     put_one(low, found_.low), put_one(high, found_.high);
     hn::StoreU(chosen.first(place), ints, found_.place + n);
-    hn::StoreU(hn::Set(ints, at.surface), ints, found_.surface + n);
     found_.count += hn::CountTrue(floats, lanes);
     return chosen;
   }
@@ -140,22 +144,12 @@ class ShellHits {
   }
   HWY_INLINE VecF load(const float* from, std::size_t first) const { return hn::LoadU(floats, from + readable(first)); }
 
-  /// Less their surfaces' isovalues.
+  /// Less the surface's isovalue.
   HWY_INLINE Corners corners_at(std::size_t first) const {
     Corners corners;
     for (int c = 0; c < 8; ++c) corners.f[c] = load(found_.corner[c], first);
     if (!has_values_) return corners;
-    const VecI surface = hn::LoadU(ints, found_.surface + readable(first));
-    const MaskF is_second = hn::RebindMask(floats, hn::Ne(surface, hn::Zero(ints)));
-    if (shells_.is_single[0] && shells_.is_single[1]) {
-      const VecF isovalue = hn::IfThenElse(is_second, hn::Set(floats, static_cast<float>(shells_.surface[1].isovalue)),
-                                           hn::Set(floats, static_cast<float>(shells_.surface[0].isovalue)));
-      for (VecF& f : corners.f) f = hn::Sub(f, isovalue);
-    } else {
-      const auto less = [&](VecF f, int s)
-                            HWY_ATTR { return less_isovalue(f, shells_.surface[s].isovalue, shells_.is_single[s]); };
-      for (VecF& f : corners.f) f = hn::IfThenElse(is_second, less(f, 1), less(f, 0));
-    }
+    for (VecF& f : corners.f) f = less_isovalue(f, shells_.surface[surface_].isovalue, shells_.is_single[surface_]);
     return corners;
   }
 
@@ -193,7 +187,7 @@ class ShellHits {
     const IsosurfaceScratch& ways = scratch_.ways;
     const auto ray = static_cast<std::size_t>(found_.ray[i]);
     const std::size_t r = first_ray_ + ways.group.index[ray];
-    const HitArrays& to = lists_[found_.surface[i]].hits[found_.place[i]];
+    const HitArrays& to = list_.hits[found_.place[i]];
     const double t = found_.t_block[i] + way * ways.t_per_way[ray];
     to.t[r] = t < ways.group.t_out[ray] ? t : ways.group.t_out[ray];
     for (int a = 0; a < 3; ++a) to.gradient[a][r] = static_cast<double>(gradient[a]);
@@ -201,7 +195,7 @@ class ShellHits {
   }
 
   HWY_INLINE void write_cell(std::size_t i, std::int32_t iterations, std::size_t r, const HitArrays& to) {
-    to.value[r] = shells_.surface[found_.surface[i]].isovalue;
+    to.value[r] = shells_.surface[surface_].isovalue;
     std::uint64_t cell = 0;
     for (int a = 2; a >= 0; --a) {
       const auto mirrored = static_cast<std::int64_t>(found_.cell[a][i]);
@@ -214,9 +208,10 @@ class ShellHits {
   }
 
   const Shells& shells_;
+  const int surface_;
   const MirroredLattice& lattice_;
   const bool has_values_;
-  const CrossingArrays* lists_;
+  const CrossingArrays& list_;
   const std::size_t first_ray_;
   ShellScratch& scratch_;
   FoundCrossings& found_;

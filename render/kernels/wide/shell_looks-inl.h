@@ -58,7 +58,7 @@ template <int surfaces>
 class ShellLooks {
  public:
   HWY_INLINE ShellLooks(const Shells& shells, const LatticeEnds& ends, const BlockCorners& corners, bool has_values,
-                        ShellScratch& scratch, ShellHits& hits, KernelCounters& counters)
+                        ShellScratch& scratch, ShellHits* hits, KernelCounters& counters)
       : shells_(shells),
         ends_(ends),
         corners_(corners),
@@ -86,7 +86,8 @@ class ShellLooks {
                                 std::uint64_t& ended, std::uint64_t& full) {
     const std::uint64_t walking = bits_of(floats, lanes.walking);
     list_cells(lanes, block_corner, is_at_border);
-    const std::size_t first_found = scratch_.found.count;
+    FirstFound first_found;
+    for (int s = 0; s < surfaces; ++s) first_found.of[s] = hits_[s].count();
     has_many_ = false;
     for (std::size_t first = 0; first < cells_.count; first += float_lanes)
       look(lanes, first, block_corner, is_at_border);
@@ -103,6 +104,11 @@ class ShellLooks {
   }
 
  private:
+  /// Of each surface, where the changes begin among those that are noted, of which the rays are not known yet.
+  struct FirstFound {
+    std::size_t of[surfaces];
+  };
+
   /// All cells that the rays pass and in which something is to be seen: of each ray in their order.
   HWY_INLINE void list_cells(const ShellLanes<surfaces>& lanes, const VecF* block_corner, bool is_at_border) {
     const VecI zero = hn::Zero(ints);
@@ -233,7 +239,7 @@ class ShellLooks {
     const MaskF once = hn::And(open, hn::Or(rises, falls)), unclear = hn::AndNot(once, open);
     if (!hn::AllFalse(floats, once)) {
       const VecI one = hn::Set(ints, 1);
-      hits_.note(at, once, hn::Zero(floats), hn::Set(floats, 1.0f), hn::Zero(ints), one);
+      hits_[at.surface].note(at, once, hn::Zero(floats), hn::Set(floats, 1.0f), hn::Zero(ints), one);
     }
     if (HWY_UNLIKELY(!hn::AllFalse(floats, unclear))) look_closely(at, unclear);
   }
@@ -253,18 +259,19 @@ class ShellLooks {
     has_many_ |= !hn::AllFalse(ints, hn::Gt(root_count, hn::Set(ints, 1)));
     for_each_change(cubic, pieces, side, [&](MaskF changed, VecF low, VecF high) HWY_ATTR {
       if (hn::AllFalse(floats, changed)) return;
-      hits_.note(at, changed, low, high, place, root_count);
+      hits_[at.surface].note(at, changed, low, high, place, root_count);
       place = hn::Add(place, ones_in(changed));
     });
   }
 
   /// Of each ray the cells with an odd number of changes.
-  HWY_INLINE void note_changes(std::size_t first_found) {
-    const FoundCrossings& found = scratch_.found;
-    for (std::size_t f = first_found; f < found.count; ++f) {
-      const std::int32_t c = found.ray[f], bit = cells_.bit[c];
-      odd_[found.surface[f]][bit / 32][cells_.lane[c]] ^= static_cast<std::int32_t>(std::uint32_t{1} << bit % 32);
-    }
+  HWY_INLINE void note_changes(const FirstFound& first) {
+    for (int s = 0; s < surfaces; ++s)
+      for (std::size_t f = first.of[s]; f < hits_[s].count(); ++f) {
+        const std::size_t c = hits_[s].cell_of(f);
+        const std::int32_t bit = cells_.bit[c];
+        odd_[s][bit / 32][cells_.lane[c]] ^= static_cast<std::int32_t>(std::uint32_t{1} << bit % 32);
+      }
   }
 
   /// The sides on which rays are that have looked into no cell before: those that they are known to have in front of
@@ -384,32 +391,34 @@ class ShellLooks {
   }
 
   /// Gives the changes their places among their rays' crossings: they are counted, and all of them are crossings.
-  HWY_INLINE void complete_all(std::size_t first_found, std::size_t r) {
-    hits_.complete(first_found, r, cells_, [&](std::size_t f, std::size_t c) HWY_ATTR {
-      const std::int32_t s = scratch_.found.surface[f], lane = cells_.lane[c], bit = cells_.bit[c];
-      const std::uint64_t changes = static_cast<std::uint32_t>(odd_[s][0][lane]) |
-                                    std::uint64_t{static_cast<std::uint32_t>(odd_[s][1][lane])} << 32;
-      return before_[s][lane] + std::popcount(changes & ((std::uint64_t{1} << bit) - 1));
-    });
+  HWY_INLINE void complete_all(const FirstFound& first, std::size_t r) {
+    for (int s = 0; s < surfaces; ++s)
+      hits_[s].complete(first.of[s], r, cells_, [&](std::size_t c, std::int32_t) HWY_ATTR {
+        const std::int32_t lane = cells_.lane[c], bit = cells_.bit[c];
+        const std::uint64_t changes = static_cast<std::uint32_t>(odd_[s][0][lane]) |
+                                      std::uint64_t{static_cast<std::uint32_t>(odd_[s][1][lane])} << 32;
+        return before_[s][lane] + std::popcount(changes & ((std::uint64_t{1} << bit) - 1));
+      });
   }
 
   /// The same, as far as rays go.
   /// @param left  lanes whose changes are none
-  HWY_NOINLINE void complete_until_ended(std::size_t first_found, std::size_t r, std::uint64_t left,
+  HWY_NOINLINE void complete_until_ended(const FirstFound& first, std::size_t r, std::uint64_t left,
                                          std::uint64_t& ended, std::uint64_t& full) {
-    const FoundCrossings& found = scratch_.found;
-    for (int s = 0; s < surfaces; ++s)
+    for (int s = 0; s < surfaces; ++s) {
       for (std::size_t c = 0; c < cells_.count; ++c) cells_.changes[s][c] = 0;
-    for (std::size_t f = first_found; f < found.count; ++f) ++cells_.changes[found.surface[f]][found.ray[f]];
+      for (std::size_t f = first.of[s]; f < hits_[s].count(); ++f) ++cells_.changes[s][hits_[s].cell_of(f)];
+    }
     for (std::size_t c = 0; c < cells_.count; ++c) {
       std::int32_t changes = 0;
       for (int s = 0; s < surfaces; ++s) changes += cells_.changes[s][c];
       if (changes != 0) link_one(c, r, left, ended, full);
     }
-    hits_.complete(first_found, r, cells_, [&](std::size_t f, std::size_t c) HWY_ATTR {
-      const std::int32_t before = cells_.place[found.surface[f]][c], place = before + found.place[f];
-      return before >= 0 && place < std::int32_t{CrossingList::most} ? place : CellsAhead::nowhere;
-    });
+    for (int s = 0; s < surfaces; ++s)
+      hits_[s].complete(first.of[s], r, cells_, [&](std::size_t c, std::int32_t in_cell) HWY_ATTR {
+        const std::int32_t before = cells_.place[s][c], place = before + in_cell;
+        return before >= 0 && place < std::int32_t{CrossingList::most} ? place : CellsAhead::nowhere;
+      });
   }
 
   HWY_INLINE void link_one(std::size_t c, std::size_t r, std::uint64_t left, std::uint64_t& ended,
@@ -441,7 +450,7 @@ class ShellLooks {
   const bool has_values_;
   ShellScratch& scratch_;
   CellsAhead& cells_;
-  ShellHits& hits_;
+  ShellHits* const hits_;  ///< by surface
   KernelCounters& counters_;
   VecI active_[surfaces][2];                              ///< cells that rays may look into
   VecI passed_[2];                                        ///< of these, of all surfaces, those that they pass

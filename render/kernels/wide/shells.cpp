@@ -46,7 +46,8 @@ class ShellWalk {
         reading_(reading_of(any_.type)),
         has_values_(reading_.fetch_values != nullptr),
         corners_(lattice),
-        hits_(shells, lattice, has_values_, lists, first_ray, scratch),
+        hits_{{shells, 0, lattice, has_values_, lists, first_ray, scratch},
+              {shells, 1, lattice, has_values_, lists, first_ray, scratch}},
         looks_(shells, ends_, corners_, has_values_, scratch, hits_, counters),
         alive_(group_.inside) {}
 
@@ -77,7 +78,7 @@ class ShellWalk {
     });
     while (expected.count != 0 && alive_ != 0) meet(expected.take());
     while (scratch_.ahead.count != 0) pass_next();
-    hits_.write();
+    for (int s = 0; s < surfaces; ++s) hits_[s].write();
     for (std::size_t r = 0; r < group_.count; ++r) {
       const std::size_t at = first_ray_ + group_.index[r];
       for (int s = 0; s < surfaces; ++s) {
@@ -361,7 +362,7 @@ class ShellWalk {
       full_ |= bits_of(floats, hn::AndNot(has_room, changed)) << r;
       const MaskF kept = hn::And(changed, has_room);
       if (hn::AllFalse(floats, kept)) return;
-      hits_.keep(at, kept, low, high, count, root_count);
+      hits_[s].keep(at, kept, low, high, count, root_count);
       count = hn::Add(count, ones_in(kept));
     });
     hn::Store(count, ints, scratch_.count[s] + r);
@@ -394,7 +395,7 @@ class ShellWalk {
   const Reading reading_;
   const bool has_values_;  ///< blocks are kept as values, not as differences
   const BlockCorners corners_;
-  ShellHits hits_;
+  ShellHits hits_[most_shells];  ///< by surface
   ShellLooks<surfaces> looks_;
   std::uint64_t alive_;                                            ///< rays that go on
   std::uint64_t full_ = 0;                                         ///< rays of which a crossing was not noted

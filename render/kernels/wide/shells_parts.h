@@ -116,12 +116,11 @@ struct alignas(64) CellsAhead {
   std::int32_t place[most_shells][capacity];  ///< of the first of these, if there are any, among the ray's crossings
 };
 
-/// Crossings of a group of which the place in the cell is still to be refined, one after another.
+/// Crossings of a group with one surface of which the place in the cell is still to be refined, one after another.
 struct alignas(64) FoundCrossings {
   static constexpr std::size_t full = 128;  ///< these are written before more are looked for
-  /// And what a pack of rays may find in its blocks, at most three changes in each cell for each surface; and two
-  /// vectors.
-  static constexpr std::size_t capacity = full + 3 * most_shells * CellsAhead::most + 32;
+  /// And what a pack of rays may find in its blocks, at most three changes in each cell; and two vectors.
+  static constexpr std::size_t capacity = full + 3 * CellsAhead::most + 32;
 
   float corner[8][capacity];                    ///< of the cell, as its block's samples are kept
   float in[3][capacity], out[3][capacity];      ///< where the ray enters and leaves the cell
@@ -130,7 +129,7 @@ struct alignas(64) FoundCrossings {
   float cell[3][capacity];                      ///< in the mirrored lattice
   double t_block[capacity];                     ///< when the ray entered the block
   std::int32_t ray[capacity], place[capacity];  ///< of the group; among the crossings of its ray, below 0: none
-  std::int32_t root_count[capacity], surface[capacity];
+  std::int32_t root_count[capacity];
   std::size_t count = 0;
 };
 
@@ -140,7 +139,7 @@ struct alignas(64) ShellScratch {
 
   IsosurfaceScratch ways;  ///< of a group; its blocks are not used
   ListOfBlocks<ShellBlockAhead> ahead;
-  FoundCrossings found;
+  FoundCrossings found[most_shells];
   CellsAhead cells;
   float start[3][RayGroup::size];                   ///< of each ray, in the mirrored lattice
   float place_error[RayGroup::size];                ///< of places on the ray in single precision, in cells
