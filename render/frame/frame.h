@@ -52,6 +52,7 @@ struct ShellGroup {
   CrossingsKernel kernel;
   std::vector<std::uint8_t> layers;  ///< by their place in the frame
   std::vector<CrossedSurface> surfaces;
+  bool only_places = true;  ///< as CrossingsQuestion has it
 };
 
 /// What was chosen once for the frame; nothing here changes while tiles are traced.

@@ -5,8 +5,10 @@
 #include <limits>
 #include <utility>
 
+#include "render/frame/clear_light.h"
 #include "render/frame/lighting.h"
 #include "render/frame/peeling.h"
+#include "render/kernels/compiled_for.h"
 #include "render/march/ticks.h"
 
 namespace rhoray::render {
@@ -26,48 +28,59 @@ CrossingsKernel kernel_of(const Frame& frame, const FrameLayer& layer) {
   return crossings_kernel(layer.volume, layer.question);
 }
 
+/// Whether a layer's crossings are shown by where they are and by their gradients alone.
+bool shows_only_places(const Frame& frame, const FrameLayer& layer) {
+  const Look& look = layer.look;
+  return !frame.keeps_channels && !look.lookup && !look.texture && !look.effects.smooth_normals &&
+         !asks_for_light(layer);
+}
+
 bool go_together(const Frame& frame, const ShellGroup& group, const FrameLayer& layer) {
   const FrameLayer& first = frame.layers[group.layers.front()];
   return group.layers.size() < CrossingsQuestion::most_surfaces && &first.volume == &layer.volume &&
          first.clipped == layer.clipped;
 }
 
-/// The rays' crossings with all layers as they are met, one after another: gives them their shares of the light.
+/// The rays' crossings with all layers, in their order: gives them their shares of the light.
 class LightShares {
  public:
   LightShares(const Frame& frame, Worker& worker) : frame_(frame), worker_(worker) {
-    for (const ShellGroup& group : frame.shells)
-      for (const std::uint8_t layer : group.layers) {
-        ShellWork& work = *worker.shells.layers[layer];
-        OfLayer& of = layers_.emplace_back();
-        of.layer = layer;
-        of.opacity = static_cast<float>(frame.layers[layer].look.layer.surface.opacity);
-        of.count = work.crossings.count.data();
-        for (std::size_t k = 0; k < CrossingList::most; ++k) {
-          of.t[k] = work.crossings.hits(k).t.data();
-          of.share[k] = work.share[k].data();
-        }
-      }
+    for (const ShellGroup& group : frame.shells) of_.insert(of_.end(), group.layers.begin(), group.layers.end());
     // Of crossings at one t the first layer's comes first.
-    std::sort(layers_.begin(), layers_.end(), [](const OfLayer& a, const OfLayer& b) { return a.layer < b.layer; });
+    std::sort(of_.begin(), of_.end());
+    for (const std::uint8_t l : of_) {
+      ShellWork& work = *worker.shells.layers[l];
+      SharedLayer& layer = layers_.emplace_back();
+      layer.opacity = frame.layers[l].look.layer.surface.opacity;
+      layer.count = work.crossings.count.data();
+      for (std::size_t k = 0; k < CrossingList::most; ++k) {
+        layer.t[k] = work.crossings.hits(k).t.data();
+        layer.share[k] = work.share[k].data();
+      }
+    }
+    met_.resize(layers_.size());
   }
 
   void share_light(std::size_t ray_count) {
-    std::fill_n(worker_.front.alpha, ray_count, 1.0F);
     std::fill_n(worker_.shells.goes_on.data(), ray_count, std::uint8_t{0});
     std::fill_n(is_left_, ray_count, std::uint8_t{0});
-    is_complete_ = true;
     for (std::size_t g = 0; g < frame_.shells.size(); ++g) {
       const std::uint8_t* complete = worker_.shells.complete[g].data();
-      is_complete_ &= std::find(complete, complete + ray_count, 0) == complete + ray_count;
       for (std::size_t r = 0; r < ray_count; ++r)
         is_left_[r] = static_cast<std::uint8_t>(is_left_[r] | (complete[r] ^ 1));
     }
-    if (layers_.size() == 2 && is_complete_)
-      share_between_two(ray_count);
-    else
-      for (const OfLayer& of : layers_)
-        for (std::size_t r = 0; r < ray_count; ++r) is_left_[r] = static_cast<std::uint8_t>(is_left_[r] | of.count[r]);
+    if (layers_.size() <= LightSharing::most_layers) {
+      SharedLight light{.alpha = worker_.front.alpha};
+      compiled_for<share_light_inline>(frame_.layers.front().look.machine)(
+          {layers_.data(), layers_.size(), is_left_, ray_count, least_light}, light);
+      worker_.counts.clear_crossings += light.shown;
+      worker_.counts.rays_through += light.through;
+    } else {
+      std::fill_n(worker_.front.alpha, ray_count, 1.0F);
+      for (const SharedLayer& layer : layers_)
+        for (std::size_t r = 0; r < ray_count; ++r)
+          is_left_[r] = static_cast<std::uint8_t>(is_left_[r] | (layer.count[r] != 0));
+    }
     for (std::size_t r = 0; r < ray_count; ++r)
       if (is_left_[r] != 0) share_light_of(r);
   }
@@ -77,78 +90,42 @@ class LightShares {
   /// Calls act(layer, the most crossings of it that a ray shows).
   template <class Act>
   void for_each_layer(const Act& act) const {
-    for (const OfLayer& of : layers_) act(of.layer, of.deepest);
+    for (std::size_t l = 0; l < layers_.size(); ++l) act(of_[l], layers_[l].deepest);
   }
 
  private:
-  struct OfLayer {
-    std::uint8_t layer = 0;
-    float opacity = 0;
-    const std::uint8_t* count = nullptr;
-    std::array<const double*, CrossingList::most> t{};
-    std::array<float*, CrossingList::most> share{};
-    std::size_t deepest = 0;  ///< so many of the shares have been asked for
-    // Of one ray:
+  /// Of one ray, with a layer.
+  struct MetLayer {
     std::size_t taken = 0;
     double next = infinity;  ///< t of the first that is not taken
-
-    void look_ahead(std::size_t r, double limit) {
-      next = taken < count[r] && t[taken][r] <= limit ? t[taken][r] : infinity;
-    }
   };
 
-  /// Shares the light of all rays that cross either layer once at most, without a branch; the others are left.
-  void share_between_two(std::size_t ray_count) {
-    OfLayer &a = layers_[0], &b = layers_[1];
-    const std::uint8_t *count_a = a.count, *count_b = b.count;
-    const double *t_a = a.t[0], *t_b = b.t[0];
-    float *share_a = a.share[0], *share_b = b.share[0], *alpha = worker_.front.alpha;
-    std::uint64_t shown = 0, through = 0;
-    unsigned any_a = 0, any_b = 0;
-    for (std::size_t r = 0; r < ray_count; ++r) {
-      const unsigned has_a = count_a[r], has_b = count_b[r];
-      const bool is_left = (has_a | has_b) > 1;
-      any_a |= has_a, any_b |= has_b;
-      const bool a_first = has_a != 0 && (has_b == 0 || t_a[r] <= t_b[r]);
-      const bool has_first = !is_left && (has_a | has_b) != 0;
-      const float of_first = has_first ? a_first ? a.opacity : b.opacity : 0;
-      const float behind_first = 1 - of_first;
-      const bool has_second = !is_left && (has_a & has_b) != 0 && !(behind_first < least_light);
-      const float of_second = has_second ? (a_first ? b.opacity : a.opacity) * behind_first : 0;
-      const float light = behind_first - of_second;
-      share_a[r] = a_first ? of_first : of_second;
-      share_b[r] = a_first ? of_second : of_first;
-      alpha[r] = light;
-      is_left_[r] = is_left;
-      shown += static_cast<unsigned>(has_first) + static_cast<unsigned>(has_second);
-      through += static_cast<unsigned>(has_first && !(behind_first < least_light)) +
-                 static_cast<unsigned>(has_second && !(light < least_light));
-    }
-    for (OfLayer* of : {&a, &b}) std::fill(of->share[0] + ray_count, of->share[0] + tile_capacity, 0.0F);
-    a.deepest = any_a != 0, b.deepest = any_b != 0;
-    worker_.counts.clear_crossings += shown;
-    worker_.counts.rays_through += through;
+  void look_ahead(std::size_t l, std::size_t r, double limit) {
+    const SharedLayer& layer = layers_[l];
+    MetLayer& met = met_[l];
+    met.next = met.taken < layer.count[r] && layer.t[met.taken][r] <= limit ? layer.t[met.taken][r] : infinity;
   }
 
   void share_light_of(std::size_t r) {
-    const double limit = is_complete_ ? infinity : known_until(r);
-    for (OfLayer& of : layers_) of.taken = 0, of.look_ahead(r, limit);
-    float light = 1;
+    const double limit = known_until(r);
+    for (std::size_t l = 0; l < layers_.size(); ++l) met_[l].taken = 0, look_ahead(l, r, limit);
+    double light = 1;
     std::size_t shown = 0;
     for (; !(light < least_light); ++shown) {
-      OfLayer* first = &layers_[0];
+      std::size_t first = 0;
       for (std::size_t l = 1; l < layers_.size(); ++l)
-        if (layers_[l].next < first->next) first = &layers_[l];
-      if (first->next == infinity) break;
-      const float share = first->opacity * light;
-      light -= share;
-      if (first->taken == first->deepest) std::fill_n(first->share[first->deepest++], tile_capacity, 0.0F);
-      first->share[first->taken++][r] = share;
-      first->look_ahead(r, limit);
+        if (met_[l].next < met_[first].next) first = l;
+      if (met_[first].next == infinity) break;
+      SharedLayer& layer = layers_[first];
+      const std::size_t k = met_[first].taken++;
+      if (k == layer.deepest) std::fill_n(layer.share[layer.deepest++], tile_capacity, 0.0F);
+      layer.share[k][r] = static_cast<float>(layer.opacity * light);
+      light *= 1 - layer.opacity;
+      look_ahead(first, r, limit);
     }
     worker_.counts.clear_crossings += shown;
     worker_.counts.rays_through += light < least_light ? shown - 1 : shown;
-    worker_.front.alpha[r] = light;
+    worker_.front.alpha[r] = static_cast<float>(light);
     if (limit == infinity) return;
     worker_.shells.goes_on[r] = !(light < least_light);
     if (worker_.shells.goes_on[r] != 0) note_last(r);
@@ -173,20 +150,21 @@ class LightShares {
   }
 
   void note_last(std::size_t r) {
-    for (const OfLayer& of : layers_) {
-      if (of.taken == 0) continue;
-      Ray ray = worker_.layers[of.layer].rays[r];
+    for (std::size_t l = 0; l < layers_.size(); ++l) {
+      if (met_[l].taken == 0) continue;
+      Ray ray = worker_.layers[of_[l]].rays[r];
       ray.start_side = StartSide::unknown;
-      const bool is_field = frame_.layers[of.layer].look.layer.mode != Mode::triangles;
-      const Hit hit = worker_.shells.layers[of.layer]->crossings.hits(of.taken - 1)[r];
-      last_.push_back({.layer = of.layer, .ray = static_cast<std::uint32_t>(r), .behind = behind(ray, hit, is_field)});
+      const bool is_field = frame_.layers[of_[l]].look.layer.mode != Mode::triangles;
+      const Hit hit = worker_.shells.layers[of_[l]]->crossings.hits(met_[l].taken - 1)[r];
+      last_.push_back({.layer = of_[l], .ray = static_cast<std::uint32_t>(r), .behind = behind(ray, hit, is_field)});
     }
   }
 
   const Frame& frame_;
   Worker& worker_;
-  std::vector<OfLayer> layers_;
-  bool is_complete_ = true;  ///< of all rays all crossings are noted
+  std::vector<std::uint8_t> of_;  ///< layers of the frame
+  std::vector<SharedLayer> layers_;
+  std::vector<MetLayer> met_;
   alignas(64) std::uint8_t is_left_[tile_capacity];
   std::vector<LastCrossing> last_;
 };
@@ -218,7 +196,9 @@ void choose_shells(const FrameOptions& options, Frame& frame) {
     if (kernel == nullptr) return;
     const auto fit = std::find_if(groups.begin(), groups.end(),
                                   [&](const ShellGroup& group) { return go_together(frame, group, layer); });
-    ShellGroup& group = fit != groups.end() ? *fit : groups.emplace_back(ShellGroup{kernel, {}, {}});
+    ShellGroup& group =
+        fit != groups.end() ? *fit : groups.emplace_back(ShellGroup{.kernel = kernel, .layers = {}, .surfaces = {}});
+    group.only_places = group.only_places && shows_only_places(frame, layer);
     group.layers.push_back(static_cast<std::uint8_t>(l));
     group.surfaces.push_back(
         {.isovalue = layer.question.isovalue, .passing = static_cast<float>(1 - layer.look.layer.surface.opacity)});
@@ -236,7 +216,10 @@ void cross_shells(const Frame& frame, Worker& worker) {
     const FrameLayer& layer = frame.layers[group.layers.front()];
     LayerWork& work = worker.layers[group.layers.front()];
     group.kernel(layer.volume,
-                 {.surfaces = group.surfaces, .least_light = surely_dark, .time_phases = layer.question.time_phases},
+                 {.surfaces = group.surfaces,
+                  .least_light = surely_dark,
+                  .time_phases = layer.question.time_phases,
+                  .only_places = group.only_places},
                  work.rays, std::span<CrossingList* const>(lists, group.layers.size()),
                  worker.shells.complete[g].data(), worker.shells.memory[g], work.scratch.counters);
   }

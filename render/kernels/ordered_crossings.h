@@ -54,6 +54,7 @@ struct CrossingsQuestion {
   std::span<const CrossedSurface> surfaces;
   float least_light = 0;  ///< a ray may end where less than this would pass what it has crossed
   bool time_phases = false;
+  bool only_places = false;  ///< of crossings t and gradient are asked for, the rest of a hit may stay what it was
 };
 
 /// What a thread keeps for it.

@@ -49,10 +49,11 @@ HWY_INLINE bool fits(const ListOfBlocks<Block>& ahead, const int* block) {
   return ahead.count < ListOfBlocks<Block>::capacity && (ahead.places[place / 64] >> place % 64 & 1) == 0;
 }
 
+/// A block's place is taken by it, or free again.
 template <class Block>
-HWY_INLINE void note_place(ListOfBlocks<Block>& ahead, const int* block) {
+HWY_INLINE void turn_place(ListOfBlocks<Block>& ahead, const int* block) {
   const std::size_t place = kept_place_of<Block>(block).place;
-  ahead.places[place / 64] |= std::uint64_t{1} << place % 64;
+  ahead.places[place / 64] ^= std::uint64_t{1} << place % 64;
 }
 
 /// A block of which only the place and these rays are known.
@@ -62,7 +63,7 @@ HWY_INLINE Block& add(ListOfBlocks<Block>& ahead, const int* block, std::uint64_
   for (int a = 0; a < 3; ++a) added.block[a] = block[a];
   added.rays = rays;
   ahead.rays |= rays;
-  note_place(ahead, block);
+  turn_place(ahead, block);
   return added;
 }
 
@@ -87,12 +88,14 @@ HWY_INLINE void pass_first_ahead(ListOfBlocks<Block>& ahead, const std::uint64_t
     if (const std::uint64_t lanes = going >> r & first_rays(float_lanes); lanes != 0) pass(r, lanes);
   std::size_t kept = 0;
   ahead.rays = 0;
-  for (std::uint64_t& places : ahead.places) places = 0;
   for (std::size_t b = 0; b < ahead.count; ++b) {
-    if ((settle(ahead.block[b]) & alive) == 0) continue;
+    if ((settle(ahead.block[b]) & alive) == 0) {
+      turn_place(ahead, ahead.block[b].block);
+      continue;
+    }
     ahead.rays |= ahead.block[b].rays;
-    note_place(ahead, ahead.block[b].block);
-    ahead.block[kept++] = ahead.block[b];
+    if (kept != b) ahead.block[kept] = ahead.block[b];
+    ++kept;
   }
   ahead.count = kept;
 }

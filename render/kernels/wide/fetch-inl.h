@@ -10,6 +10,7 @@
 #include <limits>
 #include <type_traits>
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include "render/kernels/wide/block_samples.h"
@@ -71,16 +72,15 @@ HWY_INLINE unsigned __int128 of_all_corners(unsigned __int128 samples) {
 }
 
 /// Which cells have corners on both sides, and which lie inside, of samples of which the least that is inside is this.
-/// @param out  may be the samples themselves
-HWY_INLINE void find_active_cells(const SampleSource& source, const int* block, const BlockSamples& samples,
-                                  float least_inside, BlockSamples& out) {
+/// @param present  cells that the lattice has
+HWY_INLINE void find_active_cells(std::uint64_t present, float least_inside, BlockSamples& samples) {
   const VecF least = hn::Set(floats, least_inside);
   const unsigned __int128 inside = samples_that(samples, [=](VecF f) HWY_ATTR { return hn::Ge(f, least); });
   const unsigned __int128 active = ~of_all_corners(inside) & ~of_all_corners(~inside);
-  out.present = existing_cells(source, block);
-  out.active = cells_of_samples(active) & out.present;
-  out.inside = cells_of_samples(inside);
-  out.range = std::numeric_limits<float>::quiet_NaN();
+  samples.present = present;
+  samples.active = cells_of_samples(active) & present;
+  samples.inside = cells_of_samples(inside);
+  samples.range = std::numeric_limits<float>::quiet_NaN();
 }
 
 /// Finds the range of a block's samples. That of differences near the smallest numbers counts as infinite, as rounding
@@ -243,7 +243,7 @@ HWY_INLINE void fetch_differences(const SampleSource& source, const int* block, 
 template <class T>
 HWY_NOINLINE void fetch_block(const SampleSource& source, const int* block, double isovalue, BlockSamples& out) {
   fetch_differences<T>(source, block, isovalue, out);
-  find_active_cells(source, block, out, 0, out);
+  find_active_cells(existing_cells(source, block), 0, out);
   if (std::is_floating_point_v<T> && source.has_gaps) leave_out_gaps(out);
 }
 
@@ -255,6 +255,25 @@ inline constexpr bool is_single = is_exact_in_float<T> || std::is_same_v<T, floa
 template <class T>
 HWY_NOINLINE void fetch_values(const SampleSource& source, const int* block, BlockSamples& out) {
   if constexpr (is_single<T>) fetch_differences<T>(source, block, 0, out);
+}
+
+/// Has the processor bring the samples of a block, if they lie in few places: in eight bricks.
+template <class T>
+HWY_NOINLINE void ask_for_block(const SampleSource& source, const int* block) {
+  if (!source.has_whole_bricks) return;
+  constexpr std::size_t in_line = 64 / sizeof(T), in_brick = 64, in_layer = 16;
+  const T* samples = static_cast<const T*>(source.samples);
+  std::uint64_t at[3][2];
+  for (int a = 0; a < 3; ++a)
+    for (int end = 0; end < 2; ++end) {
+      const int i = 4 * (block[a] + end), last = source.count[a] - 1;
+      at[a][end] = source.address[a][i < last ? i : last];
+    }
+  for (std::size_t brick = 0; brick < 8; ++brick) {
+    const T* first = samples + at[0][brick & 1] + at[1][brick >> 1 & 1] + at[2][brick >> 2];
+    const std::size_t needed = brick < 4 ? in_brick : in_layer;
+    for (std::size_t i = 0; i < needed; i += in_line) hwy::Prefetch(first + i);
+  }
 }
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE

@@ -21,11 +21,12 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 struct Reading {
   void (*fetch)(const SampleSource&, const int*, double, BlockSamples&);
   void (*fetch_values)(const SampleSource&, const int*, BlockSamples&);  ///< null of types with values beyond float
+  void (*ask_for)(const SampleSource&, const int*);
   void (*load_corners)(const SampleSource&, const int*, double, std::uint64_t, CornersScratch&);
 };
 
 template <class T>
-constexpr Reading reading{fetch_block<T>, is_single<T> ? fetch_values<T> : nullptr, load_corners<T>};
+constexpr Reading reading{fetch_block<T>, is_single<T> ? fetch_values<T> : nullptr, ask_for_block<T>, load_corners<T>};
 
 HWY_INLINE Reading reading_of(formats::ElementType type) {
   switch (type) {

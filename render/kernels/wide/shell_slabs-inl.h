@@ -107,17 +107,18 @@ HWY_INLINE BlockSlabs slabs_of(const float* f, std::uint64_t present, const Seen
   const CellHeights heights(slabs.normal);
   float rise = 0, fall = 0;  // in a cell, beyond its lowest corner
   for (const float n : slabs.normal) (n < 0 ? fall : rise) += n;
-  slabs.low = infinity, slabs.high = -infinity;
+  slabs.low = infinity, slabs.high = -infinity, slabs.error = 0;
   for (int s = 0; s < surfaces; ++s) {
     float &below = slabs.below[s], &above = slabs.above[s];
     below = -infinity, above = infinity;
     if (of[s].active == 0) continue;
     const auto isovalue = static_cast<float>(of[s].isovalue);
     // Each number that comes in here, in heights along rays or in fields along them is rounded fewer than 64 times, and
-    // none is larger than this.
+    // none is larger than this: nor are samples.
     const float largest = 4 * slabs.size + std::abs(least) + std::abs(most) + std::abs(isovalue);
+    float error = infinity;
     if (largest > 0x1p-80f && largest < 0x1p80f) {
-      const float error = 0x1p-17f * largest;
+      error = 0x1p-17f * largest;
       const float first = heights.least(of[s].active), last = heights.most(of[s].active);
       const std::uint64_t rest = present & ~of[s].active;
       below = isovalue - most - error, above = isovalue - least + error;
@@ -125,6 +126,7 @@ HWY_INLINE BlockSlabs slabs_of(const float* f, std::uint64_t present, const Seen
       if (heights.most(rest & ~of[s].inside) <= last) above = smaller(above, last + rise + error);
     }
     slabs.low = smaller(slabs.low, below), slabs.high = larger(slabs.high, above);
+    slabs.error = larger(slabs.error, error);
   }
   return slabs;
 }
@@ -157,7 +159,7 @@ HWY_INLINE void let_go_by(const MirroredLattice& lattice, const ShellScratch& sc
                           std::uint64_t rays, const float* enters, const float* leaves, ShellBlockAhead& ahead) {
   VecF normal[3];
   double offset = 0;  // of the height where the lattice begins
-  ahead.ground = 0, ahead.low = slabs.low, ahead.high = slabs.high;
+  ahead.ground = 0, ahead.low = slabs.low, ahead.high = slabs.high, ahead.error = slabs.error;
   for (int a = 0; a < 3; ++a) {
     const bool is_mirrored = lattice.is_mirrored(a);
     const float n = ahead.normal[a] = is_mirrored ? -slabs.normal[a] : slabs.normal[a];
@@ -186,21 +188,20 @@ HWY_INLINE void let_go_by(const MirroredLattice& lattice, const ShellScratch& sc
   }
   ahead.by = rays;
   for (int s = 0; s < surfaces; ++s)
-    if (ahead.active[s] != 0) ahead.by &= below[s] | above[s];
+    if (ahead.is_seen[s]) ahead.by &= below[s] | above[s];
   ahead.rays = rays & ~ahead.by;
   for (int s = 0; s < surfaces; ++s)
     ahead.by_side[s][0] = ahead.by & below[s], ahead.by_side[s][1] = ahead.by & above[s];
 }
 
-/// Between the heights of their blocks' slabs, some rays of which the sides are known.
+/// Between the heights of their blocks' slabs.
 struct BetweenSlabs {
   VecF from, to;          ///< the part of the way on which changes of side are looked for
   MaskF is_cut_in_front;  ///< the part before it is left out: there all surfaces that are seen have the ray...
   MaskF inside_in_front;  ///< inside, or outside
   MaskF is_cut_behind;    ///< likewise the part behind it; on the other side
 
-  /// @param known  sides are, of all surfaces that are seen
-  HWY_INLINE BetweenSlabs(const Lanes& lanes, const VecF* normal, VecF ground, VecF low, VecF high, MaskF known) {
+  HWY_INLINE BetweenSlabs(const Lanes& lanes, const VecF* normal, VecF ground, VecF low, VecF high) {
     VecF height = ground, climb = hn::Zero(floats);
     for (int a = 0; a < 3; ++a) {
       height = hn::MulAdd(normal[a], lanes.entry[a], height);
@@ -210,8 +211,7 @@ struct BetweenSlabs {
     climb = hn::IfThenElse(hn::Lt(hn::Abs(climb), level), level, climb);
     const VecF at_low = hn::Div(hn::Sub(low, height), climb), at_high = hn::Div(hn::Sub(high, height), climb);
     const auto on_way = [&](VecF way) HWY_ATTR { return hn::Min(hn::Max(way, zero), lanes.end); };
-    from = hn::IfThenElseZero(known, on_way(hn::Min(at_low, at_high)));
-    to = hn::IfThenElse(known, on_way(hn::Max(at_low, at_high)), lanes.end);
+    from = on_way(hn::Min(at_low, at_high)), to = on_way(hn::Max(at_low, at_high));
     is_cut_in_front = hn::Gt(from, zero), is_cut_behind = hn::Lt(to, lanes.end);
     inside_in_front = hn::Lt(climb, zero);
   }

@@ -46,7 +46,8 @@ class ShellWalk {
         reading_(reading_of(any_.type)),
         has_values_(reading_.fetch_values != nullptr),
         corners_(lattice),
-        hits_(shells, lattice, lists, first_ray, scratch),
+        hits_{{shells, 0, lattice, has_values_, lists, first_ray, scratch},
+              {shells, 1, lattice, has_values_, lists, first_ray, scratch}},
         looks_(shells, ends_, corners_, has_values_, scratch, hits_, counters),
         alive_(group_.inside) {}
 
@@ -54,7 +55,6 @@ class ShellWalk {
     const VecI none = hn::Zero(ints);
     for (std::size_t r = 0; r < group_.count; r += float_lanes) {
       hn::Store(none, ints, ways_.visits + r);
-      hn::Store(hn::Set(floats, 1.0f), floats, scratch_.light + r);
       for (int s = 0; s < surfaces; ++s) hn::Store(none, ints, scratch_.count[s] + r);
     }
     prepare_ways(lattice_, ways_);
@@ -64,8 +64,11 @@ class ShellWalk {
     for (int s = 0; s < surfaces; ++s)
       nodes.of[s] = shells_.surface[s].nodes, summits.of[s] = shells_.surface[s].summits;
     int alive_in_frustum = std::popcount(alive_);
+    BlocksExpected expected;
     walk_blocks(frustum, lattice_, nodes, summits, [&](const int* block) HWY_ATTR {
-      meet(block);
+      ask_for(block);
+      if (expected.count == BlocksExpected::most) meet(expected.take());
+      expected.add(block);
       if (alive_ == 0) return false;
       if (const int alive = std::popcount(alive_); 2 * alive < alive_in_frustum) {
         frustum = frustum_around(lattice_, group_, alive_);
@@ -73,8 +76,9 @@ class ShellWalk {
       }
       return true;
     });
+    while (expected.count != 0 && alive_ != 0) meet(expected.take());
     while (scratch_.ahead.count != 0) pass_next();
-    hits_.write();
+    for (int s = 0; s < surfaces; ++s) hits_[s].write();
     for (std::size_t r = 0; r < group_.count; ++r) {
       const std::size_t at = first_ray_ + group_.index[r];
       for (int s = 0; s < surfaces; ++s) {
@@ -98,44 +102,64 @@ class ShellWalk {
     return (surface.nodes[node] >> bit & 1) != 0;
   }
 
+  HWY_INLINE KeptPlace kept_place(const int* mirrored, int* block) const {
+    for (int a = 0; a < 3; ++a) block[a] = lattice_.block(a, mirrored[a]);
+    return kept_place_of<ShellBlockAhead>(block);
+  }
+
+  /// Has the samples of a block brought that are not kept: they come while the blocks before it are passed.
+  HWY_INLINE void ask_for(const int* mirrored) const {
+    int block[3];
+    const KeptPlace at = kept_place(mirrored, block);
+    if (scratch_.block_key[at.place] != at.key) reading_.ask_for(any_.source, block);
+  }
+
   HWY_INLINE const BlockSlabs& fetch(ShellBlockAhead& ahead) {
     int block[3];  // not mirrored
-    for (int a = 0; a < 3; ++a) block[a] = lattice_.block(a, ahead.block[a]);
-    const KeptPlace at = kept_place_of<ShellBlockAhead>(block);
+    const KeptPlace at = kept_place(ahead.block, block);
     constexpr std::size_t floats_each = sizeof(BlockSamples) / sizeof(float);
     ahead.samples = static_cast<std::int32_t>(at.place * floats_each);
     if (scratch_.block_key[at.place] != at.key) {
       scratch_.block_key[at.place] = at.key;
       fetch_anew(block, at.place);
     }
+    const SeenBlock& seen = scratch_.seen[at.place];
     for (int s = 0; s < surfaces; ++s) {
-      const BlockSamples& samples = scratch_.blocks[s][at.place];
-      ahead.active[s] = mirrored_bits(samples.active, lattice_.octant);
-      ahead.inside[s] = mirrored_bits(samples.inside, lattice_.octant);
+      ahead.is_seen[s] = seen.active[s] != 0;
+      split(mirrored_bits(seen.active[s], lattice_.octant), ahead.active[s]);
+      split(mirrored_bits(seen.inside[s], lattice_.octant), ahead.inside[s]);
     }
-    return scratch_.slabs[at.place];
+    return seen.slabs;
+  }
+
+  HWY_INLINE static void split(std::uint64_t bits, std::int32_t* words) {
+    for (int w = 0; w < 2; ++w) words[w] = static_cast<std::int32_t>(bits >> (32 * w));
   }
 
   HWY_INLINE void fetch_anew(const int* block, std::size_t place) {
-    if (has_values_) reading_.fetch_values(any_.source, block, scratch_.blocks[0][place]);
+    BlockSamples& values = scratch_.blocks[0][place];
+    if (has_values_) reading_.fetch_values(any_.source, block, values);
+    const std::uint64_t present = existing_cells(any_.source, block);
+    SeenBlock& kept = scratch_.seen[place];
     SeenInBlock seen[surfaces];
-    const float* values = scratch_.blocks[0][place].difference;
+    const float* of_slabs = values.difference;
     double base = 0;
     for (int s = 0; s < surfaces; ++s) {
       const Surface& surface = shells_.surface[s];
-      BlockSamples& samples = scratch_.blocks[s][place];
-      if (surfaces > 1 && !has_bit(surface, block)) {
-        samples.active = samples.inside = 0;  // nothing is to be seen of it
-      } else if (has_values_) {
-        find_active_cells(surface.source, block, scratch_.blocks[0][place], shells_.least_inside[s], samples);
-      } else {
-        reading_.fetch(surface.source, block, surface.isovalue, samples);
-        values = samples.difference, base = surface.isovalue;
+      seen[s] = {.active = 0, .inside = 0, .isovalue = surface.isovalue};  // nothing is to be seen of it
+      if (surfaces == 1 || has_bit(surface, block)) {
+        BlockSamples& samples = scratch_.blocks[has_values_ ? 0 : s][place];
+        if (has_values_)
+          find_active_cells(present, shells_.least_inside[s], samples);
+        else
+          reading_.fetch(surface.source, block, surface.isovalue, samples);
+        seen[s].active = samples.active, seen[s].inside = samples.inside;
+        if (!has_values_) of_slabs = samples.difference, base = surface.isovalue;
       }
-      seen[s] = {.active = samples.active, .inside = samples.inside, .isovalue = surface.isovalue};
+      kept.active[s] = seen[s].active, kept.inside[s] = seen[s].inside;
     }
     for (SeenInBlock& of : seen) of.isovalue -= base;
-    scratch_.slabs[place] = slabs_of(values, existing_cells(any_.source, block), seen);
+    kept.slabs = slabs_of(of_slabs, present, seen);
   }
 
   HWY_INLINE void meet(const int* block) {
@@ -146,11 +170,11 @@ class ShellWalk {
         });
     if (rays == 0) return;
     while (!fits(scratch_.ahead, block)) pass_next();
-    ShellBlockAhead next;
-    for (int a = 0; a < 3; ++a) next.block[a] = block[a];
+    ShellBlockAhead& next = scratch_.ahead.block[scratch_.ahead.count];  // not added yet
+    for (int a = 0; a < 3; ++a) next.block[a] = block[a], next.corner[a] = static_cast<float>(4 * block[a]);
     let_go_by<surfaces>(lattice_, scratch_, fetch(next), rays, enters, leaves, next);
     if (settle(next) == 0) return;
-    add(scratch_.ahead, block, next.rays) = next;
+    add(scratch_.ahead, block, next.rays);
     while (alive_ != 0 && (alive_ & ~scratch_.ahead.rays) == 0) pass_next();
   }
 
@@ -188,7 +212,7 @@ class ShellWalk {
     const VecI none = hn::Zero(ints);
     for (VecF* v : {&corner[0], &corner[1], &corner[2], &normal[0], &normal[1], &normal[2], &ground, &low, &high})
       *v = hn::Zero(floats);
-    lanes.samples = none;
+    lanes.samples = none, lanes.error = hn::Zero(floats);
     for (int s = 0; s < surfaces; ++s) {
       lanes.seen_of[s] = none;
       for (int w = 0; w < 2; ++w) lanes.active_of[s][w] = lanes.inside_out_of[s][w] = none;
@@ -201,19 +225,18 @@ class ShellWalk {
       const auto mask_i = hn::RebindMask(ints, mask);
       const auto put_float = [&](VecF& to, float number)
                                  HWY_ATTR { to = hn::IfThenElse(mask, hn::Set(floats, number), to); };
-      for (int a = 0; a < 3; ++a)
-        put_float(corner[a], static_cast<float>(4 * block.block[a])), put_float(normal[a], block.normal[a]);
+      for (int a = 0; a < 3; ++a) put_float(corner[a], block.corner[a]), put_float(normal[a], block.normal[a]);
       put_float(ground, block.ground), put_float(low, block.low), put_float(high, block.high);
-      const auto put = [&](VecI& to, std::uint64_t number) HWY_ATTR {
-        to = hn::IfThenElse(mask_i, hn::Set(ints, static_cast<std::int32_t>(number)), to);
-      };
-      put(lanes.samples, static_cast<std::uint64_t>(block.samples));
+      put_float(lanes.error, block.error);
+      const auto put = [&](VecI& to, std::int32_t number)
+                           HWY_ATTR { to = hn::IfThenElse(mask_i, hn::Set(ints, number), to); };
+      put(lanes.samples, block.samples);
       for (int s = 0; s < surfaces; ++s) {
-        if (block.active[s] == 0) continue;  // nothing is to be seen of it
-        put(lanes.seen_of[s], all_rays);
+        if (!block.is_seen[s]) continue;
+        put(lanes.seen_of[s], -1);
         for (int w = 0; w < 2; ++w) {
-          put(lanes.active_of[s][w], block.active[s] >> (32 * w));
-          put(lanes.inside_out_of[s][w], block.inside[s] >> (32 * w));
+          put(lanes.active_of[s][w], block.active[s][w]);
+          put(lanes.inside_out_of[s][w], block.inside[s][w]);
         }
       }
     }
@@ -239,15 +262,11 @@ class ShellWalk {
     }
     lanes.end = at.end;
     lanes.way_error = hn::Zero(floats);
-    MaskF known = at.passes;
     for (int s = 0; s < surfaces; ++s) {
       lanes.inside_of[s] = mask_of(floats, inside_[s] >> r);
       lanes.has_side_of[s] = mask_of(floats, has_side_[s] >> r);
-      const MaskF is_seen = hn::RebindMask(floats, hn::Ne(lanes.seen_of[s], hn::Zero(ints)));
-      known = hn::AndNot(hn::AndNot(lanes.has_side_of[s], is_seen), known);
     }
-    pass_cells(lanes, r, corner, at.passes,
-               BetweenSlabs(lanes, slabs.normal, slabs.ground, slabs.low, slabs.high, known));
+    pass_cells(lanes, r, corner, at.passes, BetweenSlabs(lanes, slabs.normal, slabs.ground, slabs.low, slabs.high));
   }
 
   HWY_INLINE void pass_cells(RayLanes& lanes, std::size_t r, const VecF* corner, MaskF passes,
@@ -261,6 +280,8 @@ class ShellWalk {
     for (int s = 0; s < surfaces; ++s)
       for (int side = 0; side < 2; ++side) went_by[s][side] = went_by_[s][side] >> r;
     const std::uint64_t left = looks_.take(lanes, r, corner, between, went_by, is_at_border, ended, full);
+    for (int s = 0; s < surfaces; ++s)
+      for (int side = 0; side < 2; ++side) went_by_[s][side] |= (went_by[s][side] & first_rays(float_lanes)) << r;
     alive_ &= ~(ended << r);
     full_ |= full << r;
     lanes.walking = mask_of(floats, left);
@@ -334,27 +355,26 @@ class ShellWalk {
       root_count = hn::Add(root_count, ones_in(changed));
     });
     if (hn::AllFalse(floats, found)) return found;
-    const FoundIn at{corners, next, in, out, block_corner, root_count, r, static_cast<std::uint8_t>(s)};
+    const FoundIn at{has_values_ ? values : corners, next, in, out, block_corner, r, s};
     VecI count = hn::Load(ints, scratch_.count[s] + r);
-    VecF light = hn::Load(floats, scratch_.light + r);
-    const VecF passing = hn::Set(floats, shells_.passing[s]);
     for_each_change(cubic, pieces, side, [&](MaskF changed, VecF low, VecF high) HWY_ATTR {
       const MaskF has_room = hn::RebindMask(floats, hn::Lt(count, hn::Set(ints, std::int32_t{CrossingList::most})));
       full_ |= bits_of(floats, hn::AndNot(has_room, changed)) << r;
       const MaskF kept = hn::And(changed, has_room);
       if (hn::AllFalse(floats, kept)) return;
-      hits_.keep(at, kept, low, high, count);
+      hits_[s].keep(at, kept, low, high, count, root_count);
       count = hn::Add(count, ones_in(kept));
-      light = hn::IfThenElse(kept, hn::Mul(light, passing), light);
     });
     hn::Store(count, ints, scratch_.count[s] + r);
-    hn::Store(light, floats, scratch_.light + r);
     return found;
   }
 
   /// Ends the rays of which a list is full, and those that no light would pass.
   HWY_INLINE void end_rays(RayLanes& lanes, MaskF found, std::size_t r) {
-    const MaskF dark = hn::Lt(hn::Load(floats, scratch_.light + r), hn::Set(floats, shells_.least_light));
+    VecF light = hn::Set(floats, 1.0f);
+    for (int s = 0; s < surfaces; ++s)
+      light = hn::Mul(light, hn::GatherIndex(floats, shells_.passing[s], hn::Load(ints, scratch_.count[s] + r)));
+    const MaskF dark = hn::Lt(light, hn::Set(floats, shells_.least_light));
     const std::uint64_t ended = bits_of(floats, hn::And(found, dark)) | (full_ >> r & first_rays(float_lanes));
     if (ended == 0) return;
     alive_ &= ~(ended << r);
@@ -375,7 +395,7 @@ class ShellWalk {
   const Reading reading_;
   const bool has_values_;  ///< blocks are kept as values, not as differences
   const BlockCorners corners_;
-  ShellHits hits_;
+  ShellHits hits_[most_shells];  ///< by surface
   ShellLooks<surfaces> looks_;
   std::uint64_t alive_;                                            ///< rays that go on
   std::uint64_t full_ = 0;                                         ///< rays of which a crossing was not noted

@@ -22,6 +22,16 @@ void keep_blocks_of(ShellScratch& scratch,
   scratch.occupancies = occupancies;
 }
 
+/// Shells::surely_lit.
+std::int32_t surely_lit_of(const CrossingsQuestion& question) {
+  // More than the rounding of products in whichever order.
+  const float enough = question.least_light * (1 + 0x1p-18F);
+  const float passing = std::min(question.surfaces.front().passing, question.surfaces.back().passing);
+  std::int32_t count = 0;
+  for (float light = passing; light >= enough && count < std::int32_t{CrossingList::most}; light *= passing) ++count;
+  return count;
+}
+
 template <class View>
 Shells shells_of(const View& view, const VolumeImplementation& volume, const CrossingsQuestion& question,
                  ShellScratch& scratch) {
@@ -32,14 +42,18 @@ Shells shells_of(const View& view, const VolumeImplementation& volume, const Cro
                                        {.isovalue = first.isovalue, .time_phases = question.time_phases}),
                             surface_of(volume, view, *scratch.occupancies[1],
                                        {.isovalue = last.isovalue, .time_phases = question.time_phases})},
-                .passing = {first.passing, last.passing},
+                .passing = {},
+                .surely_lit = surely_lit_of(question),
                 .least_inside = {},
                 .is_single = {},
                 .count = static_cast<int>(question.surfaces.size()),
-                .least_light = question.least_light};
+                .least_light = question.least_light,
+                .only_places = question.only_places};
   for (std::size_t s = 0; s < most_shells; ++s) {
     const double isovalue = shells.surface[s].isovalue;
     const auto nearest = static_cast<float>(isovalue);
+    float light = 1;
+    for (float& passing : shells.passing[s]) passing = light, light *= (s == 0 ? first : last).passing;
     shells.is_single[s] = static_cast<double>(nearest) == isovalue;
     shells.least_inside[s] = static_cast<double>(nearest) < isovalue
                                  ? std::nextafter(nearest, std::numeric_limits<float>::infinity())

@@ -111,6 +111,8 @@ std::vector<std::vector<Layer>> scenes() {
           {surface(1, 0.3, {1, 0, 0}, 0.5), surface(1, 0.3 + 0.001 / 48, {0, 1, 0}, 0.5)},
           {surface(1, 0.3, {1, 0, 0}, 0.5), surface(0, 0.7, {0, 1, 0}, 0.4), surface(1, 0.6, {0, 0, 1}, 0.2),
            surface(1, 0.5, {0, 1, 1}, 0.6)},
+          {surface(1, 0.3, {1, 0, 0}, 0.5), surface(0, 0.7, {0, 1, 0}, 0.4), surface(1, 0.6, {0, 0, 1}, 0.2),
+           surface(1, 0.5, {0, 1, 1}, 0.6), surface(0, 0.4, {1, 1, 0}, 0.1)},
           {surface(3, 0.4, {1, 0, 0}, 0.5), surface(3, 0.55, {0, 1, 0}, 0.3)},
           {surface(3, 0.4, {1, 0, 0}, 0.5), surface(0, 0.4, {0, 1, 0}, 0.5), surface(3, 0.4001, {0, 0, 1}, 0.5)},
           {surface(0, 0.4, {1, 0, 0}, 0.5), surface(1, 0.6, {0.2, 0.2, 0.2}, 1)}};
@@ -142,6 +144,21 @@ TEST(OnePass, ends_where_the_light_does) {
   expect_the_same(found, picture_of(shown.volumes, dark, false), edge * edge / 1000);
   EXPECT_LT(2 * found.statistics.cells_solved, more.statistics.cells_solved);
   EXPECT_LE(found.statistics.clear_crossings, 4 * found.statistics.hits);  // 0.1^4 is less than 1/1024
+}
+
+/// Where nothing but colours is asked for, cells, roots and steps are not written.
+TEST(OnePass, shows_the_same_where_no_channels_are_asked_for) {
+  const Shown shown;
+  for (const std::vector<Layer>& layers : scenes()) {
+    const Scene scene = scene_of(layers);
+    const Picture with_channels = picture_of(shown.volumes, scene, true);
+    Framebuffer colors;
+    const FrameStatistics statistics =
+        render::render(shown.volumes, scene, {.width = edge, .height = edge, .threads = 1}, colors);
+    EXPECT_EQ(colors.color, with_channels.pixels.color);
+    EXPECT_EQ(statistics.clear_crossings, with_channels.statistics.clear_crossings);
+    EXPECT_TRUE(colors.cell.empty());
+  }
 }
 
 TEST(OnePass, is_cut_by_a_clip_region) {
