@@ -15,6 +15,7 @@
 #include <hwy/highway.h>
 
 #include "render/kernels/wide/lanes-inl.h"
+#include "render/kernels/wide/maximum_columns-inl.h"
 #include "render/kernels/wide/maximum_cubic-inl.h"
 #include "render/kernels/wide/maximum_looks-inl.h"
 #include "render/kernels/wide/maximum_samples-inl.h"
@@ -35,6 +36,9 @@ class BlockWalk {
  public:
   BlockWalk(SearchState& state, CloseLooks& looks)
       : state_(state), looks_(looks), field_(state.field), scratch_(state.scratch), order_(order_of(state)) {
+#if RHORAY_HAS_WORD_TABLES
+    planes_ = PlanePlaces(order_.lowest_sample, order_.stride);
+#endif
     using formats::ElementType;
     const ElementType type = field_.type;
     may_use_words_ =
@@ -46,25 +50,30 @@ class BlockWalk {
     int place[3] = {};
     state_.find_in_file(block, true, field_.blocks, place);
     const Range range = range_of(field_, field_.blocks, place);
-    const float largest = float_not_below(range.hi);
-    RaysAtBlock& at_block = scratch_.at_block;
-    at_block.count = 0;
-    const double low[3] = {4.0 * block[0], 4.0 * block[1], 4.0 * block[2]};
-    const SearchState::Bounds bounds = state_.bounds_of(block, 4, largest);
-    for (std::uint64_t bits = state_.vectors_through(block, 4, largest); bits != 0; bits &= bits - 1) {
-      const std::size_t r = static_cast<std::size_t>(std::countr_zero(bits)) * float_lanes;
-      const SearchState::Passing passing = state_.rays_through(bounds, r);
-      if (!hn::AllFalse(floats, passing.rays))
-        state_.put_at_box(r, passing.rays, passing.from, passing.to, low, hn::Load(floats, scratch_.lines.reached + r));
-    }
-    if (at_block.count == 0) return;
-    state_.close_box();
-    scratch_.at_hand.count = 0;
+    const std::uint64_t vectors = state_.vectors_through(block, 4, float_not_below(range.hi));
+    if (vectors == 0) return;
+    scratch_.at_block.count = 0;
 #if RHORAY_HAS_WORD_TABLES
-    if (has_words(place)) return walk_block(block, range, 1, find_words(place, range.hi));
+    if (has_words(place)) {
+      // First of all, as it takes a while and finding the rays does not wait for it.
+      const WordTable cells = find_words(place, range.hi);
+      const Columns columns(cells, planes_);
+      const CellBox box = box_of(block, range, 1, cells);
+      const VecF error = hn::Set(floats, box.error);
+      put_rays(block, vectors, range.hi, 1, 2 * WordTable::lowest,
+               [&](const SearchState::PartsInBox& parts, VecF reached) HWY_ATTR {
+                 return hn::Ge(hn::Add(columns.largest_on(parts.from, parts.to, parts.start, parts.slope), error),
+                               reached);
+               });
+      return walk_block(box, cells);
+    }
 #endif
     const double unit = unit_for(range.hi - range.lo, in_float(field_.type));
-    walk_block(block, range, unit, find_cells(place, range.hi, unit));
+    put_rays(block, vectors, range.hi, unit, 2 * Cells::lowest,
+             [](const SearchState::PartsInBox&, VecF) HWY_ATTR { return hn::FirstN(floats, float_lanes); });
+    if (scratch_.at_block.count == 0) return;
+    const Cells cells = find_cells(place, range.hi, unit);
+    walk_block(box_of(block, range, unit, cells), cells);
   }
 
   /// Asks for a block's range and samples before they are needed; for samples where they lie in squares.
@@ -94,13 +103,34 @@ class BlockWalk {
     return is_whole;
   }
 
-  /// What rays have reached, in a block's unit: no more than it is, and below the block's largest value where that is
-  /// not reached.
+  /// Rays of some vectors that pass a block and that it may change.
+  /// @param least       less than any value of the block, in its unit
+  /// @param may_change  may_change(parts in the block, what was reached in its unit): which lanes
+  template <class MayChange>
+  HWY_INLINE void put_rays(const int* block, std::uint64_t vectors, double highest, double unit, float least,
+                           const MayChange& may_change) const {
+    const double low[3] = {4.0 * block[0], 4.0 * block[1], 4.0 * block[2]};
+    const SearchState::Bounds bounds = state_.bounds_of(block, 4, float_not_below(highest));
+    for (std::uint64_t bits = vectors; bits != 0; bits &= bits - 1) {
+      const std::size_t r = static_cast<std::size_t>(std::countr_zero(bits)) * float_lanes;
+      const SearchState::Passing passing = state_.rays_through(bounds, r);
+      if (hn::AllFalse(floats, passing.rays)) continue;
+      const SearchState::PartsInBox parts = state_.parts_in_box(r, passing.from, passing.to, low);
+      const VecF reached = reached_in_block(highest, unit, least, r);
+      const MaskF chosen = hn::And(passing.rays, may_change(parts, reached));
+      constexpr float last[3] = {3, 3, 3};
+      state_.count_cells(r, chosen, parts, last);
+      state_.put_at_box(r, chosen, parts, low[state_.frustum.major], reached);  // without rays, too: as good as random
+    }
+    if (scratch_.at_block.count != 0) state_.close_box();
+  }
+
+  /// What the rays of a vector have reached, in a block's unit: no more than it is, and below the block's largest value
+  /// where that is not reached.
   /// @param least  less than any value of the block, in its unit
-  HWY_INLINE VecF reached_in_block(double highest, double unit, float least, std::size_t first) const {
-    const RaysAtBlock& at_block = scratch_.at_block;
+  HWY_INLINE VecF reached_in_block(double highest, double unit, float least, std::size_t r) const {
     if (in_float(field_.type)) {
-      const VecF reached = hn::Load(floats, at_block.reached + first);
+      const VecF reached = hn::Load(floats, scratch_.lines.reached + r);
       const VecF from = hn::Set(floats, static_cast<float>(highest));
       const VecF below = hn::Sub(reached, from);
       const VecF lower = hn::NegMulAdd(hn::Abs(below), hn::Set(floats, 0x1p-22F), below);
@@ -109,7 +139,7 @@ class BlockWalk {
     }
     HWY_ALIGN float result[16];
     for (std::size_t lane = 0; lane < float_lanes; ++lane) {
-      const double value = scratch_.reached[at_block.ray[first + lane]];
+      const double value = scratch_.reached[r + lane];
       const double below = value - highest, scaled = below * unit;
       result[lane] = least;
       if (!(scaled > static_cast<double>(least))) continue;
@@ -190,30 +220,30 @@ class BlockWalk {
   }
 #endif
 
+  template <class AnyCells>
+  HWY_INLINE CellBox box_of(const int* block, const Range& range, double unit, const AnyCells& cells) const {
+    return {.low_w = 4.0 * block[state_.frustum.major],
+            .last = {3, 3, 3},
+            .first = cells.first,
+            .stride = {cells.stride[0], cells.stride[1], cells.stride[2]},
+            .highest = range.hi,
+            .unit = unit,
+            .error = static_cast<float>((range.hi - range.lo) * unit) * (12 * margin + 0x1p-20F),
+            .margin = margin};
+  }
+
   /// The cells of a block along the rays at it.
   template <class AnyCells>
-  HWY_NOINLINE void walk_block(const int* block, const Range& range, double unit, const AnyCells& cells) {
+  HWY_NOINLINE void walk_block(const CellBox& box, const AnyCells& cells) {
     const RaysAtBlock& at_block = scratch_.at_block;
-    const double low_w = 4.0 * block[state_.frustum.major];
-    const CellBox box{.low_w = low_w,
-                      .last = {3, 3, 3},
-                      .first = cells.first,
-                      .stride = {cells.stride[0], cells.stride[1], cells.stride[2]},
-                      .highest = range.hi,
-                      .unit = unit,
-                      .error = static_cast<float>((range.hi - range.lo) * unit) * (12 * margin + 0x1p-20F),
-                      .margin = margin};
-    const VecF low = hn::Set(floats, static_cast<float>(low_w));
+    if (at_block.count != 0) looks_.open_box(box.highest, box.unit, box.low_w);
     for (std::size_t first = 0; first < at_block.count; first += float_lanes) {
-      const VecF reached = reached_in_block(range.hi, unit, 2 * AnyCells::lowest, first);
-      Ways ways = ways_at_box(state_, first, low, reached);
+      Ways ways = ways_at_box(at_block, first);
       const std::size_t rays = at_block.count - first;
-      const Spread* spread = rays <= most_spread ? &spreads[rays] : nullptr;
-      if (spread) spread_out(*spread, ways);
-      const VecF passed = walk_cells(state_, looks_, box, cells, ways);
-      count_cells(state_, passed, ways.ray, spread ? spread->used : rays, rays);
+      const Spread& spread = spreads[rays < float_lanes ? rays : float_lanes];
+      spread_out(spread, ways);
+      walk_cells(state_, looks_, box, cells, ways);
     }
-    looks_.keep_suspects(range.hi, unit, low_w);
   }
 
   SearchState& state_;
@@ -221,6 +251,9 @@ class BlockWalk {
   const MaximumField& field_;
   MaximumScratch& scratch_;
   Order order_;
+#if RHORAY_HAS_WORD_TABLES
+  PlanePlaces planes_;
+#endif
   bool may_use_words_;
 };
 

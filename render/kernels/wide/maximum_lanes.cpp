@@ -62,6 +62,8 @@ class Search {
       }
     }
     looks_.decide();
+    for (std::size_t r = 0; r < scratch_.rays.count; ++r)
+      scratch_.cost[scratch_.rays.index[r]] += static_cast<std::uint32_t>(scratch_.visits[r]);
   }
 
  private:
@@ -132,23 +134,65 @@ class Search {
       any = !hn::AllFalse(
           floats, state_.rays_through(bounds, static_cast<std::size_t>(std::countr_zero(bits)) * float_lanes).rays);
     if (!any) return;
+    switch (field_.type) {
+      case formats::ElementType::U8:
+        return put_blocks<std::uint8_t>(node);
+      case formats::ElementType::I8:
+        return put_blocks<std::int8_t>(node);
+      case formats::ElementType::U16:
+        return put_blocks<std::uint16_t>(node);
+      case formats::ElementType::I16:
+        return put_blocks<std::int16_t>(node);
+      case formats::ElementType::U32:
+        return put_blocks<std::uint32_t>(node);
+      case formats::ElementType::I32:
+        return put_blocks<std::int32_t>(node);
+      case formats::ElementType::F32:
+        return put_blocks<float>(node);
+      default:
+        return put_blocks<double>(node);
+    }
+  }
+
+  /// The blocks of a node that the frustum meets.
+  template <class T>
+  HWY_INLINE void put_blocks(const int* node) {
     const int w = state_.frustum.major, u = state_.frustum.minor[0], v = state_.frustum.minor[1];
     const int block_count[3] = {4 * state_.lattice.node_count[0], 4 * state_.lattice.node_count[1],
                                 4 * state_.lattice.node_count[2]};
+    // Where a block is in the file, on an axis: `zero` for that with number 0 in the lattice, and so on upwards or
+    // downwards. Those from begin to before end are there.
+    const int* const count = field_.blocks.count;
+    const std::ptrdiff_t stride[3] = {1, count[0], static_cast<std::ptrdiff_t>(count[0]) * count[1]};
+    std::ptrdiff_t zero = 0, step[3];
+    int begin[3], end[3];
+    for (int a = 0; a < 3; ++a) {
+      const int place = state_.lattice.block(a, 0);
+      const bool is_mirrored = state_.lattice.is_mirrored(a);
+      begin[a] = is_mirrored ? place - count[a] + 1 : 0, end[a] = is_mirrored ? place + 1 : count[a];
+      zero += stride[a] * place, step[a] = is_mirrored ? -stride[a] : stride[a];
+    }
+    const T* const ranges = static_cast<const T*>(field_.blocks.first);
     for (int s = 3; s >= 0; --s) {
-      const int slab = 4 * node[w] + s;
-      const SlabRectangle cells = rectangle_in_slab(state_.frustum, slab, 4, block_count);
-      const auto first = [&](int m, int at) HWY_ATTR { return cells.first[m] > 4 * at ? cells.first[m] : 4 * at; };
-      const auto last = [&](int m, int at) HWY_ATTR { return cells.last[m] < 4 * at + 3 ? cells.last[m] : 4 * at + 3; };
-      for (int j = last(1, node[v]); j >= first(1, node[v]); --j)
-        for (int i = last(0, node[u]); i >= first(0, node[u]); --i) {
-          int block[3], place[3];
-          block[w] = slab, block[u] = i, block[v] = j;
-          if (!state_.find_in_file(block, true, field_.blocks, place)) continue;
+      int block[3];
+      block[w] = 4 * node[w] + s;
+      if (block[w] < begin[w] || block[w] >= end[w]) continue;
+      const SlabRectangle cells = rectangle_in_slab(state_.frustum, block[w], 4, block_count);
+      const auto first = [&](int m, int axis) HWY_ATTR {
+        const int low = 4 * node[axis] > begin[axis] ? 4 * node[axis] : begin[axis];
+        return cells.first[m] > low ? cells.first[m] : low;
+      };
+      const auto last = [&](int m, int axis) HWY_ATTR {
+        const int high = 4 * node[axis] + 4 < end[axis] ? 4 * node[axis] + 3 : end[axis] - 1;
+        return cells.last[m] < high ? cells.last[m] : high;
+      };
+      for (block[v] = last(1, v); block[v] >= first(1, v); --block[v])
+        for (block[u] = last(0, u); block[u] >= first(0, u); --block[u]) {
+          const T* const range = ranges + 2 * (zero + block[w] * step[w] + block[v] * step[v] + block[u] * step[u]);
           ++scratch_.regions;
-          const double block_largest = range_of(field_, field_.blocks, place).hi;
-          if (!(block_largest > nothing) || block_largest < state_.lowest_reached) continue;
-          if (!scratch_.queue.put(block_largest, block, true)) blocks_.look_into(block);
+          const auto largest = static_cast<double>(range[1]);
+          if (!(range[0] <= range[1]) || !(largest > nothing) || largest < state_.lowest_reached) continue;
+          if (!scratch_.queue.put(largest, block, true)) blocks_.look_into(block);
         }
     }
   }

@@ -27,44 +27,39 @@ class CloseLooks {
  public:
   explicit CloseLooks(SearchState& state) : state_(state), field_(state.field), scratch_(state.scratch) {}
 
-  /// Puts the suspects of a box to the others, but for those that what was reached since rules out.
-  /// @param low_w  where the box begins on the major axis
-  HWY_NOINLINE void keep_suspects(double highest, double unit, double low_w) {
-    BlockSuspects& at_hand = scratch_.at_hand;
+  /// What is put to the suspects from now on is in this box.
+  /// @param low_w  where it begins on the major axis
+  HWY_INLINE void open_box(double highest, double unit, double low_w) {
     Suspects& suspects = scratch_.suspects;
-    const double scale = 1 / unit;  // exact: a power of two
-    std::size_t count = suspects.count;
-    for (std::size_t i = 0; i < at_hand.count; ++i) {
-      const double bound = highest + static_cast<double>(at_hand.bound[i]) * scale;
-      const double from = low_w + static_cast<double>(at_hand.from[i]);
-      suspects.ray[count] = at_hand.ray[i];
-      suspects.from[count] = from;
-      suspects.to[count] = low_w + static_cast<double>(at_hand.to[i]);
-      suspects.bound[count] = bound;
-      count += may_improve(at_hand.ray[i], bound, from);  // as good as random: no branch
-    }
-    suspects.count = count;
-    at_hand.count = 0;
-    if (suspects.count > Suspects::capacity - BlockSuspects::capacity) decide();
+    if (suspects.boxes == Suspects::most_boxes || suspects.count > Suspects::capacity * 3 / 4) decide();
+    const bool replaces = suspects.boxes != 0 && suspects.box[suspects.boxes - 1].first == suspects.count;
+    suspects.boxes += !replaces;
+    suspects.box[suspects.boxes - 1] = {highest, 1 / unit, low_w, suspects.count};  // exact: a power of two
   }
 
-  /// Looks closely at the suspects that what was reached since does not rule out.
+  /// Looks closely at the suspects that what was reached since does not rule out. The last box stays open.
   HWY_NOINLINE void decide() {
     const std::uint64_t start = field_.time_phases ? ticks_now() : 0;
-    const Suspects& suspects = scratch_.suspects;
+    Suspects& suspects = scratch_.suspects;
     Looks& looks = scratch_.looks_left;
-    for (std::size_t i = 0; i < suspects.count;) {
-      std::size_t count = 0;
-      for (; i < suspects.count && count < first_looks; ++i) {
+    suspects.box[suspects.boxes].first = suspects.count;
+    std::size_t count = 0;
+    for (std::size_t b = 0; b < suspects.boxes; ++b) {
+      const Suspects::Box box = suspects.box[b];
+      for (std::size_t i = box.first; i < suspects.box[b + 1].first; ++i) {
+        const double bound = box.highest + static_cast<double>(suspects.bound[i]) * box.scale;
+        const double from = box.low_w + static_cast<double>(suspects.from[i]);
         looks.ray[count] = suspects.ray[i];
-        looks.from[count] = suspects.from[i], looks.to[count] = suspects.to[i];
-        count += may_improve(suspects.ray[i], suspects.bound[i], suspects.from[i]);
+        looks.from[count] = from, looks.to[count] = box.low_w + static_cast<double>(suspects.to[i]);
+        count += may_improve(suspects.ray[i], bound, from);  // as good as random: no branch
+        if (count < first_looks) continue;
+        look_closely(count);
+        count = 0;
       }
-      looks.count = count;
-      find_cells();
-      look_closely();
     }
-    scratch_.suspects.count = 0;
+    look_closely(count);
+    if (suspects.boxes > 1) suspects.box[0] = suspects.box[suspects.boxes - 1], suspects.boxes = 1;
+    suspects.box[0].first = suspects.count = 0;
     state_.find_lowest_reached();
     if (field_.time_phases) scratch_.ticks += ticks_now() - start;
   }
@@ -157,12 +152,15 @@ class CloseLooks {
     put_look(looks.ray[of], cell, looks.from[of], looks.to[of], way);
   }
 
-  HWY_NOINLINE void look_closely() {
+  /// At the parts of rays that were put to the looks, and at what follows from them.
+  HWY_NOINLINE void look_closely(std::size_t count) {
     Looks& looks = scratch_.looks_left;
+    looks.count = count;
+    find_cells();
     std::size_t first = 0;
     while (first < looks.count) {
-      // Each look may add two.
-      if (looks.count + 2 * double_lanes > Looks::capacity) {
+      // Each look adds two at most, and those that are added one: there are never more than two for each first one.
+      if (looks.count + 2 * first_looks > Looks::capacity) {
         const std::size_t left = looks.count - first;
         for (std::size_t i = 0; i < left; ++i) {
           looks.ray[i] = looks.ray[first + i], looks.way[i] = looks.way[first + i];
@@ -171,10 +169,14 @@ class CloseLooks {
         }
         looks.count = left, first = 0;
       }
-      const std::size_t count = looks.count - first < double_lanes ? looks.count - first : double_lanes;
-      for (std::size_t i = first + count; i < first + double_lanes; ++i) looks.ray[i] = looks.ray[first];
-      look_at_cells(first, count);
-      first += count;
+      // Corners first, of all: what was only just written one by one takes long to be read side by side.
+      const std::size_t end = looks.count < first + first_looks ? looks.count : first + first_looks;
+      read_corners_of(first, end);
+      for (; first < end; first += double_lanes) {
+        for (std::size_t i = looks.count; i < first + double_lanes; ++i) looks.ray[i] = looks.ray[first];
+        look_at_cells(first, end - first < double_lanes ? end - first : double_lanes);
+      }
+      first = end;
     }
     looks.count = 0;
   }
@@ -186,8 +188,6 @@ class CloseLooks {
     const VecD zero = hn::Zero(doubles), one = hn::Set(doubles, 1.0);
     scratch_.looks += count;
 
-    HWY_ALIGN double corner[8][8];
-    read_corners(first, count, corner);
     const auto of_ray = [&](const double* n) HWY_ATTR { return of_rays(n, looks.ray + first); };
 
     // The whole way through the cell.
@@ -216,11 +216,11 @@ class CloseLooks {
     }
 
     VecD f[8];
-    VecD bound = hn::Load(doubles, corner[0]);
+    VecD bound = corner(0, first);
     MaskD has_data = is_finite(bound);
     f[0] = bound;
     for (int c = 1; c < 8; ++c) {
-      f[c] = hn::Load(doubles, corner[c]);
+      f[c] = corner(c, first);
       bound = hn::Max(bound, f[c]);
       has_data = hn::And(has_data, is_finite(f[c]));
     }
@@ -349,27 +349,34 @@ class CloseLooks {
     }
   }
 
-  HWY_INLINE void read_corners(std::size_t first, std::size_t count, double (*corner)[8]) const {
+  HWY_INLINE void read_corners_of(std::size_t first, std::size_t end) const {
     using formats::ElementType;
     const Looks& looks = scratch_.looks_left;
+    LookCorners& corners = scratch_.corners;
     switch (field_.type) {
       case ElementType::U8:
-        return corners_of<std::uint8_t>(field_.source, looks, first, count, corner);
+        return read_corners<std::uint8_t>(field_.source, looks, first, end, corners);
       case ElementType::I8:
-        return corners_of<std::int8_t>(field_.source, looks, first, count, corner);
+        return read_corners<std::int8_t>(field_.source, looks, first, end, corners);
       case ElementType::U16:
-        return corners_of<std::uint16_t>(field_.source, looks, first, count, corner);
+        return read_corners<std::uint16_t>(field_.source, looks, first, end, corners);
       case ElementType::I16:
-        return corners_of<std::int16_t>(field_.source, looks, first, count, corner);
+        return read_corners<std::int16_t>(field_.source, looks, first, end, corners);
       case ElementType::U32:
-        return corners_of<std::uint32_t>(field_.source, looks, first, count, corner);
+        return read_corners<std::uint32_t>(field_.source, looks, first, end, corners);
       case ElementType::I32:
-        return corners_of<std::int32_t>(field_.source, looks, first, count, corner);
+        return read_corners<std::int32_t>(field_.source, looks, first, end, corners);
       case ElementType::F32:
-        return corners_of<float>(field_.source, looks, first, count, corner);
+        return read_corners<float>(field_.source, looks, first, end, corners);
       default:
-        return corners_of<double>(field_.source, looks, first, count, corner);
+        return read_corners<double>(field_.source, looks, first, end, corners);
     }
+  }
+
+  HWY_INLINE VecD corner(int c, std::size_t first) const {
+    if (field_.sample_bytes <= 2)
+      return hn::PromoteTo(doubles, hn::LoadU(half_ints, scratch_.corners.small[c] + first));
+    return hn::LoadU(doubles, scratch_.corners.other[c] + first);
   }
 
   SearchState& state_;

@@ -101,24 +101,22 @@ struct alignas(64) VectorLines {
   float reached[size];  ///< no more than what any of their rays has reached
 };
 
-/// Parts of rays in a box of cells that may hold a larger value than was found.
-struct alignas(64) BlockSuspects {
-  static constexpr std::size_t capacity = 1024 + 16;
-
-  std::int32_t ray[capacity];
-  float from[capacity], to[capacity];  ///< on the major axis, from where the box begins
-  float bound[capacity];               ///< no value there is larger, in the box's unit
-  std::size_t count;
-};
-
-/// The same of all boxes, until they are looked at closely.
-struct Suspects {
+/// Parts of rays in boxes of cells that may hold a larger value than was found, until they are looked at closely.
+struct alignas(64) Suspects {
   static constexpr std::size_t capacity = 4096 + 16;
+  static constexpr std::size_t most_boxes = 1024;
+
+  /// Those from `first` to the next box's are in it, on the major axis from where it begins, values in its unit.
+  struct Box {
+    double highest, scale, low_w;
+    std::size_t first;
+  };
 
   std::int32_t ray[capacity];
-  double from[capacity], to[capacity];  ///< on the major axis
-  double bound[capacity];
-  std::size_t count;
+  float from[capacity], to[capacity];  ///< on the major axis
+  float bound[capacity];               ///< no value there is larger
+  Box box[most_boxes + 1];             ///< the last one in use is followed by the count of suspects
+  std::size_t count, boxes;
 };
 
 /// Cells on rays that are to be looked at closely.
@@ -132,6 +130,12 @@ struct alignas(64) Looks {
   std::size_t count;
 };
 
+/// The corners of their cells: (x, y, z) at x + 2 y + 4 z.
+struct alignas(64) LookCorners {
+  std::int32_t small[8][Looks::capacity];  ///< of samples of 8 and 16 bits
+  double other[8][Looks::capacity];        ///< of all others
+};
+
 /// The last cells that suspects of a ray were in, and from and to which t they are followed up.
 struct LastLooks {
   static constexpr std::size_t kept = 4;
@@ -140,15 +144,16 @@ struct LastLooks {
   std::size_t next;
 };
 
-/// Rays that pass a block, packed side by side.
+/// Rays that pass a box of cells, packed side by side; places from its lowest corner.
 struct alignas(64) RaysAtBlock {
   static constexpr std::size_t capacity = SearchedRays::size + 16;
 
   std::int32_t ray[capacity];
   float from[capacity], to[capacity];  ///< on the major axis
-  float start[2][capacity];            ///< places on the minor axes where the box begins, from its corner
+  float start[2][capacity];            ///< places on the minor axes where the box begins
   float slope[2][capacity], inverse[2][capacity];
-  float reached[capacity], reached_at[capacity];
+  float reached[capacity];     ///< in the box's unit: no more than what was reached
+  float reached_at[capacity];  ///< no less than where, on the major axis
   std::size_t count;
 };
 
@@ -186,15 +191,16 @@ struct alignas(64) MaximumScratch {
   MaximumWindow window;
   SweptSlabs slabs;
   RaysAtBlock at_block;
-  BlockSuspects at_hand;
   Suspects suspects;
   Looks looks_left;
+  LookCorners corners;
   double reached[SearchedRays::size];  ///< some value on the ray is at least this
   LastLooks last_looks[SearchedRays::size];
   double known_value[SearchedRays::size], known_t[SearchedRays::size];  ///< what is in `found`, by place in the search
   FoundMaximum found[SearchedRays::size];                               ///< by place in the chunk
-  std::uint32_t cost[SearchedRays::size];  ///< by place in the chunk: blocks and cells visited
-  std::uint64_t regions, looks, ticks;     ///< counted
+  float visits[SearchedRays::size];                                     ///< boxes of cells, and cells in them
+  std::uint32_t cost[SearchedRays::size];                               ///< the same, by place in the chunk
+  std::uint64_t regions, looks, ticks;                                  ///< counted
 };
 
 /// Of a chunk of at most SearchedRays::size rays.

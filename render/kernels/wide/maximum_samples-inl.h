@@ -192,30 +192,24 @@ HWY_INLINE void fetch_of_type(const MaximumField& field, const int* place, doubl
   }
 }
 
-/// Corner c of the cells of some looks, each in its lane; lanes beyond repeat the first.
+/// The corners of some looks' cells: whole numbers as such, to be converted side by side.
 template <class T>
-HWY_NOINLINE void corners_of(const SampleSource& source, const Looks& looks, std::size_t first, std::size_t count,
-                             double (*corner)[8]) {
-  // Whole numbers are converted side by side.
-  using Stored = std::conditional_t<sizeof(T) <= 2, std::int32_t, double>;
-  HWY_ALIGN Stored stored[8][8];
+HWY_NOINLINE void read_corners(const SampleSource& source, const Looks& looks, std::size_t first, std::size_t end,
+                               LookCorners& corners) {
   const T* samples = static_cast<const T*>(source.samples);
-  for (std::size_t lane = 0; lane < double_lanes; ++lane) {
-    const std::size_t i = first + (lane < count ? lane : 0);
+  for (std::size_t i = first; i < end; ++i) {
     const std::uint64_t* x = source.address[0] + looks.cell[0][i];
     const std::uint64_t* y = source.address[1] + looks.cell[1][i];
     const std::uint64_t* z = source.address[2] + looks.cell[2][i];
     for (int c = 0; c < 8; ++c) {
       const std::uint64_t at = x[c & 1] + y[c >> 1 & 1] + z[c >> 2];
       const bool is_in_brick = std::is_floating_point_v<T> && source.bricks.slots != nullptr;
-      stored[c][lane] = static_cast<Stored>(is_in_brick ? sample_in_brick<T>(source, at) : samples[at]);
+      const T sample = is_in_brick ? sample_in_brick<T>(source, at) : samples[at];
+      if constexpr (sizeof(T) <= 2)
+        corners.small[c][i] = sample;
+      else
+        corners.other[c][i] = static_cast<double>(sample);
     }
-  }
-  for (int c = 0; c < 8; ++c) {
-    if constexpr (sizeof(T) <= 2)
-      hn::Store(hn::PromoteTo(doubles, hn::LoadU(half_ints, stored[c])), doubles, corner[c]);
-    else
-      hn::Store(hn::LoadU(doubles, stored[c]), doubles, corner[c]);
   }
 }
 

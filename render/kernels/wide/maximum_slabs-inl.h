@@ -376,6 +376,9 @@ class SlabSweep {
                            static_cast<double>(window.first[2])};
     const VecF low_w = hn::Set(floats, static_cast<float>(window.first[state_.frustum.major]));
     const VecF end_w = hn::Add(low_w, hn::Set(floats, static_cast<float>(window.count[state_.frustum.major] - 1)));
+    const int axes[3] = {state_.frustum.major, state_.frustum.minor[0], state_.frustum.minor[1]};
+    float last[3];
+    for (int i = 0; i < 3; ++i) last[i] = static_cast<float>(window.count[axes[i]] - 2);
     scratch_.at_block.count = 0;
     for (std::size_t r = 0; r < state_.vectors * float_lanes; r += float_lanes) {
       const VecF from = hn::Max(hn::Load(floats, lines.from + r), low_w);
@@ -390,7 +393,10 @@ class SlabSweep {
       const VecF reached = as_floats(parts);
       const MaskF passing = hn::And(hn::Lt(from, to), SearchState::may_improve(hn::Zero(floats), from, reached,
                                                                                hn::Load(floats, lines.reached_at + r)));
-      if (!hn::AllFalse(floats, passing)) state_.put_at_box(r, passing, from, to, low, reached);
+      if (hn::AllFalse(floats, passing)) continue;
+      const SearchState::PartsInBox in_window = state_.parts_in_box(r, from, to, low);
+      state_.count_cells(r, passing, in_window, last);
+      state_.put_at_box(r, passing, in_window, low[state_.frustum.major], reached);
     }
     if (scratch_.at_block.count != 0) state_.close_box();
   }
@@ -412,13 +418,11 @@ class SlabSweep {
       box.stride[i] = window.stride(axes[i]);
     }
     const WindowCells<major> cells{scratch_.window.words, window.stride(1)};
-    const VecF low_w = hn::Set(floats, static_cast<float>(window.first[major]));
+    looks_.open_box(box.highest, box.unit, box.low_w);
     for (std::size_t first = 0; first < at_block.count; first += float_lanes) {
-      const Ways ways = ways_at_box(state_, first, low_w, hn::Load(floats, at_block.reached + first));
-      const VecF passed = walk_cells(state_, looks_, box, cells, ways);
-      count_cells(state_, passed, ways.ray, at_block.count - first, float_lanes);
+      const Ways ways = ways_at_box(at_block, first);
+      walk_cells(state_, looks_, box, cells, ways);
     }
-    looks_.keep_suspects(box.highest, box.unit, box.low_w);
   }
 
   SearchState& state_;

@@ -104,12 +104,13 @@ struct SearchState {
       lines.reached_at[r] = std::numeric_limits<float>::infinity();
       scratch.reached[r] = scratch.known_value[r] = nothing;
       scratch.known_t[r] = std::numeric_limits<double>::infinity();
+      scratch.visits[r] = 0;
       for (std::uint64_t& key : scratch.last_looks[r].key) key = ~std::uint64_t{0};
       scratch.last_looks[r].next = 0;
       if (!is_inside) lines.from[r] = 1, lines.to[r] = 0;
     }
     put_lines_around();
-    scratch.suspects.count = scratch.looks_left.count = 0;
+    scratch.suspects.count = scratch.suspects.boxes = scratch.looks_left.count = 0;
   }
 
   /// Through the ends of the group's part of the lattice. Rays rise on the minor axes, and so do these lines.
@@ -219,38 +220,68 @@ struct SearchState {
     return passing;
   }
 
-  /// Where rays of a vector are on a minor axis where a box begins, from its corner.
-  HWY_INLINE VecF start_in_box(int m, std::size_t r, double low_w, double low) const {
-    VecD parts[parts_of_floats];
-    for (std::size_t part = 0; part < parts_of_floats; ++part) {
-      const std::size_t ray = r + part * double_lanes;
-      const VecD at_low = hn::MulAdd(hn::Load(doubles, scratch.lines.exact_slope[m] + ray), hn::Set(doubles, low_w),
-                                     hn::Load(doubles, scratch.lines.exact_start[m] + ray));
-      parts[part] = hn::Sub(at_low, hn::Set(doubles, low));
+  /// Parts of a vector's rays in a box, from its lowest corner: places on the minor axes as functions of that on the
+  /// major one.
+  struct PartsInBox {
+    VecF from, to, start[2], slope[2];
+  };
+
+  /// @param low  the box's lowest corner, by axis
+  HWY_INLINE PartsInBox parts_in_box(std::size_t r, VecF from, VecF to, const double* low) const {
+    const double low_w = low[frustum.major];
+    const VecF low_w_float = hn::Set(floats, static_cast<float>(low_w));
+    PartsInBox parts{.from = hn::Sub(from, low_w_float), .to = hn::Sub(to, low_w_float), .start = {}, .slope = {}};
+    for (int m = 0; m < 2; ++m) {
+      VecD start[parts_of_floats];
+      for (std::size_t part = 0; part < parts_of_floats; ++part) {
+        const std::size_t ray = r + part * double_lanes;
+        const VecD at_low = hn::MulAdd(hn::Load(doubles, scratch.lines.exact_slope[m] + ray), hn::Set(doubles, low_w),
+                                       hn::Load(doubles, scratch.lines.exact_start[m] + ray));
+        start[part] = hn::Sub(at_low, hn::Set(doubles, low[frustum.minor[m]]));
+      }
+      parts.start[m] = as_floats(start);
+      parts.slope[m] = hn::Load(floats, scratch.lines.slope[m] + r);
     }
-    return as_floats(parts);
+    return parts;
+  }
+
+  /// Counts a box for the chosen rays of a vector, and the cells that they pass in it.
+  /// @param last  number of its last cell on the major axis and the minor ones
+  HWY_INLINE void count_cells(std::size_t r, MaskF chosen, const PartsInBox& parts, const float* last) const {
+    VecF visits = hn::Set(floats, 2.0F);
+    const auto add = [&](VecF first_place, VecF last_place, float end) HWY_ATTR {
+      const auto cell = [&](VecF place) HWY_ATTR {
+        return hn::Min(hn::Trunc(hn::Max(place, hn::Zero(floats))), hn::Set(floats, end));
+      };
+      visits = hn::Add(visits, hn::Sub(cell(last_place), cell(first_place)));
+    };
+    add(parts.from, parts.to, last[0]);
+    for (int m = 0; m < 2; ++m)
+      add(hn::MulAdd(parts.slope[m], parts.from, parts.start[m]), hn::MulAdd(parts.slope[m], parts.to, parts.start[m]),
+          last[1 + m]);
+    float* const counted = scratch.visits + r;
+    hn::Store(hn::Add(hn::Load(floats, counted), hn::IfThenElseZero(chosen, visits)), floats, counted);
   }
 
   /// Puts the chosen rays of a vector to those at a box.
-  /// @param low      the box's lowest corner, by axis
-  /// @param reached  what they have reached, in whatever unit
-  HWY_INLINE void put_at_box(std::size_t r, MaskF chosen, VecF from, VecF to, const double* low, VecF reached) const {
+  /// @param low_w    where it begins on the major axis
+  /// @param reached  what they have reached, in the box's unit
+  HWY_INLINE void put_at_box(std::size_t r, MaskF chosen, const PartsInBox& parts, double low_w, VecF reached) const {
     const GroupLines& lines = scratch.lines;
     RaysAtBlock& at_block = scratch.at_block;
     const std::size_t at = at_block.count;
-    const double low_w = low[frustum.major];
     // Found once for all numbers of a ray: what order its lanes are in.
     const VecI lanes = hn::Compress(hn::Load(ints, lane_numbers.data()), hn::RebindMask(ints, chosen));
     const auto order = hn::IndicesFromVec(floats, lanes);
     const auto put = [&](VecF x, float* numbers)
                          HWY_ATTR { hn::StoreU(hn::TableLookupLanes(x, order), floats, numbers + at); };
     for (int m = 0; m < 2; ++m) {
-      put(start_in_box(m, r, low_w, low[frustum.minor[m]]), at_block.start[m]);
-      put(hn::Load(floats, lines.slope[m] + r), at_block.slope[m]);
+      put(parts.start[m], at_block.start[m]), put(parts.slope[m], at_block.slope[m]);
       put(hn::Load(floats, lines.inverse[m] + r), at_block.inverse[m]);
     }
-    put(from, at_block.from), put(to, at_block.to);
-    put(reached, at_block.reached), put(hn::Load(floats, lines.reached_at + r), at_block.reached_at);
+    put(parts.from, at_block.from), put(parts.to, at_block.to), put(reached, at_block.reached);
+    const VecF reached_at = hn::Sub(hn::Load(floats, lines.reached_at + r), hn::Set(floats, static_cast<float>(low_w)));
+    put(hn::Add(reached_at, hn::Set(floats, margin)), at_block.reached_at);
     hn::StoreU(hn::Add(lanes, hn::Set(ints, static_cast<std::int32_t>(r))), ints, at_block.ray + at);
     at_block.count += hn::CountTrue(floats, chosen);
   }

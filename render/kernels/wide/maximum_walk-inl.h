@@ -40,22 +40,19 @@ struct Ways {
   VecF reached, reached_at;  ///< in the box's unit and coordinates
 };
 
-/// How few rays are spread over the lanes of a vector: each several times, with a part of a block of 4 cells.
+/// How rays are spread over the lanes of a vector: where they are few, each several times, with a part of a block of 4
+/// cells.
 struct Spread {
   HWY_ALIGN std::int32_t lane[float_lanes];               ///< of the ray
   HWY_ALIGN float first[float_lanes], last[float_lanes];  ///< of the part, on the major axis; none where first > last
-  std::size_t used;                                       ///< lanes
 };
-
-inline constexpr std::size_t most_spread = float_lanes / 2;
 
 /// By the number of rays.
 inline constexpr auto spreads = [] {
-  std::array<Spread, most_spread + 1> by_rays{};
-  for (std::size_t rays = 1; rays <= most_spread; ++rays) {
+  std::array<Spread, float_lanes + 1> by_rays{};
+  for (std::size_t rays = 1; rays <= float_lanes; ++rays) {
     Spread& spread = by_rays[rays];
-    const std::size_t parts = 4 * rays <= float_lanes ? 4 : 2;
-    spread.used = rays * parts;
+    const std::size_t parts = 4 * rays <= float_lanes ? 4 : 2 * rays <= float_lanes ? 2 : 1;
     for (std::size_t lane = 0; lane < float_lanes; ++lane) {
       const std::size_t part = lane / rays;
       spread.lane[lane] = static_cast<std::int32_t>(lane % rays);
@@ -73,21 +70,16 @@ inline constexpr auto spreads = [] {
 }();
 
 /// A vector of the rays at a box.
-/// @param low_w  where the box begins on the major axis; parts and places where values were reached begin at 0
-HWY_INLINE Ways ways_at_box(const SearchState& state, std::size_t first, VecF low_w, VecF reached) {
-  const RaysAtBlock& at_block = state.scratch.at_block;
+HWY_INLINE Ways ways_at_box(const RaysAtBlock& at_block, std::size_t first) {
+  const auto read = [&](const float* x) HWY_ATTR { return hn::Load(floats, x + first); };
   Ways ways;
   ways.ray = hn::Load(ints, at_block.ray + first);
-  ways.from = hn::Sub(hn::Load(floats, at_block.from + first), low_w);
-  ways.to = hn::Sub(hn::Load(floats, at_block.to + first), low_w);
+  ways.from = read(at_block.from), ways.to = read(at_block.to);
   for (int m = 0; m < 2; ++m) {
-    ways.start[m] = hn::Load(floats, at_block.start[m] + first);
-    ways.slope[m] = hn::Load(floats, at_block.slope[m] + first);
-    ways.inverse[m] = hn::Load(floats, at_block.inverse[m] + first);
+    ways.start[m] = read(at_block.start[m]), ways.slope[m] = read(at_block.slope[m]);
+    ways.inverse[m] = read(at_block.inverse[m]);
   }
-  ways.reached = reached;
-  ways.reached_at =
-      hn::Add(hn::Sub(hn::Load(floats, at_block.reached_at + first), low_w), hn::Set(floats, state.margin));
+  ways.reached = read(at_block.reached), ways.reached_at = read(at_block.reached_at);
   return ways;
 }
 
@@ -131,14 +123,13 @@ HWY_NOINLINE void raise(SearchState& state, const CellBox& box, MaskF raised, co
   state.has_risen = true;
 }
 
-/// What may hold a larger value than was found goes to the suspects.
+/// What may hold a larger value than was found goes to the suspects, of which the box is the last one.
 /// @param cells  cells.coefficients(cell, p, q): along the way from p to q; how far below the box's highest value where
 ///               cells.is_below. Where they are not plain some may be without data, and cells.bound(cell): no value in
 ///               it is larger
-/// @return       how many cells each ray has passed
 template <class Cells>
-HWY_INLINE VecF walk_cells(SearchState& state, CloseLooks& looks, const CellBox& box, const Cells& cells, Ways ways) {
-  BlockSuspects& at_hand = state.scratch.at_hand;
+HWY_INLINE void walk_cells(SearchState& state, CloseLooks& looks, const CellBox& box, const Cells& cells, Ways ways) {
+  Suspects& suspects = state.scratch.suspects;
   const VecF zero = hn::Zero(floats), one = hn::Set(floats, 1.0F);
   const VecF never = hn::Set(floats, std::numeric_limits<float>::infinity());
   const VecF error = hn::Set(floats, box.error);
@@ -168,7 +159,6 @@ HWY_INLINE VecF walk_cells(SearchState& state, CloseLooks& looks, const CellBox&
        next_v = next_on_minor(cell_v, last_v, start_v, ways.inverse[1]);
 
   MaskF active = hn::Le(from, to), raised = no_lane(floats);
-  VecF passed = zero;
   for (;;) {
     const VecF leave = hn::Min(hn::Min(next_w, to), hn::Min(next_u, next_v));
     const VecF q_w = hn::Sub(leave, cell_w), q_u = hn::Sub(hn::MulAdd(slope_u, leave, start_u), cell_u),
@@ -177,7 +167,6 @@ HWY_INLINE VecF walk_cells(SearchState& state, CloseLooks& looks, const CellBox&
     if constexpr (!Cells::is_plain)
       wanted = hn::And(
           active, SearchState::may_improve(hn::Add(cells.bound(cell), error), from, ways.reached, ways.reached_at));
-    passed = hn::Add(passed, hn::IfThenElseZero(active, one));
     if (Cells::is_plain || !hn::AllFalse(floats, wanted)) {
       const Coefficients found = cells.coefficients(cell, {p_u, p_v, p_w}, {q_u, q_v, q_w});
       // Without data all coefficients are no numbers, or far below the values of the box.
@@ -190,12 +179,12 @@ HWY_INLINE VecF walk_cells(SearchState& state, CloseLooks& looks, const CellBox&
         suspect = hn::And(suspect, SearchState::may_improve(highest_here, from, ways.reached, ways.reached_at));
       if (!hn::AllFalse(floats, suspect)) {
         const Coefficients b = Cells::is_below ? found.negated() : found;
-        if (at_hand.count + float_lanes > BlockSuspects::capacity)
-          looks.keep_suspects(box.highest, box.unit, box.low_w);
-        store_chosen(ints, ways.ray, hn::RebindMask(ints, suspect), at_hand.ray + at_hand.count);
-        store_chosen(floats, from, suspect, at_hand.from + at_hand.count);
-        store_chosen(floats, leave, suspect, at_hand.to + at_hand.count);
-        at_hand.count += store_chosen(floats, highest_here, suspect, at_hand.bound + at_hand.count);
+        if (suspects.count + float_lanes > Suspects::capacity) looks.decide();
+        const std::size_t at = suspects.count;
+        store_chosen(ints, ways.ray, hn::RebindMask(ints, suspect), suspects.ray + at);
+        store_chosen(floats, from, suspect, suspects.from + at);
+        store_chosen(floats, leave, suspect, suspects.to + at);
+        suspects.count = at + store_chosen(floats, highest_here, suspect, suspects.bound + at);
 
         // A value that is reached for certain: at a point well inside the cell and well inside the ray.
         const VecF s = b.likely_maximum();
@@ -233,18 +222,6 @@ HWY_INLINE VecF walk_cells(SearchState& state, CloseLooks& looks, const CellBox&
     from = leave;
   }
   if (!hn::AllFalse(floats, raised)) raise(state, box, raised, ways);
-  return passed;
-}
-
-/// Counts the cells that rays have passed, and for the first of them a block each.
-HWY_INLINE void count_cells(SearchState& state, VecF cells, VecI ray, std::size_t lanes, std::size_t blocks) {
-  HWY_ALIGN float counted[16];
-  HWY_ALIGN std::int32_t rays[16];
-  hn::Store(cells, floats, counted);
-  hn::Store(ray, ints, rays);
-  for (std::size_t lane = 0; lane < lanes && lane < float_lanes; ++lane)
-    state.scratch.cost[state.scratch.rays.index[rays[lane]]] +=
-        static_cast<std::uint32_t>(lane < blocks) + static_cast<std::uint32_t>(counted[lane]);
 }
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE

@@ -82,11 +82,14 @@ struct WordTable {
     return HWY_NAMESPACE::coefficients(below, p, q);
   }
 
- private:
-  HWY_INLINE void read_pair(VecI at, VecF* below) const {
-    const VecW number = hn::BitCast(words, at);
+  HWY_INLINE VecW at(VecW number) const {
     const auto is_high = hn::TestBit(number, hn::Set(words, 64));
-    const VecW pair = hn::IfThenElse(is_high, look_up(part[2], part[3], number), look_up(part[0], part[1], number));
+    return hn::IfThenElse(is_high, look_up(part[2], part[3], number), look_up(part[0], part[1], number));
+  }
+
+ private:
+  HWY_INLINE void read_pair(VecI cells, VecF* below) const {
+    const VecW pair = at(hn::BitCast(words, cells));
     constexpr hn::RebindToUnsigned<Ints> unsigned_ints;
     below[0] = hn::ConvertTo(floats, hn::And(hn::BitCast(ints, pair), hn::Set(ints, 0xffff)));
     below[1] = hn::ConvertTo(floats, hn::BitCast(ints, hn::ShiftRight<16>(hn::BitCast(unsigned_ints, pair))));
