@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "formats/base/rising.h"
 #include "formats/tet_mesh.h"
 #include "render/cells/tet_crossing.h"
 #include "render/march/lattice_walk.h"
@@ -64,13 +65,7 @@ class TetVolume {
 
   /// Point positions of a cell, rising.
   RHORAY_INLINE std::array<std::uint32_t, 4> sorted_vertices(std::uint32_t cell) const {
-    std::array<std::uint32_t, 4> v = vertices(cell);
-    if (v[1] < v[0]) std::swap(v[0], v[1]);
-    if (v[3] < v[2]) std::swap(v[2], v[3]);
-    if (v[2] < v[0]) std::swap(v[0], v[2]);
-    if (v[3] < v[1]) std::swap(v[1], v[3]);
-    if (v[2] < v[1]) std::swap(v[1], v[2]);
-    return v;
+    return rising(vertices(cell));
   }
 
   RHORAY_INLINE double value_at(std::uint32_t point) const { return static_cast<double>(values_[point]); }

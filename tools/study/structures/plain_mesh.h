@@ -4,11 +4,11 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "formats/base/checks.h"
 #include "formats/base/interval.h"
+#include "formats/base/rising.h"
 #include "formats/tet_mesh.h"
 
 namespace rhoray::study {
@@ -30,15 +30,7 @@ class PlainMesh {
   std::uint64_t cell_id(std::uint32_t cell) const { return ids_[cell]; }
 
   /// Point positions of a cell, rising.
-  RHORAY_INLINE std::array<std::uint32_t, 4> sorted_vertices(std::uint32_t cell) const {
-    std::array<std::uint32_t, 4> v = cells_[cell];
-    if (v[1] < v[0]) std::swap(v[0], v[1]);
-    if (v[3] < v[2]) std::swap(v[2], v[3]);
-    if (v[2] < v[0]) std::swap(v[0], v[2]);
-    if (v[3] < v[1]) std::swap(v[1], v[3]);
-    if (v[2] < v[1]) std::swap(v[1], v[2]);
-    return v;
-  }
+  RHORAY_INLINE std::array<std::uint32_t, 4> sorted_vertices(std::uint32_t cell) const { return rising(cells_[cell]); }
   RHORAY_INLINE std::array<double, 4> values_at(const std::array<std::uint32_t, 4>& v) const {
     return {values_[v[0]], values_[v[1]], values_[v[2]], values_[v[3]]};
   }

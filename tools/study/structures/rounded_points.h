@@ -2,8 +2,10 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "formats/base/rising.h"
 #include "formats/tet_mesh.h"
 #include "tools/study/structures/plain_mesh.h"
 
@@ -23,12 +25,7 @@ class ClusteredCells {
   };
   RHORAY_INLINE Vertices sorted_vertices(std::uint32_t cell) const {
     const formats::CellClustersView& clusters = packed_.clusters();
-    std::array<std::uint8_t, 4> v = clusters.corners[cell];
-    if (v[1] < v[0]) std::swap(v[0], v[1]);
-    if (v[3] < v[2]) std::swap(v[2], v[3]);
-    if (v[2] < v[0]) std::swap(v[0], v[2]);
-    if (v[3] < v[1]) std::swap(v[1], v[3]);
-    if (v[2] < v[1]) std::swap(v[1], v[2]);
+    const std::array<std::uint8_t, 4> v = rising(clusters.corners[cell]);
     const std::uint64_t cluster = clusters.cluster_of(cell), start = clusters.table_starts[cluster];
     return {cluster, {start + v[0], start + v[1], start + v[2], start + v[3]}};
   }

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <array>
+#include <utility>
+
+#include "formats/base/checks.h"
+
+namespace rhoray {
+
+/// Four numbers from the least to the greatest: five comparisons, as few as there can be.
+template <class T>
+RHORAY_INLINE std::array<T, 4> rising(std::array<T, 4> v) {
+  if (v[1] < v[0]) std::swap(v[0], v[1]);
+  if (v[3] < v[2]) std::swap(v[2], v[3]);
+  if (v[2] < v[0]) std::swap(v[0], v[2]);
+  if (v[3] < v[1]) std::swap(v[1], v[3]);
+  if (v[2] < v[1]) std::swap(v[1], v[2]);
+  return v;
+}
+
+}  // namespace rhoray
