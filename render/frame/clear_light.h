@@ -25,20 +25,16 @@ struct SharedLight {
   std::uint64_t shown = 0, through = 0;  ///< crossings; of these, those behind which light is left
 };
 
-/// Shares out the light of rays among their crossings with a few layers, in the order of t, where t is the same that of
-/// the layers. What lies behind a crossing gets what it lets through; where that is less than least_light, nothing is
-/// shown. No ray is followed through its crossings: what reaches one of them is the product of what all those let
-/// through that are nearer, and each pair is compared, with rays side by side.
-/// @param is_left  by ray, 0 or 1: those that are left as if they had no crossing
+/// What is asked of share_light_inline.
 struct LightSharing {
   static constexpr std::size_t most_layers = 4, most = CrossingList::most, side_by_side = 16;
   using Rays = double[side_by_side];
 
-  SharedLayer* layers;
+  SharedLayer* layers;  ///< in the order in which crossings at one t are shown
   std::size_t layer_count;
-  const std::uint8_t* is_left;
-  std::size_t ray_count;
-  double least_light;
+  const std::uint8_t* is_left;  ///< by ray, 0 or 1: those that are left as if they had no crossing
+  std::size_t ray_count;        ///< shares are written for whole groups
+  double least_light;           ///< nothing is shown that less than this reaches
 };
 
 /// Some rays' crossings.
@@ -68,7 +64,7 @@ struct SharedCrossings {
     }
   }
 
-  /// Those of a layer and of one behind it in their order.
+  /// What the crossings of two layers let through of each other's light; `a` is the first of them.
   RHORAY_INLINE void compare(const LightSharing& asked, std::size_t a, std::size_t b) {
     const double through_a = 1 - asked.layers[a].opacity, through_b = 1 - asked.layers[b].opacity;
     for (std::size_t j = 0; j < deepest[a]; ++j)
@@ -81,6 +77,9 @@ struct SharedCrossings {
   }
 };
 
+/// Shares out the light of rays among their crossings with a few layers, in the order of t: what lies behind a crossing
+/// gets what it lets through. No ray is followed through its crossings: what reaches one of them is the product of what
+/// all those let through that are nearer, and each pair is compared, with rays side by side.
 RHORAY_INLINE void share_light_inline(const LightSharing& asked, SharedLight& out) {
   constexpr std::size_t side_by_side = LightSharing::side_by_side;
   constexpr double infinity = std::numeric_limits<double>::infinity();
