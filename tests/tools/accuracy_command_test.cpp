@@ -67,11 +67,13 @@ TEST(AccuracyCommand, levels_draw_the_same_picture_and_every_method_says_how_it_
   const Workbench bench;
   bench.make_ball();
   bench.make_box();
-  ASSERT_EQ(bench
-                .rhoray({"pack", "ball.raw", "--raw", "24x24x24:uint8", "--type", "F32", "--layout", "sparse", "-o",
-                         "sparse.rho", "-q"})
-                .exit_code,
-            0);
+  const auto pack_in_bricks_of = [&](const std::string& edge, const std::string& file) {
+    const RunResult packed = bench.rhoray({"pack", "ball.raw", "--raw", "24x24x24:uint8", "--type", "F32", "--layout",
+                                           "sparse", "--brick-edge", edge, "-o", file, "-q"});
+    ASSERT_EQ(packed.exit_code, 0) << packed.err;
+  };
+  pack_in_bricks_of("8", "sparse.rho");
+  pack_in_bricks_of("2", "small_bricks.rho");
   struct Choice {
     std::vector<std::string> words;
     std::string method;
@@ -81,7 +83,8 @@ TEST(AccuracyCommand, levels_draw_the_same_picture_and_every_method_says_how_it_
                                     {{"ball.rho", "--accuracy", "double"}, "double"},
                                     {{"ball.rho", "--method", "bracketed"}, "double"},
                                     {{"ball.rho", "--mode", "mip"}, "double"},
-                                    {{"sparse.rho"}, "double"},
+                                    {{"sparse.rho"}, "float"},
+                                    {{"small_bricks.rho"}, "double"},
                                     {{"box.rho"}, "float"},
                                     {{"box.rho", "--accuracy", "double"}, "double"},
                                     {{"box.rho", "--method", "edges:float"}, "float"},
