@@ -13,6 +13,7 @@
 #include "render/kernels/wide/block_entry-inl.h"
 #include "render/kernels/wide/blocks_ahead-inl.h"
 #include "render/kernels/wide/cell_walk-inl.h"
+#include "render/kernels/wide/crossings-inl.h"
 #include "render/kernels/wide/cubic-inl.h"
 #include "render/kernels/wide/group-inl.h"
 #include "render/kernels/wide/lanes-inl.h"
@@ -79,18 +80,33 @@ class ShellWalk {
     while (expected.count != 0 && alive_ != 0) meet(expected.take());
     while (scratch_.ahead.count != 0) pass_next();
     for (int s = 0; s < surfaces; ++s) hits_[s].write();
-    for (std::size_t r = 0; r < group_.count; ++r) {
-      const std::size_t at = first_ray_ + group_.index[r];
-      for (int s = 0; s < surfaces; ++s) {
-        lists_[s].count[at] = static_cast<std::uint8_t>(scratch_.count[s][r]);
-        lists_[s].hits[0].cost[at] = static_cast<std::uint32_t>(ways_.visits[r]);
-      }
-      if ((full_ >> r & 1) != 0) complete_[at] = 0;
-    }
+    write_counts();
+    for (std::uint64_t bits = full_; bits != 0; bits &= bits - 1)
+      complete_[first_ray_ + group_.index[std::countr_zero(bits)]] = 0;
   }
 
  private:
   using RayLanes = ShellLanes<surfaces>;
+
+  /// How many crossings each ray has, and how many blocks and cells it has passed.
+  HWY_INLINE void write_counts() {
+    constexpr hn::Rebind<std::uint8_t, Ints> bytes;
+    const GroupNumbers numbers(group_);
+    VecI visits = hn::Zero(ints);
+    for (std::size_t r = 0; r < group_.count; r += float_lanes) {
+      const VecI of_rays = hn::Load(ints, ways_.visits + r);
+      visits = hn::Add(visits, of_rays);
+      for (int s = 0; s < surfaces; ++s) {
+        numbers.write(bytes, hn::DemoteTo(bytes, hn::Load(ints, scratch_.count[s] + r)),
+                      hn::FirstN(bytes, group_.count - r), r, lists_[s].count + first_ray_);
+        if (!shells_.only_places)
+          numbers.write(ints, of_rays, hn::FirstN(ints, group_.count - r), r,
+                        reinterpret_cast<std::int32_t*>(lists_[s].hits[0].cost + first_ray_));
+      }
+    }
+    counters_.macrocells_visited += blocks_;
+    counters_.cells_visited += static_cast<std::uint64_t>(hn::GetLane(hn::SumOfLanes(ints, visits))) - blocks_;
+  }
 
   HWY_INLINE bool has_bit(const Surface& surface, const int* block) const {
     std::size_t node = 0;
@@ -253,7 +269,7 @@ class ShellWalk {
     const BlockEntry at = entry_into_blocks(lattice_, ends_, ways_, r, mask_of(floats, going), corner);
     lanes.walking = at.passes;
     if (hn::AllFalse(floats, lanes.walking)) return;
-    counters_.macrocells_visited += hn::CountTrue(floats, at.passes);
+    blocks_ += hn::CountTrue(floats, at.passes);
     for (int a = 0; a < 3; ++a) {
       lanes.entry[a] = at.entry[a];
       lanes.last[a] = at.last[a];
@@ -291,7 +307,6 @@ class ShellWalk {
     }
     if (any_.time_phases) counters_.intersection_ticks += ticks_now() - ticks;
     const VecI cells = hn::IfThenElseZero(hn::RebindMask(ints, passes), hn::ConvertTo(ints, visits));
-    counters_.cells_visited += static_cast<std::uint64_t>(hn::GetLane(hn::SumOfLanes(ints, cells)));
     const VecI all = hn::Add(hn::Load(ints, ways_.visits + r), hn::Add(cells, ones_in(passes)));
     hn::Store(all, ints, ways_.visits + r);
     const std::uint64_t here = first_rays(float_lanes) << r;
@@ -399,6 +414,7 @@ class ShellWalk {
   ShellLooks<surfaces> looks_;
   std::uint64_t alive_;                                            ///< rays that go on
   std::uint64_t full_ = 0;                                         ///< rays of which a crossing was not noted
+  std::uint64_t blocks_ = 0;                                       ///< passed by rays
   std::uint64_t inside_[surfaces] = {}, has_side_[surfaces] = {};  ///< the side that each ray is on, if it has met data
   std::uint64_t went_by_[surfaces][2] = {};  ///< rays that have gone by cells outside, or inside, before they had one
 };

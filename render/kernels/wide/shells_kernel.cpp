@@ -80,7 +80,10 @@ void cross(const VolumeImplementation& volume, const CrossingsQuestion& question
           CrossingArrays arrays[most_shells];
           for (std::size_t s = 0; s < lists.size(); ++s) {
             arrays[s] = crossing_arrays_of(*lists[s]);
-            write_misses(arrays[s].hits[0], rays.count);
+            if (question.only_places)
+              std::fill_n(arrays[s].hits[0].t, rays.count, std::numeric_limits<double>::infinity());
+            else
+              write_misses(arrays[s].hits[0], rays.count);
             std::fill_n(arrays[s].count, rays.count, std::uint8_t{0});
           }
           std::fill_n(complete, rays.count, std::uint8_t{1});
