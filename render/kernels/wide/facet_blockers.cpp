@@ -26,8 +26,8 @@ struct Ways {
   double off;       ///< how far others end from it, and what rounding adds
   double of_value;  ///< 1 where the light stands at a place, else 0
   double sign;      ///< of what the field changes by where such a ray leaves its side
-  bool
-      is_direction;  ///< else no facet ends the side of all rays: which start before it, and which behind, is not known
+  /// Else no facet ends the side of all rays: which start before it, and which behind, is not known.
+  bool is_direction;
 };
 
 /// Of facets: through which the field may change along rays to the light in the way that ends the side (rises from
@@ -51,13 +51,6 @@ RHORAY_INLINE void tell_block(const FacetField* fields, const Ways& ways, std::u
   }
 }
 
-/// Bytes that are 0 or 1 as bits.
-RHORAY_INLINE std::uint16_t bits_of(const std::uint8_t* bytes) {
-  unsigned bits = 0;
-  for (unsigned i = 0; i < block_size; ++i) bits |= static_cast<unsigned>(bytes[i]) << i;
-  return static_cast<std::uint16_t>(bits);
-}
-
 /// The same of all facets, a bit for each.
 RHORAY_INLINE void tell_all(const FacetField* fields, std::size_t count, const Ways& ways, std::uint16_t* kept,
                             std::uint16_t* sure) {
@@ -65,15 +58,15 @@ RHORAY_INLINE void tell_all(const FacetField* fields, std::size_t count, const W
   const std::size_t whole = count / block_size, left = count % block_size;
   for (std::size_t b = 0; b < whole; ++b) {
     tell_block(fields + b * block_size, ways, is_kept, is_sure);
-    kept[b] = bits_of(is_kept), sure[b] = bits_of(is_sure);
+    kept[b] = bits_of_block(is_kept), sure[b] = bits_of_block(is_sure);
   }
   if (left == 0) return;
   FacetField last[block_size];
   for (std::size_t i = 0; i < block_size; ++i) last[i] = fields[whole * block_size + (i < left ? i : 0)];
   tell_block(last, ways, is_kept, is_sure);
   const unsigned in_block = (1U << left) - 1;
-  kept[whole] = static_cast<std::uint16_t>(bits_of(is_kept) & in_block);
-  sure[whole] = static_cast<std::uint16_t>(bits_of(is_sure) & in_block);
+  kept[whole] = static_cast<std::uint16_t>(bits_of_block(is_kept) & in_block);
+  sure[whole] = static_cast<std::uint16_t>(bits_of_block(is_sure) & in_block);
 }
 
 Ways ways_to(const LightPlace& light, const Vec3& anchor, StartSide side) {

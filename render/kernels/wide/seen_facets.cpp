@@ -22,13 +22,6 @@ RHORAY_INLINE float distance(float a, float b) {
   return a > b ? a - b : b - a;
 }
 
-/// Bytes that are 0 or 1 as bits.
-RHORAY_INLINE std::uint16_t bits_of(const std::uint8_t* bytes) {
-  unsigned bits = 0;
-  for (unsigned i = 0; i < size; ++i) bits |= static_cast<unsigned>(bytes[i]) << i;
-  return static_cast<std::uint16_t>(bits);
-}
-
 /// What is known of all facets, lane by lane of their blocks.
 struct Extent {
   float low[2][size], high[2][size], sum[size];  ///< sum: of the longer edges of the places' boxes
@@ -90,7 +83,7 @@ RHORAY_INLINE void see(const FacetBlock* facets, std::size_t blocks, const SeenF
       const float of_all = (x[0][i] + x[1][i]) + (x[2][i] + x[3][i]) + (y[0][i] + y[1][i]) + (y[2][i] + y[3][i]);
       is_number[i] = of_all - of_all == 0;
     }
-    block.is_up = bits_of(is_up), block.is_down = bits_of(is_down), block.is_number = bits_of(is_number);
+    block.is_up = bits_of_block(is_up), block.is_down = bits_of_block(is_down), block.is_number = bits_of_block(is_number);
   }
 }
 

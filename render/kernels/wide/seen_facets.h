@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "formats/base/checks.h"
 #include "render/kernels/machine.h"
 #include "render/kernels/wide/blocker_heights.h"
 #include "render/volumes/facets.h"
@@ -24,6 +25,13 @@ struct alignas(64) SeenBlock {
   /// neither is told.
   std::uint16_t is_up, is_down;
 };
+
+/// Bytes that are 0 or 1, one for each facet of a block, as bits.
+RHORAY_INLINE std::uint16_t bits_of_block(const std::uint8_t* bytes) {
+  unsigned bits = 0;
+  for (unsigned i = 0; i < FacetBlock::size; ++i) bits |= static_cast<unsigned>(bytes[i]) << i;
+  return static_cast<std::uint16_t>(bits);
+}
 
 /// Facets as a light sees them.
 class SeenFacets {
