@@ -83,7 +83,8 @@ RHORAY_INLINE void see(const FacetBlock* facets, std::size_t blocks, const SeenF
       const float of_all = (x[0][i] + x[1][i]) + (x[2][i] + x[3][i]) + (y[0][i] + y[1][i]) + (y[2][i] + y[3][i]);
       is_number[i] = of_all - of_all == 0;
     }
-    block.is_up = bits_of_block(is_up), block.is_down = bits_of_block(is_down), block.is_number = bits_of_block(is_number);
+    block.is_up = bits_of_block(is_up), block.is_down = bits_of_block(is_down),
+    block.is_number = bits_of_block(is_number);
   }
 }
 
