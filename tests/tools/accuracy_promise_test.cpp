@@ -2,7 +2,6 @@
 
 #include <cstdlib>
 #include <limits>
-#include <map>
 
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_volume.h"
@@ -59,7 +58,7 @@ ScenePlan planned(const Workbench& bench, const Shown& shown) {
   return plan;
 }
 
-void expect_kept(const Workbench& bench, const Shown& shown, std::map<std::string, int>& taken) {
+void expect_kept(const Workbench& bench, const Shown& shown) {
   const ScenePlan plan = planned(bench, shown);
   const render::Volume& volume = plan.volumes[0];
   const FieldTruth field(volume);
@@ -76,7 +75,6 @@ void expect_kept(const Workbench& bench, const Shown& shown, std::map<std::strin
     ScenePlan chosen = plan;
     const std::vector<Choice> choices = choose_methods(chosen, {.max_error = error, .budget_ms = {}}, 0);
     ASSERT_EQ(choices.size(), 1U);
-    ++taken[choices[0].chosen.word];
     EXPECT_TRUE(choices[0].meets_goal) << "the exact level always does";
     const render::Layer& layer = chosen.scene.layers[0];
     const std::vector<render::Hit> hits =
@@ -98,13 +96,24 @@ TEST(AccuracyPromise, holds_in_the_whole_picture_of_five_made_data_sets) {
   preprocess::pack_mesh(box_mesh({.cells = {12, 12, 12}, .jitter = 0.12},
                                  [](const Vec3& p) { return turbulence(2.0 * p - Vec3(1, 1, 1)); }),
                         bench / "mesh.rho");
-  std::map<std::string, int> taken;
-  expect_kept(bench, {.file = "smooth.rho", .field = {}, .isovalue = "0.6"}, taken);
-  expect_kept(bench, {.file = "turbulent.rho", .field = {}, .isovalue = "0.2"}, taken);
-  expect_kept(bench, {.file = "gaps.rho", .field = {}, .isovalue = "0.2"}, taken);
-  expect_kept(bench, {.file = "mesh.rho", .field = {}, .isovalue = "0.2"}, taken);
-  expect_kept(bench, {.file = "turbulent.rho", .field = {}, .isovalue = {}, .is_projection = true}, taken);
-  EXPECT_GE(taken.size(), 3U) << "the error asked for makes no difference: is the choice still one?";
+  expect_kept(bench, {.file = "smooth.rho", .field = {}, .isovalue = "0.6"});
+  expect_kept(bench, {.file = "turbulent.rho", .field = {}, .isovalue = "0.2"});
+  expect_kept(bench, {.file = "gaps.rho", .field = {}, .isovalue = "0.2"});
+  expect_kept(bench, {.file = "mesh.rho", .field = {}, .isovalue = "0.2"});
+  expect_kept(bench, {.file = "turbulent.rho", .field = {}, .isovalue = {}, .is_projection = true});
+}
+
+// Between methods that are right enough measured time decides, so that nothing may be asserted of them; single
+// precision is some 1e-7 of a cell off in grids.
+TEST(AccuracyPromise, of_a_billionth_of_a_cell_is_not_left_to_single_precision) {
+  const Workbench bench;
+  pack_grid(bench, "smooth.rho", distance_field({0.1, 0, -0.1}));
+  ScenePlan plan = planned(bench, {.file = "smooth.rho", .field = {}, .isovalue = "0.6"});
+  const std::vector<Choice> choices = choose_methods(plan, {.max_error = 1e-9, .budget_ms = {}}, 0);
+  ASSERT_EQ(choices.size(), 1U);
+  EXPECT_TRUE(choices[0].meets_goal);
+  EXPECT_NE(choices[0].chosen.word, "preview");
+  EXPECT_NE(choices[0].chosen.word, "float");
 }
 
 TEST(AccuracyErrors, grow_with_a_method_that_is_made_worse_step_by_step) {
@@ -154,12 +163,10 @@ TEST(AccuracyPromise, holds_in_the_whole_picture_of_data_from_the_field) {
   pack("volumes/tooth/tooth.nhdr -o tooth.rho");
   pack("volumes/fuel.nii.gz -o fuel.rho");
   pack("unstructured/utahtorso/utahtorso-lowres.vtu -o torso.rho");
-  std::map<std::string, int> taken;
-  expect_kept(bench, {.file = "tooth.rho", .field = {}, .isovalue = "655"}, taken);
-  expect_kept(bench, {.file = "fuel.rho", .field = {}, .isovalue = "40"}, taken);
-  expect_kept(bench, {.file = "torso.rho", .field = {}, .isovalue = "60"}, taken);
-  expect_kept(bench, {.file = "tooth.rho", .field = {}, .isovalue = {}, .is_projection = true, .view = "-y"}, taken);
-  EXPECT_GE(taken.size(), 2U);
+  expect_kept(bench, {.file = "tooth.rho", .field = {}, .isovalue = "655"});
+  expect_kept(bench, {.file = "fuel.rho", .field = {}, .isovalue = "40"});
+  expect_kept(bench, {.file = "torso.rho", .field = {}, .isovalue = "60"});
+  expect_kept(bench, {.file = "tooth.rho", .field = {}, .isovalue = {}, .is_projection = true, .view = "-y"});
 }
 
 }  // namespace
