@@ -70,19 +70,42 @@ Hit search_largest(const View& view, const Question& question, const Ray& ray, c
   return hit;
 }
 
+/// The value at a point of a cell's face across an axis, by the face's four corners alone: both cells at it tell the
+/// same bits. It is measured from the largest of the four: no sum is above it, and a plateau is exactly itself.
+/// @param p  on the axis exactly 0 or 1
+RHORAY_INLINE double value_on_face(const TrilinearCell& cell, const Vec3& p, int axis) {
+  const int first = axis == 0 ? 1 : 0, second = axis == 2 ? 1 : 2;
+  double f[4];
+  for (int c = 0; c < 4; ++c)
+    f[c] = cell.corner[static_cast<std::size_t>((p[axis] == 1) << axis | (c & 1) << first | (c >> 1) << second)];
+  const double largest = std::max({f[0], f[1], f[2], f[3]});
+  for (double& value : f) value -= largest;
+  const double low = TrilinearCell::between(f[0], f[1], p[first]);
+  const double high = TrilinearCell::between(f[2], f[3], p[first]);
+  return largest + TrilinearCell::between(low, high, p[second]);
+}
+
 /// On the faces only, or of the whole cubic. It is measured from the cell's largest value: no sum is above zero, and a
-/// plateau is exactly zero.
+/// plateau is exactly zero. Where the ray passes a face the value is the face's, and the answer no less.
 /// @param bound  the cell's largest value
 template <class Real>
-CubicMaximum largest_in_cell(const TrilinearCell& cell, const Vec3& in, const Vec3& out, double bound, bool on_faces) {
+CubicMaximum largest_in_cell(const TrilinearCell& cell, const CellVisit& visit, const Vec3& in, const Vec3& out,
+                             double bound, bool on_faces) {
   const Differences<Real> below = minus<Real>(cell, bound);
   const CubicOf<Real> cubic = below.cell.along(Imath::Vec3<Real>(in), Imath::Vec3<Real>(out));
-  CubicMaximumOf<Real> best{cubic.b[0], 0};
+  CubicMaximumOf<Real> on_cubic{cubic.b[0], 0};
   if (!on_faces)
-    best = largest_value(cubic);
+    on_cubic = largest_value(cubic);
   else if (cubic.b[3] > cubic.b[0])
-    best = {cubic.b[3], 1};
-  return {bound + below.unit * static_cast<double>(best.value), static_cast<double>(best.s)};
+    on_cubic = {cubic.b[3], 1};
+  const auto above = [&](Real value) { return bound + below.unit * static_cast<double>(value); };
+  const double at_in = visit.axis_in >= 0 ? value_on_face(cell, in, visit.axis_in) : above(cubic.b[0]);
+  const double at_out = visit.axis_out >= 0 ? value_on_face(cell, out, visit.axis_out) : above(cubic.b[3]);
+  const double s = static_cast<double>(on_cubic.s);
+  CubicMaximum best{s == 0 ? at_in : s == 1 ? at_out : above(on_cubic.value), s};
+  if (at_in > best.value) best = {at_in, 0};
+  if (at_out > best.value) best = {at_out, 1};
+  return best;
 }
 
 template <class View>
@@ -100,9 +123,10 @@ Hit largest_value_on_ray(const View& view, const Question& question, const Ray& 
     if (on_faces) t = last_face_before(ray, planes, view.lattice(), t, segment->t_in);
     lower_bound = value_near(view, planes, view.lattice(), ray, t, in_single ? 1e-5 : 1e-12);
   }
-  const auto in_cell = [&](const TrilinearCell& cell, const CellVisit&, const Vec3& in, const Vec3& out, double bound) {
-    return in_single ? largest_in_cell<float>(cell, in, out, bound, on_faces)
-                     : largest_in_cell<double>(cell, in, out, bound, on_faces);
+  const auto in_cell = [&](const TrilinearCell& cell, const CellVisit& visit, const Vec3& in, const Vec3& out,
+                           double bound) {
+    return in_single ? largest_in_cell<float>(cell, visit, in, out, bound, on_faces)
+                     : largest_in_cell<double>(cell, visit, in, out, bound, on_faces);
   };
   const Hit hit = search_largest(view, question, ray, planes, lower_bound, scratch, in_cell);
   if (!hit.is_miss()) scratch.last_t = hit.t;

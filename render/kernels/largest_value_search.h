@@ -13,7 +13,8 @@ namespace rhoray::render {
 /// `bound(level, cell)` is an upper bound of the values in a region; empty regions give -infinity.
 /// `open_leaf(entry, offer)` calls offer(value, t, cell id) for values that the ray reaches, none above entry.bound,
 /// and among them the largest in that leaf cell. Cells that the ray only touches, with a part of length zero, are left
-/// out.
+/// out. Of equal values the nearest is the answer, and at one t that of the cell which the ray enters first: a cell
+/// entered before another is opened before a value of the other is the answer, if it can hold the same.
 /// @param lower_bound  regions and values below it are dropped: the answer is the same as without, or a miss
 template <class Planes, class Bound, class OpenLeaf>
 Hit largest_value_search(const Ray& ray_lattice, const PlaneTimesOf<Planes>& planes, const WalkLattice& lattice,
@@ -68,6 +69,7 @@ Hit largest_value_search(const Ray& ray_lattice, const PlaneTimesOf<Planes>& pla
     });
     if (best.bound > nothing && best.bound >= lower_bound) {
       best.level = MaximumQueue::found;
+      best.entered = entry.t_in;
       queue.push(best);
     }
   }

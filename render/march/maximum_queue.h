@@ -9,8 +9,8 @@ namespace rhoray::render {
 
 /// The priority queue of maximum-intensity projection (paper, section 4.3): regions of a ray with an upper bound of
 /// their values, and values found. Largest first; among equals the one nearer to the eye, and there a found value
-/// first, the one of the smallest id: so the answer is the largest value at the smallest t, whatever the order of
-/// insertion.
+/// first, of several the one in the cell that the ray enters first, then that of the smallest id: so the answer is the
+/// largest value at the smallest t, on a face between two cells in the one before it, whatever the order of insertion.
 class MaximumQueue {
  public:
   static constexpr int found = -1;
@@ -24,6 +24,7 @@ class MaximumQueue {
     int axis_in = -1;
     int axis_out = -1;
     std::uint64_t id = 0;  ///< of the cell in which a found value lies
+    double entered = 0;    ///< where the ray enters that cell
   };
 
   /// Room for everything that one ray can insert; called once per thread and frame, never per ray.
@@ -49,6 +50,7 @@ class MaximumQueue {
     if (a.bound != b.bound) return a.bound < b.bound;
     if (a.t_in != b.t_in) return a.t_in > b.t_in;
     if ((a.level == found) != (b.level == found)) return b.level == found;
+    if (a.entered != b.entered) return a.entered > b.entered;
     return a.id > b.id;
   }
   std::vector<Entry> heap_;

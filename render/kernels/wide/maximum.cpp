@@ -52,10 +52,9 @@ void look_closely(const void* context, const RayArrays& rays, std::size_t r, dou
     if (!view.has_data(cell)) return true;
     const double bound = cell.largest();
     if (!(bound > found.value || (bound == found.value && visit.t_in < found.t))) return true;
-    const CubicMaximum best = largest_in_cell<double>(cell, entry_point(view.geometry(), ray, planes, visit),
+    const CubicMaximum best = largest_in_cell<double>(cell, visit, entry_point(view.geometry(), ray, planes, visit),
                                                       exit_point(view.geometry(), ray, planes, visit), bound, false);
-    const double t = visit.t_at(best.s);
-    const FoundMaximum here{best.value, t, view.cell_id(visit.cell), best.value == bound && t == visit.t_in};
+    const FoundMaximum here{best.value, visit.t_at(best.s), visit.t_in, view.cell_id(visit.cell)};
     if (is_better(here, found)) found = here;
     return true;
   });
@@ -137,7 +136,7 @@ void largest_values(const VolumeImplementation& volume, const Question& question
   for (std::size_t first = 0; first < rays.count; first += SearchedRays::size) {
     const std::size_t count = std::min(SearchedRays::size, rays.count - first);
     for (std::size_t r = 0; r < count; ++r) {
-      memory.found[r] = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), 0, false};
+      memory.found[r] = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), 0, 0};
       memory.cost[r] = 0;
     }
     search(field, from(rays, first), count, memory);

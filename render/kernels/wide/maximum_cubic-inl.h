@@ -71,6 +71,28 @@ HWY_INLINE VecD between(VecD a, VecD b, VecD w) {
   return hn::Add(hn::Mul(hn::Sub(hn::Set(doubles, 1.0), w), a), hn::Mul(w, b));
 }
 
+/// Where ways pass faces of their cells, at one end.
+struct FacePassage {
+  MaskD through[3];  ///< across which axis; none where the ray ends between planes
+  VecD p[3];
+  bool is_high[3];  ///< of an axis: faces across it are passed where p is 1
+};
+
+/// value_on_face (grid_maximum.h).
+/// @param f  at the corners; what lanes through no face get means nothing
+HWY_INLINE VecD value_on_face(const VecD* f, const FacePassage& at) {
+  const auto chosen = [&](VecD x, VecD y, VecD z)
+                          HWY_ATTR { return hn::IfThenElse(at.through[0], x, hn::IfThenElse(at.through[1], y, z)); };
+  VecD face[4];
+  for (int c = 0; c < 4; ++c)
+    face[c] =
+        chosen(f[at.is_high[0] | c << 1], f[at.is_high[1] << 1 | (c & 1) | (c >> 1) << 2], f[at.is_high[2] << 2 | c]);
+  const VecD first = chosen(at.p[1], at.p[0], at.p[0]), second = chosen(at.p[2], at.p[2], at.p[1]);
+  const VecD largest = hn::Max(hn::Max(face[0], face[1]), hn::Max(face[2], face[3]));
+  for (VecD& value : face) value = hn::Sub(value, largest);
+  return hn::Add(largest, between(between(face[0], face[1], first), between(face[2], face[3], first), second));
+}
+
 /// The largest value on a way, and where; the values at its ends.
 struct Answer {
   VecD value, s;

@@ -203,16 +203,16 @@ class CloseLooks {
       t_in = hn::Max(entry[a], t_in), t_out = hn::Min(exit[a], t_out);
     }
     MaskD through_in[3], through_out[3];
-    MaskD later = hn::Lt(zero, zero), earlier = later;
+    MaskD enters_by_face = hn::Lt(zero, zero), leaves_by_face = enters_by_face;
     for (int a = 2; a >= 0; --a) {  // the last plane passed at t_in, in the order x, y, z
       const MaskD is_at = hn::Eq(entry[a], t_in);
-      through_in[a] = hn::AndNot(later, is_at);
-      later = hn::Or(later, is_at);
+      through_in[a] = hn::AndNot(enters_by_face, is_at);
+      enters_by_face = hn::Or(enters_by_face, is_at);
     }
     for (int a = 0; a < 3; ++a) {  // the first plane passed at t_out
       const MaskD is_at = hn::Eq(exit[a], t_out);
-      through_out[a] = hn::AndNot(earlier, is_at);
-      earlier = hn::Or(earlier, is_at);
+      through_out[a] = hn::AndNot(leaves_by_face, is_at);
+      leaves_by_face = hn::Or(leaves_by_face, is_at);
     }
 
     VecD f[8];
@@ -238,27 +238,39 @@ class CloseLooks {
     // No less than the values where the ray enters and leaves the cell, and what it has reached for certain.
     VecD at_entry = bound, at_exit = bound, best = known;
     if (!hn::AllFalse(doubles, wanted)) {
+      FacePassage in, out;
+      for (int a = 0; a < 3; ++a) {
+        const VecD o = of_ray(group.origin[a]), d = of_ray(group.direction[a]);
+        const bool is_down = (group.octant >> a & 1) != 0;
+        const VecD near_face = is_down ? one : zero, far_face = hn::Sub(one, near_face);
+        const auto place = [&](VecD t) HWY_ATTR {
+          return hn::Min(hn::Max(hn::Sub(hn::Add(o, hn::Mul(t, d)), low[a]), zero), one);
+        };
+        in.through[a] = through_in[a], in.is_high[a] = is_down;
+        out.through[a] = through_out[a], out.is_high[a] = !is_down;
+        in.p[a] = hn::IfThenElse(through_in[a], near_face, place(t_in));
+        out.p[a] = hn::IfThenElse(through_out[a], far_face, place(t_out));
+      }
+      const VecD on_face_in = value_on_face(f, in), on_face_out = value_on_face(f, out);
       VecD largest_size = zero;
       for (VecD& value : f) {
         value = hn::Sub(value, bound);
         largest_size = hn::Max(largest_size, hn::Abs(value));
       }
-      VecD in[3], out[3];
-      for (int a = 0; a < 3; ++a) {
-        const VecD o = of_ray(group.origin[a]), d = of_ray(group.direction[a]);
-        const VecD near_face = (group.octant >> a & 1) != 0 ? one : zero, far_face = hn::Sub(one, near_face);
-        const auto place = [&](VecD t) HWY_ATTR {
-          return hn::Min(hn::Max(hn::Sub(hn::Add(o, hn::Mul(t, d)), low[a]), zero), one);
-        };
-        in[a] = hn::IfThenElse(through_in[a], near_face, place(t_in));
-        out[a] = hn::IfThenElse(through_out[a], far_face, place(t_out));
-      }
-      const Answer answer = largest_on_way(f, in, out);
-      const VecD along = hn::Add(hn::Mul(hn::Sub(one, answer.s), t_in), hn::Mul(answer.s, t_out));
+      const Answer answer = largest_on_way(f, in.p, out.p);
+      const VecD value_in = hn::IfThenElse(enters_by_face, on_face_in, hn::Add(bound, answer.first));
+      const VecD value_out = hn::IfThenElse(leaves_by_face, on_face_out, hn::Add(bound, answer.last));
+      const VecD inside = hn::Add(bound, answer.value);
+      VecD s = answer.s;
+      VecD value = hn::IfThenElse(hn::Eq(s, zero), value_in, hn::IfThenElse(hn::Eq(s, one), value_out, inside));
+      const MaskD is_in = hn::Gt(value_in, value);
+      value = hn::IfThenElse(is_in, value_in, value), s = hn::IfThenZeroElse(is_in, s);
+      const MaskD is_out = hn::Gt(value_out, value);
+      value = hn::IfThenElse(is_out, value_out, value), s = hn::IfThenElse(is_out, one, s);
+      const VecD along = hn::Add(hn::Mul(hn::Sub(one, s), t_in), hn::Mul(s, t_out));
       const VecD t = hn::Min(hn::Max(along, t_in), t_out);
-      const VecD value = hn::Add(bound, answer.value);
-      at_entry = hn::IfThenElse(wanted, hn::Add(bound, answer.first), bound);
-      at_exit = hn::IfThenElse(wanted, hn::Add(bound, answer.last), bound);
+      at_entry = hn::IfThenElse(wanted, value_in, bound);
+      at_exit = hn::IfThenElse(wanted, value_out, bound);
       best = hn::IfThenElse(wanted, hn::Max(known, value), known);
       // Differences that need another unit are left to the scalar kernel's own code.
       const MaskD is_far = hn::And(
@@ -269,8 +281,7 @@ class CloseLooks {
         walk_strays(first, bits_of(doubles, is_far_and_wanted) & first_rays(count));
       const MaskD may_be_better =
           hn::Or(hn::Gt(value, known), hn::And(hn::Eq(value, known), hn::Le(t, of_ray(scratch_.known_t))));
-      take_answers(first, count, hn::And(hn::AndNot(is_far, wanted), may_be_better), value, t,
-                   hn::And(hn::Eq(value, bound), hn::Eq(t, t_in)));
+      take_answers(first, count, hn::And(hn::AndNot(is_far, wanted), may_be_better), value, t, t_in);
       // An answer in another unit, or none: nothing is known.
       at_entry = hn::IfThenElse(is_far_and_wanted, best, at_entry);
       at_exit = hn::IfThenElse(is_far_and_wanted, best, at_exit);
@@ -302,7 +313,7 @@ class CloseLooks {
   }
 
   /// @param wanted  lanes that are better than what their rays knew before these looks, or may be
-  HWY_INLINE void take_answers(std::size_t first, std::size_t count, MaskD wanted, VecD value, VecD t, MaskD at_entry) {
+  HWY_INLINE void take_answers(std::size_t first, std::size_t count, MaskD wanted, VecD value, VecD t, VecD entered) {
     const Looks& looks = scratch_.looks_left;
     const int w = state_.frustum.major;
     const VecD origin = of_rays(scratch_.rays.origin[w], looks.ray + first);
@@ -310,15 +321,15 @@ class CloseLooks {
     const VecD from =
         state_.lattice.is_mirrored(w) ? hn::Sub(hn::Set(doubles, state_.lattice.plane(w, 0)), origin) : origin;
     const auto place = hn::DemoteTo(half_floats, hn::MulAdd(t, speed, from));
-    HWY_ALIGN double values[8], times[8];
+    HWY_ALIGN double values[8], times[8], times_entered[8];
     HWY_ALIGN float values_below[8], places[8];
     hn::Store(value, doubles, values);
     hn::Store(t, doubles, times);
+    hn::Store(entered, doubles, times_entered);
     hn::Store(SearchState::floats_not_above(value), half_floats, values_below);
     hn::Store(
         hn::Add(hn::MulAdd(hn::Abs(place), hn::Set(half_floats, 0x1p-23F), place), hn::Set(half_floats, state_.margin)),
         half_floats, places);
-    const std::uint64_t entry_bits = bits_of(doubles, at_entry);
     for (std::uint64_t bits = bits_of(doubles, wanted) & first_rays(count); bits != 0; bits &= bits - 1) {
       const int lane = std::countr_zero(bits);
       const std::size_t i = first + static_cast<std::size_t>(lane);
@@ -328,7 +339,7 @@ class CloseLooks {
           (static_cast<std::int64_t>(looks.cell[2][i]) * field_.leaf_count[1] + looks.cell[1][i]) *
               field_.leaf_count[0] +
           looks.cell[0][i]);
-      const FoundMaximum here{values[lane], times[lane], id, (entry_bits >> lane & 1) != 0};
+      const FoundMaximum here{values[lane], times[lane], times_entered[lane], id};
       if (!is_better(here, found)) continue;
       found = here;
       scratch_.known_value[ray] = here.value, scratch_.known_t[ray] = here.t;

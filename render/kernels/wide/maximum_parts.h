@@ -21,16 +21,16 @@ namespace rhoray::render::wide {
 struct FoundMaximum {
   double value;  ///< -infinity: none
   double t;
+  double entered;  ///< where the ray enters the cell
   std::uint64_t cell;
-  bool is_bound_at_entry;  ///< the cell's largest value, and where the ray enters it
 };
 
-/// True where the other takes its place: the larger value; of equal ones the nearer, and there the one that the scalar
-/// kernel's queue meets first.
+/// True where the other takes its place: the larger value; of equal ones the nearer, and there the one in the cell that
+/// the ray enters first, as in the scalar kernel's queue.
 RHORAY_INLINE bool is_better(const FoundMaximum& other, const FoundMaximum& found) {
   if (other.value != found.value) return other.value > found.value;
   if (other.t != found.t) return other.t < found.t;
-  if (other.is_bound_at_entry != found.is_bound_at_entry) return found.is_bound_at_entry;
+  if (other.entered != found.entered) return other.entered < found.entered;
   return other.cell < found.cell;
 }
 

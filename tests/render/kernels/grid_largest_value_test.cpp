@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "render/kernels/grid_maximum.h"
 #include "tests/render/support/grid_judge.h"
 #include "tests/render/support/rays.h"
 #include "tests/render/support/traced_volume.h"
@@ -139,6 +140,97 @@ TEST(GridLargestValue, takes_the_smallest_t_among_equals) {
     EXPECT_EQ(plateau.largest_value(ray).value, 0.3);
     EXPECT_EQ(plateau.largest_value(ray).t, 10);
     EXPECT_EQ(ridges.largest_value(ray, face_rule).t, 6);
+  }
+}
+
+/// Two cells at a face across `axis`, the first below the second: random, highest on the face.
+std::array<render::TrilinearCell, 2> cells_at_ridge(Dice& dice, int axis, double offset, double size) {
+  std::array<render::TrilinearCell, 2> cells;
+  for (std::size_t c = 0; c < 8; ++c) {
+    const bool is_high = (c >> axis & 1) != 0;
+    const std::size_t beyond = c ^ std::size_t{1} << axis;
+    cells[0].corner[c] = offset + size * (is_high ? dice.between(1, 2) : dice.between(-3, 1));
+    if (is_high) cells[1].corner[beyond] = cells[0].corner[c];
+  }
+  for (std::size_t c = 0; c < 8; ++c)
+    if ((c >> axis & 1) != 0) cells[1].corner[c] = offset + size * dice.between(-3, 1);
+  return cells;
+}
+
+// M08. Where a ray's largest value lies on the plane between two cells, rounding must not decide which of them has it.
+TEST(GridLargestValue, on_a_face_has_the_same_bits_in_both_cells) {
+  struct Numbers {
+    double offset, size;
+  };
+  Dice dice(11);
+  int on_face = 0;
+  for (const Numbers& numbers : {Numbers{0, 1}, Numbers{1e9, 1e-3}, Numbers{-0.1, 1e30}, Numbers{0, 1e-310}})
+    for (int trial = 0; trial < 4000; ++trial) {
+      const int axis = trial % 3;
+      const auto cells = cells_at_ridge(dice, axis, numbers.offset, numbers.size);
+      const bool rises = dice.below(2) == 0;
+      Vec3 in = dice.point({0, 0, 0}, {1, 1, 1}), at = dice.point({0, 0, 0}, {1, 1, 1}),
+           out = dice.point({0, 0, 0}, {1, 1, 1});
+      if (dice.below(4) == 0) at[(axis + 1) % 3] = static_cast<double>(dice.below(2));  // on an edge
+      Vec3 at_beyond = at;
+      at[axis] = rises ? 1 : 0, at_beyond[axis] = rises ? 0 : 1;
+      const render::CellVisit before{.cell = {}, .t_in = 0, .t_out = 1, .axis_in = -1, .axis_out = axis};
+      const render::CellVisit behind{.cell = {}, .t_in = 1, .t_out = 2, .axis_in = axis, .axis_out = -1};
+      const render::TrilinearCell &first = cells[rises ? 0 : 1], &second = cells[rises ? 1 : 0];
+      const auto leaving = render::largest_in_cell<double>(first, before, in, at, first.largest(), false);
+      const auto entering = render::largest_in_cell<double>(second, behind, at_beyond, out, second.largest(), false);
+      const auto in_single = render::largest_in_cell<float>(first, before, in, at, first.largest(), true);
+      if (leaving.s != 1 || entering.s != 0) continue;  // higher inside
+      ++on_face;
+      EXPECT_EQ(leaving.value, entering.value);
+      EXPECT_EQ(in_single.value, leaving.value);
+      EXPECT_LE(leaving.value, std::min(first.largest(), second.largest()));
+      // Both sums round a few times, the smallest numbers to whole steps.
+      constexpr double step = std::numeric_limits<double>::denorm_min();
+      EXPECT_NEAR(leaving.value, first.at(at), 1e-15 * (std::abs(numbers.offset) + 8 * numbers.size) + 8 * step);
+    }
+  EXPECT_GT(on_face, 5000);
+}
+
+TEST(GridLargestValue, is_never_below_what_it_is_on_the_faces_that_the_ray_passes) {
+  Dice dice(12);
+  for (int trial = 0; trial < 20000; ++trial) {
+    render::TrilinearCell cell;
+    const double size = std::ldexp(1.0, -static_cast<int>(dice.below(60)));  // down to the rounding of 1
+    for (double& value : cell.corner) value = 1 + size * dice.between(-1, 1);
+    const int axis_in = trial % 3, axis_out = trial / 3 % 3;
+    Vec3 in = dice.point({0, 0, 0}, {1, 1, 1}), out = in + size * dice.point({-1, -1, -1}, {1, 1, 1});
+    for (int a = 0; a < 3; ++a) out[a] = std::clamp(out[a], 0.0, 1.0);
+    in[axis_in] = 0, out[axis_out] = 1;
+    const render::CellVisit visit{.cell = {}, .t_in = 0, .t_out = 1, .axis_in = axis_in, .axis_out = axis_out};
+    const auto largest = render::largest_in_cell<double>(cell, visit, in, out, cell.largest(), false);
+    EXPECT_GE(largest.value, render::value_on_face(cell, in, axis_in));
+    EXPECT_GE(largest.value, render::value_on_face(cell, out, axis_out));
+    EXPECT_LE(largest.value, cell.largest());
+  }
+}
+
+// M03. Both cells at a ridge reach the same value at the same t, whichever is opened first.
+TEST(GridLargestValue, on_a_face_belongs_to_the_cell_that_the_ray_enters_first) {
+  Dice dice(13);
+  for (const int ridge : {3, 7, 8, 15, 16}) {  // within macrocells and between them
+    const Samples samples = [&](const Index3& at) {
+      const double noise = static_cast<double>((at.x * 7 + at.y * 13 + at.z * 29) % 11);
+      // Besides, the cells on one side of the ridge or the other are the higher ones, and opened first.
+      return at.x == ridge ? 50 + noise : at.x == ridge - 1 + 2 * (at.z % 2) ? 30 + 3 * noise : noise;
+    };
+    TracedVolume traced(volume_of<float>({24, 24, 24}, samples), {.macro_factor = 4});
+    for (int trial = 0; trial < 400; ++trial) {
+      const bool rises = trial % 2 == 0;
+      const Vec3 at(ridge, dice.between(1, 22), dice.between(1, 22));
+      const Vec3 direction(rises ? 1 : -1, dice.between(-0.9, 0.9), dice.between(-0.9, 0.9));
+      for (const Method& method : {Method{}, face_rule, Method{.precision = Method::Precision::single}}) {
+        const Hit hit = traced.largest_value({.origin = at - 0.9 * direction, .direction = direction}, method);
+        const Vec3 p = at - 0.9 * direction + hit.t * direction;
+        if (std::abs(p.x - ridge) > 1e-9) continue;  // higher inside a cell
+        EXPECT_EQ(static_cast<int>(hit.cell % 23), rises ? ridge - 1 : ridge) << "from " << p << " along " << direction;
+      }
+    }
   }
 }
 
