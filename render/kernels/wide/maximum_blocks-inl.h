@@ -229,7 +229,8 @@ class BlockWalk {
             .highest = range.hi,
             .unit = unit,
             .error = static_cast<float>((range.hi - range.lo) * unit) * (12 * margin + 0x1p-20F),
-            .margin = margin};
+            .margin = margin,
+            .is_come_to = state_.is_come_to(4.0 * block[state_.frustum.major])};
   }
 
   /// The cells of a block along the rays at it.

@@ -412,7 +412,8 @@ class SlabSweep {
                 .highest = range.hi,
                 .unit = 1,
                 .error = static_cast<float>(range.hi - range.lo) * (12 * margin + 0x1p-20F),
-                .margin = margin};
+                .margin = margin,
+                .is_come_to = state_.is_come_to(static_cast<double>(window.first[major]))};
     for (int i = 0; i < 3; ++i) {
       box.last[i] = static_cast<float>(window.count[axes[i]] - 2);
       box.stride[i] = window.stride(axes[i]);

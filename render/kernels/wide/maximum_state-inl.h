@@ -56,6 +56,8 @@ struct SearchState {
   const Frustum& frustum;
   float margin;                     ///< more than positions are off in single precision
   double exact_margin;              ///< the same in double
+  float clear_of_edges;             ///< places so far inside a face: no other plane is passed near them
+  float latest_from = 0;            ///< no ray begins further away on the major axis, in single precision
   std::size_t vectors = 0;          ///< of floats, that hold all rays of the group
   double lowest_reached = nothing;  ///< no more than what any ray has reached
   bool has_risen = false;           ///< some ray has reached more since that was found
@@ -71,6 +73,7 @@ struct SearchState {
     const double furthest = hn::GetLane(hn::MaxOfLanes(doubles, largest));
     exact_margin = 0x1p-46 * (furthest + 16 * longest);
     margin = 0x1p-21F * 16 * static_cast<float>(longest) + static_cast<float>(0x1p-46 * furthest);
+    clear_of_edges = 16 * margin;  // of slopes up to four
     make_lines();
   }
 
@@ -109,6 +112,9 @@ struct SearchState {
       scratch.last_looks[r].next = 0;
       if (!is_inside) lines.from[r] = 1, lines.to[r] = 0;
     }
+    latest_from = nothing_float;
+    for (std::size_t r = 0; r < vectors * float_lanes; ++r)
+      if (lines.from[r] <= lines.to[r] && lines.from[r] > latest_from) latest_from = lines.from[r];
     put_lines_around();
     scratch.suspects.count = scratch.suspects.boxes = scratch.looks_left.count = 0;
   }
@@ -172,6 +178,12 @@ struct SearchState {
       bits |= bits_of(floats, passing) << v;
     }
     return bits;
+  }
+
+  /// True where every ray that passes a box is in the volume before, and meets cells with data there.
+  /// @param low_w  where the box begins on the major axis
+  HWY_INLINE bool is_come_to(double low_w) const {
+    return !field.has_gaps && low_w > static_cast<double>(latest_from) + 4 * static_cast<double>(margin);
   }
 
   /// True for regions that the file has; `place` is where.

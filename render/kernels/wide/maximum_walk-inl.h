@@ -30,6 +30,7 @@ struct CellBox {
   double highest, unit;           ///< values are (value - highest) * unit
   float error;                    ///< more than values are off, in that unit
   float margin;                   ///< more than places are off
+  bool is_come_to;                ///< rays come to it through other cells, with data
 };
 
 /// Rays in coordinates from the box's lowest corner: places on the minor axes as functions of that on the major one.
@@ -123,6 +124,32 @@ HWY_NOINLINE void raise(SearchState& state, const CellBox& box, MaskF raised, co
   state.has_risen = true;
 }
 
+/// Cells of which the largest value is for certain where the ray enters them, through one face and from another cell:
+/// on most rays the largest value lies on the plane between two cells, and one of them is enough.
+///
+/// The cell before has that value, too, bit for bit, as the value on a face is both cells' (value_on_face), and its own
+/// is no less; it is no further away and entered before, so of the two it has the answer. As the ray passes the face
+/// far from its edges, it passes no third cell near there, and the cell before for so long that it is walked through,
+/// in this box or in another, and put to the suspects unless a larger value was reached. If it is left out as well,
+/// its value where it is entered is larger, and the same holds for the cell before it; the cell where the ray begins
+/// is not left out. Cells of which the largest value is where the ray leaves them must stay for this.
+///
+/// Of the coefficients none is off by more than the error: below the first one by four errors, the others are so by
+/// two in truth.
+/// @param p  where they are entered
+HWY_INLINE MaskF is_left_to_cell_before(const SearchState& state, const CellBox& box, const Coefficients& b,
+                                        const Point& p) {
+  if (!box.is_come_to) return no_lane(floats);
+  const VecF falls_from = hn::Sub(b.b0, hn::Set(floats, 4 * box.error));
+  const MaskF falls = hn::Lt(hn::Max(hn::Max(b.b1, b.b2), b.b3), falls_from);
+  // One of the three places is at the face; the others are clear of its edges.
+  const VecF near_edge = hn::Set(floats, state.clear_of_edges), far_edge = hn::Set(floats, 1 - state.clear_of_edges);
+  const VecF low = hn::Min(p.u, p.v), high = hn::Max(p.u, p.v);
+  const VecF least = hn::Min(low, p.w), middle = hn::Max(low, hn::Min(high, p.w)), most = hn::Max(high, p.w);
+  const MaskF is_clear = hn::And(hn::Lt(least, near_edge), hn::And(hn::Gt(middle, near_edge), hn::Lt(most, far_edge)));
+  return hn::And(falls, is_clear);
+}
+
 /// What may hold a larger value than was found goes to the suspects, of which the box is the last one.
 /// @param cells  cells.coefficients(cell, p, q): along the way from p to q; how far below the box's highest value where
 ///               cells.is_below. Where they are not plain some may be without data, and cells.bound(cell): no value in
@@ -179,12 +206,13 @@ HWY_INLINE void walk_cells(SearchState& state, CloseLooks& looks, const CellBox&
         suspect = hn::And(suspect, SearchState::may_improve(highest_here, from, ways.reached, ways.reached_at));
       if (!hn::AllFalse(floats, suspect)) {
         const Coefficients b = Cells::is_below ? found.negated() : found;
+        const MaskF kept = hn::AndNot(is_left_to_cell_before(state, box, b, {p_u, p_v, p_w}), suspect);
         if (suspects.count + float_lanes > Suspects::capacity) looks.decide();
         const std::size_t at = suspects.count;
-        store_chosen(ints, ways.ray, hn::RebindMask(ints, suspect), suspects.ray + at);
-        store_chosen(floats, from, suspect, suspects.from + at);
-        store_chosen(floats, leave, suspect, suspects.to + at);
-        suspects.count = at + store_chosen(floats, highest_here, suspect, suspects.bound + at);
+        store_chosen(ints, ways.ray, hn::RebindMask(ints, kept), suspects.ray + at);
+        store_chosen(floats, from, kept, suspects.from + at);
+        store_chosen(floats, leave, kept, suspects.to + at);
+        suspects.count = at + store_chosen(floats, highest_here, kept, suspects.bound + at);
 
         // A value that is reached for certain: at a point well inside the cell and well inside the ray.
         const VecF s = b.likely_maximum();
