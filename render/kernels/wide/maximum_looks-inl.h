@@ -79,6 +79,23 @@ class CloseLooks {
   /// others: values rise by at most nine times that of the field's range. With the rest for rounding.
   static constexpr double most_rise = 10;
 
+  /// Where a ray passes a face clear of its edges, the walk in single precision comes to the cell beyond, too, for a
+  /// part of its own, and that bounds what the cell holds: what it leaves out is what sticks out of the cell on this
+  /// side. Along so much, the sum on all axes, values change by no more than 8 of the 12 margins of a block that they
+  /// are taken to be off by (BlockWalk); 3 are for the places.
+  static constexpr double most_beyond = 8 * 0x1p-18;
+
+  /// True where a ray passes a face so far inside that it passes no other plane near there.
+  HWY_INLINE MaskD is_clear_of_edges(const FacePassage& face) const {
+    const VecD near_edge = hn::Set(doubles, static_cast<double>(state_.clear_of_edges));
+    const VecD far_edge = hn::Sub(hn::Set(doubles, 1.0), near_edge);
+    if (!state_.is_exact()) return no_lane(doubles);
+    const auto is_clear = [&](int a) HWY_ATTR {
+      return hn::Or(face.through[a], hn::And(hn::Gt(face.p[a], near_edge), hn::Lt(face.p[a], far_edge)));
+    };
+    return hn::And(is_clear(0), hn::And(is_clear(1), is_clear(2)));
+  }
+
   /// Numbers of rays side by side.
   HWY_INLINE static VecD of_rays(const double* n, const std::int32_t* ray) {
     // One by one where that is AVX-512: a gather takes longer on some processors (Zen 4).
@@ -192,7 +209,8 @@ class CloseLooks {
 
     // The whole way through the cell.
     VecD low[3], entry[3], exit[3];
-    VecD t_in = of_ray(group.t_in), t_out = of_ray(group.t_out);
+    const VecD begin = of_ray(group.t_in), end = of_ray(group.t_out);
+    VecD t_in = begin, t_out = end;
     for (int a = 0; a < 3; ++a) {
       low[a] = hn::PromoteTo(doubles, hn::LoadU(half_ints, looks.cell[a] + first));
       const VecD high = hn::Add(low[a], one);
@@ -237,6 +255,7 @@ class CloseLooks {
     const MaskD wanted = hn::And(hn::And(has_data, hn::Lt(t_in, t_out)), hn::AndNot(is_stray, improves));
     // No less than the values where the ray enters and leaves the cell, and what it has reached for certain.
     VecD at_entry = bound, at_exit = bound, best = known;
+    MaskD is_clear_in = hn::AndNot(is_first, is_first), is_clear_out = is_clear_in;
     if (!hn::AllFalse(doubles, wanted)) {
       FacePassage in, out;
       for (int a = 0; a < 3; ++a) {
@@ -251,6 +270,8 @@ class CloseLooks {
         in.p[a] = hn::IfThenElse(through_in[a], near_face, place(t_in));
         out.p[a] = hn::IfThenElse(through_out[a], far_face, place(t_out));
       }
+      is_clear_in = hn::And(enters_by_face, is_clear_of_edges(in));
+      is_clear_out = hn::And(leaves_by_face, is_clear_of_edges(out));
       const VecD on_face_in = value_on_face(f, in), on_face_out = value_on_face(f, out);
       VecD largest_size = zero;
       for (VecD& value : f) {
@@ -288,14 +309,20 @@ class CloseLooks {
     }
     // What sticks out of the cell by next to nothing has no values that are much larger than those at its ends.
     const VecD speed = hn::Abs(of_ray(group.direction[state_.frustum.major]));
+    const VecD speeds = hn::Add(speed, hn::Add(hn::Abs(of_ray(group.direction[state_.frustum.minor[0]])),
+                                               hn::Abs(of_ray(group.direction[state_.frustum.minor[1]]))));
     const VecD steepest = hn::Set(doubles, field_.range * most_rise), least = hn::Set(doubles, state_.exact_margin);
-    const auto goes_on = [&](VecD length, VecD value) HWY_ATTR {
-      const VecD rise = hn::Mul(hn::Add(hn::Mul(length, speed), least), steepest);
-      return hn::AndNot(hn::And(has_data, hn::Lt(hn::Add(value, rise), best)), hn::Gt(length, zero));
+    const auto goes_on = [&](VecD length, VecD value, MaskD is_clear) HWY_ATTR {
+      const VecD on_major = hn::Mul(length, speed), rise = hn::Mul(hn::Add(on_major, least), steepest);
+      const MaskD is_low = hn::And(has_data, hn::Lt(hn::Add(value, rise), best));
+      const MaskD is_own = hn::And(is_clear, hn::Le(hn::Mul(length, speeds), hn::Set(doubles, most_beyond)));
+      return hn::AndNot(hn::Or(is_low, is_own), hn::Gt(length, zero));
     };
     const VecD ways = hn::PromoteTo(doubles, hn::LoadU(half_ints, looks.way + first));
-    const MaskD before = hn::And(goes_on(hn::Sub(t_in, from), at_entry), hn::Le(ways, zero));
-    const MaskD behind = hn::And(goes_on(hn::Sub(to, t_out), at_exit), hn::Ge(ways, zero));
+    const MaskD before =
+        hn::And(goes_on(hn::Sub(t_in, from), at_entry, hn::And(is_clear_in, hn::Gt(from, begin))), hn::Le(ways, zero));
+    const MaskD behind =
+        hn::And(goes_on(hn::Sub(to, t_out), at_exit, hn::And(is_clear_out, hn::Lt(to, end))), hn::Ge(ways, zero));
     const std::uint64_t lanes = first_rays(count) & ~bits_of(doubles, is_stray);
     follow(first, bits_of(doubles, before) & lanes, bits_of(doubles, behind) & lanes, through_in, through_out);
   }

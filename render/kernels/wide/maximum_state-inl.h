@@ -180,10 +180,13 @@ struct SearchState {
     return bits;
   }
 
+  /// False for eyes so far away that places in a box have larger errors than those of single precision.
+  HWY_INLINE bool is_exact() const { return exact_margin <= 0x1p-20; }
+
   /// True where every ray that passes a box is in the volume before, and meets cells with data there.
   /// @param low_w  where the box begins on the major axis
   HWY_INLINE bool is_come_to(double low_w) const {
-    return !field.has_gaps && low_w > static_cast<double>(latest_from) + 4 * static_cast<double>(margin);
+    return is_exact() && !field.has_gaps && low_w > static_cast<double>(latest_from) + 4 * static_cast<double>(margin);
   }
 
   /// True for regions that the file has; `place` is where.

@@ -134,20 +134,26 @@ HWY_NOINLINE void raise(SearchState& state, const CellBox& box, MaskF raised, co
 /// its value where it is entered is larger, and the same holds for the cell before it; the cell where the ray begins
 /// is not left out. Cells of which the largest value is where the ray leaves them must stay for this.
 ///
-/// Of the coefficients none is off by more than the error: below the first one by four errors, the others are so by
-/// two in truth.
-/// @param p  where they are entered
-HWY_INLINE MaskF is_left_to_cell_before(const SearchState& state, const CellBox& box, const Coefficients& b,
-                                        const Point& p) {
+/// The place p on the axis that is passed is off by two margins at most, so that p is up to 20 times as far from where
+/// the face is truly passed, the sum on all axes, where the ray is at least a twentieth as fast across the face; values
+/// change by 40 margins of the range from there to p, and are off by 3 at p. As the error is 12, coefficients below the
+/// first by eight errors are below it in truth: the largest value is where the cell is truly entered.
+/// @param p  where they are entered, or a little before
+HWY_INLINE MaskF is_left_to_cell_before(const SearchState& state, const CellBox& box, const Ways& ways,
+                                        const Coefficients& b, const Point& p) {
   if (!box.is_come_to) return no_lane(floats);
-  const VecF falls_from = hn::Sub(b.b0, hn::Set(floats, 4 * box.error));
+  const VecF falls_from = hn::Sub(b.b0, hn::Set(floats, 8 * box.error));
   const MaskF falls = hn::Lt(hn::Max(hn::Max(b.b1, b.b2), b.b3), falls_from);
   // One of the three places is at the face; the others are clear of its edges.
   const VecF near_edge = hn::Set(floats, state.clear_of_edges), far_edge = hn::Set(floats, 1 - state.clear_of_edges);
   const VecF low = hn::Min(p.u, p.v), high = hn::Max(p.u, p.v);
   const VecF least = hn::Min(low, p.w), middle = hn::Max(low, hn::Min(high, p.w)), most = hn::Max(high, p.w);
   const MaskF is_clear = hn::And(hn::Lt(least, near_edge), hn::And(hn::Gt(middle, near_edge), hn::Lt(most, far_edge)));
-  return hn::And(falls, is_clear);
+  const VecF one = hn::Set(floats, 1.0F), speeds = hn::Add(one, hn::Add(ways.slope[0], ways.slope[1]));
+  const VecF on_minor = hn::IfThenElse(hn::Eq(least, p.u), ways.slope[0], ways.slope[1]);
+  const VecF across = hn::IfThenElse(hn::Eq(least, p.w), one, on_minor);
+  const MaskF is_fast = hn::Ge(hn::Mul(across, hn::Set(floats, 20.0F)), speeds);
+  return hn::And(hn::And(falls, is_fast), is_clear);
 }
 
 /// What may hold a larger value than was found goes to the suspects, of which the box is the last one.
@@ -167,8 +173,15 @@ HWY_INLINE void walk_cells(SearchState& state, CloseLooks& looks, const CellBox&
   const VecF start_u = ways.start[0], start_v = ways.start[1], slope_u = ways.slope[0], slope_v = ways.slope[1];
 
   const auto clamped = [&](VecF x, VecF last) HWY_ATTR { return hn::Min(hn::Max(hn::Floor(x), zero), last); };
-  VecF from = ways.from;
-  const VecF to = ways.to;
+  // Only what lies in the box, and in single precision may: what is beyond is another box's.
+  const float around = box.margin + static_cast<float>(state.exact_margin);
+  VecF from = hn::Max(ways.from, hn::Set(floats, -around));
+  VecF to = hn::Min(ways.to, hn::Set(floats, box.last[0] + 1 + around));
+  for (int m = 0; m < 2; ++m) {
+    const VecF first = hn::Set(floats, -around), last = hn::Set(floats, box.last[1 + m] + 1 + around);
+    from = hn::Max(from, hn::Mul(hn::Sub(first, ways.start[m]), ways.inverse[m]));
+    to = hn::Min(to, hn::Mul(hn::Sub(last, ways.start[m]), ways.inverse[m]));
+  }
   VecF p_w = from, p_u = hn::MulAdd(slope_u, from, start_u), p_v = hn::MulAdd(slope_v, from, start_v);
   VecF cell_w = clamped(p_w, last_w), cell_u = clamped(p_u, last_u), cell_v = clamped(p_v, last_v);
   p_w = hn::Sub(p_w, cell_w), p_u = hn::Sub(p_u, cell_u), p_v = hn::Sub(p_v, cell_v);
@@ -206,7 +219,7 @@ HWY_INLINE void walk_cells(SearchState& state, CloseLooks& looks, const CellBox&
         suspect = hn::And(suspect, SearchState::may_improve(highest_here, from, ways.reached, ways.reached_at));
       if (!hn::AllFalse(floats, suspect)) {
         const Coefficients b = Cells::is_below ? found.negated() : found;
-        const MaskF kept = hn::AndNot(is_left_to_cell_before(state, box, b, {p_u, p_v, p_w}), suspect);
+        const MaskF kept = hn::AndNot(is_left_to_cell_before(state, box, ways, b, {p_u, p_v, p_w}), suspect);
         if (suspects.count + float_lanes > Suspects::capacity) looks.decide();
         const std::size_t at = suspects.count;
         store_chosen(ints, ways.ray, hn::RebindMask(ints, kept), suspects.ray + at);

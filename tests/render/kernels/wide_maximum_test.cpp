@@ -190,6 +190,59 @@ TEST(WideMaximum, is_the_scalar_kernels_answer_in_noise_plateaus_and_constants) 
   EXPECT_GT(hits, 30000);
 }
 
+/// Squares of 8 x 8 rays that run along an axis, hardly or clearly towards the others, so that they come to planes at
+/// all angles; a third begin or end somewhere inside, some of them in a plane.
+std::vector<Ray> rays_across_planes(const Vec3& size, std::size_t count, std::uint64_t seed) {
+  Dice dice(seed);
+  std::vector<Ray> rays;
+  while (rays.size() < count) {
+    const int major = static_cast<int>(dice.below(3));
+    Vec3 direction;
+    for (int a = 0; a < 3; ++a)
+      direction[a] = (dice.coin() ? 1 : -1) * (a == major ? 1 : std::pow(10.0, -dice.between(0, 8)));
+    const Vec3 target = dice.point({0, 0, 0}, size);
+    const double spread = std::pow(10.0, -dice.between(0, 7));
+    for (int i = 0; i < 64; ++i) {
+      Ray ray{.origin = target + spread * dice.point({-1, -1, -1}, {1, 1, 1}), .direction = direction};
+      for (int a = 0; a < 3; ++a)
+        if (a != major) ray.direction[a] *= 1 + 0.1 * dice.between(-1, 1);
+      if (dice.below(8) == 0) ray.origin[static_cast<int>(dice.below(3))] = std::round(target.x);
+      const bool is_cut = dice.below(3) == 0, ends = dice.coin();
+      ray.t_min = is_cut && !ends ? dice.between(-0.2, 0.2) : -1000;
+      ray.t_max = is_cut && ends ? dice.between(0, 5) : 1000;
+      rays.push_back(ray);
+    }
+  }
+  return rays;
+}
+
+/// Where samples of a plane are high the largest value of a ray is on the plane, at the end of two cells: one of them
+/// is looked at closely, and must be the one that the scalar kernel tells, whichever block, slab or vector it is in.
+TEST(WideMaximum, is_the_scalar_kernels_answer_where_the_largest_lies_between_two_cells) {
+  const auto on_planes = [](std::int64_t apart, std::int64_t height, std::int64_t kinds) -> Samples {
+    return [=](const Index3& at) {
+      const bool is_on_plane = at.x % apart == 1 || at.y % apart == 2 || at.z % apart == 0;
+      return noise(kinds, 0)(at) + (is_on_plane ? static_cast<double>(height) : 0);
+    };
+  };
+  int hits = 0;
+  std::uint64_t seed = 40;
+  for (const Samples& samples :
+       {on_planes(4, 60, 60), on_planes(3, 100, 9), on_planes(9, 30, 90), on_planes(16, 80, 2)})
+    for (const Index3& count : {Index3(40, 37, 66), Index3(300, 21, 18)}) {
+      const auto agreement_in = [&](const TracedVolume& traced) {
+        const Vec3 size(static_cast<double>(count.x - 1), static_cast<double>(count.y - 1),
+                        static_cast<double>(count.z - 1));
+        return expect_agreement(traced, rays_across_planes(size, 3000, ++seed));
+      };
+      hits += agreement_in(TracedVolume(
+          volume_of<std::uint8_t>(count, [&](const Index3& at) { return static_cast<std::uint8_t>(samples(at)); })));
+      hits += agreement_in(TracedVolume(
+          volume_of<float>(count, [&](const Index3& at) { return static_cast<float>(0.1 * samples(at)); })));
+    }
+  EXPECT_GT(hits, 30000);
+}
+
 TEST(WideMaximum, leaves_cells_without_data_out_as_the_scalar_kernel_does) {
   const std::vector<Samples> kinds{[](const Index3& at) { return noise(9, 0)(at) == 0 ? nan : noise(50, -3)(at); },
                                    [](const Index3& at) { return at.x == 7 && at.y < 12 ? nan : waves(at); },
