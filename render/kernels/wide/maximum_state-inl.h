@@ -56,7 +56,7 @@ struct SearchState {
   const Frustum& frustum;
   float margin;                     ///< more than positions are off in single precision
   double exact_margin;              ///< the same in double
-  float clear_of_edges;             ///< places so far inside a face: no other plane is passed near them
+  float clear_of_edges;             ///< so far inside a face no other plane is passed near it, whatever the rounding
   float latest_from = 0;            ///< no ray begins further away on the major axis, in single precision
   std::size_t vectors = 0;          ///< of floats, that hold all rays of the group
   double lowest_reached = nothing;  ///< no more than what any ray has reached
@@ -73,7 +73,7 @@ struct SearchState {
     const double furthest = hn::GetLane(hn::MaxOfLanes(doubles, largest));
     exact_margin = 0x1p-46 * (furthest + 16 * longest);
     margin = 0x1p-21F * 16 * static_cast<float>(longest) + static_cast<float>(0x1p-46 * furthest);
-    clear_of_edges = 16 * margin;  // of slopes up to four
+    clear_of_edges = 16 * margin + 0x1p-9F;  // and 36 margins of a slab
     make_lines();
   }
 
@@ -112,9 +112,6 @@ struct SearchState {
       scratch.last_looks[r].next = 0;
       if (!is_inside) lines.from[r] = 1, lines.to[r] = 0;
     }
-    latest_from = nothing_float;
-    for (std::size_t r = 0; r < vectors * float_lanes; ++r)
-      if (lines.from[r] <= lines.to[r] && lines.from[r] > latest_from) latest_from = lines.from[r];
     put_lines_around();
     scratch.suspects.count = scratch.suspects.boxes = scratch.looks_left.count = 0;
   }
@@ -126,10 +123,13 @@ struct SearchState {
     const auto first = static_cast<float>(frustum.first), last = static_cast<float>(frustum.last);
     const float inverse_length = last > first ? 1 / (last - first) : 0;
     const VecF far_away = hn::Set(floats, 0x1p100F);
+    VecF latest = hn::Neg(far_away);
     for (std::size_t vector = 0; vector < vectors; ++vector) {
       around.reached[vector] = nothing_float;
       const std::size_t r = vector * float_lanes;
-      const MaskF is_inside = hn::Le(hn::Load(floats, lines.from + r), hn::Load(floats, lines.to + r));
+      const VecF from = hn::Load(floats, lines.from + r);
+      const MaskF is_inside = hn::Le(from, hn::Load(floats, lines.to + r));
+      latest = hn::IfThenElse(is_inside, hn::Max(latest, from), latest);
       for (int m = 0; m < 2; ++m) {
         const VecF start = hn::Load(floats, lines.start[m] + r), slope = hn::Load(floats, lines.slope[m] + r);
         const auto lowest_at = [&](float w) HWY_ATTR {
@@ -147,6 +147,7 @@ struct SearchState {
         around.high[m][vector] = high - first * around.high_slope[m][vector];
       }
     }
+    latest_from = hn::GetLane(hn::MaxOfLanes(floats, latest));
   }
 
   /// Vectors of which rays may pass a region and have not reached more than its largest value, as bits.

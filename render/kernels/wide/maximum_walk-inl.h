@@ -134,10 +134,11 @@ HWY_NOINLINE void raise(SearchState& state, const CellBox& box, MaskF raised, co
 /// its value where it is entered is larger, and the same holds for the cell before it; the cell where the ray begins
 /// is not left out. Cells of which the largest value is where the ray leaves them must stay for this.
 ///
-/// The place p on the axis that is passed is off by two margins at most, so that p is up to 20 times as far from where
-/// the face is truly passed, the sum on all axes, where the ray is at least a twentieth as fast across the face; values
-/// change by 40 margins of the range from there to p, and are off by 3 at p. As the error is 12, coefficients below the
-/// first by eight errors are below it in truth: the largest value is where the cell is truly entered.
+/// The place p on the axis that is passed is off by little more than two margins, so that all in all it is less than 36
+/// from where the face is truly passed, where the ray is at least a sixteenth as fast across the face as on all axes
+/// together. Values change by 36 margins of the range from there to p, and are off by 3 at p. As the error is 12 of
+/// them, coefficients below the first by eight errors are below it in truth: the largest value is where the cell is
+/// truly entered.
 /// @param p  where they are entered, or a little before
 HWY_INLINE MaskF is_left_to_cell_before(const SearchState& state, const CellBox& box, const Ways& ways,
                                         const Coefficients& b, const Point& p) {
@@ -152,7 +153,7 @@ HWY_INLINE MaskF is_left_to_cell_before(const SearchState& state, const CellBox&
   const VecF one = hn::Set(floats, 1.0F), speeds = hn::Add(one, hn::Add(ways.slope[0], ways.slope[1]));
   const VecF on_minor = hn::IfThenElse(hn::Eq(least, p.u), ways.slope[0], ways.slope[1]);
   const VecF across = hn::IfThenElse(hn::Eq(least, p.w), one, on_minor);
-  const MaskF is_fast = hn::Ge(hn::Mul(across, hn::Set(floats, 20.0F)), speeds);
+  const MaskF is_fast = hn::Ge(hn::Mul(across, hn::Set(floats, 16.0F)), speeds);
   return hn::And(hn::And(falls, is_fast), is_clear);
 }
 
@@ -173,7 +174,7 @@ HWY_INLINE void walk_cells(SearchState& state, CloseLooks& looks, const CellBox&
   const VecF start_u = ways.start[0], start_v = ways.start[1], slope_u = ways.slope[0], slope_v = ways.slope[1];
 
   const auto clamped = [&](VecF x, VecF last) HWY_ATTR { return hn::Min(hn::Max(hn::Floor(x), zero), last); };
-  // Only what lies in the box, and in single precision may: what is beyond is another box's.
+  // What lies in the box, as far as rounding tells; what is beyond is another box's.
   const float around = box.margin + static_cast<float>(state.exact_margin);
   VecF from = hn::Max(ways.from, hn::Set(floats, -around));
   VecF to = hn::Min(ways.to, hn::Set(floats, box.last[0] + 1 + around));
