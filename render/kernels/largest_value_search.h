@@ -69,7 +69,7 @@ Hit largest_value_search(const Ray& ray_lattice, const PlaneTimesOf<Planes>& pla
     });
     if (best.bound > nothing && best.bound >= lower_bound) {
       best.level = MaximumQueue::found;
-      best.entered = entry.t_in;
+      best.t_out = entry.t_in;
       queue.push(best);
     }
   }

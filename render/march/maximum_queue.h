@@ -16,15 +16,14 @@ class MaximumQueue {
   static constexpr int found = -1;
 
   struct Entry {
-    double bound = 0;  ///< no value in the region is larger; the value itself when found
-    double t_in = 0;   ///< where the region begins, or where the value was found
-    double t_out = 0;
+    double bound = 0;      ///< no value in the region is larger; the value itself when found
+    double t_in = 0;       ///< where the region begins, or where the value was found
+    double t_out = 0;      ///< where it ends; of a found value where the ray enters the cell in which it lies
     Index3 cell{0, 0, 0};  ///< position in its level
     int level = found;     ///< level of the region's macrocell, 0 for a leaf cell
     int axis_in = -1;
     int axis_out = -1;
     std::uint64_t id = 0;  ///< of the cell in which a found value lies
-    double entered = 0;    ///< where the ray enters that cell
   };
 
   /// Room for everything that one ray can insert; called once per thread and frame, never per ray.
@@ -50,7 +49,7 @@ class MaximumQueue {
     if (a.bound != b.bound) return a.bound < b.bound;
     if (a.t_in != b.t_in) return a.t_in > b.t_in;
     if ((a.level == found) != (b.level == found)) return b.level == found;
-    if (a.entered != b.entered) return a.entered > b.entered;
+    if (a.level == found && a.t_out != b.t_out) return a.t_out > b.t_out;
     return a.id > b.id;
   }
   std::vector<Entry> heap_;

@@ -15,7 +15,8 @@ using render::MaximumQueue;
 
 /// Comes before, in words: larger bound; nearer; a found value before a region; in a cell entered before; smaller id.
 auto rank(const MaximumQueue::Entry& e) {
-  return std::tuple(-e.bound, e.t_in, e.level == MaximumQueue::found ? 0 : 1, e.entered, e.id);
+  const bool is_found = e.level == MaximumQueue::found;
+  return std::tuple(-e.bound, e.t_in, is_found ? 0 : 1, is_found ? e.t_out : 0.0, e.id);
 }
 
 TEST(MaximumQueue, gives_entries_back_by_bound_then_nearness_then_found_first_whatever_the_order_of_insertion) {
@@ -27,7 +28,7 @@ TEST(MaximumQueue, gives_entries_back_by_bound_then_nearness_then_found_first_wh
       entry.bound = static_cast<double>(dice.below(4)) - 2;
       entry.t_in = static_cast<double>(dice.below(4));
       entry.level = static_cast<int>(dice.below(3)) - 1;
-      if (entry.level == MaximumQueue::found) entry.entered = -static_cast<double>(dice.below(2));
+      entry.t_out = static_cast<double>(dice.below(2));
       entry.id = static_cast<std::uint64_t>(e);
       entries.push_back(entry);
     }
