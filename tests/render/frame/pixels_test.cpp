@@ -66,12 +66,21 @@ Framebuffer picture_of(const Scene& scene, const Tile& tile, Machine machine, co
 
 // What only rounds exactly and fuses nothing is the same everywhere.
 TEST(Pixels, have_the_same_bits_on_every_machine) {
-  for (const auto& [mode, has_lights] :
-       {std::pair(render::Mode::isosurface, false), {render::Mode::isosurface, true}, {render::Mode::mip, false}})
+  struct Shown {
+    render::Mode mode;
+    bool has_lights = false;
+    double shininess = 40;
+  };
+  for (const auto& [mode, has_lights, shininess] : {Shown{render::Mode::isosurface},
+                                                    {render::Mode::isosurface, false, 39.5},
+                                                    {render::Mode::isosurface, true},
+                                                    {render::Mode::isosurface, true, 39.5},
+                                                    {render::Mode::mip}})
     for (const Tile tile : {Tile{0, 32, 0, 32}, Tile{0, 29, 0, 13}}) {
       Scene scene;
       scene.layers[0].mode = mode;
       scene.layers[0].window = {0, 1};
+      scene.layers[0].surface.shininess = shininess;
       if (has_lights) {
         scene.lights = {{},
                         {.kind = render::Light::Kind::directional, .place = {1, -2, 3}, .color = {1, 0.5, 0.2}},
