@@ -87,6 +87,17 @@ bool has_squares(const View&) {
   return false;
 }
 
+/// And samples 4 k to 4 k + 3 of z with them.
+template <class T>
+bool has_bricks(const GridVolume<T>& view) {
+  return has_squares(view) && is_in_fours(view.tables().z, 16);
+}
+template <class View>
+requires is_in_bricks<View>
+bool has_bricks(const View&) {
+  return false;
+}
+
 template <class View>
 MaximumField field_of(const VolumeImplementation& volume, const View& view, bool time_phases) {
   const Index3 leaf_count = view.lattice().leaf_count;
@@ -101,6 +112,7 @@ MaximumField field_of(const VolumeImplementation& volume, const View& view, bool
                      .range = values.is_empty() ? 0 : values.hi - values.lo,
                      .has_gaps = has_gaps(volume, view),
                      .has_squares = has_squares(view),
+                     .has_bricks = has_bricks(view),
                      .time_phases = time_phases,
                      .look_closely = look_closely<View>,
                      .context = &view};

@@ -24,6 +24,7 @@
 #include "render/kernels/wide/maximum_samples-inl.h"
 #include "render/kernels/wide/maximum_slabs-inl.h"
 #include "render/kernels/wide/maximum_state-inl.h"
+#include "render/kernels/wide/maximum_sweep-inl.h"
 #include "render/kernels/wide/octant.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -43,6 +44,13 @@ class Search {
         scratch_(scratch) {}
 
   void run() {
+#if RHORAY_HAS_WORD_TABLES
+    PlaneSweep planes(state_, looks_);
+    if (planes.fits()) {
+      planes.run();
+      return finish();
+    }
+#endif
     put_nodes();
     RegionQueue& queue = scratch_.queue;
     unsigned taken = 0;
@@ -61,12 +69,16 @@ class Search {
         blocks_.look_into(at);
       }
     }
+    finish();
+  }
+
+ private:
+  void finish() {
     looks_.decide();
     for (std::size_t r = 0; r < scratch_.rays.count; ++r)
       scratch_.cost[scratch_.rays.index[r]] += static_cast<std::uint32_t>(scratch_.visits[r]);
   }
 
- private:
   /// Asks for what the region that is likely to be taken next needs, before it is needed.
   HWY_INLINE void ask_for_next() const {
     const int bucket = scratch_.queue.highest_bucket();

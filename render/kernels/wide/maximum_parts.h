@@ -57,6 +57,7 @@ struct MaximumField {
   double range;                   ///< of the field's values
   bool has_gaps;                  ///< some samples have no data
   bool has_squares;               ///< samples 4 i to 4 i + 3 of x and 4 j to 4 j + 3 of y lie together, x fastest
+  bool has_bricks;                ///< and so do 4 k to 4 k + 3 of z
   bool time_phases;
   LookClosely look_closely;
   const void* context;
@@ -90,6 +91,15 @@ struct alignas(64) GroupLines {
   float from[stride], to[stride];  ///< the part inside the lattice, on the major axis
   float reached[stride];           ///< no more than the largest value found
   float reached_at[stride];        ///< no less than where it was found, on the major axis
+};
+
+/// The same lines as parts of 2^27 of a cell.
+struct alignas(64) LineParts {
+  static constexpr std::size_t size = SearchedRays::size;
+  static constexpr double size_of_one = 0x1p27;
+
+  double start[2][size], slope[2][size];
+  std::int32_t step[2][size];  ///< the slope as a whole number
 };
 
 /// Around the rays of each vector: lines on the minor axes as functions of the place on the major one, where it is 0
@@ -146,7 +156,7 @@ struct LastLooks {
 
 /// Rays that pass a box of cells, packed side by side; places from its lowest corner.
 struct alignas(64) RaysAtBlock {
-  static constexpr std::size_t capacity = SearchedRays::size + 16;
+  static constexpr std::size_t capacity = 4 * SearchedRays::size + 16;
 
   std::int32_t ray[capacity];
   float from[capacity], to[capacity];  ///< on the major axis
@@ -172,6 +182,41 @@ struct alignas(64) MaximumWindow {
   std::int32_t words[2 * capacity];  ///< behind the window as many that are written and not read
 };
 
+/// Planes of samples across the major axis around some rays (PlaneReader), sample (u, v) of plane k at u + 16 v.
+struct alignas(64) MaximumPlanes {
+  static constexpr int edge = 16;  ///< samples on an axis
+  static constexpr int planes = 5;
+  static constexpr std::size_t size = edge * edge;
+
+  std::uint16_t below[planes][size];  ///< how far below a value that none exceeds
+  std::uint16_t
+      rise[size];  ///< a quarter of the most that values in a plane change by, from where a ray is to the next
+};
+
+/// The same two by two: a sample and, in the upper half, the one behind it in the next plane.
+struct alignas(64) MaximumLayers {
+  std::int32_t below[MaximumPlanes::planes - 1][MaximumPlanes::size];
+  std::int32_t beyond[MaximumPlanes::edge + 1];  ///< may be read, and is not used
+};
+
+/// What was seen of layers between two planes that may hold a larger value than was found (PlaneSweep), until they are
+/// walked: of the 32 rays of a pair of vectors at a slab of blocks.
+struct alignas(64) SeenLayers {
+  static constexpr std::size_t capacity = 512;
+  static constexpr std::size_t most_slabs = 1 << 12;  ///< of a lattice
+  static constexpr std::size_t per_slab = MaximumPlanes::planes - 1;
+
+  struct At {
+    std::int32_t slab;
+    std::int16_t vector, second;
+    std::int32_t lowest, highest;  ///< of the samples that the words were made for
+  };
+
+  std::int16_t least[capacity][per_slab][32];  ///< how far below the highest no value there is, in words
+  At at[capacity];
+  std::size_t count;
+};
+
 /// Which slabs of nodes were swept, a bit each.
 struct SweptSlabs {
   static constexpr std::size_t words = (1 << 14) / 16 / 64 + 1;  ///< the most that a lattice can have
@@ -190,6 +235,11 @@ struct alignas(64) MaximumScratch {
   MaximumBlock block;
   MaximumWindow window;
   SweptSlabs slabs;
+  LineParts line_parts;
+  MaximumPlanes planes;
+  MaximumLayers layers;
+  SeenLayers seen_layers;
+  std::int32_t slab_largest[SeenLayers::most_slabs];  ///< of the frustum's blocks, by their number on the major axis
   RaysAtBlock at_block;
   Suspects suspects;
   Looks looks_left;

@@ -362,6 +362,59 @@ TEST(WideMaximum, is_the_scalar_kernels_answer_for_squares_of_pixels_searched_to
   EXPECT_GT(hits, 5000);
 }
 
+/// A square of pixels from an eye.
+std::vector<Ray> picture(const Vec3& eye, const Vec3& forward, double pixel, double distance, int edge) {
+  const Vec3 u = forward.cross(Vec3(0.3, 0.5, 0.8)).normalized(), v = forward.cross(u);
+  std::vector<Ray> rays;
+  for (int square = 0; square < edge * edge / 64; ++square)
+    for (int i = 0; i < 64; ++i) {
+      const double column = 8 * (square % (edge / 8)) + i % 8 - 0.5 * (edge - 1),
+                   row = 8 * (square / (edge / 8)) + i / 8 - 0.5 * (edge - 1);
+      const Vec3 target = eye + distance * forward + pixel * (column * u + row * v);
+      rays.push_back({.origin = eye, .direction = (target - eye).normalized()});
+    }
+  return rays;
+}
+
+/// Looks along each axis and between, up to where rays leave the sweep from plane to plane to the blocks, at samples
+/// that take one bit or all sixteen: what words of 16 bits round differs by 2^15.
+TEST(WideMaximum, is_the_scalar_kernels_answer_from_plane_to_plane_whatever_the_range_of_samples) {
+  const std::vector<Samples> kinds{
+      over_all_of<std::uint16_t>(),
+      noise(65536, 0),
+      noise(2, 40000),
+      noise(17, 30000),
+      [](const Index3& at) { return 300.0 * static_cast<double>(at.x + 2 * at.y + at.z % 9); },
+      [](const Index3& at) { return 30000 + 9000 * waves(at); },
+      [](const Index3& at) { return at.z % 7 == 3 && at.x % 5 == 2 ? 60000.0 : noise(40, 20)(at); },
+      [](const Index3& at) { return std::min(50000.0, 9000.0 * static_cast<double>(at.x % 11)); }};
+  const Index3 count(52, 43, 61);
+  const Vec3 middle(25.5, 21, 30);
+  int hits = 0;
+  std::uint64_t seed = 950;
+  for (const Samples& samples : kinds) {
+    const TracedVolume traced(
+        volume_of<std::uint16_t>(count, [&](const Index3& at) { return static_cast<std::uint16_t>(samples(at)); }));
+    Dice dice(++seed);
+    std::vector<Ray> rays;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double side : {-1.0, 1.0})
+        for (const double turn : {0.0, 0.15, 0.5}) {
+          Vec3 forward = turn * dice.direction();
+          forward[axis] += side;
+          const Vec3 ahead = forward.normalized();
+          const double distance = dice.between(4, 120);
+          const std::vector<Ray> one = picture(middle - distance * ahead, ahead, dice.between(0.1, 1.3), distance, 32);
+          rays.insert(rays.end(), one.begin(), one.end());
+        }
+    hits += expect_agreement(traced, rays);
+    const TracedVolume bytes(volume_of<std::int8_t>(
+        count, [&](const Index3& at) { return static_cast<std::int8_t>(samples(at) / 256 - 128); }));
+    hits += expect_agreement(bytes, rays);
+  }
+  EXPECT_GT(hits, 100000);
+}
+
 TEST(WideMaximum, of_a_ray_does_not_depend_on_the_rays_that_share_its_group) {
   const TracedVolume traced(volume_of<std::uint8_t>(
       {37, 22, 41}, [](const Index3& at) { return static_cast<std::uint8_t>(noise(9, 0)(at)); }));
