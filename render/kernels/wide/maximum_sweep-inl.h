@@ -18,6 +18,7 @@
 #include "render/kernels/wide/lanes-inl.h"
 #include "render/kernels/wide/maximum_layers-inl.h"
 #include "render/kernels/wide/maximum_looks-inl.h"
+#include "render/kernels/wide/maximum_pairs-inl.h"
 #include "render/kernels/wide/maximum_planes-inl.h"
 #include "render/kernels/wide/maximum_slab_blocks-inl.h"
 #include "render/kernels/wide/maximum_state-inl.h"
@@ -44,7 +45,8 @@ class PlaneSweep {
         scratch_(state.scratch),
         axes_{state.frustum.major, state.frustum.minor[0], state.frustum.minor[1]},
         block_count_{4 * state.lattice.node_count[0], 4 * state.lattice.node_count[1], 4 * state.lattice.node_count[2]},
-        reader_(state.field, state.lattice, axes_) {}
+        reader_(state.field, state.lattice, axes_),
+        pairs_(state, axes_) {}
 
   /// True where it can be used.
   HWY_INLINE bool fits() {
@@ -77,24 +79,6 @@ class PlaneSweep {
 
  private:
   static constexpr std::size_t layers = LayerValues::layers;
-  static constexpr std::size_t vectors = SearchedRays::size / float_lanes;
-  static constexpr std::size_t most_pairs = vectors / 2;
-  static_assert(vectors <= float_lanes);
-
-  /// Two vectors of rays at a slab.
-  struct Pair {
-    std::size_t vector, second;    ///< the same where there is but one
-    std::uint32_t rays;            ///< that the slab may change
-    int first[2], last[2];         ///< cells on the minor axes
-    std::int32_t lowest, highest;  ///< sample
-    std::uint32_t may[layers];     ///< rays of which a layer is to be walked
-  };
-
-  /// What is around some pairs.
-  struct Part {
-    int first[2], last[2];  ///< cells on the minor axes
-    PlaneWindow window;
-  };
 
   HWY_INLINE void find_slopes() {
     const GroupLines& lines = scratch_.lines;
@@ -228,112 +212,22 @@ class PlaneSweep {
       }
   }
 
-  /// The cells that the rays of each vector may pass in a slab, on the minor axes; where they pass none, the first is
-  /// behind the last.
-  HWY_INLINE void find_cells(int slab) {
-    const VectorLines& around = scratch_.around;
-    const auto low_w = static_cast<float>(4 * slab);
-    const auto first = static_cast<float>(state_.frustum.first), last = static_cast<float>(state_.frustum.last);
-    const VecF near = hn::Set(floats, low_w > first ? low_w : first),
-               far = hn::Set(floats, low_w + 4 < last ? low_w + 4 : last);
-    const VecF beside = hn::Set(floats, 8 * state_.margin);
-    const MaskF used = hn::FirstN(floats, state_.vectors);
-    for (int m = 0; m < 2; ++m) {
-      const int a = axes_[1 + m];
-      const int lowest =
-          state_.lattice.is_mirrored(a) ? static_cast<int>(state_.lattice.plane(a, field_.leaf_count[a])) : 0;
-      const VecF least = hn::Set(floats, static_cast<float>(lowest)),
-                 most = hn::Set(floats, static_cast<float>(lowest + field_.leaf_count[a] - 1));
-      const auto cell_at = [&](VecF place, VecF otherwise) HWY_ATTR {
-        return hn::ConvertTo(ints, hn::IfThenElse(used, hn::Min(hn::Max(place, least), most), otherwise));
-      };
-      const VecF low = hn::MulAdd(hn::Load(floats, around.low_slope[m]), near, hn::Load(floats, around.low[m]));
-      const VecF high = hn::MulAdd(hn::Load(floats, around.high_slope[m]), far, hn::Load(floats, around.high[m]));
-      hn::Store(cell_at(hn::Sub(low, beside), most), ints, first_cell_[m]);
-      hn::Store(cell_at(hn::Add(high, beside), least), ints, last_cell_[m]);
-    }
-  }
-
-  HWY_INLINE Pair pair_of(std::size_t vector, std::size_t second) const {
-    Pair pair;
-    pair.vector = vector, pair.second = second;
-    for (int m = 0; m < 2; ++m) {
-      const std::int32_t *first = first_cell_[m], *last = last_cell_[m];
-      pair.first[m] = first[vector] < first[second] ? first[vector] : first[second];
-      pair.last[m] = last[vector] > last[second] ? last[vector] : last[second];
-    }
-    return pair;
-  }
-
-  /// One of a pair's vectors.
-  HWY_INLINE Pair half_of(const Pair& pair, bool is_second) const {
-    const int shift = is_second ? 16 : 0;
-    const std::size_t vector = is_second ? pair.second : pair.vector;
-    Pair half = pair_of(vector, vector);
-    half.lowest = pair.lowest, half.highest = pair.highest;
-    half.rays = pair.rays >> shift & 0xffff;
-    for (std::size_t k = 0; k < layers; ++k) half.may[k] = pair.may[k] >> shift & 0xffff;
-    return half;
-  }
-
-  HWY_INLINE Part part_around(const Pair* pair, std::size_t count) const {
-    Part part;
-    for (int m = 0; m < 2; ++m) {
-      part.first[m] = pair[0].first[m], part.last[m] = pair[0].last[m];
-      for (std::size_t i = 1; i < count; ++i) {
-        part.first[m] = pair[i].first[m] < part.first[m] ? pair[i].first[m] : part.first[m];
-        part.last[m] = pair[i].last[m] > part.last[m] ? pair[i].last[m] : part.last[m];
-      }
-    }
-    part.window = PlaneWindow(state_.lattice, axes_ + 1, part.first, part.last);
-    return part;
-  }
-
-  /// Calls act(pairs, count, what is around them) for as many pairs at once as fit in a window.
-  template <class Act>
-  void in_windows(const Pair* pair, std::size_t count, const Act& act) {
-    const Part part = part_around(pair, count);
-    if (part.window.fits()) {
-      act(pair, count, part);
-    } else if (count > 1) {
-      in_windows(pair, count / 2, act);
-      in_windows(pair + count / 2, count - count / 2, act);
-    } else {
-      for (const bool is_second : {false, true}) {
-        const Pair half = half_of(*pair, is_second);
-        act(&half, std::size_t{1}, part_around(&half, 1));
-      }
-    }
-  }
-
-  HWY_INLINE static WordScale scale_of(const Pair* pair, std::size_t count) {
-    std::int32_t lowest = pair[0].lowest, highest = pair[0].highest;
-    for (std::size_t i = 1; i < count; ++i) {
-      lowest = pair[i].lowest < lowest ? pair[i].lowest : lowest;
-      highest = pair[i].highest > highest ? pair[i].highest : highest;
-    }
-    return {lowest, highest};
-  }
-
   /// @param largest  of the slab
   template <class T>
   HWY_NOINLINE void look_at_slab(int slab, float largest) {
-    find_cells(slab);
+    pairs_.move_to(slab);
     int first[2], last[2];
-    for (int m = 0; m < 2; ++m) {
-      first[m] = hn::GetLane(hn::MinOfLanes(ints, hn::Load(ints, first_cell_[m]))) >> 2;
-      last[m] = hn::GetLane(hn::MaxOfLanes(ints, hn::Load(ints, last_cell_[m]))) >> 2;
-    }
+    pairs_.find_blocks(first, last);
     const SlabBlocks blocks(BlockRanges<T>(field_.blocks, state_.lattice, axes_, slab, first), first, last);
     scratch_.regions += static_cast<std::uint64_t>((last[0] - first[0] + 1) * (last[1] - first[1] + 1));
-    Pair changing[most_pairs];
+    SlabPair changing[PairsAtSlab::most];
     std::size_t count = 0;
     const float* const reached = scratch_.around.reached;
     for (std::size_t vector = 0; vector < state_.vectors; vector += 2) {
       const std::size_t second = vector + 1 < state_.vectors ? vector + 1 : vector;
       if (reached[vector] > largest && reached[second] > largest) continue;
-      Pair& pair = changing[count];
-      pair = pair_of(vector, second);
+      SlabPair& pair = changing[count];
+      pair = pairs_.pair_of(vector, second);
       if (pair.first[0] > pair.last[0] || pair.first[1] > pair.last[1]) continue;
       const int from[2] = {pair.first[0] >> 2, pair.first[1] >> 2}, to[2] = {pair.last[0] >> 2, pair.last[1] >> 2};
       pair.lowest = blocks.lowest, pair.highest = blocks.largest_between(from, to);
@@ -344,23 +238,23 @@ class PlaneSweep {
     // Each may be looked at as two.
     if (scratch_.seen_layers.count + 2 * count > SeenLayers::capacity) {
       walk_seen<T>();
-      find_cells(slab);
+      pairs_.move_to(slab);
     }
-    in_windows(changing, count, [&](const Pair* pair, std::size_t fitting, const Part& part) HWY_ATTR {
+    pairs_.in_windows(changing, count, [&](const SlabPair* pair, std::size_t fitting, const SlabPart& part) HWY_ATTR {
       sweep<T>(slab, pair, fitting, part);
     });
   }
 
   /// Calls of(vector) for both of a pair: rays as bits, of the second one in the upper half.
   template <class Of>
-  HWY_INLINE static std::uint32_t rays_of(const Pair& pair, const Of& of) {
+  HWY_INLINE static std::uint32_t rays_of(const SlabPair& pair, const Of& of) {
     const auto bits = [&](std::size_t vector)
                           HWY_ATTR { return static_cast<std::uint32_t>(bits_of(floats, of(vector * float_lanes))); };
     return bits(pair.vector) | (pair.second != pair.vector ? bits(pair.second) << 16 : 0);
   }
 
   /// Rays of a pair with a part in a slab, and that its values may change.
-  HWY_INLINE std::uint32_t rays_at(const Pair& pair, float low_w) const {
+  HWY_INLINE std::uint32_t rays_at(const SlabPair& pair, float low_w) const {
     const GroupLines& lines = scratch_.lines;
     const VecF largest = hn::Set(floats, static_cast<float>(pair.highest));
     return rays_of(pair, [&](std::size_t r) HWY_ATTR {
@@ -372,7 +266,7 @@ class PlaneSweep {
   }
 
   /// Rays of a pair that begin before a place and end behind another one, on the major axis.
-  HWY_INLINE std::uint32_t rays_between(const Pair& pair, float begin, float end) const {
+  HWY_INLINE std::uint32_t rays_between(const SlabPair& pair, float begin, float end) const {
     const GroupLines& lines = scratch_.lines;
     return rays_of(pair, [&](std::size_t r) HWY_ATTR {
       return hn::And(hn::Le(hn::Load(floats, lines.from + r), hn::Set(floats, begin)),
@@ -381,7 +275,7 @@ class PlaneSweep {
   }
 
   template <class T>
-  HWY_INLINE void sweep(int slab, const Pair* pair, std::size_t count, const Part& part) {
+  HWY_INLINE void sweep(int slab, const SlabPair* pair, std::size_t count, const SlabPart& part) {
     const WordScale scale = scale_of(pair, count);
     reader_.template read_planes<T>(part.window, 4 * slab, scale, slope_, scratch_.planes);
     SeenLayers& seen = scratch_.seen_layers;
@@ -395,35 +289,11 @@ class PlaneSweep {
     }
   }
 
-  /// The samples of a window that a pair's rays pass: eight rows of eight, eight of sixteen, or all.
-  /// @param vectors  that hold them
-  HWY_INLINE static RowsOfWindow rows_of(const Pair& pair, const Part& part, int& vectors) {
-    constexpr int half = MaximumPlanes::edge / 2;
-    const auto first_of = [&](int m, int multiple) {
-      const int first = (pair.first[m] - part.window.first[m]) & -multiple, samples = 4 * part.window.bricks[m];
-      return first > samples - half ? (samples > half ? samples - half : 0) : first;
-    };
-    const auto fits = [&](int m, int first) { return pair.last[m] + 1 - part.window.first[m] - first < half; };
-    int column = first_of(0, 1), row = first_of(1, 2);
-    vectors = 2;
-    if (!fits(0, column)) vectors = 4, column = 0;
-    if (!fits(1, row)) vectors = 8, column = 0, row = 0;
-    RowsOfWindow rows;
-    rows.first_word = static_cast<std::size_t>(row) * MaximumPlanes::edge;
-    rows.first_column = static_cast<std::uint16_t>(column);
-    for (int m = 0; m < 2; ++m) {
-      const int first = part.window.first[m] + (m == 0 ? column : row), end = part.last[m] + 1 - first;
-      rows.low[m] = first;
-      rows.last[m] = static_cast<std::int16_t>(end < MaximumPlanes::edge ? (end << 11) - 1 : 0x7fff);
-    }
-    return rows;
-  }
-
   /// Takes over what a pair's rays reach at planes.
   /// @param least  how far below the words' highest no value of each layer is, at the furthest where it is not to be
   ///               walked
   /// @return       false where none is
-  HWY_NOINLINE bool sweep_pair(int slab, const Pair& pair, const Part& part, const WordScale& scale,
+  HWY_NOINLINE bool sweep_pair(int slab, const SlabPair& pair, const SlabPart& part, const WordScale& scale,
                                std::int16_t (*least)[32]) {
     int vectors;
     const RowsOfWindow rows = rows_of(pair, part, vectors);
@@ -467,7 +337,7 @@ class PlaneSweep {
   }
 
   /// What the rays of a pair have reached, below the words' highest, rounded up.
-  HWY_INLINE VecS reached_below(const Pair& pair, const WordScale& scale) const {
+  HWY_INLINE VecS reached_below(const SlabPair& pair, const WordScale& scale) const {
     const auto of = [&](std::size_t vector) HWY_ATTR {
       const VecF reached = hn::Load(floats, scratch_.lines.reached + vector * float_lanes);
       const VecF below = hn::Mul(hn::Sub(hn::Set(floats, static_cast<float>(scale.highest)), reached),
@@ -478,7 +348,7 @@ class PlaneSweep {
     return lower_words(of(pair.vector), of(pair.second));
   }
 
-  HWY_INLINE void take_over(int slab, const Pair& pair, const WordScale& scale, VecS reached, std::uint32_t risen) {
+  HWY_INLINE void take_over(int slab, const SlabPair& pair, const WordScale& scale, VecS reached, std::uint32_t risen) {
     HWY_ALIGN std::int16_t below[32];
     hn::Store(reached, shorts, below);
     const double size = 1 / scale.unit();  // exact: a power of two
@@ -492,7 +362,7 @@ class PlaneSweep {
   }
 
   /// A slab counts as a box and its layers.
-  HWY_INLINE void count_visits(const Pair& pair) const {
+  HWY_INLINE void count_visits(const SlabPair& pair) const {
     const auto count = [&](std::size_t vector, std::uint32_t rays) HWY_ATTR {
       float* const visits = scratch_.visits + vector * float_lanes;
       const VecF more = hn::IfThenElseZero(MaskF{static_cast<__mmask16>(rays)}, hn::Set(floats, 1.0F + layers));
@@ -508,13 +378,13 @@ class PlaneSweep {
     SeenLayers& seen = scratch_.seen_layers;
     for (std::size_t i = 0; i < seen.count;) {
       const int slab = seen.at[i].slab;
-      find_cells(slab);
-      Pair left[most_pairs];
+      pairs_.move_to(slab);
+      SlabPair left[PairsAtSlab::most];
       std::size_t count = 0;
-      for (; i < seen.count && seen.at[i].slab == slab && count < most_pairs; ++i) {
+      for (; i < seen.count && seen.at[i].slab == slab && count < PairsAtSlab::most; ++i) {
         const SeenLayers::At& at = seen.at[i];
-        Pair& pair = left[count];
-        pair = pair_of(static_cast<std::size_t>(at.vector), static_cast<std::size_t>(at.second));
+        SlabPair& pair = left[count];
+        pair = pairs_.pair_of(static_cast<std::size_t>(at.vector), static_cast<std::size_t>(at.second));
         pair.lowest = at.lowest, pair.highest = at.highest;
         const VecS reached = reached_below(pair, {at.lowest, at.highest});
         pair.rays = 0;
@@ -525,7 +395,7 @@ class PlaneSweep {
         count += pair.rays != 0;
       }
       if (count == 0) continue;
-      in_windows(left, count, [&](const Pair* pair, std::size_t fitting, const Part& part) HWY_ATTR {
+      pairs_.in_windows(left, count, [&](const SlabPair* pair, std::size_t fitting, const SlabPart& part) HWY_ATTR {
         walk<T>(slab, pair, fitting, part);
       });
     }
@@ -534,7 +404,7 @@ class PlaneSweep {
 
   static constexpr float margin = 0x1p-18F;  ///< more than places from a slab's corner are off, as in blocks
 
-  HWY_INLINE CellBox box_of(int slab, const Part& part, const WordScale& scale) const {
+  HWY_INLINE CellBox box_of(int slab, const SlabPart& part, const WordScale& scale) const {
     constexpr int row = MaximumPlanes::edge, plane = MaximumPlanes::size;
     const int first[2] = {part.first[0] - part.window.first[0], part.first[1] - part.window.first[1]};
     const auto last = [&](int m) { return static_cast<float>(part.last[m] - part.first[m]); };
@@ -552,7 +422,7 @@ class PlaneSweep {
   }
 
   template <class T>
-  HWY_NOINLINE void walk(int slab, const Pair* pair, std::size_t count, const Part& part) {
+  HWY_NOINLINE void walk(int slab, const SlabPair* pair, std::size_t count, const SlabPart& part) {
     const WordScale scale = scale_of(pair, count);
     reader_.template read_layers<T>(part.window, 4 * slab, scale, scratch_.layers);
     const CellBox box = box_of(slab, part, scale);
@@ -570,7 +440,7 @@ class PlaneSweep {
   }
 
   /// Puts the layers of a vector's rays to those that are walked.
-  HWY_INLINE void put_layers(const CellBox& box, const Part& part, std::size_t vector, const std::uint32_t* may,
+  HWY_INLINE void put_layers(const CellBox& box, const SlabPart& part, std::size_t vector, const std::uint32_t* may,
                              int shift) {
     std::uint32_t any = 0;
     for (std::size_t k = 0; k < layers; ++k) any |= may[k] >> shift & 0xffff;
@@ -603,9 +473,9 @@ class PlaneSweep {
   int axes_[3];
   int block_count_[3];
   PlaneReader reader_;
+  PairsAtSlab pairs_;
   float steepest_[2];  ///< slope of any ray
   int slope_[2];       ///< the same as parts of 2^15, rounded up
-  HWY_ALIGN std::int32_t first_cell_[2][float_lanes], last_cell_[2][float_lanes];  ///< of each vector, at a slab
 };
 
 #endif
