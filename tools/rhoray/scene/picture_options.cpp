@@ -198,7 +198,8 @@ std::vector<Option> picture_options(PictureOptions& options) {
           "--accuracy", accuracy_words(),
           "preview: a first look; float: single precision inside cells; double: double precision; certified: every hit "
           "and miss proven, with a bound of its error; exact: every decision in exact arithmetic, slow. Default float "
-          "for isosurfaces of meshes and of uniform, dense grids, which many rays cross at once, else double",
+          "for isosurfaces of meshes and of uniform grids, dense or in bricks, which many rays cross at once, else "
+          "double",
           scene.accuracy),
       layers(value_option("--method", "NAME", method_help(), layer.method)),
       value_option("--channels", "A,B",
