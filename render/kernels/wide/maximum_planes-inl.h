@@ -13,10 +13,8 @@
 
 #include <hwy/highway.h>
 
-#include "render/kernels/wide/frustum_walk.h"
 #include "render/kernels/wide/lanes-inl.h"
 #include "render/kernels/wide/maximum_parts.h"
-#include "render/kernels/wide/maximum_samples-inl.h"
 #include "render/kernels/wide/maximum_words-inl.h"
 #include "render/kernels/wide/octant.h"
 
