@@ -28,11 +28,12 @@ struct LayerCells {
   static constexpr bool is_plain = true, is_below = true;
 
   const std::int32_t* below;
+  std::ptrdiff_t edge;  ///< samples in a row
 
   HWY_INLINE Coefficients coefficients(VecI cell, const Point& p, const Point& q) const {
     VecF corners[8];
     read_four(below, cell, corners);
-    read_four(below + MaximumPlanes::edge, cell, corners + 2);
+    read_four(below + edge, cell, corners + 2);
     return HWY_NAMESPACE::coefficients(corners, p, q);
   }
 
@@ -66,75 +67,149 @@ HWY_INLINE VecS upper_words(VecI low, VecI high) {
   return VecS{_mm512_permutex2var_epi16(low.raw, hn::Load(words, odd_words.data()).raw, high.raw)};
 }
 
-/// Eight rows of eight words, eight of sixteen, or sixteen of sixteen, in registers.
-template <std::size_t vectors>
-struct Rows {
-  static constexpr int edge = vectors == 2 ? 8 : MaximumPlanes::edge;  ///< words in a row
-  static constexpr int bits = vectors == 2 ? 3 : 4;                    ///< of a number, that tell the word in its row
+/// The words at the corners of 32 cells of a plane, (u, v).
+struct CornerWords {
+  VecS f00, f10, f01, f11;
+};
 
-  VecW part[vectors];
+/// Planes of narrow windows: eight rows of eight words, eight of sixteen, or sixteen of sixteen, in registers.
+/// @tparam knows_rise  what rays gain in a plane is known
+template <std::size_t vectors, bool knows_rise>
+class Rows {
+ public:
+  static constexpr bool has_rise = knows_rise;
+  static constexpr int part_bits = 11;  ///< of a place's 16, that tell the part of a cell
+  static constexpr std::size_t plane_size = PlaneWindow::narrow * PlaneWindow::narrow;
 
   /// @param from   rows of sixteen
   /// @param first  for rows of eight: the number of the first word in its row
-  HWY_INLINE Rows(const std::uint16_t* from, VecW first) {
+  HWY_INLINE Rows(const std::uint16_t* from, std::uint16_t first) {
     if constexpr (vectors == 2) {
-      const VecW places = hn::Add(hn::Load(words, rows_of_eight.data()), first);
+      const VecW places = hn::Add(hn::Load(words, rows_of_eight.data()), hn::Set(words, first));
       for (std::size_t i = 0; i < 2; ++i)
-        part[i] = look_up(hn::Load(words, from + 64 * i), hn::Load(words, from + 64 * i + 32), places);
+        part_[i] = look_up(hn::Load(words, from + 64 * i), hn::Load(words, from + 64 * i + 32), places);
     } else {
-      for (std::size_t i = 0; i < vectors; ++i) part[i] = hn::Load(words, from + 32 * i);
+      for (std::size_t i = 0; i < vectors; ++i) part_[i] = hn::Load(words, from + 32 * i);
     }
   }
+
+  /// Of the lowest corners of cells.
+  HWY_INLINE static VecW number(VecW u, VecW v) {
+    const VecW row = hn::AndNot(hn::Set(words, edge - 1), hn::ShiftRight<part_bits - bits>(v));
+    return hn::Add(row, hn::ShiftRight<part_bits>(u));
+  }
   HWY_INLINE VecS at(VecW number) const {
-    VecW found = look_up(part[0], part[1], number);
+    VecW found = look_up(part_[0], part_[1], number);
     if constexpr (vectors > 2) {
       const auto is_behind = hn::TestBit(number, hn::Set(words, 64));
-      found = hn::IfThenElse(is_behind, look_up(part[2], part[3], number), found);
+      found = hn::IfThenElse(is_behind, look_up(part_[2], part_[3], number), found);
       if constexpr (vectors == 8) {
         const VecW beyond =
-            hn::IfThenElse(is_behind, look_up(part[6], part[7], number), look_up(part[4], part[5], number));
+            hn::IfThenElse(is_behind, look_up(part_[6], part_[7], number), look_up(part_[4], part_[5], number));
         found = hn::IfThenElse(hn::TestBit(number, hn::Set(words, 128)), beyond, found);
       }
     }
     return hn::BitCast(shorts, found);
   }
+  HWY_INLINE CornerWords corners(VecW lowest) const {
+    const auto further = [&](std::uint16_t by) HWY_ATTR { return at(hn::Add(lowest, hn::Set(words, by))); };
+    return {at(lowest), further(1), further(edge), further(edge + 1)};
+  }
 
  private:
+  static constexpr int edge = vectors == 2 ? 8 : PlaneWindow::narrow;  ///< words in a row
+  static constexpr int bits = vectors == 2 ? 3 : 4;                    ///< of a number, that tell the word in its row
+
   alignas(64) static constexpr auto rows_of_eight = places_of<std::uint16_t, 32>([](std::size_t i) {
     return i / 8 * 16 + i % 8;
   });
+
+  VecW part_[vectors];
 };
 
-/// The rows of a window in which some rays are, and where the lattice ends.
+/// Planes of wide windows: thirty-two rows of thirty-two words, in memory.
+class WideRows {
+ public:
+  static constexpr bool has_rise = false;
+  static constexpr int part_bits = 10;
+  static constexpr std::size_t plane_size = PlaneWindow::wide * PlaneWindow::wide;
+
+  HWY_INLINE WideRows(const std::uint16_t* from, std::uint16_t) : from_(from) {}
+
+  HWY_INLINE static VecW number(VecW u, VecW v) {
+    constexpr int bits = 5;  // that tell the word in its row
+    const VecW row = hn::AndNot(hn::Set(words, PlaneWindow::wide - 1), hn::ShiftRight<part_bits - bits>(v));
+    return hn::Add(row, hn::ShiftRight<part_bits>(u));
+  }
+  HWY_INLINE CornerWords corners(VecW lowest) const {
+    constexpr hn::FixedTag<std::uint16_t, 16> half;
+    const VecI low = hn::PromoteTo(ints, hn::LowerHalf(half, lowest)),
+               high = hn::PromoteTo(ints, hn::UpperHalf(half, lowest));
+    // Two words side by side.
+    const auto pairs = [&](VecI number, std::ptrdiff_t further)
+                           HWY_ATTR { return VecI{_mm512_i32gather_epi32(number.raw, from_ + further, 2)}; };
+    const VecI near_low = pairs(low, 0), near_high = pairs(high, 0);
+    const VecI far_low = pairs(low, PlaneWindow::wide), far_high = pairs(high, PlaneWindow::wide);
+    return {lower_words(near_low, near_high), upper_words(near_low, near_high), lower_words(far_low, far_high),
+            upper_words(far_low, far_high)};
+  }
+
+ private:
+  const std::uint16_t* from_;
+};
+
+/// The rows of a window in which some rays are, and where rays pass.
 struct RowsOfWindow {
   std::size_t first_word;
   std::uint16_t first_column;  ///< of rows of eight
   double low[2];               ///< of the first sample, on the minor axes
-  std::int16_t last[2];        ///< the last place in the lattice from there, as parts of 2^11
+  int cells[2];                ///< from there to the last one that rays pass
+  bool is_at_end;              ///< which is the lattice's last one
 };
 
 /// Of 32 rays and the layers between five planes, in words below the highest value.
 struct LayerValues {
   static constexpr std::size_t layers = MaximumPlanes::planes - 1;
 
-  VecS at_planes[layers];  ///< the higher one of those at both of its planes
-  VecS least[layers];      ///< no value is higher than this
+  VecS reached[layers];  ///< the value at one of its planes is no lower
+  VecS least[layers];    ///< no value is higher; at the furthest where the layer is left to the one before
 };
 
-/// Both are off as `error` and `bound_error` say, in words. A place is off by 2^-12, by 2^-11 where the lattice ends:
-/// on two axes, of samples less than 2^15 apart, a value by 32; rounding adds less than 2. What lies between two planes
-/// may also be beside the cell that a ray is taken to be in, no further than twice 2^-12 on each axis, which is another
-/// 16; rounding of the bound is less than 8.
-inline constexpr std::int16_t layer_error = 34, layer_bound_error = layer_error + 24;
+/// What a layer's values are bounded by holds for the line through the places that a ray is taken to be at, at both
+/// planes. These errors are in words, of which no two of a window are further apart than 2^15, and times `far`, which
+/// is 1 where those places are off by 2^-12, and more where they have fewer bits and where the lattice ends.
+///
+/// * Values on that line are off by 16, and at planes by 2 for rounding.
+/// * Its slopes are off by 2^-11 and, rounded, 2^-15. So what words gain along the ray in a cell, in one plane less
+///   than in the other, is off by 68, 2^16 of that on each axis, and the twist by as much: the bound by a quarter, 34,
+///   and less than 4 for rounding.
+/// * Between cells what is gained is off by 68, 2^15 of it on each axis in both planes; where it comes from corners by
+///   three times 2^15 of it on each axis, 102: less than 28 quarters. Its rounding is less than 8.
+/// * On the true line what is gained differs by less than 128 (16 on each axis in each plane, as the twist is 2^16; 48
+///   where another cell is passed that it is not taken to be in; 8 as slopes are rounded) and values at planes by 36
+///   together. If they fall by so much more than can be gained, less than 48 quarters, no value of the layer comes up
+///   to the one where the ray enters it.
+struct LayerErrors {
+  std::int16_t value, bound, within, crossing, falling;
+
+  HWY_INLINE explicit LayerErrors(int far)
+      : value(static_cast<std::int16_t>(16 * far + 2)),
+        bound(static_cast<std::int16_t>(50 * far + 6)),
+        within(8),
+        crossing(static_cast<std::int16_t>(28 * far + within)),
+        falling(static_cast<std::int16_t>(48 * far)) {}
+};
 
 /// @param vector, second  of the rays' vectors
 /// @param low_w           the first plane's place on the major axis
-template <std::size_t vectors>
+/// @param clear           how far from a cell's edges rays pass no other cell, as parts of 2^15
+template <class AnyRows>
 HWY_NOINLINE LayerValues values_between(const LineParts& lines, std::size_t vector, std::size_t second, double low_w,
-                                        const MaximumPlanes& planes, const RowsOfWindow& rows) {
+                                        const MaximumPlanes& planes, const RowsOfWindow& rows, int clear) {
   constexpr std::size_t count = MaximumPlanes::planes;
-  constexpr int edge = Rows<vectors>::edge, bits = Rows<vectors>::bits;
-  // Places and slopes as parts of 2^27, of which the upper words are parts of 2^11.
+  constexpr int part_bits = AnyRows::part_bits;
+  // Places and slopes as whole numbers, of which the upper words are places with part_bits for the part of a cell.
+  constexpr double scale = 0x1p16 * (1 << part_bits) / LineParts::size_of_one;
   const VecD from_w = hn::Set(doubles, low_w);
   VecI place[2][2], step[2][2];
   for (int m = 0; m < 2; ++m)
@@ -145,71 +220,107 @@ HWY_NOINLINE LayerValues values_between(const LineParts& lines, std::size_t vect
         const VecD slope = hn::Load(doubles, lines.slope[m] + r + part * double_lanes);
         const VecD start = hn::Load(doubles, lines.start[m] + r + part * double_lanes);
         // Half a part more, as the rest is cut off.
-        const VecD low = hn::Set(doubles, (rows.low[m] - 0x1p-12) * LineParts::size_of_one);
-        at[part] = hn::Vec<HalfInts>{_mm512_cvtpd_epi32(hn::Sub(hn::MulAdd(slope, from_w, start), low).raw)};
+        const VecD low = hn::Set(doubles, (rows.low[m] - 0.5 / (1 << part_bits)) * LineParts::size_of_one);
+        const VecD from_low = hn::Sub(hn::MulAdd(slope, from_w, start), low);
+        at[part] = hn::Vec<HalfInts>{
+            _mm512_cvtpd_epi32(scale == 1 ? from_low.raw : hn::Mul(from_low, hn::Set(doubles, scale)).raw)};
       }
-      place[m][half] = hn::Combine(ints, at[1], at[0]), step[m][half] = hn::Load(ints, lines.step[m] + r);
+      place[m][half] = hn::Combine(ints, at[1], at[0]);
+      step[m][half] = hn::ShiftRight<11 - part_bits>(hn::Load(ints, lines.step[m] + r));
     }
+  constexpr int to_fraction = 15 - part_bits;  // bits
   // As parts of 2^15, rounded up.
   const auto slope_of = [](const VecI* by) HWY_ATTR {
-    return hn::Add(upper_words(hn::ShiftLeft<4>(by[0]), hn::ShiftLeft<4>(by[1])), hn::Set(shorts, 1));
+    return hn::Add(upper_words(hn::ShiftLeft<to_fraction>(by[0]), hn::ShiftLeft<to_fraction>(by[1])),
+                   hn::Set(shorts, 1));
   };
-  const VecS slope_u = slope_of(step[0]), slope_v = slope_of(step[1]);
-  const auto quarter = [&](VecS along_u, VecS along_v) HWY_ATTR {
-    return hn::Add(hn::ShiftRight<2>(hn::MulFixedPoint15(along_u, slope_u)),
-                   hn::ShiftRight<2>(hn::MulFixedPoint15(along_v, slope_v)));
+  const VecS slope_u = slope_of(step[0]), slope_v = slope_of(step[1]), slope_uv = hn::MulFixedPoint15(slope_u, slope_v);
+  const VecS zero = hn::Zero(shorts), fraction = hn::Set(shorts, 0x7fff), middle = hn::Set(shorts, 0x4000);
+  const auto last_of = [&](int m) HWY_ATTR {
+    return hn::Set(shorts, static_cast<std::int16_t>((rows.cells[m] << part_bits) - 1));
   };
-  const VecS zero = hn::Zero(shorts), fraction = hn::Set(shorts, 0x7fff);
-  const VecS last_u = hn::Set(shorts, rows.last[0]), last_v = hn::Set(shorts, rows.last[1]);
-  const VecW first_column = hn::Set(words, rows.first_column);
-  const Rows<vectors> rises(planes.rise + rows.first_word, first_column);
+  const VecS last_u = last_of(0), last_v = last_of(1);
+  const std::uint16_t* const rise = AnyRows::has_rise ? planes.rise : planes.below;
+  [[maybe_unused]] const AnyRows rises(rise + rows.first_word, rows.first_column);
 
-  VecS below[count];
-  // A quarter of the most that values rise in a plane on the way to the next one, and from the last one: within the
-  // cell, and in those beside it as well.
-  VecS ahead[count], behind[count], around[count];
+  VecS u[count], v[count], below[count];
   VecW cell[count];
+  // Quarters, in a plane, of how fast words rise along the ray and of how that changes from one end to the other,
+  // within the cell; and of the most that values rise on the way to the next plane or from the last one, in the cells
+  // beside it as well. Where that is not known, the largest word of the cell's corners.
+  VecS along[count], twist[count], around[count];
+  VecS off_middle[count];  // of the cell, on the axis where it is more
   for (std::size_t k = 0; k < count; ++k) {
-    const VecS u = hn::Min(hn::Max(upper_words(place[0][0], place[0][1]), zero), last_u);
-    const VecS v = hn::Min(hn::Max(upper_words(place[1][0], place[1][1]), zero), last_v);
+    u[k] = hn::Min(hn::Max(upper_words(place[0][0], place[0][1]), zero), last_u);
+    v[k] = hn::Min(hn::Max(upper_words(place[1][0], place[1][1]), zero), last_v);
     for (int m = 0; m < 2; ++m)
       for (int half = 0; half < 2; ++half) place[m][half] = hn::Add(place[m][half], step[m][half]);
-    const VecW row = hn::AndNot(hn::Set(words, edge - 1), hn::ShiftRight<11 - bits>(hn::BitCast(words, v)));
-    const VecW here = hn::Add(row, hn::ShiftRight<11>(hn::BitCast(words, u)));
-    const VecS at_u = hn::And(hn::ShiftLeft<4>(u), fraction), at_v = hn::And(hn::ShiftLeft<4>(v), fraction);
-    const Rows<vectors> samples(planes.below[k] + rows.first_word, first_column);
-    const auto corner = [&](std::uint16_t further)
-                            HWY_ATTR { return samples.at(hn::Add(here, hn::Set(words, further))); };
-    const VecS f00 = samples.at(here), f10 = corner(1), f01 = corner(edge), f11 = corner(edge + 1);
-    const VecS low_u = hn::Sub(f10, f00), high_u = hn::Sub(f11, f01), low_v = hn::Sub(f01, f00),
-               high_v = hn::Sub(f11, f10);
+    cell[k] = AnyRows::number(hn::BitCast(words, u[k]), hn::BitCast(words, v[k]));
+    const VecS at_u = hn::And(hn::ShiftLeft<to_fraction>(u[k]), fraction),
+               at_v = hn::And(hn::ShiftLeft<to_fraction>(v[k]), fraction);
+    const AnyRows samples(planes.below + k * AnyRows::plane_size + rows.first_word, rows.first_column);
+    const auto [f00, f10, f01, f11] = samples.corners(cell[k]);
+    const VecS low_u = hn::Sub(f10, f00), high_u = hn::Sub(f11, f01);
     const VecS low = hn::Add(f00, hn::MulFixedPoint15(low_u, at_u));
-    const VecS high = hn::Add(f01, hn::MulFixedPoint15(high_u, at_u));
-    below[k] = hn::Add(low, hn::MulFixedPoint15(hn::Sub(high, low), at_v));
-    // A value rises where the word falls.
-    ahead[k] = hn::Neg(quarter(hn::Min(hn::Min(low_u, high_u), zero), hn::Min(hn::Min(low_v, high_v), zero)));
-    behind[k] = quarter(hn::Max(hn::Max(low_u, high_u), zero), hn::Max(hn::Max(low_v, high_v), zero));
-    around[k] = rises.at(here);
-    cell[k] = here;
+    const VecS on_v = hn::Sub(hn::Add(f01, hn::MulFixedPoint15(high_u, at_u)), low);
+    below[k] = hn::Add(low, hn::MulFixedPoint15(on_v, at_v));
+    const VecS half_low_u = hn::ShiftRight<1>(low_u), half_twist = hn::Sub(hn::ShiftRight<1>(high_u), half_low_u);
+    const VecS half_on_u = hn::Add(half_low_u, hn::MulFixedPoint15(half_twist, at_v));
+    along[k] = hn::Add(hn::ShiftRight<1>(hn::MulFixedPoint15(half_on_u, slope_u)),
+                       hn::ShiftRight<2>(hn::MulFixedPoint15(on_v, slope_v)));
+    twist[k] = hn::ShiftRight<1>(hn::MulFixedPoint15(half_twist, slope_uv));
+    if constexpr (AnyRows::has_rise)
+      around[k] = rises.at(cell[k]);
+    else
+      around[k] = hn::Max(hn::Max(f00, f10), hn::Max(f01, f11));
+    off_middle[k] = hn::Max(hn::Abs(hn::Sub(at_u, middle)), hn::Abs(hn::Sub(at_v, middle)));
   }
 
+  const LayerErrors errors((rows.is_at_end ? 2 : 1) << (11 - part_bits));
+  const VecS value_error = hn::Set(shorts, errors.value), bound_error = hn::Set(shorts, errors.bound),
+             crossing_error = hn::Set(shorts, errors.crossing), within_error = hn::Set(shorts, errors.within),
+             falling_error = hn::Set(shorts, errors.falling);
+  const VecS inside = hn::Set(shorts, static_cast<std::int16_t>(0x4000 - clear));
   LayerValues values;
   for (std::size_t k = 0; k < LayerValues::layers; ++k) {
-    // Between the planes a value is at most (1 - w) (a + w g) + w (b + (1 - w) h), where a and b are those at the
-    // planes and g and h how much values rise in them. Its largest exceeds that of a and b by (g + h - d)^2 / (4 (g +
-    // h)), where d, how far a and b are apart, is less than g + h. As a function of d that is not above two chords,
-    // from d = 0 to its half and from there on.
-    const VecS apart = hn::ShiftRight<3>(hn::Abs(hn::Sub(below[k], below[k + 1])));
-    const auto stays = hn::RebindMask(shorts, hn::Eq(cell[k], cell[k + 1]));
-    const VecS rise = hn::SaturatedAdd(
-        hn::IfThenElse(stays, hn::SaturatedAdd(ahead[k], behind[k + 1]), hn::SaturatedAdd(around[k], around[k + 1])),
-        hn::Set(shorts, 4));
-    const VecS first_chord = hn::Sub(rise, hn::Add(apart, hn::Add(apart, apart))),
-               second_chord = hn::Sub(hn::ShiftRight<1>(rise), apart);
+    // Words at the part t of the way are a + d t - (h - g - r t - s (1 - t)) t (1 - t), where a is that at the first
+    // plane, d the difference to the other, g and h how fast words rise in both of them and r and s how that changes.
+    // With the largest there is of what is in brackets, R, none is less than both a and a + d by more than
+    // (R - |d|)^2 / (4 R), if |d| < R, or not less at all. As a function of d that is not above two chords, from d = 0
+    // to R / 2 and from there on.
+    const VecS in_cell = hn::SaturatedSub(hn::SaturatedSub(along[k + 1], along[k]), hn::Min(twist[k], twist[k + 1]));
+    const VecS within = hn::SaturatedAdd(in_cell, within_error);
+    VecS gain;  // a quarter of R, or more
+    if constexpr (AnyRows::has_rise) {
+      const VecS between = hn::SaturatedAdd(hn::SaturatedAdd(around[k], around[k + 1]), crossing_error);
+      gain = hn::IfThenElse(hn::RebindMask(shorts, hn::Eq(cell[k], cell[k + 1])), within, between);
+    } else {
+      // No word is less than 0. So in a plane, from where the ray leaves the cell, none is less by more than twice the
+      // largest at its corners, for the way behind one edge, than what the cell's corners tell of all of the plane, and
+      // three times as much for that behind two: there the twist is another one. What is behind in both planes
+      // together is no more than the way from one to the other.
+      const VecS part = hn::Set(shorts, (1 << part_bits) - 1);
+      const auto leaves_u = hn::Gt(u[k + 1], hn::Or(u[k], part)), leaves_v = hn::Gt(v[k + 1], hn::Or(v[k], part));
+      const auto way = [&](auto leaves, VecS by)
+                           HWY_ATTR { return hn::BitCast(words, hn::IfThenElseZero(leaves, by)); };
+      const VecS half_way = hn::BitCast(shorts, hn::AverageRound(way(leaves_u, slope_u), way(leaves_v, slope_v)));
+      const VecS behind_one = hn::MulFixedPoint15(hn::Max(around[k], around[k + 1]), half_way);
+      const VecS behind_two = hn::IfThenElseZero(hn::And(leaves_u, leaves_v), hn::ShiftRight<1>(behind_one));
+      gain = hn::SaturatedAdd(hn::SaturatedAdd(in_cell, crossing_error), hn::SaturatedAdd(behind_one, behind_two));
+    }
+    gain = hn::Max(gain, zero);
+    const VecS falls = hn::Sub(below[k + 1], below[k]), apart = hn::ShiftRight<3>(hn::Abs(falls));
+    const VecS first_chord = hn::Sub(gain, hn::Add(apart, hn::Add(apart, apart))),
+               second_chord = hn::Sub(hn::ShiftRight<1>(gain), apart);
     const VecS further = hn::Max(hn::Max(first_chord, second_chord), zero);
-    values.at_planes[k] = hn::Min(below[k], below[k + 1]);
-    values.least[k] =
-        hn::SaturatedSub(hn::SaturatedSub(values.at_planes[k], further), hn::Set(shorts, layer_bound_error));
+    const VecS at_planes = hn::Min(below[k], below[k + 1]);
+    values.reached[k] = hn::SaturatedAdd(at_planes, value_error);
+    const VecS least = hn::SaturatedSub(hn::SaturatedSub(at_planes, further), bound_error);
+    // Where the largest value is for certain the one at the first plane, the layer before has it as well and is
+    // enough: as for cells (is_left_to_cell_before), of which this one and those behind it have none as large.
+    const auto only_falls = hn::Gt(hn::ShiftRight<2>(falls), hn::SaturatedAdd(gain, falling_error));
+    const auto is_left = hn::And(only_falls, hn::Lt(off_middle[k], inside));
+    values.least[k] = hn::IfThenElse(is_left, hn::Set(shorts, 0x7fff), least);
   }
   return values;
 }

@@ -35,6 +35,7 @@ struct SlabPair {
 struct SlabPart {
   int first[2], last[2];  ///< cells on the minor axes
   PlaneWindow window;
+  bool is_at_end;  ///< has the lattice's last cells on an axis
 };
 
 HWY_INLINE WordScale scale_of(const SlabPair* pair, std::size_t count) {
@@ -46,10 +47,11 @@ HWY_INLINE WordScale scale_of(const SlabPair* pair, std::size_t count) {
   return {lowest, highest};
 }
 
-/// The samples of a window that a pair's rays pass: eight rows of eight, eight of sixteen, or all.
-/// @param vectors  that hold them
+/// The samples of a window that a pair's rays pass: of a narrow one eight rows of eight, eight of sixteen, or all.
+/// @param vectors  that hold them; 0 for a wide one
 HWY_INLINE RowsOfWindow rows_of(const SlabPair& pair, const SlabPart& part, int& vectors) {
-  constexpr int half = MaximumPlanes::edge / 2;
+  const bool is_narrow = part.window.is_narrow();
+  const int edge = part.window.edge(), half = PlaneWindow::narrow / 2;
   const auto first_of = [&](int m, int multiple) {
     const int first = (pair.first[m] - part.window.first[m]) & -multiple, samples = 4 * part.window.bricks[m];
     return first > samples - half ? (samples > half ? samples - half : 0) : first;
@@ -59,15 +61,38 @@ HWY_INLINE RowsOfWindow rows_of(const SlabPair& pair, const SlabPart& part, int&
   vectors = 2;
   if (!fits(0, column)) vectors = 4, column = 0;
   if (!fits(1, row)) vectors = 8, column = 0, row = 0;
+  if (!is_narrow) vectors = 0, column = 0, row = 0;
   RowsOfWindow rows;
-  rows.first_word = static_cast<std::size_t>(row) * MaximumPlanes::edge;
+  rows.first_word = static_cast<std::size_t>(row * edge);
   rows.first_column = static_cast<std::uint16_t>(column);
   for (int m = 0; m < 2; ++m) {
-    const int first = part.window.first[m] + (m == 0 ? column : row), end = part.last[m] + 1 - first;
+    const int first = part.window.first[m] + (m == 0 ? column : row), cells = part.last[m] + 1 - first;
     rows.low[m] = first;
-    rows.last[m] = static_cast<std::int16_t>(end < MaximumPlanes::edge ? (end << 11) - 1 : 0x7fff);
+    rows.cells[m] = cells < edge ? cells : edge;
   }
+  rows.is_at_end = part.is_at_end;
   return rows;
+}
+
+/// What a pair's rays meet at a slab.
+/// @param low_w     where it begins on the major axis
+/// @param has_rise  what rays gain in planes is known
+/// @param clear     as values_between has it
+HWY_INLINE LayerValues values_of(const SlabPair& pair, const SlabPart& part, const LineParts& lines, double low_w,
+                                 const MaximumPlanes& planes, bool has_rise, int clear) {
+  int vectors;
+  const RowsOfWindow rows = rows_of(pair, part, vectors);
+  const auto find = [&]<class AnyRows>() HWY_ATTR {
+    return values_between<AnyRows>(lines, pair.vector, pair.second, low_w, planes, rows, clear);
+  };
+  const auto find_in_rows = [&]<bool knows_rise>() HWY_ATTR {
+    return vectors == 2   ? find.template operator()<Rows<2, knows_rise>>()
+           : vectors == 4 ? find.template operator()<Rows<4, knows_rise>>()
+                          : find.template operator()<Rows<8, knows_rise>>();
+  };
+  return vectors == 0 ? find.template operator()<WideRows>()
+         : has_rise   ? find_in_rows.template operator()<true>()
+                      : find_in_rows.template operator()<false>();
 }
 
 /// The pairs of a search at one slab.
@@ -93,8 +118,9 @@ class PairsAtSlab {
       const int a = axes_[1 + m];
       const int lowest =
           state_.lattice.is_mirrored(a) ? static_cast<int>(state_.lattice.plane(a, state_.field.leaf_count[a])) : 0;
+      end_[m] = lowest + state_.field.leaf_count[a] - 1;
       const VecF least = hn::Set(floats, static_cast<float>(lowest)),
-                 most = hn::Set(floats, static_cast<float>(lowest + state_.field.leaf_count[a] - 1));
+                 most = hn::Set(floats, static_cast<float>(end_[m]));
       const auto cell_at = [&](VecF place, VecF otherwise) HWY_ATTR {
         return hn::ConvertTo(ints, hn::IfThenElse(used, hn::Min(hn::Max(place, least), most), otherwise));
       };
@@ -114,6 +140,30 @@ class PairsAtSlab {
       pair.last[m] = last[vector] > last[second] ? last[vector] : last[second];
     }
     return pair;
+  }
+
+  /// Makes a pair's cells those that some of its rays may pass.
+  HWY_INLINE void shrink_to(std::uint32_t rays, int slab, SlabPair& pair) const {
+    const GroupLines& lines = state_.scratch.lines;
+    const VecF low_w = hn::Set(floats, static_cast<float>(4 * slab)), edge = hn::Set(floats, 4.0F);
+    const MaskF near{static_cast<__mmask16>(rays)}, far{static_cast<__mmask16>(rays >> 16)};
+    const VecF highest = hn::Set(floats, 0x1p20F), beside = hn::Set(floats, 8 * state_.margin);
+    for (int m = 0; m < 2; ++m) {
+      VecF least = highest, most = hn::Neg(highest);
+      const auto add = [&](std::size_t vector, MaskF chosen) HWY_ATTR {
+        const std::size_t r = vector * float_lanes;
+        const VecF slope = hn::Load(floats, lines.slope[m] + r);
+        const VecF low = hn::MulAdd(slope, low_w, hn::Load(floats, lines.start[m] + r));
+        least = hn::IfThenElse(chosen, hn::Min(least, low), least);
+        most = hn::IfThenElse(chosen, hn::Max(most, hn::MulAdd(slope, edge, low)), most);
+      };
+      add(pair.vector, near);
+      if (pair.second != pair.vector) add(pair.second, far);
+      const int first = static_cast<int>(hn::GetLane(hn::MinOfLanes(floats, hn::Sub(least, beside))));
+      const int last = static_cast<int>(hn::GetLane(hn::MaxOfLanes(floats, hn::Add(most, beside))));
+      pair.first[m] = first > pair.first[m] ? first : pair.first[m];
+      pair.last[m] = last < pair.last[m] ? last : pair.last[m];
+    }
   }
 
   /// One of a pair's vectors.
@@ -137,14 +187,16 @@ class PairsAtSlab {
       }
     }
     part.window = PlaneWindow(state_.lattice, axes_ + 1, part.first, part.last);
+    part.is_at_end = part.last[0] == end_[0] || part.last[1] == end_[1];
     return part;
   }
 
-  /// Calls act(pairs, count, what is around them) for as many pairs at once as fit in a window.
+  /// Calls act(pairs, count, what is around them) for as many pairs at once as fit in a window; only those of which the
+  /// first does not fit in a narrow one are put to a wide one, where looking up takes longer.
   template <class Act>
   void in_windows(const SlabPair* pair, std::size_t count, const Act& act) {
     const SlabPart part = part_around(pair, count);
-    if (part.window.fits()) {
+    if (part.window.is_narrow() || (part.window.fits() && (count == 1 || !part_around(pair, 1).window.is_narrow()))) {
       act(pair, count, part);
     } else if (count > 1) {
       in_windows(pair, count / 2, act);
@@ -168,6 +220,7 @@ class PairsAtSlab {
  private:
   const SearchState& state_;
   int axes_[3];
+  int end_[2];                                                                     ///< the lattice's last cells
   HWY_ALIGN std::int32_t first_cell_[2][float_lanes], last_cell_[2][float_lanes];  ///< of each vector
 };
 

@@ -182,21 +182,22 @@ struct alignas(64) MaximumWindow {
   std::int32_t words[2 * capacity];  ///< behind the window as many that are written and not read
 };
 
-/// Planes of samples across the major axis around some rays (PlaneReader), sample (u, v) of plane k at u + 16 v.
+/// Planes of samples across the major axis around some rays, one behind the other (PlaneReader): sample (u, v) of plane
+/// k at u + e v + e^2 k, where e is 16 or 32.
 struct alignas(64) MaximumPlanes {
-  static constexpr int edge = 16;  ///< samples on an axis
+  static constexpr int edge = 32;  ///< the most samples on an axis
   static constexpr int planes = 5;
-  static constexpr std::size_t size = edge * edge;
 
-  std::uint16_t below[planes][size];  ///< how far below a value that none exceeds
-  std::uint16_t
-      rise[size];  ///< a quarter of the most that values in a plane change by, from where a ray is to the next
+  std::uint16_t below[planes * edge * edge];  ///< how far below a value that none exceeds
+  std::uint16_t beyond[edge + 2];             ///< may be read, and is not used
+  /// Of planes of 16 x 16 samples, a quarter of the most that values change by from where a ray is to the next plane.
+  alignas(64) std::uint16_t rise[edge * edge / 4];
 };
 
 /// The same two by two: a sample and, in the upper half, the one behind it in the next plane.
 struct alignas(64) MaximumLayers {
-  std::int32_t below[MaximumPlanes::planes - 1][MaximumPlanes::size];
-  std::int32_t beyond[MaximumPlanes::edge + 1];  ///< may be read, and is not used
+  std::int32_t below[(MaximumPlanes::planes - 1) * MaximumPlanes::edge * MaximumPlanes::edge];
+  std::int32_t beyond[MaximumPlanes::edge + 2];  ///< may be read, and is not used
 };
 
 /// What was seen of layers between two planes that may hold a larger value than was found (PlaneSweep), until they are

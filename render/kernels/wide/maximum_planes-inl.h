@@ -28,6 +28,8 @@ using VecS = hn::Vec<decltype(shorts)>;
 
 /// A rectangle of bricks across the major axis, in samples of the mirrored lattice.
 struct PlaneWindow {
+  static constexpr int narrow = MaximumPlanes::edge / 2, wide = MaximumPlanes::edge;  ///< samples on an axis, at most
+
   int first[2];  ///< on the minor axes: where a brick of the file begins or, mirrored, ends
   int bricks[2];
 
@@ -42,10 +44,13 @@ struct PlaneWindow {
     }
   }
 
-  HWY_INLINE bool fits() const {
-    constexpr int most = MaximumPlanes::edge / 4;
-    return bricks[0] <= most && bricks[1] <= most;
-  }
+  HWY_INLINE bool is_narrow() const { return fits(narrow); }
+  HWY_INLINE bool fits() const { return fits(wide); }
+  /// Samples in a row of the planes that hold it.
+  HWY_INLINE int edge() const { return is_narrow() ? narrow : wide; }
+
+ private:
+  HWY_INLINE bool fits(int edge) const { return 4 * bricks[0] <= edge && 4 * bricks[1] <= edge; }
 };
 
 /// Words are (highest - sample) * 2^shift, rounded down: from 0 to less than 2^15 for samples in this range.
@@ -73,41 +78,52 @@ class PlaneReader {
           static_cast<std::uint16_t>(lowest + i % 4 * step(axes[1]) + i / 4 * step(axes[2]));
   }
 
-  /// Planes from the first on, and what rays gain between two of them.
+  /// Planes from the first on.
+  template <class T>
+  HWY_NOINLINE void read_planes(const PlaneWindow& window, int first_plane, const WordScale& scale,
+                                MaximumPlanes& planes) const {
+    const auto read_of = [&]<bool is_wide>() HWY_ATTR {
+      constexpr std::size_t edge = is_wide ? PlaneWindow::wide : PlaneWindow::narrow, size = edge * edge;
+      read<T, is_wide>(window, first_plane, scale, [&](std::size_t k, std::size_t q, VecW row) HWY_ATTR {
+        hn::Store(row, words, planes.below + size * k + 32 * q);
+      });
+    };
+    if (window.is_narrow())
+      read_of.template operator()<false>();
+    else
+      read_of.template operator()<true>();
+  }
+
+  /// Planes of a narrow window, and what rays gain between two of them.
   /// @param slope  the rays' largest on the minor axes, at most 1, as parts of 2^15, rounded up
   template <class T>
-  HWY_NOINLINE void read_planes(const PlaneWindow& window, int first_plane, const WordScale& scale, const int* slope,
-                                MaximumPlanes& planes) const {
+  HWY_NOINLINE void read_planes_and_rise(const PlaneWindow& window, int first_plane, const WordScale& scale,
+                                         const int* slope, MaximumPlanes& planes) const {
+    constexpr std::size_t size = PlaneWindow::narrow * PlaneWindow::narrow;
     const std::size_t count = 2 * static_cast<std::size_t>(window.bricks[1]);
-    VecS along_u[8], along_v[8];
-    for (std::size_t q = 0; q < 8; ++q) along_u[q] = along_v[q] = hn::Zero(shorts);
-    read<T>(window, first_plane, scale, [&](std::size_t k, const VecW* rows) HWY_ATTR {
-      for (std::size_t q = 0; q < count; ++q) {
-        const VecS here = hn::BitCast(shorts, rows[q]), behind = hn::BitCast(shorts, rows[q + 1 < count ? q + 1 : q]);
-        hn::Store(rows[q], words, planes.below[k] + 32 * q);
-        along_u[q] = hn::Max(along_u[q], hn::Abs(hn::Sub(next(here), here)));
-        along_v[q] = hn::Max(along_v[q], hn::Abs(hn::Sub(between(here, behind), here)));
-      }
+    VecS along_u[size / 32], along_v[size / 32], before = hn::Zero(shorts);
+    for (std::size_t q = 0; q < count; ++q) along_u[q] = along_v[q] = hn::Zero(shorts);
+    read<T, false>(window, first_plane, scale, [&](std::size_t k, std::size_t q, VecW row) HWY_ATTR {
+      hn::Store(row, words, planes.below + size * k + 32 * q);
+      const VecS here = hn::BitCast(shorts, row);
+      const auto add = [](VecS& most, VecS further, VecS from)
+                           HWY_ATTR { most = hn::Max(most, hn::Abs(hn::Sub(further, from))); };
+      add(along_u[q], next(here), here);
+      if (q > 0) add(along_v[q - 1], between(before, here), before);
+      if (q + 1 == count) add(along_v[q], between(here, here), here);
+      before = here;
     });
     put_rise(along_u, along_v, count, slope, planes.rise);
   }
 
-  /// The same two by two.
+  /// Planes two by two.
   template <class T>
   HWY_NOINLINE void read_layers(const PlaneWindow& window, int first_plane, const WordScale& scale,
                                 MaximumLayers& layers) const {
-    const std::size_t count = 2 * static_cast<std::size_t>(window.bricks[1]);
-    VecW near[8];
-    const VecW low = hn::LoadU(words, in_turns[0].data()), high = hn::LoadU(words, in_turns[1].data());
-    read<T>(window, first_plane, scale, [&](std::size_t k, const VecW* rows) HWY_ATTR {
-      for (std::size_t q = 0; q < count; ++q) {
-        if (k != 0) {
-          hn::Store(hn::BitCast(ints, look_up(near[q], rows[q], low)), ints, layers.below[k - 1] + 32 * q);
-          hn::Store(hn::BitCast(ints, look_up(near[q], rows[q], high)), ints, layers.below[k - 1] + 32 * q + 16);
-        }
-        near[q] = rows[q];
-      }
-    });
+    if (window.is_narrow())
+      read_layers_of<T, false>(window, first_plane, scale, layers);
+    else
+      read_layers_of<T, true>(window, first_plane, scale, layers);
   }
 
  private:
@@ -123,13 +139,30 @@ class PlaneReader {
     return sample < 0 ? 0 : sample > last ? last : sample;
   }
 
-  /// act(number of the plane, two rows of 16 samples each)
-  template <class T, class Act>
+  template <class T, bool is_wide>
+  HWY_INLINE void read_layers_of(const PlaneWindow& window, int first_plane, const WordScale& scale,
+                                 MaximumLayers& layers) const {
+    constexpr std::size_t edge = is_wide ? PlaneWindow::wide : PlaneWindow::narrow, size = edge * edge;
+    VecW near[size / 32];
+    const VecW low = hn::LoadU(words, in_turns[0].data()), high = hn::LoadU(words, in_turns[1].data());
+    read<T, is_wide>(window, first_plane, scale, [&](std::size_t k, std::size_t q, VecW far) HWY_ATTR {
+      if (k != 0) {
+        std::int32_t* const layer = layers.below + size * (k - 1) + 32 * q;
+        hn::Store(hn::BitCast(ints, look_up(near[q], far, low)), ints, layer);
+        hn::Store(hn::BitCast(ints, look_up(near[q], far, high)), ints, layer + float_lanes);
+      }
+      near[q] = far;
+    });
+  }
+
+  /// act(number of the plane, of the vector in it, words): a vector is two rows of a narrow window or one of a wide one
+  template <class T, bool is_wide, class Act>
   HWY_INLINE void read(const PlaneWindow& window, int first_plane, const WordScale& scale, const Act& act) const {
+    constexpr int most = (is_wide ? PlaneWindow::wide : PlaneWindow::narrow) / 4;
     const std::uint64_t* const address[3] = {field_.source.address[axes_[0]], field_.source.address[axes_[1]],
                                              field_.source.address[axes_[2]]};
-    std::uint64_t at_u[4], at_v[4];
-    for (int i = 0; i < 4; ++i) {
+    std::uint64_t at_u[most], at_v[most];
+    for (int i = 0; i < most; ++i) {
       at_u[i] = address[1][brick_of(1, window.first[0] + 4 * (i < window.bricks[0] ? i : 0))];
       at_v[i] = address[2][brick_of(2, window.first[1] + 4 * (i < window.bricks[1] ? i : 0))];
     }
@@ -139,9 +172,22 @@ class PlaneReader {
       const int sample = sample_of(0, first_plane + k);
       const VecW at = hn::Add(in_brick, hn::Set(words, static_cast<std::uint16_t>((sample & 3) * step_w)));
       const T* const from = static_cast<const T*>(field_.source.samples) + address[0][sample & ~3];
-      VecW rows[8];
-      for (int j = 0; j < window.bricks[1]; ++j) read_row<T>(from + at_v[j], at_u, at, scale, rows + 2 * j);
-      act(static_cast<std::size_t>(k), rows);
+      std::size_t q = 0;
+      const auto put = [&](VecW row) HWY_ATTR { act(static_cast<std::size_t>(k), q++, row); };
+      for (int j = 0; j < window.bricks[1]; ++j) {
+        VecW rows[2];
+        read_row<T>(from + at_v[j], at_u, at, scale, rows);
+        if constexpr (is_wide) {
+          VecW further[2] = {rows[0], rows[1]};
+          if (window.bricks[0] > 4) read_row<T>(from + at_v[j], at_u + 4, at, scale, further);
+          for (int i = 0; i < 2; ++i) {
+            put(hn::ConcatLowerLower(words, further[i], rows[i]));
+            put(hn::ConcatUpperUpper(words, further[i], rows[i]));
+          }
+        } else {
+          put(rows[0]), put(rows[1]);
+        }
+      }
     }
   }
 

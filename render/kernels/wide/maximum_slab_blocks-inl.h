@@ -48,7 +48,7 @@ class BlockRanges {
 
 /// The largest value of each block of a rectangle.
 struct SlabBlocks {
-  static constexpr int most_columns = 8, most_rows = 16;
+  static constexpr int most_columns = float_lanes, most_rows = 16;
 
   HWY_ALIGN std::int32_t largest[most_rows][most_columns];
   std::int32_t lowest;  ///< value of all
@@ -67,11 +67,11 @@ struct SlabBlocks {
 
   /// Of the blocks from one to another.
   HWY_INLINE std::int32_t largest_between(const int* from, const int* to) const {
-    const auto none = hn::Set(half_ints, std::numeric_limits<std::int32_t>::min());
-    auto most = none;
-    for (int j = from[1]; j <= to[1]; ++j) most = hn::Max(most, hn::Load(half_ints, largest[j - first[1]]));
-    const auto columns = mask_of(half_ints, (2u << (to[0] - first[0])) - (1u << (from[0] - first[0])));
-    return hn::GetLane(hn::MaxOfLanes(half_ints, hn::IfThenElse(columns, most, none)));
+    const VecI none = hn::Set(ints, std::numeric_limits<std::int32_t>::min());
+    VecI most = none;
+    for (int j = from[1]; j <= to[1]; ++j) most = hn::Max(most, hn::Load(ints, largest[j - first[1]]));
+    const auto columns = mask_of(ints, (2u << (to[0] - first[0])) - (1u << (from[0] - first[0])));
+    return hn::GetLane(hn::MaxOfLanes(ints, hn::IfThenElse(columns, most, none)));
   }
 };
 

@@ -92,8 +92,8 @@ class PlaneSweep {
   }
 
   /// Cells across the rays of a vector at one plane, where windows of as many bricks as there may be hold those of a
-  /// slab. Up to 12 would do; but then vectors are put to a window one by one, which takes longer than blocks do.
-  static constexpr float most_across = 9;
+  /// slab: three samples less than a window, as bricks begin where they do, and one less than samples.
+  static constexpr float most_across = 28;
 
   /// True where the cells that a vector's rays pass in a slab fit in a window, and the blocks of all in their table:
   /// they lie between lines, furthest apart at one of their ends.
@@ -279,7 +279,12 @@ class PlaneSweep {
   template <class T>
   HWY_INLINE void sweep(int slab, const SlabPair* pair, std::size_t count, const SlabPart& part) {
     const WordScale scale = scale_of(pair, count);
-    reader_.template read_planes<T>(part.window, 4 * slab, scale, slope_, scratch_.planes);
+    // Finding it takes longer than a single pair gains by it.
+    const bool has_rise = part.window.is_narrow() && count > 1;
+    if (has_rise)
+      reader_.template read_planes_and_rise<T>(part.window, 4 * slab, scale, slope_, scratch_.planes);
+    else
+      reader_.template read_planes<T>(part.window, 4 * slab, scale, scratch_.planes);
     SeenLayers& seen = scratch_.seen_layers;
     for (std::size_t i = 0; i < count; ++i) {
       seen.at[seen.count] = {.slab = slab,
@@ -287,33 +292,28 @@ class PlaneSweep {
                              .second = static_cast<std::int16_t>(pair[i].second),
                              .lowest = scale.lowest,
                              .highest = scale.highest};
-      seen.count += sweep_pair(slab, pair[i], part, scale, seen.least[seen.count]);
+      seen.count += sweep_pair(slab, pair[i], part, scale, has_rise, seen.least[seen.count]);
     }
   }
 
   /// Takes over what a pair's rays reach at planes.
-  /// @param least  how far below the words' highest no value of each layer is, at the furthest where it is not to be
-  ///               walked
-  /// @return       false where none is
+  /// @param has_rise  what rays gain between planes was found
+  /// @param least     how far below the words' highest no value of each layer is, at the furthest where it is not to
+  ///                  be walked
+  /// @return          false where none is
   HWY_NOINLINE bool sweep_pair(int slab, const SlabPair& pair, const SlabPart& part, const WordScale& scale,
-                               std::int16_t (*least)[32]) {
-    int vectors;
-    const RowsOfWindow rows = rows_of(pair, part, vectors);
+                               bool has_rise, std::int16_t (*least)[32]) {
     const double low_w = 4.0 * slab;
-    const LineParts& lines = scratch_.line_parts;
-    LayerValues values = vectors == 2 ? values_between<2>(lines, pair.vector, pair.second, low_w, scratch_.planes, rows)
-                         : vectors == 4
-                             ? values_between<4>(lines, pair.vector, pair.second, low_w, scratch_.planes, rows)
-                             : values_between<8>(lines, pair.vector, pair.second, low_w, scratch_.planes, rows);
+    // A place is off by a part of 2^10 at most.
+    const int clear = state_.is_come_to(low_w) ? static_cast<int>(state_.clear_of_edges * 0x1p15F) + 33 : 0x4000;
+    LayerValues values = values_of(pair, part, scratch_.line_parts, low_w, scratch_.planes, has_rise, clear);
     const VecS before = reached_below(pair, scale), nowhere = hn::Set(shorts, 32767);
     const auto lanes = [](std::uint32_t rays) { return hn::Mask<decltype(shorts)>{static_cast<__mmask32>(rays)}; };
     VecS reached = before;
-    const auto reach = [&](VecS at)
-                           HWY_ATTR { return hn::Min(reached, hn::SaturatedAdd(at, hn::Set(shorts, layer_error))); };
     const float first = static_cast<float>(low_w), beside = 2 * state_.margin;
     if ((pair.rays & ~rays_between(pair, first - beside, first + 4 + beside)) == 0) {
       for (std::size_t k = 0; k < layers; ++k) {
-        reached = reach(values.at_planes[k]);
+        reached = hn::Min(reached, values.reached[k]);
         values.least[k] = hn::IfThenElse(lanes(pair.rays), values.least[k], nowhere);
       }
     } else {
@@ -321,7 +321,7 @@ class PlaneSweep {
         const float plane = first + static_cast<float>(k);
         const auto is_whole = lanes(rays_between(pair, plane - beside, plane + 1 + beside));
         const auto has_part = lanes(rays_between(pair, plane + 1, plane) & pair.rays);
-        reached = hn::IfThenElse(is_whole, reach(values.at_planes[k]), reached);
+        reached = hn::IfThenElse(is_whole, hn::Min(reached, values.reached[k]), reached);
         // Of a part of a layer nothing is known.
         const VecS known = hn::IfThenElse(is_whole, values.least[k], hn::Set(shorts, -32768));
         values.least[k] = hn::IfThenElse(has_part, known, nowhere);
@@ -397,6 +397,9 @@ class PlaneSweep {
         count += pair.rays != 0;
       }
       if (count == 0) continue;
+      // Rays that lie close together share a window, with or without those that have nothing left.
+      if (!pairs_.part_around(left, count).window.is_narrow())
+        for (std::size_t pair = 0; pair < count; ++pair) pairs_.shrink_to(left[pair].rays, slab, left[pair]);
       pairs_.in_windows(left, count, [&](const SlabPair* pair, std::size_t fitting, const SlabPart& part) HWY_ATTR {
         walk<T>(slab, pair, fitting, part);
       });
@@ -407,7 +410,7 @@ class PlaneSweep {
   static constexpr float margin = 0x1p-18F;  ///< more than places from a slab's corner are off, as in blocks
 
   HWY_INLINE CellBox box_of(int slab, const SlabPart& part, const WordScale& scale) const {
-    constexpr int row = MaximumPlanes::edge, plane = MaximumPlanes::size;
+    const int row = part.window.edge(), plane = row * row;
     const int first[2] = {part.first[0] - part.window.first[0], part.first[1] - part.window.first[1]};
     const auto last = [&](int m) { return static_cast<float>(part.last[m] - part.first[m]); };
     const double range = (scale.highest - scale.lowest) * scale.unit();
@@ -435,7 +438,7 @@ class PlaneSweep {
       if (pair[i].second != pair[i].vector) put_layers(box, part, pair[i].second, pair[i].may, 16);
     }
     state_.close_box();
-    const LayerCells cells{scratch_.layers.below[0]};
+    const LayerCells cells{scratch_.layers.below, part.window.edge()};
     looks_.open_box(box.highest, box.unit, box.low_w);
     for (std::size_t first = 0; first < at_slab.count; first += float_lanes)
       walk_cells(state_, looks_, box, cells, ways_at_box(at_slab, first));

@@ -415,6 +415,40 @@ TEST(WideMaximum, is_the_scalar_kernels_answer_from_plane_to_plane_whatever_the_
   EXPECT_GT(hits, 100000);
 }
 
+/// Pixels that lie one to ten cells apart, as in small pictures and where slices are thin: windows around the rays are
+/// wide, and still further apart rays go to the blocks.
+TEST(WideMaximum, is_the_scalar_kernels_answer_where_rays_lie_apart) {
+  const std::vector<Samples> kinds{
+      noise(65536, 0), noise(17, 30000), [](const Index3& at) { return 30000 + 9000 * waves(at) + noise(300, 0)(at); },
+      [](const Index3& at) { return 2000 + 500 * waves(at) + (at.z % 23 == 3 && at.x % 19 == 2 ? 60000.0 : 0); },
+      [](const Index3& at) { return std::min(60000.0, 300.0 * static_cast<double>(at.x + at.y % 40 + at.z)); }};
+  const Index3 count(130, 75, 150);
+  const Vec3 middle(64.5, 37, 74.5);
+  int hits = 0;
+  std::uint64_t seed = 1950;
+  for (const Samples& samples : kinds) {
+    const TracedVolume traced(
+        volume_of<std::uint16_t>(count, [&](const Index3& at) { return static_cast<std::uint16_t>(samples(at)); }));
+    Dice dice(++seed);
+    std::vector<Ray> rays;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double side : {-1.0, 1.0})
+        for (const double turn : {0.0, 0.3, 0.6}) {
+          Vec3 forward = turn * dice.direction();
+          forward[axis] += side;
+          const Vec3 ahead = forward.normalized();
+          const double distance = dice.between(60, 600);
+          const std::vector<Ray> one = picture(middle - distance * ahead, ahead, dice.between(1, 10), distance, 32);
+          rays.insert(rays.end(), one.begin(), one.end());
+        }
+    hits += expect_agreement(traced, rays);
+    const TracedVolume bytes(volume_of<std::int8_t>(
+        count, [&](const Index3& at) { return static_cast<std::int8_t>(samples(at) / 256 - 128); }));
+    hits += expect_agreement(bytes, rays);
+  }
+  EXPECT_GT(hits, 40000);
+}
+
 TEST(WideMaximum, of_a_ray_does_not_depend_on_the_rays_that_share_its_group) {
   const TracedVolume traced(volume_of<std::uint8_t>(
       {37, 22, 41}, [](const Index3& at) { return static_cast<std::uint8_t>(noise(9, 0)(at)); }));
