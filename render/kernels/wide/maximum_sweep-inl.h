@@ -29,8 +29,8 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 
 #if RHORAY_HAS_WORD_TABLES
 
-/// The search for samples of 8 and 16 bits without gaps, in bricks, where rays lie close to each other and to the major
-/// axis.
+/// The search for samples of 8 and 16 bits without gaps, in bricks, where a vector's rays lie in a window of samples
+/// and close to the major axis.
 ///
 /// Slab by slab of blocks, the one with the largest value first, two vectors of rays at a time get their values at five
 /// planes of samples, and with them a bound of what lies in the four layers between. What is reached at planes is
