@@ -13,6 +13,7 @@
 #include "tests/render/support/allocation_count.h"
 #include "tests/render/support/bundles.h"
 #include "tests/render/support/grid_judge.h"
+#include "tests/render/support/maximum_agreement.h"
 #include "tests/render/support/rays.h"
 #include "tests/render/support/traced_volume.h"
 #include "tests/render/support/wide_machines.h"
@@ -28,62 +29,11 @@ using render::Ray;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-std::vector<Hit> largest_values(const TracedVolume& traced, const Method& method, Machine machine,
-                                const std::vector<Ray>& rays_world) {
-  const render::VolumeImplementation& volume = traced.volume().implementation();
-  const render::Kernels kernels = render::choose_kernels(volume, method, machine);
-  render::KernelScratch scratch;
-  scratch.queue.reserve(kernels.queue_entries);
-  std::vector<Ray> rays;
-  for (const Ray& ray : rays_world) rays.push_back(traced.ray_volume(ray));
-  std::vector<Hit> hits(rays.size());
-  render::ask(kernels.largest_value, volume, {.field_range = traced.volume().field().range, .method = method}, rays,
-              hits, scratch);
-  return hits;
-}
-
 std::vector<Ray> rays_through(const Vec3& size, std::size_t count, std::uint64_t seed) {
   std::vector<Ray> rays = bundles(size, count, seed);
   const std::vector<Ray> single = stressful_rays(size, count, seed);
   rays.insert(rays.end(), single.begin(), single.end());
   return rays;
-}
-
-void expect_same(const std::vector<Hit>& wide, const std::vector<Hit>& reference, const std::vector<Ray>& rays,
-                 const std::string& where) {
-  int different = 0;
-  for (std::size_t r = 0; r < rays.size(); ++r) {
-    const Hit &a = wide[r], &b = reference[r];
-    if (same_bits(a, b) || ++different > 3) continue;
-    ADD_FAILURE() << where << ", ray " << r << " from " << rays[r].origin << " along " << rays[r].direction << ": t "
-                  << a.t << " instead of " << b.t << ", value " << a.value << " instead of " << b.value << ", cell "
-                  << a.cell << " instead of " << b.cell;
-  }
-  EXPECT_EQ(different, 0) << where;
-}
-
-/// Every machine gives what the scalar kernel gives; returns how many rays hit.
-int expect_agreement(const TracedVolume& traced, const std::vector<Ray>& rays) {
-  const std::vector<Hit> reference = largest_values(traced, Method{}, Machine::scalar, rays);
-  for (const Machine machine : wide_machines()) {
-    EXPECT_NE(render::wide::largest_value_kernel(traced.volume().implementation(), Method{}, machine), nullptr);
-    expect_same(largest_values(traced, Method{}, machine, rays), reference, rays, name_of(machine));
-  }
-  return static_cast<int>(
-      std::count_if(reference.begin(), reference.end(), [](const Hit& hit) { return !hit.is_miss(); }));
-}
-
-/// Noise of `kinds` different values from `low` upwards.
-Samples noise(std::int64_t kinds, double low) {
-  return [=](const Index3& at) {
-    const auto hash = static_cast<std::uint64_t>((at.z * 1009 + at.y) * 1013 + at.x + 7) * 0x9e3779b97f4a7c15U;
-    return low + static_cast<double>((hash >> 35) % static_cast<std::uint64_t>(kinds));
-  };
-}
-
-double waves(const Index3& at) {
-  const Vec3 p(static_cast<double>(at.x), static_cast<double>(at.y), static_cast<double>(at.z));
-  return std::sin(0.4 * p.x) + std::sin(0.5 * p.y) * std::cos(0.3 * p.z);
 }
 
 template <class T>
@@ -124,18 +74,6 @@ TEST(WideMaximum, is_the_scalar_kernels_answer_where_only_some_bricks_are_stored
   agreement_in_bricks_of(float(), 4, 312);
   agreement_in_bricks_of(double(), 4, 313);
   EXPECT_GT(hits, 3000);
-}
-
-/// From the least to the largest number of a type, most of them far below the few that are high.
-template <class T>
-Samples over_all_of() {
-  constexpr double least = std::numeric_limits<T>::lowest(), largest = std::numeric_limits<T>::max();
-  return [](const Index3& at) {
-    const double kind = noise(97, 0)(at);
-    if (kind == 0) return largest;
-    if (kind == 1) return least;
-    return least + std::floor((largest - least) * (2.2 + waves(at)) / 6);
-  };
 }
 
 TEST(WideMaximum, is_the_scalar_kernels_answer_where_samples_span_their_whole_type) {
@@ -360,93 +298,6 @@ TEST(WideMaximum, is_the_scalar_kernels_answer_for_squares_of_pixels_searched_to
     hits += expect_agreement(traced, rays);
   }
   EXPECT_GT(hits, 5000);
-}
-
-/// A square of pixels from an eye.
-std::vector<Ray> picture(const Vec3& eye, const Vec3& forward, double pixel, double distance, int edge) {
-  const Vec3 u = forward.cross(Vec3(0.3, 0.5, 0.8)).normalized(), v = forward.cross(u);
-  std::vector<Ray> rays;
-  for (int square = 0; square < edge * edge / 64; ++square)
-    for (int i = 0; i < 64; ++i) {
-      const double column = 8 * (square % (edge / 8)) + i % 8 - 0.5 * (edge - 1),
-                   row = 8 * (square / (edge / 8)) + i / 8 - 0.5 * (edge - 1);
-      const Vec3 target = eye + distance * forward + pixel * (column * u + row * v);
-      rays.push_back({.origin = eye, .direction = (target - eye).normalized()});
-    }
-  return rays;
-}
-
-/// Looks along each axis and between, up to where rays leave the sweep from plane to plane to the blocks, at samples
-/// that take one bit or all sixteen: what words of 16 bits round differs by 2^15.
-TEST(WideMaximum, is_the_scalar_kernels_answer_from_plane_to_plane_whatever_the_range_of_samples) {
-  const std::vector<Samples> kinds{
-      over_all_of<std::uint16_t>(),
-      noise(65536, 0),
-      noise(2, 40000),
-      noise(17, 30000),
-      [](const Index3& at) { return 300.0 * static_cast<double>(at.x + 2 * at.y + at.z % 9); },
-      [](const Index3& at) { return 30000 + 9000 * waves(at); },
-      [](const Index3& at) { return at.z % 7 == 3 && at.x % 5 == 2 ? 60000.0 : noise(40, 20)(at); },
-      [](const Index3& at) { return std::min(50000.0, 9000.0 * static_cast<double>(at.x % 11)); }};
-  const Index3 count(52, 43, 61);
-  const Vec3 middle(25.5, 21, 30);
-  int hits = 0;
-  std::uint64_t seed = 950;
-  for (const Samples& samples : kinds) {
-    const TracedVolume traced(
-        volume_of<std::uint16_t>(count, [&](const Index3& at) { return static_cast<std::uint16_t>(samples(at)); }));
-    Dice dice(++seed);
-    std::vector<Ray> rays;
-    for (int axis = 0; axis < 3; ++axis)
-      for (const double side : {-1.0, 1.0})
-        for (const double turn : {0.0, 0.15, 0.5}) {
-          Vec3 forward = turn * dice.direction();
-          forward[axis] += side;
-          const Vec3 ahead = forward.normalized();
-          const double distance = dice.between(4, 120);
-          const std::vector<Ray> one = picture(middle - distance * ahead, ahead, dice.between(0.1, 1.3), distance, 32);
-          rays.insert(rays.end(), one.begin(), one.end());
-        }
-    hits += expect_agreement(traced, rays);
-    const TracedVolume bytes(volume_of<std::int8_t>(
-        count, [&](const Index3& at) { return static_cast<std::int8_t>(samples(at) / 256 - 128); }));
-    hits += expect_agreement(bytes, rays);
-  }
-  EXPECT_GT(hits, 100000);
-}
-
-/// Pixels that lie one to ten cells apart, as in small pictures and where slices are thin: windows around the rays are
-/// wide, and still further apart rays go to the blocks.
-TEST(WideMaximum, is_the_scalar_kernels_answer_where_rays_lie_apart) {
-  const std::vector<Samples> kinds{
-      noise(65536, 0), noise(17, 30000), [](const Index3& at) { return 30000 + 9000 * waves(at) + noise(300, 0)(at); },
-      [](const Index3& at) { return 2000 + 500 * waves(at) + (at.z % 23 == 3 && at.x % 19 == 2 ? 60000.0 : 0); },
-      [](const Index3& at) { return std::min(60000.0, 300.0 * static_cast<double>(at.x + at.y % 40 + at.z)); }};
-  const Index3 count(130, 75, 150);
-  const Vec3 middle(64.5, 37, 74.5);
-  int hits = 0;
-  std::uint64_t seed = 1950;
-  for (const Samples& samples : kinds) {
-    const TracedVolume traced(
-        volume_of<std::uint16_t>(count, [&](const Index3& at) { return static_cast<std::uint16_t>(samples(at)); }));
-    Dice dice(++seed);
-    std::vector<Ray> rays;
-    for (int axis = 0; axis < 3; ++axis)
-      for (const double side : {-1.0, 1.0})
-        for (const double turn : {0.0, 0.3, 0.6}) {
-          Vec3 forward = turn * dice.direction();
-          forward[axis] += side;
-          const Vec3 ahead = forward.normalized();
-          const double distance = dice.between(60, 600);
-          const std::vector<Ray> one = picture(middle - distance * ahead, ahead, dice.between(1, 10), distance, 32);
-          rays.insert(rays.end(), one.begin(), one.end());
-        }
-    hits += expect_agreement(traced, rays);
-    const TracedVolume bytes(volume_of<std::int8_t>(
-        count, [&](const Index3& at) { return static_cast<std::int8_t>(samples(at) / 256 - 128); }));
-    hits += expect_agreement(bytes, rays);
-  }
-  EXPECT_GT(hits, 40000);
 }
 
 TEST(WideMaximum, of_a_ray_does_not_depend_on_the_rays_that_share_its_group) {
