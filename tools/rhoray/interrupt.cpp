@@ -40,12 +40,21 @@ bool request_end() {
   return true;
 }
 
+/// The work goes on meanwhile and may put a file into the folder after what is in it was listed: then once more.
+void remove_scratch() {
+  constexpr int most_times = 1000;
+  std::error_code error;
+  for (int i = 0; i < most_times; ++i) {
+    std::filesystem::remove_all(scratch, error);
+    if (!std::filesystem::exists(scratch, error)) return;
+  }
+}
+
 void wait_and_end() {
   do wait_for_interrupt();
   while (request_end());
   const std::lock_guard lock(scratch_mutex);
-  std::error_code ignored;
-  if (!scratch.empty()) std::filesystem::remove_all(scratch, ignored);
+  if (!scratch.empty()) remove_scratch();
   std::fputs("\nrhoray: interrupted\n", stderr);
   ::_exit(static_cast<int>(Trouble::interrupted));
 }
