@@ -1,16 +1,25 @@
 #include "formats/base/pending_file.h"
 
+#include <dirent.h>
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <iterator>
+#include <mutex>
+#include <optional>
+#include <set>
 #include <system_error>
+#include <tuple>
+#include <utility>
 
 #include "formats/base/trouble.h"
+#include "formats/base/write_failure.h"
 
 namespace rhoray {
 namespace {
@@ -18,11 +27,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr mode_t new_file_mode = 0666;  // less what the user's mask takes away
+constexpr std::string_view temporary_begin = ".rhoray-", temporary_end = ".partial";
 
 /// A name for a short time, not used by this process before.
 std::string next_temporary_name() {
   static std::atomic<unsigned> counter{0};
-  return concat(".rhoray-", ::getpid(), "-", counter++, ".partial");
+  return concat(temporary_begin, ::getpid(), "-", counter++, temporary_end);
 }
 
 /// The file that a chain of symbolic links leads to, whether it exists or not.
@@ -36,27 +46,68 @@ fs::path follow_links(fs::path path) {
   return path;
 }
 
-Trouble trouble_of(int error) {
-  switch (error) {
-    case ENOENT:
-    case ENOTDIR:
-    case EISDIR:
-    case EACCES:
-    case EPERM:
-    case EROFS:
-    case ELOOP:
-    case ENAMETOOLONG:
-      return Trouble::usage;
-    default:
-      return Trouble::resource;
+std::optional<struct stat> status_in(int folder, const std::string& name) {
+  struct stat status {};
+  if (::fstatat(folder, name.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0) return std::nullopt;
+  return status;
+}
+
+bool is_same_file(const struct stat& a, const struct stat& b) {
+  return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+}
+
+/// Removes a temporary name whose process is gone: nobody holds the lock.
+void remove_if_stale(int folder, const std::string& name) {
+  const int file = ::openat(folder, name.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (file < 0) return;
+  struct stat opened {};
+  if (::fstat(file, &opened) == 0 && S_ISREG(opened.st_mode) && ::flock(file, LOCK_EX | LOCK_NB) == 0) {
+    const std::optional<struct stat> named = status_in(folder, name);
+    if (named && is_same_file(*named, opened)) ::unlinkat(folder, name.c_str(), 0);
   }
+  ::close(file);
+}
+
+/// Looks for stale temporary names once per folder and process.
+void remove_stale_names(int folder, const fs::path& name_of_folder) {
+  static std::mutex guard;
+  static std::set<std::tuple<dev_t, ino_t, fs::path>> seen;  // the path too: numbers come back when folders are removed
+  struct stat status {};
+  if (::fstat(folder, &status) != 0) return;
+  {
+    const std::lock_guard lock(guard);
+    if (!seen.insert({status.st_dev, status.st_ino, name_of_folder}).second) return;
+  }
+  const int again = ::openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  DIR* const list = again < 0 ? nullptr : ::fdopendir(again);
+  if (list == nullptr) {
+    if (again >= 0) ::close(again);
+    return;  // a folder may be closed to reading and open to writing
+  }
+  while (const dirent* const entry = ::readdir(list)) {
+    const std::string name = entry->d_name;
+    if (name.starts_with(temporary_begin) && name.ends_with(temporary_end)) remove_if_stale(folder, name);
+  }
+  ::closedir(list);
 }
 
 }  // namespace
 
+/// The files of this process that have a temporary name, and the guard of all naming.
+struct PendingFile::Unfinished {
+  std::recursive_mutex guard;
+  std::set<PendingFile*> files;
+
+  static Unfinished& all() {
+    static Unfinished* const all = new Unfinished;  // lives as long as the process: an interrupt may come at its end
+    return *all;
+  }
+};
+
 PendingFile::PendingFile(const fs::path& target, Options options) : name_(target.string()), options_(options) {
   try {
     open_target(target);
+    remove_stale_names(folder_, folder_name_);
     create();
   } catch (...) {
     release();
@@ -74,13 +125,23 @@ PendingFile::~PendingFile() {
 }
 
 void PendingFile::release() {
-  if (!temporary_name_.empty()) ::unlinkat(folder_, temporary_name_.c_str(), 0);
+  withdraw();
+  remove_temporary();
   if (!borrowed_ && descriptor_ >= 0) ::close(descriptor_);
   if (folder_ >= 0) ::close(folder_);
+  if (old_ >= 0) ::close(old_);
 }
 
-void PendingFile::fail(const std::string& act, int error) const {
-  throw Error(trouble_of(error), concat(name_, ": cannot ", act, ": ", std::system_category().message(error)));
+void PendingFile::remove_temporary() {
+  if (temporary_name_.empty()) return;
+  const std::lock_guard lock(Unfinished::all().guard);
+  ::unlinkat(folder_, temporary_name_.c_str(), 0);  // what stays because of an error, the next run removes
+  temporary_name_.clear();
+  Unfinished::all().files.erase(this);
+}
+
+void PendingFile::fail(const std::string& act, int error, std::uint64_t needed_bytes) const {
+  throw write_failure(name_, act, error, descriptor_ >= 0 ? descriptor_ : folder_, needed_bytes);
 }
 
 void PendingFile::refuse_existing() const {
@@ -113,7 +174,10 @@ void PendingFile::create() {
   // An anonymous file is named through /proc; without it, as without O_TMPFILE, a named temporary does.
   if (options_.anonymous && ::access("/proc/self/fd", X_OK) == 0) {
     descriptor_ = ::openat(folder_, ".", O_TMPFILE | O_RDWR | O_CLOEXEC, new_file_mode);
-    if (descriptor_ >= 0) return;
+    if (descriptor_ >= 0) {
+      ::flock(descriptor_, LOCK_EX | LOCK_NB);  // for the moment in which it has a temporary name
+      return;
+    }
     if (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL && errno != ENOENT) fail("create it", errno);
   }
   options_.anonymous = false;
@@ -121,13 +185,22 @@ void PendingFile::create() {
 }
 
 void PendingFile::create_named() {
-  do {
-    temporary_name_ = next_temporary_name();
-    descriptor_ = ::openat(folder_, temporary_name_.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, new_file_mode);
-  } while (descriptor_ < 0 && errno == EEXIST);
-  if (descriptor_ >= 0) return;
-  temporary_name_.clear();
-  fail("create it", errno);
+  Unfinished& all = Unfinished::all();
+  const std::lock_guard lock(all.guard);
+  for (;;) {
+    const std::string name = next_temporary_name();
+    descriptor_ = ::openat(folder_, name.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, new_file_mode);
+    if (descriptor_ < 0 && errno == EEXIST) continue;
+    if (descriptor_ < 0) fail("create it", errno);
+    temporary_name_ = name;
+    all.files.insert(this);
+    // Another process may have taken it for stale before it was locked.
+    ::flock(descriptor_, LOCK_EX);
+    struct stat status {};
+    if (::fstat(descriptor_, &status) != 0 || status.st_nlink > 0) break;
+    ::close(descriptor_);
+  }
+  keep_permissions();  // other users see this name: what was private is private from the start
 }
 
 fs::path PendingFile::open_name() const {
@@ -143,37 +216,94 @@ void PendingFile::reserve(std::uint64_t bytes) {
   } while (error == EINTR);
   // Some file systems cannot promise space; there a full disk is met while writing.
   if (error == EOPNOTSUPP || error == ENOSYS) error = ::ftruncate(descriptor_, size) == 0 ? 0 : errno;
-  if (error == 0) return;
-
-  struct statvfs disk {};
-  const bool known = ::fstatvfs(descriptor_, &disk) == 0;
-  throw Error(trouble_of(error),
-              concat(name_, ": cannot reserve ", bytes, " bytes: ", std::system_category().message(error),
-                     known ? concat(" (free there: ", disk.f_bavail * disk.f_frsize, " bytes)") : std::string()));
+  if (error != 0) fail(concat("reserve ", bytes, " bytes"), error, bytes);
 }
 
 void PendingFile::write(std::uint64_t first_byte, std::span<const std::byte> bytes) {
+  const std::uint64_t end = first_byte + bytes.size();
   while (!bytes.empty()) {
     const ssize_t put = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(first_byte));
     if (put < 0 && errno == EINTR) continue;
-    if (put <= 0) fail(concat("write ", bytes.size(), " bytes at byte ", first_byte), put < 0 ? errno : ENOSPC);
+    if (put <= 0) fail(concat("write ", bytes.size(), " bytes at byte ", first_byte), put < 0 ? errno : ENOSPC, end);
     bytes = bytes.subspan(static_cast<std::size_t>(put));
     first_byte += static_cast<std::uint64_t>(put);
   }
 }
 
+void PendingFile::append(std::span<const std::byte> bytes) {
+  write(appended_bytes_, bytes);
+  appended_bytes_ += bytes.size();
+}
+
 void PendingFile::publish() {
-  if (borrowed_) return;
-  // A file that is replaced keeps its permissions: what was private stays private.
-  struct stat status {};
-  if (::fstatat(folder_, file_name_.c_str(), &status, 0) == 0 && ::fchmod(descriptor_, status.st_mode & 0777) != 0)
-    fail("set its permissions", errno);
+  PendingFile* const self = this;
+  publish_each({&self, 1});
+}
+
+void publish_all(std::span<const std::unique_ptr<PendingFile>> files) {
+  std::vector<PendingFile*> all;
+  for (const auto& file : files) all.push_back(file.get());
+  PendingFile::publish_each(all);
+}
+
+void PendingFile::publish_each(std::span<PendingFile* const> files) {
+  std::vector<PendingFile*> own;
+  std::copy_if(files.begin(), files.end(), std::back_inserter(own), [](PendingFile* file) { return !file->borrowed_; });
+  for (PendingFile* const file : own) file->flush();
+  const std::lock_guard lock(Unfinished::all().guard);
+  try {
+    for (PendingFile* const file : own) file->take_name();
+    for (PendingFile* const file : own) file->flush_folder();
+  } catch (...) {
+    for (PendingFile* const file : own) file->withdraw();
+    throw;
+  }
+  for (PendingFile* const file : own) file->settle();
+}
+
+/// A file that is replaced hands on its owner, group and permissions.
+void PendingFile::keep_permissions() {
+  const std::optional<struct stat> old = status_in(folder_, file_name_);
+  if (!old || !S_ISREG(old->st_mode)) return;
+  struct stat own {};
+  if (::fstat(descriptor_, &own) != 0) fail("look at it", errno);
+  mode_t mode = old->st_mode & 0777;
+  if (old->st_uid != own.st_uid && ::fchown(descriptor_, old->st_uid, static_cast<gid_t>(-1)) != 0 && errno != EPERM)
+    fail("keep its owner", errno);
+  if (old->st_gid != own.st_gid && ::fchown(descriptor_, static_cast<uid_t>(-1), old->st_gid) != 0) {
+    if (errno != EPERM) fail("keep its group", errno);
+    // Another group than before: it may do what all others may.
+    mode = (mode & 0707) | ((mode & 07) << 3);
+  }
+  if (::fchmod(descriptor_, mode) != 0) fail("keep its permissions", errno);
+}
+
+void PendingFile::flush() {
+  keep_permissions();
   if (::fsync(descriptor_) != 0) fail("flush it to disk", errno);
-  if (options_.anonymous)
-    name_anonymous();
-  else
-    name_temporary();
+  // A file server may tell only on closing that a write failed; the descriptor itself is needed to name the file.
+  const int copy = ::fcntl(descriptor_, F_DUPFD_CLOEXEC, 0);
+  if (copy < 0) fail("flush it to disk", errno);
+  if (::close(copy) != 0) fail("close it", errno);
+}
+
+void PendingFile::flush_folder() const {
   if (::fsync(folder_) != 0 && errno != EINVAL) fail("flush its folder to disk", errno);
+}
+
+void PendingFile::take_name() {
+  if (options_.anonymous) {
+    if (link_to(file_name_)) {
+      has_name_ = true;
+      return;
+    }
+    if (!options_.replace_existing) refuse_existing();
+    link_temporary();  // no call replaces a name by an anonymous file
+  }
+  if (options_.replace_existing)
+    replace_by_temporary();
+  else
+    rename_temporary();
 }
 
 /// Gives an anonymous file a name in the folder; false when that name is taken.
@@ -184,34 +314,99 @@ bool PendingFile::link_to(const std::string& name) const {
   return false;
 }
 
-void PendingFile::name_anonymous() {
-  if (link_to(file_name_)) return;
-  if (!options_.replace_existing) refuse_existing();
-  // No call replaces a name by an anonymous file, so the complete file gets a second name for a moment.
+void PendingFile::link_temporary() {
   std::string second = next_temporary_name();
   while (!link_to(second)) second = next_temporary_name();
   temporary_name_ = second;
-  if (::renameat(folder_, temporary_name_.c_str(), folder_, file_name_.c_str()) != 0) fail("replace it", errno);
-  temporary_name_.clear();
+  Unfinished::all().files.insert(this);
 }
 
-void PendingFile::name_temporary() {
-  const char* from = temporary_name_.c_str();
-  const char* to = file_name_.c_str();
-  int error = 0;
-  if (options_.replace_existing) {
-    if (::renameat(folder_, from, folder_, to) != 0) error = errno;
-  } else if (::renameat2(folder_, from, folder_, to, RENAME_NOREPLACE) != 0) {
-    error = errno;
-    // Where renaming cannot promise to replace nothing, linking can.
-    if (error == EINVAL || error == ENOSYS) {
-      error = ::linkat(folder_, from, folder_, to, 0) == 0 ? 0 : errno;
-      if (error == 0) ::unlinkat(folder_, from, 0);
-    }
+/// Keeps other processes from taking the old file for a stale one.
+void PendingFile::hold_old() {
+  const std::optional<struct stat> status = status_in(folder_, file_name_);
+  if (!status) return;
+  if (!S_ISREG(status->st_mode))
+    throw Error(Trouble::usage, concat(name_, ": found something else than a file, which came meanwhile"));
+  old_ = ::openat(folder_, file_name_.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (old_ >= 0) ::flock(old_, LOCK_SH | LOCK_NB);
+}
+
+/// The old file, if there is one, gets the temporary name until all is settled.
+void PendingFile::replace_by_temporary() {
+  hold_old();
+  const char *from = temporary_name_.c_str(), *to = file_name_.c_str();
+  if (::renameat2(folder_, from, folder_, to, RENAME_EXCHANGE) == 0) {
+    has_name_ = has_old_ = true;
+    return;
+  }
+  if (errno != ENOENT && errno != EINVAL && errno != ENOSYS) fail("give it its name", errno);
+  const bool is_new = errno == ENOENT;
+  if (::renameat(folder_, from, folder_, to) != 0) fail("give it its name", errno);
+  has_name_ = is_new;  // without exchange, what was replaced cannot come back
+  temporary_name_.clear();
+  Unfinished::all().files.erase(this);
+}
+
+void PendingFile::rename_temporary() {
+  const char *from = temporary_name_.c_str(), *to = file_name_.c_str();
+  int error = ::renameat2(folder_, from, folder_, to, RENAME_NOREPLACE) == 0 ? 0 : errno;
+  // Where renaming cannot promise to replace nothing, linking can.
+  if (error == EINVAL || error == ENOSYS) {
+    error = ::linkat(folder_, from, folder_, to, 0) == 0 ? 0 : errno;
+    if (error == 0) ::unlinkat(folder_, from, 0);
   }
   if (error == EEXIST) refuse_existing();
   if (error != 0) fail("give it its name", error);
+  has_name_ = true;
   temporary_name_.clear();
+  Unfinished::all().files.erase(this);
+}
+
+/// From here on the file keeps its name.
+void PendingFile::settle() {
+  has_name_ = has_old_ = false;
+  remove_temporary();
+}
+
+/// Takes the name back: the old file has it again, or nobody.
+void PendingFile::withdraw() {
+  if (!std::exchange(has_name_, false)) return;
+  const std::lock_guard lock(Unfinished::all().guard);
+  if (!std::exchange(has_old_, false)) {
+    ::unlinkat(folder_, file_name_.c_str(), 0);
+  } else if (::renameat(folder_, temporary_name_.c_str(), folder_, file_name_.c_str()) == 0) {
+    temporary_name_.clear();
+    Unfinished::all().files.erase(this);
+  }
+}
+
+void end_pending_files() {
+  PendingFile::Unfinished& all = PendingFile::Unfinished::all();
+  all.guard.lock();  // and never unlocked
+  for (const PendingFile* const file : all.files) ::unlinkat(file->folder_, file->temporary_name_.c_str(), 0);
+}
+
+void write_whole_file(const fs::path& path, std::span<const std::byte> bytes, bool replace_existing) {
+  PendingFile file(path, {.replace_existing = replace_existing});
+  if (!bytes.empty()) file.reserve(bytes.size());
+  file.append(bytes);
+  file.publish();
+}
+
+void write_whole_file(const fs::path& path, std::string_view text, bool replace_existing) {
+  write_whole_file(path, std::as_bytes(std::span(text)), replace_existing);
+}
+
+void PendingFiles::add(const fs::path& path, std::span<const std::byte> bytes) {
+  auto file = std::make_unique<PendingFile>(path, PendingFile::Options{.replace_existing = replace_existing_});
+  if (!bytes.empty()) file->reserve(bytes.size());
+  file->append(bytes);
+  files_.push_back(std::move(file));
+}
+
+void PendingFiles::publish() {
+  publish_all(files_);
+  files_.clear();
 }
 
 }  // namespace rhoray

@@ -273,10 +273,9 @@ TEST(PackedFileWriter, a_full_disk_is_met_before_the_work_and_leaves_nothing) {
 }
 
 // The child writes the same content again and again in small pieces; it is killed at moments that differ.
-TEST(PackedFileWriter, a_kill_while_writing_leaves_the_old_file_and_at_most_a_complete_second_name) {
+TEST(PackedFileWriter, a_kill_while_writing_leaves_a_complete_file_and_at_most_a_complete_second_name) {
   const TemporaryFolder folder;
   write_whole(folder / "a.rho", 1, false, 200'000);
-  std::size_t strays = 0;
   constexpr int kills = 40;
   for (int kill = 0; kill < kills; ++kill) {
     const pid_t child = ::fork();
@@ -294,14 +293,13 @@ TEST(PackedFileWriter, a_kill_while_writing_leaves_the_old_file_and_at_most_a_co
     ::waitpid(child, &status, 0);
     ASSERT_TRUE(WIFSIGNALED(status));
     EXPECT_EQ(value_in(folder / "a.rho"), 1);
-    for (const std::string& name : names_in(folder.path())) {
-      if (name == "a.rho") continue;
-      ++strays;
+    const std::vector<std::string> names = names_in(folder.path());
+    EXPECT_LE(names.size(), 2U);
+    for (const std::string& name : names) {
       EXPECT_EQ(value_in(folder / name), 1) << "only a complete file may have a second name for a moment";
-      fs::remove(folder / name);
+      if (name != "a.rho") fs::remove(folder / name);  // here; a new process does it itself (pending_file_test.cpp)
     }
   }
-  EXPECT_LE(strays, 4U) << "the moment between the two names should be short";
 }
 
 TEST(PackedFileWriter, a_kill_while_writing_a_new_file_leaves_an_empty_folder) {
