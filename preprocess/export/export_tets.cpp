@@ -143,7 +143,7 @@ ExportReport export_tets_stl(const std::filesystem::path& packed, std::optional<
   const TetMesh mesh(formats::PackedFile::open(packed));
   const std::size_t field = field_position(mesh, options.field);
   PendingFile pending(output, {.replace_existing = options.replace_existing});
-  StlFile file(pending.open_name());
+  StlFile file(pending.open_name(), output.string());
   if (isovalue)
     write_isosurface(file, mesh, field, *isovalue);
   else

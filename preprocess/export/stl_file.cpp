@@ -13,13 +13,14 @@ namespace {
 constexpr std::size_t title_bytes = 80;
 
 template <class T>
-void write_number(std::ofstream& file, const T& number) {
+void write_number(std::ostream& file, const T& number) {
   file.write(reinterpret_cast<const char*>(&number), sizeof number);
 }
 
 }  // namespace
 
-StlFile::StlFile(const std::filesystem::path& path) : path_(path), file_(path, std::ios::binary | std::ios::trunc) {
+StlFile::StlFile(const std::filesystem::path& path, const std::string& name)
+    : name_(name.empty() ? path.string() : name), file_(path, name_) {
   std::array<char, title_bytes> title{};
   constexpr std::string_view text = "rhoray";  // not beginning with "solid", which would make it a text
   std::memcpy(title.data(), text.data(), text.size());
@@ -44,11 +45,10 @@ void StlFile::add(const Vec3& a, const Vec3& b, const Vec3& c) {
 std::uint64_t StlFile::finish() {
   if (triangle_count_ > std::numeric_limits<std::uint32_t>::max())
     throw Error(Trouble::unsupported,
-                concat(path_.string(), ": ", triangle_count_, " triangles; expected fewer than 2^32 in an STL file"));
+                concat(name_, ": ", triangle_count_, " triangles; expected fewer than 2^32 in an STL file"));
   file_.seekp(title_bytes);
   write_number(file_, static_cast<std::uint32_t>(triangle_count_));
-  file_.close();
-  if (!file_) throw Error(Trouble::resource, concat(path_.string(), ": cannot be written to its end"));
+  file_.finish();
   return triangle_count_;
 }
 

@@ -2,16 +2,18 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
+#include <string>
 
 #include "formats/base/vector.h"
+#include "preprocess/export/output_stream.h"
 
 namespace rhoray::preprocess {
 
 /// Writes a binary STL file, triangle by triangle. Corners are rounded to 32 bits, as the format has them.
 class StlFile {
  public:
-  explicit StlFile(const std::filesystem::path& path);
+  /// @param name  for messages; empty: the path
+  explicit StlFile(const std::filesystem::path& path, const std::string& name = {});
 
   /// Left out when two corners are the same after rounding.
   void add(const Vec3& a, const Vec3& b, const Vec3& c);
@@ -21,8 +23,8 @@ class StlFile {
   std::uint64_t finish();
 
  private:
-  std::filesystem::path path_;
-  std::ofstream file_;
+  std::string name_;
+  OutputStream file_;
   std::uint64_t triangle_count_ = 0;
 };
 

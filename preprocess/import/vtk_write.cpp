@@ -3,11 +3,15 @@
 #include <vtkDoubleArray.h>
 #include <vtkFloatArray.h>
 #include <vtkNew.h>
+#include <vtkObjectFactory.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLUnstructuredGridWriter.h>
 
+#include <locale>
+
+#include "preprocess/export/output_stream.h"
 #include "preprocess/import/families.h"
 #include "preprocess/import/foreign_file.h"
 #include "preprocess/import/mesh_cells.h"
@@ -65,6 +69,22 @@ void add_cells(vtkUnstructuredGrid& grid, const NeutralMesh& mesh, const std::fi
   grid.SetCells(tetrahedron, cells);
 }
 
+/// VTK's writer, into a stream that does not lose the reason of a failure.
+class StreamWriter : public vtkXMLUnstructuredGridWriter {
+ public:
+  static StreamWriter* New();
+  vtkTypeMacro(StreamWriter, vtkXMLUnstructuredGridWriter);
+
+  void SetStream(std::ostream* stream) { Stream = stream; }
+
+ protected:
+  int WriteInternal() override {
+    Stream->imbue(std::locale::classic());
+    return WriteData();
+  }
+};
+vtkStandardNewMacro(StreamWriter);
+
 }  // namespace
 
 void write_vtu(const NeutralMesh& mesh, const std::filesystem::path& path) {
@@ -74,16 +94,21 @@ void write_vtu(const NeutralMesh& mesh, const std::filesystem::path& path) {
   add_cells(*grid, mesh, path);
   add_fields(*grid->GetPointData(), mesh.point_fields, mesh.points.size(), path);
   add_fields(*grid->GetCellData(), mesh.cell_fields, mesh.cells.size(), path);
-  vtkNew<vtkXMLUnstructuredGridWriter> writer;
-  writer->SetFileName(path.c_str());
+  OutputStream file(path);
+  vtkNew<StreamWriter> writer;
+  writer->SetStream(&file);
   writer->SetInputData(grid);
   writer->SetDataModeToAppended();
   writer->EncodeAppendedDataOff();
   writer->SetCompressorTypeToZLib();
-  if (writer->Write() != 1 || !errors.first().empty())
+  const bool is_written = writer->Write() == 1;
+  writer->SetStream(nullptr);
+  file.check();
+  if (!is_written || !errors.first().empty())
     throw Error(
         Trouble::resource,
         concat(path.string(), ": VTK cannot write it: ", errors.first().empty() ? "no reason given" : errors.first()));
+  file.finish();
 }
 
 }  // namespace rhoray::preprocess

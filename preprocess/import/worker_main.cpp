@@ -26,7 +26,13 @@ bool same_bytes(const Array<T>& a, const Array<T>& b) {
 /// Writes, then reads back what lies on disk, so that a full disk or a failing writer is noticed.
 NeutralMesh write_and_read_back(const NeutralMesh& mesh, const std::string& path) {
   write_vtu(mesh, path);
-  NeutralMesh read = subdivide(read_vtu(path), {});  // the file may have no name yet
+  NeutralMesh read = [&] {
+    try {
+      return subdivide(read_vtu(path), {});  // the file may have no name yet
+    } catch (const Error& error) {           // nobody gave us this file
+      throw Error(Trouble::resource, concat("what was written cannot be read back: ", error.what()));
+    }
+  }();
   if (!same_bytes(read.points, mesh.points) || !same_bytes(read.cells, mesh.cells))
     throw Error(Trouble::resource, path + ": found another mesh when reading it back; expected what was written");
   return read;

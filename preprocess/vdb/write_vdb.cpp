@@ -1,12 +1,13 @@
 #include <nanovdb/util/IO.h>
 #include <nanovdb/util/OpenToNanoVDB.h>
-#include <openvdb/io/File.h>
+#include <openvdb/io/Archive.h>
 
 #include <cmath>
 #include <cstring>
 
 #include "formats/base/trouble.h"
 #include "preprocess/export/grid_samples.h"
+#include "preprocess/export/output_stream.h"
 #include "preprocess/vdb/hand_out.h"
 
 namespace rhoray::preprocess {
@@ -84,6 +85,14 @@ typename GridFor<T>::Ptr grid_of(const GridSamples<T>& samples, const formats::G
               concat(output.string(), ": found ", found, " when reading it back; expected what was written"));
 }
 
+openvdb::GridBase::Ptr read_back(const std::filesystem::path& output, const std::string& field) {
+  try {
+    return VdbFile(output).read(field);
+  } catch (const Error& error) {  // nobody gave us this file
+    throw Error(Trouble::resource, concat("what was written cannot be read back: ", error.what()));
+  }
+}
+
 template <class T>
 void compare(const GridFor<T>& grid, const GridSamples<T>& samples, const std::filesystem::path& output) {
   using Value = typename GridFor<T>::ValueType;
@@ -99,18 +108,24 @@ void compare(const GridFor<T>& grid, const GridSamples<T>& samples, const std::f
   });
 }
 
+/// What openvdb::io::File writes, into a stream that does not lose the reason of a failure.
+class SeekableArchive : public openvdb::io::Archive {
+ public:
+  void write_to(std::ostream& out, const openvdb::GridPtrVec& grids) const { write(out, grids, /*seekable=*/true); }
+};
+
 template <class T>
 void write_openvdb(const typename GridFor<T>::Ptr& grid, const GridSamples<T>& samples,
                    const std::filesystem::path& output) {
+  OutputStream file(output);
   try {
-    openvdb::io::File file(output.string());
-    file.write(openvdb::GridPtrVec{grid});
-    file.close();
+    SeekableArchive().write_to(file, {grid});
+    file.finish();
   } catch (const openvdb::Exception& error) {
+    file.check();
     throw Error(Trouble::resource, concat(output.string(), ": OpenVDB cannot write it: ", error.what()));
   }
-  VdbFile written(output);
-  const auto read = openvdb::gridPtrCast<GridFor<T>>(written.read(samples.field().name));
+  const auto read = openvdb::gridPtrCast<GridFor<T>>(read_back(output, samples.field().name));
   if (!read || affine_of(read->transform()) != affine_of(grid->transform())) refuse_written(output, "another grid");
   compare(*read, samples, output);
 }
@@ -118,14 +133,17 @@ void write_openvdb(const typename GridFor<T>::Ptr& grid, const GridSamples<T>& s
 template <class T>
 void write_nanovdb(const typename GridFor<T>::Ptr& grid, const std::filesystem::path& output) {
   const auto handle = nanovdb::openToNanoVDB(*grid, nanovdb::StatsMode::All, nanovdb::ChecksumMode::Full);
+  OutputStream file(output);
   try {
-    nanovdb::io::writeGrid(output.string(), handle);
+    nanovdb::io::writeGrid(file, handle);
+    file.finish();
     const auto read = nanovdb::io::readGrid(output.string());
     if (read.size() != handle.size() || std::memcmp(read.data(), handle.data(), handle.size()) != 0)
       refuse_written(output, "other bytes");
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {
+    file.check();
     throw Error(Trouble::resource, concat(output.string(), ": NanoVDB cannot write it: ", error.what()));
   }
 }

@@ -113,7 +113,7 @@ TEST(Vtu, refuses_to_write_what_does_not_fit_or_where_it_cannot) {
   mesh.cells = {{0, 1, 2, 4}};
   expect_refusal([&] { write_vtu(mesh, folder / "a.vtu"); }, Trouble::invalid, {"cell 0", "point 4"});
   mesh.cells = {{0, 1, 2, 3}};
-  expect_refusal([&] { write_vtu(mesh, folder / "no/such/folder.vtu"); }, Trouble::resource, {"folder.vtu"});
+  expect_refusal([&] { write_vtu(mesh, folder / "no/such/folder.vtu"); }, Trouble::usage, {"folder.vtu"});
 }
 
 TEST(Vtu, notes_arrays_that_are_no_numbers_and_integers_that_were_rounded) {
