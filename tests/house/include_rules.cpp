@@ -66,6 +66,7 @@ const Guest guests[] = {
     {"JSON for Modern C++", std::regex("nlohmann/.*"), {"formats", "tools"}},
     {"xxHash", std::regex("xxhash\\.h"), {"formats", "tools"}},
     {"Highway", std::regex("hwy/.*"), {"render/kernels/wide"}},
+    {"libpng", std::regex("png\\.h"), {"render"}},
     {"Imath", std::regex("Imath/.*"), {"formats"}},
     {"Gmsh", std::regex("gmsh\\.h"), {}},
     {"GoogleTest", std::regex("(gtest|gmock)/.*"), {}}};

@@ -1,0 +1,180 @@
+#include "render/png.h"
+
+#include <png.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <csetjmp>
+#include <limits>
+#include <new>
+
+#include "formats/base/trouble.h"
+
+namespace rhoray::render {
+namespace {
+
+/// By the formula, which takes a hundred times as long as the table below.
+std::uint8_t encode_srgb(float linear) {
+  const double value = linear > 0 ? std::min(1.0, static_cast<double>(linear)) : 0.0;
+  const double encoded = value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1 / 2.4) - 0.055;
+  return static_cast<std::uint8_t>(std::lround(255 * encoded));
+}
+
+/// Every 8-bit level with the least float that has it. Floats above 0 rise as their bits do.
+class SrgbTable {
+ public:
+  SrgbTable() {
+    const auto one = std::bit_cast<std::uint32_t>(1.0F);
+    first_[0] = 0;
+    for (std::uint32_t level = 1; level < 256; ++level) {
+      std::uint32_t below = std::bit_cast<std::uint32_t>(first_[level - 1]), from = one;
+      while (from - below > 1) {
+        const std::uint32_t middle = below + (from - below) / 2;
+        (encode_srgb(std::bit_cast<float>(middle)) >= level ? from : below) = middle;
+      }
+      first_[level] = std::bit_cast<float>(from);
+    }
+    first_[256] = std::numeric_limits<float>::infinity();
+    for (std::uint32_t range = 0; range < level_.size(); ++range)
+      level_[range] = encode_srgb(std::bit_cast<float>(range << range_bits));
+  }
+
+  std::uint8_t operator()(float linear) const {
+    if (!(linear > 0)) return 0;  // written so that a NaN also leaves here
+    if (linear >= 1) return 255;
+    std::size_t level = level_[std::bit_cast<std::uint32_t>(linear) >> range_bits];
+    while (linear >= first_[level + 1]) ++level;
+    return static_cast<std::uint8_t>(level);
+  }
+
+ private:
+  // Floats with the same upper bits; 2^-7 of their size, in which at most two levels begin.
+  static constexpr int range_bits = 16;
+
+  std::array<float, 257> first_{};
+  std::array<std::uint8_t, (0x3f80'0000 >> range_bits) + 1> level_{};
+};
+
+const SrgbTable& srgb_table() {
+  static const SrgbTable table;
+  return table;
+}
+
+/// What libpng's functions are given, and where its error goes: it must leave by longjmp, not by an exception.
+struct PngWriter {
+  std::vector<std::byte> bytes;
+  std::string error;
+  bool out_of_memory = false;
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+
+  PngWriter() = default;
+  PngWriter(const PngWriter&) = delete;
+  PngWriter& operator=(const PngWriter&) = delete;
+  ~PngWriter() { png_destroy_write_struct(&png, &info); }
+};
+
+extern "C" void rhoray_png_error(png_structp png, png_const_charp message) {
+  auto& writer = *static_cast<PngWriter*>(png_get_error_ptr(png));
+  try {
+    writer.error = message;
+  } catch (const std::bad_alloc&) {
+    writer.out_of_memory = true;
+  }
+  png_longjmp(png, 1);
+}
+
+/// libpng warns of a keyword that it changes; a keyword is right, or refused.
+extern "C" void rhoray_png_warning(png_structp png, png_const_charp message) {
+  rhoray_png_error(png, message);
+}
+
+extern "C" void rhoray_png_write(png_structp png, png_bytep data, png_size_t count) {
+  auto& writer = *static_cast<PngWriter*>(png_get_io_ptr(png));
+  bool is_kept = true;
+  try {
+    const auto* const first = reinterpret_cast<const std::byte*>(data);
+    writer.bytes.insert(writer.bytes.end(), first, first + count);
+  } catch (const std::bad_alloc&) {
+    is_kept = false;
+  }
+  if (is_kept) return;
+  writer.out_of_memory = true;
+  png_longjmp(png, 1);
+}
+
+extern "C" void rhoray_png_flush(png_structp) {}
+
+bool is_ascii(const std::string& text) {
+  return std::all_of(text.begin(), text.end(), [](char letter) { return static_cast<unsigned char>(letter) < 0x80; });
+}
+
+/// The texts as libpng wants them; they point into `texts`.
+std::vector<png_text> png_texts(std::span<const PngText> texts) {
+  std::vector<png_text> all;
+  for (const auto& [keyword, text] : texts) {
+    png_text entry{};
+    entry.compression = is_ascii(text) ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE;
+    entry.key = const_cast<char*>(keyword.c_str());
+    entry.text = const_cast<char*>(text.c_str());
+    entry.text_length = text.size();
+    all.push_back(entry);
+  }
+  return all;
+}
+
+/// False where libpng refused. Between here and there nothing may need a destructor.
+bool write_png(PngWriter& writer, int width, int height, std::span<const png_text> texts,
+               std::span<const png_bytep> rows) {
+  if (setjmp(png_jmpbuf(writer.png)) != 0) return false;
+  png_set_write_fn(writer.png, &writer, rhoray_png_write, rhoray_png_flush);
+  png_set_IHDR(writer.png, writer.info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), 8,
+               PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_sRGB_gAMA_and_cHRM(writer.png, writer.info, PNG_sRGB_INTENT_ABSOLUTE);
+  // Rendered pictures: files within 2 % of those with all filters, in 12 to 20 % less time. Level 4 takes another
+  // quarter less, but makes smooth pictures 10 % larger.
+  png_set_compression_level(writer.png, 6);
+  png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FAST_FILTERS);
+  if (!texts.empty()) png_set_text(writer.png, writer.info, texts.data(), static_cast<int>(texts.size()));
+  png_write_info(writer.png, writer.info);
+  png_write_image(writer.png, const_cast<png_bytepp>(rows.data()));
+  png_write_end(writer.png, nullptr);
+  return true;
+}
+
+}  // namespace
+
+std::uint8_t srgb_byte(float linear) {
+  return srgb_table()(linear);
+}
+
+std::vector<std::uint8_t> srgb_bytes(const Framebuffer& picture) {
+  const SrgbTable& table = srgb_table();
+  std::vector<std::uint8_t> bytes(3 * picture.pixel_count());
+  for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel)
+    for (std::size_t c = 0; c < 3; ++c) bytes[3 * pixel + c] = table(picture.color[4 * pixel + c]);
+  return bytes;
+}
+
+std::vector<std::byte> encode_png(const Framebuffer& picture, std::span<const PngText> texts) {
+  std::vector<std::uint8_t> pixels = srgb_bytes(picture);
+  std::vector<png_bytep> rows;
+  for (int y = 0; y < picture.height; ++y)
+    rows.push_back(pixels.data() + 3 * static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(y));
+  const std::vector<png_text> entries = png_texts(texts);
+  PngWriter writer;
+  writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer, rhoray_png_error, rhoray_png_warning);
+  if (writer.png == nullptr) throw std::bad_alloc();
+  writer.info = png_create_info_struct(writer.png);
+  if (writer.info == nullptr) throw std::bad_alloc();
+  // A hundred thousand letters of a scene are no attack here: nothing that libpng limits comes from a file.
+  png_set_chunk_malloc_max(writer.png, 0);
+  const bool is_written = write_png(writer, picture.width, picture.height, entries, rows);
+  if (writer.out_of_memory) throw std::bad_alloc();
+  if (!is_written) throw Error(Trouble::internal, concat("the picture cannot be made a PNG: ", writer.error));
+  return std::move(writer.bytes);
+}
+
+}  // namespace rhoray::render
