@@ -4,7 +4,7 @@
 #include <numbers>
 #include <vector>
 
-#include "data/recipes/write_files.h"
+#include "data/recipes/write_nrrd.h"
 #include "formats/base/trouble.h"
 
 namespace rhoray::recipes {
@@ -41,10 +41,10 @@ void write_marschner_lobb(const std::filesystem::path& path, const MarschnerLobb
                           .spacing = Vec3(spacing),
                           .in_patient_mm = false,
                           .content = "marschner-lobb"};
-  write_nrrd(path, options.replace_existing, header, [&](NewFile& raw) {
+  write_nrrd(path, options.replace_existing, header, [&](PendingFile& raw) {
     for (std::int64_t k = 0; k < n; ++k) {
       const double z = -1 + static_cast<double>(k) * spacing;
-      const auto write = [&](const auto& samples) { raw.write(std::as_bytes(std::span(samples))); };
+      const auto write = [&](const auto& samples) { raw.append(std::as_bytes(std::span(samples))); };
       if (options.as_bytes)
         write(plane<std::uint8_t>(n, z, 255, 0.5));
       else

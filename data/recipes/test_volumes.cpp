@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "data/recipes/write_files.h"
+#include "data/recipes/write_nrrd.h"
 #include "formats/base/trouble.h"
 
 namespace rhoray::recipes {
@@ -104,7 +104,7 @@ void write_test_volume(const std::filesystem::path& path, const TestVolumeOption
                           .in_patient_mm = false,
                           .content = is_smooth ? "smooth test volume" : "turbulent test volume"};
   const AxisTable axis(n);
-  write_nrrd(path, options.replace_existing, header, [&](NewFile& raw) {
+  write_nrrd(path, options.replace_existing, header, [&](PendingFile& raw) {
     constexpr std::int64_t slab = 16;  // slices in memory at a time
     std::vector<std::uint16_t> samples(static_cast<std::size_t>(n * n * std::min(slab, n)));
     for (std::int64_t first = 0; first < n; first += slab) {
@@ -113,7 +113,7 @@ void write_test_volume(const std::filesystem::path& path, const TestVolumeOption
         const std::span row = std::span(samples).subspan(static_cast<std::size_t>(r * n), static_cast<std::size_t>(n));
         (is_smooth ? smooth_row : turbulent_row)(axis, r % n, first + r / n, row);
       });
-      raw.write(std::as_bytes(std::span(samples).first(static_cast<std::size_t>(rows * n))));
+      raw.append(std::as_bytes(std::span(samples).first(static_cast<std::size_t>(rows * n))));
     }
   });
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "data/recipes/torso_scene.h"
-#include "data/recipes/write_files.h"
+#include "data/recipes/write_nrrd.h"
 #include "formats/base/trouble.h"
 
 namespace rhoray::recipes {
@@ -106,7 +106,7 @@ void write_torso_ct(const std::filesystem::path& path, const Index3& sample_coun
                           .spacing = lattice.spacing,
                           .in_patient_mm = true,
                           .content = "synthetic CT of a torso (HU)"};
-  write_nrrd(path, replace_existing, header, [&](NewFile& raw) {
+  write_nrrd(path, replace_existing, header, [&](PendingFile& raw) {
     constexpr std::int64_t slab = 16;  // slices in memory at a time
     const std::int64_t nx = sample_count.x, ny = sample_count.y, nz = sample_count.z;
     std::vector<std::int16_t> samples(static_cast<std::size_t>(nx * ny * std::min(slab, nz)));
@@ -121,7 +121,7 @@ void write_torso_ct(const std::filesystem::path& path, const Index3& sample_coun
           samples[static_cast<std::size_t>(row * nx + i)] = static_cast<std::int16_t>(std::lround(hu));
         }
       });
-      raw.write(std::as_bytes(std::span(samples).first(static_cast<std::size_t>(rows * nx))));
+      raw.append(std::as_bytes(std::span(samples).first(static_cast<std::size_t>(rows * nx))));
     }
   });
 }

@@ -10,7 +10,7 @@
 #include "data/recipes/noise.h"
 #include "data/recipes/torso_ct.h"
 #include "data/recipes/torso_scene.h"
-#include "data/recipes/write_files.h"
+#include "data/recipes/write_nrrd.h"
 #include "formats/base/trouble.h"
 
 namespace rhoray::recipes {
@@ -231,7 +231,7 @@ void write_torso_photo(const std::filesystem::path& path, const Index3& texel_co
                           .spacing = lattice.spacing,
                           .in_patient_mm = true,
                           .content = "synthetic photographs of a torso (sRGB)"};
-  write_nrrd(path, replace_existing, header, [&](NewFile& raw) {
+  write_nrrd(path, replace_existing, header, [&](PendingFile& raw) {
     constexpr std::int64_t slab = 8;  // slices in memory at a time
     using Texel = std::array<std::uint8_t, 3>;
     std::vector<Texel> texels(static_cast<std::size_t>(nx * ny * std::min(slab, nz)));
@@ -244,7 +244,7 @@ void write_torso_photo(const std::filesystem::path& path, const Index3& texel_co
               tissue_color(lattice.first_sample + at * lattice.spacing, reach);
         }
       });
-      raw.write(std::as_bytes(std::span(texels).first(static_cast<std::size_t>(rows * nx))));
+      raw.append(std::as_bytes(std::span(texels).first(static_cast<std::size_t>(rows * nx))));
     }
   });
 }

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "data/recipes/torso_scene.h"
-#include "data/recipes/write_files.h"
+#include "formats/base/pending_file.h"
 #include "formats/base/trouble.h"
 
 namespace rhoray::recipes {
@@ -134,12 +134,9 @@ void write_torso_surface(const TorsoSurface& torso, const std::filesystem::path&
       const std::string name = concat(path.stem().string(), "_", part.name, ".ply");
       texts.emplace_back(path.parent_path() / name, ply_text(part.triangulation));
     }
-  std::vector<std::unique_ptr<NewFile>> files;  // all are written before the first gets its name
-  for (const auto& [name, text] : texts) {
-    files.push_back(std::make_unique<NewFile>(name, replace_existing));
-    files.back()->write(text);
-  }
-  for (const auto& file : files) file->commit();
+  PendingFiles files(replace_existing);
+  for (const auto& [name, text] : texts) files.add(name, text);
+  files.publish();
 }
 
 }  // namespace rhoray::recipes

@@ -145,12 +145,13 @@ std::string minutes_text(double seconds) {
 /// The whole of the work: a coarse pass over all layers, one at the full size, then times again and again.
 class Work {
  public:
-  Work(const AccuracyCommand& command, const ScenePlan& plan, ProgressDisplay& display, StudyContext& context)
+  Work(const AccuracyCommand& command, const ScenePlan& plan, ProgressDisplay& display, StudyContext& context,
+       bool folder_is_made)
       : command_(command),
         display_(display),
         context_(context),
+        folder_(command.common.output, folder_is_made),
         scratch_(command.common.output),
-        folder_(command.common.output, scratch_.path()),
         size_{plan.frame.width, plan.frame.height} {
     for (std::size_t layer = 0; layer < plan.scene.layers.size(); ++layer) {
       if (const char* const reason = why_left_out(plan.scene.layers[layer])) {
@@ -281,8 +282,8 @@ class Work {
   StudyContext& context_;
   Stopwatch watch_;
   InterruptRequest interrupt_;
+  ResultsFolder folder_;  ///< before the scratch folder, which lies in it
   ScratchFolder scratch_;
-  ResultsFolder folder_;
   PictureSize size_;
   std::vector<std::unique_ptr<LayerStudy>> studies_;
   std::vector<const LayerStudy*> layers_;
@@ -300,7 +301,7 @@ int run(AccuracyCommand& command) {
   ScenePlan plan = plan_layers(wishes);
   aim_camera(wishes, plan);
   refuse_damage(plan, command.common.threads);
-  require_results_folder(command.common.output, command.common.force);
+  const bool folder_is_made = require_results_folder(command.common.output, command.common.force);
 
   StudyContext context{.facts = facts_of(command, plan), .stage = {}, .notes = plan.notes};
   if (command.goal.is_given()) {
@@ -308,7 +309,7 @@ int run(AccuracyCommand& command) {
     for (const Choice& choice : choose_methods(plan, command.goal, command.common.threads))
       context.notes.push_back(concat("`rhoray render` would take ", choice.sentence));
   }
-  Work work(command, plan, display, context);
+  Work work(command, plan, display, context, folder_is_made);
   const bool is_whole = work.run();
   display.clear();
   if (command.common.json)

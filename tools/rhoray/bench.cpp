@@ -1,6 +1,7 @@
 #include <cstdio>
 
 #include "formats/base/nearest_name.h"
+#include "formats/base/pending_file.h"
 #include "formats/base/trouble.h"
 #include "formats/packed_file.h"
 #include "tools/rhoray/bench_effects.h"
@@ -8,7 +9,6 @@
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/input_file.h"
 #include "tools/rhoray/method_words.h"
-#include "tools/rhoray/new_file.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/scene/document.h"
 #include "tools/rhoray/scene/looks.h"
@@ -105,8 +105,10 @@ void check(const BenchCommand& command) {
 void show(const BenchCommand& command, const Table& table) {
   const std::filesystem::path& folder = command.common.output;
   if (!folder.empty()) {
-    write_new_file(folder / (table.name + ".csv"), csv_of(table), command.common.force);
-    write_new_file(folder / (table.name + ".json"), json_of(table).dump(2) + "\n", command.common.force);
+    PendingFiles files(command.common.force);
+    files.add(folder / (table.name + ".csv"), csv_of(table));
+    files.add(folder / (table.name + ".json"), json_of(table).dump(2) + "\n");
+    files.publish();
   }
   if (command.common.json)
     std::puts(dump(json_of(table)).c_str());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "formats/base/pending_file.h"
 #include "formats/base/trouble.h"
 #include "formats/packed_file.h"
 #include "tools/rhoray/bench_parts.h"
@@ -11,7 +12,6 @@
 #include "tools/rhoray/input_file.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/new_file.h"
 #include "tools/rhoray/pack_any.h"
 #include "tools/rhoray/picture_hash.h"
 #include "tools/rhoray/scene/plan.h"
@@ -96,13 +96,13 @@ double copy_seconds(const BenchOptions& options, const std::filesystem::path& fo
   std::ifstream in(options.input, std::ios::binary);
   while (in.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) || in.gcount() > 0) {
   }
-  NewFile out(folder / "copy");
+  PendingFile out(folder / "copy", {.replace_existing = true});
   for (std::uint64_t left = raw_bytes; left > 0;) {
     const std::uint64_t part = std::min<std::uint64_t>(left, buffer.size());
-    out.write({buffer.data(), static_cast<std::size_t>(part)});
+    out.append(std::string_view(buffer.data(), static_cast<std::size_t>(part)));
     left -= part;
   }
-  out.commit(true);
+  out.publish();
   return watch.seconds();
 }
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "formats/base/pending_file.h"
 #include "formats/base/text.h"
-#include "tools/rhoray/new_file.h"
 
 namespace rhoray::tools {
 
@@ -38,7 +38,7 @@ void write_fault_file(const std::filesystem::path& path, const preprocess::Neutr
   header += concat("element vertex ", position.size(),
                    "\nproperty double x\nproperty double y\nproperty double z\nelement face ", facet_count,
                    "\nproperty list int int vertex_indices\nproperty uint facet\nproperty uchar fault\nend_header\n");
-  write_new_file(path, header + points + facets, replace_existing);
+  write_whole_file(path, header + points + facets, replace_existing);
 }
 
 }  // namespace rhoray::tools

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "formats/base/checks.h"
+#include "formats/base/pending_file.h"
 #include "formats/base/trouble.h"
 
 namespace rhoray::tools {
@@ -55,6 +56,7 @@ void wait_and_end() {
   while (request_end());
   const std::lock_guard lock(scratch_mutex);
   if (!scratch.empty()) remove_scratch();
+  end_pending_files();
   std::fputs("\nrhoray: interrupted\n", stderr);
   ::_exit(static_cast<int>(Trouble::interrupted));
 }

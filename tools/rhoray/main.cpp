@@ -1,3 +1,5 @@
+#include <csignal>
+
 #include "tools/rhoray/command_line.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/subcommands.h"
@@ -5,6 +7,7 @@
 int main(int argc, char** argv) {
   using namespace rhoray::tools;
   end_cleanly_on_interrupt();
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit of file size is met by an error of write, here and in the workers
   const Subcommand subcommands[] = {info_subcommand(),    import_subcommand(),   pack_subcommand(),
                                     verify_subcommand(),  resample_subcommand(), tetrahedralize_subcommand(),
                                     render_subcommand(),  export_subcommand(),   validate_subcommand(),

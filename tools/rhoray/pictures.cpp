@@ -6,9 +6,10 @@
 #include <cctype>
 #include <utility>
 
+#include "formats/base/pending_file.h"
 #include "formats/base/trouble.h"
+#include "render/png.h"
 #include "tools/rhoray/input_file.h"
-#include "tools/rhoray/new_file.h"
 #include "tools/rhoray/pictures_module.h"
 
 namespace rhoray::tools {
@@ -58,14 +59,26 @@ void require_picture_format(const std::filesystem::path& path, const render::Cha
                 "give the picture a name in .exr");
 }
 
+std::vector<std::byte> encode_picture(const render::Framebuffer& picture, const std::vector<PictureText>& texts,
+                                      const std::filesystem::path& path) {
+  const std::string format = format_of(path);
+  if (format == "png") {
+    std::vector<render::PngText> png_texts;
+    for (const auto& [name, value] : texts) png_texts.push_back({name, value});
+    return render::encode_png(picture, png_texts);
+  }
+  require_ids_that_fit(picture, path);
+  const std::vector<std::uint8_t> srgb =
+      format == "openexr" ? std::vector<std::uint8_t>() : render::srgb_bytes(picture);
+  std::vector<std::byte> bytes;
+  const std::string trouble = load<EncodePicture>(encode_picture_symbol)(picture, srgb, texts, format, bytes);
+  if (!trouble.empty()) throw Error(Trouble::resource, concat(path.string(), ": ", trouble));
+  return bytes;
+}
+
 void write_picture(const render::Framebuffer& picture, const std::vector<PictureText>& texts,
                    const std::filesystem::path& path, bool replace_existing) {
-  require_ids_that_fit(picture, path);
-  NewFile file(path);
-  const std::string trouble =
-      load<EncodePicture>(encode_picture_symbol)(picture, texts, format_of(path), file.open_name().string());
-  if (!trouble.empty()) throw Error(Trouble::resource, concat(path.string(), ": ", trouble));
-  file.commit(replace_existing);
+  write_whole_file(path, encode_picture(picture, texts, path), replace_existing);
 }
 
 const std::vector<std::filesystem::path>& known_fonts() {

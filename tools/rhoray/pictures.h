@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -20,15 +21,20 @@ struct PictureText {
 /// channels in a format that keeps none, that is all but EXR (Trouble::usage).
 void require_picture_format(const std::filesystem::path& path, const render::ChannelSet& channels);
 
-/// Writes a framebuffer; the format follows from the extension of `path`. The file is whole or not there.
+/// The bytes of a picture file; the format follows from the extension of `path`, which messages name.
 ///
 /// PNG and TIFF hold 8-bit sRGB, opaque, over the background that the framebuffer carries; so does JPEG, with loss.
 /// EXR holds 32-bit float: R, G, B (linear, without the background: 0 where nothing is hit) and A; and of the channels
 /// that were asked for Z (depth), N.x, N.y, N.z, value, error; and as unsigned 32-bit cell (4294967295 where nothing is
 /// hit; an id that does not fit is refused, Trouble::unsupported), roots, iterations and cost.
 ///
-/// OpenImageIO stands in a module of its own beside the program, `rhoray-pictures.so`, loaded here: it takes longer to
-/// load than most commands run.
+/// OpenImageIO, which writes all but PNG, stands in a module of its own beside the program, `rhoray-pictures.so`,
+/// loaded here: it takes longer to load than most commands run.
+std::vector<std::byte> encode_picture(const render::Framebuffer& picture, const std::vector<PictureText>& texts,
+                                      const std::filesystem::path& path);
+
+/// Writes these bytes. The file is whole or not there; an older one stays when it cannot be written
+/// (Trouble::resource).
 void write_picture(const render::Framebuffer& picture, const std::vector<PictureText>& texts,
                    const std::filesystem::path& path, bool replace_existing);
 

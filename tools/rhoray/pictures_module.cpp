@@ -1,26 +1,24 @@
 #include "tools/rhoray/pictures_module.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <ft2build.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #include FT_FREETYPE_H
 
 #include <algorithm>
-#include <cmath>
+#include <cerrno>
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <system_error>
 #include <utility>
 
 namespace rhoray::tools {
 
 namespace {
-
-/// Linear to 8-bit sRGB (IEC 61966-2-1); outside [0, 1], and NaN, to the nearest end.
-std::uint8_t srgb_byte(float linear) {
-  const double value = linear > 0 ? std::min(1.0, static_cast<double>(linear)) : 0.0;
-  const double encoded = value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1 / 2.4) - 0.055;
-  return static_cast<std::uint8_t>(std::lround(255 * encoded));
-}
 
 /// Something that can be written: how it looks, and its bytes, pixel by pixel.
 struct Encoded {
@@ -28,12 +26,9 @@ struct Encoded {
   std::vector<std::uint8_t> bytes;
 };
 
-Encoded encode_8_bit(const render::Framebuffer& picture) {
-  Encoded out{OIIO::ImageSpec(picture.width, picture.height, 3, OIIO::TypeDesc::UINT8), {}};
+Encoded encode_8_bit(const render::Framebuffer& picture, const std::vector<std::uint8_t>& srgb) {
+  Encoded out{OIIO::ImageSpec(picture.width, picture.height, 3, OIIO::TypeDesc::UINT8), srgb};
   out.spec.attribute("oiio:ColorSpace", "sRGB");
-  out.bytes.reserve(3 * picture.pixel_count());
-  for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel)
-    for (std::size_t c = 0; c < 3; ++c) out.bytes.push_back(srgb_byte(picture.color[4 * pixel + c]));
   return out;
 }
 
@@ -120,10 +115,44 @@ Encoded encode_exr(const render::Framebuffer& picture) {
   return out;
 }
 
-std::string write(const Encoded& encoded, const std::string& format, const std::string& open_name) {
+/// A file in memory that is opened by a path.
+class MemoryFile {
+ public:
+  MemoryFile() : descriptor_(::memfd_create("rhoray-picture", MFD_CLOEXEC)) { check(descriptor_ >= 0); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  ~MemoryFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+
+  std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+
+  std::vector<std::byte> bytes() const {
+    struct stat status {};
+    check(::fstat(descriptor_, &status) == 0);
+    std::vector<std::byte> all(static_cast<std::size_t>(status.st_size));
+    for (std::size_t done = 0; done < all.size();) {
+      const ssize_t count = ::pread(descriptor_, all.data() + done, all.size() - done, static_cast<off_t>(done));
+      check(count > 0);
+      done += static_cast<std::size_t>(count);
+    }
+    return all;
+  }
+
+ private:
+  static void check(bool works) {
+    if (!works) throw std::system_error(errno, std::system_category(), "a file in memory");
+  }
+
+  int descriptor_;
+};
+
+/// Writes with an ImageOutput that is prepared by `open`; what went wrong, or nothing.
+template <class Open>
+std::string write_with(const Encoded& encoded, const std::string& format, const Open& open) {
   const auto file = OIIO::ImageOutput::create(format);
   if (!file) return OIIO::geterror();
-  if (!file->open(open_name, encoded.spec)) return file->geterror();
+  if (!open(*file)) return file->geterror();
   const bool mixed = !encoded.spec.channelformats.empty();
   const OIIO::TypeDesc given = mixed ? OIIO::TypeDesc(OIIO::TypeDesc::UNKNOWN) : encoded.spec.format;  // as they lie
   if (!file->write_image(given, encoded.bytes.data())) return file->geterror();
@@ -131,24 +160,45 @@ std::string write(const Encoded& encoded, const std::string& format, const std::
   return {};
 }
 
+/// Into memory: OpenImageIO and the libraries below it do not report every failure of a disk, and libjpeg ends the
+/// program.
+std::string encode(const Encoded& encoded, const std::string& format, std::vector<std::byte>& bytes) {
+  // OpenImageIO 2.4 loses all but the Exif part of a TIFF that it writes through a proxy: libtiff reads the directory
+  // back, and its proxies give it nothing.
+  if (format == "tiff") {
+    const MemoryFile memory;
+    std::string trouble =
+        write_with(encoded, format, [&](OIIO::ImageOutput& file) { return file.open(memory.path(), encoded.spec); });
+    bytes = memory.bytes();
+    return trouble;
+  }
+  OIIO::Filesystem::IOVecOutput memory;
+  std::string trouble = write_with(encoded, format, [&](OIIO::ImageOutput& file) {
+    return file.set_ioproxy(&memory) && file.open("memory." + format, encoded.spec);
+  });
+  const auto* const first = reinterpret_cast<const std::byte*>(memory.buffer().data());
+  bytes.assign(first, first + memory.buffer().size());
+  return trouble;
+}
+
 }  // namespace
 
 extern "C" __attribute__((visibility("default"))) std::string rhoray_encode_picture(
-    const render::Framebuffer& picture, const std::vector<PictureText>& texts, const std::string& format,
-    const std::string& open_name) noexcept {
+    const render::Framebuffer& picture, const std::vector<std::uint8_t>& srgb, const std::vector<PictureText>& texts,
+    const std::string& format, std::vector<std::byte>& bytes) noexcept {
   try {
-    Encoded encoded = format == "openexr" ? encode_exr(picture) : encode_8_bit(picture);
+    Encoded encoded = format == "openexr" ? encode_exr(picture) : encode_8_bit(picture, srgb);
     if (format == "jpeg") encoded.spec.attribute("compression", "jpeg:95");
     encoded.spec.attribute("DateTime",
                            "1970:01:01 00:00:00");  // else EXR and TIFF get the time, and other bytes each time
-    const bool keeps_any_name = format == "png" || format == "openexr";
+    const bool keeps_any_name = format == "openexr";
     bool is_described = false;
     for (const PictureText& text : texts)
       if (keeps_any_name || text.name == "Software")
         encoded.spec.attribute(text.name, text.value);
       else if (!std::exchange(is_described, true))
         encoded.spec.attribute("ImageDescription", text.value);
-    return write(encoded, format, open_name);
+    return encode(encoded, format, bytes);
   } catch (const std::exception& error) {
     return error.what();
   }

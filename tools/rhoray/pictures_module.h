@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -10,9 +12,11 @@ namespace rhoray::tools {
 // The acts of the module that holds OpenImageIO and FreeType. Nothing is thrown out of them; they return an empty text,
 // or what went wrong.
 
-/// Writes into the file `open_name` as `format` ("png", "openexr", "tiff", "jpeg").
-using EncodePicture = std::string(const render::Framebuffer& picture, const std::vector<PictureText>& texts,
-                                  const std::string& format, const std::string& open_name) noexcept;
+/// The bytes of a file of `format` ("openexr", "tiff", "jpeg").
+/// @param srgb  the picture as render::srgb_bytes has it, which TIFF and JPEG hold; may be empty for EXR
+using EncodePicture = std::string(const render::Framebuffer& picture, const std::vector<std::uint8_t>& srgb,
+                                  const std::vector<PictureText>& texts, const std::string& format,
+                                  std::vector<std::byte>& bytes) noexcept;
 
 using DecodePicture = std::string(const std::string& path, StoredPicture& picture) noexcept;
 

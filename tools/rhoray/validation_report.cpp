@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/base/pending_file.h"
 #include "formats/base/trouble.h"
+#include "formats/base/write_failure.h"
 #include "tools/rhoray/error_map.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/new_file.h"
 #include "tools/rhoray/pictures.h"
 #include "tools/rhoray/version.h"
 #include "tools/validate/request.h"
@@ -67,17 +68,27 @@ std::string ValidationReport::text() const {
 }
 
 void ValidationReport::write(const std::filesystem::path& folder, bool replace_existing) const {
-  std::filesystem::create_directory(folder);
-  write_new_file(folder / "report.txt", text(), replace_existing);
-  write_new_file(folder / "report.json", json_.dump(2) + "\n", replace_existing);
-  for (const Table& table : tables()) write_new_file(folder / (table.name + ".csv"), csv_of(table), replace_existing);
-  if (!json_.at("disputed").empty())
-    write_new_file(folder / "disputed_rays.csv",
-                   csv_of(table("disputed", "disputed_rays", "Rays that were answered otherwise")), replace_existing);
-  write_pictures(folder, replace_existing);
+  std::error_code error;
+  const bool is_made = std::filesystem::create_directory(folder, error);
+  if (error) throw write_failure(folder.string(), "make the folder", error.value());
+  try {
+    PendingFiles files(replace_existing);
+    add_files(folder, files);
+    files.publish();
+  } catch (...) {
+    if (is_made) std::filesystem::remove(folder, error);
+    throw;
+  }
 }
 
-void ValidationReport::write_pictures(const std::filesystem::path& folder, bool replace_existing) const {
+void ValidationReport::add_files(const std::filesystem::path& folder, PendingFiles& files) const {
+  files.add(folder / "report.txt", text());
+  files.add(folder / "report.json", json_.dump(2) + "\n");
+  for (const Table& table : tables()) files.add(folder / (table.name + ".csv"), csv_of(table));
+  if (!json_.at("disputed").empty())
+    files.add(folder / "disputed_rays.csv",
+              csv_of(table("disputed", "disputed_rays", "Rays that were answered otherwise")));
+
   const std::vector<std::uint64_t>& shape = answer_.entry(validate::verdict_array).shape;
   const ErrorMap map{.width = static_cast<int>(shape.at(1)),
                      .height = static_cast<int>(shape.at(0)),
@@ -85,8 +96,10 @@ void ValidationReport::write_pictures(const std::filesystem::path& folder, bool 
                      .depth_cells = answer_.array<float>(validate::depth_array, shape),
                      .verdict = answer_.array<std::uint8_t>(validate::verdict_array, shape)};
   const auto save = [&](const ErrorPicture& picture, const char* name) {
-    write_picture(picture.framebuffer, {{"Software", concat("rhoray ", version())}, {"Description", picture.legend}},
-                  folder / name, replace_existing);
+    const std::filesystem::path path = folder / name;
+    files.add(path,
+              encode_picture(picture.framebuffer,
+                             {{"Software", concat("rhoray ", version())}, {"Description", picture.legend}}, path));
   };
   save(signed_distance_picture(map), "signed_distance.png");
   save(depth_error_picture(map), "depth_error.png");

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/base/pending_file.h"
 #include "formats/packed_file.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/table.h"
@@ -23,7 +24,7 @@ class ValidationReport {
   std::string text() const;
 
   /// report.txt, report.json, rays.csv, errors.csv, limits.csv, disputed_rays.csv; with a picture signed_distance.png
-  /// and depth_error.png. Makes the folder if it is not there.
+  /// and depth_error.png. Makes the folder if it is not there. All files appear, or none and no new folder.
   void write(const std::filesystem::path& folder, bool replace_existing) const;
 
   /// Throws the checks that do not hold (Trouble::outside_limit).
@@ -32,7 +33,7 @@ class ValidationReport {
  private:
   Table table(const char* key, const char* name, const char* title) const;
   std::vector<Table> tables() const;
-  void write_pictures(const std::filesystem::path& folder, bool replace_existing) const;
+  void add_files(const std::filesystem::path& folder, PendingFiles& files) const;
 
   formats::PackedFile answer_;
   Json json_;

@@ -4,10 +4,9 @@
 #include <cmath>
 
 #include "formats/base/interval.h"
+#include "formats/base/pending_file.h"
 #include "formats/base/text.h"
 #include "tools/rhoray/accuracy/gnuplot.h"
-#include "tools/rhoray/interrupt.h"
-#include "tools/rhoray/new_file.h"
 
 namespace rhoray::study {
 
@@ -70,13 +69,11 @@ void publish(const std::vector<Figure>& figures, const tools::CommonOptions& com
     tools::say(common, concat("note: no figures are drawn: gnuplot is missing (package ", tools::gnuplot_package, ")"));
     return;
   }
-  const tools::ScratchFolder scratch(common.output);
   for (const Figure& figure : figures) {
     const std::vector<tools::PlotSeries> all = series_of(figure);
     if (std::all_of(all.begin(), all.end(), [](const tools::PlotSeries& series) { return series.points.empty(); }))
       continue;
-    tools::write_new_file(common.output / (figure.name + ".svg"),
-                          tools::drawn_by_gnuplot(script_of(figure), scratch.path()), common.force);
+    write_whole_file(common.output / (figure.name + ".svg"), tools::drawn_by_gnuplot(script_of(figure)), common.force);
   }
 }
 

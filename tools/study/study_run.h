@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "formats/base/pending_file.h"
 #include "formats/base/trouble.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/new_file.h"
 #include "tools/rhoray/table.h"
 #include "tools/rhoray/version.h"
 
@@ -34,8 +34,10 @@ inline void require_publishable(const tools::CommonOptions& common, const std::v
 inline void publish(const tools::Table& table, const tools::CommonOptions& common) {
   std::fputs(tools::text_of(table).c_str(), stdout);
   if (common.output.empty()) return;
-  tools::write_new_file(common.output / (table.name + ".csv"), tools::csv_of(table), common.force);
-  tools::write_new_file(common.output / (table.name + ".json"), tools::json_of(table).dump(2) + "\n", common.force);
+  PendingFiles files(common.force);
+  files.add(common.output / (table.name + ".csv"), tools::csv_of(table));
+  files.add(common.output / (table.name + ".json"), tools::json_of(table).dump(2) + "\n");
+  files.publish();
 }
 
 }  // namespace rhoray::study

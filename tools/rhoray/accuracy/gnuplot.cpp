@@ -2,14 +2,16 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
+#include <cstring>
 #include <regex>
+#include <string_view>
+#include <utility>
 
 #include "formats/base/trouble.h"
 
@@ -17,35 +19,95 @@ namespace rhoray::tools {
 
 namespace {
 
-std::string content_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+[[noreturn]] void refuse(const char* call) {
+  throw Error(Trouble::resource, concat("plots: ", call, ": ", std::strerror(errno)));
 }
 
-/// Its exit status; 127 where it does not start.
-int run_gnuplot(const std::filesystem::path& script, const std::filesystem::path& out,
-                const std::filesystem::path& err) {
+/// A descriptor that is closed at the end of its scope.
+class Descriptor {
+ public:
+  Descriptor(int number, const char* call) : number_(number) {
+    if (number_ < 0) refuse(call);
+  }
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&&) = delete;
+  ~Descriptor() { close(); }
+
+  int number() const { return number_; }
+  void close() {
+    if (number_ >= 0) ::close(number_);
+    number_ = -1;
+  }
+
+ private:
+  int number_;
+};
+
+/// A file in memory with this text.
+Descriptor memory_file(std::string_view text) {
+  Descriptor file(::memfd_create("rhoray-plot", MFD_CLOEXEC), "memfd_create");
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t put = ::pwrite(file.number(), text.data() + done, text.size() - done, static_cast<off_t>(done));
+    if (put < 0 && errno == EINTR) continue;
+    if (put <= 0) refuse("pwrite");
+    done += static_cast<std::size_t>(put);
+  }
+  return file;
+}
+
+/// Reads to the end.
+std::string content_of(int descriptor) {
+  std::string text;
+  char piece[4096];
+  for (;;) {
+    const ssize_t count = ::read(descriptor, piece, sizeof piece);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) refuse("read");
+    if (count == 0) return text;
+    text.append(piece, static_cast<std::size_t>(count));
+  }
+}
+
+struct GnuplotRun {
+  int status = 127;  ///< 127 where it does not start
+  std::string out, err;
+};
+
+GnuplotRun run_gnuplot(const std::string& script) {
+  const Descriptor text = memory_file(script), err = memory_file({});
+  int ends[2];
+  if (::pipe2(ends, O_CLOEXEC) != 0) refuse("pipe2");
+  const Descriptor hear(ends[0], "pipe2");
+  Descriptor speak(ends[1], "pipe2");
+
+  constexpr int script_descriptor = 3;
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
-  constexpr int flags = O_CREAT | O_WRONLY | O_TRUNC;
   ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), flags, 0600);
-  ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), flags, 0600);
+  ::posix_spawn_file_actions_adddup2(&actions, speak.number(), STDOUT_FILENO);
+  ::posix_spawn_file_actions_adddup2(&actions, err.number(), STDERR_FILENO);
+  ::posix_spawn_file_actions_adddup2(&actions, text.number(), script_descriptor);
   // Of a process group of its own: an interrupt from the terminal ends the study, not the plot that is being drawn.
   posix_spawnattr_t attributes;
   ::posix_spawnattr_init(&attributes);
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  std::string program = "gnuplot", argument = script.string();
+  std::string program = "gnuplot", argument = concat("/dev/fd/", script_descriptor);
   char* const words[] = {program.data(), argument.data(), nullptr};
   pid_t child = 0;
   const int trouble = ::posix_spawnp(&child, "gnuplot", &actions, &attributes, words, environ);
   ::posix_spawnattr_destroy(&attributes);
   ::posix_spawn_file_actions_destroy(&actions);
-  if (trouble != 0) return 127;
+  GnuplotRun run;
+  if (trouble != 0) return run;
+  speak.close();
+  run.out = content_of(hear.number());
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  run.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  if (::lseek(err.number(), 0, SEEK_SET) < 0) refuse("lseek");
+  run.err = content_of(err.number());
+  return run;
 }
 
 }  // namespace
@@ -61,18 +123,14 @@ bool has_gnuplot() {
   return false;
 }
 
-std::string drawn_by_gnuplot(const std::string& script, const std::filesystem::path& folder) {
-  const std::filesystem::path text = folder / "plot.gnuplot", out = folder / "plot.svg", err = folder / "plot.err";
-  std::ofstream(text, std::ios::binary) << script;
-  const int status = run_gnuplot(text, out, err);
-  std::string svg = content_of(out);
-  if (status != 0 || svg.find("</svg>") == std::string::npos) {
-    std::string said = content_of(err);
-    for (char& letter : said)
+std::string drawn_by_gnuplot(const std::string& script) {
+  GnuplotRun run = run_gnuplot(script);
+  if (run.status != 0 || run.out.find("</svg>") == std::string::npos) {
+    for (char& letter : run.err)
       if (letter == '\n') letter = ' ';
-    throw Error(Trouble::unsupported, concat("gnuplot ended with ", status, ": ", said));
+    throw Error(Trouble::unsupported, concat("gnuplot ended with ", run.status, ": ", run.err));
   }
-  return svg;
+  return run.out;
 }
 
 std::string inline_svg(const std::string& svg) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 namespace rhoray::tools {
@@ -10,8 +9,8 @@ inline constexpr const char* gnuplot_package = "gnuplot-nox";  ///< Debian's
 bool has_gnuplot();  ///< in PATH
 
 /// Runs a script that plots to its output, and returns the SVG. Refuses with what gnuplot says (Trouble::unsupported).
-/// @param folder  for passing files
-std::string drawn_by_gnuplot(const std::string& script, const std::filesystem::path& folder);
+/// Touches no disk.
+std::string drawn_by_gnuplot(const std::string& script);
 
 /// The SVG as it may stand in an HTML page: without prolog and without names of other documents.
 std::string inline_svg(const std::string& svg);

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <utility>
 
 #include "formats/base/trouble.h"
@@ -14,7 +12,6 @@
 #include "tools/rhoray/accuracy/plots.h"
 #include "tools/rhoray/accuracy/variant_words.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/new_file.h"
 #include "tools/rhoray/pictures.h"
 #include "tools/rhoray/version.h"
 
@@ -265,7 +262,7 @@ std::string how_measured(const LayerStudy& layer) {
 
 }  // namespace
 
-void require_results_folder(const std::filesystem::path& folder, bool may_replace) {
+bool require_results_folder(const std::filesystem::path& folder, bool may_replace) {
   std::error_code ignored;
   const std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
   if (std::filesystem::exists(whole, ignored)) {
@@ -274,16 +271,23 @@ void require_results_folder(const std::filesystem::path& folder, bool may_replac
     if (!may_replace && !std::filesystem::is_empty(whole, ignored))
       throw Error(Trouble::usage, concat(folder.string(), ": is there already, and is not empty"),
                   "--force replaces what stands in it under the names of the results");
-    return;
+    return false;
   }
   std::error_code trouble;
   if (!std::filesystem::create_directory(whole, trouble))
     throw Error(std::filesystem::is_directory(whole.parent_path(), ignored) ? Trouble::resource : Trouble::usage,
                 concat(folder.string(), ": the folder cannot be made: ", trouble.message()));
+  return true;
 }
 
-ResultsFolder::ResultsFolder(std::filesystem::path folder, std::filesystem::path passing)
-    : folder_(std::move(folder)), passing_(std::move(passing)) {}
+ResultsFolder::ResultsFolder(std::filesystem::path folder, bool is_made)
+    : folder_(std::move(folder)), is_made_(is_made) {}
+
+ResultsFolder::~ResultsFolder() {
+  files_.reset();
+  std::error_code stays;  // where there is something in it
+  if (is_made_) std::filesystem::remove(folder_, stays);
+}
 
 std::vector<ResultsFolder::Figure> ResultsFolder::plots(const LayerStudy& layer, const std::string& prefix,
                                                         StudyContext& context) {
@@ -291,8 +295,8 @@ std::vector<ResultsFolder::Figure> ResultsFolder::plots(const LayerStudy& layer,
   if (!has_gnuplot_) return figures;
   try {
     for (const Plot& plot : plots_of(layer)) {
-      const std::string svg = drawn_by_gnuplot(plot.script, passing_);
-      write_new_file(folder_ / concat(prefix, plot.name, ".svg"), svg, true);
+      const std::string svg = drawn_by_gnuplot(plot.script);
+      files_->add(folder_ / concat(prefix, plot.name, ".svg"), svg);
       figures.push_back({plot.title, plot.caption, inline_svg(svg)});
     }
   } catch (const Error& error) {
@@ -306,9 +310,10 @@ std::vector<ResultsFolder::Figure> ResultsFolder::plots(const LayerStudy& layer,
 std::string ResultsFolder::picture(const render::Framebuffer& pixels, const std::string& name,
                                    const std::string& description) {
   const std::filesystem::path path = folder_ / (name + ".png");
-  write_picture(pixels, {{"Software", concat("rhoray ", version())}, {"Description", description}}, path, true);
-  std::ifstream file(path, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const std::vector<std::byte> png =
+      encode_picture(pixels, {{"Software", concat("rhoray ", version())}, {"Description", description}}, path);
+  files_->add(path, png);
+  const std::string_view bytes(reinterpret_cast<const char*>(png.data()), png.size());
   return concat("<img alt=\"", html_text(description), "\" src=\"data:image/png;base64,", base64(bytes), "\">");
 }
 
@@ -371,7 +376,8 @@ std::string ResultsFolder::layer_section(const LayerStudy& layer, const std::str
 void ResultsFolder::write(const std::vector<const LayerStudy*>& layers, StudyContext& context) {
   if (!has_gnuplot() && std::exchange(has_gnuplot_, false))
     context.notes.push_back(concat("no plots were drawn: they need gnuplot (Debian's package ", gnuplot_package, ")"));
-  write_new_file(folder_ / "results.csv", csv_of(table_of(layers, context)), true);
+  files_.emplace(/*replace_existing=*/true);
+  files_->add(folder_ / "results.csv", csv_of(table_of(layers, context)));
   std::string body =
       concat("<h1>What accuracy costs in time</h1>\n<p class=\"lead\">",
              html_text(value_text(context.facts.at("input"))), " · ", html_text(value_text(context.facts.at("date"))),
@@ -401,8 +407,9 @@ void ResultsFolder::write(const std::vector<const LayerStudy*>& layers, StudyCon
       instruments_html(context.facts), "</p>\n<h3>Machine and version</h3>\n", facts_table(context.facts),
       "<h3>Command</h3>\n<pre>", html_text(value_text(context.facts.at("command"))),
       "</pre>\n<details><summary>Columns of results.csv and results.json</summary>\n", columns_table(), "</details>\n");
-  write_new_file(folder_ / "report.html", html_page("What accuracy costs in time", body), true);
-  write_new_file(folder_ / "results.json", dump_lines(results_json(layers, context)), true);
+  files_->add(folder_ / "report.html", html_page("What accuracy costs in time", body));
+  files_->add(folder_ / "results.json", dump_lines(results_json(layers, context)));
+  files_->publish();
 }
 
 }  // namespace rhoray::tools

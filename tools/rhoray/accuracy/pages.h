@@ -2,24 +2,31 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "formats/base/pending_file.h"
 #include "tools/rhoray/accuracy/results.h"
 
 namespace rhoray::tools {
 
-/// Refuses a folder that cannot be made, and one with anything in it unless told to go ahead (Trouble::usage).
-void require_results_folder(const std::filesystem::path& folder, bool may_replace);
+/// Refuses a folder that cannot be made, and one with anything in it unless told to go ahead (Trouble::usage). True
+/// when it made the folder.
+bool require_results_folder(const std::filesystem::path& folder, bool may_replace);
 
 /// Writes what a study has found out so far into a folder, again and again; every file is whole at any time:
 /// results.csv, results.json, report.html, and for each layer plots (.svg) and pictures (.png).
 class ResultsFolder {
  public:
-  /// @param passing  a folder for passing files
-  ResultsFolder(std::filesystem::path folder, std::filesystem::path passing);
+  /// @param is_made  the folder was made for this; it is removed again if nothing comes into it
+  ResultsFolder(std::filesystem::path folder, bool is_made);
+  ResultsFolder(const ResultsFolder&) = delete;
+  ResultsFolder& operator=(const ResultsFolder&) = delete;
+  ~ResultsFolder();
 
-  /// Adds a note where gnuplot fails; then the tables and the page are there without plots.
+  /// The files of one call appear together or not at all. Adds a note where gnuplot fails; then the tables and the page
+  /// are there without plots.
   void write(const std::vector<const LayerStudy*>& layers, StudyContext& context);
 
  private:
@@ -31,7 +38,9 @@ class ResultsFolder {
   std::string picture(const render::Framebuffer& pixels, const std::string& name, const std::string& description);
   std::string layer_section(const LayerStudy& layer, const std::string& prefix, StudyContext& context);
 
-  std::filesystem::path folder_, passing_;
+  std::filesystem::path folder_;
+  bool is_made_ = false;
+  std::optional<PendingFiles> files_;                                    ///< of the call of `write`
   bool has_gnuplot_ = true;                                              ///< until it turns out not to
   std::map<std::string, std::pair<const void*, std::string>> pictures_;  ///< by layer: of which pass, as HTML
 };
