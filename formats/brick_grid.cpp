@@ -44,6 +44,11 @@ Certificate read_certificate(const details::Reader& reader) {
   certificate.rms_error = reader.number("rms_error", 0);
   certificate.max_at = reader.vector("max_at");
   certificate.point_count = reader.count("point_count");
+  if (reader.has("coverage")) {
+    certificate.coverage = reader.number("coverage", 0);
+    if (*certificate.coverage > 1) reader.refuse_value("coverage", "0 to 1");
+  }
+  if (reader.has("requested_error")) certificate.requested_error = reader.number("requested_error", 0);
   return certificate;
 }
 
@@ -115,11 +120,14 @@ std::vector<std::uint64_t> shape_of(const Index3& count) {
 
 Json certificate_json(const Certificate& certificate, const std::string& field) {
   const std::string what = concat("certificate of field '", field, "'");
-  return {{"type", element_name(certificate.type)},
-          {"max_error", details::number_json(certificate.max_error, what)},
-          {"rms_error", details::number_json(certificate.rms_error, what)},
-          {"max_at", details::vector_json(certificate.max_at, what)},
-          {"point_count", certificate.point_count}};
+  Json json{{"type", element_name(certificate.type)},
+            {"max_error", details::number_json(certificate.max_error, what)},
+            {"rms_error", details::number_json(certificate.rms_error, what)},
+            {"max_at", details::vector_json(certificate.max_at, what)},
+            {"point_count", certificate.point_count}};
+  if (certificate.coverage) json["coverage"] = details::number_json(*certificate.coverage, what);
+  if (certificate.requested_error) json["requested_error"] = details::number_json(*certificate.requested_error, what);
+  return json;
 }
 
 Json grid_field_json(const GridDescription& description, std::size_t field) {
@@ -129,6 +137,15 @@ Json grid_field_json(const GridDescription& description, std::size_t field) {
   if (certificate != description.certificates.end())
     json["certificate"] = certificate_json(certificate->second, summary.name);
   return json;
+}
+
+/// The first version that has all that the file uses.
+int first_minor_version(const GridDescription& description, const FileDescription& file) {
+  for (const auto& [field, certificate] : description.certificates)
+    if (certificate.coverage || certificate.requested_error) return 5;
+  const bool is_of_version_1_0 =
+      file.required.empty() && description.fields.size() == 1 && description.certificates.empty();
+  return is_of_version_1_0 ? 0 : 1;
 }
 
 std::string field_prefix(std::size_t field) {
@@ -236,9 +253,7 @@ FileDescription describe(const GridDescription& description) {
     file.required.emplace_back(sparse_bricks_feature);
     json["stored_brick_count"] = layout.stored_brick_count;
   }
-  const bool is_of_version_1_0 =
-      file.required.empty() && description.fields.size() == 1 && description.certificates.empty();
-  file.minor_version = is_of_version_1_0 ? 0 : 1;
+  file.minor_version = first_minor_version(description, file);
   file.details = details::dump(json);
   return file;
 }

@@ -37,6 +37,19 @@ struct Certificate {
   Vec3 max_at{0, 0, 0};                 ///< where the largest was found, world
   std::uint64_t point_count = 0;        ///< points measured
 
+  /// Share of the source's volume, 0 to 1, that lies in leaf cells with a value: the errors are those in this part.
+  /// Counted where the source's field has data; null when the writer did not tell.
+  std::optional<double> coverage = std::nullopt;
+  /// The largest max_error that was asked for; null when none was.
+  std::optional<double> requested_error = std::nullopt;
+
+  static constexpr double whole_coverage = 1 - 1e-6;  ///< counts as all of the source
+
+  /// False when an error was asked for and max_error is larger, or less than all of the source is covered.
+  bool meets_request() const {
+    return !requested_error || (max_error <= *requested_error && coverage.value_or(1) >= whole_coverage);
+  }
+
   friend bool operator==(const Certificate&, const Certificate&) = default;
 };
 

@@ -241,6 +241,26 @@ TEST(Certificate, comes_back_with_the_errors_of_every_brick) {
   EXPECT_EQ(grid.errors<float>(1, "rms")[0], 0.0625F);
 }
 
+TEST(Certificate, tells_since_1_5_how_much_is_covered_and_what_was_asked_for) {
+  MadeGrid made = certified();
+  EXPECT_TRUE(made.description.certificates[1].meets_request()) << "nothing was asked for";
+  made.description.certificates[1].coverage = 0.25;
+  made.description.certificates[1].requested_error = 0.5;
+  const BrickGrid grid = opened(made.file());
+  EXPECT_EQ(grid.file().version(), "1.5");
+  EXPECT_EQ(grid.description().certificates, made.description.certificates);
+  EXPECT_FALSE(grid.description().certificates.at(1).meets_request()) << "the error is reached in a quarter";
+  made.description.certificates[1].coverage = 1;
+  EXPECT_TRUE(made.description.certificates[1].meets_request());
+  made.description.certificates[1].requested_error = 0.49;
+  EXPECT_FALSE(made.description.certificates[1].meets_request());
+  const std::string file = made.file();
+  expect_error(Trouble::invalid, "certificate.coverage: found 1.5; expected 0 to 1",
+               [&] { opened(with_header_change(file, R"(coverage\":1.0)", R"(coverage\":1.5)")); });
+  expect_error(Trouble::invalid, "certificate.requested_error: found -0.49",
+               [&] { opened(with_header_change(file, R"(requested_error\":0.49)", R"(requested_error\":-0.49)")); });
+}
+
 TEST(Certificate, of_another_shape_or_out_of_its_limits_is_refused) {
   const std::string file = certified().file();
   const auto refused = [&](const char* from, const char* to, const char* words) {
