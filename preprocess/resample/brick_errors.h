@@ -11,6 +11,7 @@ struct BrickErrors {
   double bound = 0, attained = 0, sum_of_squares = 0;
   Point attained_at{};  ///< in steps of the lattice
   std::uint32_t point_count = 0;
+  double uncovered_volume = 0;  ///< of the mesh where the field has data, in leaf cells without a value
 
   void attain(double difference, const Point& at) {
     if (!(difference > attained)) return;

@@ -29,9 +29,9 @@ void BrickProbes::enter(std::size_t slot, std::int64_t row_step) {
 BrickErrors BrickProbes::measure(const FieldView& field, std::size_t f) {
   BrickErrors errors;
   samples_nearby_.gather(touched_, brick_, samples_.fields[f]);
+  errors.uncovered_volume = uncovered_volume(field);
   if (samples_nearby_.covered_count() == 0) return errors;
-  const Point first{static_cast<double>(probes_.first.x), static_cast<double>(probes_.first.y),
-                    static_cast<double>(probes_.first.z)};
+  const Point first = first_sample();
   const auto step = static_cast<std::size_t>(probes_.row_step);
   for (std::size_t k = 0; k < static_cast<std::size_t>(probes_.size.z); k += step)
     for (std::size_t j = 0; j < static_cast<std::size_t>(probes_.size.y); j += step) {
@@ -56,16 +56,20 @@ BrickErrors BrickProbes::measure(const FieldView& field, std::size_t f) {
   return errors;
 }
 
-std::size_t BrickProbes::in_mesh() const {
-  return static_cast<std::size_t>(std::count_if(places_.cell.begin(), places_.cell.end(),
-                                                [](std::uint32_t cell) { return cell != Places::outside; }));
+double BrickProbes::uncovered_volume(const FieldView& field) {
+  if (samples_nearby_.is_whole()) return 0;
+  LeafParts::Leaves uncovered;
+  for (std::size_t p = 0; p < brick_samples; ++p) uncovered[p] = !samples_nearby_.is_covered(p);
+  double volume = 0;
+  for (const LeafParts::Part& part : parts_.find(
+           first_sample(), touched_.lists.view().list(static_cast<std::size_t>(touched_.number(brick_))), uncovered, 0))
+    if (field.gradients[part.cell].is_known()) volume += part.volume;
+  return volume;
 }
 
-std::size_t BrickProbes::uncovered() const {
-  std::size_t count = 0;
-  for (std::size_t p = 0; p < brick_samples; ++p)
-    count += places_.cell[p] != Places::outside && !samples_nearby_.is_covered(p);
-  return count;
+Point BrickProbes::first_sample() const {
+  return {static_cast<double>(probes_.first.x), static_cast<double>(probes_.first.y),
+          static_cast<double>(probes_.first.z)};
 }
 
 double BrickProbes::row_place(std::size_t axis, std::size_t i) const {

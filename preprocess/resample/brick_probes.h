@@ -2,27 +2,27 @@
 
 #include "preprocess/resample/brick_errors.h"
 #include "preprocess/resample/field_view.h"
+#include "preprocess/resample/leaf_parts.h"
 #include "preprocess/resample/locate.h"
 #include "preprocess/resample/neighborhood.h"
 
 namespace rhoray::preprocess {
 
-/// The differences at the probes of one brick after another.
+/// The differences at the probes of one brick after another, and how much of the mesh has none.
 class BrickProbes {
  public:
-  BrickProbes(const CleanMesh& mesh, const SampleLattice& lattice, const TouchedBricks& touched,
-              const BrickSamples& samples)
-      : mesh_(mesh), lattice_(lattice), touched_(touched), samples_(samples) {}
+  /// @param steps  the mesh's points, in steps of the lattice
+  BrickProbes(const CleanMesh& mesh, const std::vector<Point>& steps, const SampleLattice& lattice,
+              const TouchedBricks& touched, const BrickSamples& samples)
+      : mesh_(mesh), lattice_(lattice), touched_(touched), samples_(samples), parts_(mesh, steps) {}
 
   /// Finds where the probes of a brick lie, for all fields.
   void enter(std::size_t slot, std::int64_t row_step);
   BrickErrors measure(const FieldView& field, std::size_t f);
 
-  std::size_t in_mesh() const;
-  /// After measure: probes in the mesh, but in leaf cells without a trilinear field.
-  std::size_t uncovered() const;
-
  private:
+  double uncovered_volume(const FieldView& field);
+  Point first_sample() const;
   double row_place(std::size_t axis, std::size_t i) const;
 
   const CleanMesh& mesh_;
@@ -34,6 +34,7 @@ class BrickProbes {
   PointRows probes_;
   Places places_;
   Neighborhood samples_nearby_;
+  LeafParts parts_;
 };
 
 }  // namespace rhoray::preprocess

@@ -29,6 +29,18 @@ double rounded_up(double value) {
   return static_cast<double>(is_below ? std::nextafter(rounded, std::numeric_limits<float>::infinity()) : rounded);
 }
 
+/// Of the tetrahedra on which a field is linear, in leaf cells.
+double volume_with_data(const CleanMesh& mesh, const FieldView& field, const std::vector<Point>& steps) {
+  double volume = 0;
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    if (!field.gradients[c].is_known()) continue;
+    const auto& cell = mesh.cells[c];
+    const Point &p = steps[cell[0]], a = minus(steps[cell[1]], p), b = minus(steps[cell[2]], p);
+    volume += dot(cross(a, b), minus(steps[cell[3]], p)) / 6;
+  }
+  return volume;
+}
+
 /// Marks the bricks with the largest errors so far, one in 128.
 void mark_worst(const std::vector<BrickErrors>& errors, std::vector<std::uint8_t>& marks) {
   std::vector<std::uint32_t> order(errors.size());
@@ -42,18 +54,11 @@ void mark_worst(const std::vector<BrickErrors>& errors, std::vector<std::uint8_t
 
 }  // namespace
 
-Certificates certify(const CleanMesh& mesh, const std::vector<PointField>& fields, const FaceNeighbors& neighbors,
-                     const SampleLattice& lattice, const TouchedBricks& touched, const BrickSamples& samples,
-                     const Progress& progress) {
-  std::vector<Point> steps(mesh.points.size());
-  for (std::size_t p = 0; p < steps.size(); ++p) steps[p] = lattice.in_steps(mesh.points[p]);
-  std::vector<FieldView> views;
-  for (std::size_t f = 0; f < fields.size(); ++f)
-    views.push_back(view_of(mesh, fields[f], steps, lattice, samples.conflicts[f]));
-
-  const std::size_t slot_count = touched.bricks.size();
-  std::vector<std::vector<BrickErrors>> errors(fields.size(), std::vector<BrickErrors>(slot_count));
-  std::vector<std::array<std::size_t, 2>> probe_counts(slot_count);
+Certificates certify(const CleanMesh& mesh, const std::vector<FieldView>& views, const std::vector<Point>& steps,
+                     const FaceNeighbors& neighbors, const SampleLattice& lattice, const TouchedBricks& touched,
+                     const BrickSamples& samples, const Progress& progress) {
+  const std::size_t slot_count = touched.bricks.size(), field_count = views.size();
+  std::vector<std::vector<BrickErrors>> errors(field_count, std::vector<BrickErrors>(slot_count));
   ProgressMeter meter(progress, "certifying bricks", 3 * slot_count);
   const auto for_each_brick = [&](auto& workers, auto&& act) {
     tbb::parallel_for(Range(0, slot_count, 16), [&](const Range& part) {
@@ -62,39 +67,33 @@ Certificates certify(const CleanMesh& mesh, const std::vector<PointField>& field
       meter.add(part.size());
     });
   };
-  tbb::enumerable_thread_specific<BrickProbes> probes(mesh, lattice, touched, samples);
+  tbb::enumerable_thread_specific<BrickProbes> probes(mesh, steps, lattice, touched, samples);
   for_each_brick(probes, [&](BrickProbes& brick, std::size_t slot) {
     brick.enter(slot, probe_row_step(slot_count));
-    for (std::size_t f = fields.size(); f-- > 0;) errors[f][slot] = brick.measure(views[f], f);
-    probe_counts[slot] = {brick.in_mesh(), brick.uncovered()};
+    for (std::size_t f = 0; f < field_count; ++f) errors[f][slot] = brick.measure(views[f], f);
   });
   // The bricks with the largest errors first: what is attained there is good enough for the others.
-  std::vector<double> largest(fields.size(), 0);
+  std::vector<double> largest(field_count, 0);
   std::vector<std::uint8_t> is_first(slot_count);
-  for (std::size_t f = 0; f < fields.size(); ++f) mark_worst(errors[f], is_first);
+  for (std::size_t f = 0; f < field_count; ++f) mark_worst(errors[f], is_first);
   const std::vector<std::uint8_t> open_faces = find_open_faces(mesh, neighbors, lattice);
   tbb::enumerable_thread_specific<BrickBounds> bounds(mesh, neighbors, open_faces, steps, touched, samples);
   for (const bool first : {true, false}) {
     for_each_brick(bounds, [&](BrickBounds& brick, std::size_t slot) {
       if ((is_first[slot] != 0) != first) return;
       brick.enter(slot);
-      for (std::size_t f = 0; f < fields.size(); ++f)
+      for (std::size_t f = 0; f < field_count; ++f)
         brick.bound(views[f], f, (1 + BrickBounds::relative_gap) * largest[f], errors[f][slot]);
     });
-    for (std::size_t f = 0; f < fields.size(); ++f)
+    for (std::size_t f = 0; f < field_count; ++f)
       for (const BrickErrors& brick : errors[f]) largest[f] = std::max(largest[f], brick.attained);
   }
 
   Certificates certificates;
-  std::size_t in_mesh = 0, uncovered = 0;
-  for (const auto& [all, bare] : probe_counts) {
-    in_mesh += all;
-    uncovered += bare;
-  }
-  if (in_mesh > 0) certificates.uncovered_share = static_cast<double>(uncovered) / static_cast<double>(in_mesh);
-  for (const auto& of_bricks : errors) {
+  for (std::size_t f = 0; f < field_count; ++f) {
+    const std::vector<BrickErrors>& of_bricks = errors[f];
     FieldErrors field;
-    double sum_of_squares = 0;
+    double sum_of_squares = 0, uncovered = 0;
     for (const BrickErrors& brick : of_bricks) {
       field.max.push_back(rounded_up(brick.bound));
       field.rms.push_back(brick.point_count == 0 ? 0 : std::sqrt(brick.sum_of_squares / brick.point_count));
@@ -105,7 +104,10 @@ Certificates certify(const CleanMesh& mesh, const std::vector<PointField>& field
       }
       sum_of_squares += brick.sum_of_squares;
       field.point_count += brick.point_count;
+      uncovered += brick.uncovered_volume;
     }
+    const double whole = volume_with_data(mesh, views[f], steps);
+    if (whole > 0) field.coverage = std::clamp(1 - uncovered / whole, 0.0, 1.0);
     if (field.point_count > 0) field.rms_error = std::sqrt(sum_of_squares / static_cast<double>(field.point_count));
     certificates.fields.push_back(std::move(field));
   }

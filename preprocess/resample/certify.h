@@ -4,14 +4,16 @@
 #include <vector>
 
 #include "preprocess/resample/faces.h"
+#include "preprocess/resample/field_view.h"
 #include "preprocess/resample/sample.h"
 
 namespace rhoray::preprocess {
 
 /// How far the trilinear field between the samples lies from the mesh's piecewise linear one.
 ///
-/// Compared are all points of the mesh in leaf cells whose eight samples have data; the leaf cell (i, j, k) belongs to
-/// the brick of its first sample. Where cells of the mesh overlap, the trilinear field is compared with each of them.
+/// Compared are all points of the mesh where its field has data, in leaf cells whose eight samples have values, those
+/// outside the mesh too (extend.h); the leaf cell (i, j, k) belongs to the brick of its first sample. Where cells of
+/// the mesh overlap, the trilinear field is compared with each of them.
 struct FieldErrors {
   /// By slot. An upper bound of the difference (not an estimate), 0 in a brick without such leaf cells. Either it
   /// exceeds a difference that is attained in the brick by at most a twentieth, or the grid's largest attained
@@ -27,24 +29,28 @@ struct FieldErrors {
   std::array<double, 3> attained_at{};  ///< that point, in steps of the lattice
   double rms_error = 0;                 ///< over all points
   std::uint64_t point_count = 0;        ///< points of the estimate
+
+  /// Share of the mesh's volume where the field has data that lies in leaf cells whose eight samples have values. Added
+  /// up from the parts of tetrahedra in the other leaf cells: exact but for rounding. 1 where the field has no data.
+  double coverage = 1;
 };
 
 struct Certificates {
   std::vector<FieldErrors> fields;
-  /// Share of the mesh's volume that lies in leaf cells with a sample outside (estimated by the same points): there is
-  /// no trilinear field.
-  double uncovered_share = 0;
 };
 
 /// The difference is harmonic in the part of a leaf cell that lies in one tetrahedron, so its extremes lie on the faces
-/// of tetrahedra: there it is a cubic, bounded by Bernstein coefficients (trilinear_patch.h) and subdivision. Most leaf
+/// of tetrahedra (on a side of the leaf cell it is bilinear, and zero at a sample in the mesh). There it is a cubic,
+/// bounded by Bernstein coefficients (trilinear_patch.h) and subdivision. Most leaf
 /// cells are decided without, by the range of the gradients in them (quick_bounds.h): only those with a larger bound
 /// than what is attained elsewhere need the faces themselves. On each face the trilinear function less its linear part
 /// at the cell's middle is at most what it is at the worst of the cell's corners, and the rest is linear
 /// (brick_faces.h); only faces on which this leaves more than what is attained are cut and subdivided. Leaf cells
 /// touched by a face without a neighbour are always looked at, except where the face lies in a side of the lattice.
-Certificates certify(const CleanMesh& mesh, const std::vector<PointField>& fields, const FaceNeighbors& neighbors,
-                     const SampleLattice& lattice, const TouchedBricks& touched, const BrickSamples& samples,
-                     const Progress& progress);
+///
+/// @param views  one for each field; steps: the mesh's points, in steps of the lattice
+Certificates certify(const CleanMesh& mesh, const std::vector<FieldView>& views, const std::vector<Point>& steps,
+                     const FaceNeighbors& neighbors, const SampleLattice& lattice, const TouchedBricks& touched,
+                     const BrickSamples& samples, const Progress& progress);
 
 }  // namespace rhoray::preprocess

@@ -37,6 +37,12 @@ Gradient gradient_of(const std::array<Point, 4>& p, const std::array<double, 4>&
   return gradient;
 }
 
+std::vector<Point> points_in_steps(const CleanMesh& mesh, const SampleLattice& lattice) {
+  std::vector<Point> steps(mesh.points.size());
+  for (std::size_t p = 0; p < steps.size(); ++p) steps[p] = lattice.in_steps(mesh.points[p]);
+  return steps;
+}
+
 FieldView view_of(const CleanMesh& mesh, const PointField& field, const std::vector<Point>& steps,
                   const SampleLattice& lattice, std::span<const Conflict> conflicts) {
   FieldView view;
@@ -52,9 +58,11 @@ FieldView view_of(const CleanMesh& mesh, const PointField& field, const std::vec
   for (const double value : view.values)
     if (has_data(value)) range.include(value);
   if (range.is_empty()) range = {0, 0};
+  view.low = range.lo;
   view.range = range.hi - range.lo;
   if (view.range > 0 && has_data(1 / view.range) && has_data(view.range)) view.unit = view.range;
-  const double largest = std::max(std::abs(range.lo), std::abs(range.hi));
+  // Samples outside the mesh reach beyond the range, by the range at most (extend.h).
+  const double largest = std::max(std::abs(range.lo), std::abs(range.hi)) + view.range;
   const auto axis = static_cast<double>(std::max({lattice.count.x, lattice.count.y, lattice.count.z}));
   view.noise = largest * ((is_single ? 0x1p-24 : 0) + 0x1p-50 * axis);
   view.gradients.resize(mesh.cells.size());

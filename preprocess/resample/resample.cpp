@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "formats/base/trouble.h"
 #include "preprocess/inspect/has_data.h"
+#include "preprocess/resample/extend.h"
 #include "preprocess/resample/write_grid.h"
 
 namespace rhoray::preprocess {
@@ -57,40 +59,49 @@ class Resampling {
   }
 
   ResampleReport write(const std::string& length_unit, const std::filesystem::path& path) {
-    const ResampledMesh grid = options_.max_error ? refined() : tried(choose_samples(mesh_.box, options_.lattice));
-    write_grid(grid, mesh_, fields_, length_unit, path, options_, progress_, report_);
+    if (options_.max_error) report_.requested_error = requested_error();
+    const ResampledMesh grid = options_.max_error ? refined() : sampled(placed(first_lattice()));
+    write_grid(grid, mesh_, fields_, length_unit, report_.requested_error, path, options_, progress_, report_);
     fill_report(grid);
     return std::move(report_);
   }
 
  private:
-  ResampledMesh tried(SampleLattice lattice) {
+  /// A grid without samples: in which bricks they will stand. Throws Trouble::resource where they do not fit.
+  ResampledMesh placed(SampleLattice lattice) const {
     ResampledMesh grid;
     grid.lattice = std::move(lattice);
     require_memory(bytes_of(grid.lattice, fields_, 0), grid.lattice);
     grid.touched = find_touched_bricks(mesh_, grid.lattice, progress_);
-    touched_share_ = static_cast<double>(grid.touched.bricks.size()) / static_cast<double>(grid.touched.slots.size());
-    require_memory(bytes_of(grid.lattice, fields_, touched_share_), grid.lattice);
+    const double touched_share =
+        static_cast<double>(grid.touched.bricks.size()) / static_cast<double>(grid.touched.slots.size());
+    require_memory(bytes_of(grid.lattice, fields_, touched_share), grid.lattice);
+    return grid;
+  }
+
+  ResampledMesh sampled(ResampledMesh grid) const {
     grid.samples = sample_fields(mesh_, fields_, grid.lattice, grid.touched, progress_);
-    grid.certificates = certify(mesh_, fields_, neighbors_, grid.lattice, grid.touched, grid.samples, progress_);
+    const std::vector<Point> steps = points_in_steps(mesh_, grid.lattice);
+    std::vector<FieldView> views;
+    for (std::size_t f = 0; f < fields_.size(); ++f)
+      views.push_back(view_of(mesh_, fields_[f], steps, grid.lattice, grid.samples.conflicts[f]));
+    extend_samples(mesh_, views, steps, grid.lattice, grid.touched, grid.samples, progress_);
+    grid.certificates = certify(mesh_, views, steps, neighbors_, grid.lattice, grid.touched, grid.samples, progress_);
     return grid;
   }
 
   void require_memory(double bytes, const SampleLattice& lattice) const {
-    if (bytes <= static_cast<double>(limit_)) return;
-    const std::string needs = concat(size_text(lattice.count), " need ", mebibytes(bytes), "; allowed are ",
-                                     mebibytes(static_cast<double>(limit_)));
-    if (report_.attempts.empty())
-      throw Error(Trouble::resource, concat(source_name_, ": ", needs), "take fewer samples, or allow more memory");
-    const ResampleReport::Attempt& best = report_.attempts.back();
-    throw Error(Trouble::resource,
-                concat(source_name_, ": the error is ", best.max_error, " with ", size_text(best.sample_count), " and ",
-                       wanted_error(), " is wanted; ", needs),
-                "take that many samples, a larger error, or allow more memory");
+    if (bytes > static_cast<double>(limit_))
+      throw Error(Trouble::resource,
+                  concat(source_name_, ": ", size_text(lattice.count), " need ", mebibytes(bytes), "; allowed are ",
+                         mebibytes(static_cast<double>(limit_))),
+                  "take fewer samples, or allow more memory");
   }
 
   /// In the first field's unit.
-  double wanted_error() const {
+  double requested_error() const {
+    if (!(std::isfinite(*options_.max_error) && *options_.max_error > 0))
+      throw Error(Trouble::usage, concat("largest error: found ", *options_.max_error, "; expected a number above 0"));
     if (!options_.max_error_is_share) return *options_.max_error;
     Interval<double> range;
     std::visit(
@@ -113,36 +124,68 @@ class Resampling {
     return {.longest_axis = static_cast<std::int64_t>(samples)};
   }
 
+  SampleLattice first_lattice() const {
+    return choose_samples(mesh_.box, options_.max_error ? first_wish() : options_.lattice);
+  }
+
+  static bool is_covered(const ResampledMesh& grid) {
+    return grid.certificates.fields.front().coverage >= formats::Certificate::whole_coverage;
+  }
+
   /// Steps become shorter, at most by half and at least by a tenth each time: by as much as the order of the last two
   /// errors says is enough. From a mesh's piecewise linear field that order is at most 2 where the steps are longer
   /// than the mesh's edges, and 1 where they are shorter.
+  ///
+  /// Where the field jumps (two sheets in one place, a gap narrower than the steps) no lattice helps: once steps
+  /// of less than a third have not made the smallest error a twentieth smaller, the grid with that error is taken.
   ResampledMesh refined() {
-    const double wanted = wanted_error();
-    if (!(std::isfinite(wanted) && *options_.max_error > 0))
-      throw Error(Trouble::usage, concat("largest error: found ", *options_.max_error, "; expected a number above 0"));
-    SampleLattice lattice = choose_samples(mesh_.box, first_wish());
-    double last_error = 0, last_spacing = 0;
+    constexpr double shorter_in_vain = 1.0 / 3, least_gain = 0.05;
+    const double requested = *report_.requested_error;
+    ResampledMesh grid = sampled(placed(first_lattice()));
+    SampleLattice best = grid.lattice;
+    double best_error = std::numeric_limits<double>::infinity(), last_error = 0, last_spacing = 0;
     for (;;) {
-      ResampledMesh grid = tried(lattice);
-      const double error = grid.certificates.fields.front().max_error, spacing = lattice.spacing.x;
-      report_.attempts.push_back({lattice.count, error});
-      if (error <= wanted) return grid;
+      const FieldErrors& errors = grid.certificates.fields.front();
+      const double error = errors.max_error, spacing = grid.lattice.spacing.x;
+      report_.attempts.push_back({grid.lattice.count, error, errors.coverage});
+      if (error <= requested && is_covered(grid)) return grid;
+      if (error < (1 - least_gain) * best_error) {
+        best_error = error;
+        best = grid.lattice;
+      } else if (spacing < shorter_in_vain * best.spacing.x) {
+        report_.why_not_reached = "finer grids hardly lower it: the field jumps, or changes within a step";
+        grid = {};
+        return sampled(placed(best));
+      }
       double order = 1;
       if (last_error > error)
         order = std::clamp(std::log(last_error / error) / std::log(last_spacing / spacing), 0.5, 2.0);
-      const double shorter = std::clamp(std::pow(0.95 * wanted / error, 1 / order), 0.5, 0.9);
+      const double shorter = std::clamp(std::pow(0.95 * requested / error, 1 / order), 0.5, 0.9);
       last_error = error;
       last_spacing = spacing;
-      lattice = finer(lattice, shorter);
+      ResampledMesh next;
+      try {
+        next = placed(finer(grid.lattice, shorter));
+      } catch (const Error& error_of_next) {
+        if (error_of_next.trouble() != Trouble::resource) throw;
+        report_.why_not_reached = error_of_next.what();
+        return grid;
+      }
+      grid = {};
+      grid = sampled(std::move(next));
     }
   }
 
   SampleLattice finer(const SampleLattice& lattice, double shorter) const {
+    Index3 count;
+    for (int a = 0; a < 3; ++a) {
+      count[a] = static_cast<std::int64_t>(std::ceil(static_cast<double>(lattice.count[a] - 1) / shorter)) + 1;
+      if (count[a] > SampleLattice::largest_axis)
+        throw Error(Trouble::resource, concat(source_name_, ": ", size_text(count), " are wanted; a grid has at most ",
+                                              SampleLattice::largest_axis, " on an axis"));
+    }
     if (options_.lattice.spacing != Vec3(0, 0, 0))
       return choose_samples(mesh_.box, {.spacing = lattice.spacing * shorter});
-    Index3 count;
-    for (int a = 0; a < 3; ++a)
-      count[a] = static_cast<std::int64_t>(std::ceil(static_cast<double>(lattice.count[a] - 1) / shorter)) + 1;
     return choose_samples(mesh_.box, {.sample_count = count});
   }
 
@@ -150,11 +193,12 @@ class Resampling {
     report_.inside_count = grid.samples.inside_count;
     report_.outside_count = static_cast<std::uint64_t>(volume(grid.lattice.count)) - report_.inside_count;
     report_.overlap_count = grid.samples.overlap_count;
-    report_.uncovered_share = grid.certificates.uncovered_share;
+    report_.extended_count = grid.samples.extended_count;
     for (std::size_t f = 0; f < fields_.size(); ++f) {
       const FieldErrors& errors = grid.certificates.fields[f];
       const formats::Certificate& kept = report_.description.certificates.at(f);
       report_.errors.push_back({.name = fields_[f].name,
+                                .coverage = errors.coverage,
                                 .max_error = kept.max_error,
                                 .attained = errors.attained,
                                 .attained_at = kept.max_at,
@@ -165,14 +209,15 @@ class Resampling {
       report_.notes.push_back(concat(report_.overlap_count,
                                      report_.overlap_count == 1 ? " sample lies" : " samples lie",
                                      " in several cells that overlap: the first one counts"));
-    if (report_.inside_count == 0) report_.notes.push_back("no sample lies in the mesh: it is thinner than the steps");
+    if (report_.inside_count == 0)
+      report_.notes.push_back(
+          "no sample lies in the mesh, which is thinner than the steps: all values stand beside it");
   }
 
   const ResampleOptions& options_;
   const Progress& progress_;
   std::string source_name_;
   std::uint64_t limit_;
-  double touched_share_ = 1;
   CleanMesh mesh_;
   std::vector<PointField> fields_;
   FaceNeighbors neighbors_;

@@ -37,8 +37,6 @@ struct Scratch {
 /// What lies beyond it is rounding.
 template <class T>
 bool disagree(T a, T b) {
-  const bool a_is_there = has_data(a), b_is_there = has_data(b);
-  if (!a_is_there || !b_is_there) return a_is_there != b_is_there;
   return std::abs(a - b) > 4 * std::numeric_limits<T>::epsilon() * std::max(std::abs(a), std::abs(b));
 }
 
@@ -51,11 +49,12 @@ void fill_brick(const CleanMesh& mesh, const Array<T>& values, const Scratch& sc
                                      : interpolate(values, mesh.cells[cell], scratch.places.weights[s]);
   }
   for (const SecondClaim& claim : scratch.second) {
-    const T other = interpolate(values, mesh.cells[claim.cell], claim.weights), own = out[claim.point];
-    if (!disagree(own, other)) continue;
-    const double difference = std::abs(static_cast<double>(own) - static_cast<double>(other));
-    conflicts.push_back(
-        {slot, claim.point, std::isnan(difference) ? std::numeric_limits<double>::infinity() : difference});
+    const T other = interpolate(values, mesh.cells[claim.cell], claim.weights);
+    T& own = out[claim.point];
+    if (!has_data(other)) continue;
+    if (!has_data(own)) own = other;
+    if (disagree(own, other))
+      conflicts.push_back({slot, claim.point, std::abs(static_cast<double>(own) - static_cast<double>(other))});
   }
 }
 
@@ -70,6 +69,18 @@ std::uint32_t overlaps(const std::vector<SecondClaim>& second) {
   return count;
 }
 
+/// Whether the mesh touches a leaf cell that has a sample of this brick as a corner, or nearly so.
+bool is_needed(const TouchedBricks& touched, std::size_t brick) {
+  const Index3 at = touched.at_brick(static_cast<std::int64_t>(brick));
+  for (std::int64_t side = 0; side < 8; ++side) {
+    const Index3 source = at - Index3(side & 1, side >> 1 & 1, side >> 2);
+    if (source.x >= 0 && source.y >= 0 && source.z >= 0 &&
+        !touched.lists.view().list(static_cast<std::size_t>(touched.number(source))).empty())
+      return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 TouchedBricks find_touched_bricks(const CleanMesh& mesh, const SampleLattice& lattice, const Progress& progress) {
@@ -81,7 +92,7 @@ TouchedBricks find_touched_bricks(const CleanMesh& mesh, const SampleLattice& la
   touched.lists = build_leaf_lists(mesh.points, mesh.cells, leaves, progress);
   touched.slots.assign(static_cast<std::size_t>(volume(touched.count)), TouchedBricks::none);
   for (std::size_t brick = 0; brick < touched.slots.size(); ++brick) {
-    if (touched.lists.view().list(brick).empty()) continue;
+    if (!is_needed(touched, brick)) continue;
     touched.slots[brick] = static_cast<std::uint32_t>(touched.bricks.size());
     touched.bricks.push_back(static_cast<std::uint32_t>(brick));
   }

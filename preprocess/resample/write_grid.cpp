@@ -23,7 +23,7 @@ constexpr auto brick_samples = static_cast<std::size_t>(SampleLattice::brick_sam
 std::vector<std::size_t> kept_slots(const BrickSamples& samples) {
   std::vector<std::size_t> kept;
   for (std::size_t slot = 0; slot < samples.inside_counts.size(); ++slot)
-    if (samples.inside_counts[slot] > 0) kept.push_back(slot);
+    if (samples.inside_counts[slot] > 0 || samples.extended_counts[slot] > 0) kept.push_back(slot);
   return kept;
 }
 
@@ -118,8 +118,9 @@ void write_bricks(const Array<T>& samples, const std::vector<std::size_t>& kept,
 }  // namespace
 
 void write_grid(const ResampledMesh& grid, const CleanMesh& mesh, const std::vector<PointField>& fields,
-                const std::string& length_unit, const std::filesystem::path& path, const ResampleOptions& options,
-                const Progress& progress, ResampleReport& report) {
+                const std::string& length_unit, std::optional<double> requested_error,
+                const std::filesystem::path& path, const ResampleOptions& options, const Progress& progress,
+                ResampleReport& report) {
   const std::vector<std::size_t> kept = kept_slots(grid.samples);
   const Index3 count = grid.lattice.count;
   formats::GridDescription& packed = report.description;
@@ -149,7 +150,9 @@ void write_grid(const ResampledMesh& grid, const CleanMesh& mesh, const std::vec
         .max_error = static_cast<double>(*std::max_element(max.begin(), max.end())),
         .rms_error = field.rms_error,
         .max_at = packed.world_from_grid.point({field.attained_at[0], field.attained_at[1], field.attained_at[2]}),
-        .point_count = field.point_count};
+        .point_count = field.point_count,
+        .coverage = field.coverage,
+        .requested_error = f == 0 ? requested_error : std::nullopt};
     ranging.add(1);
   }
 

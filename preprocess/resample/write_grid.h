@@ -16,9 +16,12 @@ struct ResampledMesh {
   Certificates certificates;
 };
 
-/// Writes a packed grid with the bricks that have a sample inside the mesh. Adds description and file_bytes.
+/// Writes a packed grid with the bricks that have a sample inside the mesh or one that was given a value outside. Adds
+/// description and file_bytes.
+/// @param requested_error  of the first field, for its certificate
 void write_grid(const ResampledMesh& grid, const CleanMesh& mesh, const std::vector<PointField>& fields,
-                const std::string& length_unit, const std::filesystem::path& path, const ResampleOptions& options,
-                const Progress& progress, ResampleReport& report);
+                const std::string& length_unit, std::optional<double> requested_error,
+                const std::filesystem::path& path, const ResampleOptions& options, const Progress& progress,
+                ResampleReport& report);
 
 }  // namespace rhoray::preprocess

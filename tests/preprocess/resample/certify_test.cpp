@@ -69,8 +69,10 @@ TEST(Certify, bounds_the_error_around_holes) {
   mesh.cells = kept;
   const Sampled sampled(mesh, {.longest_axis = 22});
   EXPECT_LT(sampled.samples.inside_count, static_cast<std::uint64_t>(volume(sampled.lattice.count)));
-  EXPECT_GT(sampled.certificates.uncovered_share, 0.02);
+  EXPECT_GT(sampled.samples.extended_count, 100U);
+  EXPECT_NEAR(sampled.certificates.fields[0].coverage, 1, 1e-9);
   expect_bound(sampled, 30, gap);
+  EXPECT_EQ(sampled.bare_point_count, 0U);
 }
 
 TEST(Certify, compares_with_every_cell_where_cells_overlap) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "preprocess/resample/certify.h"
+#include "preprocess/resample/extend.h"
 #include "preprocess/resample/locate.h"
 #include "tests/support/meshes.h"
 
@@ -31,6 +32,7 @@ struct Sampled {
   TouchedBricks touched;
   BrickSamples samples;
   Certificates certificates;
+  mutable std::size_t bare_point_count = 0;
 
   Sampled(const NeutralMesh& source, const LatticeWish& wish) {
     std::vector<std::string> notes;
@@ -39,7 +41,12 @@ struct Sampled {
     lattice = choose_samples(mesh.box, wish);
     touched = find_touched_bricks(mesh, lattice, {});
     samples = sample_fields(mesh, fields, lattice, touched, {});
-    certificates = certify(mesh, fields, match_faces(mesh.points, mesh.cells), lattice, touched, samples, {});
+    const std::vector<Point> steps = points_in_steps(mesh, lattice);
+    std::vector<FieldView> views;
+    for (std::size_t f = 0; f < fields.size(); ++f)
+      views.push_back(view_of(mesh, fields[f], steps, lattice, samples.conflicts[f]));
+    extend_samples(mesh, views, steps, lattice, touched, samples, {});
+    certificates = certify(mesh, views, steps, match_faces(mesh.points, mesh.cells), lattice, touched, samples, {});
   }
 
   double sample(std::int64_t i, std::int64_t j, std::int64_t k, std::size_t field = 0) const {
@@ -64,7 +71,8 @@ struct Sampled {
   }
 
   /// Calls act(leaf cell, |trilinear - linear|) at points strewn densely over every tetrahedron, its faces and edges
-  /// too; on a side of a leaf cell for that beyond it. Leaf cells without a trilinear field are left out.
+  /// too; on a side of a leaf cell for that beyond it, or before it where that has no trilinear field. Points in leaf
+  /// cells without a trilinear field are only counted (bare_point_count).
   /// @param order  a tetrahedron's edge is cut into as many parts
   template <class Act>
   void for_each_difference(int order, Act&& act) const {
@@ -88,8 +96,22 @@ struct Sampled {
             for (int axis = 0; axis < 3; ++axis)
               leaf[axis] =
                   std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor(at[axis])), 0, lattice.count[axis] - 2);
-            const double difference = std::abs(trilinear(leaf, at) - linear);
-            if (!std::isnan(difference)) act(leaf, difference);
+            if (std::isnan(linear)) continue;
+            double difference = std::abs(trilinear(leaf, at) - linear);
+            for (int below = 1; below < 8 && std::isnan(difference); ++below) {
+              const Index3 step(below & 1, below >> 1 & 1, below >> 2);
+              bool is_in_side = true;
+              for (int axis = 0; axis < 3; ++axis)
+                is_in_side = is_in_side &&
+                             (step[axis] == 0 || (leaf[axis] > 0 && at[axis] < 1e-9 + static_cast<double>(leaf[axis])));
+              if (!is_in_side) continue;
+              difference = std::abs(trilinear(leaf - step, at) - linear);
+              if (!std::isnan(difference)) leaf -= step;
+            }
+            if (std::isnan(difference))
+              ++bare_point_count;
+            else
+              act(leaf, difference);
           }
   }
 
