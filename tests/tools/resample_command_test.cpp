@@ -51,6 +51,28 @@ TEST(ResampleCommand, refines_to_the_error_that_is_asked_for) {
   EXPECT_EQ(json["attempts"].back()["max_error"], json["errors"][0]["max_error"]);
 }
 
+TEST(ResampleCommand, keeps_a_grid_that_misses_the_error_and_exits_with_6) {
+  const Workbench bench;
+  bench.make_box_vtu();
+  for (const char* output : {"grid.rho", "grid.vdb"}) {
+    const RunResult result = bench.rhoray({"resample", "box.vtu", "--max-error", "0.0001%", "--field", "length",
+                                           "--memory", "256M", "--size", "40", "-o", output, "--json"});
+    EXPECT_EQ(result.exit_code, 6) << output << "\n" << result.err;
+    EXPECT_THAT(result.err, HasSubstr("was asked for"));
+    EXPECT_THAT(result.err, HasSubstr("hint: the file was written"));
+    EXPECT_LT(result.err.find("coverage of length: 100 %"), result.err.find("error of length: at most"));
+    const nlohmann::json json = nlohmann::json::parse(result.out);
+    EXPECT_FALSE(json["reached"]);
+    EXPECT_EQ(json["coverage"], 1.0);
+    EXPECT_TRUE(std::filesystem::exists(bench / output));
+  }
+  EXPECT_EQ(bench.rhoray({"verify", "--deep", "grid.rho"}).exit_code, 0);
+  EXPECT_THAT(bench.rhoray({"info", "grid.rho"}).out, HasSubstr("was asked for: not reached"));
+  const nlohmann::json info = nlohmann::json::parse(bench.rhoray({"info", "grid.rho", "--json"}).out);
+  EXPECT_FALSE(info["fields"][0]["certificate"]["meets_request"]);
+  EXPECT_EQ(info["fields"][0]["certificate"]["coverage"], 1.0);
+}
+
 TEST(ResampleCommand, writes_openvdb_with_the_same_samples) {
   const Workbench bench;
   bench.make_box_vtu();

@@ -87,9 +87,16 @@ std::string with_unit(const std::string& text, const Json& unit) {
 }
 
 std::string certificate_text(const Json& certificate, const Json& unit) {
-  return row("", concat("certified at ", grouped(certificate["point_count"]), " points: error at most ",
-                        with_unit(rounded(certificate["max_error"]), unit), " at (", numbers(certificate["max_at"]),
-                        "), rms ", with_unit(rounded(certificate["rms_error"]), unit)));
+  std::string text;
+  if (const Json& coverage = certificate["coverage"]; coverage.is_number())
+    text += row("", concat("covers ", rounded(100 * coverage.get<double>(), 6), " % of the source's volume"));
+  text += row("", concat("certified at ", grouped(certificate["point_count"]), " points: error at most ",
+                         with_unit(rounded(certificate["max_error"]), unit), " at (", numbers(certificate["max_at"]),
+                         "), rms ", with_unit(rounded(certificate["rms_error"]), unit)));
+  if (const Json& requested = certificate["requested_error"]; requested.is_number())
+    text += row("", concat("an error of at most ", with_unit(rounded(requested), unit),
+                           " was asked for: ", certificate["meets_request"] ? "reached" : "not reached"));
+  return text;
 }
 
 std::string field_text(const Json& field) {

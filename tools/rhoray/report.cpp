@@ -56,10 +56,14 @@ void append_lines(const Json& json, std::size_t indent, std::string& out) {
 }
 
 Json certificate_json(const formats::Certificate& certificate) {
-  return {{"max_error", certificate.max_error},
+  const auto optional_json = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
+  return {{"coverage", optional_json(certificate.coverage)},
+          {"max_error", certificate.max_error},
           {"rms_error", certificate.rms_error},
           {"max_at", json_of(certificate.max_at)},
-          {"point_count", certificate.point_count}};
+          {"point_count", certificate.point_count},
+          {"requested_error", optional_json(certificate.requested_error)},
+          {"meets_request", certificate.meets_request()}};
 }
 
 Json layout_json(const formats::BrickLayout& layout) {

@@ -153,25 +153,36 @@ Json report_json(const preprocess::ResampleReport& report) {
   Json errors = Json::array(), attempts = Json::array();
   for (const auto& error : report.errors)
     errors.push_back({{"field", error.name},
+                      {"coverage", error.coverage},
                       {"max_error", error.max_error},
                       {"attained", error.attained},
                       {"attained_at", json_of(error.attained_at)},
                       {"rms_error", error.rms_error},
                       {"point_count", error.point_count}});
   for (const auto& attempt : report.attempts)
-    attempts.push_back({{"sample_count", json_of(attempt.sample_count)}, {"max_error", attempt.max_error}});
-  return {{"file_bytes", report.file_bytes},
+    attempts.push_back({{"sample_count", json_of(attempt.sample_count)},
+                        {"coverage", attempt.coverage},
+                        {"max_error", attempt.max_error}});
+  return {{"coverage", report.errors.front().coverage},
+          {"requested_error", report.requested_error ? Json(*report.requested_error) : Json(nullptr)},
+          {"reached", report.why_not_reached.empty()},
+          {"why_not_reached", report.why_not_reached},
+          {"file_bytes", report.file_bytes},
           {"inside_count", report.inside_count},
           {"outside_count", report.outside_count},
+          {"extended_count", report.extended_count},
           {"overlap_count", report.overlap_count},
           {"stored_brick_count", report.description.layout.stored_brick_count},
           {"brick_count", volume(report.description.layout.brick_count())},
-          {"uncovered_share", report.uncovered_share},
           {"errors", errors},
           {"attempts", attempts}};
 }
 
+/// Coverage first: an error is known only of the part of the mesh that is covered.
 void say_errors(const CommonOptions& common, const preprocess::ResampleReport& report) {
+  for (const auto& error : report.errors)
+    say(common, concat("coverage of ", error.name, ": ", rounded(100 * error.coverage, 6),
+                       " % of the mesh's volume lies in cells with a value"));
   for (const auto& error : report.errors) {
     const std::string unit = [&] {
       for (const formats::FieldSummary& field : report.description.fields)
@@ -182,9 +193,19 @@ void say_errors(const CommonOptions& common, const preprocess::ResampleReport& r
         concat("error of ", error.name, ": at most ", rounded(error.max_error), unit, " (", rounded(error.attained),
                " at ", text_of(error.attained_at), "), root mean square about ", rounded(error.rms_error), unit));
   }
-  if (report.uncovered_share > 0)
-    say(common, concat("about ", rounded(100 * report.uncovered_share, 3),
-                       " % of the mesh lies in cells with a sample outside it: no error is known there"));
+}
+
+/// Where --max-error was not reached. The file is there, and its certificate says the same.
+void refuse_missed_error(const preprocess::ResampleReport& report, const std::filesystem::path& output) {
+  if (report.why_not_reached.empty()) return;
+  const auto& error = report.errors.front();
+  throw Error(
+      Trouble::outside_limit,
+      concat(output.string(), ": the error of ", error.name, " is at most ", rounded(error.max_error), " in ",
+             rounded(100 * error.coverage, 6), " % of the mesh; ", rounded(*report.requested_error), " was asked for (",
+             report.why_not_reached, ")"),
+      "the file was written, and its certificate says so; allow a larger error or more memory, or start from a finer "
+      "grid with --size");
 }
 
 int run(ResampleCommand& command) {
@@ -214,26 +235,29 @@ int run(ResampleCommand& command) {
   const Usage usage = usage_so_far();
   for (const std::string& note : notes) say(common, concat("note: ", note));
   for (const auto& attempt : report.attempts)
-    tell(common, concat(text_of(attempt.sample_count), " samples: error at most ", rounded(attempt.max_error)));
+    tell(common, concat(text_of(attempt.sample_count), " samples: coverage ", rounded(100 * attempt.coverage, 6),
+                        " %, error at most ", rounded(attempt.max_error)));
   const formats::BrickLayout& layout = report.description.layout;
-  say(common,
-      concat(output.string(), ": ", text_of(layout.sample_count), " samples, ", grouped(report.inside_count),
-             " in the mesh and ", grouped(report.outside_count), " outside; ", grouped(layout.stored_brick_count),
-             " of ", grouped(static_cast<std::uint64_t>(volume(layout.brick_count()))), " bricks kept, ",
-             bytes_text(report.file_bytes)));
   say_errors(common, report);
+  say(common, concat(output.string(), ": ", text_of(layout.sample_count), " samples, ", grouped(report.inside_count),
+                     " in the mesh and ", grouped(report.outside_count), " outside, ", grouped(report.extended_count),
+                     " of them with a value for the cells at its border; ", grouped(layout.stored_brick_count), " of ",
+                     grouped(static_cast<std::uint64_t>(volume(layout.brick_count()))), " bricks kept, ",
+                     bytes_text(report.file_bytes)));
   say(common, concat("took ", rounded(watch.seconds(), 3), " s (", rounded(usage.cpu_s, 3), " s of CPU), peak memory ",
                      bytes_text(usage.peak_bytes), ", of the reading process ", bytes_text(usage.worker_peak_bytes)));
-  if (!common.json) return 0;
-  Json json = report_json(report);
-  json["file"] = output.string();
-  json["seconds"] = watch.seconds();
-  json["cpu_seconds"] = usage.cpu_s;
-  json["peak_bytes"] = usage.peak_bytes;
-  json["worker_peak_bytes"] = usage.worker_peak_bytes;
-  json["notes"] = notes;
-  json["description"] = json_of(report.description);
-  std::puts(dump(json).c_str());
+  if (common.json) {
+    Json json = report_json(report);
+    json["file"] = output.string();
+    json["seconds"] = watch.seconds();
+    json["cpu_seconds"] = usage.cpu_s;
+    json["peak_bytes"] = usage.peak_bytes;
+    json["worker_peak_bytes"] = usage.worker_peak_bytes;
+    json["notes"] = notes;
+    json["description"] = json_of(report.description);
+    std::puts(dump(json).c_str());
+  }
+  refuse_missed_error(report, output);
   return 0;
 }
 
@@ -246,7 +270,10 @@ Subcommand resample_subcommand() {
           .examples =
               "  rhoray resample torso.vtu --size 256 -o torso_grid.rho\n"
               "  rhoray resample torso.rho --max-error 0.5% --field potential -o torso_grid.rho\n"
-              "  rhoray resample torso.vtu --spacing 2 --field potential -o torso.vdb\n",
+              "  rhoray resample torso.vtu --spacing 2 --field potential -o torso.vdb\n"
+              "Samples beside the mesh get values where a cell at its border needs them: the mesh's field, continued.\n"
+              "The grid therefore reaches beyond the mesh, by at most one and a half cells on an axis.\n"
+              "Coverage is the share of the mesh's volume in cells with values; the error is bounded there.\n",
           .options = all_options(
               {{file_option("MESH", "Mesh of volume cells, or packed tetrahedra", command->input)},
                output_options(command->common,
@@ -254,8 +281,9 @@ Subcommand resample_subcommand() {
                {value_option("--size", "N|NxNxN", "Samples on the longest axis, or on each", command->size),
                 value_option("--spacing", "H|X,Y,Z", "Distance of samples, in the mesh's unit", command->spacing),
                 value_option("--max-error", "E|E%",
-                             "Refine until the first field's error is at most E, or E % of its range; with --size or "
-                             "--spacing from there",
+                             "Refine until the first field's error is at most E, or E % of its range, in all of the "
+                             "mesh; with --size or --spacing from there. Exit code 6 when that is not reached: the "
+                             "best grid is written",
                              command->max_error),
                 value_option("--field", "A[,B]", "Fields to sample, the first one is shown by default; default all",
                              command->resample.fields),
