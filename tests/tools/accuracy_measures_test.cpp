@@ -33,6 +33,21 @@ TEST(AccuracyMeasures, count_missed_and_false_rays_as_beyond_every_limit) {
   EXPECT_TRUE(std::isinf(counts.kept_by(0.61)));
 }
 
+TEST(AccuracyMeasures, tell_the_border_of_a_resampled_mesh_from_its_samples) {
+  ErrorList list{.errors = {nothing_there, 0.1F, 0.2F, 9.0F, is_missed, is_missed, is_false},
+                 .value_errors = {},
+                 .is_border = {0, 0, 0, 1, 1, 0, 1}};
+  const ErrorCounts counts = count_errors(list);
+  EXPECT_EQ(counts.missed, 2U) << "the sum stays what it is";
+  EXPECT_EQ(counts.false_hits, 1U);
+  EXPECT_EQ(counts.border, (ErrorCounts::Border{.missed = 1, .false_hits = 1, .off = 1}));
+  EXPECT_NEAR(counts.error->largest, 0.2, 1e-7) << "of the samples";
+  EXPECT_DOUBLE_EQ(counts.within(9), 3.0 / 6) << "and nothing is hidden from what is promised";
+  list.is_border.clear();
+  EXPECT_EQ(count_errors(list).border, std::nullopt);
+  EXPECT_EQ(count_errors(list).error->largest, 9);
+}
+
 TEST(AccuracyMeasures, know_how_sure_a_sample_is) {
   // Wilson 1927; figures of Brown, Cai and DasGupta, Statistical Science 16, 2001, for 10 trials.
   const Share half = share_of(5, 10, false), none = share_of(0, 10, false);

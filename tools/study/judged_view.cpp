@@ -63,10 +63,17 @@ Json JudgedView::ray_errors(const Shown& shown) const {
   const std::vector<render::Ray> rays = tools::rays_of(shown.volume, wish_.camera, wish_.size, truth_.pixels);
   const std::vector<render::Hit> hits =
       tools::answers({.volume = shown.volume, .isovalue = shown.isovalue, .method = shown.method}, rays);
-  const tools::ErrorCounts errors = tools::count_errors(tools::errors_against(truth_, field_, scene_.layers[0], hits));
+  const tools::ErrorList list = tools::errors_against(truth_, field_, scene_.layers[0], hits, shown.border);
+  const tools::ErrorCounts errors = tools::count_errors(list);
   std::vector<double> world;
-  for (std::size_t i = 0; i < hits.size(); ++i)
-    if (!hits[i].is_miss() && !truth_.hits[i].is_miss()) world.push_back(std::abs(hits[i].t - truth_.hits[i].t));
+  std::uint64_t wrong_at_border = 0;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const bool is_border = !list.is_border.empty() && list.is_border[i] != 0;
+    const float error = list.errors[i];
+    wrong_at_border += is_border && (std::isinf(error) || error > elsewhere_cells);
+    if (!hits[i].is_miss() && !truth_.hits[i].is_miss() && !is_border)
+      world.push_back(std::abs(hits[i].t - truth_.hits[i].t));
+  }
   const auto elsewhere = static_cast<std::uint64_t>(
       errors.sorted.end() - std::upper_bound(errors.sorted.begin(), errors.sorted.end(), elsewhere_cells));
   const auto ppm = [&](std::uint64_t count) {
@@ -76,6 +83,9 @@ Json JudgedView::ray_errors(const Shown& shown) const {
            {"missed", errors.missed},          {"false_hits", errors.false_hits},
            {"missed_ppm", ppm(errors.missed)}, {"false_ppm", ppm(errors.false_hits)},
            {"elsewhere", elsewhere},           {"wrong_ppm", ppm(errors.missed + errors.false_hits + elsewhere)}};
+  const std::uint64_t wrong = errors.missed + errors.false_hits + elsewhere;
+  row["border_wrong_ppm"] = shown.border != nullptr ? Json(ppm(wrong_at_border)) : Json(nullptr);
+  row["sampling_wrong_ppm"] = shown.border != nullptr ? Json(ppm(wrong - wrong_at_border)) : Json(nullptr);
   put(row, "depth", "_cells", errors.error);
   const double kept = errors.kept_by(0.99);
   row["depth_kept_by_99_cells"] = std::isfinite(kept) ? Json(kept) : Json(nullptr);

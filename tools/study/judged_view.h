@@ -29,6 +29,7 @@ struct Shown {
   const render::Volume& volume;
   double isovalue = 0;  ///< in this volume's own unit
   render::Method method{};
+  const tools::ResampledBorder* border = nullptr;  ///< of a mesh that was resampled
 };
 
 /// An isosurface of some data, of which the exact judge decides every pixel or a random sample, and how far other forms
@@ -44,7 +45,8 @@ class JudgedView {
   double cell_length() const;
 
   /// Columns of a table: rays and hits, missed and false hits, hits that lie more than a cell elsewhere (behind a sheet
-  /// that was not seen), all three of a million, errors of depth in cells and in the world's unit; in a
+  /// that was not seen), all three of a million; of a resampled mesh how many of them its border makes and how many the
+  /// samples; errors of depth in cells and in the world's unit, those at the border left out; in a
   /// grid also of the value at the place that was found, against the isovalue, in shares of the field's range.
   tools::Json ray_errors(const Shown& shown) const;
   /// Columns: angles between normals, and how the picture differs.

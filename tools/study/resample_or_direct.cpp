@@ -60,6 +60,7 @@ struct Form {
   render::Method method{};
   double resample_cpu_s = 0;
   std::uint64_t bytes = 0;
+  std::shared_ptr<const tools::ResampledBorder> border{};
 };
 
 std::vector<int> sizes_of(const std::string& option, const std::vector<std::string>& words) {
@@ -115,11 +116,13 @@ class Forms {
     tools::CpuMeter meter;
     std::optional<render::Volume> drawn;
     std::uint64_t bytes = 0;
+    std::shared_ptr<const tools::ResampledBorder> border;
     const double cpu_s = meter
                              .measure([&] {
                                const tools::FormedData& copy = copies_.get(form_of(kind, size), options_);
                                drawn = copy.volume;
                                bytes = copy.file_bytes;
+                               border = copy.border;
                                if (kind == whole_grid) drawn = whole(copy.volume, size, bytes);
                              })
                              .cpu_s;
@@ -133,7 +136,8 @@ class Forms {
                     .volume = *drawn,
                     .method = render::default_method(*drawn, render::Mode::isosurface),
                     .resample_cpu_s = before_s + cpu_s,
-                    .bytes = bytes});
+                    .bytes = bytes,
+                    .border = border});
   }
 
  private:
@@ -180,7 +184,7 @@ std::vector<Json> rows_of(const Wishes& wishes, const Forms& forms, double isova
   std::vector<TimedRow> timed;
   for (const Form& form : forms.all()) {
     tell(concat("isovalue ", isovalue, ", errors of ", name_of(form)));
-    const Shown shown{.volume = form.volume, .isovalue = isovalue, .method = form.method};
+    const Shown shown{.volume = form.volume, .isovalue = isovalue, .method = form.method, .border = form.border.get()};
     Json row{
         {"isovalue", isovalue},
         {"data", form.kind},

@@ -206,6 +206,8 @@ FormedData DataForms::resample(const DataForm& form, const FormOptions& options)
   if (is_vdb) preprocess::export_vdb(grid, path.replace_extension(".vdb"), {.replace_existing = true});
   FormedData made{.volume = load_volume(path, {}), .file_bytes = std::filesystem::file_size(path)};
   made.preprocess_s = sampling_s + watch.seconds();
+  // An OpenVDB file holds the same samples as the grid.
+  made.border = std::make_shared<const ResampledBorder>(volume_, render::Volume::load(grid));
   return made;
 }
 

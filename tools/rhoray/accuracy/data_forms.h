@@ -11,6 +11,7 @@
 #include "preprocess/neutral.h"
 #include "preprocess/progress.h"
 #include "render/load.h"
+#include "tools/rhoray/accuracy/border.h"
 #include "tools/rhoray/accuracy/variant.h"
 
 namespace rhoray::tools {
@@ -21,6 +22,7 @@ struct FormedData {
   double scale = 1, offset = 0;
   double preprocess_s = 0;
   std::uint64_t file_bytes = 0;
+  std::shared_ptr<const ResampledBorder> border{};  ///< of a mesh that was resampled, else null
 
   double own(double value) const { return scale * (value - offset); }
   double original(double own_value) const { return own_value / scale + offset; }

@@ -39,15 +39,28 @@ Share share_of(std::uint64_t count, std::uint64_t looked_at, bool are_all) {
 
 ErrorCounts count_errors(const ErrorList& list) {
   ErrorCounts counts{.rays = list.errors.size()};
-  for (const float error : list.errors) {
+  ErrorCounts::Border border;
+  std::vector<float> of_samples;
+  for (std::size_t ray = 0; ray < list.errors.size(); ++ray) {
+    const float error = list.errors[ray];
     if (std::isnan(error)) continue;
+    const bool is_border = !list.is_border.empty() && list.is_border[ray] != 0;
+    if (is_border) {
+      border.missed += error == is_missed;
+      border.false_hits += error == is_false;
+      border.off += std::isfinite(error);
+    } else if (std::isfinite(error)) {
+      of_samples.push_back(error);
+    }
     counts.missed += error == is_missed;
     counts.false_hits += error == is_false;
     counts.true_hits += error != is_false;
     if (std::isfinite(error)) counts.sorted.push_back(error);
   }
   std::sort(counts.sorted.begin(), counts.sorted.end());
-  counts.error = of_sorted(counts.sorted);
+  std::sort(of_samples.begin(), of_samples.end());
+  counts.error = of_sorted(of_samples);
+  if (!list.is_border.empty()) counts.border = border;
   counts.value_error = quantiles_of(list.value_errors);
   return counts;
 }

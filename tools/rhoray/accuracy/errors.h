@@ -33,12 +33,15 @@ inline constexpr float is_false = -std::numeric_limits<float>::infinity();
 struct ErrorList {
   std::vector<float> errors;
   std::vector<double> value_errors;  ///< in the field's unit, of rays that hit and should
+  /// Of copies of a mesh as a grid, ray by ray: 1 where the border between the two is to blame (border.h), so that the
+  /// samples are not. Empty where there is no such border.
+  std::vector<std::uint8_t> is_border{};
 };
 
 /// These errors as numbers.
 struct ErrorCounts {
   std::uint64_t rays = 0, true_hits = 0, missed = 0, false_hits = 0;
-  std::optional<Quantiles> error{};  ///< of rays that hit and should
+  std::optional<Quantiles> error{};  ///< of rays that hit and should, those at a border left out
   std::optional<Quantiles> value_error{};
 
   /// The share of rays that hit or should and whose error is at most so much; missed and false ones are beyond all.
@@ -47,6 +50,14 @@ struct ErrorCounts {
   /// The error that this share of them keeps; infinity where too many are missed or false.
   double kept_by(double share) const;
   std::vector<float> sorted{};  ///< errors of rays that hit and should
+
+  /// Where the border of a resampled mesh is to blame: of missed and false_hits, and of the rays that hit and should.
+  struct Border {
+    std::uint64_t missed = 0, false_hits = 0, off = 0;
+
+    friend bool operator==(const Border&, const Border&) = default;
+  };
+  std::optional<Border> border{};  ///< only where there is such a border
 };
 ErrorCounts count_errors(const ErrorList& list);
 

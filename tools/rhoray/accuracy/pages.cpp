@@ -103,7 +103,9 @@ std::string row_html(const ResultRow& row, bool of_values) {
   std::string out = concat(row.is_on_front ? "<tr class=\"front\">" : "<tr>", "<td>", name, row.is_on_front ? " ◆" : "",
                            "</td>", spread_cell(measured));
   const std::optional<ErrorCounts>& errors = measured.errors;
-  for (const auto member : {&ErrorCounts::missed, &ErrorCounts::false_hits}) {
+  using Border = ErrorCounts::Border;
+  for (const auto& [member, of_border] :
+       {std::pair{&ErrorCounts::missed, &Border::missed}, {&ErrorCounts::false_hits, &Border::false_hits}}) {
     if (!errors) {
       out += "<td>–</td>";
       continue;
@@ -112,6 +114,11 @@ std::string row_html(const ResultRow& row, bool of_values) {
     out += concat("<td>", number_html(1e6 * share.found, 3));
     if (!measured.judges_all)
       out += concat(" <small>[", number_html(1e6 * share.low, 2), ", ", number_html(1e6 * share.high, 2), "]</small>");
+    if (errors->border && errors->rays > 0)
+      out += concat(
+          " <small>border ",
+          number_html(1e6 * static_cast<double>((*errors->border).*of_border) / static_cast<double>(errors->rays), 3),
+          "</small>");
     out += "</td>";
   }
   const auto quantiles = [&](const std::optional<Quantiles>& of) {
@@ -182,6 +189,9 @@ std::string results_table(const LayerStudy& layer) {
       "spread of the repeated times. 99 %: of the pixels that both hit, 99 % are within it. ",
       "≈: too slow for pictures in the time given; judged on a random sample of pixels, whose time is taken for all. "
       "[a, b]: 95 % interval of what was found in a sample. ",
+      "Border: of the pixels to the left, those where the mesh and the grid that it was resampled on do not both "
+      "reach; "
+      "errors of depth are those of the other pixels, which the samples make. ",
       "Value at hit: how far the field is from the isovalue at the place that was found. File and memory: what is "
       "read, "
       "and what is mapped or kept to draw from. Made in: time to make the copy. –: not measured, or does not apply."

@@ -56,6 +56,12 @@ Json row_json(const LayerStudy& layer, const PassResult& result, const Measured&
            {"true_hits", errors ? Json(errors->true_hits) : Json(nullptr)},
            {"missed", errors ? Json(errors->missed) : Json(nullptr)},
            {"false_hits", errors ? Json(errors->false_hits) : Json(nullptr)}};
+  const auto at_border = [&](std::uint64_t ErrorCounts::Border::*count) {
+    return errors && errors->border ? Json((*errors->border).*count) : Json(nullptr);
+  };
+  row["border_missed"] = at_border(&ErrorCounts::Border::missed);
+  row["border_false"] = at_border(&ErrorCounts::Border::false_hits);
+  row["border_off"] = at_border(&ErrorCounts::Border::off);
   const auto share = [&](std::uint64_t ErrorCounts::*count) {
     return errors ? std::optional(share_of((*errors).*count, errors->rays, measured.judges_all)) : std::nullopt;
   };
@@ -105,13 +111,20 @@ const std::vector<ResultColumn>& result_columns() {
       {"true_hits", "", "of these, pixels that show something"},
       {"missed", "", "pixels that should show something and do not"},
       {"false_hits", "", "pixels that show something and should not"},
+      {"border_missed", "",
+       "of the missed pixels: the grid that a mesh was resampled on has no value where the surface is"},
+      {"border_false", "", "of the false ones: the grid shows something beside the mesh"},
+      {"border_off", "",
+       "pixels where both show something, one of them where only the mesh or only the grid is: not in the depths "
+       "below"},
       {"missed_ppm", "of a million judged pixels", "missed"},
       {"missed_ppm_low", "of a million", "lower end of the 95 % interval (Wilson); the same where all were judged"},
       {"missed_ppm_high", "of a million", "upper end"},
       {"false_ppm", "of a million judged pixels", "false hits"},
       {"false_ppm_low", "of a million", "lower end of the 95 % interval"},
       {"false_ppm_high", "of a million", "upper end"},
-      {"depth_median_cells", "cells", "distance along the ray from the true crossing, where both hit"},
+      {"depth_median_cells", "cells",
+       "distance along the ray from the true crossing, where both hit; of resampled grids away from their border"},
       {"depth_p99_cells", "cells", "99 % quantile of the same"},
       {"depth_max_cells", "cells", "largest of the same"},
       {"depth_kept_by_99_cells", "cells",

@@ -126,7 +126,7 @@ void LayerStudy::ask_rays(Measured& row, const FormedData& data, const PassResul
                .stop = options_.stop},
               rays);
   for (render::Hit& hit : hits) hit.value = data.original(hit.value);
-  ErrorList list = errors_against(result.truth, field_, layer, hits);
+  ErrorList list = errors_against(result.truth, field_, layer, hits, data.border.get());
   row.errors = count_errors(list);
   row.judges_all = result.truth.are_all();
   row.error_list = std::move(list.errors);

@@ -199,13 +199,14 @@ Truth find_truth(const TruthWish& wish) {
 }
 
 ErrorList errors_against(const Truth& truth, const FieldTruth& field, const render::Layer& layer,
-                         std::span<const Hit> hits) {
+                         std::span<const Hit> hits, const ResampledBorder* border) {
   RHORAY_CHECK(hits.size() == truth.hits.size());
   const bool is_projection = layer.mode == render::Mode::mip;
   ErrorList list;
   list.errors.reserve(hits.size());
   for (std::size_t i = 0; i < hits.size(); ++i) {
     const Hit &is = truth.hits[i], &said = hits[i];
+    if (border != nullptr) list.is_border.push_back(border->separates(truth.rays[i], is, said));
     if (is.is_miss() || said.is_miss()) {
       list.errors.push_back(is.is_miss() && said.is_miss() ? nothing_there : is.is_miss() ? is_false : is_missed);
       continue;

@@ -7,6 +7,7 @@
 
 #include "render/ray_questions.h"
 #include "render/scene.h"
+#include "tools/rhoray/accuracy/border.h"
 #include "tools/rhoray/accuracy/errors.h"
 #include "tools/rhoray/accuracy/field_truth.h"
 #include "tools/rhoray/option_values.h"
@@ -64,8 +65,9 @@ struct TruthWish {
 Truth find_truth(const TruthWish& wish);
 
 /// What a variant said of the truth's rays against what is true.
-/// @param hits  values in the truth's unit
+/// @param hits    values in the truth's unit
+/// @param border  of a mesh and the grid that was asked instead; null: there is none
 ErrorList errors_against(const Truth& truth, const FieldTruth& field, const render::Layer& layer,
-                         std::span<const render::Hit> hits);
+                         std::span<const render::Hit> hits, const ResampledBorder* border = nullptr);
 
 }  // namespace rhoray::tools

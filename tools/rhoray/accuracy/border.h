@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "formats/tet_mesh.h"
+#include "render/load.h"
+#include "render/ray_questions.h"
+#include "tools/validate/grid_field.h"
+
+namespace rhoray::tools {
+
+/// Whether places lie in a mesh.
+class MeshPlaces {
+ public:
+  explicit MeshPlaces(formats::TetMesh mesh);
+
+  /// @param p  in the mesh's frame: relative to its origin. A place on the border is inside, to a ten-thousandth of a
+  /// cell.
+  bool holds(const Vec3& p) const;
+
+ private:
+  Index3 bin_of(const Vec3& p) const;
+  std::size_t number(const Index3& bin) const {
+    return static_cast<std::size_t>((bin.z * bin_count_.y + bin.y) * bin_count_.x + bin.x);
+  }
+  template <class Act>
+  void for_each_bin(std::uint64_t cell, Act&& act) const;
+
+  formats::TetMesh mesh_;
+  Box3 box_;
+  Index3 bin_count_;
+  std::vector<std::uint64_t> offsets_;  ///< of each bin among the cells
+  std::vector<std::uint32_t> cells_;    ///< by bin: those whose box touches it
+};
+
+/// The border between a mesh and a grid that it was resampled on: where the grid has no value though the mesh is there,
+/// and where it has one though the mesh is not. What differs there is the border's doing, whatever the samples are.
+class ResampledBorder {
+ public:
+  ResampledBorder(const render::Volume& mesh, const render::Volume& grid);
+
+  /// True when one of two hits of a ray is at a place that only the mesh has, or only the grid.
+  /// @param truth  hit of the mesh, said: of the grid; t is a distance in the world
+  bool separates(const render::Ray& ray_of_mesh, const render::Hit& truth, const render::Hit& said) const;
+
+ private:
+  MeshPlaces places_;
+  validate::GridField grid_;
+  Affine world_from_mesh_, grid_from_world_;
+};
+
+}  // namespace rhoray::tools
