@@ -67,7 +67,9 @@ Certificates certify(const CleanMesh& mesh, const std::vector<FieldView>& views,
       meter.add(part.size());
     });
   };
-  tbb::enumerable_thread_specific<BrickProbes> probes(mesh, steps, lattice, touched, samples);
+  // Made by functions: arguments would be copied, samples and all.
+  tbb::enumerable_thread_specific<BrickProbes> probes(
+      [&] { return BrickProbes(mesh, steps, lattice, touched, samples); });
   for_each_brick(probes, [&](BrickProbes& brick, std::size_t slot) {
     brick.enter(slot, probe_row_step(slot_count));
     for (std::size_t f = 0; f < field_count; ++f) errors[f][slot] = brick.measure(views[f], f);
@@ -77,7 +79,8 @@ Certificates certify(const CleanMesh& mesh, const std::vector<FieldView>& views,
   std::vector<std::uint8_t> is_first(slot_count);
   for (std::size_t f = 0; f < field_count; ++f) mark_worst(errors[f], is_first);
   const std::vector<std::uint8_t> open_faces = find_open_faces(mesh, neighbors, lattice);
-  tbb::enumerable_thread_specific<BrickBounds> bounds(mesh, neighbors, open_faces, steps, touched, samples);
+  tbb::enumerable_thread_specific<BrickBounds> bounds(
+      [&] { return BrickBounds(mesh, neighbors, open_faces, steps, touched, samples); });
   for (const bool first : {true, false}) {
     for_each_brick(bounds, [&](BrickBounds& brick, std::size_t slot) {
       if ((is_first[slot] != 0) != first) return;

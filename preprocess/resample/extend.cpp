@@ -204,7 +204,9 @@ void extend_samples(const CleanMesh& mesh, const std::vector<FieldView>& views, 
   Predictions predictions(slot_count);
   samples.extended_counts.assign(slot_count, 0);
   ProgressMeter meter(progress, "extending samples", 2 * slot_count);
-  tbb::enumerable_thread_specific<BrickExtension> bricks(mesh, views, steps, lattice, touched, samples);
+  // Made by a function: arguments would be copied, samples and all.
+  tbb::enumerable_thread_specific<BrickExtension> bricks(
+      [&] { return BrickExtension(mesh, views, steps, lattice, touched, samples); });
   tbb::parallel_for(Range(0, slot_count, 16), [&](const Range& part) {
     BrickExtension& brick = bricks.local();
     for (std::size_t slot = part.begin(); slot < part.end(); ++slot) predictions[slot] = brick.collect(slot);

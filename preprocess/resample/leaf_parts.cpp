@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "preprocess/resample/faces.h"
+#include "preprocess/resample/trilinear_patch.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -11,79 +12,66 @@ using Tetrahedron = std::array<Point, 4>;
 
 constexpr auto edge = static_cast<std::size_t>(SampleLattice::brick_edge);
 
-/// One side of a box: inside is where sign * (coordinate - place) >= 0.
-struct Side {
-  std::size_t axis;
-  double sign, place;
-
-  double height(const Point& p) const { return sign * (p[axis] - place); }
-};
-
-Point crossing(const Point& a, const Point& b, double height_a, double height_b, const Side& side) {
-  const double t = height_a / (height_a - height_b);
-  Point cut;
-  for (std::size_t axis = 0; axis < 3; ++axis) cut[axis] = a[axis] + t * (b[axis] - a[axis]);
-  cut[side.axis] = side.place;
-  return cut;
-}
-
-/// Sums up what is left of a tetrahedron behind all six sides.
-class Clipping {
+/// Sums up the volume behind a surface and its moments, by the divergence theorem along x: only the surface's share in
+/// the yz plane counts, and no side of the unit cube but that at x = 1.
+class Moments {
  public:
-  Clipping(const Point& low, const Point& high)
-      : sides_{{{0, 1, low[0]}, {0, -1, high[0]}, {1, 1, low[1]}, {1, -1, high[1]}, {2, 1, low[2]}, {2, -1, high[2]}}} {
+  /// A triangle, seen from outside counter-clockwise.
+  void add(const Point& a, const Point& b, const Point& c) {
+    const double area_yz = 0.5 * ((b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]));
+    const auto mean_of_product = [&](std::size_t f, std::size_t g) {
+      return (a[f] * a[g] + b[f] * b[g] + c[f] * c[g] + (a[f] + b[f] + c[f]) * (a[g] + b[g] + c[g])) / 12;
+    };
+    volume_ += area_yz * (a[0] + b[0] + c[0]) / 3;
+    moment_[0] += 0.5 * area_yz * mean_of_product(0, 0);
+    moment_[1] += area_yz * mean_of_product(0, 1);
+    moment_[2] += area_yz * mean_of_product(0, 2);
   }
 
-  void clip(const Tetrahedron& t, std::size_t first_side) {
-    for (std::size_t s = first_side; s < sides_.size(); ++s) {
-      const Side& side = sides_[s];
-      std::array<double, 4> height;
-      std::array<std::size_t, 4> order;  // corners inside first
-      std::size_t inside = 0, outside = 4;
-      for (std::size_t v = 0; v < 4; ++v) {
-        height[v] = side.height(t[v]);
-        if (height[v] >= 0)
-          order[inside++] = v;
-        else
-          order[--outside] = v;
-      }
-      if (inside == 0) return;
-      if (inside == 4) continue;
-      const auto at = [&](std::size_t n) { return t[order[n]]; };
-      const auto cut = [&](std::size_t a, std::size_t b) {
-        return crossing(t[order[a]], t[order[b]], height[order[a]], height[order[b]], side);
-      };
-      if (inside == 1) return clip({at(0), cut(0, 1), cut(0, 2), cut(0, 3)}, s + 1);
-      if (inside == 2) return clip_prism({at(0), cut(0, 2), cut(0, 3)}, {at(1), cut(1, 2), cut(1, 3)}, s + 1);
-      return clip_prism({cut(0, 3), cut(1, 3), cut(2, 3)}, {at(0), at(1), at(2)}, s + 1);
-    }
-    add(t);
+  /// The part of a triangle in the unit cube.
+  void add_clipped(const Point& a, const Point& b, const Point& c) {
+    const ClippedTriangle part({PatchPoint{a, 0}, PatchPoint{b, 0}, PatchPoint{c, 0}});
+    for (std::size_t n = 2; n < part.size(); ++n) add(part[0].at, part[n - 1].at, part[n].at);
   }
 
   ClippedVolume result() const {
-    ClippedVolume sum{.volume = volume_};
-    for (std::size_t a = 0; a < 3 && volume_ > 0; ++a) sum.center[a] = moment_[a] / volume_;
-    return sum;
+    constexpr double rounding = 1e-13;
+    if (!(volume_ > rounding)) return {};
+    ClippedVolume part{.volume = volume_};
+    for (std::size_t a = 0; a < 3; ++a) part.center[a] = std::clamp(moment_[a] / volume_, 0.0, 1.0);
+    return part;
   }
 
  private:
-  /// Between two triangles; corner n of one is joined with corner n of the other.
-  void clip_prism(const std::array<Point, 3>& p, const std::array<Point, 3>& q, std::size_t side) {
-    clip({p[0], q[0], q[1], q[2]}, side);
-    clip({p[0], p[1], q[1], q[2]}, side);
-    clip({p[0], p[1], p[2], q[2]}, side);
-  }
-
-  void add(const Tetrahedron& t) {
-    const double volume = std::abs(dot(cross(minus(t[1], t[0]), minus(t[2], t[0])), minus(t[3], t[0]))) / 6;
-    volume_ += volume;
-    for (std::size_t a = 0; a < 3; ++a) moment_[a] += volume * 0.25 * ((t[0][a] + t[1][a]) + (t[2][a] + t[3][a]));
-  }
-
-  std::array<Side, 6> sides_;
   double volume_ = 0;
   Point moment_{};
 };
+
+Point at_x1(const Point& a, const Point& b) {
+  const double t = (1 - a[0]) / (b[0] - a[0]);
+  return {1, a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
+}
+
+/// What a tetrahedron has in common with the plane x = 1, where it is cut off: a triangle or a quadrilateral.
+void add_cut(const Tetrahedron& t, Moments& moments) {
+  std::array<std::size_t, 4> order;  // corners that are kept first
+  std::size_t kept = 0, beyond = 4;
+  for (std::size_t v = 0; v < 4; ++v) order[t[v][0] <= 1 ? kept++ : --beyond] = v;
+  if (kept == 0 || kept == 4) return;
+  const auto cut = [&](std::size_t a, std::size_t b) { return at_x1(t[order[a]], t[order[b]]); };
+  const auto add = [&](const Point& a, const Point& b, const Point& c) {
+    const double area_yz = (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
+    if (area_yz > 0)
+      moments.add_clipped(a, b, c);
+    else
+      moments.add_clipped(a, c, b);
+  };
+  if (kept == 1) return add(cut(0, 1), cut(0, 2), cut(0, 3));
+  if (kept == 3) return add(cut(0, 3), cut(1, 3), cut(2, 3));
+  const Point p = cut(0, 2), q = cut(0, 3), r = cut(1, 3), s = cut(1, 2);  // around
+  add(p, q, r);
+  add(p, r, s);
+}
 
 /// The half spaces of a tetrahedron, which tell most boxes apart from it. Nothing depends on their rounding but time.
 class HalfSpaces {
@@ -112,9 +100,28 @@ class HalfSpaces {
 }  // namespace
 
 ClippedVolume clip_to_box(const Tetrahedron& tetrahedron, const Point& low, const Point& high) {
-  Clipping clipping(low, high);
-  clipping.clip(tetrahedron, 0);
-  return clipping.result();
+  Tetrahedron t;  // in the box's own coordinates, 0 to 1
+  bool is_inside = true;
+  for (std::size_t v = 0; v < 4; ++v)
+    for (std::size_t a = 0; a < 3; ++a) {
+      t[v][a] = (tetrahedron[v][a] - low[a]) / (high[a] - low[a]);
+      is_inside = is_inside && t[v][a] >= 0 && t[v][a] <= 1;
+    }
+  ClippedVolume part;
+  if (is_inside) {
+    part.volume = std::abs(dot(cross(minus(t[1], t[0]), minus(t[2], t[0])), minus(t[3], t[0]))) / 6;
+    for (std::size_t a = 0; a < 3; ++a) part.center[a] = 0.25 * ((t[0][a] + t[1][a]) + (t[2][a] + t[3][a]));
+  } else {
+    Moments moments;
+    for (const auto& face : face_vertices) moments.add_clipped(t[face[0]], t[face[1]], t[face[2]]);
+    add_cut(t, moments);
+    part = moments.result();
+  }
+  for (std::size_t a = 0; a < 3; ++a) {
+    part.volume *= high[a] - low[a];
+    part.center[a] = low[a] + part.center[a] * (high[a] - low[a]);
+  }
+  return part;
 }
 
 const std::vector<LeafParts::Part>& LeafParts::find(const Point& first, std::span<const std::uint32_t> cells,

@@ -18,8 +18,9 @@ struct ClippedVolume {
   Point center{};  ///< of mass; of no meaning when the volume is 0
 };
 
-/// Cuts the tetrahedron by one plane of the box after another. Rounding moves a cut by about 1e-15 of the coordinates.
-/// A tetrahedron of zero volume gives zero.
+/// The volume is right to about 1e-14 of the box's. Where the tetrahedron is cut off, less than 1e-13 of the box's is
+/// taken as nothing.
+/// @param tetrahedron  not of negative orientation
 ClippedVolume clip_to_box(const std::array<Point, 4>& tetrahedron, const Point& low, const Point& high);
 
 /// The parts of a brick's tetrahedra in some of its leaf cells.
