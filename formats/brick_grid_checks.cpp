@@ -1,46 +1,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <optional>
+#include <mutex>
 
 #include "formats/base/parallel.h"
 #include "formats/brick_grid.h"
 #include "formats/details/deep_checks.h"
+#include "formats/details/range_checks.h"
+#include "formats/details/samples_by_position.h"
 
 namespace rhoray::formats {
 namespace {
-
-/// One field's samples by position, wherever they lie; NaN in a brick that is not stored.
-template <class T>
-class SamplesByPosition {
- public:
-  SamplesByPosition(const BrickGrid& grid, std::size_t field) : grid_(grid), samples_(grid.samples<T>(field)) {
-    const BrickLayout& layout = grid.description().layout;
-    if (layout.is_sparse) sparse_.emplace(layout, grid.tables(), grid.brick_slots());
-  }
-
-  T operator()(std::int64_t i, std::int64_t j, std::int64_t k) const {
-    if (!sparse_) return samples_[grid_.tables().address(i, j, k)];
-    const std::uint64_t address = (*sparse_)(i, j, k);
-    return address == SparseAddress::no_sample ? std::numeric_limits<T>::quiet_NaN() : samples_[address];
-  }
-
-  /// True when a stored brick holds one of the samples from low to high, both included.
-  bool some_stored(const Index3& low, const Index3& high) const {
-    if (!sparse_) return true;
-    const std::int64_t n = grid_.description().layout.brick_edge;
-    for (std::int64_t k = low.z / n; k <= high.z / n; ++k)
-      for (std::int64_t j = low.y / n; j <= high.y / n; ++j)
-        for (std::int64_t i = low.x / n; i <= high.x / n; ++i)
-          if ((*sparse_)(i * n, j * n, k * n) != SparseAddress::no_sample) return true;
-    return false;
-  }
-
- private:
-  const BrickGrid& grid_;
-  std::span<const T> samples_;
-  std::optional<SparseAddress> sparse_;
-};
 
 /// Calls act(first, last) on ranges of a z axis, at the same time.
 template <class Act>
@@ -56,12 +26,11 @@ class GridCheck {
       : layout_(grid.description().layout),
         summary_(grid.description().fields[field]),
         sample_(grid, field),
-        levels_(grid.macro_levels<T>(field)),
         of_field_(grid.description().fields.size() == 1 ? "" : concat(" of field '", summary_.name, "'")),
         findings_(findings) {}
 
   void run() {
-    const std::uint64_t no_data_count = check_field();
+    check_field();
     if (layout_.is_sparse)
       check_padding("padding of a sparse grid that is not NaN", is_nan);
     else
@@ -70,8 +39,6 @@ class GridCheck {
         const T copied = sample_(std::min(at.x, last.x), std::min(at.y, last.y), std::min(at.z, last.z));
         return std::memcmp(&found, &copied, sizeof(T)) == 0;
       });
-    check_first_level(no_data_count != 0);
-    details::check_levels_upward(levels_, concat("macro levels", of_field_), findings_);
   }
 
  private:
@@ -107,7 +74,7 @@ class GridCheck {
         for (std::int64_t i = low.x; i < high.x; ++i) act(i, j, k);
   }
 
-  std::uint64_t check_field() {
+  void check_field() {
     details::FieldTally all(summary_);
     over_blocks(
         layout_.sample_count, [this] { return details::FieldTally(summary_); },
@@ -120,7 +87,6 @@ class GridCheck {
         },
         [&](const details::FieldTally& part) { all.take(part); });
     all.compare(findings_);
-    return all.no_data_count();
   }
 
   /// @param holds  says whether the padding at a position is as it must be
@@ -144,59 +110,9 @@ class GridCheck {
         [](int) {});
   }
 
-  /// All values that interpolation reaches in the leaf cells from low to high.
-  Interval<T> needed(const Index3& low, const Index3& high, bool some_absent) const {
-    if (!sample_.some_stored(low, high)) return {};
-    return some_absent ? needed_by_cells(low, high) : needed_by_samples(low, high);
-  }
-
-  /// Where no sample lacks data, every corner counts.
-  Interval<T> needed_by_samples(const Index3& low, const Index3& high) const {
-    Interval<T> interval;
-    over_samples(low, high + Index3(1, 1, 1),
-                 [&](std::int64_t i, std::int64_t j, std::int64_t k) { interval.include(sample_(i, j, k)); });
-    return interval;
-  }
-
-  Interval<T> needed_by_cells(const Index3& low, const Index3& high) const {
-    Interval<T> interval;
-    over_samples(low, high, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
-      Interval<T> cell;
-      bool present = true;
-      for (std::int64_t corner = 0; corner < 8; ++corner) {
-        const T value = sample_(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2));
-        present = present && details::is_value(value);
-        cell.include(value);
-      }
-      if (present) interval.include(cell);
-    });
-    return interval;
-  }
-
-  void check_first_level(bool some_absent) {
-    const MacroShape& shape = levels_.shape;
-    const Index3 count = shape.count(1), leaves = shape.leaf_count;
-    over_z(count.z, [&](std::uint64_t first, std::uint64_t last) {
-      details::for_each_cell(count, first, last, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
-        const Index3 low = Index3(i, j, k) * shape.factor;
-        const Index3 high(std::min(low.x + shape.factor, leaves.x), std::min(low.y + shape.factor, leaves.y),
-                          std::min(low.z + shape.factor, leaves.z));
-        const Interval<T> wanted = needed(low, high, some_absent), stored = levels_.range(1, i, j, k);
-        const bool holds = wanted.is_empty() ? stored.is_empty() : stored.lo <= wanted.lo && wanted.hi <= stored.hi;
-        if (holds) return;
-        findings_.add(concat("an interval", of_field_, " that lacks a value of its macrocell"),
-                      details::linear_order(count, i, j, k), [&] {
-                        return concat(details::cell_text(1, {i, j, k}), " has ", details::interval_text(stored),
-                                      ", its samples need ", details::interval_text(wanted));
-                      });
-      });
-    });
-  }
-
   const BrickLayout& layout_;
   const FieldSummary& summary_;
-  SamplesByPosition<T> sample_;
-  MacroLevelsView<T> levels_;
+  details::SamplesByPosition<T> sample_;
   std::string of_field_;  ///< for findings, where there are several fields
   details::Findings& findings_;
 };
@@ -241,6 +157,8 @@ std::vector<std::string> deep_findings(const BrickGrid& grid) {
   for (std::size_t field = 0; field < description.fields.size(); ++field)
     with_element_type(description.fields[field].type,
                       [&](auto zero) { GridCheck<decltype(zero)>(grid, field, findings).run(); });
+  for (std::size_t field = 0; field < description.fields.size(); ++field)
+    details::check_ranges(grid, field, 0, findings);
   for (const auto& [field, certificate] : description.certificates)
     if (certificate.type == ElementType::F32)
       check_certificate<float>(grid, field, certificate, findings);

@@ -12,6 +12,7 @@
 #include "formats/details/cluster_checks.h"
 #include "formats/details/deep_checks.h"
 #include "formats/details/details.h"
+#include "formats/details/range_checks.h"
 #include "formats/details/scan.h"
 #include "formats/format_error.h"
 
@@ -150,8 +151,7 @@ Vec3 to_vec(const std::array<double, 3>& p) {
 
 class MeshCheck {
  public:
-  MeshCheck(const TetMesh& mesh, details::Findings& findings)
-      : mesh_(mesh), lattice_(mesh.description().lattice), findings_(findings) {}
+  MeshCheck(const TetMesh& mesh, details::Findings& findings) : mesh_(mesh), findings_(findings) {}
 
   void run() {
     check_cells();
@@ -170,27 +170,6 @@ class MeshCheck {
     std::array<Vec3, 4> p;
     for (std::size_t v = 0; v < 4; ++v) p[v] = to_vec(mesh_.points()[mesh_.cell(cell)[v]]);
     return p;
-  }
-
-  /// The leaf cell that surely holds a point; nothing outside the lattice and so near a leaf's face that rounding
-  /// decides.
-  std::optional<std::uint64_t> leaf_at(const Vec3& p) const {
-    const Index3 count = lattice_.macro.leaf_count;
-    Index3 leaf;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double position = (p[axis] - lattice_.low[axis]) / lattice_.leaf_size[axis];
-      const double inside = position - std::floor(position);
-      constexpr double margin = 1e-6;  // in leaf cells
-      if (!(position > 0 && position < static_cast<double>(count[axis])) || inside < margin || inside > 1 - margin)
-        return std::nullopt;
-      leaf[axis] = static_cast<std::int64_t>(position);
-    }
-    return details::linear_order(count, leaf.x, leaf.y, leaf.z);
-  }
-
-  bool lists(std::uint64_t leaf, std::uint64_t cell) const {
-    const std::span<const std::uint32_t> list = mesh_.leaf_lists().list(leaf);
-    return std::binary_search(list.begin(), list.end(), static_cast<std::uint32_t>(cell));
   }
 
   /// Six times the volume is negative beyond what rounding can explain.
@@ -220,11 +199,6 @@ class MeshCheck {
     if (mesh_.description().in_source_order && cell > 0 && mesh_.cell_id(cell) <= mesh_.cell_id(cell - 1))
       findings_.add("cell ids that do not rise", cell, name);
     if (is_flipped(p)) findings_.add("a cell of negative orientation", cell, name);
-    if (mesh_.has_clusters()) return;
-    const std::optional<std::uint64_t> leaf = leaf_at((p[0] + p[1] + p[2] + p[3]) / 4);
-    if (leaf && !lists(*leaf, cell))
-      findings_.add("a cell missing from the leaf list at its own centroid", cell,
-                    [&] { return concat("cell ", cell, ", leaf ", *leaf); });
   }
 
   void check_ranks() {
@@ -253,48 +227,9 @@ class MeshCheck {
     details::FieldTally tally(summary);
     for (const T value : values) tally.take(value);
     tally.compare(findings_);
-
-    if (mesh_.has_clusters()) return;
-    const MacroLevelsView<T> levels = mesh_.macro_levels<T>(field);
-    const std::string what = concat("macro levels of field '", summary.name, "'");
-    details::check_levels_upward(levels, what, findings_);
-    for_each_range(mesh_.description().cell_count, scan_piece, 0, [&](std::uint64_t first, std::uint64_t last) {
-      for (std::uint64_t cell = first; cell < last; ++cell) check_intervals(cell, values, levels, what);
-    });
-    for (std::uint64_t leaf = 0; leaf < leaf_count_of(mesh_.description()); ++leaf)
-      if (mesh_.leaf_lists().list(leaf).empty() && levels.ranges[0][2 * leaf] <= levels.ranges[0][2 * leaf + 1])
-        findings_.add(concat(what, ": a leaf without cells has values"), leaf, [&] { return concat("leaf ", leaf); });
-  }
-
-  /// The field's values at a cell's vertices and centroid must lie in the intervals of the leaf cells there.
-  template <class T>
-  void check_intervals(std::uint64_t cell, std::span<const T> values, const MacroLevelsView<T>& levels,
-                       const std::string& what) {
-    const std::array<std::uint32_t, 4> vertices = mesh_.cell(cell);
-    const std::array<Vec3, 4> p = corners(cell);
-    double sum = 0, largest = 0;
-    for (const std::uint32_t vertex : vertices) {
-      if (!std::isfinite(values[vertex])) return;  // absent
-      sum += static_cast<double>(values[vertex]) / 4;
-      largest = std::max(largest, std::abs(static_cast<double>(values[vertex])));
-    }
-    const auto check = [&](const Vec3& place, double value, double slack) {
-      const std::optional<std::uint64_t> leaf = leaf_at(place);
-      if (!leaf) return;
-      const Interval<double> stored{static_cast<double>(levels.ranges[0][2 * *leaf]),
-                                    static_cast<double>(levels.ranges[0][2 * *leaf + 1])};
-      if (stored.lo <= value + slack && value - slack <= stored.hi) return;
-      findings_.add(concat(what, ": an interval lacks a value of its leaf cell"), *leaf, [&] {
-        return concat("leaf ", *leaf, " has ", details::interval_text(stored), ", cell ", cell, " reaches ", value);
-      });
-    };
-    for (std::size_t v = 0; v < 4; ++v) check(p[v], static_cast<double>(values[vertices[v]]), 0);
-    const double rounding = 4 * static_cast<double>(std::numeric_limits<T>::epsilon());
-    check((p[0] + p[1] + p[2] + p[3]) / 4, sum, rounding * largest);
   }
 
   const TetMesh& mesh_;
-  const LeafLattice& lattice_;
   details::Findings& findings_;
 };
 
@@ -429,6 +364,9 @@ std::vector<std::string> deep_findings(const TetMesh& mesh) {
   details::Findings findings;
   MeshCheck(mesh, findings).run();
   if (mesh.has_clusters()) details::check_clusters(mesh, findings);
+  details::check_boxes_and_lists(mesh, 0, findings);
+  for (std::size_t field = 0; field < mesh.description().fields.size(); ++field)
+    details::check_ranges(mesh, field, 0, findings);
   return findings.sentences();
 }
 

@@ -75,11 +75,14 @@ std::string cell_text(int level, const Index3& cell) {
 }
 
 template <class T>
-void check_levels_upward(const MacroLevelsView<T>& view, const std::string& what, Findings& findings) {
+void check_levels_upward(const MacroLevelsView<T>& view, const std::string& what, unsigned threads,
+                         Findings& findings) {
   const std::int64_t factor = view.shape.factor;
   for (int level = view.first_level; level < view.shape.level_count; ++level) {
     const Index3 below = view.shape.count(level), above = view.shape.count(level + 1);
-    for_each_range(static_cast<std::uint64_t>(above.z), 4, 0, [&](std::uint64_t first, std::uint64_t last) {
+    const auto l = static_cast<std::size_t>(level - view.first_level);
+    const std::span<const T> cells = view.ranges[l], macrocells = view.ranges[l + 1];
+    for_each_range(static_cast<std::uint64_t>(above.z), 4, threads, [&](std::uint64_t first, std::uint64_t last) {
       for_each_cell(above, first, last, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
         Interval<T> needed;
         const Index3 low = Index3(i, j, k) * factor;
@@ -88,12 +91,13 @@ void check_levels_upward(const MacroLevelsView<T>& view, const std::string& what
         for (std::int64_t c = low.z; c < high.z; ++c)
           for (std::int64_t b = low.y; b < high.y; ++b)
             for (std::int64_t a = low.x; a < high.x; ++a) {
-              const Interval<T> cell = view.range(level, a, b, c);
+              const std::uint64_t at = 2 * linear_order(below, a, b, c);
+              const Interval<T> cell{cells[at], cells[at + 1]};
               if (!cell.is_empty()) needed.include(cell);
             }
-        const Interval<T> stored = view.range(level + 1, i, j, k);
-        const bool contains = needed.is_empty() ? stored.is_empty() : stored.lo <= needed.lo && needed.hi <= stored.hi;
-        if (contains) return;
+        const std::uint64_t at = 2 * linear_order(above, i, j, k);
+        const Interval<T> stored{macrocells[at], macrocells[at + 1]};
+        if (holds(stored, needed)) return;
         findings.add(concat(what, ": a macrocell does not match the level below"), linear_order(above, i, j, k), [&] {
           return concat(cell_text(level + 1, {i, j, k}), " has ", interval_text(stored), ", below it ",
                         interval_text(needed));
@@ -103,15 +107,15 @@ void check_levels_upward(const MacroLevelsView<T>& view, const std::string& what
   }
 }
 
-template void check_levels_upward(const MacroLevelsView<std::uint8_t>&, const std::string&, Findings&);
-template void check_levels_upward(const MacroLevelsView<std::int8_t>&, const std::string&, Findings&);
-template void check_levels_upward(const MacroLevelsView<std::uint16_t>&, const std::string&, Findings&);
-template void check_levels_upward(const MacroLevelsView<std::int16_t>&, const std::string&, Findings&);
-template void check_levels_upward(const MacroLevelsView<std::uint32_t>&, const std::string&, Findings&);
-template void check_levels_upward(const MacroLevelsView<std::int32_t>&, const std::string&, Findings&);
-template void check_levels_upward(const MacroLevelsView<std::uint64_t>&, const std::string&, Findings&);
-template void check_levels_upward(const MacroLevelsView<std::int64_t>&, const std::string&, Findings&);
-template void check_levels_upward(const MacroLevelsView<float>&, const std::string&, Findings&);
-template void check_levels_upward(const MacroLevelsView<double>&, const std::string&, Findings&);
+template void check_levels_upward(const MacroLevelsView<std::uint8_t>&, const std::string&, unsigned, Findings&);
+template void check_levels_upward(const MacroLevelsView<std::int8_t>&, const std::string&, unsigned, Findings&);
+template void check_levels_upward(const MacroLevelsView<std::uint16_t>&, const std::string&, unsigned, Findings&);
+template void check_levels_upward(const MacroLevelsView<std::int16_t>&, const std::string&, unsigned, Findings&);
+template void check_levels_upward(const MacroLevelsView<std::uint32_t>&, const std::string&, unsigned, Findings&);
+template void check_levels_upward(const MacroLevelsView<std::int32_t>&, const std::string&, unsigned, Findings&);
+template void check_levels_upward(const MacroLevelsView<std::uint64_t>&, const std::string&, unsigned, Findings&);
+template void check_levels_upward(const MacroLevelsView<std::int64_t>&, const std::string&, unsigned, Findings&);
+template void check_levels_upward(const MacroLevelsView<float>&, const std::string&, unsigned, Findings&);
+template void check_levels_upward(const MacroLevelsView<double>&, const std::string&, unsigned, Findings&);
 
 }  // namespace rhoray::formats::details

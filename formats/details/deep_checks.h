@@ -55,7 +55,6 @@ class FieldTally {
   }
   void take(const FieldTally& other);
   void take_no_data(std::uint64_t count) { no_data_count_ += count; }
-  std::uint64_t no_data_count() const { return no_data_count_; }
   void compare(Findings& findings) const;
 
  private:
@@ -69,8 +68,15 @@ class FieldTally {
 };
 
 /// A macrocell of level l + 1 must contain the intervals of the cells of level l below it, and be empty when all are.
+/// @param threads  0 = all cores
 template <class T>
-void check_levels_upward(const MacroLevelsView<T>& view, const std::string& what, Findings& findings);
+void check_levels_upward(const MacroLevelsView<T>& view, const std::string& what, unsigned threads, Findings& findings);
+
+/// True when a stored interval contains a needed one, or both are empty. Written so that a stored NaN contains nothing.
+template <class T>
+bool holds(const Interval<T>& stored, const Interval<T>& needed) {
+  return needed.is_empty() ? stored.is_empty() : stored.lo <= needed.lo && needed.hi <= stored.hi;
+}
 
 std::string cell_text(int level, const Index3& cell);
 template <class T>

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "formats/brick_grid.h"
+#include "formats/tet_mesh.h"
+
+namespace rhoray::formats {
+
+/// Proves that what lets a ray pass cells of one field by is true: that value ranges contain the samples or the values
+/// at vertices, that boxes hold the points, that leaf lists name every cell that touches (details/range_checks.h), that
+/// the field's range contains its values, and that a field with no_data_count 0 has no gaps. Opening a file checks none
+/// of this, and checksums do not tell: whoever writes a file can write its checksums.
+///
+/// Reads the field and the structure over it once. Refuses (Trouble::invalid) with the first finding; the code is that
+/// of `rhoray verify --deep`, and shares nothing with the code that packs.
+/// @param threads  0 = all cores
+/// @return         bytes of the file that were compared
+std::uint64_t prove_ranges(const BrickGrid& grid, std::size_t field, unsigned threads = 0);
+std::uint64_t prove_ranges(const TetMesh& mesh, std::size_t field, unsigned threads = 0);
+
+}  // namespace rhoray::formats
