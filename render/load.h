@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -13,6 +14,18 @@
 namespace rhoray::render {
 
 struct VolumeImplementation;
+
+/// What it took to prove that stored ranges hold (Volume::prove_ranges); all 0 where they had been proven before.
+struct RangeProof {
+  std::uint64_t bytes = 0;  ///< of the file that were compared
+  double wall_s = 0;
+
+  RangeProof& operator+=(const RangeProof& other) {
+    bytes += other.bytes;
+    wall_s += other.wall_s;
+    return *this;
+  }
+};
 
 /// What rays cross: a packed grid, a packed mesh with one chosen field, a packed surface, which has none, or a grid of
 /// an OpenVDB file. Copies share everything.
@@ -43,11 +56,24 @@ class Volume {
   /// can pass through. Empty when the isovalue is passed nowhere, and of a surface.
   Box3 isosurface_bounds(double isovalue) const;
 
+  /// Proves that the value ranges, boxes and leaf lists by which rays pass cells hold what they stand for
+  /// (formats/range_proof.h), once for this volume and all copies of it. Refuses data of which that is not true
+  /// (Trouble::invalid), each time.
+  ///
+  /// Certified and exact answers are worth what these ranges are worth, so `render`, `refine` and RayQuestions call
+  /// this before they answer by a method that proves; other methods do not pay for it. Nothing is to be proven of an
+  /// OpenVDB grid, of which the ranges are made from its voxels in loading it, and of a surface, which has none.
+  /// Any thread may call; those that call meanwhile wait.
+  /// @param threads  0 = all cores
+  RangeProof prove_ranges(unsigned threads = 0) const;
+
   const VolumeImplementation& implementation() const { return *implementation_; }  ///< for the room's inside
 
  private:
   explicit Volume(std::shared_ptr<const VolumeImplementation> implementation);
+  struct ProofState;
   std::shared_ptr<const VolumeImplementation> implementation_;
+  std::shared_ptr<ProofState> proof_;  ///< kept with the loaded data, so that nothing loaded later is taken for it
 };
 
 }  // namespace rhoray::render

@@ -18,7 +18,8 @@ namespace rhoray::render {
 /// the volume must outlive it.
 class RayQuestions {
  public:
-  /// Refuses an isovalue that is not finite (Trouble::usage).
+  /// Refuses an isovalue that is not finite (Trouble::usage), and a method that proves for data of which the stored
+  /// ranges do not hold (Volume::prove_ranges, Trouble::invalid).
   /// @param threads  that answer crossings; 0 = all cores
   RayQuestions(const Volume& volume, double isovalue, const Method& method, unsigned threads = 1);
   ~RayQuestions();
@@ -33,6 +34,9 @@ class RayQuestions {
   /// Of all rays so far.
   KernelCounters counters() const;
 
+  /// What this asked before anything was answered.
+  const RangeProof& range_proof() const { return range_proof_; }
+
  private:
   /// What a thread works with.
   struct Worker;
@@ -44,6 +48,7 @@ class RayQuestions {
   Kernels kernels_;
   unsigned threads_;
   std::vector<Worker> workers_;
+  RangeProof range_proof_;
 };
 
 /// The rays that `render` sends through the middles of the pixels, rows from the top; t is a distance in world units.

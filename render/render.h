@@ -65,6 +65,7 @@ struct FrameStatistics {
   double preparation_s = 0;  ///< of wall_s: what is kept with the volume and was not there yet made ready: the
                              ///< isovalue, gradients at points
   double wall_s = 0;
+  RangeProof range_proof;    ///< not of wall_s: before the first frame by a method that proves
   std::string_view machine;  ///< what the kernel that answered is compiled for: scalar, baseline, avx2 or avx512
 };
 
@@ -95,7 +96,8 @@ class FrameMemory {
 /// clip box that is empty, a mode that is not one of the volume's kind, a method that does not answer the question,
 /// smooth normals of a grid, colours by a field beside a texture, a light or fog that is not finite, the channel
 /// `error` where the method proves nothing, and, of layers in view, colours by a field that is not there
-/// (Trouble::usage). Of layers outside the view that shade nothing in it nothing is read.
+/// (Trouble::usage). Of layers outside the view that shade nothing in it nothing is read. Refuses certified and exact
+/// answers about data of which the stored ranges do not hold (Volume::prove_ranges, Trouble::invalid).
 FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
                        Framebuffer& framebuffer);
 

@@ -66,6 +66,7 @@ struct Frame {
   bool keeps_channels;  ///< beside the colour
   Occlusion occlusion;
   WorkerNeeds needs;
+  RangeProof range_proof{};              ///< of the volumes of which answers are proven
   std::uint8_t* first_layers = nullptr;  ///< of every pixel the layer of its first surface; null: not asked
 
   bool has_one_layer() const { return layers.size() == 1 && layers.front().part == Part::opaque; }

@@ -38,6 +38,7 @@ RayQuestions::RayQuestions(const Volume& volume, double isovalue, const Method& 
       kernels_(choose_kernels(volume_, method)),
       threads_(threads),
       workers_(TileThreads(threads).worker_count()) {
+  if (proves(method)) range_proof_ = volume.prove_ranges(threads);
   workers_.front().scratch.queue.reserve(kernels_.queue_entries);
 }
 

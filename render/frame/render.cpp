@@ -264,6 +264,7 @@ Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const Fr
       if (options.antialiasing == 1 && !may_shade_others(layer, scene) &&
           lies_outside_view(volume, frame.camera_rays, options))
         continue;
+      if (proves(layer.method)) frame.range_proof += volume.prove_ranges(options.threads);
       frame.layers.push_back(choose_layer(volume, layer, part, scene, options));
       if (is_slice)
         frame.layers.back().slice = std::make_shared<const SlicePlane>(volume.implementation(), layer, scene.clip);
@@ -461,7 +462,8 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
     prepares |= layer.prepare != nullptr || layer.look.lookup;
   }
   choose_shells(options, frame);
-  const double preparation_s = prepares ? seconds_since(preparation_start) : 0;
+  const double proof_s = frame.range_proof.wall_s;
+  const double preparation_s = prepares ? seconds_since(preparation_start) - proof_s : 0;
   const std::vector<Pass> passes = passes_of(frame, options, refinement.first_spacing);
   std::optional<EdgeSamples> edges;
   if (options.antialiasing > 1) edges.emplace(frame, options);
@@ -487,9 +489,11 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
   FrameStatistics statistics = statistics_of(kept, scene);
   if (is_wide) statistics.machine = name_of(chosen_machine());
   statistics.preparation_s = preparation_s;
-  statistics.wall_s = seconds_since(clock_start);
+  statistics.range_proof = frame.range_proof;
+  const double elapsed_s = seconds_since(clock_start);
+  statistics.wall_s = elapsed_s - proof_s;
   if (options.time_phases)
-    statistics.phases = phases_of(kept, statistics.wall_s / static_cast<double>(ticks_now() - ticks_start));
+    statistics.phases = phases_of(kept, elapsed_s / static_cast<double>(ticks_now() - ticks_start));
   return statistics;
 }
 

@@ -1,0 +1,151 @@
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+#include "render/ray_questions.h"
+#include "render/render.h"
+#include "tests/render/support/traced_volume.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/fields.h"
+#include "tests/support/meshes.h"
+#include "tests/support/narrowed.h"
+
+// Certified and exact answers skip cells by stored ranges: these are proven first, once, and by no one else.
+
+namespace rhoray::tests {
+namespace {
+
+using render::Accuracy;
+using render::Framebuffer;
+using render::FrameOptions;
+using render::method_of;
+using render::Mode;
+using render::Scene;
+
+constexpr FrameOptions small{.width = 48, .height = 36};
+
+std::string file_of(const TracedVolume& traced) {
+  return read_file(traced.volume().file().name());
+}
+std::string grid_file() {
+  return file_of(TracedVolume(sampled_volume<float>({25, 22, 27}, {}, distance_field({12, 10, 13}))));
+}
+std::string mesh_file(bool has_clusters) {
+  preprocess::PackMeshOptions options;
+  options.structure = has_clusters ? preprocess::MeshStructure::clusters : preprocess::MeshStructure::leaves;
+  return file_of(TracedVolume(box_mesh({.cells = {6, 6, 6}}, distance_field({0.5, 0.5, 0.5})), options));
+}
+
+Scene scene_of(const render::Volume& volume, const render::Method& method, Mode mode = Mode::isosurface) {
+  Scene scene;
+  const Interval<double> range = volume.field().range;
+  scene.camera = fit_camera(volume.bounds(), render::named_view("iso"), 4.0 / 3);
+  scene.layers[0].mode = mode;
+  scene.layers[0].isovalue = range.lo / 2 + range.hi / 2;
+  scene.layers[0].window = range;
+  scene.layers[0].method = method;
+  return scene;
+}
+
+struct Sound {
+  const char* name;
+  std::string file;
+  const char* array;
+  IntervalStep step;
+};
+std::vector<Sound> sound_files() {
+  return {{"grid", grid_file(), "macro.2", IntervalStep::macro_levels},
+          {"leaf lists", mesh_file(false), "range.0.0", IntervalStep::macro_levels},
+          {"clusters", mesh_file(true), "range.0.0", IntervalStep::cluster_ranges},
+          {"boxes", mesh_file(true), "cluster.boxes.0", IntervalStep::cluster_boxes}};
+}
+
+TEST(RangeProof, is_made_once_before_the_first_frame_that_proves_and_never_for_others) {
+  for (const Sound& sound : sound_files()) {
+    SCOPED_TRACE(sound.name);
+    const TracedVolume traced(sound.file);
+    const render::Volume& volume = traced.volume();
+    Framebuffer picture;
+    render::FrameMemory memory;
+    const auto proven_bytes = [&](const render::Volume& of, Accuracy accuracy, Mode mode = Mode::isosurface) {
+      return render::render(of, scene_of(of, method_of(accuracy), mode), small, picture, memory).range_proof.bytes;
+    };
+    for (const Accuracy accuracy : {Accuracy::preview, Accuracy::single, Accuracy::twofold})
+      EXPECT_EQ(proven_bytes(volume, accuracy), 0U);
+    EXPECT_EQ(render::RayQuestions(volume, 1, method_of(Accuracy::twofold)).range_proof().bytes, 0U);
+    EXPECT_GT(proven_bytes(volume, Accuracy::certified), sound.file.size() / 4);
+    for (const Accuracy accuracy : {Accuracy::certified, Accuracy::exact, Accuracy::single})
+      EXPECT_EQ(proven_bytes(volume, accuracy), 0U);
+    EXPECT_EQ(proven_bytes(volume, Accuracy::certified, Mode::mip), 0U);
+    const render::Volume copy = volume;
+    EXPECT_EQ(proven_bytes(copy, Accuracy::exact), 0U) << "copies share the proof";
+    EXPECT_EQ(render::RayQuestions(copy, 1, method_of(Accuracy::exact)).range_proof().bytes, 0U);
+    const render::Volume again = render::Volume::load(volume.file().name());
+    EXPECT_GT(render::RayQuestions(again, 1, method_of(Accuracy::exact)).range_proof().bytes, 0U) << "mapped anew";
+    EXPECT_EQ(proven_bytes(again, Accuracy::certified), 0U);
+  }
+}
+
+TEST(RangeProof, refuses_frames_and_rays_every_time_where_ranges_are_too_narrow) {
+  for (const Sound& sound : sound_files()) {
+    SCOPED_TRACE(sound.name);
+    const TracedVolume traced(narrowed(sound.file, sound.array, sound.step));
+    const render::Volume& volume = traced.volume();
+    Framebuffer picture;
+    EXPECT_GT(render::render(volume, scene_of(volume, method_of(Accuracy::single)), small, picture).rays, 0U);
+    for (int time = 0; time < 2; ++time)
+      for (const Accuracy accuracy : {Accuracy::certified, Accuracy::exact}) {
+        const render::Method method = method_of(accuracy);
+        for (const Mode mode : {Mode::isosurface, Mode::mip}) {
+          Framebuffer none;
+          expect_error(Trouble::invalid,
+                       "packed.rho: ", [&] { render::render(volume, scene_of(volume, method, mode), small, none); });
+          EXPECT_EQ(none.pixel_count(), 0U);
+        }
+        expect_error(Trouble::invalid, "packed.rho: ", [&] { render::RayQuestions(volume, 1, method); });
+        expect_error(Trouble::invalid, "packed.rho: ", [&] { volume.prove_ranges(); });
+      }
+  }
+}
+
+TEST(RangeProof, asks_only_of_volumes_whose_answers_are_proven) {
+  const TracedVolume sound(grid_file()), spoilt(narrowed(grid_file(), "macro.1", IntervalStep::macro_levels));
+  const std::vector<render::Volume> volumes{sound.volume(), spoilt.volume()};
+  Scene scene = scene_of(volumes[0], method_of(Accuracy::certified));
+  scene.layers.push_back(scene.layers[0]);
+  scene.layers[1].volume = 1;
+  scene.layers[1].method = method_of(Accuracy::single);
+  Framebuffer picture;
+  EXPECT_GT(render::render(volumes, scene, small, picture).range_proof.bytes, 0U);
+  scene.layers[1].method = method_of(Accuracy::certified);
+  expect_error(Trouble::invalid, "level 1", [&] { render::render(volumes, scene, small, picture); });
+}
+
+TEST(RangeProof, is_made_once_although_several_threads_ask) {
+  const TracedVolume traced(grid_file());
+  std::atomic<std::uint64_t> bytes = 0, times = 0;
+  {
+    std::vector<std::jthread> threads;
+    for (int thread = 0; thread < 8; ++thread)
+      threads.emplace_back([&] {
+        const std::uint64_t read = traced.volume().prove_ranges(1).bytes;
+        bytes += read;
+        times += read > 0;
+      });
+  }
+  EXPECT_EQ(times, 1U);
+  EXPECT_GT(bytes, 0U);
+}
+
+// A proof known by the place of the data in memory would be taken for that of the next file mapped there.
+TEST(RangeProof, is_not_taken_for_that_of_a_file_loaded_later) {
+  const std::string sound = grid_file(), spoilt = narrowed(sound, "macro.1", IntervalStep::macro_levels);
+  for (int time = 0; time < 20; ++time) {
+    EXPECT_GT(TracedVolume(sound).volume().prove_ranges().bytes, 0U);
+    expect_error(Trouble::invalid, "level 1", [&] { TracedVolume(spoilt).volume().prove_ranges(); });
+  }
+}
+
+}  // namespace
+}  // namespace rhoray::tests
