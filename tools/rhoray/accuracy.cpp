@@ -16,6 +16,7 @@
 #include "tools/rhoray/scene/picture_options.h"
 #include "tools/rhoray/scene/plan.h"
 #include "tools/rhoray/scene/spelled_out.h"
+#include "tools/rhoray/statistics_words.h"
 #include "tools/rhoray/subcommands.h"
 #include "tools/rhoray/threads.h"
 #include "tools/rhoray/version.h"
@@ -301,9 +302,14 @@ int run(AccuracyCommand& command) {
   ScenePlan plan = plan_layers(wishes);
   aim_camera(wishes, plan);
   refuse_damage(plan, command.common.threads);
+  display.show("proving stored ranges");
+  render::RangeProof range_proof;
+  for (const render::Volume& volume : plan.volumes) range_proof += volume.prove_ranges(command.common.threads);
+  tell(command.common, concat("stored ranges proven: ", proof_text(range_proof)));
   const bool folder_is_made = require_results_folder(command.common.output, command.common.force);
 
   StudyContext context{.facts = facts_of(command, plan), .stage = {}, .notes = plan.notes};
+  context.facts["ranges_proven"] = proof_text(range_proof);
   if (command.goal.is_given()) {
     display.show("trying methods");
     for (const Choice& choice : choose_methods(plan, command.goal, command.common.threads))

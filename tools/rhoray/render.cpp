@@ -66,6 +66,10 @@ int run(RenderCommand& command) {
   if (draws) require_picture(command, drawn.output, drawn.plan);
   drawn.stations.open_s = opening.seconds();
   aim_camera(wishes, drawn.plan);
+  if (draws && (command.goal.is_given() || command.self_check.pixels > 0)) {
+    display.show("proving stored ranges");
+    prove_ranges(command, drawn);
+  }
   if (draws && command.goal.is_given()) {
     display.show("trying methods");
     drawn.choices = choose_methods(drawn.plan, command.goal, command.common.threads);
@@ -127,7 +131,8 @@ Subcommand render_subcommand() {
             value_option(
                 "--verify", "N",
                 "Trace N random pixels, and N where the picture's content ends, again by exact arithmetic, and "
-                "say what was found; exit code 6 where the method's promise does not hold",
+                "say what was found; exit code 6 where the method's promise does not hold, 4 where the file's value "
+                "ranges are wrong",
                 command->self_check.pixels),
             value_option("--verify-limit", "E",
                          "Exit code 6 also where 99 % of the random pixels are not within E: cells along the ray; of a "

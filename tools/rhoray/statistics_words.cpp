@@ -7,6 +7,26 @@
 
 namespace rhoray::tools {
 
+namespace {
+
+double seconds_per_gib(const render::RangeProof& proof) {
+  return proof.wall_s * 0x1p30 / static_cast<double>(proof.bytes);
+}
+
+}  // namespace
+
+Json proof_json(const render::RangeProof& proof) {
+  Json json{{"bytes", proof.bytes}, {"wall_s", proof.wall_s}, {"s_per_gib", nullptr}};
+  if (proof.bytes > 0) json["s_per_gib"] = seconds_per_gib(proof);
+  return json;
+}
+
+std::string proof_text(const render::RangeProof& proof) {
+  if (proof.bytes == 0) return "none";
+  return concat(bytes_text(proof.bytes), " in ", rounded(proof.wall_s, 3), " s, ", rounded(seconds_per_gib(proof), 3),
+                " s/GiB");
+}
+
 Json statistics_json(const render::FrameStatistics& statistics) {
   const render::FrameStatistics::Phases& phases = statistics.phases;
   return {{"rays", statistics.rays},
@@ -36,6 +56,7 @@ Json statistics_json(const render::FrameStatistics& statistics) {
           {"machine", statistics.machine},
           {"preparation_s", statistics.preparation_s},
           {"wall_s", statistics.wall_s},
+          {"range_proof", proof_json(statistics.range_proof)},
           {"phases_cpu_s",
            {{"traversal", phases.traversal}, {"intersection", phases.intersection}, {"shading", phases.shading}}}};
 }
@@ -69,7 +90,8 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
          count("texture lookups", statistics.texture_lookups) + phase("traversal", phases.traversal) +
          phase("intersection", phases.intersection) + phase("shading", phases.shading) +
          concat("  prepared in          ", rounded(statistics.preparation_s, 3), " s\n") +
-         concat("  traced in            ", rounded(statistics.wall_s, 3), " s\n");
+         concat("  traced in            ", rounded(statistics.wall_s, 3), " s\n") +
+         concat("  ranges proven        ", proof_text(statistics.range_proof), "\n");
 }
 
 }  // namespace rhoray::tools

@@ -8,6 +8,7 @@
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/method_words.h"
 #include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/statistics_words.h"
 #include "tools/rhoray/subcommands.h"
 #include "tools/rhoray/validation_report.h"
 #include "tools/validate/request.h"
@@ -78,6 +79,8 @@ int run(ValidateCommand& command) {
                 concat("pack it first: ", shell_line({"rhoray", "pack", command.input.string()})));
   const Isovalue isovalue = choose_isovalue(command.isovalue, volume.field());
   refuse_damage(volume.file(), command.common.threads);
+  const render::RangeProof range_proof = volume.prove_ranges(command.common.threads);
+  tell(command.common, concat("stored ranges proven: ", proof_text(range_proof)));
   validate::Request request{.file = command.input.string(),
                             .field = volume.field().name,
                             .isovalue = isovalue.value,
@@ -103,7 +106,8 @@ int run(ValidateCommand& command) {
                       {"isovalue", request.isovalue},
                       {"isovalue_from", isovalue.from},
                       {"samples", request.samples},
-                      {"seed", request.seed}},
+                      {"seed", request.seed},
+                      {"range_proof", proof_json(range_proof)}},
                      watch.seconds());
   std::fputs(command.common.json ? (dump(report.json()) + "\n").c_str() : report.text().c_str(), stdout);
   if (!command.folder.empty()) report.write(command.folder, command.common.force);
@@ -122,7 +126,7 @@ Subcommand validate_subcommand() {
           "  rhoray validate torso.rho --iso 0.5\n"
           "  rhoray validate head.rho --iso 500 --samples 1000000 --report head_validation\n"
           "Needs the program rhoray-validate-worker beside `rhoray`, which links CGAL (GPL-3 or later).\n"
-          "Ends with exit code 6 when a check is outside its limit.\n",
+          "Ends with exit code 6 when a check is outside its limit, 4 when the file's value ranges are wrong.\n",
       .options = all_options(
           {{file_option("FILE", "Packed file", command->input),
             value_option("--iso", "V", "Isovalue: a number, p95 (percentile), or auto (Otsu's threshold)",

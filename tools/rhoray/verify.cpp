@@ -127,7 +127,7 @@ Subcommand verify_subcommand() {
               "Exit code 0: sound; 4: something was found; 3: a file could not be looked at.\n",
           .options = all_options(
               {{files_option("FILE", "Packed files", options->files),
-                flag_option("--deep", "Also read every value: ranges, macrocells, leaf lists", options->deep)},
+                flag_option("--deep", "Also read every value: ranges, macrocells, boxes, leaf lists", options->deep)},
                threads_option(options->common),
                message_options(options->common, "One JSON document per file and line, on stdout")}),
           .run = [options] { return run(*options); }};

@@ -231,6 +231,7 @@ std::optional<std::pair<std::string, std::string>> fact_words(const std::string&
   if (key == "command" || key.starts_with("instruments_")) return std::nullopt;
   if (key == "memory_bytes") return std::pair{std::string("memory"), bytes_text(value.get<std::uint64_t>())};
   if (key == "time_limit_s") return std::pair{std::string("time limit"), concat(rounded(value.get<double>()), " s")};
+  if (key == "ranges_proven") return std::pair{std::string("stored ranges proven"), value_text(value)};
   if (key == "repeat") return std::pair{std::string("repetitions asked for"), value_text(value)};
   if (key == "size") return std::pair{std::string("picture"), concat(value_text(value), " pixels")};
   return std::pair{key, value_text(value)};

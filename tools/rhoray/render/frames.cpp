@@ -60,13 +60,17 @@ Json json_of(const DrawnFrame& frame) {
 
 void report_frames(const RenderCommand& command, const ScenePlan& plan, const std::vector<DrawnFrame>& frames) {
   double traced_s = 0, preparation_s = 0;
-  for (const DrawnFrame& frame : frames)
+  render::RangeProof range_proof;
+  for (const DrawnFrame& frame : frames) {
     traced_s += frame.statistics.wall_s, preparation_s += frame.statistics.preparation_s;
+    range_proof += frame.statistics.range_proof;
+  }
   const double rate = static_cast<double>(frames.size()) / traced_s;
   if (command.common.json) {
     Json json{{"method", method_text(plan)},
               {"size", {plan.frame.width, plan.frame.height}},
               {"frames_per_second", rate},
+              {"range_proof", proof_json(range_proof)},
               {"frames", Json::array()}};
     for (const DrawnFrame& frame : frames) json["frames"].push_back(json_of(frame));
     std::puts(dump(json).c_str());
@@ -80,8 +84,10 @@ void report_frames(const RenderCommand& command, const ScenePlan& plan, const st
                     frame.statistics.preparation_s, frame.statistics.wall_s);
       std::puts(line);
     }
+    std::puts(concat("  ranges proven: ", proof_text(range_proof)).c_str());
   }
   say_choices(command.common, plan);
+  tell(command.common, concat("stored ranges proven: ", proof_text(range_proof)));
   say(command.common,
       concat(frames.front().picture.string(), " to ", frames.back().picture.string(), ": ", frames.size(),
              " frames by ", frames.back().statistics.machine, " kernels, traced in ", rounded(traced_s, 3), " s, ",

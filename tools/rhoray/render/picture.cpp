@@ -1,6 +1,7 @@
 #include "tools/rhoray/render/picture.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "formats/base/bytes.h"
 #include "formats/base/trouble.h"
@@ -101,6 +102,11 @@ void require_picture(const RenderCommand& command, const std::filesystem::path& 
   if (command.self_check.pixels > 0) require_checkable(plan);
 }
 
+void prove_ranges(const RenderCommand& command, Drawn& drawn) {
+  for (const render::Volume& volume : drawn.plan.volumes)
+    drawn.range_proof += volume.prove_ranges(command.common.threads);
+}
+
 render::Framebuffer trace(const RenderCommand& command, render::FrameMemory& memory, Drawn& drawn) {
   ScenePlan& plan = drawn.plan;
   plan.frame.threads = command.common.threads;
@@ -115,7 +121,9 @@ render::Framebuffer trace(const RenderCommand& command, render::FrameMemory& mem
   render::Framebuffer framebuffer;
   const Stopwatch tracing;
   drawn.statistics = render::render(plan.volumes, plan.scene, plan.frame, framebuffer, memory);
-  drawn.stations.trace_s = tracing.seconds();
+  drawn.stations.trace_s = tracing.seconds() - drawn.statistics.range_proof.wall_s;
+  drawn.statistics.range_proof += std::exchange(drawn.range_proof, {});
+  drawn.stations.prove_s = drawn.statistics.range_proof.wall_s;
   drawn.picks = take_picks(command.picks, framebuffer);
   if (command.self_check.pixels > 0)
     drawn.self_check = checked(plan, framebuffer, command.self_check, command.common.threads);

@@ -18,6 +18,7 @@ namespace rhoray::tools {
 /// Seconds of the stations on the way to a picture.
 struct Stations {
   double open_s = 0;
+  double prove_s = 0;  ///< stored ranges
   double trace_s = 0;
   double wait_for_checks_s = 0;
   double write_s = 0;
@@ -27,6 +28,7 @@ struct Stations {
 struct Drawn {
   std::filesystem::path output;
   ScenePlan plan;
+  render::RangeProof range_proof;  ///< before anything is traced; then a part of the statistics
   render::FrameStatistics statistics;
   Stations stations;
   std::vector<Json> picks;
@@ -50,6 +52,10 @@ class Checks {
 
 /// What is refused before anything is traced.
 void require_picture(const RenderCommand& command, const std::filesystem::path& output, const ScenePlan& plan);
+
+/// Proves the stored ranges of all data, for exact arithmetic that chooses a method or checks pixels: where they do not
+/// hold, nothing is traced. Those that the picture's own method relies on are proven by render::render.
+void prove_ranges(const RenderCommand& command, Drawn& drawn);
 
 /// Traces the picture and draws over it.
 render::Framebuffer trace(const RenderCommand& command, render::FrameMemory& memory, Drawn& drawn);

@@ -56,6 +56,7 @@ void report_json(const Drawn& drawn) {
   json["scene"] = scene_json(spelled_out(plan));
   json["statistics"] = statistics_json(drawn.statistics);
   json["seconds"] = {{"open", stations.open_s},
+                     {"prove_ranges", stations.prove_s},
                      {"trace", stations.trace_s},
                      {"wait_for_checks", stations.wait_for_checks_s},
                      {"write", stations.write_s}};
@@ -93,7 +94,8 @@ void report(const RenderCommand& command, const Drawn& drawn) {
   const CommonOptions& common = command.common;
   const ScenePlan& plan = drawn.plan;
   const Stations& stations = drawn.stations;
-  const double total = stations.open_s + stations.trace_s + stations.wait_for_checks_s + stations.write_s;
+  const double total =
+      stations.open_s + stations.prove_s + stations.trace_s + stations.wait_for_checks_s + stations.write_s;
   if (common.json) {
     report_json(drawn);
   } else {
@@ -114,6 +116,7 @@ void report(const RenderCommand& command, const Drawn& drawn) {
                     : concat(shown, ": ", rounded(drawn.heat.lo), " (dark) to ", rounded(drawn.heat.hi), " (bright)"));
   }
   if (drawn.statistics.hits == 0) say(common, "note: the picture is empty: no ray met anything");
+  tell(common, concat("stored ranges proven: ", proof_text(drawn.statistics.range_proof)));
   say(common,
       concat(drawn.output.string(), ": ", method_text(plan), " by ", drawn.statistics.machine, " kernels, traced in ",
              rounded(drawn.statistics.wall_s, 3), " s, ", rounded(total, 3), " s in all"));

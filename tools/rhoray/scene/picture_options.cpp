@@ -197,7 +197,9 @@ std::vector<Option> picture_options(PictureOptions& options) {
       choice_option(
           "--accuracy", accuracy_words(),
           "preview: a first look; float: single precision inside cells; double: double precision; certified: every hit "
-          "and miss proven, with a bound of its error; exact: every decision in exact arithmetic, slow. Default float "
+          "and miss proven, with a bound of its error; exact: every decision in exact arithmetic, slow. Both first "
+          "prove "
+          "the file's value ranges, once, and end with exit code 4 where these are wrong. Default float "
           "for isosurfaces of meshes and of uniform grids, dense or in bricks, which many rays cross at once, else "
           "double",
           scene.accuracy),
