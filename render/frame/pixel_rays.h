@@ -24,7 +24,8 @@ class PixelRays {
   PixelRays(const CameraRays& camera, const Affine& volume_from_world, std::span<const double> across,
             std::span<const double> down);
 
-  /// Writes what all rays have in common, once for a batch that is filled again and again.
+  /// Writes what all rays have in common, once for a batch that is filled again and again. It depends on the camera and
+  /// on the volume's frame alone, so that it holds for all rays of a layer in one frame.
   void begin(RayBatch& rays) const;
 
   /// The rays of a tile's traced blocks, in the order of for_each_run. The batch has room for a tile.

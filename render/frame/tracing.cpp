@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "render/frame/shells.h"
 
@@ -15,8 +16,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Makes the tile's rays in world axes, and finds what the clip region leaves of them.
 void clip_rays(const Frame& frame, const PixelRays& rays, const Tile& tile, Worker& worker) {
   WorldRays& world = *worker.world;
-  if (world.begun_by != &rays) rays.begin(world.rays);
-  world.begun_by = &rays;
+  if (!std::exchange(world.are_begun, true)) rays.begin(world.rays);
   rays.fill(tile, world.rays);
   if (!frame.clip) return;
   frame.clip->find_kept(world.rays, world.kept);
@@ -90,8 +90,7 @@ void ask_slice(const Frame& frame, const FrameLayer& layer, const double* ends, 
 /// @param ends  of all rays of the tile; null: they do not end
 void make_rays(const FrameLayer& layer, const PixelRays& rays, const Tile& tile, const double* ends,
                const Worker& worker, LayerWork& work) {
-  if (work.rays_begun_by != &rays) rays.begin(work.rays);
-  work.rays_begun_by = &rays;
+  if (!std::exchange(work.rays_are_begun, true)) rays.begin(work.rays);
   rays.fill(tile, work.rays);
   if (layer.clipped)
     shorten(worker.world->kept, ends, work.rays);

@@ -25,7 +25,7 @@ struct LayerWork {
   RayBatch rays{tile_capacity};
   HitBatch hits{tile_capacity};
   KernelScratch scratch;
-  const void* rays_begun_by = nullptr;  ///< whose numbers the rays have that all rays share
+  bool rays_are_begun = false;  ///< in this frame: they have the numbers that all rays of a layer share
 };
 
 /// Of each ray a layer, by its place in the frame.
@@ -55,7 +55,7 @@ struct LightRays {
 /// Rays of a tile in world axes, and what a clip region leaves of them.
 struct WorldRays {
   RayBatch rays{tile_capacity};
-  const void* begun_by = nullptr;  ///< as LayerWork::rays_begun_by
+  bool are_begun = false;  ///< as LayerWork::rays_are_begun
   KeptParts kept{tile_capacity};
   std::vector<std::uint32_t> cut;                                      ///< rays that are asked about behind the cut
   LaneArray<double> span_from{tile_capacity}, span_to{tile_capacity};  ///< of rays towards lights, in the region
@@ -159,7 +159,7 @@ struct alignas(128) Worker {
       layer.scratch.queue.reserve(needs.queue_entries);
       layer.scratch.last_t.reset();
       layer.scratch.counters = {};
-      layer.rays_begun_by = nullptr;
+      layer.rays_are_begun = false;
     }
     if (needs.light_count > 0 || needs.occlusion) {
       if (!light_rays) light_rays = std::make_unique<LightRays>();
@@ -172,7 +172,7 @@ struct alignas(128) Worker {
     }
     if (needs.world_rays) {
       if (!world) world = std::make_unique<WorldRays>();
-      world->begun_by = nullptr;
+      world->are_begun = false;
     }
     shells.begin_frame(layers, needs);
     counts = {};

@@ -70,12 +70,18 @@ TetMaximumField field_of(const VolumeImplementation& volume, const TetVolume<T>&
   return field;
 }
 
-/// The thread's memory, with no cluster kept of another field.
-TetMaximumScratch& prepared(std::shared_ptr<TetMaximumScratch>& scratch, const void* values) {
+/// Whether both are of one object, which may be gone. Of objects that have lived at one address it tells which.
+bool is_same_object(const std::weak_ptr<const FacetsCache>& a, const std::shared_ptr<FacetsCache>& b) {
+  return !a.owner_before(b) && !b.owner_before(a);
+}
+
+/// The thread's memory, with no cluster kept of another volume.
+TetMaximumScratch& prepared(std::shared_ptr<TetMaximumScratch>& scratch, const VolumeImplementation& volume) {
   if (!scratch) scratch = std::make_shared<TetMaximumScratch>();
-  if (scratch->values != values)
+  if (!is_same_object(scratch->of_volume, volume.facets)) {
     for (LocalCluster& cluster : scratch->clusters) cluster.cluster = LocalCluster::none;
-  scratch->values = values;
+    scratch->of_volume = volume.facets;
+  }
   return *scratch;
 }
 
@@ -89,7 +95,7 @@ void largest_values(const VolumeImplementation& volume, const Question& question
           if (!question.use_hierarchy) return reference(volume, question, rays, hits, scratch);
           scratch.counters.rays_wide += rays.count;
           const TetMaximumField field = field_of(volume, view, question, machine);
-          TetMaximumScratch& memory = prepared(scratch.tet_maximum, field.values);
+          TetMaximumScratch& memory = prepared(scratch.tet_maximum, volume);
           const TetLargestValues search = tet_largest_values_on(machine);
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
             const std::size_t count = std::min(RayGroup::size, rays.count - first);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
 #include "formats/cell_clusters.h"
 #include "render/kernels/kernels.h"
@@ -107,7 +108,9 @@ struct alignas(64) TetMaximumScratch {
 
   static constexpr std::size_t slot_count = 256;
   LocalCluster clusters[slot_count];
-  const void* values = nullptr;  ///< of the field that they are from
+  /// Which volume they are from. Every volume that is loaded has a FacetsCache of its own; a weak pointer tells it from
+  /// those of volumes that came after it, whatever lies at its address since.
+  std::weak_ptr<const FacetsCache> of_volume;
 
   FewRays others;  ///< what the reference is asked about
 };
