@@ -378,7 +378,7 @@ std::string ResultsFolder::layer_section(const LayerStudy& layer, const std::str
   // Pictures change from pass to pass only.
   auto& [of_pass, shown] = pictures_[prefix];
   const std::size_t drawn = layer.result()->rows.size();
-  const void* const pass = drawn == layer.variants().size() ? layer.result()->true_picture.get() : nullptr;
+  const auto pass = drawn == layer.variants().size() ? layer.result()->true_picture : nullptr;
   if (pass == nullptr || of_pass != pass) shown = pictures(layer, prefix);
   of_pass = pass;
   return out + shown;

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,9 +41,14 @@ class ResultsFolder {
 
   std::filesystem::path folder_;
   bool is_made_ = false;
-  std::optional<PendingFiles> files_;                                    ///< of the call of `write`
-  bool has_gnuplot_ = true;                                              ///< until it turns out not to
-  std::map<std::string, std::pair<const void*, std::string>> pictures_;  ///< by layer: of which pass, as HTML
+  std::optional<PendingFiles> files_;  ///< of the call of `write`
+  bool has_gnuplot_ = true;            ///< until it turns out not to
+  /// Of a layer, as HTML.
+  struct Pictures {
+    std::shared_ptr<const TruePicture> of_pass{};  ///< held, so that no later pass has its address; null: of none
+    std::string shown{};
+  };
+  std::map<std::string, Pictures> pictures_;  ///< by layer
 };
 
 }  // namespace rhoray::tools
