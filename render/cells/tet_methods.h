@@ -255,6 +255,10 @@ RHORAY_INLINE CertifiedTetCrossing certify_tet_crossing(const TetRay<Real>& ray,
   int inside = 0;
   for (std::size_t i = 0; i < 4; ++i) f[i] = values[i] - isovalue, inside += is_inside(f[i]);
   if (inside == 0 || inside == 4) return none;
+  // The bounds of rounding below do not count underflow. Where the field crosses does not depend on its unit.
+  const double largest = std::max({std::abs(f[0]), std::abs(f[1]), std::abs(f[2]), std::abs(f[3])});
+  if (largest < 0x1p-500)
+    for (double& difference : f) difference *= 0x1p500;
 
   std::array<Vertex, 4> v;
   for (std::size_t i = 0; i < 4; ++i) {

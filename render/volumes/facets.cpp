@@ -263,7 +263,8 @@ void find_fields(const BlockCells& cells, double isovalue, const Vec3& anchor, s
     const double length = std::sqrt(size2), cube = size2 * length, shape = cube / six_volumes[f];
     value[f] = (v[0][f] - isovalue) - g.dot(p[0] - anchor);
     cell_size[f] = length;
-    const double rounding = 0x1p-44 * (high - low) * shape * shape;
+    // At least the smallest float: as a float, less than that would be none at all.
+    const double rounding = larger(0x1p-44 * (high - low) * shape * shape, std::numeric_limits<float>::denorm_min());
     const bool is_told = six_volumes[f] > 0x1p-20 * cube && std::abs(value[f]) <= largest;
     doubt[f] = is_told ? rounding : std::numeric_limits<double>::infinity();
   }

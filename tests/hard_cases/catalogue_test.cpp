@@ -84,7 +84,7 @@ constexpr std::array elsewhere{
     Elsewhere{"X01", "House.compiles_every_own_source_with_one_set_of_warnings_and_one_arithmetic", ""},
     Elsewhere{"X02", "", "the state of the processor that a host sets belongs with kernels for kinds of machines"},
     Elsewhere{"X03", "", "as X02"},
-    Elsewhere{"X04", "", "there is one kind of machine so far"},
+    Elsewhere{"X04", "Machines.answer_rays_with_the_same_bits_as_far_as_is_promised", ""},
     Elsewhere{"X05", "OddPictures.are_made_of_the_answers_to_single_rays", ""},
     Elsewhere{"X06", "PackedFile.a_file_cut_short_while_open_has_damaged_blocks_and_does_not_end_the_process", ""},
     Elsewhere{"X07", "Spacings.without_an_inverse_are_refused", ""},
