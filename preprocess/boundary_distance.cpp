@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "formats/base/floating_point.h"
 #include "formats/base/parallel.h"
 #include "formats/base/vector.h"
 
@@ -120,6 +121,7 @@ class TriangleTree {
 
 Array<double> distances_to(std::span<const std::array<std::uint64_t, 3>> triangles,
                            std::span<const std::array<double, 3>> points) {
+  const DefaultFloatingPoint default_floating_point;
   const auto place = [&](std::uint64_t point) {
     const auto& p = points[point];
     return Vec3(p[0], p[1], p[2]);

@@ -21,6 +21,7 @@
 #include "preprocess/leaf_lists/choose_lattice.h"
 #include "preprocess/macro_levels/build_levels.h"
 #include "preprocess/macro_levels/leaf_ranges.h"
+#include "preprocess/scratch/default_floating_point.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -177,8 +178,10 @@ void write_field(MeteredWriter& writer, std::size_t field, const Array<T>& value
 
 }  // namespace
 
-PackMeshReport pack_mesh(const NeutralMesh& mesh, const std::filesystem::path& path, const PackMeshOptions& options,
-                         const Progress& progress) {
+namespace {
+
+PackMeshReport write_mesh(const NeutralMesh& mesh, const std::filesystem::path& path, const PackMeshOptions& options,
+                          const Progress& progress) {
   const std::string source_name = options.source_name.empty() ? "mesh" : options.source_name;
   check_cluster_size(options);
   ProgressMeter inspecting(progress, "inspecting the mesh", 2);
@@ -211,6 +214,13 @@ PackMeshReport pack_mesh(const NeutralMesh& mesh, const std::filesystem::path& p
   report.file_bytes = file.commit();
   sealing.add(1);
   return report;
+}
+
+}  // namespace
+
+PackMeshReport pack_mesh(const NeutralMesh& mesh, const std::filesystem::path& path, const PackMeshOptions& options,
+                         const Progress& progress) {
+  return in_default_floating_point([&] { return write_mesh(mesh, path, options, progress); });
 }
 
 }  // namespace rhoray::preprocess

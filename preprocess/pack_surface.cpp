@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "formats/base/floating_point.h"
 #include "formats/base/text.h"
 #include "formats/base/trouble.h"
 #include "preprocess/inspect/cut_polygon.h"
@@ -102,6 +103,7 @@ Array<std::array<float, 3>> as_floats(const Array<std::array<double, 3>>& points
 
 PackSurfaceReport pack_surface(const NeutralSurface& surface, const std::filesystem::path& path,
                                const PackSurfaceOptions& options, const Progress& progress) {
+  const DefaultFloatingPoint default_floating_point;
   const std::string source_name = options.source_name.empty() ? "surface" : options.source_name;
   refuse_outlines(surface, source_name);
   require_index(surface.points.size(), "points", source_name);

@@ -21,6 +21,7 @@
 #include "preprocess/inspect/summarize.h"
 #include "preprocess/macro_levels/build_levels.h"
 #include "preprocess/macro_levels/choose_shape.h"
+#include "preprocess/scratch/default_floating_point.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -206,8 +207,10 @@ std::uint64_t sample_bytes(const formats::GridDescription& grid) {
 
 }  // namespace
 
-PackVolumeReport pack_grid(std::span<const NeutralVolume> fields, const std::filesystem::path& path,
-                           const PackVolumeOptions& options, const Progress& progress) {
+namespace {
+
+PackVolumeReport write_fields(std::span<const NeutralVolume> fields, const std::filesystem::path& path,
+                              const PackVolumeOptions& options, const Progress& progress) {
   RHORAY_CHECK(!fields.empty());
   const NeutralVolume& first = fields.front();
   const std::string source_name = options.source_name.empty() ? "volume" : options.source_name;
@@ -257,6 +260,13 @@ PackVolumeReport pack_grid(std::span<const NeutralVolume> fields, const std::fil
   report.file_bytes = writer.commit();
   sealing.add(1);
   return report;
+}
+
+}  // namespace
+
+PackVolumeReport pack_grid(std::span<const NeutralVolume> fields, const std::filesystem::path& path,
+                           const PackVolumeOptions& options, const Progress& progress) {
+  return in_default_floating_point([&] { return write_fields(fields, path, options, progress); });
 }
 
 PackVolumeReport pack_volume(const NeutralVolume& volume, const std::filesystem::path& path,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "formats/base/floating_point.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/pending_file.h"
 #include "formats/base/trouble.h"
@@ -138,6 +139,7 @@ ExportReport export_vtu(const std::filesystem::path& packed, const std::filesyst
 
 ExportReport export_tets_stl(const std::filesystem::path& packed, std::optional<double> isovalue,
                              const std::filesystem::path& output, const ExportOptions& options) {
+  const DefaultFloatingPoint default_floating_point;
   if (isovalue && !std::isfinite(*isovalue))
     throw Error(Trouble::usage, concat("isovalue ", *isovalue, "; expected a finite number"));
   const TetMesh mesh(formats::PackedFile::open(packed));

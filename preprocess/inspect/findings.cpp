@@ -1,9 +1,12 @@
 #include "formats/base/trouble.h"
 #include "preprocess/inspect/finding.h"
+#include "preprocess/scratch/default_floating_point.h"
 
 namespace rhoray::preprocess {
 
-std::vector<Finding> inspect_mesh(const NeutralMesh& mesh, const Progress& progress) {
+namespace {
+
+std::vector<Finding> findings_of(const NeutralMesh& mesh, const Progress& progress) {
   for (std::size_t cell = 0; cell < mesh.cells.size(); ++cell)
     for (const std::uint64_t vertex : mesh.cells[cell])
       if (vertex >= mesh.points.size())
@@ -26,6 +29,12 @@ std::vector<Finding> inspect_mesh(const NeutralMesh& mesh, const Progress& progr
   look([&] { inspect::overlaps(mesh, findings); });
   look([&] { inspect::values(mesh, findings); });
   return findings;
+}
+
+}  // namespace
+
+std::vector<Finding> inspect_mesh(const NeutralMesh& mesh, const Progress& progress) {
+  return in_default_floating_point([&] { return findings_of(mesh, progress); });
 }
 
 }  // namespace rhoray::preprocess

@@ -15,6 +15,7 @@
 
 #include "formats/base/checks.h"
 #include "formats/base/trouble.h"
+#include "preprocess/scratch/default_floating_point.h"
 #include "preprocess/subdivide/cell_kinds.h"
 #include "preprocess/subdivide/cut_cell.h"
 #include "preprocess/subdivide/polyhedron.h"
@@ -437,9 +438,7 @@ NeutralMesh move_tetrahedra(CellMesh& mesh) {
   return result;
 }
 
-}  // namespace
-
-NeutralMesh subdivide(CellMesh mesh, const SubdivideOptions& options, const Progress& progress) {
+NeutralMesh subdivided(CellMesh mesh, const SubdivideOptions& options, const Progress& progress) {
   RHORAY_CHECK(mesh.cell_offsets.size() == mesh.kinds.size() + 1 && mesh.cell_offsets.back() == mesh.cell_nodes.size());
   if (!(options.max_error > 0) || !std::isfinite(options.max_error))
     throw Error(Trouble::usage, concat("largest error: found ", options.max_error, "; expected a number above 0"));
@@ -473,6 +472,12 @@ NeutralMesh subdivide(CellMesh mesh, const SubdivideOptions& options, const Prog
   for (std::size_t t = 0; t < all.cells.size(); ++t) result.cell_ids[t] = id_of_cell(mesh, all.cells[t]);
   repeat_cell_fields(result, mesh.cell_fields, all.cells);
   return result;
+}
+
+}  // namespace
+
+NeutralMesh subdivide(CellMesh mesh, const SubdivideOptions& options, const Progress& progress) {
+  return in_default_floating_point([&] { return subdivided(std::move(mesh), options, progress); });
 }
 
 }  // namespace rhoray::preprocess
