@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "formats/base/floating_point.h"
 #include "formats/base/text.h"
 #include "formats/base/trouble.h"
 
@@ -42,6 +43,7 @@ View named_view(std::string_view name) {
 }
 
 Camera fit_camera(const Box3& box_world, const View& view, double aspect) {
+  const DefaultFloatingPoint default_floating_point;
   if (!(view.zoom > 0) || !std::isfinite(view.zoom))
     throw Error(Trouble::usage, concat("zoom ", view.zoom, "; expected a number above 0"));
   if (!(view.vertical_fov_deg > 0 && view.vertical_fov_deg < 180))

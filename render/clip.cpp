@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "formats/base/floating_point.h"
+
 namespace rhoray::render {
 
 namespace {
@@ -82,6 +84,7 @@ bool lies_inside(const std::vector<HalfSpace>& halves, const Box3& box, double s
 }  // namespace
 
 std::vector<HalfSpace> half_spaces_of(const Clip& clip) {
+  const DefaultFloatingPoint default_floating_point;
   std::vector<HalfSpace> halves;
   if (clip.box) add_faces(*clip.box, halves);
   halves.insert(halves.end(), clip.planes.begin(), clip.planes.end());
@@ -89,6 +92,7 @@ std::vector<HalfSpace> half_spaces_of(const Clip& clip) {
 }
 
 Box3 what_is_left(const Clip& clip, const Box3& box) {
+  const DefaultFloatingPoint default_floating_point;
   if (box.isEmpty()) return box;
   const double slack = slack_of(box);
   std::vector<HalfSpace> halves = half_spaces_of(clip);
@@ -103,6 +107,7 @@ Box3 what_is_left(const Clip& clip, const Box3& box) {
 }
 
 bool leaves_whole(const Clip& clip, const Box3& box) {
+  const DefaultFloatingPoint default_floating_point;
   if (clip.cuts_away) {
     Clip kept = clip;
     kept.cuts_away = false;
@@ -112,6 +117,7 @@ bool leaves_whole(const Clip& clip, const Box3& box) {
 }
 
 Box3 part_of_plane(const HalfSpace& plane, const Box3& box) {
+  const DefaultFloatingPoint default_floating_point;
   if (box.isEmpty()) return box;
   std::vector<HalfSpace> halves;
   add_faces(box, halves);

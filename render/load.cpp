@@ -4,6 +4,7 @@
 #include <chrono>
 #include <mutex>
 
+#include "formats/base/floating_point.h"
 #include "formats/base/text.h"
 #include "formats/base/trouble.h"
 #include "formats/color_grid.h"
@@ -120,10 +121,12 @@ Volume::Volume(std::shared_ptr<const VolumeImplementation> implementation)
     : implementation_(std::move(implementation)), proof_(std::make_shared<ProofState>()) {}
 
 Volume Volume::load(const std::filesystem::path& path, const std::string& field) {
+  const DefaultFloatingPoint default_floating_point;
   return load(formats::PackedFile::open(path), field);
 }
 
 Volume Volume::load(const formats::PackedFile& file, const std::string& field) {
+  const DefaultFloatingPoint default_floating_point;
   if (file.description().kind == "grid") return Volume(load_grid(file, field));
   if (file.description().kind == "tets") return Volume(load_tets(file, field));
   if (file.description().kind == formats::VdbGrid::kind) return Volume(load_vdb(file, field));
@@ -182,10 +185,12 @@ RangeProof Volume::prove_ranges(unsigned threads) const {
 }
 
 Box3 Volume::bounds() const {
+  const DefaultFloatingPoint default_floating_point;
   return box_world(implementation_->bounds_volume, implementation_->world_from_volume);
 }
 
 Box3 Volume::isosurface_bounds(double isovalue) const {
+  const DefaultFloatingPoint default_floating_point;
   const Box3 box = std::visit([&](const auto& view) { return crossed_box(view, isovalue); }, implementation_->view);
   return box_world(box, implementation_->world_from_volume);
 }

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "formats/base/floating_point.h"
+
 namespace rhoray::render {
 
 namespace {
@@ -23,20 +25,24 @@ Box3 in_texels(const Box3& box_world, const formats::ColorGrid& grid) {
 }  // namespace
 
 Texture Texture::load(const std::filesystem::path& path) {
+  const DefaultFloatingPoint default_floating_point;
   return load(formats::PackedFile::open(path));
 }
 
 Texture Texture::load(const formats::PackedFile& file) {
+  const DefaultFloatingPoint default_floating_point;
   return Texture(std::make_shared<const formats::ColorGrid>(file));
 }
 
 bool Texture::may_overlap(const Box3& box_world) const {
+  const DefaultFloatingPoint default_floating_point;
   if (box_world.isEmpty()) return false;
   const formats::ColorGridDescription& texels = grid_->description();
   return texels.bounds().intersects(box_world) && texels.box_grid().intersects(in_texels(box_world, *grid_));
 }
 
 bool Texture::contains(const Box3& box_world) const {
+  const DefaultFloatingPoint default_floating_point;
   const Box3 texels = grid_->description().box_grid(), box = in_texels(box_world, *grid_);
   return texels.intersects(box.min) && texels.intersects(box.max);
 }

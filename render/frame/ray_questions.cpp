@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "formats/base/checks.h"
+#include "formats/base/floating_point.h"
 #include "formats/base/text.h"
 #include "formats/base/trouble.h"
 #include "render/frame/camera_rays.h"
@@ -54,6 +55,7 @@ void RayQuestions::answer(Kernel kernel, std::span<const Ray> rays, std::span<Hi
 }
 
 void RayQuestions::first_crossings(std::span<const Ray> rays, std::span<Hit> hits) {
+  const DefaultFloatingPoint default_floating_point;
   RHORAY_CHECK(rays.size() == hits.size());
   if (workers_.size() == 1 || rays.size() <= batch_size)
     return answer(kernels_.first_crossing, rays, hits, workers_.front());
@@ -71,6 +73,7 @@ Hit RayQuestions::first_crossing(const Ray& ray) {
 }
 
 void RayQuestions::largest_values(std::span<const Ray> rays, std::span<Hit> hits) {
+  const DefaultFloatingPoint default_floating_point;
   RHORAY_CHECK(rays.size() == hits.size());
   workers_.front().scratch.last_t.reset();
   answer(kernels_.largest_value, rays, hits, workers_.front());
@@ -83,6 +86,7 @@ KernelCounters RayQuestions::counters() const {
 }
 
 std::vector<Ray> camera_rays(const Volume& volume, const Camera& camera, int width, int height) {
+  const DefaultFloatingPoint default_floating_point;
   const CameraRays through(camera, width, height);
   const Affine volume_from_world = volume.implementation().world_from_volume.inverse();
   std::vector<Ray> rays;

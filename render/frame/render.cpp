@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "formats/base/floating_point.h"
 #include "formats/base/text.h"
 #include "formats/base/trouble.h"
 #include "render/frame/antialiasing.h"
@@ -444,6 +445,7 @@ FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOpti
 
 FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
                        const Refinement& refinement, Framebuffer& framebuffer, FrameMemory& memory) {
+  const DefaultFloatingPoint default_floating_point;
   check_request(volumes, scene, options);
   check_refinement(refinement);
   const auto clock_start = std::chrono::steady_clock::now();

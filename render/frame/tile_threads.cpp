@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <thread>
 
+#include "formats/base/floating_point.h"
+
 #ifdef RHORAY_STD_THREADS
 #include <atomic>
 #include <exception>
@@ -39,6 +41,7 @@ void TileThreads::for_each_tile(std::size_t count, const std::function<void(std:
     std::vector<std::jthread> workers;
     for (std::size_t worker = 0; worker < worker_count(); ++worker)
       workers.emplace_back([&, worker] {
+        const DefaultFloatingPoint default_floating_point;
         try {
           for (std::size_t tile; (tile = next++) < count;) act(tile, worker);
         } catch (...) {
@@ -71,6 +74,8 @@ void TileThreads::for_each_tile(std::size_t count, const std::function<void(std:
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, count, 1),
         [&](const tbb::blocked_range<std::size_t>& tiles) {
+          // Threads of the pool, and what oneTBB sets for its tasks, are of whoever used it first.
+          const DefaultFloatingPoint default_floating_point;
           const auto worker = static_cast<std::size_t>(tbb::this_task_arena::current_thread_index());
           for (std::size_t tile = tiles.begin(); tile != tiles.end(); ++tile) act(tile, worker);
         },

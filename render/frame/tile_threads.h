@@ -17,7 +17,7 @@ class TileThreads {
 
   /// Calls act(tile, worker) once for every tile in [0, count), neighbours mostly one after another on one thread;
   /// `worker` is below worker_count() and never used by two calls at a time. An exception thrown by act ends the work
-  /// and is passed on.
+  /// and is passed on. Each call computes in the default floating-point environment (formats/base/floating_point.h).
   void for_each_tile(std::size_t count, const std::function<void(std::size_t tile, std::size_t worker)>& act) const;
 
  private:

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <new>
 
+#include "formats/base/floating_point.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/trouble.h"
 #include "tools/rhoray/version.h"
@@ -148,6 +149,7 @@ std::string error_lines(const std::string& place, const std::string& fact, const
 }
 
 int run_command_line(std::span<const Subcommand> subcommands, int argc, const char* const* argv) {
+  const DefaultFloatingPoint default_floating_point;  // a library that was loaded may have set another
   std::string place = "rhoray";
   const auto fail = [&](Trouble trouble, const std::string& fact, const std::string& hint = {}) {
     std::fputs(error_lines(place, fact, hint).c_str(), stderr);

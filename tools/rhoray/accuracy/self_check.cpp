@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "formats/base/floating_point.h"
 #include "formats/base/trouble.h"
 #include "tools/rhoray/accuracy/truth.h"
 #include "tools/rhoray/measure.h"
@@ -206,6 +207,7 @@ void require_checkable(const ScenePlan& plan) {
 
 SelfCheck checked(const ScenePlan& plan, const render::Framebuffer& picture, const SelfCheckOptions& options,
                   unsigned threads) {
+  const DefaultFloatingPoint default_floating_point;
   std::mt19937_64 random(options.seed);
   SelfCheck check{.seed = options.seed, .unit = is_projection(plan) ? "" : "cells"};
   const Promise promise = promise_of(plan);
