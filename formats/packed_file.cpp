@@ -1,7 +1,6 @@
 #include "formats/packed_file.h"
 
 #include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -11,8 +10,11 @@
 #include <cstring>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <system_error>
 
+#include "formats/base/mapped_file.h"
+#include "formats/base/regular_file.h"
 #include "formats/envelope/header.h"
 #include "formats/envelope/seal.h"
 #include "formats/format_error.h"
@@ -35,6 +37,7 @@ std::uint64_t ArrayEntry::element_count() const {
 struct PackedFile::Mapping {
   std::string name;
   int descriptor = -1;
+  std::optional<MappedFile> mapped;
   const std::byte* start = nullptr;
   std::uint64_t bytes = 0;
 
@@ -49,7 +52,7 @@ struct PackedFile::Mapping {
   Mapping(int owned_descriptor, std::string file_name);
   Mapping(const Mapping&) = delete;
   Mapping& operator=(const Mapping&) = delete;
-  ~Mapping() { release(); }
+  ~Mapping() { ::close(descriptor); }
 
   std::span<const std::byte> view(std::uint64_t first, std::uint64_t count) const { return {start + first, count}; }
 
@@ -57,10 +60,6 @@ struct PackedFile::Mapping {
   void map();
   void read();
   std::uint64_t checked_header_bytes() const;
-  void release() {
-    if (start != nullptr) ::munmap(const_cast<std::byte*>(start), bytes);
-    ::close(descriptor);
-  }
 };
 
 PackedFile::Mapping::Mapping(int owned_descriptor, std::string file_name)
@@ -68,8 +67,9 @@ PackedFile::Mapping::Mapping(int owned_descriptor, std::string file_name)
   try {
     map();
     read();
+    mapped->require_intact();
   } catch (...) {
-    release();
+    ::close(descriptor);
     throw;
   }
 }
@@ -86,11 +86,7 @@ void PackedFile::Mapping::map() {
   if (bytes < smallest)
     refuse(name, concat("byte ", bytes), "the end of the file",
            concat("a packed file of at least ", smallest, " bytes"));
-  void* mapped = ::mmap(nullptr, bytes, PROT_READ, MAP_SHARED, descriptor, 0);
-  if (mapped == MAP_FAILED)
-    throw Error(Trouble::resource,
-                concat(name, ": cannot map ", bytes, " bytes: ", std::system_category().message(errno)));
-  start = static_cast<const std::byte*>(mapped);
+  start = mapped.emplace(descriptor, bytes, name).bytes().data();
 }
 
 std::uint64_t PackedFile::Mapping::checked_header_bytes() const {
@@ -134,11 +130,7 @@ void PackedFile::Mapping::read() {
 }
 
 PackedFile PackedFile::open(const std::filesystem::path& path) {
-  // Without waiting, so that a pipe of that name is refused and not waited for.
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (descriptor < 0)
-    throw Error(Trouble::unreadable, concat(path.string(), ": ", std::system_category().message(errno)));
-  return PackedFile(std::make_shared<const Mapping>(descriptor, path.string()));
+  return PackedFile(std::make_shared<const Mapping>(open_regular_file(path), path.string()));
 }
 
 PackedFile PackedFile::from_descriptor(int descriptor, std::string name) {
@@ -148,14 +140,9 @@ PackedFile PackedFile::from_descriptor(int descriptor, std::string name) {
 }
 
 bool PackedFile::looks_packed(const std::filesystem::path& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (descriptor < 0) return false;
-  std::array<char, envelope::length_bytes + envelope::start_text.size()> beginning{};
-  const ssize_t got = ::pread(descriptor, beginning.data(), beginning.size(), 0);
-  ::close(descriptor);
-  return got == static_cast<ssize_t>(beginning.size()) &&
-         std::string_view(beginning.data() + envelope::length_bytes, envelope::start_text.size()) ==
-             envelope::start_text;
+  constexpr std::size_t beginning_bytes = envelope::length_bytes + envelope::start_text.size();
+  const std::string beginning = first_bytes(path, beginning_bytes);
+  return beginning.size() == beginning_bytes && beginning.ends_with(envelope::start_text);
 }
 
 const std::string& PackedFile::name() const {

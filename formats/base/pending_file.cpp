@@ -18,6 +18,7 @@
 #include <tuple>
 #include <utility>
 
+#include "formats/base/mapped_file.h"
 #include "formats/base/trouble.h"
 #include "formats/base/write_failure.h"
 
@@ -247,6 +248,7 @@ void publish_all(std::span<const std::unique_ptr<PendingFile>> files) {
 }
 
 void PendingFile::publish_each(std::span<PendingFile* const> files) {
+  require_no_lost_bytes();
   std::vector<PendingFile*> own;
   std::copy_if(files.begin(), files.end(), std::back_inserter(own), [](PendingFile* file) { return !file->borrowed_; });
   for (PendingFile* const file : own) file->flush();

@@ -99,7 +99,7 @@ TEST(PackedFile, what_is_no_file_is_refused_as_unreadable) {
   expect_error(Trouble::unreadable, "missing.rho: No such file", [&] { PackedFile::open(folder / "missing.rho"); });
   expect_error(Trouble::unreadable, "found a folder", [&] { PackedFile::open(folder.path()); });
   ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
-  expect_error(Trouble::unreadable, "found a special file", [&] { PackedFile::open(folder / "pipe"); });
+  expect_error(Trouble::unreadable, "found a pipe", [&] { PackedFile::open(folder / "pipe"); });
 }
 
 TEST(PackedFile, what_is_no_packed_file_is_refused_as_invalid) {

@@ -1,0 +1,77 @@
+#include "formats/base/regular_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+
+#include "formats/base/trouble.h"
+
+namespace rhoray {
+namespace {
+
+[[noreturn]] void refuse_by_system(const std::filesystem::path& path) {
+  const int reason = errno;
+  throw Error(Trouble::unreadable, concat(path.string(), ": ", std::system_category().message(reason)));
+}
+
+const char* kind_of(mode_t mode) {
+  if (S_ISDIR(mode)) return "a folder";
+  if (S_ISFIFO(mode)) return "a pipe";
+  if (S_ISSOCK(mode)) return "a socket";
+  return "a device";
+}
+
+void require_regular(const std::filesystem::path& path, const struct stat& status) {
+  if (S_ISREG(status.st_mode)) return;
+  throw Error(Trouble::unreadable, concat(path.string(), ": found ", kind_of(status.st_mode), "; expected a file"),
+              S_ISFIFO(status.st_mode) ? "save what comes through the pipe to a file first" : "");
+}
+
+}  // namespace
+
+void require_regular_file(const std::filesystem::path& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) refuse_by_system(path);
+  require_regular(path, status);
+}
+
+int open_regular_file(const std::filesystem::path& path) {
+  require_regular_file(path);  // opening some devices already does something
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0) refuse_by_system(path);
+  try {
+    struct stat status {};
+    if (::fstat(descriptor, &status) != 0) refuse_by_system(path);
+    require_regular(path, status);  // another file may have taken the name meanwhile
+  } catch (...) {
+    ::close(descriptor);
+    throw;
+  }
+  return descriptor;
+}
+
+std::string first_bytes(const std::filesystem::path& path, std::size_t count) {
+  int descriptor = -1;
+  try {
+    descriptor = open_regular_file(path);
+  } catch (const Error&) {
+    return {};
+  }
+  std::string bytes(count, '\0');
+  std::size_t filled = 0;
+  while (filled < count) {
+    const ssize_t got = ::read(descriptor, bytes.data() + filled, count - filled);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) filled = 0;
+    if (got <= 0) break;
+    filled += static_cast<std::size_t>(got);
+  }
+  ::close(descriptor);
+  bytes.resize(filled);
+  return bytes;
+}
+
+}  // namespace rhoray
