@@ -1,7 +1,5 @@
 #include "preprocess/import/foreign_file.h"
 
-#include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -10,29 +8,24 @@
 #include <cerrno>
 #include <cstring>
 
+#include "formats/base/mapped_file.h"
+#include "formats/base/regular_file.h"
 #include "formats/format_error.h"
 
 namespace rhoray::preprocess {
 
 ForeignFile::ForeignFile(const std::filesystem::path& path) : path_(path) {
-  const auto unreadable = [&](const char* reason) -> Error {
-    return {Trouble::unreadable, concat(path.string(), ": cannot be read: ", reason)};
-  };
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) throw unreadable(std::strerror(errno));
   struct Closing {
     int descriptor;
     ~Closing() { ::close(descriptor); }
-  } closing{descriptor};
+  } const file{open_regular_file(path)};
   struct stat facts {};
-  if (::fstat(descriptor, &facts) != 0) throw unreadable(std::strerror(errno));
-  if (S_ISDIR(facts.st_mode)) throw unreadable("it is a folder");
-  if (!S_ISREG(facts.st_mode)) throw unreadable("it is not a regular file");
+  if (::fstat(file.descriptor, &facts) != 0)
+    throw Error(Trouble::unreadable, concat(path.string(), ": ", std::strerror(errno)));
   if (facts.st_size == 0) refuse_input(path, "byte 0", "an empty file", "a header");
   size_ = static_cast<std::size_t>(facts.st_size);
-  void* start = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, descriptor, 0);
-  if (start == MAP_FAILED) throw unreadable(std::strerror(errno));
-  start_ = std::shared_ptr<const void>(start, [size = size_](void* begin) { ::munmap(begin, size); });
+  const auto mapped = std::make_shared<const MappedFile>(file.descriptor, size_, path.string());
+  start_ = std::shared_ptr<const void>(mapped, mapped->bytes().data());
 }
 
 void refuse_input(const std::filesystem::path& path, std::string_view place, std::string_view found,

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 #include <string>
 #include <string_view>
 
+#include "formats/base/regular_file.h"
 #include "preprocess/import/foreign_file.h"
 #include "preprocess/import/foreign_names.h"
 #include "preprocess/import/plot3d_layout.h"
@@ -143,10 +143,7 @@ const KindByName* row_of(const std::filesystem::path& path) {
 
 /// The word after DATASET in the first lines of a legacy VTK file, in capitals; empty when there is none.
 std::string legacy_vtk_dataset(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string head(4096, '\0');
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(file.gcount()));
+  std::string head = first_bytes(path, 4096);
   if (!head.starts_with("# vtk DataFile")) return {};
   std::size_t at = head.find('\n');
   if (at != std::string::npos) at = head.find('\n', at + 1);  // a title of any kind
@@ -199,9 +196,7 @@ std::filesystem::path header_that_names(const std::filesystem::path& path) {
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
   for (const std::filesystem::path& other : files_in(folder)) {
     if (std::find(std::begin(headers), std::end(headers), extension_of(other)) == std::end(headers)) continue;
-    std::ifstream file(other, std::ios::binary);
-    std::string head(8192, '\0');
-    file.read(head.data(), static_cast<std::streamsize>(head.size()));
+    const std::string head = first_bytes(other, 8192);
     if (head.find(name) != std::string::npos || head.find(numbered) != std::string::npos) return other;
   }
   return {};

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 
+#include "formats/base/regular_file.h"
 #include "preprocess/import/foreign_file.h"
 #include "preprocess/import/numbers.h"
 
@@ -42,10 +42,8 @@ bool numbered_before(const std::string& a, const std::string& b) {
 }
 
 bool looks_like_dicom(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  char head[132] = {};
-  file.read(head, sizeof head);
-  return file.gcount() == sizeof head && std::string_view(head + 128, 4) == "DICM";
+  const std::string head = first_bytes(path, 132);
+  return head.size() == 132 && head.ends_with("DICM");
 }
 
 /// By the first files that say something: a folder of slices may hold thousands.
@@ -62,10 +60,7 @@ std::string family_of_folder(const fs::path& folder) {
 
 /// A .g is an Exodus file without results, which is netCDF, or a grid of PLOT3D.
 std::string family_of_grid(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  char head[4] = {};
-  file.read(head, sizeof head);
-  const std::string_view begin(head, sizeof head);
+  const std::string begin = first_bytes(path, 4);
   return begin.starts_with("CDF") || begin == "\x89HDF" ? ".gen" : ".p3d";
 }
 

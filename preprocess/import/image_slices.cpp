@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "formats/base/regular_file.h"
 #include "preprocess/import/foreign_file.h"
 #include "preprocess/import/foreign_names.h"
 #include "preprocess/import/samples.h"
@@ -35,6 +36,7 @@ Picture picture_of(const OIIO::ImageSpec& spec) {
 }
 
 std::unique_ptr<OIIO::ImageInput> open(const fs::path& path) {
+  require_regular_file(path);
   OIIO::ImageSpec wish;
   wish["oiio:UnassociatedAlpha"] = 1;  // colours as they are stored
   auto input = OIIO::ImageInput::open(path.string(), &wish);

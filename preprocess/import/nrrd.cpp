@@ -1,10 +1,18 @@
 #include <teem/nrrd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
 
+#include "formats/base/regular_file.h"
 #include "preprocess/import/families.h"
 #include "preprocess/import/foreign_file.h"
+#include "preprocess/import/numbers.h"
 #include "preprocess/import/samples.h"
 
 namespace rhoray::preprocess {
@@ -40,7 +48,69 @@ struct Loaded {
   throw Error(Trouble::invalid, concat(path.string(), ": Teem cannot read it: ", teem_reason()));
 }
 
+/// Where the header ends that stands before its samples: behind the first empty line.
+std::size_t end_of_header(std::string_view text) {
+  const std::size_t plain = text.find("\n\n"), with_returns = text.find("\n\r\n");
+  if (plain == text.npos && with_returns == text.npos) return text.size();
+  return plain < with_returns ? plain + 2 : with_returns + 3;
+}
+
+/// The file of this number under a name such as "slice%03d.raw"; nothing when it has no place for one number.
+std::optional<std::string> numbered_name(const std::string& pattern, std::int64_t number) {
+  const std::size_t begin = pattern.find('%'), end = pattern.find_first_not_of("0123456789", begin + 1);
+  if (begin == pattern.npos || end == pattern.npos || pattern[end] != 'd') return std::nullopt;
+  std::string digits = concat(number);
+  const std::size_t width = parse_number<std::size_t>(pattern.substr(begin + 1, end - begin - 1)).value_or(0);
+  if (width > 32) return std::nullopt;
+  if (digits.size() < width) digits.insert(0, width - digits.size(), pattern[begin + 1] == '0' ? '0' : ' ');
+  return pattern.substr(0, begin) + digits + pattern.substr(end + 1);
+}
+
+/// The files that a header names as those of its samples: one, a list, or numbered ones.
+std::vector<std::string> named_files(std::string_view header) {
+  std::istringstream lines{std::string(header)};
+  std::vector<std::string> names;
+  bool in_list = false;
+  for (std::string line; std::getline(lines, line);) {
+    while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())) != 0) line.pop_back();
+    if (in_list) names.push_back(line);
+    std::string key = line.substr(0, line.find(':'));
+    std::transform(key.begin(), key.end(), key.begin(), [](unsigned char letter) { return std::tolower(letter); });
+    if (in_list || (key != "data file" && key != "datafile") || key.size() == line.size()) continue;
+    const std::size_t begin = line.find_first_not_of(" \t", key.size() + 1);
+    if (begin == line.npos) continue;
+    const std::string value = line.substr(begin);
+    if (value.starts_with("LIST")) {
+      in_list = true;
+      continue;
+    }
+    std::istringstream words(value);
+    std::string pattern;
+    std::int64_t first = 0, last = 0, step = 0;
+    constexpr std::int64_t most_files = 1 << 16;
+    if (value.find('%') == value.npos || !(words >> pattern >> first >> last >> step) || step == 0 ||
+        std::abs(first) > most_files || std::abs(last) > most_files) {
+      names.push_back(value);
+      continue;
+    }
+    for (std::int64_t number = first; step > 0 ? number <= last : number >= last; number += step)
+      if (const auto name = numbered_name(pattern, number)) names.push_back(*name);
+  }
+  return names;
+}
+
+/// Teem opens all that a header names, and would wait for a pipe.
+void require_regular_data_files(const std::filesystem::path& path) {
+  constexpr std::size_t longest_header = std::size_t{16} << 20;
+  const ForeignFile file(path);
+  const std::string_view text = file.text().substr(0, longest_header);
+  for (const std::string& name : named_files(text.substr(0, end_of_header(text))))
+    if (std::error_code missing; std::filesystem::exists(path.parent_path() / name, missing))
+      require_regular_file(path.parent_path() / name);
+}
+
 Loaded load_header(const std::filesystem::path& path) {
+  require_regular_data_files(path);
   Loaded loaded{OwnedNrrd(nrrdNew()), std::unique_ptr<NrrdIoState, IoNix>(nrrdIoStateNew())};
   nrrdIoStateSet(loaded.io.get(), nrrdIoStateSkipData, 1);
   if (nrrdLoad(loaded.nrrd.get(), path.c_str(), loaded.io.get()) != 0) refuse_by_teem(path);
@@ -59,13 +129,6 @@ Array<std::byte> load_samples(const std::filesystem::path& path, const Nrrd& hea
   if (nrrd->data != samples.data())  // the file has changed since its header was read
     refuse_input(path, "samples", "another size than a moment ago", concat(bytes, " bytes"));
   return samples;
-}
-
-/// Where the header ends that stands before its samples: behind the first empty line.
-std::size_t end_of_header(std::string_view text) {
-  const std::size_t plain = text.find("\n\n"), with_returns = text.find("\n\r\n");
-  if (plain == text.npos && with_returns == text.npos) return text.size();
-  return plain < with_returns ? plain + 2 : with_returns + 3;
 }
 
 /// The samples in the one file that holds them, where they stand as they are wanted; false otherwise.

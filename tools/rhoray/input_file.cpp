@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "formats/base/nearest_name.h"
+#include "formats/base/regular_file.h"
 #include "formats/base/trouble.h"
 #include "preprocess/import_mesh.h"
 
@@ -38,6 +39,7 @@ void require_input(const std::filesystem::path& path) {
     throw Error(Trouble::unreadable, concat(name, ": no such file"),
                 did_you_mean(path.filename().string(), names_in(folder)));
   }
+  if (!std::filesystem::is_directory(status)) require_regular_file(path);
   if (std::filesystem::is_directory(status) && preprocess::foreign_kind(path) == preprocess::ForeignKind::unknown)
     throw Error(Trouble::unreadable,
                 concat(name, ": is a folder; expected a file, or a folder of DICOM images or of pictures"));

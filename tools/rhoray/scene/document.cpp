@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 
+#include "formats/base/regular_file.h"
 #include "formats/base/trouble.h"
 #include "tools/rhoray/input_file.h"
 #include "tools/rhoray/scene/json_tree.h"
@@ -18,15 +18,6 @@ constexpr std::string_view blanks = " \t\r\n";
 bool begins_with_brace(std::string_view text) {
   const std::size_t at = text.find_first_not_of(blanks);
   return at != std::string_view::npos && text[at] == '{';
-}
-
-/// The first bytes of a file, or fewer where it ends; none where it cannot be read.
-std::string first_bytes(const std::filesystem::path& path, std::size_t count) {
-  std::string text(count, '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(text.data(), static_cast<std::streamsize>(count));
-  text.resize(file.bad() ? 0 : static_cast<std::size_t>(file.gcount()));
-  return text;
 }
 
 std::string document_text(const std::filesystem::path& path) {
@@ -47,9 +38,8 @@ bool is_scene_document(const std::filesystem::path& input) {
   std::string extension = input.extension().string();
   for (char& letter : extension) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
   if (extension == ".json") return true;
-  std::error_code ignored;
   constexpr std::size_t enough = 64;
-  return std::filesystem::is_regular_file(input, ignored) && begins_with_brace(first_bytes(input, enough));
+  return begins_with_brace(first_bytes(input, enough));
 }
 
 SceneDocument read_scene(const std::filesystem::path& input) {
