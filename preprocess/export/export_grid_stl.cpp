@@ -14,12 +14,16 @@ ExportReport export_grid_stl(const std::filesystem::path& packed, double isovalu
                              const ExportOptions& options) {
   if (!std::isfinite(isovalue))
     throw Error(Trouble::usage, concat("isovalue ", isovalue, "; expected a finite number"));
-  require_even_steps(open_grid(packed, options.field), packed, "the surface of a grid");  // here, in no other process
+  const OpenedGrid opened = open_grid(packed, options.field);
+  require_even_steps(opened, packed, "the surface of a grid");  // here, in no other process
   PendingFile file(output, {.replace_existing = options.replace_existing});
   WorkerRequest request;
   request.program = import_worker;
   request.arguments = {"write-stl", packed.string(), options.field, concat(isovalue), file.open_name().string()};
   request.memory_limit_bytes = options.memory_limit_bytes;
+  constexpr std::uint64_t most_triangles_in_cell = 5, triangle_bytes = 50;
+  const auto samples = static_cast<std::uint64_t>(volume(opened.description().layout.sample_count));
+  request.output_bytes = most_triangles_in_cell * triangle_bytes * samples;
   ExportReport report;
   report.triangle_count = take_counts(run_writer(std::move(request), file), 1).front();
   file.publish();

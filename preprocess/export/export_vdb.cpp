@@ -40,6 +40,9 @@ ExportReport export_vdb(const std::filesystem::path& packed, const std::filesyst
   request.program = vdb_worker;
   request.arguments = {"write", packed.string(), field.name, file.open_name().string(), extension};
   request.memory_limit_bytes = options.memory_limit_bytes;
+  // Numbers of 8 bytes in whole nodes, of which a grid's border fills part.
+  const auto samples = static_cast<std::uint64_t>(volume(opened.description().layout.sample_count));
+  request.output_bytes = 16 * sizeof(double) * samples;
   ExportReport report;
   report.file_bytes = take_counts(run_writer(std::move(request), file), 1).front();
   file.publish();

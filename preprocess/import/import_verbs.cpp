@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "formats/base/pending_file.h"
 #include "formats/base/trouble.h"
@@ -17,6 +19,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Size of a file whose reader reads no other; 0 for a header that may name others, a folder, or one of several files.
+std::uint64_t bytes_of_single_file(const fs::path& path) {
+  constexpr std::string_view alone[] = {".nii", ".nii.gz", ".vti", ".vtr", ".vtu",  ".vts", ".vtk",  ".slc", ".cube",
+                                        ".dcm", ".zip",    ".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm",
+                                        ".ppm", ".ply",    ".stl", ".obj", ".off",  ".tri", ".msh",  ".vol"};
+  std::error_code ignored;
+  if (std::find(std::begin(alone), std::end(alone), extension_of(path)) == std::end(alone)) return 0;
+  const std::uintmax_t bytes = fs::file_size(path, ignored);
+  return ignored ? 0 : bytes;
+}
+
 template <class Options>
 formats::PackedFile run_reader(const fs::path& path, std::vector<std::string> arguments, const Options& options,
                                std::string_view program = import_worker) {
@@ -26,11 +39,20 @@ formats::PackedFile run_reader(const fs::path& path, std::vector<std::string> ar
   request.arguments = std::move(arguments);
   request.memory_limit_bytes = options.memory_limit_bytes;
   request.scratch_folder = options.scratch_folder;
+  request.input_bytes = bytes_of_single_file(path);
   if (options.progress)
     request.progress = [&](std::uint64_t done, std::uint64_t total) {
       options.progress("reading (bytes)", done, total);
     };
   return run_worker(request);
+}
+
+/// More than a VTU file of this mesh takes: VTK writes numbers of 8 bytes, in base64 at the most.
+std::uint64_t vtu_bytes_bound(const NeutralMesh& mesh) {
+  std::uint64_t numbers = 3 * mesh.points.size() + 7 * mesh.cells.size();
+  for (const auto* fields : {&mesh.point_fields, &mesh.cell_fields})
+    for (const NeutralField& field : *fields) numbers += field.values.size();
+  return 4 * sizeof(double) * numbers;
 }
 
 /// The same directions at other distances.
@@ -57,7 +79,7 @@ NeutralVolume import_volume(const fs::path& path, const ImportVolumeOptions& opt
                               .field = options.field,
                               .colors = options.colors,
                               .length_of_vectors = options.length_of_vectors && worker == import_worker};
-  NeutralVolume volume = take_volume(run_reader(path, volume_arguments(path, request), options, worker));
+  NeutralVolume volume = take_volume(run_reader(path, volume_arguments(path, request), options, worker), path);
   if (options.spacing) set_spacing(volume.world_from_grid, *options.spacing);
   if (options.origin) set_origin(volume.world_from_grid, *options.origin);
   return volume;
@@ -88,6 +110,7 @@ void export_mesh(const NeutralMesh& mesh, const fs::path& path, bool replace_exi
   WorkerRequest request;
   request.program = import_worker;
   request.arguments = {"write-vtu", output.open_name().string()};
+  request.output_bytes = vtu_bytes_bound(mesh);
   request.write_input = [&](int descriptor) { hand_over(mesh, descriptor); };
   run_writer(std::move(request), output);
   output.publish();

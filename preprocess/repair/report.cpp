@@ -3,6 +3,7 @@
 #include <charconv>
 #include <string_view>
 #include <system_error>
+#include <type_traits>
 
 #include "formats/base/trouble.h"
 
@@ -67,7 +68,10 @@ RepairReport report_from(const std::string& text) {
   std::size_t at = 0;
   for_each_number(report, [&]<class T>(T& number) {
     const std::size_t end = std::min(text.find(' ', at), text.size());
-    number = static_cast<T>(number_from(std::string_view(text).substr(at, end - at)));
+    const double value = number_from(std::string_view(text).substr(at, end - at));
+    if (std::is_integral_v<T> && !(value >= 0 && value <= 0x1p53))
+      throw Error(Trouble::internal, concat("the repairing worker's report counts ", value));
+    number = static_cast<T>(value);
     at = std::min(end + 1, text.size());
   });
   return report;

@@ -15,6 +15,8 @@ formats::PackedFile run(std::vector<std::string> arguments, const std::filesyste
   request.doing = "reading " + path.string();
   request.arguments = std::move(arguments);
   request.memory_limit_bytes = memory_limit_bytes;
+  std::error_code ignored;
+  if (const std::uintmax_t bytes = std::filesystem::file_size(path, ignored); !ignored) request.input_bytes = bytes;
   return run_worker(request);
 }
 

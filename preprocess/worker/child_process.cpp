@@ -1,6 +1,7 @@
 #include "preprocess/worker/child_process.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -12,7 +13,6 @@
 #include <cerrno>
 #include <chrono>
 #include <cinttypes>
-#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -28,6 +28,7 @@
 #include "formats/base/trouble.h"
 #include "preprocess/scratch/nameless_file.h"
 #include "preprocess/scratch/scratch_memory.h"
+#include "preprocess/worker/limits.h"
 
 extern char** environ;
 
@@ -77,9 +78,16 @@ class Descriptor {
 /// What lies between the two processes: in memory, or in the scratch folder.
 Descriptor anonymous_file(const WorkerRequest& request, const char* name) {
   if (!request.scratch_folder.empty()) return Descriptor(open_nameless_file(request.scratch_folder, 0));
-  const int number = ::memfd_create(name, MFD_CLOEXEC);
+  const int number = ::memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING);
   if (number < 0) refuse_by_system(request.doing, "memfd_create");
   return Descriptor(number);
+}
+
+/// From now on nobody can change an answer that lies in memory, so that it stays what is checked when it is opened.
+void freeze(const Descriptor& answer, const WorkerRequest& request) {
+  if (!request.scratch_folder.empty()) return;  // files on disk know no seals
+  if (::fcntl(answer.number(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE | F_SEAL_SEAL) != 0)
+    refuse_by_system(request.doing, "fcntl F_ADD_SEALS");
 }
 
 std::string worker_path(const std::string& program) {
@@ -103,7 +111,7 @@ struct Start {
   pid_t parent = 0;
   std::vector<std::string> argument_texts{}, environment_texts{};
   std::vector<char*> arguments{}, environment{};
-  std::optional<rlimit> memory{}, time{};
+  WorkerLimits limits{};
 };
 
 std::vector<char*> pointers_to(std::vector<std::string>& texts) {
@@ -133,18 +141,18 @@ void prepare_texts(Start& start, const WorkerRequest& request) {
   start.environment = pointers_to(start.environment_texts);
 }
 
-void prepare_limits(Start& start, const WorkerRequest& request) {
-  if (request.memory_limit_bytes > 0 && memory_can_be_limited)
-    start.memory = rlimit{request.memory_limit_bytes, request.memory_limit_bytes};
-  if (request.time_limit_s > 0) {
-    const auto seconds = static_cast<rlim_t>(std::ceil(std::min(request.time_limit_s, 1e9)));
-    start.time = rlimit{seconds, seconds + 2};  // SIGXCPU first, SIGKILL if it is ignored
-  }
-}
-
 [[noreturn]] void fail_in_child(const char* text) {
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text, std::strlen(text));
   ::_exit(127);
+}
+
+void set_limits(const WorkerLimits& limits) {
+  if (::setrlimit(RLIMIT_CORE, &limits.core) != 0) fail_in_child("core files could not be switched off\n");
+  if (memory_can_be_limited && ::setrlimit(RLIMIT_DATA, &limits.memory) != 0)
+    fail_in_child("the memory limit was not accepted\n");
+  if (::setrlimit(RLIMIT_FSIZE, &limits.file_size) != 0) fail_in_child("the limit of file sizes was not accepted\n");
+  if (::setrlimit(RLIMIT_NOFILE, &limits.open_files) != 0) fail_in_child("the limit of open files was not accepted\n");
+  if (limits.time && ::setrlimit(RLIMIT_CPU, &*limits.time) != 0) fail_in_child("the time limit was not accepted\n");
 }
 
 [[noreturn]] void become_worker(const Start& start) {
@@ -158,11 +166,8 @@ void prepare_limits(Start& start, const WorkerRequest& request) {
     ::_exit(127);
   if (start.input >= 0) ::fcntl(start.input, F_SETFD, 0);
   ::fcntl(start.output, F_SETFD, 0);
-  const rlimit no_core{0, 0};
-  ::setrlimit(RLIMIT_CORE, &no_core);
-  if (start.memory && ::setrlimit(RLIMIT_DATA, &*start.memory) != 0)
-    fail_in_child("the memory limit was not accepted\n");
-  if (start.time && ::setrlimit(RLIMIT_CPU, &*start.time) != 0) fail_in_child("the time limit was not accepted\n");
+  set_limits(start.limits);
+  ::signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is an error of the call that writes
   ::execve(start.arguments[0], start.arguments.data(), start.environment.data());
   fail_in_child("the worker program was not accepted by the system\n");
 }
@@ -174,11 +179,30 @@ void pass_progress_on(const char* numbers, const WorkerRequest& request) {
     request.progress(done, total);
 }
 
+/// Waits until there is something to read. Throws when the worker does nothing for too long.
+void wait_for_words(int descriptor, const WorkerRequest& request, IdleWatch& watch) {
+  for (;;) {
+    pollfd words{.fd = descriptor, .events = POLLIN, .revents = 0};
+    const auto begin = std::chrono::steady_clock::now();
+    const int ready = ::poll(&words, 1, watch.pause_ms());
+    if (ready > 0) return;
+    if (ready < 0 && errno != EINTR) refuse_by_system(request.doing, "poll");
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+    if (ready == 0 && watch.is_over(elapsed.count()))
+      throw Error(Trouble::resource,
+                  concat("the worker ", request.program, " was stopped while ", request.doing, ": for ",
+                         request.idle_limit_s, " s it used no CPU time and read or wrote nothing"),
+                  "the input's disk or server does not answer, or the library that reads it has a defect");
+  }
+}
+
 /// What the worker prints, until it closes its end: progress is passed on, and the last of the rest is kept.
-std::string complaints_of(int descriptor, const WorkerRequest& request) {
+std::string complaints_of(int descriptor, pid_t worker, const WorkerRequest& request) {
   std::string text, rest;
   char piece[4096];
+  IdleWatch watch(worker, request.idle_limit_s);
   for (;;) {
+    wait_for_words(descriptor, request, watch);
     const ssize_t count = ::read(descriptor, piece, sizeof piece);
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) return text + rest;
@@ -264,6 +288,11 @@ std::optional<Trouble> trouble_of(int exit_code) {
   const std::vector<std::string> lines = lines_of(complaints);
   if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP)
     throw Error(Trouble::interrupted, concat("interrupted while ", request.doing));
+  if (signal == SIGBUS)
+    throw Error(Trouble::invalid,
+                concat("the worker ", request.program, " was stopped by signal ", signal, " (", ::strsignal(signal),
+                       ") while ", request.doing, ": bytes of a file that it had mapped were gone"),
+                "another program made the file shorter meanwhile, or its disk failed");
   const bool out_of_time = request.time_limit_s > 0 && end.computing_s >= request.time_limit_s;
   if (signal == SIGXCPU || (signal == SIGKILL && out_of_time))
     throw Error(Trouble::resource,
@@ -301,7 +330,7 @@ formats::PackedFile run_worker(const WorkerRequest& request) {
               .nothing = nothing.number(),
               .parent = ::getpid()};
   prepare_texts(start, request);
-  prepare_limits(start, request);
+  start.limits = limits_for(request);
 
   const pid_t child = ::fork();
   if (child < 0) refuse_by_system(request.doing, "fork");
@@ -309,7 +338,7 @@ formats::PackedFile run_worker(const WorkerRequest& request) {
   speak.close();
   const std::string complaints = [&] {
     try {
-      return complaints_of(hear.number(), request);
+      return complaints_of(hear.number(), child, request);
     } catch (...) {
       ::kill(child, SIGKILL);
       end_of(child);
@@ -321,6 +350,7 @@ formats::PackedFile run_worker(const WorkerRequest& request) {
 
   if (WIFSIGNALED(status)) report_death(end, request, complaints);
   if (WEXITSTATUS(status) != 0) rethrow(WEXITSTATUS(status), request, lines_of(complaints));
+  freeze(output, request);
   try {
     return formats::PackedFile::from_descriptor(output.number(), "what the worker " + request.program + " handed over");
   } catch (const Error& error) {

@@ -1,7 +1,9 @@
 #include "preprocess/worker/handover.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -224,6 +226,30 @@ void take_vectors(Unpacking& parcel, NeutralVolume& volume) {
   }
 }
 
+/// Parts of a header between which names stand.
+bool may_end_name(char letter) {
+  return letter == '=' || letter == ':' || letter == '"' || letter == '\'' || letter == '\0' ||
+         std::isspace(static_cast<unsigned char>(letter)) != 0;
+}
+
+bool holds_name(std::string_view text, const std::string& name) {
+  for (std::size_t at = 0; !name.empty() && (at = text.find(name, at)) != std::string_view::npos; ++at) {
+    const std::size_t end = at + name.size();
+    if ((at == 0 || may_end_name(text[at - 1])) && (end == text.size() || may_end_name(text[end]))) return true;
+  }
+  return false;
+}
+
+/// True when `named` is the file that was asked about, or its text names it.
+bool belongs_to(const std::filesystem::path& source, const std::filesystem::path& named) {
+  if (named == source) return true;
+  constexpr std::size_t longest_header = std::size_t{16} << 20;
+  const ForeignFile header(source);
+  const std::string_view text = header.text().substr(0, longest_header);
+  const std::string folder = (source.parent_path() / "").string(), whole = named.string();
+  return holds_name(text, whole) || (whole.starts_with(folder) && holds_name(text, whole.substr(folder.size())));
+}
+
 constexpr auto last_type = static_cast<std::uint64_t>(ElementType::F64);
 
 /// What was left in the foreign file is mapped here.
@@ -254,7 +280,10 @@ void take_samples(const PackedFile& file, const Unpacking& parcel, NeutralVolume
 
 }  // namespace
 
-NeutralVolume take_volume(const PackedFile& file) {
+namespace {
+
+/// @param source  the file that may hold samples, or name one that does; null: any may
+NeutralVolume take_volume(const PackedFile& file, const std::filesystem::path* source) {
   Unpacking parcel(file, "neutral-volume");
   NeutralVolume volume;
   const Array<std::uint64_t> facts = parcel.values<std::uint64_t>("facts");
@@ -270,12 +299,19 @@ NeutralVolume take_volume(const PackedFile& file) {
   volume.component_count = static_cast<int>(facts[6]);
   volume.samples_file = parcel.next_text();
   parcel.expect((facts[4] != 0) == !volume.samples_file.empty(), "array 'facts'", "no file", "one for the samples");
+  if (facts[4] != 0 && source != nullptr && !belongs_to(*source, volume.samples_file))
+    throw Error(Trouble::internal, concat(file.name(), ": names the file ", volume.samples_file.string(),
+                                          " as that of its samples; expected ", source->string(),
+                                          ", which was asked about, or a file that it names"));
   if (facts[4] != 0)
     map_samples(parcel, volume, facts[5]);
   else
     take_samples(file, parcel, volume);
   const auto axes = parcel.rows<double, 3>("world_from_grid");
   parcel.expect(axes.size() == 4, "array 'world_from_grid'", "another shape", "4 x 3");
+  parcel.expect(
+      std::all_of(axes.begin(), axes.end(), [](const auto& row) { return std::isfinite(row[0] + row[1] + row[2]); }),
+      "array 'world_from_grid'", "a number that is not finite", "finite numbers");
   volume.world_from_grid = affine_of(axes);
   volume.length_unit = parcel.next_text();
   volume.field_name = parcel.next_text();
@@ -285,6 +321,16 @@ NeutralVolume take_volume(const PackedFile& file) {
   take_axes(parcel, volume);
   volume.notes = parcel.remaining_texts();
   return volume;
+}
+
+}  // namespace
+
+NeutralVolume take_volume(const PackedFile& file) {
+  return take_volume(file, nullptr);
+}
+
+NeutralVolume take_volume(const PackedFile& file, const std::filesystem::path& source) {
+  return take_volume(file, &source);
 }
 
 void hand_over(const CellMesh& mesh, int descriptor) {
@@ -305,6 +351,36 @@ void hand_over(const CellMesh& mesh, int descriptor) {
 
 namespace {
 
+bool is_known(std::uint8_t number) {
+  switch (static_cast<CellKind>(number)) {
+    case CellKind::tetrahedron:
+    case CellKind::voxel:
+    case CellKind::hexahedron:
+    case CellKind::wedge:
+    case CellKind::pyramid:
+    case CellKind::pentagonal_prism:
+    case CellKind::hexagonal_prism:
+    case CellKind::quadratic_tetrahedron:
+    case CellKind::quadratic_hexahedron:
+    case CellKind::quadratic_wedge:
+    case CellKind::quadratic_pyramid:
+    case CellKind::triquadratic_hexahedron:
+    case CellKind::quadratic_linear_wedge:
+    case CellKind::biquadratic_quadratic_wedge:
+    case CellKind::biquadratic_quadratic_hexahedron:
+    case CellKind::triquadratic_pyramid:
+    case CellKind::polyhedron:
+    case CellKind::lagrange_tetrahedron:
+    case CellKind::lagrange_hexahedron:
+    case CellKind::lagrange_wedge:
+    case CellKind::lagrange_pyramid:
+    case CellKind::quadratic_pyramid_14:
+    case CellKind::quadratic_tetrahedron_14:
+      return true;
+  }
+  return false;
+}
+
 void check_cells(const Unpacking& parcel, const CellMesh& mesh) {
   const Array<std::uint64_t>& offsets = mesh.cell_offsets;
   parcel.expect(offsets.size() == mesh.kinds.size() + 1 && offsets.front() == 0 &&
@@ -321,6 +397,8 @@ CellMesh take_cell_mesh(const PackedFile& file) {
   CellMesh mesh;
   mesh.points = parcel.rows<double, 3>("points");
   const Array<std::uint8_t> kinds = parcel.values<std::uint8_t>("kinds");
+  parcel.expect(std::all_of(kinds.begin(), kinds.end(), is_known), "array 'kinds'", "a kind of cell that is not known",
+                "one of CellKind");
   mesh.kinds.resize(kinds.size());
   std::transform(kinds.begin(), kinds.end(), mesh.kinds.begin(),
                  [](std::uint8_t kind) { return static_cast<CellKind>(kind); });
@@ -357,6 +435,12 @@ NeutralMesh take_mesh(const PackedFile& file) {
   mesh.cell_ids = parcel.values<std::uint64_t>("cell_ids");
   parcel.expect(mesh.cell_ids.empty() || mesh.cell_ids.size() == mesh.cells.size(), "array 'cell_ids'", "another size",
                 "one for each cell");
+  parcel.expect(std::all_of(mesh.cells.begin(), mesh.cells.end(),
+                            [&](const std::array<std::uint64_t, 4>& cell) {
+                              return std::all_of(cell.begin(), cell.end(),
+                                                 [&](std::uint64_t vertex) { return vertex < mesh.points.size(); });
+                            }),
+                "array 'cells'", "a point that is not there", "positions below the number of points");
   mesh.length_unit = parcel.next_text();
   mesh.point_fields = take_fields(file, parcel, "point_fields", mesh.points.size());
   mesh.cell_fields = take_fields(file, parcel, "cell_fields", mesh.cells.size());

@@ -14,7 +14,14 @@ void hand_over(const CellMesh& mesh, int descriptor);
 void hand_over(const NeutralMesh& mesh, int descriptor);
 void hand_over(const NeutralSurface& surface, int descriptor);
 
-NeutralVolume take_volume(const formats::PackedFile& file);  ///< samples stay in the file's mapping
+/// From the caller of a worker: samples may be in any file, as the caller says. They stay in the file's mapping.
+NeutralVolume take_volume(const formats::PackedFile& file);
+
+/// From a worker that was asked to read `source`: samples may be left in that file, or in one that its text names,
+/// relative to its folder or by a whole path. Samples in any other file are refused (Trouble::internal), so that a
+/// reader that a hostile file has taken over cannot have other files packed.
+NeutralVolume take_volume(const formats::PackedFile& file, const std::filesystem::path& source);
+
 CellMesh take_cell_mesh(const formats::PackedFile& file);
 NeutralMesh take_mesh(const formats::PackedFile& file);
 NeutralSurface take_surface(const formats::PackedFile& file);

@@ -4,10 +4,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <cstdlib>
+#include <functional>
 #include <thread>
 
+#include "preprocess/worker/limits.h"
 #include "tests/preprocess/import/support.h"
 
 namespace rhoray::preprocess {
@@ -104,6 +107,76 @@ TEST_F(Worker, is_stopped_at_its_memory_limit) {
   WorkerRequest devour = request("devour");
   devour.memory_limit_bytes = 256 << 20;
   expect_refusal([&] { run_worker(devour); }, Trouble::resource, {"reading bone.vtu", "out of memory"});
+}
+
+double seconds_of(const std::function<void()>& act) {
+  const auto start = std::chrono::steady_clock::now();
+  act();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// A reader that waits for what never comes: a pipe, or a server that is gone.
+TEST_F(Worker, is_stopped_when_it_does_nothing) {
+  for (const char* verb : {"sleep", "read-a-pipe"}) {
+    WorkerRequest idle = request(verb);
+    idle.idle_limit_s = 0.5;
+    const double took_s = seconds_of([&] {
+      expect_refusal([&] { run_worker(idle); }, Trouble::resource,
+                     {"was stopped while reading bone.vtu", "for 0.5 s it used no CPU time and read or wrote nothing"});
+    });
+    EXPECT_GE(took_s, 0.5) << verb;
+    EXPECT_LT(took_s, 30) << verb;
+  }
+}
+
+TEST_F(Worker, is_not_stopped_while_it_computes_or_writes_now_and_then) {
+  for (const char* verb : {"compute-now-and-then", "write-now-and-then"}) {  // 2.4 s each
+    WorkerRequest slow = request(verb);
+    slow.idle_limit_s = 1.2;
+    EXPECT_EQ(run_worker(slow).array<std::uint64_t>("numbers", {1})[0], 1U) << verb;
+  }
+}
+
+TEST_F(Worker, has_limits_without_being_asked) {
+  WorkerRequest asked = request("limits");
+  asked.input_bytes = 1 << 20;
+  asked.output_bytes = std::uint64_t{1} << 40;
+  const formats::PackedFile answer = run_worker(asked);
+  const std::span<const std::uint64_t> limits = answer.array<std::uint64_t>("numbers", {4});
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  EXPECT_EQ(limits[0], limits_for(asked).memory.rlim_cur);
+#endif
+  EXPECT_GE(limits[1], asked.output_bytes);
+  EXPECT_LT(limits[1], 2 * asked.output_bytes);
+  EXPECT_EQ(limits[2], most_open_files);
+  EXPECT_EQ(limits[3], 0U) << "a crash would leave a core file";
+}
+
+TEST_F(Worker, cannot_write_or_open_without_end) {
+  WorkerRequest writing = request("answer-without-end");
+  writing.memory_limit_bytes = 64 << 20;
+  expect_refusal([&] { run_worker(writing); }, Trouble::resource, {"File too large"});
+  expect_refusal([] { run_worker(request("open-without-end")); }, Trouble::resource,
+                 {"Too many open files after fewer"});
+}
+
+TEST_F(Worker, that_loses_bytes_of_a_file_says_so) {
+  expect_refusal([] { run_worker(request("lose-bytes")); }, Trouble::invalid,
+                 {"signal 7 (Bus error)", "reading bone.vtu", "bytes of a file that it had mapped were gone"});
+}
+
+/// An answer is checked once, when it is opened: nothing may change it afterwards.
+TEST_F(Worker, hands_over_an_answer_that_nobody_can_change) {
+  const formats::PackedFile answer = run_worker(request("limits"));
+  bool found = false;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    std::error_code gone;
+    if (std::filesystem::read_symlink(entry.path(), gone).string().find("rhoray-output") == std::string::npos) continue;
+    found = true;
+    EXPECT_LT(::truncate(entry.path().c_str(), 0), 0);
+    EXPECT_EQ(errno, EPERM);
+  }
+  EXPECT_TRUE(found);
 }
 
 TEST_F(Worker, tells_its_progress) {

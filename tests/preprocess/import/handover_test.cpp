@@ -69,6 +69,32 @@ TEST(Handover, leaves_samples_in_their_file_where_they_are_mapped_again) {
   expect_refusal([&] { take_volume(sent(volume)); }, Trouble::unreadable, {"none"});
 }
 
+/// A reader that a hostile file has taken over could name a file that it may not show.
+TEST(Handover, takes_samples_only_from_the_file_asked_about_or_one_that_it_names) {
+  tests::TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "data");
+  const std::string bytes = tests::bytes_of_values(tests::known_values<std::int16_t>());
+  for (const char* name : {"asked.nrrd", "data/samples one.raw", "secret", "key", "samples"})
+    tests::write_file(folder / name, bytes);
+  const std::string whole = (folder / "samples").string();
+  tests::write_file(folder / "header.mhd", "ElementDataFile = data/samples one.raw\r\nNote = no-key keys secret.txt\n");
+  tests::write_file(folder / "whole.nhdr", "data file:" + whole);
+  NeutralVolume volume;
+  volume.sample_count = {tests::size_x, tests::size_y, tests::size_z};
+  volume.type = formats::ElementType::I16;
+  const auto taken = [&](const char* named, const char* asked) {
+    volume.samples_file = folder / named;
+    tests::expect_known_values(take_volume(sent(volume), folder / asked), formats::ElementType::I16);
+  };
+  taken("asked.nrrd", "asked.nrrd");
+  taken("data/samples one.raw", "header.mhd");
+  taken("samples", "whole.nhdr");
+  for (const char* named : {"secret", "key", "samples", "../key"})
+    expect_refusal([&] { taken(named, "header.mhd"); }, Trouble::internal,
+                   {"parcel", named, "header.mhd, which was asked about"});
+  expect_refusal([&] { taken("samples", "asked.nrrd"); }, Trouble::internal, {"asked.nrrd"});
+}
+
 NeutralMesh small_mesh() {
   NeutralMesh mesh;
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {std::numeric_limits<double>::infinity(), 1, 1}};
@@ -146,6 +172,9 @@ TEST(Handover, does_not_trust_counts_of_the_other_side) {
   mesh = small_mesh();
   mesh.cell_ids.push_back(8);
   expect_refusal([&] { take_mesh(sent(mesh)); }, Trouble::invalid, {"cell_ids"});
+  mesh = small_mesh();
+  mesh.cells[1][3] = mesh.points.size();
+  expect_refusal([&] { take_mesh(sent(mesh)); }, Trouble::invalid, {"array 'cells'", "a point that is not there"});
   NeutralSurface surface;
   surface.points = {{0, 0, 0}};
   surface.facet_corners = {0, 0, 1};
@@ -154,6 +183,26 @@ TEST(Handover, does_not_trust_counts_of_the_other_side) {
   surface.facet_corners = {0, 0, 0};
   surface.facet_offsets = {0, 4};
   expect_refusal([&] { take_surface(sent(surface)); }, Trouble::invalid, {"facet_offsets"});
+}
+
+/// What our own side would stop at, as at a bug of ours.
+TEST(Handover, does_not_trust_kinds_of_cells_nor_numbers_that_are_not_finite) {
+  CellMesh cells;
+  cells.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  cells.kinds = {CellKind::tetrahedron};
+  cells.cell_offsets = {0, 4};
+  cells.cell_nodes = {0, 1, 2, 3};
+  EXPECT_EQ(take_cell_mesh(sent(cells)).kinds.size(), 1U);
+  cells.kinds = {static_cast<CellKind>(9)};
+  expect_refusal([&] { take_cell_mesh(sent(cells)); }, Trouble::invalid, {"array 'kinds'", "not known"});
+
+  const std::vector<std::int16_t> values = tests::known_values<std::int16_t>();
+  NeutralVolume volume;
+  volume.sample_count = {tests::size_x, tests::size_y, tests::size_z};
+  volume.type = formats::ElementType::I16;
+  volume.samples = std::as_bytes(std::span(values));
+  volume.world_from_grid.origin.y = std::numeric_limits<double>::quiet_NaN();
+  expect_refusal([&] { take_volume(sent(volume)); }, Trouble::invalid, {"array 'world_from_grid'", "not finite"});
 }
 
 }  // namespace

@@ -1,11 +1,17 @@
 // A worker that ends in the way its first argument names, so that run_worker can be held to its promises.
 
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
+#include <ctime>
 #include <string>
 #include <thread>
 #include <vector>
@@ -39,6 +45,47 @@ void act(const std::string& verb, int input, int output) {
     for (int descriptor = 0; descriptor < 256; ++descriptor)
       open += ::lseek(descriptor, 0, SEEK_CUR) >= 0 || ::isatty(descriptor) ? 1U : 0U;
     hand_back({open}, output);
+  } else if (verb == "limits") {  // soft ones
+    std::vector<std::uint64_t> numbers;
+    for (const auto resource : {RLIMIT_DATA, RLIMIT_FSIZE, RLIMIT_NOFILE, RLIMIT_CORE}) {
+      rlimit limit{};
+      if (::getrlimit(resource, &limit) != 0) throw Error(Trouble::internal, "getrlimit");
+      numbers.push_back(limit.rlim_cur);
+    }
+    hand_back(numbers, output);
+  } else if (verb == "answer-without-end") {
+    const std::string piece(std::size_t{1} << 20, 'x');
+    while (::write(output, piece.data(), piece.size()) > 0) {
+    }
+    throw Error(Trouble::resource, std::strerror(errno));
+  } else if (verb == "open-without-end") {
+    std::uint64_t count = 0;
+    while (::open("/dev/null", O_RDONLY) >= 0) ++count;
+    throw Error(Trouble::resource, concat(std::strerror(errno), " after ", count < 256 ? "fewer" : "more"));
+  } else if (verb == "compute-now-and-then") {  // a little more than a tick of 10 ms, and a pause
+    for (int round = 0; round < 8; ++round) {
+      for (const std::clock_t begin = std::clock(); std::clock() - begin < CLOCKS_PER_SEC / 40;) {
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    }
+    hand_back({1}, output);
+  } else if (verb == "write-now-and-then") {
+    for (int round = 0; round < 8; ++round) {
+      if (::write(STDERR_FILENO, ".", 1) != 1) throw Error(Trouble::internal, "write");
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    }
+    hand_back({1}, output);
+  } else if (verb == "read-a-pipe") {
+    int ends[2];
+    char byte = 0;
+    if (::pipe(ends) != 0 || ::read(ends[0], &byte, 1) != 0) throw Error(Trouble::internal, "pipe");
+  } else if (verb == "lose-bytes") {
+    const int file = ::memfd_create("lost", 0);
+    if (::ftruncate(file, 4096) != 0) throw Error(Trouble::internal, "ftruncate");
+    const volatile char* bytes = static_cast<const char*>(::mmap(nullptr, 4096, PROT_READ, MAP_SHARED, file, 0));
+    if (::ftruncate(file, 0) != 0) throw Error(Trouble::internal, "ftruncate");
+    std::signal(SIGBUS, SIG_DFL);  // sanitizers would catch it
+    hand_back({static_cast<std::uint64_t>(bytes[0])}, output);
   } else if (verb == "refuse") {
     std::fputs("a library's chatter\n", stderr);
     throw Error(Trouble::unsupported, "bone.vtu, cells: found 3 hexahedra; expected linear\ntetrahedra",
