@@ -5,10 +5,13 @@
 #include <sys/vfs.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <memory_resource>
 #include <thread>
 #include <utility>
 
+#include "formats/base/checks.h"
 #include "formats/base/trouble.h"
 #include "preprocess/scratch/scratch_memory.h"
 
@@ -38,15 +41,19 @@ MemoryCap::MemoryCap(std::uint64_t bytes, std::filesystem::path folder)
     throw Error(Trouble::usage,
                 concat("memory: found a cap of ", bytes, " bytes; expected at least ", smallest_bytes >> 20,
                        "M, which programs, libraries and buffers take by themselves"));
-  before_->resource = std::pmr::set_default_resource(&before_->scratch);
-  if (::getrlimit(RLIMIT_DATA, &before_->limit) != 0) return;
+  const auto refuse = [&](const char* call) {
+    throw Error(Trouble::resource, concat("memory: the system does not hold this process under a cap of ", bytes,
+                                          " bytes: ", call, ": ", std::strerror(errno)));
+  };
+  if (::getrlimit(RLIMIT_DATA, &before_->limit) != 0) refuse("getrlimit");
   rlimit limit = before_->limit;
   limit.rlim_cur = std::min(limit.rlim_cur, limit_with_stacks(bytes));
-  ::setrlimit(RLIMIT_DATA, &limit);
+  if (::setrlimit(RLIMIT_DATA, &limit) != 0) refuse("setrlimit");
+  before_->resource = std::pmr::set_default_resource(&before_->scratch);
 }
 
 MemoryCap::~MemoryCap() {
-  ::setrlimit(RLIMIT_DATA, &before_->limit);
+  RHORAY_CHECK(::setrlimit(RLIMIT_DATA, &before_->limit) == 0);  // back to a limit that the system has accepted before
   std::pmr::set_default_resource(before_->resource);
 }
 

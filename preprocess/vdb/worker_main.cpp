@@ -1,5 +1,7 @@
 #include <sys/resource.h>
 
+#include <cerrno>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -19,7 +21,9 @@ using namespace rhoray::preprocess;
 std::uint64_t dense_limit() {
   constexpr std::uint64_t usual_limit = std::uint64_t{4} << 30;
   rlimit memory{};
-  if (::getrlimit(RLIMIT_DATA, &memory) != 0 || memory.rlim_cur == RLIM_INFINITY) return usual_limit;
+  if (::getrlimit(RLIMIT_DATA, &memory) != 0)
+    throw Error(Trouble::internal, concat("the system does not tell the limit RLIMIT_DATA: ", std::strerror(errno)));
+  if (memory.rlim_cur == RLIM_INFINITY) return usual_limit;
   return memory.rlim_cur / 2;
 }
 
