@@ -7,6 +7,7 @@
 #include "formats/base/floating_point.h"
 #include "formats/base/text.h"
 #include "formats/base/trouble.h"
+#include "formats/intact.h"
 #include "render/frame/camera_rays.h"
 #include "render/frame/tile_threads.h"
 #include "render/volumes/volume.h"
@@ -57,13 +58,16 @@ void RayQuestions::answer(Kernel kernel, std::span<const Ray> rays, std::span<Hi
 void RayQuestions::first_crossings(std::span<const Ray> rays, std::span<Hit> hits) {
   const DefaultFloatingPoint default_floating_point;
   RHORAY_CHECK(rays.size() == hits.size());
-  if (workers_.size() == 1 || rays.size() <= batch_size)
-    return answer(kernels_.first_crossing, rays, hits, workers_.front());
+  if (workers_.size() == 1 || rays.size() <= batch_size) {
+    answer(kernels_.first_crossing, rays, hits, workers_.front());
+    return formats::require_intact(volume_.file);
+  }
   const std::size_t batch_count = (rays.size() + batch_size - 1) / batch_size;
   TileThreads(threads_).for_each_tile(batch_count, [&](std::size_t batch, std::size_t worker) {
     const std::size_t first = batch * batch_size, count = std::min(batch_size, rays.size() - first);
     answer(kernels_.first_crossing, rays.subspan(first, count), hits.subspan(first, count), workers_[worker]);
   });
+  formats::require_intact(volume_.file);
 }
 
 Hit RayQuestions::first_crossing(const Ray& ray) {
@@ -77,6 +81,7 @@ void RayQuestions::largest_values(std::span<const Ray> rays, std::span<Hit> hits
   RHORAY_CHECK(rays.size() == hits.size());
   workers_.front().scratch.last_t.reset();
   answer(kernels_.largest_value, rays, hits, workers_.front());
+  formats::require_intact(volume_.file);
 }
 
 KernelCounters RayQuestions::counters() const {

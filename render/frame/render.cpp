@@ -11,6 +11,7 @@
 #include "formats/base/floating_point.h"
 #include "formats/base/text.h"
 #include "formats/base/trouble.h"
+#include "formats/intact.h"
 #include "render/frame/antialiasing.h"
 #include "render/frame/frame.h"
 #include "render/frame/shells.h"
@@ -336,6 +337,13 @@ void prepare_blockers(FrameLayer& layer, const FrameOptions& options, wide::Bloc
   }
 }
 
+/// Refuses a picture of files that lost bytes while they were read.
+void require_intact(std::span<const Volume> volumes, const Scene& scene) {
+  for (const Volume& volume : volumes) formats::require_intact(volume.file());
+  for (const Layer& layer : scene.layers)
+    if (layer.surface.texture) formats::require_intact(layer.surface.texture->file());
+}
+
 /// The passes of a picture whose first one traces one pixel of first_spacing x first_spacing.
 std::vector<Pass> passes_of(const Frame& frame, const FrameOptions& options, int first_spacing) {
   std::vector<Pass> passes(1);
@@ -487,6 +495,7 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
     if (spacing == 0) edges->add_to(kept, refinement.stop, framebuffer);
     framebuffer.keep(options.channels);
   }
+  require_intact(volumes, scene);
 
   FrameStatistics statistics = statistics_of(kept, scene);
   if (is_wide) statistics.machine = name_of(chosen_machine());
