@@ -54,9 +54,9 @@ class PendingFile {
   /// Flushes, gives the file its name, flushes the folder. A file of that name that came meanwhile is refused
   /// (Trouble::usage) unless it may be replaced; then it is replaced in one step, and its permissions, owner and group
   /// are kept (the last two where the user may set them). When anything fails, the old file has its name again, or
-  /// there is none. (Only a file system that cannot exchange two names keeps the new file if the folder's flush fails.) Refuses
-  /// (Trouble::invalid) when an input lost bytes while it was mapped and nobody was told yet (mapped_file.h): what was
-  /// written may come from it.
+  /// there is none. (Only a file system that cannot exchange two names keeps the new file if the folder's flush fails.)
+  /// Refuses (Trouble::invalid) when an input lost bytes while it was mapped and nobody was told yet (mapped_file.h):
+  /// what was written may come from it.
   void publish();
 
  private:

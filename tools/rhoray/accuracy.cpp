@@ -327,7 +327,7 @@ int run(AccuracyCommand& command) {
     }
   for (const std::string& note : context.notes) say(command.common, concat("note: ", note));
   say(command.common, concat("report: ", (command.common.output / "report.html").string()));
-  return is_whole ? 0 : static_cast<int>(Trouble::interrupted);
+  return is_whole ? 0 : interrupted_exit_code();
 }
 
 }  // namespace

@@ -187,7 +187,9 @@ Subcommand bench_subcommand() {
                          bench.scratch),
             flag_option("--csv", "CSV on stdout", command->csv)},
            threads_option(command->common),
-           memory_option(command->common, "Limit for the process that reads the input of table pack"),
+           memory_option(
+               command->common,
+               "Limit for the process that reads the input of table pack; default: Limits in `rhoray --help`"),
            message_options(command->common, "One JSON document per table and line, on stdout")}),
       .run = [command] { return run(*command); }};
 }

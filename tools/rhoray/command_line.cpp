@@ -5,8 +5,10 @@
 #include <new>
 
 #include "formats/base/floating_point.h"
+#include "formats/base/mapped_file.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/trouble.h"
+#include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/version.h"
 
 namespace rhoray::tools {
@@ -29,6 +31,16 @@ std::string overview(std::span<const Subcommand> subcommands) {
       "\nOptions:\n"
       "  --help          this text; `rhoray SUBCOMMAND --help` tells about one subcommand\n"
       "  --version       version, commit and compiler\n\n"
+      "Limits:\n"
+      "  Foreign files are read, and TetGen and CGAL run, in worker processes under limits:\n"
+      "  memory          what --memory says; else 8 GiB and 1024 times the size of the input file, at most 90 % of\n"
+      "                  the memory of the machine or of the control group; 90 % where one input names other files\n"
+      "  files           256 open; each at most as large as the worker's memory, or as what it was asked to write\n"
+      "  idle time       60 s in which the worker uses no CPU time and reads and writes nothing\n"
+      "  Inputs are files or folders: pipes and devices are refused.\n\n"
+      "Exit codes: 0 success, 1 internal error, 2 wrong usage, 3 input missing or unreadable, 4 input invalid or\n"
+      "damaged, 5 out of memory, disk or time, 6 comparison outside its limit, 7 unknown file kind or version;\n"
+      "130, 143, 129 ended by SIGINT, SIGTERM, SIGHUP; 141 the reader of a pipe has gone\n\n"
       "Example:\n"
       "  rhoray pack head.nrrd -o head.rho && rhoray render head.rho -o head.png\n";
   return text;
@@ -152,17 +164,26 @@ int run_command_line(std::span<const Subcommand> subcommands, int argc, const ch
   const DefaultFloatingPoint default_floating_point;  // a library that was loaded may have set another
   std::string place = "rhoray";
   const auto fail = [&](Trouble trouble, const std::string& fact, const std::string& hint = {}) {
+    try {
+      require_no_lost_bytes();  // the reason for whatever came of it
+    } catch (const Error& loss) {
+      std::fputs(error_lines(place, loss.what(), loss.hint()).c_str(), stderr);
+      return static_cast<int>(loss.trouble());
+    }
     std::fputs(error_lines(place, fact, hint).c_str(), stderr);
-    return static_cast<int>(trouble);
+    return trouble == Trouble::interrupted ? interrupted_exit_code() : static_cast<int>(trouble);
   };
   try {
     const std::string word = argc > 1 ? argv[1] : "";
     if (word.empty()) return fail(Trouble::usage, "no subcommand given", "`rhoray --help` lists them");
-    if (word == "--help" || word == "-h") return std::fputs(overview(subcommands).c_str(), stdout) < 0 ? 1 : 0;
-    if (word == "--version") return std::puts(version_line().c_str()) < 0 ? 1 : 0;
+    // That standard output takes them is seen at its end (standard_streams.h).
+    if (word == "--help" || word == "-h") return std::fputs(overview(subcommands).c_str(), stdout), 0;
+    if (word == "--version") return std::puts(version_line().c_str()), 0;
     const Subcommand& subcommand = choose(subcommands, word);
     place += " " + subcommand.name;
-    return run_subcommand(subcommand, argc, argv);
+    const int exit_code = run_subcommand(subcommand, argc, argv);
+    require_no_lost_bytes();
+    return exit_code;
   } catch (const Error& error) {
     return fail(error.trouble(), error.what(), error.hint());
   } catch (const std::bad_alloc&) {

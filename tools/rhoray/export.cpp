@@ -169,7 +169,9 @@ Subcommand export_subcommand() {
                     "Isovalue of an .stl: a number, p95 (percentile), or auto (Otsu's threshold); without it, of a "
                     "mesh, its own surface",
                     command->isovalue)},
-               memory_option(command->common, "Limit for the process that writes .vdb, .nvdb, or the .stl of a grid"),
+               memory_option(command->common,
+                             "Limit for the process that writes .vdb, .nvdb, or the .stl of a grid; default: Limits in "
+                             "`rhoray --help`"),
                message_options(command->common, "What was written, as one JSON document on stdout")}),
           .run = [command] { return run(*command); }};
 }

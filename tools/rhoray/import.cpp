@@ -119,20 +119,22 @@ int run(const ImportCommand& command) {
 
 Subcommand import_subcommand() {
   const auto command = std::make_shared<ImportCommand>();
-  return {.name = "import",
-          .summary = "Mesh of cells of any kind to tetrahedra in a VTU file",
-          .examples =
-              "  rhoray import can.vtu -o can-tets.vtu\n"
-              "  rhoray import pipe.vtk --field pressure --max-error 0.002 -o pipe.vtu\n",
-          .options = all_options(
-              {{file_option("FILE", "Mesh of volume cells", command->input)},
-               output_options(command->common, "Mesh of tetrahedra (.vtu)"),
-               {value_option("--field", "A[,B]", "Fields to keep, of points or cells; default all", command->fields),
-                max_error_option(command->max_error), value_option("--time", "T", time_help, command->time)},
-               threads_option(command->common),
-               memory_option(command->common, "Limit for the process that reads the input, such as 2G"),
-               message_options(command->common, "What was made, as one JSON document on stdout")}),
-          .run = [command] { return run(*command); }};
+  return {
+      .name = "import",
+      .summary = "Mesh of cells of any kind to tetrahedra in a VTU file",
+      .examples =
+          "  rhoray import can.vtu -o can-tets.vtu\n"
+          "  rhoray import pipe.vtk --field pressure --max-error 0.002 -o pipe.vtu\n",
+      .options = all_options(
+          {{file_option("FILE", "Mesh of volume cells", command->input)},
+           output_options(command->common, "Mesh of tetrahedra (.vtu)"),
+           {value_option("--field", "A[,B]", "Fields to keep, of points or cells; default all", command->fields),
+            max_error_option(command->max_error), value_option("--time", "T", time_help, command->time)},
+           threads_option(command->common),
+           memory_option(command->common,
+                         "Limit for the process that reads the input, such as 2G; default: Limits in `rhoray --help`"),
+           message_options(command->common, "What was made, as one JSON document on stdout")}),
+      .run = [command] { return run(*command); }};
 }
 
 }  // namespace rhoray::tools

@@ -4,6 +4,7 @@
 #include "formats/base/trouble.h"
 #include "formats/brick_grid.h"
 #include "formats/color_grid.h"
+#include "formats/intact.h"
 #include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/unpack_mesh.h"
@@ -66,6 +67,7 @@ Json packed_info(const std::filesystem::path& path, bool with_findings) {
                               {"shape", entry.shape},
                               {"first_byte", entry.first_byte},
                               {"byte_count", entry.byte_count}});
+  formats::require_intact(file);
   return json;
 }
 
@@ -285,12 +287,13 @@ Subcommand info_subcommand() {
               "  rhoray info head.rho\n"
               "  rhoray info head.rho torso.vtu --json\n"
               "  rhoray info torso.vtu --stats\n",
-          .options =
-              all_options({{files_option("FILE", "Packed files, volumes, meshes or surfaces", options->files),
-                            flag_option("--stats", "Also look for what may be wrong with it, and say what packing does",
-                                        options->findings)},
-                           memory_option(options->common, "Limit for the process that reads a foreign file"),
-                           message_options(options->common, "One JSON document per file and line, on stdout")}),
+          .options = all_options(
+              {{files_option("FILE", "Packed files, volumes, meshes or surfaces", options->files),
+                flag_option("--stats", "Also look for what may be wrong with it, and say what packing does",
+                            options->findings)},
+               memory_option(options->common,
+                             "Limit for the process that reads a foreign file; default: Limits in `rhoray --help`"),
+               message_options(options->common, "One JSON document per file and line, on stdout")}),
           .run = [options] { return run(*options); }};
 }
 

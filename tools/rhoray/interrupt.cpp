@@ -3,14 +3,18 @@
 #include <semaphore.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <time.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <mutex>
+#include <string>
 #include <thread>
 
 #include "formats/base/checks.h"
+#include "formats/base/mapped_file.h"
 #include "formats/base/pending_file.h"
 #include "formats/base/trouble.h"
 
@@ -18,18 +22,60 @@ namespace rhoray::tools {
 
 namespace {
 
-sem_t interrupted;  // a handler may do no more than post it
+constexpr int signal_base = 128;  // a shell shows this plus the signal's number
+
+/// How long work on lost bytes may go on before it is ended: zeros in the place of links may make it endless.
+constexpr int grace_s = 10;
+
+sem_t something_came;  // a handler may do no more than set the flags below and post it
+std::atomic<int> ending_signal{0};
+std::atomic<bool> lost_bytes{false};  ///< and reading went on
+std::atomic<bool> crashed{false};     ///< after bytes were lost
+std::atomic<bool> lost_reader{false};
+
 std::mutex scratch_mutex;
 std::filesystem::path scratch;  // empty when there is none
 std::mutex request_mutex;
 std::stop_source* request = nullptr;  // of an InterruptRequest
 
-extern "C" void on_interrupt(int) {
-  ::sem_post(&interrupted);
+extern "C" void on_interrupt(int signal) {
+  const int before = errno;
+  (signal == SIGPIPE ? lost_reader.store(true) : ending_signal.store(signal));
+  ::sem_post(&something_came);
+  errno = before;
 }
 
-void wait_for_interrupt() {
-  while (::sem_wait(&interrupted) != 0 && errno == EINTR) {
+/// Lets the signal act as if there were no handler, once this one has returned.
+void leave_to_system(int signal) {
+  struct sigaction usual {};
+  usual.sa_handler = SIG_DFL;
+  ::sigaction(signal, &usual, nullptr);
+  ::raise(signal);  // held back until the handler returns
+}
+
+extern "C" void on_bus_error(int signal, siginfo_t* fault, void*) {
+  const int before = errno;
+  const bool by_memory_access = fault->si_code > 0;
+  if (!by_memory_access || !replace_lost_bytes(fault->si_addr)) return leave_to_system(signal);
+  if (!lost_bytes.exchange(true)) ::sem_post(&something_came);
+  errno = before;
+}
+
+/// Data that were checked when the file was opened are zeros now: what trusted them may fall.
+extern "C" void on_crash(int signal, siginfo_t*, void*) {
+  if (!any_bytes_lost()) return leave_to_system(signal);
+  crashed.store(true);
+  ::sem_post(&something_came);
+  for (;;) ::pause();  // wait_and_end ends the program
+}
+
+/// Waits for a flag to be set, until the deadline if there is one. False when it has passed.
+bool wait_until(const timespec* deadline) {
+  for (;;) {
+    const int result =
+        deadline == nullptr ? ::sem_wait(&something_came) : ::sem_clockwait(&something_came, CLOCK_MONOTONIC, deadline);
+    if (result == 0) return true;
+    if (errno != EINTR) return false;
   }
 }
 
@@ -51,25 +97,89 @@ void remove_scratch() {
   }
 }
 
-void wait_and_end() {
-  do wait_for_interrupt();
-  while (request_end());
+[[noreturn]] void end_program(int exit_code, const std::string& words) {
   const std::lock_guard lock(scratch_mutex);
   if (!scratch.empty()) remove_scratch();
   end_pending_files();
-  std::fputs("\nrhoray: interrupted\n", stderr);
-  ::_exit(static_cast<int>(Trouble::interrupted));
+  // Not through stdio, which a crashed thread may hold.
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, words.data(), words.size());
+  ::_exit(exit_code);
+}
+
+[[noreturn]] void end_for_lost_bytes(const std::string& fact) {
+  end_program(static_cast<int>(Trouble::invalid), concat("rhoray: ", fact, "\n"));
+}
+
+/// Ends the program when bytes were lost and nobody was told yet.
+void end_if_loss_is_untold() {
+  try {
+    require_no_lost_bytes();
+  } catch (const Error& error) {
+    end_for_lost_bytes(error.what());
+  }
+}
+
+void wait_and_end() {
+  timespec deadline{};
+  bool has_deadline = false;
+  for (;;) {
+    const bool came = wait_until(has_deadline ? &deadline : nullptr);
+    if (crashed.load()) {
+      end_if_loss_is_untold();
+      end_for_lost_bytes("an input lost bytes while it was read");
+    }
+    if (lost_reader.load()) end_program(signal_base + SIGPIPE, "");
+    if (ending_signal.load() != 0) {
+      if (request_end()) continue;
+      end_program(interrupted_exit_code(), "\nrhoray: interrupted\n");
+    }
+    if (!came) {  // the program has told of the loss and works on something else
+      lost_bytes.store(false);
+      has_deadline = false;
+      end_if_loss_is_untold();
+    } else if (lost_bytes.load() && !has_deadline) {
+      ::clock_gettime(CLOCK_MONOTONIC, &deadline);
+      deadline.tv_sec += grace_s;
+      has_deadline = true;
+    }
+  }
+}
+
+bool is_ignored(int signal) {
+  struct sigaction now {};
+  return ::sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
 }
 
 }  // namespace
 
 void end_cleanly_on_interrupt() {
-  RHORAY_CHECK(::sem_init(&interrupted, 0, 0) == 0);
+  RHORAY_CHECK(::sem_init(&something_came, 0, 0) == 0);
   std::thread(wait_and_end).detach();
   struct sigaction action {};
   action.sa_handler = on_interrupt;
   action.sa_flags = SA_RESTART;
-  RHORAY_CHECK(::sigaction(SIGINT, &action, nullptr) == 0);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE})
+    if (signal != SIGHUP || !is_ignored(signal)) RHORAY_CHECK(::sigaction(signal, &action, nullptr) == 0);
+}
+
+void survive_lost_bytes() {
+  struct sigaction action {};
+  action.sa_flags = SA_SIGINFO | SA_RESTART | SA_ONSTACK;
+  action.sa_sigaction = on_bus_error;
+  RHORAY_CHECK(::sigaction(SIGBUS, &action, nullptr) == 0);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // these report crashes themselves
+  action.sa_sigaction = on_crash;
+  for (const int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGILL}) RHORAY_CHECK(::sigaction(signal, &action, nullptr) == 0);
+#endif
+}
+
+int interrupted_exit_code() {
+  const int signal = ending_signal.load();
+  return signal == 0 ? static_cast<int>(Trouble::interrupted) : signal_base + signal;
+}
+
+bool has_lost_its_reader() {
+  return lost_reader.load();
 }
 
 InterruptRequest::InterruptRequest() {

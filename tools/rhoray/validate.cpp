@@ -152,7 +152,7 @@ Subcommand validate_subcommand() {
             flag_option("--force", "Replace the report if it is there", command->common.force),
             value_option("--time-limit", "S", "Seconds of CPU for the worker; default 3600", command->time_limit_s)},
            threads_option(command->common),
-           memory_option(command->common, "Limit for the worker"),
+           memory_option(command->common, "Limit for the worker; default: Limits in `rhoray --help`"),
            message_options(command->common, "The report as one JSON document on stdout")}),
       .run = [command] { return run(*command); }};
 }

@@ -4,6 +4,7 @@
 #include "formats/base/trouble.h"
 #include "formats/brick_grid.h"
 #include "formats/color_grid.h"
+#include "formats/intact.h"
 #include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
 #include "tools/rhoray/common_options.h"
@@ -74,6 +75,7 @@ Findings examine(const std::filesystem::path& path, const VerifyOptions& options
     for (const formats::DamagedBlock& block : findings.blocks)
       findings.sentences.push_back(concat(path.string(), ", ", damage_text(file, block)));
     if (findings.blocks.empty()) findings.sentences = content_findings(file, options.deep);
+    formats::require_intact(file);
   } catch (const Error& error) {
     if (error.trouble() != Trouble::invalid) throw;
     findings.sentences.push_back(error.what());
