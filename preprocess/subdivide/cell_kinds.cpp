@@ -85,7 +85,7 @@ const CellFrame& frame_of(CellKind linear_kind) {
     default:
       break;
   }
-  RHORAY_CHECK(!"a linear kind with a frame");
+  RHORAY_CHECK(false && "a linear kind with a frame");
   return tetrahedron_frame;
 }
 

@@ -62,7 +62,7 @@ std::vector<CellPlace> places_of_corners(CellKind corners) {
     default:
       break;
   }
-  RHORAY_CHECK(!"a kind with higher orders");
+  RHORAY_CHECK(false && "a kind with higher orders");
   return {};
 }
 

@@ -22,8 +22,14 @@ template <std::size_t lines>
 RHORAY_INLINE void stream_lines(const float* from, float* to) {
 #if defined(__SSE__)
   using Four [[gnu::vector_size(16), gnu::may_alias]] = float;
-  for (std::size_t i = 0; i < lines * line_floats; i += 4)
-    __builtin_ia32_movntps(to + i, *reinterpret_cast<const Four*>(from + i));
+  for (std::size_t i = 0; i < lines * line_floats; i += 4) {
+    const Four four = *reinterpret_cast<const Four*>(from + i);
+#if defined(__clang__)
+    __builtin_nontemporal_store(four, reinterpret_cast<Four*>(to + i));
+#else
+    __builtin_ia32_movntps(to + i, four);
+#endif
+  }
 #else
   std::copy_n(from, lines * line_floats, to);
 #endif

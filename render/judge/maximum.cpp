@@ -74,7 +74,7 @@ Maximum largest_value(const Polynomial& polynomial, const Rational& a, const Rat
     return {at.is_exact() ? Surd{polynomial.at(at.lo), 0, 0} : value_at_local_maximum(polynomial),
             slope.enclosing_root(root, width)};
   }
-  RHORAY_CHECK(!"a value above both ends has a rise and a fall");
+  RHORAY_CHECK(false && "a value above both ends has a rise and a fall");
   return {};
 }
 

@@ -11,6 +11,13 @@
 /// are used that IEEE 754 rounds exactly, every machine computes the same numbers.
 namespace rhoray::render {
 
+// gcc keeps to vectors of 256 bits unless it is told otherwise; clang 14 has no word for that.
+#if defined(__clang__)
+#define RHORAY_TARGET_AVX512 "avx2,fma,bmi2,avx512f,avx512bw,avx512cd,avx512dq,avx512vl"
+#else
+#define RHORAY_TARGET_AVX512 "avx2,fma,bmi2,avx512f,avx512bw,avx512cd,avx512dq,avx512vl,prefer-vector-width=512"
+#endif
+
 namespace compiled {
 
 template <auto function, class... Arguments>
@@ -25,8 +32,7 @@ template <auto function, class... Arguments>
 }
 
 template <auto function, class... Arguments>
-[[gnu::target("avx2,fma,bmi2,avx512f,avx512bw,avx512cd,avx512dq,avx512vl,prefer-vector-width=512")]] static void
-for_avx512(Arguments... arguments) {
+[[gnu::target(RHORAY_TARGET_AVX512)]] static void for_avx512(Arguments... arguments) {
   function(std::forward<Arguments>(arguments)...);
 }
 #endif

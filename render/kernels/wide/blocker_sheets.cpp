@@ -172,7 +172,7 @@ RHORAY_INLINE void finish(const Squares& squares, const Heights* heights, std::u
     above[s] = heights[s].highest;
     // No depth: no sheet.
     const float lowest = -heights[s].depth_below;
-    below[s] = (known[s] == holds_middle) & (lowest < nowhere) ? lowest : -nowhere;
+    below[s] = ((known[s] == holds_middle) & (lowest < nowhere)) ? lowest : -nowhere;
   }
 }
 

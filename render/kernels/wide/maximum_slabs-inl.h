@@ -85,9 +85,9 @@ struct WindowCells {
     near = hn::Load(ints, words_near), far = hn::Load(ints, words_far);
 #endif
     const VecI low_half = hn::Set(ints, 0xffff);
-    const auto upper = [](VecI words) HWY_ATTR {
+    const auto upper = [](VecI pairs) HWY_ATTR {
       constexpr hn::RebindToUnsigned<Ints> unsigned_ints;
-      return hn::BitCast(ints, hn::ShiftRight<16>(hn::BitCast(unsigned_ints, words)));
+      return hn::BitCast(ints, hn::ShiftRight<16>(hn::BitCast(unsigned_ints, pairs)));
     };
     below[0] = hn::ConvertTo(floats, hn::And(near, low_half)), below[1] = hn::ConvertTo(floats, hn::And(far, low_half));
     below[4] = hn::ConvertTo(floats, upper(near)), below[5] = hn::ConvertTo(floats, upper(far));

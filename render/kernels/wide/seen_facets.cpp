@@ -18,9 +18,6 @@ RHORAY_INLINE float smaller(float a, float b) {
 RHORAY_INLINE float larger(float a, float b) {
   return a > b ? a : b;
 }
-RHORAY_INLINE float distance(float a, float b) {
-  return a > b ? a - b : b - a;
-}
 
 /// What is known of all facets, lane by lane of their blocks.
 struct Extent {
