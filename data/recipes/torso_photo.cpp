@@ -217,7 +217,7 @@ std::array<std::uint8_t, 3> tissue_color(const Vec3& p, double reach) {
 }
 
 void write_torso_photo(const std::filesystem::path& path, const Index3& texel_count, bool replace_existing) {
-  const auto [nx, ny, nz] = std::array{texel_count.x, texel_count.y, texel_count.z};
+  const std::int64_t nx = texel_count.x, ny = texel_count.y, nz = texel_count.z;
   for (const std::int64_t n : {nx, ny, nz})
     if (n < 2 || n > 16384)
       throw Error(Trouble::usage, concat("size ", nx, "x", ny, "x", nz, "; expected 2 to 16384 texels on each axis"));

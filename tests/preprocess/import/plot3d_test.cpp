@@ -207,7 +207,8 @@ TEST(Plot3d, finds_the_other_file_by_its_name) {
     expect_blocks(read_cells(folder / grid, {}), style);
     expect_blocks(read_cells(folder / solution, {}), style);
     std::filesystem::remove(folder / grid);
-    expect_refusal([&] { read_cells(folder / solution, {}); }, Trouble::unreadable, {solution, "no grid beside it"});
+    expect_refusal([&folder, &name = solution] { read_cells(folder / name, {}); }, Trouble::unreadable,
+                   {solution, "no grid beside it"});
   }
 }
 

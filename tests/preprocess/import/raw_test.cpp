@@ -34,7 +34,7 @@ TEST(RawDescription, refuses_with_the_part_that_is_wrong) {
                                                         {"3x4x5:uint8:me", "'me'"},
                                                         {"3x4x5:uint8:le:-1", "'-1'"},
                                                         {"3x4x5:uint8:le:0:0", "nothing more"}})
-    expect_refusal([&] { parse_raw_volume(text); }, Trouble::usage, {"raw volume", part});
+    expect_refusal([&description = text] { parse_raw_volume(description); }, Trouble::usage, {"raw volume", part});
 }
 
 NeutralVolume read(const std::filesystem::path& path, const std::string& description) {

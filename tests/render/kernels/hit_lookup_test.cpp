@@ -137,8 +137,8 @@ TEST(HitLookup, of_a_linear_field_says_the_fields_own_gradient_and_values_at_eve
       for (const auto& [name, tolerance] : {std::pair("other", 1e-12), {"other in single precision", 1e-6}}) {
         const Answers answers =
             answered(traced.volume(), rays, 2.05, method, {.smooth_gradients = false, .field = name});
-        for_each_hit(answers, 60, [&](std::size_t r, const Vec3& place) {
-          EXPECT_NEAR(answers.values[r], other(world.point(place)), is_float ? 1e-6 : tolerance);
+        for_each_hit(answers, 60, [&, allowed = is_float ? 1e-6 : tolerance](std::size_t r, const Vec3& place) {
+          EXPECT_NEAR(answers.values[r], other(world.point(place)), allowed);
         });
       }
     }

@@ -121,7 +121,7 @@ std::vector<Grid> grids() {
 
 /// Samples without data, by place.
 struct Gaps {
-  std::string name;
+  const char* name;
   bool (*are_at)(const Vec3& share_of_box);
 };
 constexpr Gaps all_gaps[] = {{"a ball", [](const Vec3& p) { return (p - Vec3(0.4, 0.5, 0.6)).length() < 0.25; }},

@@ -112,7 +112,8 @@ Object read_object(const Json& json, const Reading& at, const std::vector<Row<Ob
   Object out;
   if (!json.is_object()) at.place.refuse(json, "an object");
   for (const auto& [key, value] : json.items()) {
-    const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row<Object>& row) { return row.key == key; });
+    const auto found =
+        std::find_if(rows.begin(), rows.end(), [&name = key](const Row<Object>& row) { return row.key == name; });
     if (found == rows.end())
       warn_of_unknown_key(key, keys_of(rows), at);
     else

@@ -62,7 +62,11 @@ void bounds_of_cell(const RTCBoundsFunctionArguments* asked) {
 
 constexpr float slack = 1e-6F;  ///< weights may be so much below 0: neighbours overlap by more than the rounding
 
-__attribute__((target_clones("arch=skylake-avx512", "avx2,fma", "default"))) void meet_16(
+// clang 14 takes each word of such a list for a machine of its own.
+#if !defined(__clang__)
+__attribute__((target_clones("arch=skylake-avx512", "avx2,fma", "default")))
+#endif
+void meet_16(
     const Cell& cell, float isovalue, const int* valid, RTCRayHit16& rays, unsigned cell_number, unsigned geometry) {
   const auto& ray = rays.ray;
   auto& hit = rays.hit;

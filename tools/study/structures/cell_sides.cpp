@@ -29,13 +29,13 @@ CellSides::CellSides(const std::array<std::array<double, 3>, 4>& points) {
 
 bool CellSides::touches(const Vec3& center, const Vec3& half) const {
   const Vec3 reach = half * (1 + 2e-6);  // rounding of places reaches 1e-9 of the smallest box that is asked about
-  bool is_apart = false;
+  int is_apart = 0;                      // numbers: no branch on either side
   for (std::size_t n = 0; n < count; ++n) {
     const double middle = x_[n] * center.x + y_[n] * center.y + z_[n] * center.z;
     const double radius = size_x_[n] * reach.x + size_y_[n] * reach.y + size_z_[n] * reach.z;
-    is_apart |= (middle + radius < lo_[n]) | (middle - radius > hi_[n]);
+    is_apart |= int{middle + radius < lo_[n]} | int{middle - radius > hi_[n]};
   }
-  return !is_apart;
+  return is_apart == 0;
 }
 
 }  // namespace rhoray::study
