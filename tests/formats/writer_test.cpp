@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <csignal>
 #include <functional>
 #include <thread>
@@ -272,21 +273,31 @@ TEST(PackedFileWriter, a_full_disk_is_met_before_the_work_and_leaves_nothing) {
   EXPECT_EQ(code, 0);
 }
 
-// The child writes the same content again and again in small pieces; it is killed at moments that differ.
+// The child writes the same content again and again in small pieces; it is killed at moments that differ, counted from
+// its first piece.
 TEST(PackedFileWriter, a_kill_while_writing_leaves_a_complete_file_and_at_most_a_complete_second_name) {
   const TemporaryFolder folder;
   write_whole(folder / "a.rho", 1, false, 200'000);
   constexpr int kills = 40;
   for (int kill = 0; kill < kills; ++kill) {
+    std::array<int, 2> pipe{};
+    ASSERT_EQ(::pipe(pipe.data()), 0);
     const pid_t child = ::fork();
     if (child == 0) {
-      for (;;) {
+      for (bool is_first = true;; is_first = false) {
         PackedFileWriter writer = writer_for(folder / "a.rho", 200'000, true);
         const std::vector<std::byte> piece(1000, std::byte{1});
-        for (std::uint64_t at = 0; at < 200'000; at += 1000) writer.write("data", at, piece);
+        for (std::uint64_t at = 0; at < 200'000; at += 1000) {
+          writer.write("data", at, piece);
+          if (is_first && at == 0 && ::write(pipe[1], "x", 1) != 1) ::_exit(1);
+        }
         writer.commit(1);
       }
     }
+    char ready = 0;
+    ASSERT_EQ(::read(pipe[0], &ready, 1), 1);
+    ::close(pipe[0]);
+    ::close(pipe[1]);
     ::usleep(static_cast<useconds_t>(500 + 377 * kill));
     ::kill(child, SIGKILL);
     int status = 0;

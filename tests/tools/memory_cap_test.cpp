@@ -155,7 +155,8 @@ class MemoryCapOfPack : public testing::Test {
     ASSERT_EQ(capped.exit_code, 0) << read_file(bench_ / "said");
     EXPECT_LE(capped.program, cap + cap / 10);
     EXPECT_LE(capped.worker, cap + cap / 10);
-    EXPECT_GT(capped.program, 0U);
+    EXPECT_GT(capped.program, 0U) << "the program was never seen";
+    EXPECT_GT(capped.worker, 0U) << "its worker was never seen";
     EXPECT_EQ(bench_.shell("cmp free.rho packed.rho").exit_code, 0);
     free_ = free;
   }
