@@ -11,6 +11,7 @@
 #include <utility>
 #include <variant>
 
+#include "formats/base/floating_point.h"
 #include "formats/base/trouble.h"
 #include "preprocess/cell_order/order_cells.h"
 #include "preprocess/clusters/build_clusters.h"
@@ -21,7 +22,6 @@
 #include "preprocess/leaf_lists/choose_lattice.h"
 #include "preprocess/macro_levels/build_levels.h"
 #include "preprocess/macro_levels/leaf_ranges.h"
-#include "preprocess/scratch/default_floating_point.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -220,7 +220,8 @@ PackMeshReport write_mesh(const NeutralMesh& mesh, const std::filesystem::path& 
 
 PackMeshReport pack_mesh(const NeutralMesh& mesh, const std::filesystem::path& path, const PackMeshOptions& options,
                          const Progress& progress) {
-  return in_default_floating_point([&] { return write_mesh(mesh, path, options, progress); });
+  const DefaultFloatingPoint default_floating_point;
+  return write_mesh(mesh, path, options, progress);
 }
 
 }  // namespace rhoray::preprocess

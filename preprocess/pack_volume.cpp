@@ -13,6 +13,7 @@
 
 #include "formats/base/bytes.h"
 #include "formats/base/checks.h"
+#include "formats/base/floating_point.h"
 #include "formats/base/trouble.h"
 #include "preprocess/bricks/convert.h"
 #include "preprocess/bricks/lattice_choice.h"
@@ -21,7 +22,6 @@
 #include "preprocess/inspect/summarize.h"
 #include "preprocess/macro_levels/build_levels.h"
 #include "preprocess/macro_levels/choose_shape.h"
-#include "preprocess/scratch/default_floating_point.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -266,7 +266,8 @@ PackVolumeReport write_fields(std::span<const NeutralVolume> fields, const std::
 
 PackVolumeReport pack_grid(std::span<const NeutralVolume> fields, const std::filesystem::path& path,
                            const PackVolumeOptions& options, const Progress& progress) {
-  return in_default_floating_point([&] { return write_fields(fields, path, options, progress); });
+  const DefaultFloatingPoint default_floating_point;
+  return write_fields(fields, path, options, progress);
 }
 
 PackVolumeReport pack_volume(const NeutralVolume& volume, const std::filesystem::path& path,

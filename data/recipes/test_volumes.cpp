@@ -1,7 +1,5 @@
 #include "data/recipes/test_volumes.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "data/recipes/write_nrrd.h"
+#include "formats/base/parallel.h"
 #include "formats/base/trouble.h"
 
 namespace rhoray::recipes {
@@ -109,7 +108,8 @@ void write_test_volume(const std::filesystem::path& path, const TestVolumeOption
     std::vector<std::uint16_t> samples(static_cast<std::size_t>(n * n * std::min(slab, n)));
     for (std::int64_t first = 0; first < n; first += slab) {
       const std::int64_t rows = n * std::min(slab, n - first);
-      tbb::parallel_for(std::int64_t{0}, rows, [&](std::int64_t r) {
+      parallel_for_each(static_cast<std::size_t>(rows), [&](std::size_t row_index) {
+        const auto r = static_cast<std::int64_t>(row_index);
         const std::span row = std::span(samples).subspan(static_cast<std::size_t>(r * n), static_cast<std::size_t>(n));
         (is_smooth ? smooth_row : turbulent_row)(axis, r % n, first + r / n, row);
       });

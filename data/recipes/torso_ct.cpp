@@ -1,13 +1,12 @@
 #include "data/recipes/torso_ct.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "data/recipes/torso_scene.h"
 #include "data/recipes/write_nrrd.h"
+#include "formats/base/parallel.h"
 #include "formats/base/trouble.h"
 
 namespace rhoray::recipes {
@@ -112,7 +111,8 @@ void write_torso_ct(const std::filesystem::path& path, const Index3& sample_coun
     std::vector<std::int16_t> samples(static_cast<std::size_t>(nx * ny * std::min(slab, nz)));
     for (std::int64_t first = 0; first < nz; first += slab) {
       const std::int64_t rows = ny * std::min(slab, nz - first);
-      tbb::parallel_for(std::int64_t{0}, rows, [&](std::int64_t row) {
+      parallel_for_each(static_cast<std::size_t>(rows), [&](std::size_t row_index) {
+        const auto row = static_cast<std::int64_t>(row_index);
         const std::int64_t j = row % ny, k = first + row / ny;
         for (std::int64_t i = 0; i < nx; ++i) {
           const Vec3 p = lattice.first_sample +

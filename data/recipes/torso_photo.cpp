@@ -1,7 +1,5 @@
 #include "data/recipes/torso_photo.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,6 +9,7 @@
 #include "data/recipes/torso_ct.h"
 #include "data/recipes/torso_scene.h"
 #include "data/recipes/write_nrrd.h"
+#include "formats/base/parallel.h"
 #include "formats/base/trouble.h"
 
 namespace rhoray::recipes {
@@ -237,7 +236,8 @@ void write_torso_photo(const std::filesystem::path& path, const Index3& texel_co
     std::vector<Texel> texels(static_cast<std::size_t>(nx * ny * std::min(slab, nz)));
     for (std::int64_t first = 0; first < nz; first += slab) {
       const std::int64_t rows = ny * std::min(slab, nz - first);
-      tbb::parallel_for(std::int64_t{0}, rows, [&](std::int64_t row) {
+      parallel_for_each(static_cast<std::size_t>(rows), [&](std::size_t row_index) {
+        const auto row = static_cast<std::int64_t>(row_index);
         for (std::int64_t i = 0; i < nx; ++i) {
           const Vec3 at(static_cast<double>(i), static_cast<double>(row % ny), static_cast<double>(first + row / ny));
           texels[static_cast<std::size_t>(row * nx + i)] =

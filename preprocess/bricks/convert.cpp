@@ -1,8 +1,5 @@
 #include "preprocess/bricks/convert.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -14,6 +11,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "formats/base/parallel.h"
 #include "formats/base/trouble.h"
 
 namespace rhoray::preprocess {
@@ -53,15 +51,15 @@ constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 /// Converts all samples and returns the position of the first that does not survive, or `none`.
 template <class To, class From>
 std::size_t convert(std::span<const From> from, To* to) {
-  return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, from.size(), 1 << 16), none,
-      [&](const tbb::blocked_range<std::size_t>& part, std::size_t first_lost) {
+  return parallel_reduce(
+      from.size(), 1 << 16, none,
+      [&](const IndexRange& part) {
         for (std::size_t i = part.begin(); i < part.end(); ++i) {
           const std::optional<To> converted = same_number<To>(from[i]);
-          if (!converted) return std::min(first_lost, i);
+          if (!converted) return i;
           to[i] = *converted;
         }
-        return first_lost;
+        return none;
       },
       [](std::size_t a, std::size_t b) { return std::min(a, b); });
 }

@@ -1,12 +1,11 @@
 #include "preprocess/bricks/sparse_bricks.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <vector>
 
+#include "formats/base/parallel.h"
 #include "formats/brick_grid.h"
 #include "preprocess/inspect/has_data.h"
 
@@ -42,13 +41,16 @@ void for_each_row(std::span<const T> samples, const Index3& count, const SampleB
 
 template <class T>
 void mark_bricks_with_data(std::span<const T> samples, const BrickLayout& layout, std::span<std::uint8_t> holds_data) {
-  tbb::parallel_for(std::size_t{0}, holds_data.size(), [&](std::size_t brick) {
+  const auto mark = [&](std::size_t brick) {
     const SampleBlock block = block_of(layout, static_cast<std::int64_t>(brick));
     for_each_row(samples, layout.sample_count, block, [&](std::span<const T> row, std::int64_t, std::int64_t) {
       if (!std::any_of(row.begin(), row.end(), [](T value) { return has_data(value); })) return true;
       holds_data[brick] = 1;
       return false;
     });
+  };
+  parallel_for(holds_data.size(), 64, [&](const IndexRange& part) {
+    for (std::size_t brick = part.begin(); brick < part.end(); ++brick) mark(brick);
   });
 }
 
@@ -72,8 +74,8 @@ void write_sparse_samples(std::span<const T> samples, const BrickLayout& layout,
   const std::int64_t n = layout.brick_edge;
   const auto brick_samples = static_cast<std::size_t>(n * n * n);
   const std::size_t piece = std::max<std::size_t>(1, piece_bytes / (brick_samples * sizeof(T)));
-  tbb::parallel_for(std::size_t{0}, (bricks.size() + piece - 1) / piece, [&](std::size_t p) {
-    const std::size_t first = p * piece, last = std::min(first + piece, bricks.size());
+  parallel_for(bricks.size(), piece, [&](const IndexRange& part) {
+    const std::size_t first = part.begin(), last = part.end();
     std::vector<T> sorted((last - first) * brick_samples, std::numeric_limits<T>::quiet_NaN());
     for (std::size_t slot = first; slot < last; ++slot) {
       T* const brick = sorted.data() + (slot - first) * brick_samples;

@@ -1,14 +1,13 @@
 #include "preprocess/bricks/write_samples.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <vector>
+
+#include "formats/base/parallel.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -81,11 +80,11 @@ void write_bricked(std::span<const T> samples, const BrickLayout& layout, const 
   const std::int64_t piece = std::max<std::int64_t>(1, piece_bytes / (superbrick_samples * std::int64_t{sizeof(T)}));
   const std::int64_t total = volume(superbricks);
 
-  tbb::enumerable_thread_specific<std::vector<T>> buffers(
+  PerWorker<std::vector<T>> buffers(
       [&] { return std::vector<T>(static_cast<std::size_t>(std::min(piece, total) * superbrick_samples)); });
-  tbb::parallel_for(std::int64_t{0}, (total + piece - 1) / piece, [&](std::int64_t p) {
-    std::vector<T>& buffer = buffers.local();
-    const std::int64_t begin = p * piece, end = std::min(begin + piece, total);
+  parallel_for(static_cast<std::size_t>(total), static_cast<std::size_t>(piece), [&](const IndexRange& part) {
+    std::vector<T>& buffer = buffers.of(part);
+    const auto begin = static_cast<std::int64_t>(part.begin()), end = static_cast<std::int64_t>(part.end());
     T* out = buffer.data();
     for (std::int64_t s = begin; s < end; ++s) {
       const Index3 at(s % superbricks.x, s / superbricks.x % superbricks.y, s / superbricks.x / superbricks.y);
@@ -101,10 +100,10 @@ template <class T>
 void write_linear(std::span<const T> samples, const std::string& array, formats::PackedFileWriter& writer,
                   ProgressMeter& meter) {
   constexpr std::size_t piece = static_cast<std::size_t>(piece_bytes) / sizeof(T);
-  tbb::parallel_for(std::size_t{0}, (samples.size() + piece - 1) / piece, [&](std::size_t p) {
-    const std::span<const T> part = samples.subspan(p * piece, std::min(piece, samples.size() - p * piece));
-    writer.write(array, p * piece * sizeof(T), std::as_bytes(part));
-    meter.add(part.size_bytes());
+  parallel_for(samples.size(), piece, [&](const IndexRange& part) {
+    const std::span<const T> written = samples.subspan(part.begin(), part.size());
+    writer.write(array, part.begin() * sizeof(T), std::as_bytes(written));
+    meter.add(written.size_bytes());
   });
 }
 

@@ -1,9 +1,5 @@
 #include "preprocess/cell_order/order_cells.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -14,10 +10,11 @@
 #include <span>
 #include <utility>
 
+#include "formats/base/parallel.h"
+
 namespace rhoray::preprocess {
 namespace {
 
-using Range = tbb::blocked_range<std::size_t>;
 constexpr std::size_t grain = 4096;
 
 /// A cell and its centre, in the longest edge of the mesh's box: to 2^-24 of it, as near as the order asks for.
@@ -30,7 +27,7 @@ Array<Place> places_of(const CleanMesh& mesh) {
   const Vec3 extent = mesh.box.max - mesh.box.min;
   const double longest = std::max({extent.x, extent.y, extent.z}), scale = longest > 0 ? 0.25 / longest : 0;
   Array<Place> places(mesh.cells.size());
-  tbb::parallel_for(Range(0, places.size(), grain), [&](const Range& part) {
+  parallel_for(places.size(), grain, [&](const IndexRange& part) {
     for (std::size_t c = part.begin(); c < part.end(); ++c) {
       const auto& cell = mesh.cells[c];
       for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -110,7 +107,7 @@ void halve(std::span<Place> places) {
   put_first(places, half, *axis);
   const auto first = places.first(half), second = places.subspan(half);
   if (places.size() > grain)
-    tbb::parallel_invoke([&] { halve(first); }, [&] { halve(second); });
+    parallel_invoke([&] { halve(first); }, [&] { halve(second); });
   else
     halve(first), halve(second);
 }
@@ -119,7 +116,7 @@ void halve(std::span<Place> places) {
 template <class T, class From>
 void reorder(Array<T>& values, const From& from) {
   Array<T> reordered(values.size());
-  tbb::parallel_for(Range(0, values.size(), grain), [&](const Range& part) {
+  parallel_for(values.size(), grain, [&](const IndexRange& part) {
     for (std::size_t i = part.begin(); i < part.end(); ++i) reordered[i] = values[from(i)];
   });
   values = std::move(reordered);

@@ -1,8 +1,5 @@
 #include "preprocess/clusters/build_clusters.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -10,6 +7,7 @@
 
 #include "formats/base/checks.h"
 #include "formats/base/interval.h"
+#include "formats/base/parallel.h"
 #include "preprocess/inspect/has_data.h"
 
 namespace rhoray::preprocess {
@@ -20,7 +18,6 @@ using formats::ClusterShape;
 using formats::RangeBlock;
 using Cells = std::span<const std::array<std::uint32_t, 4>>;
 using Points = std::span<const std::array<double, 3>>;
-using Range = tbb::blocked_range<std::size_t>;
 
 constexpr std::size_t width = ClusterShape::width;
 constexpr std::size_t clusters_at_once = 256;
@@ -163,7 +160,7 @@ Clusters build_clusters(Points points, Cells cells, std::uint64_t cluster_size, 
   ProgressMeter meter(progress, "cutting the mesh into clusters (cells)", cells.size());
   const std::size_t piece_count = (count + clusters_at_once - 1) / clusters_at_once;
   std::vector<std::vector<std::uint32_t>> pieces(piece_count);  // of `tables`: how long it is comes out here
-  tbb::parallel_for(Range(0, piece_count, 1), [&](const Range& part) {
+  parallel_for(piece_count, 1, [&](const IndexRange& part) {
     VertexTable table;
     for (std::size_t piece = part.begin(); piece < part.end(); ++piece) {
       const std::size_t first = piece * clusters_at_once, end = std::min(count, first + clusters_at_once);
@@ -197,7 +194,7 @@ std::vector<Array<RangeBlock<T>>> build_cluster_ranges(Cells cells, std::span<co
                                                        const ClusterShape& shape) {
   std::vector<Array<RangeBlock<T>>> levels;
   levels.emplace_back(static_cast<std::size_t>(shape.block_count(0)), empty_ranges<T>());
-  tbb::parallel_for(Range(0, cluster_count(shape), clusters_at_once), [&](const Range& part) {
+  parallel_for(cluster_count(shape), clusters_at_once, [&](const IndexRange& part) {
     for (std::size_t cluster = part.begin(); cluster < part.end(); ++cluster) {
       const Interval<T> range = range_of(cells_of(cells, shape, cluster), values);
       RangeBlock<T>& block = levels[0][cluster / width];

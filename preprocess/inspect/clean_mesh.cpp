@@ -1,9 +1,5 @@
 #include "preprocess/inspect/clean_mesh.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -11,13 +7,13 @@
 #include <string_view>
 #include <utility>
 
+#include "formats/base/parallel.h"
 #include "formats/base/trouble.h"
 #include "preprocess/inspect/orientation.h"
 
 namespace rhoray::preprocess {
 namespace {
 
-using Range = tbb::blocked_range<std::size_t>;
 constexpr std::size_t grain = 4096;
 constexpr double largest_coordinate = 1e100, smallest_extent = 1e-100;  // between them orientations are exact
 constexpr std::uint64_t largest_count = std::numeric_limits<std::uint32_t>::max();
@@ -59,13 +55,13 @@ void check_counts(const NeutralMesh& mesh, const std::string& source_name) {
 
 void check_indices(const NeutralMesh& mesh, const std::string& source_name) {
   const std::size_t none = mesh.cells.size();
-  const std::size_t first_wrong = tbb::parallel_reduce(
-      Range(0, mesh.cells.size(), grain), none,
-      [&](const Range& part, std::size_t first) {
-        for (std::size_t c = part.begin(); c < std::min(part.end(), first); ++c)
+  const std::size_t first_wrong = parallel_reduce(
+      mesh.cells.size(), grain, none,
+      [&](const IndexRange& part) {
+        for (std::size_t c = part.begin(); c < part.end(); ++c)
           for (const std::uint64_t vertex : mesh.cells[c])
-            if (vertex >= mesh.points.size()) first = std::min(first, c);
-        return first;
+            if (vertex >= mesh.points.size()) return c;
+        return none;
       },
       [](std::size_t a, std::size_t b) { return std::min(a, b); });
   if (first_wrong == none) return;
@@ -169,7 +165,7 @@ void place_points(const NeutralMesh& mesh, const std::string& source_name, Clean
 
 void orient_cells(const NeutralMesh& mesh, CleanMesh& clean) {
   Array<std::int8_t> signs(clean.cells.size());
-  tbb::parallel_for(Range(0, clean.cells.size(), grain), [&](const Range& part) {
+  parallel_for(clean.cells.size(), grain, [&](const IndexRange& part) {
     for (std::size_t c = part.begin(); c < part.end(); ++c) {
       auto& cell = clean.cells[c];
       const int sign =

@@ -3,8 +3,7 @@
 #include <cmath>
 #include <numeric>
 
-#include <tbb/parallel_sort.h>
-
+#include "formats/base/parallel.h"
 #include "preprocess/inspect/finding.h"
 
 namespace rhoray::preprocess::inspect {
@@ -19,7 +18,7 @@ Finding coincident_points(const NeutralMesh& mesh) {
   std::vector<std::uint64_t> order;
   for (std::uint64_t p = 0; p < mesh.points.size(); ++p)
     if (is_finite(mesh.points[p])) order.push_back(p);
-  tbb::parallel_sort(order.begin(), order.end(), [&](std::uint64_t a, std::uint64_t b) {
+  parallel_sort(std::span(order), [&](std::uint64_t a, std::uint64_t b) {
     return mesh.points[a] != mesh.points[b] ? mesh.points[a] < mesh.points[b] : a < b;
   });
   Tally tally;

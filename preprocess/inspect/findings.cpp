@@ -1,6 +1,6 @@
+#include "formats/base/floating_point.h"
 #include "formats/base/trouble.h"
 #include "preprocess/inspect/finding.h"
-#include "preprocess/scratch/default_floating_point.h"
 
 namespace rhoray::preprocess {
 
@@ -34,7 +34,8 @@ std::vector<Finding> findings_of(const NeutralMesh& mesh, const Progress& progre
 }  // namespace
 
 std::vector<Finding> inspect_mesh(const NeutralMesh& mesh, const Progress& progress) {
-  return in_default_floating_point([&] { return findings_of(mesh, progress); });
+  const DefaultFloatingPoint default_floating_point;
+  return findings_of(mesh, progress);
 }
 
 }  // namespace rhoray::preprocess

@@ -1,10 +1,9 @@
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 
+#include "formats/base/parallel.h"
 #include "preprocess/inspect/finding.h"
 #include "preprocess/inspect/orientation.h"
 #include "preprocess/inspect/point_tree.h"
@@ -23,7 +22,7 @@ Finding duplicated_cells(const NeutralMesh& mesh) {
     cells.push_back({mesh.cells[c], c});
     std::sort(cells.back().vertices.begin(), cells.back().vertices.end());
   }
-  tbb::parallel_sort(cells.begin(), cells.end(), [](const Named& a, const Named& b) {
+  parallel_sort(std::span(cells), [](const Named& a, const Named& b) {
     return a.vertices != b.vertices ? a.vertices < b.vertices : a.cell < b.cell;
   });
   Tally tally;
@@ -66,7 +65,7 @@ Finding overlapping_cells(const NeutralMesh& mesh) {
     }
   const PointTree tree(std::move(centres));
   std::vector<std::atomic<std::uint8_t>> overlaps(mesh.cells.size());
-  tbb::parallel_for(std::size_t{0}, mesh.cells.size(), [&](std::size_t c) {
+  const auto mark_overlapped = [&](std::size_t c) {
     if (!is_traceable(mesh, c)) return;
     const auto& cell = mesh.cells[c];
     Box3 box;
@@ -77,6 +76,9 @@ Finding overlapping_cells(const NeutralMesh& mesh) {
           !has_same_vertices(mesh.cells[other], cell))
         overlaps[other].store(1, std::memory_order_relaxed);
     });
+  };
+  parallel_for(mesh.cells.size(), 64, [&](const IndexRange& part) {
+    for (std::size_t c = part.begin(); c < part.end(); ++c) mark_overlapped(c);
   });
   Tally tally;
   for (std::size_t c = 0; c < overlaps.size(); ++c)

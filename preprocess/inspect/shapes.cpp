@@ -1,8 +1,8 @@
-#include <tbb/parallel_for.h>
 
 #include <array>
 #include <cmath>
 
+#include "formats/base/parallel.h"
 #include "preprocess/inspect/finding.h"
 #include "preprocess/inspect/orientation.h"
 
@@ -60,7 +60,9 @@ bool is_traceable(const NeutralMesh& mesh, std::size_t c) {
 
 void shapes(const NeutralMesh& mesh, Findings& findings) {
   std::vector<Seen> seen(mesh.cells.size());
-  tbb::parallel_for(std::size_t{0}, seen.size(), [&](std::size_t c) { seen[c] = look_at(mesh, c); });
+  parallel_for(seen.size(), 1024, [&](const IndexRange& part) {
+    for (std::size_t c = part.begin(); c < part.end(); ++c) seen[c] = look_at(mesh, c);
+  });
   Tally repeating, flat, flipped, slivers;
   for (std::size_t c = 0; c < seen.size(); ++c) {
     const std::uint64_t id = id_of_cell(mesh, c);

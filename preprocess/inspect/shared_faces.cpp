@@ -1,8 +1,8 @@
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <array>
 
+#include "formats/base/parallel.h"
 #include "preprocess/inspect/finding.h"
 #include "preprocess/inspect/orientation.h"
 
@@ -31,7 +31,7 @@ std::vector<CellFace> sorted_faces(const NeutralMesh& mesh) {
       faces.push_back(face);
     }
   }
-  tbb::parallel_sort(faces.begin(), faces.end(), [](const CellFace& a, const CellFace& b) {
+  parallel_sort(std::span(faces), [](const CellFace& a, const CellFace& b) {
     return a.vertices != b.vertices ? a.vertices < b.vertices : a.cell < b.cell;
   });
   return faces;

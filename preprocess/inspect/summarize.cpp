@@ -1,10 +1,5 @@
 #include "preprocess/inspect/summarize.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,21 +10,22 @@
 #include <utility>
 #include <vector>
 
+#include "formats/base/parallel.h"
 #include "preprocess/inspect/has_data.h"
 
 namespace rhoray::preprocess {
 namespace {
 
 using Counts = std::vector<std::uint64_t>;
-using Range = tbb::blocked_range<std::size_t>;
 constexpr std::size_t largest_bin_count = 256;
 constexpr std::size_t grain = 1 << 16;  // values a task takes: enough to hide its start, few enough to share out
 
 /// Counts made by each thread for itself, and added up at the end: sums of integers have no order.
-Counts added_up(const tbb::enumerable_thread_specific<Counts>& of_threads, std::size_t size) {
+Counts added_up(PerWorker<Counts>& of_threads, std::size_t size) {
   Counts sum(size, 0);
-  for (const Counts& counts : of_threads)
+  of_threads.for_each([&](const Counts& counts) {
     for (std::size_t i = 0; i < size; ++i) sum[i] += counts[i];
+  });
   return sum;
 }
 
@@ -47,9 +43,9 @@ void summarize_by_table(std::span<const T> values, formats::FieldSummary& field,
   ProgressMeter meter(progress, "finding value ranges (values)", values.size());
   constexpr auto lowest = std::numeric_limits<T>::lowest();
   constexpr std::size_t size = std::size_t{1} << (8 * sizeof(T));
-  tbb::enumerable_thread_specific<Counts> of_threads([] { return Counts(size, 0); });
-  tbb::parallel_for(Range(0, values.size(), grain), [&](const Range& part) {
-    Counts& counts = of_threads.local();
+  PerWorker<Counts> of_threads([] { return Counts(size, 0); });
+  parallel_for(values.size(), grain, [&](const IndexRange& part) {
+    Counts& counts = of_threads.of(part);
     for (std::size_t i = part.begin(); i < part.end(); ++i) ++counts[static_cast<std::size_t>(values[i] - lowest)];
     meter.add(part.size());
   });
@@ -102,11 +98,11 @@ void summarize_in_two_passes(std::span<const T> values, formats::FieldSummary& f
     a.no_data_count += b.no_data_count;
     return a;
   };
-  const Extent<T> extent = tbb::parallel_reduce(
-      Range(0, values.size(), grain), Extent<T>{},
-      [&](const Range& part, const Extent<T>& so_far) {
+  const Extent<T> extent = parallel_reduce(
+      values.size(), grain, Extent<T>{},
+      [&](const IndexRange& part) {
         finding.add(part.size());
-        return joined(so_far, extent_of(values.subspan(part.begin(), part.size())));
+        return extent_of(values.subspan(part.begin(), part.size()));
       },
       joined);
   field.no_data_count = extent.no_data_count;
@@ -115,9 +111,9 @@ void summarize_in_two_passes(std::span<const T> values, formats::FieldSummary& f
 
   const std::size_t bins = bin_count_of(field.range, std::is_integral_v<T>);
   ProgressMeter counting(progress, "making the histogram (values)", values.size());
-  tbb::enumerable_thread_specific<Counts> of_threads([&] { return Counts(bins, 0); });
-  tbb::parallel_for(Range(0, values.size(), grain), [&](const Range& part) {
-    Counts& counts = of_threads.local();
+  PerWorker<Counts> of_threads([&] { return Counts(bins, 0); });
+  parallel_for(values.size(), grain, [&](const IndexRange& part) {
+    Counts& counts = of_threads.of(part);
     for (std::size_t i = part.begin(); i < part.end(); ++i)
       if (has_data(values[i])) ++counts[formats::histogram_bin(field.range, bins, static_cast<double>(values[i]))];
     counting.add(part.size());

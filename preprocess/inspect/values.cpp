@@ -3,9 +3,9 @@
 #include <set>
 #include <type_traits>
 
+#include "formats/base/floating_point.h"
 #include "formats/base/text.h"
 #include "preprocess/inspect/finding.h"
-#include "preprocess/scratch/default_floating_point.h"
 
 namespace rhoray::preprocess {
 namespace inspect {
@@ -69,8 +69,8 @@ std::vector<Finding> look_at(const NeutralVolume& volume) {
 }  // namespace
 
 std::vector<Finding> inspect_volume(const NeutralVolume& volume) {
-  return in_default_floating_point(
-      [&] { return formats::with_element_type(volume.type, [&]<class T>(T) { return look_at<T>(volume); }); });
+  const DefaultFloatingPoint default_floating_point;
+  return formats::with_element_type(volume.type, [&]<class T>(T) { return look_at<T>(volume); });
 }
 
 }  // namespace rhoray::preprocess

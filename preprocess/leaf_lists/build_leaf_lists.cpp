@@ -1,25 +1,21 @@
 #include "preprocess/leaf_lists/build_leaf_lists.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
 
+#include "formats/base/parallel.h"
 #include "preprocess/leaf_lists/touched_leaves.h"
 
 namespace rhoray::preprocess {
 namespace {
-
-using Range = tbb::blocked_range<std::size_t>;
 
 /// Calls act(cell, leaf) for every leaf cell that a cell touches, on all threads.
 template <class Act>
 void for_each_touch(std::span<const std::array<double, 3>> points, std::span<const std::array<std::uint32_t, 4>> cells,
                     const formats::LeafLattice& lattice, ProgressMeter& meter, const Act& act) {
   const Index3 count = lattice.macro.leaf_count;
-  tbb::parallel_for(Range(0, cells.size(), 1024), [&](const Range& part) {
+  parallel_for(cells.size(), 1024, [&](const IndexRange& part) {
     TouchedLeaves touched(lattice);
     for (std::size_t c = part.begin(); c < part.end(); ++c) {
       const auto& cell = cells[c];
@@ -56,7 +52,7 @@ LeafLists build_leaf_lists(std::span<const std::array<double, 3>> points,
   });
 
   // Threads filled a list in any order; sorted, it is the same for any number of them.
-  tbb::parallel_for(Range(0, leaf_count, 1024), [&](const Range& part) {
+  parallel_for(leaf_count, 1024, [&](const IndexRange& part) {
     for (std::size_t leaf = part.begin(); leaf < part.end(); ++leaf)
       std::sort(lists.items.begin() + static_cast<std::ptrdiff_t>(lists.offsets[leaf]),
                 lists.items.begin() + static_cast<std::ptrdiff_t>(lists.offsets[leaf + 1]));

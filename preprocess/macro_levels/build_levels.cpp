@@ -1,8 +1,5 @@
 #include "preprocess/macro_levels/build_levels.h"
 
-#include <tbb/blocked_range2d.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -11,17 +8,23 @@
 #include <type_traits>
 #include <utility>
 
+#include "formats/base/parallel.h"
 #include "preprocess/inspect/has_data.h"
 
 namespace rhoray::preprocess {
 namespace {
 
 using formats::MacroShape;
-using Rows = tbb::blocked_range2d<std::int64_t>;
 
 std::size_t position(const Index3& count, std::int64_t i, std::int64_t j, std::int64_t k) {
   return static_cast<std::size_t>((k * count.y + j) * count.x + i);
 }
+
+/// Rows of macrocells along x, which lie one after another.
+std::size_t row_count(const Index3& count) {
+  return static_cast<std::size_t>(count.z * count.y);
+}
+constexpr std::size_t rows_at_once = 8;
 
 /// Level 1, one row of macrocells along x after the other.
 template <class T>
@@ -127,21 +130,22 @@ template <class T>
 Array<T> level_above(const MacroShape& shape, int level, const Array<T>& below) {
   const Index3 count = shape.count(level), count_below = shape.count(level - 1);
   Array<T> above(static_cast<std::size_t>(2 * volume(count)));
-  tbb::parallel_for(Rows(0, count.z, 0, count.y), [&](const Rows& rows) {
-    for (std::int64_t k = rows.rows().begin(); k < rows.rows().end(); ++k)
-      for (std::int64_t j = rows.cols().begin(); j < rows.cols().end(); ++j)
-        for (std::int64_t i = 0; i < count.x; ++i) {
-          Interval<T> range;
-          for (std::int64_t z = k * shape.factor; z < std::min((k + 1) * shape.factor, count_below.z); ++z)
-            for (std::int64_t y = j * shape.factor; y < std::min((j + 1) * shape.factor, count_below.y); ++y)
-              for (std::int64_t x = i * shape.factor; x < std::min((i + 1) * shape.factor, count_below.x); ++x) {
-                const std::size_t at = 2 * position(count_below, x, y, z);
-                range.include(Interval<T>{below[at], below[at + 1]});
-              }
-          const std::size_t at = 2 * position(count, i, j, k);
-          above[at] = range.lo;
-          above[at + 1] = range.hi;
-        }
+  parallel_for(row_count(count), rows_at_once, [&](const IndexRange& rows) {
+    for (std::size_t row = rows.begin(); row < rows.end(); ++row) {
+      const std::int64_t j = static_cast<std::int64_t>(row) % count.y, k = static_cast<std::int64_t>(row) / count.y;
+      for (std::int64_t i = 0; i < count.x; ++i) {
+        Interval<T> range;
+        for (std::int64_t z = k * shape.factor; z < std::min((k + 1) * shape.factor, count_below.z); ++z)
+          for (std::int64_t y = j * shape.factor; y < std::min((j + 1) * shape.factor, count_below.y); ++y)
+            for (std::int64_t x = i * shape.factor; x < std::min((i + 1) * shape.factor, count_below.x); ++x) {
+              const std::size_t at = 2 * position(count_below, x, y, z);
+              range.include(Interval<T>{below[at], below[at + 1]});
+            }
+        const std::size_t at = 2 * position(count, i, j, k);
+        above[at] = range.lo;
+        above[at + 1] = range.hi;
+      }
+    }
   });
   return above;
 }
@@ -154,13 +158,13 @@ Levels<T> build_grid_levels(std::span<const T> samples, const MacroShape& shape,
   Levels<T> levels(1);
   levels[0].resize(static_cast<std::size_t>(2 * volume(count)));
   ProgressMeter meter(progress, "finding ranges of macrocells (macrocells)", static_cast<std::uint64_t>(volume(count)));
-  tbb::parallel_for(Rows(0, count.z, 0, count.y), [&](const Rows& rows) {
-    GridRow<T> row(samples, shape);
-    for (std::int64_t k = rows.rows().begin(); k < rows.rows().end(); ++k)
-      for (std::int64_t j = rows.cols().begin(); j < rows.cols().end(); ++j)
-        row.build(j, k,
-                  std::span(levels[0]).subspan(2 * position(count, 0, j, k), static_cast<std::size_t>(2 * count.x)));
-    meter.add(rows.rows().size() * rows.cols().size() * static_cast<std::size_t>(count.x));
+  parallel_for(row_count(count), rows_at_once, [&](const IndexRange& rows) {
+    GridRow<T> builder(samples, shape);
+    for (std::size_t row = rows.begin(); row < rows.end(); ++row)
+      builder.build(static_cast<std::int64_t>(row) % count.y, static_cast<std::int64_t>(row) / count.y,
+                    std::span(levels[0]).subspan(2 * row * static_cast<std::size_t>(count.x),
+                                                 static_cast<std::size_t>(2 * count.x)));
+    meter.add(rows.size() * static_cast<std::size_t>(count.x));
   });
   for (int level = 2; level <= shape.level_count; ++level) levels.push_back(level_above(shape, level, levels.back()));
   return levels;

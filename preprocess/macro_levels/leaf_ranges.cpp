@@ -1,17 +1,13 @@
 #include "preprocess/macro_levels/leaf_ranges.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <cstddef>
 
 #include "formats/base/interval.h"
+#include "formats/base/parallel.h"
 #include "preprocess/inspect/has_data.h"
 
 namespace rhoray::preprocess {
 namespace {
-
-using Range = tbb::blocked_range<std::size_t>;
 
 template <class T>
 Interval<T> range_of_cell(const std::array<std::uint32_t, 4>& cell, std::span<const T> values) {
@@ -30,12 +26,12 @@ Array<T> build_leaf_ranges(std::span<const std::array<std::uint32_t, 4>> cells, 
                            const formats::LeafListsView& lists) {
   // A cell stands in many lists: its own range is taken once.
   Array<Interval<T>> of_cells(cells.size());
-  tbb::parallel_for(Range(0, cells.size(), 4096), [&](const Range& part) {
+  parallel_for(cells.size(), 4096, [&](const IndexRange& part) {
     for (std::size_t c = part.begin(); c < part.end(); ++c) of_cells[c] = range_of_cell(cells[c], values);
   });
   const std::size_t leaf_count = lists.offsets.size() - 1;
   Array<T> ranges(2 * leaf_count);
-  tbb::parallel_for(Range(0, leaf_count, 4096), [&](const Range& part) {
+  parallel_for(leaf_count, 4096, [&](const IndexRange& part) {
     for (std::size_t leaf = part.begin(); leaf < part.end(); ++leaf) {
       Interval<T> range;
       for (const std::uint32_t cell : lists.list(leaf)) range.include(of_cells[cell]);

@@ -1,21 +1,16 @@
 #include "preprocess/resample/certify.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
+#include "formats/base/parallel.h"
 #include "preprocess/resample/brick_bounds.h"
 #include "preprocess/resample/brick_probes.h"
 
 namespace rhoray::preprocess {
 namespace {
-
-using Range = tbb::blocked_range<std::size_t>;
 
 /// The more bricks, the fewer of their rows are probed: the whole grid's points stay enough for its mean.
 std::int64_t probe_row_step(std::size_t brick_count) {
@@ -61,15 +56,13 @@ Certificates certify(const CleanMesh& mesh, const std::vector<FieldView>& views,
   std::vector<std::vector<BrickErrors>> errors(field_count, std::vector<BrickErrors>(slot_count));
   ProgressMeter meter(progress, "certifying bricks", 3 * slot_count);
   const auto for_each_brick = [&](auto& workers, auto&& act) {
-    tbb::parallel_for(Range(0, slot_count, 16), [&](const Range& part) {
-      auto& worker = workers.local();
+    parallel_for(slot_count, 16, [&](const IndexRange& part) {
+      auto& worker = workers.of(part);
       for (std::size_t slot = part.begin(); slot < part.end(); ++slot) act(worker, slot);
       meter.add(part.size());
     });
   };
-  // Made by functions: arguments would be copied, samples and all.
-  tbb::enumerable_thread_specific<BrickProbes> probes(
-      [&] { return BrickProbes(mesh, steps, lattice, touched, samples); });
+  PerWorker<BrickProbes> probes([&] { return BrickProbes(mesh, steps, lattice, touched, samples); });
   for_each_brick(probes, [&](BrickProbes& brick, std::size_t slot) {
     brick.enter(slot, probe_row_step(slot_count));
     for (std::size_t f = 0; f < field_count; ++f) errors[f][slot] = brick.measure(views[f], f);
@@ -79,8 +72,7 @@ Certificates certify(const CleanMesh& mesh, const std::vector<FieldView>& views,
   std::vector<std::uint8_t> is_first(slot_count);
   for (std::size_t f = 0; f < field_count; ++f) mark_worst(errors[f], is_first);
   const std::vector<std::uint8_t> open_faces = find_open_faces(mesh, neighbors, lattice);
-  tbb::enumerable_thread_specific<BrickBounds> bounds(
-      [&] { return BrickBounds(mesh, neighbors, open_faces, steps, touched, samples); });
+  PerWorker<BrickBounds> bounds([&] { return BrickBounds(mesh, neighbors, open_faces, steps, touched, samples); });
   for (const bool first : {true, false}) {
     for_each_brick(bounds, [&](BrickBounds& brick, std::size_t slot) {
       if ((is_first[slot] != 0) != first) return;

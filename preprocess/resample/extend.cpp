@@ -1,13 +1,10 @@
 #include "preprocess/resample/extend.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "formats/base/parallel.h"
 #include "preprocess/inspect/has_data.h"
 #include "preprocess/resample/brick_errors.h"
 #include "preprocess/resample/leaf_parts.h"
@@ -15,8 +12,6 @@
 
 namespace rhoray::preprocess {
 namespace {
-
-using Range = tbb::blocked_range<std::size_t>;
 
 constexpr auto edge = static_cast<std::size_t>(SampleLattice::brick_edge);
 constexpr std::size_t wide = edge + 1;
@@ -204,15 +199,13 @@ void extend_samples(const CleanMesh& mesh, const std::vector<FieldView>& views, 
   Predictions predictions(slot_count);
   samples.extended_counts.assign(slot_count, 0);
   ProgressMeter meter(progress, "extending samples", 2 * slot_count);
-  // Made by a function: arguments would be copied, samples and all.
-  tbb::enumerable_thread_specific<BrickExtension> bricks(
-      [&] { return BrickExtension(mesh, views, steps, lattice, touched, samples); });
-  tbb::parallel_for(Range(0, slot_count, 16), [&](const Range& part) {
-    BrickExtension& brick = bricks.local();
+  PerWorker<BrickExtension> bricks([&] { return BrickExtension(mesh, views, steps, lattice, touched, samples); });
+  parallel_for(slot_count, 16, [&](const IndexRange& part) {
+    BrickExtension& brick = bricks.of(part);
     for (std::size_t slot = part.begin(); slot < part.end(); ++slot) predictions[slot] = brick.collect(slot);
     meter.add(part.size());
   });
-  tbb::parallel_for(Range(0, slot_count, 16), [&](const Range& part) {
+  parallel_for(slot_count, 16, [&](const IndexRange& part) {
     for (std::size_t slot = part.begin(); slot < part.end(); ++slot)
       for (std::size_t f = 0; f < views.size(); ++f)
         samples.extended_counts[slot] =

@@ -1,18 +1,14 @@
 #include "preprocess/resample/faces.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <utility>
 
+#include "formats/base/parallel.h"
 #include "preprocess/inspect/orientation.h"
 
 namespace rhoray::preprocess {
 namespace {
-
-using Range = tbb::blocked_range<std::size_t>;
 
 /// A face in the list of its lowest vertex.
 struct Face {
@@ -60,7 +56,7 @@ void match(std::span<const Face> faces, FaceNeighbors& neighbors) {
 std::vector<bool> flat_cells(std::span<const std::array<double, 3>> points,
                              std::span<const std::array<std::uint32_t, 4>> cells) {
   std::vector<std::uint8_t> flat(cells.size());
-  tbb::parallel_for(Range(0, cells.size(), 4096), [&](const Range& part) {
+  parallel_for(cells.size(), 4096, [&](const IndexRange& part) {
     for (std::size_t c = part.begin(); c < part.end(); ++c) {
       const auto& cell = cells[c];
       flat[c] = orientation(points[cell[0]], points[cell[1]], points[cell[2]], points[cell[3]]) == 0;
@@ -92,7 +88,7 @@ FaceNeighbors match_faces(std::span<const std::array<double, 3>> points,
         const Keyed face = keyed(cells[c], c, f);
         faces[next[face.lowest]++] = face.face;
       }
-  tbb::parallel_for(Range(0, points.size(), 1024), [&](const Range& part) {
+  parallel_for(points.size(), 1024, [&](const IndexRange& part) {
     for (std::size_t p = part.begin(); p < part.end(); ++p) {
       const std::span<Face> own(faces.data() + offsets[p], offsets[p + 1] - offsets[p]);
       std::sort(own.begin(), own.end());

@@ -1,20 +1,12 @@
 #include "preprocess/resample/field_view.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <type_traits>
 
+#include "formats/base/parallel.h"
 #include "preprocess/inspect/has_data.h"
 
 namespace rhoray::preprocess {
-namespace {
-
-using Range = tbb::blocked_range<std::size_t>;
-
-}  // namespace
-
 Gradient gradient_of(const std::array<Point, 4>& p, const std::array<double, 4>& v) {
   Gradient gradient;
   gradient.has_values = has_data(v[0]) && has_data(v[1]) && has_data(v[2]) && has_data(v[3]);
@@ -66,7 +58,7 @@ FieldView view_of(const CleanMesh& mesh, const PointField& field, const std::vec
   const auto axis = static_cast<double>(std::max({lattice.count.x, lattice.count.y, lattice.count.z}));
   view.noise = largest * ((is_single ? 0x1p-24 : 0) + 0x1p-50 * axis);
   view.gradients.resize(mesh.cells.size());
-  tbb::parallel_for(Range(0, mesh.cells.size(), 4096), [&](const Range& part) {
+  parallel_for(mesh.cells.size(), 4096, [&](const IndexRange& part) {
     for (std::size_t c = part.begin(); c < part.end(); ++c) {
       const auto& cell = mesh.cells[c];
       view.gradients[c] =

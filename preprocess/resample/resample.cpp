@@ -7,11 +7,11 @@
 #include <limits>
 #include <utility>
 
+#include "formats/base/floating_point.h"
 #include "formats/base/trouble.h"
 #include "preprocess/inspect/has_data.h"
 #include "preprocess/resample/extend.h"
 #include "preprocess/resample/write_grid.h"
-#include "preprocess/scratch/default_floating_point.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -231,7 +231,8 @@ ResampleReport resample(const NeutralMesh& mesh, const std::filesystem::path& pa
                         const Progress& progress) {
   if (!options.lattice.is_given() && !options.max_error)
     throw Error(Trouble::usage, "found neither a number of samples, nor a spacing, nor a largest error; expected one");
-  return in_default_floating_point([&] { return Resampling(mesh, options, progress).write(mesh.length_unit, path); });
+  const DefaultFloatingPoint default_floating_point;
+  return Resampling(mesh, options, progress).write(mesh.length_unit, path);
 }
 
 }  // namespace rhoray::preprocess

@@ -1,20 +1,16 @@
 #include "preprocess/resample/sample.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "formats/base/parallel.h"
 #include "preprocess/inspect/has_data.h"
 #include "preprocess/resample/locate.h"
 
 namespace rhoray::preprocess {
 namespace {
 
-using Range = tbb::blocked_range<std::size_t>;
 constexpr auto brick_samples = static_cast<std::size_t>(SampleLattice::brick_samples);
 
 template <class T>
@@ -111,9 +107,9 @@ BrickSamples sample_fields(const CleanMesh& mesh, const std::vector<PointField>&
   std::vector<std::vector<std::vector<Conflict>>> conflicts(fields.size(),
                                                             std::vector<std::vector<Conflict>>(slot_count));
   ProgressMeter meter(progress, "sampling bricks", slot_count);
-  tbb::enumerable_thread_specific<Scratch> scratches;
-  tbb::parallel_for(Range(0, slot_count, 16), [&](const Range& part) {
-    Scratch& scratch = scratches.local();
+  PerWorker<Scratch> scratches([] { return Scratch(); });
+  parallel_for(slot_count, 16, [&](const IndexRange& part) {
+    Scratch& scratch = scratches.of(part);
     for (std::size_t slot = part.begin(); slot < part.end(); ++slot) {
       scratch.second.clear();
       locate(mesh.points, mesh.cells, touched.lists.view().list(touched.bricks[slot]), lattice,

@@ -1,13 +1,11 @@
 #include "preprocess/resample/write_grid.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <limits>
 #include <span>
 #include <utility>
 
+#include "formats/base/parallel.h"
 #include "preprocess/inspect/summarize.h"
 #include "preprocess/macro_levels/build_levels.h"
 #include "preprocess/macro_levels/choose_shape.h"
@@ -16,7 +14,6 @@
 namespace rhoray::preprocess {
 namespace {
 
-using Range = tbb::blocked_range<std::size_t>;
 constexpr auto brick_samples = static_cast<std::size_t>(SampleLattice::brick_samples);
 
 /// Slots that are written, in order.
@@ -45,7 +42,7 @@ Levels<T> macro_levels(const ResampledMesh& grid, std::size_t field, const forma
     ranges[m] = Interval<T>{}.lo;
     ranges[m + 1] = Interval<T>{}.hi;
   }
-  tbb::parallel_for(Range(0, grid.touched.bricks.size(), 64), [&](const Range& part) {
+  parallel_for(grid.touched.bricks.size(), 64, [&](const IndexRange& part) {
     Neighborhood nearby;
     for (std::size_t slot = part.begin(); slot < part.end(); ++slot) {
       const Index3 brick = grid.touched.at(slot);
@@ -102,7 +99,7 @@ template <class T>
 void write_bricks(const Array<T>& samples, const std::vector<std::size_t>& kept, const std::string& array,
                   formats::PackedFileWriter& writer, ProgressMeter& meter) {
   constexpr std::size_t piece = (std::size_t{1} << 20) / (brick_samples * sizeof(T));
-  tbb::parallel_for(std::size_t{0}, (kept.size() + piece - 1) / piece, [&](std::size_t p) {
+  parallel_for_each((kept.size() + piece - 1) / piece, [&](std::size_t p) {
     const std::size_t last = std::min((p + 1) * piece, kept.size());
     for (std::size_t first = p * piece; first < last;) {
       std::size_t end = first + 1;

@@ -1,8 +1,5 @@
 #include "preprocess/subdivide/refine.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "formats/base/parallel.h"
 #include "formats/base/trouble.h"
 #include "preprocess/subdivide/comparison.h"
 #include "preprocess/subdivide/edge_table.h"
@@ -130,7 +128,7 @@ class Refinement {
     while (!current.empty()) {
       measure_new_edges();
       strays.assign(current.size(), std::nullopt);
-      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, current.size(), grain), [&](const auto& part) {
+      parallel_for(current.size(), grain, [&](const IndexRange& part) {
         Scratch scratch(comparison_);
         for (std::size_t t = part.begin(); t < part.end(); ++t) strays[t] = straying_share(current[t], scratch);
       });
@@ -232,9 +230,9 @@ class Refinement {
   void measure_new_edges() {
     const std::size_t width = comparison_.share_count(), begin = edge_shares_.size() / width;
     edge_shares_.resize(edges().size() * width);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, edges().size(), grain), [&](const auto& part) {
+    parallel_for(edges().size() - begin, grain, [&](const IndexRange& part) {
       Scratch scratch(comparison_);
-      for (std::size_t e = part.begin(); e < part.end(); ++e) {
+      for (std::size_t e = begin + part.begin(); e < begin + part.end(); ++e) {
         measure_edge(edges()[e], scratch);
         std::copy(scratch.shares.begin(), scratch.shares.end(),
                   edge_shares_.begin() + static_cast<std::ptrdiff_t>(e * width));
@@ -325,7 +323,7 @@ class Refinement {
     mesh_.points.resize(count);
     for (NeutralField& field : mesh_.point_fields)
       field.values.resize(count * static_cast<std::size_t>(field.component_count));
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, made.size(), grain), [&](const auto& part) {
+    parallel_for(made.size(), grain, [&](const IndexRange& part) {
       Scratch scratch(comparison_);
       for (std::size_t i = part.begin(); i < part.end(); ++i) {
         const Edge& edge = edges()[made[i]];
@@ -339,7 +337,7 @@ class Refinement {
   RefinementError error() const {
     const std::size_t width = comparison_.share_count(), part_count = (finished_.size() + grain - 1) / grain;
     std::vector<Shares> parts(part_count, Shares(width, 0));
-    tbb::parallel_for(std::size_t{0}, part_count, [&](std::size_t part) {
+    parallel_for_each(part_count, [&](std::size_t part) {
       Scratch scratch(comparison_);
       for (std::size_t t = part * grain; t < std::min(finished_.size(), (part + 1) * grain); ++t) {
         measure_middles(finished_[t], scratch);

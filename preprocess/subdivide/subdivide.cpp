@@ -1,6 +1,6 @@
 #include "preprocess/subdivide.h"
-
-#include <tbb/parallel_for.h>
+#include "formats/base/floating_point.h"
+#include "formats/base/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,6 @@
 
 #include "formats/base/checks.h"
 #include "formats/base/trouble.h"
-#include "preprocess/scratch/default_floating_point.h"
 #include "preprocess/subdivide/cell_kinds.h"
 #include "preprocess/subdivide/cut_cell.h"
 #include "preprocess/subdivide/polyhedron.h"
@@ -201,7 +200,7 @@ void cut_part(const CellMesh& mesh, const CurvedCells& curved, std::size_t begin
 std::vector<Part> cut_cells(const CellMesh& mesh, const CurvedCells& curved, const Progress& progress) {
   std::vector<Part> parts((mesh.kinds.size() + cells_per_part - 1) / cells_per_part);
   ProgressMeter meter(progress, "cutting cells into tetrahedra", mesh.kinds.size());
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t p) {
+  parallel_for_each(parts.size(), [&](std::size_t p) {
     const std::size_t begin = p * cells_per_part, end = std::min(mesh.kinds.size(), begin + cells_per_part);
     cut_part(mesh, curved, begin, end, parts[p]);
     meter.add(end - begin);
@@ -477,7 +476,8 @@ NeutralMesh subdivided(CellMesh mesh, const SubdivideOptions& options, const Pro
 }  // namespace
 
 NeutralMesh subdivide(CellMesh mesh, const SubdivideOptions& options, const Progress& progress) {
-  return in_default_floating_point([&] { return subdivided(std::move(mesh), options, progress); });
+  const DefaultFloatingPoint default_floating_point;
+  return subdivided(std::move(mesh), options, progress);
 }
 
 }  // namespace rhoray::preprocess

@@ -1,11 +1,11 @@
 #include "data/recipes/test_volumes.h"
 
 #include <gmock/gmock.h>
-#include <tbb/global_control.h>
 
 #include <cstring>
 #include <vector>
 
+#include "formats/base/parallel.h"
 #include "formats/base/trouble.h"
 #include "tests/support/temporary_folder.h"
 
@@ -70,7 +70,7 @@ TEST(TestVolumes, turbulent_crosses_its_middle_everywhere) {
 TEST(TestVolumes, are_the_same_for_any_number_of_threads) {
   for (const TestVolume which : {TestVolume::smooth, TestVolume::turbulent}) {
     const std::vector<std::uint16_t> samples = samples_of(which, 33);
-    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    const ThreadLimit one(1);
     EXPECT_EQ(samples_of(which, 33), samples);
   }
 }

@@ -1,13 +1,13 @@
 #include "data/recipes/torso_ct.h"
 
 #include <gmock/gmock.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
 #include "data/recipes/torso_scene.h"
+#include "formats/base/parallel.h"
 #include "preprocess/import_volume.h"
 #include "tests/support/temporary_folder.h"
 
@@ -110,7 +110,7 @@ TEST(TorsoCt, has_bone_around_marrow) {
 TEST(TorsoCt, is_the_same_for_any_number_of_threads) {
   const TemporaryFolder folder;
   const std::string many = torso_ct(folder, {24, 20, 37});
-  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  const ThreadLimit one_thread(1);
   EXPECT_EQ(many, torso_ct(folder, {24, 20, 37}));
   EXPECT_EQ(many.size(), 24u * 20 * 37 * 2);
 }

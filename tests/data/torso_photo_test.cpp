@@ -1,12 +1,12 @@
 #include "data/recipes/torso_photo.h"
 
 #include <gmock/gmock.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 
 #include "data/recipes/torso_ct.h"
 #include "data/recipes/torso_scene.h"
+#include "formats/base/parallel.h"
 #include "preprocess/import_volume.h"
 #include "tests/support/temporary_folder.h"
 
@@ -71,7 +71,7 @@ TEST(TorsoPhoto, is_the_same_for_any_number_of_threads) {
     return read_file(folder / "a.raw");
   };
   const std::string many = made();
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const ThreadLimit one(1);
   EXPECT_TRUE(made() == many);
 }
 

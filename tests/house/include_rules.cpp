@@ -58,7 +58,7 @@ const Guest guests[] = {
     {"netCDF", std::regex("netcdf\\.h"), {"preprocess/import"}},
     {"zlib, bzip2, minizip", std::regex("(zlib|bzlib|minizip/\\w+)\\.h"), {"preprocess/import"}},
     {"GDCM", std::regex("gdcm\\w+\\.h"), {"preprocess/import"}},
-    {"oneTBB", std::regex("tbb/.*"), {"preprocess", "render", "tools", "data"}},
+    {"oneTBB", std::regex("tbb/.*"), {"render/frame", "tools/study"}},
     {"OpenImageIO", std::regex("OpenImageIO/.*"), {"tools", "preprocess/import"}},
     {"FreeType", std::regex("ft2build\\.h|freetype/.*"), {"tools"}},
     {"Eigen", std::regex("Eigen/.*"), {"data"}},

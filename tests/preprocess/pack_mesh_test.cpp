@@ -1,9 +1,8 @@
 #include "preprocess/pack_mesh.h"
+#include "formats/base/parallel.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -244,10 +243,9 @@ TEST(PackMesh, writes_the_same_bytes_on_any_number_of_threads) {
   mesh.cell_fields[0].values[77] = 1e9;
   std::swap(mesh.cells[9][1], mesh.cells[9][3]);
   std::vector<std::string> files;
-  for (const int threads : {1, 2, 8}) {
-    const tbb::global_control at_most(tbb::global_control::max_allowed_parallelism, 8);
-    tbb::task_arena(threads).execute(
-        [&] { pack_mesh(mesh, folder / "m.rho", {.cells_to_points = true, .replace_existing = true}); });
+  for (const unsigned threads : {1, 2, 8}) {
+    const ThreadLimit limit(threads);
+    pack_mesh(mesh, folder / "m.rho", {.cells_to_points = true, .replace_existing = true});
     files.push_back(tests::read_file(folder / "m.rho"));
   }
   EXPECT_TRUE(files[0] == files[1]);

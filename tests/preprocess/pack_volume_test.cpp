@@ -1,9 +1,8 @@
 #include "preprocess/pack_volume.h"
+#include "formats/base/parallel.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -245,9 +244,9 @@ TEST(PackVolume, writes_the_same_bytes_on_any_number_of_threads) {
   float* const samples = reinterpret_cast<float*>(volume.owned_samples.data());
   samples[1000] = nan;
   std::vector<std::string> files;
-  for (const int threads : {1, 2, 8}) {
-    const tbb::global_control at_most(tbb::global_control::max_allowed_parallelism, 8);
-    tbb::task_arena(threads).execute([&] { pack_volume(volume, folder / "v.rho", {.replace_existing = true}); });
+  for (const unsigned threads : {1, 2, 8}) {
+    const ThreadLimit limit(threads);
+    pack_volume(volume, folder / "v.rho", {.replace_existing = true});
     files.push_back(tests::read_file(folder / "v.rho"));
   }
   EXPECT_TRUE(files[0] == files[1]);

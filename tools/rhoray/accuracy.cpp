@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cstdio>
 
+#include "formats/base/parallel.h"
 #include "formats/base/trouble.h"
 #include "tools/rhoray/accuracy/choice.h"
 #include "tools/rhoray/accuracy/pages.h"
@@ -18,7 +19,6 @@
 #include "tools/rhoray/scene/spelled_out.h"
 #include "tools/rhoray/statistics_words.h"
 #include "tools/rhoray/subcommands.h"
-#include "tools/rhoray/threads.h"
 #include "tools/rhoray/version.h"
 
 namespace rhoray::tools {

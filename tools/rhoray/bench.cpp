@@ -1,6 +1,7 @@
 #include <cstdio>
 
 #include "formats/base/nearest_name.h"
+#include "formats/base/parallel.h"
 #include "formats/base/pending_file.h"
 #include "formats/base/trouble.h"
 #include "formats/packed_file.h"
@@ -13,7 +14,6 @@
 #include "tools/rhoray/scene/document.h"
 #include "tools/rhoray/scene/looks.h"
 #include "tools/rhoray/subcommands.h"
-#include "tools/rhoray/threads.h"
 
 namespace rhoray::tools {
 

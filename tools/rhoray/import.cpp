@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "formats/base/nearest_name.h"
+#include "formats/base/parallel.h"
 #include "formats/base/trouble.h"
 #include "preprocess/import_mesh.h"
 #include "tools/rhoray/common_options.h"
@@ -10,7 +11,6 @@
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
-#include "tools/rhoray/threads.h"
 
 namespace rhoray::tools {
 

@@ -1,11 +1,11 @@
 #include <cstdio>
 
+#include "formats/base/parallel.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/pack_any.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/subcommands.h"
-#include "tools/rhoray/threads.h"
 
 namespace rhoray::tools {
 

@@ -1,4 +1,5 @@
 #include "preprocess/resample.h"
+#include "formats/base/parallel.h"
 #include "preprocess/unpack_mesh.h"
 
 #include <algorithm>
@@ -15,7 +16,6 @@
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
-#include "tools/rhoray/threads.h"
 
 namespace rhoray::tools {
 

@@ -3,17 +3,15 @@
 
 #include "tools/study/closed_surfaces.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 
+#include "formats/base/parallel.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/progress_display.h"
-#include "tools/rhoray/threads.h"
 #include "tools/study/ray_tally.h"
 #include "tools/study/study_run.h"
 
@@ -57,7 +55,7 @@ void fill(Row& row, const ClosedScene& scene, std::uint64_t first_seed, std::uin
   const std::uint64_t chunks = (ray_count + chunk_size - 1) / chunk_size;
   std::vector<RayTally> parts(chunks);
   std::mutex telling;
-  tbb::parallel_for(std::uint64_t{0}, chunks, [&](std::uint64_t chunk) {
+  parallel_for_each(chunks, [&](std::uint64_t chunk) {
     const std::uint64_t count = std::min(chunk_size, ray_count - chunk * chunk_size);
     parts[chunk] = tally_rays(scene, row.aim, count, first_seed ^ chunk, sample_every);
     const std::scoped_lock lock(telling);
@@ -144,7 +142,7 @@ int run(const Wishes& wishes) {
   tools::require_within("--sample", static_cast<double>(wishes.sample_every), 1, 1e12);
   require_publishable(wishes.common, {"closed_surfaces"});
   tools::require_within("--seed", static_cast<double>(wishes.seed), 0, 65535);
-  const tools::ThreadLimit limit(wishes.common.threads);
+  const ThreadLimit limit(wishes.common.threads);
   const tools::Stopwatch watch;
   std::vector<Row> rows = all_rows();
   measure(rows, wishes);

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "formats/base/nearest_name.h"
+#include "formats/base/parallel.h"
 #include "tools/rhoray/input_file.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/study/peers/ours.h"
@@ -41,6 +42,12 @@ double anonymous_mb() {
     if (line.starts_with("RssAnon:")) return std::strtod(line.c_str() + 8, nullptr) / 1024;
   return 0;
 }
+
+/// While it lives, the other systems (on oneTBB) and our own loops have one thread.
+struct OneThread {
+  tbb::global_control of_peers{tbb::global_control::max_allowed_parallelism, 1};
+  ThreadLimit ours{1};
+};
 
 /// One system with what preparing it took.
 struct Entrant {
@@ -149,10 +156,9 @@ struct Heat {
 
   /// Appends a row for each contestant and view.
   void run(const Contest& contest, tools::Table& table) {
-    const auto one_thread = [] { return tbb::global_control(tbb::global_control::max_allowed_parallelism, 1); };
     std::vector<Entrant> entrants;
     {
-      const auto limit = one_thread();
+      const OneThread limit;
       judge->prepare(subject.data, isovalue.value_or(0));
       entrants = prepare(contest, subject, isovalue.value_or(0),
                          view_of(subject, subject.views[0], isovalue, wishes.size), tell);
@@ -163,7 +169,7 @@ struct Heat {
       tell(what + ", the exact answer");
       const std::vector<double> truth = judge->answers(view);
       const std::vector<TimedRow> rows = [&] {
-        const auto limit = one_thread();
+        const OneThread limit;
         return time_all(entrants, view, what);
       }();
       for (std::size_t r = 0; r < rows.size(); ++r) {

@@ -2,8 +2,6 @@
 
 #include "tools/study/judge_cells.h"
 
-#include <tbb/parallel_for.h>
-
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -12,8 +10,8 @@
 #include <mutex>
 #include <optional>
 
+#include "formats/base/parallel.h"
 #include "tools/rhoray/progress_display.h"
-#include "tools/rhoray/threads.h"
 #include "tools/study/hard_cells.h"
 #include "tools/study/study_run.h"
 
@@ -213,7 +211,7 @@ ClassTally judge_class(const CellClass& of, const Chosen& chosen, const Wishes& 
   const std::uint64_t class_number = static_cast<std::uint64_t>(&of - cell_classes().data());
   ClassTally whole;
   std::mutex adding;
-  tbb::parallel_for(std::uint64_t{0}, chunks, [&](std::uint64_t chunk) {
+  parallel_for_each(chunks, [&](std::uint64_t chunk) {
     Dice dice((wishes.seed << 48) ^ (class_number << 40) ^ chunk);
     ClassTally part;
     const std::uint64_t count = std::min(chunk_size, wishes.cells - chunk * chunk_size);
@@ -281,7 +279,7 @@ int run(const Wishes& wishes) {
   if (wanted.empty())
     for (const CellClass& each : cell_classes()) wanted.push_back(&each);
 
-  const tools::ThreadLimit limit(wishes.common.threads);
+  const ThreadLimit limit(wishes.common.threads);
   const tools::Stopwatch watch;
   tools::Table table{"judge_cells", "First crossings in trilinear cells, against the judge", {}, {}};
   {

@@ -3,8 +3,6 @@
 
 #include "tools/study/largest_values.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,11 +12,11 @@
 #include <mutex>
 #include <numbers>
 
+#include "formats/base/parallel.h"
 #include "preprocess/pack_volume.h"
 #include "render/ray_questions.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/progress_display.h"
-#include "tools/rhoray/threads.h"
 #include "tools/study/hard_cells.h"
 #include "tools/study/study_run.h"
 
@@ -155,7 +153,7 @@ Tallies tally(const render::Volume& volume, const Wishes& wishes, const std::fun
   const std::uint64_t chunks = (wishes.rays + chunk_size - 1) / chunk_size;
   std::vector<Tallies> parts(chunks);
   std::mutex telling;
-  tbb::parallel_for(std::uint64_t{0}, chunks, [&](std::uint64_t chunk) {
+  parallel_for_each(chunks, [&](std::uint64_t chunk) {
     Dice dice((wishes.seed << 48) ^ chunk);
     std::vector<render::Ray> rays(std::min(chunk_size, wishes.rays - chunk * chunk_size));
     for (render::Ray& ray : rays) ray = any_ray(wishes.samples, dice);
@@ -195,7 +193,7 @@ int run(const Wishes& wishes) {
   tools::require_within("--samples", static_cast<double>(wishes.samples), 2, 1024);
   require_publishable(wishes.common, {"largest_values"});
   tools::require_within("--seed", static_cast<double>(wishes.seed), 0, 65535);
-  const tools::ThreadLimit limit(wishes.common.threads);
+  const ThreadLimit limit(wishes.common.threads);
   const tools::ScratchFolder scratch(wishes.scratch);
   const tools::Stopwatch watch;
   tools::Table table{

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "formats/base/parallel.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/pack_mesh.h"
 #include "render/load.h"
@@ -73,7 +74,8 @@ void add_rows(const Wishes& wishes, std::uint64_t cell_count, const std::filesys
   const std::string size = tools::grouped(cell_count);
   display.show(concat("making and packing ", size, " tetrahedra"));
   const Packed packed = pack_box(cell_count, file, {});
-  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  const tbb::global_control one_thread_of_peers(tbb::global_control::max_allowed_parallelism, 1);
+  const ThreadLimit one_thread(1);
   std::optional<render::Volume> volume;
   const double open_ms = cpu_ms_of([&] { volume = render::Volume::load(file); });
   PeerData data;

@@ -1,11 +1,10 @@
 #include "tools/study/plain_grid.h"
 
-#include <tbb/parallel_for.h>
-
 #include <cmath>
 #include <limits>
 #include <type_traits>
 
+#include "formats/base/parallel.h"
 #include "formats/base/trouble.h"
 #include "formats/brick_grid.h"
 
@@ -72,7 +71,8 @@ preprocess::NeutralVolume plain_grid(const std::filesystem::path& packed_file, c
       plain.owned_samples.resize(static_cast<std::size_t>(volume(n)) * sizeof(T));
       T* const out = reinterpret_cast<T*>(plain.owned_samples.data());
       const std::span<const T> samples = grid.samples<T>(index);
-      tbb::parallel_for(std::int64_t{0}, n.z, [&](std::int64_t k) {
+      parallel_for_each(static_cast<std::size_t>(n.z), [&](std::size_t slice) {
+        const auto k = static_cast<std::int64_t>(slice);
         for (std::int64_t j = 0; j < n.y; ++j)
           for (std::int64_t i = 0; i < n.x; ++i) out[(k * n.y + j) * n.x + i] = samples[grid.tables().address(i, j, k)];
       });
@@ -100,7 +100,7 @@ preprocess::NeutralVolume converted(const preprocess::NeutralVolume& grid, Eleme
       out.owned_samples.resize(count * sizeof(To));
       const From* const from = reinterpret_cast<const From*>(grid.samples.data());
       To* const to = reinterpret_cast<To*>(out.owned_samples.data());
-      tbb::parallel_for(std::size_t{0}, static_cast<std::size_t>(grid.sample_count.z), [&](std::size_t k) {
+      parallel_for_each(static_cast<std::size_t>(grid.sample_count.z), [&](std::size_t k) {
         const std::size_t slice = count / static_cast<std::size_t>(grid.sample_count.z);
         for (std::size_t s = k * slice; s < (k + 1) * slice; ++s) {
           const double value = spread(static_cast<double>(from[s]));

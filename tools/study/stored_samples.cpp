@@ -1,13 +1,12 @@
 #include "tools/study/stored_samples.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <type_traits>
 
 #include "formats/base/checks.h"
+#include "formats/base/parallel.h"
 
 namespace rhoray::study {
 
@@ -66,12 +65,14 @@ std::optional<StoredSamples> stored_as(const Storage& storage, const preprocess:
       out.owned_samples.resize(count * sizeof(To));
       const From* const from = reinterpret_cast<const From*>(grid.samples.data());
       To* const to = reinterpret_cast<To*>(out.owned_samples.data());
-      tbb::parallel_for(std::size_t{0}, count, [&](std::size_t s) {
-        const double value = static_cast<double>(from[s]);
-        if constexpr (std::is_floating_point_v<To>)
-          to[s] = static_cast<To>(is_half ? rounded_to_half(value) : value);
-        else
-          to[s] = static_cast<To>(std::lround(stored.own(value)));
+      parallel_for(count, 1 << 14, [&](const IndexRange& part) {
+        for (std::size_t s = part.begin(); s < part.end(); ++s) {
+          const double value = static_cast<double>(from[s]);
+          if constexpr (std::is_floating_point_v<To>)
+            to[s] = static_cast<To>(is_half ? rounded_to_half(value) : value);
+          else
+            to[s] = static_cast<To>(std::lround(stored.own(value)));
+        }
       });
     });
   });

@@ -1,9 +1,8 @@
 #include "tools/validate/shots.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <atomic>
+
+#include "formats/base/parallel.h"
 
 namespace rhoray::tools::validate {
 
@@ -35,7 +34,7 @@ Rounds shoot(const Tracer& tracer, RoundsToShoot rounds, const Thousandths& prog
   const std::size_t total = shot.far.rays.size() + shot.near.rays.size() + shot.camera.rays.size();
   std::atomic<std::size_t> done = 0;
   for (Shots* shots : {&shot.far, &shot.near, &shot.camera})
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, shots->rays.size(), 64), [&](const auto& range) {
+    parallel_for(shots->rays.size(), 64, [&](const IndexRange& range) {
       for (std::size_t r = range.begin(); r != range.end(); ++r)
         shots->findings[r] = rounds.find(shots->rays[r].ray, shots->hits[r]);
       progress(300 + 700 * (done += range.size()) / total);

@@ -1,9 +1,8 @@
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 
 #include <cmath>
 #include <span>
 
+#include "formats/base/parallel.h"
 #include "formats/brick_grid.h"
 #include "formats/packed_file.h"
 #include "formats/tet_mesh.h"
@@ -104,9 +103,7 @@ int main(int argc, char** argv) {
   using namespace rhoray;
   return preprocess::worker_main([&](int, int output) {
     const auto request = tools::validate::request_from(argc == 2 ? argv[1] : "");
-    const tbb::global_control threads(
-        tbb::global_control::max_allowed_parallelism,
-        request.threads == 0 ? static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()) : request.threads);
+    const ThreadLimit threads(request.threads);
     tools::validate::hand_over(tools::validate::compare(request), request, output);
   });
 }

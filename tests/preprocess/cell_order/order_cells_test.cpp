@@ -1,7 +1,7 @@
 #include "preprocess/cell_order/order_cells.h"
+#include "formats/base/parallel.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <array>
@@ -86,8 +86,8 @@ TEST(OrderCells, keeps_the_sources_order_at_one_place_and_does_not_depend_on_thr
   NeutralMesh mesh = shuffled_mesh();
   const auto twice = mesh.cells[5];
   mesh.cells.push_back(twice);  // where cell 5 is
-  const auto ordered = [&](std::size_t threads) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+  const auto ordered = [&](unsigned threads) {
+    const ThreadLimit control(threads);
     CleanMesh clean = clean_mesh(mesh, "mesh");
     order_cells(clean);
     return clean;

@@ -1,7 +1,7 @@
 #include "preprocess/clusters/build_clusters.h"
+#include "formats/base/parallel.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
@@ -136,8 +136,8 @@ TEST(BuildClusterRanges, leave_out_cells_without_data) {
 
 TEST(BuildClusters, does_not_depend_on_the_number_of_threads) {
   const CleanMesh mesh = ordered(tests::box_mesh({.cells = {30, 30, 20}, .jitter = 0.1}));
-  const auto built = [&](std::size_t threads) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+  const auto built = [&](unsigned threads) {
+    const ThreadLimit control(threads);
     return build_clusters(mesh.points, mesh.cells, 64);
   };
   const Clusters one = built(1), two = built(2);

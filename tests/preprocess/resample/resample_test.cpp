@@ -1,9 +1,9 @@
 #include "preprocess/resample.h"
+#include "formats/base/parallel.h"
 #include "preprocess/unpack_mesh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "preprocess/pack_mesh.h"
 #include "tests/support/expect_error.h"
@@ -85,8 +85,8 @@ TEST_F(Resample, puts_samples_where_the_grid_says) {
 
 TEST_F(Resample, writes_the_same_bytes_with_one_thread_and_two) {
   NeutralMesh mesh = ball_mesh();
-  for (const std::size_t threads : {1, 2}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  for (const unsigned threads : {1, 2}) {
+    const ThreadLimit limit(threads);
     run(mesh, {.lattice = {.longest_axis = 50}}, threads == 1 ? "one.rho" : "two.rho");
   }
   EXPECT_EQ(tests::read_file(folder_ / "one.rho"), tests::read_file(folder_ / "two.rho"));

@@ -1,13 +1,12 @@
 #include "tools/rhoray/accuracy/truth.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <numeric>
 #include <random>
-#include <thread>
 
 #include "formats/base/checks.h"
+#include "formats/base/parallel.h"
 #include "formats/base/trouble.h"
 #include "tools/rhoray/cpu_meter.h"
 #include "tools/rhoray/measure.h"
@@ -38,21 +37,12 @@ void answer_crossings(const Asking& asking, std::span<const Ray> rays, std::span
 /// Each thread asks for itself: the search keeps what it knows from ray to ray, and the answers do not depend on it.
 void answer_largest(const Asking& asking, std::span<const Ray> rays, std::span<Hit> hits) {
   constexpr std::size_t piece = 512;
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    RayQuestions questions(asking.volume, asking.isovalue, asking.method);
-    for (std::size_t first = next.fetch_add(piece); first < rays.size() && !asking.stop.stop_requested();
-         first = next.fetch_add(piece)) {
-      const std::size_t count = std::min(piece, rays.size() - first);
-      questions.largest_values(rays.subspan(first, count), hits.subspan(first, count));
-    }
+  PerWorker<RayQuestions> questions([&] { return RayQuestions(asking.volume, asking.isovalue, asking.method); });
+  const auto answer = [&](const IndexRange& part) {
+    if (asking.stop.stop_requested()) return;
+    questions.of(part).largest_values(rays.subspan(part.begin(), part.size()), hits.subspan(part.begin(), part.size()));
   };
-  const unsigned threads = asking.threads != 0 ? asking.threads : std::max(1u, this_machine().core_count);
-  {
-    std::vector<std::jthread> workers;
-    for (unsigned thread = 1; thread < threads; ++thread) workers.emplace_back(work);
-    work();
-  }
+  parallel_for(rays.size(), piece, answer, asking.threads);
   end_if_asked(asking.stop);
 }
 
