@@ -120,6 +120,22 @@ void check_offsets(const PackedFile& file, std::string_view array, std::span<con
            concat("at least ", offsets[*bad], ", the one before"));
 }
 
+/// Readers keep the vertices of a cluster in arrays of this size, and a corner is a position of one byte.
+constexpr std::uint64_t largest_table = 4 * ClusterShape::largest_cell_count;
+
+void check_tables(const PackedFile& file, const CellClustersView& clusters) {
+  const auto is_bad = [&](std::uint64_t first, std::uint64_t last) {
+    std::uint64_t largest = 0;
+    for (std::uint64_t cluster = first; cluster < last; ++cluster)
+      largest = std::max<std::uint64_t>(largest, clusters.table(cluster).size());
+    return largest > largest_table;
+  };
+  if (const auto bad = first_bad(clusters.cluster_count(), is_bad))
+    refuse(file.name(), concat("array 'cluster.offsets', cluster ", *bad),
+           concat("a table of ", clusters.table(*bad).size(), " vertices"),
+           concat("at most ", largest_table, " vertices"));
+}
+
 /// Corners must lie in the table of their cluster.
 void check_corners(const PackedFile& file, const CellClustersView& clusters) {
   const auto largest_corner = [&](std::uint64_t cluster) {
@@ -280,6 +296,7 @@ void TetMesh::view_clusters() {
   clusters_.boxes = view_cluster_boxes(file_, clusters_.shape);
   check_offsets(file_, "cluster.offsets", clusters_.table_starts, d.clusters->vertex_count);
   check_below(file_, "cluster.vertices", clusters_.tables, d.point_count);
+  check_tables(file_, clusters_);
   check_corners(file_, clusters_);
   for (std::size_t field = 0; field < d.fields.size(); ++field)
     if (d.fields[field].type == ElementType::F32)

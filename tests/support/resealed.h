@@ -75,4 +75,42 @@ inline std::string with_data_change(const std::string& file, std::uint64_t at, s
   return seal_again(parts);
 }
 
+/// Where one array lies in the data area.
+struct ArrayPlace {
+  std::string type;
+  std::uint64_t begin = 0, end = 0;
+};
+
+/// The array of that name. Throws when it is not in the header.
+inline ArrayPlace place_of(const Envelope& parts, const std::string& name) {
+  const std::size_t entry = parts.json.find("\"" + name + "\":{\"dtype\":\"");
+  if (entry == std::string::npos) throw std::runtime_error("no array " + name);
+  const std::size_t type = entry + name.size() + 13;
+  const std::size_t offsets = parts.json.find("\"data_offsets\":[", type) + 16;
+  std::size_t read = 0;
+  ArrayPlace place;
+  place.type = parts.json.substr(type, parts.json.find('"', type) - type);
+  place.begin = std::stoull(parts.json.substr(offsets), &read);
+  place.end = std::stoull(parts.json.substr(offsets + read + 1));
+  return place;
+}
+
+/// An array with `bytes` behind its end, in a file whose header says so; the shape of the array stays with the caller.
+/// `bytes` is a multiple of 64, so that all arrays behind it keep their alignment.
+inline void append_to_array(Envelope& parts, const std::string& name, std::string_view bytes) {
+  if (bytes.size() % 64 != 0) throw std::runtime_error("not a multiple of 64 bytes");
+  const ArrayPlace place = place_of(parts, name);
+  const std::string key = "\"data_offsets\":[";
+  for (std::size_t at = parts.json.find(key); at != std::string::npos; at = parts.json.find(key, at)) {
+    at += key.size();
+    std::size_t first_digits = 0, second_digits = 0;
+    std::uint64_t begin = std::stoull(parts.json.substr(at), &first_digits);
+    std::uint64_t end = std::stoull(parts.json.substr(at + first_digits + 1), &second_digits);
+    if (begin >= place.end) begin += bytes.size();
+    if (end >= place.end) end += bytes.size();
+    parts.json.replace(at, first_digits + 1 + second_digits, std::to_string(begin) + "," + std::to_string(end));
+  }
+  parts.data.insert(place.end, bytes);
+}
+
 }  // namespace rhoray::tests
