@@ -139,11 +139,12 @@ std::uint32_t spread(std::uint32_t x) {
   return (x | x << 2) & 0x09249249;
 }
 
-/// The place of a point, with coordinates from -1 to 1, on a Morton curve of 1024 steps along each axis.
+/// The place of a point, with coordinates from -1 to 1, on a Morton curve of 1024 steps along each axis. Points beyond
+/// are moved to the nearest end, and a coordinate that is NaN to the first step.
 std::uint32_t morton_code(const std::array<double, 3>& p) {
   std::uint32_t code = 0;
   for (std::size_t axis = 0; axis < 3; ++axis)
-    code |= spread(static_cast<std::uint32_t>(std::clamp(512 * (p[axis] + 1), 0.0, 1023.0))) << axis;
+    code |= spread(static_cast<std::uint32_t>(std::min(std::max(0.0, 512 * (p[axis] + 1)), 1023.0))) << axis;
   return code;
 }
 
@@ -316,11 +317,17 @@ Interval<float> range_of(std::span<const float* const> lists) {
 }  // namespace
 
 void Facets::set_frame(const Box3& bounds) {
-  anchor_ = bounds.center();
-  const Vec3 half = 0.5 * bounds.size();
+  // Halved first: neither the sum nor the difference of two finite numbers need be finite.
+  anchor_ = 0.5 * bounds.min + 0.5 * bounds.max;
+  const Vec3 half = 0.5 * bounds.max - 0.5 * bounds.min;
   const double largest = std::max({half.x, half.y, half.z});
+  if (!(largest > 0)) return;
+  int exponent = 0;
+  const double fraction = std::frexp(largest, &exponent);
   // Rounding of the middle may leave a point a little farther away than half the size.
-  if (largest > 0) scale_ = std::ldexp(1.0, -(std::ilogb(largest * (1 + 0x1p-20)) + 1));
+  if (fraction * (1 + 0x1p-20) >= 1) ++exponent;
+  constexpr int least_exponent = -1022;  // the scale of anything smaller is infinite
+  scale_ = std::ldexp(1.0, -std::max(exponent, least_exponent));
 }
 
 Vec3 Facets::in_frame(const std::array<double, 3>& p) const {

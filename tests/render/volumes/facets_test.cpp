@@ -5,14 +5,18 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <limits>
 #include <map>
 #include <set>
 #include <vector>
 
+#include "formats/surface_mesh.h"
 #include "render/volumes/active_cells.h"
 #include "tests/render/support/traced_volume.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
+#include "tests/support/temporary_folder.h"
 
 namespace rhoray::tests {
 namespace {
@@ -42,6 +46,40 @@ std::array<Corner, 4> corners_of(const Facets& facets, std::uint32_t f) {
   for (std::size_t c = 0; c < 4; ++c)
     for (std::size_t axis = 0; axis < 3; ++axis) corners[c][axis] = block.corner[c][axis][f % render::FacetBlock::size];
   return corners;
+}
+
+/// Facets of one triangle, in the frame of a box.
+Facets facets_of_a_triangle(const Box3& bounds) {
+  const TemporaryFolder folder;
+  formats::SurfaceMeshDescription description;
+  description.point_type = formats::ElementType::F64;
+  description.point_count = 3, description.triangle_count = 1, description.bounds = bounds;
+  const std::filesystem::path path = folder / "s.rho";
+  formats::PackedFileWriter writer(path, formats::describe(description), formats::surface_mesh_arrays(description));
+  const std::vector<double> points{bounds.min.x, bounds.min.y, bounds.min.z, bounds.max.x, bounds.max.y,
+                                   bounds.max.z, bounds.max.x, bounds.min.y, bounds.min.z};
+  const std::vector<std::uint32_t> triangle{0, 1, 2};
+  writer.write_all("points", std::span<const double>(points));
+  writer.write_all("triangles", std::span<const std::uint32_t>(triangle));
+  writer.commit();
+  const render::Volume volume = render::Volume::load(path);
+  return Facets(std::get<render::SurfaceVolume>(volume.implementation().view), bounds, 1);
+}
+
+// The exponent of half the size, plus one, once overflowed where the size did.
+TEST(Facets, stand_between_minus_one_and_one_whatever_the_size_of_the_box) {
+  constexpr double largest = std::numeric_limits<double>::max(), least = std::numeric_limits<double>::denorm_min();
+  for (const double half : {1.0, 3.7, 1e-300, 1e300, largest, largest / 2, least, 1024 * least}) {
+    const Facets facets = facets_of_a_triangle({Vec3(-half), Vec3(half)});
+    int exponent = 0;
+    EXPECT_EQ(std::frexp(facets.scale(), &exponent), 0.5) << half;
+    EXPECT_LE(half * facets.scale(), 1) << half;
+    if (half > 1e-300) {
+      EXPECT_GE(half * facets.scale(), 0.25) << half;
+    }
+    for (const Corner& corner : corners_of(facets, 0))
+      for (const float x : corner) EXPECT_LE(std::abs(x), 1) << half;
+  }
 }
 
 TEST(Facets, are_one_for_each_cell_with_values_on_both_sides) {
