@@ -12,8 +12,8 @@
     }                                                                                             \
   } while (false)
 
-/// As RHORAY_CHECK, where the check would cost a hot loop: only in builds without NDEBUG.
-#ifdef NDEBUG
+/// As RHORAY_CHECK, where the check would cost a hot loop: only in builds with RHORAY_DCHECKS, as sanitizers have it.
+#ifndef RHORAY_DCHECKS
 #define RHORAY_DCHECK(condition) ((void)0)
 #else
 #define RHORAY_DCHECK(condition) RHORAY_CHECK(condition)
