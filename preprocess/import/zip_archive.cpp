@@ -2,8 +2,10 @@
 
 #include <minizip/unzip.h>
 
+#include <cstring>
 #include <memory>
 
+#include "formats/base/text.h"
 #include "preprocess/import/foreign_file.h"
 #include "preprocess/import/samples.h"
 
@@ -38,7 +40,10 @@ void read_zip(const std::filesystem::path& path,
     char name[4096];
     if (unzGetCurrentFileInfo64(archive.get(), &info, name, sizeof name, nullptr, 0, nullptr, 0) != UNZ_OK)
       refuse_input(path, "table of contents", "a damaged entry", "a zip archive");
-    const std::string entry = name;
+    if (info.size_filename > sizeof name)  // minizip fills the array and writes no zero byte behind a name that long
+      refuse_input(path, "table of contents", concat("a name of ", info.size_filename, " bytes"),
+                   concat("at most ", sizeof name));
+    const std::string entry(name, ::strnlen(name, info.size_filename));
     if (entry.empty() || entry.back() == '/') continue;
     check_packed_size(path, info.uncompressed_size, archive_bytes);
     take(entry, unpacked(archive.get(), entry, info.uncompressed_size, path));

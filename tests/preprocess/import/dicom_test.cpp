@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "preprocess/import/readers.h"
+#include "preprocess/import/zip_archive.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
 #include "tests/preprocess/import/support.h"
@@ -183,6 +184,34 @@ TEST_F(Dicom, reads_a_zip_archive_and_refuses_every_beginning_of_it) {
   const auto is_whole = [&] { return values_of(read_volume(path, {})) == known_values<double>(); };
   EXPECT_TRUE(is_whole());
   EXPECT_LE(check_every_beginning(path, read_file(path), is_whole, {.stride = 37}), 4);  // the last bytes say little
+}
+
+/// minizip leaves a name as long as the array without a zero byte at its end.
+TEST_F(Dicom, names_in_a_zip_archive_end_where_the_archive_says) {
+  const std::filesystem::path path = folder_ / "names.zip";
+  for (const std::size_t length : {std::size_t{4095}, std::size_t{4096}, std::size_t{4097}, std::size_t{65535}}) {
+    std::filesystem::remove(path);
+    zipFile archive = zipOpen64(path.c_str(), APPEND_STATUS_CREATE);
+    const std::string name(length, 'n');
+    zip_fileinfo info{};
+    ASSERT_EQ(zipOpenNewFileInZip(archive, name.c_str(), &info, nullptr, 0, nullptr, 0, nullptr, Z_DEFLATED, 6),
+              ZIP_OK);
+    ASSERT_EQ(zipWriteInFileInZip(archive, "text", 4), ZIP_OK);
+    zipCloseFileInZip(archive);
+    zipClose(archive, nullptr);
+    std::string taken;
+    const auto read_names = [&] {
+      preprocess::read_zip(path, [&](const std::string& entry, std::string_view) { taken = entry; });
+    };
+    if (length > 4096) {
+      expect_refusal(read_names, Trouble::invalid,
+                     {"names.zip", "table of contents", concat("found a name of ", length, " bytes"), "at most 4096"});
+    } else {
+      read_names();
+      EXPECT_EQ(taken.size(), length);
+      EXPECT_EQ(taken, name);
+    }
+  }
 }
 
 /// GDCM aborts on some of them: through the worker, that is a sentence too.
