@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include "formats/base/bytes.h"
+#include "preprocess/import/samples.h"
 #include "preprocess/import/text_reading.h"
 
 namespace rhoray::preprocess {
@@ -185,6 +187,14 @@ VtkXmlCounts check_vtk_xml(const std::filesystem::path& path, std::string_view k
     counts.points += check_count_in(file, piece, "NumberOfPoints");
     counts.cells += check_count_in(file, piece, "NumberOfCells");
     if (const std::optional<Extent> extent = extent_in(file, piece, "Extent")) pieces.push_back(*extent);
+  });
+  // VTK makes room for an array before it reads one number of it.
+  for_each_tag(file.text(), "<DataArray", [&](std::string_view array) {
+    const std::uint64_t components = check_count_in(file, array, "NumberOfComponents");
+    const std::uint64_t tuples = std::max<std::uint64_t>({counts.points, counts.cells, 1});
+    if (components > std::numeric_limits<std::uint64_t>::max() / tuples)
+      refuse_input(path, "attribute NumberOfComponents", concat(components), "a size that fits 64 bits");
+    check_packed_size(path, components * tuples, file.bytes().size());
   });
   if (whole) check_cover(file, *whole, pieces);
   return counts;
