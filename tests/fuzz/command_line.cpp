@@ -1,0 +1,56 @@
+// Command lines, one word a line: read, every value taken, nothing run.
+#include <cstdio>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "formats/base/checks.h"
+#include "tests/fuzz/harness.h"
+#include "tools/rhoray/command_line.h"
+#include "tools/rhoray/subcommands.h"
+
+namespace {
+
+using namespace rhoray::tools;
+
+Subcommand (*const makers[])() = {info_subcommand,    import_subcommand,   pack_subcommand,
+                                  verify_subcommand,  resample_subcommand, tetrahedralize_subcommand,
+                                  render_subcommand,  export_subcommand,   validate_subcommand,
+                                  compare_subcommand, bench_subcommand,    accuracy_subcommand};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  RHORAY_CHECK(std::freopen("/dev/null", "w", stdout) != nullptr);  // the help
+  return 0;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  std::vector<std::string> words{"rhoray", ""};
+  for (const char letter : std::string(reinterpret_cast<const char*>(data), size)) {
+    if (letter == '\n')
+      words.emplace_back();
+    else if (letter != '\0')  // no word of a command line holds one
+      words.back() += letter;
+  }
+  std::vector<const char*> arguments;
+  for (const std::string& word : words) arguments.push_back(word.c_str());
+
+  // Values stay in what a subcommand's rows point to: each command line gets new ones.
+  std::vector<Subcommand> subcommands;
+  std::vector<std::function<int()>> not_run;  // these own what the rows point to
+  bool ran = false;
+  for (Subcommand (*const make)() : makers) {
+    subcommands.push_back(make());
+    not_run.push_back(std::move(subcommands.back().run));
+    subcommands.back().run = [&ran] {
+      ran = true;
+      return 0;
+    };
+  }
+  const int code = run_command_line(subcommands, static_cast<int>(arguments.size()), arguments.data());
+  RHORAY_CHECK(code == 0 || code == 2 || code == 3 || code == 4 || code == 7);
+  RHORAY_CHECK(!ran || code == 0);
+  return 0;
+}

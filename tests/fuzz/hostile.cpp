@@ -1,0 +1,267 @@
+// Packed files that are sealed and not sound: what the readers of the library accept is looked at, drawn and exported.
+// RHORAY_MACHINE says for which machine kernels are compiled that draw: scalar or baseline.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <optional>
+
+#include "formats/base/checks.h"
+#include "formats/brick_grid.h"
+#include "formats/color_grid.h"
+#include "formats/surface_mesh.h"
+#include "formats/tet_mesh.h"
+#include "preprocess/export_grid.h"
+#include "preprocess/export_tets.h"
+#include "preprocess/subdivide.h"
+#include "preprocess/unpack_mesh.h"
+#include "render/render.h"
+#include "tests/fuzz/guarded.h"
+#include "tests/fuzz/harness.h"
+#include "tests/fuzz/packed_mutator.h"
+#include "tests/support/temporary_folder.h"
+
+namespace {
+
+using namespace rhoray;
+using render::Method;
+
+/// What is refused is well refused; everything else that is thrown ends the program.
+template <class Act>
+void attempt(Act&& act) {
+  try {
+    act();
+  } catch (const Error& error) {
+    tests::check_refusal(error);
+  }
+}
+
+/// Between the ends of a field's range, a share of the way; 0 for a field without values.
+double value_at(const formats::FieldSummary& field, double share) {
+  return field.range.is_empty() ? 0 : (1 - share) * field.range.lo + share * field.range.hi;
+}
+
+Interval<double> window_of(const formats::FieldSummary& field) {
+  if (field.range.is_empty() || !(field.range.lo < field.range.hi)) return {0, 1};
+  return field.range;
+}
+
+/// One file, drawn in several ways.
+class Pictures {
+ public:
+  Pictures(const render::Volume& volume, render::FrameMemory& memory) : volume_(volume), memory_(memory) {
+    const Box3 box = volume.bounds();
+    if (!box.isEmpty()) {
+      base_.camera = render::fit_camera(box, render::named_view("iso"), 1);
+      size_ = (box.max - box.min).length();
+      middle_ = 0.5 * (box.min + box.max);
+    }
+  }
+
+  void draw() {
+    if (volume_.is_surface()) return draw_triangles();
+    const formats::FieldSummary& field = volume_.field();
+    render::Layer surface;
+    surface.isovalue = value_at(field, 0.5);
+    surface.method = render::default_method(volume_, render::Mode::isosurface);
+
+    frame(surface, 16, [&](render::Scene& scene) { light(scene); });
+    frame(mip(field), 8);
+    frame(slice(field), 8);
+    frame(with_method(surface, {.way = Method::Way::certified}), 8, {}, {.error = true});
+    frame(with_method(surface, {.way = Method::Way::direct}), 8, {}, {.depth = true, .normal = true, .cell = true});
+    frame(with_method(surface, {.way = Method::Way::paper}), 4);
+    frame(with_method(surface, {.way = Method::Way::preview, .precision = Method::Precision::single}), 4);
+    frame(with_method(surface, {.way = Method::Way::sampled}), 2);
+    frame(with_method(surface, {.way = Method::Way::judged}), 2);
+    options_.use_hierarchy = false;
+    frame(with_method(surface, {}), 2);
+    options_.use_hierarchy = true;
+
+    clear(surface, field);
+    colored(surface, field);
+    attempt([&] { (void)volume_.isosurface_bounds(surface.isovalue); });
+  }
+
+ private:
+  using Change = std::function<void(render::Scene&)>;
+
+  static render::Layer with_method(render::Layer layer, const Method& method) {
+    layer.method = method;
+    return layer;
+  }
+
+  void frame(const render::Layer& layer, int edge, const Change& change = {}, const render::ChannelSet& channels = {}) {
+    attempt([&] {
+      render::Scene scene = base_;
+      scene.layers = {layer};
+      if (change) change(scene);
+      options_.width = options_.height = edge;
+      options_.channels = channels;
+      options_.threads = 1;
+      render::Framebuffer framebuffer;
+      render::render(volume_, scene, options_, framebuffer, memory_);
+      RHORAY_CHECK(framebuffer.color.size() == 4 * framebuffer.pixel_count());
+    });
+  }
+
+  /// Shadows of both kinds of light, ambient occlusion and fog.
+  void light(render::Scene& scene) const {
+    scene.lights = {{.kind = render::Light::Kind::directional, .place = {0.3, -0.8, 0.5}, .casts_shadows = true},
+                    {.kind = render::Light::Kind::point,
+                     .place = scene.camera.position,
+                     .casts_shadows = true,
+                     .size = 0.01 * size_,
+                     .samples = 2}};
+    scene.occlusion = {.samples = 2, .radius = 0.1 * size_};
+    if (size_ > 0 && std::isfinite(size_)) scene.fog = render::Fog{.range = {0, 2 * size_}};
+  }
+
+  render::Layer mip(const formats::FieldSummary& field) const {
+    render::Layer layer;
+    layer.mode = render::Mode::mip;
+    layer.method = render::default_method(volume_, layer.mode);
+    layer.window = window_of(field);
+    return layer;
+  }
+
+  render::Layer slice(const formats::FieldSummary& field) const {
+    render::Layer layer;
+    layer.mode = render::Mode::slice;
+    layer.plane = {middle_, {0.2, 1, 0.3}};
+    layer.surface.color_by = render::FieldColors{.field = field.name, .range = window_of(field)};
+    return layer;
+  }
+
+  /// Two clear surfaces in a clip region.
+  void clear(const render::Layer& surface, const formats::FieldSummary& field) {
+    render::Layer outer = surface, inner = surface;
+    outer.isovalue = value_at(field, 0.25);
+    inner.isovalue = value_at(field, 0.75);
+    outer.surface.opacity = inner.surface.opacity = 0.4;
+    frame(outer, 8, [&](render::Scene& scene) {
+      scene.layers.push_back(inner);
+      scene.clip = render::Clip{.planes = {{middle_, {1, 0.1, 0}}}, .cuts_away = true};
+    });
+  }
+
+  /// Coloured by the last field; smooth normals where there are such.
+  void colored(render::Layer surface, const formats::FieldSummary& field) {
+    const std::vector<std::string> names = volume_.field_names();
+    surface.surface.color_by = render::FieldColors{.field = names.back(), .range = window_of(field)};
+    if (volume_.is_mesh()) surface.surface.normals = render::Normals::smooth;
+    frame(surface, 8, [](render::Scene& scene) { scene.camera.orthographic = true; });
+  }
+
+  void draw_triangles() {
+    render::Layer layer;
+    layer.mode = render::Mode::triangles;
+    layer.method = render::default_method(volume_, layer.mode);
+    frame(layer, 16, [&](render::Scene& scene) { light(scene); });
+    frame(with_method(layer, {}), 8, {}, {.depth = true, .normal = true, .cell = true});
+    layer.surface.opacity = 0.4;
+    layer.surface.normals = render::Normals::smooth;
+    frame(layer, 8);
+  }
+
+  const render::Volume& volume_;
+  render::FrameMemory& memory_;
+  render::Scene base_;
+  render::FrameOptions options_;
+  Vec3 middle_{0, 0, 0};
+  double size_ = 1;
+};
+
+/// Every field, drawn twice with the memory of the last frame.
+void draw(const formats::PackedFile& file) {
+  render::FrameMemory memory;
+  const render::Volume first = render::Volume::load(file);
+  Pictures(first, memory).draw();
+  const std::vector<std::string> names = first.field_names();
+  if (names.size() > 1)
+    attempt([&] {
+      const render::Volume last = render::Volume::load(file, names.back());
+      Pictures(last, memory).draw();
+    });
+}
+
+/// Colours cover a sound surface.
+void cover(const formats::PackedFile& file) {
+  static const render::Volume surface =
+      render::Volume::load(std::filesystem::path(RHORAY_RELEASED_FILES) / "1.3-surface.rho");
+  render::Scene scene;
+  scene.layers.front().mode = render::Mode::triangles;
+  scene.layers.front().method = {};
+  scene.layers.front().surface.texture = render::Texture::load(file);
+  scene.camera = render::fit_camera(surface.bounds(), render::named_view("iso"), 1);
+  render::Framebuffer framebuffer;
+  render::render(surface, scene, {.width = 16, .height = 16, .threads = 1}, framebuffer);
+}
+
+const std::filesystem::path& output_folder() {
+  static const tests::TemporaryFolder folder;
+  return folder.path();
+}
+
+template <class Write>
+void export_to(const char* name, const Write& write) {
+  const std::filesystem::path path = output_folder() / name;
+  attempt([&] {
+    const preprocess::ExportReport report = write(path);
+    RHORAY_CHECK(report.file_bytes == std::filesystem::file_size(path));
+  });
+}
+
+/// What needs no process of its own; the processes read by the same functions.
+void export_grid(const std::string& path) {
+  const preprocess::ExportOptions options{.replace_existing = true};
+  export_to("a.npy", [&](const auto& output) { return preprocess::export_npy(path, output, options); });
+  export_to("a.vti", [&](const auto& output) { return preprocess::export_vti(path, output, options); });
+}
+
+void export_tets(const std::string& path, const formats::TetMesh& mesh) {
+  const preprocess::ExportOptions options{.replace_existing = true};
+  attempt([&] { (void)preprocess::unpack_mesh(mesh); });
+  const double isovalue = value_at(mesh.description().fields.front(), 0.5);
+  for (const std::optional<double> iso : {std::optional<double>{}, std::optional(isovalue)})
+    export_to("a.stl", [&](const auto& output) { return preprocess::export_tets_stl(path, iso, output, options); });
+}
+
+void look_into(const formats::PackedFile& file, const std::string& path) {
+  const std::string& kind = file.description().kind;
+  if (kind == "grid") {
+    attempt([&] { (void)formats::deep_findings(formats::BrickGrid(file)); });
+    export_grid(path);
+  } else if (kind == "tets") {
+    attempt([&] {
+      const formats::TetMesh mesh(file);
+      (void)formats::deep_findings(mesh);
+      export_tets(path, mesh);
+    });
+  } else if (kind == formats::SurfaceMesh::kind) {
+    attempt([&] { (void)formats::deep_findings(formats::SurfaceMesh(file)); });
+  } else if (kind == formats::ColorGrid::kind) {
+    attempt([&] { (void)formats::ColorGrid(file); });
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static tests::InputFile input;
+  input.put(data, size);
+  attempt([&] {
+    const formats::PackedFile file = formats::PackedFile::from_descriptor(input.descriptor(), "input.rho");
+    const tests::GuardedPadding guard(file);
+    look_into(file, input.path());
+    attempt([&] { draw(file); });
+    if (file.description().kind == formats::ColorGrid::kind) attempt([&] { cover(file); });
+  });
+  return 0;
+}
+
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
+                                               unsigned seed) {
+  return tests::mutate_packed(data, size, max_size, seed);
+}

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// A packed file taken apart, for tests that change it and put it together again. Follows SPEC.md with its own code.
+namespace rhoray::tests {
+
+struct PackedModel {
+  struct Array {
+    std::string name;
+    std::string type;
+    std::vector<std::uint64_t> shape;
+    std::string bytes;  ///< may disagree with type and shape
+  };
+
+  nlohmann::ordered_json metadata;  ///< "__metadata__", an object of texts
+  nlohmann::ordered_json details;   ///< its text "details", read; discarded where that is no JSON
+  std::vector<Array> arrays;        ///< without padding, checksums and seal
+};
+
+/// Bytes of an element; 0 for a type that there is not.
+std::size_t type_bytes(std::string_view type);
+
+/// Nothing for files that cannot be taken apart, such as damaged ones.
+std::optional<PackedModel> model_of(std::string_view file);
+
+/// The file, sealed. The arrays start at multiples of 64, those of bricks at multiples of 4096, with at least 64 bytes
+/// between one and the next.
+std::string file_of(const PackedModel& model);
+
+}  // namespace rhoray::tests

@@ -1,0 +1,83 @@
+// Scene documents: read, written and read again, planned with the packed files of tests/formats/released, and drawn
+// very small.
+#include <unistd.h>
+
+#include <algorithm>
+#include <string>
+
+#include "formats/base/checks.h"
+#include "render/render.h"
+#include "tests/fuzz/harness.h"
+#include "tools/rhoray/scene/document.h"
+#include "tools/rhoray/scene/explain.h"
+#include "tools/rhoray/scene/plan.h"
+#include "tools/rhoray/scene/spelled_out.h"
+#include "tools/rhoray/scene/sweep.h"
+
+namespace {
+
+using namespace rhoray;
+using namespace rhoray::tools;
+
+/// What is written of a document is read again, and says the same.
+void check_written(const SceneWishes& wishes) {
+  const Json written = scene_json(wishes);
+  RHORAY_CHECK(scene_json(read_scene(dump(written)).wishes) == written);
+}
+
+void draw(ScenePlan& plan) {
+  constexpr int most_samples = 2;
+  plan.frame.width = std::min(plan.frame.width, 6);
+  plan.frame.height = std::min(plan.frame.height, 6);
+  plan.frame.antialiasing = std::min(plan.frame.antialiasing, most_samples);
+  plan.frame.threads = 1;
+  plan.scene.occlusion.samples = std::min(plan.scene.occlusion.samples, most_samples);
+  for (render::Light& light : plan.scene.lights) light.samples = std::min(light.samples, most_samples);
+  constexpr std::size_t most_shown = 8;
+  if (plan.scene.layers.size() > most_shown) plan.scene.layers.resize(most_shown);
+  render::Framebuffer framebuffer;
+  render::render(plan.volumes, plan.scene, plan.frame, framebuffer);
+}
+
+void show(const SceneWishes& wishes) {
+  ScenePlan plan = plan_layers(wishes);
+  aim_camera(wishes, plan);
+  RHORAY_CHECK(!explained_lines(explained(wishes, plan)).empty());
+  check_written(spelled_out(plan));
+  draw(plan);
+}
+
+void show_sweep(const SceneWishes& wishes) {
+  Sweep sweep(wishes);
+  const int last = sweep.frame_count() - 1;
+  for (const int frame : {0, last / 2, last}) {
+    const SceneWishes at = sweep.wishes_at(sweep.time_of(frame));
+    ScenePlan plan = plan_layers(at);
+    sweep.plan_frame(frame, plan);
+    draw(plan);
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  RHORAY_CHECK(::chdir(RHORAY_RELEASED_FILES) == 0);  // where documents name files
+  return 0;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string text(reinterpret_cast<const char*>(data), size);
+  const std::size_t begin = text.find_first_not_of(" \t\r\n");
+  if (begin == std::string::npos || text[begin] != '{') return 0;  // the name of a file, not a document
+  try {
+    const SceneDocument document = read_scene(text);
+    check_written(document.wishes);
+    if (document.wishes.camera.keyframes || document.wishes.image.frames)
+      show_sweep(document.wishes);
+    else
+      show(document.wishes);
+  } catch (const Error& error) {
+    tests::check_refusal(error);
+  }
+  return 0;
+}
