@@ -19,6 +19,10 @@ namespace {
 
 constexpr std::size_t grain = 1024;
 
+/// The most points or tetrahedra that are made: in any mesh, and more for each curved cell. Cells of real meshes become
+/// 6 to some hundred tetrahedra.
+constexpr std::size_t most_in_any_mesh = std::size_t{1} << 19, most_per_cell = 4096;
+
 /// Between the middles of its edges a quadratic function in a tetrahedron strays by at most 6/4 of what it does there.
 constexpr double beyond_edges = 1.5;
 /// Between the sampled middles of faces and tetrahedra of other kinds: measured, not proved.
@@ -49,6 +53,7 @@ class Refinement {
         comparison_(mesh, cells, options.counted),
         spread_(mesh, cells),
         options_(options),
+        old_point_count_(mesh.points.size()),
         cut_for_(comparison_.share_count(), 0) {
     require_room(mesh.points.size());
   }
@@ -67,12 +72,16 @@ class Refinement {
   Array<Edge>& edges() { return table_.edges; }
   const Array<Edge>& edges() const { return table_.edges; }
 
-  static void require_room(std::size_t count) {
-    if (count >= no_point)
-      throw Error(
-          Trouble::resource,
-          concat("curved cells: found ", count, " points or tetrahedra on the way; expected fewer than ", no_point),
-          "a larger --max-error makes fewer tetrahedra");
+  /// A cell whose nodes stand far from where its kind has them never follows its tetrahedra: without a limit, a damaged
+  /// file of 300 bytes is cut until the memory is full.
+  void require_room(std::size_t count) const {
+    const std::size_t most =
+        std::min<std::size_t>(no_point - 1, old_point_count_ + most_in_any_mesh + most_per_cell * cells_.size());
+    if (count <= most) return;
+    throw Error(Trouble::resource,
+                concat("curved cells: found more than ", most, " points or tetrahedra on the way, for ", cells_.size(),
+                       " curved cells; expected fewer"),
+                "a larger --max-error makes fewer tetrahedra; a damaged cell needs very many");
   }
 
   std::uint32_t edge_of(std::uint32_t a, std::uint32_t b, FinePlace at_a, FinePlace at_b, std::uint32_t curved_cell) {
@@ -386,6 +395,7 @@ class Refinement {
   Comparison comparison_;
   SpreadPoints spread_;
   RefineOptions options_;
+  std::size_t old_point_count_;
   EdgeTable table_;
   Array<double> edge_shares_;  ///< of each edge its Shares
   Array<Tet> finished_;

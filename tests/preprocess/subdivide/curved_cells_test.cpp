@@ -508,6 +508,15 @@ TEST(CurvedCells, of_order_one_are_linear_cells) {
   EXPECT_THAT(tets.notes, testing::ElementsAre("1 Lagrange hexahedron became 6 tetrahedra"));
 }
 
+/// Found by fuzzing: one tetrahedron of a damaged file, with the middle of an edge at one of its ends, was cut until
+/// memory was full.
+TEST(CurvedCells, that_would_be_cut_without_end_are_refused) {
+  CellMesh mesh;
+  mesh.points = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {1, 0.1, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 1}};
+  add_cell(mesh, CellKind::quadratic_tetrahedron, {0, 1, 2, 3, 4, 1, 5, 6, 8, 7});
+  expect_error(Trouble::resource, "points or tetrahedra on the way, for 1 curved cells", [&] { subdivide(mesh); });
+}
+
 TEST(CurvedCells, refuse_node_counts_with_the_cell) {
   CellMesh mesh;
   mesh.points.resize(30);
