@@ -199,7 +199,7 @@ HWY_AFTER_NAMESPACE();
 
 namespace rhoray::render::wide {
 
-PrepareRays prepare_rays_on(Machine machine) {
+PrepareRays prepare_rays_on([[maybe_unused]] Machine machine) {
 #if HWY_TARGETS & HWY_AVX3
   if (machine == Machine::avx512) return N_AVX3::prepare_rays_by();
 #endif
@@ -212,7 +212,7 @@ PrepareRays prepare_rays_on(Machine machine) {
   return HWY_NAMESPACE::prepare_rays_by();
 }
 
-FirstFacets first_facets_on(Machine machine, bool certified) {
+FirstFacets first_facets_on([[maybe_unused]] Machine machine, bool certified) {
 #if HWY_TARGETS & HWY_AVX3
   if (machine == Machine::avx512) return N_AVX3::first_facets_by(certified);
 #endif
@@ -225,7 +225,7 @@ FirstFacets first_facets_on(Machine machine, bool certified) {
   return HWY_NAMESPACE::first_facets_by(certified);
 }
 
-AnyFacets any_facets_on(Machine machine) {
+AnyFacets any_facets_on([[maybe_unused]] Machine machine) {
 #if HWY_TARGETS & HWY_AVX3
   if (machine == Machine::avx512) return N_AVX3::any_facets_by();
 #endif
@@ -238,7 +238,7 @@ AnyFacets any_facets_on(Machine machine) {
   return HWY_NAMESPACE::any_facets_by();
 }
 
-CrossFacets cross_facets_on(Machine machine) {
+CrossFacets cross_facets_on([[maybe_unused]] Machine machine) {
 #if HWY_TARGETS & HWY_AVX3
   if (machine == Machine::avx512) return N_AVX3::all_facets_by();
 #endif

@@ -525,7 +525,7 @@ HWY_AFTER_NAMESPACE();
 
 namespace rhoray::render::wide {
 
-CrossingKernels crossing_kernels_on(Machine machine, Search search) {
+CrossingKernels crossing_kernels_on([[maybe_unused]] Machine machine, Search search) {
 #if HWY_TARGETS & HWY_AVX3
   if (machine == Machine::avx512) return N_AVX3::crossing_kernels(search);
 #endif

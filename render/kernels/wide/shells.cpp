@@ -451,7 +451,7 @@ HWY_AFTER_NAMESPACE();
 
 namespace rhoray::render::wide {
 
-CrossShells cross_shells_on(Machine machine) {
+CrossShells cross_shells_on([[maybe_unused]] Machine machine) {
 #if HWY_TARGETS & HWY_AVX3
   if (machine == Machine::avx512) return N_AVX3::cross_shells_here();
 #endif

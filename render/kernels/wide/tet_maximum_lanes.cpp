@@ -195,7 +195,7 @@ HWY_AFTER_NAMESPACE();
 
 namespace rhoray::render::wide {
 
-TetLargestValues tet_largest_values_on(Machine machine) {
+TetLargestValues tet_largest_values_on([[maybe_unused]] Machine machine) {
 #if HWY_TARGETS & HWY_AVX3
   if (machine == Machine::avx512) return N_AVX3::tet_largest_values_here();
 #endif
