@@ -53,10 +53,10 @@ TEST(ResampleCommand, refines_to_the_error_that_is_asked_for) {
 
 TEST(ResampleCommand, keeps_a_grid_that_misses_the_error_and_exits_with_6) {
   const Workbench bench;
-  bench.make_box_vtu();
+  bench.make_box();
   for (const char* output : {"grid.rho", "grid.vdb"}) {
-    const RunResult result = bench.rhoray({"resample", "box.vtu", "--max-error", "0.0001%", "--field", "length",
-                                           "--memory", "256M", "--size", "40", "-o", output, "--json"});
+    const RunResult result = bench.rhoray({"resample", "box.rho", "--max-error", "0.0001%", "--field", "length",
+                                           "--memory", "8M", "--size", "40", "-o", output, "--json"});
     EXPECT_EQ(result.exit_code, 6) << output << "\n" << result.err;
     EXPECT_THAT(result.err, HasSubstr("was asked for"));
     EXPECT_THAT(result.err, HasSubstr("hint: the file was written"));
