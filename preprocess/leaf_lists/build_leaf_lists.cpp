@@ -15,7 +15,8 @@ template <class Act>
 void for_each_touch(std::span<const std::array<double, 3>> points, std::span<const std::array<std::uint32_t, 4>> cells,
                     const formats::LeafLattice& lattice, ProgressMeter& meter, const Act& act) {
   const Index3 count = lattice.macro.leaf_count;
-  parallel_for(cells.size(), 1024, [&](const IndexRange& part) {
+  // Large ranges: threads at neighbouring cells would count in the same cache lines.
+  parallel_for(cells.size(), 1 << 14, [&](const IndexRange& part) {
     TouchedLeaves touched(lattice);
     for (std::size_t c = part.begin(); c < part.end(); ++c) {
       const auto& cell = cells[c];
