@@ -1,6 +1,6 @@
 // The driver for compilers without libFuzzer: runs a harness once for every file that is named, and for every file in
 // the folders that are named. With --mutations it also runs that many changed copies of each.
-#include <unistd.h>
+#include <sys/time.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -26,7 +26,7 @@ std::size_t below(std::size_t count) {
 struct Request {
   std::size_t mutations = 0;  ///< of each file
   unsigned seed = 1;
-  unsigned seconds_each = 20;  ///< an input that takes longer ends the program
+  unsigned seconds_each = 20;  ///< of CPU time; an input that takes more ends the program
   std::string last;            ///< where each input is kept before it is run, so that it is there after a crash
   std::vector<std::string> files;
 };
@@ -96,11 +96,15 @@ void run(const Request& request, const std::vector<std::uint8_t>& bytes) {
     std::ofstream file(request.last, std::ios::binary);
     file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   }
-  ::alarm(request.seconds_each);
+  const auto limit_cpu_time = [](unsigned seconds) {
+    const itimerval limit{.it_interval = {0, 0}, .it_value = {static_cast<time_t>(seconds), 0}};
+    if (::setitimer(ITIMER_PROF, &limit, nullptr) != 0) std::abort();
+  };
+  limit_cpu_time(request.seconds_each);
   // A copy of exactly this size, so that the address sanitizer sees what is read beyond its end.
   const std::vector<std::uint8_t> exact(bytes.begin(), bytes.end());
   LLVMFuzzerTestOneInput(exact.data(), exact.size());
-  ::alarm(0);
+  limit_cpu_time(0);
 }
 
 }  // namespace
