@@ -51,7 +51,7 @@ void use(const NeutralVolume& volume) {
   std::byte all{0};
   for (const std::byte byte : volume.samples) all |= byte;
   [[maybe_unused]] const volatile std::byte kept = all;
-  pass_on(volume, take_volume);
+  pass_on<NeutralVolume, NeutralVolume(const formats::PackedFile&)>(volume, take_volume);
 }
 
 void use(const NeutralSurface& surface) {

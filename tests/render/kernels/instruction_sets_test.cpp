@@ -42,7 +42,7 @@ TEST_P(InstructionSets, answer_as_the_reference_does) {
 
 INSTANTIATE_TEST_SUITE_P(Of, InstructionSets,
                          testing::Values(Machine::scalar, Machine::baseline, Machine::avx2, Machine::avx512),
-                         [](const auto& info) { return std::string(name_of(info.param)); });
+                         [](const auto& of) { return std::string(name_of(of.param)); });
 
 TEST(WideMachines, are_the_machines_whose_instruction_sets_are_not_skipped) {
   const std::vector<Machine> machines = wide_machines();
