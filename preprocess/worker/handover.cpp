@@ -435,12 +435,11 @@ NeutralMesh take_mesh(const PackedFile& file) {
   mesh.cell_ids = parcel.values<std::uint64_t>("cell_ids");
   parcel.expect(mesh.cell_ids.empty() || mesh.cell_ids.size() == mesh.cells.size(), "array 'cell_ids'", "another size",
                 "one for each cell");
-  parcel.expect(std::all_of(mesh.cells.begin(), mesh.cells.end(),
-                            [&](const std::array<std::uint64_t, 4>& cell) {
-                              return std::all_of(cell.begin(), cell.end(),
-                                                 [&](std::uint64_t vertex) { return vertex < mesh.points.size(); });
-                            }),
-                "array 'cells'", "a point that is not there", "positions below the number of points");
+  for (std::size_t cell = 0; cell < mesh.cells.size(); ++cell)
+    for (const std::uint64_t vertex : mesh.cells[cell])
+      if (vertex >= mesh.points.size())
+        formats::refuse(file.name(), concat("array 'cells', cell ", cell), concat("point ", vertex),
+                        concat("a number below ", mesh.points.size()));
   mesh.length_unit = parcel.next_text();
   mesh.point_fields = take_fields(file, parcel, "point_fields", mesh.points.size());
   mesh.cell_fields = take_fields(file, parcel, "cell_fields", mesh.cells.size());
