@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 std::uint64_t bytes_of_single_file(const fs::path& path) {
   constexpr std::string_view alone[] = {".nii", ".nii.gz", ".vti", ".vtr", ".vtu",  ".vts", ".vtk",  ".slc", ".cube",
                                         ".dcm", ".zip",    ".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm",
-                                        ".ppm", ".ply",    ".stl", ".obj", ".off",  ".tri", ".msh",  ".vol"};
+                                        ".ppm", ".vdb",    ".ply", ".stl", ".obj",  ".off", ".tri",  ".msh", ".vol"};
   std::error_code ignored;
   if (std::find(std::begin(alone), std::end(alone), extension_of(path)) == std::end(alone)) return 0;
   const std::uintmax_t bytes = fs::file_size(path, ignored);
