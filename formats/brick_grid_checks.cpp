@@ -3,6 +3,7 @@
 #include <cstring>
 #include <mutex>
 
+#include "formats/base/floating_point.h"
 #include "formats/base/parallel.h"
 #include "formats/brick_grid.h"
 #include "formats/details/deep_checks.h"
@@ -152,6 +153,7 @@ void check_certificate(const BrickGrid& grid, std::size_t field, const Certifica
 }  // namespace
 
 std::vector<std::string> deep_findings(const BrickGrid& grid) {
+  const DefaultFloatingPoint default_floating_point;
   details::Findings findings;
   const GridDescription& description = grid.description();
   for (std::size_t field = 0; field < description.fields.size(); ++field)

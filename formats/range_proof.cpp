@@ -1,5 +1,6 @@
 #include "formats/range_proof.h"
 
+#include "formats/base/floating_point.h"
 #include "formats/base/text.h"
 #include "formats/base/trouble.h"
 #include "formats/details/range_checks.h"
@@ -31,11 +32,13 @@ std::uint64_t prove(const Data& data, std::size_t field, unsigned threads, detai
 }  // namespace
 
 std::uint64_t prove_ranges(const BrickGrid& grid, std::size_t field, unsigned threads) {
+  const DefaultFloatingPoint default_floating_point;
   details::Findings findings;
   return prove(grid, field, threads, findings);
 }
 
 std::uint64_t prove_ranges(const TetMesh& mesh, std::size_t field, unsigned threads) {
+  const DefaultFloatingPoint default_floating_point;
   details::Findings findings;
   details::check_boxes_and_lists(mesh, threads, findings);
   return prove(mesh, field, threads, findings);

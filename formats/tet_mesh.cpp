@@ -8,6 +8,7 @@
 #include <set>
 
 #include "formats/base/bytes.h"
+#include "formats/base/floating_point.h"
 #include "formats/base/parallel.h"
 #include "formats/details/cluster_checks.h"
 #include "formats/details/deep_checks.h"
@@ -378,6 +379,7 @@ FileDescription describe(const TetMeshDescription& description) {
 }
 
 std::vector<std::string> deep_findings(const TetMesh& mesh) {
+  const DefaultFloatingPoint default_floating_point;
   details::Findings findings;
   MeshCheck(mesh, findings).run();
   if (mesh.has_clusters()) details::check_clusters(mesh, findings);

@@ -23,7 +23,7 @@ struct PackColorsReport {
   std::uint64_t file_bytes = 0;
 };
 
-/// Sorts colours into bricks and writes them as a packed file for textures. Parallel over oneTBB; the file does not
+/// Sorts colours into bricks and writes them as a packed file for textures. Runs on all threads; the file does not
 /// depend on the number of threads. Refuses what is not colours of 3 or 4 components of 8 bits on a uniform lattice.
 PackColorsReport pack_colors(const NeutralVolume& colors, const std::filesystem::path& path,
                              const PackColorsOptions& options = {}, const Progress& progress = {});

@@ -39,7 +39,7 @@ struct PackMeshReport {
 };
 
 /// Cleans a tetrahedral mesh, puts its cells in an order in which neighbours stand close, builds the structure and
-/// writes a packed mesh. Parallel over oneTBB; the file does not depend on the number of threads. Refuses a mesh
+/// writes a packed mesh. Runs on all threads; the file does not depend on the number of threads. Refuses a mesh
 /// without cells or without fields, and an index out of range.
 PackMeshReport pack_mesh(const NeutralMesh& mesh, const std::filesystem::path& path,
                          const PackMeshOptions& options = {}, const Progress& progress = {});

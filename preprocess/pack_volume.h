@@ -35,7 +35,7 @@ struct PackVolumeReport {
   std::uint64_t file_bytes = 0;
 };
 
-/// Sorts a volume into bricks, builds the macro levels and writes a packed grid. Parallel over oneTBB; the file does
+/// Sorts a volume into bricks, builds the macro levels and writes a packed grid. Runs on all threads; the file does
 /// not depend on the number of threads. Refuses volumes with fewer than two samples on an axis, and types that a packed
 /// grid does not hold (64-bit integers that do not fit F64 exactly).
 ///

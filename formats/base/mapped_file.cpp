@@ -1,6 +1,8 @@
 #include "formats/base/mapped_file.h"
 
+#include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -20,9 +22,10 @@ struct MappedFile::Entry {
   std::atomic<std::uintptr_t> start{0};
   std::atomic<std::uint64_t> byte_count{0};  ///< 0: free
   std::atomic<bool> damaged{false};
-  std::string name;       ///< guarded by the table's mutex, as the next two
+  std::string name;       ///< guarded by the table's mutex, as the next three
   bool reported = false;  ///< an exception has told of the damage
   bool is_mapped = false;
+  int descriptor = -1;    ///< of the mapped file; -1 where the process may have no more
   Entry* next = nullptr;  ///< set once, before the entry is in the list
 
   void set(std::uintptr_t new_start, std::uint64_t new_count) {
@@ -49,9 +52,19 @@ Error loss(const std::string& name) {
 
 }  // namespace
 
+/// Bytes that a shorter file lacks inside its last page read as zeros without a signal: its size tells.
+void MappedFile::look_at_size(Entry& entry) {
+  struct stat status {};
+  if (!entry.is_mapped || entry.descriptor < 0 || ::fstat(entry.descriptor, &status) != 0) return;
+  if (static_cast<std::uint64_t>(status.st_size) >= entry.byte_count) return;
+  entry.damaged.store(true);
+  bytes_lost.store(true);
+}
+
 constinit std::atomic<MappedFile::Entry*> MappedFile::first_entry_{nullptr};
 
-MappedFile::Entry* MappedFile::enter(const std::byte* start, std::uint64_t byte_count, const std::string& name) {
+MappedFile::Entry* MappedFile::enter(const std::byte* start, std::uint64_t byte_count, const std::string& name,
+                                     int descriptor) {
   const std::lock_guard lock(table_mutex);
   Entry* const first = first_entry_.load();
   Entry* entry = first;
@@ -65,6 +78,7 @@ MappedFile::Entry* MappedFile::enter(const std::byte* start, std::uint64_t byte_
   entry->name = name;
   entry->reported = false;
   entry->is_mapped = true;
+  entry->descriptor = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
   entry->damaged = false;
   entry->set(reinterpret_cast<std::uintptr_t>(start), byte_count);
   if (is_new) first_entry_.store(entry);
@@ -80,7 +94,7 @@ MappedFile::MappedFile(int descriptor, std::uint64_t byte_count, std::string nam
                 concat(name, ": cannot map ", byte_count, " bytes: ", std::system_category().message(errno)));
   start_ = static_cast<const std::byte*>(start);
   try {
-    entry_ = enter(start_, byte_count, name);
+    entry_ = enter(start_, byte_count, name, descriptor);
   } catch (...) {
     ::munmap(start, byte_count);
     throw;
@@ -92,6 +106,8 @@ MappedFile::~MappedFile() {
     const std::lock_guard lock(table_mutex);
     entry_->set(0, 0);  // before the addresses may belong to somebody else
     entry_->is_mapped = false;
+    if (entry_->descriptor >= 0) ::close(entry_->descriptor);
+    entry_->descriptor = -1;
   }
   ::munmap(const_cast<std::byte*>(start_), byte_count_);
 }
@@ -101,6 +117,7 @@ bool MappedFile::is_damaged() const noexcept {
 }
 
 void MappedFile::require_intact(Entry& entry) {
+  look_at_size(entry);
   if (!entry.damaged) return;
   entry.reported = true;
   throw loss(entry.name);
@@ -112,7 +129,6 @@ void MappedFile::require_intact() const {
 }
 
 void MappedFile::require_intact(const void* address) {
-  if (!any_bytes_lost()) return;
   const auto at = reinterpret_cast<std::uintptr_t>(address);
   const std::lock_guard lock(table_mutex);
   for (Entry* entry = first_entry_.load(); entry != nullptr; entry = entry->next)
@@ -144,9 +160,9 @@ bool any_bytes_lost() noexcept {
 }
 
 void require_no_lost_bytes() {
-  if (!any_bytes_lost()) return;
   const std::lock_guard lock(table_mutex);
   for (MappedFile::Entry* entry = MappedFile::first_entry_.load(); entry != nullptr; entry = entry->next) {
+    MappedFile::look_at_size(*entry);
     if (!entry->damaged || entry->reported) continue;
     entry->reported = true;
     throw loss(entry->name);

@@ -25,7 +25,8 @@ class MappedFile {
 
   std::span<const std::byte> bytes() const { return {start_, byte_count_}; }
 
-  /// True when bytes were lost since it was mapped. One load of an atomic flag.
+  /// True when the loss of bytes is known already: pages that were read, or a size that was looked at. One load of an
+  /// atomic flag.
   bool is_damaged() const noexcept;
 
   /// Throws (Trouble::invalid) when bytes were lost since the file was mapped. To be called when a result that was
@@ -40,8 +41,11 @@ class MappedFile {
   friend bool replace_lost_bytes(const void*) noexcept;
   friend void require_no_lost_bytes();
 
-  static void require_intact(Entry& entry);  ///< under the table's mutex
-  static Entry* enter(const std::byte* start, std::uint64_t byte_count, const std::string& name);
+  // Under the table's mutex.
+  static void require_intact(Entry& entry);
+  static void look_at_size(Entry& entry);
+
+  static Entry* enter(const std::byte* start, std::uint64_t byte_count, const std::string& name, int descriptor);
 
   static std::atomic<Entry*> first_entry_;  ///< of a list that is never freed: a handler may walk it at any time
 

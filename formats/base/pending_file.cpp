@@ -59,7 +59,9 @@ bool is_same_file(const struct stat& a, const struct stat& b) {
 
 /// Removes a temporary name whose process is gone: nobody holds the lock.
 void remove_if_stale(int folder, const std::string& name) {
-  const int file = ::openat(folder, name.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  constexpr int flags = O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
+  int file = ::openat(folder, name.c_str(), O_RDWR | flags);
+  if (file < 0 && errno == EACCES) file = ::openat(folder, name.c_str(), O_RDONLY | flags);  // what it was to replace
   if (file < 0) return;
   struct stat opened {};
   if (::fstat(file, &opened) == 0 && S_ISREG(opened.st_mode) && ::flock(file, LOCK_EX | LOCK_NB) == 0) {
@@ -225,6 +227,8 @@ void PendingFile::write(std::uint64_t first_byte, std::span<const std::byte> byt
   while (!bytes.empty()) {
     const ssize_t put = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(first_byte));
     if (put < 0 && errno == EINTR) continue;
+    // Where an input that is written on lost bytes, a system call says so instead of a signal.
+    if (put < 0 && errno == EFAULT && replace_lost_bytes(bytes.data())) require_no_lost_bytes();
     if (put <= 0) fail(concat("write ", bytes.size(), " bytes at byte ", first_byte), put < 0 ? errno : ENOSPC, end);
     bytes = bytes.subspan(static_cast<std::size_t>(put));
     first_byte += static_cast<std::uint64_t>(put);
@@ -270,10 +274,14 @@ void PendingFile::keep_permissions() {
   struct stat own {};
   if (::fstat(descriptor_, &own) != 0) fail("look at it", errno);
   mode_t mode = old->st_mode & 0777;
-  if (old->st_uid != own.st_uid && ::fchown(descriptor_, old->st_uid, static_cast<gid_t>(-1)) != 0 && errno != EPERM)
+  // A user may not give files away; in a user namespace, or on some file systems, others do not even exist.
+  const auto may_not = [](int error) {
+    return error == EPERM || error == EINVAL || error == ENOSYS || error == ENOTSUP;
+  };
+  if (old->st_uid != own.st_uid && ::fchown(descriptor_, old->st_uid, static_cast<gid_t>(-1)) != 0 && !may_not(errno))
     fail("keep its owner", errno);
   if (old->st_gid != own.st_gid && ::fchown(descriptor_, static_cast<uid_t>(-1), old->st_gid) != 0) {
-    if (errno != EPERM) fail("keep its group", errno);
+    if (!may_not(errno)) fail("keep its group", errno);
     // Another group than before: it may do what all others may.
     mode = (mode & 0707) | ((mode & 07) << 3);
   }

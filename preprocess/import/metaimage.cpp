@@ -252,7 +252,10 @@ NeutralVolume read_samples(const fs::path& path, bool colors) {
                  "the same number of slices in each file");
   check_files(header, file, files, bytes);
   const bool big_endian = header.is_true("ElementByteOrderMSB") || header.is_true("BinaryDataByteOrderMSB");
-  const bool stays = files.size() <= 1 && !header.is_true("CompressedData") && is_native(volume.type, big_endian);
+  // The caller takes samples from a file only where the header names it; a pattern with a number does not.
+  const bool is_named = files.empty() || header.words("ElementDataFile").front().find('%') == std::string::npos;
+  const bool stays =
+      files.size() <= 1 && is_named && !header.is_true("CompressedData") && is_native(volume.type, big_endian);
   if (stays) {
     const ForeignFile& holder = files.empty() ? file : part_file(header, files.front());
     const auto source = files.empty() ? file.bytes().subspan(header.data_position()) : holder.bytes();

@@ -25,6 +25,7 @@
 #include <optional>
 #include <utility>
 
+#include "formats/base/floating_point.h"
 #include "formats/base/trouble.h"
 #include "preprocess/scratch/nameless_file.h"
 #include "preprocess/scratch/scratch_memory.h"
@@ -403,6 +404,7 @@ void report_worker_progress(std::uint64_t done, std::uint64_t total) {
 }
 
 int worker_main(const std::function<void(int input, int output)>& act) {
+  const DefaultFloatingPoint default_floating_point;  // a library that was loaded may have set another
   const char* doing = std::getenv("RHORAY_DOING");
   const int output = descriptor_named("RHORAY_OUTPUT_FD");
   if (doing == nullptr || output < 0)

@@ -110,6 +110,7 @@ class Unpacking {
   void split_texts() {
     if (!file_.has("texts")) return;
     const std::span<const std::uint8_t> joined = file_.array<std::uint8_t>("texts", {0});
+    if (joined.empty()) return;
     if (joined.back() != 0) formats::refuse(file_.name(), "array 'texts'", "an unfinished text", "a NUL at its end");
     for (auto begin = joined.begin(); begin != joined.end();) {
       const auto end = std::find(begin, joined.end(), 0);

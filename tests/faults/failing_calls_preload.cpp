@@ -1,9 +1,12 @@
 // A library for LD_PRELOAD that makes one call of the system fail, in a program and the workers that it starts.
 //
 //   RHORAY_FAIL_CALL    write, fsync, rename, close, mmap or fork
-//   RHORAY_FAIL_AT      which call of that kind fails, from 1 on, counted over all processes; 0: none, calls are
-//   counted RHORAY_FAIL_ERRNO   what errno says then (a number) RHORAY_FAIL_COUNT   a file of 8 bytes, the counter that
-//   the processes share
+//
+//   RHORAY_FAIL_AT      which call of that kind fails, from 1 on, counted over all processes; 0: none, but calls count
+//
+//   RHORAY_FAIL_ERRNO   what errno says then (a number)
+//
+//   RHORAY_FAIL_COUNT   a file of 8 bytes, the counter that the processes share
 //
 // Counted are calls on regular files (write, fsync, close) and calls that come from programs and shared libraries;
 // those that the C library makes for itself (stdio, malloc, the loader) are not seen here.

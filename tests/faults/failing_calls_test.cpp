@@ -43,6 +43,7 @@ class FaultRun {
   RunResult run(const Kind& kind, std::uint64_t at) const {
     write_file(counter_, std::string(8, '\0'));
     std::vector<std::string> words{"env",
+                                   "ASAN_OPTIONS=verify_asan_link_order=0",
                                    concat("LD_PRELOAD=", RHORAY_FAILING_CALLS),
                                    concat("RHORAY_FAIL_CALL=", kind.call),
                                    concat("RHORAY_FAIL_AT=", at),
