@@ -67,9 +67,15 @@ class Parser {
 
   void skip_spaces() { at_ = std::min(text_.find_first_not_of(spaces, at_), text_.size()); }
 
+  /// The text from here to `end`, and goes there.
+  std::string_view up_to(std::size_t end) {
+    const std::string_view text = text_.substr(at_, end - at_);
+    at_ = end;
+    return text;
+  }
+
   std::string_view word() {
-    const std::size_t end = std::min(text_.find_first_of(" \t\r\n=/><\"'", at_), text_.size());
-    return text_.substr(std::exchange(at_, end), end - at_);
+    return up_to(std::min(text_.find_first_of(" \t\r\n=/><\"'", at_), text_.size()));
   }
 
   /// name = "value"
@@ -83,7 +89,8 @@ class Parser {
     const char quote = text_[at_++];
     const std::size_t end = text_.find(quote, at_);
     if (end == text_.npos) return false;
-    std::optional<std::string> value = without_entities(text_.substr(std::exchange(at_, end + 1), end - at_));
+    std::optional<std::string> value = without_entities(up_to(end));
+    ++at_;
     return value && element.attributes.emplace(name, *std::move(value)).second;
   }
 
