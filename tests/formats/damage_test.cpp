@@ -1,10 +1,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <cmath>
+#include <cstdlib>
+#include <ctime>
+#include <iostream>
 #include <limits>
+#include <map>
 #include <optional>
 #include <random>
+#include <set>
 
 #include "formats/base/trouble.h"
 #include "formats/brick_grid.h"
@@ -227,6 +234,76 @@ TEST_P(DamagedFile, random_bursts_never_lead_out_of_the_file) {
     memory.put(at, std::string_view(bytes).substr(at, burst.size()));
   }
   EXPECT_GT(opened, 1000U);
+}
+
+/// Writes 1 GiB of data that do not repeat, in one array.
+void make_large_file(const MemoryFile& memory) {
+  constexpr std::uint64_t bytes = std::uint64_t{1} << 30;
+  PackedFileWriter writer(memory.descriptor(), {.kind = "bytes"},
+                          {{.name = "all", .type = ElementType::U64, .shape = {bytes / 8}}});
+  std::vector<std::uint64_t> part(1 << 20);
+  std::uint64_t value = 1;
+  for (std::uint64_t at = 0; at < bytes; at += part.size() * 8) {
+    for (std::uint64_t& number : part) number = value *= 6364136223846793005U;  // odd numbers never come to 0
+    writer.write("all", at, std::as_bytes(std::span(part)));
+  }
+  writer.commit();
+}
+
+TEST(LargeFile, loses_none_of_10000_flipped_bits) {
+  if (std::getenv("RHORAY_LARGE_FILES") == nullptr) GTEST_SKIP() << "RHORAY_LARGE_FILES is not set (tests/nightly)";
+  const MemoryFile memory;
+  make_large_file(memory);
+  const PackedFile file = PackedFile::from_descriptor(memory.descriptor(), "large.rho");
+  ASSERT_TRUE(file.damaged_blocks().empty());
+  const ArrayEntry& array = file.entry("all");
+  std::mt19937_64 random(1);
+  std::size_t flips = 0;
+  while (flips < 10'000) {
+    std::map<std::uint64_t, char> damage;  // by position; one in a block
+    std::set<std::uint64_t> blocks;
+    while (damage.size() < 2'000) {
+      const std::uint64_t at = array.first_byte + random() % array.byte_count;
+      if (!blocks.insert((at - array.first_byte) >> 16).second) continue;
+      char byte = 0;
+      ASSERT_EQ(::pread(memory.descriptor(), &byte, 1, static_cast<off_t>(at)), 1);
+      damage[at] = byte;
+      memory.put(at, static_cast<char>(byte ^ (1 << (random() % 8))));
+    }
+    const std::vector<DamagedBlock> found = file.damaged_blocks();
+    EXPECT_EQ(found.size(), damage.size());
+    for (const DamagedBlock& block : found) {
+      const auto flipped = damage.lower_bound(block.first_byte);
+      EXPECT_TRUE(flipped != damage.end() && flipped->first < block.first_byte + block.byte_count) << block.first_byte;
+    }
+    for (const auto& [at, byte] : damage) memory.put(at, byte);
+    flips += damage.size();
+  }
+  EXPECT_TRUE(file.damaged_blocks().empty());
+}
+
+TEST(LargeFile, is_refused_when_it_is_cut_at_any_page) {
+  if (std::getenv("RHORAY_LARGE_FILES") == nullptr) GTEST_SKIP() << "RHORAY_LARGE_FILES is not set (tests/nightly)";
+  const MemoryFile memory;
+  make_large_file(memory);
+  std::uint64_t bytes = PackedFile::from_descriptor(memory.descriptor(), "large.rho").file_bytes(), refused = 0;
+  std::clock_t longest = 0;
+  for (bytes = (bytes - 1) / 4096 * 4096; bytes > 0; bytes -= 4096) {
+    memory.resize(bytes);
+    const std::clock_t begin = std::clock();
+    try {
+      PackedFile::from_descriptor(memory.descriptor(), "large.rho");
+      ADD_FAILURE() << "opened with " << bytes << " bytes";
+    } catch (const Error& error) {
+      ++refused;
+      const std::string_view fact = error.what();
+      EXPECT_NE(fact.find(bytes > 4096 ? "cut short" : "at least 4160 bytes"), fact.npos) << fact;
+    }
+    longest = std::max(longest, std::clock() - begin);
+  }
+  EXPECT_GT(refused, (std::uint64_t{1} << 30) / 4096);
+  RecordProperty("longest_refusal_us", std::to_string(longest * 1'000'000 / CLOCKS_PER_SEC));
+  std::cout << refused << " cuts refused, the slowest in " << longest * 1'000'000 / CLOCKS_PER_SEC << " us of CPU\n";
 }
 
 }  // namespace
