@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <iostream>
 #include <map>
 
 #include "formats/base/text.h"
@@ -88,6 +89,7 @@ TEST(FailingCalls, each_ends_with_5_and_the_old_files_or_does_no_harm) {
       ASSERT_EQ(fault.run(kind, 0).exit_code, 0) << name;
       const std::uint64_t calls = fault.count();
       const std::uint64_t step = runs_all() ? 1 : std::max<std::uint64_t>(1, calls / 4);
+      const int runs_before = runs[kind.call], refusals_before = refusals[kind.call];
       for (std::uint64_t at = 1; at <= calls; at += step) {
         SCOPED_TRACE(concat(name, ", ", kind.call, " ", at, " of ", calls));
         const auto before = contents_of(out);
@@ -104,6 +106,8 @@ TEST(FailingCalls, each_ends_with_5_and_the_old_files_or_does_no_harm) {
         EXPECT_EQ(run.exit_code, 5) << run.err;
         EXPECT_EQ(after, before) << "something was changed, or left behind";
       }
+      std::cout << name << ", " << kind.call << ": " << calls << " calls, " << runs[kind.call] - runs_before
+                << " runs, " << refusals[kind.call] - refusals_before << " refusals" << std::endl;
     }
   }
   for (const Kind& kind : kinds) {

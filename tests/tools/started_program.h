@@ -16,7 +16,8 @@
 
 namespace rhoray::tests {
 
-/// `rhoray` with these words in this folder, running while the test goes on. What it says on stderr is kept.
+/// `rhoray` with these words in this folder, or another program of the build where the first word is its whole path,
+/// running while the test goes on. What it says on stderr is kept.
 class StartedProgram {
  public:
   struct Streams {
@@ -25,7 +26,7 @@ class StartedProgram {
   };
 
   StartedProgram(const std::filesystem::path& folder, std::vector<std::string> words, const Streams& streams) {
-    words.insert(words.begin(), RHORAY_PROGRAM);
+    if (!words.front().starts_with('/')) words.insert(words.begin(), RHORAY_PROGRAM);
     const std::string said = (said_ / "err").string();
     process_ = ::fork();
     if (process_ != 0) return;

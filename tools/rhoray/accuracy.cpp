@@ -146,12 +146,11 @@ std::string minutes_text(double seconds) {
 /// The whole of the work: a coarse pass over all layers, one at the full size, then times again and again.
 class Work {
  public:
-  Work(const AccuracyCommand& command, const ScenePlan& plan, ProgressDisplay& display, StudyContext& context,
-       bool folder_is_made)
+  Work(const AccuracyCommand& command, const ScenePlan& plan, ProgressDisplay& display, StudyContext& context)
       : command_(command),
         display_(display),
         context_(context),
-        folder_(command.common.output, folder_is_made),
+        folder_(command.common.output, command.common.force),
         scratch_(command.common.output),
         size_{plan.frame.width, plan.frame.height} {
     for (std::size_t layer = 0; layer < plan.scene.layers.size(); ++layer) {
@@ -302,11 +301,11 @@ int run(AccuracyCommand& command) {
   ScenePlan plan = plan_layers(wishes);
   aim_camera(wishes, plan);
   refuse_damage(plan, command.common.threads);
+  require_results_folder(command.common.output, command.common.force);
   display.show("proving stored ranges");
   render::RangeProof range_proof;
   for (const render::Volume& volume : plan.volumes) range_proof += volume.prove_ranges(command.common.threads);
   tell(command.common, concat("stored ranges proven: ", proof_text(range_proof)));
-  const bool folder_is_made = require_results_folder(command.common.output, command.common.force);
 
   StudyContext context{.facts = facts_of(command, plan), .stage = {}, .notes = plan.notes};
   context.facts["ranges_proven"] = proof_text(range_proof);
@@ -315,7 +314,7 @@ int run(AccuracyCommand& command) {
     for (const Choice& choice : choose_methods(plan, command.goal, command.common.threads))
       context.notes.push_back(concat("`rhoray render` would take ", choice.sentence));
   }
-  Work work(command, plan, display, context, folder_is_made);
+  Work work(command, plan, display, context);
   const bool is_whole = work.run();
   display.clear();
   if (command.common.json)

@@ -1,17 +1,22 @@
 #include "tools/rhoray/interrupt.h"
 
+#include <fcntl.h>
 #include <semaphore.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <ctime>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "formats/base/checks.h"
 #include "formats/base/mapped_file.h"
@@ -145,6 +150,42 @@ void wait_and_end() {
   }
 }
 
+constexpr const char* scratch_name = "rhoray-scratch-";  // six letters follow
+
+/// A folder's descriptor that holds a lock; -1 where it is gone, belongs to another user, or somebody else holds it. On
+/// file systems without locks there is none to hold: such a folder is of use to its program, and never stale.
+int open_and_lock(const std::filesystem::path& folder, bool must_lock = false) {
+  const int opened = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (opened < 0) return -1;
+  struct stat here {
+  }, named{};
+  const bool is_locked = ::flock(opened, LOCK_EX | LOCK_NB) == 0;
+  const bool is_held = !is_locked && errno == EWOULDBLOCK;
+  if (!is_held && (is_locked || !must_lock) && ::fstat(opened, &here) == 0 && here.st_uid == ::geteuid() &&
+      ::lstat(folder.c_str(), &named) == 0 && named.st_ino == here.st_ino)
+    return opened;
+  ::close(opened);
+  return -1;
+}
+
+/// Removes the scratch folders of programs that were killed.
+void remove_stale_scratch(const std::filesystem::path& inside) {
+  std::error_code unreadable;
+  std::vector<std::filesystem::path> found;
+  for (std::filesystem::directory_iterator entry(inside, unreadable), end; !unreadable && entry != end;
+       entry.increment(unreadable)) {
+    const std::string name = entry->path().filename().string();
+    if (name.starts_with(scratch_name) && name.size() == std::strlen(scratch_name) + 6) found.push_back(entry->path());
+  }
+  for (const std::filesystem::path& folder : found) {
+    const int lock = open_and_lock(folder, true);
+    if (lock < 0) continue;
+    std::error_code stays;
+    std::filesystem::remove_all(folder, stays);
+    ::close(lock);
+  }
+}
+
 bool is_ignored(int signal) {
   struct sigaction now {};
   return ::sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
@@ -196,10 +237,16 @@ InterruptRequest::~InterruptRequest() {
 ScratchFolder::ScratchFolder(const std::filesystem::path& inside) {
   const std::lock_guard lock(scratch_mutex);
   RHORAY_CHECK(scratch.empty());
-  std::string pattern = (inside / "rhoray-scratch-XXXXXX").string();
-  if (::mkdtemp(pattern.data()) == nullptr)
-    throw Error(Trouble::resource, concat(inside.string(), ": no folder can be made here"));
-  path_ = pattern;
+  remove_stale_scratch(inside);
+  constexpr int most_tries = 100;  // in which another program takes the new folder for a stale one
+  for (int i = 0; i < most_tries && lock_ < 0; ++i) {
+    path_ = concat((inside / scratch_name).string(), "XXXXXX");
+    std::string name = path_.string();
+    if (::mkdtemp(name.data()) == nullptr) break;
+    path_ = name;
+    lock_ = open_and_lock(path_);
+  }
+  if (lock_ < 0) throw Error(Trouble::resource, concat(inside.string(), ": no folder can be made here"));
   scratch = path_;
 }
 
@@ -208,6 +255,7 @@ ScratchFolder::~ScratchFolder() {
   std::error_code ignored;
   std::filesystem::remove_all(path_, ignored);
   scratch.clear();
+  ::close(lock_);
 }
 
 }  // namespace rhoray::tools

@@ -40,8 +40,9 @@ class InterruptRequest {
   std::stop_source source_;
 };
 
-/// A folder for files that are of no use afterwards, removed with all that is in it; also by an interrupt.
-/// There is at most one at a time.
+/// A folder for files that are of no use afterwards, removed with all that is in it; also by an interrupt. Where a
+/// program was killed and its folder stays, the next one that makes a folder beside it removes both. There is at most
+/// one at a time.
 class ScratchFolder {
  public:
   explicit ScratchFolder(const std::filesystem::path& inside);
@@ -53,6 +54,7 @@ class ScratchFolder {
 
  private:
   std::filesystem::path path_;
+  int lock_ = -1;  ///< the open folder, locked for as long as it is of use
 };
 
 }  // namespace rhoray::tools

@@ -1,8 +1,12 @@
 #include "tools/rhoray/accuracy/pages.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "formats/base/trouble.h"
@@ -273,7 +277,7 @@ std::string how_measured(const LayerStudy& layer) {
 
 }  // namespace
 
-bool require_results_folder(const std::filesystem::path& folder, bool may_replace) {
+void require_results_folder(const std::filesystem::path& folder, bool may_replace) {
   std::error_code ignored;
   const std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
   if (std::filesystem::exists(whole, ignored)) {
@@ -282,17 +286,20 @@ bool require_results_folder(const std::filesystem::path& folder, bool may_replac
     if (!may_replace && !std::filesystem::is_empty(whole, ignored))
       throw Error(Trouble::usage, concat(folder.string(), ": is there already, and is not empty"),
                   "--force replaces what stands in it under the names of the results");
-    return false;
-  }
-  std::error_code trouble;
-  if (!std::filesystem::create_directory(whole, trouble))
+  } else if (::access(whole.parent_path().c_str(), W_OK | X_OK) != 0) {
+    const int error = errno;
     throw Error(std::filesystem::is_directory(whole.parent_path(), ignored) ? Trouble::resource : Trouble::usage,
-                concat(folder.string(), ": the folder cannot be made: ", trouble.message()));
-  return true;
+                concat(folder.string(), ": the folder cannot be made: ", std::strerror(error)));
+  }
 }
 
-ResultsFolder::ResultsFolder(std::filesystem::path folder, bool is_made)
-    : folder_(std::move(folder)), is_made_(is_made) {}
+ResultsFolder::ResultsFolder(std::filesystem::path folder, bool may_replace) : folder_(std::move(folder)) {
+  require_results_folder(folder_, may_replace);
+  std::error_code trouble;
+  is_made_ = std::filesystem::create_directory(std::filesystem::absolute(folder_).lexically_normal(), trouble);
+  if (trouble)
+    throw Error(Trouble::resource, concat(folder_.string(), ": the folder cannot be made: ", trouble.message()));
+}
 
 ResultsFolder::~ResultsFolder() {
   files_.reset();

@@ -12,16 +12,17 @@
 
 namespace rhoray::tools {
 
-/// Refuses a folder that cannot be made, and one with anything in it unless told to go ahead (Trouble::usage). True
-/// when it made the folder.
-bool require_results_folder(const std::filesystem::path& folder, bool may_replace);
+/// Refuses a folder that cannot be made, and one with anything in it unless told to go ahead (Trouble::usage). Makes
+/// nothing.
+void require_results_folder(const std::filesystem::path& folder, bool may_replace);
 
 /// Writes what a study has found out so far into a folder, again and again; every file is whole at any time:
 /// results.csv, results.json, report.html, and for each layer plots (.svg) and pictures (.png).
 class ResultsFolder {
  public:
-  /// @param is_made  the folder was made for this; it is removed again if nothing comes into it
-  ResultsFolder(std::filesystem::path folder, bool is_made);
+  /// Makes the folder where it is not there, and removes it again if nothing comes into it. Refuses as
+  /// require_results_folder.
+  ResultsFolder(std::filesystem::path folder, bool may_replace);
   ResultsFolder(const ResultsFolder&) = delete;
   ResultsFolder& operator=(const ResultsFolder&) = delete;
   ~ResultsFolder();
