@@ -23,6 +23,7 @@
 #include <mutex>
 #include <new>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include "formats/base/floating_point.h"
@@ -180,6 +181,13 @@ void pass_progress_on(const char* numbers, const WorkerRequest& request) {
     request.progress(done, total);
 }
 
+[[noreturn]] void refuse_idle(const WorkerRequest& request) {
+  throw Error(Trouble::resource,
+              concat("the worker ", request.program, " was stopped while ", request.doing, ": for ",
+                     request.idle_limit_s, " s it used no CPU time and read or wrote nothing"),
+              "the input's disk or server does not answer, or the library that reads it has a defect");
+}
+
 /// Waits until there is something to read. Throws when the worker does nothing for too long.
 void wait_for_words(int descriptor, const WorkerRequest& request, IdleWatch& watch) {
   for (;;) {
@@ -189,15 +197,27 @@ void wait_for_words(int descriptor, const WorkerRequest& request, IdleWatch& wat
     if (ready > 0) return;
     if (ready < 0 && errno != EINTR) refuse_by_system(request.doing, "poll");
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-    if (ready == 0 && watch.is_over(elapsed.count()))
-      throw Error(Trouble::resource,
-                  concat("the worker ", request.program, " was stopped while ", request.doing, ": for ",
-                         request.idle_limit_s, " s it used no CPU time and read or wrote nothing"),
-                  "the input's disk or server does not answer, or the library that reads it has a defect");
+    if (ready == 0 && watch.is_over(elapsed.count())) refuse_idle(request);
   }
 }
 
-/// What the worker prints, until it closes its end: progress is passed on, and the last of the rest is kept.
+/// Waits until the worker has ended: one that has closed its standard error may go on. Throws as wait_for_words.
+void wait_for_end(pid_t worker, const WorkerRequest& request, IdleWatch& watch) {
+  constexpr int longest_ms = 128;
+  double since_look_s = 0;
+  for (int pause_ms = 1;; pause_ms = std::min(2 * pause_ms, longest_ms)) {
+    siginfo_t ended{};
+    if (::waitid(P_PID, static_cast<id_t>(worker), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == worker)
+      return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms));
+    since_look_s += 1e-3 * pause_ms;
+    if (1e3 * since_look_s < watch.pause_ms()) continue;
+    if (watch.is_over(since_look_s)) refuse_idle(request);
+    since_look_s = 0;
+  }
+}
+
+/// What the worker prints, until it ends: progress is passed on, and the last of the rest is kept.
 std::string complaints_of(int descriptor, pid_t worker, const WorkerRequest& request) {
   std::string text, rest;
   char piece[4096];
@@ -206,7 +226,10 @@ std::string complaints_of(int descriptor, pid_t worker, const WorkerRequest& req
     wait_for_words(descriptor, request, watch);
     const ssize_t count = ::read(descriptor, piece, sizeof piece);
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return text + rest;
+    if (count <= 0) {
+      wait_for_end(worker, request, watch);
+      return text + rest;
+    }
     rest.append(piece, static_cast<std::size_t>(count));
     std::size_t begin = 0;
     for (std::size_t end; (end = rest.find('\n', begin)) != std::string::npos; begin = end + 1) {

@@ -147,8 +147,9 @@ std::optional<Activity> activity_of(pid_t process) {
   if (!(fields >> user >> system)) return std::nullopt;
   activity.computing_ticks = user + system;
 
-  std::istringstream lines(text_of_file(concat("/proc/", process, "/io")));
-  bool is_complete = false;
+  const std::string transfers = text_of_file(concat("/proc/", process, "/io"));
+  std::istringstream lines(transfers);
+  bool is_complete = transfers.empty();  // a kernel that does not count them: computing alone tells
   std::string name;
   for (std::uint64_t bytes = 0; lines >> name >> bytes;) {
     if (name == "rchar:" || name == "read_bytes:") activity.read_bytes += bytes;

@@ -44,7 +44,7 @@ WorkerLimits limits_for(const WorkerRequest& request);
 /// What a process has done so far, as far as the system tells others.
 struct Activity {
   std::uint64_t computing_ticks = 0;                ///< in user and system mode, all threads
-  std::uint64_t read_bytes = 0, written_bytes = 0;  ///< by calls, and from disks for mapped files
+  std::uint64_t read_bytes = 0, written_bytes = 0;  ///< by calls, and from disks for mapped files; 0 where not counted
 
   friend bool operator==(const Activity&, const Activity&) = default;
 };

@@ -63,7 +63,8 @@ void act(const std::string& verb, int input, int output) {
     int last = -1;
     for (int opened; (opened = ::open("/dev/null", O_RDONLY)) >= 0; last = opened) ++count;
     const std::string why = std::strerror(errno);
-    for (int spare = last - 4; spare <= last; ++spare) ::close(spare);  // sanitizers need some to look at what is thrown
+    for (int spare = last - 4; spare <= last; ++spare)
+      ::close(spare);  // sanitizers need some to look at what is thrown
     throw Error(Trouble::resource, concat(why, " after ", count < 256 ? "fewer" : "more"));
   } else if (verb == "compute-now-and-then") {  // a little more than a tick of 10 ms, and a pause
     for (int round = 0; round < 8; ++round) {
@@ -82,6 +83,9 @@ void act(const std::string& verb, int input, int output) {
     int ends[2];
     char byte = 0;
     if (::pipe(ends) != 0 || ::read(ends[0], &byte, 1) != 0) throw Error(Trouble::internal, "pipe");
+  } else if (verb == "close-and-sleep") {
+    ::close(STDERR_FILENO);
+    std::this_thread::sleep_for(std::chrono::seconds(60));
   } else if (verb == "lose-bytes") {
     const int file = ::memfd_create("lost", 0);
     if (::ftruncate(file, 4096) != 0) throw Error(Trouble::internal, "ftruncate");
