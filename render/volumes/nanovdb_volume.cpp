@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "formats/base/parallel.h"
@@ -23,11 +24,12 @@ class NodeCheck {
     if (!grid.isValid() || grid.gridType() != nanovdb::GridType::Float || grid.gridSize() != buffer_.size())
       refuse("another kind of buffer");
     const auto& tree = *at<nanovdb::NanoTree<float>>(&grid.tree());
-    const auto& root = *at<nanovdb::NanoRoot<float>>(&tree.root());
+    const auto& root =
+        *at<nanovdb::NanoRoot<float>>(tree.data(), static_cast<std::int64_t>(tree.data()->mNodeOffset[3]));
     const auto* data = root.data();
     for (std::uint32_t n = 0; n < data->mTableSize; ++n) {
       const auto* tile = at<std::decay_t<decltype(*data->tile(n))>>(data->tile(n));
-      if (tile->isChild()) check_upper(*at<nanovdb::NanoUpper<float>>(data->getChild(tile)));
+      if (tile->isChild()) check_upper(*at<nanovdb::NanoUpper<float>>(data, tile->child));
     }
     return tree;
   }
@@ -35,20 +37,21 @@ class NodeCheck {
  private:
   void check_upper(const nanovdb::NanoUpper<float>& upper) const {
     for (auto child = upper.data()->mChildMask.beginOn(); child; ++child) {
-      const auto& lower = *at<nanovdb::NanoLower<float>>(upper.data()->getChild(*child));
+      const auto& lower = *at<nanovdb::NanoLower<float>>(upper.data(), upper.data()->mTable[*child].child);
       for (auto grandchild = lower.data()->mChildMask.beginOn(); grandchild; ++grandchild)
-        at<nanovdb::NanoLeaf<float>>(lower.data()->getChild(*grandchild));
+        at<nanovdb::NanoLeaf<float>>(lower.data(), lower.data()->mTable[*grandchild].child);
     }
   }
 
+  /// The node so many bytes behind a place. Computed in numbers: there is no pointer or reference to what lies outside.
   template <class Node>
-  const Node* at(const void* place) const {
+  const Node* at(const void* place, std::int64_t offset = 0) const {
     const auto begin = reinterpret_cast<std::uintptr_t>(buffer_.data()),
-               found = reinterpret_cast<std::uintptr_t>(place);
+               found = reinterpret_cast<std::uintptr_t>(place) + static_cast<std::uintptr_t>(offset);
     if (buffer_.size() < sizeof(Node) || found < begin || found - begin > buffer_.size() - sizeof(Node) ||
         found % alignof(Node) != 0)
       refuse("a node that lies outside");
-    return static_cast<const Node*>(place);
+    return reinterpret_cast<const Node*>(found);
   }
 
   [[noreturn]] void refuse(const char* found) const {
