@@ -63,7 +63,7 @@ class Threads {
     if (!lent) return false;
     try {
       threads_.emplace_back([lent = std::move(lent), work = std::move(work)] { work(); });
-    } catch (const std::system_error&) {
+    } catch (...) {  // no more threads, or no memory for one
       return false;
     }
     return true;

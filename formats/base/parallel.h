@@ -8,7 +8,6 @@
 #include <functional>
 #include <memory>
 #include <span>
-#include <system_error>
 #include <thread>
 #include <type_traits>
 #include <utility>
@@ -184,7 +183,7 @@ void for_each_range(std::uint64_t count, std::uint64_t smallest, unsigned thread
   for (std::uint64_t part = 1; part < parts; ++part) {
     try {
       others.emplace_back(run, part);
-    } catch (const std::system_error&) {  // the system gives no more threads
+    } catch (...) {  // no more threads, or no memory for one
       run(part);
     }
   }
