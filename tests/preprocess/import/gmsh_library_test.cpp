@@ -11,6 +11,14 @@
 #include "tests/preprocess/import/node_places.h"
 #include "tests/preprocess/import/support.h"
 
+#ifdef __SANITIZE_ADDRESS__
+// Gmsh's library frees with free() what it got by new.
+extern "C" const char* __asan_default_options();
+extern "C" const char* __asan_default_options() {
+  return "alloc_dealloc_mismatch=0";
+}
+#endif
+
 namespace rhoray::preprocess {
 namespace {
 
