@@ -74,9 +74,7 @@ class Parser {
     return text;
   }
 
-  std::string_view word() {
-    return up_to(std::min(text_.find_first_of(" \t\r\n=/><\"'", at_), text_.size()));
-  }
+  std::string_view word() { return up_to(std::min(text_.find_first_of(" \t\r\n=/><\"'", at_), text_.size())); }
 
   /// name = "value"
   bool attribute(XmlElement& element) {
