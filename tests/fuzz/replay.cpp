@@ -1,19 +1,69 @@
 // The driver for compilers without libFuzzer: runs a harness once for every file that is named, and for every file in
-// the folders that are named. With --mutations it also runs that many changed copies of each.
+// the folders that are named. With --mutations it also runs that many changed copies of each. With --starve it runs
+// each file again and again while one allocation fails: each of the first N, and N spread over the rest. What was
+// allocated is free again afterwards, and nothing but std::bad_alloc or a refusal comes out. RHORAY_ALLOCATIONS in the
+// environment is another N.
+#include <execinfo.h>
 #include <sys/time.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <new>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "tests/fuzz/harness.h"
+
+namespace {
+
+std::atomic<std::uint64_t> allocations{0}, fails_at{0}, live{0};  ///< calls of new; which one fails, 0: none; not freed
+
+void* allocate(std::size_t bytes, std::size_t alignment) {
+  if (++allocations == fails_at) throw std::bad_alloc();
+  void* const memory = alignment <= __STDCPP_DEFAULT_NEW_ALIGNMENT__
+                           ? std::malloc(std::max<std::size_t>(bytes, 1))
+                           : std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
+  if (memory == nullptr) throw std::bad_alloc();
+  ++live;
+  return memory;
+}
+
+void release(void* memory) noexcept {
+  if (memory == nullptr) return;
+  --live;
+  std::free(memory);
+}
+
+}  // namespace
+
+void* operator new(std::size_t bytes) {
+  return allocate(bytes, 1);
+}
+void* operator new(std::size_t bytes, std::align_val_t alignment) {
+  return allocate(bytes, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* memory) noexcept {
+  release(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  release(memory);
+}
+void operator delete(void* memory, std::align_val_t) noexcept {
+  release(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+  release(memory);
+}
 
 namespace {
 
@@ -25,6 +75,7 @@ std::size_t below(std::size_t count) {
 
 struct Request {
   std::size_t mutations = 0;  ///< of each file
+  std::size_t starve = 0;     ///< allocations that fail, from the first on; as many again are spread over the rest
   unsigned seed = 1;
   unsigned seconds_each = 20;  ///< of CPU time; an input that takes more ends the program
   std::string last;            ///< where each input is kept before it is run, so that it is there after a crash
@@ -58,7 +109,8 @@ Request request_of(int argc, char** argv) {
   Request request;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
-    const bool has_value = word == "--mutations" || word == "--seed" || word == "--seconds" || word == "--last";
+    const bool has_value =
+        word == "--mutations" || word == "--seed" || word == "--seconds" || word == "--last" || word == "--starve";
     if (!has_value) {
       add_files(word, request.files);
       continue;
@@ -68,13 +120,18 @@ Request request_of(int argc, char** argv) {
       std::exit(2);
     }
     if (word == "--mutations") request.mutations = number(argv[i]);
+    if (word == "--starve") {
+      const char* const more = std::getenv("RHORAY_ALLOCATIONS");
+      request.starve = number(more != nullptr ? more : argv[i]);
+    }
     if (word == "--seed") request.seed = static_cast<unsigned>(number(argv[i]));
     if (word == "--seconds") request.seconds_each = static_cast<unsigned>(number(argv[i]));
     if (word == "--last") request.last = argv[i];
   }
   std::sort(request.files.begin(), request.files.end());
   if (request.files.empty()) {
-    std::fprintf(stderr, "usage: %s [--mutations N] [--seed S] [--seconds S] [--last FILE] FILE_OR_FOLDER...\n",
+    std::fprintf(stderr,
+                 "usage: %s [--mutations N] [--starve N] [--seed S] [--seconds S] [--last FILE] FILE_OR_FOLDER...\n",
                  argv[0]);
     std::exit(2);
   }
@@ -105,6 +162,79 @@ void run(const Request& request, const std::vector<std::uint8_t>& bytes) {
   const std::vector<std::uint8_t> exact(bytes.begin(), bytes.end());
   LLVMFuzzerTestOneInput(exact.data(), exact.size());
   limit_cpu_time(0);
+}
+
+constexpr int exit_ended_in_json = 77, exit_not_met = 78;
+
+/// A destructor of the JSON library allocates (basic_json::json_value::destroy): where that fails, nothing can be
+/// saved.
+[[noreturn]] void on_terminate() {
+  void* frames[32];
+  const int count = ::backtrace(frames, static_cast<int>(std::size(frames)));
+  char** const names = ::backtrace_symbols(frames, count);
+  for (int i = 0; names != nullptr && i < count; ++i)
+    if (std::strstr(names[i], "nlohmann") != nullptr) ::_exit(exit_ended_in_json);
+  std::abort();
+}
+
+/// One run, in a copy of this process, in which the allocation of this number fails. Returns its exit code.
+int run_starved(const Request& request, const std::vector<std::uint8_t>& bytes, std::uint64_t number) {
+  const pid_t child = ::fork();
+  if (child < 0) {
+    std::perror("fork");
+    std::exit(5);
+  }
+  int status = 0;
+  if (child != 0) {
+    while (::waitpid(child, &status, 0) < 0) {
+    }
+    if (!WIFEXITED(status)) {
+      std::fprintf(stderr, "allocation %lu failed: ended by signal %d\n", number, WTERMSIG(status));
+      std::abort();
+    }
+    return WEXITSTATUS(status);
+  }
+  std::set_terminate(on_terminate);
+  const std::uint64_t before = live;
+  const std::uint64_t last = allocations + number;
+  fails_at = last;
+  try {
+    run(request, bytes);
+  } catch (const std::bad_alloc&) {
+  }
+  const bool was_met = allocations >= last;
+  fails_at = 0;
+  if (live != before) {
+    std::fprintf(stderr, "%ld allocations were not freed\n", static_cast<long>(live - before));
+    std::abort();
+  }
+  ::_exit(was_met ? 0 : exit_not_met);
+}
+
+/// @return  how many allocations failed
+std::size_t starve(const Request& request, const std::string& path, const std::vector<std::uint8_t>& bytes) {
+  void* frame = nullptr;
+  ::backtrace(&frame, 1);  // it loads a library when it is first called
+  run(request, bytes);     // what is made once stays
+  run(request, bytes);
+  const std::uint64_t before = allocations;
+  run(request, bytes);
+  const std::uint64_t count = allocations - before;  // the copy of the input is among them
+  const std::uint64_t first = std::min<std::uint64_t>(request.starve, count), rest = count - first;
+  const std::uint64_t step = std::max<std::uint64_t>(1, rest / request.starve);
+  std::size_t failures = 0, in_json = 0;
+  for (std::uint64_t number = 1; number <= count; number += number < first ? 1 : step) {
+    const int code = run_starved(request, bytes, number);
+    if (code != 0 && code != exit_ended_in_json && code != exit_not_met) {
+      std::fprintf(stderr, "%s, allocation %lu: exit code %d\n", path.c_str(), number, code);
+      std::abort();
+    }
+    failures += code != exit_not_met ? 1 : 0;
+    in_json += code == exit_ended_in_json ? 1 : 0;
+  }
+  std::fprintf(stderr, "%s: %zu of %lu allocations failed, %zu of them ended in the JSON library's destructor\n",
+               path.c_str(), failures, count, in_json);
+  return failures;
 }
 
 }  // namespace
@@ -153,10 +283,11 @@ int main(int argc, char** argv) {
   const Request request = request_of(argc, argv);
   LLVMFuzzerInitialize(&argc, &argv);
   constexpr std::size_t most_bytes = std::size_t{1} << 17;
-  std::size_t changed_count = 0;
+  std::size_t changed_count = 0, failure_count = 0;
   for (const std::string& path : request.files) {
     const std::vector<std::uint8_t> whole = content_of(path);
     run(request, whole);
+    if (request.starve > 0) failure_count += starve(request, path, whole);
     random_numbers.seed(request.seed);
     std::vector<std::uint8_t> changed = whole;
     for (std::size_t i = 0; i < request.mutations; ++i, ++changed_count) {
@@ -168,5 +299,7 @@ int main(int argc, char** argv) {
       run(request, changed);
     }
   }
-  std::fprintf(stderr, "%zu files and %zu changed copies\n", request.files.size(), changed_count);
+  std::fprintf(stderr, "%zu files and %zu changed copies, %zu failed allocations\n", request.files.size(),
+               changed_count, failure_count);
+  return request.starve > 0 && failure_count == 0 ? 1 : 0;
 }

@@ -74,7 +74,7 @@ const Guest guests[] = {
 const std::regex standard_header("[a-z_0-9]+");
 const std::regex system_header(
     "(sys/\\w+|linux/"
-    "\\w+|dirent|dlfcn|fcntl|malloc|poll|pthread|sched|semaphore|signal|spawn|stdio|stdlib|unistd)\\.h");
+    "\\w+|dirent|dlfcn|execinfo|fcntl|malloc|poll|pthread|sched|semaphore|signal|spawn|stdio|stdlib|unistd)\\.h");
 
 /// Headers that the build writes; they stand in no room.
 const std::string_view generated_headers[] = {"rhoray_commit.h"};
