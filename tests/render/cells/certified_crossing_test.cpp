@@ -287,6 +287,8 @@ TYPED_TEST(CertifiedCrossings, take_a_piece_as_clear_or_as_rising_only_where_it_
   const TypeParam margin = TypeParam(0.125);
   EXPECT_TRUE((Way{{{1, 1, 2, 1}}, margin}.is_clear(0, 1)));
   EXPECT_FALSE((Way{{{1, -3, -3, 1}}, margin}.is_clear(0, 1))) << "below zero between its ends";
+  EXPECT_FALSE((Way{{{1, -3, 1, 1}}, margin}.is_clear(0, 1))) << "one coefficient alone takes it below zero";
+  EXPECT_FALSE((Way{{{1, 1, -3, 1}}, margin}.is_clear(0, 1))) << "one coefficient alone takes it below zero";
   EXPECT_TRUE((Way{{{1, -3, -3, 1}}, margin}.is_clear(0, TypeParam(0.03125))));
   EXPECT_FALSE((Way{{{TypeParam(0.0625), 1, 1, 1}}, margin}.is_clear(0, 1))) << "starts within the margin";
   EXPECT_TRUE((Way{{{0, 1, 2, 3}}, margin}.rises_until(1)));
