@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <map>
+#include <stdexcept>
+#include <utility>
 
 #include "tests/tools/writing_commands.h"
 
@@ -139,6 +141,28 @@ TEST(FullDisk, a_limit_of_file_size_is_met_the_same_way) {
   }
 }
 
+/// A file that is held open: as long as it is, no other file gets its number.
+class HeldFile {
+ public:
+  explicit HeldFile(const fs::path& path) : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+    if (descriptor_ < 0) throw std::runtime_error(path.string() + ": cannot be opened");
+  }
+  HeldFile(HeldFile&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
+  ~HeldFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+
+  bool is_the_one_at(const fs::path& path) const {
+    struct stat own {
+    }, named{};
+    return ::fstat(descriptor_, &own) == 0 && ::stat(path.c_str(), &named) == 0 && own.st_dev == named.st_dev &&
+           own.st_ino == named.st_ino;
+  }
+
+ private:
+  int descriptor_;
+};
+
 TEST(Replacing, every_command_keeps_links_and_permissions) {
   const Workbench bench;
   make_inputs(bench);
@@ -156,11 +180,10 @@ TEST(Replacing, every_command_keeps_links_and_permissions) {
       fs::create_symlink(kept, out / name);
       ASSERT_EQ(::chmod(kept.c_str(), 0640), 0);
     }
-    std::map<std::string, ino_t> old;
+    std::map<std::string, HeldFile> old;
     for (const std::string& name : command.outputs) {
-      struct stat status {};
-      ASSERT_EQ(::stat((out / name).c_str(), &status), 0);
-      old[name] = status.st_ino;
+      old.emplace(name, HeldFile(out / name));
+      ASSERT_TRUE(old.at(name).is_the_one_at(out / name));
     }
     const RunResult again = run_program(command.line(out, true), bench.path());
     EXPECT_EQ(again.exit_code, 0) << again.err;
@@ -169,7 +192,7 @@ TEST(Replacing, every_command_keeps_links_and_permissions) {
       struct stat status {};
       ASSERT_EQ(::stat((out / name).c_str(), &status), 0) << name;
       EXPECT_EQ(status.st_mode & 07777, 0640U) << name;
-      EXPECT_NE(status.st_ino, old[name]) << name << " was not replaced as a whole";
+      EXPECT_FALSE(old.at(name).is_the_one_at(out / name)) << name << " was not replaced as a whole";
     }
     EXPECT_EQ(std::distance(fs::directory_iterator(store), {}), static_cast<std::ptrdiff_t>(command.outputs.size()));
     fs::remove_all(out);
