@@ -136,9 +136,9 @@ void PendingFile::release() {
 }
 
 void PendingFile::remove_temporary() {
-  if (temporary_name_.empty()) return;
   const std::lock_guard lock(Unfinished::all().guard);
-  ::unlinkat(folder_, temporary_name_.c_str(), 0);  // what stays because of an error, the next run removes
+  // What stays because of an error, the next run removes.
+  if (!temporary_name_.empty()) ::unlinkat(folder_, temporary_name_.c_str(), 0);
   temporary_name_.clear();
   Unfinished::all().files.erase(this);
 }
@@ -190,13 +190,13 @@ void PendingFile::create() {
 void PendingFile::create_named() {
   Unfinished& all = Unfinished::all();
   const std::lock_guard lock(all.guard);
+  all.files.insert(this);  // before there is a name: memory may end here
   for (;;) {
-    const std::string name = next_temporary_name();
+    std::string name = next_temporary_name();
     descriptor_ = ::openat(folder_, name.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, new_file_mode);
     if (descriptor_ < 0 && errno == EEXIST) continue;
     if (descriptor_ < 0) fail("create it", errno);
-    temporary_name_ = name;
-    all.files.insert(this);
+    temporary_name_ = std::move(name);
     // Another process may have taken it for stale before it was locked.
     ::flock(descriptor_, LOCK_EX);
     struct stat status {};
@@ -325,10 +325,10 @@ bool PendingFile::link_to(const std::string& name) const {
 }
 
 void PendingFile::link_temporary() {
+  Unfinished::all().files.insert(this);  // before there is a name: memory may end here
   std::string second = next_temporary_name();
   while (!link_to(second)) second = next_temporary_name();
-  temporary_name_ = second;
-  Unfinished::all().files.insert(this);
+  temporary_name_ = std::move(second);
 }
 
 /// Keeps other processes from taking the old file for a stale one.

@@ -4,6 +4,7 @@
 // allocated is free again afterwards, and nothing but std::bad_alloc or a refusal comes out. RHORAY_ALLOCATIONS in the
 // environment is another N.
 #include <execinfo.h>
+#include <signal.h>
 #include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -28,8 +29,14 @@ namespace {
 
 std::atomic<std::uint64_t> allocations{0}, fails_at{0}, live{0};  ///< calls of new; which one fails, 0: none; not freed
 
+void* failing_frames[32];  ///< where the allocation failed that was to fail
+int failing_frame_count = 0;
+
 void* allocate(std::size_t bytes, std::size_t alignment) {
-  if (++allocations == fails_at) throw std::bad_alloc();
+  if (++allocations == fails_at) {
+    failing_frame_count = ::backtrace(failing_frames, static_cast<int>(std::size(failing_frames)));
+    throw std::bad_alloc();
+  }
   void* const memory = alignment <= __STDCPP_DEFAULT_NEW_ALIGNMENT__
                            ? std::malloc(std::max<std::size_t>(bytes, 1))
                            : std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
@@ -164,17 +171,35 @@ void run(const Request& request, const std::vector<std::uint8_t>& bytes) {
   limit_cpu_time(0);
 }
 
-constexpr int exit_ended_in_json = 77, exit_not_met = 78;
+constexpr int exit_of_json = 77, exit_not_met = 78;
 
-/// A destructor of the JSON library allocates (basic_json::json_value::destroy): where that fails, nothing can be
-/// saved.
-[[noreturn]] void on_terminate() {
-  void* frames[32];
-  const int count = ::backtrace(frames, static_cast<int>(std::size(frames)));
-  char** const names = ::backtrace_symbols(frames, count);
+/// True when it was the JSON library's allocation that failed. Its destructor allocates (json_value::destroy): where
+/// that fails, the program ends. Its constructor from a list loses what it made before.
+bool failed_in_json() {
+  constexpr int nearest = 5;  // the failing allocation, new, and what called it
+  const int count = std::min(failing_frame_count, nearest);
+  char** const names = ::backtrace_symbols(failing_frames, count);
   for (int i = 0; names != nullptr && i < count; ++i)
-    if (std::strstr(names[i], "nlohmann") != nullptr) ::_exit(exit_ended_in_json);
+    if (std::strstr(names[i], "nlohmann") != nullptr) return true;
+  return false;
+}
+
+/// Ends this copy of the process where an allocation failed and that was not borne.
+[[noreturn]] void end_unsaved(const std::string& what) {
+  if (failed_in_json()) ::_exit(exit_of_json);
+  std::fprintf(stderr, "%s\n", what.c_str());
   std::abort();
+}
+
+extern "C" void on_abort(int signal) {
+  constexpr char words[] = "an allocation had failed here:\n";
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, words, sizeof words - 1);
+  ::backtrace_symbols_fd(failing_frames, failing_frame_count, STDERR_FILENO);
+  ::signal(signal, SIG_DFL);  // which ends the process when this returns to abort
+}
+
+[[noreturn]] void on_terminate() {
+  end_unsaved("the program was ended");
 }
 
 /// One run, in a copy of this process, in which the allocation of this number fails. Returns its exit code.
@@ -195,6 +220,7 @@ int run_starved(const Request& request, const std::vector<std::uint8_t>& bytes, 
     return WEXITSTATUS(status);
   }
   std::set_terminate(on_terminate);
+  ::signal(SIGABRT, on_abort);
   const std::uint64_t before = live;
   const std::uint64_t last = allocations + number;
   fails_at = last;
@@ -204,10 +230,8 @@ int run_starved(const Request& request, const std::vector<std::uint8_t>& bytes, 
   }
   const bool was_met = allocations >= last;
   fails_at = 0;
-  if (live != before) {
-    std::fprintf(stderr, "%ld allocations were not freed\n", static_cast<long>(live - before));
-    std::abort();
-  }
+  if (live != before)
+    end_unsaved(std::to_string(static_cast<std::int64_t>(live - before)) + " allocations were not freed");
   ::_exit(was_met ? 0 : exit_not_met);
 }
 
@@ -225,14 +249,14 @@ std::size_t starve(const Request& request, const std::string& path, const std::v
   std::size_t failures = 0, in_json = 0;
   for (std::uint64_t number = 1; number <= count; number += number < first ? 1 : step) {
     const int code = run_starved(request, bytes, number);
-    if (code != 0 && code != exit_ended_in_json && code != exit_not_met) {
+    if (code != 0 && code != exit_of_json && code != exit_not_met) {
       std::fprintf(stderr, "%s, allocation %lu: exit code %d\n", path.c_str(), number, code);
       std::abort();
     }
     failures += code != exit_not_met ? 1 : 0;
-    in_json += code == exit_ended_in_json ? 1 : 0;
+    in_json += code == exit_of_json ? 1 : 0;
   }
-  std::fprintf(stderr, "%s: %zu of %lu allocations failed, %zu of them ended in the JSON library's destructor\n",
+  std::fprintf(stderr, "%s: %zu of %lu allocations failed, %zu of them were not saved by the JSON library\n",
                path.c_str(), failures, count, in_json);
   return failures;
 }
