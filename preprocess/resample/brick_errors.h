@@ -8,8 +8,9 @@ namespace rhoray::preprocess {
 
 /// What one brick's leaf cells say about one field.
 struct BrickErrors {
-  double bound = 0, attained = 0, sum_of_squares = 0;
-  Point attained_at{};  ///< in steps of the lattice
+  double bound = 0, attained = 0;
+  double sum_of_squares = 0;  ///< in FieldView::square_unit, squared
+  Point attained_at{};        ///< in steps of the lattice
   std::uint32_t point_count = 0;
   double uncovered_volume = 0;  ///< of the mesh where the field has data, in leaf cells without a value
 

@@ -48,7 +48,8 @@ BrickErrors BrickProbes::measure(const FieldView& field, std::size_t f) {
                               weights[2] * field.values[cell[2]] + weights[3] * field.values[cell[3]];
         const double difference = std::abs(trilinear(samples_nearby_.corners(i, j, k), in_cell) - linear);
         if (!has_data(difference)) continue;
-        errors.sum_of_squares += difference * difference;
+        const double in_unit = difference / field.square_unit;
+        errors.sum_of_squares += in_unit * in_unit;
         ++errors.point_count;
         errors.attain(difference, plus(first, plus(corner_of(i, j, k), in_cell)));
       }

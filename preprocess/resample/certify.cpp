@@ -17,8 +17,14 @@ std::int64_t probe_row_step(std::size_t brick_count) {
   return brick_count <= 1024 ? 1 : brick_count <= 16384 ? 2 : 4;
 }
 
-/// The next number in single precision, as which bounds are kept.
-double rounded_up(double value) {
+/// Single precision tells an error well enough, where its range is wide enough.
+formats::ElementType type_for(double largest_error) {
+  const bool fits = largest_error == 0 || (largest_error >= 1e-30 && largest_error <= 1e30);
+  return fits ? formats::ElementType::F32 : formats::ElementType::F64;
+}
+
+double rounded_up(double value, formats::ElementType type) {
+  if (type == formats::ElementType::F64) return value;
   const auto rounded = static_cast<float>(value);
   const bool is_below = static_cast<double>(rounded) < value;
   return static_cast<double>(is_below ? std::nextafter(rounded, std::numeric_limits<float>::infinity()) : rounded);
@@ -87,11 +93,15 @@ Certificates certify(const CleanMesh& mesh, const std::vector<FieldView>& views,
   Certificates certificates;
   for (std::size_t f = 0; f < field_count; ++f) {
     const std::vector<BrickErrors>& of_bricks = errors[f];
+    const double unit = views[f].square_unit;
     FieldErrors field;
-    double sum_of_squares = 0, uncovered = 0;
+    double sum_of_squares = 0, uncovered = 0, largest_bound = 0;
+    for (const BrickErrors& brick : of_bricks) largest_bound = std::max(largest_bound, brick.bound);
+    field.type = type_for(largest_bound);
     for (const BrickErrors& brick : of_bricks) {
-      field.max.push_back(rounded_up(brick.bound));
-      field.rms.push_back(brick.point_count == 0 ? 0 : std::sqrt(brick.sum_of_squares / brick.point_count));
+      const double mean = brick.point_count == 0 ? 0 : unit * std::sqrt(brick.sum_of_squares / brick.point_count);
+      field.max.push_back(rounded_up(brick.bound, field.type));
+      field.rms.push_back(rounded_up(mean, field.type));
       field.max_error = std::max(field.max_error, field.max.back());
       if (brick.attained > field.attained) {
         field.attained = brick.attained;
@@ -103,7 +113,8 @@ Certificates certify(const CleanMesh& mesh, const std::vector<FieldView>& views,
     }
     const double whole = volume_with_data(mesh, views[f], steps);
     if (whole > 0) field.coverage = std::clamp(1 - uncovered / whole, 0.0, 1.0);
-    if (field.point_count > 0) field.rms_error = std::sqrt(sum_of_squares / static_cast<double>(field.point_count));
+    if (field.point_count > 0)
+      field.rms_error = unit * std::sqrt(sum_of_squares / static_cast<double>(field.point_count));
     certificates.fields.push_back(std::move(field));
   }
   return certificates;

@@ -15,6 +15,8 @@ namespace rhoray::preprocess {
 /// outside the mesh too (extend.h); the leaf cell (i, j, k) belongs to the brick of its first sample. Where cells of
 /// the mesh overlap, the trilinear field is compared with each of them.
 struct FieldErrors {
+  /// In which all bounds and means are kept: rounded up to numbers of this type.
+  formats::ElementType type = formats::ElementType::F32;
   /// By slot. An upper bound of the difference (not an estimate), 0 in a brick without such leaf cells. Either it
   /// exceeds a difference that is attained in the brick by at most a twentieth, or the grid's largest attained
   /// difference by no more than that: where a brick cannot hold the largest error, its bound may be some times what is

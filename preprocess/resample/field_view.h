@@ -28,8 +28,9 @@ struct FieldView {
   std::vector<Gradient> gradients;
   double low = 0;  ///< the smallest value; 0 where there is none
   double range = 0;
-  double unit = 1;   ///< of the quick bounds, which are in single precision
-  double noise = 0;  ///< what rounding may do to a difference
+  double unit = 1;         ///< of the quick bounds, which are in single precision
+  double square_unit = 1;  ///< a power of two: squares of differences in it are neither too small nor too large
+  double noise = 0;        ///< what rounding may do to a difference
   std::span<const Conflict> conflicts;
 
   double middle() const { return low + 0.5 * range; }

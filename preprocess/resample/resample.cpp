@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <utility>
 
 #include "formats/base/floating_point.h"
@@ -99,7 +100,8 @@ class Resampling {
                   "take fewer samples, or allow more memory");
   }
 
-  /// In the first field's unit.
+  /// In the first field's unit. A share of a field that hardly varies is at least what rounding in single precision
+  /// may come to (2^-20 of the largest value: sixteen units of its last place), which no grid lowers.
   double requested_error() const {
     if (!(std::isfinite(*options_.max_error) && *options_.max_error > 0))
       throw Error(Trouble::usage, concat("largest error: found ", *options_.max_error, "; expected a number above 0"));
@@ -111,7 +113,8 @@ class Resampling {
             if (has_data(value)) range.include(static_cast<double>(value));
         },
         fields_.front().values);
-    return range.is_empty() ? 0 : *options_.max_error * (range.hi - range.lo);
+    if (range.is_empty()) return 0;
+    return std::max(*options_.max_error * (range.hi - range.lo), 0x1p-20 * std::max(-range.lo, range.hi));
   }
 
   /// About one sample for each tetrahedron to start with, but eight on the longest axis.
@@ -139,42 +142,51 @@ class Resampling {
   ///
   /// Where the field jumps (two sheets in one place, a gap narrower than the steps) no lattice helps: once steps
   /// of less than a third have not made the smallest error a twentieth smaller, the grid with that error is taken.
+  /// So it is where memory ends. A grid that covers the whole mesh is better than one that does not.
   ResampledMesh refined() {
     constexpr double shorter_in_vain = 1.0 / 3, least_gain = 0.05;
     const double requested = *report_.requested_error;
     ResampledMesh grid = sampled(placed(first_lattice()));
     SampleLattice best = grid.lattice;
     double best_error = std::numeric_limits<double>::infinity(), last_error = 0, last_spacing = 0;
-    for (;;) {
+    bool best_is_covered = false;
+    while (report_.why_not_reached.empty()) {
       const FieldErrors& errors = grid.certificates.fields.front();
       const double error = errors.max_error, spacing = grid.lattice.spacing.x;
       report_.attempts.push_back({grid.lattice.count, error, errors.coverage});
       if (error <= requested && is_covered(grid)) return grid;
-      if (error < (1 - least_gain) * best_error) {
+      const bool is_best =
+          is_covered(grid) == best_is_covered ? error < (1 - least_gain) * best_error : is_covered(grid);
+      if (is_best) {
         best_error = error;
+        best_is_covered = is_covered(grid);
         best = grid.lattice;
       } else if (spacing < shorter_in_vain * best.spacing.x) {
         report_.why_not_reached = "finer grids hardly lower it: the field jumps, or changes within a step";
-        grid = {};
-        return sampled(placed(best));
+        break;
       }
       double order = 1;
       if (last_error > error)
         order = std::clamp(std::log(last_error / error) / std::log(last_spacing / spacing), 0.5, 2.0);
-      const double shorter = std::clamp(std::pow(0.95 * requested / error, 1 / order), 0.5, 0.9);
+      const double shorter =
+          error > requested ? std::clamp(std::pow(0.95 * requested / error, 1 / order), 0.5, 0.9) : 0.9;
       last_error = error;
       last_spacing = spacing;
-      ResampledMesh next;
       try {
-        next = placed(finer(grid.lattice, shorter));
+        ResampledMesh next = placed(finer(grid.lattice, shorter));
+        grid = {};
+        grid = sampled(std::move(next));
       } catch (const Error& error_of_next) {
         if (error_of_next.trouble() != Trouble::resource) throw;
         report_.why_not_reached = error_of_next.what();
-        return grid;
+      } catch (const std::bad_alloc&) {
+        report_.why_not_reached =
+            concat("memory is too small for a grid finer than ", size_text(report_.attempts.back().sample_count));
       }
-      grid = {};
-      grid = sampled(std::move(next));
     }
+    if (grid.lattice.count == best.count) return grid;
+    grid = {};
+    return sampled(placed(best));
   }
 
   SampleLattice finer(const SampleLattice& lattice, double shorter) const {

@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 #include <utility>
+#include <variant>
 
 #include "formats/base/parallel.h"
 #include "preprocess/inspect/summarize.h"
@@ -72,17 +73,19 @@ Levels<T> macro_levels(const ResampledMesh& grid, std::size_t field, const forma
 }
 
 /// Errors by brick of the whole lattice, 0 where there is no brick.
+template <class T>
 struct ErrorArrays {
-  std::vector<float> max, rms;
+  std::vector<T> max, rms;
 };
 
-ErrorArrays errors_by_brick(const FieldErrors& errors, const TouchedBricks& touched) {
-  ErrorArrays arrays;
+template <class T>
+ErrorArrays<T> errors_by_brick(const FieldErrors& errors, const TouchedBricks& touched) {
+  ErrorArrays<T> arrays;
   arrays.max.assign(touched.slots.size(), 0);
   arrays.rms.assign(touched.slots.size(), 0);
   for (std::size_t slot = 0; slot < touched.bricks.size(); ++slot) {
-    arrays.max[touched.bricks[slot]] = static_cast<float>(errors.max[slot]);
-    arrays.rms[touched.bricks[slot]] = static_cast<float>(errors.rms[slot]);
+    arrays.max[touched.bricks[slot]] = static_cast<T>(errors.max[slot]);
+    arrays.rms[touched.bricks[slot]] = static_cast<T>(errors.rms[slot]);
   }
   return arrays;
 }
@@ -129,7 +132,7 @@ void write_grid(const ResampledMesh& grid, const CleanMesh& mesh, const std::vec
 
   ProgressMeter ranging(progress, "finding value ranges", fields.size());
   std::vector<std::variant<Levels<float>, Levels<double>>> levels;
-  std::vector<ErrorArrays> errors;
+  std::vector<std::variant<ErrorArrays<float>, ErrorArrays<double>>> errors;
   std::uint64_t bytes = 0;
   for (std::size_t f = 0; f < fields.size(); ++f) {
     std::visit(
@@ -140,11 +143,13 @@ void write_grid(const ResampledMesh& grid, const CleanMesh& mesh, const std::vec
         },
         grid.samples.fields[f]);
     const FieldErrors& field = grid.certificates.fields[f];
-    errors.push_back(errors_by_brick(field, grid.touched));
-    const std::vector<float>& max = errors.back().max;
+    if (field.type == formats::ElementType::F32)
+      errors.emplace_back(errors_by_brick<float>(field, grid.touched));
+    else
+      errors.emplace_back(errors_by_brick<double>(field, grid.touched));
     packed.certificates[f] = {
-        .type = formats::ElementType::F32,
-        .max_error = static_cast<double>(*std::max_element(max.begin(), max.end())),
+        .type = field.type,
+        .max_error = field.max_error,
         .rms_error = field.rms_error,
         .max_at = packed.world_from_grid.point({field.attained_at[0], field.attained_at[1], field.attained_at[2]}),
         .point_count = field.point_count,
@@ -161,8 +166,12 @@ void write_grid(const ResampledMesh& grid, const CleanMesh& mesh, const std::vec
   writer.write_all<std::uint32_t>("bricks", slots);
   ProgressMeter writing(progress, "writing samples", bytes);
   for (std::size_t f = 0; f < fields.size(); ++f) {
-    writer.write_all<float>(formats::error_array(f, "max"), errors[f].max);
-    writer.write_all<float>(formats::error_array(f, "rms"), errors[f].rms);
+    std::visit(
+        [&]<class T>(const ErrorArrays<T>& arrays) {
+          writer.write_all<T>(formats::error_array(f, "max"), arrays.max);
+          writer.write_all<T>(formats::error_array(f, "rms"), arrays.rms);
+        },
+        errors[f]);
     std::visit(
         [&]<class T>(const Levels<T>& of_field) {
           for (std::size_t l = 0; l < of_field.size(); ++l)

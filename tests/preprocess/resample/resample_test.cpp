@@ -149,8 +149,8 @@ TEST_F(Resample, writes_the_last_grid_that_fits_when_memory_does_not_reach_for_t
   EXPECT_GE(report.attempts.size(), 2U);
 }
 
-TEST_F(Resample, writes_the_coarsest_grid_that_finer_ones_do_not_better_where_the_field_jumps) {
-  // Two boxes meet in a plane, with a value each.
+/// Two boxes that meet in the plane z = 0.53, with the value 0 below and 1 above.
+NeutralMesh two_boxes() {
   NeutralMesh mesh = tests::box_mesh({.cells = {3, 3, 3}, .box = Box3({0, 0, 0}, {1, 1, 0.53})});
   const NeutralMesh upper = tests::box_mesh({.cells = {3, 3, 3}, .box = Box3({0, 0, 0.53}, {1, 1, 1})});
   const std::size_t count = mesh.points.size();
@@ -159,7 +159,11 @@ TEST_F(Resample, writes_the_coarsest_grid_that_finer_ones_do_not_better_where_th
   mesh.points.insert(mesh.points.end(), upper.points.begin(), upper.points.end());
   tests::add_point_field(mesh, "value", [](const Vec3&) { return 0.0; });
   for (std::size_t p = count; p < mesh.points.size(); ++p) mesh.point_fields[0].values[p] = 1;
-  const ResampleReport report = run(mesh, {.max_error = 0.1});
+  return mesh;
+}
+
+TEST_F(Resample, writes_the_coarsest_grid_that_finer_ones_do_not_better_where_the_field_jumps) {
+  const ResampleReport report = run(two_boxes(), {.max_error = 0.1});
   EXPECT_THAT(report.why_not_reached, testing::HasSubstr("the field jumps"));
   const formats::Certificate certificate = grid().description().certificates.at(0);
   EXPECT_GE(certificate.max_error, 0.5);
@@ -167,6 +171,44 @@ TEST_F(Resample, writes_the_coarsest_grid_that_finer_ones_do_not_better_where_th
   EXPECT_FALSE(certificate.meets_request());
   EXPECT_LT(grid().description().layout.sample_count.x, report.attempts.back().sample_count.x);
   EXPECT_LT(report.attempts.back().sample_count.x, 200) << "and stops early";
+}
+
+TEST_F(Resample, writes_the_best_grid_not_the_last_when_memory_does_not_reach_for_the_error) {
+  int last_was_not_best = 0;
+  for (std::uint64_t kibibytes = 32; kibibytes <= 512; kibibytes += 32) {
+    const ResampleReport report =
+        run(two_boxes(), {.max_error = 0.1, .memory_limit_bytes = kibibytes << 10, .replace_existing = true});
+    double smallest = 2;
+    for (const ResampleReport::Attempt& attempt : report.attempts)
+      if (attempt.coverage == 1) smallest = std::min(smallest, attempt.max_error);
+    EXPECT_LE(0.95 * report.errors[0].max_error, smallest)
+        << kibibytes << " KiB: by less than a twentieth is not better";
+    if (report.attempts.back().max_error * 0.95 > report.errors[0].max_error) ++last_was_not_best;
+  }
+  EXPECT_GT(last_was_not_best, 0) << "the last grid that fits was the best one in every case: nothing was tested";
+}
+
+TEST_F(Resample, keeps_bounds_of_errors_of_values_of_any_size) {
+  for (const double size : {1e-300, 1e-60, 1e-38, 1.0, 1e60, 1e300}) {
+    NeutralMesh mesh = tests::box_mesh({.cells = {3, 3, 3}, .jitter = 0.1});
+    tests::add_point_field(mesh, "value", [&](const Vec3& p) { return size * wave(p); });
+    const ResampleReport report = run(mesh, {.lattice = {.longest_axis = 10}, .replace_existing = true});
+    EXPECT_EQ(formats::deep_findings(grid()), std::vector<std::string>{}) << size;
+    const formats::Certificate certificate = grid().description().certificates.at(0);
+    EXPECT_GE(certificate.max_error, report.errors[0].attained) << size;
+    EXPECT_LE(certificate.max_error, 1.051 * report.errors[0].attained + 1e-6 * 2 * size) << size;
+    EXPECT_GT(certificate.rms_error, 0) << size;
+  }
+}
+
+TEST_F(Resample, takes_a_share_of_a_field_that_does_not_vary_as_reached) {
+  for (const double value : {0.0, 0.1, -1e30}) {
+    NeutralMesh mesh = tests::box_mesh({.cells = {3, 3, 3}, .jitter = 0.1});
+    tests::add_point_field(mesh, "value", [&](const Vec3&) { return value; });
+    const ResampleReport report = run(mesh, {.max_error = 0.01, .max_error_is_share = true, .replace_existing = true});
+    EXPECT_EQ(report.why_not_reached, "") << value;
+    EXPECT_EQ(report.attempts.size(), 1U) << value;
+  }
 }
 
 /// A plate of 1 x 1 x 0.02, tilted against all axes.
