@@ -149,7 +149,9 @@ bool left_in_file(NeutralVolume& volume, const std::filesystem::path& path, cons
 
 /// Refuses sizes that the files with the samples cannot hold, before Teem allocates for them. Numbered files are left
 /// to Teem, and encodings whose tightest packing is not known.
-void check_data_size(const std::filesystem::path& path, const NrrdIoState& io, std::uint64_t wanted) {
+/// @param wanted  bytes of `sample_count` samples
+void check_data_size(const std::filesystem::path& path, const NrrdIoState& io, std::uint64_t wanted,
+                     std::uint64_t sample_count) {
   if (io.dataFNFormat != nullptr) return;
   const unsigned file_count = io.dataFNArr->len;
   std::uint64_t held = file_count == 0 ? ForeignFile(path).bytes().size() : 0;
@@ -160,8 +162,12 @@ void check_data_size(const std::filesystem::path& path, const NrrdIoState& io, s
   }
   const std::string_view encoding = io.encoding->name;
   if (encoding == "gzip") check_packed_size(path, wanted, held);
-  if (encoding == "raw" && held < wanted)
-    refuse_input(path, "key sizes", concat("sizes that need ", wanted, " bytes, with ", held, " bytes of data"),
+  const std::uint64_t least = encoding == "raw"     ? wanted
+                              : encoding == "ASCII" ? 2 * sample_count - 1  // digits with spaces between
+                              : encoding == "hex"   ? 2 * wanted
+                                                    : 0;
+  if (held < least)
+    refuse_input(path, "key sizes", concat("sizes that need ", least, " bytes, with ", held, " bytes of data"),
                  "sizes that the data can fill");
 }
 
@@ -328,7 +334,7 @@ NeutralVolume read_samples(const std::filesystem::path& path, bool colors) {
   volume.field_name = stem_of(path);
   const std::uint64_t bytes = colors ? checked_color_bytes(path, volume.sample_count, volume.component_count)
                                      : checked_volume_bytes(path, volume.sample_count, volume.type);
-  check_data_size(path, *io, bytes);
+  check_data_size(path, *io, bytes, bytes / formats::element_bytes(volume.type));
   if (!left_in_file(volume, path, *io, bytes)) set_samples(volume, load_samples(path, *header, bytes));
   finish_volume(volume, path);
   return volume;

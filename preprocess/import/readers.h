@@ -12,9 +12,9 @@ namespace rhoray::preprocess {
 /// file's extension (importers.cpp) and refuses an extension that it does not know (Trouble::unsupported).
 
 struct VolumeRequest {
-  std::optional<RawVolume> raw;  ///< read as headerless bytes, whatever the extension
-  std::string field;             ///< as in ImportVolumeOptions
-  bool colors = false;           ///< likewise
+  std::optional<RawVolume> raw{};  ///< read as headerless bytes, whatever the extension
+  std::string field{};             ///< as in ImportVolumeOptions
+  bool colors = false;             ///< likewise
   bool length_of_vectors = false;
 };
 

@@ -5,16 +5,21 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <new>
+#include <ostream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "formats/base/text.h"
@@ -24,6 +29,7 @@
 #include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/import/readers.h"
+#include "preprocess/import/zip_archive.h"
 #include "tests/support/resealed.h"
 #include "tests/support/temporary_folder.h"
 
@@ -322,6 +328,139 @@ TEST(LyingHeaders, in_binary_stl_and_plot3d_are_read_or_refused_at_little_cost) 
   EXPECT_GT(check_lies(plot3d, lies), 30);
 }
 
+using Reader = void (*)(const std::filesystem::path&);
+
+/// A volume of samples or of colours, whatever the field.
+void volume_or_colors(const std::filesystem::path& path) {
+  try {
+    volume(path);
+  } catch (const Error&) {
+    read_volume(path, {.colors = true});
+  }
+}
+void length_of_vectors(const std::filesystem::path& path) {
+  read_volume(path, {.length_of_vectors = true});
+}
+/// Legacy VTK tells in the file what it holds.
+void volume_cells_or_surface(const std::filesystem::path& path) {
+  for (const Reader reader : {volume, cells}) try {
+      return reader(path);
+    } catch (const Error&) {
+    }
+  surface(path);
+}
+void archive(const std::filesystem::path& path) {
+  read_zip(path, [](const std::string&, std::string_view) {});
+}
+
+/// A format with seeds of the fuzz harness `import`: small valid files in its variants, each with the file that stands
+/// beside it, if any, behind a line.
+struct SeedFormat {
+  const char* name;
+  const char* extension;
+  const char* extension_beside;
+  Reader read;
+
+  friend void PrintTo(const SeedFormat& format, std::ostream* to) { *to << format.name; }
+};
+
+constexpr SeedFormat seed_formats[] = {
+    {"bov", ".bov", ".raw", length_of_vectors},
+    {"brainvisa", ".tri", "", surface},
+    {"cube", ".cube", "", volume},
+    {"gmsh", ".msh", "", cells},
+    {"legacy_vtk", ".vtk", "", volume_cells_or_surface},
+    {"medit", ".mesh", ".sol", cells},
+    {"medit_binary", ".meshb", ".solb", cells},
+    {"metaimage", ".mhd", ".raw", volume_or_colors},
+    {"netgen", ".vol", "", cells},
+    {"nifti", ".nii", "", volume},
+    {"nrrd", ".nhdr", ".raw", volume_or_colors},
+    {"obj", ".obj", "", surface},
+    {"off", ".off", "", surface},
+    {"plot3d", ".xyz", ".q", cells},
+    {"ply", ".ply", "", surface},
+    {"slc", ".slc", "", volume},
+    {"stl", ".stl", "", surface},
+    {"tetgen_faces", ".face", ".node", surface},
+    {"tetgen_mesh", ".node", ".ele", cells},
+    {"tetgen_surface", ".poly", ".mtr", surface},
+    {"vti", ".vti", "", volume},
+    {"vtu", ".vtu", "", cells},
+    {"zip", ".zip", "", archive},
+};
+
+/// Parts a seed into its files, beside it, and reads them.
+void read_parts(const std::filesystem::path& path, const SeedFormat& format) {
+  constexpr std::string_view next_file = "\n-- next file --\n";
+  const std::string whole = tests::read_file(path);
+  const std::size_t end = whole.find(next_file);
+  const std::filesystem::path file = path.parent_path() / concat("input", format.extension);
+  if (end != std::string::npos)
+    write_file(path.parent_path() / concat("input", format.extension_beside), whole.substr(end + next_file.size()));
+  write_file(file, whole.substr(0, end));
+  format.read(file);
+}
+
+/// Lies about the words of four bytes, in either order of bytes, behind the last line before what is not text, and
+/// behind the underscore with which appended data of VTK begin.
+std::vector<Lie> lies_in_words(const std::string& content) {
+  const auto is_text = [](char c) {
+    const auto code = static_cast<unsigned char>(c);
+    return code == '\n' || code == '\t' || code == '\r' || (code >= 32 && code < 127);
+  };
+  std::vector<Lie> lies;
+  const auto binary = std::find_if_not(content.begin(), content.end(), is_text);
+  if (binary == content.end()) return lies;
+  const std::size_t line_end = content.rfind('\n', static_cast<std::size_t>(binary - content.begin()));
+  std::size_t at = line_end == std::string::npos ? 0 : line_end + 1;
+  if (content[at] == '_') ++at;
+  for (; at + 4 <= content.size(); at += 4)
+    for (const char* word : {"\0\0\0\0", "\xff\xff\xff\xff", "\xff\xff\xff\x7f", "\x7f\xff\xff\xff", "\0\0\0\x80",
+                             "\x80\0\0\0", "\1\0\0\0", "\0\0\0\1"}) {
+      Lie lie{content,
+              concat("byte ", at, ": word of bytes ", static_cast<int>(word[0]), ' ', static_cast<int>(word[3]))};
+      std::memcpy(lie.content.data() + at, word, 4);
+      if (lie.content != content) lies.push_back(std::move(lie));
+    }
+  return lies;
+}
+
+/// Some of them, spread evenly; all when the environment asks.
+std::vector<Lie> some_of(std::vector<Lie> lies) {
+  constexpr std::size_t most = 150;
+  if (lies.size() <= most || std::getenv("RHORAY_ALL_LIES") != nullptr) return lies;
+  std::vector<Lie> some;
+  for (std::size_t i = 0; i < most; ++i) some.push_back(std::move(lies[i * lies.size() / most]));
+  return some;
+}
+
+class LyingSeeds : public testing::TestWithParam<SeedFormat> {};
+
+TEST_P(LyingSeeds, are_read_or_refused_at_little_cost) {
+  const SeedFormat& format = GetParam();
+  int checked = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(RHORAY_FUZZ_SEEDS) / format.name)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("found_")) continue;  // not valid
+    const Sample sample{name, tests::read_file(entry.path()),
+                        [&](const std::filesystem::path& path) { read_parts(path, format); }};
+    std::vector<Lie> lies = some_of(lies_in_text(sample.content, sample.content.size()));
+    for (Lie& lie : some_of(lies_in_words(sample.content))) lies.push_back(std::move(lie));
+    checked += check_lies(sample, lies);
+  }
+  EXPECT_GT(checked, 20);
+}
+
+INSTANTIATE_TEST_SUITE_P(Foreign, LyingSeeds, testing::ValuesIn(seed_formats),
+                         [](const auto& format) { return std::string(format.param.name); });
+
+TEST(LyingSeeds, are_tried_for_every_format) {
+  const std::filesystem::directory_iterator folders(RHORAY_FUZZ_SEEDS);
+  EXPECT_EQ(std::distance(begin(folders), end(folders)), std::ssize(seed_formats));
+}
+
 /// Opens a packed file as what it is.
 void packed(const std::filesystem::path& path) {
   const formats::PackedFile file = formats::PackedFile::open(path);
@@ -333,7 +472,8 @@ void packed(const std::filesystem::path& path) {
 }
 
 TEST(LyingHeaders, of_packed_files_are_read_or_refused_at_little_cost) {
-  for (const char* name : {"1.0-grid.rho", "1.2-clustered-tets.rho", "1.3-surface.rho"}) {
+  for (const char* name : {"1.0-grid.rho", "1.0-tets.rho", "1.1-rectilinear-grid.rho", "1.1-sparse-grid.rho",
+                           "1.2-clustered-tets.rho", "1.3-surface.rho", "1.4-colors.rho", "1.5-certified-grid.rho"}) {
     const std::string content = tests::read_file(std::filesystem::path(RHORAY_RELEASED_FILES) / name);
     const Sample sample{name, content, packed};
     std::vector<Lie> lies = lies_in_bytes(content, 0, 8);

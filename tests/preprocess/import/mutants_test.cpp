@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <ostream>
 #include <random>
 
 #include "preprocess/import/readers.h"
@@ -32,6 +33,8 @@ struct Seed {
   std::string name;  ///< of the file that is read
   Family family;
   std::map<std::string, std::string> files;  ///< by name; one of them is changed each time
+
+  friend void PrintTo(const Seed& seed, std::ostream* to) { *to << seed.name; }
 };
 
 std::string int16_bytes() {
