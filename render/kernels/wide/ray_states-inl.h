@@ -80,9 +80,8 @@ struct RayStates {
 
 /// What double precision may put the points of a group's rays off by (point_error of grid_certified.h), as cells are
 /// found by it in single precision.
-/// @return  rays of which that is too much, and those that pass no plane of an axis, but are so close to one that
-/// single
-///          precision does not tell the sides of it apart
+/// @return  rays of which that is too much, and those that pass no plane of an axis, but are so close to one that its
+///          sides are not told apart in single precision
 HWY_INLINE std::uint64_t prepare_errors(const RayGroup& group, IsosurfaceScratch& scratch) {
   std::uint64_t doubtful = 0;
   for (std::size_t r = 0; r < group.count; r += double_lanes) {

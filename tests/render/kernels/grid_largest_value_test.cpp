@@ -220,6 +220,7 @@ TEST(GridLargestValue, on_a_face_belongs_to_the_cell_that_the_ray_enters_first) 
       return at.x == ridge ? 50 + noise : at.x == ridge - 1 + 2 * (at.z % 2) ? 30 + 3 * noise : noise;
     };
     TracedVolume traced(volume_of<float>({24, 24, 24}, samples), {.macro_factor = 4});
+    int on_the_ridge = 0;
     for (int trial = 0; trial < 400; ++trial) {
       const bool rises = trial % 2 == 0;
       const Vec3 at(ridge, dice.between(1, 22), dice.between(1, 22));
@@ -229,8 +230,10 @@ TEST(GridLargestValue, on_a_face_belongs_to_the_cell_that_the_ray_enters_first) 
         const Vec3 p = at - 0.9 * direction + hit.t * direction;
         if (std::abs(p.x - ridge) > 1e-9) continue;  // higher inside a cell
         EXPECT_EQ(static_cast<int>(hit.cell % 23), rises ? ridge - 1 : ridge) << "from " << p << " along " << direction;
+        ++on_the_ridge;
       }
     }
+    EXPECT_GT(on_the_ridge, 400) << "of 1200";
   }
 }
 

@@ -100,6 +100,36 @@ TEST(WideCertified, answers_rays_that_pass_edges_and_corners_far_from_the_surfac
   }
 }
 
+TEST(WideCertified, of_rays_that_begin_or_end_beside_the_surface_are_the_judges) {
+  TracedVolume traced(hills());
+  const std::vector<Ray> rays = squares_of_rays_to_edges(1280, 4);
+  for (const Machine machine : wide_machines()) {
+    const std::vector<Hit> whole = answers(traced, certified, machine, rays, 10.3);
+    std::vector<Ray> cut;  // as near to the surface as the place of the hit is known
+    for (std::size_t r = 0; r < rays.size(); ++r) {
+      if (whole[r].is_miss()) continue;
+      for (const double errors : {-1.5, -0.5, 0.5, 1.5}) {
+        const double end = whole[r].t + errors * whole[r].error;
+        cut.push_back(rays[r]), cut.back().t_max = end;
+        cut.push_back(rays[r]), cut.back().t_min = end;
+      }
+    }
+    const std::vector<Hit> truth = answers(traced, judged, Machine::scalar, cut, 10.3),
+                           found = answers(traced, certified, machine, cut, 10.3);
+    std::size_t met_before_the_end = 0, not_met = 0;
+    for (std::size_t r = 0; r < cut.size(); ++r) {
+      ASSERT_EQ(found[r].is_miss(), truth[r].is_miss()) << name_of(machine) << ", ray " << r;
+      not_met += found[r].is_miss();
+      if (found[r].is_miss()) continue;
+      ASSERT_LE(std::abs(found[r].t - truth[r].t), found[r].error + truth[r].error)
+          << name_of(machine) << ", ray " << r;
+      met_before_the_end += r % 2 == 0;
+    }
+    EXPECT_GT(met_before_the_end, 1000U) << name_of(machine);
+    EXPECT_GT(not_met, 1000U) << name_of(machine);
+  }
+}
+
 /// When a ray passes planes between blocks, before `until`.
 std::vector<double> times_of_planes(const Ray& ray, double until) {
   std::vector<double> times;

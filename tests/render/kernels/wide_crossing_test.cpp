@@ -346,14 +346,19 @@ TEST(WideCrossing, reports_gradients_cells_and_counts_as_the_reference_does) {
     const std::vector<Hit> wide = answers(*grid.traced, single, machine, rays, 1000.5);
     const render::KernelCounters wide_counters = grid.traced->scratch.counters;
     std::uint64_t cost = 0;
+    std::size_t hits = 0, in_one_cell = 0;
     for (std::size_t r = 0; r < rays.size(); ++r) {
       cost += wide[r].cost;
       if (wide[r].is_miss() || reference[r].is_miss()) continue;
+      ++hits;
       EXPECT_EQ(wide[r].value, 1000.5);
       EXPECT_EQ(wide[r].root_count, reference[r].root_count);
       if (wide[r].cell != reference[r].cell) continue;
+      ++in_one_cell;
       EXPECT_LE((wide[r].gradient - reference[r].gradient).length(), 1e-4 * reference[r].gradient.length());
     }
+    EXPECT_GT(hits, rays.size() / 4);
+    EXPECT_GT(in_one_cell, hits * 99 / 100);
     EXPECT_EQ(cost, wide_counters.visits()) << name_of(machine);
     grid.traced->scratch.counters = {};
     answers(*grid.traced, Method{}, Machine::scalar, rays, 1000.5);

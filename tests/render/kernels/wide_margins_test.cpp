@@ -4,14 +4,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <utility>
 
+#include "formats/brick_layout.h"
 #include "render/cells/certified_crossing.h"
 #include "render/kernels/wide/cell_walk-inl.h"
 #include "render/kernels/wide/isosurface_parts.h"
 #include "render/kernels/wide/margins-inl.h"
+#include "render/kernels/wide/maximum_state-inl.h"
 #include "tests/render/support/rays.h"
 
 /// Error bounds of certified crossings, against the errors that cells bring about that were looked for: no error may
@@ -256,6 +260,69 @@ TEST(WideMargins, of_points_find_cells_that_a_ray_hardly_passes) {
     }
 }
 
+/// Rays through a lattice of 1024 cells on each axis, of one octant, that move fastest along axis w.
+void fill_with_rays(render::wide::SearchedRays& rays, unsigned octant, std::size_t w, Dice& dice) {
+  constexpr double extent = 1024;
+  rays.count = 64, rays.octant = octant;
+  std::fill(std::begin(rays.inside), std::end(rays.inside), ~std::uint64_t{0});
+  for (std::size_t r = 0; r < rays.count; ++r) {
+    rays.t_in[r] = 0, rays.t_out[r] = extent;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double speed = a == w ? 1 : dice.between(0, 1);
+      rays.origin[a][r] = dice.between(0, extent), rays.direction[a][r] = octant >> a & 1 ? -speed : speed;
+    }
+  }
+}
+
+TEST(WideMargins, of_places_in_a_search_for_largest_values_hold_what_rounding_does_and_not_ten_times_as_much) {
+  constexpr std::array<int, 3> nodes{64, 64, 64};
+  const auto scratch = std::make_unique<render::wide::MaximumScratch>();
+  const Index3 samples(4, 4, 4);  // whose values are not asked for
+  const formats::AxisTables tables(formats::BrickLayout{.sample_count = samples});
+  const render::wide::MaximumField field{.source = {nullptr, tables, samples},
+                                         .type = {},
+                                         .sample_bytes = 1,
+                                         .leaf_count = {},
+                                         .node_count = nodes,
+                                         .blocks = {},
+                                         .nodes = {},
+                                         .range = 0,
+                                         .has_gaps = false,
+                                         .has_squares = false,
+                                         .has_bricks = false,
+                                         .time_phases = false,
+                                         .look_closely = {},
+                                         .context = nullptr};
+  const render::wide::RayArrays no_rays{};
+  const render::wide::SearchedRays& rays = scratch->rays;
+  Dice dice(8);
+  Exact largest_share = 0;
+  for (int trial = 0; trial < trials / 100; ++trial) {
+    const auto octant = static_cast<unsigned>(dice.below(8));
+    const int w = static_cast<int>(dice.below(3));
+    fill_with_rays(scratch->rays, octant, static_cast<std::size_t>(w), dice);
+    const render::wide::MirroredLattice lattice(octant, nodes);
+    const render::wide::Frustum frustum{
+        .major = w, .minor = {w == 0 ? 1 : 0, w == 2 ? 1 : 2}, .first = 0, .last = 1024, .low = {}, .high = {}};
+    const wide::SearchState state(field, no_rays, *scratch, lattice, frustum);
+    for (std::size_t r = 0; r < rays.count; ++r)
+      for (int m = 0; m < 2; ++m) {
+        const int u = frustum.minor[m];
+        const auto origin = [&](int a) {
+          return lattice.is_mirrored(a) ? 1024 - rays.origin[a][r] : rays.origin[a][r];
+        };
+        const float at = static_cast<float>(dice.between(0, 1024));
+        const Exact slope = Exact{std::abs(rays.direction[u][r])} / std::abs(rays.direction[w][r]);
+        const Exact exact = origin(u) + (at - Exact{origin(w)}) * slope;
+        if (exact < 0 || exact > 1024) continue;  // beyond the lattice
+        const Exact error = std::abs(std::fma(scratch->lines.slope[m][r], at, scratch->lines.start[m][r]) - exact);
+        ASSERT_LE(error, state.margin) << "trial " << trial;
+        largest_share = std::max(largest_share, error / state.margin);
+      }
+  }
+  EXPECT_GT(largest_share, 0.1);
+}
+
 template <class Real>
 class CertifiedMargins : public testing::Test {};
 using Reals = testing::Types<float, double>;
@@ -300,6 +367,40 @@ TYPED_TEST(CertifiedMargins, of_points_hold_what_their_errors_do_and_not_ten_tim
       }
     }
   EXPECT_GT(largest_share, 0.9);  // three axes of 3.1
+}
+
+/// Where a falling cubic that is above 0 at 0 and below it at 1 passes 0.
+Exact root_of(const Bernstein& b) {
+  Exact lo = 0, hi = 1;
+  for (int i = 0; i < 80; ++i) {
+    const Exact middle = (lo + hi) / 2;
+    (polar(b, {middle, middle, middle}) > 0 ? lo : hi) = middle;
+  }
+  return lo;
+}
+
+TYPED_TEST(CertifiedMargins, of_a_root_reach_to_the_roots_of_all_cubics_within_the_margin) {
+  Dice dice(9);
+  Exact largest_share = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    // Falls steeply, then hardly, or the other way round: the roots lie further away on one side.
+    const double little = std::pow(2, dice.between(-12, 0)), margin = little * std::pow(2, dice.between(-12, -1));
+    std::array<double, 4> b{1, little * dice.between(-1, 1), little * dice.between(-1, 1), -little};
+    std::sort(b.begin(), b.end(), std::greater<>());
+    if (dice.coin()) b = {-b[3], -b[2], -b[1], -b[0]};
+    render::StartSideUp<TypeParam> way{};
+    way.margin = static_cast<TypeParam>(margin);
+    for (std::size_t i = 0; i < 4; ++i) way.cubic.b[i] = static_cast<TypeParam>(b[i]);
+    const render::CertifiedCrossing found = way.enclosed_change(0, 1);
+    for (const double sign : {-1.0, 1.0}) {
+      Bernstein exact;
+      for (std::size_t i = 0; i < 4; ++i) exact[i] = Exact{way.cubic.b[i]} + sign * 0.99 * Exact{way.margin};
+      const Exact error = std::abs(root_of(exact) - found.s);
+      ASSERT_LE(error, found.s_error) << "trial " << trial;
+      largest_share = std::max(largest_share, error / found.s_error);
+    }
+  }
+  EXPECT_GT(largest_share, 0.7);
 }
 
 }  // namespace
