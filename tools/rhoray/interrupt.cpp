@@ -32,8 +32,9 @@ constexpr int signal_base = 128;  // a shell shows this plus the signal's number
 /// How long work on lost bytes may go on before it is ended: zeros in the place of links may make it endless.
 constexpr int grace_s = 10;
 
-sem_t something_came;  // a handler may do no more than set the flags below and post it
-std::atomic<int> ending_signal{0};
+sem_t something_came;                 // a handler may do no more than set the flags below and post it
+std::atomic<int> ending_signal{0};    ///< the last that came
+std::atomic<int> unanswered{0};       ///< how many such signals were not acted upon yet
 std::atomic<bool> lost_bytes{false};  ///< and reading went on
 std::atomic<bool> crashed{false};     ///< after bytes were lost
 std::atomic<bool> lost_reader{false};
@@ -45,7 +46,12 @@ std::stop_source* request = nullptr;  // of an InterruptRequest
 
 extern "C" void on_interrupt(int signal) {
   const int before = errno;
-  (signal == SIGPIPE ? lost_reader.store(true) : ending_signal.store(signal));
+  if (signal == SIGPIPE) {
+    lost_reader.store(true);
+  } else {
+    ending_signal.store(signal);
+    unanswered.fetch_add(1);
+  }
   ::sem_post(&something_came);
   errno = before;
 }
@@ -71,7 +77,8 @@ extern "C" void on_crash(int signal, siginfo_t*, void*) {
   if (!any_bytes_lost()) return leave_to_system(signal);
   crashed.store(true);
   ::sem_post(&something_came);
-  for (;;) ::pause();  // wait_and_end ends the program
+  for (unsigned left = grace_s; left > 0;) left = ::sleep(left);  // wait_and_end ends the program
+  leave_to_system(signal);                                        // unless this thread holds what that needs
 }
 
 /// Waits for a flag to be set, until the deadline if there is one. False when it has passed.
@@ -134,7 +141,8 @@ void wait_and_end() {
       end_for_lost_bytes("an input lost bytes while it was read");
     }
     if (lost_reader.load()) end_program(signal_base + SIGPIPE, "");
-    if (ending_signal.load() != 0) {
+    if (unanswered.load() > 0) {
+      unanswered.fetch_sub(1);
       if (request_end()) continue;
       end_program(interrupted_exit_code(), "\nrhoray: interrupted\n");
     }
