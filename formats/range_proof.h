@@ -8,7 +8,7 @@
 
 namespace rhoray::formats {
 
-/// Proves that what lets a ray pass cells of one field by is true: that value ranges contain the samples or the values
+/// Proves that what rays skip cells of one field by is true: that value ranges contain the samples or the values
 /// at vertices, that boxes hold the points, that leaf lists name every cell that touches (details/range_checks.h), that
 /// the field's range contains its values, and that a field with no_data_count 0 has no gaps. Opening a file checks none
 /// of this, and checksums do not tell: whoever writes a file can write its checksums.

@@ -165,5 +165,24 @@ TEST(ReleasedFiles, colours_of_version_1_4_are_read) {
       }
 }
 
+TEST(ReleasedFiles, grid_of_version_1_5_with_a_request_and_its_coverage_is_read) {
+  const BrickGrid grid(released("1.5-certified-grid.rho"));
+  EXPECT_EQ(grid.file().version(), "1.5");
+  EXPECT_THAT(grid.file().damaged_blocks(), testing::IsEmpty());
+  EXPECT_THAT(deep_findings(grid), testing::IsEmpty());
+  const GridDescription& d = grid.description();
+  EXPECT_EQ(d.layout, BrickLayout::sparse({8, 8, 8}, 1, 8));
+  EXPECT_EQ(d.fields[0].name, "height");
+  EXPECT_EQ(d.provenance.source_name, "cube.vtk");
+  ASSERT_EQ(d.certificates.size(), 1U);
+  const Certificate& certificate = d.certificates.at(0);
+  EXPECT_EQ(certificate.coverage, 1);
+  EXPECT_EQ(certificate.requested_error, 0.4);
+  EXPECT_TRUE(certificate.meets_request());
+  EXPECT_EQ(certificate.point_count, 343U);
+  EXPECT_EQ(static_cast<double>(grid.errors<float>(0, "max")[0]), certificate.max_error);
+  EXPECT_NEAR(certificate.max_error, 0.1696, 5e-5) << "as it was printed";
+}
+
 }  // namespace
 }  // namespace rhoray::formats
