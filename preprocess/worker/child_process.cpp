@@ -378,7 +378,9 @@ formats::PackedFile run_worker(const WorkerRequest& request) {
   try {
     return formats::PackedFile::from_descriptor(output.number(), "what the worker " + request.program + " handed over");
   } catch (const Error& error) {
-    throw Error(Trouble::internal, concat("while ", request.doing, ": ", error.what()), error.hint());
+    // Memory may be missing here; whatever else is wrong is a defect of the worker.
+    const Trouble trouble = error.trouble() == Trouble::resource ? Trouble::resource : Trouble::internal;
+    throw Error(trouble, concat("while ", request.doing, ": ", error.what()), error.hint());
   }
 }
 

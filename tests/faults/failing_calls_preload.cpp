@@ -8,8 +8,8 @@
 //
 //   RHORAY_FAIL_COUNT   a file of 8 bytes, the counter that the processes share
 //
-// Counted are calls on regular files (write, fsync, close) and calls that come from programs and shared libraries;
-// those that the C library makes for itself (stdio, malloc, the loader) are not seen here.
+// Counted are calls on regular files (write, fsync, close), mappings of files (mmap) and calls that come from programs
+// and shared libraries; those that the C library makes for itself (stdio, malloc, the loader) are not seen here.
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -138,7 +138,7 @@ int linkat(int from_folder, const char* from, int to_folder, const char* to, int
 }
 
 void* mmap(void* address, size_t bytes, int protection, int flags, int file, off_t at) noexcept {
-  if (must_fail("mmap")) return MAP_FAILED;
+  if ((flags & MAP_ANONYMOUS) == 0 && must_fail("mmap")) return MAP_FAILED;
   const long result = ::syscall(SYS_mmap, address, bytes, protection, flags, file, at);
   return reinterpret_cast<void*>(result);  // -1 is MAP_FAILED
 }

@@ -33,7 +33,8 @@ struct Kind {
   const char* call;
   int error;
 };
-constexpr Kind kinds[] = {{"write", ENOSPC}, {"fsync", EIO}, {"rename", EIO}, {"close", EIO}, {"fork", EAGAIN}};
+constexpr Kind kinds[] = {{"write", ENOSPC}, {"fsync", EIO},   {"rename", EIO},
+                          {"close", EIO},    {"mmap", ENOMEM}, {"fork", EAGAIN}};
 
 /// A command with one call that fails.
 class FaultRun {
@@ -114,7 +115,7 @@ TEST(FailingCalls, each_ends_with_5_and_the_old_files_or_does_no_harm) {
     EXPECT_GT(runs[kind.call], 0) << kind.call << ": no such call was met";
     std::printf("%s: %d runs, %d refusals\n", kind.call, runs[kind.call], refusals[kind.call]);
   }
-  for (const char* const call : {"write", "fsync", "rename", "fork"}) EXPECT_GT(refusals[call], 0) << call;
+  for (const char* const call : {"write", "fsync", "rename", "mmap", "fork"}) EXPECT_GT(refusals[call], 0) << call;
 }
 
 }  // namespace
