@@ -9,6 +9,7 @@
 #include <set>
 #include <sstream>
 
+#include "formats/base/text.h"
 #include "tests/tools/workbench.h"
 
 /// tests/tools/baselines: small pictures of made data, one for each thing that pictures may show.
@@ -88,6 +89,16 @@ std::vector<int> differences_of_pixels(const std::filesystem::path& a, const std
   return differences;
 }
 
+/// The numbers of an EXR, as they lie there.
+std::vector<float> floats_of(const std::filesystem::path& file) {
+  const auto input = OIIO::ImageInput::open(file.string());
+  if (!input) throw std::runtime_error(OIIO::geterror());
+  const OIIO::ImageSpec& spec = input->spec();
+  std::vector<float> numbers(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels));
+  EXPECT_TRUE(input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, numbers.data()));
+  return numbers;
+}
+
 TEST(Baselines, are_at_least_40_and_each_has_its_picture) {
   std::set<std::string> names, pictures;
   for (const Baseline& baseline : listed_baselines())
@@ -128,6 +139,31 @@ TEST(Baselines, are_drawn_again) {
     bench.rhoray({"compare", expected, picture, "--map", (failed / (name + "_map.png")).string()});
   }
   EXPECT_FALSE(are_written) << "the pictures were drawn, not compared";
+}
+
+TEST(Baselines, have_the_same_bytes_with_any_number_of_threads) {
+  const Workbench bench;
+  make_data(bench);
+  if (HasFatalFailure()) return;
+  const std::vector<Baseline> all = listed_baselines();
+  int compared = 0;
+  for (std::size_t i = 0; i < all.size(); i += 4) {
+    SCOPED_TRACE(all[i].name);
+    std::vector<float> of_one;
+    for (const int threads : {1, 2, 3, 4, 8}) {
+      const RunResult drawn = bench.shell(
+          concat("rhoray render ", all[i].words, " --size 96x96 -q --force -o drawn.exr --threads ", threads));
+      ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+      const std::vector<float> numbers = floats_of(bench / "drawn.exr");
+      ASSERT_GE(numbers.size(), 96U * 96U * 3U);
+      if (threads == 1) of_one = numbers;
+      EXPECT_TRUE(numbers.size() == of_one.size() &&
+                  std::memcmp(numbers.data(), of_one.data(), numbers.size() * sizeof(float)) == 0)
+          << threads << " threads";
+    }
+    ++compared;
+  }
+  EXPECT_GE(compared, 12);
 }
 
 }  // namespace
