@@ -123,13 +123,6 @@ const T& any_of(const std::vector<T>& list, Dice& dice) {
   return list[static_cast<std::size_t>(dice.below(static_cast<int>(list.size())))];
 }
 
-Vec3 any_direction(Dice& dice) {
-  for (;;) {
-    const Vec3 d(dice.between(-1, 1), dice.between(-1, 1), dice.between(-1, 1));
-    if (d.length2() > 0.01 && d.length2() <= 1) return d.normalized();
-  }
-}
-
 /// One of the 26 to the neighbours in a lattice.
 Vec3 lattice_direction(Dice& dice) {
   for (;;) {
@@ -157,20 +150,6 @@ Vec3 place_on(const ClosedScene& scene, const std::array<std::uint32_t, 2>& edge
   return a + share * (b - a);
 }
 
-Vec3 target_of(const ClosedScene& scene, Aim aim, Dice& dice) {
-  const auto& edge = any_of(scene.edges, dice);
-  switch (aim) {
-    case Aim::at_edges:
-      return place_on(scene, edge, dice);
-    case Aim::at_vertices:
-      return scene.vertices[edge[dice.coin() ? 1 : 0]];
-    case Aim::anywhere:
-      break;
-  }
-  // Near the surface, so that many graze it.
-  return scene.vertices[edge[0]] + 4 * scene.cell_edge * dice.unit() * any_direction(dice);
-}
-
 }  // namespace
 
 const char* name_of(SceneKind kind) {
@@ -193,6 +172,30 @@ ClosedScene closed_scene(SceneKind kind, const Placement& placement, std::int64_
   for (const Vec3& vertex : scene.vertices) box.extendBy(vertex);
   scene.diagonal = box.size().length();
   return scene;
+}
+
+Vec3 any_direction(Dice& dice) {
+  for (;;) {
+    const Vec3 d(dice.between(-1, 1), dice.between(-1, 1), dice.between(-1, 1));
+    if (d.length2() > 0.01 && d.length2() <= 1) return d.normalized();
+  }
+}
+
+Vec3 target_at(const ClosedScene& scene, const std::array<std::uint32_t, 2>& edge, Aim aim, Dice& dice) {
+  switch (aim) {
+    case Aim::at_edges:
+      return place_on(scene, edge, dice);
+    case Aim::at_vertices:
+      return scene.vertices[edge[dice.coin() ? 1 : 0]];
+    case Aim::anywhere:
+      break;
+  }
+  // Near the surface, so that many graze it.
+  return scene.vertices[edge[0]] + 4 * scene.cell_edge * dice.unit() * any_direction(dice);
+}
+
+Vec3 target_of(const ClosedScene& scene, Aim aim, Dice& dice) {
+  return target_at(scene, any_of(scene.edges, dice), aim, dice);
 }
 
 render::Ray ray_at(const ClosedScene& scene, Aim aim, Dice& dice) {

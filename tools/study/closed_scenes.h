@@ -49,6 +49,15 @@ enum class Aim { anywhere, at_edges, at_vertices };
 inline constexpr std::array<Aim, 3> aims{Aim::anywhere, Aim::at_edges, Aim::at_vertices};
 const char* name_of(Aim aim);
 
+/// A place to aim at, in the frame: on an edge of a cell that the surface passes through (its middle, anywhere, or
+/// where the surface passes), at an end of one, or up to four cells away from one.
+Vec3 target_of(const ClosedScene& scene, Aim aim, Dice& dice);
+/// The same for a given edge.
+Vec3 target_at(const ClosedScene& scene, const std::array<std::uint32_t, 2>& edge, Aim aim, Dice& dice);
+
+/// Of unit length.
+Vec3 any_direction(Dice& dice);
+
 /// A ray of the scene's frame that begins and ends outside of the volume. Half of them are born in the world and
 /// rounded on their way into the frame; the others are aimed in the frame itself. Some run along edges, in faces or
 /// along diagonals, some start 10,000 diagonals away.

@@ -1,0 +1,84 @@
+// Watertightness. Rays of all sorts, at edges and vertices above all, at closed isosurfaces of every size and place:
+// none slips through, and none meets what is not there. A million rays; RHORAY_WATERTIGHT_RAYS in the environment asks
+// for more (tests/nightly).
+#include <gtest/gtest.h>
+
+#include <iostream>
+#include <mutex>
+
+#include "formats/base/parallel.h"
+#include "render/kernels/machine.h"
+#include "tests/hard_cases/asked_count.h"
+#include "tests/hard_cases/watertight_tally.h"
+#include "tests/support/temporary_folder.h"
+
+namespace rhoray::tests {
+namespace {
+
+constexpr std::uint64_t chunk = 1024;         ///< rays of one seed
+constexpr std::uint64_t thorough_every = 7;   ///< chunks: it takes ten times as long
+constexpr std::uint64_t sample_every = 1000;  ///< 100,000 of the nightly rays
+
+/// A box of 1e-6 around 148376 1234 -223423 is 34,000 neighbouring doubles wide: 2,900 of them to a cell.
+std::vector<study::Placement> placements() {
+  std::vector<study::Placement> all;
+  for (const Vec3& centre : {Vec3(0), Vec3(1e3), Vec3(1e5), Vec3(148376, 1234, -223423)})
+    for (const double scale : {1e-6, 1.0, 1e6}) all.push_back({centre, scale});
+  return all;
+}
+
+void print(const WatertightTally& tally) {
+  std::cout << tally.rays << " rays, " << tally.redecided << " decided again\n";
+  const auto print_method = [](const char* name, const WatertightTally::OfMethod& of) {
+    std::cout << name << ": hits " << of.hits << ", crossings " << of.crossings << ", wide " << of.wide << ", odd "
+              << of.parity << ", other " << of.other << ", of these ties " << of.ties << ", wrong " << of.wrong
+              << ", met past " << of.met_past << "\n";
+  };
+  for (std::size_t m = 0; m < WatertightTally::method_count; ++m)
+    print_method(WatertightTally::name(m), tally.of_method[m]);
+  print_method("all crossings", tally.all);
+}
+
+TEST(Watertight, no_ray_slips_through_a_closed_surface_and_none_meets_what_it_passes) {
+  const std::size_t parts = study::scene_kinds.size() * placements().size() * study::aims.size();
+  const std::uint64_t ray_count = asked_count("RHORAY_WATERTIGHT_RAYS", 1'000'000);
+  const std::uint64_t chunks = (ray_count + parts * chunk - 1) / (parts * chunk);
+  const TemporaryFolder folder;
+  WatertightTally whole;
+  std::mutex adding;
+  std::uint64_t seed = 1;
+  for (const study::SceneKind kind : study::scene_kinds)
+    for (const study::Placement& placement : placements()) {
+      const study::ClosedScene scene = closed_scene(kind, placement, 12, folder.path());
+      for (const study::Aim aim : study::aims) {
+        const std::uint64_t first = seed++ << 32;
+        parallel_for_each(chunks, [&](std::uint64_t c) {
+          const WatertightTally part =
+              tally_watertight(scene, aim, chunk, first + c, c % thorough_every == 0, sample_every);
+          const std::scoped_lock lock(adding);
+          whole.add(part);
+        });
+      }
+    }
+  print(whole);
+  for (const std::string& complaint : whole.complaints) ADD_FAILURE() << complaint;
+  EXPECT_GE(whole.rays, ray_count);
+  for (std::size_t m = 0; m < WatertightTally::method_count; ++m) {
+    const WatertightTally::OfMethod& of = whole.of_method[m];
+    EXPECT_EQ(of.wrong, 0U) << WatertightTally::name(m);
+    EXPECT_EQ(of.met_past, 0U) << WatertightTally::name(m);
+    EXPECT_GT(of.hits, of.rays / 2) << WatertightTally::name(m);
+    EXPECT_LT(of.ties, of.rays / 50) << WatertightTally::name(m) << ": too much is excused";
+  }
+  EXPECT_GT(whole.of_method[2].other, whole.of_method[2].rays / 2000)
+      << "double precision is right too: are these rays still hard?";
+  if (render::chosen_machine() != render::Machine::scalar) {
+    EXPECT_GT(whole.of_method[0].wide, whole.rays / 2);
+    EXPECT_GT(whole.of_method[1].wide, whole.rays / 2);
+  }
+  EXPECT_EQ(whole.all.wrong, 0U);
+  EXPECT_LT(whole.all.ties, whole.all.rays / 200);
+}
+
+}  // namespace
+}  // namespace rhoray::tests
