@@ -227,11 +227,11 @@ constexpr int exit_of_json = 77, exit_not_met = 78;
 /// True when it was the JSON library's allocation that failed. Its destructor allocates (json_value::destroy): where
 /// that fails, the program ends. Its constructor from a list loses what it made before.
 bool failed_in_json() {
-  constexpr int nearest = 5;  // the failing allocation, new, and what called it
-  const int count = std::min(failing_frame_count, nearest);
-  char** const names = ::backtrace_symbols(failing_frames, count);
-  for (int i = 0; names != nullptr && i < count; ++i)
+  char** const names = ::backtrace_symbols(failing_frames, failing_frame_count);
+  for (int i = 0; names != nullptr && i < failing_frame_count; ++i) {
     if (std::strstr(names[i], "nlohmann") != nullptr) return true;
+    if (std::strstr(names[i], "6rhoray") != nullptr) return false;  // ours, nearer than the library's
+  }
   return false;
 }
 
