@@ -18,17 +18,18 @@
 
 namespace {
 
-// In the place of the C library's, so that they can fail.
+// In the place of the C library's, so that they can fail. The thread sanitizer calls them before it is ready itself.
+#define RHORAY_CALLED_EARLY __attribute__((no_sanitize("thread")))
 bool getting_fails = false, setting_fails = false;
 
 }  // namespace
 
-extern "C" int getrlimit(__rlimit_resource_t resource, rlimit* limit) noexcept {
+extern "C" RHORAY_CALLED_EARLY int getrlimit(__rlimit_resource_t resource, rlimit* limit) noexcept {
   if (getting_fails) return errno = EPERM, -1;
   return ::prlimit(0, static_cast<__rlimit_resource>(resource), nullptr, limit);
 }
 
-extern "C" int setrlimit(__rlimit_resource_t resource, const rlimit* limit) noexcept {
+extern "C" RHORAY_CALLED_EARLY int setrlimit(__rlimit_resource_t resource, const rlimit* limit) noexcept {
   if (setting_fails) return errno = EPERM, -1;
   return ::prlimit(0, static_cast<__rlimit_resource>(resource), limit, nullptr);
 }
