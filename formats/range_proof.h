@@ -8,10 +8,10 @@
 
 namespace rhoray::formats {
 
-/// Proves that what rays skip cells of one field by is true: that value ranges contain the samples or the values
-/// at vertices, that boxes hold the points, that leaf lists name every cell that touches (details/range_checks.h), that
-/// the field's range contains its values, and that a field with no_data_count 0 has no gaps. Opening a file checks none
-/// of this, and checksums do not tell: whoever writes a file can write its checksums.
+/// Proves that rays skip only cells without a crossing of one field: value ranges contain the samples or the values at
+/// vertices, boxes contain the points, leaf lists name every cell that touches (details/range_checks.h), the field's
+/// range contains its values, and a field with no_data_count 0 has no gaps. Opening a file checks none of this, and
+/// checksums cannot: whoever writes a file can write its checksums.
 ///
 /// Reads the field and the structure over it once. Refuses (Trouble::invalid) with the first finding; the code is that
 /// of `rhoray verify --deep`, and shares nothing with the code that packs.

@@ -137,7 +137,7 @@ void PendingFile::release() {
 
 void PendingFile::remove_temporary() {
   const std::lock_guard lock(Unfinished::all().guard);
-  // What stays because of an error, the next run removes.
+  // An error here is ignored: the next run removes a file that stays.
   if (!temporary_name_.empty()) ::unlinkat(folder_, temporary_name_.c_str(), 0);
   temporary_name_.clear();
   Unfinished::all().files.erase(this);

@@ -19,8 +19,9 @@ struct RangesRead {
   std::uint64_t bytes = 0;    ///< of the arrays compared; of a mesh with those of check_boxes_and_lists
 };
 
-/// What rays skip cells by, whatever the field: points lie in the lattice and each cell is listed in every leaf
-/// cell that it touches; or each cluster's box holds its points, and each box above holds those below.
+/// Checks the parts of the hierarchy that do not depend on a field. Leaf lists: all points lie in the lattice, and
+/// every leaf cell lists each tetrahedron that touches it. Clusters: each box contains its points, and each box above
+/// contains the boxes below.
 /// @param threads  0 = all cores
 void check_boxes_and_lists(const TetMesh& mesh, unsigned threads, Findings& findings);
 

@@ -87,7 +87,8 @@ class Recording {
   CrashModel model() const { return {before_, calls_}; }
   const FolderContents& after() const { return after_; }
 
-  /// What is wrong with a state that a crash left, before the command had ended or later; empty when nothing is.
+  /// Describes what is wrong with a state that a crash left; empty when nothing is.
+  /// @param has_ended  the crash came after the command had ended
   std::string fault_of(const FolderContents& state, bool has_ended) const;
 
   /// Runs the command again in a folder of this state: then its file is there and nothing else.

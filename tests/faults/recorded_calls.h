@@ -4,7 +4,7 @@
 
 namespace rhoray::tests {
 
-/// What a recorded call did in the folder.
+/// The effect of a recorded call on the folder.
 enum class CallKind : std::uint32_t {
   create,      ///< a file came to be; it has a name unless it is anonymous
   write,       ///< `bytes` from byte `at` on

@@ -14,11 +14,16 @@ PackedFile released(const char* name) {
   return PackedFile::open(std::filesystem::path(RHORAY_RELEASED_FILES) / name);
 }
 
+template <class Reader>
+void expect_sound(const Reader& read, const char* version) {
+  EXPECT_EQ(read.file().version(), version);
+  EXPECT_THAT(read.file().damaged_blocks(), testing::IsEmpty());
+  EXPECT_THAT(deep_findings(read), testing::IsEmpty());
+}
+
 TEST(ReleasedFiles, grid_of_version_1_0_is_read) {
   const BrickGrid grid(released("1.0-grid.rho"));
-  EXPECT_EQ(grid.file().version(), "1.0");
-  EXPECT_THAT(grid.file().damaged_blocks(), testing::IsEmpty());
-  EXPECT_THAT(deep_findings(grid), testing::IsEmpty());
+  expect_sound(grid, "1.0");
   const GridDescription& d = grid.description();
   EXPECT_EQ(d.layout, (BrickLayout{{9, 6, 5}, 4, {3, 2, 2}}));
   EXPECT_EQ(d.world_from_grid, (Affine{{0, 0.5, 0}, {-0.25, 0, 0}, {0, 0, 2}, {1, -2, 3.5}}));
@@ -36,10 +41,8 @@ TEST(ReleasedFiles, grid_of_version_1_0_is_read) {
 
 TEST(ReleasedFiles, rectilinear_grid_of_version_1_1_is_read) {
   const BrickGrid grid(released("1.1-rectilinear-grid.rho"));
-  EXPECT_EQ(grid.file().version(), "1.1");
+  expect_sound(grid, "1.1");
   EXPECT_THAT(grid.file().description().required, testing::ElementsAre("axis-tables"));
-  EXPECT_THAT(grid.file().damaged_blocks(), testing::IsEmpty());
-  EXPECT_THAT(deep_findings(grid), testing::IsEmpty());
   EXPECT_THAT(grid.description().axes[0], testing::ElementsAre(-2, -1, 0, 0.25, 0.5));
   EXPECT_THAT(grid.description().axes[1], testing::ElementsAre(0, 1, 3, 6));
   EXPECT_THAT(grid.description().axes[2], testing::IsEmpty());
@@ -48,10 +51,8 @@ TEST(ReleasedFiles, rectilinear_grid_of_version_1_1_is_read) {
 
 TEST(ReleasedFiles, sparse_grid_of_version_1_1_with_two_fields_and_a_certificate_is_read) {
   const BrickGrid grid(released("1.1-sparse-grid.rho"));
-  EXPECT_EQ(grid.file().version(), "1.1");
+  expect_sound(grid, "1.1");
   EXPECT_THAT(grid.file().description().required, testing::ElementsAre("axis-tables", "sparse-bricks"));
-  EXPECT_THAT(grid.file().damaged_blocks(), testing::IsEmpty());
-  EXPECT_THAT(deep_findings(grid), testing::IsEmpty());
   const GridDescription& d = grid.description();
   EXPECT_EQ(d.layout, BrickLayout::sparse({9, 6, 5}, 8, 4));
   EXPECT_THAT(d.axes[0], testing::ElementsAre(-2, -1, 0, 0.25, 0.5, 0.75, 1, 10, 1000));
@@ -73,9 +74,7 @@ TEST(ReleasedFiles, sparse_grid_of_version_1_1_with_two_fields_and_a_certificate
 
 TEST(ReleasedFiles, mesh_of_version_1_0_is_read) {
   const TetMesh mesh(released("1.0-tets.rho"));
-  EXPECT_EQ(mesh.file().version(), "1.0");
-  EXPECT_THAT(mesh.file().damaged_blocks(), testing::IsEmpty());
-  EXPECT_THAT(deep_findings(mesh), testing::IsEmpty());
+  expect_sound(mesh, "1.0");
   EXPECT_EQ(mesh.description().origin, Vec3(10, 20, 30));
   EXPECT_EQ(mesh.points().size(), 8U);
   EXPECT_EQ(mesh.description().cell_count, 6U);
@@ -89,9 +88,7 @@ TEST(ReleasedFiles, mesh_of_version_1_0_is_read) {
 
 TEST(ReleasedFiles, clusters_of_version_1_2_are_read) {
   const TetMesh mesh(released("1.2-clustered-tets.rho"));
-  EXPECT_EQ(mesh.file().version(), "1.2");
-  EXPECT_THAT(mesh.file().damaged_blocks(), testing::IsEmpty());
-  EXPECT_THAT(deep_findings(mesh), testing::IsEmpty());
+  expect_sound(mesh, "1.2");
   ASSERT_TRUE(mesh.has_clusters());
   EXPECT_EQ(mesh.clusters().cluster_count(), 3U);
   EXPECT_EQ(mesh.description().cell_count, 12U);
@@ -122,9 +119,7 @@ TEST(ReleasedFiles, clusters_of_version_1_2_are_read) {
 
 TEST(ReleasedFiles, surface_of_version_1_3_is_read) {
   const SurfaceMesh surface(released("1.3-surface.rho"));
-  EXPECT_EQ(surface.file().version(), "1.3");
-  EXPECT_THAT(surface.file().damaged_blocks(), testing::IsEmpty());
-  EXPECT_THAT(deep_findings(surface), testing::IsEmpty());
+  expect_sound(surface, "1.3");
   const SurfaceMeshDescription& d = surface.description();
   EXPECT_EQ(d.point_type, ElementType::F32);
   EXPECT_EQ(d.point_count, 5U);
@@ -167,9 +162,7 @@ TEST(ReleasedFiles, colours_of_version_1_4_are_read) {
 
 TEST(ReleasedFiles, grid_of_version_1_5_with_a_request_and_its_coverage_is_read) {
   const BrickGrid grid(released("1.5-certified-grid.rho"));
-  EXPECT_EQ(grid.file().version(), "1.5");
-  EXPECT_THAT(grid.file().damaged_blocks(), testing::IsEmpty());
-  EXPECT_THAT(deep_findings(grid), testing::IsEmpty());
+  expect_sound(grid, "1.5");
   const GridDescription& d = grid.description();
   EXPECT_EQ(d.layout, BrickLayout::sparse({8, 8, 8}, 1, 8));
   EXPECT_EQ(d.fields[0].name, "height");

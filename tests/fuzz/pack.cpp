@@ -1,5 +1,6 @@
-// What packs: the first byte chooses what is packed and how, the others are its numbers, again and again. A packed file
-// must be proven sound whatever they are. A refusal, or memory that ends, leaves the file that was there and no other.
+// Packs arbitrary numbers. The first byte of an input chooses what is packed and how; the other bytes are the numbers,
+// repeated as often as needed. Every packed file must be proven sound. A refusal, or an end of memory, must leave the
+// old file and no other.
 #include <cstring>
 #include <filesystem>
 #include <iterator>

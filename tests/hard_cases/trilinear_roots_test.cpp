@@ -190,7 +190,7 @@ void compare(const Answer& answer, const JudgedCell& cell, const Method& method,
     ++tally.ties;
 }
 
-/// What is proven must be true.
+/// Compares each proven decision and its bound with the exact answer.
 void check_proof(const JudgedCell& cell, Tally& tally) {
   const auto& [made, starts_inside, truth] = cell;
   const auto check = [&](const render::CertifiedCrossing& found) {

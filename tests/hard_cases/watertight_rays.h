@@ -6,15 +6,15 @@
 
 namespace rhoray::tests {
 
-/// Rays at a closed isosurface, of which something is known beforehand. In the frame of the scene's volume.
+/// Rays at a closed isosurface for which the parity of side changes is known. In the frame of the scene's volume.
 struct WatertightRays {
   std::vector<render::Ray> through;      ///< begin and end outside: they change side an even number of times
   std::vector<render::Ray> from_inside;  ///< begin inside: an odd number of times
   std::vector<render::Ray> past;         ///< pass through the volume, but not through the surface
 };
 
-/// Half of `through` come in squares of 64 neighbours, of which wide kernels make groups; the others are those of
-/// tools/study. All but `past` are aimed as `aim` says.
+/// Makes rays aimed as `aim` says; `past` is not aimed. Half of `through` are squares of 64 neighbouring rays, which
+/// wide kernels trace as groups; the other half comes from study::ray_at.
 /// @param count  of all; a multiple of 256. 5 of 8 go through, 2 begin inside, 1 goes past
 WatertightRays watertight_rays(const study::ClosedScene& scene, study::Aim aim, std::size_t count, study::Dice& dice);
 

@@ -200,7 +200,7 @@ bool Inquiry::sides_are_right(const Ray& ray, bool starts_inside, const std::vec
   if (exact[0].changes().size() != exact[1].changes().size()) return true;
   for (const bool inside : {false, true}) {
     const Sides& certain = exact[inside ? 1 : 0];
-    // Of each part that is certain to lie on this side: its ends, and what is claimed to change between them.
+    // Check each part of the ray that certainly lies on this side: at its beginning, and at each claimed change in it.
     std::vector<double> places = certain.changes();
     places.insert(places.begin(), ray.t_min);
     for (std::size_t p = 0; p < places.size(); ++p) {
@@ -216,8 +216,8 @@ bool Inquiry::sides_are_right(const Ray& ray, bool starts_inside, const std::vec
   return true;
 }
 
-/// What proves must keep its bound. Of what rounds, a field that differs by rounding must have the crossing there:
-/// between those that the judge finds for a slightly lower and a slightly higher isovalue.
+/// A method with proofs must keep its bound. For a method that rounds, the crossing must lie between the ones that the
+/// judge finds for a slightly lower and a slightly higher isovalue.
 bool Inquiry::hit_is_right(const Ray& ray, const Hit& hit, const Rounding& rounding) {
   const Hit truth = judge_.first_crossing(ray, scene_.isovalue);
   if (hit.is_miss() && truth.is_miss()) return true;

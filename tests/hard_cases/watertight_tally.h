@@ -9,7 +9,8 @@
 
 namespace rhoray::tests {
 
-/// What kernels said of rays at closed surfaces, counted against what is known of the rays and against the judge.
+/// Counts how often kernels answer correctly for rays at closed surfaces. An answer is compared with the known facts
+/// about the ray and with the exact judge.
 ///
 /// Wide kernels are asked for the first crossing of every ray, by the certified and the default method, and for all its
 /// crossings at once, as for pictures with clear surfaces. Some rays are asked of scalar kernels, too, and followed by
@@ -37,7 +38,7 @@ struct WatertightTally {
   std::uint64_t rays = 0;
   std::uint64_t redecided = 0;
   std::array<OfMethod, method_count> of_method{};
-  OfMethod all{};  ///< what wide kernels say that note all crossings of a ray at once; but for rays with too many
+  OfMethod all{};  ///< wide kernels that record all crossings of a ray at once; rays with too many are left out
   std::vector<std::string> complaints{};  ///< rays that were answered wrongly, with all digits; some of them
 
   static const char* name(std::size_t method);

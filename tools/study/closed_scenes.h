@@ -55,7 +55,7 @@ Vec3 target_of(const ClosedScene& scene, Aim aim, Dice& dice);
 /// The same for a given edge.
 Vec3 target_at(const ClosedScene& scene, const std::array<std::uint32_t, 2>& edge, Aim aim, Dice& dice);
 
-/// Of unit length.
+/// A random direction of unit length.
 Vec3 any_direction(Dice& dice);
 
 /// A ray of the scene's frame that begins and ends outside of the volume. Half of them are born in the world and
