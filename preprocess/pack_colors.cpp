@@ -6,8 +6,8 @@
 
 #include "formats/base/bytes.h"
 #include "formats/base/trouble.h"
-#include "preprocess/bricks/lattice_choice.h"
-#include "preprocess/bricks/write_samples.h"
+#include "preprocess/grid/bricks/lattice_choice.h"
+#include "preprocess/grid/bricks/write_samples.h"
 
 namespace rhoray::preprocess {
 namespace {

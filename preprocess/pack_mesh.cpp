@@ -13,15 +13,15 @@
 
 #include "formats/base/floating_point.h"
 #include "formats/base/trouble.h"
-#include "preprocess/cell_order/order_cells.h"
-#include "preprocess/clusters/build_clusters.h"
-#include "preprocess/inspect/choose_fields.h"
-#include "preprocess/inspect/clean_mesh.h"
-#include "preprocess/inspect/summarize.h"
-#include "preprocess/leaf_lists/build_leaf_lists.h"
-#include "preprocess/leaf_lists/choose_lattice.h"
-#include "preprocess/macro_levels/build_levels.h"
-#include "preprocess/macro_levels/leaf_ranges.h"
+#include "preprocess/mesh/build_clusters.h"
+#include "preprocess/mesh/inspect/choose_fields.h"
+#include "preprocess/mesh/inspect/clean_mesh.h"
+#include "preprocess/mesh/leaf_lists/build_leaf_lists.h"
+#include "preprocess/mesh/leaf_lists/choose_lattice.h"
+#include "preprocess/mesh/order_cells.h"
+#include "preprocess/values/build_levels.h"
+#include "preprocess/values/leaf_ranges.h"
+#include "preprocess/values/summarize.h"
 
 namespace rhoray::preprocess {
 namespace {

@@ -9,7 +9,7 @@
 #include "formats/base/floating_point.h"
 #include "formats/base/text.h"
 #include "formats/base/trouble.h"
-#include "preprocess/inspect/cut_polygon.h"
+#include "preprocess/mesh/inspect/cut_polygon.h"
 
 namespace rhoray::preprocess {
 namespace {

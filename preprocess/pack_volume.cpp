@@ -15,13 +15,13 @@
 #include "formats/base/checks.h"
 #include "formats/base/floating_point.h"
 #include "formats/base/trouble.h"
-#include "preprocess/bricks/convert.h"
-#include "preprocess/bricks/lattice_choice.h"
-#include "preprocess/bricks/sparse_bricks.h"
-#include "preprocess/bricks/write_samples.h"
-#include "preprocess/inspect/summarize.h"
-#include "preprocess/macro_levels/build_levels.h"
-#include "preprocess/macro_levels/choose_shape.h"
+#include "preprocess/grid/bricks/convert.h"
+#include "preprocess/grid/bricks/lattice_choice.h"
+#include "preprocess/grid/bricks/sparse_bricks.h"
+#include "preprocess/grid/bricks/write_samples.h"
+#include "preprocess/values/build_levels.h"
+#include "preprocess/values/choose_shape.h"
+#include "preprocess/values/summarize.h"
 
 namespace rhoray::preprocess {
 namespace {

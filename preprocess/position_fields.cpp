@@ -12,7 +12,7 @@
 #include "formats/base/text.h"
 #include "formats/shape_field.h"
 #include "preprocess/boundary_distance.h"
-#include "preprocess/inspect/finding.h"
+#include "preprocess/mesh/inspect/finding.h"
 
 namespace rhoray::preprocess {
 namespace {

@@ -2,4 +2,4 @@
 
 /// The porch of preprocess/worker: one act in a process of its own with limits, for the doors that have programs of
 /// their own beside `rhoray`.
-#include "preprocess/worker/child_process.h"
+#include "preprocess/process/child_process.h"

@@ -9,8 +9,8 @@
 #include "formats/base/trouble.h"
 #include "formats/color_grid.h"
 #include "formats/range_proof.h"
-#include "render/volumes/load_view.h"
-#include "render/volumes/volume.h"
+#include "render/dataset/load_view.h"
+#include "render/dataset/volume.h"
 
 namespace rhoray::render {
 

@@ -5,9 +5,9 @@
 
 #include "formats/base/affine.h"
 #include "render/camera.h"
-#include "render/kernels/kernels.h"
 #include "render/load.h"
 #include "render/method.h"
+#include "render/query/kernels.h"
 
 /// The kernels' questions for rays of any kind, for tools and tests that measure what a method is worth.
 namespace rhoray::render {

@@ -4,9 +4,9 @@
 #include "formats/base/trouble.h"
 #include "preprocess/export/counts.h"
 #include "preprocess/export/grid_samples.h"
-#include "preprocess/export/run_writer.h"
 #include "preprocess/export_grid.h"
 #include "preprocess/import/worker_arguments.h"
+#include "preprocess/process/run_writer.h"
 
 namespace rhoray::preprocess {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "preprocess/import/foreign_file.h"
+#include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {
 

@@ -4,8 +4,8 @@
 #include <cctype>
 
 #include "formats/base/regular_file.h"
-#include "preprocess/import/foreign_file.h"
 #include "preprocess/import/numbers.h"
+#include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {
 namespace {

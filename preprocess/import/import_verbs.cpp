@@ -4,15 +4,15 @@
 
 #include "formats/base/pending_file.h"
 #include "formats/base/trouble.h"
-#include "preprocess/export/run_writer.h"
-#include "preprocess/import/foreign_file.h"
 #include "preprocess/import/foreign_names.h"
 #include "preprocess/import/worker_arguments.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
+#include "preprocess/process/child_process.h"
+#include "preprocess/process/foreign_file.h"
+#include "preprocess/process/handover.h"
+#include "preprocess/process/run_writer.h"
 #include "preprocess/subdivide.h"
-#include "preprocess/worker/child_process.h"
-#include "preprocess/worker/handover.h"
 
 namespace rhoray::preprocess {
 namespace {

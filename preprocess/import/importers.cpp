@@ -4,8 +4,8 @@
 #include "formats/base/trouble.h"
 #include "preprocess/import/families.h"
 #include "preprocess/import/foreign_names.h"
+#include "preprocess/import/mesh/time_steps.h"
 #include "preprocess/import/samples.h"
-#include "preprocess/import/time_steps.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/subdivide.h"
 

@@ -8,8 +8,8 @@
 #include <string_view>
 
 #include "formats/base/bytes.h"
-#include "preprocess/import/foreign_file.h"
 #include "preprocess/import/numbers.h"
+#include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "formats/base/trouble.h"
-#include "preprocess/import/foreign_file.h"
 #include "preprocess/neutral.h"
+#include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {
 

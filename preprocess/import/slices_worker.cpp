@@ -2,10 +2,10 @@
 #include <vector>
 
 #include "formats/base/trouble.h"
-#include "preprocess/import/image_slices.h"
+#include "preprocess/import/volume/image_slices.h"
 #include "preprocess/import/worker_arguments.h"
-#include "preprocess/worker/child_process.h"
-#include "preprocess/worker/handover.h"
+#include "preprocess/process/child_process.h"
+#include "preprocess/process/handover.h"
 
 // A program of its own: OpenImageIO takes longer to load than most imports take.
 int main(int count, char** words) {

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "preprocess/import/foreign_file.h"
 #include "preprocess/import/numbers.h"
+#include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {
 

@@ -5,13 +5,13 @@
 #include "formats/base/trouble.h"
 #include "preprocess/export/counts.h"
 #include "preprocess/import/families.h"
-#include "preprocess/import/grid_surface.h"
 #include "preprocess/import/numbers.h"
 #include "preprocess/import/readers.h"
+#include "preprocess/import/vtk/grid_surface.h"
 #include "preprocess/import/worker_arguments.h"
+#include "preprocess/process/child_process.h"
+#include "preprocess/process/handover.h"
 #include "preprocess/subdivide.h"
-#include "preprocess/worker/child_process.h"
-#include "preprocess/worker/handover.h"
 
 namespace {
 

@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "formats/base/text.h"
-#include "preprocess/import/foreign_file.h"
 #include "preprocess/import/samples.h"
+#include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {
 namespace {

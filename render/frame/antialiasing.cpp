@@ -7,7 +7,7 @@
 
 #include "render/frame/lighting.h"
 #include "render/frame/tracing.h"
-#include "render/march/ticks.h"
+#include "render/traverse/ticks.h"
 
 namespace rhoray::render {
 

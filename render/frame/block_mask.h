@@ -7,7 +7,7 @@
 #include "render/frame/clip_region.h"
 #include "render/frame/pixel_lattice.h"
 #include "render/frame/tiles.h"
-#include "render/volumes/surface_boxes.h"
+#include "render/traverse/surface_boxes.h"
 
 namespace rhoray::render {
 

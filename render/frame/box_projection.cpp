@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "render/kernels/compiled_for.h"
+#include "render/query/compiled_for.h"
 
 namespace rhoray::render {
 

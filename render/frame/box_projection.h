@@ -5,8 +5,8 @@
 #include "formats/base/affine.h"
 #include "render/frame/camera_rays.h"
 #include "render/frame/pixel_lattice.h"
-#include "render/kernels/machine.h"
-#include "render/volumes/surface_boxes.h"
+#include "render/query/machine.h"
+#include "render/traverse/surface_boxes.h"
 
 namespace rhoray::render {
 

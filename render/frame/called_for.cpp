@@ -4,9 +4,9 @@
 #include <array>
 
 #include "formats/base/text.h"
-#include "render/effects/effects.h"
-#include "render/kernels/kernels.h"
-#include "render/volumes/volume.h"
+#include "render/dataset/volume.h"
+#include "render/query/kernels.h"
+#include "render/shade/effects.h"
 
 namespace rhoray::render {
 

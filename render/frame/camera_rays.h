@@ -5,7 +5,7 @@
 #include "formats/base/affine.h"
 #include "formats/base/checks.h"
 #include "render/camera.h"
-#include "render/march/ray.h"
+#include "render/traverse/ray.h"
 
 namespace rhoray::render {
 

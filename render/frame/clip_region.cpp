@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "render/kernels/compiled_for.h"
-#include "render/march/plane_time.h"
+#include "render/query/compiled_for.h"
+#include "render/traverse/plane_time.h"
 
 namespace rhoray::render {
 

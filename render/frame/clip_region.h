@@ -6,9 +6,9 @@
 
 #include "formats/base/affine.h"
 #include "render/clip.h"
-#include "render/kernels/batch.h"
-#include "render/kernels/machine.h"
-#include "render/volumes/surface_boxes.h"
+#include "render/query/batch.h"
+#include "render/query/machine.h"
+#include "render/traverse/surface_boxes.h"
 
 namespace rhoray::render {
 

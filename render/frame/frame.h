@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "render/dataset/volume.h"
 #include "render/frame/block_mask.h"
 #include "render/frame/clip_region.h"
 #include "render/frame/pixel_rays.h"
@@ -12,12 +13,11 @@
 #include "render/frame/tile_threads.h"
 #include "render/frame/tiles.h"
 #include "render/frame/worker.h"
-#include "render/kernels/kernels.h"
-#include "render/kernels/ordered_crossings.h"
-#include "render/kernels/wide/blockers.h"
-#include "render/kernels/wide/blockers_memory.h"
+#include "render/query/kernels.h"
+#include "render/query/ordered_crossings.h"
 #include "render/render.h"
-#include "render/volumes/volume.h"
+#include "render/shadow/occluder_cache.h"
+#include "render/shadow/occluders.h"
 
 namespace rhoray::render {
 

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <limits>
 
-#include "render/effects/facing.h"
-#include "render/kernels/compiled_for.h"
+#include "render/query/compiled_for.h"
+#include "render/shade/facing.h"
 
 namespace rhoray::render {
 

@@ -5,7 +5,7 @@
 
 #include "formats/base/affine.h"
 #include "render/frame/worker.h"
-#include "render/kernels/machine.h"
+#include "render/query/machine.h"
 
 /// The arithmetic of rays towards light: plain loops over groups, compiled for each machine, with the same numbers on
 /// all of them.

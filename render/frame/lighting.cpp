@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "render/frame/light_rays.h"
-#include "render/march/ticks.h"
+#include "render/traverse/ticks.h"
 
 namespace rhoray::render {
 

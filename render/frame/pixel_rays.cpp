@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "render/kernels/compiled_for.h"
+#include "render/query/compiled_for.h"
 
 namespace rhoray::render {
 

@@ -7,8 +7,8 @@
 #include "render/frame/camera_rays.h"
 #include "render/frame/pixel_lattice.h"
 #include "render/frame/tiles.h"
-#include "render/kernels/batch.h"
-#include "render/kernels/machine.h"
+#include "render/query/batch.h"
+#include "render/query/machine.h"
 
 namespace rhoray::render {
 

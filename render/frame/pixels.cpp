@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "render/frame/streaming.h"
-#include "render/kernels/compiled_for.h"
+#include "render/query/compiled_for.h"
 
 namespace rhoray::render {
 

@@ -3,13 +3,13 @@
 #include <memory>
 #include <optional>
 
-#include "render/effects/effects.h"
 #include "render/frame/pixel_rays.h"
 #include "render/frame/tiles.h"
 #include "render/frame/worker.h"
 #include "render/framebuffer.h"
-#include "render/kernels/hit_lookup.h"
-#include "render/kernels/texture_lookup.h"
+#include "render/shade/effects.h"
+#include "render/shade/hit_lookup.h"
+#include "render/shade/texture_lookup.h"
 
 namespace rhoray::render {
 

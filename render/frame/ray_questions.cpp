@@ -8,9 +8,9 @@
 #include "formats/base/text.h"
 #include "formats/base/trouble.h"
 #include "formats/intact.h"
+#include "render/dataset/volume.h"
 #include "render/frame/camera_rays.h"
 #include "render/frame/tile_threads.h"
-#include "render/volumes/volume.h"
 
 namespace rhoray::render {
 

@@ -15,7 +15,7 @@
 #include "render/frame/antialiasing.h"
 #include "render/frame/frame.h"
 #include "render/frame/shells.h"
-#include "render/march/ticks.h"
+#include "render/traverse/ticks.h"
 
 namespace rhoray::render {
 

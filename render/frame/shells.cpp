@@ -8,8 +8,8 @@
 #include "render/frame/clear_light.h"
 #include "render/frame/lighting.h"
 #include "render/frame/peeling.h"
-#include "render/kernels/compiled_for.h"
-#include "render/march/ticks.h"
+#include "render/query/compiled_for.h"
+#include "render/traverse/ticks.h"
 
 namespace rhoray::render {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "render/march/plane_time.h"
+#include "render/traverse/plane_time.h"
 
 namespace rhoray::render {
 

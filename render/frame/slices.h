@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <optional>
 
-#include "render/kernels/batch.h"
-#include "render/kernels/place_lookup.h"
+#include "render/dataset/volume.h"
+#include "render/query/batch.h"
 #include "render/scene.h"
-#include "render/volumes/surface_boxes.h"
-#include "render/volumes/volume.h"
+#include "render/shade/place_lookup.h"
+#include "render/traverse/surface_boxes.h"
 
 namespace rhoray::render {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "render/kernels/machine.h"
+#include "render/query/machine.h"
 
 /// Stores that pass the caches by. A picture is larger than they are and not read before it is whole, so what lies
 /// there need not be brought from memory to be overwritten. Only whole cache lines are streamed; the rest is stored as

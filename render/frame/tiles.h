@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "render/kernels/batch.h"
+#include "render/query/batch.h"
 
 /// In which order the pixels of a picture are traced: tile by tile, in a tile block by block.
 namespace rhoray::render {

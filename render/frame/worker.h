@@ -6,12 +6,12 @@
 #include <optional>
 #include <vector>
 
-#include "render/effects/received.h"
-#include "render/effects/spread_directions.h"
 #include "render/frame/clip_region.h"
 #include "render/frame/tiles.h"
-#include "render/kernels/kernels.h"
-#include "render/kernels/ordered_crossings.h"
+#include "render/query/kernels.h"
+#include "render/query/ordered_crossings.h"
+#include "render/shade/received.h"
+#include "render/shade/spread_directions.h"
 
 namespace rhoray::render {
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "formats/base/text.h"
-#include "render/kernels/ordered_crossings.h"
+#include "render/query/ordered_crossings.h"
 #include "render/ray_questions.h"
 #include "render/render.h"
 #include "tests/render/support/rays.h"

@@ -9,11 +9,11 @@
 
 #include "formats/base/checks.h"
 #include "preprocess/import/families.h"
-#include "preprocess/import/vti_stream.h"
-#include "preprocess/import/vtu_stream.h"
+#include "preprocess/import/vtk/vti_stream.h"
+#include "preprocess/import/vtk/vtu_stream.h"
 #include "preprocess/import/zip_archive.h"
+#include "preprocess/process/handover.h"
 #include "preprocess/subdivide.h"
-#include "preprocess/worker/handover.h"
 #include "tests/fuzz/harness.h"
 #include "tests/support/temporary_folder.h"
 

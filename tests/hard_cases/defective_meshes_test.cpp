@@ -8,7 +8,7 @@
 #include <span>
 #include <variant>
 
-#include "render/judge/judge_tets.h"
+#include "render/exact/exact_tets.h"
 #include "tests/render/support/rays.h"
 #include "tests/render/support/traced_volume.h"
 #include "tests/support/meshes.h"

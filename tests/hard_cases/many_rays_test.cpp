@@ -1,9 +1,9 @@
 // Many rays at once: random ones, and others aimed at edges and vertices, at closed surfaces of every size and place.
-// What tools/study counts by the hundred million, here by the ten thousand.
+// What tools/lab counts by the hundred million, here by the ten thousand.
 #include <gtest/gtest.h>
 
 #include "tests/support/temporary_folder.h"
-#include "tools/study/ray_tally.h"
+#include "tools/lab/ray_tally.h"
 
 namespace rhoray::tests {
 namespace {

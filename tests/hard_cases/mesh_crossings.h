@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "preprocess/neutral.h"
-#include "render/cells/tet_crossing.h"
+#include "render/cell/tet_crossing.h"
 #include "tests/hard_cases/strict_tet.h"
 #include "tests/support/meshes.h"
 

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "render/march/lattice_walk.h"
-#include "render/march/ray_box.h"
+#include "render/traverse/lattice_walk.h"
+#include "render/traverse/ray_box.h"
 #include "tests/render/support/rays.h"
 #include "tests/render/support/traced_volume.h"
 #include "tests/support/fields.h"

@@ -3,7 +3,7 @@
 #include <array>
 #include <optional>
 
-#include "render/march/ray.h"
+#include "render/traverse/ray.h"
 
 namespace rhoray::tests {
 

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "formats/base/parallel.h"
-#include "render/judge.h"
-#include "render/kernels/wide/cubic-inl.h"
+#include "render/exact.h"
+#include "render/grid/isosurface/cubic-inl.h"
 #include "tests/hard_cases/asked_count.h"
 #include "tests/hard_cases/trilinear_root_cells.h"
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "tools/study/closed_scenes.h"
+#include "tools/lab/closed_scenes.h"
 
 namespace rhoray::tests {
 

@@ -6,11 +6,11 @@
 #include <span>
 
 #include "formats/base/text.h"
-#include "render/kernels/kernels.h"
-#include "render/kernels/ordered_crossings.h"
+#include "render/dataset/volume.h"
 #include "render/method.h"
+#include "render/query/kernels.h"
+#include "render/query/ordered_crossings.h"
 #include "render/render.h"
-#include "render/volumes/volume.h"
 
 namespace rhoray::tests {
 

@@ -7,7 +7,7 @@
 #include <mutex>
 
 #include "formats/base/parallel.h"
-#include "render/kernels/machine.h"
+#include "render/query/machine.h"
 #include "tests/hard_cases/asked_count.h"
 #include "tests/hard_cases/watertight_tally.h"
 #include "tests/support/temporary_folder.h"

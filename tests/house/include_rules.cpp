@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <regex>
+#include <set>
 #include <span>
 #include <string_view>
 
@@ -14,58 +16,106 @@ namespace {
 
 using Paths = std::vector<std::string_view>;
 
-/// Which rooms a room may look into.
-struct Floor {
-  std::string_view room;
+/// What a room, or a folder inside a room, may include beside itself.
+struct Layer {
+  std::string_view place;
   Paths may_see;
 };
-const Floor floors[] = {{"formats", {"formats"}},
-                        {"preprocess", {"preprocess", "formats"}},
-                        {"render", {"render", "formats"}},
-                        {"data", {"data", "preprocess", "formats"}},
-                        {"tools", {"tools", "preprocess", "render", "formats"}},
-                        {"tests", {"tests", "tools", "data", "preprocess", "render", "formats"}}};
+const Layer rooms[] = {{"formats", {}},
+                       {"preprocess", {"formats"}},
+                       {"render", {"formats"}},
+                       {"data", {"preprocess", "formats"}},
+                       {"tools", {"preprocess", "render", "formats"}},
+                       {"tests", {"tools", "data", "preprocess", "render", "formats"}}};
 
-/// What the rooms inside render may look into: folders, or single files of the porch. A room that is not listed is
-/// refused. The porch itself and `frame` may see all of the room.
-const Floor rooms_of_render[] = {
-    {"render/march", {"formats/base", "render/march", "render/cells"}},
-    {"render/cells", {"formats/base", "render/cells", "render/march"}},
-    {"render/judge", {"formats/base", "render/judge", "render/cells", "render/march"}},
-    {"render/volumes", {"formats", "render/volumes", "render/cells", "render/march"}},
-    {"render/kernels",
-     {"formats", "render/kernels", "render/volumes", "render/judge", "render/cells", "render/march",
-      "render/method.h"}},
-    {"render/effects", {"formats/base", "render/effects", "render/kernels", "render/scene.h", "render/color_map.h"}},
-    {"render/diary", {"formats/base", "render/diary", "render/diary.h", "render/framebuffer.h", "render/color_map.h"}},
-    {"render/frame", {"formats", "render"}}};
+/// From the lowest layer to the highest. A place is a folder without its subfolders, or a single file; "formats" stands
+/// for its public headers. What stands directly in a room may include all of the room. A folder that is missing here is
+/// refused.
+const Layer layers[] = {
+    {"render/traverse", {"formats/base"}},
+    {"render/cell", {"formats/base", "render/traverse"}},
+    {"render/exact", {"formats/base", "render/traverse", "render/cell"}},
+    {"render/grid", {"formats", "render/traverse", "render/cell", "render/query/last_isovalues.h", "render/dataset"}},
+    {"render/tets", {"formats", "render/traverse", "render/cell"}},
+    {"render/triangles", {"formats", "render/traverse", "render/cell", "render/tets", "render/query/last_isovalues.h"}},
+    {"render/dataset", {"formats", "render/grid", "render/tets", "render/triangles"}},
+    {"render/query",
+     {"formats/base", "render/traverse", "render/cell", "render/exact/enclosure.h", "render/dataset", "render/method.h",
+      "render/triangles/kernels", "render/grid/all_hits"}},
+    {"render/grid/reference", {"formats/base", "render/traverse", "render/cell", "render/exact", "render/query"}},
+    {"render/grid/isosurface",
+     {"formats", "render/traverse", "render/cell", "render/grid", "render/dataset", "render/query",
+      "render/grid/reference"}},
+    {"render/grid/all_hits", {"formats", "render/traverse", "render/query", "render/grid/isosurface"}},
+    {"render/grid/largest",
+     {"formats", "render/traverse", "render/grid", "render/dataset", "render/query", "render/grid/reference"}},
+    {"render/tets/reference", {"formats", "render/traverse", "render/cell", "render/exact", "render/query"}},
+    {"render/shadow",
+     {"formats", "render/traverse", "render/grid", "render/triangles", "render/dataset", "render/query",
+      "render/grid/isosurface", "render/triangles/kernels"}},
+    {"render/triangles/kernels",
+     {"formats", "render/traverse", "render/cell", "render/tets", "render/triangles", "render/dataset", "render/query",
+      "render/tets/reference", "render/shadow", "render/grid/all_hits"}},
+    {"render/tets/largest",
+     {"formats", "render/traverse", "render/tets", "render/query", "render/tets/reference",
+      "render/triangles/kernels"}},
+    {"render/shade",
+     {"formats", "render/cell", "render/triangles", "render/dataset", "render/query", "render/scene.h",
+      "render/color_map.h", "render/texture.h"}},
+    {"render/frame",
+     {"formats", "render", "render/traverse", "render/dataset", "render/query", "render/shadow", "render/shade"}},
 
-/// Where a third-party library is received. `header` is a pattern for what stands between the brackets.
-struct Guest {
+    {"preprocess/process", {"formats", "preprocess"}},
+    {"preprocess/values", {"formats", "preprocess"}},
+    {"preprocess/mesh/inspect", {"formats", "preprocess", "preprocess/values"}},
+    {"preprocess/mesh", {"formats", "preprocess", "preprocess/values", "preprocess/mesh/inspect"}},
+    {"preprocess/mesh/leaf_lists", {"formats", "preprocess", "preprocess/values"}},
+    {"preprocess/mesh/subdivide", {"formats", "preprocess"}},
+    {"preprocess/grid/bricks", {"formats", "preprocess", "preprocess/values"}},
+    {"preprocess/grid/resample",
+     {"formats", "preprocess", "preprocess/values", "preprocess/mesh/inspect", "preprocess/mesh/leaf_lists"}},
+    {"preprocess/export", {"formats", "preprocess", "preprocess/process", "preprocess/import/worker_arguments.h"}},
+    {"preprocess/import",
+     {"formats", "preprocess", "preprocess/process", "preprocess/export/counts.h", "preprocess/import/mesh",
+      "preprocess/import/volume", "preprocess/import/vtk", "preprocess/workers/vdb/worker_arguments.h"}},
+    {"preprocess/import/volume", {"formats", "preprocess", "preprocess/process", "preprocess/import"}},
+    {"preprocess/import/mesh", {"formats", "preprocess", "preprocess/process", "preprocess/import"}},
+    {"preprocess/import/surface",
+     {"formats", "preprocess", "preprocess/process", "preprocess/import", "preprocess/import/mesh"}},
+    {"preprocess/import/vtk",
+     {"formats", "preprocess", "preprocess/process", "preprocess/export", "preprocess/import", "preprocess/import/mesh",
+      "preprocess/import/surface"}},
+    {"preprocess/workers/repair", {"formats", "preprocess", "preprocess/process"}},
+    {"preprocess/workers/tetgen", {"formats", "preprocess", "preprocess/process"}},
+    {"preprocess/workers/vdb",
+     {"formats", "preprocess", "preprocess/process", "preprocess/export", "preprocess/import/numbers.h"}}};
+
+/// Which folders include a third-party library. `header` is a pattern for the text between the brackets.
+struct Library {
   std::string_view name;
   std::regex header;
-  Paths received_in;
+  Paths included_in;
 };
-const Guest guests[] = {
-    {"TetGen", std::regex("tetgen\\.h"), {"preprocess/tetrahedralize"}},
-    {"CGAL", std::regex("CGAL/.*"), {"preprocess/tetrahedralize", "preprocess/repair", "tools/validate"}},
-    {"Boost", std::regex("boost/.*"), {"preprocess/tetrahedralize", "render/judge"}},
-    {"VTK", std::regex("vtk\\w*\\.h"), {"preprocess/import", "tools/study"}},
-    {"OpenVDB", std::regex("openvdb/.*"), {"preprocess/vdb", "tools/study"}},
-    {"NanoVDB", std::regex("nanovdb/.*"), {"preprocess/vdb", "render/volumes", "tools/study"}},
-    {"Embree", std::regex("embree3/.*"), {"tools/study"}},
+const Library libraries[] = {
+    {"TetGen", std::regex("tetgen\\.h"), {"preprocess/workers/tetgen"}},
+    {"CGAL", std::regex("CGAL/.*"), {"preprocess/workers", "tools/validate"}},
+    {"Boost", std::regex("boost/.*"), {"preprocess/workers/tetgen", "render/exact"}},
+    {"VTK", std::regex("vtk\\w*\\.h"), {"preprocess/import", "tools/lab"}},
+    {"OpenVDB", std::regex("openvdb/.*"), {"preprocess/workers/vdb", "tools/lab"}},
+    {"NanoVDB", std::regex("nanovdb/.*"), {"preprocess/workers/vdb", "render/grid", "tools/lab"}},
+    {"Embree", std::regex("embree3/.*"), {"tools/lab"}},
     {"Teem", std::regex("teem/.*"), {"preprocess/import"}},
     {"netCDF", std::regex("netcdf\\.h"), {"preprocess/import"}},
     {"zlib, bzip2, minizip", std::regex("(zlib|bzlib|minizip/\\w+)\\.h"), {"preprocess/import"}},
     {"GDCM", std::regex("gdcm\\w+\\.h"), {"preprocess/import"}},
-    {"oneTBB", std::regex("tbb/.*"), {"render/frame", "tools/study"}},
+    {"oneTBB", std::regex("tbb/.*"), {"render/frame", "tools/lab"}},
     {"OpenImageIO", std::regex("OpenImageIO/.*"), {"tools", "preprocess/import"}},
     {"FreeType", std::regex("ft2build\\.h|freetype/.*"), {"tools"}},
     {"Eigen", std::regex("Eigen/.*"), {"data"}},
     {"CLI11", std::regex("CLI/.*"), {"tools", "data"}},
     {"JSON for Modern C++", std::regex("nlohmann/.*"), {"formats", "tools"}},
     {"xxHash", std::regex("xxhash\\.h"), {"formats", "tools"}},
-    {"Highway", std::regex("hwy/.*"), {"render/kernels/wide"}},
+    {"Highway", std::regex("hwy/.*"), {"render/traverse", "render/grid", "render/tets", "render/triangles"}},
     {"libpng", std::regex("png\\.h"), {"render"}},
     {"Imath", std::regex("Imath/.*"), {"formats"}},
     {"Gmsh", std::regex("gmsh\\.h"), {}},
@@ -92,18 +142,27 @@ std::string_view room_of(std::string_view path) {
   return path.substr(0, path.find('/'));
 }
 
-/// "render/march" of "render/march/ray.h"; nothing for what stands directly in the room.
-std::optional<std::string_view> inner_room_of(std::string_view path) {
-  const std::size_t first = path.find('/');
-  const std::size_t second = first == path.npos ? path.npos : path.find('/', first + 1);
-  if (second == path.npos) return std::nullopt;
-  return path.substr(0, second);
+std::string_view folder_of(std::string_view path) {
+  return path.substr(0, path.rfind('/'));
 }
 
-const Floor* find(std::span<const Floor> list, std::string_view room) {
-  for (const Floor& floor : list)
-    if (floor.room == room) return &floor;
+bool stands_in_room(std::string_view path) {
+  return folder_of(path) == room_of(path);
+}
+
+const Layer* find(std::span<const Layer> list, std::string_view place) {
+  for (const Layer& layer : list)
+    if (layer.place == place) return &layer;
   return nullptr;
+}
+
+/// True when a layer may see a header: the file itself is named, or its folder.
+bool sees(const Layer& layer, std::string_view header) {
+  const std::string_view folder = folder_of(header);
+  if (folder == layer.place) return true;
+  return std::any_of(layer.may_see.begin(), layer.may_see.end(), [&](std::string_view place) {
+    return header == place || folder == place || (place == "formats" && is_in(folder, "formats"));
+  });
 }
 
 /// The rule that `file` breaks by including our own `header`, or nothing.
@@ -111,23 +170,22 @@ std::optional<std::string> rule_against_own(const std::filesystem::path& root, s
                                             std::string_view header) {
   const std::string_view room = room_of(file), target = room_of(header);
   if (!std::filesystem::exists(root / header)) return "names";
-  const Floor* floor = find(floors, room);
-  if (floor == nullptr || !is_in_any(header, floor->may_see)) return "floors";
-  const bool on_porch = !inner_room_of(header) || is_in(header, "formats/base");
-  if (target != room && room != "tests" && !on_porch) return "porches";
-  if (room == "render")
-    if (const auto inner = inner_room_of(file)) {
-      const Floor* rules = find(rooms_of_render, *inner);
-      if (rules == nullptr || !is_in_any(header, rules->may_see)) return "rooms of render";
-    }
+  const Layer* in_room = find(rooms, room);
+  if (in_room == nullptr || (target != room && !is_in_any(target, in_room->may_see))) return "rooms";
+  const bool is_public = stands_in_room(header) || is_in(header, "formats/base");
+  if (target != room && room != "tests" && !is_public) return "public headers";
+  if ((room == "render" || room == "preprocess") && !stands_in_room(file)) {
+    const Layer* layer = find(layers, folder_of(file));
+    if (layer == nullptr || !sees(*layer, header)) return "layers";
+  }
   return std::nullopt;
 }
 
 bool is_received(std::string_view file, std::string_view header) {
   const std::string text(header);
   if (std::regex_match(text, standard_header) || std::regex_match(text, system_header)) return true;
-  for (const Guest& guest : guests)
-    if (std::regex_match(text, guest.header)) return is_in(file, "tests") || is_in_any(file, guest.received_in);
+  for (const Library& library : libraries)
+    if (std::regex_match(text, library.header)) return is_in(file, "tests") || is_in_any(file, library.included_in);
   return false;
 }
 
@@ -136,42 +194,112 @@ bool is_source(const std::filesystem::path& path) {
   return extension == ".h" || extension == ".cpp";
 }
 
-void check_file(const std::filesystem::path& root, const std::string& file, std::vector<Breach>& found) {
+struct Include {
+  int line = 0;
+  bool is_quoted = false;
+  std::string header;
+};
+
+std::vector<Include> includes_of(const std::filesystem::path& path) {
   static const std::regex include_line("\\s*#\\s*include\\s*([<\"])([^>\"]+)[>\"].*");
-  std::ifstream lines(root / file);
+  std::ifstream lines(path);
+  std::vector<Include> found;
   int number = 0;
   for (std::string line; std::getline(lines, line);) {
     ++number;
     std::smatch parts;
-    if (!std::regex_match(line, parts, include_line)) continue;
-    const bool quoted = parts[1] == "\"";
-    const std::string header = parts[2];
+    if (line.find("include") != line.npos && std::regex_match(line, parts, include_line))
+      found.push_back({number, parts[1] == "\"", parts[2]});
+  }
+  return found;
+}
+
+void check_file(const std::filesystem::path& root, const std::string& file, std::vector<Breach>& found) {
+  for (const auto& [line, is_quoted, header] : includes_of(root / file)) {
     std::optional<std::string> rule;
-    if (!quoted) {
-      if (!is_received(file, header)) rule = "guests";
+    if (!is_quoted) {
+      if (!is_received(file, header)) rule = "third-party";
     } else if (std::find(std::begin(generated_headers), std::end(generated_headers), header) ==
                std::end(generated_headers)) {
       rule = rule_against_own(root, file, header);
     }
-    if (rule) found.push_back({file, number, quoted ? "\"" + header + "\"" : "<" + header + ">", *rule});
+    if (rule) found.push_back({file, line, is_quoted ? "\"" + header + "\"" : "<" + header + ">", *rule});
   }
 }
 
-}  // namespace
-
-std::vector<Breach> breaches(const std::filesystem::path& root) {
+std::vector<std::string> sources_below(const std::filesystem::path& root) {
   std::vector<std::string> files;
-  for (const Floor& floor : floors) {
-    const std::filesystem::path room = root / floor.room;
-    if (!std::filesystem::is_directory(room)) continue;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(room))
+  for (const Layer& room : rooms) {
+    const std::filesystem::path folder = root / room.place;
+    if (!std::filesystem::is_directory(folder)) continue;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
       if (entry.is_regular_file() && is_source(entry.path()))
         files.push_back(entry.path().lexically_relative(root).generic_string());
   }
   std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::string unit_of(const std::string& file) {
+  return file.substr(0, file.rfind('.'));
+}
+
+/// Tarjan's algorithm: sets of units each of which reaches all others (SIAM J. Comput. 1(2), 1972).
+class CircleSearch {
+ public:
+  explicit CircleSearch(const std::map<std::string, std::set<std::string>>& includes) : includes_(includes) {}
+
+  std::vector<std::string> find() {
+    for (const auto& [unit, included] : includes_)
+      if (!order_.contains(unit)) visit(unit);
+    std::sort(found_.begin(), found_.end());
+    return found_;
+  }
+
+ private:
+  void visit(const std::string& unit) {
+    order_[unit] = lowest_[unit] = order_.size();
+    path_.push_back(unit), on_path_.insert(unit);
+    for (const std::string& next : includes_.at(unit)) {
+      if (!order_.contains(next)) visit(next), lowest_[unit] = std::min(lowest_[unit], lowest_[next]);
+      if (on_path_.contains(next)) lowest_[unit] = std::min(lowest_[unit], order_[next]);
+    }
+    if (lowest_[unit] != order_[unit]) return;
+    std::set<std::string> circle;
+    do {
+      circle.insert(path_.back()), on_path_.erase(path_.back()), path_.pop_back();
+    } while (!circle.contains(unit));
+    if (circle.size() == 1) return;
+    std::string line;
+    for (const std::string& member : circle) line += (line.empty() ? "" : " ") + member;
+    found_.push_back(line);
+  }
+
+  const std::map<std::string, std::set<std::string>>& includes_;
+  std::map<std::string, std::size_t> order_, lowest_;
+  std::vector<std::string> path_, found_;
+  std::set<std::string> on_path_;
+};
+
+}  // namespace
+
+std::vector<Breach> breaches(const std::filesystem::path& root) {
   std::vector<Breach> found;
-  for (const std::string& file : files) check_file(root, file, found);
+  for (const std::string& file : sources_below(root)) check_file(root, file, found);
   return found;
+}
+
+std::vector<std::string> circles(const std::filesystem::path& root) {
+  const std::vector<std::string> files = sources_below(root);
+  std::map<std::string, std::set<std::string>> includes;
+  for (const std::string& file : files) includes[unit_of(file)];
+  for (const std::string& file : files)
+    for (const Include& include : includes_of(root / file)) {
+      const std::string target = unit_of(include.header);
+      if (include.is_quoted && target != unit_of(file) && includes.contains(target))
+        includes[unit_of(file)].insert(target);
+    }
+  return CircleSearch(includes).find();
 }
 
 }  // namespace rhoray::tests

@@ -21,20 +21,22 @@ class PlantedHouse {
     plant("formats/base/box.h", "#pragma once\n#include <vector>\n");
     plant("formats/envelope/header.h", "#include <nlohmann/json.hpp>\n#include <xxhash.h>\n");
     plant("preprocess/pack.h", "#include \"formats/grid.h\"\n");
-    plant("preprocess/import/nrrd.cpp",
+    plant("preprocess/import/volume/nrrd.cpp",
           "#include <teem/nrrd.h>\n#include <vtkImageData.h>\n#include \"preprocess/pack.h\"\n");
-    plant("preprocess/tetrahedralize/fill.cpp", "#include <tetgen.h>\n#include <CGAL/box.h>\n");
+    plant("preprocess/workers/tetgen/fill.cpp", "#include <tetgen.h>\n#include <CGAL/box.h>\n");
+    plant("preprocess/values/has_data.h", "#include \"formats/base/box.h\"\n");
     plant("render/scene.h", "#include \"formats/base/box.h\"\n");
     plant("render/method.h", "");
-    plant("render/march/ray.h", "#include \"formats/base/box.h\"\n");
-    plant("render/cells/cubic.h", "#include \"render/march/ray.h\"\n");
-    plant("render/volumes/grid.h", "#include \"formats/grid.h\"\n#include \"render/march/ray.h\"\n");
-    plant("render/kernels/kernels.h", "#include \"render/volumes/grid.h\"\n#include \"render/method.h\"\n");
-    plant("render/effects/diffuse.h", "#include \"render/scene.h\"\n");
-    plant("render/frame/frame.cpp", "#include <tbb/parallel_for.h>\n#include \"render/effects/diffuse.h\"\n");
+    plant("render/traverse/ray.h", "#include \"formats/base/box.h\"\n");
+    plant("render/cell/cubic.h", "#include \"render/traverse/ray.h\"\n");
+    plant("render/grid/grid.h", "#include \"formats/grid.h\"\n#include \"render/traverse/ray.h\"\n");
+    plant("render/dataset/volume.h", "#include \"render/grid/grid.h\"\n");
+    plant("render/query/kernels.h", "#include \"render/dataset/volume.h\"\n#include \"render/method.h\"\n");
+    plant("render/shade/diffuse.h", "#include \"render/scene.h\"\n");
+    plant("render/frame/frame.cpp", "#include <tbb/parallel_for.h>\n#include \"render/shade/diffuse.h\"\n");
     plant("data/recipes/ball.cpp", "#include <Eigen/Sparse>\n#include \"preprocess/pack.h\"\n");
     plant("tools/rhoray/main.cpp", "#include <CLI/CLI.hpp>\n#include <unistd.h>\n#include \"render/scene.h\"\n");
-    plant("tests/render/ray_test.cpp", "#include <gtest/gtest.h>\n#include \"render/march/ray.h\"\n");
+    plant("tests/render/ray_test.cpp", "#include <gtest/gtest.h>\n#include \"render/traverse/ray.h\"\n");
   }
 
   void plant(const std::string& file, const std::string& text) {
@@ -43,6 +45,7 @@ class PlantedHouse {
   }
 
   std::vector<Breach> breaches() const { return tests::breaches(folder_.path()); }
+  std::vector<std::string> circles() const { return tests::circles(folder_.path()); }
 
  private:
   TemporaryFolder folder_;
@@ -54,36 +57,38 @@ struct Plant {
   const char* rule;
 };
 
-const Plant plants[] = {{"formats/up.h", "\"preprocess/pack.h\"", "floors"},
-                        {"formats/up.cpp", "\"render/scene.h\"", "floors"},
-                        {"preprocess/sideways.h", "\"render/scene.h\"", "floors"},
-                        {"render/sideways.cpp", "\"preprocess/pack.h\"", "floors"},
-                        {"render/up.cpp", "\"tools/rhoray/main.cpp\"", "floors"},
-                        {"data/recipes/up.cpp", "\"render/scene.h\"", "floors"},
-                        {"preprocess/peeps.cpp", "\"formats/envelope/header.h\"", "porches"},
-                        {"tools/rhoray/peeps.cpp", "\"render/march/ray.h\"", "porches"},
-                        {"data/recipes/peeps.cpp", "\"preprocess/import/nrrd.cpp\"", "porches"},
-                        {"render/march/heavy.h", "\"formats/grid.h\"", "rooms of render"},
-                        {"render/cells/heavy.h", "\"render/volumes/grid.h\"", "rooms of render"},
-                        {"render/volumes/up.h", "\"render/kernels/kernels.h\"", "rooms of render"},
-                        {"render/kernels/up.h", "\"render/effects/diffuse.h\"", "rooms of render"},
-                        {"render/effects/deep.h", "\"render/volumes/grid.h\"", "rooms of render"},
-                        {"render/attic/new.h", "\"render/scene.h\"", "rooms of render"},
-                        {"render/tetgen.cpp", "<tetgen.h>", "guests"},
-                        {"formats/cgal.h", "<CGAL/box.h>", "guests"},
-                        {"render/cgal.h", "<CGAL/box.h>", "guests"},
-                        {"preprocess/import/cgal.cpp", "<CGAL/box.h>", "guests"},
-                        {"tools/rhoray/vtk.cpp", "<vtkImageData.h>", "guests"},
-                        {"preprocess/vtk.cpp", "<vtkImageData.h>", "guests"},
-                        {"formats/tbb.h", "<tbb/parallel_for.h>", "guests"},
-                        {"preprocess/tbb.cpp", "<tbb/parallel_for.h>", "guests"},
-                        {"tools/rhoray/tbb.cpp", "<tbb/global_control.h>", "guests"},
-                        {"render/pictures.cpp", "<OpenImageIO/imageio.h>", "guests"},
-                        {"render/json.cpp", "<nlohmann/json.hpp>", "guests"},
-                        {"render/test.h", "<gtest/gtest.h>", "guests"},
-                        {"preprocess/eigen.cpp", "<Eigen/Sparse>", "guests"},
-                        {"render/stranger.h", "<stranger/danger.h>", "guests"},
-                        {"formats/brackets.h", "<formats/grid.h>", "guests"},
+const Plant plants[] = {{"formats/up.h", "\"preprocess/pack.h\"", "rooms"},
+                        {"formats/up.cpp", "\"render/scene.h\"", "rooms"},
+                        {"preprocess/sideways.h", "\"render/scene.h\"", "rooms"},
+                        {"render/sideways.cpp", "\"preprocess/pack.h\"", "rooms"},
+                        {"render/up.cpp", "\"tools/rhoray/main.cpp\"", "rooms"},
+                        {"data/recipes/up.cpp", "\"render/scene.h\"", "rooms"},
+                        {"preprocess/inside.cpp", "\"formats/envelope/header.h\"", "public headers"},
+                        {"tools/rhoray/inside.cpp", "\"render/traverse/ray.h\"", "public headers"},
+                        {"data/recipes/inside.cpp", "\"preprocess/import/nrrd.cpp\"", "public headers"},
+                        {"render/traverse/heavy.h", "\"formats/grid.h\"", "layers"},
+                        {"render/cell/heavy.h", "\"render/grid/grid.h\"", "layers"},
+                        {"render/grid/up.h", "\"render/query/kernels.h\"", "layers"},
+                        {"render/query/up.h", "\"render/shade/diffuse.h\"", "layers"},
+                        {"render/shade/deep.h", "\"render/grid/grid.h\"", "layers"},
+                        {"render/attic/new.h", "\"render/scene.h\"", "layers"},
+                        {"preprocess/values/up.h", "\"preprocess/import/nrrd.cpp\"", "layers"},
+                        {"preprocess/attic/new.h", "\"preprocess/pack.h\"", "layers"},
+                        {"render/tetgen.cpp", "<tetgen.h>", "third-party"},
+                        {"formats/cgal.h", "<CGAL/box.h>", "third-party"},
+                        {"render/cgal.h", "<CGAL/box.h>", "third-party"},
+                        {"preprocess/import/cgal.cpp", "<CGAL/box.h>", "third-party"},
+                        {"tools/rhoray/vtk.cpp", "<vtkImageData.h>", "third-party"},
+                        {"preprocess/vtk.cpp", "<vtkImageData.h>", "third-party"},
+                        {"formats/tbb.h", "<tbb/parallel_for.h>", "third-party"},
+                        {"preprocess/tbb.cpp", "<tbb/parallel_for.h>", "third-party"},
+                        {"tools/rhoray/tbb.cpp", "<tbb/global_control.h>", "third-party"},
+                        {"render/pictures.cpp", "<OpenImageIO/imageio.h>", "third-party"},
+                        {"render/json.cpp", "<nlohmann/json.hpp>", "third-party"},
+                        {"render/test.h", "<gtest/gtest.h>", "third-party"},
+                        {"preprocess/eigen.cpp", "<Eigen/Sparse>", "third-party"},
+                        {"render/stranger.h", "<stranger/danger.h>", "third-party"},
+                        {"formats/brackets.h", "<formats/grid.h>", "third-party"},
                         {"formats/relative.cpp", "\"grid.h\"", "names"},
                         {"formats/ghost.cpp", "\"formats/ghost.h\"", "names"}};
 
@@ -105,7 +110,22 @@ TEST(IncludeRules, names_file_line_include_and_rule_of_every_planted_breach) {
   }
 }
 
-TEST(House, keeps_floors_porches_and_guests) {
+TEST(IncludeRules, find_every_circle_of_units) {
+  PlantedHouse house;
+  EXPECT_THAT(house.circles(), testing::IsEmpty());
+  house.plant("formats/a.h", "");
+  house.plant("formats/a.cpp", "#include \"formats/a.h\"\n#include \"formats/b.h\"\n");
+  house.plant("formats/b.h", "#include \"formats/c.h\"\n");
+  house.plant("formats/c.h", "");
+  EXPECT_THAT(house.circles(), testing::IsEmpty());
+  house.plant("formats/c.cpp", "#include \"formats/a.h\"\n");
+  house.plant("render/x.h", "#include \"render/y.h\"\n");
+  house.plant("render/y.cpp", "#include \"render/x.h\"\n");
+  house.plant("render/y.h", "");
+  EXPECT_THAT(house.circles(), testing::ElementsAre("formats/a formats/b formats/c", "render/x render/y"));
+}
+
+TEST(House, keeps_the_include_rules) {
   EXPECT_THAT(breaches(RHORAY_SOURCE_DIR), testing::IsEmpty());
 }
 

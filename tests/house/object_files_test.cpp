@@ -13,12 +13,10 @@
 namespace rhoray::tests {
 namespace {
 
-/// Object files of render's wide kernels.
-std::vector<std::filesystem::path> wide_objects() {
+std::vector<std::filesystem::path> render_objects() {
   std::vector<std::filesystem::path> found;
-  for (const auto& entry :
-       std::filesystem::recursive_directory_iterator(std::filesystem::path(RHORAY_BINARY_DIR) / "render" /
-                                                     "CMakeFiles" / "rhoray_render.dir" / "kernels" / "wide"))
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(std::filesystem::path(RHORAY_BINARY_DIR) /
+                                                                         "render" / "CMakeFiles" / "rhoray_render.dir"))
     if (entry.path().extension() == ".o") found.push_back(entry.path());
   return found;
 }
@@ -63,9 +61,9 @@ Disassembled disassembled(const std::filesystem::path& object) {
   return found;
 }
 
-TEST(ObjectFiles, of_wide_kernels_hold_no_code_for_one_machine_that_another_may_be_given) {
+TEST(ObjectFiles, of_render_hold_no_code_for_one_machine_that_another_may_be_given) {
   std::size_t functions_with_avx = 0;
-  for (const std::filesystem::path& object : wide_objects()) {
+  for (const std::filesystem::path& object : render_objects()) {
     const std::set<std::string> weak = weak_functions(object);
     const Disassembled code = disassembled(object);
     functions_with_avx += code.with_avx.size();

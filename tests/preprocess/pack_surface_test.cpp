@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "preprocess/inspect/cut_polygon.h"
+#include "preprocess/mesh/inspect/cut_polygon.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/surfaces.h"
 #include "tests/support/temporary_folder.h"

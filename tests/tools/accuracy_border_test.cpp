@@ -1,4 +1,4 @@
-#include "tools/rhoray/accuracy/border.h"
+#include "tools/analysis/border.h"
 
 #include <gtest/gtest.h>
 

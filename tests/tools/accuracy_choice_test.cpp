@@ -13,7 +13,7 @@
 #include "tests/support/fields.h"
 #include "tests/support/host_floating_point.h"
 #include "tests/tools/workbench.h"
-#include "tools/rhoray/accuracy/self_check.h"
+#include "tools/analysis/self_check.h"
 #include "tools/rhoray/scene/plan.h"
 
 namespace rhoray::tests {

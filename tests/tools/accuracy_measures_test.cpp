@@ -7,11 +7,11 @@
 #include <numbers>
 #include <random>
 
-#include "tools/rhoray/accuracy/errors.h"
-#include "tools/rhoray/accuracy/flip.h"
-#include "tools/rhoray/accuracy/heat_map.h"
-#include "tools/rhoray/accuracy/html.h"
-#include "tools/rhoray/accuracy/picture_errors.h"
+#include "tools/analysis/errors.h"
+#include "tools/analysis/flip.h"
+#include "tools/analysis/heat_map.h"
+#include "tools/analysis/html.h"
+#include "tools/analysis/picture_errors.h"
 
 namespace rhoray::tests {
 namespace {

@@ -8,8 +8,8 @@
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 #include "tests/tools/workbench.h"
-#include "tools/rhoray/accuracy/choice.h"
-#include "tools/rhoray/accuracy/truth.h"
+#include "tools/analysis/choice.h"
+#include "tools/analysis/truth.h"
 #include "tools/rhoray/scene/plan.h"
 
 // What --max-error promises: 99 % of a picture's pixels keep the error, of which the choice has seen a small picture.

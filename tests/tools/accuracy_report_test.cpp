@@ -15,7 +15,7 @@
 
 #include "formats/base/text.h"
 #include "tests/tools/workbench.h"
-#include "tools/rhoray/accuracy/gnuplot.h"
+#include "tools/analysis/gnuplot.h"
 
 namespace rhoray::tests {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/rhoray/annotations/annotate.h"
+#include "tools/pictures/annotate.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
@@ -11,7 +11,7 @@
 #include "render/render.h"
 #include "tests/support/expect_error.h"
 #include "tests/tools/workbench.h"
-#include "tools/rhoray/pictures.h"
+#include "tools/pictures/pictures.h"
 
 /// What is drawn over finished pictures.
 namespace rhoray::tests {

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "tests/tools/workbench.h"
-#include "tools/rhoray/pictures.h"
+#include "tools/pictures/pictures.h"
 #include "tools/rhoray/scene/document.h"
 
 /// Cameras and isovalues that move from key frame to key frame.

@@ -3,9 +3,9 @@
 #include <optional>
 
 #include "formats/base/trouble.h"
+#include "tools/analysis/picture_difference.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/picture_difference.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 

@@ -1,8 +1,8 @@
 #include <cstdio>
 
 #include "formats/base/trouble.h"
+#include "tools/pictures/pictures.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/pictures.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/render/command.h"
 #include "tools/rhoray/render/frames.h"

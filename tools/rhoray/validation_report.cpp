@@ -6,9 +6,9 @@
 #include "formats/base/pending_file.h"
 #include "formats/base/trouble.h"
 #include "formats/base/write_failure.h"
-#include "tools/rhoray/error_map.h"
+#include "tools/analysis/error_map.h"
+#include "tools/pictures/pictures.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/pictures.h"
 #include "tools/rhoray/version.h"
 #include "tools/validate/request.h"
 

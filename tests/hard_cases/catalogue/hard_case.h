@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "render/march/ray.h"
+#include "render/traverse/ray.h"
 #include "tests/render/support/traced_volume.h"
 
 /// The catalogue of numerically hard cases: R a ray in a cell, V the way from cell to cell, D values of the data, T

@@ -1,4 +1,4 @@
-#include "preprocess/worker/child_process.h"
+#include "preprocess/process/child_process.h"
 
 #include <signal.h>
 #include <sys/wait.h>
@@ -10,7 +10,7 @@
 #include <functional>
 #include <thread>
 
-#include "preprocess/worker/limits.h"
+#include "preprocess/process/limits.h"
 #include "tests/preprocess/import/support.h"
 
 namespace rhoray::preprocess {

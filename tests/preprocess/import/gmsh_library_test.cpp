@@ -6,7 +6,7 @@
 #include <vtkNew.h>
 #include <vtkPoints.h>
 
-#include "preprocess/import/gmsh_elements.h"
+#include "preprocess/import/mesh/gmsh_elements.h"
 #include "preprocess/import/readers.h"
 #include "tests/preprocess/import/node_places.h"
 #include "tests/preprocess/import/support.h"

@@ -1,4 +1,4 @@
-#include "preprocess/worker/handover.h"
+#include "preprocess/process/handover.h"
 
 #include <sys/mman.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "preprocess/import/merge_points.h"
+#include "preprocess/import/mesh/merge_points.h"
 
 #include "tests/preprocess/import/support.h"
 

@@ -15,10 +15,10 @@
 #include "preprocess/import/readers.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
+#include "preprocess/process/child_process.h"
+#include "preprocess/process/handover.h"
+#include "preprocess/process/limits.h"
 #include "preprocess/subdivide.h"
-#include "preprocess/worker/child_process.h"
-#include "preprocess/worker/handover.h"
-#include "preprocess/worker/limits.h"
 #include "tests/preprocess/import/support.h"
 #include "tests/support/memory_file.h"
 

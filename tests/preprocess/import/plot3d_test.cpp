@@ -1,6 +1,6 @@
 #include <cstdlib>
 
-#include "preprocess/import/plot3d_layout.h"
+#include "preprocess/import/mesh/plot3d_layout.h"
 #include "preprocess/import/readers.h"
 #include "preprocess/import_mesh.h"
 #include "tests/preprocess/import/vtk_cells.h"

@@ -7,7 +7,7 @@
 #include "formats/base/interval.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
-#include "preprocess/subdivide/cell_kinds.h"
+#include "preprocess/mesh/subdivide/cell_kinds.h"
 #include "tests/preprocess/import/support.h"
 #include "tests/support/conformity.h"
 #include "tests/support/meshes.h"

@@ -18,7 +18,7 @@
 
 #include "formats/base/trouble.h"
 #include "preprocess/neutral.h"
-#include "preprocess/worker/child_process.h"
+#include "preprocess/process/child_process.h"
 
 namespace {
 

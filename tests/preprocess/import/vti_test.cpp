@@ -5,7 +5,7 @@
 #include <vtkXMLImageDataWriter.h>
 
 #include "preprocess/import/readers.h"
-#include "preprocess/import/vti_stream.h"
+#include "preprocess/import/vtk/vti_stream.h"
 #include "tests/preprocess/import/support.h"
 #include "tests/preprocess/import/vtk_lattice.h"
 

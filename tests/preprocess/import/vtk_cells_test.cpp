@@ -6,7 +6,7 @@
 
 #include <map>
 
-#include "preprocess/import/mesh_cells.h"
+#include "preprocess/import/mesh/mesh_cells.h"
 #include "preprocess/import/readers.h"
 #include "tests/preprocess/import/vtk_cells.h"
 

@@ -1,4 +1,4 @@
-#include "preprocess/import/vtu_stream.h"
+#include "preprocess/import/vtk/vtu_stream.h"
 
 #include <vtkCellData.h>
 #include <vtkDoubleArray.h>
@@ -15,7 +15,7 @@
 #include <vtkXMLUnstructuredGridWriter.h>
 
 #include "preprocess/import/readers.h"
-#include "preprocess/import/xml_outline.h"
+#include "preprocess/import/vtk/xml_outline.h"
 #include "tests/preprocess/import/support.h"
 
 namespace rhoray::preprocess {

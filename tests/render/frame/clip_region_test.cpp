@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "render/kernels/batch.h"
+#include "render/query/batch.h"
 #include "tests/render/frame/clipped_pictures.h"
 #include "tests/render/support/wide_machines.h"
 

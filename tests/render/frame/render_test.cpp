@@ -1,5 +1,5 @@
 #include "render/render.h"
-#include "render/volumes/facets.h"
+#include "render/triangles/facets.h"
 
 #include <gtest/gtest.h>
 

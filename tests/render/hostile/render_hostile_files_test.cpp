@@ -24,7 +24,7 @@
 #include "formats/color_grid.h"
 #include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
-#include "render/kernels/machine.h"
+#include "render/query/machine.h"
 #include "render/render.h"
 #include "render/texture.h"
 #include "tests/render/hostile/mutants.h"

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "render/kernels/kernels.h"
+#include "render/query/kernels.h"
 #include "tests/render/support/traced_volume.h"
 
 namespace rhoray::tests {

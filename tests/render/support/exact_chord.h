@@ -5,7 +5,7 @@
 #include <optional>
 #include <type_traits>
 
-#include "render/cells/trilinear.h"
+#include "render/cell/trilinear.h"
 #include "tests/render/support/exact.h"
 
 namespace rhoray::tests {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "formats/base/vector.h"
-#include "render/march/ray.h"
+#include "render/traverse/ray.h"
 
 namespace rhoray::tests {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "render/kernels/kernels.h"
-#include "render/kernels/wide/maximum.h"
+#include "render/grid/largest/maximum.h"
 #include "render/method.h"
+#include "render/query/kernels.h"
 #include "tests/render/support/grid_judge.h"
 #include "tests/render/support/rays.h"
 #include "tests/render/support/traced_volume.h"

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "render/march/ray.h"
+#include "render/traverse/ray.h"
 
 namespace rhoray::tests {
 

@@ -7,9 +7,9 @@
 
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_volume.h"
-#include "render/kernels/kernels.h"
+#include "render/dataset/volume.h"
 #include "render/load.h"
-#include "render/volumes/volume.h"
+#include "render/query/kernels.h"
 #include "tests/render/support/methods.h"
 #include "tests/support/temporary_folder.h"
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "render/kernels/machine.h"
+#include "render/query/machine.h"
 
 namespace rhoray::tests {
 

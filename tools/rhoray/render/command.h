@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "tools/rhoray/accuracy/choice.h"
-#include "tools/rhoray/accuracy/self_check.h"
+#include "tools/analysis/choice.h"
+#include "tools/analysis/self_check.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/pick.h"
 #include "tools/rhoray/scene/picture_options.h"

@@ -5,10 +5,10 @@
 
 #include "formats/base/bytes.h"
 #include "formats/base/trouble.h"
+#include "tools/pictures/pictures.h"
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/pick.h"
-#include "tools/rhoray/pictures.h"
 #include "tools/rhoray/scene/annotations.h"
 #include "tools/rhoray/scene/document.h"
 #include "tools/rhoray/scene/picture_words.h"

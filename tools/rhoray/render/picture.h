@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "render/render.h"
-#include "tools/rhoray/accuracy/choice.h"
-#include "tools/rhoray/accuracy/self_check.h"
+#include "tools/analysis/choice.h"
+#include "tools/analysis/self_check.h"
 #include "tools/rhoray/render/command.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/scene/plan.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tools/rhoray/annotations/annotate.h"
+#include "tools/pictures/annotate.h"
 #include "tools/rhoray/scene/plan.h"
 
 namespace rhoray::tools {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "render/diary.h"
 #include "render/framebuffer.h"
+#include "render/heat_map.h"
 
 namespace rhoray::tools {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "render/diary.h"
+#include "render/heat_map.h"
 #include "render/load.h"
 #include "render/render.h"
 #include "tools/rhoray/scene/lights.h"

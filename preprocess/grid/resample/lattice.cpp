@@ -1,0 +1,71 @@
+#include "preprocess/grid/resample/lattice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "formats/base/trouble.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+constexpr double on_the_side = 1e-9;  // of a step: what a division by the spacing may be off
+
+void check_count(double samples, int axis) {
+  if (samples >= 2 && samples <= static_cast<double>(SampleLattice::largest_axis)) return;
+  throw Error(Trouble::usage,
+              concat("samples on the ", std::string_view("xyz").substr(static_cast<std::size_t>(axis), 1),
+                     " axis: found ", samples, "; expected 2 to ", SampleLattice::largest_axis));
+}
+
+/// From side to side.
+void fit(SampleLattice& lattice, const Box3& box, int axis, double samples) {
+  check_count(samples, axis);
+  lattice.count[axis] = static_cast<std::int64_t>(samples);
+  lattice.spacing[axis] = (box.max[axis] - box.min[axis]) / (samples - 1);
+}
+
+void step(SampleLattice& lattice, const Box3& box, int axis, double spacing) {
+  if (!(spacing > 0 && std::isfinite(spacing)))
+    throw Error(Trouble::usage, concat("spacing: found ", spacing, "; expected a number above 0"));
+  const double steps = (box.max[axis] - box.min[axis]) / spacing;
+  const double samples = std::max(2.0, std::ceil(steps * (1 - on_the_side)) + 1);
+  check_count(samples, axis);
+  lattice.count[axis] = static_cast<std::int64_t>(samples);
+  lattice.spacing[axis] = spacing;
+}
+
+void place(SampleLattice& lattice, const Box3& box, int axis) {
+  std::vector<double>& places = lattice.places[static_cast<std::size_t>(axis)];
+  places.resize(static_cast<std::size_t>(lattice.count[axis]));
+  for (std::size_t i = 0; i < places.size(); ++i)
+    places[i] = lattice.low[axis] + static_cast<double>(i) * lattice.spacing[axis];
+  const double beyond = places.back() - box.max[axis];
+  if (std::abs(beyond) <= 2 * on_the_side * static_cast<double>(places.size()) * lattice.spacing[axis])
+    places.back() = box.max[axis];
+}
+
+}  // namespace
+
+SampleLattice choose_samples(const Box3& box, const LatticeWish& wish) {
+  SampleLattice lattice;
+  lattice.low = box.min;
+  const Vec3 extent = box.max - box.min;
+  const double longest = std::max({extent.x, extent.y, extent.z});
+  if (wish.longest_axis != 0)
+    check_count(static_cast<double>(wish.longest_axis), extent.x == longest ? 0 : extent.y == longest ? 1 : 2);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (wish.spacing != Vec3(0, 0, 0)) {
+      step(lattice, box, axis, wish.spacing[axis]);
+    } else if (wish.sample_count != Index3(0, 0, 0)) {
+      fit(lattice, box, axis, static_cast<double>(wish.sample_count[axis]));
+    } else {
+      const double steps = extent[axis] / longest * static_cast<double>(wish.longest_axis - 1);
+      fit(lattice, box, axis, std::max(2.0, std::round(steps) + 1));
+    }
+    place(lattice, box, axis);
+  }
+  return lattice;
+}
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,230 @@
+// Medit's meshes: .mesh (text), .meshb (binary), and .sol or .solb beside them with values at the vertices.
+// Source: Frey, "MEDIT: An interactive mesh visualization software", INRIA RT-0253; for the binary form and the numbers
+// of its sections, libMeshb (libmeshb7.h and the manual beside it).
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <map>
+
+#include "preprocess/import/families.h"
+#include "preprocess/import/mesh/mesh_cells.h"
+#include "preprocess/import/text_reading.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+/// What stands behind a word in the text form, and behind its number in the binary form.
+struct Section {
+  std::string_view word;
+  std::int32_t number;
+};
+constexpr Section known_sections[] = {
+    {"Dimension", 3},    {"Vertices", 4},     {"Edges", 5},         {"Triangles", 6},     {"Quadrilaterals", 7},
+    {"Tetrahedra", 8},   {"Prisms", 9},       {"Pentahedra", 9},    {"Hexahedra", 10},    {"TetrahedraP2", 30},
+    {"HexahedraQ2", 33}, {"Polyhedra", 46},   {"Pyramids", 49},     {"End", 54},          {"SolAtVertices", 62},
+    {"PrismsP2", 86},    {"PyramidsP2", 87},  {"TetrahedraP3", 96}, {"TetrahedraP4", 97}, {"HexahedraQ3", 98},
+    {"HexahedraQ4", 99}, {"PyramidsP3", 100}, {"PyramidsP4", 101},  {"PrismsP3", 102},    {"PrismsP4", 103}};
+
+/// A section of cells, faces or lines: how many nodes each has, and VTK's kind.
+struct CellSection {
+  std::uint64_t node_count;
+  std::uint8_t kind;
+};
+const std::map<std::string_view, CellSection> cell_sections{
+    {"Edges", {2, 3}},      {"Triangles", {3, 5}}, {"Quadrilaterals", {4, 9}}, {"Tetrahedra", {4, 10}},
+    {"Hexahedra", {8, 12}}, {"Prisms", {6, 13}},   {"Pentahedra", {6, 13}},    {"Pyramids", {5, 14}}};
+
+/// A file as sections of numbers, in either form.
+class MeditFile {
+ public:
+  explicit MeditFile(const std::filesystem::path& path) : path_(path), file_(path), words_(file_) {
+    is_binary_ = extension_of(path).ends_with('b');
+    if (is_binary_) {
+      const std::int32_t one = raw<std::int32_t>("the number 1");
+      is_swapped_ = one != 1;
+      if (one != 1 && one != 0x01000000) words_.refuse(concat(one), "1, in one byte order or the other");
+    } else if (const std::string_view word = words_.word("MeshVersionFormatted"); word != "MeshVersionFormatted") {
+      words_.refuse(word, "MeshVersionFormatted");
+    }
+    version_ = is_binary_ ? raw<std::int32_t>("a version") : words_.number<std::int32_t>("a version");
+    if (version_ < 1 || version_ > 4) words_.refuse(concat(version_), "a version, 1 to 4", Trouble::unsupported);
+  }
+
+  /// Moves to the next known section, over what the last one left unread, and returns its word; empty at "End".
+  std::string_view next_section() { return is_binary_ ? next_binary_section() : next_text_section(); }
+
+  std::uint64_t count(std::string_view expected) {
+    const std::int64_t value = version_ == 4 || !is_binary_ ? wide(expected) : raw<std::int32_t>(expected);
+    if (value < 0) words_.refuse(concat(value), expected);
+    return static_cast<std::uint64_t>(value);
+  }
+  std::int64_t integer(std::string_view expected) {
+    return version_ == 4 || !is_binary_ ? wide(expected) : raw<std::int32_t>(expected);
+  }
+  /// As the header's numbers are, whatever the version.
+  std::int32_t small(std::string_view expected) {
+    return is_binary_ ? raw<std::int32_t>(expected) : words_.number<std::int32_t>(expected);
+  }
+  double real(std::string_view expected) {
+    if (!is_binary_) return words_.number<double>(expected);
+    return version_ == 1 ? static_cast<double>(raw<float>(expected)) : raw<double>(expected);
+  }
+
+  bool is_single_precision() const { return version_ == 1; }
+  const std::filesystem::path& path() const { return path_; }
+  [[noreturn]] void refuse(std::string_view found, std::string_view expected,
+                           Trouble trouble = Trouble::invalid) const {
+    words_.refuse(found, expected, trouble);
+  }
+
+ private:
+  template <class T>
+  T raw(std::string_view expected) {
+    const auto bytes = words_.bytes(sizeof(T), expected);
+    std::array<std::byte, sizeof(T)> copy;
+    std::copy(bytes.begin(), bytes.end(), copy.begin());
+    if (is_swapped_) std::reverse(copy.begin(), copy.end());
+    T value;
+    std::memcpy(&value, copy.data(), sizeof value);
+    return value;
+  }
+  std::int64_t wide(std::string_view expected) {
+    return is_binary_ ? raw<std::int64_t>(expected) : words_.number<std::int64_t>(expected);
+  }
+
+  std::string_view next_text_section() {
+    for (;;) {
+      const std::string_view word = words_.word("End");
+      if (word == "End") return {};
+      if (word.starts_with('#')) words_.line();
+      const auto* found = std::find_if(std::begin(known_sections), std::end(known_sections),
+                                       [&](const Section& section) { return section.word == word; });
+      if (found != std::end(known_sections)) return found->word;
+    }
+  }
+
+  /// Each section begins with its number and the place of the next one.
+  std::string_view next_binary_section() {
+    for (;;) {
+      if (next_ != 0) {
+        if (next_ < words_.position()) words_.refuse(concat("a section at byte ", next_), "one behind the last");
+        words_.bytes(next_ - words_.position(), "sections");
+      }
+      const auto number = raw<std::int32_t>("a section");
+      if (number == 54) return {};
+      const std::int64_t next = version_ >= 3 ? raw<std::int64_t>("a place") : raw<std::int32_t>("a place");
+      if (next <= 0) words_.refuse(concat("the next section at byte ", next), "a place in the file");
+      next_ = static_cast<std::uint64_t>(next);
+      const auto* found = std::find_if(std::begin(known_sections), std::end(known_sections),
+                                       [&](const Section& section) { return section.number == number; });
+      if (found != std::end(known_sections)) return found->word;
+    }
+  }
+
+  std::filesystem::path path_;
+  ForeignFile file_;
+  WordReader words_;
+  bool is_binary_ = false, is_swapped_ = false;
+  std::int32_t version_ = 0;
+  std::uint64_t next_ = 0;
+};
+
+void check_dimension(MeditFile& file) {
+  const std::int32_t dimension = file.small("3: the dimension");
+  if (dimension != 3) file.refuse(concat(dimension, " dimensions"), "3", Trouble::unsupported);
+}
+
+class MeditReader {
+ public:
+  explicit MeditReader(const std::filesystem::path& path) : file_(path) {}
+
+  CellMesh read() {
+    for (std::string_view word = file_.next_section(); !word.empty(); word = file_.next_section()) {
+      const auto cells = cell_sections.find(word);
+      if (word == "Dimension")
+        check_dimension(file_);
+      else if (word == "Vertices")
+        read_vertices();
+      else if (cells != cell_sections.end())
+        read_cells(cells->second);
+      else if (word != "SolAtVertices")
+        file_.refuse(concat("section ", word), "Tetrahedra, Hexahedra, Prisms or Pyramids", Trouble::unsupported);
+    }
+    NeutralField reference;
+    reference.name = "reference";
+    reference.values = std::move(references_);
+    reference.was_single_precision = fits_single_precision(reference.values);
+    mesh_.cell_fields.push_back(std::move(reference));
+    read_solutions();
+    take_cells(mesh_, std::move(cells_), file_.path());
+    return std::move(mesh_);
+  }
+
+ private:
+  void read_vertices() {
+    const std::uint64_t total = file_.count("a number of vertices");
+    for (std::uint64_t i = 0; i < total; ++i) {
+      for (double& coordinate : mesh_.points.emplace_back()) coordinate = file_.real("three coordinates");
+      file_.integer("a reference");
+    }
+  }
+
+  void read_cells(const CellSection& section) {
+    const std::uint64_t total = file_.count("a number of cells");
+    for (std::uint64_t i = 0; i < total; ++i) {
+      for (std::uint64_t k = 0; k < section.node_count; ++k)  // counted from 1; a 0 becomes too large and is refused
+        cells_.nodes.push_back(static_cast<std::uint64_t>(file_.integer("a vertex") - 1));
+      cells_.offsets.push_back(cells_.nodes.size());
+      cells_.kinds.push_back(section.kind);
+      references_.push_back(static_cast<double>(file_.integer("a reference")));
+    }
+  }
+
+  void read_solutions() {
+    for (const char* extension : {".sol", ".solb"}) {
+      const auto beside = std::filesystem::path(file_.path()).replace_extension(extension);
+      if (!std::filesystem::exists(beside)) continue;
+      MeditFile file(beside);
+      for (std::string_view word = file.next_section(); !word.empty(); word = file.next_section()) {
+        if (word == "Dimension") check_dimension(file);
+        if (word == "SolAtVertices") read_solution(file);
+      }
+    }
+  }
+
+  void read_solution(MeditFile& file) {
+    if (const std::uint64_t count = file.count("a number of vertices"); count != mesh_.points.size())
+      file.refuse(concat("values for ", count, " vertices"), concat(mesh_.points.size(), ", as the mesh has"));
+    const std::int32_t field_count = file.small("a number of fields");
+    if (field_count < 1 || field_count > 1000) file.refuse(concat(field_count, " fields"), "1 to 1000");
+    std::vector<NeutralField> fields(static_cast<std::size_t>(field_count));
+    for (std::size_t f = 0; f < fields.size(); ++f) {
+      const std::int32_t type = file.small("1 to 4: scalars, vectors, symmetric or full matrices");
+      constexpr int widths[] = {1, 3, 6, 9};
+      if (type < 1 || type > 4) file.refuse(concat("fields of type ", type), "1 to 4");
+      fields[f].component_count = widths[type - 1];
+      fields[f].name = fields.size() == 1 ? "solution" : concat("solution_", f + 1);
+    }
+    for (std::size_t i = 0; i < mesh_.points.size(); ++i)
+      for (NeutralField& field : fields)
+        for (int c = 0; c < field.component_count; ++c) field.values.push_back(file.real("a value"));
+    for (NeutralField& field : fields) {
+      field.was_single_precision = file.is_single_precision() || fits_single_precision(field.values);
+      mesh_.point_fields.push_back(std::move(field));
+    }
+  }
+
+  MeditFile file_;
+  CellMesh mesh_;
+  ForeignCells cells_{.kinds = {}, .offsets = {0}, .nodes = {}};
+  Array<double> references_;
+};
+
+}  // namespace
+
+CellMesh read_medit(const std::filesystem::path& path) {
+  return MeditReader(path).read();
+}
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,206 @@
+#include "preprocess/import/mesh/merge_points.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "formats/base/checks.h"
+#include "formats/base/text.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using Point = std::array<double, 3>;
+
+constexpr std::uint64_t none = ~std::uint64_t{0};
+
+std::uint64_t hash_of(const Point& point) {
+  std::uint64_t hash = 0;
+  for (const double coordinate : point) {
+    hash = (hash ^ std::bit_cast<std::uint64_t>(coordinate + 0.0)) * 0x9E3779B97F4A7C15U;  // -0 becomes 0
+    hash ^= hash >> 32;
+  }
+  return hash;
+}
+
+/// For each point the first one at the same place. A point that is not finite has none but itself.
+Array<std::uint64_t> first_at_place(const Array<Point>& points) {
+  Array<std::uint64_t> first(points.size());
+  Array<std::uint64_t> slots(std::bit_ceil(2 * points.size() + 1), none);  // half empty at least
+  const std::uint64_t mask = slots.size() - 1;
+  for (std::uint64_t i = 0; i < points.size(); ++i) {
+    std::uint64_t slot = hash_of(points[i]) & mask;
+    while (slots[slot] != none && points[slots[slot]] != points[i]) slot = (slot + 1) & mask;
+    if (slots[slot] == none) slots[slot] = i;
+    first[i] = slots[slot];
+  }
+  return first;
+}
+
+bool has_same_values(const NeutralField& field, std::uint64_t a, std::uint64_t b) {
+  const auto count = static_cast<std::size_t>(field.component_count);
+  return std::memcmp(&field.values[a * count], &field.values[b * count], count * sizeof(double)) == 0;
+}
+
+/// How much a field differs between points that became one.
+struct Difference {
+  std::uint64_t count = 0;
+  double largest = 0;
+
+  void include(const NeutralField& field, std::uint64_t a, std::uint64_t b) {
+    if (has_same_values(field, a, b)) return;
+    ++count;
+    const auto components = static_cast<std::size_t>(field.component_count);
+    for (std::size_t c = 0; c < components; ++c) {
+      const double distance = std::abs(field.values[a * components + c] - field.values[b * components + c]);
+      if (distance > largest || distance != distance) largest = distance;
+    }
+  }
+};
+
+class Merging {
+ public:
+  Merging(CellMesh& mesh, std::span<const std::uint64_t> piece_offsets)
+      : mesh_(mesh),
+        piece_offsets_(piece_offsets),
+        first_(first_at_place(mesh.points)),
+        latest_piece_(mesh.points.size(), none),
+        next_here_(mesh.points.size(), none),
+        differences_(mesh.point_fields.size()) {}
+
+  void run() {
+    find_crowded_places();
+    decide();
+    if (merged_count_ > 0) {
+      renumber_cells();
+      shorten();
+    }
+    tell();
+  }
+
+ private:
+  template <class Act>
+  void for_each_point(Act&& act) {
+    for (std::uint64_t piece = 0; piece + 1 < piece_offsets_.size(); ++piece)
+      for (std::uint64_t i = piece_offsets_[piece]; i < piece_offsets_[piece + 1]; ++i) act(i, piece);
+  }
+
+  /// Places where one piece has several points: who belongs to whom is then for the values to say.
+  void find_crowded_places() {
+    is_crowded_.assign(mesh_.points.size(), 0);
+    for_each_point([&](std::uint64_t i, std::uint64_t piece) {
+      std::uint64_t& latest = latest_piece_[first_[i]];
+      if (latest == piece) is_crowded_[first_[i]] = 1;
+      latest = piece;
+    });
+  }
+
+  /// After this `stands_for_` says for each point which one replaces it: itself or an earlier one.
+  void decide() {
+    stands_for_.resize(mesh_.points.size());
+    for_each_point([&](std::uint64_t i, std::uint64_t piece) {
+      const std::uint64_t partner = is_crowded_[first_[i]] != 0 ? partner_at_crowded_place(i, piece) : first_[i];
+      stands_for_[i] = partner;
+      latest_piece_[partner] = piece;
+      if (partner == i) return;
+      ++merged_count_;
+      for (std::size_t f = 0; f < differences_.size(); ++f) differences_[f].include(mesh_.point_fields[f], partner, i);
+    });
+  }
+
+  /// The first of those at the place that has equal values and no point of this piece yet; else the point itself, which
+  /// then joins them.
+  std::uint64_t partner_at_crowded_place(std::uint64_t i, std::uint64_t piece) {
+    std::uint64_t last = first_[i];
+    if (last == i) return i;
+    bool has_others = false;
+    for (std::uint64_t here = last; here != none; here = next_here_[here]) {
+      last = here;
+      if (latest_piece_[here] == piece) continue;
+      has_others = true;
+      const auto agrees = [&](const NeutralField& field) { return has_same_values(field, here, i); };
+      if (std::all_of(mesh_.point_fields.begin(), mesh_.point_fields.end(), agrees)) return here;
+    }
+    next_here_[last] = i;
+    left_apart_count_ += has_others ? 1 : 0;
+    return i;
+  }
+
+  /// `stands_for_` becomes the new number of each point.
+  void renumber_cells() {
+    std::uint64_t next = 0;
+    for (std::uint64_t i = 0; i < stands_for_.size(); ++i)
+      stands_for_[i] = stands_for_[i] == i ? next++ : stands_for_[stands_for_[i]];
+    for (std::uint64_t cell = 0; cell < mesh_.kinds.size(); ++cell) {
+      const auto nodes =
+          std::span(mesh_.cell_nodes)
+              .subspan(mesh_.cell_offsets[cell], mesh_.cell_offsets[cell + 1] - mesh_.cell_offsets[cell]);
+      if (mesh_.kinds[cell] == CellKind::polyhedron)
+        renumber_faces(nodes);
+      else
+        for (std::uint64_t& node : nodes) node = stands_for_[node];
+    }
+  }
+
+  void renumber_faces(std::span<std::uint64_t> stream) {
+    for (std::size_t at = 1; at < stream.size();) {
+      const std::size_t end = at + 1 + stream[at];
+      RHORAY_CHECK(end <= stream.size());
+      for (++at; at < end; ++at) stream[at] = stands_for_[stream[at]];
+    }
+  }
+
+  /// New numbers rise from one first point to the next, so each moves down in place.
+  void shorten() {
+    std::uint64_t count = 0;
+    for (std::uint64_t i = 0; i < stands_for_.size(); ++i) {
+      if (stands_for_[i] != count) continue;
+      mesh_.points[count] = mesh_.points[i];
+      for (NeutralField& field : mesh_.point_fields) {
+        const auto components = static_cast<std::size_t>(field.component_count);
+        std::copy_n(field.values.begin() + static_cast<std::ptrdiff_t>(i * components), components,
+                    field.values.begin() + static_cast<std::ptrdiff_t>(count * components));
+      }
+      ++count;
+    }
+    mesh_.points.resize(count);
+    for (NeutralField& field : mesh_.point_fields)
+      field.values.resize(count * static_cast<std::size_t>(field.component_count));
+  }
+
+  void tell() {
+    if (merged_count_ > 0)
+      mesh_.notes.push_back(concat(merged_count_, " points merged with those at the same place in pieces before them"));
+    for (std::size_t f = 0; f < differences_.size(); ++f)
+      if (differences_[f].count > 0)
+        mesh_.notes.push_back(concat("field '", mesh_.point_fields[f].name, "' differs at ", differences_[f].count,
+                                     " of the merged points, by up to ", differences_[f].largest,
+                                     ": the first piece's values are kept"));
+    if (left_apart_count_ > 0)
+      mesh_.notes.push_back(concat(left_apart_count_,
+                                   " points not merged with those at the same place in other pieces: a piece has "
+                                   "several there and their values differ"));
+  }
+
+  CellMesh& mesh_;
+  std::span<const std::uint64_t> piece_offsets_;
+  Array<std::uint64_t> first_;
+  Array<std::uint64_t>
+      latest_piece_;                ///< first the latest piece seen at a place, then the latest one of each point kept
+  Array<std::uint64_t> next_here_;  ///< points kept at one crowded place, from its first one on
+  Array<std::uint8_t> is_crowded_;  ///< of the first point at a place
+  Array<std::uint64_t> stands_for_;
+  std::vector<Difference> differences_;
+  std::uint64_t merged_count_ = 0, left_apart_count_ = 0;
+};
+
+}  // namespace
+
+void merge_coincident_points(CellMesh& mesh, std::span<const std::uint64_t> piece_offsets) {
+  RHORAY_CHECK(!piece_offsets.empty() && piece_offsets.front() == 0 && piece_offsets.back() == mesh.points.size());
+  RHORAY_CHECK(std::is_sorted(piece_offsets.begin(), piece_offsets.end()));
+  if (piece_offsets.size() > 2) Merging(mesh, piece_offsets).run();
+}
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,270 @@
+#include "preprocess/import/mesh/mesh_cells.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <span>
+
+#include "preprocess/process/foreign_file.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+/// What stands for a cell kind in a file: VTK's number (vtkCellType.h), and how many nodes a cell of it has.
+struct ForeignKindOfCell {
+  std::uint8_t number;
+  std::string_view plural;
+  bool fills_space;
+  int node_count = 0;  ///< 0: as many as the cell says, checked where it is taken apart
+};
+
+constexpr ForeignKindOfCell kinds_of_cells[] = {
+    {0, "empty cells", false},
+    {1, "vertices", false},
+    {2, "vertices", false},
+    {3, "lines", false},
+    {4, "polylines", false},
+    {5, "triangles", false},
+    {6, "triangle strips", false},
+    {7, "polygons", false},
+    {8, "pixels", false},
+    {9, "quadrilaterals", false},
+    {10, "tetrahedra", true, 4},
+    {11, "voxels", true, 8},
+    {12, "hexahedra", true, 8},
+    {13, "wedges", true, 6},
+    {14, "pyramids", true, 5},
+    {15, "pentagonal prisms", true, 10},
+    {16, "hexagonal prisms", true, 12},
+    {21, "quadratic lines", false},
+    {22, "quadratic triangles", false},
+    {23, "quadratic quadrilaterals", false},
+    {24, "quadratic tetrahedra", true, 10},
+    {25, "quadratic hexahedra", true, 20},
+    {26, "quadratic wedges", true, 15},
+    {27, "quadratic pyramids", true, 13},
+    {28, "biquadratic quadrilaterals", false},
+    {29, "triquadratic hexahedra", true, 27},
+    {30, "quadratic-linear quadrilaterals", false},
+    {31, "quadratic-linear wedges", true, 12},
+    {32, "biquadratic-quadratic wedges", true, 18},
+    {33, "biquadratic-quadratic hexahedra", true, 24},
+    {34, "biquadratic triangles", false},
+    {35, "cubic lines", false},
+    {36, "quadratic polygons", false},
+    {37, "triquadratic pyramids", true, 19},
+    {42, "polyhedra", true},
+    {68, "Lagrange curves", false},
+    {69, "Lagrange triangles", false},
+    {70, "Lagrange quadrilaterals", false},
+    {71, "Lagrange tetrahedra", true},
+    {72, "Lagrange hexahedra", true},
+    {73, "Lagrange wedges", true},
+    {74, "Lagrange pyramids", true},
+    {200, "quadratic pyramids of 14 nodes", true, 14},
+    {201, "quadratic tetrahedra of 14 nodes", true, 14},
+};
+
+/// The rows above by their number; -1 = not known.
+constexpr std::array<std::int8_t, 256> rows_by_number = [] {
+  std::array<std::int8_t, 256> rows{};
+  rows.fill(-1);
+  for (std::size_t row = 0; row < std::size(kinds_of_cells); ++row)
+    rows[kinds_of_cells[row].number] = static_cast<std::int8_t>(row);
+  return rows;
+}();
+
+const ForeignKindOfCell* kind_numbered(std::uint8_t number) {
+  const std::int8_t row = rows_by_number[number];
+  return row < 0 ? nullptr : &kinds_of_cells[row];
+}
+
+std::string in_words(const std::map<std::string_view, std::uint64_t>& counts) {
+  std::string text;
+  for (const auto& [name, count] : counts) text += concat(text.empty() ? "" : ", ", count, " ", name);
+  return text;
+}
+
+void check_kinds(const ForeignCells& cells, const std::filesystem::path& path) {
+  std::map<std::uint8_t, std::uint64_t> unknown;
+  for (const std::uint8_t number : cells.kinds)
+    if (kind_numbered(number) == nullptr) ++unknown[number];
+  if (!unknown.empty())
+    refuse_input(path, "cells",
+                 concat(unknown.begin()->second, " cells of VTK's kind ", static_cast<int>(unknown.begin()->first)),
+                 "kinds 0 to 16, 21 to 37, 42 or 68 to 74", Trouble::unsupported);
+}
+
+void check_ghosts(const Array<std::uint8_t>& ghosts, std::uint64_t owners, const std::filesystem::path& path) {
+  if (!ghosts.empty() && ghosts.size() != owners)
+    refuse_input(path, "array 'vtkGhostType'", concat(ghosts.size(), " numbers"), concat(owners));
+}
+
+using Nodes = std::span<const std::uint64_t>;
+
+/// Calls act(node) for each node of a cell of any kind. Refuses a stream of a polyhedron that does not hold faces.
+template <class Act>
+void for_each_node(const ForeignKindOfCell& kind, Nodes nodes, std::uint64_t cell, const std::filesystem::path& path,
+                   Act&& act) {
+  if (kind.number != static_cast<std::uint8_t>(CellKind::polyhedron)) {
+    for (const std::uint64_t node : nodes) act(node);
+    return;
+  }
+  const auto refuse = [&](const auto& found, std::string_view expected) {
+    refuse_input(path, concat("polyhedron ", cell), found, expected);
+  };
+  if (nodes.empty()) refuse("no faces", "the stream of its faces");
+  if (nodes[0] < 4) refuse(concat(nodes[0], " faces"), "at least 4");
+  std::size_t at = 1;
+  for (std::uint64_t face = 0; face < nodes[0]; ++face) {
+    if (at == nodes.size()) refuse(concat("the end of its stream at face ", face), concat(nodes[0], " faces"));
+    const std::uint64_t corners = nodes[at++];
+    if (corners < 3 || corners > nodes.size() - at)
+      refuse(concat(static_cast<std::int64_t>(corners), " corners of face ", face),
+             concat("3 to ", nodes.size() - at, ", as many numbers as its stream still has"));
+    for (const std::uint64_t node : nodes.subspan(at, corners)) act(node);
+    at += corners;
+  }
+  if (at != nodes.size()) refuse(concat(nodes.size() - at, " numbers behind its last face"), "none");
+}
+
+/// Refuses nodes that do not fit the kind; says whether one of them is hidden.
+bool has_hidden_point(const ForeignCells& cells, std::uint64_t cell, std::uint64_t point_count,
+                      const std::filesystem::path& path) {
+  const ForeignKindOfCell& kind = *kind_numbered(cells.kinds[cell]);
+  const Nodes nodes = Nodes(cells.nodes).subspan(cells.offsets[cell], cells.offsets[cell + 1] - cells.offsets[cell]);
+  if (kind.node_count != 0 && nodes.size() != static_cast<std::size_t>(kind.node_count))
+    refuse_input(path, concat("cell ", cell), concat(nodes.size(), " corners"),
+                 concat(kind.node_count, ", as ", kind.plural, " have"));
+  bool is_hidden = false;
+  for_each_node(kind, nodes, cell, path, [&](std::uint64_t node) {
+    if (node >= point_count)
+      refuse_input(path, concat("cell ", cell), concat("point ", static_cast<std::int64_t>(node)),
+                   concat("0 to ", point_count - 1));
+    if (!cells.point_ghosts.empty()) is_hidden |= (cells.point_ghosts[node] & ghost_hidden_point) != 0;
+  });
+  return is_hidden;
+}
+
+/// Counts why a cell is left out, if it is.
+bool is_left_out(const ForeignCells& cells, std::uint64_t cell, std::uint64_t point_count, LeftOut& left_out,
+                 const std::filesystem::path& path) {
+  const ForeignKindOfCell& kind = *kind_numbered(cells.kinds[cell]);
+  const std::uint8_t ghost = cells.ghosts.empty() ? std::uint8_t{0} : cells.ghosts[cell];
+  const auto leave_out = [](std::uint64_t& counter) {
+    ++counter;
+    return true;
+  };
+  if (!kind.fills_space) return leave_out(left_out.not_filling[kind.plural]);
+  const bool has_hidden = has_hidden_point(cells, cell, point_count, path);
+  if ((ghost & ghost_duplicate) != 0) return leave_out(left_out.duplicates);
+  if ((ghost & ghost_refined) != 0) return leave_out(left_out.refined);
+  if ((ghost & ghost_hidden_cell) != 0) return leave_out(left_out.hidden);
+  return has_hidden && leave_out(left_out.blanked);
+}
+
+void keep_values(NeutralField& field, const Array<std::uint64_t>& kept) {
+  const auto components = static_cast<std::size_t>(field.component_count);
+  for (std::size_t to = 0; to < kept.size(); ++to)
+    for (std::size_t c = 0; c < components; ++c)
+      field.values[to * components + c] = field.values[kept[to] * components + c];
+  field.values.resize(kept.size() * components);
+}
+
+}  // namespace
+
+void check_offsets(const ForeignCells& cells, const std::filesystem::path& path) {
+  if (cells.offsets.size() != cells.kinds.size() + 1)
+    refuse_input(
+        path, "cells",
+        concat(cells.kinds.size(), " kinds for ", static_cast<std::int64_t>(cells.offsets.size()) - 1, " cells"),
+        "one kind for each cell");
+  if (cells.offsets.front() != 0 || cells.offsets.back() != cells.nodes.size() ||
+      !std::is_sorted(cells.offsets.begin(), cells.offsets.end()))
+    refuse_input(path, "cells", "offsets that do not fit the corners",
+                 "offsets rising from 0 to the number of corners");
+}
+
+bool fits_single_precision(const Array<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double value) {
+    return value != value || static_cast<double>(static_cast<float>(value)) == value;
+  });
+}
+
+void check_field(const NeutralField& field, std::uint64_t owners, const std::filesystem::path& path) {
+  const std::uint64_t expected = owners * static_cast<std::uint64_t>(field.component_count);
+  if (field.values.size() != expected)
+    refuse_input(path, concat("array '", field.name, "'"), concat(field.values.size(), " numbers"),
+                 concat(expected, ", ", field.component_count, " for each of ", owners));
+}
+
+void LeftOut::include(const LeftOut& other) {
+  for (const auto& [name, count] : other.not_filling) not_filling[name] += count;
+  duplicates += other.duplicates;
+  refined += other.refined;
+  hidden += other.hidden;
+  blanked += other.blanked;
+}
+
+LeftOut sift_cells(CellMesh& mesh, ForeignCells cells, const std::filesystem::path& path) {
+  check_offsets(cells, path);
+  check_kinds(cells, path);
+  check_ghosts(cells.ghosts, cells.kinds.size(), path);
+  check_ghosts(cells.point_ghosts, mesh.points.size(), path);
+  for (const NeutralField& field : mesh.point_fields) check_field(field, mesh.points.size(), path);
+  for (const NeutralField& field : mesh.cell_fields) check_field(field, cells.kinds.size(), path);
+
+  LeftOut left_out;
+  Array<std::uint64_t>& ids = mesh.cell_ids;
+  mesh.kinds.reserve(cells.kinds.size());
+  mesh.cell_offsets.assign(1, 0);
+  mesh.cell_offsets.reserve(cells.offsets.size());
+  std::uint64_t node_count = 0;  // kept nodes move down in place
+  for (std::uint64_t cell = 0; cell < cells.kinds.size(); ++cell) {
+    if (is_left_out(cells, cell, mesh.points.size(), left_out, path)) {
+      if (ids.empty() && cell == mesh.kinds.size()) {  // the first one
+        ids.resize(cell);
+        std::iota(ids.begin(), ids.end(), std::uint64_t{0});
+      }
+      continue;
+    }
+    for (std::uint64_t i = cells.offsets[cell]; i < cells.offsets[cell + 1]; ++i)
+      cells.nodes[node_count++] = cells.nodes[i];
+    if (cell != mesh.kinds.size()) ids.push_back(cell);
+    mesh.kinds.push_back(static_cast<CellKind>(cells.kinds[cell]));
+    mesh.cell_offsets.push_back(node_count);
+  }
+  cells.nodes.resize(node_count);
+  mesh.cell_nodes = std::move(cells.nodes);
+  if (mesh.kinds.size() != cells.kinds.size())
+    for (NeutralField& field : mesh.cell_fields) keep_values(field, ids);
+  return left_out;
+}
+
+void finish_cells(CellMesh& mesh, const LeftOut& left_out, const std::filesystem::path& path) {
+  std::vector<std::string> notes;
+  const auto note = [&](std::uint64_t count, const char* text) {
+    if (count > 0) notes.push_back(concat(count, text));
+  };
+  if (!left_out.not_filling.empty())
+    notes.push_back(in_words(left_out.not_filling) + " left out: only cells that fill space are kept");
+  note(left_out.duplicates, " ghost cells left out: another piece holds them");
+  note(left_out.refined, " refined cells left out: finer ones stand for them");
+  note(left_out.hidden, " hidden cells left out");
+  note(left_out.blanked, " cells left out: one of their points is hidden");
+  if (mesh.kinds.empty()) {
+    std::string found = in_words(left_out.not_filling);
+    const bool is_surface = !found.empty();
+    if (found.empty()) found = notes.empty() ? "none" : notes.front();
+    throw Error(Trouble::invalid,
+                concat(path.string(), ", cells: found ", found, "; expected at least one that fills space"),
+                is_surface ? "a closed surface in .ply, .stl, .obj or .off: rhoray tetrahedralize fills it" : "");
+  }
+  mesh.notes.insert(mesh.notes.end(), notes.begin(), notes.end());
+}
+
+void take_cells(CellMesh& mesh, ForeignCells cells, const std::filesystem::path& path) {
+  finish_cells(mesh, sift_cells(mesh, std::move(cells), path), path);
+}
+
+}  // namespace rhoray::preprocess

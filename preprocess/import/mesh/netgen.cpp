@@ -1,0 +1,132 @@
+// Netgen's neutral mesh files (.vol), which are lists behind key words.
+// Source: Netgen, libsrc/meshing/meshclass.cpp (Mesh::Save) and meshtype.cpp for the order of corners.
+
+#include <algorithm>
+#include <array>
+
+#include "preprocess/import/families.h"
+#include "preprocess/import/mesh/mesh_cells.h"
+#include "preprocess/import/text_reading.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+/// Where VTK's node i stands in a record; Netgen's cells are the mirror images of VTK's.
+struct VolumeElement {
+  std::uint64_t node_count;
+  CellKind kind;
+  std::array<std::uint8_t, 10> order;
+};
+constexpr VolumeElement volume_elements[] = {
+    {4, CellKind::tetrahedron, {0, 2, 1, 3}},
+    {5, CellKind::pyramid, {0, 3, 2, 1, 4}},
+    {6, CellKind::wedge, {0, 2, 1, 3, 5, 4}},
+    {8, CellKind::hexahedron, {0, 3, 2, 1, 4, 7, 6, 5}},
+    // Middles of 0-1, 0-2, 0-3, 1-2, 1-3, 2-3 follow the corners.
+    {10, CellKind::quadratic_tetrahedron, {0, 2, 1, 3, 5, 7, 4, 6, 9, 8}},
+};
+
+class NetgenReader {
+ public:
+  explicit NetgenReader(const std::filesystem::path& path) : path_(path), file_(path), lines_(file_) {}
+
+  CellMesh read() {
+    lines_.need("mesh3d");
+    if (lines_.words().front() != "mesh3d") lines_.refuse(lines_.words().front(), "mesh3d");
+    while (read_section()) {
+    }
+    NeutralField material;
+    material.name = "material";
+    material.values = std::move(materials_);
+    material.was_single_precision = fits_single_precision(material.values);
+    mesh_.cell_fields.push_back(std::move(material));
+    take_cells(mesh_, std::move(cells_), path_);
+    return std::move(mesh_);
+  }
+
+ private:
+  /// Reads what stands behind the next key word; false behind the last. Lists of other things are lines of numbers,
+  /// which are no key words.
+  bool read_section() {
+    lines_.need("endmesh");
+    const std::string_view word = lines_.words().front();
+    if (word == "endmesh") return false;
+    if (word == "dimension") {
+      lines_.need("3");
+      if (lines_.words().front() != "3") lines_.refuse(lines_.words().front(), "3", Trouble::unsupported);
+    } else if (word == "points") {
+      read_points();
+    } else if (word == "volumeelements") {
+      read_volume_elements();
+    } else if (word.starts_with("surfaceelements")) {
+      pass_over("surface elements");
+    } else if (word == "curvedelements") {
+      mesh_.notes.push_back("section curvedelements left out: cells are taken as straight");
+    } else if (word == "materials") {
+      read_material_names();
+    }
+    return true;
+  }
+
+  std::uint64_t count(std::string_view expected) {
+    lines_.need(expected);
+    return lines_.number<std::uint64_t>(0, expected);
+  }
+
+  void pass_over(std::string_view what) {
+    const std::uint64_t total = count(concat("a number of ", what));
+    for (std::uint64_t i = 0; i < total; ++i) lines_.need(concat(total, " ", what));
+    if (total > 0) mesh_.notes.push_back(concat(total, " ", what, " left out: only cells that fill space are kept"));
+  }
+
+  void read_points() {
+    const std::uint64_t total = count("a number of points");
+    for (std::uint64_t i = 0; i < total; ++i) {
+      lines_.need(concat(total, " points"));
+      std::array<double, 3>& point = mesh_.points.emplace_back();
+      for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = lines_.number<double>(axis, "three coordinates");
+    }
+  }
+
+  void read_volume_elements() {
+    const std::uint64_t total = count("a number of volume elements");
+    for (std::uint64_t i = 0; i < total; ++i) {
+      lines_.need(concat(total, " volume elements"));
+      materials_.push_back(lines_.number<double>(0, "a material"));
+      const auto node_count = lines_.number<std::uint64_t>(1, "a number of corners");
+      const auto* type = std::find_if(std::begin(volume_elements), std::end(volume_elements),
+                                      [&](const VolumeElement& row) { return row.node_count == node_count; });
+      if (type == std::end(volume_elements))
+        lines_.refuse(concat("a volume element with ", node_count, " nodes"), "4, 5, 6, 8 or 10 nodes",
+                      Trouble::unsupported);
+      for (std::uint64_t k = 0; k < node_count; ++k)  // counted from 1; a 0 becomes too large and is refused
+        cells_.nodes.push_back(lines_.number<std::uint64_t>(2 + type->order[k], "a point") - 1);
+      cells_.offsets.push_back(cells_.nodes.size());
+      cells_.kinds.push_back(static_cast<std::uint8_t>(type->kind));
+    }
+  }
+
+  void read_material_names() {
+    for (std::uint64_t left = count("a number of materials"); left > 0; --left) {
+      lines_.need("a material's number and name");
+      if (lines_.words().size() < 2) continue;
+      mesh_.notes.push_back(
+          concat("cell field 'material': ", lines_.number<int>(0, "a material"), " is ", in_quotes(lines_.words()[1])));
+    }
+  }
+
+  std::filesystem::path path_;
+  ForeignFile file_;
+  LineReader lines_;
+  CellMesh mesh_;
+  ForeignCells cells_{.kinds = {}, .offsets = {0}, .nodes = {}};
+  Array<double> materials_;
+};
+
+}  // namespace
+
+CellMesh read_netgen(const std::filesystem::path& path) {
+  return NetgenReader(path).read();
+}
+
+}  // namespace rhoray::preprocess

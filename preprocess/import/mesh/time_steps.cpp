@@ -1,0 +1,57 @@
+#include "preprocess/import/mesh/time_steps.h"
+
+#include <cmath>
+#include <optional>
+
+#include "formats/base/checks.h"
+#include "formats/base/trouble.h"
+#include "preprocess/import/numbers.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+std::string text_of(std::span<const double> times, std::size_t step) {
+  return concat("time step #", step, " of ", times.size(),
+                std::isnan(times[step]) ? std::string() : concat(", at time ", times[step]));
+}
+
+std::size_t nearest(std::span<const double> times, double time) {
+  std::size_t best = 0;
+  for (std::size_t step = 1; step < times.size(); ++step)
+    if (!(std::abs(times[step] - time) >= std::abs(times[best] - time))) best = step;  // a NaN gives way
+  return best;
+}
+
+}  // namespace
+
+std::size_t choose_time_step(std::span<const double> times, const std::string& request,
+                             const std::filesystem::path& path, std::vector<std::string>& notes) {
+  RHORAY_CHECK(!times.empty());
+  const auto refuse = [&](const std::string& expected) -> Error {
+    return {Trouble::usage, concat(path.string(), ", time step: found '", request, "'; expected ", expected)};
+  };
+  if (request == "first") return 0;
+  if (request == "last") return times.size() - 1;
+  if (request.empty()) {
+    if (times.size() > 1)
+      notes.push_back(concat(text_of(times, times.size() - 1), " was taken, the last: --time chooses another"));
+    return times.size() - 1;
+  }
+  if (request.starts_with('#')) {
+    const std::optional<std::uint64_t> step = parse_number<std::uint64_t>(std::string_view(request).substr(1));
+    if (!step || *step >= times.size()) throw refuse(concat("#0 to #", times.size() - 1));
+    return *step;
+  }
+  const std::optional<double> time = parse_number<double>(request);
+  if (!time || !std::isfinite(*time)) throw refuse("first, last, #N or a time");
+  const std::size_t step = nearest(times, *time);
+  if (times[step] != *time) notes.push_back(concat(text_of(times, step), " was taken, the nearest to time ", *time));
+  return step;
+}
+
+void refuse_time_step(const std::string& request, const std::filesystem::path& path) {
+  if (!request.empty())
+    throw Error(Trouble::usage, concat(path.string(), ": found no time steps; expected some, for '", request, "'"));
+}
+
+}  // namespace rhoray::preprocess

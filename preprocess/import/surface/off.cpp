@@ -1,0 +1,43 @@
+#include "preprocess/import/families.h"
+#include "preprocess/import/surface/surface_building.h"
+#include "preprocess/import/text_reading.h"
+
+namespace rhoray::preprocess {
+
+NeutralSurface read_off(const std::filesystem::path& path) {
+  const ForeignFile file(path);
+  LineReader lines(file);
+  lines.need("OFF");
+  // C and N announce colours and normals behind the coordinates, ST texture positions; they are passed over.
+  const std::string_view word = lines.words().front();
+  if (word != "OFF" && word != "COFF" && word != "NOFF" && word != "CNOFF" && word != "STOFF")
+    lines.refuse(word, "OFF");
+  std::size_t at = 1;
+  if (lines.words().size() > 1 && lines.words()[1] == "BINARY")
+    lines.refuse("BINARY: numbers in binary", "a text file", Trouble::unsupported);
+  if (lines.words().size() == 1) {
+    lines.need("numbers of points and facets");
+    at = 0;
+  }
+  const auto point_count = lines.number<std::uint64_t>(at, "a number of points");
+  const auto facet_count = lines.number<std::uint64_t>(at + 1, "a number of facets");
+  NeutralSurface surface;
+  for (std::uint64_t i = 0; i < point_count; ++i) {
+    lines.need(concat(point_count, " points"));
+    std::array<double, 3>& point = surface.points.emplace_back();
+    for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = lines.number<double>(axis, "three coordinates");
+  }
+  Array<std::uint64_t> corners;
+  for (std::uint64_t i = 0; i < facet_count; ++i) {
+    lines.need(concat(facet_count, " facets"));
+    const auto count = lines.number<std::uint64_t>(0, "a number of corners");
+    if (count >= lines.words().size()) lines.refuse("the line ends too early", concat(count, " corners"));
+    corners.clear();
+    for (std::uint64_t k = 1; k <= count; ++k) corners.push_back(lines.number<std::uint64_t>(k, "a corner"));
+    add_facet(surface, corners, path, concat("line ", lines.line_number()));
+  }
+  finish_surface(surface, path);
+  return surface;
+}
+
+}  // namespace rhoray::preprocess

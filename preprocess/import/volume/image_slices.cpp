@@ -1,0 +1,231 @@
+#include "preprocess/import/volume/image_slices.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <optional>
+
+#include "formats/base/regular_file.h"
+#include "preprocess/import/foreign_names.h"
+#include "preprocess/import/samples.h"
+#include "preprocess/process/foreign_file.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using formats::ElementType;
+namespace fs = std::filesystem;
+
+/// What all slices have in common.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<std::string> channels;
+  OIIO::TypeDesc type;
+  friend bool operator==(const Picture&, const Picture&) = default;
+};
+
+std::string text_of(const Picture& picture) {
+  return concat(picture.width, " x ", picture.height, ", ", picture.channels.size(), " channels of ",
+                picture.type.c_str());
+}
+
+Picture picture_of(const OIIO::ImageSpec& spec) {
+  return {spec.width, spec.height, spec.channelnames, spec.format};
+}
+
+std::unique_ptr<OIIO::ImageInput> open(const fs::path& path) {
+  require_regular_file(path);
+  OIIO::ImageSpec wish;
+  wish["oiio:UnassociatedAlpha"] = 1;  // colours as they are stored
+  auto input = OIIO::ImageInput::open(path.string(), &wish);
+  if (!input) refuse_input(path, "header", OIIO::geterror(), "a picture");
+  return input;
+}
+
+/// One slice: a file, and a page of it.
+struct Slice {
+  fs::path file;
+  int page = 0;
+};
+
+int page_count(const fs::path& file) {
+  const auto input = open(file);
+  int pages = 1;
+  while (input->seek_subimage(pages, 0)) ++pages;
+  OIIO::geterror();  // that there is no further page is none
+  return pages;
+}
+
+std::vector<Slice> slices_of(const fs::path& path, std::size_t least) {
+  std::vector<Slice> slices;
+  if (fs::is_directory(path)) {
+    for (const fs::path& file : files_in(path))
+      if (is_picture_name(file)) slices.push_back({file, 0});
+  } else {
+    const int pages = page_count(path);
+    for (int page = 0; page < pages; ++page) slices.push_back({path, page});
+  }
+  if (slices.size() < least)
+    throw Error(Trouble::unsupported,
+                concat(path.string(), ": found ", slices.size(), " slice; expected at least ", least),
+                "name the folder that holds the slices of the volume");
+  return slices;
+}
+
+/// Bytes of one slice, all channels, in the type of the file.
+std::size_t bytes_of(const Picture& picture) {
+  return static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) * picture.channels.size() *
+         picture.type.size();
+}
+
+/// Reads the pixels of one slice, all channels.
+void read_pixels(const Slice& slice, const Picture& expected, std::byte* pixels) {
+  const auto input = open(slice.file);
+  if (!input->seek_subimage(slice.page, 0))
+    refuse_input(slice.file, concat("page ", slice.page), input->geterror(), "a picture");
+  const Picture found = picture_of(input->spec());
+  if (found != expected)
+    refuse_input(slice.file, concat("page ", slice.page), text_of(found),
+                 concat(text_of(expected), ", as the first slice"));
+  if (!input->read_image(slice.page, 0, 0, -1, found.type, pixels))
+    refuse_input(slice.file, concat("page ", slice.page), input->geterror(), "a whole picture");
+}
+
+ElementType element_type_of_oiio(const Picture& picture, const fs::path& path) {
+  switch (picture.type.basetype) {
+    case OIIO::TypeDesc::UINT8:
+      return ElementType::U8;
+    case OIIO::TypeDesc::UINT16:
+      return ElementType::U16;
+    case OIIO::TypeDesc::UINT32:
+      return ElementType::U32;
+    case OIIO::TypeDesc::INT8:
+      return ElementType::I8;
+    case OIIO::TypeDesc::INT16:
+      return ElementType::I16;
+    case OIIO::TypeDesc::INT32:
+      return ElementType::I32;
+    case OIIO::TypeDesc::FLOAT:
+      return ElementType::F32;
+    case OIIO::TypeDesc::DOUBLE:
+      return ElementType::F64;
+    default:
+      refuse_input(path, "header", picture.type.c_str(), "8, 16 or 32 bit integers, or floats", Trouble::unsupported);
+  }
+}
+
+/// Which channel becomes the sample.
+struct Choice {
+  static constexpr int luminance = -1;  ///< of linear R, G, B (ITU-R BT.709)
+  static constexpr int grey = -2;       ///< R, where R, G and B are equal
+  int channel = 0;
+};
+
+std::size_t colour_count(const Picture& picture) {
+  return picture.channels.size() >= 3 ? 3 : 1;  // the rest is alpha
+}
+
+Choice choose(const Picture& picture, const std::string& field, const fs::path& path) {
+  if (field.empty()) return {colour_count(picture) == 3 ? Choice::grey : 0};
+  std::string names;
+  for (std::size_t c = 0; c < picture.channels.size(); ++c) {
+    if (field == picture.channels[c]) return {static_cast<int>(c)};
+    names += concat(names.empty() ? "" : ", ", picture.channels[c]);
+  }
+  if (colour_count(picture) == 3) {
+    if (field == "luminance") return {Choice::luminance};
+    names += ", luminance";
+  }
+  throw Error(Trouble::usage, concat(path.string(), ": found no field '", field, "'; expected one of ", names));
+}
+
+template <class T>
+void take_slice(const std::vector<std::byte>& pixels, const Picture& picture, const Choice& choice, const Slice& slice,
+                std::span<std::byte> to) {
+  const std::size_t channels = picture.channels.size();
+  const auto value = [&](std::size_t pixel, std::size_t channel) {
+    T number;
+    std::memcpy(&number, pixels.data() + (pixel * channels + channel) * sizeof(T), sizeof number);
+    return number;
+  };
+  for (std::size_t pixel = 0; pixel < to.size() / sizeof(T); ++pixel) {
+    T sample = value(pixel, choice.channel < 0 ? 0 : static_cast<std::size_t>(choice.channel));
+    if (choice.channel == Choice::luminance) {
+      sample = static_cast<T>(0.2126 * static_cast<double>(sample) + 0.7152 * static_cast<double>(value(pixel, 1)) +
+                              0.0722 * static_cast<double>(value(pixel, 2)));
+    } else if (choice.channel == Choice::grey && (sample != value(pixel, 1) || sample != value(pixel, 2))) {
+      throw Error(Trouble::unsupported,
+                  concat(slice.file.string(), ", pixel ", pixel, ": found a colour; expected grey, or a choice"),
+                  "take one channel: --field R, G, B or luminance; or all of them, as a texture: --color");
+    }
+    std::memcpy(to.data() + pixel * sizeof(T), &sample, sizeof sample);
+  }
+}
+
+/// Refuses what is not red, green and blue of 8 bits, with or without an alpha by itself.
+void check_colors(const OIIO::ImageSpec& spec, const fs::path& path) {
+  const std::vector<std::string>& names = spec.channelnames;
+  const bool has_alpha = names.size() == 4;
+  const bool is_rgb = (names.size() == 3 || has_alpha) && names[0] == "R" && names[1] == "G" && names[2] == "B" &&
+                      (!has_alpha || names[3] == "A");
+  if (!is_rgb || spec.format != OIIO::TypeDesc::UINT8)
+    refuse_input(path, "header", text_of(picture_of(spec)), "R, G, B, or R, G, B, A, of 8 bits", Trouble::unsupported);
+  if (has_alpha && spec.get_int_attribute("oiio:UnassociatedAlpha") == 0)
+    refuse_input(path, "header", "colours multiplied by alpha", "colours by themselves (unassociated alpha)",
+                 Trouble::unsupported);
+}
+
+constexpr const char* no_spacing =
+    "pictures do not say how far apart samples are: 1 x 1 x 1 taken; --spacing X,Y,Z says it";
+
+}  // namespace
+
+NeutralVolume read_image_slices(const fs::path& path, const std::string& field) {
+  OIIO::attribute("threads", 1);
+  const std::vector<Slice> slices = slices_of(path, 2);
+  const Picture picture = picture_of(open(slices.front().file)->spec());
+  const Choice choice = choose(picture, field, path);
+  NeutralVolume volume;
+  volume.type = element_type_of_oiio(picture, path);
+  volume.sample_count = {picture.width, picture.height, static_cast<std::int64_t>(slices.size())};
+  Array<std::byte> samples(checked_volume_bytes(path, volume.sample_count, volume.type));
+  const std::size_t slice_bytes = samples.size() / slices.size();
+  formats::with_element_type(volume.type, [&]<class T>(T) {
+    std::vector<std::byte> pixels(bytes_of(picture));
+    for (std::size_t k = 0; k < slices.size(); ++k) {
+      read_pixels(slices[k], picture, pixels.data());
+      take_slice<T>(pixels, picture, choice, slices[k], std::span(samples).subspan(k * slice_bytes, slice_bytes));
+    }
+  });
+  set_samples(volume, std::move(samples));
+  volume.world_from_grid = axis_parallel({1, 1, 1}, {0, 0, 0});
+  volume.field_name = field.empty() ? "intensity" : field;
+  if (colour_count(picture) == 3) volume.other_fields.assign(picture.channels.begin(), picture.channels.end());
+  volume.notes.emplace_back(no_spacing);
+  finish_volume(volume, path);
+  return volume;
+}
+
+NeutralVolume read_color_slices(const fs::path& path) {
+  OIIO::attribute("threads", 1);
+  const std::vector<Slice> slices = slices_of(path, 1);
+  const OIIO::ImageSpec spec = open(slices.front().file)->spec();
+  const Picture picture = picture_of(spec);
+  check_colors(spec, slices.front().file);
+  NeutralVolume volume;
+  volume.component_count = static_cast<int>(picture.channels.size());
+  volume.sample_count = {picture.width, picture.height, static_cast<std::int64_t>(slices.size())};
+  Array<std::byte> samples(checked_color_bytes(path, volume.sample_count, volume.component_count));
+  const std::size_t slice_bytes = bytes_of(picture);
+  for (std::size_t k = 0; k < slices.size(); ++k) read_pixels(slices[k], picture, samples.data() + k * slice_bytes);
+  set_samples(volume, std::move(samples));
+  volume.world_from_grid = axis_parallel({1, 1, 1}, {0, 0, 0});
+  volume.field_name = "colors";
+  volume.notes.emplace_back(no_spacing);
+  finish_volume(volume, path);
+  return volume;
+}
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,353 @@
+#include <teem/nrrd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "formats/base/regular_file.h"
+#include "preprocess/import/families.h"
+#include "preprocess/import/numbers.h"
+#include "preprocess/import/samples.h"
+#include "preprocess/process/foreign_file.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using formats::ElementType;
+
+/// Ends the description and leaves the samples, which are ours.
+struct NrrdNix {
+  void operator()(Nrrd* nrrd) const { nrrdNix(nrrd); }
+};
+using OwnedNrrd = std::unique_ptr<Nrrd, NrrdNix>;
+
+struct IoNix {
+  void operator()(NrrdIoState* io) const { nrrdIoStateNix(io); }
+};
+
+/// Teem's own words, most general first, in one line.
+std::string teem_reason() {
+  std::unique_ptr<char, decltype(&std::free)> text(biffGetDone(NRRD), &std::free);
+  std::string reason = text ? text.get() : "no reason given";
+  while (reason.ends_with('\n')) reason.pop_back();
+  for (std::size_t at = 0; (at = reason.find('\n', at)) != std::string::npos;) reason.replace(at, 1, "; ");
+  return reason;
+}
+
+struct Loaded {
+  OwnedNrrd nrrd;
+  std::unique_ptr<NrrdIoState, IoNix> io;
+};
+
+[[noreturn]] void refuse_by_teem(const std::filesystem::path& path) {
+  throw Error(Trouble::invalid, concat(path.string(), ": Teem cannot read it: ", teem_reason()));
+}
+
+/// Where the header ends that stands before its samples: behind the first empty line.
+std::size_t end_of_header(std::string_view text) {
+  const std::size_t plain = text.find("\n\n"), with_returns = text.find("\n\r\n");
+  if (plain == text.npos && with_returns == text.npos) return text.size();
+  return plain < with_returns ? plain + 2 : with_returns + 3;
+}
+
+/// The file of this number under a name such as "slice%03d.raw"; nothing when it has no place for one number.
+std::optional<std::string> numbered_name(const std::string& pattern, std::int64_t number) {
+  const std::size_t begin = pattern.find('%'), end = pattern.find_first_not_of("0123456789", begin + 1);
+  if (begin == pattern.npos || end == pattern.npos || pattern[end] != 'd') return std::nullopt;
+  std::string digits = concat(number);
+  const std::size_t width = parse_number<std::size_t>(pattern.substr(begin + 1, end - begin - 1)).value_or(0);
+  if (width > 32) return std::nullopt;
+  if (digits.size() < width) digits.insert(0, width - digits.size(), pattern[begin + 1] == '0' ? '0' : ' ');
+  return pattern.substr(0, begin) + digits + pattern.substr(end + 1);
+}
+
+/// The files that a header names as those of its samples: one, a list, or numbered ones.
+std::vector<std::string> named_files(std::string_view header) {
+  std::istringstream lines{std::string(header)};
+  std::vector<std::string> names;
+  bool in_list = false;
+  for (std::string line; std::getline(lines, line);) {
+    while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())) != 0) line.pop_back();
+    if (in_list) names.push_back(line);
+    std::string key = line.substr(0, line.find(':'));
+    std::transform(key.begin(), key.end(), key.begin(), [](unsigned char letter) { return std::tolower(letter); });
+    if (in_list || (key != "data file" && key != "datafile") || key.size() == line.size()) continue;
+    const std::size_t begin = line.find_first_not_of(" \t", key.size() + 1);
+    if (begin == line.npos) continue;
+    const std::string value = line.substr(begin);
+    if (value.starts_with("LIST")) {
+      in_list = true;
+      continue;
+    }
+    std::istringstream words(value);
+    std::string pattern;
+    std::int64_t first = 0, last = 0, step = 0;
+    constexpr std::int64_t most_files = 1 << 16;
+    if (value.find('%') == value.npos || !(words >> pattern >> first >> last >> step) || step == 0 ||
+        std::abs(first) > most_files || std::abs(last) > most_files) {
+      names.push_back(value);
+      continue;
+    }
+    for (std::int64_t number = first; step > 0 ? number <= last : number >= last; number += step)
+      if (const auto name = numbered_name(pattern, number)) names.push_back(*name);
+  }
+  return names;
+}
+
+/// Teem opens all that a header names, and would wait for a pipe.
+void require_regular_data_files(const std::filesystem::path& path) {
+  constexpr std::size_t longest_header = std::size_t{16} << 20;
+  const ForeignFile file(path);
+  const std::string_view text = file.text().substr(0, longest_header);
+  for (const std::string& name : named_files(text.substr(0, end_of_header(text))))
+    if (std::error_code missing; std::filesystem::exists(path.parent_path() / name, missing))
+      require_regular_file(path.parent_path() / name);
+}
+
+Loaded load_header(const std::filesystem::path& path) {
+  require_regular_data_files(path);
+  Loaded loaded{OwnedNrrd(nrrdNew()), std::unique_ptr<NrrdIoState, IoNix>(nrrdIoStateNew())};
+  nrrdIoStateSet(loaded.io.get(), nrrdIoStateSkipData, 1);
+  if (nrrdLoad(loaded.nrrd.get(), path.c_str(), loaded.io.get()) != 0) refuse_by_teem(path);
+  return loaded;
+}
+
+/// The samples in an array of our own: Teem fills the memory that a Nrrd has when it is as large as the file's header
+/// asks for.
+Array<std::byte> load_samples(const std::filesystem::path& path, const Nrrd& header, std::uint64_t bytes) {
+  Array<std::byte> samples(bytes);
+  const OwnedNrrd nrrd(nrrdNew());
+  std::array<std::size_t, NRRD_DIM_MAX> sizes{};
+  for (unsigned axis = 0; axis < header.dim; ++axis) sizes[axis] = header.axis[axis].size;
+  if (nrrdWrap_nva(nrrd.get(), samples.data(), header.type, header.dim, sizes.data()) != 0) refuse_by_teem(path);
+  if (nrrdLoad(nrrd.get(), path.c_str(), nullptr) != 0) refuse_by_teem(path);
+  if (nrrd->data != samples.data())  // the file has changed since its header was read
+    refuse_input(path, "samples", "another size than a moment ago", concat(bytes, " bytes"));
+  return samples;
+}
+
+/// The samples in the one file that holds them, where they stand as they are wanted; false otherwise.
+bool left_in_file(NeutralVolume& volume, const std::filesystem::path& path, const NrrdIoState& io,
+                  std::uint64_t bytes) {
+  const bool is_raw = std::string_view(io.encoding->name) == "raw" && io.dataFNFormat == nullptr && io.lineSkip == 0;
+  if (!is_raw || io.dataFNArr->len > 1 || !is_native(volume.type, io.endian == airEndianBig)) return false;
+  const bool attached = io.dataFNArr->len == 0;
+  const ForeignFile file(attached ? path : path.parent_path() / io.dataFN[0]);
+  const std::size_t begin = attached ? end_of_header(file.text()) : 0;
+  const std::uint64_t held = file.bytes().size() - begin;
+  if (held < bytes || io.byteSkip < -1) return false;  // for Teem to refuse
+  const std::uint64_t skipped = io.byteSkip == -1 ? held - bytes : static_cast<std::uint64_t>(io.byteSkip);
+  if (skipped > held - bytes) return false;
+  leave_samples_in(volume, file, file.bytes().subspan(begin + skipped, bytes));
+  return true;
+}
+
+/// Refuses sizes that the files with the samples cannot hold, before Teem allocates for them. Numbered files are left
+/// to Teem, and encodings whose tightest packing is not known.
+/// @param wanted  bytes of `sample_count` samples
+void check_data_size(const std::filesystem::path& path, const NrrdIoState& io, std::uint64_t wanted,
+                     std::uint64_t sample_count) {
+  if (io.dataFNFormat != nullptr) return;
+  const unsigned file_count = io.dataFNArr->len;
+  std::uint64_t held = file_count == 0 ? ForeignFile(path).bytes().size() : 0;
+  for (unsigned i = 0; i < file_count; ++i) {
+    std::error_code missing;  // Teem will say so
+    held += std::filesystem::file_size(path.parent_path() / io.dataFN[i], missing);
+    if (missing) return;
+  }
+  const std::string_view encoding = io.encoding->name;
+  if (encoding == "gzip") check_packed_size(path, wanted, held);
+  const std::uint64_t least = encoding == "raw"     ? wanted
+                              : encoding == "ASCII" ? 2 * sample_count - 1  // digits with spaces between
+                              : encoding == "hex"   ? 2 * wanted
+                                                    : 0;
+  if (held < least)
+    refuse_input(path, "key sizes", concat("sizes that need ", least, " bytes, with ", held, " bytes of data"),
+                 "sizes that the data can fill");
+}
+
+ElementType type_of(const std::filesystem::path& path, const Nrrd& nrrd) {
+  switch (nrrd.type) {
+    case nrrdTypeChar:
+      return ElementType::I8;
+    case nrrdTypeUChar:
+      return ElementType::U8;
+    case nrrdTypeShort:
+      return ElementType::I16;
+    case nrrdTypeUShort:
+      return ElementType::U16;
+    case nrrdTypeInt:
+      return ElementType::I32;
+    case nrrdTypeUInt:
+      return ElementType::U32;
+    case nrrdTypeLLong:
+      return ElementType::I64;
+    case nrrdTypeULLong:
+      return ElementType::U64;
+    case nrrdTypeFloat:
+      return ElementType::F32;
+    case nrrdTypeDouble:
+      return ElementType::F64;
+    default:
+      break;
+  }
+  refuse_input(path, "key type", airEnumStr(nrrdType, nrrd.type), "integers or floating-point numbers",
+               Trouble::unsupported);
+}
+
+bool has_direction(const Nrrd& nrrd, unsigned axis) {
+  return std::isfinite(nrrd.axis[axis].spaceDirection[0]);
+}
+
+bool is_in_space(const Nrrd& nrrd, unsigned axis) {
+  const int kind = nrrd.axis[axis].kind;
+  return kind == nrrdKindUnknown || kind == nrrdKindDomain || kind == nrrdKindSpace;
+}
+
+/// Whether the fastest axis may hold red, green and blue, and alpha.
+bool begins_with_colors(const Nrrd& nrrd) {
+  const NrrdAxisInfo& axis = nrrd.axis[0];
+  switch (axis.kind) {
+    case nrrdKindUnknown:
+    case nrrdKindList:
+    case nrrdKindVector:
+    case nrrdKind3Color:
+    case nrrdKindRGBColor:
+    case nrrdKind4Color:
+    case nrrdKindRGBAColor:
+    case nrrdKind3Vector:
+    case nrrdKind4Vector:
+      return (axis.size == 3 || axis.size == 4) && !has_direction(nrrd, 0);
+    default:
+      return false;
+  }
+}
+
+/// The three axes of the volume, fastest first. Others may only have one sample.
+/// @param has_colors  the first axis has the components of colours
+std::array<unsigned, 3> volume_axes(const std::filesystem::path& path, const Nrrd& nrrd, bool has_colors) {
+  std::vector<unsigned> axes;
+  for (unsigned axis = has_colors ? 1 : 0; axis < nrrd.dim; ++axis)
+    if (is_in_space(nrrd, axis)) axes.push_back(axis);
+  for (std::size_t i = axes.size(); axes.size() > 3 && i-- > 0;)
+    if (nrrd.axis[axes[i]].size == 1) axes.erase(axes.begin() + static_cast<std::ptrdiff_t>(i));
+  for (unsigned axis = has_colors ? 1 : 0; axis < nrrd.dim; ++axis)
+    if (!is_in_space(nrrd, axis) && nrrd.axis[axis].size > 1)
+      refuse_input(path, concat("axis ", axis),
+                   concat(nrrd.axis[axis].size, " numbers for each sample (kind ",
+                          airEnumStr(nrrdKind, nrrd.axis[axis].kind), ")"),
+                   "one number for each sample", Trouble::unsupported);
+  if (axes.size() != 3)
+    refuse_input(path, "key dimension", concat(axes.size(), " axes in space"), "3", Trouble::unsupported);
+  return {axes[0], axes[1], axes[2]};
+}
+
+/// Distance of samples along an axis that has no direction in space.
+double spacing_of(const NrrdAxisInfo& axis) {
+  if (std::isfinite(axis.spacing)) return axis.spacing;
+  if (!std::isfinite(axis.min) || !std::isfinite(axis.max)) return 1;
+  const auto samples = static_cast<double>(axis.size);
+  return (axis.max - axis.min) / (axis.center == nrrdCenterNode ? samples - 1 : samples);
+}
+
+/// Where the first sample lies on such an axis: `axis mins` names the cell's edge when samples stand for cells.
+double first_position(const NrrdAxisInfo& axis) {
+  if (!std::isfinite(axis.min)) return 0;
+  const bool cells = axis.center == nrrdCenterCell ||
+                     (axis.center == nrrdCenterUnknown && std::isfinite(axis.max) && !std::isfinite(axis.spacing));
+  return axis.min + (cells ? 0.5 * spacing_of(axis) : 0.0);
+}
+
+Affine world_from_grid(const std::filesystem::path& path, const Nrrd& nrrd, const std::array<unsigned, 3>& axes) {
+  std::array<Vec3, 3> columns;
+  Vec3 origin(0, 0, 0);
+  int directions = 0;
+  for (int i = 0; i < 3; ++i) {
+    const NrrdAxisInfo& axis = nrrd.axis[axes[static_cast<std::size_t>(i)]];
+    Vec3& column = columns[static_cast<std::size_t>(i)];
+    column = Vec3(0, 0, 0);
+    if (nrrd.spaceDim > 0 && has_direction(nrrd, axes[static_cast<std::size_t>(i)])) {
+      ++directions;
+      for (int d = 0; d < 3; ++d) column[d] = axis.spaceDirection[d];
+    } else {
+      column[i] = spacing_of(axis);
+      origin[i] = first_position(axis);
+    }
+  }
+  if (directions > 0) {
+    if (directions != 3 || nrrd.spaceDim != 3)
+      refuse_input(path, "key space directions", concat(directions, " directions in ", nrrd.spaceDim, " dimensions"),
+                   "3 directions in 3 dimensions");
+    for (int d = 0; d < 3; ++d) origin[d] = std::isfinite(nrrd.spaceOrigin[d]) ? nrrd.spaceOrigin[d] : 0.0;
+  }
+  return {columns[0], columns[1], columns[2], origin};
+}
+
+/// The unit of length, where all three axes agree on one.
+std::string length_unit(const Nrrd& nrrd, const std::array<unsigned, 3>& axes) {
+  std::array<std::string, 3> units;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const bool in_space = nrrd.spaceDim == 3 && has_direction(nrrd, axes[i]);
+    const char* unit = in_space ? nrrd.spaceUnits[i] : nrrd.axis[axes[i]].units;
+    units[i] = unit == nullptr ? "" : unit;
+  }
+  return units[0] == units[1] && units[1] == units[2] ? units[0] : "";
+}
+
+/// Teem keeps the quotes that some files have around it.
+std::string sample_unit(const Nrrd& nrrd) {
+  std::string unit = nrrd.sampleUnits == nullptr ? "" : nrrd.sampleUnits;
+  if (unit.size() >= 2 && unit.front() == '"' && unit.back() == '"') unit = unit.substr(1, unit.size() - 2);
+  return unit;
+}
+
+void check_colors(const std::filesystem::path& path, const Nrrd& nrrd) {
+  if (!begins_with_colors(nrrd))
+    refuse_input(path, "axis 0",
+                 concat(nrrd.axis[0].size, " samples of kind ", airEnumStr(nrrdKind, nrrd.axis[0].kind)),
+                 "3 or 4 of kind RGB-color, RGBA-color or vector: colours", Trouble::unsupported);
+  if (nrrd.type != nrrdTypeUChar)
+    refuse_input(path, "key type", airEnumStr(nrrdType, nrrd.type), "uchar: colours of 8 bits", Trouble::unsupported);
+}
+
+/// @param colors  samples of 3 or 4 components of 8 bits are read, and no others
+NeutralVolume read_samples(const std::filesystem::path& path, bool colors) {
+  if (!ForeignFile(path).text().starts_with("NRRD000"))  // Teem would also take PNG, PNM and text here
+    refuse_input(path, "byte 0", "another beginning", "NRRD000");
+  // The header alone, so that nothing is allocated for sizes that are refused.
+  const auto [header, io] = load_header(path);
+  if (colors) check_colors(path, *header);
+  const std::array<unsigned, 3> axes = volume_axes(path, *header, colors);
+  const auto size = [&, &nrrd = *header](std::size_t i) { return static_cast<std::int64_t>(nrrd.axis[axes[i]].size); };
+  NeutralVolume volume;
+  volume.sample_count = {size(0), size(1), size(2)};
+  if (colors) volume.component_count = static_cast<int>(header->axis[0].size);
+  volume.type = type_of(path, *header);
+  volume.world_from_grid = world_from_grid(path, *header, axes);
+  volume.length_unit = length_unit(*header, axes);
+  volume.field_unit = sample_unit(*header);
+  volume.field_name = stem_of(path);
+  const std::uint64_t bytes = colors ? checked_color_bytes(path, volume.sample_count, volume.component_count)
+                                     : checked_volume_bytes(path, volume.sample_count, volume.type);
+  check_data_size(path, *io, bytes, bytes / formats::element_bytes(volume.type));
+  if (!left_in_file(volume, path, *io, bytes)) set_samples(volume, load_samples(path, *header, bytes));
+  finish_volume(volume, path);
+  return volume;
+}
+
+}  // namespace
+
+NeutralVolume read_nrrd(const std::filesystem::path& path, const std::string&) {
+  return read_samples(path, false);
+}
+
+NeutralVolume read_nrrd_colors(const std::filesystem::path& path, const std::string&) {
+  return read_samples(path, true);
+}
+
+}  // namespace rhoray::preprocess

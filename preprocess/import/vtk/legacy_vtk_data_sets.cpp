@@ -1,0 +1,128 @@
+// What the data sets of a legacy VTK file become: a mesh, a surface, a volume.
+
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "preprocess/import/families.h"
+#include "preprocess/import/mesh/structured_cells.h"
+#include "preprocess/import/numbers.h"
+#include "preprocess/import/surface/surface_building.h"
+#include "preprocess/import/vtk/legacy_vtk.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using formats::ElementType;
+
+NeutralField field_of(const GridArray& array) {
+  NeutralField field;
+  field.name = array.name;
+  field.component_count = array.component_count;
+  formats::with_element_type(array.type, [&]<class T>(T) {
+    field.values.resize(array.values.size() / sizeof(T));
+    for (std::size_t i = 0; i < field.values.size(); ++i) {
+      T value;
+      std::memcpy(&value, array.values.data() + i * sizeof value, sizeof value);
+      field.values[i] = static_cast<double>(value);
+    }
+  });
+  field.was_single_precision = array.type != ElementType::F64 && fits_single_precision(field.values);
+  return field;
+}
+
+void take_arrays(CellMesh& mesh, LegacyVtk& parts) {
+  for (std::size_t i = 0; i < parts.arrays.size(); ++i) {
+    const GridArray& array = parts.arrays[i];
+    if (array.name == "vtkGhostType" && array.type == ElementType::U8 && array.component_count == 1) {
+      const auto* ghosts = reinterpret_cast<const std::uint8_t*>(array.values.data());
+      (array.in_cells ? parts.cells.ghosts : parts.cells.point_ghosts).assign(ghosts, ghosts + array.values.size());
+      continue;
+    }
+    NeutralField& field = (array.in_cells ? mesh.cell_fields : mesh.point_fields).emplace_back(field_of(array));
+    if (const auto unit = parts.units.find(i); unit != parts.units.end()) field.unit = unit->second;
+  }
+}
+
+/// Files before version 5.1 have the nodes on the last two upright edges of Lagrange hexahedra the other way round.
+void renew_lagrange_hexahedra(ForeignCells& cells, const std::filesystem::path& path) {
+  for (std::size_t cell = 0; cell < cells.kinds.size() && cell + 1 < cells.offsets.size(); ++cell) {
+    if (cells.kinds[cell] != static_cast<std::uint8_t>(CellKind::lagrange_hexahedron)) continue;
+    const std::uint64_t begin = cells.offsets[cell], count = cells.offsets[cell + 1] - begin;
+    const auto degree = static_cast<std::uint64_t>(std::llround(std::cbrt(static_cast<double>(count)))) - 1;
+    if (begin > cells.nodes.size() || count > cells.nodes.size() - begin || count < 8 ||
+        (degree + 1) * (degree + 1) * (degree + 1) != count)
+      refuse_input(path, concat("cell ", cell), concat(static_cast<std::int64_t>(count), " corners"),
+                   "those of a Lagrange hexahedron with the same degree along each axis", Trouble::unsupported);
+    const auto third = cells.nodes.begin() + static_cast<std::ptrdiff_t>(begin + 8 + 10 * (degree - 1));
+    std::swap_ranges(third, third + static_cast<std::ptrdiff_t>(degree - 1),
+                     third + static_cast<std::ptrdiff_t>(degree - 1));
+  }
+}
+
+}  // namespace
+
+CellMesh read_legacy_vtk_mesh(const std::filesystem::path& path) {
+  LegacyVtk parts = read_legacy_vtk(path);
+  if (parts.dataset == "STRUCTURED_GRID") {
+    Array<std::uint8_t> blanked = std::move(parts.cells.point_ghosts);
+    parts.cells = hexahedra_of_grid(parts.dimensions, parts.points.size(), path);
+    parts.cells.point_ghosts = std::move(blanked);
+  } else if (parts.dataset != "UNSTRUCTURED_GRID") {
+    refuse_input(path, "DATASET", parts.dataset, "UNSTRUCTURED_GRID or STRUCTURED_GRID", Trouble::unsupported);
+  }
+  CellMesh mesh;
+  mesh.points = std::move(parts.points);
+  take_arrays(mesh, parts);
+  if (parts.cells.offsets.empty()) parts.cells.offsets = {0};
+  if (parts.version_major < 5 || (parts.version_major == 5 && parts.version_minor < 1))
+    renew_lagrange_hexahedra(parts.cells, path);
+  take_cells(mesh, std::move(parts.cells), path);
+  return mesh;
+}
+
+NeutralSurface read_legacy_vtk_surface(const std::filesystem::path& path) {
+  LegacyVtk parts = read_legacy_vtk(path);
+  if (parts.dataset != "POLYDATA") refuse_input(path, "DATASET", parts.dataset, "POLYDATA", Trouble::unsupported);
+  NeutralSurface surface;
+  surface.points = std::move(parts.points);
+  const auto each = [&](const ForeignCells& cells, const char* kind, auto&& act) {
+    for (std::size_t cell = 0; cell + 1 < cells.offsets.size(); ++cell) {
+      if (cells.offsets[cell] > cells.offsets[cell + 1] || cells.offsets[cell + 1] > cells.nodes.size())
+        refuse_input(path, concat(kind, " ", cell), "an offset that does not fit", "offsets rising to the corners");
+      act(std::span(cells.nodes).subspan(cells.offsets[cell], cells.offsets[cell + 1] - cells.offsets[cell]),
+          concat(kind, " ", cell));
+    }
+  };
+  each(parts.polygons, "polygon", [&](std::span<const std::uint64_t> corners, const std::string& place) {
+    add_facet(surface, corners, path, place);
+  });
+  each(parts.strips, "triangle strip", [&](std::span<const std::uint64_t> corners, const std::string& place) {
+    for (std::size_t i = 0; i + 2 < corners.size(); ++i) {  // every other triangle is turned
+      const std::size_t second = i + 1 + i % 2, third = i + 2 - i % 2;
+      add_facet(surface, std::array{corners[i], corners[second], corners[third]}, path, place);
+    }
+  });
+  if (parts.thin_cell_count > 0) surface.notes.push_back(concat(parts.thin_cell_count, " vertices and lines left out"));
+  if (!parts.arrays.empty())
+    surface.notes.push_back(concat(parts.arrays.size(), " fields left out: a surface keeps none"));
+  finish_surface(surface, path);
+  return surface;
+}
+
+NeutralVolume read_legacy_vtk_volume(const std::filesystem::path& path, const std::string& field) {
+  LegacyVtk parts = read_legacy_vtk(path);
+  if (parts.dataset != "STRUCTURED_POINTS" && parts.dataset != "RECTILINEAR_GRID")
+    refuse_input(path, "DATASET", parts.dataset, "STRUCTURED_POINTS or RECTILINEAR_GRID", Trouble::unsupported);
+  PointGrid grid{parts.dimensions, axis_parallel(parts.spacing, parts.origin)};
+  if (parts.dataset == "RECTILINEAR_GRID") {
+    grid = rectilinear_grid(path, parts.coordinates, parts.coordinate_precision);
+    if (grid.point_count != parts.dimensions)
+      refuse_input(path, "DIMENSIONS", concat(parts.dimensions.x, " x ", parts.dimensions.y, " x ", parts.dimensions.z),
+                   concat(grid.point_count.x, " x ", grid.point_count.y, " x ", grid.point_count.z,
+                          ", as many as there are coordinates"));
+  }
+  return volume_of_field(path, grid, std::move(parts.arrays), field);
+}
+
+}  // namespace rhoray::preprocess

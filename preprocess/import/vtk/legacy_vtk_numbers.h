@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "preprocess/import/text_reading.h"
+#include "preprocess/neutral.h"
+#include "preprocess/process/foreign_file.h"
+
+namespace rhoray::preprocess {
+
+std::string in_capitals(std::string_view text);
+
+/// The words and numbers of a legacy VTK file, in text or binary. Every count is checked against what follows.
+class LegacyVtkNumbers {
+ public:
+  explicit LegacyVtkNumbers(const ForeignFile& file) : words(file) {}
+
+  WordReader words;
+  bool are_binary = false;
+
+  /// The next word, as a type of numbers.
+  formats::ElementType type();
+  /// The same, for offsets and corners of cells.
+  formats::ElementType index_type();
+
+  /// Numbers in native order. Binary ones begin after the end of the line and are big-endian.
+  Array<std::byte> values(formats::ElementType type, std::uint64_t tuples, int components, std::string_view what);
+
+  /// I64 or I32; a negative one becomes too large for anything.
+  Array<std::uint64_t> whole_numbers(formats::ElementType type, std::uint64_t number, std::string_view what);
+};
+
+/// @param to  room for all of them
+void copy_as_doubles(formats::ElementType type, std::span<const std::byte> raw, double* to);
+
+}  // namespace rhoray::preprocess

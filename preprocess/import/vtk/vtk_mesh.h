@@ -1,0 +1,12 @@
+#pragma once
+
+#include <filesystem>
+
+#include "preprocess/import/mesh/mesh_pieces.h"
+
+namespace rhoray::preprocess {
+
+/// Adds the pieces of a VTU file to others.
+void add_vtu(MeshPieces& pieces, const std::filesystem::path& path);
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,155 @@
+#include "preprocess/import/vtk/xml_outline.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace rhoray::preprocess {
+namespace {
+
+constexpr std::string_view spaces = " \t\r\n";
+
+/// `&lt;` and the other four become the letters that they stand for; nothing for others.
+std::optional<std::string> without_entities(std::string_view text) {
+  constexpr std::pair<std::string_view, char> entities[] = {
+      {"&lt;", '<'}, {"&gt;", '>'}, {"&amp;", '&'}, {"&quot;", '"'}, {"&apos;", '\''}};
+  std::string result;
+  while (!text.empty()) {
+    if (text.front() != '&') {
+      result += text.front();
+      text.remove_prefix(1);
+      continue;
+    }
+    const auto* entity = std::find_if(std::begin(entities), std::end(entities),
+                                      [&](const auto& known) { return text.starts_with(known.first); });
+    if (entity == std::end(entities)) return std::nullopt;
+    result += entity->second;
+    text.remove_prefix(entity->first.size());
+  }
+  return result;
+}
+
+class Parser {
+ public:
+  Parser(std::string_view text, std::string_view last) : text_(text), last_(last) {}
+
+  std::optional<XmlElement> root() {
+    XmlElement root;
+    if (!next_tag() || is_at("</") || !element(root, 0)) return std::nullopt;
+    return root;
+  }
+
+ private:
+  static constexpr int deepest = 32;
+
+  bool is_at(std::string_view word) const { return text_.substr(at_).starts_with(word); }
+
+  bool skip_behind(std::string_view word) {
+    const std::size_t found = text_.find(word, at_);
+    if (found == text_.npos) return false;
+    at_ = found + word.size();
+    return true;
+  }
+
+  /// Goes to the next '<' that begins or ends an element.
+  bool next_tag() {
+    for (;;) {
+      at_ = text_.find('<', at_);
+      if (at_ == text_.npos) return false;
+      if (is_at("<?")) {
+        if (!skip_behind("?>")) return false;
+      } else if (is_at("<!--")) {
+        if (!skip_behind("-->")) return false;
+      } else {
+        return !is_at("<!");
+      }
+    }
+  }
+
+  void skip_spaces() { at_ = std::min(text_.find_first_not_of(spaces, at_), text_.size()); }
+
+  /// The text from here to `end`, and goes there.
+  std::string_view up_to(std::size_t end) {
+    const std::string_view text = text_.substr(at_, end - at_);
+    at_ = end;
+    return text;
+  }
+
+  std::string_view word() { return up_to(std::min(text_.find_first_of(" \t\r\n=/><\"'", at_), text_.size())); }
+
+  /// name = "value"
+  bool attribute(XmlElement& element) {
+    const std::string_view name = word();
+    skip_spaces();
+    if (name.empty() || !is_at("=")) return false;
+    ++at_;
+    skip_spaces();
+    if (!is_at("\"") && !is_at("'")) return false;
+    const char quote = text_[at_++];
+    const std::size_t end = text_.find(quote, at_);
+    if (end == text_.npos) return false;
+    std::optional<std::string> value = without_entities(up_to(end));
+    ++at_;
+    return value && element.attributes.emplace(name, *std::move(value)).second;
+  }
+
+  /// From its '<' to behind its end.
+  bool element(XmlElement& element, int depth) {
+    ++at_;
+    element.name = word();
+    if (element.name.empty() || depth > deepest) return false;
+    for (skip_spaces(); !is_at(">") && !is_at("/>"); skip_spaces())
+      if (!attribute(element)) return false;
+    if (is_at("/>")) {
+      at_ += 2;
+      return true;
+    }
+    ++at_;
+    if (element.name == last_) {
+      element.content = text_.substr(at_);
+      at_ = text_.size();
+      is_cut_ = true;
+      return true;
+    }
+    return inside(element, depth);
+  }
+
+  bool inside(XmlElement& element, int depth) {
+    const std::size_t begin = at_;
+    if (!next_tag()) return false;
+    element.content = text_.substr(begin, at_ - begin);
+    while (!is_at("</")) {
+      if (!this->element(element.children.emplace_back(), depth + 1)) return false;
+      if (is_cut_) return true;
+      if (!next_tag()) return false;
+    }
+    at_ += 2;
+    if (word() != element.name) return false;
+    skip_spaces();
+    if (!is_at(">")) return false;
+    ++at_;
+    return true;
+  }
+
+  std::string_view text_, last_;
+  std::size_t at_ = 0;
+  bool is_cut_ = false;  ///< the element `last` was met
+};
+
+}  // namespace
+
+std::string_view XmlElement::attribute(std::string_view name_of_attribute) const {
+  const auto found = attributes.find(name_of_attribute);
+  return found == attributes.end() ? std::string_view() : std::string_view(found->second);
+}
+
+const XmlElement* XmlElement::child(std::string_view name_of_child) const {
+  const auto found = std::find_if(children.begin(), children.end(),
+                                  [&](const XmlElement& element) { return element.name == name_of_child; });
+  return found == children.end() ? nullptr : &*found;
+}
+
+std::optional<XmlElement> xml_outline(std::string_view text, std::string_view last) {
+  return Parser(text, last).root();
+}
+
+}  // namespace rhoray::preprocess

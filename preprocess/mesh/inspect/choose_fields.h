@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "preprocess/mesh/inspect/clean_mesh.h"
+#include "preprocess/neutral.h"
+
+namespace rhoray::preprocess {
+
+/// A scalar at every point of a clean mesh.
+struct PointField {
+  std::string name;
+  std::string unit;
+  std::variant<Array<float>, Array<double>> values;
+};
+
+/// The scalars that `wanted` names (PackMeshOptions::fields), or by default all scalar point fields and the magnitudes
+/// of vectors, and with `cells_to_points` those of cell fields too. Components are counted from 0; x, y, z stand for 0,
+/// 1, 2 of two or three.
+///
+/// A cell field's value at a point is the mean over the cells around it, weighted by their volumes; where these are
+/// all flat, the plain mean; where none has data, NaN. Components and magnitudes are taken before the mean. It never
+/// leaves the range of the values that it is made of.
+///
+/// Values are single precision where the source was (derived ones, magnitudes and means, are rounded to it), else
+/// double. A point field comes before a cell field of the same name, which is left out with a note.
+///
+/// Refuses (Trouble::usage) an unknown name with those that there are and the nearest one, a name given twice, a vector
+/// without a component; (Trouble::invalid) a mesh without usable fields, or a field with too few or too many values.
+std::vector<PointField> choose_fields(const NeutralMesh& mesh, const CleanMesh& clean,
+                                      const std::vector<std::string>& wanted, bool cells_to_points,
+                                      const std::string& source_name, std::vector<std::string>& notes);
+
+}  // namespace rhoray::preprocess

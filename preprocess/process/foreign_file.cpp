@@ -1,0 +1,49 @@
+#include "preprocess/process/foreign_file.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+
+#include "formats/base/mapped_file.h"
+#include "formats/base/regular_file.h"
+#include "formats/format_error.h"
+
+namespace rhoray::preprocess {
+
+ForeignFile::ForeignFile(const std::filesystem::path& path) : path_(path) {
+  struct Closing {
+    int descriptor;
+    ~Closing() { ::close(descriptor); }
+  } const file{open_regular_file(path)};
+  struct stat facts {};
+  if (::fstat(file.descriptor, &facts) != 0)
+    throw Error(Trouble::unreadable, concat(path.string(), ": ", std::strerror(errno)));
+  if (facts.st_size == 0) refuse_input(path, "byte 0", "an empty file", "a header");
+  size_ = static_cast<std::size_t>(facts.st_size);
+  const auto mapped = std::make_shared<const MappedFile>(file.descriptor, size_, path.string());
+  start_ = std::shared_ptr<const void>(mapped, mapped->bytes().data());
+}
+
+void refuse_input(const std::filesystem::path& path, std::string_view place, std::string_view found,
+                  std::string_view expected, Trouble trouble) {
+  formats::refuse(path.string(), place, found, expected, trouble);
+}
+
+std::string extension_of(const std::filesystem::path& path) {
+  std::string name = path.filename().string();
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](char letter) { return static_cast<char>(std::tolower(static_cast<unsigned char>(letter))); });
+  if (name.ends_with(".nii.gz")) return ".nii.gz";
+  return std::filesystem::path(name).extension().string();
+}
+
+std::string stem_of(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  return name.substr(0, name.size() - extension_of(path).size());
+}
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "formats/base/pending_file.h"
+#include "preprocess/process/child_process.h"
+
+namespace rhoray::preprocess {
+
+/// Runs a worker that writes `output` by its open_name(). What it refuses is thrown here with the wanted name instead.
+formats::PackedFile run_writer(WorkerRequest request, const PendingFile& output);
+
+}  // namespace rhoray::preprocess

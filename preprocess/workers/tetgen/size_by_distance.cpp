@@ -1,0 +1,63 @@
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/AABB_triangle_primitive.h>
+#include <CGAL/Simple_cartesian.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "formats/base/trouble.h"
+#include "preprocess/workers/tetgen/sizes.h"
+
+namespace rhoray::preprocess {
+
+namespace {
+
+using Kernel = CGAL::Simple_cartesian<double>;  // distances are wanted to a few digits
+using Triangles = std::vector<Kernel::Triangle_3>;
+using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
+using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
+
+Triangles triangles_of(const NeutralSurface& s) {
+  Triangles triangles;
+  const auto point = [&](std::uint64_t corner) {
+    const auto& p = s.points[s.facet_corners[corner]];
+    return Kernel::Point_3(p[0], p[1], p[2]);
+  };
+  for (std::size_t f = 0; f + 1 < s.facet_offsets.size(); ++f)
+    for (std::uint64_t i = s.facet_offsets[f] + 2; i < s.facet_offsets[f + 1]; ++i) {
+      const Kernel::Triangle_3 t(point(s.facet_offsets[f]), point(i - 1), point(i));
+      if (!t.is_degenerate()) triangles.push_back(t);
+    }
+  if (triangles.empty()) throw Error(Trouble::invalid, "size field: the surface has no facet with an area");
+  return triangles;
+}
+
+class DistanceSizes {
+ public:
+  explicit DistanceSizes(const SizeByDistance& sizes)
+      : sizes_(sizes),
+        triangles_(std::make_shared<const Triangles>(triangles_of(sizes.surface))),
+        tree_(std::make_shared<Tree>(triangles_->begin(), triangles_->end())) {
+    tree_->accelerate_distance_queries();
+  }
+
+  std::optional<double> operator()(const std::array<double, 3>& p) const {
+    const double distance = std::sqrt(tree_->squared_distance(Kernel::Point_3(p[0], p[1], p[2])));
+    return std::min(sizes_.near + sizes_.growth * distance, sizes_.far);
+  }
+
+ private:
+  const SizeByDistance& sizes_;
+  std::shared_ptr<const Triangles> triangles_;
+  std::shared_ptr<Tree> tree_;
+};
+
+}  // namespace
+
+SizeAt size_by_distance(const SizeByDistance& distance) {
+  return DistanceSizes(distance);
+}
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <type_traits>
+#include <variant>
+
+#include "render/dataset/volume.h"
+#include "render/grid/block_samples.h"
+
+/// Which grids wide kernels take, and where these find their samples.
+namespace rhoray::render::wide {
+
+/// Uniform grids that store all of their samples.
+template <class View>
+inline constexpr bool is_uniform_grid = false;
+template <class T>
+inline constexpr bool is_uniform_grid<GridVolume<T>> = true;
+
+/// Uniform grids of which only some bricks are stored.
+template <class View>
+inline constexpr bool is_in_bricks = false;
+template <class T>
+inline constexpr bool is_in_bricks<SparseVolume<T>> = true;
+template <>
+inline constexpr bool is_in_bricks<NanoVdbVolume> = true;
+
+template <class View>
+inline constexpr bool is_taken_wide = is_uniform_grid<View> || is_in_bricks<View>;
+
+/// True where some samples may have no data.
+template <class View>
+bool has_gaps(const VolumeImplementation& volume, const View& view) {
+  if constexpr (std::is_same_v<View, NanoVdbVolume>)
+    return view.has_gaps();
+  else
+    return volume.field.no_data_count > 0;
+}
+
+/// Of all samples that have data.
+inline Interval<double> values_of(const VolumeImplementation& volume) {
+  const auto* in_memory = std::get_if<NanoVdbVolume>(&volume.view);
+  return in_memory ? in_memory->values() : volume.field.range;
+}
+
+template <class T>
+SampleSource source_of(const GridVolume<T>& view) {
+  return SampleSource(view.samples().data(), view.tables(), view.description().layout.sample_count);
+}
+template <class View>
+requires is_in_bricks<View> SampleSource source_of(const View& view) {
+  return SampleSource(view.bricks(), view.lattice().leaf_count + Index3(1, 1, 1));
+}
+
+/// A grid with macro levels that are trees of 64 children, of which bricks are no smaller than the blocks of the
+/// lowest.
+inline bool is_fit_grid(const VolumeImplementation& volume) {
+  return std::visit(
+      [&]<class View>(const View& view) {
+        if constexpr (is_in_bricks<View>)
+          return view.lattice().factor == 4 && view.bricks().shift >= 6 && !view.bricks().slots.empty();
+        else if constexpr (is_uniform_grid<View>)
+          return view.lattice().factor == 4;
+        else
+          return false;
+      },
+      volume.view);
+}
+
+}  // namespace rhoray::render::wide

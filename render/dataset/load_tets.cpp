@@ -1,0 +1,35 @@
+#include "render/dataset/load_view.h"
+#include "render/dataset/volume.h"
+#include "render/triangles/facets.h"
+#include "render/triangles/point_gradients.h"
+
+namespace rhoray::render {
+
+std::shared_ptr<const VolumeImplementation> load_tets(const formats::PackedFile& file, const std::string& field) {
+  const formats::TetMesh mesh(file);
+  const formats::TetMeshDescription& description = mesh.description();
+  std::vector<std::string> names;
+  for (const formats::FieldSummary& summary : description.fields) names.push_back(summary.name);
+  check_field_name(file, field, names);
+
+  const std::size_t chosen = field.empty() ? 0 : *mesh.find_field(field);
+  const formats::FieldSummary& summary = description.fields[chosen];
+  Box3 bounds;
+  for (const auto& p : mesh.points()) bounds.extendBy(Vec3(p[0], p[1], p[2]));
+  const auto make = [&](auto view) {
+    return std::make_shared<VolumeImplementation>(
+        VolumeImplementation{.file = file,
+                             .field = summary,
+                             .field_names = names,
+                             .length_unit = description.length_unit,
+                             .world_from_volume = Affine{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, description.origin},
+                             .bounds_volume = bounds,
+                             .view = std::move(view),
+                             .facets = std::make_shared<FacetsCache>(),
+                             .point_gradients = std::make_shared<PointGradientsCache>()});
+  };
+  if (summary.type == formats::ElementType::F32) return make(TetVolume<float>(mesh, chosen));
+  return make(TetVolume<double>(mesh, chosen));
+}
+
+}  // namespace rhoray::render

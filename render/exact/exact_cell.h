@@ -1,0 +1,53 @@
+#pragma once
+
+#include <vector>
+
+#include "render/cell/trilinear.h"
+#include "render/exact/enclosure.h"
+
+namespace rhoray::render {
+
+/// What is true of the isosurface along a chord of a trilinear cell, decided exactly for the given doubles. Inside is
+/// value >= isovalue.
+struct CellVerdict {
+  bool changes = false;  ///< the side changes in [0, 1]
+  /// From outside: the chord is inside at this one point only. So is every change at s = 1: what comes after is not
+  /// this cell's to say.
+  bool touches = false;
+  Enclosure s{};       ///< of the change
+  int root_count = 0;  ///< distinct points in [0, 1] where value = isovalue; -1 when that holds all along
+  Road road = Road::filter;
+};
+
+/// Where the side first changes along the straight line from p0 (s = 0) to p1 (s = 1), given in the cell's own
+/// coordinates: from outside, the first s with value >= isovalue; from inside, the infimum of s with value < isovalue.
+/// A chord that starts on the other side changes at 0.
+///
+/// @param cell   finite corners; nothing else is asked of them
+/// @param p0,p1  finite; also equal, and also outside of the cell, where the interpolant is continued
+/// @param width  > 0; the enclosure is at most this wide, or its ends are the same or neighbouring doubles
+CellVerdict judge_crossing(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,
+                           bool starts_inside, double width);
+
+struct MaximumVerdict {
+  Enclosure value{};
+  Enclosure s{};  ///< of the smallest s where it is reached
+  Road road = Road::filter;
+};
+
+/// The largest value along the same line.
+/// @param width  > 0; the enclosure of s is at most this wide, that of the value at most `width` times the largest
+///               magnitude at a corner; or their ends are the same or neighbouring doubles
+MaximumVerdict judge_maximum(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double width);
+
+/// All points in [0, 1] where value = isovalue, rising, each as narrow as for judge_crossing; none when that holds all
+/// along. In rational numbers.
+std::vector<Enclosure> judge_roots(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,
+                                   double width);
+
+/// Without the filter: what the filter is tested against.
+CellVerdict judge_crossing_exactly(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,
+                                   bool starts_inside, double width);
+MaximumVerdict judge_maximum_exactly(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double width);
+
+}  // namespace rhoray::render

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "formats/base/vector.h"
+#include "render/exact/enclosure.h"
+#include "render/traverse/ray.h"
+
+namespace rhoray::render {
+
+/// Some cells of a grid, a box of them, and the range of the values at their corners. Corners without data do not
+/// count; smallest > largest says that there are no others.
+struct CellRegion {
+  Index3 first, end;  ///< first <= cell < end on every axis
+  double smallest = 0, largest = 0;
+
+  bool is_empty() const { return smallest > largest; }
+};
+
+/// A grid as the judge asks for it.
+class GridForJudge {
+ public:
+  virtual ~GridForJudge() = default;
+
+  virtual Index3 cell_count() const = 0;
+
+  /// Corner (i, j, k) at position i + 2 j + 4 k. A cell with a corner that is NaN or infinite is absent.
+  virtual std::array<double, 8> corners(const Index3& cell) const = 0;
+
+  /// Where a plane between cells stands, 0 <= plane <= cell count: finite, rising strictly.
+  virtual double plane(int axis, std::int64_t plane) const = 0;
+
+  /// Levels 1 ... level_count of ever larger regions, which need not be there: they let the judge pass by many cells at
+  /// once, and change no verdict.
+  virtual int level_count() const { return 0; }
+  virtual CellRegion region(int level, const Index3& cell) const;
+};
+
+/// What a verdict took.
+struct JudgeEffort {
+  std::int64_t cells_visited = 0;
+  std::int64_t regions_skipped = 0;
+  std::int64_t filtered = 0;           ///< cells decided in double precision
+  std::int64_t exact = 0;              ///< cells decided in rational numbers
+  std::int64_t exact_comparisons = 0;  ///< of times at which planes are passed
+};
+
+struct GridRayVerdict {
+  bool is_hit = false;
+  /// The ray comes from outside and is inside at this one point only, as far as there are data.
+  bool touches = false;
+  Enclosure t{};
+  /// The cell in which the change is seen first along the ray: at a shared face, from outside the cell before it, from
+  /// inside the one behind.
+  Index3 cell{0, 0, 0};
+  int root_count = 0;  ///< in that cell's closed part of the ray; -1 when the value is the isovalue all along it
+  JudgeEffort effort{};
+};
+
+/// Where the side first changes along a ray through a grid, decided exactly: trilinear between the samples as given,
+/// along origin + t * direction with the doubles as given. Inside is value >= isovalue.
+///
+/// The box of the grid is closed, [t_min, t_max] too. The ray starts on the side where it meets data, and forgets its
+/// side in absent cells: no surface is seen at the border of data. Where it lies in a plane between cells it goes
+/// through the cells above the plane, in the last plane through the last ones. A component of the direction with an
+/// infinite inverse counts as zero (PlaneTimesOf). Parts of length zero count for nothing. No hit for a direction of
+/// zero, for a ray that is not finite, and beyond the range of doubles.
+///
+/// @param width  > 0, finite; the enclosure of t is at most this wide, or its ends are the same or neighbouring doubles
+GridRayVerdict judge_first_crossing(const GridForJudge& grid, const Ray& ray, double isovalue, double width);
+
+struct GridMaximumVerdict {
+  bool has_value = false;  ///< false where the ray meets no data
+  Enclosure value{};       ///< its ends are the same or neighbouring doubles
+  Enclosure t{};           ///< of the smallest t where it is reached
+  Index3 cell{0, 0, 0};    ///< the first along the ray that reaches it
+  JudgeEffort effort{};
+};
+
+/// The largest value along the same ray.
+GridMaximumVerdict judge_largest_value(const GridForJudge& grid, const Ray& ray, double width);
+
+}  // namespace rhoray::render

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "formats/base/vector.h"
+#include "formats/brick_layout.h"
+#include "render/grid/stored_bricks.h"
+
+namespace rhoray::render::wide {
+
+/// The samples of a grid and where they lie, as plain numbers.
+struct SampleSource {
+  /// The part of StoredBricks that a dense grid does not have.
+  struct Bricks {
+    const std::uint32_t* slots = nullptr;  ///< null: a dense grid
+    int shift = 0;
+    std::uint64_t stride = 0;
+    std::uint32_t stored_count = 0, last_value = 0;
+    const void* values = nullptr;
+  };
+
+  const void* samples;
+  const std::uint64_t* address[3];  ///< of a sample: the sum of its coordinates' entries
+  Bricks bricks{};
+  int count[3];           ///< samples per axis
+  bool has_whole_rows;    ///< samples 4 i to 4 i + 3 of an axis x lie side by side
+  bool has_whole_bricks;  ///< and 4 j to 4 j + 3 of y behind each other, and so 4 k to 4 k + 3 of z
+  bool has_gaps = false;  ///< some samples may be NaN or infinite
+
+  SampleSource(const void* first, const formats::AxisTables& tables, const Index3& sample_count);
+
+  template <class T>
+  SampleSource(const StoredBricks<T>& stored, const Index3& sample_count)
+      : samples(stored.samples),
+        address{stored.address[0], stored.address[1], stored.address[2]},
+        bricks{.slots = stored.slots.data(),
+               .shift = stored.shift,
+               .stride = stored.stride,
+               .stored_count = stored.stored_count,
+               .last_value = static_cast<std::uint32_t>(stored.values.size() - 1),
+               .values = stored.values.data()},
+        count{static_cast<int>(sample_count.x), static_cast<int>(sample_count.y), static_cast<int>(sample_count.z)},
+        has_whole_rows(false),
+        has_whole_bricks(false) {}
+};
+
+/// The 5 x 5 x 5 samples around the 4 x 4 x 4 cells of a block, less the isovalue: sample (x, y, z) at x + 5 y + 25 z.
+struct alignas(64) BlockSamples {
+  static constexpr std::size_t size = 125;
+
+  float difference[128];
+  std::uint64_t present;  ///< cells of the block, bit x + 4 y + 16 z, that the lattice has and that have data
+  std::uint64_t active;   ///< of these, cells with corners on both sides
+  std::uint64_t inside;   ///< cells whose lowest corner is inside
+  float range;            ///< certified: that the differences and 0 span, infinite if it is no number; NaN: not known
+};
+
+}  // namespace rhoray::render::wide

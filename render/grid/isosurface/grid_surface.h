@@ -1,0 +1,40 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/dataset/grid_source.h"
+#include "render/dataset/volume.h"
+#include "render/grid/isosurface/parts.h"
+
+/// Which isovalues of grids the wide kernels for isosurfaces take, and what they see of those.
+namespace rhoray::render::wide {
+
+/// True where no difference between values and isovalue, nor a product of it, leaves the range of single precision.
+inline bool is_in_range_of_float(const Interval<double>& range, double isovalue) {
+  const double largest = std::max(std::abs(range.lo - isovalue), std::abs(range.hi - isovalue));
+  return largest <= 0x1p60 && largest >= 0x1p-60;
+}
+
+template <class View>
+Surface surface_of(const VolumeImplementation& volume, const View& view, const Occupancy& occupancy,
+                   const Question& question) {
+  const Index3 cells = view.lattice().leaf_count;
+  Surface surface{.source = source_of(view),
+                  .type = formats::element_type_of<typename View::Sample>(),
+                  .leaf_count = {static_cast<int>(cells.x), static_cast<int>(cells.y), static_cast<int>(cells.z)},
+                  .node_count = occupancy.node_count(),
+                  .nodes = occupancy.nodes(),
+                  .summits = occupancy.summits(),
+                  .isovalue = question.isovalue,
+                  .time_phases = question.time_phases};
+  surface.source.has_gaps = has_gaps(volume, view);
+  return surface;
+}
+
+/// Of a grid that is fit.
+inline bool is_answerable_wide(const VolumeImplementation& volume, const Question& question) {
+  return question.use_hierarchy && is_in_range_of_float(values_of(volume), question.isovalue);
+}
+
+}  // namespace rhoray::render::wide

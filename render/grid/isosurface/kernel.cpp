@@ -1,0 +1,118 @@
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "render/grid/isosurface/grid_surface.h"
+#include "render/grid/isosurface/isosurface.h"
+#include "render/grid/isosurface/parts.h"
+#include "render/query/kernel_on.h"
+
+namespace rhoray::render::wide {
+
+namespace {
+
+/// The thread's memory, with no block kept of another surface.
+IsosurfaceScratch& prepared(std::shared_ptr<IsosurfaceScratch>& scratch, std::shared_ptr<const Occupancy> occupancy) {
+  if (!scratch) scratch = std::make_shared<IsosurfaceScratch>();
+  if (scratch->occupancy != occupancy) {
+    std::fill(std::begin(scratch->block_key), std::end(scratch->block_key), IsosurfaceScratch::no_block);
+    scratch->occupancy = std::move(occupancy);
+  }
+  return *scratch;
+}
+
+/// Asks about the rays in doubt again.
+/// @param ask  (rays, where they are in doubt, hits)
+template <class Ask>
+void redo_doubtful(const Ask& ask, const RayBatch& rays, HitBatch& hits, KernelScratch& scratch) {
+  IsosurfaceScratch& memory = *scratch.isosurface;
+  DoubtfulRay* const begin = memory.doubtful.ray;
+  DoubtfulRay* end = begin + std::exchange(memory.doubtful.count, 0);
+  // Of a ray that is there twice, the one that is to be asked about as a whole.
+  std::sort(begin, end, [](const DoubtfulRay& a, const DoubtfulRay& b) {
+    return a.index != b.index ? a.index < b.index : a.from.t < b.from.t;
+  });
+  end = std::unique(begin, end, [](const DoubtfulRay& a, const DoubtfulRay& b) { return a.index == b.index; });
+  scratch.counters.rays_wide -= static_cast<std::uint64_t>(end - begin);
+  ResumedAt from[RayGroup::size];
+  for (DoubtfulRay* first = begin; first < end;) {
+    const std::span<const DoubtfulRay> some(
+        first, std::min<std::size_t>(RayGroup::size, static_cast<std::size_t>(end - first)));
+    memory.few.rays.has_start_sides = rays.has_start_sides;
+    memory.few.rays.count = some.size();
+    for (std::size_t i = 0; i < some.size(); ++i) memory.few.rays.set(i, rays[some[i].index]), from[i] = some[i].from;
+    ask(memory.few.rays, std::span<const ResumedAt>(from, some.size()), memory.few.hits);
+    for (std::size_t i = 0; i < some.size(); ++i) hits.set(some[i].index, memory.few.hits[i]);
+    first += some.size();
+  }
+}
+
+template <Machine machine, Search search>
+void first_crossings(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
+                     KernelScratch& scratch) {
+  std::visit(
+      [&]<class View>(const View& view) {
+        if constexpr (is_taken_wide<View>) {
+          const Kernel reference = kernels_for(view, question.method.way).first_crossing;
+          if (!is_answerable_wide(volume, question)) {
+            reference(volume, question, rays, hits, scratch);
+            return;
+          }
+          scratch.counters.rays_wide += rays.count;
+          IsosurfaceScratch& memory =
+              prepared(scratch.isosurface, volume.occupancies->of(view.levels(), question.isovalue));
+          const Surface surface = surface_of(volume, view, *memory.occupancy, question);
+          const CrossingKernels kernels = crossing_kernels_on(machine, search);
+          const RayArrays asked = arrays_of(rays);
+          const HitArrays answers = arrays_of(hits);
+          const auto ask = [&](const RayBatch& some, std::span<const ResumedAt> resumed_at, HitBatch& found) {
+            if constexpr (search == Search::certified)
+              resume_certified(view, question, some, resumed_at, found, scratch);
+            else
+              reference(volume, question, some, found, scratch);
+          };
+          const auto redo = [&] {
+            if (memory.doubtful.count != 0) redo_doubtful(ask, rays, hits, scratch);
+          };
+          for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
+            const std::size_t count = std::min(RayGroup::size, rays.count - first);
+            write_misses(from(answers, first), count);
+            kernels.answer(surface, asked, first, count, answers, memory, scratch.counters);
+            redo();
+          }
+          kernels.answer_waiting(surface, asked, answers, memory, scratch.counters);
+          redo();
+        }
+      },
+      volume.view);
+}
+
+}  // namespace
+
+std::optional<SurfaceBoxes> prepare_occupancy(const VolumeImplementation& volume, const Question& question, unsigned) {
+  if (!is_answerable_wide(volume, question)) return std::nullopt;
+  return std::visit(
+      [&]<class View>(const View& view) -> std::optional<SurfaceBoxes> {
+        if constexpr (is_taken_wide<View>) {
+          const auto occupancy = volume.occupancies->of(view.levels(), question.isovalue);
+          const Index3 cells = view.lattice().leaf_count;
+          SurfaceBoxes boxes = boxes_of(occupancy, occupancy->boxes());
+          // Far above what rounding exchanges at edges between cells; and single precision rounds the last cells.
+          boxes.margin = 1.0 / 64 + 0x1p-24 * static_cast<double>(std::max({cells.x, cells.y, cells.z}));
+          return boxes;
+        }
+        return std::nullopt;
+      },
+      volume.view);
+}
+
+Kernel first_crossing_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
+  if (!has_wide_crossings(method) || !is_fit_grid(volume)) return nullptr;
+  return kernel_on(machine, [&]<Machine wide>() -> Kernel {
+    return method.way == Method::Way::preview     ? first_crossings<wide, Search::preview>
+           : method.way == Method::Way::certified ? first_crossings<wide, Search::certified>
+                                                  : first_crossings<wide, Search::bracketed>;
+  });
+}
+
+}  // namespace rhoray::render::wide

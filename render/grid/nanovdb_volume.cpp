@@ -1,0 +1,220 @@
+#include "render/grid/nanovdb_volume.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "formats/base/parallel.h"
+#include "formats/format_error.h"
+#include "render/dataset/load_view.h"
+#include "render/dataset/volume.h"
+
+namespace rhoray::render {
+
+namespace {
+
+/// Checks that every node that the tree points to lies inside the buffer, so that looking up a voxel stays in it.
+class NodeCheck {
+ public:
+  explicit NodeCheck(const formats::VdbGrid& grid) : file_(grid.file()), buffer_(grid.buffer()) {}
+
+  const nanovdb::NanoTree<float>& checked_tree() const {
+    const auto& grid = *at<nanovdb::NanoGrid<float>>(buffer_.data());
+    if (!grid.isValid() || grid.gridType() != nanovdb::GridType::Float || grid.gridSize() != buffer_.size())
+      refuse("another kind of buffer");
+    const auto& tree = *at<nanovdb::NanoTree<float>>(&grid.tree());
+    const auto& root =
+        *at<nanovdb::NanoRoot<float>>(tree.data(), static_cast<std::int64_t>(tree.data()->mNodeOffset[3]));
+    const auto* data = root.data();
+    for (std::uint32_t n = 0; n < data->mTableSize; ++n) {
+      const auto* tile = at<std::decay_t<decltype(*data->tile(n))>>(data->tile(n));
+      if (tile->isChild()) check_upper(*at<nanovdb::NanoUpper<float>>(data, tile->child));
+    }
+    return tree;
+  }
+
+ private:
+  void check_upper(const nanovdb::NanoUpper<float>& upper) const {
+    for (auto child = upper.data()->mChildMask.beginOn(); child; ++child) {
+      const auto& lower = *at<nanovdb::NanoLower<float>>(upper.data(), upper.data()->mTable[*child].child);
+      for (auto grandchild = lower.data()->mChildMask.beginOn(); grandchild; ++grandchild)
+        at<nanovdb::NanoLeaf<float>>(lower.data(), lower.data()->mTable[*grandchild].child);
+    }
+  }
+
+  /// The node so many bytes behind a place. Computed in numbers: there is no pointer or reference to what lies outside.
+  template <class Node>
+  const Node* at(const void* place, std::int64_t offset = 0) const {
+    const auto begin = reinterpret_cast<std::uintptr_t>(buffer_.data()),
+               found = reinterpret_cast<std::uintptr_t>(place) + static_cast<std::uintptr_t>(offset);
+    if (buffer_.size() < sizeof(Node) || found < begin || found - begin > buffer_.size() - sizeof(Node) ||
+        found % alignof(Node) != 0)
+      refuse("a node that lies outside");
+    return reinterpret_cast<const Node*>(found);
+  }
+
+  [[noreturn]] void refuse(const char* found) const {
+    formats::refuse(file_.name(), concat("array '", formats::VdbGrid::buffer_array, "'"), found,
+                    "a NanoVDB grid of floats");
+  }
+
+  const formats::PackedFile& file_;
+  std::span<const std::byte> buffer_;
+};
+
+constexpr std::int64_t leaf_edge = LeafBricks::edge;
+
+/// Macrocells of the lowest level have 4^3 cells, as wide kernels want them, or more where a sparse grid spans so much
+/// space that their number would not fit memory.
+formats::MacroShape choose_shape(const Index3& sample_count, const formats::PackedFile& file) {
+  constexpr std::int64_t most_macrocells = std::int64_t{1} << 24;
+  formats::MacroShape shape{.leaf_count = sample_count - Index3(1, 1, 1), .factor = 4, .level_count = 1};
+  // Each count is at most 2^30 / 4, so that the product of three is made in double precision first.
+  const auto too_many = [&] {
+    const Index3 count = shape.count(1);
+    return static_cast<double>(count.x) * static_cast<double>(count.y) * static_cast<double>(count.z) >
+           static_cast<double>(most_macrocells);
+  };
+  constexpr std::int64_t largest_factor = 32;
+  while (shape.factor < largest_factor && too_many()) shape.factor *= 2;
+  if (too_many())
+    throw Error(Trouble::resource,
+                concat(file.name(), ": the active voxels span ", sample_count.x, " x ", sample_count.y, " x ",
+                       sample_count.z, " samples; expected a box of at most 2^24 macrocells of 32^3 samples"),
+                "remove voxels that lie far from the others");
+  const auto is_large = [&](const Index3& count) { return std::max({count.x, count.y, count.z}) > shape.factor; };
+  while (is_large(shape.count(shape.level_count))) ++shape.level_count;
+  return shape;
+}
+
+void put(std::vector<float>& ranges, const Index3& size, const Index3& cell, const Interval<float>& range) {
+  const auto at = static_cast<std::size_t>(2 * ((cell.z * size.y + cell.y) * size.x + cell.x));
+  ranges[at] = range.lo;
+  ranges[at + 1] = range.hi;
+}
+
+template <class Act>
+void for_each_index(const Index3& first, const Index3& end, Act&& act) {
+  Index3 c;
+  for (c.z = first.z; c.z < end.z; ++c.z)
+    for (c.y = first.y; c.y < end.y; ++c.y)
+      for (c.x = first.x; c.x < end.x; ++c.x) act(c);
+}
+
+Index3 smaller(const Index3& a, const Index3& b) {
+  return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+}
+
+}  // namespace
+
+NanoVdbVolume::NanoVdbVolume(const formats::VdbGrid& grid)
+    : grid_(grid),
+      tree_(&NodeCheck(grid).checked_tree()),
+      first_sample_(grid.description().first_sample),
+      levels_(std::make_shared<Levels>()) {
+  Levels& levels = *levels_;
+  const formats::MacroShape shape = levels.shape = choose_shape(grid.description().sample_count, grid.file());
+  const Index3& cells = shape.leaf_count;
+  constexpr std::int64_t longest = 1 << 16;  // of tables with an entry for each sample on an axis
+  if (shape.factor < leaf_edge && std::max({cells.x, cells.y, cells.z}) < longest)
+    bricks_ = std::make_shared<const LeafBricks>(*tree_, first_sample_, grid.description().sample_count);
+  for (int level = 1; level <= shape.level_count; ++level)
+    levels.ranges.emplace_back(static_cast<std::size_t>(2 * volume(shape.count(level))));
+  build_lowest_level(levels);
+  levels.view = {.shape = shape, .first_level = 1, .ranges = {levels.ranges.begin(), levels.ranges.end()}};
+  for (int level = 2; level <= shape.level_count; ++level)
+    for_each_index({0, 0, 0}, shape.count(level), [&](const Index3& c) {
+      Interval<float> range;
+      const Index3 end = smaller((c + Index3(1, 1, 1)) * shape.factor, shape.count(level - 1));
+      for_each_index(c * shape.factor, end, [&](const Index3& child) {
+        range.include(levels.view.range(level - 1, child.x, child.y, child.z));
+      });
+      put(levels.ranges[static_cast<std::size_t>(level - 1)], shape.count(level), c, range);
+    });
+  for_each_index({0, 0, 0}, shape.count(shape.level_count),
+                 [&](const Index3& c) { levels.values.include(levels.view.range(shape.level_count, c.x, c.y, c.z)); });
+}
+
+void NanoVdbVolume::build_lowest_level(Levels& levels) const {
+  const Index3 count = levels.shape.count(1);
+  std::atomic<bool> has_gaps = false;
+  for_each_range(static_cast<std::uint64_t>(count.z), 1, 0, [&](std::uint64_t first, std::uint64_t last) {
+    const Index3 low(0, 0, static_cast<std::int64_t>(first)), high(count.x, count.y, static_cast<std::int64_t>(last));
+    for_each_index(low, high, [&](const Index3& c) {
+      const Index3 from = c * levels.shape.factor;
+      const Index3 to = smaller(from + Index3(1, 1, 1) * levels.shape.factor, levels.shape.leaf_count);
+      put(levels.ranges.front(), count, c, sample_range(from, to, has_gaps));
+    });
+  });
+  levels.has_gaps = has_gaps;
+}
+
+/// Over the samples from first to last. A leaf-sized block of voxels without a leaf node has one value.
+Interval<float> NanoVdbVolume::sample_range(const Index3& first, const Index3& last,
+                                            std::atomic<bool>& has_gaps_anywhere) const {
+  Interval<float> range;
+  bool has_gaps = false;
+  const auto include = [&](float value) {
+    has_gaps = has_gaps || !std::isfinite(value);
+    range.include(value);
+  };
+  const Index3 low = first_sample_ + first, high = first_sample_ + last;
+  Index3 block;
+  for (block.z = leaf_start(low.z); block.z <= high.z; block.z += leaf_edge)
+    for (block.y = leaf_start(low.y); block.y <= high.y; block.y += leaf_edge)
+      for (block.x = leaf_start(low.x); block.x <= high.x; block.x += leaf_edge) {
+        const nanovdb::Coord at(static_cast<std::int32_t>(block.x), static_cast<std::int32_t>(block.y),
+                                static_cast<std::int32_t>(block.z));
+        const Leaf* leaf = tree_->root().probeLeaf(at);
+        if (leaf == nullptr) {
+          include(tree_->root().getValue(at));
+          continue;
+        }
+        const Index3 edge(leaf_edge, leaf_edge, leaf_edge);
+        const Index3 from(std::max(low.x, block.x), std::max(low.y, block.y), std::max(low.z, block.z));
+        for_each_index(from, smaller(high + Index3(1, 1, 1), block + edge), [&](const Index3& v) {
+          const Index3 in = v - block;
+          include(leaf->data()->mValues[static_cast<std::size_t>(in.x) * x_stride +
+                                        static_cast<std::size_t>(in.y) * y_stride + static_cast<std::size_t>(in.z)]);
+        });
+      }
+  if (!has_gaps) return range;
+  has_gaps_anywhere = true;
+  return cell_range(first, last);
+}
+
+/// Over the cells between the samples from first to last that have data.
+Interval<float> NanoVdbVolume::cell_range(const Index3& first, const Index3& last) const {
+  Interval<float> range;
+  for_each_index(first, last, [&](const Index3& c) {
+    const TrilinearCell corners = cell(c);
+    if (!corners.has_data()) return;
+    range.include(static_cast<float>(corners.smallest()));
+    range.include(static_cast<float>(corners.largest()));
+  });
+  return range;
+}
+
+std::shared_ptr<const VolumeImplementation> load_vdb(const formats::PackedFile& file, const std::string& field) {
+  const formats::VdbGrid grid(file);
+  const formats::VdbGridDescription& description = grid.description();
+  check_field_name(file, field, {description.field.name});
+  const Index3 &first = description.first_sample, cells = description.sample_count - Index3(1, 1, 1);
+  Affine world_from_volume = description.world_from_index;
+  world_from_volume.origin = world_from_volume.point(
+      {static_cast<double>(first.x), static_cast<double>(first.y), static_cast<double>(first.z)});
+  return std::make_shared<VolumeImplementation>(VolumeImplementation{
+      .file = file,
+      .field = description.field,
+      .field_names = description.field_names,
+      .length_unit = description.length_unit,
+      .is_level_set = description.is_level_set,
+      .notes = description.notes,
+      .world_from_volume = world_from_volume,
+      .bounds_volume = Box3(
+          {0, 0, 0}, Vec3(static_cast<double>(cells.x), static_cast<double>(cells.y), static_cast<double>(cells.z))),
+      .view = NanoVdbVolume(grid)});
+}
+
+}  // namespace rhoray::render

@@ -1,0 +1,196 @@
+#include "render/grid/occupancy.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace rhoray::render {
+
+namespace {
+
+/// The smallest number of type T that is not below the isovalue; nothing when all are. Then lo < isovalue <= hi is the
+/// same as lo < threshold <= hi.
+template <class T>
+std::optional<T> threshold_in(double isovalue) {
+  if constexpr (std::is_integral_v<T>) {
+    const double least = std::ceil(isovalue);
+    if (!(least <= static_cast<double>(std::numeric_limits<T>::max()))) return std::nullopt;
+    return least <= static_cast<double>(std::numeric_limits<T>::lowest()) ? std::numeric_limits<T>::lowest()
+                                                                          : static_cast<T>(least);
+  } else {
+    if (std::isnan(isovalue)) return std::nullopt;
+    T least = static_cast<T>(isovalue);
+    if (static_cast<double>(least) < isovalue) least = std::nextafter(least, std::numeric_limits<T>::infinity());
+    return least;
+  }
+}
+
+/// One level of ranges, and which of them hold both sides.
+template <class T>
+struct Straddling {
+  const T* ranges;
+  Index3 count;
+  T threshold;
+
+  bool operator()(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    const T* range = ranges + 2 * ((k * count.y + j) * count.x + i);
+    return range[0] < threshold && threshold <= range[1];
+  }
+
+  /// The bits of the children (4i.., 4j.., 4k..) that exist.
+  std::uint64_t children(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    const std::int64_t x_end = std::min<std::int64_t>(4, count.x - 4 * i),
+                       y_end = std::min<std::int64_t>(4, count.y - 4 * j),
+                       z_end = std::min<std::int64_t>(4, count.z - 4 * k);
+    std::uint64_t bits = 0;
+    for (std::int64_t z = 0; z < z_end; ++z)
+      for (std::int64_t y = 0; y < y_end; ++y) {
+        const T* row = ranges + 2 * (((4 * k + z) * count.y + 4 * j + y) * count.x + 4 * i);
+        std::uint64_t row_bits = 0;
+        if (x_end == 4) {
+          for (unsigned x = 0; x < 4; ++x)
+            row_bits |= static_cast<std::uint64_t>((row[2 * x] < threshold) & (threshold <= row[2 * x + 1])) << x;
+        } else {
+          for (unsigned x = 0; x < x_end; ++x)
+            row_bits |= static_cast<std::uint64_t>((row[2 * x] < threshold) & (threshold <= row[2 * x + 1])) << x;
+        }
+        bits |= row_bits << (4 * y + 16 * z);
+      }
+    return bits;
+  }
+};
+
+constexpr std::size_t most_boxes = std::size_t{1} << 14;
+
+/// What a box is around the blocks of.
+enum class BoxEdge { block, node, summit };
+
+/// Boxes in cells, up to where the cells end.
+struct BoxList {
+  Index3 leaf_count;
+  std::vector<BoxNode> nodes;
+  std::size_t count;
+
+  /// Around those of 4 x 4 x 4 children that have a bit.
+  /// @param first  of the children
+  /// @param edge   of a child, in cells
+  void add(const Index3& first, std::uint64_t bits, std::int64_t edge) {
+    if (count % BoxNode::size == 0) nodes.push_back(BoxNode::of_empty_boxes());
+    BoxNode& node = nodes.back();
+    const std::size_t place = count++ % BoxNode::size;
+    for (int axis = 0; axis < 3; ++axis) {
+      const unsigned along = bits_along(bits, axis);
+      const std::int64_t low = (first[axis] + std::countr_zero(along)) * edge,
+                         high = (first[axis] + std::bit_width(along)) * edge;
+      node.low[axis][place] = static_cast<float>(low);
+      node.high[axis][place] = static_cast<float>(std::min(high, leaf_count[axis]));
+    }
+  }
+
+ private:
+  /// The places 0 to 3 on an axis at which there are bits.
+  static unsigned bits_along(std::uint64_t bits, int axis) {
+    constexpr std::uint64_t plane[3] = {0x1111'1111'1111'1111, 0x000f'000f'000f'000f, 0x0000'0000'0000'ffff};
+    unsigned along = 0;
+    for (int i = 0; i < 4; ++i) along |= static_cast<unsigned>((bits & plane[axis] << (i << (2 * axis))) != 0) << i;
+    return along;
+  }
+};
+
+}  // namespace
+
+template <class T>
+Occupancy::Occupancy(const formats::MacroLevelsView<T>& levels, double isovalue) {
+  const Index3 blocks = levels.shape.count(1);
+  std::array<int, 3> summit_count;
+  for (int a = 0; a < 3; ++a) {
+    summit_count[static_cast<std::size_t>(a)] = static_cast<int>((blocks[a] + 15) / 16);
+    node_count_[static_cast<std::size_t>(a)] = 4 * summit_count[static_cast<std::size_t>(a)];
+  }
+  const auto volume = [](const std::array<int, 3>& count) {
+    return static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]) * static_cast<std::size_t>(count[2]);
+  };
+  nodes_.assign(volume(node_count_), 0);
+  summits_.assign(volume(summit_count), 0);
+  const std::optional<T> threshold = threshold_in<T>(isovalue);
+  if (!threshold) return;
+
+  const auto level = [&](int l) {
+    return Straddling<T>{levels.ranges[static_cast<std::size_t>(l - levels.first_level)].data(), levels.shape.count(l),
+                         *threshold};
+  };
+  const Straddling<T> of_blocks = level(1);
+  std::size_t at = 0;
+  for (int k = 0; k < summit_count[2]; ++k)
+    for (int j = 0; j < summit_count[1]; ++j)
+      for (int i = 0; i < summit_count[0]; ++i, ++at) {
+        if (levels.shape.level_count >= 3 && !level(3)(i, j, k)) continue;
+        std::uint64_t candidates = ~std::uint64_t{0};
+        if (levels.shape.level_count >= 2) candidates = level(2).children(i, j, k);
+        std::uint64_t summit = 0;
+        for (; candidates != 0; candidates &= candidates - 1) {
+          const int bit = std::countr_zero(candidates);
+          const int x = 4 * i + (bit & 3), y = 4 * j + (bit >> 2 & 3), z = 4 * k + (bit >> 4);
+          const std::uint64_t node = of_blocks.children(x, y, z);
+          nodes_[static_cast<std::size_t>((z * static_cast<std::int64_t>(node_count_[1]) + y) * node_count_[0] + x)] =
+              node;
+          summit |= static_cast<std::uint64_t>(node != 0) << bit;
+        }
+        summits_[at] = summit;
+      }
+  find_boxes(levels.shape.leaf_count);
+}
+
+void Occupancy::find_boxes(const Index3& leaf_count) {
+  std::size_t block_count = 0, node_count = 0;
+  for (const std::uint64_t node : nodes_)
+    if (node != 0) block_count += static_cast<std::size_t>(std::popcount(node)), ++node_count;
+  // In a frame every box may have to be projected, which takes as long as a few rays.
+  const BoxEdge edge = block_count <= most_boxes  ? BoxEdge::block
+                       : node_count <= most_boxes ? BoxEdge::node
+                                                  : BoxEdge::summit;
+  BoxList list{leaf_count, {}, 0};
+  const auto add_node = [&](const Index3& node, std::uint64_t bits) {
+    if (edge == BoxEdge::node) return list.add(node * 4, bits, 4);
+    for (; bits != 0; bits &= bits - 1) list.add(node * 4, bits & (~bits + 1), 4);
+  };
+  std::size_t at = 0;
+  Index3 summit;
+  const Index3 summits(node_count_[0] / 4, node_count_[1] / 4, node_count_[2] / 4);
+  for (summit.z = 0; summit.z < summits.z; ++summit.z)
+    for (summit.y = 0; summit.y < summits.y; ++summit.y)
+      for (summit.x = 0; summit.x < summits.x; ++summit.x, ++at) {
+        std::uint64_t bits = summits_[at];
+        if (edge == BoxEdge::summit && bits != 0) list.add(summit * 4, bits, 16);
+        if (edge == BoxEdge::summit) continue;
+        for (; bits != 0; bits &= bits - 1) {
+          const int bit = std::countr_zero(bits);
+          const Index3 node = summit * 4 + Index3(bit & 3, bit >> 2 & 3, bit >> 4);
+          add_node(node,
+                   nodes_[static_cast<std::size_t>((node.z * node_count_[1] + node.y) * node_count_[0] + node.x)]);
+        }
+      }
+  boxes_.push_back(std::move(list.nodes));
+  add_upper_levels(boxes_);
+}
+
+std::size_t Occupancy::size_bytes() const {
+  std::size_t bytes = (nodes_.size() + summits_.size()) * sizeof(std::uint64_t);
+  for (const auto& level : boxes_) bytes += level.size() * sizeof(BoxNode);
+  return bytes;
+}
+
+#define RHORAY_OCCUPANCY(T) template Occupancy::Occupancy(const formats::MacroLevelsView<T>&, double);
+RHORAY_OCCUPANCY(std::uint8_t)
+RHORAY_OCCUPANCY(std::int8_t)
+RHORAY_OCCUPANCY(std::uint16_t)
+RHORAY_OCCUPANCY(std::int16_t)
+RHORAY_OCCUPANCY(std::uint32_t)
+RHORAY_OCCUPANCY(std::int32_t)
+RHORAY_OCCUPANCY(float)
+RHORAY_OCCUPANCY(double)
+#undef RHORAY_OCCUPANCY
+
+}  // namespace rhoray::render

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "formats/macro_levels.h"
+#include "render/query/last_isovalues.h"
+#include "render/traverse/surface_boxes.h"
+
+namespace rhoray::render {
+
+/// Which blocks of 4 x 4 x 4 leaf cells an isosurface can pass through: bit by bit in trees of 64 children per node,
+/// from a grid's macro levels of factor 4.
+///
+///     nodes    one per 16^3 cells: bit x + 4 y + 16 z, 0 to 3 each, for block (x, y, z) of it
+///     summits  one per 64^3 cells: the same for its nodes, set where a node has a bit
+///
+/// A bit is set where the block's values lie on both sides: not where it is clear has the surface nothing to look for.
+/// Blocks beyond the last cells are clear.
+class Occupancy {
+ public:
+  /// Children of macrocells that lie on one side are not read.
+  template <class T>
+  Occupancy(const formats::MacroLevelsView<T>& levels, double isovalue);
+
+  /// Nodes per axis, a multiple of 4.
+  const std::array<int, 3>& node_count() const { return node_count_; }
+
+  const std::uint64_t* nodes() const { return nodes_.data(); }      ///< x fastest
+  const std::uint64_t* summits() const { return summits_.data(); }  ///< x fastest, node_count() / 4 per axis
+
+  /// Around all blocks that have a bit, in cells: around single blocks where these are few, else around those of a
+  /// node, or those of a summit.
+  const BoxLevels& boxes() const { return boxes_; }
+
+  std::size_t size_bytes() const;
+
+ private:
+  void find_boxes(const Index3& leaf_count);
+
+  std::array<int, 3> node_count_;
+  std::vector<std::uint64_t> nodes_, summits_;
+  BoxLevels boxes_;
+};
+
+/// The occupancies of one volume for the last isovalues asked about. Any thread may ask.
+class OccupancyCache {
+ public:
+  template <class T>
+  std::shared_ptr<const Occupancy> of(const formats::MacroLevelsView<T>& levels, double isovalue) {
+    return last_.of(isovalue, [&] { return std::make_shared<const Occupancy>(levels, isovalue); });
+  }
+
+ private:
+  LastIsovalues<Occupancy> last_;
+};
+
+}  // namespace rhoray::render

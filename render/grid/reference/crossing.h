@@ -1,0 +1,87 @@
+#pragma once
+
+#include "render/cell/crossing_methods.h"
+#include "render/grid/reference/passage.h"
+
+/// The first crossing of a grid's isosurface by the methods that look into one cell after another: direct, preview and
+/// the paper's.
+namespace rhoray::render {
+
+namespace {
+
+RHORAY_INLINE CrossingMethod in_cell_method(Method::Way way) {
+  return way == Method::Way::paper     ? CrossingMethod::paper
+         : way == Method::Way::preview ? CrossingMethod::preview
+                                       : CrossingMethod::bracketed;
+}
+
+/// The ray in the coordinates of a cell.
+template <class Geometry>
+RHORAY_INLINE CellPassage passage_of(const Geometry& geometry, const Ray& ray, const CellVisit& visit, const Vec3& in,
+                                     const Vec3& out) {
+  CellPassage passage{.in = in, .out = out, .origin = {}, .direction = {}, .t_in = visit.t_in, .t_out = visit.t_out};
+  for (int a = 0; a < 3; ++a) {
+    passage.origin[a] = geometry.in_cell(a, ray.origin[a], visit.cell[a]);
+    passage.direction[a] = geometry.direction_in_cell(a, ray.direction[a], visit.cell[a]);
+  }
+  return passage;
+}
+
+/// True where a ray that starts in a crossing does not get farther from the surface in this cell than its start may be:
+/// the ray may be here, or on this side, only because the crossing's place is rounded.
+RHORAY_INLINE bool stays_at_start(const TrilinearCell& cell, const Vec3& in, const Vec3& out, double isovalue) {
+  const double near = start_error_cells * (cell.largest() - cell.smallest());
+  const CubicOf<double> cubic = minus<double>(cell, isovalue).cell.along(in, out);
+  return std::all_of(cubic.b.begin(), cubic.b.end(), [&](double b) { return std::abs(b) <= near; });
+}
+
+template <class Real, class View>
+Hit crossing_by_method(const View& view, const Question& question, const Ray& ray, KernelCounters& counters) {
+  Hit hit;
+  const auto planes = view.plane_times(ray);
+  const std::optional<Segment> segment = clip_to_lattice(ray, planes, view.lattice().leaf_count);
+  if (!segment) return hit;
+  const double iso = question.isovalue;
+  const CrossingMethod method = in_cell_method(question.method.way);
+
+  SideOnRay side(view, ray);
+  bool starts_in_crossing = ray.start_side != StartSide::unknown;
+  if (starts_in_crossing) side.set(ray.start_side == StartSide::inside);
+  const auto see = [](int, const CellVisit&) { return true; };
+  const auto look = [&](const TrilinearCell& cell, const CellVisit& visit, const auto& before) {
+    const Vec3 in = entry_point(view.geometry(), ray, planes, visit);
+    const Vec3 out = exit_point(view.geometry(), ray, planes, visit);
+    if (!side.inside()) starts_in_crossing = false;  // there were cells without data between
+    if (starts_in_crossing && stays_at_start(cell, in, out, iso)) return true;
+    const bool starts_inside = is_inside(minus<Real>(cell, iso).cell.at(Imath::Vec3<Real>(in)));
+    // A macrocell's range says nothing of cells without data in it: the side that was taken from there may be no longer
+    // known where the ray leaves it.
+    if (side.inside() && *side.inside() != starts_inside && before && !side.leaves_through_data(*before, planes))
+      side.forget();
+    if (!side.inside()) side.set(starts_inside);
+    CellPassage passage = passage_of(view.geometry(), ray, visit, in, out);
+    passage.starts_in_crossing = std::exchange(starts_in_crossing, false);
+    const CellCrossing found = find_crossing<Real>(method, cell, passage, iso, *side.inside());
+    if (!found.crosses) return true;  // the side at the exit is the side at the entry
+    hit.t = visit.t_at(found.s);
+    hit.value = iso;
+    hit.cell = view.cell_id(visit.cell);
+    hit.gradient = view.geometry().gradient(cell.gradient((1 - found.s) * in + found.s * out), visit.cell);
+    hit.root_count = static_cast<std::uint32_t>(found.root_count);
+    hit.iteration_count = static_cast<std::uint32_t>(found.iterations);
+    return false;
+  };
+  walk_sides(view, question, ray, planes, *segment, counters, side, see, look);
+  return hit;
+}
+
+template <class View>
+Hit first_crossing_of_ray(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
+  return question.method.precision == Method::Precision::single
+             ? crossing_by_method<float>(view, question, ray, scratch.counters)
+             : crossing_by_method<double>(view, question, ray, scratch.counters);
+}
+
+}  // namespace
+
+}  // namespace rhoray::render

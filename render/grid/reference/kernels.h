@@ -1,0 +1,33 @@
+#pragma once
+
+#include "render/grid/reference/certified.h"
+#include "render/grid/reference/crossing.h"
+#include "render/grid/reference/exact.h"
+#include "render/grid/reference/largest.h"
+#include "render/grid/reference/sampled.h"
+#include "render/query/kernel_of.h"
+
+/// The table of a grid's kernels. The sources beside this header instantiate kernels_for, some views each.
+namespace rhoray::render {
+
+template <class View>
+Kernels kernels_for(const View& view, Method::Way way) {
+  return {.first_crossing = kernel_for<View, first_crossing_of_ray<View>, sampled_crossing_of_ray<View>,
+                                       certified_first_crossing<View>, judged_first_crossing<View>>(way),
+          .largest_value = kernel_for<View, largest_value_on_ray<View>, sampled_maximum_on_ray<View>,
+                                      certified_largest_value<View>, judged_largest_value<View>>(way),
+          .queue_entries = largest_queue_size(view.lattice(), view.level_count())};
+}
+
+template <class View>
+void resume_certified(const View& view, const Question& question, const RayBatch& rays, std::span<const ResumedAt> from,
+                      HitBatch& hits, KernelScratch& scratch) {
+  for (std::size_t r = 0; r < rays.count; ++r) {
+    const std::uint64_t before = scratch.counters.visits();
+    Hit hit = certified_first_crossing_redone(view, question, rays[r], scratch, from[r]);
+    hit.cost = static_cast<std::uint32_t>(scratch.counters.visits() - before);
+    hits.set(r, hit);
+  }
+}
+
+}  // namespace rhoray::render

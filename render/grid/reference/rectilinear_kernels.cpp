@@ -1,0 +1,14 @@
+#include "render/grid/reference/kernels.h"
+
+namespace rhoray::render {
+
+template Kernels kernels_for(const RectilinearVolume<std::uint8_t>&, Method::Way);
+template Kernels kernels_for(const RectilinearVolume<std::int8_t>&, Method::Way);
+template Kernels kernels_for(const RectilinearVolume<std::uint16_t>&, Method::Way);
+template Kernels kernels_for(const RectilinearVolume<std::int16_t>&, Method::Way);
+template Kernels kernels_for(const RectilinearVolume<std::uint32_t>&, Method::Way);
+template Kernels kernels_for(const RectilinearVolume<std::int32_t>&, Method::Way);
+template Kernels kernels_for(const RectilinearVolume<float>&, Method::Way);
+template Kernels kernels_for(const RectilinearVolume<double>&, Method::Way);
+
+}  // namespace rhoray::render

@@ -1,0 +1,56 @@
+#include "render/heat_map.h"
+
+#include <cmath>
+
+#include "formats/base/vector.h"
+#include "render/color_map.h"
+
+namespace rhoray::render {
+
+namespace {
+
+constexpr Vec3 no_number(0.21, 0.21, 0.21);  // linear
+
+/// What is drawn of a pixel, on the page's scale; NaN where there is no number.
+double number_at(DiaryPage page, const Framebuffer& picture, std::size_t pixel) {
+  switch (page) {
+    case DiaryPage::error: {
+      const double error = static_cast<double>(picture.error[pixel]);
+      return error > 0 ? std::log10(error) : std::numeric_limits<double>::quiet_NaN();
+    }
+    case DiaryPage::roots:
+      return picture.roots[pixel];
+    case DiaryPage::iterations:
+      return picture.iterations[pixel];
+    case DiaryPage::cost:
+      break;
+  }
+  return picture.cost[pixel];
+}
+
+}  // namespace
+
+ChannelSet channel_of(DiaryPage page) {
+  return {.error = page == DiaryPage::error,
+          .roots = page == DiaryPage::roots,
+          .iterations = page == DiaryPage::iterations,
+          .cost = page == DiaryPage::cost};
+}
+
+Interval<double> draw_heat_map(DiaryPage page, Framebuffer& picture) {
+  Interval<double> range;
+  for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel)
+    if (const double number = number_at(page, picture, pixel); std::isfinite(number)) range.include(number);
+  for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel) {
+    const double number = number_at(page, picture, pixel);
+    const double width = range.hi - range.lo;
+    const Vec3 color =
+        std::isfinite(number) ? color_of(ColorMap::viridis, width > 0 ? (number - range.lo) / width : 0) : no_number;
+    for (std::size_t c = 0; c < 3; ++c) picture.color[4 * pixel + c] = static_cast<float>(color[static_cast<int>(c)]);
+    picture.color[4 * pixel + 3] = 1;
+  }
+  if (page == DiaryPage::error && !range.is_empty()) range = {std::pow(10, range.lo), std::pow(10, range.hi)};
+  return range;
+}
+
+}  // namespace rhoray::render

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <algorithm>
+
+#include "render/exact/enclosure.h"
+
+namespace rhoray::render {
+
+/// What the judge leaves undecided of a crossing's place: about a millionth of a millionth of a cell.
+inline constexpr double judged_width_cells = 0x1p-40;
+
+/// The number that stands for an enclosure, and how far the exact one may be from it.
+struct Middle {
+  double value, error;
+  explicit Middle(const Enclosure& enclosure)
+      : value(0.5 * enclosure.lo + 0.5 * enclosure.hi),
+        error(std::max(value - enclosure.lo, enclosure.hi - value) * (1 + 0x1p-50)) {}
+};
+
+}  // namespace rhoray::render

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "render/query/kernels.h"
+
+/// What the choice of wide kernels has in common.
+namespace rhoray::render::wide {
+
+/// The ways in which wide kernels find first crossings.
+inline bool has_wide_crossings(const Method& method) {
+  const bool is_float = method.precision == Method::Precision::single &&
+                        (method.way == Method::Way::direct || method.way == Method::Way::preview);
+  return is_float || method.way == Method::Way::certified;
+}
+
+/// What kernel_of.operator()<machine>() gives; null for `scalar`, which has no wide kernels.
+template <class KernelOf>
+Kernel kernel_on(Machine machine, const KernelOf& kernel_of) {
+  switch (machine) {
+    case Machine::scalar:
+      break;
+    case Machine::baseline:
+      return kernel_of.template operator()<Machine::baseline>();
+    case Machine::avx2:
+      return kernel_of.template operator()<Machine::avx2>();
+    case Machine::avx512:
+      return kernel_of.template operator()<Machine::avx512>();
+  }
+  return nullptr;
+}
+
+}  // namespace rhoray::render::wide

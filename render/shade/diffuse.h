@@ -1,0 +1,54 @@
+#pragma once
+
+#include "render/scene.h"
+#include "render/shade/lanes.h"
+
+namespace rhoray::render {
+
+/// Lambert's law for a light at the eye, over a constant share of ambient light. Both sides of a surface look alike.
+/// @param cosines  of the angle between the normal and the direction to the eye, in [0, 1]
+RHORAY_INLINE void add_diffuse(const Surface& surface, const Lanes& cosines, Colors& colors) {
+  const auto ambient = static_cast<float>(surface.ambient);
+  const Imath::V3f color(surface.color);
+  for (std::size_t i = 0; i < cosines.size(); ++i) {
+    const float light = ambient + (1 - ambient) * cosines[i];
+    colors.red[i] += light * color.x;
+    colors.green[i] += light * color.y;
+    colors.blue[i] += light * color.z;
+  }
+}
+
+/// The same for a surface whose colour differs from hit to hit.
+RHORAY_INLINE void add_diffuse(const Surface& surface, const Colors& base, const Lanes& cosines, Colors& colors) {
+  const auto ambient = static_cast<float>(surface.ambient);
+  for (std::size_t i = 0; i < cosines.size(); ++i) {
+    const float light = ambient + (1 - ambient) * cosines[i];
+    colors.red[i] += light * base.red[i];
+    colors.green[i] += light * base.green[i];
+    colors.blue[i] += light * base.blue[i];
+  }
+}
+
+/// Light that arrives at hits, by Lambert's law.
+/// @param color    of the light
+/// @param shares   of it that reach the hits
+/// @param cosines  of the angle between the normal and the direction to the light; below 0 it is behind the surface
+RHORAY_INLINE void add_arriving(const Imath::V3f& color, const Lanes& shares, const Lanes& cosines, Colors& arriving) {
+  for (std::size_t i = 0; i < cosines.size(); ++i) {
+    const float light = cosines[i] > 0 ? shares[i] * cosines[i] : 0;  // written so that a NaN becomes 0
+    arriving.red[i] += light * color.x;
+    arriving.green[i] += light * color.y;
+    arriving.blue[i] += light * color.z;
+  }
+}
+
+/// What a surface sends back of the light that arrives.
+RHORAY_INLINE void add_sent_back(const Colors& base, const Colors& arriving, Colors& colors) {
+  for (std::size_t i = 0; i < base.red.size(); ++i) {
+    colors.red[i] += base.red[i] * arriving.red[i];
+    colors.green[i] += base.green[i] * arriving.green[i];
+    colors.blue[i] += base.blue[i] * arriving.blue[i];
+  }
+}
+
+}  // namespace rhoray::render

@@ -1,0 +1,116 @@
+#pragma once
+
+#include "render/scene.h"
+#include "render/shade/diffuse.h"
+#include "render/shade/facing.h"
+#include "render/shade/field_color.h"
+#include "render/shade/fog.h"
+#include "render/shade/intensity.h"
+#include "render/shade/lanes.h"
+#include "render/shade/lights.h"
+#include "render/shade/occlusion.h"
+#include "render/shade/received.h"
+#include "render/shade/specular.h"
+#include "render/shade/texture.h"
+
+namespace rhoray::render {
+
+/// What a layer calls for beyond finding the hit. What is not in the set is neither computed nor read.
+struct EffectSet {
+  bool diffuse = false;
+  bool smooth_normals = false;
+  bool field_color = false;
+  bool texture = false;
+  bool specular = false;
+  bool intensity = false;
+  bool true_colors = false;   ///< those of the field, as they are
+  bool lights = false;        ///< others than one white light at the eye
+  bool shadows = false;       ///< rays towards lights are asked about
+  bool soft_shadows = false;  ///< several of each hit, towards lights that are not points
+  bool occlusion = false;     ///< rays into surroundings are asked about
+  bool fog = false;
+};
+
+/// Reads the layer, not switches: an isosurface is lit, one with gloss has a highlight, one that names a field is
+/// coloured by it, one that names a texture covered by it; a projection shows intensity.
+EffectSet effects_called_for(const Layer& layer);
+
+/// The same in its scene: shadows where a light that shines casts them, something holds light back, and the surface
+/// shows lights at all; occlusion where it has a radius, there is ambient light and something that holds it back.
+EffectSet effects_called_for(const Scene& scene, const Layer& layer);
+
+/// True of opaque isosurfaces and triangles.
+bool holds_light_back(const Layer& layer);
+
+/// What shines on a layer beside a white light at the eye, and what of that reaches its hits; read where effects call
+/// for lights, or fog.
+struct Surroundings {
+  const LayerLights* lights = nullptr;
+  const ReceivedLight* received = nullptr;
+  const Fog* fog = nullptr;
+};
+
+/// Colours of a surface under many lights.
+/// @param base  the surface's own colours
+RHORAY_INLINE void shade_under_lights(const Surface& surface, const EffectSet& effects, const Facing& facing,
+                                      const Surroundings& surroundings, const RayBatch& rays, const HitBatch& hits,
+                                      std::size_t first, const Colors& base, Colors& colors) {
+  const LayerLights& of_layer = *surroundings.lights;
+  Directions to_eye, normal, to_light;
+  find_directions_to_eye(of_layer.world_from_volume, rays, first, to_eye);
+  facing.normals(rays, hits, first, to_eye, normal);
+  Lanes ambient, shares, cosines;
+  ambient.fill(static_cast<float>(surface.ambient));
+  if (effects.occlusion) darken_ambient(surroundings.received->ambient.data() + first, ambient);
+  Colors arriving{ambient, ambient, ambient};
+  for (std::size_t l = 0; l < of_layer.lights.size(); ++l) {
+    const LayerLights::One& light = of_layer.lights[l];
+    shares.fill(1);
+    if (effects.shadows && light.casts_shadows) surroundings.received->find_shares(l, first, shares);
+    find_directions_to_light(light, of_layer.world_from_volume, rays, hits, first, to_eye, to_light);
+    find_cosines(normal, to_light, cosines);
+    add_arriving(light.color * static_cast<float>(1 - surface.ambient), shares, cosines, arriving);
+    if (effects.specular) add_specular(surface, light.color, shares, cosines, normal, to_light, to_eye, colors);
+  }
+  add_sent_back(base, arriving, colors);
+}
+
+/// Those of the surface itself, as it is under white light.
+RHORAY_INLINE void find_own_colors(const Surface& surface, const EffectSet& effects, const double* field_values,
+                                   const CoveringColors* texture, Colors& base) {
+  if (effects.field_color)
+    find_field_colors(surface, field_values, base);
+  else
+    fill_colors(Imath::V3f(surface.color), base);
+  if (effects.texture) cover(*texture, base);
+}
+
+/// Colours of the group of hits that begins at `first`; any numbers where nothing was hit.
+/// @param field_values  at the hits of the group, of the field that the surface is coloured by; else not read
+/// @param texture       what covers the surface there; read where effects call for it
+RHORAY_INLINE void shade(const Layer& layer, const EffectSet& effects, const Facing& facing, const RayBatch& rays,
+                         const HitBatch& hits, std::size_t first, const double* field_values, Colors& colors,
+                         const Surroundings& surroundings = {}, const CoveringColors* texture = nullptr) {
+  colors = {};
+  if (effects.intensity) add_intensity(layer.window, hits.value.data() + first, colors);
+  if (effects.true_colors) find_field_colors(layer.surface, field_values, colors);
+  if (effects.diffuse && effects.lights) {
+    Colors base;
+    find_own_colors(layer.surface, effects, field_values, texture, base);
+    shade_under_lights(layer.surface, effects, facing, surroundings, rays, hits, first, base, colors);
+  } else if (effects.diffuse) {
+    Lanes cosines;
+    facing.cosines(rays, hits, first, cosines);
+    if (effects.field_color || effects.texture) {
+      Colors base;
+      find_own_colors(layer.surface, effects, field_values, texture, base);
+      add_diffuse(layer.surface, base, cosines, colors);
+    } else {
+      add_diffuse(layer.surface, cosines, colors);
+    }
+    if (effects.specular) add_specular(layer.surface, cosines, colors);
+  }
+  if (effects.fog) mix_fog(*surroundings.fog, hits.t.data() + first, colors);
+}
+
+}  // namespace rhoray::render

@@ -1,0 +1,305 @@
+#include "render/shade/hit_lookup.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include "formats/base/text.h"
+#include "formats/base/trouble.h"
+#include "formats/format_error.h"
+#include "render/cell/triangle_crossing.h"
+#include "render/dataset/load_view.h"
+#include "render/query/compiled_for.h"
+#include "render/triangles/point_gradients.h"
+
+namespace rhoray::render {
+
+namespace {
+
+constexpr std::size_t group_size = RayBatch::group_size;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// One number of each hit of a group.
+struct alignas(64) Numbers {
+  double of[group_size];
+
+  RHORAY_INLINE double& operator[](std::size_t i) { return of[i]; }
+  RHORAY_INLINE double operator[](std::size_t i) const { return of[i]; }
+};
+
+/// Where the hits of a group are, in the volume's frame.
+RHORAY_INLINE void find_places(const RayBatch& rays, const HitBatch& hits, std::size_t first, Numbers* place) {
+  const double* t = hits.t.data() + first;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double *origin = rays.origin[axis].data() + first, *direction = rays.direction[axis].data() + first;
+    for (std::size_t i = 0; i < group_size; ++i) place[axis][i] = origin[i] + t[i] * direction[i];
+  }
+}
+
+// Meshes.
+
+/// What is looked up in a mesh beside its own field.
+template <class T>
+struct MeshLookup {
+  const TetVolume<T>* view;
+  std::shared_ptr<const PointGradients> gradients{};  ///< null: not wanted
+  std::variant<std::monostate, std::span<const float>, std::span<const double>> field{};
+};
+
+/// The cells of a group's hits: their points, and how much each counts.
+struct HitCells {
+  std::uint32_t point[4][group_size];
+  Numbers weight[4];
+};
+
+/// Six volumes of the tetrahedron between three points and the origin.
+RHORAY_INLINE double six_volumes(const double* a, const double* b, const double* c) {
+  return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+/// Weights by the volumes between a place and the faces of its cell: none below 0, and all above by so little that a
+/// cell without volume gives all its points the same.
+/// @param away  [point][axis][hit]: from the place to the cell's points
+RHORAY_INLINE void weigh_by_volumes(const Numbers (*away)[3], Numbers* weight) {
+  constexpr double least = 0x1p-60;
+  for (std::size_t i = 0; i < group_size; ++i) {
+    double p[4][3], share[4];
+    for (int k = 0; k < 4; ++k)
+      for (int axis = 0; axis < 3; ++axis) p[k][axis] = away[k][axis][i];
+    share[0] = six_volumes(p[1], p[2], p[3]), share[1] = -six_volumes(p[0], p[2], p[3]);
+    share[2] = six_volumes(p[0], p[1], p[3]), share[3] = -six_volumes(p[0], p[1], p[2]);
+    const double all = (share[0] + share[1]) + (share[2] + share[3]);
+    double sum = 0;
+    for (double& s : share) {
+      s = s / all;
+      s = s > 0 && s < 2 ? s : 0;  // written so that a NaN becomes 0
+      s += least;
+      sum += s;
+    }
+    for (int k = 0; k < 4; ++k) weight[k][i] = share[k] / sum;
+  }
+}
+
+/// Shifts weight between the points inside and those outside so that the field has the hit's value.
+/// @param field  [point][hit]
+RHORAY_INLINE void move_to_value(const double* value, const Numbers* field, Numbers* weight) {
+  for (std::size_t i = 0; i < group_size; ++i) {
+    double weight_in = 0, weight_out = 0, sum_in = 0, sum_out = 0;
+    for (int k = 0; k < 4; ++k) {
+      const bool inside = field[k][i] >= value[i];
+      const double w = weight[k][i], difference = field[k][i] - value[i];
+      weight_in += inside ? w : 0, weight_out += inside ? 0 : w;
+      sum_in += inside ? w * difference : 0, sum_out += inside ? 0 : w * difference;
+    }
+    // Means of the differences on both sides; 0 / 0 where all points are on one side.
+    const double above = sum_in / weight_in, below = -sum_out / weight_out;
+    const double share_in = below / (above + below), share_out = above / (above + below);
+    const bool is_between = share_in >= 0 && share_out >= 0;
+    const double scale_in = is_between ? share_in / weight_in : 1, scale_out = is_between ? share_out / weight_out : 1;
+    for (int k = 0; k < 4; ++k) weight[k][i] *= field[k][i] >= value[i] ? scale_in : scale_out;
+  }
+}
+
+/// Cells of misses are any cell.
+template <class T>
+RHORAY_INLINE void find_cells(const TetVolume<T>& view, const RayBatch& rays, const HitBatch& hits, std::size_t first,
+                              HitCells& cells) {
+  Numbers place[3], away[4][3], field[4];
+  find_places(rays, hits, first, place);
+  for (std::size_t i = 0; i < group_size; ++i) {
+    const auto vertices = view.vertices(hits.t[first + i] < infinity ? hits.tet[first + i] : 0);
+    const auto points = view.points_at(vertices);
+    for (std::size_t k = 0; k < 4; ++k) {
+      cells.point[k][i] = vertices[k];
+      field[k][i] = view.value_at(vertices[k]);
+      for (std::size_t axis = 0; axis < 3; ++axis) away[k][axis][i] = points[k][axis] - place[axis][i];
+    }
+  }
+  weigh_by_volumes(away, cells.weight);
+  move_to_value(hits.value.data() + first, field, cells.weight);
+}
+
+/// Means of what `at(point)` says of the points of cells.
+template <class At>
+RHORAY_INLINE void interpolate(const HitCells& cells, const At& at, double* out) {
+  Numbers number[4];
+  for (std::size_t k = 0; k < 4; ++k)
+    for (std::size_t i = 0; i < group_size; ++i) number[k][i] = at(cells.point[k][i]);
+  for (std::size_t i = 0; i < group_size; ++i)
+    out[i] = (cells.weight[0][i] * number[0][i] + cells.weight[1][i] * number[1][i]) +
+             (cells.weight[2][i] * number[2][i] + cells.weight[3][i] * number[3][i]);
+}
+
+RHORAY_INLINE void replace_gradients(const HitCells& cells, std::span<const std::array<double, 3>> gradients,
+                                     HitBatch& hits, std::size_t first) {
+  Numbers smooth[3];
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    interpolate(
+        cells, [&](std::uint32_t point) { return gradients[point][axis]; }, smooth[axis].of);
+  for (std::size_t i = 0; i < group_size; ++i) {
+    const double size = std::abs(smooth[0][i]) + std::abs(smooth[1][i]) + std::abs(smooth[2][i]);
+    const bool is_usable = size > 0 && size < infinity;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      double& gradient = hits.gradient[axis].data()[first + i];
+      gradient = is_usable ? smooth[axis][i] : gradient;
+    }
+  }
+}
+
+template <class T>
+RHORAY_INLINE void look_up_in_mesh(const MeshLookup<T>& lookup, const RayBatch& rays, HitBatch& hits, std::size_t first,
+                                   double* values) {
+  HitCells cells;
+  find_cells(*lookup.view, rays, hits, first, cells);
+  if (lookup.gradients) replace_gradients(cells, lookup.gradients->of_points(), hits, first);
+  const auto look_up = [&](const auto& field) {
+    interpolate(
+        cells, [&](std::uint32_t point) { return static_cast<double>(field[point]); }, values);
+  };
+  if (const auto* floats = std::get_if<1>(&lookup.field)) look_up(*floats);
+  if (const auto* doubles = std::get_if<2>(&lookup.field)) look_up(*doubles);
+}
+
+// Surfaces.
+
+/// Weights of a place in a triangle by the areas opposite its corners; none below 0. Those of a triangle without area
+/// are numbers of which not all are finite.
+std::array<double, 3> weights_at(const TrianglePoints& points, const Vec3& place) {
+  const auto from_place = [&](std::size_t c) { return Vec3(points[c][0], points[c][1], points[c][2]) - place; };
+  const Vec3 normal = triangle_normal(points), away[3] = {from_place(0), from_place(1), from_place(2)};
+  std::array<double, 3> weight;
+  double sum = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    weight[c] = std::max(0.0, normal.dot(away[(c + 1) % 3].cross(away[(c + 2) % 3])));
+    sum += weight[c];
+  }
+  for (double& w : weight) w /= sum;
+  return weight;
+}
+
+/// The triangle's own normal stays where the smooth one is zero or not finite.
+void replace_by_smooth(const SurfaceVolume& view, const PointGradients& normals, const Ray& ray, std::size_t r,
+                       HitBatch& hits) {
+  const auto vertices = view.vertices(hits.tet[r]);
+  const std::array<double, 3> weight = weights_at(view.points_at(vertices), ray.at(hits.t[r]));
+  Vec3 smooth(0, 0, 0);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::array<double, 3>& normal = normals.of_points()[vertices[c]];
+    smooth += weight[c] * Vec3(normal[0], normal[1], normal[2]);
+  }
+  const double size = smooth.length2();
+  if (!(size > 0 && size < infinity)) return;
+  for (int axis = 0; axis < 3; ++axis) hits.gradient[axis][r] = smooth[axis];
+}
+
+// Grids.
+
+template <class Grid>
+RHORAY_INLINE void look_up_in_grid(const Grid& grid, const RayBatch& rays, const HitBatch& hits, std::size_t first,
+                                   double* values) {
+  Numbers place[3], corner[8];
+  find_places(rays, hits, first, place);
+  const Index3 count = grid.lattice().leaf_count;
+  for (std::size_t i = 0; i < group_size; ++i) {
+    const std::uint64_t id = hits.t[first + i] < infinity ? hits.cell[first + i] : 0;
+    const auto of_row = static_cast<std::int64_t>(id) / count.x;
+    const Index3 cell(static_cast<std::int64_t>(id) % count.x, of_row % count.y, of_row / count.y);
+    const TrilinearCell corners = grid.cell(cell);
+    for (std::size_t c = 0; c < 8; ++c) corner[c][i] = corners.corner[c];
+    for (int axis = 0; axis < 3; ++axis) {
+      double& at = place[axis][i];
+      at = grid.geometry().in_cell(axis, at, cell[axis]);
+      at = at > 0 ? at : 0;
+      at = at < 1 ? at : 1;
+    }
+  }
+  for (std::size_t i = 0; i < group_size; ++i) {
+    TrilinearCell cell;
+    for (std::size_t c = 0; c < 8; ++c) cell.corner[c] = corner[c][i];
+    values[i] = cell.at({place[0][i], place[1][i], place[2][i]});
+  }
+}
+
+// Which of them.
+
+using LookUp = std::function<void(const RayBatch& rays, HitBatch& hits, std::size_t first, double* values)>;
+
+template <class Grid>
+LookUp in_grid(Grid grid, Machine machine) {
+  return [grid = std::move(grid), look_up = compiled_for<look_up_in_grid<Grid>>(machine)](
+             const RayBatch& rays, HitBatch& hits, std::size_t first, double* values) {
+    look_up(grid, rays, hits, first, values);
+  };
+}
+
+template <class T>
+LookUp look_up_for(const TetVolume<T>& view, const VolumeImplementation& volume, const HitWishes& wishes,
+                   unsigned threads, Machine machine) {
+  MeshLookup<T> lookup{.view = &view};
+  if (wishes.smooth_gradients) lookup.gradients = volume.point_gradients->of(view, threads);
+  if (wishes.field) {
+    const std::size_t field = *view.mesh().find_field(*wishes.field);
+    if (view.description().fields[field].type == formats::ElementType::F32)
+      lookup.field = view.mesh().template values<float>(field);
+    else
+      lookup.field = view.mesh().template values<double>(field);
+  }
+  return [lookup = std::move(lookup), look_up = compiled_for<look_up_in_mesh<T>>(machine)](
+             const RayBatch& rays, HitBatch& hits, std::size_t first, double* values) {
+    look_up(lookup, rays, hits, first, values);
+  };
+}
+
+template <class T, template <class> class Samples, class Geometry>
+LookUp look_up_for(const GridVolume<T, Samples<T>, Geometry>& view, const VolumeImplementation& volume,
+                   const HitWishes& wishes, unsigned, Machine machine) {
+  const std::size_t field = *view.grid().find_field(*wishes.field);
+  return formats::with_element_type(view.description().fields[field].type, [&](auto sample) -> LookUp {
+    using Other = decltype(sample);
+    constexpr bool is_sparse = std::is_same_v<Samples<Other>, SparseSamples<Other>>;
+    if constexpr (std::is_floating_point_v<Other> || (sizeof(Other) < 8 && !is_sparse))
+      return in_grid(GridVolume<Other, Samples<Other>, Geometry>(view.grid(), field), machine);
+    else
+      formats::refuse(volume.file.name(), concat("field '", *wishes.field, "'"),
+                      formats::element_name(view.description().fields[field].type),
+                      is_sparse ? "F32 or F64 in a sparse grid" : "a type of at most 32 bits, or F64");
+  });
+}
+
+LookUp look_up_for(const SurfaceVolume& view, const VolumeImplementation& volume, const HitWishes& wishes,
+                   unsigned threads, Machine) {
+  if (wishes.field) throw Error(Trouble::usage, concat(volume.file.name(), ": a surface has no fields"));
+  return [&view, normals = volume.point_gradients->of(view, threads)](const RayBatch& rays, HitBatch& hits,
+                                                                      std::size_t first, double*) {
+    for (std::size_t r = first; r < first + group_size && r < rays.count; ++r)
+      if (hits.t[r] < infinity) replace_by_smooth(view, *normals, rays[r], r, hits);
+  };
+}
+
+LookUp look_up_for(const NanoVdbVolume& view, const VolumeImplementation& volume, const HitWishes& wishes, unsigned,
+                   Machine machine) {
+  if (*wishes.field != volume.field.name)
+    throw Error(Trouble::unsupported, concat(volume.file.name(), ": field '", *wishes.field,
+                                             "' is a grid of its own, with its own voxels; a surface is "
+                                             "coloured by its own field, '",
+                                             volume.field.name, "'"));
+  return in_grid(view, machine);
+}
+
+}  // namespace
+
+HitLookup::HitLookup(const VolumeImplementation& volume, const HitWishes& wishes, unsigned threads, Machine machine) {
+  RHORAY_CHECK(!wishes.none());
+  if (wishes.smooth_gradients && !volume.point_gradients)
+    throw Error(Trouble::usage, concat(volume.file.name(), ": smooth normals are of meshes"),
+                "normals of a grid are the exact gradients of its trilinear field");
+  if (wishes.field) check_field_name(volume.file, *wishes.field, volume.field_names);
+  look_up_ =
+      std::visit([&](const auto& view) { return look_up_for(view, volume, wishes, threads, machine); }, volume.view);
+}
+
+}  // namespace rhoray::render

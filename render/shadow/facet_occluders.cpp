@@ -1,0 +1,136 @@
+#include "render/shadow/facet_occluders.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "render/query/compiled_for.h"
+#include "render/shadow/front_facing.h"
+#include "render/shadow/occluder_sheets.h"
+#include "render/triangles/facet_levels.h"
+#include "render/triangles/kernels/facet_parts.h"
+
+namespace rhoray::render::wide {
+
+namespace {
+
+constexpr std::uint32_t block_size = FacetBlock::size;
+
+/// By how much single precision may be off, at most and by far, that tells a facet's side in the kernel.
+constexpr double side_margin = 0x1p-16;
+
+/// The ways to a light from where rays of one side start.
+struct Ways {
+  double x, y, z;   ///< of one: from the facets' anchor where the light stands at a place
+  double off;       ///< how far others end from it, and what rounding adds
+  double of_value;  ///< 1 where the light stands at a place, else 0
+  double sign;      ///< of what the field changes by where such a ray leaves its side
+  /// Else no facet ends the side of all rays: which start before it, and which behind, is not known.
+  bool is_direction;
+};
+
+/// Of facets: through which the field may change along rays to the light in the way that ends the side (rises from
+/// below, falls from above), and through which it does for certain; a byte for each of a block.
+RHORAY_INLINE void tell_block(const FacetField* fields, const Ways& ways, std::uint8_t* is_kept,
+                              std::uint8_t* is_sure) {
+  double x[block_size], y[block_size], z[block_size], value[block_size], doubt[block_size];
+  for (std::size_t i = 0; i < block_size; ++i) {
+    x[i] = fields[i].gradient[0], y[i] = fields[i].gradient[1], z[i] = fields[i].gradient[2];
+    value[i] = fields[i].value, doubt[i] = static_cast<double>(fields[i].doubt);
+  }
+  for (std::size_t i = 0; i < block_size; ++i) {
+    const double steepness = std::sqrt(x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
+    // Past the facet's plane, on which the field is the isovalue, lies a place where it is more or less.
+    const double rise = ways.sign * (x[i] * ways.x + y[i] * ways.y + z[i] * ways.z + ways.of_value * value[i]);
+    const double of_value = side_margin * value[i],
+                 about = steepness * ways.off + (of_value < 0 ? -of_value : of_value);
+    const bool is_told = doubt[i] - doubt[i] == 0;  // else the cell is flat
+    is_kept[i] = !(is_told & (rise < -about));      // what is no number is kept
+    is_sure[i] = is_told & (rise > about) & ways.is_direction;
+  }
+}
+
+/// The same of all facets, a bit for each.
+RHORAY_INLINE void tell_all(const FacetField* fields, std::size_t count, const Ways& ways, std::uint16_t* kept,
+                            std::uint16_t* sure) {
+  std::uint8_t is_kept[block_size], is_sure[block_size];
+  const std::size_t whole = count / block_size, left = count % block_size;
+  for (std::size_t b = 0; b < whole; ++b) {
+    tell_block(fields + b * block_size, ways, is_kept, is_sure);
+    kept[b] = bits_of_block(is_kept), sure[b] = bits_of_block(is_sure);
+  }
+  if (left == 0) return;
+  FacetField last[block_size];
+  for (std::size_t i = 0; i < block_size; ++i) last[i] = fields[whole * block_size + (i < left ? i : 0)];
+  tell_block(last, ways, is_kept, is_sure);
+  const unsigned in_block = (1U << left) - 1;
+  kept[whole] = static_cast<std::uint16_t>(bits_of_block(is_kept) & in_block);
+  sure[whole] = static_cast<std::uint16_t>(bits_of_block(is_sure) & in_block);
+}
+
+Ways ways_to(const LightPlace& light, const Vec3& anchor, StartSide side) {
+  const Vec3 way = light.is_place ? light.at - anchor : light.at;
+  return {.x = way.x,
+          .y = way.y,
+          .z = way.z,
+          .off = light.reach + side_margin * std::sqrt(way.dot(way)),
+          .of_value = light.is_place ? 1.0 : 0.0,
+          .sign = side == StartSide::outside ? 1.0 : -1.0,
+          .is_direction = !light.is_place};
+}
+
+}  // namespace
+
+FacetBlockers::FacetBlockers(Machine machine, std::shared_ptr<const Facets> facets, const LightPlace& light,
+                             StartSide side)
+    : facets_(std::move(facets)), side_(side) {
+  const std::size_t block_count = (std::size_t{facets_->count()} + block_size - 1) / block_size;
+  std::vector<std::uint16_t> kept(block_count), sure(block_count);
+  compiled_for<tell_all>(machine)(facets_->fields(), facets_->count(), ways_to(light, facets_->anchor(), side),
+                                  kept.data(), sure.data());
+  std::size_t count = 0;
+  for (const std::uint16_t bits : kept) count += static_cast<std::size_t>(std::popcount(bits));
+  const std::size_t kept_blocks = (count + block_size - 1) / block_size;
+  sources_.resize(count), sure_.resize(kept_blocks);
+  blocks_ = std::make_unique_for_overwrite<FacetBlock[]>(kept_blocks);
+  std::size_t place = 0;
+  for (std::size_t b = 0; b < block_count; ++b) {
+    std::uint32_t from[block_size], here = 0;
+    for (unsigned bits = kept[b]; bits != 0; bits &= bits - 1) {
+      const auto f = static_cast<std::uint32_t>(std::countr_zero(bits));
+      from[here] = f;
+      const std::size_t to = place + here++;
+      sources_[to] = static_cast<std::uint32_t>(b * block_size) + f;
+      sure_[to / block_size] =
+          static_cast<std::uint16_t>(sure_[to / block_size] | (sure[b] >> f & 1U) << to % block_size);
+    }
+    for (std::size_t c = 0; c < 4; ++c)
+      for (std::size_t a = 0; a < 3; ++a) {
+        const float* numbers = facets_->blocks()[b].corner[c][a];
+        for (std::uint32_t i = 0; i < here; ++i)
+          blocks_[(place + i) / block_size].corner[c][a][(place + i) % block_size] = numbers[from[i]];
+      }
+    place += here;
+  }
+  if (const std::size_t left = count % block_size; left != 0)
+    for (auto& corner : blocks_[kept_blocks - 1].corner)
+      for (auto& numbers : corner) std::fill(numbers + left, numbers + block_size, numbers[left - 1]);
+  levels_ = levels_above(blocks_.get(), kept_blocks);
+}
+
+BlockerHeights FacetBlockers::heights(Machine machine, const LightPlace& light, Shadows shadows) const {
+  const SeenFromLight from_light(light.at);
+  const BlockerHeights::Frame frame{.anchor = facets_->anchor(), .scale = facets_->scale(), .margin = facet_margin};
+  const SeenFacets seen(machine, from_light, facet_margin, blocks_.get(), sources_.size());
+  const Squares& squares = seen.squares();
+  if (shadows == Shadows::unknown || facets_->count() > FacetNeighbours::most_facets)
+    return {from_light, frame, squares, heights_of_facets(machine, squares, facet_margin, seen), {}};
+  FacetHeights heights = heights_of_sheets(
+      machine, squares, facet_margin,
+      {.seen = seen, .sources = sources_.data(), .sure = sure_.data(), .rises = side_ == StartSide::outside},
+      facets_->neighbours());
+  return {from_light, frame, squares, std::move(heights.above), std::move(heights.below)};
+}
+
+}  // namespace rhoray::render::wide

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "render/grid/occupancy.h"
+#include "render/query/kernels.h"
+#include "render/shadow/occluders.h"
+
+namespace rhoray::render::wide {
+
+/// The field in the cells that a grid's isosurface passes through: those with corners on both sides.
+class SurfaceCells {
+ public:
+  struct Cell {
+    std::uint8_t place;     ///< in its block: x + 4 y + 16 z
+    std::int8_t corner[8];  ///< how far above the isovalue, x + 2 y + 4 z: whole parts of the cell's own unit
+    static constexpr std::uint8_t unknown = 64;  ///< as a bit of place: corners are not such numbers
+  };
+  /// 4 x 4 x 4 cells.
+  struct Block {
+    float corner[3];  ///< the lowest, in cells
+    std::uint32_t first_cell, cell_count;
+  };
+
+  /// @param question  of which the wide kernel of grids finds crossings, as far as the volume is a grid
+  /// @return          null of other volumes, where that kernel leaves the answer to others, and where data have gaps:
+  ///                  from one side of a gap to the other the field may rise in no cell
+  static std::shared_ptr<const SurfaceCells> of(const VolumeImplementation& volume, const Question& question,
+                                                unsigned threads);
+
+  std::span<const Block> blocks() const { return blocks_; }
+  std::span<const Cell> cells() const { return cells_; }
+
+ private:
+  std::vector<Block> blocks_;
+  std::vector<Cell> cells_;
+};
+
+/// The blocks of a uniform grid that an isosurface may pass; null of other volumes.
+std::shared_ptr<const Occupancy> occupancy_of_grid(const VolumeImplementation& volume, const Question& question);
+
+/// As facet_blockers_of, of a grid: a cell through which the field falls along all rays to the light holds nothing back
+/// from rays that start below the isovalue.
+/// @param light  stands in one direction
+std::shared_ptr<const LightBlockers> grid_blockers_of(Machine machine, std::shared_ptr<const SurfaceCells> cells,
+                                                      const LightPlace& light);
+
+}  // namespace rhoray::render::wide

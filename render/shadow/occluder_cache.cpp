@@ -1,0 +1,53 @@
+#include "render/shadow/occluder_cache.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace rhoray::render::wide {
+
+namespace {
+
+/// Makes one of a list its first.
+/// @return  null where there is none
+template <class Kept, class Is>
+Kept* bring_to_front(std::vector<Kept>& list, const Is& is) {
+  const auto found = std::find_if(list.begin(), list.end(), is);
+  if (found == list.end()) return nullptr;
+  std::rotate(list.begin(), found, found + 1);
+  return &list.front();
+}
+
+/// Adds one before the others; of too many the last is forgotten.
+template <class Kept>
+Kept& put_in_front(std::vector<Kept>& list, Kept added, std::size_t most) {
+  if (list.size() == most) list.pop_back();
+  return *list.insert(list.begin(), std::move(added));
+}
+
+}  // namespace
+
+std::shared_ptr<const LightBlockers> BlockersMemory::of(const VolumeImplementation& volume, const Question& question,
+                                                        const LightPlace& light, unsigned threads) {
+  const std::shared_ptr<const Facets> facets = facets_with_blockers(volume, question, threads);
+  if (!facets && !light.is_one_direction()) return nullptr;
+  const std::shared_ptr<const void> surface =
+      facets ? std::shared_ptr<const void>(facets) : occupancy_of_grid(volume, question);
+  if (!surface) return nullptr;
+  OfSurface* kept = bring_to_front(kept_, [&](const OfSurface& of) { return of.surface == surface; });
+  const Shadows shadows = facets && kept != nullptr ? Shadows::known : Shadows::unknown;
+  if (kept == nullptr) {
+    auto cells = facets ? nullptr : SurfaceCells::of(volume, question, threads);
+    if (!facets && !cells) return nullptr;
+    kept = &put_in_front(kept_, {surface, std::move(cells), {}}, most_kept);
+  }
+  if (OfLight* of = bring_to_front(kept->lights, [&](const OfLight& one) { return one.light == light; })) {
+    if (of->shadows != shadows)
+      of->blockers = with_shadows(chosen_machine(), of->blockers, light), of->shadows = shadows;
+    return of->blockers;
+  }
+  auto blockers = facets ? facet_blockers_of(chosen_machine(), facets, light, shadows)
+                         : grid_blockers_of(chosen_machine(), kept->cells, light);
+  return put_in_front(kept->lights, {light, std::move(blockers), shadows}, most_kept).blockers;
+}
+
+}  // namespace rhoray::render::wide

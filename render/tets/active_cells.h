@@ -1,0 +1,95 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "render/tets/tet_volume.h"
+
+namespace rhoray::render {
+
+namespace active_cells {
+
+/// The leaf cells of a mesh's lattice whose values lie on both sides, from the top of the hierarchy down.
+template <class T, class Act>
+void for_each_leaf(const TetVolume<T>& view, double isovalue, int level, const Index3& cell, Act&& act) {
+  const Interval<double> range = view.range(level, cell);
+  if (!(range.lo < isovalue && isovalue <= range.hi)) return;
+  if (level == 0) {
+    act(cell);
+    return;
+  }
+  const formats::MacroShape& shape = view.description().lattice.macro;
+  const Index3 count = shape.count(level - 1);
+  Index3 end, child;
+  for (int axis = 0; axis < 3; ++axis) end[axis] = std::min((cell[axis] + 1) * shape.factor, count[axis]);
+  for (child.z = cell.z * shape.factor; child.z < end.z; ++child.z)
+    for (child.y = cell.y * shape.factor; child.y < end.y; ++child.y)
+      for (child.x = cell.x * shape.factor; child.x < end.x; ++child.x)
+        for_each_leaf(view, isovalue, level - 1, child, act);
+}
+
+/// The clusters below an entry of the tree whose values lie on both sides, rising.
+template <class T, class Act>
+void for_each_cluster(const TetVolume<T>& view, double isovalue, int level, std::uint64_t block, Act&& act) {
+  const auto& ranges = view.cluster_ranges()[static_cast<std::size_t>(level)][block];
+  for (std::size_t e = 0; e < formats::ClusterShape::width; ++e) {
+    if (!(static_cast<double>(ranges.lo[e]) < isovalue && isovalue <= static_cast<double>(ranges.hi[e]))) continue;
+    const std::uint64_t entry = block * formats::ClusterShape::width + e;
+    if (level == 0)
+      act(entry);
+    else
+      for_each_cluster(view, isovalue, level - 1, entry, act);
+  }
+}
+
+/// Candidates of a mesh with clusters; a word of bits holds one cluster or several.
+template <class T, class Act>
+void for_each_word_of_clusters(const TetVolume<T>& view, double isovalue, Act&& act) {
+  const formats::CellClustersView& clusters = view.clusters();
+  std::uint64_t word = 0, bits = 0;
+  const auto flush = [&] {
+    if (bits != 0) act(static_cast<std::uint32_t>(64 * word), bits);
+    bits = 0;
+  };
+  const int top = clusters.shape.top_level();
+  for (std::uint64_t block = 0; block < clusters.shape.block_count(top); ++block)
+    for_each_cluster(view, isovalue, top, block, [&](std::uint64_t cluster) {
+      const std::uint64_t first = clusters.first_cell(cluster), count = clusters.end_cell(cluster) - first;
+      if (first / 64 != word) flush(), word = first / 64;
+      bits |= (count == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1) << first % 64;
+    });
+  flush();
+}
+
+/// Candidates of a mesh with leaf lists, each once although several leaf cells name it.
+template <class T, class Act>
+void for_each_word_of_lists(const TetVolume<T>& view, double isovalue, Act&& act) {
+  std::vector<std::uint64_t> listed((view.description().cell_count + 63) / 64);
+  const formats::MacroShape& shape = view.description().lattice.macro;
+  const Index3 count = shape.count(shape.level_count);
+  Index3 cell;
+  for (cell.z = 0; cell.z < count.z; ++cell.z)
+    for (cell.y = 0; cell.y < count.y; ++cell.y)
+      for (cell.x = 0; cell.x < count.x; ++cell.x)
+        for_each_leaf(view, isovalue, shape.level_count, cell, [&](const Index3& leaf) {
+          for (const std::uint32_t tet : view.tetrahedra_at(leaf)) listed[tet / 64] |= std::uint64_t{1} << tet % 64;
+        });
+  for (std::size_t word = 0; word < listed.size(); ++word)
+    if (listed[word] != 0) act(static_cast<std::uint32_t>(64 * word), listed[word]);
+}
+
+}  // namespace active_cells
+
+/// Calls act(first, bits) with rising multiples of 64 as `first`: bit i stands for the cell at position first + i.
+/// Cells without a bit, or that no call names, have all their values on one side of the isovalue; of the others that is
+/// not said. Each cell comes up once.
+template <class T, class Act>
+void for_each_candidate(const TetVolume<T>& view, double isovalue, Act&& act) {
+  if (view.has_clusters())
+    active_cells::for_each_word_of_clusters(view, isovalue, act);
+  else
+    active_cells::for_each_word_of_lists(view, isovalue, act);
+}
+
+}  // namespace rhoray::render

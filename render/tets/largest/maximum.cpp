@@ -1,0 +1,144 @@
+#include "render/tets/largest/maximum.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <variant>
+
+#include "render/query/compiled_for.h"
+#include "render/query/kernel_on.h"
+#include "render/tets/is_mesh.h"
+#include "render/tets/largest/parts.h"
+#include "render/tets/reference/largest.h"
+
+namespace rhoray::render::wide {
+
+namespace {
+
+/// As the scalar kernel, which comes to a cell when the ray meets its cluster's box.
+template <class View>
+RHORAY_INLINE void look_at(const void* context, const RayArrays& rays, const TetSuspect* suspects, std::size_t count,
+                           LargestSoFar* found) {
+  const View& view = *static_cast<const View*>(context);
+  const formats::CellClustersView& clusters = view.clusters();
+  KernelCounters unused;
+  for (std::size_t s = 0; s < count; ++s) {
+    const auto [most, tet, r] = suspects[s];
+    if (most < found[r].value) continue;
+    const Ray ray{.origin = {rays.origin[0][r], rays.origin[1][r], rays.origin[2][r]},
+                  .direction = {rays.direction[0][r], rays.direction[1][r], rays.direction[2][r]},
+                  .t_min = rays.t_min[r],
+                  .t_max = rays.t_max[r]};
+    const std::uint64_t cluster = clusters.cluster_of(tet);
+    const BoxRay::Parts parts = BoxRay(ray, clusters.box_unit).meet(clusters.boxes[0][cluster / BoxRay::width]);
+    if (parts.is_met(cluster % BoxRay::width)) ValuesAlong<View>(view, ray, unused, found[r]).look_into(tet);
+  }
+}
+
+template <class T>
+TetMaximumField field_of(const VolumeImplementation& volume, const TetVolume<T>& view, const Question& question,
+                         Machine machine) {
+  const formats::CellClustersView& clusters = view.clusters();
+  TetMaximumField field{
+      .points = view.points().data()->data(),
+      .values = view.values().data(),
+      .is_single = sizeof(T) == sizeof(float),
+      .has_gaps = volume.field.no_data_count > 0,
+      .range = volume.field.range,
+      .table_starts = clusters.table_starts.data(),
+      .tables = clusters.tables.data(),
+      .corners = clusters.corners.data()->data(),
+      .cell_count = clusters.shape.cell_count,
+      .cluster_size = clusters.shape.cluster_size,
+      .box_unit = clusters.box_unit,
+      .top_level = clusters.shape.top_level(),
+      .boxes = {},
+      .ranges = {},
+      .low = {},
+      .high = {},
+      .time_phases = question.time_phases,
+      .look = compiled_for<look_at<TetVolume<T>>>(machine),
+      .cell_id = [](const void* context,
+                    std::uint32_t tet) { return static_cast<const TetVolume<T>*>(context)->cell_id(tet); },
+      .context = &view};
+  for (int level = 0; level <= field.top_level; ++level) {
+    field.boxes[level] = clusters.boxes[static_cast<std::size_t>(level)].data();
+    field.ranges[level] = view.cluster_ranges()[static_cast<std::size_t>(level)].data();
+  }
+  for (int axis = 0; axis < 3; ++axis)
+    field.low[axis] = volume.bounds_volume.min[axis], field.high[axis] = volume.bounds_volume.max[axis];
+  return field;
+}
+
+/// Whether both are of one object, which may be gone. Of objects that have lived at one address it tells which.
+bool is_same_object(const std::weak_ptr<const FacetsCache>& a, const std::shared_ptr<FacetsCache>& b) {
+  return !a.owner_before(b) && !b.owner_before(a);
+}
+
+/// The thread's memory, with no cluster kept of another volume.
+TetMaximumScratch& prepared(std::shared_ptr<TetMaximumScratch>& scratch, const VolumeImplementation& volume) {
+  if (!scratch) scratch = std::make_shared<TetMaximumScratch>();
+  if (!is_same_object(scratch->of_volume, volume.facets)) {
+    for (LocalCluster& cluster : scratch->clusters) cluster.cluster = LocalCluster::none;
+    scratch->of_volume = volume.facets;
+  }
+  return *scratch;
+}
+
+template <Machine machine>
+void largest_values(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
+                    KernelScratch& scratch) {
+  std::visit(
+      [&]<class View>(const View& view) {
+        if constexpr (is_mesh<View>) {
+          const Kernel reference = kernels_for(view, question.method.way).largest_value;
+          if (!question.use_hierarchy) return reference(volume, question, rays, hits, scratch);
+          scratch.counters.rays_wide += rays.count;
+          const TetMaximumField field = field_of(volume, view, question, machine);
+          TetMaximumScratch& memory = prepared(scratch.tet_maximum, volume);
+          const TetLargestValues search = tet_largest_values_on(machine);
+          for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
+            const std::size_t count = std::min(RayGroup::size, rays.count - first);
+            const std::uint64_t left = search(field, from(rays, first), count, memory, scratch.counters);
+            for (std::size_t r = 0; r < count; ++r) {
+              Hit hit = memory.found[r].hit();
+              hit.cost = memory.cost[lane_of(r)];
+              hits.set(first + r, hit);
+            }
+            if (left != 0) ask_again(reference, volume, question, rays, first, left, hits, memory.others, scratch);
+          }
+        }
+      },
+      volume.view);
+}
+
+/// A mesh with clusters of which products of lengths and values stay far from the limits of doubles.
+bool is_fit(const VolumeImplementation& volume) {
+  const bool has_clusters = std::visit(
+      []<class View>(const View& view) {
+        if constexpr (is_mesh<View>)
+          return view.has_clusters();
+        else
+          return false;
+      },
+      volume.view);
+  const Vec3 size = volume.bounds_volume.size();
+  const double longest = std::max({size.x, size.y, size.z});
+  const Interval<double>& range = volume.field.range;
+  return has_clusters && longest >= 1 / largest_magnitude && longest <= largest_magnitude &&
+         (range.is_empty() || (std::abs(range.lo) <= largest_magnitude && std::abs(range.hi) <= largest_magnitude));
+}
+
+bool is_direct(Method::Way way) {
+  return way == Method::Way::direct || way == Method::Way::preview || way == Method::Way::slack ||
+         way == Method::Way::paper;
+}
+
+}  // namespace
+
+Kernel largest_value_in_tets_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
+  if (!is_direct(method.way) || !is_fit(volume)) return nullptr;
+  return kernel_on(machine, []<Machine wide>() -> Kernel { return largest_values<wide>; });
+}
+
+}  // namespace rhoray::render::wide

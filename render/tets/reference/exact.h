@@ -1,0 +1,138 @@
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "render/exact/exact_tets.h"
+#include "render/query/judged.h"
+#include "render/tets/reference/walk.h"
+
+/// A mesh's questions answered by the exact judge, who is shown the tetrahedra listed in the leaf cells along the ray,
+/// or those of the clusters whose boxes it meets. Lists reach a millionth of a leaf cell beyond it, and the lattice a
+/// little beyond the mesh (preprocess/leaf_lists): so the rounding of the walk leaves out none, for rays that start
+/// less than 2^28 leaf cells away. Boxes hold their tetrahedra, and none is missed that the ray touches
+/// (cluster_walk.h).
+///
+/// He sees those whose values reach the isovalue, and joins their parts of the ray: right where the cells are a
+/// partition, which share their faces. Where cells overlap, or points hang in faces, there is no one field; then he may
+/// see a change from one cell to the next that the direct method, which takes the first change inside any one cell,
+/// does not (tests/hard_cases/defective_meshes_test.cpp). `info --stats` tells of such meshes.
+namespace rhoray::render {
+
+namespace {
+
+template <class View, class MayMatter, class Take>
+void take_from_lists(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
+                     MayMatter&& may_matter, Take&& take) {
+  const WalkLattice lattice = view.lattice();
+  const Ray ray_lattice = view.on_lattice(ray);
+  const PlaneTimes planes(ray_lattice);
+  const std::optional<Segment> segment = clip_to_lattice(ray_lattice, planes, lattice.leaf_count);
+  if (!segment) return;
+  auto enters = [&](int level, const CellVisit& visit) {
+    ++counters.macrocells_visited;
+    return may_matter(view.range(level, visit.cell));
+  };
+  auto leaf = [&](const CellVisit& visit) {
+    ++counters.cells_visited;
+    for (const std::uint32_t tet : view.tetrahedra_at(visit.cell)) take(tet);
+    return true;
+  };
+  const int top = question.use_hierarchy ? view.level_count() : 0;
+  walk_hierarchy(ray_lattice, planes, lattice, top, whole_level(lattice, lattice.cell_edge(top)), segment->t_in,
+                 segment->t_out, enters, leaf);
+}
+
+template <class View, class MayMatter, class Take>
+void take_from_clusters(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
+                        MayMatter&& may_matter, Take&& take) {
+  const formats::CellClustersView& clusters = view.clusters();
+  walk_clusters(
+      view, BoxRay(ray, clusters.box_unit), question.use_hierarchy, counters, may_matter, [](double) { return true; },
+      [&](const ClusterVisit& visit) {
+        for (std::uint64_t tet = clusters.first_cell(visit.entry); tet < clusters.end_cell(visit.entry); ++tet)
+          take(static_cast<std::uint32_t>(tet));
+        return true;
+      });
+}
+
+/// The tetrahedra of leaf cells or clusters along the ray, each once, rising.
+/// @param may_matter  (range of values in a region or tetrahedron): false to leave it out
+template <class View, class MayMatter>
+std::vector<std::uint32_t> tets_along(const View& view, const Question& question, const Ray& ray,
+                                      KernelCounters& counters, MayMatter&& may_matter) {
+  std::vector<std::uint32_t> tets;
+  const auto take = [&](std::uint32_t tet) {
+    const TetValues values = view.values_at(view.sorted_vertices(tet));
+    const auto [lo, hi] = std::minmax({values[0], values[1], values[2], values[3]});
+    if (has_data(values) && may_matter(Interval<double>{lo, hi})) tets.push_back(tet);
+  };
+  if (view.has_clusters())
+    take_from_clusters(view, question, ray, counters, may_matter, take);
+  else
+    take_from_lists(view, question, ray, counters, may_matter, take);
+  std::sort(tets.begin(), tets.end());
+  tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
+  counters.cells_solved += tets.size();
+  return tets;
+}
+
+template <class View>
+std::vector<TetForJudge> shown(const View& view, const std::vector<std::uint32_t>& tets) {
+  std::vector<TetForJudge> out(tets.size());
+  for (std::size_t n = 0; n < tets.size(); ++n) {
+    const auto vertices = view.sorted_vertices(tets[n]);
+    const TetPoints points = view.points_at(vertices);
+    for (std::size_t i = 0; i < 4; ++i) out[n].point[i] = Vec3(points[i][0], points[i][1], points[i][2]);
+    out[n].value = view.values_at(vertices);
+    out[n].id = view.cell_id(tets[n]) << 32 | tets[n];  // in the order of is_preferred
+  }
+  return out;
+}
+
+/// The tetrahedron of a verdict about those that were `shown`.
+template <class Verdict>
+std::uint32_t tet_of(const Verdict& verdict) {
+  return static_cast<std::uint32_t>(verdict.cell);
+}
+
+template <class View>
+Hit judged_first_crossing(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
+  const IntersectionTimer timer(question, scratch.counters);
+  ++scratch.counters.rays_judged;
+  const std::vector<TetForJudge> tets =
+      shown(view, tets_along(view, question, ray, scratch.counters, [&](const Interval<double>& range) {
+              return range.lo <= question.isovalue && question.isovalue <= range.hi;
+            }));
+  const double width = judged_width_cells / view.on_lattice(ray).direction.length();
+  const TetRayVerdict verdict = judge_first_crossing(tets, ray, question.isovalue, width);
+  Hit hit;
+  if (!verdict.is_hit) return hit;
+  const Middle t(verdict.t);
+  fill_in(hit, view, question, tet_of(verdict), t.value);
+  hit.error = t.error;
+  if (verdict.touches) ++scratch.counters.touches;
+  return hit;
+}
+
+template <class View>
+Hit judged_largest_value(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
+  const IntersectionTimer timer(question, scratch.counters);
+  ++scratch.counters.rays_judged;
+  const std::vector<TetForJudge> tets =
+      shown(view, tets_along(view, question, ray, scratch.counters,
+                             [](const Interval<double>& range) { return !range.is_empty(); }));
+  const TetMaximumVerdict verdict = judge_largest_value(tets, ray);
+  Hit hit;
+  if (!verdict.has_value) return hit;
+  const Middle value(verdict.value);
+  hit.t = Middle(verdict.t).value;
+  hit.value = value.value;
+  hit.error = value.error;
+  hit.cell = view.cell_id(tet_of(verdict));
+  return hit;
+}
+
+}  // namespace
+
+}  // namespace rhoray::render

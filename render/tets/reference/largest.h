@@ -1,0 +1,150 @@
+#pragma once
+
+#include <algorithm>
+
+#include "render/query/largest_so_far.h"
+#include "render/query/largest_value_search.h"
+#include "render/tets/reference/walk.h"
+
+/// The largest value along a ray through a mesh. On a tetrahedron the field is linear, so its largest value on a ray is
+/// where the ray enters or leaves: direct, preview and paper are the same, in double whatever the precision asked for.
+///
+/// Regions (leaf cells and macrocells, or clusters and the entries above them) are opened in the order of their largest
+/// values, those of one value front to back, until none is left that could hold a larger value, the same at a smaller
+/// t, or at the same t in a cell of a smaller id: so the answer does not depend on which regions there are.
+namespace rhoray::render {
+
+namespace {
+
+/// True where nothing in the region can take the place of what was found.
+inline bool beats(const LargestSoFar& largest, const MaximumQueue::Entry& region) {
+  return region.bound < largest.value || (region.bound == largest.value && region.t_in > largest.t);
+}
+
+/// Offers what the ray reaches in tetrahedra.
+template <class View>
+class ValuesAlong {
+ public:
+  ValuesAlong(const View& view, const Ray& ray, KernelCounters& counters, LargestSoFar& largest)
+      : view_(view), ray_(ray), shear_(ray), counters_(counters), largest_(largest) {}
+
+  RHORAY_INLINE void look_into(std::uint32_t tet) const {
+    const auto vertices = view_.sorted_vertices(tet);
+    const TetValues values = view_.values_at(vertices);
+    if (!has_data(values)) return;
+    ++counters_.cells_solved;
+    const std::optional<SeenTet> seen = see_near(shear_, view_.points_at(vertices), values);
+    if (!seen) return;
+    auto passage = pass_through(*seen, 0);
+    if (passage) passage = clip(*passage, ray_.t_min, ray_.t_max);
+    if (!passage) return;
+    // Rounding must not lift a value over those of the cell: the bounds of regions are made of them.
+    const double most = std::max({values[0], values[1], values[2], values[3]});
+    largest_.offer(std::min(passage->in.value, most), passage->in.t, view_.cell_id(tet));
+    largest_.offer(std::min(passage->out.value, most), passage->out.t, view_.cell_id(tet));
+  }
+
+ private:
+  const View& view_;
+  const Ray& ray_;
+  RayShear shear_;
+  KernelCounters& counters_;
+  LargestSoFar& largest_;
+};
+
+/// Opens regions until the largest value beats all that wait. `open(region)` looks into one, or puts what it consists
+/// of into the queue.
+template <class Open>
+void open_regions(MaximumQueue& queue, const LargestSoFar& largest, Open&& open) {
+  while (!queue.is_empty()) {
+    const MaximumQueue::Entry region = queue.pop();
+    if (beats(largest, region)) return;
+    open(region);
+  }
+}
+
+template <class View, class Look>
+void search_lists(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch,
+                  const LargestSoFar& largest, const Look& look_into) {
+  const WalkLattice lattice = view.lattice();
+  const Ray ray_lattice = view.on_lattice(ray);
+  const PlaneTimes planes(ray_lattice);
+  const std::optional<Segment> segment = clip_to_lattice(ray_lattice, planes, lattice.leaf_count);
+  if (!segment) return;
+  KernelCounters& counters = scratch.counters;
+  const auto put_level = [&](int level, const CellBlock& block, double t_in, double t_out) {
+    walk_level(ray_lattice, planes, lattice, lattice.cell_edge(level), block, t_in, t_out, [&](const CellVisit& visit) {
+      if (visit.has_no_length()) return true;
+      ++(level > 0 ? counters.macrocells_visited : counters.cells_visited);
+      const Interval<double> range = view.range(level, visit.cell);
+      const MaximumQueue::Entry region{
+          .bound = range.hi, .t_in = visit.t_in, .t_out = visit.t_out, .cell = visit.cell, .level = level};
+      if (!range.is_empty() && !beats(largest, region)) scratch.queue.push(region);
+      return true;
+    });
+  };
+  const int top = question.use_hierarchy ? view.level_count() : 0;
+  put_level(top, whole_level(lattice, lattice.cell_edge(top)), segment->t_in, segment->t_out);
+  open_regions(scratch.queue, largest, [&](const MaximumQueue::Entry& region) {
+    if (region.level > 0) {
+      const int below = region.level - 1;
+      return put_level(below, children(lattice, region.cell, lattice.cell_edge(below)), region.t_in, region.t_out);
+    }
+    const IntersectionTimer timer(question, counters);
+    for (const std::uint32_t tet : view.tetrahedra_at(region.cell)) look_into(tet);
+  });
+}
+
+template <class View, class Look>
+void search_clusters(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch,
+                     const LargestSoFar& largest, const Look& look_into) {
+  const formats::CellClustersView& clusters = view.clusters();
+  const BoxRay box_ray(ray, clusters.box_unit);
+  KernelCounters& counters = scratch.counters;
+  const auto put_block = [&](int level, std::uint64_t block) {
+    ++counters.macrocells_visited;
+    const auto& ranges = view.cluster_ranges()[static_cast<std::size_t>(level)][block];
+    const auto has_values = [](const Interval<double>& range) { return !range.is_empty(); };
+    meet_block(view, box_ray, level, block, has_values, [&](const ClusterVisit& visit) {
+      const MaximumQueue::Entry region{.bound = static_cast<double>(ranges.hi[visit.entry % BoxRay::width]),
+                                       .t_in = visit.part.t_in,
+                                       .t_out = visit.part.t_out,
+                                       .cell = {},
+                                       .level = level,
+                                       .id = visit.entry};
+      if (!beats(largest, region)) scratch.queue.push(region);
+    });
+  };
+  const int top = first_level(view, question.use_hierarchy);
+  for (std::uint64_t block = 0; block < clusters.shape.block_count(top); ++block) put_block(top, block);
+  open_regions(scratch.queue, largest, [&](const MaximumQueue::Entry& region) {
+    if (region.level > 0) return put_block(region.level - 1, region.id);
+    ++counters.cells_visited;
+    const IntersectionTimer timer(question, counters);
+    for (std::uint64_t tet = clusters.first_cell(region.id); tet < clusters.end_cell(region.id); ++tet)
+      look_into(static_cast<std::uint32_t>(tet));
+  });
+}
+
+template <class View>
+Hit largest_value_on_ray(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
+  LargestSoFar largest;
+  const ValuesAlong<View> values(view, ray, scratch.counters, largest);
+  const auto look_into = [&](std::uint32_t tet) { values.look_into(tet); };
+  scratch.queue.clear();
+  if (view.has_clusters())
+    search_clusters(view, question, ray, scratch, largest, look_into);
+  else
+    search_lists(view, question, ray, scratch, largest, look_into);
+  return largest.hit();
+}
+
+/// Room in the queue for what one ray puts in; through clusters for most rays, and what it grows to is kept.
+template <class View>
+std::size_t queue_size_for(const View& view) {
+  return view.has_clusters() ? 1024 : largest_queue_size(view.lattice(), view.level_count());
+}
+
+}  // namespace
+
+}  // namespace rhoray::render

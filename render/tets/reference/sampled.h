@@ -1,0 +1,160 @@
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "render/cell/tet_methods.h"
+#include "render/query/sampling.h"
+#include "render/tets/reference/walk.h"
+
+namespace rhoray::render {
+
+namespace {
+
+/// A ray through a mesh (sampling.h): each sample is looked up in the tetrahedra that the leaf cell there lists, or in
+/// those of the clusters whose boxes hold it. Steps are in leaf cells, about the size of a tetrahedron.
+template <class View>
+class TetSampler {
+ public:
+  TetSampler(const View& view, const Ray& ray)
+      : view_(view), ray_(ray), ray_lattice_(view.on_lattice(ray)), planes_(ray_lattice_) {}
+
+  WalkLattice lattice() const { return view_.lattice(); }
+  const PlaneTimes& planes() const { return planes_; }
+  const Ray& ray_lattice() const { return ray_lattice_; }
+  int top_level() const { return view_.level_count(); }
+  double steps_per_t() const { return ray_lattice_.direction.length(); }
+  Interval<double> range(int level, const Index3& cell) const { return view_.range(level, cell); }
+
+  template <class MayHold, class Region>
+  void walk(const SampledWalk& walk, KernelCounters& counters, MayHold&& may_hold, Region&& region) const {
+    if (view_.has_clusters())
+      walk_in_order(walk, counters, may_hold, region);
+    else
+      walk_lattice(*this, walk, counters, may_hold, region);
+  }
+
+  /// Linear in the tetrahedron that holds the point, rounding included; of several in the preferred one.
+  double sample(double t) const {
+    const std::optional<Found> found = find(t);
+    return found ? found->value : std::numeric_limits<double>::quiet_NaN();
+  }
+
+  void complete(Hit& hit) const {
+    const std::optional<Found> found = find(hit.t);
+    if (!found) return;
+    const auto vertices = view_.sorted_vertices(found->tet);
+    hit.cell = view_.cell_id(found->tet);
+    hit.tet = found->tet;
+    hit.gradient = tet_gradient(view_.points_at(vertices), view_.values_at(vertices));
+  }
+
+ private:
+  struct Found {
+    std::uint32_t tet;
+    double value;
+  };
+
+  /// Clusters overlap and are not met in the order of where they begin.
+  template <class MayHold, class Region>
+  void walk_in_order(const SampledWalk& walk, KernelCounters& counters, MayHold& may_hold, Region& region) const {
+    std::vector<ClusterVisit> visits;
+    walk_clusters(
+        view_, BoxRay(ray_, view_.clusters().box_unit), walk.use_hierarchy, counters, may_hold,
+        [](double) { return true; },
+        [&](const ClusterVisit& visit) {
+          visits.push_back(visit);
+          return true;
+        });
+    std::sort(visits.begin(), visits.end(),
+              [](const ClusterVisit& a, const ClusterVisit& b) { return a.part.t_in < b.part.t_in; });
+    for (const ClusterVisit& visit : visits) {
+      const double t_in = std::max(visit.part.t_in, walk.segment.t_in);
+      const double t_out = std::min(visit.part.t_out, walk.segment.t_out);
+      if (t_in <= t_out && !region(t_in, t_out)) return;
+    }
+  }
+
+  std::optional<Found> find(double t) const {
+    const Vec3 p = ray_.at(t);
+    std::optional<Found> found;
+    const auto look_into = [&](std::uint32_t tet) {
+      if (found && !is_preferred(view_, tet, found->tet)) return;
+      if (const auto value = value_in(tet, p)) found = {tet, *value};
+    };
+    if (view_.has_clusters()) {
+      look_around(p, view_.clusters().shape.top_level(), 0, look_into);
+    } else {
+      const Vec3 p_lattice = ray_lattice_.at(t);
+      Index3 leaf;
+      for (int a = 0; a < 3; ++a)
+        leaf[a] = static_cast<std::int64_t>(
+            std::clamp(std::floor(p_lattice[a]), 0.0, static_cast<double>(lattice().leaf_count[a] - 1)));
+      for (const std::uint32_t tet : view_.tetrahedra_at(leaf)) look_into(tet);
+    }
+    return found;
+  }
+
+  /// Looks into the cells of the clusters below a block whose boxes hold the point, or nearly: a point with weights of
+  /// -slack at least may lie up to three slacks of the box beside it.
+  template <class Look>
+  void look_around(const Vec3& p, int level, std::uint64_t block, Look& look_into) const {
+    const formats::CellClustersView& clusters = view_.clusters();
+    const formats::BoxBlock& boxes = clusters.boxes[static_cast<std::size_t>(level)][block];
+    for (std::size_t e = 0; e < BoxRay::width; ++e) {
+      bool holds = true;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double x = p[static_cast<int>(axis)] / clusters.box_unit;
+        const double lo = static_cast<double>(boxes.lo[axis][e]), hi = static_cast<double>(boxes.hi[axis][e]);
+        const double beside = 4 * default_tet_slack * (hi - lo);
+        holds = holds && lo - beside <= x && x <= hi + beside;
+      }
+      if (!holds) continue;
+      const std::uint64_t entry = block * BoxRay::width + e;
+      if (level > 0)
+        look_around(p, level - 1, entry, look_into);
+      else
+        for (std::uint64_t tet = clusters.first_cell(entry); tet < clusters.end_cell(entry); ++tet)
+          look_into(static_cast<std::uint32_t>(tet));
+    }
+  }
+
+  /// Nothing when the tetrahedron does not hold the point or has no data.
+  std::optional<double> value_in(std::uint32_t tet, const Vec3& p) const {
+    const auto vertices = view_.sorted_vertices(tet);
+    const TetValues values = view_.values_at(vertices);
+    const std::array<double, 4> w = barycentric(view_.points_at(vertices), p);
+    // Nothing is above a NaN, which the weights of a flat tetrahedron are.
+    if (!(std::min({w[0], w[1], w[2], w[3]}) >= -default_tet_slack) || !has_data(values)) return std::nullopt;
+    return w[0] * values[0] + w[1] * values[1] + w[2] * values[2] + w[3] * values[3];
+  }
+
+  static std::array<double, 4> barycentric(const TetPoints& points, const Vec3& p) {
+    const auto corner = [&](std::size_t i) { return Vec3(points[i][0], points[i][1], points[i][2]); };
+    const Vec3 a = corner(1) - corner(0), b = corner(2) - corner(0), c = corner(3) - corner(0), q = p - corner(0);
+    const double volume = a.dot(b.cross(c));
+    const double w1 = q.dot(b.cross(c)) / volume, w2 = a.dot(q.cross(c)) / volume, w3 = a.dot(b.cross(q)) / volume;
+    return {1 - w1 - w2 - w3, w1, w2, w3};
+  }
+
+  const View& view_;
+  const Ray& ray_;
+  Ray ray_lattice_;
+  PlaneTimes planes_;
+};
+
+template <class View>
+Hit sampled_crossing_of_ray(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
+  TetSampler sampler(view, ray);
+  return sampled_crossing(sampler, question, scratch.counters);
+}
+
+template <class View>
+Hit sampled_maximum_on_ray(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
+  TetSampler sampler(view, ray);
+  return sampled_maximum(sampler, question, scratch.counters);
+}
+
+}  // namespace
+
+}  // namespace rhoray::render

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "formats/base/vector.h"
+#include "render/query/last_isovalues.h"
+#include "render/tets/tet_volume.h"
+#include "render/traverse/surface_boxes.h"
+#include "render/triangles/facet_neighbours.h"
+#include "render/triangles/surface_volume.h"
+
+namespace rhoray::render {
+
+/// Sixteen facets, side by side. A quadrilateral's corners stand in order round it; a triangle repeats its last one.
+/// Beyond the last facet of all stands the last one again.
+struct alignas(64) FacetBlock {
+  static constexpr std::uint32_t size = 16;
+  float corner[4][3][size];
+};
+
+using FacetNode = BoxNode;
+
+/// The linear field of a facet's cell: value + gradient . (p - anchor), the isovalue subtracted; p in the mesh's frame.
+/// Of a surface's triangle: zero in its plane, rising on the side on which its corners turn counter-clockwise.
+struct FacetField {
+  double gradient[3];
+  double value;
+  std::uint32_t cell;  ///< id
+  std::uint32_t tet;   ///< position in the mesh, or of a surface's triangle
+  float cell_size;     ///< the longest edge, mesh units
+  float doubt;         ///< what rounding of the gradient puts the field off by inside the cell, at most; infinite where
+                       ///< the cell is flat, or nearly, and the gradient says nothing
+};
+
+/// An isosurface of a mesh, or a surface's triangles, made ready for rays. Of an isosurface: in a cell the field is
+/// linear, and the surface a triangle or a quadrilateral whose corners lie on the cell's edges.
+///
+/// A corner's position is computed from the edge's two points in rising order of their positions, and rounded to single
+/// precision last: all cells round an edge have the same bits, so that facets share their corners and edges as cells
+/// share their edges and faces. Where a point's value is the isovalue corners are at the point, and facets may shrink
+/// to edges or points.
+///
+/// Corners stand in the facets' own frame: (p - anchor) * scale, at most 1 from its middle along each axis. Single
+/// precision moves them by at most 2^-25 there.
+///
+/// Above the facets, in the order of a Morton curve through their middles, stands a tree of 16 children for each node:
+/// child c of node n of a level is node 16 n + c of the level below; level 0 is above blocks. The last level has one
+/// node.
+class Facets {
+ public:
+  /// @param bounds   of all points of the mesh, its frame
+  /// @param threads  0 = all cores; the result is the same for any number
+  template <class T>
+  Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads);
+
+  /// The triangles of a surface. A point has the same bits in all triangles that share it.
+  Facets(const SurfaceVolume& view, const Box3& bounds, unsigned threads);
+
+  std::uint32_t count() const { return count_; }
+  const FacetBlock* blocks() const { return blocks_.get(); }
+  const FacetField* fields() const { return fields_.get(); }  ///< one for each facet
+  int level_count() const { return static_cast<int>(levels_.size()); }
+  const FacetNode* level(int l) const { return levels_[static_cast<std::size_t>(l)].data(); }
+  const BoxLevels& levels() const { return levels_; }
+
+  const Vec3& anchor() const { return anchor_; }
+  double scale() const { return scale_; }                   ///< a power of two
+  const std::array<float, 3>& low() const { return low_; }  ///< of all corners
+  const std::array<float, 3>& high() const { return high_; }
+
+  /// Found when they are first asked for. Any thread may ask.
+  const FacetNeighbours& neighbours() const;
+
+  std::size_t size_bytes() const;  ///< without neighbours
+
+ private:
+  std::size_t block_count() const { return (std::size_t{count_} + FacetBlock::size - 1) / FacetBlock::size; }
+  void set_frame(const Box3& bounds);
+  Vec3 in_frame(const std::array<double, 3>& p) const;
+  void build_levels();
+
+  std::uint32_t count_ = 0;
+  std::unique_ptr<FacetBlock[]> blocks_;
+  std::unique_ptr<FacetField[]> fields_;
+  BoxLevels levels_;
+  Vec3 anchor_;
+  double scale_ = 1;
+  std::array<float, 3> low_{}, high_{};
+  mutable std::once_flag neighbours_once_;
+  mutable std::unique_ptr<const FacetNeighbours> neighbours_;
+};
+
+/// The facets of one mesh for the last isovalues asked about, or of one surface. Any thread may ask.
+class FacetsCache {
+ public:
+  template <class T>
+  std::shared_ptr<const Facets> of(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads) {
+    return last_.of(isovalue, [&] { return std::make_shared<const Facets>(view, bounds, isovalue, threads); });
+  }
+  /// Whatever the isovalue: a surface has none.
+  std::shared_ptr<const Facets> of(const SurfaceVolume& view, const Box3& bounds, double, unsigned threads) {
+    return last_.of(0, [&] { return std::make_shared<const Facets>(view, bounds, threads); });
+  }
+
+ private:
+  LastIsovalues<Facets> last_;
+};
+
+}  // namespace rhoray::render

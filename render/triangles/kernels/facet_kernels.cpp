@@ -1,0 +1,362 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+#include "render/cell/tet_methods.h"
+#include "render/dataset/volume.h"
+#include "render/query/ask_whether_any.h"
+#include "render/query/kernel_on.h"
+#include "render/shadow/occluders.h"
+#include "render/tets/is_mesh.h"
+#include "render/tets/reference/walk.h"
+#include "render/triangles/facet_levels.h"
+#include "render/triangles/kernels/all_hits_parts.h"
+#include "render/triangles/kernels/facet_kernels.h"
+#include "render/triangles/kernels/facet_parts.h"
+
+namespace rhoray::render::wide {
+
+namespace {
+
+template <class View>
+inline constexpr bool has_facets = is_mesh<View> || std::is_same_v<View, SurfaceVolume>;
+
+/// @param levels  above some of the facets
+FacetSurface surface_of(const Facets& facets, const BoxLevels& levels, const Question& question, bool is_of_triangles) {
+  const FloatBox box = box_of(levels);
+  FacetSurface surface{.blocks = facets.blocks(),
+                       .fields = facets.fields(),
+                       .levels = {},
+                       .level_count = static_cast<int>(levels.size()),
+                       .facet_count = facets.count(),
+                       .anchor = {facets.anchor().x, facets.anchor().y, facets.anchor().z},
+                       .scale = facets.scale(),
+                       .low = {},
+                       .high = {},
+                       .isovalue = is_of_triangles ? std::numeric_limits<double>::quiet_NaN() : question.isovalue,
+                       .is_of_triangles = is_of_triangles,
+                       .time_phases = question.time_phases};
+  for (std::size_t l = 0; l < levels.size(); ++l) surface.levels[l] = levels[l].data();
+  std::copy(box.low.begin(), box.low.end(), surface.low);
+  std::copy(box.high.begin(), box.high.end(), surface.high);
+  return surface;
+}
+
+FacetSurface surface_of(const FacetBlockers& blockers, const Question& question) {
+  FacetSurface surface = surface_of(blockers.facets(), blockers.levels(), question, false);
+  surface.blocks = blockers.blocks(), surface.sources = blockers.sources(), surface.sure = blockers.sure();
+  surface.facet_count = blockers.count();
+  return surface;
+}
+
+/// Calls act(surface, first, count, chunk) for the rays of a batch, a chunk at a time that begins at `first`, with what
+/// of the surface they are to be asked about.
+/// @param farthest, most_expected  as PrepareRays takes them
+template <class Act>
+void for_each_chunk(Machine machine, const FacetSurface& whole, const RayBatch& rays, double farthest,
+                    float most_expected, FacetScratch& memory, KernelCounters& counters, const Act& act) {
+  constexpr std::size_t at_once = FacetScratch::chunk_capacity * RayGroup::size;
+  const PrepareRays prepare = prepare_rays_on(machine);
+  for (std::size_t begin = 0; begin < rays.count; begin += at_once) {
+    const std::size_t end = std::min(begin + at_once, rays.count);
+    const FacetSurface& surface =
+        prepare(whole, from(rays, begin), end - begin, farthest, most_expected, memory, counters);
+    FacetChunk* chunk = memory.chunks;
+    for (std::size_t first = begin; first < end; first += RayGroup::size)
+      act(surface, first, std::min(RayGroup::size, end - first), *chunk++);
+  }
+}
+
+bool is_answerable(const Question& question) {
+  return question.use_hierarchy && std::abs(question.isovalue) <= largest_magnitude;
+}
+
+/// Completes a certified answer by what double precision says of the cells of facets in doubt, cell by cell as
+/// certified_crossing of tet_certified.h.
+/// @return  false when that leaves a doubt
+template <class View>
+bool settle(const View& view, const Question& question, const Ray& ray, std::span<const FacetDoubt> doubts,
+            std::uint32_t index, const Facets& facets, Hit& hit) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const TetRay<double> tet_ray(ray);
+  std::optional<std::uint32_t> hit_tet;
+  double earliest = hit.is_miss() ? hit.t : hit.t - hit.error, error = hit.is_miss() ? 0 : hit.error;
+  double t = hit.t, doubtful_from = infinity;
+  for (const FacetDoubt& doubt : doubts) {
+    if (doubt.ray != index) continue;
+    const std::uint32_t tet = facets.fields()[doubt.facet].tet;
+    const auto vertices = view.sorted_vertices(tet);
+    const TetPoints points = view.points_at(vertices);
+    const CertifiedTetCrossing found =
+        certify_tet_crossing<double>(tet_ray, points, view.values_at(vertices), question.isovalue);
+    if (found.decision == Decision::unknown) {
+      for (const auto& point : points) doubtful_from = std::min(doubtful_from, tet_ray.shear.see(point).t);
+    } else if (found.decision == Decision::crosses) {
+      earliest = std::min(earliest, found.t - found.t_error);
+      if (found.t > t || (found.t == t && hit_tet && !is_preferred(view, tet, *hit_tet))) continue;
+      t = found.t, error = found.t_error, hit_tet = tet;
+    }
+  }
+  const double t_rounding = 0x1p-50 * std::abs(doubtful_from);
+  if (doubtful_from < infinity && !(t + error < doubtful_from - t_rounding)) return false;
+  if (t == infinity) return true;
+  if (hit_tet) fill_in(hit, view, question, *hit_tet, t);
+  hit.error = std::max(error, t - earliest);
+  return true;
+}
+
+/// @param chosen  rays of the chunk that begins at `first`
+/// @return        those that remain in doubt
+template <class View>
+std::uint64_t settle_doubts(const View& view, const Question& question, const RayBatch& rays, std::size_t first,
+                            std::uint64_t chosen, const FacetScratch& memory, HitBatch& hits,
+                            KernelCounters& counters) {
+  std::uint64_t left = 0;
+  const std::span<const FacetDoubt> doubts(memory.doubts, memory.doubt_count);
+  for (; chosen != 0; chosen &= chosen - 1) {
+    const auto index = static_cast<std::uint32_t>(std::countr_zero(chosen));
+    Hit hit = hits[first + index];
+    if (settle(view, question, rays[first + index], doubts, index, *memory.facets, hit)) {
+      hits.set(first + index, hit);
+      ++counters.rays_redone;
+    } else {
+      left |= std::uint64_t{1} << index;
+    }
+  }
+  return left;
+}
+
+template <Machine machine, bool certified>
+void first_facets(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
+                  KernelScratch& scratch) {
+  std::visit(
+      [&]<class View>(const View& view) {
+        if constexpr (has_facets<View>) {
+          const Kernel reference = kernels_for(view, question.method.way).first_crossing;
+          if (!is_answerable(question)) {
+            reference(volume, question, rays, hits, scratch);
+            return;
+          }
+          scratch.counters.rays_wide += rays.count;
+          if (!scratch.facets) scratch.facets = std::make_shared<FacetScratch>();
+          FacetScratch& memory = *scratch.facets;
+          memory.facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, 1);
+          const FacetSurface whole = surface_of(*memory.facets, memory.facets->levels(), question, !is_mesh<View>);
+          const FirstFacets answer = first_facets_on(machine, certified);
+          const HitArrays answers = arrays_of(hits);
+          const auto answer_chunk = [&](const FacetSurface& surface, std::size_t first, std::size_t count,
+                                        FacetChunk& chunk) {
+            const HitArrays written = from(answers, first);
+            Answered left = answer(surface, from(rays, first), count, chunk, written, memory, scratch.counters);
+            write_other_misses(written, count, left.hit);
+            Kernel other = reference;
+            if constexpr (certified && is_mesh<View>) {
+              if (left.part != 0)
+                left.whole |= settle_doubts(view, question, rays, first, left.part, memory, hits, scratch.counters);
+              other = redoing_kernel_for(view);
+            }
+            if (left.whole != 0)
+              ask_again(other, volume, question, rays, first, left.whole, hits, memory.others, scratch);
+          };
+          for_each_chunk(machine, whole, rays, certified ? certified_reach : reach, FacetPart::most_expected, memory,
+                         scratch.counters, answer_chunk);
+        }
+      },
+      volume.view);
+}
+
+template <Machine machine>
+void any_facets(const VolumeImplementation& volume, const Question& question, const Blockers* blockers,
+                const RayBatch& rays, std::uint64_t* crossed, KernelScratch& scratch) {
+  std::visit(
+      [&]<class View>(const View& view) {
+        if constexpr (has_facets<View>) {
+          const Kernel reference = kernels_for(view, question.method.way).first_crossing;
+          scratch.counters.rays_wide += rays.count;
+          if (!scratch.facets) scratch.facets = std::make_shared<FacetScratch>();
+          FacetScratch& memory = *scratch.facets;
+          if (!is_answerable(question)) {
+            for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
+              const std::size_t count = std::min(RayGroup::size, rays.count - first);
+              const std::uint64_t all = count < RayGroup::size ? (std::uint64_t{1} << count) - 1 : ~std::uint64_t{0};
+              crossed[first / RayGroup::size] =
+                  ask_whether_any(reference, volume, question, rays, first, all, memory.others, scratch);
+            }
+            return;
+          }
+          FacetSurface whole;
+          if (blockers == nullptr) {
+            memory.facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, 1);
+            whole = surface_of(*memory.facets, memory.facets->levels(), question, !is_mesh<View>);
+          } else {
+            whole = surface_of(*blockers->facets, question);
+          }
+          const AnyFacets answer = any_facets_on(machine);
+          for_each_chunk(machine, whole, rays, reach, FacetPart::most_expected_of_any, memory, scratch.counters,
+                         [&](const FacetSurface& surface, std::size_t first, std::size_t count, FacetChunk& chunk) {
+                           MetFacets met = answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
+                           if (met.unanswered != 0)
+                             met.crossed |= ask_whether_any(reference, volume, question, rays, first, met.unanswered,
+                                                            memory.others, scratch);
+                           crossed[first / RayGroup::size] = met.crossed;
+                         });
+        }
+      },
+      volume.view);
+}
+
+/// How many crossings of a ray may be shown, a few for edges that are met twice included.
+std::size_t room_for(float passing, float least_light) {
+  std::size_t shown = 1;
+  for (float light = passing; shown < CrossingList::most && !(light < least_light); light *= passing) ++shown;
+  return shown + (FacetLists::capacity - CrossingList::most);
+}
+
+template <Machine machine>
+void cross_facets(const VolumeImplementation& volume, const CrossingsQuestion& question, const RayBatch& rays,
+                  std::span<CrossingList* const> lists, std::uint8_t* complete, CrossingsMemory& memory,
+                  KernelCounters& counters) {
+  if (!memory.facets) memory.facets = std::make_shared<FacetShellScratch>();
+  counters.rays_wide += rays.count;
+  std::fill_n(complete, rays.count, std::uint8_t{1});
+  std::visit(
+      [&]<class View>(const View& view) {
+        if constexpr (is_mesh<View>)
+          for (std::size_t s = 0; s < lists.size(); ++s) {
+            const CrossedSurface& asked = question.surfaces[s];
+            const auto facets = volume.facets->of(view, volume.bounds_volume, asked.isovalue, 1);
+            const FacetSurface whole = surface_of(
+                *facets, facets->levels(), {.isovalue = asked.isovalue, .time_phases = question.time_phases}, false);
+            FacetLists& found = memory.facets->lists;
+            found.room = room_for(asked.passing, question.least_light);
+            found.passing = asked.passing, found.least_light = question.least_light;
+            CrossingArrays written{.hits = {}, .count = lists[s]->count.data()};
+            for (std::size_t k = 0; k < CrossingList::most; ++k) written.hits[k] = arrays_of(lists[s]->hits(k));
+            found.written = &written, found.complete = complete;
+            write_misses(written.hits[0], rays.count);
+            std::fill_n(written.count, rays.count, std::uint8_t{0});
+            const CrossFacets answer = cross_facets_on(machine);
+            const auto answer_chunk = [&](const FacetSurface& surface, std::size_t first, std::size_t count,
+                                          FacetChunk& chunk) {
+              found.first = first;
+              std::uint64_t left =
+                  answer(surface, from(rays, first), count, chunk, found, memory.facets->facets, counters);
+              for (; left != 0; left &= left - 1)
+                complete[first + static_cast<std::size_t>(std::countr_zero(left))] = 0;
+            };
+            for_each_chunk(machine, whole, rays, reach, FacetPart::most_expected, memory.facets->facets, counters,
+                           answer_chunk);
+          }
+      },
+      volume.view);
+}
+
+/// A mesh or surface of which products of lengths and values stay far from the limits of doubles.
+bool is_fit(const VolumeImplementation& volume) {
+  const bool is_known = std::visit([]<class View>(const View&) { return has_facets<View>; }, volume.view);
+  const bool has_values = !std::holds_alternative<SurfaceVolume>(volume.view);
+  const Vec3 size = volume.bounds_volume.size();
+  const double longest = std::max({size.x, size.y, size.z});
+  return is_known && longest >= 1 / largest_magnitude && longest <= largest_magnitude &&
+         (!has_values || (std::abs(volume.field.range.lo) <= largest_magnitude &&
+                          std::abs(volume.field.range.hi) <= largest_magnitude));
+}
+
+}  // namespace
+
+std::optional<SurfaceBoxes> prepare_facets(const VolumeImplementation& volume, const Question& question,
+                                           unsigned threads) {
+  if (!is_answerable(question)) return std::nullopt;
+  return std::visit(
+      [&]<class View>(const View& view) -> std::optional<SurfaceBoxes> {
+        if constexpr (has_facets<View>) {
+          const auto facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, threads);
+          SurfaceBoxes boxes = boxes_of(facets, facets->levels());
+          boxes.anchor = facets->anchor();
+          boxes.unit = 1 / facets->scale();
+          boxes.margin = facet_margin;
+          return boxes;
+        }
+        return std::nullopt;
+      },
+      volume.view);
+}
+
+Kernel first_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
+  if (!has_wide_crossings(method) || !is_fit(volume)) return nullptr;
+  const bool is_surface = std::holds_alternative<SurfaceVolume>(volume.view);
+  if (is_surface && method.way == Method::Way::certified) return nullptr;
+  return kernel_on(machine, [&]<Machine wide>() -> Kernel {
+    return method.way == Method::Way::certified ? first_facets<wide, true> : first_facets<wide, false>;
+  });
+}
+
+AnyCrossing any_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
+  if (method.way == Method::Way::certified || first_facet_kernel(volume, method, machine) == nullptr) return nullptr;
+  switch (machine) {
+    case Machine::baseline:
+      return any_facets<Machine::baseline>;
+    case Machine::avx2:
+      return any_facets<Machine::avx2>;
+    case Machine::avx512:
+      return any_facets<Machine::avx512>;
+    case Machine::scalar:
+      break;
+  }
+  return nullptr;
+}
+
+std::shared_ptr<const Facets> facets_with_blockers(const VolumeImplementation& volume, const Question& question,
+                                                   unsigned threads) {
+  if (!is_answerable(question) || !is_fit(volume)) return nullptr;
+  return std::visit(
+      [&]<class View>(const View& view) -> std::shared_ptr<const Facets> {
+        if constexpr (is_mesh<View>) return volume.facets->of(view, volume.bounds_volume, question.isovalue, threads);
+        return nullptr;
+      },
+      volume.view);
+}
+
+std::shared_ptr<const LightBlockers> facet_blockers_of(Machine machine, std::shared_ptr<const Facets> facets,
+                                                       const LightPlace& light, Shadows shadows) {
+  return std::make_shared<const LightBlockers>([machine, facets = std::move(facets), light, shadows](StartSide side) {
+    Blockers blockers;
+    blockers.facets = std::make_shared<const FacetBlockers>(machine, facets, light, side);
+    if (light.is_one_direction()) blockers.heights = blockers.facets->heights(machine, light, shadows);
+    return blockers;
+  });
+}
+
+std::shared_ptr<const LightBlockers> with_shadows(Machine machine, std::shared_ptr<const LightBlockers> before,
+                                                  const LightPlace& light) {
+  return std::make_shared<const LightBlockers>([machine, before = std::move(before), light](StartSide side) {
+    Blockers blockers = before->of(side);
+    if (light.is_one_direction()) blockers.heights = blockers.facets->heights(machine, light, Shadows::known);
+    return blockers;
+  });
+}
+
+CrossingsKernel facet_crossings_kernel(const VolumeImplementation& volume, const Question& question, Machine machine) {
+  const bool is_of_mesh = std::visit([]<class View>(const View&) { return is_mesh<View>; }, volume.view);
+  if (!is_of_mesh || question.method.way != Method::Way::direct || !is_answerable(question) ||
+      first_facet_kernel(volume, question.method, machine) == nullptr)
+    return nullptr;
+  switch (machine) {
+    case Machine::scalar:
+      break;
+    case Machine::baseline:
+      return cross_facets<Machine::baseline>;
+    case Machine::avx2:
+      return cross_facets<Machine::avx2>;
+    case Machine::avx512:
+      return cross_facets<Machine::avx512>;
+  }
+  return nullptr;
+}
+
+}  // namespace rhoray::render::wide

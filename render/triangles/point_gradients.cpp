@@ -1,0 +1,94 @@
+#include "render/triangles/point_gradients.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "formats/base/parallel.h"
+#include "formats/base/vector.h"
+#include "render/cell/triangle_crossing.h"
+
+namespace rhoray::render {
+
+namespace {
+
+/// Six volumes of a cell, and as many times its gradient.
+struct WeightedGradient {
+  Vec3 gradient;
+  double weight;
+};
+
+WeightedGradient weighted_gradient(const std::array<std::array<double, 3>, 4>& points,
+                                   const std::array<double, 4>& values) {
+  const auto edge = [&](std::size_t to) {
+    return Vec3(points[to][0] - points[0][0], points[to][1] - points[0][1], points[to][2] - points[0][2]);
+  };
+  const Vec3 a = edge(1), b = edge(2), c = edge(3), bc = b.cross(c);
+  const double six_volumes = a.dot(bc);
+  const Vec3 gradient =
+      (values[1] - values[0]) * bc + (values[2] - values[0]) * c.cross(a) + (values[3] - values[0]) * a.cross(b);
+  return six_volumes < 0 ? WeightedGradient{-gradient, -six_volumes} : WeightedGradient{gradient, six_volumes};
+}
+
+double angle_at(const TrianglePoints& points, std::size_t corner) {
+  const auto edge = [&](std::size_t to) {
+    const auto &a = points[corner], &b = points[(corner + to) % 3];
+    return Vec3(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+  };
+  const Vec3 a = edge(1), b = edge(2);
+  return std::atan2(a.cross(b).length(), a.dot(b));
+}
+
+}  // namespace
+
+// Every thread goes through all cells, in their order, and adds up those of its own points: sums are the same for any
+// number of threads, and no list of the cells around a point is needed.
+template <class T>
+PointGradients::PointGradients(const TetVolume<T>& view, unsigned threads)
+    : gradients_(view.description().point_count, std::array<double, 3>{}) {
+  constexpr std::uint64_t fewest_points = 1 << 14;
+  const std::uint64_t cell_count = view.description().cell_count;
+  for_each_range(gradients_.size(), fewest_points, threads, [&](std::uint64_t first, std::uint64_t end) {
+    std::vector<double> weights(end - first);
+    for (std::uint64_t cell = 0; cell < cell_count; ++cell) {
+      const auto vertices = view.vertices(static_cast<std::uint32_t>(cell));
+      const auto is_own = [&](std::uint32_t point) { return point >= first && point < end; };
+      if (std::none_of(vertices.begin(), vertices.end(), is_own)) continue;
+      const auto values = view.values_at(vertices);
+      if (!has_data(values)) continue;
+      const auto [gradient, weight] = weighted_gradient(view.points_at(vertices), values);
+      for (const std::uint32_t point : vertices) {
+        if (!is_own(point)) continue;
+        for (int axis = 0; axis < 3; ++axis) gradients_[point][static_cast<std::size_t>(axis)] += gradient[axis];
+        weights[point - first] += weight;
+      }
+    }
+    for (std::uint64_t point = first; point < end; ++point)
+      for (double& component : gradients_[point])
+        component = weights[point - first] > 0 ? component / weights[point - first] : 0;
+  });
+}
+
+PointGradients::PointGradients(const SurfaceVolume& view, unsigned threads)
+    : gradients_(view.mesh().description().point_count, std::array<double, 3>{}) {
+  constexpr std::uint64_t fewest_points = 1 << 14;
+  for_each_range(gradients_.size(), fewest_points, threads, [&](std::uint64_t first, std::uint64_t end) {
+    for (std::uint32_t triangle = 0; triangle < view.triangle_count(); ++triangle) {
+      const auto vertices = view.vertices(triangle);
+      const auto is_own = [&](std::uint32_t point) { return point >= first && point < end; };
+      if (std::none_of(vertices.begin(), vertices.end(), is_own)) continue;
+      const TrianglePoints points = view.points_at(vertices);
+      const Vec3 normal = triangle_normal(points).normalized();
+      for (std::size_t corner = 0; corner < 3; ++corner) {
+        if (!is_own(vertices[corner])) continue;
+        const Vec3 weighted = angle_at(points, corner) * normal;
+        for (int axis = 0; axis < 3; ++axis)
+          gradients_[vertices[corner]][static_cast<std::size_t>(axis)] += weighted[axis];
+      }
+    }
+  });
+}
+
+template PointGradients::PointGradients(const TetVolume<float>&, unsigned);
+template PointGradients::PointGradients(const TetVolume<double>&, unsigned);
+
+}  // namespace rhoray::render

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "formats/surface_mesh.h"
+#include "render/traverse/ray.h"
+
+namespace rhoray::render {
+
+/// A packed surface as rays cross it: its triangles, in world axes. There is no field.
+class SurfaceVolume {
+ public:
+  explicit SurfaceVolume(const formats::SurfaceMesh& mesh) : mesh_(mesh) {}
+
+  const formats::SurfaceMesh& mesh() const { return mesh_; }
+  std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(mesh_.description().triangle_count); }
+
+  /// Point positions of a triangle.
+  RHORAY_INLINE std::array<std::uint32_t, 3> vertices(std::uint32_t triangle) const {
+    return mesh_.triangles()[triangle];
+  }
+  RHORAY_INLINE std::array<std::array<double, 3>, 3> points_at(const std::array<std::uint32_t, 3>& v) const {
+    return {mesh_.point(v[0]), mesh_.point(v[1]), mesh_.point(v[2])};
+  }
+  std::uint64_t cell_id(std::uint32_t triangle) const { return mesh_.triangle_id(triangle); }
+
+ private:
+  formats::SurfaceMesh mesh_;
+};
+
+}  // namespace rhoray::render

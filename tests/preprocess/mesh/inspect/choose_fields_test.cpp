@@ -1,0 +1,200 @@
+#include "preprocess/mesh/inspect/choose_fields.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "formats/base/trouble.h"
+#include "tests/support/meshes.h"
+
+namespace rhoray::preprocess {
+namespace {
+
+using ::testing::DoubleNear;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// Two cells on the face 0, 1, 2: apex 3 at height 1, apex 4 at height -3 (three times the volume); point 5 is unused.
+NeutralMesh two_cells() {
+  NeutralMesh mesh;
+  mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -3}, {7, 7, 7}};
+  mesh.cells = {{0, 1, 2, 3}, {0, 2, 1, 4}};
+  return mesh;
+}
+
+NeutralField field_of(std::string name, int components, Array<double> values, bool single = false) {
+  NeutralField field;
+  field.name = std::move(name);
+  field.unit = "mV";
+  field.component_count = components;
+  field.was_single_precision = single;
+  field.values = std::move(values);
+  return field;
+}
+
+NeutralMesh mesh_with_fields() {
+  NeutralMesh mesh = two_cells();
+  mesh.point_fields.push_back(field_of("voltage", 1, {0, 1, 2, 3, 4, 5}, true));
+  mesh.point_fields.push_back(field_of("Momentum", 3, {1, 0, 0, 0, 2, 0, 0, 0, 3, 3, 4, 0, -6, 0, 8, 9, 9, 9}));
+  mesh.point_fields.push_back(field_of("stress.max", 1, {6, 5, 4, 3, 2, 1}));
+  mesh.cell_fields.push_back(field_of("tissue", 1, {10, 20}, true));
+  return mesh;
+}
+
+std::vector<PointField> chosen(const NeutralMesh& mesh, const std::vector<std::string>& wanted,
+                               bool cells_to_points = false) {
+  std::vector<std::string> notes;
+  return choose_fields(mesh, clean_mesh(mesh, "mesh"), wanted, cells_to_points, "torso.vtu", notes);
+}
+
+std::vector<double> values_of(const PointField& field) {
+  return std::visit([](const auto& values) { return std::vector<double>(values.begin(), values.end()); }, field.values);
+}
+
+std::vector<std::string> names_of(const std::vector<PointField>& fields) {
+  std::vector<std::string> names;
+  for (const PointField& field : fields) names.push_back(field.name);
+  return names;
+}
+
+Error refusal(const NeutralMesh& mesh, const std::vector<std::string>& wanted, bool cells_to_points = false) {
+  try {
+    chosen(mesh, wanted, cells_to_points);
+  } catch (const Error& error) {
+    return error;
+  }
+  return Error(Trouble::internal, "accepted");
+}
+
+TEST(ChooseFields, takes_scalars_and_magnitudes_of_vectors_by_default) {
+  const auto fields = chosen(mesh_with_fields(), {});
+  EXPECT_THAT(names_of(fields), ElementsAre("voltage", "Momentum.mag", "stress.max"));
+  EXPECT_THAT(values_of(fields[0]), ElementsAre(0, 1, 2, 3, 4));
+  EXPECT_THAT(values_of(fields[1]), ElementsAre(1, 2, 3, 5, 10));
+  EXPECT_EQ(fields[0].unit, "mV");
+  EXPECT_THAT(names_of(chosen(mesh_with_fields(), {}, true)),
+              ElementsAre("voltage", "Momentum.mag", "stress.max", "tissue"));
+}
+
+TEST(ChooseFields, takes_components_by_letter_or_number_in_the_order_asked) {
+  const auto fields = chosen(mesh_with_fields(), {"Momentum.z", "stress.max", "Momentum.0"});
+  EXPECT_THAT(names_of(fields), ElementsAre("Momentum.z", "stress.max", "Momentum.x"));
+  EXPECT_THAT(values_of(fields[0]), ElementsAre(0, 0, 3, 0, 8));
+  EXPECT_THAT(values_of(fields[2]), ElementsAre(1, 0, 0, 3, -6));
+}
+
+TEST(ChooseFields, counts_components_of_tensors_from_zero) {
+  NeutralMesh mesh = two_cells();
+  Array<double> values;
+  for (int i = 0; i < 6 * 9; ++i) values.push_back(i);
+  mesh.point_fields.push_back(field_of("stress", 9, values));
+  EXPECT_THAT(values_of(chosen(mesh, {"stress.8"}).at(0)), ElementsAre(8, 17, 26, 35, 44));
+  EXPECT_THAT(refusal(mesh, {"stress.9"}).what(), HasSubstr("no field \"stress.9\""));
+  EXPECT_THAT(refusal(mesh, {"stress.x"}).what(), HasSubstr("no field \"stress.x\""));
+}
+
+TEST(ChooseFields, refuses_an_unknown_name_with_the_nearest_and_all_others) {
+  const Error error = refusal(mesh_with_fields(), {"Voltge"});
+  EXPECT_EQ(error.trouble(), Trouble::usage);
+  EXPECT_STREQ(
+      error.what(),
+      "torso.vtu: no field \"Voltge\"; expected one of: voltage, Momentum.x, Momentum.y, Momentum.z, Momentum.mag, "
+      "stress.max");
+  EXPECT_EQ(error.hint(), "did you mean voltage?");
+  EXPECT_THAT(refusal(mesh_with_fields(), {"temperature"}).hint(), IsEmpty());
+}
+
+TEST(ChooseFields, refuses_a_vector_without_component_a_cell_field_unasked_and_a_name_given_twice) {
+  EXPECT_THAT(refusal(mesh_with_fields(), {"Momentum"}).hint(), HasSubstr("Momentum.mag"));
+  EXPECT_THAT(refusal(mesh_with_fields(), {"tissue"}).what(), HasSubstr("found a value for each cell"));
+  EXPECT_THAT(refusal(mesh_with_fields(), {"voltage", "voltage"}).what(), HasSubstr("named twice"));
+  EXPECT_THAT(refusal(mesh_with_fields(), {"Momentum.x", "Momentum.0"}).what(), HasSubstr("named twice"));
+}
+
+TEST(ChooseFields, refuses_a_mesh_without_fields_and_fields_of_the_wrong_size) {
+  EXPECT_EQ(refusal(two_cells(), {}).trouble(), Trouble::invalid);
+  NeutralMesh mesh = two_cells();
+  mesh.cell_fields.push_back(field_of("tissue", 1, {10, 20}));
+  EXPECT_THAT(refusal(mesh, {}).hint(), HasSubstr("averaged"));
+  mesh.point_fields.push_back(field_of("voltage", 1, {0, 1, 2}));
+  EXPECT_THAT(refusal(mesh, {}).what(),
+              HasSubstr("field \"voltage\": found 3 values of 1 components; expected those of 6 points"));
+}
+
+TEST(ChooseFields, weighs_cells_by_their_volumes_when_it_averages_to_points) {
+  const auto fields = chosen(mesh_with_fields(), {"tissue"}, true);
+  EXPECT_THAT(values_of(fields[0]), ElementsAre(17.5, 17.5, 17.5, 10, 20));  // volumes 1 : 3
+}
+
+TEST(ChooseFields, averages_only_cells_with_data_and_leaves_points_without_any_as_nan) {
+  NeutralMesh mesh = two_cells();
+  mesh.cell_fields.push_back(field_of("tissue", 1, {nan, 20}));
+  const auto values = values_of(chosen(mesh, {"tissue"}, true).at(0));
+  EXPECT_EQ(values[0], 20);
+  EXPECT_TRUE(std::isnan(values[3]));
+  EXPECT_EQ(values[4], 20);
+}
+
+TEST(ChooseFields, averages_plainly_where_all_cells_around_a_point_are_flat) {
+  NeutralMesh mesh = two_cells();
+  mesh.points.push_back({0.25, 0.25, 0});  // 6, in the plane of the face 0, 1, 2
+  mesh.points.push_back({2, 2, 0});        // 7
+  mesh.cells.push_back({0, 1, 2, 6});
+  mesh.cells.push_back({1, 2, 6, 7});
+  mesh.cell_fields.push_back(field_of("tissue", 1, {10, 20, 100, 300}));
+  const auto values = values_of(chosen(mesh, {"tissue"}, true).at(0));
+  EXPECT_THAT(values, ElementsAre(17.5, 17.5, 17.5, 10, 20, 200, 300));
+}
+
+TEST(ChooseFields, averages_a_constant_to_the_same_constant) {
+  NeutralMesh mesh = tests::box_mesh({.jitter = 0.15});
+  mesh.cell_fields.push_back(field_of("c", 1, Array<double>(mesh.cells.size(), 0.1)));
+  for (const double value : values_of(chosen(mesh, {"c"}, true).at(0))) EXPECT_EQ(value, 0.1);
+}
+
+TEST(ChooseFields, stores_single_precision_only_where_no_source_value_changes) {
+  const auto is_single = [](const PointField& field) { return std::holds_alternative<Array<float>>(field.values); };
+  NeutralMesh mesh = two_cells();
+  mesh.point_fields.push_back(field_of("exact", 1, {0.5, 1, 2, 3, nan, 5}, true));
+  mesh.point_fields.push_back(field_of("claims", 1, {0.1, 1, 2, 3, 4, 5}, true));  // 0.1 is no float
+  mesh.point_fields.push_back(field_of("double", 1, {0.5, 1, 2, 3, 4, 5}, false));
+  mesh.point_fields.push_back(field_of("vector", 2, {1, 1, 1, 2, 1, 3, 1, 4, 1, 5, 0, 0}, true));
+  mesh.point_fields.push_back(field_of("large", 2, Array<double>(12, 3e38), true));
+  const auto fields = chosen(mesh, {});
+  EXPECT_TRUE(is_single(fields[0]));
+  EXPECT_FALSE(is_single(fields[1]));
+  EXPECT_FALSE(is_single(fields[2]));
+  EXPECT_TRUE(is_single(fields[3]));
+  EXPECT_FALSE(is_single(fields[4])) << "its length 4.24e38 is beyond single precision";
+  EXPECT_EQ(values_of(fields[3])[0], static_cast<double>(std::sqrt(2.0f)));
+}
+
+TEST(ChooseFields, takes_lengths_that_square_beyond_the_range_of_double) {
+  NeutralMesh mesh = two_cells();
+  mesh.point_fields.push_back(field_of("v", 2, {3e200, 4e200, 3e-200, 4e-200, 0, 0, nan, 1, 1, 1, 0, 0}));
+  const auto values = values_of(chosen(mesh, {}).at(0));
+  EXPECT_THAT(values[0], DoubleNear(5e200, 1e185));
+  EXPECT_THAT(values[1], DoubleNear(5e-200, 1e-215));
+  EXPECT_EQ(values[2], 0);
+  EXPECT_TRUE(std::isnan(values[3]));
+}
+
+TEST(ChooseFields, leaves_out_a_second_field_of_one_name_with_a_note) {
+  NeutralMesh mesh = mesh_with_fields();
+  mesh.cell_fields.push_back(field_of("voltage", 1, {1, 2}));
+  std::vector<std::string> notes;
+  const auto fields = choose_fields(mesh, clean_mesh(mesh, "mesh"), {"voltage"}, true, "torso.vtu", notes);
+  EXPECT_THAT(values_of(fields.at(0)), ElementsAre(0, 1, 2, 3, 4));
+  EXPECT_THAT(notes, ElementsAre("field \"voltage\" of cells has the name of an earlier one: left out"));
+}
+
+}  // namespace
+}  // namespace rhoray::preprocess

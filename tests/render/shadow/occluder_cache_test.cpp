@@ -1,0 +1,103 @@
+#include "render/shadow/occluder_cache.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/agreement/pictures.h"
+
+namespace rhoray::tests {
+namespace {
+
+using render::StartSide;
+using render::wide::BlockersMemory;
+using render::wide::LightPlace;
+
+double waves(const Vec3& p) {
+  return std::sin(7 * p.x + 1) + std::sin(9 * p.y) * std::cos(6 * p.z);
+}
+
+render::Volume grid_in(const TemporaryFolder& folder) {
+  const Index3 samples(20, 20, 20);
+  return packed(folder, "grid.rho", sampled_volume<float>(samples, lattice_over({Vec3(-1), Vec3(1)}, samples), waves));
+}
+render::Volume mesh_in(const TemporaryFolder& folder) {
+  preprocess::NeutralMesh mesh = box_mesh({.cells = {8, 8, 8}, .box = {{-1, -1, -1}, {1, 1, 1}}});
+  add_point_field(mesh, "value", waves);
+  return packed(folder, "mesh.rho", mesh);
+}
+
+TEST(BlockersMemory, finds_those_of_an_isovalue_and_a_light_once) {
+  const TemporaryFolder folder;
+  for (const render::Volume& volume : {grid_in(folder), mesh_in(folder)}) {
+    BlockersMemory memory;
+    const auto of = [&](double isovalue, const LightPlace& light) {
+      return memory.of(volume.implementation(),
+                       {.isovalue = isovalue, .method = render::method_of(render::Accuracy::single)}, light, 1);
+    };
+    const LightPlace light{.at = {0, 0, 1}};
+    const auto first = of(0.2, light), other_isovalue = of(0.3, light), other_light = of(0.2, {.at = {0, 1, 1}});
+    ASSERT_TRUE(first && other_isovalue && other_light);
+    EXPECT_NE(other_isovalue, first);
+    EXPECT_NE(other_light, first);
+    const auto second = of(0.2, light);
+    EXPECT_EQ(second == first, !volume.is_mesh()) << "in meshes shadows are added by the second frame";
+    EXPECT_EQ(of(0.2, light), second);
+    EXPECT_EQ(second->of(StartSide::outside).facets, first->of(StartSide::outside).facets);
+    // The oldest of five lights is forgotten, and found again.
+    for (int l = 0; l < 4; ++l) of(0.2, {.at = {1, 0, 0.25 * l}});
+    EXPECT_NE(of(0.2, light), second);
+  }
+}
+
+// What an isovalue that is seen for one frame would pay for in vain is found when a surface is asked about again: for
+// all lights that come then, at once.
+TEST(BlockersMemory, knows_shadows_from_the_second_time_on_that_a_surface_is_asked_about) {
+  const TemporaryFolder folder;
+  preprocess::NeutralMesh mesh = box_mesh({.cells = {24, 24, 24}, .box = {{-1, -1, -1}, {1, 1, 1}}});
+  add_point_field(mesh, "value", [](const Vec3& p) { return 0.7 - p.length(); });
+  const render::Volume volume = packed(folder, "mesh.rho", mesh);
+  BlockersMemory memory;
+  const auto knows_shadows = [&](double isovalue, const LightPlace& light) {
+    const auto of_light =
+        memory.of(volume.implementation(),
+                  {.isovalue = isovalue, .method = render::method_of(render::Accuracy::single)}, light, 1);
+    render::RayBatch rays(64);
+    for (std::size_t r = 0; r < 64; ++r) rays.set(r, {.origin = {0, 0, -0.9}, .direction = light.at});
+    const auto known = of_light->of(StartSide::outside).heights->know(render::Machine::baseline, rays, 0, 1);
+    EXPECT_EQ(known.asked + known.in_shadow, 1U) << "the ball stands between";
+    return known.in_shadow == 1;
+  };
+  const LightPlace light{.at = {0, 0, 1}}, moved{.at = {0.1, 0, 1}}, and_again{.at = {0.2, 0, 1}};
+  EXPECT_FALSE(knows_shadows(0.01, light));
+  EXPECT_TRUE(knows_shadows(0.01, moved));
+  EXPECT_TRUE(knows_shadows(0.01, and_again));
+  EXPECT_TRUE(knows_shadows(0.01, light));
+  EXPECT_FALSE(knows_shadows(0.02, light));
+}
+
+// Where light stands at a place, or has a size, facets are known by it; cells are not.
+TEST(BlockersMemory, keeps_facets_for_lights_of_all_kinds) {
+  const TemporaryFolder folder;
+  const render::Volume grid = grid_in(folder), mesh = mesh_in(folder);
+  BlockersMemory memory;
+  const auto of = [&](const render::Volume& volume, const LightPlace& light) {
+    return memory.of(volume.implementation(), {.isovalue = 0.2, .method = render::method_of(render::Accuracy::single)},
+                     light, 1);
+  };
+  const LightPlace lights[] = {{.is_place = true, .at = {0, 0, 3}},
+                               {.is_place = false, .at = {0, 0, 3}},
+                               {.is_place = false, .at = {0, 0, 3}, .reach = 0.1}};
+  std::shared_ptr<const render::wide::LightBlockers> before;
+  for (const LightPlace& light : lights) {
+    const auto of_mesh = of(mesh, light);
+    ASSERT_TRUE(of_mesh);
+    EXPECT_NE(of_mesh, before);
+    EXPECT_EQ(of_mesh->of(StartSide::inside).heights.has_value(), light.is_one_direction());
+    EXPECT_EQ(of(grid, light) != nullptr, light.is_one_direction());
+    before = of_mesh;
+  }
+}
+
+}  // namespace
+}  // namespace rhoray::tests

@@ -1,0 +1,205 @@
+#include "tools/analysis/choice.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "formats/base/trouble.h"
+#include "render/render.h"
+#include "tools/analysis/truth.h"
+#include "tools/rhoray/measure.h"
+#include "tools/rhoray/method_words.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+constexpr double small_pixels = 20'000;
+constexpr double judge_seconds = 3;
+constexpr int times = 3;
+
+struct CandidateRow {
+  const char* word;
+  bool is_level;
+  bool of_surfaces, of_projections;
+};
+constexpr CandidateRow candidate_rows[] = {{"preview", true, true, false},
+                                           {"float", true, true, false},
+                                           {"double", true, true, true},
+                                           {"certified", true, true, true},
+                                           {"exact", true, true, true},
+                                           {"sampled:1+linear", false, true, true},
+                                           {"sampled:0.5+linear", false, true, true},
+                                           {"sampled:0.25+linear", false, true, true}};
+
+PictureSize small_size(const ScenePlan& plan) {
+  const double pixels = static_cast<double>(plan.frame.width) * plan.frame.height;
+  const double shrink = std::max(1.0, std::sqrt(pixels / small_pixels));
+  const auto side = [&](int whole) { return std::max(1, static_cast<int>(std::lround(whole / shrink))); };
+  return {side(plan.frame.width), side(plan.frame.height)};
+}
+
+/// One layer of a plan, alone.
+struct Alone {
+  const render::Volume& volume;
+  render::Scene scene;
+  PictureSize size;
+  unsigned threads;
+
+  render::Layer& layer() { return scene.layers[0]; }
+  bool is_projection() const { return scene.layers[0].mode == render::Mode::mip; }
+  /// What an error is counted in.
+  double unit() const {
+    const Interval<double> range = volume.field().range;
+    return is_projection() && range.hi > range.lo ? range.hi - range.lo : 1;
+  }
+};
+
+double traced_ms(Alone& alone) {
+  render::Framebuffer picture;
+  render::FrameMemory memory;
+  const render::FrameOptions frame{.width = alone.size.width, .height = alone.size.height, .threads = alone.threads};
+  std::vector<double> ms;
+  for (int time = 0; time <= times; ++time) {
+    const Stopwatch watch;
+    const render::FrameStatistics statistics = render::render(alone.volume, alone.scene, frame, picture, memory);
+    const double taken = 1e3 * (watch.seconds() - statistics.preparation_s);
+    if (time > 0 || taken > 500) ms.push_back(taken);  // the first fills caches; a slow one is timed once
+    if (taken > 500) break;
+  }
+  return spread_of(ms).median;
+}
+
+/// True of what proves its answers to be closer than that.
+bool is_proven(const render::Method& method, double max_error, bool is_projection, bool is_mesh) {
+  if (method.way == render::Method::Way::judged) return max_error >= 1e-9;
+  return method.way == render::Method::Way::certified && !is_projection && !is_mesh && max_error >= 1e-3;
+}
+
+Candidate tried(Alone& alone, const render::Method& method, const Truth& truth, const FieldTruth& field,
+                const Goal& goal, std::stop_token stop) {
+  alone.layer().method = method;
+  Candidate candidate{.method = method, .word = option_of(method, alone.layer().mode, alone.volume.is_mesh()).word};
+  const bool is_exact = method.way == render::Method::Way::judged;
+  const std::vector<render::Hit> hits = is_exact ? truth.hits
+                                                 : answers({.volume = alone.volume,
+                                                            .mode = alone.layer().mode,
+                                                            .isovalue = alone.layer().isovalue,
+                                                            .method = method,
+                                                            .clip = clip_of(alone.scene, alone.layer()),
+                                                            .threads = alone.threads,
+                                                            .stop = stop},
+                                                           truth.rays);
+  const ErrorCounts errors = count_errors(errors_against(truth, field, alone.layer(), hits));
+  candidate.error = errors.kept_by(0.99) / alone.unit();
+  candidate.foreseen_ms = traced_ms(alone);
+  if (goal.max_error) {
+    const std::uint64_t seen = errors.true_hits + errors.false_hits;
+    const std::uint64_t beyond = errors.beyond(*goal.max_error * alone.unit());
+    candidate.keeps_error = is_proven(method, *goal.max_error, alone.is_projection(), alone.volume.is_mesh()) ||
+                            share_of(beyond, seen, false).high <= 0.01;
+  }
+  return candidate;
+}
+
+std::string error_text(const Alone& alone, double error) {
+  const std::string number = std::isfinite(error) ? rounded(error, 2) : std::string("no limit");
+  return concat(number, alone.is_projection() ? " of the field's range" : " cells");
+}
+
+Choice chosen_of(const std::vector<Candidate>& candidates, const Goal& goal, const Alone& alone) {
+  const auto in_time = [&](const Candidate& c) { return !goal.budget_ms || c.foreseen_ms <= *goal.budget_ms; };
+  const auto cheaper = [](const Candidate& a, const Candidate& b) { return a.foreseen_ms < b.foreseen_ms; };
+  const auto better = [](const Candidate& a, const Candidate& b) {
+    return a.error != b.error ? a.error < b.error : a.foreseen_ms < b.foreseen_ms;
+  };
+  std::vector<Candidate> left;
+  for (const Candidate& c : candidates)
+    if (c.keeps_error && (goal.max_error || in_time(c))) left.push_back(c);
+  Choice choice;
+  choice.candidates = candidates;
+  std::string why;
+  if (left.empty()) {
+    choice.meets_goal = false;
+    const bool is_error = goal.max_error.has_value();
+    choice.chosen = is_error ? *std::min_element(candidates.begin(), candidates.end(), better)
+                             : *std::min_element(candidates.begin(), candidates.end(), cheaper);
+    why =
+        is_error ? "no method is known to keep the error: the most exact one" : "no method keeps the time: the fastest";
+  } else if (goal.max_error) {
+    choice.chosen = *std::min_element(left.begin(), left.end(), cheaper);
+    choice.meets_goal = in_time(choice.chosen);
+    why = choice.meets_goal ? "the cheapest that keeps the error in 99 % of the pixels"
+                            : "the cheapest that keeps the error in 99 % of the pixels, beyond the time";
+  } else {
+    choice.chosen = *std::min_element(left.begin(), left.end(), better);
+    why = "the most exact that keeps the time";
+  }
+  choice.sentence =
+      concat("method ", choice.chosen.word, ": ", why, "; foreseen ", rounded(choice.chosen.foreseen_ms, 2),
+             " ms a picture, 99 % within ", error_text(alone, choice.chosen.error), " (tried ", candidates.size(),
+             " methods on ", alone.size.width, " x ", alone.size.height, " pixels)");
+  return choice;
+}
+
+}  // namespace
+
+std::vector<Option> goal_options(Goal& goal) {
+  return {value_option("--max-error", "E",
+                       "Choose the cheapest method whose error is at most this in 99 % of the pixels, tried on a small "
+                       "picture: cells along the ray; of a projection a share of the field's range",
+                       goal.max_error),
+          value_option("--budget-ms", "B",
+                       "Choose the most exact method that traces the picture in so many milliseconds on this machine; "
+                       "with --max-error the error is kept first",
+                       goal.budget_ms)};
+}
+
+void check(const Goal& goal) {
+  for (const auto& [name, number] : {std::pair{"--max-error", goal.max_error}, {"--budget-ms", goal.budget_ms}})
+    if (number && !(*number > 0))
+      throw Error(Trouble::usage, concat(name, ": found ", *number, "; expected a number above 0"));
+}
+
+Choice choose_method(const ScenePlan& plan, std::size_t index, const Goal& goal, unsigned threads,
+                     std::stop_token stop) {
+  const render::Layer& layer = plan.scene.layers[index];
+  Alone alone{.volume = plan.volumes[layer.volume], .scene = plan.scene, .size = small_size(plan), .threads = threads};
+  alone.scene.layers = {layer};
+  alone.layer().volume = 0;
+  const FieldTruth field(alone.volume);
+  const Truth truth = find_truth({.volume = alone.volume,
+                                  .scene = alone.scene,
+                                  .field = field,
+                                  .size = alone.size,
+                                  .seconds = judge_seconds,
+                                  .threads = threads,
+                                  .stop = stop});
+  const double growth = static_cast<double>(plan.frame.width) * plan.frame.height /
+                        (static_cast<double>(alone.size.width) * alone.size.height);
+  std::vector<Candidate> candidates;
+  for (const CandidateRow& row : candidate_rows) {
+    if (!(alone.is_projection() ? row.of_projections : row.of_surfaces)) continue;
+    const render::Method method = row.is_level ? render::method_of(accuracy_named(row.word))
+                                               : method_named(row.word, layer.mode, alone.volume.is_mesh());
+    candidates.push_back(tried(alone, method, truth, field, goal, stop));
+    candidates.back().foreseen_ms *= growth;
+  }
+  return chosen_of(candidates, goal, alone);
+}
+
+std::vector<Choice> choose_methods(ScenePlan& plan, const Goal& goal, unsigned threads) {
+  std::vector<std::size_t> layers;
+  for (std::size_t layer = 0; layer < plan.scene.layers.size(); ++layer)
+    if (const render::Mode mode = plan.scene.layers[layer].mode;
+        mode == render::Mode::isosurface || mode == render::Mode::mip)
+      layers.push_back(layer);
+  Goal of_layer = goal;
+  if (goal.budget_ms)
+    of_layer.budget_ms = *goal.budget_ms / static_cast<double>(std::max<std::size_t>(1, layers.size()));
+  std::vector<Choice> choices;
+  for (const std::size_t layer : layers) choices.push_back(choose_method(plan, layer, of_layer, threads));
+  for (std::size_t i = 0; i < layers.size(); ++i) plan.scene.layers[layers[i]].method = choices[i].chosen.method;
+  return choices;
+}
+
+}  // namespace rhoray::tools

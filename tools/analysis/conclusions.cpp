@@ -1,0 +1,170 @@
+#include <algorithm>
+#include <cmath>
+
+#include "formats/base/text.h"
+#include "tools/analysis/results.h"
+#include "tools/rhoray/measure.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+using Rows = std::vector<ResultRow>;
+
+std::string ms_text(double ms) {
+  return concat(short_number(ms, 3), " ms");
+}
+
+std::string times_text(double ratio) {
+  return ratio >= 1 ? concat(short_number(ratio, 2), " times") : concat("1/", short_number(1 / ratio, 2));
+}
+
+/// As users name it: `float`, `sampled:0.5+linear`, "8 bits (float)".
+std::string called(const ResultRow& row) {
+  const Measured& measured = *row.measured;
+  if (measured.variant.name == measured.method) return concat("`", measured.method, "`");
+  return concat(measured.variant.name, " (`", measured.method, "`)");
+}
+
+const ResultRow* named(const Rows& rows, const std::string& group, const std::string& name) {
+  for (const ResultRow& row : rows)
+    if (row.measured->variant.group == group && row.measured->variant.name == name) return &row;
+  return nullptr;
+}
+
+/// The cheapest row on the data as they are whose 99 % keep a limit.
+const ResultRow* cheapest_within(const Rows& rows, double limit) {
+  const ResultRow* best = nullptr;
+  for (const ResultRow& row : rows)
+    if (row.kept && *row.kept <= limit && row.measured->variant.data.kind == DataForm::Kind::original &&
+        (best == nullptr || row.cpu_ms < best->cpu_ms))
+      best = &row;
+  return best;
+}
+
+std::string wrong_text(const ResultRow& row) {
+  const ErrorCounts& errors = *row.measured->errors;
+  if (row.measured->judges_all) {
+    if (errors.missed == 0 && errors.false_hits == 0)
+      return concat("of ", grouped(errors.rays), " pixels it misses none and invents none");
+    return concat("of ", grouped(errors.rays), " pixels it misses ", grouped(errors.missed), " and invents ",
+                  grouped(errors.false_hits));
+  }
+  const auto ppm = [&](std::uint64_t count) {
+    const Share share = share_of(count, errors.rays, false);
+    return concat(short_number(1e6 * share.found, 3), " (95 %: ", short_number(1e6 * share.low, 2), " to ",
+                  short_number(1e6 * share.high, 2), ")");
+  };
+  return concat("of a million pixels it misses ", ppm(errors.missed), " and invents ", ppm(errors.false_hits));
+}
+
+/// Which method is enough for which error.
+void say_fastest(const LayerStudy& layer, const Rows& rows, std::vector<std::string>& out) {
+  const bool is_projection = layer.scene().layers[0].mode == render::Mode::mip;
+  const Interval<double> range = layer.volume().field().range;
+  const double unit = is_projection ? range.hi - range.lo : 1;
+  const auto say = [&](double limit, const ResultRow& best) {
+    out.push_back(concat("The fastest method that is within ", rounded(limit),
+                         is_projection ? " of the field's range" : " cells", " in 99 % of the pixels is ", called(best),
+                         ": ", ms_text(best.cpu_ms), " of CPU a picture; ", wrong_text(best), "."));
+  };
+  // Of limits that one method is the answer to, the tightest says it all.
+  constexpr double limits[] = {0.1, 0.01, 0.001, 1e-6};
+  for (std::size_t i = 0; i < std::size(limits); ++i) {
+    const ResultRow* best = cheapest_within(rows, limits[i] * unit);
+    if (best == nullptr) break;
+    const bool is_last = i + 1 == std::size(limits) || cheapest_within(rows, limits[i + 1] * unit) != best;
+    if (is_last) say(limits[i], *best);
+  }
+}
+
+void say_proof(const LayerStudy& layer, const Rows& rows, std::vector<std::string>& out) {
+  const ResultRow *proven = named(rows, group_levels, "certified"), *exact = named(rows, group_levels, "exact");
+  const ResultRow* quick = named(rows, group_levels, "float");
+  if (quick == nullptr) quick = named(rows, group_levels, "double");
+  if (proven == nullptr || quick == nullptr) return;
+  std::string sentence =
+      concat("A proof of every hit and miss (`certified`) takes ", times_text(proven->cpu_ms / quick->cpu_ms),
+             " the time of `", quick->measured->method, "`");
+  if (exact != nullptr)
+    sentence += concat(", exact arithmetic for every ray (`exact`) ", times_text(exact->cpu_ms / quick->cpu_ms));
+  out.push_back(sentence + ".");
+  if (layer.scene().layers[0].mode != render::Mode::mip)
+    out.push_back(concat("`", quick->measured->method, "`: ", wrong_text(*quick), "; depths lie within ",
+                         short_number(quick->measured->errors->error.value_or(Quantiles{}).p99, 2),
+                         " cells in 99 of 100 pixels that both see."));
+}
+
+void say_sampled(const LayerStudy& layer, const Rows& rows, std::vector<std::string>& out) {
+  const ResultRow* own = named(rows, group_levels, "float");
+  if (own == nullptr) own = named(rows, group_levels, "double");
+  for (const char* group : {group_linear, group_samples}) {
+    const ResultRow* half = named(rows, group, "sampled:0.5+linear");
+    if (half == nullptr || own == nullptr) continue;
+    // A time that is that of some rays, taken for all, is not held against that of pictures.
+    const std::string time =
+        half->measured->wall_ms.empty()
+            ? std::string("were too slow for a picture in the time given")
+            : concat("take ", times_text(half->cpu_ms / own->cpu_ms), " the time of `", own->measured->method, "`");
+    const std::string within =
+        std::isfinite(half->kept.value_or(0))
+            ? concat("99 % of the pixels are within ", short_number(half->kept.value_or(0), 2), " ", error_unit(layer))
+            : std::string("more than 1 % of the pixels are missed or false");
+    out.push_back(concat("Samples every half cell, as many renderers take them (`", half->measured->method, "`), ",
+                         time, "; ", within, ", of `", own->measured->method, "` within ",
+                         short_number(own->kept.value_or(0), 2), "; ", wrong_text(*half), "."));
+  }
+}
+
+/// A sentence for each kind of copy.
+void say_copies(const LayerStudy& layer, const Rows& rows, std::vector<std::string>& out) {
+  for (const char* group : {group_bits, group_grids, group_vdb}) {
+    std::string list;
+    for (const ResultRow& row : rows) {
+      const Measured& measured = *row.measured;
+      if (measured.variant.group != group || !row.kept) continue;
+      const std::string within = std::isfinite(*row.kept) ? concat("99 % of the pixels within ",
+                                                                   short_number(*row.kept, 2), " ", error_unit(layer))
+                                                          : concat("more than 1 % of the pixels missed or false");
+      list += concat(list.empty() ? "" : "; ", called(row), ": ", within, ", ", ms_text(row.cpu_ms), " of CPU, ",
+                     bytes_text(measured.memory_bytes), " of memory");
+    }
+    if (!list.empty()) out.push_back(concat("Drawn from copies, ", group, ". ", list, "."));
+  }
+}
+
+/// The slope of error against step, over the steps where it is above rounding.
+void say_order(const Rows& rows, std::vector<std::string>& out) {
+  for (const char* group : {group_linear, group_bisect, group_samples}) {
+    double sx = 0, sy = 0, sxx = 0, sxy = 0, n = 0;
+    for (const ResultRow& row : rows) {
+      const Measured& measured = *row.measured;
+      if (measured.variant.group != group || !measured.errors || !measured.errors->error) continue;
+      const double error = measured.errors->error->median, step = measured.variant.method->step;
+      if (!(error > 1e-9) || step > 1) continue;
+      const double x = std::log2(step), y = std::log2(error);
+      sx += x, sy += y, sxx += x * x, sxy += x * y, n += 1;
+    }
+    if (n < 4) continue;
+    const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx);
+    out.push_back(concat("Of the group `", group, "`: half the step makes the median error ",
+                         short_number(std::exp2(slope), 2), " times smaller (order ", short_number(slope, 2),
+                         ", fitted over steps of at most one cell)."));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> conclusions_of(const LayerStudy& layer) {
+  std::vector<std::string> out;
+  if (layer.result() == nullptr) return out;
+  const Rows rows = rows_of(*layer.result());
+  say_fastest(layer, rows, out);
+  say_proof(layer, rows, out);
+  say_sampled(layer, rows, out);
+  say_order(rows, out);
+  say_copies(layer, rows, out);
+  return out;
+}
+
+}  // namespace rhoray::tools

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <stop_token>
+#include <string>
+
+#include "formats/base/trouble.h"
+#include "preprocess/neutral.h"
+#include "preprocess/progress.h"
+#include "render/load.h"
+#include "tools/analysis/border.h"
+#include "tools/analysis/variant.h"
+
+namespace rhoray::tools {
+
+/// A form of the data, ready to be drawn: own value = scale * (value - offset).
+struct FormedData {
+  render::Volume volume;
+  double scale = 1, offset = 0;
+  double preprocess_s = 0;
+  std::uint64_t file_bytes = 0;
+  std::shared_ptr<const ResampledBorder> border{};  ///< of a mesh that was resampled, else null
+
+  double own(double value) const { return scale * (value - offset); }
+  double original(double own_value) const { return own_value / scale + offset; }
+};
+
+struct FormOptions {
+  std::filesystem::path folder;          ///< for the copies
+  std::uint64_t memory_limit_bytes = 0;  ///< 0 = half of the machine's memory
+  double seconds = 0;                    ///< a copy that would take longer is not made
+  preprocess::Progress progress{};
+};
+
+/// The forms of one volume: made when they are first asked for, and kept.
+class DataForms {
+ public:
+  explicit DataForms(render::Volume volume) : volume_(std::move(volume)) {}
+
+  /// Refuses with an Error that says why a form does not apply or does not fit (Trouble::unsupported or resource); an
+  /// interrupt is what progress throws.
+  const FormedData& get(const DataForm& form, const FormOptions& options);
+
+ private:
+  FormedData make(const DataForm& form, const FormOptions& options);
+  FormedData quantize_grid(int bits, const FormOptions& options) const;
+  FormedData quantize_mesh(int bits, const FormOptions& options);
+  const preprocess::NeutralMesh& mesh();
+  FormedData resample(const DataForm& form, const FormOptions& options);
+  double foreseen_s(const DataForm& form) const;
+
+  render::Volume volume_;
+  std::unique_ptr<preprocess::NeutralMesh> mesh_;  ///< the volume, where it is one and copies were asked for
+  std::map<std::string, FormedData> made_;
+  std::map<std::string, Error> refused_;
+  DataForm last_;      ///< the last one sampled on a grid,
+  double last_s_ = 0;  ///< and how long that took
+};
+
+}  // namespace rhoray::tools

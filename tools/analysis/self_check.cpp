@@ -1,0 +1,266 @@
+#include "tools/analysis/self_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "formats/base/floating_point.h"
+#include "formats/base/trouble.h"
+#include "tools/analysis/truth.h"
+#include "tools/rhoray/measure.h"
+#include "tools/rhoray/method_words.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+using render::Hit;
+
+bool is_projection(const ScenePlan& plan) {
+  return plan.scene.layers[0].mode == render::Mode::mip;
+}
+
+bool is_proven(const ScenePlan& plan) {
+  return std::all_of(plan.scene.layers.begin(), plan.scene.layers.end(),
+                     [](const render::Layer& layer) { return render::proves(layer.method); });
+}
+
+/// What a level promises of a picture.
+struct Promise {
+  std::string said;        ///< empty: nothing
+  double wrong_share = 1;  ///< missed and false pixels, and one more
+  double kept = HUGE_VAL;  ///< error of 99 % of the pixels, in the unit of errors
+};
+
+Promise promise_of(const render::Layer& layer, const render::Volume& volume) {
+  using Way = render::Method::Way;
+  const Interval<double> range = volume.field().range;
+  const double unit = layer.mode == render::Mode::mip ? 1e-6 * (range.hi - range.lo) : 1;
+  if (render::proves(layer.method)) return {"no pixel missed or false, every error within its bound", 0, HUGE_VAL};
+  if (layer.method.way != Way::direct) return {};
+  if (layer.mode == render::Mode::mip)
+    return {"no pixel missed or false, 99 % of the values within a millionth of the field's range", 0, unit};
+  if (layer.method.precision == render::Method::Precision::twofold)
+    return {"at most 1 of 1000 pixels (and one more) missed or false, 99 % within 1e-6 cells", 1e-3, 1e-6};
+  return {"at most 1 of 100 pixels (and one more) missed or false, 99 % within 1e-3 cells", 1e-2, 1e-3};
+}
+
+/// The loosest of all layers.
+Promise promise_of(const ScenePlan& plan) {
+  Promise loosest{.said = "", .wrong_share = -1, .kept = 0};
+  for (const render::Layer& layer : plan.scene.layers) {
+    const Promise promise = promise_of(layer, plan.volumes[layer.volume]);
+    if (promise.said.empty()) return promise;
+    if (promise.wrong_share > loosest.wrong_share) loosest = promise;
+  }
+  return loosest;
+}
+
+std::vector<std::uint32_t> some_of(std::vector<std::uint32_t> pixels, std::uint64_t count, std::mt19937_64& random) {
+  const std::size_t taken = std::min<std::size_t>(pixels.size(), count);
+  for (std::size_t i = 0; i < taken; ++i) std::swap(pixels[i], pixels[i + random() % (pixels.size() - i)]);
+  pixels.resize(taken);
+  std::sort(pixels.begin(), pixels.end());
+  return pixels;
+}
+
+std::vector<std::uint32_t> all_pixels(const render::Framebuffer& picture) {
+  std::vector<std::uint32_t> pixels(picture.pixel_count());
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint32_t>(i);
+  return pixels;
+}
+
+/// Pixels beside which the picture ends, or lies farther away or nearer by a hundredth of the way.
+std::vector<std::uint32_t> edge_pixels(const render::Framebuffer& picture) {
+  std::vector<std::uint32_t> edges;
+  const auto width = static_cast<std::size_t>(picture.width);
+  const auto differ = [&](std::size_t a, std::size_t b) {
+    const float p = picture.depth[a], q = picture.depth[b];
+    if (std::isinf(p) || std::isinf(q)) return std::isinf(p) != std::isinf(q);
+    return std::abs(p - q) > 0.01F * std::min(p, q);
+  };
+  for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel) {
+    const bool has_right = pixel % width + 1 < width, has_below = pixel + width < picture.pixel_count();
+    const bool has_left = pixel % width > 0, has_above = pixel >= width;
+    if ((has_right && differ(pixel, pixel + 1)) || (has_below && differ(pixel, pixel + width)) ||
+        (has_left && differ(pixel, pixel - 1)) || (has_above && differ(pixel, pixel - width)))
+      edges.push_back(static_cast<std::uint32_t>(pixel));
+  }
+  return edges;
+}
+
+/// What is true of a pixel: of the layer that is nearest.
+struct TrueHit {
+  Hit hit;
+  double cells_per_t = 0;
+  double value_per_t = 0;  ///< how fast the field changes along the ray
+};
+
+std::vector<TrueHit> true_hits(const ScenePlan& plan, const render::Framebuffer& picture,
+                               const std::vector<std::uint32_t>& pixels, unsigned threads) {
+  std::vector<TrueHit> nearest(pixels.size());
+  for (const render::Layer& layer : plan.scene.layers) {
+    const render::Volume& volume = plan.volumes[layer.volume];
+    const FieldTruth field(volume);
+    const std::vector<render::Ray> rays = rays_of(volume, plan.scene.camera, {picture.width, picture.height}, pixels);
+    const std::vector<Hit> hits = answers({.volume = volume,
+                                           .mode = layer.mode,
+                                           .isovalue = layer.isovalue,
+                                           .method = render::method_of(render::Accuracy::exact),
+                                           .clip = clip_of(plan.scene, layer),
+                                           .threads = threads},
+                                          rays);
+    for (std::size_t i = 0; i < hits.size(); ++i)
+      if (!hits[i].is_miss() && hits[i].t < nearest[i].hit.t)
+        nearest[i] = {hits[i], layer.mode == render::Mode::mip ? 0 : field.cells_per_t(rays[i], hits[i]),
+                      std::abs(hits[i].gradient.dot(rays[i].direction))};
+  }
+  return nearest;
+}
+
+CheckedPixels checked_pixels(const ScenePlan& plan, const render::Framebuffer& picture,
+                             const std::vector<std::uint32_t>& pixels, double limit, unsigned threads) {
+  const bool is_value = is_projection(plan);
+  const std::vector<TrueHit> truth = true_hits(plan, picture, pixels, threads);
+  CheckedPixels found{.pixels = pixels.size()};
+  ErrorList list;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const std::uint32_t pixel = pixels[i];
+    const TrueHit& is = truth[i];
+    const bool is_shown = is_value ? !std::isnan(picture.value[pixel]) : std::isfinite(picture.depth[pixel]);
+    if (!is_shown || is.hit.is_miss()) {
+      list.errors.push_back(!is_shown && is.hit.is_miss() ? nothing_there : is_shown ? is_false : is_missed);
+      continue;
+    }
+    const double depth = is_value ? 0 : static_cast<double>(picture.depth[pixel]);
+    const double rounding = 0x1.01p-24 * depth;  // half a step of single precision
+    const double off =
+        is_value ? std::abs(picture.value[pixel] - is.hit.value) : std::max(0.0, std::abs(depth - is.hit.t) - rounding);
+    const double bound = picture.error.empty() ? HUGE_VAL : 1.001 * static_cast<double>(picture.error[pixel]);
+    found.beyond_bound += !(off <= bound + is.hit.error);
+    found.largest_value_error = std::max(found.largest_value_error, is_value ? off : off * is.value_per_t);
+    list.errors.push_back(static_cast<float>(is_value ? off : off * is.cells_per_t));
+  }
+  const ErrorCounts counts = count_errors(list);
+  found.missed = counts.missed;
+  found.false_hits = counts.false_hits;
+  found.shown = counts.true_hits + counts.false_hits;
+  found.beyond_limit = counts.beyond(limit);
+  found.kept_by_99 = counts.kept_by(0.99);
+  found.largest = counts.error ? counts.error->largest : 0;
+  return found;
+}
+
+/// Empty where 99 % of all pixels may well be within the limit, for all that these tell.
+std::string limit_broken_by(const CheckedPixels& found, double limit, const char* which) {
+  if (!(share_of(found.beyond_limit, found.shown, false).low > 0.01)) return {};
+  return concat(found.beyond_limit, " of ", found.shown, " ", which,
+                " pixels that show or should show something are missed, false or off by more than ", rounded(limit),
+                ": more than 1 in 100, at a confidence of 97.5 %");
+}
+
+std::string broken_by(const CheckedPixels& found, const Promise& promise, bool is_proven, const char* which) {
+  const double wrong = static_cast<double>(found.missed + found.false_hits);
+  const double allowed = promise.wrong_share > 0 ? 1 + promise.wrong_share * static_cast<double>(found.pixels) : 0;
+  std::string text;
+  const auto add = [&](const std::string& more) { text += concat(text.empty() || more.empty() ? "" : "; ", more); };
+  if (wrong > allowed)
+    add(concat(found.missed, " missed and ", found.false_hits, " false of ", found.pixels, " ", which, " pixels"));
+  if (is_proven && found.beyond_bound > 0) add(concat(found.beyond_bound, " ", which, " pixels beyond their bound"));
+  if (wrong <= allowed && std::isfinite(promise.kept)) add(limit_broken_by(found, promise.kept, which));
+  return text;
+}
+
+/// The limit that was asked for, in the unit of errors.
+double limit_in_unit(const ScenePlan& plan, double limit) {
+  const Interval<double> range = plan.volumes[plan.scene.layers[0].volume].field().range;
+  return is_projection(plan) ? limit * (range.hi - range.lo) : limit;
+}
+
+}  // namespace
+
+void check(const SelfCheckOptions& options) {
+  if (!options.limit) return;
+  if (options.pixels == 0)
+    throw Error(Trouble::usage, "--verify-limit: how many pixels are traced again is not said", "--verify 1000");
+  if (!(*options.limit > 0))
+    throw Error(Trouble::usage, concat("--verify-limit: found ", *options.limit, "; expected a number above 0"));
+}
+
+render::ChannelSet channels_to_check(const ScenePlan& plan) {
+  return {.depth = true, .value = true, .error = is_proven(plan)};
+}
+
+void require_checkable(const ScenePlan& plan) {
+  const std::vector<render::Layer>& layers = plan.scene.layers;
+  for (const render::Layer& layer : layers) {
+    if (layer.mode == render::Mode::triangles)
+      throw Error(Trouble::usage, "--verify: a layer holds triangles; expected isosurfaces or one projection");
+    if (layer.mode == render::Mode::slice)
+      throw Error(Trouble::usage, "--verify: a layer is a slice; expected isosurfaces or one projection");
+    if (layer.mode == render::Mode::mip && layers.size() > 1)
+      throw Error(Trouble::usage, "--verify: a projection beside other layers; expected isosurfaces or one projection");
+    if (layer.mode == render::Mode::isosurface && layers.size() > 1 && layer.surface.opacity < 1)
+      throw Error(Trouble::usage, "--verify: a clear surface beside other layers; expected opaque isosurfaces");
+  }
+}
+
+SelfCheck checked(const ScenePlan& plan, const render::Framebuffer& picture, const SelfCheckOptions& options,
+                  unsigned threads) {
+  const DefaultFloatingPoint default_floating_point;
+  std::mt19937_64 random(options.seed);
+  SelfCheck check{.seed = options.seed, .unit = is_projection(plan) ? "" : "cells"};
+  const Promise promise = promise_of(plan);
+  const double limit = options.limit ? limit_in_unit(plan, *options.limit) : promise.kept;
+  const auto look_at = [&](const std::vector<std::uint32_t>& pixels) {
+    return checked_pixels(plan, picture, some_of(pixels, options.pixels, random), limit, threads);
+  };
+  check.random = look_at(all_pixels(picture));
+  check.edges = look_at(edge_pixels(picture));
+  const auto hold = [&](const std::string& broken) {
+    check.broken += concat(check.broken.empty() || broken.empty() ? "" : "; ", broken);
+  };
+  const bool holds_promise = !options.limit || is_proven(plan);
+  if (holds_promise && !promise.said.empty()) {
+    check.limit = promise.said;
+    hold(broken_by(check.random, promise, is_proven(plan), "random"));
+    hold(broken_by(check.edges, {promise.said, promise.wrong_share * 10, HUGE_VAL}, is_proven(plan), "edge"));
+  }
+  if (options.limit) {
+    check.limit += concat(check.limit.empty() ? "" : "; ", "99 % within ", *options.limit,
+                          is_projection(plan) ? " of the field's range" : " cells");
+    hold(limit_broken_by(check.random, limit, "random"));
+  }
+  return check;
+}
+
+std::string text_of(const SelfCheck& check) {
+  const auto line = [&](const char* name, const CheckedPixels& found) {
+    return concat("  ", name, " ", grouped(found.pixels), " pixels: ", found.missed, " missed, ", found.false_hits,
+                  " false, largest error ", rounded(found.largest), check.unit.empty() ? "" : " ", check.unit,
+                  check.unit.empty() ? "" : concat(", of the value ", rounded(found.largest_value_error)), "\n");
+  };
+  return concat("traced again exactly, seed ", check.seed, ":\n", line("random", check.random),
+                line("edges ", check.edges),
+                "  limit: ", check.limit.empty() ? "none, the method promises nothing" : check.limit, "\n  ",
+                check.broken.empty() ? (check.limit.empty() ? "not held against anything" : "within the limit")
+                                     : "OUTSIDE THE LIMIT",
+                "\n");
+}
+
+Json json_of(const SelfCheck& check) {
+  const auto found = [](const CheckedPixels& pixels) {
+    return Json{{"pixels", pixels.pixels},
+                {"missed", pixels.missed},
+                {"false_hits", pixels.false_hits},
+                {"shown", pixels.shown},
+                {"beyond_bound", pixels.beyond_bound},
+                {"kept_by_99", pixels.kept_by_99},
+                {"largest_error", pixels.largest},
+                {"largest_value_error", pixels.largest_value_error}};
+  };
+  return {{"seed", check.seed}, {"random", found(check.random)}, {"edges", found(check.edges)},
+          {"unit", check.unit}, {"limit", check.limit},          {"holds", check.broken.empty()}};
+}
+
+}  // namespace rhoray::tools

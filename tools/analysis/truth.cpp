@@ -1,0 +1,216 @@
+#include "tools/analysis/truth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include "formats/base/checks.h"
+#include "formats/base/parallel.h"
+#include "formats/base/trouble.h"
+#include "tools/rhoray/cpu_meter.h"
+#include "tools/rhoray/measure.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+using render::Hit;
+using render::Ray;
+using render::RayQuestions;
+
+void end_if_asked(const std::stop_token& stop) {
+  if (stop.stop_requested()) throw Error(Trouble::interrupted, "interrupted");
+}
+
+constexpr std::size_t rays_at_a_time = 4096;  // an interrupt waits for so many
+
+void answer_crossings(const Asking& asking, std::span<const Ray> rays, std::span<Hit> hits) {
+  RayQuestions questions(asking.volume, asking.isovalue, asking.method, asking.threads);
+  for (std::size_t first = 0; first < rays.size(); first += rays_at_a_time) {
+    end_if_asked(asking.stop);
+    const std::size_t count = std::min(rays_at_a_time, rays.size() - first);
+    questions.first_crossings(rays.subspan(first, count), hits.subspan(first, count));
+  }
+}
+
+/// Each thread asks for itself: the search keeps what it knows from ray to ray, and the answers do not depend on it.
+void answer_largest(const Asking& asking, std::span<const Ray> rays, std::span<Hit> hits) {
+  constexpr std::size_t piece = 512;
+  PerWorker<RayQuestions> questions([&] { return RayQuestions(asking.volume, asking.isovalue, asking.method); });
+  const auto answer = [&](const IndexRange& part) {
+    if (asking.stop.stop_requested()) return;
+    questions.of(part).largest_values(rays.subspan(part.begin(), part.size()), hits.subspan(part.begin(), part.size()));
+  };
+  parallel_for(rays.size(), piece, answer, asking.threads);
+  end_if_asked(asking.stop);
+}
+
+std::vector<Hit> answers_of_whole(const Asking& asking, std::span<const Ray> rays) {
+  std::vector<Hit> hits(rays.size());
+  if (asking.mode == render::Mode::mip)
+    answer_largest(asking, rays, hits);
+  else
+    answer_crossings(asking, rays, hits);
+  return hits;
+}
+
+/// The t at which a ray in world axes lies in a clip region's half spaces; `from` above `to` where nowhere.
+Interval<double> span_in(const std::vector<render::HalfSpace>& halves, const Ray& ray) {
+  Interval<double> span{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  for (const render::HalfSpace& half : halves) {
+    const double slope = half.normal.dot(ray.direction), height = half.normal.dot(half.point - ray.origin);
+    if (slope > 0)
+      span.lo = std::max(span.lo, height / slope);
+    else if (slope < 0)
+      span.hi = std::min(span.hi, height / slope);
+    else if (height > 0)
+      span.hi = -std::numeric_limits<double>::infinity();
+  }
+  return span;
+}
+
+/// Rays that end where the clip region ends them: the first part of what is left of each, and, where it cuts away, the
+/// second one after what is cut away. Parts of which nothing is left are not asked.
+std::vector<Hit> clipped_answers(const Asking& asking, std::span<const Ray> rays) {
+  const std::vector<render::HalfSpace> halves = render::half_spaces_of(*asking.clip);
+  const Affine& world_from_rays = render::world_from_ray_frame(asking.volume);
+  std::vector<Hit> hits(rays.size());
+  for (const int part : {0, 1}) {
+    if (part == 1 && !asking.clip->cuts_away) break;
+    std::vector<std::size_t> asked;
+    std::vector<Ray> parts;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      Ray ray = rays[i];
+      const Ray in_world{world_from_rays.point(ray.origin), world_from_rays.vector(ray.direction)};
+      const Interval<double> span = span_in(halves, in_world);
+      const bool passes_by = !(span.lo <= span.hi);
+      if (!asking.clip->cuts_away) {
+        ray.t_min = std::max(ray.t_min, span.lo);
+        ray.t_max = std::min(ray.t_max, span.hi);
+      } else if (part == 0 && !passes_by) {
+        ray.t_max = std::min(ray.t_max, span.lo);
+      } else if (part == 1) {
+        ray.t_min = passes_by ? std::numeric_limits<double>::infinity() : std::max(ray.t_min, span.hi);
+      }
+      const bool is_decided = part == 1 && asking.mode != render::Mode::mip && !hits[i].is_miss();
+      if (is_decided || !(ray.t_min < ray.t_max)) continue;
+      asked.push_back(i);
+      parts.push_back(ray);
+    }
+    const std::vector<Hit> found = answers_of_whole(asking, parts);
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      Hit& hit = hits[asked[i]];
+      if (hit.is_miss() || (!found[i].is_miss() && found[i].value > hit.value)) hit = found[i];
+    }
+  }
+  return hits;
+}
+
+/// All pixels in random order. The generator's numbers are the standard's, so a seed is the same order everywhere.
+std::vector<std::uint32_t> shuffled_pixels(std::uint64_t count, std::uint64_t seed) {
+  RHORAY_CHECK(count <= std::numeric_limits<std::uint32_t>::max());
+  std::vector<std::uint32_t> pixels(count);
+  std::iota(pixels.begin(), pixels.end(), 0U);
+  std::mt19937_64 random(seed);
+  for (std::size_t left = pixels.size(); left > 1; --left) std::swap(pixels[left - 1], pixels[random() % left]);
+  return pixels;
+}
+
+}  // namespace
+
+const render::Clip* clip_of(const render::Scene& scene, const render::Layer& layer) {
+  return scene.clip && layer.clipped ? &*scene.clip : nullptr;
+}
+
+std::vector<Hit> answers(const Asking& asking, std::span<const Ray> rays) {
+  if (asking.clip != nullptr) return clipped_answers(asking, rays);
+  return answers_of_whole(asking, rays);
+}
+
+std::vector<Ray> rays_of(const render::Volume& volume, const render::Camera& camera, const PictureSize& size,
+                         std::span<const std::uint32_t> pixels) {
+  std::vector<Ray> all = render::camera_rays(volume, camera, size.width, size.height);
+  if (pixels.size() == all.size()) return all;
+  std::vector<Ray> rays;
+  rays.reserve(pixels.size());
+  for (const std::uint32_t pixel : pixels) rays.push_back(all[pixel]);
+  return rays;
+}
+
+std::uint64_t Truth::hit_count() const {
+  return static_cast<std::uint64_t>(
+      std::count_if(hits.begin(), hits.end(), [](const Hit& hit) { return !hit.is_miss(); }));
+}
+
+Truth find_truth(const TruthWish& wish) {
+  Truth truth{.size = wish.size};
+  std::vector<std::uint32_t> order = shuffled_pixels(truth.pixel_count(), wish.seed);
+  order.resize(std::min<std::size_t>(order.size(), wish.most_pixels));
+  const render::Layer& layer = wish.scene.layers[0];
+  const Asking asking{.volume = wish.volume,
+                      .mode = layer.mode,
+                      .isovalue = layer.isovalue,
+                      .method = render::method_of(render::Accuracy::exact),
+                      .clip = clip_of(wish.scene, layer),
+                      .threads = wish.threads,
+                      .stop = wish.stop};
+  const Stopwatch watch;
+  CpuMeter meter;
+  std::vector<Hit> hits;  // in that order
+  const std::vector<Ray> rays = rays_of(wish.volume, wish.scene.camera, wish.size, order);
+  const bool is_ordered = order.size() == truth.pixel_count();  // rays_of then gives all in the picture's order
+  std::size_t done = 0;
+  std::vector<Ray> some;
+  truth.cpu_s = meter
+                    .measure([&] {
+                      constexpr std::size_t piece = 4096;
+                      while (done < order.size() && (done == 0 || watch.seconds() < wish.seconds)) {
+                        const std::size_t count = std::min(piece, order.size() - done);
+                        some.clear();
+                        for (std::size_t i = done; i < done + count; ++i)
+                          some.push_back(is_ordered ? rays[order[i]] : rays[i]);
+                        const std::vector<Hit> found = answers(asking, some);
+                        hits.insert(hits.end(), found.begin(), found.end());
+                        done += count;
+                      }
+                    })
+                    .cpu_s;
+  std::vector<std::size_t> rising(done);
+  std::iota(rising.begin(), rising.end(), std::size_t{0});
+  std::sort(rising.begin(), rising.end(), [&](std::size_t a, std::size_t b) { return order[a] < order[b]; });
+  for (const std::size_t i : rising) {
+    truth.pixels.push_back(order[i]);
+    truth.rays.push_back(is_ordered ? rays[order[i]] : rays[i]);
+    truth.hits.push_back(hits[i]);
+    truth.cells_per_t.push_back(hits[i].is_miss() ? 0 : wish.field.cells_per_t(truth.rays.back(), hits[i]));
+  }
+  return truth;
+}
+
+ErrorList errors_against(const Truth& truth, const FieldTruth& field, const render::Layer& layer,
+                         std::span<const Hit> hits, const ResampledBorder* border) {
+  RHORAY_CHECK(hits.size() == truth.hits.size());
+  const bool is_projection = layer.mode == render::Mode::mip;
+  ErrorList list;
+  list.errors.reserve(hits.size());
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const Hit &is = truth.hits[i], &said = hits[i];
+    if (border != nullptr) list.is_border.push_back(border->separates(truth.rays[i], is, said));
+    if (is.is_miss() || said.is_miss()) {
+      list.errors.push_back(is.is_miss() && said.is_miss() ? nothing_there : is.is_miss() ? is_false : is_missed);
+      continue;
+    }
+    if (is_projection) {
+      list.value_errors.push_back(std::abs(said.value - is.value));
+      list.errors.push_back(static_cast<float>(list.value_errors.back()));
+      continue;
+    }
+    list.errors.push_back(static_cast<float>(std::abs(said.t - is.t) * truth.cells_per_t[i]));
+    if (const auto value = field.value(truth.rays[i], is, layer.isovalue, said.t))
+      list.value_errors.push_back(std::abs(*value - layer.isovalue));
+  }
+  return list;
+}
+
+}  // namespace rhoray::tools

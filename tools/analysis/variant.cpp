@@ -1,0 +1,185 @@
+#include "tools/analysis/variant.h"
+
+#include <algorithm>
+
+#include "formats/base/text.h"
+#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/scene/wishes.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+/// What a row applies to.
+enum Applies : unsigned { grids = 1, meshes = 2, surfaces = 4, projections = 8, all_of_them = 15 };
+
+/// A method on the data as they are.
+struct MethodRow {
+  const char* group;
+  const char* word;  ///< of --accuracy in the group of levels, else of --method
+  unsigned applies;
+  bool has_picture = false;
+};
+
+constexpr MethodRow method_rows[] = {{group_levels, "preview", grids | surfaces, true},
+                                     {group_levels, "float", grids | meshes | surfaces, true},
+                                     {group_levels, "double", grids | meshes | surfaces | projections},
+                                     {group_levels, "certified", grids | meshes | surfaces | projections},
+                                     {group_levels, "exact", grids | meshes | surfaces | projections},
+                                     {group_published, "paper:float", grids | meshes | surfaces, true},
+                                     {group_published, "paper:double", grids | meshes | surfaces},
+                                     {group_published, "slack:1e-12:double", meshes | surfaces},
+                                     {group_published, "face:double", grids | meshes | projections, true},
+                                     {group_linear, "sampled:2+linear", grids | meshes | surfaces},
+                                     {group_linear, "sampled:1+linear", grids | meshes | surfaces, true},
+                                     {group_linear, "sampled:0.5+linear", grids | meshes | surfaces},
+                                     {group_linear, "sampled:0.25+linear", grids | meshes | surfaces},
+                                     {group_linear, "sampled:0.125+linear", grids | meshes | surfaces},
+                                     {group_linear, "sampled:0.0625+linear", grids | meshes | surfaces},
+                                     {group_linear, "sampled:0.03125+linear", grids | meshes | surfaces},
+                                     {group_linear, "sampled:0.015625+linear", grids | meshes | surfaces},
+                                     {group_bisect, "sampled:2+bisect", grids | meshes | surfaces},
+                                     {group_bisect, "sampled:1+bisect", grids | meshes | surfaces},
+                                     {group_bisect, "sampled:0.5+bisect", grids | meshes | surfaces},
+                                     {group_bisect, "sampled:0.25+bisect", grids | meshes | surfaces},
+                                     {group_bisect, "sampled:0.125+bisect", grids | meshes | surfaces},
+                                     {group_bisect, "sampled:0.0625+bisect", grids | meshes | surfaces},
+                                     {group_bisect, "sampled:0.03125+bisect", grids | meshes | surfaces},
+                                     {group_bisect, "sampled:0.015625+bisect", grids | meshes | surfaces},
+                                     {group_samples, "sampled:2+linear", grids | meshes | projections},
+                                     {group_samples, "sampled:1+linear", grids | meshes | projections, true},
+                                     {group_samples, "sampled:0.5+linear", grids | meshes | projections},
+                                     {group_samples, "sampled:0.25+linear", grids | meshes | projections},
+                                     {group_samples, "sampled:0.125+linear", grids | meshes | projections},
+                                     {group_samples, "sampled:0.0625+linear", grids | meshes | projections},
+                                     {group_samples, "sampled:0.03125+linear", grids | meshes | projections},
+                                     {group_samples, "sampled:0.015625+linear", grids | meshes | projections}};
+
+/// Another form of the data, by the method that is its default.
+struct DataRow {
+  const char* group;
+  DataForm form;
+  unsigned applies;
+  bool has_picture = false;
+};
+
+constexpr DataRow data_rows[] = {{group_bits, {DataForm::Kind::quantized, 8}, all_of_them, true},
+                                 {group_bits, {DataForm::Kind::quantized, 16}, all_of_them},
+                                 {group_grids, {DataForm::Kind::resampled, 32}, meshes | surfaces | projections},
+                                 {group_grids, {DataForm::Kind::resampled, 64}, meshes | surfaces | projections, true},
+                                 {group_grids, {DataForm::Kind::resampled, 128}, meshes | surfaces | projections},
+                                 {group_grids, {DataForm::Kind::resampled, 256}, meshes | surfaces | projections},
+                                 {group_vdb, {DataForm::Kind::resampled_vdb, 32}, meshes | surfaces | projections},
+                                 {group_vdb, {DataForm::Kind::resampled_vdb, 64}, meshes | surfaces | projections},
+                                 {group_vdb, {DataForm::Kind::resampled_vdb, 128}, meshes | surfaces | projections},
+                                 {group_vdb, {DataForm::Kind::resampled_vdb, 256}, meshes | surfaces | projections}};
+
+/// An effect, by how many samples it is drawn.
+struct EffectRow {
+  const char* group;
+  SampledEffect effect;
+  std::vector<int> counts;
+  int most;  ///< what these are compared with
+  const char *one, *several;
+};
+
+const std::vector<EffectRow>& effect_rows() {
+  static const std::vector<EffectRow> rows{
+      {group_occlusion, SampledEffect::occlusion, {1, 4, 16, 64, 256}, 1024, "ray a hit", "rays a hit"},
+      {group_shadows, SampledEffect::soft_shadows, {1, 4, 16, 64, 256}, 1024, "ray to a light", "rays to a light"},
+      {group_edges,
+       SampledEffect::edges,
+       {1, 2, 4, 8, 16},
+       limits::pixel_samples.hi,
+       "sample a pixel",
+       "samples a pixel"}};
+  return rows;
+}
+
+constexpr int shrinks[] = {2, 4};
+
+bool applies(unsigned row, bool is_mesh, bool is_projection) {
+  return (row & (is_mesh ? meshes : grids)) != 0 && (row & (is_projection ? projections : surfaces)) != 0;
+}
+
+bool calls_for(SampledEffect effect, const render::Scene& scene, int antialiasing) {
+  const bool is_surface = scene.layers[0].mode == render::Mode::isosurface;
+  switch (effect) {
+    case SampledEffect::occlusion:
+      return is_surface && scene.occlusion.radius > 0;
+    case SampledEffect::soft_shadows:
+      return is_surface && std::any_of(scene.lights.begin(), scene.lights.end(), is_soft);
+    case SampledEffect::edges:
+      return antialiasing > 1;
+    case SampledEffect::none:
+      break;
+  }
+  return false;
+}
+
+render::Method method_of_row(const MethodRow& row, render::Mode mode, bool is_mesh) {
+  if (row.group == group_levels) return render::method_of(accuracy_named(row.word));
+  return method_named(row.word, mode, is_mesh);
+}
+
+}  // namespace
+
+std::string text_of(const DataForm& form) {
+  switch (form.kind) {
+    case DataForm::Kind::quantized:
+      return concat(form.size, " bits");
+    case DataForm::Kind::resampled:
+      return concat("grid ", form.size);
+    case DataForm::Kind::resampled_vdb:
+      return concat("OpenVDB ", form.size);
+    case DataForm::Kind::original:
+      break;
+  }
+  return "original";
+}
+
+int most_samples(SampledEffect effect) {
+  for (const EffectRow& row : effect_rows())
+    if (row.effect == effect) return row.most;
+  return 0;
+}
+
+bool is_soft(const render::Light& light) {
+  return light.casts_shadows && light.size > 0;
+}
+
+std::vector<Variant> variants_of(const render::Scene& scene, const render::Volume& volume, int antialiasing) {
+  const render::Layer& layer = scene.layers[0];
+  const bool is_mesh = volume.is_mesh(), is_projection = layer.mode == render::Mode::mip;
+  std::vector<Variant> all;
+  for (const MethodRow& row : method_rows)
+    if (applies(row.applies, is_mesh, is_projection))
+      all.push_back({.group = row.group,
+                     .name = row.word,
+                     .method = method_of_row(row, layer.mode, is_mesh),
+                     .has_picture = row.has_picture});
+  for (const DataRow& row : data_rows)
+    if (applies(row.applies, is_mesh, is_projection))
+      all.push_back({.group = row.group, .name = text_of(row.form), .data = row.form, .has_picture = row.has_picture});
+  if (is_mesh && !is_projection) {
+    const bool is_smooth = layer.surface.normals == render::Normals::smooth;
+    all.push_back({.group = group_normals,
+                   .name = is_smooth ? "flat normals" : "smooth normals",
+                   .normals = is_smooth ? render::Normals::exact : render::Normals::smooth,
+                   .has_picture = true});
+  }
+  for (const EffectRow& row : effect_rows())
+    if (calls_for(row.effect, scene, antialiasing))
+      for (const int count : row.counts)
+        all.push_back({.group = row.group,
+                       .name = concat(count, " ", count == 1 ? row.one : row.several),
+                       .effect = row.effect,
+                       .samples = count,
+                       .has_picture = count == row.counts.front()});
+  for (const int shrink : shrinks)
+    all.push_back(
+        {.group = group_size, .name = concat("1/", shrink, " of the size"), .shrink = shrink, .has_picture = true});
+  return all;
+}
+
+}  // namespace rhoray::tools

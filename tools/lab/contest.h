@@ -1,0 +1,72 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/load.h"
+#include "tools/lab/peers/peer.h"
+#include "tools/lab/rounds.h"
+#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/data_choice.h"
+#include "tools/rhoray/table.h"
+#include "tools/rhoray/views.h"
+
+/// Systems that show the same data from the same cameras, timed in turn and measured against the exact answer.
+namespace rhoray::study {
+
+/// What the user of such a study can choose.
+struct ContestWishes {
+  tools::CommonOptions common;
+  std::filesystem::path input;
+  std::string field;
+  std::vector<std::string> isovalues{"auto"};
+  std::vector<std::string> views{"front", "from-feet", "close-up", "inside"};
+  std::vector<std::string> systems;  ///< empty = all
+  bool mip = false, no_isosurfaces = false;
+  std::string truth = "exact";
+  tools::PictureSize size{512, 512};
+  RoundsOptions rounds;
+
+  bool wants(const std::string& system) const;
+};
+
+/// The rows of --help that stand for them.
+/// @param systems  the words that --systems knows
+std::vector<tools::Option> contest_options(ContestWishes& wishes, const std::vector<std::string>& systems,
+                                           const std::string& tables);
+
+/// Refuses what cannot be done (Trouble::usage), and asks libraries that read the environment for one thread.
+/// @param name  of the tables, as for run_contest
+void prepare_contest(const ContestWishes& wishes, const std::vector<std::string>& systems, const std::string& name);
+
+/// The data as the systems get it, and what is shown of it.
+struct Subject {
+  PeerData data;
+  render::Volume volume;
+  std::vector<double> isovalues;
+  std::vector<tools::StudyView> views;
+  double unit;            ///< of errors along the ray, in world units
+  std::string unit_name;  ///< "voxel"
+  tools::Json about;      ///< for the tables' context
+
+  /// @param data  without its bounds and range, which the packed file tells
+  Subject(const ContestWishes& wishes, const PeerData& data, double unit, const std::string& unit_name);
+};
+
+/// The systems that answer one question, and those that cannot run here with the reason.
+struct Contest {
+  std::vector<PeerPointer> peers;
+  tools::Json left_out = tools::Json::object();
+
+  void add(PeerPointer peer) { peers.push_back(std::move(peer)); }
+};
+
+/// Runs what is wished for and publishes it as tables NAME_isosurface and NAME_mip.
+/// @param isosurfaces  makes the contestants of one isovalue
+/// @param largest      makes those of largest values
+void run_contest(const ContestWishes& wishes, const Subject& subject, const std::string& name,
+                 const std::function<Contest()>& isosurfaces, const std::function<Contest()>& largest);
+
+}  // namespace rhoray::study

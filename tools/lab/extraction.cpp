@@ -1,0 +1,189 @@
+// What it takes to see another isovalue of a grid: by triangles that are extracted, and directly. The paper's Table 6
+// with systems of today.
+
+#include "tools/lab/extraction.h"
+
+#include "formats/base/trouble.h"
+#include "preprocess/pack_volume.h"
+#include "render/load.h"
+#include "tools/lab/peers/ours.h"
+#include "tools/lab/peers/triangles.h"
+#include "tools/lab/plain_grid.h"
+#include "tools/lab/rounds.h"
+#include "tools/lab/study_run.h"
+#include "tools/rhoray/data_choice.h"
+#include "tools/rhoray/interrupt.h"
+#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/views.h"
+#ifdef RHORAY_WITH_EMBREE
+#include "tools/lab/peers/embree_triangles.h"
+#endif
+
+namespace rhoray::study {
+
+namespace {
+
+using tools::Json;
+
+struct Wishes {
+  tools::CommonOptions common;
+  std::filesystem::path input;
+  std::string field;
+  std::vector<std::string> isovalues{"auto"};
+  tools::PictureSize size{512, 512};
+  int repeat = 3;
+  std::optional<double> cgal_triangles;
+  std::filesystem::path scratch = std::filesystem::temp_directory_path();
+};
+
+/// Milliseconds of CPU, repetition by repetition.
+struct Times {
+  std::vector<double> extraction, build, frame;
+};
+
+Json median_of(const std::vector<double>& times) {
+  return times.empty() ? Json() : Json(tools::spread_of(times).median);
+}
+
+/// One row: a system that shows an isovalue.
+/// @param picture_ms  until its first picture: what is paid for an isovalue, and a frame
+Json row_of(const std::string& system, double isovalue, const Times& times, const Json& triangles, const Json& mb) {
+  std::vector<double> picture;
+  for (std::size_t i = 0; i < times.frame.size(); ++i)
+    picture.push_back((times.extraction.empty() ? 0 : times.extraction[i]) +
+                      (times.build.empty() ? 0 : times.build[i]) + times.frame[i]);
+  return {{"isovalue", isovalue},
+          {"system", system},
+          {"triangles", triangles},
+          {"memory_mb", mb},
+          {"extraction_ms", median_of(times.extraction)},
+          {"build_ms", median_of(times.build)},
+          {"frame_ms", median_of(times.frame)},
+          {"to_picture_ms", median_of(picture)}};
+}
+
+class Study {
+ public:
+  Study(const Wishes& wishes, const preprocess::NeutralVolume& grid, const std::filesystem::path& packed)
+      : wishes_(wishes), volume_(render::Volume::load(packed)) {
+    data_.grid = &grid;
+    data_.packed_file = packed;
+    data_.bounds = volume_.bounds();
+    data_.range = volume_.field().range;
+  }
+
+  std::vector<Json> rows_of(const std::string& isovalue_text, tools::ProgressDisplay& display) const {
+    const double isovalue = tools::choose_isovalue(isovalue_text, volume_.field()).value;
+    const PeerView view{.camera = tools::study_camera(tools::StudyView::front, volume_, isovalue,
+                                                      double{1} * wishes_.size.width / wishes_.size.height),
+                        .width = wishes_.size.width,
+                        .height = wishes_.size.height};
+    std::vector<Json> rows;
+    for (const auto& make : {marching_cubes, synchronized_templates, flying_edges}) {
+      display.show(concat("isovalue ", isovalue, ": ", make()->maker()));
+      rows.push_back(row_of_triangles(make, isovalue, view));
+    }
+    if (wishes_.cgal_triangles) {
+      display.show(concat("isovalue ", isovalue, ": CGAL's surface mesher"));
+      rows.push_back(row_of_triangles([&] { return cgal_mesher(*wishes_.cgal_triangles); }, isovalue, view));
+    }
+    for (const char* level : {"float", "certified"}) {
+      display.show(concat("isovalue ", isovalue, ": Rhoray, ", level));
+      rows.push_back(own_row(level, isovalue, view));
+    }
+    return rows;
+  }
+
+ private:
+  /// Triangles, and where Embree is there its scene of them, made anew each time.
+  template <class Make>
+  Json row_of_triangles(const Make& make, double isovalue, [[maybe_unused]] const PeerView& view) const {
+    Times times;
+    Json triangles, mb;
+    bool is_complete = true;
+    std::string name = make()->maker();
+    for (int i = 0; i < wishes_.repeat; ++i) {
+      const std::shared_ptr<Triangles> surface = make();
+      times.extraction.push_back(surface->extract(data_, isovalue).extraction_ms);
+      triangles = surface->triangle_count(), mb = surface->memory_mb();
+      is_complete = is_complete && surface->is_complete();
+#ifdef RHORAY_WITH_EMBREE
+      const PeerPointer embree = embree_packets(embree_triangles(surface));
+      times.build.push_back(embree->prepare(data_, isovalue).build_ms);
+      times.frame.push_back(cpu_ms_of([&] { embree->draw(view); }));
+#endif
+    }
+#ifdef RHORAY_WITH_EMBREE
+    name += ", Embree";
+#endif
+    if (!is_complete) name += ", not finished";
+    return row_of(name, isovalue, times, triangles, mb);
+  }
+
+  Json own_row(const std::string& level, double isovalue, const PeerView& view) const {
+    Times times;
+    for (int i = 0; i < wishes_.repeat; ++i) {
+      const PeerPointer own = own_isosurface(level);
+      times.build.push_back(own->prepare(data_, isovalue).build_ms);
+      times.frame.push_back(cpu_ms_of([&] { own->draw(view); }));
+    }
+    return row_of(concat("Rhoray, ", level), isovalue, times, Json(), Json());
+  }
+
+  const Wishes& wishes_;
+  render::Volume volume_;
+  PeerData data_;
+};
+
+int run(const Wishes& wishes) {
+  require_publishable(wishes.common, {"extraction"});
+  tools::require_within("--repeat", wishes.repeat, 1, 1000);
+  tools::Table table{"extraction", "Another isovalue, by triangles and directly: CPU time of one thread", {}, {}};
+  const tools::ScratchFolder scratch(wishes.scratch);
+  {
+    tools::ProgressDisplay display(wishes.common);
+    display.show("reading and packing");
+    preprocess::NeutralVolume grid = plain_grid(wishes.input, wishes.field);
+    const std::filesystem::path file = scratch.path() / "grid.rho";
+    preprocess::pack_volume(grid, file);
+    grid.samples = grid.owned_samples;
+    const Index3 n = grid.sample_count;
+    table.context = context_with({{"file", wishes.input.filename().string()},
+                                  {"samples", {n.x, n.y, n.z}},
+                                  {"type", formats::element_name(grid.type)},
+                                  {"size", {wishes.size.width, wishes.size.height}},
+                                  {"view", "front"},
+                                  {"repeat", wishes.repeat}});
+    const Study study(wishes, grid, file);
+    for (const std::string& isovalue : wishes.isovalues)
+      for (Json& row : study.rows_of(isovalue, display)) table.rows.push_back(std::move(row));
+  }
+  publish(table, wishes.common);
+  return 0;
+}
+
+}  // namespace
+
+tools::Subcommand extraction() {
+  const auto wishes = std::make_shared<Wishes>();
+  return {.name = "extraction",
+          .summary = "Another isovalue of a grid, by triangles and directly: the paper's Table 6",
+          .examples =
+              "  rhoray-study extraction torso-ct.rho --iso 250 -o results\n"
+              "  rhoray-study extraction small.rho --iso 250 --cgal 40000 -o results\n",
+          .options = tools::all_options(
+              {{tools::file_option("FILE", "Packed grid", wishes->input),
+                tools::value_option("--iso", "V[,V]", "Isovalues; default auto", wishes->isovalues),
+                tools::value_option("--field", "NAME", "Field; default the first", wishes->field),
+                tools::value_option("--size", "WxH", "Pixels; default 512x512", wishes->size),
+                tools::value_option("--repeat", "N", "Repetitions; default 3", wishes->repeat),
+                tools::number_option("--cgal", "TRIANGLES",
+                                     "Also CGAL's surface mesher, asked for about so many; it takes minutes",
+                                     {100, 10'000'000}, wishes->cgal_triangles),
+                tools::value_option("--scratch", "FOLDER", "For the packed grid", wishes->scratch),
+                tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", wishes->common.progress)},
+               tools::output_options(wishes->common, "FOLDER for extraction.csv and .json")}),
+          .run = [wishes] { return run(*wishes); }};
+}
+
+}  // namespace rhoray::study

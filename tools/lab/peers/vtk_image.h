@@ -1,0 +1,13 @@
+#pragma once
+
+#include <vtkImageData.h>
+#include <vtkSmartPointer.h>
+
+#include "tools/lab/peers/peer.h"
+
+namespace rhoray::study {
+
+/// The samples as VTK's image, without a copy: the grid must outlive it.
+vtkSmartPointer<vtkImageData> vtk_image(const preprocess::NeutralVolume& grid);
+
+}  // namespace rhoray::study

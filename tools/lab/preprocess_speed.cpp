@@ -1,0 +1,283 @@
+// What reading, packing and resampling cost beside VTK and beside a plain copy of the bytes, in one run.
+
+#include <vtkDataArray.h>
+#include <vtkImageData.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkResampleToImage.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkVersion.h>
+#include <vtkXMLUnstructuredGridReader.h>
+
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <map>
+
+#include "formats/base/trouble.h"
+#include "preprocess/import_mesh.h"
+#include "preprocess/import_volume.h"
+#include "preprocess/pack_mesh.h"
+#include "preprocess/pack_volume.h"
+#include "preprocess/resample.h"
+#include "tools/lab/preprocess_speed.h"
+#include "tools/lab/study_run.h"
+#include "tools/lab/warped_box.h"
+#include "tools/rhoray/command_line.h"
+#include "tools/rhoray/interrupt.h"
+#include "tools/rhoray/measure.h"
+#include "tools/rhoray/option_values.h"
+#include "tools/rhoray/table.h"
+#include "tools/rhoray/version.h"
+
+namespace rhoray::study {
+namespace {
+
+using tools::Json;
+
+struct Wishes {
+  tools::CommonOptions common;
+  std::filesystem::path scratch = std::filesystem::temp_directory_path();
+  std::vector<std::string> meshes{"500000", "1000000"};
+  std::vector<std::string> sizes{"128", "256"};
+  std::int64_t volume_edge = 384;
+  int repeat = 3;
+};
+
+/// CPU and wall seconds of the steps of one row, by the step's name.
+struct Taken {
+  double cpu = 0, wall = 0;
+};
+using Steps = std::map<std::string, Taken>;
+
+/// Adds what passed since the last call to a step.
+class Clock {
+ public:
+  void add_to(Steps& steps, const std::string& step) {
+    const double cpu = tools::usage_so_far().cpu_s, wall = watch_.seconds();
+    steps[step].cpu += cpu - cpu_;
+    steps[step].wall += wall - wall_;
+    cpu_ = cpu;
+    wall_ = wall;
+  }
+
+ private:
+  tools::Stopwatch watch_;
+  double cpu_ = tools::usage_so_far().cpu_s, wall_ = 0;
+};
+
+/// A verb's phases become steps.
+class PhaseClock {
+ public:
+  explicit PhaseClock(Steps& steps) : steps_(steps) {}
+
+  void next(const std::string& phase) {
+    if (phase == phase_) return;
+    if (!phase_.empty()) clock_.add_to(steps_, phase_);
+    phase_ = phase;
+  }
+  preprocess::Progress progress() {
+    return [this](std::string_view phase, std::uint64_t, std::uint64_t) { next(std::string(phase)); };
+  }
+
+ private:
+  Steps& steps_;
+  Clock clock_;
+  std::string phase_;
+};
+
+/// One row of the table: what is done, on what, and the steps that it takes.
+struct Row {
+  std::string what, input, size;
+  std::function<void(Steps&)> act;
+  std::map<std::string, std::vector<Taken>> taken{};  ///< by step, and "total"; one for each repetition
+};
+
+Row pack_row(const std::filesystem::path& mesh, const std::filesystem::path& scratch) {
+  return {"rhoray pack", mesh.stem().string(), "", [=](Steps& steps) {
+            PhaseClock clock(steps);
+            clock.next("reading");
+            const preprocess::NeutralMesh read = preprocess::import_mesh(mesh);
+            preprocess::pack_mesh(read, scratch / "packed.rho", {.replace_existing = true}, clock.progress());
+            clock.next("end");
+          }};
+}
+
+Row resample_row(const std::filesystem::path& mesh, const std::string& size, const std::filesystem::path& scratch) {
+  std::int64_t samples = 0;
+  tools::read_value(size, samples);
+  return {"rhoray resample", mesh.stem().string(), size, [=](Steps& steps) {
+            PhaseClock clock(steps);
+            clock.next("reading");
+            const preprocess::NeutralMesh read = preprocess::import_mesh(mesh);
+            preprocess::resample(read, scratch / "grid.rho",
+                                 {.lattice = {.longest_axis = samples}, .replace_existing = true}, clock.progress());
+            clock.next("end");
+          }};
+}
+
+Row vtk_row(const std::filesystem::path& mesh, const std::string& size) {
+  int samples = 0;
+  tools::read_value(size, samples);
+  return {"vtkResampleToImage", mesh.stem().string(), size, [=](Steps& steps) {
+            Clock clock;
+            vtkNew<vtkXMLUnstructuredGridReader> reader;
+            reader->SetFileName(mesh.c_str());
+            reader->Update();
+            clock.add_to(steps, "reading");
+            vtkNew<vtkResampleToImage> resample;
+            resample->SetInputDataObject(reader->GetOutput());
+            resample->SetSamplingDimensions(samples, samples, samples);
+            resample->Update();
+            clock.add_to(steps, "resampling");
+            if (resample->GetOutput()->GetPointData()->GetArray("value") == nullptr)
+              throw Error(Trouble::internal, "vtkResampleToImage: found no array 'value' in its output");
+          }};
+}
+
+/// Bytes of a slowly varying 16-bit volume.
+void write_raw(const std::filesystem::path& path, std::int64_t edge) {
+  std::ofstream file(path, std::ios::binary);
+  std::vector<std::uint16_t> layer(static_cast<std::size_t>(edge * edge));
+  for (std::int64_t k = 0; k < edge; ++k) {
+    for (std::size_t s = 0; s < layer.size(); ++s)
+      layer[s] = static_cast<std::uint16_t>((s * 7 + static_cast<std::size_t>(k) * 131) >> 4);
+    file.write(reinterpret_cast<const char*>(layer.data()),
+               static_cast<std::streamsize>(layer.size() * sizeof layer[0]));
+  }
+  file.flush();
+  if (!file) throw Error(Trouble::resource, concat(path.string(), ": could not be written"));
+}
+
+Row pack_volume_row(const std::filesystem::path& raw, std::int64_t edge, const std::filesystem::path& scratch) {
+  return {"rhoray pack", raw.stem().string(), "", [=](Steps& steps) {
+            PhaseClock clock(steps);
+            clock.next("reading");
+            preprocess::ImportVolumeOptions options;
+            options.raw =
+                preprocess::RawVolume{.sample_count = Index3(edge, edge, edge), .type = formats::ElementType::U16};
+            const preprocess::NeutralVolume volume = preprocess::import_volume(raw, options);
+            preprocess::pack_volume(volume, scratch / "volume.rho", {.replace_existing = true}, clock.progress());
+            clock.next("end");
+          }};
+}
+
+/// Reads and writes a megabyte at a time.
+Row copy_row(const std::filesystem::path& raw, const std::filesystem::path& scratch) {
+  return {"copy of the bytes", raw.stem().string(), "", [=](Steps& steps) {
+            Clock clock;
+            std::ifstream from(raw, std::ios::binary);
+            std::ofstream to(scratch / "copy.raw", std::ios::binary);
+            std::vector<char> buffer(std::size_t{1} << 20);
+            while (from.read(buffer.data(), static_cast<std::streamsize>(buffer.size())), from.gcount() > 0)
+              to.write(buffer.data(), from.gcount());
+            to.flush();
+            if (!to) throw Error(Trouble::resource, "the copy could not be written");
+            clock.add_to(steps, "copying");
+          }};
+}
+
+std::vector<Row> rows_of(const Wishes& wishes, const std::filesystem::path& scratch) {
+  std::vector<Row> rows;
+  for (const std::string& wanted : wishes.meshes) {
+    std::uint64_t cell_count = 0;
+    tools::read_value(wanted, cell_count);
+    const preprocess::NeutralMesh mesh = warped_box(edge_for(cell_count));
+    const std::filesystem::path path = scratch / concat(mesh.cells.size(), "_tetrahedra.vtu");
+    preprocess::export_mesh(mesh, path, true);
+    rows.push_back(pack_row(path, scratch));
+    for (const std::string& size : wishes.sizes) {
+      rows.push_back(resample_row(path, size, scratch));
+      rows.push_back(vtk_row(path, size));
+    }
+  }
+  if (wishes.volume_edge > 0) {
+    const std::int64_t edge = wishes.volume_edge;
+    const std::filesystem::path raw = scratch / concat("volume_", edge, "x", edge, "x", edge, "_uint16.raw");
+    write_raw(raw, edge);
+    rows.push_back(pack_volume_row(raw, edge, scratch));
+    rows.push_back(copy_row(raw, scratch));
+  }
+  return rows;
+}
+
+/// Every row once, then again, so that what else runs on the machine meets all of them.
+void measure(std::vector<Row>& rows, int repeat) {
+  for (int round = 0; round < repeat; ++round)
+    for (Row& row : rows) {
+      std::fputs(
+          concat("round ", round + 1, " of ", repeat, ": ", row.what, " ", row.input, " ", row.size, "\n").c_str(),
+          stderr);
+      Steps steps;
+      row.act(steps);
+      Taken total;
+      for (const auto& [step, taken] : steps) {
+        row.taken[step].push_back(taken);
+        total.cpu += taken.cpu;
+        total.wall += taken.wall;
+      }
+      row.taken["total"].push_back(total);
+    }
+}
+
+Json context(const Wishes& wishes) {
+  return context_with({{"memory_bytes", tools::this_machine().memory_bytes},
+                       {"vtk", vtkVersion::GetVTKVersion()},
+                       {"repeat", wishes.repeat}});
+}
+
+tools::Table table_of(const std::vector<Row>& rows, const Wishes& wishes) {
+  tools::Table table{"preprocess_speed", "Seconds of packing and resampling, medians", context(wishes), {}};
+  for (const Row& row : rows)
+    for (const auto& [step, taken] : row.taken) {
+      std::vector<double> cpu, wall;
+      for (const Taken& once : taken) {
+        cpu.push_back(once.cpu);
+        wall.push_back(once.wall);
+      }
+      const tools::Spread spread = tools::spread_of(cpu);
+      table.rows.push_back({{"what", row.what},
+                            {"input", row.input},
+                            {"size", row.size},
+                            {"step", step},
+                            {"cpu_s", spread.median},
+                            {"cpu_s_smallest", spread.smallest},
+                            {"cpu_s_largest", spread.largest},
+                            {"wall_s", tools::spread_of(wall).median}});
+    }
+  return table;
+}
+
+int run(const Wishes& wishes) {
+  tools::require_within("--repeat", wishes.repeat, 1, 1000);
+  tools::require_within("--volume", static_cast<double>(wishes.volume_edge), 0, 4096);
+  require_publishable(wishes.common, {"preprocess_speed"});
+  const tools::ScratchFolder scratch(wishes.scratch);
+  std::vector<Row> rows = rows_of(wishes, scratch.path());
+  measure(rows, wishes.repeat);
+  const tools::Table table = table_of(rows, wishes);
+  publish(table, wishes.common);
+  return 0;
+}
+
+}  // namespace
+
+tools::Subcommand preprocess_speed() {
+  const auto wishes = std::make_shared<Wishes>();
+  return {
+      .name = "preprocess-speed",
+      .summary = "Packing and resampling beside VTK and a plain copy of the bytes",
+      .examples = "  rhoray-study preprocess-speed --meshes 500000 --sizes 128,256 -o results\n",
+      .options = {tools::value_option("-o,--output", "FOLDER", "For preprocess_speed.csv and .json",
+                                      wishes->common.output),
+                  tools::flag_option("--force", "Replace files that are there", wishes->common.force),
+                  tools::value_option("--scratch", "FOLDER", "For files that are written to be timed", wishes->scratch),
+                  tools::value_option("--meshes", "N[,N]", "Numbers of tetrahedra", wishes->meshes),
+                  tools::value_option("--sizes", "N[,N]", "Samples on an axis", wishes->sizes),
+                  tools::value_option("--volume", "N", "Edge of the volume of N^3 samples; 0 leaves it out",
+                                      wishes->volume_edge),
+                  tools::value_option("--repeat", "N", "Rounds; default 3", wishes->repeat)},
+      .run = [wishes] { return run(*wishes); }};
+}
+
+}  // namespace rhoray::study

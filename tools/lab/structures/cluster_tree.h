@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "formats/cell_clusters.h"
+#include "tools/lab/structures/plain_mesh.h"
+
+namespace rhoray::study {
+
+/// Boxes and ranges over the cells of a mesh as they stand, as a packed file has them of its own order: what the scalar
+/// walk through clusters asks for (render/mesh_search.h).
+class ClusterTree {
+ public:
+  ClusterTree(const PlainMesh& mesh, std::uint64_t cluster_size);
+
+  const formats::CellClustersView& clusters() const { return view_; }
+  const formats::ClusterRangesView<float>& cluster_ranges() const { return range_views_; }
+
+  std::uint64_t bytes() const;
+
+ private:
+  std::vector<std::vector<formats::BoxBlock>> boxes_;
+  std::vector<std::vector<formats::RangeBlock<float>>> ranges_;
+  formats::CellClustersView view_;
+  formats::ClusterRangesView<float> range_views_;
+};
+
+}  // namespace rhoray::study

@@ -1,0 +1,410 @@
+#include "tools/pictures/annotate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "formats/base/text.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+/// Colours of the x, y and z axes, linear, on light and on dark backgrounds: told apart with any colour vision by their
+/// letters too.
+constexpr std::array<Vec3, 3> on_light{Vec3(0.60, 0.03, 0.03), Vec3(0.02, 0.27, 0.05), Vec3(0.03, 0.12, 0.62)};
+constexpr std::array<Vec3, 3> on_dark{Vec3(1, 0.16, 0.13), Vec3(0.15, 0.72, 0.18), Vec3(0.16, 0.42, 1)};
+
+double luminance(const std::array<float, 3>& color) {
+  return 0.2126 * static_cast<double>(color[0]) + 0.7152 * static_cast<double>(color[1]) +
+         0.0722 * static_cast<double>(color[2]);
+}
+
+/// A text that stands on a picture.
+struct Placed {
+  TextImage image;
+  Spot baseline;
+
+  Area area() const {
+    const Spot low = baseline + Spot{static_cast<double>(image.left), static_cast<double>(image.top)};
+    return {low, low + Spot{static_cast<double>(image.width), static_cast<double>(image.height)}};
+  }
+};
+
+/// Words in as few lines as a width allows; a line's end in the text begins a line.
+std::vector<std::string> lines_of(const std::string& text, const std::function<bool(const std::string&)>& fits) {
+  std::vector<std::string> lines(1);
+  std::string word;
+  const auto end_word = [&] {
+    if (word.empty()) return;
+    std::string& line = lines.back();
+    const std::string longer = line.empty() ? word : concat(line, " ", word);
+    if (line.empty() || fits(longer))
+      line = longer;
+    else
+      lines.push_back(word);
+    word.clear();
+  };
+  for (const char letter : text) {
+    if (letter != ' ' && letter != '\n')
+      word += letter;
+    else
+      end_word();
+    if (letter == '\n') lines.emplace_back();
+  }
+  end_word();
+  return lines;
+}
+
+class Annotator {
+ public:
+  Annotator(const Annotations& annotations, const MakeText& make_text, render::Framebuffer& picture)
+      : wished_(annotations),
+        make_text_(make_text),
+        picture_(picture),
+        projection_(annotations.camera, picture.width, picture.height),
+        is_dark_(luminance(picture.background) < 0.18),
+        ink_(is_dark_ ? Vec3(1, 1, 1) : Vec3(0, 0, 0)),
+        canvas_(picture, Vec3(picture.background[0], picture.background[1], picture.background[2]),
+                std::clamp(share(0.0025), 1.0, 8.0)) {}
+
+  Drawing draw() {
+    if (wished_.box) draw_box_edges();
+    if (wished_.axes) draw_axes();
+    if (!wished_.bars.empty()) draw_bars();
+    if (!wished_.caption.empty()) draw_caption();
+    if (wished_.box) draw_box_ticks();
+    return std::move(drawing_);
+  }
+
+ private:
+  /// Of the picture's height, or of its width where that is smaller.
+  double share(double of) const { return of * std::min<double>(picture_.height, 1.2 * picture_.width); }
+  int letters() const { return std::max(8, static_cast<int>(std::lround(share(0.024)))); }
+  double margin() const { return share(0.03); }
+  double thin() const { return std::max(1.0, share(0.0016)); }
+
+  Placed placed(const std::string& text, int pixels) const { return {make_text_(text, pixels), {}}; }
+
+  /// Around a middle.
+  static void center(Placed& text, const Spot& at) {
+    const Area area = text.area();
+    text.baseline = text.baseline + (at - 0.5 * (area.low + area.high));
+  }
+
+  void put(const Placed& text, const Vec3& color) {
+    canvas_.text(text.image, text.baseline, color);
+    drawing_.texts.push_back(text.area());
+  }
+
+  /// Not where another text stands already, or where it would be cut off.
+  bool is_free(const Area& area) const {
+    const Area all{{0, 0}, {static_cast<double>(picture_.width), static_cast<double>(picture_.height)}};
+    if (area.low.x < 0 || area.low.y < 0 || area.high.x > all.high.x || area.high.y > all.high.y) return false;
+    const auto overlaps = [gap = 0.25 * letters(), &area](const Area& other) {
+      return area.grown(gap).overlaps(other);
+    };
+    return std::none_of(drawing_.texts.begin(), drawing_.texts.end(), overlaps) &&
+           std::none_of(taken_.begin(), taken_.end(), overlaps);
+  }
+
+  void draw_axes() {
+    const double length = share(0.075), space = 1.45 * length;
+    const Spot origin{wished_.axes_side == Side::left ? margin() + space : picture_.width - margin() - space,
+                      picture_.height - margin() - space};
+    std::array<Vec3, 3> directions;
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3 unit(0, 0, 0);
+      unit[axis] = 1;
+      directions[static_cast<std::size_t>(axis)] = projection_.of_direction(unit);
+    }
+    std::array<std::size_t, 3> order{0, 1, 2};
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return directions[a].z > directions[b].z; });
+    drawing_.axes_origin = origin;
+    for (const std::size_t axis : order) {
+      const Spot way{directions[axis].x, directions[axis].y};
+      drawing_.axes_tips[axis] = origin + length * way;
+      draw_arrow(origin, way, length, is_dark_ ? on_dark[axis] : on_light[axis], std::string(1, "XYZ"[axis]));
+    }
+    taken_.push_back({origin - Spot{space, space}, origin + Spot{space, space}});
+  }
+
+  /// @param way  up to 1 long
+  void draw_arrow(const Spot& origin, const Spot& way, double length, const Vec3& color, const std::string& letter) {
+    const double head = 0.3 * length, width = 0.055 * length, seen = way.length();
+    const Spot tip = origin + length * way;
+    // Straight to or from the eye an arrow is a dot.
+    const Spot along = seen > 1e-9 ? (1 / seen) * way : Spot{0, 1};
+    const double head_seen = std::min(head, length * seen);
+    const Spot neck = tip - head_seen * along, across = 0.42 * head * Spot{-along.y, along.x};
+    canvas_.line(origin, neck, width, color);
+    if (head_seen > width)
+      canvas_.triangle(tip, neck + across, neck - across, color);
+    else
+      canvas_.line(origin, origin, 3 * width, color);
+    Placed text = placed(letter, static_cast<int>(std::lround(0.28 * length)));
+    center(text, origin + (length * seen + 0.24 * length) * along);
+    put(text, color);
+  }
+
+  /// A column of bars: title, colours, ticks and numbers, one bar below the other.
+  void draw_bars() {
+    const int pixels = letters();
+    const double all = 0.66 * picture_.height, gap = 1.2 * pixels;
+    const double each =
+        (all - gap * static_cast<double>(wished_.bars.size() - 1)) / static_cast<double>(wished_.bars.size());
+    double top = 0.5 * (picture_.height - all);
+    if (wished_.bars.size() == 1 && wished_.axes && wished_.axes_side == wished_.bars_side)
+      top -= 0.07 * picture_.height;
+    for (const ColorBar& bar : wished_.bars) {
+      draw_bar(bar, top, top + each);
+      top += each + gap;
+    }
+  }
+
+  void draw_bar(const ColorBar& bar, double top, double bottom) {
+    const int pixels = letters();
+    const double bar_width = std::round(share(0.026)), tick = 0.35 * pixels, to_number = 0.3 * pixels;
+    Placed title = title_of(bar);
+    const int y_begin = static_cast<int>(std::lround(top + 1.9 * pixels)),
+              y_end = static_cast<int>(std::lround(bottom));
+    if (y_end - y_begin < 2 || bar_width < 1) return;
+    const int most = std::clamp(static_cast<int>((y_end - y_begin) / (2.2 * pixels)), 2, 9);
+    std::vector<Placed> numbers;
+    double widest = 0;
+    const std::vector<Tick> ticks = ticks_of(bar.range, most);
+    for (const Tick& each : ticks) {
+      numbers.push_back(placed(each.text, pixels));
+      widest = std::max(widest, numbers.back().area().width());
+    }
+    const bool is_right = wished_.bars_side == Side::right;
+    const double taken = bar_width + tick + to_number + widest;
+    const int x_begin = static_cast<int>(std::lround(is_right ? picture_.width - margin() - taken : margin()));
+    const int x_end = x_begin + static_cast<int>(bar_width);
+
+    // Above the bar, from its outer edge inwards where it is wider than bar and numbers.
+    const double title_width = title.area().width();
+    const double left = is_right ? std::min<double>(x_begin, picture_.width - margin() - title_width) : x_begin;
+    title.baseline = {left - title.image.left, y_begin - 0.75 * pixels};
+    put(title, ink_);
+
+    canvas_.line({x_begin - 0.5, y_begin - 0.5}, {x_begin - 0.5, y_end + 0.5}, thin(), ink_);
+    canvas_.line({x_end + 0.5, y_begin - 0.5}, {x_end + 0.5, y_end + 0.5}, thin(), ink_);
+    canvas_.line({x_begin - 0.5, y_begin - 0.5}, {x_end + 0.5, y_begin - 0.5}, thin(), ink_);
+    canvas_.line({x_begin - 0.5, y_end + 0.5}, {x_end + 0.5, y_end + 0.5}, thin(), ink_);
+    Drawing::Bar drawn{x_begin, x_end, y_begin, y_end, {}};
+    const double width = bar.range.hi - bar.range.lo;
+    for (std::size_t i = 0; i < ticks.size(); ++i) {
+      const double at = width > 0 ? (ticks[i].value - bar.range.lo) / width : 0.5;
+      const double row = y_end - at * (y_end - y_begin);
+      canvas_.line({x_end + 0.5, row}, {x_end + tick, row}, thin(), ink_);
+      center(numbers[i], {0, row});
+      numbers[i].baseline.x = x_end + tick + to_number - numbers[i].image.left;
+      put(numbers[i], ink_);
+      drawn.tick_rows.push_back(row);
+    }
+    for (int y = y_begin; y < y_end; ++y)
+      canvas_.fill(x_begin, x_end, y, y + 1, render::color_of(bar.map, 1 - (y + 0.5 - y_begin) / (y_end - y_begin)));
+    taken_.push_back({{x_begin - 1.0, top}, {x_begin + taken, static_cast<double>(y_end)}});
+    drawing_.bars.push_back(std::move(drawn));
+  }
+
+  /// In smaller letters where it would be wider than 2/5 of the picture.
+  Placed title_of(const ColorBar& bar) const {
+    int pixels = letters();
+    Placed title = placed(bar.title, pixels);
+    for (; title.area().width() > 0.4 * picture_.width && pixels > 8; --pixels) title = placed(bar.title, pixels - 1);
+    return title;
+  }
+
+  void draw_caption() {
+    const int pixels = static_cast<int>(std::lround(1.15 * letters()));
+    const double aside = wished_.axes ? 2 * (margin() + 2.9 * share(0.075)) : 2 * margin();
+    const double width = std::max(picture_.width - aside, 0.4 * picture_.width);
+    const std::vector<std::string> lines = lines_of(
+        wished_.caption, [&](const std::string& line) { return placed(line, pixels).area().width() <= width; });
+    double baseline = picture_.height - margin() - 1.4 * pixels * static_cast<double>(lines.size() - 1);
+    for (const std::string& line : lines) {
+      Placed text = placed(line, pixels);
+      const double x = (picture_.width - text.area().width()) / 2 - text.image.left;
+      text.baseline = {x, std::round(baseline)};
+      put(text, ink_);
+      baseline += 1.4 * pixels;
+    }
+  }
+
+  Vec3 corner(int index) const {
+    const Box3& box = *wished_.box;
+    return {(index & 1) != 0 ? box.max.x : box.min.x, (index & 2) != 0 ? box.max.y : box.min.y,
+            (index & 4) != 0 ? box.max.z : box.min.z};
+  }
+
+  /// One of the box's twelve edges: along an axis, from the corner that is low on it.
+  struct Edge {
+    int axis;
+    int from, to;  ///< corners
+  };
+  static std::vector<Edge> edges() {
+    std::vector<Edge> all;
+    for (int axis = 0; axis < 3; ++axis)
+      for (int from = 0; from < 8; ++from)
+        if ((from >> axis & 1) == 0) all.push_back({axis, from, from | 1 << axis});
+    return all;
+  }
+
+  /// Both ends before the eye.
+  bool is_before_the_eye(const Edge& edge) const {
+    return projection_.is_orthographic() ||
+           (projection_.of(corner(edge.from)).distance > 0 && projection_.of(corner(edge.to)).distance > 0);
+  }
+
+  void draw_box_edges() {
+    for (const Edge& edge : edges()) {
+      if (!is_before_the_eye(edge)) continue;
+      const Seen from = projection_.of(corner(edge.from)), to = projection_.of(corner(edge.to));
+      canvas_.line(from.at, to.at, thin(), ink_,
+                   [&](int x, int y, double share_along) { return is_before_surfaces(x, y, from, to, share_along); });
+    }
+  }
+
+  /// Of a place on a line between two others.
+  bool is_before_surfaces(int x, int y, const Seen& from, const Seen& to, double share_along) const {
+    if (!wished_.hides_box) return true;
+    const double distance = projection_.is_orthographic()
+                                ? from.distance + share_along * (to.distance - from.distance)
+                                : 1 / ((1 - share_along) / from.distance + share_along / to.distance);
+    const auto pixel =
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(picture_.width) + static_cast<std::size_t>(x);
+    constexpr double slack = 2e-3;  // lines that lie in surfaces are seen
+    return distance * projection_.ray_length({x + 0.5, y + 0.5}) <=
+           static_cast<double>(picture_.depth[pixel]) * (1 + slack);
+  }
+
+  /// Whether one of the two sides that meet in an edge is seen, and the other not.
+  bool is_outline(const Edge& edge) const {
+    bool is_seen[2];
+    int count = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (axis == edge.axis) continue;
+      Vec3 normal(0, 0, 0);
+      normal[axis] = (edge.from >> axis & 1) != 0 ? 1 : -1;
+      is_seen[count++] = projection_.sees_side(corner(edge.from), normal);
+    }
+    return is_seen[0] != is_seen[1];
+  }
+
+  /// Along each axis one edge of the box's outline: the lowest, or the leftmost where they stand.
+  void draw_box_ticks() {
+    for (int axis = 0; axis < 3; ++axis) {
+      std::optional<Edge> best;
+      double best_place = 0;
+      const bool lies = !stands(axis);
+      for (const Edge& edge : edges()) {
+        if (edge.axis != axis || !is_before_the_eye(edge) || !is_outline(edge)) continue;
+        const Spot a = projection_.of(corner(edge.from)).at, b = projection_.of(corner(edge.to)).at;
+        const double place = lies ? a.y + b.y : -(a.x + b.x);
+        if (!best || place > best_place) best = edge, best_place = place;
+      }
+      if (best) draw_ticks(*best);
+    }
+  }
+
+  /// Whether the box's middle line along an axis is steep in the picture.
+  bool stands(int axis) const {
+    const Vec3 middle = wished_.box->center();
+    Vec3 low = middle, high = middle;
+    low[axis] = wished_.box->min[axis], high[axis] = wished_.box->max[axis];
+    const Spot way = projection_.of(high).at - projection_.of(low).at;
+    return std::abs(way.y) > 2 * std::abs(way.x);
+  }
+
+  void draw_ticks(const Edge& edge) {
+    const int pixels = letters();
+    const Vec3 low = corner(edge.from), high = corner(edge.to);
+    const Seen from = projection_.of(low), to = projection_.of(high);
+    const Spot way = to.at - from.at;
+    const double length = way.length();
+    if (length < 3 * pixels) return;
+    const Spot box_middle = projection_.of(wished_.box->center()).at;
+    Spot outward = (1 / length) * Spot{-way.y, way.x};
+    if (outward.dot(box_middle - from.at) > 0) outward = -1 * outward;
+    // Half of a text that stands beside a line, across it.
+    const auto reach = [&](const Placed& text) {
+      const Area area = text.area();
+      return 0.5 * (std::abs(outward.x) * area.width() + std::abs(outward.y) * area.height());
+    };
+    const double tick = 0.4 * pixels, gap = 0.45 * pixels;
+    double beyond = 0;
+    const Interval<double> range{low[edge.axis], high[edge.axis]};
+    const double per_number = (std::abs(way.x) * 3.4 + std::abs(way.y) * 2.6) / length * pixels;
+    std::vector<std::pair<Spot, Placed>> numbers;
+    for (const Tick& each : ticks_of(range, std::clamp(static_cast<int>(length / per_number), 1, 10))) {
+      Vec3 point = low;
+      point[edge.axis] = each.value;
+      const Spot at = projection_.of(point).at;
+      Placed number = placed(each.text, pixels);
+      center(number, at + (tick + gap + reach(number)) * outward);
+      beyond = std::max(beyond, tick + gap + 2 * reach(number));
+      numbers.emplace_back(at, std::move(number));
+    }
+    Placed title = placed(
+        concat("xyz"[edge.axis], wished_.length_unit.empty() ? "" : concat(" (", wished_.length_unit, ")")), pixels);
+    center(title, from.at + 0.5 * way + (beyond + gap + reach(title)) * outward);
+    if (is_free(title.area())) put(title, ink_);
+    for (const auto& [at, number] : numbers) {
+      canvas_.line(at, at + tick * outward, thin(), ink_);
+      if (is_free(number.area())) put(number, ink_);
+    }
+  }
+
+  const Annotations& wished_;
+  const MakeText& make_text_;
+  render::Framebuffer& picture_;
+  Projection projection_;
+  bool is_dark_;
+  Vec3 ink_;
+  Canvas canvas_;
+  std::vector<Area> taken_;  ///< where no text of the box is put
+  Drawing drawing_;
+};
+
+}  // namespace
+
+Projection::Projection(const render::Camera& camera, int width, int height)
+    : camera_(camera), middle_{width / 2.0, height / 2.0} {
+  forward_ = (camera.target - camera.position).normalized();
+  right_ = forward_.cross(camera.up).normalized();
+  down_ = forward_.cross(right_);
+  const double half_height =
+      camera.orthographic ? camera.orthographic_height / 2 : std::tan(camera.vertical_fov_deg * std::numbers::pi / 360);
+  pixels_per_unit_ = height / 2.0 / half_height;
+}
+
+Seen Projection::of(const Vec3& point) const {
+  const Vec3 way = point - camera_.position;
+  const double distance = way.dot(forward_);
+  const double scale = camera_.orthographic ? pixels_per_unit_ : pixels_per_unit_ / distance;
+  return {middle_ + scale * Spot{way.dot(right_), way.dot(down_)}, distance};
+}
+
+Vec3 Projection::of_direction(const Vec3& direction) const {
+  return {direction.dot(right_), direction.dot(down_), direction.dot(forward_)};
+}
+
+bool Projection::sees_side(const Vec3& point, const Vec3& normal) const {
+  return (camera_.orthographic ? -forward_.dot(normal) : (camera_.position - point).dot(normal)) > 0;
+}
+
+double Projection::ray_length(const Spot& at) const {
+  if (camera_.orthographic) return 1;
+  const Spot from_middle = (1 / pixels_per_unit_) * (at - middle_);
+  return std::sqrt(1 + from_middle.dot(from_middle));
+}
+
+Drawing annotate(const Annotations& annotations, const MakeText& make_text, render::Framebuffer& picture) {
+  return Annotator(annotations, make_text, picture).draw();
+}
+
+}  // namespace rhoray::tools

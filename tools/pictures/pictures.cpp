@@ -1,0 +1,118 @@
+#include "tools/pictures/pictures.h"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+
+#include "formats/base/pending_file.h"
+#include "formats/base/trouble.h"
+#include "render/png.h"
+#include "tools/pictures/pictures_module.h"
+#include "tools/rhoray/input_file.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+/// OpenImageIO's name of the format, or nothing.
+std::string format_of(const std::filesystem::path& path) {
+  static const std::pair<std::string_view, std::string_view> formats[] = {
+      {".png", "png"}, {".exr", "openexr"}, {".tif", "tiff"}, {".tiff", "tiff"}, {".jpg", "jpeg"}, {".jpeg", "jpeg"}};
+  std::string extension = path.extension().string();
+  for (char& letter : extension) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  for (const auto& [name, format] : formats)
+    if (extension == name) return std::string(format);
+  return {};
+}
+
+/// An act of the module.
+template <class Act>
+Act* load(const char* name) {
+  const std::filesystem::path module = std::filesystem::read_symlink("/proc/self/exe").parent_path() / pictures_module;
+  void* const handle = ::dlopen(module.c_str(), RTLD_NOW | RTLD_LOCAL);
+  void* const symbol = handle == nullptr ? nullptr : ::dlsym(handle, name);
+  if (symbol == nullptr)
+    throw Error(Trouble::unsupported, concat("pictures can be neither written nor read: ", ::dlerror()));
+  return reinterpret_cast<Act*>(symbol);
+}
+
+void require_ids_that_fit(const render::Framebuffer& picture, const std::filesystem::path& path) {
+  constexpr std::uint64_t limit = 0xffff'ffff;  // itself means: no cell
+  for (const std::uint64_t id : picture.cell)
+    if (id >= limit && id != render::Framebuffer::no_cell)
+      throw Error(Trouble::unsupported,
+                  concat(path.string(), ": channel 'cell': found id ", id, "; EXR holds ids below ", limit),
+                  "leave 'cell' out of --channels");
+}
+
+}  // namespace
+
+void require_picture_format(const std::filesystem::path& path, const render::ChannelSet& channels) {
+  const std::string format = format_of(path);
+  if (format.empty())
+    throw Error(Trouble::usage, concat(path.string(), ": found extension '", path.extension().string(),
+                                       "'; expected .png, .exr, .tif, .tiff, .jpg or .jpeg"));
+  if (channels.any() && format != "openexr")
+    throw Error(Trouble::usage, concat(path.string(), ": only EXR keeps --channels"),
+                "give the picture a name in .exr");
+}
+
+std::vector<std::byte> encode_picture(const render::Framebuffer& picture, const std::vector<PictureText>& texts,
+                                      const std::filesystem::path& path) {
+  const std::string format = format_of(path);
+  if (format == "png") {
+    std::vector<render::PngText> png_texts;
+    for (const auto& [name, value] : texts) png_texts.push_back({name, value});
+    return render::encode_png(picture, png_texts);
+  }
+  require_ids_that_fit(picture, path);
+  const std::vector<std::uint8_t> srgb =
+      format == "openexr" ? std::vector<std::uint8_t>() : render::srgb_bytes(picture);
+  std::vector<std::byte> bytes;
+  const std::string trouble = load<EncodePicture>(encode_picture_symbol)(picture, srgb, texts, format, bytes);
+  if (!trouble.empty()) throw Error(Trouble::resource, concat(path.string(), ": ", trouble));
+  return bytes;
+}
+
+void write_picture(const render::Framebuffer& picture, const std::vector<PictureText>& texts,
+                   const std::filesystem::path& path, bool replace_existing) {
+  write_whole_file(path, encode_picture(picture, texts, path), replace_existing);
+}
+
+const std::vector<std::filesystem::path>& known_fonts() {
+  static const std::vector<std::filesystem::path> fonts{
+      "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",    // Debian, Ubuntu
+      "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",  // Fedora
+      "/usr/share/fonts/TTF/DejaVuSans.ttf",                // Arch
+      "/usr/share/fonts/dejavu/DejaVuSans.ttf"};
+  return fonts;
+}
+
+std::filesystem::path find_font(const std::vector<std::filesystem::path>& known_fonts) {
+  std::error_code ignored;
+  for (const std::filesystem::path& font : known_fonts)
+    if (std::filesystem::is_regular_file(font, ignored)) return font;
+  throw Error(Trouble::unsupported,
+              concat("annotations need the font DejaVu Sans; there is no ", known_fonts.front().string()),
+              "on Debian the package fonts-dejavu-core brings it");
+}
+
+TextImage make_text_image(const std::string& text, int pixels, const std::filesystem::path& font) {
+  static const auto make = load<MakeTextImage>(make_text_image_symbol);
+  TextImage image;
+  const std::string trouble = make(text, pixels, font.string(), image);
+  if (!trouble.empty()) throw Error(Trouble::unsupported, concat(font.string(), ": ", trouble));
+  return image;
+}
+
+StoredPicture read_picture(const std::filesystem::path& path) {
+  require_input(path);
+  StoredPicture picture;
+  const std::string trouble = load<DecodePicture>(decode_picture_symbol)(path.string(), picture);
+  if (!trouble.empty()) throw Error(Trouble::invalid, concat(path.string(), ": no picture: ", trouble));
+  return picture;
+}
+
+}  // namespace rhoray::tools

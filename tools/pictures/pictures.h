@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "render/framebuffer.h"
+#include "tools/pictures/canvas.h"
+
+namespace rhoray::tools {
+
+/// A line of text kept in a picture: PNG text or EXR attribute. TIFF and JPEG know few names; there the first
+/// text other than Software becomes the image description, and others are left out.
+struct PictureText {
+  std::string name;
+  std::string value;
+};
+
+/// The file formats of pictures, by the extension of the name: .png .exr .tif .tiff .jpg .jpeg. Refuses others, and
+/// channels in a format that keeps none, that is all but EXR (Trouble::usage).
+void require_picture_format(const std::filesystem::path& path, const render::ChannelSet& channels);
+
+/// The bytes of a picture file; the format follows from the extension of `path`, which messages name.
+///
+/// PNG and TIFF hold 8-bit sRGB, opaque, over the background that the framebuffer carries; so does JPEG, with loss.
+/// EXR holds 32-bit float: R, G, B (linear, without the background: 0 where nothing is hit) and A; and of the channels
+/// that were asked for Z (depth), N.x, N.y, N.z, value, error; and as unsigned 32-bit cell (4294967295 where nothing is
+/// hit; an id that does not fit is refused, Trouble::unsupported), roots, iterations and cost.
+///
+/// OpenImageIO, which writes all but PNG, stands in a module of its own beside the program, `rhoray-pictures.so`,
+/// loaded here: it takes longer to load than most commands run.
+std::vector<std::byte> encode_picture(const render::Framebuffer& picture, const std::vector<PictureText>& texts,
+                                      const std::filesystem::path& path);
+
+/// Writes these bytes. The file is whole or not there; an older one stays when it cannot be written
+/// (Trouble::resource).
+void write_picture(const render::Framebuffer& picture, const std::vector<PictureText>& texts,
+                   const std::filesystem::path& path, bool replace_existing);
+
+/// A font with the letters of most languages; refuses where none of the known files is there, naming the package that
+/// brings it (Trouble::unsupported).
+std::filesystem::path find_font(const std::vector<std::filesystem::path>& known_fonts);
+const std::vector<std::filesystem::path>& known_fonts();  ///< DejaVu Sans, where systems keep it
+
+/// One line of UTF-8, in letters of so many pixels. What the font does not have is shown as its empty box.
+TextImage make_text_image(const std::string& text, int pixels, const std::filesystem::path& font);
+
+/// A picture as its file holds it: rows from the top, pixels from the left, channels side by side.
+struct StoredPicture {
+  int width = 0, height = 0;
+  std::vector<std::string> channels;  ///< "R", "G", "B", "A", "Z", ...
+  std::vector<float> numbers;         ///< as stored; of integers the share of the largest that their type holds
+};
+
+/// Reads a picture of any format above. Refuses what is not there (Trouble::unreadable), and what is no picture or is
+/// damaged (Trouble::invalid).
+StoredPicture read_picture(const std::filesystem::path& path);
+
+}  // namespace rhoray::tools

@@ -1,0 +1,325 @@
+#include "tools/pictures/pictures_module.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <ft2build.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include FT_FREETYPE_H
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <system_error>
+#include <utility>
+
+namespace rhoray::tools {
+
+namespace {
+
+/// Something that can be written: how it looks, and its bytes, pixel by pixel.
+struct Encoded {
+  OIIO::ImageSpec spec;
+  std::vector<std::uint8_t> bytes;
+};
+
+Encoded encode_8_bit(const render::Framebuffer& picture, const std::vector<std::uint8_t>& srgb) {
+  Encoded out{OIIO::ImageSpec(picture.width, picture.height, 3, OIIO::TypeDesc::UINT8), srgb};
+  out.spec.attribute("oiio:ColorSpace", "sRGB");
+  return out;
+}
+
+/// Adds pixels whose channels are 32 bits each, of two types, side by side.
+class FloatPixels {
+ public:
+  explicit FloatPixels(std::size_t channel_count, std::size_t pixel_count) : bytes_(4 * channel_count * pixel_count) {}
+
+  template <class T>
+  void add(T value) {
+    static_assert(sizeof(T) == 4);
+    std::memcpy(bytes_.data() + position_, &value, 4);
+    position_ += 4;
+  }
+  std::vector<std::uint8_t> take() { return std::move(bytes_); }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+  std::size_t position_ = 0;
+};
+
+/// Channels of one kind: their names, what they hold, and how a pixel's are added.
+struct ExrChannels {
+  std::vector<std::string> names;
+  OIIO::TypeDesc type;
+  std::function<void(FloatPixels&, std::size_t pixel)> add;
+};
+
+std::vector<ExrChannels> exr_channels(const render::Framebuffer& picture) {
+  std::vector<ExrChannels> all;
+  const auto add_numbers = [&](const char* name, const auto& channel) {
+    if (!channel.empty())
+      all.push_back({{name}, OIIO::TypeDesc::FLOAT, [&](FloatPixels& pixels, std::size_t pixel) {
+                       pixels.add(static_cast<float>(channel[pixel]));
+                     }});
+  };
+  const auto add_counts = [&](const char* name, const auto& channel) {
+    if (!channel.empty())  // no_cell becomes 2^32 - 1
+      all.push_back({{name}, OIIO::TypeDesc::UINT32, [&](FloatPixels& pixels, std::size_t pixel) {
+                       pixels.add(static_cast<std::uint32_t>(channel[pixel]));
+                     }});
+  };
+  all.push_back({{"R", "G", "B", "A"}, OIIO::TypeDesc::FLOAT, [&](FloatPixels& pixels, std::size_t pixel) {
+                   const float alpha = picture.color[4 * pixel + 3];
+                   for (std::size_t c = 0; c < 3; ++c)
+                     pixels.add(picture.color[4 * pixel + c] - (1 - alpha) * picture.background[c]);
+                   pixels.add(alpha);
+                 }});
+  add_numbers("Z", picture.depth);
+  if (!picture.normal.empty())
+    all.push_back({{"N.x", "N.y", "N.z"}, OIIO::TypeDesc::FLOAT, [&](FloatPixels& pixels, std::size_t pixel) {
+                     for (std::size_t c = 0; c < 3; ++c) pixels.add(picture.normal[3 * pixel + c]);
+                   }});
+  add_numbers("value", picture.value);
+  add_numbers("error", picture.error);
+  add_counts("cell", picture.cell);
+  add_counts("roots", picture.roots);
+  add_counts("iterations", picture.iterations);
+  add_counts("cost", picture.cost);
+  return all;
+}
+
+Encoded encode_exr(const render::Framebuffer& picture) {
+  const std::vector<ExrChannels> channels = exr_channels(picture);
+  std::vector<std::string> names;
+  std::vector<OIIO::TypeDesc> types;
+  for (const ExrChannels& some : channels) {
+    names.insert(names.end(), some.names.begin(), some.names.end());
+    types.insert(types.end(), some.names.size(), some.type);
+  }
+  Encoded out{OIIO::ImageSpec(picture.width, picture.height, static_cast<int>(names.size()), OIIO::TypeDesc::FLOAT),
+              {}};
+  out.spec.channelnames = names;
+  out.spec.alpha_channel = 3;
+  if (!picture.depth.empty()) out.spec.z_channel = 4;
+  if (types.back() != OIIO::TypeDesc(OIIO::TypeDesc::FLOAT)) out.spec.channelformats = types;  // counts come last
+  out.spec.attribute("compression", "zip");
+  out.spec.attribute("oiio:ColorSpace", "Linear");
+
+  FloatPixels pixels(names.size(), picture.pixel_count());
+  for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel)
+    for (const ExrChannels& some : channels) some.add(pixels, pixel);
+  out.bytes = pixels.take();
+  return out;
+}
+
+/// A file in memory that is opened by a path.
+class MemoryFile {
+ public:
+  MemoryFile() : descriptor_(::memfd_create("rhoray-picture", MFD_CLOEXEC)) { check(descriptor_ >= 0); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  ~MemoryFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+
+  std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+
+  std::vector<std::byte> bytes() const {
+    struct stat status {};
+    check(::fstat(descriptor_, &status) == 0);
+    std::vector<std::byte> all(static_cast<std::size_t>(status.st_size));
+    for (std::size_t done = 0; done < all.size();) {
+      const ssize_t count = ::pread(descriptor_, all.data() + done, all.size() - done, static_cast<off_t>(done));
+      check(count > 0);
+      done += static_cast<std::size_t>(count);
+    }
+    return all;
+  }
+
+ private:
+  static void check(bool works) {
+    if (!works) throw std::system_error(errno, std::system_category(), "a file in memory");
+  }
+
+  int descriptor_;
+};
+
+/// Writes with an ImageOutput that is prepared by `open`; what went wrong, or nothing.
+template <class Open>
+std::string write_with(const Encoded& encoded, const std::string& format, const Open& open) {
+  const auto file = OIIO::ImageOutput::create(format);
+  if (!file) return OIIO::geterror();
+  if (!open(*file)) return file->geterror();
+  const bool mixed = !encoded.spec.channelformats.empty();
+  const OIIO::TypeDesc given = mixed ? OIIO::TypeDesc(OIIO::TypeDesc::UNKNOWN) : encoded.spec.format;  // as they lie
+  if (!file->write_image(given, encoded.bytes.data())) return file->geterror();
+  if (!file->close()) return file->geterror();
+  return {};
+}
+
+/// Into memory: OpenImageIO and the libraries below it do not report every failure of a disk, and libjpeg ends the
+/// program.
+std::string encode(const Encoded& encoded, const std::string& format, std::vector<std::byte>& bytes) {
+  // OpenImageIO 2.4 loses all but the Exif part of a TIFF that it writes through a proxy: libtiff reads the directory
+  // back, and its proxies give it nothing.
+  if (format == "tiff") {
+    const MemoryFile memory;
+    std::string trouble =
+        write_with(encoded, format, [&](OIIO::ImageOutput& file) { return file.open(memory.path(), encoded.spec); });
+    bytes = memory.bytes();
+    return trouble;
+  }
+  OIIO::Filesystem::IOVecOutput memory;
+  std::string trouble = write_with(encoded, format, [&](OIIO::ImageOutput& file) {
+    return file.set_ioproxy(&memory) && file.open("memory." + format, encoded.spec);
+  });
+  const auto* const first = reinterpret_cast<const std::byte*>(memory.buffer().data());
+  bytes.assign(first, first + memory.buffer().size());
+  return trouble;
+}
+
+}  // namespace
+
+extern "C" __attribute__((visibility("default"))) std::string rhoray_encode_picture(
+    const render::Framebuffer& picture, const std::vector<std::uint8_t>& srgb, const std::vector<PictureText>& texts,
+    const std::string& format, std::vector<std::byte>& bytes) noexcept {
+  try {
+    Encoded encoded = format == "openexr" ? encode_exr(picture) : encode_8_bit(picture, srgb);
+    if (format == "jpeg") encoded.spec.attribute("compression", "jpeg:95");
+    encoded.spec.attribute("DateTime",
+                           "1970:01:01 00:00:00");  // else EXR and TIFF get the time, and other bytes each time
+    const bool keeps_any_name = format == "openexr";
+    bool is_described = false;
+    for (const PictureText& text : texts)
+      if (keeps_any_name || text.name == "Software")
+        encoded.spec.attribute(text.name, text.value);
+      else if (!std::exchange(is_described, true))
+        encoded.spec.attribute("ImageDescription", text.value);
+    return encode(encoded, format, bytes);
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+}
+
+namespace {
+
+constexpr char32_t no_letter = 0xfffd;  // what stands for bytes that are no UTF-8
+
+/// The letters of a UTF-8 text.
+std::u32string letters_of(const std::string& text) {
+  std::u32string letters;
+  for (std::size_t at = 0; at < text.size();) {
+    const auto first = static_cast<unsigned char>(text[at]);
+    const std::size_t count = first < 0x80 ? 1 : first >> 5 == 6 ? 2 : first >> 4 == 14 ? 3 : first >> 3 == 30 ? 4 : 0;
+    bool is_whole = count > 0 && at + count <= text.size();
+    char32_t letter = count == 1 ? first : first & (0x7fU >> count);
+    for (std::size_t i = 1; is_whole && i < count; ++i) {
+      const auto next = static_cast<unsigned char>(text[at + i]);
+      is_whole = next >> 6 == 2;
+      letter = letter << 6 | (next & 0x3fU);
+    }
+    letters += is_whole ? letter : no_letter;
+    at += is_whole ? count : 1;
+  }
+  return letters;
+}
+
+/// A font file at a size, through FreeType.
+class Font {
+ public:
+  Font(const std::string& file, int pixels) {
+    if (FT_Init_FreeType(&library_) != 0) return;
+    if (FT_New_Face(library_, file.c_str(), 0, &face_) != 0) return;
+    is_ready_ = FT_Set_Pixel_Sizes(face_, 0, static_cast<FT_UInt>(pixels)) == 0;
+  }
+  Font(const Font&) = delete;
+  Font& operator=(const Font&) = delete;
+  ~Font() {
+    if (face_ != nullptr) FT_Done_Face(face_);
+    if (library_ != nullptr) FT_Done_FreeType(library_);
+  }
+
+  bool is_ready() const { return is_ready_; }
+
+  /// Calls act(bitmap, x, y) for every letter: where its upper left corner stands from where the baseline begins.
+  template <class Act>
+  void for_each_letter(const std::u32string& letters, const Act& act) const {
+    FT_UInt before = 0;
+    FT_Pos pen = 0;  // in 64ths of a pixel
+    for (const char32_t letter : letters) {
+      const FT_UInt glyph = FT_Get_Char_Index(face_, letter);
+      FT_Vector kerning{};
+      if (before != 0 && glyph != 0) FT_Get_Kerning(face_, before, glyph, FT_KERNING_DEFAULT, &kerning);
+      pen += kerning.x;
+      before = glyph;
+      if (FT_Load_Glyph(face_, glyph, FT_LOAD_RENDER | FT_LOAD_TARGET_LIGHT) != 0) continue;
+      const FT_GlyphSlot slot = face_->glyph;
+      act(slot->bitmap, static_cast<int>((pen + 32) >> 6) + slot->bitmap_left, -slot->bitmap_top);
+      pen += slot->advance.x;
+    }
+  }
+
+ private:
+  FT_Library library_ = nullptr;
+  FT_Face face_ = nullptr;
+  bool is_ready_ = false;
+};
+
+}  // namespace
+
+extern "C" __attribute__((visibility("default"))) std::string rhoray_make_text_image(const std::string& text,
+                                                                                     int pixels,
+                                                                                     const std::string& font_file,
+                                                                                     TextImage& out) noexcept {
+  try {
+    const Font font(font_file, pixels);
+    if (!font.is_ready()) return "is no font that can be read";
+    const std::u32string letters = letters_of(text);
+    int left = 0, top = 0, right = 0, bottom = 0;
+    bool is_first = true;
+    font.for_each_letter(letters, [&](const FT_Bitmap& letter, int x, int y) {
+      const int width = static_cast<int>(letter.width), height = static_cast<int>(letter.rows);
+      if (width == 0 || height == 0) return;
+      left = is_first ? x : std::min(left, x), top = is_first ? y : std::min(top, y);
+      right = is_first ? x + width : std::max(right, x + width);
+      bottom = is_first ? y + height : std::max(bottom, y + height);
+      is_first = false;
+    });
+    out = {.left = left, .top = top, .width = right - left, .height = bottom - top, .coverage = {}};
+    out.coverage.resize(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height));
+    font.for_each_letter(letters, [&](const FT_Bitmap& letter, int x, int y) {
+      for (int row = 0; row < static_cast<int>(letter.rows); ++row)
+        for (int column = 0; column < static_cast<int>(letter.width); ++column) {
+          const float covered = static_cast<float>(letter.buffer[row * letter.pitch + column]) / 255;
+          const int at = (y + row - top) * out.width + x + column - left;
+          float& pixel = out.coverage[static_cast<std::size_t>(at)];
+          pixel = std::max(pixel, covered);
+        }
+    });
+    return {};
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+}
+
+extern "C" __attribute__((visibility("default"))) std::string rhoray_decode_picture(const std::string& path,
+                                                                                    StoredPicture& picture) noexcept {
+  try {
+    const auto file = OIIO::ImageInput::open(path);
+    if (!file) return OIIO::geterror();
+    const OIIO::ImageSpec spec = file->spec();
+    if (spec.depth != 1) return "it has several layers of pixels";
+    picture = {.width = spec.width, .height = spec.height, .channels = spec.channelnames, .numbers = {}};
+    picture.numbers.resize(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels));
+    if (!file->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, picture.numbers.data()))
+      return file->geterror();
+    return {};
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+}
+
+}  // namespace rhoray::tools

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tools/pictures/pictures.h"
+
+namespace rhoray::tools {
+
+// The acts of the module that holds OpenImageIO and FreeType. Nothing is thrown out of them; they return an empty text,
+// or what went wrong.
+
+/// The bytes of a file of `format` ("openexr", "tiff", "jpeg").
+/// @param srgb  the picture as render::srgb_bytes has it, which TIFF and JPEG hold; may be empty for EXR
+using EncodePicture = std::string(const render::Framebuffer& picture, const std::vector<std::uint8_t>& srgb,
+                                  const std::vector<PictureText>& texts, const std::string& format,
+                                  std::vector<std::byte>& bytes) noexcept;
+
+using DecodePicture = std::string(const std::string& path, StoredPicture& picture) noexcept;
+
+/// How much of each pixel a line of text covers, drawn with the letters of a font file.
+/// @param pixels  the font's size
+using MakeTextImage = std::string(const std::string& text, int pixels, const std::string& font,
+                                  TextImage& out) noexcept;
+
+inline constexpr const char* pictures_module = "rhoray-pictures.so";  ///< beside the program
+inline constexpr const char* encode_picture_symbol = "rhoray_encode_picture";
+inline constexpr const char* decode_picture_symbol = "rhoray_decode_picture";
+inline constexpr const char* make_text_image_symbol = "rhoray_make_text_image";
+
+}  // namespace rhoray::tools
