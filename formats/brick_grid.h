@@ -17,15 +17,9 @@
 #include "formats/field_summary.h"
 #include "formats/macro_levels.h"
 #include "formats/packed_file.h"
+#include "formats/provenance.h"
 
 namespace rhoray::formats {
-
-/// Where a packed file came from and what packing did to it.
-struct Provenance {
-  std::string source_name;      ///< file name without folders
-  std::string source_checksum;  ///< XXH3-128 of the source's bytes, hexadecimal; empty when not taken
-  std::string command;          ///< the command line that made the file
-};
 
 /// How far a grid's field lies from the field that it was made from, measured at points between and on the samples and
 /// kept for every brick of brick_edge samples: brick (a, b, c) answers for the leaf cells whose first sample lies in

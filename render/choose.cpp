@@ -1,4 +1,6 @@
+#include "render/grid/all_hits/all_hits.h"
 #include "render/query/kernels.h"
+#include "render/query/ordered_crossings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,6 +25,11 @@ Kernels choose_kernels(const VolumeImplementation& volume, const Method& method,
   if (const Kernel wide = wide::largest_value_kernel(volume, method, machine)) kernels.largest_value = wide;
   if (const Kernel wide = wide::largest_value_in_tets_kernel(volume, method, machine)) kernels.largest_value = wide;
   return kernels;
+}
+
+CrossingsKernel crossings_kernel(const VolumeImplementation& volume, const Question& question, Machine machine) {
+  if (const CrossingsKernel of_grid = wide::shells_kernel(volume, question, machine)) return of_grid;
+  return wide::facet_crossings_kernel(volume, question, machine);
 }
 
 bool keeps_to_bounds(const VolumeImplementation& volume, const Method& method) {

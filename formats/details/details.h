@@ -9,10 +9,10 @@
 
 #include "formats/base/affine.h"
 #include "formats/base/interval.h"
-#include "formats/brick_grid.h"
 #include "formats/field_summary.h"
 #include "formats/macro_levels.h"
 #include "formats/packed_file.h"
+#include "formats/provenance.h"
 
 /// The JSON text `details` of a packed file: what grids and meshes share in writing and reading it.
 namespace rhoray::formats::details {

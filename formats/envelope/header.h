@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "formats/packed_file.h"
+#include "formats/file_description.h"
 
 /// The envelope of a packed file (SPEC.md): header, data area, table of checksums, seal.
 namespace rhoray::formats::envelope {

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "formats/base/trouble.h"
-#include "preprocess/process/child_process.h"
+#include "preprocess/process/worker_request.h"
 
 namespace rhoray::preprocess {
 namespace {

@@ -11,11 +11,6 @@
 
 namespace rhoray::render {
 
-CellRegion GridForJudge::region(int, const Index3& cell) const {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  return {cell, cell + Index3(1, 1, 1), -infinity, infinity};
-}
-
 namespace {
 
 using exact::Rational;

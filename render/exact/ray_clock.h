@@ -2,7 +2,8 @@
 
 #include "render/exact/ball.h"
 #include "render/exact/cell_polynomial.h"
-#include "render/exact/exact_grid.h"
+#include "render/exact/grid_source.h"
+#include "render/traverse/ray.h"
 
 namespace rhoray::render::exact {
 

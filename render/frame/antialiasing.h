@@ -5,7 +5,8 @@
 #include <stop_token>
 #include <vector>
 
-#include "render/frame/frame.h"
+#include "render/frame/frame_memory.h"
+#include "render/frame/pass.h"
 
 namespace rhoray::render {
 

@@ -5,18 +5,15 @@
 #include <vector>
 
 #include "render/dataset/volume.h"
-#include "render/frame/block_mask.h"
 #include "render/frame/clip_region.h"
 #include "render/frame/pixel_rays.h"
 #include "render/frame/pixels.h"
 #include "render/frame/slices.h"
-#include "render/frame/tile_threads.h"
 #include "render/frame/tiles.h"
 #include "render/frame/worker.h"
 #include "render/query/kernels.h"
 #include "render/query/ordered_crossings.h"
 #include "render/render.h"
-#include "render/shadow/occluder_cache.h"
 #include "render/shadow/occluders.h"
 
 namespace rhoray::render {
@@ -77,50 +74,6 @@ struct LatticeRays {
   PixelLattice lattice;
   std::vector<PixelRays> of_layers;
   std::optional<PixelRays> in_world{};  ///< where WorkerNeeds::world_rays are asked for
-};
-
-/// Pixels that are traced one after another before anyone looks: those of a few lattices. Rays are made, and kernels
-/// are asked about them, in blocks of pixels that may see one of the layers' boxes; the others are background.
-class Pass {
- public:
-  void add(const Frame& frame, const PixelLattice& lattice);
-
-  std::size_t tile_count() const { return tiles_.size(); }
-  void trace_tile(const Frame& frame, std::size_t index, Worker& worker, Framebuffer& out) const;
-
- private:
-  struct PassTile {
-    std::size_t rays;
-    Tile tile;
-  };
-
-  std::vector<LatticeRays> rays_;
-  std::vector<PassTile> tiles_;
-};
-
-/// Makes colours of what a tile's rays have met: into Worker::colors.
-void shade_layers(const Frame& frame, Worker& worker);
-
-/// The threads, and their memory, made by each of them when it first works.
-class FrameMemory::Implementation {
- public:
-  /// @param threads  as FrameOptions::threads
-  void begin_frame(unsigned threads, const WorkerNeeds& needs);
-  const TileThreads& threads() const { return *threads_; }
-  Worker& worker(std::size_t index);
-  /// Those that have worked in this frame.
-  std::vector<const Worker*> workers() const;
-  wide::BlockersMemory& blockers() { return blockers_; }  ///< for the thread that begins frames
-
- private:
-  struct Place {
-    std::unique_ptr<Worker> worker;
-    bool works = false;  ///< in this frame
-  };
-  std::optional<TileThreads> threads_;
-  std::vector<Place> places_;
-  WorkerNeeds needs_;
-  wide::BlockersMemory blockers_;
 };
 
 }  // namespace rhoray::render

@@ -5,8 +5,8 @@
 #include <limits>
 #include <span>
 
+#include "render/frame/clip_gap.h"
 #include "render/frame/lighting.h"
-#include "render/frame/tracing.h"
 #include "render/traverse/ticks.h"
 
 namespace rhoray::render {

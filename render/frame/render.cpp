@@ -13,7 +13,9 @@
 #include "formats/base/trouble.h"
 #include "formats/intact.h"
 #include "render/frame/antialiasing.h"
-#include "render/frame/frame.h"
+#include "render/frame/block_mask.h"
+#include "render/frame/frame_memory.h"
+#include "render/frame/pass.h"
 #include "render/frame/shells.h"
 #include "render/traverse/ticks.h"
 

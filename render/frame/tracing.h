@@ -9,9 +9,4 @@ namespace rhoray::render {
 /// surface is the nearest: nothing is asked about behind it.
 void trace_layers(const Frame& frame, const LatticeRays& rays, const Tile& tile, Worker& worker);
 
-/// Asks about the parts of rays behind what the clip region cuts away, WorldRays::cut.
-/// @param ends  of all rays of the tile; null: they do not end
-void ask_behind_cut(const FrameLayer& layer, Kernel kernel, const Question& question, const double* ends,
-                    Worker& worker, LayerWork& work);
-
 }  // namespace rhoray::render

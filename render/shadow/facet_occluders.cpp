@@ -9,7 +9,6 @@
 #include "render/shadow/front_facing.h"
 #include "render/shadow/occluder_sheets.h"
 #include "render/triangles/facet_levels.h"
-#include "render/triangles/kernels/facet_parts.h"
 
 namespace rhoray::render::wide {
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-#include "render/triangles/facets.h"
+#include "render/triangles/facet_block.h"
 
 namespace rhoray::render {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "formats/base/checks.h"
-#include "render/triangles/facets.h"
+#include "render/triangles/facet_block.h"
 
 namespace rhoray::render {
 

@@ -4,10 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-namespace rhoray::render {
+#include "render/triangles/facet_block.h"
 
-struct FacetBlock;
-struct FacetField;
+namespace rhoray::render {
 
 /// Which facets of a surface meet at their edges, and how they are turned: it depends on the surface alone, and takes
 /// longer to find out than most that is asked about it. Edge c of a facet goes from corner c to the next one.

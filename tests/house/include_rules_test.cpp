@@ -129,5 +129,9 @@ TEST(House, keeps_the_include_rules) {
   EXPECT_THAT(breaches(RHORAY_SOURCE_DIR), testing::IsEmpty());
 }
 
+TEST(House, has_no_units_that_include_each_other_in_a_circle) {
+  EXPECT_THAT(circles(RHORAY_SOURCE_DIR), testing::IsEmpty());
+}
+
 }  // namespace
 }  // namespace rhoray::tests

@@ -7,15 +7,9 @@
 
 #include "render/framebuffer.h"
 #include "tools/pictures/canvas.h"
+#include "tools/pictures/stored_picture.h"
 
 namespace rhoray::tools {
-
-/// A line of text kept in a picture: PNG text or EXR attribute. TIFF and JPEG know few names; there the first
-/// text other than Software becomes the image description, and others are left out.
-struct PictureText {
-  std::string name;
-  std::string value;
-};
 
 /// The file formats of pictures, by the extension of the name: .png .exr .tif .tiff .jpg .jpeg. Refuses others, and
 /// channels in a format that keeps none, that is all but EXR (Trouble::usage).
@@ -45,13 +39,6 @@ const std::vector<std::filesystem::path>& known_fonts();  ///< DejaVu Sans, wher
 
 /// One line of UTF-8, in letters of so many pixels. What the font does not have is shown as its empty box.
 TextImage make_text_image(const std::string& text, int pixels, const std::filesystem::path& font);
-
-/// A picture as its file holds it: rows from the top, pixels from the left, channels side by side.
-struct StoredPicture {
-  int width = 0, height = 0;
-  std::vector<std::string> channels;  ///< "R", "G", "B", "A", "Z", ...
-  std::vector<float> numbers;         ///< as stored; of integers the share of the largest that their type holds
-};
 
 /// Reads a picture of any format above. Refuses what is not there (Trouble::unreadable), and what is no picture or is
 /// damaged (Trouble::invalid).

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/pictures/pictures.h"
+#include "render/framebuffer.h"
+#include "tools/pictures/canvas.h"
+#include "tools/pictures/stored_picture.h"
 
 namespace rhoray::tools {
 

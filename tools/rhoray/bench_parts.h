@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/rhoray/bench_tables.h"
+#include "tools/rhoray/bench_options.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/report.h"
 

@@ -1,29 +1,12 @@
 #pragma once
 
-#include <filesystem>
 #include <functional>
-#include <string>
-#include <vector>
+#include <string_view>
 
-#include "tools/rhoray/option_values.h"
+#include "tools/rhoray/bench_options.h"
 #include "tools/rhoray/table.h"
 
 namespace rhoray::tools {
-
-struct BenchOptions {
-  std::filesystem::path input;
-  std::vector<std::string> isovalues{"auto"};
-  std::string field;
-  std::string accuracy;  ///< as in render
-  std::string view = "iso";
-  std::string normals, color_by;  ///< as in render
-  PictureSize size{512, 512};     ///< the paper's
-  int repeat = 5;
-  unsigned threads = 0;
-  bool mip = false;               ///< also rows of maximum intensity projection
-  std::filesystem::path scratch;  ///< folder for files that are written to be timed
-  std::uint64_t memory_limit_bytes = 0;
-};
 
 /// What is said while the measurements run.
 using Step = std::function<void(std::string_view what)>;

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "preprocess/mesh/subdivide/refine.h"
+#include "preprocess/mesh/subdivide/curved_cell.h"
 #include "preprocess/mesh/subdivide/shape_functions.h"
 #include "preprocess/neutral.h"
 

@@ -5,17 +5,12 @@
 #include <span>
 #include <vector>
 
+#include "preprocess/mesh/subdivide/curved_cell.h"
 #include "preprocess/mesh/subdivide/cut_cell.h"
-#include "preprocess/mesh/subdivide/shape_functions.h"
 #include "preprocess/neutral.h"
 #include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
-
-struct CurvedCell {
-  std::uint64_t cell;           ///< its position in the mesh
-  const ShapeFunctions* shape;  ///< stays with the caller
-};
 
 /// A tetrahedron over corners of a curved cell.
 struct CornerTetrahedronOfCell {

@@ -5,8 +5,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "preprocess/mesh/subdivide/curved_cell.h"
 #include "preprocess/mesh/subdivide/fine_place.h"
-#include "preprocess/mesh/subdivide/refine.h"
 #include "preprocess/neutral.h"
 
 namespace rhoray::preprocess {

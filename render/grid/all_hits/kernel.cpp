@@ -62,12 +62,6 @@ Shells shells_of(const View& view, const VolumeImplementation& volume, const Cro
   return shells;
 }
 
-CrossingArrays crossing_arrays_of(CrossingList& list) {
-  CrossingArrays arrays{.hits = {}, .count = list.count.data()};
-  for (std::size_t k = 0; k < CrossingList::most; ++k) arrays.hits[k] = arrays_of(list.hits(k));
-  return arrays;
-}
-
 template <Machine machine>
 void cross(const VolumeImplementation& volume, const CrossingsQuestion& question, const RayBatch& rays,
            std::span<CrossingList* const> lists, std::uint8_t* complete, CrossingsMemory& memory,
@@ -79,7 +73,7 @@ void cross(const VolumeImplementation& volume, const CrossingsQuestion& question
           const Shells shells = shells_of(view, volume, question, *memory.shells);
           CrossingArrays arrays[most_shells];
           for (std::size_t s = 0; s < lists.size(); ++s) {
-            arrays[s] = crossing_arrays_of(*lists[s]);
+            arrays[s] = arrays_of(*lists[s]);
             if (question.only_places)
               std::fill_n(arrays[s].hits[0].t, rays.count, std::numeric_limits<double>::infinity());
             else

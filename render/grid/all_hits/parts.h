@@ -8,7 +8,7 @@
 
 #include "formats/base/checks.h"
 #include "render/grid/isosurface/parts.h"
-#include "render/query/ordered_crossings.h"
+#include "render/query/crossing_arrays.h"
 
 /// What the sources of the wide kernel for clear isosurfaces hand to the part that is compiled once per machine.
 namespace rhoray::render::wide {
@@ -150,12 +150,6 @@ struct alignas(64) ShellScratch {
   SeenBlock seen[kept_blocks];
   std::uint64_t block_key[kept_blocks];
   std::array<std::shared_ptr<const Occupancy>, most_shells> occupancies;  ///< whose blocks are kept
-};
-
-/// A surface's crossings as plain arrays.
-struct CrossingArrays {
-  HitArrays hits[CrossingList::most];
-  std::uint8_t* count;
 };
 
 /// What is compiled once per machine: notes the crossings of at most 64 rays of a batch, from `first` on. First hits

@@ -3,8 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "render/grid/all_hits/parts.h"
-#include "render/query/ordered_crossings.h"
+#include "render/query/crossing_arrays.h"
 #include "render/triangles/kernels/facet_parts.h"
 
 /// What the wide kernel for clear isosurfaces of meshes hands to the part that is compiled once per machine.

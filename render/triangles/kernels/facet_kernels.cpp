@@ -235,8 +235,7 @@ void cross_facets(const VolumeImplementation& volume, const CrossingsQuestion& q
             FacetLists& found = memory.facets->lists;
             found.room = room_for(asked.passing, question.least_light);
             found.passing = asked.passing, found.least_light = question.least_light;
-            CrossingArrays written{.hits = {}, .count = lists[s]->count.data()};
-            for (std::size_t k = 0; k < CrossingList::most; ++k) written.hits[k] = arrays_of(lists[s]->hits(k));
+            const CrossingArrays written = arrays_of(*lists[s]);
             found.written = &written, found.complete = complete;
             write_misses(written.hits[0], rays.count);
             std::fill_n(written.count, rays.count, std::uint8_t{0});

@@ -54,10 +54,6 @@ struct FacetSurface {
 inline constexpr float place_error = 1.25f * 0x1p-22f;
 inline constexpr double certified_reach = 0x1p20;
 
-/// How far from a facet's corners a ray may pass that meets it, in the facets' frame: far above place_error, and the
-/// rounding of the corners themselves.
-inline constexpr double facet_margin = 0x1p-18;
-
 /// Rays that start farther away than this go to the reference at once.
 inline constexpr double reach = 0x1p40;
 

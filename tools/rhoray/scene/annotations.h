@@ -1,7 +1,7 @@
 #pragma once
 
 #include "tools/pictures/annotate.h"
-#include "tools/rhoray/scene/plan.h"
+#include "tools/rhoray/scene/scene_plan.h"
 
 namespace rhoray::tools {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tools/rhoray/option_values.h"
-#include "tools/rhoray/scene/plan.h"
+#include "tools/rhoray/scene/scene_plan.h"
 #include "tools/rhoray/scene/values.h"
 #include "tools/rhoray/scene/wishes.h"
 

@@ -1,7 +1,8 @@
-#include "render/frame/frame.h"
+#include "render/frame/pass.h"
 
 #include <limits>
 
+#include "render/frame/block_mask.h"
 #include "render/frame/lighting.h"
 #include "render/frame/peeling.h"
 #include "render/frame/shells.h"
@@ -155,28 +156,6 @@ void Pass::trace_tile(const Frame& frame, std::size_t index, Worker& worker, Fra
   counts.rays += tile.count();
   counts.rays_ruled_out += tile.count() - traced;
   counts.tile_ticks += ticks_now() - start;
-}
-
-void FrameMemory::Implementation::begin_frame(unsigned threads, const WorkerNeeds& needs) {
-  if (!threads_ || threads_->asked_for() != threads) threads_.emplace(threads);
-  places_.resize(threads_->worker_count());
-  for (Place& place : places_) place.works = false;
-  needs_ = needs;
-}
-
-Worker& FrameMemory::Implementation::worker(std::size_t index) {
-  Place& place = places_[index];
-  if (!place.worker) place.worker = std::make_unique<Worker>();
-  if (!place.works) place.worker->begin_frame(needs_);
-  place.works = true;
-  return *place.worker;
-}
-
-std::vector<const Worker*> FrameMemory::Implementation::workers() const {
-  std::vector<const Worker*> working;
-  for (const Place& place : places_)
-    if (place.works) working.push_back(place.worker.get());
-  return working;
 }
 
 }  // namespace rhoray::render

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "render/frame/tile_threads.h"
+#include "render/frame/worker.h"
+#include "render/render.h"
+#include "render/shadow/occluder_cache.h"
+
+namespace rhoray::render {
+
+/// The threads, and their memory, made by each of them when it first works.
+class FrameMemory::Implementation {
+ public:
+  /// @param threads  as FrameOptions::threads
+  void begin_frame(unsigned threads, const WorkerNeeds& needs);
+  const TileThreads& threads() const { return *threads_; }
+  Worker& worker(std::size_t index);
+  /// Those that have worked in this frame.
+  std::vector<const Worker*> workers() const;
+  wide::BlockersMemory& blockers() { return blockers_; }  ///< for the thread that begins frames
+
+ private:
+  struct Place {
+    std::unique_ptr<Worker> worker;
+    bool works = false;  ///< in this frame
+  };
+  std::optional<TileThreads> threads_;
+  std::vector<Place> places_;
+  WorkerNeeds needs_;
+  wide::BlockersMemory blockers_;
+};
+
+}  // namespace rhoray::render

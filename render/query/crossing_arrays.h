@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "render/query/batch_arrays.h"
+#include "render/query/ordered_crossings.h"
+
+namespace rhoray::render::wide {
+
+/// A surface's crossings as plain arrays.
+struct CrossingArrays {
+  HitArrays hits[CrossingList::most];
+  std::uint8_t* count;
+};
+
+inline CrossingArrays arrays_of(CrossingList& list) {
+  CrossingArrays arrays{.hits = {}, .count = list.count.data()};
+  for (std::size_t k = 0; k < CrossingList::most; ++k) arrays.hits[k] = arrays_of(list.hits(k));
+  return arrays;
+}
+
+}  // namespace rhoray::render::wide
