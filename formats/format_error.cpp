@@ -23,8 +23,8 @@ std::string shown(std::string_view text) {
 }  // namespace
 
 void refuse(std::string_view file, std::string_view place, std::string_view found, std::string_view expected,
-            Trouble trouble) {
-  throw Error(trouble, concat(file, ", ", shown(place), ": found ", shown(found), "; expected ", shown(expected)));
+            ErrorCode error_code) {
+  throw Error(error_code, concat(file, ", ", shown(place), ": found ", shown(found), "; expected ", shown(expected)));
 }
 
 }  // namespace rhoray::formats

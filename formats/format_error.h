@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::formats {
 
@@ -12,6 +12,6 @@ namespace rhoray::formats {
 /// Control characters in what is said are shown as \x0a, and long texts are cut: they may come from a hostile file.
 /// @param place  where in the file, in its own terms: "byte 4096", "array 'points'", "header"
 [[noreturn]] void refuse(std::string_view file, std::string_view place, std::string_view found,
-                         std::string_view expected, Trouble trouble = Trouble::invalid);
+                         std::string_view expected, ErrorCode error_code = ErrorCode::invalid);
 
 }  // namespace rhoray::formats

@@ -64,9 +64,9 @@ PackedFile::Mapping::Mapping(int owned_descriptor, std::string file_name)
 void PackedFile::Mapping::map() {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0)
-    throw Error(Trouble::unreadable, concat(name, ": ", std::system_category().message(errno)));
+    throw Error(ErrorCode::unreadable, concat(name, ": ", std::system_category().message(errno)));
   if (!S_ISREG(status.st_mode))
-    throw Error(Trouble::unreadable,
+    throw Error(ErrorCode::unreadable,
                 concat(name, ": found ", S_ISDIR(status.st_mode) ? "a folder" : "a special file", "; expected a file"));
   bytes = static_cast<std::uint64_t>(status.st_size);
   constexpr std::uint64_t smallest = envelope::page_bytes + envelope::seal_bytes;
@@ -122,7 +122,7 @@ PackedFile PackedFile::open(const std::filesystem::path& path) {
 
 PackedFile PackedFile::from_descriptor(int descriptor, std::string name) {
   const int own = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
-  if (own < 0) throw Error(Trouble::unreadable, concat(name, ": ", std::system_category().message(errno)));
+  if (own < 0) throw Error(ErrorCode::unreadable, concat(name, ": ", std::system_category().message(errno)));
   return PackedFile(std::make_shared<const Mapping>(own, std::move(name)));
 }
 

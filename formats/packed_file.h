@@ -26,7 +26,7 @@ struct DamagedBlock {
 /// Copies share the mapping; spans and views stay valid while any copy lives.
 class PackedFile {
  public:
-  /// Refuses with Trouble::unreadable (missing, not a file), invalid (damaged, not a packed file) or unsupported
+  /// Refuses with ErrorCode::unreadable (missing, not a file), invalid (damaged, not a packed file) or unsupported
   /// (newer version, unknown requirement). Nothing is allocated because a number in the file asks for it.
   static PackedFile open(const std::filesystem::path& path);
 
@@ -74,7 +74,7 @@ class PackedFile {
 class PackedFileWriter {
  public:
   struct Options {
-    bool replace_existing = false;  ///< otherwise an existing file is refused (Trouble::usage)
+    bool replace_existing = false;  ///< otherwise an existing file is refused (ErrorCode::usage)
   };
   PackedFileWriter(std::filesystem::path path, FileDescription description, std::vector<ArraySpec> arrays,
                    Options options);

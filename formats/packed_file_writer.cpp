@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "formats/base/checks.h"
+#include "formats/base/error.h"
 #include "formats/base/pending_file.h"
-#include "formats/base/trouble.h"
 #include "formats/envelope/header.h"
 #include "formats/envelope/seal.h"
 #include "formats/packed_file.h"
@@ -94,16 +94,16 @@ void PackedFileWriter::write(std::string_view array, std::uint64_t byte_offset, 
   State& state = *state_;
   const auto found = state.position.find(array);
   if (found == state.position.end() || array.starts_with('_'))
-    throw Error(Trouble::internal, concat(state.file->name(), ": array '", array, "' was not declared"));
+    throw Error(ErrorCode::internal, concat(state.file->name(), ": array '", array, "' was not declared"));
   const ArrayEntry& entry = state.arrays[found->second];
   if (byte_offset > entry.byte_count || bytes.size() > entry.byte_count - byte_offset)
-    throw Error(Trouble::internal, concat(state.file->name(), ", array '", array, "': bytes ", byte_offset, " to ",
-                                          byte_offset + bytes.size(), " do not lie in its ", entry.byte_count));
+    throw Error(ErrorCode::internal, concat(state.file->name(), ", array '", array, "': bytes ", byte_offset, " to ",
+                                            byte_offset + bytes.size(), " do not lie in its ", entry.byte_count));
   {
     const std::lock_guard lock(state.guard);
     if (!state.coverage[found->second].take(byte_offset, byte_offset + bytes.size()))
-      throw Error(Trouble::internal, concat(state.file->name(), ", array '", array, "': some of the bytes ",
-                                            byte_offset, " to ", byte_offset + bytes.size(), " were written twice"));
+      throw Error(ErrorCode::internal, concat(state.file->name(), ", array '", array, "': some of the bytes ",
+                                              byte_offset, " to ", byte_offset + bytes.size(), " were written twice"));
   }
   try {
     state.file->write(state.start(entry) + byte_offset, bytes);
@@ -114,12 +114,12 @@ void PackedFileWriter::write(std::string_view array, std::uint64_t byte_offset, 
 }
 
 void PackedFileWriter::State::check_coverage() const {
-  if (failed) throw Error(Trouble::internal, concat(file->name(), ": an earlier write failed"));
+  if (failed) throw Error(ErrorCode::internal, concat(file->name(), ": an earlier write failed"));
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     if (arrays[i].name.front() == '_') continue;
     const std::uint64_t missing = coverage[i].first_missing(arrays[i].byte_count);
     if (missing != arrays[i].byte_count)
-      throw Error(Trouble::internal,
+      throw Error(ErrorCode::internal,
                   concat(file->name(), ", array '", arrays[i].name, "': byte ", missing, " was never written"));
   }
 }
@@ -129,7 +129,7 @@ std::vector<std::uint64_t> PackedFileWriter::State::sums(unsigned threads) const
   std::vector<std::uint64_t> result(table.element_count());
   const envelope::Stretch data{file->descriptor(), header.size(), table.first_byte};
   envelope::sum_blocks(data, threads, [&](std::uint64_t block, std::optional<std::uint64_t> sum) {
-    if (!sum) throw Error(Trouble::resource, concat(file->name(), ": what was written cannot be read back"));
+    if (!sum) throw Error(ErrorCode::resource, concat(file->name(), ": what was written cannot be read back"));
     result[block] = *sum;
   });
   return result;

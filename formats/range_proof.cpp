@@ -1,8 +1,8 @@
 #include "formats/range_proof.h"
 
+#include "formats/base/error.h"
 #include "formats/base/floating_point.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
 #include "formats/details/range_checks.h"
 
 namespace rhoray::formats {
@@ -23,7 +23,7 @@ std::uint64_t prove(const Data& data, std::size_t field, unsigned threads, detai
                  [] { return std::string("the file says that 0 values are without data"); });
   const std::vector<std::string> sentences = findings.sentences();
   if (!sentences.empty())
-    throw Error(Trouble::invalid, concat(data.file().name(), ": ", sentences.front()),
+    throw Error(ErrorCode::invalid, concat(data.file().name(), ": ", sentences.front()),
                 concat("nothing can be certified with this file; `rhoray verify --deep ", data.file().name(),
                        "` lists all that is wrong in it"));
   return read.bytes;

@@ -13,8 +13,8 @@ namespace rhoray::formats {
 /// range contains its values, and a field with no_data_count 0 has no gaps. Opening a file checks none of this, and
 /// checksums cannot: whoever writes a file can write its checksums.
 ///
-/// Reads the field and the structure over it once. Refuses (Trouble::invalid) with the first finding; the code is that
-/// of `rhoray verify --deep`, and shares nothing with the code that packs.
+/// Reads the field and the structure over it once. Refuses (ErrorCode::invalid) with the first finding; the code is
+/// that of `rhoray verify --deep`, and shares nothing with the code that packs.
 /// @param threads  0 = all cores
 /// @return         bytes of the file that were compared
 std::uint64_t prove_ranges(const BrickGrid& grid, std::size_t field, unsigned threads = 0);

@@ -22,7 +22,7 @@ struct ExportReport {
 };
 
 // Packed grids in the words of others. A file gets its name only when it is whole; a field that the grid does not have
-// is refused (Trouble::usage).
+// is refused (ErrorCode::usage).
 
 /// OpenVDB (.vdb) or NanoVDB (.nvdb), by the extension of `output`: sample (i, j, k) is voxel (i, j, k), samples
 /// without data are not active. Floats and integers of at most 16 bits become a grid of floats, others one of doubles.

@@ -17,7 +17,7 @@ struct RawVolume {
   std::uint64_t skipped_bytes = 0;
 };
 
-/// Parses `NXxNYxNZ:TYPE[:le|be][:SKIP]`; refuses with Trouble::usage and the part that is wrong.
+/// Parses `NXxNYxNZ:TYPE[:le|be][:SKIP]`; refuses with ErrorCode::usage and the part that is wrong.
 RawVolume parse_raw_volume(const std::string& text);
 
 struct ImportVolumeOptions {

@@ -18,13 +18,13 @@ struct Finding {
   std::string packing;                     ///< what packing does about it
 };
 
-/// Looks for everything that may be wrong with a mesh of tetrahedra; always the same list, found or not. Flat and
-/// flipped are decided exactly; the radii r and R of a sliver's inscribed and circumscribed spheres have 3 r / R below
-/// 0.01 (1 for a regular tetrahedron); a point hangs where it lies in a face or edge of the boundary that
-/// does not name it, within a millionth of that face's longest edge; cells overlap where the centre of one lies inside
+/// CandidateList for everything that may be wrong with a mesh of tetrahedra; always the same list, found or not. Flat
+/// and flipped are decided exactly; the radii r and R of a sliver's inscribed and circumscribed spheres have 3 r / R
+/// below 0.01 (1 for a regular tetrahedron); a point hangs where it lies in a face or edge of the boundary that does
+/// not name it, within a millionth of that face's longest edge; cells overlap where the centre of one lies inside
 /// another (those that overlap less are not found).
 ///
-/// Expects vertex numbers below the number of points (Trouble::invalid otherwise).
+/// Expects vertex numbers below the number of points (ErrorCode::invalid otherwise).
 std::vector<Finding> inspect_mesh(const NeutralMesh& mesh, const Progress& progress = {});
 
 /// The same for samples on a lattice: no data, no variation, and whether the values look like labels.

@@ -17,7 +17,8 @@ class MemoryCap {
   /// Programs, libraries and buffers take about this much of any run: smaller caps could not be kept.
   static constexpr std::uint64_t smallest_bytes = std::uint64_t{16} << 20;
 
-  /// Refuses caps below the smallest (Trouble::usage), and when the system does not take the limit (Trouble::resource).
+  /// Refuses caps below the smallest (ErrorCode::usage), and when the system does not take the limit
+  /// (ErrorCode::resource).
   MemoryCap(std::uint64_t bytes, std::filesystem::path folder);
   MemoryCap(const MemoryCap&) = delete;
   MemoryCap& operator=(const MemoryCap&) = delete;

@@ -19,7 +19,7 @@ bool is_vdb(const std::filesystem::path& path);
 /// Reads one scalar grid of an OpenVDB file, level set or fog volume, in a process of its own, and gives it in the form
 /// that is rendered without packing (formats/vdb_grid.h): NanoVDB in memory, single precision.
 /// @param field  name of a grid, or NAME.x, NAME.y, NAME.z, NAME.mag of a vector grid; empty = the first scalar grid by
-///               name. Refused with the names there are (Trouble::usage); a file without scalars with what it holds.
+///               name. Refused with the names there are (ErrorCode::usage); a file without scalars with what it holds.
 /// @param memory_limit_bytes  of the reading process; 0 = none
 formats::PackedFile open_vdb(const std::filesystem::path& path, const std::string& field,
                              std::uint64_t memory_limit_bytes = 0);

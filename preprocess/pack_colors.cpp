@@ -5,7 +5,7 @@
 #include <span>
 
 #include "formats/base/bytes.h"
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/grid/bricks/lattice_choice.h"
 #include "preprocess/grid/bricks/write_samples.h"
 
@@ -15,21 +15,22 @@ namespace {
 void check_colors(const NeutralVolume& colors, const std::string& source_name) {
   const int components = colors.component_count;
   if (colors.type != formats::ElementType::U8 || (components != 3 && components != 4))
-    throw Error(Trouble::invalid, concat(source_name, ": found ", components, " components of ",
-                                         formats::element_name(colors.type), "; expected 3 or 4 of U8: colours"));
+    throw Error(ErrorCode::invalid, concat(source_name, ": found ", components, " components of ",
+                                           formats::element_name(colors.type), "; expected 3 or 4 of U8: colours"));
   const Index3& n = colors.sample_count;
   constexpr std::int64_t largest_axis = std::int64_t{1} << 20;  // what a reader accepts
   for (const std::int64_t texels : {n.x, n.y, n.z})
     if (texels < 1 || texels > largest_axis)
-      throw Error(Trouble::invalid, concat(source_name, ": found ", n.x, " x ", n.y, " x ", n.z,
-                                           " texels; expected 1 to ", largest_axis, " on every axis"));
+      throw Error(ErrorCode::invalid, concat(source_name, ": found ", n.x, " x ", n.y, " x ", n.z,
+                                             " texels; expected 1 to ", largest_axis, " on every axis"));
   const auto bytes = checked_product({static_cast<std::uint64_t>(n.x), static_cast<std::uint64_t>(n.y),
                                       static_cast<std::uint64_t>(n.z), static_cast<std::uint64_t>(components)});
   if (!bytes || *bytes != colors.samples.size())
-    throw Error(Trouble::invalid, concat(source_name, ": found ", colors.samples.size(), " bytes of texels; expected ",
-                                         n.x, " x ", n.y, " x ", n.z, " x ", components));
+    throw Error(ErrorCode::invalid,
+                concat(source_name, ": found ", colors.samples.size(), " bytes of texels; expected ", n.x, " x ", n.y,
+                       " x ", n.z, " x ", components));
   if (std::any_of(colors.axes.begin(), colors.axes.end(), [](const auto& table) { return !table.empty(); }))
-    throw Error(Trouble::unsupported,
+    throw Error(ErrorCode::unsupported,
                 concat(source_name, ": found colours at uneven steps; expected even ones along every axis"));
   check_frame(colors.world_from_grid, source_name);
 }

@@ -11,8 +11,8 @@
 #include <utility>
 #include <variant>
 
+#include "formats/base/error.h"
 #include "formats/base/floating_point.h"
-#include "formats/base/trouble.h"
 #include "preprocess/mesh/build_clusters.h"
 #include "preprocess/mesh/inspect/choose_fields.h"
 #include "preprocess/mesh/inspect/clean_mesh.h"
@@ -30,7 +30,7 @@ namespace {
 double wanted_leaf_cells(const PackMeshOptions& options, std::size_t cell_count) {
   const double share = options.leaf_cells_per_tetrahedron;
   if (!std::isfinite(share) || share <= 0)
-    throw Error(Trouble::usage, concat("leaf cells per tetrahedron: found ", share, "; expected a number above 0"));
+    throw Error(ErrorCode::usage, concat("leaf cells per tetrahedron: found ", share, "; expected a number above 0"));
   if (options.leaf_cell_count > 0) return static_cast<double>(options.leaf_cell_count);
   return std::max(1.0, share * static_cast<double>(cell_count));
 }
@@ -42,7 +42,7 @@ Array<std::uint32_t> cell_ids(const NeutralMesh& mesh, const CleanMesh& clean, c
   for (const std::uint64_t cell : clean.source_cells) {
     const std::uint64_t id = mesh.cell_ids.empty() ? cell : mesh.cell_ids[cell];
     if (id > std::numeric_limits<std::uint32_t>::max())
-      throw Error(Trouble::unsupported, concat(source_name, ", cell ", id, ": expected a position below 2^32"));
+      throw Error(ErrorCode::unsupported, concat(source_name, ", cell ", id, ": expected a position below 2^32"));
     ids.push_back(static_cast<std::uint32_t>(id));
   }
   return ids;
@@ -63,8 +63,9 @@ formats::FieldSummary summary_of(const PointField& field) {
 void check_cluster_size(const PackMeshOptions& options) {
   if (std::has_single_bit(options.cluster_size) && options.cluster_size <= formats::ClusterShape::largest_cell_count)
     return;
-  throw Error(Trouble::usage, concat("cells of a cluster: found ", options.cluster_size,
-                                     "; expected a power of two, at most ", formats::ClusterShape::largest_cell_count));
+  throw Error(ErrorCode::usage,
+              concat("cells of a cluster: found ", options.cluster_size, "; expected a power of two, at most ",
+                     formats::ClusterShape::largest_cell_count));
 }
 
 /// All but the counts of the structure.

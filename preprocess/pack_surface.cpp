@@ -6,9 +6,9 @@
 #include <optional>
 #include <span>
 
+#include "formats/base/error.h"
 #include "formats/base/floating_point.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
 #include "preprocess/mesh/inspect/cut_polygon.h"
 
 namespace rhoray::preprocess {
@@ -36,7 +36,7 @@ bool has_area(const NeutralSurface& surface, const Corners& corners) {
 void refuse_outlines(const NeutralSurface& surface, const std::string& source_name) {
   const auto& faces = surface.facet_faces;
   if (surface.openings.empty() && std::adjacent_find(faces.begin(), faces.end()) == faces.end()) return;
-  throw Error(Trouble::unsupported,
+  throw Error(ErrorCode::unsupported,
               concat(source_name, ": has faces of several outlines; expected facets of one outline each"),
               "tetrahedralize reads such faces");
 }
@@ -79,7 +79,7 @@ bool are_floats(const Array<std::array<double, 3>>& points) {
 
 void require_index(std::uint64_t count, const char* what, const std::string& source_name) {
   if (count > std::numeric_limits<std::uint32_t>::max())
-    throw Error(Trouble::unsupported, concat(source_name, ": ", count, " ", what, "; expected fewer than 2^32"));
+    throw Error(ErrorCode::unsupported, concat(source_name, ": ", count, " ", what, "; expected fewer than 2^32"));
 }
 
 void note(std::vector<std::string>& notes, std::uint64_t count, const char* one, const char* many, const char* what) {
@@ -129,7 +129,7 @@ PackSurfaceReport pack_surface(const NeutralSurface& surface, const std::filesys
     }
   }
   if (triangles.empty())
-    throw Error(Trouble::invalid,
+    throw Error(ErrorCode::invalid,
                 concat(source_name, ": ", facet_count, " facets, none of three finite corners apart"));
   require_index(triangles.size(), "triangles", source_name);
 

@@ -25,7 +25,7 @@ struct PackSurfaceReport {
 /// Writes a surface as a packed one. Facets of more than three corners are cut into triangles between their own
 /// corners: by ears of their projection along their mean normal's largest component. Points are stored as F32 where
 /// that keeps every bit, else as F64. Refuses a surface without triangles, and faces made of several outlines
-/// (Trouble::unsupported).
+/// (ErrorCode::unsupported).
 PackSurfaceReport pack_surface(const NeutralSurface& surface, const std::filesystem::path& path,
                                const PackSurfaceOptions& options = {}, const Progress& progress = {});
 

@@ -13,8 +13,8 @@
 
 #include "formats/base/bytes.h"
 #include "formats/base/checks.h"
+#include "formats/base/error.h"
 #include "formats/base/floating_point.h"
-#include "formats/base/trouble.h"
 #include "preprocess/grid/bricks/convert.h"
 #include "preprocess/grid/bricks/lattice_choice.h"
 #include "preprocess/grid/bricks/sparse_bricks.h"
@@ -35,8 +35,8 @@ formats::BrickLayout chosen_layout(const Index3& sample_count, const PackVolumeO
     case SampleOrder::sparse: {
       const std::int64_t edge = options.brick_edge.value_or(8);
       if (!formats::BrickLayout::is_sparse_edge(edge))
-        throw Error(Trouble::usage, concat("brick edge: found ", edge, "; expected 2, 4, 8, 16, 32 or 64 where only ",
-                                           "some bricks are kept"));
+        throw Error(ErrorCode::usage, concat("brick edge: found ", edge, "; expected 2, 4, 8, 16, 32 or 64 where only ",
+                                             "some bricks are kept"));
       return formats::BrickLayout::sparse(sample_count, 0, edge);
     }
     case SampleOrder::bricks:
@@ -50,13 +50,14 @@ void check_samples(const NeutralVolume& volume, const std::string& source_name) 
   constexpr std::int64_t largest_axis = std::int64_t{1} << 20;  // what a reader accepts
   for (const std::int64_t samples : {n.x, n.y, n.z})
     if (samples < 2 || samples > largest_axis)
-      throw Error(Trouble::invalid, concat(source_name, ": found ", n.x, " x ", n.y, " x ", n.z,
-                                           " samples; expected 2 to ", largest_axis, " on every axis"));
+      throw Error(ErrorCode::invalid, concat(source_name, ": found ", n.x, " x ", n.y, " x ", n.z,
+                                             " samples; expected 2 to ", largest_axis, " on every axis"));
   const auto bytes = checked_product({static_cast<std::uint64_t>(n.x), static_cast<std::uint64_t>(n.y),
                                       static_cast<std::uint64_t>(n.z), formats::element_bytes(volume.type)});
   if (!bytes || *bytes != volume.samples.size())
-    throw Error(Trouble::invalid, concat(source_name, ": found ", volume.samples.size(), " bytes of samples; expected ",
-                                         n.x, " x ", n.y, " x ", n.z, " of ", formats::element_name(volume.type)));
+    throw Error(ErrorCode::invalid,
+                concat(source_name, ": found ", volume.samples.size(), " bytes of samples; expected ", n.x, " x ", n.y,
+                       " x ", n.z, " of ", formats::element_name(volume.type)));
 }
 
 void check_axes(const NeutralVolume& volume, const std::string& source_name) {
@@ -65,15 +66,16 @@ void check_axes(const NeutralVolume& volume, const std::string& source_name) {
     if (table.empty()) continue;
     const std::string place = concat(source_name, ", positions along ", "xyz"[axis]);
     if (table.size() != static_cast<std::size_t>(volume.sample_count[axis]))
-      throw Error(Trouble::invalid,
+      throw Error(ErrorCode::invalid,
                   concat(place, ": found ", table.size(), " of them; expected ", volume.sample_count[axis]));
     for (std::size_t i = 0; i < table.size(); ++i)
       if (!std::isfinite(table[i]) || (i > 0 && !(table[i] > table[i - 1])))
-        throw Error(Trouble::invalid, concat(place, ", sample ", i, ": found ", table[i], "; expected a finite number",
-                                             i > 0 ? concat(" above ", table[i - 1]) : std::string()));
+        throw Error(ErrorCode::invalid,
+                    concat(place, ", sample ", i, ": found ", table[i], "; expected a finite number",
+                           i > 0 ? concat(" above ", table[i - 1]) : std::string()));
     if (!std::isfinite(table.back() - table.front()))
-      throw Error(Trouble::invalid, concat(place, ": found ", table.front(), " to ", table.back(),
-                                           "; expected an axis of finite length"));
+      throw Error(ErrorCode::invalid, concat(place, ": found ", table.front(), " to ", table.back(),
+                                             "; expected an axis of finite length"));
   }
 }
 
@@ -82,8 +84,8 @@ ElementType stored_type(const NeutralVolume& volume, const PackVolumeOptions& op
   const ElementType type = options.type.value_or(volume.type);
   if (type != ElementType::U64 && type != ElementType::I64) return type;
   if (options.type)
-    throw Error(Trouble::usage, concat("type: found ", formats::element_name(type),
-                                       "; expected U8, I8, U16, I16, U32, I32, F32 or F64"));
+    throw Error(ErrorCode::usage, concat("type: found ", formats::element_name(type),
+                                         "; expected U8, I8, U16, I16, U32, I32, F32 or F64"));
   return ElementType::F64;
 }
 
@@ -97,11 +99,11 @@ void check_one_lattice(std::span<const NeutralVolume> fields, const std::string&
     const NeutralVolume &first = fields[0], &field = fields[f];
     if (field.sample_count != first.sample_count || field.world_from_grid != first.world_from_grid ||
         field.axes != first.axes || field.length_unit != first.length_unit)
-      throw Error(Trouble::invalid, concat(source_name, ", field '", name_of(field),
-                                           "': found a lattice of its own; expected that of '", name_of(first), "'"));
+      throw Error(ErrorCode::invalid, concat(source_name, ", field '", name_of(field),
+                                             "': found a lattice of its own; expected that of '", name_of(first), "'"));
     for (std::size_t other = 0; other < f; ++other)
       if (name_of(fields[other]) == name_of(field))
-        throw Error(Trouble::invalid,
+        throw Error(ErrorCode::invalid,
                     concat(source_name, ": found two fields '", name_of(field), "'; expected names that differ"));
   }
 }
@@ -150,7 +152,7 @@ template <class Act>
 void with_samples(const NeutralVolume& stored, Act&& act) {
   formats::with_element_type(stored.type, [&]<class T>(T) {
     if constexpr (sizeof(T) == 8 && std::is_integral_v<T>)
-      throw Error(Trouble::internal, "64-bit integers reached the packer of samples");
+      throw Error(ErrorCode::internal, "64-bit integers reached the packer of samples");
     else
       act(std::span(reinterpret_cast<const T*>(stored.samples.data()), stored.samples.size() / sizeof(T)));
   });
@@ -166,14 +168,14 @@ Array<std::uint64_t> choose_bricks(const std::vector<NeutralVolume>& fields, con
         mark_bricks_with_data(samples, layout, std::span(holds_data));
       else
         throw Error(
-            Trouble::usage,
+            ErrorCode::usage,
             concat(source_name, ": found samples of type ", formats::element_name(field.type),
                    "; expected F32 or F64, in which a sample may have no data, where only some bricks are kept"),
             "keep all bricks, or choose one of these types");
     });
   Array<std::uint64_t> bricks = bricks_of_slots(holds_data);
   if (bricks.size() >= formats::BrickGrid::no_brick)
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat("brick edge: found ", layout.brick_edge, ", which makes ", bricks.size(),
                        " bricks with data; expected fewer than ", formats::BrickGrid::no_brick),
                 "choose larger bricks");

@@ -45,7 +45,7 @@ PackVolumeReport pack_volume(const NeutralVolume& volume, const std::filesystem:
                              const PackVolumeOptions& options = {}, const Progress& progress = {});
 
 /// As pack_volume, for several fields on one lattice: the first is shown by default. Refuses fields whose lattices
-/// differ (Trouble::invalid), and two of the same name.
+/// differ (ErrorCode::invalid), and two of the same name.
 /// @param fields  at least one
 PackVolumeReport pack_grid(std::span<const NeutralVolume> fields, const std::filesystem::path& path,
                            const PackVolumeOptions& options = {}, const Progress& progress = {});

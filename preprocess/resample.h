@@ -14,7 +14,7 @@
 namespace rhoray::preprocess {
 
 /// Which lattice of samples is wanted over a mesh's box. One of the three is given, the others are zero.
-struct LatticeWish {
+struct LatticeRequest {
   std::int64_t longest_axis = 0;  ///< samples on the longest axis; the others get nearly the same spacing
   Index3 sample_count{0, 0, 0};   ///< samples on every axis
   Vec3 spacing{0, 0, 0};          ///< distance of samples on every axis
@@ -25,7 +25,7 @@ struct LatticeWish {
 struct ResampleOptions {
   std::vector<std::string> fields{};  ///< as PackMeshOptions::fields
   bool cells_to_points = false;       ///< also take cell fields, averaged to points
-  LatticeWish lattice{};              ///< may be left out with max_error: then where to start is chosen
+  LatticeRequest lattice{};           ///< may be left out with max_error: then where to start is chosen
 
   /// Refines the lattice until the certificate of the first field has at most this error and covers the mesh; or until
   /// finer ones do not fit, or no longer help (ResampleReport::why_not_reached).
@@ -91,8 +91,8 @@ struct ResampleReport {
 /// With max_error a file is written also when the error is not reached: the certificate then says so
 /// (Certificate::meets_request), and why_not_reached tells the reason.
 ///
-/// Refuses what pack_mesh refuses; Trouble::usage: no lattice; Trouble::resource: the only lattice, or with max_error
-/// the first one, does not fit into the memory limit.
+/// Refuses what pack_mesh refuses; ErrorCode::usage: no lattice; ErrorCode::resource: the only lattice, or with
+/// max_error the first one, does not fit into the memory limit.
 ResampleReport resample(const NeutralMesh& mesh, const std::filesystem::path& path, const ResampleOptions& options,
                         const Progress& progress = {});
 

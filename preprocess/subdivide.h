@@ -26,9 +26,9 @@ struct SubdivideOptions {
 /// higher order are cut until the error holds, by their shape functions; notes say how large it is, as sampled, when it
 /// is larger than asked for, and which errors the cuts were made for. Nodes that no tetrahedron needs are left out.
 ///
-/// Refuses (Trouble::invalid) points that are not there, node counts that do not fit their kind and polyhedra that are
-/// not closed; (Trouble::unsupported) Lagrange cells of an order above 10 or of different orders along their axes;
-/// (Trouble::usage) errors that are not above 0.
+/// Refuses (ErrorCode::invalid) points that are not there, node counts that do not fit their kind and polyhedra that
+/// are not closed; (ErrorCode::unsupported) Lagrange cells of an order above 10 or of different orders along their
+/// axes; (ErrorCode::usage) errors that are not above 0.
 NeutralMesh subdivide(CellMesh mesh, const SubdivideOptions& options = {}, const Progress& progress = {});
 
 }  // namespace rhoray::preprocess

@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -21,8 +21,8 @@ Array<std::uint32_t> points_in_source_order(const TetMesh& packed) {
   for (std::size_t p = 0; p < count; ++p) order[packed.point_rank(p)] = static_cast<std::uint32_t>(p);
   for (std::size_t p = 0; p < count; ++p)
     if (order[packed.point_rank(p)] != p)
-      throw Error(Trouble::invalid, concat(packed.file().name(), ", array 'point_ranks', element ", p, ": found ",
-                                           packed.point_rank(p), " twice; expected it once"));
+      throw Error(ErrorCode::invalid, concat(packed.file().name(), ", array 'point_ranks', element ", p, ": found ",
+                                             packed.point_rank(p), " twice; expected it once"));
   return order;
 }
 

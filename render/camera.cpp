@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "formats/base/error.h"
 #include "formats/base/floating_point.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
 
 namespace rhoray::render {
 
@@ -39,17 +39,17 @@ View named_view(std::string_view name) {
       {{"iso", 30, 20}, {"+x", 90, 0}, {"-x", -90, 0}, {"+y", 180, 0}, {"-y", 0, 0}, {"+z", 0, 90}, {"-z", 0, -90}}};
   for (const Named& view : views)
     if (view.name == name) return {.azimuth_deg = view.azimuth_deg, .elevation_deg = view.elevation_deg};
-  throw Error(Trouble::usage, concat("view '", name, "'; expected iso, +x, -x, +y, -y, +z or -z"));
+  throw Error(ErrorCode::usage, concat("view '", name, "'; expected iso, +x, -x, +y, -y, +z or -z"));
 }
 
 Camera fit_camera(const Box3& box_world, const View& view, double aspect) {
   const DefaultFloatingPoint default_floating_point;
   if (!(view.zoom > 0) || !std::isfinite(view.zoom))
-    throw Error(Trouble::usage, concat("zoom ", view.zoom, "; expected a number above 0"));
+    throw Error(ErrorCode::usage, concat("zoom ", view.zoom, "; expected a number above 0"));
   if (!(view.vertical_fov_deg > 0 && view.vertical_fov_deg < 180))
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat("field of view ", view.vertical_fov_deg, " degrees; expected more than 0 and less than 180"));
-  if (box_world.isEmpty()) throw Error(Trouble::usage, "there is nothing to point the camera at: the box is empty");
+  if (box_world.isEmpty()) throw Error(ErrorCode::usage, "there is nothing to point the camera at: the box is empty");
 
   const Vec3 back = towards_eye(view);
   const Vec3 up = std::abs(back.z) == 1 ? Vec3(0, 1, 0) : Vec3(0, 0, 1);

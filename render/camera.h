@@ -26,7 +26,7 @@ struct View {
 };
 
 /// The view that a word stands for: iso (three-quarter), +x, -x, +y, -y, +z, -z (the side looked from).
-/// Refuses other words with Trouble::usage.
+/// Refuses other words with ErrorCode::usage.
 View named_view(std::string_view name);
 
 /// A camera that looks at the middle of the box from `view` and shows all of it at zoom 1. World z is up; looking

@@ -12,17 +12,17 @@ namespace {
 constexpr Vec3 no_number(0.21, 0.21, 0.21);  // linear
 
 /// What is drawn of a pixel, on the page's scale; NaN where there is no number.
-double number_at(DiaryPage page, const Framebuffer& picture, std::size_t pixel) {
+double number_at(DebugChannel page, const Framebuffer& picture, std::size_t pixel) {
   switch (page) {
-    case DiaryPage::error: {
+    case DebugChannel::error: {
       const double error = static_cast<double>(picture.error[pixel]);
       return error > 0 ? std::log10(error) : std::numeric_limits<double>::quiet_NaN();
     }
-    case DiaryPage::roots:
+    case DebugChannel::roots:
       return picture.roots[pixel];
-    case DiaryPage::iterations:
+    case DebugChannel::iterations:
       return picture.iterations[pixel];
-    case DiaryPage::cost:
+    case DebugChannel::cost:
       break;
   }
   return picture.cost[pixel];
@@ -30,14 +30,14 @@ double number_at(DiaryPage page, const Framebuffer& picture, std::size_t pixel) 
 
 }  // namespace
 
-ChannelSet channel_of(DiaryPage page) {
-  return {.error = page == DiaryPage::error,
-          .roots = page == DiaryPage::roots,
-          .iterations = page == DiaryPage::iterations,
-          .cost = page == DiaryPage::cost};
+ChannelSet channel_of(DebugChannel page) {
+  return {.error = page == DebugChannel::error,
+          .roots = page == DebugChannel::roots,
+          .iterations = page == DebugChannel::iterations,
+          .cost = page == DebugChannel::cost};
 }
 
-Interval<double> draw_heat_map(DiaryPage page, Framebuffer& picture) {
+Interval<double> draw_heat_map(DebugChannel page, Framebuffer& picture) {
   Interval<double> range;
   for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel)
     if (const double number = number_at(page, picture, pixel); std::isfinite(number)) range.include(number);
@@ -49,7 +49,7 @@ Interval<double> draw_heat_map(DiaryPage page, Framebuffer& picture) {
     for (std::size_t c = 0; c < 3; ++c) picture.color[4 * pixel + c] = static_cast<float>(color[static_cast<int>(c)]);
     picture.color[4 * pixel + 3] = 1;
   }
-  if (page == DiaryPage::error && !range.is_empty()) range = {std::pow(10, range.lo), std::pow(10, range.hi)};
+  if (page == DebugChannel::error && !range.is_empty()) range = {std::pow(10, range.lo), std::pow(10, range.hi)};
   return range;
 }
 

@@ -6,15 +6,15 @@
 namespace rhoray::render {
 
 /// What a picture may show of its own making instead of colours.
-enum class DiaryPage { error, roots, iterations, cost };
+enum class DebugChannel { error, roots, iterations, cost };
 
 /// The channel that a page is drawn from.
-ChannelSet channel_of(DiaryPage page);
+ChannelSet channel_of(DebugChannel page);
 
 /// Replaces the picture's colours by a heat map of a channel that it holds: from dark violet for the smallest number in
 /// the picture to yellow for the largest (five colours of viridis), evenly, errors by their logarithm. Pixels without a
 /// number, and an error of zero, are grey.
 /// @return  the smallest and the largest number shown; empty when there is none
-Interval<double> draw_heat_map(DiaryPage page, Framebuffer& picture);
+Interval<double> draw_heat_map(DebugChannel page, Framebuffer& picture);
 
 }  // namespace rhoray::render

@@ -4,9 +4,9 @@
 #include <chrono>
 #include <mutex>
 
+#include "formats/base/error.h"
 #include "formats/base/floating_point.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
 #include "formats/color_grid.h"
 #include "formats/range_proof.h"
 #include "render/dataset/load_view.h"
@@ -109,7 +109,7 @@ void check_field_name(const formats::PackedFile& file, const std::string& field,
   if (field.empty() || std::find(names.begin(), names.end(), field) != names.end()) return;
   std::string known;
   for (const std::string& name : names) known += concat(known.empty() ? "" : ", ", "'", name, "'");
-  throw Error(Trouble::usage, concat(file.name(), ": no field '", field, "'; it has ", known));
+  throw Error(ErrorCode::usage, concat(file.name(), ": no field '", field, "'; it has ", known));
 }
 
 struct Volume::ProofState {
@@ -132,9 +132,9 @@ Volume Volume::load(const formats::PackedFile& file, const std::string& field) {
   if (file.description().kind == formats::VdbGrid::kind) return Volume(load_vdb(file, field));
   if (file.description().kind == formats::SurfaceMesh::kind) return Volume(load_surface(file, field));
   if (file.description().kind == formats::ColorGrid::kind)
-    throw Error(Trouble::invalid, concat(file.name(), ": holds colours; expected a grid, a mesh or a surface"),
+    throw Error(ErrorCode::invalid, concat(file.name(), ": holds colours; expected a grid, a mesh or a surface"),
                 "colours cover a surface of other data: --texture FILE, or the key \"texture\" of a scene's layer");
-  throw Error(Trouble::unsupported,
+  throw Error(ErrorCode::unsupported,
               concat(file.name(), ": kind '", file.description().kind, "'; expected 'grid', 'tets' or 'surface'"));
 }
 

@@ -33,7 +33,7 @@ class Volume {
  public:
   /// Opens a packed file and checks what rendering relies on; block checksums are left to the caller
   /// (PackedFile::damaged_blocks), so that they can run beside the first frame.
-  /// @param field  name; empty takes the first. An unknown name is refused with the names there are (Trouble::usage).
+  /// @param field  name; empty takes the first. An unknown name is refused with the names there are (ErrorCode::usage).
   static Volume load(const std::filesystem::path& path, const std::string& field = {});
 
   /// As above, for a file that is open already; also takes the kind "vdb" (formats/vdb_grid.h).
@@ -58,9 +58,9 @@ class Volume {
 
   /// Proves that the value ranges, boxes and leaf lists by which rays pass cells hold what they stand for
   /// (formats/range_proof.h), once for this volume and all copies of it. Refuses data of which that is not true
-  /// (Trouble::invalid), each time.
+  /// (ErrorCode::invalid), each time.
   ///
-  /// Certified and exact answers are worth what these ranges are worth, so `render`, `refine` and RayQuestions call
+  /// Certified and exact answers are worth what these ranges are worth, so `render`, `refine` and RayCaster call
   /// this before they answer by a method that proves; other methods do not pay for it. Nothing is to be proven of an
   /// OpenVDB grid, of which the ranges are made from its voxels in loading it, and of a surface, which has none.
   /// Any thread may call; those that call meanwhile wait.

@@ -10,7 +10,7 @@
 #include <limits>
 #include <new>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::render {
 namespace {
@@ -173,7 +173,7 @@ std::vector<std::byte> encode_png(const Framebuffer& picture, std::span<const Pn
   png_set_chunk_malloc_max(writer.png, 0);
   const bool is_written = write_png(writer, picture.width, picture.height, entries, rows);
   if (writer.out_of_memory) throw std::bad_alloc();
-  if (!is_written) throw Error(Trouble::internal, concat("the picture cannot be made a PNG: ", writer.error));
+  if (!is_written) throw Error(ErrorCode::internal, concat("the picture cannot be made a PNG: ", writer.error));
   return std::move(writer.bytes);
 }
 

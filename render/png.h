@@ -25,8 +25,8 @@ struct PngText {
 
 /// The bytes of a PNG file: 8-bit sRGB, no alpha channel. The same input gives the same bytes; no time is kept.
 ///
-/// Texts in ASCII become tEXt chunks, others iTXt. Throws Trouble::internal for what libpng refuses (a picture without
-/// pixels, a keyword that breaks the rule above), and std::bad_alloc.
+/// Texts in ASCII become tEXt chunks, others iTXt. Throws ErrorCode::internal for what libpng refuses (a picture
+/// without pixels, a keyword that breaks the rule above), and std::bad_alloc.
 std::vector<std::byte> encode_png(const Framebuffer& picture, std::span<const PngText> texts);
 
 }  // namespace rhoray::render

@@ -54,7 +54,7 @@ struct FrameStatistics {
   std::uint64_t cells_solved = 0;       ///< trilinear cells whose cubic was formed, or tetrahedra intersected
   std::uint64_t samples_taken = 0;      ///< by the sampled methods
   std::uint64_t rays_redone = 0;        ///< certified: rays that single precision could not decide
-  std::uint64_t rays_judged = 0;        ///< certified and judged: rays decided by exact arithmetic
+  std::uint64_t rays_exact = 0;         ///< certified and judged: rays decided by exact arithmetic
   std::uint64_t touches = 0;            ///< judged hits at which the field only touches the isovalue
   double largest_error = 0;             ///< of all hits' bounds; NaN where the method proves none
   std::uint64_t highlights_shaded = 0;  ///< hits for which the specular effect was computed
@@ -75,14 +75,14 @@ Method default_method(const Volume& volume, Mode mode);
 
 /// Memory of the threads that trace frames, to be kept from one frame to the next; one frame uses it at a time. It
 /// holds nothing that a picture depends on: a frame with it is the same, bit for bit, as one without.
-class FrameMemory {
+class RenderContext {
  public:
   class Implementation;
 
-  FrameMemory();
-  ~FrameMemory();
-  FrameMemory(FrameMemory&&) noexcept;
-  FrameMemory& operator=(FrameMemory&&) noexcept;
+  RenderContext();
+  ~RenderContext();
+  RenderContext(RenderContext&&) noexcept;
+  RenderContext& operator=(RenderContext&&) noexcept;
 
   Implementation& implementation() { return *implementation_; }  ///< for the room's inside
 
@@ -96,20 +96,20 @@ class FrameMemory {
 /// clip box that is empty, a mode that is not one of the volume's kind, a method that does not answer the question,
 /// smooth normals of a grid, colours by a field beside a texture, a light or fog that is not finite, the channel
 /// `error` where the method proves nothing, and, of layers in view, colours by a field that is not there
-/// (Trouble::usage). Of layers outside the view that shade nothing in it nothing is read. Refuses certified and exact
-/// answers about data of which the stored ranges do not hold (Volume::prove_ranges, Trouble::invalid).
+/// (ErrorCode::usage). Of layers outside the view that shade nothing in it nothing is read. Refuses certified and exact
+/// answers about data of which the stored ranges do not hold (Volume::prove_ranges, ErrorCode::invalid).
 FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
                        Framebuffer& framebuffer);
 
 /// As above, in memory that is kept: that of the threads, and the framebuffer's own where the last frame had its size
 /// and its channels.
 FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
-                       Framebuffer& framebuffer, FrameMemory& memory);
+                       Framebuffer& framebuffer, RenderContext& memory);
 
 // A scene of one volume.
 FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer);
 FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer,
-                       FrameMemory& memory);
+                       RenderContext& memory);
 
 /// How a picture comes into being for someone who looks on.
 struct Refinement {
@@ -127,8 +127,8 @@ struct Refinement {
 /// Renders in passes. The finished picture is that of render, bit for bit; counts of cells may differ. A frame that was
 /// ended early has traced fewer rays than the picture has pixels.
 FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
-                       const Refinement& refinement, Framebuffer& framebuffer, FrameMemory& memory);
+                       const Refinement& refinement, Framebuffer& framebuffer, RenderContext& memory);
 FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOptions& options,
-                       const Refinement& refinement, Framebuffer& framebuffer, FrameMemory& memory);
+                       const Refinement& refinement, Framebuffer& framebuffer, RenderContext& memory);
 
 }  // namespace rhoray::render

@@ -17,7 +17,7 @@
 #include "data/recipes/torso_photo.h"
 #include "data/recipes/torso_scene.h"
 #include "data/recipes/torso_surface.h"
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/import_mesh.h"
 
 namespace {
@@ -42,7 +42,7 @@ Index3 parse_size(const std::string& text) {
     const auto [next, error] = std::from_chars(at, end, size[axis]);
     const bool separated = axis == 2 ? next == end : next != end && *next == 'x';
     if (error != std::errc{} || !separated)
-      throw Error(Trouble::usage, concat("size \"", text, "\"; expected three numbers like 512x512x1734"));
+      throw Error(ErrorCode::usage, concat("size \"", text, "\"; expected three numbers like 512x512x1734"));
     at = next + (axis == 2 ? 0 : 1);
   }
   return size;
@@ -150,19 +150,19 @@ void add_marschner_lobb(CLI::App& program) {
 }
 
 void add_test_volume(CLI::App& program, const std::string& name, recipes::TestVolume which, const std::string& about) {
-  struct Wishes {
+  struct Settings {
     Output output;
     recipes::TestVolumeOptions options;
   };
-  const auto wishes = std::make_shared<Wishes>();
-  wishes->options.which = which;
+  const auto settings = std::make_shared<Settings>();
+  settings->options.which = which;
   CLI::App* command = program.add_subcommand(name, about);
-  add_output(*command, wishes->output, "Volume to write (.nhdr); the samples go beside it (.raw)");
-  command->add_option("--size", wishes->options.size, "Samples on each axis")->capture_default_str();
+  add_output(*command, settings->output, "Volume to write (.nhdr); the samples go beside it (.raw)");
+  command->add_option("--size", settings->options.size, "Samples on each axis")->capture_default_str();
   command->footer("Example:\n  rhoray-recipes " + name + " -o " + name + ".nhdr --size 256");
-  command->callback([wishes] {
-    wishes->options.replace_existing = wishes->output.replace_existing;
-    recipes::write_test_volume(wishes->output.path, wishes->options);
+  command->callback([settings] {
+    settings->options.replace_existing = settings->output.replace_existing;
+    recipes::write_test_volume(settings->output.path, settings->options);
   });
 }
 
@@ -186,16 +186,16 @@ int main(int argc, char** argv) {
     program.parse(argc, argv);
     return 0;
   } catch (const CLI::ParseError& error) {
-    return program.exit(error) == 0 ? 0 : static_cast<int>(Trouble::usage);
+    return program.exit(error) == 0 ? 0 : static_cast<int>(ErrorCode::usage);
   } catch (const Error& error) {
     std::fprintf(stderr, "rhoray-recipes: %s\n", error.what());
     if (!error.hint().empty()) std::fprintf(stderr, "hint: %s\n", error.hint().c_str());
-    return static_cast<int>(error.trouble());
+    return static_cast<int>(error.code());
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "rhoray-recipes: out of memory\n");
-    return static_cast<int>(Trouble::resource);
+    return static_cast<int>(ErrorCode::resource);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rhoray-recipes: %s\n", error.what());
-    return static_cast<int>(Trouble::internal);
+    return static_cast<int>(ErrorCode::internal);
   }
 }

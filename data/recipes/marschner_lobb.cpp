@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "data/recipes/write_nrrd.h"
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::recipes {
 
@@ -33,7 +33,7 @@ double marschner_lobb(const Vec3& p) {
 
 void write_marschner_lobb(const std::filesystem::path& path, const MarschnerLobbOptions& options) {
   const std::int64_t n = options.size;
-  if (n < 2 || n > 4096) throw Error(Trouble::usage, concat("size ", n, "; expected 2 to 4096"));
+  if (n < 2 || n > 4096) throw Error(ErrorCode::usage, concat("size ", n, "; expected 2 to 4096"));
   const double spacing = 2 / static_cast<double>(n - 1);
   const NrrdHeader header{.type = options.as_bytes ? "uint8" : "float",
                           .sample_count = {n, n, n},

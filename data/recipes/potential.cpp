@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "data/recipes/torso_surface.h"
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::recipes {
 
@@ -32,7 +32,7 @@ Element element(const preprocess::NeutralMesh& mesh, std::size_t cell) {
   for (std::size_t i = 0; i < 4; ++i) {
     const std::uint64_t corner = mesh.cells[cell][i];
     if (corner >= mesh.points.size())
-      throw Error(Trouble::invalid,
+      throw Error(ErrorCode::invalid,
                   concat("mesh: cell ", cell, " names point ", corner, "; there are ", mesh.points.size()));
     e.corners[i] = Point(mesh.points[corner].data());
   }
@@ -41,7 +41,7 @@ Element element(const preprocess::NeutralMesh& mesh, std::size_t cell) {
   const double determinant = edges.determinant();
   e.volume = std::abs(determinant) / 6;
   if (!(e.volume > 0) || !std::isfinite(e.volume))
-    throw Error(Trouble::invalid, concat("mesh: cell ", cell, " has volume ", e.volume, "; expected a positive one"));
+    throw Error(ErrorCode::invalid, concat("mesh: cell ", cell, " has volume ", e.volume, "; expected a positive one"));
   const Eigen::Matrix3d inverse = edges.inverse();
   for (int i = 0; i < 3; ++i) e.gradients[static_cast<std::size_t>(i) + 1] = inverse.row(i).transpose();
   e.gradients[0] = -(e.gradients[1] + e.gradients[2] + e.gradients[3]);
@@ -93,7 +93,7 @@ System assemble(const preprocess::NeutralMesh& mesh, std::span<const double> con
   if (!(moment.norm() > 0)) return system;
   // Coarse cells sum the density up roughly; with the sum taken out, its strength is right on every mesh.
   if (!(dipole_inside > 0.2 && dipole_inside < 5))
-    throw Error(Trouble::invalid,
+    throw Error(ErrorCode::invalid,
                 concat("mesh: holds ", dipole_inside, " of the dipole at (", dipole.at_mm[0], ", ", dipole.at_mm[1],
                        ", ", dipole.at_mm[2], "); expected about 1"),
                 "move it inside, make it wider or the mesh finer");
@@ -125,7 +125,7 @@ Vector solve(const System& system, PotentialReport& report) {
   if (system.load.size() <= most_direct) {
     const Eigen::SimplicialLDLT<Matrix, Eigen::Lower> factor(system.stiffness);
     if (factor.info() != Eigen::Success)
-      throw Error(Trouble::invalid, "mesh: the system of equations is singular", "are there points without cells?");
+      throw Error(ErrorCode::invalid, "mesh: the system of equations is singular", "are there points without cells?");
     return factor.solve(system.load);
   }
   Eigen::ConjugateGradient<Matrix, Eigen::Lower, Eigen::IncompleteCholesky<double, Eigen::Lower>> iteration;
@@ -135,7 +135,7 @@ Vector solve(const System& system, PotentialReport& report) {
   const Vector solution = iteration.solve(system.load);
   report.iteration_count = static_cast<std::uint64_t>(iteration.iterations());
   if (iteration.info() != Eigen::Success)
-    throw Error(Trouble::invalid,
+    throw Error(ErrorCode::invalid,
                 concat("mesh: potential not found after ", iteration.iterations(), " iterations; residual ",
                        iteration.error(), ", expected 1e-10"),
                 "look for very flat cells and parts that hang loose");
@@ -144,19 +144,19 @@ Vector solve(const System& system, PotentialReport& report) {
 
 void check_input(const preprocess::NeutralMesh& mesh, std::span<const double> conductivity, const Dipole& dipole,
                  const HeldFixed& fixed) {
-  if (mesh.cells.empty()) throw Error(Trouble::invalid, "mesh: no cells");
+  if (mesh.cells.empty()) throw Error(ErrorCode::invalid, "mesh: no cells");
   if (mesh.points.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
-    throw Error(Trouble::unsupported, concat("mesh: ", mesh.points.size(), " points; at most 2147483647"));
+    throw Error(ErrorCode::unsupported, concat("mesh: ", mesh.points.size(), " points; at most 2147483647"));
   if (conductivity.size() != mesh.cells.size())
-    throw Error(Trouble::usage, concat(conductivity.size(), " conductivities for ", mesh.cells.size(), " cells"));
+    throw Error(ErrorCode::usage, concat(conductivity.size(), " conductivities for ", mesh.cells.size(), " cells"));
   for (const double sigma : conductivity)
     if (!(sigma > 0 && std::isfinite(sigma)))
-      throw Error(Trouble::usage, concat("conductivity ", sigma, "; expected more than 0"));
+      throw Error(ErrorCode::usage, concat("conductivity ", sigma, "; expected more than 0"));
   if (!(dipole.width_mm > 0))
-    throw Error(Trouble::usage, concat("dipole of width ", dipole.width_mm, "; expected more than 0"));
+    throw Error(ErrorCode::usage, concat("dipole of width ", dipole.width_mm, "; expected more than 0"));
   for (const auto& [point, value] : fixed)
     if (point >= mesh.points.size())
-      throw Error(Trouble::usage, concat("fixed point ", point, " of ", mesh.points.size()));
+      throw Error(ErrorCode::usage, concat("fixed point ", point, " of ", mesh.points.size()));
 }
 
 }  // namespace
@@ -182,7 +182,7 @@ std::vector<double> conductivity_of_cells(const preprocess::NeutralMesh& mesh, c
   const auto region = std::find_if(mesh.cell_fields.begin(), mesh.cell_fields.end(),
                                    [](const auto& field) { return field.name == "region"; });
   if (region == mesh.cell_fields.end() || region->values.size() != mesh.cells.size())
-    throw Error(Trouble::invalid, "mesh: no cell field \"region\" that tells torso, heart and lungs apart",
+    throw Error(ErrorCode::invalid, "mesh: no cell field \"region\" that tells torso, heart and lungs apart",
                 "make the mesh with: rhoray tetrahedralize torso.smesh");
   std::vector<double> conductivity;
   conductivity.reserve(mesh.cells.size());
@@ -194,8 +194,8 @@ std::vector<double> conductivity_of_cells(const preprocess::NeutralMesh& mesh, c
     else if (number == static_cast<double>(Tissue::lungs))
       conductivity.push_back(conductivities.lungs);
     else
-      throw Error(Trouble::invalid, concat("mesh: cell ", conductivity.size(), " is of region ", number,
-                                           "; expected 1 (torso), 2 (heart) or 3 (lungs)"));
+      throw Error(ErrorCode::invalid, concat("mesh: cell ", conductivity.size(), " is of region ", number,
+                                             "; expected 1 (torso), 2 (heart) or 3 (lungs)"));
   }
   return conductivity;
 }

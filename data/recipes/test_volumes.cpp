@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "data/recipes/write_nrrd.h"
+#include "formats/base/error.h"
 #include "formats/base/parallel.h"
-#include "formats/base/trouble.h"
 
 namespace rhoray::recipes {
 
@@ -94,7 +94,7 @@ void turbulent_row(const AxisTable& axis, std::int64_t j, std::int64_t k, std::s
 
 void write_test_volume(const std::filesystem::path& path, const TestVolumeOptions& options) {
   const std::int64_t n = options.size;
-  if (n < 2 || n > 4096) throw Error(Trouble::usage, concat("size ", n, "; expected 2 to 4096"));
+  if (n < 2 || n > 4096) throw Error(ErrorCode::usage, concat("size ", n, "; expected 2 to 4096"));
   const bool is_smooth = options.which == TestVolume::smooth;
   const NrrdHeader header{.type = "uint16",
                           .sample_count = {n, n, n},

@@ -6,8 +6,8 @@
 
 #include "data/recipes/torso_scene.h"
 #include "data/recipes/write_nrrd.h"
+#include "formats/base/error.h"
 #include "formats/base/parallel.h"
-#include "formats/base/trouble.h"
 
 namespace rhoray::recipes {
 
@@ -96,8 +96,8 @@ double ct_noise(std::uint64_t sample) {
 void write_torso_ct(const std::filesystem::path& path, const Index3& sample_count, bool replace_existing) {
   for (const std::int64_t n : {sample_count.x, sample_count.y, sample_count.z})
     if (n < 2 || n > 16384)
-      throw Error(Trouble::usage, concat("size ", sample_count.x, "x", sample_count.y, "x", sample_count.z,
-                                         "; expected 2 to 16384 samples on each axis"));
+      throw Error(ErrorCode::usage, concat("size ", sample_count.x, "x", sample_count.y, "x", sample_count.z,
+                                           "; expected 2 to 16384 samples on each axis"));
   const CtLattice lattice = ct_lattice(sample_count);
   const NrrdHeader header{.type = "int16",
                           .sample_count = sample_count,

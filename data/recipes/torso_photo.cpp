@@ -9,8 +9,8 @@
 #include "data/recipes/torso_ct.h"
 #include "data/recipes/torso_scene.h"
 #include "data/recipes/write_nrrd.h"
+#include "formats/base/error.h"
 #include "formats/base/parallel.h"
-#include "formats/base/trouble.h"
 
 namespace rhoray::recipes {
 
@@ -219,7 +219,7 @@ void write_torso_photo(const std::filesystem::path& path, const Index3& texel_co
   const std::int64_t nx = texel_count.x, ny = texel_count.y, nz = texel_count.z;
   for (const std::int64_t n : {nx, ny, nz})
     if (n < 2 || n > 16384)
-      throw Error(Trouble::usage, concat("size ", nx, "x", ny, "x", nz, "; expected 2 to 16384 texels on each axis"));
+      throw Error(ErrorCode::usage, concat("size ", nx, "x", ny, "x", nz, "; expected 2 to 16384 texels on each axis"));
   const CtLattice lattice = ct_lattice(texel_count);
   // As far as the surfaces in a CT of voxels of 2 mm or so may be off, and the texels around them.
   const double reach = 2.2 + std::max({lattice.spacing.x, lattice.spacing.y, lattice.spacing.z});

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "data/recipes/torso_scene.h"
+#include "formats/base/error.h"
 #include "formats/base/pending_file.h"
-#include "formats/base/trouble.h"
 
 namespace rhoray::recipes {
 
@@ -70,7 +70,7 @@ double wanted_size(const Vec3& p, double finest) {
 
 TorsoSurface make_torso_surface(std::uint64_t cell_count) {
   if (cell_count < 4'500 || cell_count > 20'000'000)
-    throw Error(Trouble::usage, concat("torso of ", cell_count, " tetrahedra; expected 4500 to 20000000"));
+    throw Error(ErrorCode::usage, concat("torso of ", cell_count, " tetrahedra; expected 4500 to 20000000"));
   const double finest = finest_size(cell_count);
   TorsoSurface made;
   for (const Body& body : bodies()) {
@@ -125,7 +125,7 @@ std::string sizes_text(const preprocess::NeutralSurface& surface) {
 void write_torso_surface(const TorsoSurface& torso, const std::filesystem::path& path, bool each_as_ply,
                          bool replace_existing) {
   if (path.extension() != ".smesh")
-    throw Error(Trouble::usage, concat(path.string(), ": the name of the surface must end in .smesh"));
+    throw Error(ErrorCode::usage, concat(path.string(), ": the name of the surface must end in .smesh"));
   std::vector<std::pair<std::filesystem::path, std::string>> texts{
       {std::filesystem::path(path).replace_extension(".mtr"), sizes_text(torso.surface)},
       {path, smesh_text(torso.surface)}};

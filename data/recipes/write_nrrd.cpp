@@ -3,14 +3,14 @@
 #include <memory>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::recipes {
 
 void write_nrrd(const std::filesystem::path& path, bool replace_existing, const NrrdHeader& header,
                 const std::function<void(PendingFile& raw)>& write_samples) {
   if (path.extension() != ".nhdr")
-    throw Error(Trouble::usage, concat(path.string(), ": the name of the header must end in .nhdr"));
+    throw Error(ErrorCode::usage, concat(path.string(), ": the name of the header must end in .nhdr"));
   const std::filesystem::path raw_path = std::filesystem::path(path).replace_extension(".raw");
   const auto triple = [](const Vec3& v) { return concat("(", v.x, ",", v.y, ",", v.z, ")"); };
   const Index3 n = header.sample_count;

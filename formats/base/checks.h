@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-/// Our own broken promise: prints the expression and stops. Never for input (that is formats/base/trouble.h).
+/// Our own broken promise: prints the expression and stops. Never for input (that is formats/base/error.h).
 #define RHORAY_CHECK(condition)                                                                   \
   do {                                                                                            \
     if (!(condition)) [[unlikely]] {                                                              \

@@ -11,7 +11,7 @@
 #include <system_error>
 
 #include "formats/base/checks.h"
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray {
 
@@ -46,7 +46,7 @@ static_assert(std::atomic<std::uint64_t>::is_always_lock_free && std::atomic<boo
               "a signal handler may wait for no lock");
 
 Error loss(const std::string& name) {
-  return {Trouble::invalid,
+  return {ErrorCode::invalid,
           concat(name, ": lost bytes while it was read: another program made it shorter, or its disk failed")};
 }
 
@@ -90,7 +90,7 @@ MappedFile::MappedFile(int descriptor, std::uint64_t byte_count, std::string nam
   // Private, as files in memory that are sealed against writing take no other mapping; nothing is written or copied.
   void* const start = ::mmap(nullptr, byte_count, PROT_READ, MAP_PRIVATE, descriptor, 0);
   if (start == MAP_FAILED)
-    throw Error(Trouble::resource,
+    throw Error(ErrorCode::resource,
                 concat(name, ": cannot map ", byte_count, " bytes: ", std::system_category().message(errno)));
   start_ = static_cast<const std::byte*>(start);
   try {

@@ -17,7 +17,7 @@ class MappedFile {
  public:
   /// Maps the first `byte_count` bytes, at least 1. The descriptor stays the caller's and may be closed.
   /// @param name  for messages
-  /// Refuses with Trouble::resource when the system cannot map them.
+  /// Refuses with ErrorCode::resource when the system cannot map them.
   MappedFile(int descriptor, std::uint64_t byte_count, std::string name);
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
@@ -29,7 +29,7 @@ class MappedFile {
   /// atomic flag.
   bool is_damaged() const noexcept;
 
-  /// Throws (Trouble::invalid) when bytes were lost since the file was mapped. To be called when a result that was
+  /// Throws (ErrorCode::invalid) when bytes were lost since the file was mapped. To be called when a result that was
   /// computed from these bytes is complete and before it is shown to anybody.
   void require_intact() const;
 
@@ -63,7 +63,7 @@ bool replace_lost_bytes(const void* address) noexcept;
 /// True when `replace_lost_bytes` has replaced bytes since the process started. Safe in a signal handler.
 bool any_bytes_lost() noexcept;
 
-/// Throws (Trouble::invalid) for a file that lost bytes and for which no MappedFile::require_intact has thrown yet,
+/// Throws (ErrorCode::invalid) for a file that lost bytes and for which no MappedFile::require_intact has thrown yet,
 /// also when its mapping is gone by now. To be called before anything is published.
 void require_no_lost_bytes();
 

@@ -18,8 +18,8 @@
 #include <tuple>
 #include <utility>
 
+#include "formats/base/error.h"
 #include "formats/base/mapped_file.h"
-#include "formats/base/trouble.h"
 #include "formats/base/write_failure.h"
 
 namespace rhoray {
@@ -71,7 +71,7 @@ void remove_if_stale(int folder, const std::string& name) {
   ::close(file);
 }
 
-/// Looks for stale temporary names once per folder and process.
+/// CandidateList for stale temporary names once per folder and process.
 void remove_stale_names(int folder, const fs::path& name_of_folder) {
   static std::mutex guard;
   static std::set<std::tuple<dev_t, ino_t, fs::path>> seen;  // the path too: numbers come back when folders are removed
@@ -148,7 +148,7 @@ void PendingFile::fail(const std::string& act, int error, std::uint64_t needed_b
 }
 
 void PendingFile::refuse_existing() const {
-  throw Error(Trouble::usage, concat(name_, ": found a file of that name; expected none"),
+  throw Error(ErrorCode::usage, concat(name_, ": found a file of that name; expected none"),
               "choose another name, or allow it to be replaced (--force)");
 }
 
@@ -156,7 +156,7 @@ void PendingFile::open_target(const fs::path& target) {
   const fs::path real = follow_links(target);
   file_name_ = real.filename().string();
   if (file_name_.empty() || file_name_ == "." || file_name_ == "..")
-    throw Error(Trouble::usage, concat(name_, ": found a folder; expected the name of a file"));
+    throw Error(ErrorCode::usage, concat(name_, ": found a folder; expected the name of a file"));
   const fs::path folder = real.has_parent_path() ? real.parent_path() : fs::path(".");
   folder_name_ = folder;
   folder_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -168,8 +168,8 @@ void PendingFile::open_target(const fs::path& target) {
     return;
   }
   if (!S_ISREG(status.st_mode))
-    throw Error(Trouble::usage, concat(name_, ": found ", S_ISDIR(status.st_mode) ? "a folder" : "a special file",
-                                       "; expected a file or nothing"));
+    throw Error(ErrorCode::usage, concat(name_, ": found ", S_ISDIR(status.st_mode) ? "a folder" : "a special file",
+                                         "; expected a file or nothing"));
   if (!options_.replace_existing) refuse_existing();
 }
 
@@ -336,7 +336,7 @@ void PendingFile::hold_old() {
   const std::optional<struct stat> status = status_in(folder_, file_name_);
   if (!status) return;
   if (!S_ISREG(status->st_mode))
-    throw Error(Trouble::usage, concat(name_, ": found something else than a file, which came meanwhile"));
+    throw Error(ErrorCode::usage, concat(name_, ": found something else than a file, which came meanwhile"));
   old_ = ::openat(folder_, file_name_.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (old_ >= 0) ::flock(old_, LOCK_SH | LOCK_NB);
 }

@@ -23,8 +23,8 @@ class PendingFile {
     bool anonymous = true;  ///< false: a named temporary, as on file systems without anonymous files
   };
 
-  /// A symbolic link as target stands for the file that it points to. Refuses (Trouble::usage) a folder, a special
-  /// file, a missing folder, and a file that exists unless it may be replaced; and (Trouble::resource) a folder in
+  /// A symbolic link as target stands for the file that it points to. Refuses (ErrorCode::usage) a folder, a special
+  /// file, a missing folder, and a file that exists unless it may be replaced; and (ErrorCode::resource) a folder in
   /// which no file can be made.
   PendingFile(const std::filesystem::path& target, Options options);
 
@@ -41,7 +41,8 @@ class PendingFile {
   /// A path by which a library or another process can open the file for writing while this one lives.
   std::filesystem::path open_name() const;
 
-  /// Gives the file its size, all bytes 0, and takes the space on disk now. Trouble::resource when there is not enough.
+  /// Gives the file its size, all bytes 0, and takes the space on disk now. ErrorCode::resource when there is not
+  /// enough.
   void reserve(std::uint64_t bytes);
 
   /// All bytes, or an exception. Several threads may write at once.
@@ -52,11 +53,11 @@ class PendingFile {
   void append(std::string_view text) { append(std::as_bytes(std::span(text))); }
 
   /// Flushes, gives the file its name, flushes the folder. A file of that name that came meanwhile is refused
-  /// (Trouble::usage) unless it may be replaced; then it is replaced in one step, and its permissions, owner and group
-  /// are kept (the last two where the user may set them). When anything fails, the old file has its name again, or
-  /// there is none. (Only a file system that cannot exchange two names keeps the new file if the folder's flush fails.)
-  /// Refuses (Trouble::invalid) when an input lost bytes while it was mapped and nobody was told yet (mapped_file.h):
-  /// what was written may come from it.
+  /// (ErrorCode::usage) unless it may be replaced; then it is replaced in one step, and its permissions, owner and
+  /// group are kept (the last two where the user may set them). When anything fails, the old file has its name again,
+  /// or there is none. (Only a file system that cannot exchange two names keeps the new file if the folder's flush
+  /// fails.) Refuses (ErrorCode::invalid) when an input lost bytes while it was mapped and nobody was told yet
+  /// (mapped_file.h): what was written may come from it.
   void publish();
 
  private:

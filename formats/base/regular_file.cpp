@@ -7,14 +7,14 @@
 #include <cerrno>
 #include <system_error>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray {
 namespace {
 
 [[noreturn]] void refuse_by_system(const std::filesystem::path& path) {
   const int reason = errno;
-  throw Error(Trouble::unreadable, concat(path.string(), ": ", std::system_category().message(reason)));
+  throw Error(ErrorCode::unreadable, concat(path.string(), ": ", std::system_category().message(reason)));
 }
 
 const char* kind_of(mode_t mode) {
@@ -26,7 +26,7 @@ const char* kind_of(mode_t mode) {
 
 void require_regular(const std::filesystem::path& path, const struct stat& status) {
   if (S_ISREG(status.st_mode)) return;
-  throw Error(Trouble::unreadable, concat(path.string(), ": found ", kind_of(status.st_mode), "; expected a file"),
+  throw Error(ErrorCode::unreadable, concat(path.string(), ": found ", kind_of(status.st_mode), "; expected a file"),
               S_ISFIFO(status.st_mode) ? "save what comes through the pipe to a file first" : "");
 }
 

@@ -10,16 +10,16 @@
 namespace rhoray {
 namespace {
 
-Trouble trouble_of(int error) {
+ErrorCode error_code_of(int error) {
   switch (error) {
     case ENOENT:
     case ENOTDIR:
     case EISDIR:
     case ELOOP:
     case ENAMETOOLONG:
-      return Trouble::usage;
+      return ErrorCode::usage;
     default:
-      return Trouble::resource;
+      return ErrorCode::resource;
   }
 }
 
@@ -52,7 +52,7 @@ Error write_failure(const std::string& name, const std::string& act, int error, 
   std::string fact = concat(name, ": cannot ", act, ": ", std::system_category().message(error));
   if (error == ENOSPC || error == EDQUOT) fact += space_text(descriptor, needed_bytes);
   if (error == EFBIG) fact += limit_text(needed_bytes);
-  return Error(trouble_of(error), fact);
+  return Error(error_code_of(error), fact);
 }
 
 }  // namespace rhoray

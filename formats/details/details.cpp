@@ -168,7 +168,7 @@ ElementType Reader::element_type(const std::string& key) const {
 
 Json number_json(double number, std::string_view what) {
   if (!std::isfinite(number))
-    throw Error(Trouble::invalid, concat(what, ": found ", number, "; expected a finite number"));
+    throw Error(ErrorCode::invalid, concat(what, ": found ", number, "; expected a finite number"));
   return number;
 }
 

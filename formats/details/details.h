@@ -54,7 +54,7 @@ class Reader {
 };
 
 // Numbers are written so that they read back to the same bits; one that is not finite has no place in JSON and is
-// refused (Trouble::invalid, named by `what`).
+// refused (ErrorCode::invalid, named by `what`).
 Json number_json(double number, std::string_view what);
 Json vector_json(const Vec3& vector, std::string_view what);
 Json index_json(const Index3& index);

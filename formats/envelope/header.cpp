@@ -184,7 +184,7 @@ ArrayEntry to_entry(std::string_view file, const Listener::Array& array) {
   const std::optional<ElementType> type = type_named(*array.type);
   if (!type)
     refuse(file, place, concat("dtype '", array.type->substr(0, 40), "'"), "U8 I8 U16 I16 U32 I32 U64 I64 F32 F64",
-           Trouble::unsupported);
+           ErrorCode::unsupported);
 
   const std::uint64_t first = array.offsets->front(), last = array.offsets->back();
   if (first > last) refuse(file, place, concat("data_offsets [", first, ",", last, "]"), "them not to fall");
@@ -240,7 +240,7 @@ int checked_minor_version(std::string_view file, std::string_view text) {
   if (dot == std::string_view::npos || !is_number(text.substr(0, dot)) || !is_number(text.substr(dot + 1)))
     refuse(file, "header, __metadata__, version", concat("'", text.substr(0, 40), "'"), "two numbers such as 1.0");
   if (text.substr(0, dot) != major_version)
-    refuse(file, "header, __metadata__, version", text, "1.x; a newer program may read it", Trouble::unsupported);
+    refuse(file, "header, __metadata__, version", text, "1.x; a newer program may read it", ErrorCode::unsupported);
   int minor = 0;
   std::from_chars(text.data() + dot + 1, text.data() + text.size(), minor);
   return minor;
@@ -284,7 +284,7 @@ Header read_header(std::string_view file, std::string_view text, std::uint64_t d
   for (const std::string& feature : header.description.required)
     if (std::find(known_features.begin(), known_features.end(), feature) == known_features.end())
       refuse(file, "header, __metadata__, requires", concat("the feature '", feature.substr(0, 80), "'"),
-             "axis-tables, sparse-bricks or cell-clusters; a newer program may know more", Trouble::unsupported);
+             "axis-tables, sparse-bricks or cell-clusters; a newer program may know more", ErrorCode::unsupported);
 
   for (const Listener::Array& array : heard.arrays) header.arrays.push_back(to_entry(file, array));
   check_layout(file, header.arrays, data_bytes);
@@ -313,7 +313,7 @@ std::vector<ArrayEntry> place_arrays(std::string_view file, const std::vector<Ar
     RHORAY_CHECK(!has_control_character(array.name) && names.insert(array.name).second);
     const std::optional<std::uint64_t> bytes = bytes_in(array.type, array.shape);
     if (!bytes || *bytes > largest_file - end)
-      throw Error(Trouble::usage, concat(file, ": array '", array.name, "' makes the file larger than 2^62 bytes"));
+      throw Error(ErrorCode::usage, concat(file, ": array '", array.name, "' makes the file larger than 2^62 bytes"));
     align(array.alignment);
     append(array.name, array.type, array.shape, *bytes);
   }
@@ -343,7 +343,7 @@ std::string write_header(std::string_view file, const FileDescription& descripti
 
   const std::uint64_t bytes = round_up(length_bytes + text.size(), page_bytes);
   if (bytes > largest_header_bytes || arrays.size() > largest_array_count)
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat(file, ": the header would take ", bytes, " bytes for ", arrays.size(), " arrays; at most ",
                        largest_header_bytes, " bytes and ", largest_array_count, " arrays are allowed"),
                 "pack fewer fields into one file");

@@ -37,12 +37,12 @@ struct Header {
 Header read_header(std::string_view file, std::string_view text, std::uint64_t data_bytes);
 
 /// Where declared arrays come to lie, with the padding between them and with "_sum" and "_seal" behind them.
-/// Throws Trouble::usage when their sizes do not fit 63 bits.
+/// Throws ErrorCode::usage when their sizes do not fit 63 bits.
 /// @param file  name for messages
 std::vector<ArrayEntry> place_arrays(std::string_view file, const std::vector<ArraySpec>& arrays);
 
 /// The header as it lies in the file: length, text, spaces up to a multiple of 4096.
-/// Throws Trouble::usage when it would go beyond the limits.
+/// Throws ErrorCode::usage when it would go beyond the limits.
 std::string write_header(std::string_view file, const FileDescription& description,
                          const std::vector<ArrayEntry>& arrays);
 

@@ -1,7 +1,7 @@
 #include <cmath>
 
+#include "formats/base/error.h"
 #include "formats/base/pending_file.h"
-#include "formats/base/trouble.h"
 #include "preprocess/export/counts.h"
 #include "preprocess/export/grid_samples.h"
 #include "preprocess/export_grid.h"
@@ -13,7 +13,7 @@ namespace rhoray::preprocess {
 ExportReport export_grid_stl(const std::filesystem::path& packed, double isovalue, const std::filesystem::path& output,
                              const ExportOptions& options) {
   if (!std::isfinite(isovalue))
-    throw Error(Trouble::usage, concat("isovalue ", isovalue, "; expected a finite number"));
+    throw Error(ErrorCode::usage, concat("isovalue ", isovalue, "; expected a finite number"));
   const OpenedGrid opened = open_grid(packed, options.field);
   require_even_steps(opened, packed, "the surface of a grid");  // here, in no other process
   PendingFile file(output, {.replace_existing = options.replace_existing});

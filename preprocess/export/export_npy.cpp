@@ -1,5 +1,5 @@
+#include "formats/base/error.h"
 #include "formats/base/pending_file.h"
-#include "formats/base/trouble.h"
 #include "preprocess/export/grid_samples.h"
 #include "preprocess/export_grid.h"
 

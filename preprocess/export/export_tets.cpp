@@ -4,10 +4,10 @@
 #include <cmath>
 #include <tuple>
 
+#include "formats/base/error.h"
 #include "formats/base/floating_point.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/pending_file.h"
-#include "formats/base/trouble.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/export/stl_file.h"
 #include "preprocess/import_mesh.h"
@@ -32,7 +32,7 @@ std::size_t field_position(const TetMesh& mesh, const std::string& field) {
     names.push_back(summary.name);
     known += concat(known.empty() ? "'" : ", '", summary.name, "'");
   }
-  throw Error(Trouble::usage, concat(mesh.file().name(), ": no field '", field, "'; it has ", known),
+  throw Error(ErrorCode::usage, concat(mesh.file().name(), ": no field '", field, "'; it has ", known),
               did_you_mean(field, names));
 }
 
@@ -141,7 +141,7 @@ ExportReport export_tets_stl(const std::filesystem::path& packed, std::optional<
                              const std::filesystem::path& output, const ExportOptions& options) {
   const DefaultFloatingPoint default_floating_point;
   if (isovalue && !std::isfinite(*isovalue))
-    throw Error(Trouble::usage, concat("isovalue ", *isovalue, "; expected a finite number"));
+    throw Error(ErrorCode::usage, concat("isovalue ", *isovalue, "; expected a finite number"));
   const TetMesh mesh(formats::PackedFile::open(packed));
   const std::size_t field = field_position(mesh, options.field);
   PendingFile pending(output, {.replace_existing = options.replace_existing});

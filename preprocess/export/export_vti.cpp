@@ -1,7 +1,7 @@
 #include <numeric>
 
+#include "formats/base/error.h"
 #include "formats/base/pending_file.h"
-#include "formats/base/trouble.h"
 #include "preprocess/export/grid_samples.h"
 #include "preprocess/export_grid.h"
 

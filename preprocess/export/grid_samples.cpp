@@ -1,7 +1,7 @@
 #include "preprocess/export/grid_samples.h"
 
+#include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
-#include "formats/base/trouble.h"
 
 namespace rhoray::preprocess {
 
@@ -18,13 +18,13 @@ OpenedGrid open_grid(const std::filesystem::path& path, const std::string& field
     known.push_back(summary.name);
     list += concat(list.empty() ? "'" : ", '", summary.name, "'");
   }
-  throw Error(Trouble::usage, concat(path.string(), ": no field '", field, "'; it has ", list),
+  throw Error(ErrorCode::usage, concat(path.string(), ": no field '", field, "'; it has ", list),
               did_you_mean(field, known));
 }
 
 void require_even_steps(const OpenedGrid& opened, const std::filesystem::path& path, std::string_view format) {
   if (!opened.description().is_rectilinear()) return;
-  throw Error(Trouble::unsupported,
+  throw Error(ErrorCode::unsupported,
               concat(path.string(), ": samples stand at uneven steps; ", format, " knows even ones"),
               ".npy keeps the samples; the positions are arrays axis.0 to axis.2 of the packed file");
 }

@@ -54,11 +54,11 @@ struct OpenedGrid {
   const formats::FieldSummary& summary() const { return grid.description().fields[field]; }
 };
 
-/// Opens a packed grid; refuses a file of another kind and a field that it does not have (Trouble::usage).
+/// Opens a packed grid; refuses a file of another kind and a field that it does not have (ErrorCode::usage).
 /// @param field  empty = the first
 OpenedGrid open_grid(const std::filesystem::path& path, const std::string& field);
 
-/// Refuses a grid whose samples stand at uneven steps (Trouble::unsupported), for formats that know even ones only.
+/// Refuses a grid whose samples stand at uneven steps (ErrorCode::unsupported), for formats that know even ones only.
 void require_even_steps(const OpenedGrid& opened, const std::filesystem::path& path, std::string_view format);
 
 /// Calls act(GridSamples<T>) with the field's type; returns what act returns.

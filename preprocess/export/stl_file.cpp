@@ -5,7 +5,7 @@
 #include <limits>
 #include <string_view>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -44,7 +44,7 @@ void StlFile::add(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 std::uint64_t StlFile::finish() {
   if (triangle_count_ > std::numeric_limits<std::uint32_t>::max())
-    throw Error(Trouble::unsupported,
+    throw Error(ErrorCode::unsupported,
                 concat(name_, ": ", triangle_count_, " triangles; expected fewer than 2^32 in an STL file"));
   file_.seekp(title_bytes);
   write_number(file_, static_cast<std::uint32_t>(triangle_count_));

@@ -18,7 +18,7 @@ class StlFile {
   /// Left out when two corners are the same after rounding.
   void add(const Vec3& a, const Vec3& b, const Vec3& c);
 
-  /// Ends the file and returns the number of triangles in it; refuses a file that could not be written (Trouble::
+  /// Ends the file and returns the number of triangles in it; refuses a file that could not be written (ErrorCode::
   /// resource) and more triangles than the format can count.
   std::uint64_t finish();
 

@@ -2,15 +2,15 @@
 #include <cmath>
 #include <iterator>
 
+#include "formats/base/error.h"
 #include "formats/base/pending_file.h"
-#include "formats/base/trouble.h"
 #include "preprocess/import/foreign_names.h"
 #include "preprocess/import/worker_arguments.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
 #include "preprocess/process/child_process.h"
 #include "preprocess/process/foreign_file.h"
-#include "preprocess/process/handover.h"
+#include "preprocess/process/messages.h"
 #include "preprocess/process/run_writer.h"
 #include "preprocess/subdivide.h"
 
@@ -58,8 +58,8 @@ std::uint64_t vtu_bytes_bound(const NeutralMesh& mesh) {
 /// The same directions at other distances.
 void set_spacing(Affine& map, const Vec3& spacing) {
   if (!(spacing.x > 0 && spacing.y > 0 && spacing.z > 0) || !std::isfinite(spacing.x + spacing.y + spacing.z))
-    throw Error(Trouble::usage, concat("spacing: found ", spacing.x, ", ", spacing.y, ", ", spacing.z,
-                                       "; expected three finite numbers above 0"));
+    throw Error(ErrorCode::usage, concat("spacing: found ", spacing.x, ", ", spacing.y, ", ", spacing.z,
+                                         "; expected three finite numbers above 0"));
   map.x_axis *= spacing.x / map.x_axis.length();
   map.y_axis *= spacing.y / map.y_axis.length();
   map.z_axis *= spacing.z / map.z_axis.length();
@@ -67,7 +67,7 @@ void set_spacing(Affine& map, const Vec3& spacing) {
 
 void set_origin(Affine& map, const Vec3& origin) {
   if (!std::isfinite(origin.x + origin.y + origin.z))
-    throw Error(Trouble::usage, "origin: found a number that is not finite; expected three finite numbers");
+    throw Error(ErrorCode::usage, "origin: found a number that is not finite; expected three finite numbers");
   map.origin = origin;
 }
 
@@ -79,14 +79,14 @@ NeutralVolume import_volume(const fs::path& path, const ImportVolumeOptions& opt
                               .field = options.field,
                               .colors = options.colors,
                               .length_of_vectors = options.length_of_vectors && worker == import_worker};
-  NeutralVolume volume = take_volume(run_reader(path, volume_arguments(path, request), options, worker), path);
+  NeutralVolume volume = receive_volume(run_reader(path, volume_arguments(path, request), options, worker), path);
   if (options.spacing) set_spacing(volume.world_from_grid, *options.spacing);
   if (options.origin) set_origin(volume.world_from_grid, *options.origin);
   return volume;
 }
 
 CellMesh import_cells(const fs::path& path, const ImportMeshOptions& options) {
-  return take_cell_mesh(run_reader(path, {"cells", path.string(), options.time}, options));
+  return receive_cell_mesh(run_reader(path, {"cells", path.string(), options.time}, options));
 }
 
 NeutralMesh import_mesh(const fs::path& path, const ImportMeshOptions& options) {
@@ -95,23 +95,23 @@ NeutralMesh import_mesh(const fs::path& path, const ImportMeshOptions& options) 
     return subdivide(std::move(cells), {.max_error = options.max_error, .fields = options.error_fields},
                      options.progress);
   } catch (const Error& error) {  // the verb knows no file
-    throw Error(error.trouble(), concat(path.string(), ", ", error.what()), error.hint());
+    throw Error(error.code(), concat(path.string(), ", ", error.what()), error.hint());
   }
 }
 
 NeutralSurface import_surface(const fs::path& path, const fs::path& sizes, const ImportMeshOptions& options) {
-  return take_surface(run_reader(path, {"surface", path.string(), sizes.string()}, options));
+  return receive_surface(run_reader(path, {"surface", path.string(), sizes.string()}, options));
 }
 
 void export_mesh(const NeutralMesh& mesh, const fs::path& path, bool replace_existing) {
   if (extension_of(path) != ".vtu")
-    throw Error(Trouble::usage, concat(path.string(), ": found extension '", extension_of(path), "'; expected .vtu"));
+    throw Error(ErrorCode::usage, concat(path.string(), ": found extension '", extension_of(path), "'; expected .vtu"));
   PendingFile output(path, {.replace_existing = replace_existing});
   WorkerRequest request;
   request.program = import_worker;
   request.arguments = {"write-vtu", output.open_name().string()};
   request.output_bytes = vtu_bytes_bound(mesh);
-  request.write_input = [&](int descriptor) { hand_over(mesh, descriptor); };
+  request.write_input = [&](int descriptor) { send(mesh, descriptor); };
   run_writer(std::move(request), output);
   output.publish();
 }

@@ -1,7 +1,7 @@
 #include <array>
 #include <string_view>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/import/families.h"
 #include "preprocess/import/foreign_names.h"
 #include "preprocess/import/mesh/time_steps.h"
@@ -81,7 +81,7 @@ std::string extensions_of(const Importer<Function> (&importers)[N]) {
 }
 
 Error no_importer(const std::filesystem::path& path, const char* kind, const std::string& known) {
-  return {Trouble::unsupported,
+  return {ErrorCode::unsupported,
           concat(path.string(), ": found extension '", family_of(path), "'; expected, for a ", kind, ", one of", known),
           advice_on(path)};
 }
@@ -95,8 +95,8 @@ Function* importer_for(const Importer<Function> (&importers)[N], const std::file
 /// Formats that hold one field without choice: asking for another is refused.
 void check_field_name(const NeutralVolume& volume, const std::string& field, const std::filesystem::path& path) {
   if (!field.empty() && field != volume.field_name)
-    throw Error(Trouble::usage, concat(path.string(), ": found no field '", field, "'; expected '", volume.field_name,
-                                       "', the only one"));
+    throw Error(ErrorCode::usage, concat(path.string(), ": found no field '", field, "'; expected '", volume.field_name,
+                                         "', the only one"));
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 namespace rhoray::preprocess {
 
 /// The readers themselves, without a process around them: what the import worker calls. Each picks its format by the
-/// file's extension (importers.cpp) and refuses an extension that it does not know (Trouble::unsupported).
+/// file's extension (importers.cpp) and refuses an extension that it does not know (ErrorCode::unsupported).
 
 struct VolumeRequest {
   std::optional<RawVolume> raw{};  ///< read as headerless bytes, whatever the extension

@@ -116,7 +116,7 @@ void finish_volume(NeutralVolume& volume, const std::filesystem::path& path) {
                                                                             : as_doubles<std::uint64_t>(volume.samples);
   if (!doubles)
     refuse_input(path, "samples", "64-bit integers beyond 2^53", "integers that a 64-bit float holds exactly",
-                 Trouble::unsupported);
+                 ErrorCode::unsupported);
   set_samples(volume, *std::move(doubles));
   volume.type = ElementType::F64;
   volume.notes.push_back("64-bit integers became 64-bit floats; each kept its value");
@@ -163,7 +163,7 @@ Choice choose(const std::filesystem::path& path, const std::vector<GridArray>& a
   if (field.empty()) {
     for (std::size_t i = 0; i < arrays.size(); ++i)
       if (arrays[i].component_count == 1) return {.array = i};
-    throw VectorsOnly({Trouble::unsupported,
+    throw VectorsOnly({ErrorCode::unsupported,
                        concat(path.string(), ": found only arrays with several components: ", names_of(arrays),
                               "; expected one with a single component"),
                        ways_to_name(arrays.front())},
@@ -173,7 +173,7 @@ Choice choose(const std::filesystem::path& path, const std::vector<GridArray>& a
     if (field != arrays[i].name) continue;
     if (arrays[i].component_count == 1) return {.array = i};
     throw Error(
-        Trouble::usage,
+        ErrorCode::usage,
         concat(path.string(), ", field '", field, "': found ", arrays[i].component_count, " components; expected 1"),
         ways_to_name(arrays[i]));
   }
@@ -183,7 +183,7 @@ Choice choose(const std::filesystem::path& path, const std::vector<GridArray>& a
     if (const std::optional<int> component = component_named(part, arrays[i].component_count))
       return {.array = i, .component = *component};
   }
-  throw Error(Trouble::usage,
+  throw Error(ErrorCode::usage,
               concat(path.string(), ": found no field '", field, "'; expected one of: ", names_of(arrays)));
 }
 
@@ -348,11 +348,11 @@ GridArray& choose_colors(const std::filesystem::path& path, std::vector<GridArra
     const std::string place = concat("array '", array.name, "'");
     if (!holds_colors(array))
       refuse_input(path, place, concat(array.component_count, " components of ", formats::element_name(array.type)),
-                   "3 or 4 of U8: colours", Trouble::unsupported);
-    if (array.in_cells) refuse_input(path, place, "colours in cells", "colours at points", Trouble::unsupported);
+                   "3 or 4 of U8: colours", ErrorCode::unsupported);
+    if (array.in_cells) refuse_input(path, place, "colours in cells", "colours at points", ErrorCode::unsupported);
     return array;
   }
-  throw Error(field.empty() ? Trouble::unsupported : Trouble::usage,
+  throw Error(field.empty() ? ErrorCode::unsupported : ErrorCode::usage,
               concat(path.string(), ": found no ", field.empty() ? "colours" : concat("field '", field, "'"),
                      "; expected an array of 3 or 4 components of U8 at points, of: ", names_of(arrays)));
 }

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/neutral.h"
 #include "preprocess/process/foreign_file.h"
 

@@ -1,11 +1,11 @@
 #include <string>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/import/volume/image_slices.h"
 #include "preprocess/import/worker_arguments.h"
 #include "preprocess/process/child_process.h"
-#include "preprocess/process/handover.h"
+#include "preprocess/process/messages.h"
 
 // A program of its own: OpenImageIO takes longer to load than most imports take.
 int main(int count, char** words) {
@@ -14,9 +14,8 @@ int main(int count, char** words) {
   const std::vector<std::string> arguments(words + 1, words + count);
   return worker_main([&](int, int output) {
     if (arguments.size() < 3 || (arguments[0] != "volume" && arguments[0] != "colors"))
-      throw Error(Trouble::usage, "found arguments that no verb has; expected volume or colors, PATH FIELD");
+      throw Error(ErrorCode::usage, "found arguments that no verb has; expected volume or colors, PATH FIELD");
     const VolumeRequest request = volume_request(arguments);
-    hand_over(request.colors ? read_color_slices(arguments[1]) : read_image_slices(arguments[1], request.field),
-              output);
+    send(request.colors ? read_color_slices(arguments[1]) : read_image_slices(arguments[1], request.field), output);
   });
 }

@@ -63,11 +63,11 @@ std::span<const std::byte> WordReader::bytes(std::uint64_t count, std::string_vi
   return found;
 }
 
-void WordReader::refuse(std::string_view found, std::string_view expected, Trouble trouble) const {
+void WordReader::refuse(std::string_view found, std::string_view expected, ErrorCode error_code) const {
   const auto line_number = 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(last_), '\n');
   const bool is_word = last_ < text_.size() && found.data() == text_.data() + last_;
   refuse_input(file_.path(), concat("line ", line_number), is_word ? in_quotes(found) : std::string(found), expected,
-               trouble);
+               error_code);
 }
 
 bool LineReader::next() {
@@ -94,11 +94,11 @@ void LineReader::need(std::string_view expected) {
   if (!next()) refuse("the end of the file", expected);
 }
 
-void LineReader::refuse(std::string_view found, std::string_view expected, Trouble trouble) const {
+void LineReader::refuse(std::string_view found, std::string_view expected, ErrorCode error_code) const {
   const bool is_word =
       std::any_of(words_.begin(), words_.end(), [&](std::string_view word) { return word.data() == found.data(); });
   refuse_input(file_.path(), concat("line ", line_number_), is_word ? in_quotes(found) : std::string(found), expected,
-               trouble);
+               error_code);
 }
 
 }  // namespace rhoray::preprocess

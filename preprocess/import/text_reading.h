@@ -35,7 +35,8 @@ class WordReader {
   std::size_t position() const { return position_; }
 
   /// Refuses at the place where the last word began.
-  [[noreturn]] void refuse(std::string_view found, std::string_view expected, Trouble trouble = Trouble::invalid) const;
+  [[noreturn]] void refuse(std::string_view found, std::string_view expected,
+                           ErrorCode error_code = ErrorCode::invalid) const;
 
  private:
   void skip_space();
@@ -73,7 +74,8 @@ class LineReader {
   /// What stands behind the current line, for formats that go on in binary there.
   std::span<const std::byte> rest() const { return file_.bytes().subspan(position_); }
 
-  [[noreturn]] void refuse(std::string_view found, std::string_view expected, Trouble trouble = Trouble::invalid) const;
+  [[noreturn]] void refuse(std::string_view found, std::string_view expected,
+                           ErrorCode error_code = ErrorCode::invalid) const;
 
  private:
   const ForeignFile& file_;

@@ -1,6 +1,6 @@
 #include "preprocess/import/worker_arguments.h"
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/import/numbers.h"
 
 namespace rhoray::preprocess {
@@ -20,11 +20,12 @@ std::vector<std::string> volume_arguments(const std::filesystem::path& path, con
 VolumeRequest volume_request(const std::vector<std::string>& arguments) {
   const auto number = [&](std::size_t i) {
     const std::optional<std::uint64_t> value = parse_number<std::uint64_t>(arguments[i]);
-    if (!value) throw Error(Trouble::usage, concat("argument ", i, ": found '", arguments[i], "'; expected a number"));
+    if (!value)
+      throw Error(ErrorCode::usage, concat("argument ", i, ": found '", arguments[i], "'; expected a number"));
     return *value;
   };
   if (arguments.size() != 3 && arguments.size() != 9)
-    throw Error(Trouble::usage, concat("found ", arguments.size(), " arguments; expected 3 or 9"));
+    throw Error(ErrorCode::usage, concat("found ", arguments.size(), " arguments; expected 3 or 9"));
   VolumeRequest request;
   request.colors = arguments[0] == "colors";
   request.length_of_vectors = arguments[0] == "volume-or-length";
@@ -34,7 +35,7 @@ VolumeRequest volume_request(const std::vector<std::string>& arguments) {
   for (int axis = 0; axis < 3; ++axis)
     raw.sample_count[axis] = static_cast<std::int64_t>(number(3 + static_cast<std::size_t>(axis)));
   if (number(6) > static_cast<std::uint64_t>(formats::ElementType::F64))
-    throw Error(Trouble::usage, concat("argument 6: found ", number(6), "; expected the number of an element type"));
+    throw Error(ErrorCode::usage, concat("argument 6: found ", number(6), "; expected the number of an element type"));
   raw.type = static_cast<formats::ElementType>(number(6));
   raw.big_endian = number(7) != 0;
   raw.skipped_bytes = number(8);

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/export/counts.h"
 #include "preprocess/import/families.h"
 #include "preprocess/import/numbers.h"
@@ -10,7 +10,7 @@
 #include "preprocess/import/vtk/grid_surface.h"
 #include "preprocess/import/worker_arguments.h"
 #include "preprocess/process/child_process.h"
-#include "preprocess/process/handover.h"
+#include "preprocess/process/messages.h"
 #include "preprocess/subdivide.h"
 
 namespace {
@@ -30,35 +30,34 @@ NeutralMesh write_and_read_back(const NeutralMesh& mesh, const std::string& path
     try {
       return subdivide(read_vtu(path), {});  // the file may have no name yet
     } catch (const Error& error) {           // nobody gave us this file
-      throw Error(Trouble::resource, concat("what was written cannot be read back: ", error.what()));
+      throw Error(ErrorCode::resource, concat("what was written cannot be read back: ", error.what()));
     }
   }();
   if (!same_bytes(read.points, mesh.points) || !same_bytes(read.cells, mesh.cells))
-    throw Error(Trouble::resource, path + ": found another mesh when reading it back; expected what was written");
+    throw Error(ErrorCode::resource, path + ": found another mesh when reading it back; expected what was written");
   return read;
 }
 
 double isovalue_of(const std::string& text) {
   const std::optional<double> value = parse_number<double>(text);
-  if (!value) throw Error(Trouble::usage, concat("isovalue: found '", text, "'; expected a number"));
+  if (!value) throw Error(ErrorCode::usage, concat("isovalue: found '", text, "'; expected a number"));
   return *value;
 }
 
 void act(const std::vector<std::string>& arguments, int input, int output) {
   const std::string verb = arguments.empty() ? "" : arguments[0];
   if ((verb == "volume" || verb == "volume-or-length" || verb == "colors") && arguments.size() >= 3)
-    hand_over(read_volume(arguments[1], volume_request(arguments)), output);
+    send(read_volume(arguments[1], volume_request(arguments)), output);
   else if (verb == "cells" && arguments.size() == 3)
-    hand_over(read_cells(arguments[1], {.time = arguments[2]}), output);
+    send(read_cells(arguments[1], {.time = arguments[2]}), output);
   else if (verb == "surface" && arguments.size() == 3)
-    hand_over(read_surface(arguments[1], arguments[2]), output);
+    send(read_surface(arguments[1], arguments[2]), output);
   else if (verb == "write-vtu" && arguments.size() == 2 && input >= 0)
-    hand_over(write_and_read_back(take_mesh(formats::PackedFile::from_descriptor(input, "input")), arguments[1]),
-              output);
+    send(write_and_read_back(receive_mesh(formats::PackedFile::from_descriptor(input, "input")), arguments[1]), output);
   else if (verb == "write-stl" && arguments.size() == 5)
     hand_over_counts({write_grid_surface(arguments[1], arguments[2], isovalue_of(arguments[3]), arguments[4])}, output);
   else
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 "found arguments that no verb has; expected those of preprocess/import/worker_arguments.h");
 }
 

@@ -26,8 +26,8 @@
 #include <thread>
 #include <utility>
 
+#include "formats/base/error.h"
 #include "formats/base/floating_point.h"
-#include "formats/base/trouble.h"
 #include "preprocess/process/limits.h"
 #include "preprocess/process/nameless_file.h"
 #include "preprocess/process/scratch_memory.h"
@@ -53,7 +53,8 @@ constexpr char progress_mark = '\1';  // begins a line of progress
 [[noreturn]] void refuse_by_system(const std::string& doing, const char* call) {
   const int reason = errno;
   const bool scarce = reason == ENOMEM || reason == EAGAIN || reason == EMFILE || reason == ENFILE || reason == ENOSPC;
-  throw Error(scarce ? Trouble::resource : Trouble::internal, concat(doing, ": ", call, ": ", std::strerror(reason)));
+  throw Error(scarce ? ErrorCode::resource : ErrorCode::internal,
+              concat(doing, ": ", call, ": ", std::strerror(reason)));
 }
 
 /// A descriptor that is closed at the end of its scope.
@@ -100,8 +101,12 @@ std::string worker_path(const std::string& program) {
     folder = fs::read_symlink("/proc/self/exe").parent_path();
   }
   const fs::path path = folder / program;
+  if (::access(path.c_str(), F_OK) != 0)
+    throw Error(ErrorCode::unsupported,
+                concat("this needs the program ", program, ", which is not in ", folder.string()),
+                "tools/setup/build builds it; RHORAY_WORKER_DIR names another folder");
   if (::access(path.c_str(), X_OK) != 0)
-    throw Error(Trouble::internal,
+    throw Error(ErrorCode::internal,
                 concat("the worker program ", path.string(), " cannot be started: ", std::strerror(errno)),
                 "it belongs beside the program that was called, or in the folder named by RHORAY_WORKER_DIR");
   return path.string();
@@ -182,7 +187,7 @@ void pass_progress_on(const char* numbers, const WorkerRequest& request) {
 }
 
 [[noreturn]] void refuse_idle(const WorkerRequest& request) {
-  throw Error(Trouble::resource,
+  throw Error(ErrorCode::resource,
               concat("the worker ", request.program, " was stopped while ", request.doing, ": for ",
                      request.idle_limit_s, " s it used no CPU time and read or wrote nothing"),
               "the input's disk or server does not answer, or the library that reads it has a defect");
@@ -279,7 +284,7 @@ std::string last_words(const std::vector<std::string>& lines) {
   return lines.empty() ? "it said nothing" : concat("last it said: ", lines.back().substr(0, longest));
 }
 
-std::optional<Trouble> trouble_of(int exit_code) {
+std::optional<ErrorCode> error_code_of(int exit_code) {
   switch (exit_code) {
     case 1:
     case 2:
@@ -289,21 +294,21 @@ std::optional<Trouble> trouble_of(int exit_code) {
     case 6:
     case 7:
     case 130:
-      return static_cast<Trouble>(exit_code);
+      return static_cast<ErrorCode>(exit_code);
     default:
       return std::nullopt;
   }
 }
 
 [[noreturn]] void rethrow(int exit_code, const WorkerRequest& request, const std::vector<std::string>& lines) {
-  const std::optional<Trouble> trouble = trouble_of(exit_code);
-  if (!trouble || lines.empty())
-    throw Error(Trouble::internal, concat("the worker ", request.program, " ended with code ", exit_code, " while ",
-                                          request.doing, "; ", last_words(lines)));
+  const std::optional<ErrorCode> error_code = error_code_of(exit_code);
+  if (!error_code || lines.empty())
+    throw Error(ErrorCode::internal, concat("the worker ", request.program, " ended with code ", exit_code, " while ",
+                                            request.doing, "; ", last_words(lines)));
   std::string hint;
   if (lines.size() > 1 && lines[lines.size() - 2].starts_with(hint_mark))
     hint = lines[lines.size() - 2].substr(hint_mark.size());
-  throw Error(*trouble, lines.back(), hint);
+  throw Error(*error_code, lines.back(), hint);
 }
 
 /// The worker was ended by a signal: whose fault that is, and what it means.
@@ -311,20 +316,20 @@ std::optional<Trouble> trouble_of(int exit_code) {
   const int signal = WTERMSIG(end.status);
   const std::vector<std::string> lines = lines_of(complaints);
   if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP)
-    throw Error(Trouble::interrupted, concat("interrupted while ", request.doing));
+    throw Error(ErrorCode::interrupted, concat("interrupted while ", request.doing));
   if (signal == SIGBUS)
-    throw Error(Trouble::invalid,
+    throw Error(ErrorCode::invalid,
                 concat("the worker ", request.program, " was stopped by signal ", signal, " (", ::strsignal(signal),
                        ") while ", request.doing, ": bytes of a file that it had mapped were gone"),
                 "another program made the file shorter meanwhile, or its disk failed");
   const bool out_of_time = request.time_limit_s > 0 && end.computing_s >= request.time_limit_s;
   if (signal == SIGXCPU || (signal == SIGKILL && out_of_time))
-    throw Error(Trouble::resource,
+    throw Error(ErrorCode::resource,
                 concat("the worker ", request.program, " was stopped after its limit of ", request.time_limit_s,
                        " s of computing time while ", request.doing, "; ", last_words(lines)),
                 "allow more time, or ask for less");
   const bool out_of_memory = signal == SIGKILL || complaints.find("bad_alloc") != std::string::npos;
-  throw Error(out_of_memory ? Trouble::resource : Trouble::invalid,
+  throw Error(out_of_memory ? ErrorCode::resource : ErrorCode::invalid,
               concat("the worker ", request.program, " was stopped by signal ", signal, " (", ::strsignal(signal),
                      ") while ", request.doing, "; ", last_words(lines)),
               out_of_memory ? "it probably needs more memory than it may have"
@@ -379,8 +384,8 @@ formats::PackedFile run_worker(const WorkerRequest& request) {
     return formats::PackedFile::from_descriptor(output.number(), "what the worker " + request.program + " handed over");
   } catch (const Error& error) {
     // Memory may be missing here; whatever else is wrong is a defect of the worker.
-    const Trouble trouble = error.trouble() == Trouble::resource ? Trouble::resource : Trouble::internal;
-    throw Error(trouble, concat("while ", request.doing, ": ", error.what()), error.hint());
+    const ErrorCode error_code = error.code() == ErrorCode::resource ? ErrorCode::resource : ErrorCode::internal;
+    throw Error(error_code, concat("while ", request.doing, ": ", error.what()), error.hint());
   }
 }
 
@@ -391,12 +396,12 @@ std::string in_one_line(std::string text) {
   return text;
 }
 
-int report(Trouble trouble, const std::string& fact, const std::string& hint) {
+int report(ErrorCode error_code, const std::string& fact, const std::string& hint) {
   std::string lines = "\n";  // whatever a library left unfinished ends here
   if (!hint.empty()) lines += concat(hint_mark, in_one_line(hint), "\n");
   lines += in_one_line(fact.empty() ? "no reason given" : fact) + "\n";
   std::fputs(lines.c_str(), stderr);
-  return static_cast<int>(trouble);
+  return static_cast<int>(error_code);
 }
 
 int descriptor_named(const char* variable) {
@@ -433,7 +438,8 @@ int worker_main(const std::function<void(int input, int output)>& act) {
   const char* doing = std::getenv("RHORAY_DOING");
   const int output = descriptor_named("RHORAY_OUTPUT_FD");
   if (doing == nullptr || output < 0)
-    return report(Trouble::usage, "this program is started by others, which give it RHORAY_OUTPUT_FD and RHORAY_DOING",
+    return report(ErrorCode::usage,
+                  "this program is started by others, which give it RHORAY_OUTPUT_FD and RHORAY_DOING",
                   "call `rhoray`");
   is_worker = true;
   try {
@@ -441,11 +447,11 @@ int worker_main(const std::function<void(int input, int output)>& act) {
     act(descriptor_named("RHORAY_INPUT_FD"), output);
     return 0;
   } catch (const Error& error) {
-    return report(error.trouble(), error.what(), error.hint());
+    return report(error.code(), error.what(), error.hint());
   } catch (const std::bad_alloc&) {
-    return report(Trouble::resource, concat(doing, ": out of memory"), "allow more memory");
+    return report(ErrorCode::resource, concat(doing, ": out of memory"), "allow more memory");
   } catch (const std::exception& error) {
-    return report(Trouble::internal, concat(doing, ": ", error.what()), {});
+    return report(ErrorCode::internal, concat(doing, ": ", error.what()), {});
   }
 }
 

@@ -14,10 +14,10 @@ namespace rhoray::preprocess {
 /// that it may do nothing (limits.h); it leaves no core file.
 ///
 /// The worker is started as `program ARGUMENTS...` with the descriptors' numbers in RHORAY_INPUT_FD and
-/// RHORAY_OUTPUT_FD. It ends with 0 after writing its output, or with a Trouble's number after printing the fact as its
-/// last line of stderr, and before it, where it has one, a line "hint: ...". That refusal is thrown here again as the
-/// same Error. A worker that dies (signal, limit) or breaks this promise is reported as an Error that says what it was
-/// doing, how it ended and what it printed last.
+/// RHORAY_OUTPUT_FD. It ends with 0 after writing its output, or with a ErrorCode's number after printing the fact as
+/// its last line of stderr, and before it, where it has one, a line "hint: ...". That refusal is thrown here again as
+/// the same Error. A worker that dies (signal, limit) or breaks this promise is reported as an Error that says what it
+/// was doing, how it ended and what it printed last.
 formats::PackedFile run_worker(const WorkerRequest& request);
 
 /// Inside a worker: says how far it is, a few times a second at most; elsewhere nothing. May be called from any thread.

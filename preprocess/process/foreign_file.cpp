@@ -21,7 +21,7 @@ ForeignFile::ForeignFile(const std::filesystem::path& path) : path_(path) {
   } const file{open_regular_file(path)};
   struct stat facts {};
   if (::fstat(file.descriptor, &facts) != 0)
-    throw Error(Trouble::unreadable, concat(path.string(), ": ", std::strerror(errno)));
+    throw Error(ErrorCode::unreadable, concat(path.string(), ": ", std::strerror(errno)));
   if (facts.st_size == 0) refuse_input(path, "byte 0", "an empty file", "a header");
   size_ = static_cast<std::size_t>(facts.st_size);
   const auto mapped = std::make_shared<const MappedFile>(file.descriptor, size_, path.string());
@@ -29,8 +29,8 @@ ForeignFile::ForeignFile(const std::filesystem::path& path) : path_(path) {
 }
 
 void refuse_input(const std::filesystem::path& path, std::string_view place, std::string_view found,
-                  std::string_view expected, Trouble trouble) {
-  formats::refuse(path.string(), place, found, expected, trouble);
+                  std::string_view expected, ErrorCode error_code) {
+  formats::refuse(path.string(), place, found, expected, error_code);
 }
 
 std::string extension_of(const std::filesystem::path& path) {

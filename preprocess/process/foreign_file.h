@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::preprocess {
 
@@ -28,7 +28,7 @@ class ForeignFile {
 
 /// `bone.mhd, key DimSize: found 0; expected at least 1`.
 [[noreturn]] void refuse_input(const std::filesystem::path& path, std::string_view place, std::string_view found,
-                               std::string_view expected, Trouble trouble = Trouble::invalid);
+                               std::string_view expected, ErrorCode error_code = ErrorCode::invalid);
 
 /// The extension in small letters, with its dot; ".nii.gz" counts as one.
 std::string extension_of(const std::filesystem::path& path);

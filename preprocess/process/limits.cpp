@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/process/worker_request.h"
 
 namespace rhoray::preprocess {
@@ -70,7 +70,7 @@ using Resource = decltype(RLIMIT_DATA);
 rlimit within_own(Resource resource, const char* name, std::uint64_t soft, std::uint64_t hard) {
   rlimit own{};
   if (::getrlimit(resource, &own) != 0)
-    throw Error(Trouble::internal, concat("the system does not tell the limit ", name, ": ", std::strerror(errno)));
+    throw Error(ErrorCode::internal, concat("the system does not tell the limit ", name, ": ", std::strerror(errno)));
   return {.rlim_cur = std::min<rlim_t>(soft, own.rlim_cur), .rlim_max = std::min<rlim_t>(hard, own.rlim_max)};
 }
 

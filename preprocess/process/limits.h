@@ -38,7 +38,7 @@ struct WorkerLimits {
 /// How many files a worker may have open: readers have few, and close what they have mapped.
 inline constexpr rlim_t most_open_files = 256;
 
-/// Refuses (Trouble::internal) when the system does not tell this process's own limits.
+/// Refuses (ErrorCode::internal) when the system does not tell this process's own limits.
 WorkerLimits limits_for(const WorkerRequest& request);
 
 /// What a process has done so far, as far as the system tells others.
@@ -62,7 +62,7 @@ class IdleWatch {
   /// How long to wait at most before the next look, in milliseconds; -1 = for ever.
   int pause_ms() const;
 
-  /// Looks at the process. True when it did nothing for the whole limit.
+  /// CandidateList at the process. True when it did nothing for the whole limit.
   /// @param elapsed_s  since the last look
   bool is_over(double elapsed_s);
 

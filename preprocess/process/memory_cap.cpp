@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "formats/base/checks.h"
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/process/scratch_memory.h"
 
 namespace rhoray::preprocess {
@@ -38,12 +38,12 @@ struct MemoryCap::Before {
 MemoryCap::MemoryCap(std::uint64_t bytes, std::filesystem::path folder)
     : before_(std::make_unique<Before>(std::move(folder))) {
   if (bytes < smallest_bytes)
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat("memory: found a cap of ", bytes, " bytes; expected at least ", smallest_bytes >> 20,
                        "M, which programs, libraries and buffers take by themselves"));
   const auto refuse = [&](const char* call) {
-    throw Error(Trouble::resource, concat("memory: the system does not hold this process under a cap of ", bytes,
-                                          " bytes: ", call, ": ", std::strerror(errno)));
+    throw Error(ErrorCode::resource, concat("memory: the system does not hold this process under a cap of ", bytes,
+                                            " bytes: ", call, ": ", std::strerror(errno)));
   };
   if (::getrlimit(RLIMIT_DATA, &before_->limit) != 0) refuse("getrlimit");
   rlimit limit = before_->limit;

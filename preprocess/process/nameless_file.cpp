@@ -8,14 +8,14 @@
 #include <cstring>
 #include <string>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::preprocess {
 namespace {
 
 [[noreturn]] void refuse(const std::filesystem::path& folder, std::uint64_t bytes, int error) {
-  throw Error(Trouble::resource, concat(folder.string(), ": no scratch file of ", bytes,
-                                        " bytes can be made here: ", std::strerror(error)));
+  throw Error(ErrorCode::resource, concat(folder.string(), ": no scratch file of ", bytes,
+                                          " bytes can be made here: ", std::strerror(error)));
 }
 
 /// Where the file system has no nameless files: one that loses its name at once.

@@ -1,6 +1,6 @@
 #include "preprocess/process/run_writer.h"
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::preprocess {
 
@@ -13,7 +13,7 @@ formats::PackedFile run_writer(WorkerRequest request, const PendingFile& output)
     const std::string passing = output.open_name().string();
     for (std::size_t at = 0; (at = fact.find(passing, at)) != std::string::npos; at += output.name().size())
       fact.replace(at, passing.size(), output.name());
-    throw Error(error.trouble(), fact, error.hint());
+    throw Error(error.code(), fact, error.hint());
   }
 }
 

@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/process/nameless_file.h"
 
 namespace rhoray::preprocess {
@@ -18,8 +18,8 @@ void* ScratchMemory::do_allocate(std::size_t bytes, std::size_t alignment) {
   const int error = errno;
   ::close(descriptor);  // the mapping keeps the file
   if (block != MAP_FAILED) return block;
-  throw Error(Trouble::resource, concat(folder_.string(), ": a scratch file of ", bytes,
-                                        " bytes cannot be mapped: ", std::strerror(error)));
+  throw Error(ErrorCode::resource, concat(folder_.string(), ": a scratch file of ", bytes,
+                                          " bytes cannot be mapped: ", std::strerror(error)));
 }
 
 void ScratchMemory::do_deallocate(void* block, std::size_t bytes, std::size_t alignment) {

@@ -10,7 +10,7 @@ namespace rhoray::preprocess {
 /// own, mapped, whose pages the system writes out and drops when it needs their memory; a smaller one comes from the
 /// heap. A file's space is free again as soon as its block is. Safe to use from several threads.
 ///
-/// A block that cannot be had is an Error (Trouble::resource) with the folder and the reason.
+/// A block that cannot be had is an Error (ErrorCode::resource) with the folder and the reason.
 class ScratchMemory : public std::pmr::memory_resource {
  public:
   static constexpr std::size_t smallest_block = std::size_t{1} << 20;

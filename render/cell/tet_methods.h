@@ -102,8 +102,8 @@ RHORAY_INLINE std::optional<double> find_crossing(TetMethod method, const TetRay
 /// The same, by TetMethod::edges, for a ray that starts in a crossing on a known side: a crossing at which it leaves
 /// that side. Of neighbours that the ray passes within rounding of its start, those count that turn the other way.
 template <class Real>
-RHORAY_INLINE std::optional<double> find_leaving(const TetRay<Real>& ray, const TetPoints& points,
-                                                 const TetValues& values, double isovalue, bool from_inside) {
+RHORAY_INLINE std::optional<double> find_exit_crossing(const TetRay<Real>& ray, const TetPoints& points,
+                                                       const TetValues& values, double isovalue, bool from_inside) {
   const std::optional<SeenTetOf<Real>> seen = see_near(ray.shear, points, values);
   if (!seen) return std::nullopt;
   const std::optional<TetPassage> passage = pass_through(*seen, isovalue);

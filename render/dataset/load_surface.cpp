@@ -1,7 +1,7 @@
 #include "render/triangles/surface_volume.h"
 
+#include "formats/base/error.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
 #include "render/dataset/load_view.h"
 #include "render/dataset/volume.h"
 #include "render/triangles/facets.h"
@@ -12,7 +12,7 @@ namespace rhoray::render {
 std::shared_ptr<const VolumeImplementation> load_surface(const formats::PackedFile& file, const std::string& field) {
   const formats::SurfaceMesh mesh(file);
   if (!field.empty())
-    throw Error(Trouble::usage, concat(file.name(), ": no field '", field, "'; a surface has no fields"));
+    throw Error(ErrorCode::usage, concat(file.name(), ": no field '", field, "'; a surface has no fields"));
   Box3 bounds;
   for (std::uint64_t p = 0; p < mesh.description().point_count; ++p) {
     const std::array<double, 3> point = mesh.point(p);

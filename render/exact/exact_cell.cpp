@@ -38,8 +38,8 @@ double largest_magnitude(const TrilinearCell& cell) {
 
 }  // namespace
 
-CellVerdict judge_crossing_exactly(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,
-                                   bool starts_inside, double width) {
+CellVerdict exact_crossing_unfiltered(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,
+                                      bool starts_inside, double width) {
   const exact::SignChart chart(polynomial(cell, p0, p1, isovalue).polynomial, 0, 1);
   CellVerdict verdict{.root_count = chart.is_zero_throughout() ? -1 : static_cast<int>(chart.roots().size()),
                       .road = Road::exact};
@@ -51,11 +51,11 @@ CellVerdict judge_crossing_exactly(const TrilinearCell& cell, const Vec3& p0, co
   return verdict;
 }
 
-CellVerdict judge_crossing(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,
+CellVerdict exact_crossing(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,
                            bool starts_inside, double width) {
   if (is_in_cell(p0) && is_in_cell(p1))
     if (const auto verdict = filtered_crossing(cell, p0, p1, isovalue, starts_inside, width)) return *verdict;
-  return judge_crossing_exactly(cell, p0, p1, isovalue, starts_inside, width);
+  return exact_crossing_unfiltered(cell, p0, p1, isovalue, starts_inside, width);
 }
 
 std::vector<Enclosure> judge_roots(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,
@@ -67,20 +67,20 @@ std::vector<Enclosure> judge_roots(const TrilinearCell& cell, const Vec3& p0, co
   return roots;
 }
 
-MaximumVerdict judge_maximum_exactly(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double width) {
+MaximumVerdict exact_maximum_unfiltered(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double width) {
   const exact::ScaledPolynomial value = polynomial(cell, p0, p1, 0);
   const exact::Maximum maximum = exact::largest_value(value.polynomial, 0, 1, width);
   const exact::Surd scaled{maximum.value.a * value.scale, maximum.value.b * value.scale, maximum.value.d};
   return {exact::enclosing(scaled, width * largest_magnitude(cell)), maximum.at, Road::exact};
 }
 
-MaximumVerdict judge_maximum(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double width) {
+MaximumVerdict exact_maximum(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double width) {
   if (is_in_cell(p0) && is_in_cell(p1)) {
     const auto maximum = certain_maximum(ball_cubic(cell, p0, p1, 0), width);
     if (maximum && maximum->s.width() <= width && maximum->value.width() <= width * largest_magnitude(cell))
       return {maximum->value, maximum->s, Road::filter};
   }
-  return judge_maximum_exactly(cell, p0, p1, width);
+  return exact_maximum_unfiltered(cell, p0, p1, width);
 }
 
 }  // namespace rhoray::render

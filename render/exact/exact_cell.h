@@ -26,7 +26,7 @@ struct CellVerdict {
 /// @param cell   finite corners; nothing else is asked of them
 /// @param p0,p1  finite; also equal, and also outside of the cell, where the interpolant is continued
 /// @param width  > 0; the enclosure is at most this wide, or its ends are the same or neighbouring doubles
-CellVerdict judge_crossing(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,
+CellVerdict exact_crossing(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,
                            bool starts_inside, double width);
 
 struct MaximumVerdict {
@@ -38,16 +38,16 @@ struct MaximumVerdict {
 /// The largest value along the same line.
 /// @param width  > 0; the enclosure of s is at most this wide, that of the value at most `width` times the largest
 ///               magnitude at a corner; or their ends are the same or neighbouring doubles
-MaximumVerdict judge_maximum(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double width);
+MaximumVerdict exact_maximum(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double width);
 
-/// All points in [0, 1] where value = isovalue, rising, each as narrow as for judge_crossing; none when that holds all
+/// All points in [0, 1] where value = isovalue, rising, each as narrow as for exact_crossing; none when that holds all
 /// along. In rational numbers.
 std::vector<Enclosure> judge_roots(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,
                                    double width);
 
 /// Without the filter: what the filter is tested against.
-CellVerdict judge_crossing_exactly(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,
-                                   bool starts_inside, double width);
-MaximumVerdict judge_maximum_exactly(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double width);
+CellVerdict exact_crossing_unfiltered(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,
+                                      bool starts_inside, double width);
+MaximumVerdict exact_maximum_unfiltered(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double width);
 
 }  // namespace rhoray::render

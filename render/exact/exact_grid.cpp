@@ -34,7 +34,7 @@ struct TimeSpan {
   Time in, out;
 };
 
-std::optional<TimeSpan> part_in_box(const GridForJudge& grid, const RayClock& clock, const Ray& ray) {
+std::optional<TimeSpan> part_in_box(const ExactGridSource& grid, const RayClock& clock, const Ray& ray) {
   constexpr double largest = std::numeric_limits<double>::max();
   if (std::isnan(ray.t_min) || std::isnan(ray.t_max)) return std::nullopt;
   TimeSpan part{clock.at_double(std::max(ray.t_min, -largest)), clock.at_double(std::min(ray.t_max, largest))};
@@ -60,7 +60,7 @@ std::optional<TimeSpan> part_in_box(const GridForJudge& grid, const RayClock& cl
 /// Calls look(const Visit&) for the cells through which the ray goes, front to back, until it returns false. Regions
 /// for which skips(const CellRegion&) says true are passed by.
 template <class Skips, class Look>
-void walk(const GridForJudge& grid, const RayClock& clock, const TimeSpan& part, JudgeEffort& effort, Skips&& skips,
+void walk(const ExactGridSource& grid, const RayClock& clock, const TimeSpan& part, ExactEffort& effort, Skips&& skips,
           Look&& look) {
   Time now = part.in;
   Index3 cell;
@@ -213,7 +213,7 @@ class CrossingSearch {
 
 class MaximumSearch {
  public:
-  MaximumSearch(const RayClock& clock, JudgeEffort& effort) : clock_(clock), effort_(effort) {}
+  MaximumSearch(const RayClock& clock, ExactEffort& effort) : clock_(clock), effort_(effort) {}
 
   bool skips(const CellRegion& region) const {
     return region.is_empty() || (best_ && region.largest <= best_->value.lo);
@@ -270,13 +270,13 @@ class MaximumSearch {
   }
 
   const RayClock& clock_;
-  JudgeEffort& effort_;
+  ExactEffort& effort_;
   std::optional<Candidate> best_;
 };
 
 }  // namespace
 
-GridRayVerdict judge_first_crossing(const GridForJudge& grid, const Ray& ray, double isovalue, double width) {
+GridRayVerdict exact_first_crossing(const ExactGridSource& grid, const Ray& ray, double isovalue, double width) {
   const RayClock clock(grid, ray);
   CrossingSearch search(clock, isovalue, width);
   if (const std::optional<TimeSpan> part = part_in_box(grid, clock, ray))
@@ -287,7 +287,7 @@ GridRayVerdict judge_first_crossing(const GridForJudge& grid, const Ray& ray, do
   return search.verdict;
 }
 
-GridMaximumVerdict judge_largest_value(const GridForJudge& grid, const Ray& ray, double width) {
+GridMaximumVerdict exact_largest_value(const ExactGridSource& grid, const Ray& ray, double width) {
   const RayClock clock(grid, ray);
   GridMaximumVerdict verdict;
   MaximumSearch search(clock, verdict.effort);

@@ -10,7 +10,7 @@
 namespace rhoray::render {
 
 /// What a verdict took.
-struct JudgeEffort {
+struct ExactEffort {
   std::int64_t cells_visited = 0;
   std::int64_t regions_skipped = 0;
   std::int64_t filtered = 0;           ///< cells decided in double precision
@@ -27,7 +27,7 @@ struct GridRayVerdict {
   /// inside the one behind.
   Index3 cell{0, 0, 0};
   int root_count = 0;  ///< in that cell's closed part of the ray; -1 when the value is the isovalue all along it
-  JudgeEffort effort{};
+  ExactEffort effort{};
 };
 
 /// Where the side first changes along a ray through a grid, decided exactly: trilinear between the samples as given,
@@ -40,17 +40,17 @@ struct GridRayVerdict {
 /// zero, for a ray that is not finite, and beyond the range of doubles.
 ///
 /// @param width  > 0, finite; the enclosure of t is at most this wide, or its ends are the same or neighbouring doubles
-GridRayVerdict judge_first_crossing(const GridForJudge& grid, const Ray& ray, double isovalue, double width);
+GridRayVerdict exact_first_crossing(const ExactGridSource& grid, const Ray& ray, double isovalue, double width);
 
 struct GridMaximumVerdict {
   bool has_value = false;  ///< false where the ray meets no data
   Enclosure value{};       ///< its ends are the same or neighbouring doubles
   Enclosure t{};           ///< of the smallest t where it is reached
   Index3 cell{0, 0, 0};    ///< the first along the ray that reaches it
-  JudgeEffort effort{};
+  ExactEffort effort{};
 };
 
 /// The largest value along the same ray.
-GridMaximumVerdict judge_largest_value(const GridForJudge& grid, const Ray& ray, double width);
+GridMaximumVerdict exact_largest_value(const ExactGridSource& grid, const Ray& ray, double width);
 
 }  // namespace rhoray::render

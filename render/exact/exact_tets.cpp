@@ -21,7 +21,7 @@ bool is_finite(const Vec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-bool has_data(const TetForJudge& tet) {
+bool has_data(const ExactTet& tet) {
   return std::all_of(tet.point.begin(), tet.point.end(), is_finite) &&
          std::all_of(tet.value.begin(), tet.value.end(), [](double f) { return std::isfinite(f); });
 }
@@ -37,19 +37,19 @@ bool is_ray(const Ray& ray) {
 /// Where the ray enters and leaves, and value - isovalue there; in before out, signs and all for certain.
 struct CertainPassage {
   Ball t_in, t_out, value_in, value_out;
-  const TetForJudge* tet;
+  const ExactTet* tet;
 };
 
 enum class Seen { missed, passed, in_doubt };
 
 /// A tetrahedron that the ray meets, perhaps.
 struct Met {
-  const TetForJudge* tet;
+  const ExactTet* tet;
   Enclosure t;                            ///< where the ray may be in it
   std::optional<CertainPassage> passage;  ///< nothing when in doubt
 };
 
-/// Looks at tetrahedra along the ray, in a picture plane in which the ray stands at (0, 0).
+/// CandidateList at tetrahedra along the ray, in a picture plane in which the ray stands at (0, 0).
 class View {
  public:
   View(const Ray& ray, double isovalue) : ray_(ray), isovalue_(isovalue) {
@@ -59,7 +59,7 @@ class View {
   }
 
   /// Nothing for one that the ray certainly misses.
-  std::optional<Met> look(const TetForJudge& tet) const {
+  std::optional<Met> look(const ExactTet& tet) const {
     CertainPassage passage{};
     Enclosure depth{};
     const Seen seen = look(tet, passage, depth);
@@ -83,7 +83,7 @@ class View {
   }
 
   /// @param depth  of the vertices along the ray
-  Seen look(const TetForJudge& tet, CertainPassage& passage, Enclosure& depth) const {
+  Seen look(const ExactTet& tet, CertainPassage& passage, Enclosure& depth) const {
     std::array<Vertex, 4> v;
     for (std::size_t i = 0; i < 4; ++i) v[i] = see(tet.point[i], tet.value[i]);
     depth = v[0].t.enclosure();
@@ -185,7 +185,7 @@ struct ExactPassage {
   Linear excess;
   Whole volume;
   int unit_exponent = 0;
-  const TetForJudge* tet = nullptr;
+  const ExactTet* tet = nullptr;
 
   Rational value_at(const Fraction& t) const {
     const Rational value = excess.c0 + excess.c1 * t.rational();
@@ -204,7 +204,7 @@ Whole dot(const WholeVec& a, const WholeVec& b) {
 
 /// Six times the volumes that a point of the ray spans with the faces, each signed so that all are positive inside,
 /// as functions of t. Nothing for a tetrahedron without volume.
-std::optional<std::array<Linear, 4>> weights_along(const TetForJudge& tet, const Ray& ray) {
+std::optional<std::array<Linear, 4>> weights_along(const ExactTet& tet, const Ray& ray) {
   std::array<double, 18> numbers{};
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t axis = 0; axis < 3; ++axis) numbers[3 * i + axis] = tet.point[i][static_cast<int>(axis)];
@@ -235,7 +235,7 @@ std::optional<std::array<Linear, 4>> weights_along(const TetForJudge& tet, const
 }
 
 /// Nothing when the ray misses the tetrahedron or meets it in a point only.
-std::optional<ExactPassage> passage_of(const TetForJudge& tet, const Ray& ray, double offset) {
+std::optional<ExactPassage> passage_of(const ExactTet& tet, const Ray& ray, double offset) {
   const auto weights = weights_along(tet, ray);
   if (!weights) return std::nullopt;
   std::optional<Fraction> in, out;
@@ -303,7 +303,7 @@ TetRayVerdict first_change(std::span<const ExactPassage> joined) {
   return verdict;
 }
 
-TetRayVerdict exact_first_crossing(std::span<const Met> met, const Ray& ray, double isovalue) {
+TetRayVerdict rational_first_crossing(std::span<const Met> met, const Ray& ray, double isovalue) {
   std::vector<ExactPassage> passages;
   for (const Met& each : met)
     if (auto passage = passage_of(*each.tet, ray, isovalue)) passages.push_back(std::move(*passage));
@@ -361,11 +361,11 @@ std::optional<TetRayVerdict> certain_first_crossing(std::span<const Met> met, co
 
 }  // namespace
 
-TetRayVerdict judge_first_crossing(std::span<const TetForJudge> tets, const Ray& ray, double isovalue, double width) {
+TetRayVerdict exact_first_crossing(std::span<const ExactTet> tets, const Ray& ray, double isovalue, double width) {
   if (!is_ray(ray) || !std::isfinite(isovalue)) return {};
   const View view(ray, isovalue);
   std::vector<Met> met;
-  for (const TetForJudge& tet : tets)
+  for (const ExactTet& tet : tets)
     if (has_data(tet))
       if (auto seen = view.look(tet)) met.push_back(std::move(*seen));
   std::sort(met.begin(), met.end(), [](const Met& a, const Met& b) { return a.t.lo < b.t.lo; });
@@ -379,7 +379,7 @@ TetRayVerdict judge_first_crossing(std::span<const TetForJudge> tets, const Ray&
     const std::span<const Met> group = std::span(met).subspan(begin, end - begin);
     const TetRayVerdict before = verdict;
     const auto certain = certain_first_crossing(group, ray, isovalue, width);
-    verdict = certain ? *certain : exact_first_crossing(group, ray, isovalue);
+    verdict = certain ? *certain : rational_first_crossing(group, ray, isovalue);
     verdict.tets_exact += before.tets_exact;
     if (before.road == Road::exact) verdict.road = Road::exact;
     begin = end;
@@ -387,7 +387,7 @@ TetRayVerdict judge_first_crossing(std::span<const TetForJudge> tets, const Ray&
   return verdict;
 }
 
-TetMaximumVerdict judge_largest_value(std::span<const TetForJudge> tets, const Ray& ray) {
+TetMaximumVerdict exact_largest_value(std::span<const ExactTet> tets, const Ray& ray) {
   TetMaximumVerdict verdict;
   if (!is_ray(ray)) return verdict;
   const View view(ray, 0);
@@ -396,7 +396,7 @@ TetMaximumVerdict judge_largest_value(std::span<const TetForJudge> tets, const R
     std::uint64_t id;
   };
   std::optional<Best> best;
-  for (const TetForJudge& tet : tets) {
+  for (const ExactTet& tet : tets) {
     if (!has_data(tet) || !view.look(tet)) continue;
     if (best && Rational(*std::max_element(tet.value.begin(), tet.value.end())) < best->value) continue;
     const auto passage = passage_of(tet, ray, 0);

@@ -10,7 +10,7 @@
 namespace rhoray::render {
 
 /// A tetrahedron with a value at each vertex, between which the field is linear. In any order of vertices.
-struct TetForJudge {
+struct ExactTet {
   std::array<Vec3, 4> point;
   std::array<double, 4> value;
   std::uint64_t id = 0;
@@ -40,7 +40,7 @@ struct TetRayVerdict {
 /// are given that have the isovalue itself among their values.
 ///
 /// @param width  > 0, finite; the enclosure of t is at most this wide, or its ends are the same or neighbouring doubles
-TetRayVerdict judge_first_crossing(std::span<const TetForJudge> tets, const Ray& ray, double isovalue, double width);
+TetRayVerdict exact_first_crossing(std::span<const ExactTet> tets, const Ray& ray, double isovalue, double width);
 
 struct TetMaximumVerdict {
   bool has_value = false;
@@ -51,6 +51,6 @@ struct TetMaximumVerdict {
 
 /// The largest value along the same ray, always in rational numbers but for tetrahedra that are missed for certain.
 /// Right when all are given that the ray touches, or those of them that reach the largest value.
-TetMaximumVerdict judge_largest_value(std::span<const TetForJudge> tets, const Ray& ray);
+TetMaximumVerdict exact_largest_value(std::span<const ExactTet> tets, const Ray& ray);
 
 }  // namespace rhoray::render

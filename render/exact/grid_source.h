@@ -17,9 +17,9 @@ struct CellRegion {
 };
 
 /// A grid as the judge asks for it.
-class GridForJudge {
+class ExactGridSource {
  public:
-  virtual ~GridForJudge() = default;
+  virtual ~ExactGridSource() = default;
 
   virtual Index3 cell_count() const = 0;
 

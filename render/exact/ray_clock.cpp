@@ -5,7 +5,7 @@
 
 namespace rhoray::render::exact {
 
-RayClock::RayClock(const GridForJudge& grid, const Ray& ray)
+RayClock::RayClock(const ExactGridSource& grid, const Ray& ray)
     : grid_(grid), cell_count_(grid.cell_count()), origin_(ray.origin), direction_(ray.direction) {
   for (int axis = 0; axis < 3; ++axis) {
     const double inverse = 1 / direction_[axis];

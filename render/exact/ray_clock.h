@@ -17,7 +17,7 @@ struct Time {
 /// When a ray passes the planes of a grid: in double precision where that decides, else exactly.
 class RayClock {
  public:
-  RayClock(const GridForJudge& grid, const Ray& ray);
+  RayClock(const ExactGridSource& grid, const Ray& ray);
 
   /// +1, -1, or 0 on an axis along which the ray does not move.
   int step(int axis) const { return step_[axis]; }
@@ -47,7 +47,7 @@ class RayClock {
   std::int64_t exact_comparisons() const { return exact_comparisons_; }
 
  private:
-  const GridForJudge& grid_;
+  const ExactGridSource& grid_;
   Index3 cell_count_;
   Vec3 origin_, direction_;
   int step_[3];

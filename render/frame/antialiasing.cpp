@@ -20,7 +20,7 @@ constexpr int first_samples = 16;      // of a pixel at an edge: a tenth of it i
 
 bool shows_surfaces(const Frame& frame) {
   return std::any_of(frame.layers.begin(), frame.layers.end(),
-                     [](const FrameLayer& layer) { return layer.look.layer.mode != Mode::mip; });
+                     [](const FrameLayer& layer) { return layer.shading.layer.mode != Mode::mip; });
 }
 
 /// Light on a scale of even steps to the eye, nearly.
@@ -226,7 +226,7 @@ void EdgeSamples::refine_tile(const Tile& tile, Worker& worker, Work& work, Fram
   worker.counts.tile_ticks += ticks_now() - start;
 }
 
-void EdgeSamples::add_to(FrameMemory::Implementation& memory, const std::stop_token& stop, Framebuffer& picture) {
+void EdgeSamples::add_to(RenderContext::Implementation& memory, const std::stop_token& stop, Framebuffer& picture) {
   const std::vector<Tile> tiles = tiles_in_order(width_, height_);
   memory.threads().for_each_tile(tiles.size(), [&](std::size_t tile, std::size_t) { mark_tile(picture, tiles[tile]); });
   std::vector<Work> works(memory.threads().worker_count());

@@ -5,8 +5,8 @@
 #include <stop_token>
 #include <vector>
 
-#include "render/frame/frame_memory.h"
 #include "render/frame/pass.h"
+#include "render/frame/render_context.h"
 
 namespace rhoray::render {
 
@@ -45,7 +45,7 @@ class EdgeSamples {
 
   /// Into the colours of a picture with channels(), whose rays have all been traced; the same bits for any number of
   /// threads. Where it is stopped some tiles keep one sample.
-  void add_to(FrameMemory::Implementation& memory, const std::stop_token& stop, Framebuffer& picture);
+  void add_to(RenderContext::Implementation& memory, const std::stop_token& stop, Framebuffer& picture);
 
  private:
   struct Work;

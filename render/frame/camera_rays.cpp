@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "formats/base/error.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
 
 namespace rhoray::render {
 
@@ -19,18 +19,18 @@ bool is_finite(const Vec3& v) {
 CameraRays::CameraRays(const Camera& camera, int width, int height)
     : position_(camera.position), width_(width), height_(height), orthographic_(camera.orthographic) {
   if (!is_finite(camera.position) || !is_finite(camera.target) || !is_finite(camera.up))
-    throw Error(Trouble::usage, "the camera's position, target and up direction must be finite numbers");
+    throw Error(ErrorCode::usage, "the camera's position, target and up direction must be finite numbers");
   if (camera.position == camera.target)
-    throw Error(Trouble::usage, "the camera's position and target are the same point");
+    throw Error(ErrorCode::usage, "the camera's position and target are the same point");
   forward_ = (camera.target - camera.position).normalized();
   const Vec3 right = forward_.cross(camera.up);
   if (!(right.length() > 1e-9 * camera.up.length()))  // the picture would turn by rounding errors
-    throw Error(Trouble::usage, "the camera's up direction is zero or lies along its view");
+    throw Error(ErrorCode::usage, "the camera's up direction is zero or lies along its view");
   if (!orthographic_ && !(camera.vertical_fov_deg > 0 && camera.vertical_fov_deg < 180))
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat("field of view ", camera.vertical_fov_deg, " degrees; expected more than 0 and less than 180"));
   if (orthographic_ && !(camera.orthographic_height > 0 && std::isfinite(camera.orthographic_height)))
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat("orthographic height ", camera.orthographic_height, "; expected a number above 0"));
 
   const double half_height =

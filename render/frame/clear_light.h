@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "render/query/all_hits.h"
 #include "render/query/batch.h"
-#include "render/query/ordered_crossings.h"
 
 namespace rhoray::render {
 

@@ -19,9 +19,9 @@ Hit joined(const Hit& before, const Hit& behind, bool is_projection) {
 
 }  // namespace
 
-void ask_behind_cut(const FrameLayer& layer, Kernel kernel, const Question& question, const double* ends,
-                    Worker& worker, LayerWork& work) {
-  const bool is_projection = layer.look.layer.mode == Mode::mip;
+void trace_after_clip_gap(const FrameLayer& layer, Kernel kernel, const RayQuery& query, const double* ends,
+                          Worker& worker, LayerWork& work) {
+  const bool is_projection = layer.shading.layer.mode == Mode::mip;
   const WorldRays& world = *worker.world;
   worker.few.clear();
   for (const std::uint32_t r : world.cut) {
@@ -36,7 +36,7 @@ void ask_behind_cut(const FrameLayer& layer, Kernel kernel, const Question& ques
   }
   if (worker.few.empty()) return;
   worker.few_rays.count = worker.few.size();
-  kernel(layer.volume, question, worker.few_rays, worker.few_hits, work.scratch);
+  kernel(layer.volume, query, worker.few_rays, worker.few_hits, work.scratch);
   for (std::size_t i = 0; i < worker.few.size(); ++i) {
     const std::size_t r = worker.few[i];
     work.hits.set(r, joined(work.hits[r], worker.few_hits[i], is_projection));

@@ -11,62 +11,62 @@
 #include "render/frame/slices.h"
 #include "render/frame/tiles.h"
 #include "render/frame/worker.h"
+#include "render/query/all_hits.h"
 #include "render/query/kernels.h"
-#include "render/query/ordered_crossings.h"
 #include "render/render.h"
 #include "render/shadow/occluders.h"
 
 namespace rhoray::render {
 
-/// How a layer lies among the others of a frame.
-enum class Part {
-  opaque,  ///< what is nearest hides what is behind
-  clear,   ///< a surface through which others are seen, in their order along the ray
-  veil     ///< largest values among surfaces: light over what is behind, up to the nearest opaque one
+/// How a layer is composited with the others of a frame.
+enum class Blend {
+  opaque,       ///< hides everything behind it
+  transparent,  ///< other surfaces are seen through it, in their order along the ray
+  additive      ///< MIP among surfaces: its light is added, up to the nearest opaque surface
 };
 
-/// What one layer asks of the rays, and how it looks.
+/// One layer: its data, its kernels and its shading.
 struct FrameLayer {
   const VolumeImplementation& volume;
-  Part part;
+  Blend blend;
   Kernel kernel;
-  Kernel kernel_through;  ///< for rays that start in crossings, those of clear surfaces or of light; null: not asked
-  Preparation prepare;    ///< null: nothing to prepare
-  Question question, question_through;
-  Look look;
+  Kernel continuation_kernel;  ///< for rays that start at hits: behind transparent surfaces, or to lights; null: none
+  Preparation prepare;         ///< null: nothing to prepare
+  RayQuery query, continuation_query;
+  LayerShading shading;
   Affine volume_from_world;
-  std::optional<SurfaceBoxes> boxes{};        ///< nothing is met outside them; none: not known
-  std::shared_ptr<const SlicePlane> slice{};  ///< asked in the place of kernels
-  bool clipped = false;                       ///< its rays end where Frame::clip ends them
-  wide::AnyCrossing any_crossing = nullptr;   ///< as kernel_through, where no more is asked; null: that answers
-  /// By light, what of this layer may hold it back from hits of the same volume; null where not known to be less than
-  /// all. None of a layer that is clipped.
-  std::vector<std::shared_ptr<const wide::LightBlockers>> blockers{};
+  std::optional<SurfaceBoxes> boxes{};        ///< nothing is hit outside them; none: not known
+  std::shared_ptr<const SlicePlane> slice{};  ///< intersected instead of calling kernels
+  bool clipped = false;                       ///< Frame::clip shortens its rays
+  wide::AnyCrossing any_crossing = nullptr;   ///< any hit, from where continuation_kernel starts; null: use that kernel
+  /// For each light, the parts of this layer that may occlude hits on the same volume; null: all of it may. Empty for
+  /// a clipped layer.
+  std::vector<std::shared_ptr<const wide::LightOccluders>> occluders{};
 };
 
-/// Clear surfaces of one volume whose crossings are found by one walk along each ray.
-struct ShellGroup {
-  CrossingsKernel kernel;
-  std::vector<std::uint8_t> layers;  ///< by their place in the frame
-  std::vector<CrossedSurface> surfaces;
-  bool only_places = true;  ///< as CrossingsQuestion has it
+/// Transparent surfaces of one volume whose crossings one walk along each ray finds.
+struct AllHitsGroup {
+  AllHitsKernel kernel;
+  std::vector<std::uint8_t> layers;  ///< indices into Frame::layers
+  std::vector<TransparentSurface> surfaces;
+  bool only_places = true;  ///< as in AllHitsQuery
 };
 
-/// What was chosen once for the frame; nothing here changes while tiles are traced.
+/// Everything chosen once for a frame; constant while tiles are traced.
 struct Frame {
-  /// Opaque ones first, then clear ones, then veils, slices before others; else as the scene has them.
+  /// Opaque, then transparent, then additive layers; slices before others; otherwise in the scene's order.
   std::vector<FrameLayer> layers;
-  std::vector<ShellGroup> shells{};  ///< of all clear layers; none: these are asked about crossing by crossing
+  std::vector<AllHitsGroup> all_hits_groups{};  ///< of all transparent layers; empty: crossings are found one by one
   CameraRays camera_rays;
-  std::optional<ClipRegion> clip;  ///< of the layers that it takes something away of
+  std::optional<ClipRegion> clip;  ///< of the layers with FrameLayer::clipped
   Vec3 background;
   bool keeps_channels;  ///< beside the colour
   Occlusion occlusion;
   WorkerNeeds needs;
-  RangeProof range_proof{};              ///< of the volumes of which answers are proven
-  std::uint8_t* first_layers = nullptr;  ///< of every pixel the layer of its first surface; null: not asked
+  RangeProof range_proof{};              ///< of the volumes with a method that proves its answers
+  std::uint8_t* first_layers = nullptr;  ///< for each pixel the layer of its first surface; null: not wanted
 
-  bool has_one_layer() const { return layers.size() == 1 && layers.front().part == Part::opaque; }
+  bool has_one_layer() const { return layers.size() == 1 && layers.front().blend == Blend::opaque; }
 };
 
 /// The rays of a lattice's pixels, and which blocks of them may meet something.

@@ -52,9 +52,9 @@ Vec3 to_eye(const LayerLights& lights, const Ray& ray) {
 }
 
 /// The unit normal on the side that the eye sees. A hit without a gradient faces the eye.
-Vec3 eye_normal(const Look& look, const Ray& ray, const Vec3& gradient, StartSide side) {
-  const Vec3 normal = look.facing.normal(gradient, ray.direction);
-  if (side == StartSide::unknown || normal == Vec3(0, 0, 0)) return to_eye(look.lights, ray);
+Vec3 eye_normal(const LayerShading& shading, const Ray& ray, const Vec3& gradient, StartSide side) {
+  const Vec3 normal = shading.facing.normal(gradient, ray.direction);
+  if (side == StartSide::unknown || normal == Vec3(0, 0, 0)) return to_eye(shading.lights, ray);
   return (gradient.dot(ray.direction) > 0) == (side == StartSide::outside) ? normal : -normal;
 }
 
@@ -62,7 +62,7 @@ Vec3 eye_normal(const Look& look, const Ray& ray, const Vec3& gradient, StartSid
 /// of the same field: at the hit the field has the hit's isovalue.
 StartSide side_for(const FrameLayer& layer, const FrameLayer& of_hit, StartSide side) {
   if (&layer.volume != &of_hit.volume || of_hit.slice) return StartSide::unknown;
-  const double isovalue = layer.question.isovalue, of_field = of_hit.question.isovalue;
+  const double isovalue = layer.query.isovalue, of_field = of_hit.query.isovalue;
   if (isovalue == of_field) return side;
   return of_field > isovalue ? StartSide::inside : StartSide::outside;
 }
@@ -119,17 +119,17 @@ void end_rays(std::uint64_t rays, double* t_max) {
 }
 
 /// Asks about groups that lie in the worker's few rays, and makes an end to those that are held back.
-void drop_blocked_groups(const FrameLayer& layer, const wide::Blockers* blockers, LayerWork& work, Worker& worker) {
+void drop_blocked_groups(const FrameLayer& layer, const wide::Occluders* occluders, LayerWork& work, Worker& worker) {
   LightRays& light = *worker.light_rays;
   if (light.groups.empty()) return;
   worker.few_rays.count = light.groups.size() * group_size;
   if (layer.any_crossing != nullptr) {
     std::uint64_t crossed[tile_capacity / group_size];
-    layer.any_crossing(layer.volume, layer.question_through, blockers, worker.few_rays, crossed, work.scratch);
+    layer.any_crossing(layer.volume, layer.continuation_query, occluders, worker.few_rays, crossed, work.scratch);
     for (std::size_t g = 0; g < light.groups.size(); ++g) end_rays(crossed[g], light.t_max.data() + light.groups[g]);
     return;
   }
-  layer.kernel_through(layer.volume, layer.question_through, worker.few_rays, worker.few_hits, work.scratch);
+  layer.continuation_kernel(layer.volume, layer.continuation_query, worker.few_rays, worker.few_hits, work.scratch);
   for (std::size_t g = 0; g < light.groups.size(); ++g) {
     const double* t = worker.few_hits.t.data() + g * group_size;
     double* t_max = light.t_max.data() + light.groups[g];
@@ -149,16 +149,16 @@ bool drop_blocked_by(const Frame& frame, std::size_t index, int part, const Fram
   const FrameLayer& layer = frame.layers[index];
   LayerWork& work = worker.layers[index];
   RaysBySide asked[tile_capacity / group_size];
-  const Machine machine = layer.look.machine;
+  const Machine machine = layer.shading.machine;
   find_asked(machine, light, asked);
   const std::array<StartSide, 3> sides = sides_for(layer, of_hits);
   bool any = false;
   // Rays that start on a known side are asked about what may hold these back, the others about all.
-  const wide::LightBlockers* of_light =
-      light_index < layer.blockers.size() ? layer.blockers[light_index].get() : nullptr;
+  const wide::LightOccluders* of_light =
+      light_index < layer.occluders.size() ? layer.occluders[light_index].get() : nullptr;
   for (const StartSide side : {StartSide::unknown, StartSide::outside, StartSide::inside}) {
     if (side != StartSide::unknown && of_light == nullptr) break;
-    const wide::Blockers* blockers = nullptr;
+    const wide::Occluders* occluders = nullptr;
     light.groups.clear();
     for (std::size_t g = 0; g < light.shown.size(); ++g) {
       std::uint64_t chosen = 0;
@@ -166,12 +166,12 @@ bool drop_blocked_by(const Frame& frame, std::size_t index, int part, const Fram
         if (of_light == nullptr || sides[i] == side) chosen |= asked[g][i];
       if (chosen == 0) continue;
       any = true;
-      if (of_light != nullptr && side != StartSide::unknown) blockers = &of_light->of(side);
+      if (of_light != nullptr && side != StartSide::unknown) occluders = &of_light->of(side);
       const std::size_t first = light.shown[g], place = light.groups.size() * group_size;
       write_light_rays(machine, light, {first, chosen, place, sides}, layer.volume_from_world, hit_work.hits, work.rays,
                        worker.few_rays);
-      if (blockers != nullptr && blockers->heights) {
-        const auto [below, in_shadow] = blockers->heights->know(machine, worker.few_rays, place, chosen);
+      if (occluders != nullptr && occluders->heights) {
+        const auto [below, in_shadow] = occluders->heights->know(machine, worker.few_rays, place, chosen);
         end_rays(in_shadow, light.t_max.data() + first);
         if (below == 0) continue;
         chosen = below;
@@ -184,7 +184,7 @@ bool drop_blocked_by(const Frame& frame, std::size_t index, int part, const Fram
       }
       light.groups.push_back(first);
     }
-    drop_blocked_groups(layer, blockers, work, worker);
+    drop_blocked_groups(layer, occluders, work, worker);
   }
   return any;
 }
@@ -195,7 +195,7 @@ void drop_blocked(const Frame& frame, const FrameLayer& of_hits, const LayerWork
                   Worker& worker) {
   for (std::size_t l = 0; l < frame.layers.size(); ++l) {
     const FrameLayer& layer = frame.layers[l];
-    if (!holds_light_back(layer.look.layer)) continue;
+    if (!holds_light_back(layer.shading.layer)) continue;
     const int parts = layer.clipped && frame.clip->cuts_away() ? 2 : 1;
     for (int part = 0; part < parts; ++part)
       if (!drop_blocked_by(frame, l, part, of_hits, hit_work, light_index, worker)) return;
@@ -203,34 +203,34 @@ void drop_blocked(const Frame& frame, const FrameLayer& of_hits, const LayerWork
 }
 
 /// Aims the rays of all hits at a light, and asks about those whose light stands on the side that the eye sees.
-void aim_at(const LayerLights::One& light, const Look& look, const LayerWork& work, LightRays& rays) {
+void aim_at(const LayerLights::One& light, const LayerShading& shading, const LayerWork& work, LightRays& rays) {
   if (light.kind == Light::Kind::directional) return aim_all(light.place, rays);
   for_each_near_shown(rays, work.rays.count, [&](std::size_t r) {
-    const WayToLight way = way_to_light(light, look.lights.world_from_volume, work.rays[r].at(work.hits.t[r]));
+    const WayToLight way = way_to_light(light, shading.lights.world_from_volume, work.rays[r].at(work.hits.t[r]));
     for (int axis = 0; axis < 3; ++axis) rays.direction[axis][r] = way.direction[axis];
     rays.t_max[r] = way.distance;
   });
 }
 
-void keep_those_before_surfaces(const Look& look, const Affine& volume_from_world, const LayerWork& work,
+void keep_those_before_surfaces(const LayerShading& shading, const Affine& volume_from_world, const LayerWork& work,
                                 LightRays& light) {
-  if (!ask_before_surfaces(look.machine, volume_from_world, work, light)) return;
+  if (!ask_before_surfaces(shading.machine, volume_from_world, work, light)) return;
   // Without a gradient a hit faces the eye.
   for_each_near_shown(light, work.rays.count, [&](std::size_t r) {
     const Vec3 direction(light.direction[0][r], light.direction[1][r], light.direction[2][r]);
-    if (light.side[r] == StartSide::unknown && !(to_eye(look.lights, work.rays[r]).dot(direction) > 0))
+    if (light.side[r] == StartSide::unknown && !(to_eye(shading.lights, work.rays[r]).dot(direction) > 0))
       light.t_max[r] = not_asked;
   });
 }
 
 /// Aims the rays of the lit hits at a point of a light that has a size: where it stands they go as far as they come
 /// nearest to its middle.
-void aim_at_point_of(const LayerLights::One& light, const Look& look, const LayerWork& work,
+void aim_at_point_of(const LayerLights::One& light, const LayerShading& shading, const LayerWork& work,
                      const std::vector<SpreadDirections>& pixels, int sample, LightRays& rays) {
   for (std::size_t r = 0; r < work.rays.count; ++r) {
     rays.t_max[r] = not_asked;
     if (rays.is_lit[r] == 0) continue;
-    const WayToLight way = way_to_light(light, look.lights.world_from_volume, work.rays[r].at(work.hits.t[r]));
+    const WayToLight way = way_to_light(light, shading.lights.world_from_volume, work.rays[r].at(work.hits.t[r]));
     const double cap_height = cap_height_of(light, way.distance);
     const Vec3 direction = pixels[r].within(way.direction, cap_height, sample);
     for (int axis = 0; axis < 3; ++axis) rays.direction[axis][r] = direction[axis];
@@ -241,7 +241,7 @@ void aim_at_point_of(const LayerLights::One& light, const Look& look, const Laye
 /// The share of a light's points that are seen from each hit, among those before its surface.
 void receive_from_points(const Frame& frame, const FrameLayer& layer, const LayerWork& work, std::size_t light_index,
                          Worker& worker) {
-  const LayerLights::One& of_light = layer.look.lights.lights[light_index];
+  const LayerLights::One& of_light = layer.shading.lights.lights[light_index];
   float* shares = worker.received.of_lights[light_index].data();
   LightRays& light = *worker.light_rays;
   const std::size_t count = work.rays.count;
@@ -250,9 +250,9 @@ void receive_from_points(const Frame& frame, const FrameLayer& layer, const Laye
   std::fill_n(light.asked.data(), count, 0.0F), std::fill_n(light.free.data(), count, 0.0F);
   for (int sample = 0; sample < of_light.rays; ++sample) {
     std::fill_n(light.t_max.data(), whole_groups(count), not_asked);
-    aim_at_point_of(of_light, layer.look, work, worker.pixels, sample, light);
-    keep_those_before_surfaces(layer.look, layer.volume_from_world, work, light);
-    worker.counts.shadow_rays += asked_count(layer.look.machine, light);
+    aim_at_point_of(of_light, layer.shading, work, worker.pixels, sample, light);
+    keep_those_before_surfaces(layer.shading, layer.volume_from_world, work, light);
+    worker.counts.shadow_rays += asked_count(layer.shading.machine, light);
     for (std::size_t r = 0; r < count; ++r) light.asked[r] += light.t_max[r] >= 0 ? 1.0F : 0.0F;
     drop_blocked(frame, layer, work, light_index, worker);
     for (std::size_t r = 0; r < count; ++r) light.free[r] += light.t_max[r] >= 0 ? 1.0F : 0.0F;
@@ -264,14 +264,14 @@ void receive_from_points(const Frame& frame, const FrameLayer& layer, const Laye
 void receive_from(const Frame& frame, std::uint8_t index, std::size_t light_index, Worker& worker) {
   const FrameLayer& layer = frame.layers[index];
   const LayerWork& work = worker.layers[index];
-  const LayerLights::One& of_light = layer.look.lights.lights[light_index];
+  const LayerLights::One& of_light = layer.shading.lights.lights[light_index];
   LightRays& light = *worker.light_rays;
-  aim_at(of_light, layer.look, work, light);
-  keep_those_before_surfaces(layer.look, layer.volume_from_world, work, light);
+  aim_at(of_light, layer.shading, work, light);
+  keep_those_before_surfaces(layer.shading, layer.volume_from_world, work, light);
   if (of_light.extent > 0) return receive_from_points(frame, layer, work, light_index, worker);
-  worker.counts.shadow_rays += asked_count(layer.look.machine, light);
+  worker.counts.shadow_rays += asked_count(layer.shading.machine, light);
   drop_blocked(frame, layer, work, light_index, worker);
-  share_of_asked(layer.look.machine, light, worker.received.of_lights[light_index].data());
+  share_of_asked(layer.shading.machine, light, worker.received.of_lights[light_index].data());
 }
 
 void receive_from_surroundings(const Frame& frame, std::uint8_t index, Worker& worker) {
@@ -282,7 +282,7 @@ void receive_from_surroundings(const Frame& frame, std::uint8_t index, Worker& w
   const std::size_t count = work.rays.count;
   for (std::size_t r = 0; r < count; ++r)
     if (light.is_shown[r] != 0)
-      worker.eye_normals[r] = eye_normal(layer.look, work.rays[r], work.hits[r].gradient, light.side[r]);
+      worker.eye_normals[r] = eye_normal(layer.shading, work.rays[r], work.hits[r].gradient, light.side[r]);
   std::fill_n(shares, count, 0.0F);
   const float share = 1 / static_cast<float>(frame.occlusion.samples);
   for (int sample = 0; sample < frame.occlusion.samples; ++sample) {
@@ -293,7 +293,7 @@ void receive_from_surroundings(const Frame& frame, std::uint8_t index, Worker& w
       for (int axis = 0; axis < 3; ++axis) light.direction[axis][r] = direction[axis];
       light.t_max[r] = frame.occlusion.radius;
     }
-    worker.counts.occlusion_rays += asked_count(layer.look.machine, light);
+    worker.counts.occlusion_rays += asked_count(layer.shading.machine, light);
     drop_blocked(frame, layer, work, no_light, worker);
     for (std::size_t r = 0; r < count; ++r) shares[r] += light.t_max[r] >= 0 ? share : 0;
   }
@@ -311,19 +311,19 @@ void number_pixels(const PixelLattice& lattice, const Tile& tile, Worker& worker
 }
 
 bool asks_for_light(const FrameLayer& layer) {
-  return layer.look.effects.shadows || layer.look.effects.occlusion;
+  return layer.shading.effects.shadows || layer.shading.effects.occlusion;
 }
 
 void receive_light(const Frame& frame, std::uint8_t layer, const LayerOfRays* shown, Worker& worker) {
   const FrameLayer& of_hits = frame.layers[layer];
-  const EffectSet& effects = of_hits.look.effects;
+  const EffectSet& effects = of_hits.shading.effects;
   if (!asks_for_light(of_hits)) return;
   const std::uint64_t start = ticks_now();
   find_shown(worker.layers[layer], layer, shown, *worker.light_rays);
-  find_sides(of_hits.look.machine, worker.layers[layer], of_hits.look.layer.mode != Mode::triangles,
+  find_sides(of_hits.shading.machine, worker.layers[layer], of_hits.shading.layer.mode != Mode::triangles,
              *worker.light_rays);
-  for (std::size_t l = 0; l < of_hits.look.lights.lights.size(); ++l)
-    if (effects.shadows && of_hits.look.lights.lights[l].casts_shadows) receive_from(frame, layer, l, worker);
+  for (std::size_t l = 0; l < of_hits.shading.lights.lights.size(); ++l)
+    if (effects.shadows && of_hits.shading.lights.lights[l].casts_shadows) receive_from(frame, layer, l, worker);
   if (effects.occlusion) receive_from_surroundings(frame, layer, worker);
   // Rays are no shading, within which this is called.
   worker.counts.shading_ticks -= ticks_now() - start;

@@ -2,10 +2,10 @@
 
 #include <limits>
 
+#include "render/frame/all_hits.h"
 #include "render/frame/block_mask.h"
 #include "render/frame/lighting.h"
 #include "render/frame/peeling.h"
-#include "render/frame/shells.h"
 #include "render/frame/streaming.h"
 #include "render/frame/tracing.h"
 #include "render/traverse/ticks.h"
@@ -44,7 +44,7 @@ void gather_first(const Frame& frame, Worker& worker) {
   for (std::size_t r = 0; r < worker.layers[0].rays.count; ++r) {
     std::size_t first = 0;
     for (std::size_t l = 0; l < frame.layers.size(); ++l)
-      if (frame.layers[l].part != Part::veil && comes_before(frame, worker, r, l, first)) first = l;
+      if (frame.layers[l].blend != Blend::additive && comes_before(frame, worker, r, l, first)) first = l;
     worker.first.of[r] = static_cast<std::uint8_t>(first);
     worker.first_hits.set(r, worker.layers[first].hits[r]);
   }
@@ -57,7 +57,7 @@ void find_normals(const Frame& frame, Worker& worker) {
   for (std::size_t r = 0; r < worker.layers[0].rays.count; ++r) {
     const std::size_t layer = has_one_layer ? 0 : worker.first.of[r];
     const Hit hit = hits[r];
-    worker.normals[r] = frame.layers[layer].look.facing.normal(hit.gradient, worker.layers[layer].rays[r].direction);
+    worker.normals[r] = frame.layers[layer].shading.facing.normal(hit.gradient, worker.layers[layer].rays[r].direction);
   }
 }
 
@@ -79,29 +79,30 @@ void shade_layers(const Frame& frame, Worker& worker) {
   fill_background(frame.background, count, worker.colors);
   if (frame.has_one_layer()) {
     receive_light(frame, 0, nullptr, worker);
-    shade_hits(frame.layers[0].look, worker.layers[0], worker.received, worker.counts, worker.colors);
+    shade_hits(frame.layers[0].shading, worker.layers[0], worker.received, worker.counts, worker.colors);
   } else {
-    bool has_clear = false;
+    bool has_transparent = false;
     for (std::size_t l = 0; l < frame.layers.size(); ++l) {
       const FrameLayer& layer = frame.layers[l];
       const auto index = static_cast<std::uint8_t>(l);
-      if (layer.part == Part::opaque) {
+      if (layer.blend == Blend::opaque) {
         receive_light(frame, index, &worker.shown, worker);
-        shade_shown(layer.look, worker.layers[l], worker.shown, index, worker.received, worker.counts, worker.colors);
+        shade_shown(layer.shading, worker.layers[l], worker.shown, index, worker.received, worker.counts,
+                    worker.colors);
       }
-      has_clear |= layer.part == Part::clear;
+      has_transparent |= layer.blend == Blend::transparent;
     }
-    if (has_clear) {
+    if (has_transparent) {
       begin_front(count, worker.front);
-      if (frame.shells.empty())
+      if (frame.all_hits_groups.empty())
         peel_clear_layers(frame, worker);
       else
-        show_shells(frame, worker);
+        composite_all_hits(frame, worker);
       put_in_front(worker.front, count, worker.colors);
     }
     for (std::size_t l = 0; l < frame.layers.size(); ++l)
-      if (frame.layers[l].part == Part::veil)
-        lay_veil(frame.layers[l].look, worker.layers[l], worker.received, worker.counts, worker.colors);
+      if (frame.layers[l].blend == Blend::additive)
+        composite_mip(frame.layers[l].shading, worker.layers[l], worker.received, worker.counts, worker.colors);
   }
   for (std::size_t r = 0; r < count; ++r) worker.counts.hits += worker.colors.alpha[r] > 0;
 }
@@ -118,7 +119,7 @@ std::size_t trace_blocks(const Frame& frame, const LatticeRays& rays, const Tile
   const bool has_one_layer = frame.has_one_layer();
   if (frame.keeps_channels && !has_one_layer) gather_first(frame, worker);
   shade_layers(frame, worker);
-  write_colors(rays.lattice, tile, worker.colors, out, frame.layers[0].look.machine);
+  write_colors(rays.lattice, tile, worker.colors, out, frame.layers[0].shading.machine);
   if (frame.keeps_channels) {
     if (!out.normal.empty()) find_normals(frame, worker);
     if (frame.first_layers != nullptr) write_first_layers(frame, rays.lattice, tile, worker);

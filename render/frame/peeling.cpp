@@ -23,7 +23,7 @@ bool find_next(const Frame& frame, const Worker& worker, std::size_t ray_count, 
     double t = infinity;
     next.of[r] = LayerOfRays::none;
     for (std::size_t l = 0; l < frame.layers.size(); ++l) {
-      if (frame.layers[l].part != Part::clear || !(worker.layers[l].hits.t[r] < t)) continue;
+      if (frame.layers[l].blend != Blend::transparent || !(worker.layers[l].hits.t[r] < t)) continue;
       t = worker.layers[l].hits.t[r];
       next.of[r] = static_cast<std::uint8_t>(l);
     }
@@ -48,7 +48,7 @@ namespace {
 
 /// Makes the rays that show a layer's crossing go on behind it.
 void leave_crossings(const FrameLayer& layer, std::uint8_t index, const LayerOfRays& shown, LayerWork& work) {
-  const bool is_field = layer.look.layer.mode != Mode::triangles;
+  const bool is_field = layer.shading.layer.mode != Mode::triangles;
   for (std::size_t r = 0; r < work.rays.count; ++r)
     if (shown.of[r] == index) work.rays.set(r, behind(work.rays[r], work.hits[r], is_field));
 }
@@ -89,7 +89,7 @@ void go_on(const Frame& frame, std::uint8_t index, const LayerOfRays& shown, Wor
   if (worker.few.empty()) return;
   worker.few_rays.count = worker.few.size() * RayBatch::group_size;
   const std::uint64_t start = ticks_now();
-  layer.kernel_through(layer.volume, layer.question_through, worker.few_rays, worker.few_hits, work.scratch);
+  layer.continuation_kernel(layer.volume, layer.continuation_query, worker.few_rays, worker.few_hits, work.scratch);
   worker.counts.shading_ticks -= ticks_now() - start;  // rays are no shading, within which this is called
   const bool may_be_behind_cut = layer.clipped && frame.clip->cuts_away();
   if (may_be_behind_cut) worker.world->cut.clear();
@@ -103,7 +103,8 @@ void go_on(const Frame& frame, std::uint8_t index, const LayerOfRays& shown, Wor
         worker.world->cut.push_back(r);
     }
   if (may_be_behind_cut)
-    ask_behind_cut(layer, layer.kernel_through, layer.question_through, worker.nearest.data(), worker, work);
+    trace_after_clip_gap(layer, layer.continuation_kernel, layer.continuation_query, worker.nearest.data(), worker,
+                         work);
 }
 
 /// A slice is met once.
@@ -115,7 +116,7 @@ void leave_slices(std::uint8_t index, const LayerOfRays& shown, LayerWork& work)
 /// Rays of clear layers have sides where they start; until end_rays_from_crossings, their own are not known.
 void begin_rays_from_crossings(const Frame& frame, Worker& worker) {
   for (std::size_t l = 0; l < frame.layers.size(); ++l) {
-    if (frame.layers[l].part != Part::clear) continue;
+    if (frame.layers[l].blend != Blend::transparent) continue;
     RayBatch& rays = worker.layers[l].rays;
     rays.has_start_sides = true;
     std::fill_n(rays.start_side.data(), rays.count, StartSide::unknown);
@@ -124,7 +125,7 @@ void begin_rays_from_crossings(const Frame& frame, Worker& worker) {
 
 void end_rays_from_crossings(const Frame& frame, Worker& worker) {
   for (std::size_t l = 0; l < frame.layers.size(); ++l) {
-    if (frame.layers[l].part != Part::clear) continue;
+    if (frame.layers[l].blend != Blend::transparent) continue;
     RayBatch& rays = worker.layers[l].rays;
     rays.has_start_sides = false;
     std::fill_n(rays.t_min.data(), rays.count, 0.0);
@@ -137,12 +138,12 @@ void peel(const Frame& frame, Worker& worker) {
   LayerOfRays next;
   while (find_next(frame, worker, ray_count, next))
     for (std::size_t l = 0; l < frame.layers.size(); ++l) {
-      if (frame.layers[l].part != Part::clear) continue;
+      if (frame.layers[l].blend != Blend::transparent) continue;
       const auto index = static_cast<std::uint8_t>(l);
       receive_light(frame, index, &next, worker);
       if (!frame.layers[l].slice) leave_crossings(frame.layers[l], index, next, worker.layers[l]);
       worker.counts.clear_crossings += static_cast<std::uint64_t>(std::count(next.of, next.of + ray_count, index));
-      shade_clear(frame.layers[l].look, worker.layers[l], next, index, worker.received, worker.counts, worker.front);
+      shade_clear(frame.layers[l].shading, worker.layers[l], next, index, worker.received, worker.counts, worker.front);
       if (frame.layers[l].slice)
         leave_slices(index, next, worker.layers[l]);
       else
@@ -163,7 +164,7 @@ void peel_further(const Frame& frame, const std::uint8_t* goes_on, std::span<con
   LayerOfRays going;
   for (const LastCrossing& crossing : last) worker.layers[crossing.layer].rays.set(crossing.ray, crossing.behind);
   for (std::size_t l = 0; l < frame.layers.size(); ++l) {
-    if (frame.layers[l].part != Part::clear) continue;
+    if (frame.layers[l].blend != Blend::transparent) continue;
     LayerWork& work = worker.layers[l];
     const auto index = static_cast<std::uint8_t>(l);
     for (std::size_t r = 0; r < work.rays.count; ++r) going.of[r] = goes_on[r] != 0 ? index : LayerOfRays::none;

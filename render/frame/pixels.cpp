@@ -37,28 +37,29 @@ RHORAY_INLINE GroupColors group_of(TileColors& colors, std::size_t first) {
 /// Calls act(first, shown lanes, their colours) for the groups of which a layer's hits are shown.
 /// @param is_shown  (ray of the batch)
 template <class IsShown, class Act>
-RHORAY_INLINE void for_each_shown_group(const Look& look, LayerWork& work, const ReceivedLight& received,
+RHORAY_INLINE void for_each_shown_group(const LayerShading& shading, LayerWork& work, const ReceivedLight& received,
                                         const IsShown& is_shown, WorkerCounts& counts, const Act& act) {
   const Surroundings surroundings{
-      .lights = &look.lights, .received = &received, .fog = look.fog ? &*look.fog : nullptr};
+      .lights = &shading.lights, .received = &received, .fog = shading.fog ? &*shading.fog : nullptr};
   for (std::size_t first = 0; first < work.rays.count; first += group_size) {
     Lanes shown;
     const int count = find_shown([&](std::size_t i) { return is_shown(first + i); }, shown);
     if (count == 0) continue;
     Colors colors;
     double field_values[group_size];
-    if (look.lookup) (*look.lookup)(work.rays, work.hits, first, field_values);
+    if (shading.lookup) (*shading.lookup)(work.rays, work.hits, first, field_values);
     CoveringColors texture;
-    if (look.texture)
+    if (shading.texture)
       counts.texture_lookups +=
-          static_cast<std::uint64_t>((*look.texture)(work.rays, work.hits, first, shown.data(), texture));
-    const double* values = look.layer.mode == Mode::slice ? work.hits.value.data() + first : field_values;
-    shade(look.layer, look.effects, look.facing, work.rays, work.hits, first, values, colors, surroundings, &texture);
+          static_cast<std::uint64_t>((*shading.texture)(work.rays, work.hits, first, shown.data(), texture));
+    const double* values = shading.layer.mode == Mode::slice ? work.hits.value.data() + first : field_values;
+    shade(shading.layer, shading.effects, shading.facing, work.rays, work.hits, first, values, colors, surroundings,
+          &texture);
     act(first, shown, colors);
     const auto hit_count = static_cast<std::uint64_t>(count);
-    if (look.effects.specular) counts.highlights += hit_count;
-    if (look.effects.smooth_normals) counts.smooth_normals += hit_count;
-    if (look.effects.field_color && look.lookup) counts.field_values += hit_count;
+    if (shading.effects.specular) counts.highlights += hit_count;
+    if (shading.effects.smooth_normals) counts.smooth_normals += hit_count;
+    if (shading.effects.field_color && shading.lookup) counts.field_values += hit_count;
   }
 }
 
@@ -73,21 +74,22 @@ RHORAY_INLINE void put_group(const Lanes& shown, const Colors& colors, const Gro
   put(shown, shown, out.alpha);
 }
 
-RHORAY_INLINE void shade_hits_inline(const Look& look, LayerWork& work, const ReceivedLight& received,
+RHORAY_INLINE void shade_hits_inline(const LayerShading& shading, LayerWork& work, const ReceivedLight& received,
                                      WorkerCounts& counts, TileColors& colors) {
   double* t = work.hits.t.data();
   for (std::size_t r = work.rays.count; r % group_size != 0; ++r) t[r] = infinity;  // the last group's empty rooms
   for_each_shown_group(
-      look, work, received, [t](std::size_t r) { return t[r] < infinity; }, counts,
+      shading, work, received, [t](std::size_t r) { return t[r] < infinity; }, counts,
       [&](std::size_t first, const Lanes& shown, const Colors& shaded) {
         put_group(shown, shaded, group_of(colors, first));
       });
 }
 
-RHORAY_INLINE void shade_shown_inline(const Look& look, LayerWork& work, const LayerOfRays& shown, std::uint8_t layer,
-                                      const ReceivedLight& received, WorkerCounts& counts, TileColors& colors) {
+RHORAY_INLINE void shade_shown_inline(const LayerShading& shading, LayerWork& work, const LayerOfRays& shown,
+                                      std::uint8_t layer, const ReceivedLight& received, WorkerCounts& counts,
+                                      TileColors& colors) {
   for_each_shown_group(
-      look, work, received, [&](std::size_t r) { return shown.of[r] == layer; }, counts,
+      shading, work, received, [&](std::size_t r) { return shown.of[r] == layer; }, counts,
       [&](std::size_t first, const Lanes& lanes, const Colors& shaded) {
         put_group(lanes, shaded, group_of(colors, first));
       });
@@ -98,11 +100,12 @@ RHORAY_INLINE void add_through(const Lanes& color, const Lanes& share, float* ou
   for (std::size_t i = 0; i < group_size; ++i) out[i] += share[i] > 0 ? share[i] * color[i] : 0;
 }
 
-RHORAY_INLINE void shade_clear_inline(const Look& look, LayerWork& work, const LayerOfRays& next, std::uint8_t layer,
-                                      const ReceivedLight& received, WorkerCounts& counts, TileColors& front) {
-  const auto opacity = static_cast<float>(look.layer.surface.opacity);
+RHORAY_INLINE void shade_clear_inline(const LayerShading& shading, LayerWork& work, const LayerOfRays& next,
+                                      std::uint8_t layer, const ReceivedLight& received, WorkerCounts& counts,
+                                      TileColors& front) {
+  const auto opacity = static_cast<float>(shading.layer.surface.opacity);
   for_each_shown_group(
-      look, work, received, [&](std::size_t r) { return next.of[r] == layer; }, counts,
+      shading, work, received, [&](std::size_t r) { return next.of[r] == layer; }, counts,
       [&](std::size_t first, Lanes share, const Colors& shaded) {
         const GroupColors out = group_of(front, first);
         for (std::size_t i = 0; i < group_size; ++i) {
@@ -124,10 +127,10 @@ RHORAY_INLINE void add_exactly(const Lanes& color, const Lanes& share, double* o
   }
 }
 
-RHORAY_INLINE void add_clear_inline(const Look& look, LayerWork& work, const float* shares,
+RHORAY_INLINE void add_clear_inline(const LayerShading& shading, LayerWork& work, const float* shares,
                                     const ReceivedLight& received, WorkerCounts& counts, LightSums& light) {
   for_each_shown_group(
-      look, work, received, [&](std::size_t r) { return shares[r] > 0; }, counts,
+      shading, work, received, [&](std::size_t r) { return shares[r] > 0; }, counts,
       [&](std::size_t first, Lanes share, const Colors& shaded) {
         for (std::size_t i = 0; i < group_size; ++i) share[i] = shares[first + i];
         add_exactly(shaded.red, share, light.red.data() + first);
@@ -136,12 +139,12 @@ RHORAY_INLINE void add_clear_inline(const Look& look, LayerWork& work, const flo
       });
 }
 
-RHORAY_INLINE void lay_veil_inline(const Look& look, LayerWork& work, const ReceivedLight& received,
-                                   WorkerCounts& counts, TileColors& colors) {
+RHORAY_INLINE void composite_mip_inline(const LayerShading& shading, LayerWork& work, const ReceivedLight& received,
+                                        WorkerCounts& counts, TileColors& colors) {
   double* t = work.hits.t.data();
   for (std::size_t r = work.rays.count; r % group_size != 0; ++r) t[r] = infinity;
   for_each_shown_group(
-      look, work, received, [t](std::size_t r) { return t[r] < infinity; }, counts,
+      shading, work, received, [t](std::size_t r) { return t[r] < infinity; }, counts,
       [&](std::size_t first, const Lanes& shown, const Colors& light) {
         const GroupColors out = group_of(colors, first);
         for (std::size_t i = 0; i < group_size; ++i) {
@@ -265,16 +268,17 @@ void fill_background(const Vec3& background, std::size_t count, TileColors& colo
   std::fill_n(colors.alpha, count, 0.0F);
 }
 
-void shade_hits(const Look& look, LayerWork& work, const ReceivedLight& received, WorkerCounts& counts,
+void shade_hits(const LayerShading& shading, LayerWork& work, const ReceivedLight& received, WorkerCounts& counts,
                 TileColors& colors) {
-  compiled_for<shade_hits_inline>(look.machine)(look, work, received, counts, colors);
-  if (look.proves) counts.largest_error = std::max(counts.largest_error, largest_error_of(work.hits, work.rays.count));
+  compiled_for<shade_hits_inline>(shading.machine)(shading, work, received, counts, colors);
+  if (shading.proves)
+    counts.largest_error = std::max(counts.largest_error, largest_error_of(work.hits, work.rays.count));
 }
 
-void shade_shown(const Look& look, LayerWork& work, const LayerOfRays& shown, std::uint8_t layer,
+void shade_shown(const LayerShading& shading, LayerWork& work, const LayerOfRays& shown, std::uint8_t layer,
                  const ReceivedLight& received, WorkerCounts& counts, TileColors& colors) {
-  compiled_for<shade_shown_inline>(look.machine)(look, work, shown, layer, received, counts, colors);
-  if (!look.proves) return;
+  compiled_for<shade_shown_inline>(shading.machine)(shading, work, shown, layer, received, counts, colors);
+  if (!shading.proves) return;
   for (std::size_t r = 0; r < work.rays.count; ++r)
     if (shown.of[r] == layer) counts.largest_error = std::max(counts.largest_error, work.hits.error[r]);
 }
@@ -284,14 +288,14 @@ void begin_front(std::size_t count, TileColors& front) {
   std::fill_n(front.alpha, (count + group_size - 1) / group_size * group_size, 1.0F);
 }
 
-void shade_clear(const Look& look, LayerWork& work, const LayerOfRays& next, std::uint8_t layer,
+void shade_clear(const LayerShading& shading, LayerWork& work, const LayerOfRays& next, std::uint8_t layer,
                  const ReceivedLight& received, WorkerCounts& counts, TileColors& front) {
-  compiled_for<shade_clear_inline>(look.machine)(look, work, next, layer, received, counts, front);
+  compiled_for<shade_clear_inline>(shading.machine)(shading, work, next, layer, received, counts, front);
 }
 
-void add_clear(const Look& look, LayerWork& work, const float* shares, const ReceivedLight& received,
+void add_clear(const LayerShading& shading, LayerWork& work, const float* shares, const ReceivedLight& received,
                WorkerCounts& counts, LightSums& light) {
-  compiled_for<add_clear_inline>(look.machine)(look, work, shares, received, counts, light);
+  compiled_for<add_clear_inline>(shading.machine)(shading, work, shares, received, counts, light);
 }
 
 void put_into_front(const LightSums& light, std::size_t count, TileColors& front) {
@@ -312,9 +316,9 @@ void put_in_front(const TileColors& front, std::size_t count, TileColors& colors
   }
 }
 
-void lay_veil(const Look& look, LayerWork& work, const ReceivedLight& received, WorkerCounts& counts,
-              TileColors& colors) {
-  compiled_for<lay_veil_inline>(look.machine)(look, work, received, counts, colors);
+void composite_mip(const LayerShading& shading, LayerWork& work, const ReceivedLight& received, WorkerCounts& counts,
+                   TileColors& colors) {
+  compiled_for<composite_mip_inline>(shading.machine)(shading, work, received, counts, colors);
 }
 
 void write_colors(const PixelLattice& lattice, const Tile& tile, const TileColors& colors, Framebuffer& out,

@@ -14,7 +14,7 @@
 namespace rhoray::render {
 
 /// How a layer's hits are made into colours; chosen once for a frame.
-struct Look {
+struct LayerShading {
   const Layer& layer;
   EffectSet effects;
   Facing facing;
@@ -33,21 +33,21 @@ struct Look {
 void fill_background(const Vec3& background, std::size_t count, TileColors& colors);
 
 /// Those of all hits, over what is there.
-void shade_hits(const Look& look, LayerWork& work, const ReceivedLight& received, WorkerCounts& counts,
+void shade_hits(const LayerShading& shading, LayerWork& work, const ReceivedLight& received, WorkerCounts& counts,
                 TileColors& colors);
 
 /// Those of the hits that `shown` names, over what is there.
-void shade_shown(const Look& look, LayerWork& work, const LayerOfRays& shown, std::uint8_t layer,
+void shade_shown(const LayerShading& shading, LayerWork& work, const LayerOfRays& shown, std::uint8_t layer,
                  const ReceivedLight& received, WorkerCounts& counts, TileColors& colors);
 
 /// Clear surfaces, from front to back: no light yet, and all that lies behind is seen.
 void begin_front(std::size_t count, TileColors& front);
 /// Adds the hits that `next` names, behind what has been added.
-void shade_clear(const Look& look, LayerWork& work, const LayerOfRays& next, std::uint8_t layer,
+void shade_clear(const LayerShading& shading, LayerWork& work, const LayerOfRays& next, std::uint8_t layer,
                  const ReceivedLight& received, WorkerCounts& counts, TileColors& front);
 /// Adds light of hits, each by its share, in any order.
 /// @param shares  of the tile's rays; 0: not shown
-void add_clear(const Look& look, LayerWork& work, const float* shares, const ReceivedLight& received,
+void add_clear(const LayerShading& shading, LayerWork& work, const float* shares, const ReceivedLight& received,
                WorkerCounts& counts, LightSums& light);
 /// The light that was added, as the light of `front`.
 void put_into_front(const LightSums& light, std::size_t count, TileColors& front);
@@ -55,8 +55,8 @@ void put_in_front(const TileColors& front, std::size_t count, TileColors& colors
 
 /// Largest values as white light over what is there, which shows through as far as the grey of a projection by itself
 /// is below white.
-void lay_veil(const Look& look, LayerWork& work, const ReceivedLight& received, WorkerCounts& counts,
-              TileColors& colors);
+void composite_mip(const LayerShading& shading, LayerWork& work, const ReceivedLight& received, WorkerCounts& counts,
+                   TileColors& colors);
 
 /// Writes the colours of a tile's traced blocks. A pixel of a lattice with a spacing also stands for its neighbours to
 /// the right and below, up to the next pixel of the lattice.

@@ -8,15 +8,15 @@
 #include <optional>
 #include <vector>
 
+#include "formats/base/error.h"
 #include "formats/base/floating_point.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
 #include "formats/intact.h"
+#include "render/frame/all_hits.h"
 #include "render/frame/antialiasing.h"
 #include "render/frame/block_mask.h"
-#include "render/frame/frame_memory.h"
 #include "render/frame/pass.h"
-#include "render/frame/shells.h"
+#include "render/frame/render_context.h"
 #include "render/traverse/ticks.h"
 
 namespace rhoray::render {
@@ -34,85 +34,87 @@ std::string text_of(const Vec3& v) {
 void check_slice(const Layer& layer) {
   const HalfSpace& plane = layer.plane;
   if (!is_finite(plane.point) || !is_finite(plane.normal) || plane.normal == Vec3(0, 0, 0))
-    throw Error(Trouble::usage, concat("a slice through ", text_of(plane.point), " with the normal ",
-                                       text_of(plane.normal), "; expected finite numbers and a direction"));
-  if (!layer.surface.color_by) throw Error(Trouble::usage, "a slice without colours; expected those of its field");
+    throw Error(ErrorCode::usage, concat("a slice through ", text_of(plane.point), " with the normal ",
+                                         text_of(plane.normal), "; expected finite numbers and a direction"));
+  if (!layer.surface.color_by) throw Error(ErrorCode::usage, "a slice without colours; expected those of its field");
   if (layer.threshold.is_empty())
-    throw Error(Trouble::usage, concat("a slice of values from ", layer.threshold.lo, " to ", layer.threshold.hi,
-                                       "; expected a range that is not empty"));
+    throw Error(ErrorCode::usage, concat("a slice of values from ", layer.threshold.lo, " to ", layer.threshold.hi,
+                                         "; expected a range that is not empty"));
 }
 
 void check_layer(std::span<const Volume> volumes, const Layer& layer) {
   if (layer.volume >= volumes.size())
-    throw Error(Trouble::usage, concat("a layer of volume ", layer.volume, " of ", volumes.size()));
+    throw Error(ErrorCode::usage, concat("a layer of volume ", layer.volume, " of ", volumes.size()));
   const Volume& volume = volumes[layer.volume];
   if (volume.is_surface() != (layer.mode == Mode::triangles))
-    throw Error(Trouble::usage, volume.is_surface()
-                                    ? concat(volume.file().name(), ": holds triangles, which are shown as they are")
-                                    : concat(volume.file().name(), ": holds no triangles to be shown"));
-  if (layer.mode == Mode::triangles && layer.method.way != Method::Way::direct)
-    throw Error(Trouble::usage, concat(volume.file().name(), ": triangles are met at the levels float and double"));
+    throw Error(ErrorCode::usage, volume.is_surface()
+                                      ? concat(volume.file().name(), ": holds triangles, which are shown as they are")
+                                      : concat(volume.file().name(), ": holds no triangles to be shown"));
+  if (layer.mode == Mode::triangles && layer.method.algorithm != Method::Algorithm::direct)
+    throw Error(ErrorCode::usage, concat(volume.file().name(), ": triangles are met at the levels float and double"));
   if (layer.mode == Mode::triangles && layer.surface.color_by)
-    throw Error(Trouble::usage, concat(volume.file().name(), ": a surface has no fields to be coloured by"));
+    throw Error(ErrorCode::usage, concat(volume.file().name(), ": a surface has no fields to be coloured by"));
   if (layer.mode == Mode::isosurface && !std::isfinite(layer.isovalue))
-    throw Error(Trouble::usage, concat("isovalue ", layer.isovalue, "; expected a finite number"));
+    throw Error(ErrorCode::usage, concat("isovalue ", layer.isovalue, "; expected a finite number"));
   if (layer.mode == Mode::mip && (layer.window.is_empty() || !std::isfinite(layer.window.hi - layer.window.lo)))
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat("window ", layer.window.lo, " to ", layer.window.hi, "; expected a finite range"));
   if (!(layer.surface.opacity >= 0 && layer.surface.opacity <= 1))
-    throw Error(Trouble::usage, concat("an opacity of ", layer.surface.opacity, "; expected 0 to 1"));
+    throw Error(ErrorCode::usage, concat("an opacity of ", layer.surface.opacity, "; expected 0 to 1"));
   if (const auto& colors = layer.surface.color_by;
       colors && (colors->range.is_empty() || !std::isfinite(colors->range.hi - colors->range.lo)))
-    throw Error(Trouble::usage, concat("colours of '", colors->field, "' from ", colors->range.lo, " to ",
-                                       colors->range.hi, "; expected a finite range"));
+    throw Error(ErrorCode::usage, concat("colours of '", colors->field, "' from ", colors->range.lo, " to ",
+                                         colors->range.hi, "; expected a finite range"));
   if (layer.mode == Mode::slice) check_slice(layer);
   if (layer.surface.texture && layer.surface.color_by)
-    throw Error(Trouble::usage, concat("a texture, ", layer.surface.texture->file().name(), ", and colours by '",
-                                       layer.surface.color_by->field, "'; expected one of the two"));
+    throw Error(ErrorCode::usage, concat("a texture, ", layer.surface.texture->file().name(), ", and colours by '",
+                                         layer.surface.color_by->field, "'; expected one of the two"));
   const Method& method = layer.method;
-  if (method.way == Method::Way::sampled && !(method.step >= 1e-4 && method.step <= 1e4))
-    throw Error(Trouble::usage, concat("steps of ", method.step, " cells; expected 0.0001 to 10000"));
-  if (method.way == Method::Way::slack && !(method.slack >= 0 && method.slack <= 1))
-    throw Error(Trouble::usage, concat("a slack of ", method.slack, "; expected 0 to 1"));
+  if (method.algorithm == Method::Algorithm::sampled && !(method.step >= 1e-4 && method.step <= 1e4))
+    throw Error(ErrorCode::usage, concat("steps of ", method.step, " cells; expected 0.0001 to 10000"));
+  if (method.algorithm == Method::Algorithm::slack && !(method.slack >= 0 && method.slack <= 1))
+    throw Error(ErrorCode::usage, concat("a slack of ", method.slack, "; expected 0 to 1"));
 }
 
 void check_light(const Light& light) {
   const Vec3& color = light.color;
   if (!is_finite(color) || color.x < 0 || color.y < 0 || color.z < 0)
-    throw Error(Trouble::usage, concat("a light of colour ", text_of(color), "; expected finite numbers from 0 up"));
+    throw Error(ErrorCode::usage, concat("a light of colour ", text_of(color), "; expected finite numbers from 0 up"));
   if (light.kind == Light::Kind::point && !is_finite(light.place))
-    throw Error(Trouble::usage, concat("a light at ", text_of(light.place), "; expected finite numbers"));
+    throw Error(ErrorCode::usage, concat("a light at ", text_of(light.place), "; expected finite numbers"));
   if (light.kind == Light::Kind::directional && (!is_finite(light.place) || light.place == Vec3(0, 0, 0)))
-    throw Error(Trouble::usage, concat("a light from the direction ", text_of(light.place), "; expected a finite one"));
+    throw Error(ErrorCode::usage,
+                concat("a light from the direction ", text_of(light.place), "; expected a finite one"));
   const double largest = light.kind == Light::Kind::directional ? 180 : std::numeric_limits<double>::max();
   if (!(light.size >= 0 && light.size <= largest) || light.samples < 1 || light.samples > 4096)
-    throw Error(Trouble::usage, concat("a light of size ", light.size, " by ", light.samples,
-                                       " samples; expected finite sizes from 0 up, at most 180 degrees, and 1 to 4096 "
-                                       "samples"));
+    throw Error(ErrorCode::usage,
+                concat("a light of size ", light.size, " by ", light.samples,
+                       " samples; expected finite sizes from 0 up, at most 180 degrees, and 1 to 4096 "
+                       "samples"));
 }
 
 void check_clip(const Clip& clip) {
   if (clip.box)
     for (int axis = 0; axis < 3; ++axis)
       if (!(clip.box->min[axis] < clip.box->max[axis]))
-        throw Error(Trouble::usage, concat("a clip box from ", text_of(clip.box->min), " to ", text_of(clip.box->max),
-                                           "; expected one that is not empty"));
+        throw Error(ErrorCode::usage, concat("a clip box from ", text_of(clip.box->min), " to ", text_of(clip.box->max),
+                                             "; expected one that is not empty"));
   if (clip.planes.size() > Clip::most_planes)
-    throw Error(Trouble::usage, concat(clip.planes.size(), " clip planes; expected at most ", Clip::most_planes));
+    throw Error(ErrorCode::usage, concat(clip.planes.size(), " clip planes; expected at most ", Clip::most_planes));
   for (const HalfSpace& plane : clip.planes)
     if (!is_finite(plane.point) || !is_finite(plane.normal) || plane.normal == Vec3(0, 0, 0))
-      throw Error(Trouble::usage, concat("a clip plane through ", text_of(plane.point), " with the normal ",
-                                         text_of(plane.normal), "; expected finite numbers and a direction"));
+      throw Error(ErrorCode::usage, concat("a clip plane through ", text_of(plane.point), " with the normal ",
+                                           text_of(plane.normal), "; expected finite numbers and a direction"));
 }
 
 void check_effects(const Scene& scene) {
   for (const Light& light : scene.lights) check_light(light);
   const Occlusion& occlusion = scene.occlusion;
   if (occlusion.samples < 0 || occlusion.samples > 4096 || !(occlusion.radius >= 0))
-    throw Error(Trouble::usage, concat("occlusion by ", occlusion.samples, " samples up to ", occlusion.radius,
-                                       " away; expected 0 to 4096 samples, and a distance from 0 up"));
+    throw Error(ErrorCode::usage, concat("occlusion by ", occlusion.samples, " samples up to ", occlusion.radius,
+                                         " away; expected 0 to 4096 samples, and a distance from 0 up"));
   if (scene.fog && (scene.fog->range.is_empty() || !std::isfinite(scene.fog->range.hi - scene.fog->range.lo)))
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat("fog from ", scene.fog->range.lo, " to ", scene.fog->range.hi, "; expected a finite range"));
 }
 
@@ -122,39 +124,39 @@ bool all_prove(const Scene& scene) {
 
 void check_request(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options) {
   if (options.width < 1 || options.height < 1)
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat("picture of ", options.width, " x ", options.height, " pixels; expected at least 1 x 1"));
   if (scene.layers.empty() || scene.layers.size() >= LayerOfRays::none)
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat("a scene of ", scene.layers.size(), " layers; expected 1 to ", LayerOfRays::none - 1));
   if (options.antialiasing < 1 || options.antialiasing > most_samples)
-    throw Error(Trouble::usage, concat(options.antialiasing, " samples of a pixel; expected 1 to ", most_samples));
+    throw Error(ErrorCode::usage, concat(options.antialiasing, " samples of a pixel; expected 1 to ", most_samples));
   for (const Layer& layer : scene.layers) check_layer(volumes, layer);
   check_effects(scene);
   if (scene.clip) check_clip(*scene.clip);
   if (options.channels.error && !all_prove(scene))
-    throw Error(Trouble::usage, "the channel 'error' needs a method that proves one: certified or exact");
+    throw Error(ErrorCode::usage, "the channel 'error' needs a method that proves one: certified or exact");
 }
 
 void check_refinement(const Refinement& refinement) {
   if (refinement.first_spacing < 1 || refinement.first_spacing > 16 ||
       !std::has_single_bit(static_cast<unsigned>(refinement.first_spacing)))
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat("a first pass of every ", refinement.first_spacing, "th pixel; expected 1, 2, 4, 8 or 16"));
 }
 
-Part part_of(const Layer& layer, const Scene& scene) {
-  if (layer.mode == Mode::mip) return scene.layers.size() == 1 ? Part::opaque : Part::veil;
-  return layer.surface.opacity < 1 ? Part::clear : Part::opaque;
+Blend blend_of(const Layer& layer, const Scene& scene) {
+  if (layer.mode == Mode::mip) return scene.layers.size() == 1 ? Blend::opaque : Blend::additive;
+  return layer.surface.opacity < 1 ? Blend::transparent : Blend::opaque;
 }
 
 /// What a layer's effects ask for beyond what hits say; null when they ask for none.
 std::shared_ptr<const HitLookup> choose_lookup(const Volume& volume, const Layer& layer, unsigned threads) {
   const EffectSet effects = effects_called_for(layer);
-  HitWishes wishes{.smooth_gradients = effects.smooth_normals, .field = {}};
-  if (effects.field_color) wishes.field = layer.surface.color_by->field;
-  if (layer.mode == Mode::slice || wishes.none()) return nullptr;
-  return std::make_shared<const HitLookup>(volume.implementation(), wishes, threads);
+  HitAttributes attributes{.smooth_gradients = effects.smooth_normals, .field = {}};
+  if (effects.field_color) attributes.field = layer.surface.color_by->field;
+  if (layer.mode == Mode::slice || attributes.none()) return nullptr;
+  return std::make_shared<const HitLookup>(volume.implementation(), attributes, threads);
 }
 
 std::shared_ptr<const TextureLookup> choose_texture(const Volume& volume, const Layer& layer) {
@@ -172,53 +174,53 @@ bool may_shade_others(const Layer& layer, const Scene& scene) {
 }
 
 /// Whether rays that start in crossings are asked of a layer.
-bool meets_rays_from_crossings(const Layer& layer, Part part, const Scene& scene) {
-  return layer.mode != Mode::slice && (part == Part::clear || may_shade_others(layer, scene));
+bool meets_rays_from_crossings(const Layer& layer, Blend blend, const Scene& scene) {
+  return layer.mode != Mode::slice && (blend == Blend::transparent || may_shade_others(layer, scene));
 }
 
-FrameLayer choose_layer(const Volume& volume, const Layer& layer, Part part, const Scene& scene,
+FrameLayer choose_layer(const Volume& volume, const Layer& layer, Blend blend, const Scene& scene,
                         const FrameOptions& options) {
   const VolumeImplementation& implementation = volume.implementation();
   const bool is_mip = layer.mode == Mode::mip;
   const Kernels kernels = choose_kernels(implementation, layer.method);
   const Method method_through = default_method(volume, is_mip ? Mode::isosurface : layer.mode);
-  Question question{.isovalue = layer.isovalue,
-                    .field_range = implementation.field.range,
-                    .method = layer.method,
-                    .use_hierarchy = options.use_hierarchy,
-                    .use_last_t = options.use_last_t,
-                    .time_phases = options.time_phases};
-  Question question_through = question;
-  question_through.method = method_through;
+  RayQuery query{.isovalue = layer.isovalue,
+                 .field_range = implementation.field.range,
+                 .method = layer.method,
+                 .use_hierarchy = options.use_hierarchy,
+                 .use_last_t = options.use_last_t,
+                 .time_phases = options.time_phases};
+  RayQuery continuation_query = query;
+  continuation_query.method = method_through;
   return {.volume = implementation,
-          .part = part,
+          .blend = blend,
           .kernel = is_mip ? kernels.largest_value : kernels.first_crossing,
-          .kernel_through = meets_rays_from_crossings(layer, part, scene)
-                                ? choose_kernels(implementation, method_through).first_crossing
-                                : nullptr,
+          .continuation_kernel = meets_rays_from_crossings(layer, blend, scene)
+                                     ? choose_kernels(implementation, method_through).first_crossing
+                                     : nullptr,
           .prepare = is_mip || layer.mode == Mode::slice ? nullptr : kernels.prepare_first_crossing,
-          .question = question,
-          .question_through = question_through,
-          .look = {.layer = layer,
-                   .effects = effects_called_for(scene, layer),
-                   .facing = Facing(implementation.world_from_volume),
-                   .lights = lights_of(scene, implementation.world_from_volume),
-                   .fog = scene.fog,
-                   .proves = proves(layer.method),
-                   .lookup = choose_lookup(volume, layer, options.threads),
-                   .texture = choose_texture(volume, layer)},
+          .query = query,
+          .continuation_query = continuation_query,
+          .shading = {.layer = layer,
+                      .effects = effects_called_for(scene, layer),
+                      .facing = Facing(implementation.world_from_volume),
+                      .lights = lights_of(scene, implementation.world_from_volume),
+                      .fog = scene.fog,
+                      .proves = proves(layer.method),
+                      .lookup = choose_lookup(volume, layer, options.threads),
+                      .texture = choose_texture(volume, layer)},
           .volume_from_world = implementation.world_from_volume.inverse()};
 }
 
 void add_needs(const Volume& volume, const FrameLayer& layer, WorkerNeeds& needs) {
-  const Look& look = layer.look;
-  if (look.layer.mode == Mode::mip)
+  const LayerShading& shading = layer.shading;
+  if (shading.layer.mode == Mode::mip)
     needs.queue_entries =
-        std::max(needs.queue_entries, choose_kernels(volume.implementation(), look.layer.method).queue_entries);
+        std::max(needs.queue_entries, choose_kernels(volume.implementation(), shading.layer.method).queue_entries);
   needs.world_rays |= layer.clipped || layer.slice;
-  if (look.effects.shadows) needs.light_count = look.lights.lights.size();
-  needs.occlusion |= look.effects.occlusion;
-  needs.spread_directions |= look.effects.occlusion || look.effects.soft_shadows;
+  if (shading.effects.shadows) needs.light_count = shading.lights.lights.size();
+  needs.occlusion |= shading.effects.occlusion;
+  needs.spread_directions |= shading.effects.occlusion || shading.effects.soft_shadows;
 }
 
 /// What is left of a layer.
@@ -253,13 +255,13 @@ Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const Fr
               .keeps_channels = options.channels.any() || options.antialiasing > 1,
               .occlusion = scene.occlusion,
               .needs = {}};
-  for (const auto& [part, is_slice] : {std::pair{Part::opaque, true},
-                                       {Part::opaque, false},
-                                       {Part::clear, true},
-                                       {Part::clear, false},
-                                       {Part::veil, false}})
+  for (const auto& [blend, is_slice] : {std::pair{Blend::opaque, true},
+                                        {Blend::opaque, false},
+                                        {Blend::transparent, true},
+                                        {Blend::transparent, false},
+                                        {Blend::additive, false}})
     for (const Layer& layer : scene.layers) {
-      if (part_of(layer, scene) != part || (layer.mode == Mode::slice) != is_slice) continue;
+      if (blend_of(layer, scene) != blend || (layer.mode == Mode::slice) != is_slice) continue;
       if (layer.mode != Mode::mip && layer.surface.opacity == 0) continue;
       const Volume& volume = volumes[layer.volume];
       const Left left = what_is_left_of(volume, layer, scene);
@@ -269,7 +271,7 @@ Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const Fr
           lies_outside_view(volume, frame.camera_rays, options))
         continue;
       if (proves(layer.method)) frame.range_proof += volume.prove_ranges(options.threads);
-      frame.layers.push_back(choose_layer(volume, layer, part, scene, options));
+      frame.layers.push_back(choose_layer(volume, layer, blend, scene, options));
       if (is_slice)
         frame.layers.back().slice = std::make_shared<const SlicePlane>(volume.implementation(), layer, scene.clip);
       if (left == Left::part) {
@@ -303,9 +305,9 @@ bool prepare(FrameLayer& layer, const std::optional<Clip>& clip, const FrameOpti
     if (options.use_hierarchy) layer.boxes = layer.slice->boxes();
     return false;
   }
-  if (layer.prepare != nullptr) layer.boxes = layer.prepare(layer.volume, layer.question, options.threads);
+  if (layer.prepare != nullptr) layer.boxes = layer.prepare(layer.volume, layer.query, options.threads);
   const bool is_wide = layer.boxes.has_value();
-  if (!is_wide && options.use_hierarchy && keeps_to_bounds(layer.volume, layer.question.method))
+  if (!is_wide && options.use_hierarchy && keeps_to_bounds(layer.volume, layer.query.method))
     layer.boxes = box_around(kept_bounds(layer, clip));
   return is_wide;
 }
@@ -323,19 +325,18 @@ wide::LightPlace place_in(const FrameLayer& layer, const LayerLights::One& light
 }
 
 /// Finds out what of a layer may hold back the light of those that cast shadows.
-void prepare_blockers(FrameLayer& layer, const FrameOptions& options, wide::BlockersMemory& memory) {
-  if (!holds_light_back(layer.look.layer) || layer.kernel_through == nullptr) return;
-  const Question& question = layer.question_through;
-  layer.any_crossing = wide::any_facet_kernel(layer.volume, question.method, chosen_machine());
-  const bool is_wide =
-      choose_kernels(layer.volume, question.method, chosen_machine()).prepare_first_crossing != nullptr;
-  if (!layer.look.effects.shadows || layer.clipped || !is_wide) return;
-  layer.blockers.resize(layer.look.lights.lights.size());
-  for (std::size_t l = 0; l < layer.blockers.size(); ++l) {
-    const LayerLights::One& light = layer.look.lights.lights[l];
+void prepare_occluders(FrameLayer& layer, const FrameOptions& options, wide::OccluderCache& memory) {
+  if (!holds_light_back(layer.shading.layer) || layer.continuation_kernel == nullptr) return;
+  const RayQuery& query = layer.continuation_query;
+  layer.any_crossing = wide::any_facet_kernel(layer.volume, query.method, chosen_machine());
+  const bool is_wide = choose_kernels(layer.volume, query.method, chosen_machine()).prepare_first_crossing != nullptr;
+  if (!layer.shading.effects.shadows || layer.clipped || !is_wide) return;
+  layer.occluders.resize(layer.shading.lights.lights.size());
+  for (std::size_t l = 0; l < layer.occluders.size(); ++l) {
+    const LayerLights::One& light = layer.shading.lights.lights[l];
     if (!light.casts_shadows) continue;
     const wide::LightPlace place = place_in(layer, light);
-    layer.blockers[l] = memory.of(layer.volume, question, place, options.threads);
+    layer.occluders[l] = memory.of(layer.volume, query, place, options.threads);
   }
 }
 
@@ -365,7 +366,7 @@ std::vector<Pass> passes_of(const Frame& frame, const FrameOptions& options, int
   return passes;
 }
 
-FrameStatistics statistics_of(const FrameMemory::Implementation& memory, const Scene& scene) {
+FrameStatistics statistics_of(const RenderContext::Implementation& memory, const Scene& scene) {
   FrameStatistics statistics;
   KernelCounters counters;
   for (const Worker* worker : memory.workers()) {
@@ -394,14 +395,14 @@ FrameStatistics statistics_of(const FrameMemory::Implementation& memory, const S
   statistics.cells_solved = counters.cells_solved;
   statistics.samples_taken = counters.samples_taken;
   statistics.rays_redone = counters.rays_redone;
-  statistics.rays_judged = counters.rays_judged;
+  statistics.rays_exact = counters.rays_exact;
   statistics.touches = counters.touches;
   statistics.machine = name_of(counters.rays_wide > 0 ? chosen_machine() : Machine::scalar);
   if (!all_prove(scene)) statistics.largest_error = std::numeric_limits<double>::quiet_NaN();
   return statistics;
 }
 
-FrameStatistics::Phases phases_of(const FrameMemory::Implementation& memory, double seconds_per_tick) {
+FrameStatistics::Phases phases_of(const RenderContext::Implementation& memory, double seconds_per_tick) {
   std::uint64_t intersection = 0, shading = 0, tiles = 0;
   for (const Worker* worker : memory.workers()) {
     for (const LayerWork& layer : worker->layers) intersection += layer.scratch.counters.intersection_ticks;
@@ -419,22 +420,22 @@ FrameStatistics::Phases phases_of(const FrameMemory::Implementation& memory, dou
 
 Method default_method(const Volume& volume, Mode mode) {
   const bool is_wide = mode != Mode::mip && finds_crossings_wide(volume.implementation());
-  return method_of(is_wide ? Accuracy::single : Accuracy::twofold);
+  return method_of(is_wide ? Accuracy::float32 : Accuracy::float64);
 }
 
-FrameMemory::FrameMemory() : implementation_(std::make_unique<Implementation>()) {}
-FrameMemory::~FrameMemory() = default;
-FrameMemory::FrameMemory(FrameMemory&&) noexcept = default;
-FrameMemory& FrameMemory::operator=(FrameMemory&&) noexcept = default;
+RenderContext::RenderContext() : implementation_(std::make_unique<Implementation>()) {}
+RenderContext::~RenderContext() = default;
+RenderContext::RenderContext(RenderContext&&) noexcept = default;
+RenderContext& RenderContext::operator=(RenderContext&&) noexcept = default;
 
 FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
                        Framebuffer& framebuffer) {
-  FrameMemory memory;
+  RenderContext memory;
   return render(volumes, scene, options, framebuffer, memory);
 }
 
 FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
-                       Framebuffer& framebuffer, FrameMemory& memory) {
+                       Framebuffer& framebuffer, RenderContext& memory) {
   return refine(volumes, scene, options, {.first_spacing = 1}, framebuffer, memory);
 }
 
@@ -444,17 +445,17 @@ FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOpti
 }
 
 FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer,
-                       FrameMemory& memory) {
+                       RenderContext& memory) {
   return render(std::span(&volume, 1), scene, options, framebuffer, memory);
 }
 
 FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOptions& options,
-                       const Refinement& refinement, Framebuffer& framebuffer, FrameMemory& memory) {
+                       const Refinement& refinement, Framebuffer& framebuffer, RenderContext& memory) {
   return refine(std::span(&volume, 1), scene, options, refinement, framebuffer, memory);
 }
 
 FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
-                       const Refinement& refinement, Framebuffer& framebuffer, FrameMemory& memory) {
+                       const Refinement& refinement, Framebuffer& framebuffer, RenderContext& memory) {
   const DefaultFloatingPoint default_floating_point;
   check_request(volumes, scene, options);
   check_refinement(refinement);
@@ -470,10 +471,10 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
   bool is_wide = false, prepares = false;
   for (FrameLayer& layer : frame.layers) {
     is_wide |= prepare(layer, scene.clip, options);
-    prepare_blockers(layer, options, memory.implementation().blockers());
-    prepares |= layer.prepare != nullptr || layer.look.lookup;
+    prepare_occluders(layer, options, memory.implementation().occluders());
+    prepares |= layer.prepare != nullptr || layer.shading.lookup;
   }
-  choose_shells(options, frame);
+  choose_all_hits(options, frame);
   const double proof_s = frame.range_proof.wall_s;
   const double preparation_s = prepares ? seconds_since(preparation_start) - proof_s : 0;
   const std::vector<Pass> passes = passes_of(frame, options, refinement.first_spacing);
@@ -482,7 +483,7 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
   framebuffer.reshape(options.width, options.height, edges ? edges->channels() : options.channels);
   for (int c = 0; c < 3; ++c)
     framebuffer.background[static_cast<std::size_t>(c)] = static_cast<float>(scene.background[c]);
-  FrameMemory::Implementation& kept = memory.implementation();
+  RenderContext::Implementation& kept = memory.implementation();
   kept.begin_frame(options.threads, frame.needs);
   int spacing = refinement.first_spacing;
   for (const Pass& pass : passes) {

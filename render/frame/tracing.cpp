@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "render/frame/all_hits.h"
 #include "render/frame/clip_gap.h"
-#include "render/frame/shells.h"
 
 namespace rhoray::render {
 
@@ -69,13 +69,13 @@ void ask_layer(const Frame& frame, const FrameLayer& layer, const PixelRays& ray
   make_rays(layer, rays, tile, ends, worker, work);
   if (layer.slice) return ask_slice(frame, layer, ends, worker, work);
   work.scratch.last_t.reset();
-  layer.kernel(layer.volume, layer.question, work.rays, work.hits, work.scratch);
+  layer.kernel(layer.volume, layer.query, work.rays, work.hits, work.scratch);
   if (!layer.clipped || !frame.clip->cuts_away()) return;
   worker.world->cut.clear();
   for (std::uint32_t r = 0; r < work.rays.count; ++r)
-    if (work.hits.t[r] == infinity || layer.look.layer.mode == Mode::mip) worker.world->cut.push_back(r);
+    if (work.hits.t[r] == infinity || layer.shading.layer.mode == Mode::mip) worker.world->cut.push_back(r);
   work.scratch.last_t.reset();
-  ask_behind_cut(layer, layer.kernel, layer.question, ends, worker, work);
+  trace_after_clip_gap(layer, layer.kernel, layer.query, ends, worker, work);
 }
 
 /// Of surfaces at the same t the one whose layer comes first.
@@ -110,16 +110,16 @@ void trace_layers(const Frame& frame, const LatticeRays& rays, const Tile& tile,
   std::fill_n(worker.shown.of, tile_capacity, LayerOfRays::none);
   for (std::size_t l = 0; l < frame.layers.size(); ++l) {
     LayerWork& work = worker.layers[l];
-    if (frame.layers[0].slice && l > 0 && frame.layers[l].part != frame.layers[l - 1].part)
+    if (frame.layers[0].slice && l > 0 && frame.layers[l].blend != frame.layers[l - 1].blend)
       end_before_slices(frame, worker);
-    if (frame.layers[l].part == Part::clear && !frame.shells.empty()) {
+    if (frame.layers[l].blend == Blend::transparent && !frame.all_hits_groups.empty()) {
       make_rays(frame.layers[l], rays.of_layers[l], tile, worker.nearest.data(), worker, work);
       continue;
     }
     ask_layer(frame, frame.layers[l], rays.of_layers[l], tile, worker.nearest.data(), worker, work);
-    if (frame.layers[l].part == Part::opaque) keep_nearest(work, static_cast<std::uint8_t>(l), worker);
+    if (frame.layers[l].blend == Blend::opaque) keep_nearest(work, static_cast<std::uint8_t>(l), worker);
   }
-  if (!frame.shells.empty()) cross_shells(frame, worker);
+  if (!frame.all_hits_groups.empty()) find_all_hits(frame, worker);
 }
 
 }  // namespace rhoray::render

@@ -8,8 +8,8 @@
 
 #include "render/frame/clip_region.h"
 #include "render/frame/tiles.h"
+#include "render/query/all_hits.h"
 #include "render/query/kernels.h"
-#include "render/query/ordered_crossings.h"
 #include "render/shade/received.h"
 #include "render/shade/spread_directions.h"
 
@@ -64,13 +64,13 @@ struct WorldRays {
   WorldRays() { cut.reserve(tile_capacity); }
 };
 
-/// What a tile's rays meet of one layer of a ShellGroup.
-struct ShellWork {
+/// What a tile's rays meet of one layer of a AllHitsGroup.
+struct AllHitsWork {
   CrossingList crossings;
   /// Of the k-th crossings the share of light that is theirs; 0: not shown.
   std::array<LaneArray<float>, CrossingList::most> share;
 
-  ShellWork() : crossings(tile_capacity) {
+  AllHitsWork() : crossings(tile_capacity) {
     for (auto& shares : share) shares = LaneArray<float>(tile_capacity);
   }
 };
@@ -82,8 +82,8 @@ struct WorkerNeeds {
   bool occlusion = false;
   bool spread_directions = false;  ///< of the pixels: occlusion, or lights that are not points
   bool world_rays = false;
-  std::vector<std::uint8_t> shell_layers{};  ///< those crossed in one pass
-  std::size_t shell_groups = 0;
+  std::vector<std::uint8_t> transparent_layers{};  ///< those crossed in one pass
+  std::size_t all_hits_groups = 0;
 };
 
 /// Light that is added up in an order of its own.
@@ -94,23 +94,23 @@ struct LightSums {
 };
 
 /// Crossings of clear surfaces as one walk along each ray finds them.
-struct ShellsWork {
+struct AllHitsGroups {
   /// @param of_layers  whose hits are the first crossings
   void begin_frame(std::vector<LayerWork>& of_layers, const WorkerNeeds& needs) {
     if (layers.size() < of_layers.size()) layers.resize(of_layers.size());
-    for (const std::uint8_t l : needs.shell_layers) {
-      if (!layers[l]) layers[l] = std::make_unique<ShellWork>();
+    for (const std::uint8_t l : needs.transparent_layers) {
+      if (!layers[l]) layers[l] = std::make_unique<AllHitsWork>();
       layers[l]->crossings.put_first_into(of_layers[l].hits);
     }
-    if (memory.size() < needs.shell_groups) memory.resize(needs.shell_groups);
-    while (complete.size() < needs.shell_groups) complete.emplace_back(tile_capacity);
+    if (memory.size() < needs.all_hits_groups) memory.resize(needs.all_hits_groups);
+    while (complete.size() < needs.all_hits_groups) complete.emplace_back(tile_capacity);
   }
 
-  std::vector<std::unique_ptr<ShellWork>> layers;  ///< by layer; none of others than in groups
-  std::vector<CrossingsMemory> memory;             ///< by group
-  std::vector<LaneArray<std::uint8_t>> complete;   ///< by group
-  LaneArray<std::uint8_t> goes_on{tile_capacity};  ///< rays to be asked about behind what is noted
-  LightSums light{tile_capacity};                  ///< of what is shown
+  std::vector<std::unique_ptr<AllHitsWork>> layers;  ///< by layer; none of others than in groups
+  std::vector<AllHitsScratch> memory;                ///< by group
+  std::vector<LaneArray<std::uint8_t>> complete;     ///< by group
+  LaneArray<std::uint8_t> goes_on{tile_capacity};    ///< rays to be asked about behind what is noted
+  LightSums light{tile_capacity};                    ///< of what is shown
 };
 
 /// What a thread has traced and shaded.
@@ -144,7 +144,7 @@ struct alignas(128) Worker {
   ReceivedLight received;
   std::vector<SpreadDirections> pixels;  ///< of the tile's rays
   std::unique_ptr<WorldRays> world;      ///< where layers are clipped
-  ShellsWork shells;                     ///< where clear surfaces are crossed in one pass
+  AllHitsGroups all_hits;                ///< where clear surfaces are crossed in one pass
   WorkerCounts counts;
 
   Worker() {
@@ -174,7 +174,7 @@ struct alignas(128) Worker {
       if (!world) world = std::make_unique<WorldRays>();
       world->are_begun = false;
     }
-    shells.begin_frame(layers, needs);
+    all_hits.begin_frame(layers, needs);
     counts = {};
   }
 };

@@ -77,7 +77,7 @@ formats::MacroShape choose_shape(const Index3& sample_count, const formats::Pack
   constexpr std::int64_t largest_factor = 32;
   while (shape.factor < largest_factor && too_many()) shape.factor *= 2;
   if (too_many())
-    throw Error(Trouble::resource,
+    throw Error(ErrorCode::resource,
                 concat(file.name(), ": the active voxels span ", sample_count.x, " x ", sample_count.y, " x ",
                        sample_count.z, " samples; expected a box of at most 2^24 macrocells of 32^3 samples"),
                 "remove voxels that lie far from the others");

@@ -65,7 +65,7 @@ struct Straddling {
 constexpr std::size_t most_boxes = std::size_t{1} << 14;
 
 /// What a box is around the blocks of.
-enum class BoxEdge { block, node, summit };
+enum class BoxEdge { block, node, super_node };
 
 /// Boxes in cells, up to where the cells end.
 struct BoxList {
@@ -104,16 +104,16 @@ struct BoxList {
 template <class T>
 Occupancy::Occupancy(const formats::MacroLevelsView<T>& levels, double isovalue) {
   const Index3 blocks = levels.shape.count(1);
-  std::array<int, 3> summit_count;
+  std::array<int, 3> super_node_count;
   for (int a = 0; a < 3; ++a) {
-    summit_count[static_cast<std::size_t>(a)] = static_cast<int>((blocks[a] + 15) / 16);
-    node_count_[static_cast<std::size_t>(a)] = 4 * summit_count[static_cast<std::size_t>(a)];
+    super_node_count[static_cast<std::size_t>(a)] = static_cast<int>((blocks[a] + 15) / 16);
+    node_count_[static_cast<std::size_t>(a)] = 4 * super_node_count[static_cast<std::size_t>(a)];
   }
   const auto volume = [](const std::array<int, 3>& count) {
     return static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]) * static_cast<std::size_t>(count[2]);
   };
   nodes_.assign(volume(node_count_), 0);
-  summits_.assign(volume(summit_count), 0);
+  super_nodes_.assign(volume(super_node_count), 0);
   const std::optional<T> threshold = threshold_in<T>(isovalue);
   if (!threshold) return;
 
@@ -123,22 +123,22 @@ Occupancy::Occupancy(const formats::MacroLevelsView<T>& levels, double isovalue)
   };
   const Straddling<T> of_blocks = level(1);
   std::size_t at = 0;
-  for (int k = 0; k < summit_count[2]; ++k)
-    for (int j = 0; j < summit_count[1]; ++j)
-      for (int i = 0; i < summit_count[0]; ++i, ++at) {
+  for (int k = 0; k < super_node_count[2]; ++k)
+    for (int j = 0; j < super_node_count[1]; ++j)
+      for (int i = 0; i < super_node_count[0]; ++i, ++at) {
         if (levels.shape.level_count >= 3 && !level(3)(i, j, k)) continue;
         std::uint64_t candidates = ~std::uint64_t{0};
         if (levels.shape.level_count >= 2) candidates = level(2).children(i, j, k);
-        std::uint64_t summit = 0;
+        std::uint64_t super_node = 0;
         for (; candidates != 0; candidates &= candidates - 1) {
           const int bit = std::countr_zero(candidates);
           const int x = 4 * i + (bit & 3), y = 4 * j + (bit >> 2 & 3), z = 4 * k + (bit >> 4);
           const std::uint64_t node = of_blocks.children(x, y, z);
           nodes_[static_cast<std::size_t>((z * static_cast<std::int64_t>(node_count_[1]) + y) * node_count_[0] + x)] =
               node;
-          summit |= static_cast<std::uint64_t>(node != 0) << bit;
+          super_node |= static_cast<std::uint64_t>(node != 0) << bit;
         }
-        summits_[at] = summit;
+        super_nodes_[at] = super_node;
       }
   find_boxes(levels.shape.leaf_count);
 }
@@ -150,24 +150,24 @@ void Occupancy::find_boxes(const Index3& leaf_count) {
   // In a frame every box may have to be projected, which takes as long as a few rays.
   const BoxEdge edge = block_count <= most_boxes  ? BoxEdge::block
                        : node_count <= most_boxes ? BoxEdge::node
-                                                  : BoxEdge::summit;
+                                                  : BoxEdge::super_node;
   BoxList list{leaf_count, {}, 0};
   const auto add_node = [&](const Index3& node, std::uint64_t bits) {
     if (edge == BoxEdge::node) return list.add(node * 4, bits, 4);
     for (; bits != 0; bits &= bits - 1) list.add(node * 4, bits & (~bits + 1), 4);
   };
   std::size_t at = 0;
-  Index3 summit;
-  const Index3 summits(node_count_[0] / 4, node_count_[1] / 4, node_count_[2] / 4);
-  for (summit.z = 0; summit.z < summits.z; ++summit.z)
-    for (summit.y = 0; summit.y < summits.y; ++summit.y)
-      for (summit.x = 0; summit.x < summits.x; ++summit.x, ++at) {
-        std::uint64_t bits = summits_[at];
-        if (edge == BoxEdge::summit && bits != 0) list.add(summit * 4, bits, 16);
-        if (edge == BoxEdge::summit) continue;
+  Index3 super_node;
+  const Index3 super_nodes(node_count_[0] / 4, node_count_[1] / 4, node_count_[2] / 4);
+  for (super_node.z = 0; super_node.z < super_nodes.z; ++super_node.z)
+    for (super_node.y = 0; super_node.y < super_nodes.y; ++super_node.y)
+      for (super_node.x = 0; super_node.x < super_nodes.x; ++super_node.x, ++at) {
+        std::uint64_t bits = super_nodes_[at];
+        if (edge == BoxEdge::super_node && bits != 0) list.add(super_node * 4, bits, 16);
+        if (edge == BoxEdge::super_node) continue;
         for (; bits != 0; bits &= bits - 1) {
           const int bit = std::countr_zero(bits);
-          const Index3 node = summit * 4 + Index3(bit & 3, bit >> 2 & 3, bit >> 4);
+          const Index3 node = super_node * 4 + Index3(bit & 3, bit >> 2 & 3, bit >> 4);
           add_node(node,
                    nodes_[static_cast<std::size_t>((node.z * node_count_[1] + node.y) * node_count_[0] + node.x)]);
         }
@@ -177,7 +177,7 @@ void Occupancy::find_boxes(const Index3& leaf_count) {
 }
 
 std::size_t Occupancy::size_bytes() const {
-  std::size_t bytes = (nodes_.size() + summits_.size()) * sizeof(std::uint64_t);
+  std::size_t bytes = (nodes_.size() + super_nodes_.size()) * sizeof(std::uint64_t);
   for (const auto& level : boxes_) bytes += level.size() * sizeof(BoxNode);
   return bytes;
 }

@@ -28,8 +28,8 @@ class Occupancy {
   /// Nodes per axis, a multiple of 4.
   const std::array<int, 3>& node_count() const { return node_count_; }
 
-  const std::uint64_t* nodes() const { return nodes_.data(); }      ///< x fastest
-  const std::uint64_t* summits() const { return summits_.data(); }  ///< x fastest, node_count() / 4 per axis
+  const std::uint64_t* nodes() const { return nodes_.data(); }              ///< x fastest
+  const std::uint64_t* super_nodes() const { return super_nodes_.data(); }  ///< x fastest, node_count() / 4 per axis
 
   /// Around all blocks that have a bit, in cells: around single blocks where these are few, else around those of a
   /// node, or those of a summit.
@@ -41,7 +41,7 @@ class Occupancy {
   void find_boxes(const Index3& leaf_count);
 
   std::array<int, 3> node_count_;
-  std::vector<std::uint64_t> nodes_, summits_;
+  std::vector<std::uint64_t> nodes_, super_nodes_;
   BoxLevels boxes_;
 };
 

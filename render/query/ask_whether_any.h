@@ -7,7 +7,7 @@ namespace rhoray::render::wide {
 /// Asks another kernel, which finds first crossings, whether there is any: about those rays of a chunk that begins at
 /// `first`.
 /// @return  a bit for each of these rays that has one
-inline std::uint64_t ask_whether_any(Kernel kernel, const VolumeImplementation& volume, const Question& question,
+inline std::uint64_t ask_whether_any(Kernel kernel, const VolumeImplementation& volume, const RayQuery& query,
                                      const RayBatch& rays, std::size_t first, std::uint64_t chosen, FewRays& few,
                                      KernelScratch& scratch) {
   few.rays.has_start_sides = rays.has_start_sides;
@@ -15,7 +15,7 @@ inline std::uint64_t ask_whether_any(Kernel kernel, const VolumeImplementation& 
   for (std::uint64_t bits = chosen; bits != 0; bits &= bits - 1)
     few.rays.set(few.rays.count++, rays[first + static_cast<std::size_t>(std::countr_zero(bits))]);
   scratch.counters.rays_wide -= few.rays.count;
-  kernel(volume, question, few.rays, few.hits, scratch);
+  kernel(volume, query, few.rays, few.hits, scratch);
   std::uint64_t crossed = 0;
   std::size_t place = 0;
   for (std::uint64_t bits = chosen; bits != 0; bits &= bits - 1)

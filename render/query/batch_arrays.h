@@ -101,7 +101,7 @@ struct FewRays {
 };
 
 /// Asks another kernel about those rays of a chunk that begins at `first`.
-inline void ask_again(Kernel kernel, const VolumeImplementation& volume, const Question& question, const RayBatch& rays,
+inline void ask_again(Kernel kernel, const VolumeImplementation& volume, const RayQuery& query, const RayBatch& rays,
                       std::size_t first, std::uint64_t chosen, HitBatch& hits, FewRays& few, KernelScratch& scratch) {
   const auto for_each_chosen = [&](auto&& act) {
     std::size_t place = 0;
@@ -112,7 +112,7 @@ inline void ask_again(Kernel kernel, const VolumeImplementation& volume, const Q
   few.rays.count = static_cast<std::size_t>(std::popcount(chosen));
   scratch.counters.rays_wide -= few.rays.count;
   for_each_chosen([&](std::size_t r, std::size_t place) { few.rays.set(place, rays[r]); });
-  kernel(volume, question, few.rays, few.hits, scratch);
+  kernel(volume, query, few.rays, few.hits, scratch);
   for_each_chosen([&](std::size_t r, std::size_t place) { hits.set(r, few.hits[place]); });
 }
 

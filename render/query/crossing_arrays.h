@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "render/query/all_hits.h"
 #include "render/query/batch_arrays.h"
-#include "render/query/ordered_crossings.h"
 
 namespace rhoray::render::wide {
 

@@ -8,8 +8,8 @@ namespace rhoray::render {
 /// Adds the time of its life to the counters, when the question asks for it.
 class IntersectionTimer {
  public:
-  RHORAY_INLINE IntersectionTimer(const Question& question, KernelCounters& counters)
-      : counters_(question.time_phases ? &counters : nullptr), start_(counters_ != nullptr ? ticks_now() : 0) {}
+  RHORAY_INLINE IntersectionTimer(const RayQuery& query, KernelCounters& counters)
+      : counters_(query.time_phases ? &counters : nullptr), start_(counters_ != nullptr ? ticks_now() : 0) {}
   RHORAY_INLINE ~IntersectionTimer() {
     if (counters_ != nullptr) counters_->intersection_ticks += ticks_now() - start_;
   }

@@ -7,7 +7,7 @@
 namespace rhoray::render {
 
 /// What the judge leaves undecided of a crossing's place: about a millionth of a millionth of a cell.
-inline constexpr double judged_width_cells = 0x1p-40;
+inline constexpr double exact_width_cells = 0x1p-40;
 
 /// The number that stands for an enclosure, and how far the exact one may be from it.
 struct Middle {

@@ -6,16 +6,16 @@ namespace rhoray::render {
 
 /// How one ray's question is answered in a view.
 template <class View>
-using Answer = Hit (*)(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch);
+using Answer = Hit (*)(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch);
 
 /// The kernel that answers ray after ray.
 template <class View, Answer<View> answer>
-void kernel_of(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
+void kernel_of(const VolumeImplementation& volume, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                KernelScratch& scratch) {
   const View& view = std::get<View>(volume.view);
   for (std::size_t r = 0; r < rays.count; ++r) {
     const std::uint64_t before = scratch.counters.visits();
-    Hit hit = answer(view, question, rays[r], scratch);
+    Hit hit = answer(view, query, rays[r], scratch);
     hit.cost = static_cast<std::uint32_t>(scratch.counters.visits() - before);
     hits.set(r, hit);
   }
@@ -23,18 +23,18 @@ void kernel_of(const VolumeImplementation& volume, const Question& question, con
 
 /// The kernel of one question for the way that it is to be answered in.
 template <class View, Answer<View> direct, Answer<View> sampled, Answer<View> certified, Answer<View> judged>
-Kernel kernel_for(Method::Way way) {
-  switch (way) {
-    case Method::Way::sampled:
+Kernel kernel_for(Method::Algorithm algorithm) {
+  switch (algorithm) {
+    case Method::Algorithm::sampled:
       return kernel_of<View, sampled>;
-    case Method::Way::certified:
+    case Method::Algorithm::certified:
       return kernel_of<View, certified>;
-    case Method::Way::judged:
+    case Method::Algorithm::exact:
       return kernel_of<View, judged>;
-    case Method::Way::direct:
-    case Method::Way::preview:
-    case Method::Way::paper:
-    case Method::Way::slack:
+    case Method::Algorithm::direct:
+    case Method::Algorithm::preview:
+    case Method::Algorithm::paper:
+    case Method::Algorithm::slack:
       break;
   }
   return kernel_of<View, direct>;  // which of these it is, the answer sees for itself

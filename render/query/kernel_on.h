@@ -7,9 +7,10 @@ namespace rhoray::render::wide {
 
 /// The ways in which wide kernels find first crossings.
 inline bool has_wide_crossings(const Method& method) {
-  const bool is_float = method.precision == Method::Precision::single &&
-                        (method.way == Method::Way::direct || method.way == Method::Way::preview);
-  return is_float || method.way == Method::Way::certified;
+  const bool is_float =
+      method.precision == Method::Precision::float32 &&
+      (method.algorithm == Method::Algorithm::direct || method.algorithm == Method::Algorithm::preview);
+  return is_float || method.algorithm == Method::Algorithm::certified;
 }
 
 /// What kernel_of.operator()<machine>() gives; null for `scalar`, which has no wide kernels.

@@ -28,10 +28,10 @@ struct KernelCounters {
   std::uint64_t cells_solved = 0;
   std::uint64_t samples_taken = 0;       ///< by the sampled methods
   std::uint64_t rays_redone = 0;         ///< certified: what single precision could not decide
-  std::uint64_t rays_judged = 0;         ///< decided by the judge
+  std::uint64_t rays_exact = 0;          ///< decided by the judge
   std::uint64_t touches = 0;             ///< judged hits at which the field only touches the isovalue
   std::uint64_t rays_wide = 0;           ///< answered by a wide kernel, which may leave rays or a whole frame to others
-  std::uint64_t intersection_ticks = 0;  ///< time spent solving; 0 unless Question::time_phases
+  std::uint64_t intersection_ticks = 0;  ///< time spent solving; 0 unless RayQuery::time_phases
 
   std::uint64_t visits() const { return macrocells_visited + cells_visited; }
 
@@ -41,7 +41,7 @@ struct KernelCounters {
     cells_solved += other.cells_solved;
     samples_taken += other.samples_taken;
     rays_redone += other.rays_redone;
-    rays_judged += other.rays_judged;
+    rays_exact += other.rays_exact;
     touches += other.touches;
     rays_wide += other.rays_wide;
     intersection_ticks += other.intersection_ticks;
@@ -50,7 +50,7 @@ struct KernelCounters {
 };
 
 /// What is asked of every ray of a frame.
-struct Question {
+struct RayQuery {
   double isovalue = 0;
   Interval<double> field_range{0, 0};  ///< of the field shown; only certified largest values ask for it
   Method method{};
@@ -71,16 +71,16 @@ struct KernelScratch {
 };
 
 /// A question, answered for a batch of rays in the volume's frame; hits has room for as many.
-using Kernel = void (*)(const VolumeImplementation& volume, const Question& question, const RayBatch& rays,
-                        HitBatch& hits, KernelScratch& scratch);
+using Kernel = void (*)(const VolumeImplementation& volume, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
+                        KernelScratch& scratch);
 
 /// The same for rays that lie one by one; for few of them.
-void ask(Kernel kernel, const VolumeImplementation& volume, const Question& question, std::span<const Ray> rays,
+void ask(Kernel kernel, const VolumeImplementation& volume, const RayQuery& query, std::span<const Ray> rays,
          std::span<Hit> hits, KernelScratch& scratch);
 
 /// Makes ready what a kernel keeps of a volume for its question, by so many threads (0: all cores).
 /// @return  boxes outside of which no ray is answered; none where another kernel is left to answer
-using Preparation = std::optional<SurfaceBoxes> (*)(const VolumeImplementation& volume, const Question& question,
+using Preparation = std::optional<SurfaceBoxes> (*)(const VolumeImplementation& volume, const RayQuery& query,
                                                     unsigned threads);
 
 /// The questions that a frame may ask of a volume (paper, section 4), each as the kernel for its kind, value type,
@@ -103,7 +103,7 @@ Kernels choose_kernels(const VolumeImplementation& volume, const Method& method,
 
 /// The reference kernels of one view, one ray at a time; defined for every alternative of VolumeImplementation::view.
 template <class View>
-Kernels kernels_for(const View& view, Method::Way way);
+Kernels kernels_for(const View& view, Method::Algorithm algorithm);
 
 /// Of a mesh's certified first crossings: what single precision has not decided, by double precision or the judge.
 /// Grids: resumed.h.

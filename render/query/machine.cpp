@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "formats/base/error.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
 
 namespace rhoray::render {
 
@@ -17,10 +17,10 @@ Machine asked_for(std::string_view name) {
   for (const Machine machine : machines)
     if (name == name_of(machine)) {
       if (!has_machine(machine))
-        throw Error(Trouble::usage, concat("RHORAY_MACHINE=", name, "; this processor does not have it"));
+        throw Error(ErrorCode::usage, concat("RHORAY_MACHINE=", name, "; this processor does not have it"));
       return machine;
     }
-  throw Error(Trouble::usage, concat("RHORAY_MACHINE=", name, "; expected scalar, baseline, avx2 or avx512"));
+  throw Error(ErrorCode::usage, concat("RHORAY_MACHINE=", name, "; expected scalar, baseline, avx2 or avx512"));
 }
 
 }  // namespace

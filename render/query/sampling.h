@@ -63,24 +63,24 @@ void walk_lattice(const Sampler& sampler, const SampledWalk& walk, KernelCounter
 
 /// Between samples on different sides: one linear step, or ten halvings.
 template <class Sampler>
-double refine_between_samples(Sampler& sampler, const Question& question, double t_lo, double f_lo, double t_hi,
+double refine_between_samples(Sampler& sampler, const RayQuery& query, double t_lo, double f_lo, double t_hi,
                               double f_hi, std::uint32_t& iterations) {
   iterations = 1;
-  if (!question.method.bisect) return t_lo + (t_hi - t_lo) * (f_lo / (f_lo - f_hi));
+  if (!query.method.bisect) return t_lo + (t_hi - t_lo) * (f_lo / (f_lo - f_hi));
   for (iterations = 0; iterations < 10; ++iterations) {
     const double middle = 0.5 * (t_lo + t_hi);
-    (is_inside(sampler.sample(middle) - question.isovalue) == is_inside(f_lo) ? t_lo : t_hi) = middle;
+    (is_inside(sampler.sample(middle) - query.isovalue) == is_inside(f_lo) ? t_lo : t_hi) = middle;
   }
   return 0.5 * (t_lo + t_hi);
 }
 
 template <class Sampler>
-Hit sampled_crossing(Sampler& sampler, const Question& question, KernelCounters& counters) {
+Hit sampled_crossing(Sampler& sampler, const RayQuery& query, KernelCounters& counters) {
   Hit hit;
   const WalkLattice lattice = sampler.lattice();
   const std::optional<Segment> segment = clip_to_lattice(sampler.ray_lattice(), sampler.planes(), lattice.leaf_count);
   if (!segment) return hit;
-  const SampleTrain train{segment->t_in, question.method.step / sampler.steps_per_t()};
+  const SampleTrain train{segment->t_in, query.method.step / sampler.steps_per_t()};
 
   struct Sample {
     std::int64_t number = -2;
@@ -88,14 +88,14 @@ Hit sampled_crossing(Sampler& sampler, const Question& question, KernelCounters&
   } last;
   const auto take = [&](std::int64_t number) {
     ++counters.samples_taken;
-    last = {number, sampler.sample(train.t(number)) - question.isovalue};
+    last = {number, sampler.sample(train.t(number)) - query.isovalue};
   };
   const auto can_cross = [&](const Interval<double>& range) {
-    return range.lo < question.isovalue && question.isovalue <= range.hi;
+    return range.lo < query.isovalue && query.isovalue <= range.hi;
   };
   // Up to the sample after the region: the change may lie before it, in one that is passed over.
   const auto look_for_change = [&](double t_in, double t_out) {
-    const IntersectionTimer timer(question, counters);
+    const IntersectionTimer timer(query, counters);
     const std::int64_t end = train.first_from(t_out);
     for (std::int64_t i = std::max(train.first_from(t_in), last.number + 1); i <= end; ++i) {
       if (train.t(i) > segment->t_out) return true;
@@ -105,33 +105,33 @@ Hit sampled_crossing(Sampler& sampler, const Question& question, KernelCounters&
       if (before.number != i - 1 || std::isnan(before.difference) || std::isnan(last.difference)) continue;
       if (is_inside(before.difference) == is_inside(last.difference)) continue;
       ++counters.cells_solved;
-      hit.t = refine_between_samples(sampler, question, train.t(i - 1), before.difference, train.t(i), last.difference,
+      hit.t = refine_between_samples(sampler, query, train.t(i - 1), before.difference, train.t(i), last.difference,
                                      hit.iteration_count);
       return false;
     }
     return true;
   };
-  sampler.walk({*segment, question.use_hierarchy, true}, counters, can_cross, look_for_change);
+  sampler.walk({*segment, query.use_hierarchy, true}, counters, can_cross, look_for_change);
   if (hit.is_miss()) return hit;
-  hit.value = question.isovalue;
+  hit.value = query.isovalue;
   hit.root_count = 1;
   sampler.complete(hit);
   return hit;
 }
 
 template <class Sampler>
-Hit sampled_maximum(Sampler& sampler, const Question& question, KernelCounters& counters) {
+Hit sampled_maximum(Sampler& sampler, const RayQuery& query, KernelCounters& counters) {
   Hit hit;
   const WalkLattice lattice = sampler.lattice();
   const std::optional<Segment> segment = clip_to_lattice(sampler.ray_lattice(), sampler.planes(), lattice.leaf_count);
   if (!segment) return hit;
-  const SampleTrain train{segment->t_in, question.method.step / sampler.steps_per_t()};
+  const SampleTrain train{segment->t_in, query.method.step / sampler.steps_per_t()};
   const auto is_beaten = [&](double largest) { return !hit.is_miss() && largest <= hit.value; };
 
   const auto may_hold = [&](const Interval<double>& range) { return !range.is_empty() && !is_beaten(range.hi); };
   std::int64_t next = 0;
   const auto take_samples = [&](double t_in, double t_out) {
-    const IntersectionTimer timer(question, counters);
+    const IntersectionTimer timer(query, counters);
     const std::int64_t end = train.first_from(t_out);
     for (std::int64_t i = std::max(train.first_from(t_in), next); i < end; ++i) {
       ++counters.samples_taken;
@@ -143,7 +143,7 @@ Hit sampled_maximum(Sampler& sampler, const Question& question, KernelCounters& 
     }
     return true;
   };
-  sampler.walk({*segment, question.use_hierarchy, false}, counters, may_hold, take_samples);
+  sampler.walk({*segment, query.use_hierarchy, false}, counters, may_hold, take_samples);
   if (!hit.is_miss()) sampler.complete(hit);
   return hit;
 }

@@ -8,8 +8,8 @@
 #include <utility>
 #include <variant>
 
+#include "formats/base/error.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
 #include "formats/format_error.h"
 #include "render/cell/triangle_crossing.h"
 #include "render/dataset/load_view.h"
@@ -237,12 +237,12 @@ LookUp in_grid(Grid grid, Machine machine) {
 }
 
 template <class T>
-LookUp look_up_for(const TetVolume<T>& view, const VolumeImplementation& volume, const HitWishes& wishes,
+LookUp look_up_for(const TetVolume<T>& view, const VolumeImplementation& volume, const HitAttributes& attributes,
                    unsigned threads, Machine machine) {
   MeshLookup<T> lookup{.view = &view};
-  if (wishes.smooth_gradients) lookup.gradients = volume.point_gradients->of(view, threads);
-  if (wishes.field) {
-    const std::size_t field = *view.mesh().find_field(*wishes.field);
+  if (attributes.smooth_gradients) lookup.gradients = volume.point_gradients->of(view, threads);
+  if (attributes.field) {
+    const std::size_t field = *view.mesh().find_field(*attributes.field);
     if (view.description().fields[field].type == formats::ElementType::F32)
       lookup.field = view.mesh().template values<float>(field);
     else
@@ -256,23 +256,23 @@ LookUp look_up_for(const TetVolume<T>& view, const VolumeImplementation& volume,
 
 template <class T, template <class> class Samples, class Geometry>
 LookUp look_up_for(const GridVolume<T, Samples<T>, Geometry>& view, const VolumeImplementation& volume,
-                   const HitWishes& wishes, unsigned, Machine machine) {
-  const std::size_t field = *view.grid().find_field(*wishes.field);
+                   const HitAttributes& attributes, unsigned, Machine machine) {
+  const std::size_t field = *view.grid().find_field(*attributes.field);
   return formats::with_element_type(view.description().fields[field].type, [&](auto sample) -> LookUp {
     using Other = decltype(sample);
     constexpr bool is_sparse = std::is_same_v<Samples<Other>, SparseSamples<Other>>;
     if constexpr (std::is_floating_point_v<Other> || (sizeof(Other) < 8 && !is_sparse))
       return in_grid(GridVolume<Other, Samples<Other>, Geometry>(view.grid(), field), machine);
     else
-      formats::refuse(volume.file.name(), concat("field '", *wishes.field, "'"),
+      formats::refuse(volume.file.name(), concat("field '", *attributes.field, "'"),
                       formats::element_name(view.description().fields[field].type),
                       is_sparse ? "F32 or F64 in a sparse grid" : "a type of at most 32 bits, or F64");
   });
 }
 
-LookUp look_up_for(const SurfaceVolume& view, const VolumeImplementation& volume, const HitWishes& wishes,
+LookUp look_up_for(const SurfaceVolume& view, const VolumeImplementation& volume, const HitAttributes& attributes,
                    unsigned threads, Machine) {
-  if (wishes.field) throw Error(Trouble::usage, concat(volume.file.name(), ": a surface has no fields"));
+  if (attributes.field) throw Error(ErrorCode::usage, concat(volume.file.name(), ": a surface has no fields"));
   return [&view, normals = volume.point_gradients->of(view, threads)](const RayBatch& rays, HitBatch& hits,
                                                                       std::size_t first, double*) {
     for (std::size_t r = first; r < first + group_size && r < rays.count; ++r)
@@ -280,26 +280,27 @@ LookUp look_up_for(const SurfaceVolume& view, const VolumeImplementation& volume
   };
 }
 
-LookUp look_up_for(const NanoVdbVolume& view, const VolumeImplementation& volume, const HitWishes& wishes, unsigned,
-                   Machine machine) {
-  if (*wishes.field != volume.field.name)
-    throw Error(Trouble::unsupported, concat(volume.file.name(), ": field '", *wishes.field,
-                                             "' is a grid of its own, with its own voxels; a surface is "
-                                             "coloured by its own field, '",
-                                             volume.field.name, "'"));
+LookUp look_up_for(const NanoVdbVolume& view, const VolumeImplementation& volume, const HitAttributes& attributes,
+                   unsigned, Machine machine) {
+  if (*attributes.field != volume.field.name)
+    throw Error(ErrorCode::unsupported, concat(volume.file.name(), ": field '", *attributes.field,
+                                               "' is a grid of its own, with its own voxels; a surface is "
+                                               "coloured by its own field, '",
+                                               volume.field.name, "'"));
   return in_grid(view, machine);
 }
 
 }  // namespace
 
-HitLookup::HitLookup(const VolumeImplementation& volume, const HitWishes& wishes, unsigned threads, Machine machine) {
-  RHORAY_CHECK(!wishes.none());
-  if (wishes.smooth_gradients && !volume.point_gradients)
-    throw Error(Trouble::usage, concat(volume.file.name(), ": smooth normals are of meshes"),
+HitLookup::HitLookup(const VolumeImplementation& volume, const HitAttributes& attributes, unsigned threads,
+                     Machine machine) {
+  RHORAY_CHECK(!attributes.none());
+  if (attributes.smooth_gradients && !volume.point_gradients)
+    throw Error(ErrorCode::usage, concat(volume.file.name(), ": smooth normals are of meshes"),
                 "normals of a grid are the exact gradients of its trilinear field");
-  if (wishes.field) check_field_name(volume.file, *wishes.field, volume.field_names);
-  look_up_ =
-      std::visit([&](const auto& view) { return look_up_for(view, volume, wishes, threads, machine); }, volume.view);
+  if (attributes.field) check_field_name(volume.file, *attributes.field, volume.field_names);
+  look_up_ = std::visit([&](const auto& view) { return look_up_for(view, volume, attributes, threads, machine); },
+                        volume.view);
 }
 
 }  // namespace rhoray::render

@@ -12,7 +12,7 @@
 namespace rhoray::render {
 
 /// What is to be known at hits beyond what kernels say of them.
-struct HitWishes {
+struct HitAttributes {
   bool smooth_gradients =
       false;  ///< in meshes: linear in the hit cell between gradients at its points; in surfaces: between normals
   std::optional<std::string> field;  ///< of the same file, the volume's own included
@@ -20,8 +20,8 @@ struct HitWishes {
   bool none() const { return !smooth_gradients && !field; }
 };
 
-/// Looks up, in the cell of a hit, what a frame wishes to know there; chosen once per frame. The volume must outlive
-/// it.
+/// CandidateList up, in the cell of a hit, what a frame wishes to know there; chosen once per frame. The volume must
+/// outlive it.
 ///
 /// In a mesh a hit's weights in its cell are those of its place, moved along the surface's gradient to where the
 /// volume's own field has the hit's value; where rounding, or a cell without volume, leaves the place unsaid, they are
@@ -31,9 +31,9 @@ struct HitWishes {
 class HitLookup {
  public:
   /// Makes what is kept with the volume (point_gradients.h), by so many threads (0: all cores). Refuses smooth
-  /// gradients in grids and an unknown field (Trouble::usage), and another grid of an OpenVDB file
-  /// (Trouble::unsupported). The same numbers on every machine.
-  HitLookup(const VolumeImplementation& volume, const HitWishes& wishes, unsigned threads,
+  /// gradients in grids and an unknown field (ErrorCode::usage), and another grid of an OpenVDB file
+  /// (ErrorCode::unsupported). The same numbers on every machine.
+  HitLookup(const VolumeImplementation& volume, const HitAttributes& attributes, unsigned threads,
             Machine machine = chosen_machine());
 
   /// For the group of first crossings that begins at `first`: writes the field's values, NaN where the cell has a point

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "formats/base/error.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
 #include "render/query/compiled_for.h"
 
 namespace rhoray::render {
@@ -183,9 +183,9 @@ RHORAY_INLINE void hold_against(const View& view, const PlacesInPlane& places, c
 }
 
 /// Calls look(cell) for the cells of clusters that may hold places of the group.
-template <class View, class Look>
+template <class View, class Visit>
 RHORAY_INLINE void for_each_in_clusters(const View& view, const PlacesInPlane& places, const Around& box,
-                                        const Look& look) {
+                                        const Visit& visit) {
   constexpr std::size_t width = formats::ClusterShape::width, most_levels = 11;
   struct Entry {
     std::uint64_t block;
@@ -209,15 +209,15 @@ RHORAY_INLINE void for_each_in_clusters(const View& view, const PlacesInPlane& p
         stack[top++] = {below, entry.level - 1};
       else
         for (std::uint64_t tet = clusters.first_cell(below); tet < clusters.end_cell(below); ++tet)
-          look(static_cast<std::uint32_t>(tet));
+          visit(static_cast<std::uint32_t>(tet));
     }
   }
 }
 
 /// The same for the cells that leaves list; one comes up once for every leaf that lists it.
-template <class View, class Look>
+template <class View, class Visit>
 RHORAY_INLINE void for_each_in_leaves(const View& view, const PlacesInPlane& places, const Around& box,
-                                      const Look& look) {
+                                      const Visit& visit) {
   const formats::LeafLattice& lattice = view.description().lattice;
   const Index3 count = view.lattice().leaf_count;
   Index3 first, last;
@@ -242,7 +242,7 @@ RHORAY_INLINE void for_each_in_leaves(const View& view, const PlacesInPlane& pla
           high[a] = low[a] + (1 + 2e-9) * size;
         }
         if (!may_hold(places, box, low, high)) continue;
-        for (const std::uint32_t tet : view.tetrahedra_at(leaf)) look(tet);
+        for (const std::uint32_t tet : view.tetrahedra_at(leaf)) visit(tet);
       }
 }
 
@@ -272,13 +272,13 @@ RHORAY_INLINE void look_up_in_mesh(const View& view, const PlacesInPlane& places
   std::fill_n(holders.outside, group_size, 2 * box.slack);
   std::fill_n(holders.id, group_size, std::numeric_limits<std::uint64_t>::max());
   std::fill_n(holders.tet, group_size, 0U);
-  const auto look = [&](std::uint32_t tet) __attribute__((always_inline)) {
+  const auto visit = [&](std::uint32_t tet) __attribute__((always_inline)) {
     hold_against(view, places, box, tet, holders, answers);
   };
   if (view.has_clusters())
-    for_each_in_clusters(view, places, box, look);
+    for_each_in_clusters(view, places, box, visit);
   else
-    for_each_in_leaves(view, places, box, look);
+    for_each_in_leaves(view, places, box, visit);
   for (std::size_t i = 0; i < group_size; ++i) {
     if (holders.id[i] == std::numeric_limits<std::uint64_t>::max()) continue;
     answers.value[i] = value_in(view, holders.tet[i], {places.at[0][i], places.at[1][i], places.at[2][i]});
@@ -311,7 +311,7 @@ LookUp look_up_for(const TetVolume<T>& mesh, const VolumeImplementation&, Machin
   return answered_by(mesh, compiled_for<look_up_in_mesh<TetVolume<T>>>(machine));
 }
 LookUp look_up_for(const SurfaceVolume&, const VolumeImplementation& volume, Machine) {
-  throw Error(Trouble::usage, concat(volume.file.name(), ": a surface has no field to be sliced"));
+  throw Error(ErrorCode::usage, concat(volume.file.name(), ": a surface has no field to be sliced"));
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ struct PlaceAnswers {
 /// the answer does not depend on who asks beside it.
 class PlaceLookup {
  public:
-  /// Refuses a volume without a field (Trouble::usage). The same numbers on every machine.
+  /// Refuses a volume without a field (ErrorCode::usage). The same numbers on every machine.
   explicit PlaceLookup(const VolumeImplementation& volume, Machine machine = chosen_machine());
 
   void operator()(const PlacesInPlane& places, PlaceAnswers& answers) const { look_up_(places, answers); }

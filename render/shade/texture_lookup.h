@@ -16,7 +16,7 @@ struct alignas(64) CoveringColors {
   float red[RayBatch::group_size], green[RayBatch::group_size], blue[RayBatch::group_size], share[RayBatch::group_size];
 };
 
-/// Looks up a grid of colours at hits; chosen once per frame. The grid must outlive it.
+/// CandidateList up a grid of colours at hits; chosen once per frame. The grid must outlive it.
 ///
 /// Between the middles of texels colours are trilinear in linear light, each texel's weighed by its alpha as well; from
 /// there to the border of the grid, half a texel further, they are those of the nearest middles. Beyond there is

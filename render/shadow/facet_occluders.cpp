@@ -81,8 +81,8 @@ Ways ways_to(const LightPlace& light, const Vec3& anchor, StartSide side) {
 
 }  // namespace
 
-FacetBlockers::FacetBlockers(Machine machine, std::shared_ptr<const Facets> facets, const LightPlace& light,
-                             StartSide side)
+FacetOccluders::FacetOccluders(Machine machine, std::shared_ptr<const Facets> facets, const LightPlace& light,
+                               StartSide side)
     : facets_(std::move(facets)), side_(side) {
   const std::size_t block_count = (std::size_t{facets_->count()} + block_size - 1) / block_size;
   std::vector<std::uint16_t> kept(block_count), sure(block_count);
@@ -118,10 +118,10 @@ FacetBlockers::FacetBlockers(Machine machine, std::shared_ptr<const Facets> face
   levels_ = levels_above(blocks_.get(), kept_blocks);
 }
 
-BlockerHeights FacetBlockers::heights(Machine machine, const LightPlace& light, Shadows shadows) const {
+OccluderHeights FacetOccluders::heights(Machine machine, const LightPlace& light, Shadows shadows) const {
   const SeenFromLight from_light(light.at);
-  const BlockerHeights::Frame frame{.anchor = facets_->anchor(), .scale = facets_->scale(), .margin = facet_margin};
-  const SeenFacets seen(machine, from_light, facet_margin, blocks_.get(), sources_.size());
+  const OccluderHeights::Frame frame{.anchor = facets_->anchor(), .scale = facets_->scale(), .margin = facet_margin};
+  const FrontFacing seen(machine, from_light, facet_margin, blocks_.get(), sources_.size());
   const Squares& squares = seen.squares();
   if (shadows == Shadows::unknown || facets_->count() > FacetNeighbours::most_facets)
     return {from_light, frame, squares, heights_of_facets(machine, squares, facet_margin, seen), {}};

@@ -29,10 +29,10 @@ enum class Shadows { unknown, known };
 /// surfaces, and the half on which the rays start.
 ///
 /// Those that are left stand in blocks and in a tree of their own, in the order of Facets.
-class FacetBlockers {
+class FacetOccluders {
  public:
   /// @param facets  of an isosurface
-  FacetBlockers(Machine machine, std::shared_ptr<const Facets> facets, const LightPlace& light, StartSide side);
+  FacetOccluders(Machine machine, std::shared_ptr<const Facets> facets, const LightPlace& light, StartSide side);
 
   const Facets& facets() const { return *facets_; }
 
@@ -45,7 +45,7 @@ class FacetBlockers {
 
   /// What they cover as seen from the light, which stands in one direction.
   /// @param shadows  known: the facets' neighbours are found, if they are not yet
-  BlockerHeights heights(Machine machine, const LightPlace& light, Shadows shadows) const;
+  OccluderHeights heights(Machine machine, const LightPlace& light, Shadows shadows) const;
 
  private:
   std::shared_ptr<const Facets> facets_;

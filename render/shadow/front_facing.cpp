@@ -87,8 +87,8 @@ RHORAY_INLINE void see(const FacetBlock* facets, std::size_t blocks, const SeenF
 
 }  // namespace
 
-SeenFacets::SeenFacets(Machine machine, const SeenFromLight& seen, double margin, const FacetBlock* blocks,
-                       std::size_t count)
+FrontFacing::FrontFacing(Machine machine, const SeenFromLight& seen, double margin, const FacetBlock* blocks,
+                         std::size_t count)
     : seen_(seen), facets_(blocks), count_(count) {
   if (count == 0) return;
   const std::size_t block_count = (count + size - 1) / size;

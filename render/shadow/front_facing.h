@@ -34,13 +34,13 @@ RHORAY_INLINE std::uint16_t bits_of_block(const std::uint8_t* bytes) {
 }
 
 /// Facets as a light sees them.
-class SeenFacets {
+class FrontFacing {
  public:
   /// @param blocks  are kept as they are, where they are, for as long as this
   /// @param margin  in the facets' frame: far above what rounding moves places by. Where squares are counted single
   ///                precision takes up to 2^-20 of it (of places up to 4), a quarter of facet_margin; what a kernel may
   ///                see beside a facet is a tenth of what is left
-  SeenFacets(Machine machine, const SeenFromLight& seen, double margin, const FacetBlock* blocks, std::size_t count);
+  FrontFacing(Machine machine, const SeenFromLight& seen, double margin, const FacetBlock* blocks, std::size_t count);
 
   const SeenFromLight& from_light() const { return seen_; }
   std::size_t count() const { return count_; }

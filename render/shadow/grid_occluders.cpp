@@ -224,15 +224,15 @@ std::vector<Footprint> footprints_of(Machine machine, const SurfaceCells& active
 
 }  // namespace
 
-std::shared_ptr<const SurfaceCells> SurfaceCells::of(const VolumeImplementation& volume, const Question& question,
+std::shared_ptr<const SurfaceCells> SurfaceCells::of(const VolumeImplementation& volume, const RayQuery& query,
                                                      unsigned threads) {
-  if (!prepare_occupancy(volume, question, threads)) return nullptr;
+  if (!prepare_occupancy(volume, query, threads)) return nullptr;
   return std::visit(
       [&]<class View>(const View& view) -> std::shared_ptr<const SurfaceCells> {
         if constexpr (is_taken_wide<View>) {
           if (has_gaps(volume, view)) return nullptr;
           const auto active = std::make_shared<SurfaceCells>();
-          Found found = cells_of(view, *occupancy_of_grid(volume, question), question.isovalue, threads);
+          Found found = cells_of(view, *occupancy_of_grid(volume, query), query.isovalue, threads);
           active->blocks_ = std::move(found.blocks), active->cells_ = std::move(found.cells);
           return active;
         }
@@ -241,28 +241,28 @@ std::shared_ptr<const SurfaceCells> SurfaceCells::of(const VolumeImplementation&
       volume.view);
 }
 
-std::shared_ptr<const Occupancy> occupancy_of_grid(const VolumeImplementation& volume, const Question& question) {
+std::shared_ptr<const Occupancy> occupancy_of_grid(const VolumeImplementation& volume, const RayQuery& query) {
   return std::visit(
       [&]<class View>(const View& view) -> std::shared_ptr<const Occupancy> {
-        if constexpr (is_taken_wide<View>) return volume.occupancies->of(view.levels(), question.isovalue);
+        if constexpr (is_taken_wide<View>) return volume.occupancies->of(view.levels(), query.isovalue);
         return nullptr;
       },
       volume.view);
 }
 
-std::shared_ptr<const LightBlockers> grid_blockers_of(Machine machine, std::shared_ptr<const SurfaceCells> cells,
-                                                      const LightPlace& light) {
-  return std::make_shared<const LightBlockers>([machine, cells = std::move(cells), light](StartSide side) {
+std::shared_ptr<const LightOccluders> grid_occluders_of(Machine machine, std::shared_ptr<const SurfaceCells> cells,
+                                                        const LightPlace& light) {
+  return std::make_shared<const LightOccluders>([machine, cells = std::move(cells), light](StartSide side) {
     // Far above what rounding moves points and rays by, as in prepare_occupancy.
     float farthest = 0;
     for (const SurfaceCells::Block& block : cells->blocks())
       for (const float low : block.corner) farthest = std::max(farthest, low + 4);
     const double margin = 1.0 / 64 + 0x1p-21 * static_cast<double>(farthest);
     const SeenFromLight seen(light.at);
-    Blockers blockers;
-    blockers.heights.emplace(seen, BlockerHeights::Frame{.margin = margin, .ends_rays = true},
-                             footprints_of(machine, *cells, seen, side == StartSide::outside ? light.at : -light.at));
-    return blockers;
+    Occluders occluders;
+    occluders.heights.emplace(seen, OccluderHeights::Frame{.margin = margin, .ends_rays = true},
+                              footprints_of(machine, *cells, seen, side == StartSide::outside ? light.at : -light.at));
+    return occluders;
   });
 }
 

@@ -28,7 +28,7 @@ class SurfaceCells {
   /// @param question  of which the wide kernel of grids finds crossings, as far as the volume is a grid
   /// @return          null of other volumes, where that kernel leaves the answer to others, and where data have gaps:
   ///                  from one side of a gap to the other the field may rise in no cell
-  static std::shared_ptr<const SurfaceCells> of(const VolumeImplementation& volume, const Question& question,
+  static std::shared_ptr<const SurfaceCells> of(const VolumeImplementation& volume, const RayQuery& query,
                                                 unsigned threads);
 
   std::span<const Block> blocks() const { return blocks_; }
@@ -40,12 +40,12 @@ class SurfaceCells {
 };
 
 /// The blocks of a uniform grid that an isosurface may pass; null of other volumes.
-std::shared_ptr<const Occupancy> occupancy_of_grid(const VolumeImplementation& volume, const Question& question);
+std::shared_ptr<const Occupancy> occupancy_of_grid(const VolumeImplementation& volume, const RayQuery& query);
 
-/// As facet_blockers_of, of a grid: a cell through which the field falls along all rays to the light holds nothing back
-/// from rays that start below the isovalue.
+/// As facet_occluders_of, of a grid: a cell through which the field falls along all rays to the light holds nothing
+/// back from rays that start below the isovalue.
 /// @param light  stands in one direction
-std::shared_ptr<const LightBlockers> grid_blockers_of(Machine machine, std::shared_ptr<const SurfaceCells> cells,
-                                                      const LightPlace& light);
+std::shared_ptr<const LightOccluders> grid_occluders_of(Machine machine, std::shared_ptr<const SurfaceCells> cells,
+                                                        const LightPlace& light);
 
 }  // namespace rhoray::render::wide

@@ -26,28 +26,28 @@ Kept& put_in_front(std::vector<Kept>& list, Kept added, std::size_t most) {
 
 }  // namespace
 
-std::shared_ptr<const LightBlockers> BlockersMemory::of(const VolumeImplementation& volume, const Question& question,
+std::shared_ptr<const LightOccluders> OccluderCache::of(const VolumeImplementation& volume, const RayQuery& query,
                                                         const LightPlace& light, unsigned threads) {
-  const std::shared_ptr<const Facets> facets = facets_with_blockers(volume, question, threads);
+  const std::shared_ptr<const Facets> facets = facets_with_occluders(volume, query, threads);
   if (!facets && !light.is_one_direction()) return nullptr;
   const std::shared_ptr<const void> surface =
-      facets ? std::shared_ptr<const void>(facets) : occupancy_of_grid(volume, question);
+      facets ? std::shared_ptr<const void>(facets) : occupancy_of_grid(volume, query);
   if (!surface) return nullptr;
   OfSurface* kept = bring_to_front(kept_, [&](const OfSurface& of) { return of.surface == surface; });
   const Shadows shadows = facets && kept != nullptr ? Shadows::known : Shadows::unknown;
   if (kept == nullptr) {
-    auto cells = facets ? nullptr : SurfaceCells::of(volume, question, threads);
+    auto cells = facets ? nullptr : SurfaceCells::of(volume, query, threads);
     if (!facets && !cells) return nullptr;
     kept = &put_in_front(kept_, {surface, std::move(cells), {}}, most_kept);
   }
   if (OfLight* of = bring_to_front(kept->lights, [&](const OfLight& one) { return one.light == light; })) {
     if (of->shadows != shadows)
-      of->blockers = with_shadows(chosen_machine(), of->blockers, light), of->shadows = shadows;
-    return of->blockers;
+      of->occluders = with_shadows(chosen_machine(), of->occluders, light), of->shadows = shadows;
+    return of->occluders;
   }
-  auto blockers = facets ? facet_blockers_of(chosen_machine(), facets, light, shadows)
-                         : grid_blockers_of(chosen_machine(), kept->cells, light);
-  return put_in_front(kept->lights, {light, std::move(blockers), shadows}, most_kept).blockers;
+  auto occluders = facets ? facet_occluders_of(chosen_machine(), facets, light, shadows)
+                          : grid_occluders_of(chosen_machine(), kept->cells, light);
+  return put_in_front(kept->lights, {light, std::move(occluders), shadows}, most_kept).occluders;
 }
 
 }  // namespace rhoray::render::wide

@@ -12,18 +12,18 @@ namespace rhoray::render::wide {
 /// volume's frame, not on the camera. Of a mesh's surface shadows are known from the second time on that it is asked
 /// about, whatever the light: what they take is found once for each surface, and an isovalue that is seen for one frame
 /// does not pay for it. Not for two threads at once.
-class BlockersMemory {
+class OccluderCache {
  public:
   /// @param question  of which wide kernels find crossings
-  /// @return          null where it is not known to be less than all of the surface: in meshes as facets_with_blockers
+  /// @return          null where it is not known to be less than all of the surface: in meshes as facets_with_occluders
   ///                  says, in grids as SurfaceCells::of does, and there unless the light stands in one direction
-  std::shared_ptr<const LightBlockers> of(const VolumeImplementation& volume, const Question& question,
-                                          const LightPlace& light, unsigned threads);
+  std::shared_ptr<const LightOccluders> of(const VolumeImplementation& volume, const RayQuery& query,
+                                           const LightPlace& light, unsigned threads);
 
  private:
   struct OfLight {
     LightPlace light;
-    std::shared_ptr<const LightBlockers> blockers;
+    std::shared_ptr<const LightOccluders> occluders;
     Shadows shadows;
   };
   struct OfSurface {

@@ -37,7 +37,7 @@ void Squares::divide(const double (&last)[2], double edge) {
   for (int i = 0; i < 2; ++i) count[i] = static_cast<int>((last[i] - first[i]) * per_length) + 1;
 }
 
-BlockerHeights::BlockerHeights(const SeenFromLight& seen, const Frame& frame, std::span<const Footprint> footprints)
+OccluderHeights::OccluderHeights(const SeenFromLight& seen, const Frame& frame, std::span<const Footprint> footprints)
     : seen_(seen), frame_(frame) {
   if (footprints.empty()) return;
   double last[2] = {-nowhere, -nowhere}, size = 0;
@@ -66,8 +66,8 @@ BlockerHeights::BlockerHeights(const SeenFromLight& seen, const Frame& frame, st
   }
 }
 
-RHORAY_INLINE void BlockerHeights::find_known(const BlockerHeights& heights, RayBatch& rays, std::size_t first,
-                                              std::uint8_t* is_asked, std::uint8_t* is_in_shadow) {
+RHORAY_INLINE void OccluderHeights::find_known(const OccluderHeights& heights, RayBatch& rays, std::size_t first,
+                                               std::uint8_t* is_asked, std::uint8_t* is_in_shadow) {
   constexpr std::size_t size = RayBatch::group_size;
   const SeenFromLight seen = heights.seen_;
   const Squares& squares = heights.squares_;
@@ -133,8 +133,8 @@ std::uint64_t bits_of(const std::uint8_t* bytes) {
 
 }  // namespace
 
-BlockerHeights::Known BlockerHeights::know(Machine machine, RayBatch& rays, std::size_t first,
-                                           std::uint64_t chosen) const {
+OccluderHeights::Known OccluderHeights::know(Machine machine, RayBatch& rays, std::size_t first,
+                                             std::uint64_t chosen) const {
   if (heights_.empty()) return {.asked = 0, .in_shadow = 0};
   std::uint8_t is_asked[RayBatch::group_size], is_in_shadow[RayBatch::group_size] = {};
   compiled_for<find_known>(machine)(*this, rays, first, is_asked, is_in_shadow);

@@ -61,7 +61,7 @@ struct Squares {
 ///
 /// Footprints are of a frame (p - anchor) * scale, and have their corners in single precision. A margin is added to
 /// them on all sides: more than what rounding moves points by, and than what a kernel may see of a thing outside it.
-class BlockerHeights {
+class OccluderHeights {
  public:
   struct Frame {
     Vec3 anchor{0, 0, 0};
@@ -70,13 +70,13 @@ class BlockerHeights {
     bool ends_rays = false;  ///< rays that are asked about end where they are higher than all that may hold them back
   };
 
-  BlockerHeights(const SeenFromLight& seen, const Frame& frame, std::span<const Footprint> footprints);
+  OccluderHeights(const SeenFromLight& seen, const Frame& frame, std::span<const Footprint> footprints);
 
   /// The same where it is known, of each square and of what is beyond them.
   /// @param heights  of what stands there, at most; empty: there is nothing
   /// @param shadows  below which every point lies in shadow, -infinity: not known of any; empty: not known anywhere
-  BlockerHeights(const SeenFromLight& seen, const Frame& frame, const Squares& squares, std::vector<float> heights,
-                 std::vector<float> shadows)
+  OccluderHeights(const SeenFromLight& seen, const Frame& frame, const Squares& squares, std::vector<float> heights,
+                  std::vector<float> shadows)
       : seen_(seen), frame_(frame), squares_(squares), heights_(std::move(heights)), shadows_(std::move(shadows)) {}
 
   struct Known {
@@ -89,7 +89,7 @@ class BlockerHeights {
   Known know(Machine machine, RayBatch& rays, std::size_t first, std::uint64_t chosen) const;
 
  private:
-  static void find_known(const BlockerHeights& heights, RayBatch& rays, std::size_t first, std::uint8_t* is_asked,
+  static void find_known(const OccluderHeights& heights, RayBatch& rays, std::size_t first, std::uint8_t* is_asked,
                          std::uint8_t* is_in_shadow);
 
   SeenFromLight seen_;

@@ -63,7 +63,7 @@ struct TouchedSquares {
 
 /// Notes in which squares facets stand.
 /// @param sure  as SheetFacets::sure; null: none makes a sheet
-RHORAY_INLINE void find_heights(const Squares& squares, double margin, const SeenFacets& facets,
+RHORAY_INLINE void find_heights(const Squares& squares, double margin, const FrontFacing& facets,
                                 const std::uint16_t* sure, Heights* heights) {
   for (std::size_t b = 0; b * SeenBlock::size < facets.count(); ++b) {
     const SeenBlock& block = facets.blocks()[b];
@@ -114,9 +114,9 @@ RHORAY_INLINE void find_parts(const Squares& squares, double margin, const Sheet
 }
 
 /// The squares that touch an edge at which a sheet ends.
-void note_rim(const Squares& squares, double margin, const SeenFacets& facets, std::size_t facet, std::size_t c,
+void note_rim(const Squares& squares, double margin, const FrontFacing& facets, std::size_t facet, std::size_t c,
               std::uint8_t* known) {
-  const SeenFacets::Place begin = facets.place(facet, c), end = facets.place(facet, (c + 1) % 4);
+  const FrontFacing::Place begin = facets.place(facet, c), end = facets.place(facet, (c + 1) % 4);
   int from[2], to[2];
   for (std::size_t a = 0; a < 2; ++a) {
     const auto square = [&](double at) {
@@ -133,7 +133,7 @@ void note_rim(const Squares& squares, double margin, const SeenFacets& facets, s
 
 void note_rims(const Squares& squares, double margin, const SheetFacets& facets, const FacetNeighbours& neighbours,
                const std::uint8_t* is_part, std::uint8_t* known) {
-  const SeenFacets& seen = facets.seen;
+  const FrontFacing& seen = facets.seen;
   for (std::size_t b = 0; b * SeenBlock::size < seen.count(); ++b)
     for (unsigned bits = facets.sure[b] & seen.blocks()[b].is_number & facets_in(b, seen.count()); bits != 0;
          bits &= bits - 1) {
@@ -178,7 +178,8 @@ RHORAY_INLINE void finish(const Squares& squares, const Heights* heights, std::u
 
 }  // namespace
 
-std::vector<float> heights_of_facets(Machine machine, const Squares& squares, double margin, const SeenFacets& facets) {
+std::vector<float> heights_of_facets(Machine machine, const Squares& squares, double margin,
+                                     const FrontFacing& facets) {
   if (facets.count() == 0) return {};
   std::vector<Heights> heights(squares.size(), {-nowhere, -nowhere});
   compiled_for<find_heights>(machine)(squares, margin, facets, nullptr, heights.data());

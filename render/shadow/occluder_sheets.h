@@ -18,7 +18,7 @@ struct FacetHeights {
 
 /// What facets may hold light back, and what they make of sheets.
 struct SheetFacets {
-  const SeenFacets& seen;
+  const FrontFacing& seen;
   const std::uint32_t* sources;  ///< the place of each among the surface's
   const std::uint16_t* sure;     ///< of each block a bit for each that has one side turned to the light for certain
   bool rises;                    ///< the field, on the way to the light through these
@@ -26,7 +26,7 @@ struct SheetFacets {
 
 /// The height above which nothing stands.
 /// @param margin  in the facets' frame: squares are taken to be larger by that much on all sides
-std::vector<float> heights_of_facets(Machine machine, const Squares& squares, double margin, const SeenFacets& facets);
+std::vector<float> heights_of_facets(Machine machine, const Squares& squares, double margin, const FrontFacing& facets);
 
 /// The same, and the height below which facets hold back every ray to the light. Facets that have one side turned to it
 /// make sheets: where two of them, and no third one, share an edge, and are turned alike (FacetNeighbours), the sheet

@@ -15,19 +15,19 @@
 namespace rhoray::render::wide {
 
 /// What of one isosurface may hold back the light of rays of one start side.
-struct Blockers {
-  std::optional<BlockerHeights> heights;             ///< where the light stands in one direction
-  std::shared_ptr<const FacetBlockers> facets = {};  ///< of a mesh
+struct Occluders {
+  std::optional<OccluderHeights> heights;             ///< where the light stands in one direction
+  std::shared_ptr<const FacetOccluders> facets = {};  ///< of a mesh
 };
 
 /// The same for one light, found when rays of a side are first asked about. Any thread may ask.
-class LightBlockers {
+class LightOccluders {
  public:
-  using Find = std::function<Blockers(StartSide)>;
-  explicit LightBlockers(Find find) : find_(std::move(find)) {}
+  using Find = std::function<Occluders(StartSide)>;
+  explicit LightOccluders(Find find) : find_(std::move(find)) {}
 
   /// @param side  not unknown
-  const Blockers& of(StartSide side) const {
+  const Occluders& of(StartSide side) const {
     OfSide& asked = sides_[side == StartSide::inside];
     std::call_once(asked.once, [&] { asked.found = find_(side); });
     return asked.found;
@@ -36,7 +36,7 @@ class LightBlockers {
  private:
   struct OfSide {
     std::once_flag once;
-    Blockers found;
+    Occluders found;
   };
   Find find_;
   mutable std::array<OfSide, 2> sides_;
@@ -46,7 +46,7 @@ class LightBlockers {
 /// t_min left clear.
 ///
 /// @param blockers  null: the whole surface is asked about; else all rays are of that side and go to that light
-using AnyCrossing = void (*)(const VolumeImplementation& volume, const Question& question, const Blockers* blockers,
+using AnyCrossing = void (*)(const VolumeImplementation& volume, const RayQuery& query, const Occluders* occluders,
                              const RayBatch& rays, std::uint64_t* crossed, KernelScratch& scratch);
 
 /// The kernel of meshes' isosurfaces, or of surfaces, in single precision; null where first_facet_kernel is.
@@ -54,17 +54,17 @@ AnyCrossing any_facet_kernel(const VolumeImplementation& volume, const Method& m
 
 /// The facets of a mesh's isosurface, of which fewer than all may hold back light from hits that lie on one side of it.
 /// Null where that is not known: of triangles, which may face any way, and where scalar kernels answer.
-std::shared_ptr<const Facets> facets_with_blockers(const VolumeImplementation& volume, const Question& question,
-                                                   unsigned threads);
+std::shared_ptr<const Facets> facets_with_occluders(const VolumeImplementation& volume, const RayQuery& query,
+                                                    unsigned threads);
 
 /// What of them may hold back light on the way to a light.
 /// @param shadows  known: the facets' neighbours are found, once for all lights
-std::shared_ptr<const LightBlockers> facet_blockers_of(Machine machine, std::shared_ptr<const Facets> facets,
-                                                       const LightPlace& light, Shadows shadows);
+std::shared_ptr<const LightOccluders> facet_occluders_of(Machine machine, std::shared_ptr<const Facets> facets,
+                                                         const LightPlace& light, Shadows shadows);
 
 /// The same with shadows that are known.
 /// @param before  of a light for which they are not
-std::shared_ptr<const LightBlockers> with_shadows(Machine machine, std::shared_ptr<const LightBlockers> before,
-                                                  const LightPlace& light);
+std::shared_ptr<const LightOccluders> with_shadows(Machine machine, std::shared_ptr<const LightOccluders> before,
+                                                   const LightPlace& light);
 
 }  // namespace rhoray::render::wide

@@ -73,10 +73,10 @@ struct MirroredPlaces {
 /// @param nodes, summits  as Occupancy has them, or what several have together
 template <class Words, class Visit>
 RHORAY_INLINE void walk_blocks(const Frustum& frustum, const MirroredLattice& lattice, const Words& nodes,
-                               const Words& summits, Visit&& visit) {
+                               const Words& super_nodes, Visit&& visit) {
   const int w = frustum.major, u = frustum.minor[0], v = frustum.minor[1];
   const int* node_count = lattice.node_count;
-  const int summit_count[3] = {node_count[0] / 4, node_count[1] / 4, node_count[2] / 4};
+  const int super_node_count[3] = {node_count[0] / 4, node_count[1] / 4, node_count[2] / 4};
   const auto slab_of = [](double at, int edge, int count) {
     const int slab = floored(at / edge);
     return slab < 0 ? 0 : slab >= count ? count - 1 : slab;
@@ -84,13 +84,14 @@ RHORAY_INLINE void walk_blocks(const Frustum& frustum, const MirroredLattice& la
   const int first_node = slab_of(frustum.first, 16, node_count[w]),
             last_node = slab_of(frustum.last, 16, node_count[w]);
 
-  const MirroredPlaces node_places(lattice, node_count), summit_places(lattice, summit_count);
+  const MirroredPlaces node_places(lattice, node_count), super_node_places(lattice, super_node_count);
   for (int slab = first_node; slab <= last_node; ++slab) {
     if (slab == first_node || slab % 4 == 0) {
-      const SlabRectangle high = rectangle_in_slab(frustum, slab / 4, 64, summit_count);
+      const SlabRectangle high = rectangle_in_slab(frustum, slab / 4, 64, super_node_count);
       std::uint64_t any = 0;
       for (int j = high.first[1]; j <= high.last[1]; ++j)
-        for (int i = high.first[0]; i <= high.last[0]; ++i) any |= summits[summit_places.of(w, slab / 4, u, i, v, j)];
+        for (int i = high.first[0]; i <= high.last[0]; ++i)
+          any |= super_nodes[super_node_places.of(w, slab / 4, u, i, v, j)];
       if (any == 0) {
         slab |= 3;
         continue;

@@ -67,7 +67,7 @@ struct MirroredLattice {
   RHORAY_INLINE int node(int axis, int mirrored) const {
     return is_mirrored(axis) ? node_count[axis] - 1 - mirrored : mirrored;
   }
-  RHORAY_INLINE int summit(int axis, int mirrored) const {
+  RHORAY_INLINE int super_node(int axis, int mirrored) const {
     return is_mirrored(axis) ? node_count[axis] / 4 - 1 - mirrored : mirrored;
   }
 };

@@ -6,7 +6,7 @@
 #include "formats/base/text.h"
 #include "preprocess/inspect_mesh.h"
 #include "preprocess/resample.h"
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "tests/agreement/pictures.h"
 #include "tests/support/host_floating_point.h"
 
@@ -58,16 +58,16 @@ struct Asked {
   bool has_shadows = false;
 };
 
-std::vector<Asked> questions() {
+std::vector<Asked> queries() {
   using enum render::Accuracy;
   const auto iso = render::Mode::isosurface, mip = render::Mode::mip;
-  return {{"isosurface, float", iso, single},
-          {"isosurface, double", iso, twofold},
+  return {{"isosurface, float", iso, float32},
+          {"isosurface, double", iso, float64},
           {"isosurface, certified", iso, certified},
           {"isosurface, exact", iso, exact},
-          {"largest values, double", mip, twofold},
+          {"largest values, double", mip, float64},
           {"largest values, certified", mip, certified},
-          {"shadows", iso, single, true}};
+          {"shadows", iso, float32, true}};
 }
 
 /// From the file on, as a host does it.
@@ -108,7 +108,7 @@ bool are_same(const render::Framebuffer& a, const render::Framebuffer& b) {
 TEST(FloatingPoint, of_the_host_does_not_change_pictures_and_is_kept) {
   const TemporaryFolder folder;
   for (const Data& data : data_in(folder))
-    for (const Asked& asked : questions()) {
+    for (const Asked& asked : queries()) {
       const render::Framebuffer expected = picture_of(data, asked, 1);
       EXPECT_GT(hit_count(expected), 200U) << data.name << ", " << asked.name << ": shows too little";
       for (const HostFloatingPoint& environment : host_environments())
@@ -127,7 +127,7 @@ TEST(FloatingPoint, of_threads_that_began_in_the_hosts_does_not_change_pictures)
   const TemporaryFolder folder;
   const std::vector<Data> all = data_in(folder);
   for (const HostFloatingPoint& environment : host_environments()) {
-    render::FrameMemory memory;
+    render::RenderContext memory;
     for (const Data& data : all) {
       const render::Volume volume = render::Volume::load(data.path);
       render::Scene scene = oblique_scene(volume, data.isovalue);
@@ -154,17 +154,17 @@ TEST(FloatingPoint, of_the_host_does_not_change_answers_to_rays_and_is_kept) {
       const render::Camera camera = oblique_scene(volume, data.isovalue).camera;
       const std::vector<render::Ray> rays = render::camera_rays(volume, camera, 24, 24);
       std::vector<render::Hit> hits(rays.size());
-      render::RayQuestions questions(volume, data.isovalue, render::method_of(accuracy), 1);
+      render::RayCaster queries(volume, data.isovalue, render::method_of(accuracy), 1);
       if (is_largest)
-        questions.largest_values(rays, hits);
+        queries.largest_values(rays, hits);
       else
-        questions.first_crossings(rays, hits);
+        queries.first_crossings(rays, hits);
       const Box3 bounds = volume.isosurface_bounds(data.isovalue);
       hits.push_back(
           {.t = bounds.min.x, .value = bounds.max.z, .gradient = {bounds.min.y, bounds.min.z, bounds.max.y}});
       return hits;
     };
-    for (const render::Accuracy accuracy : {render::Accuracy::twofold, render::Accuracy::certified})
+    for (const render::Accuracy accuracy : {render::Accuracy::float64, render::Accuracy::certified})
       for (const bool is_largest : {false, true}) {
         const std::vector<render::Hit> expected = answers(accuracy, is_largest);
         for (const HostFloatingPoint& environment : host_environments()) {

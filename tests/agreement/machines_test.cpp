@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "formats/base/text.h"
-#include "render/query/ordered_crossings.h"
-#include "render/ray_questions.h"
+#include "render/query/all_hits.h"
+#include "render/ray_caster.h"
 #include "render/render.h"
 #include "tests/render/support/rays.h"
 #include "tests/render/support/traced_volume.h"
@@ -141,7 +141,7 @@ std::vector<Machine> all_machines() {
 
 /// Calls act(data, rays, isovalue) for everything that is asked about.
 template <class Act>
-void for_each_question(const Act& act) {
+void for_each_query(const Act& act) {
   for (const Data& data : all_data()) {
     const std::vector<Ray> rays = rays_through(data);
     for (const double isovalue : data.isovalues) act(data, rays, isovalue);
@@ -158,17 +158,17 @@ struct Agreement {
 std::vector<Agreement> agreements() {
   using enum Machine;
   const std::vector<Machine> all{scalar, baseline, avx2, avx512}, wide{baseline, avx2, avx512}, fused{avx2, avx512};
-  return {{Asked::crossing, Accuracy::preview, fused},   {Asked::crossing, Accuracy::single, fused},
-          {Asked::crossing, Accuracy::certified, fused}, {Asked::crossing, Accuracy::twofold, all},
-          {Asked::largest, Accuracy::preview, wide},     {Asked::largest, Accuracy::single, wide},
-          {Asked::largest, Accuracy::certified, all},    {Asked::largest, Accuracy::twofold, all}};
+  return {{Asked::crossing, Accuracy::preview, fused},   {Asked::crossing, Accuracy::float32, fused},
+          {Asked::crossing, Accuracy::certified, fused}, {Asked::crossing, Accuracy::float64, all},
+          {Asked::largest, Accuracy::preview, wide},     {Asked::largest, Accuracy::float32, wide},
+          {Asked::largest, Accuracy::certified, all},    {Asked::largest, Accuracy::float64, all}};
 }
 
 /// Crossings with clear surfaces, of each ray the first three: what single precision finds in one walk.
 std::vector<Hit> clear_crossings(const Data& data, double isovalue, Machine machine, const std::vector<Ray>& rays) {
   const render::VolumeImplementation& volume = data.traced->volume().implementation();
-  const render::CrossingsKernel kernel =
-      render::crossings_kernel(volume, {.isovalue = isovalue, .method = render::method_of(Accuracy::single)}, machine);
+  const render::AllHitsKernel kernel =
+      render::all_hits_kernel(volume, {.isovalue = isovalue, .method = render::method_of(Accuracy::float32)}, machine);
   if (kernel == nullptr) return {};
   constexpr std::size_t first_ones = 3;
   render::RayBatch batch(rays.size());
@@ -178,9 +178,9 @@ std::vector<Hit> clear_crossings(const Data& data, double isovalue, Machine mach
   render::CrossingList list(rays.size());
   list.put_first_into(first);
   std::vector<std::uint8_t> complete(rays.size());
-  render::CrossingsMemory memory;
+  render::AllHitsScratch memory;
   render::KernelCounters counters;
-  const render::CrossedSurface surface{.isovalue = isovalue, .passing = 0.9F};
+  const render::TransparentSurface surface{.isovalue = isovalue, .passing = 0.9F};
   render::CrossingList* const lists[] = {&list};
   kernel(volume, {.surfaces = std::span(&surface, 1)}, batch, std::span(lists), complete.data(), memory, counters);
   std::vector<Hit> hits;
@@ -304,7 +304,7 @@ TEST(Machines, draw_pictures_with_the_same_bits_as_far_as_is_promised) {
     bool from_crossings;
     std::size_t count;
   };
-  for (const Row& row : {Row{twofold, all, false, 9}, Row{twofold, fused, true, 15}, Row{single, fused, true, 15},
+  for (const Row& row : {Row{float64, all, false, 9}, Row{float64, fused, true, 15}, Row{float32, fused, true, 15},
                          Row{certified, fused, true, 15}}) {
     Pictures expected;
     for (const Machine machine : row.machines) {
@@ -320,7 +320,7 @@ TEST(Machines, draw_pictures_with_the_same_bits_as_far_as_is_promised) {
 }
 
 TEST(Machines, answer_rays_with_the_same_bits_as_far_as_is_promised) {
-  for_each_question([](const Data& data, const std::vector<Ray>& rays, double isovalue) {
+  for_each_query([](const Data& data, const std::vector<Ray>& rays, double isovalue) {
     for (const Agreement& agreement : agreements()) {
       // The judge answers these in meshes, whatever the machine, and takes long.
       const bool is_judged = agreement.asked == Asked::largest && agreement.accuracy == Accuracy::certified;
@@ -356,7 +356,7 @@ TEST(Machines, leave_exact_answers_to_one_judge) {
 
 TEST(Machines, cross_clear_surfaces_with_the_same_bits_where_they_fuse) {
   int compared = 0;
-  for_each_question([&](const Data& data, const std::vector<Ray>& rays, double isovalue) {
+  for_each_query([&](const Data& data, const std::vector<Ray>& rays, double isovalue) {
     std::vector<Hit> expected;
     for (const Machine machine : {Machine::avx2, Machine::avx512}) {
       if (!render::has_machine(machine)) continue;
@@ -401,9 +401,9 @@ TEST(Machines, certified_decide_as_the_judge_and_keep_their_bounds) {
 TEST(Machines, that_do_not_fuse_give_other_last_bits) {
   if (!render::has_machine(Machine::avx2)) GTEST_SKIP() << "this processor has no AVX2";
   std::size_t different = 0;
-  for_each_question([&](const Data& data, const std::vector<Ray>& rays, double isovalue) {
+  for_each_query([&](const Data& data, const std::vector<Ray>& rays, double isovalue) {
     const auto of = [&](Machine machine) {
-      return answers(data, Asked::crossing, render::method_of(Accuracy::single), isovalue, machine, rays);
+      return answers(data, Asked::crossing, render::method_of(Accuracy::float32), isovalue, machine, rays);
     };
     different += count_different(of(Machine::baseline), of(Machine::avx2));
   });

@@ -17,7 +17,7 @@ namespace {
 using render::Hit;
 using render::Method;
 using render::Ray;
-using Way = render::Method::Way;
+using Algorithm = render::Method::Algorithm;
 
 struct MeshCase {
   std::string name;
@@ -111,10 +111,10 @@ int expect_same_everywhere(const MeshCase& one, Ask ask, const std::vector<Metho
 
 TEST(Structures, give_the_same_hits_by_methods_that_no_ray_slips_through) {
   const std::vector<Method> methods{{},
-                                    {.precision = Method::Precision::single},
-                                    {.way = Way::preview},
-                                    {.way = Way::certified},
-                                    {.way = Way::judged}};
+                                    {.precision = Method::Precision::float32},
+                                    {.algorithm = Algorithm::preview},
+                                    {.algorithm = Algorithm::certified},
+                                    {.algorithm = Algorithm::exact}};
   const std::vector<Ray> rays = stressful_rays_through_cube(150);
   int crossings = 0, values = 0;
   for (const MeshCase& one : mesh_cases()) {
@@ -128,17 +128,18 @@ TEST(Structures, give_the_same_hits_by_methods_that_no_ray_slips_through) {
 // Appendix B accepts, by rounding, crossings that lie beside a cell, and a sample may lie beside the mesh: whether a
 // ray that grazes something looks there, the regions decide that it meets. Rays in general position meet the same.
 TEST(Structures, give_the_same_hits_of_ordinary_rays_by_published_methods) {
-  const std::vector<Method> methods{{.way = Way::paper},
-                                    {.way = Way::slack, .slack = 1e-12},
-                                    {.way = Way::slack, .precision = Method::Precision::single, .slack = 1e-4},
-                                    {.way = Way::sampled},
-                                    {.way = Way::sampled, .step = 0.3, .bisect = true}};
+  const std::vector<Method> methods{
+      {.algorithm = Algorithm::paper},
+      {.algorithm = Algorithm::slack, .slack = 1e-12},
+      {.algorithm = Algorithm::slack, .precision = Method::Precision::float32, .slack = 1e-4},
+      {.algorithm = Algorithm::sampled},
+      {.algorithm = Algorithm::sampled, .step = 0.3, .bisect = true}};
   const std::vector<Ray> rays = ordinary_rays_through_cube(200);
   int crossings = 0, values = 0;
   for (const MeshCase& one : mesh_cases()) {
     if (!one.suits_samples) continue;
     crossings += expect_same_everywhere(one, first_crossing, methods, rays);
-    values += expect_same_everywhere(one, largest_value, {{.way = Way::sampled}}, rays);
+    values += expect_same_everywhere(one, largest_value, {{.algorithm = Algorithm::sampled}}, rays);
   }
   EXPECT_GT(crossings, 1500);
   EXPECT_GT(values, 900);

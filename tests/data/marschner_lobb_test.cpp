@@ -6,7 +6,7 @@
 #include <cstring>
 #include <numbers>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rhoray::tests {

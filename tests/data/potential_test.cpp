@@ -8,7 +8,7 @@
 
 #include "data/recipes/torso_scene.h"
 #include "data/recipes/torso_surface.h"
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/tetrahedralize.h"
 
 namespace rhoray::tests {

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <vector>
 
+#include "formats/base/error.h"
 #include "formats/base/parallel.h"
-#include "formats/base/trouble.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rhoray::tests {

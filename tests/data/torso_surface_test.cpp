@@ -7,7 +7,7 @@
 #include <random>
 
 #include "data/recipes/torso_scene.h"
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/tetrahedralize.h"
 #include "tests/support/temporary_folder.h"

@@ -7,8 +7,8 @@
 #include <random>
 #include <set>
 
+#include "formats/base/error.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
 #include "formats/packed_file.h"
 #include "tests/faults/crash_model.h"
 #include "tests/support/memory_file.h"

@@ -75,10 +75,10 @@ TEST(BrickGrid, description_comes_back_to_the_last_bit) {
 TEST(BrickGrid, numbers_that_are_not_finite_do_not_get_into_the_description) {
   auto sample = tests::sample_grid<float>(BrickLayout::linear({2, 2, 2}), hash_value<float>);
   sample.description.world_from_grid.origin.y = std::numeric_limits<double>::quiet_NaN();
-  expect_error(Trouble::invalid, "world_from_grid: found nan", [&] { describe(sample.description); });
+  expect_error(ErrorCode::invalid, "world_from_grid: found nan", [&] { describe(sample.description); });
   sample.description.world_from_grid.origin.y = 0;
   sample.description.fields[0].range.hi = std::numeric_limits<double>::infinity();
-  expect_error(Trouble::invalid, "range of field 'density': found inf", [&] { describe(sample.description); });
+  expect_error(ErrorCode::invalid, "range of field 'density': found inf", [&] { describe(sample.description); });
   sample.description.fields[0].range = {};
   EXPECT_THAT(describe(sample.description).details, testing::HasSubstr(R"("range":null)"));
 }
@@ -86,7 +86,7 @@ TEST(BrickGrid, numbers_that_are_not_finite_do_not_get_into_the_description) {
 TEST(BrickGrid, a_file_of_another_kind_is_refused_by_its_kind) {
   const TemporaryFolder folder;
   PackedFileWriter(folder / "t.rho", {.kind = "tets"}, {}).commit();
-  expect_error(Trouble::invalid, "found 'tets'; expected 'grid'",
+  expect_error(ErrorCode::invalid, "found 'tets'; expected 'grid'",
                [&] { BrickGrid(PackedFile::open(folder / "t.rho")); });
 }
 

@@ -78,7 +78,7 @@ TEST(ColorGrid, reaches_half_a_step_beyond_its_texels) {
 TEST(ColorGrid, refuses_a_file_that_ends_too_soon) {
   const std::string bytes = made(described());
   for (const std::size_t size : {bytes.size() - 1, bytes.size() / 2, std::size_t{100}})
-    expect_error(Trouble::invalid, "c.rho", [&] { opened(bytes.substr(0, size)); });
+    expect_error(ErrorCode::invalid, "c.rho", [&] { opened(bytes.substr(0, size)); });
 }
 
 /// With valid checksums around changed content.
@@ -87,7 +87,7 @@ void expect_refusal(const std::string& from, const std::string& to, const std::s
   const std::size_t at = parts.json.find(from);
   ASSERT_NE(at, std::string::npos) << from;
   parts.json.replace(at, from.size(), to);
-  expect_error(Trouble::invalid, words, [&] { opened(tests::seal_again(parts)); });
+  expect_error(ErrorCode::invalid, words, [&] { opened(tests::seal_again(parts)); });
 }
 
 TEST(ColorGrid, refuses_descriptions_that_do_not_fit_the_texels) {

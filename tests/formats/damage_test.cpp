@@ -13,7 +13,7 @@
 #include <random>
 #include <set>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "formats/brick_grid.h"
 #include "formats/tet_mesh.h"
 #include "tests/support/made_grid.h"

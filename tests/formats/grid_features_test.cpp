@@ -55,7 +55,7 @@ void set(std::string& bytes, std::size_t element, T value) {
 template <class T>
 void expect_refused(MadeGrid grid, const std::string& array, std::size_t element, T value, const std::string& words) {
   set(grid.arrays.at(array), element, value);
-  expect_error(Trouble::invalid, words, [&] { opened(grid.file()); });
+  expect_error(ErrorCode::invalid, words, [&] { opened(grid.file()); });
 }
 
 std::vector<std::string> findings_after(MadeGrid grid, const std::function<void(MadeGrid&)>& spoil) {
@@ -103,13 +103,13 @@ TEST(AxisTables, that_do_not_rise_or_are_not_finite_are_refused_at_their_element
   MadeGrid endless = rectilinear();
   set(endless.arrays["axis.0"], 0, -1.7e308);
   set(endless.arrays["axis.0"], 8, 1.7e308);
-  expect_error(Trouble::invalid, "expected an axis of finite length", [&] { opened(endless.file()); });
+  expect_error(ErrorCode::invalid, "expected an axis of finite length", [&] { opened(endless.file()); });
 }
 
 TEST(AxisTables, of_another_length_or_type_are_refused) {
   const std::string file = rectilinear().file();
   const auto refused = [&](const char* from, const char* to, const char* words) {
-    expect_error(Trouble::invalid, words, [&] { opened(with_header_change(file, from, to)); });
+    expect_error(ErrorCode::invalid, words, [&] { opened(with_header_change(file, from, to)); });
   };
   refused(R"("axis.2")", R"("axis.1")", "array 'axis.1': found F64 [5]; expected F64 [6]");
   refused(R"("axis.0":{"dtype":"F64","shape":[9])", R"("axis.0":{"dtype":"F64","shape":[3,3])", "found F64 [3, 3]");
@@ -159,7 +159,7 @@ TEST(SparseGrid, with_a_table_of_slots_that_is_no_bijection_is_refused) {
 TEST(SparseGrid, with_a_layout_that_none_has_is_refused_by_name) {
   const std::string file = sparse().file();
   const auto refused = [&](const char* from, const char* to, const char* words) {
-    expect_error(Trouble::invalid, words, [&] { opened(with_header_change(file, from, to)); });
+    expect_error(ErrorCode::invalid, words, [&] { opened(with_header_change(file, from, to)); });
   };
   refused(R"(brick_edge\":4)", R"(brick_edge\":3)", "brick_edge: found 3; expected 2, 4, 8, 16, 32 or 64");
   refused(R"(brick_edge\":4)", R"(brick_edge\":1)", "brick_edge: found 1; expected 2, 4, 8, 16, 32 or 64");
@@ -222,11 +222,11 @@ TEST(GridFields, are_named_in_findings_and_refused_when_two_share_a_name) {
   EXPECT_THAT(findings_after(certified(), [](MadeGrid& g) { set(g.arrays["field.1.macro.1"], 5, 999.0F); }),
               ElementsAre(HasSubstr("macro levels of field 'pressure': a macrocell does not match")));
   const std::string file = certified().file();
-  expect_error(Trouble::invalid, "more_fields[0].name: found \"density\"; expected a name that no other field has",
+  expect_error(ErrorCode::invalid, "more_fields[0].name: found \"density\"; expected a name that no other field has",
                [&] { opened(with_header_change(file, R"(name\":\"pressure\")", R"(name\":\"density\")")); });
-  expect_error(Trouble::invalid, "array 'field.1.samples': found nothing",
+  expect_error(ErrorCode::invalid, "array 'field.1.samples': found nothing",
                [&] { opened(with_header_change(file, R"("field.1.samples")", R"("field.2.samples")")); });
-  expect_error(Trouble::invalid, "more_fields: found 7; expected a list of objects",
+  expect_error(ErrorCode::invalid, "more_fields: found 7; expected a list of objects",
                [&] { opened(with_header_change(file, R"(more_fields\":[)", R"(more_fields\":7,\"m\":[)")); });
 }
 
@@ -255,16 +255,16 @@ TEST(Certificate, tells_since_1_5_how_much_is_covered_and_what_was_asked_for) {
   made.description.certificates[1].requested_error = 0.49;
   EXPECT_FALSE(made.description.certificates[1].meets_request());
   const std::string file = made.file();
-  expect_error(Trouble::invalid, "certificate.coverage: found 1.5; expected 0 to 1",
+  expect_error(ErrorCode::invalid, "certificate.coverage: found 1.5; expected 0 to 1",
                [&] { opened(with_header_change(file, R"(coverage\":1.0)", R"(coverage\":1.5)")); });
-  expect_error(Trouble::invalid, "certificate.requested_error: found -0.49",
+  expect_error(ErrorCode::invalid, "certificate.requested_error: found -0.49",
                [&] { opened(with_header_change(file, R"(requested_error\":0.49)", R"(requested_error\":-0.49)")); });
 }
 
 TEST(Certificate, of_another_shape_or_out_of_its_limits_is_refused) {
   const std::string file = certified().file();
   const auto refused = [&](const char* from, const char* to, const char* words) {
-    expect_error(Trouble::invalid, words, [&] { opened(with_header_change(file, from, to)); });
+    expect_error(ErrorCode::invalid, words, [&] { opened(with_header_change(file, from, to)); });
   };
   refused(R"("error.1.rms")", R"("error.0.rms")", "array 'error.1.rms': found nothing");
   refused(R"("error.1.max":{"dtype":"F32","shape":[2,2,3])", R"("error.1.max":{"dtype":"F32","shape":[3,2,2])",

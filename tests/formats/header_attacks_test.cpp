@@ -53,7 +53,7 @@ void open_mesh(const std::string& bytes) {
 /// One change of the text, and the words with which it must be refused.
 struct Attack {
   std::string from, to, words;
-  Trouble trouble = Trouble::invalid;
+  ErrorCode error_code = ErrorCode::invalid;
 };
 
 TEST(ResealedFile, unchanged_content_gives_the_writers_bytes) {
@@ -117,7 +117,7 @@ TEST(ResealedFile, headers_that_break_the_grammar_are_refused_at_their_place) {
            {"]}}", std::string("]}}\0", 4), "a control character"},
            {"]}}", "]}}\n", "a control character"},
        })
-    expect_error(attack.trouble, attack.words, [&] { open(with_header_change(file, attack.from, attack.to)); });
+    expect_error(attack.error_code, attack.words, [&] { open(with_header_change(file, attack.from, attack.to)); });
 }
 
 TEST(ResealedFile, arrays_that_overlap_leave_gaps_or_lie_outside_are_refused_by_name) {
@@ -139,19 +139,19 @@ TEST(ResealedFile, arrays_that_overlap_leave_gaps_or_lie_outside_are_refused_by_
            {R"("_sum":{"dtype":"U64","shape":[1])", R"("_sum":{"dtype":"U8","shape":[8])", "array '_sum'"},
            {R"("_seal":{"dtype":"U8","shape":[64])", R"("_seal":{"dtype":"U64","shape":[8])", "array '_seal'"},
        })
-    expect_error(attack.trouble, attack.words, [&] { open(with_header_change(file, attack.from, attack.to)); });
+    expect_error(attack.error_code, attack.words, [&] { open(with_header_change(file, attack.from, attack.to)); });
 }
 
 TEST(ResealedFile, what_a_newer_program_wrote_is_refused_as_unsupported) {
   const std::string file = grid_bytes();
-  expect_error(Trouble::unsupported, "version: found 2.0; expected 1.x",
+  expect_error(ErrorCode::unsupported, "version: found 2.0; expected 1.x",
                [&] { open(with_header_change(file, R"("version":"1.0")", R"("version":"2.0")")); });
-  expect_error(Trouble::unsupported, "found the feature 'wavelets'",
+  expect_error(ErrorCode::unsupported, "found the feature 'wavelets'",
                [&] { open(with_header_change(file, R"("requires":"")", R"("requires":"wavelets,time")")); });
-  expect_error(Trouble::unsupported, "found dtype 'F16'",
+  expect_error(ErrorCode::unsupported, "found dtype 'F16'",
                [&] { open(with_header_change(file, R"("dtype":"U8")", R"("dtype":"F16")")); });
   for (const char* version : {"1", "1.", ".0", "1.0.0", "one", "-1.0", "1.99999", ""})
-    expect_error(Trouble::invalid, "two numbers such as 1.0", [&] {
+    expect_error(ErrorCode::invalid, "two numbers such as 1.0", [&] {
       open(with_header_change(file, R"("version":"1.0")", concat(R"("version":")", version, "\"")));
     });
 }
@@ -175,7 +175,7 @@ TEST(ResealedFile, header_lengths_out_of_bounds_are_refused) {
         std::uint64_t{1} << 40, ~std::uint64_t{0}, ~std::uint64_t{7}, std::uint64_t{4096 * 5 - 8}}) {
     std::string changed = file;
     std::memcpy(changed.data(), &length, sizeof length);
-    expect_error(Trouble::invalid, concat("byte 0: found a header length of ", length), [&] { open(changed); });
+    expect_error(ErrorCode::invalid, concat("byte 0: found a header length of ", length), [&] { open(changed); });
   }
 }
 
@@ -192,14 +192,15 @@ TEST(ResealedFile, seals_that_speak_of_another_file_are_refused) {
   const std::string file = grid_bytes();
   const std::string size = concat(file.size());
   EXPECT_EQ(with_seal_change(file, 8, file.size()), file);
-  expect_error(Trouble::invalid, concat("found a file of ", size, " bytes; expected 17"),
+  expect_error(ErrorCode::invalid, concat("found a file of ", size, " bytes; expected 17"),
                [&] { open(with_seal_change(file, 8, 17)); });
-  expect_error(Trouble::invalid, concat("expected ", size, " bytes"),
+  expect_error(ErrorCode::invalid, concat("expected ", size, " bytes"),
                [&] { open(file + std::string(4096, 'x') + file.substr(file.size() - 64)); });
-  expect_error(Trouble::invalid, "found blocks of 4096 bytes; expected 65536",
+  expect_error(ErrorCode::invalid, "found blocks of 4096 bytes; expected 65536",
                [&] { open(with_seal_change(file, 16, 4096)); });
-  expect_error(Trouble::invalid, "header: found bytes that do not match", [&] { open(with_seal_change(file, 24, 1)); });
-  expect_error(Trouble::invalid, "array '_sum': found bytes that do not match",
+  expect_error(ErrorCode::invalid, "header: found bytes that do not match",
+               [&] { open(with_seal_change(file, 24, 1)); });
+  expect_error(ErrorCode::invalid, "array '_sum': found bytes that do not match",
                [&] { open(with_seal_change(file, 48, 1)); });
 }
 
@@ -208,14 +209,14 @@ TEST(ResealedFile, more_arrays_than_allowed_are_refused) {
   std::string many;
   for (int i = 0; i < 4096; ++i) many += concat("\"a", i, R"(":{"dtype":"U8","shape":[0],"data_offsets":[0,0]},)");
   parts.json.insert(parts.json.find("\"macro.1\""), many);
-  expect_error(Trouble::invalid, "found one array more; expected at most 4096",
+  expect_error(ErrorCode::invalid, "found one array more; expected at most 4096",
                [&] { open(tests::seal_again(parts)); });
 }
 
 TEST(ResealedFile, a_header_above_its_limit_is_refused) {
   tests::Envelope parts = tests::open_envelope(grid_bytes());
   parts.json.insert(parts.json.find("\"version\""), concat("\"long\":\"", std::string(1 << 20, 'x'), "\","));
-  expect_error(Trouble::invalid, "byte 0: found a header length", [&] { open(tests::seal_again(parts)); });
+  expect_error(ErrorCode::invalid, "byte 0: found a header length", [&] { open(tests::seal_again(parts)); });
 }
 
 TEST(ResealedFile, details_of_a_grid_that_miss_a_key_or_hold_another_type_are_refused_by_name) {
@@ -225,11 +226,11 @@ TEST(ResealedFile, details_of_a_grid_that_miss_a_key_or_hold_another_type_are_re
                           "type",         "range",      "no_data_count",   "histogram",       "macro",  "factor",
                           "level_count",  "provenance", "source_name",     "source_checksum", "command"}) {
     const std::string quoted = concat("\\\"", key, "\\\":");
-    expect_error(Trouble::invalid, concat(key, ": found nothing"),
+    expect_error(ErrorCode::invalid, concat(key, ": found nothing"),
                  [&] { open_grid(with_header_change(file, quoted, concat("\\\"_", key, "\\\":"))); });
-    expect_error(Trouble::invalid, concat(key, ": found true"),
+    expect_error(ErrorCode::invalid, concat(key, ": found true"),
                  [&] { open_grid(with_header_change(file, quoted, concat(quoted, "true,\\\"old_", key, "\\\":"))); });
-    expect_error(Trouble::invalid, concat("found the key \"", key, "\" twice"),
+    expect_error(ErrorCode::invalid, concat("found the key \"", key, "\" twice"),
                  [&] { open_grid(with_header_change(file, quoted, concat(quoted, "0,", quoted))); });
   }
 }
@@ -268,7 +269,7 @@ TEST(ResealedFile, details_of_a_grid_out_of_their_limits_are_refused_by_name) {
            {R"("details":"{)", R"("details":"{\"n\":[[[[[[[[[[[[1]]]]]]]]]]]],)", "details: found deeper nesting"},
            {R"("details":"{)", R"("details":"{}\u0000{)", "details: found a zero byte"},
        })
-    expect_error(attack.trouble, attack.words, [&] { open_grid(with_header_change(file, attack.from, attack.to)); });
+    expect_error(attack.error_code, attack.words, [&] { open_grid(with_header_change(file, attack.from, attack.to)); });
 }
 
 TEST(ResealedFile, details_of_a_mesh_that_miss_a_key_or_hold_another_type_are_refused_by_name) {
@@ -300,9 +301,9 @@ TEST(ResealedFile, details_of_a_mesh_that_miss_a_key_or_hold_another_type_are_re
                           "source_checksum",
                           "command"}) {
     const std::string quoted = concat("\\\"", key, "\\\":");
-    expect_error(Trouble::invalid, concat(key, ": found nothing"),
+    expect_error(ErrorCode::invalid, concat(key, ": found nothing"),
                  [&] { open_mesh(with_header_change(file, quoted, concat("\\\"_", key, "\\\":"))); });
-    expect_error(Trouble::invalid, concat(key, ": found true"),
+    expect_error(ErrorCode::invalid, concat(key, ": found true"),
                  [&] { open_mesh(with_header_change(file, quoted, concat(quoted, "true,\\\"old_", key, "\\\":"))); });
   }
 }
@@ -334,7 +335,7 @@ TEST(ResealedFile, details_of_a_mesh_out_of_their_limits_are_refused_by_name) {
            {R"(fields\":[)", R"(fields\":[],\"old\":[)", "expected at least one field"},
            {R"(fields\":[)", R"(fields\":[7,)", "fields: found [7"},
        })
-    expect_error(attack.trouble, attack.words, [&] { open_mesh(with_header_change(file, attack.from, attack.to)); });
+    expect_error(attack.error_code, attack.words, [&] { open_mesh(with_header_change(file, attack.from, attack.to)); });
 }
 
 TEST(ResealedFile, details_of_clusters_are_asked_for_and_held_to_their_limits) {
@@ -353,9 +354,9 @@ TEST(ResealedFile, details_of_clusters_are_asked_for_and_held_to_their_limits) {
            {R"(box_unit\":1.0)", R"(box_unit\":0.0)", "clusters.box_unit: found 0.0; expected a power of two"},
            {R"(cell_count\":6)", R"(cell_count\":4294967295)", "array 'cluster.offsets'"},
        })
-    expect_error(attack.trouble, attack.words, [&] { open_mesh(with_header_change(file, attack.from, attack.to)); });
+    expect_error(attack.error_code, attack.words, [&] { open_mesh(with_header_change(file, attack.from, attack.to)); });
   const std::string lists = mesh_bytes();
-  expect_error(Trouble::invalid, "clusters: found nothing",
+  expect_error(ErrorCode::invalid, "clusters: found nothing",
                [&] { open_mesh(with_header_change(lists, R"(requires":"")", R"(requires":"cell-clusters")")); });
 }
 

@@ -19,10 +19,10 @@ void open_mesh(const std::string& bytes) {
 
 TEST(HostileClusters, tables_of_more_than_256_vertices_are_refused) {
   // The last table has 7 vertices; 400 are 25 times 64 bytes, and no byte of padding changes.
-  tests::expect_error(Trouble::invalid,
+  tests::expect_error(ErrorCode::invalid,
                       "f.rho, array 'cluster.offsets', cluster 2: found a table of 407 vertices; expected at most 256",
                       [] { open_mesh(tests::with_longer_table(RHORAY_RELEASED_FILES, 400)); });
-  tests::expect_error(Trouble::invalid, "found a table of 263 vertices",
+  tests::expect_error(ErrorCode::invalid, "found a table of 263 vertices",
                       [] { open_mesh(tests::with_longer_table(RHORAY_RELEASED_FILES, 256)); });
   EXPECT_NO_THROW(open_mesh(tests::with_longer_table(RHORAY_RELEASED_FILES, 240)))
       << "247 vertices fit: useless ones are for verify --deep to find";

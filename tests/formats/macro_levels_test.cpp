@@ -45,9 +45,9 @@ TEST(MacroLevels, levels_are_found_by_number_and_position) {
   EXPECT_EQ(levels.range(1, 2, 1, 1), (Interval<std::int16_t>{122, 123}));
   EXPECT_EQ(levels.range(2, 1, 0, 0), (Interval<std::int16_t>{3, 4}));
 
-  tests::expect_error(Trouble::invalid, "array 'macro.0'",
+  tests::expect_error(ErrorCode::invalid, "array 'macro.0'",
                       [&] { view_macro_levels<std::int16_t>(file, shape, 0, "macro."); });
-  tests::expect_error(Trouble::invalid, "array 'macro.1': found I16 [2, 2, 3, 2]; expected U8",
+  tests::expect_error(ErrorCode::invalid, "array 'macro.1': found I16 [2, 2, 3, 2]; expected U8",
                       [&] { view_macro_levels<std::uint8_t>(file, shape, 1, "macro."); });
 }
 

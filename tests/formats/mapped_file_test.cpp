@@ -60,8 +60,8 @@ TEST_F(LostBytes, are_zeros_from_the_page_on_and_the_file_counts_as_damaged) {
   EXPECT_EQ(sum(mapped.bytes()), 3 * page);
   EXPECT_TRUE(mapped.is_damaged());
   EXPECT_TRUE(any_bytes_lost());
-  expect_error(Trouble::invalid, "grid.rho: lost bytes while it was read", [&] { mapped.require_intact(); });
-  expect_error(Trouble::invalid, "grid.rho", [&] { MappedFile::require_intact(mapped.bytes().data() + 5); });
+  expect_error(ErrorCode::invalid, "grid.rho: lost bytes while it was read", [&] { mapped.require_intact(); });
+  expect_error(ErrorCode::invalid, "grid.rho", [&] { MappedFile::require_intact(mapped.bytes().data() + 5); });
   EXPECT_NO_THROW(require_no_lost_bytes()) << "it was told of before";
 }
 
@@ -73,8 +73,8 @@ TEST_F(LostBytes, inside_the_last_page_are_known_by_the_size_of_the_file) {
   file.resize(2 * page - 1);
   other.resize(page + 1);
   EXPECT_EQ(sum(mapped.bytes()), 2 * page - 1);
-  expect_error(Trouble::invalid, "told.raw: lost bytes", [&] { told.require_intact(); });
-  expect_error(Trouble::invalid, "short.raw: lost bytes", [] { require_no_lost_bytes(); });
+  expect_error(ErrorCode::invalid, "told.raw: lost bytes", [&] { told.require_intact(); });
+  expect_error(ErrorCode::invalid, "short.raw: lost bytes", [] { require_no_lost_bytes(); });
   EXPECT_NO_THROW(require_no_lost_bytes());
 }
 
@@ -85,7 +85,7 @@ TEST_F(LostBytes, of_one_file_do_not_damage_another) {
   EXPECT_EQ(sum(mapped.bytes()) + sum(sound.bytes()), page + 1);
   EXPECT_NO_THROW(sound.require_intact());
   EXPECT_NO_THROW(MappedFile::require_intact(sound.bytes().data()));
-  expect_error(Trouble::invalid, "a: lost bytes", [&] { mapped.require_intact(); });
+  expect_error(ErrorCode::invalid, "a: lost bytes", [&] { mapped.require_intact(); });
 }
 
 TEST_F(LostBytes, are_told_of_once_and_also_after_the_mapping_is_gone) {
@@ -97,7 +97,7 @@ TEST_F(LostBytes, are_told_of_once_and_also_after_the_mapping_is_gone) {
   mapped.reset();
   const MappedFile next(MemoryFile(std::string(page, '\1')).descriptor(), page, "next");  // may get its address
   EXPECT_NO_THROW(next.require_intact());
-  expect_error(Trouble::invalid, "gone.nrrd: lost bytes", [] { require_no_lost_bytes(); });
+  expect_error(ErrorCode::invalid, "gone.nrrd: lost bytes", [] { require_no_lost_bytes(); });
   EXPECT_NO_THROW(require_no_lost_bytes());
 }
 
@@ -109,7 +109,7 @@ TEST_F(LostBytes, keep_a_pending_file_from_being_published) {
   PendingFile output(folder / "output", {});
   file.resize(0);
   EXPECT_EQ(sum(mapped.bytes()), 0U);
-  expect_error(Trouble::invalid, "input.raw", [&] { output.publish(); });
+  expect_error(ErrorCode::invalid, "input.raw", [&] { output.publish(); });
   EXPECT_FALSE(std::filesystem::exists(folder / "output"));
 }
 
@@ -133,7 +133,7 @@ TEST_F(LostBytes, are_replaced_for_many_threads_at_once) {
     file.resize(0);
     for (std::thread& reader : readers) reader.join();
     EXPECT_EQ(sum(mapped.bytes()), 0U);
-    expect_error(Trouble::invalid, "a: lost bytes", [&] { mapped.require_intact(); });
+    expect_error(ErrorCode::invalid, "a: lost bytes", [&] { mapped.require_intact(); });
   }
 }
 
@@ -168,7 +168,7 @@ TEST_F(LostBytes, of_a_packed_file_are_refused) {
   EXPECT_NO_THROW(formats::require_intact(file));
   memory.resize(50 * page);
   EXPECT_LT(sum(bytes), 7 * values.size());
-  expect_error(Trouble::invalid, "small.rho: lost bytes", [&] { formats::require_intact(file); });
+  expect_error(ErrorCode::invalid, "small.rho: lost bytes", [&] { formats::require_intact(file); });
 }
 
 }  // namespace

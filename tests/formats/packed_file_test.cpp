@@ -74,12 +74,12 @@ TEST(PackedFile, arrays_start_where_they_asked_to) {
 TEST(PackedFile, an_array_of_another_type_or_shape_is_refused_with_both) {
   const MemoryFile memory;
   const PackedFile file = small_file(memory);
-  expect_error(Trouble::invalid, "memory.rho, array 'a': found U16 [5]; expected F32 [5]",
+  expect_error(ErrorCode::invalid, "memory.rho, array 'a': found U16 [5]; expected F32 [5]",
                [&] { file.array<float>("a", {5}); });
-  expect_error(Trouble::invalid, "found U16 [5]; expected U16 [any, 6]", [&] {
+  expect_error(ErrorCode::invalid, "found U16 [5]; expected U16 [any, 6]", [&] {
     file.array<std::uint16_t>("a", {0, 6});
   });
-  expect_error(Trouble::invalid, "array 'b': found nothing", [&] { file.array<std::uint16_t>("b", {5}); });
+  expect_error(ErrorCode::invalid, "array 'b': found nothing", [&] { file.array<std::uint16_t>("b", {5}); });
   EXPECT_FALSE(file.has("b"));
   EXPECT_FALSE(file.has("_sum")) << "the envelope's own arrays are not shown";
 }
@@ -96,19 +96,19 @@ TEST(PackedFile, views_outlive_the_descriptor_and_the_first_copy) {
 
 TEST(PackedFile, what_is_no_file_is_refused_as_unreadable) {
   const TemporaryFolder folder;
-  expect_error(Trouble::unreadable, "missing.rho: No such file", [&] { PackedFile::open(folder / "missing.rho"); });
-  expect_error(Trouble::unreadable, "found a folder", [&] { PackedFile::open(folder.path()); });
+  expect_error(ErrorCode::unreadable, "missing.rho: No such file", [&] { PackedFile::open(folder / "missing.rho"); });
+  expect_error(ErrorCode::unreadable, "found a folder", [&] { PackedFile::open(folder.path()); });
   ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
-  expect_error(Trouble::unreadable, "found a pipe", [&] { PackedFile::open(folder / "pipe"); });
+  expect_error(ErrorCode::unreadable, "found a pipe", [&] { PackedFile::open(folder / "pipe"); });
 }
 
 TEST(PackedFile, what_is_no_packed_file_is_refused_as_invalid) {
   const TemporaryFolder folder;
   tests::write_file(folder / "empty", "");
   tests::write_file(folder / "text", std::string(10000, 'x'));
-  expect_error(Trouble::invalid, "empty, byte 0: found the end of the file",
+  expect_error(ErrorCode::invalid, "empty, byte 0: found the end of the file",
                [&] { PackedFile::open(folder / "empty"); });
-  expect_error(Trouble::invalid, "expected the start of a packed file", [&] { PackedFile::open(folder / "text"); });
+  expect_error(ErrorCode::invalid, "expected the start of a packed file", [&] { PackedFile::open(folder / "text"); });
 }
 
 TEST(PackedFile, looks_packed_tells_by_the_first_bytes) {

@@ -147,7 +147,7 @@ TEST(PendingFile, whichever_call_fails_the_old_file_is_there_and_nothing_else) {
               write(folder / "a", "whole", options);
             } catch (const Error& refusal) {
               was_refused = true;
-              EXPECT_EQ(refusal.trouble(), Trouble::resource) << refusal.what();
+              EXPECT_EQ(refusal.code(), ErrorCode::resource) << refusal.what();
               EXPECT_THAT(refusal.what(), HasSubstr((folder / "a").string()));
             }
             was_met = !call.failed().empty();
@@ -182,7 +182,7 @@ TEST(PendingFiles, appear_together_or_not_at_all) {
         files.publish();
       } catch (const Error& refusal) {
         was_refused = true;
-        EXPECT_EQ(refusal.trouble(), Trouble::resource) << refusal.what();
+        EXPECT_EQ(refusal.code(), ErrorCode::resource) << refusal.what();
       }
       was_met = !call.failed().empty();
       failed.insert(call.failed());
@@ -205,7 +205,7 @@ TEST(PendingFiles, one_that_came_meanwhile_keeps_the_others_away) {
   files.add(folder / "a", "new a");
   files.add(folder / "b", "new b");
   tests::write_file(folder / "b", "of another program");
-  expect_error(Trouble::usage, "found a file of that name", [&] { files.publish(); });
+  expect_error(ErrorCode::usage, "found a file of that name", [&] { files.publish(); });
   EXPECT_THAT(names_in(folder.path()), ElementsAre("b"));
   EXPECT_EQ(read_file(folder / "b"), "of another program");
 }
@@ -227,7 +227,7 @@ TEST(PendingFile, a_full_disk_is_told_with_the_bytes_that_are_needed_and_free) {
         return 1;
       } catch (const Error& error) {
         const std::string said = error.what();
-        if (error.trouble() != Trouble::resource ||
+        if (error.code() != ErrorCode::resource ||
             said.find("needed: 1000000 bytes, free: 258048 bytes") == said.npos) {
           std::fprintf(stderr, "%s\n", said.c_str());
           return 2;
@@ -240,7 +240,7 @@ TEST(PendingFile, a_full_disk_is_told_with_the_bytes_that_are_needed_and_free) {
 }
 
 TEST(PendingFile, a_folder_that_cannot_be_written_is_out_of_resources_and_a_missing_one_wrong_usage) {
-  expect_error(Trouble::usage, "No such file", [] { PendingFile("/nowhere/at/all", {}); });
+  expect_error(ErrorCode::usage, "No such file", [] { PendingFile("/nowhere/at/all", {}); });
   if (::geteuid() != 0) return;
   const TemporaryFolder folder;  // belongs to root and is closed to others
   EXPECT_EQ(in_child([&] {
@@ -249,7 +249,7 @@ TEST(PendingFile, a_folder_that_cannot_be_written_is_out_of_resources_and_a_miss
                 PendingFile(folder / "a", {});
                 return 2;
               } catch (const Error& error) {
-                return error.trouble() == Trouble::resource ? 0 : 3;
+                return error.code() == ErrorCode::resource ? 0 : 3;
               }
             }),
             0);

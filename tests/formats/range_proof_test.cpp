@@ -140,7 +140,7 @@ TEST(RangeProof, refuses_each_level_that_is_narrower_than_what_lies_below) {
         const std::string file = narrowed(one.file, array, step, all);
         EXPECT_THAT(one.deep(file), testing::Not(testing::IsEmpty()));
         for (const unsigned threads : {1U, 3U})
-          expect_error(Trouble::invalid, "x.rho: ", [&] { one.prove(file, threads); });
+          expect_error(ErrorCode::invalid, "x.rho: ", [&] { one.prove(file, threads); });
       }
 }
 
@@ -149,13 +149,13 @@ TEST(RangeProof, refuses_levels_that_all_tell_the_same_lie) {
     SCOPED_TRACE(one.name);
     std::string file = one.file;
     for (const auto& [array, step] : one.arrays) file = narrowed(file, array, step, true);
-    expect_error(Trouble::invalid, "x.rho: ", [&] { one.prove(file, 0); });
+    expect_error(ErrorCode::invalid, "x.rho: ", [&] { one.prove(file, 0); });
   }
 }
 
 TEST(RangeProof, says_where_what_was_found_and_what_was_needed) {
   const auto refuses = [](const Case& one, const std::string& array, IntervalStep step, const std::string& words) {
-    expect_error(Trouble::invalid, words, [&] { one.prove(narrowed(one.file, array, step), 0); });
+    expect_error(ErrorCode::invalid, words, [&] { one.prove(narrowed(one.file, array, step), 0); });
   };
   using enum IntervalStep;
   const std::vector<Case> cases = all_cases();
@@ -182,11 +182,11 @@ TEST(RangeProof, says_where_what_was_found_and_what_was_needed) {
 TEST(RangeProof, takes_no_range_of_nan_for_one_that_contains) {
   MadeGrid spoilt = grid(wavy);
   std::memcpy(spoilt.arrays["macro.1"].data(), &nan, sizeof nan);
-  expect_error(Trouble::invalid, "(0, 0, 0) of level 1 has [nan, 30]",
+  expect_error(ErrorCode::invalid, "(0, 0, 0) of level 1 has [nan, 30]",
                [&] { prove_ranges(opened<BrickGrid>(spoilt.file()), 0); });
   TetSample sample = clustered(mesh(), 4);
   sample.clusters.boxes[0][0] = nan;
-  expect_error(Trouble::invalid, "x.rho: a box", [&] { prove_ranges(opened<TetMesh>(bytes_of(sample)), 0); });
+  expect_error(ErrorCode::invalid, "x.rho: a box", [&] { prove_ranges(opened<TetMesh>(bytes_of(sample)), 0); });
   EXPECT_THAT(deep_findings(opened<TetMesh>(bytes_of(sample))),
               testing::Contains(HasSubstr("a cluster that reaches out of its box: cluster 0 has [nan, 0.25] x ")));
 }
@@ -194,7 +194,7 @@ TEST(RangeProof, takes_no_range_of_nan_for_one_that_contains) {
 TEST(RangeProof, refuses_a_field_that_has_values_beyond_its_range_or_gaps_that_it_denies) {
   const auto refused = [](MadeGrid spoilt, const std::string& words, const std::function<void(FieldSummary&)>& spoil) {
     spoil(spoilt.description.fields[0]);
-    expect_error(Trouble::invalid, words, [&] { prove_ranges(opened<BrickGrid>(spoilt.file()), 0); });
+    expect_error(ErrorCode::invalid, words, [&] { prove_ranges(opened<BrickGrid>(spoilt.file()), 0); });
   };
   refused(grid(wavy), "the range of field 'density' lacks a value: it is [0, 29], its values need [0, 30]",
           [](FieldSummary& field) { field.range.hi = 29; });
@@ -203,10 +203,10 @@ TEST(RangeProof, refuses_a_field_that_has_values_beyond_its_range_or_gaps_that_i
             [](FieldSummary& field) { field.no_data_count = 0; });
   TetSample sample = mesh();
   sample.description.fields[1].no_data_count = 0;
-  expect_error(Trouble::invalid, "field 'far' has no data somewhere",
+  expect_error(ErrorCode::invalid, "field 'far' has no data somewhere",
                [&] { prove_ranges(opened<TetMesh>(bytes_of(sample)), 1); });
   sample.description.fields[0].range.hi = 0.5;
-  expect_error(Trouble::invalid, "the range of field 'height' lacks a value: it is [0, 0.5], its values need [0, 1]",
+  expect_error(ErrorCode::invalid, "the range of field 'height' lacks a value: it is [0, 0.5], its values need [0, 1]",
                [&] { prove_ranges(opened<TetMesh>(bytes_of(sample)), 0); });
 }
 
@@ -218,7 +218,7 @@ TEST(RangeProof, refuses_an_infinite_sample_that_is_denied) {
   EXPECT_EQ(spoilt.description.fields[0].no_data_count, 1U);
   EXPECT_NO_THROW(prove_ranges(opened<BrickGrid>(spoilt.file()), 0));
   spoilt.description.fields[0].no_data_count = 0;
-  expect_error(Trouble::invalid, "no data somewhere", [&] { prove_ranges(opened<BrickGrid>(spoilt.file()), 0); });
+  expect_error(ErrorCode::invalid, "no data somewhere", [&] { prove_ranges(opened<BrickGrid>(spoilt.file()), 0); });
 }
 
 TEST(RangeProof, is_of_one_field_and_does_not_ask_about_others) {
@@ -226,7 +226,7 @@ TEST(RangeProof, is_of_one_field_and_does_not_ask_about_others) {
       tests::made_grid({.sample_count = count, .macro = macro}, {{"density", wavy}, {"pressure", with_gaps}});
   const std::string file = narrowed(two.file(), "field.1.macro.1", IntervalStep::macro_levels);
   EXPECT_NO_THROW(prove_ranges(opened<BrickGrid>(file), 0));
-  expect_error(Trouble::invalid, "an interval of field 'pressure' that lacks a value",
+  expect_error(ErrorCode::invalid, "an interval of field 'pressure' that lacks a value",
                [&] { prove_ranges(opened<BrickGrid>(file), 1); });
 }
 
@@ -274,7 +274,7 @@ TEST(RangeProof, refuses_lists_that_miss_a_cell_which_has_a_point_inside_the_lea
       }
       ++taken_out;
       const std::string file = bytes_of(without_item(sample, item));
-      expect_error(Trouble::invalid,
+      expect_error(ErrorCode::invalid,
                    concat("a cell missing from the list of a leaf cell that it touches: cell ", sample.items[item],
                           " touches leaf ", leaf),
                    [&] { prove_ranges(opened<TetMesh>(file), 0); });
@@ -309,7 +309,7 @@ TEST(RangeProof, lets_lists_leave_out_cells_that_stay_clear) {
 TEST(RangeProof, refuses_a_mesh_that_reaches_out_of_its_lattice) {
   TetSample sample = mesh();
   sample.description.lattice.leaf_size = sample.description.lattice.leaf_size * 0.75;
-  expect_error(Trouble::invalid, "a point outside the lattice of leaf cells: point 4 lies at (",
+  expect_error(ErrorCode::invalid, "a point outside the lattice of leaf cells: point 4 lies at (",
                [&] { prove_ranges(opened<TetMesh>(bytes_of(sample)), 0); });
 }
 

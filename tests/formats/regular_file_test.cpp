@@ -17,12 +17,13 @@ TEST(RegularFile, refuses_what_is_no_file_at_once) {
   const tests::TemporaryFolder folder;
   ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
   std::filesystem::create_symlink(folder / "pipe", folder / "link");
-  expect_error(Trouble::unreadable, "pipe: found a pipe; expected a file", [&] { open_regular_file(folder / "pipe"); });
-  expect_error(Trouble::unreadable, "link: found a pipe", [&] { open_regular_file(folder / "link"); });
-  expect_error(Trouble::unreadable, "found a folder", [&] { open_regular_file(folder.path()); });
-  expect_error(Trouble::unreadable, "/dev/zero: found a device", [&] { open_regular_file("/dev/zero"); });
-  expect_error(Trouble::unreadable, "none: No such file", [&] { open_regular_file(folder / "none"); });
-  expect_error(Trouble::unreadable, "found a pipe", [&] { require_regular_file(folder / "pipe"); });
+  expect_error(ErrorCode::unreadable, "pipe: found a pipe; expected a file",
+               [&] { open_regular_file(folder / "pipe"); });
+  expect_error(ErrorCode::unreadable, "link: found a pipe", [&] { open_regular_file(folder / "link"); });
+  expect_error(ErrorCode::unreadable, "found a folder", [&] { open_regular_file(folder.path()); });
+  expect_error(ErrorCode::unreadable, "/dev/zero: found a device", [&] { open_regular_file("/dev/zero"); });
+  expect_error(ErrorCode::unreadable, "none: No such file", [&] { open_regular_file(folder / "none"); });
+  expect_error(ErrorCode::unreadable, "found a pipe", [&] { require_regular_file(folder / "pipe"); });
 }
 
 TEST(RegularFile, opens_a_file_that_is_closed_on_exec) {

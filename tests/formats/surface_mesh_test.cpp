@@ -92,7 +92,7 @@ TEST(SurfaceMesh, keeps_points_in_double_precision) {
 TEST(SurfaceMesh, refuses_a_corner_that_is_no_point) {
   Made made;
   made.triangles[1][2] = 4;
-  expect_error(Trouble::invalid, "array 'triangles', element 5: found 4; expected an index below 4",
+  expect_error(ErrorCode::invalid, "array 'triangles', element 5: found 4; expected an index below 4",
                [&] { opened(made.bytes()); });
 }
 
@@ -100,14 +100,14 @@ TEST(SurfaceMesh, refuses_points_that_are_not_finite) {
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     Made made;
     made.points[3][1] = bad;
-    expect_error(Trouble::invalid, "array 'points', element 10", [&] { opened(made.bytes()); });
+    expect_error(ErrorCode::invalid, "array 'points', element 10", [&] { opened(made.bytes()); });
   }
 }
 
 TEST(SurfaceMesh, refuses_a_file_that_ends_too_soon) {
   const std::string bytes = Made().bytes();
   for (const std::size_t size : {bytes.size() - 1, bytes.size() / 2, std::size_t{100}})
-    expect_error(Trouble::invalid, "a.rho", [&] { opened(bytes.substr(0, size)); });
+    expect_error(ErrorCode::invalid, "a.rho", [&] { opened(bytes.substr(0, size)); });
 }
 
 /// With valid checksums around changed content.
@@ -116,7 +116,7 @@ void expect_refusal(const std::string& from, const std::string& to, const std::s
   const std::size_t at = parts.json.find(from);
   ASSERT_NE(at, std::string::npos) << from;
   parts.json.replace(at, from.size(), to);
-  expect_error(Trouble::invalid, words, [&] { opened(tests::seal_again(parts)); });
+  expect_error(ErrorCode::invalid, words, [&] { opened(tests::seal_again(parts)); });
 }
 
 TEST(SurfaceMesh, refuses_descriptions_that_do_not_fit_the_arrays) {

@@ -139,25 +139,25 @@ void open_after(const std::function<void(TetSample&)>& spoil) {
 }
 
 TEST(TetMesh, refuses_what_a_hot_loop_could_not_survive) {
-  expect_error(Trouble::invalid, "array 'cells', element 191: found 27; expected an index below 27",
+  expect_error(ErrorCode::invalid, "array 'cells', element 191: found 27; expected an index below 27",
                [] { open_after([](TetSample& s) { s.cells.back() = 27; }); });
-  expect_error(Trouble::invalid, "array 'leaf.items', element 3: found 48; expected an index below 48",
+  expect_error(ErrorCode::invalid, "array 'leaf.items', element 3: found 48; expected an index below 48",
                [] { open_after([](TetSample& s) { s.items[3] = 48; }); });
-  expect_error(Trouble::invalid, "array 'leaf.offsets', element 0: found 1",
+  expect_error(ErrorCode::invalid, "array 'leaf.offsets', element 0: found 1",
                [] { open_after([](TetSample& s) { s.offsets[0] = 1; }); });
-  expect_error(Trouble::invalid, "array 'leaf.offsets', element 12: found",
+  expect_error(ErrorCode::invalid, "array 'leaf.offsets', element 12: found",
                [] { open_after([](TetSample& s) { ++s.offsets.back(); }); });
-  expect_error(Trouble::invalid, "array 'leaf.offsets', element 5: found 0; expected at least",
+  expect_error(ErrorCode::invalid, "array 'leaf.offsets', element 5: found 0; expected at least",
                [] { open_after([](TetSample& s) { s.offsets[5] = 0; }); });
-  expect_error(Trouble::invalid, "array 'leaf.offsets', element 5: found",
+  expect_error(ErrorCode::invalid, "array 'leaf.offsets', element 5: found",
                [] { open_after([](TetSample& s) { s.offsets[5] = s.offsets[4] - 1; }); });
-  expect_error(Trouble::invalid, "array 'leaf.offsets', element 5: found",
+  expect_error(ErrorCode::invalid, "array 'leaf.offsets', element 5: found",
                [] { open_after([](TetSample& s) { s.offsets[4] = std::uint64_t{1} << 60; }); });
-  expect_error(Trouble::invalid, "array 'points', element 7: found nan",
+  expect_error(ErrorCode::invalid, "array 'points', element 7: found nan",
                [] { open_after([](TetSample& s) { s.points[7] = std::nan(""); }); });
-  expect_error(Trouble::invalid, "array 'points', element 80: found -inf",
+  expect_error(ErrorCode::invalid, "array 'points', element 80: found -inf",
                [] { open_after([](TetSample& s) { s.points[80] = -std::numeric_limits<double>::infinity(); }); });
-  expect_error(Trouble::invalid, "array 'point_ranks', element 20: found 27; expected an index below 27", [] {
+  expect_error(ErrorCode::invalid, "array 'point_ranks', element 20: found 27; expected an index below 27", [] {
     open_after([](TetSample& s) {
       s = reordered_mesh();
       s.point_ranks[20] = 27;
@@ -167,7 +167,7 @@ TEST(TetMesh, refuses_what_a_hot_loop_could_not_survive) {
 
 TEST(TetMesh, refuses_clusters_that_a_hot_loop_could_not_survive) {
   const auto refuses = [](const std::string& words, const std::function<void(TetSample&)>& spoil) {
-    expect_error(Trouble::invalid, words, [&] {
+    expect_error(ErrorCode::invalid, words, [&] {
       open_after([&](TetSample& s) {
         s = clustered(s, 16);
         spoil(s);
@@ -209,7 +209,7 @@ TEST(TetMesh, names_the_first_bad_element_of_large_arrays) {
     const tests::MemoryFile memory;
     PackedFileWriter writer(memory.descriptor(), describe(d), tet_mesh_arrays(d));
     sample.write_into(writer).commit();
-    expect_error(Trouble::invalid, concat("array 'cells', element ", bad, ": found 4"),
+    expect_error(ErrorCode::invalid, concat("array 'cells', element ", bad, ": found 4"),
                  [&] { TetMesh(PackedFile::from_descriptor(memory.descriptor(), "m.rho")); });
   }
 }

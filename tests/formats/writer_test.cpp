@@ -77,7 +77,7 @@ bool refused_for_resources(const std::function<void()>& act) {
     act();
     return false;
   } catch (const Error& error) {
-    return error.trouble() == Trouble::resource;
+    return error.code() == ErrorCode::resource;
   }
 }
 
@@ -94,7 +94,7 @@ TEST(PackedFileWriter, nothing_appears_without_commit) {
 TEST(PackedFileWriter, an_existing_file_is_refused_before_any_work_and_stays) {
   const TemporaryFolder folder;
   write_whole(folder / "a.rho", 1);
-  expect_error(Trouble::usage, "a.rho: found a file of that name", [&] { writer_for(folder / "a.rho", 1000); });
+  expect_error(ErrorCode::usage, "a.rho: found a file of that name", [&] { writer_for(folder / "a.rho", 1000); });
   EXPECT_EQ(value_in(folder / "a.rho"), 1);
 }
 
@@ -103,7 +103,7 @@ TEST(PackedFileWriter, a_file_that_comes_while_writing_is_refused_at_commit_and_
   PackedFileWriter writer = writer_for(folder / "a.rho", 1000);
   writer.write_all("data", std::span<const std::uint8_t>(std::vector<std::uint8_t>(1000, 2)));
   write_whole(folder / "a.rho", 1);
-  expect_error(Trouble::usage, "found a file of that name", [&] { writer.commit(); });
+  expect_error(ErrorCode::usage, "found a file of that name", [&] { writer.commit(); });
   EXPECT_EQ(value_in(folder / "a.rho"), 1);
   EXPECT_THAT(names_in(folder.path()), testing::ElementsAre("a.rho"));
 }
@@ -127,22 +127,22 @@ TEST(PackedFileWriter, a_symbolic_link_stands_for_the_file_it_points_to) {
   write_whole(folder / "link.rho", 1);
   EXPECT_TRUE(fs::is_symlink(folder / "link.rho"));
   EXPECT_EQ(value_in(folder / "store/real.rho"), 1);
-  expect_error(Trouble::usage, "found a file of that name", [&] { write_whole(folder / "link.rho", 2); });
+  expect_error(ErrorCode::usage, "found a file of that name", [&] { write_whole(folder / "link.rho", 2); });
   write_whole(folder / "link.rho", 2, true);
   EXPECT_TRUE(fs::is_symlink(folder / "link.rho"));
   EXPECT_EQ(value_in(folder / "store/real.rho"), 2);
 
   fs::create_symlink("ring_b", folder / "ring_a");
   fs::create_symlink("ring_a", folder / "ring_b");
-  expect_error(Trouble::usage, "ring_a", [&] { write_whole(folder / "ring_a", 1, true); });
+  expect_error(ErrorCode::usage, "ring_a", [&] { write_whole(folder / "ring_a", 1, true); });
 }
 
 TEST(PackedFileWriter, targets_that_cannot_become_a_file_are_refused) {
   const TemporaryFolder folder;
   for (const fs::path& path : {folder.path(), folder / "", folder / ".", fs::path(), fs::path("..")})
     EXPECT_THROW(write_whole(path, 1, true), Error) << path;
-  expect_error(Trouble::usage, "No such file", [&] { write_whole(folder / "missing/a.rho", 1); });
-  expect_error(Trouble::usage, "found a special file", [&] { write_whole("/dev/null", 1, true); });
+  expect_error(ErrorCode::usage, "No such file", [&] { write_whole(folder / "missing/a.rho", 1); });
+  expect_error(ErrorCode::usage, "found a special file", [&] { write_whole("/dev/null", 1, true); });
   EXPECT_THAT(names_in(folder.path()), testing::IsEmpty());
 }
 
@@ -154,16 +154,16 @@ TEST(PackedFileWriter, every_byte_is_written_exactly_once_or_commit_refuses) {
     PackedFileWriter writer = writer_for(folder / "gap.rho", 10);
     writer.write("data", 0, piece(4));
     writer.write("data", 5, piece(5));
-    expect_error(Trouble::internal, "array 'data': byte 4 was never written", [&] { writer.commit(); });
+    expect_error(ErrorCode::internal, "array 'data': byte 4 was never written", [&] { writer.commit(); });
   }
   {
     PackedFileWriter writer = writer_for(folder / "twice.rho", 10);
     writer.write("data", 2, piece(4));
     for (const std::uint64_t at : {0, 2, 3, 5})
-      expect_error(Trouble::internal, "written twice", [&] { writer.write("data", at, piece(3)); });
-    expect_error(Trouble::internal, "do not lie in its 10", [&] { writer.write("data", 8, piece(3)); });
-    expect_error(Trouble::internal, "was not declared", [&] { writer.write("other", 0, piece(3)); });
-    expect_error(Trouble::internal, "was not declared", [&] { writer.write("_seal", 0, piece(3)); });
+      expect_error(ErrorCode::internal, "written twice", [&] { writer.write("data", at, piece(3)); });
+    expect_error(ErrorCode::internal, "do not lie in its 10", [&] { writer.write("data", 8, piece(3)); });
+    expect_error(ErrorCode::internal, "was not declared", [&] { writer.write("other", 0, piece(3)); });
+    expect_error(ErrorCode::internal, "was not declared", [&] { writer.write("_seal", 0, piece(3)); });
     writer.write("data", 6, piece(4));
     writer.write("data", 1, piece(1));
     writer.write("data", 0, piece(1));
@@ -205,11 +205,12 @@ TEST(PackedFileWriter, the_same_content_gives_the_same_bytes) {
 
 TEST(PackedFileWriter, sizes_that_no_disk_holds_are_refused_early) {
   const TemporaryFolder folder;
-  expect_error(Trouble::usage, "larger than 2^62", [&] { writer_for(folder / "a.rho", std::uint64_t{1} << 63); });
-  expect_error(Trouble::resource, "cannot reserve", [&] { writer_for(folder / "a.rho", std::uint64_t{1} << 60); });
+  expect_error(ErrorCode::usage, "larger than 2^62", [&] { writer_for(folder / "a.rho", std::uint64_t{1} << 63); });
+  expect_error(ErrorCode::resource, "cannot reserve", [&] { writer_for(folder / "a.rho", std::uint64_t{1} << 60); });
   std::vector<ArraySpec> many;
   for (int i = 0; i < 5000; ++i) many.push_back({.name = concat("a", i), .type = ElementType::U8, .shape = {1}});
-  expect_error(Trouble::usage, "arrays are allowed", [&] { PackedFileWriter(folder / "a.rho", {.kind = "x"}, many); });
+  expect_error(ErrorCode::usage, "arrays are allowed",
+               [&] { PackedFileWriter(folder / "a.rho", {.kind = "x"}, many); });
   EXPECT_THAT(names_in(folder.path()), testing::IsEmpty());
 }
 
@@ -347,7 +348,7 @@ void write_named(const fs::path& path, std::string_view content, bool replace) {
 TEST(PendingFile, a_named_temporary_does_the_same) {
   const TemporaryFolder folder;
   write_named(folder / "a", "one", false);
-  expect_error(Trouble::usage, "found a file of that name", [&] { write_named(folder / "a", "two", false); });
+  expect_error(ErrorCode::usage, "found a file of that name", [&] { write_named(folder / "a", "two", false); });
   EXPECT_EQ(tests::read_file(folder / "a"), "one");
   write_named(folder / "a", "two", true);
   EXPECT_EQ(tests::read_file(folder / "a"), "two");
@@ -367,7 +368,7 @@ TEST(PendingFile, a_named_temporary_does_not_replace_what_came_meanwhile) {
   const TemporaryFolder folder;
   PendingFile file(folder / "a", {.anonymous = false});
   tests::write_file(folder / "a", "other");
-  expect_error(Trouble::usage, "found a file of that name", [&] { file.publish(); });
+  expect_error(ErrorCode::usage, "found a file of that name", [&] { file.publish(); });
   EXPECT_EQ(tests::read_file(folder / "a"), "other");
 }
 

@@ -13,7 +13,7 @@
 namespace rhoray::tests {
 
 void check_refusal(const Error& error) {
-  RHORAY_CHECK(error.trouble() != Trouble::internal && error.trouble() != Trouble::interrupted);
+  RHORAY_CHECK(error.code() != ErrorCode::internal && error.code() != ErrorCode::interrupted);
   const std::string fact = error.what();
   constexpr std::size_t longest_fact = 4000;
   RHORAY_CHECK(!fact.empty() && fact.size() <= longest_fact);

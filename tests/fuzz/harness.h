@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 /// What a fuzz harness and its driver say to each other. The driver is libFuzzer (preset `fuzz`, clang) or replay.cpp
 /// (any compiler). A harness defines LLVMFuzzerTestOneInput, and the other two where it needs them.

@@ -50,7 +50,7 @@ Interval<double> window_of(const formats::FieldSummary& field) {
 /// One file, drawn in several ways.
 class Pictures {
  public:
-  Pictures(const render::Volume& volume, render::FrameMemory& memory) : volume_(volume), memory_(memory) {
+  Pictures(const render::Volume& volume, render::RenderContext& memory) : volume_(volume), memory_(memory) {
     const Box3 box = volume.bounds();
     if (!box.isEmpty()) {
       base_.camera = render::fit_camera(box, render::named_view("iso"), 1);
@@ -69,12 +69,13 @@ class Pictures {
     frame(surface, 16, [&](render::Scene& scene) { light(scene); });
     frame(mip(field), 8);
     frame(slice(field), 8);
-    frame(with_method(surface, {.way = Method::Way::certified}), 8, {}, {.error = true});
-    frame(with_method(surface, {.way = Method::Way::direct}), 8, {}, {.depth = true, .normal = true, .cell = true});
-    frame(with_method(surface, {.way = Method::Way::paper}), 4);
-    frame(with_method(surface, {.way = Method::Way::preview, .precision = Method::Precision::single}), 4);
-    frame(with_method(surface, {.way = Method::Way::sampled}), 2);
-    frame(with_method(surface, {.way = Method::Way::judged}), 2);
+    frame(with_method(surface, {.algorithm = Method::Algorithm::certified}), 8, {}, {.error = true});
+    frame(with_method(surface, {.algorithm = Method::Algorithm::direct}), 8, {},
+          {.depth = true, .normal = true, .cell = true});
+    frame(with_method(surface, {.algorithm = Method::Algorithm::paper}), 4);
+    frame(with_method(surface, {.algorithm = Method::Algorithm::preview, .precision = Method::Precision::float32}), 4);
+    frame(with_method(surface, {.algorithm = Method::Algorithm::sampled}), 2);
+    frame(with_method(surface, {.algorithm = Method::Algorithm::exact}), 2);
     options_.use_hierarchy = false;
     frame(with_method(surface, {}), 2);
     options_.use_hierarchy = true;
@@ -166,7 +167,7 @@ class Pictures {
   }
 
   const render::Volume& volume_;
-  render::FrameMemory& memory_;
+  render::RenderContext& memory_;
   render::Scene base_;
   render::FrameOptions options_;
   Vec3 middle_{0, 0, 0};
@@ -175,7 +176,7 @@ class Pictures {
 
 /// Every field, drawn twice with the memory of the last frame.
 void draw(const formats::PackedFile& file) {
-  render::FrameMemory memory;
+  render::RenderContext memory;
   const render::Volume first = render::Volume::load(file);
   Pictures(first, memory).draw();
   const std::vector<std::string> names = first.field_names();

@@ -12,7 +12,7 @@
 #include "preprocess/import/vtk/vti_stream.h"
 #include "preprocess/import/vtk/vtu_stream.h"
 #include "preprocess/import/zip_archive.h"
-#include "preprocess/process/handover.h"
+#include "preprocess/process/messages.h"
 #include "preprocess/subdivide.h"
 #include "tests/fuzz/harness.h"
 #include "tests/support/temporary_folder.h"
@@ -38,7 +38,7 @@ void attempt(Act&& act) {
 template <class Neutral, class Take>
 void pass_on(const Neutral& found, Take* take) {
   tests::InputFile file;
-  hand_over(found, file.descriptor());
+  send(found, file.descriptor());
   (void)take(formats::PackedFile::from_descriptor(file.descriptor(), "handed over"));
 }
 
@@ -51,13 +51,13 @@ void use(const NeutralVolume& volume) {
   std::byte all{0};
   for (const std::byte byte : volume.samples) all |= byte;
   [[maybe_unused]] const volatile std::byte kept = all;
-  pass_on<NeutralVolume, NeutralVolume(const formats::PackedFile&)>(volume, take_volume);
+  pass_on<NeutralVolume, NeutralVolume(const formats::PackedFile&)>(volume, receive_volume);
 }
 
 void use(const NeutralSurface& surface) {
   RHORAY_CHECK(surface.facet_offsets.front() == 0 && surface.facet_offsets.back() == surface.facet_corners.size());
   for (const std::uint64_t corner : surface.facet_corners) RHORAY_CHECK(corner < surface.points.size());
-  pass_on(surface, take_surface);
+  pass_on(surface, receive_surface);
 }
 
 void use(const CellMesh& mesh) {
@@ -65,7 +65,7 @@ void use(const CellMesh& mesh) {
   RHORAY_CHECK(mesh.cell_offsets.back() == mesh.cell_nodes.size());
   for (const NeutralField& field : mesh.point_fields)
     RHORAY_CHECK(field.values.size() == mesh.points.size() * static_cast<std::size_t>(field.component_count));
-  pass_on(mesh, take_cell_mesh);
+  pass_on(mesh, receive_cell_mesh);
   (void)subdivide(mesh, {});  // in the process of the verb, not of the worker
 }
 

@@ -10,9 +10,9 @@
 #include "tests/fuzz/harness.h"
 #include "tools/rhoray/scene/document.h"
 #include "tools/rhoray/scene/explain.h"
-#include "tools/rhoray/scene/plan.h"
-#include "tools/rhoray/scene/spelled_out.h"
+#include "tools/rhoray/scene/resolve.h"
 #include "tools/rhoray/scene/sweep.h"
+#include "tools/rhoray/scene/to_spec.h"
 
 namespace {
 
@@ -20,12 +20,12 @@ using namespace rhoray;
 using namespace rhoray::tools;
 
 /// What is written of a document is read again, and says the same.
-void check_written(const SceneWishes& wishes) {
-  const Json written = scene_json(wishes);
-  RHORAY_CHECK(scene_json(read_scene(dump(written)).wishes) == written);
+void check_written(const SceneSpec& scene_spec) {
+  const Json written = scene_json(scene_spec);
+  RHORAY_CHECK(scene_json(read_scene(dump(written)).scene_spec) == written);
 }
 
-void draw(ScenePlan& plan) {
+void draw(ResolvedScene& plan) {
   constexpr int most_samples = 2;
   plan.frame.width = std::min(plan.frame.width, 6);
   plan.frame.height = std::min(plan.frame.height, 6);
@@ -39,20 +39,20 @@ void draw(ScenePlan& plan) {
   render::render(plan.volumes, plan.scene, plan.frame, framebuffer);
 }
 
-void show(const SceneWishes& wishes) {
-  ScenePlan plan = plan_layers(wishes);
-  aim_camera(wishes, plan);
-  RHORAY_CHECK(!explained_lines(explained(wishes, plan)).empty());
-  check_written(spelled_out(plan));
+void show(const SceneSpec& scene_spec) {
+  ResolvedScene plan = resolve_layers(scene_spec);
+  aim_camera(scene_spec, plan);
+  RHORAY_CHECK(!explained_lines(explained(scene_spec, plan)).empty());
+  check_written(to_spec(plan));
   draw(plan);
 }
 
-void show_sweep(const SceneWishes& wishes) {
-  Sweep sweep(wishes);
+void show_sweep(const SceneSpec& scene_spec) {
+  Sweep sweep(scene_spec);
   const int last = sweep.frame_count() - 1;
   for (const int frame : {0, last / 2, last}) {
-    const SceneWishes at = sweep.wishes_at(sweep.time_of(frame));
-    ScenePlan plan = plan_layers(at);
+    const SceneSpec at = sweep.spec_at(sweep.time_of(frame));
+    ResolvedScene plan = resolve_layers(at);
     sweep.plan_frame(frame, plan);
     draw(plan);
   }
@@ -71,11 +71,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (begin == std::string::npos || text[begin] != '{') return 0;  // the name of a file, not a document
   try {
     const SceneDocument document = read_scene(text);
-    check_written(document.wishes);
-    if (document.wishes.camera.keyframes || document.wishes.image.frames)
-      show_sweep(document.wishes);
+    check_written(document.scene_spec);
+    if (document.scene_spec.camera.keyframes || document.scene_spec.image.frames)
+      show_sweep(document.scene_spec);
     else
-      show(document.wishes);
+      show(document.scene_spec);
   } catch (const Error& error) {
     tests::check_refusal(error);
   }

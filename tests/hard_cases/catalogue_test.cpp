@@ -27,7 +27,7 @@ TEST(Catalogue, certified_is_right_in_every_case) {
   for (const HardCase& hard_case : catalogue()) {
     Trial trial(hard_case);
     const Tally tally = trial.tally(method_named("certified"));
-    EXPECT_EQ(tally.wrong(), 0) << hard_case.id << " of " << tally.questions << '\n' << listed(tally.complaints);
+    EXPECT_EQ(tally.wrong(), 0) << hard_case.id << " of " << tally.queries << '\n' << listed(tally.complaints);
   }
 }
 
@@ -38,7 +38,7 @@ TEST(Catalogue, the_judge_says_what_closed_forms_say) {
     ++judged;
     const Tally tally = Trial(hard_case).against_known_answers();
     EXPECT_EQ(tally.wrong(), 0) << hard_case.id << '\n' << listed(tally.complaints);
-    EXPECT_GT(tally.questions, static_cast<int>(hard_case.rays.size()) / 2) << hard_case.id;
+    EXPECT_GT(tally.queries, static_cast<int>(hard_case.rays.size()) / 2) << hard_case.id;
   }
   EXPECT_GE(judged, 20) << "cases with a closed form";
 }
@@ -60,8 +60,8 @@ TEST(Catalogue, direct_methods_are_right_where_they_promise_it) {
   for (const HardCase& hard_case : catalogue()) {
     Trial trial(hard_case);
     const Tally tally = trial.tally(method_named("direct double"));
-    const int allowed = hard_case.direct_may_fail_by.empty() ? 0 : tally.questions / 10;
-    EXPECT_LE(tally.wrong(), allowed) << hard_case.id << " of " << tally.questions << '\n' << listed(tally.complaints);
+    const int allowed = hard_case.direct_may_fail_by.empty() ? 0 : tally.queries / 10;
+    EXPECT_LE(tally.wrong(), allowed) << hard_case.id << " of " << tally.queries << '\n' << listed(tally.complaints);
   }
 }
 

@@ -77,10 +77,10 @@ TEST(CellsWithoutData, may_fill_whole_bricks) {
   EXPECT_EQ(sparse.volume().field().no_data_count, whole.volume().field().no_data_count);
   int hits = 0, behind = 0;
   for (const render::Ray& ray : stressful_rays({20, 17, 18}, 1'000, 1)) {
-    const render::Hit judged = whole.first_crossing(ray, 0.5, {.way = render::Method::Way::judged});
+    const render::Hit judged = whole.first_crossing(ray, 0.5, {.algorithm = render::Method::Algorithm::exact});
     const render::Hit direct = whole.first_crossing(ray, 0.5);
     EXPECT_TRUE(same_bits(direct, sparse.first_crossing(ray, 0.5)));
-    const render::Hit certified = sparse.first_crossing(ray, 0.5, {.way = render::Method::Way::certified});
+    const render::Hit certified = sparse.first_crossing(ray, 0.5, {.algorithm = render::Method::Algorithm::certified});
     ASSERT_EQ(certified.is_miss(), judged.is_miss());
     if (judged.is_miss()) continue;
     EXPECT_LE(std::abs(certified.t - judged.t), certified.error + judged.error);

@@ -15,10 +15,11 @@ template <class T>
 void expect_nothing(int& boxes_of_the_naive) {
   TracedVolume traced(volume_of<T>({7, 6, 5}, [](const Index3&) { return T{7}; }));
   for (const double isovalue : {7.0, std::nextafter(7.0, 0.0), std::nextafter(7.0, 8.0), 0.0, 8.0})
-    for (const render::Method::Way way : {render::Method::Way::preview, render::Method::Way::direct,
-                                          render::Method::Way::certified, render::Method::Way::judged})
+    for (const render::Method::Algorithm algorithm :
+         {render::Method::Algorithm::preview, render::Method::Algorithm::direct, render::Method::Algorithm::certified,
+          render::Method::Algorithm::exact})
       for (const render::Ray& ray : stressful_rays({6, 5, 4}, 200, 1)) {
-        EXPECT_TRUE(traced.first_crossing(ray, isovalue, {.way = way}).is_miss()) << isovalue;
+        EXPECT_TRUE(traced.first_crossing(ray, isovalue, {.algorithm = algorithm}).is_miss()) << isovalue;
         boxes_of_the_naive += isovalue <= 7 && !traced.largest_value(ray).is_miss();
       }
 }

@@ -27,12 +27,12 @@ Hit judged_cell_by_cell(TracedVolume& traced, const Ray& ray_world, double isova
   Hit first;
   for (std::uint32_t cell = 0; cell < view.description().cell_count; ++cell) {
     const auto vertices = view.sorted_vertices(cell);
-    render::TetForJudge tet{.point = {}, .value = view.values_at(vertices), .id = cell};
+    render::ExactTet tet{.point = {}, .value = view.values_at(vertices), .id = cell};
     const auto [lo, hi] = std::minmax_element(tet.value.begin(), tet.value.end());
     if (!(*lo < isovalue && isovalue <= *hi)) continue;
     const auto points = view.points_at(vertices);
     for (std::size_t i = 0; i < 4; ++i) tet.point[i] = Vec3(points[i][0], points[i][1], points[i][2]);
-    const render::TetRayVerdict verdict = render::judge_first_crossing(std::span(&tet, 1), ray, isovalue, 1e-12);
+    const render::TetRayVerdict verdict = render::exact_first_crossing(std::span(&tet, 1), ray, isovalue, 1e-12);
     if (!verdict.is_hit) continue;
     const double t = 0.5 * (verdict.t.lo + verdict.t.hi);
     if (t < first.t) first.t = t, first.error = verdict.t.hi - verdict.t.lo;
@@ -76,8 +76,8 @@ TEST(DefectiveMeshes, are_crossed_first_where_a_cell_is_and_nowhere_without_both
     if (!direct.is_miss()) {
       EXPECT_NEAR(direct.t, first.t, 1e-9);
     }
-    for (const Method::Way way : {Method::Way::certified, Method::Way::judged}) {
-      const Hit proven = traced.first_crossing(ray, iso, Method{.way = way});
+    for (const Method::Algorithm algorithm : {Method::Algorithm::certified, Method::Algorithm::exact}) {
+      const Hit proven = traced.first_crossing(ray, iso, Method{.algorithm = algorithm});
       if (proven.is_miss()) continue;
       const Interval<double> around = values_around(mesh, ray.at(proven.t));
       EXPECT_LE(around.lo, iso + 1e-4) << ray.origin << " + t " << ray.direction;

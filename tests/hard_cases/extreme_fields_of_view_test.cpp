@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "tests/agreement/pictures.h"
 
 namespace rhoray::tests {
@@ -40,7 +40,7 @@ TEST(ExtremeFieldsOfView, show_every_pixel_in_its_own_direction) {
     const auto [fov_deg, distance, width, height] = view;
     const render::Camera camera{.position = {0, -distance, 0}, .target = {0, 0, 0}, .vertical_fov_deg = fov_deg};
     const std::vector<render::Ray> rays = render::camera_rays(volume, camera, width, height);
-    render::RayQuestions questions(volume, isovalue, {});
+    render::RayCaster queries(volume, isovalue, {});
     // Of the picture's half diagonal; the angle's own rounding grows by its condition in the tangent.
     const double angle = fov_deg * std::numbers::pi / 180, condition = angle / std::sin(angle);
     const Direction corner = exact_direction(view, 0, 0);
@@ -61,7 +61,7 @@ TEST(ExtremeFieldsOfView, show_every_pixel_in_its_own_direction) {
           same += before == ray.direction;
           same_in_single += single(before) == single(ray.direction);
         }
-        const render::Hit hit = questions.first_crossing(ray);
+        const render::Hit hit = queries.first_crossing(ray);
         const Vec3 origin(0, -distance, 0),
             direction(static_cast<double>(exact.x), static_cast<double>(exact.y), static_cast<double>(exact.z));
         const double t = (isovalue - slope.dot(origin)) / slope.dot(direction);

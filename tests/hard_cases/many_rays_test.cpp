@@ -46,7 +46,7 @@ TEST(ManyRays, are_all_answered_rightly_by_the_certified_method) {
   EXPECT_LT(whole.hits, whole.rays - 1000);
   EXPECT_GT(whole.redecided, whole.rays / 100);
   EXPECT_GT(whole.judged, 500U) << "few rays in doubt: are these still hard?";
-  EXPECT_GT(wrong(whole.twofold), 100U) << "double precision is right too: are these rays still hard?";
+  EXPECT_GT(wrong(whole.float64), 100U) << "double precision is right too: are these rays still hard?";
 }
 
 TEST(ManyRays, are_counted_the_same_twice) {

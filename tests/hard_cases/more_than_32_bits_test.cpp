@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "formats/brick_grid.h"
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "tests/render/support/rays.h"
 #include "tests/support/memory_file.h"
 #include "tests/support/packed_samples.h"
@@ -92,9 +92,9 @@ TEST(MoreThan32Bits, of_samples_are_told_apart) {
                    static_cast<double>(brick.z * brick_edge));
     const Vec3 high = low + Vec3(brick_edge - 1);
     const double isovalue = slope.dot((low + high) / 2.0);
-    for (const render::Method::Way way :
-         {render::Method::Way::direct, render::Method::Way::certified, render::Method::Way::judged}) {
-      render::RayQuestions questions(volume, isovalue, {.way = way});
+    for (const render::Method::Algorithm algorithm :
+         {render::Method::Algorithm::direct, render::Method::Algorithm::certified, render::Method::Algorithm::exact}) {
+      render::RayCaster queries(volume, isovalue, {.algorithm = algorithm});
       Dice dice(1);
       for (int trial = 0; trial < 100; ++trial) {
         // Upwards through a point of the plane in the brick, from outside of the brick's corner below.
@@ -106,7 +106,7 @@ TEST(MoreThan32Bits, of_samples_are_told_apart) {
         bool is_inside = true;
         for (int axis = 0; axis < 3; ++axis) is_inside = is_inside && p[axis] > low[axis] && p[axis] < high[axis];
         if (!is_inside) continue;
-        const render::Hit hit = questions.first_crossing(ray);
+        const render::Hit hit = queries.first_crossing(ray);
         ASSERT_NEAR(hit.t, t, 1e-6 + (std::isnan(hit.error) ? 0 : hit.error)) << brick << ", " << trial;
         const Index3 cells = sample_count - Index3(1, 1, 1);
         const auto cell = [&](int axis) { return static_cast<std::int64_t>(std::floor(p[axis])); };

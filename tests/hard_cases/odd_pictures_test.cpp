@@ -2,7 +2,7 @@
 // packets of rays do not come out even, and what is left over reads or writes what is not there.
 #include <gtest/gtest.h>
 
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "tests/agreement/pictures.h"
 
 namespace rhoray::tests {
@@ -20,7 +20,7 @@ TEST(OddPictures, are_made_of_the_answers_to_single_rays) {
       const render::Scene scene = oblique_scene(*volume, isovalue);
       const render::Framebuffer made = picture(*volume, scene, {.width = width, .height = height, .threads = 2});
       ASSERT_EQ(made.depth.size(), static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-      render::RayQuestions alone(*volume, isovalue, {});
+      render::RayCaster alone(*volume, isovalue, {});
       std::size_t pixel = 0, hits = 0;
       for (const render::Ray& ray : render::camera_rays(*volume, scene.camera, width, height)) {
         const render::Hit hit = alone.first_crossing(ray);

@@ -28,7 +28,7 @@ TEST(Spacings, without_an_inverse_are_refused) {
                               Vec3(1, 1, std::nan("")), Vec3(1, HUGE_VAL, 1)}) {
     const preprocess::NeutralVolume ball = ball_with_spacing(spacing);
     EXPECT_FALSE(is_invertible(ball.world_from_grid));
-    expect_error(Trouble::invalid, "expected three independent, finite axes",
+    expect_error(ErrorCode::invalid, "expected three independent, finite axes",
                  [&] { preprocess::pack_volume(ball, folder / "ball.rho"); });
     const double determinant = ball.world_from_grid.determinant();
     passed_over += determinant != 0 && std::isfinite(determinant);

@@ -38,10 +38,10 @@ struct JudgedCell {
 constexpr double width = 1e-14;  // of the judge's enclosures, in chords
 
 JudgedCell judged(const CellCase& made) {
-  JudgedCell cell{made, false, judge_crossing(made.cell, made.p0, made.p1, made.isovalue, false, width)};
+  JudgedCell cell{made, false, exact_crossing(made.cell, made.p0, made.p1, made.isovalue, false, width)};
   if (cell.truth.changes && cell.truth.s.hi == 0) {
     cell.starts_inside = true;
-    cell.truth = judge_crossing(made.cell, made.p0, made.p1, made.isovalue, true, width);
+    cell.truth = exact_crossing(made.cell, made.p0, made.p1, made.isovalue, true, width);
   }
   return cell;
 }
@@ -163,7 +163,7 @@ Range range_within_margin(const JudgedCell& cell, double unit) {
   render::TrilinearCell differences = made.cell;
   for (double& f : differences.corner) f -= made.isovalue;
   const auto with = [&, inside = starts_inside](double shift) {
-    return judge_crossing(differences, made.p0, made.p1, shift, inside, std::max(width, unit));
+    return exact_crossing(differences, made.p0, made.p1, shift, inside, std::max(width, unit));
   };
   return {with(towards_start), with(-towards_start)};
 }

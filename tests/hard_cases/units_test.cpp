@@ -113,9 +113,9 @@ struct Named {
 /// In single precision inside a cell a crossing is known to the rounding of the values over their slope along the ray:
 /// a ten-thousandth of a cell for the most grazing of these rays. A certified place is as good as its own bounds.
 const std::array methods{
-    Named{"direct double", {.way = Method::Way::direct, .precision = Method::Precision::twofold}, 1e-6},
-    Named{"direct float", {.way = Method::Way::direct, .precision = Method::Precision::single}, 1e-4},
-    Named{"certified", {.way = Method::Way::certified}, 1e-6}};
+    Named{"direct double", {.algorithm = Method::Algorithm::direct, .precision = Method::Precision::float64}, 1e-6},
+    Named{"direct float", {.algorithm = Method::Algorithm::direct, .precision = Method::Precision::float32}, 1e-4},
+    Named{"certified", {.algorithm = Method::Algorithm::certified}, 1e-6}};
 
 const std::array<std::pair<const char*, Make>, 2> scenes{{{"grid", changed_grid}, {"mesh", changed_mesh}}};
 
@@ -169,7 +169,7 @@ TEST(Units, may_differ_by_a_thousand_between_axes) {
 }
 
 TEST(Units, of_values_that_begin_far_from_zero_matter_to_the_papers_closed_form) {
-  const Method paper{.way = Method::Way::paper, .precision = Method::Precision::single};
+  const Method paper{.algorithm = Method::Algorithm::paper, .precision = Method::Precision::float32};
   EXPECT_GT(compare(changed_grid, {.value_offset = 1e6}, paper).differ, 10) << "is this change still hard?";
 }
 

@@ -8,8 +8,8 @@
 #include "formats/base/text.h"
 #include "render/dataset/volume.h"
 #include "render/method.h"
+#include "render/query/all_hits.h"
 #include "render/query/kernels.h"
-#include "render/query/ordered_crossings.h"
 #include "render/render.h"
 
 namespace rhoray::tests {
@@ -43,10 +43,10 @@ struct Asked {
 
 std::array<Asked, WatertightTally::method_count> asked_methods(const render::Volume& volume) {
   const Machine machine = render::chosen_machine();
-  constexpr Method certified = render::method_of(Accuracy::certified), single = render::method_of(Accuracy::single);
+  constexpr Method certified = render::method_of(Accuracy::certified), single = render::method_of(Accuracy::float32);
   return {{{"certified", certified, machine, {}},
            {"default", render::default_method(volume, render::Mode::isosurface), machine, of_float},
-           {"double", render::method_of(Accuracy::twofold), Machine::scalar, of_double},
+           {"double", render::method_of(Accuracy::float64), Machine::scalar, of_double},
            {"scalar float", single, Machine::scalar, of_float},
            {"scalar certified", certified, Machine::scalar, {}}}};
 }
@@ -142,7 +142,7 @@ class Inquiry {
   std::array<Asked, WatertightTally::method_count> asked_;
   std::vector<Caster> casters_;
   Caster judge_;
-  render::CrossingsMemory crossings_memory_;
+  render::AllHitsScratch all_hits_scratch_;
   double largest_step_ = 0;
   WatertightTally tally_;
 };
@@ -300,10 +300,10 @@ void Inquiry::ask_about(const std::vector<Ray>& rays, bool start_inside, study::
 /// All crossings by one walk along each ray, as pictures with clear surfaces ask for them.
 void Inquiry::ask_for_all(const std::vector<Ray>& rays, bool start_inside, const std::vector<bool>& sampled) {
   const render::VolumeImplementation& volume = scene_.volume.implementation();
-  const render::CrossingsKernel kernel = render::crossings_kernel(
-      volume, {.isovalue = scene_.isovalue, .method = render::method_of(Accuracy::single)}, render::chosen_machine());
+  const render::AllHitsKernel kernel = render::all_hits_kernel(
+      volume, {.isovalue = scene_.isovalue, .method = render::method_of(Accuracy::float32)}, render::chosen_machine());
   if (kernel == nullptr) return;
-  const render::CrossedSurface surface{.isovalue = scene_.isovalue};
+  const render::TransparentSurface surface{.isovalue = scene_.isovalue};
   render::RayBatch batch(rays.size());
   render::HitBatch first(rays.size());
   render::CrossingList list(rays.size());
@@ -313,7 +313,7 @@ void Inquiry::ask_for_all(const std::vector<Ray>& rays, bool start_inside, const
   batch.count = rays.size();
   for (std::size_t r = 0; r < rays.size(); ++r) batch.set(r, rays[r]);
   render::KernelCounters counters;
-  kernel(volume, {.surfaces = {&surface, 1}}, batch, {&lists, 1}, complete.data(), crossings_memory_, counters);
+  kernel(volume, {.surfaces = {&surface, 1}}, batch, {&lists, 1}, complete.data(), all_hits_scratch_, counters);
 
   for (std::size_t r = 0; r < rays.size(); ++r) {
     if (complete[r] == 0) continue;

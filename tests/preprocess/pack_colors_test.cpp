@@ -57,20 +57,21 @@ TEST(PackColors, keeps_every_texel_in_every_layout_and_the_frame) {
 
 TEST(PackColors, refuses_what_is_no_volume_of_colours) {
   const TemporaryFolder folder;
-  const auto refuses = [&](Trouble trouble, const std::string& words, const std::function<void(NeutralVolume&)>& spoil,
-                           const PackColorsOptions& options = {}) {
+  const auto refuses = [&](ErrorCode error_code, const std::string& words,
+                           const std::function<void(NeutralVolume&)>& spoil, const PackColorsOptions& options = {}) {
     auto colors = colors_of({3, 4, 5}, 3, telling_texel);
     spoil(colors);
-    expect_error(trouble, words, [&] { pack_colors(colors, folder / "c.rho", options); });
+    expect_error(error_code, words, [&] { pack_colors(colors, folder / "c.rho", options); });
     EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   };
-  refuses(Trouble::invalid, "found 2 components of U8; expected 3 or 4", [](auto& c) { c.component_count = 2; });
-  refuses(Trouble::invalid, "found 3 components of U16", [](auto& c) { c.type = formats::ElementType::U16; });
-  refuses(Trouble::invalid, "found 180 bytes of texels; expected 3 x 4 x 6 x 3", [](auto& c) { c.sample_count.z = 6; });
-  refuses(Trouble::invalid, "expected 1 to 1048576 on every axis", [](auto& c) { c.sample_count.x = 0; });
-  refuses(Trouble::invalid, "span a volume of 0", [](auto& c) { c.world_from_grid.z_axis = {1, 0, 0}; });
-  refuses(Trouble::unsupported, "uneven steps", [](auto& c) { c.axes[0] = {0, 1, 3}; });
-  refuses(Trouble::usage, "brick edge: found 65", [](auto&) {}, {.brick_edge = 65});
+  refuses(ErrorCode::invalid, "found 2 components of U8; expected 3 or 4", [](auto& c) { c.component_count = 2; });
+  refuses(ErrorCode::invalid, "found 3 components of U16", [](auto& c) { c.type = formats::ElementType::U16; });
+  refuses(ErrorCode::invalid, "found 180 bytes of texels; expected 3 x 4 x 6 x 3",
+          [](auto& c) { c.sample_count.z = 6; });
+  refuses(ErrorCode::invalid, "expected 1 to 1048576 on every axis", [](auto& c) { c.sample_count.x = 0; });
+  refuses(ErrorCode::invalid, "span a volume of 0", [](auto& c) { c.world_from_grid.z_axis = {1, 0, 0}; });
+  refuses(ErrorCode::unsupported, "uneven steps", [](auto& c) { c.axes[0] = {0, 1, 3}; });
+  refuses(ErrorCode::usage, "brick edge: found 65", [](auto&) {}, {.brick_edge = 65});
 }
 
 }  // namespace

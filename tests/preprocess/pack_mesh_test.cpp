@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tests/support/meshes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -98,7 +98,7 @@ Error refusal(const NeutralMesh& mesh, const PackMeshOptions& options = {}) {
     EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << "something was left behind";
     return error;
   }
-  return Error(Trouble::internal, "accepted");
+  return Error(ErrorCode::internal, "accepted");
 }
 
 TEST(PackMesh, keeps_points_cells_and_values) {
@@ -191,7 +191,7 @@ TEST(PackMesh, keeps_ids_that_the_importer_gave_also_where_no_cell_is_dropped) {
   EXPECT_EQ(ids[0], 100u);
   EXPECT_EQ(ids[50], 200u);
   mesh.cell_ids.back() = std::uint64_t{1} << 32;
-  EXPECT_EQ(refusal(mesh).trouble(), Trouble::unsupported);
+  EXPECT_EQ(refusal(mesh).code(), ErrorCode::unsupported);
 }
 
 TEST(PackMesh, has_empty_intervals_where_all_cells_lack_data) {
@@ -269,20 +269,20 @@ TEST(PackMesh, takes_at_most_14_bytes_for_a_tetrahedron_beyond_points_and_fields
 
 TEST(PackMesh, refuses_bad_meshes_and_bad_wishes_and_leaves_nothing) {
   const NeutralMesh good = tests::box_mesh({}, tests::product_field());
-  EXPECT_EQ(refusal(tests::box_mesh({})).trouble(), Trouble::invalid) << "no field";
-  EXPECT_EQ(refusal(NeutralMesh{}).trouble(), Trouble::invalid);
+  EXPECT_EQ(refusal(tests::box_mesh({})).code(), ErrorCode::invalid) << "no field";
+  EXPECT_EQ(refusal(NeutralMesh{}).code(), ErrorCode::invalid);
   NeutralMesh wrong = good;
   wrong.cells[3][3] = 125;
   EXPECT_THAT(refusal(wrong, {.source_name = "a.vtu"}).what(), HasSubstr("a.vtu, cell 3: found vertex 125"));
   EXPECT_EQ(refusal(good, {.fields = {"valeu"}}).hint(), "did you mean value?");
   for (const double share : {0.0, -1.0, nan, std::numeric_limits<double>::infinity()})
-    EXPECT_EQ(refusal(good, {.structure = MeshStructure::leaves, .leaf_cells_per_tetrahedron = share}).trouble(),
-              Trouble::usage);
-  EXPECT_EQ(refusal(good, {.structure = MeshStructure::leaves, .leaf_cell_count = std::uint64_t{1} << 40}).trouble(),
-            Trouble::usage);
-  EXPECT_EQ(refusal(good, {.macro_factor = 1}).trouble(), Trouble::usage);
+    EXPECT_EQ(refusal(good, {.structure = MeshStructure::leaves, .leaf_cells_per_tetrahedron = share}).code(),
+              ErrorCode::usage);
+  EXPECT_EQ(refusal(good, {.structure = MeshStructure::leaves, .leaf_cell_count = std::uint64_t{1} << 40}).code(),
+            ErrorCode::usage);
+  EXPECT_EQ(refusal(good, {.macro_factor = 1}).code(), ErrorCode::usage);
   for (const std::uint64_t size : {0U, 3U, 128U})
-    EXPECT_EQ(refusal(good, {.cluster_size = size}).trouble(), Trouble::usage);
+    EXPECT_EQ(refusal(good, {.cluster_size = size}).code(), ErrorCode::usage);
 }
 
 TEST(PackMesh, can_be_stopped_by_its_progress) {

@@ -81,7 +81,7 @@ TEST_F(PackSurface, drops_what_is_no_triangle_and_says_so) {
 }
 
 TEST_F(PackSurface, refuses_what_leaves_no_triangle) {
-  expect_error(Trouble::invalid, "none of three finite corners", [&] {
+  expect_error(ErrorCode::invalid, "none of three finite corners", [&] {
     packed(surface_of({{0, 0, 0}, {1, 0, 0}}, {{0, 1, 1}}));
   });
   EXPECT_FALSE(std::filesystem::exists(folder_ / "a.rho"));
@@ -90,7 +90,7 @@ TEST_F(PackSurface, refuses_what_leaves_no_triangle) {
 TEST_F(PackSurface, refuses_faces_of_several_outlines) {
   NeutralSurface surface = tests::cube_surface(false);
   surface.facet_faces = {0, 0, 1, 2, 3, 4};
-  expect_error(Trouble::unsupported, "several outlines", [&] { packed(surface); });
+  expect_error(ErrorCode::unsupported, "several outlines", [&] { packed(surface); });
 }
 
 double area(const Vec3& a, const Vec3& b, const Vec3& c) {

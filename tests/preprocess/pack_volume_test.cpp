@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tests/support/fields.h"
 #include "tests/support/temporary_folder.h"
 
@@ -122,7 +122,7 @@ Error refusal(const NeutralVolume& volume, const PackVolumeOptions& options = {}
     EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << "something was left behind";
     return error;
   }
-  return Error(Trouble::internal, "accepted");
+  return Error(ErrorCode::internal, "accepted");
 }
 
 template <class T>
@@ -278,7 +278,7 @@ TEST(PackVolume, refuses_a_type_that_changes_a_value_and_names_the_first_sample)
   };
   const auto expect_refused = [](const NeutralVolume& volume, ElementType type) {
     const Error error = refusal(volume, {.type = type});
-    EXPECT_EQ(error.trouble(), Trouble::invalid);
+    EXPECT_EQ(error.code(), ErrorCode::invalid);
     EXPECT_THAT(error.what(), HasSubstr("sample (3, 2, 1): found "));
   };
   expect_refused(one_value(0.5), ElementType::I32);
@@ -290,8 +290,8 @@ TEST(PackVolume, refuses_a_type_that_changes_a_value_and_names_the_first_sample)
   expect_refused(one_value(std::int32_t{16777217}), ElementType::F32);
   expect_refused(one_value(std::uint16_t{256}), ElementType::U8);
   expect_refused(one_value(std::int16_t{-1}), ElementType::U32);
-  EXPECT_EQ(refusal(one_value(nan), {.type = ElementType::F64}).trouble(), Trouble::internal) << "NaN stays NaN";
-  EXPECT_EQ(refusal(one_value(-2147483648.0), {.type = ElementType::I32}).trouble(), Trouble::internal);
+  EXPECT_EQ(refusal(one_value(nan), {.type = ElementType::F64}).code(), ErrorCode::internal) << "NaN stays NaN";
+  EXPECT_EQ(refusal(one_value(-2147483648.0), {.type = ElementType::I32}).code(), ErrorCode::internal);
 }
 
 TEST(PackVolume, stores_64_bit_integers_as_doubles_where_these_hold_them) {
@@ -308,7 +308,7 @@ TEST(PackVolume, stores_64_bit_integers_as_doubles_where_these_hold_them) {
       tests::volume_of<std::uint64_t>({3, 3, 3}, [](const Index3& p) { return p.z == 2 ? ~std::uint64_t{0} : 7; });
   EXPECT_THAT(refusal(odd).what(),
               HasSubstr("sample (0, 0, 2): found 18446744073709551615; expected a number that F64 holds"));
-  EXPECT_EQ(refusal(volume, {.type = ElementType::I64}).trouble(), Trouble::usage);
+  EXPECT_EQ(refusal(volume, {.type = ElementType::I64}).code(), ErrorCode::usage);
 }
 
 TEST(PackVolume, reads_samples_that_do_not_start_at_a_multiple_of_their_size) {
@@ -329,26 +329,26 @@ TEST(PackVolume, refuses_what_is_no_volume) {
   EXPECT_THAT(refusal(cut).what(), HasSubstr("found 249 bytes of samples; expected 5 x 5 x 5 of U16"));
   auto huge = random_volume<std::uint8_t>({2, 2, 2}, 1);
   huge.sample_count = {1 << 20, 1 << 20, 1 << 24};
-  EXPECT_EQ(refusal(huge).trouble(), Trouble::invalid);
+  EXPECT_EQ(refusal(huge).code(), ErrorCode::invalid);
   auto flat = random_volume<std::uint8_t>({5, 5, 5}, 1);
   flat.world_from_grid.z_axis = {2, 0, 0};
   EXPECT_THAT(refusal(flat).what(), HasSubstr("found grid axes that span a volume of 0"));
   flat.world_from_grid.z_axis = {0, 0, 1e-320};
   EXPECT_THAT(refusal(flat).what(), HasSubstr("not too small to be inverted"));
   flat.world_from_grid.z_axis = {0, 0, double{nan}};
-  EXPECT_EQ(refusal(flat).trouble(), Trouble::invalid);
+  EXPECT_EQ(refusal(flat).code(), ErrorCode::invalid);
 }
 
 TEST(PackVolume, refuses_options_that_make_no_sense) {
   const auto volume = random_volume<std::uint8_t>({5, 5, 5}, 1);
   for (const std::int64_t edge : {-1, 0, 1, 65})
-    EXPECT_EQ(refusal(volume, {.brick_edge = edge}).trouble(), Trouble::usage);
+    EXPECT_EQ(refusal(volume, {.brick_edge = edge}).code(), ErrorCode::usage);
   for (const std::int64_t superbrick : {-1, 0, 65})
-    EXPECT_EQ(refusal(volume, {.largest_superbrick = superbrick}).trouble(), Trouble::usage);
+    EXPECT_EQ(refusal(volume, {.largest_superbrick = superbrick}).code(), ErrorCode::usage);
   for (const std::int64_t factor : {0, 1, 33})
-    EXPECT_EQ(refusal(volume, {.macro_factor = factor}).trouble(), Trouble::usage);
+    EXPECT_EQ(refusal(volume, {.macro_factor = factor}).code(), ErrorCode::usage);
   for (const int levels : {-1, 0, 13})
-    EXPECT_EQ(refusal(volume, {.macro_level_count = levels}).trouble(), Trouble::usage);
+    EXPECT_EQ(refusal(volume, {.macro_level_count = levels}).code(), ErrorCode::usage);
 }
 
 TEST(PackVolume, leaves_an_existing_file_alone_unless_told) {
@@ -439,7 +439,7 @@ TEST(PackGrid, refuses_fields_of_different_lattices_or_of_one_name) {
     try {
       pack_grid(fields, folder / "v.rho", {.source_name = "two.vti"});
     } catch (const Error& error) {
-      EXPECT_EQ(error.trouble(), Trouble::invalid);
+      EXPECT_EQ(error.code(), ErrorCode::invalid);
       EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
       return std::string(error.what());
     }
@@ -473,7 +473,7 @@ TEST(PackVolume, refuses_positions_that_do_not_rise) {
     auto volume = random_volume<float>({4, 3, 3}, 8);
     volume.axes[0] = std::move(positions);
     const Error error = refusal(volume, {.source_name = "v.vtr"});
-    EXPECT_EQ(error.trouble(), Trouble::invalid);
+    EXPECT_EQ(error.code(), ErrorCode::invalid);
     return std::string(error.what());
   };
   EXPECT_EQ(words({0, 1, 1, 2}), "v.vtr, positions along x, sample 2: found 1; expected a finite number above 1");
@@ -513,7 +513,7 @@ TEST(PackVolume, refuses_a_sparse_order_for_integers_and_for_bricks_that_it_does
               HasSubstr("found samples of type I16; expected F32 or F64"));
   const auto real = random_volume<float>({4, 4, 4}, 1);
   for (const std::int64_t edge : {0, 1, 3, 128})
-    EXPECT_EQ(refusal(real, {.order = SampleOrder::sparse, .brick_edge = edge}).trouble(), Trouble::usage);
+    EXPECT_EQ(refusal(real, {.order = SampleOrder::sparse, .brick_edge = edge}).code(), ErrorCode::usage);
 }
 
 }  // namespace

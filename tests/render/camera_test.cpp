@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "render/frame/camera_rays.h"
 
 namespace rhoray::tests {
@@ -26,7 +26,7 @@ void expect_usage_error(Act act) {
     act();
     ADD_FAILURE() << "not refused";
   } catch (const Error& error) {
-    EXPECT_EQ(error.trouble(), Trouble::usage) << error.what();
+    EXPECT_EQ(error.code(), ErrorCode::usage) << error.what();
   }
 }
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tests/render/support/traced_volume.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
@@ -27,7 +27,7 @@ TEST(VolumeLoad, takes_the_named_field_or_the_first_and_refuses_others_with_the_
     Volume::load(folder / "mesh.rho", "pressure");
     FAIL() << "not refused";
   } catch (const Error& error) {
-    EXPECT_EQ(error.trouble(), Trouble::usage);
+    EXPECT_EQ(error.code(), ErrorCode::usage);
     for (const char* name : {"mesh.rho", "pressure", "value", "other"})
       EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
   }

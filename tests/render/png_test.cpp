@@ -124,9 +124,9 @@ TEST(EncodePng, keeps_texts_and_says_that_it_is_srgb) {
 }
 
 TEST(EncodePng, refuses_what_the_format_cannot_hold) {
-  tests::expect_error(Trouble::internal, "PNG", [] { encode_png(Framebuffer(), {}); });
+  tests::expect_error(ErrorCode::internal, "PNG", [] { encode_png(Framebuffer(), {}); });
   for (const std::string& keyword : {std::string(), std::string(80, 'k'), std::string(" space")})
-    tests::expect_error(Trouble::internal, "PNG", [&] {
+    tests::expect_error(ErrorCode::internal, "PNG", [&] {
       const PngText text{keyword, "text"};
       encode_png(slope(2, 2), {&text, 1});
     });

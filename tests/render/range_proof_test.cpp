@@ -3,7 +3,7 @@
 #include <atomic>
 #include <thread>
 
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "render/render.h"
 #include "tests/render/support/traced_volume.h"
 #include "tests/support/expect_error.h"
@@ -67,22 +67,22 @@ TEST(RangeProof, is_made_once_before_the_first_frame_that_proves_and_never_for_o
     const TracedVolume traced(sound.file);
     const render::Volume& volume = traced.volume();
     Framebuffer picture;
-    render::FrameMemory memory;
+    render::RenderContext memory;
     const auto proven_bytes = [&](const render::Volume& of, Accuracy accuracy, Mode mode = Mode::isosurface) {
       return render::render(of, scene_of(of, method_of(accuracy), mode), small, picture, memory).range_proof.bytes;
     };
-    for (const Accuracy accuracy : {Accuracy::preview, Accuracy::single, Accuracy::twofold})
+    for (const Accuracy accuracy : {Accuracy::preview, Accuracy::float32, Accuracy::float64})
       EXPECT_EQ(proven_bytes(volume, accuracy), 0U);
-    EXPECT_EQ(render::RayQuestions(volume, 1, method_of(Accuracy::twofold)).range_proof().bytes, 0U);
+    EXPECT_EQ(render::RayCaster(volume, 1, method_of(Accuracy::float64)).range_proof().bytes, 0U);
     EXPECT_GT(proven_bytes(volume, Accuracy::certified), sound.file.size() / 4);
-    for (const Accuracy accuracy : {Accuracy::certified, Accuracy::exact, Accuracy::single})
+    for (const Accuracy accuracy : {Accuracy::certified, Accuracy::exact, Accuracy::float32})
       EXPECT_EQ(proven_bytes(volume, accuracy), 0U);
     EXPECT_EQ(proven_bytes(volume, Accuracy::certified, Mode::mip), 0U);
     const render::Volume copy = volume;
     EXPECT_EQ(proven_bytes(copy, Accuracy::exact), 0U) << "copies share the proof";
-    EXPECT_EQ(render::RayQuestions(copy, 1, method_of(Accuracy::exact)).range_proof().bytes, 0U);
+    EXPECT_EQ(render::RayCaster(copy, 1, method_of(Accuracy::exact)).range_proof().bytes, 0U);
     const render::Volume again = render::Volume::load(volume.file().name());
-    EXPECT_GT(render::RayQuestions(again, 1, method_of(Accuracy::exact)).range_proof().bytes, 0U) << "mapped anew";
+    EXPECT_GT(render::RayCaster(again, 1, method_of(Accuracy::exact)).range_proof().bytes, 0U) << "mapped anew";
     EXPECT_EQ(proven_bytes(again, Accuracy::certified), 0U);
   }
 }
@@ -93,18 +93,18 @@ TEST(RangeProof, refuses_frames_and_rays_every_time_where_ranges_are_too_narrow)
     const TracedVolume traced(narrowed(sound.file, sound.array, sound.step));
     const render::Volume& volume = traced.volume();
     Framebuffer picture;
-    EXPECT_GT(render::render(volume, scene_of(volume, method_of(Accuracy::single)), small, picture).rays, 0U);
+    EXPECT_GT(render::render(volume, scene_of(volume, method_of(Accuracy::float32)), small, picture).rays, 0U);
     for (int time = 0; time < 2; ++time)
       for (const Accuracy accuracy : {Accuracy::certified, Accuracy::exact}) {
         const render::Method method = method_of(accuracy);
         for (const Mode mode : {Mode::isosurface, Mode::mip}) {
           Framebuffer none;
-          expect_error(Trouble::invalid,
+          expect_error(ErrorCode::invalid,
                        "packed.rho: ", [&] { render::render(volume, scene_of(volume, method, mode), small, none); });
           EXPECT_EQ(none.pixel_count(), 0U);
         }
-        expect_error(Trouble::invalid, "packed.rho: ", [&] { render::RayQuestions(volume, 1, method); });
-        expect_error(Trouble::invalid, "packed.rho: ", [&] { volume.prove_ranges(); });
+        expect_error(ErrorCode::invalid, "packed.rho: ", [&] { render::RayCaster(volume, 1, method); });
+        expect_error(ErrorCode::invalid, "packed.rho: ", [&] { volume.prove_ranges(); });
       }
   }
 }
@@ -115,11 +115,11 @@ TEST(RangeProof, asks_only_of_volumes_whose_answers_are_proven) {
   Scene scene = scene_of(volumes[0], method_of(Accuracy::certified));
   scene.layers.push_back(scene.layers[0]);
   scene.layers[1].volume = 1;
-  scene.layers[1].method = method_of(Accuracy::single);
+  scene.layers[1].method = method_of(Accuracy::float32);
   Framebuffer picture;
   EXPECT_GT(render::render(volumes, scene, small, picture).range_proof.bytes, 0U);
   scene.layers[1].method = method_of(Accuracy::certified);
-  expect_error(Trouble::invalid, "level 1", [&] { render::render(volumes, scene, small, picture); });
+  expect_error(ErrorCode::invalid, "level 1", [&] { render::render(volumes, scene, small, picture); });
 }
 
 TEST(RangeProof, is_made_once_although_several_threads_ask) {
@@ -143,7 +143,7 @@ TEST(RangeProof, is_not_taken_for_that_of_a_file_loaded_later) {
   const std::string sound = grid_file(), spoilt = narrowed(sound, "macro.1", IntervalStep::macro_levels);
   for (int time = 0; time < 20; ++time) {
     EXPECT_GT(TracedVolume(sound).volume().prove_ranges().bytes, 0U);
-    expect_error(Trouble::invalid, "level 1", [&] { TracedVolume(spoilt).volume().prove_ranges(); });
+    expect_error(ErrorCode::invalid, "level 1", [&] { TracedVolume(spoilt).volume().prove_ranges(); });
   }
 }
 

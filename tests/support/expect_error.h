@@ -5,18 +5,18 @@
 
 #include <string>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::tests {
 
 /// Expects that act() throws an Error of this kind whose sentence contains `words`.
 template <class Act>
-void expect_error(Trouble trouble, const std::string& words, Act&& act) {
+void expect_error(ErrorCode error_code, const std::string& words, Act&& act) {
   try {
     act();
     ADD_FAILURE() << "nothing was refused; expected: " << words;
   } catch (const Error& error) {
-    EXPECT_EQ(static_cast<int>(error.trouble()), static_cast<int>(trouble)) << error.what();
+    EXPECT_EQ(static_cast<int>(error.code()), static_cast<int>(error_code)) << error.what();
     EXPECT_THAT(error.what(), testing::HasSubstr(words));
   }
 }

@@ -14,7 +14,7 @@
 #include "tests/support/host_floating_point.h"
 #include "tests/tools/workbench.h"
 #include "tools/analysis/self_check.h"
-#include "tools/rhoray/scene/plan.h"
+#include "tools/rhoray/scene/resolve.h"
 
 namespace rhoray::tests {
 namespace {
@@ -139,13 +139,13 @@ TEST(SelfCheck, finds_the_levels_as_good_as_they_promise) {
 TEST(SelfCheck, notices_a_picture_that_is_wrong) {
   const Workbench bench;
   bench.make_ball();
-  tools::SceneWishes wishes{.data = std::vector<tools::DataWish>(1), .layers = std::vector<tools::LayerWish>(1)};
-  wishes.data[0].file = bench / "ball.rho";
-  wishes.layers[0].isovalues = {"60"};
-  wishes.layers[0].accuracy = "certified";
-  wishes.image.size = tools::PictureSize{80, 60};
-  tools::ScenePlan plan = tools::plan_layers(wishes);
-  tools::aim_camera(wishes, plan);
+  tools::SceneSpec scene_spec{.data = std::vector<tools::DataSpec>(1), .layers = std::vector<tools::LayerSpec>(1)};
+  scene_spec.data[0].file = bench / "ball.rho";
+  scene_spec.layers[0].isovalues = {"60"};
+  scene_spec.layers[0].accuracy = "certified";
+  scene_spec.image.size = tools::PictureSize{80, 60};
+  tools::ResolvedScene plan = tools::resolve_layers(scene_spec);
+  tools::aim_camera(scene_spec, plan);
   plan.frame.channels = tools::channels_to_check(plan);
   render::Framebuffer right;
   render::render(plan.volumes, plan.scene, plan.frame, right);
@@ -181,13 +181,13 @@ TEST(SelfCheck, does_not_depend_on_the_hosts_floating_point_environment) {
                              [](const Vec3& p) { return 1e-309 * (std::sin(5 * p.x) + std::sin(4 * p.y) * p.z); }),
       bench / "small.rho");
   const auto found = [&] {
-    tools::SceneWishes wishes{.data = std::vector<tools::DataWish>(1), .layers = std::vector<tools::LayerWish>(1)};
-    wishes.data[0].file = bench / "small.rho";
-    wishes.layers[0].isovalues = {"7e-310"};
-    wishes.layers[0].accuracy = "certified";
-    wishes.image.size = tools::PictureSize{60, 45};
-    tools::ScenePlan plan = tools::plan_layers(wishes);
-    tools::aim_camera(wishes, plan);
+    tools::SceneSpec scene_spec{.data = std::vector<tools::DataSpec>(1), .layers = std::vector<tools::LayerSpec>(1)};
+    scene_spec.data[0].file = bench / "small.rho";
+    scene_spec.layers[0].isovalues = {"7e-310"};
+    scene_spec.layers[0].accuracy = "certified";
+    scene_spec.image.size = tools::PictureSize{60, 45};
+    tools::ResolvedScene plan = tools::resolve_layers(scene_spec);
+    tools::aim_camera(scene_spec, plan);
     plan.frame.channels = tools::channels_to_check(plan);
     render::Framebuffer picture;
     render::render(plan.volumes, plan.scene, plan.frame, picture);

@@ -7,9 +7,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tests/tools/workbench.h"
-#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/method_names.h"
 
 namespace rhoray::tests {
 namespace {
@@ -28,7 +28,7 @@ TEST(MethodWords, name_every_method_and_are_read_back) {
     for (const std::string& word : words) {
       const tools::MethodOption option = tools::option_of(tools::method_named(word, mode, is_mesh), mode, is_mesh);
       const render::Method method = tools::method_named(word, mode, is_mesh);
-      const bool is_level = method.way == render::Method::Way::direct;
+      const bool is_level = method.algorithm == render::Method::Algorithm::direct;
       EXPECT_EQ(option.option, is_level ? "--accuracy" : "--method");
       EXPECT_EQ(option.word, is_level ? word.substr(word.find(':') + 1) : word);
     }
@@ -49,7 +49,7 @@ TEST(MethodWords, refuse_what_does_not_answer_the_question) {
     try {
       tools::method_named(word, mode, is_mesh);
     } catch (const Error& error) {
-      EXPECT_EQ(error.trouble(), Trouble::usage);
+      EXPECT_EQ(error.code(), ErrorCode::usage);
       return std::string(error.what());
     }
     return std::string("not refused: " + word);

@@ -10,7 +10,7 @@
 #include "tests/tools/workbench.h"
 #include "tools/analysis/choice.h"
 #include "tools/analysis/truth.h"
-#include "tools/rhoray/scene/plan.h"
+#include "tools/rhoray/scene/resolve.h"
 
 // What --max-error promises: 99 % of a picture's pixels keep the error, of which the choice has seen a small picture.
 // Here all of them are judged by exact arithmetic.
@@ -45,21 +45,21 @@ struct Shown {
 };
 
 /// Plans a picture of 280 x 210 pixels: three times as many as the choice tries methods on.
-ScenePlan planned(const Workbench& bench, const Shown& shown) {
-  SceneWishes wishes{.data = std::vector<DataWish>(1), .layers = std::vector<LayerWish>(1)};
-  wishes.data[0].file = bench / shown.file;
-  wishes.data[0].field = shown.field;
-  wishes.layers[0].type = shown.is_projection ? LayerType::mip : LayerType::isosurface;
-  if (!shown.is_projection) wishes.layers[0].isovalues = {shown.isovalue};
-  wishes.camera.view = shown.view;
-  wishes.image.size = PictureSize{280, 210};
-  ScenePlan plan = plan_layers(wishes);
-  aim_camera(wishes, plan);
+ResolvedScene planned(const Workbench& bench, const Shown& shown) {
+  SceneSpec scene_spec{.data = std::vector<DataSpec>(1), .layers = std::vector<LayerSpec>(1)};
+  scene_spec.data[0].file = bench / shown.file;
+  scene_spec.data[0].field = shown.field;
+  scene_spec.layers[0].type = shown.is_projection ? LayerType::mip : LayerType::isosurface;
+  if (!shown.is_projection) scene_spec.layers[0].isovalues = {shown.isovalue};
+  scene_spec.camera.view = shown.view;
+  scene_spec.image.size = PictureSize{280, 210};
+  ResolvedScene plan = resolve_layers(scene_spec);
+  aim_camera(scene_spec, plan);
   return plan;
 }
 
 void expect_kept(const Workbench& bench, const Shown& shown) {
-  const ScenePlan plan = planned(bench, shown);
+  const ResolvedScene plan = planned(bench, shown);
   const render::Volume& volume = plan.volumes[0];
   const FieldTruth field(volume);
   const Truth truth = find_truth({.volume = volume,
@@ -72,7 +72,7 @@ void expect_kept(const Workbench& bench, const Shown& shown) {
   const Interval<double> range = volume.field().range;
   const double unit = shown.is_projection ? range.hi - range.lo : 1;
   for (const double error : {0.3, 0.01, 1e-6}) {
-    ScenePlan chosen = plan;
+    ResolvedScene chosen = plan;
     const std::vector<Choice> choices = choose_methods(chosen, {.max_error = error, .budget_ms = {}}, 0);
     ASSERT_EQ(choices.size(), 1U);
     EXPECT_TRUE(choices[0].meets_goal) << "the exact level always does";
@@ -108,7 +108,7 @@ TEST(AccuracyPromise, holds_in_the_whole_picture_of_five_made_data_sets) {
 TEST(AccuracyPromise, of_a_billionth_of_a_cell_is_not_left_to_single_precision) {
   const Workbench bench;
   pack_grid(bench, "smooth.rho", distance_field({0.1, 0, -0.1}));
-  ScenePlan plan = planned(bench, {.file = "smooth.rho", .field = {}, .isovalue = "0.6"});
+  ResolvedScene plan = planned(bench, {.file = "smooth.rho", .field = {}, .isovalue = "0.6"});
   const std::vector<Choice> choices = choose_methods(plan, {.max_error = 1e-9, .budget_ms = {}}, 0);
   ASSERT_EQ(choices.size(), 1U);
   EXPECT_TRUE(choices[0].meets_goal);
@@ -120,7 +120,7 @@ TEST(AccuracyErrors, grow_with_a_method_that_is_made_worse_step_by_step) {
   const Workbench bench;
   preprocess::pack_mesh(box_mesh({.cells = {6, 6, 6}, .jitter = 0.1}, distance_field({0.2, 0.1, 0})),
                         bench / "mesh.rho");
-  const ScenePlan plan = planned(bench, {.file = "mesh.rho", .field = {}, .isovalue = "0.7"});
+  const ResolvedScene plan = planned(bench, {.file = "mesh.rho", .field = {}, .isovalue = "0.7"});
   const render::Volume& volume = plan.volumes[0];
   const FieldTruth field(volume);
   const Truth truth =
@@ -134,7 +134,7 @@ TEST(AccuracyErrors, grow_with_a_method_that_is_made_worse_step_by_step) {
   std::uint64_t false_hits = 0;
   double largest = 0;
   for (const double slack : {1e-3, 0.1, 0.4, 0.9}) {
-    const ErrorCounts errors = counted({.way = render::Method::Way::slack, .slack = slack});
+    const ErrorCounts errors = counted({.algorithm = render::Method::Algorithm::slack, .slack = slack});
     EXPECT_GE(errors.false_hits, false_hits) << slack;
     EXPECT_GE(errors.error->largest, largest) << slack;
     false_hits = errors.false_hits;
@@ -144,7 +144,7 @@ TEST(AccuracyErrors, grow_with_a_method_that_is_made_worse_step_by_step) {
   EXPECT_GT(largest, 0.1);
   std::uint64_t missed = 0;
   for (const double step : {0.05, 0.5, 5.0}) {
-    const ErrorCounts errors = counted({.way = render::Method::Way::sampled, .step = step});
+    const ErrorCounts errors = counted({.algorithm = render::Method::Algorithm::sampled, .step = step});
     EXPECT_GE(errors.missed, missed) << step;
     missed = errors.missed;
   }

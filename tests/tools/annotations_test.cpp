@@ -253,9 +253,10 @@ TEST(Text, has_the_letters_of_many_languages) {
 }
 
 TEST(Text, without_a_font_names_the_package_that_brings_it) {
-  expect_error(Trouble::unsupported, "annotations need the font DejaVu Sans; there is no /nowhere/DejaVuSans.ttf", [] {
-    find_font({"/nowhere/DejaVuSans.ttf", "/nor/here.ttf"});
-  });
+  expect_error(ErrorCode::unsupported, "annotations need the font DejaVu Sans; there is no /nowhere/DejaVuSans.ttf",
+               [] {
+                 find_font({"/nowhere/DejaVuSans.ttf", "/nor/here.ttf"});
+               });
   try {
     find_font({"/nowhere/DejaVuSans.ttf"});
   } catch (const Error& error) {

@@ -59,10 +59,10 @@ TEST(PictureDifference, takes_the_same_number_that_is_not_finite_as_equal_and_ot
 
 TEST(PictureDifference, is_refused_between_pictures_that_cannot_be_compared) {
   const StoredPicture a = two_by_one({"R"}, {0, 1});
-  expect_error(Trouble::invalid, "b.png: found 1x2 pixels; expected 2x1, as in a.png", [&] {
+  expect_error(ErrorCode::invalid, "b.png: found 1x2 pixels; expected 2x1, as in a.png", [&] {
     difference_of(a, {.width = 1, .height = 2, .channels = {"R"}, .numbers = {0, 1}}, "a.png", "b.png");
   });
-  expect_error(Trouble::invalid, "b.png: found channels Z; expected some of R, as in a.png", [&] {
+  expect_error(ErrorCode::invalid, "b.png: found channels Z; expected some of R, as in a.png", [&] {
     difference_of(a, two_by_one({"Z"}, {0, 1}), "a.png", "b.png");
   });
 }

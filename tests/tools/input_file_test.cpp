@@ -16,12 +16,12 @@ TEST(InputFile, that_is_missing_is_refused_with_the_nearest_name) {
     require_input(folder / "bome.vtu");
     FAIL() << "a missing file was taken";
   } catch (const Error& error) {
-    EXPECT_EQ(error.trouble(), Trouble::unreadable);
+    EXPECT_EQ(error.code(), ErrorCode::unreadable);
     EXPECT_EQ(error.hint(), "did you mean bone.vtu?");
   }
   EXPECT_NO_THROW(require_input(folder / "bone.vtu"));
-  expect_error(Trouble::unreadable, "is a folder", [&] { require_input(folder.path()); });
-  expect_error(Trouble::unreadable, "no folder", [&] { require_input(folder / "nowhere/bone.vtu"); });
+  expect_error(ErrorCode::unreadable, "is a folder", [&] { require_input(folder.path()); });
+  expect_error(ErrorCode::unreadable, "no folder", [&] { require_input(folder / "nowhere/bone.vtu"); });
 }
 
 }  // namespace

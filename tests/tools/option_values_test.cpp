@@ -17,7 +17,7 @@ template <class T>
 void expect_refused(std::initializer_list<const char*> texts) {
   for (const char* text : texts) {
     SCOPED_TRACE(text);
-    tests::expect_error(Trouble::usage, "found '", [&] { read<T>(text); });
+    tests::expect_error(ErrorCode::usage, "found '", [&] { read<T>(text); });
   }
 }
 

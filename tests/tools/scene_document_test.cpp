@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/scene_documents.h"
-#include "tools/rhoray/scene/plan.h"
+#include "tools/rhoray/scene/resolve.h"
 #include "tools/rhoray/scene/schema.h"
-#include "tools/rhoray/scene/spelled_out.h"
 #include "tools/rhoray/scene/tables.h"
+#include "tools/rhoray/scene/to_spec.h"
 
 namespace rhoray::tests {
 namespace {
@@ -16,10 +16,10 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using tools::Json;
 
-tools::ScenePlan planned(const std::filesystem::path& file) {
+tools::ResolvedScene planned(const std::filesystem::path& file) {
   const tools::SceneDocument document = tools::read_scene(file);
-  tools::ScenePlan plan = tools::plan_layers(document.wishes);
-  tools::aim_camera(document.wishes, plan);
+  tools::ResolvedScene plan = tools::resolve_layers(document.scene_spec);
+  tools::aim_camera(document.scene_spec, plan);
   return plan;
 }
 
@@ -28,7 +28,7 @@ TEST_F(SceneDocument, shows_several_isovalues_of_several_files) {
     "layers": [{"type": "isosurface", "data": "b", "isovalue": [50, "p99", 900], "specular": 0},
                {"type": "mip", "data": "b", "visible": false},
                {"type": "isosurface", "data": "x", "isovalue": 0.5, "color": [0.5, 0.25, 0]}]})");
-  const tools::ScenePlan plan = planned(bench() / "s.json");
+  const tools::ResolvedScene plan = planned(bench() / "s.json");
   ASSERT_EQ(plan.scene.layers.size(), 3U);
   EXPECT_EQ(plan.volumes.size(), 2U);
   EXPECT_EQ(plan.scene.layers[0].isovalue, 50);
@@ -52,10 +52,11 @@ TEST_F(SceneDocument, opens_a_texture_once_and_only_where_a_visible_layer_names_
                                           R"("t": {"file": "ball.txt"}}, "layers": [)", layers, "]}"));
     return planned(bench() / "s.json");
   };
-  const tools::ScenePlan none = plan_with(R"({"type": "isosurface", "data": "b", "isovalue": 100},
+  const tools::ResolvedScene none = plan_with(R"({"type": "isosurface", "data": "b", "isovalue": 100},
     {"type": "isosurface", "data": "b", "isovalue": 90, "texture": "t", "visible": false})");
   EXPECT_EQ(none.textures.size(), 0U);
-  const tools::ScenePlan two = plan_with(R"({"type": "isosurface", "data": "b", "isovalue": [100, 110], "texture": "p"},
+  const tools::ResolvedScene two =
+      plan_with(R"({"type": "isosurface", "data": "b", "isovalue": [100, 110], "texture": "p"},
     {"type": "isosurface", "data": "b", "isovalue": 90, "texture": "p"})");
   ASSERT_EQ(two.textures.size(), 1U);
   ASSERT_EQ(two.scene.layers.size(), 3U);
@@ -96,7 +97,7 @@ TEST_F(SceneDocument, gives_surfaces_without_a_colour_one_each_only_where_there_
     for (std::size_t j = 0; j < i; ++j) EXPECT_GT((eight[i] - eight[j]).length(), 0.1) << i << " " << j;
 }
 
-TEST_F(SceneDocument, spelled_out_is_planned_to_the_same_scene) {
+TEST_F(SceneDocument, a_resolved_scene_as_a_spec_is_resolved_to_the_same_scene) {
   write_file(bench() / "s.json",
              R"({"data": {"b": {"file": "ball.rho"}, "x": {"file": "box.rho"}, "p": {"file": "photo.rho"}},
     "layers": [{"type": "isosurface", "data": "b", "isovalue": ["auto", 33.3], "method": "sampled:0.25+bisect"},
@@ -115,12 +116,12 @@ TEST_F(SceneDocument, spelled_out_is_planned_to_the_same_scene) {
              "keep": "outside"},
     "camera": {"azimuth": 33.3, "elevation": -71.7, "zoom": 1.7, "ortho": true},
     "image": {"size": [40, 30], "channels": ["depth", "cost"], "show": "roots", "hierarchy": false}})");
-  const Json first = tools::scene_json(tools::spelled_out(planned(bench() / "s.json")));
+  const Json first = tools::scene_json(tools::to_spec(planned(bench() / "s.json")));
   std::filesystem::create_directory(bench() / "elsewhere");
   write_file(bench() / "elsewhere/t.json",
-             tools::scene_json(tools::spelled_out(planned(bench() / "s.json")), bench() / "elsewhere").dump());
+             tools::scene_json(tools::to_spec(planned(bench() / "s.json")), bench() / "elsewhere").dump());
   EXPECT_THAT(read_file(bench() / "elsewhere/t.json"), HasSubstr("\"../ball.rho\""));
-  const tools::ScenePlan again = planned(bench() / "elsewhere/t.json");
+  const tools::ResolvedScene again = planned(bench() / "elsewhere/t.json");
   EXPECT_EQ(again.frame.width, 40);
   EXPECT_TRUE(again.frame.channels.cost);
   EXPECT_FALSE(again.frame.use_hierarchy);
@@ -141,7 +142,7 @@ TEST_F(SceneDocument, spelled_out_is_planned_to_the_same_scene) {
   EXPECT_EQ(again.scene.clip->planes.at(0).normal, Vec3(1, 2, 3));
   EXPECT_TRUE(again.scene.clip->cuts_away);
   EXPECT_FALSE(again.scene.layers.at(2).clipped);
-  Json second = tools::scene_json(tools::spelled_out(again));
+  Json second = tools::scene_json(tools::to_spec(again));
   second["data"] = first["data"];  // by other ways
   EXPECT_EQ(second.dump(), first.dump());
 }
@@ -184,26 +185,26 @@ TEST_F(SceneDocument, shows_triangles_as_a_layer_of_their_own) {
     "layers": [{"type": "isosurface", "data": "b", "isovalue": 100},
                {"type": "mesh", "data": "c", "normals": "smooth", "opacity": 0.5, "specular": 0},
                {"type": "mesh", "data": "c", "color": [1, 0, 0], "accuracy": "double"}]})");
-  const tools::ScenePlan plan = planned(bench() / "s.json");
+  const tools::ResolvedScene plan = planned(bench() / "s.json");
   ASSERT_EQ(plan.scene.layers.size(), 3U);
   const render::Layer& first = plan.scene.layers[1];
   EXPECT_EQ(first.mode, render::Mode::triangles);
   EXPECT_EQ(first.surface.normals, render::Normals::smooth);
   EXPECT_EQ(first.surface.opacity, 0.5);
-  EXPECT_EQ(first.method, render::method_of(render::Accuracy::single)) << "triangles have no certified level";
-  EXPECT_EQ(plan.scene.layers[2].method, render::method_of(render::Accuracy::twofold));
+  EXPECT_EQ(first.method, render::method_of(render::Accuracy::float32)) << "triangles have no certified level";
+  EXPECT_EQ(plan.scene.layers[2].method, render::method_of(render::Accuracy::float64));
   EXPECT_EQ(plan.scene.layers[2].surface.color, Vec3(1, 0, 0));
   EXPECT_NE(first.surface.color, plan.scene.layers[0].surface.color);
-  const Json spelled = tools::scene_json(tools::spelled_out(plan));
+  const Json spelled = tools::scene_json(tools::to_spec(plan));
   EXPECT_EQ(spelled["layers"][1]["type"], "mesh");
   EXPECT_FALSE(spelled["layers"][1].contains("isovalue"));
 }
 
 TEST_F(SceneDocument, knows_triangles_by_the_older_type_too) {
   write_file(bench() / "s.json", R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "isosurface"}]})");
-  const tools::ScenePlan plan = planned(bench() / "s.json");
+  const tools::ResolvedScene plan = planned(bench() / "s.json");
   EXPECT_EQ(plan.scene.layers.at(0).mode, render::Mode::triangles);
-  EXPECT_EQ(tools::scene_json(tools::spelled_out(plan))["layers"][0]["type"], "mesh");
+  EXPECT_EQ(tools::scene_json(tools::to_spec(plan))["layers"][0]["type"], "mesh");
 }
 
 TEST_F(SceneDocument, notes_lights_that_may_not_be_meant_and_surfaces_that_are_not_traced) {
@@ -265,7 +266,7 @@ TEST_F(SceneDocument, fits_occlusion_and_fog_to_what_is_shown_where_they_say_no_
   write_file(bench() / "s.json", R"({"data": {"b": {"file": "ball.rho"}}, "layers": [{"type": "mip"}],
     "effects": {"ambient_occlusion": {}, "fog": {}}, "camera": {"view": "-y", "ortho": true},
     "image": {"background": [0.25, 0.5, 1]}})");
-  const tools::ScenePlan plan = planned(bench() / "s.json");
+  const tools::ResolvedScene plan = planned(bench() / "s.json");
   const Box3 box = plan.volumes[0].bounds();
   EXPECT_DOUBLE_EQ(plan.scene.occlusion.radius, box.size().length() / 10);
   EXPECT_EQ(plan.scene.occlusion.samples, 16);
@@ -278,14 +279,14 @@ TEST_F(SceneDocument, fits_occlusion_and_fog_to_what_is_shown_where_they_say_no_
 
 TEST_F(SceneDocument, without_lights_has_one_white_light_at_the_eye_and_no_effects) {
   write_file(bench() / "s.json", with("accuracy", "\"double\""));
-  const tools::ScenePlan plan = planned(bench() / "s.json");
+  const tools::ResolvedScene plan = planned(bench() / "s.json");
   ASSERT_EQ(plan.scene.lights.size(), 1U);
   EXPECT_EQ(plan.scene.lights[0].kind, render::Light::Kind::head);
   EXPECT_EQ(plan.scene.lights[0].color, Vec3(1, 1, 1));
   EXPECT_EQ(plan.scene.occlusion.radius, 0);
   EXPECT_FALSE(plan.scene.fog);
-  EXPECT_FALSE(tools::scene_json(tools::spelled_out(plan)).contains("lights"));
-  EXPECT_FALSE(tools::scene_json(tools::spelled_out(plan)).contains("effects"));
+  EXPECT_FALSE(tools::scene_json(tools::to_spec(plan)).contains("lights"));
+  EXPECT_FALSE(tools::scene_json(tools::to_spec(plan)).contains("effects"));
   write_file(bench() / "s.json", with("lights", R"([{"type": "head"}, {"type": "head", "intensity": 0}])"));
   EXPECT_THAT(planned(bench() / "s.json").notes, ElementsAre("light 1 shines with no intensity: not traced"));
 }

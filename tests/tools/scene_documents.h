@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tests/tools/workbench.h"
 #include "tools/rhoray/scene/document.h"
-#include "tools/rhoray/scene/plan.h"
+#include "tools/rhoray/scene/resolve.h"
 
 /// Scene documents that are read and planned, and what is said of them.
 namespace rhoray::tests {
@@ -50,12 +50,12 @@ class SceneDocument : public testing::Test {
     try {
       const tools::SceneDocument document = tools::read_scene(bench() / "s.json");
       for (const std::string& warning : document.warnings) answer.warnings.push_back(without_folder(warning));
-      tools::ScenePlan plan = tools::plan_layers(document.wishes);
-      tools::aim_camera(document.wishes, plan);
+      tools::ResolvedScene plan = tools::resolve_layers(document.scene_spec);
+      tools::aim_camera(document.scene_spec, plan);
     } catch (const Error& error) {
       answer.fact = without_folder(error.what());
       answer.hint = without_folder(error.hint());
-      answer.exit_code = static_cast<int>(error.trouble());
+      answer.exit_code = static_cast<int>(error.code());
     }
     return answer;
   }

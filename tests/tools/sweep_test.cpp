@@ -114,10 +114,10 @@ TEST_F(SweepCommand, draws_numbered_pictures_of_which_each_draws_itself_again) {
 
 TEST_F(SweepCommand, keeps_one_distance_from_which_every_frame_shows_all) {
   write_file(bench() / "round.json", scene(R"([{"time": 0, "azimuth": 0}, {"time": 1, "azimuth": 360}])"));
-  SceneWishes wishes = read_scene(bench() / "round.json").wishes;
-  wishes.image.frames = 9;
-  Sweep sweep(wishes);
-  ScenePlan plan = plan_layers(sweep.wishes_at(0));
+  SceneSpec scene_spec = read_scene(bench() / "round.json").scene_spec;
+  scene_spec.image.frames = 9;
+  Sweep sweep(scene_spec);
+  ResolvedScene plan = resolve_layers(sweep.spec_at(0));
   for (int frame = 0; frame < 9; ++frame) {
     sweep.plan_frame(frame, plan);
     const render::Camera camera = plan.scene.camera;
@@ -127,8 +127,8 @@ TEST_F(SweepCommand, keeps_one_distance_from_which_every_frame_shows_all) {
     const double azimuth = frame * std::numbers::pi / 4, level = std::cos(20 * std::numbers::pi / 180);
     EXPECT_NEAR(back.x, level * std::sin(azimuth), 1e-9);
     EXPECT_NEAR(back.y, -level * std::cos(azimuth), 1e-9);
-    ScenePlan alone = plan_layers(sweep.wishes_at(sweep.time_of(frame)));
-    aim_camera(sweep.wishes_at(sweep.time_of(frame)), alone);
+    ResolvedScene alone = resolve_layers(sweep.spec_at(sweep.time_of(frame)));
+    aim_camera(sweep.spec_at(sweep.time_of(frame)), alone);
     EXPECT_LE((alone.scene.camera.position - alone.scene.camera.target).length(), distance * (1 + 1e-12));
   }
 }
@@ -136,10 +136,10 @@ TEST_F(SweepCommand, keeps_one_distance_from_which_every_frame_shows_all) {
 TEST_F(SweepCommand, goes_through_places_exactly) {
   write_file(bench() / "fly.json", scene(R"([{"time": 0, "position": [60, 0, 12], "target": [12, 12, 12]},
     {"time": 1, "position": [12, -40, 30]}, {"time": 2, "position": [-50, 12, 12], "target": [12, 12, 10]}])"));
-  SceneWishes wishes = read_scene(bench() / "fly.json").wishes;
-  wishes.image.frames = 5;
-  Sweep sweep(wishes);
-  ScenePlan plan = plan_layers(sweep.wishes_at(0));
+  SceneSpec scene_spec = read_scene(bench() / "fly.json").scene_spec;
+  scene_spec.image.frames = 5;
+  Sweep sweep(scene_spec);
+  ResolvedScene plan = resolve_layers(sweep.spec_at(0));
   const Vec3 positions[] = {{60, 0, 12}, {12, -40, 30}, {-50, 12, 12}};
   for (int key = 0; key < 3; ++key) {
     sweep.plan_frame(2 * key, plan);

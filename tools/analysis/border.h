@@ -6,7 +6,7 @@
 
 #include "formats/tet_mesh.h"
 #include "render/load.h"
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "tools/validate/grid_field.h"
 
 namespace rhoray::tools {

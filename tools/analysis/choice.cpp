@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "render/render.h"
 #include "tools/analysis/truth.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/method_names.h"
 
 namespace rhoray::tools {
 
@@ -31,7 +31,7 @@ constexpr CandidateRow candidate_rows[] = {{"preview", true, true, false},
                                            {"sampled:0.5+linear", false, true, true},
                                            {"sampled:0.25+linear", false, true, true}};
 
-PictureSize small_size(const ScenePlan& plan) {
+PictureSize small_size(const ResolvedScene& plan) {
   const double pixels = static_cast<double>(plan.frame.width) * plan.frame.height;
   const double shrink = std::max(1.0, std::sqrt(pixels / small_pixels));
   const auto side = [&](int whole) { return std::max(1, static_cast<int>(std::lround(whole / shrink))); };
@@ -56,7 +56,7 @@ struct Alone {
 
 double traced_ms(Alone& alone) {
   render::Framebuffer picture;
-  render::FrameMemory memory;
+  render::RenderContext memory;
   const render::FrameOptions frame{.width = alone.size.width, .height = alone.size.height, .threads = alone.threads};
   std::vector<double> ms;
   for (int time = 0; time <= times; ++time) {
@@ -71,15 +71,15 @@ double traced_ms(Alone& alone) {
 
 /// True of what proves its answers to be closer than that.
 bool is_proven(const render::Method& method, double max_error, bool is_projection, bool is_mesh) {
-  if (method.way == render::Method::Way::judged) return max_error >= 1e-9;
-  return method.way == render::Method::Way::certified && !is_projection && !is_mesh && max_error >= 1e-3;
+  if (method.algorithm == render::Method::Algorithm::exact) return max_error >= 1e-9;
+  return method.algorithm == render::Method::Algorithm::certified && !is_projection && !is_mesh && max_error >= 1e-3;
 }
 
 Candidate tried(Alone& alone, const render::Method& method, const Truth& truth, const FieldTruth& field,
                 const Goal& goal, std::stop_token stop) {
   alone.layer().method = method;
   Candidate candidate{.method = method, .word = option_of(method, alone.layer().mode, alone.volume.is_mesh()).word};
-  const bool is_exact = method.way == render::Method::Way::judged;
+  const bool is_exact = method.algorithm == render::Method::Algorithm::exact;
   const std::vector<render::Hit> hits = is_exact ? truth.hits
                                                  : answers({.volume = alone.volume,
                                                             .mode = alone.layer().mode,
@@ -157,10 +157,10 @@ std::vector<Option> goal_options(Goal& goal) {
 void check(const Goal& goal) {
   for (const auto& [name, number] : {std::pair{"--max-error", goal.max_error}, {"--budget-ms", goal.budget_ms}})
     if (number && !(*number > 0))
-      throw Error(Trouble::usage, concat(name, ": found ", *number, "; expected a number above 0"));
+      throw Error(ErrorCode::usage, concat(name, ": found ", *number, "; expected a number above 0"));
 }
 
-Choice choose_method(const ScenePlan& plan, std::size_t index, const Goal& goal, unsigned threads,
+Choice choose_method(const ResolvedScene& plan, std::size_t index, const Goal& goal, unsigned threads,
                      std::stop_token stop) {
   const render::Layer& layer = plan.scene.layers[index];
   Alone alone{.volume = plan.volumes[layer.volume], .scene = plan.scene, .size = small_size(plan), .threads = threads};
@@ -187,7 +187,7 @@ Choice choose_method(const ScenePlan& plan, std::size_t index, const Goal& goal,
   return chosen_of(candidates, goal, alone);
 }
 
-std::vector<Choice> choose_methods(ScenePlan& plan, const Goal& goal, unsigned threads) {
+std::vector<Choice> choose_methods(ResolvedScene& plan, const Goal& goal, unsigned threads) {
   std::vector<std::size_t> layers;
   for (std::size_t layer = 0; layer < plan.scene.layers.size(); ++layer)
     if (const render::Mode mode = plan.scene.layers[layer].mode;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tools/rhoray/option_values.h"
-#include "tools/rhoray/scene/plan.h"
+#include "tools/rhoray/scene/resolve.h"
 
 namespace rhoray::tools {
 
@@ -19,7 +19,7 @@ struct Goal {
   bool is_given() const { return max_error || budget_ms; }
 };
 std::vector<Option> goal_options(Goal& goal);  ///< --max-error, --budget-ms
-void check(const Goal& goal);                  ///< refuses numbers that are not above 0 (Trouble::usage)
+void check(const Goal& goal);                  ///< refuses numbers that are not above 0 (ErrorCode::usage)
 
 /// A method that was tried on a small picture of the scene.
 struct Candidate {
@@ -41,10 +41,10 @@ struct Choice {
 /// the cheapest that keeps the error, or the best that keeps the time. Where no method keeps both, the error is kept;
 /// where none keeps the time, the fastest is taken; the sentence says so.
 /// @param goal  with several layers: of this layer
-Choice choose_method(const ScenePlan& plan, std::size_t layer, const Goal& goal, unsigned threads,
+Choice choose_method(const ResolvedScene& plan, std::size_t layer, const Goal& goal, unsigned threads,
                      std::stop_token stop = {});
 
 /// Chooses for every isosurface and projection, which share the time, and puts the methods into the plan.
-std::vector<Choice> choose_methods(ScenePlan& plan, const Goal& goal, unsigned threads);
+std::vector<Choice> choose_methods(ResolvedScene& plan, const Goal& goal, unsigned threads);
 
 }  // namespace rhoray::tools

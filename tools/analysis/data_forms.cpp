@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "formats/base/checks.h"
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/export_grid.h"
 #include "preprocess/pack_mesh.h"
@@ -86,7 +86,7 @@ std::uint64_t memory_limit(const FormOptions& options) {
 
 void require_grid(const render::Volume& volume) {
   if (volume.file().description().kind != "grid")
-    throw Error(Trouble::unsupported, "an OpenVDB file; packed grids are copied with fewer bits");
+    throw Error(ErrorCode::unsupported, "an OpenVDB file; packed grids are copied with fewer bits");
 }
 
 }  // namespace
@@ -98,7 +98,7 @@ const FormedData& DataForms::get(const DataForm& form, const FormOptions& option
   if (found == made_.end()) try {
       found = made_.emplace(name, make(form, options)).first;
     } catch (const Error& error) {
-      if (error.trouble() != Trouble::interrupted) refused_.emplace(name, error);
+      if (error.code() != ErrorCode::interrupted) refused_.emplace(name, error);
       throw;
     }
   return found->second;
@@ -123,14 +123,14 @@ FormedData DataForms::quantize_grid(int bits, const FormOptions& options) const 
   const formats::FieldSummary& field = volume_.field();
   const std::size_t position = grid.find_field(field.name).value();
   if (grid.description().layout.is_sparse || field.no_data_count > 0)
-    throw Error(Trouble::unsupported, "samples without data, which whole numbers do not hold");
+    throw Error(ErrorCode::unsupported, "samples without data, which whole numbers do not hold");
   if (whole_bits(field.type) <= bits)
-    throw Error(Trouble::unsupported, concat("the data are whole numbers of ", whole_bits(field.type), " bits"));
+    throw Error(ErrorCode::unsupported, concat("the data are whole numbers of ", whole_bits(field.type), " bits"));
   const std::uint64_t needed = 4 * static_cast<std::uint64_t>(volume(grid.description().layout.sample_count)) *
                                static_cast<std::uint64_t>(bits / 8);
   if (needed > memory_limit(options))
-    throw Error(Trouble::resource, concat("a copy takes ", bytes_text(needed), " of memory; the limit is ",
-                                          bytes_text(memory_limit(options))));
+    throw Error(ErrorCode::resource, concat("a copy takes ", bytes_text(needed), " of memory; the limit is ",
+                                            bytes_text(memory_limit(options))));
   const Stopwatch watch;
   const double width = field.range.hi - field.range.lo;
   FormedData made{.volume = volume_, .scale = width > 0 ? (std::exp2(bits) - 1) / width : 1, .offset = field.range.lo};
@@ -188,7 +188,7 @@ FormedData DataForms::resample(const DataForm& form, const FormOptions& options)
   double sampling_s = sampled == made_.end() ? 0 : sampled->second.preprocess_s;
   if (!is_vdb || sampled == made_.end()) {
     if (options.seconds > 0 && foreseen_s(form) > options.seconds)
-      throw Error(Trouble::resource, concat("would take some ", rounded(foreseen_s(form), 2), " s to make"));
+      throw Error(ErrorCode::resource, concat("would take some ", rounded(foreseen_s(form), 2), " s to make"));
     const preprocess::NeutralMesh& whole = mesh();
     const Stopwatch watch;
     preprocess::resample(whole, grid,

@@ -7,7 +7,7 @@
 #include <stop_token>
 #include <string>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/neutral.h"
 #include "preprocess/progress.h"
 #include "render/load.h"
@@ -40,7 +40,7 @@ class DataForms {
  public:
   explicit DataForms(render::Volume volume) : volume_(std::move(volume)) {}
 
-  /// Refuses with an Error that says why a form does not apply or does not fit (Trouble::unsupported or resource); an
+  /// Refuses with an Error that says why a form does not apply or does not fit (ErrorCode::unsupported or resource); an
   /// interrupt is what progress throws.
   const FormedData& get(const DataForm& form, const FormOptions& options);
 

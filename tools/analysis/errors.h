@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 
 namespace rhoray::tools {
 

@@ -3,7 +3,7 @@
 #include <memory>
 #include <optional>
 
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 
 namespace rhoray::tools {
 

@@ -13,14 +13,14 @@
 #include <string_view>
 #include <utility>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::tools {
 
 namespace {
 
 [[noreturn]] void refuse(const char* call) {
-  throw Error(Trouble::resource, concat("plots: ", call, ": ", std::strerror(errno)));
+  throw Error(ErrorCode::resource, concat("plots: ", call, ": ", std::strerror(errno)));
 }
 
 /// A descriptor that is closed at the end of its scope.
@@ -94,11 +94,11 @@ GnuplotRun run_gnuplot(const std::string& script) {
   std::string program = "gnuplot", argument = concat("/dev/fd/", script_descriptor);
   char* const words[] = {program.data(), argument.data(), nullptr};
   pid_t child = 0;
-  const int trouble = ::posix_spawnp(&child, "gnuplot", &actions, &attributes, words, environ);
+  const int error_code = ::posix_spawnp(&child, "gnuplot", &actions, &attributes, words, environ);
   ::posix_spawnattr_destroy(&attributes);
   ::posix_spawn_file_actions_destroy(&actions);
   GnuplotRun run;
-  if (trouble != 0) return run;
+  if (error_code != 0) return run;
   speak.close();
   run.out = content_of(hear.number());
   int status = 0;
@@ -128,7 +128,7 @@ std::string drawn_by_gnuplot(const std::string& script) {
   if (run.status != 0 || run.out.find("</svg>") == std::string::npos) {
     for (char& letter : run.err)
       if (letter == '\n') letter = ' ';
-    throw Error(Trouble::unsupported, concat("gnuplot ended with ", run.status, ": ", run.err));
+    throw Error(ErrorCode::unsupported, concat("gnuplot ended with ", run.status, ": ", run.err));
   }
   return run.out;
 }

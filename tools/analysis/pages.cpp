@@ -9,12 +9,12 @@
 #include <cstring>
 #include <utility>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tools/analysis/gnuplot.h"
 #include "tools/analysis/heat_map.h"
 #include "tools/analysis/html.h"
 #include "tools/analysis/plots.h"
-#include "tools/analysis/variant_words.h"
+#include "tools/analysis/variant_names.h"
 #include "tools/pictures/pictures.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/version.h"
@@ -282,23 +282,23 @@ void require_results_folder(const std::filesystem::path& folder, bool may_replac
   const std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
   if (std::filesystem::exists(whole, ignored)) {
     if (!std::filesystem::is_directory(whole, ignored))
-      throw Error(Trouble::usage, concat(folder.string(), ": is not a folder"));
+      throw Error(ErrorCode::usage, concat(folder.string(), ": is not a folder"));
     if (!may_replace && !std::filesystem::is_empty(whole, ignored))
-      throw Error(Trouble::usage, concat(folder.string(), ": is there already, and is not empty"),
+      throw Error(ErrorCode::usage, concat(folder.string(), ": is there already, and is not empty"),
                   "--force replaces what stands in it under the names of the results");
   } else if (::access(whole.parent_path().c_str(), W_OK | X_OK) != 0) {
     const int error = errno;
-    throw Error(std::filesystem::is_directory(whole.parent_path(), ignored) ? Trouble::resource : Trouble::usage,
+    throw Error(std::filesystem::is_directory(whole.parent_path(), ignored) ? ErrorCode::resource : ErrorCode::usage,
                 concat(folder.string(), ": the folder cannot be made: ", std::strerror(error)));
   }
 }
 
 ResultsFolder::ResultsFolder(std::filesystem::path folder, bool may_replace) : folder_(std::move(folder)) {
   require_results_folder(folder_, may_replace);
-  std::error_code trouble;
-  is_made_ = std::filesystem::create_directory(std::filesystem::absolute(folder_).lexically_normal(), trouble);
-  if (trouble)
-    throw Error(Trouble::resource, concat(folder_.string(), ": the folder cannot be made: ", trouble.message()));
+  std::error_code error_code;
+  is_made_ = std::filesystem::create_directory(std::filesystem::absolute(folder_).lexically_normal(), error_code);
+  if (error_code)
+    throw Error(ErrorCode::resource, concat(folder_.string(), ": the folder cannot be made: ", error_code.message()));
 }
 
 ResultsFolder::~ResultsFolder() {
@@ -318,7 +318,7 @@ std::vector<ResultsFolder::Figure> ResultsFolder::plots(const LayerStudy& layer,
       figures.push_back({plot.title, plot.caption, inline_svg(svg)});
     }
   } catch (const Error& error) {
-    if (error.trouble() != Trouble::unsupported) throw;
+    if (error.code() != ErrorCode::unsupported) throw;
     context.notes.push_back(concat("plots are missing: ", error.what()));
     has_gnuplot_ = false;
   }

@@ -12,7 +12,7 @@
 
 namespace rhoray::tools {
 
-/// Refuses a folder that cannot be made, and one with anything in it unless told to go ahead (Trouble::usage). Makes
+/// Refuses a folder that cannot be made, and one with anything in it unless told to go ahead (ErrorCode::usage). Makes
 /// nothing.
 void require_results_folder(const std::filesystem::path& folder, bool may_replace);
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "render/color_map.h"
 
 namespace rhoray::tools {
@@ -62,13 +62,13 @@ double PictureDifference::peak_signal_to_noise() const {
 PictureDifference difference_of(const StoredPicture& a, const StoredPicture& b, const std::string& name_a,
                                 const std::string& name_b) {
   if (a.width != b.width || a.height != b.height)
-    throw Error(Trouble::invalid,
+    throw Error(ErrorCode::invalid,
                 concat(name_b, ": found ", size_text(b), " pixels; expected ", size_text(a), ", as in ", name_a));
   PictureDifference difference;
   const auto pairs = pair_channels(a, b, difference);
   if (pairs.empty())
-    throw Error(Trouble::invalid, concat(name_b, ": found channels ", listed(b.channels), "; expected some of ",
-                                         listed(a.channels), ", as in ", name_a));
+    throw Error(ErrorCode::invalid, concat(name_b, ": found channels ", listed(b.channels), "; expected some of ",
+                                           listed(a.channels), ", as in ", name_a));
   const std::size_t pixels = static_cast<std::size_t>(a.width) * static_cast<std::size_t>(a.height);
   difference.of_pixel.resize(pixels);
   double sum = 0, squares = 0;

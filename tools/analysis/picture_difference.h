@@ -38,7 +38,8 @@ struct PictureDifference {
   double peak_signal_to_noise() const;
 };
 
-/// Refuses pictures of two sizes, and those without a common channel (Trouble::invalid); names are those of the files.
+/// Refuses pictures of two sizes, and those without a common channel (ErrorCode::invalid); names are those of the
+/// files.
 PictureDifference difference_of(const StoredPicture& a, const StoredPicture& b, const std::string& name_a,
                                 const std::string& name_b);
 

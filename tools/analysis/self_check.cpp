@@ -4,11 +4,11 @@
 #include <cmath>
 #include <random>
 
+#include "formats/base/error.h"
 #include "formats/base/floating_point.h"
-#include "formats/base/trouble.h"
 #include "tools/analysis/truth.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/method_names.h"
 
 namespace rhoray::tools {
 
@@ -16,11 +16,11 @@ namespace {
 
 using render::Hit;
 
-bool is_projection(const ScenePlan& plan) {
+bool is_projection(const ResolvedScene& plan) {
   return plan.scene.layers[0].mode == render::Mode::mip;
 }
 
-bool is_proven(const ScenePlan& plan) {
+bool is_proven(const ResolvedScene& plan) {
   return std::all_of(plan.scene.layers.begin(), plan.scene.layers.end(),
                      [](const render::Layer& layer) { return render::proves(layer.method); });
 }
@@ -33,20 +33,20 @@ struct Promise {
 };
 
 Promise promise_of(const render::Layer& layer, const render::Volume& volume) {
-  using Way = render::Method::Way;
+  using Algorithm = render::Method::Algorithm;
   const Interval<double> range = volume.field().range;
   const double unit = layer.mode == render::Mode::mip ? 1e-6 * (range.hi - range.lo) : 1;
   if (render::proves(layer.method)) return {"no pixel missed or false, every error within its bound", 0, HUGE_VAL};
-  if (layer.method.way != Way::direct) return {};
+  if (layer.method.algorithm != Algorithm::direct) return {};
   if (layer.mode == render::Mode::mip)
     return {"no pixel missed or false, 99 % of the values within a millionth of the field's range", 0, unit};
-  if (layer.method.precision == render::Method::Precision::twofold)
+  if (layer.method.precision == render::Method::Precision::float64)
     return {"at most 1 of 1000 pixels (and one more) missed or false, 99 % within 1e-6 cells", 1e-3, 1e-6};
   return {"at most 1 of 100 pixels (and one more) missed or false, 99 % within 1e-3 cells", 1e-2, 1e-3};
 }
 
 /// The loosest of all layers.
-Promise promise_of(const ScenePlan& plan) {
+Promise promise_of(const ResolvedScene& plan) {
   Promise loosest{.said = "", .wrong_share = -1, .kept = 0};
   for (const render::Layer& layer : plan.scene.layers) {
     const Promise promise = promise_of(layer, plan.volumes[layer.volume]);
@@ -96,7 +96,7 @@ struct TrueHit {
   double value_per_t = 0;  ///< how fast the field changes along the ray
 };
 
-std::vector<TrueHit> true_hits(const ScenePlan& plan, const render::Framebuffer& picture,
+std::vector<TrueHit> true_hits(const ResolvedScene& plan, const render::Framebuffer& picture,
                                const std::vector<std::uint32_t>& pixels, unsigned threads) {
   std::vector<TrueHit> nearest(pixels.size());
   for (const render::Layer& layer : plan.scene.layers) {
@@ -118,7 +118,7 @@ std::vector<TrueHit> true_hits(const ScenePlan& plan, const render::Framebuffer&
   return nearest;
 }
 
-CheckedPixels checked_pixels(const ScenePlan& plan, const render::Framebuffer& picture,
+CheckedPixels checked_pixels(const ResolvedScene& plan, const render::Framebuffer& picture,
                              const std::vector<std::uint32_t>& pixels, double limit, unsigned threads) {
   const bool is_value = is_projection(plan);
   const std::vector<TrueHit> truth = true_hits(plan, picture, pixels, threads);
@@ -172,7 +172,7 @@ std::string broken_by(const CheckedPixels& found, const Promise& promise, bool i
 }
 
 /// The limit that was asked for, in the unit of errors.
-double limit_in_unit(const ScenePlan& plan, double limit) {
+double limit_in_unit(const ResolvedScene& plan, double limit) {
   const Interval<double> range = plan.volumes[plan.scene.layers[0].volume].field().range;
   return is_projection(plan) ? limit * (range.hi - range.lo) : limit;
 }
@@ -182,30 +182,31 @@ double limit_in_unit(const ScenePlan& plan, double limit) {
 void check(const SelfCheckOptions& options) {
   if (!options.limit) return;
   if (options.pixels == 0)
-    throw Error(Trouble::usage, "--verify-limit: how many pixels are traced again is not said", "--verify 1000");
+    throw Error(ErrorCode::usage, "--verify-limit: how many pixels are traced again is not said", "--verify 1000");
   if (!(*options.limit > 0))
-    throw Error(Trouble::usage, concat("--verify-limit: found ", *options.limit, "; expected a number above 0"));
+    throw Error(ErrorCode::usage, concat("--verify-limit: found ", *options.limit, "; expected a number above 0"));
 }
 
-render::ChannelSet channels_to_check(const ScenePlan& plan) {
+render::ChannelSet channels_to_check(const ResolvedScene& plan) {
   return {.depth = true, .value = true, .error = is_proven(plan)};
 }
 
-void require_checkable(const ScenePlan& plan) {
+void require_checkable(const ResolvedScene& plan) {
   const std::vector<render::Layer>& layers = plan.scene.layers;
   for (const render::Layer& layer : layers) {
     if (layer.mode == render::Mode::triangles)
-      throw Error(Trouble::usage, "--verify: a layer holds triangles; expected isosurfaces or one projection");
+      throw Error(ErrorCode::usage, "--verify: a layer holds triangles; expected isosurfaces or one projection");
     if (layer.mode == render::Mode::slice)
-      throw Error(Trouble::usage, "--verify: a layer is a slice; expected isosurfaces or one projection");
+      throw Error(ErrorCode::usage, "--verify: a layer is a slice; expected isosurfaces or one projection");
     if (layer.mode == render::Mode::mip && layers.size() > 1)
-      throw Error(Trouble::usage, "--verify: a projection beside other layers; expected isosurfaces or one projection");
+      throw Error(ErrorCode::usage,
+                  "--verify: a projection beside other layers; expected isosurfaces or one projection");
     if (layer.mode == render::Mode::isosurface && layers.size() > 1 && layer.surface.opacity < 1)
-      throw Error(Trouble::usage, "--verify: a clear surface beside other layers; expected opaque isosurfaces");
+      throw Error(ErrorCode::usage, "--verify: a clear surface beside other layers; expected opaque isosurfaces");
   }
 }
 
-SelfCheck checked(const ScenePlan& plan, const render::Framebuffer& picture, const SelfCheckOptions& options,
+SelfCheck checked(const ResolvedScene& plan, const render::Framebuffer& picture, const SelfCheckOptions& options,
                   unsigned threads) {
   const DefaultFloatingPoint default_floating_point;
   std::mt19937_64 random(options.seed);

@@ -6,7 +6,7 @@
 
 #include "render/framebuffer.h"
 #include "tools/rhoray/report.h"
-#include "tools/rhoray/scene/plan.h"
+#include "tools/rhoray/scene/resolve.h"
 
 namespace rhoray::tools {
 
@@ -36,18 +36,18 @@ struct SelfCheck {
   std::string broken{};  ///< which of it does not hold; empty where all does
 };
 
-void check(const SelfCheckOptions& options);  ///< refuses a limit that is not above 0 (Trouble::usage)
+void check(const SelfCheckOptions& options);  ///< refuses a limit that is not above 0 (ErrorCode::usage)
 
 /// The channels that a check looks at.
-render::ChannelSet channels_to_check(const ScenePlan& plan);
+render::ChannelSet channels_to_check(const ResolvedScene& plan);
 
 /// Refuses scenes of which a pixel does not tell one place or value: triangles, clear surfaces, projections beside
-/// others (Trouble::usage).
-void require_checkable(const ScenePlan& plan);
+/// others (ErrorCode::usage).
+void require_checkable(const ResolvedScene& plan);
 
 /// Traces pixels of a picture again by the exact judge and compares. Depths are compared as the picture holds them, in
 /// single precision, whose rounding is no error.
-SelfCheck checked(const ScenePlan& plan, const render::Framebuffer& picture, const SelfCheckOptions& options,
+SelfCheck checked(const ResolvedScene& plan, const render::Framebuffer& picture, const SelfCheckOptions& options,
                   unsigned threads);
 
 std::string text_of(const SelfCheck& check);

@@ -8,26 +8,26 @@
 #include <random>
 #include <span>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tools/rhoray/cpu_meter.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/method_names.h"
 
 namespace rhoray::tools {
 
 namespace {
 
 bool is_exact(const Variant& variant) {
-  return variant.method && variant.method->way == render::Method::Way::judged;
+  return variant.method && variant.method->algorithm == render::Method::Algorithm::exact;
 }
 
-render::Layer layer_alone(const ScenePlan& plan, std::size_t layer) {
+render::Layer layer_alone(const ResolvedScene& plan, std::size_t layer) {
   render::Layer alone = plan.scene.layers[layer];
   alone.volume = 0;
   return alone;
 }
 
-std::string name_of_layer(const ScenePlan& plan, std::size_t index) {
+std::string name_of_layer(const ResolvedScene& plan, std::size_t index) {
   const render::Layer& layer = plan.scene.layers[index];
   const std::string field = plan.volumes[layer.volume].field().name;
   if (layer.mode == render::Mode::mip) return concat("largest values of '", field, "'");
@@ -40,7 +40,7 @@ double pixels_of(const PictureSize& size) {
 
 }  // namespace
 
-LayerStudy::LayerStudy(const ScenePlan& plan, std::size_t layer, LayerStudyOptions options)
+LayerStudy::LayerStudy(const ResolvedScene& plan, std::size_t layer, LayerStudyOptions options)
     : options_(std::move(options)),
       name_(name_of_layer(plan, layer)),
       scene_(plan.scene),
@@ -83,7 +83,7 @@ render::FrameStatistics LayerStudy::draw(const Variant& variant, const PictureSi
   const Setup drawn = setup(variant, size, channels);
   const render::FrameStatistics statistics = render::refine(
       drawn.data.volume, drawn.scene, drawn.frame, {.first_spacing = 1, .stop = options_.stop}, picture, memory_);
-  if (options_.stop.stop_requested()) throw Error(Trouble::interrupted, "interrupted");
+  if (options_.stop.stop_requested()) throw Error(ErrorCode::interrupted, "interrupted");
   return statistics;
 }
 
@@ -91,7 +91,7 @@ void LayerStudy::draw_truth(PassResult& result) {
   // A maximum in tetrahedra is certified by the judge, which has just been found too slow.
   const bool is_slow = volume_.is_mesh() && scene_.layers[0].mode == render::Mode::mip;
   const render::Accuracy level = result.truth.are_all() ? render::Accuracy::exact
-                                 : is_slow              ? render::Accuracy::twofold
+                                 : is_slow              ? render::Accuracy::float64
                                                         : render::Accuracy::certified;
   const Variant variant{.method = render::method_of(level)};
   result.picture_method = option_of(*variant.method, scene_.layers[0].mode, volume_.is_mesh()).word;
@@ -166,7 +166,7 @@ void LayerStudy::weigh(Measured& row) {
   ::malloc_trim(0);
   const std::uint64_t before = anonymous_bytes();
   const render::Volume volume = render::Volume::load(drawn.data.volume.file(), drawn.data.volume.field().name);
-  render::FrameMemory memory;
+  render::RenderContext memory;
   render::Framebuffer picture;
   row.prepare_ms = 1e3 * render::render(volume, drawn.scene, drawn.frame, picture, memory).preparation_s;
   ::malloc_trim(0);
@@ -225,7 +225,7 @@ Measured LayerStudy::measured(const Variant& variant, const PassResult& result) 
     measure(row, result);
     weigh(row);
   } catch (const Error& error) {
-    if (error.trouble() != Trouble::unsupported && error.trouble() != Trouble::resource) throw;
+    if (error.code() != ErrorCode::unsupported && error.code() != ErrorCode::resource) throw;
     row = {.variant = variant, .left_out = error.what()};
   }
   row.pass_s = watch.seconds();
@@ -275,7 +275,7 @@ Measured LayerStudy::measured_in_part(const Variant& variant, const PassResult& 
 }
 
 /// By what the last pass took for each, in the order from the cheapest.
-std::vector<bool> LayerStudy::too_dear(const Pass& wish) const {
+std::vector<bool> LayerStudy::too_dear(const Pass& spec) const {
   std::vector<bool> left_out(variants_.size(), false);
   if (!result_) return left_out;
   std::vector<std::size_t> order(variants_.size());
@@ -285,9 +285,9 @@ std::vector<bool> LayerStudy::too_dear(const Pass& wish) const {
   double spent = 0;
   for (const std::size_t variant : order) {
     const Measured& row = result_->rows[variant];
-    const double growth = pixels_of(wish.size) / pixels_of(result_->size);
+    const double growth = pixels_of(spec.size) / pixels_of(result_->size);
     if (!is_exact(row.variant)) spent += row.pass_s * growth;  // its time is the truth's
-    left_out[variant] = spent > wish.seconds && variant != 0 && !is_exact(row.variant);
+    left_out[variant] = spent > spec.seconds && variant != 0 && !is_exact(row.variant);
   }
   return left_out;
 }
@@ -296,7 +296,8 @@ namespace {
 
 /// By the variant before, where both are samples at steps that are halved.
 bool is_slow_group(const std::vector<Measured>& rows, const Variant& next, double seconds) {
-  if (rows.empty() || seconds <= 0 || !next.method || next.method->way != render::Method::Way::sampled) return false;
+  if (rows.empty() || seconds <= 0 || !next.method || next.method->algorithm != render::Method::Algorithm::sampled)
+    return false;
   const Measured& last = rows.back();
   return last.variant.group == next.group && (!last.left_out.empty() || 2 * last.pass_s > seconds);
 }
@@ -316,38 +317,38 @@ std::vector<double> LayerStudy::shares_of_pass(const std::vector<bool>& left_out
   return shares;
 }
 
-void LayerStudy::pass(const Pass& wish) {
-  PassResult result{.size = wish.size,
+void LayerStudy::pass(const Pass& spec) {
+  PassResult result{.size = spec.size,
                     .truth = find_truth({.volume = volume_,
                                          .scene = scene_,
                                          .field = field_,
-                                         .size = wish.size,
+                                         .size = spec.size,
                                          .seed = options_.seed,
-                                         .seconds = wish.judge_seconds,
+                                         .seconds = spec.judge_seconds,
                                          .threads = options_.threads,
                                          .stop = options_.stop})};
   if (result.truth.hit_count() == 0)
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat(name_, ": none of ", grouped(result.truth.pixels.size()),
                        " rays meets anything: there is nothing to compare"),
                 "give another --iso, --view or --camera-position");
   draw_truth(result);
-  const std::vector<bool> left_out = too_dear(wish);
+  const std::vector<bool> left_out = too_dear(spec);
   const bool is_first = !result_;
   if (is_first) result_ = std::move(result);
   PassResult& now = is_first ? *result_ : result;
   const std::vector<double> shares = shares_of_pass(left_out);
   for (std::size_t v = 0; v < variants_.size(); ++v) {
     const Variant& variant = variants_[v];
-    const bool is_slow = left_out[v] || is_slow_group(now.rows, variant, wish.variant_seconds);
+    const bool is_slow = left_out[v] || is_slow_group(now.rows, variant, spec.variant_seconds);
     const bool is_ray_method = variant.method && variant.asks_rays() && !is_exact(variant);
     if (!is_slow)
       now.rows.push_back(measured(variant, now));
-    else if (is_ray_method && wish.part_seconds > 0)
-      now.rows.push_back(measured_in_part(variant, now, wish.part_seconds));
+    else if (is_ray_method && spec.part_seconds > 0)
+      now.rows.push_back(measured_in_part(variant, now, spec.part_seconds));
     else
       now.rows.push_back({.variant = variant, .left_out = "too slow for the time limit"});
-    if (wish.variant_done) wish.variant_done(shares[v]);
+    if (spec.variant_done) spec.variant_done(shares[v]);
   }
   if (!is_first) result_ = std::move(result);
 }

@@ -14,7 +14,7 @@
 #include "tools/analysis/picture_errors.h"
 #include "tools/analysis/truth.h"
 #include "tools/analysis/variant.h"
-#include "tools/rhoray/scene/plan.h"
+#include "tools/rhoray/scene/resolve.h"
 
 namespace rhoray::tools {
 
@@ -65,7 +65,7 @@ struct LayerStudyOptions {
 class LayerStudy {
  public:
   /// @param plan   whose other layers are left out
-  LayerStudy(const ScenePlan& plan, std::size_t layer, LayerStudyOptions options);
+  LayerStudy(const ResolvedScene& plan, std::size_t layer, LayerStudyOptions options);
 
   const std::string& name() const { return name_; }
   const render::Scene& scene() const { return scene_; }
@@ -87,9 +87,9 @@ class LayerStudy {
     /// count
     std::function<void(double share)> variant_done = nullptr;
   };
-  /// Refuses a picture in which nothing is hit (Trouble::usage). While the first pass goes on its result is what has
+  /// Refuses a picture in which nothing is hit (ErrorCode::usage). While the first pass goes on its result is what has
   /// been measured; later ones replace the result at their end, so that an interrupt leaves that of the pass before.
-  void pass(const Pass& wish);
+  void pass(const Pass& spec);
 
   /// Draws the picture of a row of the result once more and notes the time.
   void time_again(std::size_t row);
@@ -118,7 +118,7 @@ class LayerStudy {
   void ask_rays(Measured& row, const FormedData& data, const PassResult& result);
   void time(Measured& row, const PictureSize& size);
   void weigh(Measured& row);
-  std::vector<bool> too_dear(const Pass& wish) const;
+  std::vector<bool> too_dear(const Pass& spec) const;
   std::vector<double> shares_of_pass(const std::vector<bool>& left_out) const;
 
   LayerStudyOptions options_;
@@ -132,7 +132,7 @@ class LayerStudy {
   std::vector<Variant> variants_;
   std::optional<PassResult> result_;
   std::map<SampledEffect, std::shared_ptr<const TruePicture>> many_samples_;  ///< of the last pass's size
-  render::FrameMemory memory_;
+  render::RenderContext memory_;
   render::Framebuffer picture_;  ///< of pictures that are timed
 };
 

@@ -6,8 +6,8 @@
 #include <random>
 
 #include "formats/base/checks.h"
+#include "formats/base/error.h"
 #include "formats/base/parallel.h"
-#include "formats/base/trouble.h"
 #include "tools/rhoray/cpu_meter.h"
 #include "tools/rhoray/measure.h"
 
@@ -17,30 +17,30 @@ namespace {
 
 using render::Hit;
 using render::Ray;
-using render::RayQuestions;
+using render::RayCaster;
 
 void end_if_asked(const std::stop_token& stop) {
-  if (stop.stop_requested()) throw Error(Trouble::interrupted, "interrupted");
+  if (stop.stop_requested()) throw Error(ErrorCode::interrupted, "interrupted");
 }
 
 constexpr std::size_t rays_at_a_time = 4096;  // an interrupt waits for so many
 
 void answer_crossings(const Asking& asking, std::span<const Ray> rays, std::span<Hit> hits) {
-  RayQuestions questions(asking.volume, asking.isovalue, asking.method, asking.threads);
+  RayCaster queries(asking.volume, asking.isovalue, asking.method, asking.threads);
   for (std::size_t first = 0; first < rays.size(); first += rays_at_a_time) {
     end_if_asked(asking.stop);
     const std::size_t count = std::min(rays_at_a_time, rays.size() - first);
-    questions.first_crossings(rays.subspan(first, count), hits.subspan(first, count));
+    queries.first_crossings(rays.subspan(first, count), hits.subspan(first, count));
   }
 }
 
 /// Each thread asks for itself: the search keeps what it knows from ray to ray, and the answers do not depend on it.
 void answer_largest(const Asking& asking, std::span<const Ray> rays, std::span<Hit> hits) {
   constexpr std::size_t piece = 512;
-  PerWorker<RayQuestions> questions([&] { return RayQuestions(asking.volume, asking.isovalue, asking.method); });
+  PerWorker<RayCaster> queries([&] { return RayCaster(asking.volume, asking.isovalue, asking.method); });
   const auto answer = [&](const IndexRange& part) {
     if (asking.stop.stop_requested()) return;
-    questions.of(part).largest_values(rays.subspan(part.begin(), part.size()), hits.subspan(part.begin(), part.size()));
+    queries.of(part).largest_values(rays.subspan(part.begin(), part.size()), hits.subspan(part.begin(), part.size()));
   };
   parallel_for(rays.size(), piece, answer, asking.threads);
   end_if_asked(asking.stop);
@@ -143,29 +143,29 @@ std::uint64_t Truth::hit_count() const {
       std::count_if(hits.begin(), hits.end(), [](const Hit& hit) { return !hit.is_miss(); }));
 }
 
-Truth find_truth(const TruthWish& wish) {
-  Truth truth{.size = wish.size};
-  std::vector<std::uint32_t> order = shuffled_pixels(truth.pixel_count(), wish.seed);
-  order.resize(std::min<std::size_t>(order.size(), wish.most_pixels));
-  const render::Layer& layer = wish.scene.layers[0];
-  const Asking asking{.volume = wish.volume,
+Truth find_truth(const TruthSpec& spec) {
+  Truth truth{.size = spec.size};
+  std::vector<std::uint32_t> order = shuffled_pixels(truth.pixel_count(), spec.seed);
+  order.resize(std::min<std::size_t>(order.size(), spec.most_pixels));
+  const render::Layer& layer = spec.scene.layers[0];
+  const Asking asking{.volume = spec.volume,
                       .mode = layer.mode,
                       .isovalue = layer.isovalue,
                       .method = render::method_of(render::Accuracy::exact),
-                      .clip = clip_of(wish.scene, layer),
-                      .threads = wish.threads,
-                      .stop = wish.stop};
+                      .clip = clip_of(spec.scene, layer),
+                      .threads = spec.threads,
+                      .stop = spec.stop};
   const Stopwatch watch;
   CpuMeter meter;
   std::vector<Hit> hits;  // in that order
-  const std::vector<Ray> rays = rays_of(wish.volume, wish.scene.camera, wish.size, order);
+  const std::vector<Ray> rays = rays_of(spec.volume, spec.scene.camera, spec.size, order);
   const bool is_ordered = order.size() == truth.pixel_count();  // rays_of then gives all in the picture's order
   std::size_t done = 0;
   std::vector<Ray> some;
   truth.cpu_s = meter
                     .measure([&] {
                       constexpr std::size_t piece = 4096;
-                      while (done < order.size() && (done == 0 || watch.seconds() < wish.seconds)) {
+                      while (done < order.size() && (done == 0 || watch.seconds() < spec.seconds)) {
                         const std::size_t count = std::min(piece, order.size() - done);
                         some.clear();
                         for (std::size_t i = done; i < done + count; ++i)
@@ -183,7 +183,7 @@ Truth find_truth(const TruthWish& wish) {
     truth.pixels.push_back(order[i]);
     truth.rays.push_back(is_ordered ? rays[order[i]] : rays[i]);
     truth.hits.push_back(hits[i]);
-    truth.cells_per_t.push_back(hits[i].is_miss() ? 0 : wish.field.cells_per_t(truth.rays.back(), hits[i]));
+    truth.cells_per_t.push_back(hits[i].is_miss() ? 0 : spec.field.cells_per_t(truth.rays.back(), hits[i]));
   }
   return truth;
 }

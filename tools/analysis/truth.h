@@ -5,7 +5,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "render/scene.h"
 #include "tools/analysis/border.h"
 #include "tools/analysis/errors.h"
@@ -28,7 +28,7 @@ struct Asking {
 /// What a scene leaves of a layer; null: all.
 const render::Clip* clip_of(const render::Scene& scene, const render::Layer& layer);
 
-/// What a method says of rays in the volume's frame. An interrupt ends it (Trouble::interrupted).
+/// What a method says of rays in the volume's frame. An interrupt ends it (ErrorCode::interrupted).
 std::vector<render::Hit> answers(const Asking& asking, std::span<const render::Ray> rays);
 
 /// The rays of some pixels of a picture, in the volume's frame; t is a distance in the world.
@@ -51,7 +51,7 @@ struct Truth {
   std::uint64_t hit_count() const;
 };
 
-struct TruthWish {
+struct TruthSpec {
   const render::Volume& volume;
   const render::Scene& scene;  ///< of one layer
   const FieldTruth& field;
@@ -62,7 +62,7 @@ struct TruthWish {
   unsigned threads = 0;
   std::stop_token stop{};
 };
-Truth find_truth(const TruthWish& wish);
+Truth find_truth(const TruthSpec& spec);
 
 /// What a variant said of the truth's rays against what is true.
 /// @param hits    values in the truth's unit

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "formats/base/text.h"
-#include "tools/rhoray/method_words.h"
-#include "tools/rhoray/scene/wishes.h"
+#include "tools/rhoray/method_names.h"
+#include "tools/rhoray/scene/scene_spec.h"
 
 namespace rhoray::tools {
 

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/pack_volume.h"
 #include "tools/lab/figures.h"
 #include "tools/lab/judged_view.h"
@@ -15,7 +15,7 @@
 #include "tools/lab/study_run.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/interrupt.h"
-#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/views.h"
 
@@ -29,7 +29,7 @@ constexpr const char* table_name = "bits";
 constexpr const char* depth_figure = "bits_depth";
 constexpr const char* normal_figure = "bits_normal";
 
-struct Wishes {
+struct Settings {
   tools::CommonOptions common;
   std::filesystem::path input;
   std::string field, view = "front";
@@ -84,20 +84,20 @@ class Forms {
   std::vector<Form> all_;
 };
 
-std::vector<Json> rows_of(const Wishes& wishes, const Forms& forms, double isovalue,
+std::vector<Json> rows_of(const Settings& settings, const Forms& forms, double isovalue,
                           const std::function<void(const std::string&)>& tell) {
   const render::Volume& original = forms.all()[0].volume;
   tell(concat("isovalue ", isovalue, ", the exact answer"));
   JudgedView view(original, {.isovalue = isovalue,
-                             .camera = tools::study_camera(tools::study_view_named(wishes.view), original, isovalue,
-                                                           double{1} * wishes.size.width / wishes.size.height),
-                             .size = wishes.size,
-                             .judge_seconds = wishes.judge_seconds,
-                             .seed = wishes.seed});
+                             .camera = tools::study_camera(tools::study_view_named(settings.view), original, isovalue,
+                                                           double{1} * settings.size.width / settings.size.height),
+                             .size = settings.size,
+                             .judge_seconds = settings.judge_seconds,
+                             .seed = settings.seed});
   std::vector<Json> rows;
   std::vector<TimedRow> timed;
   for (const Form& form : forms.all())
-    for (const std::string& level : wishes.levels) {
+    for (const std::string& level : settings.levels) {
       tell(concat("isovalue ", isovalue, ", errors of ", form.name, ", ", level));
       const Shown shown{.volume = form.volume,
                         .isovalue = form.own(isovalue),
@@ -109,7 +109,7 @@ std::vector<Json> rows_of(const Wishes& wishes, const Forms& forms, double isova
       rows.push_back(std::move(row));
       timed.push_back({.name = concat(form.name, ", ", level), .act = [&view, shown] { view.draw(shown); }});
     }
-  run_rounds(timed, wishes.rounds, [&](const std::string& what) { tell(concat("isovalue ", isovalue, ", ", what)); });
+  run_rounds(timed, settings.rounds, [&](const std::string& what) { tell(concat("isovalue ", isovalue, ", ", what)); });
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const tools::Spread ms = timed[r].cpu_ms();
     rows[r]["cpu_ms"] = ms.median;
@@ -140,54 +140,54 @@ Figure figure_of(const std::vector<Json>& rows, const std::string& name, const c
   return figure;
 }
 
-int run(const Wishes& wishes) {
-  require_publishable(wishes.common, {table_name});
-  require_publishable_figures(wishes.common, {depth_figure, normal_figure});
-  tools::require_within("--repeat", wishes.rounds.rounds, 1, 10'000);
-  tools::require_within("--judge-seconds", wishes.judge_seconds, 0, 1e6);
+int run(const Settings& settings) {
+  require_publishable(settings.common, {table_name});
+  require_publishable_figures(settings.common, {depth_figure, normal_figure});
+  tools::require_within("--repeat", settings.rounds.rounds, 1, 10'000);
+  tools::require_within("--judge-seconds", settings.judge_seconds, 0, 1e6);
   tools::Table table{table_name, "An isosurface of a field stored in fewer bits", {}, {}};
   {
-    tools::ProgressDisplay display(wishes.common);
-    const tools::ScratchFolder scratch(wishes.scratch);
+    tools::ProgressDisplay display(settings.common);
+    const tools::ScratchFolder scratch(settings.scratch);
     display.show("reading and packing");
-    const preprocess::NeutralVolume grid = plain_grid(wishes.input, wishes.field);
+    const preprocess::NeutralVolume grid = plain_grid(settings.input, settings.field);
     Forms forms(scratch.path());
     forms.add_original(grid);
     const formats::FieldSummary field = forms.all()[0].volume.field();
     if (field.no_data_count > 0 || !(field.range.hi > field.range.lo))
-      throw Error(Trouble::usage, concat(wishes.input.string(), ": the field is the same everywhere or has gaps; ",
-                                         "expected one that whole numbers can hold"));
+      throw Error(ErrorCode::usage, concat(settings.input.string(), ": the field is the same everywhere or has gaps; ",
+                                           "expected one that whole numbers can hold"));
     for (const Storage& storage : storages()) {
       display.show(concat("packing ", storage.name));
       forms.add(storage, grid, field.range);
     }
     const Index3 n = grid.sample_count;
-    table.context = context_with({{"input", wishes.input.filename().string()},
+    table.context = context_with({{"input", settings.input.filename().string()},
                                   {"field", field.name},
                                   {"type", formats::element_name(grid.type)},
                                   {"range", {field.range.lo, field.range.hi}},
                                   {"samples", {n.x, n.y, n.z}},
-                                  {"view", wishes.view},
-                                  {"size", {wishes.size.width, wishes.size.height}},
+                                  {"view", settings.view},
+                                  {"size", {settings.size.width, settings.size.height}},
                                   {"machine", render::name_of(render::chosen_machine())},
-                                  {"repeat", wishes.rounds.rounds},
-                                  {"seed", wishes.seed}});
-    for (const std::string& text : wishes.isovalues)
-      for (Json& row : rows_of(wishes, forms, tools::choose_isovalue(text, field).value,
+                                  {"repeat", settings.rounds.rounds},
+                                  {"seed", settings.seed}});
+    for (const std::string& text : settings.isovalues)
+      for (Json& row : rows_of(settings, forms, tools::choose_isovalue(text, field).value,
                                [&](const std::string& what) { display.show(what); }))
         table.rows.push_back(std::move(row));
   }
-  publish(table, wishes.common);
+  publish(table, settings.common);
   publish({figure_of(table.rows, depth_figure, "depth", {.label = "depth error, cells"}),
            figure_of(table.rows, normal_figure, "normal", {.label = "angle between normals, degrees"})},
-          wishes.common);
+          settings.common);
   return 0;
 }
 
 }  // namespace
 
 tools::Subcommand bits() {
-  const auto wishes = std::make_shared<Wishes>();
+  const auto settings = std::make_shared<Settings>();
   return {
       .name = "bits",
       .summary = "An isosurface of a grid whose samples are stored in fewer bits",
@@ -195,22 +195,23 @@ tools::Subcommand bits() {
           "  rhoray-study bits smooth.rho --iso 600.5,2200.5 -o results\n"
           "Errors are against the exact answer of the field as it is; storages that lose nothing are left out.\n",
       .options = tools::all_options(
-          {{tools::file_option("FILE", "Packed grid", wishes->input)},
-           tools::output_options(wishes->common, "FOLDER for bits.csv, .json and two figures (.svg)"),
-           {tools::value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", wishes->isovalues),
-            tools::value_option("--field", "NAME", "Field; default the first", wishes->field),
+          {{tools::file_option("FILE", "Packed grid", settings->input)},
+           tools::output_options(settings->common, "FOLDER for bits.csv, .json and two figures (.svg)"),
+           {tools::value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", settings->isovalues),
+            tools::value_option("--field", "NAME", "Field; default the first", settings->field),
             tools::value_option("--levels", "NAME[,NAME]", "As render's --accuracy; default float,double",
-                                wishes->levels),
-            tools::value_option("--view", "NAME", "front, from-feet, close-up or inside; default front", wishes->view),
-            tools::value_option("--size", "WxH", "Pixels; default 512x512", wishes->size),
+                                settings->levels),
+            tools::value_option("--view", "NAME", "front, from-feet, close-up or inside; default front",
+                                settings->view),
+            tools::value_option("--size", "WxH", "Pixels; default 512x512", settings->size),
             tools::value_option("--judge-seconds", "S",
                                 "Pixels are judged in random order until this time is over; default 60",
-                                wishes->judge_seconds),
-            tools::value_option("--seed", "N", "Of that order; default 1", wishes->seed),
-            tools::value_option("--repeat", "N", "Rounds; default 5", wishes->rounds.rounds),
-            tools::value_option("--scratch", "FOLDER", "For the copies", wishes->scratch),
-            tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", wishes->common.progress)}}),
-      .run = [wishes] { return run(*wishes); }};
+                                settings->judge_seconds),
+            tools::value_option("--seed", "N", "Of that order; default 1", settings->seed),
+            tools::value_option("--repeat", "N", "Rounds; default 5", settings->rounds.rounds),
+            tools::value_option("--scratch", "FOLDER", "For the copies", settings->scratch),
+            tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", settings->common.progress)}}),
+      .run = [settings] { return run(*settings); }};
 }
 
 }  // namespace rhoray::study

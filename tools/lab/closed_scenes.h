@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "tools/lab/hard_cells.h"
 
 namespace rhoray::study {

@@ -20,7 +20,7 @@ namespace {
 
 using tools::Json;
 
-struct Wishes {
+struct Settings {
   tools::CommonOptions common;
   std::filesystem::path scratch = std::filesystem::temp_directory_path();
   std::uint64_t rays = 1'000'000;
@@ -64,17 +64,17 @@ void fill(Row& row, const ClosedScene& scene, std::uint64_t first_seed, std::uin
   for (const RayTally& part : parts) row.tally.add(part);
 }
 
-void measure(std::vector<Row>& rows, const Wishes& wishes) {
-  const tools::ScratchFolder scratch(wishes.scratch);
-  tools::ProgressDisplay display(wishes.common);
+void measure(std::vector<Row>& rows, const Settings& settings) {
+  const tools::ScratchFolder scratch(settings.scratch);
+  tools::ProgressDisplay display(settings.common);
   std::optional<ClosedScene> scene;
   std::uint64_t done = 0;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     Row& row = rows[r];
-    if (row.aim == aims.front()) scene = closed_scene(row.kind, row.placement, wishes.edge, scratch.path());
-    const std::uint64_t share = wishes.rays * (r + 1) / rows.size() - wishes.rays * r / rows.size();
-    fill(row, *scene, (wishes.seed << 48) ^ (static_cast<std::uint64_t>(r) << 36), share, wishes.sample_every,
-         [&](std::uint64_t count) { display.show("tracing [rays]", done += count, wishes.rays); });
+    if (row.aim == aims.front()) scene = closed_scene(row.kind, row.placement, settings.edge, scratch.path());
+    const std::uint64_t share = settings.rays * (r + 1) / rows.size() - settings.rays * r / rows.size();
+    fill(row, *scene, (settings.seed << 48) ^ (static_cast<std::uint64_t>(r) << 36), share, settings.sample_every,
+         [&](std::uint64_t count) { display.show("tracing [rays]", done += count, settings.rays); });
   }
 }
 
@@ -94,7 +94,7 @@ Json columns(const RayTally& tally, Json what) {
     what[name + "_rays_per_s"] = rate(method);
   };
   add("float", tally.single);
-  add("double", tally.twofold);
+  add("double", tally.float64);
   add("certified", tally.certified);
   what["bound_cells"] = tally.largest_bound;
   what["bound_broken"] = tally.bound_broken;
@@ -136,23 +136,23 @@ std::vector<Json> table_rows(const std::vector<Row>& rows, bool by_row) {
   return out;
 }
 
-int run(const Wishes& wishes) {
-  tools::require_within("--rays", static_cast<double>(wishes.rays), 1, 1e11);
-  tools::require_within("--edge", static_cast<double>(wishes.edge), 4, 256);
-  tools::require_within("--sample", static_cast<double>(wishes.sample_every), 1, 1e12);
-  require_publishable(wishes.common, {"closed_surfaces"});
-  tools::require_within("--seed", static_cast<double>(wishes.seed), 0, 65535);
-  const ThreadLimit limit(wishes.common.threads);
+int run(const Settings& settings) {
+  tools::require_within("--rays", static_cast<double>(settings.rays), 1, 1e11);
+  tools::require_within("--edge", static_cast<double>(settings.edge), 4, 256);
+  tools::require_within("--sample", static_cast<double>(settings.sample_every), 1, 1e12);
+  require_publishable(settings.common, {"closed_surfaces"});
+  tools::require_within("--seed", static_cast<double>(settings.seed), 0, 65535);
+  const ThreadLimit limit(settings.common.threads);
   const tools::Stopwatch watch;
   std::vector<Row> rows = all_rows();
-  measure(rows, wishes);
+  measure(rows, settings);
 
-  tools::Table table{"closed_surfaces", "Rays at closed isosurfaces", {}, table_rows(rows, wishes.by_row)};
-  table.context = context_with({{"edge", wishes.edge},
-                                {"sample_every", wishes.sample_every},
-                                {"seed", wishes.seed},
+  tools::Table table{"closed_surfaces", "Rays at closed isosurfaces", {}, table_rows(rows, settings.by_row)};
+  table.context = context_with({{"edge", settings.edge},
+                                {"sample_every", settings.sample_every},
+                                {"seed", settings.seed},
                                 {"wall_s", watch.seconds()}});
-  publish(table, wishes.common);
+  publish(table, settings.common);
   bool is_right = true;
   for (const Row& row : rows) {
     const RayTally::OfMethod& certified = row.tally.certified;
@@ -165,13 +165,13 @@ int run(const Wishes& wishes) {
                      .c_str(),
                  stderr);
   }
-  return is_right ? 0 : static_cast<int>(Trouble::outside_limit);
+  return is_right ? 0 : static_cast<int>(ErrorCode::outside_limit);
 }
 
 }  // namespace
 
 tools::Subcommand closed_surfaces() {
-  const auto wishes = std::make_shared<Wishes>();
+  const auto settings = std::make_shared<Settings>();
   return {
       .name = "closed-surfaces",
       .summary = "Many rays at closed isosurfaces: float, double and certified against the truth",
@@ -196,17 +196,17 @@ tools::Subcommand closed_surfaces() {
           "seed.\n"
           "Exit code 6 when certified missed, saw too much, was elsewhere, broke its bound or was miscounted.\n",
       .options = tools::all_options(
-          {tools::output_options(wishes->common, "FOLDER for closed_surfaces.csv and .json"),
-           {tools::value_option("--scratch", "FOLDER", "For the packed volumes", wishes->scratch),
-            tools::value_option("--rays", "N", "In all; default 1000000", wishes->rays),
-            tools::value_option("--edge", "N", "Cells along a volume; default 20", wishes->edge),
+          {tools::output_options(settings->common, "FOLDER for closed_surfaces.csv and .json"),
+           {tools::value_option("--scratch", "FOLDER", "For the packed volumes", settings->scratch),
+            tools::value_option("--rays", "N", "In all; default 1000000", settings->rays),
+            tools::value_option("--edge", "N", "Cells along a volume; default 20", settings->edge),
             tools::value_option("--sample", "N", "Decide one ray in N again, at random; default 1000",
-                                wishes->sample_every),
-            tools::flag_option("--by-row", "A row for each centre and scale, too", wishes->by_row),
-            tools::value_option("--seed", "N", "Of the random numbers, 0 to 65535; default 1", wishes->seed)},
-           tools::threads_option(wishes->common),
-           {tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", wishes->common.progress)}}),
-      .run = [wishes] { return run(*wishes); }};
+                                settings->sample_every),
+            tools::flag_option("--by-row", "A row for each centre and scale, too", settings->by_row),
+            tools::value_option("--seed", "N", "Of the random numbers, 0 to 65535; default 1", settings->seed)},
+           tools::threads_option(settings->common),
+           {tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", settings->common.progress)}}),
+      .run = [settings] { return run(*settings); }};
 }
 
 }  // namespace rhoray::study

@@ -20,7 +20,7 @@ double cpu_ms_of(const std::function<void()>& act) {
   return 1e3 * tools::CpuMeter().measure(act).cpu_s;
 }
 
-bool ContestWishes::wants(const std::string& system) const {
+bool ContestSettings::wants(const std::string& system) const {
   return systems.empty() || std::find(systems.begin(), systems.end(), system) != systems.end();
 }
 
@@ -118,13 +118,14 @@ Json json_of(const LevelErrors& errors) {
 }
 
 /// @param truth  the level that errors are measured against
-Json context_of(const ContestWishes& wishes, const Subject& subject, const Contest& contest, const std::string& truth) {
+Json context_of(const ContestSettings& settings, const Subject& subject, const Contest& contest,
+                const std::string& truth) {
   Json systems = Json::object();
   for (const PeerPointer& peer : contest.peers) systems[peer->name()] = peer->does();
-  Json context{{"input", wishes.input.filename().string()},
-               {"size", {wishes.size.width, wishes.size.height}},
+  Json context{{"input", settings.input.filename().string()},
+               {"size", {settings.size.width, settings.size.height}},
                {"threads", 1},
-               {"repeat", wishes.rounds.rounds},
+               {"repeat", settings.rounds.rounds},
                {"cycles", cycles_source()},
                {"truth", truth},
                {"systems", systems},
@@ -133,9 +134,9 @@ Json context_of(const ContestWishes& wishes, const Subject& subject, const Conte
   return context_with(context);
 }
 
-void say_left_out(const Contest& contest, const ContestWishes& wishes) {
+void say_left_out(const Contest& contest, const ContestSettings& settings) {
   for (const auto& [system, reason] : contest.left_out.items())
-    tools::say(wishes.common, concat("left out: ", system, ": ", reason.get<std::string>()));
+    tools::say(settings.common, concat("left out: ", system, ": ", reason.get<std::string>()));
 }
 
 PeerView view_of(const Subject& subject, tools::StudyView view, std::optional<double> isovalue,
@@ -147,7 +148,7 @@ PeerView view_of(const Subject& subject, tools::StudyView view, std::optional<do
 
 /// One question, asked of all contestants from every view.
 struct Heat {
-  const ContestWishes& wishes;
+  const ContestSettings& settings;
   const Subject& subject;
   const Tell& tell;
   std::optional<double> isovalue;  ///< nothing: largest values
@@ -161,10 +162,10 @@ struct Heat {
       const OneThread limit;
       judge->prepare(subject.data, isovalue.value_or(0));
       entrants = prepare(contest, subject, isovalue.value_or(0),
-                         view_of(subject, subject.views[0], isovalue, wishes.size), tell);
+                         view_of(subject, subject.views[0], isovalue, settings.size), tell);
     }
     for (const tools::StudyView named : subject.views) {
-      const PeerView view = view_of(subject, named, isovalue, wishes.size);
+      const PeerView view = view_of(subject, named, isovalue, settings.size);
       const std::string what = concat(isovalue ? concat("isovalue ", *isovalue) : "mip", ", ", name_of(named));
       tell(what + ", the exact answer");
       const std::vector<double> truth = judge->answers(view);
@@ -191,7 +192,7 @@ struct Heat {
     std::vector<TimedRow> rows;
     for (const Entrant& entrant : entrants)
       rows.push_back({.name = entrant.peer.name(), .act = [&entrant, &view] { entrant.peer.draw(view); }});
-    run_rounds(rows, wishes.rounds, [&](const std::string& step) { tell(concat(what, ", ", step)); });
+    run_rounds(rows, settings.rounds, [&](const std::string& step) { tell(concat(what, ", ", step)); });
     return rows;
   }
 
@@ -202,91 +203,93 @@ struct Heat {
   }
 };
 
-tools::Table isosurface_table(const ContestWishes& wishes, const Subject& subject, const std::string& name,
+tools::Table isosurface_table(const ContestSettings& settings, const Subject& subject, const std::string& name,
                               const std::function<Contest()>& contestants, const Tell& tell) {
   tools::Table table{name + "_isosurface", "Isosurfaces: CPU time of one thread, and errors", {}, {}};
   for (const double isovalue : subject.isovalues) {
     const Contest contest = contestants();
-    if (table.rows.empty()) say_left_out(contest, wishes);
-    table.context = context_of(wishes, subject, contest, wishes.truth);
-    Heat{wishes, subject, tell, isovalue, own_isosurface(wishes.truth), "Rhoray, float"}.run(contest, table);
+    if (table.rows.empty()) say_left_out(contest, settings);
+    table.context = context_of(settings, subject, contest, settings.truth);
+    Heat{settings, subject, tell, isovalue, own_isosurface(settings.truth), "Rhoray, float"}.run(contest, table);
   }
   return table;
 }
 
-tools::Table largest_value_table(const ContestWishes& wishes, const Subject& subject, const std::string& name,
+tools::Table largest_value_table(const ContestSettings& settings, const Subject& subject, const std::string& name,
                                  const std::function<Contest()>& contestants, const Tell& tell) {
   // The judge takes hours for large data; what is certified carries a bound far below what is compared here.
   const std::string truth = "certified";
   tools::Table table{name + "_mip", "Largest values along rays: CPU time of one thread, and errors", {}, {}};
   const Contest contest = contestants();
-  say_left_out(contest, wishes);
-  table.context = context_of(wishes, subject, contest, truth);
-  Heat{wishes, subject, tell, {}, own_largest_values(truth), "Rhoray, double"}.run(contest, table);
+  say_left_out(contest, settings);
+  table.context = context_of(settings, subject, contest, truth);
+  Heat{settings, subject, tell, {}, own_largest_values(truth), "Rhoray, double"}.run(contest, table);
   return table;
 }
 
 }  // namespace
 
-std::vector<tools::Option> contest_options(ContestWishes& wishes, const std::vector<std::string>& systems,
+std::vector<tools::Option> contest_options(ContestSettings& settings, const std::vector<std::string>& systems,
                                            const std::string& tables) {
   return tools::all_options(
-      {tools::output_options(wishes.common, concat("FOLDER for ", tables, ", .csv and .json")),
-       {tools::value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", wishes.isovalues),
-        tools::flag_option("--mip", "Also largest values", wishes.mip),
-        tools::flag_option("--no-iso", "No isosurfaces", wishes.no_isosurfaces),
+      {tools::output_options(settings.common, concat("FOLDER for ", tables, ", .csv and .json")),
+       {tools::value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", settings.isovalues),
+        tools::flag_option("--mip", "Also largest values", settings.mip),
+        tools::flag_option("--no-iso", "No isosurfaces", settings.no_isosurfaces),
         tools::value_option("--views", "NAME[,NAME]", "Of front, from-feet, close-up and inside; default all",
-                            wishes.views),
+                            settings.views),
         tools::value_option("--systems", "NAME[,NAME]", concat("Of ", listed(systems), "; default all that were built"),
-                            wishes.systems),
+                            settings.systems),
         tools::choice_option("--truth", {"exact", "certified"},
                              "What isosurfaces are measured against: every ray judged exactly, or certified, which "
                              "largest values always are",
-                             wishes.truth),
-        tools::value_option("--field", "NAME", "Field; default the first", wishes.field),
-        tools::value_option("--size", "WxH", "Pixels; default 512x512", wishes.size),
-        tools::value_option("--repeat", "N", "Rounds; default 5", wishes.rounds.rounds),
+                             settings.truth),
+        tools::value_option("--field", "NAME", "Field; default the first", settings.field),
+        tools::value_option("--size", "WxH", "Pixels; default 512x512", settings.size),
+        tools::value_option("--repeat", "N", "Rounds; default 5", settings.rounds.rounds),
         tools::value_option("--row-seconds", "S", "What has taken so much CPU time is not timed again; default 8",
-                            wishes.rounds.row_seconds),
-        tools::flag_option("-q,--quiet", "Do not say what is left out", wishes.common.quiet),
-        tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", wishes.common.progress)}});
+                            settings.rounds.row_seconds),
+        tools::flag_option("-q,--quiet", "Do not say what is left out", settings.common.quiet),
+        tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", settings.common.progress)}});
 }
 
-void prepare_contest(const ContestWishes& wishes, const std::vector<std::string>& systems, const std::string& name) {
-  tools::require_within("--repeat", wishes.rounds.rounds, 1, 10'000);
-  tools::require_within("--row-seconds", wishes.rounds.row_seconds, 0, 1e6);
-  for (const std::string& system : wishes.systems)
+void prepare_contest(const ContestSettings& settings, const std::vector<std::string>& systems,
+                     const std::string& name) {
+  tools::require_within("--repeat", settings.rounds.rounds, 1, 10'000);
+  tools::require_within("--row-seconds", settings.rounds.row_seconds, 0, 1e6);
+  for (const std::string& system : settings.systems)
     if (std::find(systems.begin(), systems.end(), system) == systems.end())
-      throw Error(Trouble::usage, concat("--systems: found '", system, "'; expected ", listed(systems)),
+      throw Error(ErrorCode::usage, concat("--systems: found '", system, "'; expected ", listed(systems)),
                   did_you_mean(system, systems));
-  tools::require_input(wishes.input);
-  if (!wishes.no_isosurfaces) require_publishable(wishes.common, {name + "_isosurface"});
-  if (wishes.mip) require_publishable(wishes.common, {name + "_mip"});
+  tools::require_input(settings.input);
+  if (!settings.no_isosurfaces) require_publishable(settings.common, {name + "_isosurface"});
+  if (settings.mip) require_publishable(settings.common, {name + "_mip"});
   ::setenv("VTK_SMP_BACKEND_IN_USE", "Sequential", 1);
   ::setenv("VTK_SMP_MAX_THREADS", "1", 1);
   ::setenv("LP_NUM_THREADS", "0", 1);  // Mesa's software renderer
 }
 
-Subject::Subject(const ContestWishes& wishes, const PeerData& given, double unit_length, const std::string& unit_word)
+Subject::Subject(const ContestSettings& settings, const PeerData& given, double unit_length,
+                 const std::string& unit_word)
     : data(given), volume(render::Volume::load(data.packed_file, data.field)), unit(unit_length), unit_name(unit_word) {
   data.bounds = volume.bounds();
   data.range = volume.field().range;
-  for (const std::string& isovalue : wishes.isovalues)
+  for (const std::string& isovalue : settings.isovalues)
     isovalues.push_back(tools::choose_isovalue(isovalue, volume.field()).value);
-  for (const std::string& view : wishes.views) views.push_back(tools::study_view_named(view));
+  for (const std::string& view : settings.views) views.push_back(tools::study_view_named(view));
 }
 
-void run_contest(const ContestWishes& wishes, const Subject& subject, const std::string& name,
+void run_contest(const ContestSettings& settings, const Subject& subject, const std::string& name,
                  const std::function<Contest()>& isosurfaces, const std::function<Contest()>& largest) {
   const auto show = [&](auto&& table_of, const std::function<Contest()>& contestants) {
     const tools::Table table = [&] {
-      tools::ProgressDisplay display(wishes.common);
-      return table_of(wishes, subject, name, contestants, [&](const std::string& what) { display.show(what); });
+      tools::ProgressDisplay display(settings.common);
+      return table_of(settings, subject, name, contestants, [&](const std::string& what) { display.show(what); });
     }();
-    publish(table, wishes.common);
+    publish(table, settings.common);
   };
-  if (!wishes.no_isosurfaces) show(isosurface_table, isosurfaces);
-  if (wishes.mip) show(largest_value_table, largest);
+  if (!settings.no_isosurfaces) show(isosurface_table, isosurfaces);
+  if (settings.mip) show(largest_value_table, largest);
 }
 
 }  // namespace rhoray::study

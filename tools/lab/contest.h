@@ -17,7 +17,7 @@
 namespace rhoray::study {
 
 /// What the user of such a study can choose.
-struct ContestWishes {
+struct ContestSettings {
   tools::CommonOptions common;
   std::filesystem::path input;
   std::string field;
@@ -34,12 +34,12 @@ struct ContestWishes {
 
 /// The rows of --help that stand for them.
 /// @param systems  the words that --systems knows
-std::vector<tools::Option> contest_options(ContestWishes& wishes, const std::vector<std::string>& systems,
+std::vector<tools::Option> contest_options(ContestSettings& settings, const std::vector<std::string>& systems,
                                            const std::string& tables);
 
-/// Refuses what cannot be done (Trouble::usage), and asks libraries that read the environment for one thread.
+/// Refuses what cannot be done (ErrorCode::usage), and asks libraries that read the environment for one thread.
 /// @param name  of the tables, as for run_contest
-void prepare_contest(const ContestWishes& wishes, const std::vector<std::string>& systems, const std::string& name);
+void prepare_contest(const ContestSettings& settings, const std::vector<std::string>& systems, const std::string& name);
 
 /// The data as the systems get it, and what is shown of it.
 struct Subject {
@@ -52,7 +52,7 @@ struct Subject {
   tools::Json about;      ///< for the tables' context
 
   /// @param data  without its bounds and range, which the packed file tells
-  Subject(const ContestWishes& wishes, const PeerData& data, double unit, const std::string& unit_name);
+  Subject(const ContestSettings& settings, const PeerData& data, double unit, const std::string& unit_name);
 };
 
 /// The systems that answer one question, and those that cannot run here with the reason.
@@ -66,7 +66,7 @@ struct Contest {
 /// Runs what is wished for and publishes it as tables NAME_isosurface and NAME_mip.
 /// @param isosurfaces  makes the contestants of one isovalue
 /// @param largest      makes those of largest values
-void run_contest(const ContestWishes& wishes, const Subject& subject, const std::string& name,
+void run_contest(const ContestSettings& settings, const Subject& subject, const std::string& name,
                  const std::function<Contest()>& isosurfaces, const std::function<Contest()>& largest);
 
 }  // namespace rhoray::study

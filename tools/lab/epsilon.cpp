@@ -6,14 +6,14 @@
 
 #include <cmath>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tools/lab/figures.h"
 #include "tools/lab/judged_view.h"
 #include "tools/lab/shadow_starts.h"
 #include "tools/lab/study_run.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/input_file.h"
-#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/views.h"
 
@@ -26,7 +26,7 @@ using tools::Json;
 constexpr const char* shadow_table = "epsilon_shadows";
 constexpr const char* step_table = "epsilon_steps";
 
-struct Wishes {
+struct Settings {
   tools::CommonOptions common;
   std::filesystem::path input;
   std::string field, view = "front";
@@ -40,36 +40,36 @@ struct Wishes {
 constexpr double epsilons[] = {1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3, 1};
 constexpr double steps[] = {2, 1, 0.5, 0.25, 0.125, 0.0625, 0.03125, 0.015625};
 
-std::string precision_of(const StartWish& wish) {
-  return wish.is_rounded || wish.method.precision == render::Method::Precision::single ? "float" : "double";
+std::string precision_of(const StartSettings& setting) {
+  return setting.is_rounded || setting.method.precision == render::Method::Precision::float32 ? "float" : "double";
 }
 
-std::vector<StartWish> start_wishes() {
-  const render::Method single = render::method_of(render::Accuracy::single);
-  std::vector<StartWish> wishes{{.start = Start::knows_side, .method = single}, {.start = Start::knows_side}};
+std::vector<StartSettings> start_settings() {
+  const render::Method single = render::method_of(render::Accuracy::float32);
+  std::vector<StartSettings> settings{{.start = Start::knows_side, .method = single}, {.start = Start::knows_side}};
   for (const Start start : {Start::along_ray, Start::along_normal})
     for (const bool is_single : {true, false})
       for (const double epsilon : epsilons)
-        wishes.push_back({.start = start,
-                          .epsilon_cells = epsilon,
-                          .method = is_single ? single : render::Method{},
-                          .is_rounded = is_single});
-  return wishes;
+        settings.push_back({.start = start,
+                            .epsilon_cells = epsilon,
+                            .method = is_single ? single : render::Method{},
+                            .is_rounded = is_single});
+  return settings;
 }
 
 std::vector<Json> shadow_rows(const ShadowStarts& starts, double isovalue) {
   std::vector<Json> rows;
-  for (const StartWish& wish : start_wishes()) {
-    const StartCounts counts = starts.count(wish);
+  for (const StartSettings& setting : start_settings()) {
+    const StartCounts counts = starts.count(setting);
     const auto ppm = [&](std::uint64_t count) {
       return counts.rays == 0 ? Json(nullptr)
                               : Json(1e6 * static_cast<double>(count) / static_cast<double>(counts.rays));
     };
-    const bool is_moved = wish.start != Start::knows_side;
+    const bool is_moved = setting.start != Start::knows_side;
     rows.push_back({{"isovalue", isovalue},
-                    {"start", name_of(wish.start)},
-                    {"hits", precision_of(wish)},
-                    {"epsilon_cells", is_moved ? Json(wish.epsilon_cells) : Json(nullptr)},
+                    {"start", name_of(setting.start)},
+                    {"hits", precision_of(setting)},
+                    {"epsilon_cells", is_moved ? Json(setting.epsilon_cells) : Json(nullptr)},
                     {"rays", counts.rays},
                     {"dark", counts.dark},
                     {"acne", counts.acne},
@@ -152,51 +152,51 @@ std::vector<Figure> figures_of(const tools::Table& shadows, const tools::Table& 
   return {starts, misses};
 }
 
-int run(const Wishes& wishes) {
-  require_publishable(wishes.common, {shadow_table, step_table});
-  require_publishable_figures(wishes.common, {shadow_table, step_table});
-  tools::require_within("--judge-seconds", wishes.judge_seconds, 0, 1e6);
-  if (!(wishes.light.length() > 0)) throw Error(Trouble::usage, "--light: found 0,0,0; expected a direction");
-  tools::require_input(wishes.input);
-  const render::Volume volume = tools::load_volume(wishes.input, wishes.field);
+int run(const Settings& settings) {
+  require_publishable(settings.common, {shadow_table, step_table});
+  require_publishable_figures(settings.common, {shadow_table, step_table});
+  tools::require_within("--judge-seconds", settings.judge_seconds, 0, 1e6);
+  if (!(settings.light.length() > 0)) throw Error(ErrorCode::usage, "--light: found 0,0,0; expected a direction");
+  tools::require_input(settings.input);
+  const render::Volume volume = tools::load_volume(settings.input, settings.field);
   tools::Table shadows{shadow_table, "Rays to a light by how far off the surface they start", {}, {}};
   tools::Table sampled{step_table, "An isosurface by how far apart the field is sampled", {}, {}};
-  shadows.context = sampled.context = context_with({{"input", wishes.input.filename().string()},
+  shadows.context = sampled.context = context_with({{"input", settings.input.filename().string()},
                                                     {"field", volume.field().name},
-                                                    {"view", wishes.view},
-                                                    {"light", tools::json_of(wishes.light)},
-                                                    {"size", {wishes.size.width, wishes.size.height}},
+                                                    {"view", settings.view},
+                                                    {"light", tools::json_of(settings.light)},
+                                                    {"size", {settings.size.width, settings.size.height}},
                                                     {"machine", render::name_of(render::chosen_machine())},
-                                                    {"seed", wishes.seed}});
+                                                    {"seed", settings.seed}});
   {
-    tools::ProgressDisplay display(wishes.common);
-    for (const std::string& text : wishes.isovalues) {
+    tools::ProgressDisplay display(settings.common);
+    for (const std::string& text : settings.isovalues) {
       const double isovalue = tools::choose_isovalue(text, volume.field()).value;
       display.show(concat("isovalue ", isovalue, ", the exact answer"));
       const JudgedView view(volume,
                             {.isovalue = isovalue,
-                             .camera = tools::study_camera(tools::study_view_named(wishes.view), volume, isovalue,
-                                                           double{1} * wishes.size.width / wishes.size.height),
-                             .size = wishes.size,
-                             .judge_seconds = wishes.judge_seconds,
-                             .seed = wishes.seed});
+                             .camera = tools::study_camera(tools::study_view_named(settings.view), volume, isovalue,
+                                                           double{1} * settings.size.width / settings.size.height),
+                             .size = settings.size,
+                             .judge_seconds = settings.judge_seconds,
+                             .seed = settings.seed});
       display.show(concat("isovalue ", isovalue, ", shadow rays"));
-      for (Json& row : shadow_rows(ShadowStarts(volume, isovalue, view.truth(), wishes.light), isovalue))
+      for (Json& row : shadow_rows(ShadowStarts(volume, isovalue, view.truth(), settings.light), isovalue))
         shadows.rows.push_back(std::move(row));
       display.show(concat("isovalue ", isovalue, ", samples"));
       for (Json& row : step_rows(view, volume, isovalue)) sampled.rows.push_back(std::move(row));
     }
   }
-  publish(shadows, wishes.common);
-  publish(sampled, wishes.common);
-  publish(figures_of(shadows, sampled), wishes.common);
+  publish(shadows, settings.common);
+  publish(sampled, settings.common);
+  publish(figures_of(shadows, sampled), settings.common);
   return 0;
 }
 
 }  // namespace
 
 tools::Subcommand epsilon() {
-  const auto wishes = std::make_shared<Wishes>();
+  const auto settings = std::make_shared<Settings>();
   return {
       .name = "epsilon",
       .summary = "What is missed by distances chosen by hand: starts of shadow rays, steps of samples",
@@ -205,19 +205,22 @@ tools::Subcommand epsilon() {
           "  rhoray-study epsilon torso.rho --iso p75 --view close-up\n"
           "Everything is counted against the exact answer. A million is the most that can be wrong of a million.\n",
       .options = tools::all_options(
-          {{tools::file_option("FILE", "Packed grid or mesh", wishes->input)},
-           tools::output_options(wishes->common, "FOLDER for epsilon_shadows and epsilon_steps, .csv, .json and .svg"),
-           {tools::value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", wishes->isovalues),
-            tools::value_option("--field", "NAME", "Field; default the first", wishes->field),
-            tools::value_option("--light", "X,Y,Z", "Direction towards the light; default 0.4,-0.6,0.7", wishes->light),
-            tools::value_option("--view", "NAME", "front, from-feet, close-up or inside; default front", wishes->view),
-            tools::value_option("--size", "WxH", "Pixels; default 512x512", wishes->size),
+          {{tools::file_option("FILE", "Packed grid or mesh", settings->input)},
+           tools::output_options(settings->common,
+                                 "FOLDER for epsilon_shadows and epsilon_steps, .csv, .json and .svg"),
+           {tools::value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", settings->isovalues),
+            tools::value_option("--field", "NAME", "Field; default the first", settings->field),
+            tools::value_option("--light", "X,Y,Z", "Direction towards the light; default 0.4,-0.6,0.7",
+                                settings->light),
+            tools::value_option("--view", "NAME", "front, from-feet, close-up or inside; default front",
+                                settings->view),
+            tools::value_option("--size", "WxH", "Pixels; default 512x512", settings->size),
             tools::value_option("--judge-seconds", "S",
                                 "Pixels are judged in random order until this time is over; default 60",
-                                wishes->judge_seconds),
-            tools::value_option("--seed", "N", "Of that order; default 1", wishes->seed),
-            tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", wishes->common.progress)}}),
-      .run = [wishes] { return run(*wishes); }};
+                                settings->judge_seconds),
+            tools::value_option("--seed", "N", "Of that order; default 1", settings->seed),
+            tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", settings->common.progress)}}),
+      .run = [settings] { return run(*settings); }};
 }
 
 }  // namespace rhoray::study

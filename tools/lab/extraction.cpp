@@ -3,7 +3,7 @@
 
 #include "tools/lab/extraction.h"
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/pack_volume.h"
 #include "render/load.h"
 #include "tools/lab/peers/ours.h"
@@ -25,7 +25,7 @@ namespace {
 
 using tools::Json;
 
-struct Wishes {
+struct Settings {
   tools::CommonOptions common;
   std::filesystem::path input;
   std::string field;
@@ -64,8 +64,8 @@ Json row_of(const std::string& system, double isovalue, const Times& times, cons
 
 class Study {
  public:
-  Study(const Wishes& wishes, const preprocess::NeutralVolume& grid, const std::filesystem::path& packed)
-      : wishes_(wishes), volume_(render::Volume::load(packed)) {
+  Study(const Settings& settings, const preprocess::NeutralVolume& grid, const std::filesystem::path& packed)
+      : settings_(settings), volume_(render::Volume::load(packed)) {
     data_.grid = &grid;
     data_.packed_file = packed;
     data_.bounds = volume_.bounds();
@@ -75,17 +75,17 @@ class Study {
   std::vector<Json> rows_of(const std::string& isovalue_text, tools::ProgressDisplay& display) const {
     const double isovalue = tools::choose_isovalue(isovalue_text, volume_.field()).value;
     const PeerView view{.camera = tools::study_camera(tools::StudyView::front, volume_, isovalue,
-                                                      double{1} * wishes_.size.width / wishes_.size.height),
-                        .width = wishes_.size.width,
-                        .height = wishes_.size.height};
+                                                      double{1} * settings_.size.width / settings_.size.height),
+                        .width = settings_.size.width,
+                        .height = settings_.size.height};
     std::vector<Json> rows;
     for (const auto& make : {marching_cubes, synchronized_templates, flying_edges}) {
       display.show(concat("isovalue ", isovalue, ": ", make()->maker()));
       rows.push_back(row_of_triangles(make, isovalue, view));
     }
-    if (wishes_.cgal_triangles) {
+    if (settings_.cgal_triangles) {
       display.show(concat("isovalue ", isovalue, ": CGAL's surface mesher"));
-      rows.push_back(row_of_triangles([&] { return cgal_mesher(*wishes_.cgal_triangles); }, isovalue, view));
+      rows.push_back(row_of_triangles([&] { return cgal_mesher(*settings_.cgal_triangles); }, isovalue, view));
     }
     for (const char* level : {"float", "certified"}) {
       display.show(concat("isovalue ", isovalue, ": Rhoray, ", level));
@@ -102,7 +102,7 @@ class Study {
     Json triangles, mb;
     bool is_complete = true;
     std::string name = make()->maker();
-    for (int i = 0; i < wishes_.repeat; ++i) {
+    for (int i = 0; i < settings_.repeat; ++i) {
       const std::shared_ptr<Triangles> surface = make();
       times.extraction.push_back(surface->extract(data_, isovalue).extraction_ms);
       triangles = surface->triangle_count(), mb = surface->memory_mb();
@@ -122,7 +122,7 @@ class Study {
 
   Json own_row(const std::string& level, double isovalue, const PeerView& view) const {
     Times times;
-    for (int i = 0; i < wishes_.repeat; ++i) {
+    for (int i = 0; i < settings_.repeat; ++i) {
       const PeerPointer own = own_isosurface(level);
       times.build.push_back(own->prepare(data_, isovalue).build_ms);
       times.frame.push_back(cpu_ms_of([&] { own->draw(view); }));
@@ -130,60 +130,61 @@ class Study {
     return row_of(concat("Rhoray, ", level), isovalue, times, Json(), Json());
   }
 
-  const Wishes& wishes_;
+  const Settings& settings_;
   render::Volume volume_;
   PeerData data_;
 };
 
-int run(const Wishes& wishes) {
-  require_publishable(wishes.common, {"extraction"});
-  tools::require_within("--repeat", wishes.repeat, 1, 1000);
+int run(const Settings& settings) {
+  require_publishable(settings.common, {"extraction"});
+  tools::require_within("--repeat", settings.repeat, 1, 1000);
   tools::Table table{"extraction", "Another isovalue, by triangles and directly: CPU time of one thread", {}, {}};
-  const tools::ScratchFolder scratch(wishes.scratch);
+  const tools::ScratchFolder scratch(settings.scratch);
   {
-    tools::ProgressDisplay display(wishes.common);
+    tools::ProgressDisplay display(settings.common);
     display.show("reading and packing");
-    preprocess::NeutralVolume grid = plain_grid(wishes.input, wishes.field);
+    preprocess::NeutralVolume grid = plain_grid(settings.input, settings.field);
     const std::filesystem::path file = scratch.path() / "grid.rho";
     preprocess::pack_volume(grid, file);
     grid.samples = grid.owned_samples;
     const Index3 n = grid.sample_count;
-    table.context = context_with({{"file", wishes.input.filename().string()},
+    table.context = context_with({{"file", settings.input.filename().string()},
                                   {"samples", {n.x, n.y, n.z}},
                                   {"type", formats::element_name(grid.type)},
-                                  {"size", {wishes.size.width, wishes.size.height}},
+                                  {"size", {settings.size.width, settings.size.height}},
                                   {"view", "front"},
-                                  {"repeat", wishes.repeat}});
-    const Study study(wishes, grid, file);
-    for (const std::string& isovalue : wishes.isovalues)
+                                  {"repeat", settings.repeat}});
+    const Study study(settings, grid, file);
+    for (const std::string& isovalue : settings.isovalues)
       for (Json& row : study.rows_of(isovalue, display)) table.rows.push_back(std::move(row));
   }
-  publish(table, wishes.common);
+  publish(table, settings.common);
   return 0;
 }
 
 }  // namespace
 
 tools::Subcommand extraction() {
-  const auto wishes = std::make_shared<Wishes>();
-  return {.name = "extraction",
-          .summary = "Another isovalue of a grid, by triangles and directly: the paper's Table 6",
-          .examples =
-              "  rhoray-study extraction torso-ct.rho --iso 250 -o results\n"
-              "  rhoray-study extraction small.rho --iso 250 --cgal 40000 -o results\n",
-          .options = tools::all_options(
-              {{tools::file_option("FILE", "Packed grid", wishes->input),
-                tools::value_option("--iso", "V[,V]", "Isovalues; default auto", wishes->isovalues),
-                tools::value_option("--field", "NAME", "Field; default the first", wishes->field),
-                tools::value_option("--size", "WxH", "Pixels; default 512x512", wishes->size),
-                tools::value_option("--repeat", "N", "Repetitions; default 3", wishes->repeat),
-                tools::number_option("--cgal", "TRIANGLES",
-                                     "Also CGAL's surface mesher, asked for about so many; it takes minutes",
-                                     {100, 10'000'000}, wishes->cgal_triangles),
-                tools::value_option("--scratch", "FOLDER", "For the packed grid", wishes->scratch),
-                tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", wishes->common.progress)},
-               tools::output_options(wishes->common, "FOLDER for extraction.csv and .json")}),
-          .run = [wishes] { return run(*wishes); }};
+  const auto settings = std::make_shared<Settings>();
+  return {
+      .name = "extraction",
+      .summary = "Another isovalue of a grid, by triangles and directly: the paper's Table 6",
+      .examples =
+          "  rhoray-study extraction torso-ct.rho --iso 250 -o results\n"
+          "  rhoray-study extraction small.rho --iso 250 --cgal 40000 -o results\n",
+      .options = tools::all_options(
+          {{tools::file_option("FILE", "Packed grid", settings->input),
+            tools::value_option("--iso", "V[,V]", "Isovalues; default auto", settings->isovalues),
+            tools::value_option("--field", "NAME", "Field; default the first", settings->field),
+            tools::value_option("--size", "WxH", "Pixels; default 512x512", settings->size),
+            tools::value_option("--repeat", "N", "Repetitions; default 3", settings->repeat),
+            tools::number_option("--cgal", "TRIANGLES",
+                                 "Also CGAL's surface mesher, asked for about so many; it takes minutes",
+                                 {100, 10'000'000}, settings->cgal_triangles),
+            tools::value_option("--scratch", "FOLDER", "For the packed grid", settings->scratch),
+            tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", settings->common.progress)},
+           tools::output_options(settings->common, "FOLDER for extraction.csv and .json")}),
+      .run = [settings] { return run(*settings); }};
 }
 
 }  // namespace rhoray::study

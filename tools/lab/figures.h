@@ -36,7 +36,8 @@ std::string script_of(const Figure& figure);
 /// it. Figures without a point are left out.
 void publish(const std::vector<Figure>& figures, const tools::CommonOptions& common);
 
-/// Refuses, before the work, an output folder in which these figures could not be published after it (Trouble::usage).
+/// Refuses, before the work, an output folder in which these figures could not be published after it
+/// (ErrorCode::usage).
 void require_publishable_figures(const tools::CommonOptions& common, const std::vector<std::string>& names);
 
 }  // namespace rhoray::study

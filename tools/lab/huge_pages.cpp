@@ -8,7 +8,7 @@
 #include <fstream>
 #include <string>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::study {
 
@@ -35,7 +35,7 @@ Range mapping_around(std::uintptr_t address) {
   Range range;
   for (std::string line; std::getline(lines, line);)
     if (read_range(line, range) && range.begin <= address && address < range.end) return range;
-  throw Error(Trouble::internal, "huge pages: the bytes are in no mapping");
+  throw Error(ErrorCode::internal, "huge pages: the bytes are in no mapping");
 }
 
 std::size_t huge_bytes_in(const Range& wanted) {
@@ -56,17 +56,17 @@ std::size_t move_to_huge_pages(std::span<const std::byte> bytes) {
   const Range range = mapping_around(reinterpret_cast<std::uintptr_t>(bytes.data()));
   // Where the copy first lies, it is as far from a huge page's start as where it goes: so that whole pages move.
   void* const spare = ::mmap(nullptr, range.size() + huge_page, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (spare == MAP_FAILED) throw Error(Trouble::resource, "huge pages: no addresses left");
+  if (spare == MAP_FAILED) throw Error(ErrorCode::resource, "huge pages: no addresses left");
   const auto first = reinterpret_cast<std::uintptr_t>(spare);
   const std::uintptr_t start = first + (range.begin - first) % huge_page;
   void* const copy = reinterpret_cast<void*>(start);
   void* const place = reinterpret_cast<void*>(range.begin);
   if (::mprotect(copy, range.size(), PROT_READ | PROT_WRITE) != 0 || ::madvise(copy, range.size(), MADV_HUGEPAGE) != 0)
-    throw Error(Trouble::resource, "huge pages: the system does not offer them");
+    throw Error(ErrorCode::resource, "huge pages: the system does not offer them");
   std::memcpy(copy, place, range.size());
   if (::mprotect(copy, range.size(), PROT_READ) != 0 ||
       ::mremap(copy, range.size(), range.size(), MREMAP_MAYMOVE | MREMAP_FIXED, place) == MAP_FAILED)
-    throw Error(Trouble::resource, "huge pages: the copy could not be put in place");
+    throw Error(ErrorCode::resource, "huge pages: the copy could not be put in place");
   if (start > first) ::munmap(spare, start - first);
   ::munmap(reinterpret_cast<void*>(start + range.size()), first + huge_page - start);
   return huge_bytes_in(range);

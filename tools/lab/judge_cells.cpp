@@ -21,18 +21,18 @@ namespace {
 using tools::Json;
 
 /// Who gave an answer; certified methods ask one after the other.
-enum class Decider { single, twofold, judge };
+enum class Decider { single, float64, judge };
 constexpr std::array<const char*, 3> decider_names{"float", "double", "judge"};
 
 struct MethodAnswer {
   bool crosses = false;
   double s = 0;
   double s_error = std::numeric_limits<double>::infinity();  ///< claimed; infinite when nothing is claimed
-  Decider by = Decider::twofold;
+  Decider by = Decider::float64;
 };
 
 template <class Real>
-constexpr Decider decider_of = std::is_same_v<Real, float> ? Decider::single : Decider::twofold;
+constexpr Decider decider_of = std::is_same_v<Real, float> ? Decider::single : Decider::float64;
 
 struct Method {
   const char* name;
@@ -64,7 +64,7 @@ std::optional<MethodAnswer> proven(const CellCase& made, bool starts_inside) {
 
 MethodAnswer by_the_judge(const CellCase& made, bool starts_inside) {
   const render::CellVerdict verdict =
-      render::judge_crossing(made.cell, made.p0, made.p1, made.isovalue, starts_inside, 0x1p-40);
+      render::exact_crossing(made.cell, made.p0, made.p1, made.isovalue, starts_inside, 0x1p-40);
   const double s = 0.5 * (verdict.s.lo + verdict.s.hi);
   return {.crosses = verdict.changes,
           .s = s,
@@ -92,7 +92,7 @@ constexpr Method methods[] = {{"certified", "proven in float, else in double, el
                               {"paper:float", "the same in single precision", named_method<paper, float>}};
 constexpr std::size_t method_count = std::size(methods);
 
-struct Wishes {
+struct Settings {
   tools::CommonOptions common;
   std::uint64_t cells = 100'000;  ///< of each class
   std::vector<std::string> classes;
@@ -142,7 +142,7 @@ struct ClassTally {
 render::CellVerdict judged(const CellCase& made, bool starts_inside, double width, ClassTally& tally) {
   const auto begin = std::chrono::steady_clock::now();
   const render::CellVerdict verdict =
-      render::judge_crossing(made.cell, made.p0, made.p1, made.isovalue, starts_inside, width);
+      render::exact_crossing(made.cell, made.p0, made.p1, made.isovalue, starts_inside, width);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   const bool is_exact = verdict.road == render::Road::exact;
   ++(is_exact ? tally.exact : tally.filtered);
@@ -205,20 +205,20 @@ void judge_one(const CellCase& made, const Chosen& chosen, double width, ClassTa
 constexpr std::uint64_t chunk_size = 4096;
 
 /// Cells are made from a seed for each chunk, so that the result does not depend on who works on which.
-ClassTally judge_class(const CellClass& of, const Chosen& chosen, const Wishes& wishes,
+ClassTally judge_class(const CellClass& of, const Chosen& chosen, const Settings& settings,
                        tools::ProgressDisplay& display) {
-  const std::uint64_t chunks = (wishes.cells + chunk_size - 1) / chunk_size;
+  const std::uint64_t chunks = (settings.cells + chunk_size - 1) / chunk_size;
   const std::uint64_t class_number = static_cast<std::uint64_t>(&of - cell_classes().data());
   ClassTally whole;
   std::mutex adding;
   parallel_for_each(chunks, [&](std::uint64_t chunk) {
-    Dice dice((wishes.seed << 48) ^ (class_number << 40) ^ chunk);
+    Dice dice((settings.seed << 48) ^ (class_number << 40) ^ chunk);
     ClassTally part;
-    const std::uint64_t count = std::min(chunk_size, wishes.cells - chunk * chunk_size);
-    for (std::uint64_t c = 0; c < count; ++c) judge_one(of.make(dice), chosen, wishes.width, part);
+    const std::uint64_t count = std::min(chunk_size, settings.cells - chunk * chunk_size);
+    for (std::uint64_t c = 0; c < count; ++c) judge_one(of.make(dice), chosen, settings.width, part);
     const std::scoped_lock lock(adding);
     whole.add(part);
-    display.show(concat("judging ", of.name, " [cells]"), whole.cells, wishes.cells);
+    display.show(concat("judging ", of.name, " [cells]"), whole.cells, settings.cells);
   });
   return whole;
 }
@@ -262,36 +262,36 @@ template <class Row>
 const Row& named(std::span<const Row> rows, const std::string& option, const std::string& name) {
   for (const Row& row : rows)
     if (name == row.name) return row;
-  throw Error(Trouble::usage, concat(option, ": found '", name, "'; expected one of ", names_of(rows)));
+  throw Error(ErrorCode::usage, concat(option, ": found '", name, "'; expected one of ", names_of(rows)));
 }
 
-int run(const Wishes& wishes) {
-  tools::require_within("--cells", static_cast<double>(wishes.cells), 1, 1e12);
-  tools::require_within("--width", wishes.width, 1e-300, 1);
-  require_publishable(wishes.common, {"judge_cells"});
-  tools::require_within("--seed", static_cast<double>(wishes.seed), 0, 65535);
+int run(const Settings& settings) {
+  tools::require_within("--cells", static_cast<double>(settings.cells), 1, 1e12);
+  tools::require_within("--width", settings.width, 1e-300, 1);
+  require_publishable(settings.common, {"judge_cells"});
+  tools::require_within("--seed", static_cast<double>(settings.seed), 0, 65535);
   Chosen chosen;
-  chosen.fill(wishes.methods.empty());
-  for (const std::string& name : wishes.methods)
+  chosen.fill(settings.methods.empty());
+  for (const std::string& name : settings.methods)
     chosen[static_cast<std::size_t>(&named(std::span<const Method>(methods), "--methods", name) - methods)] = true;
   std::vector<const CellClass*> wanted;
-  for (const std::string& name : wishes.classes) wanted.push_back(&named(cell_classes(), "--classes", name));
+  for (const std::string& name : settings.classes) wanted.push_back(&named(cell_classes(), "--classes", name));
   if (wanted.empty())
     for (const CellClass& each : cell_classes()) wanted.push_back(&each);
 
-  const ThreadLimit limit(wishes.common.threads);
+  const ThreadLimit limit(settings.common.threads);
   const tools::Stopwatch watch;
   tools::Table table{"judge_cells", "First crossings in trilinear cells, against the judge", {}, {}};
   {
-    tools::ProgressDisplay display(wishes.common);
+    tools::ProgressDisplay display(settings.common);
     for (const CellClass* each : wanted) {
-      const ClassTally judged = judge_class(*each, chosen, wishes, display);
+      const ClassTally judged = judge_class(*each, chosen, settings, display);
       for (std::size_t m = 0; m < method_count; ++m)
         if (chosen[m]) table.rows.push_back(row_of(*each, judged, m));
     }
   }
-  table.context = context_with({{"width", wishes.width}, {"seed", wishes.seed}, {"wall_s", watch.seconds()}});
-  publish(table, wishes.common);
+  table.context = context_with({{"width", settings.width}, {"seed", settings.seed}, {"wall_s", watch.seconds()}});
+  publish(table, settings.common);
   return 0;
 }
 
@@ -311,23 +311,23 @@ std::string stories_of_classes() {
 }  // namespace
 
 tools::Subcommand judge_cells() {
-  const auto wishes = std::make_shared<Wishes>();
+  const auto settings = std::make_shared<Settings>();
   return {
       .name = "judge-cells",
       .summary = "Methods for the first crossing in a trilinear cell against the exact judge",
       .examples = "  rhoray-study judge-cells --cells 1000000 --classes random,near-tangent -o results\n",
       .options = tools::all_options(
-          {{tools::value_option("-o,--output", "FOLDER", "For judge_cells.csv and .json", wishes->common.output),
-            tools::flag_option("--force", "Replace files that are there", wishes->common.force),
-            tools::value_option("--cells", "N", "Cells of each kind; default 100000", wishes->cells),
-            tools::value_option("--classes", "NAME[,NAME]", stories_of_classes(), wishes->classes),
-            tools::value_option("--methods", "NAME[,NAME]", stories_of_methods(), wishes->methods),
+          {{tools::value_option("-o,--output", "FOLDER", "For judge_cells.csv and .json", settings->common.output),
+            tools::flag_option("--force", "Replace files that are there", settings->common.force),
+            tools::value_option("--cells", "N", "Cells of each kind; default 100000", settings->cells),
+            tools::value_option("--classes", "NAME[,NAME]", stories_of_classes(), settings->classes),
+            tools::value_option("--methods", "NAME[,NAME]", stories_of_methods(), settings->methods),
             tools::value_option("--width", "S", "Width of the judge's enclosures, in chords; default 1e-13",
-                                wishes->width),
-            tools::value_option("--seed", "N", "Of the random numbers, 0 to 65535; default 1", wishes->seed)},
-           tools::threads_option(wishes->common),
-           {tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", wishes->common.progress)}}),
-      .run = [wishes] { return run(*wishes); }};
+                                settings->width),
+            tools::value_option("--seed", "N", "Of the random numbers, 0 to 65535; default 1", settings->seed)},
+           tools::threads_option(settings->common),
+           {tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", settings->common.progress)}}),
+      .run = [settings] { return run(*settings); }};
 }
 
 }  // namespace rhoray::study

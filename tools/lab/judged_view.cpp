@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::study {
 
@@ -23,17 +23,17 @@ void put(Json& row, const std::string& name, const std::string& unit,
   put_one("max", &tools::Quantiles::largest);
 }
 
-render::Scene scene_of(const ViewWish& wish) {
+render::Scene scene_of(const ViewSpec& setting) {
   render::Scene scene;
-  scene.layers[0].isovalue = wish.isovalue;
-  scene.camera = wish.camera;
+  scene.layers[0].isovalue = setting.isovalue;
+  scene.camera = setting.camera;
   return scene;
 }
 
 }  // namespace
 
-JudgedView::JudgedView(const render::Volume& volume, const ViewWish& wish)
-    : volume_(volume), wish_(wish), field_(volume_), scene_(scene_of(wish_)) {
+JudgedView::JudgedView(const render::Volume& volume, const ViewSpec& setting)
+    : volume_(volume), wish_(setting), field_(volume_), scene_(scene_of(wish_)) {
   truth_ = tools::find_truth({.volume = volume_,
                               .scene = scene_,
                               .field = field_,
@@ -41,7 +41,7 @@ JudgedView::JudgedView(const render::Volume& volume, const ViewWish& wish)
                               .seed = wish_.seed,
                               .seconds = wish_.judge_seconds});
   if (truth_.hit_count() == 0)
-    throw Error(Trouble::usage, concat("no pixel shows the isosurface ", wish_.isovalue, "; expected some to judge"));
+    throw Error(ErrorCode::usage, concat("no pixel shows the isosurface ", wish_.isovalue, "; expected some to judge"));
   // Where not all pixels could be judged in time, their picture is the certified one.
   const render::Accuracy level = truth_.are_all() ? render::Accuracy::exact : render::Accuracy::certified;
   render::Framebuffer picture;
@@ -100,7 +100,7 @@ Json JudgedView::ray_errors(const Shown& shown) const {
 
 Json JudgedView::picture_errors(const Shown& shown) const {
   render::Framebuffer picture;
-  render::FrameMemory memory;
+  render::RenderContext memory;
   draw(shown, {.normal = true}, 0, picture, memory);
   const tools::PictureErrors errors = picture_->against(picture);
   Json row;
@@ -115,7 +115,7 @@ void JudgedView::draw(const Shown& shown) {
 }
 
 render::FrameStatistics JudgedView::draw(const Shown& shown, const render::ChannelSet& channels, unsigned threads,
-                                         render::Framebuffer& picture, render::FrameMemory& memory) const {
+                                         render::Framebuffer& picture, render::RenderContext& memory) const {
   render::Scene scene = scene_;
   scene.layers[0].isovalue = shown.isovalue;
   scene.layers[0].method = shown.method;

@@ -16,7 +16,7 @@
 namespace rhoray::study {
 
 /// Which isosurface is seen from where, and how long the judge may work.
-struct ViewWish {
+struct ViewSpec {
   double isovalue = 0;
   render::Camera camera{};
   tools::PictureSize size{512, 512};
@@ -36,8 +36,8 @@ struct Shown {
 /// of the data and other methods are from it.
 class JudgedView {
  public:
-  /// Refuses a view of which no judged pixel shows the surface (Trouble::usage).
-  JudgedView(const render::Volume& volume, const ViewWish& wish);
+  /// Refuses a view of which no judged pixel shows the surface (ErrorCode::usage).
+  JudgedView(const render::Volume& volume, const ViewSpec& setting);
   ~JudgedView();
 
   const tools::Truth& truth() const { return truth_; }
@@ -57,16 +57,16 @@ class JudgedView {
 
  private:
   render::FrameStatistics draw(const Shown& shown, const render::ChannelSet& channels, unsigned threads,
-                               render::Framebuffer& picture, render::FrameMemory& memory) const;
+                               render::Framebuffer& picture, render::RenderContext& memory) const;
 
   render::Volume volume_;
-  ViewWish wish_;
+  ViewSpec wish_;
   tools::FieldTruth field_;
   render::Scene scene_;  ///< of one layer
   tools::Truth truth_;
   std::unique_ptr<const tools::TruePicture> picture_;
   render::Framebuffer timed_;
-  render::FrameMemory memory_;
+  render::RenderContext memory_;
 };
 
 }  // namespace rhoray::study

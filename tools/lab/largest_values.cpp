@@ -14,7 +14,7 @@
 
 #include "formats/base/parallel.h"
 #include "preprocess/pack_volume.h"
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "tools/lab/hard_cells.h"
 #include "tools/lab/study_run.h"
 #include "tools/rhoray/interrupt.h"
@@ -27,7 +27,7 @@ using render::Hit;
 using render::Method;
 using tools::Json;
 
-struct Wishes {
+struct Settings {
   tools::CommonOptions common;
   std::filesystem::path scratch = std::filesystem::temp_directory_path();
   std::uint64_t rays = 100'000;  ///< for each field
@@ -63,20 +63,20 @@ struct MethodToShow {
   const char* name;
   Method method;
 };
-constexpr MethodToShow methods[] = {{"certified", {.way = Method::Way::certified}},
-                                    {"exact (double)", {.way = Method::Way::direct}},
-                                    {"face", {.way = Method::Way::paper}},
-                                    {"sampled:0.1", {.way = Method::Way::sampled, .step = 0.1}},
-                                    {"sampled:0.5", {.way = Method::Way::sampled, .step = 0.5}},
-                                    {"sampled:1", {.way = Method::Way::sampled, .step = 1}}};
+constexpr MethodToShow methods[] = {{"certified", {.algorithm = Method::Algorithm::certified}},
+                                    {"exact (double)", {.algorithm = Method::Algorithm::direct}},
+                                    {"face", {.algorithm = Method::Algorithm::paper}},
+                                    {"sampled:0.1", {.algorithm = Method::Algorithm::sampled, .step = 0.1}},
+                                    {"sampled:0.5", {.algorithm = Method::Algorithm::sampled, .step = 0.5}},
+                                    {"sampled:1", {.algorithm = Method::Algorithm::sampled, .step = 1}}};
 
-render::Volume packed(const FieldToShow& field, const Wishes& wishes, const std::filesystem::path& folder) {
+render::Volume packed(const FieldToShow& field, const Settings& settings, const std::filesystem::path& folder) {
   preprocess::NeutralVolume volume;
-  const std::int64_t count = wishes.samples;
+  const std::int64_t count = settings.samples;
   volume.sample_count = Index3(count);
   volume.type = formats::ElementType::F32;
   volume.field_name = "value";
-  Dice dice(wishes.seed);
+  Dice dice(settings.seed);
   const double step = 2.0 / static_cast<double>(count - 1);
   for (std::int64_t k = 0; k < count; ++k)
     for (std::int64_t j = 0; j < count; ++j)
@@ -148,19 +148,20 @@ using Tallies = std::array<Tally, std::size(methods)>;
 constexpr std::uint64_t chunk_size = 1024;
 
 /// Rays are made from a seed for each chunk, so that the result does not depend on who works on which.
-Tallies tally(const render::Volume& volume, const Wishes& wishes, const std::function<void(std::uint64_t)>& tell_done) {
+Tallies tally(const render::Volume& volume, const Settings& settings,
+              const std::function<void(std::uint64_t)>& tell_done) {
   const double range = volume.field().range.hi - volume.field().range.lo;
-  const std::uint64_t chunks = (wishes.rays + chunk_size - 1) / chunk_size;
+  const std::uint64_t chunks = (settings.rays + chunk_size - 1) / chunk_size;
   std::vector<Tallies> parts(chunks);
   std::mutex telling;
   parallel_for_each(chunks, [&](std::uint64_t chunk) {
-    Dice dice((wishes.seed << 48) ^ chunk);
-    std::vector<render::Ray> rays(std::min(chunk_size, wishes.rays - chunk * chunk_size));
-    for (render::Ray& ray : rays) ray = any_ray(wishes.samples, dice);
+    Dice dice((settings.seed << 48) ^ chunk);
+    std::vector<render::Ray> rays(std::min(chunk_size, settings.rays - chunk * chunk_size));
+    for (render::Ray& ray : rays) ray = any_ray(settings.samples, dice);
     std::vector<Hit> truth(rays.size()), hits(rays.size());
-    render::RayQuestions(volume, 0, {.way = Method::Way::judged}).largest_values(rays, truth);
+    render::RayCaster(volume, 0, {.algorithm = Method::Algorithm::exact}).largest_values(rays, truth);
     for (std::size_t m = 0; m < std::size(methods); ++m) {
-      render::RayQuestions(volume, 0, methods[m].method).largest_values(rays, hits);
+      render::RayCaster(volume, 0, methods[m].method).largest_values(rays, hits);
       for (std::size_t r = 0; r < rays.size(); ++r) parts[chunk][m].count(hits[r], truth[r], range);
     }
     const std::scoped_lock lock(telling);
@@ -188,23 +189,23 @@ Json row_of(const FieldToShow& field, const MethodToShow& method, const Tally& t
           {"above_by_1e-9", tally.above}};
 }
 
-int run(const Wishes& wishes) {
-  tools::require_within("--rays", static_cast<double>(wishes.rays), 1, 1e10);
-  tools::require_within("--samples", static_cast<double>(wishes.samples), 2, 1024);
-  require_publishable(wishes.common, {"largest_values"});
-  tools::require_within("--seed", static_cast<double>(wishes.seed), 0, 65535);
-  const ThreadLimit limit(wishes.common.threads);
-  const tools::ScratchFolder scratch(wishes.scratch);
+int run(const Settings& settings) {
+  tools::require_within("--rays", static_cast<double>(settings.rays), 1, 1e10);
+  tools::require_within("--samples", static_cast<double>(settings.samples), 2, 1024);
+  require_publishable(settings.common, {"largest_values"});
+  tools::require_within("--seed", static_cast<double>(settings.seed), 0, 65535);
+  const ThreadLimit limit(settings.common.threads);
+  const tools::ScratchFolder scratch(settings.scratch);
   const tools::Stopwatch watch;
   tools::Table table{
       "largest_values", "Largest values along rays, in parts of the field's range, against the judge", {}, {}};
   bool is_right = true;
   {
-    tools::ProgressDisplay display(wishes.common);
+    tools::ProgressDisplay display(settings.common);
     for (const FieldToShow& field : fields) {
       std::uint64_t done = 0;
-      const Tallies tallies = tally(packed(field, wishes, scratch.path()), wishes, [&](std::uint64_t count) {
-        display.show(concat(field.name, " [rays]"), done += count, wishes.rays);
+      const Tallies tallies = tally(packed(field, settings, scratch.path()), settings, [&](std::uint64_t count) {
+        display.show(concat(field.name, " [rays]"), done += count, settings.rays);
       });
       for (std::size_t m = 0; m < tallies.size(); ++m) {
         table.rows.push_back(row_of(field, methods[m], tallies[m]));
@@ -212,28 +213,28 @@ int run(const Wishes& wishes) {
       }
     }
   }
-  table.context = context_with({{"samples", wishes.samples}, {"seed", wishes.seed}, {"wall_s", watch.seconds()}});
-  publish(table, wishes.common);
-  return is_right ? 0 : static_cast<int>(Trouble::outside_limit);
+  table.context = context_with({{"samples", settings.samples}, {"seed", settings.seed}, {"wall_s", watch.seconds()}});
+  publish(table, settings.common);
+  return is_right ? 0 : static_cast<int>(ErrorCode::outside_limit);
 }
 
 }  // namespace
 
 tools::Subcommand largest_values() {
-  const auto wishes = std::make_shared<Wishes>();
+  const auto settings = std::make_shared<Settings>();
   return {
       .name = "largest-values",
       .summary = "The largest value along rays: every method against the exact judge",
       .examples = "  rhoray-study largest-values --rays 1000000 -o results\n",
       .options = tools::all_options(
-          {tools::output_options(wishes->common, "FOLDER for largest_values.csv and .json"),
-           {tools::value_option("--scratch", "FOLDER", "For the packed volumes", wishes->scratch),
-            tools::value_option("--rays", "N", "Through each field; default 100000", wishes->rays),
-            tools::value_option("--samples", "N", "Samples on an axis; default 64", wishes->samples),
-            tools::value_option("--seed", "N", "Of the random numbers, 0 to 65535; default 1", wishes->seed)},
-           tools::threads_option(wishes->common),
-           {tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", wishes->common.progress)}}),
-      .run = [wishes] { return run(*wishes); }};
+          {tools::output_options(settings->common, "FOLDER for largest_values.csv and .json"),
+           {tools::value_option("--scratch", "FOLDER", "For the packed volumes", settings->scratch),
+            tools::value_option("--rays", "N", "Through each field; default 100000", settings->rays),
+            tools::value_option("--samples", "N", "Samples on an axis; default 64", settings->samples),
+            tools::value_option("--seed", "N", "Of the random numbers, 0 to 65535; default 1", settings->seed)},
+           tools::threads_option(settings->common),
+           {tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", settings->common.progress)}}),
+      .run = [settings] { return run(*settings); }};
 }
 
 }  // namespace rhoray::study

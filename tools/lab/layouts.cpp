@@ -19,7 +19,7 @@
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/input_file.h"
 #include "tools/rhoray/interrupt.h"
-#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/picture_hash.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/views.h"
@@ -39,7 +39,7 @@ struct Shown {
   tools::PictureSize size{512, 512};
 };
 
-struct Wishes {
+struct Settings {
   tools::CommonOptions common;
   std::filesystem::path input;
   std::string field;
@@ -100,9 +100,9 @@ render::FrameOptions frame_of(const tools::PictureSize& size, bool use_hierarchy
   return {.width = size.width, .height = size.height, .threads = 1, .use_hierarchy = use_hierarchy};
 }
 
-std::vector<Entrant> pack_all(const Wishes& wishes, const std::filesystem::path& folder,
+std::vector<Entrant> pack_all(const Settings& settings, const std::filesystem::path& folder,
                               const std::function<void(const std::string&)>& tell) {
-  const preprocess::NeutralVolume grid = plain_grid(wishes.input, wishes.field);
+  const preprocess::NeutralVolume grid = plain_grid(settings.input, settings.field);
   std::vector<Entrant> entrants;
   double isovalue = 0;
   Interval<double> range;
@@ -116,7 +116,7 @@ std::vector<Entrant> pack_all(const Wishes& wishes, const std::filesystem::path&
     const auto report = preprocess::pack_volume(other ? *other : grid, file, layout.pack);
     render::Volume volume = render::Volume::load(file);
     if (entrants.empty()) {
-      isovalue = tools::choose_isovalue(wishes.shown.isovalue, volume.field()).value;
+      isovalue = tools::choose_isovalue(settings.shown.isovalue, volume.field()).value;
       range = volume.field().range;
     }
     const double own_isovalue = layout.type ? converted_isovalue(isovalue, *layout.type, range) : isovalue;
@@ -128,7 +128,7 @@ std::vector<Entrant> pack_all(const Wishes& wishes, const std::filesystem::path&
 }
 
 /// Instructions of one picture of the layout, counted by callgrind, and its cells; nothing when that cannot be had.
-std::optional<double> counted_by_callgrind(const Wishes& wishes, const Entrant& entrant, const char* view,
+std::optional<double> counted_by_callgrind(const Settings& settings, const Entrant& entrant, const char* view,
                                            const std::filesystem::path& folder) {
   const std::filesystem::path out = folder / "callgrind.out", program = std::filesystem::read_symlink("/proc/self/exe");
   std::vector<std::string> words{"valgrind",
@@ -142,11 +142,11 @@ std::optional<double> counted_by_callgrind(const Wishes& wishes, const Entrant& 
                                  "--iso",
                                  concat(entrant.isovalue),
                                  "--accuracy",
-                                 wishes.shown.accuracy,
+                                 settings.shown.accuracy,
                                  "--view",
                                  view,
                                  "--size",
-                                 concat(wishes.count_size.width, "x", wishes.count_size.height)};
+                                 concat(settings.count_size.width, "x", settings.count_size.height)};
   if (!entrant.layout.use_hierarchy) words.push_back("--no-hierarchy");
   if (std::system((tools::shell_line(words) + " >/dev/null 2>&1").c_str()) != 0) return std::nullopt;
   std::ifstream lines(out);
@@ -161,16 +161,16 @@ struct Count {
   render::FrameStatistics statistics;
 };
 
-std::optional<Count> count_of(const Wishes& wishes, const Entrant& entrant, const TimedRow& row,
+std::optional<Count> count_of(const Settings& settings, const Entrant& entrant, const TimedRow& row,
                               const render::FrameStatistics& statistics, tools::StudyView view,
                               const std::filesystem::path& folder) {
   if (const auto counted = row.median_instructions()) return Count{*counted, statistics};
   // Valgrind's processor lacks what wide kernels need: other kernels would answer.
-  if (!wishes.count_instructions || statistics.machine != "scalar") return std::nullopt;
-  const auto counted = counted_by_callgrind(wishes, entrant, tools::name_of(view), folder);
+  if (!settings.count_instructions || statistics.machine != "scalar") return std::nullopt;
+  const auto counted = counted_by_callgrind(settings, entrant, tools::name_of(view), folder);
   if (!counted) return std::nullopt;
-  Shown small = wishes.shown;
-  small.size = wishes.count_size;
+  Shown small = settings.shown;
+  small.size = settings.count_size;
   render::Framebuffer picture;
   return Count{*counted, render::render(entrant.volume, scene_of(small, entrant.volume, entrant.isovalue, view),
                                         frame_of(small.size, entrant.layout.use_hierarchy), picture)};
@@ -217,47 +217,48 @@ Json row_of(const Entrant& entrant, const TimedRow& timed, const render::FrameSt
   return row;
 }
 
-std::string instructions_source(const Wishes& wishes) {
+std::string instructions_source(const Settings& settings) {
   if (tools::CpuMeter().counts_instructions()) return "counted by the processor";
-  if (!wishes.count_instructions) return "not measured: the system offers no counter";
-  return concat("callgrind, of rows that the scalar kernels answer, at ", wishes.count_size.width, "x",
-                wishes.count_size.height);
+  if (!settings.count_instructions) return "not measured: the system offers no counter";
+  return concat("callgrind, of rows that the scalar kernels answer, at ", settings.count_size.width, "x",
+                settings.count_size.height);
 }
 
 /// The layout that all others are compared with.
 constexpr std::size_t usual = 2;
 
-int run(const Wishes& wishes) {
-  require_publishable(wishes.common, {"layouts"});
-  tools::require_within("--repeat", wishes.rounds.rounds, 1, 10'000);
-  tools::require_within("--row-seconds", wishes.rounds.row_seconds, 0, 1e6);
-  tools::require_input(wishes.input);
-  const tools::ScratchFolder scratch(wishes.scratch);
+int run(const Settings& settings) {
+  require_publishable(settings.common, {"layouts"});
+  tools::require_within("--repeat", settings.rounds.rounds, 1, 10'000);
+  tools::require_within("--row-seconds", settings.rounds.row_seconds, 0, 1e6);
+  tools::require_input(settings.input);
+  const tools::ScratchFolder scratch(settings.scratch);
   tools::Table table{"layouts", "How samples lie in memory: CPU time of one thread", {}, {}};
   bool is_same_everywhere = true;
   {
-    tools::ProgressDisplay display(wishes.common);
+    tools::ProgressDisplay display(settings.common);
     const auto tell = [&](const std::string& what) { display.show(what); };
-    const std::vector<Entrant> entrants = pack_all(wishes, scratch.path(), tell);
-    for (const std::string& word : wishes.views) {
+    const std::vector<Entrant> entrants = pack_all(settings, scratch.path(), tell);
+    for (const std::string& word : settings.views) {
       const tools::StudyView view = tools::study_view_named(word);
       std::vector<render::Framebuffer> pictures(entrants.size());
-      std::vector<render::FrameMemory> memories(entrants.size());
+      std::vector<render::RenderContext> memories(entrants.size());
       std::vector<render::FrameStatistics> statistics(entrants.size());
       std::vector<TimedRow> rows;
       for (std::size_t e = 0; e < entrants.size(); ++e) {
         const Entrant& entrant = entrants[e];
-        const render::Scene scene = scene_of(wishes.shown, entrant.volume, entrant.isovalue, view);
+        const render::Scene scene = scene_of(settings.shown, entrant.volume, entrant.isovalue, view);
         rows.push_back({.name = entrant.layout.name, .act = [&, e, scene] {
-                          statistics[e] = render::render(entrants[e].volume, scene,
-                                                         frame_of(wishes.shown.size, entrants[e].layout.use_hierarchy),
-                                                         pictures[e], memories[e]);
+                          statistics[e] =
+                              render::render(entrants[e].volume, scene,
+                                             frame_of(settings.shown.size, entrants[e].layout.use_hierarchy),
+                                             pictures[e], memories[e]);
                         }});
       }
-      run_rounds(rows, wishes.rounds, [&](const std::string& step) { tell(concat(word, ", ", step)); });
+      run_rounds(rows, settings.rounds, [&](const std::string& step) { tell(concat(word, ", ", step)); });
       for (std::size_t e = 0; e < entrants.size(); ++e) {
         tell(concat(word, ", counting, ", entrants[e].layout.name));
-        const auto count = count_of(wishes, entrants[e], rows[e], statistics[e], view, scratch.path());
+        const auto count = count_of(settings, entrants[e], rows[e], statistics[e], view, scratch.path());
         const double off = share_of_other_pixels(pictures[e], pictures[usual]);
         Json row{{"view", word}};
         row.update(row_of(entrants[e], rows[e], statistics[e], count, rows[usual].cpu_ms().median));
@@ -270,20 +271,20 @@ int run(const Wishes& wishes) {
     const Index3 n = entrants[usual].volume.file().description().kind == "grid"
                          ? formats::BrickGrid(entrants[usual].volume.file()).description().layout.sample_count
                          : Index3(0);
-    table.context = context_with({{"input", wishes.input.filename().string()},
+    table.context = context_with({{"input", settings.input.filename().string()},
                                   {"samples", {n.x, n.y, n.z}},
                                   {"type", formats::element_name(entrants[usual].volume.field().type)},
                                   {"isovalue", entrants[usual].isovalue},
-                                  {"accuracy", wishes.shown.accuracy},
-                                  {"size", {wishes.shown.size.width, wishes.shown.size.height}},
+                                  {"accuracy", settings.shown.accuracy},
+                                  {"size", {settings.shown.size.width, settings.shown.size.height}},
                                   {"threads", 1},
-                                  {"repeat", wishes.rounds.rounds},
+                                  {"repeat", settings.rounds.rounds},
                                   {"cycles", cycles_source()},
-                                  {"instructions", instructions_source(wishes)}});
+                                  {"instructions", instructions_source(settings)}});
   }
-  publish(table, wishes.common);
+  publish(table, settings.common);
   if (!is_same_everywhere)
-    throw Error(Trouble::outside_limit,
+    throw Error(ErrorCode::outside_limit,
                 "layouts: pictures of the same samples differ in more than a thousandth of the pixels; see column "
                 "'other_pixels'");
   return 0;
@@ -297,21 +298,21 @@ std::vector<tools::Option> shown_options(Shown& shown) {
           tools::value_option("--size", "WxH", "Pixels; default 512x512", shown.size)};
 }
 
-struct FrameWishes {
+struct FrameSpec {
   std::filesystem::path input;
   Shown shown;
   std::string view = "front";
   bool no_hierarchy = false;
 };
 
-int show_one_frame(const FrameWishes& wishes) {
-  const render::Volume volume = tools::load_volume(wishes.input, {});
-  const double isovalue = tools::choose_isovalue(wishes.shown.isovalue, volume.field()).value;
-  const render::Scene scene = scene_of(wishes.shown, volume, isovalue, tools::study_view_named(wishes.view));
+int show_one_frame(const FrameSpec& settings) {
+  const render::Volume volume = tools::load_volume(settings.input, {});
+  const double isovalue = tools::choose_isovalue(settings.shown.isovalue, volume.field()).value;
+  const render::Scene scene = scene_of(settings.shown, volume, isovalue, tools::study_view_named(settings.view));
   render::Framebuffer picture;
-  render::FrameMemory memory;
+  render::RenderContext memory;
   const render::FrameStatistics statistics =
-      render::render(volume, scene, frame_of(wishes.shown.size, !wishes.no_hierarchy), picture, memory);
+      render::render(volume, scene, frame_of(settings.shown.size, !settings.no_hierarchy), picture, memory);
   std::puts(concat("machine ", statistics.machine, ", picture ", tools::picture_hash(picture)).c_str());
   return 0;
 }
@@ -319,43 +320,43 @@ int show_one_frame(const FrameWishes& wishes) {
 }  // namespace
 
 tools::Subcommand layouts() {
-  const auto wishes = std::make_shared<Wishes>();
+  const auto settings = std::make_shared<Settings>();
   return {
       .name = "layouts",
       .summary = "How samples lie in memory, and what that costs: the paper's Table 3 with rows of today",
       .examples = "  rhoray-study layouts smooth.rho --iso 600.5 -o results\n",
       .options = tools::all_options(
-          {{tools::file_option("FILE", "Packed grid", wishes->input)},
-           tools::output_options(wishes->common, "FOLDER for layouts.csv and .json"),
-           shown_options(wishes->shown),
+          {{tools::file_option("FILE", "Packed grid", settings->input)},
+           tools::output_options(settings->common, "FOLDER for layouts.csv and .json"),
+           shown_options(settings->shown),
            {tools::value_option("--views", "NAME[,NAME]", "Of front, from-feet, close-up and inside; default all",
-                                wishes->views),
-            tools::value_option("--field", "NAME", "Field; default the first", wishes->field),
-            tools::value_option("--repeat", "N", "Rounds; default 5", wishes->rounds.rounds),
+                                settings->views),
+            tools::value_option("--field", "NAME", "Field; default the first", settings->field),
+            tools::value_option("--repeat", "N", "Rounds; default 5", settings->rounds.rounds),
             tools::value_option("--row-seconds", "S", "What has taken so much CPU time is not timed again; default 8",
-                                wishes->rounds.row_seconds),
+                                settings->rounds.row_seconds),
             tools::flag_option("--count-instructions",
                                "With valgrind, where the system offers no counter; takes minutes",
-                               wishes->count_instructions),
-            tools::value_option("--count-size", "WxH", "Pixels for valgrind; default 96x96", wishes->count_size),
-            tools::value_option("--scratch", "FOLDER", "For the packed grids", wishes->scratch),
-            tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", wishes->common.progress)}}),
-      .run = [wishes] { return run(*wishes); }};
+                               settings->count_instructions),
+            tools::value_option("--count-size", "WxH", "Pixels for valgrind; default 96x96", settings->count_size),
+            tools::value_option("--scratch", "FOLDER", "For the packed grids", settings->scratch),
+            tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", settings->common.progress)}}),
+      .run = [settings] { return run(*settings); }};
 }
 
 tools::Subcommand one_frame() {
-  const auto wishes = std::make_shared<FrameWishes>();
+  const auto settings = std::make_shared<FrameSpec>();
   return {.name = "one-frame",
           .summary = "One picture on one thread, for tools that count from outside; prints who answered and its hash",
           .examples =
               "  valgrind --tool=callgrind '--toggle-collect=rhoray::render::render(*FrameMemory&)' "
               "rhoray-study one-frame smooth.rho --size 96x96\n",
           .options = tools::all_options(
-              {{tools::file_option("FILE", "Packed file", wishes->input)},
-               shown_options(wishes->shown),
-               {tools::value_option("--view", "NAME", "front, from-feet, close-up or inside", wishes->view),
-                tools::flag_option("--no-hierarchy", "Walk every leaf cell", wishes->no_hierarchy)}}),
-          .run = [wishes] { return show_one_frame(*wishes); }};
+              {{tools::file_option("FILE", "Packed file", settings->input)},
+               shown_options(settings->shown),
+               {tools::value_option("--view", "NAME", "front, from-feet, close-up or inside", settings->view),
+                tools::flag_option("--no-hierarchy", "Walk every leaf cell", settings->no_hierarchy)}}),
+          .run = [settings] { return show_one_frame(*settings); }};
 }
 
 }  // namespace rhoray::study

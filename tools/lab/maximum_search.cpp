@@ -16,7 +16,7 @@ namespace {
 
 using tools::Json;
 
-struct Wishes {
+struct Settings {
   tools::CommonOptions common;
   std::filesystem::path file;
   std::uint64_t groups = 400;  ///< of each view
@@ -150,39 +150,39 @@ class Study {
   std::vector<Row> rows_;
 };
 
-int run(const Wishes& wishes) {
-  require_publishable(wishes.common, {"maximum_search"});
-  const Field field = load_field(wishes.file);
+int run(const Settings& settings) {
+  require_publishable(settings.common, {"maximum_search"});
+  const Field field = load_field(settings.file);
   tools::Table table{"maximum_search", "What the search for the largest value looks at, per ray", {}, {}};
   std::uint64_t wrong = 0;
   for (const View& view : views) {
     Study study(field);
     // Evenly over the picture.
-    const int stride = std::max(1, static_cast<int>(std::sqrt(128.0 * 128.0 / static_cast<double>(wishes.groups))));
+    const int stride = std::max(1, static_cast<int>(std::sqrt(128.0 * 128.0 / static_cast<double>(settings.groups))));
     for (int row = stride / 2; row < 128; row += stride)
       for (int column = 1 + stride / 2; column < 128; column += stride) study.add(view, column, row);
     for (const Json& row : study.rows(view.name)) table.rows.push_back(row);
     wrong += study.wrong();
   }
   table.context =
-      context_with({{"file", wishes.file.filename().string()}, {"groups", wishes.groups}, {"wrong", wrong}});
-  publish(table, wishes.common);
-  return wrong == 0 ? 0 : static_cast<int>(Trouble::outside_limit);
+      context_with({{"file", settings.file.filename().string()}, {"groups", settings.groups}, {"wrong", wrong}});
+  publish(table, settings.common);
+  return wrong == 0 ? 0 : static_cast<int>(ErrorCode::outside_limit);
 }
 
 }  // namespace
 
 tools::Subcommand maximum_search() {
-  const auto wishes = std::make_shared<Wishes>();
+  const auto settings = std::make_shared<Settings>();
   return {
       .name = "maximum-search",
       .summary = "In which order to look for the largest value along rays: what each order looks at",
       .examples = "  rhoray-study maximum-search head.rho -o results\n",
       .options = tools::all_options(
-          {{tools::file_option("FILE", "Packed grid (.rho)", wishes->file)},
-           tools::output_options(wishes->common, "FOLDER for maximum_search.csv and .json"),
-           {tools::value_option("--groups", "N", "Groups of 8 x 8 rays of each view; default 400", wishes->groups)}}),
-      .run = [wishes] { return run(*wishes); }};
+          {{tools::file_option("FILE", "Packed grid (.rho)", settings->file)},
+           tools::output_options(settings->common, "FOLDER for maximum_search.csv and .json"),
+           {tools::value_option("--groups", "N", "Groups of 8 x 8 rays of each view; default 400", settings->groups)}}),
+      .run = [settings] { return run(*settings); }};
 }
 
 }  // namespace rhoray::study

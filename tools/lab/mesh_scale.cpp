@@ -25,7 +25,7 @@ namespace {
 
 using tools::Json;
 
-struct Wishes {
+struct Settings {
   tools::CommonOptions common;
   std::vector<std::string> cell_counts{"100000", "1000000", "10000000"};
   std::vector<std::string> levels{"float", "certified"};
@@ -69,7 +69,7 @@ double new_isovalue_ms(Peer& peer, const PeerData& data, const Interval<double>&
   return tools::spread_of(times).median;
 }
 
-void add_rows(const Wishes& wishes, std::uint64_t cell_count, const std::filesystem::path& file,
+void add_rows(const Settings& settings, std::uint64_t cell_count, const std::filesystem::path& file,
               tools::ProgressDisplay& display, tools::Table& table) {
   const std::string size = tools::grouped(cell_count);
   display.show(concat("making and packing ", size, " tetrahedra"));
@@ -83,15 +83,15 @@ void add_rows(const Wishes& wishes, std::uint64_t cell_count, const std::filesys
   data.bounds = volume->bounds();
   data.range = volume->field().range;
   const double isovalue = tools::choose_isovalue("auto", volume->field()).value;
-  const PeerView view{.camera = tools::study_camera(tools::study_view_named(wishes.view), *volume, isovalue,
-                                                    double{1} * wishes.size.width / wishes.size.height),
-                      .width = wishes.size.width,
-                      .height = wishes.size.height};
+  const PeerView view{.camera = tools::study_camera(tools::study_view_named(settings.view), *volume, isovalue,
+                                                    double{1} * settings.size.width / settings.size.height),
+                      .width = settings.size.width,
+                      .height = settings.size.height};
 
   std::vector<PeerPointer> peers;
-  for (const std::string& level : wishes.levels) peers.push_back(own_isosurface(level));
+  for (const std::string& level : settings.levels) peers.push_back(own_isosurface(level));
   const std::size_t isosurface_count = peers.size();
-  if (wishes.mip) peers.push_back(own_largest_values("double"));
+  if (settings.mip) peers.push_back(own_largest_values("double"));
   std::vector<double> isovalue_ms;
   std::vector<TimedRow> rows;
   for (std::size_t p = 0; p < peers.size(); ++p) {
@@ -99,7 +99,7 @@ void add_rows(const Wishes& wishes, std::uint64_t cell_count, const std::filesys
     peers[p]->prepare(data, isovalue);
     rows.push_back({.name = peers[p]->name(), .act = [&peer = *peers[p], &view] { peer.draw(view); }});
   }
-  run_rounds(rows, wishes.rounds, [&](const std::string& step) { display.show(concat(size, ", ", step)); });
+  run_rounds(rows, settings.rounds, [&](const std::string& step) { display.show(concat(size, ", ", step)); });
   const double rays = static_cast<double>(view.pixel_count());
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const tools::Spread ms = rows[r].cpu_ms();
@@ -122,53 +122,54 @@ void add_rows(const Wishes& wishes, std::uint64_t cell_count, const std::filesys
   }
 }
 
-int run(const Wishes& wishes) {
-  require_publishable(wishes.common, {"mesh_scale"});
-  tools::require_within("--repeat", wishes.rounds.rounds, 1, 10'000);
-  tools::require_within("--row-seconds", wishes.rounds.row_seconds, 0, 1e6);
+int run(const Settings& settings) {
+  require_publishable(settings.common, {"mesh_scale"});
+  tools::require_within("--repeat", settings.rounds.rounds, 1, 10'000);
+  tools::require_within("--row-seconds", settings.rounds.row_seconds, 0, 1e6);
   tools::Table table{"mesh_scale", "Meshes of growing size, the same picture: CPU time of one thread", {}, {}};
-  table.context = context_with({{"view", wishes.view},
-                                {"size", {wishes.size.width, wishes.size.height}},
+  table.context = context_with({{"view", settings.view},
+                                {"size", {settings.size.width, settings.size.height}},
                                 {"threads", "all in packing, 1 in frames"},
-                                {"repeat", wishes.rounds.rounds},
+                                {"repeat", settings.rounds.rounds},
                                 {"cycles", cycles_source()}});
-  const tools::ScratchFolder scratch(wishes.scratch);
+  const tools::ScratchFolder scratch(settings.scratch);
   {
-    tools::ProgressDisplay display(wishes.common);
-    for (const std::string& count : wishes.cell_counts) {
+    tools::ProgressDisplay display(settings.common);
+    for (const std::string& count : settings.cell_counts) {
       std::uint64_t cell_count = 0;
       tools::read_value(count, cell_count);
       tools::require_within("--cells", static_cast<double>(cell_count), 6, 600e6);
-      add_rows(wishes, cell_count, scratch.path() / "box.rho", display, table);
+      add_rows(settings, cell_count, scratch.path() / "box.rho", display, table);
     }
   }
-  publish(table, wishes.common);
+  publish(table, settings.common);
   return 0;
 }
 
 }  // namespace
 
 tools::Subcommand mesh_scale() {
-  const auto wishes = std::make_shared<Wishes>();
+  const auto settings = std::make_shared<Settings>();
   return {
       .name = "mesh-scale",
       .summary = "Packing, a new isovalue and a frame for meshes of growing size",
       .examples = "  rhoray-study mesh-scale --cells 1000000,10000000,100000000 --mip -o results\n",
       .options = tools::all_options(
-          {tools::output_options(wishes->common, "FOLDER for mesh_scale.csv and .json"),
+          {tools::output_options(settings->common, "FOLDER for mesh_scale.csv and .json"),
            {tools::value_option("--cells", "N[,N]", "About so many; default 100000,1000000,10000000",
-                                wishes->cell_counts),
+                                settings->cell_counts),
             tools::value_option("--levels", "NAME[,NAME]", "As render's --accuracy; default float,certified",
-                                wishes->levels),
-            tools::flag_option("--mip", "Also largest values", wishes->mip),
-            tools::value_option("--view", "NAME", "front, from-feet, close-up or inside; default front", wishes->view),
-            tools::value_option("--size", "WxH", "Pixels; default 512x512", wishes->size),
-            tools::value_option("--repeat", "N", "Rounds; default 5", wishes->rounds.rounds),
+                                settings->levels),
+            tools::flag_option("--mip", "Also largest values", settings->mip),
+            tools::value_option("--view", "NAME", "front, from-feet, close-up or inside; default front",
+                                settings->view),
+            tools::value_option("--size", "WxH", "Pixels; default 512x512", settings->size),
+            tools::value_option("--repeat", "N", "Rounds; default 5", settings->rounds.rounds),
             tools::value_option("--row-seconds", "S", "What has taken so much CPU time is not timed again; default 8",
-                                wishes->rounds.row_seconds),
-            tools::value_option("--scratch", "FOLDER", "For the packed mesh", wishes->scratch),
-            tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", wishes->common.progress)}}),
-      .run = [wishes] { return run(*wishes); }};
+                                settings->rounds.row_seconds),
+            tools::value_option("--scratch", "FOLDER", "For the packed mesh", settings->scratch),
+            tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", settings->common.progress)}}),
+      .run = [settings] { return run(*settings); }};
 }
 
 }  // namespace rhoray::study

@@ -23,62 +23,62 @@ namespace rhoray::study {
 
 namespace {
 
-struct Wishes : ContestWishes {
+struct Settings : ContestSettings {
   std::filesystem::path scratch = std::filesystem::temp_directory_path();
 };
 
 const std::vector<std::string> system_words{"ours", "embree", "nanovdb", "openvdb", "vtk"};
 
-Contest isosurface_contest(const Wishes& wishes) {
+Contest isosurface_contest(const Settings& settings) {
   Contest contest;
-  if (wishes.wants("ours"))
+  if (settings.wants("ours"))
     for (const char* level : {"preview", "float", "double", "certified", "exact"}) contest.add(own_isosurface(level));
   const std::shared_ptr<Triangles> triangles = flying_edges();
 #ifdef RHORAY_WITH_EMBREE
-  if (wishes.wants("embree")) {
+  if (settings.wants("embree")) {
     const auto scene = embree_triangles(triangles);
     contest.add(embree_packets(scene));
     contest.add(embree_single_rays(scene));
   }
 #else
-  if (wishes.wants("embree")) contest.left_out["Embree"] = "not built: install libembree-dev";
+  if (settings.wants("embree")) contest.left_out["Embree"] = "not built: install libembree-dev";
 #endif
-  if (wishes.wants("nanovdb")) {
+  if (settings.wants("nanovdb")) {
     contest.add(nanovdb_dense());
     contest.add(nanovdb_narrow());
   }
-  if (wishes.wants("openvdb")) contest.add(openvdb_level_set());
+  if (settings.wants("openvdb")) contest.add(openvdb_level_set());
 #ifdef RHORAY_WITH_VTK_RENDERING
-  if (wishes.wants("vtk")) {
+  if (settings.wants("vtk")) {
     if (const std::string reason = no_display(); !reason.empty())
       contest.left_out["VTK, drawing"] = reason;
     else
       contest.add(vtk_drawing(triangles));
   }
 #else
-  if (wishes.wants("vtk")) contest.left_out["VTK, drawing"] = "not built: install libvtk9-dev with its rendering";
+  if (settings.wants("vtk")) contest.left_out["VTK, drawing"] = "not built: install libvtk9-dev with its rendering";
 #endif
   return contest;
 }
 
-Contest largest_value_contest(const Wishes& wishes) {
+Contest largest_value_contest(const Settings& settings) {
   Contest contest;
-  if (wishes.wants("ours"))
+  if (settings.wants("ours"))
     for (const char* level : {"float", "double", "certified"}) contest.add(own_largest_values(level));
 #ifdef RHORAY_WITH_VTK_RENDERING
-  if (wishes.wants("vtk"))
+  if (settings.wants("vtk"))
     for (const double step : {1.0, 0.5, 0.1}) contest.add(vtk_largest_values(step));
 #else
-  if (wishes.wants("vtk"))
+  if (settings.wants("vtk"))
     contest.left_out["VTK, largest values"] = "not built: install libvtk9-dev with its rendering";
 #endif
   return contest;
 }
 
-int run(const Wishes& wishes) {
-  prepare_contest(wishes, system_words, "peers");
-  const tools::ScratchFolder scratch(wishes.scratch);
-  preprocess::NeutralVolume grid = plain_grid(wishes.input, wishes.field);
+int run(const Settings& settings) {
+  prepare_contest(settings, system_words, "peers");
+  const tools::ScratchFolder scratch(settings.scratch);
+  preprocess::NeutralVolume grid = plain_grid(settings.input, settings.field);
   const std::filesystem::path file = scratch.path() / "grid.rho";
   preprocess::pack_volume(grid, file);
   grid.samples = grid.owned_samples;
@@ -86,19 +86,19 @@ int run(const Wishes& wishes) {
   PeerData data;
   data.grid = &grid;
   data.packed_file = file;
-  Subject subject(wishes, data, std::cbrt(spacing.x * spacing.y * spacing.z), "voxel");
+  Subject subject(settings, data, std::cbrt(spacing.x * spacing.y * spacing.z), "voxel");
   const Index3 n = grid.sample_count;
   subject.about = {{"samples", {n.x, n.y, n.z}}, {"type", formats::element_name(grid.type)}};
   run_contest(
-      wishes, subject, "peers", [&] { return isosurface_contest(wishes); },
-      [&] { return largest_value_contest(wishes); });
+      settings, subject, "peers", [&] { return isosurface_contest(settings); },
+      [&] { return largest_value_contest(settings); });
   return 0;
 }
 
 }  // namespace
 
 tools::Subcommand peers_grid() {
-  const auto wishes = std::make_shared<Wishes>();
+  const auto settings = std::make_shared<Settings>();
   return {.name = "peers-grid",
           .summary = "A grid's isosurfaces and largest values by this renderer and by others, in one run",
           .examples =
@@ -106,10 +106,10 @@ tools::Subcommand peers_grid() {
               "  xvfb-run -a rhoray-study peers-grid smooth.rho --views front --systems ours,vtk\n"
               "VTK's drawing needs an X display; xvfb-run brings one where there is none.\n",
           .options = tools::all_options(
-              {{tools::file_option("FILE", "Packed grid", wishes->input)},
-               contest_options(*wishes, system_words, "peers_isosurface and peers_mip"),
-               {tools::value_option("--scratch", "FOLDER", "For the packed grid", wishes->scratch)}}),
-          .run = [wishes] { return run(*wishes); }};
+              {{tools::file_option("FILE", "Packed grid", settings->input)},
+               contest_options(*settings, system_words, "peers_isosurface and peers_mip"),
+               {tools::value_option("--scratch", "FOLDER", "For the packed grid", settings->scratch)}}),
+          .run = [settings] { return run(*settings); }};
 }
 
 }  // namespace rhoray::study

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/unpack_mesh.h"
 #include "tools/lab/contest.h"
@@ -25,13 +25,13 @@ namespace {
 
 const std::vector<std::string> system_words{"ours", "embree", "vtk"};
 
-Contest isosurface_contest(const ContestWishes& wishes) {
+Contest isosurface_contest(const ContestSettings& settings) {
   Contest contest;
-  if (wishes.wants("ours"))
+  if (settings.wants("ours"))
     for (const char* level : {"float", "double", "certified", "exact"}) contest.add(own_isosurface(level));
   const std::shared_ptr<Triangles> triangles = linear_grid_contour(false), with_tree = linear_grid_contour(true);
 #ifdef RHORAY_WITH_EMBREE
-  if (wishes.wants("embree")) {
+  if (settings.wants("embree")) {
     constexpr auto wide = CellCallback::sixteen_rays, plain = CellCallback::ray_by_ray;
     for (const auto& scene : {embree_triangles(triangles), embree_cells(true, wide), embree_cells(false, wide)}) {
       contest.add(embree_packets(scene));
@@ -40,25 +40,25 @@ Contest isosurface_contest(const ContestWishes& wishes) {
     for (const bool only_crossed : {true, false}) contest.add(embree_packets(embree_cells(only_crossed, plain)));
   }
 #else
-  if (wishes.wants("embree")) contest.left_out["Embree"] = "not built: install libembree-dev";
+  if (settings.wants("embree")) contest.left_out["Embree"] = "not built: install libembree-dev";
 #endif
 #ifdef RHORAY_WITH_VTK_RENDERING
-  if (wishes.wants("vtk")) {
+  if (settings.wants("vtk")) {
     if (const std::string reason = no_display(); !reason.empty())
       contest.left_out["VTK, drawing"] = reason;
     else
       for (const auto& surface : {triangles, with_tree}) contest.add(vtk_drawing(surface));
   }
 #else
-  if (wishes.wants("vtk")) contest.left_out["VTK, drawing"] = "not built: install libvtk9-dev with its rendering";
+  if (settings.wants("vtk")) contest.left_out["VTK, drawing"] = "not built: install libvtk9-dev with its rendering";
 #endif
   return contest;
 }
 
 /// Nobody else's library offers it for tetrahedra: VTK's unstructured ray caster shows something else when asked.
-Contest largest_value_contest(const ContestWishes& wishes) {
+Contest largest_value_contest(const ContestSettings& settings) {
   Contest contest;
-  if (wishes.wants("ours"))
+  if (settings.wants("ours"))
     for (const char* level : {"float", "double", "certified"}) contest.add(own_largest_values(level));
   return contest;
 }
@@ -67,11 +67,11 @@ Contest largest_value_contest(const ContestWishes& wishes) {
 preprocess::NeutralMesh mesh_of(const std::filesystem::path& path, const std::string& field) {
   formats::PackedFile file = formats::PackedFile::open(path);
   if (file.description().kind != "tets")
-    throw Error(Trouble::usage, concat(path.string(), ": found a packed file of kind '", file.description().kind,
-                                       "'; expected tetrahedra"));
+    throw Error(ErrorCode::usage, concat(path.string(), ": found a packed file of kind '", file.description().kind,
+                                         "'; expected tetrahedra"));
   const formats::TetMesh packed(std::move(file));
   const std::optional<std::size_t> index = field.empty() ? 0 : packed.find_field(field);
-  if (!index) throw Error(Trouble::usage, concat(path.string(), ": found no field '", field, "'"));
+  if (!index) throw Error(ErrorCode::usage, concat(path.string(), ": found no field '", field, "'"));
   preprocess::NeutralMesh mesh = preprocess::unpack_mesh(packed);
   std::swap(mesh.point_fields[0], mesh.point_fields[*index]);
   mesh.point_fields.erase(mesh.point_fields.begin() + 1, mesh.point_fields.end());
@@ -89,35 +89,35 @@ double mean_size(const preprocess::NeutralMesh& mesh) {
   return std::cbrt(volume / static_cast<double>(mesh.cells.size()));
 }
 
-int run(const ContestWishes& wishes) {
-  prepare_contest(wishes, system_words, "peers_tets");
-  const preprocess::NeutralMesh mesh = mesh_of(wishes.input, wishes.field);
+int run(const ContestSettings& settings) {
+  prepare_contest(settings, system_words, "peers_tets");
+  const preprocess::NeutralMesh mesh = mesh_of(settings.input, settings.field);
   PeerData data;
   data.mesh = &mesh;
-  data.packed_file = wishes.input;
-  data.field = wishes.field;
-  Subject subject(wishes, data, mean_size(mesh), "cell");
+  data.packed_file = settings.input;
+  data.field = settings.field;
+  Subject subject(settings, data, mean_size(mesh), "cell");
   subject.about = {{"points", mesh.points.size()}, {"cells", mesh.cells.size()}};
   run_contest(
-      wishes, subject, "peers_tets", [&] { return isosurface_contest(wishes); },
-      [&] { return largest_value_contest(wishes); });
+      settings, subject, "peers_tets", [&] { return isosurface_contest(settings); },
+      [&] { return largest_value_contest(settings); });
   return 0;
 }
 
 }  // namespace
 
 tools::Subcommand peers_tets() {
-  const auto wishes = std::make_shared<ContestWishes>();
+  const auto settings = std::make_shared<ContestSettings>();
   return {.name = "peers-tets",
           .summary = "A mesh's isosurfaces by this renderer and by others, in one run",
           .examples =
               "  rhoray-study peers-tets torso.rho --iso 0.3 --mip -o results\n"
               "  xvfb-run -a rhoray-study peers-tets torso.rho --views close-up --systems ours,vtk\n"
               "VTK's drawing needs an X display; xvfb-run brings one where there is none.\n",
-          .options =
-              tools::all_options({{tools::file_option("FILE", "Packed mesh of tetrahedra", wishes->input)},
-                                  contest_options(*wishes, system_words, "peers_tets_isosurface and peers_tets_mip")}),
-          .run = [wishes] { return run(*wishes); }};
+          .options = tools::all_options(
+              {{tools::file_option("FILE", "Packed mesh of tetrahedra", settings->input)},
+               contest_options(*settings, system_words, "peers_tets_isosurface and peers_tets_mip")}),
+          .run = [settings] { return run(*settings); }};
 }
 
 }  // namespace rhoray::study

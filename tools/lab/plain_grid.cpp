@@ -4,8 +4,8 @@
 #include <limits>
 #include <type_traits>
 
+#include "formats/base/error.h"
 #include "formats/base/parallel.h"
-#include "formats/base/trouble.h"
 #include "formats/brick_grid.h"
 
 namespace rhoray::study {
@@ -17,11 +17,11 @@ using formats::ElementType;
 formats::BrickGrid open_grid(const std::filesystem::path& path) {
   formats::PackedFile file = formats::PackedFile::open(path);
   if (file.description().kind != "grid")
-    throw Error(Trouble::usage, concat(path.string(), ": found a packed file of kind '", file.description().kind,
-                                       "'; expected a grid"));
+    throw Error(ErrorCode::usage, concat(path.string(), ": found a packed file of kind '", file.description().kind,
+                                         "'; expected a grid"));
   formats::BrickGrid grid(std::move(file));
   if (grid.description().layout.is_sparse || grid.description().is_rectilinear())
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat(path.string(), ": found a sparse grid or one whose spacing varies; expected all samples of a ",
                        "grid with even steps"));
   return grid;
@@ -30,7 +30,7 @@ formats::BrickGrid open_grid(const std::filesystem::path& path) {
 std::size_t field_of(const formats::BrickGrid& grid, const std::string& name) {
   if (name.empty()) return 0;
   const std::optional<std::size_t> field = grid.find_field(name);
-  if (!field) throw Error(Trouble::usage, concat(grid.file().name(), ": found no field '", name, "'"));
+  if (!field) throw Error(ErrorCode::usage, concat(grid.file().name(), ": found no field '", name, "'"));
   return *field;
 }
 
@@ -66,7 +66,7 @@ preprocess::NeutralVolume plain_grid(const std::filesystem::path& packed_file, c
   const Index3 n = plain.sample_count;
   formats::with_element_type(plain.type, [&]<class T>(T) {
     if constexpr (sizeof(T) == 8 && std::is_integral_v<T>) {
-      throw Error(Trouble::internal, "a packed grid holds no 64-bit integers");
+      throw Error(ErrorCode::internal, "a packed grid holds no 64-bit integers");
     } else {
       plain.owned_samples.resize(static_cast<std::size_t>(volume(n)) * sizeof(T));
       T* const out = reinterpret_cast<T*>(plain.owned_samples.data());

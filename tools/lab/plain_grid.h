@@ -10,7 +10,7 @@ namespace rhoray::study {
 
 /// A field of a packed grid as plain samples, x fastest, that own their memory. Axes are laid along the world's, with
 /// the grid's spacing and the first sample at the origin, so that every system can show it. Refuses files of another
-/// kind, sparse grids and grids whose spacing varies (Trouble::usage).
+/// kind, sparse grids and grids whose spacing varies (ErrorCode::usage).
 /// @param field  name; empty takes the first
 preprocess::NeutralVolume plain_grid(const std::filesystem::path& packed_file, const std::string& field);
 

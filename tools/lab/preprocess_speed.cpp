@@ -14,7 +14,7 @@
 #include <functional>
 #include <map>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
 #include "preprocess/pack_mesh.h"
@@ -35,7 +35,7 @@ namespace {
 
 using tools::Json;
 
-struct Wishes {
+struct Settings {
   tools::CommonOptions common;
   std::filesystem::path scratch = std::filesystem::temp_directory_path();
   std::vector<std::string> meshes{"500000", "1000000"};
@@ -131,7 +131,7 @@ Row vtk_row(const std::filesystem::path& mesh, const std::string& size) {
             resample->Update();
             clock.add_to(steps, "resampling");
             if (resample->GetOutput()->GetPointData()->GetArray("value") == nullptr)
-              throw Error(Trouble::internal, "vtkResampleToImage: found no array 'value' in its output");
+              throw Error(ErrorCode::internal, "vtkResampleToImage: found no array 'value' in its output");
           }};
 }
 
@@ -146,7 +146,7 @@ void write_raw(const std::filesystem::path& path, std::int64_t edge) {
                static_cast<std::streamsize>(layer.size() * sizeof layer[0]));
   }
   file.flush();
-  if (!file) throw Error(Trouble::resource, concat(path.string(), ": could not be written"));
+  if (!file) throw Error(ErrorCode::resource, concat(path.string(), ": could not be written"));
 }
 
 Row pack_volume_row(const std::filesystem::path& raw, std::int64_t edge, const std::filesystem::path& scratch) {
@@ -172,27 +172,27 @@ Row copy_row(const std::filesystem::path& raw, const std::filesystem::path& scra
             while (from.read(buffer.data(), static_cast<std::streamsize>(buffer.size())), from.gcount() > 0)
               to.write(buffer.data(), from.gcount());
             to.flush();
-            if (!to) throw Error(Trouble::resource, "the copy could not be written");
+            if (!to) throw Error(ErrorCode::resource, "the copy could not be written");
             clock.add_to(steps, "copying");
           }};
 }
 
-std::vector<Row> rows_of(const Wishes& wishes, const std::filesystem::path& scratch) {
+std::vector<Row> rows_of(const Settings& settings, const std::filesystem::path& scratch) {
   std::vector<Row> rows;
-  for (const std::string& wanted : wishes.meshes) {
+  for (const std::string& wanted : settings.meshes) {
     std::uint64_t cell_count = 0;
     tools::read_value(wanted, cell_count);
     const preprocess::NeutralMesh mesh = warped_box(edge_for(cell_count));
     const std::filesystem::path path = scratch / concat(mesh.cells.size(), "_tetrahedra.vtu");
     preprocess::export_mesh(mesh, path, true);
     rows.push_back(pack_row(path, scratch));
-    for (const std::string& size : wishes.sizes) {
+    for (const std::string& size : settings.sizes) {
       rows.push_back(resample_row(path, size, scratch));
       rows.push_back(vtk_row(path, size));
     }
   }
-  if (wishes.volume_edge > 0) {
-    const std::int64_t edge = wishes.volume_edge;
+  if (settings.volume_edge > 0) {
+    const std::int64_t edge = settings.volume_edge;
     const std::filesystem::path raw = scratch / concat("volume_", edge, "x", edge, "x", edge, "_uint16.raw");
     write_raw(raw, edge);
     rows.push_back(pack_volume_row(raw, edge, scratch));
@@ -220,14 +220,14 @@ void measure(std::vector<Row>& rows, int repeat) {
     }
 }
 
-Json context(const Wishes& wishes) {
+Json context(const Settings& settings) {
   return context_with({{"memory_bytes", tools::this_machine().memory_bytes},
                        {"vtk", vtkVersion::GetVTKVersion()},
-                       {"repeat", wishes.repeat}});
+                       {"repeat", settings.repeat}});
 }
 
-tools::Table table_of(const std::vector<Row>& rows, const Wishes& wishes) {
-  tools::Table table{"preprocess_speed", "Seconds of packing and resampling, medians", context(wishes), {}};
+tools::Table table_of(const std::vector<Row>& rows, const Settings& settings) {
+  tools::Table table{"preprocess_speed", "Seconds of packing and resampling, medians", context(settings), {}};
   for (const Row& row : rows)
     for (const auto& [step, taken] : row.taken) {
       std::vector<double> cpu, wall;
@@ -248,36 +248,36 @@ tools::Table table_of(const std::vector<Row>& rows, const Wishes& wishes) {
   return table;
 }
 
-int run(const Wishes& wishes) {
-  tools::require_within("--repeat", wishes.repeat, 1, 1000);
-  tools::require_within("--volume", static_cast<double>(wishes.volume_edge), 0, 4096);
-  require_publishable(wishes.common, {"preprocess_speed"});
-  const tools::ScratchFolder scratch(wishes.scratch);
-  std::vector<Row> rows = rows_of(wishes, scratch.path());
-  measure(rows, wishes.repeat);
-  const tools::Table table = table_of(rows, wishes);
-  publish(table, wishes.common);
+int run(const Settings& settings) {
+  tools::require_within("--repeat", settings.repeat, 1, 1000);
+  tools::require_within("--volume", static_cast<double>(settings.volume_edge), 0, 4096);
+  require_publishable(settings.common, {"preprocess_speed"});
+  const tools::ScratchFolder scratch(settings.scratch);
+  std::vector<Row> rows = rows_of(settings, scratch.path());
+  measure(rows, settings.repeat);
+  const tools::Table table = table_of(rows, settings);
+  publish(table, settings.common);
   return 0;
 }
 
 }  // namespace
 
 tools::Subcommand preprocess_speed() {
-  const auto wishes = std::make_shared<Wishes>();
-  return {
-      .name = "preprocess-speed",
-      .summary = "Packing and resampling beside VTK and a plain copy of the bytes",
-      .examples = "  rhoray-study preprocess-speed --meshes 500000 --sizes 128,256 -o results\n",
-      .options = {tools::value_option("-o,--output", "FOLDER", "For preprocess_speed.csv and .json",
-                                      wishes->common.output),
-                  tools::flag_option("--force", "Replace files that are there", wishes->common.force),
-                  tools::value_option("--scratch", "FOLDER", "For files that are written to be timed", wishes->scratch),
-                  tools::value_option("--meshes", "N[,N]", "Numbers of tetrahedra", wishes->meshes),
-                  tools::value_option("--sizes", "N[,N]", "Samples on an axis", wishes->sizes),
-                  tools::value_option("--volume", "N", "Edge of the volume of N^3 samples; 0 leaves it out",
-                                      wishes->volume_edge),
-                  tools::value_option("--repeat", "N", "Rounds; default 3", wishes->repeat)},
-      .run = [wishes] { return run(*wishes); }};
+  const auto settings = std::make_shared<Settings>();
+  return {.name = "preprocess-speed",
+          .summary = "Packing and resampling beside VTK and a plain copy of the bytes",
+          .examples = "  rhoray-study preprocess-speed --meshes 500000 --sizes 128,256 -o results\n",
+          .options = {tools::value_option("-o,--output", "FOLDER", "For preprocess_speed.csv and .json",
+                                          settings->common.output),
+                      tools::flag_option("--force", "Replace files that are there", settings->common.force),
+                      tools::value_option("--scratch", "FOLDER", "For files that are written to be timed",
+                                          settings->scratch),
+                      tools::value_option("--meshes", "N[,N]", "Numbers of tetrahedra", settings->meshes),
+                      tools::value_option("--sizes", "N[,N]", "Samples on an axis", settings->sizes),
+                      tools::value_option("--volume", "N", "Edge of the volume of N^3 samples; 0 leaves it out",
+                                          settings->volume_edge),
+                      tools::value_option("--repeat", "N", "Rounds; default 3", settings->repeat)},
+          .run = [settings] { return run(*settings); }};
 }
 
 }  // namespace rhoray::study

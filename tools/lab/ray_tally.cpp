@@ -13,7 +13,7 @@ namespace {
 using render::Hit;
 using render::Method;
 using render::Ray;
-using render::RayQuestions;
+using render::RayCaster;
 
 constexpr double elsewhere_cells = 0.01;
 constexpr double suspicious_cells = 1e-6;
@@ -27,7 +27,7 @@ double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-std::vector<Hit> answers(RayQuestions& asked, std::span<const Ray> rays, RayTally::OfMethod& method) {
+std::vector<Hit> answers(RayCaster& asked, std::span<const Ray> rays, RayTally::OfMethod& method) {
   std::vector<Hit> hits(rays.size());
   const double begin = cpu_seconds();
   asked.first_crossings(rays, hits);
@@ -41,12 +41,12 @@ class Inquiry {
  public:
   explicit Inquiry(const ClosedScene& scene)
       : scene_(scene),
-        single_(scene.volume, scene.isovalue, {.precision = Method::Precision::single}),
-        twofold_(scene.volume, scene.isovalue, {}),
-        certified_(scene.volume, scene.isovalue, {.way = Method::Way::certified}),
-        follower_(scene.volume, scene.isovalue, {.way = Method::Way::certified}),
+        single_(scene.volume, scene.isovalue, {.precision = Method::Precision::float32}),
+        float64_(scene.volume, scene.isovalue, {}),
+        certified_(scene.volume, scene.isovalue, {.algorithm = Method::Algorithm::certified}),
+        follower_(scene.volume, scene.isovalue, {.algorithm = Method::Algorithm::certified}),
         follower_in_double_(scene.volume, scene.isovalue, {}),
-        judge_(scene.volume, scene.isovalue, {.way = Method::Way::judged}) {}
+        judge_(scene.volume, scene.isovalue, {.algorithm = Method::Algorithm::exact}) {}
 
   RayTally tally(const std::vector<Ray>& rays, Dice& dice, std::uint64_t sample_every);
 
@@ -60,14 +60,14 @@ class Inquiry {
     return ray;
   }
 
-  bool is_suspicious(const Ray& ray, const Hit& certified, const Hit& twofold) const;
+  bool is_suspicious(const Ray& ray, const Hit& certified, const Hit& float64) const;
   static bool agree(const Hit& certified, const Hit& judged);
   bool follows_judge(Ray ray);
   Hit redecided(const Ray& ray, const Hit& certified, RayTally& tally);
   void count(RayTally::OfMethod& method, const Ray& ray, const Hit& hit, const Hit& truth, bool touches) const;
 
   const ClosedScene& scene_;
-  RayQuestions single_, twofold_, certified_, follower_, follower_in_double_, judge_;
+  RayCaster single_, float64_, certified_, follower_, follower_in_double_, judge_;
 };
 
 std::string in_full(const Ray& ray) {
@@ -107,9 +107,9 @@ std::vector<bool> Inquiry::odd_ones(std::vector<Ray> rays, const std::vector<Hit
   return odd;
 }
 
-bool Inquiry::is_suspicious(const Ray& ray, const Hit& certified, const Hit& twofold) const {
-  if (twofold.is_miss() || certified.is_miss()) return twofold.is_miss() != certified.is_miss();
-  return !(cells(ray, std::abs(twofold.t - certified.t) - certified.error) <= suspicious_cells);
+bool Inquiry::is_suspicious(const Ray& ray, const Hit& certified, const Hit& float64) const {
+  if (float64.is_miss() || certified.is_miss()) return float64.is_miss() != certified.is_miss();
+  return !(cells(ray, std::abs(float64.t - certified.t) - certified.error) <= suspicious_cells);
 }
 
 bool Inquiry::agree(const Hit& certified, const Hit& judged) {
@@ -156,10 +156,10 @@ RayTally Inquiry::tally(const std::vector<Ray>& rays, Dice& dice, std::uint64_t 
   RayTally tally;
   const std::span<const Ray> for_float(rays.data(), (rays.size() + rays_per_float_ray - 1) / rays_per_float_ray);
   const std::vector<Hit> single = answers(single_, for_float, tally.single);
-  const std::vector<Hit> twofold = answers(twofold_, rays, tally.twofold);
+  const std::vector<Hit> float64 = answers(float64_, rays, tally.float64);
   const std::vector<Hit> certified = answers(certified_, rays, tally.certified);
   tally.redone = certified_.counters().rays_redone;
-  tally.judged = certified_.counters().rays_judged;
+  tally.judged = certified_.counters().rays_exact;
   const std::vector<bool> odd = odd_ones(rays, certified);
 
   for (std::size_t r = 0; r < rays.size(); ++r) {
@@ -167,7 +167,7 @@ RayTally Inquiry::tally(const std::vector<Ray>& rays, Dice& dice, std::uint64_t 
     Hit truth = certified[r];
     bool touches = false;
     const bool is_sampled = static_cast<std::uint64_t>(dice.unit() * static_cast<double>(sample_every)) == 0;
-    if (is_sampled || odd[r] || is_suspicious(rays[r], certified[r], twofold[r])) {
+    if (is_sampled || odd[r] || is_suspicious(rays[r], certified[r], float64[r])) {
       const std::uint64_t touches_before = judge_.counters().touches;
       truth = redecided(rays[r], certified[r], tally);
       touches = judge_.counters().touches > touches_before;
@@ -184,7 +184,7 @@ RayTally Inquiry::tally(const std::vector<Ray>& rays, Dice& dice, std::uint64_t 
     if (!certified[r].is_miss())
       tally.largest_bound = std::max(tally.largest_bound, cells(rays[r], certified[r].error));
     if (r < single.size()) count(tally.single, rays[r], single[r], truth, touches);
-    count(tally.twofold, rays[r], twofold[r], truth, touches);
+    count(tally.float64, rays[r], float64[r], truth, touches);
     count(tally.certified, rays[r], certified[r], truth, false);
   }
   return tally;
@@ -201,7 +201,7 @@ void add_method(RayTally::OfMethod& to, const RayTally::OfMethod& part) {
 void RayTally::add(const RayTally& other) {
   rays += other.rays, hits += other.hits;
   add_method(single, other.single);
-  add_method(twofold, other.twofold);
+  add_method(float64, other.float64);
   add_method(certified, other.certified);
   touches += other.touches, redone += other.redone, judged += other.judged;
   odd += other.odd, miscounted += other.miscounted, redecided += other.redecided;

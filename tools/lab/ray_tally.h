@@ -33,7 +33,7 @@ struct RayTally {
   };
 
   std::uint64_t rays = 0, hits = 0;
-  OfMethod single, twofold, certified;
+  OfMethod single, float64, certified;
   std::uint64_t touches = 0;              ///< hits, by the judge, that only touch; not counted as missed
   std::uint64_t redone = 0;               ///< certified: what single precision did not decide
   std::uint64_t judged = 0;               ///< certified: what double precision did not decide

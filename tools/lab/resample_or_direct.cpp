@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/pack_volume.h"
 #include "tools/analysis/data_forms.h"
 #include "tools/lab/figures.h"
@@ -16,7 +16,7 @@
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/input_file.h"
 #include "tools/rhoray/interrupt.h"
-#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/views.h"
 #include "tools/validate/grid_field.h"
@@ -38,7 +38,7 @@ constexpr const char* grid_of_bricks = "grid, bricks of the mesh";
 constexpr const char* whole_grid = "grid, whole box";
 constexpr const char* openvdb = "OpenVDB";
 
-struct Wishes {
+struct Settings {
   tools::CommonOptions common;
   std::filesystem::path input;
   std::string field, view = "front";
@@ -170,16 +170,16 @@ double step_of(const Form& form, const Box3& box) {
 }
 
 /// Rows of one isovalue: errors first, then times in rounds.
-std::vector<Json> rows_of(const Wishes& wishes, const Forms& forms, double isovalue,
+std::vector<Json> rows_of(const Settings& settings, const Forms& forms, double isovalue,
                           const std::function<void(const std::string&)>& tell) {
   const render::Volume& mesh = forms.all()[0].volume;
   tell(concat("isovalue ", isovalue, ", the exact answer"));
   JudgedView view(mesh, {.isovalue = isovalue,
-                         .camera = tools::study_camera(tools::study_view_named(wishes.view), mesh, isovalue,
-                                                       double{1} * wishes.size.width / wishes.size.height),
-                         .size = wishes.size,
-                         .judge_seconds = wishes.judge_seconds,
-                         .seed = wishes.seed});
+                         .camera = tools::study_camera(tools::study_view_named(settings.view), mesh, isovalue,
+                                                       double{1} * settings.size.width / settings.size.height),
+                         .size = settings.size,
+                         .judge_seconds = settings.judge_seconds,
+                         .seed = settings.seed});
   std::vector<Json> rows;
   std::vector<TimedRow> timed;
   for (const Form& form : forms.all()) {
@@ -198,7 +198,7 @@ std::vector<Json> rows_of(const Wishes& wishes, const Forms& forms, double isova
     rows.push_back(std::move(row));
     timed.push_back({.name = name_of(form), .act = [&view, shown] { view.draw(shown); }});
   }
-  run_rounds(timed, wishes.rounds, [&](const std::string& what) { tell(concat("isovalue ", isovalue, ", ", what)); });
+  run_rounds(timed, settings.rounds, [&](const std::string& what) { tell(concat("isovalue ", isovalue, ", ", what)); });
   const double direct_ms = timed[0].cpu_ms().median;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const tools::Spread ms = timed[r].cpu_ms();
@@ -252,22 +252,23 @@ std::vector<Figure> figures_of(const std::vector<Json>& rows) {
   return {error, time};
 }
 
-int run(const Wishes& wishes) {
-  require_publishable(wishes.common, {table_name});
-  require_publishable_figures(wishes.common, {error_figure, time_figure});
-  tools::require_within("--repeat", wishes.rounds.rounds, 1, 10'000);
-  tools::require_within("--judge-seconds", wishes.judge_seconds, 0, 1e6);
-  const std::vector<int> sizes = sizes_of("--grids", wishes.sizes),
-                         whole_sizes = sizes_of("--whole", wishes.whole_sizes),
-                         vdb_sizes = sizes_of("--vdb", wishes.vdb_sizes);
-  tools::require_input(wishes.input);
-  const render::Volume mesh = tools::load_volume(wishes.input, wishes.field);
+int run(const Settings& settings) {
+  require_publishable(settings.common, {table_name});
+  require_publishable_figures(settings.common, {error_figure, time_figure});
+  tools::require_within("--repeat", settings.rounds.rounds, 1, 10'000);
+  tools::require_within("--judge-seconds", settings.judge_seconds, 0, 1e6);
+  const std::vector<int> sizes = sizes_of("--grids", settings.sizes),
+                         whole_sizes = sizes_of("--whole", settings.whole_sizes),
+                         vdb_sizes = sizes_of("--vdb", settings.vdb_sizes);
+  tools::require_input(settings.input);
+  const render::Volume mesh = tools::load_volume(settings.input, settings.field);
   if (!mesh.is_mesh())
-    throw Error(Trouble::usage, concat(wishes.input.string(), ": found a grid; expected a packed mesh of tetrahedra"));
+    throw Error(ErrorCode::usage,
+                concat(settings.input.string(), ": found a grid; expected a packed mesh of tetrahedra"));
   tools::Table table{table_name, "A mesh's isosurface, from its tetrahedra and from resampled grids", {}, {}};
   {
-    tools::ProgressDisplay display(wishes.common);
-    const tools::ScratchFolder scratch(wishes.scratch);
+    tools::ProgressDisplay display(settings.common);
+    const tools::ScratchFolder scratch(settings.scratch);
     Forms forms(mesh, scratch.path());
     const auto add = [&](const char* kind, const std::vector<int>& of_sizes) {
       for (const int size : of_sizes) {
@@ -278,28 +279,28 @@ int run(const Wishes& wishes) {
     add(grid_of_bricks, sizes);
     add(whole_grid, whole_sizes);
     add(openvdb, vdb_sizes);
-    table.context = context_with({{"input", wishes.input.filename().string()},
+    table.context = context_with({{"input", settings.input.filename().string()},
                                   {"field", mesh.field().name},
-                                  {"view", wishes.view},
-                                  {"size", {wishes.size.width, wishes.size.height}},
+                                  {"view", settings.view},
+                                  {"size", {settings.size.width, settings.size.height}},
                                   {"machine", render::name_of(render::chosen_machine())},
-                                  {"repeat", wishes.rounds.rounds},
-                                  {"seed", wishes.seed},
+                                  {"repeat", settings.rounds.rounds},
+                                  {"seed", settings.seed},
                                   {"length_unit", mesh.length_unit()}});
-    for (const std::string& text : wishes.isovalues)
-      for (Json& row : rows_of(wishes, forms, tools::choose_isovalue(text, mesh.field()).value,
+    for (const std::string& text : settings.isovalues)
+      for (Json& row : rows_of(settings, forms, tools::choose_isovalue(text, mesh.field()).value,
                                [&](const std::string& what) { display.show(what); }))
         table.rows.push_back(std::move(row));
   }
-  publish(table, wishes.common);
-  publish(figures_of(table.rows), wishes.common);
+  publish(table, settings.common);
+  publish(figures_of(table.rows), settings.common);
   return 0;
 }
 
 }  // namespace
 
 tools::Subcommand resample_or_direct() {
-  const auto wishes = std::make_shared<Wishes>();
+  const auto settings = std::make_shared<Settings>();
   return {
       .name = "resample-or-direct",
       .summary = "A mesh's isosurface from its tetrahedra, and from grids that it was resampled on",
@@ -308,27 +309,28 @@ tools::Subcommand resample_or_direct() {
           "  rhoray-study resample-or-direct torso.rho --iso p75 --grids 64 --whole none --vdb none\n"
           "Errors are against the exact answer of the mesh. The figure of times shows the first isovalue.\n",
       .options = tools::all_options(
-          {{tools::file_option("FILE", "Packed mesh of tetrahedra", wishes->input)},
-           tools::output_options(wishes->common, "FOLDER for resample_or_direct.csv, .json and two figures (.svg)"),
-           {tools::value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", wishes->isovalues),
-            tools::value_option("--field", "NAME", "Field; default the first", wishes->field),
+          {{tools::file_option("FILE", "Packed mesh of tetrahedra", settings->input)},
+           tools::output_options(settings->common, "FOLDER for resample_or_direct.csv, .json and two figures (.svg)"),
+           {tools::value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", settings->isovalues),
+            tools::value_option("--field", "NAME", "Field; default the first", settings->field),
             tools::value_option("--grids", "N[,N]",
                                 "Samples on the longest axis of grids that keep the mesh's bricks; or none; default "
                                 "64,128,256,512",
-                                wishes->sizes),
+                                settings->sizes),
             tools::value_option("--whole", "N[,N]", "The same of grids of the whole box; default 64,128,256",
-                                wishes->whole_sizes),
-            tools::value_option("--vdb", "N[,N]", "The same of OpenVDB files; default 64,128,256", wishes->vdb_sizes),
-            tools::value_option("--view", "NAME", "front, from-feet, close-up or inside; default front", wishes->view),
-            tools::value_option("--size", "WxH", "Pixels; default 512x512", wishes->size),
+                                settings->whole_sizes),
+            tools::value_option("--vdb", "N[,N]", "The same of OpenVDB files; default 64,128,256", settings->vdb_sizes),
+            tools::value_option("--view", "NAME", "front, from-feet, close-up or inside; default front",
+                                settings->view),
+            tools::value_option("--size", "WxH", "Pixels; default 512x512", settings->size),
             tools::value_option("--judge-seconds", "S",
                                 "Pixels are judged in random order until this time is over; default 60",
-                                wishes->judge_seconds),
-            tools::value_option("--seed", "N", "Of that order; default 1", wishes->seed),
-            tools::value_option("--repeat", "N", "Rounds; default 5", wishes->rounds.rounds),
-            tools::value_option("--scratch", "FOLDER", "For the copies", wishes->scratch),
-            tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", wishes->common.progress)}}),
-      .run = [wishes] { return run(*wishes); }};
+                                settings->judge_seconds),
+            tools::value_option("--seed", "N", "Of that order; default 1", settings->seed),
+            tools::value_option("--repeat", "N", "Rounds; default 5", settings->rounds.rounds),
+            tools::value_option("--scratch", "FOLDER", "For the copies", settings->scratch),
+            tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", settings->common.progress)}}),
+      .run = [settings] { return run(*settings); }};
 }
 
 }  // namespace rhoray::study

@@ -1,7 +1,7 @@
 #include "tools/lab/search_field.h"
 
+#include "formats/base/error.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
 #include "formats/brick_grid.h"
 
 namespace rhoray::study {
@@ -56,7 +56,7 @@ Field field_of(const formats::BrickGrid& grid) {
 Field load_field(const std::filesystem::path& path) {
   const formats::BrickGrid grid{formats::PackedFile::open(path)};
   if (grid.description().layout.is_sparse)
-    throw Error(Trouble::unsupported, concat(path.string(), ": a sparse grid; expected a dense one"));
+    throw Error(ErrorCode::unsupported, concat(path.string(), ": a sparse grid; expected a dense one"));
   return formats::with_element_type(grid.description().fields.front().type,
                                     [&](auto of_type) { return field_of<decltype(of_type)>(grid); });
 }

@@ -38,7 +38,7 @@ struct Field {
   }
 };
 
-/// Refuses sparse grids (Trouble::unsupported).
+/// Refuses sparse grids (ErrorCode::unsupported).
 Field load_field(const std::filesystem::path& path);
 
 struct Line {

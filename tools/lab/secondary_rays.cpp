@@ -8,13 +8,13 @@
 #include <numbers>
 #include <random>
 
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "tools/lab/rounds.h"
 #include "tools/lab/study_run.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/input_file.h"
 #include "tools/rhoray/interrupt.h"
-#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/views.h"
 
@@ -25,7 +25,7 @@ namespace {
 using render::Hit;
 using render::Ray;
 
-struct Wishes {
+struct Settings {
   tools::CommonOptions common;
   std::filesystem::path input;
   std::string isovalue = "auto", view = "front";
@@ -91,16 +91,16 @@ std::vector<Ray> sorted_by_octant(std::vector<Ray> rays, std::size_t among) {
   return rays;
 }
 
-std::vector<Kind> kinds_of(const render::Volume& volume, double isovalue, const Wishes& wishes) {
-  const render::Camera camera = tools::study_camera(tools::study_view_named(wishes.view), volume, isovalue,
-                                                    double{1} * wishes.size.width / wishes.size.height);
-  const std::vector<Ray> seen = in_tiles(render::camera_rays(volume, camera, wishes.size.width, wishes.size.height),
-                                         wishes.size.width, wishes.size.height);
+std::vector<Kind> kinds_of(const render::Volume& volume, double isovalue, const Settings& settings) {
+  const render::Camera camera = tools::study_camera(tools::study_view_named(settings.view), volume, isovalue,
+                                                    double{1} * settings.size.width / settings.size.height);
+  const std::vector<Ray> seen = in_tiles(render::camera_rays(volume, camera, settings.size.width, settings.size.height),
+                                         settings.size.width, settings.size.height);
   std::vector<Hit> hits(seen.size());
-  render::RayQuestions(volume, isovalue, render::method_of(tools::accuracy_named("certified")), 0)
+  render::RayCaster(volume, isovalue, render::method_of(tools::accuracy_named("certified")), 0)
       .first_crossings(seen, hits);
   const std::vector<Place> places = places_of(seen, hits);
-  if (places.empty()) throw Error(Trouble::usage, "the view shows no surface; expected some to start rays from");
+  if (places.empty()) throw Error(ErrorCode::usage, "the view shows no surface; expected some to start rays from");
   const Vec3 light = Vec3(0.4, -0.6, 0.7).normalized();
   std::mt19937_64 random(1);
   Kind to_light{"to a light", {}}, to_anywhere{"to all sides", {}};
@@ -114,28 +114,28 @@ std::vector<Kind> kinds_of(const render::Volume& volume, double isovalue, const 
   return {{"camera", seen}, std::move(to_light), std::move(to_anywhere), std::move(sorted), std::move(alone)};
 }
 
-tools::Table measure(const Wishes& wishes, const std::function<void(const std::string&)>& tell) {
-  const render::Volume volume = render::Volume::load(wishes.input);
-  const double isovalue = tools::choose_isovalue(wishes.isovalue, volume.field()).value;
+tools::Table measure(const Settings& settings, const std::function<void(const std::string&)>& tell) {
+  const render::Volume volume = render::Volume::load(settings.input);
+  const double isovalue = tools::choose_isovalue(settings.isovalue, volume.field()).value;
   tell("rays");
-  const std::vector<Kind> kinds = kinds_of(volume, isovalue, wishes);
+  const std::vector<Kind> kinds = kinds_of(volume, isovalue, settings);
   tools::Table table{"secondary_rays", "Rays from a surface: CPU time of one thread", {}, {}};
-  table.context = context_with({{"input", wishes.input.filename().string()},
+  table.context = context_with({{"input", settings.input.filename().string()},
                                 {"isovalue", isovalue},
-                                {"view", wishes.view},
+                                {"view", settings.view},
                                 {"machine", render::name_of(render::chosen_machine())},
                                 {"cycles", cycles_source()},
-                                {"repeat", wishes.rounds.rounds}});
+                                {"repeat", settings.rounds.rounds}});
   for (const Kind& kind : kinds) {
     std::vector<Hit> hits(kind.rays.size());
     std::vector<TimedRow> rows;
-    for (const std::string& level : wishes.levels)
+    for (const std::string& level : settings.levels)
       rows.push_back({.name = level, .act = [&, level] {
                         const render::Method method = render::method_of(tools::accuracy_named(level));
-                        render::RayQuestions(volume, isovalue, method).first_crossings(kind.rays, hits);
+                        render::RayCaster(volume, isovalue, method).first_crossings(kind.rays, hits);
                       }});
     if (rows.empty() || kind.rays.empty()) continue;
-    run_rounds(rows, wishes.rounds, [&](const std::string& step) { tell(concat(kind.name, ", ", step)); });
+    run_rounds(rows, settings.rounds, [&](const std::string& step) { tell(concat(kind.name, ", ", step)); });
     const auto hit_count = std::count_if(hits.begin(), hits.end(), [](const Hit& hit) { return !hit.is_miss(); });
     for (const TimedRow& row : rows) {
       const tools::Spread ms = row.cpu_ms();
@@ -153,22 +153,22 @@ tools::Table measure(const Wishes& wishes, const std::function<void(const std::s
   return table;
 }
 
-int run(const Wishes& wishes) {
-  require_publishable(wishes.common, {"secondary_rays"});
-  tools::require_within("--repeat", wishes.rounds.rounds, 1, 10'000);
-  tools::require_input(wishes.input);
+int run(const Settings& settings) {
+  require_publishable(settings.common, {"secondary_rays"});
+  tools::require_within("--repeat", settings.rounds.rounds, 1, 10'000);
+  tools::require_input(settings.input);
   const tools::Table table = [&] {
-    tools::ProgressDisplay display(wishes.common);
-    return measure(wishes, [&](const std::string& what) { display.show(what); });
+    tools::ProgressDisplay display(settings.common);
+    return measure(settings, [&](const std::string& what) { display.show(what); });
   }();
-  publish(table, wishes.common);
+  publish(table, settings.common);
   return 0;
 }
 
 }  // namespace
 
 tools::Subcommand secondary_rays() {
-  const auto wishes = std::make_shared<Wishes>();
+  const auto settings = std::make_shared<Settings>();
   return {
       .name = "secondary-rays",
       .summary = "Rays that start at a surface, beside camera rays",
@@ -176,16 +176,17 @@ tools::Subcommand secondary_rays() {
           "  rhoray-study secondary-rays smooth.rho --iso 600.5\n"
           "  RHORAY_MACHINE=scalar rhoray-study secondary-rays smooth.rho --iso 600.5\n",
       .options = tools::all_options(
-          {{tools::file_option("FILE", "Packed file", wishes->input)},
-           tools::output_options(wishes->common, "FOLDER for secondary_rays.csv and .json"),
-           {tools::value_option("--iso", "V", "Isovalue, as in render; default auto", wishes->isovalue),
-            tools::value_option("--view", "NAME", "front, from-feet, close-up or inside; default front", wishes->view),
+          {{tools::file_option("FILE", "Packed file", settings->input)},
+           tools::output_options(settings->common, "FOLDER for secondary_rays.csv and .json"),
+           {tools::value_option("--iso", "V", "Isovalue, as in render; default auto", settings->isovalue),
+            tools::value_option("--view", "NAME", "front, from-feet, close-up or inside; default front",
+                                settings->view),
             tools::value_option("--levels", "NAME[,NAME]", "As render's --accuracy; default float,certified,double",
-                                wishes->levels),
-            tools::value_option("--size", "WxH", "Pixels whose hits rays start from; default 512x512", wishes->size),
-            tools::value_option("--repeat", "N", "Rounds; default 5", wishes->rounds.rounds),
-            tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", wishes->common.progress)}}),
-      .run = [wishes] { return run(*wishes); }};
+                                settings->levels),
+            tools::value_option("--size", "WxH", "Pixels whose hits rays start from; default 512x512", settings->size),
+            tools::value_option("--repeat", "N", "Rounds; default 5", settings->rounds.rounds),
+            tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", settings->common.progress)}}),
+      .run = [settings] { return run(*settings); }};
 }
 
 }  // namespace rhoray::study

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::study {
 
@@ -57,7 +57,7 @@ ShadowStarts::ShadowStarts(const render::Volume& volume, double isovalue, const 
   }
   decide();
   if (cases_.empty())
-    throw Error(Trouble::usage, concat("no pixel shows a lit side of the isosurface ", isovalue_, "; expected some"));
+    throw Error(ErrorCode::usage, concat("no pixel shows a lit side of the isosurface ", isovalue_, "; expected some"));
 }
 
 std::vector<Ray> ShadowStarts::off_surface(double cells) const {
@@ -89,10 +89,11 @@ std::uint64_t ShadowStarts::dark() const {
       std::count_if(cases_.begin(), cases_.end(), [](const Case& at) { return at.is_dark; }));
 }
 
-StartCounts ShadowStarts::count(const StartWish& wish) const {
+StartCounts ShadowStarts::count(const StartSettings& setting) const {
   std::vector<Ray> seen;
   for (const Case& at : cases_) seen.push_back(at.seen);
-  const std::vector<Hit> hits = tools::answers({.volume = volume_, .isovalue = isovalue_, .method = wish.method}, seen);
+  const std::vector<Hit> hits =
+      tools::answers({.volume = volume_, .isovalue = isovalue_, .method = setting.method}, seen);
   std::vector<Ray> rays;
   std::vector<bool> is_dark;
   for (std::size_t i = 0; i < cases_.size(); ++i) {
@@ -100,15 +101,16 @@ StartCounts ShadowStarts::count(const StartWish& wish) const {
     constexpr double same_place_cells = 0.01;
     if (!(std::abs(hits[i].t - at.t) * at.cells_per_t < same_place_cells)) continue;  // also where nothing was hit
     const Vec3 place = at.seen.at(hits[i].t);
-    Ray ray{.origin = wish.is_rounded ? in_single_precision(place) : place, .direction = light_};
-    if (wish.start == Start::along_ray) ray.origin = ray.origin + (wish.epsilon_cells / at.cells_along_light) * light_;
-    if (wish.start == Start::along_normal)
-      ray.origin = ray.origin + (wish.epsilon_cells / at.cells_along_normal) * at.normal;
-    if (wish.start == Start::knows_side) ray.start_side = at.side;
+    Ray ray{.origin = setting.is_rounded ? in_single_precision(place) : place, .direction = light_};
+    if (setting.start == Start::along_ray)
+      ray.origin = ray.origin + (setting.epsilon_cells / at.cells_along_light) * light_;
+    if (setting.start == Start::along_normal)
+      ray.origin = ray.origin + (setting.epsilon_cells / at.cells_along_normal) * at.normal;
+    if (setting.start == Start::knows_side) ray.start_side = at.side;
     rays.push_back(ray);
     is_dark.push_back(at.is_dark);
   }
-  const render::Method method = wish.start == Start::knows_side ? wish.method : render::Method{};
+  const render::Method method = setting.start == Start::knows_side ? setting.method : render::Method{};
   const std::vector<Hit> met = tools::answers({.volume = volume_, .isovalue = isovalue_, .method = method}, rays);
   StartCounts counts{.rays = rays.size()};
   for (std::size_t i = 0; i < rays.size(); ++i) {

@@ -17,7 +17,7 @@ enum class Start {
 };
 const char* name_of(Start start);
 
-struct StartWish {
+struct StartSettings {
   Start start = Start::knows_side;
   double epsilon_cells = 0;  ///< that distance
   /// Of the hits and, where the side is known, of the rays to the light. Rays that start at a distance are asked about
@@ -47,7 +47,7 @@ class ShadowStarts {
   std::uint64_t undecided() const { return undecided_; }  ///< where the two differ: they are asked nothing
 
   /// Of the pixels that the method hits within a hundredth of a cell of the exact hit.
-  StartCounts count(const StartWish& wish) const;
+  StartCounts count(const StartSettings& setting) const;
 
  private:
   struct Case {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "preprocess/import_mesh.h"
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "tools/lab/rounds.h"
 #include "tools/lab/structures/made_meshes.h"
 #include "tools/lab/structures/ways.h"
@@ -33,7 +33,7 @@ using render::Hit;
 using render::Ray;
 using tools::Json;
 
-struct Wishes {
+struct Settings {
   tools::CommonOptions common;
   std::vector<std::string> inputs;
   std::uint64_t cells = 200'000;
@@ -48,13 +48,13 @@ struct NamedMesh {
   std::function<NeutralMesh()> make;
 };
 
-std::vector<NamedMesh> meshes_of(const Wishes& wishes) {
-  const std::int64_t edge = edge_for(wishes.cells);
+std::vector<NamedMesh> meshes_of(const Settings& settings) {
+  const std::int64_t edge = edge_for(settings.cells);
   std::vector<NamedMesh> meshes{{"uniform", [=] { return warped_box(edge); }}};
   for (const int orders : {2, 4, 6})
     meshes.push_back({concat("graded over 10^", orders), [=] { return graded(warped_box(edge), orders); }});
   meshes.push_back({"slivers", [=] { return with_slivers(warped_box(edge), edge); }});
-  for (const std::filesystem::path input : wishes.inputs)
+  for (const std::filesystem::path input : settings.inputs)
     meshes.push_back({input.stem().string(), [=] { return preprocess::import_mesh(input); }});
   return meshes;
 }
@@ -83,13 +83,13 @@ struct Asked {
   std::vector<Hit> hits;
 };
 
-Asked ask_library(const Wishes& wishes, const std::string& mesh, const render::Volume& volume) {
-  const double isovalue = tools::choose_isovalue(wishes.isovalue, volume.field()).value;
+Asked ask_library(const Settings& settings, const std::string& mesh, const render::Volume& volume) {
+  const double isovalue = tools::choose_isovalue(settings.isovalue, volume.field()).value;
   const render::Camera camera = tools::study_camera(tools::study_view_named("front"), volume, isovalue,
-                                                    double{1} * wishes.size.width / wishes.size.height);
-  Asked asked{mesh, isovalue, render::camera_rays(volume, camera, wishes.size.width, wishes.size.height), {}};
+                                                    double{1} * settings.size.width / settings.size.height);
+  Asked asked{mesh, isovalue, render::camera_rays(volume, camera, settings.size.width, settings.size.height), {}};
   asked.hits.resize(asked.rays.size());
-  render::RayQuestions(volume, isovalue, render::method_of(render::Accuracy::twofold))
+  render::RayCaster(volume, isovalue, render::method_of(render::Accuracy::float64))
       .first_crossings(asked.rays, asked.hits);
   return asked;
 }
@@ -107,7 +107,7 @@ Answered answer(const Way& way, const Asked& asked) {
 }
 
 /// CPU microseconds a ray: the median of rounds in which all ways are timed one after the other.
-std::vector<double> times_of(const Wishes& wishes, const std::vector<Way>& ways, const Asked& asked,
+std::vector<double> times_of(const Settings& settings, const std::vector<Way>& ways, const Asked& asked,
                              tools::ProgressDisplay& display) {
   std::vector<TimedRow> rows;
   std::vector<Hit> hits(asked.rays.size());
@@ -116,7 +116,7 @@ std::vector<double> times_of(const Wishes& wishes, const std::vector<Way>& ways,
                       render::KernelCounters counters;
                       way.ask(asked.rays, hits, counters);
                     }});
-  run_rounds(rows, {.rounds = wishes.repeat},
+  run_rounds(rows, {.rounds = settings.repeat},
              [&](const std::string& doing) { display.show(concat(asked.mesh, ", ", doing)); });
   std::vector<double> times;
   for (const TimedRow& row : rows) times.push_back(1e3 * per(row.cpu_ms().median, asked.rays.size()));
@@ -139,9 +139,9 @@ Json row_of(const Way& way, const Asked& asked, const Answered& answered, double
 
 /// Rows of ways that must all answer as the library does.
 /// @return  whether they do
-bool add_rows(const Wishes& wishes, const std::vector<Way>& ways, const Asked& asked, tools::ProgressDisplay& display,
-              tools::Table& table) {
-  const std::vector<double> times = times_of(wishes, ways, asked, display);
+bool add_rows(const Settings& settings, const std::vector<Way>& ways, const Asked& asked,
+              tools::ProgressDisplay& display, tools::Table& table) {
+  const std::vector<double> times = times_of(settings, ways, asked, display);
   bool is_same = true;
   for (std::size_t w = 0; w < ways.size(); ++w) {
     table.rows.push_back(row_of(ways[w], asked, answer(ways[w], asked), times[w]));
@@ -186,13 +186,13 @@ Json errors_of(const Asked& asked, const std::vector<Hit>& rounded, const format
           {"off_largest_edges", *std::max_element(off_edges.begin(), off_edges.end())}};
 }
 
-void add_rounded_rows(const Wishes& wishes, const MeshForWays& mesh, const Asked& asked,
+void add_rounded_rows(const Settings& settings, const MeshForWays& mesh, const Asked& asked,
                       tools::ProgressDisplay& display, tools::Table& table) {
   std::vector<Way> ways;
   std::vector<RoundedShape> shapes;
   for (const MeshForWays::RoundedWay& rounded : mesh.rounded(asked.isovalue))
     ways.push_back(rounded.way), shapes.push_back(rounded.shape);
-  const std::vector<double> times = times_of(wishes, ways, asked, display);
+  const std::vector<double> times = times_of(settings, ways, asked, display);
   for (std::size_t w = 0; w < ways.size(); ++w) {
     Json row{{"mesh", asked.mesh},
              {"points", ways[w].name},
@@ -206,59 +206,59 @@ void add_rounded_rows(const Wishes& wishes, const MeshForWays& mesh, const Asked
   }
 }
 
-int run(const Wishes& wishes) {
-  tools::require_within("--cells", static_cast<double>(wishes.cells), 6, 1e9);
-  tools::require_within("--repeat", wishes.repeat, 1, 10'000);
-  for (const std::string& input : wishes.inputs) tools::require_input(input);
-  require_publishable(wishes.common, {"structures", "structures_orders", "structures_points"});
-  const tools::ScratchFolder scratch(wishes.scratch);
+int run(const Settings& settings) {
+  tools::require_within("--cells", static_cast<double>(settings.cells), 6, 1e9);
+  tools::require_within("--repeat", settings.repeat, 1, 10'000);
+  for (const std::string& input : settings.inputs) tools::require_input(input);
+  require_publishable(settings.common, {"structures", "structures_orders", "structures_points"});
+  const tools::ScratchFolder scratch(settings.scratch);
   tools::Table shapes{
       "structures", "How rays find tetrahedra: bytes, packing, and first crossings on one thread", {}, {}};
   tools::Table orders{"structures_orders", "The same with lists and cells in other orders and forms", {}, {}};
   tools::Table points{"structures_points", "Clusters of 64 with points in fewer bytes, and what that moves", {}, {}};
   bool is_same_everywhere = true;
   {
-    tools::ProgressDisplay display(wishes.common);
-    for (const NamedMesh& named : meshes_of(wishes)) {
+    tools::ProgressDisplay display(settings.common);
+    for (const NamedMesh& named : meshes_of(settings)) {
       display.show(concat("making ", named.name));
       const MeshForWays mesh(named.make(), scratch.path());
-      const Asked asked = ask_library(wishes, named.name, mesh.volume());
-      is_same_everywhere &= add_rows(wishes, mesh.structures(asked.isovalue), asked, display, shapes);
-      is_same_everywhere &= add_rows(wishes, mesh.orders(asked.isovalue), asked, display, orders);
-      add_rounded_rows(wishes, mesh, asked, display, points);
+      const Asked asked = ask_library(settings, named.name, mesh.volume());
+      is_same_everywhere &= add_rows(settings, mesh.structures(asked.isovalue), asked, display, shapes);
+      is_same_everywhere &= add_rows(settings, mesh.orders(asked.isovalue), asked, display, orders);
+      add_rounded_rows(settings, mesh, asked, display, points);
     }
   }
   for (tools::Table* table : {&shapes, &orders, &points}) {
-    table->context = context_with({{"isovalue", wishes.isovalue},
-                                   {"cells", wishes.cells},
-                                   {"size", {wishes.size.width, wishes.size.height}},
+    table->context = context_with({{"isovalue", settings.isovalue},
+                                   {"cells", settings.cells},
+                                   {"size", {settings.size.width, settings.size.height}},
                                    {"threads", 1},
-                                   {"repeat", wishes.repeat}});
-    publish(*table, wishes.common);
+                                   {"repeat", settings.repeat}});
+    publish(*table, settings.common);
   }
   if (!is_same_everywhere)
-    throw Error(Trouble::outside_limit, "structures: a way answers otherwise than the library; see column 'answers'");
+    throw Error(ErrorCode::outside_limit, "structures: a way answers otherwise than the library; see column 'answers'");
   return 0;
 }
 
 }  // namespace
 
 tools::Subcommand structures() {
-  const auto wishes = std::make_shared<Wishes>();
+  const auto settings = std::make_shared<Settings>();
   return {
       .name = "structures",
       .summary = "How rays find tetrahedra, and what that costs: lists, grids, trees, orders, rounded points",
       .examples = "  rhoray-study structures --cells 1000000 -o results\n",
       .options = tools::all_options(
-          {tools::output_options(wishes->common, "FOLDER for structures*.csv and .json"),
-           {tools::value_option("--meshes", "FILE[,FILE]", "Beside those that are made", wishes->inputs),
-            tools::value_option("--cells", "N", "Tetrahedra of those that are made; default 200000", wishes->cells),
-            tools::value_option("--iso", "V", "Isovalue, as in render; default auto", wishes->isovalue),
-            tools::value_option("--size", "WxH", "Pixels; default 256x256", wishes->size),
-            tools::value_option("--repeat", "N", "Pictures of each; default 3", wishes->repeat),
-            tools::value_option("--scratch", "FOLDER", "For the packed meshes", wishes->scratch),
-            tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", wishes->common.progress)}}),
-      .run = [wishes] { return run(*wishes); }};
+          {tools::output_options(settings->common, "FOLDER for structures*.csv and .json"),
+           {tools::value_option("--meshes", "FILE[,FILE]", "Beside those that are made", settings->inputs),
+            tools::value_option("--cells", "N", "Tetrahedra of those that are made; default 200000", settings->cells),
+            tools::value_option("--iso", "V", "Isovalue, as in render; default auto", settings->isovalue),
+            tools::value_option("--size", "WxH", "Pixels; default 256x256", settings->size),
+            tools::value_option("--repeat", "N", "Pictures of each; default 3", settings->repeat),
+            tools::value_option("--scratch", "FOLDER", "For the packed meshes", settings->scratch),
+            tools::value_option("--progress", "STYLE", "auto, bar, plain, json or none", settings->common.progress)}}),
+      .run = [settings] { return run(*settings); }};
 }
 
 }  // namespace rhoray::study

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "formats/base/error.h"
 #include "formats/base/pending_file.h"
-#include "formats/base/trouble.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/table.h"
@@ -22,7 +22,7 @@ inline tools::Json context_with(const tools::Json& peculiar) {
   return context;
 }
 
-/// Refuses, before the work, an output folder in which these tables could not be published after it (Trouble::usage).
+/// Refuses, before the work, an output folder in which these tables could not be published after it (ErrorCode::usage).
 inline void require_publishable(const tools::CommonOptions& common, const std::vector<std::string>& tables) {
   if (common.output.empty()) return;
   for (const std::string& table : tables)

@@ -6,8 +6,8 @@
 #include <cctype>
 #include <utility>
 
+#include "formats/base/error.h"
 #include "formats/base/pending_file.h"
-#include "formats/base/trouble.h"
 #include "render/png.h"
 #include "tools/pictures/pictures_module.h"
 #include "tools/rhoray/input_file.h"
@@ -34,7 +34,7 @@ Act* load(const char* name) {
   void* const handle = ::dlopen(module.c_str(), RTLD_NOW | RTLD_LOCAL);
   void* const symbol = handle == nullptr ? nullptr : ::dlsym(handle, name);
   if (symbol == nullptr)
-    throw Error(Trouble::unsupported, concat("pictures can be neither written nor read: ", ::dlerror()));
+    throw Error(ErrorCode::unsupported, concat("pictures can be neither written nor read: ", ::dlerror()));
   return reinterpret_cast<Act*>(symbol);
 }
 
@@ -42,7 +42,7 @@ void require_ids_that_fit(const render::Framebuffer& picture, const std::filesys
   constexpr std::uint64_t limit = 0xffff'ffff;  // itself means: no cell
   for (const std::uint64_t id : picture.cell)
     if (id >= limit && id != render::Framebuffer::no_cell)
-      throw Error(Trouble::unsupported,
+      throw Error(ErrorCode::unsupported,
                   concat(path.string(), ": channel 'cell': found id ", id, "; EXR holds ids below ", limit),
                   "leave 'cell' out of --channels");
 }
@@ -52,10 +52,10 @@ void require_ids_that_fit(const render::Framebuffer& picture, const std::filesys
 void require_picture_format(const std::filesystem::path& path, const render::ChannelSet& channels) {
   const std::string format = format_of(path);
   if (format.empty())
-    throw Error(Trouble::usage, concat(path.string(), ": found extension '", path.extension().string(),
-                                       "'; expected .png, .exr, .tif, .tiff, .jpg or .jpeg"));
+    throw Error(ErrorCode::usage, concat(path.string(), ": found extension '", path.extension().string(),
+                                         "'; expected .png, .exr, .tif, .tiff, .jpg or .jpeg"));
   if (channels.any() && format != "openexr")
-    throw Error(Trouble::usage, concat(path.string(), ": only EXR keeps --channels"),
+    throw Error(ErrorCode::usage, concat(path.string(), ": only EXR keeps --channels"),
                 "give the picture a name in .exr");
 }
 
@@ -71,8 +71,8 @@ std::vector<std::byte> encode_picture(const render::Framebuffer& picture, const 
   const std::vector<std::uint8_t> srgb =
       format == "openexr" ? std::vector<std::uint8_t>() : render::srgb_bytes(picture);
   std::vector<std::byte> bytes;
-  const std::string trouble = load<EncodePicture>(encode_picture_symbol)(picture, srgb, texts, format, bytes);
-  if (!trouble.empty()) throw Error(Trouble::resource, concat(path.string(), ": ", trouble));
+  const std::string error_code = load<EncodePicture>(encode_picture_symbol)(picture, srgb, texts, format, bytes);
+  if (!error_code.empty()) throw Error(ErrorCode::resource, concat(path.string(), ": ", error_code));
   return bytes;
 }
 
@@ -94,7 +94,7 @@ std::filesystem::path find_font(const std::vector<std::filesystem::path>& known_
   std::error_code ignored;
   for (const std::filesystem::path& font : known_fonts)
     if (std::filesystem::is_regular_file(font, ignored)) return font;
-  throw Error(Trouble::unsupported,
+  throw Error(ErrorCode::unsupported,
               concat("annotations need the font DejaVu Sans; there is no ", known_fonts.front().string()),
               "on Debian the package fonts-dejavu-core brings it");
 }
@@ -102,16 +102,16 @@ std::filesystem::path find_font(const std::vector<std::filesystem::path>& known_
 TextImage make_text_image(const std::string& text, int pixels, const std::filesystem::path& font) {
   static const auto make = load<MakeTextImage>(make_text_image_symbol);
   TextImage image;
-  const std::string trouble = make(text, pixels, font.string(), image);
-  if (!trouble.empty()) throw Error(Trouble::unsupported, concat(font.string(), ": ", trouble));
+  const std::string error_code = make(text, pixels, font.string(), image);
+  if (!error_code.empty()) throw Error(ErrorCode::unsupported, concat(font.string(), ": ", error_code));
   return image;
 }
 
 StoredPicture read_picture(const std::filesystem::path& path) {
   require_input(path);
   StoredPicture picture;
-  const std::string trouble = load<DecodePicture>(decode_picture_symbol)(path.string(), picture);
-  if (!trouble.empty()) throw Error(Trouble::invalid, concat(path.string(), ": no picture: ", trouble));
+  const std::string error_code = load<DecodePicture>(decode_picture_symbol)(path.string(), picture);
+  if (!error_code.empty()) throw Error(ErrorCode::invalid, concat(path.string(), ": no picture: ", error_code));
   return picture;
 }
 

@@ -167,18 +167,18 @@ std::string encode(const Encoded& encoded, const std::string& format, std::vecto
   // back, and its proxies give it nothing.
   if (format == "tiff") {
     const MemoryFile memory;
-    std::string trouble =
+    std::string error_code =
         write_with(encoded, format, [&](OIIO::ImageOutput& file) { return file.open(memory.path(), encoded.spec); });
     bytes = memory.bytes();
-    return trouble;
+    return error_code;
   }
   OIIO::Filesystem::IOVecOutput memory;
-  std::string trouble = write_with(encoded, format, [&](OIIO::ImageOutput& file) {
+  std::string error_code = write_with(encoded, format, [&](OIIO::ImageOutput& file) {
     return file.set_ioproxy(&memory) && file.open("memory." + format, encoded.spec);
   });
   const auto* const first = reinterpret_cast<const std::byte*>(memory.buffer().data());
   bytes.assign(first, first + memory.buffer().size());
-  return trouble;
+  return error_code;
 }
 
 }  // namespace

@@ -2,22 +2,22 @@
 #include <chrono>
 #include <cstdio>
 
+#include "formats/base/error.h"
 #include "formats/base/parallel.h"
-#include "formats/base/trouble.h"
 #include "tools/analysis/choice.h"
 #include "tools/analysis/pages.h"
 #include "tools/analysis/results.h"
 #include "tools/analysis/study.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/damage.h"
+#include "tools/rhoray/format_statistics.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/scene/document.h"
 #include "tools/rhoray/scene/picture_options.h"
-#include "tools/rhoray/scene/plan.h"
-#include "tools/rhoray/scene/spelled_out.h"
-#include "tools/rhoray/statistics_words.h"
+#include "tools/rhoray/scene/resolve.h"
+#include "tools/rhoray/scene/to_spec.h"
 #include "tools/rhoray/subcommands.h"
 #include "tools/rhoray/version.h"
 
@@ -50,41 +50,41 @@ std::vector<Option> study_picture_options(PictureOptions& picture) {
   return rows;
 }
 
-SceneWishes wishes_of(const AccuracyCommand& command) {
-  SceneWishes wishes;
+SceneSpec spec_of(const AccuracyCommand& command) {
+  SceneSpec scene_spec;
   if (is_scene_document(command.input)) {
     const SceneDocument document = read_scene(command.input);
     for (const std::string& warning : document.warnings) say(command.common, concat("warning: ", warning));
-    wishes = with_options(document.wishes, command.picture);
+    scene_spec = with_options(document.scene_spec, command.picture);
   } else {
-    wishes = wishes_of(command.picture, command.input);
+    scene_spec = spec_of(command.picture, command.input);
   }
-  if (!wishes.image.size) wishes.image.size = default_size;
-  wishes.image.channels.reset();
-  wishes.image.show.reset();
-  return wishes;
+  if (!scene_spec.image.size) scene_spec.image.size = default_size;
+  scene_spec.image.channels.reset();
+  scene_spec.image.show.reset();
+  return scene_spec;
 }
 
 void check(const AccuracyCommand& command) {
   if (command.common.output.empty())
-    throw Error(Trouble::usage, "-o: missing; expected the folder for the results",
+    throw Error(ErrorCode::usage, "-o: missing; expected the folder for the results",
                 concat("rhoray accuracy ", command.input.string(), " -o accuracy"));
   require_within("--time-limit", command.time_limit_s, 1, 1e6);
   require_within("--repeat", command.repeat, 1, 1000);
   check(command.goal);
 }
 
-void refuse_damage(const ScenePlan& plan, unsigned threads) {
+void refuse_damage(const ResolvedScene& plan, unsigned threads) {
   for (const render::Volume& volume : plan.volumes) {
     const std::vector<formats::DamagedBlock> blocks = volume.file().damaged_blocks(threads);
     if (!blocks.empty())
-      throw Error(Trouble::invalid, concat(volume.file().name(), ": ", damage_text(volume.file(), blocks.front())),
+      throw Error(ErrorCode::invalid, concat(volume.file().name(), ": ", damage_text(volume.file(), blocks.front())),
                   concat("`rhoray verify ", volume.file().name(), "` lists all blocks"));
   }
 }
 
 /// The command that makes this study again, the picture spelled out.
-std::string study_command(const AccuracyCommand& command, const ScenePlan& plan) {
+std::string study_command(const AccuracyCommand& command, const ResolvedScene& plan) {
   std::vector<std::string> words;
   const std::vector<std::string> picture = reproducing_command(plan, command.common.output);
   for (std::size_t i = 0; i < picture.size(); ++i)
@@ -107,10 +107,10 @@ std::string date_now() {
   return text;
 }
 
-Json facts_of(const AccuracyCommand& command, const ScenePlan& plan) {
+Json facts_of(const AccuracyCommand& command, const ResolvedScene& plan) {
   const Machine machine = this_machine();
   std::string inputs;
-  for (const DataWish& data : plan.data) inputs += concat(inputs.empty() ? "" : ", ", data.file.filename().string());
+  for (const DataSpec& data : plan.data) inputs += concat(inputs.empty() ? "" : ", ", data.file.filename().string());
   return {{"input", inputs},
           {"date", date_now()},
           {"processor", machine.processor},
@@ -146,7 +146,7 @@ std::string minutes_text(double seconds) {
 /// The whole of the work: a coarse pass over all layers, one at the full size, then times again and again.
 class Work {
  public:
-  Work(const AccuracyCommand& command, const ScenePlan& plan, ProgressDisplay& display, StudyContext& context)
+  Work(const AccuracyCommand& command, const ResolvedScene& plan, ProgressDisplay& display, StudyContext& context)
       : command_(command),
         display_(display),
         context_(context),
@@ -162,7 +162,7 @@ class Work {
       layers_.push_back(studies_.back().get());
     }
     if (layers_.empty())
-      throw Error(Trouble::usage, "every layer is triangles or a slice: there are no methods to compare",
+      throw Error(ErrorCode::usage, "every layer is triangles or a slice: there are no methods to compare",
                   "expected an isosurface or a projection");
   }
 
@@ -195,7 +195,7 @@ class Work {
                      .memory_limit_bytes = command_.common.memory.bytes,
                      .seconds = 0.1 * command_.time_limit_s,
                      .progress = [stop = interrupt_.token()](std::string_view, std::uint64_t, std::uint64_t) {
-                       if (stop.stop_requested()) throw Error(Trouble::interrupted, "interrupted");
+                       if (stop.stop_requested()) throw Error(ErrorCode::interrupted, "interrupted");
                      }};
     return options;
   }
@@ -294,12 +294,12 @@ class Work {
 
 int run(AccuracyCommand& command) {
   check(command);
-  const SceneWishes wishes = wishes_of(command);
+  const SceneSpec scene_spec = spec_of(command);
   const ThreadLimit limit(command.common.threads);
   ProgressDisplay display(command.common);
-  display.show(concat("opening ", wishes.data[0].file.string()));
-  ScenePlan plan = plan_layers(wishes);
-  aim_camera(wishes, plan);
+  display.show(concat("opening ", scene_spec.data[0].file.string()));
+  ResolvedScene plan = resolve_layers(scene_spec);
+  aim_camera(scene_spec, plan);
   refuse_damage(plan, command.common.threads);
   require_results_folder(command.common.output, command.common.force);
   display.show("proving stored ranges");

@@ -1,18 +1,18 @@
 #include <cstdio>
 
+#include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/parallel.h"
 #include "formats/base/pending_file.h"
-#include "formats/base/trouble.h"
 #include "formats/packed_file.h"
 #include "tools/rhoray/bench_effects.h"
 #include "tools/rhoray/bench_tables.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/input_file.h"
-#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/scene/document.h"
-#include "tools/rhoray/scene/looks.h"
+#include "tools/rhoray/scene/material.h"
 #include "tools/rhoray/subcommands.h"
 
 namespace rhoray::tools {
@@ -49,9 +49,9 @@ const TableRow table_rows[] = {{"phases", Takes::packed, only<phases_table>},
 /// Refuses a file that a table does not take.
 void require_kind(const TableRow& table, const std::filesystem::path& input, bool is_packed, bool is_scene) {
   if (table.takes == Takes::unpacked || is_packed || (is_scene && table.takes == Takes::packed_or_scene)) return;
-  throw Error(Trouble::invalid, concat(input.string(), ": is not a packed file",
-                                       table.takes == Takes::packed_or_scene ? " or a scene" : "", ", which table '",
-                                       table.name, "' measures"));
+  throw Error(ErrorCode::invalid, concat(input.string(), ": is not a packed file",
+                                         table.takes == Takes::packed_or_scene ? " or a scene" : "", ", which table '",
+                                         table.name, "' measures"));
 }
 
 struct BenchCommand {
@@ -64,7 +64,8 @@ struct BenchCommand {
 /// The tables asked for: the one that is named, or all that suit the file.
 std::vector<TableRow> choose_tables(BenchCommand& command) {
   if (command.words.size() > 2)
-    throw Error(Trouble::usage, concat("unexpected argument '", command.words[2].string(), "'; expected [TABLE] FILE"));
+    throw Error(ErrorCode::usage,
+                concat("unexpected argument '", command.words[2].string(), "'; expected [TABLE] FILE"));
   command.bench.input = command.words.back();
   std::vector<std::string> names;
   for (const TableRow& row : table_rows) names.emplace_back(row.name);
@@ -75,7 +76,7 @@ std::vector<TableRow> choose_tables(BenchCommand& command) {
       if (asked == row.name) chosen.push_back(row);
     if (chosen.empty())
       throw Error(
-          Trouble::usage,
+          ErrorCode::usage,
           concat("no table '", asked, "'; there are phases, threads, views, isovalue, effects, memory, open and pack"),
           did_you_mean(asked, names));
   }
@@ -96,10 +97,10 @@ void check(const BenchCommand& command) {
   require_within("--repeat", command.bench.repeat, 1, 10'000);
   std::error_code ignored;
   if (!std::filesystem::is_directory(command.bench.scratch, ignored))
-    throw Error(Trouble::usage, concat("--scratch: there is no folder ", command.bench.scratch.string()));
+    throw Error(ErrorCode::usage, concat("--scratch: there is no folder ", command.bench.scratch.string()));
   const std::filesystem::path& folder = command.common.output;
   if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
-    throw Error(Trouble::usage, concat(folder.string(), ": there is no such folder"), "make the folder first");
+    throw Error(ErrorCode::usage, concat(folder.string(), ": there is no such folder"), "make the folder first");
 }
 
 void show(const BenchCommand& command, const Table& table) {

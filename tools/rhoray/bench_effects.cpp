@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tools/rhoray/bench_parts.h"
 #include "tools/rhoray/picture_hash.h"
 #include "tools/rhoray/scene/document.h"
-#include "tools/rhoray/scene/plan.h"
-#include "tools/rhoray/scene/spelled_out.h"
+#include "tools/rhoray/scene/resolve.h"
+#include "tools/rhoray/scene/to_spec.h"
 
 namespace rhoray::tools {
 
@@ -16,13 +16,13 @@ namespace {
 
 /// What was asked for, every choice spelled out, and what its files are.
 struct Asked {
-  SceneWishes wishes;
-  ScenePlan plan;
+  SceneSpec scene_spec;
+  ResolvedScene plan;
 
   const render::Volume& volume(const std::string& data) const {
     for (std::size_t i = 0; i < plan.data.size(); ++i)
-      if (wishes.data[i].name == data) return plan.volumes[i];
-    throw Error(Trouble::internal, concat("no data \"", data, '"'));
+      if (scene_spec.data[i].name == data) return plan.volumes[i];
+    throw Error(ErrorCode::internal, concat("no data \"", data, '"'));
   }
 };
 
@@ -36,158 +36,158 @@ constexpr const char* textured_in_shadows = "texture, hard shadows";
 constexpr const char* one_shell = "one opaque shell";
 
 /// From the upper left of the camera.
-LightWish key_light() {
+LightSpec key_light() {
   return {.type = LightType::directional, .azimuth_deg = -40, .elevation_deg = 40, .from = "camera"};
 }
 
-bool is_surface(const LayerWish& layer) {
+bool is_surface(const LayerSpec& layer) {
   return layer.type == LayerType::isosurface || layer.type == LayerType::mesh;
 }
 
 bool has_surface(const Asked& asked) {
-  return std::any_of(asked.wishes.layers.begin(), asked.wishes.layers.end(), is_surface);
+  return std::any_of(asked.scene_spec.layers.begin(), asked.scene_spec.layers.end(), is_surface);
 }
 
 /// Changes surfaces; false where no layer could be changed.
 template <class Change>
-bool change_surfaces(SceneWishes& scene, const Change& change) {
+bool change_surfaces(SceneSpec& scene, const Change& change) {
   bool any = false;
-  for (LayerWish& layer : scene.layers)
+  for (LayerSpec& layer : scene.layers)
     if (is_surface(layer)) any |= change(layer);
   return any;
 }
 
-bool light_it(SceneWishes& scene, const LightWish& light) {
+bool light_it(SceneSpec& scene, const LightSpec& light) {
   scene.lights = {light};
   return true;
 }
 
 /// Everything is there and nothing of it can be seen: a light and a surface that are switched off, and one left out.
-bool add_what_is_off(SceneWishes& scene, const Asked&) {
-  LightWish none = key_light();
+bool add_what_is_off(SceneSpec& scene, const Asked&) {
+  LightSpec none = key_light();
   none.intensity = 0, none.shadows = true, none.angular_diameter_deg = 5;
   scene.lights = {{.type = LightType::head}, none};
-  LayerWish clear = scene.layers[0], hidden = scene.layers[0];
+  LayerSpec clear = scene.layers[0], hidden = scene.layers[0];
   clear.opacity = 0, hidden.visible = false;
   scene.layers.insert(scene.layers.end(), {clear, hidden});
   return true;
 }
 
-bool shed_key_light(SceneWishes& scene, const Asked&) {
+bool shed_key_light(SceneSpec& scene, const Asked&) {
   return light_it(scene, key_light());
 }
-bool cast_hard_shadows(SceneWishes& scene, const Asked&) {
-  LightWish light = key_light();
+bool cast_hard_shadows(SceneSpec& scene, const Asked&) {
+  LightSpec light = key_light();
   light.shadows = true;
   return light_it(scene, light);
 }
-bool cast_soft_shadows(SceneWishes& scene, const Asked&) {
-  LightWish light = key_light();
+bool cast_soft_shadows(SceneSpec& scene, const Asked&) {
+  LightSpec light = key_light();
   light.shadows = true, light.angular_diameter_deg = 5;
   return light_it(scene, light);
 }
-bool occlude(SceneWishes& scene, const Asked& asked) {
-  scene.effects.occlusion = asked.wishes.effects.occlusion.value_or(OcclusionWish{});
+bool occlude(SceneSpec& scene, const Asked& asked) {
+  scene.effects.occlusion = asked.scene_spec.effects.occlusion.value_or(OcclusionSpec{});
   return true;
 }
-bool shine(SceneWishes& scene, const Asked&) {
-  return change_surfaces(scene, [](LayerWish& layer) {
+bool shine(SceneSpec& scene, const Asked&) {
+  return change_surfaces(scene, [](LayerSpec& layer) {
     layer.specular = 0.25;
     return true;
   });
 }
-bool smooth(SceneWishes& scene, const Asked& asked) {
-  return change_surfaces(scene, [&](LayerWish& layer) {
+bool smooth(SceneSpec& scene, const Asked& asked) {
+  return change_surfaces(scene, [&](LayerSpec& layer) {
     const render::Volume& volume = asked.volume(layer.data);
     if (!volume.is_mesh() && !volume.is_surface()) return false;
     layer.normals = "smooth";
     return true;
   });
 }
-bool color_by_field(SceneWishes& scene, const Asked& asked) {
-  return change_surfaces(scene, [&](LayerWish& layer) {
+bool color_by_field(SceneSpec& scene, const Asked& asked) {
+  return change_surfaces(scene, [&](LayerSpec& layer) {
     if (layer.type != LayerType::isosurface) return false;
     layer.color_by = asked.volume(layer.data).field().name;
     return true;
   });
 }
 /// Plain scenes have the layers that were asked for, in order, without slices.
-bool cover(SceneWishes& scene, const Asked& asked) {
+bool cover(SceneSpec& scene, const Asked& asked) {
   bool any = false;
   std::size_t place = 0;
-  for (const LayerWish& layer : asked.wishes.layers) {
+  for (const LayerSpec& layer : asked.scene_spec.layers) {
     if (layer.type == LayerType::slice) continue;
     scene.layers[place++].texture = layer.texture;
     any |= !layer.texture.empty();
   }
   return any;
 }
-bool cover_and_cast_hard_shadows(SceneWishes& scene, const Asked& asked) {
+bool cover_and_cast_hard_shadows(SceneSpec& scene, const Asked& asked) {
   return cover(scene, asked) && cast_hard_shadows(scene, asked);
 }
-bool clip_it(SceneWishes& scene, const Asked& asked) {
-  scene.clip = asked.wishes.clip;
+bool clip_it(SceneSpec& scene, const Asked& asked) {
+  scene.clip = asked.scene_spec.clip;
   return scene.clip.has_value();
 }
-bool add_slices(SceneWishes& scene, const Asked& asked) {
+bool add_slices(SceneSpec& scene, const Asked& asked) {
   const std::size_t before = scene.layers.size();
-  for (const LayerWish& layer : asked.wishes.layers)
+  for (const LayerSpec& layer : asked.scene_spec.layers)
     if (layer.type == LayerType::slice) scene.layers.push_back(layer);
   return scene.layers.size() > before;
 }
-bool antialias(SceneWishes& scene, const Asked&) {
+bool antialias(SceneSpec& scene, const Asked&) {
   scene.image.antialias = 16;
   return true;
 }
-bool raise_fog(SceneWishes& scene, const Asked& asked) {
-  scene.effects.fog = asked.wishes.effects.fog.value_or(FogWish{});
+bool raise_fog(SceneSpec& scene, const Asked& asked) {
+  scene.effects.fog = asked.scene_spec.effects.fog.value_or(FogSpec{});
   return true;
 }
-bool clear_all(SceneWishes& scene, const Asked&) {
-  return change_surfaces(scene, [](LayerWish& layer) {
+bool clear_all(SceneSpec& scene, const Asked&) {
+  return change_surfaces(scene, [](LayerSpec& layer) {
     layer.opacity = 0.5;
     return true;
   });
 }
 
 /// The first isosurface alone.
-bool keep_one_shell(SceneWishes& scene, const Asked&) {
+bool keep_one_shell(SceneSpec& scene, const Asked&) {
   const auto first = std::find_if(scene.layers.begin(), scene.layers.end(),
-                                  [](const LayerWish& layer) { return layer.type == LayerType::isosurface; });
+                                  [](const LayerSpec& layer) { return layer.type == LayerType::isosurface; });
   if (first == scene.layers.end()) return false;
-  scene.layers = {LayerWish(*first)};
+  scene.layers = {LayerSpec(*first)};
   return true;
 }
 
 /// It and another one of the same field, by 2 % of the field's range inside it, or outside where the range ends.
-bool clear_two_shells(SceneWishes& scene, const Asked& asked) {
+bool clear_two_shells(SceneSpec& scene, const Asked& asked) {
   if (!keep_one_shell(scene, asked)) return false;
-  LayerWish& shell = scene.layers[0];
+  LayerSpec& shell = scene.layers[0];
   shell.opacity = 0.5;
   double isovalue = 0;
   read_value(shell.isovalues[0], isovalue);
   const Interval<double> range = asked.volume(shell.data).field().range;
   const double step = 0.02 * (range.hi - range.lo);
-  LayerWish other = shell;
+  LayerSpec other = shell;
   other.isovalues = {concat(isovalue + step < range.hi ? isovalue + step : isovalue - step)};
   scene.layers.push_back(other);
   return true;
 }
 
-bool show_all(SceneWishes& scene, const Asked& asked) {
-  scene = asked.wishes;
+bool show_all(SceneSpec& scene, const Asked& asked) {
+  scene = asked.scene_spec;
   return true;
 }
 
 /// A picture with one effect more than another one.
 struct EffectRow {
   const char* name;
-  const char* over;                                                 ///< the row that it is compared with
-  bool (*switch_on)(SceneWishes& plain_scene, const Asked& asked);  ///< false: the scene has nothing of it
+  const char* over;                                               ///< the row that it is compared with
+  bool (*switch_on)(SceneSpec& plain_scene, const Asked& asked);  ///< false: the scene has nothing of it
   double light_turns_by = 0;  ///< about the camera's upward axis, radians from frame to frame
 };
 
-constexpr EffectRow effect_rows_measured[] = {{plain, plain, [](SceneWishes&, const Asked&) { return true; }},
+constexpr EffectRow effect_rows_measured[] = {{plain, plain, [](SceneSpec&, const Asked&) { return true; }},
                                               {"all effects off", plain, add_what_is_off},
                                               {lit, plain, shed_key_light},
                                               {hard_shadows, lit, cast_hard_shadows},
@@ -209,13 +209,13 @@ constexpr EffectRow effect_rows_measured[] = {{plain, plain, [](SceneWishes&, co
                                               {"the scene as it is", plain, show_all}};
 
 /// Its layers in matte paint under a light at the eye; slices are left out.
-SceneWishes plain_scene(const SceneWishes& asked) {
-  SceneWishes scene{.data = asked.data};
+SceneSpec plain_scene(const SceneSpec& asked) {
+  SceneSpec scene{.data = asked.data};
   scene.camera = asked.camera;
   scene.image.size = asked.image.size, scene.image.background = asked.image.background;
-  for (const LayerWish& layer : asked.layers) {
+  for (const LayerSpec& layer : asked.layers) {
     if (layer.type == LayerType::slice) continue;
-    LayerWish matte{.type = layer.type, .data = layer.data, .isovalues = layer.isovalues};
+    LayerSpec matte{.type = layer.type, .data = layer.data, .isovalues = layer.isovalues};
     if (layer.type == LayerType::mip) matte.range = layer.range;
     matte.color = layer.color;
     matte.accuracy = layer.accuracy, matte.method = layer.method;
@@ -229,9 +229,9 @@ SceneWishes plain_scene(const SceneWishes& asked) {
 struct Measured {
   const EffectRow* row;
   std::size_t over = 0;  ///< index of the row that it is compared with
-  ScenePlan plan;
+  ResolvedScene plan;
   render::Framebuffer picture{};
-  render::FrameMemory memory{};
+  render::RenderContext memory{};
   render::FrameStatistics statistics{};
   std::vector<double> over_cpu_s{}, cpu_s{}, wall_s{};  ///< over_cpu_s: of the picture it is compared with, just before
 
@@ -263,16 +263,16 @@ double measure_after(Measured& over, Measured& measured) {
   return measured.wall_s.back();
 }
 
-SceneWishes wishes_of(const BenchOptions& options) {
-  SceneWishes wishes;
+SceneSpec spec_of(const BenchOptions& options) {
+  SceneSpec scene_spec;
   if (!is_scene_document(options.input)) {
-    wishes = {.data = std::vector<DataWish>(1), .layers = std::vector<LayerWish>(1)};
-    wishes.data[0].file = options.input, wishes.data[0].field = options.field;
-    LayerWish& layer = wishes.layers[0];
+    scene_spec = {.data = std::vector<DataSpec>(1), .layers = std::vector<LayerSpec>(1)};
+    scene_spec.data[0].file = options.input, scene_spec.data[0].field = options.field;
+    LayerSpec& layer = scene_spec.layers[0];
     layer.isovalues = options.isovalues;
     layer.normals = options.normals, layer.color_by = options.color_by;
-    if (options.mip) wishes.layers.push_back({.type = LayerType::mip});
-    wishes.camera.view = options.view;
+    if (options.mip) scene_spec.layers.push_back({.type = LayerType::mip});
+    scene_spec.camera.view = options.view;
   } else {
     for (const auto& [is_given, name] : {std::pair{options.isovalues != BenchOptions{}.isovalues, "--iso"},
                                          {!options.field.empty(), "--field"},
@@ -280,32 +280,32 @@ SceneWishes wishes_of(const BenchOptions& options) {
                                          {!options.color_by.empty(), "--color-by"},
                                          {options.mip, "--mip"}})
       if (is_given)
-        throw Error(Trouble::usage, concat(name, ": given beside the scene ", options.input.string(),
-                                           ", whose layers say what is shown"));
-    wishes = read_scene(options.input).wishes;
+        throw Error(ErrorCode::usage, concat(name, ": given beside the scene ", options.input.string(),
+                                             ", whose layers say what is shown"));
+    scene_spec = read_scene(options.input).scene_spec;
   }
   if (!options.accuracy.empty()) {
-    wishes.accuracy = options.accuracy;
-    for (LayerWish& layer : wishes.layers) layer.accuracy.clear(), layer.method.clear();
+    scene_spec.accuracy = options.accuracy;
+    for (LayerSpec& layer : scene_spec.layers) layer.accuracy.clear(), layer.method.clear();
   }
-  wishes.image.size = options.size;
-  wishes.image.channels = std::nullopt, wishes.image.show = std::nullopt;
-  return wishes;
+  scene_spec.image.size = options.size;
+  scene_spec.image.channels = std::nullopt, scene_spec.image.show = std::nullopt;
+  return scene_spec;
 }
 
 Asked asked_of(const BenchOptions& options) {
-  const SceneWishes wishes = wishes_of(options);
+  const SceneSpec scene_spec = spec_of(options);
   Asked asked;
-  asked.plan = plan_layers(wishes);
-  aim_camera(wishes, asked.plan);
-  asked.wishes = spelled_out(asked.plan);
+  asked.plan = resolve_layers(scene_spec);
+  aim_camera(scene_spec, asked.plan);
+  asked.scene_spec = to_spec(asked.plan);
   return asked;
 }
 
 /// Plans a scene with the files that are open already.
-ScenePlan planned(const SceneWishes& wishes, const Asked& asked, unsigned threads) {
-  ScenePlan plan = plan_layers(wishes, [&](const DataWish& data) { return asked.volume(data.name); });
-  aim_camera(wishes, plan);
+ResolvedScene planned(const SceneSpec& scene_spec, const Asked& asked, unsigned threads) {
+  ResolvedScene plan = resolve_layers(scene_spec, [&](const DataSpec& data) { return asked.volume(data.name); });
+  aim_camera(scene_spec, plan);
   plan.frame.threads = threads;
   return plan;
 }
@@ -313,7 +313,7 @@ ScenePlan planned(const SceneWishes& wishes, const Asked& asked, unsigned thread
 std::vector<Measured> rows_of(const Asked& asked, unsigned threads) {
   std::vector<Measured> rows;
   for (const EffectRow& row : effect_rows_measured) {
-    SceneWishes scene = plain_scene(asked.wishes);
+    SceneSpec scene = plain_scene(asked.scene_spec);
     if (!row.switch_on(scene, asked)) continue;
     rows.push_back({.row = &row, .plan = planned(scene, asked, threads)});
     rows.back().over = static_cast<std::size_t>(
@@ -337,7 +337,7 @@ std::vector<double> milliseconds(std::vector<double> seconds) {
 Json context_of(const BenchOptions& options, const Asked& asked) {
   Json json = bench_context(options);
   json["size"] = {options.size.width, options.size.height};
-  json["scene"] = scene_json(asked.wishes);
+  json["scene"] = scene_json(asked.scene_spec);
   return json;
 }
 
@@ -441,8 +441,8 @@ Table paper_table_1(std::vector<Measured>& rows, int repeat, const Json& context
 std::vector<Table> effects_tables(const BenchOptions& options, const Step& step) {
   const Asked asked = asked_of(options);
   if (!has_surface(asked))
-    throw Error(Trouble::invalid, concat(options.input.string(),
-                                         ": shows no surface, and table 'effects' measures what surfaces look like"));
+    throw Error(ErrorCode::invalid, concat(options.input.string(),
+                                           ": shows no surface, and table 'effects' measures what surfaces look like"));
   std::vector<Measured> rows = rows_of(asked, options.threads);
   interleaved(rows.size(), options.repeat, [&](std::size_t row) {
     step(rows[row].row->name);

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <fstream>
 
+#include "formats/base/error.h"
 #include "formats/base/pending_file.h"
-#include "formats/base/trouble.h"
 #include "formats/packed_file.h"
 #include "tools/rhoray/bench_parts.h"
 #include "tools/rhoray/cpu_meter.h"
@@ -14,7 +14,7 @@
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/pack_any.h"
 #include "tools/rhoray/picture_hash.h"
-#include "tools/rhoray/scene/plan.h"
+#include "tools/rhoray/scene/resolve.h"
 #include "tools/rhoray/version.h"
 #include "tools/rhoray/views.h"
 
@@ -37,9 +37,9 @@ Json picture_context(const BenchOptions& options, const render::Volume& volume) 
 /// A picture that is traced again and again in memory that is kept, and what came out last.
 struct Shot {
   std::string scene;
-  ScenePlan plan;
+  ResolvedScene plan;
   render::Framebuffer picture{};
-  render::FrameMemory memory{};
+  render::RenderContext memory{};
   render::FrameStatistics statistics{};
 
   double trace(const render::Volume& volume) {
@@ -49,32 +49,32 @@ struct Shot {
   Shot another() const { return {.scene = scene, .plan = plan}; }
 };
 
-ScenePlan plan_of(const SceneWishes& wishes, const render::Volume& volume) {
-  ScenePlan plan = plan_layers(wishes, [&](const DataWish&) { return volume; });
-  aim_camera(wishes, plan);
+ResolvedScene plan_of(const SceneSpec& scene_spec, const render::Volume& volume) {
+  ResolvedScene plan = resolve_layers(scene_spec, [&](const DataSpec&) { return volume; });
+  aim_camera(scene_spec, plan);
   return plan;
 }
 
 std::vector<Shot> shots(const BenchOptions& options, const render::Volume& volume) {
   std::vector<Shot> list;
-  SceneWishes wishes{.data = std::vector<DataWish>(1), .layers = std::vector<LayerWish>(1)};
-  wishes.image.size = options.size;
-  wishes.accuracy = options.accuracy;
-  wishes.camera.view = options.view;
-  wishes.layers[0].normals = options.normals;
-  wishes.layers[0].color_by = options.color_by;
+  SceneSpec scene_spec{.data = std::vector<DataSpec>(1), .layers = std::vector<LayerSpec>(1)};
+  scene_spec.image.size = options.size;
+  scene_spec.accuracy = options.accuracy;
+  scene_spec.camera.view = options.view;
+  scene_spec.layers[0].normals = options.normals;
+  scene_spec.layers[0].color_by = options.color_by;
   const auto add = [&](const std::string& scene) {
-    Shot shot{.scene = scene, .plan = plan_of(wishes, volume)};
+    Shot shot{.scene = scene, .plan = plan_of(scene_spec, volume)};
     shot.plan.frame.threads = options.threads;
     if (scene.empty()) shot.scene = concat("iso ", shot.plan.scene.layers[0].isovalue);
     list.push_back(std::move(shot));
   };
   for (const std::string& isovalue : options.isovalues) {
-    wishes.layers[0].isovalues = {isovalue};
+    scene_spec.layers[0].isovalues = {isovalue};
     add({});
   }
   if (options.mip) {
-    wishes.layers[0].type = LayerType::mip;
+    scene_spec.layers[0].type = LayerType::mip;
     add("mip");
   }
   return list;

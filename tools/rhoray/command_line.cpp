@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <new>
 
+#include "formats/base/error.h"
 #include "formats/base/floating_point.h"
 #include "formats/base/mapped_file.h"
 #include "formats/base/nearest_name.h"
-#include "formats/base/trouble.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/version.h"
 
@@ -86,10 +86,10 @@ std::vector<std::string> long_names(const Subcommand& subcommand) {
     if (extra.starts_with("-")) {
       const std::string name = extra.substr(0, extra.find('='));
       const std::string hint = did_you_mean(name, long_names(subcommand));
-      throw Error(Trouble::usage, concat("unknown option ", name),
+      throw Error(ErrorCode::usage, concat("unknown option ", name),
                   hint.empty() ? concat("`rhoray ", subcommand.name, " --help` lists the options") : hint);
     }
-  throw Error(Trouble::usage, concat("unexpected argument '", extras.front(), "'"),
+  throw Error(ErrorCode::usage, concat("unexpected argument '", extras.front(), "'"),
               concat("`rhoray ", subcommand.name, " --help` shows what is expected"));
 }
 
@@ -109,13 +109,12 @@ void take_values(const Subcommand& subcommand, std::span<CLI::Option* const> add
     const Option& row = subcommand.options[i];
     const bool positional = row.kind == Option::Kind::file || row.kind == Option::Kind::files;
     if (positional && added[i]->count() == 0)
-      throw Error(Trouble::usage, concat("no ", row.names, " given"),
+      throw Error(ErrorCode::usage, concat("no ", row.names, " given"),
                   concat("`rhoray ", subcommand.name, " --help` ends with an example"));
     for (const std::string& text : added[i]->results()) try {
         row.take(takes_no_value(row) ? std::string{} : text);
       } catch (const Error& error) {
-        throw Error(error.trouble(), concat(row.names.substr(row.names.find(',') + 1), ": ", error.what()),
-                    error.hint());
+        throw Error(error.code(), concat(row.names.substr(row.names.find(',') + 1), ": ", error.what()), error.hint());
       }
   }
 }
@@ -133,7 +132,7 @@ int run_subcommand(const Subcommand& subcommand, int argc, const char* const* ar
     std::fputs(app.help().c_str(), stdout);
     return 0;
   } catch (const CLI::ParseError& error) {
-    throw Error(Trouble::usage, first_line(error.what()));
+    throw Error(ErrorCode::usage, first_line(error.what()));
   }
   if (!app.remaining().empty()) refuse_extra(subcommand, app.remaining());
   if (answers(subcommand, added)) return 0;
@@ -148,7 +147,7 @@ const Subcommand& choose(std::span<const Subcommand> subcommands, const std::str
     names.push_back(each.name);
   }
   const std::string hint = did_you_mean(word, names);
-  throw Error(Trouble::usage, concat(word.starts_with("-") ? "unknown option " : "no subcommand ", word),
+  throw Error(ErrorCode::usage, concat(word.starts_with("-") ? "unknown option " : "no subcommand ", word),
               hint.empty() ? "`rhoray --help` lists the subcommands" : hint);
 }
 
@@ -163,19 +162,19 @@ std::string error_lines(const std::string& place, const std::string& fact, const
 int run_command_line(std::span<const Subcommand> subcommands, int argc, const char* const* argv) {
   const DefaultFloatingPoint default_floating_point;  // a library that was loaded may have set another
   std::string place = "rhoray";
-  const auto fail = [&](Trouble trouble, const std::string& fact, const std::string& hint = {}) {
+  const auto fail = [&](ErrorCode error_code, const std::string& fact, const std::string& hint = {}) {
     try {
       require_no_lost_bytes();  // the reason for whatever came of it
     } catch (const Error& loss) {
       std::fputs(error_lines(place, loss.what(), loss.hint()).c_str(), stderr);
-      return static_cast<int>(loss.trouble());
+      return static_cast<int>(loss.code());
     }
     std::fputs(error_lines(place, fact, hint).c_str(), stderr);
-    return trouble == Trouble::interrupted ? interrupted_exit_code() : static_cast<int>(trouble);
+    return error_code == ErrorCode::interrupted ? interrupted_exit_code() : static_cast<int>(error_code);
   };
   try {
     const std::string word = argc > 1 ? argv[1] : "";
-    if (word.empty()) return fail(Trouble::usage, "no subcommand given", "`rhoray --help` lists them");
+    if (word.empty()) return fail(ErrorCode::usage, "no subcommand given", "`rhoray --help` lists them");
     // That standard output takes them is seen at its end (standard_streams.h).
     if (word == "--help" || word == "-h") return std::fputs(overview(subcommands).c_str(), stdout), 0;
     if (word == "--version") return std::puts(version_line().c_str()), 0;
@@ -185,11 +184,11 @@ int run_command_line(std::span<const Subcommand> subcommands, int argc, const ch
     require_no_lost_bytes();
     return exit_code;
   } catch (const Error& error) {
-    return fail(error.trouble(), error.what(), error.hint());
+    return fail(error.code(), error.what(), error.hint());
   } catch (const std::bad_alloc&) {
-    return fail(Trouble::resource, "out of memory");
+    return fail(ErrorCode::resource, "out of memory");
   } catch (const std::exception& error) {
-    return fail(Trouble::internal, concat("internal error: ", error.what()));
+    return fail(ErrorCode::internal, concat("internal error: ", error.what()));
   }
 }
 

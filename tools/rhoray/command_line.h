@@ -21,7 +21,7 @@ struct Option {
   std::string names;  ///< "-o,--output", or "FILE" for a positional argument
   std::string value;  ///< what stands for the value in the help: "WxH"
   std::string help;
-  std::function<void(const std::string&)> take;  ///< refuses with an Error (Trouble::usage); see option_values.h
+  std::function<void(const std::string&)> take;  ///< refuses with an Error (ErrorCode::usage); see option_values.h
 };
 
 struct Subcommand {

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <string_view>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::tools {
 
@@ -56,13 +56,13 @@ void require_writable(const CommonOptions& common, const std::filesystem::path& 
   std::error_code ignored;
   const std::filesystem::path folder = output.has_parent_path() ? output.parent_path() : std::filesystem::path(".");
   if (!std::filesystem::is_directory(folder, ignored))
-    throw Error(Trouble::usage, concat(name, ": there is no folder ", folder.string()), "make the folder first");
+    throw Error(ErrorCode::usage, concat(name, ": there is no folder ", folder.string()), "make the folder first");
   if (std::filesystem::is_directory(output, ignored))
-    throw Error(Trouble::usage, concat(name, ": is a folder; expected the name of a file to write"));
+    throw Error(ErrorCode::usage, concat(name, ": is a folder; expected the name of a file to write"));
   if (std::filesystem::equivalent(output, input, ignored))
-    throw Error(Trouble::usage, concat(name, ": is the input; expected another name"));
+    throw Error(ErrorCode::usage, concat(name, ": is the input; expected another name"));
   if (std::filesystem::exists(output, ignored) && !common.force)
-    throw Error(Trouble::usage, concat(name, ": is there already"), "--force replaces it");
+    throw Error(ErrorCode::usage, concat(name, ": is there already"), "--force replaces it");
 }
 
 std::string shell_line(const std::vector<std::string>& words) {

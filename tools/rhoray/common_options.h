@@ -44,7 +44,7 @@ void say(const CommonOptions& common, const std::string& line);
 void tell(const CommonOptions& common, const std::string& line);
 
 /// Refuses an output that could not be written at the end of the work: the folder is missing, the name is a folder's, a
-/// file is there and --force is not given, or it is the input (Trouble::usage).
+/// file is there and --force is not given, or it is the input (ErrorCode::usage).
 void require_writable(const CommonOptions& common, const std::filesystem::path& output,
                       const std::filesystem::path& input);
 

@@ -2,7 +2,7 @@
 #include <memory>
 #include <optional>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tools/analysis/picture_difference.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/measure.h"
@@ -23,13 +23,13 @@ struct CompareCommand {
 
 void check(const CompareCommand& command) {
   if (command.files.size() != 2)
-    throw Error(Trouble::usage, concat("found ", command.files.size(), " pictures; expected two"),
+    throw Error(ErrorCode::usage, concat("found ", command.files.size(), " pictures; expected two"),
                 "rhoray compare a.png b.png");
   if (command.limit && !(*command.limit >= 0))
-    throw Error(Trouble::usage, concat("--fail: found ", *command.limit, "; expected 0 or more"));
+    throw Error(ErrorCode::usage, concat("--fail: found ", *command.limit, "; expected 0 or more"));
   if (command.share && !(*command.share >= 0 && *command.share <= 1))
-    throw Error(Trouble::usage, concat("--fail-share: found ", *command.share, "; expected 0 to 1"));
-  if (command.share && !command.limit) throw Error(Trouble::usage, "--fail-share: means something only with --fail");
+    throw Error(ErrorCode::usage, concat("--fail-share: found ", *command.share, "; expected 0 to 1"));
+  if (command.share && !command.limit) throw Error(ErrorCode::usage, "--fail-share: means something only with --fail");
   if (command.map.empty()) return;
   require_picture_format(command.map, {});
   for (const std::filesystem::path& file : command.files) require_writable(command.common, command.map, file);
@@ -92,8 +92,9 @@ int run(const CompareCommand& command) {
   if (!command.limit) return 0;
   const std::uint64_t beyond = difference.beyond(*command.limit);
   if (share_of(beyond, difference) > command.share.value_or(0))
-    throw Error(Trouble::outside_limit, concat(command.files[1].string(), ": ", beyond, " pixels differ by more than ",
-                                               rounded(*command.limit), " from ", command.files[0].string()));
+    throw Error(ErrorCode::outside_limit,
+                concat(command.files[1].string(), ": ", beyond, " pixels differ by more than ", rounded(*command.limit),
+                       " from ", command.files[0].string()));
   return 0;
 }
 

@@ -1,7 +1,7 @@
 #include "tools/rhoray/data_choice.h"
 
+#include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
-#include "formats/base/trouble.h"
 #include "formats/color_grid.h"
 #include "formats/shape_field.h"
 #include "preprocess/import_mesh.h"
@@ -23,14 +23,14 @@ std::string range_text(const formats::FieldSummary& field) {
 }  // namespace
 
 Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& field) {
-  if (field.range.is_empty()) throw Error(Trouble::invalid, concat("field '", field.name, "' holds no finite value"));
+  if (field.range.is_empty()) throw Error(ErrorCode::invalid, concat("field '", field.name, "' holds no finite value"));
   if (text == "auto" && field.name == formats::boundary_distance && field.range.hi > 0)
     return {formats::shape_share_of_distance * field.range.hi, "a ten-thousandth of the largest distance"};
   if (text == "auto") {
     const std::optional<double> threshold = formats::otsu_threshold(field);
     if (!threshold)
-      throw Error(Trouble::usage, concat("field '", field.name, "' has the value ", field.range.lo,
-                                         " everywhere: no isovalue parts it"));
+      throw Error(ErrorCode::usage, concat("field '", field.name, "' has the value ", field.range.lo,
+                                           " everywhere: no isovalue parts it"));
     return {*threshold, "Otsu's threshold"};
   }
   const bool is_percentile = text.starts_with("p");
@@ -38,7 +38,7 @@ Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& f
   try {
     read_value(is_percentile ? text.substr(1) : text, value);
   } catch (const Error&) {
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat("--iso: found '", text, "'; expected a number, a percentile such as p95, or auto"));
   }
   if (is_percentile) {
@@ -46,7 +46,7 @@ Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& f
     return {formats::percentile(field, value / 100), concat("percentile ", value)};
   }
   if (!field.range.contains(value))
-    throw Error(Trouble::usage, concat("isovalue ", value, " is outside the range ", range_text(field)),
+    throw Error(ErrorCode::usage, concat("isovalue ", value, " is outside the range ", range_text(field)),
                 "auto takes one from the histogram");
   return {value, "given"};
 }
@@ -85,23 +85,23 @@ render::Volume load_shown(const std::filesystem::path& path, const std::string& 
   if (preprocess::is_vdb(path)) return render::Volume::load(preprocess::open_vdb(path, field));
   if (!formats::PackedFile::looks_packed(path) && preprocess::foreign_kind(path) != preprocess::ForeignKind::unknown) {
     const std::filesystem::path packed = std::filesystem::path(path.filename()).replace_extension(".rho");
-    throw Error(Trouble::invalid, concat(path.string(), ": is not a packed file"),
+    throw Error(ErrorCode::invalid, concat(path.string(), ": is not a packed file"),
                 concat("pack it first: ", shell_line({"rhoray", "pack", path.string(), "-o", packed.string()})));
   }
   if (field.empty()) return load_field_that_varies(path);
   try {
     return render::Volume::load(path, field);
   } catch (const Error& error) {
-    if (error.trouble() != Trouble::usage) throw;
+    if (error.code() != ErrorCode::usage) throw;
     const std::string hint = did_you_mean(field, render::Volume::load(path).field_names());
-    throw Error(error.trouble(), error.what(), hint.empty() ? error.hint() : hint);
+    throw Error(error.code(), error.what(), hint.empty() ? error.hint() : hint);
   }
 }
 
 render::Volume load_volume(const std::filesystem::path& path, const std::string& field) {
   const render::Volume volume = load_shown(path, field);
   if (volume.is_surface())
-    throw Error(Trouble::invalid, concat(path.string(), ": holds a surface; expected a grid or a mesh with fields"),
+    throw Error(ErrorCode::invalid, concat(path.string(), ": holds a surface; expected a grid or a mesh with fields"),
                 concat("look at it: rhoray render ", path.string()));
   return volume;
 }
@@ -109,7 +109,7 @@ render::Volume load_volume(const std::filesystem::path& path, const std::string&
 render::Texture load_texture(const std::filesystem::path& path) {
   require_input(path);
   const auto refuse = [&](const std::string& found) {
-    throw Error(Trouble::invalid, concat(path.string(), ": ", found, "; expected a packed file of colours"),
+    throw Error(ErrorCode::invalid, concat(path.string(), ": ", found, "; expected a packed file of colours"),
                 "rhoray pack --color makes it of a folder of pictures, .nrrd, .mha or .vti");
   };
   if (!formats::PackedFile::looks_packed(path)) refuse("is not a packed file");

@@ -11,7 +11,7 @@ namespace rhoray::tools {
 // What is shown of a file about which little is said.
 
 /// The isovalue that `text` stands for, and where it came from: "given", "percentile 95", "Otsu's threshold". Refuses
-/// one outside the field's range and percentages outside [0, 100] (Trouble::usage).
+/// one outside the field's range and percentages outside [0, 100] (ErrorCode::usage).
 struct Isovalue {
   double value = 0;
   std::string from;
@@ -26,10 +26,10 @@ bool is_outside(const std::string& isovalue, const formats::FieldSummary& field)
 /// the first when all are.
 render::Volume load_shown(const std::filesystem::path& path, const std::string& field);
 
-/// As above; refuses a surface, which has no fields (Trouble::invalid).
+/// As above; refuses a surface, which has no fields (ErrorCode::invalid).
 render::Volume load_volume(const std::filesystem::path& path, const std::string& field);
 
-/// Opens a packed file of colours; refuses others with the way to pack colours (Trouble::invalid).
+/// Opens a packed file of colours; refuses others with the way to pack colours (ErrorCode::invalid).
 render::Texture load_texture(const std::filesystem::path& path);
 
 }  // namespace rhoray::tools

@@ -1,7 +1,7 @@
 #include <cstdio>
 
+#include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
-#include "formats/base/trouble.h"
 #include "formats/brick_grid.h"
 #include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
@@ -49,7 +49,7 @@ const Format& format_of(const std::filesystem::path& output) {
     known.emplace_back(format.extension);
     list += concat(list.empty() ? "" : ", ", format.extension);
   }
-  throw Error(Trouble::usage, concat(output.string(), ": found extension '", extension, "'; expected one of ", list),
+  throw Error(ErrorCode::usage, concat(output.string(), ": found extension '", extension, "'; expected one of ", list),
               did_you_mean(extension, known));
 }
 
@@ -62,11 +62,11 @@ struct Content {
 Content content_of(const std::filesystem::path& input) {
   require_input(input);
   if (!formats::PackedFile::looks_packed(input))
-    throw Error(Trouble::invalid, concat(input.string(), ": is not a packed file"),
+    throw Error(ErrorCode::invalid, concat(input.string(), ": is not a packed file"),
                 concat("pack it first: ", shell_line({"rhoray", "pack", input.string()})));
   const formats::PackedFile file = formats::PackedFile::open(input);
   if (file.description().kind == formats::SurfaceMesh::kind)
-    throw Error(Trouble::unsupported, concat(input.string(), ": holds a surface; expected a grid or a mesh"),
+    throw Error(ErrorCode::unsupported, concat(input.string(), ": holds a surface; expected a grid or a mesh"),
                 "the lines of numpy in formats/SPEC.md read its points and triangles");
   if (file.description().kind == "tets") return {true, formats::TetMesh(file).description().fields};
   return {false, formats::BrickGrid(file).description().fields};
@@ -74,18 +74,18 @@ Content content_of(const std::filesystem::path& input) {
 
 void check(const ExportCommand& command, const Format& format, const Content& content) {
   if (!(content.is_mesh ? format.for_tets : format.for_grids))
-    throw Error(Trouble::unsupported,
+    throw Error(ErrorCode::unsupported,
                 concat(command.input.string(), ": is a ", content.is_mesh ? "mesh" : "grid", ", and ", format.extension,
                        " holds ", content.is_mesh ? "grids" : "meshes"),
                 format.other);
   const bool is_stl = std::string_view(format.extension) == ".stl";
   if (!is_stl && !command.isovalue.empty())
-    throw Error(Trouble::usage, concat("--iso: is for .stl, and the output is ", format.extension));
+    throw Error(ErrorCode::usage, concat("--iso: is for .stl, and the output is ", format.extension));
   if (is_stl && !content.is_mesh && command.isovalue.empty())
-    throw Error(Trouble::usage, "--iso: missing; an STL file of a grid holds an isosurface",
+    throw Error(ErrorCode::usage, "--iso: missing; an STL file of a grid holds an isosurface",
                 "--iso 500, --iso p95 or --iso auto");
   if (content.is_mesh && !is_stl && !command.field.empty())
-    throw Error(Trouble::usage, concat("--field: ", format.extension, " holds all fields"));
+    throw Error(ErrorCode::usage, concat("--field: ", format.extension, " holds all fields"));
 }
 
 std::optional<double> chosen_isovalue(const ExportCommand& command, const Content& content) {
@@ -100,7 +100,7 @@ std::optional<double> chosen_isovalue(const ExportCommand& command, const Conten
     }
     names.push_back(field.name);
   }
-  throw Error(Trouble::usage, concat(command.input.string(), ": no field '", command.field, "'"),
+  throw Error(ErrorCode::usage, concat(command.input.string(), ": no field '", command.field, "'"),
               did_you_mean(command.field, names));
 }
 
@@ -123,7 +123,7 @@ preprocess::ExportReport write(const ExportCommand& command, const Content& cont
 int run(ExportCommand& command) {
   const Stopwatch watch;
   const std::filesystem::path output = command.common.output;
-  if (output.empty()) throw Error(Trouble::usage, "-o: missing; the extension of the output says what to write");
+  if (output.empty()) throw Error(ErrorCode::usage, "-o: missing; the extension of the output says what to write");
   const Format& format = format_of(output);
   const Content content = content_of(command.input);
   check(command, format, content);

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
 #include "preprocess/open_vdb.h"
@@ -171,7 +171,7 @@ Json foreign_info(const std::filesystem::path& path, std::uint64_t memory_limit_
       break;
   }
   const std::string advice = preprocess::advice_on(path);
-  throw Error(Trouble::unsupported, concat(path.string(), ": found a file of a kind that is not known here"),
+  throw Error(ErrorCode::unsupported, concat(path.string(), ": found a file of a kind that is not known here"),
               !advice.empty()
                   ? advice
                   : concat("readable: .rho; volumes ", preprocess::extensions_of(preprocess::ForeignKind::volume),

@@ -9,7 +9,7 @@
 namespace rhoray::tools {
 
 /// What a foreign volume, mesh or surface holds: read whole, in a process of its own. Refuses a file of a kind that
-/// cannot be read (Trouble::unsupported).
+/// cannot be read (ErrorCode::unsupported).
 /// @param memory_limit_bytes  of the reading process; 0 = none
 /// @param with_findings       also look for what may be wrong with it (preprocess/inspect_mesh.h)
 Json foreign_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings = false);

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/parallel.h"
-#include "formats/base/trouble.h"
 #include "preprocess/import_mesh.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/input_file.h"
@@ -32,10 +32,10 @@ void check(const ImportCommand& command, const std::filesystem::path& output) {
   require_input(command.input);
   if (preprocess::foreign_kind(command.input) != preprocess::ForeignKind::mesh)
     throw Error(
-        Trouble::invalid, concat(name, ": is not a mesh of volume cells; expected one, such as .vtu or .vtk"),
+        ErrorCode::invalid, concat(name, ": is not a mesh of volume cells; expected one, such as .vtu or .vtk"),
         formats::PackedFile::looks_packed(command.input) ? concat("look into it: rhoray info ", name) : std::string{});
   if (output.extension() != ".vtu")
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat(output.string(), ": found extension '", output.extension().string(), "'; expected .vtu"));
   require_writable(command.common, output, command.input);
 }
@@ -48,7 +48,7 @@ void keep_fields(preprocess::NeutralMesh& mesh, const ImportCommand& command) {
     for (const preprocess::NeutralField& field : *fields) names.push_back(field.name);
   for (const std::string& asked : command.fields)
     if (std::find(names.begin(), names.end(), asked) == names.end())
-      throw Error(Trouble::usage, concat(command.input.string(), ": no field \"", asked, "\""),
+      throw Error(ErrorCode::usage, concat(command.input.string(), ": no field \"", asked, "\""),
                   did_you_mean(asked, names));
   std::string left_out;
   for (auto* fields : {&mesh.point_fields, &mesh.cell_fields})
@@ -93,7 +93,7 @@ void report(const ImportCommand& command, const preprocess::NeutralMesh& mesh, c
 int run(const ImportCommand& command) {
   const Stopwatch watch;
   const std::filesystem::path& output = command.common.output;
-  if (output.empty()) throw Error(Trouble::usage, "-o: no output given; expected a file name ending in .vtu");
+  if (output.empty()) throw Error(ErrorCode::usage, "-o: no output given; expected a file name ending in .vtu");
   check(command, output);
   const ThreadLimit limit(command.common.threads);
   preprocess::NeutralMesh mesh;

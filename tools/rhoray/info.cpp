@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "formats/brick_grid.h"
 #include "formats/color_grid.h"
 #include "formats/intact.h"
@@ -271,7 +271,7 @@ int run(const InfoOptions& options) {
         std::fputs(info_text(json).c_str(), stdout);
     } catch (const Error& error) {
       std::fputs(error_lines("rhoray info", error.what(), error.hint()).c_str(), stderr);
-      result = std::max(result, static_cast<int>(error.trouble()));
+      result = std::max(result, static_cast<int>(error.code()));
     }
   }
   return result;

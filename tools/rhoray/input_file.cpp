@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/regular_file.h"
-#include "formats/base/trouble.h"
 #include "preprocess/import_mesh.h"
 
 namespace rhoray::tools {
@@ -30,21 +30,21 @@ std::vector<std::string> names_in(const std::filesystem::path& folder) {
 
 void require_input(const std::filesystem::path& path) {
   const std::string name = path.string();
-  std::error_code trouble;
-  const std::filesystem::file_status status = std::filesystem::status(path, trouble);
+  std::error_code error_code;
+  const std::filesystem::file_status status = std::filesystem::status(path, error_code);
   if (!std::filesystem::exists(status)) {
     const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-    if (!std::filesystem::is_directory(folder, trouble))
-      throw Error(Trouble::unreadable, concat(name, ": no such file, and no folder ", folder.string()));
-    throw Error(Trouble::unreadable, concat(name, ": no such file"),
+    if (!std::filesystem::is_directory(folder, error_code))
+      throw Error(ErrorCode::unreadable, concat(name, ": no such file, and no folder ", folder.string()));
+    throw Error(ErrorCode::unreadable, concat(name, ": no such file"),
                 did_you_mean(path.filename().string(), names_in(folder)));
   }
   if (!std::filesystem::is_directory(status)) require_regular_file(path);
   if (std::filesystem::is_directory(status) && preprocess::foreign_kind(path) == preprocess::ForeignKind::unknown)
-    throw Error(Trouble::unreadable,
+    throw Error(ErrorCode::unreadable,
                 concat(name, ": is a folder; expected a file, or a folder of DICOM images or of pictures"));
   if (::access(path.c_str(), R_OK) != 0)
-    throw Error(Trouble::unreadable, concat(name, ": cannot be read (", std::strerror(errno), ")"));
+    throw Error(ErrorCode::unreadable, concat(name, ": cannot be read (", std::strerror(errno), ")"));
 }
 
 std::uintmax_t input_bytes(const std::filesystem::path& path) {

@@ -5,8 +5,8 @@
 
 namespace rhoray::tools {
 
-/// Refuses a path that is not a readable file, nor a folder that is read as one volume (Trouble::unreadable), with the
-/// nearest name in its folder. A pipe or a device is no file: reading it might never end.
+/// Refuses a path that is not a readable file, nor a folder that is read as one volume (ErrorCode::unreadable), with
+/// the nearest name in its folder. A pipe or a device is no file: reading it might never end.
 void require_input(const std::filesystem::path& path);
 
 /// Bytes of a file, or of all files that stand in a folder.

@@ -19,9 +19,9 @@
 #include <vector>
 
 #include "formats/base/checks.h"
+#include "formats/base/error.h"
 #include "formats/base/mapped_file.h"
 #include "formats/base/pending_file.h"
-#include "formats/base/trouble.h"
 
 namespace rhoray::tools {
 
@@ -119,7 +119,7 @@ void remove_scratch() {
 }
 
 [[noreturn]] void end_for_lost_bytes(const std::string& fact) {
-  end_program(static_cast<int>(Trouble::invalid), concat("rhoray: ", fact, "\n"));
+  end_program(static_cast<int>(ErrorCode::invalid), concat("rhoray: ", fact, "\n"));
 }
 
 /// Ends the program when bytes were lost and nobody was told yet.
@@ -224,7 +224,7 @@ void survive_lost_bytes() {
 
 int interrupted_exit_code() {
   const int signal = ending_signal.load();
-  return signal == 0 ? static_cast<int>(Trouble::interrupted) : signal_base + signal;
+  return signal == 0 ? static_cast<int>(ErrorCode::interrupted) : signal_base + signal;
 }
 
 bool has_lost_its_reader() {
@@ -254,7 +254,7 @@ ScratchFolder::ScratchFolder(const std::filesystem::path& inside) {
     path_ = name;
     lock_ = open_and_lock(path_);
   }
-  if (lock_ < 0) throw Error(Trouble::resource, concat(inside.string(), ": no folder can be made here"));
+  if (lock_ < 0) throw Error(ErrorCode::resource, concat(inside.string(), ": no folder can be made here"));
   scratch = path_;
 }
 

@@ -18,8 +18,8 @@ void end_cleanly_on_interrupt();
 /// Faults elsewhere keep their default action. Call it after end_cleanly_on_interrupt.
 void survive_lost_bytes();
 
-/// What an error of Trouble::interrupted ends the program with: as end_cleanly_on_interrupt says of the signal that has
-/// come; 130 where none has.
+/// What an error of ErrorCode::interrupted ends the program with: as end_cleanly_on_interrupt says of the signal that
+/// has come; 130 where none has.
 int interrupted_exit_code();
 
 /// True when a write to a pipe failed because nobody reads it any more.

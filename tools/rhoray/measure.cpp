@@ -10,8 +10,8 @@
 #include <fstream>
 
 #include "formats/base/checks.h"
+#include "formats/base/error.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
 
 namespace rhoray::tools {
 
@@ -46,7 +46,7 @@ std::uint64_t anonymous_bytes() {
   std::ifstream lines("/proc/self/status");
   for (std::string line; std::getline(lines, line);)
     if (line.starts_with(name)) return std::stoull(line.substr(name.size())) * 1024;  // in kB
-  throw Error(Trouble::unsupported,
+  throw Error(ErrorCode::unsupported,
               "/proc/self/status: no line 'RssAnon'; this system does not tell what memory is used");
 }
 

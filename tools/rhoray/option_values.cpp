@@ -8,23 +8,23 @@
 #include <limits>
 #include <utility>
 
+#include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
-#include "formats/base/trouble.h"
 
 namespace rhoray::tools {
 
 namespace {
 
 [[noreturn]] void refuse(const std::string& text, std::string_view expected, const std::string& hint = {}) {
-  throw Error(Trouble::usage, concat("found '", text, "'; expected ", expected), hint);
+  throw Error(ErrorCode::usage, concat("found '", text, "'; expected ", expected), hint);
 }
 
 /// The number that fills the whole text, or nothing.
 template <class T>
 std::optional<T> whole_number(std::string_view text) {
   T value{};
-  const auto [end, trouble] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (trouble != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  const auto [end, error_code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error_code != std::errc{} || end != text.data() + text.size()) return std::nullopt;
   return value;
 }
 
@@ -72,8 +72,8 @@ double linear_from_srgb(double encoded) {
 
 std::optional<double> srgb_byte(std::string_view two_digits) {
   unsigned value = 0;
-  const auto [end, trouble] = std::from_chars(two_digits.data(), two_digits.data() + 2, value, 16);
-  if (trouble != std::errc{} || end != two_digits.data() + 2) return std::nullopt;
+  const auto [end, error_code] = std::from_chars(two_digits.data(), two_digits.data() + 2, value, 16);
+  if (error_code != std::errc{} || end != two_digits.data() + 2) return std::nullopt;
   return linear_from_srgb(value / 255.0);
 }
 
@@ -238,7 +238,7 @@ Option files_option(std::string name, std::string help, std::vector<std::filesys
 
 void require_within(const std::string& option, double value, double lo, double hi) {
   if (!(value >= lo && value <= hi))
-    throw Error(Trouble::usage, concat(option, ": found ", value, "; expected a number from ", lo, " to ", hi));
+    throw Error(ErrorCode::usage, concat(option, ": found ", value, "; expected a number from ", lo, " to ", hi));
 }
 
 }  // namespace rhoray::tools

@@ -29,7 +29,7 @@ struct ByteCount {
   std::uint64_t bytes = 0;
 };
 
-// What an option's text means. All refuse with Trouble::usage, saying what was found and what is expected.
+// What an option's text means. All refuse with ErrorCode::usage, saying what was found and what is expected.
 // Numbers are finite and take the whole text.
 void read_value(const std::string& text, std::string& out);
 void read_value(const std::string& text, std::filesystem::path& out);
@@ -73,7 +73,7 @@ Option answer_option(std::string names, std::string help, std::string (*text)())
 Option file_option(std::string name, std::string help, std::filesystem::path& out);
 Option files_option(std::string name, std::string help, std::vector<std::filesystem::path>& out);
 
-/// Refuses a number outside [lo, hi] by name (Trouble::usage).
+/// Refuses a number outside [lo, hi] by name (ErrorCode::usage).
 void require_within(const std::string& option, double value, double lo, double hi);
 
 }  // namespace rhoray::tools

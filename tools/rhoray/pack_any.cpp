@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "formats/base/bytes.h"
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "formats/packed_file.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
@@ -31,7 +31,7 @@ bool is_surface(const PackOptions& options) {
 void check_kind(const PackOptions& options) {
   const std::string name = options.input.string();
   if (formats::PackedFile::looks_packed(options.input))
-    throw Error(Trouble::invalid, concat(name, ": is a packed file already"),
+    throw Error(ErrorCode::invalid, concat(name, ": is a packed file already"),
                 concat("look into it: rhoray info ", name));
   switch (preprocess::foreign_kind(options.input)) {
     case preprocess::ForeignKind::volume:
@@ -42,7 +42,7 @@ void check_kind(const PackOptions& options) {
       break;
   }
   const std::string advice = preprocess::advice_on(options.input);
-  throw Error(Trouble::invalid,
+  throw Error(ErrorCode::invalid,
               concat(name, ": found a file of a kind that is not known here; expected a volume (",
                      preprocess::extensions_of(preprocess::ForeignKind::volume), "), a mesh (",
                      preprocess::extensions_of(preprocess::ForeignKind::mesh), ") or a surface (",
@@ -54,15 +54,15 @@ void check_kind(const PackOptions& options) {
 void check_color_options(const PackOptions& options) {
   const PackOptions defaults;
   if (!is_volume(options))
-    throw Error(Trouble::usage, concat("--color: is for volumes of colours, and ", options.input.string(), " is a ",
-                                       is_surface(options) ? "surface" : "mesh"));
+    throw Error(ErrorCode::usage, concat("--color: is for volumes of colours, and ", options.input.string(), " is a ",
+                                         is_surface(options) ? "surface" : "mesh"));
   for (const auto& [given, name] : {std::pair{!options.raw.empty(), "--raw"},
                                     {options.type.has_value(), "--type"},
                                     {options.layout == "sparse", "--layout sparse"},
                                     {options.levels != defaults.levels, "--levels"},
                                     {options.factor != defaults.factor, "--factor"},
                                     {options.fields.size() > 1, "--field with several names"}})
-    if (given) throw Error(Trouble::usage, concat(name, ": is for values, and --color asks for colours"));
+    if (given) throw Error(ErrorCode::usage, concat(name, ": is for values, and --color asks for colours"));
 }
 
 /// An option that belongs to the other kind would be passed over in silence.
@@ -83,19 +83,19 @@ void check_options(const PackOptions& options) {
   if (options.color) check_color_options(options);
   for (const Row& row : rows)
     if (row.given && surface)
-      throw Error(Trouble::usage, concat(row.name, ": is for ", row.for_volumes ? "volumes" : "meshes", ", and ",
-                                         options.input.string(), " is a surface"));
+      throw Error(ErrorCode::usage, concat(row.name, ": is for ", row.for_volumes ? "volumes" : "meshes", ", and ",
+                                           options.input.string(), " is a surface"));
   if (surface && !options.fields.empty())
-    throw Error(Trouble::usage, concat("--field: ", options.input.string(), " is a surface, which has no fields"));
+    throw Error(ErrorCode::usage, concat("--field: ", options.input.string(), " is a surface, which has no fields"));
   for (const Row& row : rows)
     if (row.given && row.for_volumes != volume)
-      throw Error(Trouble::usage, concat(row.name, ": is for ", row.for_volumes ? "volumes" : "meshes", ", and ",
-                                         options.input.string(), " is a ", volume ? "volume" : "mesh"));
+      throw Error(ErrorCode::usage, concat(row.name, ": is for ", row.for_volumes ? "volumes" : "meshes", ", and ",
+                                           options.input.string(), " is a ", volume ? "volume" : "mesh"));
   if (!options.raw.empty() && options.fields.size() > 1)
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat("--field: found ", options.fields.size(), " names; bytes of --raw are one field"));
   if (options.brick_edge && options.layout == "linear")
-    throw Error(Trouble::usage, "--brick-edge: has no meaning with --layout linear");
+    throw Error(ErrorCode::usage, "--brick-edge: has no meaning with --layout linear");
 }
 
 bool has_leaf_lists(const PackOptions& options) {
@@ -110,7 +110,7 @@ void check_structure(const PackOptions& options) {
                                     std::pair{options.leaf_ratio.has_value(), "--leaf-ratio"},
                                     std::pair{options.levels != defaults.levels, "--levels"},
                                     std::pair{options.factor != defaults.factor, "--factor"}})
-    if (given) throw Error(Trouble::usage, concat(name, ": is for volumes or --structure leaves"));
+    if (given) throw Error(ErrorCode::usage, concat(name, ": is for volumes or --structure leaves"));
 }
 
 /// Whether the raw bytes are there is known before reading.
@@ -122,8 +122,8 @@ void check_raw(const PackOptions& options) {
                                       static_cast<std::uint64_t>(n.z), formats::element_bytes(raw.type)});
   const std::uint64_t there = std::filesystem::file_size(options.input);
   if (!bytes || *bytes > there || raw.skipped_bytes > there - *bytes)
-    throw Error(Trouble::invalid, concat(options.input.string(), ": found ", there, " bytes; --raw ", options.raw,
-                                         " expects ", bytes ? concat(*bytes + raw.skipped_bytes) : "more than 2^64"));
+    throw Error(ErrorCode::invalid, concat(options.input.string(), ": found ", there, " bytes; --raw ", options.raw,
+                                           " expects ", bytes ? concat(*bytes + raw.skipped_bytes) : "more than 2^64"));
 }
 
 /// Where large arrays lie under a memory cap: beside the packed file. Empty without a cap.

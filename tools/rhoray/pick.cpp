@@ -3,7 +3,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tools/rhoray/measure.h"
 
 namespace rhoray::tools {
@@ -13,12 +13,12 @@ void read_value(const std::string& text, std::vector<PixelPlace>& out) {
   const char* at = text.data();
   const char* const end = at + text.size();
   const auto refuse = [&] {
-    throw Error(Trouble::usage, concat("found '", text, "'; expected a pixel X,Y, or several, X,Y:X,Y"));
+    throw Error(ErrorCode::usage, concat("found '", text, "'; expected a pixel X,Y, or several, X,Y:X,Y"));
   };
   const auto number = [&] {
     int value = 0;
-    const auto [stop, trouble] = std::from_chars(at, end, value);
-    if (trouble != std::errc() || value < 0) refuse();
+    const auto [stop, error_code] = std::from_chars(at, end, value);
+    if (error_code != std::errc() || value < 0) refuse();
     at = stop;
     return value;
   };
@@ -33,8 +33,8 @@ void read_value(const std::string& text, std::vector<PixelPlace>& out) {
 
 Json picked(const render::Framebuffer& framebuffer, const PixelPlace& pixel) {
   if (pixel.x >= framebuffer.width || pixel.y >= framebuffer.height)
-    throw Error(Trouble::usage, concat("--pick: found pixel ", pixel.x, ",", pixel.y, "; expected one below ",
-                                       framebuffer.width, ",", framebuffer.height));
+    throw Error(ErrorCode::usage, concat("--pick: found pixel ", pixel.x, ",", pixel.y, "; expected one below ",
+                                         framebuffer.width, ",", framebuffer.height));
   const auto at = static_cast<std::size_t>(pixel.y) * static_cast<std::size_t>(framebuffer.width) +
                   static_cast<std::size_t>(pixel.x);
   Json json{{"pixel", {pixel.x, pixel.y}}};

@@ -13,7 +13,7 @@ struct PixelPlace {
   int x = 0, y = 0;
 };
 
-/// Reads X,Y or several of them, X,Y:X,Y (Trouble::usage).
+/// Reads X,Y or several of them, X,Y:X,Y (ErrorCode::usage).
 void read_value(const std::string& text, std::vector<PixelPlace>& out);
 
 /// What a pixel shows, as kept by the channels depth, cell and value. Refuses a pixel outside the picture.

@@ -1,6 +1,6 @@
 #include <cstdio>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tools/pictures/pictures.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/progress_display.h"
@@ -9,9 +9,9 @@
 #include "tools/rhoray/render/picture.h"
 #include "tools/rhoray/render/picture_report.h"
 #include "tools/rhoray/scene/document.h"
-#include "tools/rhoray/scene/picture_words.h"
+#include "tools/rhoray/scene/picture_names.h"
 #include "tools/rhoray/scene/schema.h"
-#include "tools/rhoray/scene/spelled_out.h"
+#include "tools/rhoray/scene/to_spec.h"
 #include "tools/rhoray/subcommands.h"
 
 namespace rhoray::tools {
@@ -19,53 +19,54 @@ namespace rhoray::tools {
 namespace {
 
 /// What is asked for: a document under the options beside it, or a file and options alone.
-SceneWishes wishes_of(const RenderCommand& command) {
-  if (!is_scene_document(command.input)) return wishes_of(command.picture, command.input);
+SceneSpec spec_of(const RenderCommand& command) {
+  if (!is_scene_document(command.input)) return spec_of(command.picture, command.input);
   const SceneDocument document = read_scene(command.input);
   for (const std::string& warning : document.warnings) say(command.common, concat("warning: ", warning));
-  return with_options(document.wishes, command.picture);
+  return with_options(document.scene_spec, command.picture);
 }
 
-std::filesystem::path output_of(const RenderCommand& command, const SceneWishes& wishes) {
+std::filesystem::path output_of(const RenderCommand& command, const SceneSpec& scene_spec) {
   if (!command.common.output.empty()) return command.common.output;
-  if (command.input.string() == wishes.document || wishes.document.empty())
+  if (command.input.string() == scene_spec.document || scene_spec.document.empty())
     return std::filesystem::path(command.input).replace_extension(".png");
-  throw Error(Trouble::usage, "a scene on the command line has no file name; expected -o with the picture's name");
+  throw Error(ErrorCode::usage, "a scene on the command line has no file name; expected -o with the picture's name");
 }
 
 /// What choosing a method, and tracing again, cannot go together with.
-void check(RenderCommand& command, const SceneWishes& wishes) {
+void check(RenderCommand& command, const SceneSpec& scene_spec) {
   check(command.goal);
   check(command.self_check);
   if (!command.self_check.limit) command.self_check.limit = command.goal.max_error;
   const bool names_method =
-      !command.picture.wishes.accuracy.empty() || !command.picture.wishes.layers[0].method.empty();
+      !command.picture.scene_spec.accuracy.empty() || !command.picture.scene_spec.layers[0].method.empty();
   if (command.goal.is_given() && names_method)
-    throw Error(Trouble::usage, "--max-error and --budget-ms choose the method: leave --accuracy and --method out");
-  if (command.goal.is_given() && wishes.image.show.value_or("color") == "error")
-    throw Error(Trouble::usage, "--show error needs --accuracy certified or exact, and --max-error chooses the method");
+    throw Error(ErrorCode::usage, "--max-error and --budget-ms choose the method: leave --accuracy and --method out");
+  if (command.goal.is_given() && scene_spec.image.show.value_or("color") == "error")
+    throw Error(ErrorCode::usage,
+                "--show error needs --accuracy certified or exact, and --max-error chooses the method");
 }
 
 int run(RenderCommand& command) {
-  const SceneWishes wishes = wishes_of(command);
-  check(command, wishes);
-  if (wishes.camera.keyframes || wishes.image.frames || command.frame || command.sheet) {
-    run_frames(command, wishes);
+  const SceneSpec scene_spec = spec_of(command);
+  check(command, scene_spec);
+  if (scene_spec.camera.keyframes || scene_spec.image.frames || command.frame || command.sheet) {
+    run_frames(command, scene_spec);
     return 0;
   }
   ProgressDisplay display(command.common);
   Drawn drawn;
   const bool draws = !command.explain && !command.print_scene;
   if (draws) {
-    drawn.output = output_of(command, wishes);
-    require_picture_format(drawn.output, channel_set(wishes.image.channels.value_or(std::vector<std::string>{})));
+    drawn.output = output_of(command, scene_spec);
+    require_picture_format(drawn.output, channel_set(scene_spec.image.channels.value_or(std::vector<std::string>{})));
   }
-  display.show(concat("opening ", wishes.data[0].file.string()));
+  display.show(concat("opening ", scene_spec.data[0].file.string()));
   const Stopwatch opening;
-  drawn.plan = plan_layers(wishes);
+  drawn.plan = resolve_layers(scene_spec);
   if (draws) require_picture(command, drawn.output, drawn.plan);
   drawn.stations.open_s = opening.seconds();
-  aim_camera(wishes, drawn.plan);
+  aim_camera(scene_spec, drawn.plan);
   if (draws && (command.goal.is_given() || command.self_check.pixels > 0)) {
     display.show("proving stored ranges");
     prove_ranges(command, drawn);
@@ -76,19 +77,19 @@ int run(RenderCommand& command) {
   }
   if (draws) {
     Checks checks(command, drawn.plan);
-    render::FrameMemory memory;
+    render::RenderContext memory;
     display.show("tracing");
     draw(command, memory, checks, drawn);
   }
   display.clear();
   if (command.explain)
-    explain(command, wishes, drawn.plan);
+    explain(command, scene_spec, drawn.plan);
   else if (draws)
     report(command, drawn);
   else
-    std::fputs(dump_lines(scene_json(spelled_out(drawn.plan))).c_str(), stdout);
+    std::fputs(dump_lines(scene_json(to_spec(drawn.plan))).c_str(), stdout);
   if (drawn.self_check && !drawn.self_check->broken.empty())
-    throw Error(Trouble::outside_limit,
+    throw Error(ErrorCode::outside_limit,
                 concat(drawn.output.string(), ": outside the limit: ", drawn.self_check->broken));
   return 0;
 }

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/export_grid.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/position_fields.h"
@@ -29,21 +29,21 @@ struct ResampleCommand {
 };
 
 /// N, or three numbers with x between them.
-void read_size(const std::string& text, preprocess::LatticeWish& wish) {
-  if (text.find('x') == std::string::npos) return read_value(text, wish.longest_axis);
+void read_size(const std::string& text, preprocess::LatticeRequest& spec) {
+  if (text.find('x') == std::string::npos) return read_value(text, spec.longest_axis);
   const std::size_t first = text.find('x'), second = text.find('x', first + 1);
   if (second == std::string::npos)
-    throw Error(Trouble::usage, concat("--size: found '", text, "'; expected N or NxNxN"));
-  read_value(text.substr(0, first), wish.sample_count.x);
-  read_value(text.substr(first + 1, second - first - 1), wish.sample_count.y);
-  read_value(text.substr(second + 1), wish.sample_count.z);
+    throw Error(ErrorCode::usage, concat("--size: found '", text, "'; expected N or NxNxN"));
+  read_value(text.substr(0, first), spec.sample_count.x);
+  read_value(text.substr(first + 1, second - first - 1), spec.sample_count.y);
+  read_value(text.substr(second + 1), spec.sample_count.z);
 }
 
-void read_spacing(const std::string& text, preprocess::LatticeWish& wish) {
-  if (text.find(',') != std::string::npos) return read_value(text, wish.spacing);
+void read_spacing(const std::string& text, preprocess::LatticeRequest& spec) {
+  if (text.find(',') != std::string::npos) return read_value(text, spec.spacing);
   double step = 0;
   read_value(text, step);
-  wish.spacing = Vec3(step, step, step);
+  spec.spacing = Vec3(step, step, step);
 }
 
 void read_max_error(std::string text, preprocess::ResampleOptions& options) {
@@ -51,24 +51,24 @@ void read_max_error(std::string text, preprocess::ResampleOptions& options) {
   if (options.max_error_is_share) text.pop_back();
   double error = 0;
   read_value(text, error);
-  if (!(error > 0)) throw Error(Trouble::usage, concat("--max-error: found ", error, "; expected a number above 0"));
+  if (!(error > 0)) throw Error(ErrorCode::usage, concat("--max-error: found ", error, "; expected a number above 0"));
   options.max_error = options.max_error_is_share ? error / 100 : error;
 }
 
 void read_options(ResampleCommand& command) {
   if (!command.size.empty() && !command.spacing.empty())
-    throw Error(Trouble::usage, "--size and --spacing: found both; expected one of them");
+    throw Error(ErrorCode::usage, "--size and --spacing: found both; expected one of them");
   if (command.size.empty() && command.spacing.empty() && command.max_error.empty())
-    throw Error(Trouble::usage, "found neither --size, nor --spacing, nor --max-error; expected one of them",
+    throw Error(ErrorCode::usage, "found neither --size, nor --spacing, nor --max-error; expected one of them",
                 "--size 256 takes 256 samples along the longest axis");
-  preprocess::LatticeWish& wish = command.resample.lattice;
+  preprocess::LatticeRequest& spec = command.resample.lattice;
   if (!command.size.empty()) {
-    read_size(command.size, wish);
-    if (!wish.is_given()) throw Error(Trouble::usage, "--size: found 0; expected at least 2 samples on an axis");
+    read_size(command.size, spec);
+    if (!spec.is_given()) throw Error(ErrorCode::usage, "--size: found 0; expected at least 2 samples on an axis");
   }
   if (!command.spacing.empty()) {
-    read_spacing(command.spacing, wish);
-    if (!wish.is_given()) throw Error(Trouble::usage, "--spacing: found 0; expected a number above 0");
+    read_spacing(command.spacing, spec);
+    if (!spec.is_given()) throw Error(ErrorCode::usage, "--spacing: found 0; expected a number above 0");
   }
   if (!command.max_error.empty()) read_max_error(command.max_error, command.resample);
 }
@@ -79,20 +79,20 @@ void check(const ResampleCommand& command, const std::filesystem::path& output) 
   if (!formats::PackedFile::looks_packed(command.input)) {
     const preprocess::ForeignKind kind = preprocess::foreign_kind(command.input);
     if (kind == preprocess::ForeignKind::surface)
-      throw Error(Trouble::invalid, concat(name, ": holds a surface; expected a mesh of volume cells"),
+      throw Error(ErrorCode::invalid, concat(name, ": holds a surface; expected a mesh of volume cells"),
                   concat("fill it first: rhoray tetrahedralize ", name, " -o ", command.input.stem().string(), ".vtu"));
     if (kind == preprocess::ForeignKind::volume)
-      throw Error(Trouble::invalid, concat(name, ": holds a volume, which is a grid already; expected a mesh"),
+      throw Error(ErrorCode::invalid, concat(name, ": holds a volume, which is a grid already; expected a mesh"),
                   concat("pack it: rhoray pack ", name));
     if (kind == preprocess::ForeignKind::unknown)
-      throw Error(Trouble::invalid,
+      throw Error(ErrorCode::invalid,
                   concat(name,
                          ": found a file of a kind that is not known here; expected a mesh (.vtu, .vtk, ...) or "
                          "packed tetrahedra (.rho)"));
   }
   if (output.extension() != ".rho" && output.extension() != ".vdb")
-    throw Error(Trouble::usage, concat(output.string(), ": found extension '", output.extension().string(),
-                                       "'; expected .rho or .vdb"));
+    throw Error(ErrorCode::usage, concat(output.string(), ": found extension '", output.extension().string(),
+                                         "'; expected .rho or .vdb"));
   require_writable(command.common, output, command.input);
 }
 
@@ -103,7 +103,7 @@ preprocess::NeutralMesh read_mesh(const ResampleCommand& command, ProgressDispla
         command.input, {.error_fields = command.resample.fields, .memory_limit_bytes = command.common.memory.bytes});
   const formats::PackedFile file = formats::PackedFile::open(command.input);
   if (file.description().kind == "grid")
-    throw Error(Trouble::invalid, concat(command.input.string(), ": is a packed grid already; expected a mesh"));
+    throw Error(ErrorCode::invalid, concat(command.input.string(), ": is a packed grid already; expected a mesh"));
   return preprocess::unpack_mesh(formats::TetMesh(file));
 }
 
@@ -200,7 +200,7 @@ void refuse_missed_error(const preprocess::ResampleReport& report, const std::fi
   if (report.why_not_reached.empty()) return;
   const auto& error = report.errors.front();
   throw Error(
-      Trouble::outside_limit,
+      ErrorCode::outside_limit,
       concat(output.string(), ": the error of ", error.name, " is at most ", rounded(error.max_error), " in ",
              rounded(100 * error.coverage, 6), " % of the mesh; ", rounded(*report.requested_error), " was asked for (",
              report.why_not_reached, ")"),

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tools/rhoray/interrupt.h"
 
 namespace rhoray::tools {
@@ -18,7 +18,7 @@ void keep_standard_descriptors() {
     if (::fcntl(descriptor, F_GETFD) >= 0 || errno != EBADF) continue;
     // The lowest number that is free is this one. Opened the wrong way round, so that using it fails as before.
     if (::open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY) != descriptor)
-      ::_exit(static_cast<int>(Trouble::resource));
+      ::_exit(static_cast<int>(ErrorCode::resource));
   }
 }
 
@@ -33,7 +33,7 @@ int finish_standard_output(int exit_code) {
                     fails_now ? concat(": ", std::strerror(reason)) : std::string(), "\n")
                  .c_str(),
              stderr);
-  return exit_code == 0 ? static_cast<int>(Trouble::resource) : exit_code;
+  return exit_code == 0 ? static_cast<int>(ErrorCode::resource) : exit_code;
 }
 
 }  // namespace rhoray::tools

@@ -7,7 +7,7 @@ namespace rhoray::tools {
 void keep_standard_descriptors();
 
 /// Writes what is left for standard output. Where not all of it could be written, says so on stderr and returns
-/// Trouble::resource in the place of success; where its reader has gone, returns 141 and says nothing.
+/// ErrorCode::resource in the place of success; where its reader has gone, returns 141 and says nothing.
 /// @param exit_code  what the program would end with
 int finish_standard_output(int exit_code);
 

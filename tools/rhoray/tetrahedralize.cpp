@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <optional>
 
+#include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
-#include "formats/base/trouble.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
 #include "preprocess/inspect_surface.h"
@@ -55,7 +55,7 @@ double number_in(const std::string& option, const std::string& text) {
   try {
     read_value(text, number);
   } catch (const Error& error) {
-    throw Error(Trouble::usage, concat(option, ": ", error.what()), error.hint());
+    throw Error(ErrorCode::usage, concat(option, ": ", error.what()), error.hint());
   }
   return number;
 }
@@ -66,7 +66,7 @@ void read_max_volume(TetrahedralizeCommand& command) {
   for (const std::string& piece : split(command.max_volume, ',')) {
     const std::vector<std::string> parts = split(piece, ':');
     if (parts.size() > 2)
-      throw Error(Trouble::usage, concat("--max-volume: found '", piece, "'; expected V or REGION:V"));
+      throw Error(ErrorCode::usage, concat("--max-volume: found '", piece, "'; expected V or REGION:V"));
     const double volume = number_in("--max-volume", parts.back());
     require_within("--max-volume", volume, 0, 1e300);
     if (parts.size() == 1)
@@ -80,7 +80,7 @@ void require_surface(const std::filesystem::path& input) {
   require_input(input);
   if (preprocess::foreign_kind(input) == ForeignKind::surface) return;
   throw Error(
-      Trouble::invalid,
+      ErrorCode::invalid,
       concat(input.string(), ": is not a surface; expected ", preprocess::extensions_of(ForeignKind::surface)),
       formats::PackedFile::looks_packed(input) ? concat("look into it: rhoray info ", input.string()) : std::string{});
 }
@@ -93,20 +93,20 @@ void check(const TetrahedralizeCommand& command, const std::filesystem::path& ou
   if (!command.sizes.empty()) {
     require_input(command.sizes);
     if (command.inputs.size() > 1)
-      throw Error(Trouble::usage, "--sizes: belongs to the points of one surface; found several surfaces",
+      throw Error(ErrorCode::usage, "--sizes: belongs to the points of one surface; found several surfaces",
                   "--size-field gives sizes in space");
   }
   if (output.extension() != ".vtu")
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat(output.string(), ": found extension '", output.extension().string(), "'; expected .vtu"));
   if (command.fill.quality && *command.fill.quality != 0) require_within("--quality", *command.fill.quality, 1, 100);
   if (command.time_limit_s) require_within("--time-limit", *command.time_limit_s, 1, 1e7);
   if (command.max_move) require_within("--max-move", *command.max_move, 0, 1);
   require_within("--wrap", command.repair.wrap, 0, 1);
   if (command.repair.largest_part_only && !command.mend && command.repair.wrap == 0)
-    throw Error(Trouble::usage, "--largest-part: belongs to --repair; found no --repair");
+    throw Error(ErrorCode::usage, "--largest-part: belongs to --repair; found no --repair");
   if (command.max_move && (!command.mend || command.repair.wrap > 0))
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat("--max-move: belongs to --repair; found ", command.repair.wrap > 0 ? "--wrap" : "no --repair"));
 }
 
@@ -122,7 +122,7 @@ auto with_names(const TetrahedralizeCommand& command, Act act) {
   try {
     return act();
   } catch (const Error& error) {
-    throw Error(error.trouble(), concat(names_of(command.inputs), ": ", error.what()), error.hint());
+    throw Error(error.code(), concat(names_of(command.inputs), ": ", error.what()), error.hint());
   }
 }
 
@@ -147,7 +147,7 @@ NeutralSurface read_surfaces(const TetrahedralizeCommand& command, ProgressDispl
 preprocess::SizeByDistance read_size_by_distance(const TetrahedralizeCommand& command) {
   std::vector<std::string> parts = split(command.size_field, ':');
   if (parts.size() < 5)
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat("--size-field: found '", command.size_field, "'; expected distance:SURFACE:NEAR:FAR:GROWTH"));
   std::string file = parts[1];
   for (std::size_t i = 2; i + 3 < parts.size(); ++i) file += ":" + parts[i];
@@ -170,13 +170,13 @@ preprocess::NeutralMesh read_size_mesh(const std::filesystem::path& file, const 
   for (const auto& f : mesh.point_fields)
     if (f.component_count == 1) names.push_back(f.name);
   if (names.empty() || (field.empty() && names.size() > 1))
-    throw Error(Trouble::usage, concat("--size-field: ", file.string(), " has ", names.size(),
-                                       " scalar point fields; expected one", names.empty() ? "" : ", or FILE:FIELD"));
+    throw Error(ErrorCode::usage, concat("--size-field: ", file.string(), " has ", names.size(),
+                                         " scalar point fields; expected one", names.empty() ? "" : ", or FILE:FIELD"));
   const std::string wanted = field.empty() ? names.front() : field;
   const auto found = std::find_if(mesh.point_fields.begin(), mesh.point_fields.end(),
                                   [&](const auto& f) { return f.component_count == 1 && f.name == wanted; });
   if (found == mesh.point_fields.end())
-    throw Error(Trouble::usage, concat("--size-field: ", file.string(), " has no scalar point field '", wanted, "'"),
+    throw Error(ErrorCode::usage, concat("--size-field: ", file.string(), " has no scalar point field '", wanted, "'"),
                 did_you_mean(wanted, names));
   preprocess::NeutralField kept = std::move(*found);
   mesh.point_fields.clear();
@@ -208,7 +208,7 @@ preprocess::SizeField read_size_field(const TetrahedralizeCommand& command) {
     case ForeignKind::mesh:
       return read_size_mesh(file, field, memory);
     default:
-      throw Error(Trouble::usage,
+      throw Error(ErrorCode::usage,
                   concat("--size-field: ", file.string(),
                          " is neither a volume nor a mesh; expected one, or distance:SURFACE:NEAR:FAR:GROWTH"));
   }
@@ -232,7 +232,7 @@ preprocess::SizeField read_size_field(const TetrahedralizeCommand& command) {
                  repaired         ? "--wrap 0.01 makes a new closed surface around it"
                  : faults.empty() ? "--repair takes away needles and flat facets, over which TetGen may fail"
                                   : "--repair mends what it can and says how far it moved");
-  throw Error(refusal.trouble(), refusal.what() + where, hint);
+  throw Error(refusal.code(), refusal.what() + where, hint);
 }
 
 preprocess::NeutralMesh fill(const TetrahedralizeCommand& command, const NeutralSurface& surface,
@@ -240,7 +240,7 @@ preprocess::NeutralMesh fill(const TetrahedralizeCommand& command, const Neutral
   try {
     return preprocess::tetrahedralize(surface, command.fill);
   } catch (const Error& refusal) {
-    if (refusal.trouble() != Trouble::invalid) throw;
+    if (refusal.code() != ErrorCode::invalid) throw;
     refuse_with_fault_file(refusal, command, surface, output);
   }
 }

@@ -1,14 +1,14 @@
 #include <cstdio>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/run_worker.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/data_choice.h"
+#include "tools/rhoray/format_statistics.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/progress_display.h"
-#include "tools/rhoray/statistics_words.h"
 #include "tools/rhoray/subcommands.h"
 #include "tools/rhoray/validation_report.h"
 #include "tools/validate/request.h"
@@ -31,11 +31,11 @@ constexpr PictureSize report_picture{.width = 640, .height = 480};
 
 void check(const ValidateCommand& command) {
   if (command.isovalue.empty())
-    throw Error(Trouble::usage, "--iso: missing; which isosurface is to be validated?",
+    throw Error(ErrorCode::usage, "--iso: missing; which isosurface is to be validated?",
                 "--iso 500, --iso p95 or --iso auto");
   require_within("--samples", static_cast<double>(command.samples.value_or(1)), 1, 1e9);
   if (command.max_depth_error && !(*command.max_depth_error > 0))
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat("--max-depth-error: found ", *command.max_depth_error, "; expected more than 0"));
   require_within("--time-limit", command.time_limit_s, 1, 1e9);
   if (!command.folder.empty()) require_report_folder(command.folder, command.common.force);
@@ -44,14 +44,14 @@ void check(const ValidateCommand& command) {
 void refuse_damage(const formats::PackedFile& file, unsigned threads) {
   const std::vector<formats::DamagedBlock> blocks = file.damaged_blocks(threads);
   if (!blocks.empty())
-    throw Error(Trouble::invalid, concat(file.name(), ": ", damage_text(file, blocks.front())),
+    throw Error(ErrorCode::invalid, concat(file.name(), ": ", damage_text(file, blocks.front())),
                 concat("`rhoray verify ", file.name(), "` lists all blocks"));
 }
 
 /// Without a word the level double: depths are compared as closely as it promises them.
 render::Method chosen_method(const ValidateCommand& command, bool is_mesh) {
   if (!command.method.empty() && !command.accuracy.empty())
-    throw Error(Trouble::usage, "--method and --accuracy say the same thing twice: give one of them");
+    throw Error(ErrorCode::usage, "--method and --accuracy say the same thing twice: give one of them");
   if (!command.method.empty()) return method_named(command.method, render::Mode::isosurface, is_mesh);
   return command.accuracy.empty() ? render::Method{} : method_of(accuracy_named(command.accuracy));
 }
@@ -74,7 +74,7 @@ int run(ValidateCommand& command) {
   check(command);
   const render::Volume volume = load_volume(command.input, command.field);
   if (volume.file().description().kind == "vdb")
-    throw Error(Trouble::unsupported,
+    throw Error(ErrorCode::unsupported,
                 concat(command.input.string(), ": is an OpenVDB file, and packed files are validated"),
                 concat("pack it first: ", shell_line({"rhoray", "pack", command.input.string()})));
   const Isovalue isovalue = choose_isovalue(command.isovalue, volume.field());
@@ -87,7 +87,7 @@ int run(ValidateCommand& command) {
                             .threads = command.common.threads,
                             .max_depth_error = command.max_depth_error.value_or(0)};
   const render::Method method = chosen_method(command, volume.is_mesh());
-  request.way = static_cast<int>(method.way);
+  request.algorithm = static_cast<int>(method.algorithm);
   request.precision = static_cast<int>(method.precision);
   request.step = method.step;
   request.slack = method.slack;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/base/error.h"
 #include "formats/base/pending_file.h"
-#include "formats/base/trouble.h"
 #include "formats/base/write_failure.h"
 #include "tools/analysis/error_map.h"
 #include "tools/pictures/pictures.h"
@@ -114,20 +114,20 @@ void ValidationReport::refuse_outside_limits(const std::string& name) const {
                      found.is_null() ? "not measured" : rounded(found.get<double>()), ", limit ",
                      rounded(check.at("limit").get<double>()));
   }
-  if (!broken.empty()) throw Error(Trouble::outside_limit, concat(name, ": outside the limits:", broken));
+  if (!broken.empty()) throw Error(ErrorCode::outside_limit, concat(name, ": outside the limits:", broken));
 }
 
 void require_report_folder(const std::filesystem::path& folder, bool replace_existing) {
   std::error_code ignored;
   const std::filesystem::path parent = folder.has_parent_path() ? folder.parent_path() : std::filesystem::path(".");
   if (!std::filesystem::is_directory(parent, ignored))
-    throw Error(Trouble::usage, concat(folder.string(), ": there is no folder ", parent.string()),
+    throw Error(ErrorCode::usage, concat(folder.string(), ": there is no folder ", parent.string()),
                 "make the folder first");
   if (std::filesystem::exists(folder, ignored) && !std::filesystem::is_directory(folder, ignored))
-    throw Error(Trouble::usage, concat(folder.string(), ": is not a folder"));
+    throw Error(ErrorCode::usage, concat(folder.string(), ": is not a folder"));
   for (const char* name : file_names)
     if (std::filesystem::exists(folder / name, ignored) && !replace_existing)
-      throw Error(Trouble::usage, concat((folder / name).string(), ": is there already"), "--force replaces it");
+      throw Error(ErrorCode::usage, concat((folder / name).string(), ": is there already"), "--force replaces it");
 }
 
 }  // namespace rhoray::tools

@@ -27,7 +27,7 @@ class ValidationReport {
   /// and depth_error.png. Makes the folder if it is not there. All files appear, or none and no new folder.
   void write(const std::filesystem::path& folder, bool replace_existing) const;
 
-  /// Throws the checks that do not hold (Trouble::outside_limit).
+  /// Throws the checks that do not hold (ErrorCode::outside_limit).
   void refuse_outside_limits(const std::string& name) const;
 
  private:
@@ -39,7 +39,7 @@ class ValidationReport {
   Json json_;
 };
 
-/// Refuses a folder in which the report could not be written at the end of the work (Trouble::usage).
+/// Refuses a folder in which the report could not be written at the end of the work (ErrorCode::usage).
 void require_report_folder(const std::filesystem::path& folder, bool replace_existing);
 
 }  // namespace rhoray::tools

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "formats/brick_grid.h"
 #include "formats/color_grid.h"
 #include "formats/intact.h"
@@ -54,7 +54,7 @@ std::vector<std::string> content_findings(const formats::PackedFile& file, bool 
       return deep ? formats::deep_findings(mesh) : std::vector<std::string>{};
     }
   } catch (const Error& error) {
-    if (error.trouble() != Trouble::invalid) throw;
+    if (error.code() != ErrorCode::invalid) throw;
     return {error.what()};
   }
   return {};
@@ -77,7 +77,7 @@ Findings examine(const std::filesystem::path& path, const VerifyOptions& options
     if (findings.blocks.empty()) findings.sentences = content_findings(file, options.deep);
     formats::require_intact(file);
   } catch (const Error& error) {
-    if (error.trouble() != Trouble::invalid) throw;
+    if (error.code() != ErrorCode::invalid) throw;
     findings.sentences.push_back(error.what());
   }
   return findings;
@@ -108,10 +108,10 @@ int run(const VerifyOptions& options) {
     try {
       const Findings findings = examine(path, options, display);
       print(path, findings, options);
-      if (!findings.none()) result = std::max(result, static_cast<int>(Trouble::invalid));
+      if (!findings.none()) result = std::max(result, static_cast<int>(ErrorCode::invalid));
     } catch (const Error& error) {
       std::fputs(error_lines("rhoray verify", error.what(), error.hint()).c_str(), stderr);
-      result = std::max(result, static_cast<int>(error.trouble()));
+      result = std::max(result, static_cast<int>(error.code()));
     }
   }
   return result;

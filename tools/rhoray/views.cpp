@@ -4,10 +4,10 @@
 #include <cmath>
 #include <vector>
 
+#include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 
 namespace rhoray::tools {
 
@@ -17,7 +17,7 @@ namespace {
 std::optional<double> distance_in_the_middle(const render::Volume& volume, double isovalue,
                                              const render::Camera& camera) {
   const render::Ray ray = render::camera_rays(volume, camera, 1, 1).front();
-  const render::Hit hit = render::RayQuestions(volume, isovalue, {}).first_crossing(ray);
+  const render::Hit hit = render::RayCaster(volume, isovalue, {}).first_crossing(ray);
   if (hit.is_miss()) return std::nullopt;
   return hit.t;
 }
@@ -48,7 +48,7 @@ StudyView study_view_named(const std::string& name) {
     if (name == name_of(view)) return view;
     names.emplace_back(name_of(view));
   }
-  throw Error(Trouble::usage, concat("view '", name, "'; expected front, from-feet, close-up or inside"),
+  throw Error(ErrorCode::usage, concat("view '", name, "'; expected front, from-feet, close-up or inside"),
               did_you_mean(name, names));
 }
 

@@ -22,7 +22,7 @@ inline constexpr std::array<StudyView, 4> study_views{StudyView::front, StudyVie
 
 const char* name_of(StudyView view);  ///< "front", "from-feet", "close-up", "inside"
 
-/// Refuses other words (Trouble::usage).
+/// Refuses other words (ErrorCode::usage).
 StudyView study_view_named(const std::string& name);
 
 /// @param isovalue  of the surface that the close view looks at; without one, or where the front view's middle misses

@@ -8,7 +8,7 @@
 namespace rhoray::tools::validate {
 
 /// What is asked of a comparison.
-struct Question {
+struct RayQuery {
   double isovalue = 0;
   std::uint64_t samples = 100'000;
   std::uint64_t seed = 1;
@@ -25,7 +25,7 @@ struct Comparison {
 /// Compares a tracer with the isosurface extracted from the same tetrahedra (tet_surface.h). Where the two name the
 /// same cell its crossing is computed exactly; where they differ the first crossing of all is (tet_judge.h), so that
 /// what counts is the field, not the rounding of the extracted surface.
-Comparison compare_tets(const TetField& field, const Affine& world_from_frame, const Question& question,
+Comparison compare_tets(const TetField& field, const Affine& world_from_frame, const RayQuery& query,
                         const Tracer& tracer, const Thousandths& progress);
 
 /// Compares a tracer with a trilinear field. Every hit is proved by two points before and behind it on different sides,
@@ -34,7 +34,7 @@ Comparison compare_tets(const TetField& field, const Affine& world_from_frame, c
 /// that the tracer passed over. Beside that stands the surface that CGAL's surface mesher finds (grid_surface.h): where
 /// shooting at it gives another answer the field is probed there closely; the distance to it is told together with its
 /// own error.
-Comparison compare_grid(const GridField& field, const Affine& world_from_frame, const Question& question,
+Comparison compare_grid(const GridField& field, const Affine& world_from_frame, const RayQuery& query,
                         const Tracer& tracer, const Thousandths& progress);
 
 }  // namespace rhoray::tools::validate

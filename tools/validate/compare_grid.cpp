@@ -30,22 +30,22 @@ double facets_for(std::uint64_t samples) {
 
 class Comparer {
  public:
-  Comparer(const GridField& field, const Affine& world_from_frame, const Question& question)
+  Comparer(const GridField& field, const Affine& world_from_frame, const RayQuery& query)
       : field_(field),
         world_from_frame_(world_from_frame),
         box_(field.box_frame()),
         diagonal_(world_from_frame.vector(box_.size()).length()),
-        depth_limit_(question.max_depth_error > 0 ? question.max_depth_error : default_depth_limit),
-        judge_(field, question.isovalue),
-        edge_points_(edge_points(field, question.isovalue, most_edge_points, question.seed)),
-        surface_(mesh_surface(field, question.isovalue, edge_points_, {.facet_count = facets_for(question.samples)})),
+        depth_limit_(query.max_depth_error > 0 ? query.max_depth_error : default_depth_limit),
+        judge_(field, query.isovalue),
+        edge_points_(edge_points(field, query.isovalue, most_edge_points, query.seed)),
+        surface_(mesh_surface(field, query.isovalue, edge_points_, {.facet_count = facets_for(query.samples)})),
         tree_(surface_.triangles),
         surface_error_(quantiles_of(surface_.offsets)) {}
 
   const GridSurface& surface() const { return surface_; }
   const EdgePoints& edges() const { return edge_points_; }
   const Quantiles& surface_error() const { return surface_error_; }
-  const GridJudge& judge() const { return judge_; }
+  const GridReference& judge() const { return judge_; }
   const Box3& box() const { return box_; }
   double depth_limit() const { return depth_limit_; }
 
@@ -93,7 +93,7 @@ class Comparer {
     return depth_limit_ + (std::isnan(hit.error) ? 0 : hit.error * per_t);
   }
 
-  /// Looks for the crossing that the tracer has reported, and measures.
+  /// CandidateList for the crossing that the tracer has reported, and measures.
   void prove(const render::Ray& ray, const render::Hit& hit, double per_t, Finding& finding) const {
     const double finest = std::max(4e-16 * std::abs(hit.t), 1e-15 / per_t);
     const std::optional<double> t = judge_.crossing_near(ray, hit.t, finest, 0.5 / per_t);
@@ -176,7 +176,7 @@ class Comparer {
   Affine world_from_frame_;
   Box3 box_;
   double diagonal_, depth_limit_;
-  GridJudge judge_;
+  GridReference judge_;
   EdgePoints edge_points_;
   GridSurface surface_;
   TriangleTree tree_;
@@ -246,16 +246,16 @@ void add_notes(const Comparer& comparer, const Shots& far, Report& report) {
 
 }  // namespace
 
-Comparison compare_grid(const GridField& field, const Affine& world_from_frame, const Question& question,
+Comparison compare_grid(const GridField& field, const Affine& world_from_frame, const RayQuery& query,
                         const Tracer& tracer, const Thousandths& progress) {
-  const Comparer comparer(field, world_from_frame, question);
+  const Comparer comparer(field, world_from_frame, query);
   progress(250);
-  RayMaker maker(world_from_frame, comparer.box(), question.seed);
+  RayMaker maker(world_from_frame, comparer.box(), query.seed);
   Rounds rounds =
       shoot(tracer,
-            {.far = make_rays(maker, comparer.box(), comparer.surface().triangles, question.samples),
-             .near = near_rays(comparer, field, question.samples / 4, maker),
-             .camera = question.camera_rays,
+            {.far = make_rays(maker, comparer.box(), comparer.surface().triangles, query.samples),
+             .near = near_rays(comparer, field, query.samples / 4, maker),
+             .camera = query.camera_rays,
              .find = [&](const render::Ray& ray, const render::Hit& hit) { return comparer.find(ray, hit); }},
             progress);
   Report report;

@@ -20,15 +20,15 @@ constexpr double rounding_share = 2e-15;  // of the distance from a ray's origin
 /// The renderer's answers beside those of the reference.
 class Comparer {
  public:
-  Comparer(const TetField& field, const Affine& world_from_frame, const Box3& data_frame, const Question& question)
+  Comparer(const TetField& field, const Affine& world_from_frame, const Box3& data_frame, const RayQuery& query)
       : field_(field),
         world_from_frame_(world_from_frame),
         data_frame_(data_frame),
         diagonal_(world_from_frame.vector(data_frame.size()).length()),
-        depth_limit_(question.max_depth_error > 0 ? question.max_depth_error : default_depth_limit),
-        surface_(extract_surface(field, question.isovalue)),
+        depth_limit_(query.max_depth_error > 0 ? query.max_depth_error : default_depth_limit),
+        surface_(extract_surface(field, query.isovalue)),
         tree_(surface_.triangles),
-        judge_(field, surface_.straddling, question.isovalue) {}
+        judge_(field, surface_.straddling, query.isovalue) {}
 
   const TetSurface& surface() const { return surface_; }
   double depth_limit() const { return depth_limit_; }
@@ -207,18 +207,18 @@ std::vector<AimedRay> near_rays(const Comparer& comparer, const TetField& field,
 
 }  // namespace
 
-Comparison compare_tets(const TetField& field, const Affine& world_from_frame, const Question& question,
+Comparison compare_tets(const TetField& field, const Affine& world_from_frame, const RayQuery& query,
                         const Tracer& tracer, const Thousandths& progress) {
   const Box3 data_frame = field.box();
-  const Comparer comparer(field, world_from_frame, data_frame, question);
+  const Comparer comparer(field, world_from_frame, data_frame, query);
   const TetSurface& surface = comparer.surface();
   progress(200);
-  RayMaker maker(world_from_frame, data_frame, question.seed);
+  RayMaker maker(world_from_frame, data_frame, query.seed);
   Rounds rounds =
       shoot(tracer,
-            {.far = make_rays(maker, data_frame, surface.triangles, question.samples),
-             .near = near_rays(comparer, field, question.samples / 4, maker),
-             .camera = question.camera_rays,
+            {.far = make_rays(maker, data_frame, surface.triangles, query.samples),
+             .near = near_rays(comparer, field, query.samples / 4, maker),
+             .camera = query.camera_rays,
              .find = [&](const render::Ray& ray, const render::Hit& hit) { return comparer.find(ray, hit); }},
             progress);
   Report report;

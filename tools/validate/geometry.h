@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "formats/base/vector.h"
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 
 namespace rhoray::tools::validate {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <memory>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tools/validate/geometry.h"
 
 namespace rhoray::tools::validate {
@@ -40,7 +40,7 @@ double between(double a, double b, double w) {
 
 GridField::GridField(formats::BrickGrid grid, const std::string& field) : grid_(std::move(grid)) {
   const auto found = field.empty() ? std::optional<std::size_t>(0) : grid_.find_field(field);
-  if (!found) throw Error(Trouble::usage, concat(grid_.file().name(), ": no field '", field, "'"));
+  if (!found) throw Error(ErrorCode::usage, concat(grid_.file().name(), ": no field '", field, "'"));
   sample_ = reader(grid_, *found);
 }
 

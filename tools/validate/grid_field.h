@@ -14,7 +14,7 @@ namespace rhoray::tools::validate {
 /// samples stand where its axes say, and "index", in which they stand at whole numbers and cells are unit cubes.
 class GridField {
  public:
-  /// @param field  name; empty = the first. A name that is not there is refused (Trouble::usage).
+  /// @param field  name; empty = the first. A name that is not there is refused (ErrorCode::usage).
   GridField(formats::BrickGrid grid, const std::string& field);
 
   const Index3& sample_count() const { return grid_.description().layout.sample_count; }

@@ -83,18 +83,18 @@ std::optional<bool> decide_exactly(const GridField& field, double isovalue, cons
 
 }  // namespace
 
-std::optional<bool> GridJudge::is_clearly_inside(const render::Ray& ray, double t) const {
+std::optional<bool> GridReference::is_clearly_inside(const render::Ray& ray, double t) const {
   const auto found = estimate(*field_, isovalue_, ray, t);
   if (!found || !(std::abs(found->excess) > found->uncertainty)) return std::nullopt;
   return found->excess > 0;
 }
 
-std::optional<bool> GridJudge::is_inside(const render::Ray& ray, double t) const {
+std::optional<bool> GridReference::is_inside(const render::Ray& ray, double t) const {
   const auto clear = is_clearly_inside(ray, t);
   return clear ? clear : decide_exactly(*field_, isovalue_, ray, t);
 }
 
-std::optional<double> GridJudge::residual(const render::Ray& ray, double t, const Index3& at) const {
+std::optional<double> GridReference::residual(const render::Ray& ray, double t, const Index3& at) const {
   constexpr double slack = 1e-9;  // in the cell's own coordinates
   const GridField::Cell cell = field_->cell(at);
   const Vec3 local = field_->index_from_frame(ray.at(t)) - to_vec3(at);
@@ -105,8 +105,8 @@ std::optional<double> GridJudge::residual(const render::Ray& ray, double t, cons
   return excess == 0 ? 0 : excess / cell.range();
 }
 
-std::optional<double> GridJudge::halved(const render::Ray& ray, double lo, double hi, bool side_lo,
-                                        double finest) const {
+std::optional<double> GridReference::halved(const render::Ray& ray, double lo, double hi, bool side_lo,
+                                            double finest) const {
   while (hi - lo > 2 * finest) {
     const double middle = lo + (hi - lo) / 2;
     if (middle <= lo || middle >= hi) break;
@@ -117,7 +117,8 @@ std::optional<double> GridJudge::halved(const render::Ray& ray, double lo, doubl
   return lo + (hi - lo) / 2;
 }
 
-std::optional<double> GridJudge::crossing_near(const render::Ray& ray, double t, double finest, double farthest) const {
+std::optional<double> GridReference::crossing_near(const render::Ray& ray, double t, double finest,
+                                                   double farthest) const {
   for (double reach = finest; reach <= farthest; reach *= 4) {
     const auto before = is_inside(ray, t - reach), after = is_inside(ray, t + reach);
     if (before && after && *before != *after) return halved(ray, t - reach, t + reach, *before, finest);
@@ -125,8 +126,8 @@ std::optional<double> GridJudge::crossing_near(const render::Ray& ray, double t,
   return std::nullopt;
 }
 
-std::optional<double> GridJudge::first_proved(const render::Ray& ray, double t_begin, double t_end,
-                                              double step_cells) const {
+std::optional<double> GridReference::first_proved(const render::Ray& ray, double t_begin, double t_end,
+                                                  double step_cells) const {
   std::optional<bool> side;
   double last = t_begin;
   for (double t = t_begin;;) {

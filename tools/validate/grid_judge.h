@@ -10,10 +10,10 @@ namespace rhoray::tools::validate {
 /// On which side of the isovalue a trilinear field lies at points of a ray: by the doubles of samples and ray, decided
 /// in rational numbers where rounding could matter. Two points with different sides prove a crossing between them. May
 /// be asked from many threads.
-class GridJudge {
+class GridReference {
  public:
   /// The field must outlive this.
-  GridJudge(const GridField& field, double isovalue) : field_(&field), isovalue_(isovalue) {}
+  GridReference(const GridField& field, double isovalue) : field_(&field), isovalue_(isovalue) {}
 
   /// True for value >= isovalue at the ray's point t; nothing outside the grid and where there is no data.
   std::optional<bool> is_inside(const render::Ray& ray, double t) const;

@@ -155,12 +155,12 @@ EdgePoints edge_points(const GridField& field, double isovalue, std::size_t most
   return found;
 }
 
-GridSurface mesh_surface(const GridField& field, double isovalue, const EdgePoints& seeds, const SurfaceWish& wish) {
+GridSurface mesh_surface(const GridField& field, double isovalue, const EdgePoints& seeds, const SurfaceSpec& spec) {
   GridSurface surface;
   if (seeds.points_index.empty()) return surface;
   // A plane of area A meets 1.5 A edges of the unit lattice on average; a triangle covers about its radius squared.
   const double area = static_cast<double>(seeds.edge_count) / 1.5;
-  const double radius = std::sqrt(area / wish.facet_count) * 1.3;
+  const double radius = std::sqrt(area / spec.facet_count) * 1.3;
   surface.triangle_radius = radius;
 
   const Vec3 size = to_vec3(field.sample_count() - Index3(1));
@@ -170,7 +170,7 @@ GridSurface mesh_surface(const GridField& field, double isovalue, const EdgePoin
   const double sign = extended(field, isovalue, 1, middle) < 0 ? 1 : -1;
   std::uint64_t evaluations = 0;
   const Function function = [&](const Point& p) {
-    if (++evaluations > wish.most_evaluations) throw OutOfEvaluations{};
+    if (++evaluations > spec.most_evaluations) throw OutOfEvaluations{};
     const double value = sign * extended(field, isovalue, sign, vec(p));
     return value == 0 ? -1e-300 : value;
   };
@@ -188,7 +188,7 @@ GridSurface mesh_surface(const GridField& field, double isovalue, const EdgePoin
     surface.is_complete = false;
   }
   surface.triangles = triangles_of(complex, field);
-  for (std::size_t t = 0; wish.measures_offsets && t < surface.triangles.corners.size(); ++t)
+  for (std::size_t t = 0; spec.measures_offsets && t < surface.triangles.corners.size(); ++t)
     surface.offsets.push_back(largest_offset(field, isovalue, surface.triangles, t));
   for (Vec3& p : surface.triangles.points) p = field.frame_from_index(p);
   return surface;

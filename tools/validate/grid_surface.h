@@ -15,7 +15,7 @@ struct EdgePoints {
 };
 EdgePoints edge_points(const GridField& field, double isovalue, std::size_t most, std::uint64_t seed);
 
-struct SurfaceWish {
+struct SurfaceSpec {
   double facet_count = 40'000;  ///< about so many
   std::uint64_t most_evaluations = 400'000'000;
   bool measures_offsets = true;  ///< false: GridSurface::offsets stays empty
@@ -32,7 +32,7 @@ struct GridSurface {
   double triangle_radius = 0;   ///< wished, in cells
   bool is_complete = true;      ///< false when the mesher ran out of evaluations
 };
-GridSurface mesh_surface(const GridField& field, double isovalue, const EdgePoints& seeds, const SurfaceWish& wish);
+GridSurface mesh_surface(const GridField& field, double isovalue, const EdgePoints& seeds, const SurfaceSpec& spec);
 
 /// How far along `direction` (of unit length, either way) the isosurface lies from a point, up to `farthest`; all in
 /// the frame "index". NaN when it is not met.

@@ -2,12 +2,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "formats/base/error.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
 
 namespace rhoray::tools::validate {
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Request, file, field, isovalue, samples, seed, threads, max_depth_error, way,
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Request, file, field, isovalue, samples, seed, threads, max_depth_error, algorithm,
                                    precision, step, slack, bisect, picture_width, picture_height)
 
 std::string text_of(const Request& request) {
@@ -18,7 +18,7 @@ Request request_from(std::string_view text) {
   try {
     return nlohmann::json::parse(text).get<Request>();
   } catch (const nlohmann::json::exception& error) {
-    throw Error(Trouble::usage, concat("not a request for a validation: ", error.what()),
+    throw Error(ErrorCode::usage, concat("not a request for a validation: ", error.what()),
                 "this program is started by `rhoray validate`");
   }
 }

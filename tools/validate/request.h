@@ -13,16 +13,16 @@ struct Request {
   double isovalue = 0;
   std::uint64_t samples = 100'000;
   std::uint64_t seed = 1;
-  unsigned threads = 0;        ///< 0 = all cores
-  double max_depth_error = 0;  ///< 0 = the default of the kind
-  int way = 0, precision = 1;  ///< as render::Method counts them, and the rest of it
+  unsigned threads = 0;              ///< 0 = all cores
+  double max_depth_error = 0;        ///< 0 = the default of the kind
+  int algorithm = 0, precision = 1;  ///< as render::Method counts them, and the rest of it
   double step = 0.5, slack = 0;
   bool bisect = false;
   int picture_width = 0, picture_height = 0;  ///< 0 = no picture
 };
 
 std::string text_of(const Request& request);
-/// Refuses what text_of would not have written (Trouble::usage).
+/// Refuses what text_of would not have written (ErrorCode::usage).
 Request request_from(std::string_view text);
 
 // The worker hands over a packed file of this kind: the report as JSON, and with a picture three arrays [height,

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::tools::validate {
 
@@ -19,7 +19,7 @@ Vec3 vec(const std::array<double, 3>& p) {
 
 TetField::TetField(const formats::TetMesh& mesh, const std::string& field) : mesh_(mesh) {
   const auto found = field.empty() ? std::optional<std::size_t>(0) : mesh.find_field(field);
-  if (!found) throw Error(Trouble::usage, concat(mesh.file().name(), ": no field '", field, "'"));
+  if (!found) throw Error(ErrorCode::usage, concat(mesh.file().name(), ": no field '", field, "'"));
   const auto take = [&](const auto values) { values_.assign(values.begin(), values.end()); };
   if (mesh.description().fields[*found].type == formats::ElementType::F32)
     take(mesh.values<float>(*found));

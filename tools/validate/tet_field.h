@@ -14,7 +14,7 @@ namespace rhoray::tools::validate {
 /// A packed mesh with one of its fields: what is stored, in doubles, in the mesh's own frame.
 class TetField {
  public:
-  /// @param field  name; empty = the first. A name that is not there is refused (Trouble::usage).
+  /// @param field  name; empty = the first. A name that is not there is refused (ErrorCode::usage).
   TetField(const formats::TetMesh& mesh, const std::string& field);
 
   Box3 box() const;  ///< of all cells

@@ -7,7 +7,7 @@
 #include "formats/tet_mesh.h"
 #include "preprocess/run_worker.h"
 #include "render/camera.h"
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "tools/validate/compare.h"
 #include "tools/validate/request.h"
 
@@ -17,39 +17,39 @@ namespace {
 
 constexpr std::uint64_t all_done = 1000;
 
-Question question_of(const Request& request, const render::Volume& volume) {
-  Question question{.isovalue = request.isovalue,
-                    .samples = request.samples,
-                    .seed = request.seed,
-                    .max_depth_error = request.max_depth_error};
-  if (request.picture_width == 0) return question;
+RayQuery query_of(const Request& request, const render::Volume& volume) {
+  RayQuery query{.isovalue = request.isovalue,
+                 .samples = request.samples,
+                 .seed = request.seed,
+                 .max_depth_error = request.max_depth_error};
+  if (request.picture_width == 0) return query;
   Box3 box = volume.isosurface_bounds(request.isovalue);
   if (box.isEmpty()) box = volume.bounds();
   const double aspect = static_cast<double>(request.picture_width) / request.picture_height;
-  question.camera_rays = render::camera_rays(volume, render::fit_camera(box, render::named_view("iso"), aspect),
-                                             request.picture_width, request.picture_height);
-  return question;
+  query.camera_rays = render::camera_rays(volume, render::fit_camera(box, render::named_view("iso"), aspect),
+                                          request.picture_width, request.picture_height);
+  return query;
 }
 
 Comparison compare(const Request& request) {
   const render::Volume volume = render::Volume::load(request.file, request.field);
-  const Question question = question_of(request, volume);
-  const render::Method method{.way = static_cast<render::Method::Way>(request.way),
+  const RayQuery query = query_of(request, volume);
+  const render::Method method{.algorithm = static_cast<render::Method::Algorithm>(request.algorithm),
                               .precision = static_cast<render::Method::Precision>(request.precision),
                               .step = request.step,
                               .bisect = request.bisect,
                               .slack = request.slack};
-  render::RayQuestions questions(volume, request.isovalue, method, request.threads);
+  render::RayCaster queries(volume, request.isovalue, method, request.threads);
   const Tracer tracer = [&](std::span<const render::Ray> rays, std::span<render::Hit> hits) {
-    questions.first_crossings(rays, hits);
+    queries.first_crossings(rays, hits);
   };
   const Thousandths progress = [](std::uint64_t done) { preprocess::report_worker_progress(done, all_done); };
   const Affine world_from_frame = render::world_from_ray_frame(volume);
   if (!volume.is_mesh())
-    return compare_grid(GridField(formats::BrickGrid(volume.file()), request.field), world_from_frame, question, tracer,
+    return compare_grid(GridField(formats::BrickGrid(volume.file()), request.field), world_from_frame, query, tracer,
                         progress);
   const TetField field(formats::TetMesh(volume.file()), request.field);
-  return compare_tets(field, world_from_frame, question, tracer, progress);
+  return compare_tets(field, world_from_frame, query, tracer, progress);
 }
 
 struct PictureArrays {
@@ -70,7 +70,7 @@ PictureArrays arrays_of(const Shots& picture) {
   return arrays;
 }
 
-void hand_over(const Comparison& comparison, const Request& request, int output) {
+void send(const Comparison& comparison, const Request& request, int output) {
   const std::string text = json_of(comparison.report).dump(-1, ' ', false, Json::error_handler_t::replace);
   const PictureArrays picture = arrays_of(comparison.picture);
   using formats::ElementType;
@@ -103,6 +103,6 @@ int main(int argc, char** argv) {
   return preprocess::worker_main([&](int, int output) {
     const auto request = tools::validate::request_from(argc == 2 ? argv[1] : "");
     const ThreadLimit threads(request.threads);
-    tools::validate::hand_over(tools::validate::compare(request), request, output);
+    tools::validate::send(tools::validate::compare(request), request, output);
   });
 }

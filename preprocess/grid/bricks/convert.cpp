@@ -11,8 +11,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "formats/base/error.h"
 #include "formats/base/parallel.h"
-#include "formats/base/trouble.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -68,7 +68,7 @@ template <class From>
 [[noreturn]] void refuse_sample(const NeutralVolume& volume, std::size_t at, From value, formats::ElementType type,
                                 const std::string& source_name) {
   const auto nx = static_cast<std::size_t>(volume.sample_count.x), ny = static_cast<std::size_t>(volume.sample_count.y);
-  throw Error(Trouble::invalid,
+  throw Error(ErrorCode::invalid,
               concat(source_name, ", sample (", at % nx, ", ", at / nx % ny, ", ", at / nx / ny, "): found ", value,
                      "; expected a number that ", formats::element_name(type), " holds exactly"),
               "choose a type that holds every value, or keep the source's own");

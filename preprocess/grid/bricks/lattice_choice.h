@@ -9,7 +9,7 @@
 namespace rhoray::preprocess {
 
 /// The layout of bricks of this many samples an axis, 2 to 64, in superbricks of at most so many bricks, 1 to 64;
-/// refuses others (Trouble::usage).
+/// refuses others (ErrorCode::usage).
 formats::BrickLayout bricked_layout(const Index3& sample_count, std::int64_t brick_edge,
                                     std::int64_t largest_superbrick);
 

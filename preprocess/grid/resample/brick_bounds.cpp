@@ -83,8 +83,8 @@ void BrickBounds::take_conflict(const std::array<std::size_t, 3>& sample, double
   }
 }
 
-/// Looks at the faces in leaf cells, those with the largest quick bounds first, until no other can hold more than what
-/// a bound need not be below.
+/// CandidateList at the faces in leaf cells, those with the largest quick bounds first, until no other can hold more
+/// than what a bound need not be below.
 void BrickBounds::refine(const FieldView& field, double good_enough, BrickErrors& errors) {
   errors.bound = errors.attained;
   quick_.bound_blocks(field);

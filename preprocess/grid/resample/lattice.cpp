@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -13,7 +13,7 @@ constexpr double on_the_side = 1e-9;  // of a step: what a division by the spaci
 
 void check_count(double samples, int axis) {
   if (samples >= 2 && samples <= static_cast<double>(SampleLattice::largest_axis)) return;
-  throw Error(Trouble::usage,
+  throw Error(ErrorCode::usage,
               concat("samples on the ", std::string_view("xyz").substr(static_cast<std::size_t>(axis), 1),
                      " axis: found ", samples, "; expected 2 to ", SampleLattice::largest_axis));
 }
@@ -27,7 +27,7 @@ void fit(SampleLattice& lattice, const Box3& box, int axis, double samples) {
 
 void step(SampleLattice& lattice, const Box3& box, int axis, double spacing) {
   if (!(spacing > 0 && std::isfinite(spacing)))
-    throw Error(Trouble::usage, concat("spacing: found ", spacing, "; expected a number above 0"));
+    throw Error(ErrorCode::usage, concat("spacing: found ", spacing, "; expected a number above 0"));
   const double steps = (box.max[axis] - box.min[axis]) / spacing;
   const double samples = std::max(2.0, std::ceil(steps * (1 - on_the_side)) + 1);
   check_count(samples, axis);
@@ -47,20 +47,20 @@ void place(SampleLattice& lattice, const Box3& box, int axis) {
 
 }  // namespace
 
-SampleLattice choose_samples(const Box3& box, const LatticeWish& wish) {
+SampleLattice choose_samples(const Box3& box, const LatticeRequest& request) {
   SampleLattice lattice;
   lattice.low = box.min;
   const Vec3 extent = box.max - box.min;
   const double longest = std::max({extent.x, extent.y, extent.z});
-  if (wish.longest_axis != 0)
-    check_count(static_cast<double>(wish.longest_axis), extent.x == longest ? 0 : extent.y == longest ? 1 : 2);
+  if (request.longest_axis != 0)
+    check_count(static_cast<double>(request.longest_axis), extent.x == longest ? 0 : extent.y == longest ? 1 : 2);
   for (int axis = 0; axis < 3; ++axis) {
-    if (wish.spacing != Vec3(0, 0, 0)) {
-      step(lattice, box, axis, wish.spacing[axis]);
-    } else if (wish.sample_count != Index3(0, 0, 0)) {
-      fit(lattice, box, axis, static_cast<double>(wish.sample_count[axis]));
+    if (request.spacing != Vec3(0, 0, 0)) {
+      step(lattice, box, axis, request.spacing[axis]);
+    } else if (request.sample_count != Index3(0, 0, 0)) {
+      fit(lattice, box, axis, static_cast<double>(request.sample_count[axis]));
     } else {
-      const double steps = extent[axis] / longest * static_cast<double>(wish.longest_axis - 1);
+      const double steps = extent[axis] / longest * static_cast<double>(request.longest_axis - 1);
       fit(lattice, box, axis, std::max(2.0, std::round(steps) + 1));
     }
     place(lattice, box, axis);

@@ -34,8 +34,8 @@ struct SampleLattice {
 };
 
 /// The lattice starts at the box's low corner. With `longest_axis` and `sample_count` it ends at the high corner; with
-/// `spacing` at the first sample that is not inside the box, or on its side. Refuses (Trouble::usage) fewer than 2 or
+/// `spacing` at the first sample that is not inside the box, or on its side. Refuses (ErrorCode::usage) fewer than 2 or
 /// more than largest_axis samples on an axis, and a spacing that is not a positive number.
-SampleLattice choose_samples(const Box3& box, const LatticeWish& wish);
+SampleLattice choose_samples(const Box3& box, const LatticeRequest& request);
 
 }  // namespace rhoray::preprocess

@@ -8,8 +8,8 @@
 #include <new>
 #include <utility>
 
+#include "formats/base/error.h"
 #include "formats/base/floating_point.h"
-#include "formats/base/trouble.h"
 #include "preprocess/grid/resample/extend.h"
 #include "preprocess/grid/resample/write_grid.h"
 #include "preprocess/values/has_data.h"
@@ -69,7 +69,7 @@ class Resampling {
   }
 
  private:
-  /// A grid without samples: in which bricks they will stand. Throws Trouble::resource where they do not fit.
+  /// A grid without samples: in which bricks they will stand. Throws ErrorCode::resource where they do not fit.
   ResampledMesh placed(SampleLattice lattice) const {
     ResampledMesh grid;
     grid.lattice = std::move(lattice);
@@ -94,7 +94,7 @@ class Resampling {
 
   void require_memory(double bytes, const SampleLattice& lattice) const {
     if (bytes > static_cast<double>(limit_))
-      throw Error(Trouble::resource,
+      throw Error(ErrorCode::resource,
                   concat(source_name_, ": ", size_text(lattice.count), " need ", mebibytes(bytes), "; allowed are ",
                          mebibytes(static_cast<double>(limit_))),
                   "take fewer samples, or allow more memory");
@@ -104,7 +104,8 @@ class Resampling {
   /// may come to (2^-20 of the largest value: sixteen units of its last place), which no grid lowers.
   double requested_error() const {
     if (!(std::isfinite(*options_.max_error) && *options_.max_error > 0))
-      throw Error(Trouble::usage, concat("largest error: found ", *options_.max_error, "; expected a number above 0"));
+      throw Error(ErrorCode::usage,
+                  concat("largest error: found ", *options_.max_error, "; expected a number above 0"));
     if (!options_.max_error_is_share) return *options_.max_error;
     Interval<double> range;
     std::visit(
@@ -118,7 +119,7 @@ class Resampling {
   }
 
   /// About one sample for each tetrahedron to start with, but eight on the longest axis.
-  LatticeWish first_wish() const {
+  LatticeRequest first_spec() const {
     if (options_.lattice.is_given()) return options_.lattice;
     const Vec3 extent = mesh_.box.max - mesh_.box.min;
     const double longest = std::max({extent.x, extent.y, extent.z});
@@ -129,7 +130,7 @@ class Resampling {
   }
 
   SampleLattice first_lattice() const {
-    return choose_samples(mesh_.box, options_.max_error ? first_wish() : options_.lattice);
+    return choose_samples(mesh_.box, options_.max_error ? first_spec() : options_.lattice);
   }
 
   static bool is_covered(const ResampledMesh& grid) {
@@ -177,7 +178,7 @@ class Resampling {
         grid = {};
         grid = sampled(std::move(next));
       } catch (const Error& error_of_next) {
-        if (error_of_next.trouble() != Trouble::resource) throw;
+        if (error_of_next.code() != ErrorCode::resource) throw;
         report_.why_not_reached = error_of_next.what();
       } catch (const std::bad_alloc&) {
         report_.why_not_reached =
@@ -194,8 +195,9 @@ class Resampling {
     for (int a = 0; a < 3; ++a) {
       count[a] = static_cast<std::int64_t>(std::ceil(static_cast<double>(lattice.count[a] - 1) / shorter)) + 1;
       if (count[a] > SampleLattice::largest_axis)
-        throw Error(Trouble::resource, concat(source_name_, ": ", size_text(count), " are wanted; a grid has at most ",
-                                              SampleLattice::largest_axis, " on an axis"));
+        throw Error(ErrorCode::resource,
+                    concat(source_name_, ": ", size_text(count), " are wanted; a grid has at most ",
+                           SampleLattice::largest_axis, " on an axis"));
     }
     if (options_.lattice.spacing != Vec3(0, 0, 0))
       return choose_samples(mesh_.box, {.spacing = lattice.spacing * shorter});
@@ -242,7 +244,8 @@ class Resampling {
 ResampleReport resample(const NeutralMesh& mesh, const std::filesystem::path& path, const ResampleOptions& options,
                         const Progress& progress) {
   if (!options.lattice.is_given() && !options.max_error)
-    throw Error(Trouble::usage, "found neither a number of samples, nor a spacing, nor a largest error; expected one");
+    throw Error(ErrorCode::usage,
+                "found neither a number of samples, nor a spacing, nor a largest error; expected one");
   const DefaultFloatingPoint default_floating_point;
   return Resampling(mesh, options, progress).write(mesh.length_unit, path);
 }

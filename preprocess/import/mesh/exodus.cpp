@@ -131,7 +131,7 @@ class ExodusReader {
     if (flat == std::end(flat_types) || count > nodes.size())
       refuse_input(file_.path(), concat("block ", id), concat(count, " elements '", name, "' of ", each, " nodes"),
                    "tetrahedra (4, 10, 14), hexahedra (8, 20, 27), wedges (6, 12, 15, 18), pyramids (5, 13, 14)",
-                   Trouble::unsupported);
+                   ErrorCode::unsupported);
     const bool is_shell_of_three = flat->beginning == "SHE" && (each == 3 || each == 6);
     cells_.kinds.resize(cells_.kinds.size() + count, is_shell_of_three ? triangle : flat->kind);
     cells_.offsets.resize(cells_.offsets.size() + count, cells_.nodes.size());  // left out, whatever their nodes are

@@ -72,18 +72,18 @@ class MshReader {
   void read_format() {
     const std::string_view word = in_.words.word("$MeshFormat");
     const std::size_t begin = in_.words.position();
-    if (word == "$NOD") in_.words.refuse(word, "$MeshFormat: this is MSH 1", Trouble::unsupported);
+    if (word == "$NOD") in_.words.refuse(word, "$MeshFormat: this is MSH 1", ErrorCode::unsupported);
     if (word != "$MeshFormat") in_.words.refuse(word, "$MeshFormat");
     const std::string_view version = in_.words.word("a version");
     is_4_ = version == "4.1";
     if (!is_4_ && version != "2" && version != "2.0" && version != "2.1" && version != "2.2")
       in_.words.refuse(
           version, "MSH 2 to 2.2 or 4.1; Gmsh turns one into the other: gmsh OLD.msh -save -format msh41 -o NEW.msh",
-          Trouble::unsupported);
+          ErrorCode::unsupported);
     const int type = in_.words.number<int>("0 or 1: text or binary");
     if (type != 0 && type != 1) in_.words.refuse(concat(type), "0 or 1: text or binary");
     if (in_.words.number<int>("8: the size of numbers") != 8)
-      in_.words.refuse("numbers of another size", "8 bytes each", Trouble::unsupported);
+      in_.words.refuse("numbers of another size", "8 bytes each", ErrorCode::unsupported);
     in_.words.line();
     in_.is_binary = type == 1;
     if (in_.is_binary) {
@@ -106,7 +106,7 @@ class MshReader {
     if (found == sections_.end()) return false;
     if (!file_.text().substr(in_.words.position()).starts_with(found->second))
       in_.words.refuse(concat("another section ", name), "the same one, or none: one mesh in a file",
-                       Trouble::unsupported);
+                       ErrorCode::unsupported);
     in_.words.bytes(found->second.size(), name);
     return true;
   }
@@ -234,7 +234,7 @@ class MshReader {
         in_.words.refuse(concat("elements of type ", number),
                          "tetrahedra or hexahedra of any order, wedges or pyramids of order 1 or 2, or what fills no "
                          "space",
-                         Trouble::unsupported);
+                         ErrorCode::unsupported);
       found->second = *type;
     }
     return found->second;

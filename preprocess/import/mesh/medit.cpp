@@ -48,7 +48,7 @@ class MeditFile {
       words_.refuse(word, "MeshVersionFormatted");
     }
     version_ = is_binary_ ? raw<std::int32_t>("a version") : words_.number<std::int32_t>("a version");
-    if (version_ < 1 || version_ > 4) words_.refuse(concat(version_), "a version, 1 to 4", Trouble::unsupported);
+    if (version_ < 1 || version_ > 4) words_.refuse(concat(version_), "a version, 1 to 4", ErrorCode::unsupported);
   }
 
   /// Moves to the next known section, over what the last one left unread, and returns its word; empty at "End".
@@ -74,8 +74,8 @@ class MeditFile {
   bool is_single_precision() const { return version_ == 1; }
   const std::filesystem::path& path() const { return path_; }
   [[noreturn]] void refuse(std::string_view found, std::string_view expected,
-                           Trouble trouble = Trouble::invalid) const {
-    words_.refuse(found, expected, trouble);
+                           ErrorCode error_code = ErrorCode::invalid) const {
+    words_.refuse(found, expected, error_code);
   }
 
  private:
@@ -132,7 +132,7 @@ class MeditFile {
 
 void check_dimension(MeditFile& file) {
   const std::int32_t dimension = file.small("3: the dimension");
-  if (dimension != 3) file.refuse(concat(dimension, " dimensions"), "3", Trouble::unsupported);
+  if (dimension != 3) file.refuse(concat(dimension, " dimensions"), "3", ErrorCode::unsupported);
 }
 
 class MeditReader {
@@ -149,7 +149,7 @@ class MeditReader {
       else if (cells != cell_sections.end())
         read_cells(cells->second);
       else if (word != "SolAtVertices")
-        file_.refuse(concat("section ", word), "Tetrahedra, Hexahedra, Prisms or Pyramids", Trouble::unsupported);
+        file_.refuse(concat("section ", word), "Tetrahedra, Hexahedra, Prisms or Pyramids", ErrorCode::unsupported);
     }
     NeutralField reference;
     reference.name = "reference";

@@ -92,7 +92,7 @@ void check_kinds(const ForeignCells& cells, const std::filesystem::path& path) {
   if (!unknown.empty())
     refuse_input(path, "cells",
                  concat(unknown.begin()->second, " cells of VTK's kind ", static_cast<int>(unknown.begin()->first)),
-                 "kinds 0 to 16, 21 to 37, 42 or 68 to 74", Trouble::unsupported);
+                 "kinds 0 to 16, 21 to 37, 42 or 68 to 74", ErrorCode::unsupported);
 }
 
 void check_ghosts(const Array<std::uint8_t>& ghosts, std::uint64_t owners, const std::filesystem::path& path) {
@@ -256,7 +256,7 @@ void finish_cells(CellMesh& mesh, const LeftOut& left_out, const std::filesystem
     std::string found = in_words(left_out.not_filling);
     const bool is_surface = !found.empty();
     if (found.empty()) found = notes.empty() ? "none" : notes.front();
-    throw Error(Trouble::invalid,
+    throw Error(ErrorCode::invalid,
                 concat(path.string(), ", cells: found ", found, "; expected at least one that fills space"),
                 is_surface ? "a closed surface in .ply, .stl, .obj or .off: rhoray tetrahedralize fills it" : "");
   }

@@ -35,7 +35,7 @@ NetcdfFile::~NetcdfFile() {
 
 void NetcdfFile::check(int status, std::string_view place) const {
   if (status == NC_NOERR) return;
-  if (status == NC_ENOMEM) throw Error(Trouble::resource, concat(path_.string(), ", ", place, ": out of memory"));
+  if (status == NC_ENOMEM) throw Error(ErrorCode::resource, concat(path_.string(), ", ", place, ": out of memory"));
   refuse_input(path_, place, ::nc_strerror(status), "a readable netCDF file");
 }
 

@@ -53,7 +53,7 @@ class NetgenReader {
     if (word == "endmesh") return false;
     if (word == "dimension") {
       lines_.need("3");
-      if (lines_.words().front() != "3") lines_.refuse(lines_.words().front(), "3", Trouble::unsupported);
+      if (lines_.words().front() != "3") lines_.refuse(lines_.words().front(), "3", ErrorCode::unsupported);
     } else if (word == "points") {
       read_points();
     } else if (word == "volumeelements") {
@@ -98,7 +98,7 @@ class NetgenReader {
                                       [&](const VolumeElement& row) { return row.node_count == node_count; });
       if (type == std::end(volume_elements))
         lines_.refuse(concat("a volume element with ", node_count, " nodes"), "4, 5, 6, 8 or 10 nodes",
-                      Trouble::unsupported);
+                      ErrorCode::unsupported);
       for (std::uint64_t k = 0; k < node_count; ++k)  // counted from 1; a 0 becomes too large and is refused
         cells_.nodes.push_back(lines_.number<std::uint64_t>(2 + type->order[k], "a point") - 1);
       cells_.offsets.push_back(cells_.nodes.size());

@@ -33,7 +33,7 @@ Plot3dLayout only_layout(const ForeignFile& file) {
     for (const Plot3dLayout& layout : layouts)
       candidates += concat(candidates.empty() ? "" : "; or ", in_words(layout));
     refuse_input(file.path(), "size", concat(layouts.size(), " layouts that fit (", candidates, ")"), "one",
-                 Trouble::unsupported);
+                 ErrorCode::unsupported);
   }
   return layouts.front();
 }
@@ -223,7 +223,7 @@ CellMesh read_plot3d(const fs::path& path) {
     return read_blocks(grid, &solution);
   }
   if (given.layout.is_solution)
-    refuse_input(path, "PLOT3D solution", "no grid beside it", "its points in " + looked_for, Trouble::unreadable);
+    refuse_input(path, "PLOT3D solution", "no grid beside it", "its points in " + looked_for, ErrorCode::unreadable);
   CellMesh mesh = read_blocks(given, nullptr);
   mesh.notes.push_back(concat("no solution file beside it: looked for ", looked_for));
   return mesh;

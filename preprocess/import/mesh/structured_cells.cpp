@@ -11,7 +11,7 @@ ForeignCells hexahedra_of_grid(const Index3& point_counts, std::uint64_t availab
   const std::string size = concat(x, " x ", y, " x ", z, " points");
   if (x < 2 || y < 2 || z < 2)
     refuse_input(path, "grid", size, "at least 2 along each axis: one layer has no cells that fill space",
-                 Trouble::unsupported);
+                 ErrorCode::unsupported);
   const auto nx = static_cast<std::uint64_t>(x), ny = static_cast<std::uint64_t>(y), nz = static_cast<std::uint64_t>(z);
   if (checked_product({nx, ny, nz}) != available_points)
     refuse_input(path, "grid", concat(available_points, " points"), size);

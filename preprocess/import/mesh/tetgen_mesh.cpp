@@ -109,7 +109,7 @@ Tetrahedra read_records(const std::filesystem::path& path, const TetgenPoints& p
   if (word_count > 1) result.node_count = lines.number<std::uint64_t>(1, "a number of corners");
   if (result.node_count != 4 && result.node_count != 10)
     lines.refuse(concat(result.count, " elements with ", result.node_count, " points"),
-                 "tetrahedra with 4 points or 10", Trouble::unsupported);
+                 "tetrahedra with 4 points or 10", ErrorCode::unsupported);
   if (word_count > 2) result.attribute_count = lines.number<std::uint64_t>(2, "a number of attributes");
   if (result.attribute_count > 1024) lines.refuse(lines.words()[2], "at most 1024 attributes");
   result.attributes.resize(result.attribute_count);
@@ -139,7 +139,7 @@ void require_tetrahedra(const std::filesystem::path& node, const std::filesystem
   std::error_code ignored;
   if (std::filesystem::exists(ele, ignored)) return;
   const std::filesystem::path face = std::filesystem::path(node).replace_extension(".face");
-  throw Error(Trouble::unreadable,
+  throw Error(ErrorCode::unreadable,
               concat(node.string(), ": holds points alone; expected their tetrahedra in ", ele.filename().string()),
               std::filesystem::exists(face, ignored) ? concat("the surface beside it can be filled: ", face.string())
                                                      : std::string());

@@ -34,7 +34,7 @@ std::uint64_t tetgen_count(const LineReader& lines, std::string_view what) {
 TetgenPoints read_tetgen_points(LineReader& lines) {
   const std::uint64_t count = tetgen_count(lines, "a number of points");
   if (lines.words().size() > 1 && lines.number<int>(1, "the dimension") != 3)
-    lines.refuse(lines.words()[1], "3 dimensions", Trouble::unsupported);
+    lines.refuse(lines.words()[1], "3 dimensions", ErrorCode::unsupported);
   const auto attribute_count = lines.words().size() > 2 ? lines.number<std::uint64_t>(2, "a number of attributes") : 0;
   if (attribute_count > 1024) lines.refuse(lines.words()[2], "at most 1024 attributes");
 

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "formats/base/checks.h"
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/import/numbers.h"
 
 namespace rhoray::preprocess {
@@ -28,7 +28,7 @@ std::size_t choose_time_step(std::span<const double> times, const std::string& r
                              const std::filesystem::path& path, std::vector<std::string>& notes) {
   RHORAY_CHECK(!times.empty());
   const auto refuse = [&](const std::string& expected) -> Error {
-    return {Trouble::usage, concat(path.string(), ", time step: found '", request, "'; expected ", expected)};
+    return {ErrorCode::usage, concat(path.string(), ", time step: found '", request, "'; expected ", expected)};
   };
   if (request == "first") return 0;
   if (request == "last") return times.size() - 1;
@@ -51,7 +51,7 @@ std::size_t choose_time_step(std::span<const double> times, const std::string& r
 
 void refuse_time_step(const std::string& request, const std::filesystem::path& path) {
   if (!request.empty())
-    throw Error(Trouble::usage, concat(path.string(), ": found no time steps; expected some, for '", request, "'"));
+    throw Error(ErrorCode::usage, concat(path.string(), ": found no time steps; expected some, for '", request, "'"));
 }
 
 }  // namespace rhoray::preprocess

@@ -26,7 +26,7 @@ NeutralSurface read_obj(const std::filesystem::path& path) {
   while (lines.next()) {
     const std::string_view keyword = lines.words().front();
     if (lines.words().back().ends_with('\\'))
-      lines.refuse("a line that continues on the next", "each record on one line", Trouble::unsupported);
+      lines.refuse("a line that continues on the next", "each record on one line", ErrorCode::unsupported);
     if (keyword == "v") {
       std::array<double, 3>& point = surface.points.emplace_back();
       for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = lines.number<double>(1 + axis, "three coordinates");

@@ -14,7 +14,7 @@ NeutralSurface read_off(const std::filesystem::path& path) {
     lines.refuse(word, "OFF");
   std::size_t at = 1;
   if (lines.words().size() > 1 && lines.words()[1] == "BINARY")
-    lines.refuse("BINARY: numbers in binary", "a text file", Trouble::unsupported);
+    lines.refuse("BINARY: numbers in binary", "a text file", ErrorCode::unsupported);
   if (lines.words().size() == 1) {
     lines.need("numbers of points and facets");
     at = 0;

@@ -194,7 +194,7 @@ NeutralSurface read_ply(const std::filesystem::path& path) {
     else if (element.name == "face")
       read_facets(ply, element, surface, path);
     else if (element.name == "tristrips")
-      refuse_input(path, "header", "triangle strips", "faces", Trouble::unsupported);
+      refuse_input(path, "header", "triangle strips", "faces", ErrorCode::unsupported);
     else
       for (std::uint64_t i = 0; i < element.count; ++i)
         for (const Property& property : element.properties) ply.skip(property);

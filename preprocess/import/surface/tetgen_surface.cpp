@@ -28,7 +28,7 @@ void read_polygon(LineReader& lines, const TetgenPoints& points, std::uint64_t f
   const std::uint64_t corners = tetgen_count(lines, "a number of corners");
   if (corners < fewest_corners)
     lines.refuse(concat("a polygon with ", corners, " corners"), concat("at least ", fewest_corners),
-                 Trouble::unsupported);
+                 ErrorCode::unsupported);
   RecordWords words(lines, 1);
   for (std::uint64_t i = 0; i < corners; ++i) surface.facet_corners.push_back(words.corner(points));
   surface.facet_offsets.push_back(surface.facet_corners.size());
@@ -167,7 +167,7 @@ Array<double> read_tetgen_sizes(const std::filesystem::path& path, std::size_t p
   if (count != point_count)
     lines.refuse(concat("sizes for ", count, " points"), concat(point_count, ", as the surface has"));
   if (lines.words().size() > 1 && lines.number<int>(1, "numbers for each point") != 1)
-    lines.refuse(concat(lines.words()[1], " numbers for each point"), "1, an edge length", Trouble::unsupported);
+    lines.refuse(concat(lines.words()[1], " numbers for each point"), "1, an edge length", ErrorCode::unsupported);
   Array<double> sizes;
   for (std::uint64_t i = 0; i < count; ++i) {
     lines.need(concat(count, " sizes"));

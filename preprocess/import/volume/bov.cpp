@@ -17,7 +17,7 @@ class BovHeader {
   explicit BovHeader(const ForeignFile& file) : path_(file.path()) {
     if (file.text().substr(0, 4096).find('\0') != std::string_view::npos)
       throw Error(
-          Trouble::invalid,
+          ErrorCode::invalid,
           concat(path_.string(), ", byte 0: found bytes that are no text; expected lines KEY: value of a BOV header"),
           concat("if these are the samples themselves, say how they lie: --raw NXxNYxNZ:float32"));
     LineReader lines(file);
@@ -73,7 +73,7 @@ ElementType sample_type(const BovHeader& header) {
   const auto found = types.find(name);
   if (found == types.end())
     refuse_input(header.path(), "key DATA_FORMAT", in_quotes(name), "BYTE, SHORT, INT, LONG, FLOAT or DOUBLE",
-                 Trouble::unsupported);
+                 ErrorCode::unsupported);
   return found->second;
 }
 
@@ -110,7 +110,7 @@ NeutralVolume read_bov(const fs::path& path, const std::string& field) {
   const ForeignFile file(path);
   const BovHeader header(file);
   if (header.need("DATA_FILE").find('%') != std::string::npos || header.has("DATA_BRICKLETS"))
-    refuse_input(path, "key DATA_FILE", "several files", "one", Trouble::unsupported);
+    refuse_input(path, "key DATA_FILE", "several files", "one", ErrorCode::unsupported);
   const std::array<std::int64_t, 3> sizes = header.three<std::int64_t>("DATA_SIZE", {0, 0, 0});
   const Index3 samples(sizes[0], sizes[1], sizes[2]);
   const std::uint64_t components = header.count("DATA_COMPONENTS", 1);

@@ -99,7 +99,7 @@ std::optional<DicomImage> read_image(const std::string& name, std::string_view b
   result.intercept = image.GetIntercept();
   if (result.format.GetSamplesPerPixel() != 1)
     refuse_input(path, name, concat(result.format.GetSamplesPerPixel(), " numbers for each pixel"), "1",
-                 Trouble::unsupported);
+                 ErrorCode::unsupported);
   const std::uint64_t expected = static_cast<std::uint64_t>(volume(result.sample_count)) * result.format.GetPixelSize();
   if (image.GetBufferLength() != expected)
     refuse_input(path, name, concat(image.GetBufferLength(), " bytes of samples"), concat(expected));
@@ -164,7 +164,7 @@ std::vector<DicomImage> one_series(Found found, const std::string& wanted, const
   for (const auto& [id, images] : series)
     names += concat(names.empty() ? "" : ", ", "'", name_of(images), "' (", images.size(), " images)");
   if (chosen == series.end())
-    throw Error(Trouble::usage, concat(path.string(), ": found no series '", wanted, "'; expected one of ", names));
+    throw Error(ErrorCode::usage, concat(path.string(), ": found no series '", wanted, "'; expected one of ", names));
   if (series.size() > 1) notes.push_back(concat("series '", name_of(chosen->second), "' taken of ", names));
   for (auto at = series.begin(); at != series.end(); ++at)
     if (at != chosen) others.push_back(name_of(at->second));
@@ -186,7 +186,7 @@ void check_alike(const std::vector<DicomImage>& images, const fs::path& path) {
         close({image.spacing.x, image.spacing.y, 0}, {first.spacing.x, first.spacing.y, 0}, 1e-4 * first.spacing.x);
     if (!alike)
       refuse_input(path, image.name, concat("an image that does not lie as ", first.name, " does"),
-                   "images of one size, spacing and direction", Trouble::unsupported);
+                   "images of one size, spacing and direction", ErrorCode::unsupported);
   }
 }
 
@@ -210,13 +210,13 @@ void place_images(NeutralVolume& volume, std::vector<DicomImage>& images, const 
     places.push_back(from_first.dot(way.normalized()));
     if ((from_first - places.back() * way.normalized()).length() > 1e-2 * mean)
       refuse_input(path, images[i].name, "an image that does not stand in one line with the others",
-                   "images shifted along one direction", Trouble::unsupported);
+                   "images shifted along one direction", ErrorCode::unsupported);
     if (i == 0) continue;
     smallest = std::min(smallest, places[i] - places[i - 1]);
     largest = std::max(largest, places[i] - places[i - 1]);
     if (!(places[i] - places[i - 1] > 1e-3 * mean))
       refuse_input(path, images[i].name, concat("an image at the place of ", images[i - 1].name),
-                   "one image at each place", Trouble::unsupported);
+                   "one image at each place", ErrorCode::unsupported);
   }
   if (largest - smallest <= 1e-2 * mean) {  // positions are written with few digits
     volume.world_from_grid.z_axis = way / steps;
@@ -244,7 +244,7 @@ void check_format(const gdcm::PixelFormat& format, const std::string& name, cons
   if ((allocated != 8 && allocated != 16 && allocated != 32) || stored < 1 || stored > allocated || high + 1 < stored ||
       high >= allocated)
     refuse_input(path, name, concat(stored, " of ", allocated, " bits, the highest ", high),
-                 "8, 16 or 32 bits for integers", Trouble::unsupported);
+                 "8, 16 or 32 bits for integers", ErrorCode::unsupported);
 }
 
 /// The narrowest type that holds every scaled sample: integers where scaling keeps them whole, else 32-bit floats.
@@ -291,7 +291,7 @@ NeutralVolume read_dicom(const fs::path& path, const std::string& field) {
   std::vector<DicomImage> images = one_series(std::move(found), field, path, volume.notes, volume.other_fields);
   check_alike(images, path);
   if (images.size() > 1 && images.front().sample_count.z != 1)
-    refuse_input(path, "files", concat(images.size(), " images of several frames"), "one", Trouble::unsupported);
+    refuse_input(path, "files", concat(images.size(), " images of several frames"), "one", ErrorCode::unsupported);
   volume.sample_count = images.front().sample_count;
   volume.sample_count.z *= static_cast<std::int64_t>(images.size());
   place_images(volume, images, path);

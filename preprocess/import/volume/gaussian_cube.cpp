@@ -45,7 +45,7 @@ NeutralVolume read_gaussian_cube(const std::filesystem::path& path, const std::s
     for (int number = 0; number < 5; ++number) reader.number<double>("an atom");
   if (atoms < 0) {
     const auto orbitals = reader.number<std::int64_t>("a number of orbitals");
-    if (orbitals != 1) reader.refuse(concat(orbitals, " orbitals"), "1", Trouble::unsupported);
+    if (orbitals != 1) reader.refuse(concat(orbitals, " orbitals"), "1", ErrorCode::unsupported);
     reader.number<std::int64_t>("an orbital's number");
   }
 

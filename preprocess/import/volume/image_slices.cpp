@@ -37,9 +37,9 @@ Picture picture_of(const OIIO::ImageSpec& spec) {
 
 std::unique_ptr<OIIO::ImageInput> open(const fs::path& path) {
   require_regular_file(path);
-  OIIO::ImageSpec wish;
-  wish["oiio:UnassociatedAlpha"] = 1;  // colours as they are stored
-  auto input = OIIO::ImageInput::open(path.string(), &wish);
+  OIIO::ImageSpec request;
+  request["oiio:UnassociatedAlpha"] = 1;  // colours as they are stored
+  auto input = OIIO::ImageInput::open(path.string(), &request);
   if (!input) refuse_input(path, "header", OIIO::geterror(), "a picture");
   return input;
 }
@@ -68,7 +68,7 @@ std::vector<Slice> slices_of(const fs::path& path, std::size_t least) {
     for (int page = 0; page < pages; ++page) slices.push_back({path, page});
   }
   if (slices.size() < least)
-    throw Error(Trouble::unsupported,
+    throw Error(ErrorCode::unsupported,
                 concat(path.string(), ": found ", slices.size(), " slice; expected at least ", least),
                 "name the folder that holds the slices of the volume");
   return slices;
@@ -112,7 +112,7 @@ ElementType element_type_of_oiio(const Picture& picture, const fs::path& path) {
     case OIIO::TypeDesc::DOUBLE:
       return ElementType::F64;
     default:
-      refuse_input(path, "header", picture.type.c_str(), "8, 16 or 32 bit integers, or floats", Trouble::unsupported);
+      refuse_input(path, "header", picture.type.c_str(), "8, 16 or 32 bit integers, or floats", ErrorCode::unsupported);
   }
 }
 
@@ -138,7 +138,7 @@ Choice choose(const Picture& picture, const std::string& field, const fs::path& 
     if (field == "luminance") return {Choice::luminance};
     names += ", luminance";
   }
-  throw Error(Trouble::usage, concat(path.string(), ": found no field '", field, "'; expected one of ", names));
+  throw Error(ErrorCode::usage, concat(path.string(), ": found no field '", field, "'; expected one of ", names));
 }
 
 template <class T>
@@ -156,7 +156,7 @@ void take_slice(const std::vector<std::byte>& pixels, const Picture& picture, co
       sample = static_cast<T>(0.2126 * static_cast<double>(sample) + 0.7152 * static_cast<double>(value(pixel, 1)) +
                               0.0722 * static_cast<double>(value(pixel, 2)));
     } else if (choice.channel == Choice::grey && (sample != value(pixel, 1) || sample != value(pixel, 2))) {
-      throw Error(Trouble::unsupported,
+      throw Error(ErrorCode::unsupported,
                   concat(slice.file.string(), ", pixel ", pixel, ": found a colour; expected grey, or a choice"),
                   "take one channel: --field R, G, B or luminance; or all of them, as a texture: --color");
     }
@@ -171,10 +171,11 @@ void check_colors(const OIIO::ImageSpec& spec, const fs::path& path) {
   const bool is_rgb = (names.size() == 3 || has_alpha) && names[0] == "R" && names[1] == "G" && names[2] == "B" &&
                       (!has_alpha || names[3] == "A");
   if (!is_rgb || spec.format != OIIO::TypeDesc::UINT8)
-    refuse_input(path, "header", text_of(picture_of(spec)), "R, G, B, or R, G, B, A, of 8 bits", Trouble::unsupported);
+    refuse_input(path, "header", text_of(picture_of(spec)), "R, G, B, or R, G, B, A, of 8 bits",
+                 ErrorCode::unsupported);
   if (has_alpha && spec.get_int_attribute("oiio:UnassociatedAlpha") == 0)
     refuse_input(path, "header", "colours multiplied by alpha", "colours by themselves (unassociated alpha)",
-                 Trouble::unsupported);
+                 ErrorCode::unsupported);
 }
 
 constexpr const char* no_spacing =

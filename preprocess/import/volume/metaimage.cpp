@@ -93,7 +93,7 @@ ElementType sample_type(const Header& header) {
   const auto found = types.find(name);
   if (found == types.end())
     refuse_input(header.path(), "key ElementType", name, "MET_CHAR to MET_DOUBLE, one number each",
-                 Trouble::unsupported);
+                 ErrorCode::unsupported);
   return found->second;
 }
 
@@ -186,7 +186,7 @@ ForeignFile part_file(const Header& header, const std::string& name) {
   try {
     return ForeignFile(header.path().parent_path() / name);
   } catch (const Error& error) {
-    throw Error(error.trouble(), concat(header.path().string(), ", key ElementDataFile: ", error.what()), error.hint());
+    throw Error(error.code(), concat(header.path().string(), ", key ElementDataFile: ", error.what()), error.hint());
   }
 }
 
@@ -224,16 +224,16 @@ NeutralVolume read_samples(const fs::path& path, bool colors) {
   const std::vector<int> axes = header.numbers<int>({"NDims"}, 1);
   if (axes.empty() || axes[0] != 3)
     refuse_input(path, "key NDims", axes.empty() ? "nothing" : concat(axes[0]), "3",
-                 axes.empty() ? Trouble::invalid : Trouble::unsupported);
+                 axes.empty() ? ErrorCode::invalid : ErrorCode::unsupported);
   const std::vector<std::int64_t> sizes = header.numbers<std::int64_t>({"DimSize"}, 3);
   if (sizes.empty()) refuse_input(path, "header", "no key DimSize", "three sizes");
   if (header.word("BinaryData", "True") == "False")
-    refuse_input(path, "key BinaryData", "False: samples as text", "True", Trouble::unsupported);
+    refuse_input(path, "key BinaryData", "False: samples as text", "True", ErrorCode::unsupported);
   const std::vector<int> said = header.numbers<int>({"ElementNumberOfChannels"}, 1);
   const int channels = said.empty() ? 1 : said[0];
   if (colors ? channels != 3 && channels != 4 : channels != 1)
     refuse_input(path, "key ElementNumberOfChannels", concat(channels, " numbers for each sample"),
-                 colors ? "3 or 4: colours" : "1", Trouble::unsupported);
+                 colors ? "3 or 4: colours" : "1", ErrorCode::unsupported);
 
   NeutralVolume volume;
   volume.sample_count = {sizes[0], sizes[1], sizes[2]};
@@ -241,7 +241,7 @@ NeutralVolume read_samples(const fs::path& path, bool colors) {
   volume.type = sample_type(header);
   if (colors && volume.type != ElementType::U8)
     refuse_input(path, "key ElementType", header.word("ElementType", ""), "MET_UCHAR: colours of 8 bits",
-                 Trouble::unsupported);
+                 ErrorCode::unsupported);
   volume.world_from_grid = world_from_grid(header);
   volume.field_name = stem_of(path);
   const std::uint64_t bytes = colors ? checked_color_bytes(path, volume.sample_count, channels)

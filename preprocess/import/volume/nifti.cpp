@@ -22,7 +22,7 @@ class Header {
     swapped_ = true;
     if (at<std::int32_t>(0) == static_cast<std::int32_t>(header_bytes)) return;
     const bool second_version = at<std::int32_t>(0) == 540 || __builtin_bswap32(at<std::uint32_t>(0)) == 540;
-    if (second_version) refuse_input(path, "byte 0", "NIfTI-2", "NIfTI-1", Trouble::unsupported);
+    if (second_version) refuse_input(path, "byte 0", "NIfTI-2", "NIfTI-1", ErrorCode::unsupported);
     refuse_input(path, "byte 0", "another beginning", "the header size 348 of NIfTI-1");
   }
 
@@ -56,8 +56,8 @@ Index3 sample_count(const Header& header) {
   for (int axis = 4; axis <= size(0); ++axis)
     if (size(axis) > 1)
       refuse_input(header.path(), concat("dim[", axis, "]"), concat(size(axis), " volumes or components"), "1",
-                   Trouble::unsupported);
-  if (size(0) < 3) refuse_input(header.path(), "dim[0]", concat(size(0), " axes"), "3", Trouble::unsupported);
+                   ErrorCode::unsupported);
+  if (size(0) < 3) refuse_input(header.path(), "dim[0]", concat(size(0), " axes"), "3", ErrorCode::unsupported);
   return {size(1), size(2), size(3)};
 }
 
@@ -88,7 +88,7 @@ ElementType sample_type(const Header& header) {
       break;
   }
   refuse_input(header.path(), "datatype", concat(code), "integers or floating-point numbers of 8 to 64 bits",
-               Trouble::unsupported);
+               ErrorCode::unsupported);
 }
 
 Affine from_sform(const Header& header) {
@@ -187,7 +187,7 @@ NeutralVolume read_nifti(const std::filesystem::path& path, const std::string&) 
   const Header header(path, header_text);
   if (header.magic() == std::string_view("ni1\0", 4))
     refuse_input(path, "magic", "ni1: the samples lie in another file", "n+1: header and samples in one file",
-                 Trouble::unsupported);
+                 ErrorCode::unsupported);
   if (header.magic() != std::string_view("n+1\0", 4)) refuse_input(path, "magic", "another word", "n+1");
 
   NeutralVolume volume;

@@ -45,7 +45,7 @@ struct Loaded {
 };
 
 [[noreturn]] void refuse_by_teem(const std::filesystem::path& path) {
-  throw Error(Trouble::invalid, concat(path.string(), ": Teem cannot read it: ", teem_reason()));
+  throw Error(ErrorCode::invalid, concat(path.string(), ": Teem cannot read it: ", teem_reason()));
 }
 
 /// Where the header ends that stands before its samples: behind the first empty line.
@@ -197,7 +197,7 @@ ElementType type_of(const std::filesystem::path& path, const Nrrd& nrrd) {
       break;
   }
   refuse_input(path, "key type", airEnumStr(nrrdType, nrrd.type), "integers or floating-point numbers",
-               Trouble::unsupported);
+               ErrorCode::unsupported);
 }
 
 bool has_direction(const Nrrd& nrrd, unsigned axis) {
@@ -241,9 +241,9 @@ std::array<unsigned, 3> volume_axes(const std::filesystem::path& path, const Nrr
       refuse_input(path, concat("axis ", axis),
                    concat(nrrd.axis[axis].size, " numbers for each sample (kind ",
                           airEnumStr(nrrdKind, nrrd.axis[axis].kind), ")"),
-                   "one number for each sample", Trouble::unsupported);
+                   "one number for each sample", ErrorCode::unsupported);
   if (axes.size() != 3)
-    refuse_input(path, "key dimension", concat(axes.size(), " axes in space"), "3", Trouble::unsupported);
+    refuse_input(path, "key dimension", concat(axes.size(), " axes in space"), "3", ErrorCode::unsupported);
   return {axes[0], axes[1], axes[2]};
 }
 
@@ -310,9 +310,9 @@ void check_colors(const std::filesystem::path& path, const Nrrd& nrrd) {
   if (!begins_with_colors(nrrd))
     refuse_input(path, "axis 0",
                  concat(nrrd.axis[0].size, " samples of kind ", airEnumStr(nrrdKind, nrrd.axis[0].kind)),
-                 "3 or 4 of kind RGB-color, RGBA-color or vector: colours", Trouble::unsupported);
+                 "3 or 4 of kind RGB-color, RGBA-color or vector: colours", ErrorCode::unsupported);
   if (nrrd.type != nrrdTypeUChar)
-    refuse_input(path, "key type", airEnumStr(nrrdType, nrrd.type), "uchar: colours of 8 bits", Trouble::unsupported);
+    refuse_input(path, "key type", airEnumStr(nrrdType, nrrd.type), "uchar: colours of 8 bits", ErrorCode::unsupported);
 }
 
 /// @param colors  samples of 3 or 4 components of 8 bits are read, and no others

@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/import/numbers.h"
 #include "preprocess/import_volume.h"
 
@@ -24,7 +24,7 @@ constexpr TypeName type_names[] = {
 };
 
 [[noreturn]] void refuse_part(const std::string& text, std::string_view part, std::string_view expected) {
-  throw Error(Trouble::usage, concat("raw volume '", text, "': found '", part, "'; expected ", expected),
+  throw Error(ErrorCode::usage, concat("raw volume '", text, "': found '", part, "'; expected ", expected),
               "say NXxNYxNZ:TYPE[:le|be][:SKIP], for example 256x256x128:uint16:le");
 }
 

@@ -14,14 +14,14 @@ class SlcHeader {
     if (reader_.word("11111") != "11111") reader_.refuse("another beginning", "11111, the mark of SLC files");
     for (int axis = 0; axis < 3; ++axis) sample_count_[axis] = reader_.number<std::int64_t>("three sizes");
     if (const int bits = reader_.number<int>("bits of a sample"); bits != 8)
-      reader_.refuse(concat(bits, " bits for a sample"), "8", Trouble::unsupported);
+      reader_.refuse(concat(bits, " bits for a sample"), "8", ErrorCode::unsupported);
     for (int axis = 0; axis < 3; ++axis) spacing_[axis] = reader_.number<double>("three spacings");
     unit_ = reader_.number<int>("a kind of unit");
     reader_.number<int>("where the data came from");
     reader_.number<int>("what was changed");
     compression_ = reader_.number<int>("a kind of compression");
     if (compression_ != 0 && compression_ != 1)
-      reader_.refuse(concat("compression ", compression_), "0 or 1", Trouble::unsupported);
+      reader_.refuse(concat("compression ", compression_), "0 or 1", ErrorCode::unsupported);
     const auto width = reader_.number<std::uint64_t>("the icon's width");
     const auto height = reader_.number<std::uint64_t>("the icon's height");
     if (width > 10000 || height > 10000) reader_.refuse(concat(width, " x ", height), "an icon up to 10000 x 10000");

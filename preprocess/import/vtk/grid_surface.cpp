@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/export/grid_samples.h"
 #include "preprocess/export/stl_file.h"
 #include "preprocess/import/vtk/vtk_errors.h"

@@ -56,7 +56,7 @@ class Parser {
     if (!known.contains(result_.dataset))
       reader_.refuse(in_quotes(result_.dataset),
                      "STRUCTURED_POINTS, RECTILINEAR_GRID, STRUCTURED_GRID, UNSTRUCTURED_GRID or POLYDATA",
-                     Trouble::unsupported);
+                     ErrorCode::unsupported);
   }
 
   /// `# vtk DataFile Version 4.2`.

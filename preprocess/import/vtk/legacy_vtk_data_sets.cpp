@@ -53,7 +53,7 @@ void renew_lagrange_hexahedra(ForeignCells& cells, const std::filesystem::path& 
     if (begin > cells.nodes.size() || count > cells.nodes.size() - begin || count < 8 ||
         (degree + 1) * (degree + 1) * (degree + 1) != count)
       refuse_input(path, concat("cell ", cell), concat(static_cast<std::int64_t>(count), " corners"),
-                   "those of a Lagrange hexahedron with the same degree along each axis", Trouble::unsupported);
+                   "those of a Lagrange hexahedron with the same degree along each axis", ErrorCode::unsupported);
     const auto third = cells.nodes.begin() + static_cast<std::ptrdiff_t>(begin + 8 + 10 * (degree - 1));
     std::swap_ranges(third, third + static_cast<std::ptrdiff_t>(degree - 1),
                      third + static_cast<std::ptrdiff_t>(degree - 1));
@@ -69,7 +69,7 @@ CellMesh read_legacy_vtk_mesh(const std::filesystem::path& path) {
     parts.cells = hexahedra_of_grid(parts.dimensions, parts.points.size(), path);
     parts.cells.point_ghosts = std::move(blanked);
   } else if (parts.dataset != "UNSTRUCTURED_GRID") {
-    refuse_input(path, "DATASET", parts.dataset, "UNSTRUCTURED_GRID or STRUCTURED_GRID", Trouble::unsupported);
+    refuse_input(path, "DATASET", parts.dataset, "UNSTRUCTURED_GRID or STRUCTURED_GRID", ErrorCode::unsupported);
   }
   CellMesh mesh;
   mesh.points = std::move(parts.points);
@@ -83,7 +83,7 @@ CellMesh read_legacy_vtk_mesh(const std::filesystem::path& path) {
 
 NeutralSurface read_legacy_vtk_surface(const std::filesystem::path& path) {
   LegacyVtk parts = read_legacy_vtk(path);
-  if (parts.dataset != "POLYDATA") refuse_input(path, "DATASET", parts.dataset, "POLYDATA", Trouble::unsupported);
+  if (parts.dataset != "POLYDATA") refuse_input(path, "DATASET", parts.dataset, "POLYDATA", ErrorCode::unsupported);
   NeutralSurface surface;
   surface.points = std::move(parts.points);
   const auto each = [&](const ForeignCells& cells, const char* kind, auto&& act) {
@@ -113,7 +113,7 @@ NeutralSurface read_legacy_vtk_surface(const std::filesystem::path& path) {
 NeutralVolume read_legacy_vtk_volume(const std::filesystem::path& path, const std::string& field) {
   LegacyVtk parts = read_legacy_vtk(path);
   if (parts.dataset != "STRUCTURED_POINTS" && parts.dataset != "RECTILINEAR_GRID")
-    refuse_input(path, "DATASET", parts.dataset, "STRUCTURED_POINTS or RECTILINEAR_GRID", Trouble::unsupported);
+    refuse_input(path, "DATASET", parts.dataset, "STRUCTURED_POINTS or RECTILINEAR_GRID", ErrorCode::unsupported);
   PointGrid grid{parts.dimensions, axis_parallel(parts.spacing, parts.origin)};
   if (parts.dataset == "RECTILINEAR_GRID") {
     grid = rectilinear_grid(path, parts.coordinates, parts.coordinate_precision);

@@ -32,7 +32,7 @@ ElementType LegacyVtkNumbers::type() {
       {"FLOAT", ElementType::F32},         {"DOUBLE", ElementType::F64}};
   const auto found = types.find(in_capitals(word));
   if (found == types.end())
-    words.refuse(in_quotes(word), "a type of numbers, unsigned_char to double", Trouble::unsupported);
+    words.refuse(in_quotes(word), "a type of numbers, unsigned_char to double", ErrorCode::unsupported);
   return found->second;
 }
 

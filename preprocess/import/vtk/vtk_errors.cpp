@@ -55,7 +55,7 @@ VtkErrors::~VtkErrors() {
 }
 
 void VtkErrors::check(const std::filesystem::path& path) const {
-  if (!first_.empty()) throw Error(Trouble::invalid, concat(path.string(), ": VTK cannot read it: ", first_));
+  if (!first_.empty()) throw Error(ErrorCode::invalid, concat(path.string(), ": VTK cannot read it: ", first_));
 }
 
 namespace {
@@ -179,7 +179,7 @@ VtkXmlCounts check_vtk_xml(const std::filesystem::path& path, std::string_view k
   if (at == std::string_view::npos) refuse_input(path, "byte 0", "no element VTKFile", "a VTK XML file");
   const std::optional<std::string_view> found = attribute(head, "type", at);
   if (!found) refuse_input(path, "element VTKFile", "no attribute type", kind);
-  if (*found != kind) refuse_input(path, "element VTKFile", in_quotes(*found), kind, Trouble::unsupported);
+  if (*found != kind) refuse_input(path, "element VTKFile", in_quotes(*found), kind, ErrorCode::unsupported);
   const std::optional<Extent> whole = extent_in(file, head, "WholeExtent");
   std::vector<Extent> pieces;
   VtkXmlCounts counts;

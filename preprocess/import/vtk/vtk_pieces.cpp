@@ -32,7 +32,7 @@ std::vector<std::filesystem::path> sources_of(const std::filesystem::path& path)
     if (!names.insert(source).second) refuse_input(path, place, concat("'", source, "' once more"), "each piece once");
     const std::filesystem::path file = path.parent_path() / source;
     if (!std::filesystem::exists(file))
-      refuse_input(path, place, concat("no file ", file.string()), "each piece beside it", Trouble::unreadable);
+      refuse_input(path, place, concat("no file ", file.string()), "each piece beside it", ErrorCode::unreadable);
     sources.push_back(file);
   }
   if (sources.empty()) refuse_input(path, "element PUnstructuredGrid", "no pieces", "at least one");

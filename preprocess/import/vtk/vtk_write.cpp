@@ -106,7 +106,7 @@ void write_vtu(const NeutralMesh& mesh, const std::filesystem::path& path) {
   file.check();
   if (!is_written || !errors.first().empty())
     throw Error(
-        Trouble::resource,
+        ErrorCode::resource,
         concat(path.string(), ": VTK cannot write it: ", errors.first().empty() ? "no reason given" : errors.first()));
   file.finish();
 }

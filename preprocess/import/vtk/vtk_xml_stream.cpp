@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "formats/base/bytes.h"
+#include "formats/base/error.h"
 #include "formats/base/parallel.h"
-#include "formats/base/trouble.h"
 #include "preprocess/import/numbers.h"
 #include "preprocess/import/samples.h"
 #include "preprocess/process/child_process.h"
@@ -110,7 +110,7 @@ unsigned unpacking_threads() {
   constexpr rlim_t share = rlim_t{64} << 20;
   rlimit limit{};
   if (::getrlimit(RLIMIT_DATA, &limit) != 0)
-    throw Error(Trouble::internal, concat("the system does not tell the limit RLIMIT_DATA: ", std::strerror(errno)));
+    throw Error(ErrorCode::internal, concat("the system does not tell the limit RLIMIT_DATA: ", std::strerror(errno)));
   if (limit.rlim_cur == RLIM_INFINITY) return 0;
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   return static_cast<unsigned>(std::clamp<rlim_t>(limit.rlim_cur / share, 1, cores));

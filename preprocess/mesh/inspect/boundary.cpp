@@ -52,14 +52,14 @@ class Sets {
   std::vector<std::size_t> parent_;
 };
 
-struct Shells {
+struct TransparentSurfaces {
   Tally pinched;   ///< edges where more than two faces of the boundary meet
   Tally cavities;  ///< shells that enclose no cells
   std::uint64_t count = 0;
 };
 
-/// Shells are sets of boundary faces joined over edges. One that encloses emptiness has a negative volume.
-Shells shells_of(const NeutralMesh& mesh, const std::vector<BoundaryFace>& faces) {
+/// TransparentSurfaces are sets of boundary faces joined over edges. One that encloses emptiness has a negative volume.
+TransparentSurfaces transparent_surfaces_of(const NeutralMesh& mesh, const std::vector<BoundaryFace>& faces) {
   struct Edge {
     std::array<std::uint64_t, 2> ends;
     std::size_t face;
@@ -73,7 +73,7 @@ Shells shells_of(const NeutralMesh& mesh, const std::vector<BoundaryFace>& faces
     }
   std::sort(edges.begin(), edges.end(),
             [](const Edge& a, const Edge& b) { return a.ends != b.ends ? a.ends < b.ends : a.face < b.face; });
-  Shells shells;
+  TransparentSurfaces shells;
   Sets sets(faces.size());
   for (std::size_t begin = 0, end; begin < edges.size(); begin = end) {
     for (end = begin + 1; end < edges.size() && edges[end].ends == edges[begin].ends;) ++end;
@@ -149,7 +149,7 @@ Finding hanging_points(const NeutralMesh& mesh, const std::vector<BoundaryFace>&
 
 void boundary(const NeutralMesh& mesh, const std::vector<CellFace>& cell_faces, Findings& findings) {
   const std::vector<BoundaryFace> faces = boundary_faces(mesh, cell_faces);
-  Shells shells = shells_of(mesh, faces);
+  TransparentSurfaces shells = transparent_surfaces_of(mesh, faces);
   findings.push_back(hanging_points(mesh, faces));
   findings.push_back(std::move(shells.pinched)
                          .finding("edges where the boundary touches itself", "cell", "kept: it does no harm to rays"));

@@ -13,9 +13,9 @@
 #include <system_error>
 #include <utility>
 
+#include "formats/base/error.h"
 #include "formats/base/interval.h"
 #include "formats/base/nearest_name.h"
-#include "formats/base/trouble.h"
 #include "preprocess/values/has_data.h"
 
 namespace rhoray::preprocess {
@@ -52,9 +52,9 @@ void check_field(const SourceField& source, std::size_t place_count, const std::
   if (field.component_count < 1 ||
       field.values.size() / static_cast<std::size_t>(field.component_count) != place_count ||
       field.values.size() % static_cast<std::size_t>(field.component_count) != 0)
-    throw Error(Trouble::invalid, concat(source_name, ", field \"", source.name, "\": found ", field.values.size(),
-                                         " values of ", field.component_count, " components; expected those of ",
-                                         place_count, source.is_of_cells ? " cells" : " points"));
+    throw Error(ErrorCode::invalid, concat(source_name, ", field \"", source.name, "\": found ", field.values.size(),
+                                           " values of ", field.component_count, " components; expected those of ",
+                                           place_count, source.is_of_cells ? " cells" : " points"));
 }
 
 /// All fields of the mesh, points first; names differ.
@@ -105,8 +105,8 @@ std::optional<int> component_of(const SourceField& source, std::string_view suff
     if (letter < static_cast<std::size_t>(count)) return static_cast<int>(letter);
   }
   int number = 0;
-  const auto [end, trouble] = std::from_chars(suffix.data(), suffix.data() + suffix.size(), number);
-  if (trouble != std::errc{} || end != suffix.data() + suffix.size() || number < 0 || number >= count)
+  const auto [end, error_code] = std::from_chars(suffix.data(), suffix.data() + suffix.size(), number);
+  if (error_code != std::errc{} || end != suffix.data() + suffix.size() || number < 0 || number >= count)
     return std::nullopt;
   return number;
 }
@@ -132,11 +132,11 @@ std::optional<Selection> find_selection(const std::vector<SourceField>& fields, 
   const std::string offer = names.empty() ? "no fields at points" : listed(names);
   for (const SourceField& source : fields)
     if (source.name == asked && is_vector(source) && (cells_to_points || !source.is_of_cells))
-      throw Error(Trouble::usage,
+      throw Error(ErrorCode::usage,
                   concat(source_name, ", field \"", asked, "\": found a vector of ", source.field->component_count,
                          " components; expected one scalar of: ", offer),
                   concat("for its length ask for \"", asked, ".mag\""));
-  throw Error(Trouble::usage, concat(source_name, ": no field \"", asked, "\"; expected one of: ", offer),
+  throw Error(ErrorCode::usage, concat(source_name, ": no field \"", asked, "\"; expected one of: ", offer),
               did_you_mean(asked, names));
 }
 
@@ -146,7 +146,7 @@ Selection select(const std::vector<SourceField>& fields, const std::string& aske
   if (!found) refuse_name(fields, asked, cells_to_points, source_name);
   if (found->source->is_of_cells && !cells_to_points)
     throw Error(
-        Trouble::usage,
+        ErrorCode::usage,
         concat(source_name, ", field \"", asked, "\": found a value for each cell; expected one for each point"),
         "ask for cell fields to be averaged to the points");
   return *found;
@@ -265,11 +265,11 @@ std::vector<PointField> choose_fields(const NeutralMesh& mesh, const CleanMesh& 
   for (const std::string& asked : wanted) {
     selections.push_back(select(sources, asked, cells_to_points, source_name));
     if (!chosen.insert(selections.back().name).second)
-      throw Error(Trouble::usage, concat("field \"", asked, "\": found it named twice; expected each field once"));
+      throw Error(ErrorCode::usage, concat("field \"", asked, "\": found it named twice; expected each field once"));
   }
   if (wanted.empty()) selections = select_all(sources, cells_to_points);
   if (selections.empty())
-    throw Error(Trouble::invalid, concat(source_name, ": found no field at points; expected at least one"),
+    throw Error(ErrorCode::invalid, concat(source_name, ": found no field at points; expected at least one"),
                 mesh.cell_fields.empty() ? "" : "its cell fields can be averaged to the points");
 
   Array<double> weights;

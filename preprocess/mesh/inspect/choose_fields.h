@@ -27,8 +27,9 @@ struct PointField {
 /// Values are single precision where the source was (derived ones, magnitudes and means, are rounded to it), else
 /// double. A point field comes before a cell field of the same name, which is left out with a note.
 ///
-/// Refuses (Trouble::usage) an unknown name with those that there are and the nearest one, a name given twice, a vector
-/// without a component; (Trouble::invalid) a mesh without usable fields, or a field with too few or too many values.
+/// Refuses (ErrorCode::usage) an unknown name with those that there are and the nearest one, a name given twice, a
+/// vector without a component; (ErrorCode::invalid) a mesh without usable fields, or a field with too few or too many
+/// values.
 std::vector<PointField> choose_fields(const NeutralMesh& mesh, const CleanMesh& clean,
                                       const std::vector<std::string>& wanted, bool cells_to_points,
                                       const std::string& source_name, std::vector<std::string>& notes);

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "formats/base/error.h"
 #include "formats/base/parallel.h"
-#include "formats/base/trouble.h"
 #include "preprocess/mesh/inspect/orientation.h"
 
 namespace rhoray::preprocess {
@@ -44,13 +44,13 @@ std::uint64_t id_of_cell(const NeutralMesh& mesh, std::size_t cell) {
 
 void check_counts(const NeutralMesh& mesh, const std::string& source_name) {
   if (mesh.cells.empty())
-    throw Error(Trouble::invalid, concat(source_name, ": found no tetrahedra; expected at least one"));
+    throw Error(ErrorCode::invalid, concat(source_name, ": found no tetrahedra; expected at least one"));
   if (mesh.cells.size() > largest_count)
-    throw Error(Trouble::unsupported,
+    throw Error(ErrorCode::unsupported,
                 concat(source_name, ": found ", mesh.cells.size(), " cells; expected at most ", largest_count));
   if (!mesh.cell_ids.empty() && mesh.cell_ids.size() != mesh.cells.size())
-    throw Error(Trouble::invalid, concat(source_name, ": found ", mesh.cell_ids.size(), " cell ids; expected ",
-                                         mesh.cells.size(), ", one for each cell"));
+    throw Error(ErrorCode::invalid, concat(source_name, ": found ", mesh.cell_ids.size(), " cell ids; expected ",
+                                           mesh.cells.size(), ", one for each cell"));
 }
 
 void check_indices(const NeutralMesh& mesh, const std::string& source_name) {
@@ -67,7 +67,7 @@ void check_indices(const NeutralMesh& mesh, const std::string& source_name) {
   if (first_wrong == none) return;
   for (const std::uint64_t vertex : mesh.cells[first_wrong])
     if (vertex >= mesh.points.size())
-      throw Error(Trouble::invalid,
+      throw Error(ErrorCode::invalid,
                   concat(source_name, ", cell ", id_of_cell(mesh, first_wrong), ": found vertex ", vertex,
                          "; expected a number below the count of points, ", mesh.points.size()));
 }
@@ -112,8 +112,8 @@ void choose_points(const NeutralMesh& mesh, const std::string& source_name, Clea
       continue;
     }
     if (clean.source_points.size() == largest_count)
-      throw Error(Trouble::unsupported, concat(source_name, ": found more than ", largest_count,
-                                               " points in cells; expected at most that many"));
+      throw Error(ErrorCode::unsupported, concat(source_name, ": found more than ", largest_count,
+                                                 " points in cells; expected at most that many"));
     number[p] = static_cast<std::uint32_t>(clean.source_points.size());
     clean.source_points.push_back(p);
   }
@@ -142,14 +142,14 @@ void place_points(const NeutralMesh& mesh, const std::string& source_name, Clean
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double x = mesh.points[p][axis];
       if (std::abs(x) > largest_coordinate)
-        throw Error(Trouble::invalid, concat(source_name, ", point ", p, ": found coordinate ", x,
-                                             "; expected at most ", largest_coordinate));
+        throw Error(ErrorCode::invalid, concat(source_name, ", point ", p, ": found coordinate ", x,
+                                               "; expected at most ", largest_coordinate));
       low[axis] = std::min(low[axis], x);
       high[axis] = std::max(high[axis], x);
     }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!(high[axis] - low[axis] >= smallest_extent))
-      throw Error(Trouble::invalid,
+      throw Error(ErrorCode::invalid,
                   concat(source_name, ": found ", std::string_view("xyz").substr(axis, 1), " from ", low[axis], " to ",
                          high[axis], "; expected a box with volume"),
                   "a planar mesh has no volume to trace rays through");
@@ -193,9 +193,9 @@ CleanMesh clean_mesh(const NeutralMesh& mesh, const std::string& source_name) {
   CleanMesh clean;
   choose_cells(mesh, clean);
   if (clean.source_cells.empty())
-    throw Error(Trouble::invalid, concat(source_name, ": found ", mesh.cells.size(),
-                                         " cells, all with a vertex named twice or a coordinate that is not finite; "
-                                         "expected at least one tetrahedron"));
+    throw Error(ErrorCode::invalid, concat(source_name, ": found ", mesh.cells.size(),
+                                           " cells, all with a vertex named twice or a coordinate that is not finite; "
+                                           "expected at least one tetrahedron"));
   choose_points(mesh, source_name, clean);
   place_points(mesh, source_name, clean);
   orient_cells(mesh, clean);

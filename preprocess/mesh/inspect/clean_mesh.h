@@ -31,8 +31,8 @@ struct CleanMesh {
 /// The origin is zero on an axis where the mesh lies around zero, else near the middle of its box: either way the
 /// subtraction is exact, and orientations are those of the source's own coordinates.
 ///
-/// Refuses (Trouble::invalid, with cell or point and number) a mesh without cells, a vertex index out of range, a
-/// coordinate beyond 1e100, and a box without volume; Trouble::unsupported: 2^32 cells or points.
+/// Refuses (ErrorCode::invalid, with cell or point and number) a mesh without cells, a vertex index out of range, a
+/// coordinate beyond 1e100, and a box without volume; ErrorCode::unsupported: 2^32 cells or points.
 CleanMesh clean_mesh(const NeutralMesh& mesh, const std::string& source_name);
 
 }  // namespace rhoray::preprocess

@@ -1,5 +1,5 @@
+#include "formats/base/error.h"
 #include "formats/base/floating_point.h"
-#include "formats/base/trouble.h"
 #include "preprocess/mesh/inspect/finding.h"
 
 namespace rhoray::preprocess {
@@ -10,8 +10,8 @@ std::vector<Finding> findings_of(const NeutralMesh& mesh, const Progress& progre
   for (std::size_t cell = 0; cell < mesh.cells.size(); ++cell)
     for (const std::uint64_t vertex : mesh.cells[cell])
       if (vertex >= mesh.points.size())
-        throw Error(Trouble::invalid, concat("cell ", inspect::id_of_cell(mesh, cell), ": found vertex ", vertex,
-                                             "; expected a number below the count of points, ", mesh.points.size()));
+        throw Error(ErrorCode::invalid, concat("cell ", inspect::id_of_cell(mesh, cell), ": found vertex ", vertex,
+                                               "; expected a number below the count of points, ", mesh.points.size()));
   ProgressMeter meter(progress, "looking for faults", 6);
   std::vector<Finding> findings;
   const auto look = [&](auto&& at) {

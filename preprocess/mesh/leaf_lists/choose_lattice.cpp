@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/values/choose_shape.h"
 
 namespace rhoray::preprocess {
@@ -29,12 +29,12 @@ double cube_edge(const Vec3& extent, double wanted) {
 
 }  // namespace
 
-formats::LeafLattice choose_lattice(const Box3& box, const LatticeWish& wish) {
-  if (!(wish.leaf_cell_count >= 1 && wish.leaf_cell_count <= largest_leaf_count))  // NaN is refused too
-    throw Error(Trouble::usage, concat("leaf cells: found ", wish.leaf_cell_count, "; expected 1 to ",
-                                       static_cast<std::uint64_t>(largest_leaf_count)));
+formats::LeafLattice choose_lattice(const Box3& box, const LatticeRequest& request) {
+  if (!(request.leaf_cell_count >= 1 && request.leaf_cell_count <= largest_leaf_count))  // NaN is refused too
+    throw Error(ErrorCode::usage, concat("leaf cells: found ", request.leaf_cell_count, "; expected 1 to ",
+                                         static_cast<std::uint64_t>(largest_leaf_count)));
   const Vec3 extent = box.max - box.min;
-  const double edge = cube_edge(extent, wish.leaf_cell_count);
+  const double edge = cube_edge(extent, request.leaf_cell_count);
 
   formats::LeafLattice lattice;
   Index3 count;
@@ -45,7 +45,7 @@ formats::LeafLattice choose_lattice(const Box3& box, const LatticeWish& wish) {
     lattice.leaf_size[axis] = extent[axis] / (leaves - 2 * margin);
     lattice.low[axis] = box.min[axis] - margin * lattice.leaf_size[axis];
   }
-  lattice.macro = choose_macro_shape(count, wish.macro_factor, wish.macro_level_count);
+  lattice.macro = choose_macro_shape(count, request.macro_factor, request.macro_level_count);
   return lattice;
 }
 

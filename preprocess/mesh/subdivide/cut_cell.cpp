@@ -130,9 +130,9 @@ struct InsideOf {
   }
 };
 
-/// Looks for a point that sees the whole boundary: first the mean of the corners, then, from there, always away from
-/// the plane that is farthest on the wrong side towards the corner farthest on its right side (fictitious play of the
-/// game "point against plane", whose value is the room that the cell's kernel has).
+/// CandidateList for a point that sees the whole boundary: first the mean of the corners, then, from there, always away
+/// from the plane that is farthest on the wrong side towards the corner farthest on its right side (fictitious play of
+/// the game "point against plane", whose value is the room that the cell's kernel has).
 bool find_center(CutCell& cell) {
   constexpr int most_steps = 400;
   double whole = 0, sum_of_sizes = 0;

@@ -25,7 +25,7 @@ class EdgeTable {
  public:
   EdgeTable() : slots_(1024, empty) {}
 
-  /// Adds the edge when it is new. Refuses (Trouble::resource) more than 2^30.
+  /// Adds the edge when it is new. Refuses (ErrorCode::resource) more than 2^30.
   std::uint32_t find_or_add(const Edge& edge);
 
   Array<Edge> edges;

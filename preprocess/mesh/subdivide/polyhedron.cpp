@@ -5,13 +5,13 @@
 #include <tuple>
 #include <utility>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::preprocess {
 namespace {
 
 Error refusal(const std::string& found, const std::string& expected) {
-  return {Trouble::invalid, concat("found ", found, "; expected ", expected)};
+  return {ErrorCode::invalid, concat("found ", found, "; expected ", expected)};
 }
 
 /// The faces of a stream: act(corners) for each, after its counts were checked.

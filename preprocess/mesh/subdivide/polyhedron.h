@@ -11,7 +11,7 @@ namespace rhoray::preprocess {
 /// triangles that all wind alike; where a file's faces do not, they are turned. The cell's volume may still be
 /// negative.
 ///
-/// Refuses (Trouble::invalid, without naming the cell) a stream that does not end with its last face, faces of fewer
+/// Refuses (ErrorCode::invalid, without naming the cell) a stream that does not end with its last face, faces of fewer
 /// than three corners, points that are not there, and a boundary that is not closed.
 void take_polyhedron(CutCell& cell, std::span<const std::uint64_t> face_stream,
                      std::span<const std::array<double, 3>> points);

@@ -7,8 +7,8 @@
 #include <tuple>
 #include <utility>
 
+#include "formats/base/error.h"
 #include "formats/base/parallel.h"
-#include "formats/base/trouble.h"
 #include "preprocess/mesh/subdivide/comparison.h"
 #include "preprocess/mesh/subdivide/edge_table.h"
 #include "preprocess/mesh/subdivide/fine_place.h"
@@ -78,7 +78,7 @@ class Refinement {
     const std::size_t most =
         std::min<std::size_t>(no_point - 1, old_point_count_ + most_in_any_mesh + most_per_cell * cells_.size());
     if (count <= most) return;
-    throw Error(Trouble::resource,
+    throw Error(ErrorCode::resource,
                 concat("curved cells: found more than ", most, " points or tetrahedra on the way, for ", cells_.size(),
                        " curved cells; expected fewer"),
                 "a larger --max-error makes fewer tetrahedra; a damaged cell needs very many");

@@ -50,7 +50,7 @@ struct RefinedCells {
 /// at its own longest edge from both sides, and at the end no edge of a tetrahedron is cut: faces agree (Rivara 1984,
 /// "Algorithms for refining triangular grids").
 ///
-/// Runs on all threads; the result does not depend on the number of threads. Refuses (Trouble::resource) more than
+/// Runs on all threads; the result does not depend on the number of threads. Refuses (ErrorCode::resource) more than
 /// 2^32 - 1 points or tetrahedra, and more new ones than 2^19 and 4096 for each curved cell.
 RefinedCells refine(CellMesh& mesh, std::span<const CurvedCell> cells, std::span<const CornerTetrahedronOfCell> tets,
                     const RefineOptions& options, const Progress& progress);

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "formats/base/checks.h"
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/mesh/subdivide/cell_kinds.h"
 
 namespace rhoray::preprocess {
@@ -321,8 +321,9 @@ int order_of(const KindOfCell& kind, std::size_t node_count) {
   if (has_middles) return 0;
   for (int order = 1; order <= highest_order; ++order)
     if (lattice_size(kind.corners, order) == node_count) return order;
-  throw Error(Trouble::unsupported, concat("found a ", kind.singular, " of ", node_count,
-                                           " nodes; expected one order from 1 to ", highest_order, " along all axes"));
+  throw Error(ErrorCode::unsupported,
+              concat("found a ", kind.singular, " of ", node_count, " nodes; expected one order from 1 to ",
+                     highest_order, " along all axes"));
 }
 
 }  // namespace
@@ -336,11 +337,11 @@ ShapeFunctions::ShapeFunctions(CellKind kind, std::size_t node_count)
     : corners_(description_of(kind).corners), count_(node_count) {
   const KindOfCell& description = description_of(kind);
   if (description.node_count != 0 && description.node_count != node_count)
-    throw Error(Trouble::invalid, concat("found a ", description.singular, " of ", node_count, " nodes; expected ",
-                                         description.node_count));
+    throw Error(ErrorCode::invalid, concat("found a ", description.singular, " of ", node_count, " nodes; expected ",
+                                           description.node_count));
   if (kind == CellKind::lagrange_pyramid && node_count != 13 && node_count != 14)
-    throw Error(Trouble::unsupported, concat("found a Lagrange pyramid of ", node_count,
-                                             " nodes, an order that nobody has written down; expected 5, 13 or 14"));
+    throw Error(ErrorCode::unsupported, concat("found a Lagrange pyramid of ", node_count,
+                                               " nodes, an order that nobody has written down; expected 5, 13 or 14"));
   const int order = is_lagrange(kind) ? order_of(description, node_count) : 0;
   if (order > 0)
     build_lattice(description.corners, order);

@@ -27,7 +27,7 @@ class ShapeFunctions {
   /// Whether the kind with so many nodes is not linear after all: its nodes are its corners.
   static bool is_linear(CellKind kind, std::size_t node_count);
 
-  /// Refuses (Trouble::invalid or unsupported, without naming the cell) a node count that the kind cannot have.
+  /// Refuses (ErrorCode::invalid or unsupported, without naming the cell) a node count that the kind cannot have.
   ShapeFunctions(CellKind kind, std::size_t node_count);
 
   std::size_t node_count() const { return node_places_.size(); }

@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "formats/base/checks.h"
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/mesh/subdivide/cell_kinds.h"
 #include "preprocess/mesh/subdivide/cut_cell.h"
 #include "preprocess/mesh/subdivide/polyhedron.h"
@@ -32,7 +32,7 @@ std::uint64_t id_of_cell(const CellMesh& mesh, std::uint64_t cell) {
 }
 
 Error with_cell(const Error& error, std::uint64_t id) {
-  return {error.trouble(), concat("cell ", id, ": ", error.what()), error.hint()};
+  return {error.code(), concat("cell ", id, ": ", error.what()), error.hint()};
 }
 
 std::span<const std::uint64_t> nodes_of(const CellMesh& mesh, std::uint64_t cell) {
@@ -119,11 +119,11 @@ void check_nodes(const CellMesh& mesh, std::uint64_t cell, const KindOfCell& kin
   const std::span<const std::uint64_t> nodes = nodes_of(mesh, cell);
   const std::size_t corner_count = frame_of(kind.corners).corner_count;
   if (kind.kind == kind.corners && nodes.size() != corner_count)
-    throw Error(Trouble::invalid,
+    throw Error(ErrorCode::invalid,
                 concat("found ", nodes.size(), " nodes; expected ", corner_count, ", as ", kind.plural, " have"));
   for (const std::uint64_t node : nodes)
     if (node >= mesh.points.size())
-      throw Error(Trouble::invalid,
+      throw Error(ErrorCode::invalid,
                   concat("found point ", static_cast<std::int64_t>(node), "; expected 0 to ", mesh.points.size() - 1));
 }
 
@@ -440,7 +440,7 @@ NeutralMesh move_tetrahedra(CellMesh& mesh) {
 NeutralMesh subdivided(CellMesh mesh, const SubdivideOptions& options, const Progress& progress) {
   RHORAY_CHECK(mesh.cell_offsets.size() == mesh.kinds.size() + 1 && mesh.cell_offsets.back() == mesh.cell_nodes.size());
   if (!(options.max_error > 0) || !std::isfinite(options.max_error))
-    throw Error(Trouble::usage, concat("largest error: found ", options.max_error, "; expected a number above 0"));
+    throw Error(ErrorCode::usage, concat("largest error: found ", options.max_error, "; expected a number above 0"));
   const bool is_simple =
       mesh.cell_nodes.size() == 4 * mesh.kinds.size() &&
       std::all_of(mesh.kinds.begin(), mesh.kinds.end(), [](CellKind kind) { return kind == CellKind::tetrahedron; });

@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/workers/repair/steps.h"
 
 namespace rhoray::preprocess::repair {
@@ -116,7 +116,7 @@ NeutralSurface neutral(const TriangleMesh& mesh) {
 void refuse_if_moved_too_far(const RepairReport& report, double max_move) {
   const double share = report.moved / report.box_diagonal;
   if (!(share > max_move)) return;
-  throw Error(Trouble::invalid,
+  throw Error(ErrorCode::invalid,
               concat("surface: the repair would move it by ", report.moved, ", ", 100 * share,
                      " % of the box diagonal; expected at most ", 100 * max_move, " %"),
               concat("--max-move ", std::ceil(1000 * share) / 1000,
@@ -136,7 +136,7 @@ RepairedSurface mend(const NeutralSurface& surface, const RepairOptions& options
   RepairReport& report = result.report;
   Soup soup = soup_of(surface, report);
   clean_soup(soup, report);
-  if (soup.facets.empty()) throw Error(Trouble::invalid, "surface: no facet has an area; there is nothing to repair");
+  if (soup.facets.empty()) throw Error(ErrorCode::invalid, "surface: no facet has an area; there is nothing to repair");
 
   TriangleMesh before, after;
   report.box_diagonal = diagonal_of(soup);
@@ -152,7 +152,7 @@ RepairedSurface mend(const NeutralSurface& surface, const RepairOptions& options
     before = mesh_of(std::move(soup), report);
     after = mended(before, options, report);
   }
-  if (after.number_of_faces() == 0) throw Error(Trouble::invalid, "surface: nothing was left of it by the repair");
+  if (after.number_of_faces() == 0) throw Error(ErrorCode::invalid, "surface: nothing was left of it by the repair");
   if (!report.wrapped) refuse_if_moved_too_far(report, options.max_move);
   announce("measuring the distance between the old surface and the new");
   report.farthest_new_from_old = farthest(after, before, report.distance_error);

@@ -5,7 +5,7 @@
 #include <system_error>
 #include <type_traits>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::preprocess::repair {
 
@@ -37,7 +37,7 @@ double number_from(std::string_view text) {
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc{} || end != text.data() + text.size())
-    throw Error(Trouble::internal, concat("repairing worker: found \"", text, "\"; expected a number"));
+    throw Error(ErrorCode::internal, concat("repairing worker: found \"", text, "\"; expected a number"));
   return number;
 }
 
@@ -49,7 +49,7 @@ std::vector<std::string> arguments_of(const RepairOptions& options) {
 
 RepairOptions options_from(std::span<const char* const> arguments) {
   if (arguments.size() != 3)
-    throw Error(Trouble::internal, concat("repairing worker: ", arguments.size(), " arguments; expected 3"));
+    throw Error(ErrorCode::internal, concat("repairing worker: ", arguments.size(), " arguments; expected 3"));
   RepairOptions options;
   options.wrap = number_from(arguments[0]);
   options.largest_part_only = number_from(arguments[1]) != 0;
@@ -70,7 +70,7 @@ RepairReport report_from(const std::string& text) {
     const std::size_t end = std::min(text.find(' ', at), text.size());
     const double value = number_from(std::string_view(text).substr(at, end - at));
     if (std::is_integral_v<T> && !(value >= 0 && value <= 0x1p53))
-      throw Error(Trouble::internal, concat("the repairing worker's report counts ", value));
+      throw Error(ErrorCode::internal, concat("the repairing worker's report counts ", value));
     number = static_cast<T>(value);
     at = std::min(end + 1, text.size());
   });

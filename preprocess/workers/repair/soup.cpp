@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/workers/repair/steps.h"
 
 namespace rhoray::preprocess::repair {

@@ -1,7 +1,7 @@
 #include <span>
 
 #include "preprocess/process/child_process.h"
-#include "preprocess/process/handover.h"
+#include "preprocess/process/messages.h"
 #include "preprocess/workers/repair/mend.h"
 #include "preprocess/workers/repair/report.h"
 
@@ -11,8 +11,8 @@ int main(int argc, char** argv) {
   return preprocess::worker_main([&](int input, int output) {
     const auto options = preprocess::repair::options_from(std::span<const char* const>(argv + 1, argv + argc));
     auto repaired = preprocess::repair::mend(
-        preprocess::take_surface(formats::PackedFile::from_descriptor(input, "handed-over surface")), options);
+        preprocess::receive_surface(formats::PackedFile::from_descriptor(input, "handed-over surface")), options);
     repaired.surface.notes.push_back(preprocess::repair::text_of(repaired.report));
-    preprocess::hand_over(repaired.surface, output);
+    preprocess::send(repaired.surface, output);
   });
 }

@@ -16,8 +16,8 @@
 #include <system_error>
 #include <utility>
 
-#include "formats/base/trouble.h"
-#include "preprocess/workers/tetgen/chambers.h"
+#include "formats/base/error.h"
+#include "preprocess/workers/tetgen/enclosed_regions.h"
 #include "preprocess/workers/tetgen/job.h"
 #include "preprocess/workers/tetgen/sizes.h"
 
@@ -56,7 +56,7 @@ class PrintedText {
     std::fflush(stdout);
     standard_output_ = dup(STDOUT_FILENO);
     if (memory_ < 0 || standard_output_ < 0 || dup2(memory_, STDOUT_FILENO) < 0)
-      throw Error(Trouble::resource, "filling a surface: no descriptor for TetGen's messages");
+      throw Error(ErrorCode::resource, "filling a surface: no descriptor for TetGen's messages");
   }
   PrintedText(const PrintedText&) = delete;
   PrintedText& operator=(const PrintedText&) = delete;
@@ -126,7 +126,7 @@ void give_facets(const NeutralSurface& surface, tetgenio& in) {
   }
 }
 
-/// Regions are numbered 1, 2, ... for TetGen, which makes up numbers for the other chambers; the wanted attributes come
+/// Regions are numbered 1, 2, ... for TetGen, which makes up numbers for the other regions; the wanted attributes come
 /// back in `region_field`.
 void give_seeds(const NeutralSurface& surface, tetgenio& in) {
   if (!surface.holes.empty()) {
@@ -182,22 +182,22 @@ std::string named_facets(const NeutralSurface& surface, std::string_view printed
 [[noreturn]] void refuse(int code, const std::string& facets) {
   switch (code) {
     case 1:
-      throw Error(Trouble::resource, "TetGen ran out of memory while filling the surface",
+      throw Error(ErrorCode::resource, "TetGen ran out of memory while filling the surface",
                   "allow more memory, or ask for larger tetrahedra");
     case 3:
-      throw Error(Trouble::invalid, concat("surface: TetGen found facets that cross", facets),
+      throw Error(ErrorCode::invalid, concat("surface: TetGen found facets that cross", facets),
                   "mend the surface at this place");
     case 4:
-      throw Error(Trouble::invalid, concat("surface: TetGen met a feature too small to keep apart", facets),
+      throw Error(ErrorCode::invalid, concat("surface: TetGen met a feature too small to keep apart", facets),
                   "merge points that nearly coincide");
     case 5:
-      throw Error(Trouble::invalid, concat("surface: TetGen met two facets that nearly touch", facets),
+      throw Error(ErrorCode::invalid, concat("surface: TetGen met two facets that nearly touch", facets),
                   "move them apart, or make them one");
     case 10:
-      throw Error(Trouble::invalid, concat("surface: TetGen refused the points and facets as given", facets),
+      throw Error(ErrorCode::invalid, concat("surface: TetGen refused the points and facets as given", facets),
                   "look for points that nearly coincide or nearly lie in one plane");
     default:
-      throw Error(Trouble::invalid,
+      throw Error(ErrorCode::invalid,
                   concat("surface: TetGen could not fill it and gave up with its internal error ", code, facets),
                   "a coarser quality (0) or a surface with better shaped triangles may succeed");
   }
@@ -217,11 +217,11 @@ class SizeJudge {
 
   void refuse_if_useless() const {
     if (bad_)
-      throw Error(Trouble::invalid,
+      throw Error(ErrorCode::invalid,
                   concat("size field: found a wanted edge length of ", bad_->second, " at (", bad_->first[0], ", ",
                          bad_->first[1], ", ", bad_->first[2], "); expected one above 0"));
     if (!answered_)
-      throw Error(Trouble::invalid, "size field: has no value anywhere in the surface",
+      throw Error(ErrorCode::invalid, "size field: has no value anywhere in the surface",
                   "look whether both are in the same place and unit");
   }
 
@@ -304,7 +304,7 @@ void run_tetgen(const NeutralSurface& surface, const Run& wanted, tetgenio& out)
 
 void check_filled(const tetgenio& out) {
   if (out.numberoftetrahedra == 0)
-    throw Error(Trouble::invalid, "surface: encloses nothing; TetGen made no tetrahedra", "close the surface");
+    throw Error(ErrorCode::invalid, "surface: encloses nothing; TetGen made no tetrahedra", "close the surface");
 }
 
 double determinant(const std::array<double, 3>& p, const double* a, const double* b, const double* c) {
@@ -317,8 +317,8 @@ double determinant(const std::array<double, 3>& p, const double* a, const double
   return sum;
 }
 
-/// The number of the chamber in which the point lies, or nothing outside of all.
-std::optional<double> chamber_at(const tetgenio& mesh, const std::array<double, 3>& p) {
+/// The number of the region in which the point lies, or nothing outside of all.
+std::optional<double> region_at(const tetgenio& mesh, const std::array<double, 3>& p) {
   for (int cell = 0; cell < mesh.numberoftetrahedra; ++cell) {
     const int* c = mesh.tetrahedronlist + std::ptrdiff_t{cell} * mesh.numberofcorners;
     const auto corner = [&](std::size_t i) { return mesh.pointlist + 3 * std::ptrdiff_t{c[i]}; };
@@ -331,53 +331,53 @@ std::optional<double> chamber_at(const tetgenio& mesh, const std::array<double, 
   return std::nullopt;
 }
 
-/// TetGen 1.5.0 crashes on a seed that lies outside and drops all seeds of a chamber but one: a first filling, with
+/// TetGen 1.5.0 crashes on a seed that lies outside and drops all seeds of a region but one: a first filling, with
 /// neither seeds nor new points, tells where they lie.
 void check_seeds(const NeutralSurface& surface) {
-  tetgenio chambers;
-  run_tetgen(surface, {.switches = "pA"}, chambers);
-  check_filled(chambers);
+  tetgenio enclosed_regions;
+  run_tetgen(surface, {.switches = "pA"}, enclosed_regions);
+  check_filled(enclosed_regions);
   const auto refuse_seed = [](std::string_view kind, std::size_t number, const std::array<double, 3>& seed,
                               std::string_view why) {
     throw Error(
-        Trouble::invalid,
+        ErrorCode::invalid,
         concat("surface: the seed of ", kind, " ", number, ", (", seed[0], ", ", seed[1], ", ", seed[2], "), ", why),
-        "each chamber takes one seed, inside the surface");
+        "each region takes one seed, inside the surface");
   };
   std::set<double> taken;
   for (std::size_t i = 0; i < surface.holes.size(); ++i)
-    if (!chamber_at(chambers, surface.holes[i]))
-      refuse_seed("hole", i, surface.holes[i], "lies outside of every chamber");
+    if (!region_at(enclosed_regions, surface.holes[i]))
+      refuse_seed("hole", i, surface.holes[i], "lies outside of every region");
   for (std::size_t i = 0; i < surface.regions.size(); ++i) {
-    const auto chamber = chamber_at(chambers, surface.regions[i].seed);
-    if (!chamber) refuse_seed("region", i, surface.regions[i].seed, "lies outside of every chamber");
-    if (!taken.insert(*chamber).second)
-      refuse_seed("region", i, surface.regions[i].seed, "lies in a chamber that has a seed already");
+    const auto enclosed = region_at(enclosed_regions, surface.regions[i].seed);
+    if (!enclosed) refuse_seed("region", i, surface.regions[i].seed, "lies outside of every region");
+    if (!taken.insert(*enclosed).second)
+      refuse_seed("region", i, surface.regions[i].seed, "lies in a region that has a seed already");
   }
 }
 
-std::vector<Chamber> chambers_in(const tetgenio& mesh) {
+std::vector<EnclosedRegion> regions_in(const tetgenio& mesh) {
   const auto cells = static_cast<std::size_t>(mesh.numberoftetrahedra);
   const auto corners = static_cast<std::size_t>(mesh.numberofcorners);
-  return chambers_of({.coordinates = {mesh.pointlist, 3 * static_cast<std::size_t>(mesh.numberofpoints)},
-                      .corners = {mesh.tetrahedronlist, cells * corners},
-                      .corners_per_cell = corners,
-                      .chamber = {mesh.tetrahedronattributelist, cells},
-                      .neighbours = {mesh.neighborlist, 4 * cells}});
+  return regions_of({.coordinates = {mesh.pointlist, 3 * static_cast<std::size_t>(mesh.numberofpoints)},
+                     .corners = {mesh.tetrahedronlist, cells * corners},
+                     .corners_per_cell = corners,
+                     .region = {mesh.tetrahedronattributelist, cells},
+                     .neighbours = {mesh.neighborlist, 4 * cells}});
 }
 
-/// Seeds for all chambers, so that each can have a limit of its own or be left empty. A first filling without new
+/// Seeds for all regions, so that each can have a limit of its own or be left empty. A first filling without new
 /// points tells where they lie.
-void seed_chambers(NeutralSurface& surface, bool empty_cavities) {
+void seed_regions(NeutralSurface& surface, bool empty_cavities) {
   tetgenio filled;
   run_tetgen(surface, {.switches = "pAn"}, filled);
   check_filled(filled);
-  for (const Chamber& chamber : chambers_in(filled)) {
-    if (empty_cavities && chamber.depth % 2 == 0)
-      surface.holes.push_back(chamber.seed);
+  for (const EnclosedRegion& enclosed : regions_in(filled)) {
+    if (empty_cavities && enclosed.depth % 2 == 0)
+      surface.holes.push_back(enclosed.seed);
     else
       surface.regions.push_back(
-          {.seed = chamber.seed, .attribute = static_cast<double>(surface.regions.size() + 1), .max_volume = 0});
+          {.seed = enclosed.seed, .attribute = static_cast<double>(surface.regions.size() + 1), .max_volume = 0});
   }
 }
 
@@ -392,12 +392,12 @@ void limit_regions(NeutralSurface& surface, const std::vector<TetrahedralizeOpti
       found = true;
     }
     if (!found)
-      throw Error(Trouble::usage,
+      throw Error(ErrorCode::usage,
                   concat("surface: has no region ", limit.region, " whose volume could be limited; it has ", known));
   }
 }
 
-/// TetGen's number of a chamber -> ours: the seeds' attributes, and on from the largest of them for chambers without a
+/// TetGen's number of a region -> ours: the seeds' attributes, and on from the largest of them for regions without a
 /// seed; without any seed 1, 2, ... from outside in.
 std::map<double, double> region_numbers(const NeutralSurface& surface, const tetgenio& out) {
   std::map<double, double> numbers;
@@ -406,8 +406,8 @@ std::map<double, double> region_numbers(const NeutralSurface& surface, const tet
     numbers[static_cast<double>(i + 1)] = surface.regions[i].attribute;
     largest = std::max(largest, std::floor(surface.regions[i].attribute));
   }
-  for (const Chamber& chamber : chambers_in(out))
-    if (numbers.try_emplace(chamber.number, largest + 1).second) ++largest;
+  for (const EnclosedRegion& enclosed : regions_in(out))
+    if (numbers.try_emplace(enclosed.number, largest + 1).second) ++largest;
   return numbers;
 }
 
@@ -450,7 +450,7 @@ NeutralMesh fill(NeutralSurface surface, const TetrahedralizeOptions& options) {
   if (has_seeds)
     check_seeds(surface);
   else if (!options.region_volumes.empty() || options.empty_cavities)
-    seed_chambers(surface, options.empty_cavities);
+    seed_regions(surface, options.empty_cavities);
   limit_regions(surface, options.region_volumes);
 
   std::optional<SizeJudge> judge;

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/process/child_process.h"
-#include "preprocess/process/handover.h"
+#include "preprocess/process/messages.h"
 #include "preprocess/workers/tetgen/job.h"
 
 namespace rhoray::preprocess {
@@ -24,7 +24,7 @@ std::string_view name_of(FacetFault fault) {
     case FacetFault::crossing:
       return "crossing another";
   }
-  throw Error(Trouble::internal, concat("facet fault ", static_cast<int>(fault), "; expected one of 1 to 6"));
+  throw Error(ErrorCode::internal, concat("facet fault ", static_cast<int>(fault), "; expected one of 1 to 6"));
 }
 
 std::vector<FaultyFacet> find_faults(const NeutralSurface& surface, bool solids_may_touch) {
@@ -32,7 +32,7 @@ std::vector<FaultyFacet> find_faults(const NeutralSurface& surface, bool solids_
   request.program = "rhoray-tetgen-worker";
   request.doing = "looking for faults of a surface";
   request.arguments = {find_faults_verb, concat(int{solids_may_touch})};
-  request.write_input = [&](int descriptor) { hand_over(surface, descriptor); };
+  request.write_input = [&](int descriptor) { send(surface, descriptor); };
   const formats::PackedFile answer = run_worker(request);
   if (!answer.has("facets")) return {};
   const auto facets = answer.array<std::uint64_t>("facets", {0});
@@ -40,7 +40,7 @@ std::vector<FaultyFacet> find_faults(const NeutralSurface& surface, bool solids_
   std::vector<FaultyFacet> found;
   for (std::size_t i = 0; i < facets.size(); ++i) {
     if (facets[i] + 1 >= surface.facet_offsets.size())
-      throw Error(Trouble::internal, concat("looking for faults: facet ", facets[i], " is not there"));
+      throw Error(ErrorCode::internal, concat("looking for faults: facet ", facets[i], " is not there"));
     found.push_back({facets[i], static_cast<FacetFault>(faults[i])});
     name_of(found.back().fault);  // refuses a number that is no fault
   }

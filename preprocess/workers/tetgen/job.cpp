@@ -5,8 +5,8 @@
 #include <string_view>
 #include <system_error>
 
-#include "formats/base/trouble.h"
-#include "preprocess/process/handover.h"
+#include "formats/base/error.h"
+#include "preprocess/process/messages.h"
 
 namespace rhoray::preprocess {
 
@@ -21,13 +21,13 @@ double number_from(std::string_view text) {
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc{} || end != text.data() + text.size())
-    throw Error(Trouble::internal, concat("tetrahedralizing worker: argument \"", text, "\"; expected a number"));
+    throw Error(ErrorCode::internal, concat("tetrahedralizing worker: argument \"", text, "\"; expected a number"));
   return number;
 }
 
 }  // namespace
 
-std::vector<std::string> arguments_of(const TetrahedralizeOptions& options, const SizeParcel& sizes) {
+std::vector<std::string> arguments_of(const TetrahedralizeOptions& options, const SizeMessage& sizes) {
   const auto* distance = options.size_field ? std::get_if<SizeByDistance>(options.size_field.get()) : nullptr;
   const SizeByDistance none;
   const SizeByDistance& d = distance != nullptr ? *distance : none;
@@ -56,9 +56,9 @@ namespace {
 std::shared_ptr<const SizeField> size_field_from(const std::string& kind, int descriptor, SizeByDistance distance) {
   if (kind.empty()) return nullptr;
   const auto file = formats::PackedFile::from_descriptor(descriptor, "handed-over size field");
-  if (kind == "volume") return std::make_shared<const SizeField>(take_volume(file));
-  if (kind == "mesh") return std::make_shared<const SizeField>(take_mesh(file));
-  distance.surface = take_surface(file);
+  if (kind == "volume") return std::make_shared<const SizeField>(receive_volume(file));
+  if (kind == "mesh") return std::make_shared<const SizeField>(receive_mesh(file));
+  distance.surface = receive_surface(file);
   return std::make_shared<const SizeField>(std::move(distance));
 }
 
@@ -67,7 +67,7 @@ std::shared_ptr<const SizeField> size_field_from(const std::string& kind, int de
 TetrahedralizeOptions options_from(std::span<const char* const> arguments) {
   constexpr std::size_t fixed = 13;
   if (arguments.size() < fixed || (arguments.size() - fixed) % 2 != 0)
-    throw Error(Trouble::internal,
+    throw Error(ErrorCode::internal,
                 concat("tetrahedralizing worker: ", arguments.size(), " arguments; expected ", fixed, " and pairs"));
   const auto number = [&](std::size_t i) { return number_from(arguments[i]); };
   TetrahedralizeOptions options;
@@ -140,7 +140,8 @@ void check_tetgen_switches(const std::string& switches) {
     std::string_view why = "changes what TetGen writes or reads, which is settled here";
     for (const Refused& r : refused)
       if (r.letter == switches[i]) why = r.why;
-    throw Error(Trouble::usage, concat("TetGen's switch '", switches[i], "' ", why, "; expected some of Y O S T X M"));
+    throw Error(ErrorCode::usage,
+                concat("TetGen's switch '", switches[i], "' ", why, "; expected some of Y O S T X M"));
   }
 }
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <memory>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/workers/tetgen/sizes.h"
 
 namespace rhoray::preprocess {
@@ -30,7 +30,7 @@ Triangles triangles_of(const NeutralSurface& s) {
       const Kernel::Triangle_3 t(point(s.facet_offsets[f]), point(i - 1), point(i));
       if (!t.is_degenerate()) triangles.push_back(t);
     }
-  if (triangles.empty()) throw Error(Trouble::invalid, "size field: the surface has no facet with an area");
+  if (triangles.empty()) throw Error(ErrorCode::invalid, "size field: the surface has no facet with an area");
   return triangles;
 }
 

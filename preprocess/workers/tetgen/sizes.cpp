@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::preprocess {
 
@@ -88,8 +88,8 @@ class MeshSizes {
     for (const auto& cell : mesh.cells)
       for (const std::uint64_t corner : cell)
         if (corner >= mesh.points.size() || corner >= values_.size())
-          throw Error(Trouble::invalid, concat("size field: the mesh names point ", corner, "; it has ",
-                                               std::min(mesh.points.size(), values_.size())));
+          throw Error(ErrorCode::invalid, concat("size field: the mesh names point ", corner, "; it has ",
+                                                 std::min(mesh.points.size(), values_.size())));
     set_lattice();
     lists_.resize(edge_ * edge_ * edge_);
     for (std::uint32_t cell = 0; cell < mesh.cells.size(); ++cell) {
@@ -124,7 +124,7 @@ class MeshSizes {
   }
 
   void set_lattice() {
-    if (mesh_.cells.empty()) throw Error(Trouble::invalid, "size field: the mesh has no cells");
+    if (mesh_.cells.empty()) throw Error(ErrorCode::invalid, "size field: the mesh has no cells");
     box_of(0, lo_, hi_);
     for (std::uint32_t cell = 1; cell < mesh_.cells.size(); ++cell) {
       Point lo, hi;

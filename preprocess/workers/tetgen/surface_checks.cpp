@@ -6,7 +6,7 @@
 #include <numeric>
 #include <span>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/workers/tetgen/triangle_crossings.h"
 
 namespace rhoray::preprocess {
@@ -75,21 +75,21 @@ struct Findings {
     if (sentences.empty()) return;
     std::string all = "surface: " + sentences.front();
     for (std::size_t i = 1; i < sentences.size(); ++i) all += "; besides, " + sentences[i];
-    throw Error(Trouble::invalid, all, hint);
+    throw Error(ErrorCode::invalid, all, hint);
   }
 };
 
 void check_sizes(const NeutralSurface& s) {
   constexpr std::uint64_t most = std::numeric_limits<int>::max() / 3;  // TetGen counts in int, three per point
   if (s.points.size() < 4 || facet_count(s) < 4)
-    throw Error(Trouble::invalid, concat("surface: ", s.points.size(), " points and ", facet_count(s),
-                                         " facets; expected at least 4 of each"));
+    throw Error(ErrorCode::invalid, concat("surface: ", s.points.size(), " points and ", facet_count(s),
+                                           " facets; expected at least 4 of each"));
   if (s.points.size() > most || facet_count(s) > most)
-    throw Error(Trouble::unsupported, concat("surface: ", s.points.size(), " points and ", facet_count(s),
-                                             " facets; TetGen takes at most ", most, " of each"));
+    throw Error(ErrorCode::unsupported, concat("surface: ", s.points.size(), " points and ", facet_count(s),
+                                               " facets; TetGen takes at most ", most, " of each"));
   if (!s.point_sizes.empty() && s.point_sizes.size() != s.points.size())
-    throw Error(Trouble::invalid, concat("surface: ", s.point_sizes.size(), " wanted sizes; expected one for each of ",
-                                         s.points.size(), " points"));
+    throw Error(ErrorCode::invalid, concat("surface: ", s.point_sizes.size(),
+                                           " wanted sizes; expected one for each of ", s.points.size(), " points"));
 }
 
 void check_sizes_and_seeds(const NeutralSurface& s, Findings& found) {
@@ -259,7 +259,7 @@ void check_closed(const NeutralSurface& s, const Triangles& triangles, bool soli
   }
   found.add(open, "open edges (one facet where two should meet)", "close the surface: its inside is not defined");
   found.add(crowded, "edges where more than two facets meet",
-            "separate the parts, or give .smesh with a region seed in each chamber");
+            "separate the parts, or give .smesh with a region seed in each region");
 }
 
 /// All that can be told; geometry is looked at only when the points are numbers.
@@ -271,7 +271,7 @@ Findings examine(NeutralSurface& surface, bool solids_may_touch) {
   weld(surface);
   drop_unused_points(surface);
   if (are_coplanar(surface.points))
-    throw Error(Trouble::invalid, concat("surface: all ", surface.points.size(), " points lie in one plane"),
+    throw Error(ErrorCode::invalid, concat("surface: all ", surface.points.size(), " points lie in one plane"),
                 "a flat sheet encloses nothing that could be filled");
   check_facets(surface, found);
   if (surface.facet_faces.empty()) check_twins(surface, found);  // a ring may be the outline of a facet beside it

@@ -8,7 +8,7 @@
 namespace rhoray::preprocess {
 
 /// The surface as TetGen may have it: points that coincide exactly are one, and nothing is left on which TetGen would
-/// crash or fill the wrong space. Refuses (Trouble::invalid, counts and first places of every kind in one line):
+/// crash or fill the wrong space. Refuses (ErrorCode::invalid, counts and first places of every kind in one line):
 ///  - a coordinate, size or seed that is not finite, all points in one plane;
 ///  - facets with fewer than three different corners, triangles without area, facets that are there twice;
 ///  - when all facets are triangles: pairs that cross (exact);

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <utility>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/process/child_process.h"
-#include "preprocess/process/handover.h"
+#include "preprocess/process/messages.h"
 #include "preprocess/workers/tetgen/job.h"
 #include "preprocess/workers/tetgen/quality.h"
 
@@ -18,27 +18,27 @@ namespace {
 
 void check_volume(double v) {
   if (!(v >= 0 && std::isfinite(v)))
-    throw Error(Trouble::usage, concat("maximum volume ", v, "; expected 0 (no limit) or a positive volume"));
+    throw Error(ErrorCode::usage, concat("maximum volume ", v, "; expected 0 (no limit) or a positive volume"));
 }
 
 void check(const SizeField& sizes) {
   if (const auto* mesh = std::get_if<NeutralMesh>(&sizes); mesh != nullptr && mesh->point_fields.empty())
-    throw Error(Trouble::usage, "size field: the mesh has no point field; expected one with wanted edge lengths");
+    throw Error(ErrorCode::usage, "size field: the mesh has no point field; expected one with wanted edge lengths");
   if (const auto* d = std::get_if<SizeByDistance>(&sizes))
     if (!(d->near > 0 && d->far >= d->near && d->growth >= 0 && std::isfinite(d->far + d->growth)))
-      throw Error(Trouble::usage, concat("size field: near ", d->near, ", far ", d->far, ", growth ", d->growth,
-                                         "; expected 0 < near <= far and a growth of at least 0"));
+      throw Error(ErrorCode::usage, concat("size field: near ", d->near, ", far ", d->far, ", growth ", d->growth,
+                                           "; expected 0 < near <= far and a growth of at least 0"));
 }
 
 void check(const TetrahedralizeOptions& options) {
   const double q = options.quality.value_or(usual_quality);
   if (!(q == 0 || (q >= 1 && std::isfinite(q))))
-    throw Error(Trouble::usage, concat("quality ", q, "; expected 0 or a ratio of at least 1"),
+    throw Error(ErrorCode::usage, concat("quality ", q, "; expected 0 or a ratio of at least 1"),
                 "1.4 is a good ratio; below about 1.2 TetGen may not come to an end");
   check_volume(options.max_volume);
   for (const auto& limit : options.region_volumes) check_volume(limit.max_volume);
   if (!options.regions && (!options.region_volumes.empty() || options.empty_cavities))
-    throw Error(Trouble::usage, "volumes of single regions and empty cavities need the numbers of regions");
+    throw Error(ErrorCode::usage, "volumes of single regions and empty cavities need the numbers of regions");
   check_tetgen_switches(options.tetgen);
   if (options.size_field) check(*options.size_field);
 }
@@ -49,16 +49,16 @@ class SizeFile {
   explicit SizeFile(const SizeField* sizes) {
     if (sizes == nullptr) return;
     parcel_.descriptor = memfd_create("rhoray-sizes", 0);
-    if (parcel_.descriptor < 0) throw Error(Trouble::resource, "filling a surface: no descriptor for the size field");
+    if (parcel_.descriptor < 0) throw Error(ErrorCode::resource, "filling a surface: no descriptor for the size field");
     if (const auto* volume = std::get_if<NeutralVolume>(sizes)) {
       parcel_.kind = "volume";
-      hand_over(*volume, parcel_.descriptor);
+      send(*volume, parcel_.descriptor);
     } else if (const auto* mesh = std::get_if<NeutralMesh>(sizes)) {
       parcel_.kind = "mesh";
-      hand_over(*mesh, parcel_.descriptor);
+      send(*mesh, parcel_.descriptor);
     } else {
       parcel_.kind = "distance";
-      hand_over(std::get<SizeByDistance>(*sizes).surface, parcel_.descriptor);
+      send(std::get<SizeByDistance>(*sizes).surface, parcel_.descriptor);
     }
   }
   SizeFile(const SizeFile&) = delete;
@@ -66,10 +66,10 @@ class SizeFile {
   ~SizeFile() {
     if (parcel_.descriptor >= 0) close(parcel_.descriptor);
   }
-  const SizeParcel& parcel() const { return parcel_; }
+  const SizeMessage& parcel() const { return parcel_; }
 
  private:
-  SizeParcel parcel_;
+  SizeMessage parcel_;
 };
 
 bool has_switch(const TetrahedralizeOptions& options, char letter) {
@@ -88,14 +88,14 @@ NeutralMesh fill_once(const NeutralSurface& surface, const TetrahedralizeOptions
   request.program = "rhoray-tetgen-worker";
   request.doing = "filling a surface with tetrahedra";
   request.arguments = arguments_of(options, sizes.parcel());
-  request.write_input = [&](int descriptor) { hand_over(surface, descriptor); };
+  request.write_input = [&](int descriptor) { send(surface, descriptor); };
   request.memory_limit_bytes = options.memory_limit_bytes;
   request.time_limit_s = options.time_limit_s;
   try {
-    return take_mesh(run_worker(request));
+    return receive_mesh(run_worker(request));
   } catch (const Error& error) {
-    if (error.trouble() != Trouble::resource || has_switch(options, 'Y')) throw;
-    throw Error(error.trouble(), error.what(),
+    if (error.code() != ErrorCode::resource || has_switch(options, 'Y')) throw;
+    throw Error(error.code(), error.what(),
                 "ask for larger cells, allow more, or keep the surface's own triangles (TetGen's switch Y): needles "
                 "among them call for very many points");
   }
@@ -131,7 +131,7 @@ constexpr std::uint64_t most_new_points = 250'000;
 Filling split_within_reason(const NeutralSurface& surface, const TetrahedralizeOptions& options) {
   NeutralMesh mesh = fill_once(surface, with_switch(options, concat("S", most_new_points)));
   if (mesh.points.size() >= surface.points.size() + most_new_points)
-    throw Error(Trouble::resource,
+    throw Error(ErrorCode::resource,
                 concat("surface: splitting its triangles for a quality of ", usual_quality, " took more than ",
                        most_new_points, " new points"),
                 "a wanted quality of 0 adds none for quality; one that is given is sought without this limit");
@@ -144,7 +144,7 @@ NeutralMesh fill_to_an_end(const NeutralSurface& surface, const TetrahedralizeOp
   try {
     kept = judged(fill_once(surface, with_switch(options, "Y")));
   } catch (const Error& error) {
-    if (error.trouble() != Trouble::invalid) throw;
+    if (error.code() != ErrorCode::invalid) throw;
     return noted(split_within_reason(surface, options), "the surface's triangles were split");
   }
   if (kept->bad.of_volume <= 0.1 && kept->bad.of_cells <= 0.5)
@@ -154,7 +154,7 @@ NeutralMesh fill_to_an_end(const NeutralSurface& surface, const TetrahedralizeOp
     Filling split = split_within_reason(surface, options);
     if (split.bad.of_volume < kept->bad.of_volume) return noted(std::move(split), "the surface's triangles were split");
   } catch (const Error& error) {
-    if (error.trouble() != Trouble::invalid && error.trouble() != Trouble::resource) throw;
+    if (error.code() != ErrorCode::invalid && error.code() != ErrorCode::resource) throw;
     why = concat("with them split: ", error.what());
   }
   return noted(std::move(*kept), concat("the surface's triangles were kept as they are (", why, ")"));

@@ -2,7 +2,7 @@
 #include <string_view>
 
 #include "preprocess/process/child_process.h"
-#include "preprocess/process/handover.h"
+#include "preprocess/process/messages.h"
 #include "preprocess/workers/tetgen/fill.h"
 #include "preprocess/workers/tetgen/job.h"
 #include "preprocess/workers/tetgen/surface_checks.h"
@@ -12,12 +12,13 @@ int main(int argc, char** argv) {
   using namespace rhoray::preprocess;
   return worker_main([&](int input, int output) {
     const std::span<const char* const> arguments(argv + 1, argv + argc);
-    NeutralSurface surface = take_surface(rhoray::formats::PackedFile::from_descriptor(input, "handed-over surface"));
+    NeutralSurface surface =
+        receive_surface(rhoray::formats::PackedFile::from_descriptor(input, "handed-over surface"));
     if (arguments.size() == 2 && std::string_view(arguments[0]) == find_faults_verb) {
       hand_over_faults(faulty_facets(std::move(surface), std::string_view(arguments[1]) == "1"), output);
       return;
     }
     const TetrahedralizeOptions options = options_from(arguments);
-    hand_over(fill(checked_surface(std::move(surface), options.solids_may_touch), options), output);
+    send(fill(checked_surface(std::move(surface), options.solids_may_touch), options), output);
   });
 }

@@ -1,7 +1,7 @@
 #include <openvdb/tools/Dense.h>
 
 #include "formats/base/bytes.h"
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/workers/vdb/hand_out.h"
 
 namespace rhoray::preprocess {
@@ -19,7 +19,7 @@ std::uint64_t checked_bytes(const ScalarGrid& grid, std::uint64_t limit_bytes, c
   const auto bytes = checked_product({static_cast<std::uint64_t>(n.x), static_cast<std::uint64_t>(n.y),
                                       static_cast<std::uint64_t>(n.z), formats::element_bytes(dense_type(grid))});
   if (bytes && *bytes <= limit_bytes) return *bytes;
-  throw Error(Trouble::resource,
+  throw Error(ErrorCode::resource,
               concat(path.string(), ": grid '", grid.name, "' spans ", n.x, " x ", n.y, " x ", n.z, " samples, ",
                      bytes ? concat(*bytes) : "2^64 or more", " bytes when dense; expected at most ", limit_bytes),
               concat("`rhoray render ", path.string(), "` shows it without packing; --memory allows more"));

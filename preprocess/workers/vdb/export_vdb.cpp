@@ -1,4 +1,4 @@
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/export/counts.h"
 #include "preprocess/export/grid_samples.h"
 #include "preprocess/export_grid.h"
@@ -28,12 +28,13 @@ ExportReport export_vdb(const std::filesystem::path& packed, const std::filesyst
                         const ExportOptions& options) {
   const std::string extension = extension_of(output);
   if (extension != ".vdb" && extension != ".nvdb")
-    throw Error(Trouble::usage, concat(output.string(), ": found extension '", extension, "'; expected .vdb or .nvdb"));
+    throw Error(ErrorCode::usage,
+                concat(output.string(), ": found extension '", extension, "'; expected .vdb or .nvdb"));
   const OpenedGrid opened = open_grid(packed, options.field);
   require_even_steps(opened, packed, extension);
   const formats::FieldSummary& field = opened.summary();
   if (field.range.is_empty())
-    throw Error(Trouble::invalid, concat(packed.string(), ": field '", field.name, "' holds no finite value"));
+    throw Error(ErrorCode::invalid, concat(packed.string(), ": field '", field.name, "' holds no finite value"));
 
   PendingFile file(output, {.replace_existing = options.replace_existing});
   WorkerRequest request;

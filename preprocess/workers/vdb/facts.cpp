@@ -113,7 +113,7 @@ formats::FieldSummary take_field(Taking& in) {
 
 }  // namespace
 
-void hand_over(const std::vector<VdbGridFacts>& grids, int descriptor) {
+void send(const std::vector<VdbGridFacts>& grids, int descriptor) {
   Writing out;
   out.add(grids.size());
   for (const VdbGridFacts& grid : grids) {

@@ -42,7 +42,7 @@ void hand_over_facts(const std::filesystem::path& path, int descriptor) {
   VdbFile file(path);
   std::vector<VdbGridFacts> grids;
   for (const VdbFile::Entry& entry : file.entries()) grids.push_back(facts_of(file, entry, path));
-  hand_over(grids, descriptor);
+  send(grids, descriptor);
 }
 
 }  // namespace rhoray::preprocess

@@ -64,7 +64,7 @@ double exact_double(std::int64_t value, const std::filesystem::path& path, const
   constexpr std::int64_t largest = std::int64_t{1} << 53;
   if (value > largest || value < -largest)
     refuse_input(path, concat("grid '", field, "'"), concat("the value ", value),
-                 "integers that double precision holds", Trouble::unsupported);
+                 "integers that double precision holds", ErrorCode::unsupported);
   return static_cast<double>(value);
 }
 
@@ -181,7 +181,7 @@ void take_frame(ScalarGrid& out, const std::filesystem::path& path) {
   const std::optional<Affine> map = affine_of(grid.transform());
   if (!map)
     refuse_input(path, place, concat("a map of type ", grid.transform().mapType()), "a linear one (no frustum)",
-                 Trouble::unsupported);
+                 ErrorCode::unsupported);
   const double determinant = map->determinant();
   if (determinant == 0 || !std::isfinite(determinant))
     refuse_input(path, place, concat("voxels of volume ", determinant), "axes that span a volume");
@@ -198,7 +198,7 @@ void take_box(ScalarGrid& out, const std::filesystem::path& path) {
   for (int axis = 0; axis < 3; ++axis)
     if (box.min()[axis] < -farthest || box.max()[axis] > farthest)
       refuse_input(path, place, concat("active voxels from ", box.min()[axis], " to ", box.max()[axis], " on an axis"),
-                   "-2^29 to 2^29", Trouble::unsupported);
+                   "-2^29 to 2^29", ErrorCode::unsupported);
   if (const auto count = out.base().getMetadata<openvdb::Vec3IMetadata>(sample_count_key)) {
     out.inactive_is_no_data = true;
     box.expand(openvdb::Coord(0));
@@ -254,11 +254,11 @@ Choice choose(const std::vector<VdbFile::Entry>& entries, const std::vector<std:
   }
   const std::string found = contents(entries);
   if (scalars.empty())
-    throw Error(Trouble::unsupported, concat(path.string(), ": found ", found, "; expected a grid of scalars"));
+    throw Error(ErrorCode::unsupported, concat(path.string(), ": found ", found, "; expected a grid of scalars"));
   if (field.empty())
-    throw Error(Trouble::usage, concat(path.string(), ": found vectors only: ", found, "; expected a choice"),
+    throw Error(ErrorCode::usage, concat(path.string(), ": found vectors only: ", found, "; expected a choice"),
                 concat("say --field with one of ", in_list(scalars)));
-  throw Error(Trouble::usage,
+  throw Error(ErrorCode::usage,
               concat(path.string(), ": found no field '", field, "'; expected one of ", in_list(scalars)),
               did_you_mean(field, scalars));
 }

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/export/counts.h"
 #include "preprocess/process/child_process.h"
-#include "preprocess/process/handover.h"
+#include "preprocess/process/messages.h"
 #include "preprocess/workers/vdb/hand_out.h"
 #include "preprocess/workers/vdb/worker_arguments.h"
 
@@ -22,7 +22,7 @@ std::uint64_t dense_limit() {
   constexpr std::uint64_t usual_limit = std::uint64_t{4} << 30;
   rlimit memory{};
   if (::getrlimit(RLIMIT_DATA, &memory) != 0)
-    throw Error(Trouble::internal, concat("the system does not tell the limit RLIMIT_DATA: ", std::strerror(errno)));
+    throw Error(ErrorCode::internal, concat("the system does not tell the limit RLIMIT_DATA: ", std::strerror(errno)));
   if (memory.rlim_cur == RLIM_INFINITY) return usual_limit;
   return memory.rlim_cur / 2;
 }
@@ -34,11 +34,11 @@ void act(const std::vector<std::string>& arguments, int output) {
   else if (verb == "nanovdb" && arguments.size() == 3)
     hand_over_nanovdb(read_scalar_grid(arguments[1], arguments[2]), output);
   else if (verb == "volume" && arguments.size() == 3)
-    hand_over(dense_volume(read_scalar_grid(arguments[1], arguments[2]), dense_limit(), arguments[1]), output);
+    send(dense_volume(read_scalar_grid(arguments[1], arguments[2]), dense_limit(), arguments[1]), output);
   else if (verb == "write" && arguments.size() == 5 && (arguments[4] == ".vdb" || arguments[4] == ".nvdb"))
     hand_over_counts({write_vdb(arguments[1], arguments[2], arguments[3], arguments[4] == ".nvdb")}, output);
   else
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 "found arguments that no verb has; expected those of preprocess/workers/vdb/worker_arguments.h");
 }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/export/grid_samples.h"
 #include "preprocess/export/output_stream.h"
 #include "preprocess/workers/vdb/hand_out.h"
@@ -81,7 +81,7 @@ typename GridFor<T>::Ptr grid_of(const GridSamples<T>& samples, const formats::G
 }
 
 [[noreturn]] void refuse_written(const std::filesystem::path& output, const std::string& found) {
-  throw Error(Trouble::resource,
+  throw Error(ErrorCode::resource,
               concat(output.string(), ": found ", found, " when reading it back; expected what was written"));
 }
 
@@ -89,7 +89,7 @@ openvdb::GridBase::Ptr read_back(const std::filesystem::path& output, const std:
   try {
     return VdbFile(output).read(field);
   } catch (const Error& error) {  // nobody gave us this file
-    throw Error(Trouble::resource, concat("what was written cannot be read back: ", error.what()));
+    throw Error(ErrorCode::resource, concat("what was written cannot be read back: ", error.what()));
   }
 }
 
@@ -123,7 +123,7 @@ void write_openvdb(const typename GridFor<T>::Ptr& grid, const GridSamples<T>& s
     file.finish();
   } catch (const openvdb::Exception& error) {
     file.check();
-    throw Error(Trouble::resource, concat(output.string(), ": OpenVDB cannot write it: ", error.what()));
+    throw Error(ErrorCode::resource, concat(output.string(), ": OpenVDB cannot write it: ", error.what()));
   }
   const auto read = openvdb::gridPtrCast<GridFor<T>>(read_back(output, samples.field().name));
   if (!read || affine_of(read->transform()) != affine_of(grid->transform())) refuse_written(output, "another grid");
@@ -144,7 +144,7 @@ void write_nanovdb(const typename GridFor<T>::Ptr& grid, const std::filesystem::
     throw;
   } catch (const std::exception& error) {
     file.check();
-    throw Error(Trouble::resource, concat(output.string(), ": NanoVDB cannot write it: ", error.what()));
+    throw Error(ErrorCode::resource, concat(output.string(), ": NanoVDB cannot write it: ", error.what()));
   }
 }
 

@@ -28,11 +28,11 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 /// The kernel at work on one group, as GroupWalk of isosurface.cpp; but a ray goes on behind its crossings, on the
 /// other side, until it ends, its light does, or one of its lists is full.
 template <int surfaces>
-class ShellWalk {
+class AllHitsWalk {
  public:
-  HWY_INLINE ShellWalk(const Shells& shells, const MirroredLattice& lattice, std::size_t first_ray,
-                       const CrossingArrays* lists, std::uint8_t* complete, ShellScratch& scratch,
-                       KernelCounters& counters)
+  HWY_INLINE AllHitsWalk(const TransparentSurfaces& shells, const MirroredLattice& lattice, std::size_t first_ray,
+                         const CrossingArrays* lists, std::uint8_t* complete, GridAllHitsScratch& scratch,
+                         KernelCounters& counters)
       : shells_(shells),
         any_(shells.surface[0]),
         lattice_(lattice),
@@ -61,12 +61,12 @@ class ShellWalk {
     prepare_ways(lattice_, ways_);
     prepare_places(lattice_, scratch_);
     clear(scratch_.ahead);
-    TogetherWords<surfaces> nodes, summits;
+    UnionBits<surfaces> nodes, super_nodes;
     for (int s = 0; s < surfaces; ++s)
-      nodes.of[s] = shells_.surface[s].nodes, summits.of[s] = shells_.surface[s].summits;
+      nodes.of[s] = shells_.surface[s].nodes, super_nodes.of[s] = shells_.surface[s].super_nodes;
     int alive_in_frustum = std::popcount(alive_);
     BlocksExpected expected;
-    walk_blocks(frustum, lattice_, nodes, summits, [&](const int* block) HWY_ATTR {
+    walk_blocks(frustum, lattice_, nodes, super_nodes, [&](const int* block) HWY_ATTR {
       ask_for(block);
       if (expected.count == BlocksExpected::most) meet(expected.take());
       expected.add(block);
@@ -86,7 +86,7 @@ class ShellWalk {
   }
 
  private:
-  using RayLanes = ShellLanes<surfaces>;
+  using RayLanes = AllHitsLanes<surfaces>;
 
   /// How many crossings each ray has, and how many blocks and cells it has passed.
   HWY_INLINE void write_counts() {
@@ -120,7 +120,7 @@ class ShellWalk {
 
   HWY_INLINE KeptPlace kept_place(const int* mirrored, int* block) const {
     for (int a = 0; a < 3; ++a) block[a] = lattice_.block(a, mirrored[a]);
-    return kept_place_of<ShellBlockAhead>(block);
+    return kept_place_of<AllHitsBlock>(block);
   }
 
   /// Has the samples of a block brought that are not kept: they come while the blocks before it are passed.
@@ -130,7 +130,7 @@ class ShellWalk {
     if (scratch_.block_key[at.place] != at.key) reading_.ask_for(any_.source, block);
   }
 
-  HWY_INLINE const BlockSlabs& fetch(ShellBlockAhead& ahead) {
+  HWY_INLINE const BlockSlabs& fetch(AllHitsBlock& ahead) {
     int block[3];  // not mirrored
     const KeptPlace at = kept_place(ahead.block, block);
     constexpr std::size_t floats_each = sizeof(BlockSamples) / sizeof(float);
@@ -186,7 +186,7 @@ class ShellWalk {
         });
     if (rays == 0) return;
     while (!fits(scratch_.ahead, block)) pass_next();
-    ShellBlockAhead& next = scratch_.ahead.block[scratch_.ahead.count];  // not added yet
+    AllHitsBlock& next = scratch_.ahead.block[scratch_.ahead.count];  // not added yet
     for (int a = 0; a < 3; ++a) next.block[a] = block[a], next.corner[a] = static_cast<float>(4 * block[a]);
     let_go_by<surfaces>(lattice_, scratch_, fetch(next), rays, enters, leaves, next);
     if (settle(next) == 0) return;
@@ -197,7 +197,7 @@ class ShellWalk {
   /// Lets the rays go by a block that have no other before it, unless they come to its cells on another side than these
   /// lie on. The list has the blocks before it.
   /// @return  rays that are not done with it
-  HWY_INLINE std::uint64_t settle(ShellBlockAhead& block) {
+  HWY_INLINE std::uint64_t settle(AllHitsBlock& block) {
     const std::uint64_t go_by = block.by & ~scratch_.ahead.rays;
     if (go_by == 0) return block.rays | block.by;
     block.by &= ~go_by;
@@ -216,9 +216,9 @@ class ShellWalk {
 
   HWY_NOINLINE void pass_next() {
     pass_first_ahead(
-        scratch_.ahead, alive_, group_.count, [](ShellBlockAhead&) {},
+        scratch_.ahead, alive_, group_.count, [](AllHitsBlock&) {},
         [&](std::size_t r, std::uint64_t lanes) HWY_ATTR { pass_taken_blocks(r, lanes); },
-        [&](ShellBlockAhead& block) { return settle(block); });
+        [&](AllHitsBlock& block) { return settle(block); });
   }
 
   /// Lets some of the rays from r on pass the blocks that they have taken.
@@ -234,7 +234,7 @@ class ShellWalk {
       for (int w = 0; w < 2; ++w) lanes.active_of[s][w] = lanes.inside_out_of[s][w] = none;
     }
     for (std::size_t b = 0; b < scratch_.ahead.count; ++b) {
-      const ShellBlockAhead& block = scratch_.ahead.block[b];
+      const AllHitsBlock& block = scratch_.ahead.block[b];
       const std::uint64_t takers = block.taken >> r & first_rays(float_lanes);
       if (takers == 0) continue;
       const MaskF mask = mask_of(floats, takers);
@@ -396,22 +396,22 @@ class ShellWalk {
     lanes.walking = hn::AndNot(mask_of(floats, ended), lanes.walking);
   }
 
-  const Shells& shells_;
+  const TransparentSurfaces& shells_;
   const Surface& any_;  ///< of which all surfaces have the same but for isovalue and occupancy
   const MirroredLattice& lattice_;
   const LatticeEnds ends_;
   const std::size_t first_ray_;
   const CrossingArrays* const lists_;
   std::uint8_t* const complete_;
-  ShellScratch& scratch_;
+  GridAllHitsScratch& scratch_;
   IsosurfaceScratch& ways_;
   RayGroup& group_;
   KernelCounters& counters_;
   const Reading reading_;
   const bool has_values_;  ///< blocks are kept as values, not as differences
   const BlockCorners corners_;
-  ShellHits hits_[most_shells];  ///< by surface
-  ShellLooks<surfaces> looks_;
+  HitLists hits_[most_surfaces];  ///< by surface
+  AllHitsCandidates<surfaces> looks_;
   std::uint64_t alive_;                                            ///< rays that go on
   std::uint64_t full_ = 0;                                         ///< rays of which a crossing was not noted
   std::uint64_t blocks_ = 0;                                       ///< passed by rays
@@ -420,28 +420,28 @@ class ShellWalk {
 };
 
 template <int surfaces>
-HWY_INLINE void cross_some(const Shells& shells, const RayArrays& rays, std::size_t first, std::size_t count,
-                           const CrossingArrays* lists, std::uint8_t* complete, ShellScratch& scratch,
-                           KernelCounters& counters) {
+HWY_INLINE void cross_some(const TransparentSurfaces& shells, const RayArrays& rays, std::size_t first,
+                           std::size_t count, const CrossingArrays* lists, std::uint8_t* complete,
+                           GridAllHitsScratch& scratch, KernelCounters& counters) {
   const Surface& any = shells.surface[0];
   for_each_group(from(rays, first), count, any.leaf_count, any.node_count, scratch.ways.group,
                  [&](RayGroup&, const MirroredLattice& lattice, Frustum& frustum) HWY_ATTR {
-                   ShellWalk<surfaces> walk(shells, lattice, first, lists, complete, scratch, counters);
+                   AllHitsWalk<surfaces> walk(shells, lattice, first, lists, complete, scratch, counters);
                    walk.run(frustum);
                  });
 }
 
-void cross_shells(const Shells& shells, const RayArrays& rays, std::size_t first, std::size_t count,
-                  const CrossingArrays* lists, std::uint8_t* complete, ShellScratch& scratch,
-                  KernelCounters& counters) {
+void find_all_hits(const TransparentSurfaces& shells, const RayArrays& rays, std::size_t first, std::size_t count,
+                   const CrossingArrays* lists, std::uint8_t* complete, GridAllHitsScratch& scratch,
+                   KernelCounters& counters) {
   if (shells.count == 1)
     cross_some<1>(shells, rays, first, count, lists, complete, scratch, counters);
   else
     cross_some<2>(shells, rays, first, count, lists, complete, scratch, counters);
 }
 
-CrossShells cross_shells_here() {
-  return cross_shells;
+FindAllHits find_all_hits_here() {
+  return find_all_hits;
 }
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE
@@ -451,17 +451,17 @@ HWY_AFTER_NAMESPACE();
 
 namespace rhoray::render::wide {
 
-CrossShells cross_shells_on([[maybe_unused]] Machine machine) {
+FindAllHits find_all_hits_on([[maybe_unused]] Machine machine) {
 #if HWY_TARGETS & HWY_AVX3
-  if (machine == Machine::avx512) return N_AVX3::cross_shells_here();
+  if (machine == Machine::avx512) return N_AVX3::find_all_hits_here();
 #endif
 #if HWY_TARGETS & HWY_AVX2
-  if (machine == Machine::avx2) return N_AVX2::cross_shells_here();
+  if (machine == Machine::avx2) return N_AVX2::find_all_hits_here();
 #endif
 #if HWY_TARGETS & HWY_SSE4
-  if (__builtin_cpu_supports("sse4.1")) return N_SSE4::cross_shells_here();
+  if (__builtin_cpu_supports("sse4.1")) return N_SSE4::find_all_hits_here();
 #endif
-  return HWY_NAMESPACE::cross_shells_here();
+  return HWY_NAMESPACE::find_all_hits_here();
 }
 
 }  // namespace rhoray::render::wide

@@ -1,5 +1,5 @@
-// Looks into cells for clear surfaces: all that rays have before them in their blocks at once, whichever ray's they
-// are, so that every lane has one.
+// CandidateList into cells for clear surfaces: all that rays have before them in their blocks at once, whichever ray's
+// they are, so that every lane has one.
 #if defined(RHORAY_WIDE_SHELL_LOOKS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_SHELL_LOOKS_INL_H
 #undef RHORAY_WIDE_SHELL_LOOKS_INL_H
@@ -24,18 +24,18 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 
 /// Rays on their way through the cells of a block, each of its own, and of each surface what Lanes has of one.
 template <int surfaces>
-struct ShellLanes : Lanes {
+struct AllHitsLanes : Lanes {
   VecI active_of[surfaces][2], inside_out_of[surfaces][2], seen_of[surfaces];
   VecF error;  ///< of BlockSlabs
   MaskF inside_of[surfaces], has_side_of[surfaces];
 };
 
 /// Of each bit of 64, in two words, whether an odd number of lower ones is set; and of all.
-struct OddBelow {
+struct PrefixParity {
   VecI word[2];
   MaskF of_all;
 
-  explicit HWY_INLINE OddBelow(const VecI* bits) {
+  explicit HWY_INLINE PrefixParity(const VecI* bits) {
     VecI up_to[2];
     for (int w = 0; w < 2; ++w) {
       VecI x = bits[w];
@@ -55,10 +55,10 @@ struct OddBelow {
 /// cells between, these are the looks that a ray takes one after another; the other rays, few, are left to take theirs
 /// so.
 template <int surfaces>
-class ShellLooks {
+class AllHitsCandidates {
  public:
-  HWY_INLINE ShellLooks(const Shells& shells, const LatticeEnds& ends, const BlockCorners& corners, bool has_values,
-                        ShellScratch& scratch, ShellHits* hits, KernelCounters& counters)
+  HWY_INLINE AllHitsCandidates(const TransparentSurfaces& shells, const LatticeEnds& ends, const BlockCorners& corners,
+                               bool has_values, GridAllHitsScratch& scratch, HitLists* hits, KernelCounters& counters)
       : shells_(shells),
         ends_(ends),
         corners_(corners),
@@ -81,7 +81,7 @@ class ShellLooks {
   /// @param ended    bits of lanes: rays that are to go no farther
   /// @param full     of these, those of which a crossing was not noted
   /// @return         bits of lanes that are left
-  HWY_INLINE std::uint64_t take(ShellLanes<surfaces>& lanes, std::size_t r, const VecF* block_corner,
+  HWY_INLINE std::uint64_t take(AllHitsLanes<surfaces>& lanes, std::size_t r, const VecF* block_corner,
                                 const BetweenSlabs& between, std::uint64_t (&went_by)[surfaces][2], bool is_at_border,
                                 std::uint64_t& ended, std::uint64_t& full) {
     const std::uint64_t walking = bits_of(floats, lanes.walking);
@@ -110,7 +110,7 @@ class ShellLooks {
   };
 
   /// All cells that the rays pass and in which something is to be seen: of each ray in their order.
-  HWY_INLINE void list_cells(const ShellLanes<surfaces>& lanes, const VecF* block_corner, bool is_at_border) {
+  HWY_INLINE void list_cells(const AllHitsLanes<surfaces>& lanes, const VecF* block_corner, bool is_at_border) {
     const VecI zero = hn::Zero(ints);
     VecI any[2] = {zero, zero};
     for (int s = 0; s < surfaces; ++s)
@@ -139,7 +139,7 @@ class ShellLooks {
   /// Calls act(cell, lanes) for some cells of the rays, as far as they pass them.
   /// @param words  which cells
   template <class Act>
-  HWY_INLINE void for_each_passed(const ShellLanes<surfaces>& lanes, const VecI* words, const VecF* block_corner,
+  HWY_INLINE void for_each_passed(const AllHitsLanes<surfaces>& lanes, const VecI* words, const VecF* block_corner,
                                   bool is_at_border, const Act& act) const {
     VecI left[2] = {words[0], words[1]};
     while (!hn::AllTrue(ints, hn::Eq(hn::Or(left[0], left[1]), hn::Zero(ints)))) {
@@ -176,8 +176,8 @@ class ShellLooks {
 
   HWY_INLINE OfCells of_cells(std::size_t first) const { return OfCells(hn::Load(ints, cells_.lane + first)); }
 
-  /// Looks into the cells from `first` on.
-  HWY_INLINE void look(const ShellLanes<surfaces>& lanes, std::size_t first, const VecF* block_corner,
+  /// CandidateList into the cells from `first` on.
+  HWY_INLINE void look(const AllHitsLanes<surfaces>& lanes, std::size_t first, const VecF* block_corner,
                        bool is_at_border) {
     const OfCells of = of_cells(first);
     const VecI bit = hn::Load(ints, cells_.bit + first);
@@ -221,8 +221,8 @@ class ShellLooks {
     }
   }
 
-  /// Looks for a surface where the field along the ways is known, but for errors. Cells in which it is closer to the
-  /// isovalue than these, where that matters, are looked into closely.
+  /// CandidateList for a surface where the field along the ways is known, but for errors. Cells in which it is closer
+  /// to the isovalue than these, where that matters, are looked into closely.
   HWY_INLINE void look_from_afar(const FoundIn& at, const CubicLanes& cubic, VecF error, MaskF here) {
     const VecF isovalue = hn::Set(floats, static_cast<float>(shells_.surface[at.surface].isovalue));
     const VecF low = hn::Sub(isovalue, error), high = hn::Add(isovalue, error);
@@ -244,12 +244,12 @@ class ShellLooks {
     if (HWY_UNLIKELY(!hn::AllFalse(floats, unclear))) look_closely(at, unclear);
   }
 
-  /// Looks for a surface by the differences to its isovalue, as a ray does that takes one look after another.
+  /// CandidateList for a surface by the differences to its isovalue, as a ray does that takes one look after another.
   HWY_NOINLINE void look_closely(const FoundIn& at, MaskF here) {
     const Corners corners = has_values_ ? less_its_isovalue(at.surface, at.corners) : at.corners;
     const CubicLanes cubic = along(corners, at.in, at.out);
     const MaskF side = is_inside(cubic.b[0]);
-    OfLooks& found = cells_.looks[at.surface][at.ray / float_lanes];
+    CandidateMask& found = cells_.looks[at.surface][at.ray / float_lanes];
     const std::uint64_t looked = bits_of(floats, here);
     found.begins_inside = (found.begins_inside & ~looked) | (bits_of(floats, side) & looked);
     const Pieces pieces = pieces_of(cubic, side, here);
@@ -286,7 +286,7 @@ class ShellLooks {
     has_side |= finds;
     std::uint64_t left = finds & ~is_cut;
     for (std::size_t first = 0; left != 0; first += float_lanes) {
-      const OfLooks& found = cells_.looks[s][first / float_lanes];
+      const CandidateMask& found = cells_.looks[s][first / float_lanes];
       for (std::uint64_t bits = found.looked; bits != 0 && left != 0; bits &= bits - 1) {
         const int i = std::countr_zero(bits);
         const std::uint64_t lane = left & std::uint64_t{1} << cells_.lane[first + static_cast<std::size_t>(i)];
@@ -309,7 +309,7 @@ class ShellLooks {
   /// @param unsure  gets bits of lanes: rays that have gone by cells on both sides, or on another side than they have
   ///                here at first, and those that are on none yet and then come to a cell on another side than it has
   /// @return        bits of lanes that come to a cell on another side than it has
-  HWY_INLINE std::uint64_t find_strays(ShellLanes<surfaces>& lanes, const VecF* block_corner,
+  HWY_INLINE std::uint64_t find_strays(AllHitsLanes<surfaces>& lanes, const VecF* block_corner,
                                        const BetweenSlabs& between, std::uint64_t (&went_by)[surfaces][2],
                                        bool is_at_border, std::uint64_t& unsure) const {
     std::uint64_t strays = 0, has_all_sides = ~std::uint64_t{0};
@@ -330,7 +330,7 @@ class ShellLooks {
         unsure |= has_side & ~had_side & ((inside & went_by[s][0]) | (~inside & went_by[s][1]));
       }
       const VecI changes[2] = {hn::Load(ints, odd_[s][0]), hn::Load(ints, odd_[s][1])};
-      const OddBelow odd(changes);
+      const PrefixParity odd(changes);
       const MaskF begins_inside = mask_of(floats, inside);
       has_side_behind[s] = mask_of(floats, has_side);
       const VecI begins = hn::VecFromMask(ints, hn::RebindMask(ints, begins_inside));
@@ -340,7 +340,7 @@ class ShellLooks {
         off[w] = hn::Or(off[w], hn::And(hn::AndNot(lanes.active_of[s][w], lanes.left[w]),
                                         hn::And(hn::Xor(lanes.inside_out_of[s][w], side[w]), known)));
       for (std::size_t first = 0; first < cells_.count; first += float_lanes) {
-        const OfLooks& found = cells_.looks[s][first / float_lanes];
+        const CandidateMask& found = cells_.looks[s][first / float_lanes];
         const MaskF comes_inside = of_cells(first)(side, hn::Load(ints, cells_.bit + first));
         std::uint64_t other = found.looked & (found.begins_inside ^ bits_of(floats, comes_inside));
         for (; other != 0; other &= other - 1)
@@ -444,13 +444,13 @@ class ShellLooks {
     if (light < shells_.least_light || (full & lane) != 0) ended |= lane;
   }
 
-  const Shells& shells_;
+  const TransparentSurfaces& shells_;
   const LatticeEnds& ends_;
   const BlockCorners& corners_;
   const bool has_values_;
-  ShellScratch& scratch_;
+  GridAllHitsScratch& scratch_;
   CellsAhead& cells_;
-  ShellHits* const hits_;  ///< by surface
+  HitLists* const hits_;  ///< by surface
   KernelCounters& counters_;
   VecI active_[surfaces][2];                              ///< cells that rays may look into
   VecI passed_[2];                                        ///< of these, of all surfaces, those that they pass

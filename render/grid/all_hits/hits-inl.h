@@ -52,11 +52,11 @@ struct FoundIn {
 };
 
 /// Keeps changes of side of one surface, and makes them crossings, many at a time.
-class ShellHits {
+class HitLists {
  public:
   /// @param has_values  of blocks values are kept, not differences to isovalues
-  HWY_INLINE ShellHits(const Shells& shells, int surface, const MirroredLattice& lattice, bool has_values,
-                       const CrossingArrays* lists, std::size_t first_ray, ShellScratch& scratch)
+  HWY_INLINE HitLists(const TransparentSurfaces& shells, int surface, const MirroredLattice& lattice, bool has_values,
+                      const CrossingArrays* lists, std::size_t first_ray, GridAllHitsScratch& scratch)
       : shells_(shells),
         surface_(surface),
         lattice_(lattice),
@@ -207,13 +207,13 @@ class ShellHits {
     to.iteration_count[r] = static_cast<std::uint32_t>(iterations);
   }
 
-  const Shells& shells_;
+  const TransparentSurfaces& shells_;
   const int surface_;
   const MirroredLattice& lattice_;
   const bool has_values_;
   const CrossingArrays& list_;
   const std::size_t first_ray_;
-  ShellScratch& scratch_;
+  GridAllHitsScratch& scratch_;
   FoundCrossings& found_;
 };
 

@@ -15,41 +15,41 @@ namespace rhoray::render::wide {
 namespace {
 
 /// Memory in which no block is kept of other surfaces.
-void keep_blocks_of(ShellScratch& scratch,
-                    const std::array<std::shared_ptr<const Occupancy>, most_shells>& occupancies) {
+void keep_blocks_of(GridAllHitsScratch& scratch,
+                    const std::array<std::shared_ptr<const Occupancy>, most_surfaces>& occupancies) {
   if (scratch.occupancies == occupancies) return;
   std::fill(std::begin(scratch.block_key), std::end(scratch.block_key), IsosurfaceScratch::no_block);
   scratch.occupancies = occupancies;
 }
 
-/// Shells::surely_lit.
-std::int32_t surely_lit_of(const CrossingsQuestion& question) {
+/// TransparentSurfaces::surely_lit.
+std::int32_t surely_lit_of(const AllHitsQuery& query) {
   // More than the rounding of products in whichever order.
-  const float enough = question.least_light * (1 + 0x1p-18F);
-  const float passing = std::min(question.surfaces.front().passing, question.surfaces.back().passing);
+  const float enough = query.least_light * (1 + 0x1p-18F);
+  const float passing = std::min(query.surfaces.front().passing, query.surfaces.back().passing);
   std::int32_t count = 0;
   for (float light = passing; light >= enough && count < std::int32_t{CrossingList::most}; light *= passing) ++count;
   return count;
 }
 
 template <class View>
-Shells shells_of(const View& view, const VolumeImplementation& volume, const CrossingsQuestion& question,
-                 ShellScratch& scratch) {
-  const CrossedSurface &first = question.surfaces.front(), &last = question.surfaces.back();
+TransparentSurfaces transparent_surfaces_of(const View& view, const VolumeImplementation& volume,
+                                            const AllHitsQuery& query, GridAllHitsScratch& scratch) {
+  const TransparentSurface &first = query.surfaces.front(), &last = query.surfaces.back();
   keep_blocks_of(scratch, {volume.occupancies->of(view.levels(), first.isovalue),
                            volume.occupancies->of(view.levels(), last.isovalue)});
-  Shells shells{.surface = {surface_of(volume, view, *scratch.occupancies[0],
-                                       {.isovalue = first.isovalue, .time_phases = question.time_phases}),
-                            surface_of(volume, view, *scratch.occupancies[1],
-                                       {.isovalue = last.isovalue, .time_phases = question.time_phases})},
-                .passing = {},
-                .surely_lit = surely_lit_of(question),
-                .least_inside = {},
-                .is_single = {},
-                .count = static_cast<int>(question.surfaces.size()),
-                .least_light = question.least_light,
-                .only_places = question.only_places};
-  for (std::size_t s = 0; s < most_shells; ++s) {
+  TransparentSurfaces shells{.surface = {surface_of(volume, view, *scratch.occupancies[0],
+                                                    {.isovalue = first.isovalue, .time_phases = query.time_phases}),
+                                         surface_of(volume, view, *scratch.occupancies[1],
+                                                    {.isovalue = last.isovalue, .time_phases = query.time_phases})},
+                             .passing = {},
+                             .surely_lit = surely_lit_of(query),
+                             .least_inside = {},
+                             .is_single = {},
+                             .count = static_cast<int>(query.surfaces.size()),
+                             .least_light = query.least_light,
+                             .only_places = query.only_places};
+  for (std::size_t s = 0; s < most_surfaces; ++s) {
     const double isovalue = shells.surface[s].isovalue;
     const auto nearest = static_cast<float>(isovalue);
     float light = 1;
@@ -63,18 +63,18 @@ Shells shells_of(const View& view, const VolumeImplementation& volume, const Cro
 }
 
 template <Machine machine>
-void cross(const VolumeImplementation& volume, const CrossingsQuestion& question, const RayBatch& rays,
-           std::span<CrossingList* const> lists, std::uint8_t* complete, CrossingsMemory& memory,
+void cross(const VolumeImplementation& volume, const AllHitsQuery& query, const RayBatch& rays,
+           std::span<CrossingList* const> lists, std::uint8_t* complete, AllHitsScratch& memory,
            KernelCounters& counters) {
   std::visit(
       [&]<class View>(const View& view) {
         if constexpr (is_taken_wide<View>) {
-          if (!memory.shells) memory.shells = std::make_shared<ShellScratch>();
-          const Shells shells = shells_of(view, volume, question, *memory.shells);
-          CrossingArrays arrays[most_shells];
+          if (!memory.shells) memory.shells = std::make_shared<GridAllHitsScratch>();
+          const TransparentSurfaces shells = transparent_surfaces_of(view, volume, query, *memory.shells);
+          CrossingArrays arrays[most_surfaces];
           for (std::size_t s = 0; s < lists.size(); ++s) {
             arrays[s] = arrays_of(*lists[s]);
-            if (question.only_places)
+            if (query.only_places)
               std::fill_n(arrays[s].hits[0].t, rays.count, std::numeric_limits<double>::infinity());
             else
               write_misses(arrays[s].hits[0], rays.count);
@@ -82,7 +82,7 @@ void cross(const VolumeImplementation& volume, const CrossingsQuestion& question
           }
           std::fill_n(complete, rays.count, std::uint8_t{1});
           counters.rays_wide += rays.count;
-          const CrossShells answer = cross_shells_on(machine);
+          const FindAllHits answer = find_all_hits_on(machine);
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size)
             answer(shells, arrays_of(rays), first, std::min(RayGroup::size, rays.count - first), arrays, complete,
                    *memory.shells, counters);
@@ -93,10 +93,10 @@ void cross(const VolumeImplementation& volume, const CrossingsQuestion& question
 
 }  // namespace
 
-CrossingsKernel shells_kernel(const VolumeImplementation& volume, const Question& question, Machine machine) {
-  const bool is_known = has_wide_crossings(question.method) && question.method.way == Method::Way::direct;
+AllHitsKernel grid_all_hits_kernel(const VolumeImplementation& volume, const RayQuery& query, Machine machine) {
+  const bool is_known = has_wide_crossings(query.method) && query.method.algorithm == Method::Algorithm::direct;
   const bool is_whole = std::visit([&](const auto& view) { return !has_gaps(volume, view); }, volume.view);
-  if (!is_known || !is_fit_grid(volume) || !is_answerable_wide(volume, question) || !is_whole) return nullptr;
+  if (!is_known || !is_fit_grid(volume) || !is_answerable_wide(volume, query) || !is_whole) return nullptr;
   switch (machine) {
     case Machine::scalar:
       break;

@@ -13,23 +13,23 @@
 /// What the sources of the wide kernel for clear isosurfaces hand to the part that is compiled once per machine.
 namespace rhoray::render::wide {
 
-inline constexpr int most_shells = CrossingsQuestion::most_surfaces;
+inline constexpr int most_surfaces = AllHitsQuery::most_surfaces;
 
 /// One or two surfaces of one volume.
-struct Shells {
-  Surface surface[most_shells];                        ///< that differ in isovalue and occupancy
-  float passing[most_shells][CrossingList::most + 1];  ///< so many of its crossings
+struct TransparentSurfaces {
+  Surface surface[most_surfaces];                        ///< that differ in isovalue and occupancy
+  float passing[most_surfaces][CrossingList::most + 1];  ///< so many of its crossings
   std::int32_t surely_lit;  ///< a ray with no more crossings than these, whichever, goes on: there is light and room
-  float least_inside[most_shells];  ///< the least number of single precision that is not below the isovalue
-  bool is_single[most_shells];      ///< whether that is the isovalue
+  float least_inside[most_surfaces];  ///< the least number of single precision that is not below the isovalue
+  bool is_single[most_surfaces];      ///< whether that is the isovalue
   int count;
   float least_light;
-  bool only_places;  ///< as CrossingsQuestion has it
+  bool only_places;  ///< as AllHitsQuery has it
 };
 
 /// Words of the occupancies of all surfaces together.
 template <int surfaces>
-struct TogetherWords {
+struct UnionBits {
   const std::uint64_t* of[surfaces];
 
   template <class Index>
@@ -41,23 +41,23 @@ struct TogetherWords {
 };
 
 /// A block that some rays of the group are still to pass.
-struct ShellBlockAhead {
+struct AllHitsBlock {
   /// Rays that go on behind their first crossings come to more blocks than others, before the next group does.
   static constexpr int place_bits[3] = {3, 3, 3};
   static constexpr std::size_t most = 48;
 
-  int block[3];                           ///< mirrored
-  std::uint64_t rays;                     ///< that may pass a cell of it in which something is to be seen
-  std::uint64_t by;                       ///< that may pass others only
-  std::uint64_t by_side[most_shells][2];  ///< of these, those that may pass any outside, or inside
-  std::uint64_t taken;                    ///< of which it is the next one
+  int block[3];                             ///< mirrored
+  std::uint64_t rays;                       ///< that may pass a cell of it in which something is to be seen
+  std::uint64_t by;                         ///< that may pass others only
+  std::uint64_t by_side[most_surfaces][2];  ///< of these, those that may pass any outside, or inside
+  std::uint64_t taken;                      ///< of which it is the next one
   // What lanes take from it, each number by itself:
-  float corner[3];                                              ///< lowest, in the mirrored lattice
-  std::int32_t samples;                                         ///< where its samples begin among those that are kept
-  bool is_seen[most_shells];                                    ///< whether it has a bit of the surface
-  std::int32_t active[most_shells][2], inside[most_shells][2];  ///< of BlockSamples, mirrored, in two words
-  float normal[3], ground;                                      ///< height above the slabs' origin: mirrored
-  float low, high, error;                                       ///< of BlockSlabs
+  float corner[3];              ///< lowest, in the mirrored lattice
+  std::int32_t samples;         ///< where its samples begin among those that are kept
+  bool is_seen[most_surfaces];  ///< whether it has a bit of the surface
+  std::int32_t active[most_surfaces][2], inside[most_surfaces][2];  ///< of BlockSamples, mirrored, in two words
+  float normal[3], ground;                                          ///< height above the slabs' origin: mirrored
+  float low, high, error;                                           ///< of BlockSlabs
 };
 
 /// Blocks that rays may come to, in their order, of which the samples have been asked for.
@@ -82,22 +82,22 @@ struct BlocksExpected {
 /// The field in a block as far as planes can tell. A height is the product of the normal and a place in the block, 0 to
 /// 4 each, that is not mirrored.
 struct BlockSlabs {
-  float normal[3];           ///< in values a cell
-  float size;                ///< sum of its magnitudes
-  float below[most_shells];  ///< a way that stays below this height comes to no change of side, and lies outside
-  float above[most_shells];  ///< likewise, inside
-  float low, high;           ///< the least and the greatest of these, of surfaces of which something is to be seen
-  float error;               ///< of the samples, or of means of them, less an isovalue: more than all rounding
+  float normal[3];             ///< in values a cell
+  float size;                  ///< sum of its magnitudes
+  float below[most_surfaces];  ///< a way that stays below this height comes to no change of side, and lies outside
+  float above[most_surfaces];  ///< likewise, inside
+  float low, high;             ///< the least and the greatest of these, of surfaces of which something is to be seen
+  float error;                 ///< of the samples, or of means of them, less an isovalue: more than all rounding
 };
 
 /// What is kept of a block beside its samples.
 struct alignas(64) SeenBlock {
-  std::uint64_t active[most_shells], inside[most_shells];  ///< as BlockSamples has them
+  std::uint64_t active[most_surfaces], inside[most_surfaces];  ///< as BlockSamples has them
   BlockSlabs slabs;
 };
 
-/// Looks into as many cells as a vector has lanes: a bit for each.
-struct OfLooks {
+/// CandidateList into as many cells as a vector has lanes: a bit for each.
+struct CandidateMask {
   std::uint64_t looked, begins_inside;
 };
 
@@ -108,12 +108,12 @@ struct alignas(64) CellsAhead {
   static constexpr std::size_t capacity = most + 16;  ///< and a vector
   static constexpr std::int32_t nowhere = -1;
 
-  std::int32_t lane[capacity], bit[capacity];  ///< the ray, and the cell's place in its block: x + 4 y + 16 z
-  OfLooks looks[most_shells][capacity];        ///< as many as there are vectors
+  std::int32_t lane[capacity], bit[capacity];    ///< the ray, and the cell's place in its block: x + 4 y + 16 z
+  CandidateMask looks[most_surfaces][capacity];  ///< as many as there are vectors
   std::size_t count;
   // Where it has to be found out crossing by crossing whether rays end:
-  std::int32_t changes[most_shells][capacity];
-  std::int32_t place[most_shells][capacity];  ///< of the first of these, if there are any, among the ray's crossings
+  std::int32_t changes[most_surfaces][capacity];
+  std::int32_t place[most_surfaces][capacity];  ///< of the first of these, if there are any, among the ray's crossings
 };
 
 /// Crossings of a group with one surface of which the place in the cell is still to be refined, one after another.
@@ -134,31 +134,31 @@ struct alignas(64) FoundCrossings {
 };
 
 /// What a thread keeps for the kernel.
-struct alignas(64) ShellScratch {
+struct alignas(64) GridAllHitsScratch {
   static constexpr std::size_t kept_blocks = 512;
 
   IsosurfaceScratch ways;  ///< of a group; its blocks are not used
-  ListOfBlocks<ShellBlockAhead> ahead;
-  FoundCrossings found[most_shells];
+  ListOfBlocks<AllHitsBlock> ahead;
+  FoundCrossings found[most_surfaces];
   CellsAhead cells;
-  float start[3][RayGroup::size];                   ///< of each ray, in the mirrored lattice
-  float place_error[RayGroup::size];                ///< of places on the ray in single precision, in cells
-  std::int32_t count[most_shells][RayGroup::size];  ///< crossings of each ray so far
+  float start[3][RayGroup::size];                     ///< of each ray, in the mirrored lattice
+  float place_error[RayGroup::size];                  ///< of places on the ray in single precision, in cells
+  std::int32_t count[most_surfaces][RayGroup::size];  ///< crossings of each ray so far
   /// Where values are numbers of single precision, those of the first surface are the samples themselves, for all
   /// surfaces; else each has them less its isovalue.
-  BlockSamples blocks[most_shells][kept_blocks];
+  BlockSamples blocks[most_surfaces][kept_blocks];
   SeenBlock seen[kept_blocks];
   std::uint64_t block_key[kept_blocks];
-  std::array<std::shared_ptr<const Occupancy>, most_shells> occupancies;  ///< whose blocks are kept
+  std::array<std::shared_ptr<const Occupancy>, most_surfaces> occupancies;  ///< whose blocks are kept
 };
 
 /// What is compiled once per machine: notes the crossings of at most 64 rays of a batch, from `first` on. First hits
 /// are misses before.
-using CrossShells = void (*)(const Shells& shells, const RayArrays& rays, std::size_t first, std::size_t count,
-                             const CrossingArrays* lists, std::uint8_t* complete, ShellScratch& scratch,
-                             KernelCounters& counters);
+using FindAllHits = void (*)(const TransparentSurfaces& shells, const RayArrays& rays, std::size_t first,
+                             std::size_t count, const CrossingArrays* lists, std::uint8_t* complete,
+                             GridAllHitsScratch& scratch, KernelCounters& counters);
 
 /// `baseline` is what the processor has of SSE4, or else one lane.
-CrossShells cross_shells_on(Machine machine);
+FindAllHits find_all_hits_on(Machine machine);
 
 }  // namespace rhoray::render::wide

@@ -132,7 +132,7 @@ HWY_INLINE BlockSlabs slabs_of(const float* f, std::uint64_t present, const Seen
 }
 
 /// Makes places on the rays ready.
-HWY_INLINE void prepare_places(const MirroredLattice& lattice, ShellScratch& scratch) {
+HWY_INLINE void prepare_places(const MirroredLattice& lattice, GridAllHitsScratch& scratch) {
   const RayGroup& group = scratch.ways.group;
   int longest = 0;
   for (const int count : lattice.node_count) longest = count > longest ? count : longest;
@@ -155,8 +155,8 @@ HWY_INLINE void prepare_places(const MirroredLattice& lattice, ShellScratch& scr
 /// @param enters  of all rays of the group, how far on their ways they enter the block at the soonest
 /// @param leaves  likewise, at the latest
 template <int surfaces>
-HWY_INLINE void let_go_by(const MirroredLattice& lattice, const ShellScratch& scratch, const BlockSlabs& slabs,
-                          std::uint64_t rays, const float* enters, const float* leaves, ShellBlockAhead& ahead) {
+HWY_INLINE void let_go_by(const MirroredLattice& lattice, const GridAllHitsScratch& scratch, const BlockSlabs& slabs,
+                          std::uint64_t rays, const float* enters, const float* leaves, AllHitsBlock& ahead) {
   VecF normal[3];
   double offset = 0;  // of the height where the lattice begins
   ahead.ground = 0, ahead.low = slabs.low, ahead.high = slabs.high, ahead.error = slabs.error;

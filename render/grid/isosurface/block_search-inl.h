@@ -58,7 +58,7 @@ class BlockSearch {
         is_certified_(is_certified) {
     for (int a = 0; a < 3; ++a) {
       const bool mirrored = lattice.is_mirrored(a);
-      summit_count_[a] = lattice.node_count[a] / 4;
+      super_node_count_[a] = lattice.node_count[a] / 4;
       for (int child = 0; child < 4; ++child)
         scratch_.ahead[a][child] =
             static_cast<std::int64_t>(spread_bits(mirrored ? 0xfu >> child : 0xfu << child & 0xfu, a) *
@@ -184,15 +184,15 @@ class BlockSearch {
   HWY_INLINE std::uint64_t step(std::size_t r, std::uint64_t lanes, std::uint64_t new_there, const Touch& touch) {
     const MaskD asked = mask_of(doubles, lanes);
     Place place{hn::Load(doubles, scratch_.t + r), {}};
-    VecW node_at[3], summit_at[3];
+    VecW node_at[3], super_node_at[3];
     for (int a = 0; a < 3; ++a) {
       place.block[a] = hn::Load(wholes, scratch_.block[a] + r);
       node_at[a] = hn::ShiftRight<2>(place.block[a]);
-      summit_at[a] = hn::ShiftRight<4>(place.block[a]);
+      super_node_at[a] = hn::ShiftRight<4>(place.block[a]);
     }
     const VecW node = words_at(surface_.nodes, lattice_.node_count, node_at, asked);
     // Read in any case: a branch that is often foretold wrongly would cost more.
-    const VecW summit = words_at(surface_.summits, summit_count_, summit_at, asked);
+    const VecW super_node = words_at(surface_.super_nodes, super_node_count_, super_node_at, asked);
     const VecW three = hn::Set(wholes, 3);
     VecW bit = hn::And(place.block[0], three);
     bit = hn::Or(bit, hn::ShiftLeft<2>(hn::And(place.block[1], three)));
@@ -208,7 +208,7 @@ class BlockSearch {
     const VecW others = hn::And(hn::AndNot(shifted_left(one, bit), node), ahead(place.block));
     const auto none = hn::Eq(others, hn::Zero(wholes));
     VecW edge = hn::IfThenElseZero(none, three);  // of the region, in blocks, less 1
-    const auto no_node = hn::Eq(hn::And(summit, ahead(node_at)), hn::Zero(wholes));
+    const auto no_node = hn::Eq(hn::And(super_node, ahead(node_at)), hn::Zero(wholes));
     edge = hn::IfThenElse(no_node, hn::Set(wholes, 15), edge);
 
     Known known;
@@ -326,7 +326,7 @@ class BlockSearch {
   const double* const way_per_t_;
   const float* const position_error_;
   const bool is_certified_;
-  int summit_count_[3];
+  int super_node_count_[3];
   std::uint64_t rays_ = 0;  ///< still on their way to the next block
 };
 

@@ -18,23 +18,23 @@ inline bool is_in_range_of_float(const Interval<double>& range, double isovalue)
 
 template <class View>
 Surface surface_of(const VolumeImplementation& volume, const View& view, const Occupancy& occupancy,
-                   const Question& question) {
+                   const RayQuery& query) {
   const Index3 cells = view.lattice().leaf_count;
   Surface surface{.source = source_of(view),
                   .type = formats::element_type_of<typename View::Sample>(),
                   .leaf_count = {static_cast<int>(cells.x), static_cast<int>(cells.y), static_cast<int>(cells.z)},
                   .node_count = occupancy.node_count(),
                   .nodes = occupancy.nodes(),
-                  .summits = occupancy.summits(),
-                  .isovalue = question.isovalue,
-                  .time_phases = question.time_phases};
+                  .super_nodes = occupancy.super_nodes(),
+                  .isovalue = query.isovalue,
+                  .time_phases = query.time_phases};
   surface.source.has_gaps = has_gaps(volume, view);
   return surface;
 }
 
 /// Of a grid that is fit.
-inline bool is_answerable_wide(const VolumeImplementation& volume, const Question& question) {
-  return question.use_hierarchy && is_in_range_of_float(values_of(volume), question.isovalue);
+inline bool is_answerable_wide(const VolumeImplementation& volume, const RayQuery& query) {
+  return query.use_hierarchy && is_in_range_of_float(values_of(volume), query.isovalue);
 }
 
 }  // namespace rhoray::render::wide

@@ -55,7 +55,7 @@ class GroupWalk {
     clear(scratch_.ahead);
     int alive_in_frustum = std::popcount(states_.alive);
     if (states_.alive != 0)
-      walk_blocks(frustum, lattice_, surface_.nodes, surface_.summits, [&](const int* block) HWY_ATTR {
+      walk_blocks(frustum, lattice_, surface_.nodes, surface_.super_nodes, [&](const int* block) HWY_ATTR {
         meet(block);
         if (states_.alive == 0) return false;
         if (const int alive = std::popcount(states_.alive); 2 * alive < alive_in_frustum) {
@@ -77,11 +77,11 @@ class GroupWalk {
     std::uint64_t new_there = rays.new_there | fresh;
     states_.take_up(rays, fresh);
     BlockSearch blocks(surface_, lattice_, scratch_, search == Search::certified);
-    const auto pass_hardly = [this](std::size_t r, const int* block) HWY_ATTR { return pass_touched_block(r, block); };
-    blocks.start(fresh & states_.alive, pass_hardly);
+    const auto find_grazing = [this](std::size_t r, const int* block) HWY_ATTR { return pass_touched_block(r, block); };
+    blocks.start(fresh & states_.alive, find_grazing);
     const int most_left = group_.count > float_lanes ? static_cast<int>(group_.count / 2) : 0;
     while (std::popcount(states_.alive) > most_left) {
-      const std::uint64_t found = blocks.find_blocks(states_.alive, new_there, pass_hardly);
+      const std::uint64_t found = blocks.find_blocks(states_.alive, new_there, find_grazing);
       states_.alive = found | blocks.still_searching();
       for (std::size_t r = 0; r < group_.count; r += float_lanes)
         if (const std::uint64_t lanes = (found & states_.alive) >> r & first_rays(float_lanes); lanes != 0)

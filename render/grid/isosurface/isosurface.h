@@ -11,7 +11,7 @@ Kernel first_crossing_kernel(const VolumeImplementation& volume, const Method& m
 
 /// Finds the blocks of an isovalue, if they are not kept from before.
 /// @return  the boxes around them; none where the scalar kernels answer
-std::optional<SurfaceBoxes> prepare_occupancy(const VolumeImplementation& volume, const Question& question,
+std::optional<SurfaceBoxes> prepare_occupancy(const VolumeImplementation& volume, const RayQuery& query,
                                               unsigned threads);
 
 }  // namespace rhoray::render::wide

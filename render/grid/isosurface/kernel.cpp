@@ -48,28 +48,28 @@ void redo_doubtful(const Ask& ask, const RayBatch& rays, HitBatch& hits, KernelS
 }
 
 template <Machine machine, Search search>
-void first_crossings(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
+void first_crossings(const VolumeImplementation& volume, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                      KernelScratch& scratch) {
   std::visit(
       [&]<class View>(const View& view) {
         if constexpr (is_taken_wide<View>) {
-          const Kernel reference = kernels_for(view, question.method.way).first_crossing;
-          if (!is_answerable_wide(volume, question)) {
-            reference(volume, question, rays, hits, scratch);
+          const Kernel reference = kernels_for(view, query.method.algorithm).first_crossing;
+          if (!is_answerable_wide(volume, query)) {
+            reference(volume, query, rays, hits, scratch);
             return;
           }
           scratch.counters.rays_wide += rays.count;
           IsosurfaceScratch& memory =
-              prepared(scratch.isosurface, volume.occupancies->of(view.levels(), question.isovalue));
-          const Surface surface = surface_of(volume, view, *memory.occupancy, question);
+              prepared(scratch.isosurface, volume.occupancies->of(view.levels(), query.isovalue));
+          const Surface surface = surface_of(volume, view, *memory.occupancy, query);
           const CrossingKernels kernels = crossing_kernels_on(machine, search);
           const RayArrays asked = arrays_of(rays);
           const HitArrays answers = arrays_of(hits);
           const auto ask = [&](const RayBatch& some, std::span<const ResumedAt> resumed_at, HitBatch& found) {
             if constexpr (search == Search::certified)
-              resume_certified(view, question, some, resumed_at, found, scratch);
+              resume_certified(view, query, some, resumed_at, found, scratch);
             else
-              reference(volume, question, some, found, scratch);
+              reference(volume, query, some, found, scratch);
           };
           const auto redo = [&] {
             if (memory.doubtful.count != 0) redo_doubtful(ask, rays, hits, scratch);
@@ -89,12 +89,12 @@ void first_crossings(const VolumeImplementation& volume, const Question& questio
 
 }  // namespace
 
-std::optional<SurfaceBoxes> prepare_occupancy(const VolumeImplementation& volume, const Question& question, unsigned) {
-  if (!is_answerable_wide(volume, question)) return std::nullopt;
+std::optional<SurfaceBoxes> prepare_occupancy(const VolumeImplementation& volume, const RayQuery& query, unsigned) {
+  if (!is_answerable_wide(volume, query)) return std::nullopt;
   return std::visit(
       [&]<class View>(const View& view) -> std::optional<SurfaceBoxes> {
         if constexpr (is_taken_wide<View>) {
-          const auto occupancy = volume.occupancies->of(view.levels(), question.isovalue);
+          const auto occupancy = volume.occupancies->of(view.levels(), query.isovalue);
           const Index3 cells = view.lattice().leaf_count;
           SurfaceBoxes boxes = boxes_of(occupancy, occupancy->boxes());
           // Far above what rounding exchanges at edges between cells; and single precision rounds the last cells.
@@ -109,9 +109,9 @@ std::optional<SurfaceBoxes> prepare_occupancy(const VolumeImplementation& volume
 Kernel first_crossing_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
   if (!has_wide_crossings(method) || !is_fit_grid(volume)) return nullptr;
   return kernel_on(machine, [&]<Machine wide>() -> Kernel {
-    return method.way == Method::Way::preview     ? first_crossings<wide, Search::preview>
-           : method.way == Method::Way::certified ? first_crossings<wide, Search::certified>
-                                                  : first_crossings<wide, Search::bracketed>;
+    return method.algorithm == Method::Algorithm::preview     ? first_crossings<wide, Search::preview>
+           : method.algorithm == Method::Algorithm::certified ? first_crossings<wide, Search::certified>
+                                                              : first_crossings<wide, Search::bracketed>;
   });
 }
 

@@ -26,7 +26,7 @@ struct Surface {
   int leaf_count[3];
   std::array<int, 3> node_count;
   const std::uint64_t* nodes;
-  const std::uint64_t* summits;
+  const std::uint64_t* super_nodes;
   double isovalue;
   bool time_phases;
 };

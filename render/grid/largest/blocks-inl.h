@@ -26,7 +26,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// Looks for cells on rays through a block whose cubics may hold a larger value than was found.
+/// CandidateList for cells on rays through a block whose cubics may hold a larger value than was found.
 ///
 /// Places are counted from the block's corner: they are less than 32, and rounding moves them by less than `margin`.
 /// Values are off by less than 12 margins of the block's range (3 for a place that is off on all axes, as much for a
@@ -34,7 +34,7 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 /// interpolation itself. A value is reached for certain where the place lies three margins inside a cell.
 class BlockWalk {
  public:
-  BlockWalk(SearchState& state, CloseLooks& looks)
+  BlockWalk(SearchState& state, CandidateRefinement& looks)
       : state_(state), looks_(looks), field_(state.field), scratch_(state.scratch), order_(order_of(state)) {
 #if RHORAY_HAS_WORD_TABLES
     planes_ = PlanePlaces(order_.lowest_sample, order_.stride);
@@ -248,7 +248,7 @@ class BlockWalk {
   }
 
   SearchState& state_;
-  CloseLooks& looks_;
+  CandidateRefinement& looks_;
   const MaximumField& field_;
   MaximumScratch& scratch_;
   Order order_;

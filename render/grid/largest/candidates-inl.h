@@ -23,9 +23,9 @@ HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
 /// The scalar kernel's operations one by one (largest_in_cell<double>, grid_maximum.h), on the cells that are left.
-class CloseLooks {
+class CandidateRefinement {
  public:
-  explicit CloseLooks(SearchState& state) : state_(state), field_(state.field), scratch_(state.scratch) {}
+  explicit CandidateRefinement(SearchState& state) : state_(state), field_(state.field), scratch_(state.scratch) {}
 
   /// What is put to the suspects from now on is in this box.
   /// @param low_w  where it begins on the major axis
@@ -37,11 +37,11 @@ class CloseLooks {
     suspects.box[suspects.boxes - 1] = {highest, 1 / unit, low_w, suspects.count};  // exact: a power of two
   }
 
-  /// Looks closely at the suspects that what was reached since does not rule out. The last box stays open.
+  /// CandidateList closely at the suspects that what was reached since does not rule out. The last box stays open.
   HWY_NOINLINE void decide() {
     const std::uint64_t start = field_.time_phases ? ticks_now() : 0;
     Suspects& suspects = scratch_.suspects;
-    Looks& looks = scratch_.looks_left;
+    CandidateList& looks = scratch_.looks_left;
     suspects.box[suspects.boxes].first = suspects.count;
     std::size_t count = 0;
     for (std::size_t b = 0; b < suspects.boxes; ++b) {
@@ -111,7 +111,7 @@ class CloseLooks {
   /// as the part reaches.
   HWY_INLINE void find_cells() {
     const SearchedRays& group = scratch_.rays;
-    Looks& looks = scratch_.looks_left;
+    CandidateList& looks = scratch_.looks_left;
     const int w = state_.frustum.major;
     const bool is_mirrored = state_.lattice.is_mirrored(w);
     const VecD end = hn::Set(doubles, state_.lattice.plane(w, 0)), half = hn::Set(doubles, 0.5);
@@ -137,8 +137,8 @@ class CloseLooks {
     }
     for (std::size_t i = 0; i < looks.count; ++i) {
       looks.way[i] = 0;
-      LastLooks& last = scratch_.last_looks[looks.ray[i]];
-      const std::size_t kept = last.next++ % LastLooks::kept;
+      FinalCandidates& last = scratch_.last_looks[looks.ray[i]];
+      const std::size_t kept = last.next++ % FinalCandidates::kept;
       const std::int32_t cell[3] = {looks.cell[0][i], looks.cell[1][i], looks.cell[2][i]};
       last.key[kept] = key_of(cell), last.from[kept] = looks.from[i], last.to[kept] = looks.to[i];
     }
@@ -150,7 +150,7 @@ class CloseLooks {
   }
 
   HWY_INLINE void put_look(std::int32_t ray, const std::int32_t* cell, double from, double to, std::int32_t way) {
-    Looks& looks = scratch_.looks_left;
+    CandidateList& looks = scratch_.looks_left;
     const std::size_t i = looks.count++;
     for (int a = 0; a < 3; ++a) looks.cell[a][i] = cell[a];
     looks.ray[i] = ray, looks.from[i] = from, looks.to[i] = to, looks.way[i] = way;
@@ -158,12 +158,12 @@ class CloseLooks {
 
   /// The cell beside one on its ray, unless it is looked at anyway, and what follows it as well.
   HWY_INLINE void put_neighbour(std::size_t of, int axis, int step, std::int32_t way) {
-    const Looks& looks = scratch_.looks_left;
+    const CandidateList& looks = scratch_.looks_left;
     std::int32_t cell[3] = {looks.cell[0][of], looks.cell[1][of], looks.cell[2][of]};
     cell[axis] += step;
     if (cell[axis] < 0 || cell[axis] >= field_.leaf_count[axis]) return;
-    const LastLooks& last = scratch_.last_looks[looks.ray[of]];
-    for (std::size_t i = 0; i < LastLooks::kept; ++i)
+    const FinalCandidates& last = scratch_.last_looks[looks.ray[of]];
+    for (std::size_t i = 0; i < FinalCandidates::kept; ++i)
       if (last.key[i] == key_of(cell) && (way < 0 ? last.from[i] <= looks.from[of] : last.to[i] >= looks.to[of]))
         return;
     put_look(looks.ray[of], cell, looks.from[of], looks.to[of], way);
@@ -171,13 +171,13 @@ class CloseLooks {
 
   /// At the parts of rays that were put to the looks, and at what follows from them.
   HWY_NOINLINE void look_closely(std::size_t count) {
-    Looks& looks = scratch_.looks_left;
+    CandidateList& looks = scratch_.looks_left;
     looks.count = count;
     find_cells();
     std::size_t first = 0;
     while (first < looks.count) {
       // Each look adds two at most, and those that are added one: there are never more than two for each first one.
-      if (looks.count + 2 * first_looks > Looks::capacity) {
+      if (looks.count + 2 * first_looks > CandidateList::capacity) {
         const std::size_t left = looks.count - first;
         for (std::size_t i = 0; i < left; ++i) {
           looks.ray[i] = looks.ray[first + i], looks.way[i] = looks.way[first + i];
@@ -200,7 +200,7 @@ class CloseLooks {
 
   /// Some looks side by side, operation for operation as largest_in_cell<double> (grid_maximum.h).
   HWY_INLINE void look_at_cells(std::size_t first, std::size_t count) {
-    const Looks& looks = scratch_.looks_left;
+    const CandidateList& looks = scratch_.looks_left;
     const SearchedRays& group = scratch_.rays;
     const VecD zero = hn::Zero(doubles), one = hn::Set(doubles, 1.0);
     scratch_.looks += count;
@@ -327,9 +327,9 @@ class CloseLooks {
     follow(first, bits_of(doubles, before) & lanes, bits_of(doubles, behind) & lanes, through_in, through_out);
   }
 
-  /// Looks at these as the scalar kernel walks.
+  /// CandidateList at these as the scalar kernel walks.
   HWY_NOINLINE void walk_strays(std::size_t first, std::uint64_t lanes) {
-    const Looks& looks = scratch_.looks_left;
+    const CandidateList& looks = scratch_.looks_left;
     for (std::uint64_t bits = lanes; bits != 0; bits &= bits - 1) {
       const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(bits));
       const auto ray = static_cast<std::size_t>(looks.ray[i]);
@@ -341,7 +341,7 @@ class CloseLooks {
 
   /// @param wanted  lanes that are better than what their rays knew before these looks, or may be
   HWY_INLINE void take_answers(std::size_t first, std::size_t count, MaskD wanted, VecD value, VecD t, VecD entered) {
-    const Looks& looks = scratch_.looks_left;
+    const CandidateList& looks = scratch_.looks_left;
     const int w = state_.frustum.major;
     const VecD origin = of_rays(scratch_.rays.origin[w], looks.ray + first);
     const VecD speed = hn::Abs(of_rays(scratch_.rays.direction[w], looks.ray + first));
@@ -389,7 +389,7 @@ class CloseLooks {
 
   HWY_INLINE void read_corners_of(std::size_t first, std::size_t end) const {
     using formats::ElementType;
-    const Looks& looks = scratch_.looks_left;
+    const CandidateList& looks = scratch_.looks_left;
     LookCorners& corners = scratch_.corners;
     switch (field_.type) {
       case ElementType::U8:

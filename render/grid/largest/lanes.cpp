@@ -210,7 +210,7 @@ class Search {
   }
 
   SearchState state_;
-  CloseLooks looks_;
+  CandidateRefinement looks_;
   BlockWalk blocks_;
   SlabSweep slabs_;
   const MaximumField& field_;

@@ -133,17 +133,17 @@ Hit hit_of(const FoundMaximum& found, std::uint32_t cost) {
 }
 
 template <class View, Machine machine>
-void largest_values(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
+void largest_values(const VolumeImplementation& volume, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                     KernelScratch& scratch) {
   const View& view = std::get<View>(volume.view);
-  if (!question.use_hierarchy)
-    return kernels_for(view, question.method.way).largest_value(volume, question, rays, hits, scratch);
+  if (!query.use_hierarchy)
+    return kernels_for(view, query.method.algorithm).largest_value(volume, query, rays, hits, scratch);
   scratch.counters.rays_wide += rays.count;
   if (!scratch.maximum) scratch.maximum = std::make_shared<MaximumScratch>();
   MaximumScratch& memory = *scratch.maximum;
   memory.regions = memory.looks = memory.ticks = 0;
   std::uint64_t cells = 0;
-  const MaximumField field = field_of(volume, view, question.time_phases);
+  const MaximumField field = field_of(volume, view, query.time_phases);
   const LargestValues search = largest_values_on(machine);
   for (std::size_t first = 0; first < rays.count; first += SearchedRays::size) {
     const std::size_t count = std::min(SearchedRays::size, rays.count - first);
@@ -163,14 +163,15 @@ void largest_values(const VolumeImplementation& volume, const Question& question
   scratch.counters.intersection_ticks += memory.ticks;
 }
 
-bool is_direct(Method::Way way) {
-  return way == Method::Way::direct || way == Method::Way::preview || way == Method::Way::slack;
+bool is_direct(Method::Algorithm algorithm) {
+  return algorithm == Method::Algorithm::direct || algorithm == Method::Algorithm::preview ||
+         algorithm == Method::Algorithm::slack;
 }
 
 }  // namespace
 
 Kernel largest_value_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
-  if (!is_direct(method.way) || !largest_values_on(machine)) return nullptr;
+  if (!is_direct(method.algorithm) || !largest_values_on(machine)) return nullptr;
   return std::visit(
       [&](const auto& view) -> Kernel {
         using View = std::decay_t<decltype(view)>;

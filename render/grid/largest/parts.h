@@ -130,7 +130,7 @@ struct alignas(64) Suspects {
 };
 
 /// Cells on rays that are to be looked at closely.
-struct alignas(64) Looks {
+struct alignas(64) CandidateList {
   static constexpr std::size_t capacity = 512 + 16;
 
   std::int32_t ray[capacity];
@@ -142,12 +142,12 @@ struct alignas(64) Looks {
 
 /// The corners of their cells: (x, y, z) at x + 2 y + 4 z.
 struct alignas(64) LookCorners {
-  std::int32_t small[8][Looks::capacity];  ///< of samples of 8 and 16 bits
-  double other[8][Looks::capacity];        ///< of all others
+  std::int32_t small[8][CandidateList::capacity];  ///< of samples of 8 and 16 bits
+  double other[8][CandidateList::capacity];        ///< of all others
 };
 
 /// The last cells that suspects of a ray were in, and from and to which t they are followed up.
-struct LastLooks {
+struct FinalCandidates {
   static constexpr std::size_t kept = 4;
   std::uint64_t key[kept];
   double from[kept], to[kept];
@@ -243,10 +243,10 @@ struct alignas(64) MaximumScratch {
   std::int32_t slab_largest[SeenLayers::most_slabs];  ///< of the frustum's blocks, by their number on the major axis
   RaysAtBlock at_block;
   Suspects suspects;
-  Looks looks_left;
+  CandidateList looks_left;
   LookCorners corners;
   double reached[SearchedRays::size];  ///< some value on the ray is at least this
-  LastLooks last_looks[SearchedRays::size];
+  FinalCandidates last_looks[SearchedRays::size];
   double known_value[SearchedRays::size], known_t[SearchedRays::size];  ///< what is in `found`, by place in the search
   FoundMaximum found[SearchedRays::size];                               ///< by place in the chunk
   float visits[SearchedRays::size];                                     ///< boxes of cells, and cells in them

@@ -194,8 +194,8 @@ HWY_INLINE void fetch_of_type(const MaximumField& field, const int* place, doubl
 
 /// The corners of some looks' cells: whole numbers as such, to be converted side by side.
 template <class T>
-HWY_NOINLINE void read_corners(const SampleSource& source, const Looks& looks, std::size_t first, std::size_t end,
-                               LookCorners& corners) {
+HWY_NOINLINE void read_corners(const SampleSource& source, const CandidateList& looks, std::size_t first,
+                               std::size_t end, LookCorners& corners) {
   const T* samples = static_cast<const T*>(source.samples);
   for (std::size_t i = first; i < end; ++i) {
     const std::uint64_t* x = source.address[0] + looks.cell[0][i];

@@ -208,7 +208,7 @@ HWY_NOINLINE void fill(const MaximumField& field, const MirroredLattice& lattice
 /// less than 128 and rounded by 2^-18 at most in start and sum, and by 16 units of rounding of the slope.
 class SlabSweep {
  public:
-  SlabSweep(SearchState& state, CloseLooks& looks)
+  SlabSweep(SearchState& state, CandidateRefinement& looks)
       : state_(state), looks_(looks), field_(state.field), scratch_(state.scratch) {
     using formats::ElementType;
     const ElementType type = state.field.type;
@@ -427,7 +427,7 @@ class SlabSweep {
   }
 
   SearchState& state_;
-  CloseLooks& looks_;
+  CandidateRefinement& looks_;
   const MaximumField& field_;
   MaximumScratch& scratch_;
   bool may_sweep_;

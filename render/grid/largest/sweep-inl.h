@@ -38,7 +38,7 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 /// to cell: few, as by then nearly as much is reached as there is.
 class PlaneSweep {
  public:
-  PlaneSweep(SearchState& state, CloseLooks& looks)
+  PlaneSweep(SearchState& state, CandidateRefinement& looks)
       : state_(state),
         looks_(looks),
         field_(state.field),
@@ -472,7 +472,7 @@ class PlaneSweep {
   }
 
   SearchState& state_;
-  CloseLooks& looks_;
+  CandidateRefinement& looks_;
   const MaximumField& field_;
   MaximumScratch& scratch_;
   int axes_[3];

@@ -162,7 +162,8 @@ HWY_INLINE MaskF is_left_to_cell_before(const SearchState& state, const CellBox&
 ///               cells.is_below. Where they are not plain some may be without data, and cells.bound(cell): no value in
 ///               it is larger
 template <class Cells>
-HWY_INLINE void walk_cells(SearchState& state, CloseLooks& looks, const CellBox& box, const Cells& cells, Ways ways) {
+HWY_INLINE void walk_cells(SearchState& state, CandidateRefinement& looks, const CellBox& box, const Cells& cells,
+                           Ways ways) {
   Suspects& suspects = state.scratch.suspects;
   const VecF zero = hn::Zero(floats), one = hn::Set(floats, 1.0F);
   const VecF never = hn::Set(floats, std::numeric_limits<float>::infinity());

@@ -133,7 +133,7 @@ struct CertifiedHit {
 
 /// @param from  where to begin
 template <class Real, class View>
-CertifiedHit certified_crossing(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
+CertifiedHit certified_crossing(const View& view, const RayQuery& query, const Ray& ray, KernelCounters& counters,
                                 const ResumedAt& from = {}) {
   CertifiedHit answer;
   const WalkLattice lattice = view.lattice();
@@ -144,7 +144,7 @@ CertifiedHit certified_crossing(const View& view, const Question& question, cons
     return answer;
   }
   segment->t_in = std::clamp(from.t, segment->t_in, segment->t_out);
-  const double iso = question.isovalue;
+  const double iso = query.isovalue;
 
   SideOnRay side(view, ray);
   if (from.side != StartSide::unknown) side.set(from.side == StartSide::inside);
@@ -182,40 +182,39 @@ CertifiedHit certified_crossing(const View& view, const Question& question, cons
     answer.is_certain = hit.t - hit.error >= ray.t_min && hit.t + hit.error <= ray.t_max;
     return false;
   };
-  walk_sides(view, question, ray, planes, *segment, counters, side, see, look);
+  walk_sides(view, query, ray, planes, *segment, counters, side, see, look);
   return answer;
 }
 
 /// What single precision could not decide: by double precision, or else by the judge.
 /// @param from  a ray that is asked about from some place on is asked about as a whole where that leaves a doubt
 template <class View>
-Hit certified_first_crossing_redone(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch,
+Hit certified_first_crossing_redone(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch,
                                     const ResumedAt& from = {}) {
   ++scratch.counters.rays_redone;
   if (from.t > ray.t_min) {
-    const CertifiedHit answer = certified_crossing<double>(view, question, ray, scratch.counters, from);
+    const CertifiedHit answer = certified_crossing<double>(view, query, ray, scratch.counters, from);
     if (answer.is_certain) return answer.hit;
   }
-  const CertifiedHit answer = certified_crossing<double>(view, question, ray, scratch.counters);
-  return answer.is_certain ? answer.hit : judged_first_crossing(view, question, ray, scratch);
+  const CertifiedHit answer = certified_crossing<double>(view, query, ray, scratch.counters);
+  return answer.is_certain ? answer.hit : exact_first_hit(view, query, ray, scratch);
 }
 
 template <class View>
-Hit certified_first_crossing(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
-  const CertifiedHit answer = certified_crossing<float>(view, question, ray, scratch.counters);
-  return answer.is_certain ? answer.hit : certified_first_crossing_redone(view, question, ray, scratch);
+Hit certified_first_crossing(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
+  const CertifiedHit answer = certified_crossing<float>(view, query, ray, scratch.counters);
+  return answer.is_certain ? answer.hit : certified_first_crossing_redone(view, query, ray, scratch);
 }
 
 /// The largest value with a bound of its error: nothing on the ray lies above value + error, and the largest value is
 /// not below value - error. The t of a plateau, or of one of several nearly equal summits, is not certified.
 template <class View>
-Hit certified_largest_value(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
+Hit certified_largest_value(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
   const auto planes = view.plane_times(ray);
   const std::optional<Segment> segment = clip_to_lattice(ray, planes, view.lattice().leaf_count);
   if (!segment)
-    return certainly_misses(ray, planes, view.lattice().leaf_count)
-               ? Hit{}
-               : judged_largest_value(view, question, ray, scratch);
+    return certainly_misses(ray, planes, view.lattice().leaf_count) ? Hit{}
+                                                                    : exact_largest_hit(view, query, ray, scratch);
   double largest_possible = -std::numeric_limits<double>::infinity(), worst_place = 0;
   const auto in_cell = [&](const TrilinearCell& cell, const CellVisit& visit, const Vec3& in, const Vec3& out, double) {
     const double place =
@@ -225,12 +224,12 @@ Hit certified_largest_value(const View& view, const Question& question, const Ra
     largest_possible = std::max(largest_possible, best.value + best.value_error);
     return CubicMaximum{best.value, best.s};
   };
-  Hit hit = search_largest(view, question, ray, planes, -std::numeric_limits<double>::infinity(), scratch, in_cell);
-  if (hit.is_miss()) return judged_largest_value(view, question, ray, scratch);  // parts of length zero, by rounding
+  Hit hit = search_largest(view, query, ray, planes, -std::numeric_limits<double>::infinity(), scratch, in_cell);
+  if (hit.is_miss()) return exact_largest_hit(view, query, ray, scratch);  // parts of length zero, by rounding
   // A cell that the ray only grazes may have been left out by rounding: it shares an edge with one that was not, and
   // its values differ from those on the edge by no more than the field can change over the rounding.
   hit.error = std::max(largest_possible - hit.value, 0x1p-50 * std::abs(hit.value)) +
-              3.1 * worst_place * (question.field_range.hi - question.field_range.lo);
+              3.1 * worst_place * (query.field_range.hi - query.field_range.lo);
   return hit;
 }
 

@@ -9,10 +9,10 @@ namespace rhoray::render {
 
 namespace {
 
-RHORAY_INLINE CrossingMethod in_cell_method(Method::Way way) {
-  return way == Method::Way::paper     ? CrossingMethod::paper
-         : way == Method::Way::preview ? CrossingMethod::preview
-                                       : CrossingMethod::bracketed;
+RHORAY_INLINE CrossingMethod in_cell_method(Method::Algorithm algorithm) {
+  return algorithm == Method::Algorithm::paper     ? CrossingMethod::paper
+         : algorithm == Method::Algorithm::preview ? CrossingMethod::preview
+                                                   : CrossingMethod::bracketed;
 }
 
 /// The ray in the coordinates of a cell.
@@ -36,13 +36,13 @@ RHORAY_INLINE bool stays_at_start(const TrilinearCell& cell, const Vec3& in, con
 }
 
 template <class Real, class View>
-Hit crossing_by_method(const View& view, const Question& question, const Ray& ray, KernelCounters& counters) {
+Hit crossing_by_method(const View& view, const RayQuery& query, const Ray& ray, KernelCounters& counters) {
   Hit hit;
   const auto planes = view.plane_times(ray);
   const std::optional<Segment> segment = clip_to_lattice(ray, planes, view.lattice().leaf_count);
   if (!segment) return hit;
-  const double iso = question.isovalue;
-  const CrossingMethod method = in_cell_method(question.method.way);
+  const double iso = query.isovalue;
+  const CrossingMethod method = in_cell_method(query.method.algorithm);
 
   SideOnRay side(view, ray);
   bool starts_in_crossing = ray.start_side != StartSide::unknown;
@@ -71,15 +71,15 @@ Hit crossing_by_method(const View& view, const Question& question, const Ray& ra
     hit.iteration_count = static_cast<std::uint32_t>(found.iterations);
     return false;
   };
-  walk_sides(view, question, ray, planes, *segment, counters, side, see, look);
+  walk_sides(view, query, ray, planes, *segment, counters, side, see, look);
   return hit;
 }
 
 template <class View>
-Hit first_crossing_of_ray(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
-  return question.method.precision == Method::Precision::single
-             ? crossing_by_method<float>(view, question, ray, scratch.counters)
-             : crossing_by_method<double>(view, question, ray, scratch.counters);
+Hit first_crossing_of_ray(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
+  return query.method.precision == Method::Precision::float32
+             ? crossing_by_method<float>(view, query, ray, scratch.counters)
+             : crossing_by_method<double>(view, query, ray, scratch.counters);
 }
 
 }  // namespace

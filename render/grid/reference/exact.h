@@ -11,9 +11,9 @@ namespace {
 
 /// A view as the judge asks for it.
 template <class View>
-class JudgedGrid final : public GridForJudge {
+class ExactGridView final : public ExactGridSource {
  public:
-  JudgedGrid(const View& view, const Ray& ray, bool use_hierarchy)
+  ExactGridView(const View& view, const Ray& ray, bool use_hierarchy)
       : view_(view), planes_(view.plane_times(ray).planes()), level_count_(use_hierarchy ? view.level_count() : 0) {}
 
   Index3 cell_count() const override { return view_.lattice().leaf_count; }
@@ -44,26 +44,26 @@ class JudgedGrid final : public GridForJudge {
   int level_count_;
 };
 
-void count_effort(const JudgeEffort& effort, KernelCounters& counters) {
-  ++counters.rays_judged;
+void count_effort(const ExactEffort& effort, KernelCounters& counters) {
+  ++counters.rays_exact;
   counters.cells_visited += static_cast<std::uint64_t>(effort.cells_visited);
   counters.macrocells_visited += static_cast<std::uint64_t>(effort.regions_skipped);
   counters.cells_solved += static_cast<std::uint64_t>(effort.filtered + effort.exact);
 }
 
 template <class View>
-Hit judged_first_crossing(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
-  const IntersectionTimer timer(question, scratch.counters);
-  const JudgedGrid grid(view, ray, question.use_hierarchy);
+Hit exact_first_hit(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
+  const IntersectionTimer timer(query, scratch.counters);
+  const ExactGridView grid(view, ray, query.use_hierarchy);
   const GridRayVerdict verdict =
-      judge_first_crossing(grid, ray, question.isovalue, judged_width_cells * t_per_cell(view, ray));
+      exact_first_crossing(grid, ray, query.isovalue, exact_width_cells * t_per_cell(view, ray));
   count_effort(verdict.effort, scratch.counters);
   Hit hit;
   if (!verdict.is_hit) return hit;
   const Middle t(verdict.t);
   hit.t = t.value;
   hit.error = t.error;
-  hit.value = question.isovalue;
+  hit.value = query.isovalue;
   hit.cell = view.cell_id(verdict.cell);
   hit.root_count = static_cast<std::uint32_t>(std::max(verdict.root_count, 0));
   const Vec3 p = point_in_cell(view.geometry(), ray, verdict.cell, hit.t, -1, 0);
@@ -73,10 +73,10 @@ Hit judged_first_crossing(const View& view, const Question& question, const Ray&
 }
 
 template <class View>
-Hit judged_largest_value(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
-  const IntersectionTimer timer(question, scratch.counters);
-  const JudgedGrid grid(view, ray, question.use_hierarchy);
-  const GridMaximumVerdict verdict = judge_largest_value(grid, ray, judged_width_cells * t_per_cell(view, ray));
+Hit exact_largest_hit(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
+  const IntersectionTimer timer(query, scratch.counters);
+  const ExactGridView grid(view, ray, query.use_hierarchy);
+  const GridMaximumVerdict verdict = exact_largest_value(grid, ray, exact_width_cells * t_per_cell(view, ray));
   count_effort(verdict.effort, scratch.counters);
   Hit hit;
   if (!verdict.has_value) return hit;

@@ -41,7 +41,7 @@ double value_near(const View& view, const PlaneTimesOf<Planes>& planes, const Wa
 /// @param in_cell      (cell, visit, in, out, the cell's largest value): the largest value on the way, and its s
 /// @param lower_bound  a value that the ray reaches, or a little less
 template <class View, class Planes, class InCell>
-Hit search_largest(const View& view, const Question& question, const Ray& ray, const PlaneTimesOf<Planes>& planes,
+Hit search_largest(const View& view, const RayQuery& query, const Ray& ray, const PlaneTimesOf<Planes>& planes,
                    double lower_bound, KernelScratch& scratch, InCell&& in_cell) {
   KernelCounters& counters = scratch.counters;
   const auto bound = [&](int level, const Index3& at) {
@@ -54,14 +54,14 @@ Hit search_largest(const View& view, const Question& question, const Ray& ray, c
     return view.has_data(cell) ? cell.largest() : -std::numeric_limits<double>::infinity();
   };
   const auto open_leaf = [&](const MaximumQueue::Entry& entry, const auto& offer) {
-    const IntersectionTimer timer(question, counters);
+    const IntersectionTimer timer(query, counters);
     ++counters.cells_solved;
     const CellVisit visit{entry.cell, entry.t_in, entry.t_out, entry.axis_in, entry.axis_out};
     const CubicMaximum best = in_cell(view.cell(entry.cell), visit, entry_point(view.geometry(), ray, planes, visit),
                                       exit_point(view.geometry(), ray, planes, visit), entry.bound);
     offer(best.value, visit.t_at(best.s), view.cell_id(visit.cell));
   };
-  const int top = question.use_hierarchy ? view.level_count() : 0;
+  const int top = query.use_hierarchy ? view.level_count() : 0;
   Hit hit = largest_value_search(ray, planes, view.lattice(), top, lower_bound, scratch, bound, open_leaf);
   // A lower bound that rounding made too high drops everything, the answer too; it never gives another one.
   constexpr double no_bound = -std::numeric_limits<double>::infinity();
@@ -109,15 +109,15 @@ CubicMaximum largest_in_cell(const TrilinearCell& cell, const CellVisit& visit, 
 }
 
 template <class View>
-Hit largest_value_on_ray(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
+Hit largest_value_on_ray(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
   const auto planes = view.plane_times(ray);
   const std::optional<Segment> segment = clip_to_lattice(ray, planes, view.lattice().leaf_count);
   if (!segment) return {};
-  const bool on_faces = question.method.way == Method::Way::paper;
-  const bool in_single = question.method.precision == Method::Precision::single;
+  const bool on_faces = query.method.algorithm == Method::Algorithm::paper;
+  const bool in_single = query.method.precision == Method::Precision::float32;
 
   double lower_bound = -std::numeric_limits<double>::infinity();
-  if (question.use_last_t) {
+  if (query.use_last_t) {
     const double middle = 0.5 * (segment->t_in + segment->t_out);
     double t = std::clamp(scratch.last_t.value_or(middle), segment->t_in, segment->t_out);
     if (on_faces) t = last_face_before(ray, planes, view.lattice(), t, segment->t_in);
@@ -128,7 +128,7 @@ Hit largest_value_on_ray(const View& view, const Question& question, const Ray& 
     return in_single ? largest_in_cell<float>(cell, visit, in, out, bound, on_faces)
                      : largest_in_cell<double>(cell, visit, in, out, bound, on_faces);
   };
-  const Hit hit = search_largest(view, question, ray, planes, lower_bound, scratch, in_cell);
+  const Hit hit = search_largest(view, query, ray, planes, lower_bound, scratch, in_cell);
   if (!hit.is_miss()) scratch.last_t = hit.t;
   return hit;
 }

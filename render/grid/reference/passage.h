@@ -131,7 +131,7 @@ class SideOnRay {
 /// @param look  (cell, visit, the macrocell passed over before it): true to go on
 /// @param see   (level, visit), for each region before anything is decided there: true to go on
 template <class View, class Planes, class See, class Look>
-void walk_sides(const View& view, const Question& question, const Ray& ray, const PlaneTimesOf<Planes>& planes,
+void walk_sides(const View& view, const RayQuery& query, const Ray& ray, const PlaneTimesOf<Planes>& planes,
                 const Segment& segment, KernelCounters& counters, SideOnRay<View>& side, See&& see, Look&& look) {
   const WalkLattice lattice = view.lattice();
   bool goes_on = true;
@@ -143,7 +143,7 @@ void walk_sides(const View& view, const Question& question, const Ray& ray, cons
       side.forget();
       return false;
     }
-    if (!side.stays(side_of_all(range, question.isovalue))) return true;
+    if (!side.stays(side_of_all(range, query.isovalue))) return true;
     side.passes(level, visit);
     return false;
   };
@@ -157,12 +157,12 @@ void walk_sides(const View& view, const Question& question, const Ray& ray, cons
       side.forget();
       return true;
     }
-    if (side.stays(side_of_all({cell.smallest(), cell.largest()}, question.isovalue))) return true;
-    const IntersectionTimer timer(question, counters);
+    if (side.stays(side_of_all({cell.smallest(), cell.largest()}, query.isovalue))) return true;
+    const IntersectionTimer timer(query, counters);
     ++counters.cells_solved;
     return goes_on = look(cell, visit, before);
   };
-  const int top = question.use_hierarchy ? view.level_count() : 0;
+  const int top = query.use_hierarchy ? view.level_count() : 0;
   walk_hierarchy(ray, planes, lattice, top, whole_level(lattice, lattice.cell_edge(top)), segment.t_in, segment.t_out,
                  enters, leaf);
 }

@@ -17,7 +17,7 @@ struct ResumedAt {
 /// Of a uniform dense grid's certified first crossings: what single precision has not decided, by double precision or
 /// the judge. Where what follows the place leaves a doubt, the whole ray is asked about.
 template <class View>
-void resume_certified(const View& view, const Question& question, const RayBatch& rays, std::span<const ResumedAt> from,
+void resume_certified(const View& view, const RayQuery& query, const RayBatch& rays, std::span<const ResumedAt> from,
                       HitBatch& hits, KernelScratch& scratch);
 
 }  // namespace rhoray::render

@@ -57,15 +57,15 @@ class GridSampler {
 };
 
 template <class View>
-Hit sampled_crossing_of_ray(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
+Hit sampled_crossing_of_ray(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
   GridSampler sampler(view, ray);
-  return sampled_crossing(sampler, question, scratch.counters);
+  return sampled_crossing(sampler, query, scratch.counters);
 }
 
 template <class View>
-Hit sampled_maximum_on_ray(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
+Hit sampled_maximum_on_ray(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
   GridSampler sampler(view, ray);
-  return sampled_maximum(sampler, question, scratch.counters);
+  return sampled_maximum(sampler, query, scratch.counters);
 }
 
 }  // namespace

@@ -2,14 +2,14 @@
 
 namespace rhoray::render {
 
-template Kernels kernels_for(const SparseVolume<float>&, Method::Way);
-template Kernels kernels_for(const SparseVolume<double>&, Method::Way);
-template Kernels kernels_for(const SparseRectilinearVolume<float>&, Method::Way);
-template Kernels kernels_for(const SparseRectilinearVolume<double>&, Method::Way);
+template Kernels kernels_for(const SparseVolume<float>&, Method::Algorithm);
+template Kernels kernels_for(const SparseVolume<double>&, Method::Algorithm);
+template Kernels kernels_for(const SparseRectilinearVolume<float>&, Method::Algorithm);
+template Kernels kernels_for(const SparseRectilinearVolume<double>&, Method::Algorithm);
 
-template void resume_certified(const SparseVolume<float>&, const Question&, const RayBatch&, std::span<const ResumedAt>,
+template void resume_certified(const SparseVolume<float>&, const RayQuery&, const RayBatch&, std::span<const ResumedAt>,
                                HitBatch&, KernelScratch&);
-template void resume_certified(const SparseVolume<double>&, const Question&, const RayBatch&,
+template void resume_certified(const SparseVolume<double>&, const RayQuery&, const RayBatch&,
                                std::span<const ResumedAt>, HitBatch&, KernelScratch&);
 
 }  // namespace rhoray::render

@@ -44,7 +44,7 @@ class TetCells {
   TetSuspects suspects;
   std::uint64_t looks = 0;  ///< cells against 16 rays
 
-  /// Looks for suspects in a cluster.
+  /// CandidateList for suspects in a cluster.
   /// @param lanes  that may meet it
   void look_into(std::uint64_t cluster, std::uint64_t lanes) {
     const LocalCluster& local = clusters_.made_ready(cluster);

@@ -36,7 +36,7 @@ RHORAY_INLINE void look_at(const void* context, const RayArrays& rays, const Tet
 }
 
 template <class T>
-TetMaximumField field_of(const VolumeImplementation& volume, const TetVolume<T>& view, const Question& question,
+TetMaximumField field_of(const VolumeImplementation& volume, const TetVolume<T>& view, const RayQuery& query,
                          Machine machine) {
   const formats::CellClustersView& clusters = view.clusters();
   TetMaximumField field{
@@ -56,7 +56,7 @@ TetMaximumField field_of(const VolumeImplementation& volume, const TetVolume<T>&
       .ranges = {},
       .low = {},
       .high = {},
-      .time_phases = question.time_phases,
+      .time_phases = query.time_phases,
       .look = compiled_for<look_at<TetVolume<T>>>(machine),
       .cell_id = [](const void* context,
                     std::uint32_t tet) { return static_cast<const TetVolume<T>*>(context)->cell_id(tet); },
@@ -86,15 +86,15 @@ TetMaximumScratch& prepared(std::shared_ptr<TetMaximumScratch>& scratch, const V
 }
 
 template <Machine machine>
-void largest_values(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
+void largest_values(const VolumeImplementation& volume, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                     KernelScratch& scratch) {
   std::visit(
       [&]<class View>(const View& view) {
         if constexpr (is_mesh<View>) {
-          const Kernel reference = kernels_for(view, question.method.way).largest_value;
-          if (!question.use_hierarchy) return reference(volume, question, rays, hits, scratch);
+          const Kernel reference = kernels_for(view, query.method.algorithm).largest_value;
+          if (!query.use_hierarchy) return reference(volume, query, rays, hits, scratch);
           scratch.counters.rays_wide += rays.count;
-          const TetMaximumField field = field_of(volume, view, question, machine);
+          const TetMaximumField field = field_of(volume, view, query, machine);
           TetMaximumScratch& memory = prepared(scratch.tet_maximum, volume);
           const TetLargestValues search = tet_largest_values_on(machine);
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
@@ -105,7 +105,7 @@ void largest_values(const VolumeImplementation& volume, const Question& question
               hit.cost = memory.cost[lane_of(r)];
               hits.set(first + r, hit);
             }
-            if (left != 0) ask_again(reference, volume, question, rays, first, left, hits, memory.others, scratch);
+            if (left != 0) ask_again(reference, volume, query, rays, first, left, hits, memory.others, scratch);
           }
         }
       },
@@ -129,15 +129,15 @@ bool is_fit(const VolumeImplementation& volume) {
          (range.is_empty() || (std::abs(range.lo) <= largest_magnitude && std::abs(range.hi) <= largest_magnitude));
 }
 
-bool is_direct(Method::Way way) {
-  return way == Method::Way::direct || way == Method::Way::preview || way == Method::Way::slack ||
-         way == Method::Way::paper;
+bool is_direct(Method::Algorithm algorithm) {
+  return algorithm == Method::Algorithm::direct || algorithm == Method::Algorithm::preview ||
+         algorithm == Method::Algorithm::slack || algorithm == Method::Algorithm::paper;
 }
 
 }  // namespace
 
 Kernel largest_value_in_tets_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
-  if (!is_direct(method.way) || !is_fit(volume)) return nullptr;
+  if (!is_direct(method.algorithm) || !is_fit(volume)) return nullptr;
   return kernel_on(machine, []<Machine wide>() -> Kernel { return largest_values<wide>; });
 }
 

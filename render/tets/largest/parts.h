@@ -26,8 +26,8 @@ struct TetSuspect {
 
 /// Offers what rays have in suspects.
 /// @param found  of each ray of the chunk
-using LookAtSuspects = void (*)(const void* context, const RayArrays& rays, const TetSuspect* suspects,
-                                std::size_t count, LargestSoFar* found);
+using SolveCandidates = void (*)(const void* context, const RayArrays& rays, const TetSuspect* suspects,
+                                 std::size_t count, LargestSoFar* found);
 
 using CellIdOf = std::uint64_t (*)(const void* context, std::uint32_t tet);
 
@@ -50,7 +50,7 @@ struct TetMaximumField {
   const void* ranges[largest_level_count];  ///< RangeBlock<double>, or <float>
   double low[3], high[3];                   ///< of all points
   bool time_phases;
-  LookAtSuspects look;
+  SolveCandidates look;
   CellIdOf cell_id;
   const void* context;
 };

@@ -15,16 +15,14 @@ struct CertifiedTetHit {
 };
 
 template <class Real, class View>
-CertifiedTetHit certified_crossing(const View& view, const Question& question, const Ray& ray,
-                                   KernelCounters& counters) {
+CertifiedTetHit certified_crossing(const View& view, const RayQuery& query, const Ray& ray, KernelCounters& counters) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const TetRay<Real> tet_ray(ray);
   std::uint32_t hit_tet = 0;
   double hit_t = infinity, hit_error = 0, earliest = infinity;
   double doubtful_from = infinity;  // before this t there is no doubt
   const auto look = [&](std::uint32_t tet, const LocalTet& local) {
-    const CertifiedTetCrossing found =
-        certify_tet_crossing<Real>(tet_ray, local.points, local.values, question.isovalue);
+    const CertifiedTetCrossing found = certify_tet_crossing<Real>(tet_ray, local.points, local.values, query.isovalue);
     if (found.decision == Decision::unknown) {
       for (const auto& point : local.points) doubtful_from = std::min(doubtful_from, tet_ray.shear.see(point).t);
     } else if (found.decision == Decision::crosses) {
@@ -36,13 +34,13 @@ CertifiedTetHit certified_crossing(const View& view, const Question& question, c
     }
   };
   walk_active_tets(
-      view, question, ray, counters, [&](double t_in) { return !(hit_t + hit_error < t_in); }, look,
+      view, query, ray, counters, [&](double t_in) { return !(hit_t + hit_error < t_in); }, look,
       [&](double t_out) { return !(hit_t + hit_error <= t_out); });
   CertifiedTetHit answer;
   const double t_rounding = 0x1p-50 * std::abs(doubtful_from);
   answer.is_certain = doubtful_from == infinity || hit_t + hit_error < doubtful_from - t_rounding;
   if (hit_t < infinity && answer.is_certain) {
-    fill_in(answer.hit, view, question, hit_tet, hit_t);
+    fill_in(answer.hit, view, query, hit_tet, hit_t);
     answer.hit.error = std::max(hit_error, hit_t - earliest);  // another may come first by less than their errors
   }
   return answer;
@@ -50,26 +48,25 @@ CertifiedTetHit certified_crossing(const View& view, const Question& question, c
 
 /// What single precision has not decided.
 template <class View>
-Hit certified_first_crossing_redone(const View& view, const Question& question, const Ray& ray,
-                                    KernelScratch& scratch) {
+Hit certified_first_crossing_redone(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
   ++scratch.counters.rays_redone;
-  const CertifiedTetHit answer = certified_crossing<double>(view, question, ray, scratch.counters);
+  const CertifiedTetHit answer = certified_crossing<double>(view, query, ray, scratch.counters);
   if (answer.is_certain) return answer.hit;
-  return judged_first_crossing(view, question, ray, scratch);
+  return exact_first_hit(view, query, ray, scratch);
 }
 
 template <class View>
-Hit certified_first_crossing(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
-  const CertifiedTetHit answer = certified_crossing<float>(view, question, ray, scratch.counters);
+Hit certified_first_crossing(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
+  const CertifiedTetHit answer = certified_crossing<float>(view, query, ray, scratch.counters);
   if (answer.is_certain) return answer.hit;
-  return certified_first_crossing_redone(view, question, ray, scratch);
+  return certified_first_crossing_redone(view, query, ray, scratch);
 }
 
 /// The largest value: where the ray enters and leaves is exact to the rounding of one mean, but which tetrahedra a ray
 /// meets that grazes an edge is the judge's to say.
 template <class View>
-Hit certified_largest_value(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
-  return judged_largest_value(view, question, ray, scratch);
+Hit certified_largest_value(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
+  return exact_largest_hit(view, query, ray, scratch);
 }
 
 }  // namespace

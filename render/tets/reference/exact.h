@@ -22,7 +22,7 @@ namespace rhoray::render {
 namespace {
 
 template <class View, class MayMatter, class Take>
-void take_from_lists(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
+void take_from_lists(const View& view, const RayQuery& query, const Ray& ray, KernelCounters& counters,
                      MayMatter&& may_matter, Take&& take) {
   const WalkLattice lattice = view.lattice();
   const Ray ray_lattice = view.on_lattice(ray);
@@ -38,17 +38,17 @@ void take_from_lists(const View& view, const Question& question, const Ray& ray,
     for (const std::uint32_t tet : view.tetrahedra_at(visit.cell)) take(tet);
     return true;
   };
-  const int top = question.use_hierarchy ? view.level_count() : 0;
+  const int top = query.use_hierarchy ? view.level_count() : 0;
   walk_hierarchy(ray_lattice, planes, lattice, top, whole_level(lattice, lattice.cell_edge(top)), segment->t_in,
                  segment->t_out, enters, leaf);
 }
 
 template <class View, class MayMatter, class Take>
-void take_from_clusters(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
+void take_from_clusters(const View& view, const RayQuery& query, const Ray& ray, KernelCounters& counters,
                         MayMatter&& may_matter, Take&& take) {
   const formats::CellClustersView& clusters = view.clusters();
   walk_clusters(
-      view, BoxRay(ray, clusters.box_unit), question.use_hierarchy, counters, may_matter, [](double) { return true; },
+      view, BoxRay(ray, clusters.box_unit), query.use_hierarchy, counters, may_matter, [](double) { return true; },
       [&](const ClusterVisit& visit) {
         for (std::uint64_t tet = clusters.first_cell(visit.entry); tet < clusters.end_cell(visit.entry); ++tet)
           take(static_cast<std::uint32_t>(tet));
@@ -59,8 +59,8 @@ void take_from_clusters(const View& view, const Question& question, const Ray& r
 /// The tetrahedra of leaf cells or clusters along the ray, each once, rising.
 /// @param may_matter  (range of values in a region or tetrahedron): false to leave it out
 template <class View, class MayMatter>
-std::vector<std::uint32_t> tets_along(const View& view, const Question& question, const Ray& ray,
-                                      KernelCounters& counters, MayMatter&& may_matter) {
+std::vector<std::uint32_t> tets_along(const View& view, const RayQuery& query, const Ray& ray, KernelCounters& counters,
+                                      MayMatter&& may_matter) {
   std::vector<std::uint32_t> tets;
   const auto take = [&](std::uint32_t tet) {
     const TetValues values = view.values_at(view.sorted_vertices(tet));
@@ -68,9 +68,9 @@ std::vector<std::uint32_t> tets_along(const View& view, const Question& question
     if (has_data(values) && may_matter(Interval<double>{lo, hi})) tets.push_back(tet);
   };
   if (view.has_clusters())
-    take_from_clusters(view, question, ray, counters, may_matter, take);
+    take_from_clusters(view, query, ray, counters, may_matter, take);
   else
-    take_from_lists(view, question, ray, counters, may_matter, take);
+    take_from_lists(view, query, ray, counters, may_matter, take);
   std::sort(tets.begin(), tets.end());
   tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
   counters.cells_solved += tets.size();
@@ -78,8 +78,8 @@ std::vector<std::uint32_t> tets_along(const View& view, const Question& question
 }
 
 template <class View>
-std::vector<TetForJudge> shown(const View& view, const std::vector<std::uint32_t>& tets) {
-  std::vector<TetForJudge> out(tets.size());
+std::vector<ExactTet> shown(const View& view, const std::vector<std::uint32_t>& tets) {
+  std::vector<ExactTet> out(tets.size());
   for (std::size_t n = 0; n < tets.size(); ++n) {
     const auto vertices = view.sorted_vertices(tets[n]);
     const TetPoints points = view.points_at(vertices);
@@ -97,32 +97,32 @@ std::uint32_t tet_of(const Verdict& verdict) {
 }
 
 template <class View>
-Hit judged_first_crossing(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
-  const IntersectionTimer timer(question, scratch.counters);
-  ++scratch.counters.rays_judged;
-  const std::vector<TetForJudge> tets =
-      shown(view, tets_along(view, question, ray, scratch.counters, [&](const Interval<double>& range) {
-              return range.lo <= question.isovalue && question.isovalue <= range.hi;
+Hit exact_first_hit(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
+  const IntersectionTimer timer(query, scratch.counters);
+  ++scratch.counters.rays_exact;
+  const std::vector<ExactTet> tets =
+      shown(view, tets_along(view, query, ray, scratch.counters, [&](const Interval<double>& range) {
+              return range.lo <= query.isovalue && query.isovalue <= range.hi;
             }));
-  const double width = judged_width_cells / view.on_lattice(ray).direction.length();
-  const TetRayVerdict verdict = judge_first_crossing(tets, ray, question.isovalue, width);
+  const double width = exact_width_cells / view.on_lattice(ray).direction.length();
+  const TetRayVerdict verdict = exact_first_crossing(tets, ray, query.isovalue, width);
   Hit hit;
   if (!verdict.is_hit) return hit;
   const Middle t(verdict.t);
-  fill_in(hit, view, question, tet_of(verdict), t.value);
+  fill_in(hit, view, query, tet_of(verdict), t.value);
   hit.error = t.error;
   if (verdict.touches) ++scratch.counters.touches;
   return hit;
 }
 
 template <class View>
-Hit judged_largest_value(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
-  const IntersectionTimer timer(question, scratch.counters);
-  ++scratch.counters.rays_judged;
-  const std::vector<TetForJudge> tets =
-      shown(view, tets_along(view, question, ray, scratch.counters,
-                             [](const Interval<double>& range) { return !range.is_empty(); }));
-  const TetMaximumVerdict verdict = judge_largest_value(tets, ray);
+Hit exact_largest_hit(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
+  const IntersectionTimer timer(query, scratch.counters);
+  ++scratch.counters.rays_exact;
+  const std::vector<ExactTet> tets = shown(
+      view,
+      tets_along(view, query, ray, scratch.counters, [](const Interval<double>& range) { return !range.is_empty(); }));
+  const TetMaximumVerdict verdict = exact_largest_value(tets, ray);
   Hit hit;
   if (!verdict.has_value) return hit;
   const Middle value(verdict.value);

@@ -64,7 +64,7 @@ void open_regions(MaximumQueue& queue, const LargestSoFar& largest, Open&& open)
 }
 
 template <class View, class Look>
-void search_lists(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch,
+void search_lists(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch,
                   const LargestSoFar& largest, const Look& look_into) {
   const WalkLattice lattice = view.lattice();
   const Ray ray_lattice = view.on_lattice(ray);
@@ -83,20 +83,20 @@ void search_lists(const View& view, const Question& question, const Ray& ray, Ke
       return true;
     });
   };
-  const int top = question.use_hierarchy ? view.level_count() : 0;
+  const int top = query.use_hierarchy ? view.level_count() : 0;
   put_level(top, whole_level(lattice, lattice.cell_edge(top)), segment->t_in, segment->t_out);
   open_regions(scratch.queue, largest, [&](const MaximumQueue::Entry& region) {
     if (region.level > 0) {
       const int below = region.level - 1;
       return put_level(below, children(lattice, region.cell, lattice.cell_edge(below)), region.t_in, region.t_out);
     }
-    const IntersectionTimer timer(question, counters);
+    const IntersectionTimer timer(query, counters);
     for (const std::uint32_t tet : view.tetrahedra_at(region.cell)) look_into(tet);
   });
 }
 
 template <class View, class Look>
-void search_clusters(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch,
+void search_clusters(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch,
                      const LargestSoFar& largest, const Look& look_into) {
   const formats::CellClustersView& clusters = view.clusters();
   const BoxRay box_ray(ray, clusters.box_unit);
@@ -115,27 +115,27 @@ void search_clusters(const View& view, const Question& question, const Ray& ray,
       if (!beats(largest, region)) scratch.queue.push(region);
     });
   };
-  const int top = first_level(view, question.use_hierarchy);
+  const int top = first_level(view, query.use_hierarchy);
   for (std::uint64_t block = 0; block < clusters.shape.block_count(top); ++block) put_block(top, block);
   open_regions(scratch.queue, largest, [&](const MaximumQueue::Entry& region) {
     if (region.level > 0) return put_block(region.level - 1, region.id);
     ++counters.cells_visited;
-    const IntersectionTimer timer(question, counters);
+    const IntersectionTimer timer(query, counters);
     for (std::uint64_t tet = clusters.first_cell(region.id); tet < clusters.end_cell(region.id); ++tet)
       look_into(static_cast<std::uint32_t>(tet));
   });
 }
 
 template <class View>
-Hit largest_value_on_ray(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
+Hit largest_value_on_ray(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
   LargestSoFar largest;
   const ValuesAlong<View> values(view, ray, scratch.counters, largest);
   const auto look_into = [&](std::uint32_t tet) { values.look_into(tet); };
   scratch.queue.clear();
   if (view.has_clusters())
-    search_clusters(view, question, ray, scratch, largest, look_into);
+    search_clusters(view, query, ray, scratch, largest, look_into);
   else
-    search_lists(view, question, ray, scratch, largest, look_into);
+    search_lists(view, query, ray, scratch, largest, look_into);
   return largest.hit();
 }
 

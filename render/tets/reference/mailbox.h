@@ -12,11 +12,11 @@ namespace rhoray::render {
 
 /// The tetrahedra that one ray has been held against: lists of several leaf cells name the same. Open addressing; the
 /// first 48, more than most rays meet, need no memory but their own.
-class MetTets {
+class Mailbox {
  public:
-  MetTets() { first_slots_.fill(none); }
-  MetTets(const MetTets&) = delete;
-  MetTets& operator=(const MetTets&) = delete;
+  Mailbox() { first_slots_.fill(none); }
+  Mailbox(const Mailbox&) = delete;
+  Mailbox& operator=(const Mailbox&) = delete;
 
   /// True for one that was not there. Position 2^32 - 1 is always new: that costs a test, no answer.
   RHORAY_INLINE bool add(std::uint32_t tet) {

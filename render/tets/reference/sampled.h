@@ -95,8 +95,8 @@ class TetSampler {
     return found;
   }
 
-  /// Looks into the cells of the clusters below a block whose boxes hold the point, or nearly: a point with weights of
-  /// -slack at least may lie up to three slacks of the box beside it.
+  /// CandidateList into the cells of the clusters below a block whose boxes hold the point, or nearly: a point with
+  /// weights of -slack at least may lie up to three slacks of the box beside it.
   template <class Look>
   void look_around(const Vec3& p, int level, std::uint64_t block, Look& look_into) const {
     const formats::CellClustersView& clusters = view_.clusters();
@@ -144,15 +144,15 @@ class TetSampler {
 };
 
 template <class View>
-Hit sampled_crossing_of_ray(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
+Hit sampled_crossing_of_ray(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
   TetSampler sampler(view, ray);
-  return sampled_crossing(sampler, question, scratch.counters);
+  return sampled_crossing(sampler, query, scratch.counters);
 }
 
 template <class View>
-Hit sampled_maximum_on_ray(const View& view, const Question& question, const Ray& ray, KernelScratch& scratch) {
+Hit sampled_maximum_on_ray(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
   TetSampler sampler(view, ray);
-  return sampled_maximum(sampler, question, scratch.counters);
+  return sampled_maximum(sampler, query, scratch.counters);
 }
 
 }  // namespace

@@ -34,21 +34,21 @@ RHORAY_INLINE bool is_preferred(const View& view, std::uint32_t tet, std::uint32
 
 /// Calls look(tetrahedron, values of its sorted vertices) if it may hold the isosurface, has data, and is_new(it).
 template <class View, class Look, class IsNew>
-RHORAY_INLINE void look_into(const View& view, const Question& question, std::uint32_t tet, KernelCounters& counters,
+RHORAY_INLINE void look_into(const View& view, const RayQuery& query, std::uint32_t tet, KernelCounters& counters,
                              Look&& look, IsNew&& is_new) {
   const auto vertices = view.sorted_vertices(tet);
   const TetValues values = view.values_at(vertices);
   const auto [lo, hi] = std::minmax({values[0], values[1], values[2], values[3]});
-  if (!(lo < question.isovalue && question.isovalue <= hi) || !has_data(values) || !is_new(tet)) return;
+  if (!(lo < query.isovalue && query.isovalue <= hi) || !has_data(values) || !is_new(tet)) return;
   ++counters.cells_solved;
   look(tet, LocalTet{view.points_at(vertices), values});
 }
 
 /// The same for tetrahedra that come up once.
 template <class View, class Look>
-RHORAY_INLINE void look_into(const View& view, const Question& question, std::uint32_t tet, KernelCounters& counters,
+RHORAY_INLINE void look_into(const View& view, const RayQuery& query, std::uint32_t tet, KernelCounters& counters,
                              Look&& look) {
-  look_into(view, question, tet, counters, look, [](std::uint32_t) { return true; });
+  look_into(view, query, tet, counters, look, [](std::uint32_t) { return true; });
 }
 
 /// Shows the lists of the leaf cells along the ray that may hold the isosurface, front to back.
@@ -56,14 +56,14 @@ RHORAY_INLINE void look_into(const View& view, const Question& question, std::ui
 /// @param list         (the tetrahedra that a leaf cell lists)
 /// @param leaf_ends    (t_out of the leaf): false to stop
 template <class View, class Begins, class List, class Ends>
-void walk_active_leaves(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
+void walk_active_leaves(const View& view, const RayQuery& query, const Ray& ray, KernelCounters& counters,
                         Begins&& leaf_begins, List&& list, Ends&& leaf_ends) {
   const WalkLattice lattice = view.lattice();
   const Ray ray_lattice = view.on_lattice(ray);
   const PlaneTimes planes(ray_lattice);
   const std::optional<Segment> segment = clip_to_lattice(ray_lattice, planes, lattice.leaf_count);
   if (!segment) return;
-  const double iso = question.isovalue;
+  const double iso = query.isovalue;
   const auto can_cross = [&](const Interval<double>& range) { return range.lo < iso && iso <= range.hi; };
   auto enters = [&](int level, const CellVisit& visit) {
     ++counters.macrocells_visited;
@@ -74,43 +74,43 @@ void walk_active_leaves(const View& view, const Question& question, const Ray& r
     if (!leaf_begins(visit.t_in)) return false;
     ++counters.cells_visited;
     if (!can_cross(view.range(0, visit.cell))) return true;
-    const IntersectionTimer timer(question, counters);
+    const IntersectionTimer timer(query, counters);
     list(view.tetrahedra_at(visit.cell));
     return leaf_ends(visit.t_out);
   };
-  const int top = question.use_hierarchy ? view.level_count() : 0;
+  const int top = query.use_hierarchy ? view.level_count() : 0;
   walk_hierarchy(ray_lattice, planes, lattice, top, whole_level(lattice, lattice.cell_edge(top)), segment->t_in,
                  segment->t_out, enters, leaf);
 }
 
-/// Looks into the tetrahedra along the ray, leaf after leaf, each once although several leaf cells list it.
+/// CandidateList into the tetrahedra along the ray, leaf after leaf, each once although several leaf cells list it.
 template <class View, class Begins, class Look, class Ends>
-void walk_active_lists(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
+void walk_active_lists(const View& view, const RayQuery& query, const Ray& ray, KernelCounters& counters,
                        Begins&& leaf_begins, Look&& look, Ends&& leaf_ends) {
-  MetTets met;
+  Mailbox met;
   const auto is_new = [&](std::uint32_t tet) { return met.add(tet); };
   walk_active_leaves(
-      view, question, ray, counters, leaf_begins,
+      view, query, ray, counters, leaf_begins,
       [&](std::span<const std::uint32_t> list) {
-        for (const std::uint32_t tet : list) look_into(view, question, tet, counters, look, is_new);
+        for (const std::uint32_t tet : list) look_into(view, query, tet, counters, look, is_new);
       },
       leaf_ends);
 }
 
-/// Looks into the tetrahedra of the clusters along the ray, each once. Clusters overlap: a hit in one of them may lie
-/// behind one in another, so that only those are left out that begin behind it.
+/// CandidateList into the tetrahedra of the clusters along the ray, each once. Clusters overlap: a hit in one of them
+/// may lie behind one in another, so that only those are left out that begin behind it.
 template <class View, class Begins, class Look>
-void walk_active_clusters(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
+void walk_active_clusters(const View& view, const RayQuery& query, const Ray& ray, KernelCounters& counters,
                           Begins&& cluster_begins, Look&& look) {
-  const double iso = question.isovalue;
+  const double iso = query.isovalue;
   const formats::CellClustersView& clusters = view.clusters();
   walk_clusters(
-      view, BoxRay(ray, clusters.box_unit), question.use_hierarchy, counters,
+      view, BoxRay(ray, clusters.box_unit), query.use_hierarchy, counters,
       [&](const Interval<double>& range) { return range.lo < iso && iso <= range.hi; }, cluster_begins,
       [&](const ClusterVisit& visit) {
-        const IntersectionTimer timer(question, counters);
+        const IntersectionTimer timer(query, counters);
         for (std::uint64_t tet = clusters.first_cell(visit.entry); tet < clusters.end_cell(visit.entry); ++tet)
-          look_into(view, question, static_cast<std::uint32_t>(tet), counters, look);
+          look_into(view, query, static_cast<std::uint32_t>(tet), counters, look);
         return true;
       });
 }
@@ -120,20 +120,20 @@ void walk_active_clusters(const View& view, const Question& question, const Ray&
 /// @param matters_from  (t): false when nothing that lies behind t matters
 /// @param ends_at       (t): false when nothing matters at t or behind it
 template <class View, class MattersFrom, class Look, class EndsAt>
-void walk_active_tets(const View& view, const Question& question, const Ray& ray, KernelCounters& counters,
+void walk_active_tets(const View& view, const RayQuery& query, const Ray& ray, KernelCounters& counters,
                       MattersFrom&& matters_from, Look&& look, EndsAt&& ends_at) {
   if (view.has_clusters())
-    walk_active_clusters(view, question, ray, counters, matters_from, look);
+    walk_active_clusters(view, query, ray, counters, matters_from, look);
   else
-    walk_active_lists(view, question, ray, counters, matters_from, look, ends_at);
+    walk_active_lists(view, query, ray, counters, matters_from, look, ends_at);
 }
 
 /// Completes a hit at t in a tetrahedron.
 template <class View>
-void fill_in(Hit& hit, const View& view, const Question& question, std::uint32_t tet, double t) {
+void fill_in(Hit& hit, const View& view, const RayQuery& query, std::uint32_t tet, double t) {
   const auto vertices = view.sorted_vertices(tet);
   hit.t = t;
-  hit.value = question.isovalue;
+  hit.value = query.isovalue;
   hit.cell = view.cell_id(tet);
   hit.tet = tet;
   hit.gradient = tet_gradient(view.points_at(vertices), view.values_at(vertices));

@@ -20,14 +20,14 @@ struct alignas(64) FacetLists {
   std::uint64_t overflowed;  ///< lanes of which farther ones were left out
 
   std::size_t room;               ///< of a ray, at most capacity
-  float passing, least_light;     ///< as CrossedSurface and CrossingsQuestion have it
+  float passing, least_light;     ///< as TransparentSurface and AllHitsQuery have it
   const CrossingArrays* written;  ///< of all rays
   std::uint8_t* complete;         ///< likewise
   std::size_t first;              ///< ray of the chunk
 };
 
 /// What a thread keeps for it.
-struct FacetShellScratch {
+struct FacetAllHitsScratch {
   FacetScratch facets;
   FacetLists lists;
 };

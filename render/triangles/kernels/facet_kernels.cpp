@@ -27,7 +27,7 @@ template <class View>
 inline constexpr bool has_facets = is_mesh<View> || std::is_same_v<View, SurfaceVolume>;
 
 /// @param levels  above some of the facets
-FacetSurface surface_of(const Facets& facets, const BoxLevels& levels, const Question& question, bool is_of_triangles) {
+FacetSurface surface_of(const Facets& facets, const BoxLevels& levels, const RayQuery& query, bool is_of_triangles) {
   const FloatBox box = box_of(levels);
   FacetSurface surface{.blocks = facets.blocks(),
                        .fields = facets.fields(),
@@ -38,19 +38,19 @@ FacetSurface surface_of(const Facets& facets, const BoxLevels& levels, const Que
                        .scale = facets.scale(),
                        .low = {},
                        .high = {},
-                       .isovalue = is_of_triangles ? std::numeric_limits<double>::quiet_NaN() : question.isovalue,
+                       .isovalue = is_of_triangles ? std::numeric_limits<double>::quiet_NaN() : query.isovalue,
                        .is_of_triangles = is_of_triangles,
-                       .time_phases = question.time_phases};
+                       .time_phases = query.time_phases};
   for (std::size_t l = 0; l < levels.size(); ++l) surface.levels[l] = levels[l].data();
   std::copy(box.low.begin(), box.low.end(), surface.low);
   std::copy(box.high.begin(), box.high.end(), surface.high);
   return surface;
 }
 
-FacetSurface surface_of(const FacetBlockers& blockers, const Question& question) {
-  FacetSurface surface = surface_of(blockers.facets(), blockers.levels(), question, false);
-  surface.blocks = blockers.blocks(), surface.sources = blockers.sources(), surface.sure = blockers.sure();
-  surface.facet_count = blockers.count();
+FacetSurface surface_of(const FacetOccluders& occluders, const RayQuery& query) {
+  FacetSurface surface = surface_of(occluders.facets(), occluders.levels(), query, false);
+  surface.blocks = occluders.blocks(), surface.sources = occluders.sources(), surface.sure = occluders.sure();
+  surface.facet_count = occluders.count();
   return surface;
 }
 
@@ -72,15 +72,15 @@ void for_each_chunk(Machine machine, const FacetSurface& whole, const RayBatch& 
   }
 }
 
-bool is_answerable(const Question& question) {
-  return question.use_hierarchy && std::abs(question.isovalue) <= largest_magnitude;
+bool is_answerable(const RayQuery& query) {
+  return query.use_hierarchy && std::abs(query.isovalue) <= largest_magnitude;
 }
 
 /// Completes a certified answer by what double precision says of the cells of facets in doubt, cell by cell as
 /// certified_crossing of tet_certified.h.
 /// @return  false when that leaves a doubt
 template <class View>
-bool settle(const View& view, const Question& question, const Ray& ray, std::span<const FacetDoubt> doubts,
+bool settle(const View& view, const RayQuery& query, const Ray& ray, std::span<const FacetDoubt> doubts,
             std::uint32_t index, const Facets& facets, Hit& hit) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const TetRay<double> tet_ray(ray);
@@ -93,7 +93,7 @@ bool settle(const View& view, const Question& question, const Ray& ray, std::spa
     const auto vertices = view.sorted_vertices(tet);
     const TetPoints points = view.points_at(vertices);
     const CertifiedTetCrossing found =
-        certify_tet_crossing<double>(tet_ray, points, view.values_at(vertices), question.isovalue);
+        certify_tet_crossing<double>(tet_ray, points, view.values_at(vertices), query.isovalue);
     if (found.decision == Decision::unknown) {
       for (const auto& point : points) doubtful_from = std::min(doubtful_from, tet_ray.shear.see(point).t);
     } else if (found.decision == Decision::crosses) {
@@ -105,7 +105,7 @@ bool settle(const View& view, const Question& question, const Ray& ray, std::spa
   const double t_rounding = 0x1p-50 * std::abs(doubtful_from);
   if (doubtful_from < infinity && !(t + error < doubtful_from - t_rounding)) return false;
   if (t == infinity) return true;
-  if (hit_tet) fill_in(hit, view, question, *hit_tet, t);
+  if (hit_tet) fill_in(hit, view, query, *hit_tet, t);
   hit.error = std::max(error, t - earliest);
   return true;
 }
@@ -113,7 +113,7 @@ bool settle(const View& view, const Question& question, const Ray& ray, std::spa
 /// @param chosen  rays of the chunk that begins at `first`
 /// @return        those that remain in doubt
 template <class View>
-std::uint64_t settle_doubts(const View& view, const Question& question, const RayBatch& rays, std::size_t first,
+std::uint64_t settle_doubts(const View& view, const RayQuery& query, const RayBatch& rays, std::size_t first,
                             std::uint64_t chosen, const FacetScratch& memory, HitBatch& hits,
                             KernelCounters& counters) {
   std::uint64_t left = 0;
@@ -121,7 +121,7 @@ std::uint64_t settle_doubts(const View& view, const Question& question, const Ra
   for (; chosen != 0; chosen &= chosen - 1) {
     const auto index = static_cast<std::uint32_t>(std::countr_zero(chosen));
     Hit hit = hits[first + index];
-    if (settle(view, question, rays[first + index], doubts, index, *memory.facets, hit)) {
+    if (settle(view, query, rays[first + index], doubts, index, *memory.facets, hit)) {
       hits.set(first + index, hit);
       ++counters.rays_redone;
     } else {
@@ -132,21 +132,21 @@ std::uint64_t settle_doubts(const View& view, const Question& question, const Ra
 }
 
 template <Machine machine, bool certified>
-void first_facets(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
+void first_facets(const VolumeImplementation& volume, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                   KernelScratch& scratch) {
   std::visit(
       [&]<class View>(const View& view) {
         if constexpr (has_facets<View>) {
-          const Kernel reference = kernels_for(view, question.method.way).first_crossing;
-          if (!is_answerable(question)) {
-            reference(volume, question, rays, hits, scratch);
+          const Kernel reference = kernels_for(view, query.method.algorithm).first_crossing;
+          if (!is_answerable(query)) {
+            reference(volume, query, rays, hits, scratch);
             return;
           }
           scratch.counters.rays_wide += rays.count;
           if (!scratch.facets) scratch.facets = std::make_shared<FacetScratch>();
           FacetScratch& memory = *scratch.facets;
-          memory.facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, 1);
-          const FacetSurface whole = surface_of(*memory.facets, memory.facets->levels(), question, !is_mesh<View>);
+          memory.facets = volume.facets->of(view, volume.bounds_volume, query.isovalue, 1);
+          const FacetSurface whole = surface_of(*memory.facets, memory.facets->levels(), query, !is_mesh<View>);
           const FirstFacets answer = first_facets_on(machine, certified);
           const HitArrays answers = arrays_of(hits);
           const auto answer_chunk = [&](const FacetSurface& surface, std::size_t first, std::size_t count,
@@ -157,11 +157,10 @@ void first_facets(const VolumeImplementation& volume, const Question& question, 
             Kernel other = reference;
             if constexpr (certified && is_mesh<View>) {
               if (left.part != 0)
-                left.whole |= settle_doubts(view, question, rays, first, left.part, memory, hits, scratch.counters);
+                left.whole |= settle_doubts(view, query, rays, first, left.part, memory, hits, scratch.counters);
               other = redoing_kernel_for(view);
             }
-            if (left.whole != 0)
-              ask_again(other, volume, question, rays, first, left.whole, hits, memory.others, scratch);
+            if (left.whole != 0) ask_again(other, volume, query, rays, first, left.whole, hits, memory.others, scratch);
           };
           for_each_chunk(machine, whole, rays, certified ? certified_reach : reach, FacetPart::most_expected, memory,
                          scratch.counters, answer_chunk);
@@ -171,37 +170,37 @@ void first_facets(const VolumeImplementation& volume, const Question& question, 
 }
 
 template <Machine machine>
-void any_facets(const VolumeImplementation& volume, const Question& question, const Blockers* blockers,
+void any_facets(const VolumeImplementation& volume, const RayQuery& query, const Occluders* occluders,
                 const RayBatch& rays, std::uint64_t* crossed, KernelScratch& scratch) {
   std::visit(
       [&]<class View>(const View& view) {
         if constexpr (has_facets<View>) {
-          const Kernel reference = kernels_for(view, question.method.way).first_crossing;
+          const Kernel reference = kernels_for(view, query.method.algorithm).first_crossing;
           scratch.counters.rays_wide += rays.count;
           if (!scratch.facets) scratch.facets = std::make_shared<FacetScratch>();
           FacetScratch& memory = *scratch.facets;
-          if (!is_answerable(question)) {
+          if (!is_answerable(query)) {
             for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
               const std::size_t count = std::min(RayGroup::size, rays.count - first);
               const std::uint64_t all = count < RayGroup::size ? (std::uint64_t{1} << count) - 1 : ~std::uint64_t{0};
               crossed[first / RayGroup::size] =
-                  ask_whether_any(reference, volume, question, rays, first, all, memory.others, scratch);
+                  ask_whether_any(reference, volume, query, rays, first, all, memory.others, scratch);
             }
             return;
           }
           FacetSurface whole;
-          if (blockers == nullptr) {
-            memory.facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, 1);
-            whole = surface_of(*memory.facets, memory.facets->levels(), question, !is_mesh<View>);
+          if (occluders == nullptr) {
+            memory.facets = volume.facets->of(view, volume.bounds_volume, query.isovalue, 1);
+            whole = surface_of(*memory.facets, memory.facets->levels(), query, !is_mesh<View>);
           } else {
-            whole = surface_of(*blockers->facets, question);
+            whole = surface_of(*occluders->facets, query);
           }
           const AnyFacets answer = any_facets_on(machine);
           for_each_chunk(machine, whole, rays, reach, FacetPart::most_expected_of_any, memory, scratch.counters,
                          [&](const FacetSurface& surface, std::size_t first, std::size_t count, FacetChunk& chunk) {
                            MetFacets met = answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
                            if (met.unanswered != 0)
-                             met.crossed |= ask_whether_any(reference, volume, question, rays, first, met.unanswered,
+                             met.crossed |= ask_whether_any(reference, volume, query, rays, first, met.unanswered,
                                                             memory.others, scratch);
                            crossed[first / RayGroup::size] = met.crossed;
                          });
@@ -218,23 +217,23 @@ std::size_t room_for(float passing, float least_light) {
 }
 
 template <Machine machine>
-void cross_facets(const VolumeImplementation& volume, const CrossingsQuestion& question, const RayBatch& rays,
-                  std::span<CrossingList* const> lists, std::uint8_t* complete, CrossingsMemory& memory,
+void cross_facets(const VolumeImplementation& volume, const AllHitsQuery& query, const RayBatch& rays,
+                  std::span<CrossingList* const> lists, std::uint8_t* complete, AllHitsScratch& memory,
                   KernelCounters& counters) {
-  if (!memory.facets) memory.facets = std::make_shared<FacetShellScratch>();
+  if (!memory.facets) memory.facets = std::make_shared<FacetAllHitsScratch>();
   counters.rays_wide += rays.count;
   std::fill_n(complete, rays.count, std::uint8_t{1});
   std::visit(
       [&]<class View>(const View& view) {
         if constexpr (is_mesh<View>)
           for (std::size_t s = 0; s < lists.size(); ++s) {
-            const CrossedSurface& asked = question.surfaces[s];
+            const TransparentSurface& asked = query.surfaces[s];
             const auto facets = volume.facets->of(view, volume.bounds_volume, asked.isovalue, 1);
             const FacetSurface whole = surface_of(
-                *facets, facets->levels(), {.isovalue = asked.isovalue, .time_phases = question.time_phases}, false);
+                *facets, facets->levels(), {.isovalue = asked.isovalue, .time_phases = query.time_phases}, false);
             FacetLists& found = memory.facets->lists;
-            found.room = room_for(asked.passing, question.least_light);
-            found.passing = asked.passing, found.least_light = question.least_light;
+            found.room = room_for(asked.passing, query.least_light);
+            found.passing = asked.passing, found.least_light = query.least_light;
             const CrossingArrays written = arrays_of(*lists[s]);
             found.written = &written, found.complete = complete;
             write_misses(written.hits[0], rays.count);
@@ -268,13 +267,13 @@ bool is_fit(const VolumeImplementation& volume) {
 
 }  // namespace
 
-std::optional<SurfaceBoxes> prepare_facets(const VolumeImplementation& volume, const Question& question,
+std::optional<SurfaceBoxes> prepare_facets(const VolumeImplementation& volume, const RayQuery& query,
                                            unsigned threads) {
-  if (!is_answerable(question)) return std::nullopt;
+  if (!is_answerable(query)) return std::nullopt;
   return std::visit(
       [&]<class View>(const View& view) -> std::optional<SurfaceBoxes> {
         if constexpr (has_facets<View>) {
-          const auto facets = volume.facets->of(view, volume.bounds_volume, question.isovalue, threads);
+          const auto facets = volume.facets->of(view, volume.bounds_volume, query.isovalue, threads);
           SurfaceBoxes boxes = boxes_of(facets, facets->levels());
           boxes.anchor = facets->anchor();
           boxes.unit = 1 / facets->scale();
@@ -289,14 +288,15 @@ std::optional<SurfaceBoxes> prepare_facets(const VolumeImplementation& volume, c
 Kernel first_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
   if (!has_wide_crossings(method) || !is_fit(volume)) return nullptr;
   const bool is_surface = std::holds_alternative<SurfaceVolume>(volume.view);
-  if (is_surface && method.way == Method::Way::certified) return nullptr;
+  if (is_surface && method.algorithm == Method::Algorithm::certified) return nullptr;
   return kernel_on(machine, [&]<Machine wide>() -> Kernel {
-    return method.way == Method::Way::certified ? first_facets<wide, true> : first_facets<wide, false>;
+    return method.algorithm == Method::Algorithm::certified ? first_facets<wide, true> : first_facets<wide, false>;
   });
 }
 
 AnyCrossing any_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
-  if (method.way == Method::Way::certified || first_facet_kernel(volume, method, machine) == nullptr) return nullptr;
+  if (method.algorithm == Method::Algorithm::certified || first_facet_kernel(volume, method, machine) == nullptr)
+    return nullptr;
   switch (machine) {
     case Machine::baseline:
       return any_facets<Machine::baseline>;
@@ -310,40 +310,40 @@ AnyCrossing any_facet_kernel(const VolumeImplementation& volume, const Method& m
   return nullptr;
 }
 
-std::shared_ptr<const Facets> facets_with_blockers(const VolumeImplementation& volume, const Question& question,
-                                                   unsigned threads) {
-  if (!is_answerable(question) || !is_fit(volume)) return nullptr;
+std::shared_ptr<const Facets> facets_with_occluders(const VolumeImplementation& volume, const RayQuery& query,
+                                                    unsigned threads) {
+  if (!is_answerable(query) || !is_fit(volume)) return nullptr;
   return std::visit(
       [&]<class View>(const View& view) -> std::shared_ptr<const Facets> {
-        if constexpr (is_mesh<View>) return volume.facets->of(view, volume.bounds_volume, question.isovalue, threads);
+        if constexpr (is_mesh<View>) return volume.facets->of(view, volume.bounds_volume, query.isovalue, threads);
         return nullptr;
       },
       volume.view);
 }
 
-std::shared_ptr<const LightBlockers> facet_blockers_of(Machine machine, std::shared_ptr<const Facets> facets,
-                                                       const LightPlace& light, Shadows shadows) {
-  return std::make_shared<const LightBlockers>([machine, facets = std::move(facets), light, shadows](StartSide side) {
-    Blockers blockers;
-    blockers.facets = std::make_shared<const FacetBlockers>(machine, facets, light, side);
-    if (light.is_one_direction()) blockers.heights = blockers.facets->heights(machine, light, shadows);
-    return blockers;
+std::shared_ptr<const LightOccluders> facet_occluders_of(Machine machine, std::shared_ptr<const Facets> facets,
+                                                         const LightPlace& light, Shadows shadows) {
+  return std::make_shared<const LightOccluders>([machine, facets = std::move(facets), light, shadows](StartSide side) {
+    Occluders occluders;
+    occluders.facets = std::make_shared<const FacetOccluders>(machine, facets, light, side);
+    if (light.is_one_direction()) occluders.heights = occluders.facets->heights(machine, light, shadows);
+    return occluders;
   });
 }
 
-std::shared_ptr<const LightBlockers> with_shadows(Machine machine, std::shared_ptr<const LightBlockers> before,
-                                                  const LightPlace& light) {
-  return std::make_shared<const LightBlockers>([machine, before = std::move(before), light](StartSide side) {
-    Blockers blockers = before->of(side);
-    if (light.is_one_direction()) blockers.heights = blockers.facets->heights(machine, light, Shadows::known);
-    return blockers;
+std::shared_ptr<const LightOccluders> with_shadows(Machine machine, std::shared_ptr<const LightOccluders> before,
+                                                   const LightPlace& light) {
+  return std::make_shared<const LightOccluders>([machine, before = std::move(before), light](StartSide side) {
+    Occluders occluders = before->of(side);
+    if (light.is_one_direction()) occluders.heights = occluders.facets->heights(machine, light, Shadows::known);
+    return occluders;
   });
 }
 
-CrossingsKernel facet_crossings_kernel(const VolumeImplementation& volume, const Question& question, Machine machine) {
+AllHitsKernel facet_all_hits_kernel(const VolumeImplementation& volume, const RayQuery& query, Machine machine) {
   const bool is_of_mesh = std::visit([]<class View>(const View&) { return is_mesh<View>; }, volume.view);
-  if (!is_of_mesh || question.method.way != Method::Way::direct || !is_answerable(question) ||
-      first_facet_kernel(volume, question.method, machine) == nullptr)
+  if (!is_of_mesh || query.method.algorithm != Method::Algorithm::direct || !is_answerable(query) ||
+      first_facet_kernel(volume, query.method, machine) == nullptr)
     return nullptr;
   switch (machine) {
     case Machine::scalar:

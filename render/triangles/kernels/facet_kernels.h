@@ -1,7 +1,7 @@
 #pragma once
 
+#include "render/query/all_hits.h"
 #include "render/query/kernels.h"
-#include "render/query/ordered_crossings.h"
 
 namespace rhoray::render::wide {
 
@@ -13,11 +13,10 @@ Kernel first_facet_kernel(const VolumeImplementation& volume, const Method& meth
 
 /// Makes the facets of an isovalue, if they are not kept from before.
 /// @return  the boxes around them; none where the scalar kernels answer
-std::optional<SurfaceBoxes> prepare_facets(const VolumeImplementation& volume, const Question& question,
-                                           unsigned threads);
+std::optional<SurfaceBoxes> prepare_facets(const VolumeImplementation& volume, const RayQuery& query, unsigned threads);
 
 /// All crossings of isosurfaces of a mesh; null where there is no such kernel, as for triangles, which may face any
 /// way.
-CrossingsKernel facet_crossings_kernel(const VolumeImplementation& volume, const Question& question, Machine machine);
+AllHitsKernel facet_all_hits_kernel(const VolumeImplementation& volume, const RayQuery& query, Machine machine);
 
 }  // namespace rhoray::render::wide

@@ -57,12 +57,12 @@ class BoxPassage {
 /// One ray's search for the nearest triangle; of those at the same t the one that stands first.
 class FirstTriangle {
  public:
-  FirstTriangle(const SurfaceVolume& view, const Facets& facets, const Question& question, const Ray& ray,
+  FirstTriangle(const SurfaceVolume& view, const Facets& facets, const RayQuery& query, const Ray& ray,
                 KernelCounters& counters)
-      : view_(view), facets_(facets), question_(question), ray_(ray), counters_(counters), shear_(ray) {}
+      : view_(view), facets_(facets), query_(query), ray_(ray), counters_(counters), shear_(ray) {}
 
   Hit find() {
-    if (!question_.use_hierarchy)
+    if (!query_.use_hierarchy)
       for (std::uint32_t triangle = 0; triangle < view_.triangle_count(); ++triangle) look_at(triangle);
     else
       walk();
@@ -107,7 +107,7 @@ class FirstTriangle {
 
   void look_into(std::uint32_t block) {
     ++counters_.cells_visited;
-    const IntersectionTimer timer(question_, counters_);
+    const IntersectionTimer timer(query_, counters_);
     const std::uint32_t first = block * FacetBlock::size;
     const std::uint32_t end = std::min(first + FacetBlock::size, facets_.count());
     for (std::uint32_t f = first; f < end; ++f) look_at(facets_.fields()[f].tet);
@@ -133,7 +133,7 @@ class FirstTriangle {
 
   const SurfaceVolume& view_;
   const Facets& facets_;
-  const Question& question_;
+  const RayQuery& query_;
   const Ray& ray_;
   KernelCounters& counters_;
   RayShear shear_;
@@ -149,26 +149,26 @@ bool is_ray(const Ray& ray) {
   return largest > 0 && std::isfinite(1 / largest) && ray.t_min <= ray.t_max;
 }
 
-void first_triangles(const VolumeImplementation& volume, const Question& question, const RayBatch& rays, HitBatch& hits,
+void first_triangles(const VolumeImplementation& volume, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                      KernelScratch& scratch) {
   const SurfaceVolume& view = std::get<SurfaceVolume>(volume.view);
   const std::shared_ptr<const Facets> facets = volume.facets->of(view, volume.bounds_volume, 0, 1);
   for (std::size_t r = 0; r < rays.count; ++r) {
     const std::uint64_t before = scratch.counters.visits();
     const Ray ray = rays[r];
-    Hit hit = is_ray(ray) ? FirstTriangle(view, *facets, question, ray, scratch.counters).find() : Hit{};
+    Hit hit = is_ray(ray) ? FirstTriangle(view, *facets, query, ray, scratch.counters).find() : Hit{};
     hit.cost = static_cast<std::uint32_t>(scratch.counters.visits() - before);
     hits.set(r, hit);
   }
 }
 
 /// A surface has no values.
-void no_values(const VolumeImplementation&, const Question&, const RayBatch& rays, HitBatch& hits, KernelScratch&) {
+void no_values(const VolumeImplementation&, const RayQuery&, const RayBatch& rays, HitBatch& hits, KernelScratch&) {
   for (std::size_t r = 0; r < rays.count; ++r) hits.set(r, {});
 }
 
 /// The tree; it says of no ray that it is answered.
-std::optional<SurfaceBoxes> prepare_triangles(const VolumeImplementation& volume, const Question&, unsigned threads) {
+std::optional<SurfaceBoxes> prepare_triangles(const VolumeImplementation& volume, const RayQuery&, unsigned threads) {
   volume.facets->of(std::get<SurfaceVolume>(volume.view), volume.bounds_volume, 0, threads);
   return std::nullopt;
 }
@@ -176,7 +176,7 @@ std::optional<SurfaceBoxes> prepare_triangles(const VolumeImplementation& volume
 }  // namespace
 
 template <>
-Kernels kernels_for(const SurfaceVolume&, Method::Way) {
+Kernels kernels_for(const SurfaceVolume&, Method::Algorithm) {
   return {.first_crossing = first_triangles,
           .largest_value = no_values,
           .queue_entries = 0,

@@ -36,7 +36,7 @@ void print_markdown(std::ostream& out) {
         continue;
       }
       const Tally tally = trial.tally(method);
-      out << ' ' << tally.wrong() << '/' << tally.questions;
+      out << ' ' << tally.wrong() << '/' << tally.queries;
       if (tally.touches > 0) out << " (touches " << tally.touches_lost << '/' << tally.touches << ')';
       out << " |";
     }
@@ -51,9 +51,9 @@ void print_csv(std::ostream& out) {
     for (const NamedMethod& method : catalogue_methods()) {
       if (!method.answers(hard_case.asked)) continue;
       const Tally tally = trial.tally(method);
-      out << hard_case.id << ',' << name_of(hard_case.asked) << ',' << method.name << ',' << tally.questions << ','
-          << tally.questions - tally.wrong() << ',' << tally.missed << ',' << tally.false_hits << ','
-          << tally.wrong_place << ',' << tally.touches << ',' << tally.touches_lost << std::endl;
+      out << hard_case.id << ',' << name_of(hard_case.asked) << ',' << method.name << ',' << tally.queries << ','
+          << tally.queries - tally.wrong() << ',' << tally.missed << ',' << tally.false_hits << ',' << tally.wrong_place
+          << ',' << tally.touches << ',' << tally.touches_lost << std::endl;
     }
   }
 }

@@ -14,17 +14,17 @@ using render::Ray;
 
 namespace {
 
-constexpr Method judged{.way = Method::Way::judged};
+constexpr Method judged{.algorithm = Method::Algorithm::exact};
 constexpr double place_tolerance_cells = 1e-3, value_tolerance = 1e-6;
 
 /// The widest bound that still says where a hit is.
 constexpr double largest_bound_cells = 1e-2;
 
-Method in_precision(Method::Way way, Method::Precision precision) {
-  return {.way = way, .precision = precision};
+Method in_precision(Method::Algorithm algorithm, Method::Precision precision) {
+  return {.algorithm = algorithm, .precision = precision};
 }
 Method at_steps(double step, bool bisect = false) {
-  return {.way = Method::Way::sampled, .step = step, .bisect = bisect};
+  return {.algorithm = Method::Algorithm::sampled, .step = step, .bisect = bisect};
 }
 
 std::string described(const HardCase& hard_case, std::string_view method, const Ray& ray, double isovalue,
@@ -40,19 +40,19 @@ std::string described(const HardCase& hard_case, std::string_view method, const 
 }  // namespace
 
 std::span<const NamedMethod> catalogue_methods() {
-  using enum Method::Way;
-  constexpr auto single = Method::Precision::single, twofold = Method::Precision::twofold;
+  using enum Method::Algorithm;
+  constexpr auto single = Method::Precision::float32, float64 = Method::Precision::float64;
   static const std::array methods{
       NamedMethod{"preview", in_precision(preview, single), true, false, false},
       NamedMethod{"direct float", in_precision(direct, single), true, true, true},
-      NamedMethod{"direct double", in_precision(direct, twofold), true, true, true},
+      NamedMethod{"direct double", in_precision(direct, float64), true, true, true},
       NamedMethod{"paper float", in_precision(paper, single), true, true, false},
-      NamedMethod{"paper double", in_precision(paper, twofold), true, true, true},
-      NamedMethod{"slack 1e-12", {.way = slack, .slack = 1e-12}, false, true, false},
+      NamedMethod{"paper double", in_precision(paper, float64), true, true, true},
+      NamedMethod{"slack 1e-12", {.algorithm = slack, .slack = 1e-12}, false, true, false},
       NamedMethod{"sampled 1", at_steps(1), true, false, true},
       NamedMethod{"sampled 0.5", at_steps(0.5), true, true, true},
       NamedMethod{"sampled 0.25 bisect", at_steps(0.25, true), true, false, false},
-      NamedMethod{"certified", {.way = certified}, true, true, true},
+      NamedMethod{"certified", {.algorithm = certified}, true, true, true},
   };
   return methods;
 }
@@ -109,7 +109,7 @@ Tally Trial::tally(const NamedMethod& named) {
         tally.touches_lost += !is_there;
         continue;
       }
-      ++tally.questions;
+      ++tally.queries;
       if (is_there) continue;
       complain(answer.is_miss()      ? tally.missed
                : truth.hit.is_miss() ? tally.false_hits
@@ -128,7 +128,7 @@ Tally Trial::against_known_answers() const {
       const Hit& judge = truths_[n++].hit;
       const std::optional<double> known = case_.known(ray, isovalue);
       if (!known) continue;
-      ++tally.questions;
+      ++tally.queries;
       const bool agrees = case_.asked == Asked::largest_value
                               ? std::abs(judge.value - *known) <= judge.error + 1e-12 * std::abs(*known)
                           : *known == std::numeric_limits<double>::infinity()

@@ -31,7 +31,7 @@ const NamedMethod& method_named(std::string_view name);
 ///
 /// Rays that only touch the surface count apart: what proves its answers must see them, the others may or may not.
 struct Tally {
-  int questions = 0, missed = 0, false_hits = 0, wrong_place = 0;
+  int queries = 0, missed = 0, false_hits = 0, wrong_place = 0;
   int touches = 0, touches_lost = 0;
   std::vector<std::string> complaints;  ///< the first few wrong answers, in full
 

@@ -172,8 +172,8 @@ TEST_F(ExportStl, of_tetrahedra_leaves_out_cells_without_data_and_refuses_unknow
   pack_mesh(mesh, folder_ / "n.rho");
   EXPECT_GT(all, 0U);
   EXPECT_EQ(export_tets_stl(folder_ / "n.rho", 0.3, folder_ / "n.stl").triangle_count, 0U);
-  expect_refusal([&] { export_tets_stl(folder_ / "m.rho", 0.3, folder_ / "x.stl", {.field = "heat"}); }, Trouble::usage,
-                 {"'heat'", "'value'"});
+  expect_refusal([&] { export_tets_stl(folder_ / "m.rho", 0.3, folder_ / "x.stl", {.field = "heat"}); },
+                 ErrorCode::usage, {"'heat'", "'value'"});
   EXPECT_FALSE(std::filesystem::exists(folder_ / "x.stl"));
 }
 

@@ -116,13 +116,14 @@ TEST_F(Export, writes_npy_that_numpy_reads_in_the_order_z_y_x) {
 TEST_F(Export, replaces_nothing_and_leaves_nothing_behind_when_it_is_refused) {
   pack<float>({}, "density");
   write_file(folder_ / "a.vti", "precious");
-  expect_refusal([&] { export_vti(folder_ / "a.rho", folder_ / "a.vti"); }, Trouble::usage, {"a.vti"});
-  expect_refusal([&] { export_npy(folder_ / "a.rho", folder_ / "a.npy", {.field = "heat"}); }, Trouble::usage,
+  expect_refusal([&] { export_vti(folder_ / "a.rho", folder_ / "a.vti"); }, ErrorCode::usage, {"a.vti"});
+  expect_refusal([&] { export_npy(folder_ / "a.rho", folder_ / "a.npy", {.field = "heat"}); }, ErrorCode::usage,
                  {"'heat'", "'density'"});
   const Progress interrupted = [](std::string_view, std::uint64_t done, std::uint64_t) {
-    if (done > 0) throw Error(Trouble::interrupted, "enough");
+    if (done > 0) throw Error(ErrorCode::interrupted, "enough");
   };
-  expect_refusal([&] { export_npy(folder_ / "a.rho", folder_ / "a.npy", {}, interrupted); }, Trouble::interrupted, {});
+  expect_refusal([&] { export_npy(folder_ / "a.rho", folder_ / "a.npy", {}, interrupted); }, ErrorCode::interrupted,
+                 {});
   EXPECT_EQ(read_file(folder_ / "a.vti"), "precious");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 2);
 }

@@ -73,31 +73,31 @@ TEST_F(Worker, passes_a_refusal_on_as_the_same_error) {
     run_worker(request("refuse"));
     FAIL() << "nothing was refused";
   } catch (const Error& error) {
-    EXPECT_EQ(error.trouble(), Trouble::unsupported);
+    EXPECT_EQ(error.code(), ErrorCode::unsupported);
     EXPECT_STREQ(error.what(), "bone.vtu, cells: found 3 hexahedra; expected linear tetrahedra");
     EXPECT_EQ(error.hint(), "make it tetrahedra");
   }
 }
 
 TEST_F(Worker, names_what_it_was_doing_when_a_library_throws) {
-  expect_refusal([] { run_worker(request("throw")); }, Trouble::internal,
+  expect_refusal([] { run_worker(request("throw")); }, ErrorCode::internal,
                  {"reading bone.vtu", "a library's exception"});
 }
 
 TEST_F(Worker, turns_a_crash_into_a_sentence) {
-  expect_refusal([] { run_worker(request("segfault")); }, Trouble::invalid,
+  expect_refusal([] { run_worker(request("segfault")); }, ErrorCode::invalid,
                  {"signal 11 (Segmentation fault)", "reading bone.vtu", "last it said: about to fall"});
 }
 
 TEST_F(Worker, turns_an_abort_into_a_sentence) {
-  expect_refusal([] { run_worker(request("abort")); }, Trouble::invalid,
+  expect_refusal([] { run_worker(request("abort")); }, ErrorCode::invalid,
                  {"signal 6", "reading bone.vtu", "said nothing"});
 }
 
 TEST_F(Worker, is_stopped_at_its_time_limit) {
   WorkerRequest loop = request("loop");
   loop.time_limit_s = 0.5;
-  expect_refusal([&] { run_worker(loop); }, Trouble::resource, {"limit of 0.5 s", "reading bone.vtu"});
+  expect_refusal([&] { run_worker(loop); }, ErrorCode::resource, {"limit of 0.5 s", "reading bone.vtu"});
 }
 
 TEST_F(Worker, is_stopped_at_its_memory_limit) {
@@ -106,7 +106,7 @@ TEST_F(Worker, is_stopped_at_its_memory_limit) {
 #endif
   WorkerRequest devour = request("devour");
   devour.memory_limit_bytes = 256 << 20;
-  expect_refusal([&] { run_worker(devour); }, Trouble::resource, {"reading bone.vtu", "out of memory"});
+  expect_refusal([&] { run_worker(devour); }, ErrorCode::resource, {"reading bone.vtu", "out of memory"});
 }
 
 double seconds_of(const std::function<void()>& act) {
@@ -121,7 +121,7 @@ TEST_F(Worker, is_stopped_when_it_does_nothing) {
     WorkerRequest idle = request(verb);
     idle.idle_limit_s = 0.5;
     const double took_s = seconds_of([&] {
-      expect_refusal([&] { run_worker(idle); }, Trouble::resource,
+      expect_refusal([&] { run_worker(idle); }, ErrorCode::resource,
                      {"was stopped while reading bone.vtu", "for 0.5 s it used no CPU time and read or wrote nothing"});
     });
     EXPECT_GE(took_s, 0.5) << verb;
@@ -155,13 +155,13 @@ TEST_F(Worker, has_limits_without_being_asked) {
 TEST_F(Worker, cannot_write_or_open_without_end) {
   WorkerRequest writing = request("answer-without-end");
   writing.memory_limit_bytes = 64 << 20;
-  expect_refusal([&] { run_worker(writing); }, Trouble::resource, {"File too large"});
-  expect_refusal([] { run_worker(request("open-without-end")); }, Trouble::resource,
+  expect_refusal([&] { run_worker(writing); }, ErrorCode::resource, {"File too large"});
+  expect_refusal([] { run_worker(request("open-without-end")); }, ErrorCode::resource,
                  {"Too many open files after fewer"});
 }
 
 TEST_F(Worker, that_loses_bytes_of_a_file_says_so) {
-  expect_refusal([] { run_worker(request("lose-bytes")); }, Trouble::invalid,
+  expect_refusal([] { run_worker(request("lose-bytes")); }, ErrorCode::invalid,
                  {"signal 7 (Bus error)", "reading bone.vtu", "bytes of a file that it had mapped were gone"});
 }
 
@@ -209,28 +209,28 @@ TEST_F(Worker, lies_in_the_scratch_folder_and_keeps_to_anonymous_memory) {
 
   WorkerRequest large = request("large-array");  // 256 MiB
   large.memory_limit_bytes = 64 << 20;
-  expect_refusal([&] { run_worker(large); }, Trouble::resource, {"out of memory"});
+  expect_refusal([&] { run_worker(large); }, ErrorCode::resource, {"out of memory"});
   large.scratch_folder = folder.path();
   EXPECT_EQ(run_worker(large).array<std::uint64_t>("numbers", {1})[0], 256U << 20);
   WorkerRequest devour = request("devour");
   devour.memory_limit_bytes = 64 << 20;
   devour.scratch_folder = folder.path();
-  expect_refusal([&] { run_worker(devour); }, Trouble::resource, {"out of memory"});
+  expect_refusal([&] { run_worker(devour); }, ErrorCode::resource, {"out of memory"});
 }
 
 TEST_F(Worker, may_complain_without_end) {
-  expect_refusal([] { run_worker(request("chatter")); }, Trouble::invalid, {"the last word"});
+  expect_refusal([] { run_worker(request("chatter")); }, ErrorCode::invalid, {"the last word"});
 }
 
 TEST_F(Worker, is_reported_when_it_breaks_its_promise) {
-  expect_refusal([] { run_worker(request("exit-99")); }, Trouble::internal, {"code 99", "last it said: unexpected"});
-  expect_refusal([] { run_worker(request("nothing")); }, Trouble::internal, {"reading bone.vtu", "handed over"});
+  expect_refusal([] { run_worker(request("exit-99")); }, ErrorCode::internal, {"code 99", "last it said: unexpected"});
+  expect_refusal([] { run_worker(request("nothing")); }, ErrorCode::internal, {"reading bone.vtu", "handed over"});
 }
 
 TEST_F(Worker, is_looked_for_where_it_should_be) {
   WorkerRequest missing = request("square");
   missing.program = "rhoray-no-such-worker";
-  expect_refusal([&] { run_worker(missing); }, Trouble::internal, {RHORAY_WORKERS, "rhoray-no-such-worker"});
+  expect_refusal([&] { run_worker(missing); }, ErrorCode::unsupported, {RHORAY_WORKERS, "rhoray-no-such-worker"});
 }
 
 TEST_F(Worker, does_not_inherit_our_open_files) {

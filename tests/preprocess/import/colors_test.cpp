@@ -102,12 +102,13 @@ TEST_F(Colors, of_pictures_that_differ_or_hold_none_are_refused) {
   TemporaryFolder folder;
   write<vtkPNGWriter>(image(3, 0, 1), folder / "a1.png");
   write<vtkPNGWriter>(image(4, 1, 1), folder / "a2.png");
-  expect_refusal([&] { imported(folder.path()); }, Trouble::invalid, {"a2.png", "4 channels", "as the first slice"});
+  expect_refusal([&] { imported(folder.path()); }, ErrorCode::invalid, {"a2.png", "4 channels", "as the first slice"});
   write<vtkPNGWriter>(image<vtkUnsignedShortArray>(3, 0, 1), folder / "a1.png");
-  expect_refusal([&] { imported(folder.path()); }, Trouble::unsupported, {"a1.png", "uint16", "of 8 bits"});
+  expect_refusal([&] { imported(folder.path()); }, ErrorCode::unsupported, {"a1.png", "uint16", "of 8 bits"});
   for (const int components : {1, 2}) {
     write<vtkPNGWriter>(image(components, 0, 1), folder / "a1.png");
-    expect_refusal([&] { imported(folder.path()); }, Trouble::unsupported, {"a1.png", concat(components, " channels")});
+    expect_refusal([&] { imported(folder.path()); }, ErrorCode::unsupported,
+                   {"a1.png", concat(components, " channels")});
   }
 }
 
@@ -126,18 +127,18 @@ TEST_F(Colors, of_image_data_are_read_by_name_or_the_first) {
       expect_texels(colors, components);
       expect_map(colors.world_from_grid, axis_parallel_map({0.5, 1, 2}, {1, -2, 3}));
     }
-    expect_refusal([&] { read(folder / "a.vti", "other"); }, Trouble::unsupported, {"'other'", "1 components of U8"});
-    expect_refusal([&] { read(folder / "a.vti", "fotos"); }, Trouble::usage, {"no field 'fotos'", "photo"});
+    expect_refusal([&] { read(folder / "a.vti", "other"); }, ErrorCode::unsupported, {"'other'", "1 components of U8"});
+    expect_refusal([&] { read(folder / "a.vti", "fotos"); }, ErrorCode::usage, {"no field 'fotos'", "photo"});
   }
 }
 
 TEST_F(Colors, of_image_data_that_holds_none_are_refused) {
   TemporaryFolder folder;
   write<vtkXMLImageDataWriter>(image(2, 0, size_z), folder / "a.vti");
-  expect_refusal([&] { read(folder / "a.vti"); }, Trouble::unsupported,
+  expect_refusal([&] { read(folder / "a.vti"); }, ErrorCode::unsupported,
                  {"a.vti", "no colours", "photo (2 components)"});
   write<vtkXMLImageDataWriter>(image<vtkUnsignedShortArray>(3, 0, size_z), folder / "a.vti");
-  expect_refusal([&] { read(folder / "a.vti"); }, Trouble::unsupported, {"a.vti", "no colours"});
+  expect_refusal([&] { read(folder / "a.vti"); }, ErrorCode::unsupported, {"a.vti", "no colours"});
 }
 
 TEST_F(Colors, of_a_metaimage_are_read_plain_and_packed) {
@@ -152,9 +153,9 @@ TEST_F(Colors, of_a_metaimage_are_read_plain_and_packed) {
     }
   TemporaryFolder folder;
   write<vtkMetaImageWriter>(image(2, 0, size_z), folder / "a.mha");
-  expect_refusal([&] { read(folder / "a.mha"); }, Trouble::unsupported, {"ElementNumberOfChannels", "found 2"});
+  expect_refusal([&] { read(folder / "a.mha"); }, ErrorCode::unsupported, {"ElementNumberOfChannels", "found 2"});
   write<vtkMetaImageWriter>(image<vtkUnsignedShortArray>(3, 0, size_z), folder / "b.mha");
-  expect_refusal([&] { read(folder / "b.mha"); }, Trouble::unsupported, {"ElementType", "MET_USHORT", "8 bits"});
+  expect_refusal([&] { read(folder / "b.mha"); }, ErrorCode::unsupported, {"ElementType", "MET_USHORT", "8 bits"});
 }
 
 std::string nrrd_text(const std::string& type, int components, const std::string& kind) {
@@ -189,7 +190,7 @@ TEST_F(Colors, of_a_nrrd_that_holds_none_are_refused) {
   TemporaryFolder folder;
   const auto refuses = [&](const std::string& text, const std::vector<std::string>& words) {
     write_file(folder / "a.nrrd", text);
-    expect_refusal([&] { read(folder / "a.nrrd"); }, Trouble::unsupported, words);
+    expect_refusal([&] { read(folder / "a.nrrd"); }, ErrorCode::unsupported, words);
   };
   refuses(nrrd_text("ushort", 3, "RGB-color"), {"key type", "unsigned short", "8 bits"});
   refuses(nrrd_text("uchar", 2, "vector"), {"axis 0", "2 samples of kind vector"});
@@ -208,7 +209,7 @@ TEST_F(Colors, of_files_that_end_too_soon_are_refused) {
 TEST_F(Colors, of_other_formats_are_refused_with_those_that_are_read) {
   TemporaryFolder folder;
   write_file(folder / "a.nii", "");
-  expect_refusal([&] { read(folder / "a.nii"); }, Trouble::unsupported, {".nii", ".nrrd", ".mha", ".vti"});
+  expect_refusal([&] { read(folder / "a.nii"); }, ErrorCode::unsupported, {".nii", ".nrrd", ".mha", ".vti"});
 }
 
 }  // namespace

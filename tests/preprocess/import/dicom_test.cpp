@@ -146,22 +146,23 @@ TEST_F(Dicom, takes_the_largest_series_or_the_one_that_is_named) {
               testing::UnorderedElementsAre(HasSubstr("'scout' (1 images)"), HasSubstr("1 files left out")));
   EXPECT_THAT(volume.other_fields, ElementsAre("scout"));
   EXPECT_EQ(read("scout").sample_count, Index3(3, 4, 1));
-  expect_refusal([&] { read("scuot"); }, Trouble::usage, {"'scuot'", "'head'", "'scout'"});
+  expect_refusal([&] { read("scuot"); }, ErrorCode::usage, {"'scuot'", "'head'", "'scout'"});
 }
 
 TEST_F(Dicom, refuses_series_that_make_no_volume) {
-  const auto refuses = [&](const std::function<void(ImageFacts&)>& change, Trouble trouble, const std::string& word) {
+  const auto refuses = [&](const std::function<void(ImageFacts&)>& change, ErrorCode error_code,
+                           const std::string& word) {
     write_series(folder_.path(), change);
-    expect_refusal([&] { read(); }, trouble, {word});
+    expect_refusal([&] { read(); }, error_code, {word});
   };
-  refuses([](ImageFacts& facts) { facts.position = "1\\2\\3"; }, Trouble::unsupported, "at the place of");
+  refuses([](ImageFacts& facts) { facts.position = "1\\2\\3"; }, ErrorCode::unsupported, "at the place of");
   refuses([](ImageFacts& facts) { facts.position = concat(facts.slice == 2 ? 5 : 0, "\\0\\", facts.slice); },
-          Trouble::unsupported, "in one line");
+          ErrorCode::unsupported, "in one line");
   refuses(
       [](ImageFacts& facts) {
         if (facts.slice == 3) facts.rows_and_columns = "0\\1\\0\\1\\0\\0";
       },
-      Trouble::unsupported, "does not lie as");
+      ErrorCode::unsupported, "does not lie as");
 }
 
 TEST_F(Dicom, reads_a_zip_archive_and_refuses_every_beginning_of_it) {
@@ -204,7 +205,7 @@ TEST_F(Dicom, names_in_a_zip_archive_end_where_the_archive_says) {
       preprocess::read_zip(path, [&](const std::string& entry, std::string_view) { taken = entry; });
     };
     if (length > 4096) {
-      expect_refusal(read_names, Trouble::invalid,
+      expect_refusal(read_names, ErrorCode::invalid,
                      {"names.zip", "table of contents", concat("found a name of ", length, " bytes"), "at most 4096"});
     } else {
       read_names();
@@ -264,28 +265,28 @@ TEST_F(Slices, keep_sixteen_bits) {
 
 TEST_F(Slices, of_colours_need_a_choice) {
   for (int k = 0; k < size_z; ++k) write_file(folder_ / concat("s", k, ".ppm"), picture(k, true));
-  expect_refusal([&] { read(); }, Trouble::unsupported, {"a colour"});
+  expect_refusal([&] { read(); }, ErrorCode::unsupported, {"a colour"});
   expect_known_values(read("R"), ElementType::U8);
   EXPECT_EQ(values_of(read("B"))[0], 2);
   EXPECT_EQ(values_of(read("luminance"))[0], 0);  // 0.7152 * 1 + 0.0722 * 2, cut to a whole number
-  expect_refusal([&] { read("grey"); }, Trouble::usage, {"'grey'", "R, G, B, luminance"});
+  expect_refusal([&] { read("grey"); }, ErrorCode::usage, {"'grey'", "R, G, B, luminance"});
 }
 
 TEST_F(Slices, must_all_be_alike) {
   for (int k = 0; k < size_z; ++k)
     write_file(folder_ / concat("s", k, ".pgm"), picture(k, false, k == 3 ? 65535 : 255));
-  expect_refusal([&] { read(); }, Trouble::invalid, {"s3.pgm", "as the first slice"});
+  expect_refusal([&] { read(); }, ErrorCode::invalid, {"s3.pgm", "as the first slice"});
   write_file(folder_ / "s3.pgm", picture(3).substr(0, 12));
-  expect_refusal([&] { read(); }, Trouble::invalid, {"s3.pgm"});
+  expect_refusal([&] { read(); }, ErrorCode::invalid, {"s3.pgm"});
   write_file(folder_ / "s3.pgm", "no picture");
-  expect_refusal([&] { read(); }, Trouble::invalid, {"s3.pgm"});
+  expect_refusal([&] { read(); }, ErrorCode::invalid, {"s3.pgm"});
 }
 
 TEST_F(Slices, one_picture_is_no_volume) {
   write_file(folder_ / "s.pgm", picture(0));
-  expect_refusal([&] { read(); }, Trouble::unsupported, {"found 1 slice"});
+  expect_refusal([&] { read(); }, ErrorCode::unsupported, {"found 1 slice"});
   ImportVolumeOptions options;
-  expect_refusal([&] { import_volume(folder_ / "s.pgm", options); }, Trouble::unsupported, {"found 1 slice"});
+  expect_refusal([&] { import_volume(folder_ / "s.pgm", options); }, ErrorCode::unsupported, {"found 1 slice"});
 }
 
 }  // namespace

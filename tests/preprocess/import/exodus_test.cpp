@@ -249,14 +249,15 @@ TEST(Exodus, takes_the_time_step_that_was_asked_for) {
   EXPECT_EQ(step_of("-5", 1), 0);
   EXPECT_EQ(step_of("1e9", 1), 2);
   for (const char* time : {"#3", "#", "#-1", "middle", "nan"})
-    expect_refusal([&] { read_cells(folder / "a.exo", {.time = time}); }, Trouble::usage, {"a.exo", "time step", time});
+    expect_refusal([&] { read_cells(folder / "a.exo", {.time = time}); }, ErrorCode::usage,
+                   {"a.exo", "time step", time});
   ExodusFile still = small_file();
   still.times.clear();
   still.write(folder / "a.exo");
   const CellMesh mesh = read_cells(folder / "a.exo", {});
   EXPECT_TRUE(mesh.point_fields.empty());
   EXPECT_THAT(mesh.notes, testing::Contains(testing::HasSubstr("no time steps")));
-  expect_refusal([&] { read_cells(folder / "a.exo", {.time = "first"}); }, Trouble::usage, {"no time steps"});
+  expect_refusal([&] { read_cells(folder / "a.exo", {.time = "first"}); }, ErrorCode::usage, {"no time steps"});
 }
 
 /// The same mesh in every format of netCDF and both ways to lay it out.
@@ -358,33 +359,33 @@ TEST(Exodus, keeps_the_nodes_of_a_wedge_with_straight_uprights_in_their_order) {
 
 TEST(Exodus, refuses_what_does_not_fit) {
   TemporaryFolder folder;
-  const auto refuses = [&](const std::function<void(ExodusFile&)>& change, Trouble trouble,
+  const auto refuses = [&](const std::function<void(ExodusFile&)>& change, ErrorCode error_code,
                            const std::vector<std::string>& words) {
     ExodusFile file = small_file();
     change(file);
     file.write(folder / "a.e");
-    expect_refusal([&] { read_cells(folder / "a.e", {}); }, trouble, words);
+    expect_refusal([&] { read_cells(folder / "a.e", {}); }, error_code, words);
   };
-  refuses([](ExodusFile& file) { file.blocks[0].type = "HEX"; }, Trouble::unsupported,
+  refuses([](ExodusFile& file) { file.blocks[0].type = "HEX"; }, ErrorCode::unsupported,
           {"a.e", "block 10", "2 elements 'HEX' of 4 nodes", "hexahedra (8, 20, 27)"});
-  refuses([](ExodusFile& file) { file.blocks[3].type = "nfaced"; }, Trouble::unsupported, {"block 30", "'nfaced'"});
-  refuses([](ExodusFile& file) { file.blocks[0].nodes[5] = 0; }, Trouble::invalid, {"cell 1", "point -1"});
-  refuses([](ExodusFile& file) { file.blocks[0].nodes[5] = 7; }, Trouble::invalid, {"cell 1", "point 6", "0 to 5"});
+  refuses([](ExodusFile& file) { file.blocks[3].type = "nfaced"; }, ErrorCode::unsupported, {"block 30", "'nfaced'"});
+  refuses([](ExodusFile& file) { file.blocks[0].nodes[5] = 0; }, ErrorCode::invalid, {"cell 1", "point -1"});
+  refuses([](ExodusFile& file) { file.blocks[0].nodes[5] = 7; }, ErrorCode::invalid, {"cell 1", "point 6", "0 to 5"});
   refuses(
       [](ExodusFile& file) {
         file.blocks = {file.blocks[1]};
         file.cell_names.clear();
         file.truth.clear();
       },
-      Trouble::invalid, {"1 quadrilaterals", "fills space"});
+      ErrorCode::invalid, {"1 quadrilaterals", "fills space"});
   {
     NetcdfWriter other(folder / "a.e", 0);
     other.dimension("x", 3);
   }
-  expect_refusal([&] { read_cells(folder / "a.e", {}); }, Trouble::invalid, {"a.e", "num_el_blk"});
+  expect_refusal([&] { read_cells(folder / "a.e", {}); }, ErrorCode::invalid, {"a.e", "num_el_blk"});
   write_file(folder / "a.e", "junk of some length, to be sure");
-  expect_refusal([&] { read_cells(folder / "a.e", {}); }, Trouble::invalid, {"a.e, header", "netCDF"});
-  expect_refusal([&] { read_cells(folder / "none.e", {}); }, Trouble::unreadable, {"none.e"});
+  expect_refusal([&] { read_cells(folder / "a.e", {}); }, ErrorCode::invalid, {"a.e, header", "netCDF"});
+  expect_refusal([&] { read_cells(folder / "none.e", {}); }, ErrorCode::unreadable, {"none.e"});
 }
 
 /// The library itself reads zeros behind the end of a classic file.

@@ -87,7 +87,7 @@ TEST(Gmsh, reads_fields_at_the_time_step_that_was_asked_for) {
     EXPECT_EQ(flow.values[8], 6.1);
   }
   write_file(folder / "a.msh", format_2 + nodes_2 + elements_2);
-  expect_refusal([&] { read_cells(folder / "a.msh", {.time = "first"}); }, Trouble::usage, {"no time steps"});
+  expect_refusal([&] { read_cells(folder / "a.msh", {.time = "first"}); }, ErrorCode::usage, {"no time steps"});
 }
 
 template <class T>
@@ -121,7 +121,7 @@ TEST(Gmsh, keeps_elements_that_share_a_number) {
   write_file(folder / "a.msh", format_2 + nodes_2 + elements);
   EXPECT_TRUE(is_complete(read_cells(folder / "a.msh", {})));
   write_file(folder / "a.msh", format_2 + nodes_2 + elements + data_2.substr(data_2.find("$ElementData")));
-  expect_refusal([&] { read_cells(folder / "a.msh", {}); }, Trouble::invalid, {"'flow'", "two elements numbered 44"});
+  expect_refusal([&] { read_cells(folder / "a.msh", {}); }, ErrorCode::invalid, {"'flow'", "two elements numbered 44"});
 }
 
 /// As Gmsh writes before each view that it appends.
@@ -133,38 +133,39 @@ TEST(Gmsh, passes_over_the_same_mesh_once_more_and_refuses_another) {
   std::string other = mesh;
   other.replace(other.find("1 1 1.5"), 7, "1 1 1.6");
   write_file(folder / "a.msh", mesh + other);
-  expect_refusal([&] { read_cells(folder / "a.msh", {}); }, Trouble::unsupported, {"line 24", "another section Nodes"});
+  expect_refusal([&] { read_cells(folder / "a.msh", {}); }, ErrorCode::unsupported,
+                 {"line 24", "another section Nodes"});
 }
 
 TEST(Gmsh, refuses_what_does_not_fit) {
   TemporaryFolder folder;
-  const auto refuses = [&](std::string text, const std::string& from, const std::string& to, Trouble trouble,
+  const auto refuses = [&](std::string text, const std::string& from, const std::string& to, ErrorCode error_code,
                            const std::vector<std::string>& words) {
     SCOPED_TRACE(to);
     text.replace(text.find(from), from.size(), to);
     write_file(folder / "a.msh", text);
-    expect_refusal([&] { read_cells(folder / "a.msh", {}); }, trouble, words);
+    expect_refusal([&] { read_cells(folder / "a.msh", {}); }, error_code, words);
   };
-  refuses(text_2, "2.2 0", "4 0", Trouble::unsupported, {"a.msh, line 2", "'4'", "4.1"});
-  refuses(text_4, "4.1 0", "4.0 0", Trouble::unsupported, {"line 2", "'4.0'", "gmsh OLD.msh -save -format msh41"});
-  refuses(text_2, "$MeshFormat", "$NOD", Trouble::unsupported, {"line 1", "MSH 1"});
-  refuses(text_2, "2.2 0", "2.2 7", Trouble::invalid, {"line 2", "text or binary"});
-  refuses(text_2, "0 8\n", "0 4\n", Trouble::unsupported, {"line 2"});
-  refuses(text_2, "9 1 1 1.5", "4 1 1 1.5", Trouble::invalid, {"node 4 twice"});
-  refuses(text_2, "2 3 4 9\n", "2 3 4 8\n", Trouble::invalid, {"element 4", "node 8"});
-  refuses(text_2, "2 3 4 9\n", "2 3 4 -9\n", Trouble::invalid, {"element 4", "node -9"});
-  refuses(text_2, "3 4 2 10 20", "3 29 2 10 20", Trouble::invalid, {"line 28", "an element's type"});
-  refuses(text_2, "3 4 2 10 20", "3 32 2 10 20", Trouble::unsupported, {"line 25", "elements of type 32"});
-  refuses(text_2, "3 4 2 10 20", "3 120 2 10 20", Trouble::unsupported, {"line 25", "elements of type 120"});
-  refuses(text_2, "3 4 2 10 20", "3 4 -2 10 20", Trouble::invalid, {"line 25", "-2 tags"});
-  refuses(text_2, "$Nodes\n6", "$Nodes\n7", Trouble::invalid, {"'$EndNodes'", "a node's number"});
-  refuses(text_2, "$Nodes\n6", "$Nodes\n5", Trouble::invalid, {"'7'", "$EndNodes"});
-  refuses(text_2, "$Nodes\n6", "$Nodes\n18446744073709551615", Trouble::invalid, {"a.msh"});
-  refuses(text_2, "1 -7.5", "8 -7.5", Trouble::invalid, {"node 8", "one that is there"});
-  refuses(text_4, "2 6 1 9", "2 7 1 9", Trouble::invalid, {"6 nodes", "7"});
-  refuses(text_4, "4 5 1 5", "4 6 1 5", Trouble::invalid, {"5 elements", "6"});
+  refuses(text_2, "2.2 0", "4 0", ErrorCode::unsupported, {"a.msh, line 2", "'4'", "4.1"});
+  refuses(text_4, "4.1 0", "4.0 0", ErrorCode::unsupported, {"line 2", "'4.0'", "gmsh OLD.msh -save -format msh41"});
+  refuses(text_2, "$MeshFormat", "$NOD", ErrorCode::unsupported, {"line 1", "MSH 1"});
+  refuses(text_2, "2.2 0", "2.2 7", ErrorCode::invalid, {"line 2", "text or binary"});
+  refuses(text_2, "0 8\n", "0 4\n", ErrorCode::unsupported, {"line 2"});
+  refuses(text_2, "9 1 1 1.5", "4 1 1 1.5", ErrorCode::invalid, {"node 4 twice"});
+  refuses(text_2, "2 3 4 9\n", "2 3 4 8\n", ErrorCode::invalid, {"element 4", "node 8"});
+  refuses(text_2, "2 3 4 9\n", "2 3 4 -9\n", ErrorCode::invalid, {"element 4", "node -9"});
+  refuses(text_2, "3 4 2 10 20", "3 29 2 10 20", ErrorCode::invalid, {"line 28", "an element's type"});
+  refuses(text_2, "3 4 2 10 20", "3 32 2 10 20", ErrorCode::unsupported, {"line 25", "elements of type 32"});
+  refuses(text_2, "3 4 2 10 20", "3 120 2 10 20", ErrorCode::unsupported, {"line 25", "elements of type 120"});
+  refuses(text_2, "3 4 2 10 20", "3 4 -2 10 20", ErrorCode::invalid, {"line 25", "-2 tags"});
+  refuses(text_2, "$Nodes\n6", "$Nodes\n7", ErrorCode::invalid, {"'$EndNodes'", "a node's number"});
+  refuses(text_2, "$Nodes\n6", "$Nodes\n5", ErrorCode::invalid, {"'7'", "$EndNodes"});
+  refuses(text_2, "$Nodes\n6", "$Nodes\n18446744073709551615", ErrorCode::invalid, {"a.msh"});
+  refuses(text_2, "1 -7.5", "8 -7.5", ErrorCode::invalid, {"node 8", "one that is there"});
+  refuses(text_4, "2 6 1 9", "2 7 1 9", ErrorCode::invalid, {"6 nodes", "7"});
+  refuses(text_4, "4 5 1 5", "4 6 1 5", ErrorCode::invalid, {"5 elements", "6"});
   refuses(format_2 + nodes_2 + elements_2, elements_2, "$Elements\n1\n2 2 2 5 6 1 2 3\n$EndElements\n",
-          Trouble::invalid, {"1 triangles", "fills space"});
+          ErrorCode::invalid, {"1 triangles", "fills space"});
   try {
     write_file(folder / "a.msh", format_2 + nodes_2 + "$Elements\n1\n2 2 2 5 6 1 2 3\n$EndElements\n");
     read_cells(folder / "a.msh", {});

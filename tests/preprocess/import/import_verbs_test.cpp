@@ -49,21 +49,21 @@ TEST_F(Import, replaces_spacing_and_origin_and_keeps_directions) {
   options.origin = Vec3(1, 2, 3);
   expect_near(import_volume(path, options).world_from_grid.origin, {1, 2, 3});
   options.spacing = Vec3(0, 1, 1);
-  expect_refusal([&] { import_volume(path, options); }, Trouble::usage, {"spacing"});
+  expect_refusal([&] { import_volume(path, options); }, ErrorCode::usage, {"spacing"});
   options = {};
   options.origin = Vec3(NAN, 0, 0);
-  expect_refusal([&] { import_volume(path, options); }, Trouble::usage, {"origin"});
+  expect_refusal([&] { import_volume(path, options); }, ErrorCode::usage, {"origin"});
 }
 
 TEST_F(Import, passes_the_readers_refusals_on) {
   const auto path = folder_ / "a.nrrd";
   write_file(path, "junk");
-  expect_refusal([&] { import_volume(path); }, Trouble::invalid, {"a.nrrd, byte 0"});
-  expect_refusal([&] { import_volume(folder_ / "none.vti"); }, Trouble::unreadable, {"none.vti"});
-  expect_refusal([&] { import_mesh(folder_ / "none.vtu"); }, Trouble::unreadable, {"none.vtu"});
-  expect_refusal([&] { import_volume(folder_ / "a.xyz0"); }, Trouble::unsupported, {"'.xyz0'", ".nrrd"});
-  expect_refusal([&] { import_mesh(folder_ / "a.stl"); }, Trouble::unsupported, {"'.stl'", ".vtu"});
-  expect_refusal([&] { import_surface(folder_ / "a.vtu"); }, Trouble::unsupported, {"'.vtu'", ".ply"});
+  expect_refusal([&] { import_volume(path); }, ErrorCode::invalid, {"a.nrrd, byte 0"});
+  expect_refusal([&] { import_volume(folder_ / "none.vti"); }, ErrorCode::unreadable, {"none.vti"});
+  expect_refusal([&] { import_mesh(folder_ / "none.vtu"); }, ErrorCode::unreadable, {"none.vtu"});
+  expect_refusal([&] { import_volume(folder_ / "a.xyz0"); }, ErrorCode::unsupported, {"'.xyz0'", ".nrrd"});
+  expect_refusal([&] { import_mesh(folder_ / "a.stl"); }, ErrorCode::unsupported, {"'.stl'", ".vtu"});
+  expect_refusal([&] { import_surface(folder_ / "a.vtu"); }, ErrorCode::unsupported, {"'.vtu'", ".ply"});
 }
 
 TEST_F(Import, stops_a_reader_that_needs_too_much_memory) {
@@ -76,7 +76,7 @@ TEST_F(Import, stops_a_reader_that_needs_too_much_memory) {
   ImportVolumeOptions options;
   options.raw = parse_raw_volume("1024x1024x1024:uint16:be");
   options.memory_limit_bytes = 1U << 30;  // the file is mapped, its copy in our order does not fit
-  expect_refusal([&] { import_volume(path, options); }, Trouble::resource, {"a.raw", "memory"});
+  expect_refusal([&] { import_volume(path, options); }, ErrorCode::resource, {"a.raw", "memory"});
 }
 
 TEST_F(Import, reads_meshes_and_surfaces_in_a_process_of_their_own) {
@@ -103,16 +103,16 @@ TEST_F(Import, writes_a_mesh_that_it_reads_again) {
 TEST_F(Import, replaces_an_existing_file_only_when_told_to_and_leaves_nothing_behind) {
   const auto path = folder_ / "a.vtu";
   write_file(path, "precious");
-  expect_refusal([&] { export_mesh(small_mesh(), path, false); }, Trouble::usage, {"a.vtu"});
+  expect_refusal([&] { export_mesh(small_mesh(), path, false); }, ErrorCode::usage, {"a.vtu"});
   NeutralMesh broken = small_mesh();
   broken.cells[0][3] = 4;
-  expect_refusal([&] { export_mesh(broken, path, true); }, Trouble::invalid, {"point 4"});
+  expect_refusal([&] { export_mesh(broken, path, true); }, ErrorCode::invalid, {"point 4"});
   EXPECT_EQ(read_file(path), "precious");
   export_mesh(small_mesh(), path, true);
   EXPECT_EQ(import_mesh(path).cells.size(), 1U);
-  expect_refusal([&] { export_mesh(small_mesh(), folder_ / "none/a.vtu", false); }, Trouble::usage,
+  expect_refusal([&] { export_mesh(small_mesh(), folder_ / "none/a.vtu", false); }, ErrorCode::usage,
                  {"a.vtu", "No such file"});
-  expect_refusal([&] { export_mesh(small_mesh(), folder_ / "a.vtk", false); }, Trouble::usage, {".vtu"});
+  expect_refusal([&] { export_mesh(small_mesh(), folder_ / "a.vtk", false); }, ErrorCode::usage, {".vtu"});
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1);
 }
 
@@ -145,7 +145,7 @@ TEST_F(Import, reads_every_extension_whose_kind_it_knows) {
     try {
       read();
     } catch (const Error& error) {
-      return error.trouble() != Trouble::unsupported;
+      return error.code() != ErrorCode::unsupported;
     }
     return true;
   };

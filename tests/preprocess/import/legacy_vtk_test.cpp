@@ -79,7 +79,7 @@ TEST(LegacyVtkVolume, refuses_counts_that_do_not_fit) {
     std::string text = volume_text;
     text.replace(text.find(from), from.size(), to);
     write_file(folder / "a.vtk", text);
-    expect_refusal([&] { read(folder / "a.vtk"); }, Trouble::invalid, words);
+    expect_refusal([&] { read(folder / "a.vtk"); }, ErrorCode::invalid, words);
   };
   refuses("POINT_DATA 60", "POINT_DATA 61", {"a.vtk", "end of the file"});
   refuses("POINT_DATA 60", "POINT_DATA 59", {"a.vtk, line", "keyword"});
@@ -95,12 +95,12 @@ TEST(LegacyVtkVolume, refuses_texts_and_reads_bytes_given_as_fractions) {
   std::string text = volume_text;
   text.replace(text.find("short"), 5, "string");
   write_file(folder / "a.vtk", text);
-  expect_refusal([&] { read(folder / "a.vtk"); }, Trouble::unsupported, {"a.vtk, line 9", "'string'"});
+  expect_refusal([&] { read(folder / "a.vtk"); }, ErrorCode::unsupported, {"a.vtk, line 9", "'string'"});
   const std::string start = volume_text.substr(0, volume_text.find("DIMENSIONS"));
   write_file(folder / "a.vtk", concat(start, "DIMENSIONS 2 1 1\nPOINT_DATA 2\nCOLOR_SCALARS c 2\n0 1 0.5 0.2\n"));
   EXPECT_THAT(values_of(read_volume(folder / "a.vtk", {.raw = {}, .field = "c.0"})), testing::ElementsAre(0, 128));
   write_file(folder / "a.vtk", concat(start, "DIMENSIONS 2 1 1\nPOINT_DATA 2\nCOLOR_SCALARS c 2\n0 1 0.5 1.2\n"));
-  expect_refusal([&] { read(folder / "a.vtk"); }, Trouble::invalid, {"1.2", "0 to 1"});
+  expect_refusal([&] { read(folder / "a.vtk"); }, ErrorCode::invalid, {"1.2", "0 to 1"});
 }
 
 TEST(LegacyVtkVolume, refuses_every_beginning_of_a_file) {
@@ -178,29 +178,29 @@ TEST(LegacyVtkMesh, reads_what_vtk_writes) {
 
 TEST(LegacyVtkMesh, refuses_what_does_not_fit) {
   TemporaryFolder folder;
-  const auto refuses = [&](const std::string& from, const std::string& to, Trouble trouble,
+  const auto refuses = [&](const std::string& from, const std::string& to, ErrorCode error_code,
                            const std::vector<std::string>& words) {
     std::string text = mesh_text;
     text.replace(text.find(from), from.size(), to);
     write_file(folder / "a.vtk", text);
-    expect_refusal([&] { read_mesh(folder / "a.vtk"); }, trouble, words);
+    expect_refusal([&] { read_mesh(folder / "a.vtk"); }, error_code, words);
   };
-  refuses("4 1 2 3 4", "4 1 2 3 5", Trouble::invalid, {"cell 2", "point 5", "0 to 4"});
-  refuses("4 1 2 3 4", "4 1 2 3 -1", Trouble::invalid, {"cell 2", "point -1"});
-  refuses("4 1 2 3 4", "3 1 2 3 4", Trouble::invalid, {"CELLS", "12 numbers", "13"});
-  refuses("4 1 2 3 4", "9 1 2 3 4", Trouble::invalid, {"cell 2", "more corners"});
-  refuses("10 3 10", "10 3 12", Trouble::invalid, {"cell 2", "4 corners", "8, as hexahedra have"});
-  refuses("10 3 10", "24 24 99", Trouble::unsupported, {"1 cells of VTK's kind 99"});
-  refuses("10 3 10", "3 3 3", Trouble::invalid, {"3 lines", "at least one that fills space"});
-  refuses("2 0 4", "1 0", Trouble::invalid, {"a.vtk"});
-  refuses("CELL_TYPES 3\n10 3 10", "CELL_TYPES 2\n10 3", Trouble::invalid, {"2 kinds for 3 cells"});
-  refuses("POINTS 5", "POINTS 1000000000", Trouble::invalid, {"1000000000 x 3"});
-  refuses("tissue%20number 1 3", "tissue%20number 1 2", Trouble::invalid, {"tissue number", "2 tuples"});
-  refuses("POINT_DATA 5", "POINT_DATA 4", Trouble::invalid, {"a.vtk"});
-  refuses("UNSTRUCTURED_GRID", "POLYDATA", Trouble::unsupported, {"found POLYDATA", "UNSTRUCTURED_GRID"});
-  refuses("UNSTRUCTURED_GRID", "TABLE", Trouble::unsupported, {"'TABLE'", "POLYDATA"});
-  refuses("ASCII", "ASCII?", Trouble::invalid, {"ASCII or BINARY"});
-  refuses("# vtk", "# VTK", Trouble::invalid, {"line 1"});
+  refuses("4 1 2 3 4", "4 1 2 3 5", ErrorCode::invalid, {"cell 2", "point 5", "0 to 4"});
+  refuses("4 1 2 3 4", "4 1 2 3 -1", ErrorCode::invalid, {"cell 2", "point -1"});
+  refuses("4 1 2 3 4", "3 1 2 3 4", ErrorCode::invalid, {"CELLS", "12 numbers", "13"});
+  refuses("4 1 2 3 4", "9 1 2 3 4", ErrorCode::invalid, {"cell 2", "more corners"});
+  refuses("10 3 10", "10 3 12", ErrorCode::invalid, {"cell 2", "4 corners", "8, as hexahedra have"});
+  refuses("10 3 10", "24 24 99", ErrorCode::unsupported, {"1 cells of VTK's kind 99"});
+  refuses("10 3 10", "3 3 3", ErrorCode::invalid, {"3 lines", "at least one that fills space"});
+  refuses("2 0 4", "1 0", ErrorCode::invalid, {"a.vtk"});
+  refuses("CELL_TYPES 3\n10 3 10", "CELL_TYPES 2\n10 3", ErrorCode::invalid, {"2 kinds for 3 cells"});
+  refuses("POINTS 5", "POINTS 1000000000", ErrorCode::invalid, {"1000000000 x 3"});
+  refuses("tissue%20number 1 3", "tissue%20number 1 2", ErrorCode::invalid, {"tissue number", "2 tuples"});
+  refuses("POINT_DATA 5", "POINT_DATA 4", ErrorCode::invalid, {"a.vtk"});
+  refuses("UNSTRUCTURED_GRID", "POLYDATA", ErrorCode::unsupported, {"found POLYDATA", "UNSTRUCTURED_GRID"});
+  refuses("UNSTRUCTURED_GRID", "TABLE", ErrorCode::unsupported, {"'TABLE'", "POLYDATA"});
+  refuses("ASCII", "ASCII?", ErrorCode::invalid, {"ASCII or BINARY"});
+  refuses("# vtk", "# VTK", ErrorCode::invalid, {"line 1"});
 }
 
 TEST(LegacyVtkSurface, takes_polygons_and_strips_that_vtk_writes) {
@@ -241,7 +241,7 @@ TEST(LegacyVtkSurface, takes_polygons_and_strips_that_vtk_writes) {
       "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n";
   const auto refuses = [&](const std::string& rest, const std::vector<std::string>& words) {
     write_file(folder / "a.vtk", head + rest);
-    expect_refusal([&] { read_surface(folder / "a.vtk"); }, Trouble::invalid, words);
+    expect_refusal([&] { read_surface(folder / "a.vtk"); }, ErrorCode::invalid, words);
   };
   refuses("POLYGONS 1 4\n3 0 1 3\n", {"polygon 0", "corner 3"});
   refuses("POLYGONS 1 3\n2 0 1\n", {"polygon 0", "2 corners"});
@@ -268,7 +268,7 @@ TEST(LegacyVtkMesh, turns_old_lagrange_hexahedra_and_refuses_uneven_ones) {
     EXPECT_EQ(read_cells(folder / "a.vtk", {}).cell_nodes, expected);
   }
   write_file(folder / "a.vtk", file("4.2", 18));
-  expect_refusal([&] { read_cells(folder / "a.vtk", {}); }, Trouble::unsupported, {"cell 0", "18 corners"});
+  expect_refusal([&] { read_cells(folder / "a.vtk", {}); }, ErrorCode::unsupported, {"cell 0", "18 corners"});
 }
 
 TEST(ForeignKind, asks_legacy_vtk_files_themselves) {

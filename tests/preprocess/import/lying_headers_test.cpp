@@ -22,8 +22,8 @@
 #include <string_view>
 #include <vector>
 
+#include "formats/base/error.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
 #include "formats/brick_grid.h"
 #include "formats/color_grid.h"
 #include "formats/surface_mesh.h"

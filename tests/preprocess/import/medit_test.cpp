@@ -141,29 +141,29 @@ TEST(Medit, reads_values_that_lie_beside) {
   EXPECT_EQ(mesh.point_fields[0].name, "solution");
   EXPECT_EQ(mesh.point_fields[0].values[8], 8 / 3.0);
   write_file(folder / "a.sol", "MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n8\n1 1\nEnd\n");
-  expect_refusal([&] { read_cells(folder / "a.mesh", {}); }, Trouble::invalid, {"a.sol, line 4", "8 vertices"});
+  expect_refusal([&] { read_cells(folder / "a.mesh", {}); }, ErrorCode::invalid, {"a.sol, line 4", "8 vertices"});
 }
 
 TEST(Medit, refuses_what_does_not_fit) {
   TemporaryFolder folder;
-  const auto refuses = [&](const std::string& from, const std::string& to, Trouble trouble,
+  const auto refuses = [&](const std::string& from, const std::string& to, ErrorCode error_code,
                            const std::vector<std::string>& words) {
     SCOPED_TRACE(to);
     std::string text = whole;
     text.replace(text.find(from), from.size(), to);
     write_file(folder / "a.mesh", text);
-    expect_refusal([&] { read_cells(folder / "a.mesh", {}); }, trouble, words);
+    expect_refusal([&] { read_cells(folder / "a.mesh", {}); }, error_code, words);
   };
-  refuses("MeshVersionFormatted", "MeshVersion", Trouble::invalid, {"a.mesh, line 1", "'MeshVersion'"});
-  refuses("Formatted 2", "Formatted 5", Trouble::unsupported, {"line 1", "1 to 4"});
-  refuses("Dimension\n3", "Dimension\n2", Trouble::unsupported, {"line 4", "2 dimensions"});
-  refuses("1 2 4 5 20", "1 2 4 10 20", Trouble::invalid, {"point 9", "0 to 8"});
-  refuses("1 2 4 5 20", "1 2 4 0 20", Trouble::invalid, {"point -1"});
-  refuses("1 2 4 5 20", "1 2 4 5", Trouble::invalid, {"'Hexahedra'"});
-  refuses("Tetrahedra 1\n", "TetrahedraP3 1\n", Trouble::unsupported, {"section TetrahedraP3"});
-  refuses("Tetrahedra 1\n", "TetrahedraP2 1\n", Trouble::unsupported, {"section TetrahedraP2"});
-  refuses("Vertices\n9\n", "Vertices\n-9\n", Trouble::invalid, {"line 7", "-9"});
-  refuses("Vertices\n9\n", "Vertices\n9000000000000000000\n", Trouble::invalid, {"a.mesh"});
+  refuses("MeshVersionFormatted", "MeshVersion", ErrorCode::invalid, {"a.mesh, line 1", "'MeshVersion'"});
+  refuses("Formatted 2", "Formatted 5", ErrorCode::unsupported, {"line 1", "1 to 4"});
+  refuses("Dimension\n3", "Dimension\n2", ErrorCode::unsupported, {"line 4", "2 dimensions"});
+  refuses("1 2 4 5 20", "1 2 4 10 20", ErrorCode::invalid, {"point 9", "0 to 8"});
+  refuses("1 2 4 5 20", "1 2 4 0 20", ErrorCode::invalid, {"point -1"});
+  refuses("1 2 4 5 20", "1 2 4 5", ErrorCode::invalid, {"'Hexahedra'"});
+  refuses("Tetrahedra 1\n", "TetrahedraP3 1\n", ErrorCode::unsupported, {"section TetrahedraP3"});
+  refuses("Tetrahedra 1\n", "TetrahedraP2 1\n", ErrorCode::unsupported, {"section TetrahedraP2"});
+  refuses("Vertices\n9\n", "Vertices\n-9\n", ErrorCode::invalid, {"line 7", "-9"});
+  refuses("Vertices\n9\n", "Vertices\n9000000000000000000\n", ErrorCode::invalid, {"a.mesh"});
 }
 
 TEST(Medit, refuses_every_beginning_of_a_file) {

@@ -60,7 +60,7 @@ TEST(MetaImage, reads_lists_and_numbered_files_and_skips_headers) {
   }
   const std::string type = "ElementByteOrderMSB = True\nElementType = MET_INT\n";
   write_file(folder / "a.mhd", header(type + "HeaderSize = -1\nElementDataFile = s%02d 3 9 2\n"));
-  expect_refusal([&] { read(folder / "a.mhd"); }, Trouble::invalid, {"a.mhd", "4 files for 5 slices"});
+  expect_refusal([&] { read(folder / "a.mhd"); }, ErrorCode::invalid, {"a.mhd", "4 files for 5 slices"});
   std::filesystem::rename(folder / "s011", folder / "s11");
   write_file(folder / "a.mhd", header(type + "HeaderSize = -1\nElementDataFile = s%02d 3 11 2\n"));
   expect_known_values(read(folder / "a.mhd"), ElementType::I32);
@@ -72,26 +72,26 @@ TEST(MetaImage, reads_lists_and_numbered_files_and_skips_headers) {
 TEST(MetaImage, refuses_what_it_cannot_mean) {
   TemporaryFolder folder;
   const auto path = folder / "a.mha";
-  const auto refuses = [&](const std::string& content, Trouble trouble, const std::vector<std::string>& words) {
+  const auto refuses = [&](const std::string& content, ErrorCode error_code, const std::vector<std::string>& words) {
     write_file(path, content);
-    expect_refusal([&] { read(path); }, trouble, words);
+    expect_refusal([&] { read(path); }, error_code, words);
   };
-  refuses("NDims = 2\nDimSize = 3 4\nElementDataFile = LOCAL\n", Trouble::unsupported, {"key NDims", "2"});
-  refuses("NDims = 3\nDimSize = 3 4\nElementDataFile = LOCAL\n", Trouble::invalid, {"key DimSize", "2 numbers"});
-  refuses("NDims = 3\nDimSize = 3 four 5\nElementDataFile = LOCAL\n", Trouble::invalid, {"key DimSize", "'four'"});
-  refuses(header("ElementType = MET_NONE\nElementDataFile = LOCAL\n"), Trouble::unsupported, {"MET_NONE"});
+  refuses("NDims = 2\nDimSize = 3 4\nElementDataFile = LOCAL\n", ErrorCode::unsupported, {"key NDims", "2"});
+  refuses("NDims = 3\nDimSize = 3 4\nElementDataFile = LOCAL\n", ErrorCode::invalid, {"key DimSize", "2 numbers"});
+  refuses("NDims = 3\nDimSize = 3 four 5\nElementDataFile = LOCAL\n", ErrorCode::invalid, {"key DimSize", "'four'"});
+  refuses(header("ElementType = MET_NONE\nElementDataFile = LOCAL\n"), ErrorCode::unsupported, {"MET_NONE"});
   refuses(header("ElementNumberOfChannels = 3\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n"),
-          Trouble::unsupported, {"3 numbers for each sample"});
-  refuses(header("ElementType = MET_UCHAR\nElementDataFile = none.raw\n"), Trouble::unreadable, {"none.raw"});
+          ErrorCode::unsupported, {"3 numbers for each sample"});
+  refuses(header("ElementType = MET_UCHAR\nElementDataFile = none.raw\n"), ErrorCode::unreadable, {"none.raw"});
   refuses(header("ElementSpacing = 1 0 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n") + std::string(60, 'x'),
-          Trouble::invalid, {"spacing of 0"});
+          ErrorCode::invalid, {"spacing of 0"});
   refuses("NDims = 3\nDimSize = 100000 100000 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\nxx",
-          Trouble::invalid, {"10000000000 bytes"});
+          ErrorCode::invalid, {"10000000000 bytes"});
   refuses(
       "NDims = 3\nDimSize = 100000 100000 1\nCompressedData = True\nElementType = MET_UCHAR\nElementDataFile = "
       "LOCAL\nxx",
-      Trouble::invalid, {"packed bytes"});
-  refuses("something else entirely", Trouble::invalid, {"a.mha, header", "Key = value"});
+      ErrorCode::invalid, {"packed bytes"});
+  refuses("something else entirely", ErrorCode::invalid, {"a.mha, header", "Key = value"});
 }
 
 TEST(MetaImage, notices_damage_in_compressed_samples) {
@@ -106,7 +106,7 @@ TEST(MetaImage, notices_damage_in_compressed_samples) {
   expect_known_values(read(folder / "a.mha"), ElementType::U8);
   stream.back() = static_cast<char>(stream.back() ^ 1);  // in the checksum
   write_file(folder / "a.mha", start + stream);
-  expect_refusal([&] { read(folder / "a.mha"); }, Trouble::invalid, {"a.mha", "incorrect data check"});
+  expect_refusal([&] { read(folder / "a.mha"); }, ErrorCode::invalid, {"a.mha", "incorrect data check"});
 }
 
 TEST(MetaImage, refuses_every_beginning_of_a_file) {

@@ -102,7 +102,7 @@ TEST(Rectilinear, refuses_positions_that_turn_back_and_sizes_that_do_not_fit) {
                                         sizes, "\nX_COORDINATES 3 double\n", x,
                                         "\nY_COORDINATES 1 double\n0\nZ_COORDINATES 1 double\n0\nPOINT_DATA 3\n"
                                         "SCALARS s double\nLOOKUP_TABLE default\n1 2 3\n"));
-    expect_refusal([&] { read(folder / "a.vtk"); }, Trouble::invalid, words);
+    expect_refusal([&] { read(folder / "a.vtk"); }, ErrorCode::invalid, words);
   };
   refuses("0 2 1", "3 1 1", {"x coordinate 2", "1 after 2"});
   refuses("0 0 1", "3 1 1", {"x coordinate 1", "0 after 0"});
@@ -140,9 +140,9 @@ TEST(GaussianCube, refuses_every_beginning_of_itself) {
                                   {.is_text = true}),
             1);  // without the last space
   write_file(folder / "a.cube", cube_text("999999999"));
-  expect_refusal([&] { read(folder / "a.cube"); }, Trouble::invalid, {"999999999 atoms"});
+  expect_refusal([&] { read(folder / "a.cube"); }, ErrorCode::invalid, {"999999999 atoms"});
   write_file(folder / "a.cube", cube_text("1", "999999999"));
-  expect_refusal([&] { read(folder / "a.cube"); }, Trouble::invalid, {"999999999 x 4 x 5"});
+  expect_refusal([&] { read(folder / "a.cube"); }, ErrorCode::invalid, {"999999999 x 4 x 5"});
 }
 
 std::string bov_text(const std::string& more = {}) {
@@ -166,18 +166,18 @@ TEST(Bov, reads_the_file_that_its_header_names) {
 TEST(Bov, refuses_what_does_not_fit) {
   TemporaryFolder folder;
   write_file(folder / "values.bin", std::string(value_count * 4 - 1, 'x'));
-  const auto refuses = [&](const std::string& text, Trouble trouble, const std::vector<std::string>& words) {
+  const auto refuses = [&](const std::string& text, ErrorCode error_code, const std::vector<std::string>& words) {
     write_file(folder / "a.bov", text);
-    expect_refusal([&] { read(folder / "a.bov"); }, trouble, words);
+    expect_refusal([&] { read(folder / "a.bov"); }, error_code, words);
   };
-  refuses(bov_text(), Trouble::invalid, {"values.bin", "byte 239"});
-  refuses(bov_text("DATA_COMPONENTS: 0\n"), Trouble::invalid, {"DATA_COMPONENTS"});
-  refuses("DATA_FILE: none.bin\nDATA_SIZE: 3 4 5\nDATA_FORMAT: FLOAT\n", Trouble::unreadable, {"none.bin"});
-  refuses("DATA_FILE: b%04d.bin\nDATA_SIZE: 3 4 5\nDATA_FORMAT: FLOAT\n", Trouble::unsupported, {"several files"});
-  refuses("DATA_SIZE: 3 4 5\n", Trouble::invalid, {"DATA_FILE"});
-  refuses(bytes_of_values(known_values<float>()), Trouble::invalid, {"no text"});
+  refuses(bov_text(), ErrorCode::invalid, {"values.bin", "byte 239"});
+  refuses(bov_text("DATA_COMPONENTS: 0\n"), ErrorCode::invalid, {"DATA_COMPONENTS"});
+  refuses("DATA_FILE: none.bin\nDATA_SIZE: 3 4 5\nDATA_FORMAT: FLOAT\n", ErrorCode::unreadable, {"none.bin"});
+  refuses("DATA_FILE: b%04d.bin\nDATA_SIZE: 3 4 5\nDATA_FORMAT: FLOAT\n", ErrorCode::unsupported, {"several files"});
+  refuses("DATA_SIZE: 3 4 5\n", ErrorCode::invalid, {"DATA_FILE"});
+  refuses(bytes_of_values(known_values<float>()), ErrorCode::invalid, {"no text"});
   write_file(folder / "values.bin", std::string(value_count * 4, 'x'));
-  refuses(bov_text("DATA_ENDIAN: MIDDLE\n"), Trouble::invalid, {"MIDDLE"});
+  refuses(bov_text("DATA_ENDIAN: MIDDLE\n"), ErrorCode::invalid, {"MIDDLE"});
 }
 
 std::string slc_text(bool packed, const std::string& slice) {
@@ -223,14 +223,14 @@ TEST(Slc, refuses_every_beginning_of_itself) {
   EXPECT_EQ(check_every_beginning(folder / "a.slc", content,
                                   [&] { return values_of(read(folder / "a.slc")) == std::vector<double>(60, 9); }),
             0);
-  const auto refuses = [&](const std::string& text, Trouble trouble, const std::string& word) {
+  const auto refuses = [&](const std::string& text, ErrorCode error_code, const std::string& word) {
     write_file(folder / "a.slc", text);
-    expect_refusal([&] { read(folder / "a.slc"); }, trouble, {word});
+    expect_refusal([&] { read(folder / "a.slc"); }, error_code, {word});
   };
-  refuses(slc_text(true, std::string("\x0d\x09", 2)), Trouble::invalid, "slice 0");
-  refuses(slc_text(true, std::string("\x03\x09\x00", 3)), Trouble::invalid, "slice 0");
-  refuses("11111\n3 4 5 16\n1 1 1\n0 0 0 0\n0 0 X", Trouble::unsupported, "16 bits");
-  refuses("11111\n30000 40000 50000 8\n1 1 1\n0 0 0 1\n0 0 X", Trouble::invalid, "sizes");
+  refuses(slc_text(true, std::string("\x0d\x09", 2)), ErrorCode::invalid, "slice 0");
+  refuses(slc_text(true, std::string("\x03\x09\x00", 3)), ErrorCode::invalid, "slice 0");
+  refuses("11111\n3 4 5 16\n1 1 1\n0 0 0 0\n0 0 X", ErrorCode::unsupported, "16 bits");
+  refuses("11111\n30000 40000 50000 8\n1 1 1\n0 0 0 1\n0 0 X", ErrorCode::invalid, "sizes");
 }
 
 }  // namespace

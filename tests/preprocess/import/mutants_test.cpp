@@ -16,8 +16,8 @@
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
 #include "preprocess/process/child_process.h"
-#include "preprocess/process/handover.h"
 #include "preprocess/process/limits.h"
+#include "preprocess/process/messages.h"
 #include "preprocess/subdivide.h"
 #include "tests/preprocess/import/support.h"
 #include "tests/support/memory_file.h"
@@ -324,24 +324,24 @@ struct Counts {
 void hand_over_what_is_read(const Seed& seed, const std::filesystem::path& path, int output) {
   switch (seed.family) {
     case Family::volume:
-      return hand_over(read_volume(path, {}), output);
+      return send(read_volume(path, {}), output);
     case Family::mesh:
-      return hand_over(read_cells(path, {}), output);
+      return send(read_cells(path, {}), output);
     case Family::surface:
-      return hand_over(read_surface(path, {}), output);
+      return send(read_surface(path, {}), output);
   }
 }
 
 void take_what_was_read(const Seed& seed, const std::filesystem::path& path, const formats::PackedFile& answer) {
   switch (seed.family) {
     case Family::volume:
-      take_volume(answer, path);
+      receive_volume(answer, path);
       return;
     case Family::mesh:
-      subdivide(take_cell_mesh(answer), {});
+      subdivide(receive_cell_mesh(answer), {});
       return;
     case Family::surface:
-      take_surface(answer);
+      receive_surface(answer);
   }
 }
 
@@ -370,8 +370,8 @@ void read_in_copy(const Seed& seed, const std::filesystem::path& path, Counts& c
   while (::wait4(child, &status, 0, &used) < 0) {
   }
   counts.largest_bytes = std::max(counts.largest_bytes, static_cast<std::uint64_t>(used.ru_maxrss) << 10);
-  if (WIFSIGNALED(status)) throw Error(Trouble::invalid, concat("was stopped by signal ", WTERMSIG(status)));
-  if (WEXITSTATUS(status) != 0) throw Error(static_cast<Trouble>(WEXITSTATUS(status)), "the reader's refusal");
+  if (WIFSIGNALED(status)) throw Error(ErrorCode::invalid, concat("was stopped by signal ", WTERMSIG(status)));
+  if (WEXITSTATUS(status) != 0) throw Error(static_cast<ErrorCode>(WEXITSTATUS(status)), "the reader's refusal");
   take_what_was_read(seed, path, formats::PackedFile::from_descriptor(output.descriptor(), "answer"));
 }
 
@@ -396,7 +396,7 @@ void try_mutant(const Seed& seed, std::uint64_t number, Counts& counts) {
     // A library's crash ends with its worker.
     if (fact.find("was stopped by signal") != std::string::npos) ++counts.crashes;
     EXPECT_EQ(fact.find("signal 14"), std::string::npos) << seed.name << ", mutant " << number << ": 10 s were too few";
-    EXPECT_NE(static_cast<int>(error.trouble()), static_cast<int>(Trouble::internal))
+    EXPECT_NE(static_cast<int>(error.code()), static_cast<int>(ErrorCode::internal))
         << seed.name << ", mutant " << number << ": " << fact;
   }
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(15)) << seed.name << ", mutant " << number;

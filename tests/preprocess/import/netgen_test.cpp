@@ -63,24 +63,24 @@ TEST(Netgen, orders_the_middle_nodes_of_tetrahedra) {
 
 TEST(Netgen, refuses_what_does_not_fit) {
   TemporaryFolder folder;
-  const auto refuses = [&](const std::string& from, const std::string& to, Trouble trouble,
+  const auto refuses = [&](const std::string& from, const std::string& to, ErrorCode error_code,
                            const std::vector<std::string>& words) {
     std::string text = whole;
     text.replace(text.find(from), from.size(), to);
     write_file(folder / "a.vol", text);
-    expect_refusal([&] { read_cells(folder / "a.vol", {}); }, trouble, words);
+    expect_refusal([&] { read_cells(folder / "a.vol", {}); }, error_code, words);
   };
-  refuses("mesh3d", "mesh2d", Trouble::invalid, {"a.vol, line 2", "'mesh2d'"});
-  refuses("dimension\n3", "dimension\n2", Trouble::unsupported, {"line 5", "'2'"});
-  refuses("7 4 1 3 2 4", "7 13 1 3 2 4", Trouble::unsupported, {"line 18", "13 nodes"});
-  refuses("7 4 1 3 2 4", "7 4 1 3 2", Trouble::invalid, {"line 18"});
-  refuses("7 4 1 3 2 4", "7 4 1 3 2 6", Trouble::invalid, {"cell 0", "point 5"});
-  refuses("7 4 1 3 2 4", "7 4 1 3 2 0", Trouble::invalid, {"cell 0", "point -1"});
-  refuses("7 4 1 3 2 4", "7 4 1 3 2 x", Trouble::invalid, {"line 18", "'x'"});
-  refuses("volumeelements\n2", "volumeelements\n18446744073709551615", Trouble::invalid, {"a.vol"});
-  refuses("volumeelements\n2\n7 4 1 3 2 4\n8 4 2 4 3 5", "volumeelements\n0", Trouble::invalid, {"cells", "none"});
+  refuses("mesh3d", "mesh2d", ErrorCode::invalid, {"a.vol, line 2", "'mesh2d'"});
+  refuses("dimension\n3", "dimension\n2", ErrorCode::unsupported, {"line 5", "'2'"});
+  refuses("7 4 1 3 2 4", "7 13 1 3 2 4", ErrorCode::unsupported, {"line 18", "13 nodes"});
+  refuses("7 4 1 3 2 4", "7 4 1 3 2", ErrorCode::invalid, {"line 18"});
+  refuses("7 4 1 3 2 4", "7 4 1 3 2 6", ErrorCode::invalid, {"cell 0", "point 5"});
+  refuses("7 4 1 3 2 4", "7 4 1 3 2 0", ErrorCode::invalid, {"cell 0", "point -1"});
+  refuses("7 4 1 3 2 4", "7 4 1 3 2 x", ErrorCode::invalid, {"line 18", "'x'"});
+  refuses("volumeelements\n2", "volumeelements\n18446744073709551615", ErrorCode::invalid, {"a.vol"});
+  refuses("volumeelements\n2\n7 4 1 3 2 4\n8 4 2 4 3 5", "volumeelements\n0", ErrorCode::invalid, {"cells", "none"});
   write_file(folder / "a.vol", whole);
-  expect_refusal([&] { read_cells(folder / "a.vol", {.time = "last"}); }, Trouble::usage, {"no time steps"});
+  expect_refusal([&] { read_cells(folder / "a.vol", {.time = "last"}); }, ErrorCode::usage, {"no time steps"});
 }
 
 TEST(Netgen, refuses_every_beginning_of_a_file) {

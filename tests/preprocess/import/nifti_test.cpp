@@ -118,20 +118,20 @@ TEST(Nifti, reads_what_vtk_writes) {
 TEST(Nifti, refuses_what_it_cannot_mean) {
   TemporaryFolder folder;
   const auto path = folder / "a.nii";
-  const auto refuses = [&](const std::string& content, Trouble trouble, const std::vector<std::string>& words) {
+  const auto refuses = [&](const std::string& content, ErrorCode error_code, const std::vector<std::string>& words) {
     write_file(path, content);
-    expect_refusal([&] { read(path); }, trouble, words);
+    expect_refusal([&] { read(path); }, error_code, words);
   };
-  refuses(std::string(400, 'x'), Trouble::invalid, {"a.nii, byte 0", "348"});
-  refuses(File().set<std::int32_t>(0, 540).content(), Trouble::unsupported, {"NIfTI-2"});
-  refuses(File().set<std::int32_t>(344, 0).content(), Trouble::invalid, {"magic"});
-  refuses(File().set_all<std::int16_t>(40, {4, 3, 4, 5, 2}).content(), Trouble::unsupported, {"dim[4]", "2 volumes"});
-  refuses(File().set_all<std::int16_t>(40, {3, 3, 0, 5}).content(), Trouble::invalid, {"3 x 0 x 5"});
-  refuses(File().set_all<std::int16_t>(40, {3, 30000, 30000, 30000}).content(), Trouble::invalid, {"samples"});
-  refuses(File().set<std::int16_t>(70, 128).content(), Trouble::unsupported, {"datatype", "128"});  // RGB
-  refuses(File().set<float>(108, NAN).content(), Trouble::invalid, {"vox_offset"});
-  refuses(File().set<float>(108, 1e6F).content(), Trouble::invalid, {"vox_offset"});
-  refuses(File().set<std::int16_t>(254, 1).content(), Trouble::invalid, {"one plane"});
+  refuses(std::string(400, 'x'), ErrorCode::invalid, {"a.nii, byte 0", "348"});
+  refuses(File().set<std::int32_t>(0, 540).content(), ErrorCode::unsupported, {"NIfTI-2"});
+  refuses(File().set<std::int32_t>(344, 0).content(), ErrorCode::invalid, {"magic"});
+  refuses(File().set_all<std::int16_t>(40, {4, 3, 4, 5, 2}).content(), ErrorCode::unsupported, {"dim[4]", "2 volumes"});
+  refuses(File().set_all<std::int16_t>(40, {3, 3, 0, 5}).content(), ErrorCode::invalid, {"3 x 0 x 5"});
+  refuses(File().set_all<std::int16_t>(40, {3, 30000, 30000, 30000}).content(), ErrorCode::invalid, {"samples"});
+  refuses(File().set<std::int16_t>(70, 128).content(), ErrorCode::unsupported, {"datatype", "128"});  // RGB
+  refuses(File().set<float>(108, NAN).content(), ErrorCode::invalid, {"vox_offset"});
+  refuses(File().set<float>(108, 1e6F).content(), ErrorCode::invalid, {"vox_offset"});
+  refuses(File().set<std::int16_t>(254, 1).content(), ErrorCode::invalid, {"one plane"});
 }
 
 TEST(Nifti, refuses_every_beginning_of_a_file_and_notices_damage) {
@@ -145,7 +145,7 @@ TEST(Nifti, refuses_every_beginning_of_a_file_and_notices_damage) {
   EXPECT_EQ(check_every_beginning(folder / "a.nii", packed, is_complete), 0);
   packed[packed.size() - 6] = static_cast<char>(packed[packed.size() - 6] ^ 1);  // in the checksum
   write_file(folder / "a.nii", packed);
-  expect_refusal([&] { read(folder / "a.nii"); }, Trouble::invalid, {"incorrect data check"});
+  expect_refusal([&] { read(folder / "a.nii"); }, ErrorCode::invalid, {"incorrect data check"});
 }
 
 }  // namespace

@@ -66,7 +66,7 @@ TEST(Nrrd, reads_detached_big_endian_and_numbered_files) {
   write_file(folder / "b.nhdr", header("endian: big\nencoding: raw\ndata file: s.%d 5 9 1\n"));
   expect_known_values(read(folder / "b.nhdr"), ElementType::I16);
   std::filesystem::remove(folder / "s.7");
-  expect_refusal([&] { read(folder / "b.nhdr"); }, Trouble::invalid, {"b.nhdr", "s.7"});
+  expect_refusal([&] { read(folder / "b.nhdr"); }, ErrorCode::invalid, {"b.nhdr", "s.7"});
 }
 
 TEST(Nrrd, reads_gzip_and_text) {
@@ -79,7 +79,7 @@ TEST(Nrrd, reads_gzip_and_text) {
   expect_known_values(read(folder / "a.nhdr"), ElementType::I16);
   const std::string gz = read_file(folder / "a.raw.gz");
   write_file(folder / "a.raw.gz", std::string_view(gz).substr(0, gz.size() / 2));
-  expect_refusal([&] { read(folder / "a.nhdr"); }, Trouble::invalid, {"a.nhdr"});
+  expect_refusal([&] { read(folder / "a.nhdr"); }, ErrorCode::invalid, {"a.nhdr"});
   write_file(folder / "b.nrrd", header("encoding: text\n") + "\n" + values_in_text());
   expect_known_values(read(folder / "b.nrrd"), ElementType::I16);
 }
@@ -100,16 +100,16 @@ TEST(Nrrd, leaves_axes_with_one_sample_out_and_refuses_vectors_and_time) {
   write_file(path, start + "sizes: 2 2 2 1\n\n12345678");
   EXPECT_EQ(read(path).sample_count, Index3(2, 2, 2));
   write_file(path, concat(start, "sizes: 3 2 2 2\nkinds: 3-vector domain domain domain\n\n", std::string(24, 'x')));
-  expect_refusal([&] { read(path); }, Trouble::unsupported, {"axis 0", "3 numbers for each sample", "3-vector"});
+  expect_refusal([&] { read(path); }, ErrorCode::unsupported, {"axis 0", "3 numbers for each sample", "3-vector"});
   write_file(path, concat(start, "sizes: 2 2 2 3\n\n", std::string(24, 'x')));
-  expect_refusal([&] { read(path); }, Trouble::unsupported, {"4 axes in space"});
+  expect_refusal([&] { read(path); }, ErrorCode::unsupported, {"4 axes in space"});
   write_file(path, "NRRD0004\ntype: uchar\ndimension: 2\nencoding: raw\nsizes: 2 2\n\n1234");
-  expect_refusal([&] { read(path); }, Trouble::unsupported, {"2 axes in space"});
+  expect_refusal([&] { read(path); }, ErrorCode::unsupported, {"2 axes in space"});
   write_file(
       path,
       concat("NRRD0004\ntype: block\nblock size: 3\nendian: little\ndimension: 3\nencoding: raw\nsizes: 2 2 2\n\n",
              std::string(24, 'x')));
-  expect_refusal([&] { read(path); }, Trouble::unsupported, {"key type", "block"});
+  expect_refusal([&] { read(path); }, ErrorCode::unsupported, {"key type", "block"});
 }
 
 TEST(Nrrd, refuses_axes_that_lie_in_one_plane) {
@@ -117,25 +117,25 @@ TEST(Nrrd, refuses_axes_that_lie_in_one_plane) {
   write_file(folder / "a.nrrd",
              header(concat("space dimension: 3\nspace directions: (1,0,0) (0,1,0) (1,1,0)\n", little)) + "\n" +
                  bytes_of_values(known_values<std::int16_t>()));
-  expect_refusal([&] { read(folder / "a.nrrd"); }, Trouble::invalid, {"one plane"});
+  expect_refusal([&] { read(folder / "a.nrrd"); }, ErrorCode::invalid, {"one plane"});
 }
 
 TEST(Nrrd, refuses_other_files_and_absurd_sizes) {
   TemporaryFolder folder;
   const auto path = folder / "a.nrrd";
   write_file(path, "P5\n2 2\n255\nabcd");  // Teem would read this as an image
-  expect_refusal([&] { read(path); }, Trouble::invalid, {"a.nrrd, byte 0", "NRRD000"});
+  expect_refusal([&] { read(path); }, ErrorCode::invalid, {"a.nrrd, byte 0", "NRRD000"});
   write_file(path, "NRRD0004\ntype: float\ndimension: 3\nsizes: 1000 1000 1000\nencoding: raw\nendian: little\n\nabcd");
-  expect_refusal([&] { read(path); }, Trouble::invalid, {"a.nrrd, key sizes", "4000000000 bytes"});
+  expect_refusal([&] { read(path); }, ErrorCode::invalid, {"a.nrrd, key sizes", "4000000000 bytes"});
   write_file(path,
              "NRRD0004\ntype: float\ndimension: 3\nsizes: 4000000000 4000000000 4000000000\nencoding: raw\nendian: "
              "little\n\nab");
-  expect_refusal([&] { read(path); }, Trouble::invalid, {"a.nrrd"});
+  expect_refusal([&] { read(path); }, ErrorCode::invalid, {"a.nrrd"});
   write_file(path, "NRRD0004\ntype: float\ndimension: 3\nsizes: 0 -4 5\nencoding: raw\nendian: little\n\nabcd");
-  expect_refusal([&] { read(path); }, Trouble::invalid, {"a.nrrd"});
-  expect_refusal([&] { read(folder / "none.nrrd"); }, Trouble::unreadable, {"none.nrrd"});
+  expect_refusal([&] { read(path); }, ErrorCode::invalid, {"a.nrrd"});
+  expect_refusal([&] { read(folder / "none.nrrd"); }, ErrorCode::unreadable, {"none.nrrd"});
   write_file(path, header(little) + "\n" + bytes_of_values(known_values<std::int16_t>()));
-  expect_refusal([&] { read(path, "b"); }, Trouble::usage, {"no field 'b'", "'a'"});
+  expect_refusal([&] { read(path, "b"); }, ErrorCode::usage, {"no field 'b'", "'a'"});
   EXPECT_EQ(read(path, "a").field_name, "a");
 }
 

@@ -207,7 +207,7 @@ TEST(Plot3d, finds_the_other_file_by_its_name) {
     expect_blocks(read_cells(folder / grid, {}), style);
     expect_blocks(read_cells(folder / solution, {}), style);
     std::filesystem::remove(folder / grid);
-    expect_refusal([&folder, &name = solution] { read_cells(folder / name, {}); }, Trouble::unreadable,
+    expect_refusal([&folder, &name = solution] { read_cells(folder / name, {}); }, ErrorCode::unreadable,
                    {solution, "no grid beside it"});
   }
 }
@@ -229,7 +229,7 @@ TEST(Plot3d, refuses_every_beginning_and_what_is_longer) {
               0);
     for (const char* more : {"x", "1234", "12345678"}) {
       write_file(folder / "a.xyz", content + more);
-      expect_refusal([&] { read_cells(folder / "a.xyz", {}); }, Trouble::invalid, {"a.xyz, size", "fit no layout"});
+      expect_refusal([&] { read_cells(folder / "a.xyz", {}); }, ErrorCode::invalid, {"a.xyz, size", "fit no layout"});
       EXPECT_EQ(foreign_kind(folder / "a.xyz"), ForeignKind::unknown);
     }
   }
@@ -247,7 +247,7 @@ TEST(Plot3d, passes_over_zeros_up_to_a_multiple_of_512_bytes) {
   expect_blocks(read_cells(folder / "a.xyz", {}), style, false);
   const auto refuses = [&](const std::string& padding) {
     write_file(folder / "a.xyz", content + padding);
-    expect_refusal([&] { read_cells(folder / "a.xyz", {}); }, Trouble::invalid, {"fit no layout"});
+    expect_refusal([&] { read_cells(folder / "a.xyz", {}); }, ErrorCode::invalid, {"fit no layout"});
   };
   refuses(std::string(missing - 1, '\0'));
   refuses(std::string(missing + 1024, '\0'));
@@ -258,32 +258,32 @@ TEST(Plot3d, refuses_sizes_that_are_not_those_of_the_grid) {
   TemporaryFolder folder;
   write_file(folder / "a.xyz", grid_file({}));
   write_file(folder / "a.q", solution_file({.has_block_count = true, .blocks = 2}));
-  expect_refusal([&] { read_cells(folder / "a.xyz", {}); }, Trouble::invalid,
+  expect_refusal([&] { read_cells(folder / "a.xyz", {}); }, ErrorCode::invalid,
                  {"a.q, header", "1 blocks more", "a.xyz"});
   write_file(folder / "a.q", grid_file({}));
-  expect_refusal([&] { read_cells(folder / "a.xyz", {}); }, Trouble::invalid,
+  expect_refusal([&] { read_cells(folder / "a.xyz", {}); }, ErrorCode::invalid,
                  {"a.q, size", "expected a PLOT3D solution"});
 }
 
 TEST(Plot3d, refuses_one_layer_attacks_on_counts_and_other_files) {
   TemporaryFolder folder;
   const auto path = folder / "a.bin";
-  const auto refuses = [&](const std::string& content, Trouble trouble, const std::vector<std::string>& words) {
+  const auto refuses = [&](const std::string& content, ErrorCode error_code, const std::vector<std::string>& words) {
     write_file(path, content);
-    expect_refusal([&] { read_cells(path, {}); }, trouble, words);
+    expect_refusal([&] { read_cells(path, {}); }, error_code, words);
   };
   const auto integers = [](const std::vector<std::int32_t>& numbers) { return bytes_of_values(numbers); };
-  refuses(integers({4, 5, 1}) + std::string(20 * 12, '\0'), Trouble::unsupported, {"4 x 5 x 1 points", "one layer"});
-  refuses(integers({2147483647, 2147483647, 2147483647}) + "0123", Trouble::invalid, {"fit no layout"});
-  refuses(integers({0, 5, 5}), Trouble::invalid, {"fit no layout"});
-  refuses(integers({-1, -1, -1}) + std::string(12, '\0'), Trouble::invalid, {"fit no layout"});
-  refuses(integers({2147483647, 2, 2, 2}), Trouble::invalid, {"fit no layout"});
-  refuses(std::string(1000, '\0'), Trouble::invalid, {"1000 bytes that fit no layout"});
-  refuses("a molecule of three atoms\n", Trouble::invalid, {"fit no layout"});
-  refuses("2 2 2 999999999999*1.5 18446744073709551615*2\n", Trouble::invalid, {"fit no layout"});
-  refuses("1000000 1000000 1 3000000000000*0\n", Trouble::invalid, {"fit no layout"});
-  refuses("2 2 2 8*0 8*1 8*x\n", Trouble::invalid, {"fit no layout"});
-  refuses("", Trouble::invalid, {"an empty file"});
+  refuses(integers({4, 5, 1}) + std::string(20 * 12, '\0'), ErrorCode::unsupported, {"4 x 5 x 1 points", "one layer"});
+  refuses(integers({2147483647, 2147483647, 2147483647}) + "0123", ErrorCode::invalid, {"fit no layout"});
+  refuses(integers({0, 5, 5}), ErrorCode::invalid, {"fit no layout"});
+  refuses(integers({-1, -1, -1}) + std::string(12, '\0'), ErrorCode::invalid, {"fit no layout"});
+  refuses(integers({2147483647, 2, 2, 2}), ErrorCode::invalid, {"fit no layout"});
+  refuses(std::string(1000, '\0'), ErrorCode::invalid, {"1000 bytes that fit no layout"});
+  refuses("a molecule of three atoms\n", ErrorCode::invalid, {"fit no layout"});
+  refuses("2 2 2 999999999999*1.5 18446744073709551615*2\n", ErrorCode::invalid, {"fit no layout"});
+  refuses("1000000 1000000 1 3000000000000*0\n", ErrorCode::invalid, {"fit no layout"});
+  refuses("2 2 2 8*0 8*1 8*x\n", ErrorCode::invalid, {"fit no layout"});
+  refuses("", ErrorCode::invalid, {"an empty file"});
   EXPECT_EQ(foreign_kind(path), ForeignKind::unknown);
   EXPECT_EQ(foreign_kind(folder / "none.bin"), ForeignKind::unknown);
 }
@@ -302,7 +302,7 @@ TEST(Plot3d, names_the_candidates_where_several_layouts_fit) {
   TemporaryFolder folder;
   const std::string sizes = bytes_of_values(std::vector<std::int32_t>{2, 2, 7, 2, 2, 2, 2});
   write_file(folder / "a.xyz", sizes + std::string(460 - sizes.size(), '\0'));
-  expect_refusal([&] { read_cells(folder / "a.xyz", {}); }, Trouble::unsupported,
+  expect_refusal([&] { read_cells(folder / "a.xyz", {}); }, ErrorCode::unsupported,
                  {"2 layouts that fit", "a grid of 2 x 2 x 7 points, 32 bits, little-endian, IBLANK; or",
                   "a grid of 2 x 7 x 2 points and 1 blocks more, 32 bits, little-endian, with a block count"});
 }

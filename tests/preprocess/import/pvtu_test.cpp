@@ -99,20 +99,20 @@ TEST_F(Pvtu, tells_which_merged_values_differ) {
 
 TEST_F(Pvtu, refuses_pieces_that_are_missing_twice_there_or_of_another_kind) {
   write_piece(piece(0, 0), "0.vtu");
-  const auto refuses = [&](const std::vector<std::string>& sources, Trouble trouble,
+  const auto refuses = [&](const std::vector<std::string>& sources, ErrorCode error_code,
                            const std::vector<std::string>& words) {
     write_whole(sources);
-    expect_refusal([&] { read(); }, trouble, words);
+    expect_refusal([&] { read(); }, error_code, words);
   };
-  refuses({"0.vtu", "1.vtu"}, Trouble::unreadable, {"a.pvtu, element Piece 1", "1.vtu"});
-  refuses({"0.vtu", "0.vtu"}, Trouble::invalid, {"element Piece 1", "'0.vtu' once more"});
-  refuses({}, Trouble::invalid, {"no pieces"});
-  refuses({""}, Trouble::invalid, {"no attribute Source"});
-  refuses({"a.pvtu"}, Trouble::unsupported, {"a.pvtu", "'PUnstructuredGrid'"});
+  refuses({"0.vtu", "1.vtu"}, ErrorCode::unreadable, {"a.pvtu, element Piece 1", "1.vtu"});
+  refuses({"0.vtu", "0.vtu"}, ErrorCode::invalid, {"element Piece 1", "'0.vtu' once more"});
+  refuses({}, ErrorCode::invalid, {"no pieces"});
+  refuses({""}, ErrorCode::invalid, {"no attribute Source"});
+  refuses({"a.pvtu"}, ErrorCode::unsupported, {"a.pvtu", "'PUnstructuredGrid'"});
   write_file(folder_ / "1.vtu", "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"4\"");
-  refuses({"0.vtu", "1.vtu"}, Trouble::invalid, {"1.vtu"});
+  refuses({"0.vtu", "1.vtu"}, ErrorCode::invalid, {"1.vtu"});
   write_piece(vtkSmartPointer<vtkUnstructuredGrid>::New(), "empty.vtu");
-  refuses({"empty.vtu"}, Trouble::invalid, {"a.pvtu", "at least one that fills space"});
+  refuses({"empty.vtu"}, ErrorCode::invalid, {"a.pvtu", "at least one that fills space"});
 }
 
 TEST_F(Pvtu, refuses_every_beginning_of_its_file) {

@@ -34,7 +34,7 @@ TEST(RawDescription, refuses_with_the_part_that_is_wrong) {
                                                         {"3x4x5:uint8:me", "'me'"},
                                                         {"3x4x5:uint8:le:-1", "'-1'"},
                                                         {"3x4x5:uint8:le:0:0", "nothing more"}})
-    expect_refusal([&description = text] { parse_raw_volume(description); }, Trouble::usage, {"raw volume", part});
+    expect_refusal([&description = text] { parse_raw_volume(description); }, ErrorCode::usage, {"raw volume", part});
 }
 
 NeutralVolume read(const std::filesystem::path& path, const std::string& description) {
@@ -83,13 +83,14 @@ TEST(RawVolume, refuses_a_file_that_is_too_short_missing_or_a_folder) {
   TemporaryFolder folder;
   const auto path = folder / "short.bin";
   write_file(path, std::string(59, 'x'));
-  expect_refusal([&] { read(path, "3x4x5:uint8"); }, Trouble::invalid, {"short.bin, byte 59", "60 bytes"});
-  expect_refusal([&] { read(path, "3x4x5:uint8:100"); }, Trouble::invalid, {"short.bin"});
-  expect_refusal([&] { read(path, "3037000500x3037000500x4:float64"); }, Trouble::invalid, {"fits in memory"});
-  expect_refusal([&] { read(folder / "none.bin", "3x4x5:uint8"); }, Trouble::unreadable, {"none.bin", "No such file"});
-  expect_refusal([&] { read(folder.path(), "3x4x5:uint8"); }, Trouble::unreadable, {"folder"});
+  expect_refusal([&] { read(path, "3x4x5:uint8"); }, ErrorCode::invalid, {"short.bin, byte 59", "60 bytes"});
+  expect_refusal([&] { read(path, "3x4x5:uint8:100"); }, ErrorCode::invalid, {"short.bin"});
+  expect_refusal([&] { read(path, "3037000500x3037000500x4:float64"); }, ErrorCode::invalid, {"fits in memory"});
+  expect_refusal([&] { read(folder / "none.bin", "3x4x5:uint8"); }, ErrorCode::unreadable,
+                 {"none.bin", "No such file"});
+  expect_refusal([&] { read(folder.path(), "3x4x5:uint8"); }, ErrorCode::unreadable, {"folder"});
   write_file(path, "");
-  expect_refusal([&] { read(path, "3x4x5:uint8"); }, Trouble::invalid, {"empty"});
+  expect_refusal([&] { read(path, "3x4x5:uint8"); }, ErrorCode::invalid, {"empty"});
 }
 
 TEST(RawVolume, keeps_64_bit_integers_only_where_a_double_holds_them) {
@@ -104,9 +105,9 @@ TEST(RawVolume, keeps_64_bit_integers_only_where_a_double_holds_them) {
   EXPECT_EQ(volume.notes.size(), 1U);
   values[7] -= 1;
   write_file(path, bytes_of_values(values));
-  expect_refusal([&] { read(path, "3x4x5:int64"); }, Trouble::unsupported, {"2^53"});
+  expect_refusal([&] { read(path, "3x4x5:int64"); }, ErrorCode::unsupported, {"2^53"});
   write_file(path, bytes_of_values(std::vector<std::uint64_t>(60, ~std::uint64_t{0})));
-  expect_refusal([&] { read(path, "3x4x5:uint64"); }, Trouble::unsupported, {"2^53"});
+  expect_refusal([&] { read(path, "3x4x5:uint64"); }, ErrorCode::unsupported, {"2^53"});
 }
 
 }  // namespace

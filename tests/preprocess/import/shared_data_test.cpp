@@ -90,7 +90,7 @@ TEST_F(SharedData, holds_volumes_of_known_size_range_and_place) {
 
 TEST_F(SharedData, holds_a_volume_of_colours_that_needs_a_choice) {
   const auto path = folder_ / "volumes/vase_4comp.vti";
-  expect_refusal([&] { import_volume(path); }, Trouble::unsupported, {"4 components"});
+  expect_refusal([&] { import_volume(path); }, ErrorCode::unsupported, {"4 components"});
   ImportVolumeOptions options;
   options.length_of_vectors = true;
   EXPECT_EQ(import_volume(path, options).field_name, "Scalars_.mag");
@@ -260,11 +260,11 @@ TEST_F(SharedData, holds_a_mesh_of_quadratic_tetrahedra) {
 }
 
 TEST_F(SharedData, refuses_what_is_broken_or_not_yet_read) {
-  const auto refuses = [&](const std::string& path, Trouble trouble, const std::vector<std::string>& words) {
+  const auto refuses = [&](const std::string& path, ErrorCode error_code, const std::vector<std::string>& words) {
     SCOPED_TRACE(path);
-    expect_refusal([&] { import_mesh(folder_ / "unstructured" / path); }, trouble, words);
+    expect_refusal([&] { import_mesh(folder_ / "unstructured" / path); }, error_code, words);
   };
-  refuses("sofa/Armadillo_Tetra_4406_for_test_broken.vtu", Trouble::invalid, {"Armadillo"});
+  refuses("sofa/Armadillo_Tetra_4406_for_test_broken.vtu", ErrorCode::invalid, {"Armadillo"});
 }
 
 TEST_F(SharedData, holds_surfaces_of_known_size) {

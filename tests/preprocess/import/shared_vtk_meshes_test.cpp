@@ -137,7 +137,7 @@ TEST_F(SharedVtkMeshes, of_plot3d_agree_with_what_vtk_made_of_them) {
 }
 
 TEST_F(SharedVtkMeshes, that_are_broken_are_refused) {
-  expect_refusal([&] { read("sofa/Armadillo_Tetra_4406_for_test_broken.vtu"); }, Trouble::invalid, {"Armadillo"});
+  expect_refusal([&] { read("sofa/Armadillo_Tetra_4406_for_test_broken.vtu"); }, ErrorCode::invalid, {"Armadillo"});
 }
 
 }  // namespace

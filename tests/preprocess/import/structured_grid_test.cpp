@@ -128,27 +128,27 @@ TEST(StructuredGrid, keeps_to_the_blanking_of_very_old_files) {
   EXPECT_THAT(mesh.cell_ids, ElementsAre(0));
   EXPECT_THAT(mesh.cell_nodes, ElementsAre(0, 1, 4, 3, 6, 7, 10, 9));
   write_file(folder / "a.vtk", head + "BLANKING 11 unsigned_char\n1 1 1 1 1 0 1 1 1 1 1\n" + points);
-  expect_refusal([&] { read_cells(folder / "a.vtk", {}); }, Trouble::invalid, {"11 numbers", "12"});
+  expect_refusal([&] { read_cells(folder / "a.vtk", {}); }, ErrorCode::invalid, {"11 numbers", "12"});
 }
 
 TEST(StructuredGrid, is_refused_with_one_layer_or_other_sizes) {
   TemporaryFolder folder;
-  const auto refuses = [&](const std::string& sizes, Trouble trouble, const std::vector<std::string>& words) {
+  const auto refuses = [&](const std::string& sizes, ErrorCode error_code, const std::vector<std::string>& words) {
     write_file(folder / "a.vtk", "# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_GRID\nDIMENSIONS " + sizes +
                                      "\nPOINTS 4 float\n0 0 0 1 0 0 0 1 0 1 1 0\n");
-    expect_refusal([&] { read_cells(folder / "a.vtk", {}); }, trouble, words);
+    expect_refusal([&] { read_cells(folder / "a.vtk", {}); }, error_code, words);
   };
-  refuses("2 2 1", Trouble::unsupported, {"2 x 2 x 1 points", "one layer"});
-  refuses("-2 2 2", Trouble::unsupported, {"-2 x 2 x 2"});
-  refuses("2 2 2", Trouble::invalid, {"4 points", "2 x 2 x 2"});
-  refuses("4294967296 4294967296 4", Trouble::invalid, {"4 points"});
+  refuses("2 2 1", ErrorCode::unsupported, {"2 x 2 x 1 points", "one layer"});
+  refuses("-2 2 2", ErrorCode::unsupported, {"-2 x 2 x 2"});
+  refuses("2 2 2", ErrorCode::invalid, {"4 points", "2 x 2 x 2"});
+  refuses("4294967296 4294967296 4", ErrorCode::invalid, {"4 points"});
   vtkNew<vtkStructuredGrid> layer;
   vtkNew<vtkPoints> points;
   for (int i = 0; i < 4; ++i) points->InsertNextPoint(i % 2, i / 2, 0);
   layer->SetDimensions(2, 2, 1);
   layer->SetPoints(points);
   write_vts(layer, folder / "a.vts");
-  expect_refusal([&] { read_cells(folder / "a.vts", {}); }, Trouble::unsupported, {"a.vts", "2 x 2 x 1 points"});
+  expect_refusal([&] { read_cells(folder / "a.vts", {}); }, ErrorCode::unsupported, {"a.vts", "2 x 2 x 1 points"});
 }
 
 TEST(StructuredGrid, is_refused_where_its_pieces_or_arrays_are_not_all_there) {
@@ -160,7 +160,7 @@ TEST(StructuredGrid, is_refused_where_its_pieces_or_arrays_are_not_all_there) {
     ASSERT_NE(other.find(from), std::string::npos);
     other.replace(other.find(from), from.size(), to);
     write_file(folder / "b.vts", other);
-    expect_refusal([&] { read_cells(folder / "b.vts", {}); }, Trouble::invalid, {"b.vts"});
+    expect_refusal([&] { read_cells(folder / "b.vts", {}); }, ErrorCode::invalid, {"b.vts"});
   };
   refuses("<Piece Extent=\"0 2 0 3 0 4\"", "<Piece Extent=\"0 2 0 3 0 3\"");
   refuses("WholeExtent=\"0 2 0 3 0 4\"", "WholeExtent=\"0 2 0 3 0 5\"");
@@ -192,7 +192,7 @@ TEST(StructuredGrid, is_put_together_from_pieces_that_cover_it) {
   for (std::size_t i = 0; i < 12; ++i) EXPECT_EQ(mesh.points[i][0], static_cast<double>(i % 3));
   EXPECT_THAT(mesh.cell_nodes, ElementsAre(0, 1, 4, 3, 6, 7, 10, 9, 1, 2, 5, 4, 7, 8, 11, 10));
   write("0 1 0 1 0 1", "0 1 0 1 0 1");
-  expect_refusal([&] { read_cells(folder / "a.vts", {}); }, Trouble::invalid, {"2 pieces that do not make up"});
+  expect_refusal([&] { read_cells(folder / "a.vts", {}); }, ErrorCode::invalid, {"2 pieces that do not make up"});
 }
 
 TEST(StructuredGrid, refuses_every_beginning_of_a_file) {

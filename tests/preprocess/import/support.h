@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/neutral.h"
 #include "tests/support/temporary_folder.h"
 
@@ -89,12 +89,13 @@ inline void expect_map(const Affine& found, const Affine& expected, double toler
 }
 
 /// The act must throw an Error of this kind whose message contains every one of the words.
-inline void expect_refusal(const std::function<void()>& act, Trouble trouble, const std::vector<std::string>& words) {
+inline void expect_refusal(const std::function<void()>& act, ErrorCode error_code,
+                           const std::vector<std::string>& words) {
   try {
     act();
     ADD_FAILURE() << "nothing was refused; expected " << testing::PrintToString(words);
   } catch (const Error& error) {
-    EXPECT_EQ(static_cast<int>(error.trouble()), static_cast<int>(trouble)) << error.what();
+    EXPECT_EQ(static_cast<int>(error.code()), static_cast<int>(error_code)) << error.what();
     for (const std::string& word : words) EXPECT_THAT(std::string(error.what()), testing::HasSubstr(word));
     EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
   }

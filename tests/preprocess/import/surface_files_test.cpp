@@ -85,22 +85,22 @@ TEST(Ply, reads_what_vtk_writes) {
 
 TEST(Ply, refuses_what_does_not_fit) {
   TemporaryFolder folder;
-  const auto refuses = [&](const std::string& from, const std::string& to, Trouble trouble,
+  const auto refuses = [&](const std::string& from, const std::string& to, ErrorCode error_code,
                            const std::vector<std::string>& words) {
     std::string text = ply_text;
     text.replace(text.find(from), from.size(), to);
     write_file(folder / "a.ply", text);
-    expect_refusal([&] { read_surface(folder / "a.ply"); }, trouble, words);
+    expect_refusal([&] { read_surface(folder / "a.ply"); }, error_code, words);
   };
-  refuses("3 2 0 3 0", "3 2 0 4 0", Trouble::invalid, {"face 3", "corner 4", "0 to 3"});
-  refuses("3 2 0 3 0", "2 2 0 0", Trouble::invalid, {"face 3", "2 corners"});
-  refuses("3 2 0 3 0", "3 2 0 -1 0", Trouble::invalid, {"a.ply, line", "-1"});
-  refuses("element vertex 4", "element vertex 1000000000", Trouble::invalid, {"1000000000 elements"});
-  refuses("property double z", "property double w", Trouble::invalid, {"no property z"});
-  refuses("vertex_indices", "corners", Trouble::invalid, {"no list vertex_indices"});
-  refuses("format ascii", "format utf8", Trouble::invalid, {"'utf8'"});
-  refuses("element face 4", "element tristrips 4", Trouble::unsupported, {"strips"});
-  refuses("ply\n", "plx\n", Trouble::invalid, {"byte 0"});
+  refuses("3 2 0 3 0", "3 2 0 4 0", ErrorCode::invalid, {"face 3", "corner 4", "0 to 3"});
+  refuses("3 2 0 3 0", "2 2 0 0", ErrorCode::invalid, {"face 3", "2 corners"});
+  refuses("3 2 0 3 0", "3 2 0 -1 0", ErrorCode::invalid, {"a.ply, line", "-1"});
+  refuses("element vertex 4", "element vertex 1000000000", ErrorCode::invalid, {"1000000000 elements"});
+  refuses("property double z", "property double w", ErrorCode::invalid, {"no property z"});
+  refuses("vertex_indices", "corners", ErrorCode::invalid, {"no list vertex_indices"});
+  refuses("format ascii", "format utf8", ErrorCode::invalid, {"'utf8'"});
+  refuses("element face 4", "element tristrips 4", ErrorCode::unsupported, {"strips"});
+  refuses("ply\n", "plx\n", ErrorCode::invalid, {"byte 0"});
 }
 
 TEST(Stl, merges_points_that_coincide_exactly) {
@@ -142,11 +142,12 @@ TEST(Stl, tells_binary_from_text_by_length_not_by_its_first_word) {
 TEST(Stl, refuses_what_does_not_fit) {
   TemporaryFolder folder;
   write_file(folder / "a.stl", std::string(80, 'x') + bytes_of_values(std::vector<std::uint32_t>{1'000'000'000}));
-  expect_refusal([&] { read_surface(folder / "a.stl"); }, Trouble::invalid, {"a.stl, byte 84", "1000000000 triangles"});
+  expect_refusal([&] { read_surface(folder / "a.stl"); }, ErrorCode::invalid,
+                 {"a.stl, byte 84", "1000000000 triangles"});
   write_file(folder / "a.stl", std::string(80, 'x') + bytes_of_values(std::vector<std::uint32_t>{0}));
-  expect_refusal([&] { read_surface(folder / "a.stl"); }, Trouble::invalid, {"a.stl, facets", "none"});
+  expect_refusal([&] { read_surface(folder / "a.stl"); }, ErrorCode::invalid, {"a.stl, facets", "none"});
   write_file(folder / "a.stl", "solid a\nfacet normal 0 0 1\nouter circle\n");
-  expect_refusal([&] { read_surface(folder / "a.stl"); }, Trouble::invalid, {"a.stl, line 3", "'circle'", "loop"});
+  expect_refusal([&] { read_surface(folder / "a.stl"); }, ErrorCode::invalid, {"a.stl, line 3", "'circle'", "loop"});
 }
 
 const std::string obj_text =
@@ -172,11 +173,11 @@ TEST(Obj, refuses_what_does_not_fit) {
                                                                                    {"f 1 2 \\\n", ""}}) {
     write_file(folder / "a.obj", obj_text + line);
     expect_refusal([&] { read_surface(folder / "a.obj"); },
-                   line.find('\\') == std::string::npos ? Trouble::invalid : Trouble::unsupported,
+                   line.find('\\') == std::string::npos ? ErrorCode::invalid : ErrorCode::unsupported,
                    {"a.obj, line 13", word});
   }
   write_file(folder / "a.obj", "v 0 0 0\n");
-  expect_refusal([&] { read_surface(folder / "a.obj"); }, Trouble::invalid, {"a.obj, facets", "none"});
+  expect_refusal([&] { read_surface(folder / "a.obj"); }, ErrorCode::invalid, {"a.obj, facets", "none"});
 }
 
 const std::string off_text =
@@ -195,7 +196,7 @@ TEST(Off, refuses_what_does_not_fit) {
   TemporaryFolder folder;
   const auto refuses = [&](const std::string& content, const std::vector<std::string>& words) {
     write_file(folder / "a.off", content);
-    expect_refusal([&] { read_surface(folder / "a.off"); }, Trouble::invalid, words);
+    expect_refusal([&] { read_surface(folder / "a.off"); }, ErrorCode::invalid, words);
   };
   refuses("OFX\n", {"a.off, line 1", "'OFX'"});
   refuses("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", {"a.off, line 6", "corner 3"});
@@ -219,7 +220,7 @@ TEST(BrainVisa, is_refused_wherever_it_ends_early) {
     std::string damaged = whole;
     damaged.replace(damaged.find(from), from.size(), to);
     write_file(folder / "a.tri", damaged);
-    expect_refusal([&] { read_surface(folder / "a.tri"); }, Trouble::invalid, {"a.tri"});
+    expect_refusal([&] { read_surface(folder / "a.tri"); }, ErrorCode::invalid, {"a.tri"});
   }
 }
 

@@ -16,7 +16,7 @@
 #include <thread>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/neutral.h"
 #include "preprocess/process/child_process.h"
 
@@ -49,7 +49,7 @@ void act(const std::string& verb, int input, int output) {
     std::vector<std::uint64_t> numbers;
     for (const auto resource : {RLIMIT_DATA, RLIMIT_FSIZE, RLIMIT_NOFILE, RLIMIT_CORE}) {
       rlimit limit{};
-      if (::getrlimit(resource, &limit) != 0) throw Error(Trouble::internal, "getrlimit");
+      if (::getrlimit(resource, &limit) != 0) throw Error(ErrorCode::internal, "getrlimit");
       numbers.push_back(limit.rlim_cur);
     }
     hand_back(numbers, output);
@@ -57,7 +57,7 @@ void act(const std::string& verb, int input, int output) {
     const std::string piece(std::size_t{1} << 20, 'x');
     while (::write(output, piece.data(), piece.size()) > 0) {
     }
-    throw Error(Trouble::resource, std::strerror(errno));
+    throw Error(ErrorCode::resource, std::strerror(errno));
   } else if (verb == "open-without-end") {
     std::uint64_t count = 0;
     int last = -1;
@@ -65,7 +65,7 @@ void act(const std::string& verb, int input, int output) {
     const std::string why = std::strerror(errno);
     for (int spare = last - 4; spare <= last; ++spare)
       ::close(spare);  // sanitizers need some to look at what is thrown
-    throw Error(Trouble::resource, concat(why, " after ", count < 256 ? "fewer" : "more"));
+    throw Error(ErrorCode::resource, concat(why, " after ", count < 256 ? "fewer" : "more"));
   } else if (verb == "compute-now-and-then") {  // a little more than a tick of 10 ms, and a pause
     for (int round = 0; round < 8; ++round) {
       for (const std::clock_t begin = std::clock(); std::clock() - begin < CLOCKS_PER_SEC / 40;) {
@@ -75,27 +75,27 @@ void act(const std::string& verb, int input, int output) {
     hand_back({1}, output);
   } else if (verb == "write-now-and-then") {
     for (int round = 0; round < 8; ++round) {
-      if (::write(STDERR_FILENO, ".", 1) != 1) throw Error(Trouble::internal, "write");
+      if (::write(STDERR_FILENO, ".", 1) != 1) throw Error(ErrorCode::internal, "write");
       std::this_thread::sleep_for(std::chrono::milliseconds(300));
     }
     hand_back({1}, output);
   } else if (verb == "read-a-pipe") {
     int ends[2];
     char byte = 0;
-    if (::pipe(ends) != 0 || ::read(ends[0], &byte, 1) != 0) throw Error(Trouble::internal, "pipe");
+    if (::pipe(ends) != 0 || ::read(ends[0], &byte, 1) != 0) throw Error(ErrorCode::internal, "pipe");
   } else if (verb == "close-and-sleep") {
     ::close(STDERR_FILENO);
     std::this_thread::sleep_for(std::chrono::seconds(60));
   } else if (verb == "lose-bytes") {
     const int file = ::memfd_create("lost", 0);
-    if (::ftruncate(file, 4096) != 0) throw Error(Trouble::internal, "ftruncate");
+    if (::ftruncate(file, 4096) != 0) throw Error(ErrorCode::internal, "ftruncate");
     const volatile char* bytes = static_cast<const char*>(::mmap(nullptr, 4096, PROT_READ, MAP_SHARED, file, 0));
-    if (::ftruncate(file, 0) != 0) throw Error(Trouble::internal, "ftruncate");
+    if (::ftruncate(file, 0) != 0) throw Error(ErrorCode::internal, "ftruncate");
     std::signal(SIGBUS, SIG_DFL);  // sanitizers would catch it
     hand_back({static_cast<std::uint64_t>(bytes[0])}, output);
   } else if (verb == "refuse") {
     std::fputs("a library's chatter\n", stderr);
-    throw Error(Trouble::unsupported, "bone.vtu, cells: found 3 hexahedra; expected linear\ntetrahedra",
+    throw Error(ErrorCode::unsupported, "bone.vtu, cells: found 3 hexahedra; expected linear\ntetrahedra",
                 "make it tetrahedra");
   } else if (verb == "throw") {
     throw std::runtime_error("a library's exception");
@@ -117,7 +117,7 @@ void act(const std::string& verb, int input, int output) {
     hand_back({large.size()}, output);
   } else if (verb == "chatter") {
     for (int line = 0; line < 200'000; ++line) std::fputs("a line that nobody asked for\n", stderr);
-    throw Error(Trouble::invalid, "the last word");
+    throw Error(ErrorCode::invalid, "the last word");
   } else if (verb == "progress") {
     std::fputs("an unfinished line ", stderr);
     preprocess::report_worker_progress(3, 8);

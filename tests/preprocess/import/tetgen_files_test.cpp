@@ -41,7 +41,7 @@ TEST(TetgenMesh, reads_numbers_from_zero) {
 TEST(TetgenMesh, points_alone_are_refused_with_the_surface_beside_them) {
   TemporaryFolder folder;
   write_file(folder / "a.node", nodes);
-  expect_refusal([&] { read_mesh(folder / "a.node"); }, Trouble::unreadable, {"points alone", "a.ele"});
+  expect_refusal([&] { read_mesh(folder / "a.node"); }, ErrorCode::unreadable, {"points alone", "a.ele"});
   write_file(folder / "a.face", "1 0\n1 1 2 3\n");
   try {
     read_mesh(folder / "a.node");
@@ -53,27 +53,27 @@ TEST(TetgenMesh, points_alone_are_refused_with_the_surface_beside_them) {
 
 TEST(TetgenMesh, refuses_what_does_not_fit) {
   TemporaryFolder folder;
-  const auto refuses = [&](std::string node_text, std::string element_text, Trouble trouble,
+  const auto refuses = [&](std::string node_text, std::string element_text, ErrorCode error_code,
                            const std::vector<std::string>& words) {
     write_file(folder / "a.node", node_text);
     write_file(folder / "a.ele", element_text);
-    expect_refusal([&] { read_mesh(folder / "a.node"); }, trouble, words);
+    expect_refusal([&] { read_mesh(folder / "a.node"); }, error_code, words);
   };
-  refuses(nodes, "1 8 0\n1 1 2 3 4 5 1 2 3\n", Trouble::unsupported, {"a.ele, line 1", "1 elements with 8 points"});
-  refuses(nodes, "1 4 0\n1 1 2 3 6\n", Trouble::invalid, {"a.ele, line 2", "'6'", "1 to 5"});
-  refuses(nodes, "1 4 0\n1 0 2 3 4\n", Trouble::invalid, {"a.ele, line 2", "'0'"});
-  refuses(nodes, "1 4 0\n2 1 2 3 4\n", Trouble::invalid, {"a.ele, line 2", "'2'"});
-  refuses(nodes, "2 4 0\n1 1 2 3 4\n", Trouble::invalid, {"a.ele", "end of the file"});
-  refuses(nodes, "0 4 0\n", Trouble::invalid, {"a.ele, line 1"});
-  refuses(nodes, "1000000000 4 0\n1 1 2 3 4\n", Trouble::invalid, {"1000000000 records"});
-  refuses(nodes, "1 4 1\n1 1 2 3 4\n", Trouble::invalid, {"a.ele, line 2", "attributes"});
-  refuses("4 2 0 0\n1 0 0\n", elements, Trouble::unsupported, {"a.node, line 1", "3 dimensions"});
-  refuses("2 3 0 0\n1 0 0 0\n3 0 0 1\n", elements, Trouble::invalid, {"a.node, line 3", "'3'"});
-  refuses("2 3 0 0\n7 0 0 0\n8 0 0 1\n", elements, Trouble::invalid, {"a.node, line 2", "0 or 1"});
-  refuses("2 3 0 0\n1 0 zero 0\n2 0 0 1\n", elements, Trouble::invalid, {"a.node, line 2", "'zero'"});
+  refuses(nodes, "1 8 0\n1 1 2 3 4 5 1 2 3\n", ErrorCode::unsupported, {"a.ele, line 1", "1 elements with 8 points"});
+  refuses(nodes, "1 4 0\n1 1 2 3 6\n", ErrorCode::invalid, {"a.ele, line 2", "'6'", "1 to 5"});
+  refuses(nodes, "1 4 0\n1 0 2 3 4\n", ErrorCode::invalid, {"a.ele, line 2", "'0'"});
+  refuses(nodes, "1 4 0\n2 1 2 3 4\n", ErrorCode::invalid, {"a.ele, line 2", "'2'"});
+  refuses(nodes, "2 4 0\n1 1 2 3 4\n", ErrorCode::invalid, {"a.ele", "end of the file"});
+  refuses(nodes, "0 4 0\n", ErrorCode::invalid, {"a.ele, line 1"});
+  refuses(nodes, "1000000000 4 0\n1 1 2 3 4\n", ErrorCode::invalid, {"1000000000 records"});
+  refuses(nodes, "1 4 1\n1 1 2 3 4\n", ErrorCode::invalid, {"a.ele, line 2", "attributes"});
+  refuses("4 2 0 0\n1 0 0\n", elements, ErrorCode::unsupported, {"a.node, line 1", "3 dimensions"});
+  refuses("2 3 0 0\n1 0 0 0\n3 0 0 1\n", elements, ErrorCode::invalid, {"a.node, line 3", "'3'"});
+  refuses("2 3 0 0\n7 0 0 0\n8 0 0 1\n", elements, ErrorCode::invalid, {"a.node, line 2", "0 or 1"});
+  refuses("2 3 0 0\n1 0 zero 0\n2 0 0 1\n", elements, ErrorCode::invalid, {"a.node, line 2", "'zero'"});
   std::filesystem::remove(folder / "a.ele");
   write_file(folder / "a.node", nodes);
-  expect_refusal([&] { read_mesh(folder / "a.node"); }, Trouble::unreadable, {"a.ele"});
+  expect_refusal([&] { read_mesh(folder / "a.node"); }, ErrorCode::unreadable, {"a.ele"});
 }
 
 TEST(TetgenMesh, refuses_every_beginning_of_a_file) {
@@ -115,7 +115,7 @@ TEST(TetgenMesh, finds_the_order_of_middle_nodes_from_where_they_lie) {
     EXPECT_THAT(mesh.cell_fields[0].values, testing::ElementsAre(0.25));
   }
   write_quadratic(folder, other);
-  expect_refusal([&] { read_cells(folder / "a.ele", {}); }, Trouble::invalid, {"a.ele", "edge lengths"});
+  expect_refusal([&] { read_cells(folder / "a.ele", {}); }, ErrorCode::invalid, {"a.ele", "edge lengths"});
 }
 
 const std::string footer = "# Created by hand\n";
@@ -149,11 +149,11 @@ TEST(TetgenMesh, refuses_every_beginning_of_the_binary_variant) {
   EXPECT_EQ(check_every_beginning(folder / "a.node", binary_nodes, is_complete), static_cast<int>(footer.size()));
   EXPECT_EQ(check_every_beginning(folder / "a.ele", binary_elements, is_complete), 0);
   write_file(folder / "a.ele", binary_elements + "junk");
-  expect_refusal([&] { read_mesh(folder / "a.ele"); }, Trouble::invalid, {"a.ele, line 1", "4 bytes behind"});
+  expect_refusal([&] { read_mesh(folder / "a.ele"); }, ErrorCode::invalid, {"a.ele, line 1", "4 bytes behind"});
   write_file(folder / "a.ele", "1 4 0 BIN\n" + bytes_of_values(std::vector<std::uint32_t>{0, 1, 2, 5}));
-  expect_refusal([&] { read_mesh(folder / "a.ele"); }, Trouble::invalid, {"a.ele", "point 5", "0 to 4"});
+  expect_refusal([&] { read_mesh(folder / "a.ele"); }, ErrorCode::invalid, {"a.ele", "point 5", "0 to 4"});
   write_file(folder / "a.ele", "4611686018427387904 4 0 BIN\n0123456789abcdef");
-  expect_refusal([&] { read_mesh(folder / "a.ele"); }, Trouble::invalid, {"a.ele"});
+  expect_refusal([&] { read_mesh(folder / "a.ele"); }, ErrorCode::invalid, {"a.ele"});
 }
 
 TEST(TetgenSurface, reads_faces_in_text_and_binary_with_the_points_they_name) {
@@ -179,9 +179,9 @@ TEST(TetgenSurface, reads_faces_in_text_and_binary_with_the_points_they_name) {
   write_file(folder / "a.face", "2 1\n1 2 3 5 -1\n2 3 4 5 -1\n");
   expect_surface();
   write_file(folder / "a.face", "2 1\n1 2 3 6 -1\n2 3 4 5 -1\n");
-  expect_refusal([&] { read_surface(folder / "a.face"); }, Trouble::invalid, {"a.face, line 2", "'6'"});
+  expect_refusal([&] { read_surface(folder / "a.face"); }, ErrorCode::invalid, {"a.face, line 2", "'6'"});
   write_file(folder / "a.face", "0 1\n");
-  expect_refusal([&] { read_surface(folder / "a.face"); }, Trouble::invalid, {"a.face", "no faces"});
+  expect_refusal([&] { read_surface(folder / "a.face"); }, ErrorCode::invalid, {"a.face", "no faces"});
 }
 
 const std::string poly =
@@ -230,29 +230,29 @@ TEST(TetgenSurface, reads_smesh_with_points_beside_and_sizes) {
   write_file(folder / "a.mtr", "4 1\n1\n1\n1\n1\n");
   EXPECT_THAT(read_surface(folder / "a.smesh").point_sizes, testing::ElementsAre(1, 1, 1, 1));
   write_file(folder / "a.mtr", "3 1\n1\n1\n1\n");
-  expect_refusal([&] { read_surface(folder / "a.smesh"); }, Trouble::invalid, {"a.mtr, line 1", "3 points"});
+  expect_refusal([&] { read_surface(folder / "a.smesh"); }, ErrorCode::invalid, {"a.mtr, line 1", "3 points"});
   write_file(folder / "a.mtr", "4 1\n1\n1\n0\n1\n");
-  expect_refusal([&] { read_surface(folder / "a.smesh"); }, Trouble::invalid, {"a.mtr, line 4"});
+  expect_refusal([&] { read_surface(folder / "a.smesh"); }, ErrorCode::invalid, {"a.mtr, line 4"});
   write_file(folder / "a.mtr", "4 6\n1 1 1 1 1 1\n");
-  expect_refusal([&] { read_surface(folder / "a.smesh"); }, Trouble::unsupported, {"a.mtr, line 1"});
-  expect_refusal([&] { read_surface(folder / "a.smesh", folder / "none.mtr"); }, Trouble::unreadable, {"none.mtr"});
+  expect_refusal([&] { read_surface(folder / "a.smesh"); }, ErrorCode::unsupported, {"a.mtr, line 1"});
+  expect_refusal([&] { read_surface(folder / "a.smesh", folder / "none.mtr"); }, ErrorCode::unreadable, {"none.mtr"});
 }
 
 TEST(TetgenSurface, refuses_what_does_not_fit) {
   TemporaryFolder folder;
-  const auto refuses = [&](const std::string& from, const std::string& to, Trouble trouble,
+  const auto refuses = [&](const std::string& from, const std::string& to, ErrorCode error_code,
                            const std::vector<std::string>& words) {
     std::string text = poly;
     text.replace(text.find(from), from.size(), to);
     write_file(folder / "a.poly", text);
-    expect_refusal([&] { read_surface(folder / "a.poly"); }, trouble, words);
+    expect_refusal([&] { read_surface(folder / "a.poly"); }, error_code, words);
   };
-  refuses("4 5 6 7 8", "4 5 6 7 9", Trouble::invalid, {"a.poly, line 14", "'9'"});
-  refuses("3 1 2 3\n", "2 1 2\n", Trouble::unsupported, {"line 17", "2 corners"});
-  refuses("4 5 6 7 8", "0", Trouble::unsupported, {"line 14", "0 corners"});
-  refuses("3 1 2 3\n", "3 1 2\n", Trouble::invalid, {"a.poly"});
-  refuses("2 1\n2 1 9", "2000000000 1\n2 1 9", Trouble::invalid, {"2000000000 records"});
-  refuses("1 9 9 9", "1 9 9", Trouble::invalid, {"three coordinates"});
+  refuses("4 5 6 7 8", "4 5 6 7 9", ErrorCode::invalid, {"a.poly, line 14", "'9'"});
+  refuses("3 1 2 3\n", "2 1 2\n", ErrorCode::unsupported, {"line 17", "2 corners"});
+  refuses("4 5 6 7 8", "0", ErrorCode::unsupported, {"line 14", "0 corners"});
+  refuses("3 1 2 3\n", "3 1 2\n", ErrorCode::invalid, {"a.poly"});
+  refuses("2 1\n2 1 9", "2000000000 1\n2 1 9", ErrorCode::invalid, {"2000000000 records"});
+  refuses("1 9 9 9", "1 9 9", ErrorCode::invalid, {"three coordinates"});
 }
 
 TEST(TetgenSurface, refuses_every_beginning_or_keeps_all_facets) {

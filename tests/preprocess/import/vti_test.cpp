@@ -74,10 +74,10 @@ TEST(Vti, picks_a_component_or_the_length_of_vectors) {
   EXPECT_EQ(values_of(read(folder / "a.vti", "flow.2"))[7], 14);
   EXPECT_EQ(values_of(read(folder / "a.vti", "flow.mag"))[1], 3);  // 1, 2, 2
   EXPECT_EQ(read(folder / "a.vti", "flow.mag").field_name, "flow.mag");
-  expect_refusal([&] { read(folder / "a.vti", "flow"); }, Trouble::usage, {"field 'flow'", "3 components"});
-  expect_refusal([&] { read(folder / "a.vti", "flow.3"); }, Trouble::usage,
+  expect_refusal([&] { read(folder / "a.vti", "flow"); }, ErrorCode::usage, {"field 'flow'", "3 components"});
+  expect_refusal([&] { read(folder / "a.vti", "flow.3"); }, ErrorCode::usage,
                  {"no field 'flow.3'", "density, flow (3 components)"});
-  expect_refusal([&] { read(folder / "a.vti", "flo"); }, Trouble::usage, {"no field 'flo'"});
+  expect_refusal([&] { read(folder / "a.vti", "flo"); }, ErrorCode::usage, {"no field 'flo'"});
 }
 
 TEST(Vti, refuses_several_components_without_a_choice) {
@@ -85,7 +85,7 @@ TEST(Vti, refuses_several_components_without_a_choice) {
   write_file(folder / "a.vti", by_hand("0 0 0 0 0 1",
                                        "<PointData><DataArray type=\"UInt8\" Name=\"rgba\" NumberOfComponents=\"4\" "
                                        "format=\"ascii\">1 2 3 4 5 6 7 8</DataArray></PointData>"));
-  expect_refusal([&] { read(folder / "a.vti"); }, Trouble::unsupported, {"rgba (4 components)"});
+  expect_refusal([&] { read(folder / "a.vti"); }, ErrorCode::unsupported, {"rgba (4 components)"});
   EXPECT_THAT(values_of(read(folder / "a.vti", "rgba.3")), testing::ElementsAre(4, 8));
 }
 
@@ -131,16 +131,16 @@ TEST(Vti, puts_values_of_cells_at_their_middles) {
 TEST(Vti, refuses_other_files_and_absurd_sizes) {
   TemporaryFolder folder;
   const auto path = folder / "a.vti";
-  const auto refuses = [&](const std::string& content, Trouble trouble, const std::vector<std::string>& words) {
+  const auto refuses = [&](const std::string& content, ErrorCode error_code, const std::vector<std::string>& words) {
     write_file(path, content);
-    expect_refusal([&] { read(path); }, trouble, words);
+    expect_refusal([&] { read(path); }, error_code, words);
   };
-  refuses("not XML at all", Trouble::invalid, {"a.vti", "VTKFile"});
-  refuses("<VTKFile type=\"PolyData\"></VTKFile>", Trouble::unsupported, {"'PolyData'", "ImageData"});
-  refuses(by_hand("0 2 0 3 0 4", ""), Trouble::invalid, {"no values"});
-  refuses(by_hand("0 99999 0 99999 0 99", known_array), Trouble::invalid, {"WholeExtent", "1000000000000 in"});
-  refuses(by_hand("0 2 0 3 0 5", known_array), Trouble::invalid, {"a.vti"});
-  refuses(by_hand("0 2 3 0 0 5", known_array), Trouble::invalid, {"WholeExtent"});
+  refuses("not XML at all", ErrorCode::invalid, {"a.vti", "VTKFile"});
+  refuses("<VTKFile type=\"PolyData\"></VTKFile>", ErrorCode::unsupported, {"'PolyData'", "ImageData"});
+  refuses(by_hand("0 2 0 3 0 4", ""), ErrorCode::invalid, {"no values"});
+  refuses(by_hand("0 99999 0 99999 0 99", known_array), ErrorCode::invalid, {"WholeExtent", "1000000000000 in"});
+  refuses(by_hand("0 2 0 3 0 5", known_array), ErrorCode::invalid, {"a.vti"});
+  refuses(by_hand("0 2 3 0 0 5", known_array), ErrorCode::invalid, {"WholeExtent"});
 }
 
 TEST(Vti, is_read_without_vtk_in_every_encoding_but_its_rarer_compressors) {

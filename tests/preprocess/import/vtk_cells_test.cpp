@@ -130,7 +130,7 @@ void take_polyhedron(const std::vector<std::uint64_t>& stream) {
 TEST(PolyhedronStream, is_refused_where_it_is_not_faces) {
   take_polyhedron(cube_stream(0));
   const auto refuses = [](std::vector<std::uint64_t> stream, const std::vector<std::string>& words) {
-    expect_refusal([&] { take_polyhedron(stream); }, Trouble::invalid, words);
+    expect_refusal([&] { take_polyhedron(stream); }, ErrorCode::invalid, words);
   };
   const auto with = [](std::size_t at, std::uint64_t number) {
     std::vector<std::uint64_t> stream = cube_stream(0);
@@ -155,12 +155,12 @@ TEST(PolyhedronStream, is_refused_where_it_is_not_faces) {
 TEST(ForeignCells, are_refused_where_ghosts_and_cells_differ_in_number) {
   CellMesh mesh = with_points(4);
   ForeignCells cells{.kinds = {10}, .offsets = {0, 4}, .nodes = {0, 1, 2, 3}, .ghosts = {0, 0}};
-  expect_refusal([&] { take_cells(mesh, cells, "a.vtu"); }, Trouble::invalid, {"vtkGhostType", "2 numbers"});
+  expect_refusal([&] { take_cells(mesh, cells, "a.vtu"); }, ErrorCode::invalid, {"vtkGhostType", "2 numbers"});
   cells.ghosts = {1};
-  expect_refusal([&] { take_cells(mesh, cells, "a.vtu"); }, Trouble::invalid, {"1 ghost cells left out"});
+  expect_refusal([&] { take_cells(mesh, cells, "a.vtu"); }, ErrorCode::invalid, {"1 ghost cells left out"});
   cells.ghosts = {};
   cells.point_ghosts = {0, 0, 0};
-  expect_refusal([&] { take_cells(mesh, cells, "a.vtu"); }, Trouble::invalid, {"vtkGhostType", "3 numbers"});
+  expect_refusal([&] { take_cells(mesh, cells, "a.vtu"); }, ErrorCode::invalid, {"vtkGhostType", "3 numbers"});
 }
 
 /// A cube as a polyhedron, by hand, with the faces that a file says.
@@ -185,17 +185,17 @@ TEST(VtuCells, refuse_polyhedra_whose_faces_are_missing_or_damaged) {
   const std::string cube = "6 4 0 3 2 1 4 4 5 6 7 4 0 1 5 4 4 1 2 6 5 4 2 3 7 6 4 3 0 4 7";
   write_file(path, polyhedron_vtu(cube, "31"));
   EXPECT_EQ(nodes_of(read_cells(path, {}), 0), cube_stream(0));
-  const auto refuses = [&](const std::string& faces, const std::string& offsets, Trouble trouble,
+  const auto refuses = [&](const std::string& faces, const std::string& offsets, ErrorCode error_code,
                            const std::vector<std::string>& words) {
     SCOPED_TRACE(faces + " | " + offsets);
     write_file(path, polyhedron_vtu(faces, offsets));
-    expect_refusal([&] { read_cells(path, {}); }, trouble, words);
+    expect_refusal([&] { read_cells(path, {}); }, error_code, words);
   };
-  refuses("", "", Trouble::invalid, {"polyhedra without faces"});
-  refuses(cube, "-1", Trouble::invalid, {"a.vtu"});
-  refuses(cube, "32", Trouble::invalid, {"a.vtu"});
-  refuses("6 4 0 3 2 1 4 4 5 6 7 4 0 1 5 4 4 1 2 6 5 4 2 3 7 6 4 3 0 4 8", "31", Trouble::invalid, {"point 8"});
-  refuses("3 4 0 3 2 1 4 4 5 6 7 4 0 1 5 4 4 1 2 6 5 4 2 3 7 6 4 3 0 4 7", "31", Trouble::invalid, {"a.vtu"});
+  refuses("", "", ErrorCode::invalid, {"polyhedra without faces"});
+  refuses(cube, "-1", ErrorCode::invalid, {"a.vtu"});
+  refuses(cube, "32", ErrorCode::invalid, {"a.vtu"});
+  refuses("6 4 0 3 2 1 4 4 5 6 7 4 0 1 5 4 4 1 2 6 5 4 2 3 7 6 4 3 0 4 8", "31", ErrorCode::invalid, {"point 8"});
+  refuses("3 4 0 3 2 1 4 4 5 6 7 4 0 1 5 4 4 1 2 6 5 4 2 3 7 6 4 3 0 4 7", "31", ErrorCode::invalid, {"a.vtu"});
 }
 
 /// A cube as a polyhedron and a tetrahedron, whose arrays of faces are laid out as VTK 9.4 and later have them.
@@ -231,7 +231,7 @@ TEST(VtuCells, take_the_faces_of_polyhedra_in_the_layout_of_vtk_9_4) {
     other[name] = numbers;
     if (numbers.empty()) other.erase(name);
     write_file(path, new_polyhedron_vtu(other));
-    expect_refusal([&] { read_cells(path, {}); }, Trouble::invalid, words);
+    expect_refusal([&] { read_cells(path, {}); }, ErrorCode::invalid, words);
   };
   refuses("face_connectivity", "", {"'face_connectivity' is missing"});
   refuses("face_connectivity", "3 0 4 7  2 3 7 6  1 2 6 5  0 1 5 4  4 5 6 7  0 3 2 8", {"cell 1", "point 8"});

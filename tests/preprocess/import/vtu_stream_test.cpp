@@ -200,7 +200,7 @@ TEST_F(VtuStream, refuses_damage_naming_the_array) {
     ASSERT_NE(damaged[at], value);
     damaged[at] = value;
     write_file(path, damaged);
-    expect_refusal([&] { stream_vtu(path); }, Trouble::invalid, words);
+    expect_refusal([&] { stream_vtu(path); }, ErrorCode::invalid, words);
   };
   // The first array in the file is the first of the points: blocks, bytes of a block, bytes of the last, packed sizes.
   refused(first, 0, {"a.vtu", "array 'pressure 1'", "0 blocks"});
@@ -208,7 +208,7 @@ TEST_F(VtuStream, refuses_damage_naming_the_array) {
   refused(first + 24 + 5, 1, {"array 'pressure 1'"});
   refused(first + 100, static_cast<char>(~content[first + 100]), {"array 'pressure 1'", "a damaged block"});
   write_file(path, std::string_view(content).substr(0, first + 40));
-  expect_refusal([&] { read_cells(path, {}); }, Trouble::invalid, {"a.vtu"});
+  expect_refusal([&] { read_cells(path, {}); }, ErrorCode::invalid, {"a.vtu"});
 }
 
 TEST_F(VtuStream, takes_no_memory_for_numbers_that_a_short_file_cannot_hold) {
@@ -221,7 +221,8 @@ TEST_F(VtuStream, takes_no_memory_for_numbers_that_a_short_file_cannot_hold) {
       "<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">10</DataArray></Cells></Piece></UnstructuredGrid>"
       "</VTKFile>";
   write_file(folder_ / "a.vtu", text);
-  expect_refusal([&] { stream_vtu(folder_ / "a.vtu"); }, Trouble::invalid, {"'connectivity'", "4000000000000 numbers"});
+  expect_refusal([&] { stream_vtu(folder_ / "a.vtu"); }, ErrorCode::invalid,
+                 {"'connectivity'", "4000000000000 numbers"});
 }
 
 TEST(XmlOutline, keeps_names_attributes_and_nesting) {

@@ -111,9 +111,9 @@ TEST(Vtu, refuses_to_write_what_does_not_fit_or_where_it_cannot) {
   NeutralMesh mesh;
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   mesh.cells = {{0, 1, 2, 4}};
-  expect_refusal([&] { write_vtu(mesh, folder / "a.vtu"); }, Trouble::invalid, {"cell 0", "point 4"});
+  expect_refusal([&] { write_vtu(mesh, folder / "a.vtu"); }, ErrorCode::invalid, {"cell 0", "point 4"});
   mesh.cells = {{0, 1, 2, 3}};
-  expect_refusal([&] { write_vtu(mesh, folder / "no/such/folder.vtu"); }, Trouble::usage, {"folder.vtu"});
+  expect_refusal([&] { write_vtu(mesh, folder / "no/such/folder.vtu"); }, ErrorCode::usage, {"folder.vtu"});
 }
 
 TEST(Vtu, notes_arrays_that_are_no_numbers_and_integers_that_were_rounded) {
@@ -145,31 +145,31 @@ TEST(Vtu, notes_arrays_that_are_no_numbers_and_integers_that_were_rounded) {
 TEST(Vtu, refuses_what_does_not_fit) {
   TemporaryFolder folder;
   const auto path = folder / "a.vtu";
-  const auto refuses = [&](const std::string& content, Trouble trouble, const std::vector<std::string>& words) {
+  const auto refuses = [&](const std::string& content, ErrorCode error_code, const std::vector<std::string>& words) {
     write_file(path, content);
-    expect_refusal([&] { read_mesh(path); }, trouble, words);
+    expect_refusal([&] { read_mesh(path); }, error_code, words);
   };
-  refuses(by_hand("0 1 2 3  0 1 4  1 2 3 5"), Trouble::invalid, {"cell 2", "point 5", "0 to 4"});
-  refuses(by_hand("0 1 2 3  0 1 4  1 2 3 -7"), Trouble::invalid, {"cell 2", "point -7"});
-  refuses(by_hand("0 1 2 3  0 1 4  1 2 3 4", "10 5 14"), Trouble::invalid, {"cell 2", "5, as pyramids have"});
-  refuses(by_hand("0 1 2 3  0 1 4  1 2 3 4", "10 10 10"), Trouble::invalid, {"cell 1", "3 corners"});
-  refuses(by_hand("0 1 2 3  0 1 4  1 2 3 4", "10 5 10", "4 3 11"), Trouble::invalid, {"a.vtu"});
-  refuses(by_hand("0 1 2 3  0 1 4  1 2 3 4", "10 5 10", "4 7 999999"), Trouble::invalid, {"a.vtu"});
-  refuses(by_hand("0 1 2 3"), Trouble::invalid, {"a.vtu"});
-  refuses(by_hand("0 1 2 3  0 1 4  1 2 3 4", "10 5"), Trouble::invalid, {"a.vtu"});
+  refuses(by_hand("0 1 2 3  0 1 4  1 2 3 5"), ErrorCode::invalid, {"cell 2", "point 5", "0 to 4"});
+  refuses(by_hand("0 1 2 3  0 1 4  1 2 3 -7"), ErrorCode::invalid, {"cell 2", "point -7"});
+  refuses(by_hand("0 1 2 3  0 1 4  1 2 3 4", "10 5 14"), ErrorCode::invalid, {"cell 2", "5, as pyramids have"});
+  refuses(by_hand("0 1 2 3  0 1 4  1 2 3 4", "10 10 10"), ErrorCode::invalid, {"cell 1", "3 corners"});
+  refuses(by_hand("0 1 2 3  0 1 4  1 2 3 4", "10 5 10", "4 3 11"), ErrorCode::invalid, {"a.vtu"});
+  refuses(by_hand("0 1 2 3  0 1 4  1 2 3 4", "10 5 10", "4 7 999999"), ErrorCode::invalid, {"a.vtu"});
+  refuses(by_hand("0 1 2 3"), ErrorCode::invalid, {"a.vtu"});
+  refuses(by_hand("0 1 2 3  0 1 4  1 2 3 4", "10 5"), ErrorCode::invalid, {"a.vtu"});
   const auto counts = [](const std::string& text) {
     return by_hand("0 1 2 3  0 1 4  1 2 3 4", "10 5 10", "4 7 11", text);
   };
-  refuses(counts("NumberOfPoints=\"6\" NumberOfCells=\"3\""), Trouble::invalid, {"a.vtu"});
-  refuses(counts("NumberOfPoints=\"5\" NumberOfCells=\"4\""), Trouble::invalid, {"a.vtu"});
-  refuses(counts("NumberOfPoints=\"1000000000\" NumberOfCells=\"3\""), Trouble::invalid,
+  refuses(counts("NumberOfPoints=\"6\" NumberOfCells=\"3\""), ErrorCode::invalid, {"a.vtu"});
+  refuses(counts("NumberOfPoints=\"5\" NumberOfCells=\"4\""), ErrorCode::invalid, {"a.vtu"});
+  refuses(counts("NumberOfPoints=\"1000000000\" NumberOfCells=\"3\""), ErrorCode::invalid,
           {"NumberOfPoints", "1000000000 in"});
-  refuses(counts("NumberOfPoints=\"-5\" NumberOfCells=\"3\""), Trouble::invalid, {"NumberOfPoints", "'-5'"});
-  refuses(counts("NumberOfPoints=\"0\" NumberOfCells=\"0\""), Trouble::invalid, {"a.vtu"});
-  refuses("<VTKFile type=\"PolyData\" version=\"0.1\"></VTKFile>", Trouble::unsupported,
+  refuses(counts("NumberOfPoints=\"-5\" NumberOfCells=\"3\""), ErrorCode::invalid, {"NumberOfPoints", "'-5'"});
+  refuses(counts("NumberOfPoints=\"0\" NumberOfCells=\"0\""), ErrorCode::invalid, {"a.vtu"});
+  refuses("<VTKFile type=\"PolyData\" version=\"0.1\"></VTKFile>", ErrorCode::unsupported,
           {"'PolyData'", "UnstructuredGrid"});
-  refuses("# vtk DataFile", Trouble::invalid, {"no element VTKFile"});
-  expect_refusal([&] { read_mesh(folder / "none.vtu"); }, Trouble::unreadable, {"none.vtu"});
+  refuses("# vtk DataFile", ErrorCode::invalid, {"no element VTKFile"});
+  expect_refusal([&] { read_mesh(folder / "none.vtu"); }, ErrorCode::unreadable, {"none.vtu"});
 }
 
 }  // namespace

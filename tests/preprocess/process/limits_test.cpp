@@ -51,12 +51,12 @@ TEST(Limits, that_the_system_does_not_tell_or_take_are_errors) {
   const tests::TemporaryFolder folder;
   {
     const Failing failing(getting_fails);
-    expect_error(Trouble::resource, "getrlimit: Operation not permitted",
+    expect_error(ErrorCode::resource, "getrlimit: Operation not permitted",
                  [&] { MemoryCap(std::uint64_t{1} << 30, folder.path()); });
-    expect_error(Trouble::internal, "RLIMIT_DATA: Operation not permitted", [] { limits_for(WorkerRequest{}); });
+    expect_error(ErrorCode::internal, "RLIMIT_DATA: Operation not permitted", [] { limits_for(WorkerRequest{}); });
   }
   const Failing failing(setting_fails);
-  expect_error(Trouble::resource, "setrlimit: Operation not permitted",
+  expect_error(ErrorCode::resource, "setrlimit: Operation not permitted",
                [&] { MemoryCap(std::uint64_t{1} << 30, folder.path()); });
   EXPECT_NE(std::pmr::get_default_resource(), nullptr);
   EXPECT_EQ(std::pmr::get_default_resource(), std::pmr::new_delete_resource()) << "half of the cap was set";

@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/memory_cap.h"
 #include "preprocess/neutral.h"
 #include "preprocess/process/nameless_file.h"
@@ -64,7 +64,7 @@ TEST(ScratchMemory, takes_small_blocks_from_the_heap) {
   ScratchMemory scratch(folder.path() / "that is not there");
   Array<std::byte> small(ScratchMemory::smallest_block - 1, &scratch);
   EXPECT_EQ(small.back(), std::byte{0});
-  tests::expect_error(Trouble::resource, "that is not there",
+  tests::expect_error(ErrorCode::resource, "that is not there",
                       [&] { Array<std::byte>(ScratchMemory::smallest_block, &scratch); });
 }
 
@@ -98,7 +98,7 @@ TEST(NamelessFile, has_its_space_and_no_name) {
 
 TEST(NamelessFile, refuses_more_than_the_disk_has) {
   const TemporaryFolder folder;
-  tests::expect_error(Trouble::resource, folder.path().string(),
+  tests::expect_error(ErrorCode::resource, folder.path().string(),
                       [&] { open_nameless_file(folder.path(), std::uint64_t{1} << 60); });
 }
 
@@ -126,7 +126,7 @@ TEST(MemoryCap, moves_arrays_to_the_folder_while_it_lives_and_bounds_the_rest) {
 
 TEST(MemoryCap, refuses_what_programs_take_by_themselves) {
   const TemporaryFolder folder;
-  tests::expect_error(Trouble::usage, "expected at least 16M",
+  tests::expect_error(ErrorCode::usage, "expected at least 16M",
                       [&] { const MemoryCap cap(MemoryCap::smallest_bytes - 1, folder.path()); });
 }
 

@@ -35,7 +35,7 @@ struct Tet {
 };
 
 /// The exact change of side of a ray in a closed tetrahedron of positive volume, or nothing.
-std::optional<Rational> exact_crossing(const Ray& ray, const Tet& tet, double isovalue) {
+std::optional<Rational> crossing_in_rationals(const Ray& ray, const Tet& tet, double isovalue) {
   const ExactVec3 o = exact(ray.origin), d = exact(ray.direction);
   // Barycentric coordinate v along the ray is a + t b; the ray is inside where none is negative.
   Rational t_in = exact(ray.t_min), value_a = -exact(isovalue), value_b = 0;
@@ -117,12 +117,13 @@ TYPED_TEST(TetMethods, all_find_the_crossing_of_a_ray_through_the_inside_of_an_o
     if (six_volumes(tet) < 0.3) continue;
     const Ray ray = aimed_at(inside_of(tet, dice), dice, 3);
     const double isovalue = dice.between(-0.5, 0.5);
-    const auto truth = exact_crossing(ray, tet, isovalue);
+    const auto truth = crossing_in_rationals(ray, tet, isovalue);
     const auto paper = find_crossing(TetMethod::paper, TetRay<TypeParam>(ray), tet.points, tet.values, isovalue);
     const auto slack = find_crossing(TetMethod::slack, TetRay<TypeParam>(ray), tet.points, tet.values, isovalue);
     const auto edges = find_crossing(TetMethod::edges, TetRay<TypeParam>(ray), tet.points, tet.values, isovalue);
     // Two clear cases: the exact crossing stays where it is when the isovalue moves a little, or stays away.
-    const auto above = exact_crossing(ray, tet, isovalue + 1e-3), below = exact_crossing(ray, tet, isovalue - 1e-3);
+    const auto above = crossing_in_rationals(ray, tet, isovalue + 1e-3),
+               below = crossing_in_rationals(ray, tet, isovalue - 1e-3);
     if (truth && above && below) {
       ++crossings;
       for (const auto& found : {paper, slack, edges}) {
@@ -391,7 +392,7 @@ TYPED_TEST(TetMethods, are_never_wrong_when_certified) {
       unknown += found.decision == Decision::unknown;
       if (found.decision == Decision::unknown || judged >= to_judge) continue;
       ++judged;
-      ASSERT_TRUE(confirms(exact_crossing(ray, tet, isovalue), found)) << family.name << " trial " << trial;
+      ASSERT_TRUE(confirms(crossing_in_rationals(ray, tet, isovalue), found)) << family.name << " trial " << trial;
     }
     const double share = static_cast<double>(unknown) / trials;
     EXPECT_LE(share, is_float ? family.unknown_float : family.unknown_double) << family.name;

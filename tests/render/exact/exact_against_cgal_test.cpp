@@ -23,7 +23,7 @@ struct Part {
 };
 
 /// The part of a line in a tetrahedron, by CGAL's intersections with its four triangles.
-std::optional<Part> part_in(const TetForJudge& tet, const Ray& ray) {
+std::optional<Part> part_in(const ExactTet& tet, const Ray& ray) {
   const Kernel::Vector_3 direction(ray.direction.x, ray.direction.y, ray.direction.z);
   const Kernel::Line_3 line(cgal_point(ray.origin), direction);
   std::optional<Part> part;
@@ -51,7 +51,7 @@ std::optional<Part> part_in(const TetForJudge& tet, const Ray& ray) {
 }
 
 /// The linear field at a parameter of the line, by volumes of CGAL's tetrahedra.
-Number value_at(const TetForJudge& tet, const Ray& ray, const Number& t) {
+Number value_at(const ExactTet& tet, const Ray& ray, const Number& t) {
   const Point x = cgal_point(ray.origin) + t * Kernel::Vector_3(ray.direction.x, ray.direction.y, ray.direction.z);
   const std::array p{cgal_point(tet.point[0]), cgal_point(tet.point[1]), cgal_point(tet.point[2]),
                      cgal_point(tet.point[3])};
@@ -62,7 +62,7 @@ Number value_at(const TetForJudge& tet, const Ray& ray, const Number& t) {
 }
 
 struct Case {
-  TetForJudge tet;
+  ExactTet tet;
   Ray ray;
 };
 
@@ -97,7 +97,7 @@ TEST(JudgeAgainstCgal, cuts_lines_with_tetrahedra_as_cgal_does) {
     const auto& p = here.tet.point;
     const bool is_flat = CGAL::coplanar(cgal_point(p[0]), cgal_point(p[1]), cgal_point(p[2]), cgal_point(p[3]));
     const auto part = part_in(here.tet, here.ray);
-    const TetMaximumVerdict maximum = judge_largest_value(tets, here.ray);
+    const TetMaximumVerdict maximum = exact_largest_value(tets, here.ray);
     ASSERT_EQ(maximum.has_value, !is_flat && part && part->in < part->out) << round;
     points += part && part->in == part->out;
     missed += !part;
@@ -110,7 +110,7 @@ TEST(JudgeAgainstCgal, cuts_lines_with_tetrahedra_as_cgal_does) {
     ASSERT_TRUE(Number(maximum.t.lo) <= where && where <= Number(maximum.t.hi)) << round;
 
     const double isovalue = dice.coin() ? here.tet.value[0] : dice.between(0, 3);
-    const TetRayVerdict verdict = judge_first_crossing(tets, here.ray, isovalue, 1e-13);
+    const TetRayVerdict verdict = exact_first_crossing(tets, here.ray, isovalue, 1e-13);
     const bool inside_in = at_in >= isovalue, inside_out = at_out >= isovalue;
     ASSERT_EQ(verdict.is_hit, inside_in != inside_out) << round;
     if (!verdict.is_hit) continue;

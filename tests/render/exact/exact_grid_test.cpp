@@ -21,7 +21,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double width = 1e-13;
 
 /// Samples in memory; planes at whole numbers or in tables; regions of 2^level cells per axis.
-class TestGrid : public GridForJudge {
+class TestGrid : public ExactGridSource {
  public:
   TestGrid(const Index3& cell_count, const std::function<double(double, double, double)>& f) : cells_(cell_count) {
     for (std::int64_t k = 0; k <= cells_.z; ++k)
@@ -189,7 +189,7 @@ TEST(JudgeGrid, agrees_with_brute_force_on_stressful_rays) {
     const TestGrid grid = any_grid(dice, whole_values);
     const double isovalue = whole_values ? static_cast<double>(dice.below(3) - 1) : dice.between(-0.5, 0.5);
     for (const Ray& ray : tests::stressful_rays(far_corner(grid), 4, 100 + static_cast<std::uint64_t>(round))) {
-      const GridRayVerdict verdict = judge_first_crossing(grid, ray, isovalue, width);
+      const GridRayVerdict verdict = exact_first_crossing(grid, ray, isovalue, width);
       const auto hit = first_crossing_by_brute_force(grid, ray, isovalue);
       ASSERT_EQ(verdict.is_hit, hit.has_value()) << round;
       exact_cells += verdict.effort.exact > 0;
@@ -215,7 +215,7 @@ TEST(JudgeGrid, finds_the_largest_value_of_brute_force) {
   for (int round = 0; round < 25; ++round) {
     const TestGrid grid = any_grid(dice, dice.coin());
     for (const Ray& ray : tests::stressful_rays(far_corner(grid), 4, 200 + static_cast<std::uint64_t>(round))) {
-      const GridMaximumVerdict verdict = judge_largest_value(grid, ray, width);
+      const GridMaximumVerdict verdict = exact_largest_value(grid, ray, width);
       const std::vector<ExactChord> chords = chords_of(grid, ray, 0);
       const bool has_data = std::any_of(chords.begin(), chords.end(), [](const ExactChord& c) { return c.has_data; });
       ASSERT_EQ(verdict.has_value, has_data) << round;
@@ -260,11 +260,11 @@ TEST(JudgeGrid, skips_regions_without_changing_a_verdict) {
     if (dice.coin()) grid.at({dice.below(16), dice.below(9), dice.below(13)}) = nan;
     const double isovalue = dice.between(-1, 1);
     const Ray ray = tests::stressful_rays({16, 9, 13}, 1, 300 + static_cast<std::uint64_t>(round))[0];
-    const GridRayVerdict slow = judge_first_crossing(grid, ray, isovalue, width);
-    const GridMaximumVerdict slow_maximum = judge_largest_value(grid, ray, width);
+    const GridRayVerdict slow = exact_first_crossing(grid, ray, isovalue, width);
+    const GridMaximumVerdict slow_maximum = exact_largest_value(grid, ray, width);
     grid.levels = 3;
-    const GridRayVerdict quick = judge_first_crossing(grid, ray, isovalue, width);
-    const GridMaximumVerdict quick_maximum = judge_largest_value(grid, ray, width);
+    const GridRayVerdict quick = exact_first_crossing(grid, ray, isovalue, width);
+    const GridMaximumVerdict quick_maximum = exact_largest_value(grid, ray, width);
     ASSERT_EQ(slow.is_hit, quick.is_hit) << round;
     ASSERT_EQ(slow.touches, quick.touches) << round;
     ASSERT_TRUE(slow.t.lo <= quick.t.hi && slow.t.hi >= quick.t.lo) << round;
@@ -281,48 +281,48 @@ TestGrid ramp() {
 }
 
 TEST(JudgeGrid, crosses_at_a_face_once_and_says_in_which_cell) {
-  const GridRayVerdict from_outside = judge_first_crossing(ramp(), {{-1, 1.5, 1.5}, {1, 0, 0}}, 2, width);
+  const GridRayVerdict from_outside = exact_first_crossing(ramp(), {{-1, 1.5, 1.5}, {1, 0, 0}}, 2, width);
   ASSERT_TRUE(from_outside.is_hit);
   EXPECT_EQ(from_outside.t.lo, 3);
   EXPECT_EQ(from_outside.t.hi, 3);
   EXPECT_FALSE(from_outside.touches);
   EXPECT_EQ(from_outside.cell, Index3(1, 1, 1)) << "the cell before";
-  const GridRayVerdict from_inside = judge_first_crossing(ramp(), {{5, 1.5, 1.5}, {-1, 0, 0}}, 2, width);
+  const GridRayVerdict from_inside = exact_first_crossing(ramp(), {{5, 1.5, 1.5}, {-1, 0, 0}}, 2, width);
   EXPECT_EQ(from_inside.t.lo, 3);
   EXPECT_EQ(from_inside.cell, Index3(1, 1, 1)) << "the cell behind";
 }
 
 TEST(JudgeGrid, touches_where_a_ridge_lies_in_a_face) {
   const TestGrid ridge({4, 4, 4}, [](double x, double, double) { return -std::abs(x - 2); });
-  const GridRayVerdict verdict = judge_first_crossing(ridge, {{-1, 1.5, 1.5}, {1, 0, 0}}, 0, width);
+  const GridRayVerdict verdict = exact_first_crossing(ridge, {{-1, 1.5, 1.5}, {1, 0, 0}}, 0, width);
   ASSERT_TRUE(verdict.is_hit);
   EXPECT_TRUE(verdict.touches);
   EXPECT_EQ(verdict.t.lo, 3);
   // At the border of the data the ray is inside at its last point only.
-  const GridRayVerdict border = judge_first_crossing(ramp(), {{-1, 1.5, 1.5}, {1, 0, 0}}, 4, width);
+  const GridRayVerdict border = exact_first_crossing(ramp(), {{-1, 1.5, 1.5}, {1, 0, 0}}, 4, width);
   EXPECT_TRUE(border.is_hit && border.touches);
 }
 
 TEST(JudgeGrid, V07_sees_a_ray_in_an_outer_face) {
-  const GridRayVerdict verdict = judge_first_crossing(ramp(), {{-1, 4, 0}, {1, 0, -0.0}}, 1.5, width);
+  const GridRayVerdict verdict = exact_first_crossing(ramp(), {{-1, 4, 0}, {1, 0, -0.0}}, 1.5, width);
   ASSERT_TRUE(verdict.is_hit);
   EXPECT_TRUE(verdict.t.contains(2.5));
   EXPECT_EQ(verdict.cell, Index3(1, 3, 0));
-  EXPECT_FALSE(judge_first_crossing(ramp(), {{-1, std::nextafter(4, 5), 0}, {1, 0, 0}}, 1.5, width).is_hit);
+  EXPECT_FALSE(exact_first_crossing(ramp(), {{-1, std::nextafter(4, 5), 0}, {1, 0, 0}}, 1.5, width).is_hit);
 }
 
 TEST(JudgeGrid, V08_has_no_hit_where_a_ray_meets_a_corner_only) {
-  EXPECT_FALSE(judge_first_crossing(ramp(), {{-1, 1, 2}, {1, -1, 0}}, 0, width).is_hit);
-  EXPECT_FALSE(judge_largest_value(ramp(), {{-1, 1, 2}, {1, -1, 0}}, width).has_value);
+  EXPECT_FALSE(exact_first_crossing(ramp(), {{-1, 1, 2}, {1, -1, 0}}, 0, width).is_hit);
+  EXPECT_FALSE(exact_largest_value(ramp(), {{-1, 1, 2}, {1, -1, 0}}, width).has_value);
 }
 
 TEST(JudgeGrid, R15_goes_through_the_upper_cell_of_a_plane) {
-  EXPECT_EQ(judge_first_crossing(ramp(), {{-1, 2, 2}, {1, 0, 0}}, 1.5, width).cell, Index3(1, 2, 2));
+  EXPECT_EQ(exact_first_crossing(ramp(), {{-1, 2, 2}, {1, 0, 0}}, 1.5, width).cell, Index3(1, 2, 2));
 }
 
 TEST(JudgeGrid, R17_follows_a_diagonal_through_lattice_points) {
   const TestGrid sum({8, 8, 8}, [](double x, double y, double z) { return x + y + z; });
-  const GridRayVerdict verdict = judge_first_crossing(sum, {{-1, -1, -1}, {1, 1, 1}}, 10, width);
+  const GridRayVerdict verdict = exact_first_crossing(sum, {{-1, -1, -1}, {1, 1, 1}}, 10, width);
   ASSERT_TRUE(verdict.is_hit);
   EXPECT_TRUE(verdict.t.contains(1 + 10.0 / 3));
   EXPECT_EQ(verdict.effort.cells_visited, 4);
@@ -330,15 +330,15 @@ TEST(JudgeGrid, R17_follows_a_diagonal_through_lattice_points) {
 
 TEST(JudgeGrid, honours_t_min_and_t_max) {
   const Ray ray{{-1, 1.5, 1.5}, {1, 0, 0}};
-  EXPECT_TRUE(judge_first_crossing(ramp(), {ray.origin, ray.direction, 0, 3}, 2, width).is_hit);
-  EXPECT_FALSE(judge_first_crossing(ramp(), {ray.origin, ray.direction, 0, std::nextafter(3, 2)}, 2, width).is_hit);
-  EXPECT_FALSE(judge_first_crossing(ramp(), {ray.origin, ray.direction, 3}, 2, width).is_hit) << "starts inside";
-  EXPECT_EQ(judge_largest_value(ramp(), {ray.origin, ray.direction, 0, 2.25}, width).value.lo, 1.25);
+  EXPECT_TRUE(exact_first_crossing(ramp(), {ray.origin, ray.direction, 0, 3}, 2, width).is_hit);
+  EXPECT_FALSE(exact_first_crossing(ramp(), {ray.origin, ray.direction, 0, std::nextafter(3, 2)}, 2, width).is_hit);
+  EXPECT_FALSE(exact_first_crossing(ramp(), {ray.origin, ray.direction, 3}, 2, width).is_hit) << "starts inside";
+  EXPECT_EQ(exact_largest_value(ramp(), {ray.origin, ray.direction, 0, 2.25}, width).value.lo, 1.25);
 }
 
 TEST(JudgeGrid, R31_starts_inside_on_the_surface_itself) {
-  EXPECT_FALSE(judge_first_crossing(ramp(), {{2, 1.5, 1.5}, {1, 0, 0}}, 2, width).is_hit);
-  const GridRayVerdict down = judge_first_crossing(ramp(), {{2, 1.5, 1.5}, {-1, 0, 0}}, 2, width);
+  EXPECT_FALSE(exact_first_crossing(ramp(), {{2, 1.5, 1.5}, {1, 0, 0}}, 2, width).is_hit);
+  const GridRayVerdict down = exact_first_crossing(ramp(), {{2, 1.5, 1.5}, {-1, 0, 0}}, 2, width);
   ASSERT_TRUE(down.is_hit) << "leaves at once";
   EXPECT_EQ(down.t.hi, 0);
 }
@@ -346,26 +346,26 @@ TEST(JudgeGrid, R31_starts_inside_on_the_surface_itself) {
 TEST(JudgeGrid, D07_sees_no_surface_against_missing_data) {
   TestGrid grid({5, 1, 1}, [](double x, double, double) { return x < 3 ? -1 : 1; });
   grid.at({2, 0, 0}) = grid.at({3, 0, 0}) = nan;
-  EXPECT_FALSE(judge_first_crossing(grid, {{-1, 0.5, 0.5}, {1, 0, 0}}, 0, width).is_hit);
-  EXPECT_EQ(judge_largest_value(grid, {{-1, 0.5, 0.5}, {1, 0, 0}}, width).t.lo, 5);
+  EXPECT_FALSE(exact_first_crossing(grid, {{-1, 0.5, 0.5}, {1, 0, 0}}, 0, width).is_hit);
+  EXPECT_EQ(exact_largest_value(grid, {{-1, 0.5, 0.5}, {1, 0, 0}}, width).t.lo, 5);
 }
 
 TEST(JudgeGrid, refuses_what_is_no_ray) {
   for (const Ray& ray :
        {Ray{{0, 0, 0}, {0, 0, 0}}, Ray{{nan, 1, 1}, {1, 0, 0}}, Ray{{0, 1, 1}, {infinity, 0, 0}},
         Ray{{0, 1, 1}, {1e-320, 0, 0}}, Ray{{0, 1, 1}, {1, 0, 0}, nan}, Ray{{0, 1, 1}, {1, 0, 0}, 2, 1}})
-    EXPECT_FALSE(judge_first_crossing(ramp(), ray, 2, width).is_hit);
+    EXPECT_FALSE(exact_first_crossing(ramp(), ray, 2, width).is_hit);
 }
 
 TEST(JudgeGrid, V19_keeps_its_width_from_far_away) {
-  const GridRayVerdict verdict = judge_first_crossing(ramp(), {{-1e7, 1.3, 1.4}, {1, 1e-9, 0}}, 1.0 / 3, 1e-12);
+  const GridRayVerdict verdict = exact_first_crossing(ramp(), {{-1e7, 1.3, 1.4}, {1, 1e-9, 0}}, 1.0 / 3, 1e-12);
   ASSERT_TRUE(verdict.is_hit);
   EXPECT_TRUE(std::nextafter(verdict.t.lo, infinity) >= verdict.t.hi);
 }
 
 TEST(JudgeGrid, M02_gives_the_first_t_of_a_plateau) {
   const TestGrid plateau({6, 2, 2}, [](double x, double, double) { return std::min(x, 2.0); });
-  const GridMaximumVerdict verdict = judge_largest_value(plateau, {{-1, 0.5, 0.5}, {1, 0, 0}}, width);
+  const GridMaximumVerdict verdict = exact_largest_value(plateau, {{-1, 0.5, 0.5}, {1, 0, 0}}, width);
   EXPECT_EQ(verdict.value.hi, 2);
   EXPECT_EQ(verdict.t.lo, 3);
   EXPECT_EQ(verdict.cell, Index3(1, 0, 0));
@@ -382,7 +382,7 @@ TEST(JudgeGrid, M03_gives_the_first_of_equal_maxima_in_distant_cells) {
       const auto odd = [](double c) { return static_cast<std::size_t>(c) % 2; };
       return values[odd(x) + 2 * odd(y) + 4 * odd(z)];
     });
-    const GridMaximumVerdict verdict = judge_largest_value(periodic, {{0.25, 0.5, 0.125}, {1, 1, 1}}, width);
+    const GridMaximumVerdict verdict = exact_largest_value(periodic, {{0.25, 0.5, 0.125}, {1, 1, 1}}, width);
     ASSERT_TRUE(verdict.has_value);
     if (verdict.t.lo > 2) continue;  // at a place that the first period, begun halfway, does not have
     ASSERT_LT(verdict.t.hi, 2.125);

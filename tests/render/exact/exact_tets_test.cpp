@@ -25,13 +25,13 @@ bool is_tight(const Enclosure& e) {
   return std::nextafter(e.lo, infinity) >= e.hi;
 }
 
-TetForJudge corner_tet(std::array<double, 4> values, std::uint64_t id = 0) {
+ExactTet corner_tet(std::array<double, 4> values, std::uint64_t id = 0) {
   return {{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}, values, id};
 }
 
 TEST(JudgeTets, crosses_a_plane_where_it_stands) {
   const std::array tets{corner_tet({0, 1, 0, 0})};
-  const TetRayVerdict verdict = judge_first_crossing(tets, {{-1, 0.1, 0.1}, {1, 0, 0}}, 1.0 / 3, width);
+  const TetRayVerdict verdict = exact_first_crossing(tets, {{-1, 0.1, 0.1}, {1, 0, 0}}, 1.0 / 3, width);
   ASSERT_TRUE(verdict.is_hit);
   EXPECT_LE(verdict.t.width(), width);
   EXPECT_TRUE(verdict.t.contains(4.0 / 3));
@@ -41,96 +41,96 @@ TEST(JudgeTets, crosses_a_plane_where_it_stands) {
 TEST(JudgeTets, T17_sees_nothing_where_the_field_is_flat_along_the_ray) {
   const std::array tets{corner_tet({0, 0, 1, 0})};
   const Ray ray{{-1, 0.25, 0.1}, {1, 0, 0}};
-  EXPECT_FALSE(judge_first_crossing(tets, ray, 0.3, width).is_hit);
-  EXPECT_FALSE(judge_first_crossing(tets, ray, 0.2, width).is_hit) << "inside from the start";
-  EXPECT_FALSE(judge_first_crossing(tets, ray, 0.25, width).is_hit) << "at the isovalue, so inside";
+  EXPECT_FALSE(exact_first_crossing(tets, ray, 0.3, width).is_hit);
+  EXPECT_FALSE(exact_first_crossing(tets, ray, 0.2, width).is_hit) << "inside from the start";
+  EXPECT_FALSE(exact_first_crossing(tets, ray, 0.25, width).is_hit) << "at the isovalue, so inside";
 }
 
 TEST(JudgeTets, T22_sees_no_surface_where_the_mesh_begins) {
   const std::array tets{corner_tet({2, 2, 2, 2})};
-  EXPECT_FALSE(judge_first_crossing(tets, {{-1, 0.1, 0.1}, {1, 0, 0}}, 1, width).is_hit);
+  EXPECT_FALSE(exact_first_crossing(tets, {{-1, 0.1, 0.1}, {1, 0, 0}}, 1, width).is_hit);
 }
 
 TEST(JudgeTets, forgets_its_side_in_a_gap) {
-  TetForJudge far = corner_tet({2, 2, 2, 2}, 1);
+  ExactTet far = corner_tet({2, 2, 2, 2}, 1);
   for (Vec3& p : far.point) p.x += 3;
   const std::array tets{corner_tet({0, 0, 0, 0}), far};
-  EXPECT_FALSE(judge_first_crossing(tets, {{-1, 0.1, 0.1}, {1, 0, 0}}, 1, width).is_hit);
+  EXPECT_FALSE(exact_first_crossing(tets, {{-1, 0.1, 0.1}, {1, 0, 0}}, 1, width).is_hit);
 }
 
 /// Two tetrahedra on both sides of the face x = 0, its vertices at 0 and the far ones at the given values.
-std::array<TetForJudge, 2> two_sides(double before, double behind) {
+std::array<ExactTet, 2> two_sides(double before, double behind) {
   const Vec3 a(0, 0, 0), b(0, 1, 0), c(0, 0, 1);
-  return {TetForJudge{{Vec3(-1, 0.2, 0.2), a, b, c}, {before, 0, 0, 0}, 7},
-          TetForJudge{{a, b, c, Vec3(1, 0.2, 0.2)}, {0, 0, 0, behind}, 3}};
+  return {ExactTet{{Vec3(-1, 0.2, 0.2), a, b, c}, {before, 0, 0, 0}, 7},
+          ExactTet{{a, b, c, Vec3(1, 0.2, 0.2)}, {0, 0, 0, behind}, 3}};
 }
 
 TEST(JudgeTets, T15_a_face_at_the_isovalue_is_crossed_once_touched_or_left) {
   const Ray ray{{-2, 0.2, 0.2}, {1, 0, 0}};
-  const TetRayVerdict crossed = judge_first_crossing(two_sides(-1, 1), ray, 0, width);
+  const TetRayVerdict crossed = exact_first_crossing(two_sides(-1, 1), ray, 0, width);
   ASSERT_TRUE(crossed.is_hit);
   EXPECT_FALSE(crossed.touches);
   EXPECT_EQ(crossed.t.lo, 2);
   EXPECT_EQ(crossed.t.hi, 2);
   EXPECT_EQ(crossed.cell, 7) << "the one that the ray enters first";
-  const TetRayVerdict touched = judge_first_crossing(two_sides(-1, -1), ray, 0, width);
+  const TetRayVerdict touched = exact_first_crossing(two_sides(-1, -1), ray, 0, width);
   EXPECT_TRUE(touched.is_hit && touched.touches);
-  const TetRayVerdict left = judge_first_crossing(two_sides(1, -1), ray, 0, width);
+  const TetRayVerdict left = exact_first_crossing(two_sides(1, -1), ray, 0, width);
   EXPECT_TRUE(left.is_hit && !left.touches);
   EXPECT_EQ(left.cell, 3);
-  EXPECT_FALSE(judge_first_crossing(two_sides(1, 1), ray, 0, width).is_hit);
+  EXPECT_FALSE(exact_first_crossing(two_sides(1, 1), ray, 0, width).is_hit);
 }
 
 TEST(JudgeTets, T08_T10_cells_without_volume_change_nothing) {
   auto two = two_sides(-1, 1);
-  std::vector<TetForJudge> tets(two.begin(), two.end());
+  std::vector<ExactTet> tets(two.begin(), two.end());
   const Ray ray{{-2, 0.2, 0.2}, {1, 0, 0}};
-  const TetRayVerdict without = judge_first_crossing(tets, ray, 0.5, width);
+  const TetRayVerdict without = exact_first_crossing(tets, ray, 0.5, width);
   tets.push_back({{Vec3(0, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(0, 0.3, 0.3)}, {0, 0, 0, 1}, 8});
   tets.push_back({{Vec3(0, 0, 0), Vec3(0, 0, 0), Vec3(0, 0, 1), Vec3(0, 1, 0)}, {0, 9, 0, 0}, 9});
   tets.push_back({{Vec3(-9, 0.2, 0.2), Vec3(0, 0.2, 0.2), Vec3(5, 0.2, 0.2), Vec3(8, 0.2, 0.2)}, {9, -9, 9, 9}, 10});
-  const TetRayVerdict with = judge_first_crossing(tets, ray, 0.5, width);
+  const TetRayVerdict with = exact_first_crossing(tets, ray, 0.5, width);
   EXPECT_EQ(with.is_hit, without.is_hit);
   EXPECT_EQ(with.cell, without.cell);
   EXPECT_TRUE(with.t.lo <= without.t.hi && with.t.hi >= without.t.lo);
 }
 
 TEST(JudgeTets, T11_an_inverted_cell_is_like_its_twin) {
-  TetForJudge tet = corner_tet({0, 1, 0, 0});
+  ExactTet tet = corner_tet({0, 1, 0, 0});
   std::swap(tet.point[0], tet.point[1]);
   std::swap(tet.value[0], tet.value[1]);
-  EXPECT_TRUE(judge_first_crossing(std::array{tet}, {{-1, 0.1, 0.1}, {1, 0, 0}}, 0.25, width).t.contains(1.25));
+  EXPECT_TRUE(exact_first_crossing(std::array{tet}, {{-1, 0.1, 0.1}, {1, 0, 0}}, 0.25, width).t.contains(1.25));
 }
 
 TEST(JudgeTets, T26_cells_that_are_not_finite_are_absent) {
-  TetForJudge tet = corner_tet({0, std::nan(""), 0, 0});
-  EXPECT_FALSE(judge_first_crossing(std::array{tet}, {{-1, 0.1, 0.1}, {1, 0, 0}}, 0.25, width).is_hit);
-  EXPECT_FALSE(judge_largest_value(std::array{tet}, {{-1, 0.1, 0.1}, {1, 0, 0}}).has_value);
+  ExactTet tet = corner_tet({0, std::nan(""), 0, 0});
+  EXPECT_FALSE(exact_first_crossing(std::array{tet}, {{-1, 0.1, 0.1}, {1, 0, 0}}, 0.25, width).is_hit);
+  EXPECT_FALSE(exact_largest_value(std::array{tet}, {{-1, 0.1, 0.1}, {1, 0, 0}}).has_value);
   tet = corner_tet({0, 1, 0, 0});
   tet.point[2].y = infinity;
-  EXPECT_FALSE(judge_first_crossing(std::array{tet}, {{-1, 0.1, 0.1}, {1, 0, 0}}, 0.25, width).is_hit);
+  EXPECT_FALSE(exact_first_crossing(std::array{tet}, {{-1, 0.1, 0.1}, {1, 0, 0}}, 0.25, width).is_hit);
 }
 
 TEST(JudgeTets, T28_starts_on_the_side_where_the_ray_starts) {
   const std::array tets{corner_tet({0, 1, 0, 0})};
-  EXPECT_FALSE(judge_first_crossing(tets, {{0.5, 0.1, 0.1}, {1, 0, 0}}, 0.5, width).is_hit) << "on the surface: inside";
-  const TetRayVerdict leaves = judge_first_crossing(tets, {{0.5, 0.1, 0.1}, {-1, 0, 0}}, 0.5, width);
+  EXPECT_FALSE(exact_first_crossing(tets, {{0.5, 0.1, 0.1}, {1, 0, 0}}, 0.5, width).is_hit) << "on the surface: inside";
+  const TetRayVerdict leaves = exact_first_crossing(tets, {{0.5, 0.1, 0.1}, {-1, 0, 0}}, 0.5, width);
   EXPECT_TRUE(leaves.is_hit);
   EXPECT_EQ(leaves.t.hi, 0);
-  const TetRayVerdict later = judge_first_crossing(tets, {{0.25, 0.1, 0.1}, {1, 0, 0}}, 0.5, width);
+  const TetRayVerdict later = exact_first_crossing(tets, {{0.25, 0.1, 0.1}, {1, 0, 0}}, 0.5, width);
   EXPECT_TRUE(later.t.contains(0.25));
-  EXPECT_FALSE(judge_first_crossing(tets, {{0.25, 0.1, 0.1}, {1, 0, 0}, 0, 0.125}, 0.5, width).is_hit);
+  EXPECT_FALSE(exact_first_crossing(tets, {{0.25, 0.1, 0.1}, {1, 0, 0}, 0, 0.125}, 0.5, width).is_hit);
 }
 
 TEST(JudgeTets, refuses_what_is_no_ray) {
   const std::array tets{corner_tet({0, 1, 0, 0})};
   for (const Ray& ray : {Ray{{-1, 0.1, 0.1}, {0, 0, 0}}, Ray{{-1, 0.1, std::nan("")}, {1, 0, 0}},
                          Ray{{-1, 0.1, 0.1}, {1, 0, 0}, infinity}, Ray{{-1, 0.1, 0.1}, {1, 0, 0}, 2, 1}})
-    EXPECT_FALSE(judge_first_crossing(tets, ray, 0.5, width).is_hit);
+    EXPECT_FALSE(exact_first_crossing(tets, ray, 0.5, width).is_hit);
 }
 
 /// A block of n^3 cubes of six tetrahedra each around their diagonals, vertices moved a little or not.
-std::vector<TetForJudge> block(int n, Dice& dice, double moved, const Vec3& at, bool whole_values) {
+std::vector<ExactTet> block(int n, Dice& dice, double moved, const Vec3& at, bool whole_values) {
   const auto side = static_cast<std::size_t>(n + 1);
   std::vector<Vec3> points;
   std::vector<double> values;
@@ -140,7 +140,7 @@ std::vector<TetForJudge> block(int n, Dice& dice, double moved, const Vec3& at, 
     points.push_back(at + p + moved * dice.point({-1, -1, -1}, {1, 1, 1}));
     values.push_back(whole_values ? static_cast<double>(dice.below(5) - 2) : dice.between(-1, 1));
   }
-  std::vector<TetForJudge> tets;
+  std::vector<ExactTet> tets;
   for (std::size_t cube = 0; cube < static_cast<std::size_t>(n * n * n); ++cube) {
     const std::size_t m = static_cast<std::size_t>(n);
     const std::size_t base = cube % m + side * (cube / m % m) + side * side * (cube / m / m);
@@ -149,7 +149,7 @@ std::vector<TetForJudge> block(int n, Dice& dice, double moved, const Vec3& at, 
     do {
       const std::array<std::size_t, 4> v{base, base + steps[0], base + steps[0] + steps[1],
                                          base + steps[0] + steps[1] + steps[2]};
-      TetForJudge tet;
+      ExactTet tet;
       for (std::size_t i = 0; i < 4; ++i) tet.point[i] = points[v[i]], tet.value[i] = values[v[i]];
       tet.id = tets.size();
       tets.push_back(tet);
@@ -159,7 +159,7 @@ std::vector<TetForJudge> block(int n, Dice& dice, double moved, const Vec3& at, 
 }
 
 /// value - isovalue in a tetrahedron at a point of the ray, nothing outside of it or without volume: by Cramer's rule.
-std::optional<Rational> value_in(const TetForJudge& tet, const ExactVec3& x) {
+std::optional<Rational> value_in(const ExactTet& tet, const ExactVec3& x) {
   const ExactVec3 p0 = exact(tet.point[0]);
   const ExactVec3 a = exact(tet.point[1]) - p0, b = exact(tet.point[2]) - p0, c = exact(tet.point[3]) - p0, q = x - p0;
   const Rational volume = a.dot(b.cross(c));
@@ -171,7 +171,7 @@ std::optional<Rational> value_in(const TetForJudge& tet, const ExactVec3& x) {
 }
 
 /// False for a tetrahedron that is far from a point, whatever rounding does.
-bool may_hold(const TetForJudge& tet, const Vec3& x) {
+bool may_hold(const ExactTet& tet, const Vec3& x) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto [least, most] =
         std::minmax({tet.point[0][axis], tet.point[1][axis], tet.point[2][axis], tet.point[3][axis]});
@@ -181,20 +181,20 @@ bool may_hold(const TetForJudge& tet, const Vec3& x) {
 }
 
 /// The values that a mesh has at a point of the ray.
-std::vector<Rational> values_at(const std::vector<TetForJudge>& tets, const Ray& ray, const Rational& t) {
+std::vector<Rational> values_at(const std::vector<ExactTet>& tets, const Ray& ray, const Rational& t) {
   const ExactVec3 o = exact(ray.origin), d = exact(ray.direction);
   const ExactVec3 x{o.x + t * d.x, o.y + t * d.y, o.z + t * d.z};
   const Vec3 near_x(tests::rounded(x.x), tests::rounded(x.y), tests::rounded(x.z));
   std::vector<Rational> values;
-  for (const TetForJudge& tet : tets)
+  for (const ExactTet& tet : tets)
     if (may_hold(tet, near_x))
       if (const auto value = value_in(tet, x)) values.push_back(*value);
   return values;
 }
 
 /// A ray aimed at a point of any kind: of a cell, a face, an edge, a vertex; or along an edge.
-Ray aimed_ray(const std::vector<TetForJudge>& tets, Dice& dice) {
-  const TetForJudge& tet = tets[static_cast<std::size_t>(dice.below(static_cast<std::int64_t>(tets.size())))];
+Ray aimed_ray(const std::vector<ExactTet>& tets, Dice& dice) {
+  const ExactTet& tet = tets[static_cast<std::size_t>(dice.below(static_cast<std::int64_t>(tets.size())))];
   const std::int64_t corners = 1 + dice.below(4);
   Vec3 target(0, 0, 0);
   for (std::size_t i = 0; i < static_cast<std::size_t>(corners); ++i)
@@ -219,7 +219,7 @@ TEST(JudgeTets, says_what_is_true_at_points_of_the_ray) {
     const auto tets = block(2, dice, dice.coin() ? 0 : 0.15, at, whole_values);
     const double isovalue = whole_values ? static_cast<double>(dice.below(3) - 1) : dice.between(-0.5, 0.5);
     const Ray ray = aimed_ray(tets, dice);
-    const TetRayVerdict verdict = judge_first_crossing(tets, ray, isovalue, width);
+    const TetRayVerdict verdict = exact_first_crossing(tets, ray, isovalue, width);
     exact_road += verdict.road == Road::exact;
     hits += verdict.is_hit;
     // The convex block has no gaps along a ray: its sides before the crossing are all the same.
@@ -261,15 +261,15 @@ TEST(JudgeTets, gives_the_same_verdict_from_active_cells_alone) {
     const auto tets = block(2, dice, dice.coin() ? 0 : 0.15, {0, 0, 0}, whole_values);
     const double isovalue = whole_values ? static_cast<double>(dice.below(3) - 1) : dice.between(-0.5, 0.5);
     const Ray ray = aimed_ray(tets, dice);
-    std::vector<TetForJudge> active, closed;
-    for (const TetForJudge& tet : tets) {
+    std::vector<ExactTet> active, closed;
+    for (const ExactTet& tet : tets) {
       const auto [least, most] = std::minmax({tet.value[0], tet.value[1], tet.value[2], tet.value[3]});
       if (least < isovalue && most >= isovalue) active.push_back(tet);
       if (least <= isovalue && most >= isovalue) closed.push_back(tet);
     }
-    const TetRayVerdict all = judge_first_crossing(tets, ray, isovalue, width);
-    const TetRayVerdict of_active = judge_first_crossing(active, ray, isovalue, width);
-    const TetRayVerdict of_closed = judge_first_crossing(closed, ray, isovalue, width);
+    const TetRayVerdict all = exact_first_crossing(tets, ray, isovalue, width);
+    const TetRayVerdict of_active = exact_first_crossing(active, ray, isovalue, width);
+    const TetRayVerdict of_closed = exact_first_crossing(closed, ray, isovalue, width);
     for (const TetRayVerdict& some : {of_active, of_closed}) {
       ASSERT_EQ(all.is_hit, some.is_hit) << round;
       ASSERT_TRUE(all.t.lo <= some.t.hi && all.t.hi >= some.t.lo) << round;
@@ -287,15 +287,15 @@ TEST(JudgeTets, does_not_depend_on_the_order_of_cells) {
   for (int round = 0; round < 200; ++round) {
     auto tets = block(2, dice, dice.coin() ? 0 : 0.15, {0, 0, 0}, true);
     const Ray ray = aimed_ray(tets, dice);
-    const TetRayVerdict forth = judge_first_crossing(tets, ray, 0, width);
-    const TetMaximumVerdict top = judge_largest_value(tets, ray);
+    const TetRayVerdict forth = exact_first_crossing(tets, ray, 0, width);
+    const TetMaximumVerdict top = exact_largest_value(tets, ray);
     std::reverse(tets.begin(), tets.end());
-    const TetRayVerdict back = judge_first_crossing(tets, ray, 0, width);
+    const TetRayVerdict back = exact_first_crossing(tets, ray, 0, width);
     ASSERT_EQ(forth.is_hit, back.is_hit);
     ASSERT_EQ(forth.t.lo, back.t.lo);
     ASSERT_EQ(forth.cell, back.cell);
     ASSERT_EQ(forth.touches, back.touches);
-    const TetMaximumVerdict top_back = judge_largest_value(tets, ray);
+    const TetMaximumVerdict top_back = exact_largest_value(tets, ray);
     ASSERT_EQ(top.value.lo, top_back.value.lo);
     ASSERT_EQ(top.t.lo, top_back.t.lo);
     ASSERT_EQ(top.cell, top_back.cell);
@@ -308,7 +308,7 @@ TEST(JudgeTets, finds_a_largest_value_that_is_reached_and_not_passed) {
   for (int round = 0; round < 30; ++round) {
     const auto tets = block(2, dice, dice.coin() ? 0 : 0.15, {0, 0, 0}, dice.coin());
     const Ray ray = aimed_ray(tets, dice);
-    const TetMaximumVerdict verdict = judge_largest_value(tets, ray);
+    const TetMaximumVerdict verdict = exact_largest_value(tets, ray);
     if (!verdict.has_value) continue;
     ++found;
     ASSERT_TRUE(is_tight(verdict.value) && is_tight(verdict.t)) << round;

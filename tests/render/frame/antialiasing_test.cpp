@@ -266,7 +266,7 @@ TEST(Antialiasing, is_the_same_for_any_number_of_threads_and_in_passes) {
   EXPECT_TRUE(same_bytes(first.picture.color, second.picture.color));
   EXPECT_EQ(first.statistics.edge_samples, second.statistics.edge_samples);
   Framebuffer refined;
-  render::FrameMemory memory;
+  render::RenderContext memory;
   render::refine(shown.volumes, shown.scene, three, {.first_spacing = 4}, refined, memory);
   EXPECT_TRUE(same_bytes(first.picture.color, refined.color));
 }
@@ -342,7 +342,7 @@ TEST(Antialiasing, refuses_a_number_of_samples_that_is_none) {
   const Square square;
   Framebuffer out;
   for (const int samples : {0, -3, render::most_samples + 1})
-    expect_error(Trouble::usage, "samples of a pixel", [&] {
+    expect_error(ErrorCode::usage, "samples of a pixel", [&] {
       render::render(square.volume, square.scene(), {.width = 8, .height = 8, .antialiasing = samples}, out);
     });
 }

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "formats/base/trouble.h"
-#include "render/ray_questions.h"
+#include "formats/base/error.h"
+#include "render/ray_caster.h"
 #include "tests/render/frame/clipped_pictures.h"
 #include "tests/support/expect_error.h"
 
@@ -19,7 +19,7 @@ using namespace clipped;
 using render::Ray;
 
 /// All crossings of an isosurface along a ray, by the exact judge.
-std::vector<double> crossings_on(render::RayQuestions& judge, Ray ray) {
+std::vector<double> crossings_on(render::RayCaster& judge, Ray ray) {
   std::vector<double> all;
   for (;;) {
     const render::Hit hit = judge.first_crossing(ray);
@@ -34,15 +34,15 @@ TEST(Clip, shows_the_first_of_the_exact_crossings_that_is_kept) {
   const double isovalues[] = {0.4, 0.3, 0.5};
   for (const bool orthographic : {false, true})
     for (std::size_t v = 0; v < 3; ++v) {
-      const Scene whole = scene_of({surface(v, isovalues[v], render::Accuracy::single)}, {}, orthographic);
+      const Scene whole = scene_of({surface(v, isovalues[v], render::Accuracy::float32)}, {}, orthographic);
       const render::Volume& volume = shown.volumes[v];
-      render::RayQuestions judge(volume, isovalues[v], render::method_of(render::Accuracy::exact));
+      render::RayCaster judge(volume, isovalues[v], render::method_of(render::Accuracy::exact));
       const std::vector<Ray> rays = camera_rays(volume, whole.camera, edge, edge);
       const Affine& world = world_from_ray_frame(volume);
       std::vector<std::vector<double>> crossings;
       for (const Ray& ray : rays) crossings.push_back(crossings_on(judge, ray));
       for (const render::Accuracy accuracy :
-           {render::Accuracy::single, render::Accuracy::twofold, render::Accuracy::certified}) {
+           {render::Accuracy::float32, render::Accuracy::float64, render::Accuracy::certified}) {
         std::size_t hits = 0, misses = 0, changed = 0, wrong = 0;
         for (const Clip& clip : regions()) {
           Scene scene = whole;
@@ -69,7 +69,7 @@ TEST(Clip, shows_the_first_of_the_exact_crossings_that_is_kept) {
         EXPECT_GT(misses, 2500);
         EXPECT_GT(changed, 1500);
         // Single precision may have a ray that grazes the surface either way.
-        EXPECT_LE(wrong, accuracy == render::Accuracy::single ? 8 : 0);
+        EXPECT_LE(wrong, accuracy == render::Accuracy::float32 ? 8 : 0);
       }
     }
 }
@@ -79,7 +79,7 @@ TEST(Clip, parts_a_picture_into_what_is_kept_and_what_is_cut_away) {
   for (std::size_t v = 0; v < 4; ++v)
     for (const Clip& clip : regions()) {
       if (clip.cuts_away) continue;
-      Scene scene = scene_of({surface(v, 0.35, render::Accuracy::twofold)});
+      Scene scene = scene_of({surface(v, 0.35, render::Accuracy::float64)});
       const Picture whole = picture_of(shown.volumes, scene);
       scene.clip = clip;
       const Picture inside = picture_of(shown.volumes, scene);
@@ -104,7 +104,7 @@ TEST(Clip, ends_largest_values_at_its_faces) {
     Layer layer{.volume = v, .mode = Mode::mip, .window = {-2, 2}};
     const Scene whole = scene_of({layer});
     const render::Volume& volume = shown.volumes[v];
-    render::RayQuestions kernel(volume, 0, render::Method{});
+    render::RayCaster kernel(volume, 0, render::Method{});
     const std::vector<Ray> rays = camera_rays(volume, whole.camera, edge, edge);
     const Affine& world = world_from_ray_frame(volume);
     std::size_t different_from_whole = 0;
@@ -121,7 +121,7 @@ TEST(Clip, ends_largest_values_at_its_faces) {
           (along > 0 ? from : to) = along > 0 ? std::max(from, t) : std::min(to, t);
         }
         double expected = -infinity;
-        const auto look = [&](double t_min, double t_max) {
+        const auto shading = [&](double t_min, double t_max) {
           Ray part = rays[p];
           part.t_min = std::max(t_min, 0.0), part.t_max = t_max;
           render::Hit hit;
@@ -129,11 +129,11 @@ TEST(Clip, ends_largest_values_at_its_faces) {
           if (!hit.is_miss()) expected = std::max(expected, hit.value);
         };
         if (!clip.cuts_away)
-          look(from, to);
+          shading(from, to);
         else if (from <= to)
-          look(0, from), look(to, infinity);
+          shading(0, from), shading(to, infinity);
         else
-          look(0, infinity);
+          shading(0, infinity);
         const double value = found.pixels.value[p];
         if (expected == -infinity)
           EXPECT_TRUE(std::isnan(value)) << p;
@@ -157,7 +157,7 @@ TEST(Clip, cuts_a_ball_where_formulas_say) {
       sampled_volume<float>(samples, lattice_over(cube, samples), [](const Vec3& p) { return 1 - p.length2(); })));
   const double radius = 0.8, isovalue = 1 - radius * radius, height = 0.3;
   Scene scene =
-      scene_of({surface(0, isovalue, render::Accuracy::twofold)}, Clip{.planes = {{{0, 0, height}, {0, 0, -1}}}});
+      scene_of({surface(0, isovalue, render::Accuracy::float64)}, Clip{.planes = {{{0, 0, height}, {0, 0, -1}}}});
   scene.camera = render::fit_camera(cube, {.azimuth_deg = 0, .elevation_deg = 90, .orthographic = true}, 1);
   const int wide = 400;
   Framebuffer found;
@@ -204,7 +204,7 @@ struct Ramp {
   }
 
   Scene scene(std::size_t volume, double isovalue, const Clip& clip, double far_away = 0) const {
-    Scene scene = scene_of({surface(volume, isovalue, render::Accuracy::twofold)}, clip);
+    Scene scene = scene_of({surface(volume, isovalue, render::Accuracy::float64)}, clip);
     scene.camera = {.position = Vec3(far_away) + Vec3(4, 4, 16),
                     .target = Vec3(far_away) + Vec3(4, 4, 0),
                     .up = {0, 1, 0},
@@ -241,13 +241,13 @@ TEST(Clip, draws_no_surface_in_its_faces) {
   // Everything inside: a field that is above the isovalue everywhere has no surface, wherever it is cut.
   for (std::size_t v = 0; v < 3; ++v)
     for (const Clip& clip : regions())
-      EXPECT_EQ(hit_count(picture_of(shown.volumes, scene_of({surface(v, -3, render::Accuracy::single)}, clip)).pixels),
-                0);
+      EXPECT_EQ(
+          hit_count(picture_of(shown.volumes, scene_of({surface(v, -3, render::Accuracy::float32)}, clip)).pixels), 0);
 }
 
 TEST(Clip, leaves_layers_whole_that_say_so) {
   const Shown shown;
-  std::vector<Layer> layers{surface(0, 0.4, render::Accuracy::single), surface(3, 0, render::Accuracy::single)};
+  std::vector<Layer> layers{surface(0, 0.4, render::Accuracy::float32), surface(3, 0, render::Accuracy::float32)};
   layers[1].clipped = false;
   const Clip none_of_it{.box = Box3({5, 5, 5}, {6, 6, 6})};
   const Picture found = picture_of(shown.volumes, scene_of(layers, none_of_it)),
@@ -258,8 +258,8 @@ TEST(Clip, leaves_layers_whole_that_say_so) {
 
 TEST(Clip, costs_nothing_where_it_takes_nothing_away) {
   const Shown shown;
-  const std::vector<Layer> layers{surface(0, 0.4, render::Accuracy::single),
-                                  surface(1, 0.2, render::Accuracy::single, 0.5)};
+  const std::vector<Layer> layers{surface(0, 0.4, render::Accuracy::float32),
+                                  surface(1, 0.2, render::Accuracy::float32, 0.5)};
   const Picture without = picture_of(shown.volumes, scene_of(layers));
   for (const Clip& clip :
        {Clip{}, Clip{.box = Box3({-1, -1, -1}, {1, 1, 1})}, Clip{.planes = {{{0, 0, -4}, {0, 0, 1}}}},
@@ -276,7 +276,7 @@ TEST(Clip, costs_nothing_where_it_takes_nothing_away) {
 TEST(Clip, leaves_out_rays_that_it_leaves_nothing_of) {
   const Shown shown;
   for (std::size_t v = 0; v < 3; ++v) {
-    Layer layer = surface(v, 0.4, render::Accuracy::twofold);
+    Layer layer = surface(v, 0.4, render::Accuracy::float64);
     for (const Mode mode : {Mode::isosurface, Mode::mip}) {
       layer.mode = mode;
       layer.window = {-2, 2};
@@ -303,7 +303,7 @@ TEST(Clip, shows_the_background_where_nothing_is_left) {
   const Shown shown;
   for (const Clip& clip : {Clip{.box = Box3({2, 2, 2}, {3, 3, 3})}, Clip{.planes = {{{0, 0, 2}, {0, 0, 1}}}},
                            Clip{.box = Box3({-2, -2, -2}, {3, 3, 3}), .cuts_away = true}}) {
-    const Picture found = picture_of(shown.volumes, scene_of({surface(0, 0.4, render::Accuracy::single)}, clip));
+    const Picture found = picture_of(shown.volumes, scene_of({surface(0, 0.4, render::Accuracy::float32)}, clip));
     EXPECT_EQ(hit_count(found.pixels), 0);
     EXPECT_EQ(found.statistics.rays_ruled_out, found.statistics.rays);
     EXPECT_EQ(found.pixels.color[0], 0.9F);
@@ -313,8 +313,8 @@ TEST(Clip, shows_the_background_where_nothing_is_left) {
 TEST(Clip, keeps_the_order_of_clear_surfaces) {
   const Shown shown;
   std::vector<Layer> layers{
-      surface(2, 0.5, render::Accuracy::single, 0.3), surface(2, 0.3, render::Accuracy::single, 0.5),
-      surface(0, 0.4, render::Accuracy::single, 0.2), surface(3, 0, render::Accuracy::single, 0.4)};
+      surface(2, 0.5, render::Accuracy::float32, 0.3), surface(2, 0.3, render::Accuracy::float32, 0.5),
+      surface(0, 0.4, render::Accuracy::float32, 0.2), surface(3, 0, render::Accuracy::float32, 0.4)};
   // Light that is ambient only: then a pixel is the mix of the layers' colours, and tells how often each was met.
   for (Layer& layer : layers) layer.surface.ambient = 1, layer.surface.specular = 0;
   layers[3].clipped = false;
@@ -326,8 +326,8 @@ TEST(Clip, keeps_the_order_of_clear_surfaces) {
   std::vector<std::vector<Crossing>> crossings(std::size_t{edge} * edge);
   for (std::size_t l = 0; l < layers.size(); ++l) {
     const render::Volume& volume = shown.volumes[layers[l].volume];
-    render::RayQuestions judge(volume, layers[l].isovalue,
-                               render::method_of(l == 3 ? render::Accuracy::twofold : render::Accuracy::exact));
+    render::RayCaster judge(volume, layers[l].isovalue,
+                            render::method_of(l == 3 ? render::Accuracy::float64 : render::Accuracy::exact));
     const std::vector<Ray> rays = camera_rays(volume, whole.camera, edge, edge);
     for (std::size_t p = 0; p < rays.size(); ++p)
       for (const double t : crossings_on(judge, rays[p])) crossings[p].push_back({t, l});
@@ -367,8 +367,8 @@ TEST(Clip, keeps_the_order_of_clear_surfaces) {
 
 TEST(Clip, gives_the_same_bytes_for_any_number_of_threads_and_in_passes) {
   const Shown shown;
-  std::vector<Layer> layers{surface(0, 0.4, render::Accuracy::single), surface(1, 0.2, render::Accuracy::single, 0.5),
-                            surface(2, 0.3, render::Accuracy::single, 0.7), surface(3, 0, render::Accuracy::single)};
+  std::vector<Layer> layers{surface(0, 0.4, render::Accuracy::float32), surface(1, 0.2, render::Accuracy::float32, 0.5),
+                            surface(2, 0.3, render::Accuracy::float32, 0.7), surface(3, 0, render::Accuracy::float32)};
   layers[3].clipped = false;
   for (const Clip& clip : regions()) {
     Scene scene = scene_of(layers, clip);
@@ -379,7 +379,7 @@ TEST(Clip, gives_the_same_bytes_for_any_number_of_threads_and_in_passes) {
     EXPECT_EQ(one.statistics.rays_clipped, three.statistics.rays_clipped);
     EXPECT_EQ(one.statistics.rays_clipped_away, three.statistics.rays_clipped_away);
     Framebuffer refined;
-    render::FrameMemory memory;
+    render::RenderContext memory;
     render::refine(shown.volumes, scene, {.width = edge, .height = edge, .channels = all_channels, .threads = 2},
                    {.first_spacing = 4}, refined, memory);
     EXPECT_EQ(one.pixels.color, refined.color);
@@ -389,8 +389,8 @@ TEST(Clip, gives_the_same_bytes_for_any_number_of_threads_and_in_passes) {
 TEST(Clip, refuses_what_is_no_region) {
   const Shown shown;
   const auto refuse = [&](const Clip& clip, const char* what) {
-    expect_error(Trouble::usage, what,
-                 [&] { picture_of(shown.volumes, scene_of({surface(0, 0.4, render::Accuracy::single)}, clip)); });
+    expect_error(ErrorCode::usage, what,
+                 [&] { picture_of(shown.volumes, scene_of({surface(0, 0.4, render::Accuracy::float32)}, clip)); });
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   refuse({.box = Box3({0, 0, 0}, {1, 0, 1})}, "expected one that is not empty");

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "tests/render/frame/clipped_pictures.h"
 
 /// Lights beside clip regions.
@@ -25,7 +25,7 @@ struct Sundial {
     };
     add("ball.rho", [](const Vec3& p) { return 0.25 - (p - Vec3(0, 0, 0.4)).length2(); });
     add("plate.rho", [](const Vec3& p) { return -0.9 - p.z; });
-    scene = scene_of({surface(0, 0, render::Accuracy::single), surface(1, 0, render::Accuracy::single)});
+    scene = scene_of({surface(0, 0, render::Accuracy::float32), surface(1, 0, render::Accuracy::float32)});
     scene.lights = {{.kind = render::Light::Kind::directional, .place = {0, 0, 1}, .casts_shadows = true}};
     scene.camera = render::fit_camera(cube, {.azimuth_deg = 0, .elevation_deg = 30}, 1);
     for (Layer& layer : scene.layers) layer.surface = {.ambient = 0.2, .specular = 0};
@@ -70,7 +70,7 @@ TEST(ClippedLight, makes_no_spots_on_surfaces_under_lights) {
   for (const bool cuts_away : {false, true})
     for (const double place : {0.0, 0.01, -0.3}) {
       Scene scene =
-          scene_of({surface(0, 0, render::Accuracy::single)},
+          scene_of({surface(0, 0, render::Accuracy::float32)},
                    Clip{.planes = {{{0, 0, place}, {0.1, 0.2, cuts_away ? 1.0 : -1.0}}}, .cuts_away = cuts_away});
       scene.lights = {{.kind = render::Light::Kind::directional, .place = {-1, -1, 2}, .casts_shadows = true}};
       scene.occlusion.radius = 0.3;

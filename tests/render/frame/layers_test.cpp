@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "formats/base/trouble.h"
-#include "render/ray_questions.h"
+#include "formats/base/error.h"
+#include "render/ray_caster.h"
 #include "tests/agreement/pictures.h"
 
 /// Scenes of several layers: what is nearest is shown, clear surfaces in their order, largest values as a veil.
@@ -64,7 +64,7 @@ Framebuffer picture_of(const std::vector<render::Volume>& volumes, const Scene& 
 }
 
 Layer surface(std::size_t volume, double isovalue, const Vec3& color, double opacity = 1) {
-  Layer layer{.volume = volume, .isovalue = isovalue, .method = render::method_of(render::Accuracy::single)};
+  Layer layer{.volume = volume, .isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)};
   layer.surface.color = color;
   layer.surface.opacity = opacity;
   return layer;
@@ -120,7 +120,7 @@ std::vector<Crossing> crossings_on(const std::vector<render::Volume>& volumes, c
   std::vector<Crossing> all;
   for (std::size_t l = 0; l < layers.size(); ++l) {
     const render::Volume& volume = volumes[layers[l].volume];
-    render::RayQuestions judge(volume, layers[l].isovalue, render::method_of(render::Accuracy::exact));
+    render::RayCaster judge(volume, layers[l].isovalue, render::method_of(render::Accuracy::exact));
     render::Ray ray = camera_rays(volume, camera, edge, edge)[pixel];
     for (;;) {
       const render::Hit hit = judge.first_crossing(ray);
@@ -195,20 +195,20 @@ TEST(ClearLayers, that_hold_back_nothing_are_not_traced) {
   EXPECT_EQ(none.color[0], 0.9F);
 }
 
-TEST(LargestValues, lie_over_surfaces_as_a_veil_up_to_the_nearest) {
+TEST(LargestValues, are_added_over_surfaces_up_to_the_nearest) {
   const Shown shown;
   Layer veil{.volume = 0, .mode = Mode::mip, .window = shown.volumes[0].field().range};
   const Layer wall = surface(2, 0.45, {0.3, 0.3, 0.3});
   const Scene scene = scene_of({veil, wall});
   const Framebuffer both = picture_of(shown.volumes, scene), behind = picture_of(shown.volumes, scene_of({wall}));
-  render::RayQuestions questions(shown.volumes[0], 0, {});
+  render::RayCaster queries(shown.volumes[0], 0, {});
   const auto rays = camera_rays(shown.volumes[0], scene.camera, edge, edge);
   std::size_t cut = 0;
   for (std::size_t p = 0; p < both.pixel_count(); ++p) {
     render::Ray ray = rays[p];
     if (behind.depth[p] < infinity) ray.t_max = behind.depth[p], ++cut;
     render::Hit hit;
-    questions.largest_values({&ray, 1}, {&hit, 1});
+    queries.largest_values({&ray, 1}, {&hit, 1});
     double share = 0;
     if (!hit.is_miss()) {
       const double code = (hit.value - veil.window.lo) / (veil.window.hi - veil.window.lo);
@@ -229,7 +229,7 @@ TEST(Layers, are_refused_where_they_make_no_sense) {
     try {
       render::render(shown.volumes, scene_of(layers), {.width = 4, .height = 4}, out);
     } catch (const Error& error) {
-      return error.trouble() == Trouble::usage;
+      return error.code() == ErrorCode::usage;
     }
     return false;
   };

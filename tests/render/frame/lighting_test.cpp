@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tests/render/frame/lit_pictures.h"
 
 /// Light that reaches surfaces: several lights, occlusion, fog.
@@ -135,7 +135,7 @@ TEST(Lighting, is_the_same_for_any_number_of_threads_and_any_refinement) {
   EXPECT_EQ(one.statistics.shadow_rays, three.statistics.shadow_rays);
   EXPECT_EQ(one.statistics.occlusion_rays, three.statistics.occlusion_rays);
   Framebuffer refined;
-  render::FrameMemory memory;
+  render::RenderContext memory;
   render::refine(volumes, scene, {.width = edge, .height = edge, .channels = all_channels}, {.first_spacing = 4},
                  refined, memory);
   expect_same_bits(one.pixels, refined);
@@ -170,7 +170,7 @@ TEST(Lighting, is_refused_where_it_makes_no_sense) {
     try {
       picture_of(volumes, scene);
     } catch (const Error& error) {
-      return error.trouble() == Trouble::usage;
+      return error.code() == ErrorCode::usage;
     }
     return false;
   };

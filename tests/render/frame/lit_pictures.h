@@ -31,7 +31,7 @@ inline Light lamp(const Vec3& place) {
 }
 
 inline Layer matte(std::size_t volume, double isovalue) {
-  Layer layer{.volume = volume, .isovalue = isovalue, .method = render::method_of(render::Accuracy::single)};
+  Layer layer{.volume = volume, .isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)};
   layer.surface = {.color = {1, 1, 1}, .ambient = 0.25, .specular = 0};
   return layer;
 }

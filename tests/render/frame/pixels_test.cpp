@@ -43,23 +43,23 @@ std::unique_ptr<render::LayerWork> made_up_hits(const Tile& tile) {
 
 Framebuffer picture_of(const Scene& scene, const Tile& tile, Machine machine, const render::ChannelSet& channels) {
   const auto work = made_up_hits(tile);
-  const render::Look look{.layer = scene.layers[0],
-                          .effects = effects_called_for(scene, scene.layers[0]),
-                          .facing = render::Facing(world_from_volume),
-                          .lights = lights_of(scene, world_from_volume),
-                          .fog = scene.fog,
-                          .proves = false,
-                          .machine = machine};
+  const render::LayerShading shading{.layer = scene.layers[0],
+                                     .effects = effects_called_for(scene, scene.layers[0]),
+                                     .facing = render::Facing(world_from_volume),
+                                     .lights = lights_of(scene, world_from_volume),
+                                     .fog = scene.fog,
+                                     .proves = false,
+                                     .machine = machine};
   const auto colors = std::make_unique<render::TileColors>();
   render::WorkerCounts counts;
   fill_background(scene.background, work->rays.count, *colors);
-  shade_hits(look, *work, {}, counts, *colors);
+  shade_hits(shading, *work, {}, counts, *colors);
   Framebuffer picture(tile.x_end, tile.y_end, channels);
   const render::PixelLattice lattice{.width = tile.x_end, .height = tile.y_end};
   write_colors(lattice, tile, *colors, picture);
   std::vector<Vec3> normals;
   for (std::size_t r = 0; r < work->rays.count; ++r)
-    normals.push_back(look.facing.normal(work->hits[r].gradient, work->rays[r].direction));
+    normals.push_back(shading.facing.normal(work->hits[r].gradient, work->rays[r].direction));
   write_channels(lattice, tile, work->hits, normals.data(), picture);
   return picture;
 }

@@ -14,10 +14,10 @@ namespace {
 
 using render::ChannelSet;
 using render::Framebuffer;
-using render::FrameMemory;
 using render::FrameOptions;
 using render::FrameStatistics;
 using render::Mode;
+using render::RenderContext;
 using render::Scene;
 
 constexpr ChannelSet all_channels{
@@ -57,7 +57,7 @@ TEST(Refine, ends_with_the_plain_frame_bit_for_bit) {
             const FrameOptions options{.width = width, .height = height, .channels = all_channels, .threads = threads};
             Framebuffer plain, refined;
             const FrameStatistics once = render::render(traced->volume(), scene, options, plain);
-            FrameMemory memory;
+            RenderContext memory;
             std::vector<int> spacings;
             const FrameStatistics all = render::refine(traced->volume(), scene, options,
                                                        {.first_spacing = spacing,
@@ -85,7 +85,7 @@ TEST(Refine, shows_real_rays_at_every_pass) {
   const FrameOptions options{.width = width, .height = height, .channels = {.depth = true, .cell = true}};
   Framebuffer plain, shown;
   render::render(traced.volume(), scene, options, plain);
-  FrameMemory memory;
+  RenderContext memory;
   int passes = 0;
   const auto check = [&](int spacing) {
     ++passes;
@@ -109,7 +109,7 @@ TEST(Refine, ends_when_it_is_told_to) {
   const Scene scene = scene_of(traced.volume(), Mode::isosurface, 1);
   const FrameOptions options{.width = 256, .height = 256, .threads = 2};
   Framebuffer picture;
-  FrameMemory memory;
+  RenderContext memory;
   const FrameStatistics quarter = render::refine(
       traced.volume(), scene, options, {.first_spacing = 2, .pass_done = [](int) { return false; }}, picture, memory);
   EXPECT_EQ(quarter.rays, 128U * 128U);
@@ -131,19 +131,19 @@ TEST(Refine, ends_when_it_is_told_to) {
 
 TEST(Refine, refuses_spacings_that_do_not_halve) {
   const TracedVolume traced(sampled_volume<float>({9, 9, 9}, {}, blob()));
-  FrameMemory memory;
+  RenderContext memory;
   for (const int spacing : {0, -1, 3, 32})
-    expect_error(Trouble::usage, "expected 1, 2, 4, 8 or 16", [&] {
+    expect_error(ErrorCode::usage, "expected 1, 2, 4, 8 or 16", [&] {
       Framebuffer picture;
       render::refine(traced.volume(), scene_of(traced.volume(), Mode::isosurface, 1), {.width = 8, .height = 8},
                      {.first_spacing = spacing}, picture, memory);
     });
 }
 
-TEST(FrameMemory, changes_no_picture_and_no_count) {
+TEST(RenderContext, changes_no_picture_and_no_count) {
   const TracedVolume grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
   const TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
-  FrameMemory memory;
+  RenderContext memory;
   Framebuffer kept;
   for (const unsigned threads : {1U, 4U, 2U})
     for (const int edge : {64, 45})
@@ -152,7 +152,7 @@ TEST(FrameMemory, changes_no_picture_and_no_count) {
           for (const ChannelSet& channels : {all_channels, ChannelSet{}}) {
             Scene scene = scene_of(traced->volume(), mode, 1);
             // Single precision is what wide kernels answer; each frame another isovalue.
-            if (edge == 45) scene.layers[0].method = method_of(render::Accuracy::single);
+            if (edge == 45) scene.layers[0].method = method_of(render::Accuracy::float32);
             scene.layers[0].isovalue = 0.1 * threads;
             const FrameOptions options{.width = edge, .height = edge, .channels = channels, .threads = threads};
             Framebuffer fresh;

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tests/render/support/allocation_count.h"
 #include "tests/render/support/traced_volume.h"
 #include "tests/support/expect_error.h"
@@ -79,7 +79,7 @@ TEST(Render, looks_up_normals_and_colours_for_scenes_that_ask_for_them_and_for_n
   TracedVolume grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
   TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
   for (const TracedVolume* traced : {&grid, &mesh})
-    for (const auto accuracy : {render::Accuracy::single, render::Accuracy::twofold, render::Accuracy::certified}) {
+    for (const auto accuracy : {render::Accuracy::float32, render::Accuracy::float64, render::Accuracy::certified}) {
       const render::Volume& volume = traced->volume();
       Scene scene = scene_of(volume, Mode::isosurface);
       scene.layers[0].method = method_of(accuracy);
@@ -125,8 +125,8 @@ TEST(Render, refuses_colours_that_it_cannot_show) {
     scene.layers[0].surface.color_by = {.field = field, .range = range};
     render::render(mesh.volume(), scene, {.width = 4, .height = 4}, picture);
   };
-  expect_error(Trouble::usage, "expected a finite range", [&] { render_by("value", {}); });
-  expect_error(Trouble::usage, "no field 'colour'", [&] { render_by("colour", {0, 1}); });
+  expect_error(ErrorCode::usage, "expected a finite range", [&] { render_by("value", {}); });
+  expect_error(ErrorCode::usage, "no field 'colour'", [&] { render_by("colour", {0, 1}); });
   EXPECT_NO_THROW(render_by("value", {0, 0}));
 }
 
@@ -247,7 +247,7 @@ TEST(Render, says_for_which_machine_the_kernel_that_answered_is_compiled) {
     return render::render(traced.volume(), scene, {.width = 20, .height = 20, .use_hierarchy = use_hierarchy}, picture)
         .machine;
   };
-  const Method single = method_of(render::Accuracy::single);
+  const Method single = method_of(render::Accuracy::float32);
   EXPECT_EQ(machine_of(grid, single, true), name_of(render::chosen_machine()));
   EXPECT_EQ(machine_of(grid, single, false), "scalar") << "a wide kernel that leaves the question to the other";
   EXPECT_EQ(machine_of(grid, Method{}, true), "scalar");
@@ -259,7 +259,7 @@ TEST(Render, says_for_which_machine_the_kernel_that_answered_is_compiled) {
 TEST(Render, prepares_an_isovalue_of_a_mesh_once) {
   const TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
   Scene scene = scene_of(mesh.volume(), Mode::isosurface);
-  scene.layers[0].method = method_of(render::Accuracy::single);
+  scene.layers[0].method = method_of(render::Accuracy::float32);
   Framebuffer picture;
   const FrameStatistics first = render::render(mesh.volume(), scene, {.width = 20, .height = 20}, picture);
   EXPECT_EQ(first.preparation_s > 0, render::chosen_machine() != render::Machine::scalar);
@@ -337,7 +337,7 @@ TEST(Render, refuses_pictures_and_scenes_that_make_no_sense) {
       render::render(traced.volume(), scene, {.width = width, .height = height}, picture);
       return false;
     } catch (const Error& error) {
-      return error.trouble() == Trouble::usage;
+      return error.code() == ErrorCode::usage;
     }
   };
   EXPECT_FALSE(refused(good, 4, 4));

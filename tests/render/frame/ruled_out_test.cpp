@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "formats/base/trouble.h"
-#include "render/ray_questions.h"
+#include "formats/base/error.h"
+#include "render/ray_caster.h"
 #include "render/render.h"
 #include "tests/render/support/rays.h"
 #include "tests/render/support/traced_volume.h"
@@ -75,11 +75,11 @@ Shown show(const render::Volume& volume, const Scene& scene, FrameOptions option
   shown.statistics = render::render(volume, scene, options, shown.picture);
   const std::vector<render::Ray> rays = render::camera_rays(volume, scene.camera, options.width, options.height);
   shown.hits.resize(rays.size());
-  render::RayQuestions questions(volume, scene.layers[0].isovalue, method);
+  render::RayCaster queries(volume, scene.layers[0].isovalue, method);
   if (scene.layers[0].mode == Mode::mip)
-    questions.largest_values(rays, shown.hits);
+    queries.largest_values(rays, shown.hits);
   else
-    questions.first_crossings(rays, shown.hits);
+    queries.first_crossings(rays, shown.hits);
   return shown;
 }
 
@@ -105,11 +105,11 @@ TEST(RuledOut, rays_are_those_that_miss_and_pictures_stay_the_same) {
   const TracedVolume mesh(box_mesh({.cells = {12, 10, 11}, .box = Box3({0, 0, 0}, {48, 42, 44})}, two_balls()));
   for (const TracedVolume* traced : {&grid, &mesh})
     for (const Accuracy accuracy :
-         {Accuracy::preview, Accuracy::single, Accuracy::twofold, Accuracy::certified, Accuracy::exact})
+         {Accuracy::preview, Accuracy::float32, Accuracy::float64, Accuracy::certified, Accuracy::exact})
       for (const Mode mode : {Mode::isosurface, Mode::mip}) {
         const bool is_exact = accuracy == Accuracy::exact;
-        if (mode == Mode::mip && accuracy != Accuracy::twofold && accuracy != Accuracy::certified) continue;
-        const bool is_wide = mode == Mode::isosurface && accuracy != Accuracy::twofold && !is_exact;
+        if (mode == Mode::mip && accuracy != Accuracy::float64 && accuracy != Accuracy::certified) continue;
+        const bool is_wide = mode == Mode::isosurface && accuracy != Accuracy::float64 && !is_exact;
         const FrameOptions options{.width = is_exact  ? 13
                                             : is_wide ? 133
                                                       : 53,
@@ -150,11 +150,11 @@ TEST(RuledOut, all_rays_are_where_the_isovalue_is_passed_nowhere) {
       scene.background = {0.25, 0.5, 0.75};
       scene.camera = fit_camera(traced->volume().bounds(), render::named_view("iso"), 1);
       scene.layers[0].isovalue = 100;
-      scene.layers[0].method = method_of(Accuracy::single);
+      scene.layers[0].method = method_of(Accuracy::float32);
       const FrameOptions options{.width = 75, .height = 53, .channels = {.depth = true, .cell = true, .cost = true}};
       Framebuffer picture(75, 53, options.channels);
       std::fill(picture.color.begin(), picture.color.end(), -1.0F);
-      render::FrameMemory memory;
+      render::RenderContext memory;
       const FrameStatistics statistics =
           render::refine(traced->volume(), scene, options, {.first_spacing = spacing}, picture, memory);
       EXPECT_EQ(statistics.rays, 75U * 53U);
@@ -192,10 +192,10 @@ TEST(RuledOut, rays_of_refined_pictures_are_about_as_many) {
   const TracedVolume grid(sampled_volume<float>({49, 43, 45}, {}, two_balls()));
   Scene scene;
   scene.camera = cameras_of(grid.volume()).front();
-  scene.layers[0].method = method_of(Accuracy::single);
+  scene.layers[0].method = method_of(Accuracy::float32);
   const FrameOptions options{.width = 300, .height = 220};
   Framebuffer plain, refined;
-  render::FrameMemory memory;
+  render::RenderContext memory;
   const FrameStatistics at_once = render::render(grid.volume(), scene, options, plain);
   const FrameStatistics in_passes =
       render::refine(grid.volume(), scene, options, {.first_spacing = 2}, refined, memory);

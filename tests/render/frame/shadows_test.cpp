@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "tests/render/frame/lit_pictures.h"
 
 /// Shadows of lights without a size: none from a surface on itself, all others where they must be.
@@ -173,11 +173,11 @@ TEST(Shadows, are_those_of_rays_that_start_beside_the_surface) {
       for (const Light& light : {sun({1, -2, 1.5}), lamp({0.1, -0.4, 0.9})}) {
         const Scene scene = scene_of(layers, {light});
         const Picture with = picture_of(volumes, scene), none = picture_of(volumes, without_shadows(scene));
-        std::vector<std::unique_ptr<render::RayQuestions>> questions;
+        std::vector<std::unique_ptr<render::RayCaster>> queries;
         std::vector<Affine> world_from;
         for (const Layer& layer : layers) {
-          questions.push_back(
-              std::make_unique<render::RayQuestions>(volumes[layer.volume], layer.isovalue, render::Method{}));
+          queries.push_back(
+              std::make_unique<render::RayCaster>(volumes[layer.volume], layer.isovalue, render::Method{}));
           world_from.push_back(world_from_ray_frame(volumes[layer.volume]));
         }
         for (std::size_t p = 0; p < with.pixels.pixel_count(); p += 3) {
@@ -197,7 +197,7 @@ TEST(Shadows, are_those_of_rays_that_start_beside_the_surface) {
             const render::Ray ray{.origin = from_world.point(start),
                                   .direction = from_world.vector(way.normalized()),
                                   .t_max = light.kind == Light::Kind::point ? way.length() : infinity};
-            nearest = std::min(nearest, questions[l]->first_crossing(ray).t);
+            nearest = std::min(nearest, queries[l]->first_crossing(ray).t);
           }
           const bool is_dark = with.red(p) == 0.25F;
           ASSERT_TRUE(is_dark || with.red(p) == none.red(p));
@@ -255,7 +255,7 @@ TEST(Shadows, are_the_same_whatever_frames_were_before) {
   const std::vector<render::Volume> volumes = both_kinds(
       folder, [](const Vec3& p) { return std::sin(7 * p.x + 1) + std::sin(9 * p.y) * std::cos(6 * p.z); }, 16);
   for (std::size_t v = 0; v < volumes.size(); ++v) {
-    render::FrameMemory memory;
+    render::RenderContext memory;
     std::size_t frame = 0;
     for (const double isovalue : {0.2, 0.2, 0.1, 0.2})
       for (const Light& light : {sun({-2, -1, 1.5}), sun({-2, -1, 1.5}), sun({-2, -1, 1.4}), lamp({-2, -1, 1.5}),

@@ -5,10 +5,10 @@
 #include <limits>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/pack_surface.h"
 #include "render/color_map.h"
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "render/shade/place_lookup.h"
 #include "tests/agreement/pictures.h"
 #include "tests/render/support/wide_machines.h"
@@ -44,7 +44,7 @@ Layer slice(std::size_t volume, const HalfSpace& plane, double opacity = 1) {
 }
 
 Layer isosurface(std::size_t volume, double isovalue, double opacity = 1) {
-  Layer layer{.volume = volume, .isovalue = isovalue, .method = render::method_of(render::Accuracy::twofold)};
+  Layer layer{.volume = volume, .isovalue = isovalue, .method = render::method_of(render::Accuracy::float64)};
   layer.surface = {.color = {1, 0, 0}, .ambient = 1, .specular = 0, .opacity = opacity};
   return layer;
 }
@@ -428,7 +428,7 @@ TEST(Slices, are_the_same_bytes_for_any_number_of_threads_in_passes_and_on_every
     EXPECT_EQ(one.pixels.color, three.pixels.color);
     EXPECT_EQ(one.statistics.slice_lookups, three.statistics.slice_lookups);
     Framebuffer refined;
-    render::FrameMemory memory;
+    render::RenderContext memory;
     render::refine(shown.volumes, scene, {.width = edge, .height = edge, .channels = all_channels, .threads = 2},
                    {.first_spacing = 4}, refined, memory);
     EXPECT_EQ(one.pixels.color, refined.color);
@@ -464,7 +464,7 @@ TEST(Slices, refuse_what_cannot_be_sliced) {
   const auto refuse = [&](const auto& spoil, const char* what) {
     Layer layer = good;
     spoil(layer);
-    expect_error(Trouble::usage, what, [&] { picture_of(shown.volumes, scene_of({layer})); });
+    expect_error(ErrorCode::usage, what, [&] { picture_of(shown.volumes, scene_of({layer})); });
   };
   refuse([](Layer& layer) { layer.plane.normal = {0, 0, 0}; }, "expected finite numbers and a direction");
   refuse([](Layer& layer) { layer.plane.point.x = no_data; }, "expected finite numbers and a direction");
@@ -474,7 +474,7 @@ TEST(Slices, refuse_what_cannot_be_sliced) {
   preprocess::pack_surface(round_surface(2), folder / "ball.rho");
   std::vector<render::Volume> ball;
   ball.push_back(render::Volume::load(folder / "ball.rho"));
-  expect_error(Trouble::usage, "holds triangles", [&] { picture_of(ball, scene_of({good})); });
+  expect_error(ErrorCode::usage, "holds triangles", [&] { picture_of(ball, scene_of({good})); });
 }
 
 }  // namespace

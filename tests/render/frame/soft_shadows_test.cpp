@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "render/frame/camera_rays.h"
 #include "tests/render/frame/lit_pictures.h"
 #include "tests/support/expect_error.h"
@@ -185,7 +185,7 @@ TEST(SoftShadows, are_the_same_for_any_number_of_threads) {
   expect_same_bits(one.pixels, three.pixels);
   EXPECT_EQ(one.statistics.shadow_rays, three.statistics.shadow_rays);
   render::Framebuffer refined;
-  render::FrameMemory memory;
+  render::RenderContext memory;
   render::refine(volumes, scene, {.width = edge, .height = edge, .channels = all_channels}, {.first_spacing = 4},
                  refined, memory);
   expect_same_bits(one.pixels, refined);
@@ -197,7 +197,7 @@ TEST(SoftShadows, are_refused_where_a_size_makes_no_sense) {
   const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
   for (const Light& light : {sun(-1), sun(181), sun(nan), lamp({0, 0, 1}, -1), lamp({0, 0, 1}, infinity),
                              lamp({0, 0, 1}, nan), sun(1, 0), sun(1, 4097)})
-    expect_error(Trouble::usage, "a light of size",
+    expect_error(ErrorCode::usage, "a light of size",
                  [&] { picture_of(volumes, scene_of({matte(0, floor_height)}, light)); });
 }
 

@@ -225,7 +225,7 @@ TEST(GridLargestValue, on_a_face_belongs_to_the_cell_that_the_ray_enters_first) 
       const bool rises = trial % 2 == 0;
       const Vec3 at(ridge, dice.between(1, 22), dice.between(1, 22));
       const Vec3 direction(rises ? 1 : -1, dice.between(-0.9, 0.9), dice.between(-0.9, 0.9));
-      for (const Method& method : {Method{}, face_rule, Method{.precision = Method::Precision::single}}) {
+      for (const Method& method : {Method{}, face_rule, Method{.precision = Method::Precision::float32}}) {
         const Hit hit = traced.largest_value({.origin = at - 0.9 * direction, .direction = direction}, method);
         const Vec3 p = at - 0.9 * direction + hit.t * direction;
         if (std::abs(p.x - ridge) > 1e-9) continue;  // higher inside a cell

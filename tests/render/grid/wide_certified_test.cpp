@@ -145,7 +145,7 @@ TEST(WideCertified, of_a_ray_taken_up_at_a_plane_before_its_hit_is_that_of_the_w
   using View = render::GridVolume<float>;
   TracedVolume traced(hills());
   const View& view = std::get<View>(traced.volume().implementation().view);
-  const render::Question question{.isovalue = 10.3, .method = certified};
+  const render::RayQuery query{.isovalue = 10.3, .method = certified};
   Dice dice(3);
   render::RayBatch rays(64);
   render::HitBatch hits(64);
@@ -158,7 +158,7 @@ TEST(WideCertified, of_a_ray_taken_up_at_a_plane_before_its_hit_is_that_of_the_w
     rays.set(0, ray);
     const auto resumed = [&](const render::ResumedAt& from) {
       const std::uint64_t before = traced.scratch.counters.visits();
-      resume_certified(view, question, rays, std::span(&from, 1), hits, traced.scratch);
+      resume_certified(view, query, rays, std::span(&from, 1), hits, traced.scratch);
       EXPECT_EQ(hits[0].cost, traced.scratch.counters.visits() - before);
       return hits[0];
     };

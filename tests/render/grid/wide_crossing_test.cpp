@@ -28,7 +28,7 @@ using render::Machine;
 using render::Method;
 using render::Ray;
 
-constexpr Method single = render::method_of(render::Accuracy::single);
+constexpr Method single = render::method_of(render::Accuracy::float32);
 
 /// Rays from anywhere in a box [0, size] to all sides, some of them cut short.
 std::vector<Ray> scattered_rays(const Vec3& size, std::size_t count, std::uint64_t seed) {

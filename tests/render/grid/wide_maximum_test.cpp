@@ -268,8 +268,8 @@ TEST(WideMaximum, is_chosen_where_levels_have_factor_4_and_the_way_is_direct) {
     return render::wide::largest_value_kernel(traced.volume().implementation(), method, machine);
   };
   EXPECT_EQ(kernel(other_factor, Method{}, Machine::baseline), nullptr);
-  EXPECT_EQ(kernel(one_level, {.way = Method::Way::paper}, Machine::baseline), nullptr);
-  EXPECT_EQ(kernel(one_level, {.way = Method::Way::certified}, Machine::baseline), nullptr);
+  EXPECT_EQ(kernel(one_level, {.algorithm = Method::Algorithm::paper}, Machine::baseline), nullptr);
+  EXPECT_EQ(kernel(one_level, {.algorithm = Method::Algorithm::certified}, Machine::baseline), nullptr);
   EXPECT_EQ(kernel(one_level, Method{}, Machine::scalar), nullptr);
 }
 

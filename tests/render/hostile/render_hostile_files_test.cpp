@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "formats/brick_grid.h"
 #include "formats/color_grid.h"
 #include "formats/surface_mesh.h"
@@ -80,10 +80,10 @@ std::vector<Scene> scenes_of(const render::Volume& volume, const Look& look) {
     return scenes;
   }
   for (const render::Accuracy accuracy :
-       {render::Accuracy::preview, render::Accuracy::single, render::Accuracy::twofold, render::Accuracy::certified})
+       {render::Accuracy::preview, render::Accuracy::float32, render::Accuracy::float64, render::Accuracy::certified})
     add({.isovalue = middle, .method = render::method_of(accuracy)});
-  add({.isovalue = middle, .method = render::method_of(render::Accuracy::single), .surface = {.opacity = 0.5}});
-  for (const render::Accuracy accuracy : {render::Accuracy::twofold, render::Accuracy::certified})
+  add({.isovalue = middle, .method = render::method_of(render::Accuracy::float32), .surface = {.opacity = 0.5}});
+  for (const render::Accuracy accuracy : {render::Accuracy::float64, render::Accuracy::certified})
     add({.mode = Mode::mip, .method = render::method_of(accuracy), .window = window});
   Layer slice{.mode = Mode::slice};
   slice.plane = {.point = look.bounds.center(), .normal = {0.2, 0.3, 1}};

@@ -13,8 +13,8 @@ namespace {
 using render::Hit;
 using render::Method;
 
-constexpr Method certified{.way = Method::Way::certified};
-constexpr Method judged{.way = Method::Way::judged};
+constexpr Method certified{.algorithm = Method::Algorithm::certified};
+constexpr Method judged{.algorithm = Method::Algorithm::exact};
 
 /// A certified answer beside the judge's: the same decision, and both places within their bounds.
 void expect_agreement(const Hit& proven, const Hit& truth, const render::Ray& ray) {
@@ -41,7 +41,7 @@ Counts compare(TracedVolume& traced, const std::vector<render::Ray>& rays, doubl
     traced.scratch.counters = {};
     const Hit proven = traced.first_crossing(ray, iso, certified);
     counts.redone += traced.scratch.counters.rays_redone;
-    counts.judged += traced.scratch.counters.rays_judged;
+    counts.judged += traced.scratch.counters.rays_exact;
     const Hit truth = traced.first_crossing(ray, iso, judged);
     expect_agreement(proven, truth, ray);
     ++(truth.is_miss() ? counts.misses : counts.hits);
@@ -173,7 +173,7 @@ struct Placed {
   void trace(TracedVolume& traced, const render::Ray& ray, double iso) {
     traced.scratch.counters = {};
     const Hit proven = traced.first_crossing(ray, iso, certified);
-    const bool is_redone = traced.scratch.counters.rays_redone > 0, is_judged = traced.scratch.counters.rays_judged > 0;
+    const bool is_redone = traced.scratch.counters.rays_redone > 0, is_judged = traced.scratch.counters.rays_exact > 0;
     const Hit truth = traced.first_crossing(ray, iso, judged);
     expect_agreement(proven, truth, ray);
     if (truth.is_miss()) return;
@@ -246,7 +246,8 @@ TEST(SampledCrossings, come_close_with_smaller_steps_and_miss_what_lies_between_
     const Hit truth = traced.first_crossing(ray, 0.9);
     if (truth.is_miss()) continue;
     const auto sampled = [&](double step, bool bisect) {
-      return traced.first_crossing(ray, 0.9, Method{.way = Method::Way::sampled, .step = step, .bisect = bisect});
+      return traced.first_crossing(ray, 0.9,
+                                   Method{.algorithm = Method::Algorithm::sampled, .step = step, .bisect = bisect});
     };
     ++hits;
     missed_at_2 += sampled(2, false).is_miss();

@@ -27,7 +27,7 @@ TEST_P(InstructionSets, answer_as_the_reference_does) {
     GTEST_SKIP() << "this processor lacks " << name_of(GetParam()) << ": no kernel for it is tested here";
   TracedVolume traced(sampled_volume<float>({25, 22, 27}, {}, distance_field({12, 10, 13})));
   const std::vector<Ray> rays = bundles({24, 21, 26}, 500, 31);
-  const Method single = render::method_of(render::Accuracy::single);
+  const Method single = render::method_of(render::Accuracy::float32);
   const std::vector<Hit> reference = answers(traced, Method{}, Machine::scalar, rays, 8);
   const std::vector<Hit> found = answers(traced, single, GetParam(), rays, 8);
   std::size_t hits = 0;

@@ -25,8 +25,8 @@ using render::Method;
 using render::Ray;
 using render::StartSide;
 
-constexpr Method twofold = render::method_of(render::Accuracy::twofold);
-constexpr Method single = render::method_of(render::Accuracy::single);
+constexpr Method float64 = render::method_of(render::Accuracy::float64);
+constexpr Method single = render::method_of(render::Accuracy::float32);
 
 /// A way in which secondary rays may be answered.
 struct Road {
@@ -34,7 +34,7 @@ struct Road {
   Machine machine;
 };
 std::vector<Road> roads() {
-  std::vector<Road> all{{twofold, Machine::scalar}};
+  std::vector<Road> all{{float64, Machine::scalar}};
   for (const Machine machine : wide_machines()) all.push_back({single, machine});
   return all;
 }
@@ -180,7 +180,7 @@ TEST(StartSide, agrees_with_rays_that_start_beside_the_surface) {
           beside.back().start_side = StartSide::unknown;
         }
         const std::vector<Hit> a = answers(*shown.traced, road.method, road.machine, sided, isovalue);
-        const std::vector<Hit> b = answers(*shown.traced, twofold, Machine::scalar, beside, isovalue);
+        const std::vector<Hit> b = answers(*shown.traced, float64, Machine::scalar, beside, isovalue);
         for (std::size_t r = 0; r < sided.size(); ++r) {
           ++asked;
           if (!a[r].is_miss() && a[r].t < 2e-3 * shown.length) {
@@ -214,13 +214,13 @@ TEST(StartSide, beside_samples_without_data_is_heeded_on_every_machine_as_by_the
   TracedVolume traced(volume_of<float>({40, 33, 29}, with_gaps));
   const Shown shown{"gaps", nullptr, 1, {0, 0, 0}, {39, 32, 28}};
   const std::vector<Ray> rays = rays_through(shown, 4000, 3);
-  const std::vector<Hit> hits = answers(traced, twofold, Machine::scalar, rays, 16);
+  const std::vector<Hit> hits = answers(traced, float64, Machine::scalar, rays, 16);
   std::vector<Ray> away;
   Dice dice(4);
   for (std::size_t r = 0; r < rays.size(); ++r)
     for (int i = 0; i < 8 && !hits[r].is_miss(); ++i) away.push_back(ray_from(rays[r], hits[r], dice.direction()));
   ASSERT_GT(away.size(), 20'000U);
-  const std::vector<Hit> expected = answers(traced, twofold, Machine::scalar, away, 16);
+  const std::vector<Hit> expected = answers(traced, float64, Machine::scalar, away, 16);
   for (const Machine machine : wide_machines()) {
     const std::vector<Hit> found = answers(traced, single, machine, away, 16);
     std::size_t differing = 0;

@@ -22,8 +22,8 @@ namespace rhoray::tests {
 namespace {
 
 using render::Accuracy;
+using render::HitAttributes;
 using render::HitLookup;
-using render::HitWishes;
 using render::Machine;
 
 constexpr std::size_t group_size = render::RayBatch::group_size;
@@ -43,14 +43,15 @@ struct Answers {
 
 /// @param rays  in the volume's frame; whole groups
 Answers answered(const render::Volume& volume, const std::vector<render::Ray>& rays, double isovalue,
-                 const render::Method& method, const HitWishes& wishes, Machine machine = render::chosen_machine()) {
+                 const render::Method& method, const HitAttributes& attributes,
+                 Machine machine = render::chosen_machine()) {
   Answers answers(rays.size());
   for (std::size_t r = 0; r < rays.size(); ++r) answers.rays.set(r, rays[r]);
   const render::VolumeImplementation& implementation = volume.implementation();
   render::KernelScratch scratch;
   render::choose_kernels(implementation, method)
       .first_crossing(implementation, {.isovalue = isovalue, .method = method}, answers.rays, answers.hits, scratch);
-  const HitLookup lookup(implementation, wishes, 1, machine);
+  const HitLookup lookup(implementation, attributes, 1, machine);
   for (std::size_t first = 0; first < rays.size(); first += group_size)
     lookup(answers.rays, answers.hits, first, answers.values.data() + first);
   return answers;
@@ -72,7 +73,7 @@ std::vector<render::Ray> rays_through(const Box3& box, std::size_t count) {
 }
 
 const std::vector<render::Method>& levels() {
-  static const std::vector<render::Method> all{method_of(Accuracy::single), method_of(Accuracy::twofold),
+  static const std::vector<render::Method> all{method_of(Accuracy::float32), method_of(Accuracy::float64),
                                                method_of(Accuracy::certified), method_of(Accuracy::exact)};
   return all;
 }
@@ -105,8 +106,8 @@ TEST(HitLookup, names_the_tetrahedron_that_was_hit_at_every_level) {
     const auto& view = std::get<render::TetVolume<double>>(implementation.view);
     const auto rays = rays_through(implementation.bounds_volume, 256);
     auto methods = levels();
-    methods.push_back({.way = render::Method::Way::sampled, .step = 0.05, .bisect = true});
-    methods.push_back({.way = render::Method::Way::slack, .slack = 1e-9});
+    methods.push_back({.algorithm = render::Method::Algorithm::sampled, .step = 0.05, .bisect = true});
+    methods.push_back({.algorithm = render::Method::Algorithm::slack, .slack = 1e-9});
     for (const render::Method& method : methods) {
       const Answers answers = answered(traced.volume(), rays, 0.3, method, {.smooth_gradients = true, .field = {}});
       for_each_hit(answers, 100, [&](std::size_t r, const Vec3&) {
@@ -127,8 +128,8 @@ TEST(HitLookup, of_a_linear_field_says_the_fields_own_gradient_and_values_at_eve
     const auto rays = rays_through(implementation.bounds_volume, 256);
     for (const render::Method& method : levels()) {
       // Then t itself may be off by that much; the value is the one on the surface.
-      const bool is_float =
-          method.precision == render::Method::Precision::single || method.way == render::Method::Way::certified;
+      const bool is_float = method.precision == render::Method::Precision::float32 ||
+                            method.algorithm == render::Method::Algorithm::certified;
       const Answers own = answered(traced.volume(), rays, 2.05, method, {.smooth_gradients = true, .field = "value"});
       for_each_hit(own, 60, [&](std::size_t r, const Vec3&) {
         EXPECT_NEAR(own.values[r], 2.05, 1e-15 * 8);
@@ -340,7 +341,7 @@ TEST(HitLookup, in_grids_is_trilinear_at_the_hit_where_samples_stand_and_lie_any
         return static_cast<double>(above - table.begin() - 1) + (x - above[-1]) / (above[0] - above[-1]);
       };
       for (const render::Method& method : levels()) {
-        const double tolerance = method.precision == render::Method::Precision::single ? 1e-5 : 1e-11;
+        const double tolerance = method.precision == render::Method::Precision::float32 ? 1e-5 : 1e-11;
         const Answers own = answered(traced.volume(), rays, 0.7, method, {.smooth_gradients = false, .field = "value"});
         for_each_hit(own, 60,
                      [&](std::size_t r, const Vec3&) { EXPECT_NEAR(own.values[r], 0.7, 2e-3 * 1e-2 + tolerance); });
@@ -376,9 +377,9 @@ TEST(HitLookup, gives_the_same_bits_on_every_machine) {
   TracedVolume grid(made_grid({.sample_count = {17, 12, 14}}, grid_fields()).file(), "value");
   for (const TracedVolume* traced : {&mesh, &grid}) {
     const auto rays = rays_through(traced->volume().implementation().bounds_volume, 256);
-    const HitWishes wishes{.smooth_gradients = traced->volume().is_mesh(), .field = "other"};
+    const HitAttributes attributes{.smooth_gradients = traced->volume().is_mesh(), .field = "other"};
     const auto on = [&](Machine machine) {
-      return answered(traced->volume(), rays, 0.3, render::Method{}, wishes, machine);
+      return answered(traced->volume(), rays, 0.3, render::Method{}, attributes, machine);
     };
     const Answers scalar = on(Machine::scalar);
     for (const Machine machine : wide_machines()) {
@@ -394,9 +395,9 @@ TEST(HitLookup, gives_the_same_bits_on_every_machine) {
 TEST(HitLookup, refuses_what_does_not_apply) {
   TracedVolume mesh(box_mesh({}, waves));
   TracedVolume grid(made_grid({}, grid_fields()).file());
-  expect_error(Trouble::usage, "no field 'colour'; it has 'value'",
+  expect_error(ErrorCode::usage, "no field 'colour'; it has 'value'",
                [&] { HitLookup(mesh.volume().implementation(), {.smooth_gradients = false, .field = "colour"}, 1); });
-  expect_error(Trouble::usage, "smooth normals are of meshes",
+  expect_error(ErrorCode::usage, "smooth normals are of meshes",
                [&] { HitLookup(grid.volume().implementation(), {.smooth_gradients = true, .field = {}}, 1); });
 }
 

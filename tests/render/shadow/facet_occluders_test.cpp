@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "render/shadow/occluders.h"
 #include "tests/agreement/pictures.h"
 
@@ -44,12 +44,12 @@ void expect_the_same_as_first_crossings(render::Machine machine, double (*field)
   add_point_field(mesh, "value", field);
   const render::Volume volume = packed(folder, "mesh.rho", mesh);
   const render::VolumeImplementation& implementation = volume.implementation();
-  const render::Question question{.isovalue = 0.2, .method = render::method_of(render::Accuracy::single)};
-  const render::Kernel whole = choose_kernels(implementation, question.method, machine).first_crossing;
-  const render::wide::AnyCrossing any = render::wide::any_facet_kernel(implementation, question.method, machine);
+  const render::RayQuery query{.isovalue = 0.2, .method = render::method_of(render::Accuracy::float32)};
+  const render::Kernel whole = choose_kernels(implementation, query.method, machine).first_crossing;
+  const render::wide::AnyCrossing any = render::wide::any_facet_kernel(implementation, query.method, machine);
   ASSERT_NE(any, nullptr);
 
-  const auto facets = render::wide::facets_with_blockers(implementation, question, 2);
+  const auto facets = render::wide::facets_with_occluders(implementation, query, 2);
   ASSERT_TRUE(facets);
   render::KernelScratch scratch;
   RayBatch rays(ray_count), light_rays(ray_count);
@@ -60,7 +60,7 @@ void expect_the_same_as_first_crossings(render::Machine machine, double (*field)
   const std::vector<render::Ray> of_camera = camera_rays(volume, camera, edge, edge);
   for (std::size_t r = 0; r < ray_count; ++r) rays.set(r, of_camera[r]);
   rays.count = ray_count;
-  whole(implementation, question, rays, seen, scratch);
+  whole(implementation, query, rays, seen, scratch);
 
   auto& [asked, blocked, left_out, above, in_shadow] = sum;
   light_rays.has_start_sides = true;
@@ -71,10 +71,10 @@ void expect_the_same_as_first_crossings(render::Machine machine, double (*field)
                                {.is_place = true, .at = {-2, -3, 2}, .reach = 0.3}};
   for (const LightPlace& light : lights)
     for (const StartSide side : {StartSide::outside, StartSide::inside}) {
-      const auto of_light = render::wide::facet_blockers_of(machine, facets, light, render::wide::Shadows::unknown);
-      const render::wide::Blockers* blockers = &of_light->of(side);
-      left_out += blockers->facets->facets().count() - blockers->facets->count();
-      EXPECT_EQ(blockers->heights.has_value(), !light.is_place && light.reach == 0);
+      const auto of_light = render::wide::facet_occluders_of(machine, facets, light, render::wide::Shadows::unknown);
+      const render::wide::Occluders* occluders = &of_light->of(side);
+      left_out += occluders->facets->facets().count() - occluders->facets->count();
+      EXPECT_EQ(occluders->heights.has_value(), !light.is_place && light.reach == 0);
       std::size_t count = 0;
       for (std::size_t r = 0; r < ray_count; ++r) {
         const render::Hit hit = seen[r];
@@ -92,9 +92,9 @@ void expect_the_same_as_first_crossings(render::Machine machine, double (*field)
                                  .start_side = side});
       }
       light_rays.count = count;
-      whole(implementation, question, light_rays, by_all, scratch);
-      any(implementation, question, blockers, light_rays, crossed.data(), scratch);
-      any(implementation, question, nullptr, light_rays, crossed_of_all.data(), scratch);
+      whole(implementation, query, light_rays, by_all, scratch);
+      any(implementation, query, occluders, light_rays, crossed.data(), scratch);
+      any(implementation, query, nullptr, light_rays, crossed_of_all.data(), scratch);
       for (std::size_t r = 0; r < count; ++r) {
         const bool is_crossed = (crossed[r / 64] >> r % 64 & 1) != 0;
         ASSERT_EQ(is_crossed, !by_all[r].is_miss()) << r;
@@ -108,7 +108,7 @@ void expect_the_same_as_first_crossings(render::Machine machine, double (*field)
         const auto known = heights->know(machine, light_rays, first, all);
         ASSERT_EQ(crossed[first / 64] & all & ~(known.asked | known.in_shadow), 0U);
         ASSERT_EQ(known.in_shadow & ~crossed[first / 64], 0U);
-        ASSERT_EQ(blockers->heights->know(machine, light_rays, first, all).asked, known.asked | known.in_shadow);
+        ASSERT_EQ(occluders->heights->know(machine, light_rays, first, all).asked, known.asked | known.in_shadow);
         above += static_cast<std::size_t>(std::popcount(all & ~(known.asked | known.in_shadow)));
         in_shadow += static_cast<std::size_t>(std::popcount(known.in_shadow));
       }
@@ -116,7 +116,7 @@ void expect_the_same_as_first_crossings(render::Machine machine, double (*field)
     }
 }
 
-TEST(FacetBlockers, hold_back_what_the_whole_surface_does) {
+TEST(FacetOccluders, hold_back_what_the_whole_surface_does) {
   for (const render::Machine machine : {render::Machine::baseline, render::Machine::avx2, render::Machine::avx512}) {
     if (!has_machine(machine)) continue;
     Answers of_waves, of_ball;
@@ -132,21 +132,21 @@ TEST(FacetBlockers, hold_back_what_the_whole_surface_does) {
 }
 
 // A ball: of its lit side nothing can hold the light back.
-TEST(FacetBlockers, are_the_half_that_is_turned_away_from_the_light) {
+TEST(FacetOccluders, are_the_half_that_is_turned_away_from_the_light) {
   const TemporaryFolder folder;
   preprocess::NeutralMesh mesh = box_mesh({.cells = {24, 24, 24}, .box = {{-1, -1, -1}, {1, 1, 1}}});
   add_point_field(mesh, "value", [](const Vec3& p) { return 0.7 - p.length(); });
   const render::Volume volume = packed(folder, "mesh.rho", mesh);
-  const render::Question question{.isovalue = 0.01, .method = render::method_of(render::Accuracy::single)};
+  const render::RayQuery query{.isovalue = 0.01, .method = render::method_of(render::Accuracy::float32)};
   const LightPlace light{.at = {0, 0, 1}};
-  const auto all = render::wide::facets_with_blockers(volume.implementation(), question, 1);
+  const auto all = render::wide::facets_with_occluders(volume.implementation(), query, 1);
   ASSERT_TRUE(all);
   const auto of_light =
-      render::wide::facet_blockers_of(render::Machine::baseline, all, light, render::wide::Shadows::unknown);
-  const render::wide::Blockers* blockers = &of_light->of(StartSide::outside);
-  const render::Facets& facets = blockers->facets->facets();
+      render::wide::facet_occluders_of(render::Machine::baseline, all, light, render::wide::Shadows::unknown);
+  const render::wide::Occluders* occluders = &of_light->of(StartSide::outside);
+  const render::Facets& facets = occluders->facets->facets();
   std::vector<bool> is_left(facets.count(), false);
-  for (std::uint32_t f = 0; f < blockers->facets->count(); ++f) is_left[blockers->facets->sources()[f]] = true;
+  for (std::uint32_t f = 0; f < occluders->facets->count(); ++f) is_left[occluders->facets->sources()[f]] = true;
   std::size_t kept_high = 0, kept_low = 0, high = 0, low = 0;
   for (std::uint32_t f = 0; f < facets.count(); ++f) {
     const float z = facets.blocks()[f / 16].corner[0][2][f % 16];
@@ -161,7 +161,7 @@ TEST(FacetBlockers, are_the_half_that_is_turned_away_from_the_light) {
   for (std::size_t r = 0; r < 64; ++r)
     rays.set(r, {.origin = {0.05 * static_cast<double>(r % 8), 0.05 * static_cast<double>(r / 8), r % 2 ? 0.69 : -0.9},
                  .direction = {0, 0, 1}});
-  EXPECT_EQ(blockers->heights->know(render::Machine::baseline, rays, 0, ~std::uint64_t{0}).asked, 0x5555555555555555U);
+  EXPECT_EQ(occluders->heights->know(render::Machine::baseline, rays, 0, ~std::uint64_t{0}).asked, 0x5555555555555555U);
   const auto with_shadows = render::wide::with_shadows(render::Machine::baseline, of_light, light);
   const auto known =
       with_shadows->of(StartSide::outside).heights->know(render::Machine::baseline, rays, 0, ~std::uint64_t{0});
@@ -169,7 +169,7 @@ TEST(FacetBlockers, are_the_half_that_is_turned_away_from_the_light) {
   EXPECT_EQ(known.in_shadow, 0x5555555555555555U);
 }
 
-TEST(FacetBlockers, are_asked_about_in_single_precision_only) {
+TEST(FacetOccluders, are_asked_about_in_single_precision_only) {
   const TemporaryFolder folder;
   preprocess::NeutralMesh mesh = box_mesh({});
   add_point_field(mesh, "value", waves);
@@ -180,11 +180,11 @@ TEST(FacetBlockers, are_asked_about_in_single_precision_only) {
   const auto kernel = [](const render::Volume& volume, render::Accuracy accuracy, render::Machine machine) {
     return render::wide::any_facet_kernel(volume.implementation(), render::method_of(accuracy), machine);
   };
-  EXPECT_NE(kernel(of_mesh, render::Accuracy::single, render::Machine::baseline), nullptr);
-  EXPECT_EQ(kernel(of_mesh, render::Accuracy::single, render::Machine::scalar), nullptr);
-  EXPECT_EQ(kernel(of_mesh, render::Accuracy::twofold, render::Machine::baseline), nullptr);
+  EXPECT_NE(kernel(of_mesh, render::Accuracy::float32, render::Machine::baseline), nullptr);
+  EXPECT_EQ(kernel(of_mesh, render::Accuracy::float32, render::Machine::scalar), nullptr);
+  EXPECT_EQ(kernel(of_mesh, render::Accuracy::float64, render::Machine::baseline), nullptr);
   EXPECT_EQ(kernel(of_mesh, render::Accuracy::certified, render::Machine::baseline), nullptr);
-  EXPECT_EQ(kernel(of_grid, render::Accuracy::single, render::Machine::baseline), nullptr);
+  EXPECT_EQ(kernel(of_grid, render::Accuracy::float32, render::Machine::baseline), nullptr);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "tests/agreement/pictures.h"
 
 namespace rhoray::tests {
@@ -21,8 +21,8 @@ using render::wide::SurfaceCells;
 constexpr int edge = 64;
 constexpr std::size_t ray_count = static_cast<std::size_t>(edge) * edge;
 
-render::Question question_of(double isovalue) {
-  return {.isovalue = isovalue, .method = render::method_of(render::Accuracy::single)};
+render::RayQuery query_of(double isovalue) {
+  return {.isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)};
 }
 
 /// Asks about light at every hit that the camera sees, from sides and directions of all kinds.
@@ -32,10 +32,9 @@ void expect_nothing_above_to_be_held_back(const Field& field, double isovalue, c
   const render::Volume volume =
       packed(folder, "grid.rho", sampled_volume<T>(samples, lattice_over({Vec3(-1), Vec3(1)}, samples), field));
   const render::VolumeImplementation& implementation = volume.implementation();
-  const render::Question question = question_of(isovalue);
-  const render::Kernel kernel =
-      choose_kernels(implementation, question.method, render::Machine::baseline).first_crossing;
-  const auto cells = SurfaceCells::of(implementation, question, 2);
+  const render::RayQuery query = query_of(isovalue);
+  const render::Kernel kernel = choose_kernels(implementation, query.method, render::Machine::baseline).first_crossing;
+  const auto cells = SurfaceCells::of(implementation, query, 2);
   ASSERT_TRUE(cells);
   render::KernelScratch scratch;
   RayBatch rays(ray_count), light_rays(ray_count);
@@ -47,12 +46,12 @@ void expect_nothing_above_to_be_held_back(const Field& field, double isovalue, c
     const std::vector<render::Ray> of_camera = camera_rays(volume, camera, edge, edge);
     for (std::size_t r = 0; r < ray_count; ++r) rays.set(r, of_camera[r]);
     rays.count = ray_count;
-    kernel(implementation, question, rays, seen, scratch);
+    kernel(implementation, query, rays, seen, scratch);
     light_rays.has_start_sides = true;
     for (const Vec3& light : {Vec3(1, -2, 1.5), Vec3(-1, -1, 0.1), Vec3(0, 0, 1), Vec3(0.3, 0.7, -2), Vec3(-3, 1, 1)})
       for (const StartSide side : {StartSide::outside, StartSide::inside}) {
-        const auto by_baseline = render::wide::grid_blockers_of(render::Machine::baseline, cells, {.at = light}),
-                   by_chosen = render::wide::grid_blockers_of(render::chosen_machine(), cells, {.at = light});
+        const auto by_baseline = render::wide::grid_occluders_of(render::Machine::baseline, cells, {.at = light}),
+                   by_chosen = render::wide::grid_occluders_of(render::chosen_machine(), cells, {.at = light});
         ASSERT_TRUE(by_baseline->of(side).heights && by_chosen->of(side).heights);
         std::size_t count = 0;
         for (std::size_t r = 0; r < ray_count; ++r) {
@@ -64,7 +63,7 @@ void expect_nothing_above_to_be_held_back(const Field& field, double isovalue, c
           light_rays.set(count++, {.origin = of_camera[r].at(hit.t), .direction = light, .start_side = side});
         }
         light_rays.count = count;
-        kernel(implementation, question, light_rays, met, scratch);
+        kernel(implementation, query, light_rays, met, scratch);
         for (std::size_t first = 0; first < count; first += 64) {
           const std::uint64_t all = count - first < 64 ? (std::uint64_t{1} << (count - first)) - 1 : ~std::uint64_t{0};
           for (const render::Machine machine : {render::Machine::baseline, render::chosen_machine()}) {
@@ -80,7 +79,7 @@ void expect_nothing_above_to_be_held_back(const Field& field, double isovalue, c
           }
         }
         // What ends above all that may hold it back meets what it would without an end.
-        kernel(implementation, question, light_rays, met_before_ends, scratch);
+        kernel(implementation, query, light_rays, met_before_ends, scratch);
         for (std::size_t r = 0; r < count; ++r)
           if (light_rays[r].t_max >= 0) {
             ASSERT_EQ(met_before_ends[r].is_miss(), met[r].is_miss()) << r;
@@ -100,38 +99,38 @@ double waves(const Vec3& p) {
 }
 
 // A ray that is said to stand above all that may hold its light back is never held back.
-TEST(GridBlockers, keep_every_ray_that_is_held_back) {
+TEST(GridOccluders, keep_every_ray_that_is_held_back) {
   expect_nothing_above_to_be_held_back<float>(waves, 0.2, {61, 58, 66});
   expect_nothing_above_to_be_held_back<double>([](const Vec3& p) { return 1e6 * waves(p); }, -2e5, {43, 50, 37});
 }
 
 // In whole numbers a surface has steps, and edges along which the field is level.
-TEST(GridBlockers, keep_them_where_values_are_whole_numbers) {
+TEST(GridOccluders, keep_them_where_values_are_whole_numbers) {
   expect_nothing_above_to_be_held_back<std::uint8_t>([](const Vec3& p) { return 8 + 3 * waves(p); }, 8.5, {49, 49, 49});
 }
 
 // A ball: its lit side holds nothing back, and what is turned away does.
-TEST(GridBlockers, are_turned_away_from_the_light) {
+TEST(GridOccluders, are_turned_away_from_the_light) {
   const TemporaryFolder folder;
   const Index3 samples(65, 65, 65);
   const render::Volume volume = packed(folder, "grid.rho",
                                        sampled_volume<float>(samples, lattice_over({Vec3(-1), Vec3(1)}, samples),
                                                              [](const Vec3& p) { return 0.7 - p.length(); }));
-  const auto cells = SurfaceCells::of(volume.implementation(), question_of(0.01), 1);
+  const auto cells = SurfaceCells::of(volume.implementation(), query_of(0.01), 1);
   ASSERT_TRUE(cells);
-  const auto of_light = render::wide::grid_blockers_of(render::Machine::baseline, cells, {.at = {0, 0, 1}});
-  const render::wide::Blockers* blockers = &of_light->of(StartSide::outside);
-  ASSERT_TRUE(blockers->heights);
+  const auto of_light = render::wide::grid_occluders_of(render::Machine::baseline, cells, {.at = {0, 0, 1}});
+  const render::wide::Occluders* occluders = &of_light->of(StartSide::outside);
+  ASSERT_TRUE(occluders->heights);
   // In cells: over the middle, half of the rays on the upper side, half below all.
   RayBatch rays(64);
   for (std::size_t r = 0; r < 64; ++r)
     rays.set(r, {.origin = {28.0 + static_cast<double>(r % 8), 28.0 + static_cast<double>(r / 8), r % 2 ? 54.0 : 4.0},
                  .direction = {0, 0, 1}});
-  EXPECT_EQ(blockers->heights->know(render::Machine::baseline, rays, 0, ~std::uint64_t{0}).asked, 0x5555555555555555U);
+  EXPECT_EQ(occluders->heights->know(render::Machine::baseline, rays, 0, ~std::uint64_t{0}).asked, 0x5555555555555555U);
 }
 
 // The field may rise from one side of a gap to the other, and in no cell.
-TEST(GridBlockers, are_not_known_where_data_have_gaps) {
+TEST(GridOccluders, are_not_known_where_data_have_gaps) {
   const TemporaryFolder folder;
   const Index3 samples(20, 20, 20);
   const auto with_gap = [](const Vec3& p) {
@@ -139,7 +138,7 @@ TEST(GridBlockers, are_not_known_where_data_have_gaps) {
   };
   const render::Volume volume =
       packed(folder, "grid.rho", sampled_volume<float>(samples, lattice_over({Vec3(-1), Vec3(1)}, samples), with_gap));
-  EXPECT_EQ(SurfaceCells::of(volume.implementation(), question_of(0.2), 1), nullptr);
+  EXPECT_EQ(SurfaceCells::of(volume.implementation(), query_of(0.2), 1), nullptr);
 }
 
 }  // namespace

@@ -10,8 +10,8 @@ namespace rhoray::tests {
 namespace {
 
 using render::StartSide;
-using render::wide::BlockersMemory;
 using render::wide::LightPlace;
+using render::wide::OccluderCache;
 
 double waves(const Vec3& p) {
   return std::sin(7 * p.x + 1) + std::sin(9 * p.y) * std::cos(6 * p.z);
@@ -27,13 +27,13 @@ render::Volume mesh_in(const TemporaryFolder& folder) {
   return packed(folder, "mesh.rho", mesh);
 }
 
-TEST(BlockersMemory, finds_those_of_an_isovalue_and_a_light_once) {
+TEST(OccluderCache, finds_those_of_an_isovalue_and_a_light_once) {
   const TemporaryFolder folder;
   for (const render::Volume& volume : {grid_in(folder), mesh_in(folder)}) {
-    BlockersMemory memory;
+    OccluderCache memory;
     const auto of = [&](double isovalue, const LightPlace& light) {
       return memory.of(volume.implementation(),
-                       {.isovalue = isovalue, .method = render::method_of(render::Accuracy::single)}, light, 1);
+                       {.isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)}, light, 1);
     };
     const LightPlace light{.at = {0, 0, 1}};
     const auto first = of(0.2, light), other_isovalue = of(0.3, light), other_light = of(0.2, {.at = {0, 1, 1}});
@@ -52,16 +52,16 @@ TEST(BlockersMemory, finds_those_of_an_isovalue_and_a_light_once) {
 
 // What an isovalue that is seen for one frame would pay for in vain is found when a surface is asked about again: for
 // all lights that come then, at once.
-TEST(BlockersMemory, knows_shadows_from_the_second_time_on_that_a_surface_is_asked_about) {
+TEST(OccluderCache, knows_shadows_from_the_second_time_on_that_a_surface_is_asked_about) {
   const TemporaryFolder folder;
   preprocess::NeutralMesh mesh = box_mesh({.cells = {24, 24, 24}, .box = {{-1, -1, -1}, {1, 1, 1}}});
   add_point_field(mesh, "value", [](const Vec3& p) { return 0.7 - p.length(); });
   const render::Volume volume = packed(folder, "mesh.rho", mesh);
-  BlockersMemory memory;
+  OccluderCache memory;
   const auto knows_shadows = [&](double isovalue, const LightPlace& light) {
     const auto of_light =
         memory.of(volume.implementation(),
-                  {.isovalue = isovalue, .method = render::method_of(render::Accuracy::single)}, light, 1);
+                  {.isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)}, light, 1);
     render::RayBatch rays(64);
     for (std::size_t r = 0; r < 64; ++r) rays.set(r, {.origin = {0, 0, -0.9}, .direction = light.at});
     const auto known = of_light->of(StartSide::outside).heights->know(render::Machine::baseline, rays, 0, 1);
@@ -77,18 +77,18 @@ TEST(BlockersMemory, knows_shadows_from_the_second_time_on_that_a_surface_is_ask
 }
 
 // Where light stands at a place, or has a size, facets are known by it; cells are not.
-TEST(BlockersMemory, keeps_facets_for_lights_of_all_kinds) {
+TEST(OccluderCache, keeps_facets_for_lights_of_all_kinds) {
   const TemporaryFolder folder;
   const render::Volume grid = grid_in(folder), mesh = mesh_in(folder);
-  BlockersMemory memory;
+  OccluderCache memory;
   const auto of = [&](const render::Volume& volume, const LightPlace& light) {
-    return memory.of(volume.implementation(), {.isovalue = 0.2, .method = render::method_of(render::Accuracy::single)},
+    return memory.of(volume.implementation(), {.isovalue = 0.2, .method = render::method_of(render::Accuracy::float32)},
                      light, 1);
   };
   const LightPlace lights[] = {{.is_place = true, .at = {0, 0, 3}},
                                {.is_place = false, .at = {0, 0, 3}},
                                {.is_place = false, .at = {0, 0, 3}, .reach = 0.1}};
-  std::shared_ptr<const render::wide::LightBlockers> before;
+  std::shared_ptr<const render::wide::LightOccluders> before;
   for (const LightPlace& light : lights) {
     const auto of_mesh = of(mesh, light);
     ASSERT_TRUE(of_mesh);

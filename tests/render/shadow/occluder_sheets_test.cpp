@@ -75,7 +75,7 @@ FacetHeights heights_on(Machine machine, const std::vector<FacetCorners>& facets
   const Surface surface(facets, towards, falls_from);
   const auto count = static_cast<std::uint32_t>(facets.size());
   const FacetNeighbours neighbours(surface.blocks.data(), surface.fields.data(), count);
-  const render::wide::SeenFacets seen_facets(machine, SeenFromLight(towards), margin, surface.blocks.data(), count);
+  const render::wide::FrontFacing seen_facets(machine, SeenFromLight(towards), margin, surface.blocks.data(), count);
   return heights_of_sheets(
       machine, squares, margin,
       {.seen = seen_facets, .sources = surface.sources.data(), .sure = surface.sure.data(), .rises = true}, neighbours);
@@ -99,7 +99,7 @@ std::size_t square_at(double x, double y) {
   return static_cast<std::size_t>((y + 1) * edge / 2) * edge + static_cast<std::size_t>((x + 1) * edge / 2);
 }
 
-TEST(BlockerSheets, cover_what_lies_within_their_rims) {
+TEST(OccluderSheets, cover_what_lies_within_their_rims) {
   for (const bool cut : {false, true})
     for (const int n : {1, 3, 5, 40}) {
       const std::vector<float> heights = heights_of(sheet(n, 0.25F, cut));
@@ -120,7 +120,7 @@ TEST(BlockerSheets, cover_what_lies_within_their_rims) {
     }
 }
 
-TEST(BlockerSheets, end_at_holes) {
+TEST(OccluderSheets, end_at_holes) {
   std::vector<FacetCorners> facets = sheet(8, 0, false);
   facets.erase(facets.begin() + 8 * 3 + 4);  // x from 0 to 0.125, y from -0.125 to 0
   const std::vector<float> heights = heights_of(facets);
@@ -130,7 +130,7 @@ TEST(BlockerSheets, end_at_holes) {
 }
 
 // Between two halves at different heights rays may pass, as they stand apart: seen from the light there is no hole.
-TEST(BlockerSheets, end_where_their_facets_only_seem_to_meet) {
+TEST(OccluderSheets, end_where_their_facets_only_seem_to_meet) {
   std::vector<FacetCorners> facets = sheet(8, 0, false);
   for (FacetCorners& facet : facets) {
     float middle = 0;
@@ -145,7 +145,7 @@ TEST(BlockerSheets, end_where_their_facets_only_seem_to_meet) {
 }
 
 // Where two sheets lie over each other what lies below both lies in shadow; where one has a rim nothing is known.
-TEST(BlockerSheets, of_two_the_lowest_counts) {
+TEST(OccluderSheets, of_two_the_lowest_counts) {
   std::vector<FacetCorners> facets = sheet(6, 0.5F, true);
   for (FacetCorners& facet : facets)
     for (auto& corner : facet) corner[0] = 0.5F * corner[0] + 0.25F;  // from the middle on
@@ -160,7 +160,7 @@ TEST(BlockerSheets, of_two_the_lowest_counts) {
 }
 
 // Three facets at an edge, or two that pass it the same way, make no sheet there.
-TEST(BlockerSheets, end_at_edges_of_more_than_two_facets) {
+TEST(OccluderSheets, end_at_edges_of_more_than_two_facets) {
   std::vector<FacetCorners> facets = sheet(8, 0, false);
   facets.push_back({facets[27][0], facets[27][1], {0.03F, 0.1F, 0.2F}, {0.03F, 0.1F, 0.2F}});
   const std::vector<float> heights = heights_of(facets);
@@ -169,7 +169,7 @@ TEST(BlockerSheets, end_at_edges_of_more_than_two_facets) {
   EXPECT_NE(heights[square_at(-0.3, -0.3)], unknown);
 }
 
-TEST(BlockerSheets, have_no_facets_that_are_no_numbers) {
+TEST(OccluderSheets, have_no_facets_that_are_no_numbers) {
   std::vector<FacetCorners> facets = sheet(8, 0, false);
   facets[27][1][0] = std::numeric_limits<float>::quiet_NaN();
   const std::vector<float> heights = heights_of(facets);
@@ -183,7 +183,7 @@ TEST(BlockerSheets, have_no_facets_that_are_no_numbers) {
 }
 
 // A sheet that turns back under itself, by facets that are turned to the light as well: light passes beside the fold.
-TEST(BlockerSheets, end_where_they_are_folded) {
+TEST(OccluderSheets, end_where_they_are_folded) {
   std::vector<FacetCorners> facets = sheet(8, 0.25F, false);
   for (FacetCorners& facet : facets)
     for (auto& p : facet) p[0] = 0.53F * (p[0] - 0.5F) + 0.03F;  // up to x = 0.03, within a square
@@ -200,7 +200,7 @@ TEST(BlockerSheets, end_where_they_are_folded) {
 
 // Half a square, and a narrow facet along its diagonal, whose own rims bend there: squares in the other half are beside
 // the sheet, though no rim touches them, and though they lie in the box around the first facet.
-TEST(BlockerSheets, end_at_rims_that_bend) {
+TEST(OccluderSheets, end_at_rims_that_bend) {
   constexpr std::array<float, 3> a{-0.5F, -0.5F, 0}, b{0.5F, -0.5F, 0}, c{-0.5F, 0.5F, 0}, bend{0.05F, 0.05F, 0};
   const std::vector<float> heights = heights_of({{a, b, c, c}, {b, bend, c, c}});
   EXPECT_EQ(heights[square_at(-0.3, -0.3)], 0.0F);
@@ -209,7 +209,7 @@ TEST(BlockerSheets, end_at_rims_that_bend) {
 
 // Rows of facets so thin that rounding hides how they are turned, or that are seen from behind by as little: light
 // passes neither them nor their neighbours.
-TEST(BlockerSheets, go_on_through_thin_facets) {
+TEST(OccluderSheets, go_on_through_thin_facets) {
   for (const float thickness : {1e-3F, 1e-6F, 1e-7F, -1e-7F, -1e-6F}) {
     std::vector<FacetCorners> facets = sheet(8, 0.25F, false);
     const std::size_t count = facets.size();
@@ -233,7 +233,7 @@ TEST(BlockerSheets, go_on_through_thin_facets) {
 
 // A pocket: an upper sheet and a lower one that share all their rims, seen from opposite sides, so that they are one
 // sheet that lies over each place once and once less. That they are all said to be turned to the light is not believed.
-TEST(BlockerSheets, are_not_told_by_facets_that_are_seen_from_behind) {
+TEST(OccluderSheets, are_not_told_by_facets_that_are_seen_from_behind) {
   std::vector<FacetCorners> facets = sheet(8, 0, true);
   const std::size_t count = facets.size();
   for (std::size_t f = 0; f < count; ++f) {
@@ -246,7 +246,7 @@ TEST(BlockerSheets, are_not_told_by_facets_that_are_seen_from_behind) {
 }
 
 // Light from the side, along an axis that is turned: what stands before a place there is below it as the light sees it.
-TEST(BlockerSheets, are_seen_from_wherever_the_light_stands) {
+TEST(OccluderSheets, are_seen_from_wherever_the_light_stands) {
   std::vector<FacetCorners> facets = sheet(6, 0, false);
   for (FacetCorners& facet : facets)
     for (auto& p : facet) p = {0.1F * p[0] - 0.3F, p[1], p[0]};  // across the x axis, at about -0.3

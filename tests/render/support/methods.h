@@ -5,6 +5,6 @@
 namespace rhoray::tests {
 
 /// The paper's rule for the largest value: on the faces of cells.
-inline constexpr render::Method face_rule{.way = render::Method::Way::paper};
+inline constexpr render::Method face_rule{.algorithm = render::Method::Algorithm::paper};
 
 }  // namespace rhoray::tests

@@ -71,12 +71,12 @@ class TracedVolume {
     return render::Volume::load(folder_ / "packed.rho", field);
   }
 
-  render::Hit ask(render::Kernel render::Kernels::*kernel, const render::Ray& ray, const render::Question& question) {
-    const render::Kernels kernels = render::choose_kernels(volume_.implementation(), question.method);
+  render::Hit ask(render::Kernel render::Kernels::*kernel, const render::Ray& ray, const render::RayQuery& query) {
+    const render::Kernels kernels = render::choose_kernels(volume_.implementation(), query.method);
     scratch.queue.reserve(kernels.queue_entries);
     const render::Ray in_volume = ray_volume(ray);
     render::Hit hit;
-    render::ask(kernels.*kernel, volume_.implementation(), question, std::span(&in_volume, 1), std::span(&hit, 1),
+    render::ask(kernels.*kernel, volume_.implementation(), query, std::span(&in_volume, 1), std::span(&hit, 1),
                 scratch);
     return hit;
   }

@@ -9,10 +9,10 @@
 namespace rhoray::tests {
 namespace {
 
-TEST(MetTets, tell_what_is_new_as_a_set_does) {
+TEST(Mailbox, tell_what_is_new_as_a_set_does) {
   for (const std::uint32_t spread : {1U, 64U, 256U, 4096U}) {  // remainders that part them, and ones that do not
     std::mt19937 random(spread);
-    render::MetTets met;
+    render::Mailbox met;
     std::set<std::uint32_t> expected;
     for (int i = 0; i < 2000; ++i) {
       const std::uint32_t tet = std::uniform_int_distribution<std::uint32_t>(0, 699)(random) * spread;
@@ -22,9 +22,9 @@ TEST(MetTets, tell_what_is_new_as_a_set_does) {
   }
 }
 
-TEST(MetTets, take_the_last_position_for_new_again_and_stay_right_for_others) {
+TEST(Mailbox, take_the_last_position_for_new_again_and_stay_right_for_others) {
   constexpr auto last = std::numeric_limits<std::uint32_t>::max();
-  render::MetTets met;
+  render::Mailbox met;
   for (int i = 0; i < 300; ++i) ASSERT_TRUE(met.add(last));
   EXPECT_TRUE(met.add(7));
   EXPECT_FALSE(met.add(7));

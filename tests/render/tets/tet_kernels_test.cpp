@@ -136,7 +136,7 @@ TEST(TetFirstCrossing, holds_a_ray_against_no_tetrahedron_twice) {
   TracedVolume traced(mesh, {.structure = preprocess::MeshStructure::leaves, .leaf_cells_per_tetrahedron = 8000});
   std::uint64_t tested = 0, leaves = 0;
   for (const Ray& ray : rays_through_cube(500, 3)) {
-    for (const Method& method : {Method{}, Method{.way = Method::Way::certified}}) {
+    for (const Method& method : {Method{}, Method{.algorithm = Method::Algorithm::certified}}) {
       traced.scratch.counters = {};
       traced.first_crossing(ray, 0.9, method);
       if (traced.scratch.counters.rays_redone != 0) continue;  // held against it in another precision, too

@@ -259,7 +259,7 @@ TEST(WideTetMaximum, leaves_lists_and_other_ways_to_the_scalar_kernels) {
     EXPECT_EQ(kernel(lists, {}, machine), nullptr);
     for (const render::Accuracy accuracy : {render::Accuracy::certified, render::Accuracy::exact})
       EXPECT_EQ(kernel(clusters, render::method_of(accuracy), machine), nullptr);
-    EXPECT_EQ(kernel(clusters, {.way = Method::Way::sampled}, machine), nullptr);
+    EXPECT_EQ(kernel(clusters, {.algorithm = Method::Algorithm::sampled}, machine), nullptr);
   }
   EXPECT_EQ(kernel(clusters, {}, Machine::scalar), nullptr);
 }

@@ -4,9 +4,9 @@
 #include <limits>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/pack_surface.h"
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "tests/agreement/pictures.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/surfaces.h"
@@ -37,7 +37,7 @@ struct Shown {
   }
 };
 
-Layer triangles(const Vec3& color, double opacity = 1, render::Accuracy accuracy = render::Accuracy::single) {
+Layer triangles(const Vec3& color, double opacity = 1, render::Accuracy accuracy = render::Accuracy::float32) {
   Layer layer{.volume = 0, .mode = Mode::triangles, .method = render::method_of(accuracy)};
   layer.surface.color = color;
   layer.surface.opacity = opacity;
@@ -45,7 +45,7 @@ Layer triangles(const Vec3& color, double opacity = 1, render::Accuracy accuracy
 }
 
 Layer isosurface(double isovalue, const Vec3& color, double opacity = 1) {
-  Layer layer{.volume = 1, .isovalue = isovalue, .method = render::method_of(render::Accuracy::single)};
+  Layer layer{.volume = 1, .isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)};
   layer.surface.color = color;
   layer.surface.opacity = opacity;
   return layer;
@@ -79,7 +79,7 @@ TEST(Surfaces, are_volumes_without_fields) {
   EXPECT_FALSE(ball.field("value"));
   EXPECT_EQ(ball.bounds(), Box3(Vec3(-0.8), Vec3(0.8)));
   EXPECT_TRUE(ball.isosurface_bounds(0.5).isEmpty());
-  EXPECT_EQ(render::default_method(ball, Mode::triangles), render::method_of(render::Accuracy::single));
+  EXPECT_EQ(render::default_method(ball, Mode::triangles), render::method_of(render::Accuracy::float32));
 }
 
 TEST(Surfaces, are_seen_where_they_are) {
@@ -108,7 +108,7 @@ TEST(Surfaces, are_seen_where_they_are) {
 TEST(Surfaces, are_the_same_at_double_with_and_without_the_tree) {
   const Shown shown;
   const Scene wide = scene_of({triangles({1, 0, 0})}),
-              scalar = scene_of({triangles({1, 0, 0}, 1, render::Accuracy::twofold)});
+              scalar = scene_of({triangles({1, 0, 0}, 1, render::Accuracy::float64)});
   const Framebuffer in_float = picture_of(shown, wide), in_double = picture_of(shown, scalar);
   const Framebuffer without_tree = picture_of(shown, scalar, nullptr, false);
   EXPECT_EQ(in_double.color, without_tree.color);
@@ -205,7 +205,7 @@ TEST(Surfaces, have_smooth_normals_that_are_those_of_the_ball) {
 TEST(Surfaces, refuse_what_asks_for_a_field) {
   const Shown shown;
   const auto refused = [&](Layer layer, const std::string& with) {
-    expect_error(Trouble::usage, with, [&] { picture_of(shown, scene_of({layer})); });
+    expect_error(ErrorCode::usage, with, [&] { picture_of(shown, scene_of({layer})); });
   };
   Layer layer = triangles({1, 0, 0});
   layer.mode = Mode::isosurface;
@@ -221,7 +221,7 @@ TEST(Surfaces, refuse_what_asks_for_a_field) {
   layer = triangles({1, 0, 0});
   layer.surface.color_by = render::FieldColors{.field = "a", .range = {0, 1}};
   refused(layer, "no fields");
-  expect_error(Trouble::usage, "no fields", [&] { render::Volume::load(shown.folder / "ball.rho", "value"); });
+  expect_error(ErrorCode::usage, "no fields", [&] { render::Volume::load(shown.folder / "ball.rho", "value"); });
 }
 
 }  // namespace

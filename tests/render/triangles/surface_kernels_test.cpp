@@ -38,7 +38,7 @@ class Traced {
 
   std::vector<Hit> first(const std::vector<Ray>& rays, Machine machine, bool use_hierarchy = true) {
     const render::Method method =
-        render::method_of(machine == Machine::scalar ? render::Accuracy::twofold : render::Accuracy::single);
+        render::method_of(machine == Machine::scalar ? render::Accuracy::float64 : render::Accuracy::float32);
     const render::Kernels kernels = render::choose_kernels(volume_.implementation(), method, machine);
     std::vector<Hit> hits(rays.size());
     render::ask(kernels.first_crossing, volume_.implementation(), {.method = method, .use_hierarchy = use_hierarchy},

@@ -38,7 +38,7 @@ struct Shown {
 };
 
 Layer floor_layer() {
-  Layer layer{.volume = 0, .isovalue = -0.5, .method = render::method_of(render::Accuracy::single)};
+  Layer layer{.volume = 0, .isovalue = -0.5, .method = render::method_of(render::Accuracy::float32)};
   layer.surface = {.color = {1, 1, 1}, .ambient = 0.25, .specular = 0};
   return layer;
 }

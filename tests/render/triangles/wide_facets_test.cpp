@@ -11,7 +11,7 @@
 
 #include "render/method.h"
 #include "render/query/kernels.h"
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "tests/render/support/crossings.h"
 #include "tests/render/support/rays.h"
 #include "tests/render/support/traced_volume.h"
@@ -27,7 +27,7 @@ using render::Machine;
 using render::Method;
 using render::Ray;
 
-constexpr Method single = render::method_of(render::Accuracy::single);
+constexpr Method single = render::method_of(render::Accuracy::float32);
 constexpr Method certified = render::method_of(render::Accuracy::certified);
 constexpr Method judged = render::method_of(render::Accuracy::exact);
 
@@ -393,7 +393,7 @@ TEST(WideFacets, are_the_same_bits_for_any_number_of_threads) {
     std::vector<Hit> first;
     for (const unsigned threads : {1U, 2U, 5U}) {
       std::vector<Hit> hits(rays.size());
-      render::RayQuestions(mesh.traced->volume(), 0.0131, method, threads).first_crossings(rays, hits);
+      render::RayCaster(mesh.traced->volume(), 0.0131, method, threads).first_crossings(rays, hits);
       if (first.empty()) first = hits;
       for (std::size_t r = 0; r < rays.size(); ++r) ASSERT_TRUE(same_bits(first[r], hits[r]));
     }

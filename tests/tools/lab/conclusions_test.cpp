@@ -54,7 +54,7 @@ void expect_figure(const TemporaryFolder& folder, const std::string& name) {
 TEST(ResampleOrDirect, errs_less_on_finer_grids_and_not_at_all_in_the_tetrahedra) {
   const TemporaryFolder folder;
   make_torso(folder);
-  must_run({RHORAY_STUDY_PROGRAM, "resample-or-direct", "torso.rho", "--iso", "p75", "--grids", "12,24,48", "--whole",
+  must_run({RHORAY_LAB_PROGRAM, "resample-or-direct", "torso.rho", "--iso", "p75", "--grids", "12,24,48", "--whole",
             "24", "--vdb", "24", "--size", "64x64", "--repeat", "1", "-o", "."},
            folder);
   const json read = table(folder, "resample_or_direct");
@@ -90,9 +90,9 @@ TEST(ResampleOrDirect, errs_less_on_finer_grids_and_not_at_all_in_the_tetrahedra
 TEST(Bits, errs_more_with_every_bit_less) {
   const TemporaryFolder folder;
   make_grid(folder, "marschner-lobb", "24");
-  must_run({RHORAY_STUDY_PROGRAM, "bits", "marschner-lobb.rho", "--iso", "0.5", "--size", "64x64", "--repeat", "1",
-            "-o", "."},
-           folder);
+  must_run(
+      {RHORAY_LAB_PROGRAM, "bits", "marschner-lobb.rho", "--iso", "0.5", "--size", "64x64", "--repeat", "1", "-o", "."},
+      folder);
   const json read = table(folder, "bits");
   std::map<std::string, json> rows;  // at the level double
   for (const json& row : read["rows"])
@@ -143,7 +143,7 @@ void expect_sane_starts(const json& read) {
 TEST(Epsilon, finds_acne_where_it_is_too_small_and_leaks_where_it_is_too_large) {
   const TemporaryFolder folder;
   make_grid(folder, "smooth", "32");
-  must_run({RHORAY_STUDY_PROGRAM, "epsilon", "smooth.rho", "--iso", "2200.5", "--size", "64x64", "-o", "."}, folder);
+  must_run({RHORAY_LAB_PROGRAM, "epsilon", "smooth.rho", "--iso", "2200.5", "--size", "64x64", "-o", "."}, folder);
   expect_sane_starts(table(folder, "epsilon_shadows"));
   const json steps = table(folder, "epsilon_steps");
   std::map<double, int> wrong;
@@ -164,7 +164,7 @@ TEST(Epsilon, finds_acne_where_it_is_too_small_and_leaks_where_it_is_too_large) 
 TEST(Epsilon, says_the_same_of_tetrahedra) {
   const TemporaryFolder folder;
   make_torso(folder);
-  must_run({RHORAY_STUDY_PROGRAM, "epsilon", "torso.rho", "--iso", "p75", "--size", "48x48", "--light", "0.2,-0.3,1",
+  must_run({RHORAY_LAB_PROGRAM, "epsilon", "torso.rho", "--iso", "p75", "--size", "48x48", "--light", "0.2,-0.3,1",
             "-o", "."},
            folder);
   expect_sane_starts(table(folder, "epsilon_shadows"));
@@ -173,7 +173,7 @@ TEST(Epsilon, says_the_same_of_tetrahedra) {
 TEST(Extraction, times_the_surface_mesher_when_it_is_asked_for) {
   const TemporaryFolder folder;
   make_grid(folder, "smooth", "24");
-  must_run({RHORAY_STUDY_PROGRAM, "extraction", "smooth.rho", "--iso", "600.5", "--size", "32x32", "--repeat", "1",
+  must_run({RHORAY_LAB_PROGRAM, "extraction", "smooth.rho", "--iso", "600.5", "--size", "32x32", "--repeat", "1",
             "--cgal", "500", "-o", "."},
            folder);
   const json read = table(folder, "extraction");
@@ -198,7 +198,7 @@ TEST(Conclusions, are_not_drawn_from_requests_without_sense) {
                                                              {{"epsilon", "smooth.rho", "--iso", "1e9"}, 2},
                                                              {{"epsilon", "smooth.rho", "-o", "nowhere"}, 2},
                                                              {{"extraction", "smooth.rho", "--cgal", "1"}, 2}}) {
-    std::vector<std::string> line{RHORAY_STUDY_PROGRAM};
+    std::vector<std::string> line{RHORAY_LAB_PROGRAM};
     line.insert(line.end(), words.begin(), words.end());
     const RunResult result = run_program(line, folder.path());
     EXPECT_EQ(result.exit_code, code) << testing::PrintToString(words) << result.err;

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "preprocess/pack_volume.h"
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "tests/tools/lab/small_grid.h"
 
 namespace rhoray::tests {

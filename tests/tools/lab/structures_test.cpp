@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/lab/structures/cell_orders.h"
 #include "tools/lab/structures/cell_sides.h"
@@ -65,7 +65,7 @@ TEST(Structures, all_give_every_ray_the_librarys_answer) {
     const MeshForWays mesh(named.mesh, folder.path());
     const std::vector<Ray> rays = rays_through(-mesh.packed().description().origin);
     std::vector<Hit> expected(rays.size());
-    render::RayQuestions(mesh.volume(), isovalue, {}).first_crossings(rays, expected);
+    render::RayCaster(mesh.volume(), isovalue, {}).first_crossings(rays, expected);
     EXPECT_GT(std::ranges::count_if(expected, &Hit::is_miss), 500) << named.name;
     EXPECT_GT(std::ranges::count_if(expected, [](const Hit& hit) { return !hit.is_miss(); }), 500) << named.name;
 

@@ -33,7 +33,7 @@ json table(const TemporaryFolder& folder, const std::string& name) {
 TEST(StudyProgram, shows_every_system_that_is_there_beside_the_exact_answer) {
   const TemporaryFolder folder;
   make_grid(folder);
-  must_run({RHORAY_STUDY_PROGRAM, "peers-grid", "smooth.rho", "--iso", "600.5", "--mip", "--views", "front,inside",
+  must_run({RHORAY_LAB_PROGRAM, "peers-grid", "smooth.rho", "--iso", "600.5", "--mip", "--views", "front,inside",
             "--size", "48x40", "--repeat", "1", "-o", "."},
            folder);
   const json surface = table(folder, "peers_isosurface");
@@ -77,7 +77,7 @@ TEST(StudyProgram, shows_every_system_that_is_there_beside_the_exact_answer) {
 TEST(StudyProgram, shows_the_same_picture_with_every_layout) {
   const TemporaryFolder folder;
   make_grid(folder);
-  must_run({RHORAY_STUDY_PROGRAM, "layouts", "smooth.rho", "--iso", "600.5", "--views", "front,close-up", "--size",
+  must_run({RHORAY_LAB_PROGRAM, "layouts", "smooth.rho", "--iso", "600.5", "--views", "front,close-up", "--size",
             "40x40", "--repeat", "1", "-o", "."},
            folder);
   const json layouts = table(folder, "layouts");
@@ -103,8 +103,7 @@ TEST(StudyProgram, shows_the_same_picture_with_every_layout) {
 
 TEST(StudyProgram, asks_every_structure_of_a_mesh_the_same_rays) {
   const TemporaryFolder folder;
-  must_run({RHORAY_STUDY_PROGRAM, "structures", "--cells", "400", "--size", "32x32", "--repeat", "1", "-o", "."},
-           folder);
+  must_run({RHORAY_LAB_PROGRAM, "structures", "--cells", "400", "--size", "32x32", "--repeat", "1", "-o", "."}, folder);
   for (const auto& [name, rows_of_a_mesh] :
        {std::pair("structures", 12U), std::pair("structures_orders", 19U), std::pair("structures_points", 5U)}) {
     const json read = table(folder, name);
@@ -143,7 +142,7 @@ TEST(StudyProgram, refuses_requests_without_sense) {
                                                              {{"structures", "-o", "nowhere"}, 2},
                                                              {{"structures", "--cells", "1"}, 2},
                                                              {{"layouts", "smooth.raw"}, 4}}) {
-    std::vector<std::string> line{RHORAY_STUDY_PROGRAM};
+    std::vector<std::string> line{RHORAY_LAB_PROGRAM};
     line.insert(line.end(), words.begin(), words.end());
     const RunResult result = run_program(line, folder.path());
     EXPECT_EQ(result.exit_code, code) << testing::PrintToString(words) << result.err;
@@ -155,7 +154,7 @@ TEST(StudyProgram, refuses_requests_without_sense) {
 TEST(StudyProgram, sets_triangles_beside_direct_drawing) {
   const TemporaryFolder folder;
   make_grid(folder);
-  must_run({RHORAY_STUDY_PROGRAM, "extraction", "smooth.rho", "--iso", "600.5", "--size", "48x40", "-o", "."}, folder);
+  must_run({RHORAY_LAB_PROGRAM, "extraction", "smooth.rho", "--iso", "600.5", "--size", "48x40", "-o", "."}, folder);
   const json read = table(folder, "extraction");
   ASSERT_EQ(read["rows"].size(), 5U);
   for (const json& row : read["rows"]) {

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/pack_volume.h"
 #include "render/render.h"
 #include "tests/tools/lab/small_grid.h"

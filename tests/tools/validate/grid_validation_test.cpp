@@ -19,14 +19,14 @@ const ValidatedFile& waves() {
       sampled_volume<float>(count, lattice_over({{-1, -1, -1}, {1, 1, 1}}, count), marschner_lobb_field()));
   return file;
 }
-const validate::Question question{.isovalue = 0.5, .samples = 2'000};
+const validate::RayQuery query{.isovalue = 0.5, .samples = 2'000};
 
 double cell_edge() {
   return 2.0 / 23;
 }
 
 TEST(GridValidation, finds_nothing_wrong_with_the_renderer) {
-  const validate::Report report = waves().report(question);
+  const validate::Report report = waves().report(query);
   EXPECT_TRUE(report.holds()) << json_of(report).dump(1);
   const validate::RayCounts all = report.total();
   EXPECT_GT(all.hits, 1'500U);
@@ -39,15 +39,15 @@ TEST(GridValidation, finds_nothing_wrong_with_the_renderer) {
 }
 
 TEST(GridValidation, catches_a_renderer_that_drops_hits) {
-  const auto tracer = dropping_one_hit_in_a_thousand(waves().renderer(question.isovalue));
-  const validate::Report report = waves().report(question, tracer);
+  const auto tracer = dropping_one_hit_in_a_thousand(waves().renderer(query.isovalue));
+  const validate::Report report = waves().report(query, tracer);
   expect_caught("hits_dropped", report);
   EXPECT_GE(found(report, "missed"), 1);
 }
 
 TEST(GridValidation, catches_a_renderer_whose_hits_lie_a_thousandth_of_a_cell_too_far) {
-  const auto tracer = shifting_hits(waves().renderer(question.isovalue), 1e-3 * cell_edge());
-  const validate::Report report = waves().report(question, tracer);
+  const auto tracer = shifting_hits(waves().renderer(query.isovalue), 1e-3 * cell_edge());
+  const validate::Report report = waves().report(query, tracer);
   expect_caught("hits_shifted", report);
   EXPECT_GT(found(report, "elsewhere"), 0.99 * static_cast<double>(report.total().hits));
   EXPECT_GT(report.largest("depth", "cells"), 0.9e-3);
@@ -57,21 +57,21 @@ TEST(GridValidation, catches_a_renderer_whose_hits_lie_a_thousandth_of_a_cell_to
 }
 
 TEST(GridValidation, holds_a_proving_method_against_the_bounds_that_it_states) {
-  const render::Method certified{.way = render::Method::Way::certified};
-  const validate::Report honest = waves().report(question, waves().renderer(question.isovalue, certified));
+  const render::Method certified{.algorithm = render::Method::Algorithm::certified};
+  const validate::Report honest = waves().report(query, waves().renderer(query.isovalue, certified));
   EXPECT_TRUE(honest.holds());
   EXPECT_GT(honest.largest("bound stated by the method", "cells"), 0);
   EXPECT_GT(honest.largest("bound, surface to renderer", "cells"), 0);
   const validate::Report boastful =
-      waves().report(question, understating_bounds(waves().renderer(question.isovalue, certified)));
+      waves().report(query, understating_bounds(waves().renderer(query.isovalue, certified)));
   expect_caught("bounds_said_to_be_0", boastful);
   EXPECT_GT(found(boastful, "elsewhere"), 0);
 }
 
 TEST(GridValidation, measures_the_distance_from_the_surface_also_where_a_ray_grazes_it) {
   // Down the wave's flanks at a small angle, depth is not distance.
-  const auto tracer = shifting_hits(waves().renderer(question.isovalue), 1e-3 * cell_edge());
-  const validate::Report report = waves().report(question, tracer);
+  const auto tracer = shifting_hits(waves().renderer(query.isovalue), 1e-3 * cell_edge());
+  const validate::Report report = waves().report(query, tracer);
   const validate::Quantiles distance = quantiles(report, "renderer to surface", "cells");
   const validate::Quantiles depth = quantiles(report, "depth", "cells");
   EXPECT_LT(distance.p50, 0.95 * depth.p50);
@@ -79,17 +79,17 @@ TEST(GridValidation, measures_the_distance_from_the_surface_also_where_a_ray_gra
 }
 
 TEST(GridValidation, catches_a_renderer_that_reports_the_second_hit) {
-  const auto tracer = reporting_the_second_hit(waves().renderer(question.isovalue), 1e-6 * cell_edge());
-  const validate::Report report = waves().report(question, tracer);
+  const auto tracer = reporting_the_second_hit(waves().renderer(query.isovalue), 1e-6 * cell_edge());
+  const validate::Report report = waves().report(query, tracer);
   expect_caught("second_hit", report);
   EXPECT_GT(found(report, "elsewhere") + found(report, "missed"), 10);
 }
 
 TEST(GridValidation, catches_hits_where_there_is_nothing_and_normals_that_are_wrong) {
-  const validate::Report invented = waves().report(question, inventing_hits(waves().renderer(question.isovalue), 3));
+  const validate::Report invented = waves().report(query, inventing_hits(waves().renderer(query.isovalue), 3));
   expect_caught("hits_invented", invented);
   EXPECT_GT(found(invented, "false"), 3);
-  const validate::Report turned = waves().report(question, turning_normals(waves().renderer(question.isovalue)));
+  const validate::Report turned = waves().report(query, turning_normals(waves().renderer(query.isovalue)));
   EXPECT_GT(found(turned, "largest normal error, degrees"), 1);
   expect_caught("normals_turned", turned);
 }
@@ -109,9 +109,9 @@ TEST(GridValidation, takes_uneven_axes_gaps_in_the_data_and_turned_grids) {
   const render::Volume volume = render::Volume::load(folder / "bump.rho");
   const validate::GridField field(formats::BrickGrid(volume.file()), "bump");
   const auto tracer = [&](std::span<const render::Ray> rays, std::span<render::Hit> hits) {
-    render::RayQuestions(volume, 3, {}).first_crossings(rays, hits);
+    render::RayCaster(volume, 3, {}).first_crossings(rays, hits);
   };
-  const validate::Question about{.isovalue = 3, .samples = 2'000};
+  const validate::RayQuery about{.isovalue = 3, .samples = 2'000};
   const auto compare = [&](const validate::Tracer& by) {
     return validate::compare_grid(field, render::world_from_ray_frame(volume), about, by, [](std::uint64_t) {}).report;
   };
@@ -121,11 +121,11 @@ TEST(GridValidation, takes_uneven_axes_gaps_in_the_data_and_turned_grids) {
   expect_caught("hits_dropped", compare(dropping_one_hit_in_a_thousand(tracer)));
 }
 
-TEST(GridJudge, decides_where_rounding_cannot) {
+TEST(GridReference, decides_where_rounding_cannot) {
   const Index3 count(5, 5, 5);
   const ValidatedFile file(sampled_volume<double>(count, Affine{}, linear_field({1, 0, 0})));
   const validate::GridField field = file.grid();
-  const validate::GridJudge judge(field, 1.5);
+  const validate::GridReference judge(field, 1.5);
   const render::Ray ray{{-1, 0.3, 0.7}, {1, 0, 0}};
   EXPECT_EQ(judge.is_inside(ray, 2.5), true) << "at the isovalue is inside";
   EXPECT_EQ(judge.is_inside(ray, std::nextafter(2.5, 0)), false);
@@ -137,12 +137,12 @@ TEST(GridJudge, decides_where_rounding_cannot) {
   EXPECT_FALSE(judge.first_proved(ray, 0, 2.4, 0.25));
 }
 
-TEST(GridJudge, knows_the_cubic_along_a_ray) {
+TEST(GridReference, knows_the_cubic_along_a_ray) {
   // x y z along (s, s, s) is s^3: 1/8 at 1/2.
   const Index3 count(3, 3, 3);
   const ValidatedFile file(sampled_volume<double>(count, Affine{}, product_field()));
   const validate::GridField field = file.grid();
-  const validate::GridJudge judge(field, 0.125);
+  const validate::GridReference judge(field, 0.125);
   const auto t = judge.first_proved({{-1, -1, -1}, {1, 1, 1}}, 0, 10, 0.1);
   ASSERT_TRUE(t);
   EXPECT_NEAR(*t, 1.5, 1e-14);

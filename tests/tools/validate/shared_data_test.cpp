@@ -28,14 +28,14 @@ ValidatedFile mesh_file(const std::string& name, const std::string& field) {
 }
 
 void expect_all_right(const ValidatedFile& file, double isovalue) {
-  const validate::Question question{.isovalue = isovalue, .samples = 5'000};
-  const validate::Report report = file.report(question);
+  const validate::RayQuery query{.isovalue = isovalue, .samples = 5'000};
+  const validate::Report report = file.report(query);
   EXPECT_TRUE(report.holds()) << json_of(report).dump(1);
   EXPECT_GT(report.total().hits, 2'000U);
-  expect_caught("hits_dropped", file.report(question, dropping_one_hit_in_a_thousand(file.renderer(isovalue))));
+  expect_caught("hits_dropped", file.report(query, dropping_one_hit_in_a_thousand(file.renderer(isovalue))));
 
-  const render::Method certified{.way = render::Method::Way::certified};
-  const validate::Report proven = file.report(question, file.renderer(isovalue, certified));
+  const render::Method certified{.algorithm = render::Method::Algorithm::certified};
+  const validate::Report proven = file.report(query, file.renderer(isovalue, certified));
   EXPECT_TRUE(proven.holds()) << json_of(proven).dump(1);
 }
 

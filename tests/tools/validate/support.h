@@ -12,7 +12,7 @@
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_volume.h"
 #include "render/load.h"
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 #include "tests/support/temporary_folder.h"
@@ -34,22 +34,20 @@ class ValidatedFile {
 
   validate::Tracer renderer(double isovalue, const render::Method& method = {}) const {
     return [this, isovalue, method](std::span<const render::Ray> rays, std::span<render::Hit> hits) {
-      render::RayQuestions(volume_, isovalue, method, 0).first_crossings(rays, hits);
+      render::RayCaster(volume_, isovalue, method, 0).first_crossings(rays, hits);
     };
   }
 
-  validate::Comparison compare(const validate::Question& question, const validate::Tracer& tracer) const {
+  validate::Comparison compare(const validate::RayQuery& query, const validate::Tracer& tracer) const {
     const auto no_progress = [](std::uint64_t) {};
     const Affine world = render::world_from_ray_frame(volume_);
-    if (volume_.is_mesh()) return validate::compare_tets(tets(), world, question, tracer, no_progress);
-    return validate::compare_grid(grid(), world, question, tracer, no_progress);
+    if (volume_.is_mesh()) return validate::compare_tets(tets(), world, query, tracer, no_progress);
+    return validate::compare_grid(grid(), world, query, tracer, no_progress);
   }
-  validate::Report report(const validate::Question& question, const validate::Tracer& tracer) const {
-    return compare(question, tracer).report;
+  validate::Report report(const validate::RayQuery& query, const validate::Tracer& tracer) const {
+    return compare(query, tracer).report;
   }
-  validate::Report report(const validate::Question& question) const {
-    return report(question, renderer(question.isovalue));
-  }
+  validate::Report report(const validate::RayQuery& query) const { return report(query, renderer(query.isovalue)); }
 
  private:
   render::Volume packed(const preprocess::NeutralMesh& mesh) {

@@ -18,14 +18,14 @@ const ValidatedFile& ball() {
       box_mesh({.cells = {10, 10, 10}, .jitter = 0.15, .grading = 2}, distance_field({0.5, 0.5, 0.5})));
   return file;
 }
-const validate::Question question{.isovalue = 0.3, .samples = 10'000};
+const validate::RayQuery query{.isovalue = 0.3, .samples = 10'000};
 
 double cell_edge() {
   return 0.1;
 }
 
 TEST(TetValidation, finds_nothing_wrong_with_the_renderer) {
-  const validate::Report report = ball().report(question);
+  const validate::Report report = ball().report(query);
   EXPECT_TRUE(report.holds()) << json_of(report).dump(1);
   const validate::RayCounts all = report.total();
   EXPECT_GT(all.hits, 8'000U);
@@ -36,46 +36,46 @@ TEST(TetValidation, finds_nothing_wrong_with_the_renderer) {
 }
 
 TEST(TetValidation, catches_a_renderer_that_drops_hits) {
-  const auto tracer = dropping_one_hit_in_a_thousand(ball().renderer(question.isovalue));
-  const validate::Report report = ball().report(question, tracer);
+  const auto tracer = dropping_one_hit_in_a_thousand(ball().renderer(query.isovalue));
+  const validate::Report report = ball().report(query, tracer);
   expect_caught("hits_dropped", report);
   EXPECT_GE(found(report, "missed"), 8);
   EXPECT_LE(found(report, "missed"), static_cast<double>(report.total().hits) / 1000);
 }
 
 TEST(TetValidation, catches_a_renderer_whose_hits_lie_a_thousandth_of_a_cell_too_far) {
-  const auto tracer = shifting_hits(ball().renderer(question.isovalue), 1e-3 * cell_edge());
-  const validate::Report report = ball().report(question, tracer);
+  const auto tracer = shifting_hits(ball().renderer(query.isovalue), 1e-3 * cell_edge());
+  const validate::Report report = ball().report(query, tracer);
   expect_caught("hits_shifted", report);
   EXPECT_EQ(found(report, "elsewhere"), static_cast<double>(report.total().hits));
   EXPECT_NEAR(quantiles(report, "depth", "box").p99, 1e-4 / std::sqrt(3), 1e-9);
 }
 
 TEST(TetValidation, holds_a_proving_method_against_the_bounds_that_it_states) {
-  const render::Method certified{.way = render::Method::Way::certified};
-  const validate::Report honest = ball().report(question, ball().renderer(question.isovalue, certified));
+  const render::Method certified{.algorithm = render::Method::Algorithm::certified};
+  const validate::Report honest = ball().report(query, ball().renderer(query.isovalue, certified));
   EXPECT_TRUE(honest.holds());
   EXPECT_GT(honest.largest("bound stated by the method", "box"), 0);
   EXPECT_GT(honest.largest("bound, surface to renderer", "box"), 0);
   // Its own errors are far below the limits for all methods: some that are not, and that no bound tells of.
   const validate::Report boastful = ball().report(
-      question, understating_bounds(shifting_hits(ball().renderer(question.isovalue, certified), 1e-4 * cell_edge())));
+      query, understating_bounds(shifting_hits(ball().renderer(query.isovalue, certified), 1e-4 * cell_edge())));
   expect_caught("bounds_said_to_be_0", boastful);
   EXPECT_GT(found(boastful, "elsewhere"), 0);
 }
 
 TEST(TetValidation, catches_a_renderer_that_reports_the_second_hit) {
-  const auto tracer = reporting_the_second_hit(ball().renderer(question.isovalue), 1e-6);
-  const validate::Report report = ball().report(question, tracer);
+  const auto tracer = reporting_the_second_hit(ball().renderer(query.isovalue), 1e-6);
+  const validate::Report report = ball().report(query, tracer);
   expect_caught("second_hit", report);
   EXPECT_GT(found(report, "elsewhere") + found(report, "missed"), 50);
 }
 
 TEST(TetValidation, catches_hits_where_there_is_nothing_and_normals_that_are_wrong) {
-  const validate::Report invented = ball().report(question, inventing_hits(ball().renderer(question.isovalue), 1));
+  const validate::Report invented = ball().report(query, inventing_hits(ball().renderer(query.isovalue), 1));
   expect_caught("hits_invented", invented);
   EXPECT_GT(found(invented, "false"), 5);
-  const validate::Report turned = ball().report(question, turning_normals(ball().renderer(question.isovalue)));
+  const validate::Report turned = ball().report(query, turning_normals(ball().renderer(query.isovalue)));
   EXPECT_GT(found(turned, "largest normal error, degrees"), 1);
   expect_caught("normals_turned", turned);
 }
@@ -92,18 +92,18 @@ TEST(TetValidation, knows_which_tetrahedron_was_hit_where_several_have_one_id) {
 }
 
 TEST(TetValidation, sends_the_same_rays_for_the_same_seed) {
-  EXPECT_EQ(json_of(ball().report(question)).dump(), json_of(ball().report(question)).dump());
-  validate::Question other = question;
+  EXPECT_EQ(json_of(ball().report(query)).dump(), json_of(ball().report(query)).dump());
+  validate::RayQuery other = query;
   other.seed = 2;
-  EXPECT_NE(json_of(ball().report(question)).dump(), json_of(ball().report(other)).dump());
+  EXPECT_NE(json_of(ball().report(query)).dump(), json_of(ball().report(other)).dump());
 }
 
 TEST(TetValidation, measures_every_pixel_of_a_picture) {
-  validate::Question with_picture = question;
+  validate::RayQuery with_picture = query;
   with_picture.samples = 100;
   with_picture.camera_rays = render::camera_rays(
       ball().volume(), render::fit_camera(ball().volume().bounds(), render::named_view("iso"), 1), 32, 32);
-  const validate::Shots picture = ball().compare(with_picture, ball().renderer(question.isovalue)).picture;
+  const validate::Shots picture = ball().compare(with_picture, ball().renderer(query.isovalue)).picture;
   ASSERT_EQ(picture.findings.size(), 1024U);
   std::size_t hits = 0;
   for (std::size_t pixel = 0; pixel < picture.findings.size(); ++pixel) {
@@ -114,7 +114,7 @@ TEST(TetValidation, measures_every_pixel_of_a_picture) {
 }
 
 TEST(TetValidation, of_a_surface_that_is_not_there_expects_only_misses) {
-  validate::Question beyond = question;
+  validate::RayQuery beyond = query;
   beyond.isovalue = 100;
   const validate::Report report = ball().report(beyond);
   EXPECT_EQ(report.triangles, 0U);

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tools/lab/peers/pixel_rays.h"
 
 namespace rhoray::study {
@@ -33,7 +33,7 @@ bool count_bytes(void* total, ssize_t bytes, bool) {
 }
 
 void refuse(void*, RTCError, const char* reason) {
-  throw Error(Trouble::internal, concat("Embree: ", reason));
+  throw Error(ErrorCode::internal, concat("Embree: ", reason));
 }
 
 }  // namespace
@@ -41,7 +41,7 @@ void refuse(void*, RTCError, const char* reason) {
 EmbreeScene::EmbreeScene()
     // With "simd512" packets of 16 use AVX-512 where the processor has it; the default stays at AVX2.
     : device_(rtcNewDevice("threads=1,frequency_level=simd512")) {
-  if (device_ == nullptr) throw Error(Trouble::internal, "Embree: no device");
+  if (device_ == nullptr) throw Error(ErrorCode::internal, "Embree: no device");
   rtcSetDeviceErrorFunction(device_, refuse, nullptr);
   rtcSetDeviceMemoryMonitorFunction(device_, count_bytes, &bytes_);
 }

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "formats/base/text.h"
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "render/render.h"
-#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/picture_hash.h"
 
 namespace rhoray::study {
@@ -48,7 +48,7 @@ class OwnPeer final : public Peer {
     // The distances that `render` rounds to float, in full.
     const auto rays = render::camera_rays(*volume_, view.camera, view.width, view.height);
     std::vector<render::Hit> hits(rays.size());
-    render::RayQuestions(*volume_, scene_.layers[0].isovalue, scene_.layers[0].method, 0).first_crossings(rays, hits);
+    render::RayCaster(*volume_, scene_.layers[0].isovalue, scene_.layers[0].method, 0).first_crossings(rays, hits);
     std::vector<double> distances;
     for (const render::Hit& hit : hits) distances.push_back(hit.t);
     return distances;
@@ -76,7 +76,7 @@ class OwnPeer final : public Peer {
   std::optional<render::Volume> volume_;
   render::Scene scene_;
   render::Framebuffer picture_;
-  render::FrameMemory memory_;  // as a viewer keeps it from frame to frame
+  render::RenderContext memory_;  // as a viewer keeps it from frame to frame
 };
 
 }  // namespace

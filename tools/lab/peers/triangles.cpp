@@ -17,7 +17,7 @@
 #include <optional>
 
 #include "formats/base/checks.h"
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tools/lab/peers/vtk_image.h"
 #include "tools/lab/plain_grid.h"
 #include "tools/validate/grid_surface.h"

@@ -24,7 +24,7 @@ class Octree {
 
   /// As TwoLevelGrid::walk.
   template <class Begins, class List, class Ends>
-  void walk(const render::Question& question, const render::Ray& ray, render::KernelCounters& counters, Begins&& begins,
+  void walk(const render::RayQuery& query, const render::Ray& ray, render::KernelCounters& counters, Begins&& begins,
             List&& list, Ends&& ends) const;
 
  private:
@@ -69,10 +69,10 @@ class Octree {
 };
 
 template <class Begins, class List, class Ends>
-void Octree::walk(const render::Question& question, const render::Ray& ray, render::KernelCounters& counters,
+void Octree::walk(const render::RayQuery& query, const render::Ray& ray, render::KernelCounters& counters,
                   Begins&& begins, List&& list, Ends&& ends) const {
   using namespace render;
-  const double iso = question.isovalue;
+  const double iso = query.isovalue;
   Ray unit = ray;
   unit.origin = (ray.origin - low_) / size_;
   unit.direction = ray.direction / size_;

@@ -27,9 +27,9 @@ class OrderedLists {
 
   /// As TwoLevelGrid::walk.
   template <class Begins, class List, class Ends>
-  void walk(const render::Question& question, const render::Ray& ray, render::KernelCounters& counters, Begins&& begins,
+  void walk(const render::RayQuery& query, const render::Ray& ray, render::KernelCounters& counters, Begins&& begins,
             List&& list, Ends&& ends) const {
-    render::walk_active_leaves(*this, question, ray, counters, begins, list, ends);
+    render::walk_active_leaves(*this, query, ray, counters, begins, list, ends);
   }
 
  private:

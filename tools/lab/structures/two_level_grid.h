@@ -34,7 +34,7 @@ class TwoLevelGrid {
   /// @param list    (the tetrahedra that a leaf cell lists)
   /// @param ends    (t_out): false to stop
   template <class Begins, class List, class Ends>
-  void walk(const render::Question& question, const render::Ray& ray, render::KernelCounters& counters, Begins&& begins,
+  void walk(const render::RayQuery& query, const render::Ray& ray, render::KernelCounters& counters, Begins&& begins,
             List&& list, Ends&& ends) const;
 
  private:
@@ -55,10 +55,10 @@ class TwoLevelGrid {
 };
 
 template <class Begins, class List, class Ends>
-void TwoLevelGrid::walk(const render::Question& question, const render::Ray& ray, render::KernelCounters& counters,
+void TwoLevelGrid::walk(const render::RayQuery& query, const render::Ray& ray, render::KernelCounters& counters,
                         Begins&& begins, List&& list, Ends&& ends) const {
   using namespace render;
-  const double iso = question.isovalue;
+  const double iso = query.isovalue;
   const auto can_cross = [&](const Interval<float>& range) { return range.lo < iso && iso <= range.hi; };
   Ray on_top = ray;
   on_top.origin = (ray.origin - low_) / top_size_;
@@ -97,7 +97,7 @@ void TwoLevelGrid::walk(const render::Question& question, const render::Ray& ray
           return ends(at.t_out);
         });
   };
-  const int top = question.use_hierarchy ? upper_.top() : 0;
+  const int top = query.use_hierarchy ? upper_.top() : 0;
   const std::int64_t edge = upper_.lattice.cell_edge(top);
   walk_hierarchy(on_top, planes, upper_.lattice, top, whole_level(upper_.lattice, edge), segment->t_in, segment->t_out,
                  enters, top_cell);

@@ -22,8 +22,8 @@ using preprocess::MeshStructure;
 using preprocess::PackMeshOptions;
 using render::Hit;
 using render::KernelCounters;
-using render::Question;
 using render::Ray;
+using render::RayQuery;
 using PackedVolume = render::TetVolume<float>;
 using Items = std::span<const std::uint32_t>;
 
@@ -83,11 +83,11 @@ std::uint64_t compressed_cell_bytes(const formats::PackedFile& file) {
 template <class Mesh, class Walk>
 auto asked(std::shared_ptr<const Mesh> mesh, double isovalue, Walk walk) {
   return [mesh, isovalue, walk](std::span<const Ray> rays, std::span<Hit> hits, KernelCounters& counters) {
-    const Question question{.isovalue = isovalue};
+    const RayQuery query{.isovalue = isovalue};
     for (std::size_t r = 0; r < rays.size(); ++r)
-      hits[r] = render::nearest_crossing<double>(*mesh, question, rays[r],
+      hits[r] = render::nearest_crossing<double>(*mesh, query, rays[r],
                                                  [&](auto&& matters_from, auto&& look, auto&& ends_at) {
-                                                   walk(question, rays[r], counters, matters_from, look, ends_at);
+                                                   walk(query, rays[r], counters, matters_from, look, ends_at);
                                                  });
   };
 }
@@ -98,14 +98,14 @@ auto asked_by_lists(std::shared_ptr<const Mesh> mesh, double isovalue, std::shar
                     Mailbox empty) {
   const auto mailbox = std::make_shared<Mailbox>(std::move(empty));
   return asked(mesh, isovalue,
-               [mesh, structure, mailbox](const Question& question, const Ray& ray, KernelCounters& counters,
+               [mesh, structure, mailbox](const RayQuery& query, const Ray& ray, KernelCounters& counters,
                                           auto&& matters_from, auto&& look, auto&& ends_at) {
                  mailbox->begin_ray();
                  structure->walk(
-                     question, ray, counters, matters_from,
+                     query, ray, counters, matters_from,
                      [&](Items list) {
                        for (const std::uint32_t tet : list)
-                         if (mailbox->is_new(tet)) render::look_into(*mesh, question, tet, counters, look);
+                         if (mailbox->is_new(tet)) render::look_into(*mesh, query, tet, counters, look);
                      },
                      ends_at);
                });
@@ -119,16 +119,16 @@ auto asked_by_rising_values(std::shared_ptr<const PlainMesh> mesh, double isoval
   for (std::uint32_t cell = 0; cell < mesh->cell_count(); ++cell) ranges.push_back(mesh->range(cell));
   return asked(mesh, isovalue,
                [mesh, lists, is_rising, ranges = std::make_shared<const std::vector<Interval<float>>>(ranges)](
-                   const Question& question, const Ray& ray, KernelCounters& counters, auto&& matters_from, auto&& look,
+                   const RayQuery& query, const Ray& ray, KernelCounters& counters, auto&& matters_from, auto&& look,
                    auto&& ends_at) {
                  lists->walk(
-                     question, ray, counters, matters_from,
+                     query, ray, counters, matters_from,
                      [&](Items list) {
                        for (const std::uint32_t tet : list) {
                          const Interval<float>& range = (*ranges)[tet];
-                         if (is_rising && !(range.lo < question.isovalue)) break;
-                         if (range.lo < question.isovalue && question.isovalue <= range.hi)
-                           render::look_into(*mesh, question, tet, counters, look);
+                         if (is_rising && !(range.lo < query.isovalue)) break;
+                         if (range.lo < query.isovalue && query.isovalue <= range.hi)
+                           render::look_into(*mesh, query, tet, counters, look);
                        }
                      },
                      ends_at);
@@ -158,9 +158,9 @@ struct TreeView {
 template <class Mesh, class Clusters>
 auto asked_by_clusters(std::shared_ptr<const Mesh> mesh, double isovalue, std::shared_ptr<const Clusters> clusters) {
   return asked(mesh, isovalue,
-               [mesh, clusters](const Question& question, const Ray& ray, KernelCounters& counters, auto&& matters_from,
+               [mesh, clusters](const RayQuery& query, const Ray& ray, KernelCounters& counters, auto&& matters_from,
                                 auto&& look, auto&&) {
-                 render::walk_active_clusters(TreeView<Mesh, Clusters>{*mesh, *clusters}, question, ray, counters,
+                 render::walk_active_clusters(TreeView<Mesh, Clusters>{*mesh, *clusters}, query, ray, counters,
                                               matters_from, look);
                });
 }
@@ -226,10 +226,9 @@ std::vector<Way> MeshForWays::structures(double isovalue) const {
                     .named_per_cell = file.per_cell(named),
                     .cells_per_cpu_s = file.cells() / file.pack_s,
                     .ask = asked(file.view, isovalue,
-                                 [view = file.view](const Question& question, const Ray& ray, KernelCounters& counters,
+                                 [view = file.view](const RayQuery& query, const Ray& ray, KernelCounters& counters,
                                                     auto&& matters_from, auto&& look, auto&& ends_at) {
-                                   render::walk_active_tets(*view, question, ray, counters, matters_from, look,
-                                                            ends_at);
+                                   render::walk_active_tets(*view, query, ray, counters, matters_from, look, ends_at);
                                  })});
   }
   // The scalar kernel reads the values of a cell in each list that names it; the grids below ask before that.

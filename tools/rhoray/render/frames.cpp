@@ -3,17 +3,17 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tools/pictures/pictures.h"
+#include "tools/rhoray/format_statistics.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/render/picture.h"
 #include "tools/rhoray/render/picture_report.h"
 #include "tools/rhoray/scene/document.h"
-#include "tools/rhoray/scene/picture_words.h"
-#include "tools/rhoray/scene/spelled_out.h"
+#include "tools/rhoray/scene/picture_names.h"
 #include "tools/rhoray/scene/sweep.h"
-#include "tools/rhoray/statistics_words.h"
+#include "tools/rhoray/scene/to_spec.h"
 
 namespace rhoray::tools {
 
@@ -24,7 +24,7 @@ std::filesystem::path frame_name(const RenderCommand& command, int frame) {
   const std::filesystem::path& pattern = command.common.output;
   if (const auto name = numbered(pattern, frame)) return *name;
   if (command.frame && pattern.filename().string().find('%') == std::string::npos && !pattern.empty()) return pattern;
-  throw Error(Trouble::usage,
+  throw Error(ErrorCode::usage,
               concat("-o: found '", pattern.string(), "'; expected a name with a place for the frame's number"),
               "such as out_%04d.png");
 }
@@ -58,7 +58,7 @@ Json json_of(const DrawnFrame& frame) {
   return json;
 }
 
-void report_frames(const RenderCommand& command, const ScenePlan& plan, const std::vector<DrawnFrame>& frames) {
+void report_frames(const RenderCommand& command, const ResolvedScene& plan, const std::vector<DrawnFrame>& frames) {
   double traced_s = 0, preparation_s = 0;
   render::RangeProof range_proof;
   for (const DrawnFrame& frame : frames) {
@@ -95,9 +95,9 @@ void report_frames(const RenderCommand& command, const ScenePlan& plan, const st
 }
 
 /// The scene of a plan with its key frames.
-SceneWishes spelled_out(const ScenePlan& plan, const SceneWishes& wishes, const Sweep& sweep) {
-  SceneWishes spelled = spelled_out(plan);
-  spelled.camera = wishes.camera;
+SceneSpec to_spec(const ResolvedScene& plan, const SceneSpec& scene_spec, const Sweep& sweep) {
+  SceneSpec spelled = to_spec(plan);
+  spelled.camera = scene_spec.camera;
   spelled.image.frames = sweep.frame_count();
   return spelled;
 }
@@ -115,7 +115,7 @@ void put_on_sheet(const render::Framebuffer& picture, std::size_t place, int col
 }
 
 /// A picture of all frames, empty places in the background's colour.
-render::Framebuffer empty_sheet(const ScenePlan& plan, int columns, int frame_count) {
+render::Framebuffer empty_sheet(const ResolvedScene& plan, int columns, int frame_count) {
   const int rows = (frame_count + columns - 1) / columns;
   render::Framebuffer sheet(plan.frame.width * columns, plan.frame.height * rows, {});
   for (std::size_t c = 0; c < 3; ++c)
@@ -126,19 +126,19 @@ render::Framebuffer empty_sheet(const ScenePlan& plan, int columns, int frame_co
 }
 
 /// All frames in one picture.
-void draw_sheet(const RenderCommand& command, ProgressDisplay& display, const SceneWishes& wishes, Sweep& sweep,
-                ScenePlan plan) {
+void draw_sheet(const RenderCommand& command, ProgressDisplay& display, const SceneSpec& scene_spec, Sweep& sweep,
+                ResolvedScene plan) {
   Drawn drawn;
   drawn.output = command.common.output;
   drawn.plan = std::move(plan);
   const int columns = *command.sheet, frame_count = sweep.frame_count();
   if (drawn.plan.frame.channels.any())
-    throw Error(Trouble::usage, "--sheet: keeps colours alone; expected no --channels beside it");
-  ScenePlan& shown = drawn.plan;
+    throw Error(ErrorCode::usage, "--sheet: keeps colours alone; expected no --channels beside it");
+  ResolvedScene& shown = drawn.plan;
   require_picture(command, drawn.output, shown);
   render::Framebuffer sheet = empty_sheet(shown, columns, frame_count);
   Checks checks(command, shown);
-  render::FrameMemory memory;
+  render::RenderContext memory;
   std::vector<DrawnFrame> frames;
   for (int frame = 0; frame < frame_count; ++frame) {
     display.show("drawing (frames)", static_cast<std::uint64_t>(frame), static_cast<std::uint64_t>(frame_count));
@@ -147,7 +147,7 @@ void draw_sheet(const RenderCommand& command, ProgressDisplay& display, const Sc
     frames.push_back(drawn_frame(frame, sweep, drawn));
   }
   checks.wait();
-  const SceneWishes spelled = spelled_out(shown, wishes, sweep);
+  const SceneSpec spelled = to_spec(shown, scene_spec, sweep);
   drawn.reproduce = shell_line(
       {"rhoray", "render", dump(scene_json(spelled)), "--sheet", concat(columns), "-o", drawn.output.string()});
   write(command, sheet, spelled, drawn);
@@ -156,14 +156,14 @@ void draw_sheet(const RenderCommand& command, ProgressDisplay& display, const Sc
   say(command.common, concat("reproduce: ", drawn.reproduce));
 }
 
-void draw_frames(const RenderCommand& command, ProgressDisplay& display, Sweep& sweep, ScenePlan plan) {
+void draw_frames(const RenderCommand& command, ProgressDisplay& display, Sweep& sweep, ResolvedScene plan) {
   const int first = command.frame.value_or(0), end = command.frame ? first + 1 : sweep.frame_count();
   Drawn drawn;
   drawn.plan = std::move(plan);
   const std::vector<std::string> notes = drawn.plan.notes;
   for (int frame = first; frame < end; ++frame) require_picture(command, frame_name(command, frame), drawn.plan);
   Checks checks(command, drawn.plan);
-  render::FrameMemory memory;
+  render::RenderContext memory;
   std::vector<DrawnFrame> frames;
   for (int frame = first; frame < end; ++frame) {
     display.show("drawing (frames)", static_cast<std::uint64_t>(frame - first),
@@ -180,27 +180,28 @@ void draw_frames(const RenderCommand& command, ProgressDisplay& display, Sweep& 
 
 }  // namespace
 
-void run_frames(const RenderCommand& command, const SceneWishes& wishes) {
+void run_frames(const RenderCommand& command, const SceneSpec& scene_spec) {
   ProgressDisplay display(command.common);
-  Sweep sweep(wishes);
+  Sweep sweep(scene_spec);
   if (command.frame && (*command.frame < 0 || *command.frame >= sweep.frame_count()))
-    throw Error(Trouble::usage, concat("--frame: found ", *command.frame, "; expected 0 to ", sweep.frame_count() - 1));
-  if (!command.picks.empty()) throw Error(Trouble::usage, "--pick: looks into one picture, not into frames");
-  if (command.self_check.pixels > 0) throw Error(Trouble::usage, "--verify: traces one picture again, not frames");
+    throw Error(ErrorCode::usage,
+                concat("--frame: found ", *command.frame, "; expected 0 to ", sweep.frame_count() - 1));
+  if (!command.picks.empty()) throw Error(ErrorCode::usage, "--pick: looks into one picture, not into frames");
+  if (command.self_check.pixels > 0) throw Error(ErrorCode::usage, "--verify: traces one picture again, not frames");
   if (command.goal.is_given())
-    throw Error(Trouble::usage, "--max-error and --budget-ms choose a method for one picture, not for frames");
-  if (command.frame && command.sheet) throw Error(Trouble::usage, "--sheet: shows all frames, --frame one of them");
+    throw Error(ErrorCode::usage, "--max-error and --budget-ms choose a method for one picture, not for frames");
+  if (command.frame && command.sheet) throw Error(ErrorCode::usage, "--sheet: shows all frames, --frame one of them");
   if (command.sheet && !(*command.sheet >= 1 && *command.sheet <= 1000))
-    throw Error(Trouble::usage, concat("--sheet: found ", *command.sheet, "; expected 1 to 1000"));
+    throw Error(ErrorCode::usage, concat("--sheet: found ", *command.sheet, "; expected 1 to 1000"));
   const int frame = command.frame.value_or(0);
   const bool draws = !command.explain && !command.print_scene;
   if (draws)
     require_picture_format(command.sheet ? command.common.output : frame_name(command, frame),
-                           channel_set(wishes.image.channels.value_or(std::vector<std::string>{})));
-  display.show(concat("opening ", wishes.data[0].file.string()));
-  const SceneWishes of_frame = sweep.wishes_at(sweep.time_of(frame));
-  ScenePlan plan = plan_layers(of_frame);
-  if (draws && command.sheet) draw_sheet(command, display, wishes, sweep, std::move(plan));
+                           channel_set(scene_spec.image.channels.value_or(std::vector<std::string>{})));
+  display.show(concat("opening ", scene_spec.data[0].file.string()));
+  const SceneSpec of_frame = sweep.spec_at(sweep.time_of(frame));
+  ResolvedScene plan = resolve_layers(of_frame);
+  if (draws && command.sheet) draw_sheet(command, display, scene_spec, sweep, std::move(plan));
   if (draws && !command.sheet) draw_frames(command, display, sweep, std::move(plan));
   if (draws) return;
   sweep.plan_frame(frame, plan);
@@ -210,7 +211,7 @@ void run_frames(const RenderCommand& command, const SceneWishes& wishes) {
     std::puts(concat("frame ", frame, " of ", sweep.frame_count(), ", at time ", sweep.time_of(frame)).c_str());
     return;
   }
-  const SceneWishes spelled = command.frame ? spelled_out(plan) : spelled_out(plan, wishes, sweep);
+  const SceneSpec spelled = command.frame ? to_spec(plan) : to_spec(plan, scene_spec, sweep);
   std::fputs(dump_lines(scene_json(spelled)).c_str(), stdout);
 }
 

@@ -4,15 +4,15 @@
 #include <utility>
 
 #include "formats/base/bytes.h"
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tools/pictures/pictures.h"
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/pick.h"
 #include "tools/rhoray/scene/annotations.h"
 #include "tools/rhoray/scene/document.h"
-#include "tools/rhoray/scene/picture_words.h"
-#include "tools/rhoray/scene/spelled_out.h"
+#include "tools/rhoray/scene/picture_names.h"
+#include "tools/rhoray/scene/to_spec.h"
 #include "tools/rhoray/version.h"
 
 namespace rhoray::tools {
@@ -30,14 +30,14 @@ std::uint64_t framebuffer_bytes(const PictureSize& size, render::ChannelSet chan
   return pixel * static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
 }
 
-void require_memory(const RenderCommand& command, const ScenePlan& plan) {
+void require_memory(const RenderCommand& command, const ResolvedScene& plan) {
   const std::uint64_t needed =
       framebuffer_bytes({plan.frame.width, plan.frame.height}, plan.frame.channels, plan.frame.antialiasing > 1);
   const std::uint64_t machine = this_machine().memory_bytes, asked = command.common.memory.bytes;
   const std::uint64_t limit = asked != 0 ? asked : machine;
   if (needed > limit)
-    throw Error(Trouble::resource, concat("--size: the picture takes ", bytes_text(needed), " of memory; ",
-                                          asked != 0 ? "--memory allows " : "this machine has ", bytes_text(limit)));
+    throw Error(ErrorCode::resource, concat("--size: the picture takes ", bytes_text(needed), " of memory; ",
+                                            asked != 0 ? "--memory allows " : "this machine has ", bytes_text(limit)));
 }
 
 /// Refuses with the damaged blocks' names.
@@ -48,7 +48,7 @@ void refuse_damage(const formats::PackedFile& file, const std::vector<formats::D
   for (std::size_t i = 0; i < std::min(shown_count, blocks.size()); ++i)
     fact += concat(i == 0 ? " " : "; ", damage_text(file, blocks[i]));
   if (blocks.size() > shown_count) fact += concat("; and ", blocks.size() - shown_count, " blocks more");
-  throw Error(Trouble::invalid, fact,
+  throw Error(ErrorCode::invalid, fact,
               concat("no picture was written; `rhoray verify ", file.name(), "` lists all blocks"));
 }
 
@@ -59,18 +59,18 @@ std::vector<Json> take_picks(const std::vector<PixelPlace>& pixels, const render
 }
 
 /// Of all files of a scene; the first one with damage is refused.
-void check_files(const ScenePlan& plan) {
+void check_files(const ResolvedScene& plan) {
   for (const render::Volume& volume : plan.volumes) refuse_damage(volume.file(), volume.file().damaged_blocks(1));
   for (const render::Texture& texture : plan.textures) refuse_damage(texture.file(), texture.file().damaged_blocks(1));
 }
 
-void require_writable(const RenderCommand& command, const std::filesystem::path& output, const ScenePlan& plan) {
+void require_writable(const RenderCommand& command, const std::filesystem::path& output, const ResolvedScene& plan) {
   require_writable(command.common, output, command.input);
   for (const auto* data : {&plan.data, &plan.texture_data})
-    for (const DataWish& each : *data) require_writable(command.common, output, each.file);
+    for (const DataSpec& each : *data) require_writable(command.common, output, each.file);
 }
 
-bool has_annotations(const ScenePlan& plan) {
+bool has_annotations(const ResolvedScene& plan) {
   const auto& [axes, box, bar, caption] = plan.annotations;
   return axes || box.value_or(false) || bar || !caption.empty();
 }
@@ -85,7 +85,7 @@ void draw_annotations(const Drawn& drawn, render::Framebuffer& framebuffer) {
 
 }  // namespace
 
-Checks::Checks(const RenderCommand& command, const ScenePlan& plan) {
+Checks::Checks(const RenderCommand& command, const ResolvedScene& plan) {
   if (!command.no_verify) running_ = std::async(std::launch::async, [&plan] { check_files(plan); });
 }
 
@@ -95,7 +95,7 @@ double Checks::wait() {
   return waiting.seconds();
 }
 
-void require_picture(const RenderCommand& command, const std::filesystem::path& output, const ScenePlan& plan) {
+void require_picture(const RenderCommand& command, const std::filesystem::path& output, const ResolvedScene& plan) {
   require_writable(command, output, plan);
   require_memory(command, plan);
   if (has_annotations(plan)) find_font(known_fonts());
@@ -107,8 +107,8 @@ void prove_ranges(const RenderCommand& command, Drawn& drawn) {
     drawn.range_proof += volume.prove_ranges(command.common.threads);
 }
 
-render::Framebuffer trace(const RenderCommand& command, render::FrameMemory& memory, Drawn& drawn) {
-  ScenePlan& plan = drawn.plan;
+render::Framebuffer trace(const RenderCommand& command, render::RenderContext& memory, Drawn& drawn) {
+  ResolvedScene& plan = drawn.plan;
   plan.frame.threads = command.common.threads;
   plan.frame.time_phases = command.statistics;
   // Picks and heat maps need channels that are not kept in the picture.
@@ -134,7 +134,7 @@ render::Framebuffer trace(const RenderCommand& command, render::FrameMemory& mem
   return framebuffer;
 }
 
-void write(const RenderCommand& command, const render::Framebuffer& picture, const SceneWishes& scene, Drawn& drawn) {
+void write(const RenderCommand& command, const render::Framebuffer& picture, const SceneSpec& scene, Drawn& drawn) {
   const Stopwatch writing;
   const std::filesystem::path folder = std::filesystem::absolute(drawn.output).parent_path();
   write_picture(picture,
@@ -146,11 +146,11 @@ void write(const RenderCommand& command, const render::Framebuffer& picture, con
   drawn.stations.write_s = writing.seconds();
 }
 
-void draw(const RenderCommand& command, render::FrameMemory& memory, Checks& checks, Drawn& drawn) {
+void draw(const RenderCommand& command, render::RenderContext& memory, Checks& checks, Drawn& drawn) {
   const render::Framebuffer picture = trace(command, memory, drawn);
   drawn.stations.wait_for_checks_s = checks.wait();
   drawn.reproduce = shell_line(reproducing_command(drawn.plan, drawn.output));
-  write(command, picture, spelled_out(drawn.plan), drawn);
+  write(command, picture, to_spec(drawn.plan), drawn);
 }
 
 }  // namespace rhoray::tools

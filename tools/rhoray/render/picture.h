@@ -11,12 +11,12 @@
 #include "tools/analysis/self_check.h"
 #include "tools/rhoray/render/command.h"
 #include "tools/rhoray/report.h"
-#include "tools/rhoray/scene/plan.h"
+#include "tools/rhoray/scene/resolve.h"
 
 namespace rhoray::tools {
 
 /// Seconds of the stations on the way to a picture.
-struct Stations {
+struct StageTimes {
   double open_s = 0;
   double prove_s = 0;  ///< stored ranges
   double trace_s = 0;
@@ -27,10 +27,10 @@ struct Stations {
 /// A picture on its way: its scene, and what was found in making it.
 struct Drawn {
   std::filesystem::path output;
-  ScenePlan plan;
+  ResolvedScene plan;
   render::RangeProof range_proof;  ///< before anything is traced; then a part of the statistics
   render::FrameStatistics statistics;
-  Stations stations;
+  StageTimes stations;
   std::vector<Json> picks;
   Interval<double> heat;
   std::string reproduce;
@@ -41,7 +41,7 @@ struct Drawn {
 /// Checksums of all files, read beside the rendering.
 class Checks {
  public:
-  Checks(const RenderCommand& command, const ScenePlan& plan);
+  Checks(const RenderCommand& command, const ResolvedScene& plan);
 
   /// @return  seconds
   double wait();
@@ -51,19 +51,19 @@ class Checks {
 };
 
 /// What is refused before anything is traced.
-void require_picture(const RenderCommand& command, const std::filesystem::path& output, const ScenePlan& plan);
+void require_picture(const RenderCommand& command, const std::filesystem::path& output, const ResolvedScene& plan);
 
 /// Proves the stored ranges of all data, for exact arithmetic that chooses a method or checks pixels: where they do not
 /// hold, nothing is traced. Those that the picture's own method relies on are proven by render::render.
 void prove_ranges(const RenderCommand& command, Drawn& drawn);
 
 /// Traces the picture and draws over it.
-render::Framebuffer trace(const RenderCommand& command, render::FrameMemory& memory, Drawn& drawn);
+render::Framebuffer trace(const RenderCommand& command, render::RenderContext& memory, Drawn& drawn);
 
 /// Writes a picture with all that makes it again.
-void write(const RenderCommand& command, const render::Framebuffer& picture, const SceneWishes& scene, Drawn& drawn);
+void write(const RenderCommand& command, const render::Framebuffer& picture, const SceneSpec& scene, Drawn& drawn);
 
 /// Traces the picture, and writes it when the files are known to be well.
-void draw(const RenderCommand& command, render::FrameMemory& memory, Checks& checks, Drawn& drawn);
+void draw(const RenderCommand& command, render::RenderContext& memory, Checks& checks, Drawn& drawn);
 
 }  // namespace rhoray::tools

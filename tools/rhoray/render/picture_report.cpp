@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "tools/rhoray/format_statistics.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/pick.h"
 #include "tools/rhoray/scene/document.h"
 #include "tools/rhoray/scene/explain.h"
-#include "tools/rhoray/scene/picture_words.h"
-#include "tools/rhoray/scene/spelled_out.h"
-#include "tools/rhoray/statistics_words.h"
+#include "tools/rhoray/scene/picture_names.h"
+#include "tools/rhoray/scene/to_spec.h"
 
 namespace rhoray::tools {
 
@@ -26,7 +26,7 @@ Json camera_json(const render::Camera& camera) {
 }
 
 /// What is shown of a scene of one layer.
-Json shown_json(const ScenePlan& plan) {
+Json shown_json(const ResolvedScene& plan) {
   const render::Layer& layer = plan.scene.layers[0];
   const bool iso = layer.mode == render::Mode::isosurface;
   Json json{{"file", plan.data[layer.volume].file.string()}};
@@ -46,14 +46,14 @@ Json shown_json(const ScenePlan& plan) {
 }
 
 void report_json(const Drawn& drawn) {
-  const ScenePlan& plan = drawn.plan;
-  const Stations& stations = drawn.stations;
+  const ResolvedScene& plan = drawn.plan;
+  const StageTimes& stations = drawn.stations;
   Json json{{"picture", drawn.output.string()}};
   if (plan.scene.layers.size() == 1) json.update(shown_json(plan));
   json["method"] = method_text(plan);
   json["size"] = {plan.frame.width, plan.frame.height};
   json["camera"] = camera_json(plan.scene.camera);
-  json["scene"] = scene_json(spelled_out(plan));
+  json["scene"] = scene_json(to_spec(plan));
   json["statistics"] = statistics_json(drawn.statistics);
   json["seconds"] = {{"open", stations.open_s},
                      {"prove_ranges", stations.prove_s},
@@ -68,7 +68,7 @@ void report_json(const Drawn& drawn) {
 
 }  // namespace
 
-std::string method_text(const ScenePlan& plan) {
+std::string method_text(const ResolvedScene& plan) {
   std::vector<std::string> words;
   for (const render::Layer& layer : plan.scene.layers) {
     const std::string word = option_of(layer.method, layer.mode, plan.volumes[layer.volume].is_mesh()).word;
@@ -79,7 +79,7 @@ std::string method_text(const ScenePlan& plan) {
   return text;
 }
 
-void say_choices(const CommonOptions& common, const ScenePlan& plan) {
+void say_choices(const CommonOptions& common, const ResolvedScene& plan) {
   for (const std::string& note : plan.notes) say(common, concat("note: ", note));
   for (std::size_t i = 0; i < plan.origins.size(); ++i) {
     const std::string& from = plan.origins[i].isovalue_from;
@@ -92,8 +92,8 @@ void say_choices(const CommonOptions& common, const ScenePlan& plan) {
 
 void report(const RenderCommand& command, const Drawn& drawn) {
   const CommonOptions& common = command.common;
-  const ScenePlan& plan = drawn.plan;
-  const Stations& stations = drawn.stations;
+  const ResolvedScene& plan = drawn.plan;
+  const StageTimes& stations = drawn.stations;
   const double total =
       stations.open_s + stations.prove_s + stations.trace_s + stations.wait_for_checks_s + stations.write_s;
   if (common.json) {
@@ -123,8 +123,8 @@ void report(const RenderCommand& command, const Drawn& drawn) {
   say(common, concat("reproduce: ", drawn.reproduce));
 }
 
-void explain(const RenderCommand& command, const SceneWishes& wishes, const ScenePlan& plan) {
-  const Json explanation = explained(wishes, plan);
+void explain(const RenderCommand& command, const SceneSpec& scene_spec, const ResolvedScene& plan) {
+  const Json explanation = explained(scene_spec, plan);
   if (command.common.json)
     std::puts(dump(explanation).c_str());
   else

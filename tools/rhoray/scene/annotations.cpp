@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "formats/base/text.h"
-#include "tools/rhoray/scene/picture_words.h"
+#include "tools/rhoray/scene/picture_names.h"
 
 namespace rhoray::tools {
 
@@ -15,7 +15,7 @@ std::string title_of(const formats::FieldSummary& field) {
 }
 
 /// Of what the layers show by colours, each once.
-std::vector<ColorBar> layer_bars(const ScenePlan& plan) {
+std::vector<ColorBar> layer_bars(const ResolvedScene& plan) {
   std::vector<ColorBar> bars;
   const auto add = [&](const ColorBar& bar) {
     if (std::find(bars.begin(), bars.end(), bar) == bars.end()) bars.push_back(bar);
@@ -31,8 +31,8 @@ std::vector<ColorBar> layer_bars(const ScenePlan& plan) {
 }
 
 /// Errors are shown by their powers of ten.
-ColorBar heat_bar(render::DiaryPage page, const Interval<double>& heat) {
-  if (page != render::DiaryPage::error) return {word_of(page), render::ColorMap::viridis, heat};
+ColorBar heat_bar(render::DebugChannel page, const Interval<double>& heat) {
+  if (page != render::DebugChannel::error) return {word_of(page), render::ColorMap::viridis, heat};
   return {concat("log10 of ", word_of(page)), render::ColorMap::viridis, {std::log10(heat.lo), std::log10(heat.hi)}};
 }
 
@@ -42,34 +42,34 @@ Side side_of(const std::string& word, Side otherwise) {
 
 }  // namespace
 
-bool shows_values(const ScenePlan& plan) {
+bool shows_values(const ResolvedScene& plan) {
   return plan.page || !layer_bars(plan).empty();
 }
 
-Annotations annotations_of(const ScenePlan& plan, const Interval<double>& heat) {
-  const AnnotationsWish& wish = plan.annotations;
+Annotations annotations_of(const ResolvedScene& plan, const Interval<double>& heat) {
+  const AnnotationsSpec& spec = plan.annotations;
   const std::vector<render::Layer>& layers = plan.scene.layers;
   Annotations annotations{.camera = plan.scene.camera};
-  if (wish.axes) {
+  if (spec.axes) {
     annotations.axes = true;
-    annotations.axes_side = side_of(wish.axes->corner, Side::left);
+    annotations.axes_side = side_of(spec.axes->corner, Side::left);
   }
-  if (wish.box.value_or(false)) {
+  if (spec.box.value_or(false)) {
     annotations.box = plan.annotated_box;
     annotations.length_unit = plan.volumes[layers[0].volume].length_unit();
     annotations.hides_box = std::any_of(layers.begin(), layers.end(),
                                         [](const render::Layer& layer) { return layer.mode != render::Mode::mip; });
   }
-  if (wish.color_bar) {
-    annotations.bars_side = side_of(wish.color_bar->position, Side::right);
+  if (spec.color_bar) {
+    annotations.bars_side = side_of(spec.color_bar->position, Side::right);
     if (!plan.page)
       annotations.bars = layer_bars(plan);
     else if (!heat.is_empty())
       annotations.bars = {heat_bar(*plan.page, heat)};
     for (ColorBar& bar : annotations.bars)
-      if (!wish.color_bar->title.empty()) bar.title = wish.color_bar->title;
+      if (!spec.color_bar->title.empty()) bar.title = spec.color_bar->title;
   }
-  annotations.caption = wish.caption;
+  annotations.caption = spec.caption;
   return annotations;
 }
 

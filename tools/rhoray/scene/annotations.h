@@ -1,15 +1,15 @@
 #pragma once
 
 #include "tools/pictures/annotate.h"
-#include "tools/rhoray/scene/scene_plan.h"
+#include "tools/rhoray/scene/resolved_scene.h"
 
 namespace rhoray::tools {
 
 /// Whether colours of the picture stand for values: of a field, a projection or a heat map.
-bool shows_values(const ScenePlan& plan);
+bool shows_values(const ResolvedScene& plan);
 
 /// What is drawn over the plan's picture.
 /// @param heat  of a heat map: the numbers of its first and its last colour
-Annotations annotations_of(const ScenePlan& plan, const Interval<double>& heat);
+Annotations annotations_of(const ResolvedScene& plan, const Interval<double>& heat);
 
 }  // namespace rhoray::tools

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::tools {
 
@@ -61,14 +61,14 @@ std::pair<Vec3, Vec3> two_vectors(const std::string& text, const std::string& ex
     third_comma = text.find(',', from);
     from = third_comma + 1;
     if (third_comma == std::string::npos)
-      throw Error(Trouble::usage, concat("found '", text, "'; expected ", expected));
+      throw Error(ErrorCode::usage, concat("found '", text, "'; expected ", expected));
   }
   std::pair<Vec3, Vec3> vectors;
   try {
     read_value(text.substr(0, third_comma), vectors.first);
     read_value(text.substr(third_comma + 1), vectors.second);
   } catch (const Error&) {
-    throw Error(Trouble::usage, concat("found '", text, "'; expected ", expected));
+    throw Error(ErrorCode::usage, concat("found '", text, "'; expected ", expected));
   }
   return vectors;
 }
@@ -76,7 +76,7 @@ std::pair<Vec3, Vec3> two_vectors(const std::string& text, const std::string& ex
 Box3 read_box(const std::string& text) {
   const std::string expected = "six finite numbers x0,y0,z0,x1,y1,z1, the first three each below its partner";
   const auto [low, high] = two_vectors(text, expected);
-  if (!is_box(low, high)) throw Error(Trouble::usage, concat("found '", text, "'; expected ", expected));
+  if (!is_box(low, high)) throw Error(ErrorCode::usage, concat("found '", text, "'; expected ", expected));
   return {low, high};
 }
 
@@ -100,7 +100,7 @@ ValueKind<Vec3> direction_value() {
 render::HalfSpace read_half_space(const std::string& text) {
   const std::string expected = "six finite numbers px,py,pz,nx,ny,nz: a point, and a normal that is not 0";
   const auto [point, normal] = two_vectors(text, expected);
-  if (normal == Vec3(0, 0, 0)) throw Error(Trouble::usage, concat("found '", text, "'; expected ", expected));
+  if (normal == Vec3(0, 0, 0)) throw Error(ErrorCode::usage, concat("found '", text, "'; expected ", expected));
   return {.point = point, .normal = normal};
 }
 
@@ -112,17 +112,17 @@ const std::vector<Row<render::HalfSpace>>& half_space_rows() {
   return rows;
 }
 
-const std::vector<Row<ClipWish>>& clip_rows() {
-  static const std::vector<Row<ClipWish>> rows{
-      row("box", &ClipWish::box, box_value(), "The region lies in this box, in world axes"),
-      row("planes", &ClipWish::planes, half_spaces_value(), "The region lies on the normal's side of each plane"),
-      row("keep", &ClipWish::keep, word_value({keep_inside, keep_outside}),
+const std::vector<Row<ClipSpec>>& clip_rows() {
+  static const std::vector<Row<ClipSpec>> rows{
+      row("box", &ClipSpec::box, box_value(), "The region lies in this box, in world axes"),
+      row("planes", &ClipSpec::planes, half_spaces_value(), "The region lies on the normal's side of each plane"),
+      row("keep", &ClipSpec::keep, word_value({keep_inside, keep_outside}),
           "\"inside\", the default: what lies outside the region is clipped away; \"outside\": what lies in it")};
   return rows;
 }
 
-std::vector<Option> clip_options(std::optional<ClipWish>& wish) {
-  const auto said = [&wish]() -> ClipWish& { return wish ? *wish : wish.emplace(); };
+std::vector<Option> clip_options(std::optional<ClipSpec>& spec) {
+  const auto said = [&spec]() -> ClipSpec& { return spec ? *spec : spec.emplace(); };
   return {{Option::Kind::value, "--clip-box", "X0,Y0,Z0,X1,Y1,Z1",
            "Show only what lies in this box, world units; surfaces are open where it cuts them",
            [said](const std::string& text) { said().box = read_box(text); }},
@@ -132,42 +132,42 @@ std::vector<Option> clip_options(std::optional<ClipWish>& wish) {
                   render::Clip::most_planes, " times"),
            [said](const std::string& text) {
              if (said().planes.size() == render::Clip::most_planes)
-               throw Error(Trouble::usage, concat("found one more; expected at most ", render::Clip::most_planes));
+               throw Error(ErrorCode::usage, concat("found one more; expected at most ", render::Clip::most_planes));
              said().planes.push_back(read_half_space(text));
            }},
           {Option::Kind::flag, "--cut-away", "", "Take away what lies in the clip box and planes, and show the rest",
            [said](const std::string&) { said().keep = keep_outside; }}};
 }
 
-std::optional<render::Clip> choose_clip(const std::optional<ClipWish>& wish, const Place& place) {
-  if (!wish) return std::nullopt;
-  if (!wish->box && wish->planes.empty() && place.document.empty())
-    throw Error(Trouble::usage, "--cut-away: there is nothing to cut away; expected --clip-box or --clip-plane too");
-  if (!wish->box && wish->planes.empty())
-    throw Error(Trouble::invalid, concat(place.text(), ": has no region; expected \"box\" or \"planes\""));
-  return render::Clip{.box = wish->box, .planes = wish->planes, .cuts_away = wish->keep == keep_outside};
+std::optional<render::Clip> choose_clip(const std::optional<ClipSpec>& spec, const Place& place) {
+  if (!spec) return std::nullopt;
+  if (!spec->box && spec->planes.empty() && place.document.empty())
+    throw Error(ErrorCode::usage, "--cut-away: there is nothing to cut away; expected --clip-box or --clip-plane too");
+  if (!spec->box && spec->planes.empty())
+    throw Error(ErrorCode::invalid, concat(place.text(), ": has no region; expected \"box\" or \"planes\""));
+  return render::Clip{.box = spec->box, .planes = spec->planes, .cuts_away = spec->keep == keep_outside};
 }
 
-std::optional<ClipWish> clip_wish(const std::optional<render::Clip>& clip) {
+std::optional<ClipSpec> clip_spec(const std::optional<render::Clip>& clip) {
   if (!clip) return std::nullopt;
-  return ClipWish{.box = clip->box, .planes = clip->planes, .keep = clip->cuts_away ? keep_outside : keep_inside};
+  return ClipSpec{.box = clip->box, .planes = clip->planes, .keep = clip->cuts_away ? keep_outside : keep_inside};
 }
 
-std::vector<std::string> clip_words(const ClipWish& wish) {
+std::vector<std::string> clip_words(const ClipSpec& spec) {
   std::vector<std::string> words;
-  if (wish.box) words.insert(words.end(), {"--clip-box", words_of(wish.box->min, wish.box->max)});
-  for (const render::HalfSpace& plane : wish.planes)
+  if (spec.box) words.insert(words.end(), {"--clip-box", words_of(spec.box->min, spec.box->max)});
+  for (const render::HalfSpace& plane : spec.planes)
     words.insert(words.end(), {"--clip-plane", words_of(plane.point, plane.normal)});
-  if (wish.keep == keep_outside) words.emplace_back("--cut-away");
+  if (spec.keep == keep_outside) words.emplace_back("--cut-away");
   return words;
 }
 
-Box3 bounds_of(const render::Layer& layer, const ScenePlan& plan) {
+Box3 bounds_of(const render::Layer& layer, const ResolvedScene& plan) {
   const Box3 bounds = plan.volumes[layer.volume].bounds();
   return layer.mode == render::Mode::slice ? part_of_plane(layer.plane, bounds) : bounds;
 }
 
-std::vector<std::string> clip_notes(const ScenePlan& plan, const Place& place) {
+std::vector<std::string> clip_notes(const ResolvedScene& plan, const Place& place) {
   std::vector<std::string> notes;
   for (std::size_t i = 0; i < plan.scene.layers.size(); ++i)
     if (bounds_of(plan.scene.layers[i], plan).isEmpty())

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "formats/base/error.h"
 #include "formats/base/regular_file.h"
-#include "formats/base/trouble.h"
 #include "tools/rhoray/input_file.h"
 #include "tools/rhoray/scene/json_tree.h"
 #include "tools/rhoray/scene/tables.h"
@@ -24,10 +24,10 @@ std::string document_text(const std::filesystem::path& path) {
   constexpr std::size_t most_bytes = std::size_t{4} << 20;
   require_input(path);
   if (std::filesystem::is_directory(path))
-    throw Error(Trouble::unreadable, concat(path.string(), ": is a folder; expected a scene document"));
+    throw Error(ErrorCode::unreadable, concat(path.string(), ": is a folder; expected a scene document"));
   std::string text = first_bytes(path, most_bytes + 1);
   if (text.size() > most_bytes)
-    throw Error(Trouble::invalid, concat(path.string(), ": is larger than 4 MiB; expected a scene document"));
+    throw Error(ErrorCode::invalid, concat(path.string(), ": is larger than 4 MiB; expected a scene document"));
   return text;
 }
 
@@ -48,15 +48,15 @@ SceneDocument read_scene(const std::filesystem::path& input) {
   const Json json = read_json(is_text ? input.string() : document_text(input), name);
   SceneDocument document;
   const std::filesystem::path folder = is_text ? std::filesystem::path() : input.parent_path();
-  document.wishes = read_object(json, Reading{{name, {}}, folder, document.warnings}, scene_rows());
-  document.wishes.document = name;
+  document.scene_spec = read_object(json, Reading{{name, {}}, folder, document.warnings}, scene_rows());
+  document.scene_spec.document = name;
   return document;
 }
 
-Json scene_json(const SceneWishes& wishes, const std::filesystem::path& folder) {
-  SceneWishes named = wishes;
+Json scene_json(const SceneSpec& scene_spec, const std::filesystem::path& folder) {
+  SceneSpec named = scene_spec;
   if (!folder.empty())
-    for (DataWish& data : named.data)
+    for (DataSpec& data : named.data)
       data.file = std::filesystem::absolute(data.file).lexically_normal().lexically_proximate(
           std::filesystem::absolute(folder).lexically_normal());
   return write_object(named, scene_rows());

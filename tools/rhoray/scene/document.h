@@ -5,14 +5,14 @@
 #include <vector>
 
 #include "tools/rhoray/report.h"
-#include "tools/rhoray/scene/wishes.h"
+#include "tools/rhoray/scene/scene_spec.h"
 
 namespace rhoray::tools {
 
 /// A scene document: JSON (data/scenes/README.md). `input` names a file, or is the document itself where it begins with
 /// a brace; the files it names are then relative to the working folder.
 struct SceneDocument {
-  SceneWishes wishes;
+  SceneSpec scene_spec;
   std::vector<std::string> warnings;  ///< of keys that are not known, one line each
 };
 
@@ -26,6 +26,6 @@ SceneDocument read_scene(const std::filesystem::path& input);
 
 /// The document that says the same.
 /// @param folder  that file names are made relative to; empty: as they are
-Json scene_json(const SceneWishes& wishes, const std::filesystem::path& folder = {});
+Json scene_json(const SceneSpec& scene_spec, const std::filesystem::path& folder = {});
 
 }  // namespace rhoray::tools

@@ -4,7 +4,7 @@
 
 #include "render/called_for.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/scene/slices.h"
 #include "tools/rhoray/scene/tables.h"
 
@@ -18,7 +18,7 @@ std::string unit_text(const render::Volume& volume) {
 }
 
 /// isosurface 500 HU of 'density' in head.rho; triangles of heart.rho
-std::string shown_text(const render::Layer& layer, const ScenePlan& plan) {
+std::string shown_text(const render::Layer& layer, const ResolvedScene& plan) {
   const render::Volume& volume = plan.volumes[layer.volume];
   if (layer.mode == render::Mode::triangles) return concat("triangles of ", plan.data[layer.volume].file.string());
   const std::string of =
@@ -29,23 +29,23 @@ std::string shown_text(const render::Layer& layer, const ScenePlan& plan) {
   return concat("isosurface ", layer.isovalue, of);
 }
 
-std::string why_method(const SceneWishes& wishes, const LayerWish& layer) {
+std::string why_method(const SceneSpec& scene_spec, const LayerSpec& layer) {
   if (layer.type == LayerType::slice) return "of every slice";
-  if (!layer.method.empty() || !layer.accuracy.empty() || !wishes.accuracy.empty()) return "asked for";
+  if (!layer.method.empty() || !layer.accuracy.empty() || !scene_spec.accuracy.empty()) return "asked for";
   return "default";
 }
 
-Json explained_layer(const SceneWishes& wishes, const ScenePlan& plan, std::size_t index) {
+Json explained_layer(const SceneSpec& scene_spec, const ResolvedScene& plan, std::size_t index) {
   const render::Layer& layer = plan.scene.layers[index];
   const LayerOrigin& origin = plan.origins[index];
   const render::Volume& volume = plan.volumes[layer.volume];
   const MethodOption method = option_of(layer.method, layer.mode, volume.is_mesh());
   Json json{{"layer", index},
-            {"wish", origin.wish},
+            {"wish", origin.spec},
             {"shows", shown_text(layer, plan)},
             {"isovalue_from", origin.isovalue_from},
             {"method", method.word},
-            {"method_because", why_method(wishes, wishes.layers[origin.wish])},
+            {"method_because", why_method(scene_spec, scene_spec.layers[origin.spec])},
             {"kernel", render::machine_for(volume, layer, plan.frame)},
             {"effects", Json::array()}};
   for (const render::EffectReason& reason : render::reasons_for_effects(plan.scene, layer))
@@ -80,29 +80,30 @@ std::string light_text(const render::Light& light) {
   return {};
 }
 
-std::string antialiasing_text(const ScenePlan& plan) {
+std::string antialiasing_text(const ResolvedScene& plan) {
   const int most = plan.frame.antialiasing;
   if (most == 1) return "no antialiasing: one ray through the middle of every pixel";
   return concat("antialiasing: up to ", most, " rays through pixels at edges, one through the others");
 }
 
-bool is_opened(const DataWish& data, const ScenePlan& plan) {
-  const auto is_this = [&](const DataWish& each) { return each.name == data.name; };
+bool is_opened(const DataSpec& data, const ResolvedScene& plan) {
+  const auto is_this = [&](const DataSpec& each) { return each.name == data.name; };
   return std::any_of(plan.data.begin(), plan.data.end(), is_this) ||
          std::any_of(plan.texture_data.begin(), plan.texture_data.end(), is_this);
 }
 
 }  // namespace
 
-Json explained(const SceneWishes& wishes, const ScenePlan& plan) {
+Json explained(const SceneSpec& scene_spec, const ResolvedScene& plan) {
   Json json{{"layers", Json::array()}, {"lights", Json::array()}, {"left_out", plan.notes}};
   json["antialiasing"] = antialiasing_text(plan);
   for (const render::Light& light : plan.scene.lights) json["lights"].push_back(light_text(light));
-  for (std::size_t i = 0; i < plan.scene.layers.size(); ++i) json["layers"].push_back(explained_layer(wishes, plan, i));
-  for (std::size_t i = 0; i < wishes.layers.size(); ++i)
-    if (!wishes.layers[i].visible)
+  for (std::size_t i = 0; i < plan.scene.layers.size(); ++i)
+    json["layers"].push_back(explained_layer(scene_spec, plan, i));
+  for (std::size_t i = 0; i < scene_spec.layers.size(); ++i)
+    if (!scene_spec.layers[i].visible)
       json["left_out"].push_back(concat("/layers/", i, ": not traced: \"visible\" is false"));
-  for (const DataWish& data : wishes.data)
+  for (const DataSpec& data : scene_spec.data)
     if (!is_opened(data, plan))
       json["left_out"].push_back(
           concat("data \"", data.name, "\": ", data.file.string(), " is not opened: no visible layer shows it"));

@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tools/rhoray/scene/place.h"
 
 namespace rhoray::tools {
@@ -42,7 +42,7 @@ class TreeMaker final : public nlohmann::json_sax<Json> {
   bool start_object(std::size_t) override { return open(Json::object()); }
   bool key(string_t& name) override {
     if (open_.back()->contains(name))
-      throw Error(Trouble::invalid, concat(here().at(name).text(), ": the key is there twice"));
+      throw Error(ErrorCode::invalid, concat(here().at(name).text(), ": the key is there twice"));
     keys_.back() = name;
     return true;
   }
@@ -53,8 +53,8 @@ class TreeMaker final : public nlohmann::json_sax<Json> {
   bool parse_error(std::size_t, const std::string& last_read, const nlohmann::detail::exception& error) override {
     constexpr int number_overflow = 406;
     if (error.id == number_overflow)
-      throw Error(Trouble::invalid, concat(next().text(), ": found ", last_read, "; expected a finite number"));
-    throw Error(Trouble::invalid, concat(name_, ", ", syntax_text(error.what())));
+      throw Error(ErrorCode::invalid, concat(next().text(), ": found ", last_read, "; expected a finite number"));
+    throw Error(ErrorCode::invalid, concat(name_, ", ", syntax_text(error.what())));
   }
 
  private:
@@ -83,7 +83,7 @@ class TreeMaker final : public nlohmann::json_sax<Json> {
   }
   bool open(Json value) {
     if (open_.size() == most_levels)
-      throw Error(Trouble::invalid, concat(next().text(), ": nested deeper than ", most_levels, " levels"));
+      throw Error(ErrorCode::invalid, concat(next().text(), ": nested deeper than ", most_levels, " levels"));
     Json& added = add(std::move(value));
     open_.push_back(&added);
     keys_.emplace_back();

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "formats/base/text.h"
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 
 namespace rhoray::tools {
 
@@ -20,14 +20,14 @@ class OpaqueSurfaces {
       if (layer.mode == render::Mode::mip || layer.surface.opacity < 1) continue;
       const render::Volume& volume = volumes[layer.volume];
       surfaces_.push_back({world_from_ray_frame(volume).inverse(),
-                           std::make_unique<render::RayQuestions>(volume, layer.isovalue, render::Method{})});
+                           std::make_unique<render::RayCaster>(volume, layer.isovalue, render::Method{})});
     }
   }
 
   /// Whether one of them is met up to a distance, in lengths of the direction.
   bool meets(const Vec3& from, const Vec3& direction, double distance) const {
     return std::any_of(surfaces_.begin(), surfaces_.end(), [&](const Surface& surface) {
-      return !surface.questions
+      return !surface.queries
                   ->first_crossing({.origin = surface.frame_from_world.point(from),
                                     .direction = surface.frame_from_world.vector(direction),
                                     .t_max = distance})
@@ -38,7 +38,7 @@ class OpaqueSurfaces {
  private:
   struct Surface {
     Affine frame_from_world;
-    std::unique_ptr<render::RayQuestions> questions;
+    std::unique_ptr<render::RayCaster> queries;
   };
   std::vector<Surface> surfaces_;
 };

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::tools {
 
@@ -26,36 +26,36 @@ struct CameraAxes {
 
 /// Towards where a camera of these angles would stand, or in the axes of the camera that there is. Multiples of 90
 /// degrees give exact axes.
-Vec3 direction_of(const LightWish& wish, const render::Camera& camera) {
+Vec3 direction_of(const LightSpec& spec, const render::Camera& camera) {
   constexpr double radians_per_degree = std::numbers::pi / 180;
   const auto cosine = [](double deg) {
     return std::fmod(std::abs(deg), 180) == 90 ? 0.0 : std::cos(deg * radians_per_degree);
   };
   const auto sine = [&](double deg) { return cosine(deg - 90); };
-  const double azimuth = wish.azimuth_deg.value_or(0), elevation = wish.elevation_deg.value_or(0);
+  const double azimuth = spec.azimuth_deg.value_or(0), elevation = spec.elevation_deg.value_or(0);
   const double right = cosine(elevation) * sine(azimuth), front = cosine(elevation) * cosine(azimuth),
                up = sine(elevation);
-  if (wish.from != "camera") return Vec3(right, 0 - front, up);
+  if (spec.from != "camera") return Vec3(right, 0 - front, up);
   const CameraAxes axes(camera);
   return right * axes.right + up * axes.up + front * axes.to_eye;
 }
 
-Vec3 place_of(const LightWish& wish, const render::Camera& camera, const Place& place) {
-  if (wish.type == Type::head) return {0, 0, 0};
-  if (wish.type == Type::point) return wish.position.value();  // a document's light must have it
-  const bool has_angles = wish.azimuth_deg || wish.elevation_deg;
-  if (!wish.direction && !has_angles)
-    throw Error(Trouble::invalid,
+Vec3 place_of(const LightSpec& spec, const render::Camera& camera, const Place& place) {
+  if (spec.type == Type::head) return {0, 0, 0};
+  if (spec.type == Type::point) return spec.position.value();  // a document's light must have it
+  const bool has_angles = spec.azimuth_deg || spec.elevation_deg;
+  if (!spec.direction && !has_angles)
+    throw Error(ErrorCode::invalid,
                 concat(place.text(), ": has no direction; expected \"direction\", or \"azimuth\" and \"elevation\""));
-  if (wish.direction && (has_angles || !wish.from.empty()))
-    throw Error(Trouble::invalid, concat(place.at("direction").text(), ": \"",
-                                         wish.azimuth_deg     ? "azimuth"
-                                         : wish.elevation_deg ? "elevation"
-                                                              : "from",
-                                         "\" is there too; expected one of the two"));
-  if (wish.direction && *wish.direction == Vec3(0, 0, 0))
-    throw Error(Trouble::invalid, concat(place.at("direction").text(), ": found [0,0,0]; expected a direction"));
-  return wish.direction ? *wish.direction : direction_of(wish, camera);
+  if (spec.direction && (has_angles || !spec.from.empty()))
+    throw Error(ErrorCode::invalid, concat(place.at("direction").text(), ": \"",
+                                           spec.azimuth_deg     ? "azimuth"
+                                           : spec.elevation_deg ? "elevation"
+                                                                : "from",
+                                           "\" is there too; expected one of the two"));
+  if (spec.direction && *spec.direction == Vec3(0, 0, 0))
+    throw Error(ErrorCode::invalid, concat(place.at("direction").text(), ": found [0,0,0]; expected a direction"));
+  return spec.direction ? *spec.direction : direction_of(spec, camera);
 }
 
 std::array<Vec3, 8> corners(const Box3& box) {
@@ -84,20 +84,20 @@ Interval<double> distances(const Box3& box, const render::Camera& camera) {
 }
 
 /// Colours of a wish are at most 1: more is said by an intensity, a power of two, so that no digit is lost.
-LightWish wish_of(const render::Light& light) {
-  LightWish wish{.type = light.kind};
+LightSpec spec_of_light(const render::Light& light) {
+  LightSpec spec{.type = light.kind};
   const double brightest = std::max({light.color.x, light.color.y, light.color.z});
   const double intensity = brightest > 1 ? std::exp2(std::ceil(std::log2(brightest))) : 1;
-  wish.color = Color{light.color / intensity};
-  wish.intensity = intensity;
-  if (light.kind == Type::directional) wish.direction = light.place;
-  if (light.kind == Type::point) wish.position = light.place;
-  if (light.kind != Type::head) wish.shadows = light.casts_shadows;
+  spec.color = Color{light.color / intensity};
+  spec.intensity = intensity;
+  if (light.kind == Type::directional) spec.direction = light.place;
+  if (light.kind == Type::point) spec.position = light.place;
+  if (light.kind != Type::head) spec.shadows = light.casts_shadows;
   if (light.size > 0) {
-    (light.kind == Type::point ? wish.radius : wish.angular_diameter_deg) = light.size;
-    wish.samples = light.samples;
+    (light.kind == Type::point ? spec.radius : spec.angular_diameter_deg) = light.size;
+    spec.samples = light.samples;
   }
-  return wish;
+  return spec;
 }
 
 bool is_white_head(const render::Light& light) {
@@ -106,9 +106,9 @@ bool is_white_head(const render::Light& light) {
 
 }  // namespace
 
-std::vector<LightWish> key_and_fill(const std::optional<Angles>& towards, bool shadows,
+std::vector<LightSpec> key_and_fill(const std::optional<Angles>& towards, bool shadows,
                                     const std::optional<double>& angular_diameter_deg) {
-  LightWish key{.type = Type::directional, .intensity = 0.8, .shadows = shadows};
+  LightSpec key{.type = Type::directional, .intensity = 0.8, .shadows = shadows};
   key.angular_diameter_deg = angular_diameter_deg;
   key.azimuth_deg = towards ? towards->azimuth_deg : -40;
   key.elevation_deg = towards ? towards->elevation_deg : 40;
@@ -116,37 +116,37 @@ std::vector<LightWish> key_and_fill(const std::optional<Angles>& towards, bool s
   return {key, {.type = Type::head, .intensity = 0.35}};
 }
 
-std::vector<render::Light> choose_lights(const SceneWishes& wishes, const render::Camera& camera) {
-  if (!wishes.lights) return render::Scene{}.lights;
-  const Place place = Place{wishes.document, {}}.at("lights");
+std::vector<render::Light> choose_lights(const SceneSpec& scene_spec, const render::Camera& camera) {
+  if (!scene_spec.lights) return render::Scene{}.lights;
+  const Place place = Place{scene_spec.document, {}}.at("lights");
   std::vector<render::Light> lights;
-  for (const LightWish& wish : *wishes.lights) {
-    render::Light light{.kind = wish.type};
-    light.place = place_of(wish, camera, place.at(lights.size()));
-    light.color = (wish.color ? wish.color->linear : Vec3(1, 1, 1)) * wish.intensity.value_or(1);
-    light.casts_shadows = wish.shadows.value_or(false);
-    light.size = (wish.type == Type::point ? wish.radius : wish.angular_diameter_deg).value_or(0);
-    light.samples = wish.samples.value_or(light.samples);
+  for (const LightSpec& spec : *scene_spec.lights) {
+    render::Light light{.kind = spec.type};
+    light.place = place_of(spec, camera, place.at(lights.size()));
+    light.color = (spec.color ? spec.color->linear : Vec3(1, 1, 1)) * spec.intensity.value_or(1);
+    light.casts_shadows = spec.shadows.value_or(false);
+    light.size = (spec.type == Type::point ? spec.radius : spec.angular_diameter_deg).value_or(0);
+    light.samples = spec.samples.value_or(light.samples);
     lights.push_back(light);
   }
   return lights;
 }
 
-render::Occlusion choose_occlusion(const std::optional<OcclusionWish>& wish, const ShownBox& shown) {
+render::Occlusion choose_occlusion(const std::optional<OcclusionSpec>& spec, const ShownBox& shown) {
   render::Occlusion occlusion;
-  if (!wish) return occlusion;
+  if (!spec) return occlusion;
   constexpr double share = 0.1;
-  occlusion.samples = wish->samples.value_or(occlusion.samples);
-  occlusion.radius = wish->radius ? *wish->radius : share * shown().size().length();
+  occlusion.samples = spec->samples.value_or(occlusion.samples);
+  occlusion.radius = spec->radius ? *spec->radius : share * shown().size().length();
   return occlusion;
 }
 
-std::optional<render::Fog> choose_fog(const std::optional<FogWish>& wish, const render::Camera& camera,
+std::optional<render::Fog> choose_fog(const std::optional<FogSpec>& spec, const render::Camera& camera,
                                       const Vec3& background, const ShownBox& shown) {
-  if (!wish) return std::nullopt;
-  render::Fog fog{.color = wish->color ? wish->color->linear : background};
-  if (wish->range) {
-    fog.range = *wish->range;
+  if (!spec) return std::nullopt;
+  render::Fog fog{.color = spec->color ? spec->color->linear : background};
+  if (spec->range) {
+    fog.range = *spec->range;
     return fog;
   }
   const Interval<double> reach = distances(shown(), camera);
@@ -155,18 +155,18 @@ std::optional<render::Fog> choose_fog(const std::optional<FogWish>& wish, const 
   return fog;
 }
 
-std::optional<std::vector<LightWish>> light_wishes(const std::vector<render::Light>& lights) {
+std::optional<std::vector<LightSpec>> light_specs(const std::vector<render::Light>& lights) {
   if (lights.size() == 1 && is_white_head(lights[0])) return std::nullopt;
-  std::vector<LightWish> wishes;
-  for (const render::Light& light : lights) wishes.push_back(wish_of(light));
-  return wishes;
+  std::vector<LightSpec> scene_spec;
+  for (const render::Light& light : lights) scene_spec.push_back(spec_of_light(light));
+  return scene_spec;
 }
 
-EffectsWish effect_wishes(const render::Scene& scene) {
-  EffectsWish effects;
+EffectsSpec effects_spec(const render::Scene& scene) {
+  EffectsSpec effects;
   if (scene.occlusion.radius > 0)
-    effects.occlusion = OcclusionWish{.samples = scene.occlusion.samples, .radius = scene.occlusion.radius};
-  if (scene.fog) effects.fog = FogWish{.color = Color{scene.fog->color}, .range = scene.fog->range};
+    effects.occlusion = OcclusionSpec{.samples = scene.occlusion.samples, .radius = scene.occlusion.radius};
+  if (scene.fog) effects.fog = FogSpec{.color = Color{scene.fog->color}, .range = scene.fog->range};
   return effects;
 }
 

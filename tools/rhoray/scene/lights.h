@@ -7,7 +7,7 @@
 #include "formats/base/vector.h"
 #include "render/scene.h"
 #include "tools/rhoray/scene/place.h"
-#include "tools/rhoray/scene/wishes.h"
+#include "tools/rhoray/scene/scene_spec.h"
 
 namespace rhoray::tools {
 
@@ -21,24 +21,24 @@ struct Angles {
 /// What the options --shadows, --light and --light-size ask for: a key light, and a weaker one at the eye that fills
 /// its shadows.
 /// @param towards  the key light, in the world; nothing: from the upper left of the camera
-std::vector<LightWish> key_and_fill(const std::optional<Angles>& towards, bool shadows,
+std::vector<LightSpec> key_and_fill(const std::optional<Angles>& towards, bool shadows,
                                     const std::optional<double>& angular_diameter_deg);
 
 /// One white light at the eye where nothing is wished. Refuses a directional light without a direction or with two
-/// (Trouble::invalid).
-std::vector<render::Light> choose_lights(const SceneWishes& wishes, const render::Camera& camera);
+/// (ErrorCode::invalid).
+std::vector<render::Light> choose_lights(const SceneSpec& scene_spec, const render::Camera& camera);
 
 /// Around what is shown; asked only where a choice depends on it.
 using ShownBox = std::function<Box3()>;
 
 /// No occlusion where none is wished, or where what is shown has no size.
-render::Occlusion choose_occlusion(const std::optional<OcclusionWish>& wish, const ShownBox& shown);
+render::Occlusion choose_occlusion(const std::optional<OcclusionSpec>& spec, const ShownBox& shown);
 
-std::optional<render::Fog> choose_fog(const std::optional<FogWish>& wish, const render::Camera& camera,
+std::optional<render::Fog> choose_fog(const std::optional<FogSpec>& spec, const render::Camera& camera,
                                       const Vec3& background, const ShownBox& shown);
 
 /// Wishes that say the same of lights and effects; nothing where they are those of a scene that wishes for none.
-std::optional<std::vector<LightWish>> light_wishes(const std::vector<render::Light>& lights);
-EffectsWish effect_wishes(const render::Scene& scene);
+std::optional<std::vector<LightSpec>> light_specs(const std::vector<render::Light>& lights);
+EffectsSpec effects_spec(const render::Scene& scene);
 
 }  // namespace rhoray::tools

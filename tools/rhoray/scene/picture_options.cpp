@@ -5,11 +5,11 @@
 #include <memory>
 #include <utility>
 
-#include "formats/base/trouble.h"
-#include "tools/rhoray/method_words.h"
+#include "formats/base/error.h"
+#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/scene/clip.h"
-#include "tools/rhoray/scene/looks.h"
-#include "tools/rhoray/scene/picture_words.h"
+#include "tools/rhoray/scene/material.h"
+#include "tools/rhoray/scene/picture_names.h"
 #include "tools/rhoray/scene/slices.h"
 
 namespace rhoray::tools {
@@ -45,7 +45,7 @@ Option above_zero_option(std::string names, std::string value, std::string help,
   return {Option::Kind::value, std::move(names), std::move(value), std::move(help), [&out](const std::string& text) {
             double number = 0;
             read_value(text, number);
-            if (!(number > 0)) throw Error(Trouble::usage, concat("found '", text, "'; expected a number above 0"));
+            if (!(number > 0)) throw Error(ErrorCode::usage, concat("found '", text, "'; expected a number above 0"));
             out = number;
           }};
 }
@@ -57,7 +57,7 @@ Option whole_number_option(std::string names, std::string value, std::string hel
             int number = 0;
             read_value(text, number);
             if (!limits.contains(number))
-              throw Error(Trouble::usage,
+              throw Error(ErrorCode::usage,
                           concat("found '", text, "'; expected a whole number from ", limits.lo, " to ", limits.hi));
             out = number;
           }};
@@ -69,12 +69,12 @@ Option angles_option(std::string names, std::string help, std::optional<Angles>&
                                                 limits::elevation_deg.lo, " to ", limits::elevation_deg.hi);
             const std::size_t comma = text.find(',');
             if (comma == std::string::npos)
-              throw Error(Trouble::usage, concat("found '", text, "'; expected ", expected));
+              throw Error(ErrorCode::usage, concat("found '", text, "'; expected ", expected));
             Angles angles;
             read_value(text.substr(0, comma), angles.azimuth_deg);
             read_value(text.substr(comma + 1), angles.elevation_deg);
             if (!limits::elevation_deg.contains(angles.elevation_deg))
-              throw Error(Trouble::usage, concat("found '", text, "'; expected ", expected));
+              throw Error(ErrorCode::usage, concat("found '", text, "'; expected ", expected));
             out = angles;
           }};
 }
@@ -85,28 +85,28 @@ void replace(std::optional<T>& old, const std::optional<T>& said) {
 }
 
 /// Beside the file that is shown; both have names then, by which the layer asks for them.
-void add_texture(const std::filesystem::path& file, SceneWishes& scene) {
+void add_texture(const std::filesystem::path& file, SceneSpec& scene) {
   scene.data[0].name = scene.layers[0].data = "data";
   scene.data.push_back({.name = "texture", .file = file});
   scene.layers[0].texture = "texture";
 }
 
 /// The lights that options ask for; nothing where they ask for none.
-std::optional<std::vector<LightWish>> lights_of(const PictureOptions& options) {
+std::optional<std::vector<LightSpec>> lights_of(const PictureOptions& options) {
   if (!options.shadows && !options.key_light && !options.key_light_size) return std::nullopt;
   return key_and_fill(options.key_light, options.shadows || options.key_light_size, options.key_light_size);
 }
 
 /// A view by a word or angles replaces a place that was given; an angle of view, an orthographic one.
-CameraWish camera_under(CameraWish camera, const CameraWish& said) {
+CameraSpec camera_under(CameraSpec camera, const CameraSpec& said) {
   if (said.view) camera.azimuth_deg = camera.elevation_deg = std::nullopt;
   if (said.view || said.azimuth_deg || said.elevation_deg) camera.position = camera.target = camera.up = std::nullopt;
   if (said.fov_deg) camera.orthographic = std::nullopt, camera.orthographic_height = std::nullopt;
   replace(camera.view, said.view);
-  for (const auto member : {&CameraWish::azimuth_deg, &CameraWish::elevation_deg, &CameraWish::zoom,
-                            &CameraWish::fov_deg, &CameraWish::orthographic_height})
+  for (const auto member : {&CameraSpec::azimuth_deg, &CameraSpec::elevation_deg, &CameraSpec::zoom,
+                            &CameraSpec::fov_deg, &CameraSpec::orthographic_height})
     replace(camera.*member, said.*member);
-  for (const auto member : {&CameraWish::position, &CameraWish::target, &CameraWish::up})
+  for (const auto member : {&CameraSpec::position, &CameraSpec::target, &CameraSpec::up})
     replace(camera.*member, said.*member);
   replace(camera.orthographic, said.orthographic);
   return camera;
@@ -115,10 +115,10 @@ CameraWish camera_under(CameraWish camera, const CameraWish& said) {
 }  // namespace
 
 std::vector<Option> picture_options(PictureOptions& options) {
-  SceneWishes& scene = options.wishes;
-  LayerWish& layer = scene.layers[0];
-  CameraWish& camera = scene.camera;
-  ImageWish& image = scene.image;
+  SceneSpec& scene = options.scene_spec;
+  LayerSpec& layer = scene.layers[0];
+  CameraSpec& camera = scene.camera;
+  PictureSpec& image = scene.image;
   const auto layers = [&](Option row) { return of_the_layer(options, std::move(row)); };
   std::vector<Option> rows{
       layers(choice_option("--mode", {"iso", "mip"},
@@ -185,7 +185,7 @@ std::vector<Option> picture_options(PictureOptions& options) {
       {Option::Kind::flag, "--ao", "",
        "Ambient occlusion: less light from all sides where opaque surfaces are near, up to a tenth of the diagonal of "
        "what is shown; 16 rays a hit",
-       [&effects = scene.effects](const std::string&) { effects.occlusion = OcclusionWish{}; }},
+       [&effects = scene.effects](const std::string&) { effects.occlusion = OcclusionSpec{}; }},
       {Option::Kind::value, "--fog", "A,B",
        "Surfaces fade into the background with their distance from the eye, from A on; at B nothing of them is left",
        [&effects = scene.effects](const std::string& text) { read_value(text, effects.fog.emplace().range); }},
@@ -221,10 +221,10 @@ std::vector<Option> picture_options(PictureOptions& options) {
                           "Pictures from the first key frame of a scene's camera to the last; -o out_%04d.png",
                           limits::frames, image.frames),
       {Option::Kind::flag, "--axes", "", "Arrows along the world's axes, in the lower left corner",
-       [&annotations = scene.annotations](const std::string&) { annotations.axes = AxesWish{}; }},
+       [&annotations = scene.annotations](const std::string&) { annotations.axes = AxesSpec{}; }},
       switch_option("--box", "The box around what is shown, with ticks in world units", true, scene.annotations.box),
       {Option::Kind::flag, "--colorbar", "", "The colours of --color-by, a projection or a heat map, and their values",
-       [&annotations = scene.annotations](const std::string&) { annotations.color_bar = ColorBarWish{}; }},
+       [&annotations = scene.annotations](const std::string&) { annotations.color_bar = ColorBarSpec{}; }},
       value_option("--caption", "TEXT", "Text below", scene.annotations.caption)};
   const std::vector<Option> clip_rows = clip_options(scene.clip);
   rows.insert(rows.end(), clip_rows.begin(), clip_rows.end());
@@ -234,20 +234,21 @@ std::vector<Option> picture_options(PictureOptions& options) {
 namespace {
 
 /// What is said of surfaces where none is shown.
-void refuse_words_of_surfaces(const LayerWish& layer) {
+void refuse_words_of_surfaces(const LayerSpec& layer) {
   for (const auto& [option, text] :
        {std::pair{"--normals", &layer.normals}, {"--color-by", &layer.color_by}, {"--texture", &layer.texture}})
     if (!text->empty())
-      throw Error(Trouble::usage, concat(option, " is of isosurfaces; a maximum intensity projection has no surface"));
+      throw Error(ErrorCode::usage,
+                  concat(option, " is of isosurfaces; a maximum intensity projection has no surface"));
 }
 
 /// Slices before the layer that options speak of; alone where nothing asks for that layer.
-void add_slices(const PictureOptions& options, SceneWishes& wishes) {
+void add_slices(const PictureOptions& options, SceneSpec& scene_spec) {
   if (options.slices.empty()) return;
-  LayerWish& layer = wishes.layers[0];
-  std::vector<LayerWish> slices = options.slices;
+  LayerSpec& layer = scene_spec.layers[0];
+  std::vector<LayerSpec> slices = options.slices;
   const bool has_range = layer.color_by.empty() && layer.type != LayerType::mip;
-  for (LayerWish& slice : slices) {
+  for (LayerSpec& slice : slices) {
     slice.colormap = layer.colormap;
     if (has_range) slice.range = layer.range;
   }
@@ -256,53 +257,53 @@ void add_slices(const PictureOptions& options, SceneWishes& wishes) {
   const std::vector<std::string>& given = options.of_the_layer;
   const auto is_given = [&](const char* name) { return std::find(given.begin(), given.end(), name) != given.end(); };
   if (is_given("--mode") || is_given("--iso")) {
-    wishes.layers.insert(wishes.layers.begin(), slices.begin(), slices.end());
+    scene_spec.layers.insert(scene_spec.layers.begin(), slices.begin(), slices.end());
     return;
   }
   constexpr std::array of_slices{"--slice", "--field", "--colormap", "--range", "--opacity"};
   for (const std::string& name : given)
     if (std::find(of_slices.begin(), of_slices.end(), name) == of_slices.end())
-      throw Error(Trouble::usage, concat(name, ": only slices are shown, and it is not of them"),
+      throw Error(ErrorCode::usage, concat(name, ": only slices are shown, and it is not of them"),
                   "--mode iso or --iso shows an isosurface too");
-  for (LayerWish& slice : slices) slice.opacity = layer.opacity;
-  wishes.layers = std::move(slices);
+  for (LayerSpec& slice : slices) slice.opacity = layer.opacity;
+  scene_spec.layers = std::move(slices);
 }
 
 /// A layer of its own for each file of triangles.
-void add_landmarks(const std::vector<std::string>& files, SceneWishes& wishes) {
+void add_landmarks(const std::vector<std::string>& files, SceneSpec& scene_spec) {
   if (files.empty()) return;
-  wishes.data[0].name = "data";
-  for (LayerWish& layer : wishes.layers) layer.data = "data";
+  scene_spec.data[0].name = "data";
+  for (LayerSpec& layer : scene_spec.layers) layer.data = "data";
   for (std::size_t i = 0; i < files.size(); ++i) {
     const std::string name = concat("mesh ", i + 1);
-    wishes.data.push_back({.name = name, .file = files[i]});
-    wishes.layers.push_back({.type = LayerType::mesh, .data = name});
+    scene_spec.data.push_back({.name = name, .file = files[i]});
+    scene_spec.layers.push_back({.type = LayerType::mesh, .data = name});
   }
 }
 
 }  // namespace
 
-SceneWishes wishes_of(const PictureOptions& options, const std::filesystem::path& file) {
-  SceneWishes wishes = options.wishes;
-  wishes.data[0].file = file;
-  if (!options.texture.empty()) add_texture(options.texture, wishes);
-  wishes.lights = lights_of(options);
-  wishes.layers[0].type = options.mode == "mip" ? LayerType::mip : LayerType::isosurface;
-  if (!wishes.layers[0].method.empty() && !wishes.accuracy.empty())
-    throw Error(Trouble::usage, "--method and --accuracy say the same thing twice: give one of them");
-  if (wishes.layers[0].type == LayerType::mip) refuse_words_of_surfaces(wishes.layers[0]);
-  add_slices(options, wishes);
-  add_landmarks(options.meshes, wishes);
-  return wishes;
+SceneSpec spec_of(const PictureOptions& options, const std::filesystem::path& file) {
+  SceneSpec scene_spec = options.scene_spec;
+  scene_spec.data[0].file = file;
+  if (!options.texture.empty()) add_texture(options.texture, scene_spec);
+  scene_spec.lights = lights_of(options);
+  scene_spec.layers[0].type = options.mode == "mip" ? LayerType::mip : LayerType::isosurface;
+  if (!scene_spec.layers[0].method.empty() && !scene_spec.accuracy.empty())
+    throw Error(ErrorCode::usage, "--method and --accuracy say the same thing twice: give one of them");
+  if (scene_spec.layers[0].type == LayerType::mip) refuse_words_of_surfaces(scene_spec.layers[0]);
+  add_slices(options, scene_spec);
+  add_landmarks(options.meshes, scene_spec);
+  return scene_spec;
 }
 
-SceneWishes with_options(SceneWishes document, const PictureOptions& options) {
+SceneSpec with_options(SceneSpec document, const PictureOptions& options) {
   if (!options.of_the_layer.empty())
-    throw Error(Trouble::usage,
+    throw Error(ErrorCode::usage,
                 concat(options.of_the_layer.front(), ": given beside the scene ", document.document,
                        ", whose layers say what is shown"),
                 "say it in a layer of the document");
-  const SceneWishes& said = options.wishes;
+  const SceneSpec& said = options.scene_spec;
   document.camera = camera_under(document.camera, said.camera);
   replace(document.lights, lights_of(options));
   replace(document.effects.occlusion, said.effects.occlusion);
@@ -321,7 +322,7 @@ SceneWishes with_options(SceneWishes document, const PictureOptions& options) {
   if (!said.annotations.caption.empty()) document.annotations.caption = said.annotations.caption;
   if (!said.accuracy.empty()) {
     document.accuracy = said.accuracy;
-    for (LayerWish& layer : document.layers) layer.accuracy.clear(), layer.method.clear();
+    for (LayerSpec& layer : document.layers) layer.accuracy.clear(), layer.method.clear();
   }
   return document;
 }

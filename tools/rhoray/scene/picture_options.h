@@ -6,15 +6,15 @@
 
 #include "tools/rhoray/option_values.h"
 #include "tools/rhoray/scene/lights.h"
-#include "tools/rhoray/scene/wishes.h"
+#include "tools/rhoray/scene/scene_spec.h"
 
 namespace rhoray::tools {
 
 /// What may be said about a picture on the command line: wishes of one file and one layer.
 struct PictureOptions {
-  SceneWishes wishes{.data = std::vector<DataWish>(1), .layers = std::vector<LayerWish>(1)};
+  SceneSpec scene_spec{.data = std::vector<DataSpec>(1), .layers = std::vector<LayerSpec>(1)};
   std::string mode = "iso";
-  std::vector<LayerWish> slices{};
+  std::vector<LayerSpec> slices{};
   std::filesystem::path texture;          ///< empty = none
   std::vector<std::string> meshes;        ///< files of triangles, landmarks beside the file
   bool shadows = false;                   ///< the key light casts them
@@ -26,11 +26,11 @@ struct PictureOptions {
 /// The rows of these options, for `render`. They write into `options`, which stays where it is.
 std::vector<Option> picture_options(PictureOptions& options);
 
-/// Wishes of a file. Refuses options that say the same thing twice (Trouble::usage).
-SceneWishes wishes_of(const PictureOptions& options, const std::filesystem::path& file);
+/// Wishes of a file. Refuses options that say the same thing twice (ErrorCode::usage).
+SceneSpec spec_of(const PictureOptions& options, const std::filesystem::path& file);
 
 /// A document's wishes under these options: size, background, channels, accuracy, camera, lights, effects and
-/// annotations are replaced. Refuses options about a layer, which do not say about which (Trouble::usage).
-SceneWishes with_options(SceneWishes document, const PictureOptions& options);
+/// annotations are replaced. Refuses options about a layer, which do not say about which (ErrorCode::usage).
+SceneSpec with_options(SceneSpec document, const PictureOptions& options);
 
 }  // namespace rhoray::tools

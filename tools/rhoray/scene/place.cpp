@@ -1,6 +1,6 @@
 #include "tools/rhoray/scene/place.h"
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::tools {
 
@@ -27,7 +27,7 @@ std::string Place::text() const {
 }
 
 void Place::refuse(const Json& found, const std::string& expected, const std::string& hint) const {
-  throw Error(Trouble::invalid, concat(text(), ": found ", found_text(found), "; expected ", expected), hint);
+  throw Error(ErrorCode::invalid, concat(text(), ": found ", found_text(found), "; expected ", expected), hint);
 }
 
 std::string found_text(const Json& value) {

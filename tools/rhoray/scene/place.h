@@ -17,7 +17,7 @@ struct Place {
   Place at(std::size_t index) const;
   std::string text() const;  ///< torso.json: /layers/0
 
-  /// `torso.json: /image/size: found 7; expected ...` (Trouble::invalid).
+  /// `torso.json: /image/size: found 7; expected ...` (ErrorCode::invalid).
   [[noreturn]] void refuse(const Json& found, const std::string& expected, const std::string& hint = {}) const;
 };
 

@@ -3,11 +3,11 @@
 #include <optional>
 #include <string>
 
+#include "formats/base/error.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/scene/clip.h"
-#include "tools/rhoray/scene/looks.h"
+#include "tools/rhoray/scene/material.h"
 
 namespace rhoray::tools {
 
@@ -22,43 +22,43 @@ std::optional<int> axis_named(const std::string& word) {
 }
 
 /// z, z=40, or px,py,pz,nx,ny,nz.
-LayerWish read_slice(const std::string& text) {
-  LayerWish wish{.type = LayerType::slice};
+LayerSpec read_slice(const std::string& text) {
+  LayerSpec spec{.type = LayerType::slice};
   const std::size_t equals = text.find('=');
   const std::string expected =
       "an axis and a position such as z=40, an axis alone for the middle of the data, or a point and a normal "
       "px,py,pz,nx,ny,nz";
-  const auto refuse = [&] { return Error(Trouble::usage, concat("found '", text, "'; expected ", expected)); };
+  const auto refuse = [&] { return Error(ErrorCode::usage, concat("found '", text, "'; expected ", expected)); };
   try {
     if (axis_named(text.substr(0, equals))) {
-      wish.axis = text.substr(0, equals);
-      if (equals != std::string::npos) read_value(text.substr(equals + 1), wish.position);
-      return wish;
+      spec.axis = text.substr(0, equals);
+      if (equals != std::string::npos) read_value(text.substr(equals + 1), spec.position);
+      return spec;
     }
     const render::HalfSpace plane = read_half_space(text);
-    wish.point = plane.point, wish.normal = plane.normal;
-    return wish;
+    spec.point = plane.point, spec.normal = plane.normal;
+    return spec;
   } catch (const Error&) {
     throw refuse();
   }
 }
 
 /// Refuses what of a wish's plane does not go together.
-void check_plane(const LayerWish& wish, const Place& place) {
-  const bool has_axis = !wish.axis.empty(), has_plane = wish.point || wish.normal;
+void check_plane(const LayerSpec& spec, const Place& place) {
+  const bool has_axis = !spec.axis.empty(), has_plane = spec.point || spec.normal;
   const auto refuse = [&](const Place& at, const std::string& fact) {
-    throw Error(Trouble::invalid, concat(at.text(), ": ", fact));
+    throw Error(ErrorCode::invalid, concat(at.text(), ": ", fact));
   };
   if (has_axis && has_plane) refuse(place.at("axis"), "\"point\" or \"normal\" is there too; expected one of the two");
-  if (!has_axis && wish.position) refuse(place.at("position"), "is of an axis; expected \"axis\" too");
-  if (!has_axis && !wish.normal) refuse(place, "has no plane; expected \"axis\", or \"point\" and \"normal\"");
+  if (!has_axis && spec.position) refuse(place.at("position"), "is of an axis; expected \"axis\" too");
+  if (!has_axis && !spec.normal) refuse(place, "has no plane; expected \"axis\", or \"point\" and \"normal\"");
 }
 
-render::HalfSpace plane_of(const LayerWish& wish, const Vec3& middle) {
-  if (wish.axis.empty()) return {.point = wish.point.value_or(middle), .normal = *wish.normal};
-  const int axis = *axis_named(wish.axis);
+render::HalfSpace plane_of(const LayerSpec& spec, const Vec3& middle) {
+  if (spec.axis.empty()) return {.point = spec.point.value_or(middle), .normal = *spec.normal};
+  const int axis = *axis_named(spec.axis);
   render::HalfSpace plane{.point = middle, .normal = {0, 0, 0}};
-  plane.point[axis] = wish.position.value_or(middle[axis]);
+  plane.point[axis] = spec.position.value_or(middle[axis]);
   plane.normal[axis] = 1;
   return plane;
 }
@@ -69,25 +69,25 @@ std::string vector_text(const Vec3& v) {
 
 }  // namespace
 
-std::vector<Row<LayerWish>> slice_rows() {
+std::vector<Row<LayerSpec>> slice_rows() {
   return {
-      row("axis", &LayerWish::axis, word_value(axis_words), "The plane lies across this axis of the world"),
-      row("position", &LayerWish::position, number(),
+      row("axis", &LayerSpec::axis, word_value(axis_words), "The plane lies across this axis of the world"),
+      row("position", &LayerSpec::position, number(),
           "Where it crosses the axis, in world units; default the middle of the data"),
-      row("point", &LayerWish::point, vector_value(),
+      row("point", &LayerSpec::point, vector_value(),
           "Instead, with \"normal\": a place in the plane; default the middle of the data"),
-      row("normal", &LayerWish::normal, direction_value(), "Across the plane, either way, of any length"),
-      row("colormap", &LayerWish::colormap, word_value(colormap_words()), "Colours of the field; default \"viridis\""),
-      row("range", &LayerWish::range, interval_value(),
+      row("normal", &LayerSpec::normal, direction_value(), "Across the plane, either way, of any length"),
+      row("colormap", &LayerSpec::colormap, word_value(colormap_words()), "Colours of the field; default \"viridis\""),
+      row("range", &LayerSpec::range, interval_value(),
           "Values from the map's first colour to its last; default the field's range"),
-      row("threshold", &LayerWish::threshold, interval_value(),
+      row("threshold", &LayerSpec::threshold, interval_value(),
           "Shown only where the field has values from the first to the second; default wherever it has any"),
-      row("lit", &LayerWish::lit, yes_or_no(), "true: lights shine on it; default false: the map's own colours"),
-      row("opacity", &LayerWish::opacity, number_within(limits::share),
+      row("lit", &LayerSpec::lit, yes_or_no(), "true: lights shine on it; default false: the map's own colours"),
+      row("opacity", &LayerSpec::opacity, number_within(limits::share),
           "Share of the light behind that the slice holds back; default 1")};
 }
 
-Option slice_option(std::vector<LayerWish>& slices) {
+Option slice_option(std::vector<LayerSpec>& slices) {
   return {
       Option::Kind::value, "--slice", "AXIS[=POSITION]...",
       "Show the field on a plane, in colours of --colormap over --range: z=40 lies across z at 40 world units, z in "
@@ -96,33 +96,33 @@ Option slice_option(std::vector<LayerWish>& slices) {
       [&slices](const std::string& text) { slices.push_back(read_slice(text)); }};
 }
 
-void choose_slice(const LayerWish& wish, const render::Volume& volume, const Place& place, render::Layer& layer) {
-  check_plane(wish, place);
+void choose_slice(const LayerSpec& spec, const render::Volume& volume, const Place& place, render::Layer& layer) {
+  check_plane(spec, place);
   const formats::FieldSummary& field = volume.field();
   if (field.range.is_empty())
-    throw Error(Trouble::invalid, concat(place.document.empty() ? "--slice" : place.text(), ": field '", field.name,
-                                         "' holds no finite value"));
+    throw Error(ErrorCode::invalid, concat(place.document.empty() ? "--slice" : place.text(), ": field '", field.name,
+                                           "' holds no finite value"));
   layer.mode = render::Mode::slice;
-  layer.plane = plane_of(wish, volume.bounds().center());
-  if (wish.threshold) layer.threshold = *wish.threshold;
-  render::FieldColors colors{.field = field.name, .range = wish.range.value_or(field.range)};
+  layer.plane = plane_of(spec, volume.bounds().center());
+  if (spec.threshold) layer.threshold = *spec.threshold;
+  render::FieldColors colors{.field = field.name, .range = spec.range.value_or(field.range)};
   for (const render::NamedColorMap& named : render::color_maps())
-    if (wish.colormap == named.name) colors.map = named.map;
+    if (spec.colormap == named.name) colors.map = named.map;
   layer.surface.color_by = colors;
   layer.surface.specular = 0;
-  layer.surface.lit = wish.lit.value_or(false);
-  layer.surface.opacity = wish.opacity.value_or(1);
+  layer.surface.lit = spec.lit.value_or(false);
+  layer.surface.opacity = spec.opacity.value_or(1);
 }
 
-void say_slice(const render::Layer& layer, LayerWish& wish) {
-  wish.type = LayerType::slice;
-  wish.point = layer.plane.point, wish.normal = layer.plane.normal;
+void say_slice(const render::Layer& layer, LayerSpec& spec) {
+  spec.type = LayerType::slice;
+  spec.point = layer.plane.point, spec.normal = layer.plane.normal;
   const render::FieldColors& colors = *layer.surface.color_by;
-  wish.colormap = word_of(colors.map);
-  if (colors.range.lo < colors.range.hi) wish.range = colors.range;  // else the field's, as without
-  if (layer.threshold != render::Layer{}.threshold) wish.threshold = layer.threshold;
-  wish.lit = layer.surface.lit;
-  wish.opacity = layer.surface.opacity;
+  spec.colormap = word_of(colors.map);
+  if (colors.range.lo < colors.range.hi) spec.range = colors.range;  // else the field's, as without
+  if (layer.threshold != render::Layer{}.threshold) spec.threshold = layer.threshold;
+  spec.lit = layer.surface.lit;
+  spec.opacity = layer.surface.opacity;
 }
 
 std::string text_of_slice(const render::HalfSpace& plane) {

@@ -5,8 +5,8 @@
 #include "render/load.h"
 #include "tools/rhoray/option_values.h"
 #include "tools/rhoray/scene/place.h"
+#include "tools/rhoray/scene/scene_spec.h"
 #include "tools/rhoray/scene/values.h"
-#include "tools/rhoray/scene/wishes.h"
 
 namespace rhoray::tools {
 
@@ -14,18 +14,18 @@ namespace rhoray::tools {
 // means.
 
 /// Of a slice, beside what may be said of every layer.
-std::vector<Row<LayerWish>> slice_rows();
+std::vector<Row<LayerSpec>> slice_rows();
 
 /// The row of the option that adds slices.
-Option slice_option(std::vector<LayerWish>& slices);
+Option slice_option(std::vector<LayerSpec>& slices);
 
 /// Plane, colours and opacity of a slice through this volume. Refuses one that has no plane or two, and a field without
-/// a finite value: of a document with the place (Trouble::invalid).
+/// a finite value: of a document with the place (ErrorCode::invalid).
 /// @param place  of the wish; of a command line without a document
-void choose_slice(const LayerWish& wish, const render::Volume& volume, const Place& place, render::Layer& layer);
+void choose_slice(const LayerSpec& spec, const render::Volume& volume, const Place& place, render::Layer& layer);
 
 /// Says the same in a wish.
-void say_slice(const render::Layer& layer, LayerWish& wish);
+void say_slice(const render::Layer& layer, LayerSpec& spec);
 
 /// "across z at 40", or "through (1, 2, 3) across (0, 1, 1)".
 std::string text_of_slice(const render::HalfSpace& plane);

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "formats/base/error.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
 #include "tools/rhoray/scene/place.h"
 
 namespace rhoray::tools {
@@ -63,21 +63,21 @@ T on_track(const std::vector<double>& times, const std::vector<T>& values, doubl
                   share);
 }
 
-const char* angle_in(const KeyframeWish& key) {
+const char* angle_in(const KeyframeSpec& key) {
   return key.azimuth_deg ? "azimuth" : key.elevation_deg ? "elevation" : key.zoom ? "zoom" : nullptr;
 }
-const char* place_in(const KeyframeWish& key) {
+const char* place_in(const KeyframeSpec& key) {
   return key.position ? "position" : key.target ? "target" : key.up ? "up" : nullptr;
 }
 
-Place keys_place(const SceneWishes& wishes) {
-  return Place{wishes.document, {}}.at("camera").at("keyframes");
+Place keys_place(const SceneSpec& scene_spec) {
+  return Place{scene_spec.document, {}}.at("camera").at("keyframes");
 }
 
-std::size_t isosurface_count(const SceneWishes& wishes, std::size_t& last) {
+std::size_t isosurface_count(const SceneSpec& scene_spec, std::size_t& last) {
   std::size_t count = 0;
-  for (std::size_t i = 0; i < wishes.layers.size(); ++i) {
-    const LayerWish& layer = wishes.layers[i];
+  for (std::size_t i = 0; i < scene_spec.layers.size(); ++i) {
+    const LayerSpec& layer = scene_spec.layers[i];
     if (!layer.visible || layer.type != LayerType::isosurface) continue;
     count += layer.isovalues.size();
     last = i;
@@ -85,12 +85,12 @@ std::size_t isosurface_count(const SceneWishes& wishes, std::size_t& last) {
   return count;
 }
 
-int frame_count_of(const SceneWishes& wishes, const std::vector<KeyframeWish>& keys) {
-  if (wishes.image.frames) return *wishes.image.frames;
+int frame_count_of(const SceneSpec& scene_spec, const std::vector<KeyframeSpec>& keys) {
+  if (scene_spec.image.frames) return *scene_spec.image.frames;
   const double frames = 1 + std::round(frames_per_time * (keys.back().time - keys.front().time));
   if (!(frames <= limits::frames.hi))
-    throw Error(Trouble::invalid,
-                concat(keys_place(wishes).text(), ": take ", frames, " frames, ", frames_per_time,
+    throw Error(ErrorCode::invalid,
+                concat(keys_place(scene_spec).text(), ": take ", frames, " frames, ", frames_per_time,
                        " for each unit of time; expected at most ", limits::frames.hi),
                 "say \"frames\" of the image");
   return std::max(2, static_cast<int>(frames));
@@ -113,40 +113,41 @@ Vec3 PlaceTrack::at(double time) const {
 }
 
 void Sweep::check_keys() const {
-  const Place place = keys_place(wishes_);
+  const Place place = keys_place(scene_spec_);
   if (keys_.size() < 2)
-    throw Error(Trouble::invalid,
+    throw Error(ErrorCode::invalid,
                 concat(place.text(), ": found ", keys_.size(), " of them; expected at least 2 key frames"));
-  const KeyframeWish* of_angles = nullptr;
-  const KeyframeWish* of_places = nullptr;
+  const KeyframeSpec* of_angles = nullptr;
+  const KeyframeSpec* of_places = nullptr;
   std::size_t ignored = 0;
   for (std::size_t i = 0; i < keys_.size(); ++i) {
-    const KeyframeWish& key = keys_[i];
+    const KeyframeSpec& key = keys_[i];
     if (i > 0 && !(key.time > keys_[i - 1].time))
-      throw Error(Trouble::invalid, concat(place.at(i).at("time").text(), ": found ", key.time,
-                                           "; expected a time after ", keys_[i - 1].time, ", that of the key before"));
+      throw Error(ErrorCode::invalid,
+                  concat(place.at(i).at("time").text(), ": found ", key.time, "; expected a time after ",
+                         keys_[i - 1].time, ", that of the key before"));
     if (angle_in(key) != nullptr && of_angles == nullptr) of_angles = &key;
     if (place_in(key) != nullptr && of_places == nullptr) of_places = &key;
     if (of_angles != nullptr && of_places != nullptr)
-      throw Error(Trouble::invalid,
+      throw Error(ErrorCode::invalid,
                   concat(place.at(i).text(), ": \"", place_in(*of_places), "\" and \"", angle_in(*of_angles),
                          "\" are both in key frames; expected a camera of angles or one of places"));
-    if (key.isovalue && isosurface_count(wishes_, ignored) != 1)
-      throw Error(Trouble::invalid,
-                  concat(place.at(i).at("isovalue").text(), ": the scene shows ", isosurface_count(wishes_, ignored),
-                         " isosurfaces; expected one, whose isovalue it is"));
+    if (key.isovalue && isosurface_count(scene_spec_, ignored) != 1)
+      throw Error(ErrorCode::invalid,
+                  concat(place.at(i).at("isovalue").text(), ": the scene shows ",
+                         isosurface_count(scene_spec_, ignored), " isosurfaces; expected one, whose isovalue it is"));
   }
 }
 
-Sweep::Sweep(const SceneWishes& wishes)
-    : wishes_(wishes), keys_(wishes.camera.keyframes.value_or(std::vector<KeyframeWish>{})) {
-  if (!wishes.camera.keyframes)
-    throw Error(wishes.document.empty() ? Trouble::usage : Trouble::invalid,
+Sweep::Sweep(const SceneSpec& scene_spec)
+    : scene_spec_(scene_spec), keys_(scene_spec.camera.keyframes.value_or(std::vector<KeyframeSpec>{})) {
+  if (!scene_spec.camera.keyframes)
+    throw Error(scene_spec.document.empty() ? ErrorCode::usage : ErrorCode::invalid,
                 "several frames need a scene document with \"keyframes\" of the camera");
   check_keys();
-  isosurface_count(wishes, isovalue_layer_);
-  frame_count_ = frame_count_of(wishes, keys_);
-  for (const KeyframeWish& key : keys_) {
+  isosurface_count(scene_spec, isovalue_layer_);
+  frame_count_ = frame_count_of(scene_spec, keys_);
+  for (const KeyframeSpec& key : keys_) {
     const auto add = [&](auto& track, const auto& value) {
       if (value) track.add(key.time, *value);
     };
@@ -167,11 +168,11 @@ double Sweep::time_of(int frame) const {
   return frame == frame_count_ - 1 ? last : first + (last - first) * frame / (frame_count_ - 1);
 }
 
-SceneWishes Sweep::wishes_at(double time) const {
-  SceneWishes wishes = wishes_;
-  CameraWish& camera = wishes.camera;
+SceneSpec Sweep::spec_at(double time) const {
+  SceneSpec scene_spec = scene_spec_;
+  CameraSpec& camera = scene_spec.camera;
   camera.keyframes.reset();
-  wishes.image.frames.reset();
+  scene_spec.image.frames.reset();
   const auto set = [time](auto& member, const auto& track) {
     if (!track.is_empty()) member = track.at(time);
   };
@@ -182,62 +183,62 @@ SceneWishes Sweep::wishes_at(double time) const {
   set(camera.position, position_);
   set(camera.target, target_);
   set(camera.up, up_);
-  if (!isovalue_.is_empty()) wishes.layers[isovalue_layer_].isovalues = {concat(isovalue_.at(time))};
-  return wishes;
+  if (!isovalue_.is_empty()) scene_spec.layers[isovalue_layer_].isovalues = {concat(isovalue_.at(time))};
+  return scene_spec;
 }
 
-void Sweep::check_isovalues(const ScenePlan& plan) const {
+void Sweep::check_isovalues(const ResolvedScene& plan) const {
   for (std::size_t l = 0; l < plan.scene.layers.size(); ++l) {
-    if (plan.origins[l].wish != isovalue_layer_) continue;
+    if (plan.origins[l].spec != isovalue_layer_) continue;
     const formats::FieldSummary& field = plan.volumes[plan.scene.layers[l].volume].field();
     for (std::size_t i = 0; i < keys_.size(); ++i)
       if (keys_[i].isovalue && !field.range.contains(*keys_[i].isovalue))
-        throw Error(Trouble::invalid, concat(keys_place(wishes_).at(i).at("isovalue").text(), ": isovalue ",
-                                             *keys_[i].isovalue, " is outside the range ", field.range.lo, " to ",
-                                             field.range.hi, " of field '", field.name, "'"));
+        throw Error(ErrorCode::invalid, concat(keys_place(scene_spec_).at(i).at("isovalue").text(), ": isovalue ",
+                                               *keys_[i].isovalue, " is outside the range ", field.range.lo, " to ",
+                                               field.range.hi, " of field '", field.name, "'"));
   }
 }
 
-void Sweep::set_isovalue(double isovalue, ScenePlan& plan) const {
+void Sweep::set_isovalue(double isovalue, ResolvedScene& plan) const {
   for (std::size_t l = 0; l < plan.scene.layers.size(); ++l)
-    if (plan.origins[l].wish == isovalue_layer_) plan.scene.layers[l].isovalue = isovalue;
+    if (plan.origins[l].spec == isovalue_layer_) plan.scene.layers[l].isovalue = isovalue;
 }
 
 /// Finds out what is shown at the keys, and from how far all frames of a camera of angles look.
-void Sweep::find_reach(ScenePlan& plan) {
+void Sweep::find_reach(ResolvedScene& plan) {
   shown_ = Box3();
   if (isovalue_.is_empty())
     shown_ = shown_box(plan);
   else
-    for (const KeyframeWish& key : keys_) {
+    for (const KeyframeSpec& key : keys_) {
       set_isovalue(isovalue_.at(key.time), plan);
       shown_->extendBy(shown_box(plan));
     }
   constexpr int most_looked_at = 720;  // a full turn by half degrees
   const int step = 1 + frame_count_ / most_looked_at;
   for (int frame = 0; frame < frame_count_; frame += step) {
-    SceneWishes wishes = wishes_at(time_of(frame));
-    wishes.camera.zoom = 1;
+    SceneSpec scene_spec = spec_at(time_of(frame));
+    scene_spec.camera.zoom = 1;
     place_camera(
-        wishes, [&] { return *shown_; }, plan);
+        scene_spec, [&] { return *shown_; }, plan);
     const render::Camera& camera = plan.scene.camera;
     distance_ = std::max(distance_, (camera.position - camera.target).length());
     orthographic_height_ = std::max(orthographic_height_, camera.orthographic_height);
   }
 }
 
-void Sweep::plan_frame(int frame, ScenePlan& plan) {
+void Sweep::plan_frame(int frame, ResolvedScene& plan) {
   const double time = time_of(frame);
   if (!shown_) {
     if (!isovalue_.is_empty()) check_isovalues(plan);
     find_reach(plan);
   }
-  SceneWishes wishes = wishes_at(time);
+  SceneSpec scene_spec = spec_at(time);
   if (!isovalue_.is_empty()) set_isovalue(isovalue_.at(time), plan);
   const ShownBox shown = [&] { return *shown_; };
-  CameraWish& said = wishes.camera;
+  CameraSpec& said = scene_spec.camera;
   if (!said.position && !said.target && !said.up) {
-    place_camera(wishes, shown, plan);
+    place_camera(scene_spec, shown, plan);
     const render::Camera& camera = plan.scene.camera;
     said.position = camera.target + (camera.position - camera.target).normalized() * distance_;
     said.target = camera.target;
@@ -245,7 +246,7 @@ void Sweep::plan_frame(int frame, ScenePlan& plan) {
     if (camera.orthographic && !said.orthographic_height)
       said.orthographic_height = orthographic_height_ / said.zoom.value_or(1);
   }
-  aim_camera(wishes, shown, plan);
+  aim_camera(scene_spec, shown, plan);
 }
 
 std::optional<std::filesystem::path> numbered(const std::filesystem::path& pattern, int number) {

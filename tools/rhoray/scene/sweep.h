@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "tools/rhoray/scene/plan.h"
-#include "tools/rhoray/scene/wishes.h"
+#include "tools/rhoray/scene/resolve.h"
+#include "tools/rhoray/scene/scene_spec.h"
 
 namespace rhoray::tools {
 
@@ -43,27 +43,27 @@ class PlaceTrack {
 class Sweep {
  public:
   /// Refuses fewer than 2 keys, times that do not rise, angles and places side by side, and an isovalue where there is
-  /// not one isosurface alone (Trouble::invalid, with the place); frames without keys.
-  explicit Sweep(const SceneWishes& wishes);
+  /// not one isosurface alone (ErrorCode::invalid, with the place); frames without keys.
+  explicit Sweep(const SceneSpec& scene_spec);
 
   int frame_count() const { return frame_count_; }
   double time_of(int frame) const;
 
   /// Wishes of one frame alone.
-  SceneWishes wishes_at(double time) const;
+  SceneSpec spec_at(double time) const;
 
-  /// Makes a plan of wishes_at any time that of a frame: its isovalue, its camera, and what depends on it. Refuses
+  /// Makes a plan of spec_at any time that of a frame: its isovalue, its camera, and what depends on it. Refuses
   /// isovalues of keys that lie outside their field's range.
-  void plan_frame(int frame, ScenePlan& plan);
+  void plan_frame(int frame, ResolvedScene& plan);
 
  private:
   void check_keys() const;
-  void check_isovalues(const ScenePlan& plan) const;
-  void set_isovalue(double isovalue, ScenePlan& plan) const;
-  void find_reach(ScenePlan& plan);
+  void check_isovalues(const ResolvedScene& plan) const;
+  void set_isovalue(double isovalue, ResolvedScene& plan) const;
+  void find_reach(ResolvedScene& plan);
 
-  SceneWishes wishes_;
-  std::vector<KeyframeWish> keys_;
+  SceneSpec scene_spec_;
+  std::vector<KeyframeSpec> keys_;
   int frame_count_;
   std::size_t isovalue_layer_ = 0;  ///< the wish whose isovalue it is
   NumberTrack azimuth_, elevation_, zoom_, fov_, isovalue_;

@@ -2,18 +2,18 @@
 
 #include <algorithm>
 
-#include "formats/base/trouble.h"
-#include "tools/rhoray/method_words.h"
+#include "formats/base/error.h"
+#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/scene/clip.h"
-#include "tools/rhoray/scene/looks.h"
-#include "tools/rhoray/scene/picture_words.h"
+#include "tools/rhoray/scene/material.h"
+#include "tools/rhoray/scene/picture_names.h"
 #include "tools/rhoray/scene/slices.h"
 
 namespace rhoray::tools {
 
 namespace {
 
-using Rows = std::vector<Row<LayerWish>>;
+using Rows = std::vector<Row<LayerSpec>>;
 
 Rows operator+(Rows rows, const Rows& more) {
   rows.insert(rows.end(), more.begin(), more.end());
@@ -22,77 +22,77 @@ Rows operator+(Rows rows, const Rows& more) {
 
 Rows rows_of_data() {
   return {
-      row("data", &LayerWish::data, text_value(), "Name of the data shown; may be left out where there is only one"),
-      row("visible", &LayerWish::visible, yes_or_no(), "false: the layer is left out, its file is not opened"),
-      row("clip", &LayerWish::clip, yes_or_no(), "false: shown whole, whatever the scene's \"clip\" takes away")};
+      row("data", &LayerSpec::data, text_value(), "Name of the data shown; may be left out where there is only one"),
+      row("visible", &LayerSpec::visible, yes_or_no(), "false: the layer is left out, its file is not opened"),
+      row("clip", &LayerSpec::clip, yes_or_no(), "false: shown whole, whatever the scene's \"clip\" takes away")};
 }
 
 Rows rows_of_every_layer() {
-  return rows_of_data() + Rows{row("accuracy", &LayerWish::accuracy, word_value(accuracy_words()),
+  return rows_of_data() + Rows{row("accuracy", &LayerSpec::accuracy, word_value(accuracy_words()),
                                    "How right the layer is drawn; default the scene's accuracy")};
 }
 
 Rows rows_of_every_field() {
   return {
-      row("method", &LayerWish::method, method_value(), "One method by name instead of an accuracy, for comparison")};
+      row("method", &LayerSpec::method, method_value(), "One method by name instead of an accuracy, for comparison")};
 }
 
 Rows rows_of_isosurfaces() {
   return {
-      row("isovalue", &LayerWish::isovalues, isovalues_value(),
+      row("isovalue", &LayerSpec::isovalues, isovalues_value(),
           "Value of the surface; \"auto\" is Otsu's threshold, several values are several layers; default \"auto\""),
-      row("color", &LayerWish::color, color_value(),
+      row("color", &LayerSpec::color, color_value(),
           "Default neutral; in scenes of several surfaces each has one of its own"),
-      row("normals", &LayerWish::normals, word_value(normals_words()),
+      row("normals", &LayerSpec::normals, word_value(normals_words()),
           "What lights it: \"flat\", in a mesh the exact gradient of each cell, the default there; \"smooth\", in a "
           "mesh linear between means at the points; \"exact\", in a grid the gradient of its trilinear field"),
-      row("color_by", &LayerWish::color_by, text_value(),
+      row("color_by", &LayerSpec::color_by, text_value(),
           "A field of the same file that colours the surface; where it has no data \"color\" stays"),
-      row("colormap", &LayerWish::colormap, word_value(colormap_words()),
+      row("colormap", &LayerSpec::colormap, word_value(colormap_words()),
           "Colours of \"color_by\"; default \"viridis\""),
-      row("range", &LayerWish::range, interval_value(),
+      row("range", &LayerSpec::range, interval_value(),
           "Values of \"color_by\" from the map's first colour to its last; default the field's range")};
 }
 
 Rows rows_of_triangles() {
-  return {row("color", &LayerWish::color, color_value(),
+  return {row("color", &LayerSpec::color, color_value(),
               "Default neutral; in scenes of several surfaces each has one of its own"),
-          row("normals", &LayerWish::normals, word_value({"flat", "smooth"}),
+          row("normals", &LayerSpec::normals, word_value({"flat", "smooth"}),
               "What lights it: \"flat\", the normal of each triangle, the default; \"smooth\", linear between means at "
               "the corners")};
 }
 
 Rows rows_of_lit_surfaces() {
   return {
-      row("texture", &LayerWish::texture, text_value(),
+      row("texture", &LayerSpec::texture, text_value(),
           "Name of data packed with --color, whose colours, registered in world axes, cover the surface; "
           "where there are none, \"color\" stays"),
-      row("ambient", &LayerWish::ambient, number_within(limits::share), "Share of light from all sides; default 0.12"),
-      row("specular", &LayerWish::specular, number_within(limits::share),
+      row("ambient", &LayerSpec::ambient, number_within(limits::share), "Share of light from all sides; default 0.12"),
+      row("specular", &LayerSpec::specular, number_within(limits::share),
           "Strength of the highlight; 0 computes none; default 0.25"),
-      row("shininess", &LayerWish::shininess, number_within(limits::shininess),
+      row("shininess", &LayerSpec::shininess, number_within(limits::shininess),
           "Exponent of the highlight: larger is smaller and sharper; default 40"),
-      row("opacity", &LayerWish::opacity, number_within(limits::share),
+      row("opacity", &LayerSpec::opacity, number_within(limits::share),
           "Share of the light behind that the surface holds back; 0: it is not traced; default 1")};
 }
 
 Rows rows_of_projections() {
   return {
-      row("range", &LayerWish::range, interval_value(), "Values shown from black to white; default the field's range")};
+      row("range", &LayerSpec::range, interval_value(), "Values shown from black to white; default the field's range")};
 }
 
-Row<LightWish> color_row() {
-  return row("color", &LightWish::color, color_value(), "Default white");
+Row<LightSpec> color_row() {
+  return row("color", &LightSpec::color, color_value(), "Default white");
 }
-Row<LightWish> intensity_row() {
-  return row("intensity", &LightWish::intensity, number_within(limits::intensity),
+Row<LightSpec> intensity_row() {
+  return row("intensity", &LightSpec::intensity, number_within(limits::intensity),
              "How strong it is; default 1; 0: it is not traced");
 }
-Row<LightWish> shadows_row() {
-  return row("shadows", &LightWish::shadows, yes_or_no(), "true: opaque isosurfaces hold it back; default false");
+Row<LightSpec> shadows_row() {
+  return row("shadows", &LightSpec::shadows, yes_or_no(), "true: opaque isosurfaces hold it back; default false");
 }
-Row<LightWish> samples_row() {
-  return row("samples", &LightWish::samples, whole_number_within(limits::light_samples),
+Row<LightSpec> samples_row() {
+  return row("samples", &LightSpec::samples, whole_number_within(limits::light_samples),
              "Shadow rays of each hit to points spread over a light that has a size: more are slower and less grainy; "
              "default 16");
 }
@@ -110,8 +110,8 @@ void refuse_keys_of_others(const Json& json, const Kind<Object>& kind, std::span
   for (const auto& [key, value] : json.items())
     for (const Kind<Object>& other : kinds)
       if (!has_key(kind, key) && has_key(other, key))
-        throw Error(Trouble::invalid, concat(at.place.at(key).text(), ": found in a ", noun, " of type \"", kind.word,
-                                             "\"; expected in one of type \"", other.word, '"'));
+        throw Error(ErrorCode::invalid, concat(at.place.at(key).text(), ": found in a ", noun, " of type \"", kind.word,
+                                               "\"; expected in one of type \"", other.word, '"'));
 }
 
 template <class Object>
@@ -182,14 +182,14 @@ ValueKind<std::vector<Object>> list_by_type(std::span<const Kind<Object>> kinds,
 }
 
 /// Files by the names that layers use.
-ValueKind<std::vector<DataWish>> data_value() {
+ValueKind<std::vector<DataSpec>> data_value() {
   const std::string expected = "an object of files by name, such as {\"head\": {\"file\": \"head.rho\"}}";
   return {.expected = expected,
           .schema = {{"type", "object"}, {"minProperties", 1}, {"additionalProperties", schema_of(data_rows())}},
           .read =
               [expected](const Json& json, const Reading& at) {
                 if (!json.is_object() || json.empty()) at.place.refuse(json, expected);
-                std::vector<DataWish> data;
+                std::vector<DataSpec> data;
                 for (const auto& [name, value] : json.items()) {
                   data.push_back(read_object(value, at.at(name), data_rows()));
                   data.back().name = name;
@@ -197,22 +197,22 @@ ValueKind<std::vector<DataWish>> data_value() {
                 return data;
               },
           .write =
-              [](const std::vector<DataWish>& data) {
+              [](const std::vector<DataSpec>& data) {
                 Json json = Json::object();
-                for (const DataWish& each : data) json[each.name] = write_object(each, data_rows());
+                for (const DataSpec& each : data) json[each.name] = write_object(each, data_rows());
                 return json;
               }};
 }
 
 /// What an editor reads to know the schema; of no meaning to us.
-Row<SceneWishes> schema_row() {
+Row<SceneSpec> schema_row() {
   const ValueKind<std::string> text = text_value();
   return {.key = "$schema",
           .help = "Where this schema lies, for editors",
           .expected = text.expected,
           .schema = text.schema,
-          .read = [read = text.read](const Json& json, const Reading& at, SceneWishes&) { read(json, at); },
-          .write = [](const SceneWishes&) { return Json(); }};
+          .read = [read = text.read](const Json& json, const Reading& at, SceneSpec&) { read(json, at); },
+          .write = [](const SceneSpec&) { return Json(); }};
 }
 
 }  // namespace
@@ -237,158 +237,158 @@ std::span<const LightKind> light_kinds() {
       {Type::directional,
        "directional",
        "From one direction, as the sun",
-       {row("direction", &LightWish::direction, vector_value(), "Towards it, in world axes"),
-        row("azimuth", &LightWish::azimuth_deg, number(),
+       {row("direction", &LightSpec::direction, vector_value(), "Towards it, in world axes"),
+        row("azimuth", &LightSpec::azimuth_deg, number(),
             "Instead, with \"elevation\": degrees, as those of a camera that stands where the light comes from; "
             "default 0"),
-        row("elevation", &LightWish::elevation_deg, number_within(limits::elevation_deg), "Likewise; default 0"),
-        row("from", &LightWish::from, word_value({"world", "camera"}),
+        row("elevation", &LightSpec::elevation_deg, number_within(limits::elevation_deg), "Likewise; default 0"),
+        row("from", &LightSpec::from, word_value({"world", "camera"}),
             "What the angles count from: \"world\", the default, or \"camera\", where 0 is the eye, azimuth goes to "
             "the picture's right and elevation up"),
         color_row(), intensity_row(), shadows_row(),
-        row("angular_diameter", &LightWish::angular_diameter_deg, number_within(limits::angular_diameter_deg),
+        row("angular_diameter", &LightSpec::angular_diameter_deg, number_within(limits::angular_diameter_deg),
             "Degrees under which it is seen, for soft edges of shadows (the sun: 0.53); default 0, sharp"),
         samples_row()}},
       {Type::point,
        "point",
        "In a place; it does not grow weaker with distance",
-       {required(row("position", &LightWish::position, vector_value(), "Where it stands, in world units")), color_row(),
+       {required(row("position", &LightSpec::position, vector_value(), "Where it stands, in world units")), color_row(),
         intensity_row(), shadows_row(),
-        row("radius", &LightWish::radius, number_from_zero(),
+        row("radius", &LightSpec::radius, number_from_zero(),
             "Of the ball that shines, world units, for soft edges of shadows; default 0, sharp"),
         samples_row()}}};
   return kinds;
 }
 
-const std::vector<Row<DataWish>>& data_rows() {
-  static const std::vector<Row<DataWish>> rows{
-      required(row("file", &DataWish::file, file_value(),
+const std::vector<Row<DataSpec>>& data_rows() {
+  static const std::vector<Row<DataSpec>> rows{
+      required(row("file", &DataSpec::file, file_value(),
                    "Packed file or OpenVDB file; a relative name is one in the document's folder")),
-      row("field", &DataWish::field, text_value(), "Default the first field that is not the same everywhere")};
+      row("field", &DataSpec::field, text_value(), "Default the first field that is not the same everywhere")};
   return rows;
 }
 
-const std::vector<Row<OcclusionWish>>& occlusion_rows() {
-  static const std::vector<Row<OcclusionWish>> rows{
-      row("samples", &OcclusionWish::samples, whole_number_within(limits::occlusion_samples),
+const std::vector<Row<OcclusionSpec>>& occlusion_rows() {
+  static const std::vector<Row<OcclusionSpec>> rows{
+      row("samples", &OcclusionSpec::samples, whole_number_within(limits::occlusion_samples),
           "Rays of each hit: more are slower and less grainy; default 16"),
-      row("radius", &OcclusionWish::radius, number_above_zero(),
+      row("radius", &OcclusionSpec::radius, number_above_zero(),
           "How far away surfaces hold light back, world units; default a tenth of the diagonal of what is shown")};
   return rows;
 }
 
-const std::vector<Row<FogWish>>& fog_rows() {
-  static const std::vector<Row<FogWish>> rows{
-      row("color", &FogWish::color, color_value(), "What surfaces fade into; default the background"),
-      row("range", &FogWish::range, interval_value(),
+const std::vector<Row<FogSpec>>& fog_rows() {
+  static const std::vector<Row<FogSpec>> rows{
+      row("color", &FogSpec::color, color_value(), "What surfaces fade into; default the background"),
+      row("range", &FogSpec::range, interval_value(),
           "Distances from the eye, world units: up to the first nothing fades, from the second on all; default from "
           "the nearest of what is shown on, so that its farthest fades by half")};
   return rows;
 }
 
-const std::vector<Row<EffectsWish>>& effect_rows() {
-  static const std::vector<Row<EffectsWish>> rows{
-      row("ambient_occlusion", &EffectsWish::occlusion, object_value(occlusion_rows()),
+const std::vector<Row<EffectsSpec>>& effect_rows() {
+  static const std::vector<Row<EffectsSpec>> rows{
+      row("ambient_occlusion", &EffectsSpec::occlusion, object_value(occlusion_rows()),
           "Where opaque isosurfaces stand near, less of the ambient light arrives"),
-      row("fog", &EffectsWish::fog, object_value(fog_rows()), "Surfaces fade with distance")};
+      row("fog", &EffectsSpec::fog, object_value(fog_rows()), "Surfaces fade with distance")};
   return rows;
 }
 
-const std::vector<Row<KeyframeWish>>& keyframe_rows() {
-  static const std::vector<Row<KeyframeWish>> rows{
-      required(row("time", &KeyframeWish::time, number(), "Times rise from key to key")),
-      row("azimuth", &KeyframeWish::azimuth_deg, number(),
+const std::vector<Row<KeyframeSpec>>& keyframe_rows() {
+  static const std::vector<Row<KeyframeSpec>> rows{
+      required(row("time", &KeyframeSpec::time, number(), "Times rise from key to key")),
+      row("azimuth", &KeyframeSpec::azimuth_deg, number(),
           "As the camera's; 360 is a turn after 0. Between keys a monotone cubic, as of all numbers"),
-      row("elevation", &KeyframeWish::elevation_deg, number_within(limits::elevation_deg), "As the camera's"),
-      row("zoom", &KeyframeWish::zoom, number_within(limits::zoom), "As the camera's; its logarithm moves"),
-      row("fov", &KeyframeWish::fov_deg, number_within(limits::fov_deg), "As the camera's"),
-      row("position", &KeyframeWish::position, vector_value(),
+      row("elevation", &KeyframeSpec::elevation_deg, number_within(limits::elevation_deg), "As the camera's"),
+      row("zoom", &KeyframeSpec::zoom, number_within(limits::zoom), "As the camera's; its logarithm moves"),
+      row("fov", &KeyframeSpec::fov_deg, number_within(limits::fov_deg), "As the camera's"),
+      row("position", &KeyframeSpec::position, vector_value(),
           "In place of angles: as the camera's; between keys a cubic as of Catmull and Rom"),
-      row("target", &KeyframeWish::target, vector_value(), "Likewise"),
-      row("up", &KeyframeWish::up, vector_value(), "Likewise"),
-      row("isovalue", &KeyframeWish::isovalue, number(), "Of the only isosurface of the scene")};
+      row("target", &KeyframeSpec::target, vector_value(), "Likewise"),
+      row("up", &KeyframeSpec::up, vector_value(), "Likewise"),
+      row("isovalue", &KeyframeSpec::isovalue, number(), "Of the only isosurface of the scene")};
   return rows;
 }
 
-const std::vector<Row<CameraWish>>& camera_rows() {
-  static const std::vector<Row<CameraWish>> rows{
-      row("view", &CameraWish::view, word_value(view_words()), "Side to look from; default \"iso\", three-quarter"),
-      row("azimuth", &CameraWish::azimuth_deg, number(), "Degrees around the world's z axis; 0 looks along +y"),
-      row("elevation", &CameraWish::elevation_deg, number_within(limits::elevation_deg),
+const std::vector<Row<CameraSpec>>& camera_rows() {
+  static const std::vector<Row<CameraSpec>> rows{
+      row("view", &CameraSpec::view, word_value(view_words()), "Side to look from; default \"iso\", three-quarter"),
+      row("azimuth", &CameraSpec::azimuth_deg, number(), "Degrees around the world's z axis; 0 looks along +y"),
+      row("elevation", &CameraSpec::elevation_deg, number_within(limits::elevation_deg),
           "Degrees above the horizon; 90 looks straight down"),
-      row("zoom", &CameraWish::zoom, number_within(limits::zoom),
+      row("zoom", &CameraSpec::zoom, number_within(limits::zoom),
           "1, the default: what is shown just fits; 2: twice as large"),
-      row("fov", &CameraWish::fov_deg, number_within(limits::fov_deg), "Vertical opening angle in degrees; default 30"),
-      row("ortho", &CameraWish::orthographic, yes_or_no(), "true: orthographic projection"),
-      row("ortho_height", &CameraWish::orthographic_height, number_above_zero(),
+      row("fov", &CameraSpec::fov_deg, number_within(limits::fov_deg), "Vertical opening angle in degrees; default 30"),
+      row("ortho", &CameraSpec::orthographic, yes_or_no(), "true: orthographic projection"),
+      row("ortho_height", &CameraSpec::orthographic_height, number_above_zero(),
           "World units that the picture's height shows; implies \"ortho\""),
-      row("position", &CameraWish::position, vector_value(), "Eye, in world units; default fitted to what is shown"),
-      row("target", &CameraWish::target, vector_value(), "Point looked at"),
-      row("up", &CameraWish::up, vector_value(), "Direction that is up in the picture"),
-      row("keyframes", &CameraWish::keyframes, list_of(keyframe_rows(), "key frames"),
+      row("position", &CameraSpec::position, vector_value(), "Eye, in world units; default fitted to what is shown"),
+      row("target", &CameraSpec::target, vector_value(), "Point looked at"),
+      row("up", &CameraSpec::up, vector_value(), "Direction that is up in the picture"),
+      row("keyframes", &CameraSpec::keyframes, list_of(keyframe_rows(), "key frames"),
           "How the camera moves: an array of at least 2 times, and what is there; -o out_%04d.png names the pictures")};
   return rows;
 }
 
-const std::vector<Row<ImageWish>>& image_rows() {
-  static const std::vector<Row<ImageWish>> rows{
-      row("size", &ImageWish::size, size_value(), "Pixels; default [1280, 720]"),
-      row("background", &ImageWish::background, color_value(), "Default white, and black behind projections alone"),
-      row("channels", &ImageWish::channels, words_value(channel_words()), "Also keep these (EXR only)"),
-      row("show", &ImageWish::show, word_value(show_words()), "A heat map instead of colours; default \"color\""),
-      row("hierarchy", &ImageWish::hierarchy, yes_or_no(),
+const std::vector<Row<PictureSpec>>& image_rows() {
+  static const std::vector<Row<PictureSpec>> rows{
+      row("size", &PictureSpec::size, size_value(), "Pixels; default [1280, 720]"),
+      row("background", &PictureSpec::background, color_value(), "Default white, and black behind projections alone"),
+      row("channels", &PictureSpec::channels, words_value(channel_words()), "Also keep these (EXR only)"),
+      row("show", &PictureSpec::show, word_value(show_words()), "A heat map instead of colours; default \"color\""),
+      row("hierarchy", &PictureSpec::hierarchy, yes_or_no(),
           "false walks every leaf cell, for comparison; the same picture at double"),
-      row("antialias", &ImageWish::antialias, whole_number_within(limits::pixel_samples),
+      row("antialias", &PictureSpec::antialias, whole_number_within(limits::pixel_samples),
           "Most samples of a pixel: at edges, where neighbours differ, as many as their differing asks for; default 1, "
           "none but the middle"),
-      row("frames", &ImageWish::frames, whole_number_within(limits::frames),
+      row("frames", &PictureSpec::frames, whole_number_within(limits::frames),
           "From the first of the camera's \"keyframes\" to the last, at even times; default 25 for each unit of time")};
   return rows;
 }
 
-const std::vector<Row<AxesWish>>& axes_rows() {
-  static const std::vector<Row<AxesWish>> rows{
-      row("corner", &AxesWish::corner, word_value({"left", "right"}), "Which lower corner; default \"left\"")};
+const std::vector<Row<AxesSpec>>& axes_rows() {
+  static const std::vector<Row<AxesSpec>> rows{
+      row("corner", &AxesSpec::corner, word_value({"left", "right"}), "Which lower corner; default \"left\"")};
   return rows;
 }
 
-const std::vector<Row<ColorBarWish>>& color_bar_rows() {
-  static const std::vector<Row<ColorBarWish>> rows{
-      row("title", &ColorBarWish::title, text_value(),
+const std::vector<Row<ColorBarSpec>>& color_bar_rows() {
+  static const std::vector<Row<ColorBarSpec>> rows{
+      row("title", &ColorBarSpec::title, text_value(),
           "Of every bar; default the field's name and unit, or what a heat map shows"),
-      row("position", &ColorBarWish::position, word_value({"left", "right"}), "Default \"right\"")};
+      row("position", &ColorBarSpec::position, word_value({"left", "right"}), "Default \"right\"")};
   return rows;
 }
 
-const std::vector<Row<AnnotationsWish>>& annotation_rows() {
-  static const std::vector<Row<AnnotationsWish>> rows{
-      switched_row("axes", &AnnotationsWish::axes, axes_rows(), "Arrows along the world's axes, in a corner"),
-      row("box", &AnnotationsWish::box, yes_or_no(),
+const std::vector<Row<AnnotationsSpec>>& annotation_rows() {
+  static const std::vector<Row<AnnotationsSpec>> rows{
+      switched_row("axes", &AnnotationsSpec::axes, axes_rows(), "Arrows along the world's axes, in a corner"),
+      row("box", &AnnotationsSpec::box, yes_or_no(),
           "Around what is shown, with ticks in world units; a view that names no zoom leaves room for them: 0.75"),
-      switched_row("colorbar", &AnnotationsWish::color_bar, color_bar_rows(),
+      switched_row("colorbar", &AnnotationsSpec::color_bar, color_bar_rows(),
                    "The colours of \"color_by\", of projections or of a heat map, and their values"),
-      row("caption", &AnnotationsWish::caption, text_value(), "Below, in lines of the picture's width")};
+      row("caption", &AnnotationsSpec::caption, text_value(), "Below, in lines of the picture's width")};
   return rows;
 }
 
-const std::vector<Row<SceneWishes>>& scene_rows() {
-  static const std::vector<Row<SceneWishes>> rows{
+const std::vector<Row<SceneSpec>>& scene_rows() {
+  static const std::vector<Row<SceneSpec>> rows{
       schema_row(),
-      required(row("data", &SceneWishes::data, data_value(), "Files and their fields, by names of one's own")),
+      required(row("data", &SceneSpec::data, data_value(), "Files and their fields, by names of one's own")),
       required(
-          row("layers", &SceneWishes::layers, list_by_type(layer_kinds(), "layer", {1, most_layers}), "What is shown")),
-      row("lights", &SceneWishes::lights, list_by_type(light_kinds(), "light", {0, most_lights}),
+          row("layers", &SceneSpec::layers, list_by_type(layer_kinds(), "layer", {1, most_layers}), "What is shown")),
+      row("lights", &SceneSpec::lights, list_by_type(light_kinds(), "light", {0, most_lights}),
           "What shines; default one white light at the eye"),
-      row("effects", &SceneWishes::effects, object_value(effect_rows()),
+      row("effects", &SceneSpec::effects, object_value(effect_rows()),
           "Of the whole picture; each that is named is on"),
-      row("clip", &SceneWishes::clip, object_value(clip_rows()),
+      row("clip", &SceneSpec::clip, object_value(clip_rows()),
           "A region of which only the inside is shown, or only the outside; what is clipped away holds no light back"),
-      row("camera", &SceneWishes::camera, object_value(camera_rows()),
+      row("camera", &SceneSpec::camera, object_value(camera_rows()),
           "From where; default a three-quarter view of all layers"),
-      row("image", &SceneWishes::image, object_value(image_rows()), "The picture"),
-      row("annotations", &SceneWishes::annotations, object_value(annotation_rows()),
+      row("image", &SceneSpec::image, object_value(image_rows()), "The picture"),
+      row("annotations", &SceneSpec::annotations, object_value(annotation_rows()),
           "Drawn over the finished picture; channels of an EXR stay as they are"),
-      row("accuracy", &SceneWishes::accuracy, word_value(accuracy_words()), "Of layers that name none")};
+      row("accuracy", &SceneSpec::accuracy, word_value(accuracy_words()), "Of layers that name none")};
   return rows;
 }
 

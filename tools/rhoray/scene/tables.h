@@ -11,17 +11,17 @@ namespace rhoray::tools {
 // What may stand in a scene document: one table for each kind of object. Reading, writing, the published schema and the
 // reference are all made from these rows. A new key is a row here and a member in wishes.h.
 
-const std::vector<Row<SceneWishes>>& scene_rows();
-const std::vector<Row<DataWish>>& data_rows();
-const std::vector<Row<OcclusionWish>>& occlusion_rows();
-const std::vector<Row<FogWish>>& fog_rows();
-const std::vector<Row<EffectsWish>>& effect_rows();
-const std::vector<Row<CameraWish>>& camera_rows();
-const std::vector<Row<KeyframeWish>>& keyframe_rows();
-const std::vector<Row<ImageWish>>& image_rows();
-const std::vector<Row<AxesWish>>& axes_rows();
-const std::vector<Row<ColorBarWish>>& color_bar_rows();
-const std::vector<Row<AnnotationsWish>>& annotation_rows();
+const std::vector<Row<SceneSpec>>& scene_rows();
+const std::vector<Row<DataSpec>>& data_rows();
+const std::vector<Row<OcclusionSpec>>& occlusion_rows();
+const std::vector<Row<FogSpec>>& fog_rows();
+const std::vector<Row<EffectsSpec>>& effect_rows();
+const std::vector<Row<CameraSpec>>& camera_rows();
+const std::vector<Row<KeyframeSpec>>& keyframe_rows();
+const std::vector<Row<PictureSpec>>& image_rows();
+const std::vector<Row<AxesSpec>>& axes_rows();
+const std::vector<Row<ColorBarSpec>>& color_bar_rows();
+const std::vector<Row<AnnotationsSpec>>& annotation_rows();
 
 /// A type of layer or light, its word in documents, and what may be said about it.
 template <class Object>
@@ -31,8 +31,8 @@ struct Kind {
   const char* help;
   std::vector<Row<Object>> rows;
 };
-using LayerKind = Kind<LayerWish>;
-using LightKind = Kind<LightWish>;
+using LayerKind = Kind<LayerSpec>;
+using LightKind = Kind<LightSpec>;
 
 std::span<const LayerKind> layer_kinds();
 std::span<const LightKind> light_kinds();

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tools/rhoray/input_file.h"
-#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/method_names.h"
 
 namespace rhoray::tools {
 
@@ -207,7 +207,7 @@ ValueKind<std::filesystem::path> file_value() {
                 try {
                   require_input(file);
                 } catch (const Error& error) {
-                  throw Error(error.trouble(), concat(at.place.text(), ": ", error.what()), error.hint());
+                  throw Error(error.code(), concat(at.place.text(), ": ", error.what()), error.hint());
                 }
                 return file;
               },
@@ -295,7 +295,7 @@ void warn_of_unknown_key(const std::string& key, const std::vector<std::string>&
 }
 
 void refuse_missing_key(const std::string& key, const std::string& expected, const Reading& at) {
-  throw Error(Trouble::invalid, concat(at.place.text(), ": has no \"", key, "\"; expected ", expected));
+  throw Error(ErrorCode::invalid, concat(at.place.text(), ": has no \"", key, "\"; expected ", expected));
 }
 
 }  // namespace rhoray::tools

@@ -10,7 +10,7 @@
 #include "formats/base/nearest_name.h"
 #include "formats/base/text.h"
 #include "tools/rhoray/scene/place.h"
-#include "tools/rhoray/scene/wishes.h"
+#include "tools/rhoray/scene/scene_spec.h"
 
 namespace rhoray::tools {
 
@@ -31,7 +31,7 @@ template <class T>
 struct ValueKind {
   std::string expected;  ///< "a number from 0 to 1"
   Json schema;
-  std::function<T(const Json&, const Reading&)> read;  ///< refuses with the place (Trouble::invalid)
+  std::function<T(const Json&, const Reading&)> read;  ///< refuses with the place (ErrorCode::invalid)
   std::function<Json(const T&)> write;                 ///< null: left out
 };
 

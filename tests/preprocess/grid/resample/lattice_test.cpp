@@ -37,10 +37,10 @@ TEST(SampleLattice, keeps_a_spacing_and_ends_at_or_beyond_the_far_side) {
 }
 
 TEST(SampleLattice, refuses_what_makes_no_lattice) {
-  tests::expect_error(Trouble::usage, "2 to 1048576", [] { choose_samples(box, {.longest_axis = 1}); });
-  tests::expect_error(Trouble::usage, "y axis: found 1", [] { choose_samples(box, {.sample_count = {4, 1, 4}}); });
-  tests::expect_error(Trouble::usage, "x axis", [] { choose_samples(box, {.spacing = {1e-9, 1, 1}}); });
-  tests::expect_error(Trouble::usage, "found -1", [] { choose_samples(box, {.spacing = {1, -1, 1}}); });
+  tests::expect_error(ErrorCode::usage, "2 to 1048576", [] { choose_samples(box, {.longest_axis = 1}); });
+  tests::expect_error(ErrorCode::usage, "y axis: found 1", [] { choose_samples(box, {.sample_count = {4, 1, 4}}); });
+  tests::expect_error(ErrorCode::usage, "x axis", [] { choose_samples(box, {.spacing = {1e-9, 1, 1}}); });
+  tests::expect_error(ErrorCode::usage, "found -1", [] { choose_samples(box, {.spacing = {1, -1, 1}}); });
 }
 
 }  // namespace

@@ -89,11 +89,11 @@ Judged judge(const Delaunay& delaunay, const std::array<double, 3>& p) {
 }
 
 /// How many samples CGAL found in cells, on faces, edges and vertices, and outside; all must be where it says.
-std::map<Delaunay::Locate_type, int> compare_with_cgal(std::size_t point_count, int steps, const LatticeWish& wish,
-                                                       std::uint64_t seed) {
+std::map<Delaunay::Locate_type, int> compare_with_cgal(std::size_t point_count, int steps,
+                                                       const LatticeRequest& request, std::uint64_t seed) {
   const std::vector<Kernel::Point_3> points = random_points(point_count, steps, seed);
   Delaunay delaunay(points.begin(), points.end());
-  const Sampled sampled(mesh_of(delaunay), wish);
+  const Sampled sampled(mesh_of(delaunay), request);
   EXPECT_EQ(sampled.mesh.cells.size(), delaunay.number_of_finite_cells());
   const std::vector<std::uint32_t> owners = sampled.owners();
   std::map<Delaunay::Locate_type, int> types;

@@ -127,7 +127,7 @@ TEST_F(Resample, takes_the_largest_error_as_a_share_of_the_range) {
 TEST_F(Resample, refuses_a_first_lattice_that_does_not_fit_into_memory) {
   const NeutralMesh mesh = tests::box_mesh({.cells = {6, 6, 6}}, wave);
   for (const std::optional<double> max_error : {std::optional<double>(), std::optional<double>(1e-5)})
-    tests::expect_error(Trouble::resource, "900 x 900 x 900 samples need", [&] {
+    tests::expect_error(ErrorCode::resource, "900 x 900 x 900 samples need", [&] {
       run(mesh,
           {.lattice = {.longest_axis = 900}, .max_error = max_error, .memory_limit_bytes = std::uint64_t{4} << 20});
     });
@@ -278,7 +278,7 @@ TEST_F(Resample, counts_samples_in_overlapping_cells) {
 }
 
 TEST_F(Resample, refuses_a_request_without_a_lattice) {
-  tests::expect_error(Trouble::usage, "expected one", [&] { run(ball_mesh(), {}); });
+  tests::expect_error(ErrorCode::usage, "expected one", [&] { run(ball_mesh(), {}); });
 }
 
 }  // namespace

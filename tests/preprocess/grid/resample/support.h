@@ -34,11 +34,11 @@ struct Sampled {
   Certificates certificates;
   mutable std::size_t bare_point_count = 0;
 
-  Sampled(const NeutralMesh& source, const LatticeWish& wish) {
+  Sampled(const NeutralMesh& source, const LatticeRequest& request) {
     std::vector<std::string> notes;
     mesh = clean_mesh(source, "mesh");
     fields = choose_fields(source, mesh, {}, false, "mesh", notes);
-    lattice = choose_samples(mesh.box, wish);
+    lattice = choose_samples(mesh.box, request);
     touched = find_touched_bricks(mesh, lattice, {});
     samples = sample_fields(mesh, fields, lattice, touched, {});
     const std::vector<Point> steps = points_in_steps(mesh, lattice);

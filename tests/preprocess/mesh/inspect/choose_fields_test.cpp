@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tests/support/meshes.h"
 
 namespace rhoray::preprocess {
@@ -71,7 +71,7 @@ Error refusal(const NeutralMesh& mesh, const std::vector<std::string>& wanted, b
   } catch (const Error& error) {
     return error;
   }
-  return Error(Trouble::internal, "accepted");
+  return Error(ErrorCode::internal, "accepted");
 }
 
 TEST(ChooseFields, takes_scalars_and_magnitudes_of_vectors_by_default) {
@@ -103,7 +103,7 @@ TEST(ChooseFields, counts_components_of_tensors_from_zero) {
 
 TEST(ChooseFields, refuses_an_unknown_name_with_the_nearest_and_all_others) {
   const Error error = refusal(mesh_with_fields(), {"Voltge"});
-  EXPECT_EQ(error.trouble(), Trouble::usage);
+  EXPECT_EQ(error.code(), ErrorCode::usage);
   EXPECT_STREQ(
       error.what(),
       "torso.vtu: no field \"Voltge\"; expected one of: voltage, Momentum.x, Momentum.y, Momentum.z, Momentum.mag, "
@@ -120,7 +120,7 @@ TEST(ChooseFields, refuses_a_vector_without_component_a_cell_field_unasked_and_a
 }
 
 TEST(ChooseFields, refuses_a_mesh_without_fields_and_fields_of_the_wrong_size) {
-  EXPECT_EQ(refusal(two_cells(), {}).trouble(), Trouble::invalid);
+  EXPECT_EQ(refusal(two_cells(), {}).code(), ErrorCode::invalid);
   NeutralMesh mesh = two_cells();
   mesh.cell_fields.push_back(field_of("tissue", 1, {10, 20}));
   EXPECT_THAT(refusal(mesh, {}).hint(), HasSubstr("averaged"));

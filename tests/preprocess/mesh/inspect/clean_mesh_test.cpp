@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/mesh/inspect/orientation.h"
 #include "tests/support/meshes.h"
 
@@ -24,7 +24,7 @@ std::string refusal(const NeutralMesh& mesh) {
   try {
     clean_mesh(mesh, "heart.vtu");
   } catch (const Error& error) {
-    EXPECT_EQ(error.trouble(), Trouble::invalid);
+    EXPECT_EQ(error.code(), ErrorCode::invalid);
     return error.what();
   }
   return "accepted";

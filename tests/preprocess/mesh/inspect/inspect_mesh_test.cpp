@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tests/support/meshes.h"
 
 namespace rhoray::preprocess {

@@ -6,18 +6,18 @@
 #include <cmath>
 #include <limits>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 
 namespace rhoray::preprocess {
 namespace {
 
 TEST(ChooseLattice, makes_about_as_many_nearly_cubic_leaf_cells_as_wished) {
   for (const Vec3& extent : {Vec3(1, 1, 1), Vec3(3, 2, 1), Vec3(1e-3, 2e-3, 5e-3), Vec3(1e6, 3e6, 2e6)})
-    for (const double wish : {100.0, 5000.0, 1e6}) {
+    for (const double request : {100.0, 5000.0, 1e6}) {
       const auto lattice = choose_lattice(Box3(Vec3(-7, 5, 100) * extent.x, Vec3(-7, 5, 100) * extent.x + extent),
-                                          {.leaf_cell_count = wish});
+                                          {.leaf_cell_count = request});
       const auto leaves = static_cast<double>(volume(lattice.macro.leaf_count));
-      EXPECT_NEAR(leaves / wish, 1, 0.35);
+      EXPECT_NEAR(leaves / request, 1, 0.35);
       const Vec3& size = lattice.leaf_size;
       EXPECT_LT(std::max({size.x, size.y, size.z}) / std::min({size.x, size.y, size.z}), 1.4);
     }
@@ -46,8 +46,8 @@ TEST(ChooseLattice, gives_a_thin_box_one_layer_and_the_wished_number_in_it) {
 
 TEST(ChooseLattice, refuses_wishes_that_make_no_sense) {
   const Box3 box(Vec3(0, 0, 0), Vec3(1, 1, 1));
-  for (const double wish : {0.0, -5.0, 1e12, std::numeric_limits<double>::quiet_NaN()})
-    EXPECT_THROW(choose_lattice(box, {.leaf_cell_count = wish}), Error);
+  for (const double request : {0.0, -5.0, 1e12, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_THROW(choose_lattice(box, {.leaf_cell_count = request}), Error);
   EXPECT_THROW(choose_lattice(box, {.macro_factor = 1}), Error);
   EXPECT_THROW(choose_lattice(box, {.macro_factor = 33}), Error);
   EXPECT_THROW(choose_lattice(box, {.macro_level_count = 0}), Error);

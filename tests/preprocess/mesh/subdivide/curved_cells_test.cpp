@@ -514,7 +514,7 @@ TEST(CurvedCells, that_would_be_cut_without_end_are_refused) {
   CellMesh mesh;
   mesh.points = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {1, 0.1, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 1}};
   add_cell(mesh, CellKind::quadratic_tetrahedron, {0, 1, 2, 3, 4, 1, 5, 6, 8, 7});
-  expect_error(Trouble::resource, "points or tetrahedra on the way, for 1 curved cells", [&] { subdivide(mesh); });
+  expect_error(ErrorCode::resource, "points or tetrahedra on the way, for 1 curved cells", [&] { subdivide(mesh); });
 }
 
 TEST(CurvedCells, refuse_node_counts_with_the_cell) {
@@ -522,7 +522,7 @@ TEST(CurvedCells, refuse_node_counts_with_the_cell) {
   mesh.points.resize(30);
   mesh.cell_ids = {42};
   add_cell(mesh, CellKind::lagrange_hexahedron, Ids(28, 0));
-  expect_error(Trouble::unsupported, "cell 42: found a Lagrange hexahedron of 28 nodes", [&] { subdivide(mesh); });
+  expect_error(ErrorCode::unsupported, "cell 42: found a Lagrange hexahedron of 28 nodes", [&] { subdivide(mesh); });
 }
 
 }  // namespace

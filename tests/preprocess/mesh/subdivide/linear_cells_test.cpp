@@ -259,7 +259,7 @@ TEST(Polyhedra, that_are_open_or_cut_short_are_refused_with_the_cell) {
       add_polyhedron(mesh, faces);
     else
       add_cell(mesh, CellKind::polyhedron, stream);
-    expect_error(Trouble::invalid, "cell 17: found " + words, [&] { subdivide(std::move(mesh)); });
+    expect_error(ErrorCode::invalid, "cell 17: found " + words, [&] { subdivide(std::move(mesh)); });
   };
   std::vector<Ids> faces = hexahedron_faces({0, 1, 2, 3, 4, 5, 6, 7});
   faces.pop_back();
@@ -319,13 +319,13 @@ TEST(Subdivide, counts_what_became_of_every_kind) {
 TEST(Subdivide, refuses_nodes_that_are_not_there_and_errors_that_make_no_sense) {
   CellMesh mesh = one_cell(CellKind::wedge, planar_shapes()[2].corners);
   mesh.cell_nodes[4] = 6;
-  expect_error(Trouble::invalid, "cell 0: found point 6; expected 0 to 5", [&] { subdivide(mesh); });
+  expect_error(ErrorCode::invalid, "cell 0: found point 6; expected 0 to 5", [&] { subdivide(mesh); });
   CellMesh short_one;
   short_one.points.resize(8);
   add_cell(short_one, CellKind::hexahedron, {0, 1, 2, 3, 4, 5, 6});
-  expect_error(Trouble::invalid, "cell 0: found 7 nodes; expected 8", [&] { subdivide(short_one); });
+  expect_error(ErrorCode::invalid, "cell 0: found 7 nodes; expected 8", [&] { subdivide(short_one); });
   for (const double error : {0.0, -1.0, std::nan("")})
-    expect_error(Trouble::usage, "largest error", [&] { subdivide(short_one, {.max_error = error}); });
+    expect_error(ErrorCode::usage, "largest error", [&] { subdivide(short_one, {.max_error = error}); });
 }
 
 }  // namespace

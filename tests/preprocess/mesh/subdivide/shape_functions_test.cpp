@@ -215,11 +215,11 @@ TEST(ShapeFunctions, of_pyramids_are_those_of_vtk_along_edges) {
 }
 
 TEST(ShapeFunctions, refuse_node_counts_that_a_kind_cannot_have) {
-  expect_error(Trouble::invalid, "a quadratic wedge of 14 nodes; expected 15",
+  expect_error(ErrorCode::invalid, "a quadratic wedge of 14 nodes; expected 15",
                [] { ShapeFunctions(CellKind::quadratic_wedge, 14); });
-  expect_error(Trouble::unsupported, "a Lagrange hexahedron of 28 nodes",
+  expect_error(ErrorCode::unsupported, "a Lagrange hexahedron of 28 nodes",
                [] { ShapeFunctions(CellKind::lagrange_hexahedron, 28); });
-  expect_error(Trouble::unsupported, "a Lagrange pyramid of 30 nodes",
+  expect_error(ErrorCode::unsupported, "a Lagrange pyramid of 30 nodes",
                [] { ShapeFunctions(CellKind::lagrange_pyramid, 30); });
 }
 

@@ -7,7 +7,7 @@
 #include <map>
 #include <memory>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/inspect_surface.h"
 #include "preprocess/tetrahedralize.h"
 #include "tests/preprocess/workers/tetgen/surfaces.h"
@@ -71,7 +71,7 @@ TEST(NestedSurfaces, take_a_limit_of_volume_for_one_region) {
     tetrahedralize(nested_boxes(), {.region_volumes = {{.region = 9, .max_volume = 1}}});
     ADD_FAILURE() << "region 9 was accepted";
   } catch (const Error& error) {
-    EXPECT_EQ(error.trouble(), Trouble::usage);
+    EXPECT_EQ(error.code(), ErrorCode::usage);
     EXPECT_THAT(error.what(), AllOf(HasSubstr("no region 9"), HasSubstr("1 2 3 4")));
   }
 }
@@ -157,7 +157,7 @@ TEST(TetgenSwitches, of_our_own_are_refused_by_name) {
     try {
       tetrahedralize(box({0, 0, 0}, {1, 1, 1}), {.tetgen = switches});
     } catch (const Error& error) {
-      EXPECT_EQ(error.trouble(), Trouble::usage);
+      EXPECT_EQ(error.code(), ErrorCode::usage);
       return error.what();
     }
     return "accepted";
@@ -220,7 +220,7 @@ TEST(HardSurfaces, keep_their_digits_or_are_refused) {
     for (std::size_t cell = 0; cell < filled.cells.size(); ++cell) sum += cell_volume(filled, cell);
     EXPECT_NEAR(sum / (8 * huge * huge * huge), 1, 1e-12);
   } catch (const Error& error) {
-    EXPECT_EQ(error.trouble(), Trouble::invalid) << error.what();
+    EXPECT_EQ(error.code(), ErrorCode::invalid) << error.what();
   }
 }
 

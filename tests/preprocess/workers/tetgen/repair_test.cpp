@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/inspect_surface.h"
 #include "preprocess/tetrahedralize.h"
@@ -116,7 +116,7 @@ TEST(RepairSurface, refuses_what_has_no_area) {
     repair_surface(line);
     ADD_FAILURE() << "was repaired";
   } catch (const Error& error) {
-    EXPECT_EQ(error.trouble(), Trouble::invalid);
+    EXPECT_EQ(error.code(), ErrorCode::invalid);
     EXPECT_THAT(error.what(), HasSubstr("no facet has an area"));
   }
 }
@@ -131,13 +131,13 @@ TEST(WorkerDeath, is_reported_with_what_it_was_doing) {
       std::filesystem::permissions(folder / program, std::filesystem::perms::owner_all);
     }
     ::setenv("RHORAY_WORKER_DIR", folder.path().c_str(), 1);
-    const auto refusal = [](auto act) -> std::pair<Trouble, std::string> {
+    const auto refusal = [](auto act) -> std::pair<ErrorCode, std::string> {
       try {
         act();
       } catch (const Error& error) {
-        return {error.trouble(), error.what()};
+        return {error.code(), error.what()};
       }
-      return {Trouble::internal, "no refusal"};
+      return {ErrorCode::internal, "no refusal"};
     };
     const bool resource = end == std::string("KILL") || end == std::string("XCPU");
     const auto filling = refusal([&] { preprocess::tetrahedralize(cube); });
@@ -145,7 +145,7 @@ TEST(WorkerDeath, is_reported_with_what_it_was_doing) {
     ::unsetenv("RHORAY_WORKER_DIR");
     EXPECT_THAT(filling.second, AllOf(HasSubstr("rhoray-tetgen-worker"), HasSubstr("filling a surface"))) << end;
     EXPECT_THAT(repairing.second, AllOf(HasSubstr("rhoray-repair-worker"), HasSubstr("repairing a surface"))) << end;
-    EXPECT_EQ(filling.first, resource ? Trouble::resource : Trouble::invalid) << end;
+    EXPECT_EQ(filling.first, resource ? ErrorCode::resource : ErrorCode::invalid) << end;
     EXPECT_EQ(repairing.first, filling.first) << end;
     if (end == std::string("KILL")) {
       EXPECT_THAT(filling.second, HasSubstr("signal 9")) << "no time was used up";
@@ -166,7 +166,7 @@ TEST(RepairSurface, refuses_to_move_the_surface_farther_than_allowed) {
     repair_surface(pierced);
     ADD_FAILURE() << "was repaired";
   } catch (const Error& error) {
-    EXPECT_EQ(error.trouble(), Trouble::invalid);
+    EXPECT_EQ(error.code(), ErrorCode::invalid);
     EXPECT_THAT(error.what(), AllOf(HasSubstr("the repair would move it by"), HasSubstr("expected at most 2 %")));
     EXPECT_THAT(error.hint(), AllOf(HasSubstr("--max-move 0."), HasSubstr("--wrap 0.01")));
   }
@@ -216,7 +216,7 @@ TEST_F(SharedFaultySurfaces, the_gears_are_not_repaired_silently) {
     repair_surface(preprocess::import_surface(surfaces_ / "gears.stl"));
     ADD_FAILURE() << "was repaired";
   } catch (const Error& error) {
-    EXPECT_EQ(error.trouble(), Trouble::invalid);
+    EXPECT_EQ(error.code(), ErrorCode::invalid);
     EXPECT_THAT(error.what(), HasSubstr("the repair would move it by"));
   }
 }

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/tetrahedralize.h"
 #include "tests/preprocess/workers/tetgen/surfaces.h"
@@ -30,7 +30,7 @@ class SharedSurfaces : public testing::Test {
     try {
       preprocess::tetrahedralize(surface);
     } catch (const Error& error) {
-      EXPECT_EQ(error.trouble(), Trouble::invalid);
+      EXPECT_EQ(error.code(), ErrorCode::invalid);
       const std::string text = error.what();
       int count = 0;
       for (std::size_t found = text.find(" at ("); found != std::string::npos; found = text.find(" at (", found + 1)) {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "formats/base/trouble.h"
+#include "formats/base/error.h"
 #include "tests/preprocess/workers/tetgen/surfaces.h"
 
 namespace rhoray::tests {
@@ -33,7 +33,7 @@ std::map<double, double> region_volumes(const NeutralMesh& mesh) {
 }
 
 struct Refusal {
-  Trouble trouble;
+  ErrorCode error_code;
   std::string text;
   std::string hint;
 };
@@ -43,7 +43,7 @@ Refusal refusal_of(const NeutralSurface& surface, const TetrahedralizeOptions& o
     const NeutralMesh mesh = tetrahedralize(surface, options);
     ADD_FAILURE() << "was filled with " << mesh.cells.size() << " tetrahedra";
   } catch (const Error& error) {
-    return {error.trouble(), error.what(), error.hint()};
+    return {error.code(), error.what(), error.hint()};
   }
   return {};
 }
@@ -52,7 +52,7 @@ TEST(Tetrahedralize, fills_a_box_with_cells_in_positive_order_that_add_up_to_its
   const NeutralMesh mesh = tetrahedralize(box({1, 2, 3}, {3, 5, 7}));
   EXPECT_NEAR(total_volume(mesh), 24, 24e-12);
   for (std::size_t cell = 0; cell < mesh.cells.size(); ++cell) EXPECT_GT(cell_volume(mesh, cell), 0) << cell;
-  EXPECT_TRUE(mesh.cell_fields.empty()) << "one chamber without a seed needs no numbers";
+  EXPECT_TRUE(mesh.cell_fields.empty()) << "one region without a seed needs no numbers";
 }
 
 TEST(Tetrahedralize, takes_facets_with_more_than_three_corners) {
@@ -88,7 +88,7 @@ TEST(Tetrahedralize, numbers_nested_spheres_by_their_seeds) {
   EXPECT_NEAR(volumes.at(5), inner, 1e-12 * inner);
 }
 
-TEST(Tetrahedralize, numbers_chambers_without_seeds_by_itself) {
+TEST(Tetrahedralize, numbers_regions_without_seeds_by_itself) {
   NeutralSurface spheres;
   add_sphere(spheres, 10, 2);
   add_sphere(spheres, 4, 2);
@@ -198,7 +198,7 @@ TEST(Tetrahedralize, says_where_a_surface_is_open) {
   open.facet_corners.resize(33);  // without the last triangle: corners 1, 7, 5 of the side x = 1
   open.facet_offsets.pop_back();
   const Refusal refusal = refusal_of(open);
-  EXPECT_EQ(refusal.trouble, Trouble::invalid);
+  EXPECT_EQ(refusal.error_code, ErrorCode::invalid);
   EXPECT_THAT(refusal.text, AllOf(HasSubstr("3 open edges"), HasSubstr("(1, 0, 0) to (1, 1, 2)")));
   EXPECT_THAT(refusal.hint, HasSubstr("close"));
 }
@@ -207,7 +207,7 @@ TEST(Tetrahedralize, says_where_more_than_two_facets_meet) {
   NeutralSurface boxes = box({0, 0, 0}, {1, 1, 1});
   add_box(boxes, {1, 1, 0}, {2, 2, 1});  // touches the first along one edge
   const Refusal refusal = refusal_of(boxes);
-  EXPECT_EQ(refusal.trouble, Trouble::invalid);
+  EXPECT_EQ(refusal.error_code, ErrorCode::invalid);
   EXPECT_THAT(refusal.text, AllOf(HasSubstr("1 edges where more than two"), HasSubstr("4 at (1, 1, 0) to (1, 1, 1)")));
 }
 
@@ -221,7 +221,7 @@ TEST(Tetrahedralize, says_where_two_facets_cross) {
   add_facet(boxes, {b, b + 3, b + 1});
   add_facet(boxes, {b + 1, b + 3, b + 2});
   const Refusal refusal = refusal_of(boxes);
-  EXPECT_EQ(refusal.trouble, Trouble::invalid);
+  EXPECT_EQ(refusal.error_code, ErrorCode::invalid);
   EXPECT_THAT(refusal.text,
               AllOf(HasSubstr("3 pairs of facets cross"), HasSubstr("and 12 at (4,"), HasSubstr("expected none")));
 }
@@ -278,7 +278,7 @@ TEST(Tetrahedralize, turns_a_crossing_that_tetgen_finds_into_a_sentence) {
       add_facet(boxes, {b + q[0], b + q[1], b + q[2], b + q[3]});
   }
   const Refusal refusal = refusal_of(boxes);
-  EXPECT_EQ(refusal.trouble, Trouble::invalid);
+  EXPECT_EQ(refusal.error_code, ErrorCode::invalid);
   EXPECT_THAT(refusal.text, AllOf(HasSubstr("cross"), HasSubstr("facet "), HasSubstr("around (")));
 }
 
@@ -293,7 +293,7 @@ TEST(Tetrahedralize, refuses_what_encloses_nothing) {
 TEST(Tetrahedralize, refuses_seeds_that_would_be_ignored) {
   NeutralSurface seeds = box({0, 0, 0}, {1, 1, 1});
   seeds.regions = {{.seed = {0.5, 0.5, 0.5}, .attribute = 1}, {.seed = {3, 3, 3}, .attribute = 2}};
-  EXPECT_THAT(refusal_of(seeds).text, AllOf(HasSubstr("region 1, (3, 3, 3)"), HasSubstr("outside of every chamber")));
+  EXPECT_THAT(refusal_of(seeds).text, AllOf(HasSubstr("region 1, (3, 3, 3)"), HasSubstr("outside of every region")));
   seeds.regions[1].seed = {0.25, 0.25, 0.75};
   EXPECT_THAT(refusal_of(seeds).text, HasSubstr("has a seed already"));
   seeds.regions.clear();
@@ -303,16 +303,16 @@ TEST(Tetrahedralize, refuses_seeds_that_would_be_ignored) {
 
 TEST(Tetrahedralize, refuses_requests_without_sense) {
   const NeutralSurface cube = box({0, 0, 0}, {1, 1, 1});
-  EXPECT_EQ(refusal_of(cube, {.quality = 0.5}).trouble, Trouble::usage);
-  EXPECT_EQ(refusal_of(cube, {.max_volume = -1}).trouble, Trouble::usage);
+  EXPECT_EQ(refusal_of(cube, {.quality = 0.5}).error_code, ErrorCode::usage);
+  EXPECT_EQ(refusal_of(cube, {.max_volume = -1}).error_code, ErrorCode::usage);
 }
 
 TEST(Tetrahedralize, stops_at_the_limits_of_time_and_memory) {
   const NeutralSurface cube = box({0, 0, 0}, {1, 1, 1});
-  EXPECT_EQ(refusal_of(cube, {.max_volume = 1e-8, .time_limit_s = 1}).trouble, Trouble::resource);
+  EXPECT_EQ(refusal_of(cube, {.max_volume = 1e-8, .time_limit_s = 1}).error_code, ErrorCode::resource);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // their shadow memory is larger than any limit
-  EXPECT_EQ(refusal_of(cube, {.max_volume = 1e-8, .memory_limit_bytes = std::uint64_t{96} << 20}).trouble,
-            Trouble::resource);
+  EXPECT_EQ(refusal_of(cube, {.max_volume = 1e-8, .memory_limit_bytes = std::uint64_t{96} << 20}).error_code,
+            ErrorCode::resource);
 #endif
 }
 

@@ -21,10 +21,10 @@ TEST_F(Vdb, is_refused_where_it_ends_too_early) {
   const std::string whole = read_file(path);
   for (std::size_t size = 1; size < whole.size(); size += whole.size() / 8) {
     write_file(path, std::string_view(whole).substr(0, size));
-    expect_refusal([&] { open_vdb(path, ""); }, Trouble::invalid, {"cut.vdb"});
+    expect_refusal([&] { open_vdb(path, ""); }, ErrorCode::invalid, {"cut.vdb"});
   }
   write_file(path, std::string_view(whole).substr(0, whole.size() - 1));
-  expect_refusal([&] { open_vdb(path, ""); }, Trouble::invalid, {"cut.vdb"});
+  expect_refusal([&] { open_vdb(path, ""); }, ErrorCode::invalid, {"cut.vdb"});
   write_file(path, whole);
   EXPECT_EQ(loaded(path).field().range, (Interval<double>{0, 11}));
 }
@@ -42,7 +42,7 @@ TEST_F(Vdb, is_refused_or_read_whatever_bytes_are_changed) {
     try {
       open_vdb(path, "", std::uint64_t{4} << 30);
     } catch (const Error& error) {
-      EXPECT_NE(static_cast<int>(error.trouble()), static_cast<int>(Trouble::internal)) << error.what();
+      EXPECT_NE(static_cast<int>(error.code()), static_cast<int>(ErrorCode::internal)) << error.what();
       EXPECT_THAT(std::string(error.what()), testing::HasSubstr("changed.vdb"));
       ++refused;
     }
@@ -51,9 +51,9 @@ TEST_F(Vdb, is_refused_or_read_whatever_bytes_are_changed) {
 }
 
 TEST_F(Vdb, is_refused_when_it_is_no_such_file) {
-  expect_refusal([&] { open_vdb(folder_ / "none.vdb", ""); }, Trouble::unreadable, {"none.vdb"});
+  expect_refusal([&] { open_vdb(folder_ / "none.vdb", ""); }, ErrorCode::unreadable, {"none.vdb"});
   write_file(folder_ / "text.vdb", "this is not one, although its name says so");
-  expect_refusal([&] { open_vdb(folder_ / "text.vdb", ""); }, Trouble::invalid, {"text.vdb", "OpenVDB"});
+  expect_refusal([&] { open_vdb(folder_ / "text.vdb", ""); }, ErrorCode::invalid, {"text.vdb", "OpenVDB"});
 }
 
 }  // namespace

@@ -112,12 +112,13 @@ TEST_F(VdbExport, keeps_integers_and_doubles_exactly) {
 
 TEST_F(VdbExport, replaces_nothing_and_leaves_nothing_behind_when_it_is_refused) {
   write_file(folder_ / "a.vdb", "precious");
-  expect_refusal([&] { export_vdb(folder_ / "a.rho", folder_ / "a.vdb"); }, Trouble::usage, {"a.vdb"});
-  expect_refusal([&] { export_vdb(folder_ / "a.rho", folder_ / "b.vdb", {.field = "heat"}); }, Trouble::usage,
+  expect_refusal([&] { export_vdb(folder_ / "a.rho", folder_ / "a.vdb"); }, ErrorCode::usage, {"a.vdb"});
+  expect_refusal([&] { export_vdb(folder_ / "a.rho", folder_ / "b.vdb", {.field = "heat"}); }, ErrorCode::usage,
                  {"'heat'", "'density'"});
-  expect_refusal([&] { export_vdb(folder_ / "a.rho", folder_ / "b.vti"); }, Trouble::usage, {".vti", ".vdb"});
+  expect_refusal([&] { export_vdb(folder_ / "a.rho", folder_ / "b.vti"); }, ErrorCode::usage, {".vti", ".vdb"});
   pack_volume(volume_of<float>({2, 2, 2}, [](const Index3&) { return no_data; }), folder_ / "empty.rho");
-  expect_refusal([&] { export_vdb(folder_ / "empty.rho", folder_ / "b.vdb"); }, Trouble::invalid, {"no finite value"});
+  expect_refusal([&] { export_vdb(folder_ / "empty.rho", folder_ / "b.vdb"); }, ErrorCode::invalid,
+                 {"no finite value"});
   EXPECT_EQ(read_file(folder_ / "a.vdb"), "precious");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 3);
 }

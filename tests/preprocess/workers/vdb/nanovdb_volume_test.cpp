@@ -55,11 +55,11 @@ class NanoVdbVolume : public Vdb {
       EXPECT_GT(hit_count(expected), 500U);
       expect_same_picture(picture(sparse, scene), expected);
       expect_same_picture(picture(sparse, scene, {.use_hierarchy = false}), expected);
-      for (const render::Accuracy accuracy : {render::Accuracy::single, render::Accuracy::certified}) {
+      for (const render::Accuracy accuracy : {render::Accuracy::float32, render::Accuracy::certified}) {
         scene.layers[0].method = render::method_of(accuracy);
         expect_same_bits(picture(sparse, scene), picture(packed, scene));
       }
-      scene.layers[0].method = render::method_of(render::Accuracy::single);
+      scene.layers[0].method = render::method_of(render::Accuracy::float32);
       scene.lights = {{.kind = render::Light::Kind::directional, .place = {1, -2, 3}, .casts_shadows = true}};
       EXPECT_EQ(shadow_rays_of(sparse, scene), shadow_rays_of(packed, scene));
       expect_same_bits(picture(sparse, scene), picture(packed, scene));
@@ -201,11 +201,11 @@ TEST_F(NanoVdbVolume, is_answered_wide_where_its_box_begins_anywhere) {
   grid->fill(openvdb::CoordBBox(openvdb::Coord(20, 3, 5), openvdb::Coord(36, 12, 20)), 3.0F, true);
   grid->tree().prune();
   const render::Volume volume = loaded(write("anywhere.vdb", {grid}));
-  EXPECT_EQ(render::default_method(volume, render::Mode::isosurface), render::method_of(render::Accuracy::single));
+  EXPECT_EQ(render::default_method(volume, render::Mode::isosurface), render::method_of(render::Accuracy::float32));
   for (render::Scene scene : {oblique_scene(volume, 2.6), straight_scene(volume, 2.6)}) {
     const render::Framebuffer expected = picture(volume, scene);
     EXPECT_GT(hit_count(expected), 2000U);
-    for (const render::Accuracy accuracy : {render::Accuracy::single, render::Accuracy::certified}) {
+    for (const render::Accuracy accuracy : {render::Accuracy::float32, render::Accuracy::certified}) {
       scene.layers[0].method = render::method_of(accuracy);
       const render::Framebuffer found = picture(volume, scene);
       std::size_t elsewhere = 0;
@@ -248,8 +248,8 @@ TEST_F(NanoVdbVolume, refuses_a_buffer_whose_nodes_lie_outside) {
   };
   EXPECT_EQ(load(buffer).field().name, "f");
   const auto short_one = std::vector<std::uint8_t>(buffer.begin(), buffer.end() - 64);
-  expect_error(Trouble::invalid, "memory", [&] { load(short_one); });
-  expect_error(Trouble::invalid, "memory", [&] { load(std::vector<std::uint8_t>(100)); });
+  expect_error(ErrorCode::invalid, "memory", [&] { load(short_one); });
+  expect_error(ErrorCode::invalid, "memory", [&] { load(std::vector<std::uint8_t>(100)); });
   // Wherever eight bytes may be an offset, a wild one is refused or was no offset; nothing reads outside.
   int refused = 0;
   for (std::size_t at = 0; at + 8 <= buffer.size(); at += 8 * (at < 2000 ? 1 : 997)) {

@@ -74,8 +74,8 @@ TEST_F(Vdb, keeps_the_numbers_of_every_scalar_type) {
   const NeutralVolume bools = imported_pair<openvdb::BoolGrid>(path, false, true);
   expect_pair(bools, ElementType::U8, 0, 1);
   EXPECT_THAT(bools.notes, testing::Contains(testing::HasSubstr("1 and 0")));
-  expect_refusal([&] { imported_pair<openvdb::Int64Grid>(path, 1, (std::int64_t{1} << 53) + 1); }, Trouble::unsupported,
-                 {"a.vdb", "9007199254740993"});
+  expect_refusal([&] { imported_pair<openvdb::Int64Grid>(path, 1, (std::int64_t{1} << 53) + 1); },
+                 ErrorCode::unsupported, {"a.vdb", "9007199254740993"});
   const auto mask = named_grid<openvdb::MaskGrid>("f", false);
   mask->tree().setValueOn(Coord(0, 0, 0));
   mask->tree().setValueOn(Coord(1, 0, 0));
@@ -102,8 +102,8 @@ TEST_F(Vdb, takes_a_grid_by_its_name_and_a_vector_by_its_component) {
   EXPECT_EQ(value("v.mag"), 13);
   EXPECT_THAT(imported("b").other_fields, ElementsAre("a", "v.x", "v.y", "v.z", "v.mag"));
   EXPECT_THAT(loaded(path, "v.mag").field_names(), ElementsAre("a", "b", "v.x", "v.y", "v.z", "v.mag"));
-  expect_refusal([&] { open_vdb(path, "c"); }, Trouble::usage, {"several.vdb", "'c'", "'a'", "'v.mag'"});
-  expect_refusal([&] { open_vdb(write("vectors.vdb", {vectors}), ""); }, Trouble::usage, {"vectors only", "vec3s"});
+  expect_refusal([&] { open_vdb(path, "c"); }, ErrorCode::usage, {"several.vdb", "'c'", "'a'", "'v.mag'"});
+  expect_refusal([&] { open_vdb(write("vectors.vdb", {vectors}), ""); }, ErrorCode::usage, {"vectors only", "vec3s"});
 }
 
 TEST_F(Vdb, says_what_is_in_a_file_that_holds_no_scalars) {
@@ -111,13 +111,13 @@ TEST_F(Vdb, says_what_is_in_a_file_that_holds_no_scalars) {
   points->tree().setValueOn(Coord(0, 0, 0));
   points->setName("dust");
   const auto path = write("points.vdb", {points});
-  expect_refusal([&] { import_volume(path); }, Trouble::unsupported, {"points.vdb", "points in grid 'dust'"});
+  expect_refusal([&] { import_volume(path); }, ErrorCode::unsupported, {"points.vdb", "points in grid 'dust'"});
   const std::vector<VdbGridFacts> facts = inspect_vdb(path);
   ASSERT_EQ(facts.size(), 1U);
   EXPECT_EQ(facts[0].value_type, "ptdataidx32");
   EXPECT_FALSE(facts[0].field);
-  expect_refusal([&] { open_vdb(write("empty.vdb", {}), ""); }, Trouble::unsupported, {"no grid"});
-  expect_refusal([&] { open_vdb(write("void.vdb", {named_grid<openvdb::FloatGrid>("f", 0)}), ""); }, Trouble::invalid,
+  expect_refusal([&] { open_vdb(write("empty.vdb", {}), ""); }, ErrorCode::unsupported, {"no grid"});
+  expect_refusal([&] { open_vdb(write("void.vdb", {named_grid<openvdb::FloatGrid>("f", 0)}), ""); }, ErrorCode::invalid,
                  {"grid 'f'", "no active voxel"});
 }
 
@@ -126,13 +126,13 @@ TEST_F(Vdb, refuses_a_frustum_and_a_box_that_is_too_large_when_dense) {
   frustum->tree().setValueOn(Coord(1, 1, 1), 1);
   frustum->setTransform(
       openvdb::math::Transform::createFrustumTransform(openvdb::BBoxd({0, 0, 0}, {10, 10, 10}), 0.5, 10, 0.1));
-  expect_refusal([&] { open_vdb(write("frustum.vdb", {frustum}), ""); }, Trouble::unsupported,
+  expect_refusal([&] { open_vdb(write("frustum.vdb", {frustum}), ""); }, ErrorCode::unsupported,
                  {"frustum.vdb", "NonlinearFrustumMap"});
   const auto far = named_grid<openvdb::FloatGrid>("f", 0);
   far->tree().setValueOn(Coord(0, 0, 0), 1);
   far->tree().setValueOn(Coord(1197, 1197, 1197), 1);
   const auto path = write("far.vdb", {far});
-  expect_refusal([&] { import_volume(path); }, Trouble::resource, {"far.vdb", "1200 x 1200 x 1200", "6912000000"});
+  expect_refusal([&] { import_volume(path); }, ErrorCode::resource, {"far.vdb", "1200 x 1200 x 1200", "6912000000"});
   EXPECT_EQ(loaded(path).field().range, (Interval<double>{0, 1}));
 }
 

@@ -42,7 +42,7 @@ TEST_F(SharedVdb, sphere_and_points_are_what_they_are) {
   EXPECT_EQ(sphere[0].active_voxel_count, 9047U);
   EXPECT_EQ(sphere[0].grid_class, "fog volume");
   EXPECT_EQ(sphere[0].field->range, (Interval<double>{0, 1}));
-  expect_refusal([&] { open_vdb(folder_ / "points.vdb", ""); }, Trouble::unsupported, {"points.vdb", "points"});
+  expect_refusal([&] { open_vdb(folder_ / "points.vdb", ""); }, ErrorCode::unsupported, {"points.vdb", "points"});
 }
 
 }  // namespace

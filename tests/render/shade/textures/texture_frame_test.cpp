@@ -62,7 +62,7 @@ preprocess::NeutralVolume ramps(int component_count = 3, std::uint8_t alpha = 25
 
 /// Lit from all sides alone: a surface shows its own colours.
 Layer glowing(std::size_t volume, double isovalue, const std::optional<Texture>& texture) {
-  Layer layer{.volume = volume, .isovalue = isovalue, .method = render::method_of(render::Accuracy::twofold)};
+  Layer layer{.volume = volume, .isovalue = isovalue, .method = render::method_of(render::Accuracy::float64)};
   layer.surface = {.color = {0.1, 0.2, 0.9}, .texture = texture, .ambient = 1, .specular = 0};
   return layer;
 }
@@ -114,7 +114,7 @@ TEST(Textures, cover_grids_and_meshes_with_their_light_at_every_hit) {
   const std::vector<render::Volume> volumes = both_kinds(folder);
   const Texture texture = texture_of(folder, ramps());
   for (std::size_t v = 0; v < volumes.size(); ++v)
-    for (const render::Accuracy accuracy : {render::Accuracy::single, render::Accuracy::twofold}) {
+    for (const render::Accuracy accuracy : {render::Accuracy::float32, render::Accuracy::float64}) {
       Scene scene = scene_of({glowing(v, 0.05, texture)});
       scene.layers[0].method = render::method_of(accuracy);
       const Picture picture = picture_of(volumes, scene);
@@ -279,16 +279,16 @@ TEST(Textures, are_refused_beside_colours_by_a_field) {
   const std::vector<render::Volume> volumes = both_kinds(folder);
   Scene scene = scene_of({glowing(0, 0.05, texture_of(folder, ramps()))});
   scene.layers[0].surface.color_by = {.field = "value", .range = {0, 1}};
-  expect_error(Trouble::usage, "expected one of the two", [&] { picture_of(volumes, scene); });
+  expect_error(ErrorCode::usage, "expected one of the two", [&] { picture_of(volumes, scene); });
 }
 
 TEST(Textures, are_refused_where_no_colours_are_expected_and_other_files_as_textures) {
   const TemporaryFolder folder;
   const std::vector<render::Volume> volumes = both_kinds(folder);
   texture_of(folder, ramps());
-  expect_error(Trouble::invalid, "holds colours; expected a grid",
+  expect_error(ErrorCode::invalid, "holds colours; expected a grid",
                [&] { render::Volume::load(folder / "colors.rho"); });
-  expect_error(Trouble::invalid, "'colors'", [&] { Texture::load(folder / "grid.rho"); });
+  expect_error(ErrorCode::invalid, "'colors'", [&] { Texture::load(folder / "grid.rho"); });
 }
 
 TEST(Textures, tell_of_boxes_that_they_may_reach) {

@@ -1,9 +1,9 @@
-#include "tools/rhoray/scene/picture_words.h"
+#include "tools/rhoray/scene/picture_names.h"
 
 #include <utility>
 
+#include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
-#include "formats/base/trouble.h"
 
 namespace rhoray::tools {
 
@@ -20,10 +20,10 @@ constexpr std::pair<const char*, bool render::ChannelSet::*> channels[] = {
     {"iterations", &render::ChannelSet::iterations},
     {"cost", &render::ChannelSet::cost}};
 
-constexpr std::pair<const char*, render::DiaryPage> pages[] = {{"error", render::DiaryPage::error},
-                                                               {"roots", render::DiaryPage::roots},
-                                                               {"iterations", render::DiaryPage::iterations},
-                                                               {"cost", render::DiaryPage::cost}};
+constexpr std::pair<const char*, render::DebugChannel> pages[] = {{"error", render::DebugChannel::error},
+                                                                  {"roots", render::DebugChannel::roots},
+                                                                  {"iterations", render::DebugChannel::iterations},
+                                                                  {"cost", render::DebugChannel::cost}};
 
 }  // namespace
 
@@ -47,7 +47,7 @@ render::ChannelSet channel_set(const std::vector<std::string>& words) {
     if (found) continue;
     std::string known_text;
     for (const std::string& word : known) known_text += concat(known_text.empty() ? "" : ", ", word);
-    throw Error(Trouble::usage, concat("--channels: found '", name, "'; expected ", known_text),
+    throw Error(ErrorCode::usage, concat("--channels: found '", name, "'; expected ", known_text),
                 did_you_mean(name, known));
   }
   return set;
@@ -66,13 +66,13 @@ std::vector<std::string> show_words() {
   return words;
 }
 
-std::optional<render::DiaryPage> page_named(const std::string& word) {
+std::optional<render::DebugChannel> page_named(const std::string& word) {
   for (const auto& [name, page] : pages)
     if (word == name) return page;
   return std::nullopt;
 }
 
-std::string word_of(render::DiaryPage page) {
+std::string word_of(render::DebugChannel page) {
   for (const auto& [word, each] : pages)
     if (each == page) return word;
   return "color";

@@ -1,18 +1,18 @@
-#include "tools/rhoray/scene/spelled_out.h"
+#include "tools/rhoray/scene/to_spec.h"
 
-#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/scene/clip.h"
 #include "tools/rhoray/scene/document.h"
 #include "tools/rhoray/scene/lights.h"
-#include "tools/rhoray/scene/looks.h"
-#include "tools/rhoray/scene/picture_words.h"
+#include "tools/rhoray/scene/material.h"
+#include "tools/rhoray/scene/picture_names.h"
 #include "tools/rhoray/scene/slices.h"
 
 namespace rhoray::tools {
 
 namespace {
 
-std::string name_of_texture(const ScenePlan& plan, const render::Texture& texture) {
+std::string name_of_texture(const ResolvedScene& plan, const render::Texture& texture) {
   for (std::size_t i = 0; i < plan.textures.size(); ++i)
     if (&plan.textures[i].grid() == &texture.grid()) return plan.texture_data[i].name;
   return {};
@@ -23,7 +23,7 @@ std::string text_of_vector(const Vec3& v) {
 }
 
 /// Whether annotations say what no option says.
-bool needs_words(const AnnotationsWish& annotations) {
+bool needs_words(const AnnotationsSpec& annotations) {
   const auto& [axes, box, bar, caption] = annotations;
   return (axes && !axes->corner.empty()) || (bar && !(bar->title.empty() && bar->position.empty()));
 }
@@ -36,83 +36,83 @@ std::string joined(const std::vector<std::string>& words) {
 
 }  // namespace
 
-SceneWishes spelled_out(const ScenePlan& plan) {
+SceneSpec to_spec(const ResolvedScene& plan) {
   const render::Camera& camera = plan.scene.camera;
-  SceneWishes wishes{.data = plan.data};
-  for (std::size_t i = 0; i < wishes.data.size(); ++i)
-    if (wishes.data[i].name.empty()) wishes.data[i].name = "data";  // of a command line
-  wishes.data.insert(wishes.data.end(), plan.texture_data.begin(), plan.texture_data.end());
+  SceneSpec scene_spec{.data = plan.data};
+  for (std::size_t i = 0; i < scene_spec.data.size(); ++i)
+    if (scene_spec.data[i].name.empty()) scene_spec.data[i].name = "data";  // of a command line
+  scene_spec.data.insert(scene_spec.data.end(), plan.texture_data.begin(), plan.texture_data.end());
   for (const render::Layer& layer : plan.scene.layers) {
-    LayerWish wish{.data = wishes.data[layer.volume].name};
+    LayerSpec spec{.data = scene_spec.data[layer.volume].name};
     if (layer.mode != render::Mode::slice) {
       const MethodOption method = option_of(layer.method, layer.mode, plan.volumes[layer.volume].is_mesh());
-      (method.option == "--accuracy" ? wish.accuracy : wish.method) = method.word;
+      (method.option == "--accuracy" ? spec.accuracy : spec.method) = method.word;
     }
     if (layer.mode == render::Mode::slice) {
-      say_slice(layer, wish);
+      say_slice(layer, spec);
     } else if (layer.mode == render::Mode::mip) {
-      wish.type = LayerType::mip;
-      wish.range = layer.window;
+      spec.type = LayerType::mip;
+      spec.range = layer.window;
     } else {
       if (layer.mode == render::Mode::isosurface)
-        wish.isovalues = {concat(layer.isovalue)};
+        spec.isovalues = {concat(layer.isovalue)};
       else
-        wish.type = LayerType::mesh;
-      wish.color = Color{layer.surface.color};
-      wish.normals = word_of(layer.surface.normals, has_flat_normals(plan.volumes[layer.volume]));
+        spec.type = LayerType::mesh;
+      spec.color = Color{layer.surface.color};
+      spec.normals = word_of(layer.surface.normals, has_flat_normals(plan.volumes[layer.volume]));
       if (const auto& colors = layer.surface.color_by) {
-        wish.color_by = colors->field;
-        wish.colormap = word_of(colors->map);
-        if (colors->range.lo < colors->range.hi) wish.range = colors->range;  // else the field's, as without
+        spec.color_by = colors->field;
+        spec.colormap = word_of(colors->map);
+        if (colors->range.lo < colors->range.hi) spec.range = colors->range;  // else the field's, as without
       }
-      if (layer.surface.texture) wish.texture = name_of_texture(plan, *layer.surface.texture);
-      wish.ambient = layer.surface.ambient;
-      wish.specular = layer.surface.specular;
-      wish.shininess = layer.surface.shininess;
-      wish.opacity = layer.surface.opacity;
+      if (layer.surface.texture) spec.texture = name_of_texture(plan, *layer.surface.texture);
+      spec.ambient = layer.surface.ambient;
+      spec.specular = layer.surface.specular;
+      spec.shininess = layer.surface.shininess;
+      spec.opacity = layer.surface.opacity;
     }
-    if (plan.scene.clip) wish.clip = layer.clipped;
-    wishes.layers.push_back(std::move(wish));
+    if (plan.scene.clip) spec.clip = layer.clipped;
+    scene_spec.layers.push_back(std::move(spec));
   }
-  wishes.clip = clip_wish(plan.scene.clip);
-  wishes.lights = light_wishes(plan.scene.lights);
-  wishes.effects = effect_wishes(plan.scene);
-  wishes.camera.position = camera.position;
-  wishes.camera.target = camera.target;
-  wishes.camera.up = camera.up;
+  scene_spec.clip = clip_spec(plan.scene.clip);
+  scene_spec.lights = light_specs(plan.scene.lights);
+  scene_spec.effects = effects_spec(plan.scene);
+  scene_spec.camera.position = camera.position;
+  scene_spec.camera.target = camera.target;
+  scene_spec.camera.up = camera.up;
   if (camera.orthographic)
-    wishes.camera.orthographic_height = camera.orthographic_height;
+    scene_spec.camera.orthographic_height = camera.orthographic_height;
   else
-    wishes.camera.fov_deg = camera.vertical_fov_deg;
-  wishes.annotations = plan.annotations;
-  wishes.image.size = PictureSize{plan.frame.width, plan.frame.height};
-  wishes.image.background = Color{plan.scene.background};
-  if (plan.frame.channels.any()) wishes.image.channels = words_of(plan.frame.channels);
-  if (plan.page) wishes.image.show = word_of(*plan.page);
-  if (!plan.frame.use_hierarchy) wishes.image.hierarchy = false;
-  if (plan.frame.antialiasing > 1) wishes.image.antialias = plan.frame.antialiasing;
-  return wishes;
+    scene_spec.camera.fov_deg = camera.vertical_fov_deg;
+  scene_spec.annotations = plan.annotations;
+  scene_spec.image.size = PictureSize{plan.frame.width, plan.frame.height};
+  scene_spec.image.background = Color{plan.scene.background};
+  if (plan.frame.channels.any()) scene_spec.image.channels = words_of(plan.frame.channels);
+  if (plan.page) scene_spec.image.show = word_of(*plan.page);
+  if (!plan.frame.use_hierarchy) scene_spec.image.hierarchy = false;
+  if (plan.frame.antialiasing > 1) scene_spec.image.antialias = plan.frame.antialiasing;
+  return scene_spec;
 }
 
-std::vector<std::string> reproducing_command(const ScenePlan& plan, const std::filesystem::path& output) {
-  const SceneWishes wishes = spelled_out(plan);
+std::vector<std::string> reproducing_command(const ResolvedScene& plan, const std::filesystem::path& output) {
+  const SceneSpec scene_spec = to_spec(plan);
   std::vector<std::string> words{"rhoray", "render"};
-  const AnnotationsWish& annotations = wishes.annotations;
-  const bool needs_document = needs_words(annotations) || plan.scene.layers.size() > 1 || wishes.lights ||
-                              wishes.effects.occlusion || wishes.effects.fog ||
+  const AnnotationsSpec& annotations = scene_spec.annotations;
+  const bool needs_document = needs_words(annotations) || plan.scene.layers.size() > 1 || scene_spec.lights ||
+                              scene_spec.effects.occlusion || scene_spec.effects.fog ||
                               (plan.scene.clip && !plan.scene.layers[0].clipped) ||
                               plan.scene.layers[0].mode == render::Mode::slice;
   if (needs_document) {
-    words.insert(words.end(), {dump(scene_json(wishes)), "-o", output.string()});
+    words.insert(words.end(), {dump(scene_json(scene_spec)), "-o", output.string()});
     return words;
   }
-  const LayerWish& layer = wishes.layers[0];
-  const CameraWish& camera = wishes.camera;
-  const ImageWish& image = wishes.image;
-  words.insert(words.end(), {wishes.data[0].file.string(), "-o", output.string()});
+  const LayerSpec& layer = scene_spec.layers[0];
+  const CameraSpec& camera = scene_spec.camera;
+  const PictureSpec& image = scene_spec.image;
+  words.insert(words.end(), {scene_spec.data[0].file.string(), "-o", output.string()});
   const auto add = [&](const std::string& name, const std::string& value) { words.insert(words.end(), {name, value}); };
   const bool is_field = plan.scene.layers[0].mode != render::Mode::triangles;
-  if (is_field) add("--field", wishes.data[0].field);
+  if (is_field) add("--field", scene_spec.data[0].field);
   if (layer.type == LayerType::mip) {
     add("--mode", "mip");
     add("--range", concat(layer.range->lo, ",", layer.range->hi));
@@ -138,8 +138,8 @@ std::vector<std::string> reproducing_command(const ScenePlan& plan, const std::f
     add("--accuracy", layer.accuracy);
   else
     add("--method", layer.method);
-  if (wishes.clip)
-    for (const std::string& word : clip_words(*wishes.clip)) words.push_back(word);
+  if (scene_spec.clip)
+    for (const std::string& word : clip_words(*scene_spec.clip)) words.push_back(word);
   add("--size", concat(image.size->width, "x", image.size->height));
   add("--camera-position", text_of_vector(*camera.position));
   add("--camera-target", text_of_vector(*camera.target));

@@ -1,4 +1,4 @@
-#include "render/frame/shells.h"
+#include "render/frame/all_hits.h"
 
 #include <algorithm>
 #include <array>
@@ -22,22 +22,22 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr float surely_dark = least_light * (1 - 0x1p-16F);
 
 /// Null where a layer's rays are asked about crossing by crossing.
-CrossingsKernel kernel_of(const Frame& frame, const FrameLayer& layer) {
+AllHitsKernel kernel_of(const Frame& frame, const FrameLayer& layer) {
   const bool is_cut = layer.clipped && frame.clip->cuts_away();
-  if (layer.slice || is_cut || layer.kernel != layer.kernel_through) return nullptr;
-  return crossings_kernel(layer.volume, layer.question);
+  if (layer.slice || is_cut || layer.kernel != layer.continuation_kernel) return nullptr;
+  return all_hits_kernel(layer.volume, layer.query);
 }
 
 /// Whether a layer's crossings are shown by where they are and by their gradients alone.
 bool shows_only_places(const Frame& frame, const FrameLayer& layer) {
-  const Look& look = layer.look;
-  return !frame.keeps_channels && !look.lookup && !look.texture && !look.effects.smooth_normals &&
+  const LayerShading& shading = layer.shading;
+  return !frame.keeps_channels && !shading.lookup && !shading.texture && !shading.effects.smooth_normals &&
          !asks_for_light(layer);
 }
 
-bool go_together(const Frame& frame, const ShellGroup& group, const FrameLayer& layer) {
+bool go_together(const Frame& frame, const AllHitsGroup& group, const FrameLayer& layer) {
   const FrameLayer& first = frame.layers[group.layers.front()];
-  return group.layers.size() < CrossingsQuestion::most_surfaces && &first.volume == &layer.volume &&
+  return group.layers.size() < AllHitsQuery::most_surfaces && &first.volume == &layer.volume &&
          first.clipped == layer.clipped;
 }
 
@@ -45,13 +45,14 @@ bool go_together(const Frame& frame, const ShellGroup& group, const FrameLayer& 
 class LightShares {
  public:
   LightShares(const Frame& frame, Worker& worker) : frame_(frame), worker_(worker) {
-    for (const ShellGroup& group : frame.shells) of_.insert(of_.end(), group.layers.begin(), group.layers.end());
+    for (const AllHitsGroup& group : frame.all_hits_groups)
+      of_.insert(of_.end(), group.layers.begin(), group.layers.end());
     // Of crossings at one t the first layer's comes first.
     std::sort(of_.begin(), of_.end());
     for (const std::uint8_t l : of_) {
-      ShellWork& work = *worker.shells.layers[l];
+      AllHitsWork& work = *worker.all_hits.layers[l];
       SharedLayer& layer = layers_.emplace_back();
-      layer.opacity = frame.layers[l].look.layer.surface.opacity;
+      layer.opacity = frame.layers[l].shading.layer.surface.opacity;
       layer.count = work.crossings.count.data();
       for (std::size_t k = 0; k < CrossingList::most; ++k) {
         layer.t[k] = work.crossings.hits(k).t.data();
@@ -62,16 +63,16 @@ class LightShares {
   }
 
   void share_light(std::size_t ray_count) {
-    std::fill_n(worker_.shells.goes_on.data(), ray_count, std::uint8_t{0});
+    std::fill_n(worker_.all_hits.goes_on.data(), ray_count, std::uint8_t{0});
     std::fill_n(is_left_, ray_count, std::uint8_t{0});
-    for (std::size_t g = 0; g < frame_.shells.size(); ++g) {
-      const std::uint8_t* complete = worker_.shells.complete[g].data();
+    for (std::size_t g = 0; g < frame_.all_hits_groups.size(); ++g) {
+      const std::uint8_t* complete = worker_.all_hits.complete[g].data();
       for (std::size_t r = 0; r < ray_count; ++r)
         is_left_[r] = static_cast<std::uint8_t>(is_left_[r] | (complete[r] ^ 1));
     }
     if (layers_.size() <= LightSharing::most_layers) {
       SharedLight light{.alpha = worker_.front.alpha};
-      compiled_for<share_light_inline>(frame_.layers.front().look.machine)(
+      compiled_for<share_light_inline>(frame_.layers.front().shading.machine)(
           {layers_.data(), layers_.size(), is_left_, ray_count, least_light}, light);
       worker_.counts.clear_crossings += light.shown;
       worker_.counts.rays_through += light.through;
@@ -127,19 +128,19 @@ class LightShares {
     worker_.counts.rays_through += light < least_light ? shown - 1 : shown;
     worker_.front.alpha[r] = static_cast<float>(light);
     if (limit == infinity) return;
-    worker_.shells.goes_on[r] = !(light < least_light);
-    if (worker_.shells.goes_on[r] != 0) note_last(r);
+    worker_.all_hits.goes_on[r] = !(light < least_light);
+    if (worker_.all_hits.goes_on[r] != 0) note_last(r);
   }
 
   /// Until which t all crossings of a ray are noted: the last of a list that is full, or infinity. Below all t where
   /// another kernel is to answer.
   double known_until(std::size_t r) const {
     double limit = infinity;
-    for (std::size_t g = 0; g < frame_.shells.size(); ++g) {
-      if (worker_.shells.complete[g][r] != 0) continue;
+    for (std::size_t g = 0; g < frame_.all_hits_groups.size(); ++g) {
+      if (worker_.all_hits.complete[g][r] != 0) continue;
       double known = -infinity;
-      for (const std::uint8_t layer : frame_.shells[g].layers) {
-        const CrossingList& list = worker_.shells.layers[layer]->crossings;
+      for (const std::uint8_t layer : frame_.all_hits_groups[g].layers) {
+        const CrossingList& list = worker_.all_hits.layers[layer]->crossings;
         if (list.count[r] != CrossingList::most) continue;
         const double last = list.hits(CrossingList::most - 1).t[r];
         known = known == -infinity ? last : std::min(known, last);
@@ -154,8 +155,8 @@ class LightShares {
       if (met_[l].taken == 0) continue;
       Ray ray = worker_.layers[of_[l]].rays[r];
       ray.start_side = StartSide::unknown;
-      const bool is_field = frame_.layers[of_[l]].look.layer.mode != Mode::triangles;
-      const Hit hit = worker_.shells.layers[of_[l]]->crossings.hits(met_[l].taken - 1)[r];
+      const bool is_field = frame_.layers[of_[l]].shading.layer.mode != Mode::triangles;
+      const Hit hit = worker_.all_hits.layers[of_[l]]->crossings.hits(met_[l].taken - 1)[r];
       last_.push_back({.layer = of_[l], .ray = static_cast<std::uint32_t>(r), .behind = behind(ray, hit, is_field)});
     }
   }
@@ -172,71 +173,72 @@ class LightShares {
 /// Adds the light of the k-th crossings of a layer.
 void show(const Frame& frame, std::uint8_t layer, std::size_t k, Worker& worker) {
   LayerWork& work = worker.layers[layer];
-  ShellWork& shells = *worker.shells.layers[layer];
-  if (k > 0) std::swap(work.hits, shells.crossings.hits(k));
-  const float* share = shells.share[k].data();
+  AllHitsWork& all = *worker.all_hits.layers[layer];
+  if (k > 0) std::swap(work.hits, all.crossings.hits(k));
+  const float* share = all.share[k].data();
   if (asks_for_light(frame.layers[layer])) {
     LayerOfRays shown;
     for (std::size_t r = 0; r < work.rays.count; ++r) shown.of[r] = share[r] > 0 ? layer : LayerOfRays::none;
     receive_light(frame, layer, &shown, worker);
   }
-  add_clear(frame.layers[layer].look, work, share, worker.received, worker.counts, worker.shells.light);
-  if (k > 0) std::swap(work.hits, shells.crossings.hits(k));
+  add_clear(frame.layers[layer].shading, work, share, worker.received, worker.counts, worker.all_hits.light);
+  if (k > 0) std::swap(work.hits, all.crossings.hits(k));
 }
 
 }  // namespace
 
-void choose_shells(const FrameOptions& options, Frame& frame) {
+void choose_all_hits(const FrameOptions& options, Frame& frame) {
   if (!options.one_pass) return;
-  std::vector<ShellGroup> groups;
+  std::vector<AllHitsGroup> groups;
   for (std::size_t l = 0; l < frame.layers.size(); ++l) {
     const FrameLayer& layer = frame.layers[l];
-    if (layer.part != Part::clear) continue;
-    const CrossingsKernel kernel = kernel_of(frame, layer);
+    if (layer.blend != Blend::transparent) continue;
+    const AllHitsKernel kernel = kernel_of(frame, layer);
     if (kernel == nullptr) return;
     const auto fit = std::find_if(groups.begin(), groups.end(),
-                                  [&](const ShellGroup& group) { return go_together(frame, group, layer); });
-    ShellGroup& group =
-        fit != groups.end() ? *fit : groups.emplace_back(ShellGroup{.kernel = kernel, .layers = {}, .surfaces = {}});
+                                  [&](const AllHitsGroup& group) { return go_together(frame, group, layer); });
+    AllHitsGroup& group =
+        fit != groups.end() ? *fit : groups.emplace_back(AllHitsGroup{.kernel = kernel, .layers = {}, .surfaces = {}});
     group.only_places = group.only_places && shows_only_places(frame, layer);
     group.layers.push_back(static_cast<std::uint8_t>(l));
     group.surfaces.push_back(
-        {.isovalue = layer.question.isovalue, .passing = static_cast<float>(1 - layer.look.layer.surface.opacity)});
-    frame.needs.shell_layers.push_back(static_cast<std::uint8_t>(l));
+        {.isovalue = layer.query.isovalue, .passing = static_cast<float>(1 - layer.shading.layer.surface.opacity)});
+    frame.needs.transparent_layers.push_back(static_cast<std::uint8_t>(l));
   }
-  frame.needs.shell_groups = groups.size();
-  frame.shells = std::move(groups);
+  frame.needs.all_hits_groups = groups.size();
+  frame.all_hits_groups = std::move(groups);
 }
 
-void cross_shells(const Frame& frame, Worker& worker) {
-  for (std::size_t g = 0; g < frame.shells.size(); ++g) {
-    const ShellGroup& group = frame.shells[g];
-    CrossingList* lists[CrossingsQuestion::most_surfaces];
-    for (std::size_t i = 0; i < group.layers.size(); ++i) lists[i] = &worker.shells.layers[group.layers[i]]->crossings;
+void find_all_hits(const Frame& frame, Worker& worker) {
+  for (std::size_t g = 0; g < frame.all_hits_groups.size(); ++g) {
+    const AllHitsGroup& group = frame.all_hits_groups[g];
+    CrossingList* lists[AllHitsQuery::most_surfaces];
+    for (std::size_t i = 0; i < group.layers.size(); ++i)
+      lists[i] = &worker.all_hits.layers[group.layers[i]]->crossings;
     const FrameLayer& layer = frame.layers[group.layers.front()];
     LayerWork& work = worker.layers[group.layers.front()];
     group.kernel(layer.volume,
                  {.surfaces = group.surfaces,
                   .least_light = surely_dark,
-                  .time_phases = layer.question.time_phases,
+                  .time_phases = layer.query.time_phases,
                   .only_places = group.only_places},
                  work.rays, std::span<CrossingList* const>(lists, group.layers.size()),
-                 worker.shells.complete[g].data(), worker.shells.memory[g], work.scratch.counters);
+                 worker.all_hits.complete[g].data(), worker.all_hits.memory[g], work.scratch.counters);
   }
 }
 
-void show_shells(const Frame& frame, Worker& worker) {
+void composite_all_hits(const Frame& frame, Worker& worker) {
   const std::size_t ray_count = worker.layers[0].rays.count;
   LightShares shares(frame, worker);
   shares.share_light(ray_count);
-  for (const auto* sums : {&worker.shells.light.red, &worker.shells.light.green, &worker.shells.light.blue})
+  for (const auto* sums : {&worker.all_hits.light.red, &worker.all_hits.light.green, &worker.all_hits.light.blue})
     std::fill_n(sums->data(), (ray_count + RayBatch::group_size - 1) / RayBatch::group_size * RayBatch::group_size,
                 0.0);
   shares.for_each_layer([&](std::uint8_t layer, std::size_t deepest) {
     for (std::size_t k = 0; k < deepest; ++k) show(frame, layer, k, worker);
   });
-  put_into_front(worker.shells.light, ray_count, worker.front);
-  const std::uint8_t* goes_on = worker.shells.goes_on.data();
+  put_into_front(worker.all_hits.light, ray_count, worker.front);
+  const std::uint8_t* goes_on = worker.all_hits.goes_on.data();
   if (std::any_of(goes_on, goes_on + ray_count, [](std::uint8_t goes) { return goes != 0; }))
     peel_further(frame, goes_on, shares.last(), worker);
 }

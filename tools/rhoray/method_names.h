@@ -15,7 +15,7 @@ render::Accuracy accuracy_named(const std::string& word);
 /// The words of --method, as --help shows them: one line for each question.
 std::string method_help();
 
-/// The method that a word names for this question; refuses others with the words there are (Trouble::usage).
+/// The method that a word names for this question; refuses others with the words there are (ErrorCode::usage).
 /// @param asked_by  what the refusal names as its place
 render::Method method_named(const std::string& word, render::Mode mode, bool is_mesh,
                             const std::string& asked_by = "--method");

@@ -12,12 +12,12 @@
 namespace rhoray::render {
 
 namespace wide {
-struct FacetShellScratch;
-struct ShellScratch;
+struct FacetAllHitsScratch;
+struct GridAllHitsScratch;
 }  // namespace wide
 
 /// A surface that is asked about together with others.
-struct CrossedSurface {
+struct TransparentSurface {
   double isovalue = 0;
   float passing = 1;  ///< the share of the light that each of its crossings lets through
 };
@@ -48,31 +48,31 @@ class CrossingList {
 
 /// What is asked of every ray of a batch. Of each surface and of all together there is what a ray that is asked for
 /// first crossings would meet again and again behind the last.
-struct CrossingsQuestion {
+struct AllHitsQuery {
   static constexpr std::size_t most_surfaces = 2;
 
-  std::span<const CrossedSurface> surfaces;
+  std::span<const TransparentSurface> surfaces;
   float least_light = 0;  ///< a ray may end where less than this would pass what it has crossed
   bool time_phases = false;
   bool only_places = false;  ///< of crossings t and gradient are asked for, the rest of a hit may stay what it was
 };
 
 /// What a thread keeps for it.
-struct CrossingsMemory {
-  std::shared_ptr<wide::ShellScratch> shells;
-  std::shared_ptr<wide::FacetShellScratch> facets;
+struct AllHitsScratch {
+  std::shared_ptr<wide::GridAllHitsScratch> shells;
+  std::shared_ptr<wide::FacetAllHitsScratch> facets;
 };
 
 /// Notes the crossings of rays of a volume's frame of which the start's side is not known.
 /// @param lists     one for each surface
 /// @param complete  of each ray: 1, or 0 where crossings may be missing behind the last of a list that is full, or
 ///                  where the ray is one for other kernels; what is noted of it is right in any case
-using CrossingsKernel = void (*)(const VolumeImplementation& volume, const CrossingsQuestion& question,
-                                 const RayBatch& rays, std::span<CrossingList* const> lists, std::uint8_t* complete,
-                                 CrossingsMemory& memory, KernelCounters& counters);
+using AllHitsKernel = void (*)(const VolumeImplementation& volume, const AllHitsQuery& query, const RayBatch& rays,
+                               std::span<CrossingList* const> lists, std::uint8_t* complete, AllHitsScratch& memory,
+                               KernelCounters& counters);
 
 /// Null where there is none: rays are asked about again behind each crossing.
-CrossingsKernel crossings_kernel(const VolumeImplementation& volume, const Question& question,
-                                 Machine machine = chosen_machine());
+AllHitsKernel all_hits_kernel(const VolumeImplementation& volume, const RayQuery& query,
+                              Machine machine = chosen_machine());
 
 }  // namespace rhoray::render

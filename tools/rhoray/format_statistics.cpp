@@ -1,4 +1,4 @@
-#include "tools/rhoray/statistics_words.h"
+#include "tools/rhoray/format_statistics.h"
 
 #include <cmath>
 
@@ -46,7 +46,7 @@ Json statistics_json(const render::FrameStatistics& statistics) {
           {"cells_solved", statistics.cells_solved},
           {"samples_taken", statistics.samples_taken},
           {"rays_redone_in_double", statistics.rays_redone},
-          {"rays_judged_exactly", statistics.rays_judged},
+          {"rays_judged_exactly", statistics.rays_exact},
           {"touches", statistics.touches},
           {"largest_error", statistics.largest_error},
           {"highlights_shaded", statistics.highlights_shaded},
@@ -79,7 +79,7 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
          count("samples at edges", statistics.edge_samples) + count("hits", statistics.hits) +
          count("macrocells visited", statistics.macrocells_visited) + count("cells visited", statistics.cells_visited) +
          count("cells solved", statistics.cells_solved) + count("samples taken", statistics.samples_taken) +
-         count("rays redone in double", statistics.rays_redone) + count("rays judged exactly", statistics.rays_judged) +
+         count("rays redone in double", statistics.rays_redone) + count("rays judged exactly", statistics.rays_exact) +
          count("touches", statistics.touches) +
          (std::isnan(statistics.largest_error)
               ? std::string()

@@ -1,12 +1,12 @@
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "formats/base/checks.h"
+#include "formats/base/error.h"
 #include "formats/base/floating_point.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
 #include "formats/intact.h"
 #include "render/dataset/volume.h"
 #include "render/frame/camera_rays.h"
@@ -20,13 +20,13 @@ constexpr std::size_t batch_size = 1024;  // rays that a thread takes at a time
 
 double finite(double isovalue) {
   if (!std::isfinite(isovalue))
-    throw Error(Trouble::usage, concat("isovalue ", isovalue, "; expected a finite number"));
+    throw Error(ErrorCode::usage, concat("isovalue ", isovalue, "; expected a finite number"));
   return isovalue;
 }
 
 }  // namespace
 
-struct RayQuestions::Worker {
+struct RayCaster::Worker {
   RayBatch rays{batch_size};
   HitBatch hits{batch_size};
   KernelScratch scratch;
@@ -34,9 +34,9 @@ struct RayQuestions::Worker {
   Worker() { rays.has_start_sides = true; }
 };
 
-RayQuestions::RayQuestions(const Volume& volume, double isovalue, const Method& method, unsigned threads)
+RayCaster::RayCaster(const Volume& volume, double isovalue, const Method& method, unsigned threads)
     : volume_(volume.implementation()),
-      question_{.isovalue = finite(isovalue), .field_range = volume.field().range, .method = method},
+      query_{.isovalue = finite(isovalue), .field_range = volume.field().range, .method = method},
       kernels_(choose_kernels(volume_, method)),
       threads_(threads),
       workers_(TileThreads(threads).worker_count()) {
@@ -44,18 +44,18 @@ RayQuestions::RayQuestions(const Volume& volume, double isovalue, const Method& 
   workers_.front().scratch.queue.reserve(kernels_.queue_entries);
 }
 
-RayQuestions::~RayQuestions() = default;
+RayCaster::~RayCaster() = default;
 
-void RayQuestions::answer(Kernel kernel, std::span<const Ray> rays, std::span<Hit> hits, Worker& worker) const {
+void RayCaster::answer(Kernel kernel, std::span<const Ray> rays, std::span<Hit> hits, Worker& worker) const {
   for (std::size_t first = 0; first < rays.size(); first += batch_size) {
     worker.rays.count = std::min(batch_size, rays.size() - first);
     for (std::size_t r = 0; r < worker.rays.count; ++r) worker.rays.set(r, rays[first + r]);
-    kernel(volume_, question_, worker.rays, worker.hits, worker.scratch);
+    kernel(volume_, query_, worker.rays, worker.hits, worker.scratch);
     for (std::size_t r = 0; r < worker.rays.count; ++r) hits[first + r] = worker.hits[r];
   }
 }
 
-void RayQuestions::first_crossings(std::span<const Ray> rays, std::span<Hit> hits) {
+void RayCaster::first_crossings(std::span<const Ray> rays, std::span<Hit> hits) {
   const DefaultFloatingPoint default_floating_point;
   RHORAY_CHECK(rays.size() == hits.size());
   if (workers_.size() == 1 || rays.size() <= batch_size) {
@@ -70,13 +70,13 @@ void RayQuestions::first_crossings(std::span<const Ray> rays, std::span<Hit> hit
   formats::require_intact(volume_.file);
 }
 
-Hit RayQuestions::first_crossing(const Ray& ray) {
+Hit RayCaster::first_crossing(const Ray& ray) {
   Hit hit;
   first_crossings(std::span(&ray, 1), std::span(&hit, 1));
   return hit;
 }
 
-void RayQuestions::largest_values(std::span<const Ray> rays, std::span<Hit> hits) {
+void RayCaster::largest_values(std::span<const Ray> rays, std::span<Hit> hits) {
   const DefaultFloatingPoint default_floating_point;
   RHORAY_CHECK(rays.size() == hits.size());
   workers_.front().scratch.last_t.reset();
@@ -84,7 +84,7 @@ void RayQuestions::largest_values(std::span<const Ray> rays, std::span<Hit> hits
   formats::require_intact(volume_.file);
 }
 
-KernelCounters RayQuestions::counters() const {
+KernelCounters RayCaster::counters() const {
   KernelCounters sum;
   for (const Worker& worker : workers_) sum += worker.scratch.counters;
   return sum;

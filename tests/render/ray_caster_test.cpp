@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "render/ray_questions.h"
+#include "render/ray_caster.h"
 #include "render/render.h"
 #include "tests/render/support/traced_volume.h"
 #include "tests/support/expect_error.h"
@@ -13,7 +13,7 @@
 namespace rhoray::tests {
 namespace {
 
-TEST(RayQuestions, answers_the_rays_of_a_camera_as_render_does) {
+TEST(RayCaster, answers_the_rays_of_a_camera_as_render_does) {
   const Affine turned{{0, 2, 0}, {-1, 0, 0}, {0, 0, 3}, {10, 20, 30}};
   const TracedVolume grid(sampled_volume<float>({9, 8, 7}, turned, distance_field({7, 28, 38})));
   const TracedVolume mesh(box_mesh({.cells = {3, 3, 3}}, distance_field({0.5, 0.5, 0.5})));
@@ -30,10 +30,10 @@ TEST(RayQuestions, answers_the_rays_of_a_camera_as_render_does) {
     std::uint64_t visits = 0;
     for (const unsigned threads : {1U, 3U}) {
       std::vector<render::Hit> hits(rays.size());
-      render::RayQuestions questions(*volume, isovalue, {}, threads);
-      questions.first_crossings(rays, hits);
-      EXPECT_TRUE(visits == 0 || visits == questions.counters().visits());
-      visits = questions.counters().visits();
+      render::RayCaster queries(*volume, isovalue, {}, threads);
+      queries.first_crossings(rays, hits);
+      EXPECT_TRUE(visits == 0 || visits == queries.counters().visits());
+      visits = queries.counters().visits();
       std::size_t hit_count = 0;
       for (std::size_t r = 0; r < rays.size(); ++r) {
         EXPECT_EQ(static_cast<float>(hits[r].t), picture.depth[r]);
@@ -46,23 +46,23 @@ TEST(RayQuestions, answers_the_rays_of_a_camera_as_render_does) {
   EXPECT_EQ(render::world_from_ray_frame(grid.volume()), turned);
 }
 
-TEST(RayQuestions, takes_rays_in_the_frame_of_the_samples_and_of_any_length) {
+TEST(RayCaster, takes_rays_in_the_frame_of_the_samples_and_of_any_length) {
   const Affine turned{{0, 2, 0}, {-1, 0, 0}, {0, 0, 3}, {10, 20, 30}};
   const TracedVolume grid(volume_of<float>(
       {5, 5, 5}, [](const Index3& at) { return static_cast<float>(at.x); }, turned));
   const std::vector<render::Ray> rays{{{-1, 2, 2}, {2, 0, 0}}, {{-1, 2, 2}, {-1, 0, 0}}};
   std::vector<render::Hit> hits(2);
-  render::RayQuestions(grid.volume(), 2.5, {}).first_crossings(rays, hits);
+  render::RayCaster(grid.volume(), 2.5, {}).first_crossings(rays, hits);
   EXPECT_DOUBLE_EQ(hits[0].t, 1.75);
   EXPECT_DOUBLE_EQ(hits[0].gradient.x, 1);
   EXPECT_TRUE(hits[1].is_miss());
 }
 
-TEST(RayQuestions, refuses_an_isovalue_that_is_not_finite) {
+TEST(RayCaster, refuses_an_isovalue_that_is_not_finite) {
   const TracedVolume grid(volume_of<float>({2, 2, 2}, [](const Index3& at) { return static_cast<float>(at.x); }));
   constexpr double infinity = std::numeric_limits<double>::infinity();
   for (const double isovalue : {std::numeric_limits<double>::quiet_NaN(), infinity, -infinity})
-    expect_error(Trouble::usage, "isovalue", [&] { render::RayQuestions(grid.volume(), isovalue, {}); });
+    expect_error(ErrorCode::usage, "isovalue", [&] { render::RayCaster(grid.volume(), isovalue, {}); });
 }
 
 }  // namespace

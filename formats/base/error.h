@@ -8,8 +8,8 @@
 
 namespace rhoray {
 
-/// What kind of trouble ended an act; the number is the exit code of the program.
-enum class Trouble {
+/// Why an operation failed; the number is the exit code of the program.
+enum class ErrorCode {
   internal = 1,       ///< a defect of ours
   usage = 2,          ///< the request makes no sense (unknown field, isovalue that is not a number)
   unreadable = 3,     ///< an input is missing or cannot be read
@@ -20,18 +20,18 @@ enum class Trouble {
   interrupted = 130,
 };
 
-/// The world is not as claimed. `what()` is one line of fact: file, place, found, expected; `hint`, when not empty,
-/// says in one line what to do. Libraries throw it and never print; `main` prints it and returns the code.
+/// A failed operation. `what()` is one line: file, place, found, expected. `hint`, when not empty, says in one line
+/// what to do. Libraries throw it and never print; `main` prints it and returns the code.
 class Error : public std::runtime_error {
  public:
-  Error(Trouble trouble, const std::string& fact, std::string hint = {})
-      : std::runtime_error(fact), trouble_(trouble), hint_(std::move(hint)) {}
+  Error(ErrorCode code, const std::string& fact, std::string hint = {})
+      : std::runtime_error(fact), code_(code), hint_(std::move(hint)) {}
 
-  Trouble trouble() const { return trouble_; }
+  ErrorCode code() const { return code_; }
   const std::string& hint() const { return hint_; }
 
  private:
-  Trouble trouble_;
+  ErrorCode code_;
   std::string hint_;
 };
 

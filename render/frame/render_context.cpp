@@ -1,15 +1,15 @@
-#include "render/frame/frame_memory.h"
+#include "render/frame/render_context.h"
 
 namespace rhoray::render {
 
-void FrameMemory::Implementation::begin_frame(unsigned threads, const WorkerNeeds& needs) {
+void RenderContext::Implementation::begin_frame(unsigned threads, const WorkerNeeds& needs) {
   if (!threads_ || threads_->asked_for() != threads) threads_.emplace(threads);
   places_.resize(threads_->worker_count());
   for (Place& place : places_) place.works = false;
   needs_ = needs;
 }
 
-Worker& FrameMemory::Implementation::worker(std::size_t index) {
+Worker& RenderContext::Implementation::worker(std::size_t index) {
   Place& place = places_[index];
   if (!place.worker) place.worker = std::make_unique<Worker>();
   if (!place.works) place.worker->begin_frame(needs_);
@@ -17,7 +17,7 @@ Worker& FrameMemory::Implementation::worker(std::size_t index) {
   return *place.worker;
 }
 
-std::vector<const Worker*> FrameMemory::Implementation::workers() const {
+std::vector<const Worker*> RenderContext::Implementation::workers() const {
   std::vector<const Worker*> working;
   for (const Place& place : places_)
     if (place.works) working.push_back(place.worker.get());

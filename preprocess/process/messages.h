@@ -9,21 +9,21 @@ namespace rhoray::preprocess {
 /// "neutral-mesh" and "neutral-surface", for the way between two processes. Reading trusts the other side no more than
 /// a file: shapes, kinds and counts are checked.
 
-void hand_over(const NeutralVolume& volume, int descriptor);
-void hand_over(const CellMesh& mesh, int descriptor);
-void hand_over(const NeutralMesh& mesh, int descriptor);
-void hand_over(const NeutralSurface& surface, int descriptor);
+void send(const NeutralVolume& volume, int descriptor);
+void send(const CellMesh& mesh, int descriptor);
+void send(const NeutralMesh& mesh, int descriptor);
+void send(const NeutralSurface& surface, int descriptor);
 
 /// From the caller of a worker: samples may be in any file, as the caller says. They stay in the file's mapping.
-NeutralVolume take_volume(const formats::PackedFile& file);
+NeutralVolume receive_volume(const formats::PackedFile& file);
 
 /// From a worker that was asked to read `source`: samples may be left in that file, or in one that its text names,
-/// relative to its folder or by a whole path. Samples in any other file are refused (Trouble::internal), so that a
+/// relative to its folder or by a whole path. Samples in any other file are refused (ErrorCode::internal), so that a
 /// reader that a hostile file has taken over cannot have other files packed.
-NeutralVolume take_volume(const formats::PackedFile& file, const std::filesystem::path& source);
+NeutralVolume receive_volume(const formats::PackedFile& file, const std::filesystem::path& source);
 
-CellMesh take_cell_mesh(const formats::PackedFile& file);
-NeutralMesh take_mesh(const formats::PackedFile& file);
-NeutralSurface take_surface(const formats::PackedFile& file);
+CellMesh receive_cell_mesh(const formats::PackedFile& file);
+NeutralMesh receive_mesh(const formats::PackedFile& file);
+NeutralSurface receive_surface(const formats::PackedFile& file);
 
 }  // namespace rhoray::preprocess

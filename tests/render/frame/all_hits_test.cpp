@@ -49,7 +49,7 @@ struct Shown {
 };
 
 Layer surface(std::size_t volume, double isovalue, const Vec3& color, double opacity) {
-  Layer layer{.volume = volume, .isovalue = isovalue, .method = render::method_of(render::Accuracy::single)};
+  Layer layer{.volume = volume, .isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)};
   layer.surface.color = color;
   layer.surface.opacity = opacity;
   return layer;

@@ -6,7 +6,7 @@
 #include "tests/agreement/pictures.h"
 #include "tests/support/memory_file.h"
 
-// A frame that uses a FrameMemory is the same, bit for bit, as one that does not: whatever volumes earlier frames
+// A frame that uses a RenderContext is the same, bit for bit, as one that does not: whatever volumes earlier frames
 // showed, where these lay in memory, and whether they still exist.
 namespace rhoray::tests {
 
@@ -42,7 +42,7 @@ std::vector<Scenes> scenes_of(const render::Volume& volume, double isovalue) {
 
 constexpr render::FrameOptions options{.width = 160, .height = 120, .channels = all_channels, .threads = 1};
 
-void expect_memory_changes_nothing(const render::Volume& volume, double isovalue, render::FrameMemory& memory,
+void expect_memory_changes_nothing(const render::Volume& volume, double isovalue, render::RenderContext& memory,
                                    const std::string& where) {
   // Twice each: a mesh's shadows are known from the second frame on.
   for (int frame = 0; frame < 2; ++frame)
@@ -101,13 +101,13 @@ std::vector<Pair> pairs() {
 // A second mesh, mapped where the first one was, was drawn with the first one's values: prepared clusters were known
 // by the address of the values. Here the first file's bytes are replaced in its own mapping, so that all addresses in
 // the file are the same for certain.
-TEST(FrameMemory, does_not_take_a_volume_for_another_that_lies_at_the_same_address) {
+TEST(RenderContext, does_not_take_a_volume_for_another_that_lies_at_the_same_address) {
   for (const Pair& pair : pairs()) {
     ASSERT_EQ(pair.first.size(), pair.second.size()) << pair.name;
     ASSERT_NE(pair.first, pair.second) << pair.name;
     const MemoryFile bytes(pair.first);
     const auto file = formats::PackedFile::from_descriptor(bytes.descriptor(), pair.name);
-    render::FrameMemory memory;
+    render::RenderContext memory;
     const char* const names[] = {"the first", "the second in its place", "the first again"};
     for (const std::size_t at : {0U, 1U, 2U}) {
       bytes.put(0, at == 1 ? pair.second : pair.first);
@@ -118,9 +118,9 @@ TEST(FrameMemory, does_not_take_a_volume_for_another_that_lies_at_the_same_addre
 }
 
 // Objects that are kept of a volume go with it, and others are made in their place on the heap.
-TEST(FrameMemory, does_not_take_a_volume_for_one_that_is_gone) {
+TEST(RenderContext, does_not_take_a_volume_for_one_that_is_gone) {
   for (const Pair& pair : pairs()) {
-    render::FrameMemory memory;
+    render::RenderContext memory;
     std::optional<MemoryFile> bytes;
     for (int round = 0; round < 6; ++round) {
       bytes.emplace(round % 2 == 0 ? pair.first : pair.second);
@@ -131,13 +131,13 @@ TEST(FrameMemory, does_not_take_a_volume_for_one_that_is_gone) {
 }
 
 // The fields of one mesh share its points and clusters.
-TEST(FrameMemory, does_not_take_a_field_for_another_of_the_same_mesh) {
+TEST(RenderContext, does_not_take_a_field_for_another_of_the_same_mesh) {
   preprocess::NeutralMesh mesh = box_mesh({.cells = {8, 8, 8}}, lopsided);
   add_point_field(mesh, "mirrored", mirrored);
   const TemporaryFolder folder;
   preprocess::pack_mesh(mesh, folder / "mesh.rho");
   const auto file = formats::PackedFile::open(folder / "mesh.rho");
-  render::FrameMemory memory;
+  render::RenderContext memory;
   for (const char* field : {"value", "mirrored", "value"})
     expect_memory_changes_nothing(render::Volume::load(file, field), shown, memory, field);
 }

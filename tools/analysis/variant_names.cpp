@@ -1,4 +1,4 @@
-#include "tools/analysis/variant_words.h"
+#include "tools/analysis/variant_names.h"
 
 #include <algorithm>
 

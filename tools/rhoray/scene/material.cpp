@@ -1,9 +1,9 @@
-#include "tools/rhoray/scene/looks.h"
+#include "tools/rhoray/scene/material.h"
 
 #include <algorithm>
 
+#include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
-#include "formats/base/trouble.h"
 #include "render/color_map.h"
 
 namespace rhoray::tools {
@@ -21,14 +21,15 @@ constexpr struct {
 
 /// A refusal that names the key of a document's layer, or the option.
 Error refusal(const Place& layer, const std::string& key, const std::string& option, const std::string& fact,
-              const std::string& hint = {}, Trouble trouble = Trouble::usage) {
-  if (layer.document.empty()) return {trouble, concat(option, ": ", fact), hint};
-  return {trouble == Trouble::usage ? Trouble::invalid : trouble, concat(layer.at(key).text(), ": ", fact), hint};
+              const std::string& hint = {}, ErrorCode error_code = ErrorCode::usage) {
+  if (layer.document.empty()) return {error_code, concat(option, ": ", fact), hint};
+  return {error_code == ErrorCode::usage ? ErrorCode::invalid : error_code, concat(layer.at(key).text(), ": ", fact),
+          hint};
 }
 
-render::Normals choose_normals(const LayerWish& wish, const render::Volume& volume, const Place& layer) {
+render::Normals choose_normals(const LayerSpec& spec, const render::Volume& volume, const Place& layer) {
   for (const auto& row : normals_rows) {
-    if (wish.normals != row.word) continue;
+    if (spec.normals != row.word) continue;
     if (row.of_meshes != has_flat_normals(volume))
       throw refusal(
           layer, "normals", "--normals",
@@ -44,33 +45,33 @@ render::Normals choose_normals(const LayerWish& wish, const render::Volume& volu
 }
 
 /// The field that colours the surface; refuses one that it cannot be coloured by.
-formats::FieldSummary color_field(const LayerWish& wish, const render::Volume& volume, const Place& layer) {
+formats::FieldSummary color_field(const LayerSpec& spec, const render::Volume& volume, const Place& layer) {
   const std::vector<std::string> names = volume.field_names();
-  const auto refuse = [&](const std::string& fact, const std::string& hint, Trouble trouble) {
-    return refusal(layer, "color_by", "--color-by", fact, hint, trouble);
+  const auto refuse = [&](const std::string& fact, const std::string& hint, ErrorCode error_code) {
+    return refusal(layer, "color_by", "--color-by", fact, hint, error_code);
   };
-  if (std::find(names.begin(), names.end(), wish.color_by) == names.end()) {
+  if (std::find(names.begin(), names.end(), spec.color_by) == names.end()) {
     std::string known;
     for (const std::string& name : names) known += concat(known.empty() ? "" : ", ", "'", name, "'");
-    throw refuse(concat("no field '", wish.color_by, "'; there is ", known), did_you_mean(wish.color_by, names),
-                 Trouble::usage);
+    throw refuse(concat("no field '", spec.color_by, "'; there is ", known), did_you_mean(spec.color_by, names),
+                 ErrorCode::usage);
   }
-  const std::optional<formats::FieldSummary> field = volume.field(wish.color_by);
+  const std::optional<formats::FieldSummary> field = volume.field(spec.color_by);
   if (!field)
     throw refuse(
-        concat("'", wish.color_by, "' is another grid of ", volume.file().name(),
+        concat("'", spec.color_by, "' is another grid of ", volume.file().name(),
                ", with voxels of its own; a surface is coloured by its own field, '", volume.field().name, "'"),
-        {}, Trouble::unsupported);
+        {}, ErrorCode::unsupported);
   if (field->range.is_empty())
-    throw refuse(concat("field '", field->name, "' holds no finite value"), {}, Trouble::invalid);
+    throw refuse(concat("field '", field->name, "' holds no finite value"), {}, ErrorCode::invalid);
   return *field;
 }
 
-render::FieldColors choose_field_colors(const LayerWish& wish, const render::Volume& volume, const Place& layer) {
-  const formats::FieldSummary field = color_field(wish, volume, layer);
-  render::FieldColors colors{.field = field.name, .range = wish.range.value_or(field.range)};
+render::FieldColors choose_field_colors(const LayerSpec& spec, const render::Volume& volume, const Place& layer) {
+  const formats::FieldSummary field = color_field(spec, volume, layer);
+  render::FieldColors colors{.field = field.name, .range = spec.range.value_or(field.range)};
   for (const render::NamedColorMap& named : render::color_maps())
-    if (wish.colormap == named.name) colors.map = named.map;
+    if (spec.colormap == named.name) colors.map = named.map;
   return colors;
 }
 
@@ -104,21 +105,21 @@ std::string word_of(render::ColorMap map) {
   return {};
 }
 
-render::Surface choose_surface(const LayerWish& wish, const render::Volume& volume, const Place& layer) {
+render::Surface choose_surface(const LayerSpec& spec, const render::Volume& volume, const Place& layer) {
   render::Surface surface;
-  if (wish.color) surface.color = wish.color->linear;
-  surface.ambient = wish.ambient.value_or(surface.ambient);
-  surface.specular = wish.specular.value_or(surface.specular);
-  surface.shininess = wish.shininess.value_or(surface.shininess);
-  surface.opacity = wish.opacity.value_or(surface.opacity);
-  surface.normals = choose_normals(wish, volume, layer);
-  if (!wish.color_by.empty()) {
-    surface.color_by = choose_field_colors(wish, volume, layer);
+  if (spec.color) surface.color = spec.color->linear;
+  surface.ambient = spec.ambient.value_or(surface.ambient);
+  surface.specular = spec.specular.value_or(surface.specular);
+  surface.shininess = spec.shininess.value_or(surface.shininess);
+  surface.opacity = spec.opacity.value_or(surface.opacity);
+  surface.normals = choose_normals(spec, volume, layer);
+  if (!spec.color_by.empty()) {
+    surface.color_by = choose_field_colors(spec, volume, layer);
     return surface;
   }
   const std::string needs = layer.document.empty() ? "--color-by names it" : "\"color_by\" names it";
-  if (!wish.colormap.empty()) throw refusal(layer, "colormap", "--colormap", "is of the colours by a field: " + needs);
-  if (wish.range) throw refusal(layer, "range", "--range", "on a surface it is of the colours by a field: " + needs);
+  if (!spec.colormap.empty()) throw refusal(layer, "colormap", "--colormap", "is of the colours by a field: " + needs);
+  if (spec.range) throw refusal(layer, "range", "--range", "on a surface it is of the colours by a field: " + needs);
   return surface;
 }
 

@@ -8,27 +8,27 @@
 #include "render/heat_map.h"
 #include "render/load.h"
 #include "render/render.h"
-#include "tools/rhoray/scene/wishes.h"
+#include "tools/rhoray/scene/scene_spec.h"
 
 namespace rhoray::tools {
 
 /// Where a layer of the planned scene comes from.
 struct LayerOrigin {
-  std::size_t wish = 0;       ///< index into SceneWishes::layers
+  std::size_t spec = 0;       ///< index into SceneSpec::layers
   std::string isovalue_from;  ///< "given", "percentile 95", "Otsu's threshold"; empty for MIP
 };
 
 /// Everything that was chosen.
-struct ScenePlan {
+struct ResolvedScene {
   std::vector<render::Volume> volumes;
-  std::vector<DataWish> data;  ///< of each volume, with the name of its field
+  std::vector<DataSpec> data;  ///< of each volume, with the name of its field
   std::vector<render::Texture> textures;
-  std::vector<DataWish> texture_data;  ///< of each texture
+  std::vector<DataSpec> texture_data;  ///< of each texture
   render::Scene scene;
   std::vector<LayerOrigin> origins;  ///< of each layer
   render::FrameOptions frame;
-  std::optional<render::DiaryPage> page;  ///< drawn instead of colours
-  AnnotationsWish annotations;
+  std::optional<render::DebugChannel> page;  ///< drawn instead of colours
+  AnnotationsSpec annotations;
   Box3 annotated_box;              ///< around what is shown, where annotations ask for it
   std::vector<std::string> notes;  ///< what was left out or chosen otherwise than asked, one line each
 };

@@ -1,4 +1,4 @@
-#include "render/query/ordered_crossings.h"
+#include "render/query/all_hits.h"
 
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ using render::Machine;
 using render::Ray;
 using render::StartSide;
 
-constexpr render::Method single = render::method_of(render::Accuracy::single);
+constexpr render::Method single = render::method_of(render::Accuracy::float32);
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 struct Shown {
@@ -95,15 +95,15 @@ struct Crossings {
 Crossings crossings_by(Machine machine, const Shown& shown, const std::vector<double>& isovalues,
                        const std::vector<Ray>& rays, float passing = 1, float least_light = 0) {
   const render::VolumeImplementation& volume = shown.traced->volume().implementation();
-  const render::CrossingsKernel kernel =
-      render::crossings_kernel(volume, {.isovalue = isovalues[0], .method = single}, machine);
+  const render::AllHitsKernel kernel =
+      render::all_hits_kernel(volume, {.isovalue = isovalues[0], .method = single}, machine);
   Crossings found{.of_surfaces = {}, .complete = std::vector<bool>(rays.size())};
   found.of_surfaces.resize(isovalues.size(), std::vector<std::vector<Hit>>(rays.size()));
   if (kernel == nullptr) {
     ADD_FAILURE() << shown.name << ": no kernel";
     return found;
   }
-  std::vector<render::CrossedSurface> surfaces;
+  std::vector<render::TransparentSurface> surfaces;
   for (const double isovalue : isovalues) surfaces.push_back({.isovalue = isovalue, .passing = passing});
   constexpr std::size_t batch = 1024;
   std::vector<render::HitBatch> first;
@@ -115,7 +115,7 @@ Crossings crossings_by(Machine machine, const Shown& shown, const std::vector<do
     lists.back()->put_first_into(first[s]);
   }
   render::RayBatch asked(batch);
-  render::CrossingsMemory memory;
+  render::AllHitsScratch memory;
   render::KernelCounters counters;
   std::uint8_t complete[batch];
   for (std::size_t from = 0; from < rays.size(); from += batch) {
@@ -266,20 +266,20 @@ TEST(OrderedCrossings, have_no_kernel_where_rays_may_come_out_of_gaps_or_more_is
   const Shown shown = grid_of<float>("F32", {19, 17, 15}, 1, 0);
   const render::VolumeImplementation& volume = shown.traced->volume().implementation();
   for (const Machine machine : wide_machines()) {
-    EXPECT_NE(render::crossings_kernel(volume, {.isovalue = 0.1, .method = single}, machine), nullptr);
+    EXPECT_NE(render::all_hits_kernel(volume, {.isovalue = 0.1, .method = single}, machine), nullptr);
     for (const render::Accuracy accuracy :
-         {render::Accuracy::preview, render::Accuracy::twofold, render::Accuracy::certified, render::Accuracy::exact})
-      EXPECT_EQ(render::crossings_kernel(volume, {.isovalue = 0.1, .method = render::method_of(accuracy)}, machine),
+         {render::Accuracy::preview, render::Accuracy::float64, render::Accuracy::certified, render::Accuracy::exact})
+      EXPECT_EQ(render::all_hits_kernel(volume, {.isovalue = 0.1, .method = render::method_of(accuracy)}, machine),
                 nullptr);
-    EXPECT_EQ(render::crossings_kernel(volume, {.isovalue = 0.1, .method = single, .use_hierarchy = false}, machine),
+    EXPECT_EQ(render::all_hits_kernel(volume, {.isovalue = 0.1, .method = single, .use_hierarchy = false}, machine),
               nullptr);
   }
-  EXPECT_EQ(render::crossings_kernel(volume, {.isovalue = 0.1, .method = single}, Machine::scalar), nullptr);
+  EXPECT_EQ(render::all_hits_kernel(volume, {.isovalue = 0.1, .method = single}, Machine::scalar), nullptr);
   const auto with_gap = [](const Index3& i) {
     return i == Index3(3, 4, 5) ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(i.x);
   };
   TracedVolume gap(volume_of<float>({9, 9, 9}, with_gap));
-  EXPECT_EQ(render::crossings_kernel(gap.volume().implementation(), {.isovalue = 3.1, .method = single}), nullptr);
+  EXPECT_EQ(render::all_hits_kernel(gap.volume().implementation(), {.isovalue = 3.1, .method = single}), nullptr);
 }
 
 }  // namespace

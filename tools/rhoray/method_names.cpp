@@ -1,12 +1,12 @@
-#include "tools/rhoray/method_words.h"
+#include "tools/rhoray/method_names.h"
 
 #include <algorithm>
 #include <optional>
 #include <utility>
 
+#include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/text.h"
-#include "formats/base/trouble.h"
 #include "tools/rhoray/option_values.h"
 
 namespace rhoray::tools {
@@ -16,11 +16,11 @@ namespace {
 using render::Accuracy;
 using render::Method;
 using render::Mode;
-using Way = Method::Way;
+using Algorithm = Method::Algorithm;
 
 constexpr std::pair<const char*, Accuracy> accuracies[] = {{"preview", Accuracy::preview},
-                                                           {"float", Accuracy::single},
-                                                           {"double", Accuracy::twofold},
+                                                           {"float", Accuracy::float32},
+                                                           {"double", Accuracy::float64},
                                                            {"certified", Accuracy::certified},
                                                            {"exact", Accuracy::exact}};
 
@@ -29,18 +29,18 @@ enum class Argument { none, step, slack };
 
 struct MethodWord {
   const char* word;
-  Way way;
+  Algorithm algorithm;
   Argument argument;
   bool of_grids, of_meshes;
 };
-constexpr MethodWord isosurface_words[] = {{"bracketed", Way::direct, Argument::none, true, false},
-                                           {"edges", Way::direct, Argument::none, false, true},
-                                           {"paper", Way::paper, Argument::none, true, true},
-                                           {"slack", Way::slack, Argument::slack, false, true},
-                                           {"sampled", Way::sampled, Argument::step, true, true}};
-constexpr MethodWord mip_words[] = {{"exact", Way::direct, Argument::none, true, true},
-                                    {"face", Way::paper, Argument::none, true, true},
-                                    {"sampled", Way::sampled, Argument::step, true, true}};
+constexpr MethodWord isosurface_words[] = {{"bracketed", Algorithm::direct, Argument::none, true, false},
+                                           {"edges", Algorithm::direct, Argument::none, false, true},
+                                           {"paper", Algorithm::paper, Argument::none, true, true},
+                                           {"slack", Algorithm::slack, Argument::slack, false, true},
+                                           {"sampled", Algorithm::sampled, Argument::step, true, true}};
+constexpr MethodWord mip_words[] = {{"exact", Algorithm::direct, Argument::none, true, true},
+                                    {"face", Algorithm::paper, Argument::none, true, true},
+                                    {"sampled", Algorithm::sampled, Argument::step, true, true}};
 
 std::vector<MethodWord> words_for(Mode mode, bool is_mesh) {
   std::vector<MethodWord> words;
@@ -101,7 +101,7 @@ std::vector<std::string> accuracy_words() {
 Accuracy accuracy_named(const std::string& word) {
   for (const auto& [name, accuracy] : accuracies)
     if (word == name) return accuracy;
-  throw Error(Trouble::usage,
+  throw Error(ErrorCode::usage,
               concat("--accuracy: found '", word, "'; expected preview, float, double, certified or exact"),
               did_you_mean(word, accuracy_words()));
 }
@@ -115,7 +115,7 @@ Method method_named(const std::string& word, Mode mode, bool is_mesh, const std:
   const auto refuse = [&]() -> Method {
     std::vector<std::string> known;
     for (const MethodWord& row : words_for(mode, is_mesh)) known.emplace_back(row.word);
-    throw Error(Trouble::usage, concat(asked_by, ": found '", word, "'; expected one of ", forms(mode, is_mesh)),
+    throw Error(ErrorCode::usage, concat(asked_by, ": found '", word, "'; expected one of ", forms(mode, is_mesh)),
                 did_you_mean(word, known));
   };
   const std::size_t colon = word.find(':');
@@ -123,7 +123,7 @@ Method method_named(const std::string& word, Mode mode, bool is_mesh, const std:
   std::string rest = colon == std::string::npos ? "" : word.substr(colon + 1);
   for (const MethodWord& row : words_for(mode, is_mesh)) {
     if (name != row.word) continue;
-    Method method{.way = row.way};
+    Method method{.algorithm = row.algorithm};
     if (row.argument == Argument::step) {
       method.bisect = take_ending(rest, "+bisect");
       if (!method.bisect) take_ending(rest, "+linear");
@@ -135,7 +135,7 @@ Method method_named(const std::string& word, Mode mode, bool is_mesh, const std:
     }
     if (row.argument == Argument::slack) {
       if (take_ending(rest, ":float"))
-        method.precision = Method::Precision::single;
+        method.precision = Method::Precision::float32;
       else
         take_ending(rest, ":double");
       const std::optional<double> slack = number_in(rest);
@@ -145,7 +145,7 @@ Method method_named(const std::string& word, Mode mode, bool is_mesh, const std:
       return method;
     }
     if (rest == "float")
-      method.precision = Method::Precision::single;
+      method.precision = Method::Precision::float32;
     else if (colon != std::string::npos && rest != "double")
       return refuse();
     return method;
@@ -156,9 +156,9 @@ Method method_named(const std::string& word, Mode mode, bool is_mesh, const std:
 MethodOption option_of(const Method& method, Mode mode, bool is_mesh) {
   for (const auto& [word, accuracy] : accuracies)
     if (render::method_of(accuracy) == method) return {"--accuracy", word};
-  const char* const precision = method.precision == Method::Precision::single ? ":float" : ":double";
+  const char* const precision = method.precision == Method::Precision::float32 ? ":float" : ":double";
   for (const MethodWord& row : words_for(mode, is_mesh)) {
-    if (row.way != method.way) continue;
+    if (row.algorithm != method.algorithm) continue;
     switch (row.argument) {
       case Argument::step:
         return {"--method", concat(row.word, ":", method.step, method.bisect ? "+bisect" : "+linear")};

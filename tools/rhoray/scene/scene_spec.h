@@ -16,7 +16,7 @@ namespace rhoray::tools {
 // (document.h), and planned by plan.h. What is not said is chosen by the data.
 
 /// A file, opened for one of its fields.
-struct DataWish {
+struct DataSpec {
   std::string name{};  ///< by which layers ask for it
   std::filesystem::path file{};
   std::string field{};  ///< empty = the first that is not the same everywhere
@@ -24,9 +24,9 @@ struct DataWish {
 
 enum class LayerType { isosurface, mip, mesh, slice };
 
-struct LayerWish {
+struct LayerSpec {
   LayerType type = LayerType::isosurface;
-  std::string data{};                          ///< a DataWish's name; empty = the only one
+  std::string data{};                          ///< a DataSpec's name; empty = the only one
   std::vector<std::string> isovalues{"auto"};  ///< numbers, p95 (percentile), or auto; one surface each
   std::optional<Interval<double>> range{};     ///< of MIP, or of color_by
   std::optional<Color> color{};
@@ -47,23 +47,23 @@ struct LayerWish {
 };
 
 /// What the camera, or the isovalue of a scene's only isosurface, is at a time.
-struct KeyframeWish {
+struct KeyframeSpec {
   double time = 0;
   std::optional<double> azimuth_deg{}, elevation_deg{}, zoom{}, fov_deg{};
   std::optional<Vec3> position{}, target{}, up{};
   std::optional<double> isovalue{};
 };
 
-struct CameraWish {
+struct CameraSpec {
   std::optional<std::string> view{};
   std::optional<double> azimuth_deg{}, elevation_deg{}, zoom{}, fov_deg{};
   std::optional<bool> orthographic{};
   std::optional<double> orthographic_height{};  ///< implies orthographic
   std::optional<Vec3> position{}, target{}, up{};
-  std::optional<std::vector<KeyframeWish>> keyframes{};
+  std::optional<std::vector<KeyframeSpec>> keyframes{};
 };
 
-struct ImageWish {
+struct PictureSpec {
   std::optional<PictureSize> size{};
   std::optional<Color> background{};
   std::optional<std::vector<std::string>> channels{};
@@ -73,7 +73,7 @@ struct ImageWish {
   std::optional<int> frames{};        ///< from the camera's first key frame to its last
 };
 
-struct LightWish {
+struct LightSpec {
   render::Light::Kind type = render::Light::Kind::head;
   std::optional<Vec3> direction{};  ///< towards it
   std::optional<double> azimuth_deg{}, elevation_deg{};
@@ -87,55 +87,55 @@ struct LightWish {
   std::optional<int> samples{};                  ///< of one that has a size
 };
 
-struct OcclusionWish {
+struct OcclusionSpec {
   std::optional<int> samples{};
   std::optional<double> radius{};  ///< default a share of what is shown
 };
 
-struct FogWish {
+struct FogSpec {
   std::optional<Color> color{};  ///< default the background
   std::optional<Interval<double>> range{};
 };
 
 /// Of the whole picture.
-struct EffectsWish {
-  std::optional<OcclusionWish> occlusion{};
-  std::optional<FogWish> fog{};
+struct EffectsSpec {
+  std::optional<OcclusionSpec> occlusion{};
+  std::optional<FogSpec> fog{};
 };
 
-struct ClipWish {
+struct ClipSpec {
   std::optional<Box3> box{};
   std::vector<render::HalfSpace> planes{};
   std::string keep{};  ///< a word; empty = inside
 };
 
 /// Arrows along the world's axes.
-struct AxesWish {
+struct AxesSpec {
   std::string corner{};  ///< a word; empty = left
 };
 
-struct ColorBarWish {
+struct ColorBarSpec {
   std::string title{};     ///< empty = the field's name and unit
   std::string position{};  ///< a word; empty = right
 };
 
 /// What is drawn over the finished picture.
-struct AnnotationsWish {
-  std::optional<AxesWish> axes{};
+struct AnnotationsSpec {
+  std::optional<AxesSpec> axes{};
   std::optional<bool> box{};  ///< around what is shown, with numbers
-  std::optional<ColorBarWish> color_bar{};
+  std::optional<ColorBarSpec> color_bar{};
   std::string caption{};
 };
 
-struct SceneWishes {
-  std::vector<DataWish> data{};
-  std::vector<LayerWish> layers{};
-  std::optional<std::vector<LightWish>> lights{};  ///< default one white light at the eye
-  EffectsWish effects{};
-  std::optional<ClipWish> clip{};
-  CameraWish camera{};
-  ImageWish image{};
-  AnnotationsWish annotations{};
+struct SceneSpec {
+  std::vector<DataSpec> data{};
+  std::vector<LayerSpec> layers{};
+  std::optional<std::vector<LightSpec>> lights{};  ///< default one white light at the eye
+  EffectsSpec effects{};
+  std::optional<ClipSpec> clip{};
+  CameraSpec camera{};
+  PictureSpec image{};
+  AnnotationsSpec annotations{};
   std::string accuracy{};  ///< of layers that name none; empty = render::default_method
   std::string document{};  ///< what the scene was read from; empty: the command line
 };

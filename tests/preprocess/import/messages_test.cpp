@@ -1,4 +1,4 @@
-#include "preprocess/process/handover.h"
+#include "preprocess/process/messages.h"
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -16,7 +16,7 @@ using tests::expect_refusal;
 template <class Thing>
 formats::PackedFile sent(const Thing& thing) {
   const int descriptor = ::memfd_create("handover", MFD_CLOEXEC);
-  hand_over(thing, descriptor);
+  send(thing, descriptor);
   formats::PackedFile file = formats::PackedFile::from_descriptor(descriptor, "parcel");
   ::close(descriptor);
   return file;
@@ -35,7 +35,7 @@ TEST(Handover, carries_a_volume_unchanged) {
   volume.other_fields = {"mass", ""};
   volume.vectors = {{"flow", 3}, {"", 2}};
   volume.notes = {"first note", "", "third \xff note"};
-  const NeutralVolume taken = take_volume(sent(volume));
+  const NeutralVolume taken = receive_volume(sent(volume));
   tests::expect_known_values(taken, formats::ElementType::I16);
   EXPECT_EQ(taken.world_from_grid, volume.world_from_grid);
   EXPECT_EQ(taken.length_unit, "mm");
@@ -59,14 +59,14 @@ TEST(Handover, leaves_samples_in_their_file_where_they_are_mapped_again) {
   volume.type = formats::ElementType::I16;
   volume.samples_file = folder / "samples";
   volume.samples_first_byte = 7;
-  const NeutralVolume taken = take_volume(sent(volume));
+  const NeutralVolume taken = receive_volume(sent(volume));
   tests::expect_known_values(taken, formats::ElementType::I16);
   EXPECT_TRUE(taken.owned_samples.empty());
 
   volume.samples_first_byte = 12;  // beyond the end
-  expect_refusal([&] { take_volume(sent(volume)); }, Trouble::invalid, {"beyond the end of their file"});
+  expect_refusal([&] { receive_volume(sent(volume)); }, ErrorCode::invalid, {"beyond the end of their file"});
   volume.samples_file = folder / "none";
-  expect_refusal([&] { take_volume(sent(volume)); }, Trouble::unreadable, {"none"});
+  expect_refusal([&] { receive_volume(sent(volume)); }, ErrorCode::unreadable, {"none"});
 }
 
 /// A reader that a hostile file has taken over could name a file that it may not show.
@@ -84,15 +84,15 @@ TEST(Handover, takes_samples_only_from_the_file_asked_about_or_one_that_it_names
   volume.type = formats::ElementType::I16;
   const auto taken = [&](const char* named, const char* asked) {
     volume.samples_file = folder / named;
-    tests::expect_known_values(take_volume(sent(volume), folder / asked), formats::ElementType::I16);
+    tests::expect_known_values(receive_volume(sent(volume), folder / asked), formats::ElementType::I16);
   };
   taken("asked.nrrd", "asked.nrrd");
   taken("data/samples one.raw", "header.mhd");
   taken("samples", "whole.nhdr");
   for (const char* named : {"secret", "key", "samples", "../key"})
-    expect_refusal([&] { taken(named, "header.mhd"); }, Trouble::internal,
+    expect_refusal([&] { taken(named, "header.mhd"); }, ErrorCode::internal,
                    {"parcel", named, "header.mhd, which was asked about"});
-  expect_refusal([&] { taken("samples", "asked.nrrd"); }, Trouble::internal, {"asked.nrrd"});
+  expect_refusal([&] { taken("samples", "asked.nrrd"); }, ErrorCode::internal, {"asked.nrrd"});
 }
 
 NeutralMesh small_mesh() {
@@ -109,7 +109,7 @@ NeutralMesh small_mesh() {
 
 TEST(Handover, carries_a_mesh_unchanged) {
   const NeutralMesh mesh = small_mesh();
-  const NeutralMesh taken = take_mesh(sent(mesh));
+  const NeutralMesh taken = receive_mesh(sent(mesh));
   EXPECT_EQ(taken.points, mesh.points);
   EXPECT_EQ(taken.cells, mesh.cells);
   EXPECT_EQ(taken.cell_ids, mesh.cell_ids);
@@ -138,7 +138,7 @@ TEST(Handover, carries_a_surface_unchanged) {
   surface.holes = {{9, 8, 7}};
   surface.regions = {{{1, 2, 3}, 4, 5}};
   surface.notes = {"a note"};
-  const NeutralSurface taken = take_surface(sent(surface));
+  const NeutralSurface taken = receive_surface(sent(surface));
   EXPECT_EQ(taken.points, surface.points);
   EXPECT_EQ(taken.point_sizes, surface.point_sizes);
   EXPECT_EQ(taken.facet_offsets, surface.facet_offsets);
@@ -156,33 +156,33 @@ TEST(Handover, carries_a_surface_unchanged) {
 }
 
 TEST(Handover, carries_empty_things) {
-  EXPECT_TRUE(take_surface(sent(NeutralSurface{})).points.empty());
-  EXPECT_TRUE(take_mesh(sent(NeutralMesh{})).cells.empty());
+  EXPECT_TRUE(receive_surface(sent(NeutralSurface{})).points.empty());
+  EXPECT_TRUE(receive_mesh(sent(NeutralMesh{})).cells.empty());
 }
 
 TEST(Handover, refuses_another_kind) {
-  expect_refusal([] { take_volume(sent(small_mesh())); }, Trouble::invalid,
+  expect_refusal([] { receive_volume(sent(small_mesh())); }, ErrorCode::invalid,
                  {"parcel", "neutral-mesh", "neutral-volume"});
 }
 
 TEST(Handover, does_not_trust_counts_of_the_other_side) {
   NeutralMesh mesh = small_mesh();
   mesh.point_fields[0].values.pop_back();
-  expect_refusal([&] { take_mesh(sent(mesh)); }, Trouble::invalid, {"parcel", "point_fields.0"});
+  expect_refusal([&] { receive_mesh(sent(mesh)); }, ErrorCode::invalid, {"parcel", "point_fields.0"});
   mesh = small_mesh();
   mesh.cell_ids.push_back(8);
-  expect_refusal([&] { take_mesh(sent(mesh)); }, Trouble::invalid, {"cell_ids"});
+  expect_refusal([&] { receive_mesh(sent(mesh)); }, ErrorCode::invalid, {"cell_ids"});
   mesh = small_mesh();
   mesh.cells[1][3] = mesh.points.size();
-  expect_refusal([&] { take_mesh(sent(mesh)); }, Trouble::invalid, {"array 'cells'", "found point"});
+  expect_refusal([&] { receive_mesh(sent(mesh)); }, ErrorCode::invalid, {"array 'cells'", "found point"});
   NeutralSurface surface;
   surface.points = {{0, 0, 0}};
   surface.facet_corners = {0, 0, 1};
   surface.facet_offsets = {0, 3};
-  expect_refusal([&] { take_surface(sent(surface)); }, Trouble::invalid, {"facet_corners"});
+  expect_refusal([&] { receive_surface(sent(surface)); }, ErrorCode::invalid, {"facet_corners"});
   surface.facet_corners = {0, 0, 0};
   surface.facet_offsets = {0, 4};
-  expect_refusal([&] { take_surface(sent(surface)); }, Trouble::invalid, {"facet_offsets"});
+  expect_refusal([&] { receive_surface(sent(surface)); }, ErrorCode::invalid, {"facet_offsets"});
 }
 
 /// What our own side would stop at, as at a bug of ours.
@@ -192,9 +192,9 @@ TEST(Handover, does_not_trust_kinds_of_cells_nor_numbers_that_are_not_finite) {
   cells.kinds = {CellKind::tetrahedron};
   cells.cell_offsets = {0, 4};
   cells.cell_nodes = {0, 1, 2, 3};
-  EXPECT_EQ(take_cell_mesh(sent(cells)).kinds.size(), 1U);
+  EXPECT_EQ(receive_cell_mesh(sent(cells)).kinds.size(), 1U);
   cells.kinds = {static_cast<CellKind>(9)};
-  expect_refusal([&] { take_cell_mesh(sent(cells)); }, Trouble::invalid, {"array 'kinds'", "not known"});
+  expect_refusal([&] { receive_cell_mesh(sent(cells)); }, ErrorCode::invalid, {"array 'kinds'", "not known"});
 
   const std::vector<std::int16_t> values = tests::known_values<std::int16_t>();
   NeutralVolume volume;
@@ -202,7 +202,7 @@ TEST(Handover, does_not_trust_kinds_of_cells_nor_numbers_that_are_not_finite) {
   volume.type = formats::ElementType::I16;
   volume.samples = std::as_bytes(std::span(values));
   volume.world_from_grid.origin.y = std::numeric_limits<double>::quiet_NaN();
-  expect_refusal([&] { take_volume(sent(volume)); }, Trouble::invalid, {"array 'world_from_grid'", "not finite"});
+  expect_refusal([&] { receive_volume(sent(volume)); }, ErrorCode::invalid, {"array 'world_from_grid'", "not finite"});
 }
 
 }  // namespace

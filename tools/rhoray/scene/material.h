@@ -6,7 +6,7 @@
 #include "render/load.h"
 #include "render/scene.h"
 #include "tools/rhoray/scene/place.h"
-#include "tools/rhoray/scene/wishes.h"
+#include "tools/rhoray/scene/scene_spec.h"
 
 namespace rhoray::tools {
 
@@ -22,8 +22,8 @@ std::string word_of(render::ColorMap map);
 
 /// Colours, light, normals and opacity of an isosurface of this volume, or of its triangles. Refuses normals that the
 /// volume has not, colours by a field that is not there, and a range or colour map without such a field: of a document
-/// with the place (Trouble::invalid), of a command line with the option (Trouble::usage).
+/// with the place (ErrorCode::invalid), of a command line with the option (ErrorCode::usage).
 /// @param layer  where the wish stands; of a command line without a document
-render::Surface choose_surface(const LayerWish& wish, const render::Volume& volume, const Place& layer);
+render::Surface choose_surface(const LayerSpec& spec, const render::Volume& volume, const Place& layer);
 
 }  // namespace rhoray::tools

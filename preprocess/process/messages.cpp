@@ -1,4 +1,4 @@
-#include "preprocess/process/handover.h"
+#include "preprocess/process/messages.h"
 
 #include <algorithm>
 #include <cctype>
@@ -20,7 +20,7 @@ using formats::PackedFile;
 using formats::PackedFileWriter;
 
 /// Arrays gathered first, then declared and written in one go; empty ones are left out.
-class Parcel {
+class MessageWriter {
  public:
   template <class T>
   void add(const std::string& name, std::vector<std::uint64_t> shape, const T* values, std::uint64_t count) {
@@ -63,9 +63,9 @@ class Parcel {
 };
 
 /// The parcel's other end.
-class Unpacking {
+class MessageReader {
  public:
-  Unpacking(const PackedFile& file, const char* kind) : file_(file) {
+  MessageReader(const PackedFile& file, const char* kind) : file_(file) {
     if (file.description().kind != kind) formats::refuse(file.name(), "header", file.description().kind, kind);
     split_texts();
   }
@@ -125,7 +125,7 @@ class Unpacking {
 };
 
 /// A list of fields: facts "<list>" [n, 2], values "<list>.0" ..., names and units among the texts.
-void add_fields(Parcel& parcel, const std::string& list, const std::vector<NeutralField>& fields,
+void add_fields(MessageWriter& parcel, const std::string& list, const std::vector<NeutralField>& fields,
                 Array<std::array<std::uint64_t, 2>>& facts, std::vector<std::string>& texts) {
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const NeutralField& field = fields[i];
@@ -139,7 +139,7 @@ void add_fields(Parcel& parcel, const std::string& list, const std::vector<Neutr
   parcel.add(list, facts);
 }
 
-std::vector<NeutralField> take_fields(const PackedFile& file, Unpacking& parcel, const char* list,
+std::vector<NeutralField> take_fields(const PackedFile& file, MessageReader& parcel, const char* list,
                                       std::uint64_t owners) {
   std::vector<NeutralField> fields;
   for (const auto& [components, single] : parcel.rows<std::uint64_t, 2>(list)) {
@@ -169,8 +169,8 @@ Affine affine_of(const Array<std::array<double, 3>>& rows) {
 
 }  // namespace
 
-void hand_over(const NeutralVolume& volume, int descriptor) {
-  Parcel parcel;
+void send(const NeutralVolume& volume, int descriptor) {
+  MessageWriter parcel;
   const Index3& n = volume.sample_count;
   const bool in_file = !volume.samples_file.empty();  // only where they stand goes over
   const Array<std::uint64_t> facts{static_cast<std::uint64_t>(n.x),
@@ -206,7 +206,7 @@ void hand_over(const NeutralVolume& volume, int descriptor) {
 
 namespace {
 
-void take_axes(const Unpacking& parcel, NeutralVolume& volume) {
+void take_axes(const MessageReader& parcel, NeutralVolume& volume) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const Array<double> positions = parcel.values<double>(concat("axis.", axis).c_str());
     const auto count = static_cast<std::size_t>(volume.sample_count[static_cast<int>(axis)]);
@@ -216,7 +216,7 @@ void take_axes(const Unpacking& parcel, NeutralVolume& volume) {
   }
 }
 
-void take_vectors(Unpacking& parcel, NeutralVolume& volume) {
+void take_vectors(MessageReader& parcel, NeutralVolume& volume) {
   const Array<std::uint64_t> component_counts = parcel.values<std::uint64_t>("vectors");
   parcel.expect(parcel.next_count() == component_counts.size(), "array 'vectors'", "another number",
                 "one for each array of several components");
@@ -254,7 +254,7 @@ bool belongs_to(const std::filesystem::path& source, const std::filesystem::path
 constexpr auto last_type = static_cast<std::uint64_t>(ElementType::F64);
 
 /// What was left in the foreign file is mapped here.
-void map_samples(const Unpacking& parcel, NeutralVolume& volume, std::uint64_t first_byte) {
+void map_samples(const MessageReader& parcel, NeutralVolume& volume, std::uint64_t first_byte) {
   const ForeignFile source(volume.samples_file);
   const Index3& n = volume.sample_count;
   const auto bytes = checked_product(
@@ -267,7 +267,7 @@ void map_samples(const Unpacking& parcel, NeutralVolume& volume, std::uint64_t f
   volume.samples_first_byte = first_byte;
 }
 
-void take_samples(const PackedFile& file, const Unpacking& parcel, NeutralVolume& volume) {
+void take_samples(const PackedFile& file, const MessageReader& parcel, NeutralVolume& volume) {
   const Index3& n = volume.sample_count;
   const formats::ArrayEntry& entry = file.entry("samples");
   const std::vector<std::uint64_t> shape{static_cast<std::uint64_t>(n.z), static_cast<std::uint64_t>(n.y),
@@ -284,8 +284,8 @@ void take_samples(const PackedFile& file, const Unpacking& parcel, NeutralVolume
 namespace {
 
 /// @param source  the file that may hold samples, or name one that does; null: any may
-NeutralVolume take_volume(const PackedFile& file, const std::filesystem::path* source) {
-  Unpacking parcel(file, "neutral-volume");
+NeutralVolume receive_volume(const PackedFile& file, const std::filesystem::path* source) {
+  MessageReader parcel(file, "neutral-volume");
   NeutralVolume volume;
   const Array<std::uint64_t> facts = parcel.values<std::uint64_t>("facts");
   parcel.expect(facts.size() == 7 && facts[3] <= last_type, "array 'facts'", "other facts", "sizes, type and place");
@@ -301,9 +301,9 @@ NeutralVolume take_volume(const PackedFile& file, const std::filesystem::path* s
   volume.samples_file = parcel.next_text();
   parcel.expect((facts[4] != 0) == !volume.samples_file.empty(), "array 'facts'", "no file", "one for the samples");
   if (facts[4] != 0 && source != nullptr && !belongs_to(*source, volume.samples_file))
-    throw Error(Trouble::internal, concat(file.name(), ": names the file ", volume.samples_file.string(),
-                                          " as that of its samples; expected ", source->string(),
-                                          ", which was asked about, or a file that it names"));
+    throw Error(ErrorCode::internal, concat(file.name(), ": names the file ", volume.samples_file.string(),
+                                            " as that of its samples; expected ", source->string(),
+                                            ", which was asked about, or a file that it names"));
   if (facts[4] != 0)
     map_samples(parcel, volume, facts[5]);
   else
@@ -326,16 +326,16 @@ NeutralVolume take_volume(const PackedFile& file, const std::filesystem::path* s
 
 }  // namespace
 
-NeutralVolume take_volume(const PackedFile& file) {
-  return take_volume(file, nullptr);
+NeutralVolume receive_volume(const PackedFile& file) {
+  return receive_volume(file, nullptr);
 }
 
-NeutralVolume take_volume(const PackedFile& file, const std::filesystem::path& source) {
-  return take_volume(file, &source);
+NeutralVolume receive_volume(const PackedFile& file, const std::filesystem::path& source) {
+  return receive_volume(file, &source);
 }
 
-void hand_over(const CellMesh& mesh, int descriptor) {
-  Parcel parcel;
+void send(const CellMesh& mesh, int descriptor) {
+  MessageWriter parcel;
   parcel.add("points", mesh.points);
   parcel.add("kinds", {mesh.kinds.size()}, reinterpret_cast<const std::uint8_t*>(mesh.kinds.data()), mesh.kinds.size());
   parcel.add("cell_offsets", mesh.cell_offsets);
@@ -382,7 +382,7 @@ bool is_known(std::uint8_t number) {
   return false;
 }
 
-void check_cells(const Unpacking& parcel, const CellMesh& mesh) {
+void check_cells(const MessageReader& parcel, const CellMesh& mesh) {
   const Array<std::uint64_t>& offsets = mesh.cell_offsets;
   parcel.expect(offsets.size() == mesh.kinds.size() + 1 && offsets.front() == 0 &&
                     offsets.back() == mesh.cell_nodes.size() && std::is_sorted(offsets.begin(), offsets.end()),
@@ -393,8 +393,8 @@ void check_cells(const Unpacking& parcel, const CellMesh& mesh) {
 
 }  // namespace
 
-CellMesh take_cell_mesh(const PackedFile& file) {
-  Unpacking parcel(file, "neutral-cells");
+CellMesh receive_cell_mesh(const PackedFile& file) {
+  MessageReader parcel(file, "neutral-cells");
   CellMesh mesh;
   mesh.points = parcel.rows<double, 3>("points");
   const Array<std::uint8_t> kinds = parcel.values<std::uint8_t>("kinds");
@@ -414,8 +414,8 @@ CellMesh take_cell_mesh(const PackedFile& file) {
   return mesh;
 }
 
-void hand_over(const NeutralMesh& mesh, int descriptor) {
-  Parcel parcel;
+void send(const NeutralMesh& mesh, int descriptor) {
+  MessageWriter parcel;
   parcel.add("points", mesh.points);
   parcel.add("cells", mesh.cells);
   parcel.add("cell_ids", mesh.cell_ids);
@@ -428,8 +428,8 @@ void hand_over(const NeutralMesh& mesh, int descriptor) {
   parcel.write("neutral-mesh", descriptor);
 }
 
-NeutralMesh take_mesh(const PackedFile& file) {
-  Unpacking parcel(file, "neutral-mesh");
+NeutralMesh receive_mesh(const PackedFile& file) {
+  MessageReader parcel(file, "neutral-mesh");
   NeutralMesh mesh;
   mesh.points = parcel.rows<double, 3>("points");
   mesh.cells = parcel.rows<std::uint64_t, 4>("cells");
@@ -448,8 +448,8 @@ NeutralMesh take_mesh(const PackedFile& file) {
   return mesh;
 }
 
-void hand_over(const NeutralSurface& surface, int descriptor) {
-  Parcel parcel;
+void send(const NeutralSurface& surface, int descriptor) {
+  MessageWriter parcel;
   parcel.add("points", surface.points);
   parcel.add("point_sizes", surface.point_sizes);
   parcel.add("facet_offsets", surface.facet_offsets);
@@ -474,7 +474,7 @@ void hand_over(const NeutralSurface& surface, int descriptor) {
 
 namespace {
 
-void check_facets(const Unpacking& parcel, const NeutralSurface& surface) {
+void check_facets(const MessageReader& parcel, const NeutralSurface& surface) {
   const Array<std::uint64_t>& offsets = surface.facet_offsets;
   parcel.expect(!offsets.empty() && offsets.front() == 0 && offsets.back() == surface.facet_corners.size() &&
                     std::is_sorted(offsets.begin(), offsets.end()),
@@ -486,7 +486,7 @@ void check_facets(const Unpacking& parcel, const NeutralSurface& surface) {
                 "array 'point_sizes'", "another size", "one for each point");
 }
 
-void check_faces(const Unpacking& parcel, const NeutralSurface& surface) {
+void check_faces(const MessageReader& parcel, const NeutralSurface& surface) {
   const Array<std::uint64_t>& faces = surface.facet_faces;
   parcel.expect(faces.empty() || faces.size() + 1 == surface.facet_offsets.size(), "array 'facet_faces'",
                 "another size", "one for each facet");
@@ -502,8 +502,8 @@ void check_faces(const Unpacking& parcel, const NeutralSurface& surface) {
 
 }  // namespace
 
-NeutralSurface take_surface(const PackedFile& file) {
-  Unpacking parcel(file, "neutral-surface");
+NeutralSurface receive_surface(const PackedFile& file) {
+  MessageReader parcel(file, "neutral-surface");
   NeutralSurface surface;
   surface.points = parcel.rows<double, 3>("points");
   surface.point_sizes = parcel.values<double>("point_sizes");

@@ -13,7 +13,7 @@
 namespace rhoray::render {
 
 /// The threads, and their memory, made by each of them when it first works.
-class FrameMemory::Implementation {
+class RenderContext::Implementation {
  public:
   /// @param threads  as FrameOptions::threads
   void begin_frame(unsigned threads, const WorkerNeeds& needs);
@@ -21,7 +21,7 @@ class FrameMemory::Implementation {
   Worker& worker(std::size_t index);
   /// Those that have worked in this frame.
   std::vector<const Worker*> workers() const;
-  wide::BlockersMemory& blockers() { return blockers_; }  ///< for the thread that begins frames
+  wide::OccluderCache& occluders() { return occluders_; }  ///< for the thread that begins frames
 
  private:
   struct Place {
@@ -31,7 +31,7 @@ class FrameMemory::Implementation {
   std::optional<TileThreads> threads_;
   std::vector<Place> places_;
   WorkerNeeds needs_;
-  wide::BlockersMemory blockers_;
+  wide::OccluderCache occluders_;
 };
 
 }  // namespace rhoray::render

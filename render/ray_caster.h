@@ -16,13 +16,13 @@ namespace rhoray::render {
 /// sample positions (0, 1, 2, ... or the axis tables'), in a mesh that of its points relative to the mesh's origin.
 /// These doubles are what the kernels compute with; nothing is rounded on the way. To be asked by one thread at a time;
 /// the volume must outlive it.
-class RayQuestions {
+class RayCaster {
  public:
-  /// Refuses an isovalue that is not finite (Trouble::usage), and a method that proves for data of which the stored
-  /// ranges do not hold (Volume::prove_ranges, Trouble::invalid).
+  /// Refuses an isovalue that is not finite (ErrorCode::usage), and a method that proves for data of which the stored
+  /// ranges do not hold (Volume::prove_ranges, ErrorCode::invalid).
   /// @param threads  that answer crossings; 0 = all cores
-  RayQuestions(const Volume& volume, double isovalue, const Method& method, unsigned threads = 1);
-  ~RayQuestions();
+  RayCaster(const Volume& volume, double isovalue, const Method& method, unsigned threads = 1);
+  ~RayCaster();
 
   /// hits[i] is for rays[i], the same for any number of threads, and what `render` would say of that ray; t is in
   /// lengths of its direction.
@@ -44,7 +44,7 @@ class RayQuestions {
   void answer(Kernel kernel, std::span<const Ray> rays, std::span<Hit> hits, Worker& worker) const;
 
   const VolumeImplementation& volume_;
-  Question question_;
+  RayQuery query_;
   Kernels kernels_;
   unsigned threads_;
   std::vector<Worker> workers_;
