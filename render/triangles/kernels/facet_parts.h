@@ -95,7 +95,7 @@ struct alignas(64) FacetPart {
   static constexpr std::uint32_t capacity = FacetNode::size * FacetBlock::size;
   /// Where more facets are expected, were they spread evenly over their box, the whole surface is asked about; a part
   /// pays less for rays that end at any facet. So it is where more blocks have to be looked into. All by measurement
-  /// (data/study/peers_tets.md).
+  /// (data/lab/peers_tets.md).
   static constexpr float most_expected = capacity * 4, most_expected_of_any = capacity;
   static constexpr std::uint32_t most_looked_into = 96;
 
