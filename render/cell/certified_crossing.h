@@ -8,32 +8,35 @@
 
 #include "render/cell/trilinear.h"
 
-/// What a ray finds in a grid cell, with proof: answers that rounding cannot have changed, and "unknown" for the rest.
+/// Certified crossings of a ray in a grid cell: answers that rounding cannot have changed, and
+/// "unknown" for the rest.
 ///
-/// The truth is the exact polynomial: corners and isovalue as the doubles that they are, on the straight segment
-/// between two points. These points may themselves be known only up to `point_error`, a bound on how far each of their
-/// coordinates may lie from the exact ray's; every answer holds for every segment within that bound.
+/// The truth is the exact polynomial: corners and isovalue taken as exact doubles, on the straight
+/// segment between two points. These points may themselves be known only up to `point_error`, a
+/// bound on the distance of each of their coordinates from the exact ray's. Every answer holds for
+/// every segment within that bound.
 namespace rhoray::render {
 
 enum class Decision { none, crosses, unknown };
 
 struct CertifiedCrossing {
   Decision decision = Decision::unknown;
-  double s = 0;        ///< share of the way
+  double s = 0;        ///< share of the path
   double s_error = 0;  ///< when it crosses: the exact first change of side lies within s_error of s
   int iterations = 0;
-  int root_count = 0;  ///< changes of side that were seen; not certified
+  int root_count = 0;  ///< changes of side that were found; not certified
 };
 
 struct CertifiedMaximum {
   double value;
-  double value_error;  ///< the exact maximum lies within it; infinite when nothing is certain
+  double value_error;  ///< distance bound to the exact maximum; infinite when nothing is certain
   double s;            ///< where `value` is reached
 };
 
-/// A cubic in numbers of type Real, close to the exact one on every segment in question: for all x, y, z in [0, 1] the
-/// computed polar(x, y, z) lies within `margin` of the exact polar form; the exact Bernstein coefficients, of the whole
-/// or of a part, are values of it, and so is every point.
+/// A cubic in numbers of type Real that is close to the exact one on every segment in question. For
+/// all x, y, z in [0, 1] the computed polar(x, y, z) lies within `margin` of the exact polar form.
+/// The exact Bernstein coefficients, of the whole or of a part, and all points of the curve are
+/// values of this form.
 template <class Real>
 struct EnclosedCubic {
   CubicOf<Real> cubic;
@@ -41,17 +44,19 @@ struct EnclosedCubic {
   double unit;  ///< the exact values are these times unit
 };
 
-/// The margin, in units of rounding u = 2^-24 (float) or 2^-53 and of M, the largest |corner - offset|:
+/// The margin, in units of rounding u = 2^-24 (float) or 2^-53 and of M, the largest |corner -
+/// offset|:
 ///
 ///   1     the subtraction and its rounding to Real
-///   7.5   three interpolations, (1 - w) a + w b each: u/2 |a| from 1 - w, u max(|a|, |b|) from the products, the same
-///         from the sum
+///   7.5   three interpolations, (1 - w) a + w b each: u/2 |a| from 1 - w, u max(|a|, |b|) from the
+///         products, the same from the sum
 ///   2.7   the mean of three: u (2 + 3)/3 M from two sums, uM from the division
 ///   7.5   three interpolations of the polar form
 ///
-/// together 18.7 uM; 20 leaves room for the terms in u^2. A coordinate that is off by e moves the value by at most e
-/// times the largest difference between corners: three coordinates, and 3.1 instead of 3 leaves room for points that
-/// lie outside the cell by e, which must be at most 1e-3. In float the points themselves are rounded, by up to u/2.
+/// together 18.7 uM; 20 leaves room for the terms in u^2. A coordinate that is off by e moves the
+/// value by at most e times the largest difference between corners. There are three coordinates;
+/// 3.1 instead of 3 leaves room for points that lie outside the cell by e, which must be at most
+/// 1e-3. In float the points themselves are rounded, by up to u/2.
 template <class Real>
 RHORAY_INLINE EnclosedCubic<Real> enclosed_along(const TrilinearCell& values, const Vec3& in, const Vec3& out,
                                                  double point_error, double offset) {
@@ -73,9 +78,10 @@ RHORAY_INLINE std::array<Real, 4> part(const CubicOf<Real>& cubic, Real x, Real 
   return {cubic.polar(x, x, x), cubic.polar(x, x, y), cubic.polar(x, y, y), cubic.polar(y, y, y)};
 }
 
-/// Points that part [0, 1] so that on each piece the cubic lies between its values at the ends, up to rounding: the
-/// critical points, or the inflection where there are none. For then the derivative is of one sign on a piece and zero
-/// or extremal at one end, so its Bernstein coefficients are of that sign, and those of the piece are in order.
+/// Points that divide [0, 1] so that on each piece the cubic lies between its values at the ends,
+/// up to rounding. They are the critical points, or the inflection where there are none. On such a
+/// piece the derivative has one sign and is zero or extremal at one end. So its Bernstein
+/// coefficients have that sign, and those of the piece are in order.
 template <class Real>
 struct PieceEnds {
   std::array<Real, 4> s;
@@ -97,14 +103,15 @@ RHORAY_INLINE PieceEnds<Real> piece_ends(const CubicOf<Real>& cubic) {
   return ends;
 }
 
-/// A cubic turned so that it is positive on the side on which the ray starts: where it is above the margin nothing has
-/// changed, where it is below -margin the side has changed.
+/// A cubic with its sign chosen so that it is positive on the side on which the ray starts. Where
+/// it is above the margin the side has not changed; where it is below -margin the side has changed.
 template <class Real>
 struct StartSideUp {
   CubicOf<Real> cubic;
   Real margin;
 
-  /// Certain that no exact cubic changes side on [x, y]: its convex hull stays on the starting side.
+  /// Certain that no exact cubic changes side on [x, y]: its convex hull stays on the starting
+  /// side.
   RHORAY_INLINE bool is_clear(Real x, Real y) const {
     const std::array<Real, 4> b = part(cubic, x, y);
     return b[0] > margin && b[1] > margin && b[2] > margin && b[3] > margin;
@@ -112,8 +119,9 @@ struct StartSideUp {
 
   RHORAY_INLINE bool has_changed(Real s) const { return cubic.polar(s, s, s) < -margin; }
 
-  /// Certain that every exact cubic rises on [0, y]. Its coefficients are off by at most the margin, so their
-  /// differences, and what is interpolated between these, by at most twice that; the margin holds enough for rounding.
+  /// Certain that every exact cubic rises on [0, y]. Its coefficients are off by at most the
+  /// margin, so their differences, and what is interpolated between these, are off by at most twice
+  /// that. The margin leaves enough room for rounding.
   RHORAY_INLINE bool rises_until(Real y) const {
     const auto& b = cubic.b;
     const Real d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2];
@@ -122,8 +130,8 @@ struct StartSideUp {
     return d0 > least && e0 > least && (1 - y) * e0 + y * e1 > least;
   }
 
-  /// The same as is_clear(0, y) where the value at 0 is too small to tell its side, which is known: a cubic that rises
-  /// keeps it.
+  /// The same as is_clear(0, y) where the value at 0 is too small to tell its side but the side is
+  /// known: a cubic that rises keeps it.
   RHORAY_INLINE bool is_clear_from_start(Real y) const {
     const Real middle = Real(0.5) * y;
     return is_clear(0, y) || (rises_until(middle) && is_clear(middle, y));
@@ -135,9 +143,10 @@ struct StartSideUp {
     const Real value_x = cubic.at(x).value, value_y = cubic.at(y).value;
     if (is_inside(value_x) && !is_inside(value_y))
       root = bracketed_root(cubic, x, y, first_guess<Real>({x, value_x, x > 0}, {y, value_y, y < 1}));
-    // As far to both sides of the root as it takes until the sides are certain: they are at x and at y.
+    // Move to both sides of the root until the sides are certain; they are certain at x and at y.
     const Real slope = std::abs(cubic.at(root.s).slope);
-    const Real likely = Real(1.25) * margin / slope;  // says nothing where the surface is met along a tangent
+    // Meaningless where the ray is tangent to the surface.
+    const Real likely = Real(1.25) * margin / slope;
     const Real first_step =
         likely < Real(0.5) * (y - x) ? std::max(root_resolution<Real>, likely) : root_resolution<Real>;
     Real hi = y, lo = x;
@@ -159,12 +168,13 @@ struct StartSideUp {
   }
 };
 
-/// Where the ray first changes side on its way through a cell.
+/// Where the ray first changes side on its path through a cell.
 ///
-/// A decision other than unknown is right for every segment that begins and ends within point_error of `in` and `out`
-/// and begins on the side of `starts_inside`; for one that begins on the other side for certain, whatever
-/// `starts_inside` says, the change is at s = 0. Unknown is what rounding could have turned: the surface touched or
-/// nearly, or the exit so close to it that the exact change may lie beyond.
+/// A decision other than unknown is right for every segment that begins and ends within point_error
+/// of `in` and `out` and begins on the side of `starts_inside`. For a segment that certainly begins
+/// on the other side, whatever `starts_inside` says, the change is at s = 0. Unknown means that
+/// rounding could have changed the decision: the surface is touched or nearly touched, or the exit
+/// is so close to it that the exact change may lie behind the exit.
 template <class Real>
 RHORAY_INLINE CertifiedCrossing certify_crossing(const TrilinearCell& cell, const Vec3& in, const Vec3& out,
                                                  double point_error, double isovalue, bool starts_inside) {
@@ -193,17 +203,18 @@ RHORAY_INLINE CertifiedCrossing certify_crossing(const TrilinearCell& cell, cons
   return {.decision = Decision::none};
 }
 
-/// True when the place of a change is known well enough to be believed without a second look: to a thousandth of a cell
-/// edge in single precision and to a millionth in double, so that the judge is not asked where a ray grazes a surface
-/// that it certainly meets; or, where the points themselves are known less well than that, to 64 times their error,
-/// which is what surfaces down to a few degrees from the chord make of it.
+/// True when the position of a change is known well enough to be accepted without re-evaluation: to
+/// a thousandth of a cell edge in single precision and to a millionth in double. So exact
+/// arithmetic is not needed where a ray grazes a surface that it certainly meets. Where the points
+/// themselves are known less well than that, the limit is 64 times their error, which is how
+/// surfaces down to a few degrees from the chord magnify it.
 template <class Real>
 RHORAY_INLINE bool is_placed_well(const CertifiedCrossing& found, const Vec3& in, const Vec3& out, double point_error) {
   constexpr double cell_edges = std::numeric_limits<Real>::digits < 53 ? 1e-3 : 1e-6;
   return found.s_error * (out - in).length() <= std::max(cell_edges, 64 * point_error);
 }
 
-/// On which side every point within point_error of p lies; nothing when that is not certain.
+/// On which side all points within point_error of p lie; nothing when that is not certain.
 template <class Real>
 RHORAY_INLINE std::optional<bool> certain_side(const TrilinearCell& cell, const Vec3& p, double point_error,
                                                double isovalue) {
@@ -215,8 +226,9 @@ RHORAY_INLINE std::optional<bool> certain_side(const TrilinearCell& cell, const 
   return std::nullopt;
 }
 
-/// The largest value on the way through a cell: `value` is reached, up to its error, and no exact value on any of the
-/// segments lies above value + value_error; the exact maximum of each lies within value_error of `value`.
+/// The largest value on the path through a cell. `value` is reached, up to its error, and no exact
+/// value on any of the segments lies above value + value_error. The exact maximum of each segment
+/// lies within value_error of `value`.
 template <class Real>
 RHORAY_INLINE CertifiedMaximum certify_largest_value(const TrilinearCell& cell, const Vec3& in, const Vec3& out,
                                                      double point_error) {

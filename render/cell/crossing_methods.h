@@ -10,28 +10,31 @@
 
 namespace rhoray::render {
 
-/// How a ray's way through one grid cell is searched for the first change of side.
+/// How a ray's path through one grid cell is searched for the first change of side.
 ///
-///   preview    sides at entry and exit only, and one secant step: a cell that the ray enters and leaves on one side is
-///              passed by, whatever lies between
-///   paper      Appendix A: the cubic expanded about the ray's origin, wherever that is, and solved in closed form
-///   bracketed  the cubic in Bernstein form on the chord, split at its extrema; in each piece Newton's method in a
-///   bracket
+///   preview    sides at entry and exit only, and one secant step: a cell that the ray enters and
+///              leaves on one side is skipped, whatever lies between
+///   paper      Appendix A: the cubic expanded about the ray's origin, wherever that is, and solved
+///              in closed form
+///   bracketed  the cubic in Bernstein form on the chord, split at its extrema; in each piece
+///              Newton's method in a bracket
 enum class CrossingMethod { preview, paper, bracketed };
 
-/// A ray's way through a cell, in the cell's own coordinates.
+/// A ray's path through a cell, in the cell's own coordinates.
 struct CellPassage {
-  Vec3 in, out;            ///< points of entry and exit in [0, 1]^3, exactly 0 or 1 on the planes passed
+  /// Points of entry and exit in [0, 1]^3, exactly 0 or 1 on the planes passed.
+  Vec3 in, out;
   Vec3 origin, direction;  ///< the ray itself
   double t_in, t_out;
-  bool starts_in_crossing = false;  ///< the ray starts at `in`, in a crossing: its side there is known, not the field's
+  /// The ray starts at `in`, in a crossing: its side there is given and is not the field's sign.
+  bool starts_in_crossing = false;
 };
 
 struct CellCrossing {
   bool crosses = false;
-  double s = 0;  ///< share of the way from `in` to `out`
+  double s = 0;  ///< share of the path from `in` to `out`
   int iterations = 0;
-  int root_count = 0;  ///< crossings on the way that the method knows of
+  int root_count = 0;  ///< crossings on the path that the method knows of
 };
 
 /// A cubic by the powers of t: a t^3 + b t^2 + c t + d.
@@ -47,14 +50,17 @@ struct RealRoots {
   RHORAY_INLINE void add(Real root) { t[static_cast<std::size_t>(count++)] = root; }
 };
 
-/// What counts as zero in Schwarze's solver. The paper sets it to this value "which provided for maximum stability for
-/// large coefficients" (Parker et al. 1999, Appendix A); Graphics Gems prints 1e-9.
+/// The magnitude that counts as zero in Schwarze's solver. The paper sets it to this value "which
+/// provided for maximum stability for large coefficients" (Parker et al. 1999, Appendix A);
+/// Graphics Gems prints 1e-9.
 inline constexpr double eqn_eps = 1e-30;
 
-/// The real roots of a t^3 + b t^2 + c t + d in closed form, after J. Schwarze, "Cubic and Quartic Roots", Graphics
-/// Gems (1990): reduced to x^3 + 3 p x + 2 q, then Cardano's formula for one real root and the trigonometric one for
-/// three. Linear and quadratic cases apart, as the paper adds them. What counts as zero is at most eqn_eps away from
-/// it, an absolute number: so the answer depends on the unit of the values. Roots are in no order.
+/// The real roots of a t^3 + b t^2 + c t + d in closed form, after J. Schwarze, "Cubic and Quartic
+/// Roots", Graphics Gems (1990). The cubic is reduced to x^3 + 3 p x + 2 q; then Cardano's formula
+/// gives one real root, or the trigonometric formula three. Linear and quadratic cases are treated
+/// separately, as the paper adds them. Numbers of magnitude at most eqn_eps count as zero. This
+/// bound is absolute, so the answer depends on the unit of the values. The roots are in no
+/// particular order.
 template <class Real>
 RHORAY_INLINE RealRoots<Real> closed_form_roots(const PowerCubic<Real>& f) {
   const auto is_zero = [](Real x) { return std::abs(x) <= static_cast<Real>(eqn_eps); };
@@ -94,9 +100,9 @@ RHORAY_INLINE RealRoots<Real> closed_form_roots(const PowerCubic<Real>& f) {
   return roots;
 }
 
-/// rho - isovalue along a ray a + t b by powers of t, as Appendix A of the paper sums it over the corners, in its
-/// order of operations: the isovalue is subtracted last. u_0 = 1 - u falls along the ray where u_1 = u rises; the paper
-/// prints the signs of their slopes exchanged.
+/// rho - isovalue along a ray a + t b by powers of t, summed over the corners as in Appendix A of
+/// the paper and in its order of operations: the isovalue is subtracted last. u_0 = 1 - u falls
+/// along the ray where u_1 = u rises; the paper prints the signs of their slopes exchanged.
 template <class Real>
 RHORAY_INLINE PowerCubic<Real> expanded_at_origin(const TrilinearCell& cell, const Vec3& origin, const Vec3& direction,
                                                   double isovalue) {
@@ -122,7 +128,7 @@ RHORAY_INLINE PowerCubic<Real> expanded_at_origin(const TrilinearCell& cell, con
 
 namespace crossing_methods {
 
-/// The smallest root between t_in and t_out. It knows nothing of sides: a root is a crossing.
+/// The smallest root between t_in and t_out. The method ignores sides: every root is a crossing.
 template <class Real>
 RHORAY_INLINE CellCrossing paper(const TrilinearCell& cell, const CellPassage& way, double isovalue) {
   const RealRoots<Real> roots = closed_form_roots(expanded_at_origin<Real>(cell, way.origin, way.direction, isovalue));
@@ -131,7 +137,7 @@ RHORAY_INLINE CellCrossing paper(const TrilinearCell& cell, const CellPassage& w
   Real first = t_out;
   for (int r = 0; r < roots.count; ++r) {
     const Real t = roots.t[static_cast<std::size_t>(r)];
-    if (!(t >= t_in && t <= t_out)) continue;  // a root that is not a number leaves here
+    if (!(t >= t_in && t <= t_out)) continue;  // a NaN root leaves here
     ++found.root_count;
     first = std::min(first, t);
   }
@@ -140,8 +146,8 @@ RHORAY_INLINE CellCrossing paper(const TrilinearCell& cell, const CellPassage& w
   return found;
 }
 
-/// The value in a crossing, as a ray sees it that leaves it towards a side: where rounding has put it on the other, the
-/// nearest of that side.
+/// The value at a crossing for a ray that continues on the given side. Where rounding has put the
+/// value on the other side, returns the nearest value of the given side.
 template <class Real>
 RHORAY_INLINE Real on_side(Real value, bool inside) {
   if (is_inside(value) == inside) return value;
@@ -175,8 +181,9 @@ RHORAY_INLINE CellCrossing bracketed(CubicOf<Real> cubic, const CellPassage& way
 
 }  // namespace crossing_methods
 
-/// The first change of side on a ray's way through a cell, by the method, in numbers of type Real.
-/// @param starts_inside  the side on which the ray comes to `in`; `paper` does not ask for it
+/// The first change of side on a ray's path through a cell, by the given method, in numbers of type
+/// Real.
+/// @param starts_inside  the side on which the ray comes to `in`; `paper` ignores it
 template <class Real>
 RHORAY_INLINE CellCrossing find_crossing(CrossingMethod method, const TrilinearCell& cell, const CellPassage& way,
                                          double isovalue, bool starts_inside) {

@@ -11,12 +11,12 @@
 
 namespace rhoray::render {
 
-/// The last digit of numbers near 1: no position in [0, 1] is sought more closely.
+/// The last digit of numbers near 1: positions in [0, 1] are not refined further.
 template <class Real>
 inline constexpr Real root_resolution = std::numeric_limits<Real>::digits < 53 ? Real(1.19e-7) : Real(2.2e-16);
 
-/// A cubic polynomial on [0, 1] by its Bernstein coefficients: it starts at b[0], ends at b[3], and lies between the
-/// smallest and the largest of the four.
+/// A cubic polynomial on [0, 1] by its Bernstein coefficients. It starts at b[0], ends at b[3], and
+/// lies between the smallest and the largest of the four.
 template <class Real>
 struct CubicOf {
   std::array<Real, 4> b;
@@ -34,8 +34,9 @@ struct CubicOf {
     return {r * d0 + s * d1, 3 * (d1 - d0)};
   }
 
-  /// The polar form (blossom): affine in each argument, equal to the cubic where all three agree. The Bernstein
-  /// coefficients of the part on [x, y] are its values at (x, x, x), (x, x, y), (x, y, y) and (y, y, y).
+  /// The polar form (blossom): affine in each argument, equal to the cubic where all three agree.
+  /// The Bernstein coefficients of the part on [x, y] are its values at (x, x, x), (x, x, y), (x,
+  /// y, y) and (y, y, y).
   RHORAY_INLINE Real polar(Real x, Real y, Real z) const {
     const Real c0 = (1 - x) * b[0] + x * b[1], c1 = (1 - x) * b[1] + x * b[2], c2 = (1 - x) * b[2] + x * b[3];
     const Real d0 = (1 - y) * c0 + y * c1, d1 = (1 - y) * c1 + y * c2;
@@ -43,21 +44,24 @@ struct CubicOf {
   }
 
   struct CriticalPoints {
-    std::array<Real, 2> s{};  ///< rising
+    std::array<Real, 2> s{};  ///< in rising order
     int count = 0;
   };
 
-  /// Where the derivative is zero inside (0, 1). The quadratic is solved without cancellation: one root as q/a, the
-  /// other as c/q, where q adds terms of one sign. Not finite candidates fail the comparison with (0, 1).
+  /// Where the derivative is zero inside (0, 1). The quadratic is solved without cancellation: one
+  /// root as q/a, the other as c/q, where q adds terms of one sign. Candidates that are not finite
+  /// fail the comparison with (0, 1).
   RHORAY_INLINE CriticalPoints critical_points() const {
-    // Derivative / 3 in Bernstein form, in units of its largest coefficient: squares neither overflow nor vanish.
+    // Derivative / 3 in Bernstein form, in units of its largest coefficient: squares neither
+    // overflow nor vanish.
     Real d0 = b[1] - b[0], d1 = b[2] - b[1], d2 = b[3] - b[2];
     const Real unit = std::max({std::abs(d0), std::abs(d1), std::abs(d2)});
     d0 /= unit, d1 /= unit, d2 /= unit;
     const Real a = d0 - 2 * d1 + d2, half_b = d1 - d0;
     const Real discriminant = d1 * d1 - d0 * d2;
     CriticalPoints found;
-    if (!(discriminant >= 0)) return found;  // written so that a NaN, from a constant, also leaves here
+    // Written so that a NaN, from a constant, also leaves here.
+    if (!(discriminant >= 0)) return found;
     const Real q = -(half_b + std::copysign(std::sqrt(discriminant), half_b));
     for (const Real s : {q / a, d0 / q})
       if (s > 0 && s < 1) found.s[static_cast<std::size_t>(found.count++)] = s;
@@ -73,11 +77,14 @@ struct RootOf {
   int iterations;
 };
 
-/// Where a function changes side between `lo` and `hi`, which lie on different sides: Newton's method kept inside the
-/// bracket, bisection where a step would leave it or is longer than half the step before.
-/// Stops where the bracket or the step is as small as the last digit of numbers near 1, and where the value is no
-/// larger than two units of rounding of the largest coefficient, which is less than its own error.
-/// @param start  where to look first, in [lo, hi]
+/// Where a function changes side between `lo` and `hi`, which lie on different sides: Newton's
+/// method kept inside the bracket, with bisection where a step would leave it or is longer than
+/// half the step before.
+///
+/// Stops where the bracket or the step is as small as the last digit of numbers near 1, and where
+/// the value is no larger than two units of rounding of the largest coefficient, which is less than
+/// its own error.
+/// @param start  where the search begins, in [lo, hi]
 template <class Real>
 RHORAY_INLINE RootOf<Real> bracketed_root(const CubicOf<Real>& cubic, Real lo, Real hi, Real start) {
   const bool inside_lo = is_inside(cubic.at(lo).value);
@@ -93,7 +100,8 @@ RHORAY_INLINE RootOf<Real> bracketed_root(const CubicOf<Real>& cubic, Real lo, R
     else
       hi = s;
     Real next = s - f.value / f.slope;
-    const bool is_newton = next >= lo && next <= hi && std::abs(next - s) <= half * step_before;  // false if not finite
+    // False if not finite.
+    const bool is_newton = next >= lo && next <= hi && std::abs(next - s) <= half * step_before;
     if (!is_newton) next = half * (lo + hi);
     if (std::abs(f.value) <= noise) return {s, step + 1};
     step_before = std::abs(next - s);
@@ -110,8 +118,9 @@ struct PieceEnd {
   bool is_critical;
 };
 
-/// Where to look first for the zero of a piece whose ends lie on different sides: where the parabola with its vertex at
-/// the critical end is zero; without one, or with two, the straight line through both ends.
+/// First guess for the zero of a piece whose ends lie on different sides: the zero of the parabola
+/// with its vertex at the critical end. Without a critical end, or with two, the zero of the
+/// straight line through both ends.
 template <class Real>
 RHORAY_INLINE Real first_guess(const PieceEnd<Real>& lo, const PieceEnd<Real>& hi) {
   Real guess = lo.s + (hi.s - lo.s) * (lo.value / (lo.value - hi.value));
@@ -119,24 +128,25 @@ RHORAY_INLINE Real first_guess(const PieceEnd<Real>& lo, const PieceEnd<Real>& h
     const auto& [vertex, end] = lo.is_critical ? std::pair(lo, hi) : std::pair(hi, lo);
     guess = vertex.s + (end.s - vertex.s) * std::sqrt(vertex.value / (vertex.value - end.value));
   }
-  return guess >= lo.s && guess <= hi.s ? guess : Real(0.5) * (lo.s + hi.s);  // not for a guess that is not finite
+  // a guess that is not finite also fails here.
+  return guess >= lo.s && guess <= hi.s ? guess : Real(0.5) * (lo.s + hi.s);
 }
 
-/// What is found of a cubic's changes of side on [0, 1].
+/// The changes of side of a cubic on [0, 1].
 template <class Real>
 struct SideChanges {
-  int count = 0;  ///< none: the cubic keeps its side
+  int count = 0;  ///< 0: the cubic keeps its side
   Real first = 0;
   int iterations = 0;
 };
 
-/// The changes of side in [0, 1], beginning on the side of `starts_inside`. Between 0, the critical points and 1 the
-/// cubic is monotone, so each piece changes side at most once; a piece whose ends lie on one side is passed by. A cubic
-/// that starts on the other side already changes at 0.
+/// The changes of side in [0, 1], beginning on the side of `starts_inside`. Between 0, the critical
+/// points and 1 the cubic is monotone, so each piece changes side at most once. A piece whose ends
+/// lie on one side is skipped. A cubic that starts on the other side already changes at 0.
 ///
-/// When `starts_inside` and the side at 1 differ there is always an answer. Up to 16 units of rounding (2^-53, or 2^-24
-/// for float) of the largest coefficient the exact cubic is zero at the first change and keeps its side before; without
-/// an answer it keeps its side throughout.
+/// When `starts_inside` and the side at 1 differ there is always an answer. Up to 16 units of
+/// rounding (2^-53, or 2^-24 for float) of the largest coefficient, the exact cubic is zero at the
+/// first change and keeps its side before. Without an answer it keeps its side throughout.
 template <class Real>
 RHORAY_INLINE SideChanges<Real> changes_of_side(const CubicOf<Real>& cubic, bool starts_inside) {
   const auto& b = cubic.b;
@@ -166,7 +176,7 @@ RHORAY_INLINE SideChanges<Real> changes_of_side(const CubicOf<Real>& cubic, bool
   return found;
 }
 
-/// The first of them, or nothing.
+/// The first change of side, or nothing.
 template <class Real>
 RHORAY_INLINE std::optional<Real> first_change_of_side(const CubicOf<Real>& cubic, bool starts_inside) {
   const SideChanges<Real> found = changes_of_side(cubic, starts_inside);

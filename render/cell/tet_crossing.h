@@ -13,19 +13,20 @@
 
 namespace rhoray::render {
 
-/// A vertex seen along the ray: (x, y) is its place in the picture plane of the ray, which stands at (0, 0); t is where
-/// the ray is level with it along the dominant axis.
+/// A vertex seen along the ray: (x, y) is its position in the ray's picture plane, where the ray is
+/// at (0, 0). t is where the ray reaches the vertex's coordinate on the dominant axis.
 template <class Real>
 struct SeenVertex {
   Real x, y;
   double t;
 };
 
-/// A ray's own frame, in which it runs along one axis: a shear that depends on the ray alone, so that a vertex gets the
-/// same bits in every tetrahedron that shares it (Woop, Benthin and Wald, JCGT 2013).
+/// A ray's own frame, in which it runs along one axis: a shear that depends on the ray alone, so
+/// that a vertex gets the same bits in every tetrahedron that shares it (Woop, Benthin and Wald,
+/// JCGT 2013).
 ///
-/// The shear is done in double and places are rounded to Real last: a place close to the ray is as exact as it is
-/// close, however far away the ray starts.
+/// The shear is done in double and positions are rounded to Real last: the relative precision of a
+/// position close to the ray is the same however far away the ray starts.
 template <class Real>
 class RayShearOf {
  public:
@@ -49,13 +50,14 @@ class RayShearOf {
             static_cast<Real>(from_origin(vertex, axis_y_) - shear_y_ * z), z * inverse_z_};
   }
 
-  /// Bounds on how far x, y and t of see(vertex) are from the exact ones.
+  /// Error bounds for x, y and t of see(vertex).
   struct Errors {
     double x, y, t;
   };
-  /// With u = 2^-53: the slope is off by 2u of itself (the inverse and the product; or by 1e-100), the difference z by
-  /// u, their product by one more; the difference along the axis by u, and the last subtraction by u of the sum of
-  /// both. That is at most 2u of the one and 5u of the other. Rounding to float adds 2^-24 of the place.
+  /// With u = 2^-53: the slope has a relative error of 2u (the inverse and the product; or an error
+  /// of 1e-100), the difference z one of u, their product one more u. The difference along the axis
+  /// has u, and the last subtraction u of the sum of both. That is at most 2u of the one and 5u of
+  /// the other. Rounding to float adds 2^-24 of the position.
   RHORAY_INLINE Errors errors(const std::array<double, 3>& vertex, const Seen& seen) const {
     constexpr double u = 0x1p-53, least = 1e-300;
     constexpr bool rounds = std::numeric_limits<Real>::digits < 53;
@@ -69,7 +71,7 @@ class RayShearOf {
   }
 
  private:
-  /// A slope this small moves no vertex by anything but what its products with others would lose to underflow.
+  /// A slope this small moves a vertex by no more than products with it would lose to underflow.
   RHORAY_INLINE static double without_underflow(double slope) { return std::abs(slope) < 1e-100 ? 0 : slope; }
 
   RHORAY_INLINE double from_origin(const std::array<double, 3>& vertex, int axis) const {
@@ -82,8 +84,8 @@ class RayShearOf {
 };
 using RayShear = RayShearOf<double>;
 
-/// A tetrahedron as a ray sees it. Vertices stand in rising order of their ids, whatever the cell's own order: so two
-/// cells that share a face compute the same bits on it.
+/// A tetrahedron as a ray sees it. Vertices are in rising order of their ids, whatever the cell's
+/// own order, so that two cells that share a face compute the same bits on it.
 template <class Real>
 struct SeenTetOf {
   std::array<SeenVertex<Real>, 4> vertex;
@@ -91,14 +93,15 @@ struct SeenTetOf {
 };
 using SeenTet = SeenTetOf<double>;
 
-/// On which side of the ray the edge from a to b passes: true where a x b > 0 in the picture plane, by the exact sign
-/// of x_a y_b - y_a x_b for the given numbers (for doubles short of underflow). An edge through the ray is decided as
-/// if the ray stood at (e, e^2) for a vanishing e > 0, so that every tetrahedron is crossed through no face or through
-/// two.
+/// On which side of the ray the edge from a to b passes: true where a x b > 0 in the picture plane,
+/// by the exact sign of x_a y_b - y_a x_b for the given numbers (for doubles short of underflow).
+/// An edge through the ray is decided as if the ray stood at (e, e^2) for a vanishing e > 0, so
+/// that every tetrahedron is crossed through no face or through two.
 template <class Real>
 RHORAY_INLINE bool passes_left(const SeenVertex<Real>& a, const SeenVertex<Real>& b) {
   const Real p = a.x * b.y, q = a.y * b.x;
-  if (p != q) return p > q;  // rounding is monotone: it may make them equal, never exchange them
+  // Rounding is monotone: it may make them equal but never exchanges them.
+  if (p != q) return p > q;
   if constexpr (std::numeric_limits<Real>::digits < 53) {
     const double exact_p = static_cast<double>(a.x) * b.y, exact_q = static_cast<double>(a.y) * b.x;
     if (exact_p != exact_q) return exact_p > exact_q;
@@ -110,23 +113,26 @@ RHORAY_INLINE bool passes_left(const SeenVertex<Real>& a, const SeenVertex<Real>
   return b.x > a.x;
 }
 
-/// |x_a y_b - y_a x_b|: twice the area of the triangle of the ray's place and the edge, without cancellation.
+/// x_a y_b - y_a x_b|: twice the area of the triangle formed by the ray's position and the edge,
+/// without cancellation.
 template <class Real>
 RHORAY_INLINE double edge_weight(const SeenVertex<Real>& a, const SeenVertex<Real>& b) {
   const double ax = a.x, ay = a.y, bx = b.x, by = b.y;
   const double p = ax * by, q = ay * bx;
-  if constexpr (std::numeric_limits<Real>::digits < 53) return std::abs(p - q);  // the products are exact
+  // The products are exact.
+  if constexpr (std::numeric_limits<Real>::digits < 53) return std::abs(p - q);
   return std::abs((p - q) + (std::fma(ax, by, -p) - std::fma(ay, bx, -q)));
 }
 
-/// Where a ray passes through a face, and the field there.
+/// Where a ray passes through a face, and the field value there.
 struct FaceCrossing {
   double t;
   double value;
 };
 
-/// The crossing of face (i, j, k), rising, that the ray is known to pass through: barycentric weights from the edges,
-/// the same bits from both sides. A face seen edge-on, of no area, gives the mean of its vertices.
+/// The crossing of face (i, j, k), indices rising, that the ray is known to pass through:
+/// barycentric weights from the edges, the same bits from both sides. A face seen edge-on, of no
+/// area, gives the mean of its vertices.
 /// @param offset  subtracted from the vertex values before they are averaged
 template <class Real>
 RHORAY_INLINE FaceCrossing cross_face(const SeenTetOf<Real>& tet, std::size_t i, std::size_t j, std::size_t k,
@@ -144,8 +150,9 @@ struct TetPassage {
   FaceCrossing in, out;  ///< in.t <= out.t
 };
 
-/// Where the ray enters and leaves a tetrahedron, or nothing. Neighbours agree on every face between them: along a ray
-/// through a mesh no crossing is lost and none is seen twice, whatever the cells' shape, flat ones included.
+/// Where the ray enters and leaves a tetrahedron, or nothing. Neighbours agree on every face
+/// between them: along a ray through a mesh no crossing is lost and none is found twice, whatever
+/// the shape of the cells, including flat ones.
 template <class Real>
 RHORAY_INLINE std::optional<TetPassage> pass_through(const SeenTetOf<Real>& tet, double offset) {
   const auto& v = tet.vertex;
@@ -181,7 +188,8 @@ RHORAY_INLINE std::optional<TetPassage> clip(TetPassage passage, double t_min, d
   return passage;
 }
 
-/// Where the field crosses the isovalue between entry and exit: a change of side, so at most one, and no tolerance.
+/// Where the field crosses the isovalue between entry and exit. This is a change of side, so there
+/// is at most one, and no tolerance is needed.
 /// @param passage  with the isovalue subtracted from its values
 RHORAY_INLINE std::optional<double> first_crossing(const TetPassage& passage) {
   const auto& [in, out] = passage;
@@ -190,8 +198,9 @@ RHORAY_INLINE std::optional<double> first_crossing(const TetPassage& passage) {
   return std::clamp(t, in.t, out.t);
 }
 
-/// The gradient of the linear field on a tetrahedron: sum of rho_i times the gradient of barycentric coordinate i
-/// (paper, Appendix B). A cell without volume has none: then the normal of its plane, or zero when it is a line.
+/// The gradient of the linear field on a tetrahedron: sum of rho_i times the gradient of
+/// barycentric coordinate i (paper, Appendix B). A cell without volume has none; it gets the normal
+/// of its plane, or zero when it is a line.
 RHORAY_INLINE Vec3 tet_gradient(const std::array<std::array<double, 3>, 4>& p, const std::array<double, 4>& value) {
   const auto edge = [&](std::size_t to) { return Vec3(p[to][0] - p[0][0], p[to][1] - p[0][1], p[to][2] - p[0][2]); };
   const Vec3 a = edge(1), b = edge(2), c = edge(3);

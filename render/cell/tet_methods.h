@@ -10,23 +10,25 @@
 
 namespace rhoray::render {
 
-/// How a tetrahedron is asked where a ray crosses the isosurface in it.
+/// How the crossing of a ray with the isosurface in a tetrahedron is found.
 ///
-///   paper  Appendix B: the ray meets the isoplane where no barycentric coordinate is negative. A ray that passes where
-///          the surface lies in a shared face or edge may be refused by all who share it
-///   slack  the same, with coordinates down to -slack: close to a shared face both neighbours may answer
-///   edges  the field where the ray enters and leaves, by the sides on which the edges pass (tet_crossing.h): along a
-///   ray
-///          through a mesh no crossing is lost and none is seen twice
+///   paper  Appendix B: the ray meets the isoplane where no barycentric coordinate is negative.
+///          Where a ray crosses the surface in a shared face or edge, all cells that share it may
+///          refuse the crossing
+///   slack  the same, with coordinates down to -slack: close to a shared face both neighbours may
+///          answer
+///   edges  the field where the ray enters and leaves, by the sides on which the edges pass
+///          (tet_crossing.h): along a ray through a mesh no crossing is lost or found twice
 enum class TetMethod { paper, slack, edges };
 
 using TetPoints = std::array<std::array<double, 3>, 4>;
 using TetValues = std::array<double, 4>;
 
-/// A slack that makes up for the rounding of Appendix B in double precision in tetrahedra that are not slivers.
+/// A slack that compensates for the rounding of Appendix B in double precision in tetrahedra that
+/// are not slivers.
 inline constexpr double default_tet_slack = 1e-12;
 
-/// A ray, and how it sees vertices: once per ray.
+/// A ray and its shear for projecting vertices; built once per ray.
 template <class Real>
 struct TetRay {
   Ray ray;
@@ -35,8 +37,8 @@ struct TetRay {
   RHORAY_INLINE explicit TetRay(const Ray& from) : ray(from), shear(from) {}
 };
 
-/// The tetrahedron as the ray sees it; nothing when all of it lies on one side of the ray in x or in y, where the ray
-/// passes through no face: what most of those are that a ray is held against.
+/// The tetrahedron as the ray sees it. Nothing when all of it lies on one side of the ray in x or
+/// in y: the ray then passes through no face. This holds for most tetrahedra that are tested.
 template <class Real>
 RHORAY_INLINE std::optional<SeenTetOf<Real>> see_near(const RayShearOf<Real>& shear, const TetPoints& points,
                                                       const TetValues& values) {
@@ -49,10 +51,10 @@ RHORAY_INLINE std::optional<SeenTetOf<Real>> see_near(const RayShearOf<Real>& sh
   return tet;
 }
 
-/// Appendix B of the paper in numbers of type Real: t where the ray meets the isoplane between t_min and t_max, if all
-/// barycentric coordinates there are at least -slack of their sum; nothing where the field is constant along the ray.
-/// The coordinate of vertex i is the plane equation n_i . (p - q) / n_i . (p_i - q) of the face opposite, q in that
-/// face.
+/// Appendix B of the paper in numbers of type Real: t where the ray meets the isoplane between
+/// t_min and t_max, if all barycentric coordinates there are at least -slack times their sum.
+/// Nothing where the field is constant along the ray. The coordinate of vertex i is the plane
+/// equation n_i . (p - q) / n_i . (p_i - q) of the opposite face, with q in that face.
 template <class Real>
 RHORAY_INLINE std::optional<double> isoplane_crossing(const Ray& ray, const TetPoints& points, const TetValues& values,
                                                       double isovalue, double slack) {
@@ -71,8 +73,8 @@ RHORAY_INLINE std::optional<double> isoplane_crossing(const Ray& ray, const TetP
     rho_b += static_cast<Real>(values[i]) * normal[i].dot(b);
   }
   const Real t = (static_cast<Real>(isovalue) - rho_a) / rho_b;
-  if (!(t >= static_cast<Real>(ray.t_min) && t <= static_cast<Real>(ray.t_max)))
-    return std::nullopt;  // or not a number
+  // Also for a NaN.
+  if (!(t >= static_cast<Real>(ray.t_min) && t <= static_cast<Real>(ray.t_max))) return std::nullopt;
   const Point p = a + t * b;
   std::array<Real, 4> alpha;
   for (std::size_t i = 0; i < 4; ++i) alpha[i] = normal[i].dot(p - point((i + 1) % 4));
@@ -83,7 +85,7 @@ RHORAY_INLINE std::optional<double> isoplane_crossing(const Ray& ray, const TetP
 }
 
 /// t of the crossing between t_min and t_max, or nothing.
-/// @param points, values  in rising order of the vertices' ids, so that neighbours agree
+/// @param points, values in rising order of the vertices' ids, so that neighbours agree
 /// @param slack           only for TetMethod::slack
 template <class Real>
 RHORAY_INLINE std::optional<double> find_crossing(TetMethod method, const TetRay<Real>& ray, const TetPoints& points,
@@ -99,8 +101,9 @@ RHORAY_INLINE std::optional<double> find_crossing(TetMethod method, const TetRay
   return first_crossing(*passage);
 }
 
-/// The same, by TetMethod::edges, for a ray that starts in a crossing on a known side: a crossing at which it leaves
-/// that side. Of neighbours that the ray passes within rounding of its start, those count that turn the other way.
+/// The same, by TetMethod::edges, for a ray that starts in a crossing on a known side: a crossing
+/// at which it leaves that side. Of the neighbours that the ray passes within rounding of its
+/// start, only those count in which it leaves this side.
 template <class Real>
 RHORAY_INLINE std::optional<double> find_exit_crossing(const TetRay<Real>& ray, const TetPoints& points,
                                                        const TetValues& values, double isovalue, bool from_inside) {
@@ -121,7 +124,7 @@ struct CertifiedTetCrossing {
 
 namespace certified_tet {
 
-/// x_a y_b - y_a x_b with a bound on how far it is from that of the exact places.
+/// x_a y_b - y_a x_b with a bound on its distance from the value for the exact positions.
 struct Edge {
   double value, error;
   RHORAY_INLINE bool is_positive() const { return value > error; }
@@ -133,7 +136,8 @@ struct Vertex {
   double x_error, y_error, t_error;
 };
 
-/// Errors of the places enter linearly, their products once more; two products and a difference are rounded.
+/// Errors of the positions enter linearly, and their products once more. Two products and a
+/// difference are rounded.
 RHORAY_INLINE Edge edge(const Vertex& a, const Vertex& b) {
   const double p = a.x * b.y, q = a.y * b.x;
   const double value = (p - q) + (std::fma(a.x, b.y, -p) - std::fma(a.y, b.x, -q));
@@ -145,8 +149,8 @@ RHORAY_INLINE Edge edge(const Vertex& a, const Vertex& b) {
 
 enum class Passes { not_at_all, inside, unknown };
 
-/// Whether the ray passes through a face, by its edges in one sense of rotation: inside when all turn the same way, not
-/// at all (not even on the rim) when two turn different ways.
+/// Whether the ray passes through a face, from its edges in one sense of rotation: inside when all
+/// turn the same way, not at all (not even on the rim) when two turn different ways.
 RHORAY_INLINE Passes passes(const std::array<Edge, 3>& round) {
   int positive = 0, negative = 0;
   for (const Edge& e : round) positive += e.is_positive(), negative += e.is_negative();
@@ -155,8 +159,8 @@ RHORAY_INLINE Passes passes(const std::array<Edge, 3>& round) {
   return Passes::unknown;
 }
 
-/// The mean of three numbers by weights w, each off by at most d: off by sum d |f - mean| / (sum w - sum d), by what
-/// the numbers are off by, and by the rounding of ten operations.
+/// The mean of three numbers with weights w, each off by at most d. The error is the sum of: sum d
+/// |f - mean| / (sum w - sum d), the error of the numbers, and the rounding of ten operations.
 struct Mean {
   double value, error;
 };
@@ -178,8 +182,8 @@ struct Face {
   std::optional<bool> is_inside;  ///< the side of the isosurface there, if certain
 };
 
-/// The exact weights are of one sign wherever the ray meets the face, and not zero when it meets the inside. So values
-/// on one side leave no doubt about the side of their mean.
+/// The exact weights have one sign wherever the ray meets the face, and are not zero when it meets
+/// the inside. So if all values lie on one side, the side of their mean is certain.
 /// @param f  values minus isovalue: rounded, but of the exact sign
 RHORAY_INLINE Face cross(const std::array<Vertex, 4>& v, const std::array<double, 4>& f,
                          const std::array<std::size_t, 3>& corner, const std::array<Edge, 3>& weights, Passes how) {
@@ -196,7 +200,7 @@ RHORAY_INLINE Face cross(const std::array<Vertex, 4>& v, const std::array<double
   return face;
 }
 
-/// Where a linear field that is a at one end and b at the other, of different sides, is zero.
+/// Where a linear field is zero that has value a at one end and b at the other, on different sides.
 RHORAY_INLINE Mean crossing_between(const Face& a, const Face& b) {
   const auto least = [](const Mean& m) { return std::max(std::abs(m.value) - m.error, 0.0); };
   const auto most = [](const Mean& m) { return std::abs(m.value) + m.error; };
@@ -208,18 +212,19 @@ RHORAY_INLINE Mean crossing_between(const Face& a, const Face& b) {
           (1 + 0x1p-40) * (0.5 * (s_most - s_least) * length + std::max(a.t.error, b.t.error) + from_rounding)};
 }
 
-/// What holds of both.
+/// The smallest enclosure of both.
 RHORAY_INLINE Mean hull(const Mean& a, const Mean& b) {
   const double lo = std::min(a.value - a.error, b.value - b.error), hi = std::max(a.value + a.error, b.value + b.error);
   const double rounding = 0x1p-50 * std::max(std::abs(lo), std::abs(hi));
   return {0.5 * lo + 0.5 * hi, 0.5 * (hi - lo) + rounding};
 }
 
-/// The faces that a ray may pass, and what is certain of the two where it enters and leaves.
+/// The faces that a ray may pass, and what is certain about the two where it enters and leaves.
 struct Ends {
-  std::array<Face, 2> passed;  ///< for certain
+  std::array<Face, 2> passed;  ///< certainly passed
   std::size_t passed_count = 0;
-  std::optional<Face> doubtful;  ///< what holds of all that it passes perhaps; of no side when they are not of one
+  /// enclosure of all faces that the ray may pass; no side when their sides differ
+  std::optional<Face> doubtful;
 
   RHORAY_INLINE void add(const Face& face, Passes how) {
     if (how == Passes::inside) {
@@ -238,14 +243,17 @@ struct Ends {
 
 /// Where the ray crosses the isosurface in a tetrahedron.
 ///
-/// A decision other than unknown is right for the ray, vertices, values and isovalue as the exact numbers that they
-/// are: none, when the ray changes side nowhere in the closed tetrahedron between t_min and t_max. Unknown is what
-/// rounding could have turned: the surface too close to where the ray enters or leaves, and there it may be through any
-/// of several faces; or a place known no better than to a thousandth of the cell's depth.
+/// A decision other than unknown is right for the ray, vertices, values and isovalue taken as exact
+/// numbers. The decision none means that the ray changes side nowhere in the closed tetrahedron
+/// between t_min and t_max. Unknown means that rounding could have changed the decision. Then the
+/// surface is too close to where the ray enters or leaves, where it may pass through any of several
+/// faces; or the position is known no better than to a thousandth of the cell's depth.
 ///
-/// A ray through the inside of one face goes on into the cell and leaves through another: when it passes an edge so
-/// closely that the face beyond is in doubt, and all these are on one side where it passes, it does not matter which it
-/// is. A ray that passes no face for certain touches the cell, at least, near one side only or is in doubt.
+/// A ray that passes through the inside of one face goes on into the cell and leaves through
+/// another. If it passes an edge so closely that the other face is in doubt, the choice does not
+/// matter as long as all candidate faces are on one side where it passes. A ray that certainly
+/// passes no face only touches the cell, and it is clear if that happens near one side only;
+/// otherwise the decision is unknown.
 template <class Real>
 RHORAY_INLINE CertifiedTetCrossing certify_tet_crossing(const TetRay<Real>& ray, const TetPoints& points,
                                                         const TetValues& values, double isovalue) {
@@ -255,7 +263,8 @@ RHORAY_INLINE CertifiedTetCrossing certify_tet_crossing(const TetRay<Real>& ray,
   int inside = 0;
   for (std::size_t i = 0; i < 4; ++i) f[i] = values[i] - isovalue, inside += is_inside(f[i]);
   if (inside == 0 || inside == 4) return none;
-  // The bounds of rounding below do not count underflow. Where the field crosses does not depend on its unit.
+  // The rounding bounds below do not include underflow. Where the field crosses does not depend on
+  // its unit.
   const double largest = std::max({std::abs(f[0]), std::abs(f[1]), std::abs(f[2]), std::abs(f[3])});
   if (largest < 0x1p-500)
     for (double& difference : f) difference *= 0x1p500;
@@ -270,13 +279,14 @@ RHORAY_INLINE CertifiedTetCrossing certify_tet_crossing(const TetRay<Real>& ray,
   const auto is_beyond = [&](const Vertex& p) { return p.t - p.t_error > ray.ray.t_max; };
   if (std::all_of(v.begin(), v.end(), is_before) || std::all_of(v.begin(), v.end(), is_beyond)) return none;
 
-  // Each edge once, from the lower to the higher corner; round a face one of its three runs the other way.
+  // Each edge once, from the lower to the higher corner; around a face one of its three runs the
+  // other way.
   const auto negated = [](Edge e) { return Edge{-e.value, e.error}; };
   const Edge e01 = edge(v[0], v[1]), e02 = edge(v[0], v[2]), e03 = edge(v[0], v[3]);
   const Edge e12 = edge(v[1], v[2]), e13 = edge(v[1], v[3]), e23 = edge(v[2], v[3]);
   struct Candidate {
     std::array<std::size_t, 3> corner;
-    std::array<Edge, 3> opposite;  ///< the edge that faces each corner
+    std::array<Edge, 3> opposite;  ///< the edge opposite each corner
   };
   const std::array<Candidate, 4> candidates{{{{1, 2, 3}, {e23, negated(e13), e12}},
                                              {{0, 2, 3}, {e23, negated(e03), e02}},

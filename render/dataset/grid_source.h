@@ -6,7 +6,7 @@
 #include "render/dataset/volume.h"
 #include "render/grid/block_samples.h"
 
-/// Which grids wide kernels take, and where these find their samples.
+/// Which grids SIMD kernels accept, and where these find their samples.
 namespace rhoray::render::wide {
 
 /// Uniform grids that store all of their samples.
@@ -35,7 +35,7 @@ bool has_gaps(const VolumeImplementation& volume, const View& view) {
     return volume.field.no_data_count > 0;
 }
 
-/// Of all samples that have data.
+/// The range of all samples that have data.
 inline Interval<double> values_of(const VolumeImplementation& volume) {
   const auto* in_memory = std::get_if<NanoVdbVolume>(&volume.view);
   return in_memory ? in_memory->values() : volume.field.range;
@@ -50,8 +50,8 @@ requires is_in_bricks<View> SampleSource source_of(const View& view) {
   return SampleSource(view.bricks(), view.lattice().leaf_count + Index3(1, 1, 1));
 }
 
-/// A grid with macro levels that are trees of 64 children, of which bricks are no smaller than the blocks of the
-/// lowest.
+/// True for a grid whose macro levels are trees of 64 children and whose bricks are no smaller than
+/// the blocks of the lowest level.
 inline bool is_fit_grid(const VolumeImplementation& volume) {
   return std::visit(
       [&]<class View>(const View& view) {

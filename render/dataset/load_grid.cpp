@@ -18,7 +18,8 @@ namespace {
 
 using Implementation = std::shared_ptr<const VolumeImplementation>;
 
-/// Calls make(view) with the kind of view that fits where the grid's samples lie and stand.
+/// Calls make(view) with the kind of view that fits how the grid's samples are stored and
+/// positioned.
 template <class T, class Make>
 Implementation with_view(const formats::BrickGrid& grid, std::size_t field, Make&& make) {
   const bool is_rectilinear = grid.description().is_rectilinear();

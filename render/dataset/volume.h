@@ -17,16 +17,18 @@ namespace rhoray::render {
 class FacetsCache;
 class PointGradientsCache;
 
-/// One loaded volume: what every kind has in common, and the view that kernels read.
+/// One loaded dataset: what every kind has in common, and the view that kernels read.
 struct VolumeImplementation {
   formats::PackedFile file;
-  formats::FieldSummary field;  ///< of a surface: none, without a name
+  formats::FieldSummary field;  ///< for a surface: no field, without a name
   std::vector<std::string> field_names;
   std::string length_unit;
-  bool is_level_set = false;         ///< distances to a surface, which is where they are 0
+  /// The values are distances to a surface, which lies where they are 0.
+  bool is_level_set = false;
   std::vector<std::string> notes{};  ///< what loading changed, one sentence each
-  Affine world_from_volume;  ///< volume frame: grid steps or positions of axis tables, points relative to the origin
-  Box3 bounds_volume;        ///< of all cells, volume frame
+  /// Volume frame: grid steps or positions of axis tables; for points, relative to the origin.
+  Affine world_from_volume;
+  Box3 bounds_volume;  ///< of all cells, volume frame
   std::variant<GridVolume<std::uint8_t>, GridVolume<std::int8_t>, GridVolume<std::uint16_t>, GridVolume<std::int16_t>,
                GridVolume<std::uint32_t>, GridVolume<std::int32_t>, GridVolume<float>, GridVolume<double>,
                RectilinearVolume<std::uint8_t>, RectilinearVolume<std::int8_t>, RectilinearVolume<std::uint16_t>,
@@ -35,8 +37,10 @@ struct VolumeImplementation {
                SparseRectilinearVolume<float>, SparseRectilinearVolume<double>, TetVolume<float>, TetVolume<double>,
                NanoVdbVolume, SurfaceVolume>
       view;
-  std::unique_ptr<OccupancyCache> occupancies = std::make_unique<OccupancyCache>();  ///< of the field of a grid
-  std::shared_ptr<FacetsCache> facets{};                   ///< of the field of a mesh, or of a surface; null for grids
+  /// Of the field of a grid.
+  std::unique_ptr<OccupancyCache> occupancies = std::make_unique<OccupancyCache>();
+  /// Of the field of a mesh, or of a surface; null for grids.
+  std::shared_ptr<FacetsCache> facets{};
   std::shared_ptr<PointGradientsCache> point_gradients{};  ///< of the field of a mesh
 };
 

@@ -4,7 +4,8 @@ namespace rhoray::render::wide {
 
 namespace {
 
-/// True where each sample of an axis lies so far behind the one before it, of four each.
+/// True where, in each group of four samples of an axis, each address is `step` above the one
+/// before.
 bool has_steps(const std::vector<std::uint64_t>& address, std::int64_t count, std::uint64_t step) {
   for (std::size_t i = 0; i + 1 < static_cast<std::size_t>(count); ++i)
     if (i % 4 != 3 && address[i + 1] != address[i] + step) return false;

@@ -9,7 +9,7 @@
 
 namespace rhoray::render::wide {
 
-/// The samples of a grid and where they lie, as plain numbers.
+/// Where the samples of a grid are stored, as plain numbers.
 struct SampleSource {
   /// The part of StoredBricks that a dense grid does not have.
   struct Bricks {
@@ -21,11 +21,12 @@ struct SampleSource {
   };
 
   const void* samples;
-  const std::uint64_t* address[3];  ///< of a sample: the sum of its coordinates' entries
+  const std::uint64_t* address[3];  ///< a sample's address is the sum of its coordinates' entries
   Bricks bricks{};
-  int count[3];           ///< samples per axis
-  bool has_whole_rows;    ///< samples 4 i to 4 i + 3 of an axis x lie side by side
-  bool has_whole_bricks;  ///< and 4 j to 4 j + 3 of y behind each other, and so 4 k to 4 k + 3 of z
+  int count[3];         ///< samples per axis
+  bool has_whole_rows;  ///< samples 4 i to 4 i + 3 of the x axis are contiguous
+  /// And 4 j to 4 j + 3 of y follow each other, and so do 4 k to 4 k + 3 of z.
+  bool has_whole_bricks;
   bool has_gaps = false;  ///< some samples may be NaN or infinite
 
   SampleSource(const void* first, const formats::AxisTables& tables, const Index3& sample_count);
@@ -45,15 +46,19 @@ struct SampleSource {
         has_whole_bricks(false) {}
 };
 
-/// The 5 x 5 x 5 samples around the 4 x 4 x 4 cells of a block, less the isovalue: sample (x, y, z) at x + 5 y + 25 z.
+/// The 5 x 5 x 5 samples around the 4 x 4 x 4 cells of a block, minus the isovalue: sample (x, y,
+/// z) at x + 5 y + 25 z.
 struct alignas(64) BlockSamples {
   static constexpr std::size_t size = 125;
 
   float difference[128];
-  std::uint64_t present;  ///< cells of the block, bit x + 4 y + 16 z, that the lattice has and that have data
-  std::uint64_t active;   ///< of these, cells with corners on both sides
-  std::uint64_t inside;   ///< cells whose lowest corner is inside
-  float range;            ///< certified: that the differences and 0 span, infinite if it is no number; NaN: not known
+  /// Cells of the block, bit x + 4 y + 16 z, that the lattice has and that have data.
+  std::uint64_t present;
+  std::uint64_t active;  ///< of these, cells with corners on both sides
+  std::uint64_t inside;  ///< cells whose lowest corner is inside
+  /// Certified: span of the differences and 0; infinite if it is not a finite number; NaN: not
+  /// known.
+  float range;
 };
 
 }  // namespace rhoray::render::wide

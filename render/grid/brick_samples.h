@@ -5,7 +5,7 @@
 #include "formats/base/checks.h"
 #include "render/grid/block_samples.h"
 
-/// Samples of a source that has bricks.
+/// Reading samples of a source that has bricks.
 namespace rhoray::render::wide {
 
 /// The samples of one brick, by their address in the grid.
@@ -30,7 +30,8 @@ class OneBrick {
 
  private:
   const T* samples_ = nullptr;
-  std::uint64_t kept_ = 0;  ///< bits of an address that count; none where all samples have one value
+  /// Address bits that select a sample; 0 where all samples have one value.
+  std::uint64_t kept_ = 0;
 };
 
 template <class T>
@@ -38,14 +39,15 @@ RHORAY_INLINE T sample_in_brick(const SampleSource& source, std::uint64_t addres
   return OneBrick<T>(source, address >> source.bricks.shift).at_address(address);
 }
 
-/// The 5 x 5 x 5 samples of a block, x + 5 y + 25 z; beyond the grid's ends the last ones. They lie in two bricks on
-/// each axis at most: a brick has at least as many samples as a block has cells.
-/// @param first  sample of the block
+/// Reads the 5 x 5 x 5 samples of a block, x + 5 y + 25 z; beyond the grid's ends the last samples
+/// are repeated. They lie in at most two bricks on each axis, because a brick has at least as many
+/// samples as a block has cells.
+/// @param first  first sample of the block
 template <class T>
 void read_block_from_bricks(const SampleSource& source, const int* first, T* values) {
   const int shift = source.bricks.shift;
   std::uint64_t address[3][5];
-  int last_of_near[3] = {};  ///< of the samples on an axis, the last one in the first brick
+  int last_of_near[3] = {};  ///< on each axis, the last sample in the first brick
   for (int a = 0; a < 3; ++a)
     for (int i = 0; i < 5; ++i) {
       const int at = first[a] + i, last = source.count[a] - 1;

@@ -40,14 +40,14 @@ class DenseSamples {
   std::span<const T> samples_;
 };
 
-/// The samples of a grid that stores some bricks; NaN in the others.
+/// The samples of a grid that stores only some bricks; NaN in the others.
 template <class T>
 class SparseSamples {
  public:
   SparseSamples(const formats::BrickGrid& grid, std::size_t field)
       : address_(grid.description().layout, grid.tables(), grid.brick_slots()), samples_(grid.samples<T>(field)) {}
 
-  /// The bricks of the grid that these are the samples of.
+  /// The stored bricks of `grid`, which must be the grid of these samples.
   StoredBricks<T> bricks(const formats::BrickGrid& grid) const {
     static constexpr T no_data[] = {std::numeric_limits<T>::quiet_NaN()};
     const formats::BrickLayout& layout = grid.description().layout;
@@ -79,7 +79,7 @@ class SparseSamples {
   std::span<const T> samples_;
 };
 
-/// A grid whose sample (i, j, k) stands at position (i, j, k) of its frame.
+/// A grid whose sample (i, j, k) lies at position (i, j, k) of its frame.
 class UniformGeometry {
  public:
   UniformGeometry() = default;
@@ -95,11 +95,11 @@ class UniformGeometry {
   /// A direction's component in a cell's own coordinates.
   RHORAY_INLINE double direction_in_cell(int, double component, std::int64_t) const { return component; }
 
-  /// A gradient in a cell's own coordinates, in those of the frame.
+  /// Transforms a gradient from a cell's own coordinates to the frame.
   RHORAY_INLINE Vec3 gradient(const Vec3& in_cell, const Index3&) const { return in_cell; }
 };
 
-/// A grid whose samples stand where tables say: cells are boxes of their own sizes.
+/// A grid whose samples lie at positions given by tables: cells are boxes of different sizes.
 class RectilinearGeometry {
  public:
   explicit RectilinearGeometry(const formats::GridDescription& grid);
@@ -123,12 +123,12 @@ class RectilinearGeometry {
   }
   RHORAY_INLINE double width(int axis, std::int64_t cell) const { return low(axis, cell + 1) - low(axis, cell); }
 
-  std::shared_ptr<const std::array<std::vector<double>, 3>> tables_;  ///< of all three axes
+  std::shared_ptr<const std::array<std::vector<double>, 3>> tables_;  ///< one table per axis
 };
 
-/// One field of a packed grid as rays cross it, in the grid's frame: where its samples lie in the file, and where they
-/// stand in space. The first is of the file's making, the second of the lattice's; a dense, uniform grid pays for
-/// neither.
+/// One field of a packed grid as the kernels read it, in the grid's frame. `Samples` determines
+/// where samples are stored in the file, `Geometry` where they lie in space. A dense, uniform grid
+/// has no overhead from either.
 template <class T, class Samples = DenseSamples<T>, class Geometry = UniformGeometry>
 class GridVolume {
  public:
@@ -143,19 +143,19 @@ class GridVolume {
   const formats::BrickGrid& grid() const { return grid_; }
   RHORAY_INLINE const Geometry& geometry() const { return geometry_; }
 
-  // What is stored, for kernels that read it by themselves. The first two only of a dense grid.
+  // The stored data, for kernels that read it directly. The first two only for a dense grid.
   const formats::AxisTables& tables() const { return samples_.tables(); }
   std::span<const T> samples() const { return samples_.samples(); }
   const formats::MacroLevelsView<T>& levels() const { return levels_; }
-  /// Only of a sparse grid.
+  /// Only for a sparse grid.
   StoredBricks<T> bricks() const { return samples_.bricks(grid_); }
 
-  /// When a ray passes the planes between cells.
+  /// The t at which a ray passes the planes between cells.
   RHORAY_INLINE auto plane_times(const Ray& ray) const {
     return PlaneTimesOf<decltype(geometry_.planes())>(ray, geometry_.planes());
   }
 
-  /// The values that can occur in a macrocell; level at least 1.
+  /// The range of values that can occur in a macrocell; level must be at least 1.
   RHORAY_INLINE Interval<double> range(int level, const Index3& cell) const {
     const Interval<T> stored = levels_.range(level, cell.x, cell.y, cell.z);
     if (stored.is_empty()) return {};

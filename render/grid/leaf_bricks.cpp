@@ -72,7 +72,7 @@ void LeafBricks::find_slots(const nanovdb::NanoTree<float>& tree) {
       slots_.push_back(static_cast<std::uint32_t>(distance(brick.leaf) / sizeof(Leaf)));
       continue;
     }
-    // Most of these are the background's.
+    // Consecutive bricks without a leaf share a value; most have the background's.
     if (values_.empty() || values_.back() != brick.value) values_.push_back(brick.value);
     slots_.push_back(leaf_count_ + static_cast<std::uint32_t>(values_.size()) - 1);
   }

@@ -11,16 +11,16 @@
 
 namespace rhoray::render {
 
-/// The leaf nodes of a NanoVDB tree around a box of voxels, as bricks; where there is no leaf node, all voxels of a
-/// brick have the value of the tile or the background around them.
+/// The leaf nodes of a NanoVDB tree around a box of voxels, as bricks. Where there is no leaf node,
+/// all voxels of a brick have the value of the tile or the background around them.
 class LeafBricks {
  public:
   static constexpr std::int64_t edge = nanovdb::NanoLeaf<float>::DIM;
 
   LeafBricks(const nanovdb::NanoTree<float>& tree, const Index3& first_voxel, const Index3& voxel_count);
 
-  /// Voxel (i, j, k) of the box. There are no slots where leaf nodes do not lie side by side in memory, as OpenVDB's
-  /// own converter puts them.
+  /// Voxel (i, j, k) of the box is sample (i, j, k). There are no slots if the leaf nodes are not
+  /// contiguous in memory, as OpenVDB's own converter places them.
   StoredBricks<float> view() const;
 
  private:
@@ -29,7 +29,7 @@ class LeafBricks {
   void find_addresses(const Index3& first_voxel, const Index3& voxel_count);
   void find_slots(const nanovdb::NanoTree<float>& tree);
 
-  Index3 low_, count_;  ///< voxel of the first brick; bricks
+  Index3 low_, count_;  ///< voxel of the first brick; number of bricks
   std::array<std::vector<std::uint64_t>, 3> address_;
   std::vector<std::uint32_t> slots_;
   std::vector<float> values_;
@@ -37,7 +37,7 @@ class LeafBricks {
   std::uint32_t leaf_count_ = 0;
 };
 
-/// The number, rounded down to a multiple of a leaf node's edge; also for negative ones.
+/// Rounds down to a multiple of a leaf node's edge; also for negative numbers.
 constexpr std::int64_t leaf_start(std::int64_t voxel) {
   return voxel & ~(LeafBricks::edge - 1);
 }

@@ -12,7 +12,8 @@ namespace rhoray::render {
 
 namespace {
 
-/// Checks that every node that the tree points to lies inside the buffer, so that looking up a voxel stays in it.
+/// Checks that every node that the tree points to lies inside the buffer, so that looking up a
+/// voxel stays in it.
 class NodeCheck {
  public:
   explicit NodeCheck(const formats::VdbGrid& grid) : file_(grid.file()), buffer_(grid.buffer()) {}
@@ -41,7 +42,8 @@ class NodeCheck {
     }
   }
 
-  /// The node so many bytes behind a place. Computed in numbers: there is no pointer or reference to what lies outside.
+  /// The node at this byte offset from an address. Computed with integers, so that no pointer or
+  /// reference to anything outside the buffer exists.
   template <class Node>
   const Node* at(const void* place, std::int64_t offset = 0) const {
     const auto begin = reinterpret_cast<std::uintptr_t>(buffer_.data()),
@@ -63,12 +65,12 @@ class NodeCheck {
 
 constexpr std::int64_t leaf_edge = LeafBricks::edge;
 
-/// Macrocells of the lowest level have 4^3 cells, as wide kernels want them, or more where a sparse grid spans so much
-/// space that their number would not fit memory.
+/// Macrocells of the lowest level have 4^3 cells, as SIMD kernels need them. They have more where a
+/// sparse grid spans so much space that this many macrocells would not fit into memory.
 formats::MacroShape choose_shape(const Index3& sample_count, const formats::PackedFile& file) {
   constexpr std::int64_t most_macrocells = std::int64_t{1} << 24;
   formats::MacroShape shape{.leaf_count = sample_count - Index3(1, 1, 1), .factor = 4, .level_count = 1};
-  // Each count is at most 2^30 / 4, so that the product of three is made in double precision first.
+  // Each count is at most 2^30 / 4, so the product of three is first computed in double precision.
   const auto too_many = [&] {
     const Index3 count = shape.count(1);
     return static_cast<double>(count.x) * static_cast<double>(count.y) * static_cast<double>(count.z) >
@@ -114,7 +116,8 @@ NanoVdbVolume::NanoVdbVolume(const formats::VdbGrid& grid)
   Levels& levels = *levels_;
   const formats::MacroShape shape = levels.shape = choose_shape(grid.description().sample_count, grid.file());
   const Index3& cells = shape.leaf_count;
-  constexpr std::int64_t longest = 1 << 16;  // of tables with an entry for each sample on an axis
+  // Limit for tables with an entry for each sample on an axis.
+  constexpr std::int64_t longest = 1 << 16;
   if (shape.factor < leaf_edge && std::max({cells.x, cells.y, cells.z}) < longest)
     bricks_ = std::make_shared<const LeafBricks>(*tree_, first_sample_, grid.description().sample_count);
   for (int level = 1; level <= shape.level_count; ++level)
@@ -148,7 +151,8 @@ void NanoVdbVolume::build_lowest_level(Levels& levels) const {
   levels.has_gaps = has_gaps;
 }
 
-/// Over the samples from first to last. A leaf-sized block of voxels without a leaf node has one value.
+/// The range of the samples from first to last. A leaf-sized block of voxels without a leaf node
+/// has one value.
 Interval<float> NanoVdbVolume::sample_range(const Index3& first, const Index3& last,
                                             std::atomic<bool>& has_gaps_anywhere) const {
   Interval<float> range;
@@ -182,7 +186,7 @@ Interval<float> NanoVdbVolume::sample_range(const Index3& first, const Index3& l
   return cell_range(first, last);
 }
 
-/// Over the cells between the samples from first to last that have data.
+/// The range of those cells between the samples from first to last that have data.
 Interval<float> NanoVdbVolume::cell_range(const Index3& first, const Index3& last) const {
   Interval<float> range;
   for_each_index(first, last, [&](const Index3& c) {

@@ -16,35 +16,36 @@
 
 namespace rhoray::render {
 
-/// A NanoVDB grid as rays cross it, in its own frame: the first sample of its box at position (0, 0, 0). Voxels that
-/// are not stored have the value of the tile or the background around them.
+/// A NanoVDB grid as the kernels read it, in its own frame: the first sample of its box lies at
+/// position (0, 0, 0). Voxels that are not stored have the value of the tile or the background
+/// around them.
 class NanoVdbVolume {
  public:
   using Sample = float;
 
-  /// Builds the macro levels from the leaf nodes: where the grid is sparse, that costs little. Refuses a buffer that is
-  /// not a float grid, or whose nodes do not lie in it.
+  /// Builds the macro levels from the leaf nodes; where the grid is sparse this costs little.
+  /// Refuses a buffer that is not a float grid, or whose nodes do not lie in it.
   explicit NanoVdbVolume(const formats::VdbGrid& grid);
 
   WalkLattice lattice() const { return {levels_->shape.leaf_count, levels_->shape.factor}; }
   int level_count() const { return levels_->shape.level_count; }
   const formats::MacroLevelsView<float>& levels() const { return levels_->view; }
 
-  /// The leaf nodes as bricks. There may be no slots (LeafBricks), as where the macrocells of the lowest level are
-  /// larger.
+  /// The leaf nodes as bricks. There may be no slots (see LeafBricks); there are none where the
+  /// macrocells of the lowest level are larger.
   StoredBricks<float> bricks() const { return bricks_ ? bricks_->view() : StoredBricks<float>{}; }
 
-  /// Of all cells that have data.
+  /// The range of all cells that have data.
   Interval<double> values() const {
     return {static_cast<double>(levels_->values.lo), static_cast<double>(levels_->values.hi)};
   }
   bool has_gaps() const { return levels_->has_gaps; }  ///< some samples have no data
   RHORAY_INLINE UniformGeometry geometry() const { return {}; }
 
-  /// When a ray passes the planes between cells.
+  /// The t at which a ray passes the planes between cells.
   RHORAY_INLINE PlaneTimes plane_times(const Ray& ray) const { return PlaneTimes(ray); }
 
-  /// The values that can occur in a macrocell; level at least 1.
+  /// The range of values that can occur in a macrocell; level must be at least 1.
   RHORAY_INLINE Interval<double> range(int level, const Index3& cell) const {
     const Interval<float> stored = levels_->view.range(level, cell.x, cell.y, cell.z);
     if (stored.is_empty()) return {};
@@ -55,7 +56,7 @@ class NanoVdbVolume {
     constexpr std::int32_t last = Leaf::DIM - 1;
     const nanovdb::Coord low = voxel(c);
     TrilinearCell out;
-    // Seven eighths of each axis' cells lie in one leaf node, found once.
+    // For seven eighths of the cells on each axis, all corners lie in one leaf node, found once.
     if ((low[0] & last) != last && (low[1] & last) != last && (low[2] & last) != last)
       if (const Leaf* leaf = tree_->root().probeLeaf(low)) {
         const float* values = leaf->data()->mValues + Leaf::CoordToOffset(low);
@@ -82,11 +83,12 @@ class NanoVdbVolume {
 
  private:
   using Leaf = nanovdb::NanoLeaf<float>;
-  static constexpr std::size_t x_stride = Leaf::DIM * Leaf::DIM, y_stride = Leaf::DIM;  // z varies fastest in a leaf
+  // z varies fastest in a leaf.
+  static constexpr std::size_t x_stride = Leaf::DIM * Leaf::DIM, y_stride = Leaf::DIM;
 
   struct Levels {
     formats::MacroShape shape;
-    std::vector<std::vector<float>> ranges;  ///< [level - 1]: as MacroLevelsView has them
+    std::vector<std::vector<float>> ranges;  ///< [level - 1]: in the layout of MacroLevelsView
     formats::MacroLevelsView<float> view;
     Interval<float> values;
     bool has_gaps = false;
@@ -101,11 +103,12 @@ class NanoVdbVolume {
   Interval<float> cell_range(const Index3& first, const Index3& last) const;
   void build_lowest_level(Levels& levels) const;
 
-  formats::VdbGrid grid_;  ///< keeps the buffer
+  formats::VdbGrid grid_;  ///< keeps the buffer alive
   const nanovdb::NanoTree<float>* tree_;
   Index3 first_sample_;
   std::shared_ptr<Levels> levels_;
-  std::shared_ptr<const LeafBricks> bricks_;  ///< null where macrocells of the lowest level are larger
+  /// Null where macrocells of the lowest level are larger.
+  std::shared_ptr<const LeafBricks> bricks_;
 };
 
 }  // namespace rhoray::render

@@ -10,8 +10,8 @@ namespace rhoray::render {
 
 namespace {
 
-/// The smallest number of type T that is not below the isovalue; nothing when all are. Then lo < isovalue <= hi is the
-/// same as lo < threshold <= hi.
+/// The smallest number of type T that is not below the isovalue; nothing when all are below it.
+/// Then lo < isovalue <= hi is equivalent to lo < threshold <= hi.
 template <class T>
 std::optional<T> threshold_in(double isovalue) {
   if constexpr (std::is_integral_v<T>) {
@@ -27,7 +27,7 @@ std::optional<T> threshold_in(double isovalue) {
   }
 }
 
-/// One level of ranges, and which of them hold both sides.
+/// One level of ranges with a test which of them contain both sides.
 template <class T>
 struct Straddling {
   const T* ranges;
@@ -39,7 +39,7 @@ struct Straddling {
     return range[0] < threshold && threshold <= range[1];
   }
 
-  /// The bits of the children (4i.., 4j.., 4k..) that exist.
+  /// The bits of those children (4i.., 4j.., 4k..) that exist.
   std::uint64_t children(std::int64_t i, std::int64_t j, std::int64_t k) const {
     const std::int64_t x_end = std::min<std::int64_t>(4, count.x - 4 * i),
                        y_end = std::min<std::int64_t>(4, count.y - 4 * j),
@@ -64,17 +64,17 @@ struct Straddling {
 
 constexpr std::size_t most_boxes = std::size_t{1} << 14;
 
-/// What a box is around the blocks of.
+/// The size of the regions whose blocks a box encloses.
 enum class BoxEdge { block, node, super_node };
 
-/// Boxes in cells, up to where the cells end.
+/// Boxes in cells, cut off where the cells end.
 struct BoxList {
   Index3 leaf_count;
   std::vector<BoxNode> nodes;
   std::size_t count;
 
-  /// Around those of 4 x 4 x 4 children that have a bit.
-  /// @param first  of the children
+  /// Adds a box around those of 4 x 4 x 4 children that have a bit.
+  /// @param first  index of the first child
   /// @param edge   of a child, in cells
   void add(const Index3& first, std::uint64_t bits, std::int64_t edge) {
     if (count % BoxNode::size == 0) nodes.push_back(BoxNode::of_empty_boxes());
@@ -90,7 +90,7 @@ struct BoxList {
   }
 
  private:
-  /// The places 0 to 3 on an axis at which there are bits.
+  /// The coordinates 0 to 3 on an axis at which there are bits.
   static unsigned bits_along(std::uint64_t bits, int axis) {
     constexpr std::uint64_t plane[3] = {0x1111'1111'1111'1111, 0x000f'000f'000f'000f, 0x0000'0000'0000'ffff};
     unsigned along = 0;
@@ -147,7 +147,7 @@ void Occupancy::find_boxes(const Index3& leaf_count) {
   std::size_t block_count = 0, node_count = 0;
   for (const std::uint64_t node : nodes_)
     if (node != 0) block_count += static_cast<std::size_t>(std::popcount(node)), ++node_count;
-  // In a frame every box may have to be projected, which takes as long as a few rays.
+  // Each frame may have to project every box, which takes as long as tracing a few rays.
   const BoxEdge edge = block_count <= most_boxes  ? BoxEdge::block
                        : node_count <= most_boxes ? BoxEdge::node
                                                   : BoxEdge::super_node;

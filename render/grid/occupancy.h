@@ -11,28 +11,29 @@
 
 namespace rhoray::render {
 
-/// Which blocks of 4 x 4 x 4 leaf cells an isosurface can pass through: bit by bit in trees of 64 children per node,
-/// from a grid's macro levels of factor 4.
+/// Which blocks of 4 x 4 x 4 leaf cells an isosurface can pass through: one bit per block, in trees
+/// of 64 children per node, built from a grid's macro levels of factor 4.
 ///
-///     nodes    one per 16^3 cells: bit x + 4 y + 16 z, 0 to 3 each, for block (x, y, z) of it
-///     summits  one per 64^3 cells: the same for its nodes, set where a node has a bit
+///     nodes        one per 16^3 cells: bit x + 4 y + 16 z, 0 to 3 each, for its block (x, y, z)
+///     super nodes  one per 64^3 cells: the same for its nodes, set where a node has a bit
 ///
-/// A bit is set where the block's values lie on both sides: not where it is clear has the surface nothing to look for.
-/// Blocks beyond the last cells are clear.
+/// A bit is set where the block's values lie on both sides of the isovalue. Where it is clear, the
+/// surface cannot pass through the block. Bits of blocks beyond the last cells are clear.
 class Occupancy {
  public:
-  /// Children of macrocells that lie on one side are not read.
+  /// Children of macrocells whose values lie on one side are not read.
   template <class T>
   Occupancy(const formats::MacroLevelsView<T>& levels, double isovalue);
 
   /// Nodes per axis, a multiple of 4.
   const std::array<int, 3>& node_count() const { return node_count_; }
 
-  const std::uint64_t* nodes() const { return nodes_.data(); }              ///< x fastest
-  const std::uint64_t* super_nodes() const { return super_nodes_.data(); }  ///< x fastest, node_count() / 4 per axis
+  const std::uint64_t* nodes() const { return nodes_.data(); }  ///< x fastest
+  /// x fastest, node_count() / 4 per axis.
+  const std::uint64_t* super_nodes() const { return super_nodes_.data(); }
 
-  /// Around all blocks that have a bit, in cells: around single blocks where these are few, else around those of a
-  /// node, or those of a summit.
+  /// Boxes, in cells, around all blocks that have a bit. They enclose single blocks where these are
+  /// few, else the blocks of a node, or those of a super node.
   const BoxLevels& boxes() const { return boxes_; }
 
   std::size_t size_bytes() const;
@@ -45,7 +46,7 @@ class Occupancy {
   BoxLevels boxes_;
 };
 
-/// The occupancies of one volume for the last isovalues asked about. Any thread may ask.
+/// Keeps the occupancies of one volume for the isovalues used last. Thread-safe.
 class OccupancyCache {
  public:
   template <class T>

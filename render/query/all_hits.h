@@ -7,8 +7,9 @@
 
 #include "render/query/kernels.h"
 
-/// All crossings of rays with a few surfaces of one volume, in their order, by one walk along each ray: what lies
-/// behind clear surfaces is not a new question for every crossing.
+/// All crossings of rays with a few surfaces of one volume, in order along the ray, found by one
+/// walk along each ray. Without this, each transparent surface that a ray crosses would need
+/// another query behind it.
 namespace rhoray::render {
 
 namespace wide {
@@ -16,62 +17,66 @@ struct FacetAllHitsScratch;
 struct GridAllHitsScratch;
 }  // namespace wide
 
-/// A surface that is asked about together with others.
+/// A surface of a query for all crossings.
 struct TransparentSurface {
   double isovalue = 0;
-  float passing = 1;  ///< the share of the light that each of its crossings lets through
+  float passing = 1;  ///< share of the light that each of its crossings lets through
 };
 
 /// The crossings of a batch's rays with one surface.
 class CrossingList {
  public:
   static constexpr std::size_t most =
-      12;  ///< of a ray; made for shells of opacity 0.5, of which 11 hide what is behind
+      12;  ///< per ray; chosen for surfaces of opacity 0.5, 11 of which hide what lies behind
 
   explicit CrossingList(std::size_t capacity) : count(capacity) {
     for (HitBatch& hits : behind_) hits = HitBatch(capacity);
   }
 
-  /// Says where the first crossings go to, or misses; the list itself keeps those behind.
+  /// Sets where the first crossings, or misses, are written; the list itself keeps those behind
+  /// them.
   void put_first_into(HitBatch& first) { first_ = &first; }
 
-  /// The k-th crossings of all rays; of those that have fewer, what was there before.
+  /// The k-th crossings of all rays. Rays with fewer crossings keep their previous entry.
   HitBatch& hits(std::size_t k) { return k == 0 ? *first_ : behind_[k - 1]; }
   const HitBatch& hits(std::size_t k) const { return k == 0 ? *first_ : behind_[k - 1]; }
 
-  LaneArray<std::uint8_t> count;  ///< of a ray's crossings that are noted
+  LaneArray<std::uint8_t> count;  ///< number of recorded crossings per ray
 
  private:
   HitBatch* first_ = nullptr;
   std::array<HitBatch, most - 1> behind_;
 };
 
-/// What is asked of every ray of a batch. Of each surface and of all together there is what a ray that is asked for
-/// first crossings would meet again and again behind the last.
+/// The query for every ray of a batch. The crossings recorded, of each surface and of all together,
+/// are those that repeated queries for first crossings, each started behind the last, would find.
 struct AllHitsQuery {
   static constexpr std::size_t most_surfaces = 2;
 
   std::span<const TransparentSurface> surfaces;
-  float least_light = 0;  ///< a ray may end where less than this would pass what it has crossed
+  float least_light = 0;  ///< a ray may end where the crossings so far pass less light than this
   bool time_phases = false;
-  bool only_places = false;  ///< of crossings t and gradient are asked for, the rest of a hit may stay what it was
+  /// Of a crossing only t and gradient are needed; the rest of a hit may keep its old value.
+  bool only_places = false;
 };
 
-/// What a thread keeps for it.
+/// What a thread keeps between calls.
 struct AllHitsScratch {
   std::shared_ptr<wide::GridAllHitsScratch> shells;
   std::shared_ptr<wide::FacetAllHitsScratch> facets;
 };
 
-/// Notes the crossings of rays of a volume's frame of which the start's side is not known.
+/// Records the crossings of rays given in the volume's frame. The start side of these rays is
+/// unknown.
 /// @param lists     one for each surface
-/// @param complete  of each ray: 1, or 0 where crossings may be missing behind the last of a list that is full, or
-///                  where the ray is one for other kernels; what is noted of it is right in any case
+/// @param complete  for each ray: 1, or 0 where crossings behind the last of a full list may be
+///                  missing, or where the ray must be traced by other kernels; the crossings
+///                  recorded for it are right in any case
 using AllHitsKernel = void (*)(const VolumeImplementation& volume, const AllHitsQuery& query, const RayBatch& rays,
                                std::span<CrossingList* const> lists, std::uint8_t* complete, AllHitsScratch& memory,
                                KernelCounters& counters);
 
-/// Null where there is none: rays are asked about again behind each crossing.
+/// Null where there is none: a new ray must then be traced behind each crossing.
 AllHitsKernel all_hits_kernel(const VolumeImplementation& volume, const RayQuery& query,
                               Machine machine = chosen_machine());
 

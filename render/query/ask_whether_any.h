@@ -4,8 +4,8 @@
 
 namespace rhoray::render::wide {
 
-/// Asks another kernel, which finds first crossings, whether there is any: about those rays of a chunk that begins at
-/// `first`.
+/// Finds out with another kernel, one for first crossings, which of the `chosen` rays have any
+/// crossing (bit r: ray first + r).
 /// @return  a bit for each of these rays that has one
 inline std::uint64_t ask_whether_any(Kernel kernel, const VolumeImplementation& volume, const RayQuery& query,
                                      const RayBatch& rays, std::size_t first, std::uint64_t chosen, FewRays& few,

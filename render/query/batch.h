@@ -8,18 +8,21 @@
 
 #include "render/traverse/ray.h"
 
-/// Rays and their answers as kernels take them: each number in an array of its own, so that wide ones load neighbours.
+/// Rays and their answers in the form that kernels take: each number in an array of its own, so
+/// that SIMD kernels load neighbours.
 namespace rhoray::render {
 
 /// The answer for one ray.
 struct Hit {
   double t = std::numeric_limits<double>::infinity();  ///< infinity: nothing was hit
-  double value = 0;                                    ///< of the field there
+  double value = 0;                                    ///< field value there
   std::uint64_t cell = 0;                              ///< id of the cell
-  std::uint32_t tet = 0;                               ///< in a mesh the position of that cell; only for first_crossing
-  Vec3 gradient{0, 0, 0};                              ///< of the field there, volume frame; only for first_crossing
-  /// How far the exact answer may be from this one: from t for a crossing, from the value for a largest value. NaN
-  /// where the method proves nothing.
+  /// Index of that tetrahedron; meshes and first_crossing only.
+  std::uint32_t tet = 0;
+  /// Field gradient there, volume frame; first_crossing only.
+  Vec3 gradient{0, 0, 0};
+  /// Bound on the distance from the exact answer: from t for a crossing, from the value for a
+  /// largest value. NaN where the method proves nothing.
   double error = std::numeric_limits<double>::quiet_NaN();
   std::uint32_t root_count = 0;       ///< crossings found on the ray's way through the hit cell
   std::uint32_t iteration_count = 0;  ///< steps of the root's refinement
@@ -28,7 +31,7 @@ struct Hit {
   bool is_miss() const { return t == std::numeric_limits<double>::infinity(); }
 };
 
-/// Numbers on cache lines of their own; not initialised.
+/// An array aligned to cache lines; not initialised.
 template <class T>
 class LaneArray {
  public:
@@ -46,14 +49,14 @@ class LaneArray {
   std::unique_ptr<T[], Free> data_;
 };
 
-/// Rays of one volume's frame. Neighbours in the batch should be neighbours in the picture: wide kernels take them in
-/// groups of group_size, and share what the rays of a group have in common.
+/// Rays in one volume's frame. Neighbours in the batch should be neighbours in the picture: SIMD
+/// kernels take them in groups of group_size and share what the rays of a group have in common.
 class RayBatch {
  public:
   static constexpr std::size_t group_size = 64;  ///< 8 x 8 pixels
 
   RayBatch() = default;
-  /// Room for so many rays, up to whole groups.
+  /// Allocates room for `capacity` rays, rounded up to whole groups.
   explicit RayBatch(std::size_t capacity) {
     capacity = (capacity + group_size - 1) / group_size * group_size;
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -77,9 +80,9 @@ class RayBatch {
     t_min[i] = ray.t_min, t_max[i] = ray.t_max, start_side[i] = ray.start_side;
   }
 
-  std::size_t count = 0;  ///< rays that are asked about
+  std::size_t count = 0;  ///< number of rays to trace
   LaneArray<double> origin[3], direction[3], t_min, t_max;
-  bool has_start_sides = false;  ///< else those of all rays are unknown, whatever the array holds
+  bool has_start_sides = false;  ///< false: all start sides are unknown, whatever the array holds
   LaneArray<StartSide> start_side;
 };
 

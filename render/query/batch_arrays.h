@@ -8,7 +8,8 @@
 #include "render/query/kernels.h"
 #include "render/traverse/ray_group.h"
 
-/// Batches as the code compiled once per machine takes them, and rays of them that are asked again.
+/// Batches as plain arrays, for the code that is compiled once per machine, and rays of a batch
+/// that are traced again.
 namespace rhoray::render::wide {
 
 /// A batch's answers as plain arrays.
@@ -42,7 +43,7 @@ RHORAY_INLINE HitArrays from(const HitArrays& hits, std::size_t first) {
           .cost = hits.cost + first};
 }
 
-/// Writes that nothing was met; not the cost of finding that.
+/// Writes misses, all but the cost.
 inline void write_misses_alone(const HitArrays& hits, std::size_t count) {
   std::fill_n(hits.t, count, std::numeric_limits<double>::infinity());
   std::fill_n(hits.error, count, std::numeric_limits<double>::quiet_NaN());
@@ -57,8 +58,8 @@ inline void write_misses(const HitArrays& hits, std::size_t count) {
   std::fill_n(hits.cost, count, 0u);
 }
 
-/// Writes misses of all but some of at most 64 rays.
-/// @param hit  a bit for each ray that is left as it is
+/// Writes misses for all but some of at most 64 rays.
+/// @param hit  bit r set: ray r is left as it is
 inline void write_other_misses(const HitArrays& hits, std::size_t count, std::uint64_t hit) {
   constexpr std::size_t few = 8;
   for (std::size_t first = 0; first < count; first += few) {
@@ -94,13 +95,13 @@ inline RayArrays from(const RayBatch& rays, std::size_t first) {
   return from(arrays_of(rays), first);
 }
 
-/// A few rays of a batch, and their answers.
+/// A few rays of a batch and their hits.
 struct FewRays {
   RayBatch rays{RayGroup::size};
   HitBatch hits{RayGroup::size};
 };
 
-/// Asks another kernel about those rays of a chunk that begins at `first`.
+/// Traces the `chosen` rays (bit r: ray first + r) with another kernel and overwrites their hits.
 inline void ask_again(Kernel kernel, const VolumeImplementation& volume, const RayQuery& query, const RayBatch& rays,
                       std::size_t first, std::uint64_t chosen, HitBatch& hits, FewRays& few, KernelScratch& scratch) {
   const auto for_each_chosen = [&](auto&& act) {

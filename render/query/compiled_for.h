@@ -4,14 +4,15 @@
 
 #include "render/query/machine.h"
 
-/// Plain loops compiled for several machines, for work that gcc makes wide by itself.
+/// Plain loops compiled for several machines, for work that gcc vectorises by itself.
 ///
-/// The function is forced inline into one frame for each machine (RHORAY_INLINE, as all that it calls in its loops), so
-/// no code for one machine can be taken for shared code. Nothing is fused (-ffp-contract=off): where only operations
-/// are used that IEEE 754 rounds exactly, every machine computes the same numbers.
+/// The function is forced inline into one wrapper for each machine (RHORAY_INLINE, and so is
+/// everything that its loops call). So no code for one machine can be merged with code for another.
+/// Nothing is fused (-ffp-contract=off): where only operations are used that IEEE 754 rounds
+/// exactly, every machine computes the same numbers.
 namespace rhoray::render {
 
-// gcc keeps to vectors of 256 bits unless it is told otherwise; clang 14 has no word for that.
+// gcc keeps to vectors of 256 bits unless told otherwise; clang 14 has no such option.
 #if defined(__clang__)
 #define RHORAY_TARGET_AVX512 "avx2,fma,bmi2,avx512f,avx512bw,avx512cd,avx512dq,avx512vl"
 #else
@@ -49,7 +50,7 @@ constexpr auto choose(void (*)(Arguments...), Machine machine) {
 
 }  // namespace compiled
 
-/// `function`, which returns nothing, as compiled for a machine.
+/// `function`, which must return void, compiled for a machine.
 template <auto function>
 constexpr auto compiled_for(Machine machine) {
   return compiled::choose<function>(function, machine);

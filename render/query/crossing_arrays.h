@@ -8,7 +8,7 @@
 
 namespace rhoray::render::wide {
 
-/// A surface's crossings as plain arrays.
+/// The crossings with one surface as plain arrays.
 struct CrossingArrays {
   HitArrays hits[CrossingList::most];
   std::uint8_t* count;

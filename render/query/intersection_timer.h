@@ -5,7 +5,7 @@
 
 namespace rhoray::render {
 
-/// Adds the time of its life to the counters, when the question asks for it.
+/// Adds the time between construction and destruction to the counters if the query asks for it.
 class IntersectionTimer {
  public:
   RHORAY_INLINE IntersectionTimer(const RayQuery& query, KernelCounters& counters)

@@ -6,10 +6,11 @@
 
 namespace rhoray::render {
 
-/// What the judge leaves undecided of a crossing's place: about a millionth of a millionth of a cell.
+/// The uncertainty of the position of an exactly decided crossing: about a millionth of a millionth
+/// of a cell.
 inline constexpr double exact_width_cells = 0x1p-40;
 
-/// The number that stands for an enclosure, and how far the exact one may be from it.
+/// The number that stands for an enclosure, and a bound on its distance from the exact one.
 struct Middle {
   double value, error;
   explicit Middle(const Enclosure& enclosure)

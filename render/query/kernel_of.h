@@ -4,11 +4,11 @@
 
 namespace rhoray::render {
 
-/// How one ray's question is answered in a view.
+/// Answers the query for one ray in a view.
 template <class View>
 using Answer = Hit (*)(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch);
 
-/// The kernel that answers ray after ray.
+/// The kernel that answers one ray after the other.
 template <class View, Answer<View> answer>
 void kernel_of(const VolumeImplementation& volume, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                KernelScratch& scratch) {
@@ -21,7 +21,7 @@ void kernel_of(const VolumeImplementation& volume, const RayQuery& query, const 
   }
 }
 
-/// The kernel of one question for the way that it is to be answered in.
+/// The kernel of one query for an algorithm.
 template <class View, Answer<View> direct, Answer<View> sampled, Answer<View> certified, Answer<View> judged>
 Kernel kernel_for(Method::Algorithm algorithm) {
   switch (algorithm) {
@@ -37,7 +37,7 @@ Kernel kernel_for(Method::Algorithm algorithm) {
     case Method::Algorithm::slack:
       break;
   }
-  return kernel_of<View, direct>;  // which of these it is, the answer sees for itself
+  return kernel_of<View, direct>;  // the function itself distinguishes between these
 }
 
 }  // namespace rhoray::render

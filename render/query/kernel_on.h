@@ -2,10 +2,10 @@
 
 #include "render/query/kernels.h"
 
-/// What the choice of wide kernels has in common.
+/// What the choices of SIMD kernels have in common.
 namespace rhoray::render::wide {
 
-/// The ways in which wide kernels find first crossings.
+/// True for the methods by which SIMD kernels find first crossings.
 inline bool has_wide_crossings(const Method& method) {
   const bool is_float =
       method.precision == Method::Precision::float32 &&
@@ -13,7 +13,7 @@ inline bool has_wide_crossings(const Method& method) {
   return is_float || method.algorithm == Method::Algorithm::certified;
 }
 
-/// What kernel_of.operator()<machine>() gives; null for `scalar`, which has no wide kernels.
+/// The result of kernel_of.operator()<machine>(); null for `scalar`, which has no SIMD kernels.
 template <class KernelOf>
 Kernel kernel_on(Machine machine, const KernelOf& kernel_of) {
   switch (machine) {

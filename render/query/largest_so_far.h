@@ -7,7 +7,8 @@
 
 namespace rhoray::render {
 
-/// The largest value found on a ray through a mesh: of equal ones the nearest, there in the cell of the smallest id.
+/// The largest value found so far on a ray through a mesh. Of equal values the nearest counts, and
+/// at equal t the one in the cell with the smallest id.
 struct LargestSoFar {
   static constexpr double nothing = -std::numeric_limits<double>::infinity();
 

@@ -7,15 +7,20 @@
 
 namespace rhoray::render {
 
-/// The search for the largest value along one ray (paper, section 4.3), the same for grids and meshes: take the region
-/// with the largest bound, open it, put back what it consists of, until a found value comes first.
+/// The search for the largest value along one ray (paper, section 4.3), the same for grids and
+/// meshes. It takes the region with the largest bound from the queue, opens it and inserts its
+/// parts, until a found value comes first.
 ///
-/// `bound(level, cell)` is an upper bound of the values in a region; empty regions give -infinity.
-/// `open_leaf(entry, offer)` calls offer(value, t, cell id) for values that the ray reaches, none above entry.bound,
-/// and among them the largest in that leaf cell. Cells that the ray only touches, with a part of length zero, are left
-/// out. Of equal values the nearest is the answer, and at one t that of the cell which the ray enters first: a cell
-/// entered before another is opened before a value of the other is the answer, if it can hold the same.
-/// @param lower_bound  regions and values below it are dropped: the answer is the same as without, or a miss
+/// `bound(level, cell)` is an upper bound of the values in a region; it is -infinity for an empty
+/// region. `open_leaf(entry, offer)` calls offer(value, t, cell id) for values that the ray
+/// reaches. None of them exceeds entry.bound, and the largest in that leaf cell is among them.
+/// Cells that the ray only touches, over a length of zero, are left out.
+///
+/// Of equal values the nearest is the answer. At equal t the answer is the value of the cell that
+/// the ray enters first: if a cell entered earlier can hold the same value, it is opened before a
+/// later cell's value becomes the answer.
+/// @param lower_bound  regions and values below it are dropped: the answer is the same as without,
+///                     or a miss
 template <class Planes, class Bound, class OpenLeaf>
 Hit largest_value_search(const Ray& ray_lattice, const PlaneTimesOf<Planes>& planes, const WalkLattice& lattice,
                          int top_level, double lower_bound, KernelScratch& scratch, Bound&& bound,
@@ -57,7 +62,7 @@ Hit largest_value_search(const Ray& ray_lattice, const PlaneTimesOf<Planes>& pla
       put_level(child_level, children(lattice, entry.cell, lattice.cell_edge(child_level)), entry.t_in, entry.t_out);
       continue;
     }
-    // Only the leaf's largest value can be the answer; of equal ones the nearest.
+    // Only the leaf's largest value can be the answer, and of equal ones the nearest.
     MaximumQueue::Entry best;
     best.bound = nothing;
     open_leaf(entry, [&](double value, double t, std::uint64_t id) {
@@ -76,8 +81,8 @@ Hit largest_value_search(const Ray& ray_lattice, const PlaneTimesOf<Planes>& pla
   return {};
 }
 
-/// The most entries that one ray can have in the queue: a ray visits fewer than x + y + z cells of a level, and each is
-/// put in once; a found value takes the place of its leaf cell.
+/// The most entries that one ray can have in the queue. A ray visits fewer than x + y + z cells of
+/// a level and inserts each once; a found value replaces its leaf cell.
 inline std::size_t largest_queue_size(const WalkLattice& lattice, int top_level) {
   std::size_t entries = 0;
   for (int level = 0; level <= top_level; ++level) {

@@ -7,12 +7,12 @@
 
 namespace rhoray::render {
 
-/// What was prepared of one volume for the last isovalues asked about. Any thread may ask; while one prepares, others
-/// wait.
+/// Keeps what was prepared of one volume for the isovalues used last. Thread-safe; while one thread
+/// prepares, others wait.
 template <class Prepared>
 class LastIsovalues {
  public:
-  /// @param prepare  makes it (a shared pointer), where it is not kept
+  /// @param prepare  creates it (a shared pointer) where it is not kept
   template <class Prepare>
   std::shared_ptr<const Prepared> of(double isovalue, const Prepare& prepare) {
     const std::lock_guard lock(mutex_);

@@ -2,17 +2,19 @@
 
 namespace rhoray::render {
 
-/// What kernels are compiled for. `scalar` are the reference kernels, one ray at a time; the others are the wide ones,
-/// where there are some for the question, the volume and the method.
+/// The instruction sets that kernels are compiled for. `scalar` means the reference kernels, one
+/// ray at a time. The others mean the SIMD kernels, where there is one for the query, the volume
+/// and the method.
 enum class Machine { scalar, baseline, avx2, avx512 };
 
 const char* name_of(Machine machine);
 
-/// The best that this processor has, or what the environment variable RHORAY_MACHINE names (scalar, baseline, avx2 or
-/// avx512). Refuses a name that is none, and one that this processor does not have (ErrorCode::usage).
+/// The best machine that this processor has, or the one named by the environment variable
+/// RHORAY_MACHINE (scalar, baseline, avx2 or avx512). Refuses an unknown name and a machine that
+/// this processor does not have (ErrorCode::usage).
 Machine chosen_machine();
 
-/// True when this processor can run it.
+/// True when this processor can run code for this machine.
 bool has_machine(Machine machine);
 
 }  // namespace rhoray::render

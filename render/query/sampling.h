@@ -7,42 +7,44 @@
 #include "render/query/kernels.h"
 #include "render/traverse/lattice_walk.h"
 
-/// What other renderers do, for comparison: the field is sampled at even steps of t along the ray. A crossing is looked
-/// for where two samples in a row lie on different sides; the largest value is the largest sample. Regions whose values
-/// all lie on one side, or not above the largest sample so far, are passed over: their samples would say nothing else.
+/// What other renderers do, for comparison: the field is sampled at even steps of t along the ray.
+/// A crossing is sought where two consecutive samples lie on different sides; the largest value is
+/// the largest sample. Regions are skipped if their values all lie on one side, or not above the
+/// largest sample so far: their samples could not change the answer.
 ///
 /// A Sampler knows one ray in one kind of volume:
 ///   lattice(), planes(), ray_lattice()   the part of the ray that samples are taken on
-///   steps_per_t()                        cells of the lattice that the ray passes while t grows by 1
+///   steps_per_t()                        lattice cells that the ray passes while t grows by 1
 ///   walk(walk, counters, may_hold, region)
-///                                        calls region(t_in, t_out) for parts of the ray, in the order of t_in, that
-///                                        hold all samples in regions whose range may_hold what is looked for; returns
-///                                        when it is false
+///                                        calls region(t_in, t_out) for parts of the ray, in order
+///                                        of t_in. They contain all samples of regions whose range
+///                                        satisfies may_hold. Returns when region returns false
 ///   sample(t)                            the field there, NaN where there is no data
-///   complete(hit)                        cell and gradient of a hit at hit.t
+///   complete(hit)                        sets cell and gradient of a hit at hit.t
 namespace rhoray::render {
 
 namespace {
 
-/// The samples of a ray: number i at t_first + i * step.
+/// The samples of a ray: sample i lies at t_first + i * step.
 struct SampleTrain {
   double t_first, step;
 
   RHORAY_INLINE double t(std::int64_t i) const { return t_first + static_cast<double>(i) * step; }
-  /// The first sample at or after t.
+  /// The first sample at or after `from`.
   RHORAY_INLINE std::int64_t first_from(double from) const {
     return static_cast<std::int64_t>(std::ceil((from - t_first) / step));
   }
 };
 
-/// How a Sampler is to walk.
+/// How a Sampler walks.
 struct SampledWalk {
   Segment segment;
   bool use_hierarchy;
-  bool asks_cells;  ///< for their ranges too, not only those of regions above them
+  /// Tests the ranges of leaf cells too, not only those of the regions above them.
+  bool asks_cells;
 };
 
-/// The walk through a lattice, for a Sampler with top_level() and range(level, cell) of values.
+/// Walks a lattice, for a Sampler with top_level() and range(level, cell) of values.
 template <class Sampler, class MayHold, class Region>
 void walk_lattice(const Sampler& sampler, const SampledWalk& walk, KernelCounters& counters, MayHold&& may_hold,
                   Region&& region) {
@@ -61,7 +63,7 @@ void walk_lattice(const Sampler& sampler, const SampledWalk& walk, KernelCounter
                  walk.segment.t_in, walk.segment.t_out, enters, leaf);
 }
 
-/// Between samples on different sides: one linear step, or ten halvings.
+/// Refines a crossing between samples on different sides: one linear step, or ten bisections.
 template <class Sampler>
 double refine_between_samples(Sampler& sampler, const RayQuery& query, double t_lo, double f_lo, double t_hi,
                               double f_hi, std::uint32_t& iterations) {
@@ -93,7 +95,8 @@ Hit sampled_crossing(Sampler& sampler, const RayQuery& query, KernelCounters& co
   const auto can_cross = [&](const Interval<double>& range) {
     return range.lo < query.isovalue && query.isovalue <= range.hi;
   };
-  // Up to the sample after the region: the change may lie before it, in one that is passed over.
+  // Up to the first sample behind the region: the change may lie before that sample, in a region
+  // that is skipped.
   const auto look_for_change = [&](double t_in, double t_out) {
     const IntersectionTimer timer(query, counters);
     const std::int64_t end = train.first_from(t_out);

@@ -8,8 +8,9 @@
 
 namespace rhoray::render::wide {
 
-/// Where the rays of a group are while they cross a slab of the mirrored lattice: between planes first and last of the
-/// major axis all of them lie, on each of the other two axes, between two lines that rise.
+/// Encloses the rays of a group while they cross a slab of the mirrored lattice. All of them lie
+/// between planes first and last of the major axis and, on each of the other two axes, between two
+/// rising lines.
 struct Frustum {
   struct Line {
     double at_zero, slope;
@@ -17,19 +18,20 @@ struct Frustum {
   };
 
   int major;
-  int minor[2];        ///< rising
+  int minor[2];        ///< in rising order
   double first, last;  ///< on the major axis
   Line low[2], high[2];
 };
 
-/// Cells of some size on both minor axes, from the first to the last that the frustum meets in a slab.
+/// Cells of some size on both minor axes, from the first to the last that the frustum meets in a
+/// slab.
 struct SlabRectangle {
   int first[2], last[2];
 
   RHORAY_INLINE bool is_empty() const { return first[0] > last[0] || first[1] > last[1]; }
 };
 
-/// floor, for numbers far inside those of an int.
+/// floor(x), for numbers far inside the range of int.
 RHORAY_INLINE int floored(double x) {
   const int whole = static_cast<int>(x);
   return whole - (x < whole);
@@ -50,27 +52,27 @@ RHORAY_INLINE SlabRectangle rectangle_in_slab(const Frustum& frustum, int slab, 
   return cells;
 }
 
-/// Where something of the lattice, a number for each node or summit, lies in its array.
+/// Index computations for an array with one number for each node or super node of the lattice.
 struct MirroredPlaces {
   std::ptrdiff_t first = 0, step[3];
 
-  /// @param count  per axis
+  /// @param count  nodes or super nodes per axis
   RHORAY_INLINE MirroredPlaces(const MirroredLattice& lattice, const int* count)
       : step{1, count[0], static_cast<std::ptrdiff_t>(count[0]) * count[1]} {
     for (int a = 0; a < 3; ++a)
       if (lattice.is_mirrored(a)) first += (count[a] - 1) * step[a], step[a] = -step[a];
   }
 
-  /// Of the one whose coordinates along axes w, u, v are these.
+  /// Index of the element with these coordinates along axes w, u, v.
   RHORAY_INLINE std::ptrdiff_t of(int w, int at_w, int u, int at_u, int v, int at_v) const {
     return first + at_w * step[w] + at_u * step[u] + at_v * step[v];
   }
 };
 
-/// Calls visit(block) for the blocks with a bit, position in the mirrored lattice, that the frustum meets: from front
-/// to back for each ray of the group, until it returns false. It may make the frustum narrower; that counts from the
-/// next slab of nodes on.
-/// @param nodes, summits  as Occupancy has them, or what several have together
+/// Calls visit(block) for the blocks that have a bit and that the frustum meets, with positions in
+/// the mirrored lattice. The order is front to back for each ray of the group. Ends when visit
+/// returns false. Visit may make the frustum narrower; this takes effect at the next slab of nodes.
+/// @param nodes, super_nodes as in Occupancy, or the union of several
 template <class Words, class Visit>
 RHORAY_INLINE void walk_blocks(const Frustum& frustum, const MirroredLattice& lattice, const Words& nodes,
                                const Words& super_nodes, Visit&& visit) {

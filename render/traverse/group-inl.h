@@ -25,7 +25,7 @@ HWY_INLINE std::uint64_t first_rays(std::size_t count) {
   return count >= 64 ? all_rays : (std::uint64_t{1} << count) - 1;
 }
 
-/// The signs of a chunk's directions, a bit per ray.
+/// Properties of a chunk's directions, a bit per ray.
 struct Directions {
   std::uint64_t down[3];   ///< moves towards lower planes
   std::uint64_t steep[3];  ///< moves along the axis at least a quarter as fast as along any other
@@ -33,7 +33,7 @@ struct Directions {
   std::uint64_t usable;  ///< finite, and moves
 };
 
-/// True where 1 / d is a finite number: below, a ray passes no plane (PlaneTimesOf).
+/// True where 1 / d is finite; otherwise a ray passes no plane of this axis (PlaneTimesOf).
 HWY_INLINE MaskD has_finite_inverse(VecD d) {
   return hn::Gt(hn::Abs(d), hn::Set(doubles, 0x1p-1024));
 }
@@ -61,7 +61,8 @@ HWY_INLINE Directions directions_of(const RayArrays& rays, std::size_t count) {
   return bits;
 }
 
-/// The rays of `remaining` in the octant of its first one, of which one axis is steep for all; at least that first.
+/// Those rays of `remaining` in the octant of its first ray for which one common axis is steep. At
+/// least that first ray.
 struct ChosenRays {
   std::uint64_t rays;
   unsigned octant;
@@ -78,7 +79,7 @@ HWY_INLINE ChosenRays rays_of_one_octant(const Directions& directions, std::uint
   int most = -1;
   for (int a = 0; a < 3; ++a) {
     if ((directions.steep[a] >> first & 1) == 0) continue;
-    // Of axes that are steep for as many, the one that is fastest for more.
+    // Among axes that are steep for equally many rays, prefer the one that is fastest for more.
     const int steep = std::popcount(chosen.rays & directions.steep[a]),
               fastest = std::popcount(chosen.rays & directions.fastest[a]);
     if (const int score = 128 * steep + fastest; score > most) most = score, chosen.major = a;
@@ -87,7 +88,7 @@ HWY_INLINE ChosenRays rays_of_one_octant(const Directions& directions, std::uint
   return chosen;
 }
 
-/// Puts these rays of a chunk into the group, from its first lane on.
+/// Copies these rays of a chunk into the group, from its first lane on.
 HWY_INLINE void gather_rays(const RayArrays& rays, std::uint64_t chosen, RayGroup& group) {
   group.count = static_cast<std::size_t>(std::popcount(chosen));
   group.is_in_order = chosen == first_rays(group.count);
@@ -125,7 +126,7 @@ HWY_INLINE void gather_rays(const RayArrays& rays, std::uint64_t chosen, RayGrou
   }
 }
 
-/// Puts a clipped ray of a group behind those of another.
+/// Copies a clipped ray of a group into a lane of another group.
 HWY_INLINE void copy_ray(const RayGroup& from, std::size_t ray, RayGroup& to, std::size_t lane) {
   for (int a = 0; a < 3; ++a) {
     to.origin[a][lane] = from.origin[a][ray], to.direction[a][lane] = from.direction[a][ray];
@@ -135,17 +136,19 @@ HWY_INLINE void copy_ray(const RayGroup& from, std::size_t ray, RayGroup& to, st
   to.index[lane] = from.index[ray];
 }
 
-/// True where two times lie so close together that rounding may have exchanged them (WalkRounding::may_be_exchanged),
-/// or where they are not finite numbers.
+/// True where two times lie so close together that rounding may have exchanged them
+/// (WalkRounding::may_be_exchanged), or where they are not finite numbers.
 HWY_INLINE MaskD may_be_exchanged(VecD a, VecD b) {
   const VecD largest = hn::Max(hn::Abs(a), hn::Abs(b));
   return hn::Not(hn::Gt(hn::Abs(hn::Sub(a, b)), hn::Mul(hn::Set(doubles, 0x1p-50), largest)));
 }
 
-/// Plane origins, inverses and the parts inside the lattice, as clip_to_lattice finds them.
+/// Computes plane origins, inverses and the parts inside the lattice, with the results of
+/// clip_to_lattice.
 HWY_INLINE void clip_group(const int* leaf_count, RayGroup& group) {
   const VecD zero = hn::Zero(doubles), half = hn::Set(doubles, 0.5);
-  const VecD never = hn::Set(doubles, 0x1p960);  // an inverse with which no plane ahead is ever reached
+  // An inverse with which no plane ahead is ever reached.
+  const VecD never = hn::Set(doubles, 0x1p960);
   group.inside = 0, group.grazing = 0;
   for (std::size_t r = 0; r < group.count; r += double_lanes) {
     VecD t_in = hn::Load(doubles, group.t_in + r), t_out = hn::Load(doubles, group.t_out + r);
@@ -178,7 +181,7 @@ HWY_INLINE void clip_group(const int* leaf_count, RayGroup& group) {
   }
 }
 
-/// A mirrored coordinate of the rays' origins, and how fast it grows.
+/// A mirrored coordinate of the rays' origins, and the speed at which it grows.
 template <class Group>
 HWY_INLINE VecD mirrored_origin(const MirroredLattice& lattice, const Group& group, int axis, std::size_t r) {
   const VecD o = hn::Load(doubles, group.origin[axis] + r);
@@ -188,13 +191,13 @@ template <class Group>
 HWY_INLINE VecD speed(const Group& group, int axis, std::size_t r) {
   return hn::Abs(hn::Load(doubles, group.direction[axis] + r));
 }
-/// How far rays go along an axis while they go by 1 along the major axis.
+/// How far rays move along an axis while they move by 1 along the major axis.
 HWY_INLINE VecD slope_along(const RayGroup& group, int axis, std::size_t r) {
   return hn::Mul(speed(group, axis, r), hn::Abs(hn::Load(doubles, group.inverse[group.major] + r)));
 }
 
-/// Around the parts of these rays, of those that have one, inside the lattice. Wider than they are by a margin in which
-/// all rounding of positions and plane times is lost.
+/// The frustum around the parts inside the lattice of these rays; each must have such a part. It is
+/// wider by a margin that covers all rounding of positions and plane times.
 HWY_INLINE Frustum frustum_around(const MirroredLattice& lattice, const RayGroup& group, std::uint64_t rays) {
   constexpr double far = 0x1p1000;
   const VecD high = hn::Set(doubles, far), low = hn::Set(doubles, -far);
@@ -241,7 +244,7 @@ HWY_INLINE Frustum frustum_around(const MirroredLattice& lattice, const RayGroup
   return frustum;
 }
 
-/// True where the frustum is so wide that most of the blocks in it are met by no ray.
+/// True where the frustum is so wide that no ray meets most of the blocks in it.
 HWY_INLINE bool is_too_wide(const Frustum& frustum, std::size_t ray_count) {
   double largest = 0;
   for (const double w : {frustum.first, frustum.last}) {
@@ -252,13 +255,14 @@ HWY_INLINE bool is_too_wide(const Frustum& frustum, std::size_t ray_count) {
   return largest > 4.0 * static_cast<double>(ray_count);
 }
 
-/// Fewer rays than this have nothing in common that pays.
+/// Fewer rays than this share too little for a group to pay off.
 inline constexpr std::size_t fewest_together = 8;
 
-/// Calls visit(group, lattice, frustum) with groups of the rays of a chunk until each that enters the lattice was in
-/// one. Groups of few rays and those that are too wide are offered to scatter(group) first; if it does not take these,
-/// their rays are visited one by one.
-/// @return  rays of the chunk of which rounding hides whether they meet the lattice
+/// Calls visit(group, lattice, frustum) with groups of the rays of a chunk until every ray that
+/// enters the lattice was in one. Groups of few rays and groups that are too wide are offered to
+/// scatter(group) first. Where scatter declines, the rays of a group that is too wide are visited
+/// one by one.
+/// @return  rays of the chunk for which rounding hides whether they meet the lattice
 template <class Visit, class Scatter>
 HWY_INLINE std::uint64_t for_each_group(const RayArrays& rays, std::size_t count, const int* leaf_count,
                                         const std::array<int, 3>& node_count, RayGroup& group, Visit&& visit,

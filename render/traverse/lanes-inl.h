@@ -1,4 +1,5 @@
-// What the sources compiled once per machine share: numbers of lanes, bits of masks. Included again for each machine.
+// Shared by the sources that are compiled once per machine: numbers of lanes, bits of masks.
+// Included again for each machine.
 #if defined(RHORAY_WIDE_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_LANES_INL_H
 #undef RHORAY_WIDE_LANES_INL_H
@@ -36,7 +37,7 @@ inline constexpr HalfInts half_ints{};
 inline constexpr std::size_t double_lanes = hn::MaxLanes(doubles);
 inline constexpr std::size_t float_lanes = hn::MaxLanes(floats);
 
-/// The lanes of a mask as bits, the first lane's lowest.
+/// The lanes of a mask as bits; the first lane is the lowest bit.
 template <class D>
 HWY_INLINE std::uint64_t bits_of(D tag, hn::Mask<D> mask) {
 #if HWY_TARGET <= HWY_AVX3 && HWY_TARGET != HWY_SCALAR
@@ -51,7 +52,7 @@ HWY_INLINE std::uint64_t bits_of(D tag, hn::Mask<D> mask) {
 #endif
 }
 
-/// The mask of the lowest bits.
+/// The mask given by the lowest bits.
 template <class D>
 HWY_INLINE hn::Mask<D> mask_of(D tag, std::uint64_t bits) {
   HWY_ALIGN std::uint8_t bytes[8];
@@ -64,19 +65,20 @@ HWY_INLINE hn::Mask<D> no_lane(D tag) {
   return hn::FirstN(tag, 0);
 }
 
-/// Writes the chosen lanes of a vector side by side, where there is room for all of them. Not as CompressStore: what it
-/// becomes on AVX-512 takes more than a hundred cycles on some processors (Zen 4).
-/// @return  how many
+/// Writes the chosen lanes of a vector side by side; there must be room for all lanes. This avoids
+/// CompressStore: what it compiles to on AVX-512 takes more than a hundred cycles on some
+/// processors (Zen 4).
+/// @return  number of chosen lanes
 template <class Tag>
 HWY_INLINE std::size_t store_chosen(Tag tag, hn::Vec<Tag> v, hn::Mask<Tag> chosen, hn::TFromD<Tag>* to) {
   hn::StoreU(hn::Compress(v, chosen), tag, to);
   return hn::CountTrue(tag, chosen);
 }
 
-/// Vectors of doubles that hold as many lanes as one of floats.
+/// Number of vectors of doubles that hold as many lanes as one of floats.
 inline constexpr std::size_t parts_of_floats = float_lanes / double_lanes;
 
-/// Those lanes of floats that vector `part` of doubles holds.
+/// The lanes of floats that belong to vector `part` of doubles.
 HWY_INLINE VecD as_doubles(VecF x, std::size_t part) {
 #if HWY_TARGET == HWY_SCALAR
   (void)part;
@@ -94,7 +96,7 @@ HWY_INLINE VecF as_floats(const VecD* parts) {
 #endif
 }
 
-/// True in lanes that are finite numbers.
+/// True in lanes that hold finite numbers.
 HWY_INLINE MaskD is_finite(VecD x) {
   return hn::Le(hn::Abs(x), hn::Set(doubles, 1.7976931348623157e308));
 }

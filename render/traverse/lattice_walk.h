@@ -9,7 +9,8 @@
 
 namespace rhoray::render {
 
-/// The lattice that a ray walks through: leaf cells, and macrocells of factor^level leaf cells per axis.
+/// The lattice that a ray walks through: leaf cells, and macrocells of factor^level leaf cells per
+/// axis.
 struct WalkLattice {
   Index3 leaf_count;
   std::int64_t factor = 2;
@@ -45,32 +46,37 @@ RHORAY_INLINE CellBlock children(const WalkLattice& lattice, const Index3& cell,
   return block;
 }
 
-/// One cell of one level on the way of a ray.
+/// One cell of one level on the path of a ray.
 struct CellVisit {
   Index3 cell;  ///< position in its level
   double t_in = 0;
-  double t_out = 0;   ///< not before t_in; equal where the ray touches an edge or a corner
-  int axis_in = -1;   ///< axis of the last plane passed at t_in, or -1: the ray starts between planes
-  int axis_out = -1;  ///< axis of the first plane passed at t_out, or -1: the ray ends between planes
+  double t_out = 0;  ///< not before t_in; equal where the ray touches an edge or a corner
+  /// Axis of the last plane passed at t_in, or -1: the ray starts between planes.
+  int axis_in = -1;
+  /// Axis of the first plane passed at t_out, or -1: the ray ends between planes.
+  int axis_out = -1;
 
   RHORAY_INLINE bool has_no_length() const { return !(t_in < t_out); }
 
-  /// The t at a share s of the way through the cell; exactly t_in and t_out at 0 and 1.
+  /// The t at a share s of the path through the cell; exactly t_in and t_out at 0 and 1.
   RHORAY_INLINE double t_at(double s) const { return std::clamp((1 - s) * t_in + s * t_out, t_in, t_out); }
 };
 
-/// Walks one level's cells front to back (Amanatides and Woo, Eurographics '87), from the cell where the ray is at t_in
-/// until it leaves the block or passes t_out, and calls visit(const CellVisit&) for each; visit returns true to go on.
+/// Walks one level's cells front to back (Amanatides and Woo, Eurographics '87), from the cell
+/// where the ray is at t_in until it leaves the block or passes t_out. Calls visit(const
+/// CellVisit&) for each cell; visit returns true to go on.
 ///
-/// Planes that are passed at the same time are passed in the order x, y, z, through cells of length zero, so that
-/// consecutive cells always share a face; at the first cell all planes of time <= t_in count as passed.
+/// Planes with equal times are passed in the order x, y, z, through cells of length zero, so that
+/// consecutive cells always share a face. At the first cell all planes of time <= t_in count as
+/// passed.
 /// @param edge  leaf cells per axis of a cell of this level
 /// @return      false when visit ended the walk
 template <class Planes, class Visit>
 RHORAY_INLINE bool walk_level(const Ray& ray, const PlaneTimesOf<Planes>& planes, const WalkLattice& lattice,
                               std::int64_t edge, const CellBlock& block, double t_in, double t_out, Visit&& visit) {
   constexpr double never = std::numeric_limits<double>::infinity();
-  // When a cell at position c is entered and left; its upper side is cut off where the lattice ends.
+  // Time at which the ray passes a side of the cell at position c; the upper side is cut off where
+  // the lattice ends.
   const auto side_time = [&](int axis, std::int64_t c, bool upper) {
     if (planes.step(axis) == 0) return upper ? never : -never;
     return planes.at(axis, upper ? std::min((c + 1) * edge, lattice.leaf_count[axis]) : c * edge);
@@ -114,10 +120,11 @@ RHORAY_INLINE bool walk_level(const Ray& ray, const PlaneTimesOf<Planes>& planes
   }
 }
 
-/// Walks the hierarchy front to back from level `level` down to the leaf cells (paper, section 3): `enters(level,
-/// visit)` says whether a macrocell is opened, `leaf(visit)` sees each leaf cell of the opened ones and returns true to
-/// go on. It sees the same visits, bit for bit, as the plain walk sees in the opened macrocells, but for cells of
-/// length zero: of those it may see fewer.
+/// Walks the hierarchy front to back from level `level` down to the leaf cells (paper, section 3).
+/// `enters(level, visit)` returns whether a macrocell is opened. `leaf(visit)` is called for each
+/// leaf cell of the opened macrocells and returns true to go on. Its visits are, bit for bit, those
+/// of the plain walk in the opened macrocells, except that some cells of length zero may be left
+/// out.
 template <class Planes, class Enters, class Leaf>
 bool walk_hierarchy(const Ray& ray, const PlaneTimesOf<Planes>& planes, const WalkLattice& lattice, int level,
                     const CellBlock& block, double t_in, double t_out, Enters& enters, Leaf& leaf) {

@@ -7,23 +7,30 @@
 
 namespace rhoray::render {
 
-/// The priority queue of maximum-intensity projection (paper, section 4.3): regions of a ray with an upper bound of
-/// their values, and values found. Largest first; among equals the one nearer to the eye, and there a found value
-/// first, of several the one in the cell that the ray enters first, then that of the smallest id: so the answer is the
-/// largest value at the smallest t, on a face between two cells in the one before it, whatever the order of insertion.
+/// The priority queue of maximum-intensity projection (paper, section 4.3): regions of a ray with
+/// an upper bound of their values, and values found. The order is:
+/// 1. the largest value first;
+/// 2. among equals, the one nearer to the eye;
+/// 3. at the same t, found values before regions;
+/// 4. of several found values, the one in the cell that the ray enters first, then the one of the
+///    smallest id.
+///
+/// So the answer is the largest value at the smallest t. On a face between two cells it is the
+/// value of the cell before the face. The order of insertion has no influence.
 class MaximumQueue {
  public:
   static constexpr int found = -1;
 
   struct Entry {
-    double bound = 0;      ///< no value in the region is larger; the value itself when found
-    double t_in = 0;       ///< where the region begins, or where the value was found
-    double t_out = 0;      ///< where it ends; of a found value where the ray enters the cell in which it lies
+    double bound = 0;  ///< no value in the region is larger; the value itself when found
+    double t_in = 0;   ///< where the region begins, or where the value was found
+    /// Where the region ends; for a found value, where the ray enters its cell.
+    double t_out = 0;
     Index3 cell{0, 0, 0};  ///< position in its level
     int level = found;     ///< level of the region's macrocell, 0 for a leaf cell
     int axis_in = -1;
     int axis_out = -1;
-    std::uint64_t id = 0;  ///< of the cell in which a found value lies
+    std::uint64_t id = 0;  ///< id of the cell of a found value
   };
 
   /// Room for everything that one ray can insert; called once per thread and frame, never per ray.

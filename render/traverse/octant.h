@@ -5,12 +5,12 @@
 
 #include "formats/base/checks.h"
 
-/// Rays of one octant walk through a mirrored lattice in which every component of their directions is positive or zero:
-/// a ray then only moves up in each coordinate, and the order x + 4 y + 16 z of a node's blocks is one from front to
-/// back for all of them.
+/// Rays of one octant walk through a mirrored lattice in which every component of their directions
+/// is positive or zero. So a ray only moves up in each coordinate, and the order x + 4 y + 16 z of
+/// a node's blocks is front to back for all of them.
 namespace rhoray::render::wide {
 
-/// 64 bits, one for each (x, y, z) with 0 to 3 each, at x + 4 y + 16 z, mirrored on the axes of the octant.
+/// Mirrors 64 bits on the axes of the octant. Each (x, y, z), 0 to 3 each, has bit x + 4 y + 16 z.
 RHORAY_INLINE std::uint64_t mirrored_bits(std::uint64_t bits, unsigned octant) {
   if (octant & 1) {
     bits = (bits >> 1 & 0x5555555555555555) | (bits & 0x5555555555555555) << 1;
@@ -27,8 +27,8 @@ RHORAY_INLINE std::uint64_t mirrored_bits(std::uint64_t bits, unsigned octant) {
   return bits;
 }
 
-/// A set of 0 to 3 on an axis (4 bits), as the bits of that axis among the 64 where the other coordinates are 0. The
-/// product of sets of different axes is the box that they span.
+/// A set of coordinates 0 to 3 on an axis (4 bits), as the bits of that axis among the 64 where the
+/// other coordinates are 0. The product of sets of different axes is the box that they span.
 RHORAY_INLINE std::uint64_t spread_bits(unsigned set, int axis) {
   constexpr std::uint64_t y[16] = {0x0000, 0x0001, 0x0010, 0x0011, 0x0100, 0x0101, 0x0110, 0x0111,
                                    0x1000, 0x1001, 0x1010, 0x1011, 0x1100, 0x1101, 0x1110, 0x1111};
@@ -39,15 +39,15 @@ RHORAY_INLINE std::uint64_t spread_bits(unsigned set, int axis) {
   return axis == 0 ? set : axis == 1 ? y[set] : z(set);
 }
 
-/// Those of 0 to 3 that lie in first..last, as bits.
+/// The coordinates 0 to 3 that lie in first..last, as bits.
 RHORAY_INLINE unsigned range_bits(int first, int last) {
   first = first < 0 ? 0 : first;
   last = last > 3 ? 3 : last;
   return first > last ? 0u : (0xfu << first) & (0xfu >> (3 - last));
 }
 
-/// The lattice as rays of an octant see it. Mirrored axes begin where the last summit of the occupancy ends, so that
-/// blocks, nodes and summits lie on blocks, nodes and summits.
+/// The lattice as rays of an octant see it. Mirrored axes begin where the last super node of the
+/// occupancy ends, so that blocks, nodes and super nodes map to blocks, nodes and super nodes.
 struct MirroredLattice {
   unsigned octant;    ///< bit a: axis a is mirrored
   int node_count[3];  ///< multiples of 4
@@ -57,10 +57,11 @@ struct MirroredLattice {
 
   RHORAY_INLINE bool is_mirrored(int axis) const { return (octant >> axis & 1) != 0; }
 
-  /// Position of mirrored plane k of an axis: exact.
+  /// Position of mirrored plane k of an axis; exact.
   RHORAY_INLINE double plane(int axis, int k) const { return is_mirrored(axis) ? 16.0 * node_count[axis] - k : k; }
 
-  /// The block that a mirrored block is, and the other way round; the same for nodes and cells with their counts.
+  /// Maps a mirrored block to its block, and vice versa; the same for nodes and super nodes with
+  /// their counts.
   RHORAY_INLINE int block(int axis, int mirrored) const {
     return is_mirrored(axis) ? 4 * node_count[axis] - 1 - mirrored : mirrored;
   }

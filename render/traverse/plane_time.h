@@ -5,15 +5,16 @@
 
 namespace rhoray::render {
 
-/// How a ray lies to a plane.
+/// How a ray passes a plane.
 struct PlanePassage {
-  double along;  ///< how fast it moves to the side of the normal
-  double t;      ///< when it passes the plane; infinite or NaN where along is 0
-  double ahead;  ///< above 0: it starts on the other side
+  double along;  ///< speed towards the side of the normal
+  double t;      ///< where it passes the plane; infinite or NaN where along is 0
+  double ahead;  ///< above 0: the ray starts on the other side
 };
 
-/// All who ask when a ray passes a plane ask here: of one plane they get the same bits, whichever way its normal
-/// points. t is off by no more than the rounding of two products of three terms, and of a quotient.
+/// The one function that computes when a ray passes a plane, so that all callers get the same bits
+/// for a plane, whichever way its normal points. The error of t is at most the rounding of two
+/// products of three terms and of a quotient.
 RHORAY_INLINE PlanePassage passage_of(const Vec3& point, const Vec3& normal, const Vec3& origin,
                                       const Vec3& direction) {
   const double along = normal.x * direction.x + normal.y * direction.y + normal.z * direction.z;

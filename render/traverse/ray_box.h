@@ -12,10 +12,10 @@ struct Segment {
   double t_out = 0;
 };
 
-/// The part of a ray inside the closed box between planes 0 and `size`, or nothing. A ray that lies in a face is
-/// inside; one that touches an edge or a corner, as far as its plane times tell, keeps a part of length zero. Both ends
-/// are finite numbers: a direction of zero, NaN anywhere, an infinite origin or direction, and a t beyond all numbers
-/// give nothing.
+/// The part of a ray inside the closed box between planes 0 and `size`, or nothing. A ray that lies
+/// in a face is inside. A ray that touches an edge or a corner, as far as its plane times tell,
+/// keeps a part of length zero. Both ends are finite numbers: nothing is returned for a direction
+/// of zero, NaN anywhere, an infinite origin or direction, or a t that overflows.
 template <class Planes>
 RHORAY_INLINE std::optional<Segment> clip_to_lattice(const Ray& ray, const PlaneTimesOf<Planes>& planes,
                                                      const Index3& size) {

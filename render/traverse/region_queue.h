@@ -8,18 +8,18 @@
 
 namespace rhoray::render::wide {
 
-/// Regions of the frustum of a group with the largest value in each, the largest first: 256 buckets of values, and in
-/// each the last one put in.
+/// Regions of a group's frustum with the largest value in each, taken in falling order of value:
+/// 256 buckets of values, last in first out within a bucket.
 class RegionQueue {
  public:
   struct Region {
     double largest;
-    std::int16_t at[3];  ///< mirrored, in regions of its size
+    std::int16_t at[3];  ///< mirrored; in units of regions of this size
     std::uint16_t is_block;
     std::uint32_t next;
   };
 
-  /// For regions with values between these.
+  /// Empties the queue, for regions with values in this range.
   RHORAY_INLINE void clear(double lowest, double highest) {
     lowest_ = lowest;
     buckets_per_unit_ = highest > lowest ? 255 / (highest - lowest) : 0;
@@ -29,15 +29,15 @@ class RegionQueue {
 
   RHORAY_INLINE int bucket_of(double largest) const {
     const double at = (largest - lowest_) * buckets_per_unit_;
-    return at > 0 ? (at < 255 ? static_cast<int>(at) : 255) : 0;  // a NaN, from -infinity, comes to 0
+    return at > 0 ? (at < 255 ? static_cast<int>(at) : 255) : 0;  // a NaN, from -infinity, gives 0
   }
 
-  /// About the least value of those in a bucket.
+  /// About the smallest value in a bucket.
   RHORAY_INLINE double least_of(int bucket) const {
     return bucket > 0 ? lowest_ + bucket / buckets_per_unit_ : lowest_;
   }
 
-  /// False where it is full.
+  /// Returns false where the queue is full.
   RHORAY_INLINE bool put(double largest, const int* at, bool is_block) {
     std::uint32_t place = unused_;
     if (place != none)
@@ -66,7 +66,7 @@ class RegionQueue {
     return -1;
   }
 
-  /// What take() of this bucket, one that has regions, would return.
+  /// What take(bucket) would return; the bucket must have regions.
   RHORAY_INLINE const Region& first_in(int bucket) const { return regions_[first_[bucket]]; }
 
   RHORAY_INLINE Region take(int bucket) {

@@ -7,7 +7,8 @@
 
 namespace rhoray::render {
 
-/// A counter that rises evenly and is cheap to read; its unit is found by comparing with a clock over the whole frame.
+/// A counter that rises evenly and is cheap to read. Its unit is found by comparison with a clock
+/// over the whole frame.
 RHORAY_INLINE std::uint64_t ticks_now() {
 #ifdef __x86_64__
   return __builtin_ia32_rdtsc();

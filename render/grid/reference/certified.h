@@ -8,15 +8,17 @@
 #include "render/grid/reference/passage.h"
 #include "render/grid/reference/resumed.h"
 
-/// The first crossing of a grid's isosurface, proven: what arithmetic of a precision cannot decide with its rounding
-/// included is decided in double precision, and what that cannot decide by the judge.
+/// The certified first crossing of a grid's isosurface. What one precision cannot decide, with its
+/// rounding included, is decided in double precision; what that cannot decide is decided by exact
+/// arithmetic.
 namespace rhoray::render {
 
 namespace {
 
-/// What a ray's walk through the lattice may be off by, by rounding.
+/// Error bounds of a ray's walk through the lattice.
 struct WalkRounding {
-  /// A plane's time is (plane - origin) / direction in three operations: its error is below 2^-51 of itself.
+  /// A plane's time is (plane - origin) / direction in three operations: its relative error is
+  /// below 2^-51.
   static constexpr double of_time = 0x1p-51;
 
   /// True when rounding may have exchanged the times.
@@ -25,7 +27,8 @@ struct WalkRounding {
   }
 };
 
-/// True when the ray certainly does not meet the closed box of the lattice; false also where rounding hides it.
+/// True when the ray certainly does not meet the closed box of the lattice; false also where
+/// rounding hides it.
 template <class Planes>
 bool certainly_misses(const Ray& ray, const PlaneTimesOf<Planes>& planes, const Index3& size) {
   double t_in = ray.t_min, t_out = ray.t_max;
@@ -45,8 +48,8 @@ bool certainly_misses(const Ray& ray, const PlaneTimesOf<Planes>& planes, const 
   return !moves || (t_in > t_out && !WalkRounding::may_be_exchanged(t_in, t_out));
 }
 
-/// True when the ray passes, where it enters or leaves a region, so close to a second plane that rounding may have put
-/// it on the wrong side of the edge between them.
+/// True when the ray, where it enters or leaves a region, passes so close to a second plane that
+/// rounding may have put it on the wrong side of the edge between them.
 template <class Planes>
 bool passes_close_to_edge(const PlaneTimesOf<Planes>& planes, const WalkLattice& lattice, std::int64_t edge,
                           const CellVisit& visit) {
@@ -63,7 +66,8 @@ bool passes_close_to_edge(const PlaneTimesOf<Planes>& planes, const WalkLattice&
   return false;
 }
 
-/// True when one of the regions around holds both sides, or none: then it matters through which of them the ray passes.
+/// True when one of the neighbouring regions contains both sides or no data: then it matters which
+/// of them the ray passes through.
 template <class View>
 bool sides_change_around(const View& view, double isovalue, int level, const Index3& cell) {
   const WalkLattice lattice = view.lattice();
@@ -82,23 +86,26 @@ bool sides_change_around(const View& view, double isovalue, int level, const Ind
   return false;
 }
 
-/// How far a point of the ray at t, in a cell's coordinates, may be from the exact ray's, on any axis.
+/// Bound on the distance, in a cell's coordinates and on any axis, between the ray's computed point
+/// at t and the exact one.
 template <class Geometry>
 double point_error(const Geometry& geometry, const Ray& ray, const Index3& cell, double t) {
   double error = 0;
   for (int a = 0; a < 3; ++a) {
-    // The time's own error along the axis, two roundings of the position, and two of its place in the cell.
+    // The time's own error along the axis, two roundings of the position, and two of its coordinate
+    // in the cell.
     const double reach = std::abs(ray.origin[a]) + std::abs(t) * std::abs(ray.direction[a]);
     error = std::max(error, geometry.direction_in_cell(a, reach, cell[a]));
   }
   return 4 * WalkRounding::of_time * error + 0x1p-52;
 }
 
-/// True when all cells through which the ray may pass at t have the field on the same side there: whatever rounding
-/// exchanged, there is no change in them.
+/// True when all cells that the ray may pass through at t have the field on the same side there:
+/// whatever rounding exchanged, there is no change in them.
 ///
-/// Planes that may be exchanged are passed at most 4 of_time |t| apart, which moves a point by no more than its own
-/// error: the ray's parts between them lie within twice that of the point, in each cell's own coordinates.
+/// Planes that may be exchanged are passed at most 4 of_time |t| apart, which moves a point by no
+/// more than its own error. So the ray's parts between them lie within twice that of the point, in
+/// each cell's own coordinates.
 template <class View, class Planes>
 bool stays_on_one_side_at(const View& view, double isovalue, const Ray& ray, const PlaneTimesOf<Planes>& planes,
                           double t) {
@@ -186,8 +193,8 @@ CertifiedHit certified_crossing(const View& view, const RayQuery& query, const R
   return answer;
 }
 
-/// What single precision could not decide: by double precision, or else by the judge.
-/// @param from  a ray that is asked about from some place on is asked about as a whole where that leaves a doubt
+/// Decides what single precision could not: in double precision, or else by exact arithmetic.
+/// @param from  where to begin; if that leaves a doubt, the whole ray is traced
 template <class View>
 Hit certified_first_crossing_redone(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch,
                                     const ResumedAt& from = {}) {
@@ -206,8 +213,9 @@ Hit certified_first_crossing(const View& view, const RayQuery& query, const Ray&
   return answer.is_certain ? answer.hit : certified_first_crossing_redone(view, query, ray, scratch);
 }
 
-/// The largest value with a bound of its error: nothing on the ray lies above value + error, and the largest value is
-/// not below value - error. The t of a plateau, or of one of several nearly equal summits, is not certified.
+/// The largest value with an error bound: nothing on the ray lies above value + error, and the
+/// largest value is not below value - error. The t of a plateau, or of one of several nearly equal
+/// maxima, is not certified.
 template <class View>
 Hit certified_largest_value(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
   const auto planes = view.plane_times(ray);
@@ -225,9 +233,11 @@ Hit certified_largest_value(const View& view, const RayQuery& query, const Ray& 
     return CubicMaximum{best.value, best.s};
   };
   Hit hit = search_largest(view, query, ray, planes, -std::numeric_limits<double>::infinity(), scratch, in_cell);
-  if (hit.is_miss()) return exact_largest_hit(view, query, ray, scratch);  // parts of length zero, by rounding
-  // A cell that the ray only grazes may have been left out by rounding: it shares an edge with one that was not, and
-  // its values differ from those on the edge by no more than the field can change over the rounding.
+  // Parts of length zero, by rounding.
+  if (hit.is_miss()) return exact_largest_hit(view, query, ray, scratch);
+  // Rounding may have left out a cell that the ray only grazes. Such a cell shares an edge with one
+  // that was not left out. Its values differ from those on the edge by no more than the field can
+  // change over the rounding.
   hit.error = std::max(largest_possible - hit.value, 0x1p-50 * std::abs(hit.value)) +
               3.1 * worst_place * (query.field_range.hi - query.field_range.lo);
   return hit;

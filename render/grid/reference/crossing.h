@@ -3,8 +3,8 @@
 #include "render/cell/crossing_methods.h"
 #include "render/grid/reference/passage.h"
 
-/// The first crossing of a grid's isosurface by the methods that look into one cell after another: direct, preview and
-/// the paper's.
+/// The first crossing with a grid's isosurface by the methods that search one cell after another:
+/// direct, preview and the paper's.
 namespace rhoray::render {
 
 namespace {
@@ -27,8 +27,9 @@ RHORAY_INLINE CellPassage passage_of(const Geometry& geometry, const Ray& ray, c
   return passage;
 }
 
-/// True where a ray that starts in a crossing does not get farther from the surface in this cell than its start may be:
-/// the ray may be here, or on this side, only because the crossing's place is rounded.
+/// True where a ray that starts in a crossing does not get farther from the surface in this cell
+/// than the start's own error. The ray may then be in this cell, or on this side, only because the
+/// position of the crossing is rounded.
 RHORAY_INLINE bool stays_at_start(const TrilinearCell& cell, const Vec3& in, const Vec3& out, double isovalue) {
   const double near = start_error_cells * (cell.largest() - cell.smallest());
   const CubicOf<double> cubic = minus<double>(cell, isovalue).cell.along(in, out);
@@ -54,8 +55,8 @@ Hit crossing_by_method(const View& view, const RayQuery& query, const Ray& ray, 
     if (!side.inside()) starts_in_crossing = false;  // there were cells without data between
     if (starts_in_crossing && stays_at_start(cell, in, out, iso)) return true;
     const bool starts_inside = is_inside(minus<Real>(cell, iso).cell.at(Imath::Vec3<Real>(in)));
-    // A macrocell's range says nothing of cells without data in it: the side that was taken from there may be no longer
-    // known where the ray leaves it.
+    // A macrocell's range does not include cells without data. So the side taken from that range
+    // may no longer be known where the ray leaves the macrocell.
     if (side.inside() && *side.inside() != starts_inside && before && !side.leaves_through_data(*before, planes))
       side.forget();
     if (!side.inside()) side.set(starts_inside);

@@ -4,12 +4,12 @@
 #include "render/grid/reference/passage.h"
 #include "render/query/judged.h"
 
-/// A grid's questions answered by the exact judge.
+/// Queries of a grid, answered by exact arithmetic.
 namespace rhoray::render {
 
 namespace {
 
-/// A view as the judge asks for it.
+/// Adapts a view to the interface of the exact code.
 template <class View>
 class ExactGridView final : public ExactGridSource {
  public:

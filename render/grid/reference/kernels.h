@@ -7,7 +7,8 @@
 #include "render/grid/reference/sampled.h"
 #include "render/query/kernel_of.h"
 
-/// The table of a grid's kernels. The sources beside this header instantiate kernels_for, some views each.
+/// The table of a grid's kernels. The sources in this folder instantiate kernels_for, some views
+/// each.
 namespace rhoray::render {
 
 template <class View>

@@ -6,12 +6,14 @@
 #include "render/grid/reference/passage.h"
 #include "render/query/largest_value_search.h"
 
-/// The largest value on a ray through a grid: on faces (paper, section 4.3), or by the cubics' critical points.
+/// The largest value on a ray through a grid: on faces (paper, section 4.3), or by the cubics'
+/// critical points.
 namespace rhoray::render {
 
 namespace {
 
-/// When the ray came through the last face before t, or t_in where it has met none: the face rule sees no other points.
+/// The t at which the ray passed the last face before t, or t_in if it has passed none. The face
+/// rule considers no other points.
 template <class Planes>
 RHORAY_INLINE double last_face_before(const Ray& ray, const PlaneTimesOf<Planes>& planes, const WalkLattice& lattice,
                                       double t, double t_in) {
@@ -25,8 +27,8 @@ RHORAY_INLINE double last_face_before(const Ray& ray, const PlaneTimesOf<Planes>
   return last;
 }
 
-/// A value that the ray reaches near t, lowered by about its rounding; -infinity where there is no data. It is a guess
-/// that saves work: at t the ray may already be in another cell, by rounding.
+/// A value that the ray reaches near t, lowered by about its rounding; -infinity where there is no
+/// data. It is a guess that saves work: at t the ray may already be in another cell, by rounding.
 template <class View, class Planes>
 double value_near(const View& view, const PlaneTimesOf<Planes>& planes, const WalkLattice& lattice, const Ray& ray,
                   double t, double rounding) {
@@ -38,7 +40,8 @@ double value_near(const View& view, const PlaneTimesOf<Planes>& planes, const Wa
 }
 
 /// The search in a grid.
-/// @param in_cell      (cell, visit, in, out, the cell's largest value): the largest value on the way, and its s
+/// @param in_cell      (cell, visit, in, out, the cell's largest value): returns the largest value
+///                     on the path and its s
 /// @param lower_bound  a value that the ray reaches, or a little less
 template <class View, class Planes, class InCell>
 Hit search_largest(const View& view, const RayQuery& query, const Ray& ray, const PlaneTimesOf<Planes>& planes,
@@ -63,16 +66,18 @@ Hit search_largest(const View& view, const RayQuery& query, const Ray& ray, cons
   };
   const int top = query.use_hierarchy ? view.level_count() : 0;
   Hit hit = largest_value_search(ray, planes, view.lattice(), top, lower_bound, scratch, bound, open_leaf);
-  // A lower bound that rounding made too high drops everything, the answer too; it never gives another one.
+  // A lower bound that rounding made too high drops everything, the answer included; it never leads
+  // to a different answer.
   constexpr double no_bound = -std::numeric_limits<double>::infinity();
   if (hit.is_miss() && lower_bound > no_bound)
     hit = largest_value_search(ray, planes, view.lattice(), top, no_bound, scratch, bound, open_leaf);
   return hit;
 }
 
-/// The value at a point of a cell's face across an axis, by the face's four corners alone: both cells at it tell the
-/// same bits. It is measured from the largest of the four: no sum is above it, and a plateau is exactly itself.
-/// @param p  on the axis exactly 0 or 1
+/// The value at a point of a cell's face across an axis, from the face's four corners alone, so
+/// that both cells at the face compute the same bits. It is computed relative to the largest of the
+/// four: no sum is above it, and a plateau has exactly its own value.
+/// @param p  exactly 0 or 1 on the axis
 RHORAY_INLINE double value_on_face(const TrilinearCell& cell, const Vec3& p, int axis) {
   const int first = axis == 0 ? 1 : 0, second = axis == 2 ? 1 : 2;
   double f[4];
@@ -85,8 +90,9 @@ RHORAY_INLINE double value_on_face(const TrilinearCell& cell, const Vec3& p, int
   return largest + TrilinearCell::between(low, high, p[second]);
 }
 
-/// On the faces only, or of the whole cubic. It is measured from the cell's largest value: no sum is above zero, and a
-/// plateau is exactly zero. Where the ray passes a face the value is the face's, and the answer no less.
+/// The largest value on the faces only, or of the whole cubic. It is computed relative to the
+/// cell's largest value: no sum is above zero, and a plateau is exactly zero. Where the ray passes
+/// a face the value is the face's, and the answer is no less.
 /// @param bound  the cell's largest value
 template <class Real>
 CubicMaximum largest_in_cell(const TrilinearCell& cell, const CellVisit& visit, const Vec3& in, const Vec3& out,

@@ -8,14 +8,15 @@
 #include "render/query/intersection_timer.h"
 #include "render/traverse/lattice_walk.h"
 
-/// What the kernels of grids share, for every way in which samples can lie and stand (render/grid/grid_volume.h): a
-/// ray's way through one cell, and the side of the isosurface that it is on from cell to cell.
+/// Shared by the kernels of grids, for all ways in which samples can be stored and positioned
+/// (render/grid/grid_volume.h): a ray's path through one cell, and the side of the isosurface that
+/// it is on from cell to cell.
 namespace rhoray::render {
 
-namespace {  // each source its own, so that the compiler sees that nothing else calls these
+namespace {  // one per source, so that the compiler sees that nothing else calls these
 
-/// A point of the ray in a cell's own coordinates, [0, 1]^3. On the axis of the plane through which the ray comes in or
-/// leaves it is exactly 0 or 1: both cells at a face then see the same point.
+/// A point of the ray in a cell's own coordinates, [0, 1]^3. On the axis of the plane through which
+/// the ray enters or leaves it is exactly 0 or 1, so that both cells at a face see the same point.
 template <class Geometry>
 RHORAY_INLINE Vec3 point_in_cell(const Geometry& geometry, const Ray& ray, const Index3& cell, double t, int axis,
                                  double at_axis) {
@@ -64,18 +65,18 @@ double t_per_cell(const View& view, const Ray& ray) {
   return 1 / cells.length();
 }
 
-/// The one side on which all these values lie; nothing when they lie on both.
+/// The side on which all these values lie; nothing when they lie on both sides.
 RHORAY_INLINE std::optional<bool> side_of_all(const Interval<double>& values, double isovalue) {
   if (values.lo >= isovalue) return true;
   if (values.hi < isovalue) return false;
   return std::nullopt;
 }
 
-/// The side of the isosurface on which a ray is, as it goes from cell to cell.
+/// Tracks the side of the isosurface that a ray is on, from cell to cell.
 template <class View>
 class SideOnRay {
  public:
-  /// A macrocell that was passed over: its values lie on one side.
+  /// A macrocell that was skipped because its values lie on one side.
   struct Passed {
     int level;
     CellVisit visit;
@@ -83,7 +84,8 @@ class SideOnRay {
 
   SideOnRay(const View& view, const Ray& ray) : view_(view), ray_(ray) {}
 
-  /// Nothing while the ray has not met data since it started or crossed a region without.
+  /// Nothing while the ray has not met data since it started or since it crossed a region without
+  /// data.
   const std::optional<bool>& inside() const { return inside_; }
   void forget() {
     inside_.reset();
@@ -91,8 +93,9 @@ class SideOnRay {
   }
   void set(bool inside) { inside_ = inside; }
 
-  /// True where all values lie on the side on which the ray already is. On the other side the region is looked into:
-  /// rounding may have put the ray there where it passed an edge between cells, and the change must not be lost.
+  /// True where all values lie on the side that the ray is already on. If they lie on the other
+  /// side, the region is searched: rounding may have put the ray there where it passed an edge
+  /// between cells, and the change must not be lost.
   bool stays(const std::optional<bool>& side) {
     if (!side || (inside_ && *inside_ != *side)) return false;
     inside_ = side;
@@ -100,11 +103,11 @@ class SideOnRay {
   }
   void passes(int level, const CellVisit& visit) { passed_ = {level, visit}; }
 
-  /// The macrocell that was passed over last, when nothing was looked into since; asked once.
+  /// The macrocell skipped last, if nothing was searched since. The call resets it.
   std::optional<Passed> take_passed() { return std::exchange(passed_, std::nullopt); }
 
-  /// True when the last leaf cell that the ray passes through in a macrocell has data: a range says nothing of cells
-  /// without.
+  /// True when the last leaf cell that the ray passes through in a macrocell has data; a
+  /// macrocell's range does not include cells without data.
   template <class Planes>
   bool leaves_through_data(const Passed& passed, const PlaneTimesOf<Planes>& planes) const {
     const WalkLattice lattice = view_.lattice();
@@ -127,9 +130,11 @@ class SideOnRay {
   std::optional<Passed> passed_;
 };
 
-/// Walks a ray through the grid's hierarchy and keeps the side it is on; looks into the leaf cells where it may change.
-/// @param look  (cell, visit, the macrocell passed over before it): true to go on
-/// @param see   (level, visit), for each region before anything is decided there: true to go on
+/// Walks a ray through the grid's hierarchy and tracks the side it is on. Searches the leaf cells
+/// where the side may change.
+/// @param look  (cell, visit, the macrocell skipped before it): returns true to go on
+/// @param see   (level, visit), called for each region before any decision there: returns true to
+///              go on
 template <class View, class Planes, class See, class Look>
 void walk_sides(const View& view, const RayQuery& query, const Ray& ray, const PlaneTimesOf<Planes>& planes,
                 const Segment& segment, KernelCounters& counters, SideOnRay<View>& side, See&& see, Look&& look) {

@@ -5,17 +5,20 @@
 
 #include "render/query/kernels.h"
 
-/// Rays that one kernel has followed to a place where it is in doubt, and another follows from there.
+/// For rays that one kernel has followed up to a point where it is in doubt, and that another
+/// kernel follows from there.
 namespace rhoray::render {
 
-/// A place of a ray before which, for certain, nothing changes on it.
+/// A point of a ray before which there is certainly no change of side.
 struct ResumedAt {
-  double t = -std::numeric_limits<double>::infinity();  ///< where it passes a plane; before its start: the whole ray
-  StartSide side = StartSide::unknown;                  ///< of the ray until it changes
+  /// Where the ray passes a plane; before its start: the whole ray.
+  double t = -std::numeric_limits<double>::infinity();
+  StartSide side = StartSide::unknown;  ///< side of the ray until it changes
 };
 
-/// Of a uniform dense grid's certified first crossings: what single precision has not decided, by double precision or
-/// the judge. Where what follows the place leaves a doubt, the whole ray is asked about.
+/// For a uniform grid's certified first crossings: decides what single precision left undecided, in
+/// double precision or by exact arithmetic. Where doubt remains behind the point, the whole ray is
+/// traced again.
 template <class View>
 void resume_certified(const View& view, const RayQuery& query, const RayBatch& rays, std::span<const ResumedAt> from,
                       HitBatch& hits, KernelScratch& scratch);
