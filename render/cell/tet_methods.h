@@ -223,7 +223,7 @@ RHORAY_INLINE Mean hull(const Mean& a, const Mean& b) {
 struct Ends {
   std::array<Face, 2> passed;  ///< certainly passed
   std::size_t passed_count = 0;
-  /// enclosure of all faces that the ray may pass; no side when their sides differ
+  /// Enclosure of all faces that the ray may pass; no side when their sides differ
   std::optional<Face> doubtful;
 
   RHORAY_INLINE void add(const Face& face, Passes how) {

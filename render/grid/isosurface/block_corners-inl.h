@@ -1,4 +1,4 @@
-// Corners of cells from the samples of blocks that are kept, each lane's of its own block.
+// Corners of cells from the kept samples of blocks, each lane from its own block.
 #if defined(RHORAY_WIDE_BLOCK_CORNERS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_BLOCK_CORNERS_INL_H
 #undef RHORAY_WIDE_BLOCK_CORNERS_INL_H
@@ -18,7 +18,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// Where the corners of cells lie among the samples of a mirrored block.
+/// Offsets of the corners of cells among the samples of a mirrored block.
 class BlockCorners {
  public:
   explicit HWY_INLINE BlockCorners(const MirroredLattice& lattice) {
@@ -29,10 +29,10 @@ class BlockCorners {
     }
   }
 
-  /// Of cells of some lanes; numbers of others are those of some cell.
+  /// The corners of the cells of the lanes in `asked`; other lanes get those of some cell.
   /// @param cell     in the mirrored block, 0 to 3 each
-  /// @param samples  where those of the lane's block begin among those of all blocks
-  /// @param blocks   the first of these
+  /// @param samples  offset of the samples of the lane's block among those of all blocks
+  /// @param blocks   the first of all blocks
   HWY_INLINE Corners of(const VecF* cell, VecI samples, const BlockSamples* blocks, MaskF asked) const {
     VecF place = hn::Set(floats, static_cast<float>(lowest_sample_));
     for (int a = 0; a < 3; ++a) place = hn::MulAdd(cell[a], hn::Set(floats, static_cast<float>(stride_[a])), place);
@@ -41,7 +41,7 @@ class BlockCorners {
     const float* from_first = blocks[0].difference;
     Corners corners;
 #if HWY_TARGET <= HWY_AVX2
-    // Both corners of an edge along x with one read, as a number of twice the size.
+    // Read both corners of an edge along x at once, as a number of twice the size.
     constexpr hn::Rebind<std::int64_t, Doubles> offsets;
     const bool is_mirrored = stride_[0] < 0;
     const auto from = [&](auto half) HWY_ATTR { return hn::ShiftLeft<2>(hn::PromoteTo(offsets, half)); };

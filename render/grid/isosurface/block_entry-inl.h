@@ -17,11 +17,12 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// An inverse slope of an axis along which the ray passes no plane, and the time of planes that are never passed.
+/// Inverse slope of an axis along which the ray passes no plane, and the time of planes that are
+/// never passed.
 inline constexpr float never_passed = 0x1p100f;
 
-/// Slopes of the group's rays, and the filter of their blocks. A ray's way is counted along the axis on which it moves
-/// fastest: by itself, whatever the group's axis is.
+/// Computes the slopes of the group's rays and the filter of their blocks. A ray's way is measured
+/// along the axis on which this ray moves fastest, whatever the group's axis is.
 HWY_INLINE void prepare_ways(const MirroredLattice& lattice, IsosurfaceScratch& scratch) {
   const RayGroup& group = scratch.group;
   BlockFilter& filter = scratch.filter;
@@ -44,7 +45,8 @@ HWY_INLINE void prepare_ways(const MirroredLattice& lattice, IsosurfaceScratch& 
       const VecD inverse_slope = hn::IfThenElse(has_finite_inverse(hn::Load(doubles, group.direction[a] + r)), moving,
                                                 hn::Set(doubles, double{never_passed}));
       store(inverse_slope, scratch.inverse_slope[a] + r);
-      // Times, in single precision, of planes that lie up to `extent` away: 4 roundings of what is added, at most.
+      // Times, in single precision, of planes up to `extent` away: at most 4 roundings of the
+      // terms.
       const VecD o = hn::Load(doubles, group.plane_origin[a] + r);
       const VecD from = lattice.is_mirrored(a) ? hn::Sub(hn::Set(doubles, lattice.plane(a, 0)), o) : o;
       const VecD margin = hn::Mul(hn::Add(hn::Abs(from), extent), hn::Set(doubles, 0x1p-21));
@@ -59,7 +61,8 @@ HWY_INLINE void prepare_ways(const MirroredLattice& lattice, IsosurfaceScratch& 
 }
 
 /// Those of some rays of the group that may pass the block: all that do, and few more.
-/// @param note  (first ray, enters, leaves): how far on their ways they do so, at the soonest and at the latest
+/// @param note  (first ray, enters, leaves): how far along their ways they do so, at the earliest
+///              and at the latest
 template <class Note>
 HWY_INLINE std::uint64_t rays_that_may_pass(const IsosurfaceScratch& scratch, std::uint64_t rays, const int* block,
                                             const Note& note) {
@@ -87,12 +90,12 @@ HWY_INLINE std::uint64_t rays_that_may_pass(const IsosurfaceScratch& scratch, st
   return rays_that_may_pass(scratch, rays, block, [](std::size_t, VecF, VecF) {});
 }
 
-/// Rays that enter blocks, each its own: in the block's mirrored coordinates, 0 to 4.
+/// Rays that enter blocks, each its own, in the block's mirrored coordinates, 0 to 4.
 struct BlockEntry {
   MaskF passes;
-  VecF entry[3];  ///< exact on the planes that they enter by; at most the upper plane of the last cells
+  VecF entry[3];  ///< exact on the planes of entry; at most the upper plane of the last cells
   VecF last[3];   ///< the last cell of the block that the lattice has
-  VecF end;       ///< the way until the ray leaves the block, or ends; not above 0 where it does not pass
+  VecF end;       ///< way until the ray leaves the block, or ends; <= 0 where it does not pass
 };
 
 /// The first lattice plane of an axis in mirrored coordinates, and the one after its last cell.
@@ -107,8 +110,8 @@ struct LatticeEnds {
   }
 };
 
-/// Which of the rays from r on pass the blocks at `corner`, by the reference's formula in double precision. The time at
-/// which they enter is kept.
+/// Which of the rays from r on pass the blocks at `corner`, by the reference's formula in double
+/// precision. Stores the time at which they enter.
 /// @param corner  lowest corner, in the mirrored lattice, of the block that each ray is at
 HWY_INLINE BlockEntry entry_into_blocks(const MirroredLattice& lattice, const LatticeEnds& ends,
                                         IsosurfaceScratch& scratch, std::size_t first_ray, MaskF rays,

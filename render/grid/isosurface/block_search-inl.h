@@ -1,4 +1,4 @@
-// The next block of each ray of a group, for rays that go their own ways.
+// Finds the next block of each ray of a group, for scattered rays.
 #if defined(RHORAY_WIDE_BLOCK_SEARCH_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_BLOCK_SEARCH_INL_H
 #undef RHORAY_WIDE_BLOCK_SEARCH_INL_H
@@ -23,7 +23,8 @@ using Wholes = hn::RebindToSigned<Doubles>;
 using VecW = hn::Vec<Wholes>;
 inline constexpr Wholes wholes{};
 
-/// Whole numbers from 0 to 2^52 - 1: as a double at 2^52, a number's bits are its own.
+/// Conversion of whole numbers from 0 to 2^52 - 1: added to 2^52 as a double, the number's bits are
+/// the low bits.
 HWY_INLINE VecW as_wholes(VecD x) {
   const VecD unit = hn::Set(doubles, 0x1p52);
   return hn::Xor(hn::BitCast(wholes, hn::Add(x, unit)), hn::BitCast(wholes, unit));
@@ -41,9 +42,10 @@ HWY_INLINE VecW shifted_right(VecW x, VecW by) {
   return hn::BitCast(wholes, hn::Shr(hn::BitCast(bits, x), hn::BitCast(bits, by)));
 }
 
-/// Rays of one octant, each on its own way through the occupancy's trees: from the end of a region without surface to
-/// the next, by plane times in double precision. A ray comes to those blocks with a bit that are between their planes
-/// for it (entry_into_blocks), to each of them and to no other, in the order of its way.
+/// Rays of one octant, each on its own path through the occupancy's trees: from the end of one
+/// region without surface to the next, by plane times in double precision. A ray visits exactly
+/// those blocks with a bit that it passes according to their plane times (entry_into_blocks), in
+/// order along the ray.
 class BlockSearch {
  public:
   HWY_INLINE BlockSearch(const Surface& surface, const MirroredLattice& lattice, IsosurfaceScratch& scratch,
@@ -66,9 +68,10 @@ class BlockSearch {
     }
   }
 
-  /// Places rays where they enter the lattice, or start in it; others are where they were.
-  /// @param touch  certified: (ray, block) for each block with a bit that the ray comes so close to that rounding may
-  ///               have decided that it does not pass it; false where the ray is to go no further
+  /// Places rays where they enter the lattice, or start in it; other rays keep their positions.
+  /// @param touch  certified: (ray, block), called for each block with a bit that the ray comes so
+  ///               close to that rounding may have decided that it does not pass it; returns false
+  ///               where the ray must go no further
   template <class Touch>
   HWY_INLINE void start(std::uint64_t rays, const Touch& touch) {
     rays_ = rays;
@@ -97,10 +100,10 @@ class BlockSearch {
     }
   }
 
-  /// Lets these rays go on until most have come to a block with a bit, or to their end; one that is in such a block
-  /// comes to it if it is new there. The corners of the blocks are kept.
-  /// @param new_there  the rays that are, before and after
-  /// @return  rays that have come to a block
+  /// Advances these rays until most have reached a block with a bit, or their end. A ray that is in
+  /// such a block reaches it if it is new there. Stores the corners of the blocks.
+  /// @param new_there  in and out: rays that are new in their block
+  /// @return           rays that have reached a block
   template <class Touch>
   HWY_NOINLINE std::uint64_t find_blocks(std::uint64_t rays, std::uint64_t& new_there, const Touch& touch) {
     std::uint64_t found = 0;
@@ -132,7 +135,7 @@ class BlockSearch {
     VecW block[3];
   };
 
-  /// Blocks of which the ray is on the lower plane.
+  /// Blocks on whose lower plane the ray is.
   struct Known {
     MaskD is[3];
     VecW block[3];
@@ -152,7 +155,8 @@ class BlockSearch {
     return time_of(axis, from_wholes(hn::ShiftLeft<2>(block)), r);
   }
 
-  /// Among the bits of a node (or a summit), those of children that a ray in child `at` can still come to, and of it.
+  /// The bits of the children of a node (or super node) that a ray in child `at` can still reach,
+  /// and of that child.
   HWY_INLINE VecW ahead(const VecW* at) const {
     VecW bits[3];
     for (int a = 0; a < 3; ++a) {
@@ -165,7 +169,7 @@ class BlockSearch {
     return hn::And(bits[0], hn::And(bits[1], bits[2]));
   }
 
-  /// Words of a tree's level at some places of the mirrored lattice.
+  /// Words of a tree's level at given positions of the mirrored lattice.
   HWY_INLINE VecW words_at(const std::uint64_t* level, const int* count, const VecW* at, MaskD asked) const {
     VecD place = hn::Zero(doubles);
     for (int a = 2; a >= 0; --a) {
@@ -178,8 +182,9 @@ class BlockSearch {
                            as_wholes(hn::IfThenElseZero(asked, place)));
   }
 
-  /// Lets rays that are in no block with a bit, or have passed it, go on to the end of the region without others.
-  /// @return  those that have come to a block instead
+  /// Advances rays that are in no block with a bit, or have passed it, to the end of the region
+  /// without other such blocks.
+  /// @return  rays that have reached a block instead
   template <class Touch>
   HWY_INLINE std::uint64_t step(std::size_t r, std::uint64_t lanes, std::uint64_t new_there, const Touch& touch) {
     const MaskD asked = mask_of(doubles, lanes);
@@ -191,7 +196,7 @@ class BlockSearch {
       super_node_at[a] = hn::ShiftRight<4>(place.block[a]);
     }
     const VecW node = words_at(surface_.nodes, lattice_.node_count, node_at, asked);
-    // Read in any case: a branch that is often foretold wrongly would cost more.
+    // Always read: a branch that is often mispredicted would cost more.
     const VecW super_node = words_at(surface_.super_nodes, super_node_count_, super_node_at, asked);
     const VecW three = hn::Set(wholes, 3);
     VecW bit = hn::And(place.block[0], three);
@@ -207,7 +212,7 @@ class BlockSearch {
 
     const VecW others = hn::And(hn::AndNot(shifted_left(one, bit), node), ahead(place.block));
     const auto none = hn::Eq(others, hn::Zero(wholes));
-    VecW edge = hn::IfThenElseZero(none, three);  // of the region, in blocks, less 1
+    VecW edge = hn::IfThenElseZero(none, three);  // edge of the region, in blocks, minus 1
     const auto no_node = hn::Eq(hn::And(super_node, ahead(node_at)), hn::Zero(wholes));
     edge = hn::IfThenElse(no_node, hn::Set(wholes, 15), edge);
 
@@ -231,8 +236,9 @@ class BlockSearch {
     return found;
   }
 
-  /// Finds the blocks at place.t: by the ray's point, and where that is close to a plane, by the plane's time.
-  /// @param low, high  between which they lie
+  /// Finds the blocks at place.t: by the ray's point and, where that is close to a plane, by the
+  /// plane's time.
+  /// @param low, high bounds of the blocks
   template <class Touch>
   HWY_INLINE void locate(Place& place, const Known& known, const VecW* low, const VecW* high, MaskD asked,
                          std::size_t r, const Touch& touch) {
@@ -297,8 +303,8 @@ class BlockSearch {
     return (surface_.nodes[node] >> bit & 1) != 0;
   }
 
-  /// True where the ray leaves the block no later than it enters it, but rounding may have exchanged the two; at t.
-  /// What it touches at other times it comes to then, or not at all.
+  /// True where the ray leaves the block no later than it enters it, but rounding may have
+  /// exchanged the two, at t. A block touched at another t is found there, or not at all.
   HWY_INLINE bool is_touched(const int* block, std::size_t ray, double t) const {
     double t_in = group_.t_in[ray], t_out = group_.t_out[ray];
     for (int a = 0; a < 3; ++a) {
@@ -313,7 +319,7 @@ class BlockSearch {
     }
     const auto way = [&](double apart) { return static_cast<float>(apart * way_per_t_[ray]); };
     const auto is_within = [](float x, float error) { return !((x < 0 ? -x : x) > error); };
-    // Up to three planes are passed one after the other, each so close to the next.
+    // Up to three planes are passed one after another, each very close to the next.
     return !(t_in < t_out) && is_within(way(t_out - t_in), position_error_[ray]) &&
            is_within(way(t - t_in), 4 * position_error_[ray]);
   }
@@ -327,7 +333,7 @@ class BlockSearch {
   const float* const position_error_;
   const bool is_certified_;
   int super_node_count_[3];
-  std::uint64_t rays_ = 0;  ///< still on their way to the next block
+  std::uint64_t rays_ = 0;  ///< rays still on their way to the next block
 };
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE

@@ -1,4 +1,5 @@
-// A group's list of blocks ahead: as soon as each ray has one, all rays pass theirs together, each in its own lane.
+// A group's list of blocks ahead: as soon as each ray has one, all rays pass theirs together, each
+// in its own lane.
 #if defined(RHORAY_WIDE_BLOCKS_AHEAD_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_BLOCKS_AHEAD_INL_H
 #undef RHORAY_WIDE_BLOCKS_AHEAD_INL_H
@@ -17,12 +18,12 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// Where a block's samples are kept, and by which number.
+/// The slot in which a block's samples are kept, and the key that identifies the block.
 struct KeptPlace {
   std::size_t place;
   std::uint64_t key;
 };
-/// @param block  not mirrored, or mirrored for a place that is the same for all that are
+/// @param block  not mirrored, or mirrored if all blocks are mirrored the same way
 template <class Block>
 HWY_INLINE KeptPlace kept_place_of(const int* block) {
   KeptPlace at{0, 0};
@@ -42,21 +43,21 @@ HWY_INLINE void clear(ListOfBlocks<Block>& ahead) {
   for (std::uint64_t& places : ahead.places) places = 0;
 }
 
-/// True where the list has room, and keeps no other block in the same place.
+/// True where the list has room and keeps no other block in the same slot.
 template <class Block>
 HWY_INLINE bool fits(const ListOfBlocks<Block>& ahead, const int* block) {
   const std::size_t place = kept_place_of<Block>(block).place;
   return ahead.count < ListOfBlocks<Block>::capacity && (ahead.places[place / 64] >> place % 64 & 1) == 0;
 }
 
-/// A block's place is taken by it, or free again.
+/// Toggles whether a block's slot is taken.
 template <class Block>
 HWY_INLINE void turn_place(ListOfBlocks<Block>& ahead, const int* block) {
   const std::size_t place = kept_place_of<Block>(block).place;
   ahead.places[place / 64] ^= std::uint64_t{1} << place % 64;
 }
 
-/// A block of which only the place and these rays are known.
+/// Adds a block of which only the position and the rays are known.
 template <class Block>
 HWY_INLINE Block& add(ListOfBlocks<Block>& ahead, const int* block, std::uint64_t rays) {
   Block& added = ahead.block[ahead.count++];
@@ -67,11 +68,12 @@ HWY_INLINE Block& add(ListOfBlocks<Block>& ahead, const int* block, std::uint64_
   return added;
 }
 
-/// Each ray that has a block ahead passes the first of them.
-/// @param alive  rays that are still to pass any; passing may take some of them out
-/// @param fetch  (block) before it is passed by any
-/// @param pass   (first ray, lanes from there): those that have taken blocks
-/// @param settle (block) when the rays of all before it are known; says for which rays it is kept
+/// Lets each ray that has blocks ahead pass the first of them.
+/// @param alive  rays that still have blocks to pass; passing may remove some of them
+/// @param fetch  (block), called before any ray passes it
+/// @param pass   (first ray, lanes from there): the lanes that have taken blocks
+/// @param settle (block), called when the rays of all blocks before it are known; returns the rays
+///               for which it is kept
 template <class Block, class Fetch, class Pass, class Settle>
 HWY_INLINE void pass_first_ahead(ListOfBlocks<Block>& ahead, const std::uint64_t& alive, std::size_t ray_count,
                                  Fetch&& fetch, Pass&& pass, Settle&& settle) {

@@ -1,4 +1,4 @@
-// Which cells of their blocks rays pass, and in which order: without going from cell to cell.
+// Which cells of their blocks rays pass, and in which order, without stepping from cell to cell.
 #if defined(RHORAY_WIDE_CELL_WALK_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_CELL_WALK_INL_H
 #undef RHORAY_WIDE_CELL_WALK_INL_H
@@ -17,42 +17,45 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// Rays on their way through the cells of a block, each of its own block.
+/// Rays on their way through the cells of a block, each in its own block.
 struct Lanes {
   VecF entry[3], slope[3], inverse_slope[3], end;
-  VecF last[3];        ///< the last cell
-  VecF way_error;      ///< certified: of times of planes, on the way, and of the points there; else 0
-  VecF range;          ///< certified: of the block's samples (BlockSamples)
-  VecI samples;        ///< where those of the block begin
+  VecF last[3];  ///< the last cell
+  /// Certified: error of plane times, along the way, and of the points there; else 0.
+  VecF way_error;
+  VecF range;          ///< certified: range of the block's samples (BlockSamples)
+  VecI samples;        ///< offset of the block's samples
   VecI active[2];      ///< cells with corners on both sides, in two words
-  VecI inside_out[2];  ///< cells that lie inside
+  VecI inside_out[2];  ///< cells whose lowest corner is inside
   VecI present[2];     ///< cells with data, where the volume has gaps
   VecI left[2];        ///< cells that the ray may still pass
   MaskF inside, has_side;
   MaskF walking;
 
-  /// The cell of an axis in which the ray enters; in the lattice's upper face those below it.
+  /// The cell of an axis in which the ray enters; in the lattice's upper face, the cell below it.
   HWY_INLINE VecF first_cell(int axis) const { return hn::Min(hn::Floor(entry[axis]), last[axis]); }
 };
 
 /// A cell that each ray may pass next.
 struct NextCell {
   MaskF exists;
-  VecI bit;                  ///< its own, in its word
-  hn::Mask<Ints> in_second;  ///< whether that is the second one
+  VecI bit;                  ///< the cell's bit in its word
+  hn::Mask<Ints> in_second;  ///< true: that is the second word
   VecF cell[3];              ///< 0 to 3
-  VecF near[3], far[3];      ///< how far on its way its planes are
+  VecF near[3], far[3];      ///< distances along the way to its planes
   VecF way_in, way_out;
 };
 
-/// What the times of planes inside the block, as parts of the way, and the ray's points at these times may be off by.
+/// Bound on the errors of the times of planes inside the block, measured along the way, and of the
+/// ray's points at these times.
 ///
-/// An entry is rounded to single precision (2 u of up to 4), a slope and its inverse by u of themselves. So the way
-/// to a plane is off by at most 2 u times the inverse slope and 12 u (three roundings of a way of at most 4), what
-/// double precision does to the entry comes on top, and the difference of two is off by twice that, and a little that
-/// is of second order. A point at such a time is off by no more than that: by the time's own error and 8 u, or, where
-/// it is taken to lie on the plane of another time, by both their errors. Slow axes, of which the inverse slope is
-/// above `slow_from`, count only where the ray may pass one of their planes inside.
+/// An entry is rounded to single precision (2 u of up to 4), a slope and its inverse by u of
+/// themselves. So the way to a plane is off by at most 2 u times the inverse slope and 12 u (three
+/// roundings of a way of at most 4). The error that double precision makes at the entry is added.
+/// The difference of two is off by twice that, and a little of second order. A point at such a time
+/// is off by no more than that: by the time's own error and 8 u, or, where it is taken to lie on
+/// the plane of another time, by both their errors. Slow axes, whose inverse slope is above
+/// `slow_from`, count only where the ray may pass one of their planes inside.
 inline constexpr float slow_from = 16;
 
 /// @param r  first of the rays
@@ -64,7 +67,7 @@ HWY_INLINE VecF error_of_ways(const IsosurfaceScratch& scratch, const BlockEntry
   for (int a = 0; a < 3; ++a) {
     const std::uint64_t slow = scratch.slow[a] >> r & first_rays(float_lanes);
     if (slow == 0) continue;
-    // The cells between which the ray is for certain, inside the block.
+    // The cells between which the ray certainly is, inside the block.
     const VecF low = hn::Floor(hn::Max(hn::Sub(at.entry[a], reach), hn::Zero(floats)));
     const VecF leaves_at = hn::MulAdd(lanes.end, lanes.slope[a], hn::Add(at.entry[a], reach));
     const VecF high = hn::Floor(hn::Min(leaves_at, hn::Add(at.last[a], hn::Set(floats, 0.5f))));
@@ -76,23 +79,24 @@ HWY_INLINE VecF error_of_ways(const IsosurfaceScratch& scratch, const BlockEntry
   return hn::MulAdd(hn::Mul(hn::Set(floats, 4.0f), position_error), steepest, in_single);
 }
 
-/// How far on its way a ray passes plane k of an axis.
+/// How far along its way a ray passes plane k of an axis.
 HWY_INLINE VecF way_to_plane(const Lanes& lanes, int axis, VecF k) {
   return hn::Mul(hn::Sub(k, lanes.entry[axis]), lanes.inverse_slope[axis]);
 }
 
-/// The same, for the upper plane of a cell: that of the block's last one is not passed inside.
+/// The same for the upper plane of a cell. The upper plane of the block's last cell is not passed
+/// inside.
 HWY_INLINE VecF way_to_upper_plane(const Lanes& lanes, int axis, VecF cell) {
   const VecF at = way_to_plane(lanes, axis, hn::Add(cell, hn::Set(floats, 1.0f)));
   return hn::IfThenElse(hn::Ge(cell, lanes.last[axis]), hn::Set(floats, never_passed), at);
 }
 
-/// Finds the cells that the rays may pass on a part of their ways, a few more than they do: layer by layer along z, the
-/// rectangle around the points where the ray enters and leaves the layer.
+/// Finds the cells that the rays may pass on a part of their ways, a few more than they do: layer
+/// by layer along z, the rectangle around the points where the ray enters and leaves the layer.
 HWY_INLINE void find_cells(Lanes& lanes, VecF first_way, VecF last_way) {
   constexpr float reach = 0x1p-18f;  // more than all errors of a point
   const VecF zero = hn::Zero(floats), above = hn::Add(hn::Set(floats, reach), lanes.way_error), below = hn::Neg(above);
-  VecF way[5];  // unclipped, of planes 1 to 3
+  VecF way[5];  // of planes 1 to 3, unclipped
   VecF corner[5][2];
   for (int a = 0; a < 2; ++a) {
     corner[0][a] = hn::MulAdd(first_way, lanes.slope[a], lanes.entry[a]);
@@ -128,7 +132,7 @@ HWY_INLINE void find_cells(Lanes& lanes, VecF first_way, VecF last_way) {
   lanes.left[1] = hn::Or(layers[2], hn::ShiftLeft<16>(layers[3]));
 }
 
-/// How many cells a ray passes until it leaves the block.
+/// The number of cells that a ray passes until it leaves the block.
 HWY_INLINE VecF cells_passed(const Lanes& lanes) {
   VecF cells = hn::Set(floats, 1.0f);
   for (int a = 0; a < 3; ++a) {
@@ -140,13 +144,13 @@ HWY_INLINE VecF cells_passed(const Lanes& lanes) {
 }
 
 /// Finds the cells that the rays may pass on their whole ways.
-/// @return  how many cells a ray passes until it leaves the block
+/// @return  the number of cells that a ray passes until it leaves the block
 HWY_INLINE VecF find_cells(Lanes& lanes) {
   find_cells(lanes, hn::Zero(floats), lanes.end);
   return cells_passed(lanes);
 }
 
-/// How far on its way a ray passes the planes of a cell, and the cell.
+/// Sets how far along its way a ray passes the planes of a cell, and the cell.
 HWY_INLINE void find_ways(const Lanes& lanes, NextCell& next) {
   next.way_in = hn::Zero(floats), next.way_out = lanes.end;
   for (int a = 0; a < 3; ++a) {
@@ -177,18 +181,20 @@ HWY_INLINE NextCell first_of(const Lanes& lanes, const VecI* looks) {
   return next;
 }
 
-/// Takes the first of some of the cells left: neither it nor any before it is left.
+/// Takes the first of some of the cells left: neither this cell nor any before it remains in
+/// `left`.
 /// @param looks  which cells, in two words
 HWY_INLINE NextCell take_first_of(Lanes& lanes, const VecI* looks) {
   const NextCell next = first_of(lanes, looks);
-  const VecI rest = hn::Not(hn::Or(next.bit, hn::Sub(next.bit, hn::Set(ints, 1))));  // without it and all before
+  // Without it and all before.
+  const VecI rest = hn::Not(hn::Or(next.bit, hn::Sub(next.bit, hn::Set(ints, 1))));
   lanes.left[0] = hn::IfThenZeroElse(next.in_second, hn::And(lanes.left[0], rest));
   lanes.left[1] = hn::IfThenElse(next.in_second, hn::And(lanes.left[1], rest), lanes.left[1]);
   return next;
 }
 
-/// Of the cells left those of the words in which something is to be seen: active ones, and those of the other side than
-/// the ray's, so that a change that rounding hides at an edge between cells is met there.
+/// Those of the cells left that must be searched: active cells, and cells on the other side than
+/// the ray's. The latter detect a change that rounding hides at an edge between cells.
 HWY_INLINE void find_looks(const Lanes& lanes, const VecI* active, const VecI* inside_out, MaskF inside, MaskF has_side,
                            VecI* looks) {
   const VecI side = hn::VecFromMask(ints, hn::RebindMask(ints, inside));
@@ -197,14 +203,14 @@ HWY_INLINE void find_looks(const Lanes& lanes, const VecI* active, const VecI* i
     looks[w] = hn::And(lanes.left[w], hn::Or(active[w], hn::And(hn::Xor(inside_out[w], side), known)));
 }
 
-/// The first of the cells left in which something is to be seen.
+/// Takes the first of the cells left that must be searched.
 HWY_INLINE NextCell take_next_cell(Lanes& lanes) {
   VecI looks[2];
   find_looks(lanes, lanes.active, lanes.inside_out, lanes.inside, lanes.has_side, looks);
   return take_first_of(lanes, looks);
 }
 
-/// Blocks that the lattice ends in.
+/// Blocks in which the lattice ends.
 HWY_INLINE MaskF is_cut_off(const LatticeEnds& ends, const VecF* block_corner) {
   MaskF cut_off = no_lane(floats);
   for (int a = 0; a < 3; ++a) {
@@ -215,7 +221,7 @@ HWY_INLINE MaskF is_cut_off(const LatticeEnds& ends, const VecF* block_corner) {
   return cut_off;
 }
 
-/// Cells that the lattice has: those found to be near a ray's way may lie beyond its ends.
+/// Cells that the lattice has; those found to be near a ray's way may lie beyond its ends.
 HWY_INLINE MaskF is_in_lattice(const LatticeEnds& ends, const NextCell& next, const VecF* block_corner) {
   MaskF exists = hn::FirstN(floats, float_lanes);
   for (int a = 0; a < 3; ++a) {
@@ -226,7 +232,8 @@ HWY_INLINE MaskF is_in_lattice(const LatticeEnds& ends, const NextCell& next, co
   return exists;
 }
 
-/// The points, in the cell's coordinates, at which the rays enter and leave it: exact on the planes that they pass.
+/// The points, in the cell's coordinates, at which the rays enter and leave it; exact on the planes
+/// that they pass.
 HWY_INLINE void ends_in_cell(const Lanes& lanes, const NextCell& next, VecF* in, VecF* out) {
   const VecF zero = hn::Zero(floats), one = hn::Set(floats, 1.0f);
   for (int a = 0; a < 3; ++a) {

@@ -1,4 +1,4 @@
-// Corners of cells straight from a volume's samples, each lane's of its own cell.
+// Corners of cells read directly from a volume's samples, one cell per lane.
 #if defined(RHORAY_WIDE_CORNERS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_CORNERS_INL_H
 #undef RHORAY_WIDE_CORNERS_INL_H
@@ -21,9 +21,11 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// Reads the corners of the cells of some lanes, less the isovalue: the same numbers as fetch_block's.
-/// @param lanes   bits of lanes; numbers of others are left as they were
-/// @param upward  per axis, from a cell's lowest corner to the others: 1, or -1 where the rays see it mirrored
+/// Reads the corners of the cells of some lanes, minus the isovalue: the same numbers as
+/// fetch_block.
+/// @param lanes   bits of the lanes to read; numbers of the others keep their value
+/// @param upward  per axis, from a cell's lowest corner to the others: 1, or -1 where the rays see
+///                it mirrored
 template <class T>
 HWY_NOINLINE void load_corners(const SampleSource& source, const int* upward, double isovalue, std::uint64_t lanes,
                                CornersScratch& cells) {

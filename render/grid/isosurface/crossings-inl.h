@@ -1,4 +1,4 @@
-// Crossings of a group, kept until its rays are done, then refined and written down side by side.
+// Crossings of a group, kept until its rays are done, then refined and written side by side.
 #if defined(RHORAY_WIDE_CROSSINGS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_CROSSINGS_INL_H
 #undef RHORAY_WIDE_CROSSINGS_INL_H
@@ -20,10 +20,10 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// Bounds of a certified hit's place, in cells, that are good enough without a second look.
+/// Largest error of a certified hit's position, in cells, that is accepted without re-evaluation.
 inline constexpr float largest_place_error = 1e-3f;
 
-/// Where a group's numbers go to and come from.
+/// Moves a group's numbers to and from the batch.
 class GroupNumbers {
  public:
   explicit HWY_INLINE GroupNumbers(const RayGroup& group) : index_(group.index), is_in_order_(group.is_in_order) {}
@@ -77,7 +77,7 @@ HWY_INLINE void keep_hits(PendingHits& pending, std::size_t r, const Lanes& lane
   pending.rays |= bits_of(floats, changes.found) << r;
 }
 
-/// Ids of cells at a place in the mirrored lattice.
+/// Ids of the cells at given positions in the mirrored lattice.
 HWY_INLINE VecD cell_ids(const MirroredLattice& lattice, const int* leaf_count, const VecF* cell, std::size_t part) {
   VecD id = hn::Zero(doubles);
   for (int a = 2; a >= 0; --a) {
@@ -88,7 +88,7 @@ HWY_INLINE VecD cell_ids(const MirroredLattice& lattice, const int* leaf_count, 
   return id;
 }
 
-/// Refines the places of crossings and writes them down.
+/// Refines the positions of crossings and writes them.
 template <Search search>
 class HitWriter {
  public:
@@ -102,13 +102,13 @@ class HitWriter {
         pending_(scratch.pending),
         numbers_(scratch.group) {}
 
-  /// All crossings kept.
-  /// @return  certified: the rays of which the hit is not proven, or not placed well enough
+  /// Writes all kept crossings.
+  /// @return  certified: the rays whose hit is not proven, or whose position is not accurate enough
   HWY_INLINE std::uint64_t write() {
     for (std::size_t first = 0; first < scratch_.group.count; first += 2 * float_lanes) {
       const std::uint64_t found = pending_.rays >> first & first_rays(2 * float_lanes);
       if (found == 0) continue;
-      // Lanes without a hit hold what was there before: any numbers, which are not used.
+      // Lanes without a hit hold their old contents: arbitrary numbers, which are not used.
       RootSearch a = search_from(first), b = search_from(first + float_lanes);
       if constexpr (search != Search::preview) refine(a, b);
       write(a, first), write(b, first + float_lanes);
@@ -173,7 +173,7 @@ class HitWriter {
     numbers_.write(ints, roots.iterations, counted, first, reinterpret_cast<std::int32_t*>(hits_.iteration_count));
   }
 
-  /// What is written in double precision, of some rays from r on.
+  /// Writes the results that are in double precision, for some rays from r on.
   HWY_INLINE void write_places(std::size_t r, MaskD lanes, std::size_t part, VecF way, VecF way_error,
                                const VecF* gradient) {
     const VecD t_per_way = hn::Load(doubles, scratch_.t_per_way + r);

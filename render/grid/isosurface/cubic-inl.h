@@ -1,5 +1,5 @@
-// The field on straight ways through cells, one cell in each lane: cubics, where they change side, and their roots
-// (cells/trilinear.h, cells/cubic.h).
+// The field on straight paths through cells, one cell in each lane: cubics, where they change side,
+// and their roots (render/cell/trilinear.h, render/cell/cubic.h).
 #if defined(RHORAY_WIDE_CUBIC_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_CUBIC_INL_H
 #undef RHORAY_WIDE_CUBIC_INL_H
@@ -16,7 +16,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// (1 - w) a + w b: exact at w = 0 and w = 1, and of the sign of a and b where they agree.
+/// (1 - w) a + w b: exact at w = 0 and w = 1. Where a and b have the same sign, the result has it
+/// too.
 HWY_INLINE VecF between(VecF a, VecF b, VecF w, VecF rest) {
   return hn::MulAdd(w, b, hn::Mul(rest, a));
 }
@@ -41,7 +42,8 @@ struct CubicLanes {
   }
 };
 
-/// The field along a straight line between two points of a cell (`along` in cells/trilinear.h).
+/// The field along a straight line between two points of a cell (`along` in
+/// render/cell/trilinear.h).
 HWY_INLINE CubicLanes along(const Corners& corners, const VecF* in, const VecF* out) {
   const VecF one = hn::Set(floats, 1.0f);
   VecF w[3][2], rest[3][2];
@@ -80,8 +82,8 @@ HWY_INLINE MaskF is_inside(VecF difference) {
   return hn::Ge(difference, hn::Zero(floats));
 }
 
-/// In which lanes a cubic changes side, how often, and on which piece of [0, 1], where it is monotone, it does so
-/// first. A change at 0 itself has the piece [0, 0].
+/// In which lanes a cubic changes side, how often, and the first piece of [0, 1] on which it does
+/// so and is monotone. A change at 0 itself has the piece [0, 0].
 struct Changes {
   MaskF found;
   VecF low, high;
@@ -92,12 +94,13 @@ HWY_INLINE VecI ones_in(MaskF mask) {
   return hn::IfThenElseZero(hn::RebindMask(ints, mask), hn::Set(ints, 1));
 }
 
-/// Where cubics that start on a side may change it.
+/// Where cubics that start on a given side may change it.
 struct Pieces {
-  MaskF once;     ///< they do so once, somewhere on [0, 1]
-  MaskF split;    ///< they may do so at 0 and on each of three pieces on which they are monotone
-  MaskF at_zero;  ///< of these: at 0
-  VecF ends[3];   ///< of the pieces; only where any lane is split. Those that are none have both ends at 1
+  MaskF once;     ///< lanes that change side once, somewhere on [0, 1]
+  MaskF split;    ///< lanes that may change side at 0 and on each of three monotone pieces
+  MaskF at_zero;  ///< of these, the lanes that change side at 0
+  /// Of the pieces; only where any lane is split. Missing pieces have both ends at 1.
+  VecF ends[3];
 };
 
 /// @param inside  the sides on which they start
@@ -106,8 +109,8 @@ HWY_INLINE Pieces pieces_of(const CubicLanes& cubic, MaskF inside, MaskF asked) 
   MaskF changed[4];
   for (int i = 0; i < 4; ++i) changed[i] = hn::And(asked, hn::Xor(is_inside(cubic.b[i]), inside));
   const MaskF any = hn::Or(hn::Or(changed[0], changed[1]), hn::Or(changed[2], changed[3]));
-  // With one change of sign among the coefficients there is one root, unless an end is as good as zero: then there is
-  // one more, and a search on all of [0, 1] would end there.
+  // With one change of sign among the coefficients there is one root, unless an end is as good as
+  // zero. Then there is one more root, and a search on all of [0, 1] would end there.
   VecF largest = hn::Max(hn::Abs(cubic.b[1]), hn::Abs(cubic.b[2]));
   const VecF least_end = hn::Min(hn::Abs(cubic.b[0]), hn::Abs(cubic.b[3]));
   largest = hn::Max(largest, hn::Max(hn::Abs(cubic.b[0]), hn::Abs(cubic.b[3])));
@@ -119,7 +122,7 @@ HWY_INLINE Pieces pieces_of(const CubicLanes& cubic, MaskF inside, MaskF asked) 
   pieces.at_zero = hn::And(pieces.split, changed[0]);
   if (hn::AllFalse(floats, pieces.split)) return pieces;
 
-  // The critical points, without cancellation (critical_points of cells/cubic.h).
+  // The critical points, without cancellation (critical_points of render/cell/cubic.h).
   VecF d0 = hn::Sub(cubic.b[1], cubic.b[0]), d1 = hn::Sub(cubic.b[2], cubic.b[1]), d2 = hn::Sub(cubic.b[3], cubic.b[2]);
   const VecF unit = hn::Max(hn::Abs(d0), hn::Max(hn::Abs(d1), hn::Abs(d2)));
   d0 = hn::Div(d0, unit), d1 = hn::Div(d1, unit), d2 = hn::Div(d2, unit);
@@ -134,7 +137,7 @@ HWY_INLINE Pieces pieces_of(const CubicLanes& cubic, MaskF inside, MaskF asked) 
   return pieces;
 }
 
-/// Calls change(lanes, low, high) for the pieces, one after another, on which cubics change side.
+/// Calls change(lanes, low, high) for the pieces on which cubics change side, one after another.
 /// @param inside  the sides on which they start
 template <class Change>
 HWY_INLINE void for_each_change(const CubicLanes& cubic, const Pieces& pieces, MaskF inside, const Change& change) {
@@ -153,7 +156,8 @@ HWY_INLINE void for_each_change(const CubicLanes& cubic, const Pieces& pieces, M
   }
 }
 
-/// The first changes of side of cubics that start on the side `inside` (changes_of_side of cells/cubic.h).
+/// The first changes of side of cubics that start on the side `inside` (changes_of_side of
+/// render/cell/cubic.h).
 HWY_INLINE Changes first_changes(const CubicLanes& cubic, MaskF inside, MaskF asked) {
   Changes changes{no_lane(floats), hn::Zero(floats), hn::Set(floats, 1.0f), hn::Zero(ints)};
   for_each_change(cubic, pieces_of(cubic, inside, asked), inside, [&](MaskF lanes, VecF low, VecF high) HWY_ATTR {
@@ -179,7 +183,7 @@ struct Roots {
   VecI iterations;
 };
 
-/// Newton's method kept inside a bracket, as bracketed_root of cells/cubic.h does it.
+/// Newton's method kept inside a bracket, like bracketed_root of render/cell/cubic.h.
 class RootSearch {
  public:
   HWY_INLINE RootSearch(const CubicLanes& cubic, VecF low, VecF high) : cubic_(cubic), low_(low), high_(high) {
@@ -188,8 +192,8 @@ class RootSearch {
     for (int i = 1; i < 4; ++i) largest = hn::Max(largest, hn::Abs(cubic.b[i]));
     noise_ = hn::Mul(largest, hn::Set(floats, 0x1p-23f));
 
-    // Where the straight line between the ends is zero, or the parabola with its vertex at the one end that is
-    // critical.
+    // First guess: the zero of the straight line between the ends, or of the parabola with its
+    // vertex at the end that is critical, if just one is.
     const VecF width = hn::Sub(high, low);
     const MaskF low_critical = hn::Gt(low, zero), high_critical = hn::And(hn::Lt(high, one), hn::Gt(high, zero));
     const MaskF any_critical = hn::Or(low_critical, high_critical);
@@ -244,7 +248,8 @@ class RootSearch {
   Roots roots_;
 };
 
-/// Lets two searches go on side by side, so that neither waits for its own last step, until all lanes are done.
+/// Advances two searches side by side until all lanes are done, so that neither waits for its own
+/// last step.
 HWY_INLINE void refine(RootSearch& a, RootSearch& b) {
   for (int step = 0; step < 100 && !(a.is_done() && b.is_done()); ++step) a.step(), b.step();
 }

@@ -1,4 +1,4 @@
-// The samples of one block, less an isovalue, and which of its cells have corners on both sides.
+// The samples of one block minus an isovalue, and which of its cells have corners on both sides.
 #if defined(RHORAY_WIDE_FETCH_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_FETCH_INL_H
 #undef RHORAY_WIDE_FETCH_INL_H
@@ -21,15 +21,16 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// Value - isovalue as a float of the same side: `minus` of cells/trilinear.h for magnitudes that need no other unit.
+/// Value - isovalue as a float of the same side: like `minus` of render/cell/trilinear.h, for
+/// magnitudes that need no other unit.
 HWY_INLINE float side_keeping_difference(double value, double isovalue) {
   const double difference = value - isovalue;
   const float rounded = static_cast<float>(difference), least = -std::numeric_limits<float>::denorm_min();
   return difference < 0 && rounded > least ? least : rounded;
 }
 
-/// Types of which the difference to an isovalue that is a float is rounded once in single precision, as it is when it
-/// is taken in double and then rounded.
+/// Types for which the difference to an isovalue that is a float is rounded once in single
+/// precision. It is the same number as the difference taken in double and then rounded.
 template <class T>
 inline constexpr bool is_exact_in_float = std::is_integral_v<T> && sizeof(T) <= 2;
 
@@ -40,8 +41,8 @@ HWY_INLINE std::uint64_t existing_cells(const SampleSource& source, const int* b
   return bits;
 }
 
-/// Bits of samples (x + 5 y + 25 z of the two words together) at the lowest corners of the block's cells, as bits of
-/// cells.
+/// Converts bits of samples (x + 5 y + 25 z, in two words together) at the lowest corners of the
+/// block's cells to bits of cells.
 HWY_INLINE std::uint64_t cells_of_samples(unsigned __int128 bits) {
   std::uint64_t cells = 0;
   for (int z = 0; z < 4; ++z) {
@@ -64,14 +65,15 @@ HWY_INLINE unsigned __int128 samples_that(const BlockSamples& samples, Test&& te
   return static_cast<unsigned __int128>(words[1]) << 64 | words[0];
 }
 
-/// At the lowest corner of each cell: that of all its corners.
+/// At the lowest corner of each cell: the conjunction of the bits of all its corners.
 HWY_INLINE unsigned __int128 of_all_corners(unsigned __int128 samples) {
   samples &= samples >> 1;
   samples &= samples >> 5;
   return samples & samples >> 25;
 }
 
-/// Which cells have corners on both sides, and which lie inside, of samples of which the least that is inside is this.
+/// Finds the cells that have corners on both sides, and those whose lowest corner is inside.
+/// Samples of at least `least_inside` are inside.
 /// @param present  cells that the lattice has
 HWY_INLINE void find_active_cells(std::uint64_t present, float least_inside, BlockSamples& samples) {
   const VecF least = hn::Set(floats, least_inside);
@@ -83,8 +85,8 @@ HWY_INLINE void find_active_cells(std::uint64_t present, float least_inside, Blo
   samples.range = std::numeric_limits<float>::quiet_NaN();
 }
 
-/// Finds the range of a block's samples. That of differences near the smallest numbers counts as infinite, as rounding
-/// has no share of them.
+/// Finds the range of a block's samples. The range of differences near the smallest numbers counts
+/// as infinite, because rounding is then not proportional to it.
 HWY_INLINE void find_range(const SampleSource& source, BlockSamples& samples) {
   VecF low = hn::Zero(floats), high = low;
   for (std::size_t i = 0; i < 128; i += float_lanes) {
@@ -95,7 +97,7 @@ HWY_INLINE void find_range(const SampleSource& source, BlockSamples& samples) {
   samples.range = !source.has_gaps && range >= 0x1p-70f ? range : std::numeric_limits<float>::infinity();
 }
 
-/// Leaves cells out that touch samples that are NaN or infinite: they have no data.
+/// Removes cells that touch samples that are NaN or infinite: they have no data.
 HWY_INLINE void leave_out_gaps(BlockSamples& samples) {
   const VecF infinite = hn::Set(floats, std::numeric_limits<float>::infinity());
   samples.present &= cells_of_samples(
@@ -103,7 +105,7 @@ HWY_INLINE void leave_out_gaps(BlockSamples& samples) {
   samples.active &= samples.present;
 }
 
-/// Four samples side by side of a type that is exact in float.
+/// Reads four contiguous samples of a type that is exact in float.
 template <class T>
 HWY_INLINE void fetch_row_in_float(const T* from, float isovalue, float* to) {
   if constexpr (is_exact_in_float<T>) {
@@ -116,7 +118,7 @@ HWY_INLINE void fetch_row_in_float(const T* from, float isovalue, float* to) {
   }
 }
 
-/// The same for isovalues that are not: side_keeping_difference of each.
+/// The same for isovalues that are no floats: side_keeping_difference of each sample.
 template <class T>
 HWY_INLINE void fetch_row(const T* from, double isovalue, float* to) {
   if constexpr (is_exact_in_float<T>) {
@@ -134,13 +136,13 @@ HWY_INLINE void fetch_row(const T* from, double isovalue, float* to) {
   }
 }
 
-/// The samples of a block whose bricks are whole, less an isovalue that is a float, of a type that is exact in float:
-/// layer by layer, from vectors of 16 samples.
+/// Reads the samples of a block whose bricks are whole, minus an isovalue that is a float, of a
+/// type that is exact in float: layer by layer, from vectors of 16 samples.
 template <class T>
 HWY_INLINE void fetch_bricks(const SampleSource& source, const int* first, float isovalue, float* to) {
   constexpr hn::Rebind<T, Floats> stored;
   const T* samples = static_cast<const T*>(source.samples);
-  // Samples 0 to 15 of a layer of 5 x 5: every fifth is the next brick's.
+  // Samples 0 to 15 of a layer of 5 x 5: every fifth belongs to the next brick.
   HWY_ALIGN constexpr std::int32_t from[16] = {0, 1, 2, 3, 0, 4, 5, 6, 7, 4, 8, 9, 10, 11, 8, 12};
   const auto order = hn::IndicesFromVec(floats, hn::Load(ints, from));
   const MaskF of_next = mask_of(floats, 1 << 4 | 1 << 9 | 1 << 14);
@@ -162,7 +164,7 @@ HWY_INLINE void fetch_bricks(const SampleSource& source, const int* first, float
   }
 }
 
-/// Values less an isovalue, as side_keeping_difference has them.
+/// Values minus an isovalue, as side_keeping_difference computes them.
 /// @param is_single  the isovalue is a number of single precision
 HWY_INLINE VecF less_isovalue(VecF values, double isovalue, bool is_single) {
   if (is_single) return hn::Sub(values, hn::Set(floats, static_cast<float>(isovalue)));
@@ -175,7 +177,7 @@ HWY_INLINE VecF less_isovalue(VecF values, double isovalue, bool is_single) {
   return as_floats(parts);
 }
 
-/// The samples of a block of stored bricks, less the isovalue.
+/// Reads the samples of a block of stored bricks, minus the isovalue.
 template <class T>
 HWY_INLINE void fetch_from_bricks(const SampleSource& source, const int* first, double isovalue, float* to) {
   HWY_ALIGN T values[128] = {};
@@ -188,7 +190,7 @@ HWY_INLINE void fetch_from_bricks(const SampleSource& source, const int* first, 
   for (std::size_t i = BlockSamples::size; i < 128; ++i) to[i] = 0;
 }
 
-/// Samples less the isovalue.
+/// Reads the samples of a block, minus the isovalue.
 template <class T>
 HWY_INLINE void fetch_differences(const SampleSource& source, const int* block, double isovalue, BlockSamples& out) {
   const T* samples = static_cast<const T*>(source.samples);
@@ -239,7 +241,7 @@ HWY_INLINE void fetch_differences(const SampleSource& source, const int* block, 
   for (std::size_t i = BlockSamples::size; i < 128; ++i) out.difference[i] = 0;
 }
 
-/// @param block  place among the file's blocks, not mirrored
+/// @param block  position among the volume's blocks, not mirrored
 template <class T>
 HWY_NOINLINE void fetch_block(const SampleSource& source, const int* block, double isovalue, BlockSamples& out) {
   fetch_differences<T>(source, block, isovalue, out);
@@ -247,17 +249,18 @@ HWY_NOINLINE void fetch_block(const SampleSource& source, const int* block, doub
   if (std::is_floating_point_v<T> && source.has_gaps) leave_out_gaps(out);
 }
 
-/// Types of which every value is one of single precision.
+/// Types whose values all are numbers of single precision.
 template <class T>
 inline constexpr bool is_single = is_exact_in_float<T> || std::is_same_v<T, float>;
 
-/// The samples themselves of such types, for several isovalues. Of others nothing.
+/// Reads the unchanged samples of such types, for use with several isovalues. Does nothing for
+/// other types.
 template <class T>
 HWY_NOINLINE void fetch_values(const SampleSource& source, const int* block, BlockSamples& out) {
   if constexpr (is_single<T>) fetch_differences<T>(source, block, 0, out);
 }
 
-/// Has the processor bring the samples of a block, if they lie in few places: in eight bricks.
+/// Prefetches the samples of a block if they are stored in few pieces: in eight bricks.
 template <class T>
 HWY_NOINLINE void ask_for_block(const SampleSource& source, const int* block) {
   if (!source.has_whole_bricks) return;

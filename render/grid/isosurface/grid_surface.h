@@ -7,10 +7,12 @@
 #include "render/dataset/volume.h"
 #include "render/grid/isosurface/parts.h"
 
-/// Which isovalues of grids the wide kernels for isosurfaces take, and what they see of those.
+/// Which isovalues of grids the SIMD kernels for isosurfaces accept, and the surfaces that these
+/// kernels receive.
 namespace rhoray::render::wide {
 
-/// True where no difference between values and isovalue, nor a product of it, leaves the range of single precision.
+/// True where no difference between values and isovalue, and no product of such differences, leaves
+/// the range of single precision.
 inline bool is_in_range_of_float(const Interval<double>& range, double isovalue) {
   const double largest = std::max(std::abs(range.lo - isovalue), std::abs(range.hi - isovalue));
   return largest <= 0x1p60 && largest >= 0x1p-60;
@@ -32,7 +34,7 @@ Surface surface_of(const VolumeImplementation& volume, const View& view, const O
   return surface;
 }
 
-/// Of a grid that is fit.
+/// For a grid that is fit (is_fit_grid).
 inline bool is_answerable_wide(const VolumeImplementation& volume, const RayQuery& query) {
   return query.use_hierarchy && is_in_range_of_float(values_of(volume), query.isovalue);
 }

@@ -25,7 +25,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// The kernel at work on one group. Rays stay in their lanes; the blocks come to them.
+/// The kernel's work on one group. Rays stay in their lanes; blocks are assigned to lanes.
 template <Search search>
 class GroupWalk {
  public:
@@ -45,10 +45,10 @@ class GroupWalk {
     for (int a = 0; a < 3; ++a) upward_[a] = lattice.is_mirrored(a) ? -1 : 1;
   }
 
-  /// Where another kernel is to take up a ray of the group that is in doubt.
+  /// Where another kernel must take up a ray of the group that is in doubt.
   HWY_INLINE ResumedAt doubtful_from(std::size_t r) const { return states_.doubtful_from(r, scratch_.t_block[r]); }
 
-  /// @return  rays of the group that another kernel is to answer
+  /// @return  rays of the group that another kernel must trace
   HWY_INLINE std::uint64_t run(Frustum& frustum) {
     for (std::size_t r = 0; r < group_.count; r += float_lanes) hn::Store(hn::Zero(ints), ints, scratch_.visits + r);
     prepare();
@@ -69,8 +69,8 @@ class GroupWalk {
     return states_.doubtful;
   }
 
-  /// The same for the scattered rays that are the group, each on its own way. When half of them are done, the others
-  /// may wait again.
+  /// The same for scattered rays that form the group, each on its own path. When half of them are
+  /// done, the others may wait again.
   HWY_INLINE std::uint64_t run_scattered(WaitingRays& rays) {
     const std::uint64_t fresh = states_.alive & ~rays.under_way;
     prepare();
@@ -144,7 +144,8 @@ class GroupWalk {
     }
     ahead.present = mirrored_bits(samples.present, lattice_.octant);
     ahead.active = mirrored_bits(samples.active, lattice_.octant);
-    // The cell's lowest corner is another one in the mirrored block; in a cell that is not active all are of one side.
+    // The lowest corner is another one in the mirrored block, but in a cell that is not active all
+    // corners lie on one side.
     ahead.inside = mirrored_bits(samples.inside, lattice_.octant);
   }
 
@@ -205,7 +206,7 @@ class GroupWalk {
     pass_blocks<false>(lanes, r, going, corner);
   }
 
-  /// The same for blocks that they have found by themselves.
+  /// The same for blocks that the rays have found by themselves.
   HWY_NOINLINE void pass_found_blocks(std::size_t r, std::uint64_t going) {
     Lanes lanes;
     VecF corner[3];
@@ -219,7 +220,7 @@ class GroupWalk {
   }
 
   /// Certified: the same for a ray that rounding may have kept from a block.
-  /// @return  false where the ray is in doubt now
+  /// @return  false where the ray is now in doubt
   HWY_NOINLINE bool pass_touched_block(std::size_t ray, const int* block) {
     const std::size_t lane = ray % float_lanes;
     for (int a = 0; a < 3; ++a) scratch_.scattered.search.corner[a][ray] = static_cast<float>(4 * block[a]);
@@ -233,13 +234,14 @@ class GroupWalk {
     lanes.walking = at.passes;
     lanes.end = at.end;
     if constexpr (search == Search::certified) {
-      // What is hardly passed is looked into as it is from where the ray touches it: a way without length.
+      // A grazed block is searched as it is from where the ray touches it: over a way of length
+      // zero.
       const VecF size = hn::Abs(at.end);
       const MaskF touches =
           hn::And(mask_of(floats, going), hn::Not(hn::Gt(size, hn::Load(floats, scratch_.position_error + r))));
       states_.touching = bits_of(floats, touches) << r;
       if (states_.touching != 0) {
-        const MaskF lost = hn::AndNot(hn::Le(size, hn::Set(floats, 1.0f)), touches);  // of no finite time
+        const MaskF lost = hn::AndNot(hn::Le(size, hn::Set(floats, 1.0f)), touches);  // not finite
         doubt(bits_of(floats, lost) << r);
         lanes.walking = hn::AndNot(lost, hn::Or(at.passes, touches));
         lanes.end = hn::Max(at.end, hn::Zero(floats));
@@ -272,7 +274,7 @@ class GroupWalk {
       lanes.walking = hn::And(lanes.walking, next.exists);
       if (hn::AllFalse(floats, lanes.walking)) break;
       MaskF passes_cell = hn::Lt(next.way_in, next.way_out);
-      // Also into those of which rounding may hide that the ray passes them.
+      // Also search cells where rounding may hide that the ray passes them.
       if constexpr (search == Search::certified)
         passes_cell = hn::Ge(hn::Sub(next.way_out, next.way_in), hn::Neg(lanes.way_error));
       MaskF looks = hn::And(lanes.walking, passes_cell);
@@ -280,7 +282,7 @@ class GroupWalk {
       if (is_at_border) looks = hn::And(looks, is_in_lattice(ends_, next, corner));
       if (hn::AllFalse(floats, looks)) continue;
       if constexpr (is_scattered) {
-        // Only now is it known in which cells something is to be seen.
+        // Only now it is known which cells must be searched.
         corners = loaded_corners(next, corner, looks);
         looks = hn::And(looks, has_other_side(corners, lanes));
         if (hn::AllFalse(floats, looks)) continue;
@@ -305,9 +307,10 @@ class GroupWalk {
     states_.has_side = (states_.has_side & ~here) | bits_of(floats, lanes.has_side) << r;
   }
 
-  /// Takes out the lanes that enter a cell on another side than they were on. They have come out of cells without data,
-  /// where that is no crossing, or rounding has hidden a change at an edge between cells: the reference knows which.
-  /// @param asked  lanes of `looks`
+  /// Removes the lanes that enter a cell on another side than they were on. Either they have come
+  /// out of cells without data, which is no crossing, or rounding has hidden a change at an edge
+  /// between cells. The reference kernel decides which.
+  /// @param asked  the lanes of `looks` to test
   HWY_INLINE MaskF without_strays(Lanes& lanes, MaskF looks, MaskF asked, MaskF starts_inside, std::size_t r) {
     const MaskF strays = hn::And(asked, hn::And(lanes.has_side, hn::Xor(starts_inside, lanes.inside)));
     if (const std::uint64_t bits = bits_of(floats, strays); bits != 0) doubt(bits << r);
@@ -315,8 +318,9 @@ class GroupWalk {
     return hn::AndNot(strays, looks);
   }
 
-  /// Takes out the lanes that hardly pass their cells. Where the field is on one side in all of such a cell that the
-  /// ray may pass, and on the ray's own if that is known, it does not matter whether it does; the others are in doubt.
+  /// Removes the lanes that graze their cells. If the field is on one side in all parts of such a
+  /// cell that the ray may pass, and on the ray's own side if that is known, it does not matter
+  /// whether the ray passes. Otherwise the ray is in doubt.
   HWY_INLINE MaskF without_touched(Lanes& lanes, const NextCell& next, const Corners& corners, const CubicLanes& cubic,
                                    MaskF looks, std::size_t r) {
     const MaskF touched = hn::And(looks, hn::Le(hn::Sub(next.way_out, next.way_in), lanes.way_error));
@@ -329,10 +333,10 @@ class GroupWalk {
     return hn::AndNot(touched, looks);
   }
 
-  /// Of rays that start in a crossing: their first cubics begin on the side that is known, by
-  /// crossing_methods::on_side. Takes out the lanes that do not get farther from the surface than their starts may be,
-  /// and those that begin farther from it on the other side: they have come out of cells without data, as in
-  /// without_strays.
+  /// For rays that start in a crossing: their first cubics begin on the known side, as in
+  /// crossing_methods::on_side. Removes the lanes that do not get farther from the surface than the
+  /// error of their starts. Removes also those that begin farther from it on the other side: they
+  /// have come out of cells without data, as in without_strays.
   HWY_INLINE MaskF leave_crossings(Lanes& lanes, const Corners& corners, MaskF looks, CubicLanes& cubic,
                                    std::size_t r) {
     MaskF starts = hn::And(looks, mask_of(floats, states_.starting >> r));
@@ -353,7 +357,7 @@ class GroupWalk {
     return hn::AndNot(stays, looks);
   }
 
-  /// Corners of cells from the volume itself.
+  /// Reads corners of cells from the volume itself.
   HWY_INLINE Corners loaded_corners(const NextCell& next, const VecF* block_corner, MaskF asked) {
     CornersScratch& cells = scratch_.scattered.corners;
     for (int a = 0; a < 3; ++a) {
@@ -379,8 +383,9 @@ class GroupWalk {
     return hn::Or(is_active, hn::And(lanes.has_side, hn::Xor(all, lanes.inside)));
   }
 
-  /// Certified: those of some lanes of which the side at the entry, or the change, is not clear of the margin. It is
-  /// that of all cells of the block, and their own where that does not do.
+  /// Certified: those lanes where the side at the entry, or the change, is not certain within the
+  /// margin. The margin is that of all cells of the block, or the cell's own where that is not
+  /// sufficient.
   template <bool is_scattered>
   HWY_INLINE MaskF doubtful_looks(const Lanes& lanes, const Corners& corners, const CubicLanes& cubic, MaskF looks,
                                   MaskF found) const {
@@ -392,7 +397,7 @@ class GroupWalk {
     return hn::And(looks, is_in_doubt(cubic, margin_of(corners, lanes.way_error), lanes.inside, found));
   }
 
-  /// Searches the cells of some lanes; which of them found a crossing.
+  /// Searches the cells of some lanes; returns which of them found a crossing.
   template <bool is_scattered>
   HWY_INLINE MaskF look_into_cells(Lanes& lanes, const NextCell& next, const Corners& corners, MaskF looks,
                                    std::size_t r, const VecF* block_corner) {
@@ -436,7 +441,7 @@ class GroupWalk {
   int upward_[3];  ///< from a cell's lower to its upper sample, in the lattice
 };
 
-/// Notes rays of a group that are in doubt.
+/// Records rays of a group that are in doubt.
 template <Search search>
 HWY_INLINE void keep_doubtful(const GroupWalk<search>& walk, std::uint64_t rays, std::size_t first,
                               IsosurfaceScratch& scratch) {
@@ -447,7 +452,7 @@ HWY_INLINE void keep_doubtful(const GroupWalk<search>& walk, std::uint64_t rays,
   }
 }
 
-/// Answers half of these rays or more.
+/// Traces at least half of the waiting rays.
 template <Search search>
 HWY_NOINLINE void answer_most(const Surface& surface, WaitingRays& waiting, const RayArrays& rays,
                               const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters) {
@@ -474,7 +479,7 @@ void first_crossings(const Surface& surface, const RayArrays& rays, std::size_t 
   };
   const auto scatter = [&](const RayGroup& group) HWY_ATTR {
     if (surface.source.has_gaps) return false;
-    // What is in doubt already is not asked about again.
+    // Rays that are already in doubt are not traced twice.
     std::uint64_t joining = search == Search::certified ? group.inside & ~group.grazing : group.inside;
     WaitingRays& waiting = scratch.scattered.waiting[group.octant];
     const RayGroup* source = &group;

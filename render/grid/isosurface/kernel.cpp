@@ -11,7 +11,7 @@ namespace rhoray::render::wide {
 
 namespace {
 
-/// The thread's memory, with no block kept of another surface.
+/// The thread's scratch memory, without kept blocks of other surfaces.
 IsosurfaceScratch& prepared(std::shared_ptr<IsosurfaceScratch>& scratch, std::shared_ptr<const Occupancy> occupancy) {
   if (!scratch) scratch = std::make_shared<IsosurfaceScratch>();
   if (scratch->occupancy != occupancy) {
@@ -21,14 +21,14 @@ IsosurfaceScratch& prepared(std::shared_ptr<IsosurfaceScratch>& scratch, std::sh
   return *scratch;
 }
 
-/// Asks about the rays in doubt again.
-/// @param ask  (rays, where they are in doubt, hits)
+/// Traces the doubtful rays again.
+/// @param ask  (rays, where their doubt begins, hits)
 template <class Ask>
 void redo_doubtful(const Ask& ask, const RayBatch& rays, HitBatch& hits, KernelScratch& scratch) {
   IsosurfaceScratch& memory = *scratch.isosurface;
   DoubtfulRay* const begin = memory.doubtful.ray;
   DoubtfulRay* end = begin + std::exchange(memory.doubtful.count, 0);
-  // Of a ray that is there twice, the one that is to be asked about as a whole.
+  // If a ray occurs twice, keep the entry that traces it as a whole.
   std::sort(begin, end, [](const DoubtfulRay& a, const DoubtfulRay& b) {
     return a.index != b.index ? a.index < b.index : a.from.t < b.from.t;
   });
@@ -97,7 +97,8 @@ std::optional<SurfaceBoxes> prepare_occupancy(const VolumeImplementation& volume
           const auto occupancy = volume.occupancies->of(view.levels(), query.isovalue);
           const Index3 cells = view.lattice().leaf_count;
           SurfaceBoxes boxes = boxes_of(occupancy, occupancy->boxes());
-          // Far above what rounding exchanges at edges between cells; and single precision rounds the last cells.
+          // Far above what rounding exchanges at edges between cells, plus the rounding of the last
+          // cells to single precision.
           boxes.margin = 1.0 / 64 + 0x1p-24 * static_cast<double>(std::max({cells.x, cells.y, cells.z}));
           return boxes;
         }

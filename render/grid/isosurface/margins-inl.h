@@ -1,4 +1,5 @@
-// What rounding in single precision may have changed of cubics (cells/certified_crossing.h), one in each lane.
+// How much rounding in single precision may have changed cubics (render/cell/certified_crossing.h),
+// one in each lane.
 #if defined(RHORAY_WIDE_MARGINS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_MARGINS_INL_H
 #undef RHORAY_WIDE_MARGINS_INL_H
@@ -19,9 +20,9 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 /// A unit of rounding in single precision.
 inline constexpr float rounding_unit = 0x1p-24f;
 
-/// How far the cubic may be from the exact one on any segment in question (enclosed_along of
-/// cells/certified_crossing.h); infinite where nothing is certain. An unrounded third adds 0.5 u to its
-/// 18.7 u, a part that is halved 3 u.
+/// Bound on the distance of the cubic from the exact one on any segment in question (enclosed_along
+/// of render/cell/certified_crossing.h); infinite where nothing is certain. The unrounded third
+/// adds 0.5 u to its 18.7 u, and a part that is halved adds 3 u.
 HWY_INLINE VecF margin_of(const Corners& corners, VecF way_error) {
   VecF least = corners.f[0], largest = corners.f[0];
   for (int c = 1; c < 8; ++c) least = hn::Min(least, corners.f[c]), largest = hn::Max(largest, corners.f[c]);
@@ -33,8 +34,8 @@ HWY_INLINE VecF margin_of(const Corners& corners, VecF way_error) {
   return hn::IfThenElse(usable, margin, hn::Set(floats, std::numeric_limits<float>::infinity()));
 }
 
-/// At least margin_of any cell of a block whose values, less the isovalue and with 0, span `range`; where that is
-/// infinite (BlockSamples), this is.
+/// An upper bound of margin_of for any cell of a block whose values minus the isovalue, together
+/// with 0, span `range`. Infinite where `range` is infinite (BlockSamples).
 HWY_INLINE VecF margin_in_block(VecF range, VecF way_error) {
   const VecF share = hn::MulAdd(way_error, hn::Set(floats, 3.25f), hn::Set(floats, 27 * rounding_unit));
   const MaskF usable = hn::Le(way_error, hn::Set(floats, 1e-3f));
@@ -48,7 +49,7 @@ HWY_INLINE CubicLanes start_side_up(const CubicLanes& cubic, MaskF starts_inside
   return turned;
 }
 
-/// The Bernstein coefficients of the part on [0, s], and of the rest.
+/// The Bernstein coefficients of the part on [0, s] and of the rest.
 struct Parts {
   CubicLanes before, after;
 };
@@ -67,7 +68,8 @@ HWY_INLINE MaskF is_clear(const CubicLanes& cubic, VecF margin) {
   return hn::Gt(hn::Min(hn::Min(b[0], b[1]), hn::Min(b[2], b[3])), margin);
 }
 
-/// Where it is not certain on which side the ray enters the cell, or, without a change found, that there is none.
+/// Where the side on which the ray enters the cell is not certain, or, where no change was found,
+/// that there is none.
 HWY_INLINE MaskF is_in_doubt(const CubicLanes& cubic, VecF margin, MaskF starts_inside, MaskF found) {
   const CubicLanes turned = start_side_up(cubic, starts_inside);
   const MaskF starts = hn::Gt(turned.b[0], margin);
@@ -76,8 +78,8 @@ HWY_INLINE MaskF is_in_doubt(const CubicLanes& cubic, VecF margin, MaskF starts_
   return hn::Not(decided);
 }
 
-/// How far the exact first change of side may be from a root, as a share of the way through the cell; infinite where
-/// nothing is proven.
+/// Bound on the distance of the exact first change of side from a root, as a share of the path
+/// through the cell; infinite where nothing is proven.
 HWY_INLINE VecF error_of_root(const CubicLanes& cubic, VecF margin, VecF root) {
   const VecF zero = hn::Zero(floats), one = hn::Set(floats, 1.0f);
   const CubicLanes turned = start_side_up(cubic, is_inside(cubic.b[0]));

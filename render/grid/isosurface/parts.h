@@ -13,7 +13,8 @@
 #include "render/query/kernels.h"
 #include "render/traverse/ray_group.h"
 
-/// What the sources of the wide isosurface kernel hand to the part that is compiled once per machine.
+/// The interface between the sources of the SIMD isosurface kernel and the part that is compiled
+/// once per machine.
 namespace rhoray::render::wide {
 
 /// How a cell is searched.
@@ -31,24 +32,27 @@ struct Surface {
   bool time_phases;
 };
 
-/// Which blocks a group's rays may pass, in single precision with a margin: a ray passes plane k of an axis of the
-/// mirrored lattice on its way at k inverse_slope + near, or later, and at k inverse_slope + far, or sooner.
+/// Which blocks a group's rays may pass, in single precision with a margin. A ray passes plane k of
+/// an axis of the mirrored lattice not before k inverse_slope + near, and not after k inverse_slope
+/// + far, measured along its way.
 struct alignas(64) BlockFilter {
   float near[3][RayGroup::size], far[3][RayGroup::size];
   float first[RayGroup::size], last[RayGroup::size];  ///< the part of the way inside the lattice
 };
 
-/// A block that some rays of the group are still to pass.
+/// A block that some rays of the group have yet to pass.
 struct BlockAhead {
-  static constexpr int place_bits[3] = {3, 2, 2};  ///< of a block's position, that tell where its samples are kept
-  static constexpr std::size_t most = 24;          ///< in a list
+  /// Of a block's position; they select the slot in which its samples are kept
+  static constexpr int place_bits[3] = {3, 2, 2};
+  static constexpr std::size_t most = 24;  ///< most blocks in a list
 
-  int block[3];                                       ///< mirrored
-  std::uint64_t rays;                                 ///< that may pass it
-  std::uint64_t taken;                                ///< of which it is the next one
-  std::int32_t samples = -1;                          ///< where its samples begin among all kept; -1: not fetched
-  std::uint64_t present = 0, active = 0, inside = 0;  ///< of BlockSamples, mirrored
-  float range = 0;                                    ///< certified: of BlockSamples
+  int block[3];         ///< mirrored
+  std::uint64_t rays;   ///< rays that may pass it
+  std::uint64_t taken;  ///< rays for which it is the next block
+  /// Offset of its samples among all kept samples; -1: not fetched
+  std::int32_t samples = -1;
+  std::uint64_t present = 0, active = 0, inside = 0;  ///< as in BlockSamples, mirrored
+  float range = 0;                                    ///< certified: as in BlockSamples
 };
 
 /// Blocks in the order in which rays pass them.
@@ -58,31 +62,36 @@ struct ListOfBlocks {
 
   Block block[capacity];
   std::size_t count;
-  std::uint64_t rays;  ///< that may pass one of them
+  std::uint64_t rays;  ///< rays that may pass one of them
   std::uint64_t places[1 << (Block::place_bits[0] + Block::place_bits[1] + Block::place_bits[2] -
-                             6)];  ///< where their samples are kept
+                             6)];  ///< slots in which their samples are kept, a bit each
 };
 using BlocksAhead = ListOfBlocks<BlockAhead>;
 
-/// Crossings of which the cell is known and the place in it is still to be refined, each in its ray's lane.
+/// Crossings whose cell is known and whose position in it is still to be refined, each in its ray's
+/// lane.
 struct alignas(64) PendingHits {
-  float corner[8][RayGroup::size];                        ///< of the cell, less the isovalue
-  float in[3][RayGroup::size], out[3][RayGroup::size];    ///< where the ray enters and leaves the cell
-  float way_in[RayGroup::size], way_out[RayGroup::size];  ///< from where it entered the block
-  float low[RayGroup::size], high[RayGroup::size];        ///< the piece on which the cubic is monotone and changes side
-  float way_error[RayGroup::size];                        ///< certified
-  float cell[3][RayGroup::size];                          ///< in the mirrored lattice
+  float corner[8][RayGroup::size];  ///< of the cell, minus the isovalue
+  /// Where the ray enters and leaves the cell.
+  float in[3][RayGroup::size], out[3][RayGroup::size];
+  /// Measured from where it entered the block.
+  float way_in[RayGroup::size], way_out[RayGroup::size];
+  /// The piece on which the cubic is monotone and changes side.
+  float low[RayGroup::size], high[RayGroup::size];
+  float way_error[RayGroup::size];  ///< certified
+  float cell[3][RayGroup::size];    ///< in the mirrored lattice
   std::int32_t root_count[RayGroup::size];
-  std::uint64_t rays;  ///< that have one
+  std::uint64_t rays;  ///< rays that have a pending crossing
 };
 
-/// A ray of a batch that is left to another kernel; nothing that was written for it counts.
+/// A ray of a batch that is left to another kernel; everything written for it so far is invalid.
 struct DoubtfulRay {
   std::uint32_t index;
-  ResumedAt from;  ///< certified: where it is in doubt; else its start
+  ResumedAt from;  ///< certified: where the doubt begins; else the start of the ray
 };
 struct DoubtfulRays {
-  DoubtfulRay ray[RayGroup::size * 20];  ///< of a chunk, and of the groups that its scattered rays complete
+  /// Those of a chunk, and of the groups that its scattered rays complete.
+  DoubtfulRay ray[RayGroup::size * 20];
   std::size_t count = 0;
 };
 
@@ -92,38 +101,44 @@ struct alignas(64) IsosurfaceScratch {
   static constexpr std::uint64_t no_block = ~std::uint64_t{0};
 
   RayGroup group;
-  float slope[3][RayGroup::size];          ///< along each axis, while the ray goes by 1 along its fastest one
+  /// Along each axis, while the ray moves by 1 along its fastest one.
+  float slope[3][RayGroup::size];
   float inverse_slope[3][RayGroup::size];  ///< never_passed where the ray passes no plane
-  double way_per_t[RayGroup::size], t_per_way[RayGroup::size];  ///< the way counted along the ray's fastest axis
-  float position_error[RayGroup::size];  ///< certified: what double precision may have put the ray's points off by
-  float steepest[RayGroup::size];        ///< certified: of inverse slopes, the largest of axes that are not slow
-  double t_block[RayGroup::size];        ///< when each ray entered the last block that it passed
-  std::int32_t visits[RayGroup::size];   ///< blocks and cells
+  /// The way is measured along the ray's fastest axis.
+  double way_per_t[RayGroup::size], t_per_way[RayGroup::size];
+  /// Certified: error bound of the ray's points due to double precision.
+  float position_error[RayGroup::size];
+  /// Certified: the largest inverse slope among axes that are not slow.
+  float steepest[RayGroup::size];
+  /// t at which each ray entered the last block that it passed.
+  double t_block[RayGroup::size];
+  std::int32_t visits[RayGroup::size];  ///< blocks and cells visited
   BlockFilter filter;
   BlocksAhead ahead;
   PendingHits pending;
   std::uint64_t block_key[kept_blocks];
   BlockSamples blocks[kept_blocks];
   ScatteredScratch scattered;
-  std::uint64_t slow[3];  ///< certified: rays to which an axis is slow (error_of_ways)
+  std::uint64_t slow[3];  ///< certified: rays for which an axis is slow (error_of_ways)
   DoubtfulRays doubtful;
-  std::shared_ptr<const Occupancy> occupancy;  ///< whose blocks are kept
-  FewRays few;                                 ///< of the doubtful ones
+  std::shared_ptr<const Occupancy> occupancy;  ///< the one whose blocks are kept
+  FewRays few;                                 ///< for the doubtful rays
 };
 
-/// What is compiled once per machine. Hits are written; what is no hit is left as it is, but for its cost. Rays in
-/// doubt are added to those of the scratch memory.
+/// The functions that are compiled once per machine. They write hits; where there is no hit,
+/// everything but the cost keeps its value. Doubtful rays are appended to those of the scratch
+/// memory.
 struct CrossingKernels {
-  /// Answers at most 64 rays of a batch, from `first` on, a multiple of 64. Rays that go their own ways may be left
-  /// waiting.
+  /// Traces at most 64 rays of a batch, starting at `first`, a multiple of 64. Scattered rays may
+  /// be left waiting.
   void (*answer)(const Surface& surface, const RayArrays& rays, std::size_t first, std::size_t count,
                  const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters);
-  /// Answers those that wait.
+  /// Traces the waiting rays.
   void (*answer_waiting)(const Surface& surface, const RayArrays& rays, const HitArrays& hits,
                          IsosurfaceScratch& scratch, KernelCounters& counters);
 };
 
-/// `baseline` is what the processor has of SSE4, or else one lane.
+/// `baseline` uses SSE4 where the processor has it, or else one lane.
 CrossingKernels crossing_kernels_on(Machine machine, Search search);
 
 }  // namespace rhoray::render::wide

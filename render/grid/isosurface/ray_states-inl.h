@@ -1,4 +1,5 @@
-// What is known of each ray of a group while it is followed: whether it goes on, on which side it is, what is in doubt.
+// What is known about each ray of a group while it is followed: whether it goes on, which side it
+// is on, what is in doubt.
 #if defined(RHORAY_WIDE_RAY_STATES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_RAY_STATES_INL_H
 #undef RHORAY_WIDE_RAY_STATES_INL_H
@@ -17,15 +18,19 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// A bit for each ray of a group.
+/// State flags, with a bit for each ray of a group.
 struct RayStates {
-  std::uint64_t alive;         ///< rays without a hit
-  std::uint64_t doubtful = 0;  ///< that have left the group: another kernel is to answer them
-  std::uint64_t resumed = 0;   ///< of these, those without a doubt before their last blocks
-  std::uint64_t resumed_with_side = 0, resumed_inside = 0;  ///< the side that they are on there, if it is known
-  std::uint64_t touching = 0;              ///< of those at work now, those that hardly pass their blocks
+  std::uint64_t alive;  ///< rays without a hit
+  /// Rays that have left the group and must be traced by another kernel
+  std::uint64_t doubtful = 0;
+  std::uint64_t resumed = 0;  ///< of these, rays without a doubt before their last blocks
+  /// The side that they are on there, if it is known
+  std::uint64_t resumed_with_side = 0, resumed_inside = 0;
+  /// Of the rays at work now, those that graze their blocks.
+  std::uint64_t touching = 0;
   std::uint64_t inside = 0, has_side = 0;  ///< the side that each ray is on, if it has met data
-  std::uint64_t starting = 0;              ///< rays that start in a crossing and have not looked into a cell
+  /// Rays that start in a crossing and have searched no cell yet.
+  std::uint64_t starting = 0;
 
   HWY_INLINE void take_start_sides(const StartSide* sides, const RayGroup& group) {
     for (std::size_t r = 0; r < group.count; ++r) {
@@ -41,9 +46,9 @@ struct RayStates {
     alive &= ~rays;
   }
 
-  /// The same for rays of which nothing is in doubt before the blocks that they have entered last.
-  /// @param has_gaps  in the data; without any a ray is on one side until it crosses: where that is known it was there,
-  /// too
+  /// The same for rays that have no doubt before the blocks that they have entered last.
+  /// @param has_gaps  of the data. Without gaps a ray stays on one side until it crosses, so its
+  ///                  known side also holds where it entered the block
   HWY_INLINE void doubt_from_block(std::uint64_t rays, bool has_gaps) {
     doubt(rays);
     if (has_gaps) return;
@@ -52,8 +57,8 @@ struct RayStates {
     resumed_inside |= rays & inside;
   }
 
-  /// Where another kernel is to take up a ray that is in doubt.
-  /// @param t_block  at which it has entered its last block
+  /// Where another kernel must take up a ray that is in doubt.
+  /// @param t_block  where it entered its last block
   HWY_INLINE ResumedAt doubtful_from(std::size_t r, double t_block) const {
     ResumedAt from;
     const auto has = [r](std::uint64_t rays) { return (rays >> r & 1) != 0; };
@@ -63,25 +68,25 @@ struct RayStates {
     return from;
   }
 
-  /// Rays that have waited go on as they were, others as they are here.
-  /// @param fresh  the others
+  /// Restores the states of rays that have waited; other rays keep their present states.
+  /// @param fresh  the other rays
   HWY_INLINE void take_up(const WaitingRays& rays, std::uint64_t fresh) {
     inside = (inside & fresh) | rays.inside;
     has_side = (has_side & fresh) | rays.has_side;
     starting = (starting & fresh) | rays.starting;
   }
 
-  /// Puts a ray by.
+  /// Stores the state of a ray in a waiting list.
   HWY_INLINE void keep(std::size_t r, WaitingRays& rays, std::size_t lane) const {
     const auto take_bit = [&](std::uint64_t from, std::uint64_t& to) { to |= (from >> r & 1) << lane; };
     take_bit(inside, rays.inside), take_bit(has_side, rays.has_side), take_bit(starting, rays.starting);
   }
 };
 
-/// What double precision may put the points of a group's rays off by (point_error of grid_certified.h), as cells are
-/// found by it in single precision.
-/// @return  rays of which that is too much, and those that pass no plane of an axis, but are so close to one that its
-///          sides are not told apart in single precision
+/// Computes the error of the points of a group's rays due to double precision (point_error of
+/// render/grid/reference/certified.h), in cells, as needed by the search in single precision.
+/// @return  rays whose error is too large, and rays that pass no plane of an axis but are so close
+///          to one that its sides cannot be told apart in single precision
 HWY_INLINE std::uint64_t prepare_errors(const RayGroup& group, IsosurfaceScratch& scratch) {
   std::uint64_t doubtful = 0;
   for (std::size_t r = 0; r < group.count; r += double_lanes) {

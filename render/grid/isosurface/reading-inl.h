@@ -1,4 +1,4 @@
-// How samples of one type are read, chosen once per batch.
+// Functions that read samples of one type, chosen once per batch.
 #if defined(RHORAY_WIDE_READING_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_READING_INL_H
 #undef RHORAY_WIDE_READING_INL_H
@@ -17,10 +17,11 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// How samples of one type are read.
+/// Functions that read samples of one type.
 struct Reading {
   void (*fetch)(const SampleSource&, const int*, double, BlockSamples&);
-  void (*fetch_values)(const SampleSource&, const int*, BlockSamples&);  ///< null of types with values beyond float
+  /// Null for types whose values need not fit float.
+  void (*fetch_values)(const SampleSource&, const int*, BlockSamples&);
   void (*ask_for)(const SampleSource&, const int*);
   void (*load_corners)(const SampleSource&, const int*, double, std::uint64_t, CornersScratch&);
 };
