@@ -25,8 +25,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// The kernel at work on one group, as GroupWalk of isosurface.cpp; but a ray goes on behind its crossings, on the
-/// other side, until it ends, its light does, or one of its lists is full.
+/// The kernel's work on one group, like GroupWalk of isosurface.cpp. Here a ray goes on behind its
+/// crossings, on the other side, until it ends, its light is used up, or one of its lists is full.
 template <int surfaces>
 class AllHitsWalk {
  public:
@@ -88,7 +88,7 @@ class AllHitsWalk {
  private:
   using RayLanes = AllHitsLanes<surfaces>;
 
-  /// How many crossings each ray has, and how many blocks and cells it has passed.
+  /// Writes the number of crossings of each ray, and the numbers of blocks and cells it has passed.
   HWY_INLINE void write_counts() {
     constexpr hn::Rebind<std::uint8_t, Ints> bytes;
     const GroupNumbers numbers(group_);
@@ -123,7 +123,8 @@ class AllHitsWalk {
     return kept_place_of<AllHitsBlock>(block);
   }
 
-  /// Has the samples of a block brought that are not kept: they come while the blocks before it are passed.
+  /// Prefetches the samples of a block that is not kept; they arrive while the blocks before it are
+  /// passed.
   HWY_INLINE void ask_for(const int* mirrored) const {
     int block[3];
     const KeptPlace at = kept_place(mirrored, block);
@@ -162,7 +163,8 @@ class AllHitsWalk {
     double base = 0;
     for (int s = 0; s < surfaces; ++s) {
       const Surface& surface = shells_.surface[s];
-      seen[s] = {.active = 0, .inside = 0, .isovalue = surface.isovalue};  // nothing is to be seen of it
+      // The surface is not in the block.
+      seen[s] = {.active = 0, .inside = 0, .isovalue = surface.isovalue};
       if (surfaces == 1 || has_bit(surface, block)) {
         BlockSamples& samples = scratch_.blocks[has_values_ ? 0 : s][place];
         if (has_values_)
@@ -194,8 +196,8 @@ class AllHitsWalk {
     while (alive_ != 0 && (alive_ & ~scratch_.ahead.rays) == 0) pass_next();
   }
 
-  /// Lets the rays go by a block that have no other before it, unless they come to its cells on another side than these
-  /// lie on. The list has the blocks before it.
+  /// Lets the rays that have no other block before it skip a block, unless they come to its cells
+  /// on another side than these cells. The list holds the blocks before it.
   /// @return  rays that are not done with it
   HWY_INLINE std::uint64_t settle(AllHitsBlock& block) {
     const std::uint64_t go_by = block.by & ~scratch_.ahead.rays;
@@ -210,8 +212,9 @@ class AllHitsWalk {
     return block.rays | block.by;
   }
 
-  /// Some rays have gone by cells on one side and then come to others on the other side, or go by them, and it is not
-  /// known whether a look into one of the cells that were left out had told them theirs before: left to another kernel.
+  /// Leaves rays to another kernel. They have skipped cells on one side and then come to, or skip,
+  /// cells on the other side. It is not known whether a search in one of the skipped cells would
+  /// have given them a side.
   HWY_INLINE void leave(std::uint64_t rays) { alive_ &= ~rays, full_ |= rays; }
 
   HWY_NOINLINE void pass_next() {
@@ -316,13 +319,14 @@ class AllHitsWalk {
     }
   }
 
-  /// Takes some rays from look to look, each with the side on which the last one has left it.
+  /// Searches the cells of some rays one after another, each with the side that the last one has
+  /// led to.
   HWY_NOINLINE void look_one_after_another(RayLanes& lanes, std::size_t r, const VecF* corner, bool is_at_border) {
     const VecI zero = hn::Zero(ints);
     while (true) {
       VecI looks_of[surfaces][2], any[2] = {zero, zero};
       for (int s = 0; s < surfaces; ++s) {
-        // Of blocks in which a surface has nothing its sides are not known.
+        // In blocks that do not contain a surface, the cells' sides for it are not known.
         const MaskF known = hn::And(lanes.has_side_of[s], hn::RebindMask(floats, hn::Ne(lanes.seen_of[s], zero)));
         find_looks(lanes, lanes.active_of[s], lanes.inside_out_of[s], lanes.inside_of[s], known, looks_of[s]);
         for (int w = 0; w < 2; ++w) any[w] = hn::Or(any[w], looks_of[s][w]);
@@ -350,7 +354,7 @@ class AllHitsWalk {
 
   /// Searches the cells of some lanes for a surface.
   /// @param values  at their corners, where they are kept
-  /// @return        those that crossed it
+  /// @return        lanes that crossed it
   HWY_INLINE MaskF look_into_cells(int s, RayLanes& lanes, const NextCell& next, const Corners& values, const VecF* in,
                                    const VecF* out, MaskF looks, std::size_t r, const VecF* block_corner) {
     counters_.cells_solved += hn::CountTrue(floats, looks);
@@ -384,7 +388,7 @@ class AllHitsWalk {
     return found;
   }
 
-  /// Ends the rays of which a list is full, and those that no light would pass.
+  /// Ends rays with a full list, and rays whose remaining light is too small.
   HWY_INLINE void end_rays(RayLanes& lanes, MaskF found, std::size_t r) {
     VecF light = hn::Set(floats, 1.0f);
     for (int s = 0; s < surfaces; ++s)
@@ -397,7 +401,7 @@ class AllHitsWalk {
   }
 
   const TransparentSurfaces& shells_;
-  const Surface& any_;  ///< of which all surfaces have the same but for isovalue and occupancy
+  const Surface& any_;  ///< shared by all surfaces, except for isovalue and occupancy
   const MirroredLattice& lattice_;
   const LatticeEnds ends_;
   const std::size_t first_ray_;
@@ -412,11 +416,13 @@ class AllHitsWalk {
   const BlockCorners corners_;
   HitLists hits_[most_surfaces];  ///< by surface
   AllHitsCandidates<surfaces> looks_;
-  std::uint64_t alive_;                                            ///< rays that go on
-  std::uint64_t full_ = 0;                                         ///< rays of which a crossing was not noted
-  std::uint64_t blocks_ = 0;                                       ///< passed by rays
-  std::uint64_t inside_[surfaces] = {}, has_side_[surfaces] = {};  ///< the side that each ray is on, if it has met data
-  std::uint64_t went_by_[surfaces][2] = {};  ///< rays that have gone by cells outside, or inside, before they had one
+  std::uint64_t alive_;       ///< rays that go on
+  std::uint64_t full_ = 0;    ///< rays with a crossing that was not recorded
+  std::uint64_t blocks_ = 0;  ///< blocks passed by rays
+  /// The side that each ray is on, if it has met data.
+  std::uint64_t inside_[surfaces] = {}, has_side_[surfaces] = {};
+  /// Rays that have skipped cells outside, or inside, before they had a side.
+  std::uint64_t went_by_[surfaces][2] = {};
 };
 
 template <int surfaces>

@@ -4,8 +4,9 @@
 
 namespace rhoray::render::wide {
 
-/// All crossings of one or two isosurfaces of a uniform dense grid without gaps, for groups of rays at once; null where
-/// there is no such kernel. First crossings are those of first_crossing_kernel, bit for bit.
+/// All crossings with one or two isosurfaces of a uniform grid without gaps, for groups of rays at
+/// once. Null where there is no such kernel. First crossings equal those of first_crossing_kernel,
+/// bit for bit.
 AllHitsKernel grid_all_hits_kernel(const VolumeImplementation& volume, const RayQuery& query, Machine machine);
 
 }  // namespace rhoray::render::wide

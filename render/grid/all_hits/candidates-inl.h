@@ -1,5 +1,5 @@
-// CandidateList into cells for clear surfaces: all that rays have before them in their blocks at once, whichever ray's
-// they are, so that every lane has one.
+// Candidate cells for transparent surfaces: all that rays have ahead in their blocks at once,
+// whichever ray's they are, so that every lane has one.
 #if defined(RHORAY_WIDE_SHELL_LOOKS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_SHELL_LOOKS_INL_H
 #undef RHORAY_WIDE_SHELL_LOOKS_INL_H
@@ -22,15 +22,17 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// Rays on their way through the cells of a block, each of its own, and of each surface what Lanes has of one.
+/// Rays on their way through the cells of a block, each in its own block, with what Lanes has of
+/// one surface for each surface.
 template <int surfaces>
 struct AllHitsLanes : Lanes {
   VecI active_of[surfaces][2], inside_out_of[surfaces][2], seen_of[surfaces];
-  VecF error;  ///< of BlockSlabs
+  VecF error;  ///< as in BlockSlabs
   MaskF inside_of[surfaces], has_side_of[surfaces];
 };
 
-/// Of each bit of 64, in two words, whether an odd number of lower ones is set; and of all.
+/// For each of 64 bits, in two words, whether an odd number of lower bits is set; and the parity of
+/// all bits.
 struct PrefixParity {
   VecI word[2];
   MaskF of_all;
@@ -43,17 +45,18 @@ struct PrefixParity {
       x = hn::Xor(x, hn::ShiftLeft<8>(x)), x = hn::Xor(x, hn::ShiftLeft<16>(x));
       up_to[w] = x;
     }
-    const VecI of_first = hn::ShiftRight<31>(up_to[0]);  // all bits of it
+    const VecI of_first = hn::ShiftRight<31>(up_to[0]);  // all of its bits
     word[0] = hn::ShiftLeft<1>(up_to[0]);
     word[1] = hn::Xor(hn::ShiftLeft<1>(up_to[1]), of_first);
     of_all = hn::RebindMask(floats, hn::Lt(hn::Xor(up_to[1], of_first), hn::Zero(ints)));
   }
 };
 
-/// The looks of rays that pass their blocks. Every cell is looked into as if the ray came to it on the side on which
-/// the cell's own field begins. Where each side is the one that the changes before have led to, and so is that of the
-/// cells between, these are the looks that a ray takes one after another; the other rays, few, are left to take theirs
-/// so.
+/// Searches the cells of rays that pass their blocks. Every cell is searched as if the ray came to
+/// it on the side on which the cell's own field begins. For most rays each such side is the one
+/// that the changes before have led to, and so is the side of the cells between. Then the result is
+/// that of searching one cell after another. The few other rays are left to be searched in that
+/// way.
 template <int surfaces>
 class AllHitsCandidates {
  public:
@@ -68,18 +71,18 @@ class AllHitsCandidates {
         hits_(hits),
         counters_(counters) {}
 
-  /// Corners of some lanes' cells, less a surface's isovalue.
+  /// Corners of some lanes' cells, minus a surface's isovalue.
   /// @param values  at the corners, where values are kept
   HWY_INLINE Corners corners_less_isovalue(int s, const Corners& values, const VecF* cell, VecI samples,
                                            MaskF asked) const {
     return has_values_ ? less_its_isovalue(s, values) : corners_.of(cell, samples, scratch_.blocks[s], asked);
   }
 
-  /// Notes the crossings of the rays from r on. Of those that are left nothing is changed.
-  /// @param went_by  bits of lanes: rays that have gone by cells outside, or inside, of which no side is known before;
-  ///                 gets those that do so here
-  /// @param ended    bits of lanes: rays that are to go no farther
-  /// @param full     of these, those of which a crossing was not noted
+  /// Records the crossings of the rays from r on. Rays that are left remain unchanged.
+  /// @param went_by  bits of lanes: rays that have passed cells outside, or inside, before their
+  ///                 side was known; rays that do so here are added
+  /// @param ended    bits of lanes: rays that must go no farther
+  /// @param full     of these, rays with a crossing that was not recorded
   /// @return         bits of lanes that are left
   HWY_INLINE std::uint64_t take(AllHitsLanes<surfaces>& lanes, std::size_t r, const VecF* block_corner,
                                 const BetweenSlabs& between, std::uint64_t (&went_by)[surfaces][2], bool is_at_border,
@@ -104,12 +107,12 @@ class AllHitsCandidates {
   }
 
  private:
-  /// Of each surface, where the changes begin among those that are noted, of which the rays are not known yet.
+  /// For each surface, the index of the first noted change whose ray is not known yet.
   struct FirstFound {
     std::size_t of[surfaces];
   };
 
-  /// All cells that the rays pass and in which something is to be seen: of each ray in their order.
+  /// Lists all cells that the rays pass and that must be searched; those of each ray are in order.
   HWY_INLINE void list_cells(const AllHitsLanes<surfaces>& lanes, const VecF* block_corner, bool is_at_border) {
     const VecI zero = hn::Zero(ints);
     VecI any[2] = {zero, zero};
@@ -152,7 +155,7 @@ class AllHitsCandidates {
     }
   }
 
-  /// What is known of each cell's ray.
+  /// Looks up what is known of each cell's ray.
   class OfCells {
    public:
     explicit HWY_INLINE OfCells(VecI lane)
@@ -160,7 +163,7 @@ class AllHitsCandidates {
 
     HWY_INLINE VecF operator()(VecF of_rays) const { return hn::TableLookupLanes(of_rays, from_); }
     HWY_INLINE VecI operator()(VecI of_rays) const { return hn::TableLookupLanes(of_rays, from_ints_); }
-    /// A bit of 64, in two words.
+    /// One of 64 bits, in two words.
     HWY_INLINE MaskF operator()(const VecI* of_rays, VecI bit) const {
       const VecI low = hn::TableLookupLanes(of_rays[0], from_ints_),
                  high = hn::TableLookupLanes(of_rays[1], from_ints_);
@@ -176,7 +179,7 @@ class AllHitsCandidates {
 
   HWY_INLINE OfCells of_cells(std::size_t first) const { return OfCells(hn::Load(ints, cells_.lane + first)); }
 
-  /// CandidateList into the cells from `first` on.
+  /// Searches the cells from `first` on.
   HWY_INLINE void look(const AllHitsLanes<surfaces>& lanes, std::size_t first, const VecF* block_corner,
                        bool is_at_border) {
     const OfCells of = of_cells(first);
@@ -221,8 +224,9 @@ class AllHitsCandidates {
     }
   }
 
-  /// CandidateList for a surface where the field along the ways is known, but for errors. Cells in which it is closer
-  /// to the isovalue than these, where that matters, are looked into closely.
+  /// Searches cells for a surface where the field along the ways is known up to errors. Cells in
+  /// which it is closer to the isovalue than these errors, where that matters, are searched
+  /// closely.
   HWY_INLINE void look_from_afar(const FoundIn& at, const CubicLanes& cubic, VecF error, MaskF here) {
     const VecF isovalue = hn::Set(floats, static_cast<float>(shells_.surface[at.surface].isovalue));
     const VecF low = hn::Sub(isovalue, error), high = hn::Add(isovalue, error);
@@ -231,7 +235,7 @@ class AllHitsCandidates {
     const MaskF is_clear = hn::Or(hn::Lt(most, low), hn::Gt(least, high)), open = hn::AndNot(is_clear, here);
     cells_.looks[at.surface][at.ray / float_lanes].begins_inside = bits_of(floats, hn::Ge(cubic.b[0], isovalue));
     if (hn::AllFalse(floats, open)) return;
-    // One change, if there is one change of sign among the coefficients (pieces_of), and both ends are clear.
+    // One change, if the coefficients have one change of sign (pieces_of) and both ends are clear.
     const auto is_below = [&](int i) HWY_ATTR { return hn::Lt(cubic.b[i], low); };
     const auto is_above = [&](int i) HWY_ATTR { return hn::Gt(cubic.b[i], high); };
     const MaskF rises = hn::And(hn::And(is_below(0), is_above(3)), hn::Or(is_below(1), is_above(2)));
@@ -244,7 +248,8 @@ class AllHitsCandidates {
     if (HWY_UNLIKELY(!hn::AllFalse(floats, unclear))) look_closely(at, unclear);
   }
 
-  /// CandidateList for a surface by the differences to its isovalue, as a ray does that takes one look after another.
+  /// Searches cells for a surface by the differences to its isovalue, as is done for a ray that
+  /// searches one cell after another.
   HWY_NOINLINE void look_closely(const FoundIn& at, MaskF here) {
     const Corners corners = has_values_ ? less_its_isovalue(at.surface, at.corners) : at.corners;
     const CubicLanes cubic = along(corners, at.in, at.out);
@@ -264,7 +269,7 @@ class AllHitsCandidates {
     });
   }
 
-  /// Of each ray the cells with an odd number of changes.
+  /// Finds, for each ray, the cells with an odd number of changes.
   HWY_INLINE void note_changes(const FirstFound& first) {
     for (int s = 0; s < surfaces; ++s)
       for (std::size_t f = first.of[s]; f < hits_[s].count(); ++f) {
@@ -274,9 +279,10 @@ class AllHitsCandidates {
       }
   }
 
-  /// The sides on which rays are that have looked into no cell before: those that they are known to have in front of
-  /// the heights between which they look, or that of the first cell that they look into.
-  /// @param has_side  gets rays that look into one
+  /// Finds the sides of rays that have searched no cell before: the side that they are known to
+  /// have in front of the heights between which they are searched, or that of the first cell
+  /// searched.
+  /// @param has_side  receives the rays that search a cell
   HWY_INLINE void find_first_sides(int s, std::uint64_t without_side, const BetweenSlabs& between,
                                    std::uint64_t& inside, std::uint64_t& has_side) const {
     const VecI looked = hn::Or(hn::And(passed_[0], active_[s][0]), hn::And(passed_[1], active_[s][1]));
@@ -296,7 +302,8 @@ class AllHitsCandidates {
     }
   }
 
-  /// Notes that some rays have gone by what lies in front of the heights between which they look, or behind them.
+  /// Records that some rays have passed what lies in front of the heights between which they are
+  /// searched, or behind them.
   HWY_INLINE static void go_by(const BetweenSlabs& between, std::uint64_t rays, std::uint64_t (&went_by)[2]) {
     const std::uint64_t front = rays & bits_of(floats, between.is_cut_in_front),
                         behind = rays & bits_of(floats, between.is_cut_behind),
@@ -306,15 +313,16 @@ class AllHitsCandidates {
   }
 
   /// Finds the sides of the rays behind their blocks.
-  /// @param unsure  gets bits of lanes: rays that have gone by cells on both sides, or on another side than they have
-  ///                here at first, and those that are on none yet and then come to a cell on another side than it has
-  /// @return        bits of lanes that come to a cell on another side than it has
+  /// @param unsure  receives bits of lanes: rays that have passed cells on both sides, or on
+  ///                another side than they first have here, and rays that have no side yet and then
+  ///                come to a cell on another side than its own
+  /// @return        bits of lanes that come to a cell on another side than its own
   HWY_INLINE std::uint64_t find_strays(AllHitsLanes<surfaces>& lanes, const VecF* block_corner,
                                        const BetweenSlabs& between, std::uint64_t (&went_by)[surfaces][2],
                                        bool is_at_border, std::uint64_t& unsure) const {
     std::uint64_t strays = 0, has_all_sides = ~std::uint64_t{0};
     MaskF inside_behind[surfaces], has_side_behind[surfaces];
-    VecI off[2] = {hn::Zero(ints), hn::Zero(ints)};  // cells between those that were looked into
+    VecI off[2] = {hn::Zero(ints), hn::Zero(ints)};  // cells between the searched ones
     for (int s = 0; s < surfaces; ++s) {
       std::uint64_t has_side = bits_of(floats, lanes.has_side_of[s]);
       std::uint64_t inside = bits_of(floats, lanes.inside_of[s]) & has_side;
@@ -370,8 +378,8 @@ class AllHitsCandidates {
     return corners;
   }
 
-  /// Whether all rays go on behind their changes, of which each cell has one for each surface at most. Then these are
-  /// counted.
+  /// Whether all rays go on behind their changes, given that each cell has at most one change for
+  /// each surface. If so, the changes are counted.
   HWY_INLINE bool all_go_on(std::size_t r, std::uint64_t walking) {
     VecI count[surfaces], all = hn::Zero(ints);
     for (int s = 0; s < surfaces; ++s) {
@@ -390,7 +398,8 @@ class AllHitsCandidates {
     return true;
   }
 
-  /// Gives the changes their places among their rays' crossings: they are counted, and all of them are crossings.
+  /// Gives the changes their indices among their rays' crossings, where all are counted and all are
+  /// crossings.
   HWY_INLINE void complete_all(const FirstFound& first, std::size_t r) {
     for (int s = 0; s < surfaces; ++s)
       hits_[s].complete(first.of[s], r, cells_, [&](std::size_t c, std::int32_t) HWY_ATTR {
@@ -401,8 +410,8 @@ class AllHitsCandidates {
       });
   }
 
-  /// The same, as far as rays go.
-  /// @param left  lanes whose changes are none
+  /// The same where some rays end, as far as the rays go.
+  /// @param left  lanes whose changes do not count
   HWY_NOINLINE void complete_until_ended(const FirstFound& first, std::size_t r, std::uint64_t left,
                                          std::uint64_t& ended, std::uint64_t& full) {
     for (int s = 0; s < surfaces; ++s) {
@@ -452,11 +461,13 @@ class AllHitsCandidates {
   CellsAhead& cells_;
   HitLists* const hits_;  ///< by surface
   KernelCounters& counters_;
-  VecI active_[surfaces][2];                              ///< cells that rays may look into
-  VecI passed_[2];                                        ///< of these, of all surfaces, those that they pass
-  HWY_ALIGN std::int32_t odd_[surfaces][2][float_lanes];  ///< of these, by ray, those with an odd number of changes
-  HWY_ALIGN std::int32_t before_[surfaces][float_lanes];  ///< crossings of each ray in front of its block
-  bool has_many_;                                         ///< some cell has more than one change of a surface
+  VecI active_[surfaces][2];  ///< cells that rays may have to search
+  VecI passed_[2];            ///< of these, over all surfaces, the cells that they pass
+  /// Of these, by ray, the cells with an odd number of changes.
+  HWY_ALIGN std::int32_t odd_[surfaces][2][float_lanes];
+  /// Crossings of each ray in front of its block.
+  HWY_ALIGN std::int32_t before_[surfaces][float_lanes];
+  bool has_many_;  ///< some cell has more than one change of a surface
 };
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE

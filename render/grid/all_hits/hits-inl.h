@@ -1,5 +1,5 @@
-// Crossings of clear surfaces as they are found, refined side by side and written down, each at its place in its ray's
-// list.
+// Crossings with transparent surfaces as they are found, refined side by side and written, each at
+// its index in its ray's list.
 #if defined(RHORAY_WIDE_SHELL_HITS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_SHELL_HITS_INL_H
 #undef RHORAY_WIDE_SHELL_HITS_INL_H
@@ -21,7 +21,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// Some lanes, to be brought before the others: their order is found once for many vectors.
+/// Moves some lanes before the others; their order is computed once for many vectors.
 class ChosenLanes {
  public:
   explicit HWY_INLINE ChosenLanes(MaskF lanes)
@@ -40,21 +40,23 @@ class ChosenLanes {
   decltype(hn::IndicesFromVec(ints, VecI())) order_of_ints_;
 };
 
-/// What a look into cells has found, but for the piece of the way on which a change lies.
+/// What a search in cells has found, except for the piece of the way on which a change lies.
 struct FoundIn {
   const Corners& corners;  ///< as the block's samples are kept
   const NextCell& next;
   const VecF* in;
   const VecF* out;
   const VecF* block_corner;
-  std::size_t ray;  ///< of the first lane; where cells of all rays are looked into together, the first of these
+  /// Ray of the first lane; where cells of all rays are searched together, the first of these
+  /// cells.
+  std::size_t ray;
   int surface;
 };
 
 /// Keeps changes of side of one surface, and makes them crossings, many at a time.
 class HitLists {
  public:
-  /// @param has_values  of blocks values are kept, not differences to isovalues
+  /// @param has_values  blocks keep values, not differences to isovalues
   HWY_INLINE HitLists(const TransparentSurfaces& shells, int surface, const MirroredLattice& lattice, bool has_values,
                       const CrossingArrays* lists, std::size_t first_ray, GridAllHitsScratch& scratch)
       : shells_(shells),
@@ -69,11 +71,12 @@ class HitLists {
   }
 
   HWY_INLINE std::size_t count() const { return found_.count; }
-  /// Of one that was noted, and is not complete.
+  /// The cell of a change that was noted and is not complete.
   HWY_INLINE std::size_t cell_of(std::size_t noted) const { return static_cast<std::size_t>(found_.ray[noted]); }
 
-  /// @param place       of each, among the crossings of its ray
-  /// @param root_count  of its surface, in its cell
+  /// Keeps changes of side as crossings of known rays.
+  /// @param place       index of each among the crossings of its ray
+  /// @param root_count  crossings with its surface in its cell
   HWY_INLINE void keep(const FoundIn& at, MaskF lanes, VecF low, VecF high, VecI place, VecI root_count) {
     if (found_.count >= FoundCrossings::full) write();
     const std::size_t first = found_.count;
@@ -86,16 +89,18 @@ class HitLists {
     }
   }
 
-  /// The same for cells of rays that are named by `complete`: it is not known yet which of these changes are crossings.
+  /// Keeps changes of side in cells whose rays are set later by `complete`: it is not known yet
+  /// which of these changes are crossings.
   /// @param at     its `ray` is the first of the cells
-  /// @param place  among the changes in the cell
+  /// @param place  index among the changes in the cell
   HWY_INLINE void note(const FoundIn& at, MaskF lanes, VecF low, VecF high, VecI place, VecI root_count) {
     const std::size_t first = found_.count;
     const ChosenLanes chosen = put(at, lanes, low, high, place, root_count);
     hn::StoreU(hn::Add(chosen.numbers(), hn::Set(ints, static_cast<std::int32_t>(at.ray))), ints, found_.ray + first);
   }
-  /// Makes crossings of what was noted from `first` on, in cells of the rays from r on.
-  /// @param place_of  (cell, place among the changes in it): among those of its ray; below 0: it is none
+  /// Makes crossings of the changes noted from `first` on, in cells of the rays from r on.
+  /// @param place_of  (cell, index among the changes in it): returns the index among the crossings
+  ///                  of its ray; below 0: it is no crossing
   template <class PlaceOf>
   HWY_INLINE void complete(std::size_t first, std::size_t r, const CellsAhead& cells, const PlaceOf& place_of) {
     for (std::size_t c = first; c < found_.count; ++c) {
@@ -108,7 +113,7 @@ class HitLists {
     if (found_.count >= FoundCrossings::full) write();
   }
 
-  /// Refines and writes down all that are kept.
+  /// Refines and writes all kept changes.
   HWY_NOINLINE void write() {
     for (std::size_t first = 0; first < found_.count; first += 2 * float_lanes) {
       const Corners corners_a = corners_at(first), corners_b = corners_at(first + float_lanes);
@@ -120,7 +125,7 @@ class HitLists {
   }
 
  private:
-  /// Adds what is known of changes in some lanes, but for their rays.
+  /// Adds all data of changes in some lanes, except their rays.
   HWY_INLINE ChosenLanes put(const FoundIn& at, MaskF lanes, VecF low, VecF high, VecI place, VecI root_count) {
     const std::size_t n = found_.count;
     const ChosenLanes chosen(lanes);
@@ -138,13 +143,13 @@ class HitLists {
     return chosen;
   }
 
-  /// Arrays are read beyond what is kept, not beyond their ends; these numbers are not used.
+  /// Arrays are read beyond what is kept, but not beyond their ends; these numbers are not used.
   HWY_INLINE static std::size_t readable(std::size_t first) {
     return first + float_lanes <= FoundCrossings::capacity ? first : FoundCrossings::capacity - float_lanes;
   }
   HWY_INLINE VecF load(const float* from, std::size_t first) const { return hn::LoadU(floats, from + readable(first)); }
 
-  /// Less the surface's isovalue.
+  /// Minus the surface's isovalue.
   HWY_INLINE Corners corners_at(std::size_t first) const {
     Corners corners;
     for (int c = 0; c < 8; ++c) corners.f[c] = load(found_.corner[c], first);

@@ -14,7 +14,7 @@ namespace rhoray::render::wide {
 
 namespace {
 
-/// Memory in which no block is kept of other surfaces.
+/// Clears the kept blocks if they belong to other surfaces.
 void keep_blocks_of(GridAllHitsScratch& scratch,
                     const std::array<std::shared_ptr<const Occupancy>, most_surfaces>& occupancies) {
   if (scratch.occupancies == occupancies) return;
@@ -22,9 +22,9 @@ void keep_blocks_of(GridAllHitsScratch& scratch,
   scratch.occupancies = occupancies;
 }
 
-/// TransparentSurfaces::surely_lit.
+/// Computes TransparentSurfaces::surely_lit.
 std::int32_t surely_lit_of(const AllHitsQuery& query) {
-  // More than the rounding of products in whichever order.
+  // More than the rounding of products in any order.
   const float enough = query.least_light * (1 + 0x1p-18F);
   const float passing = std::min(query.surfaces.front().passing, query.surfaces.back().passing);
   std::int32_t count = 0;

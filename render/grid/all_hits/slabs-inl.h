@@ -1,4 +1,4 @@
-// Which rays pass by everything that is to be seen in a block.
+// Which rays pass none of the parts of a block that must be searched.
 #if defined(RHORAY_WIDE_SHELL_SLABS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_SHELL_SLABS_INL_H
 #undef RHORAY_WIDE_SHELL_SLABS_INL_H
@@ -20,10 +20,11 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// What a surface has in a block.
+/// What a block contains of a surface.
 struct SeenInBlock {
-  std::uint64_t active, inside;  ///< of BlockSamples; none active: nothing is to be seen of it
-  double isovalue;               ///< less what samples are less
+  /// As in BlockSamples; none active: the surface is not in the block.
+  std::uint64_t active, inside;
+  double isovalue;  ///< minus the number subtracted from the samples
 };
 
 /// Coordinates of the samples of a block.
@@ -79,10 +80,11 @@ HWY_INLINE float larger(float a, float b) {
   return b > a ? b : a;
 }
 
-/// Planes across the block's mean gradient. A sample lies above the plane through the origin of values by some number;
-/// so does the field between them, since the weights of samples add up to 1: it is known to within the range of these
-/// numbers. Besides, nothing changes below all cells in which something is to be seen, and above all of them.
-/// @param f        its samples, as BlockSamples has them, less whatever number
+/// Planes across the block's mean gradient. A sample lies above the plane through the origin of
+/// values by some number. So does the field between samples, since their weights add up to 1: it is
+/// known to within the range of these numbers. In addition, nothing changes below all cells that
+/// must be searched, and above all of them.
+/// @param f        its samples, as in BlockSamples, minus any number
 /// @param present  cells that the lattice has
 template <int surfaces>
 HWY_INLINE BlockSlabs slabs_of(const float* f, std::uint64_t present, const SeenInBlock (&of)[surfaces]) {
@@ -113,8 +115,8 @@ HWY_INLINE BlockSlabs slabs_of(const float* f, std::uint64_t present, const Seen
     below = -infinity, above = infinity;
     if (of[s].active == 0) continue;
     const auto isovalue = static_cast<float>(of[s].isovalue);
-    // Each number that comes in here, in heights along rays or in fields along them is rounded fewer than 64 times, and
-    // none is larger than this: nor are samples.
+    // Each number that is used here, in heights along rays or in fields along them, is rounded
+    // fewer than 64 times. None is larger than this, and neither are samples.
     const float largest = 4 * slabs.size + std::abs(least) + std::abs(most) + std::abs(isovalue);
     float error = infinity;
     if (largest > 0x1p-80f && largest < 0x1p80f) {
@@ -131,7 +133,7 @@ HWY_INLINE BlockSlabs slabs_of(const float* f, std::uint64_t present, const Seen
   return slabs;
 }
 
-/// Makes places on the rays ready.
+/// Prepares positions on the rays.
 HWY_INLINE void prepare_places(const MirroredLattice& lattice, GridAllHitsScratch& scratch) {
   const RayGroup& group = scratch.ways.group;
   int longest = 0;
@@ -143,17 +145,18 @@ HWY_INLINE void prepare_places(const MirroredLattice& lattice, GridAllHitsScratc
       size = hn::Max(size, hn::Abs(start));
       hn::Store(hn::DemoteTo(half_floats, start), half_floats, scratch.start[a] + r);
     }
-    // A start and a way to the other end of the lattice, neither larger than this: fewer than 16 roundings, with those
-    // of heights.
+    // Neither a start nor a way to the other end of the lattice is larger than this. There are
+    // fewer than 16 roundings, including those of heights.
     const VecD error = hn::Mul(hn::Add(size, hn::Set(doubles, 16.0 * longest)), hn::Set(doubles, 0x1p-20));
     hn::Store(hn::DemoteTo(half_floats, error), half_floats, scratch.place_error + r);
   }
 }
 
-/// Lets those of the rays that may pass a block go by in which they come to no change of side.
-/// @param ahead   its block and what it has of each surface; gets its rays
-/// @param enters  of all rays of the group, how far on their ways they enter the block at the soonest
-/// @param leaves  likewise, at the latest
+/// Separates those rays that may pass a block but meet no change of side in it.
+/// @param ahead   its block and what it has of each surface; receives its rays
+/// @param enters  of all rays of the group: distance along their ways at which they enter the block
+///                at the earliest
+/// @param leaves  of all rays of the group: distance at which they leave it at the latest
 template <int surfaces>
 HWY_INLINE void let_go_by(const MirroredLattice& lattice, const GridAllHitsScratch& scratch, const BlockSlabs& slabs,
                           std::uint64_t rays, const float* enters, const float* leaves, AllHitsBlock& ahead) {
@@ -164,7 +167,8 @@ HWY_INLINE void let_go_by(const MirroredLattice& lattice, const GridAllHitsScrat
     const bool is_mirrored = lattice.is_mirrored(a);
     const float n = ahead.normal[a] = is_mirrored ? -slabs.normal[a] : slabs.normal[a];
     if (is_mirrored) ahead.ground += 4 * slabs.normal[a];
-    const double origin = 4.0 * (ahead.block[a] + (is_mirrored ? 1 : 0));  // where the block's own coordinates are 0
+    // Where the block's own coordinates are 0.
+    const double origin = 4.0 * (ahead.block[a] + (is_mirrored ? 1 : 0));
     offset -= static_cast<double>(n) * origin;
     normal[a] = hn::Set(floats, n);
   }
@@ -194,12 +198,13 @@ HWY_INLINE void let_go_by(const MirroredLattice& lattice, const GridAllHitsScrat
     ahead.by_side[s][0] = ahead.by & below[s], ahead.by_side[s][1] = ahead.by & above[s];
 }
 
-/// Between the heights of their blocks' slabs.
+/// The parts of the ways between the heights of their blocks' slabs.
 struct BetweenSlabs {
-  VecF from, to;          ///< the part of the way on which changes of side are looked for
-  MaskF is_cut_in_front;  ///< the part before it is left out: there all surfaces that are seen have the ray...
+  VecF from, to;  ///< the part of the way on which changes of side are sought
+  /// The part before it is left out: for all surfaces in the block the ray is there...
+  MaskF is_cut_in_front;
   MaskF inside_in_front;  ///< inside, or outside
-  MaskF is_cut_behind;    ///< likewise the part behind it; on the other side
+  MaskF is_cut_behind;    ///< the part behind it is left out: the ray is there on the other side
 
   HWY_INLINE BetweenSlabs(const Lanes& lanes, const VecF* normal, VecF ground, VecF low, VecF high) {
     VecF height = ground, climb = hn::Zero(floats);
