@@ -251,9 +251,9 @@ struct Ends {
 ///
 /// A ray that passes through the inside of one face goes on into the cell and leaves through
 /// another. If it passes an edge so closely that the other face is in doubt, the choice does not
-/// matter as long as all candidate faces are on one side where it passes. A ray that certainly
-/// passes no face only touches the cell, and it is clear if that happens near one side only;
-/// otherwise the decision is unknown.
+/// matter as long as all candidate faces are on one side where it passes. If no face is certainly
+/// passed, the ray at most touches the cell. The decision is then none if all faces in doubt are on
+/// one side there, and unknown otherwise.
 template <class Real>
 RHORAY_INLINE CertifiedTetCrossing certify_tet_crossing(const TetRay<Real>& ray, const TetPoints& points,
                                                         const TetValues& values, double isovalue) {

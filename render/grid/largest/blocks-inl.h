@@ -26,12 +26,13 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// CandidateList for cells on rays through a block whose cubics may hold a larger value than was found.
+/// Finds cells on rays through a block whose cubics may hold a larger value than was found.
 ///
-/// Places are counted from the block's corner: they are less than 32, and rounding moves them by less than `margin`.
-/// Values are off by less than 12 margins of the block's range (3 for a place that is off on all axes, as much for a
-/// part that goes on beyond its cell, the rest where the neighbouring cell is the true one), and 2^-20 of it for the
-/// interpolation itself. A value is reached for certain where the place lies three margins inside a cell.
+/// Positions are relative to the block's corner: they are less than 32, and rounding moves them by
+/// less than `margin`. Values are off by less than 12 margins of the block's range: 3 for a
+/// position that is off on all axes, as much for a part that extends beyond its cell, the rest
+/// where the neighbouring cell is the true one. The interpolation itself adds 2^-20 of the range. A
+/// value is certainly reached where the position lies three margins inside a cell.
 class BlockWalk {
  public:
   BlockWalk(SearchState& state, CandidateRefinement& looks)
@@ -55,7 +56,7 @@ class BlockWalk {
     scratch_.at_block.count = 0;
 #if RHORAY_HAS_WORD_TABLES
     if (has_words(place)) {
-      // First of all, as it takes a while and finding the rays does not wait for it.
+      // Done first, because it takes a while and finding the rays does not depend on it.
       const WordTable cells = find_words(place, range.hi);
       const Columns columns(cells, planes_);
       const CellBox box = box_of(block, range, 1, cells);
@@ -76,7 +77,7 @@ class BlockWalk {
     walk_block(box_of(block, range, unit, cells), cells);
   }
 
-  /// Asks for a block's range and samples before they are needed; for samples where they lie in squares.
+  /// Prefetches a block's range and, where samples lie in squares, its samples.
   HWY_INLINE void ask_for(const int* block) const {
     int place[3];
     if (!state_.find_in_file(block, true, field_.blocks, place)) return;
@@ -96,16 +97,18 @@ class BlockWalk {
   }
 
  private:
-  /// True for blocks whose samples can be read as squares of words: those that the lattice ends in need four samples.
+  /// True for blocks whose samples can be read as squares of words; blocks in which the lattice
+  /// ends need four samples.
   HWY_INLINE bool has_words(const int* place) const {
     bool is_whole = may_use_words_;
     for (int a = 0; a < 2; ++a) is_whole = is_whole && 4 * place[a] + 4 <= field_.source.count[a];
     return is_whole;
   }
 
-  /// Rays of some vectors that pass a block and that it may change.
+  /// Adds those rays of some vectors that pass a block and that it may change.
   /// @param least       less than any value of the block, in its unit
-  /// @param may_change  may_change(parts in the block, what was reached in its unit): which lanes
+  /// @param may_change  may_change(parts in the block, what was reached in its unit): returns which
+  ///                    lanes
   template <class MayChange>
   HWY_INLINE void put_rays(const int* block, std::uint64_t vectors, double highest, double unit, float least,
                            const MayChange& may_change) const {
@@ -120,13 +123,14 @@ class BlockWalk {
       const MaskF chosen = hn::And(passing.rays, may_change(parts, reached));
       constexpr float last[3] = {3, 3, 3};
       state_.count_cells(r, chosen, parts, last);
-      state_.put_at_box(r, chosen, parts, low[state_.frustum.major], reached);  // without rays, too: as good as random
+      // Also without rays: a branch would be unpredictable.
+      state_.put_at_box(r, chosen, parts, low[state_.frustum.major], reached);
     }
     if (scratch_.at_block.count != 0) state_.close_box();
   }
 
-  /// What the rays of a vector have reached, in a block's unit: no more than it is, and below the block's largest value
-  /// where that is not reached.
+  /// What the rays of a vector have reached, in a block's unit: no more than the true value, and
+  /// below the block's largest value where that is not reached.
   /// @param least  less than any value of the block, in its unit
   HWY_INLINE VecF reached_in_block(double highest, double unit, float least, std::size_t r) const {
     if (in_float(field_.type)) {
@@ -149,12 +153,14 @@ class BlockWalk {
     return hn::Load(floats, result);
   }
 
-  static constexpr float margin = 0x1p-18F;  ///< more than places from the block's corner are off
+  /// More than positions from the block's corner are off.
+  static constexpr float margin = 0x1p-18F;
 
-  /// How samples (x, y, z), stored at x + 5 y + 25 z, follow each other along the axes w, u, v of the mirrored lattice.
+  /// Strides of samples (x, y, z), stored at x + 5 y + 25 z, along the axes w, u, v of the mirrored
+  /// lattice.
   struct Order {
     std::int32_t stride[3];
-    std::int32_t lowest_sample = 0, lowest_cell = 0;  ///< of the lowest corner and cell
+    std::int32_t lowest_sample = 0, lowest_cell = 0;  ///< index of the lowest corner and cell
   };
 
   /// Mirrored axes are read backwards.
@@ -170,7 +176,7 @@ class BlockWalk {
     return order;
   }
 
-  /// The samples of a block, in which a cell is where its lowest sample is.
+  /// The samples of a block; a cell's index is that of its lowest sample.
   struct Cells {
     static constexpr bool is_plain = false, is_below = false;
     static constexpr float lowest = -4;  ///< less than any value with data
@@ -233,7 +239,7 @@ class BlockWalk {
             .is_come_to = state_.is_come_to(4.0 * block[state_.frustum.major])};
   }
 
-  /// The cells of a block along the rays at it.
+  /// Walks the cells of a block along the rays at it.
   template <class AnyCells>
   HWY_NOINLINE void walk_block(const CellBox& box, const AnyCells& cells) {
     const RaysAtBlock& at_block = scratch_.at_block;

@@ -1,5 +1,5 @@
-// Where single precision leaves open what the largest value on a ray is, cells are looked at closely: in double, side
-// by side.
+// Where single precision leaves open what the largest value on a ray is, cells are evaluated
+// closely: in double precision, side by side.
 #if defined(RHORAY_WIDE_MAXIMUM_LOOKS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_MAXIMUM_LOOKS_INL_H
 #undef RHORAY_WIDE_MAXIMUM_LOOKS_INL_H
@@ -22,22 +22,24 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// The scalar kernel's operations one by one (largest_in_cell<double>, grid_maximum.h), on the cells that are left.
+/// Performs the scalar kernel's operations one by one (largest_in_cell<double> of
+/// render/grid/reference/largest.h) on the cells that are left.
 class CandidateRefinement {
  public:
   explicit CandidateRefinement(SearchState& state) : state_(state), field_(state.field), scratch_(state.scratch) {}
 
-  /// What is put to the suspects from now on is in this box.
+  /// Opens a box: suspects added from now on are in this box.
   /// @param low_w  where it begins on the major axis
   HWY_INLINE void open_box(double highest, double unit, double low_w) {
     Suspects& suspects = scratch_.suspects;
     if (suspects.boxes == Suspects::most_boxes || suspects.count > Suspects::capacity * 3 / 4) decide();
     const bool replaces = suspects.boxes != 0 && suspects.box[suspects.boxes - 1].first == suspects.count;
     suspects.boxes += !replaces;
-    suspects.box[suspects.boxes - 1] = {highest, 1 / unit, low_w, suspects.count};  // exact: a power of two
+    // Exact: a power of two.
+    suspects.box[suspects.boxes - 1] = {highest, 1 / unit, low_w, suspects.count};
   }
 
-  /// CandidateList closely at the suspects that what was reached since does not rule out. The last box stays open.
+  /// Evaluates the suspects that what was reached since does not rule out. The last box stays open.
   HWY_NOINLINE void decide() {
     const std::uint64_t start = field_.time_phases ? ticks_now() : 0;
     Suspects& suspects = scratch_.suspects;
@@ -51,7 +53,7 @@ class CandidateRefinement {
         const double from = box.low_w + static_cast<double>(suspects.from[i]);
         looks.ray[count] = suspects.ray[i];
         looks.from[count] = from, looks.to[count] = box.low_w + static_cast<double>(suspects.to[i]);
-        count += may_improve(suspects.ray[i], bound, from);  // as good as random: no branch
+        count += may_improve(suspects.ray[i], bound, from);  // unpredictable, so without a branch
         if (count < first_looks) continue;
         look_closely(count);
         count = 0;
@@ -65,7 +67,7 @@ class CandidateRefinement {
   }
 
  private:
-  /// False where no value up to `bound`, from that place on, takes the place of what was reached.
+  /// False where no value up to `bound`, from this position on, replaces what was reached.
   HWY_INLINE bool may_improve(std::int32_t ray, double bound, double from) const {
     const double reached = scratch_.reached[ray];
     const bool is_larger = bound > reached, is_equal = bound == reached;
@@ -75,14 +77,16 @@ class CandidateRefinement {
 
   static constexpr std::size_t first_looks = 128;
 
-  /// Along a way that is so long on the major axis, in cells, a ray moves by at most four times as much on each of the
-  /// others: values rise by at most nine times that of the field's range. With the rest for rounding.
+  /// Along a way of some length on the major axis, in cells, a ray moves by at most four times as
+  /// much on each of the others. So values rise by at most nine times this length times the field's
+  /// range. The rest is for rounding.
   static constexpr double most_rise = 10;
 
-  /// Where a ray passes a face clear of its edges, the walk in single precision comes to the cell beyond, too, for a
-  /// part of its own, and that bounds what the cell holds: what it leaves out is what sticks out of the cell on this
-  /// side. Along so much, the sum on all axes, values change by no more than 8 of the 12 margins of a block that they
-  /// are taken to be off by (BlockWalk); 3 are for the places.
+  /// Where a ray passes a face clear of its edges, the walk in single precision visits the cell
+  /// beyond, too, with a part of its own, and this bounds the values in that cell. It leaves out
+  /// only what extends from the cell to this side. Over so much, the sum on all axes, values change
+  /// by no more than 8 of the 12 margins of a block that they are taken to be off by (BlockWalk); 3
+  /// are for the positions.
   static constexpr double most_beyond = 8 * 0x1p-18;
 
   /// True where a ray passes a face so far inside that it passes no other plane near there.
@@ -98,7 +102,7 @@ class CandidateRefinement {
 
   /// Numbers of rays side by side.
   HWY_INLINE static VecD of_rays(const double* n, const std::int32_t* ray) {
-    // One by one where that is AVX-512: a gather takes longer on some processors (Zen 4).
+    // One by one on AVX-512: a gather takes longer on some processors (Zen 4).
 #if HWY_TARGET <= HWY_AVX3 && HWY_TARGET != HWY_SCALAR
     return VecD{_mm512_set_pd(n[ray[7]], n[ray[6]], n[ray[5]], n[ray[4]], n[ray[3]], n[ray[2]], n[ray[1]], n[ray[0]])};
 #else
@@ -107,8 +111,8 @@ class CandidateRefinement {
 #endif
   }
 
-  /// From places on the major axis to times, and the cells in the middle, up to rounding; those around it follow as far
-  /// as the part reaches.
+  /// Converts positions on the major axis to times, and finds the cells in the middle, up to
+  /// rounding. Those around it follow as far as the part reaches.
   HWY_INLINE void find_cells() {
     const SearchedRays& group = scratch_.rays;
     CandidateList& looks = scratch_.looks_left;
@@ -156,7 +160,8 @@ class CandidateRefinement {
     looks.ray[i] = ray, looks.from[i] = from, looks.to[i] = to, looks.way[i] = way;
   }
 
-  /// The cell beside one on its ray, unless it is looked at anyway, and what follows it as well.
+  /// Adds the cell next to one on its ray, unless it is evaluated anyway, together with what
+  /// follows it.
   HWY_INLINE void put_neighbour(std::size_t of, int axis, int step, std::int32_t way) {
     const CandidateList& looks = scratch_.looks_left;
     std::int32_t cell[3] = {looks.cell[0][of], looks.cell[1][of], looks.cell[2][of]};
@@ -169,14 +174,15 @@ class CandidateRefinement {
     put_look(looks.ray[of], cell, looks.from[of], looks.to[of], way);
   }
 
-  /// At the parts of rays that were put to the looks, and at what follows from them.
+  /// Evaluates the parts of rays in the candidate list, and what follows from them.
   HWY_NOINLINE void look_closely(std::size_t count) {
     CandidateList& looks = scratch_.looks_left;
     looks.count = count;
     find_cells();
     std::size_t first = 0;
     while (first < looks.count) {
-      // Each look adds two at most, and those that are added one: there are never more than two for each first one.
+      // Each candidate adds at most two, and the added ones add one: there are never more than two
+      // for each original one.
       if (looks.count + 2 * first_looks > CandidateList::capacity) {
         const std::size_t left = looks.count - first;
         for (std::size_t i = 0; i < left; ++i) {
@@ -186,7 +192,7 @@ class CandidateRefinement {
         }
         looks.count = left, first = 0;
       }
-      // Corners first, of all: what was only just written one by one takes long to be read side by side.
+      // Read all corners first: values just written one by one are slow to read side by side.
       const std::size_t end = looks.count < first + first_looks ? looks.count : first + first_looks;
       read_corners_of(first, end);
       for (; first < end; first += double_lanes) {
@@ -198,7 +204,8 @@ class CandidateRefinement {
     looks.count = 0;
   }
 
-  /// Some looks side by side, operation for operation as largest_in_cell<double> (grid_maximum.h).
+  /// Evaluates some candidates side by side, with exactly the operations of largest_in_cell<double>
+  /// (render/grid/reference/largest.h).
   HWY_INLINE void look_at_cells(std::size_t first, std::size_t count) {
     const CandidateList& looks = scratch_.looks_left;
     const SearchedRays& group = scratch_.rays;
@@ -245,7 +252,8 @@ class CandidateRefinement {
     const VecD known = of_ray(scratch_.known_value);
     const MaskD improves =
         hn::Or(hn::Gt(bound, known), hn::And(hn::Eq(bound, known), hn::Lt(t_in, of_ray(scratch_.known_t))));
-    // Rounding, where planes are passed at nearly the same time, may have named a cell beside the ray.
+    // Rounding, where planes are passed at nearly the same time, may have given a cell beside the
+    // ray.
     const VecD from = hn::LoadU(doubles, looks.from + first), to = hn::LoadU(doubles, looks.to + first);
     const MaskD is_on_ray = hn::And(hn::Lt(t_in, t_out), hn::And(hn::Le(t_in, to), hn::Ge(t_out, from)));
     const MaskD is_first = hn::Eq(hn::PromoteTo(doubles, hn::LoadU(half_ints, looks.way + first)), zero);
@@ -253,7 +261,8 @@ class CandidateRefinement {
     if (!hn::AllFalse(doubles, is_stray)) walk_strays(first, bits_of(doubles, is_stray) & first_rays(count));
 
     const MaskD wanted = hn::And(hn::And(has_data, hn::Lt(t_in, t_out)), hn::AndNot(is_stray, improves));
-    // No less than the values where the ray enters and leaves the cell, and what it has reached for certain.
+    // No less than the values where the ray enters and leaves the cell, and what it has certainly
+    // reached.
     VecD at_entry = bound, at_exit = bound, best = known;
     MaskD is_clear_in = hn::AndNot(is_first, is_first), is_clear_out = is_clear_in;
     if (!hn::AllFalse(doubles, wanted)) {
@@ -307,7 +316,8 @@ class CandidateRefinement {
       at_entry = hn::IfThenElse(is_far_and_wanted, best, at_entry);
       at_exit = hn::IfThenElse(is_far_and_wanted, best, at_exit);
     }
-    // What sticks out of the cell by next to nothing has no values that are much larger than those at its ends.
+    // What extends outside the cell by next to nothing has no values much larger than those at its
+    // ends.
     const VecD speed = hn::Abs(of_ray(group.direction[state_.frustum.major]));
     const VecD speeds = hn::Add(speed, hn::Add(hn::Abs(of_ray(group.direction[state_.frustum.minor[0]])),
                                                hn::Abs(of_ray(group.direction[state_.frustum.minor[1]]))));
@@ -327,7 +337,7 @@ class CandidateRefinement {
     follow(first, bits_of(doubles, before) & lanes, bits_of(doubles, behind) & lanes, through_in, through_out);
   }
 
-  /// CandidateList at these as the scalar kernel walks.
+  /// Evaluates these candidates by walking like the scalar kernel.
   HWY_NOINLINE void walk_strays(std::size_t first, std::uint64_t lanes) {
     const CandidateList& looks = scratch_.looks_left;
     for (std::uint64_t bits = lanes; bits != 0; bits &= bits - 1) {
@@ -339,7 +349,8 @@ class CandidateRefinement {
     }
   }
 
-  /// @param wanted  lanes that are better than what their rays knew before these looks, or may be
+  /// @param wanted  lanes that are, or may be, better than what their rays knew before these
+  ///                candidates
   HWY_INLINE void take_answers(std::size_t first, std::size_t count, MaskD wanted, VecD value, VecD t, VecD entered) {
     const CandidateList& looks = scratch_.looks_left;
     const int w = state_.frustum.major;
@@ -374,7 +385,7 @@ class CandidateRefinement {
     }
   }
 
-  /// Goes on to the cells before and behind.
+  /// Continues to the cells before and behind.
   HWY_INLINE void follow(std::size_t first, std::uint64_t before, std::uint64_t behind, const MaskD* through_in,
                          const MaskD* through_out) {
     if ((before | behind) == 0) return;

@@ -1,5 +1,5 @@
-// Which rays through a block pass a column of its cells that may hold more than they have reached: where rays run close
-// to the major axis most pass one to four of its 16 columns.
+// Which rays through a block pass a column of its cells that may hold more than they have reached.
+// Where rays run close to the major axis, most pass one to four of its 16 columns.
 #if defined(RHORAY_WIDE_MAXIMUM_COLUMNS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_MAXIMUM_COLUMNS_INL_H
 #undef RHORAY_WIDE_MAXIMUM_COLUMNS_INL_H
@@ -21,8 +21,8 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 
 #if RHORAY_HAS_WORD_TABLES
 
-/// Where the words of a block's first plane across the major axis lie in a table, (u, v) at u + 5 v. As numbers of
-/// samples; those of the next plane lie `step` further.
+/// Sample numbers, in a table, of the words of a block's first plane across the major axis, (u, v)
+/// at u + 5 v. Those of the next plane are higher by `step`.
 struct PlanePlaces {
   HWY_ALIGN std::array<std::uint16_t, 32> number{};
   std::uint16_t step = 0;
@@ -41,23 +41,24 @@ constexpr std::array<Number, count> places_of(const Place& place) {
   for (std::size_t i = 0; i < count; ++i) places[i] = static_cast<Number>(place(i));
   return places;
 }
-/// Of samples (u, v) at u + 5 v: the next one on u, and both ends of columns on v.
+/// For samples (u, v) at u + 5 v: the next one on u, and both ends of columns on v.
 inline constexpr auto sample_beside = places_of<std::uint16_t, 32>([](std::size_t i) { return (i + 1) % 32; });
 inline constexpr auto column_low_corner =
     places_of<std::uint16_t, 32>([](std::size_t i) { return i % 4 + i % 16 / 4 * 5; });
 inline constexpr auto column_high_corner =
     places_of<std::uint16_t, 32>([](std::size_t i) { return i % 4 + (i % 16 / 4 + 1) * 5; });
-/// Of columns: the next ones on u and on v.
+/// For columns: the next ones on u and on v.
 alignas(64) inline constexpr std::array<std::array<std::int32_t, 16>, 2> next_column{
     places_of<std::int32_t, 16>([](std::size_t i) { return i % 4 < 3 ? i + 1 : i; }),
     places_of<std::int32_t, 16>([](std::size_t i) { return i / 4 < 3 ? i + 4 : i; })};
 
-/// Words of a vector, by number from 0 to 31; higher bits of a number do not count.
+/// Words of a vector, by number from 0 to 31; higher bits of a number are ignored.
 HWY_INLINE VecW look_up(VecW table, VecW number) {
   return VecW{_mm512_permutexvar_epi16(number.raw, table.raw)};
 }
 
-/// What no value in a block's columns along the major axis exceeds, column (u, v) at u + 4 v: the largest corner.
+/// Upper bounds of the values in a block's columns along the major axis, column (u, v) at u + 4 v:
+/// the largest corner.
 class Columns {
  public:
   HWY_INLINE Columns(const WordTable& table, const PlanePlaces& places) {
@@ -78,20 +79,21 @@ class Columns {
         hn::Max(four_, hn::TableLookupLanes(four_, hn::IndicesFromVec(floats, hn::Load(ints, next_column[1].data()))));
   }
 
-  /// For parts of rays in the block: of the columns between those that they begin and end in, or some more. Places on
-  /// the minor axes as functions of that on the major one, from the block's corner; they rise.
+  /// For parts of rays in the block: the largest bound of the columns between those that they begin
+  /// and end in, or of a few more. Positions on the minor axes are functions of that on the major
+  /// one, relative to the block's corner; they rise.
   HWY_INLINE VecF largest_on(VecF from, VecF to, const VecF* start, const VecF* slope) const {
     VecI first[2], last[2];
     for (int m = 0; m < 2; ++m) {
       const auto column_at = [&](VecF w) HWY_ATTR {
-        // In the block also where a part sticks out of it: far so, from an eye very far away.
+        // Clamped to the block also where a part extends far outside it, from an eye very far away.
         const VecF place = hn::MulAdd(slope[m], w, start[m]);
         const VecF inside = hn::Min(hn::Max(place, hn::Zero(floats)), hn::Set(floats, 3.0F));
         return VecI{_mm512_cvttps_epi32(inside.raw)};
       };
       first[m] = column_at(from), last[m] = column_at(to);
     }
-    // Of more than two side by side, squares of four.
+    // For more than two columns side by side, use squares of four.
     const auto is_far = hn::Gt(hn::Max(hn::Sub(last[0], first[0]), hn::Sub(last[1], first[1])), hn::Set(ints, 1));
     const VecI one = hn::IfThenElseZero(is_far, hn::Set(ints, 1));
     for (int m = 0; m < 2; ++m) last[m] = hn::Max(hn::Sub(last[m], one), first[m]);
@@ -107,7 +109,7 @@ class Columns {
 
  private:
   VecF one_;   ///< by column
-  VecF four_;  ///< of the four from there on
+  VecF four_;  ///< of the four columns from there on
 };
 
 #endif

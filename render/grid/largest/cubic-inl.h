@@ -1,4 +1,5 @@
-// Cubics on the ways of rays through cells: bounds in single precision, the largest value in double.
+// Cubics on the ways of rays through cells: bounds in single precision, the largest value in
+// double.
 #if defined(RHORAY_WIDE_MAXIMUM_CUBIC_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_MAXIMUM_CUBIC_INL_H
 #undef RHORAY_WIDE_MAXIMUM_CUBIC_INL_H
@@ -16,12 +17,12 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// A way through a cell from p to q, on the three axes.
+/// Coordinates on the three axes.
 struct Point {
   VecF u, v, w;
 };
 
-/// The Bernstein coefficients along the way from p to q (cells/trilinear.h), b0 to b3.
+/// The Bernstein coefficients along the way from p to q (render/cell/trilinear.h), b0 to b3.
 struct Coefficients {
   VecF b0, b1, b2, b3;
 
@@ -35,7 +36,7 @@ struct Coefficients {
     return hn::MulAdd(hn::Mul(three, hn::Mul(r, s)), hn::MulAdd(r, b1, hn::Mul(s, b2)), outer);
   }
 
-  /// A place not far from the largest value, away from both ends.
+  /// A position not far from the largest value, away from both ends.
   HWY_INLINE VecF likely_maximum() const {
     const VecF d0 = hn::Sub(b1, b0), d1 = hn::Sub(b2, b1), d2 = hn::Sub(b3, b2);
     const VecF discriminant = hn::Max(hn::NegMulAdd(d0, d2, hn::Mul(d1, d1)), hn::Zero(floats));
@@ -61,7 +62,7 @@ HWY_INLINE Coefficients coefficients(const VecF* f, const Point& p, const Point&
   const Pair high_p = between(f01.p, f11.p, p.v, q.v), high_q = between(f01.q, f11.q, p.v, q.v);
   const Pair pp = between(low_p.p, high_p.p, p.w, q.w), qp = between(low_q.p, high_q.p, p.w, q.w);
   const Pair pq = between(low_p.q, high_p.q, p.w, q.w), qq = between(low_q.q, high_q.q, p.w, q.w);
-  // Each is a sum of all corners with weights: one that is not a number makes all of them so.
+  // Each is a weighted sum of all corners: a single NaN makes all of them NaN.
   const VecF third = hn::Set(floats, 1.0F / 3);
   return {pp.p, hn::Mul(hn::Add(hn::Add(qp.p, pq.p), pp.q), third), hn::Mul(hn::Add(hn::Add(qq.p, qp.q), pq.q), third),
           qq.q};
@@ -75,11 +76,11 @@ HWY_INLINE VecD between(VecD a, VecD b, VecD w) {
 struct FacePassage {
   MaskD through[3];  ///< across which axis; none where the ray ends between planes
   VecD p[3];
-  bool is_high[3];  ///< of an axis: faces across it are passed where p is 1
+  bool is_high[3];  ///< by axis: faces across it are passed where p is 1
 };
 
-/// value_on_face (grid_maximum.h).
-/// @param f  at the corners; what lanes through no face get means nothing
+/// value_on_face of render/grid/reference/largest.h.
+/// @param f  at the corners; the result is meaningless for lanes that pass no face
 HWY_INLINE VecD value_on_face(const VecD* f, const FacePassage& at) {
   const auto chosen = [&](VecD x, VecD y, VecD z)
                           HWY_ATTR { return hn::IfThenElse(at.through[0], x, hn::IfThenElse(at.through[1], y, z)); };
@@ -93,13 +94,13 @@ HWY_INLINE VecD value_on_face(const VecD* f, const FacePassage& at) {
   return hn::Add(largest, between(between(face[0], face[1], first), between(face[2], face[3], first), second));
 }
 
-/// The largest value on a way, and where; the values at its ends.
+/// The largest value on a way and its position; the values at its ends.
 struct Answer {
   VecD value, s;
   VecD first, last;
 };
 
-/// CubicOf::along and largest_value (cells/trilinear.h, cells/cubic.h).
+/// CubicOf::along and largest_value (render/cell/trilinear.h, render/cell/cubic.h).
 HWY_INLINE Answer largest_on_way(const VecD* f, const VecD* in, const VecD* out) {
   struct Pair {
     VecD p, q;
@@ -122,7 +123,8 @@ HWY_INLINE Answer largest_on_way(const VecD* f, const VecD* in, const VecD* out)
   const MaskD may_turn = hn::Or(hn::Gt(b1, b0), hn::Gt(b2, b3));
   VecD d0 = hn::Sub(b1, b0), d1 = hn::Sub(b2, b1), d2 = hn::Sub(b3, b2);
   const VecD unit = hn::Max(hn::Max(hn::Abs(d0), hn::Abs(d1)), hn::Abs(d2));
-  // All three clear of zero on one side: so is the derivative all the way, by far more than rounding moves its roots.
+  // If all three are clear of zero on one side, so is the derivative all the way, by far more than
+  // rounding moves its roots.
   const VecD tiny = hn::Mul(hn::Set(doubles, 0x1p-20), unit);
   const MaskD is_monotone =
       hn::Or(hn::Gt(hn::Min(hn::Min(d0, d1), d2), tiny), hn::Lt(hn::Max(hn::Max(d0, d1), d2), hn::Neg(tiny)));
@@ -135,7 +137,7 @@ HWY_INLINE Answer largest_on_way(const VecD* f, const VecD* in, const VecD* out)
     const MaskD turns = hn::And(may_turn, hn::Ge(discriminant, zero));
     const auto is_inside = [&](VecD s) HWY_ATTR { return hn::And(turns, hn::And(hn::Gt(s, zero), hn::Lt(s, one))); };
     const MaskD has_one = is_inside(one_root), has_other = is_inside(other_root);
-    // The nearer one first; a larger value takes its place.
+    // The nearer one first; a larger value replaces it.
     const MaskD swaps = hn::And(hn::And(has_one, has_other), hn::Lt(other_root, one_root));
     const auto offer = [&](VecD s, MaskD valid) HWY_ATTR {
       const VecD r = hn::Sub(one, s);

@@ -21,8 +21,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// A frustum around two of the same axes. Lines through the ends of both of its parts: what lies between the lines of
-/// one between its ends lies between these.
+/// A frustum around two others with the same axes. Its lines pass through the outer ends of both:
+/// what lies between the lines of one frustum between its ends lies between these.
 HWY_INLINE Frustum frustum_around(const Frustum& one, const Frustum& other) {
   Frustum both = one;
   both.first = other.first < one.first ? other.first : one.first;
@@ -40,11 +40,11 @@ HWY_INLINE Frustum frustum_around(const Frustum& one, const Frustum& other) {
   return both;
 }
 
-/// Groups side by side are searched together where their frustum crosses no more blocks than this: one for four rays.
-/// From 40 to 250 times are the same; with 16 the gain is half.
+/// Adjacent groups are searched together where their frustum crosses no more blocks than this: one
+/// for four rays. Times are the same from 40 to 250; with 16 the gain is half.
 inline constexpr double most_across = 64;
 
-/// Blocks that the widest part of a frustum crosses.
+/// Number of blocks that the widest part of a frustum crosses.
 HWY_INLINE double blocks_across(const Frustum& frustum) {
   double largest = 0;
   for (const double w : {frustum.first, frustum.last}) {
@@ -55,9 +55,9 @@ HWY_INLINE double blocks_across(const Frustum& frustum) {
   return largest;
 }
 
-/// Puts a group behind others. Rays of a full one, eight pixels in a row, so that those of a vector lie close together:
-/// four of one row, then four of the next.
-/// @param first  of its rays in the chunk
+/// Appends a group. The rays of a full group, eight pixels in a row, are reordered so that those of
+/// a vector lie close together: four of one row, then four of the next.
+/// @param first  index of the group's first ray in the chunk
 HWY_INLINE void append(const RayGroup& group, std::size_t first, SearchedRays& rays) {
   const std::size_t at = rays.count;
   rays.octant = group.octant;
@@ -83,8 +83,8 @@ HWY_INLINE void append(const RayGroup& group, std::size_t first, SearchedRays& r
   rays.count = at + group.count;
 }
 
-/// Calls search(lattice, frustum) for the rays of a chunk, as they are in `rays`, until each that enters the lattice
-/// was in one.
+/// Calls search(lattice, frustum) for the rays of a chunk, as they are in `rays`, until every ray
+/// that enters the lattice was in one search.
 template <class Search>
 HWY_INLINE void for_each_search(const RayArrays& chunk, std::size_t count, const int* leaf_count,
                                 const std::array<int, 3>& node_count, RayGroup& group, SearchedRays& rays,
@@ -104,7 +104,7 @@ HWY_INLINE void for_each_search(const RayArrays& chunk, std::size_t count, const
     const std::size_t left = count - first;
     const auto visit = [&](const RayGroup&, const MirroredLattice&, const Frustum& frustum) HWY_ATTR {
       const bool is_full = group.count == RayGroup::size;
-      // As many vectors as a word has bits.
+      // At most as many vectors as a word has bits.
       const bool has_room = (rays.count + group.count + float_lanes - 1) / float_lanes <= VectorLines::size;
       const bool fits = rays.count != 0 && is_full && has_room && rays.count % RayGroup::size == 0 &&
                         rays.octant == group.octant && around.major == frustum.major;

@@ -5,7 +5,8 @@
 #endif
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/grid/largest/lanes.cpp"  // relative to the repository root
-#include <hwy/foreach_target.h>                             // comes first: this file is included again for each machine
+// Comes first: this file is included again for each machine.
+#include <hwy/foreach_target.h>
 
 #include <bit>
 #include <cstddef>
@@ -31,7 +32,8 @@ HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 namespace {
 
-/// The search for one group of rays: regions by their largest value, the largest first.
+/// The search for one group of rays: regions in the order of their largest value, the largest
+/// first.
 class Search {
  public:
   Search(const MaximumField& field, const RayArrays& rays, MaximumScratch& scratch, const MirroredLattice& lattice,
@@ -57,7 +59,7 @@ class Search {
     for (int bucket; (bucket = queue.highest_bucket()) >= 0 && bucket >= queue.bucket_of(state_.lowest_reached);) {
       const RegionQueue::Region region = queue.take(bucket);
       ask_for_next();
-      // Finding it anew takes longer than some regions that it would have spared.
+      // Finding it anew takes longer than some regions that it would have saved.
       if (++taken % 16 == 0 && state_.has_risen) state_.find_lowest_reached();
       if (region.largest < state_.lowest_reached) continue;
       const int at[3] = {region.at[0], region.at[1], region.at[2]};
@@ -79,7 +81,7 @@ class Search {
       scratch_.cost[scratch_.rays.index[r]] += static_cast<std::uint32_t>(scratch_.visits[r]);
   }
 
-  /// Asks for what the region that is likely to be taken next needs, before it is needed.
+  /// Prefetches what the region that is likely to be taken next needs.
   HWY_INLINE void ask_for_next() const {
     const int bucket = scratch_.queue.highest_bucket();
     if (bucket < 0) return;
@@ -91,7 +93,7 @@ class Search {
       ask_for_blocks(at);
   }
 
-  /// Asks for the ranges of a node's blocks.
+  /// Prefetches the ranges of a node's blocks.
   HWY_INLINE void ask_for_blocks(const int* node) const {
     int first[3];
     for (int a = 0; a < 3; ++a) {
@@ -166,14 +168,14 @@ class Search {
     }
   }
 
-  /// The blocks of a node that the frustum meets.
+  /// Adds the blocks of a node that the frustum meets.
   template <class T>
   HWY_INLINE void put_blocks(const int* node) {
     const int w = state_.frustum.major, u = state_.frustum.minor[0], v = state_.frustum.minor[1];
     const int block_count[3] = {4 * state_.lattice.node_count[0], 4 * state_.lattice.node_count[1],
                                 4 * state_.lattice.node_count[2]};
-    // Where a block is in the file, on an axis: `zero` for that with number 0 in the lattice, and so on upwards or
-    // downwards. Those from begin to before end are there.
+    // Offset of a block in the volume, on an axis: `zero` for the lattice's block 0, and so on
+    // upwards or downwards by `step`. Blocks from begin to before end exist.
     const int* const count = field_.blocks.count;
     const std::ptrdiff_t stride[3] = {1, count[0], static_cast<std::ptrdiff_t>(count[0]) * count[1]};
     std::ptrdiff_t zero = 0, step[3];

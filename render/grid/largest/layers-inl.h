@@ -23,7 +23,7 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 
 #if RHORAY_HAS_WORD_TABLES
 
-/// The cells between planes, each where its lowest sample is.
+/// The cells between planes; a cell's index is that of its lowest sample.
 struct LayerCells {
   static constexpr bool is_plain = true, is_below = true;
 
@@ -38,7 +38,7 @@ struct LayerCells {
   }
 
  private:
-  /// Two corners, and the two behind them.
+  /// Reads two corners and the two behind them.
   HWY_INLINE static void read_four(const std::int32_t* from, VecI cell, VecF* corners) {
     const VecI low{_mm512_i32gather_epi64(hn::LowerHalf(half_ints, cell).raw, from, 4)};
     const VecI high{_mm512_i32gather_epi64(hn::UpperHalf(half_ints, cell).raw, from, 4)};
@@ -54,11 +54,11 @@ struct LayerCells {
   }
 };
 
-/// Where the even words of two vectors lie, one behind the other, and the odd ones.
+/// Indices of the even words of two consecutive vectors, and of the odd ones.
 alignas(64) inline constexpr auto even_words = places_of<std::uint16_t, 32>([](std::size_t i) { return 2 * i; });
 alignas(64) inline constexpr auto odd_words = places_of<std::uint16_t, 32>([](std::size_t i) { return 2 * i + 1; });
 
-/// The lower halves of two vectors' numbers, one behind the other.
+/// The lower halves of two vectors' numbers, one vector after the other.
 HWY_INLINE VecS lower_words(VecI low, VecI high) {
   return VecS{_mm512_permutex2var_epi16(low.raw, hn::Load(words, even_words.data()).raw, high.raw)};
 }
@@ -72,17 +72,18 @@ struct CornerWords {
   VecS f00, f10, f01, f11;
 };
 
-/// Planes of narrow windows: eight rows of eight words, eight of sixteen, or sixteen of sixteen, in registers.
-/// @tparam knows_rise  what rays gain in a plane is known
+/// Planes of narrow windows: eight rows of eight words, eight of sixteen, or sixteen of sixteen, in
+/// registers. @tparam knows_rise what rays gain in a plane is known
 template <std::size_t vectors, bool knows_rise>
 class Rows {
  public:
   static constexpr bool has_rise = knows_rise;
-  static constexpr int part_bits = 11;  ///< of a place's 16, that tell the part of a cell
+  /// Of a position's 16 bits, those that are the fraction of a cell.
+  static constexpr int part_bits = 11;
   static constexpr std::size_t plane_size = PlaneWindow::narrow * PlaneWindow::narrow;
 
   /// @param from   rows of sixteen
-  /// @param first  for rows of eight: the number of the first word in its row
+  /// @param first  for rows of eight: the index of the first word in its row
   HWY_INLINE Rows(const std::uint16_t* from, std::uint16_t first) {
     if constexpr (vectors == 2) {
       const VecW places = hn::Add(hn::Load(words, rows_of_eight.data()), hn::Set(words, first));
@@ -93,7 +94,7 @@ class Rows {
     }
   }
 
-  /// Of the lowest corners of cells.
+  /// Numbers of the lowest corners of cells.
   HWY_INLINE static VecW number(VecW u, VecW v) {
     const VecW row = hn::AndNot(hn::Set(words, edge - 1), hn::ShiftRight<part_bits - bits>(v));
     return hn::Add(row, hn::ShiftRight<part_bits>(u));
@@ -118,7 +119,8 @@ class Rows {
 
  private:
   static constexpr int edge = vectors == 2 ? 8 : PlaneWindow::narrow;  ///< words in a row
-  static constexpr int bits = vectors == 2 ? 3 : 4;                    ///< of a number, that tell the word in its row
+  /// Of a number, the bits that select the word in its row.
+  static constexpr int bits = vectors == 2 ? 3 : 4;
 
   alignas(64) static constexpr auto rows_of_eight = places_of<std::uint16_t, 32>([](std::size_t i) {
     return i / 8 * 16 + i % 8;
@@ -137,7 +139,7 @@ class WideRows {
   HWY_INLINE WideRows(const std::uint16_t* from, std::uint16_t) : from_(from) {}
 
   HWY_INLINE static VecW number(VecW u, VecW v) {
-    constexpr int bits = 5;  // that tell the word in its row
+    constexpr int bits = 5;  // bits that select the word in its row
     const VecW row = hn::AndNot(hn::Set(words, PlaneWindow::wide - 1), hn::ShiftRight<part_bits - bits>(v));
     return hn::Add(row, hn::ShiftRight<part_bits>(u));
   }
@@ -145,7 +147,7 @@ class WideRows {
     constexpr hn::FixedTag<std::uint16_t, 16> half;
     const VecI low = hn::PromoteTo(ints, hn::LowerHalf(half, lowest)),
                high = hn::PromoteTo(ints, hn::UpperHalf(half, lowest));
-    // Two words side by side.
+    // Two adjacent words.
     const auto pairs = [&](VecI number, std::ptrdiff_t further)
                            HWY_ATTR { return VecI{_mm512_i32gather_epi32(number.raw, from_ + further, 2)}; };
     const VecI near_low = pairs(low, 0), near_high = pairs(high, 0);
@@ -158,37 +160,40 @@ class WideRows {
   const std::uint16_t* from_;
 };
 
-/// The rows of a window in which some rays are, and where rays pass.
+/// The rows of a window that contain some rays, and where rays pass.
 struct RowsOfWindow {
   std::size_t first_word;
-  std::uint16_t first_column;  ///< of rows of eight
+  std::uint16_t first_column;  ///< for rows of eight
   double low[2];               ///< of the first sample, on the minor axes
   int cells[2];                ///< from there to the last one that rays pass
-  bool is_at_end;              ///< which is the lattice's last one
+  bool is_at_end;              ///< the last of these is the lattice's last cell
 };
 
-/// Of 32 rays and the layers between five planes, in words below the highest value.
+/// For 32 rays and the layers between five planes, in words below the highest value.
 struct LayerValues {
   static constexpr std::size_t layers = MaximumPlanes::planes - 1;
 
   VecS reached[layers];  ///< the value at one of its planes is no lower
-  VecS least[layers];    ///< no value is higher; at the furthest where the layer is left to the one before
+  /// No value is higher; the maximum where the layer is left to the one before.
+  VecS least[layers];
 };
 
-/// What a layer's values are bounded by holds for the line through the places that a ray is taken to be at, at both
-/// planes. These errors are in words, of which no two of a window are further apart than 2^15, and times `far`, which
-/// is 1 where those places are off by 2^-12, and more where they have fewer bits and where the lattice ends.
+/// The bound of a layer's values holds for the line through the positions that a ray is taken to be
+/// at, at both planes. These errors are in words; no two words of a window are farther apart than
+/// 2^15. The errors are multiplied by `far`. It is 1 where those positions are off by 2^-12, and
+/// more where they have fewer bits and where the lattice ends.
 ///
 /// * Values on that line are off by 16, and at planes by 2 for rounding.
-/// * Its slopes are off by 2^-11 and, rounded, 2^-15. So what words gain along the ray in a cell, in one plane less
-///   than in the other, is off by 68, 2^16 of that on each axis, and the twist by as much: the bound by a quarter, 34,
-///   and less than 4 for rounding.
-/// * Between cells what is gained is off by 68, 2^15 of it on each axis in both planes; where it comes from corners by
-///   three times 2^15 of it on each axis, 102: less than 28 quarters. Its rounding is less than 8.
-/// * On the true line what is gained differs by less than 128 (16 on each axis in each plane, as the twist is 2^16; 48
-///   where another cell is passed that it is not taken to be in; 8 as slopes are rounded) and values at planes by 36
-///   together. If they fall by so much more than can be gained, less than 48 quarters, no value of the layer comes up
-///   to the one where the ray enters it.
+/// * Its slopes are off by 2^-11 and, rounded, 2^-15. So what words gain along the ray in a cell,
+///   in one plane less than in the other, is off by 68, 2^16 of that on each axis, and the twist by
+///   as much. The bound is off by a quarter, 34, and less than 4 for rounding.
+/// * Between cells the gain is off by 68, 2^15 of it on each axis in both planes. Where it comes
+///   from corners it is off by three times 2^15 of it on each axis, 102: less than 28 quarters. Its
+///   rounding is less than 8.
+/// * On the true line the gain differs by less than 128: 16 on each axis in each plane, as the
+///   twist is 2^16; 48 where another cell is passed than the assumed ones; 8 as slopes are rounded.
+///   Values at planes differ by 36 together. If they fall by so much more than can be gained, less
+///   than 48 quarters, no value of the layer reaches the one where the ray enters it.
 struct LayerErrors {
   std::int16_t value, bound, within, crossing, falling;
 
@@ -200,15 +205,17 @@ struct LayerErrors {
         falling(static_cast<std::int16_t>(48 * far)) {}
 };
 
-/// @param vector, second  of the rays' vectors
-/// @param low_w           the first plane's place on the major axis
-/// @param clear           how far from a cell's edges rays pass no other cell, as parts of 2^15
+/// @param vector, second indices of the rays' vectors
+/// @param low_w           the first plane's position on the major axis
+/// @param clear           distance from a cell's edges at which rays pass no other cell, in parts
+///                        of 2^15
 template <class AnyRows>
 HWY_NOINLINE LayerValues values_between(const LineParts& lines, std::size_t vector, std::size_t second, double low_w,
                                         const MaximumPlanes& planes, const RowsOfWindow& rows, int clear) {
   constexpr std::size_t count = MaximumPlanes::planes;
   constexpr int part_bits = AnyRows::part_bits;
-  // Places and slopes as whole numbers, of which the upper words are places with part_bits for the part of a cell.
+  // Positions and slopes as integers whose upper words are positions with part_bits for the
+  // fraction of a cell.
   constexpr double scale = 0x1p16 * (1 << part_bits) / LineParts::size_of_one;
   const VecD from_w = hn::Set(doubles, low_w);
   VecI place[2][2], step[2][2];
@@ -229,7 +236,7 @@ HWY_NOINLINE LayerValues values_between(const LineParts& lines, std::size_t vect
       step[m][half] = hn::ShiftRight<11 - part_bits>(hn::Load(ints, lines.step[m] + r));
     }
   constexpr int to_fraction = 15 - part_bits;  // bits
-  // As parts of 2^15, rounded up.
+  // In parts of 2^15, rounded up.
   const auto slope_of = [](const VecI* by) HWY_ATTR {
     return hn::Add(upper_words(hn::ShiftLeft<to_fraction>(by[0]), hn::ShiftLeft<to_fraction>(by[1])),
                    hn::Set(shorts, 1));
@@ -245,11 +252,12 @@ HWY_NOINLINE LayerValues values_between(const LineParts& lines, std::size_t vect
 
   VecS u[count], v[count], below[count];
   VecW cell[count];
-  // Quarters, in a plane, of how fast words rise along the ray and of how that changes from one end to the other,
-  // within the cell; and of the most that values rise on the way to the next plane or from the last one, in the cells
-  // beside it as well. Where that is not known, the largest word of the cell's corners.
+  // Quarters, in a plane, of how fast words rise along the ray and of how that changes from one end
+  // to the other, within the cell. Also a quarter of the most that values rise on the way to the
+  // next plane or from the last one, including the neighbouring cells. Where that is not known, the
+  // largest word of the cell's corners.
   VecS along[count], twist[count], around[count];
-  VecS off_middle[count];  // of the cell, on the axis where it is more
+  VecS off_middle[count];  // from the middle of the cell, on the axis where it is larger
   for (std::size_t k = 0; k < count; ++k) {
     u[k] = hn::Min(hn::Max(upper_words(place[0][0], place[0][1]), zero), last_u);
     v[k] = hn::Min(hn::Max(upper_words(place[1][0], place[1][1]), zero), last_v);
@@ -283,11 +291,12 @@ HWY_NOINLINE LayerValues values_between(const LineParts& lines, std::size_t vect
   const VecS inside = hn::Set(shorts, static_cast<std::int16_t>(0x4000 - clear));
   LayerValues values;
   for (std::size_t k = 0; k < LayerValues::layers; ++k) {
-    // Words at the part t of the way are a + d t - (h - g - r t - s (1 - t)) t (1 - t), where a is that at the first
-    // plane, d the difference to the other, g and h how fast words rise in both of them and r and s how that changes.
-    // With the largest there is of what is in brackets, R, none is less than both a and a + d by more than
-    // (R - |d|)^2 / (4 R), if |d| < R, or not less at all. As a function of d that is not above two chords, from d = 0
-    // to R / 2 and from there on.
+    // Words at the share t of the way are a + d t - (h - g - r t - s (1 - t)) t (1 - t). Here a is
+    // the word at the first plane and d the difference to the other; g and h are how fast words
+    // rise in both planes, and r and s how that changes. Let R be the largest value of the bracket.
+    // Then no word is less than both a and a + d by more than (R - |d|)^2 / (4 R) if |d| < R, or
+    // less at all otherwise. As a function of d this is not above two chords, from d = 0 to R / 2
+    // and from there on.
     const VecS in_cell = hn::SaturatedSub(hn::SaturatedSub(along[k + 1], along[k]), hn::Min(twist[k], twist[k + 1]));
     const VecS within = hn::SaturatedAdd(in_cell, within_error);
     VecS gain;  // a quarter of R, or more
@@ -295,10 +304,11 @@ HWY_NOINLINE LayerValues values_between(const LineParts& lines, std::size_t vect
       const VecS between = hn::SaturatedAdd(hn::SaturatedAdd(around[k], around[k + 1]), crossing_error);
       gain = hn::IfThenElse(hn::RebindMask(shorts, hn::Eq(cell[k], cell[k + 1])), within, between);
     } else {
-      // No word is less than 0. So in a plane, from where the ray leaves the cell, none is less by more than twice the
-      // largest at its corners, for the way behind one edge, than what the cell's corners tell of all of the plane, and
-      // three times as much for that behind two: there the twist is another one. What is behind in both planes
-      // together is no more than the way from one to the other.
+      // No word is less than 0. So consider, in a plane, the way from where the ray leaves the
+      // cell, compared with what the cell's corners predict for all of the plane. Behind one edge
+      // no word is less than predicted by more than twice the largest at its corners. Behind two
+      // edges the bound is three times as much, because the twist is another one there. The ways
+      // behind in both planes together are no longer than the way from one to the other.
       const VecS part = hn::Set(shorts, (1 << part_bits) - 1);
       const auto leaves_u = hn::Gt(u[k + 1], hn::Or(u[k], part)), leaves_v = hn::Gt(v[k + 1], hn::Or(v[k], part));
       const auto way = [&](auto leaves, VecS by)
@@ -316,8 +326,9 @@ HWY_NOINLINE LayerValues values_between(const LineParts& lines, std::size_t vect
     const VecS at_planes = hn::Min(below[k], below[k + 1]);
     values.reached[k] = hn::SaturatedAdd(at_planes, value_error);
     const VecS least = hn::SaturatedSub(hn::SaturatedSub(at_planes, further), bound_error);
-    // Where the largest value is for certain the one at the first plane, the layer before has it as well and is
-    // enough: as for cells (is_left_to_cell_before), of which this one and those behind it have none as large.
+    // Where the largest value is certainly the one at the first plane, the layer before has it as
+    // well and is enough: as for cells (is_left_to_cell_before), where neither this cell nor those
+    // behind it have one as large.
     const auto only_falls = hn::Gt(hn::ShiftRight<2>(falls), hn::SaturatedAdd(gain, falling_error));
     const auto is_left = hn::And(only_falls, hn::Lt(off_middle[k], inside));
     values.least[k] = hn::IfThenElse(is_left, hn::Set(shorts, 0x7fff), least);

@@ -68,7 +68,7 @@ StoredRanges ranges_of(const formats::MacroLevelsView<T>& levels, int level) {
           {static_cast<int>(count.x), static_cast<int>(count.y), static_cast<int>(count.z)}};
 }
 
-/// True where the samples of every four on an axis lie `step` apart; the last four are all there.
+/// True where each four samples of an axis are `step` apart and the last four are complete.
 bool is_in_fours(const std::vector<std::uint64_t>& table, std::uint64_t step) {
   if (table.size() % 4 != 0) return false;
   for (std::size_t i = 0; i < table.size(); ++i)
@@ -76,7 +76,7 @@ bool is_in_fours(const std::vector<std::uint64_t>& table, std::uint64_t step) {
   return true;
 }
 
-/// Samples 4 i to 4 i + 3 of x and 4 j to 4 j + 3 of y lie together, x fastest.
+/// Samples 4 i to 4 i + 3 of x and 4 j to 4 j + 3 of y are contiguous, x fastest.
 template <class T>
 bool has_squares(const GridVolume<T>& view) {
   return is_in_fours(view.tables().x, 1) && is_in_fours(view.tables().y, 4);
@@ -87,7 +87,7 @@ bool has_squares(const View&) {
   return false;
 }
 
-/// And samples 4 k to 4 k + 3 of z with them.
+/// The same, and samples 4 k to 4 k + 3 of z with them.
 template <class T>
 bool has_bricks(const GridVolume<T>& view) {
   return has_squares(view) && is_in_fours(view.tables().z, 16);
@@ -176,7 +176,8 @@ Kernel largest_value_kernel(const VolumeImplementation& volume, const Method& me
       [&](const auto& view) -> Kernel {
         using View = std::decay_t<decltype(view)>;
         if constexpr (is_taken_wide<View>) {
-          constexpr std::int64_t largest_size = 1 << 14;  // places on it have enough digits in single precision
+          // Positions on it have enough digits in single precision.
+          constexpr std::int64_t largest_size = 1 << 14;
           const Index3 size = view.lattice().leaf_count;
           const bool is_small = std::max({size.x, size.y, size.z}) <= largest_size;
           const Interval<double> range = values_of(volume);

@@ -1,4 +1,5 @@
-// Two vectors of rays at a time at a slab of blocks: which cells they pass, and what holds the samples around them.
+// Two vectors of rays at a time at a slab of blocks: which cells they pass, and the window of
+// samples around them.
 #if defined(RHORAY_WIDE_MAXIMUM_PAIRS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_MAXIMUM_PAIRS_INL_H
 #undef RHORAY_WIDE_MAXIMUM_PAIRS_INL_H
@@ -24,18 +25,18 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 
 /// Two vectors of rays at a slab.
 struct SlabPair {
-  std::size_t vector, second;              ///< the same where there is but one
-  std::uint32_t rays;                      ///< that the slab may change
+  std::size_t vector, second;              ///< equal where there is only one
+  std::uint32_t rays;                      ///< rays that the slab may change
   int first[2], last[2];                   ///< cells on the minor axes
-  std::int32_t lowest, highest;            ///< sample
-  std::uint32_t may[LayerValues::layers];  ///< rays of which a layer is to be walked
+  std::int32_t lowest, highest;            ///< lowest and highest sample
+  std::uint32_t may[LayerValues::layers];  ///< rays for which a layer must be walked
 };
 
-/// What is around some pairs.
+/// The surroundings of some pairs.
 struct SlabPart {
   int first[2], last[2];  ///< cells on the minor axes
   PlaneWindow window;
-  bool is_at_end;  ///< has the lattice's last cells on an axis
+  bool is_at_end;  ///< contains the lattice's last cells on an axis
 };
 
 HWY_INLINE WordScale scale_of(const SlabPair* pair, std::size_t count) {
@@ -47,8 +48,9 @@ HWY_INLINE WordScale scale_of(const SlabPair* pair, std::size_t count) {
   return {lowest, highest};
 }
 
-/// The samples of a window that a pair's rays pass: of a narrow one eight rows of eight, eight of sixteen, or all.
-/// @param vectors  that hold them; 0 for a wide one
+/// The samples of a window that a pair's rays pass: of a narrow window eight rows of eight, eight
+/// of sixteen, or all.
+/// @param vectors  number of vectors that hold them; 0 for a wide window
 HWY_INLINE RowsOfWindow rows_of(const SlabPair& pair, const SlabPart& part, int& vectors) {
   const bool is_narrow = part.window.is_narrow();
   const int edge = part.window.edge(), half = PlaneWindow::narrow / 2;
@@ -77,7 +79,7 @@ HWY_INLINE RowsOfWindow rows_of(const SlabPair& pair, const SlabPart& part, int&
 /// What a pair's rays meet at a slab.
 /// @param low_w     where it begins on the major axis
 /// @param has_rise  what rays gain in planes is known
-/// @param clear     as values_between has it
+/// @param clear     as in values_between
 HWY_INLINE LayerValues values_of(const SlabPair& pair, const SlabPart& part, const LineParts& lines, double low_w,
                                  const MaximumPlanes& planes, bool has_rise, int clear) {
   int vectors;
@@ -104,8 +106,8 @@ class PairsAtSlab {
   /// @param axes  the major one and the minor ones
   PairsAtSlab(const SearchState& state, const int* axes) : state_(state), axes_{axes[0], axes[1], axes[2]} {}
 
-  /// The cells that the rays of each vector may pass in a slab, on the minor axes; where they pass none, the first is
-  /// behind the last.
+  /// Finds the cells that the rays of each vector may pass in a slab, on the minor axes; where they
+  /// pass none, the first is behind the last.
   HWY_INLINE void move_to(int slab) {
     const VectorLines& around = state_.scratch.around;
     const auto low_w = static_cast<float>(4 * slab);
@@ -142,7 +144,7 @@ class PairsAtSlab {
     return pair;
   }
 
-  /// Makes a pair's cells those that some of its rays may pass.
+  /// Shrinks a pair's cells to those that some of its rays may pass.
   HWY_INLINE void shrink_to(std::uint32_t rays, int slab, SlabPair& pair) const {
     const GroupLines& lines = state_.scratch.lines;
     const VecF low_w = hn::Set(floats, static_cast<float>(4 * slab)), edge = hn::Set(floats, 4.0F);
@@ -191,8 +193,9 @@ class PairsAtSlab {
     return part;
   }
 
-  /// Calls act(pairs, count, what is around them) for as many pairs at once as fit in a window; only those of which the
-  /// first does not fit in a narrow one are put to a wide one, where looking up takes longer.
+  /// Calls act(pairs, count, part around them) for as many pairs at once as fit in a window. Pairs
+  /// are put into a wide window, where looking up takes longer, only if the first of them does not
+  /// fit in a narrow one.
   template <class Act>
   void in_windows(const SlabPair* pair, std::size_t count, const Act& act) {
     const SlabPart part = part_around(pair, count);
@@ -220,8 +223,9 @@ class PairsAtSlab {
  private:
   const SearchState& state_;
   int axes_[3];
-  int end_[2];                                                                     ///< the lattice's last cells
-  HWY_ALIGN std::int32_t first_cell_[2][float_lanes], last_cell_[2][float_lanes];  ///< of each vector
+  int end_[2];  ///< the lattice's last cells
+  /// Of each vector.
+  HWY_ALIGN std::int32_t first_cell_[2][float_lanes], last_cell_[2][float_lanes];
 };
 
 #endif

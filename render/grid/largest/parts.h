@@ -10,11 +10,13 @@
 #include "render/traverse/ray_group.h"
 #include "render/traverse/region_queue.h"
 
-/// What the sources of the wide kernel for largest values hand to the part that is compiled once per machine.
+/// The interface between the sources of the SIMD kernel for largest values and the part that is
+/// compiled once per machine.
 ///
-/// That part looks for the places on a ray where the largest value can be, in single precision with its rounding
-/// bounded. What it cannot rule out is decided in double, operation for operation as the scalar kernel does it: so the
-/// answer is the scalar kernel's on every machine, in whatever group a ray is.
+/// That part looks for the positions on a ray where the largest value can be, in single precision
+/// with bounded rounding. What it cannot rule out is decided in double precision, with exactly the
+/// operations of the scalar kernel. So the answer is the scalar kernel's on every machine, whatever
+/// group a ray is in.
 namespace rhoray::render::wide {
 
 /// The largest value found on a ray so far.
@@ -25,8 +27,8 @@ struct FoundMaximum {
   std::uint64_t cell;
 };
 
-/// True where the other takes its place: the larger value; of equal ones the nearer, and there the one in the cell that
-/// the ray enters first, as in the scalar kernel's queue.
+/// True where `other` replaces `found`: the larger value wins, and of equal ones the nearer. At
+/// equal t the one in the cell that the ray enters first wins, as in the scalar kernel's queue.
 RHORAY_INLINE bool is_better(const FoundMaximum& other, const FoundMaximum& found) {
   if (other.value != found.value) return other.value > found.value;
   if (other.t != found.t) return other.t < found.t;
@@ -34,15 +36,17 @@ RHORAY_INLINE bool is_better(const FoundMaximum& other, const FoundMaximum& foun
   return other.cell < found.cell;
 }
 
-/// Values that occur in the macrocells of one level: lo and hi of each, of the field's type, x fastest.
+/// Values that occur in the macrocells of one level: lo and hi of each, of the field's type, x
+/// fastest.
 struct StoredRanges {
   const void* first;
   int count[3];
 };
 
-/// The cells of a ray from t_from to t_to by the scalar kernel's own code, where what is done side by side does not
-/// apply: planes passed at nearly the same time, differences that need another unit.
-/// @param ray  place in the chunk
+/// Evaluates the cells of a ray from t_from to t_to by the scalar kernel's own code. It is used
+/// where the SIMD evaluation does not apply: planes passed at nearly the same time, or differences
+/// that need another unit.
+/// @param ray  index in the chunk
 using LookClosely = void (*)(const void* context, const RayArrays& rays, std::size_t ray, double t_from, double t_to,
                              FoundMaximum& found);
 
@@ -52,34 +56,39 @@ struct MaximumField {
   formats::ElementType type;
   std::size_t sample_bytes;
   int leaf_count[3];
-  std::array<int, 3> node_count;  ///< of 16 cells, a multiple of 4
-  StoredRanges blocks, nodes;     ///< of 4 and of 16 cells; there may be none of 16
-  double range;                   ///< of the field's values
-  bool has_gaps;                  ///< some samples have no data
-  bool has_squares;               ///< samples 4 i to 4 i + 3 of x and 4 j to 4 j + 3 of y lie together, x fastest
-  bool has_bricks;                ///< and so do 4 k to 4 k + 3 of z
+  std::array<int, 3> node_count;  ///< nodes have 16 cells per axis; a multiple of 4
+  /// Of 4 and of 16 cells; those of 16 may be missing.
+  StoredRanges blocks, nodes;
+  double range;   ///< of the field's values
+  bool has_gaps;  ///< some samples have no data
+  /// Samples 4 i to 4 i + 3 of x and 4 j to 4 j + 3 of y are contiguous, x fastest.
+  bool has_squares;
+  bool has_bricks;  ///< and so are 4 k to 4 k + 3 of z
   bool time_phases;
   LookClosely look_closely;
   const void* context;
 };
 
-/// Rays that are searched together: one group, or several full ones of one octant and one major axis that lie side by
-/// side. Numbers as in RayGroup; lanes beyond `count` up to a multiple of 16 repeat the last ray.
+/// Rays that are searched together: one group, or several full adjacent ones of one octant and one
+/// major axis. Numbers as in RayGroup; lanes beyond `count` up to a multiple of 16 repeat the last
+/// ray.
 struct alignas(64) SearchedRays {
   static constexpr std::size_t groups = 4;
   static constexpr std::size_t size = groups * RayGroup::size;
-  static constexpr std::size_t stride = size + 8;  ///< so that a ray's numbers lie in different sets of the cache
+  /// So that a ray's numbers lie in different cache sets.
+  static constexpr std::size_t stride = size + 8;
 
   double origin[3][stride], direction[3][stride];
   double plane_origin[3][stride], inverse[3][stride];
   double t_in[stride], t_out[stride];
-  std::uint32_t index[size];     ///< place in the chunk
+  std::uint32_t index[size];     ///< index in the chunk
   std::uint64_t inside[groups];  ///< rays with a part inside the lattice, by group
   std::size_t count;
   unsigned octant;
 };
 
-/// The rays of a search in single precision: places on the minor axes as functions of the place on the major one.
+/// The rays of a search in single precision: positions on the minor axes as functions of the
+/// position on the major one.
 struct alignas(64) GroupLines {
   static constexpr std::size_t size = SearchedRays::size;
   static constexpr std::size_t stride = size + 16;
@@ -87,36 +96,38 @@ struct alignas(64) GroupLines {
   double exact_start[2][stride], exact_slope[2][stride];
   float start[2][stride];  ///< where the major axis is 0
   float slope[2][stride];
-  float inverse[2][stride];        ///< of the slope; large where it is close to 0
+  float inverse[2][stride];        ///< of the slope; large where the slope is close to 0
   float from[stride], to[stride];  ///< the part inside the lattice, on the major axis
   float reached[stride];           ///< no more than the largest value found
   float reached_at[stride];        ///< no less than where it was found, on the major axis
 };
 
-/// The same lines as parts of 2^27 of a cell.
+/// The same lines in units of 2^-27 of a cell.
 struct alignas(64) LineParts {
   static constexpr std::size_t size = SearchedRays::size;
   static constexpr double size_of_one = 0x1p27;
 
   double start[2][size], slope[2][size];
-  std::int32_t step[2][size];  ///< the slope as a whole number
+  std::int32_t step[2][size];  ///< the slope as an integer
 };
 
-/// Around the rays of each vector: lines on the minor axes as functions of the place on the major one, where it is 0
-/// and how fast they rise.
+/// Lines that enclose the rays of each vector: position and slope on the minor axes, as functions
+/// of the position on the major one, starting where it is 0.
 struct alignas(64) VectorLines {
   static constexpr std::size_t size = 64;  ///< the most vectors
 
   float low[2][size], low_slope[2][size], high[2][size], high_slope[2][size];
-  float reached[size];  ///< no more than what any of their rays has reached
+  float reached[size];  ///< no more than any of their rays has reached
 };
 
-/// Parts of rays in boxes of cells that may hold a larger value than was found, until they are looked at closely.
+/// Parts of rays in boxes of cells that may hold a larger value than was found, until they are
+/// evaluated closely.
 struct alignas(64) Suspects {
   static constexpr std::size_t capacity = 4096 + 16;
   static constexpr std::size_t most_boxes = 1024;
 
-  /// Those from `first` to the next box's are in it, on the major axis from where it begins, values in its unit.
+  /// Suspects from `first` up to the first of the next box are in this box. Their positions on the
+  /// major axis are relative to its beginning, their values are in its unit.
   struct Box {
     double highest, scale, low_w;
     std::size_t first;
@@ -125,18 +136,20 @@ struct alignas(64) Suspects {
   std::int32_t ray[capacity];
   float from[capacity], to[capacity];  ///< on the major axis
   float bound[capacity];               ///< no value there is larger
-  Box box[most_boxes + 1];             ///< the last one in use is followed by the count of suspects
+  /// The last box in use is followed by one whose `first` is the number of suspects.
+  Box box[most_boxes + 1];
   std::size_t count, boxes;
 };
 
-/// Cells on rays that are to be looked at closely.
+/// Cells on rays that must be evaluated closely.
 struct alignas(64) CandidateList {
   static constexpr std::size_t capacity = 512 + 16;
 
   std::int32_t ray[capacity];
   std::int32_t cell[3][capacity];
-  double from[capacity], to[capacity];  ///< t: the cells before and behind are looked at as far as this
-  std::int32_t way[capacity];           ///< -1: only those before, 1: only those behind, 0: both
+  /// t: how far the cells before and behind are evaluated too.
+  double from[capacity], to[capacity];
+  std::int32_t way[capacity];  ///< -1: only those before, 1: only those behind, 0: both
   std::size_t count;
 };
 
@@ -146,7 +159,8 @@ struct alignas(64) LookCorners {
   double other[8][CandidateList::capacity];        ///< of all others
 };
 
-/// The last cells that suspects of a ray were in, and from and to which t they are followed up.
+/// The last cells that suspects of a ray were in, and the range of t over which they are followed
+/// up.
 struct FinalCandidates {
   static constexpr std::size_t kept = 4;
   std::uint64_t key[kept];
@@ -154,24 +168,24 @@ struct FinalCandidates {
   std::size_t next;
 };
 
-/// Rays that pass a box of cells, packed side by side; places from its lowest corner.
+/// Rays that pass a box of cells, packed side by side; positions relative to its lowest corner.
 struct alignas(64) RaysAtBlock {
   static constexpr std::size_t capacity = 4 * SearchedRays::size + 16;
 
   std::int32_t ray[capacity];
   float from[capacity], to[capacity];  ///< on the major axis
-  float start[2][capacity];            ///< places on the minor axes where the box begins
+  float start[2][capacity];            ///< positions on the minor axes where the box begins
   float slope[2][capacity], inverse[2][capacity];
   float reached[capacity];     ///< in the box's unit: no more than what was reached
   float reached_at[capacity];  ///< no less than where, on the major axis
   std::size_t count;
 };
 
-/// The 5 x 5 x 5 samples of a block, sample (x, y, z) at x + 5 y + 25 z: (sample - the block's largest) * unit, from -2
-/// to 0 where there is data.
+/// The 5 x 5 x 5 samples of a block, sample (x, y, z) at x + 5 y + 25 z: (sample - the block's
+/// largest) * unit, from -2 to 0 where there is data.
 struct alignas(64) MaximumBlock {
   float sample[160];
-  float largest[160];  ///< of the cell of which this is the lowest corner
+  float largest[160];  ///< of the cell whose lowest corner this is
 };
 
 /// The samples of a slab of nodes around a group's rays (Window).
@@ -179,29 +193,32 @@ struct alignas(64) MaximumWindow {
   static constexpr int longest = 40;  ///< samples on an axis
   static constexpr std::size_t capacity = 17 * 34 * 36;
 
-  std::int32_t words[2 * capacity];  ///< behind the window as many that are written and not read
+  /// The second half is written but never read.
+  std::int32_t words[2 * capacity];
 };
 
-/// Planes of samples across the major axis around some rays, one behind the other (PlaneReader): sample (u, v) of plane
-/// k at u + e v + e^2 k, where e is 16 or 32.
+/// Consecutive planes of samples across the major axis around some rays (PlaneReader): sample (u,
+/// v) of plane k at u + e v + e^2 k, where e is 16 or 32.
 struct alignas(64) MaximumPlanes {
   static constexpr int edge = 32;  ///< the most samples on an axis
   static constexpr int planes = 5;
 
-  std::uint16_t below[planes * edge * edge];  ///< how far below a value that none exceeds
-  std::uint16_t beyond[edge + 2];             ///< may be read, and is not used
-  /// Of planes of 16 x 16 samples, a quarter of the most that values change by from where a ray is to the next plane.
+  std::uint16_t below[planes * edge * edge];  ///< distance below an upper bound of all values
+  std::uint16_t beyond[edge + 2];             ///< may be read but is not used
+  /// For planes of 16 x 16 samples: a quarter of the largest change of values from where a ray is
+  /// to the next plane.
   alignas(64) std::uint16_t rise[edge * edge / 4];
 };
 
-/// The same two by two: a sample and, in the upper half, the one behind it in the next plane.
+/// The same in pairs: a sample and, in the upper half, the one behind it in the next plane.
 struct alignas(64) MaximumLayers {
   std::int32_t below[(MaximumPlanes::planes - 1) * MaximumPlanes::edge * MaximumPlanes::edge];
-  std::int32_t beyond[MaximumPlanes::edge + 2];  ///< may be read, and is not used
+  std::int32_t beyond[MaximumPlanes::edge + 2];  ///< may be read but is not used
 };
 
-/// What was seen of layers between two planes that may hold a larger value than was found (PlaneSweep), until they are
-/// walked: of the 32 rays of a pair of vectors at a slab of blocks.
+/// Results for layers between two planes that may hold a larger value than was found (PlaneSweep),
+/// kept until the layers are walked. Each entry is for the 32 rays of a pair of vectors at a slab
+/// of blocks.
 struct alignas(64) SeenLayers {
   static constexpr std::size_t capacity = 512;
   static constexpr std::size_t most_slabs = 1 << 12;  ///< of a lattice
@@ -213,18 +230,20 @@ struct alignas(64) SeenLayers {
     std::int32_t lowest, highest;  ///< of the samples that the words were made for
   };
 
-  std::int16_t least[capacity][per_slab][32];  ///< how far below the highest no value there is, in words
+  /// Smallest distance below `highest` of any value in the layer, in words.
+  std::int16_t least[capacity][per_slab][32];
   At at[capacity];
   std::size_t count;
 };
 
 /// Which slabs of nodes were swept, a bit each.
 struct SweptSlabs {
-  static constexpr std::size_t words = (1 << 14) / 16 / 64 + 1;  ///< the most that a lattice can have
+  /// The most that a lattice can have.
+  static constexpr std::size_t words = (1 << 14) / 16 / 64 + 1;
 
   std::uint64_t swept[words];
-  std::uint8_t blocks[64 * words];  ///< that were looked into, up to multiples of 256
-  int next[64 * words];             ///< the highest bucket for which a slab is asked about again
+  std::uint8_t blocks[64 * words];  ///< blocks searched in the slab, modulo 256
+  int next[64 * words];             ///< the highest bucket at which a slab is considered again
 };
 
 struct alignas(64) MaximumScratch {
@@ -240,21 +259,23 @@ struct alignas(64) MaximumScratch {
   MaximumPlanes planes;
   MaximumLayers layers;
   SeenLayers seen_layers;
-  std::int32_t slab_largest[SeenLayers::most_slabs];  ///< of the frustum's blocks, by their number on the major axis
+  /// Of the frustum's blocks, by their position on the major axis.
+  std::int32_t slab_largest[SeenLayers::most_slabs];
   RaysAtBlock at_block;
   Suspects suspects;
   CandidateList looks_left;
   LookCorners corners;
   double reached[SearchedRays::size];  ///< some value on the ray is at least this
   FinalCandidates last_looks[SearchedRays::size];
-  double known_value[SearchedRays::size], known_t[SearchedRays::size];  ///< what is in `found`, by place in the search
-  FoundMaximum found[SearchedRays::size];                               ///< by place in the chunk
-  float visits[SearchedRays::size];                                     ///< boxes of cells, and cells in them
-  std::uint32_t cost[SearchedRays::size];                               ///< the same, by place in the chunk
-  std::uint64_t regions, looks, ticks;                                  ///< counted
+  /// Copies from `found`, by index in the search.
+  double known_value[SearchedRays::size], known_t[SearchedRays::size];
+  FoundMaximum found[SearchedRays::size];  ///< by index in the chunk
+  float visits[SearchedRays::size];        ///< boxes of cells, and cells in them
+  std::uint32_t cost[SearchedRays::size];  ///< the same, by index in the chunk
+  std::uint64_t regions, looks, ticks;     ///< counters
 };
 
-/// Of a chunk of at most SearchedRays::size rays.
+/// For a chunk of at most SearchedRays::size rays.
 using LargestValues = void (*)(const MaximumField& field, const RayArrays& rays, std::size_t count,
                                MaximumScratch& scratch);
 

@@ -1,4 +1,5 @@
-// Planes of samples across the major axis as words of 16 bits, around the rays of a search: what permutations look up.
+// Planes of samples across the major axis as 16-bit words, around the rays of a search, for lookup
+// by permutations.
 #if defined(RHORAY_WIDE_MAXIMUM_PLANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_MAXIMUM_PLANES_INL_H
 #undef RHORAY_WIDE_MAXIMUM_PLANES_INL_H
@@ -28,13 +29,15 @@ using VecS = hn::Vec<decltype(shorts)>;
 
 /// A rectangle of bricks across the major axis, in samples of the mirrored lattice.
 struct PlaneWindow {
-  static constexpr int narrow = MaximumPlanes::edge / 2, wide = MaximumPlanes::edge;  ///< samples on an axis, at most
+  /// Samples on an axis, at most.
+  static constexpr int narrow = MaximumPlanes::edge / 2, wide = MaximumPlanes::edge;
 
-  int first[2];  ///< on the minor axes: where a brick of the file begins or, mirrored, ends
+  /// On the minor axes: where a brick of the volume begins or, mirrored, ends.
+  int first[2];
   int bricks[2];
 
   PlaneWindow() = default;
-  /// Around cells from first to last.
+  /// A window around the cells from first to last.
   HWY_INLINE PlaneWindow(const MirroredLattice& lattice, const int* minor, const int* first_cell,
                          const int* last_cell) {
     for (int m = 0; m < 2; ++m) {
@@ -53,7 +56,8 @@ struct PlaneWindow {
   HWY_INLINE bool fits(int edge) const { return 4 * bricks[0] <= edge && 4 * bricks[1] <= edge; }
 };
 
-/// Words are (highest - sample) * 2^shift, rounded down: from 0 to less than 2^15 for samples in this range.
+/// Words are (highest - sample) * 2^shift, rounded down: from 0 to less than 2^15 for samples in
+/// this range.
 struct WordScale {
   std::int32_t lowest, highest;
   int shift;  ///< -1 or more
@@ -65,7 +69,7 @@ struct WordScale {
   HWY_INLINE double unit() const { return shift < 0 ? 0.5 : static_cast<double>(1 << shift); }
 };
 
-/// Reads planes from a file in which bricks of 4 x 4 x 4 samples lie together.
+/// Reads planes from a volume in which bricks of 4 x 4 x 4 samples are contiguous.
 class PlaneReader {
  public:
   PlaneReader(const MaximumField& field, const MirroredLattice& lattice, const int* axes)
@@ -78,7 +82,7 @@ class PlaneReader {
           static_cast<std::uint16_t>(lowest + i % 4 * step(axes[1]) + i / 4 * step(axes[2]));
   }
 
-  /// Planes from the first on.
+  /// Reads planes, from first_plane on.
   template <class T>
   HWY_NOINLINE void read_planes(const PlaneWindow& window, int first_plane, const WordScale& scale,
                                 MaximumPlanes& planes) const {
@@ -94,8 +98,8 @@ class PlaneReader {
       read_of.template operator()<true>();
   }
 
-  /// Planes of a narrow window, and what rays gain between two of them.
-  /// @param slope  the rays' largest on the minor axes, at most 1, as parts of 2^15, rounded up
+  /// Reads planes of a narrow window, and computes what rays gain between two of them.
+  /// @param slope  the rays' largest on the minor axes, at most 1, in parts of 2^15, rounded up
   template <class T>
   HWY_NOINLINE void read_planes_and_rise(const PlaneWindow& window, int first_plane, const WordScale& scale,
                                          const int* slope, MaximumPlanes& planes) const {
@@ -116,7 +120,7 @@ class PlaneReader {
     put_rise(along_u, along_v, count, slope, planes.rise);
   }
 
-  /// Planes two by two.
+  /// Reads planes in pairs.
   template <class T>
   HWY_NOINLINE void read_layers(const PlaneWindow& window, int first_plane, const WordScale& scale,
                                 MaximumLayers& layers) const {
@@ -127,7 +131,7 @@ class PlaneReader {
   }
 
  private:
-  /// Of a plane of the mirrored lattice, as far as the file has it.
+  /// The sample of a plane of the mirrored lattice, clamped to the volume.
   HWY_INLINE int sample_of(int i, int plane) const {
     const int sample = static_cast<int>(lattice_.plane(axes_[i], plane)), last = field_.source.count[axes_[i]] - 1;
     return sample < 0 ? 0 : sample > last ? last : sample;
@@ -155,7 +159,8 @@ class PlaneReader {
     });
   }
 
-  /// act(number of the plane, of the vector in it, words): a vector is two rows of a narrow window or one of a wide one
+  /// Calls act(index of the plane, index of the vector in it, words). A vector is two rows of a
+  /// narrow window or one of a wide one.
   template <class T, bool is_wide, class Act>
   HWY_INLINE void read(const PlaneWindow& window, int first_plane, const WordScale& scale, const Act& act) const {
     constexpr int most = (is_wide ? PlaneWindow::wide : PlaneWindow::narrow) / 4;
@@ -191,7 +196,7 @@ class PlaneReader {
     }
   }
 
-  /// Four rows of 16 samples from four bricks side by side.
+  /// Reads four rows of 16 samples from four adjacent bricks.
   template <class T>
   HWY_INLINE static void read_row(const T* from, const std::uint64_t* at_u, VecW at, const WordScale& scale,
                                   VecW* rows) {
@@ -210,7 +215,7 @@ class PlaneReader {
     }
   }
 
-  /// Where the words of two rows of 16 come from: of squares of 4 x 4, side by side.
+  /// Sources of the words of two rows of 16, in adjacent squares of 4 x 4.
   static constexpr auto rows_of_squares = [] {
     std::array<std::array<std::uint16_t, 32>, 2> places{};
     for (std::size_t i = 0; i < 64; ++i) {
@@ -220,9 +225,9 @@ class PlaneReader {
     return places;
   }();
 
-  /// Words of two vectors one behind the other, from the middle of the first.
+  /// Words of two consecutive vectors, starting in the middle of the first.
   HWY_INLINE static VecS between(VecS low, VecS high) { return VecS{_mm512_alignr_epi64(high.raw, low.raw, 4)}; }
-  /// The next word's, and the last one's, on the axis u.
+  /// The next word, and the last one, on the axis u.
   HWY_INLINE static VecS next(VecS x) {
     return VecS{_mm512_permutexvar_epi16(hn::Load(words, next_word.data()).raw, x.raw)};
   }
@@ -240,14 +245,16 @@ class PlaneReader {
     return places;
   }();
 
-  /// In its plane a ray passes the cell where it is and those beside it on its way from the plane before, or to the
-  /// next one: on each axis it moves by less than a cell. There a value changes by no more than the largest difference
-  /// of neighbouring samples on each axis, times how far the ray moves on it.
-  /// @param u, v  those differences, where their lower sample is
+  /// Computes the most that values rise along a ray near a plane. In its plane a ray passes the
+  /// cell where it is and the neighbouring ones, on its way from the plane before or to the next
+  /// one: on each axis it moves by less than a cell. There a value changes by no more than the
+  /// largest difference of neighbouring samples on each axis, times how far the ray moves on it.
+  /// @param u, v those differences, at the index of their lower sample
   HWY_INLINE static void put_rise(VecS* u, VecS* v, std::size_t count, const int* slope, std::uint16_t* rise) {
     const VecS slope_u = hn::Set(shorts, static_cast<std::int16_t>(slope[0])),
                slope_v = hn::Set(shorts, static_cast<std::int16_t>(slope[1]));
-    // Of u those of three cells in a row, and of four rows; of v those of four samples in a row, and of three rows.
+    // For u, the differences of three cells in a row, and of four rows; for v, those of four
+    // samples in a row, and of three rows.
     for (std::size_t q = 0; q < count; ++q) {
       u[q] = hn::Max(u[q], hn::Max(next(u[q]), last(u[q])));
       const VecS pair = hn::Max(v[q], next(v[q]));
@@ -267,7 +274,7 @@ class PlaneReader {
     }
   }
 
-  /// Words of two vectors in turns.
+  /// Words of two vectors, interleaved.
   static constexpr auto in_turns = [] {
     std::array<std::array<std::uint16_t, 32>, 2> places{};
     for (std::size_t i = 0; i < 64; ++i) places[i / 32][i % 32] = static_cast<std::uint16_t>(i / 2 + i % 2 * 32);

@@ -1,4 +1,4 @@
-// Values of a field as the search for largest values reads them: ranges of regions, samples of blocks, corners of
+// How the search for largest values reads a field: ranges of regions, samples of blocks, corners of
 // cells.
 #if defined(RHORAY_WIDE_MAXIMUM_SAMPLES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_MAXIMUM_SAMPLES_INL_H
@@ -41,7 +41,7 @@ HWY_INLINE std::size_t place_of(const StoredRanges& level, const int* region) {
          static_cast<std::size_t>(region[0]);
 }
 
-/// Of a region of the file; hi is -infinity where nothing in it has data.
+/// The range of a region of the volume; hi is -infinity where nothing in it has data.
 HWY_INLINE Range range_of(const MaximumField& field, const StoredRanges& level, const int* region) {
   using formats::ElementType;
   const auto at = static_cast<std::ptrdiff_t>(place_of(level, region));
@@ -68,7 +68,7 @@ HWY_INLINE Range range_of(const MaximumField& field, const StoredRanges& level, 
   return range.lo <= range.hi ? range : Range{nothing, nothing};
 }
 
-/// A power of two that brings a block's range near 1.
+/// A power of two that scales a block's range to about 1.
 HWY_INLINE double unit_for(double range, bool in_float) {
   const auto exponent = static_cast<int>(std::bit_cast<std::uint64_t>(range) >> 52) - 1023;
   if (range == 0) return 1;
@@ -77,7 +77,8 @@ HWY_INLINE double unit_for(double range, bool in_float) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(wanted + 1023) << 52);
 }
 
-/// Types whose values, and the differences between those of a block, single precision holds as it holds the samples.
+/// Types whose values, and the differences between those of a block, single precision holds as
+/// accurately as it holds the samples.
 template <class T>
 inline constexpr bool fits_float = sizeof(T) <= 2 || std::is_same_v<T, float>;
 
@@ -98,9 +99,10 @@ HWY_INLINE hn::Vec<decltype(row_of_floats)> load_row(const T* from) {
                          hn::PromoteTo(row_of_ints, hn::LoadU(hn::Rebind<T, decltype(row_of_floats)>(), from)));
 }
 
-/// Each cell's largest, at the place of its lowest corner. Cells that touch a sample without data count as if they
-/// reached the block's largest: single precision does not tell for certain which cell a ray is in, and one without data
-/// says nothing of its neighbour.
+/// Finds each cell's largest sample, stored at the index of its lowest corner. Cells that touch a
+/// sample without data count as if they reached the block's largest. Reason: single precision does
+/// not tell for certain which cell a ray is in, and a cell without data says nothing about its
+/// neighbour.
 HWY_INLINE void find_largest(bool has_gaps, MaximumBlock& block) {
   const auto larger_of = [&](const float* from, std::size_t further, std::size_t count) HWY_ATTR {
     for (std::size_t i = 0; i < count; i += float_lanes)
@@ -121,8 +123,8 @@ HWY_INLINE void find_largest(bool has_gaps, MaximumBlock& block) {
   larger_of(block.largest, 25, 96);
 }
 
-/// Samples as (sample - highest) * unit, rounded once, and each cell's largest.
-/// @param place  of the block in the file
+/// Reads samples as (sample - highest) * unit, rounded once, and finds each cell's largest.
+/// @param place  position of the block in the volume
 template <class T>
 HWY_NOINLINE void fetch(const MaximumField& field, const int* place, double highest, double unit, MaximumBlock& block) {
   const SampleSource& source = field.source;
@@ -192,7 +194,8 @@ HWY_INLINE void fetch_of_type(const MaximumField& field, const int* place, doubl
   }
 }
 
-/// The corners of some looks' cells: whole numbers as such, to be converted side by side.
+/// Reads the corners of some candidates' cells. Integers are kept as they are, to be converted side
+/// by side.
 template <class T>
 HWY_NOINLINE void read_corners(const SampleSource& source, const CandidateList& looks, std::size_t first,
                                std::size_t end, LookCorners& corners) {

@@ -1,4 +1,4 @@
-// What the blocks of a slab say of the rays that pass it.
+// Bounds from the blocks of a slab for the rays that pass it.
 #if defined(RHORAY_WIDE_MAXIMUM_SLAB_BLOCKS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_MAXIMUM_SLAB_BLOCKS_INL_H
 #undef RHORAY_WIDE_MAXIMUM_SLAB_BLOCKS_INL_H
@@ -22,7 +22,7 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 
 #if RHORAY_HAS_WORD_TABLES
 
-/// The ranges of blocks side by side, in the mirrored lattice.
+/// The ranges of adjacent blocks, in the mirrored lattice.
 template <class T>
 class BlockRanges {
  public:
@@ -38,7 +38,7 @@ class BlockRanges {
     for (int m = 0; m < 2; ++m) step_[m] = (lattice.is_mirrored(axes[1 + m]) ? -2 : 2) * stride[axes[1 + m]];
   }
 
-  /// Least and largest sample; blocks from the first one.
+  /// Smallest and largest sample of a block, given relative to the first block.
   HWY_INLINE const T* at(int i, int j) const { return first_ + i * step_[0] + j * step_[1]; }
 
  private:
@@ -51,7 +51,7 @@ struct SlabBlocks {
   static constexpr int most_columns = float_lanes, most_rows = 16;
 
   HWY_ALIGN std::int32_t largest[most_rows][most_columns];
-  std::int32_t lowest;  ///< value of all
+  std::int32_t lowest;  ///< smallest value of all blocks
   int first[2];         ///< in the mirrored lattice
 
   template <class T>
@@ -65,7 +65,7 @@ struct SlabBlocks {
       }
   }
 
-  /// Of the blocks from one to another.
+  /// The largest value of the blocks from one to another.
   HWY_INLINE std::int32_t largest_between(const int* from, const int* to) const {
     const VecI none = hn::Set(ints, std::numeric_limits<std::int32_t>::min());
     VecI most = none;

@@ -1,5 +1,5 @@
-// Slabs of the lattice in which most blocks may hold a larger value than was found, noise above all: all rays of a
-// group walk through them at once.
+// Slabs of the lattice in which most blocks may hold a larger value than was found, mainly in
+// noise: all rays of a group walk through them at once.
 #if defined(RHORAY_WIDE_MAXIMUM_SLABS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_MAXIMUM_SLABS_INL_H
 #undef RHORAY_WIDE_MAXIMUM_SLABS_INL_H
@@ -26,9 +26,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// Samples of a box of blocks as whole numbers of 16 bits: how far each lies below the box's largest value. Stored in
-/// words of two, a sample and the one beyond it on the third axis, so that four corners of a cell lie in two words side
-/// by side. Mirrored as the lattice is.
+/// Samples of a box of blocks as 16-bit integers: the distance of each below the box's largest
+/// value. They are stored in words of two, a sample and the one beyond it on the third axis, so
+/// that four corners of a cell lie in two adjacent words. Mirrored like the lattice.
 struct Window {
   int first[3];  ///< in the mirrored lattice, in cells
   int count[3];  ///< samples
@@ -41,7 +41,7 @@ struct Window {
   }
 };
 
-/// @tparam major  the major axis
+/// @tparam major the major axis
 template <int major>
 struct WindowCells {
   static constexpr bool is_plain = true, is_below = true;
@@ -63,7 +63,7 @@ struct WindowCells {
     return p;
   }
 
-  /// Two corners, and the two beyond them on the third axis.
+  /// Reads two corners and the two beyond them on the third axis.
   HWY_INLINE static void read_four(const std::int32_t* from, VecI cell, VecF* below) {
     VecI near, far;  // two words
 #if HWY_TARGET <= HWY_AVX2
@@ -95,7 +95,7 @@ struct WindowCells {
 };
 
 #if HWY_TARGET != HWY_SCALAR
-/// Four words each to the rows of a window.
+/// Stores four words each to the rows of a window.
 template <class D>
 HWY_INLINE void store_rows(D tag, hn::Vec<D> words, std::int32_t* const* rows, std::ptrdiff_t at) {
   if constexpr (hn::MaxLanes(tag) <= 4) {
@@ -107,9 +107,8 @@ HWY_INLINE void store_rows(D tag, hn::Vec<D> words, std::int32_t* const* rows, s
   }
 }
 
-/// The samples of a window from a file in which squares of 4 x 4 samples lie together; on the first axis the window is
-/// made of whole squares.
-/// @tparam T  whole numbers of at most 16 bits
+/// Reads the samples of a window from a volume in which squares of 4 x 4 samples are contiguous; on
+/// the first axis the window consists of whole squares. @tparam T integers of at most 16 bits
 template <class T>
 HWY_NOINLINE void fill_by_squares(const MaximumField& field, const MirroredLattice& lattice, const Window& window,
                                   double highest, MaximumWindow& memory) {
@@ -130,7 +129,7 @@ HWY_NOINLINE void fill_by_squares(const MaximumField& field, const MirroredLatti
   const std::ptrdiff_t stride = window.stride(2);
   for (int y = low & ~3; y <= high; y += rows_at_once) {
     if (y + rows_at_once <= low) continue;
-    // Rows of the file beyond the window go to its end and are not used.
+    // Rows of the volume beyond the window go to its end and are not used.
     std::int32_t* rows[rows_at_once];
     for (int j = 0; j < rows_at_once; ++j) {
       const int row = rises ? y + j - low : high - y - j;
@@ -156,7 +155,7 @@ HWY_NOINLINE void fill_by_squares(const MaximumField& field, const MirroredLatti
 
 #endif
 
-/// The same from any file.
+/// The same for any volume.
 template <class T>
 HWY_NOINLINE void fill(const MaximumField& field, const MirroredLattice& lattice, const Window& window, double highest,
                        MaximumWindow& memory) {
@@ -171,7 +170,7 @@ HWY_NOINLINE void fill(const MaximumField& field, const MirroredLattice& lattice
       const int at = window.first[a] + i;
       address[a][i] = source.address[a][lattice.is_mirrored(a) ? static_cast<int>(lattice.plane(a, at)) : at];
     }
-  // On the first axis four samples of the file at once, as far as there are so many.
+  // On the first axis read four samples of the volume at once, as far as there are four.
   const bool is_down = lattice.is_mirrored(0);
   const int in_rows = source.has_whole_rows && hn::MaxLanes(row) == 4 ? n[0] / 4 * 4 : 0;
   for (int y = 0; y < n[1]; ++y) {
@@ -203,9 +202,10 @@ HWY_NOINLINE void fill(const MaximumField& field, const MirroredLattice& lattice
   }
 }
 
-/// Values are off by less than 12 margins of the window's range, as in blocks (BlockWalk), and by 2^-20 of it for the
-/// interpolation. Places are counted from the slab's corner, so that the margin is smaller than elsewhere: places are
-/// less than 128 and rounded by 2^-18 at most in start and sum, and by 16 units of rounding of the slope.
+/// Values are off by less than 12 margins of the window's range, as in blocks (BlockWalk), and by
+/// 2^-20 of it for the interpolation. Positions are relative to the slab's corner, so the margin is
+/// smaller than elsewhere: positions are less than 128 and rounded by 2^-18 at most in start and
+/// sum, and by 16 units of rounding of the slope.
 class SlabSweep {
  public:
   SlabSweep(SearchState& state, CandidateRefinement& looks)
@@ -222,12 +222,13 @@ class SlabSweep {
     }
   }
 
-  /// True where nothing is left to be looked at in a slab of nodes.
+  /// True where nothing is left to do in a slab of nodes.
   HWY_INLINE bool is_swept(int slab) const {
     return (scratch_.slabs.swept[static_cast<std::size_t>(slab) / 64] >> slab % 64 & 1) != 0;
   }
 
-  /// Sweeps a slab of nodes where it is worth it: where nearly all of its blocks are of this bucket or above.
+  /// Sweeps a slab of nodes where it pays off: where nearly all of its blocks are of this bucket or
+  /// above.
   HWY_NOINLINE bool sweep(int slab, const RegionQueue& queue, int bucket) {
     if (!may_sweep_ || bucket > scratch_.slabs.next[slab]) return false;
     if (!sweep_box(slab, queue.least_of(bucket))) {
@@ -238,22 +239,23 @@ class SlabSweep {
     return true;
   }
 
-  /// The same for a slab in which a block is about to be looked into; asked for one block of eight.
+  /// The same for a slab in which a block is about to be searched; considered for one block of
+  /// eight.
   HWY_INLINE bool sweep_around_block(int slab, const RegionQueue& queue, int bucket) {
     return ++scratch_.slabs.blocks[slab] % 8 == 0 && sweep(slab, queue, bucket);
   }
 
  private:
-  /// A slab of which too many blocks were low is asked about again where the search has come down so far.
+  /// A slab with too many low blocks is considered again when the search has come down this far.
   static constexpr int buckets_between = 8;
 
-  /// One of so many of a slab's blocks may be below a bucket where the slab is swept.
+  /// In a slab that is swept, at most one of this many blocks may be below the bucket.
   static constexpr int blocks_per_low = 20;
 
-  static constexpr float margin = 0x1p-15F;  ///< more than places from the slab's corner are off
+  static constexpr float margin = 0x1p-15F;  ///< more than positions from the slab's corner are off
 
-  /// The cells of a slab that rays of the group may pass, mirrored, from first to last; false where there are none. On
-  /// the file's first axis they are those of whole blocks.
+  /// The cells of a slab that rays of the group may pass, mirrored, from first to last; false where
+  /// there are none. On the volume's first axis they are those of whole blocks.
   HWY_INLINE bool find_cells(int slab, int (&first)[3], int (&last)[3]) const {
     const Frustum& frustum = state_.frustum;
     const MirroredLattice& lattice = state_.lattice;
@@ -277,7 +279,7 @@ class SlabSweep {
     return true;
   }
 
-  /// The range of the blocks that a window touches; none where too few of them reach a value.
+  /// The range of the blocks that a window touches; nothing where too few of them reach `least`.
   template <class T>
   HWY_INLINE std::optional<Range> range_of_high(const Window& window, double least) {
     int first[3], last[3], count = 1;
@@ -337,7 +339,8 @@ class SlabSweep {
     fill<T>(field_, state_.lattice, window, highest, scratch_.window);
   }
 
-  /// With the samples that lie beside those of a window on the first axis: from a multiple of four on, in the file.
+  /// Extends a window by adjacent samples on the first axis: from a multiple of four on, in the
+  /// volume.
   HWY_INLINE Window of_whole_squares(Window window) const {
     const int beyond = -window.count[0] & 3;
     window.count[0] += beyond;
@@ -369,7 +372,7 @@ class SlabSweep {
     return true;
   }
 
-  /// Rays that have a part in the slab and may be changed there.
+  /// Adds rays that have a part in the slab and may be changed there.
   HWY_INLINE void put_rays(const Window& window, double highest) {
     const GroupLines& lines = scratch_.lines;
     const double low[3] = {static_cast<double>(window.first[0]), static_cast<double>(window.first[1]),

@@ -1,4 +1,4 @@
-// What the search for the largest values of a group of rays knows.
+// State of the search for the largest values of a group of rays.
 #if defined(RHORAY_WIDE_MAXIMUM_STATE_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_MAXIMUM_STATE_INL_H
 #undef RHORAY_WIDE_MAXIMUM_STATE_INL_H
@@ -23,7 +23,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// Numbers in single precision on the safe side.
+/// Conversions to single precision on the safe side.
 HWY_INLINE float float_not_above(double x) {
   const float rounded = static_cast<float>(x);
   if (!(static_cast<double>(rounded) > x)) return rounded;
@@ -43,24 +43,27 @@ alignas(64) inline constexpr auto lane_numbers = [] {
   return numbers;
 }();
 
-/// What the parts of the search for one group of rays share.
+/// State shared by the parts of the search for one group of rays.
 ///
-/// Places in single precision are off by less than `margin`, 8 units of rounding of the lattice's extent: start and
-/// slope of a line are rounded once, and so are their product and sum. Regions are wider by it, so that a ray is found
-/// in every one that it passes in double.
+/// Positions in single precision are off by less than `margin`, 8 units of rounding of the
+/// lattice's extent: start and slope of a line are rounded once, and so are their product and sum.
+/// Regions are widened by it, so that a ray is found in every region that it passes in double
+/// precision.
 struct SearchState {
   const MaximumField& field;
   const RayArrays& rays;
   MaximumScratch& scratch;
   const MirroredLattice& lattice;
   const Frustum& frustum;
-  float margin;                     ///< more than positions are off in single precision
-  double exact_margin;              ///< the same in double
-  float clear_of_edges;             ///< so far inside a face no other plane is passed near it, whatever the rounding
-  float latest_from = 0;            ///< no ray begins further away on the major axis, in single precision
-  std::size_t vectors = 0;          ///< of floats, that hold all rays of the group
-  double lowest_reached = nothing;  ///< no more than what any ray has reached
-  bool has_risen = false;           ///< some ray has reached more since that was found
+  float margin;         ///< more than positions are off in single precision
+  double exact_margin;  ///< the same in double precision
+  /// This far inside a face no other plane is passed near it, whatever the rounding.
+  float clear_of_edges;
+  /// No ray begins farther along the major axis, in single precision.
+  float latest_from = 0;
+  std::size_t vectors = 0;          ///< vectors of floats that hold all rays of the group
+  double lowest_reached = nothing;  ///< no more than any ray has reached
+  bool has_risen = false;           ///< some ray has reached more since lowest_reached was found
 
   SearchState(const MaximumField& of_field, const RayArrays& of_rays, MaximumScratch& memory,
               const MirroredLattice& mirrored, const Frustum& around)
@@ -77,7 +80,8 @@ struct SearchState {
     make_lines();
   }
 
-  /// The rays as functions of the place on the major axis. The margin holds all rounding there is in these.
+  /// Computes the rays as functions of the position on the major axis. The margin covers all
+  /// rounding in these.
   HWY_INLINE void make_lines() {
     const SearchedRays& group = scratch.rays;
     GroupLines& lines = scratch.lines;
@@ -116,7 +120,8 @@ struct SearchState {
     scratch.suspects.count = scratch.suspects.boxes = scratch.looks_left.count = 0;
   }
 
-  /// Through the ends of the group's part of the lattice. Rays rise on the minor axes, and so do these lines.
+  /// Computes lines through the ends of the group's part of the lattice. Rays rise on the minor
+  /// axes, and so do these lines.
   HWY_INLINE void put_lines_around() {
     const GroupLines& lines = scratch.lines;
     VectorLines& around = scratch.around;
@@ -150,11 +155,13 @@ struct SearchState {
     latest_from = hn::GetLane(hn::MaxOfLanes(floats, latest));
   }
 
-  /// Vectors of which rays may pass a region and have not reached more than its largest value, as bits.
+  /// Vectors with rays that may pass a region and have not reached more than its largest value, as
+  /// bits.
   ///
-  /// Where the lines around them are near the lattice, their numbers are at most five times its extent: rounding (of
-  /// both factors and the sum, of the part's ends, of the slope) moves them by less than 26 units, a ray's own error is
-  /// less than a margin of 8, and eight margins hold both.
+  /// Where the lines around them are near the lattice, their numbers are at most five times its
+  /// extent. Rounding (of both factors and the sum, of the part's ends, of the slope) moves them by
+  /// less than 26 units. A ray's own error is less than a margin of 8, and eight margins cover
+  /// both.
   HWY_INLINE std::uint64_t vectors_through(const int* region, float edge, float largest) const {
     const VectorLines& around = scratch.around;
     const float low_w = static_cast<float>(region[frustum.major]) * edge;
@@ -171,7 +178,7 @@ struct SearchState {
             hn::MulAdd(hn::Load(floats, around.low_slope[m] + v), near, hn::Load(floats, around.low[m] + v));
         const VecF highest =
             hn::MulAdd(hn::Load(floats, around.high_slope[m] + v), far, hn::Load(floats, around.high[m] + v));
-        // What is not a number, from an eye too far away, passes.
+        // NaN, from an eye too far away, passes.
         passing = hn::AndNot(hn::Or(hn::Gt(lowest, hn::Set(floats, low + edge + 8 * margin)),
                                     hn::Lt(highest, hn::Set(floats, low - 8 * margin))),
                              passing);
@@ -181,16 +188,18 @@ struct SearchState {
     return bits;
   }
 
-  /// False for eyes so far away that places in a box have larger errors than those of single precision.
+  /// False for eyes so far away that positions in a box have larger errors than those of single
+  /// precision.
   HWY_INLINE bool is_exact() const { return exact_margin <= 0x1p-20; }
 
-  /// True where every ray that passes a box is in the volume before, and meets cells with data there.
+  /// True where every ray that passes a box is in the volume before it, and meets cells with data
+  /// there.
   /// @param low_w  where the box begins on the major axis
   HWY_INLINE bool is_come_to(double low_w) const {
     return is_exact() && !field.has_gaps && low_w > static_cast<double>(latest_from) + 4 * static_cast<double>(margin);
   }
 
-  /// True for regions that the file has; `place` is where.
+  /// True for regions that the volume has; `place` is their position there.
   HWY_INLINE bool find_in_file(const int* mirrored, bool is_block, const StoredRanges& level, int* place) const {
     for (int a = 0; a < 3; ++a) {
       place[a] = is_block ? lattice.block(a, mirrored[a]) : lattice.node(a, mirrored[a]);
@@ -199,7 +208,7 @@ struct SearchState {
     return true;
   }
 
-  /// A region as rays are compared with it: wider by the margin.
+  /// A region in the form in which rays are compared with it: wider by the margin.
   struct Bounds {
     VecF first, last, low[2], high[2], largest;
   };
@@ -236,8 +245,8 @@ struct SearchState {
     return passing;
   }
 
-  /// Parts of a vector's rays in a box, from its lowest corner: places on the minor axes as functions of that on the
-  /// major one.
+  /// Parts of a vector's rays in a box, relative to its lowest corner: positions on the minor axes
+  /// as functions of that on the major one.
   struct PartsInBox {
     VecF from, to, start[2], slope[2];
   };
@@ -262,7 +271,7 @@ struct SearchState {
   }
 
   /// Counts a box for the chosen rays of a vector, and the cells that they pass in it.
-  /// @param last  number of its last cell on the major axis and the minor ones
+  /// @param last  index of its last cell on the major axis and the minor ones
   HWY_INLINE void count_cells(std::size_t r, MaskF chosen, const PartsInBox& parts, const float* last) const {
     VecF visits = hn::Set(floats, 2.0F);
     const auto add = [&](VecF first_place, VecF last_place, float end) HWY_ATTR {
@@ -279,14 +288,14 @@ struct SearchState {
     hn::Store(hn::Add(hn::Load(floats, counted), hn::IfThenElseZero(chosen, visits)), floats, counted);
   }
 
-  /// Puts the chosen rays of a vector to those at a box.
+  /// Adds the chosen rays of a vector to those at a box.
   /// @param low_w    where it begins on the major axis
   /// @param reached  what they have reached, in the box's unit
   HWY_INLINE void put_at_box(std::size_t r, MaskF chosen, const PartsInBox& parts, double low_w, VecF reached) const {
     const GroupLines& lines = scratch.lines;
     RaysAtBlock& at_block = scratch.at_block;
     const std::size_t at = at_block.count;
-    // Found once for all numbers of a ray: what order its lanes are in.
+    // The order of a ray's lanes, computed once for all its numbers.
     const VecI lanes = hn::Compress(hn::Load(ints, lane_numbers.data()), hn::RebindMask(ints, chosen));
     const auto order = hn::IndicesFromVec(floats, lanes);
     const auto put = [&](VecF x, float* numbers)
@@ -302,7 +311,7 @@ struct SearchState {
     at_block.count += hn::CountTrue(floats, chosen);
   }
 
-  /// Lanes beyond the last ray pass through nothing.
+  /// Pads with lanes that pass through nothing.
   HWY_INLINE void close_box() const {
     RaysAtBlock& at_block = scratch.at_block;
     hn::StoreU(hn::Set(ints, at_block.ray[0]), ints, at_block.ray + at_block.count);
@@ -310,12 +319,12 @@ struct SearchState {
     hn::StoreU(hn::Zero(floats), floats, at_block.to + at_block.count);
   }
 
-  /// False where no value up to `bound`, from that place on, takes the place of what was reached.
+  /// False where no value up to `bound`, from this position on, replaces what was reached.
   HWY_INLINE static MaskF may_improve(VecF bound, VecF from, VecF reached, VecF reached_at) {
     return hn::Or(hn::Gt(bound, reached), hn::And(hn::Eq(bound, reached), hn::Lt(from, reached_at)));
   }
 
-  /// Numbers in single precision that are not above these, the same where there are such.
+  /// Numbers in single precision that are not above x; equal to x where x is such a number.
   HWY_INLINE static hn::Vec<HalfFloats> floats_not_above(VecD x) {
     const auto largest = hn::Set(half_floats, std::numeric_limits<float>::max());
     const auto nearest = hn::Min(hn::DemoteTo(half_floats, x), largest);
@@ -326,7 +335,7 @@ struct SearchState {
     return hn::IfThenElse(hn::Gt(hn::DemoteTo(half_floats, is_above), hn::Zero(half_floats)), lower, nearest);
   }
 
-  /// Some value on the ray is at least this, no further away than `place`.
+  /// Records that some value on the ray is at least `value`, no farther away than `place`.
   /// @param below  no more than the value, in single precision
   HWY_INLINE void set_reached(std::size_t ray, double value, float below, float place) {
     if (!(value > scratch.reached[ray] || (value == scratch.reached[ray] && place < scratch.lines.reached_at[ray])))
@@ -336,13 +345,13 @@ struct SearchState {
     scratch.lines.reached_at[ray] = place;
   }
 
-  /// Takes over what was found on a ray.
+  /// Records what was found on a ray.
   HWY_INLINE void knows(std::size_t ray, const FoundMaximum& found) {
     scratch.known_value[ray] = found.value, scratch.known_t[ray] = found.t;
     set_reached(ray, found.value, float_not_above(found.value), float_not_below(place_at(ray, found.t)) + margin);
   }
 
-  /// The place of a ray on the major axis.
+  /// The position of a ray on the major axis.
   HWY_INLINE double place_at(std::size_t ray, double t) const {
     const SearchedRays& group = scratch.rays;
     const int w = frustum.major;

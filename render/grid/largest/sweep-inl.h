@@ -1,4 +1,5 @@
-// All rays of a search through the lattice from plane to plane of samples, 32 side by side in 16 bits.
+// All rays of a search through the lattice from plane to plane of samples, 32 side by side in 16
+// bits.
 #if defined(RHORAY_WIDE_MAXIMUM_SWEEP_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_MAXIMUM_SWEEP_INL_H
 #undef RHORAY_WIDE_MAXIMUM_SWEEP_INL_H
@@ -29,13 +30,14 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 
 #if RHORAY_HAS_WORD_TABLES
 
-/// The search for samples of 8 and 16 bits without gaps, in bricks, where a vector's rays lie in a window of samples
-/// and close to the major axis.
+/// The search for samples of 8 and 16 bits without gaps, in bricks, where a vector's rays lie in a
+/// window of samples and close to the major axis.
 ///
-/// Slab by slab of blocks, the one with the largest value first, two vectors of rays at a time get their values at five
-/// planes of samples, and with them a bound of what lies in the four layers between. What is reached at planes is
-/// reached for certain. When all slabs were seen, the layers that may hold more than was reached are walked from cell
-/// to cell: few, as by then nearly as much is reached as there is.
+/// It takes slab by slab of blocks, the one with the largest value first. Two vectors of rays at a
+/// time get their values at five planes of samples, and with them bounds for the four layers
+/// between. Values at planes are certainly reached. When all slabs are done, the layers that may
+/// hold more than was reached are walked from cell to cell. They are few: by then nearly the
+/// largest value is reached.
 class PlaneSweep {
  public:
   PlaneSweep(SearchState& state, CandidateRefinement& looks)
@@ -48,16 +50,17 @@ class PlaneSweep {
         reader_(state.field, state.lattice, axes_),
         pairs_(state, axes_) {}
 
-  /// True where it can be used.
+  /// True where this search can be used.
   HWY_INLINE bool fits() {
     using formats::ElementType;
     const ElementType type = field_.type;
     const bool is_short =
         type == ElementType::U8 || type == ElementType::I8 || type == ElementType::U16 || type == ElementType::I16;
     if (!is_short || field_.has_gaps || !field_.has_bricks) return false;
-    if (!(state_.exact_margin < 0x1p-22)) return false;  // places are off by less than their parts say
+    // Positions are more accurate than their units.
+    if (!(state_.exact_margin < 0x1p-22)) return false;
     find_slopes();
-    // Rays stay in the cells beside theirs from one plane to the next.
+    // Rays stay in the neighbouring cells from one plane to the next.
     if (!(steepest_[0] < 0.99F && steepest_[1] < 0.99F)) return false;
     for (int m = 0; m < 2; ++m) slope_[m] = static_cast<int>(steepest_[m] * 0x1p15F) + 1;
     return is_narrow();
@@ -91,12 +94,16 @@ class PlaneSweep {
     for (int m = 0; m < 2; ++m) steepest_[m] = hn::GetLane(hn::MaxOfLanes(floats, most[m]));
   }
 
-  /// Cells across the rays of a vector at one plane, where windows of as many bricks as there may be hold those of a
-  /// slab: three samples less than a window, as bricks begin where they do, and one less than samples.
+  /// Cells across the rays of a vector at one plane for which a window of as many bricks as
+  /// possible holds those of a slab. That is three samples less than a window, because bricks begin
+  /// where they do, and one less than samples.
+  /// slab: three samples less than a window, as bricks begin where they do, and one less than
+  /// samples.
   static constexpr float most_across = 28;
 
-  /// True where the cells that a vector's rays pass in a slab fit in a window, and the blocks of all in their table:
-  /// they lie between lines, furthest apart at one of their ends.
+  /// True where the cells that a vector's rays pass in a slab fit in a window, and the blocks of
+  /// all vectors in their table. They lie between lines that are farthest apart at one of their
+  /// ends.
   HWY_INLINE bool is_narrow() const {
     const Frustum& frustum = state_.frustum;
     const VectorLines& around = scratch_.around;
@@ -121,7 +128,8 @@ class PlaneSweep {
     return slab < 0 ? 0 : slab >= count ? count - 1 : slab;
   }
 
-  /// Puts the slabs to the queue, by the largest value of the blocks that the frustum meets in each.
+  /// Adds the slabs to the queue, by the largest value of the blocks that the frustum meets in
+  /// each.
   template <class T>
   HWY_INLINE void put_slabs() {
     const int w = axes_[0], first = slab_of(state_.frustum.first), last = slab_of(state_.frustum.last);
@@ -150,7 +158,8 @@ class PlaneSweep {
     }
   }
 
-  /// The mirrored blocks at a slab that the frustum meets, those that the file has; false where there are none.
+  /// The mirrored blocks at a slab that the frustum meets and that the volume has; false where
+  /// there are none.
   HWY_INLINE bool find_rectangle(int slab, int* first, int* last) const {
     const SlabRectangle blocks = rectangle_in_slab(state_.frustum, slab, 4, block_count_);
     for (int m = 0; m < 2; ++m) {
@@ -186,7 +195,7 @@ class PlaneSweep {
     for (int bucket; (bucket = queue.highest_bucket()) >= 0 && bucket >= queue.bucket_of(state_.lowest_reached);) {
       const RegionQueue::Region region = queue.take(bucket);
       ask_for_next<T>();
-      // Finding it anew takes longer than some slabs that it would have spared.
+      // Finding it anew takes longer than some slabs that it would have saved.
       if (++taken % 4 == 0 && state_.has_risen) state_.find_lowest_reached();
       if (region.largest < state_.lowest_reached) continue;
       look_at_slab<T>(region.at[axes_[0]], static_cast<float>(region.largest));
@@ -194,7 +203,7 @@ class PlaneSweep {
     walk_seen<T>();
   }
 
-  /// Asks for the samples of the slab that is likely to be next, before they are needed.
+  /// Prefetches the samples of the slab that is likely to be next.
   template <class T>
   HWY_INLINE void ask_for_next() const {
     const int bucket = scratch_.queue.highest_bucket();
@@ -237,7 +246,7 @@ class PlaneSweep {
       count += pair.rays != 0;
     }
     if (count == 0) return;
-    // Each may be looked at as two.
+    // Each may be split into two.
     if (scratch_.seen_layers.count + 2 * count > SeenLayers::capacity) {
       walk_seen<T>();
       pairs_.move_to(slab);
@@ -247,7 +256,8 @@ class PlaneSweep {
     });
   }
 
-  /// Calls of(vector) for both of a pair: rays as bits, of the second one in the upper half.
+  /// Calls of(vector) for both vectors of a pair; returns rays as bits, those of the second vector
+  /// in the upper half.
   template <class Of>
   HWY_INLINE static std::uint32_t rays_of(const SlabPair& pair, const Of& of) {
     const auto bits = [&](std::size_t vector)
@@ -255,7 +265,7 @@ class PlaneSweep {
     return bits(pair.vector) | (pair.second != pair.vector ? bits(pair.second) << 16 : 0);
   }
 
-  /// Rays of a pair with a part in a slab, and that its values may change.
+  /// Rays of a pair that have a part in a slab and that its values may change.
   HWY_INLINE std::uint32_t rays_at(const SlabPair& pair, float low_w) const {
     const GroupLines& lines = scratch_.lines;
     const VecF largest = hn::Set(floats, static_cast<float>(pair.highest));
@@ -267,7 +277,7 @@ class PlaneSweep {
     });
   }
 
-  /// Rays of a pair that begin before a place and end behind another one, on the major axis.
+  /// Rays of a pair that begin before one position and end behind another, on the major axis.
   HWY_INLINE std::uint32_t rays_between(const SlabPair& pair, float begin, float end) const {
     const GroupLines& lines = scratch_.lines;
     return rays_of(pair, [&](std::size_t r) HWY_ATTR {
@@ -296,15 +306,15 @@ class PlaneSweep {
     }
   }
 
-  /// Takes over what a pair's rays reach at planes.
-  /// @param has_rise  what rays gain between planes was found
-  /// @param least     how far below the words' highest no value of each layer is, at the furthest where it is not to
-  ///                  be walked
-  /// @return          false where none is
+  /// Records what a pair's rays reach at planes.
+  /// @param has_rise  what rays gain between planes was computed
+  /// @param least     smallest distance of any value of each layer below the words' highest; the
+  ///                  maximum where the layer need not be walked
+  /// @return          false where no layer must be walked
   HWY_NOINLINE bool sweep_pair(int slab, const SlabPair& pair, const SlabPart& part, const WordScale& scale,
                                bool has_rise, std::int16_t (*least)[32]) {
     const double low_w = 4.0 * slab;
-    // A place is off by a part of 2^10 at most.
+    // A position is off by at most one part of 2^10.
     const int clear = state_.is_come_to(low_w) ? static_cast<int>(state_.clear_of_edges * 0x1p15F) + 33 : 0x4000;
     LayerValues values = values_of(pair, part, scratch_.line_parts, low_w, scratch_.planes, has_rise, clear);
     const VecS before = reached_below(pair, scale), nowhere = hn::Set(shorts, 32767);
@@ -322,7 +332,7 @@ class PlaneSweep {
         const auto is_whole = lanes(rays_between(pair, plane - beside, plane + 1 + beside));
         const auto has_part = lanes(rays_between(pair, plane + 1, plane) & pair.rays);
         reached = hn::IfThenElse(is_whole, hn::Min(reached, values.reached[k]), reached);
-        // Of a part of a layer nothing is known.
+        // Nothing is known about a part of a layer.
         const VecS known = hn::IfThenElse(is_whole, values.least[k], hn::Set(shorts, -32768));
         values.least[k] = hn::IfThenElse(has_part, known, nowhere);
       }
@@ -338,7 +348,7 @@ class PlaneSweep {
     return any != 0;
   }
 
-  /// What the rays of a pair have reached, below the words' highest, rounded up.
+  /// What the rays of a pair have reached, as a distance below the words' highest, rounded up.
   HWY_INLINE VecS reached_below(const SlabPair& pair, const WordScale& scale) const {
     const auto of = [&](std::size_t vector) HWY_ATTR {
       const VecF reached = hn::Load(floats, scratch_.lines.reached + vector * float_lanes);
@@ -363,7 +373,7 @@ class PlaneSweep {
     state_.has_risen = true;
   }
 
-  /// A slab counts as a box and its layers.
+  /// Counts a slab as a box and its layers.
   HWY_INLINE void count_visits(const SlabPair& pair) const {
     const auto count = [&](std::size_t vector, std::uint32_t rays) HWY_ATTR {
       float* const visits = scratch_.visits + vector * float_lanes;
@@ -374,7 +384,7 @@ class PlaneSweep {
     if (pair.second != pair.vector) count(pair.second, pair.rays >> 16);
   }
 
-  /// From cell to cell in the layers that are left.
+  /// Walks from cell to cell in the layers that are left.
   template <class T>
   HWY_NOINLINE void walk_seen() {
     SeenLayers& seen = scratch_.seen_layers;
@@ -407,7 +417,8 @@ class PlaneSweep {
     seen.count = 0;
   }
 
-  static constexpr float margin = 0x1p-18F;  ///< more than places from a slab's corner are off, as in blocks
+  /// More than positions from a slab's corner are off, as in blocks.
+  static constexpr float margin = 0x1p-18F;
 
   HWY_INLINE CellBox box_of(int slab, const SlabPart& part, const WordScale& scale) const {
     const int row = part.window.edge(), plane = row * row;
@@ -444,7 +455,7 @@ class PlaneSweep {
       walk_cells(state_, looks_, box, cells, ways_at_box(at_slab, first));
   }
 
-  /// Puts the layers of a vector's rays to those that are walked.
+  /// Adds the layers of a vector's rays to those that are walked.
   HWY_INLINE void put_layers(const CellBox& box, const SlabPart& part, std::size_t vector, const std::uint32_t* may,
                              int shift) {
     std::uint32_t any = 0;
@@ -479,8 +490,8 @@ class PlaneSweep {
   int block_count_[3];
   PlaneReader reader_;
   PairsAtSlab pairs_;
-  float steepest_[2];  ///< slope of any ray
-  int slope_[2];       ///< the same as parts of 2^15, rounded up
+  float steepest_[2];  ///< largest slope of any ray
+  int slope_[2];       ///< the same in parts of 2^15, rounded up
 };
 
 #endif

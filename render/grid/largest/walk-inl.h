@@ -1,4 +1,4 @@
-// Rays side by side from cell to cell of a box, in single precision.
+// Walks rays side by side from cell to cell of a box, in single precision.
 #if defined(RHORAY_WIDE_MAXIMUM_WALK_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_MAXIMUM_WALK_INL_H
 #undef RHORAY_WIDE_MAXIMUM_WALK_INL_H
@@ -22,30 +22,34 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// A box of cells in the mirrored lattice. Axes are in the order w, u, v: the major one, the minor ones rising.
+/// A box of cells in the mirrored lattice. Axes are in the order w, u, v: the major one, then the
+/// minor ones in rising order.
 struct CellBox {
-  double low_w;                   ///< where it begins on the major axis
-  float last[3];                  ///< number of its last cell on each axis
-  std::int32_t first, stride[3];  ///< where its lowest cell lies in arrays of it, and how far neighbours lie apart
-  double highest, unit;           ///< values are (value - highest) * unit
-  float error;                    ///< more than values are off, in that unit
-  float margin;                   ///< more than places are off
-  bool is_come_to;                ///< rays come to it through other cells, with data
+  double low_w;   ///< where it begins on the major axis
+  float last[3];  ///< index of its last cell on each axis
+  /// Index of its lowest cell in its arrays, and the distances between neighbours.
+  std::int32_t first, stride[3];
+  double highest, unit;  ///< values are (value - highest) * unit
+  float error;           ///< more than values are off, in that unit
+  float margin;          ///< more than positions are off
+  bool is_come_to;       ///< rays reach it through other cells, with data
 };
 
-/// Rays in coordinates from the box's lowest corner: places on the minor axes as functions of that on the major one.
+/// Rays in coordinates from the box's lowest corner: positions on the minor axes as functions of
+/// that on the major one.
 struct Ways {
   VecI ray;
-  VecF from, to;  ///< parts in the box; lanes in which they have no length do nothing
+  VecF from, to;  ///< parts in the box; lanes whose part has no length do nothing
   VecF start[2], slope[2], inverse[2];
   VecF reached, reached_at;  ///< in the box's unit and coordinates
 };
 
-/// How rays are spread over the lanes of a vector: where they are few, each several times, with a part of a block of 4
-/// cells.
+/// How rays are spread over the lanes of a vector. Where there are few, each occurs several times,
+/// with a part of a block of 4 cells each time.
 struct Spread {
-  HWY_ALIGN std::int32_t lane[float_lanes];               ///< of the ray
-  HWY_ALIGN float first[float_lanes], last[float_lanes];  ///< of the part, on the major axis; none where first > last
+  HWY_ALIGN std::int32_t lane[float_lanes];  ///< lane of the ray
+  /// Of the part, on the major axis; none where first > last.
+  HWY_ALIGN float first[float_lanes], last[float_lanes];
 };
 
 /// By the number of rays.
@@ -61,7 +65,7 @@ inline constexpr auto spreads = [] {
         spread.first[lane] = 8, spread.last[lane] = 0;
         continue;
       }
-      // At both ends places are a little outside.
+      // At both ends positions may be a little outside.
       const float length = 4.0F / static_cast<float>(parts);
       spread.first[lane] = part == 0 ? -1 : length * static_cast<float>(part);
       spread.last[lane] = part + 1 == parts ? 5 : length * static_cast<float>(part + 1);
@@ -84,7 +88,7 @@ HWY_INLINE Ways ways_at_box(const RaysAtBlock& at_block, std::size_t first) {
   return ways;
 }
 
-/// The first lanes' ways through a block of 4 cells, in parts side by side.
+/// Spreads the first lanes' ways through a block of 4 cells over all lanes, in parts side by side.
 HWY_INLINE void spread_out(const Spread& spread, Ways& ways) {
   const auto lanes_of_floats = hn::IndicesFromVec(floats, hn::Load(ints, spread.lane));
   const auto repeat = [&](VecF& x) HWY_ATTR { x = hn::TableLookupLanes(x, lanes_of_floats); };
@@ -95,12 +99,12 @@ HWY_INLINE void spread_out(const Spread& spread, Ways& ways) {
   ways.to = hn::Min(ways.to, hn::Load(floats, spread.last));
 }
 
-/// Takes over what rays have reached in a box.
+/// Records what rays have reached in a box.
 HWY_NOINLINE void raise(SearchState& state, const CellBox& box, MaskF raised, const Ways& ways) {
   HWY_ALIGN double values[16];
   HWY_ALIGN float values_below[16], places[16];
   HWY_ALIGN std::int32_t rays[16];
-  // Single precision has lost more than the rounding of this sum: the error holds for both.
+  // Single precision has lost more than the rounding of this sum: the error covers both.
   const VecD highest = hn::Set(doubles, box.highest), scale = hn::Set(doubles, 1 / box.unit);
   const VecD zero = hn::Zero(doubles);
   VecD value[parts_of_floats], is_above[parts_of_floats];
@@ -124,28 +128,32 @@ HWY_NOINLINE void raise(SearchState& state, const CellBox& box, MaskF raised, co
   state.has_risen = true;
 }
 
-/// Cells of which the largest value is for certain where the ray enters them, through one face and from another cell:
-/// on most rays the largest value lies on the plane between two cells, and one of them is enough.
+/// Cells whose largest value is certainly where the ray enters them, through one face and from
+/// another cell. On most rays the largest value lies on the plane between two cells, and one of
+/// them is enough.
 ///
-/// The cell before has that value, too, bit for bit, as the value on a face is both cells' (value_on_face), and its own
-/// is no less; it is no further away and entered before, so of the two it has the answer. As the ray passes the face
-/// far from its edges, it passes no third cell near there, and the cell before for so long that it is walked through,
-/// in this box or in another, and put to the suspects unless a larger value was reached. If it is left out as well,
-/// its value where it is entered is larger, and the same holds for the cell before it; the cell where the ray begins
-/// is not left out. Cells of which the largest value is where the ray leaves them must stay for this.
+/// The cell before has that value too, bit for bit, as the value on a face is both cells'
+/// (value_on_face), and its own largest value is no less. It is no farther away and is entered
+/// before, so of the two it has the answer. The ray passes the face far from its edges, so it
+/// passes no third cell near there. It passes the cell before for so long that this cell is walked
+/// through, in this box or in another. There it is added to the suspects unless a larger value was
+/// reached. If it is left out as well, its value where it is entered is larger, and the same holds
+/// for the cell before it; the cell where the ray begins is not left out. For this reason, cells
+/// whose largest value is where the ray leaves them must stay.
 ///
-/// The place p on the axis that is passed is off by little more than two margins, so that all in all it is less than 36
-/// from where the face is truly passed, where the ray is at least a sixteenth as fast across the face as on all axes
-/// together. Values change by 36 margins of the range from there to p, and are off by 3 at p. As the error is 12 of
-/// them, coefficients below the first by eight errors are below it in truth: the largest value is where the cell is
-/// truly entered.
+/// The position p on the axis that is passed is off by little more than two margins. So all in all
+/// it is less than 36 margins from where the face is truly passed, where the ray is at least a
+/// sixteenth as fast across the face as on all axes together. Values change by 36 margins of the
+/// range from there to p, and are off by 3 at p. As the error is 12 of them, coefficients that are
+/// eight errors below the first are truly below it: the largest value is where the cell is truly
+/// entered.
 /// @param p  where they are entered, or a little before
 HWY_INLINE MaskF is_left_to_cell_before(const SearchState& state, const CellBox& box, const Ways& ways,
                                         const Coefficients& b, const Point& p) {
   if (!box.is_come_to) return no_lane(floats);
   const VecF falls_from = hn::Sub(b.b0, hn::Set(floats, 8 * box.error));
   const MaskF falls = hn::Lt(hn::Max(hn::Max(b.b1, b.b2), b.b3), falls_from);
-  // One of the three places is at the face; the others are clear of its edges.
+  // One of the three coordinates is at the face; the others are clear of its edges.
   const VecF near_edge = hn::Set(floats, state.clear_of_edges), far_edge = hn::Set(floats, 1 - state.clear_of_edges);
   const VecF low = hn::Min(p.u, p.v), high = hn::Max(p.u, p.v);
   const VecF least = hn::Min(low, p.w), middle = hn::Max(low, hn::Min(high, p.w)), most = hn::Max(high, p.w);
@@ -157,10 +165,11 @@ HWY_INLINE MaskF is_left_to_cell_before(const SearchState& state, const CellBox&
   return hn::And(hn::And(falls, is_fast), is_clear);
 }
 
-/// What may hold a larger value than was found goes to the suspects, of which the box is the last one.
-/// @param cells  cells.coefficients(cell, p, q): along the way from p to q; how far below the box's highest value where
-///               cells.is_below. Where they are not plain some may be without data, and cells.bound(cell): no value in
-///               it is larger
+/// Adds what may hold a larger value than was found to the suspects, whose last box is this one.
+/// @param cells  cells.coefficients(cell, p, q): along the way from p to q; with cells.is_below
+///               they are distances below the box's highest value. Where the cells are not plain,
+///               some may be without data, and there is cells.bound(cell): no value in the cell is
+///               larger
 template <class Cells>
 HWY_INLINE void walk_cells(SearchState& state, CandidateRefinement& looks, const CellBox& box, const Cells& cells,
                            Ways ways) {
@@ -175,7 +184,7 @@ HWY_INLINE void walk_cells(SearchState& state, CandidateRefinement& looks, const
   const VecF start_u = ways.start[0], start_v = ways.start[1], slope_u = ways.slope[0], slope_v = ways.slope[1];
 
   const auto clamped = [&](VecF x, VecF last) HWY_ATTR { return hn::Min(hn::Max(hn::Floor(x), zero), last); };
-  // What lies in the box, as far as rounding tells; what is beyond is another box's.
+  // The part in the box, up to rounding; what is beyond belongs to another box.
   const float around = box.margin + static_cast<float>(state.exact_margin);
   VecF from = hn::Max(ways.from, hn::Set(floats, -around));
   VecF to = hn::Min(ways.to, hn::Set(floats, box.last[0] + 1 + around));
@@ -211,11 +220,11 @@ HWY_INLINE void walk_cells(SearchState& state, CandidateRefinement& looks, const
           active, SearchState::may_improve(hn::Add(cells.bound(cell), error), from, ways.reached, ways.reached_at));
     if (Cells::is_plain || !hn::AllFalse(floats, wanted)) {
       const Coefficients found = cells.coefficients(cell, {p_u, p_v, p_w}, {q_u, q_v, q_w});
-      // Without data all coefficients are no numbers, or far below the values of the box.
+      // Without data all coefficients are NaN, or far below the values of the box.
       VecF hull = Cells::is_below ? hn::Neg(found.smallest()) : found.largest();
       if constexpr (!Cells::is_plain) hull = hn::IfThenElseZero(hn::Ge(hull, hn::Set(floats, Cells::lowest)), hull);
       const VecF highest_here = hn::Add(hull, error);
-      // Few vectors come further than the first, shorter question.
+      // Few vectors pass this first, cheaper test.
       MaskF suspect = hn::And(wanted, hn::Ge(highest_here, ways.reached));
       if (!hn::AllFalse(floats, suspect))
         suspect = hn::And(suspect, SearchState::may_improve(highest_here, from, ways.reached, ways.reached_at));
@@ -229,7 +238,8 @@ HWY_INLINE void walk_cells(SearchState& state, CandidateRefinement& looks, const
         store_chosen(floats, leave, kept, suspects.to + at);
         suspects.count = at + store_chosen(floats, highest_here, kept, suspects.bound + at);
 
-        // A value that is reached for certain: at a point well inside the cell and well inside the ray.
+        // A value that is certainly reached: at a point well inside the cell and well inside the
+        // ray.
         const VecF s = b.likely_maximum();
         const auto is_inside = [&](VecF p, VecF q) HWY_ATTR {
           const VecF half = hn::Set(floats, 0.5F);

@@ -1,5 +1,5 @@
-// The samples of a block as words of 16 bits in registers, where permutations look up the corners of cells: on some
-// processors (Zen 4) gathers take several times as long.
+// The samples of a block as 16-bit words in registers, where permutations look up the corners of
+// cells. On some processors (Zen 4) gathers take several times as long.
 #if defined(RHORAY_WIDE_MAXIMUM_WORDS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_MAXIMUM_WORDS_INL_H
 #undef RHORAY_WIDE_MAXIMUM_WORDS_INL_H
@@ -28,8 +28,8 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 #define RHORAY_HAS_WORD_TABLES 0
 #endif
 
-/// Where the squares of a block and those beside them are stored, on the axes x and y; at the lattice's end, where
-/// there are none beside, its own once more.
+/// Addresses of the squares of a block and of those beside them, on the axes x and y. At the
+/// lattice's end, where there are none beside, the block's own square is repeated.
 struct SquarePlaces {
   std::uint64_t near[2], far[2];
   std::size_t ends;
@@ -44,7 +44,7 @@ struct SquarePlaces {
   }
 };
 
-/// @param z  of the block's layers
+/// @param z  layer of the block
 HWY_INLINE std::uint64_t layer_address(const SampleSource& source, const int* place, int z) {
   const int at = 4 * place[2] + z, last = source.count[2] - 1;
   return source.address[2][at < last ? at : last];
@@ -55,18 +55,20 @@ HWY_INLINE std::uint64_t layer_address(const SampleSource& source, const int* pl
 inline constexpr hn::FixedTag<std::uint16_t, 32> words{};
 using VecW = hn::Vec<decltype(words)>;
 
-/// Words of two vectors, by number from 0 to 63; higher bits of a number do not count.
+/// Words of two vectors, by number from 0 to 63; higher bits of a number are ignored.
 HWY_INLINE VecW look_up(VecW low, VecW high, VecW number) {
   return VecW{_mm512_permutex2var_epi16(low.raw, number.raw, high.raw)};
 }
 
-/// The 5 x 5 x 5 samples of a block, (x, y, z) at x + 5 y + 25 z: how far each lies below the block's largest. In
-/// pairs of words, of which the lower one is looked up by the lower half of a number and the other by the upper half.
+/// The 5 x 5 x 5 samples of a block, (x, y, z) at x + 5 y + 25 z, each as its distance below the
+/// block's largest. Words are looked up in pairs: the lower word by the lower half of a number and
+/// the other one by the upper half.
 struct WordTable {
-  static constexpr bool is_plain = true;         ///< corners are looked up sooner than a bound
-  static constexpr bool is_below = true;         ///< coefficients tell how far values lie below the largest
-  static constexpr float lowest = -0x1p17F;      ///< less than any value
-  static constexpr std::int32_t both = 0x10001;  ///< times a distance: that of both words of a pair
+  static constexpr bool is_plain = true;     ///< corners are looked up faster than a bound
+  static constexpr bool is_below = true;     ///< coefficients are distances below the largest value
+  static constexpr float lowest = -0x1p17F;  ///< less than any value
+  /// Factor that applies a distance to both words of a pair.
+  static constexpr std::int32_t both = 0x10001;
 
   VecW part[4];
   std::int32_t first;      ///< of the lowest cell: its corner and the next one on the axis u
@@ -96,9 +98,10 @@ struct WordTable {
   }
 };
 
-/// Where the words of a block's layer z come from: numbers 0 to 15 are those of its square of 4 x 4 samples, 16 to 31
-/// those of the square beside it, 32 to 35 the row beyond, and 40 the sample beyond both. By whether the block is the
-/// lattice's last one on x (1) and on y (2): there the last samples are repeated.
+/// Sources of the words of a block's layer z: numbers 0 to 15 are those of its square of 4 x 4
+/// samples, 16 to 31 those of the square beside it, 32 to 35 the row beyond, and 40 the sample
+/// beyond both. The first index is 1 if the block is the lattice's last one on x, plus 2 if it is
+/// the last on y: there the last samples are repeated.
 inline constexpr auto layer_places = [] {
   std::array<std::array<std::uint16_t, 32>, 4> places{};
   for (std::size_t ends = 0; ends < 4; ++ends)
@@ -109,7 +112,8 @@ inline constexpr auto layer_places = [] {
   return places;
 }();
 
-/// Where the words of a table's part come from: from two layers of 25 words, of which the second has numbers from 32.
+/// Sources of the words of a table's part: two layers of 25 words, where the second has numbers
+/// from 32.
 inline constexpr auto part_places = [] {
   std::array<std::array<std::uint16_t, 32>, 4> places{};
   for (std::size_t i = 0; i < 125; ++i) {
@@ -119,7 +123,7 @@ inline constexpr auto part_places = [] {
   return places;
 }();
 
-/// Samples side by side.
+/// Loads contiguous samples.
 template <class T, class Tag>
 HWY_INLINE hn::Vec<Tag> load_words(Tag tag, const T* from) {
   using Wide = std::conditional_t<std::is_signed_v<T>, std::int16_t, std::uint16_t>;
@@ -131,8 +135,8 @@ HWY_INLINE hn::Vec<Tag> load_words(Tag tag, const T* from) {
     return hn::BitCast(tag, hn::PromoteTo(wide, hn::LoadU(stored, from)));
 }
 
-/// The samples of a block from squares of 4 x 4 samples.
-/// @param place  of the block in the file
+/// Reads the samples of a block from squares of 4 x 4 samples.
+/// @param place  position of the block in the volume
 template <class T>
 HWY_NOINLINE void fetch_words(const SampleSource& source, const int* place, double highest, WordTable& table) {
   const T* samples = static_cast<const T*>(source.samples);
