@@ -206,8 +206,8 @@ RHORAY_INLINE CertifiedCrossing certify_crossing(const TrilinearCell& cell, cons
 /// True when the position of a change is known well enough to be accepted without re-evaluation: to
 /// a thousandth of a cell edge in single precision and to a millionth in double. So exact
 /// arithmetic is not needed where a ray grazes a surface that it certainly meets. Where the points
-/// themselves are known less well than that, the limit is 64 times their error, which is how
-/// surfaces down to a few degrees from the chord magnify it.
+/// themselves are known less well than that, the limit is 64 times their error: surfaces down to a
+/// few degrees from the chord magnify it by that much.
 template <class Real>
 RHORAY_INLINE bool is_placed_well(const CertifiedCrossing& found, const Vec3& in, const Vec3& out, double point_error) {
   constexpr double cell_edges = std::numeric_limits<Real>::digits < 53 ? 1e-3 : 1e-6;

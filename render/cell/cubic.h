@@ -81,9 +81,9 @@ struct RootOf {
 /// method kept inside the bracket, with bisection where a step would leave it or is longer than
 /// half the step before.
 ///
-/// Stops where the bracket or the step is as small as the last digit of numbers near 1, and where
-/// the value is no larger than two units of rounding of the largest coefficient, which is less than
-/// its own error.
+/// Stops where the bracket or the step is as small as the last digit of numbers near 1. Stops also
+/// where the value is no larger than two units of rounding of the largest coefficient, which is
+/// less than its own error.
 /// @param start  where the search begins, in [lo, hi]
 template <class Real>
 RHORAY_INLINE RootOf<Real> bracketed_root(const CubicOf<Real>& cubic, Real lo, Real hi, Real start) {
@@ -144,9 +144,9 @@ struct SideChanges {
 /// points and 1 the cubic is monotone, so each piece changes side at most once. A piece whose ends
 /// lie on one side is skipped. A cubic that starts on the other side already changes at 0.
 ///
-/// When `starts_inside` and the side at 1 differ there is always an answer. Up to 16 units of
-/// rounding (2^-53, or 2^-24 for float) of the largest coefficient, the exact cubic is zero at the
-/// first change and keeps its side before. Without an answer it keeps its side throughout.
+/// When `starts_inside` and the side at 1 differ there is always an answer. The exact cubic is zero
+/// at the first change and keeps its side before, up to 16 units of rounding (2^-53, or 2^-24 for
+/// float) of the largest coefficient. Without an answer it keeps its side throughout.
 template <class Real>
 RHORAY_INLINE SideChanges<Real> changes_of_side(const CubicOf<Real>& cubic, bool starts_inside) {
   const auto& b = cubic.b;

@@ -95,8 +95,8 @@ using SeenTet = SeenTetOf<double>;
 
 /// On which side of the ray the edge from a to b passes: true where a x b > 0 in the picture plane,
 /// by the exact sign of x_a y_b - y_a x_b for the given numbers (for doubles short of underflow).
-/// An edge through the ray is decided as if the ray stood at (e, e^2) for a vanishing e > 0, so
-/// that every tetrahedron is crossed through no face or through two.
+/// An edge through the ray is decided as if the ray stood at (e, e^2) for a vanishing e > 0. So
+/// every tetrahedron is crossed through no face or through two.
 template <class Real>
 RHORAY_INLINE bool passes_left(const SeenVertex<Real>& a, const SeenVertex<Real>& b) {
   const Real p = a.x * b.y, q = a.y * b.x;

@@ -250,7 +250,7 @@ struct Ends {
 /// faces; or the position is known no better than to a thousandth of the cell's depth.
 ///
 /// A ray that passes through the inside of one face goes on into the cell and leaves through
-/// another. If it passes an edge so closely that the other face is in doubt, the choice does not
+/// another. If it passes an edge closely, that other face may be in doubt. The choice does not
 /// matter as long as all candidate faces are on one side where it passes. If no face is certainly
 /// passed, the ray at most touches the cell. The decision is then none if all faces in doubt are on
 /// one side there, and unknown otherwise.

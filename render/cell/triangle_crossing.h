@@ -19,8 +19,8 @@ RHORAY_INLINE Vec3 triangle_normal(const TrianglePoints& p) {
 }
 
 /// Where a ray's line passes through a triangle. This is decided by the exact signs of its edges in
-/// the ray's picture plane (passes_left), so that triangles which share an edge agree about it
-/// whichever way they traverse it. A closed surface is passed an even number of times.
+/// the ray's picture plane (passes_left). So triangles that share an edge agree about it, whichever
+/// way they traverse it. A closed surface is passed an even number of times.
 /// @param ids  of the corners, all different; the same point must have the same id in all triangles
 /// @return     t, in the range of the corners' t; nothing where the triangle is seen edge-on
 RHORAY_INLINE std::optional<double> cross_triangle(const RayShear& shear, const TrianglePoints& points,

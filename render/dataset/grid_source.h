@@ -15,7 +15,7 @@ inline constexpr bool is_uniform_grid = false;
 template <class T>
 inline constexpr bool is_uniform_grid<GridVolume<T>> = true;
 
-/// Uniform grids of which only some bricks are stored.
+/// Uniform grids that store only some bricks.
 template <class View>
 inline constexpr bool is_in_bricks = false;
 template <class T>

@@ -90,9 +90,9 @@ struct BlocksExpected {
 struct BlockSlabs {
   float normal[3];  ///< in values per cell
   float size;       ///< sum of its magnitudes
-  /// a way that stays below this height has no change of side and lies outside.
+  /// A way that stays below this height has no change of side and lies outside.
   float below[most_surfaces];
-  /// a way that stays above this height has no change of side and lies inside.
+  /// A way that stays above this height has no change of side and lies inside.
   float above[most_surfaces];
   /// The smallest and the largest of these, over the surfaces present in the block.
   float low, high;

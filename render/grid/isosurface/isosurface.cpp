@@ -318,9 +318,9 @@ class GroupWalk {
     return hn::AndNot(strays, looks);
   }
 
-  /// Removes the lanes that graze their cells. If the field is on one side in all parts of such a
-  /// cell that the ray may pass, and on the ray's own side if that is known, it does not matter
-  /// whether the ray passes. Otherwise the ray is in doubt.
+  /// Removes the lanes that graze their cells. Such a cell does not matter if the field is on one
+  /// side in all of its parts that the ray may pass, which must be the ray's own side if that is
+  /// known. Otherwise the ray is in doubt.
   HWY_INLINE MaskF without_touched(Lanes& lanes, const NextCell& next, const Corners& corners, const CubicLanes& cubic,
                                    MaskF looks, std::size_t r) {
     const MaskF touched = hn::And(looks, hn::Le(hn::Sub(next.way_out, next.way_in), lanes.way_error));

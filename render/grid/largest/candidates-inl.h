@@ -83,10 +83,10 @@ class CandidateRefinement {
   static constexpr double most_rise = 10;
 
   /// Where a ray passes a face clear of its edges, the walk in single precision visits the cell
-  /// beyond, too, with a part of its own, and this bounds the values in that cell. It leaves out
-  /// only what extends from the cell to this side. Over so much, the sum on all axes, values change
-  /// by no more than 8 of the 12 margins of a block that they are taken to be off by (BlockWalk); 3
-  /// are for the positions.
+  /// beyond, too, with a part of its own. This bounds the values in that cell. It leaves out only
+  /// what extends from the cell to this side. Over so much, the sum on all axes, values change by
+  /// no more than 8 margins of a block. They are taken to be off by 12 (BlockWalk), of which 3 are
+  /// for the positions.
   static constexpr double most_beyond = 8 * 0x1p-18;
 
   /// True where a ray passes a face so far inside that it passes no other plane near there.

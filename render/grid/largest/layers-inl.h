@@ -294,8 +294,8 @@ HWY_NOINLINE LayerValues values_between(const LineParts& lines, std::size_t vect
     // Words at the share t of the way are a + d t - (h - g - r t - s (1 - t)) t (1 - t). Here a is
     // the word at the first plane and d the difference to the other; g and h are how fast words
     // rise in both planes, and r and s how that changes. Let R be the largest value of the bracket.
-    // Then no word is less than both a and a + d by more than (R - |d|)^2 / (4 R) if |d| < R, or
-    // less at all otherwise. As a function of d this is not above two chords, from d = 0 to R / 2
+    // If |d| < R, no word is less than both a and a + d by more than (R - |d|)^2 / (4 R); otherwise
+    // none is less than both. As a function of d this is not above two chords, from d = 0 to R / 2
     // and from there on.
     const VecS in_cell = hn::SaturatedSub(hn::SaturatedSub(along[k + 1], along[k]), hn::Min(twist[k], twist[k + 1]));
     const VecS within = hn::SaturatedAdd(in_cell, within_error);

@@ -27,8 +27,8 @@ HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
 /// Samples of a box of blocks as 16-bit integers: the distance of each below the box's largest
-/// value. They are stored in words of two, a sample and the one beyond it on the third axis, so
-/// that four corners of a cell lie in two adjacent words. Mirrored like the lattice.
+/// value. They are stored in words of two: a sample and the one beyond it on the third axis. So
+/// four corners of a cell lie in two adjacent words. Mirrored like the lattice.
 struct Window {
   int first[3];  ///< in the mirrored lattice, in cells
   int count[3];  ///< samples

@@ -142,11 +142,11 @@ HWY_NOINLINE void raise(SearchState& state, const CellBox& box, MaskF raised, co
 /// whose largest value is where the ray leaves them must stay.
 ///
 /// The position p on the axis that is passed is off by little more than two margins. So all in all
-/// it is less than 36 margins from where the face is truly passed, where the ray is at least a
-/// sixteenth as fast across the face as on all axes together. Values change by 36 margins of the
-/// range from there to p, and are off by 3 at p. As the error is 12 of them, coefficients that are
-/// eight errors below the first are truly below it: the largest value is where the cell is truly
-/// entered.
+/// it is less than 36 margins from where the face is truly passed. This holds where the ray is at
+/// least a sixteenth as fast across the face as on all axes together. Values change by 36 margins
+/// of the range from there to p, and are off by 3 at p. As the error is 12 of them, coefficients
+/// that are eight errors below the first are truly below it: the largest value is where the cell is
+/// truly entered.
 /// @param p  where they are entered, or a little before
 HWY_INLINE MaskF is_left_to_cell_before(const SearchState& state, const CellBox& box, const Ways& ways,
                                         const Coefficients& b, const Point& p) {

@@ -48,8 +48,8 @@ bool certainly_misses(const Ray& ray, const PlaneTimesOf<Planes>& planes, const 
   return !moves || (t_in > t_out && !WalkRounding::may_be_exchanged(t_in, t_out));
 }
 
-/// True when the ray, where it enters or leaves a region, passes so close to a second plane that
-/// rounding may have put it on the wrong side of the edge between them.
+/// True when the ray passes close to a second plane where it enters or leaves a region, so close
+/// that rounding may have put it on the wrong side of the edge between them.
 template <class Planes>
 bool passes_close_to_edge(const PlaneTimesOf<Planes>& planes, const WalkLattice& lattice, std::int64_t edge,
                           const CellVisit& visit) {

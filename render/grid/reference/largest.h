@@ -74,9 +74,9 @@ Hit search_largest(const View& view, const RayQuery& query, const Ray& ray, cons
   return hit;
 }
 
-/// The value at a point of a cell's face across an axis, from the face's four corners alone, so
-/// that both cells at the face compute the same bits. It is computed relative to the largest of the
-/// four: no sum is above it, and a plateau has exactly its own value.
+/// The value at a point of a cell's face across an axis. It is computed from the face's four
+/// corners alone, so that both cells at the face get the same bits. It is computed relative to the
+/// largest of the four: no sum is above it, and a plateau has exactly its own value.
 /// @param p  exactly 0 or 1 on the axis
 RHORAY_INLINE double value_on_face(const TrilinearCell& cell, const Vec3& p, int axis) {
   const int first = axis == 0 ? 1 : 0, second = axis == 2 ? 1 : 2;
