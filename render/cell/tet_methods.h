@@ -85,7 +85,7 @@ RHORAY_INLINE std::optional<double> isoplane_crossing(const Ray& ray, const TetP
 }
 
 /// t of the crossing between t_min and t_max, or nothing.
-/// @param points, values in rising order of the vertices' ids, so that neighbours agree
+/// @param points, values  in rising order of the vertices' ids, so that neighbours agree
 /// @param slack           only for TetMethod::slack
 template <class Real>
 RHORAY_INLINE std::optional<double> find_crossing(TetMethod method, const TetRay<Real>& ray, const TetPoints& points,

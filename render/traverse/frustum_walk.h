@@ -72,7 +72,7 @@ struct MirroredPlaces {
 /// Calls visit(block) for the blocks that have a bit and that the frustum meets, with positions in
 /// the mirrored lattice. The order is front to back for each ray of the group. Ends when visit
 /// returns false. Visit may make the frustum narrower; this takes effect at the next slab of nodes.
-/// @param nodes, super_nodes as in Occupancy, or the union of several
+/// @param nodes, super_nodes  as in Occupancy, or the union of several
 template <class Words, class Visit>
 RHORAY_INLINE void walk_blocks(const Frustum& frustum, const MirroredLattice& lattice, const Words& nodes,
                                const Words& super_nodes, Visit&& visit) {

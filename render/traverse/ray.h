@@ -41,8 +41,8 @@ struct WholePlanes {
   RHORAY_INLINE double position(int, std::int64_t plane) const { return static_cast<double>(plane); }
 
   /// A position in numbers of planes: its floor is the last plane at or below it.
-  /// @param first, last the range that matters: for positions beyond these planes, any number at or
-  ///               beyond them may be returned
+  /// @param first, last  the range that matters: for positions beyond these planes, any number at
+  ///                     or beyond them may be returned
   RHORAY_INLINE double in_planes(int, double position, std::int64_t, std::int64_t) const { return position; }
 };
 

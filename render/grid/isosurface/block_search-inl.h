@@ -238,7 +238,7 @@ class BlockSearch {
 
   /// Finds the blocks at place.t: by the ray's point and, where that is close to a plane, by the
   /// plane's time.
-  /// @param low, high bounds of the blocks
+  /// @param low, high  bounds of the blocks
   template <class Touch>
   HWY_INLINE void locate(Place& place, const Known& known, const VecW* low, const VecW* high, MaskD asked,
                          std::size_t r, const Touch& touch) {

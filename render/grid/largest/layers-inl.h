@@ -205,7 +205,7 @@ struct LayerErrors {
         falling(static_cast<std::int16_t>(48 * far)) {}
 };
 
-/// @param vector, second indices of the rays' vectors
+/// @param vector, second  indices of the rays' vectors
 /// @param low_w           the first plane's position on the major axis
 /// @param clear           distance from a cell's edges at which rays pass no other cell, in parts
 ///                        of 2^15

@@ -249,7 +249,7 @@ class PlaneReader {
   /// cell where it is and the neighbouring ones, on its way from the plane before or to the next
   /// one: on each axis it moves by less than a cell. There a value changes by no more than the
   /// largest difference of neighbouring samples on each axis, times how far the ray moves on it.
-  /// @param u, v those differences, at the index of their lower sample
+  /// @param u, v  those differences, at the index of their lower sample
   HWY_INLINE static void put_rise(VecS* u, VecS* v, std::size_t count, const int* slope, std::uint16_t* rise) {
     const VecS slope_u = hn::Set(shorts, static_cast<std::int16_t>(slope[0])),
                slope_v = hn::Set(shorts, static_cast<std::int16_t>(slope[1]));
