@@ -128,7 +128,7 @@ RHORAY_INLINE Real first_guess(const PieceEnd<Real>& lo, const PieceEnd<Real>& h
     const auto& [vertex, end] = lo.is_critical ? std::pair(lo, hi) : std::pair(hi, lo);
     guess = vertex.s + (end.s - vertex.s) * std::sqrt(vertex.value / (vertex.value - end.value));
   }
-  // a guess that is not finite also fails here.
+  // A guess that is not finite also fails here.
   return guess >= lo.s && guess <= hi.s ? guess : Real(0.5) * (lo.s + hi.s);
 }
 

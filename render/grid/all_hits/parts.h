@@ -21,7 +21,7 @@ struct TransparentSurfaces {
   Surface surface[most_surfaces];  ///< they differ in isovalue and occupancy
   /// Share of light that passes n crossings, by n.
   float passing[most_surfaces][CrossingList::most + 1];
-  /// a ray with no more crossings in all than this certainly goes on: there is light and room.
+  /// A ray with no more crossings in all than this certainly goes on: there is light and room.
   std::int32_t surely_lit;
   float least_inside[most_surfaces];  ///< smallest float that is not below the isovalue
   bool is_single[most_surfaces];      ///< whether that is the isovalue

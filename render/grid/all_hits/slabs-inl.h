@@ -82,8 +82,8 @@ HWY_INLINE float larger(float a, float b) {
 
 /// Planes across the block's mean gradient. A sample lies above the plane through the origin of
 /// values by some number. So does the field between samples, since their weights add up to 1: it is
-/// known to within the range of these numbers. In addition, nothing changes below all cells that
-/// must be searched, and above all of them.
+/// known to within the range of these numbers. In addition, nothing changes below the lowest and
+/// above the highest of the cells that must be searched.
 /// @param f        its samples, as in BlockSamples, minus any number
 /// @param present  cells that the lattice has
 template <int surfaces>

@@ -104,7 +104,7 @@ struct alignas(64) IsosurfaceScratch {
   /// Along each axis, while the ray moves by 1 along its fastest one.
   float slope[3][RayGroup::size];
   float inverse_slope[3][RayGroup::size];  ///< never_passed where the ray passes no plane
-  /// The way is measured along the ray's fastest axis.
+  /// The way of a ray is the distance that it has moved, measured along its fastest axis.
   double way_per_t[RayGroup::size], t_per_way[RayGroup::size];
   /// Certified: error bound of the ray's points due to double precision.
   float position_error[RayGroup::size];

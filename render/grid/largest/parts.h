@@ -56,7 +56,7 @@ struct MaximumField {
   formats::ElementType type;
   std::size_t sample_bytes;
   int leaf_count[3];
-  std::array<int, 3> node_count;  ///< nodes have 16 cells per axis; a multiple of 4
+  std::array<int, 3> node_count;  ///< nodes of 16^3 cells per axis, a multiple of 4
   /// Of 4 and of 16 cells; those of 16 may be missing.
   StoredRanges blocks, nodes;
   double range;   ///< of the field's values
@@ -111,8 +111,8 @@ struct alignas(64) LineParts {
   std::int32_t step[2][size];  ///< the slope as an integer
 };
 
-/// Lines that enclose the rays of each vector: position and slope on the minor axes, as functions
-/// of the position on the major one, starting where it is 0.
+/// Lines on the minor axes that enclose the rays of each vector, as functions of the position on
+/// the major axis: their values where it is 0, and their slopes.
 struct alignas(64) VectorLines {
   static constexpr std::size_t size = 64;  ///< the most vectors
 
