@@ -15,10 +15,10 @@ namespace {
 
 constexpr double radians_per_degree = std::numbers::pi / 180;
 
-/// The box is shown a little smaller than the picture.
+/// The box is shown slightly smaller than the picture.
 constexpr double margin = 1.04;
 
-/// From the target towards the eye. Multiples of 90 degrees give exact axes.
+/// Returns the direction from the target towards the eye. Multiples of 90 degrees give exact axes.
 Vec3 towards_eye(const View& view) {
   const auto cosine = [](double deg) {
     return std::fmod(std::abs(deg), 180) == 90 ? 0.0 : std::cos(deg * radians_per_degree);
@@ -56,7 +56,8 @@ Camera fit_camera(const Box3& box_world, const View& view, double aspect) {
   const Vec3 right = up.cross(back).normalized(), above = back.cross(right);
   const Vec3 center = box_world.center();
 
-  // The nearest eye from which every corner is in the picture, and the smallest orthographic window around all of them.
+  // Find the nearest eye position from which every corner is in the picture, and the smallest
+  // orthographic window around all of them.
   const double tan_half_height = std::tan(view.vertical_fov_deg / 2 * radians_per_degree) / margin;
   const double tan_half_width = tan_half_height * aspect;
   double distance = 0, half_height = 0, reach = 0;
@@ -74,7 +75,7 @@ Camera fit_camera(const Box3& box_world, const View& view, double aspect) {
 
   Camera camera{.target = center, .up = up, .orthographic = view.orthographic};
   camera.vertical_fov_deg = view.vertical_fov_deg;
-  if (view.zoom != 1)  // the angle as given where nothing narrows it
+  if (view.zoom != 1)  // without zoom the angle stays exactly as given
     camera.vertical_fov_deg =
         2 * std::atan(std::tan(view.vertical_fov_deg / 2 * radians_per_degree) / view.zoom) / radians_per_degree;
   camera.orthographic_height = 2 * margin * half_height / view.zoom;

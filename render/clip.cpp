@@ -11,7 +11,7 @@ namespace rhoray::render {
 
 namespace {
 
-/// More than corners of a box of this size, computed from three planes, are off.
+/// Upper bound of the error of a corner computed from three planes, for a box of this size.
 double slack_of(const Box3& box) {
   double largest = 0;
   for (int axis = 0; axis < 3; ++axis) largest = std::max({largest, std::abs(box.min[axis]), std::abs(box.max[axis])});
@@ -26,12 +26,12 @@ std::array<Vec3, 8> corners_of(const Box3& box) {
   return corners;
 }
 
-/// How far a place lies inside a half space; below 0: outside.
+/// How far a point is inside a half space; negative outside.
 double depth_in(const HalfSpace& half, const Vec3& place) {
   return half.normal.normalized().dot(place - half.point);
 }
 
-/// Adds the faces of a box that are finite.
+/// Adds the finite faces of a box.
 void add_faces(const Box3& box, std::vector<HalfSpace>& halves) {
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {1.0, -1.0}) {
@@ -44,7 +44,7 @@ void add_faces(const Box3& box, std::vector<HalfSpace>& halves) {
     }
 }
 
-/// The place where three planes meet; not finite where they do not.
+/// Returns the intersection of three planes; not finite when they do not meet in a point.
 Vec3 meeting_place(const HalfSpace& a, const HalfSpace& b, const HalfSpace& c, const Vec3& anchor) {
   const Vec3 na = a.normal.normalized(), nb = b.normal.normalized(), nc = c.normal.normalized();
   const double det = na.dot(nb.cross(nc));
@@ -54,7 +54,8 @@ Vec3 meeting_place(const HalfSpace& a, const HalfSpace& b, const HalfSpace& c, c
   return anchor + (pa * nb.cross(nc) + pb * nc.cross(na) + pc * na.cross(nb)) / det;
 }
 
-/// Around the corners of what lies in all half spaces; with a plane, of what of it lies there.
+/// Returns a box around the corners of the intersection of all half spaces; with a plane, around
+/// those of its part of the intersection.
 Box3 box_around_corners(const std::vector<HalfSpace>& halves, const HalfSpace* plane, double slack,
                         const Vec3& anchor) {
   Box3 around;

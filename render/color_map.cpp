@@ -37,7 +37,8 @@ Vec3 viridis(double share) {
   return linear_from_srgb(srgb[before] + (srgb[before + 1] - srgb[before]) * (place - before));
 }
 
-/// Equation 2 of the paper with its defaults: start 0.5, -1.5 rotations, hue 1, gamma 1. Its colours are sRGB codes.
+/// Equation 2 of the paper with its defaults: start 0.5, -1.5 rotations, hue 1, gamma 1. Its
+/// colours are sRGB codes.
 Vec3 cubehelix(double share) {
   const double angle = 2 * std::numbers::pi * (0.5 / 3 - 1.5 * share), amplitude = share * (1 - share) / 2;
   const double c = amplitude * std::cos(angle), s = amplitude * std::sin(angle);
@@ -78,7 +79,8 @@ Vec3 linear_from_msh(const Msh& msh) {
           0.0557 * xyz[0] - 0.2040 * xyz[1] + 1.0570 * xyz[2]};
 }
 
-/// The hue that a colour's way to white of lightness m should end with, so that it looks straight.
+/// Returns the hue at which the path from a colour to white of magnitude m should end, so that it
+/// looks straight.
 double hue_at_white(const Msh& color, double m) {
   if (color.m >= m) return color.h;
   const double turn = color.s * std::sqrt(m * m - color.m * color.m) / (color.m * std::sin(color.s));

@@ -7,22 +7,26 @@
 
 namespace rhoray::render {
 
-/// Colours for numbers. Along the first three lightness only grows; coolwarm has it largest in its middle.
+/// Colour maps for numbers. Lightness increases monotonically along the first three; coolwarm is
+/// lightest in its middle.
 enum class ColorMap {
-  viridis,    ///< dark violet to yellow (S. van der Walt and N. Smith), by five of its colours
+  /// Dark violet to yellow (S. van der Walt and N. Smith), interpolated from five of its colours.
+  viridis,
   cubehelix,  ///< black to white through all hues (D. A. Green, Bull. Astr. Soc. India 39, 2011)
   gray,       ///< black to white in even steps of the sRGB code
-  coolwarm    ///< blue to red through white, for numbers with a middle (K. Moreland, Proc. ISVC 2009)
+  /// Blue to red through white, for data with a centre value (K. Moreland, Proc. ISVC 2009).
+  coolwarm
 };
 
 struct NamedColorMap {
   std::string_view name;
   ColorMap map;
 };
-/// All of them, in the order of the enumeration.
+/// Returns all colour maps, in the order of the enumeration.
 std::span<const NamedColorMap> color_maps();
 
-/// The colour of a share in [0, 1], linear RGB in [0, 1]; shares beyond are those of the nearer end.
+/// Returns the colour at a position in [0, 1] as linear RGB in [0, 1]; positions outside get the
+/// colour of the nearer end.
 Vec3 color_of(ColorMap map, double share);
 
 }  // namespace rhoray::render

@@ -9,16 +9,21 @@
 
 namespace rhoray::render {
 
-/// What may be kept of every pixel beside its colour.
+/// The optional channels of a pixel, in addition to its colour.
 struct ChannelSet {
-  bool depth = false;   ///< distance from the eye along the ray, world units; infinity where nothing is hit
-  bool normal = false;  ///< unit normal in world axes, towards the eye; 0 where nothing is hit or the field is flat
-  bool cell =
-      false;  ///< id of the hit cell: (k * cells.y + j) * cells.x + i in a grid, position in the source of a mesh
-  bool value = false;       ///< value at the hit: isovalue, or the largest value; NaN where nothing is hit
-  bool error = false;       ///< how far depth (of a largest value: the value) may be off; NaN where nothing is proven
-  bool roots = false;       ///< crossings on the ray's way through the hit cell; 0 where nothing is hit
-  bool iterations = false;  ///< steps that refined the root
+  /// Distance from the eye along the ray, world units; infinity where nothing is hit.
+  bool depth = false;
+  /// Unit normal in world axes, towards the eye; 0 where nothing is hit or the field is flat.
+  bool normal = false;
+  /// Id of the hit cell: (k * cells.y + j) * cells.x + i in a grid, index in the source file for a
+  /// mesh.
+  bool cell = false;
+  /// Value at the hit: isovalue, or the largest value; NaN where nothing is hit.
+  bool value = false;
+  /// Error bound of depth (for a largest value: of the value); NaN where nothing is proven.
+  bool error = false;
+  bool roots = false;       ///< crossings along the ray inside the hit cell; 0 where nothing is hit
+  bool iterations = false;  ///< refinement steps of the root
   bool cost = false;        ///< macrocells and cells visited for the pixel
 
   ChannelSet& operator|=(const ChannelSet& other);
@@ -26,7 +31,7 @@ struct ChannelSet {
   bool any() const { return *this != ChannelSet{}; }
 };
 
-/// Places numbers at the beginning of a cache line.
+/// Allocator that aligns its memory to cache lines.
 template <class T>
 struct OnCacheLines {
   using value_type = T;
@@ -41,26 +46,26 @@ struct OnCacheLines {
   friend bool operator==(const OnCacheLines&, const OnCacheLines&) { return true; }
 };
 
-/// A picture, rows from the top, pixels from the left. Channels that were not asked for stay empty.
+/// A picture, rows from the top, pixels from the left. Channels that were not requested stay empty.
 struct Framebuffer {
   static constexpr std::uint64_t no_cell = std::numeric_limits<std::uint64_t>::max();
 
   Framebuffer() = default;
   Framebuffer(int picture_width, int picture_height, const ChannelSet& channels);
 
-  /// Makes room for another picture. Where size and channels stay, the memory stays, with the numbers in it.
+  /// Changes size and channels. When both stay the same, the memory and its contents stay too.
   void reshape(int picture_width, int picture_height, const ChannelSet& channels);
 
-  /// Gives up the channels that are not in the set.
+  /// Frees the channels that are not in the set.
   void keep(const ChannelSet& channels);
 
   std::size_t pixel_count() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
 
   int width = 0;
   int height = 0;
-  std::array<float, 3> background{1, 1, 1};  ///< linear RGB, behind what is hit
-  /// Linear RGBA, 4 per pixel, over the background; alpha is how much of the pixel something hides: 1 where something
-  /// opaque is hit, else 0.
+  std::array<float, 3> background{1, 1, 1};  ///< linear RGB, behind all hits
+  /// Linear RGBA, 4 per pixel, over the background. Alpha is the part of the pixel that is covered:
+  /// 1 where something opaque is hit, else 0.
   std::vector<float, OnCacheLines<float>> color;
   std::vector<float> depth;                            ///< 1 per pixel
   std::vector<float> normal;                           ///< 3 per pixel

@@ -11,7 +11,7 @@ namespace {
 
 constexpr Vec3 no_number(0.21, 0.21, 0.21);  // linear
 
-/// What is drawn of a pixel, on the page's scale; NaN where there is no number.
+/// Returns the number drawn for a pixel, on the page's scale; NaN where there is none.
 double number_at(DebugChannel page, const Framebuffer& picture, std::size_t pixel) {
   switch (page) {
     case DebugChannel::error: {

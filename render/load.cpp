@@ -16,7 +16,7 @@ namespace rhoray::render {
 
 namespace {
 
-/// World-axes box around a box of the volume's frame.
+/// Returns a world-axes box around a box in the volume's frame.
 Box3 box_world(const Box3& box, const Affine& world_from_volume) {
   Box3 out;
   if (box.isEmpty()) return out;
@@ -26,7 +26,7 @@ Box3 box_world(const Box3& box, const Affine& world_from_volume) {
   return out;
 }
 
-/// Around the macrocells of the lowest level whose values lie on both sides of the isovalue.
+/// Returns a box around the lowest-level macrocells whose values are on both sides of the isovalue.
 /// @param position  of a plane between cells, on an axis of the volume's frame
 template <class View, class Position>
 Box3 crossed_macrocells(const View& view, double isovalue, const Position& position) {
@@ -59,7 +59,8 @@ Box3 crossed_box(const NanoVdbVolume& view, double isovalue) {
   return crossed_macrocells(view, isovalue, [](int, std::int64_t plane) { return static_cast<double>(plane); });
 }
 
-/// Around the crossings of all edges: a tetrahedron's part of the isosurface is the polygon between them.
+/// Returns a box around the crossings of all edges: a tetrahedron's part of the isosurface is the
+/// polygon between them.
 template <class T>
 Box3 crossed_box(const TetVolume<T>& view, double isovalue) {
   Box3 box;
@@ -94,7 +95,7 @@ std::uint64_t proven_bytes(const TetVolume<T>& view, const std::string& field, u
   return formats::prove_ranges(view.mesh(), *view.mesh().find_field(field), threads);
 }
 
-/// Its ranges were made from the voxels in this process; none are stored.
+/// The ranges were computed from the voxels in this process; none are stored.
 std::uint64_t proven_bytes(const NanoVdbVolume&, const std::string&, unsigned) {
   return 0;
 }

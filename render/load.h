@@ -15,9 +15,10 @@ namespace rhoray::render {
 
 struct VolumeImplementation;
 
-/// What it took to prove that stored ranges hold (Volume::prove_ranges); all 0 where they had been proven before.
+/// The cost of proving the stored ranges (Volume::prove_ranges); all 0 when they had been proven
+/// before.
 struct RangeProof {
-  std::uint64_t bytes = 0;  ///< of the file that were compared
+  std::uint64_t bytes = 0;  ///< bytes of the file that were compared
   double wall_s = 0;
 
   RangeProof& operator+=(const RangeProof& other) {
@@ -27,53 +28,61 @@ struct RangeProof {
   }
 };
 
-/// What rays cross: a packed grid, a packed mesh with one chosen field, a packed surface, which has none, or a grid of
-/// an OpenVDB file. Copies share everything.
+/// A dataset that rays are traced through: a packed grid, a packed mesh with one chosen field, a
+/// packed surface (which has no field), or a grid of an OpenVDB file. Copies share everything.
 class Volume {
  public:
-  /// Opens a packed file and checks what rendering relies on; block checksums are left to the caller
-  /// (PackedFile::damaged_blocks), so that they can run beside the first frame.
-  /// @param field  name; empty takes the first. An unknown name is refused with the names there are (ErrorCode::usage).
+  /// Opens a packed file and checks what rendering relies on. Block checksums are left to the
+  /// caller (PackedFile::damaged_blocks), so that they can be checked while the first frame is
+  /// rendered.
+  /// @param field  name; empty takes the first. An unknown name is refused with a list of the names
+  ///   that exist (ErrorCode::usage).
   static Volume load(const std::filesystem::path& path, const std::string& field = {});
 
-  /// As above, for a file that is open already; also takes the kind "vdb" (formats/vdb_grid.h).
+  /// As above, for a file that is already open; also accepts the kind "vdb" (formats/vdb_grid.h).
   static Volume load(const formats::PackedFile& file, const std::string& field = {});
 
   const formats::PackedFile& file() const;
   const formats::FieldSummary& field() const;  ///< of a surface: without a name and values
   std::vector<std::string> field_names() const;
-  /// Of a field of the file, by name; nothing where there is none, or it is another grid of an OpenVDB file.
+  /// Returns the summary of a field of the file by name. Returns nothing when there is no such
+  /// field, or when it is another grid of an OpenVDB file.
   std::optional<formats::FieldSummary> field(const std::string& name) const;
   const std::string& length_unit() const;
-  bool is_mesh() const;       ///< of tetrahedra
-  bool is_surface() const;    ///< triangles, shown as they are (Mode::triangles): no field
-  bool is_level_set() const;  ///< its values are distances to the surface where they are 0
+  bool is_mesh() const;  ///< true for tetrahedra
+  /// True for triangles, which are shown as they are (Mode::triangles) and have no field.
+  bool is_surface() const;
+  bool is_level_set() const;  ///< true when the values are distances to the surface at value 0
 
-  const std::vector<std::string>& notes() const;  ///< what loading changed, one sentence each
+  const std::vector<std::string>& notes() const;  ///< changes made while loading, one sentence each
 
   Box3 bounds() const;  ///< of all cells, world axes
-  /// Of the isosurface, world axes: in a mesh its own; in a grid those of the macrocells of the lowest level that it
-  /// can pass through. Empty when the isovalue is passed nowhere, and of a surface.
+  /// Returns the bounds of the isosurface, world axes. In a mesh they are its own; in a grid they
+  /// are those of the lowest-level macrocells that it can pass through. Empty when nothing crosses
+  /// the isovalue, and for a surface.
   Box3 isosurface_bounds(double isovalue) const;
 
-  /// Proves that the value ranges, boxes and leaf lists by which rays pass cells hold what they stand for
-  /// (formats/range_proof.h), once for this volume and all copies of it. Refuses data of which that is not true
-  /// (ErrorCode::invalid), each time.
+  /// Proves that the value ranges, boxes and leaf lists with which rays skip cells are correct
+  /// (formats/range_proof.h). Does so once for this volume and all its copies. Refuses data for
+  /// which they are not (ErrorCode::invalid), at each call.
   ///
-  /// Certified and exact answers are worth what these ranges are worth, so `render`, `refine` and RayCaster call
-  /// this before they answer by a method that proves; other methods do not pay for it. Nothing is to be proven of an
-  /// OpenVDB grid, of which the ranges are made from its voxels in loading it, and of a surface, which has none.
-  /// Any thread may call; those that call meanwhile wait.
+  /// Certified and exact results are only as reliable as these ranges. `render`, `refine` and
+  /// RayCaster therefore call this before they use a method that proves its results; other methods
+  /// do not pay for it. There is nothing to prove for an OpenVDB grid, whose ranges are computed
+  /// from its voxels while loading, nor for a surface, which has none. Any thread may call;
+  /// concurrent callers wait.
   /// @param threads  0 = all cores
   RangeProof prove_ranges(unsigned threads = 0) const;
 
-  const VolumeImplementation& implementation() const { return *implementation_; }  ///< for the room's inside
+  /// For use inside render only.
+  const VolumeImplementation& implementation() const { return *implementation_; }
 
  private:
   explicit Volume(std::shared_ptr<const VolumeImplementation> implementation);
   struct ProofState;
   std::shared_ptr<const VolumeImplementation> implementation_;
-  std::shared_ptr<ProofState> proof_;  ///< kept with the loaded data, so that nothing loaded later is taken for it
+  /// Kept with the loaded data, so that it never applies to data loaded later.
+  std::shared_ptr<ProofState> proof_;
 };
 
 }  // namespace rhoray::render

@@ -10,23 +10,25 @@
 
 namespace rhoray::render {
 
-/// The 8-bit sRGB value (IEC 61966-2-1) of a linear one. Outside [0, 1] the nearest end; NaN gives 0.
+/// Converts a linear value to 8-bit sRGB (IEC 61966-2-1). Values outside [0, 1] are clamped; NaN
+/// gives 0.
 std::uint8_t srgb_byte(float linear);
 
-/// Red, green, blue of every pixel as 8-bit sRGB, over the background that the framebuffer carries: rows from the top,
-/// pixels from the left.
+/// Returns red, green and blue of every pixel as 8-bit sRGB, over the background that the
+/// framebuffer carries: rows from the top, pixels from the left.
 std::vector<std::uint8_t> srgb_bytes(const Framebuffer& picture);
 
-/// A text that a PNG file keeps beside the pixels.
+/// A text that a PNG file stores beside the pixels.
 struct PngText {
   std::string keyword;  ///< 1 to 79 printable Latin-1 characters, no space at either end
   std::string text;     ///< UTF-8
 };
 
-/// The bytes of a PNG file: 8-bit sRGB, no alpha channel. The same input gives the same bytes; no time is kept.
+/// Returns the bytes of a PNG file: 8-bit sRGB, no alpha channel. The same input gives the same
+/// bytes; no time is stored.
 ///
-/// Texts in ASCII become tEXt chunks, others iTXt. Throws ErrorCode::internal for what libpng refuses (a picture
-/// without pixels, a keyword that breaks the rule above), and std::bad_alloc.
+/// ASCII texts become tEXt chunks, others iTXt. Throws ErrorCode::internal for input that libpng
+/// refuses (a picture without pixels, a keyword that breaks the rule above), and std::bad_alloc.
 std::vector<std::byte> encode_png(const Framebuffer& picture, std::span<const PngText> texts);
 
 }  // namespace rhoray::render

@@ -9,36 +9,38 @@
 #include "render/method.h"
 #include "render/query/kernels.h"
 
-/// The kernels' questions for rays of any kind, for tools and tests that measure what a method is worth.
+/// The kernels' queries for arbitrary rays, for tools and tests that measure how accurate a method
+/// is.
 namespace rhoray::render {
 
-/// One question about a volume and a way of answering it. Rays are in the volume's own frame: in a grid that of its
-/// sample positions (0, 1, 2, ... or the axis tables'), in a mesh that of its points relative to the mesh's origin.
-/// These doubles are what the kernels compute with; nothing is rounded on the way. To be asked by one thread at a time;
-/// the volume must outlive it.
+/// One query about a volume and a method that answers it. Rays are in the volume's own frame. In a
+/// grid that is the frame of its sample positions (0, 1, 2, ... or those of the axis tables); in a
+/// mesh, that of its points relative to the mesh's origin. The kernels compute with these doubles
+/// without rounding them first. Only one thread may use it at a time; the volume must outlive it.
 class RayCaster {
  public:
-  /// Refuses an isovalue that is not finite (ErrorCode::usage), and a method that proves for data of which the stored
-  /// ranges do not hold (Volume::prove_ranges, ErrorCode::invalid).
-  /// @param threads  that answer crossings; 0 = all cores
+  /// Refuses an isovalue that is not finite (ErrorCode::usage). For a method that proves its
+  /// results it also refuses data whose stored ranges do not hold (Volume::prove_ranges,
+  /// ErrorCode::invalid).
+  /// @param threads  that trace crossings; 0 = all cores
   RayCaster(const Volume& volume, double isovalue, const Method& method, unsigned threads = 1);
   ~RayCaster();
 
-  /// hits[i] is for rays[i], the same for any number of threads, and what `render` would say of that ray; t is in
-  /// lengths of its direction.
+  /// hits[i] belongs to rays[i]. It is the same for any number of threads, and what `render` would
+  /// find for that ray. t is in lengths of the ray's direction.
   void first_crossings(std::span<const Ray> rays, std::span<Hit> hits);
   Hit first_crossing(const Ray& ray);
 
   void largest_values(std::span<const Ray> rays, std::span<Hit> hits);
 
-  /// Of all rays so far.
+  /// Counters of all rays so far.
   KernelCounters counters() const;
 
-  /// What this asked before anything was answered.
+  /// The proof that the constructor made before any ray was traced.
   const RangeProof& range_proof() const { return range_proof_; }
 
  private:
-  /// What a thread works with.
+  /// The state of one thread.
   struct Worker;
 
   void answer(Kernel kernel, std::span<const Ray> rays, std::span<Hit> hits, Worker& worker) const;
@@ -51,10 +53,11 @@ class RayCaster {
   RangeProof range_proof_;
 };
 
-/// The rays that `render` sends through the middles of the pixels, rows from the top; t is a distance in world units.
+/// Returns the rays that `render` sends through the pixel centres, rows from the top; t is a
+/// distance in world units.
 std::vector<Ray> camera_rays(const Volume& volume, const Camera& camera, int width, int height);
 
-/// Out of the frame that these rays are in.
+/// Maps from the frame of these rays to world space.
 const Affine& world_from_ray_frame(const Volume& volume);
 
 }  // namespace rhoray::render

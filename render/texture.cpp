@@ -8,7 +8,7 @@ namespace rhoray::render {
 
 namespace {
 
-/// Around a box that is mapped.
+/// Returns a box around a mapped box.
 Box3 around(const Box3& box, const Affine& map) {
   Box3 out;
   if (box.isEmpty()) return out;

@@ -8,19 +8,20 @@
 
 namespace rhoray::render {
 
-/// Colours in space that surfaces are covered with: a packed grid of them, read where it is mapped. Copies share
+/// A packed grid of colours in space that covers surfaces, read from the mapped file. Copies share
 /// everything.
 class Texture {
  public:
-  /// Opens a packed file of colours; block checksums are left to the caller, as those of volumes. Refuses other files.
+  /// Opens a packed file of colours. Block checksums are left to the caller, as with volumes.
+  /// Refuses other files.
   static Texture load(const std::filesystem::path& path);
-  static Texture load(const formats::PackedFile& file);  ///< of a file that is open already
+  static Texture load(const formats::PackedFile& file);  ///< for a file that is already open
 
   const formats::PackedFile& file() const { return grid_->file(); }
   const formats::ColorGrid& grid() const { return *grid_; }
 
-  /// False where the texels lie on one side of a plane, and the box on the other; planes along the axes of the world
-  /// and of the texels are looked at.
+  /// False when a plane separates the texels from the box. Only planes along the axes of the world
+  /// and of the texels are tested.
   bool may_overlap(const Box3& box_world) const;
   bool contains(const Box3& box_world) const;
 
