@@ -6,8 +6,8 @@
 
 namespace rhoray::render {
 
-/// Sixteen facets, side by side. A quadrilateral's corners stand in order round it; a triangle repeats its last one.
-/// Beyond the last facet of all stands the last one again.
+/// Sixteen facets, side by side. A quadrilateral's corners are in order around it; a triangle
+/// repeats its last corner. The last block is filled up with copies of the last facet.
 struct alignas(64) FacetBlock {
   static constexpr std::uint32_t size = 16;
   float corner[4][3][size];
@@ -15,20 +15,23 @@ struct alignas(64) FacetBlock {
 
 using FacetNode = BoxNode;
 
-/// The linear field of a facet's cell: value + gradient . (p - anchor), the isovalue subtracted; p in the mesh's frame.
-/// Of a surface's triangle: zero in its plane, rising on the side on which its corners turn counter-clockwise.
+/// The linear field of a facet's cell: value + gradient . (p - anchor), with the isovalue
+/// subtracted; p in the mesh's frame. For a triangle of a surface: zero in its plane, increasing
+/// towards the side from which its corners are counter-clockwise.
 struct FacetField {
   double gradient[3];
   double value;
   std::uint32_t cell;  ///< id
-  std::uint32_t tet;   ///< position in the mesh, or of a surface's triangle
+  std::uint32_t tet;   ///< index in the mesh, or of the triangle in a surface
   float cell_size;     ///< the longest edge, mesh units
-  float doubt;         ///< what rounding of the gradient puts the field off by inside the cell, at most; infinite where
-                       ///< the cell is flat, or nearly, and the gradient says nothing
+  /// Upper bound of the error of the field inside the cell caused by rounding the gradient.
+  /// Infinite for a cell that is flat or nearly flat, where the gradient is meaningless.
+  float doubt;
 };
 
-/// How far from a facet's corners a ray may pass that meets it, in the facets' frame: far above the rounding of
-/// corners and of their places (place_error in kernels/facet_parts.h).
+/// Maximum distance from a facet's corners at which a ray that hits it may pass, in the facets'
+/// frame. Far above the rounding of corners and of their positions (place_error in
+/// kernels/facet_parts.h).
 inline constexpr double facet_margin = 0x1p-18;
 
 }  // namespace rhoray::render

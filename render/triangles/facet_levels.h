@@ -7,10 +7,10 @@
 
 namespace rhoray::render {
 
-/// A tree of boxes around blocks of facets.
+/// Builds a tree of boxes over blocks of facets.
 BoxLevels levels_above(const FacetBlock* blocks, std::size_t count);
 
-/// The box around everything in a tree; an empty one where there is nothing.
+/// The box around a whole tree; empty for an empty tree.
 struct FloatBox {
   std::array<float, 3> low, high;
 };

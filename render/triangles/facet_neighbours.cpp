@@ -28,23 +28,24 @@ struct Corner {
   std::uint32_t hash() const {
     constexpr std::uint32_t factor[3] = {0xed55'8ccd, 0x1a85'ec53, 0x6659'fd93};
     std::uint32_t sum = 0;
-    for (std::size_t a = 0; a < 3; ++a) sum += factor[a] * std::bit_cast<std::uint32_t>(at[a] + 0.0F);  // two zeros
+    // So that -0 becomes +0.
+    for (std::size_t a = 0; a < 3; ++a) sum += factor[a] * std::bit_cast<std::uint32_t>(at[a] + 0.0F);
     return (sum ^ sum >> 15) * 0x2c1b'3c6d;
   }
 };
 
-/// The edges passed so far, by those that passed them first. Open addressing.
+/// The edges seen so far, each with the facet that had it first. Open addressing.
 class Edges {
  public:
   struct Edge {
     static constexpr std::uint32_t none = 0xffffffff;
     std::uint32_t place = none;  ///< 4 * facet + c
-    std::uint32_t hash = 0;      ///< the same for both ways
+    std::uint32_t hash = 0;      ///< the same for both directions
   };
 
   explicit Edges(std::size_t most) : edges_(std::bit_ceil(most + most / 4 + 1)) {}
 
-  /// The edge with this hash that `is` says it is, or room for it.
+  /// Returns the edge with this hash for which `is` is true, or a free slot for it.
   template <class Is>
   Edge& find(std::uint32_t hash, const Is& is) {
     const std::size_t last = edges_.size() - 1;
@@ -71,7 +72,8 @@ FacetNeighbours::FacetNeighbours(const FacetBlock* blocks, const FacetField* fie
       if (place_of(beyond) < count) beyond ^= static_cast<Beyond>(turns_[f] != turns_[place_of(beyond)]);
 }
 
-/// For the time being facets are alike that, passed round from corner to corner, pass an edge in opposite ways.
+/// At this stage two facets are alike when, traversed from corner to corner, they pass their edge
+/// in opposite directions.
 void FacetNeighbours::find_beyond(const FacetBlock* blocks) {
   const Beyond several = nothing() + 2;
   Edges edges(4 * beyond_.size());
@@ -102,7 +104,7 @@ void FacetNeighbours::find_beyond(const FacetBlock* blocks) {
         of_first = 2 * f + is_alike, beyond_[f][c] = 2 * first + is_alike;
         continue;
       }
-      // A third one, and more.
+      // A third facet or more at this edge.
       if (of_first != several)
         for (Beyond& of_second : beyond_[place_of(of_first)])
           if (place_of(of_second) == first) of_second = several;
@@ -122,7 +124,8 @@ void FacetNeighbours::find_turns(const FacetBlock* blocks, const FacetField* fie
     const FacetField& field = fields[f];
     const Vec3 gradient(field.gradient[0], field.gradient[1], field.gradient[2]);
     const double along = normal.dot(gradient), largest = normal.length() * gradient.length();
-    // Corners are off by 2^-25; by how much the normal is off is no matter, as long as its side is told.
+    // Corners have an error of 2^-25. The error of the normal does not matter as long as its side
+    // is certain.
     if (normal.length() > 0x1p-18 * (ac.length() + bd.length()) && std::abs(along) > largest / 2)
       turns_[f] = along > 0 ? Turn::counter_clockwise : Turn::clockwise;
     else

@@ -8,23 +8,25 @@
 
 namespace rhoray::render {
 
-/// Which facets of a surface meet at their edges, and how they are turned: it depends on the surface alone, and takes
-/// longer to find out than most that is asked about it. Edge c of a facet goes from corner c to the next one.
+/// The neighbours of a surface's facets across their edges, and the facets' orientation. It depends
+/// on the surface alone, and takes longer to compute than most queries. Edge c of a facet goes from
+/// corner c to the next one.
 ///
-/// 17 bytes a facet; and while it is found, 8 bytes for each place of a table of edges, of which there are 5 to 10 for
-/// each facet.
+/// Uses 17 bytes per facet. During construction also 8 bytes per slot of an edge table, with 5 to
+/// 10 slots per facet.
 class FacetNeighbours {
  public:
-  /// What lies beyond an edge: a facet, or one of two places behind those of facets; and whether it is turned as the
-  /// facet itself, so that, passed round the ways that turns() says, they pass the edge in opposite ways, as parts of
-  /// one sheet do.
+  /// What is on the other side of an edge: the index of a facet or one of two special indices above
+  /// those of facets (place_of), and whether it has the same orientation as this facet (is_alike).
+  /// Two facets traversed in the directions that turns() gives then pass the edge in opposite
+  /// directions, as parts of one oriented sheet do.
   using Beyond = std::uint32_t;
   static constexpr std::size_t place_of(Beyond beyond) { return beyond / 2; }
   static constexpr unsigned is_alike(Beyond beyond) { return beyond % 2; }  ///< 0 or 1
 
   std::size_t place_count() const { return beyond_.size() + 2; }
-  Beyond no_edge() const { return 2 * count() + 1; }  ///< it has no length
-  Beyond nothing() const { return 2 * count() + 3; }  ///< or two facets and more
+  Beyond no_edge() const { return 2 * count() + 1; }  ///< the edge has no length
+  Beyond nothing() const { return 2 * count() + 3; }  ///< no facet, or two and more
 
   static constexpr std::uint32_t most_facets = std::uint32_t{1} << 30;
   /// @param count  at most most_facets
@@ -33,8 +35,8 @@ class FacetNeighbours {
   std::uint32_t count() const { return static_cast<std::uint32_t>(beyond_.size()); }
   const std::array<Beyond, 4>& of(std::uint32_t facet) const { return beyond_[facet]; }
 
-  /// How the corners of each turn, seen from where the field is higher. Of a facet so thin that rounding hides it: as
-  /// its neighbours are turned.
+  /// The orientation of each facet's corners, seen from the side where the field is higher. A facet
+  /// so thin that rounding hides its orientation takes that of its neighbours.
   enum class Turn : std::uint8_t { unknown, counter_clockwise, clockwise };
   const Turn* turns() const { return turns_.data(); }
 

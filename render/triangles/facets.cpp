@@ -16,7 +16,7 @@ namespace rhoray::render {
 
 namespace {
 
-/// What a thread takes at a time.
+/// Number of candidates that a thread takes at a time.
 constexpr std::size_t candidates_per_part = 256;
 
 /// 64 cells, some of which the surface may pass through.
@@ -32,12 +32,13 @@ std::vector<Candidates> candidates_of(const TetVolume<T>& view, double isovalue)
   return all;
 }
 
-/// How a vertex counts among a cell's four: the cell is active where they add up to 1, 2 or 3.
+/// Returns a vertex's contribution to its cell: the cell is active when the four contributions add
+/// up to 1, 2 or 3.
 std::uint8_t count_of(double value, double isovalue) {
   return std::isfinite(value) ? value >= isovalue : 4;
 }
 
-/// Appends a cell that is active, without a branch, which would be a guess.
+/// Appends a cell if it is active, without a branch, which would be unpredictable.
 struct ActiveList {
   std::uint32_t* cells;
   std::size_t count = 0;
@@ -48,7 +49,8 @@ struct ActiveList {
   }
 };
 
-/// The active ones of 64 cells that are in clusters: each vertex of a cluster is looked at once.
+/// Finds the active ones of 64 cells that are in clusters: each vertex of a cluster is evaluated
+/// once.
 template <class T>
 void find_active_in_clusters(const TetVolume<T>& view, const Candidates& candidates, double isovalue,
                              ActiveList& active) {
@@ -80,7 +82,7 @@ void find_active(const TetVolume<T>& view, const Candidates& candidates, double 
   }
 }
 
-/// Cells with data that have values on both sides, in their order.
+/// Returns the cells with data that have values on both sides, in order.
 template <class T>
 std::vector<std::uint32_t> active_cells_of(const TetVolume<T>& view, double isovalue, unsigned threads) {
   const std::vector<Candidates> candidates = candidates_of(view, isovalue);
@@ -99,7 +101,8 @@ std::vector<std::uint32_t> active_cells_of(const TetVolume<T>& view, double isov
   return all;
 }
 
-/// The edges on which a facet's corners lie, round it, by the vertices that are inside; each edge's lower vertex first.
+/// The edges on which a facet's corners are, in order around it, for each set of vertices that are
+/// inside. Each edge's lower vertex comes first.
 struct FacetEdges {
   std::uint8_t edge[4][2];
 };
@@ -113,7 +116,8 @@ constexpr std::array<FacetEdges, 16> make_facet_edges() {
       all[inside].edge[corner][0] = a < b ? a : b;
       all[inside].edge[corner][1] = a < b ? b : a;
     };
-    if (in_count == 2) {  // neighbours round it share a vertex: a face of the cell
+    // Neighbours around the facet share a vertex, so they share a face of the cell.
+    if (in_count == 2) {
       edge(0, in[0], out[0]), edge(1, in[0], out[1]), edge(2, in[1], out[1]), edge(3, in[1], out[0]);
     } else {
       const std::uint8_t alone = in_count == 1 ? in[0] : out[0];
@@ -131,7 +135,7 @@ std::size_t inside_bits(const std::array<double, 4>& values, double isovalue) {
   return bits;
 }
 
-/// Bits 0 to 9 of x moved to every third place.
+/// Moves bits 0 to 9 of x to every third bit.
 std::uint32_t spread(std::uint32_t x) {
   x = (x | x << 16) & 0x030000ff;
   x = (x | x << 8) & 0x0300f00f;
@@ -139,8 +143,8 @@ std::uint32_t spread(std::uint32_t x) {
   return (x | x << 2) & 0x09249249;
 }
 
-/// The place of a point, with coordinates from -1 to 1, on a Morton curve of 1024 steps along each axis. Points beyond
-/// are moved to the nearest end, and a coordinate that is NaN to the first step.
+/// Returns the index of a point with coordinates from -1 to 1 on a Morton curve of 1024 steps along
+/// each axis. Points outside are clamped; a NaN coordinate gets the first step.
 std::uint32_t morton_code(const std::array<double, 3>& p) {
   std::uint32_t code = 0;
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -148,7 +152,7 @@ std::uint32_t morton_code(const std::array<double, 3>& p) {
   return code;
 }
 
-/// Sorts by 30 bits of `code`; equal ones stay in order.
+/// Sorts by 30 bits of `code`; the sort is stable.
 template <class Item>
 void sort_by_code(std::vector<Item>& items) {
   std::vector<Item> other(items.size());
@@ -162,19 +166,20 @@ void sort_by_code(std::vector<Item>& items) {
   }
 }
 
-/// A cell, and where it stands on the curve.
+/// A cell and its index on the curve.
 struct PlacedCell {
   std::uint32_t cell, code;
 };
 
-/// Cells of a block of facets, vertices in rising order; each number of sixteen side by side.
+/// Cells of a block of facets, with vertices in increasing order; each component has sixteen
+/// numbers side by side.
 struct BlockCells {
   static constexpr std::size_t size = FacetBlock::size;
   double point[4][3][size];  ///< [vertex][axis]
   double value[4][size];     ///< [vertex]
 };
 
-/// Beyond the last cell stands the last one again.
+/// Gathers the cells; unused lanes repeat the last one.
 template <class T>
 void gather(const TetVolume<T>& view, std::span<const PlacedCell> placed, BlockCells& cells) {
   for (std::size_t f = 0; f < BlockCells::size; ++f) {
@@ -214,7 +219,7 @@ void find_corners(const BlockCells& cells, double isovalue, const Vec3& anchor, 
   }
 }
 
-/// Six volumes and the gradients of cells: tet_gradient, bit for bit.
+/// Computes six times the volumes and the gradients of cells, bit for bit as tet_gradient.
 void find_gradients(const BlockCells& cells, double* six_volumes, double (*gradient)[BlockCells::size]) {
   constexpr std::size_t size = BlockCells::size;
   double flat[size];
@@ -242,9 +247,9 @@ void find_gradients(const BlockCells& cells, double* six_volumes, double (*gradi
   }
 }
 
-/// The fields of cells. Where a cell's volume is less than 2^-20 of the product of its edges' lengths, and the sum of a
-/// few rounded products of them says little, the gradient is in doubt; above, it is off by less than 2^-53 * 64 * 2^20
-/// of itself, taken with that product.
+/// Computes the fields of cells. Where a cell's volume is less than 2^-20 of the product of its
+/// edges' lengths, the sum of a few rounded products is unreliable and the gradient is in doubt.
+/// Above that, its error is less than 2^-53 * 64 * 2^20 of itself, relative to that product.
 void find_fields(const BlockCells& cells, double isovalue, const Vec3& anchor, std::span<FacetField> fields) {
   constexpr std::size_t size = BlockCells::size;
   constexpr double largest = std::numeric_limits<double>::max();
@@ -264,7 +269,7 @@ void find_fields(const BlockCells& cells, double isovalue, const Vec3& anchor, s
     const double length = std::sqrt(size2), cube = size2 * length, shape = cube / six_volumes[f];
     value[f] = (v[0][f] - isovalue) - g.dot(p[0] - anchor);
     cell_size[f] = length;
-    // At least the smallest float: as a float, less than that would be none at all.
+    // At least the smallest float: as a float, a smaller number would become 0.
     const double rounding = larger(0x1p-44 * (high - low) * shape * shape, std::numeric_limits<float>::denorm_min());
     const bool is_told = six_volumes[f] > 0x1p-20 * cube && std::abs(value[f]) <= largest;
     doubt[f] = is_told ? rounding : std::numeric_limits<double>::infinity();
@@ -278,8 +283,8 @@ void find_fields(const BlockCells& cells, double isovalue, const Vec3& anchor, s
                  .doubt = static_cast<float>(doubt[f])};
 }
 
-/// The plane of a triangle, as its field. Where its height is less than 2^-20 of its longest edge, rounding says
-/// little about the normal.
+/// Returns the plane of a triangle as its field. Where its height is less than 2^-20 of its longest
+/// edge, rounding makes the normal unreliable.
 FacetField plane_of(const TrianglePoints& p, const Vec3& anchor) {
   const Vec3 normal = triangle_normal(p);
   const auto corner = [&](std::size_t i) { return Vec3(p[i][0], p[i][1], p[i][2]); };
@@ -294,7 +299,7 @@ FacetField plane_of(const TrianglePoints& p, const Vec3& anchor) {
           .doubt = is_told ? 0 : std::numeric_limits<float>::infinity()};
 }
 
-/// The least and the largest numbers of lists of sixteen.
+/// Returns the smallest and the largest number of lists of sixteen.
 Interval<float> range_of(std::span<const float* const> lists) {
   constexpr std::size_t size = FacetBlock::size;
   static_assert(FacetNode::size == size);
@@ -317,14 +322,14 @@ Interval<float> range_of(std::span<const float* const> lists) {
 }  // namespace
 
 void Facets::set_frame(const Box3& bounds) {
-  // Halved first: neither the sum nor the difference of two finite numbers need be finite.
+  // Halve first: neither the sum nor the difference of two finite numbers needs to be finite.
   anchor_ = 0.5 * bounds.min + 0.5 * bounds.max;
   const Vec3 half = 0.5 * bounds.max - 0.5 * bounds.min;
   const double largest = std::max({half.x, half.y, half.z});
   if (!(largest > 0)) return;
   int exponent = 0;
   const double fraction = std::frexp(largest, &exponent);
-  // Rounding of the middle may leave a point a little farther away than half the size.
+  // After rounding of the middle a point may be slightly farther away than half the size.
   if (fraction * (1 + 0x1p-20) >= 1) ++exponent;
   constexpr int least_exponent = -1022;  // the scale of anything smaller is infinite
   scale_ = std::ldexp(1.0, -std::max(exponent, least_exponent));

@@ -16,33 +16,35 @@
 
 namespace rhoray::render {
 
-/// An isosurface of a mesh, or a surface's triangles, made ready for rays. Of an isosurface: in a cell the field is
-/// linear, and the surface a triangle or a quadrilateral whose corners lie on the cell's edges.
+/// An isosurface of a mesh, or a surface's triangles, prepared for ray tracing. For an isosurface:
+/// the field in a cell is linear, so its surface there is a triangle or a quadrilateral whose
+/// corners are on the cell's edges.
 ///
-/// A corner's position is computed from the edge's two points in rising order of their positions, and rounded to single
-/// precision last: all cells round an edge have the same bits, so that facets share their corners and edges as cells
-/// share their edges and faces. Where a point's value is the isovalue corners are at the point, and facets may shrink
-/// to edges or points.
+/// A corner's position is computed from the edge's two points, in increasing order of their
+/// indices, and rounded to single precision last. All cells around an edge therefore get the same
+/// bits, so facets share corners and edges just as cells share edges and faces. Where a point's
+/// value is the isovalue, corners coincide with the point, and facets may shrink to edges or
+/// points.
 ///
-/// Corners stand in the facets' own frame: (p - anchor) * scale, at most 1 from its middle along each axis. Single
-/// precision moves them by at most 2^-25 there.
+/// Corners are in the facets' own frame: (p - anchor) * scale, at most 1 from its middle along each
+/// axis. Single precision moves them by at most 2^-25 there.
 ///
-/// Above the facets, in the order of a Morton curve through their middles, stands a tree of 16 children for each node:
-/// child c of node n of a level is node 16 n + c of the level below; level 0 is above blocks. The last level has one
-/// node.
+/// The facets are ordered along a Morton curve through their middles. Above them is a tree with 16
+/// children per node: child c of node n of a level is node 16 n + c of the level below; level 0 is
+/// above the blocks. The last level has one node.
 class Facets {
  public:
-  /// @param bounds   of all points of the mesh, its frame
+  /// @param bounds   of all points of the mesh, in its frame
   /// @param threads  0 = all cores; the result is the same for any number
   template <class T>
   Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads);
 
-  /// The triangles of a surface. A point has the same bits in all triangles that share it.
+  /// Prepares the triangles of a surface. A point has the same bits in all triangles that share it.
   Facets(const SurfaceVolume& view, const Box3& bounds, unsigned threads);
 
   std::uint32_t count() const { return count_; }
   const FacetBlock* blocks() const { return blocks_.get(); }
-  const FacetField* fields() const { return fields_.get(); }  ///< one for each facet
+  const FacetField* fields() const { return fields_.get(); }  ///< one per facet
   int level_count() const { return static_cast<int>(levels_.size()); }
   const FacetNode* level(int l) const { return levels_[static_cast<std::size_t>(l)].data(); }
   const BoxLevels& levels() const { return levels_; }
@@ -52,7 +54,7 @@ class Facets {
   const std::array<float, 3>& low() const { return low_; }  ///< of all corners
   const std::array<float, 3>& high() const { return high_; }
 
-  /// Found when they are first asked for. Any thread may ask.
+  /// Computed at the first call. Any thread may call.
   const FacetNeighbours& neighbours() const;
 
   std::size_t size_bytes() const;  ///< without neighbours
@@ -74,14 +76,15 @@ class Facets {
   mutable std::unique_ptr<const FacetNeighbours> neighbours_;
 };
 
-/// The facets of one mesh for the last isovalues asked about, or of one surface. Any thread may ask.
+/// Caches the facets of one mesh for the most recently used isovalues, or those of one surface. Any
+/// thread may call.
 class FacetsCache {
  public:
   template <class T>
   std::shared_ptr<const Facets> of(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads) {
     return last_.of(isovalue, [&] { return std::make_shared<const Facets>(view, bounds, isovalue, threads); });
   }
-  /// Whatever the isovalue: a surface has none.
+  /// Ignores the isovalue: a surface has none.
   std::shared_ptr<const Facets> of(const SurfaceVolume& view, const Box3& bounds, double, unsigned threads) {
     return last_.of(0, [&] { return std::make_shared<const Facets>(view, bounds, threads); });
   }

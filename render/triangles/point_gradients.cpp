@@ -11,7 +11,7 @@ namespace rhoray::render {
 
 namespace {
 
-/// Six volumes of a cell, and as many times its gradient.
+/// Six times the volume of a cell, and its gradient multiplied by that.
 struct WeightedGradient {
   Vec3 gradient;
   double weight;
@@ -40,8 +40,8 @@ double angle_at(const TrianglePoints& points, std::size_t corner) {
 
 }  // namespace
 
-// Every thread goes through all cells, in their order, and adds up those of its own points: sums are the same for any
-// number of threads, and no list of the cells around a point is needed.
+// Every thread goes through all cells in order and adds up those of its own points. Sums are
+// therefore the same for any number of threads, and no list of the cells around a point is needed.
 template <class T>
 PointGradients::PointGradients(const TetVolume<T>& view, unsigned threads)
     : gradients_(view.description().point_count, std::array<double, 3>{}) {

@@ -11,15 +11,17 @@
 
 namespace rhoray::render {
 
-/// The gradient of a mesh's field at its points: the mean of the gradients of the cells around each, weighted by their
-/// volumes (C. Correa, R. Hero, K.-L. Ma, IEEE TVCG 17(3), 2011). That is the mean slope of the field over all these
-/// cells: slivers, whose own gradients say little, count little, and no cell is divided by its volume.
+/// The gradient of a mesh's field at its points: the mean of the gradients of the cells around each
+/// point, weighted by their volumes (C. Correa, R. Hero, K.-L. Ma, IEEE TVCG 17(3), 2011). That is
+/// the mean slope of the field over all these cells. Slivers, whose own gradients are unreliable,
+/// get little weight, and no cell is divided by its volume.
 ///
 /// Cells without data do not count. Zero where a point's cells have no volume.
 ///
-/// Of a surface: the mean of the unit normals of the triangles around each point, weighted by their angles there
-/// (G. Thuermer, C. Wuethrich, Journal of Graphics Tools 3(1), 1998), which does not depend on how faces are cut.
-/// Triangles without area do not count; those that do not face one way take away from each other.
+/// For a surface: the mean of the unit normals of the triangles around each point, weighted by
+/// their angles there (G. Thuermer, C. Wuethrich, Journal of Graphics Tools 3(1), 1998). It does
+/// not depend on how faces are triangulated. Triangles without area do not count; those with
+/// opposite orientation cancel.
 class PointGradients {
  public:
   /// @param threads  0 = all cores; the result is the same for any number
@@ -27,13 +29,14 @@ class PointGradients {
   PointGradients(const TetVolume<T>& view, unsigned threads);
   PointGradients(const SurfaceVolume& view, unsigned threads);
 
-  std::span<const std::array<double, 3>> of_points() const { return gradients_; }  ///< the mesh's frame
+  /// In the mesh's frame.
+  std::span<const std::array<double, 3>> of_points() const { return gradients_; }
 
  private:
   std::vector<std::array<double, 3>> gradients_;
 };
 
-/// The gradients of one mesh or surface, made when they are first asked for. Any thread may ask.
+/// The gradients of one mesh or surface, computed at the first call. Any thread may call.
 class PointGradientsCache {
  public:
   template <class View>

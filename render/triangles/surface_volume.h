@@ -8,7 +8,7 @@
 
 namespace rhoray::render {
 
-/// A packed surface as rays cross it: its triangles, in world axes. There is no field.
+/// A packed surface as a volume for rays: its triangles, in world axes. There is no field.
 class SurfaceVolume {
  public:
   explicit SurfaceVolume(const formats::SurfaceMesh& mesh) : mesh_(mesh) {}
@@ -16,7 +16,7 @@ class SurfaceVolume {
   const formats::SurfaceMesh& mesh() const { return mesh_; }
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(mesh_.description().triangle_count); }
 
-  /// Point positions of a triangle.
+  /// Returns the point indices of a triangle.
   RHORAY_INLINE std::array<std::uint32_t, 3> vertices(std::uint32_t triangle) const {
     return mesh_.triangles()[triangle];
   }

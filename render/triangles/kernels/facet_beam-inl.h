@@ -1,4 +1,5 @@
-// What bounds the lines of rays that are asked about together, and what of a surface lies within these bounds.
+// Bounds of the lines of rays that are traced together, and the part of a surface inside these
+// bounds.
 #if defined(RHORAY_WIDE_FACET_BEAM_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_FACET_BEAM_INL_H
 #undef RHORAY_WIDE_FACET_BEAM_INL_H
@@ -17,19 +18,20 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// Bounds of rays that move most along w, one way: u at w is at least -(offset + slope w) by the first of four lines,
-/// at most offset + slope w by the second; v by the others.
+/// Bounds of rays that share a major axis w and a direction along it. At w, u is at least -(offset
+/// + slope w) by the first of four lines, and at most offset + slope w by the second; the other two
+/// bound v.
 struct FacetBeam {
   FacetBeam(int axis, bool down)
       : axis_u((axis + 1) % 3), axis_v((axis + 2) % 3), axis_w(axis), sign(down ? -1.0f : 1.0f) {}
 
   const int axis_u, axis_v, axis_w;
   const float sign;                     ///< depth = sign w
-  float w_from = 0, w_to = 0;           ///< the part of the facets' box in which there are rays
+  float w_from = 0, w_to = 0;           ///< the part of the facets' box that contains rays
   float line_offset[4], line_slope[4];  ///< of all rays
-  float far = 0;                        ///< the depth to which they are still to be followed
+  float far = 0;                        ///< the depth up to which they are still traced
 
-  /// Cuts the facets' box to where there are rays.
+  /// Restricts the facets' box to where there are rays.
   /// @param first, last  the depths between which all rays begin and end
   HWY_INLINE void cut(const FacetSurface& surface, float first, float last) {
     first -= bound_margin, last += bound_margin;
@@ -39,10 +41,10 @@ struct FacetBeam {
     w_to = surface.high[axis_w] < high ? surface.high[axis_w] : high;
   }
 
-  /// Over a short way a slope would be lost in rounding: there the bounds are constant.
+  /// Over a short distance a slope would be lost in rounding, so the bounds are constant there.
   HWY_INLINE bool is_short() const { return w_to - w_from < 0x1p-8f; }
 
-  /// @param at_low, at_high  how far the rays' places reach along -u, u, -v and v at w_from and w_to
+  /// @param at_low, at_high  extent of the rays' positions along -u, u, -v and v at w_from and w_to
   HWY_INLINE void set_lines(const float* at_low, const float* at_high) {
     for (int l = 0; l < 4; ++l) {
       line_slope[l] = is_short() ? 0.0f : (at_high[l] - at_low[l]) / (w_to - w_from);
@@ -50,7 +52,7 @@ struct FacetBeam {
     }
   }
 
-  /// Which share of the facets' box, seen along w, a beam so wide may cover.
+  /// Returns the share of the facets' box, seen along w, that a beam of this width may cover.
   HWY_INLINE float share_of(const FacetSurface& surface, const float* at_low, const float* at_high) const {
     float share = 1;
     for (int m = 0; m < 2; ++m) {
@@ -64,8 +66,9 @@ struct FacetBeam {
   }
 };
 
-/// A node or block that waits, as one number, so that comparing two compares how near they are: from above the key of
-/// its least depth, its level, counted from 1 and 0 for a block, and its place there.
+/// A node or block on the stack as one number, so that comparing two numbers compares how near they
+/// are. From the highest bits: the key of its smallest depth, its level (counted from 1; 0 for a
+/// block), and its index in that level.
 using FacetEntry = std::uint64_t;
 inline constexpr int level_shift = 28;
 
@@ -79,7 +82,7 @@ HWY_INLINE std::uint32_t place_of(FacetEntry entry) {
   return static_cast<std::uint32_t>(entry) & ((1U << level_shift) - 1);
 }
 
-/// Whole numbers in the order of the floats.
+/// Returns integers in the order of the floats.
 HWY_INLINE std::uint32_t key_of(float depth) {
   const auto bits = std::bit_cast<std::int32_t>(depth);
   return static_cast<std::uint32_t>(bits ^ (bits >> 31 & 0x7fffffff)) ^ 0x80000000;
@@ -89,7 +92,7 @@ HWY_INLINE VecI keys_of(VecF depth) {
   return hn::Xor(hn::Xor(bits, hn::AndNot(sign, hn::ShiftRight<31>(bits))), sign);
 }
 
-/// What of a surface's tree waits to be looked at, the nearest on top.
+/// The nodes and blocks of a surface's tree still to be visited, the nearest on top.
 struct FacetStack {
   FacetEntry entries[(FacetNode::size - 1) * FacetSurface::largest_level_count + 1];
   std::size_t count = 0;
@@ -98,7 +101,7 @@ struct FacetStack {
     entries[count++] = entry_of(0, static_cast<std::uint32_t>(surface.level_count), 0);
   }
 
-  /// Puts those children of a node that the beam may meet on the stack.
+  /// Pushes those children of a node that the beam may meet.
   HWY_INLINE void open(const FacetSurface& surface, const FacetBeam& beam, FacetEntry entry) {
     const std::uint32_t level = level_of(entry), place = place_of(entry);
     const FacetNode& node = surface.levels[level - 1][place];
@@ -134,7 +137,8 @@ struct FacetStack {
   }
 };
 
-/// Of some of a block's facets that stand side by side: their least and largest w, and whether the beam may meet them.
+/// For some consecutive facets of a block: their smallest and largest w, and whether the beam may
+/// meet them.
 struct MetFacetLanes {
   VecF w[4], w_low, w_high, near;
   MaskF in;
@@ -149,7 +153,8 @@ HWY_INLINE MetFacetLanes meet_facets(const FacetBlock& block, const FacetBeam& b
   met.in = hn::And(met.in, hn::Le(met.near, hn::Set(floats, beam.far)));
   for (int m = 0; m < 2; ++m) {
     const int axis = m == 0 ? beam.axis_u : beam.axis_v;
-    VecF below = hn::Set(floats, -beyond), above = below;  // the most that any corner is within a bound
+    // The farthest that any corner is inside a bound.
+    VecF below = hn::Set(floats, -beyond), above = below;
     for (int c = 0; c < 4; ++c) {
       const VecF place = hn::Load(floats, block.corner[c][axis] + i);
       const auto bound = [&](int l) HWY_ATTR {

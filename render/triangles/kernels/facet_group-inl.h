@@ -1,5 +1,5 @@
-// Rays of a chunk that are asked about together: their lines in the frame of the facets, and what bounds the lines of
-// them all.
+// Rays of a chunk that are traced together: their lines in the frame of the facets, and bounds of
+// all these lines.
 #if defined(RHORAY_WIDE_FACET_GROUP_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_FACET_GROUP_INL_H
 #undef RHORAY_WIDE_FACET_GROUP_INL_H
@@ -20,7 +20,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// The rays of a chunk that move most along one axis, one way; of these, some lanes at a time.
+/// The rays of a chunk that share a major axis and a direction along it; some of their lanes at a
+/// time.
 class FacetGroup : public FacetBeam {
  public:
   HWY_INLINE FacetGroup(const FacetSurface& of_surface, const RayArrays& of_rays, std::size_t count, int axis,
@@ -36,7 +37,7 @@ class FacetGroup : public FacetBeam {
     chunk.axis = axis, chunk.down = down;
   }
 
-  /// Makes these lanes, and no others, ready, and bounds the places of their rays.
+  /// Prepares these lanes, and no others, and bounds the positions of their rays.
   template <FacetSearch search>
   void begin(std::uint64_t lanes_alive) {
     const VecF none = hn::Set(floats, -beyond);
@@ -67,11 +68,11 @@ class FacetGroup : public FacetBeam {
     if (has_facets()) bound_places(lanes_alive);
   }
 
-  /// False where no facet lies between the depths at which the group's rays begin and end.
+  /// False when no facet is between the depths at which the group's rays begin and end.
   HWY_INLINE bool has_facets() const { return surface.facet_count != 0 && w_from <= w_to; }
 
-  /// False when the rays lie so far apart that most of what one meets is met by no other; reckoned with facets spread
-  /// evenly over their box.
+  /// False when the rays are so far apart that most facets met by one ray are met by no other.
+  /// Estimated with facets spread evenly over their box.
   HWY_INLINE bool is_narrow(std::uint64_t lanes_alive) const {
     if ((lanes_alive & (lanes_alive - 1)) == 0 || !has_facets()) return true;
     constexpr float facets_per_ray = 24;
@@ -79,7 +80,7 @@ class FacetGroup : public FacetBeam {
            facets_per_ray * static_cast<float>(std::popcount(lanes_alive));
   }
 
-  /// How far rays of a pack, and of the group, are still to be followed.
+  /// Updates how far rays of a pack, and of the group, are still to be traced.
   template <FacetSearch search>
   HWY_INLINE void find_pack_far(std::size_t p) {
     const float* reach = search == FacetSearch::certified ? scratch.far : scratch.depth;
@@ -97,9 +98,9 @@ class FacetGroup : public FacetBeam {
   const RayArrays& rays;
   const FacetLines& lines;
   FacetScratch& scratch;
-  const std::size_t ray_count;     ///< of the chunk's rays
-  float all_from = 0, all_to = 0;  ///< any: the depths that lie between the ends of all rays
-  std::uint64_t crossed = 0;       ///< any: lanes that have met a facet
+  const std::size_t ray_count;     ///< of the chunk
+  float all_from = 0, all_to = 0;  ///< any: the depth range that is common to all rays
+  std::uint64_t crossed = 0;       ///< any: lanes that hit a facet
   Answered answered;
 
  private:
@@ -107,9 +108,10 @@ class FacetGroup : public FacetBeam {
     return mask_of(floats, lanes_alive >> lane);
   }
 
-  /// Lines that the places of each pack's rays keep between, and the group's: u at w is at least -(offset + slope w) by
-  /// the first of four, at most offset + slope w by the second; v by the others. The least of linear functions lies
-  /// above the straight line between any two of its values.
+  /// Lines that bound the positions of each pack's rays, and of the group's rays. At w, u is at
+  /// least -(offset + slope w) by the first of four lines, and at most offset + slope w by the
+  /// second; the other two bound v. The minimum of linear functions is above the straight line
+  /// between any two of its values.
   HWY_INLINE void bound_places(std::uint64_t lanes_alive) {
     HWY_ALIGN float at_low[lanes / 4], at_high[lanes / 4];
     float* const at[2] = {at_low, at_high};

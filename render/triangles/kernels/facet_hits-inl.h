@@ -1,4 +1,4 @@
-// Hits of rays at facets, written down in double precision.
+// Writes hits of rays at facets in double precision.
 #if defined(RHORAY_WIDE_FACET_HITS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_FACET_HITS_INL_H
 #undef RHORAY_WIDE_FACET_HITS_INL_H
@@ -40,7 +40,7 @@ class FacetHits {
     return hn::PromoteTo(doubles, load_from_lanes(half_floats, of_lanes, r));
   }
 
-  /// @param alive  a bit for each of the rays from r on
+  /// @param alive  one bit for each of the rays from r on
   HWY_INLINE void write_rays(std::uint64_t alive, std::size_t r, std::uint64_t visits) {
     hn::BlendedStore(hn::Set(counts, static_cast<std::uint32_t>(visits)), mask_of(counts, alive), counts,
                      hits_.cost + r);
@@ -58,7 +58,7 @@ class FacetHits {
     if (!hn::AllFalse(doubles, hit)) write_hits(hit, index, r);
   }
 
-  /// What is kept of the facets that rays hit, each field's numbers in order.
+  /// The FacetField of each facet that a ray hit, by component.
   struct Fields {
     VecD number[sizeof(FacetField) / sizeof(double)];
 
@@ -74,7 +74,7 @@ class FacetHits {
     }
   };
 
-  /// Neighbours hit few facets: facet by facet is sooner done than six gathers.
+  /// Adjacent rays hit few different facets, so loading facet by facet is faster than six gathers.
   HWY_INLINE Fields fields_of(MaskD hit, VecI64 facet) const {
     static_assert(sizeof(FacetField) == 6 * sizeof(double));
     Fields fields;
@@ -92,8 +92,8 @@ class FacetHits {
     return fields;
   }
 
-  /// The place is where the cell's own field is the isovalue, by its gradient in double; where rounding leads that out
-  /// of the cell, or the cell is flat, it is the facet's.
+  /// The hit is where the cell's own field equals the isovalue, using its gradient in double. Where
+  /// rounding would put that outside the cell, or the cell is flat, the hit is on the facet.
   HWY_INLINE void write_hits(MaskD hit, VecI64 facet, std::size_t r) {
     const Fields fields = fields_of(hit, facet);
     VecD value = fields.value(), speed = hn::Zero(doubles);
@@ -107,7 +107,8 @@ class FacetHits {
     const VecD d = hn::Load(doubles, group_.rays.direction[group_.axis_w] + r);
     const VecD start = hn::Sub(hn::Load(doubles, group_.rays.origin[group_.axis_w] + r),
                                hn::Set(doubles, group_.surface.anchor[group_.axis_w]));
-    const VecD way = hn::MulSub(depths(group_.scratch.depth, r), hn::Set(doubles, to_mesh_), start);  // along w
+    // Along w.
+    const VecD way = hn::MulSub(depths(group_.scratch.depth, r), hn::Set(doubles, to_mesh_), start);
     const VecD t_field = hn::Div(hn::Neg(value), speed);
     const VecD off = hn::Abs(hn::MulSub(t_field, d, way));
     const MaskD is_near = hn::And(hn::Le(off, hn::Mul(cell_size, hn::Set(doubles, 0x1p-6))),
@@ -131,9 +132,10 @@ class FacetHits {
     group_.answered.hit |= bits_of(doubles, hit) << r;
   }
 
-  /// Writes the bounds of hits. With u = 2^-53: the field at the origin is off by 8u of the terms that are added up,
-  /// and so is its slope; inside the cell by what the gradient is off by.
-  /// @return  those that are good enough: within a quarter of a thousandth of the cell
+  /// Writes the error bounds of hits. With u = 2^-53: the field at the origin has an error of 8u of
+  /// the terms that are added up, and so has its slope. Inside the cell the error of the gradient
+  /// is added.
+  /// @return  hits that are accurate enough: within a quarter of a thousandth of the cell
   HWY_INLINE MaskD prove(MaskD hit, MaskD is_by_field, const Fields& fields, VecD value, VecD speed, VecD t,
                          VecD cell_size, VecD doubt, std::size_t r) {
     VecD terms = hn::Abs(value), slopes = hn::Zero(doubles);
@@ -155,8 +157,8 @@ class FacetHits {
 
   FacetGroup& group_;
   const HitArrays hits_;
-  double reach_;    ///< of the facets' frame, mesh units
-  double to_mesh_;  ///< from depths to w, mesh units
+  double reach_;    ///< size of the facets' frame, mesh units
+  double to_mesh_;  ///< factor from depths to w, mesh units
 };
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE

@@ -26,7 +26,7 @@ namespace {
 template <class View>
 inline constexpr bool has_facets = is_mesh<View> || std::is_same_v<View, SurfaceVolume>;
 
-/// @param levels  above some of the facets
+/// @param levels  of the tree above some of the facets
 FacetSurface surface_of(const Facets& facets, const BoxLevels& levels, const RayQuery& query, bool is_of_triangles) {
   const FloatBox box = box_of(levels);
   FacetSurface surface{.blocks = facets.blocks(),
@@ -54,9 +54,9 @@ FacetSurface surface_of(const FacetOccluders& occluders, const RayQuery& query) 
   return surface;
 }
 
-/// Calls act(surface, first, count, chunk) for the rays of a batch, a chunk at a time that begins at `first`, with what
-/// of the surface they are to be asked about.
-/// @param farthest, most_expected  as PrepareRays takes them
+/// Calls act(surface, first, count, chunk) for the rays of a batch, one chunk at a time. The chunk
+/// begins at ray `first`; `surface` is the part of the surface to trace it against.
+/// @param farthest, most_expected  as in PrepareRays
 template <class Act>
 void for_each_chunk(Machine machine, const FacetSurface& whole, const RayBatch& rays, double farthest,
                     float most_expected, FacetScratch& memory, KernelCounters& counters, const Act& act) {
@@ -76,9 +76,9 @@ bool is_answerable(const RayQuery& query) {
   return query.use_hierarchy && std::abs(query.isovalue) <= largest_magnitude;
 }
 
-/// Completes a certified answer by what double precision says of the cells of facets in doubt, cell by cell as
-/// certified_crossing of tet_certified.h.
-/// @return  false when that leaves a doubt
+/// Completes a certified result with a double-precision test of the cells of facets in doubt, cell
+/// by cell as certified_crossing of render/tets/reference/certified.h.
+/// @return  false when a doubt remains
 template <class View>
 bool settle(const View& view, const RayQuery& query, const Ray& ray, std::span<const FacetDoubt> doubts,
             std::uint32_t index, const Facets& facets, Hit& hit) {
@@ -209,7 +209,8 @@ void any_facets(const VolumeImplementation& volume, const RayQuery& query, const
       volume.view);
 }
 
-/// How many crossings of a ray may be shown, a few for edges that are met twice included.
+/// Returns how many crossings of a ray may contribute light, plus a few for edges that are hit
+/// twice.
 std::size_t room_for(float passing, float least_light) {
   std::size_t shown = 1;
   for (float light = passing; shown < CrossingList::most && !(light < least_light); light *= passing) ++shown;
@@ -254,7 +255,8 @@ void cross_facets(const VolumeImplementation& volume, const AllHitsQuery& query,
       volume.view);
 }
 
-/// A mesh or surface of which products of lengths and values stay far from the limits of doubles.
+/// True for a mesh or surface whose products of lengths and values stay far from the limits of
+/// doubles.
 bool is_fit(const VolumeImplementation& volume) {
   const bool is_known = std::visit([]<class View>(const View&) { return has_facets<View>; }, volume.view);
   const bool has_values = !std::holds_alternative<SurfaceVolume>(volume.view);

@@ -5,18 +5,19 @@
 
 namespace rhoray::render::wide {
 
-/// The first crossing of a mesh's isosurface, or of a surface's triangles, for groups of rays at once, by the facets
-/// that the surface is made of (volumes/facets.h); null where the scalar kernels answer: for other volumes, for meshes
-/// of a size or with values that products of doubles cannot hold, and for ways other than those of the table in
-/// README.md.
+/// Returns the kernel that finds the first crossing of a mesh's isosurface, or of a surface's
+/// triangles, for groups of rays at once, using the facets that make up the surface
+/// (render/triangles/facets.h). Null where the scalar kernels are used: for other volumes, for
+/// meshes whose size or values exceed what products of doubles can hold, and for methods other than
+/// those of the table in render/kernels/wide/README.md.
 Kernel first_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine);
 
-/// Makes the facets of an isovalue, if they are not kept from before.
-/// @return  the boxes around them; none where the scalar kernels answer
+/// Computes the facets of an isovalue, unless they are cached.
+/// @return  the boxes around them; nothing where the scalar kernels are used
 std::optional<SurfaceBoxes> prepare_facets(const VolumeImplementation& volume, const RayQuery& query, unsigned threads);
 
-/// All crossings of isosurfaces of a mesh; null where there is no such kernel, as for triangles, which may face any
-/// way.
+/// Returns the kernel that finds all crossings of isosurfaces of a mesh. Null where there is none,
+/// as for triangles, which may have any orientation.
 AllHitsKernel facet_all_hits_kernel(const VolumeImplementation& volume, const RayQuery& query, Machine machine);
 
 }  // namespace rhoray::render::wide

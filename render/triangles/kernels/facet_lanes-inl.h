@@ -1,4 +1,5 @@
-// What the wide kernel of facets shares beyond lanes-inl.h: tags, bounds, and rays sorted by the way they move.
+// Helpers that the wide kernel of facets needs beyond lanes-inl.h: tags, bounds, and rays sorted by
+// their direction of movement.
 #if defined(RHORAY_WIDE_FACET_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_FACET_LANES_INL_H
 #undef RHORAY_WIDE_FACET_LANES_INL_H
@@ -27,13 +28,14 @@ inline constexpr Longs longs{};
 inline constexpr UnsignedLongs unsigned_longs{};
 inline constexpr Counts counts{};
 
-/// Larger than any number in the facets' frame that matters, and small enough for sums.
+/// Larger than any relevant number in the facets' frame, and small enough that sums stay finite.
 inline constexpr float beyond = 1e30f;
 
-/// The depth of what is nowhere.
+/// The depth of something that is nowhere.
 inline constexpr float never = 4 * beyond;
 
-/// What bounds of a group are widened by: more than the rounding of places and of the bounds themselves.
+/// The margin by which bounds of a group are widened: more than the rounding of positions and of
+/// the bounds themselves.
 inline constexpr float bound_margin = 0x1p-20f;
 
 HWY_INLINE Directions directions_of(const FacetSurface& surface, const RayArrays& rays, std::size_t count,
@@ -41,7 +43,7 @@ HWY_INLINE Directions directions_of(const FacetSurface& surface, const RayArrays
   Directions bits{};
   const VecD largest_start = hn::Set(doubles, farthest / surface.scale);
   for (std::size_t r = 0; r < count; r += double_lanes) {
-    VecD size[3], d[3], start_sum = hn::Zero(doubles);  // a sum with what is no number is none
+    VecD size[3], d[3], start_sum = hn::Zero(doubles);  // a sum that contains a NaN is a NaN
     for (int a = 0; a < 3; ++a) {
       d[a] = hn::Load(doubles, rays.direction[a] + r);
       size[a] = hn::Abs(d[a]);
@@ -53,7 +55,7 @@ HWY_INLINE Directions directions_of(const FacetSurface& surface, const RayArrays
     const VecD largest = hn::Max(size[0], hn::Max(size[1], size[2]));
     const VecD size_sum = hn::Add(size[0], hn::Add(size[1], size[2]));
     const VecD t_min = hn::Load(doubles, rays.t_min + r), t_max = hn::Load(doubles, rays.t_max + r);
-    // A ray that ends before it begins meets nothing.
+    // A ray that ends before it begins hits nothing.
     const MaskD asked = hn::AndNot(hn::Gt(t_min, t_max), hn::FirstN(doubles, count - r));
     const MaskD usable = hn::And(
         hn::And(asked, hn::Le(t_min, t_max)),
@@ -69,22 +71,22 @@ HWY_INLINE Directions directions_of(const FacetSurface& surface, const RayArrays
   return bits;
 }
 
-/// The lanes of a chunk's rays.
+/// Returns the lanes of a chunk's rays.
 HWY_INLINE std::uint64_t lanes_of(std::uint64_t rays) {
   std::uint64_t in_lanes = 0;
   for (std::size_t quad = 0; quad < lanes / 4; ++quad) in_lanes |= (rays >> 4 * quad & 15) << lane_of(4 * quad);
   return in_lanes;
 }
 
-/// The rays of a chunk's lanes.
+/// Returns the rays of a chunk's lanes.
 HWY_INLINE std::uint64_t rays_of(std::uint64_t in_lanes) {
   std::uint64_t rays = 0;
   for (std::size_t quad = 0; quad < lanes / 4; ++quad) rays |= (in_lanes >> lane_of(4 * quad) & 15) << 4 * quad;
   return rays;
 }
 
-/// Numbers of the rays from r on, as many as doubles in a vector, in the lanes of the rays: those of a row of eight lie
-/// in two packs.
+/// Loads per-lane numbers of the rays from r on, as many as a vector has doubles. They are loaded
+/// from the lanes of the rays: a row of eight rays is in two packs.
 template <class Tag>
 HWY_INLINE hn::Vec<Tag> load_from_lanes(Tag tag, const hn::TFromD<Tag>* of_lanes, std::size_t r) {
 #if HWY_TARGET <= HWY_AVX3
@@ -114,12 +116,12 @@ HWY_INLINE float largest_of(VecF v) {
   return hn::GetLane(hn::MaxOfLanes(floats, v));
 }
 
-/// Of each of four vectors.
+/// Returns the largest element of each of four vectors.
 HWY_INLINE void largest_of_each(const VecF (&v)[4], float* out) {
 #if HWY_TARGET == HWY_SCALAR
   for (int i = 0; i < 4; ++i) out[i] = hn::GetLane(v[i]);
 #else
-  // Blocks of four lanes are turned into one lane of each vector, then the blocks are compared.
+  // Transpose blocks of four lanes so that each vector gets one lane, then compare the blocks.
   const auto paired = [](VecF a, VecF b) HWY_ATTR {
     return hn::Max(hn::InterleaveLower(floats, a, b), hn::InterleaveUpper(floats, a, b));
   };
@@ -133,8 +135,9 @@ HWY_INLINE void largest_of_each(const VecF (&v)[4], float* out) {
 #endif
 }
 
-/// x_a y_b - y_a x_b. Without a fused operation: the rounded products of the edge seen from its other end are the same
-/// ones, so that the sign is opposite to the bit; and as rounding is monotone, it is never the wrong one.
+/// x_a y_b - y_a x_b, without a fused operation. The edge seen from its other end has the same
+/// rounded products, so its sign is exactly opposite. Because rounding is monotone, the sign is
+/// never the wrong one.
 HWY_INLINE VecF edge_function(VecF ax, VecF ay, VecF bx, VecF by) {
   return hn::Sub(hn::Mul(ax, by), hn::Mul(ay, bx));
 }

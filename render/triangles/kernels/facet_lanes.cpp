@@ -22,7 +22,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// The rays of a chunk that move most along one axis, one way.
+/// Traces the rays of a chunk that share a major axis and a direction along it.
 template <FacetSearch search>
 class FacetWalk {
  public:
@@ -33,7 +33,8 @@ class FacetWalk {
         hits_(group_, hits),
         counters_(counters) {}
 
-  /// Traces these lanes: together where they lie close, else pack by pack, or each alone.
+  /// Traces these lanes: together where they are close to each other, else pack by pack, or each
+  /// alone.
   void trace(std::uint64_t lanes_alive) {
     group_.begin<search>(lanes_alive);
     if (group_.is_narrow(lanes_alive)) return walk(lanes_alive);
@@ -101,7 +102,8 @@ class FacetWalk {
   std::uint64_t visits_ = 0, nodes_ = 0, blocks_ = 0;
 };
 
-/// Calls act(axis, down, rays) for rays of a chunk that move most along one axis, one way.
+/// Calls act(axis, down, rays) for each set of a chunk's rays that share a major axis and a
+/// direction along it.
 template <class Act>
 HWY_INLINE void for_each_direction(const Directions& directions, const Act& act) {
   for (int axis = 0; axis < 3; ++axis)
@@ -132,7 +134,7 @@ const FacetSurface& prepare_rays(const FacetSurface& whole, const RayArrays& ray
     chunk.axis = one->first, chunk.down = one->second;
   }
   scratch.part_visits = 0;
-  constexpr std::size_t few_chunks = 3;  // which share too little
+  constexpr std::size_t few_chunks = 3;  // too few to share enough work
   if (!is_shared || !shared || chunk_count <= few_chunks) return whole;
   PartSearch search(whole, scratch.chunks, chunk_count, shared->first, shared->second);
   const bool is_whole = search.gather(scratch.part, most_expected);

@@ -1,4 +1,5 @@
-// All crossings of rays with facets, in their order: of each ray the facets that it passes through, the nearest first.
+// All crossings of rays with facets: for each ray the facets that it passes through, the nearest
+// first.
 #if defined(RHORAY_WIDE_FACET_LISTS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_FACET_LISTS_INL_H
 #undef RHORAY_WIDE_FACET_LISTS_INL_H
@@ -23,8 +24,8 @@ HWY_INLINE void clear_lists(FacetLists& lists) {
   lists.overflowed = 0;
 }
 
-/// Puts a facet into a lane's list, that has one already or has room for one only.
-/// @return  whether the ray's end is now nearer
+/// Inserts a facet into a lane's list that already has one, or that has room for only one.
+/// @return  whether this moved the ray's end nearer
 HWY_INLINE bool insert_into_list(FacetGroup& group, std::size_t lane, float depth, std::int32_t facet) {
   FacetLists& lists = *group.scratch.lists;
   auto place = static_cast<std::size_t>(lists.count[lane]);
@@ -48,9 +49,9 @@ HWY_INLINE bool insert_into_list(FacetGroup& group, std::size_t lane, float dept
   return true;
 }
 
-/// Puts a facet into the lists of some lanes from r on. Where a list is full, a ray is followed no farther than to the
-/// last of it.
-/// @return  whether that is now nearer for any
+/// Inserts a facet into the lists of some lanes from r on. Where a list is full, the ray is traced
+/// only up to the last facet in it.
+/// @return  whether this moved the end of any ray nearer
 HWY_INLINE bool note_in_lists(FacetGroup& group, MaskF through, VecF depth, std::size_t r, std::uint32_t facet) {
   FacetLists& lists = *group.scratch.lists;
   const VecF end = hn::Load(floats, group.scratch.depth + r), begin = hn::Load(floats, group.lines.begin + r);
@@ -76,8 +77,8 @@ HWY_INLINE bool note_in_lists(FacetGroup& group, MaskF through, VecF depth, std:
   return is_nearer;
 }
 
-/// Leaves out of a ray's list what does not change its side: where it passes through an edge it meets both facets. At
-/// most as many as a CrossingList holds are left.
+/// Removes facets from a ray's list that do not change its side: a ray that passes through an edge
+/// hits both facets. Keeps at most as many as a CrossingList holds.
 HWY_INLINE void keep_changes(const FacetGroup& group, std::size_t lane) {
   FacetLists& lists = *group.scratch.lists;
   const auto count = static_cast<std::size_t>(lists.count[lane]);
@@ -88,7 +89,7 @@ HWY_INLINE void keep_changes(const FacetGroup& group, std::size_t lane) {
     const double* gradient = group.surface.fields[lists.facet[i][lane]].gradient;
     double rise = 0;
     for (int a = 0; a < 3; ++a) rise += gradient[a] * group.rays.direction[a][ray];
-    // Written so that the facet of a flat cell, whose gradient is none, counts.
+    // Written so that the facet of a flat cell, whose gradient is NaN, counts.
     if (rise * side > 0) continue;
     side = side == 0 ? (rise > 0 ? 1 : -1) : -side;
     if (kept == CrossingList::most) {
@@ -101,8 +102,8 @@ HWY_INLINE void keep_changes(const FacetGroup& group, std::size_t lane) {
   lists.count[lane] = static_cast<std::int32_t>(kept);
 }
 
-/// Completes the lists of a group's lanes, and writes how many crossings there are.
-/// @return  the most of any
+/// Completes the lists of a group's lanes, and writes the number of crossings.
+/// @return  the largest number of any lane
 HWY_INLINE std::size_t complete_lists(const FacetGroup& group) {
   FacetLists& lists = *group.scratch.lists;
   VecI most = hn::Zero(ints);
@@ -118,7 +119,7 @@ HWY_INLINE std::size_t complete_lists(const FacetGroup& group) {
     for (std::int32_t k = 0; k < lists.count[lane]; ++k) light *= lists.passing;
     if (!(light < lists.least_light)) lists.complete[lists.first + ray_of(lane)] = 0;
   }
-  // Rays of other groups have none here, and none of theirs is lost.
+  // Rays of other groups have zero crossings here, so combining keeps their numbers.
   std::uint8_t* written = lists.written->count + lists.first;
   for (std::size_t ray = 0; ray < lanes; ray += 4)
     for (std::size_t i = 0; i < 4; ++i)
@@ -130,7 +131,7 @@ HWY_INLINE std::size_t complete_lists(const FacetGroup& group) {
 HWY_INLINE void write_lists(FacetGroup& group, std::uint64_t lanes_alive, std::uint64_t visits) {
   FacetLists& lists = *group.scratch.lists;
   std::size_t most = complete_lists(group);
-  most = most > 0 ? most : 1;  // the first are written in any case: what the rays took stands there
+  most = most > 0 ? most : 1;  // the first are always written: they hold the cost of the rays
   for (std::size_t k = 0; k < most; ++k) {
     for (std::size_t first = 0; first < lanes; first += float_lanes) {
       const auto has = hn::Gt(hn::Load(ints, lists.count + first), hn::Set(ints, static_cast<std::int32_t>(k)));

@@ -1,4 +1,4 @@
-// The rays of a batch before they are followed: their lines, and the part of the surface that they may meet.
+// The rays of a batch before tracing: their lines, and the part of the surface that they may hit.
 #if defined(RHORAY_WIDE_FACET_PART_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_FACET_PART_INL_H
 #undef RHORAY_WIDE_FACET_PART_INL_H
@@ -19,18 +19,19 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// Numbers of the rays from r on.
+/// Stores per-ray numbers from ray r on.
 HWY_INLINE void store_line_numbers(VecD v, float* of_lanes, std::size_t r) {
   store_in_lanes(half_floats, hn::DemoteTo(half_floats, v), of_lanes, r);
 }
 
-/// Of all rays of a chunk, as if all moved along this axis; those that do not, stay without hits.
+/// Computes the lines of all rays of a chunk, as if all had this major axis. Those that do not, get
+/// no hits.
 HWY_INLINE void describe_rays(const FacetSurface& surface, const RayArrays& rays, std::size_t count,
                               const FacetBeam& beam, FacetLines& lines) {
   const VecD scale = hn::Set(doubles, surface.scale);
   const VecD towards = hn::Set(doubles, static_cast<double>(beam.sign));
   const VecD largest = hn::Set(doubles, static_cast<double>(beyond));
-  // Numbers too large for the facets' frame become large ones.
+  // Clamp numbers that are too large for the facets' frame.
   const auto at_most = [&](VecD v) HWY_ATTR { return hn::Max(hn::Min(v, largest), hn::Neg(largest)); };
   const int minor[2] = {beam.axis_u, beam.axis_v};
   for (std::size_t r = 0; r < count; r += double_lanes) {
@@ -56,15 +57,15 @@ HWY_INLINE void describe_rays(const FacetSurface& surface, const RayArrays& rays
     for (std::size_t r = 0; r < count; ++r) lines.start_side[lane_of(r)] = static_cast<float>(rays.start_side[r]);
 }
 
-/// Finds the facets that any ray of a batch may meet.
+/// Finds the facets that any ray of a batch may hit.
 class PartSearch {
  public:
-  /// @param chunks  all of which move most along one axis, one way, and are described so
+  /// @param chunks  which all have this major axis and direction, with lines computed for it
   HWY_INLINE PartSearch(const FacetSurface& whole, const FacetChunk* chunks, std::size_t chunk_count, int axis,
                         bool down)
       : whole_(whole), chunks_(chunks), chunk_count_(chunk_count), beam_(axis, down) {}
 
-  /// @return  false where there are more than a part holds, or more to be expected
+  /// @return  false when there are, or are expected to be, more facets than a part holds
   bool gather(FacetPart& part, float most_expected) {
     part.begin(whole_);
     if (!bound_lines()) return true;
@@ -88,7 +89,7 @@ class PartSearch {
   }
 
  private:
-  /// @return  false when no facet lies between the depths at which rays begin and end
+  /// @return  false when no facet is between the depths at which rays begin and end
   HWY_INLINE bool bound_lines() {
     VecF first = hn::Set(floats, beyond), last = hn::Set(floats, -beyond);
     for_each_vector([&](const FacetLines& lines, std::size_t r, MaskF alive) HWY_ATTR {
@@ -101,7 +102,7 @@ class PartSearch {
     return whole_.facet_count != 0 && beam_.w_from <= beam_.w_to;
   }
 
-  /// @param at_low, at_high  as FacetBeam::set_lines takes them
+  /// @param at_low, at_high  as in FacetBeam::set_lines
   HWY_INLINE void bound_places(float* at_low, float* at_high) const {
     const VecF end_of_box[2] = {hn::Set(floats, beam_.w_from), hn::Set(floats, beam_.w_to)};
     VecF least[2][2], most[2][2];
@@ -159,7 +160,7 @@ class PartSearch {
     return true;
   }
 
-  /// Puts what was found into blocks under one node.
+  /// Puts the facets found into blocks under one node.
   HWY_INLINE void finish(FacetPart& part) const {
     if (part.count == 0) return;
     for (std::uint32_t f = part.count; f % FacetBlock::size != 0; ++f)
@@ -192,7 +193,7 @@ class PartSearch {
   FacetBeam beam_;
 };
 
-/// The axis and the way of all rays of a chunk, if it is one.
+/// Returns the major axis and the direction of all rays of a chunk, if they are the same for all.
 HWY_INLINE std::optional<std::pair<int, bool>> only_direction(const Directions& of) {
   const std::uint64_t all = of.along[0] | of.along[1] | of.along[2];
   for (int axis = 0; axis < 3; ++axis)

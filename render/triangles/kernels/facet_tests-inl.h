@@ -1,4 +1,4 @@
-// Facets against rays: which of them pass through it, on which side, and how deep.
+// Tests facets against rays: which rays pass through a facet, from which side, and at which depth.
 #if defined(RHORAY_WIDE_FACET_TESTS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_FACET_TESTS_INL_H
 #undef RHORAY_WIDE_FACET_TESTS_INL_H
@@ -18,13 +18,13 @@
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
 
-/// Facets of blocks, one by one, against the rays of a group.
+/// Tests facets of blocks, one by one, against the rays of a group.
 template <FacetSearch search>
 class FacetTests {
  public:
   explicit HWY_INLINE FacetTests(FacetGroup& group) : group_(group) {}
 
-  /// Facets of a block that the group may meet, one by one.
+  /// Tests the facets of a block that the group may hit, one by one.
   HWY_INLINE void look_into(std::uint32_t block_index) {
     const FacetBlock& block = group_.surface.blocks[block_index];
     const std::uint32_t first = block_index * FacetBlock::size;
@@ -45,8 +45,9 @@ class FacetTests {
           }
           size = hn::Max(size, hn::Sub(high, low));
         }
-        // Corners of a facet near a ray have places of at most twice its size, d: products of a place and an error, of
-        // two errors, and the rounding of two products and a difference.
+        // Corners of a facet near a ray have positions of at most twice its size, d. The margin
+        // covers products of a position and an error, products of two errors, and the rounding of
+        // two products and a difference.
         const VecF d = hn::Add(size, size);
         const VecF factor = hn::MulAdd(hn::Set(floats, 1.25f), d, hn::Set(floats, 4.25f));
         const VecF margin =
@@ -65,7 +66,7 @@ class FacetTests {
     group_.find_group_far();
   }
 
-  /// Tests of a facet against a pack since they were last forgotten.
+  /// Number of tests of a facet against a pack since forget_count().
   HWY_INLINE std::uint64_t count() const { return tests_; }
   HWY_INLINE void forget_count() { tests_ = 0; }
 
@@ -75,7 +76,7 @@ class FacetTests {
     VecF u[4], v[4], w[4];
   };
 
-  /// @return  the packs of which a ray was hit
+  /// @return  the packs in which a ray was hit
   HWY_INLINE std::uint32_t test_facet(const FacetBlock& block, std::uint32_t first, std::uint32_t f) {
     Corners corners;
     for (int c = 0; c < 4; ++c) {
@@ -107,7 +108,7 @@ class FacetTests {
     return changed;
   }
 
-  /// @param facet  its place among the fields; for any crossing, in the blocks
+  /// @param facet  its index in `fields`; for any crossing, in the blocks
   /// @return       true when a ray was hit
   HWY_INLINE bool test_pack(const Corners& corners, std::size_t p, std::uint32_t facet, std::uint32_t f) {
     bool changed = false;
@@ -132,7 +133,7 @@ class FacetTests {
         const VecF least = hn::Min(hn::Min(ab, bc), hn::Min(cd, da)), most = hn::Max(hn::Max(ab, bc), hn::Max(cd, da));
         any = hn::Or(hn::Ge(least, minus), hn::Le(most, margin));
         if (hn::AllFalse(floats, any)) continue;
-        // The edge between the ends of a triangle's last corner is none.
+        // The edge between the two copies of a triangle's last corner is ignored.
         const MaskF is_triangle =
             hn::And(hn::And(hn::Eq(corners.u[2], corners.u[3]), hn::Eq(corners.v[2], corners.v[3])),
                     hn::Eq(corners.w[2], corners.w[3]));
@@ -149,7 +150,7 @@ class FacetTests {
       const MaskF is_acd = hn::Or(hn::Ge(least_acd, zero), hn::Le(most_acd, zero));
       any = hn::Or(is_abc, is_acd);
       if (hn::AllFalse(floats, any)) continue;
-      // A triangle seen edge-on has no inside: where it has neighbours, they are met.
+      // A triangle seen edge-on has no inside: where it has neighbours, those are hit.
       const VecF weight_abc = hn::Add(hn::Add(ab, bc), ca), weight_acd = hn::Add(hn::Add(cd, da), ac);
       is_abc = hn::And(is_abc, hn::Ne(weight_abc, zero));
       any = hn::Or(is_abc, hn::And(is_acd, hn::Ne(weight_acd, zero)));
@@ -179,8 +180,8 @@ class FacetTests {
     return changed;
   }
 
-  /// Rays that are done when they pass through any facet between their ends.
-  /// @param through  rays that pass through this one
+  /// Finishes rays that need only know whether they pass through any facet between their ends.
+  /// @param through  rays that pass through this facet
   HWY_INLINE bool note_any(const Corners& corners, MaskF is_abc, MaskF through, VecF ab, VecF bc, VecF cd, VecF da,
                            VecF ac, VecF weight, std::size_t r, std::uint32_t facet, std::uint32_t f) {
     const VecF none = hn::Set(floats, -beyond), end = hn::Load(floats, group_.scratch.depth + r);
@@ -198,7 +199,7 @@ class FacetTests {
     return true;
   }
 
-  /// @param facet  by its place in the blocks
+  /// @param facet  its index in the blocks
   HWY_INLINE bool is_sure(std::uint32_t facet) const {
     const std::uint16_t* sure = group_.surface.sure;
     return sure != nullptr && (sure[facet / FacetBlock::size] >> facet % FacetBlock::size & 1) != 0;
@@ -207,7 +208,8 @@ class FacetTests {
     return group_.surface.sources != nullptr ? group_.surface.sources[facet] : facet;
   }
 
-  /// Rays that come to the facet on the side on which they start, or of which that is unknown.
+  /// Returns the rays that approach the facet from the side on which they start, or whose start
+  /// side is unknown.
   HWY_INLINE MaskF leaves_start_side(const Corners& corners, std::uint32_t facet, std::size_t r) const {
     const VecF slope_u = hn::Load(floats, group_.lines.slope[0] + r),
                slope_v = hn::Load(floats, group_.lines.slope[1] + r);
@@ -225,9 +227,9 @@ class FacetTests {
                               hn::MulAdd(slope_u, component(group_.axis_u),
                                          hn::MulAdd(slope_v, component(group_.axis_v), component(group_.axis_w))));
     const VecF start_side = hn::Load(floats, group_.lines.start_side + r), leaving = hn::Mul(rise, start_side);
-    // Written so that the facet of a flat cell, whose gradient is none, counts.
+    // Written so that the facet of a flat cell, whose gradient is NaN, counts.
     if (!group_.surface.is_of_triangles) return hn::Not(hn::Gt(leaving, hn::Zero(floats)));
-    // As starts_in of triangle_start.h; a normal here is 1 to 1.7 long.
+    // As starts_in of triangle_start.h; a normal here has a length of 1 to 1.7.
     const VecF w = hn::Mul(hn::Set(floats, group_.sign), hn::Load(floats, group_.lines.begin + r));
     const VecF away_u = hn::Sub(hn::MulAdd(slope_u, w, shift_u), corners.u[0]),
                away_v = hn::Sub(hn::MulAdd(slope_v, w, shift_v), corners.v[0]);
@@ -238,7 +240,8 @@ class FacetTests {
     return hn::Or(hn::Or(is_far, hn::Lt(leaving, hn::Zero(floats))), hn::Eq(start_side, hn::Zero(floats)));
   }
 
-  /// The mean of the corners' depths by the areas opposite, between the least of them and the largest.
+  /// Returns the mean of the corners' depths weighted by the opposite areas, clamped to their
+  /// range.
   HWY_INLINE VecF depth_at(const Corners& corners, MaskF is_abc, VecF ab, VecF bc, VecF cd, VecF da, VecF ac,
                            VecF weight, std::uint32_t f) const {
     const VecF of_a = hn::IfThenElse(is_abc, bc, cd), of_c = hn::IfThenElse(is_abc, ab, da);
@@ -249,8 +252,8 @@ class FacetTests {
     return hn::Min(hn::Max(depth, hn::Set(floats, facet_near_[f])), hn::Set(floats, facet_far_[f]));
   }
 
-  /// Hits that are proven, and doubts.
-  /// @param sure  rays that pass through the facet for certain; the exact one included
+  /// Records proven hits, and doubts.
+  /// @param sure  rays that certainly pass through the facet, and so does the exact ray
   /// @param any   rays that may pass through it
   HWY_INLINE bool note_certified(const Corners& corners, const VecF* x, const VecF* y, MaskF sure, MaskF any, VecF ab,
                                  VecF bc, VecF cd, VecF da, VecF ac, std::size_t r, std::uint32_t facet,
@@ -270,13 +273,13 @@ class FacetTests {
     if (hn::AllFalse(floats, any)) return false;
     if (group_.surface.fields[facet].doubt > beyond) sure = no_lane(floats);
 
-    // On which side of the diagonal the ray passes is told by the diagonal.
+    // The diagonal's edge function tells on which side of the diagonal the ray passes.
     const VecF weight_abc = hn::Sub(hn::Add(ab, bc), ac), weight_acd = hn::Add(hn::Add(cd, da), ac);
     const VecF least_abc = hn::Min(hn::Min(ab, bc), hn::Neg(ac)), most_abc = hn::Max(hn::Max(ab, bc), hn::Neg(ac));
     const MaskF is_abc = hn::Or(hn::Ge(least_abc, zero), hn::Le(most_abc, zero));
     const VecF weight = hn::IfThenElse(is_abc, weight_abc, weight_acd);
     const VecF depth = depth_at(corners, is_abc, ab, bc, cd, da, ac, weight, f);
-    // Weights are off by the margin each.
+    // Each weight has an error of up to the margin.
     const VecF thickness = hn::Sub(facet_far, facet_near);
     const VecF share = hn::Min(hn::Set(floats, 1.0f), hn::Div(hn::Set(floats, 4 * margin_[f]), hn::Abs(weight)));
     const VecF error = hn::MulAdd(thickness, share, hn::Add(e, e));
@@ -301,7 +304,7 @@ class FacetTests {
     return true;
   }
 
-  /// In a certified answer: the facet is to be looked at again for these rays.
+  /// Certified: records that the facet must be tested again for these rays.
   HWY_INLINE void keep_doubts(MaskF unsure, VecF near, std::size_t r, std::uint32_t facet) {
     const VecF doubt = hn::Load(floats, group_.scratch.doubt + r);
     hn::Store(hn::Min(doubt, hn::IfThenElse(unsure, near, doubt)), floats, group_.scratch.doubt + r);
@@ -316,8 +319,8 @@ class FacetTests {
 
   FacetGroup& group_;
   alignas(64) float facet_near_[FacetBlock::size], facet_far_[FacetBlock::size];
-  alignas(
-      64) float margin_[FacetBlock::size];  ///< certified: what an edge's function is off by, at most, near the facet
+  /// certified: upper bound of the error of an edge function near the facet.
+  alignas(64) float margin_[FacetBlock::size];
   std::uint64_t tests_ = 0;
 };
 

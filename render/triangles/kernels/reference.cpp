@@ -11,12 +11,12 @@
 #include "render/triangles/facets.h"
 #include "render/triangles/kernels/triangle_start.h"
 
-/// Where rays first meet a surface's triangles: in double precision, one ray at a time.
+/// First hits of rays with a surface's triangles: in double precision, one ray at a time.
 namespace rhoray::render {
 
 namespace {
 
-/// A ray among the boxes of facets, in their frame.
+/// Intersects a ray with the boxes of facets, in their frame.
 class BoxPassage {
  public:
   BoxPassage(const Ray& ray, const Facets& facets)
@@ -29,7 +29,8 @@ class BoxPassage {
     }
   }
 
-  /// From where on the ray is in a box of a node, widened by the margin; infinity where it passes by.
+  /// Returns the t from which the ray is in a box of a node, widened by the margin; infinity when
+  /// it misses.
   double enters(const BoxNode& node, std::size_t child) const {
     double t_in = t_min_, t_out = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
@@ -54,7 +55,8 @@ class BoxPassage {
   double t_min_;
 };
 
-/// One ray's search for the nearest triangle; of those at the same t the one that stands first.
+/// Searches for the nearest triangle along one ray; of those at the same t the one with the lowest
+/// index.
 class FirstTriangle {
  public:
   FirstTriangle(const SurfaceVolume& view, const Facets& facets, const RayQuery& query, const Ray& ray,
@@ -102,7 +104,7 @@ class FirstTriangle {
     }
   }
 
-  /// What begins behind this is not needed.
+  /// Boxes that begin behind this t are skipped.
   double nearest_box() const { return hit_.is_miss() ? ray_.t_max : hit_.t; }
 
   void look_into(std::uint32_t block) {
@@ -140,7 +142,7 @@ class FirstTriangle {
   Hit hit_;
 };
 
-/// False of rays that do not move, or are not of finite numbers.
+/// False for rays that do not move, or are not finite.
 bool is_ray(const Ray& ray) {
   for (int axis = 0; axis < 3; ++axis)
     if (!std::isfinite(ray.origin[axis]) || !std::isfinite(ray.direction[axis])) return false;
@@ -167,7 +169,7 @@ void no_values(const VolumeImplementation&, const RayQuery&, const RayBatch& ray
   for (std::size_t r = 0; r < rays.count; ++r) hits.set(r, {});
 }
 
-/// The tree; it says of no ray that it is answered.
+/// Builds the tree. Never answers a ray in advance.
 std::optional<SurfaceBoxes> prepare_triangles(const VolumeImplementation& volume, const RayQuery&, unsigned threads) {
   volume.facets->of(std::get<SurfaceVolume>(volume.view), volume.bounds_volume, 0, threads);
   return std::nullopt;
