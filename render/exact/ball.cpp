@@ -35,7 +35,8 @@ BallCubic along(const std::array<double, 8>& corner, double offset, const std::a
     f[c].middle = corner[c] - offset;
     f[c].radius = 2 * ball_detail::unit * std::abs(f[c].middle);
   }
-  std::array<Ball, 8> g;  // values at the corners of the box between p0 and p1: corner (a, b, c) at a + 2 b + 4 c
+  // Values at the corners of the box between p0 and p1: corner (a, b, c) at a + 2 b + 4 c.
+  std::array<Ball, 8> g;
   std::array<Ball, 4> rows[2];
   for (std::size_t r = 0; r < 4; ++r) {
     rows[0][r] = between(f[2 * r], f[2 * r + 1], p0[0]);

@@ -9,11 +9,12 @@
 
 namespace rhoray::render {
 
-/// A number known to lie within `radius` of `middle`, both doubles: interval arithmetic by midpoint and radius, which
-/// needs no change of the rounding mode. An overflow makes the radius infinite or NaN, and then nothing is certain.
+/// A number known to be within `radius` of `middle`, both doubles: interval arithmetic by midpoint
+/// and radius, which needs no change of the rounding mode. An overflow makes the radius infinite or
+/// NaN, and then nothing is certain.
 ///
-/// Each operation adds to the radius at least twice what its roundings can amount to, so that the roundings of the
-/// radius itself are covered as well.
+/// Each operation adds to the radius at least twice the maximum of its roundings, so that the
+/// roundings of the radius itself are covered as well.
 struct Ball {
   double middle = 0;
   double radius = 0;
@@ -30,7 +31,7 @@ struct Ball {
 
 namespace ball_detail {
 constexpr double unit = 0x1p-53;                             // the relative error of one rounding
-constexpr double tiny = std::numeric_limits<double>::min();  // more than underflow can take away
+constexpr double tiny = std::numeric_limits<double>::min();  // more than the loss by underflow
 }  // namespace ball_detail
 
 inline Ball operator+(const Ball& a, const Ball& b) {
@@ -61,10 +62,11 @@ inline Ball operator/(const Ball& a, const Ball& b) {
   return {middle, spread * (1 + 32 * unit) + 2 * unit * std::abs(middle) + 4 * tiny};
 }
 
-/// (1 - w) a + w b for a weight in [0, 1], the middle of its ball too: as a convex combination no wider than it need
-/// be.
+/// (1 - w) a + w b for a weight in [0, 1], as is the middle of its ball: computed as a convex
+/// combination it is no wider than necessary.
 ///
-/// Rounding: u (1 - w) |a| from 1 - w, u of each product, u of the sum, together at most 3 u max(|a|, |b|).
+/// Rounding: u (1 - w) |a| from 1 - w, u of each product, u of the sum, together at most 3 u
+/// max(|a|, |b|).
 inline Ball between(const Ball& a, const Ball& b, const Ball& w) {
   using namespace ball_detail;
   const double radius = std::max(a.radius, b.radius);
@@ -73,18 +75,18 @@ inline Ball between(const Ball& a, const Ball& b, const Ball& w) {
           radius * (1 + 8 * unit) + (2 * w.radius + 4 * unit) * size + 4 * tiny};
 }
 
-/// A cubic on [0, 1] by its Bernstein coefficients.
+/// A cubic on [0, 1] in Bernstein coefficients.
 struct BallCubic {
   std::array<Ball, 4> b;
 
   Ball at(double s) const;
 
-  /// Its Bernstein coefficients between l and r, both in [0, 1].
+  /// Returns its Bernstein coefficients between l and r, both in [0, 1].
   BallCubic on(double l, double r) const;
 };
 
-/// rho - offset in a trilinear cell along the straight line from p0 to p1, both in [0, 1]^3: render/cell/trilinear.h
-/// says why these are the Bernstein coefficients.
+/// rho - offset in a trilinear cell along the straight line from p0 to p1, both in [0, 1]^3.
+/// render/cell/trilinear.h explains why these are the Bernstein coefficients.
 BallCubic along(const std::array<double, 8>& corner, double offset, const std::array<Ball, 3>& p0,
                 const std::array<Ball, 3>& p1);
 

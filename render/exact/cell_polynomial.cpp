@@ -4,8 +4,8 @@ namespace rhoray::render::exact {
 
 namespace {
 
-/// Linear functions of t on one axis: the distance from the lower plane and to the upper one, and their sum, the width.
-/// In units of a power of two.
+/// Linear functions of t on one axis: the distance from the lower plane and to the upper one, and
+/// their sum, the width. In units of a power of two.
 struct Weights {
   std::array<Whole, 2> from_low, to_high;
   Whole width;

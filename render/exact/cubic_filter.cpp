@@ -21,14 +21,16 @@ class RootSearch {
  public:
   explicit RootSearch(const BallCubic& whole) : whole_(whole) {}
 
-  /// Counts the roots between l and r, where the cubic has certain signs; false when that is in doubt.
+  /// Counts the roots between l and r, where the cubic has certain signs; false when the count is
+  /// in doubt.
   bool search(double l, double r, const BallCubic& piece, int halvings) {
     const int start = piece.b[0].sign(), middle1 = piece.b[1].sign(), middle2 = piece.b[2].sign(),
               end = piece.b[3].sign();
     if (start == end) {
       if (middle1 == start && middle2 == start) return true;
     } else if (middle1 == start || middle2 == end) {
-      // One sign variation, whatever the sign that may be in doubt: exactly one root, by Descartes' rule.
+      // One sign variation, whatever the sign that may be in doubt: exactly one root, by Descartes'
+      // rule.
       if (found_.count++ == 0) found_.first = {l, r};
       return true;
     }
@@ -37,7 +39,8 @@ class RootSearch {
     return search_both(l, at, r, halvings - 1);
   }
 
-  /// Cuts at the critical points first: between them one look decides, if nothing is close to zero.
+  /// Splits at the critical points first: between them one test decides, if nothing is close to
+  /// zero.
   bool search_all() {
     const Cubic::CriticalPoints critical = middles(whole_).critical_points();
     double l = 0;
@@ -86,7 +89,7 @@ double upper_bound(const BallCubic& piece) {
   return std::max({upper(piece.b[0]), upper(piece.b[1]), upper(piece.b[2]), upper(piece.b[3])});
 }
 
-/// Bernstein coefficients of the derivative / 3.
+/// Returns the Bernstein coefficients of the derivative / 3.
 std::array<Ball, 3> slope_of(const BallCubic& piece) {
   return {piece.b[1] - piece.b[0], piece.b[2] - piece.b[1], piece.b[3] - piece.b[2]};
 }
@@ -129,7 +132,7 @@ std::optional<CertainMaximum> certain_maximum(const BallCubic& cubic, double wid
   if (is_below(b[0], lower(b[3])) && is_below(b[1], lower(b[3])) && is_below(b[2], lower(b[3])))
     return CertainMaximum{b[3].enclosure(), {1, 1}};
 
-  // Inside: where the slope falls through zero, which a cubic's does once at most.
+  // Inside: where the slope falls through zero, which happens at most once for a cubic.
   const std::array<Ball, 3> slope = slope_of(cubic);
   const auto slope_at = [&](double s) {
     const Ball w{s, 0};

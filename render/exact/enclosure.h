@@ -2,7 +2,7 @@
 
 namespace rhoray::render {
 
-/// A number that lies in [lo, hi], both ends included.
+/// A number in [lo, hi], both ends included.
 struct Enclosure {
   double lo = 0;
   double hi = 0;
@@ -13,7 +13,7 @@ struct Enclosure {
 
 /// How a decision was reached.
 enum class Road {
-  filter,  ///< in double precision, every sign certain
+  filter,  ///< in double precision, with every sign certain
   exact    ///< in rational numbers
 };
 

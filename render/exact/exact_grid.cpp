@@ -17,7 +17,7 @@ using exact::Rational;
 using exact::RayClock;
 using exact::Time;
 
-/// A cell with the ray's part in it, of some length.
+/// A cell and the ray's part in it, with a length above zero.
 struct Visit {
   Index3 cell;
   Time in, out;
@@ -57,8 +57,8 @@ std::optional<TimeSpan> part_in_box(const ExactGridSource& grid, const RayClock&
   return part;
 }
 
-/// Calls look(const Visit&) for the cells through which the ray goes, front to back, until it returns false. Regions
-/// for which skips(const CellRegion&) says true are passed by.
+/// Calls look(const Visit&) for the cells through which the ray passes, front to back, until it
+/// returns false. Skips regions for which skips(const CellRegion&) is true.
 template <class Skips, class Look>
 void walk(const ExactGridSource& grid, const RayClock& clock, const TimeSpan& part, ExactEffort& effort, Skips&& skips,
           Look&& look) {
@@ -67,7 +67,8 @@ void walk(const ExactGridSource& grid, const RayClock& clock, const TimeSpan& pa
   const auto locate = [&] {
     for (int axis = 0; axis < 3; ++axis) cell[axis] = clock.cell_at(axis, now);
   };
-  /// The first of the moments at which the ray leaves a box of cells, or the end of the ray if that comes first.
+  /// Returns the time at which the ray leaves a box of cells, or the end of the ray if that comes
+  /// first.
   const auto leave = [&](const Index3& first, const Index3& end) {
     Time out = part.out;
     for (int axis = 0; axis < 3; ++axis) {
@@ -97,7 +98,8 @@ void walk(const ExactGridSource& grid, const RayClock& clock, const TimeSpan& pa
     ++effort.cells_visited;
     const Time out = leave(cell, cell + Index3(1, 1, 1));
     if (!look(Visit{cell, now, out, grid.corners(cell)})) return;
-    // Planes that are passed at the same time are passed together: what lies between is of length zero.
+    // Planes that are passed at the same time are passed together: the part between them has length
+    // zero.
     for (int axis = 0; axis < 3; ++axis)
       if (clock.step(axis) != 0 && clock.compare(clock.exit(axis, cell[axis]), out) == 0)
         cell[axis] += clock.step(axis);
@@ -124,8 +126,9 @@ class CrossingSearch {
   CrossingSearch(const RayClock& clock, double isovalue, double width)
       : clock_(clock), isovalue_(isovalue), width_(width) {}
 
-  /// All present values on one side: the surface is not in there. The ray's side is found anew behind it, as the same
-  /// side if there are data all the way, for faces are shared.
+  /// True when all present values are on one side: the surface is not in the region. The ray's side
+  /// is determined again behind it. It is the same side if there are data all the way, because
+  /// faces are shared.
   bool skips(const CellRegion& region) {
     const bool says_nothing_new = region.is_empty() || region.smallest >= isovalue_ || region.largest < isovalue_;
     if (!says_nothing_new || ends_at_face_) return false;
@@ -133,7 +136,7 @@ class CrossingSearch {
     return true;
   }
 
-  /// False when the verdict stands.
+  /// False when the verdict is final.
   bool look(const Visit& visit) {
     if (ends_at_face_) {
       verdict.touches = !(visit.has_data() && is_inside_behind_entry(visit));
@@ -162,7 +165,7 @@ class CrossingSearch {
   GridRayVerdict verdict;
 
  private:
-  /// Whether the side changes in a cell; nothing when that, or where, is in doubt.
+  /// Determines whether the side changes in a cell; nothing when that, or where, is in doubt.
   std::optional<bool> look_in_doubles(const Visit& visit) {
     const double length = visit.out.at.middle - visit.in.at.middle;
     const auto roots = certain_roots(ball_cubic(clock_, visit, isovalue_), 0.5 * width_ / length);
@@ -187,7 +190,7 @@ class CrossingSearch {
     report(visit, chart.enclosing_root(change->root, width_),
            chart.is_zero_throughout() ? -1 : static_cast<int>(chart.roots().size()));
     verdict.touches = change->touches;
-    // What comes behind the face says whether the ray goes on inside.
+    // The cell behind the face tells whether the ray continues inside.
     ends_at_face_ = change->touches && chart.roots()[static_cast<std::size_t>(change->root)].lo == out;
     return ends_at_face_;
   }

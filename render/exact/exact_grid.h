@@ -9,7 +9,7 @@
 
 namespace rhoray::render {
 
-/// What a verdict took.
+/// The cost of a verdict.
 struct ExactEffort {
   std::int64_t cells_visited = 0;
   std::int64_t regions_skipped = 0;
@@ -23,34 +23,38 @@ struct GridRayVerdict {
   /// The ray comes from outside and is inside at this one point only, as far as there are data.
   bool touches = false;
   Enclosure t{};
-  /// The cell in which the change is seen first along the ray: at a shared face, from outside the cell before it, from
-  /// inside the one behind.
+  /// The first cell along the ray in which the change is seen. At a shared face it is, from
+  /// outside, the cell before it; from inside, the one behind.
   Index3 cell{0, 0, 0};
-  int root_count = 0;  ///< in that cell's closed part of the ray; -1 when the value is the isovalue all along it
+  /// In that cell's closed part of the ray; -1 when the value is the isovalue everywhere on it.
+  int root_count = 0;
   ExactEffort effort{};
 };
 
-/// Where the side first changes along a ray through a grid, decided exactly: trilinear between the samples as given,
-/// along origin + t * direction with the doubles as given. Inside is value >= isovalue.
+/// Finds where the side first changes along a ray through a grid, decided exactly: trilinear
+/// between the given samples, along origin + t * direction with the given doubles. Inside is value
+/// >= isovalue.
 ///
-/// The box of the grid is closed, [t_min, t_max] too. The ray starts on the side where it meets data, and forgets its
-/// side in absent cells: no surface is seen at the border of data. Where it lies in a plane between cells it goes
-/// through the cells above the plane, in the last plane through the last ones. A component of the direction with an
-/// infinite inverse counts as zero (PlaneTimesOf). Parts of length zero count for nothing. No hit for a direction of
-/// zero, for a ray that is not finite, and beyond the range of doubles.
+/// The box of the grid is closed, and so is [t_min, t_max]. The ray starts on the side where it
+/// meets data, and forgets its side in absent cells: there is no surface at the border of data. A
+/// ray in a plane between cells goes through the cells above the plane; in the last plane it goes
+/// through the last cells. A component of the direction with an infinite inverse counts as zero
+/// (PlaneTimesOf). Parts of length zero are ignored. There is no hit for a direction of zero, for a
+/// ray that is not finite, and beyond the range of doubles.
 ///
-/// @param width  > 0, finite; the enclosure of t is at most this wide, or its ends are the same or neighbouring doubles
+/// @param width  > 0, finite; the enclosure of t is at most this wide, or its ends are the same or
+///   neighbouring doubles
 GridRayVerdict exact_first_crossing(const ExactGridSource& grid, const Ray& ray, double isovalue, double width);
 
 struct GridMaximumVerdict {
   bool has_value = false;  ///< false where the ray meets no data
   Enclosure value{};       ///< its ends are the same or neighbouring doubles
-  Enclosure t{};           ///< of the smallest t where it is reached
+  Enclosure t{};           ///< of the smallest t at which it is reached
   Index3 cell{0, 0, 0};    ///< the first along the ray that reaches it
   ExactEffort effort{};
 };
 
-/// The largest value along the same ray.
+/// Finds the largest value along the same ray.
 GridMaximumVerdict exact_largest_value(const ExactGridSource& grid, const Ray& ray, double width);
 
 }  // namespace rhoray::render

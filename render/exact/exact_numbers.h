@@ -18,25 +18,27 @@ inline int sign_of(const Rational& x) {
   return x.sign();
 }
 
-/// The largest double that is not above x, -infinity where there is none.
+/// Returns the largest double that is not above x; -infinity if there is none.
 double rounded_down(const Rational& x);
 
-/// The smallest double that is not below x, infinity where there is none.
+/// Returns the smallest double that is not below x; infinity if there is none.
 double rounded_up(const Rational& x);
 
 inline Enclosure enclosing(const Rational& lo, const Rational& hi) {
   return {rounded_down(lo), rounded_up(hi)};
 }
 
-/// The doubles next to one another around x, or x itself twice.
+/// Returns the adjacent doubles around x, or x itself twice.
 inline Enclosure enclosing(const Rational& x) {
   return enclosing(x, x);
 }
 
-/// An enclosure that no finer one in doubles could better by much: its ends are the same or neighbours.
+/// True when no finer enclosure in doubles could be much better: its ends are the same or
+/// neighbours.
 bool is_tight(const Enclosure& enclosure);
 
-/// Several finite doubles as whole numbers of one unit, a power of two: x = whole(x) * 2^exponent.
+/// Expresses several finite doubles as integers in one unit, a power of two: x = whole(x) *
+/// 2^exponent.
 class CommonUnit {
  public:
   explicit CommonUnit(std::span<const double> numbers);
@@ -50,7 +52,7 @@ class CommonUnit {
   int exponent_;
 };
 
-/// 2^exponent.
+/// Returns 2^exponent.
 Rational power_of_two(int exponent);
 
 }  // namespace rhoray::render::exact

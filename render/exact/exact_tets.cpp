@@ -32,9 +32,10 @@ bool is_ray(const Ray& ray) {
          ray.t_min <= ray.t_max && ray.t_min < infinity && ray.t_max > -infinity;
 }
 
-// --- In double precision -----------------------------------------------------------------------------------------
+//  --- In double precision ---------------------------------------------------------------------
 
-/// Where the ray enters and leaves, and value - isovalue there; in before out, signs and all for certain.
+/// The values of t at which the ray enters and leaves, and value - isovalue there. `in` is
+/// certainly before `out`, and all signs are certain.
 struct CertainPassage {
   Ball t_in, t_out, value_in, value_out;
   const ExactTet* tet;
@@ -42,14 +43,14 @@ struct CertainPassage {
 
 enum class Seen { missed, passed, in_doubt };
 
-/// A tetrahedron that the ray meets, perhaps.
+/// A tetrahedron that the ray may hit.
 struct Met {
   const ExactTet* tet;
-  Enclosure t;                            ///< where the ray may be in it
+  Enclosure t;                            ///< range in which the ray may be in it
   std::optional<CertainPassage> passage;  ///< nothing when in doubt
 };
 
-/// CandidateList at tetrahedra along the ray, in a picture plane in which the ray stands at (0, 0).
+/// Tests tetrahedra along the ray, in a picture plane in which the ray is at (0, 0).
 class View {
  public:
   View(const Ray& ray, double isovalue) : ray_(ray), isovalue_(isovalue) {
@@ -58,7 +59,7 @@ class View {
       if (std::abs(d[axis]) > std::abs(d[z_])) z_ = axis;
   }
 
-  /// Nothing for one that the ray certainly misses.
+  /// Returns nothing for a tetrahedron that the ray certainly misses.
   std::optional<Met> look(const ExactTet& tet) const {
     CertainPassage passage{};
     Enclosure depth{};
@@ -75,7 +76,7 @@ class View {
     Ball x, y, t, value;
   };
 
-  /// Without limits where overflow has left none.
+  /// Unbounded when an overflow has destroyed the limits.
   static Enclosure hull(const Enclosure& a, const Enclosure& b) {
     const double lo = std::min(a.lo, b.lo), hi = std::max(a.hi, b.hi);
     const bool is_known = a.lo <= a.hi && b.lo <= b.hi;
@@ -98,7 +99,7 @@ class View {
       const std::size_t i = left_out == 0 ? 1 : 0, j = left_out <= 1 ? 2 : 1, k = left_out == 3 ? 2 : 3;
       const Ball weights[] = {edge[j][k], Ball{-edge[i][k].middle, edge[i][k].radius}, edge[i][j]};
       const auto [least, most] = std::minmax({weights[0].sign(), weights[1].sign(), weights[2].sign()});
-      if (least < 0 && most > 0) continue;           // beside this face
+      if (least < 0 && most > 0) continue;           // passes beside this face
       if (least * most != 1) return Seen::in_doubt;  // a sign is not certain
       if (passed == 2) return Seen::in_doubt;
       const Ball sum = weights[0] + weights[1] + weights[2];
@@ -123,7 +124,7 @@ class View {
             Ball{value} - Ball{isovalue_}};
   }
 
-  /// Cuts a passage to [t_min, t_max].
+  /// Clips a passage to [t_min, t_max].
   Seen clip(CertainPassage& passage) const {
     const CertainPassage whole = passage;
     const auto cut = [&](double limit, Ball& t, Ball& value) {
@@ -148,7 +149,7 @@ class View {
   int z_ = 0;
 };
 
-// --- In rational numbers -----------------------------------------------------------------------------------------
+//  --- In rational numbers -----------------------------------------------------------------------
 
 /// numerator / denominator > 0, not in lowest terms: comparing costs less than reducing.
 struct Fraction {
@@ -175,11 +176,12 @@ struct Linear {
 
   int sign_at(const Fraction& t) const { return Whole(c0 * t.denominator + c1 * t.numerator).sign(); }
 
-  /// Where it is zero; c1 must not be.
+  /// Returns its zero; c1 must not be 0.
   Fraction zero() const { return c1.sign() > 0 ? Fraction{-c0, c1} : Fraction{c0, -c1}; }
 };
 
-/// The part of the ray in a tetrahedron, in < out, and there value - offset = excess / volume * unit, volume > 0.
+/// The part of the ray in a tetrahedron, in < out. Inside it value - offset = excess / volume *
+/// unit, volume > 0.
 struct ExactPassage {
   Fraction in, out;
   Linear excess;
@@ -202,8 +204,9 @@ Whole dot(const WholeVec& a, const WholeVec& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/// Six times the volumes that a point of the ray spans with the faces, each signed so that all are positive inside,
-/// as functions of t. Nothing for a tetrahedron without volume.
+/// Returns six times the volumes that a point of the ray spans with the faces, as functions of t.
+/// Each is signed so that all are positive inside. Returns nothing for a tetrahedron without
+/// volume.
 std::optional<std::array<Linear, 4>> weights_along(const ExactTet& tet, const Ray& ray) {
   std::array<double, 18> numbers{};
   for (std::size_t i = 0; i < 4; ++i)
@@ -213,14 +216,15 @@ std::optional<std::array<Linear, 4>> weights_along(const ExactTet& tet, const Ra
     numbers[15 + axis] = ray.direction[static_cast<int>(axis)];
   }
   const exact::CommonUnit unit(numbers);
-  std::array<WholeVec, 4> p;  // seen from the origin of the ray
+  std::array<WholeVec, 4> p;  // relative to the origin of the ray
   WholeVec d;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const Whole origin = unit.whole(numbers[12 + axis]);
     for (std::size_t i = 0; i < 4; ++i) p[i][axis] = unit.whole(numbers[3 * i + axis]) - origin;
     d[axis] = unit.whole(numbers[15 + axis]);
   }
-  // det(a - t d, b - t d, c - t d) = det(a, b, c) - t (d . (a x b + b x c + c x a)); each edge's part serves two faces
+  // det(a - t d, b - t d, c - t d) = det(a, b, c) - t (d . (a x b + b x c + c x a)); each edge's
+  // part serves two faces
   const WholeVec x01 = cross(p[0], p[1]), x02 = cross(p[0], p[2]), x03 = cross(p[0], p[3]);
   const WholeVec x12 = cross(p[1], p[2]), x13 = cross(p[1], p[3]), x23 = cross(p[2], p[3]);
   const Whole e01 = dot(d, x01), e02 = dot(d, x02), e03 = dot(d, x03);
@@ -234,7 +238,7 @@ std::optional<std::array<Linear, 4>> weights_along(const ExactTet& tet, const Ra
   return weight;
 }
 
-/// Nothing when the ray misses the tetrahedron or meets it in a point only.
+/// Returns nothing when the ray misses the tetrahedron or meets it in a point only.
 std::optional<ExactPassage> passage_of(const ExactTet& tet, const Ray& ray, double offset) {
   const auto weights = weights_along(tet, ray);
   if (!weights) return std::nullopt;
@@ -253,7 +257,8 @@ std::optional<ExactPassage> passage_of(const ExactTet& tet, const Ray& ray, doub
     if (slope > 0) not_before(w.zero());
     if (slope < 0) not_behind(w.zero());
   }
-  if (compare(*in, *out) >= 0) return std::nullopt;  // both are there: weights rise and fall along any direction
+  // Both exist: along any direction some weights increase and some decrease.
+  if (compare(*in, *out) >= 0) return std::nullopt;
 
   ExactPassage passage{.in = *in, .out = *out, .excess = {}, .volume = 0, .tet = &tet};
   const exact::CommonUnit unit(std::array{tet.value[0], tet.value[1], tet.value[2], tet.value[3], offset});
@@ -267,7 +272,7 @@ std::optional<ExactPassage> passage_of(const ExactTet& tet, const Ray& ray, doub
   return passage;
 }
 
-/// The first change on one tetrahedron of a ray that comes into it on a known side.
+/// Returns the first change in one tetrahedron for a ray that enters it on a known side.
 std::optional<Fraction> change_in(const ExactPassage& passage, bool starts_inside) {
   const auto is_other_side_at = [&](const Fraction& t) { return (passage.excess.sign_at(t) >= 0) != starts_inside; };
   if (is_other_side_at(passage.in)) return passage.in;
@@ -275,15 +280,15 @@ std::optional<Fraction> change_in(const ExactPassage& passage, bool starts_insid
   return std::nullopt;
 }
 
-/// True when the ray goes on inside behind t in this tetrahedron.
+/// True when the ray continues inside behind t in this tetrahedron.
 bool goes_on_inside(const ExactPassage& passage, const Fraction& t) {
   if (compare(passage.in, t) > 0 || compare(t, passage.out) >= 0) return false;
   const int sign = passage.excess.sign_at(t);
   return sign > 0 || (sign == 0 && passage.excess.c1.sign() >= 0);
 }
 
-/// The first change in passages that join one another.
-/// @param joined  by where they begin, then by id
+/// Returns the first change in passages that join one another.
+/// @param joined  sorted by where they begin, then by id
 TetRayVerdict first_change(std::span<const ExactPassage> joined) {
   TetRayVerdict verdict;
   const bool starts_inside = joined.front().excess.sign_at(joined.front().in) >= 0;
@@ -325,9 +330,9 @@ TetRayVerdict rational_first_crossing(std::span<const Met> met, const Ray& ray, 
   return verdict;
 }
 
-/// The verdict from passages that are all certain; nothing when one is not, when they may overlap, or disagree where
-/// they may meet.
-/// @param width  of t, which is found exactly where doubles do not reach it
+/// Returns the verdict from passages that are all certain. Returns nothing when one is not, when
+/// they may overlap, or when they disagree where they may meet.
+/// @param width  of t, which is computed exactly where doubles are not precise enough
 std::optional<TetRayVerdict> certain_first_crossing(std::span<const Met> met, const Ray& ray, double isovalue,
                                                     double width) {
   std::vector<const CertainPassage*> passages;
@@ -370,7 +375,8 @@ TetRayVerdict exact_first_crossing(std::span<const ExactTet> tets, const Ray& ra
       if (auto seen = view.look(tet)) met.push_back(std::move(*seen));
   std::sort(met.begin(), met.end(), [](const Met& a, const Met& b) { return a.t.lo < b.t.lo; });
 
-  // Parts of the ray with a certain gap before them do not join what lies before: one after the other.
+  // A part of the ray with a certain gap before it does not join the parts before the gap: process
+  // the groups one after the other.
   TetRayVerdict verdict;
   for (std::size_t begin = 0; begin < met.size() && !verdict.is_hit;) {
     double reaches = met[begin].t.hi;

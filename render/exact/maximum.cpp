@@ -12,7 +12,7 @@ int sign_of_sum(const Rational& a, const Rational& b, const Rational& d) {
   const int sign_a = a.sign(), sign_b = d.sign() == 0 ? 0 : b.sign();
   if (sign_a == 0) return sign_b;
   if (sign_b == 0 || sign_a == sign_b) return sign_a;
-  const Rational rest = a * a - b * b * d;  // a and b sqrt(d) pull in opposite directions
+  const Rational rest = a * a - b * b * d;  // a and b sqrt(d) have opposite signs
   return rest.sign() == 0 ? 0 : rest.sign() > 0 ? sign_a : sign_b;
 }
 
@@ -21,10 +21,11 @@ int sign_of_root(const Rational& b, const Rational& d) {
   return d.sign() == 0 ? 0 : b.sign();
 }
 
-/// The value where the derivative of a cubic is zero and falls.
+/// Returns the value at which the derivative of a cubic is zero and decreasing.
 Surd value_at_local_maximum(const Polynomial& p) {
-  // The derivative a t^2 + b t + c is zero at t = (-b -+ sqrt(b^2 - 4 a c)) / (2 a); it falls there for the minus,
-  // whatever the sign of a. By division, p = derivative * (linear) + slope t + base.
+  // The derivative a t^2 + b t + c is zero at t = (-b -+ sqrt(b^2 - 4 a c)) / (2 a); it decreases
+  // there for the minus, whatever the sign of a. By division, p = derivative * (linear) + slope t +
+  // base.
   const Rational a(3 * p.c[3]), b(2 * p.c[2]), c(p.c[1]), p2(p.c[2]), p3(p.c[3]);
   const Rational slope = 2 * (c - p2 * p2 / (3 * p3)) / 3;
   const Rational base = Rational(p.c[0]) - c * p2 / (9 * p3);
@@ -34,7 +35,8 @@ Surd value_at_local_maximum(const Polynomial& p) {
 }  // namespace
 
 int compare(const Surd& x, const Surd& y) {
-  // The sign of (a + b sqrt(d)) + c sqrt(e): where both parts pull in opposite directions, the larger square wins.
+  // The sign of (a + b sqrt(d)) + c sqrt(e): where both parts have opposite signs, the larger
+  // square decides.
   const Rational a = x.a - y.a, c = -y.b;
   const int left = sign_of_sum(a, x.b, x.d), right = sign_of_root(c, y.d);
   if (left == 0) return right;
@@ -45,7 +47,7 @@ int compare(const Surd& x, const Surd& y) {
 
 Enclosure enclosing(const Surd& x, double width) {
   if (sign_of_root(x.b, x.d) == 0) return enclosing(x.a);
-  // sqrt(n / m) = sqrt(n m) / m, and sqrt(n m) from whole numbers to more and more binary digits.
+  // sqrt(n / m) = sqrt(n m) / m, and sqrt(n m) from integers with more and more binary digits.
   const Whole m = denominator(x.d), radicand = numerator(x.d) * m;
   for (unsigned digits = 64;; digits *= 2) {
     const Whole scaled = radicand << (2 * digits);

@@ -9,13 +9,13 @@ struct Surd {
   Rational a, b, d;
 };
 
-/// -1, 0 or 1 as x < y, x = y or x > y; exact.
+/// Returns -1, 0 or 1 for x < y, x = y or x > y; exact.
 int compare(const Surd& x, const Surd& y);
 
 /// At most `width` > 0 wide, or tight (is_tight).
 Enclosure enclosing(const Surd& x, double width);
 
-/// The largest value of a polynomial on [a, b] and the smallest t where it is reached.
+/// The largest value of a polynomial on [a, b] and the smallest t at which it is reached.
 struct Maximum {
   Surd value;
   Enclosure at;

@@ -14,10 +14,10 @@ Rational middle(const Rational& a, const Rational& b) {
   return (a + b) / 2;
 }
 
-/// The polynomial divided by (t - root) and times a positive number. The root must be one.
+/// Returns the polynomial divided by (t - root) and times a positive number. `root` must be a root.
 ///
-/// With root = n/d in lowest terms, d t - n divides a polynomial with whole coefficients and leaves whole ones (lemma
-/// of Gauss).
+/// With root = n/d in lowest terms, d t - n divides a polynomial with integer coefficients and
+/// leaves integer ones (lemma of Gauss).
 Polynomial without_root(const Polynomial& p, const Rational& root) {
   const Whole n = numerator(root), d = denominator(root);
   Polynomial quotient;
@@ -39,7 +39,7 @@ Polynomial without_root_of_any_order(Polynomial p, const Rational& root) {
 using Bernstein = std::array<Whole, 4>;
 
 Bernstein bernstein(const Polynomial& p, const Rational& a, const Rational& b) {
-  // a = n / d and b = (n + m) / d; then d^3 p(a + s (b - a)) = sum of c_k (n + s m)^k d^(3 - k).
+  // With a = n / d and b = (n + m) / d: d^3 p(a + s (b - a)) = sum of c_k (n + s m)^k d^(3 - k).
   const Whole d = denominator(a) * denominator(b);
   const Whole n = numerator(a) * denominator(b);
   const Whole m = numerator(b) * denominator(a) - n;
@@ -53,7 +53,7 @@ Bernstein bernstein(const Polynomial& p, const Rational& a, const Rational& b) {
   return {3 * e0, 3 * e0 + e1, 3 * e0 + 2 * e1 + e2, 3 * (e0 + e1 + e2 + e3)};
 }
 
-/// Both halves, each times 8.
+/// Returns both halves, each times 8.
 std::array<Bernstein, 2> halves(const Bernstein& b) {
   const Whole c0 = b[0] + b[1], c1 = b[1] + b[2], c2 = b[2] + b[3];
   const Whole d0 = c0 + c1, d1 = c1 + c2;
@@ -75,7 +75,7 @@ int sign_variations(const Bernstein& b) {
 
 struct Isolation {
   std::vector<Root> roots;
-  std::optional<Rational> hit;  ///< a root that halving has met; then the search ended there
+  std::optional<Rational> hit;  ///< a root that bisection hit exactly; the search ends there
 };
 
 void isolate(const Bernstein& b, const Rational& lo, const Rational& hi, Isolation& found) {
@@ -95,7 +95,7 @@ void isolate(const Bernstein& b, const Rational& lo, const Rational& hi, Isolati
   isolate(right, at, hi, found);
 }
 
-/// As doubles in units of the largest of them.
+/// Converts them to doubles in units of the largest of them.
 Cubic in_doubles(const Bernstein& b) {
   std::array<double, 4> mantissa{};
   std::array<long, 4> exponent{};
@@ -203,8 +203,8 @@ void SignChart::add_multiple_root() {
   simple_ = without_root_of_any_order(simple_, *root);
 }
 
-/// Roots that are known as intervals keep a distance from all others, from a and from b. An exact root may at first lie
-/// in the interval of another.
+/// Separates roots that are known as intervals from all others, from a and from b. An exact root
+/// may at first be inside the interval of another.
 void SignChart::keep_apart() {
   const auto is_free = [&](std::size_t r) {
     const Root& root = roots_[r];
@@ -222,7 +222,7 @@ Root SignChart::halved(const Root& root) const {
   return cut(root, middle(root.lo, root.hi));
 }
 
-/// The part that holds the root; `at` lies between its ends.
+/// Returns the part that contains the root; `at` is between its ends.
 Root SignChart::cut(const Root& root, const Rational& at) const {
   const int sign = simple_.sign_at(at);
   if (sign == 0) return {at, at};
@@ -241,7 +241,7 @@ Enclosure SignChart::enclosing_root(int root, double width) const {
   }
 }
 
-/// Guesses in double precision, and believes a guess when the signs around it are right.
+/// Guesses in double precision, and accepts a guess when the signs around it are correct.
 Root SignChart::narrowed(Root root, const Rational& width) const {
   while (root.hi - root.lo > width) {
     const Rational whole = root.hi - root.lo;

@@ -45,7 +45,7 @@ std::int64_t RayClock::cell_at(int axis, const Time& time) const {
     (grid_.plane(axis, middle) <= position ? below : beyond) = middle;
   }
   if (step_[axis] == 0) return below;
-  // So far in double precision; planes decide.
+  // So far in double precision; the comparisons with planes decide.
   const int step = step_[axis];
   const std::int64_t nearest = step > 0 ? 0 : count - 1, furthest = step > 0 ? count - 1 : 0;
   while (below != nearest && compare(entry(axis, below), time) > 0) below -= step;
@@ -63,7 +63,8 @@ Ball RayClock::place(int axis, std::int64_t cell, const Time& time) const {
   if (step_[axis] != 0) position = position + time.at * Ball{direction_[axis]};
   const Ball low{grid_.plane(axis, cell)}, high{grid_.plane(axis, cell + 1)};
   Ball place = (position - low) / (high - low);
-  place.middle = std::clamp(place.middle, 0.0, 1.0);  // the place itself lies in [0, 1], so the radius still holds
+  // The position itself is in [0, 1], so the radius still holds.
+  place.middle = std::clamp(place.middle, 0.0, 1.0);
   return place;
 }
 

@@ -7,14 +7,15 @@
 
 namespace rhoray::render::exact {
 
-/// A ray parameter: a given double, or when a plane is passed.
+/// A ray parameter: a given double, or the time at which a plane is passed.
 struct Time {
   Ball at;
   int axis = -1;  ///< -1: the double at.middle
   std::int64_t plane = 0;
 };
 
-/// When a ray passes the planes of a grid: in double precision where that decides, else exactly.
+/// Times at which a ray passes the planes of a grid: in double precision where that decides, else
+/// exactly.
 class RayClock {
  public:
   RayClock(const ExactGridSource& grid, const Ray& ray);
@@ -24,24 +25,25 @@ class RayClock {
 
   Time at_double(double t) const { return {{t, 0}, -1, 0}; }
 
-  /// Only on an axis that moves.
+  /// Only for an axis along which the ray moves.
   Time at_plane(int axis, std::int64_t plane) const;
   Time entry(int axis, std::int64_t cell) const { return at_plane(axis, step_[axis] > 0 ? cell : cell + 1); }
   Time exit(int axis, std::int64_t cell) const { return at_plane(axis, step_[axis] > 0 ? cell + 1 : cell); }
 
-  /// -1, 0 or 1 as a is before, at or behind b.
+  /// Returns -1, 0 or 1 if a is before, at or behind b.
   int compare(const Time& a, const Time& b) const;
 
   Rational exact(const Time& time) const;
 
-  /// The cell on one axis at a time, which passes planes at the moment when it meets them; from the last plane on the
-  /// last cell.
+  /// Returns the cell on one axis at a time. A plane is passed at the moment when the ray meets it;
+  /// from the last plane on it is the last cell.
   std::int64_t cell_at(int axis, const Time& time) const;
 
-  /// The ray in a cell, on one axis.
+  /// Returns the ray in a cell, on one axis.
   AxisOfChord chord(int axis, std::int64_t cell) const;
 
-  /// The place in a cell on one axis, in [0, 1], at a time when the ray is in the closed cell.
+  /// Returns the position in a cell on one axis, in [0, 1], at a time when the ray is in the closed
+  /// cell.
   Ball place(int axis, std::int64_t cell, const Time& time) const;
 
   std::int64_t exact_comparisons() const { return exact_comparisons_; }

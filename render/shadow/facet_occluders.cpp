@@ -16,21 +16,24 @@ namespace {
 
 constexpr std::uint32_t block_size = FacetBlock::size;
 
-/// By how much single precision may be off, at most and by far, that tells a facet's side in the kernel.
+/// A generous upper bound of the error in single precision with which the kernel decides a facet's
+/// side.
 constexpr double side_margin = 0x1p-16;
 
-/// The ways to a light from where rays of one side start.
+/// The paths to a light for rays of one start side.
 struct Ways {
-  double x, y, z;   ///< of one: from the facets' anchor where the light stands at a place
-  double off;       ///< how far others end from it, and what rounding adds
-  double of_value;  ///< 1 where the light stands at a place, else 0
-  double sign;      ///< of what the field changes by where such a ray leaves its side
-  /// Else no facet ends the side of all rays: which start before it, and which behind, is not known.
+  double x, y, z;   ///< one path: from the facets' anchor when the light is at a position
+  double off;       ///< how far from it other paths may end, plus rounding
+  double of_value;  ///< 1 for a light at a position, else 0
+  double sign;      ///< sign of the field's change where such a ray leaves its side
+  /// Otherwise no facet ends the side of all rays: it is unknown which rays start before it, and
+  /// which behind.
   bool is_direction;
 };
 
-/// Of facets: through which the field may change along rays to the light in the way that ends the side (rises from
-/// below, falls from above), and through which it does for certain; a byte for each of a block.
+/// Determines for each facet of a block, one byte each: whether the field may change through it
+/// along rays to the light in the direction that ends the side (rises from below, falls from
+/// above), and whether it certainly does.
 RHORAY_INLINE void tell_block(const FacetField* fields, const Ways& ways, std::uint8_t* is_kept,
                               std::uint8_t* is_sure) {
   double x[block_size], y[block_size], z[block_size], value[block_size], doubt[block_size];
@@ -40,17 +43,18 @@ RHORAY_INLINE void tell_block(const FacetField* fields, const Ways& ways, std::u
   }
   for (std::size_t i = 0; i < block_size; ++i) {
     const double steepness = std::sqrt(x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
-    // Past the facet's plane, on which the field is the isovalue, lies a place where it is more or less.
+    // Beyond the facet's plane, on which the field is the isovalue, there is a point where it is
+    // more or less.
     const double rise = ways.sign * (x[i] * ways.x + y[i] * ways.y + z[i] * ways.z + ways.of_value * value[i]);
     const double of_value = side_margin * value[i],
                  about = steepness * ways.off + (of_value < 0 ? -of_value : of_value);
-    const bool is_told = doubt[i] - doubt[i] == 0;  // else the cell is flat
-    is_kept[i] = !(is_told & (rise < -about));      // what is no number is kept
+    const bool is_told = doubt[i] - doubt[i] == 0;  // otherwise the cell is flat
+    is_kept[i] = !(is_told & (rise < -about));      // a NaN is kept
     is_sure[i] = is_told & (rise > about) & ways.is_direction;
   }
 }
 
-/// The same of all facets, a bit for each.
+/// The same for all facets, one bit each.
 RHORAY_INLINE void tell_all(const FacetField* fields, std::size_t count, const Ways& ways, std::uint16_t* kept,
                             std::uint16_t* sure) {
   std::uint8_t is_kept[block_size], is_sure[block_size];

@@ -9,8 +9,8 @@
 
 namespace rhoray::render::wide {
 
-/// Where rays to a light go, in a volume's frame: towards a direction, or to a place; each of them no farther from it
-/// than `reach`.
+/// The target of rays to a light, in a volume's frame: a direction, or a position. Each ray ends no
+/// farther from it than `reach`.
 struct LightPlace {
   bool is_place = false;
   Vec3 at{0, 0, 0};
@@ -20,15 +20,17 @@ struct LightPlace {
   bool operator==(const LightPlace&) const = default;
 };
 
-/// Whether it is found out what of a surface lies in shadow for certain, where the light stands in one direction.
+/// Whether the parts of a surface that are certainly in shadow are computed, for a directional
+/// light.
 enum class Shadows { unknown, known };
 
-/// The facets of a mesh's isosurface that may hold back light which rays of one start side ask about. Sides take turns
-/// along a ray: one that starts below the isovalue first meets a facet through which the field rises along it, so of
-/// all facets those through which it falls on every way to the light hold nothing back. These are half of most
-/// surfaces, and the half on which the rays start.
+/// The facets of a mesh's isosurface that may occlude shadow rays with one start side. Sides
+/// alternate along a ray: one that starts below the isovalue first crosses a facet through which
+/// the field rises along the ray. Facets through which the field falls along every ray to the light
+/// therefore occlude nothing. These are half of most surfaces, namely the half on which the rays
+/// start.
 ///
-/// Those that are left stand in blocks and in a tree of their own, in the order of Facets.
+/// The other facets are in blocks and in a tree of their own, in the order of Facets.
 class FacetOccluders {
  public:
   /// @param facets  of an isosurface
@@ -38,13 +40,14 @@ class FacetOccluders {
 
   std::uint32_t count() const { return static_cast<std::uint32_t>(sources_.size()); }
   const FacetBlock* blocks() const { return blocks_.get(); }
-  const std::uint32_t* sources() const { return sources_.data(); }  ///< the place of each among Facets
-  /// Of each block a bit for each facet through which all rays to the light go in the way that ends the side.
+  const std::uint32_t* sources() const { return sources_.data(); }  ///< the index of each in Facets
+  /// Per block, one bit per facet: set when all rays to the light pass through the facet in the
+  /// direction that ends their start side.
   const std::uint16_t* sure() const { return sure_.data(); }
   const BoxLevels& levels() const { return levels_; }
 
-  /// What they cover as seen from the light, which stands in one direction.
-  /// @param shadows  known: the facets' neighbours are found, if they are not yet
+  /// Returns what they cover as seen from a directional light.
+  /// @param shadows  known: the facets' neighbours are computed if they are missing
   OccluderHeights heights(Machine machine, const LightPlace& light, Shadows shadows) const;
 
  private:

@@ -19,9 +19,10 @@ RHORAY_INLINE float larger(float a, float b) {
   return a > b ? a : b;
 }
 
-/// What is known of all facets, lane by lane of their blocks.
+/// Extent of all facets, per lane of their blocks.
 struct Extent {
-  float low[2][size], high[2][size], sum[size];  ///< sum: of the longer edges of the places' boxes
+  /// Sum of the longer sides of the projected bounding boxes.
+  float low[2][size], high[2][size], sum[size];
 };
 
 RHORAY_INLINE void see(const FacetBlock* facets, std::size_t blocks, const SeenFromLight& seen, float margin,
@@ -62,7 +63,7 @@ RHORAY_INLINE void see(const FacetBlock* facets, std::size_t blocks, const SeenF
       const float of_x = block.high[0][i] - block.low[0][i], of_y = block.high[1][i] - block.low[1][i];
       const float longer = larger(of_x, of_y);
       extent.sum[i] += longer < nowhere ? longer : 0;
-      // What is no number is left out.
+      // Comparisons written so that NaN is skipped.
       for (std::size_t a = 0; a < 2; ++a) {
         extent.low[a][i] = smaller(block.low[a][i], extent.low[a][i]);
         extent.high[a][i] = larger(block.high[a][i], extent.high[a][i]);
@@ -73,8 +74,8 @@ RHORAY_INLINE void see(const FacetBlock* facets, std::size_t blocks, const SeenF
       const bool is_triangle = (corner[2][0][i] == corner[3][0][i]) & (corner[2][1][i] == corner[3][1][i]) &
                                (corner[2][2][i] == corner[3][2][i]);
       const float acd = is_triangle ? abc : of_second;
-      // Where each corner moves by the margin, an edge changes by twice that along either axis, and what is passed
-      // round by 8 margins times size and margin.
+      // When each corner moves by the margin, an edge changes by twice that along either axis, and
+      // the area by 8 margins times size and margin.
       const float least = 16 * margin * (longer + margin);
       is_up[i] = (abc > least) & (acd > least), is_down[i] = (abc < -least) & (acd < -least);
       const float of_all = (x[0][i] + x[1][i]) + (x[2][i] + x[3][i]) + (y[0][i] + y[1][i]) + (y[2][i] + y[3][i]);
@@ -103,7 +104,7 @@ FrontFacing::FrontFacing(Machine machine, const SeenFromLight& seen, double marg
     if (!(last[a] >= squares_.first[a])) return;
   }
   for (const float of_lane : extent.sum) sum += static_cast<double>(of_lane);
-  // Smaller ones take longer to fill than they save.
+  // Smaller squares take longer to fill than they save.
   squares_.divide(last, 0.7 * sum / static_cast<double>(block_count * size));
 }
 

@@ -12,44 +12,45 @@
 
 namespace rhoray::render::wide {
 
-/// A block of facets as a light in one direction sees them, side by side; all in single precision, which moves places
-/// by less than 2^-22.
+/// A block of facets projected along the direction of a light, side by side. All in single
+/// precision, which moves positions by less than 2^-22.
 struct alignas(64) SeenBlock {
   static constexpr std::size_t size = FacetBlock::size;
 
-  float low[2][size], high[2][size];  ///< of the places of the corners
+  float low[2][size], high[2][size];  ///< of the corners' positions
   float lowest[size], highest[size];  ///< height
-  float middle[2][size];              ///< a place inside: of the first three corners the middle
-  std::uint16_t is_number;            ///< a bit for each: all corners are
-  /// And for those that are passed counter-clockwise, and clockwise, when each corner moves by the margin. Of thin ones
-  /// neither is told.
+  float middle[2][size];              ///< a position inside: the middle of the first three corners
+  std::uint16_t is_number;            ///< one bit each: all corners are finite
+  /// One bit each: the corners are counter-clockwise (up) or clockwise (down), even when each
+  /// corner moves by the margin. Thin facets are neither.
   std::uint16_t is_up, is_down;
 };
 
-/// Bytes that are 0 or 1, one for each facet of a block, as bits.
+/// Converts bytes that are 0 or 1, one per facet of a block, to bits.
 RHORAY_INLINE std::uint16_t bits_of_block(const std::uint8_t* bytes) {
   unsigned bits = 0;
   for (unsigned i = 0; i < FacetBlock::size; ++i) bits |= static_cast<unsigned>(bytes[i]) << i;
   return static_cast<std::uint16_t>(bits);
 }
 
-/// Facets as a light sees them.
+/// Facets projected along the direction of a light.
 class FrontFacing {
  public:
-  /// @param blocks  are kept as they are, where they are, for as long as this
-  /// @param margin  in the facets' frame: far above what rounding moves places by. Where squares are counted single
-  ///                precision takes up to 2^-20 of it (of places up to 4), a quarter of facet_margin; what a kernel may
-  ///                see beside a facet is a tenth of what is left
+  /// @param blocks  not copied: they must outlive this object
+  /// @param margin  in the facets' frame: far above the error of positions. Where squares are
+  ///   counted, single precision uses up to 2^-20 of it (for positions up to 4), a quarter of
+  ///   facet_margin. What a kernel may hit beside a facet is a tenth of the rest
   FrontFacing(Machine machine, const SeenFromLight& seen, double margin, const FacetBlock* blocks, std::size_t count);
 
   const SeenFromLight& from_light() const { return seen_; }
   std::size_t count() const { return count_; }
   const SeenBlock* blocks() const { return blocks_.get(); }
 
-  /// Over all of them, taken larger by the margin; somewhat smaller than they are.
+  /// Squares that cover all facets, enlarged by the margin. They are somewhat smaller than the
+  /// facets.
   const Squares& squares() const { return squares_; }
 
-  /// Of a corner.
+  /// The position of a corner.
   using Place = std::array<float, 2>;
   Place place(std::size_t facet, std::size_t c) const {
     const auto& corner = facets_[facet / FacetBlock::size].corner[c];

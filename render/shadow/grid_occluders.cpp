@@ -16,7 +16,7 @@ namespace rhoray::render::wide {
 
 namespace {
 
-/// 5 x 5 x 5 samples around 4 x 4 x 4 cells, x + 5 y + 25 z, and room for those beyond.
+/// 5 x 5 x 5 samples around 4 x 4 x 4 cells, at x + 5 y + 25 z, with padding at the end.
 constexpr std::size_t sample_count = 125, room = 160;
 constexpr std::size_t stride[3] = {1, 5, 25};
 
@@ -29,13 +29,13 @@ constexpr std::array<std::uint8_t, sample_count> lowest_corners = [] {
   return is_lowest;
 }();
 
-/// The samples of a block, and which of its cells the grid has: `cells` of them along each axis.
+/// The samples of a block, and the number of its cells inside the grid along each axis (`cells`).
 struct BlockOfSamples {
   double value[room];
   std::array<std::size_t, 3> cells;
 };
 
-/// The cells of a block that have corners on both sides.
+/// Finds the cells of a block that have corners on both sides.
 RHORAY_INLINE void find_active(const BlockOfSamples& block, double isovalue, std::uint8_t* active) {
   std::uint8_t inside[room];
   for (std::size_t i = 0; i < room; ++i) inside[i] = block.value[i] >= isovalue;
@@ -47,7 +47,7 @@ RHORAY_INLINE void find_active(const BlockOfSamples& block, double isovalue, std
   }
 }
 
-/// Corners as parts of a unit of which the farthest from the isovalue is 127.
+/// Returns the corners as integers in a unit in which the one farthest from the isovalue is 127.
 SurfaceCells::Cell cell_of(std::size_t place, const double* lowest, double isovalue) {
   double above[8], farthest = 0;
   for (std::size_t c = 0; c < 8; ++c) {
@@ -64,7 +64,7 @@ SurfaceCells::Cell cell_of(std::size_t place, const double* lowest, double isova
   return cell;
 }
 
-/// Adds a block's cells to those of its neighbours.
+/// Appends a block's cells to those found so far.
 void add_cells(const BlockOfSamples& samples, double isovalue, SurfaceCells::Block& block,
                std::vector<SurfaceCells::Cell>& cells) {
   std::uint8_t active[sample_count];
@@ -152,15 +152,16 @@ Found cells_of(const View& view, const Occupancy& occupancy, double isovalue, un
   return all;
 }
 
-/// How the field changes along rays, from cell to cell; and by how much that may be off, as the corners are rounded,
-/// and the kernel's single precision is off by far less.
+/// The direction of rays in cells, along which the field's slope is computed, and a bound of the
+/// slope's error. The error comes from rounding the corners; that of the kernel's single precision
+/// is far smaller.
 struct Slope {
   float x, y, z, doubt;
 };
 
-/// Whether the field may rise in cells along rays of a direction: 1 or 0 of each. Its slope along them is linear along
-/// each axis, so that it is greatest in a corner; there it is made of the differences along the three edges. The unit
-/// drops out.
+/// Determines whether the field may rise in cells along rays of a direction: 1 or 0 for each. The
+/// slope along the direction is linear along each axis, so it is greatest at a corner. There it is
+/// computed from the differences along the three edges. The unit cancels out.
 RHORAY_INLINE void find_rising(const SurfaceCells::Cell* cells, std::size_t count, const Slope& along,
                                std::uint8_t* rises) {
   constexpr std::size_t size = 16;
@@ -185,10 +186,10 @@ RHORAY_INLINE void find_rising(const SurfaceCells::Cell* cells, std::size_t coun
   }
 }
 
-/// What the cells that may hold light back cover.
+/// Returns the footprints of the cells that may occlude.
 std::vector<Footprint> footprints_of(Machine machine, const SurfaceCells& active, const SeenFromLight& seen,
                                      const Vec3& falling) {
-  // Of all cells the same, but for where they stand.
+  // The same for all cells, except for their position.
   Footprint of_cell = Footprint::of_nothing();
   for (unsigned corner = 0; corner < 8; ++corner) {
     const float point[3] = {static_cast<float>(corner & 1), static_cast<float>(corner >> 1 & 1),
@@ -199,7 +200,8 @@ std::vector<Footprint> footprints_of(Machine machine, const SurfaceCells& active
   float direction[3], doubt = 0;
   for (int a = 0; a < 3; ++a) {
     direction[a] = static_cast<float>(falling[a] / fastest);
-    doubt += (1 + 0x1p-7F) * std::abs(direction[a]);  // two halves of a unit, and 2^-15 of what is steepest, 254 units
+    // Two halves of a unit, and 2^-15 of the steepest slope, 254 units.
+    doubt += (1 + 0x1p-7F) * std::abs(direction[a]);
   }
   std::vector<std::uint8_t> rises(active.cells().size());
   compiled_for<find_rising>(machine)(active.cells().data(), active.cells().size(),
@@ -253,7 +255,7 @@ std::shared_ptr<const Occupancy> occupancy_of_grid(const VolumeImplementation& v
 std::shared_ptr<const LightOccluders> grid_occluders_of(Machine machine, std::shared_ptr<const SurfaceCells> cells,
                                                         const LightPlace& light) {
   return std::make_shared<const LightOccluders>([machine, cells = std::move(cells), light](StartSide side) {
-    // Far above what rounding moves points and rays by, as in prepare_occupancy.
+    // Far above the rounding of points and rays, as in prepare_occupancy.
     float farthest = 0;
     for (const SurfaceCells::Block& block : cells->blocks())
       for (const float low : block.corner) farthest = std::max(farthest, low + 4);

@@ -11,23 +11,26 @@
 
 namespace rhoray::render::wide {
 
-/// The field in the cells that a grid's isosurface passes through: those with corners on both sides.
+/// The field in the cells that a grid's isosurface passes through: those with corners on both
+/// sides.
 class SurfaceCells {
  public:
   struct Cell {
-    std::uint8_t place;     ///< in its block: x + 4 y + 16 z
-    std::int8_t corner[8];  ///< how far above the isovalue, x + 2 y + 4 z: whole parts of the cell's own unit
-    static constexpr std::uint8_t unknown = 64;  ///< as a bit of place: corners are not such numbers
+    std::uint8_t place;  ///< index in its block: x + 4 y + 16 z
+    /// Height above the isovalue, at x + 2 y + 4 z: integers in the cell's own unit.
+    std::int8_t corner[8];
+    /// a bit of `place`: corners cannot be expressed as such integers.
+    static constexpr std::uint8_t unknown = 64;
   };
   /// 4 x 4 x 4 cells.
   struct Block {
-    float corner[3];  ///< the lowest, in cells
+    float corner[3];  ///< the lowest corner, in cells
     std::uint32_t first_cell, cell_count;
   };
 
-  /// @param question  of which the wide kernel of grids finds crossings, as far as the volume is a grid
-  /// @return          null of other volumes, where that kernel leaves the answer to others, and where data have gaps:
-  ///                  from one side of a gap to the other the field may rise in no cell
+  /// @param query  a query that the wide kernel of grids answers, if the volume is a grid
+  /// @return          null for other volumes, where that kernel leaves the query to others, and
+  ///   where data have gaps: from one side of a gap to the other the field may rise in no cell
   static std::shared_ptr<const SurfaceCells> of(const VolumeImplementation& volume, const RayQuery& query,
                                                 unsigned threads);
 
@@ -39,12 +42,12 @@ class SurfaceCells {
   std::vector<Cell> cells_;
 };
 
-/// The blocks of a uniform grid that an isosurface may pass; null of other volumes.
+/// Returns the blocks of a uniform grid that an isosurface may pass; null for other volumes.
 std::shared_ptr<const Occupancy> occupancy_of_grid(const VolumeImplementation& volume, const RayQuery& query);
 
-/// As facet_occluders_of, of a grid: a cell through which the field falls along all rays to the light holds nothing
-/// back from rays that start below the isovalue.
-/// @param light  stands in one direction
+/// As facet_occluders_of, for a grid: a cell through which the field falls along all rays to the
+/// light does not occlude rays that start below the isovalue.
+/// @param light  a directional light
 std::shared_ptr<const LightOccluders> grid_occluders_of(Machine machine, std::shared_ptr<const SurfaceCells> cells,
                                                         const LightPlace& light);
 

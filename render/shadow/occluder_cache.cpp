@@ -7,8 +7,8 @@ namespace rhoray::render::wide {
 
 namespace {
 
-/// Makes one of a list its first.
-/// @return  null where there is none
+/// Moves an element of a list to its front.
+/// @return  null when it is not in the list
 template <class Kept, class Is>
 Kept* bring_to_front(std::vector<Kept>& list, const Is& is) {
   const auto found = std::find_if(list.begin(), list.end(), is);
@@ -17,7 +17,7 @@ Kept* bring_to_front(std::vector<Kept>& list, const Is& is) {
   return &list.front();
 }
 
-/// Adds one before the others; of too many the last is forgotten.
+/// Inserts an element at the front; drops the last one if there are too many.
 template <class Kept>
 Kept& put_in_front(std::vector<Kept>& list, Kept added, std::size_t most) {
   if (list.size() == most) list.pop_back();

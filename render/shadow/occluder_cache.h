@@ -8,15 +8,16 @@
 
 namespace rhoray::render::wide {
 
-/// What may hold light back, kept from frame to frame: it depends on the isovalue and on where the light stands in the
-/// volume's frame, not on the camera. Of a mesh's surface shadows are known from the second time on that it is asked
-/// about, whatever the light: what they take is found once for each surface, and an isovalue that is seen for one frame
-/// does not pay for it. Not for two threads at once.
+/// Keeps occluders from frame to frame: they depend on the isovalue and on the light's position in
+/// the volume's frame, not on the camera. For a mesh's surface the certain shadows are computed
+/// from the second request on, whatever the light. Their cost arises once per surface, and an
+/// isovalue that is shown for one frame does not pay for it. Not thread-safe.
 class OccluderCache {
  public:
-  /// @param question  of which wide kernels find crossings
-  /// @return          null where it is not known to be less than all of the surface: in meshes as facets_with_occluders
-  ///                  says, in grids as SurfaceCells::of does, and there unless the light stands in one direction
+  /// @param query  a query that wide kernels answer
+  /// @return          null where the occluders are not known to be less than the whole surface: in
+  ///   meshes as for facets_with_occluders, in grids as for SurfaceCells::of, and in grids also
+  ///   unless the light is directional
   std::shared_ptr<const LightOccluders> of(const VolumeImplementation& volume, const RayQuery& query,
                                            const LightPlace& light, unsigned threads);
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float nowhere = std::numeric_limits<float>::infinity();
 
-/// Places along an edge of the plane, at most: then they fit a core's own cache.
+/// Maximum number of squares along one side, so that all fit into a core's own cache.
 constexpr int most_places = 512;
 
 }  // namespace
@@ -32,7 +32,7 @@ Footprint Footprint::of_nothing() {
 void Squares::divide(const double (&last)[2], double edge) {
   const double longest = std::max(last[0] - first[0], last[1] - first[1]);
   const double wanted = longest / edge;
-  // As single precision has it, in which some are counted.
+  // Rounded to single precision, which some squares are counted in.
   per_length = static_cast<double>(static_cast<float>(std::clamp(wanted, 1.0, double{most_places} - 1) / longest));
   for (int i = 0; i < 2; ++i) count[i] = static_cast<int>((last[i] - first[i]) * per_length) + 1;
 }
@@ -50,9 +50,9 @@ OccluderHeights::OccluderHeights(const SeenFromLight& seen, const Frame& frame, 
     }
     size += std::max(of.high[0] - of.low[0], of.high[1] - of.low[1]);
   }
-  // About half as large as what stands there.
+  // About half as large as the occluders.
   squares_.divide(last, 0.5 * size / static_cast<double>(footprints.size()));
-  heights_.assign(squares_.size() + 1, -nowhere);  // the last: beyond all
+  heights_.assign(squares_.size() + 1, -nowhere);  // the last one: outside all squares
   for (const Footprint& of : footprints) {
     int from[2], to[2];
     for (int i = 0; i < 2; ++i) {
@@ -94,10 +94,10 @@ RHORAY_INLINE void OccluderHeights::find_known(const OccluderHeights& heights, R
     index[i] = is_within ? found : across * squares.count[1];
   }
   const double sign = seen.sign(), margin = heights.frame_.margin;
-  float of[size];  // looked up by themselves: the loops beside are wide
+  float of[size];  // gathered in a loop of its own: the loops beside it are vectorised
   const float* all = heights.heights_.data();
   for (std::size_t i = 0; i < size; ++i) of[i] = all[index[i]];
-  // Written so that what is no number may be held back.
+  // Written so that a NaN may be occluded.
   for (std::size_t i = 0; i < size; ++i)
     is_asked[i] = !(sign * at[2][i] > static_cast<double>(of[i]) + margin) | !(at[0][i] + at[1][i] < nowhere);
   if (!heights.shadows_.empty()) {
@@ -110,7 +110,7 @@ RHORAY_INLINE void OccluderHeights::find_known(const OccluderHeights& heights, R
     const double* direction = rays.direction[height_axis].data() + first;
     double* t_max = rays.t_max.data() + first;
     for (std::size_t i = 0; i < size; ++i) {
-      // Twice the margin: what is left of the way may be longer than this, not shorter.
+      // Twice the margin: the rest of the ray may come out longer than needed, not shorter.
       const double t =
           (static_cast<double>(of[i]) + 2 * margin - sign * at[2][i]) / (sign * heights.frame_.scale * direction[i]);
       t_max[i] = t < t_max[i] ? t : t_max[i];
@@ -120,7 +120,7 @@ RHORAY_INLINE void OccluderHeights::find_known(const OccluderHeights& heights, R
 
 namespace {
 
-/// Bytes that are 0 or 1 as bits.
+/// Converts bytes that are 0 or 1 to bits.
 std::uint64_t bits_of(const std::uint8_t* bytes) {
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < RayBatch::group_size; i += 8) {

@@ -12,25 +12,26 @@
 
 namespace rhoray::render::wide {
 
-/// How points are seen from a light that stands in one direction: their places in a plane along two axes, each where
-/// the point's way to the light passes it, and their heights, along the third axis, towards the light. All points of a
-/// way to the light have one place.
+/// Projects points along the direction of a light. A point's place is where the line from it to the
+/// light passes a plane along two axes. Its height is along the third axis, towards the light. All
+/// points on a line to the light have the same place.
 class SeenFromLight {
  public:
-  /// @param towards  the light; not zero
+  /// @param towards  direction to the light; not zero
   explicit SeenFromLight(const Vec3& towards);
 
   int height_axis() const { return axis_; }
   int place_axis(int i) const { return (axis_ + 1 + i) % 3; }
-  double slope(int i) const { return slope_[i]; }  ///< of a place, while the point moves up the height's axis
-  double sign() const { return sign_; }            ///< a height is sign * the coordinate
+  /// Change of a place while the point moves up the height's axis.
+  double slope(int i) const { return slope_[i]; }
+  double sign() const { return sign_; }  ///< height = sign * coordinate
 
  private:
   int axis_;
   double slope_[2], sign_;
 };
 
-/// What something covers of the plane of places, at most, and its greatest height.
+/// A bound of the area that something covers in the plane of places, and its greatest height.
 struct Footprint {
   float low[2], high[2], height;
 
@@ -45,47 +46,50 @@ struct Footprint {
   }
 };
 
-/// Squares of the plane of places, each of which has a number of its own; and one beyond them all.
+/// Squares in the plane of places, each with its own number, and one more for everything outside.
 struct Squares {
   int count[2] = {0, 0};
   double first[2] = {0, 0}, per_length = 0;
 
   std::size_t size() const { return static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]); }
 
-  /// Squares of about this edge, from `first` to `last`: as many as fit a core's own cache, at most.
+  /// Divides the area from `first` to `last` into squares of about this edge length. Their number
+  /// is limited so that they fit into a core's own cache.
   void divide(const double (&last)[2], double edge);
 };
 
-/// How high what may hold light back stands, place by place: a point that is higher is lit, and no ray has to tell so.
-/// And how low what surely does: a point that is lower lies in shadow.
+/// A height map of occluders: a point above it is lit, and needs no shadow ray. A second map gives
+/// the height below which a point is certainly in shadow.
 ///
-/// Footprints are of a frame (p - anchor) * scale, and have their corners in single precision. A margin is added to
-/// them on all sides: more than what rounding moves points by, and than what a kernel may see of a thing outside it.
+/// Footprints are in a frame (p - anchor) * scale, with corners in single precision. A margin is
+/// added on all sides. It is larger than the rounding of points, and than the distance outside an
+/// object at which a kernel may still hit it.
 class OccluderHeights {
  public:
   struct Frame {
     Vec3 anchor{0, 0, 0};
     double scale = 1;
     double margin = 0;       ///< in this frame
-    bool ends_rays = false;  ///< rays that are asked about end where they are higher than all that may hold them back
+    bool ends_rays = false;  ///< rays end where they are above all their possible occluders
   };
 
   OccluderHeights(const SeenFromLight& seen, const Frame& frame, std::span<const Footprint> footprints);
 
-  /// The same where it is known, of each square and of what is beyond them.
-  /// @param heights  of what stands there, at most; empty: there is nothing
-  /// @param shadows  below which every point lies in shadow, -infinity: not known of any; empty: not known anywhere
+  /// The same for given heights of each square and of what is outside.
+  /// @param heights  upper bounds of the occluders' heights; empty: there are no occluders
+  /// @param shadows  below these every point is in shadow, -infinity: not known for any; empty: not
+  ///   known anywhere
   OccluderHeights(const SeenFromLight& seen, const Frame& frame, const Squares& squares, std::vector<float> heights,
                   std::vector<float> shadows)
       : seen_(seen), frame_(frame), squares_(squares), heights_(std::move(heights)), shadows_(std::move(shadows)) {}
 
   struct Known {
-    std::uint64_t asked;      ///< rays that may be held back
-    std::uint64_t in_shadow;  ///< rays that are
+    std::uint64_t asked;      ///< rays that may be occluded
+    std::uint64_t in_shadow;  ///< rays that are occluded
   };
 
   /// @param rays    of a group, which begins at `first`, that go straight to the light
-  /// @param chosen  the rays in question; nothing is said of others
+  /// @param chosen  the rays to classify; others get no result
   Known know(Machine machine, RayBatch& rays, std::size_t first, std::uint64_t chosen) const;
 
  private:

@@ -19,27 +19,28 @@ RHORAY_INLINE std::size_t row_of(const Squares& squares, int y) {
   return static_cast<std::size_t>(y) * static_cast<std::size_t>(squares.count[0]);
 }
 
-/// Heights of a square, both the more the higher; -infinity where there are none.
+/// Heights of a square, both stored so that larger means higher or deeper; -infinity where there
+/// are none.
 struct Heights {
   float highest;      ///< of the facets that touch it
-  float depth_below;  ///< minus the lowest of those that are parts of sheets
+  float depth_below;  ///< minus the lowest height of those that are parts of sheets
 };
 
-/// What is known of a square: bits.
+/// What is known of a square, as bits.
 enum : std::uint8_t {
-  holds_middle = 1,  ///< of a part of a sheet that is seen the right way for certain
-  is_doubted = 2,    ///< touches a part of which that is not certain
+  holds_middle = 1,  ///< of a sheet facet that is certainly seen from the right side
+  is_doubted = 2,    ///< touches a sheet facet for which that is not certain
   has_rim = 4
 };
 
-/// A bit for each of a block.
+/// Returns one bit for each facet of a block.
 RHORAY_INLINE unsigned facets_in(std::size_t block, std::size_t count) {
   const std::size_t left = count - block * SeenBlock::size;
   return left < SeenBlock::size ? (1U << left) - 1 : 0xffffU;
 }
 
-/// The squares that the facets of a block touch, and those in which their middles are; of those beyond all squares the
-/// nearest, where rims that lie between are noted as well.
+/// The squares that the facets of a block touch, and those that contain their middles. Facets
+/// outside all squares are assigned to the nearest one, where rims in between are recorded as well.
 struct TouchedSquares {
   std::int32_t from[2][SeenBlock::size], to[2][SeenBlock::size], middle[2][SeenBlock::size];
 
@@ -51,7 +52,7 @@ struct TouchedSquares {
         const float low = (block.low[a][i] - wider - begin) * per_length,
                     high = (block.high[a][i] + wider - begin) * per_length,
                     at = (block.middle[a][i] - begin) * per_length;
-        // What is no number: 0.
+        // A NaN becomes 0.
         const float low_within = low > 0 ? low : 0, high_within = high > 0 ? high : 0, at_within = at > 0 ? at : 0;
         from[a][i] = static_cast<std::int32_t>(low_within < last ? low_within : last);
         to[a][i] = static_cast<std::int32_t>(high_within < last ? high_within : last);
@@ -61,8 +62,8 @@ struct TouchedSquares {
   }
 };
 
-/// Notes in which squares facets stand.
-/// @param sure  as SheetFacets::sure; null: none makes a sheet
+/// Records in which squares facets are.
+/// @param sure  as SheetFacets::sure; null: no facet is part of a sheet
 RHORAY_INLINE void find_heights(const Squares& squares, double margin, const FrontFacing& facets,
                                 const std::uint16_t* sure, Heights* heights) {
   for (std::size_t b = 0; b * SeenBlock::size < facets.count(); ++b) {
@@ -83,9 +84,9 @@ RHORAY_INLINE void find_heights(const Squares& squares, double margin, const Fro
   }
 }
 
-/// Notes which facets make sheets, and where they are seen the right way for certain.
-/// @param known    of each square
-/// @param is_part  of each facet of the surface whether it is part of a sheet
+/// Records which facets form sheets, and where they are certainly seen from the right side.
+/// @param known    per square
+/// @param is_part  per facet of the surface: whether it is part of a sheet
 RHORAY_INLINE void find_parts(const Squares& squares, double margin, const SheetFacets& facets,
                               const FacetNeighbours::Turn* turns, bool is_up_unless_turned, std::uint8_t* known,
                               std::uint8_t* is_part) {
@@ -113,7 +114,7 @@ RHORAY_INLINE void find_parts(const Squares& squares, double margin, const Sheet
   }
 }
 
-/// The squares that touch an edge at which a sheet ends.
+/// Marks the squares that touch an edge at which a sheet ends.
 void note_rim(const Squares& squares, double margin, const FrontFacing& facets, std::size_t facet, std::size_t c,
               std::uint8_t* known) {
   const FrontFacing::Place begin = facets.place(facet, c), end = facets.place(facet, (c + 1) % 4);
@@ -147,10 +148,11 @@ void note_rims(const Squares& squares, double margin, const SheetFacets& facets,
     }
 }
 
-/// Splits heights. From squares over which sheets lie for certain it goes on to those beside them that are free of
-/// rims: up or down a column as far as there are any, and by one from row to row along these.
-/// @param known  of each square; what lies below a sheet is left as holds_middle, and has_rim
-/// @param row    room for a row, and a square on either side of it
+/// Separates the heights. Coverage spreads from squares that sheets certainly cover to adjacent
+/// squares without rims: up or down a column as far as there are any, and by one from row to row
+/// along these.
+/// @param known  per square; on return holds_middle below a sheet, and has_rim as before
+/// @param row    room for a row, and one square on either side of it
 RHORAY_INLINE void finish(const Squares& squares, const Heights* heights, std::uint8_t* known, std::uint8_t* row,
                           float* above, float* below) {
   const std::size_t width = static_cast<std::size_t>(squares.count[0]),

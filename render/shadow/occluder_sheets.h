@@ -10,32 +10,39 @@
 
 namespace rhoray::render::wide {
 
-/// Of each square, and of what is beyond them.
+/// Heights of each square, and of what is outside them.
 struct FacetHeights {
-  std::vector<float> above;  ///< the height above which no facet stands; -infinity: there is none
-  std::vector<float> below;  ///< below which all light is held back; -infinity: not known
+  /// The height above which there is no facet; -infinity: there is none at all.
+  std::vector<float> above;
+  std::vector<float> below;  ///< the height below which all light is occluded; -infinity: not known
 };
 
-/// What facets may hold light back, and what they make of sheets.
+/// Possible occluders, as parts of sheets.
 struct SheetFacets {
   const FrontFacing& seen;
-  const std::uint32_t* sources;  ///< the place of each among the surface's
-  const std::uint16_t* sure;     ///< of each block a bit for each that has one side turned to the light for certain
-  bool rises;                    ///< the field, on the way to the light through these
+  const std::uint32_t* sources;  ///< the index of each in the surface
+  /// Per block, one bit per facet whose same side certainly faces the light.
+  const std::uint16_t* sure;
+  bool rises;  ///< whether the field rises through these on the way to the light
 };
 
-/// The height above which nothing stands.
-/// @param margin  in the facets' frame: squares are taken to be larger by that much on all sides
+/// Returns the height above which there is nothing.
+/// @param margin  in the facets' frame: squares are enlarged by it on all sides
 std::vector<float> heights_of_facets(Machine machine, const Squares& squares, double margin, const FrontFacing& facets);
 
-/// The same, and the height below which facets hold back every ray to the light. Facets that have one side turned to it
-/// make sheets: where two of them, and no third one, share an edge, and are turned alike (FacetNeighbours), the sheet
-/// goes on; every other edge is a rim. How many times a sheet lies over a place, facets that are seen from the other
-/// side taken off, changes at rims only, however thin a facet is and wherever rounding moves its corners. So in squares
-/// that share sides and have no rims a sheet lies over all places or over none; over all where one of them holds the
-/// middle of a facet, and touches only facets that are seen the right way for certain; and what lies below all facets
-/// that touch a square lies in shadow there. (Sheet by sheet more would be known where several lie over each other, but
-/// finding out which facets make one takes longer than that saves.)
+/// Returns the same, and the height below which facets occlude every ray to the light.
+///
+/// Facets that face the light with the same side form sheets. Where exactly two of them share an
+/// edge and have the same orientation (FacetNeighbours), the sheet continues; every other edge is a
+/// rim. Count how many times a sheet covers a place, minus the facets seen from the other side.
+/// This number changes at rims only, however thin a facet is and wherever rounding moves its
+/// corners. In connected squares without rims a sheet therefore covers all places or none. It
+/// covers all if one of the squares contains the middle of a facet and touches only facets that are
+/// certainly seen from the right side. What is below all facets that touch a square is then in
+/// shadow there.
+///
+/// Treating sheets separately would find more shadow where several overlap, but separating them
+/// takes longer than it saves.
 ///
 /// @param neighbours  of the facets of the surface
 FacetHeights heights_of_sheets(Machine machine, const Squares& squares, double margin, const SheetFacets& facets,

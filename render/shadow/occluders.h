@@ -14,13 +14,13 @@
 
 namespace rhoray::render::wide {
 
-/// What of one isosurface may hold back the light of rays of one start side.
+/// The parts of one isosurface that may occlude rays with one start side.
 struct Occluders {
-  std::optional<OccluderHeights> heights;             ///< where the light stands in one direction
-  std::shared_ptr<const FacetOccluders> facets = {};  ///< of a mesh
+  std::optional<OccluderHeights> heights;             ///< for a directional light
+  std::shared_ptr<const FacetOccluders> facets = {};  ///< for a mesh
 };
 
-/// The same for one light, found when rays of a side are first asked about. Any thread may ask.
+/// The same for one light, computed at the first request for a side. Any thread may call.
 class LightOccluders {
  public:
   using Find = std::function<Occluders(StartSide)>;
@@ -42,28 +42,31 @@ class LightOccluders {
   mutable std::array<OfSide, 2> sides_;
 };
 
-/// Any crossing: whether there is one. A bit for each ray of each group of the batch, those whose t_max is below their
-/// t_min left clear.
+/// Any-hit query: whether there is any crossing. Sets one bit for each ray of each group of the
+/// batch; rays with t_max < t_min keep a clear bit.
 ///
-/// @param blockers  null: the whole surface is asked about; else all rays are of that side and go to that light
+/// @param occluders  null: the whole surface is tested; else all rays have their start side and go
+///   to their light
 using AnyCrossing = void (*)(const VolumeImplementation& volume, const RayQuery& query, const Occluders* occluders,
                              const RayBatch& rays, std::uint64_t* crossed, KernelScratch& scratch);
 
-/// The kernel of meshes' isosurfaces, or of surfaces, in single precision; null where first_facet_kernel is.
+/// Returns the single-precision kernel for meshes' isosurfaces, or for surfaces; null where
+/// first_facet_kernel is null.
 AnyCrossing any_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine);
 
-/// The facets of a mesh's isosurface, of which fewer than all may hold back light from hits that lie on one side of it.
-/// Null where that is not known: of triangles, which may face any way, and where scalar kernels answer.
+/// Returns the facets of a mesh's isosurface if only some of them may occlude hits on one of its
+/// sides. Null where that is not known: for triangles, which may have any orientation, and where
+/// scalar kernels are used.
 std::shared_ptr<const Facets> facets_with_occluders(const VolumeImplementation& volume, const RayQuery& query,
                                                     unsigned threads);
 
-/// What of them may hold back light on the way to a light.
-/// @param shadows  known: the facets' neighbours are found, once for all lights
+/// Returns those that may occlude rays to a light.
+/// @param shadows  known: the facets' neighbours are computed, once for all lights
 std::shared_ptr<const LightOccluders> facet_occluders_of(Machine machine, std::shared_ptr<const Facets> facets,
                                                          const LightPlace& light, Shadows shadows);
 
-/// The same with shadows that are known.
-/// @param before  of a light for which they are not
+/// Returns the same with known shadows.
+/// @param before  for a light without them
 std::shared_ptr<const LightOccluders> with_shadows(Machine machine, std::shared_ptr<const LightOccluders> before,
                                                    const LightPlace& light);
 

@@ -10,7 +10,8 @@ namespace rhoray::render {
 
 namespace active_cells {
 
-/// The leaf cells of a mesh's lattice whose values lie on both sides, from the top of the hierarchy down.
+/// Visits the leaf cells of a mesh's lattice that have values on both sides of the isovalue, from
+/// the top of the hierarchy down.
 template <class T, class Act>
 void for_each_leaf(const TetVolume<T>& view, double isovalue, int level, const Index3& cell, Act&& act) {
   const Interval<double> range = view.range(level, cell);
@@ -29,7 +30,8 @@ void for_each_leaf(const TetVolume<T>& view, double isovalue, int level, const I
         for_each_leaf(view, isovalue, level - 1, child, act);
 }
 
-/// The clusters below an entry of the tree whose values lie on both sides, rising.
+/// Visits the clusters below an entry of the tree that have values on both sides of the isovalue,
+/// in increasing order.
 template <class T, class Act>
 void for_each_cluster(const TetVolume<T>& view, double isovalue, int level, std::uint64_t block, Act&& act) {
   const auto& ranges = view.cluster_ranges()[static_cast<std::size_t>(level)][block];
@@ -62,7 +64,7 @@ void for_each_word_of_clusters(const TetVolume<T>& view, double isovalue, Act&& 
   flush();
 }
 
-/// Candidates of a mesh with leaf lists, each once although several leaf cells name it.
+/// Candidates of a mesh with leaf lists, each once although several leaf cells list it.
 template <class T, class Act>
 void for_each_word_of_lists(const TetVolume<T>& view, double isovalue, Act&& act) {
   std::vector<std::uint64_t> listed((view.description().cell_count + 63) / 64);
@@ -81,9 +83,9 @@ void for_each_word_of_lists(const TetVolume<T>& view, double isovalue, Act&& act
 
 }  // namespace active_cells
 
-/// Calls act(first, bits) with rising multiples of 64 as `first`: bit i stands for the cell at position first + i.
-/// Cells without a bit, or that no call names, have all their values on one side of the isovalue; of the others that is
-/// not said. Each cell comes up once.
+/// Calls act(first, bits) with increasing multiples of 64 as `first`: bit i stands for the cell at
+/// index first + i. Cells whose bit is clear, or for which there is no call, have all their values
+/// on one side of the isovalue. The others may or may not. Each cell comes up once.
 template <class T, class Act>
 void for_each_candidate(const TetVolume<T>& view, double isovalue, Act&& act) {
   if (view.has_clusters())

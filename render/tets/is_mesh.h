@@ -4,7 +4,7 @@
 
 namespace rhoray::render::wide {
 
-/// True of the views that are meshes of tetrahedra.
+/// True for views that are meshes of tetrahedra.
 template <class View>
 inline constexpr bool is_mesh = false;
 template <class T>

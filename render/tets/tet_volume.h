@@ -12,9 +12,10 @@
 
 namespace rhoray::render {
 
-/// A packed mesh with one of its fields as rays cross it, in its own frame: points relative to the mesh's origin.
+/// A packed mesh with one of its fields as a volume for rays, in its own frame: points relative to
+/// the mesh's origin.
 ///
-/// Which cells a ray may meet, leaf lists tell or clusters (formats/cell_clusters.h).
+/// Leaf lists or clusters (formats/cell_clusters.h) tell which cells a ray may hit.
 template <class T>
 class TetVolume {
  public:
@@ -28,12 +29,13 @@ class TetVolume {
   const formats::TetMeshDescription& description() const { return mesh_.description(); }
   const formats::TetMesh& mesh() const { return mesh_; }
 
-  /// Leaf cells around the mesh, about the size of a tetrahedron, also where no lists name what they hold.
+  /// Leaf cells around the mesh, about the size of a tetrahedron, even where no lists name their
+  /// contents.
   WalkLattice lattice() const {
     const formats::MacroShape& shape = description().lattice.macro;
     return {shape.leaf_count, shape.factor};
   }
-  /// The same ray with positions in leaf cells, and the same t.
+  /// Returns the same ray with positions in leaf cells, and the same t.
   RHORAY_INLINE Ray on_lattice(const Ray& ray) const {
     const formats::LeafLattice& lattice = mesh_.description().lattice;
     return {(ray.origin - lattice.low) / lattice.leaf_size, ray.direction / lattice.leaf_size, ray.t_min, ray.t_max};
@@ -44,13 +46,13 @@ class TetVolume {
 
   bool has_clusters() const { return mesh_.has_clusters(); }
 
-  // With clusters.
+  // Only with clusters.
   const formats::CellClustersView& clusters() const { return mesh_.clusters(); }
   const formats::ClusterRangesView<T>& cluster_ranges() const { return cluster_ranges_; }
 
-  // With leaf lists.
+  // Only with leaf lists.
   int level_count() const { return levels_.shape.level_count; }
-  /// The values that occur in the tetrahedra of a leaf cell (level 0) or macrocell.
+  /// Returns the range of the values in the tetrahedra of a leaf cell (level 0) or macrocell.
   RHORAY_INLINE Interval<double> range(int level, const Index3& cell) const {
     const Interval<T> stored = levels_.range(level, cell.x, cell.y, cell.z);
     return {static_cast<double>(stored.lo), static_cast<double>(stored.hi)};
@@ -60,10 +62,10 @@ class TetVolume {
     return mesh_.leaf_lists().list(static_cast<std::uint64_t>((leaf.z * count.y + leaf.y) * count.x + leaf.x));
   }
 
-  /// Point positions of a cell.
+  /// Returns the point indices of a cell.
   RHORAY_INLINE std::array<std::uint32_t, 4> vertices(std::uint32_t cell) const { return mesh_.cell(cell); }
 
-  /// Point positions of a cell, rising.
+  /// Returns the point indices of a cell, in increasing order.
   RHORAY_INLINE std::array<std::uint32_t, 4> sorted_vertices(std::uint32_t cell) const {
     return rising(vertices(cell));
   }
@@ -88,7 +90,7 @@ class TetVolume {
   formats::ClusterRangesView<T> cluster_ranges_;
 };
 
-/// False when a value is NaN or infinite: the tetrahedron is absent.
+/// False when a value is NaN or infinite: the tetrahedron then counts as absent.
 RHORAY_INLINE bool has_data(const std::array<double, 4>& values) {
   return std::isfinite(values[0]) && std::isfinite(values[1]) && std::isfinite(values[2]) && std::isfinite(values[3]);
 }

@@ -1,4 +1,5 @@
-// Which of the cells that may hold a ray's largest value does: in double precision. Included again for each machine.
+// Decides in double precision which of the candidate cells holds a ray's largest value. Included
+// again for each machine.
 #if defined(RHORAY_WIDE_TET_MAXIMUM_SUSPECTS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_TET_MAXIMUM_SUSPECTS_INL_H
 #undef RHORAY_WIDE_TET_MAXIMUM_SUSPECTS_INL_H
@@ -19,13 +20,14 @@ namespace {
 using Longs = hn::RebindToSigned<Doubles>;
 inline constexpr Longs longs{};
 
-/// Of smaller ranges no shares are taken: they all count as zero.
+/// For smaller ranges no shares are computed: they all count as zero.
 inline constexpr double least_range = 1e-290;
 
 #if HWY_NATIVE_FMA
 
-/// As many suspects side by side as a vector has doubles, operation for operation as the scalar kernel: ValuesAlong in
-/// tet_maximum.h with cells/tet_crossing.h, and BoxRay in cluster_walk.h.
+/// Processes as many suspects side by side as a vector has doubles, operation for operation as the
+/// scalar kernel: ValuesAlong in render/tets/reference/largest.h with render/cell/tet_crossing.h,
+/// and BoxRay in cluster_walk.h.
 class TetDecisions {
  public:
   HWY_INLINE TetDecisions(const TetMaximumField& field, const RayArrays& rays, const TetRays& group)
@@ -49,7 +51,8 @@ class TetDecisions {
     const std::uint32_t* const table = field_.tables + field_.table_starts[cluster];
     std::uint8_t corner[4];
     std::memcpy(corner, field_.corners + 4 * std::size_t{suspect.tet}, sizeof corner);
-    // Tables rise: in the order of places in the table vertices are in the order of their positions.
+    // Tables are in increasing order: sorted by table index, vertices are also sorted by point
+    // index.
     for (const auto& [a, b] : {std::pair{0, 1}, {2, 3}, {0, 2}, {1, 3}, {1, 2}}) {
       const std::uint8_t low = corner[a] < corner[b] ? corner[a] : corner[b],
                          high = corner[a] < corner[b] ? corner[b] : corner[a];
@@ -72,7 +75,7 @@ class TetDecisions {
   struct Vertex {
     VecD x, y, t, value;
   };
-  /// Of the edge from a to b, whether it passes left of the ray, and its weight.
+  /// For the edge from a to b: whether it passes left of the ray, and its weight.
   struct Edge {
     MaskD left;
     VecD weight;
@@ -91,9 +94,10 @@ class TetDecisions {
     return hn::Load(doubles, values);
   }
 
-  /// BoxRay::meet for one box of each ray.
+  /// BoxRay::meet for one box per ray.
   HWY_INLINE MaskD meets_box(const VecD* origin, const VecD* direction, VecD t_min, VecD t_max) const {
-    const VecD per_unit = hn::Set(doubles, 1 / field_.box_unit), zero = hn::Zero(doubles);  // a power of two
+    // a power of two.
+    const VecD per_unit = hn::Set(doubles, 1 / field_.box_unit), zero = hn::Zero(doubles);
     VecD t_in = hn::Set(doubles, -infinite), t_out = hn::Set(doubles, infinite);
     for (int m = 0; m < 3; ++m) {
       const auto a = static_cast<std::size_t>(axes_[m]);
@@ -130,7 +134,7 @@ class TetDecisions {
             hn::Abs(hn::Add(hn::Sub(p, q), hn::Sub(p_rest, q_rest)))};
   }
 
-  /// Of the weighted sums of a face; what they are to be divided by.
+  /// The weighted sums of a face, and the weight to divide them by.
   struct FaceSums {
     VecD t, value, weight;
   };
@@ -255,7 +259,7 @@ class TetDecisions {
 
 #endif
 
-/// Suspects that wait, and what rays have reached.
+/// Suspects not yet decided, and the values that rays have reached.
 class TetSuspects {
  public:
   HWY_INLINE TetSuspects(const TetMaximumField& field, const RayArrays& rays, const TetRays& group, TetScratch& scratch)
@@ -269,14 +273,15 @@ class TetSuspects {
                                                    static_cast<std::uint32_t>(ray_of(lane))};
   }
 
-  /// For a suspect of each lane. Where most suspects stay, values are equal: what is decided rules out those behind.
+  /// Makes room for one suspect per lane. Where most suspects are kept, values are equal: deciding
+  /// some then rules out those behind.
   HWY_INLINE void make_room() {
     if (scratch_.suspect_count < TetScratch::suspect_capacity) return;
     forget_those_below_reached();
     if (scratch_.suspect_count >= TetScratch::suspect_capacity * 3 / 4) decide();
   }
 
-  /// Decides about all.
+  /// Decides all suspects.
   HWY_NOINLINE void decide() {
     forget_those_below_reached();
     look();

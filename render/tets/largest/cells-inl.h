@@ -1,5 +1,5 @@
-// A cluster's cells against the rays of a group: where may the largest value of a ray be? Included again for each
-// machine.
+// Tests a cluster's cells against the rays of a group: where may the largest value of a ray be?
+// Included again for each machine.
 #if defined(RHORAY_WIDE_TET_MAXIMUM_CELLS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_TET_MAXIMUM_CELLS_INL_H
 #undef RHORAY_WIDE_TET_MAXIMUM_CELLS_INL_H
@@ -22,13 +22,15 @@ using VecC = hn::Vec<Codes>;
 using MaskC = hn::Mask<Codes>;
 inline constexpr Codes codes{};
 
-/// How far a place in a ray's picture plane, in a cluster's frame, is off by what is rounded to single precision, for
-/// rays that pass the cluster's box within 2: with a = 2^-24, by a / 2 for the corner's u, a for slope times w (each
-/// off by a / 2), a for their difference, 2 a for the shift (up to 4), 4 a for the last difference (up to 6); a / 2
-/// more without fused operations. And by TetRays::place_error. Others pass all cells by far more than they are off.
+/// Upper bound of the error of a position in a ray's picture plane, in a cluster's frame, from
+/// rounding to single precision. It holds for rays that pass the cluster's box within 2. With a =
+/// 2^-24: a / 2 for the corner's u, a for slope times w (each has an error of a / 2), a for their
+/// difference, 2 a for the shift (up to 4), 4 a for the last difference (up to 6); a / 2 more
+/// without fused operations. TetRays::place_error is added. Other rays miss all cells by far more
+/// than this error.
 inline constexpr float rounded_place = 0x1p-20f;
 
-/// More than a value, or a level, in a cluster's frame is off by: 2^-25 and 2^-24.
+/// More than the error of a value or a level in a cluster's frame: 2^-25 and 2^-24.
 inline constexpr float rounded_value = 0x1p-22f;
 
 class TetCells {
@@ -42,10 +44,10 @@ class TetCells {
         clusters_(field, scratch) {}
 
   TetSuspects suspects;
-  std::uint64_t looks = 0;  ///< cells against 16 rays
+  std::uint64_t looks = 0;  ///< cells tested against 16 rays
 
-  /// CandidateList for suspects in a cluster.
-  /// @param lanes  that may meet it
+  /// Searches a cluster for suspects.
+  /// @param lanes  that may hit it
   void look_into(std::uint64_t cluster, std::uint64_t lanes) {
     const LocalCluster& local = clusters_.made_ready(cluster);
     place_error_ = rounded_place + static_cast<float>(group_.place_error * local.scale) * 1.01f;
@@ -58,10 +60,11 @@ class TetCells {
   }
 
  private:
-  /// What is taken off for rounding where a share of a cluster's range becomes a value.
+  /// Margin subtracted for rounding where a share of a cluster's range becomes a value.
   HWY_INLINE static double slack(const LocalCluster& local) { return 0x1p-50 * (std::abs(local.lowest) + local.range); }
 
-  /// Rays that start so far away, in sizes of the cluster, that nothing can be told of them.
+  /// For rays that start so far away, in sizes of the cluster, that single precision cannot decide
+  /// anything.
   HWY_NOINLINE void suspect_all(const LocalCluster& local, std::uint64_t lanes) {
     const std::uint64_t first = local.cluster * field_.cluster_size;
     for (std::uint64_t cell = first; cell < first + field_.cluster_size && cell < field_.cell_count; ++cell) {
@@ -72,7 +75,7 @@ class TetCells {
     }
   }
 
-  /// Those of lanes that have found the cluster's largest value before they come to it.
+  /// Returns those lanes that found the cluster's largest value before they reach it.
   HWY_INLINE std::uint64_t satisfied(const LocalCluster& local, std::uint64_t lanes) const {
     const auto edge = [&](float at) { return local.center[group_.w] + at / local.scale; };
     const double low = edge(local.low[group_.w]), high = edge(local.high[group_.w]);
@@ -87,7 +90,7 @@ class TetCells {
     return done;
   }
 
-  /// Shifts and levels of the rays in the cluster's frame.
+  /// Computes shifts and levels of the rays in the cluster's frame.
   /// @return  the lanes that may find more than they have reached
   HWY_INLINE std::uint64_t enter(const LocalCluster& local, std::uint64_t lanes) {
     const VecD scale = hn::Set(doubles, local.scale), lowest = hn::Set(doubles, local.lowest);
@@ -130,9 +133,9 @@ class TetCells {
     return lanes;
   }
 
-  /// Of each vertex a byte for each pack, with bits for the sides of the pack's rays on which it lies, straight and
-  /// slanted, and for values that all of them have reached. A cell whose vertices have a bit in common is none of the
-  /// pack's.
+  /// Computes for each vertex one byte per pack. Its bits tell on which sides of the pack's rays
+  /// the vertex is (axis-aligned and diagonal sides), and whether all of the pack's rays have
+  /// already reached its value. A cell whose vertices have a bit in common is not hit by the pack.
   HWY_INLINE void encode(const LocalCluster& local, std::uint64_t lanes) {
     float offset[16], slope[16], least[4];
     std::uint32_t absent = 0;
@@ -170,7 +173,8 @@ class TetCells {
         const VecF zero = hn::Zero(floats);
         for (std::size_t l = 0; l < 4; ++l) note(hn::Lt(inside[l], zero), static_cast<int>(l));
         note(hn::Lt(value, hn::Set(floats, least[p])), 4);
-        // Beyond three of the four corners that the sides make: a byte has no room for the last.
+        // Outside the diagonals of three of the four corners that the sides form: a byte has no
+        // room for the last.
         note(hn::Lt(hn::Add(inside[0], inside[2]), zero), 5);
         note(hn::Lt(hn::Add(inside[1], inside[3]), zero), 6);
         note(hn::Lt(hn::Add(inside[0], inside[3]), zero), 7);
@@ -250,7 +254,7 @@ class TetCells {
     }
   }
 
-  /// @param packs  0x80 in the byte of each pack that may meet the cell
+  /// @param packs  0x80 in the byte of each pack that may hit the cell
   HWY_INLINE void compare_with_packs(const LocalCluster& local, const std::uint8_t* corner, std::uint64_t cell,
                                      std::uint32_t packs, std::uint64_t lanes) {
     Corners at;
@@ -278,14 +282,15 @@ class TetCells {
       at.u[i] = u[corner[i]], at.v[i] = v[corner[i]], at.w[i] = w[corner[i]], at.value[i] = local.value[corner[i]];
     at.largest = larger(larger(at.value[0], at.value[1]), larger(at.value[2], at.value[3]));
     bool has_values = true;
-    // A NaN, or infinite, where there is no data.
+    // NaN or infinite where there is no data.
     if (field_.has_gaps)
       for (const float value : at.value) has_values = has_values && std::abs(value) <= 2;
     return has_values;
   }
 
-  /// The six edges of a cell as a ray sees it, and what its values are above the ray's level. `left` where the edge
-  /// from the lower to the higher corner may pass left of the ray, `right` likewise.
+  /// The six edges of a cell as seen along a ray, and by how much its values exceed the ray's
+  /// level. `left` is set where the edge from the lower to the higher corner may pass left of the
+  /// ray, `right` where it may pass right of it.
   struct Seen {
     VecF edge[6], over[4];
     MaskF left[6], right[6];
@@ -293,14 +298,14 @@ class TetCells {
   };
   struct Face {
     int corner[3];
-    int edge[3];  ///< j k, i k, i j
+    int edge[3];  ///< edges j k, i k, i j
   };
   static constexpr int edge_from[6] = {0, 0, 0, 1, 1, 2}, edge_to[6] = {1, 2, 3, 2, 3, 3};
   static constexpr Face faces[4] = {
       {{1, 2, 3}, {5, 4, 3}}, {{0, 2, 3}, {5, 2, 1}}, {{0, 1, 3}, {4, 2, 0}}, {{0, 1, 2}, {3, 1, 0}}};
 
-  /// A sum of the corners' values over the level, by the areas opposite to them: it has the sign of the value over the
-  /// level where the ray passes the face, or of its opposite.
+  /// The sum of the corners' values over the level, weighted by the opposite areas. It has the sign
+  /// of the value over the level where the ray passes the face, or the opposite sign.
   HWY_INLINE static VecF weighted(const Seen& seen, const Face& face) {
     return hn::MulAdd(seen.edge[face.edge[0]], seen.over[face.corner[0]],
                       hn::NegMulAdd(seen.edge[face.edge[1]], seen.over[face.corner[1]],
@@ -313,7 +318,7 @@ class TetCells {
     return hn::And(hn::And(seen.right[face.edge[0]], seen.right[face.edge[2]]), seen.left[face.edge[1]]);
   }
 
-  /// A cell against the rays of a pack.
+  /// Tests a cell against the rays of a pack.
   HWY_NOINLINE void compare(const LocalCluster& local, const Corners& at, std::uint64_t cell, std::size_t p,
                             std::uint64_t in_pack) {
     ++looks;
@@ -341,13 +346,15 @@ class TetCells {
           hn::And(hn::And(gains, hn::Le(hn::Max(left, below), error)), hn::Ge(hn::Min(right, above), minus_error));
       if (hn::AllFalse(floats, near)) continue;
 
-      // Places here are at most `size`; an edge's function is off by products of places and errors, of two errors, and
-      // by the rounding of two products and a difference.
+      // Positions here are at most `size`. The error of an edge function covers products of
+      // positions and errors, products of two errors, and the rounding of two products and a
+      // difference.
       const VecF size = hn::Max(hn::Max(right, hn::Neg(left)), hn::Max(above, hn::Neg(below)));
       const VecF per_size = hn::MulAdd(hn::Set(floats, 0x1.1p-22f), size, hn::Set(floats, 4.1f * place_error_));
       Seen seen;
       seen.edge_error = hn::MulAdd(per_size, size, hn::Set(floats, 2.1f * place_error_ * place_error_));
-      // Three weights are off by that, values over the level by 2^-23, sums are rounded; the scalar kernel's means too.
+      // Three weights have that error, values over the level one of 2^-23, sums are rounded; the
+      // scalar kernel's means too.
       seen.sum_error = hn::MulAdd(hn::Mul(size, size), hn::Set(floats, 0x1p-19f + local.value_error),
                                   hn::Mul(hn::Set(floats, 3.1f), seen.edge_error));
       const VecF minus_edge_error = hn::Neg(seen.edge_error);
@@ -371,10 +378,10 @@ class TetCells {
     }
   }
 
-  /// Bounds of the values of suspects; the lower ones raise the rays' levels.
+  /// Records bounds of the values of suspects; the lower bounds raise the rays' levels.
   HWY_NOINLINE void note(const LocalCluster& local, const Seen& seen, MaskF doubtful, const Corners& at,
                          std::uint64_t cell, std::size_t r) {
-    MaskF whole = doubtful;  // the ray goes through all of the cell
+    MaskF whole = doubtful;  // rays that go through all of the cell
     if (!group_.go_through) {
       whole = clip(at, r, doubtful);
       if (hn::AllFalse(floats, doubtful)) return;
@@ -393,7 +400,8 @@ class TetCells {
       const VecF high =
           hn::IfThenElse(hn::Gt(smaller, zero), hn::Div(hn::Add(up, seen.sum_error), smaller), hn::Set(floats, 2.0f));
       most = hn::Max(most, hn::IfThenElseZero(hn::Or(to_left, to_right), high));
-      // A face is passed for certain where each edge passes on one side only, and the turn is the same.
+      // A face is certainly passed where each edge passes on one side only, and the orientation is
+      // the same.
       const MaskF sure_left =
           hn::Not(hn::Or(hn::Or(seen.right[face.edge[0]], seen.right[face.edge[2]]), seen.left[face.edge[1]]));
       const MaskF sure_right =
@@ -418,10 +426,11 @@ class TetCells {
     }
   }
 
-  /// Takes out of `doubtful` the rays that end before the cell, or begin behind it.
+  /// Removes from `doubtful` the rays that end before the cell, or begin behind it.
   /// @return  the others that begin before it and end behind it
   HWY_INLINE MaskF clip(const Corners& at, std::size_t r, MaskF& doubtful) const {
-    // Where rays begin and end is off by no more than places are, times in the scalar kernel by as much again.
+    // The positions where rays begin and end have at most the error of other positions; times in
+    // the scalar kernel have as much again.
     const float margin = 2 * place_error_;
     const VecF begin = hn::Load(floats, scratch_.local_begin + r), end = hn::Load(floats, scratch_.local_end + r);
     const float w_high = larger(larger(at.w[0], at.w[1]), larger(at.w[2], at.w[3]));

@@ -1,4 +1,4 @@
-// Clusters made ready for the search for the largest values. Included again for each machine.
+// Clusters prepared for the search for the largest values. Included again for each machine.
 #if defined(RHORAY_WIDE_TET_MAXIMUM_CLUSTER_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_TET_MAXIMUM_CLUSTER_INL_H
 #undef RHORAY_WIDE_TET_MAXIMUM_CLUSTER_INL_H

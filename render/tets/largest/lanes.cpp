@@ -2,7 +2,8 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/tets/largest/lanes.cpp"  // relative to the repository root
-#include <hwy/foreach_target.h>                             // comes first: this file is included again for each machine
+// Comes first: this file is included again for each machine.
+#include <hwy/foreach_target.h>
 
 #include <bit>
 
@@ -19,7 +20,8 @@ using Eights = hn::CappedTag<float, formats::ClusterShape::width>;
 using VecE = hn::Vec<Eights>;
 inline constexpr Eights eights{};
 
-/// The search for one group of rays: regions of the tree by their largest values, the largest first.
+/// The search for one group of rays: visits regions of the tree in the order of their largest
+/// values, the largest first.
 class TetSearch {
  public:
   HWY_INLINE TetSearch(const TetMaximumField& field, const RayArrays& rays, const TetRays& group, TetScratch& scratch,
@@ -89,7 +91,7 @@ class TetSearch {
     return top;
   }
 
-  /// Puts those entries of a block into the queue that the group may meet.
+  /// Puts those entries of a block into the queue that the group may hit.
   void open(int level, std::uint64_t block) {
     if (field_.is_single)
       open_with(static_cast<const formats::RangeBlock<float>*>(field_.ranges[level])[block], level, block);
@@ -134,7 +136,8 @@ class TetSearch {
     }
   }
 
-  /// Lanes whose rays may meet an entry's box and may find more in it than they have reached.
+  /// Returns the lanes whose rays may hit an entry's box and may find more in it than they have
+  /// reached.
   HWY_INLINE std::uint64_t lanes_through(const TetRegion& region) const {
     constexpr std::size_t width = formats::ClusterShape::width;
     const formats::BoxBlock& box = field_.boxes[region.level][region.entry / width];

@@ -15,7 +15,7 @@ namespace rhoray::render::wide {
 
 namespace {
 
-/// As the scalar kernel, which comes to a cell when the ray meets its cluster's box.
+/// As in the scalar kernel, which visits a cell when the ray hits its cluster's box.
 template <class View>
 RHORAY_INLINE void look_at(const void* context, const RayArrays& rays, const TetSuspect* suspects, std::size_t count,
                            LargestSoFar* found) {
@@ -70,12 +70,13 @@ TetMaximumField field_of(const VolumeImplementation& volume, const TetVolume<T>&
   return field;
 }
 
-/// Whether both are of one object, which may be gone. Of objects that have lived at one address it tells which.
+/// True when both belong to the same object, which may be gone. Distinguishes objects that used the
+/// same address one after another.
 bool is_same_object(const std::weak_ptr<const FacetsCache>& a, const std::shared_ptr<FacetsCache>& b) {
   return !a.owner_before(b) && !b.owner_before(a);
 }
 
-/// The thread's memory, with no cluster kept of another volume.
+/// Returns the thread's memory, without cached clusters of another volume.
 TetMaximumScratch& prepared(std::shared_ptr<TetMaximumScratch>& scratch, const VolumeImplementation& volume) {
   if (!scratch) scratch = std::make_shared<TetMaximumScratch>();
   if (!is_same_object(scratch->of_volume, volume.facets)) {
@@ -112,7 +113,8 @@ void largest_values(const VolumeImplementation& volume, const RayQuery& query, c
       volume.view);
 }
 
-/// A mesh with clusters of which products of lengths and values stay far from the limits of doubles.
+/// True for a mesh with clusters whose products of lengths and values stay far from the limits of
+/// doubles.
 bool is_fit(const VolumeImplementation& volume) {
   const bool has_clusters = std::visit(
       []<class View>(const View& view) {

@@ -4,10 +4,11 @@
 
 namespace rhoray::render::wide {
 
-/// The largest value on each ray through a mesh with clusters, for groups of rays at once: value, t and cell are those
-/// of the scalar kernel in double precision, bit for bit. Null where the scalar kernels answer: for other volumes, for
-/// meshes with leaf lists, or of a size or with values that products of doubles cannot hold, and for ways other than
-/// direct (and preview and slack, which mean the same here).
+/// Returns the kernel that finds the largest value on each ray through a mesh with clusters, for
+/// groups of rays at once. Value, t and cell are those of the scalar kernel in double precision,
+/// bit for bit. Null where the scalar kernels are used: for other volumes; for meshes with leaf
+/// lists, or whose size or values exceed what products of doubles can hold; and for methods other
+/// than direct (and preview and slack, which are equivalent here).
 Kernel largest_value_in_tets_kernel(const VolumeImplementation& volume, const Method& method, Machine machine);
 
 }  // namespace rhoray::render::wide

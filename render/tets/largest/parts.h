@@ -9,23 +9,26 @@
 #include "render/query/largest_so_far.h"
 #include "render/triangles/kernels/facet_parts.h"
 
-/// What the sources of the wide kernel for largest values in meshes hand to the part that is compiled once per machine.
+/// Data that the sources of the wide kernel for largest values in meshes pass to the part that is
+/// compiled once per machine.
 ///
-/// A ray is described along the axis, w, on which it moves most, as in facets_parts.h: u = shift_u + slope_u w and
-/// v = shift_v + slope_v w. That part looks for the cells in which a ray may have its largest value, in single
-/// precision with its rounding bounded. What it cannot rule out, suspects, the scalar kernel's own code decides: so the
-/// answer is the scalar kernel's on every machine, in whatever group a ray is.
+/// A ray is parametrised along its major axis w, on which it moves most, as in
+/// render/triangles/kernels/facet_parts.h: u = shift_u + slope_u w and v = shift_v + slope_v w.
+/// That part finds the cells in which a ray may have its largest value, in single precision with
+/// bounded rounding. The cells that it cannot rule out (suspects) are decided by the scalar
+/// kernel's own code. The result is therefore the scalar kernel's on every machine, whatever group
+/// a ray is in.
 namespace rhoray::render::wide {
 
 /// A cell in which a ray may have its largest value.
 struct TetSuspect {
-  double most;  ///< no value that the ray has in the cell is larger
+  double most;  ///< upper bound of the ray's values in the cell
   std::uint32_t tet;
-  std::uint32_t ray;  ///< place in the chunk
+  std::uint32_t ray;  ///< index in the chunk
 };
 
-/// Offers what rays have in suspects.
-/// @param found  of each ray of the chunk
+/// Offers the values that rays have in suspects to `found`.
+/// @param found  for each ray of the chunk
 using SolveCandidates = void (*)(const void* context, const RayArrays& rays, const TetSuspect* suspects,
                                  std::size_t count, LargestSoFar* found);
 
@@ -42,7 +45,7 @@ struct TetMaximumField {
   Interval<double> range;
   const std::uint64_t* table_starts;
   const std::uint32_t* tables;
-  const std::uint8_t* corners;  ///< four of each cell
+  const std::uint8_t* corners;  ///< four per cell
   std::uint64_t cell_count, cluster_size;
   double box_unit;
   int top_level;
@@ -55,8 +58,8 @@ struct TetMaximumField {
   const void* context;
 };
 
-/// A cluster made ready: in a frame of its own, in which its box, around zero, reaches from -1 to 1 at most and its
-/// values from 0 to 1.
+/// A cluster in its own local frame, in which its box, centred at zero, extends from -1 to 1 at
+/// most, and its values from 0 to 1.
 struct alignas(64) LocalCluster {
   static constexpr std::size_t capacity = 256;  ///< vertices
   static constexpr std::uint64_t none = ~std::uint64_t{0};
@@ -67,32 +70,36 @@ struct alignas(64) LocalCluster {
   double center[3], scale;                   ///< place = (point - center) * scale
   double lowest, highest, range, per_range;  ///< of values
   float low[3], high[3];                     ///< box
-  float value_error;                         ///< of the means that the scalar kernel rounds, six times
+  float value_error;  ///< six times the rounding error of the means that the scalar kernel computes
   std::uint32_t vertex_count;
 };
 
-/// Regions that wait to be opened, the one of the largest bound on top; of equal bounds the nearest.
+/// A region in the queue of those still to be opened. The one with the largest bound is on top; of
+/// equal bounds the nearest.
 struct TetRegion {
-  float bound;  ///< of its values, as a share of the field's range
+  float bound;  ///< upper bound of its values, as a share of the field's range
   float near;
   std::uint32_t entry;
   std::int32_t level;
 };
 
-/// 64 rays of a batch, in the lanes of facets_parts.h.
+/// 64 rays of a batch, in the lanes of render/triangles/kernels/facet_parts.h.
 struct alignas(64) TetMaximumScratch {
   static constexpr std::size_t lanes = RayGroup::size, pack = FacetScratch::pack, packs = FacetScratch::packs;
 
   double slope[2][lanes], shift[2][lanes];  ///< relative to the middle of the mesh
   double begin[lanes], end[lanes];          ///< the ray's ends, along w, begin <= end
-  double reached[lanes];                    ///< no more than the ray's largest value; infinite without a ray
-  float tree_slope[2][lanes], tree_shift[2][lanes], tree_begin[lanes], tree_end[lanes];  ///< in units of boxes
-  float reached_share[lanes];              ///< `reached` as a share of the field's range, or less
-  double line_offset[16], line_slope[16];  ///< of each pack, l: bounds of -u, u, -v, v: offset + slope w
+  /// Lower bound of the ray's largest value; infinite without a ray.
+  double reached[lanes];
+  /// In units of boxes.
+  float tree_slope[2][lanes], tree_shift[2][lanes], tree_begin[lanes], tree_end[lanes];
+  float reached_share[lanes];  ///< `reached` as a share of the field's range, or less
+  /// For each pack, l: bounds of -u, u, -v, v: offset + slope w.
+  double line_offset[16], line_slope[16];
 
-  // In the cluster that is looked into.
+  // In the frame of the cluster that is being searched.
   float place[2][lanes], local_begin[lanes], local_end[lanes];
-  float level[lanes];  ///< `reached` there
+  float level[lanes];  ///< `reached` in that frame
   std::uint32_t codes[LocalCluster::capacity];
 
   std::uint32_t cost[lanes];
@@ -108,19 +115,20 @@ struct alignas(64) TetMaximumScratch {
 
   static constexpr std::size_t slot_count = 256;
   LocalCluster clusters[slot_count];
-  /// Which volume they are from. Every volume that is loaded has a FacetsCache of its own; a weak pointer tells it from
-  /// those of volumes that came after it, whatever lies at its address since.
+  /// The volume that they belong to. Every loaded volume has a FacetsCache of its own. A weak
+  /// pointer distinguishes it from that of volumes loaded later, even if one is at the same
+  /// address.
   std::weak_ptr<const FacetsCache> of_volume;
 
-  FewRays others;  ///< what the reference is asked about
+  FewRays others;  ///< rays passed to the reference
 };
 
-/// Finds the largest values of at most 64 rays, into `found`.
-/// @return  a bit for each ray that is left to the reference
+/// Finds the largest values of at most 64 rays and stores them in `found`.
+/// @return  one bit per ray that is left to the reference
 using TetLargestValues = std::uint64_t (*)(const TetMaximumField& field, const RayArrays& rays, std::size_t count,
                                            TetMaximumScratch& scratch, KernelCounters& counters);
 
-/// `baseline` is what the processor has of SSE4, or else one lane.
+/// `baseline` is the processor's level of SSE up to SSE4, or else one lane.
 TetLargestValues tet_largest_values_on(Machine machine);
 
 }  // namespace rhoray::render::wide

@@ -1,4 +1,5 @@
-// The rays of a group, as the search for the largest values in meshes sees them. Included again for each machine.
+// The rays of a group, prepared for the search for the largest values in meshes. Included again for
+// each machine.
 #if defined(RHORAY_WIDE_TET_MAXIMUM_RAYS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RHORAY_WIDE_TET_MAXIMUM_RAYS_INL_H
 #undef RHORAY_WIDE_TET_MAXIMUM_RAYS_INL_H
@@ -21,11 +22,12 @@ using TetScratch = TetMaximumScratch;
 
 inline constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// The axis on which each ray of a chunk moves most.
+/// The major axis of each ray of a chunk, on which it moves most.
 struct MainAxes {
-  std::uint64_t along[3];  ///< rays of finite numbers, that move, and start less than `reach` mesh sizes away
+  /// Rays that are finite, move, and start less than `reach` mesh sizes away.
+  std::uint64_t along[3];
   std::uint64_t down;      ///< rays that move down their axis
-  std::uint64_t left_out;  ///< rays of which that is not so; those that end before they begin among them
+  std::uint64_t left_out;  ///< the other rays, including those that end before they begin
 };
 
 HWY_INLINE MainAxes main_axes(const TetMaximumField& field, const RayArrays& rays, std::size_t count) {
@@ -63,7 +65,7 @@ HWY_INLINE MainAxes main_axes(const TetMaximumField& field, const RayArrays& ray
   return axes;
 }
 
-/// The lanes of a chunk's rays.
+/// Returns the lanes of a chunk's rays.
 HWY_INLINE std::uint64_t in_lanes(std::uint64_t rays) {
   std::uint64_t there = 0;
   for (std::size_t quad = 0; quad < TetScratch::lanes / 4; ++quad)
@@ -71,7 +73,8 @@ HWY_INLINE std::uint64_t in_lanes(std::uint64_t rays) {
   return there;
 }
 
-/// Rays that move most along one axis, one way, and straight lines that those of each pack keep between.
+/// Rays that share a major axis and a direction along it, and straight lines that bound those of
+/// each pack.
 class TetRays {
  public:
   HWY_INLINE TetRays(const TetMaximumField& field, const RayArrays& rays, std::size_t count, int axis, bool moves_down,
@@ -96,14 +99,17 @@ class TetRays {
   }
 
   double middle[3];  ///< of the mesh
-  /// In mesh units: more than a place in a ray's picture plane is off by, here or in the scalar kernel, for what is
-  /// computed in double. The slope is off by 2^-52 of itself, its product, a difference and the shift by 2^-53 each;
-  /// the scalar kernel's by 7.2 * 2^-53 (RayShearOf::errors).
+  /// In mesh units: upper bound of the error of a position in a ray's picture plane, here or in the
+  /// scalar kernel, from computing in double. The slope has an error of 2^-52 of itself; its
+  /// product, a difference and the shift 2^-53 each; the scalar kernel's 7.2 * 2^-53
+  /// (RayShearOf::errors).
   double place_error;
-  float tree_margin;                      ///< likewise in units of boxes, with rounding to single precision
-  float group_offset[4], group_slope[4];  ///< bounds of all packs, as their lines, in units of boxes
-  float first, last;                      ///< of the ends of all rays, in units of boxes
-  bool go_through;  ///< all begin and end farther from the mesh, along w, than half its largest side
+  float tree_margin;  ///< the same in units of boxes, with rounding to single precision
+  /// Bounds of all packs, with their lines, in units of boxes.
+  float group_offset[4], group_slope[4];
+  float first, last;  ///< range of the ends of all rays, in units of boxes
+  /// All rays begin and end farther from the mesh, along w, than half its largest side.
+  bool go_through;
 
  private:
   const TetMaximumField& field_;
@@ -113,7 +119,7 @@ class TetRays {
  public:
   const int u, v, w;
   const bool is_down;
-  const std::uint64_t alive;  ///< lanes
+  const std::uint64_t alive;  ///< lanes in use
 
   HWY_INLINE static double larger(double a, double b) { return a > b ? a : b; }
 
@@ -165,10 +171,10 @@ class TetRays {
                 scratch_.reached_share + r);
   }
 
-  /// The least of linear functions lies above the straight line between any two of its values.
+  /// The minimum of linear functions is above the straight line between any two of its values.
   HWY_INLINE void bound_packs() {
     const double low = field_.low[w] - middle[w], high = field_.high[w] - middle[w];
-    // Over a short way a slope would be lost in rounding: there the bounds are constant.
+    // Over a short distance a slope would be lost in rounding, so the bounds are constant there.
     const bool is_short = high - low < 1e-6 * (field_.high[u] - field_.low[u] + field_.high[v] - field_.low[v]);
     const double inverse = is_short ? 0 : 1 / (high - low), unit = field_.box_unit;
     double group_low[4], group_high[4];
@@ -212,8 +218,9 @@ class TetRays {
     }
   }
 
-  /// The rays in units of boxes. Rays that meet the mesh have places, shifts among them, of at most twice the largest
-  /// coordinate: these, slopes, and what is computed of both, are off by 2^-24 of that each.
+  /// Computes the rays in units of boxes. Rays that hit the mesh have positions, including shifts,
+  /// of at most twice the largest coordinate. These, slopes, and what is computed from both have an
+  /// error of 2^-24 of that each.
   HWY_INLINE void describe_for_tree(double largest) {
     const double inverse = 1 / field_.box_unit;  // a power of two
     tree_margin = static_cast<float>((0x1p-19 * largest + place_error) * inverse);

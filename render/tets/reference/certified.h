@@ -2,9 +2,10 @@
 
 #include "render/tets/reference/exact.h"
 
-/// The first crossing of a mesh's isosurface, proven: what arithmetic of a precision cannot decide with its rounding
-/// included is decided in double precision, and what that cannot decide by the judge. Proven for cells that are a
-/// partition of the mesh (tet_judged.h).
+/// The first crossing of a mesh's isosurface, proven. Arithmetic of a given precision decides what
+/// it can with its rounding included; the rest is decided in double precision, and what that cannot
+/// decide by exact arithmetic. Proven for cells that are a partition of the mesh
+/// (render/tets/reference/exact.h).
 namespace rhoray::render {
 
 namespace {
@@ -20,7 +21,7 @@ CertifiedTetHit certified_crossing(const View& view, const RayQuery& query, cons
   const TetRay<Real> tet_ray(ray);
   std::uint32_t hit_tet = 0;
   double hit_t = infinity, hit_error = 0, earliest = infinity;
-  double doubtful_from = infinity;  // before this t there is no doubt
+  double doubtful_from = infinity;  // no doubt before this t
   const auto look = [&](std::uint32_t tet, const LocalTet& local) {
     const CertifiedTetCrossing found = certify_tet_crossing<Real>(tet_ray, local.points, local.values, query.isovalue);
     if (found.decision == Decision::unknown) {
@@ -41,12 +42,13 @@ CertifiedTetHit certified_crossing(const View& view, const RayQuery& query, cons
   answer.is_certain = doubtful_from == infinity || hit_t + hit_error < doubtful_from - t_rounding;
   if (hit_t < infinity && answer.is_certain) {
     fill_in(answer.hit, view, query, hit_tet, hit_t);
-    answer.hit.error = std::max(hit_error, hit_t - earliest);  // another may come first by less than their errors
+    // Another may come first by less than their errors.
+    answer.hit.error = std::max(hit_error, hit_t - earliest);
   }
   return answer;
 }
 
-/// What single precision has not decided.
+/// Decides rays that single precision could not decide.
 template <class View>
 Hit certified_first_crossing_redone(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
   ++scratch.counters.rays_redone;
@@ -62,8 +64,8 @@ Hit certified_first_crossing(const View& view, const RayQuery& query, const Ray&
   return certified_first_crossing_redone(view, query, ray, scratch);
 }
 
-/// The largest value: where the ray enters and leaves is exact to the rounding of one mean, but which tetrahedra a ray
-/// meets that grazes an edge is the judge's to say.
+/// The largest value. The t at which the ray enters and leaves is exact to the rounding of one
+/// mean. Exact arithmetic must decide which tetrahedra are hit by a ray that grazes an edge.
 template <class View>
 Hit certified_largest_value(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
   return exact_largest_hit(view, query, ray, scratch);

@@ -11,22 +11,23 @@
 #include "render/query/kernels.h"
 #include "render/traverse/ray.h"
 
-/// A ray's way through a tree of clusters.
+/// Traversal of a tree of clusters along a ray.
 namespace rhoray::render {
 
 namespace {
 
-/// The part of a ray that may lie in a box, t_in <= t_out.
+/// The part of a ray that may be in a box, t_in <= t_out.
 struct BoxPart {
   double t_in, t_out;
 };
 
-/// A ray that is held against boxes, eight at a time.
+/// A ray prepared for intersection with boxes, eight at a time.
 ///
-/// No box that the ray touches is missed, and no part of the ray in it left out, between t_min and t_max and as the
-/// exact numbers that they are: a plane's time is off by at most three roundings, 2^-53 of itself each, and parts are
-/// made longer by 2^-50 of it. That holds for directions whose components, divided by the boxes' unit, have an inverse
-/// that is finite; others count as zero. A ray with a number that is not finite meets nothing.
+/// It misses no box that the ray touches, and no part of the ray inside it, between t_min and
+/// t_max, with these taken as exact numbers. The error of a plane's time is at most three
+/// roundings, 2^-53 of itself each; parts are extended by 2^-50 of it. This holds for directions
+/// whose components, divided by the boxes' unit, have a finite inverse; other components count as
+/// zero. A ray with a number that is not finite hits nothing.
 class BoxRay {
  public:
   static constexpr std::size_t width = formats::ClusterShape::width;
@@ -39,7 +40,7 @@ class BoxRay {
       origin_[a] = ray.origin[axis] / box_unit;  // exact
       inverse_[a] = 1 / (ray.direction[axis] / box_unit);
       is_finite = is_finite && std::isfinite(origin_[a]) && std::isfinite(ray.direction[axis]);
-      if (!std::isfinite(inverse_[a])) inverse_[a] = 0;  // does not move
+      if (!std::isfinite(inverse_[a])) inverse_[a] = 0;  // does not move along this axis
       moves = moves || inverse_[a] != 0;
     }
     if (!moves || !is_finite || !(t_min_ <= t_max_)) t_max_ = -std::numeric_limits<double>::infinity();
@@ -47,7 +48,7 @@ class BoxRay {
 
   struct Parts {
     std::array<double, width> t_in, t_out;
-    bool is_met(std::size_t entry) const { return t_in[entry] <= t_out[entry]; }  // a NaN is not
+    bool is_met(std::size_t entry) const { return t_in[entry] <= t_out[entry]; }  // false for NaN
   };
 
   RHORAY_INLINE Parts meet(const formats::BoxBlock& block) const {
@@ -69,7 +70,7 @@ class BoxRay {
         parts.t_out[e] = std::min(parts.t_out[e], (static_cast<double>(far[e]) - origin) * inverse);
       }
     }
-    // A NaN (infinity minus infinity) comes first: it stays, and says that the box is not met.
+    // A NaN (infinity minus infinity) comes first: it stays, and marks the box as missed.
     constexpr double rounding = 0x1p-50, least = 1e-300;
     for (std::size_t e = 0; e < width; ++e) {
       parts.t_in[e] = std::max(parts.t_in[e] - (std::abs(parts.t_in[e]) * rounding + least), t_min_);
@@ -83,14 +84,14 @@ class BoxRay {
   double t_min_, t_max_;
 };
 
-/// An entry of the tree that a ray meets; at level 0 a cluster.
+/// An entry of the tree that a ray hits; at level 0 a cluster.
 struct ClusterVisit {
   std::uint64_t entry;
   int level;
   BoxPart part;
 };
 
-/// Calls meets(visit) for the entries of a block that the ray meets and whose range may_hold what is looked for.
+/// Calls meets(visit) for the entries of a block that the ray hits and whose range passes may_hold.
 template <class View, class MayHold, class Meets>
 RHORAY_INLINE void meet_block(const View& view, const BoxRay& ray, int level, std::uint64_t block, MayHold&& may_hold,
                               Meets&& meets) {
@@ -107,15 +108,16 @@ RHORAY_INLINE void meet_block(const View& view, const BoxRay& ray, int level, st
       meets(ClusterVisit{block * BoxRay::width + e, level, {parts.t_in[e], parts.t_out[e]}});
 }
 
-/// The level whose blocks a walk begins with.
+/// Returns the level whose blocks a traversal begins with.
 template <class View>
 int first_level(const View& view, bool use_hierarchy) {
   return use_hierarchy ? view.clusters().shape.top_level() : 0;
 }
 
-/// Walks the tree, in each block the entry first that the ray meets first, and calls cluster(visit) for the clusters
-/// that it meets and whose range may_hold what is looked for; returns when that is false.
-/// @param matters_from  (t_in of an entry): false to leave it out
+/// Traverses the tree, in each block in the order in which the ray enters the entries. Calls
+/// cluster(visit) for the clusters that the ray hits and whose range passes may_hold; returns when
+/// that is false.
+/// @param matters_from  (t_in of an entry): false to skip it
 template <class View, class MayHold, class MattersFrom, class Cluster>
 void walk_clusters(const View& view, const BoxRay& ray, bool use_hierarchy, KernelCounters& counters,
                    MayHold&& may_hold, MattersFrom&& matters_from, Cluster&& cluster) {
@@ -125,7 +127,7 @@ void walk_clusters(const View& view, const BoxRay& ray, bool use_hierarchy, Kern
   const auto open = [&](int level, std::uint64_t block) {
     const std::size_t before = count;
     meet_block(view, ray, level, block, may_hold, [&](const ClusterVisit& visit) {
-      // Those that are met later lie deeper: moved up for one that comes before them.
+      // Entries that begin later are deeper in the stack: move those up that begin before this one.
       std::size_t at = count++;
       for (; at > before && waiting[at - 1].part.t_in < visit.part.t_in; --at) waiting[at] = waiting[at - 1];
       waiting[at] = visit;

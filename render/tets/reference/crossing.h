@@ -2,7 +2,8 @@
 
 #include "render/tets/reference/walk.h"
 
-/// The first crossing of a mesh's isosurface by the methods that look into one tetrahedron after another.
+/// The first crossing of a mesh's isosurface by the methods that test one tetrahedron after
+/// another.
 namespace rhoray::render {
 
 namespace {
@@ -13,8 +14,8 @@ RHORAY_INLINE TetMethod in_tet_method(Method::Algorithm algorithm) {
                                                  : TetMethod::edges;
 }
 
-/// The nearest crossing in the tetrahedra that a walk shows.
-/// @param walk  (matters_from, look, ends_at): as walk_active_tets calls them
+/// Returns the nearest crossing in the tetrahedra that a traversal visits.
+/// @param walk  (matters_from, look, ends_at): called like walk_active_tets
 template <class Real, class View, class Walk>
 Hit nearest_crossing(const View& view, const RayQuery& query, const Ray& ray, Walk&& walk) {
   const TetMethod method = in_tet_method(query.method.algorithm);
@@ -31,7 +32,8 @@ Hit nearest_crossing(const View& view, const RayQuery& query, const Ray& ray, Wa
     hit.t = *t;
     hit_tet = tet;
   };
-  // A tetrahedron reaches over several leaf cells: a crossing beyond this one waits until the ray gets there.
+  // A tetrahedron may extend over several leaf cells: a crossing behind this leaf cell is not final
+  // until the ray gets there.
   walk([&](double t_in) { return !(hit.t < t_in); }, look, [&](double t_out) { return !(hit.t <= t_out); });
   if (!hit.is_miss()) fill_in(hit, view, query, hit_tet, hit.t);
   return hit;

@@ -7,16 +7,17 @@
 #include "render/query/judged.h"
 #include "render/tets/reference/walk.h"
 
-/// A mesh's questions answered by the exact judge, who is shown the tetrahedra listed in the leaf cells along the ray,
-/// or those of the clusters whose boxes it meets. Lists reach a millionth of a leaf cell beyond it, and the lattice a
-/// little beyond the mesh (preprocess/leaf_lists): so the rounding of the walk leaves out none, for rays that start
-/// less than 2^28 leaf cells away. Boxes hold their tetrahedra, and none is missed that the ray touches
-/// (cluster_walk.h).
+/// Queries of a mesh in exact arithmetic. It gets the tetrahedra listed in the leaf cells along the
+/// ray, or those of the clusters whose boxes the ray hits. Lists extend a millionth of a leaf cell
+/// beyond it, and the lattice a little beyond the mesh (preprocess/leaf_lists). Therefore the
+/// rounding of the traversal misses none, for rays that start less than 2^28 leaf cells away. Boxes
+/// contain their tetrahedra, and none that the ray touches is missed (cluster_walk.h).
 ///
-/// He sees those whose values reach the isovalue, and joins their parts of the ray: right where the cells are a
-/// partition, which share their faces. Where cells overlap, or points hang in faces, there is no one field; then he may
-/// see a change from one cell to the next that the direct method, which takes the first change inside any one cell,
-/// does not (tests/hard_cases/defective_meshes_test.cpp). `info --stats` tells of such meshes.
+/// It considers the tetrahedra whose values reach the isovalue, and joins their parts of the ray.
+/// This is correct where the cells are a partition with shared faces. Where cells overlap, or
+/// points hang in faces, there is no single field. Exact arithmetic may then find a change from one
+/// cell to the next that the direct method, which takes the first change inside any one cell, does
+/// not find (tests/hard_cases/defective_meshes_test.cpp). `info --stats` reports such meshes.
 namespace rhoray::render {
 
 namespace {
@@ -56,8 +57,8 @@ void take_from_clusters(const View& view, const RayQuery& query, const Ray& ray,
       });
 }
 
-/// The tetrahedra of leaf cells or clusters along the ray, each once, rising.
-/// @param may_matter  (range of values in a region or tetrahedron): false to leave it out
+/// Returns the tetrahedra of leaf cells or clusters along the ray, each once, in increasing order.
+/// @param may_matter  (range of values in a region or tetrahedron): false to skip it
 template <class View, class MayMatter>
 std::vector<std::uint32_t> tets_along(const View& view, const RayQuery& query, const Ray& ray, KernelCounters& counters,
                                       MayMatter&& may_matter) {
@@ -90,7 +91,7 @@ std::vector<ExactTet> shown(const View& view, const std::vector<std::uint32_t>& 
   return out;
 }
 
-/// The tetrahedron of a verdict about those that were `shown`.
+/// Returns the tetrahedron of a verdict.
 template <class Verdict>
 std::uint32_t tet_of(const Verdict& verdict) {
   return static_cast<std::uint32_t>(verdict.cell);

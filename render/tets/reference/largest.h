@@ -6,22 +6,25 @@
 #include "render/query/largest_value_search.h"
 #include "render/tets/reference/walk.h"
 
-/// The largest value along a ray through a mesh. On a tetrahedron the field is linear, so its largest value on a ray is
-/// where the ray enters or leaves: direct, preview and paper are the same, in double whatever the precision asked for.
+/// The largest value along a ray through a mesh. The field is linear in a tetrahedron, so its
+/// largest value on a ray is where the ray enters or leaves. Direct, preview and paper are
+/// therefore the same, in double whatever the precision requested.
 ///
-/// Regions (leaf cells and macrocells, or clusters and the entries above them) are opened in the order of their largest
-/// values, those of one value front to back, until none is left that could hold a larger value, the same at a smaller
-/// t, or at the same t in a cell of a smaller id: so the answer does not depend on which regions there are.
+/// Regions (leaf cells and macrocells, or clusters and the entries above them) are opened in the
+/// order of their largest values, and front to back for equal values. The search ends when no
+/// region is left that could hold a larger value, the same value at a smaller t, or the same value
+/// at the same t in a cell with a smaller id. The result therefore does not depend on the choice of
+/// regions.
 namespace rhoray::render {
 
 namespace {
 
-/// True where nothing in the region can take the place of what was found.
+/// True when nothing in the region can replace the result so far.
 inline bool beats(const LargestSoFar& largest, const MaximumQueue::Entry& region) {
   return region.bound < largest.value || (region.bound == largest.value && region.t_in > largest.t);
 }
 
-/// Offers what the ray reaches in tetrahedra.
+/// Offers the values at which the ray enters and leaves tetrahedra.
 template <class View>
 class ValuesAlong {
  public:
@@ -38,7 +41,8 @@ class ValuesAlong {
     auto passage = pass_through(*seen, 0);
     if (passage) passage = clip(*passage, ray_.t_min, ray_.t_max);
     if (!passage) return;
-    // Rounding must not lift a value over those of the cell: the bounds of regions are made of them.
+    // Rounding must not raise a value above those of the cell, because the bounds of regions are
+    // computed from them.
     const double most = std::max({values[0], values[1], values[2], values[3]});
     largest_.offer(std::min(passage->in.value, most), passage->in.t, view_.cell_id(tet));
     largest_.offer(std::min(passage->out.value, most), passage->out.t, view_.cell_id(tet));
@@ -52,8 +56,8 @@ class ValuesAlong {
   LargestSoFar& largest_;
 };
 
-/// Opens regions until the largest value beats all that wait. `open(region)` looks into one, or puts what it consists
-/// of into the queue.
+/// Opens regions until the largest value beats all that are left. `open(region)` searches one, or
+/// puts its children into the queue.
 template <class Open>
 void open_regions(MaximumQueue& queue, const LargestSoFar& largest, Open&& open) {
   while (!queue.is_empty()) {
@@ -139,7 +143,8 @@ Hit largest_value_on_ray(const View& view, const RayQuery& query, const Ray& ray
   return largest.hit();
 }
 
-/// Room in the queue for what one ray puts in; through clusters for most rays, and what it grows to is kept.
+/// Returns the queue capacity that one ray needs. With clusters it suffices for most rays; the
+/// queue then keeps the size it grows to.
 template <class View>
 std::size_t queue_size_for(const View& view) {
   return view.has_clusters() ? 1024 : largest_queue_size(view.lattice(), view.level_count());

@@ -10,15 +10,16 @@
 
 namespace rhoray::render {
 
-/// The tetrahedra that one ray has been held against: lists of several leaf cells name the same. Open addressing; the
-/// first 48, more than most rays meet, need no memory but their own.
+/// The tetrahedra already tested for one ray: lists of several leaf cells may name the same one.
+/// Open addressing. The first 48, more than most rays need, use no heap memory.
 class Mailbox {
  public:
   Mailbox() { first_slots_.fill(none); }
   Mailbox(const Mailbox&) = delete;
   Mailbox& operator=(const Mailbox&) = delete;
 
-  /// True for one that was not there. Position 2^32 - 1 is always new: that costs a test, no answer.
+  /// Returns true if the tetrahedron was not yet in the set. Index 2^32 - 1 is always new: that
+  /// costs a second test but does not change the result.
   RHORAY_INLINE bool add(std::uint32_t tet) {
     if (tet == none) return true;
     std::uint32_t& slot = place_of(tet);
@@ -31,8 +32,8 @@ class Mailbox {
  private:
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-  /// Where it stands, or the free slot where it belongs; a quarter is always free. Neighbours in a mesh have positions
-  /// side by side: their last bits part them well.
+  /// Returns its slot, or the free slot where it belongs; a quarter of the slots is always free.
+  /// Neighbours in a mesh have adjacent indices, so the low bits separate them well.
   RHORAY_INLINE std::uint32_t& place_of(std::uint32_t tet) {
     std::uint32_t at = tet & mask_;
     while (slots_[at] != none && slots_[at] != tet) at = (at + 1) & mask_;
@@ -49,9 +50,9 @@ class Mailbox {
   }
 
   std::array<std::uint32_t, 64> first_slots_;
-  std::vector<std::uint32_t> more_slots_;  ///< in their place, once they are full
+  std::vector<std::uint32_t> more_slots_;  ///< replace first_slots_ once they are full
   std::uint32_t* slots_ = first_slots_.data();
-  std::uint32_t mask_ = 63;  ///< slots less 1: a power of two less 1
+  std::uint32_t mask_ = 63;  ///< number of slots less 1: a power of two less 1
   std::uint32_t count_ = 0;
 };
 

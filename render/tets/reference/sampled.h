@@ -11,8 +11,9 @@ namespace rhoray::render {
 
 namespace {
 
-/// A ray through a mesh (sampling.h): each sample is looked up in the tetrahedra that the leaf cell there lists, or in
-/// those of the clusters whose boxes hold it. Steps are in leaf cells, about the size of a tetrahedron.
+/// Samples a ray through a mesh (render/query/sampling.h). Each sample is looked up in the
+/// tetrahedra that the leaf cell there lists, or in those of the clusters whose boxes contain it.
+/// Steps are in leaf cells, about the size of a tetrahedron.
 template <class View>
 class TetSampler {
  public:
@@ -34,7 +35,8 @@ class TetSampler {
       walk_lattice(*this, walk, counters, may_hold, region);
   }
 
-  /// Linear in the tetrahedron that holds the point, rounding included; of several in the preferred one.
+  /// Returns the value, linear in the tetrahedron that contains the point, with a tolerance for
+  /// rounding. If several contain it, the preferred one is used.
   double sample(double t) const {
     const std::optional<Found> found = find(t);
     return found ? found->value : std::numeric_limits<double>::quiet_NaN();
@@ -55,7 +57,7 @@ class TetSampler {
     double value;
   };
 
-  /// Clusters overlap and are not met in the order of where they begin.
+  /// Clusters overlap and are not visited in the order in which they begin.
   template <class MayHold, class Region>
   void walk_in_order(const SampledWalk& walk, KernelCounters& counters, MayHold& may_hold, Region& region) const {
     std::vector<ClusterVisit> visits;
@@ -95,8 +97,8 @@ class TetSampler {
     return found;
   }
 
-  /// CandidateList into the cells of the clusters below a block whose boxes hold the point, or nearly: a point with
-  /// weights of -slack at least may lie up to three slacks of the box beside it.
+  /// Searches the cells of the clusters below a block whose boxes contain the point, or nearly. A
+  /// point with weights of at least -slack may be up to three slacks of the box outside it.
   template <class Look>
   void look_around(const Vec3& p, int level, std::uint64_t block, Look& look_into) const {
     const formats::CellClustersView& clusters = view_.clusters();
@@ -119,12 +121,12 @@ class TetSampler {
     }
   }
 
-  /// Nothing when the tetrahedron does not hold the point or has no data.
+  /// Nothing when the tetrahedron does not contain the point or has no data.
   std::optional<double> value_in(std::uint32_t tet, const Vec3& p) const {
     const auto vertices = view_.sorted_vertices(tet);
     const TetValues values = view_.values_at(vertices);
     const std::array<double, 4> w = barycentric(view_.points_at(vertices), p);
-    // Nothing is above a NaN, which the weights of a flat tetrahedron are.
+    // Written so that a NaN fails too: the weights of a flat tetrahedron are NaN.
     if (!(std::min({w[0], w[1], w[2], w[3]}) >= -default_tet_slack) || !has_data(values)) return std::nullopt;
     return w[0] * values[0] + w[1] * values[1] + w[2] * values[2] + w[3] * values[3];
   }

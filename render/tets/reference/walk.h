@@ -12,27 +12,29 @@
 #include "render/tets/reference/mailbox.h"
 #include "render/traverse/lattice_walk.h"
 
-/// What the kernels of tetrahedral meshes share: a ray's walk through the leaf cells, to the tetrahedra that their
-/// lists name (paper, section 4.2), or through clusters, to their tetrahedra.
+/// Shared by the kernels of tetrahedral meshes: traversal of the leaf cells along a ray, to the
+/// tetrahedra that their lists name (paper, section 4.2), or of clusters, to their tetrahedra.
 namespace rhoray::render {
 
 namespace {
 
-/// A tetrahedron as the kernels look at it: its vertices in rising order, so that neighbours see the same.
+/// A tetrahedron with its vertices in increasing order, so that neighbours compute with the same
+/// numbers.
 struct LocalTet {
   TetPoints points;
   TetValues values;
 };
 
-/// Which of two tetrahedra crossed at the same t is the hit: the one of the smaller id; of those that were cut from one
-/// cell of the source the one that stands first.
+/// Decides which of two tetrahedra crossed at the same t is the hit: the one with the smaller id.
+/// For two that were cut from one cell of the source, it is the one with the smaller index.
 template <class View>
 RHORAY_INLINE bool is_preferred(const View& view, std::uint32_t tet, std::uint32_t to) {
   const std::uint64_t id = view.cell_id(tet), other = view.cell_id(to);
   return id != other ? id < other : tet < to;
 }
 
-/// Calls look(tetrahedron, values of its sorted vertices) if it may hold the isosurface, has data, and is_new(it).
+/// Calls look(tetrahedron, values of its sorted vertices) if it may contain the isosurface, has
+/// data, and is_new(it).
 template <class View, class Look, class IsNew>
 RHORAY_INLINE void look_into(const View& view, const RayQuery& query, std::uint32_t tet, KernelCounters& counters,
                              Look&& look, IsNew&& is_new) {
@@ -44,14 +46,14 @@ RHORAY_INLINE void look_into(const View& view, const RayQuery& query, std::uint3
   look(tet, LocalTet{view.points_at(vertices), values});
 }
 
-/// The same for tetrahedra that come up once.
+/// The same for tetrahedra that come up only once.
 template <class View, class Look>
 RHORAY_INLINE void look_into(const View& view, const RayQuery& query, std::uint32_t tet, KernelCounters& counters,
                              Look&& look) {
   look_into(view, query, tet, counters, look, [](std::uint32_t) { return true; });
 }
 
-/// Shows the lists of the leaf cells along the ray that may hold the isosurface, front to back.
+/// Visits the lists of the leaf cells along the ray that may contain the isosurface, front to back.
 /// @param leaf_begins  (t_in of the leaf): false to stop
 /// @param list         (the tetrahedra that a leaf cell lists)
 /// @param leaf_ends    (t_out of the leaf): false to stop
@@ -83,7 +85,8 @@ void walk_active_leaves(const View& view, const RayQuery& query, const Ray& ray,
                  segment->t_out, enters, leaf);
 }
 
-/// CandidateList into the tetrahedra along the ray, leaf after leaf, each once although several leaf cells list it.
+/// Visits the tetrahedra along the ray, leaf after leaf, each once although several leaf cells list
+/// it.
 template <class View, class Begins, class Look, class Ends>
 void walk_active_lists(const View& view, const RayQuery& query, const Ray& ray, KernelCounters& counters,
                        Begins&& leaf_begins, Look&& look, Ends&& leaf_ends) {
@@ -97,8 +100,9 @@ void walk_active_lists(const View& view, const RayQuery& query, const Ray& ray, 
       leaf_ends);
 }
 
-/// CandidateList into the tetrahedra of the clusters along the ray, each once. Clusters overlap: a hit in one of them
-/// may lie behind one in another, so that only those are left out that begin behind it.
+/// Visits the tetrahedra of the clusters along the ray, each once. Clusters overlap: a hit in one
+/// of them may be behind one in another. Therefore only clusters that begin behind the hit are
+/// skipped.
 template <class View, class Begins, class Look>
 void walk_active_clusters(const View& view, const RayQuery& query, const Ray& ray, KernelCounters& counters,
                           Begins&& cluster_begins, Look&& look) {
@@ -115,9 +119,10 @@ void walk_active_clusters(const View& view, const RayQuery& query, const Ray& ra
       });
 }
 
-/// Calls look(tetrahedron, values of its sorted vertices) for those along the ray that may hold the isosurface and have
-/// data: front to back, but for how leaf cells and clusters overlap.
-/// @param matters_from  (t): false when nothing that lies behind t matters
+/// Calls look(tetrahedron, values of its sorted vertices) for those along the ray that may contain
+/// the isosurface and have data. The order is front to back, except for the overlap of leaf cells
+/// and clusters.
+/// @param matters_from  (t): false when nothing behind t matters
 /// @param ends_at       (t): false when nothing matters at t or behind it
 template <class View, class MattersFrom, class Look, class EndsAt>
 void walk_active_tets(const View& view, const RayQuery& query, const Ray& ray, KernelCounters& counters,
