@@ -32,7 +32,7 @@ bool is_ray(const Ray& ray) {
          ray.t_min <= ray.t_max && ray.t_min < infinity && ray.t_max > -infinity;
 }
 
-//  --- In double precision ---------------------------------------------------------------------
+// --- In double precision ---------------------------------------------------------------------
 
 /// The values of t at which the ray enters and leaves, and value - isovalue there. `in` is
 /// certainly before `out`, and all signs are certain.
@@ -149,7 +149,7 @@ class View {
   int z_ = 0;
 };
 
-//  --- In rational numbers -----------------------------------------------------------------------
+// --- In rational numbers -----------------------------------------------------------------------
 
 /// numerator / denominator > 0, not in lowest terms: comparing costs less than reducing.
 struct Fraction {

@@ -29,7 +29,7 @@ class SurfaceCells {
   };
 
   /// @param query  a query that the wide kernel of grids answers, if the volume is a grid
-  /// @return          null for other volumes, where that kernel leaves the query to others, and
+  /// @return       null for other volumes, where that kernel leaves the query to others, and
   ///   where data have gaps: from one side of a gap to the other the field may rise in no cell
   static std::shared_ptr<const SurfaceCells> of(const VolumeImplementation& volume, const RayQuery& query,
                                                 unsigned threads);

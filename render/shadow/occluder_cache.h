@@ -15,7 +15,7 @@ namespace rhoray::render::wide {
 class OccluderCache {
  public:
   /// @param query  a query that wide kernels answer
-  /// @return          null where the occluders are not known to be less than the whole surface: in
+  /// @return       null where the occluders are not known to be less than the whole surface: in
   ///   meshes as for facets_with_occluders, in grids as for SurfaceCells::of, and in grids also
   ///   unless the light is directional
   std::shared_ptr<const LightOccluders> of(const VolumeImplementation& volume, const RayQuery& query,
