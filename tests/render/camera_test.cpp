@@ -30,7 +30,7 @@ void expect_usage_error(Act act) {
   }
 }
 
-/// Where a point is in the picture: across and up, each from -1 to 1.
+/// Returns the position of a point in the picture: across and up, each from -1 to 1.
 std::array<double, 2> place_in_picture(const Camera& camera, double aspect, const Vec3& p) {
   const Vec3 forward = (camera.target - camera.position).normalized();
   const Vec3 right = forward.cross(camera.up).normalized(), above = right.cross(forward);
@@ -123,7 +123,8 @@ TEST(CameraRays, put_pixel_0_0_into_the_upper_left_corner) {
   EXPECT_GT(first.direction.z, 0);
   EXPECT_GT(last.direction.x, 0);
   EXPECT_LT(last.direction.z, 0);
-  // The middle of the first pixel: 19.5 pixels left of the middle, 9.5 above; 10 pixels are tan 45 degrees.
+  // The middle of the first pixel: 19.5 pixels left of the middle, 9.5 above; 10 pixels are tan 45
+  // degrees.
   EXPECT_NEAR(first.direction.x / first.direction.y, -1.95, 1e-14);
   EXPECT_NEAR(first.direction.z / first.direction.y, 0.95, 1e-14);
 }

@@ -15,7 +15,7 @@
 namespace rhoray::render {
 namespace {
 
-/// IEC 61966-2-1, as it is written there.
+/// The formula of IEC 61966-2-1.
 int srgb_by_formula(float linear) {
   const double value = linear > 0 ? std::min(1.0, static_cast<double>(linear)) : 0.0;
   const double encoded = value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1 / 2.4) - 0.055;
@@ -50,13 +50,13 @@ TEST(Srgb, is_the_formula_at_both_sides_of_every_step_and_at_random_numbers) {
   EXPECT_EQ(srgb_byte(-0.0F), 0);
 }
 
-/// A picture with every level, and some beyond.
+/// A picture with every level, and some values outside the range.
 Framebuffer slope(int width, int height) {
   Framebuffer picture(width, height, {});
   for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel)
     for (std::size_t c = 0; c < 4; ++c)
-      picture.color[4 * pixel + c] =
-          1.2F * static_cast<float>((pixel * (c + 1)) % 1009) / 1009 - 0.1F;  // alpha has no part in the file
+      // Alpha is not written to the file.
+      picture.color[4 * pixel + c] = 1.2F * static_cast<float>((pixel * (c + 1)) % 1009) / 1009 - 0.1F;
   return picture;
 }
 

@@ -11,7 +11,8 @@
 #include "tests/support/meshes.h"
 #include "tests/support/narrowed.h"
 
-// Certified and exact answers skip cells by stored ranges: these are proven first, once, and by no one else.
+// Certified and exact results skip cells by stored ranges. The ranges are proven first, once, and
+// only for these methods.
 
 namespace rhoray::tests {
 namespace {
@@ -138,7 +139,8 @@ TEST(RangeProof, is_made_once_although_several_threads_ask) {
   EXPECT_GT(bytes, 0U);
 }
 
-// A proof known by the place of the data in memory would be taken for that of the next file mapped there.
+// A proof identified by the address of the data in memory would be used for the next file mapped
+// there.
 TEST(RangeProof, is_not_taken_for_that_of_a_file_loaded_later) {
   const std::string sound = grid_file(), spoilt = narrowed(sound, "macro.1", IntervalStep::macro_levels);
   for (int time = 0; time < 20; ++time) {

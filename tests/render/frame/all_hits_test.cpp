@@ -7,7 +7,8 @@
 
 #include "tests/agreement/pictures.h"
 
-/// Clear surfaces in one pass along the rays, against the road on which every crossing is a question of its own.
+/// Transparent surfaces in one pass along the rays, compared with the code path that traces every
+/// crossing as a query of its own.
 namespace rhoray::tests {
 namespace {
 
@@ -79,12 +80,14 @@ Picture picture_of(const std::vector<render::Volume>& volumes, const Scene& scen
   return picture;
 }
 
-/// Where less light is left nothing more is looked for; but of several layers the reference shows what it has asked of
-/// the others already. A pixel with a crossing too many or too few before that differs by a hundred times more.
+/// When less light is left, tracing ends; but for several layers the reference also shows what it
+/// has already found in the others. In a pixel with one crossing too many or too few before that,
+/// the difference is a hundred times larger.
 constexpr float least_light = 1.0F / 1024;
 
-/// That first hits are the same to the bit, and colours to what the last light may show; but for a few pixels, in which
-/// a surface is touched or two meet within what rounding may move a crossing by.
+/// Expects first hits that are equal bit for bit, and colours that differ at most by the last
+/// light. A few pixels may differ, in which a surface is grazed or two surfaces meet within the
+/// rounding error of a crossing.
 void expect_the_same(const Picture& found, const Picture& reference, std::size_t few) {
   EXPECT_EQ(found.pixels.depth, reference.pixels.depth);
   EXPECT_EQ(found.pixels.normal, reference.pixels.normal);
@@ -143,10 +146,11 @@ TEST(OnePass, ends_where_the_light_does) {
   const Picture found = picture_of(shown.volumes, dark, true), more = picture_of(shown.volumes, clear, true);
   expect_the_same(found, picture_of(shown.volumes, dark, false), edge * edge / 1000);
   EXPECT_LT(2 * found.statistics.cells_solved, more.statistics.cells_solved);
-  EXPECT_LE(found.statistics.clear_crossings, 4 * found.statistics.hits);  // 0.1^4 is less than 1/1024
+  // 0.1^4 is less than 1/1024.
+  EXPECT_LE(found.statistics.clear_crossings, 4 * found.statistics.hits);
 }
 
-/// Where nothing but colours is asked for, cells, roots and steps are not written.
+/// When only colours are needed, cells, roots and iterations are not written.
 TEST(OnePass, shows_the_same_where_no_channels_are_asked_for) {
   const Shown shown;
   for (const std::vector<Layer>& layers : scenes()) {

@@ -8,7 +8,7 @@
 #include "tests/agreement/pictures.h"
 #include "tests/support/expect_error.h"
 
-/// Further samples where edges ask for them, and only there.
+/// Further samples at edges, and only there.
 namespace rhoray::tests {
 namespace {
 
@@ -37,7 +37,7 @@ bool same_bytes(const std::vector<T, Place>& a, const std::vector<T, Place>& b) 
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
-/// What is left of a convex polygon on one side of a line.
+/// Returns the part of a convex polygon on one side of a line.
 std::vector<Vec3> clipped(const std::vector<Vec3>& polygon, const Vec3& normal, double offset) {
   std::vector<Vec3> left;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -58,7 +58,7 @@ double area(const std::vector<Vec3>& polygon) {
   return std::abs(twice) / 2;
 }
 
-/// A level plane that the data end around: a square on the picture, turned, all of one colour.
+/// A flat plane bounded by the data: a rotated square in the picture, all of one colour.
 struct Square {
   TemporaryFolder folder;
   render::Volume volume = packed(folder, "plane.rho",
@@ -77,7 +77,7 @@ struct Square {
     return scene;
   }
 
-  /// The share of a pixel that the square covers.
+  /// Returns the share of a pixel that the square covers.
   double coverage(int x, int y) const {
     const double pixel = height / edge;
     const Vec3 up(std::sin(turn), std::cos(turn), 0), right(std::cos(turn), -std::sin(turn), 0);
@@ -95,7 +95,7 @@ struct Errors {
   double largest = 0, mean_square = 0;
 };
 
-/// Of the pixels that an edge passes through.
+/// Errors of the pixels that an edge passes through.
 Errors coverage_errors(const Square& square, const Framebuffer& picture) {
   Errors errors;
   double count = 0;
@@ -174,7 +174,8 @@ TEST(Antialiasing, gives_a_slanted_plane_no_further_sample) {
   }
 }
 
-/// A sphere before a sphere of the same colour, lit alike: the border between them is told by depths alone.
+/// A sphere in front of a sphere of the same colour and lighting: only depths show the border
+/// between them.
 TEST(Antialiasing, finds_an_edge_that_only_depths_tell) {
   TemporaryFolder folder;
   std::vector<render::Volume> volumes;
@@ -215,7 +216,7 @@ struct Layers {
   }
 };
 
-/// Means of squares of pixels, channel by channel.
+/// Returns means over squares of pixels, channel by channel.
 std::vector<double> means_of(const Framebuffer& fine, int square) {
   const int across = fine.width / square;
   std::vector<double> means(static_cast<std::size_t>(across) * static_cast<std::size_t>(fine.height / square) * 4);
@@ -228,7 +229,7 @@ std::vector<double> means_of(const Framebuffer& fine, int square) {
   return means;
 }
 
-// A region that was held against the rays of another tile showed what it takes away along every edge.
+// A region tested against the rays of another tile would show what it removes along every edge.
 TEST(Antialiasing, shows_what_a_clip_region_leaves) {
   Layers shown;
   shown.scene.lights = {{}};
@@ -250,7 +251,8 @@ TEST(Antialiasing, shows_what_a_clip_region_leaves) {
     for (std::size_t i = 0; i < means.size(); ++i)
       differing += std::abs(static_cast<double>(smooth.picture.color[i]) - means[i]) > 0.15;
     EXPECT_GT(smooth.statistics.edge_pixels, 300U);
-    // 16 samples of a pixel, and pixels whose middle and neighbours do not show that they lie at an edge.
+    // Allows for 16 samples per pixel, and for pixels at an edge that their middle and their
+    // neighbours do not show.
     EXPECT_LT(differing, means.size() / 200) << cuts_away;
   }
 }
@@ -295,7 +297,7 @@ TEST(Antialiasing, off_traces_and_counts_nothing_more) {
   EXPECT_EQ(plain.statistics.rays, edge * edge);
 }
 
-/// Every pixel of it shows the mean of what the same pixels of a picture of a larger one show.
+/// Each pixel shows the mean of the corresponding pixels in a larger picture.
 TEST(Antialiasing, of_several_layers_comes_near_a_picture_of_more_pixels) {
   const Layers shown;
   constexpr int finer = 8;

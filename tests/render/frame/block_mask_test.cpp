@@ -25,7 +25,7 @@ using render::Tile;
 
 constexpr int edge = render::block_edge;
 
-/// By the definition: some t from 0 on lies between the planes of every axis.
+/// By definition: some t from 0 on is between the planes of every axis.
 bool meets(const Ray& ray, const Box3& box) {
   double first = 0, last = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
@@ -53,7 +53,7 @@ std::shared_ptr<BoxLevels> tree_of(const std::vector<Box3>& boxes) {
   return levels;
 }
 
-/// The block of each pixel of the lattice.
+/// Marks the blocks per pixel of the lattice.
 std::vector<char> blocks_of(const BlockMask& mask, const PixelLattice& lattice) {
   const int across = (lattice.columns() + edge - 1) / edge, down = (lattice.rows() + edge - 1) / edge;
   std::vector<char> marked(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
@@ -68,7 +68,7 @@ std::vector<char> blocks_of(const BlockMask& mask, const PixelLattice& lattice) 
   return marked;
 }
 
-/// The blocks in which a pixel's ray meets one of the boxes.
+/// Returns the blocks in which a pixel's ray hits one of the boxes.
 std::vector<char> blocks_by_rays(const CameraRays& camera, const Affine& volume_from_world, const PixelLattice& lattice,
                                  const std::vector<Box3>& boxes) {
   const int across = (lattice.columns() + edge - 1) / edge, down = (lattice.rows() + edge - 1) / edge;
@@ -84,7 +84,7 @@ std::vector<char> blocks_by_rays(const CameraRays& camera, const Affine& volume_
   return met;
 }
 
-/// A map that rotates, stretches by up to 1 : 1000, mirrors, and may put the volume far away.
+/// A map that rotates, scales by up to 1 : 1000, mirrors, and may put the volume far away.
 Affine any_map(Dice& dice) {
   const Vec3 x = dice.direction(), y = x.cross(dice.direction()).normalized(), z = x.cross(y);
   const auto size = [&] { return std::pow(10.0, dice.between(-1.5, 1.5)) * (dice.coin() ? 1 : -1); };
@@ -102,7 +102,7 @@ Box3 any_box(Dice& dice, double largest) {
   return box;
 }
 
-/// From afar, near by, in a box, on its face, or with it behind.
+/// From afar, near by, inside a box, on its face, or with the box behind.
 Camera any_camera(Dice& dice, const Affine& world_from_volume, const Box3& box) {
   Vec3 eye = dice.point(box.min, box.max);
   const std::int64_t place = dice.below(4);
@@ -170,7 +170,7 @@ TEST(BlockMask, has_every_block_in_which_a_ray_meets_a_box) {
   EXPECT_LT(marked, needed * 2);
 }
 
-// There a box is seen as a rectangle, and nothing is rounded up.
+// There a box projects to a rectangle, and nothing is rounded up.
 TEST(BlockMask, has_no_other_block_where_an_orthographic_camera_looks_along_an_axis) {
   Dice dice(3);
   std::ptrdiff_t marked = 0, blocks = 0;
@@ -235,7 +235,7 @@ TEST(BoxProjection, is_the_same_on_every_machine) {
   }
 }
 
-// Of a picture that lies edge on to all that is known, nothing can be told.
+// When the picture plane is edge-on to all known boxes, nothing can be decided.
 TEST(BoxProjection, is_not_certain_where_numbers_are_out_of_reach) {
   const Camera camera{.position = {1, 2, 3}, .target = {2, 3, 5}, .up = {0, 0, 1}};
   const CameraRays rays(camera, 10, 10);

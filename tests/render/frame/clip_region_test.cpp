@@ -63,7 +63,7 @@ TEST(ClipRegion, knows_what_it_leaves_of_boxes) {
   const Box3 corner = what_is_left(Clip{.planes = {{{1, 1, 0}, {2, 2, 2}}}}, cube);
   EXPECT_NEAR((corner.min - Vec3(0, 0, 0)).length(), 0, 1e-9);
   EXPECT_EQ(corner.max, Vec3(1, 1, 1));
-  // What lies between planes that meet inside the cube has a corner of their own.
+  // The intersection of planes that meet inside the cube has a corner of its own.
   const Box3 inner = what_is_left(
       Clip{.planes = {{{0.25, 0, 0}, {-1, 1, 0}}, {{0.25, 0, 0}, {-1, -1, 0}}, {{0, 0, 0.5}, {0, 0, -1}}}}, cube);
   EXPECT_NEAR(inner.max.x, 0.25, 1e-9);

@@ -18,7 +18,7 @@ namespace {
 using namespace clipped;
 using render::Ray;
 
-/// All crossings of an isosurface along a ray, by the exact judge.
+/// Returns all crossings of an isosurface along a ray, from exact arithmetic.
 std::vector<double> crossings_on(render::RayCaster& judge, Ray ray) {
   std::vector<double> all;
   for (;;) {
@@ -68,7 +68,7 @@ TEST(Clip, shows_the_first_of_the_exact_crossings_that_is_kept) {
         EXPECT_GT(hits, 2500);
         EXPECT_GT(misses, 2500);
         EXPECT_GT(changed, 1500);
-        // Single precision may have a ray that grazes the surface either way.
+        // In single precision, a ray that grazes the surface may hit or miss.
         EXPECT_LE(wrong, accuracy == render::Accuracy::float32 ? 8 : 0);
       }
     }
@@ -93,7 +93,8 @@ TEST(Clip, parts_a_picture_into_what_is_kept_and_what_is_cut_away) {
         else
           differing += !(std::abs(nearest - whole.pixels.depth[p]) < 1e-5F);
       }
-      // In a face the parts of a ray begin and end to rounding: a hit there may be in neither or in both.
+      // In a face the parts of a ray begin and end to rounding: a hit there may be in neither or in
+      // both.
       EXPECT_LE(differing, 1) << v;
     }
 }
@@ -113,7 +114,7 @@ TEST(Clip, ends_largest_values_at_its_faces) {
       scene.clip = clip;
       const Picture found = picture_of(shown.volumes, scene);
       for (std::size_t p = 0; p < rays.size(); ++p) {
-        // By halves of its own: between which t the places of the ray lie in the region.
+        // Computed from the half spaces: the range of t in which the ray is inside the region.
         double from = -infinity, to = infinity;
         for (const HalfSpace& half : render::half_spaces_of(clip)) {
           const double along = half.normal.dot(world.vector(rays[p].direction)),
@@ -174,7 +175,8 @@ TEST(Clip, cuts_a_ball_where_formulas_say) {
     if (expected < 0) {
       EXPECT_TRUE(std::isinf(found.depth[p]));
     } else if (expected > height * height) {
-      EXPECT_NEAR(z, -std::sqrt(expected), 1e-4 / std::sqrt(expected));  // the bottom, seen through the hole
+      // The bottom, seen through the hole.
+      EXPECT_NEAR(z, -std::sqrt(expected), 1e-4 / std::sqrt(expected));
       ++bowl;
     } else {
       EXPECT_NEAR(z, std::sqrt(expected), 1e-4 / std::sqrt(expected));
@@ -230,7 +232,8 @@ TEST(Clip, decides_on_t_on_which_side_of_a_face_a_crossing_is) {
           EXPECT_EQ(hits_at(z - 0x1p-20, above), 0);
           EXPECT_EQ(hits_at(z + 0x1p-20, -above), 0);
           EXPECT_EQ(hits_at(z - 0x1p-20, -above), all);
-          // In the face itself: where one part of the ray ends on a side of the surface, the other begins on it.
+          // In the face itself: where one part of the ray ends on one side of the surface, the
+          // other part begins on it.
           EXPECT_EQ(hits_at(z, above) + hits_at(z, -above), all);
         }
   }
@@ -238,7 +241,8 @@ TEST(Clip, decides_on_t_on_which_side_of_a_face_a_crossing_is) {
 
 TEST(Clip, draws_no_surface_in_its_faces) {
   const Shown shown;
-  // Everything inside: a field that is above the isovalue everywhere has no surface, wherever it is cut.
+  // Everything is inside: a field that is above the isovalue everywhere has no surface, wherever it
+  // is clipped.
   for (std::size_t v = 0; v < 3; ++v)
     for (const Clip& clip : regions())
       EXPECT_EQ(
@@ -315,7 +319,8 @@ TEST(Clip, keeps_the_order_of_clear_surfaces) {
   std::vector<Layer> layers{
       surface(2, 0.5, render::Accuracy::float32, 0.3), surface(2, 0.3, render::Accuracy::float32, 0.5),
       surface(0, 0.4, render::Accuracy::float32, 0.2), surface(3, 0, render::Accuracy::float32, 0.4)};
-  // Light that is ambient only: then a pixel is the mix of the layers' colours, and tells how often each was met.
+  // Only ambient light: a pixel is then the mix of the layers' colours, and shows how often each
+  // was hit.
   for (Layer& layer : layers) layer.surface.ambient = 1, layer.surface.specular = 0;
   layers[3].clipped = false;
   const Scene whole = scene_of(layers);

@@ -5,14 +5,14 @@
 #include "render/ray_caster.h"
 #include "tests/render/frame/clipped_pictures.h"
 
-/// Lights beside clip regions.
+/// Lights together with clip regions.
 namespace rhoray::tests {
 namespace {
 
 using namespace clipped;
 using render::Ray;
 
-/// A ball of radius 0.5 over a plate, both fields of one lattice, and the sun above.
+/// A ball of radius 0.5 over a plate, both fields on one lattice, and a directional light above.
 struct Sundial {
   TemporaryFolder folder;
   std::vector<render::Volume> volumes;
@@ -38,8 +38,8 @@ TEST(ClippedLight, lets_light_through_what_is_clipped_away) {
   const Affine& world = world_from_ray_frame(dial.volumes[1]);
   for (const bool plate_is_clipped : {true, false})
     for (const bool cuts_away : {false, true}) {
-      // The half of the ball at x > 0.1, or the other one. The ball's other half is a bowl, which casts the same
-      // shadow.
+      // The half of the ball at x > 0.1, or the other one. What remains of the ball is a bowl,
+      // which casts the same shadow as its half of the ball.
       Scene scene = dial.scene;
       scene.clip = Clip{.box = Box3({0.1, -3, plate_is_clipped ? -0.5 : -3}, {3, 3, 3}), .cuts_away = cuts_away};
       scene.layers[1].clipped = plate_is_clipped && cuts_away;
@@ -61,7 +61,8 @@ TEST(ClippedLight, lets_light_through_what_is_clipped_away) {
 }
 
 TEST(ClippedLight, makes_no_spots_on_surfaces_under_lights) {
-  // Rays towards lights start on the surface, some of them in the region's faces: nothing may shade itself.
+  // Rays towards lights start on the surface, some of them in the region's faces: no surface may
+  // shadow itself.
   const TemporaryFolder folder;
   const Index3 samples(33, 33, 33);
   std::vector<render::Volume> volumes;

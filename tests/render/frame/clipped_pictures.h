@@ -11,7 +11,7 @@
 #include "tests/agreement/pictures.h"
 #include "tests/support/surfaces.h"
 
-/// Volumes of all kinds, clip regions of all kinds, and what a region should leave.
+/// Volumes of all kinds, clip regions of all kinds, and the expected result of clipping.
 namespace rhoray::tests::clipped {
 
 using render::Clip;
@@ -31,7 +31,8 @@ inline double waves(const Vec3& p) {
 
 struct Shown {
   TemporaryFolder folder;
-  std::vector<render::Volume> volumes;  ///< a grid, a mesh, a sparse grid with turned axes, and a ball of triangles
+  /// a grid, a mesh, a sparse grid with turned axes, and a ball of triangles.
+  std::vector<render::Volume> volumes;
 
   Shown() {
     const Index3 samples(25, 25, 25);
@@ -111,7 +112,7 @@ inline bool lies_in(const Clip& clip, const Vec3& place, double slack) {
                      [&](const HalfSpace& half) { return half.normal.normalized().dot(place - half.point) >= -slack; });
 }
 
-/// Whether a place is shown; nothing where it lies in a face, to rounding.
+/// Whether a point is shown; nothing when it is in a face, to rounding.
 inline std::optional<bool> is_kept(const Clip& clip, const Vec3& place, double slack = 1e-5) {
   const bool surely_in = lies_in(clip, place, -slack), maybe_in = lies_in(clip, place, slack);
   if (surely_in != maybe_in) return std::nullopt;

@@ -10,7 +10,8 @@
 #include "render/ray_caster.h"
 #include "tests/agreement/pictures.h"
 
-/// Scenes of several layers: what is nearest is shown, clear surfaces in their order, largest values as a veil.
+/// Scenes of several layers: the nearest surface is shown, transparent surfaces in their order, MIP
+/// layers blended over them.
 namespace rhoray::tests {
 namespace {
 
@@ -29,7 +30,8 @@ double waves(const Vec3& p) {
 
 struct Shown {
   TemporaryFolder folder;
-  std::vector<render::Volume> volumes;  ///< a grid, a mesh in the same place, a grid with turned axes
+  /// a grid, a mesh at the same position, a grid with rotated axes.
+  std::vector<render::Volume> volumes;
 
   Shown() {
     const Box3 box{{-1, -1, -1}, {1, 1, 1}};
@@ -83,7 +85,8 @@ TEST(Layers, show_the_nearest_surface) {
       if (alone[l].depth[p] < alone[nearest].depth[p]) nearest = l;
     const Framebuffer& from = alone[nearest];
     ++shown_of[from.depth[p] < infinity ? nearest : layers.size()];
-    // A ray that ends at a surface behind is cut into other pieces: its root is another rounding of the same.
+    // A ray that ends at a surface behind is cut into other pieces, so its root is rounded
+    // differently.
     for (std::size_t c = 0; c < 4; ++c) ASSERT_NEAR(all.color[4 * p + c], from.color[4 * p + c], 1e-5) << p;
     for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(all.normal[3 * p + c], from.normal[3 * p + c], 1e-5) << p;
     ASSERT_FLOAT_EQ(all.depth[p], from.depth[p]) << p;
@@ -99,8 +102,8 @@ TEST(Layers, may_come_in_any_order) {
   const Framebuffer first = picture_of(shown.volumes, scene_of(layers));
   std::reverse(layers.begin(), layers.end());
   const Framebuffer reversed = picture_of(shown.volumes, scene_of(layers), 3);
-  // A ray ends at the nearest opaque layer of those asked before, and where it ends may move a crossing before that by
-  // its last place: seen with the scalar and the baseline kernels, in one pixel or two.
+  // A ray ends at the nearest opaque layer traced before. Its end may change a crossing in front of
+  // it by its last digit: observed with the scalar and the baseline kernels, in one pixel or two.
   std::size_t differing = 0;
   for (std::size_t i = 0; i < first.color.size(); ++i) {
     differing += first.color[i] != reversed.color[i];
@@ -110,7 +113,8 @@ TEST(Layers, may_come_in_any_order) {
   EXPECT_EQ(first.depth, reversed.depth);
 }
 
-/// All crossings on a ray, one layer after another, by the exact judge: each asked behind the last.
+/// Returns all crossings on a ray, one layer after another, from exact arithmetic: each is traced
+/// behind the last.
 struct Crossing {
   double t;
   std::size_t layer;
@@ -135,7 +139,8 @@ std::vector<Crossing> crossings_on(const std::vector<render::Volume>& volumes, c
 
 TEST(ClearLayers, are_seen_in_their_exact_order) {
   const Shown shown;
-  // Light that is ambient only: then a pixel is the mix of the layers' colours, and tells how often each was met.
+  // Only ambient light: a pixel is then the mix of the layers' colours, and shows how often each
+  // was hit.
   std::vector<Layer> layers{surface(2, 0.5, {1, 0, 0}, 0.3), surface(2, 0.5 + 0.001 / 12, {0, 1, 0}, 0.5),
                             surface(0, 0.4, {0, 0, 1}, 0.2)};
   for (Layer& layer : layers) layer.surface.ambient = 1, layer.surface.specular = 0;
@@ -147,7 +152,7 @@ TEST(ClearLayers, are_seen_in_their_exact_order) {
     const std::vector<Crossing> all = crossings_on(shown.volumes, layers, scene.camera, p);
     bool is_clear_cut = true;
     for (std::size_t c = 1; c < all.size(); ++c) {
-      // A surface touched, or two that meet: rounding may have either.
+      // A grazed surface, or two that meet: rounding decides.
       is_clear_cut &= all[c].t - all[c - 1].t > 2e-6;
       close += all[c].t - all[c - 1].t < 1e-3 && all[c].layer != all[c - 1].layer;
     }

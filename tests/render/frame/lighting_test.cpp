@@ -8,7 +8,7 @@
 #include "formats/base/error.h"
 #include "tests/render/frame/lit_pictures.h"
 
-/// Light that reaches surfaces: several lights, occlusion, fog.
+/// Light on surfaces: several lights, ambient occlusion, fog.
 namespace rhoray::tests {
 namespace {
 
@@ -60,8 +60,8 @@ TEST(Occlusion, of_a_floor_beside_a_wall_is_the_share_of_the_disk_that_the_wall_
     if (!found.is_hit(p)) continue;
     const Vec3 place = place_of(scene, found, p);
     if (place.z > -0.4999 || place.x < -0.299) continue;
-    // Of directions weighed by the cosine, as points of the unit disk, those meet the wall within the radius that lie
-    // beyond a chord.
+    // With cosine-weighted directions as points of the unit disk, those that hit the wall within
+    // the radius are beyond a chord.
     const double chord = (place.x + 0.3) / 0.8;
     const double taken = chord < 1 ? (std::acos(chord) - chord * std::sqrt(1 - chord * chord)) / std::numbers::pi : 0;
     const double error = static_cast<double>(found.red(p)) - (1 - taken);
@@ -71,7 +71,8 @@ TEST(Occlusion, of_a_floor_beside_a_wall_is_the_share_of_the_disk_that_the_wall_
   EXPECT_GT(count, 2000);
   EXPECT_GT(untouched, 500);
   EXPECT_LT(std::abs(sum / static_cast<double>(count)), 0.002);
-  EXPECT_LT(largest, 0.08);  // of 64 points spread evenly, about five about the chord may be on its wrong side
+  // Of 64 evenly spread points, about five near the chord may be on its wrong side.
+  EXPECT_LT(largest, 0.08);
   EXPECT_EQ(found.statistics.occlusion_rays, 64 * found.statistics.hits);
   EXPECT_EQ(found.statistics.shadow_rays, 0);
 }

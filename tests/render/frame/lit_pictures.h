@@ -10,7 +10,7 @@
 #include "tests/agreement/pictures.h"
 #include "tests/support/meshes.h"
 
-/// Scenes with lights, and what their pictures show.
+/// Scenes with lights, and helpers to read their pictures.
 namespace rhoray::tests::lit {
 
 using render::Framebuffer;
@@ -68,7 +68,8 @@ inline Affine scaled(Affine map, double scale) {
   return map;
 }
 
-/// A field on [-1, 1]^3 times `scale`, as a grid and as a mesh, its values times `steepness`.
+/// Returns a field on [-1, 1]^3 times `scale`, as a grid and as a mesh, with its values times
+/// `steepness`.
 inline std::vector<render::Volume> both_kinds(const TemporaryFolder& folder, const Field& field, std::int64_t cells,
                                               double scale = 1, double steepness = 1) {
   const Field of_world = [&](const Vec3& p) { return steepness * field(p / scale); };
@@ -96,7 +97,8 @@ inline double waves(const Vec3& p) {
 /// A ball of radius 0.4 about the origin over a floor at z = -0.75, each a volume of its own.
 inline std::vector<render::Volume> ball_over_floor(const TemporaryFolder& folder, bool floor_is_mesh) {
   std::vector<render::Volume> volumes;
-  // Squares: between samples their interpolant is too large by at most 3/4 h^2, so the ball's radius by 3/8 h^2 / r.
+  // The field is a sum of squares: between samples its interpolant is too large by at most 3/4 h^2,
+  // which changes the ball's radius by 3/8 h^2 / r.
   const Index3 samples(81, 81, 81);
   const Box3 around{{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}};
   volumes.push_back(

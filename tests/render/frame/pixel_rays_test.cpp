@@ -19,7 +19,8 @@ using render::Tile;
 
 const Affine world_from_volume{{0.7, 0.1, 0}, {-0.2, 1.3, 0.4}, {0.3, 0, -2.1}, {12, -7, 3.3}};
 
-/// By the camera's geometry, one ray at a time, in the order of operations that makes the bits.
+/// Computes the camera's geometry one ray at a time, with the order of operations that determines
+/// the bits.
 render::Ray by_formula(const Camera& camera, int width, int height, int x, int y) {
   const Vec3 forward = (camera.target - camera.position).normalized();
   const Vec3 right = forward.cross(camera.up).normalized();

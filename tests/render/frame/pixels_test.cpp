@@ -22,7 +22,7 @@ using render::Tile;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 const Affine world_from_volume{{0.7, 0.1, 0}, {-0.2, 1.3, 0.4}, {0.3, 0, -2.1}, {12, -7, 3.3}};
 
-/// A tile's worth of made-up rays and hits: every second one a hit, some without a gradient.
+/// Synthetic rays and hits for one tile: every second one a hit, some without a gradient.
 std::unique_ptr<render::LayerWork> made_up_hits(const Tile& tile) {
   auto worker = std::make_unique<render::LayerWork>();
   Dice dice(20261121);
@@ -34,7 +34,8 @@ std::unique_ptr<render::LayerWork> made_up_hits(const Tile& tile) {
       hit.t = dice.between(1, 100), hit.value = dice.between(-1, 2), hit.cell = static_cast<std::uint64_t>(r);
       if (dice.below(8) != 0) hit.gradient = dice.direction() * dice.between(1e-9, 1e9);
     } else {
-      hit.gradient = Vec3(std::nan(""), infinity, 1);  // a kernel need not say anything of a miss
+      // For a miss a kernel need not write any other member.
+      hit.gradient = Vec3(std::nan(""), infinity, 1);
     }
     worker->hits.set(r, hit);
   }
@@ -64,7 +65,7 @@ Framebuffer picture_of(const Scene& scene, const Tile& tile, Machine machine, co
   return picture;
 }
 
-// What only rounds exactly and fuses nothing is the same everywhere.
+// Operations that round exactly and are not fused are the same everywhere.
 TEST(Pixels, have_the_same_bits_on_every_machine) {
   struct Shown {
     render::Mode mode;

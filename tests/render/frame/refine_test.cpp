@@ -77,7 +77,8 @@ TEST(Refine, ends_with_the_plain_frame_bit_for_bit) {
           }
 }
 
-// After a pass, each pixel shows what the plain frame shows at the traced pixel to its left and above.
+// After a pass, each pixel shows what the plain frame shows at the traced pixel to its left and
+// above.
 TEST(Refine, shows_real_rays_at_every_pass) {
   const TracedVolume traced(sampled_volume<float>({25, 22, 27}, {}, blob()));
   constexpr int width = 117, height = 75;
@@ -151,7 +152,7 @@ TEST(RenderContext, changes_no_picture_and_no_count) {
         for (const Mode mode : {Mode::isosurface, Mode::mip})
           for (const ChannelSet& channels : {all_channels, ChannelSet{}}) {
             Scene scene = scene_of(traced->volume(), mode, 1);
-            // Single precision is what wide kernels answer; each frame another isovalue.
+            // Wide kernels use single precision; each frame has another isovalue.
             if (edge == 45) scene.layers[0].method = method_of(render::Accuracy::float32);
             scene.layers[0].isovalue = 0.1 * threads;
             const FrameOptions options{.width = edge, .height = edge, .channels = channels, .threads = threads};

@@ -74,7 +74,8 @@ TEST(Render, gives_the_same_bytes_and_counts_for_any_number_of_threads) {
       }
 }
 
-/// What effects ask for beyond hits does not move the hits, is counted, and is not done for a scene without them.
+/// Lookups that effects need in addition to hits do not change the hits, are counted, and are not
+/// done for a scene without these effects.
 TEST(Render, looks_up_normals_and_colours_for_scenes_that_ask_for_them_and_for_no_others) {
   TracedVolume grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
   TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
@@ -181,7 +182,7 @@ TEST(Render, fills_the_channels_that_are_asked_for_and_no_others) {
   EXPECT_EQ(picture.color[3], 0);
 }
 
-// A perspective and an orthographic camera both show a plane of known size where geometry says.
+// A perspective and an orthographic camera both show a plane of known size where geometry predicts.
 TEST(Render, shows_things_at_their_size_in_both_projections) {
   Affine map;
   map.origin = {-10, -10, -10};
@@ -300,7 +301,8 @@ TEST(Render, allocates_nothing_per_ray) {
       const auto allocations_of = [&](int edge) {
         Framebuffer picture;
         FrameOptions options{.width = edge, .height = edge, .channels = all_channels, .threads = 1};
-        render::render(traced->volume(), scene, options, picture);  // the thread pool's own memory, once
+        // The thread pool's own memory, once.
+        render::render(traced->volume(), scene, options, picture);
         const std::size_t before = allocation_count();
         render::render(traced->volume(), scene, options, picture);
         return allocation_count() - before;

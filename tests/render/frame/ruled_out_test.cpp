@@ -11,7 +11,8 @@
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 
-/// Rays that are known to meet nothing are not traced: pictures are those of all rays asked one by one.
+/// Rays that certainly miss everything are not traced: pictures are the same as when all rays are
+/// traced one by one.
 namespace rhoray::tests {
 namespace {
 
@@ -24,7 +25,7 @@ using render::Method;
 using render::Mode;
 using render::Scene;
 
-/// Two balls in the far corners of a box, one of them small.
+/// Two balls in opposite corners of a box, one of them small.
 Field two_balls() {
   return
       [](const Vec3& p) { return std::max(9 - (p - Vec3(12, 10, 13)).length(), 3 - (p - Vec3(40, 30, 33)).length()); };
@@ -34,12 +35,12 @@ Affine oriented() {
   return {{0.6, 0.8, 0}, {-1.6, 1.2, 0}, {0, 0, 0.5}, {1000, -2000, 500}};
 }
 
-/// Not a number is the same as not a number.
+/// NaN counts as equal to NaN.
 bool same(double a, double b) {
   return std::memcmp(&a, &b, sizeof(double)) == 0 || (std::isnan(a) && std::isnan(b));
 }
 
-/// Pixels of which the picture says anything but what the ray's own answer says.
+/// Counts the pixels that differ from the result of the ray itself.
 int different_pixels(const Framebuffer& picture, const std::vector<Hit>& hits) {
   int different = 0;
   for (std::size_t pixel = 0; pixel < hits.size(); ++pixel) {
@@ -83,7 +84,8 @@ Shown show(const render::Volume& volume, const Scene& scene, FrameOptions option
   return shown;
 }
 
-/// From afar with much background, near, inside with most behind the eye, and from a face of the box.
+/// From afar with much background, near, inside with most of the data behind the eye, and from a
+/// face of the box.
 std::vector<render::Camera> cameras_of(const render::Volume& volume) {
   const Box3 box = volume.bounds();
   const Vec3 middle = box.center(), size = box.size();
@@ -134,7 +136,8 @@ TEST(RuledOut, rays_are_those_that_miss_and_pictures_stay_the_same) {
           ruled_out += shown.statistics.rays_ruled_out, missed += misses, rays += shown.hits.size();
         }
         EXPECT_GT(missed, rays / 4);
-        // Scalar kernels rule out by the volume's bounds alone; and of small pictures blocks are large.
+        // Scalar kernels rule out rays by the volume's bounds alone; in small pictures blocks are
+        // large.
         const bool has_boxes = is_wide && render::chosen_machine() != render::Machine::scalar;
         const std::uint64_t expected = has_boxes ? missed * 6 / 10 : is_exact ? 0 : missed / 16;
         EXPECT_GE(ruled_out, expected) << static_cast<int>(accuracy) << " of " << missed;
@@ -187,7 +190,7 @@ TEST(RuledOut, no_rays_are_without_the_hierarchy) {
   }
 }
 
-// What rules out is found anew for each lattice of pixels.
+// The mask that rules rays out is computed again for each lattice of pixels.
 TEST(RuledOut, rays_of_refined_pictures_are_about_as_many) {
   const TracedVolume grid(sampled_volume<float>({49, 43, 45}, {}, two_balls()));
   Scene scene;
@@ -236,7 +239,8 @@ TEST(RuledOut, layers_outside_the_view_are_not_looked_at_unless_they_shade_what_
   scene.camera = fit_camera(volumes[1].bounds(), render::named_view("-y"), 1);
   EXPECT_THROW(drawn(scene), Error);
 
-  // From the side of the far one light comes low: it is in the way, outside the view or not.
+  // Low light from the side of the far volume: that volume occludes it, whether it is in view or
+  // not.
   scene.layers[1].surface.color_by.reset();
   scene.camera = fit_camera(volumes[0].bounds(), render::named_view("-y"), 1);
   scene.lights = {{.kind = render::Light::Kind::directional, .place = {1, 0, 0}, .casts_shadows = true}};

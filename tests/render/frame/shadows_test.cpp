@@ -8,7 +8,7 @@
 #include "render/ray_caster.h"
 #include "tests/render/frame/lit_pictures.h"
 
-/// Shadows of lights without a size: none from a surface on itself, all others where they must be.
+/// Shadows of lights without a size: no self-shadowing, and all other shadows where they must be.
 namespace rhoray::tests {
 namespace {
 
@@ -31,9 +31,10 @@ TEST(Shadows, are_not_seen_on_a_ball_towards_the_light) {
           std::size_t towards = 0, away = 0;
           for (std::size_t p = 0; p < with.pixels.pixel_count(); ++p) {
             if (!with.is_hit(p)) continue;
-            // Light that is shown without shadows tells the angle: ambient + (1 - ambient) * cosine.
+            // The light without shadows gives the angle: ambient + (1 - ambient) * cosine.
             const double cosine = (static_cast<double>(none.red(p)) - 0.25) / 0.75;
-            // The interpolant of a ball is not quite one: cells' own shadows lie along the terminator.
+            // The interpolant of a ball is not exactly a ball: cells shadow themselves along the
+            // terminator.
             if (cosine > 0.12) {
               ASSERT_EQ(with.red(p), none.red(p)) << p << " of " << v << ", scale " << scale << ' ' << steepness;
             }
@@ -67,7 +68,8 @@ TEST(Shadows, do_not_fall_from_a_plane_on_itself) {
 }
 
 TEST(Shadows, do_not_fall_from_a_saddle_on_itself) {
-  // Cells of a grid have it as it is. It rises by less than 0.71 a unit; the lights stand higher.
+  // A grid's cells represent this field exactly. It rises by less than 0.71 per unit; the lights
+  // are steeper.
   const auto saddle = [](const Vec3& p) { return p.z - 0.5 * p.x * p.y; };
   for (const double scale : scales)
     for (const double steepness : {1.0, 1e-15, 1e15}) {
@@ -100,11 +102,11 @@ TEST(Shadows, do_not_fall_from_slivers_on_themselves) {
   }
 }
 
-/// Of the ray's distance from the ball's middle over how large a range its shadow's edge may lie: 3/8 h^2 / r, and
-/// rounding of the depths that say where a pixel lies.
+/// Uncertainty of the ray's distance from the ball's centre at the edge of its shadow: 3/8 h^2 / r,
+/// plus rounding of the depths from which a pixel's position is computed.
 constexpr double shadow_tolerance = 0.375 / 80 / 80 / 0.4 + 1e-5;
 
-/// How far from the origin a ray towards a light passes, going forward only.
+/// Returns the distance from the origin at which a ray towards a light passes, forwards only.
 double passes_at(const Vec3& from, const Light& light) {
   const Vec3 way = light.kind == Light::Kind::point ? light.place - from : light.place;
   const double share = std::max(0.0, -from.dot(way) / way.dot(way));
@@ -134,7 +136,7 @@ TEST(Shadows, of_a_ball_on_a_floor_are_where_they_must_be) {
       }
       EXPECT_GT(lit, 500);
       EXPECT_LT(skipped, 30);
-      // A lamp below the ball throws no shadow of it on the floor.
+      // A point light below the ball casts no shadow of it on the floor.
       EXPECT_EQ(dark > 0, light.place.z > -0.5) << dark;
     }
 }
@@ -160,8 +162,9 @@ TEST(Shadows, fall_on_clear_surfaces_but_not_from_them) {
 double saddle(const Vec3& p) {
   return p.x * p.x - p.y * p.y + 0.3 * p.z;
 }
-// By another road: rays that start a thousandth of a cell before the hit, whose side is read from the field, one by
-// one in double precision. What starts along the surface may differ, and what grazes another one.
+// A different method: rays that start a thousandth of a cell before the hit, whose side is read
+// from the field, one by one in double precision. Rays that start along the surface may differ, and
+// those that graze another surface.
 TEST(Shadows, are_those_of_rays_that_start_beside_the_surface) {
   std::size_t asked = 0, skipped = 0, dark = 0, differing = 0;
   for (const Field& field : {Field(ball), Field(saddle), Field(waves)}) {
@@ -218,10 +221,11 @@ TEST(Shadows, do_not_fall_between_surfaces_that_are_one) {
   for (std::size_t v = 0; v < volumes.size(); ++v) {
     const Light light = sun({1, -2, 1.5});
     const Picture one = picture_of(volumes, scene_of({matte(v, 0.01)}, {light}));
-    // The same surface twice, and a shell in another one, a millionth of a cell away, which is in its shadow all over.
+    // The same surface twice, and then with a second one inside, a millionth of a cell away, which
+    // is completely in its shadow.
     for (const double inner : {0.01, 0.01 + 1e-6 / 12}) {
       const Picture two = picture_of(volumes, scene_of({matte(v, 0.01), matte(v, inner)}, {light}));
-      // Of a ray that ends at the nearest surface the root is another rounding of the same.
+      // For a ray that ends at the nearest surface the root is rounded differently.
       for (std::size_t i = 0; i < one.pixels.color.size(); ++i)
         ASSERT_NEAR(two.pixels.color[i], one.pixels.color[i], 1e-5) << v << ' ' << inner;
     }
@@ -249,7 +253,7 @@ TEST(Shadows, ask_nothing_where_no_light_is_held_back) {
   EXPECT_EQ(rays_of(other), 0) << "no surface";
 }
 
-// What may hold light back is kept while the light stands still; a frame does not depend on those before it.
+// Occluders are kept while the light does not move; a frame does not depend on those before it.
 TEST(Shadows, are_the_same_whatever_frames_were_before) {
   const TemporaryFolder folder;
   const std::vector<render::Volume> volumes = both_kinds(

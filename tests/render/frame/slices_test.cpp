@@ -73,7 +73,8 @@ Picture picture_of(const std::vector<render::Volume>& volumes, const Scene& scen
   return picture;
 }
 
-/// One field as a grid of floats, a sparse one, one with axis tables, and meshes of both structures.
+/// One field as a grid of floats, a sparse grid, one with axis tables, and meshes of both
+/// structures.
 struct Shown {
   TemporaryFolder folder;
   std::vector<render::Volume> volumes;
@@ -93,14 +94,14 @@ struct Shown {
   }
 };
 
-/// Planes of all kinds: between cells, through cells, in the data's border, across nothing.
+/// Planes of all kinds: between cells, through cells, in the border of the data, outside the data.
 std::vector<HalfSpace> planes() {
   return {{.point = {0, 0, 0}, .normal = {0, 0, 1}},      {.point = {0.3, 0, 0.1}, .normal = {-2, 0, 0}},
           {.point = {0, -1, 0}, .normal = {0, 1, 0}},     {.point = {0, 0, 1}, .normal = {0, 0, -3}},
           {.point = {0.2, 0, 0.1}, .normal = {1, -2, 3}}, {.point = {0, 0, 0}, .normal = {1, -1, 0}}};
 }
 
-/// How far a place lies inside the cube.
+/// Returns how far a point is inside the cube.
 double depth_in_cube(const Vec3& place) {
   return 1 - std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)});
 }
@@ -128,7 +129,7 @@ TEST(Slices, show_a_linear_field_where_the_plane_lies_in_the_data) {
           const double t = plane.normal.dot(plane.point - moved_by - origin) / plane.normal.dot(direction);
           const Vec3 place = origin + t * direction;
           const bool is_in_border = std::abs(plane.normal.normalized().dot(plane.point - moved_by)) == 1;
-          // In the border's plane depth says nothing of that axis.
+          // In the border's plane the depth does not depend on that axis.
           double depth = depth_in_cube(place);
           if (is_in_border) {
             Vec3 along = place;
@@ -157,7 +158,7 @@ TEST(Slices, have_no_gaps_between_the_cells_of_a_mesh) {
   for (const std::size_t v : {2, 3})
     for (const HalfSpace& plane : {planes()[0], planes()[4]}) {
       Scene scene = scene_of({of_field(slice(v, plane), shown.volumes[v])});
-      // So near that the whole picture lies in the mesh.
+      // So near that the whole picture is inside the mesh.
       scene.camera = {.position = plane.point + 4.0 * plane.normal.normalized(),
                       .target = plane.point,
                       .up = {1, 0.3, 0.1},
@@ -170,8 +171,8 @@ TEST(Slices, have_no_gaps_between_the_cells_of_a_mesh) {
 }
 
 TEST(Slices, find_every_place_on_faces_edges_and_points_of_cells) {
-  // Cells that are not moved: their faces, edges and points lie at whole sixteenths, where picture and plane put
-  // places.
+  // Cells that are not perturbed: their faces, edges and points are at multiples of 1/16, as are
+  // the points of the picture on the plane.
   const TemporaryFolder folder;
   std::vector<render::Volume> volumes;
   for (const auto structure : {preprocess::MeshStructure::clusters, preprocess::MeshStructure::leaves}) {
@@ -203,7 +204,7 @@ TEST(Slices, find_every_place_on_faces_edges_and_points_of_cells) {
           cells.back().push_back(answers.cell[i]);
         }
         EXPECT_TRUE(std::isnan(answers.value[17]));
-        // Beside others or alone, a place has the same answer.
+        // A point has the same result with others or alone.
         render::PlacesInPlane alone = places;
         for (std::size_t i = 0; i < render::PlacesInPlane::size; ++i) alone.is_asked[i] = i == 5;
         render::PlaceAnswers answer;
@@ -316,7 +317,8 @@ TEST(Slices, are_the_caps_of_what_a_clip_region_cuts_open) {
   for (const bool cuts_away : {false, true})
     for (const double sign : {1.0, -1.0})
       for (std::size_t v = 0; v < shown.volumes.size(); ++v) {
-        // The same plane, told by another point and with the normal either way; the surface passes through it.
+        // The same plane, given by another point and with the normal in either direction; the
+        // surface passes through it.
         const HalfSpace face{.point = {0.1, 0.2, 0.05}, .normal = normal};
         const HalfSpace told{.point = face.point + 0.7 * in_plane, .normal = sign * 3.7 * normal};
         const Layer cap = of_field(slice(v, told), shown.volumes[v]);
@@ -332,7 +334,7 @@ TEST(Slices, are_the_caps_of_what_a_clip_region_cuts_open) {
         for (std::size_t p = 0; p < found.pixels.pixel_count(); ++p) {
           if (std::isnan(plane.pixels.value[p])) continue;
           ++caps;
-          // What is before the plane is gone; so every pixel of the plane is seen.
+          // What is in front of the plane is clipped, so every pixel of the plane is visible.
           ASSERT_NEAR(found.pixels.depth[p], plane.pixels.depth[p], 1e-5) << p;
           for (std::size_t c = 0; c < 4; ++c)
             ASSERT_NEAR(found.pixels.color[4 * p + c], plane.pixels.color[4 * p + c], 1e-5) << p;
@@ -342,7 +344,7 @@ TEST(Slices, are_the_caps_of_what_a_clip_region_cuts_open) {
 }
 
 TEST(Slices, win_over_surfaces_at_the_same_t) {
-  // A field that is z, seen along z: the surface of z lies in the slice, bit for bit.
+  // A field that is z, seen along z: its isosurface is in the slice, bit for bit.
   const TemporaryFolder folder;
   std::vector<render::Volume> volumes;
   volumes.push_back(packed(folder, "ramp.rho", sampled_volume<double>({9, 9, 9}, Affine(), linear_field({0, 0, 1}))));
@@ -413,7 +415,7 @@ TEST(Slices, are_counted_and_looked_up_only_where_they_are_met) {
     EXPECT_LT(found.statistics.slice_lookups, slow.statistics.slice_lookups);
     EXPECT_GT(found.statistics.rays_ruled_out, 500);
     EXPECT_EQ(found.statistics.colors_looked_up, 0);
-    // What passes the data by is not traced.
+    // A plane outside the data is not traced.
     const Scene beside = scene_of({of_field(slice(v, {.point = {0, 0, 1.5}, .normal = {0, 0, 1}}), shown.volumes[v])});
     EXPECT_EQ(picture_of(shown.volumes, beside).statistics.slice_lookups, 0);
   }

@@ -12,7 +12,7 @@
 #include "tests/render/frame/lit_pictures.h"
 #include "tests/support/expect_error.h"
 
-/// Shadows of lights that have a size: how much of a light is seen from where.
+/// Shadows of lights with a size: how much of a light is visible from each point.
 namespace rhoray::tests {
 namespace {
 
@@ -45,7 +45,8 @@ Light lamp(const Vec3& place, double radius, int samples = 16) {
   return {.kind = Light::Kind::point, .place = place, .casts_shadows = true, .size = radius, .samples = samples};
 }
 
-/// Of the directions that fill a cone evenly, the share that is true; by counting many of them.
+/// Returns the share of the directions in a uniformly filled cone for which is_so is true, by
+/// counting many of them.
 double share_of_cone(const Vec3& axis, double half_angle, const std::function<bool(const Vec3&)>& is_so) {
   constexpr int heights = 40, turns = 90;
   const Vec3 across = (std::abs(axis.x) < 0.5 ? Vec3(1, 0, 0) : Vec3(0, 1, 0)).cross(axis).normalized(),
@@ -71,7 +72,7 @@ struct Errors {
   double mean() const { return std::abs(sum / static_cast<double>(count)); }
 };
 
-/// Of the floor's pixels: the share of the light that is shown, beside the one that is true.
+/// For the floor's pixels: the share of the light that is shown, minus the true one.
 Errors errors_on_floor(const Scene& scene, const Picture& shadowed, const Picture& plain, int every,
                        const std::function<double(const Vec3&)>& share) {
   const render::CameraRays rays(scene.camera, edge, edge);
@@ -91,7 +92,8 @@ Scene without_shadows(Scene scene) {
   return scene;
 }
 
-// A sheet over one half of a floor, under a wide sun that stands above: what is hidden of the sun lies beyond a chord.
+// A sheet over one half of a floor, under a large directional light above: the hidden part of the
+// light is beyond a chord.
 TEST(SoftShadows, of_half_a_plane_leave_the_share_of_the_sun_that_its_edge_does) {
   const TemporaryFolder folder;
   const Field height = linear_field({0, 0, 1});
@@ -156,7 +158,8 @@ TEST(SoftShadows, of_a_light_without_a_size_are_sharp_by_one_ray) {
   EXPECT_LE(one.statistics.shadow_rays, one.statistics.hits);
 }
 
-// Nor do they darken a plane that nothing stands before, however low the light: points below it are not asked about.
+// They also do not darken a plane without occluders, however low the light: points of the light
+// below the plane get no rays.
 TEST(SoftShadows, take_as_many_rays_as_said_and_leave_a_plane_as_it_is) {
   const TemporaryFolder folder;
   const std::vector<render::Volume> volumes = ball_over_floor(folder);

@@ -21,7 +21,7 @@ Vec3 to_vec3(const Index3& i) {
   return {static_cast<double>(i.x), static_cast<double>(i.y), static_cast<double>(i.z)};
 }
 
-/// Rays towards a random point of the box [0, size] from around it.
+/// Rays from around the box [0, size] towards a random point in it.
 std::vector<Ray> rays_around(const Vec3& size, std::size_t count, std::uint64_t seed) {
   Dice dice(seed);
   std::vector<Ray> rays;
@@ -72,7 +72,7 @@ TEST(GridFirstCrossing, meets_the_saddle_x_y_z_where_it_is) {
     const auto part = part_in_box(ray, map.origin, map.origin + Vec3(9, 7, 9));
     if (!part) continue;
     const auto field = product_field();
-    // The cubic along the ray is the field itself; nothing may change side before the hit.
+    // The cubic along the ray is the field itself; the side must not change before the hit.
     const double end = hit.is_miss() ? (*part)[1] : hit.t;
     const bool starts_inside = field(ray.at((*part)[0])) >= iso;
     for (int i = 1; i < 400; ++i) {
@@ -89,7 +89,7 @@ TEST(GridFirstCrossing, meets_the_saddle_x_y_z_where_it_is) {
   EXPECT_GT(hits, 1000);
 }
 
-// Against the interpolant of the samples, written out anew: zero at the hit, one side before it.
+// Against an independent implementation of the interpolant: zero at the hit, one side before it.
 TEST(GridFirstCrossing, is_the_first_change_of_side_of_the_interpolant) {
   const Index3 count(14, 15, 13), cells(13, 14, 12);
   const Samples samples = [](const Index3& at) {
@@ -142,7 +142,7 @@ TYPED_TEST(GridFirstCrossingOf, samples_of_every_type_finds_the_same_surface) {
 
 TYPED_TEST(GridFirstCrossingOf, the_full_range_of_a_type_is_not_cut_off) {
   using T = TypeParam;
-  // Doubles within 1e300: sums of the largest ones have no value.
+  // Doubles within 1e300: sums of the largest ones would overflow.
   constexpr T low = std::is_same_v<T, double> ? static_cast<T>(-1e300) : std::numeric_limits<T>::lowest();
   constexpr T high = std::is_same_v<T, double> ? static_cast<T>(1e300) : std::numeric_limits<T>::max();
   TracedVolume traced(volume_of<T>({2, 2, 9}, [&](const Index3& at) { return at.z < 4 ? low : high; }));
@@ -153,7 +153,7 @@ TYPED_TEST(GridFirstCrossingOf, the_full_range_of_a_type_is_not_cut_off) {
   EXPECT_EQ(traced.largest_value(ray).value, static_cast<double>(high));
 }
 
-/// Fields in which every kind of cell occurs: smooth, noisy, plateaus at the isovalue, holes without data.
+/// Fields with every kind of cell: smooth, noisy, plateaus at the isovalue, holes without data.
 std::vector<std::function<double(const Index3&)>> fields_of_all_kinds() {
   const auto noise = [](const Index3& at, std::int64_t kinds) {
     const auto hash = static_cast<std::uint64_t>((at.z * 1009 + at.y) * 1013 + at.x) * 0x9e3779b97f4a7c15U;
@@ -215,8 +215,9 @@ TEST(GridFirstCrossing, gives_no_surface_where_the_ray_enters_or_leaves_the_volu
   }
 }
 
-// D07. A macrocell's range says nothing of its cells without data. A ray once kept the side of a macrocell that was
-// passed over, although it left it through such cells, and met a surface that is not there.
+// D07. A macrocell's range does not include its cells without data. A ray once kept its side across
+// a skipped macrocell, although it left it through such cells, and hit a surface that does not
+// exist.
 TEST(GridFirstCrossing, gives_no_surface_against_a_region_without_data) {
   for (const bool use_hierarchy : {false, true})
     for (int first = 6; first < 13; ++first) {
@@ -250,7 +251,8 @@ TEST(GridFirstCrossing, counts_the_work_that_it_did) {
 }
 
 TEST(GridFirstCrossing, and_largest_value_do_not_look_into_cells_that_a_ray_only_touches) {
-  // Along the body diagonal: 12 cells are passed through, and two more touched at every lattice point.
+  // Along the body diagonal: 12 cells are passed through, and two more are touched at every lattice
+  // point.
   TracedVolume traced(sampled_volume<float>({13, 13, 13}, {}, linear_field({1, 1, 1})));
   const Ray ray{.origin = {-1, -1, -1}, .direction = {1, 1, 1}};
   EXPECT_TRUE(traced.first_crossing(ray, 50, false).is_miss());

@@ -35,13 +35,14 @@ TEST(GridLargestValue, is_what_looking_into_every_cell_finds) {
     TracedVolume traced(volume_of<double>({9, 8, 10}, samples), {.macro_factor = 2});
     for (const Ray& ray : stressful_rays({8, 7, 9}, 900, 1)) {
       if (ray.origin.length() > 1e4 || std::abs(ray.direction.length() - 1) > 0.9) continue;
-      bool in_a_plane = false;  // there the walk takes one of two cells: absent ones may differ
+      // There the traversal takes one of two cells: their absence of data may differ.
+      bool in_a_plane = false;
       for (int axis = 0; axis < 3; ++axis) in_a_plane = in_a_plane || std::abs(ray.direction[axis]) < 1e-4;
       if (in_a_plane) continue;
       const auto exact = largest_by_brute_force(samples, cells, ray);
       const auto face = largest_by_brute_force(samples, cells, ray, true);
       const Hit hit = traced.largest_value(ray), face_hit = traced.largest_value(ray, face_rule);
-      if (!exact) continue;  // touches at most
+      if (!exact) continue;  // only touches cells
       ASSERT_FALSE(hit.is_miss());
       EXPECT_NEAR(hit.value, *exact, 1e-8);
       EXPECT_NEAR(face_hit.value, *face, 1e-8);
@@ -83,7 +84,7 @@ TEST(GridLargestValue, is_the_same_with_and_without_hierarchy_and_last_t_bit_for
       for (const Ray& ray : stressful_rays({17, 19, 16}, 500, 2)) {
         const Hit reference = traced.largest_value(ray, method, false, false);
         ASSERT_TRUE(same_bits(traced.largest_value(ray, method, true, false), reference)) << "hierarchy";
-        // The last ray's t comes from anywhere: another ray's, before the volume, behind it.
+        // The previous ray's t may be anything: another ray's, in front of the volume, behind it.
         for (const double t : {traced.scratch.last_t.value_or(0), -5.0, 9.0, 1e9}) {
           traced.scratch.last_t = t;
           ASSERT_TRUE(same_bits(traced.largest_value(ray, method, true, true), reference)) << "last t " << t;
@@ -107,8 +108,8 @@ TEST(GridLargestValue, with_last_t_opens_fewer_cells) {
   EXPECT_LE(work(true), without);
 }
 
-// M02, M05. Interpolation between equal numbers rounds: a plateau became a noise of last digits, and its first point
-// was lost among them.
+// M02, M05. Interpolation between equal numbers rounds: a plateau became noise in the last digits,
+// and its first point was lost in it.
 TEST(GridLargestValue, of_a_constant_volume_is_that_value_where_the_ray_comes_in) {
   for (const double value : {0.1, -0.3, 7.0, 1e30}) {
     TracedVolume traced(volume_of<double>({33, 33, 33}, [=](const Index3&) { return value; }));
@@ -157,7 +158,8 @@ std::array<render::TrilinearCell, 2> cells_at_ridge(Dice& dice, int axis, double
   return cells;
 }
 
-// M08. Where a ray's largest value lies on the plane between two cells, rounding must not decide which of them has it.
+// M08. Where a ray's largest value is on the plane between two cells, rounding must not decide
+// which of them has it.
 TEST(GridLargestValue, on_a_face_has_the_same_bits_in_both_cells) {
   struct Numbers {
     double offset, size;
@@ -171,7 +173,8 @@ TEST(GridLargestValue, on_a_face_has_the_same_bits_in_both_cells) {
       const bool rises = dice.below(2) == 0;
       Vec3 in = dice.point({0, 0, 0}, {1, 1, 1}), at = dice.point({0, 0, 0}, {1, 1, 1}),
            out = dice.point({0, 0, 0}, {1, 1, 1});
-      if (dice.below(4) == 0) at[(axis + 1) % 3] = static_cast<double>(dice.below(2));  // on an edge
+      // On an edge.
+      if (dice.below(4) == 0) at[(axis + 1) % 3] = static_cast<double>(dice.below(2));
       Vec3 at_beyond = at;
       at[axis] = rises ? 1 : 0, at_beyond[axis] = rises ? 0 : 1;
       const render::CellVisit before{.cell = {}, .t_in = 0, .t_out = 1, .axis_in = -1, .axis_out = axis};
@@ -196,7 +199,8 @@ TEST(GridLargestValue, is_never_below_what_it_is_on_the_faces_that_the_ray_passe
   Dice dice(12);
   for (int trial = 0; trial < 20000; ++trial) {
     render::TrilinearCell cell;
-    const double size = std::ldexp(1.0, -static_cast<int>(dice.below(60)));  // down to the rounding of 1
+    // Down to the rounding of 1.
+    const double size = std::ldexp(1.0, -static_cast<int>(dice.below(60)));
     for (double& value : cell.corner) value = 1 + size * dice.between(-1, 1);
     const int axis_in = trial % 3, axis_out = trial / 3 % 3;
     Vec3 in = dice.point({0, 0, 0}, {1, 1, 1}), out = in + size * dice.point({-1, -1, -1}, {1, 1, 1});
@@ -216,7 +220,8 @@ TEST(GridLargestValue, on_a_face_belongs_to_the_cell_that_the_ray_enters_first) 
   for (const int ridge : {3, 7, 8, 15, 16}) {  // within macrocells and between them
     const Samples samples = [&](const Index3& at) {
       const double noise = static_cast<double>((at.x * 7 + at.y * 13 + at.z * 29) % 11);
-      // Besides, the cells on one side of the ridge or the other are the higher ones, and opened first.
+      // In addition, the cells on one side of the ridge or the other are the higher ones, and are
+      // opened first.
       return at.x == ridge ? 50 + noise : at.x == ridge - 1 + 2 * (at.z % 2) ? 30 + 3 * noise : noise;
     };
     TracedVolume traced(volume_of<float>({24, 24, 24}, samples), {.macro_factor = 4});

@@ -13,7 +13,8 @@ namespace {
 using render::BoxNode;
 using render::Occupancy;
 
-/// Ranges of a grid's blocks, one of so many of which holds both sides of 0; all that lies above them does.
+/// Ranges of a grid's blocks. One in every so many blocks has values on both sides of 0, and so
+/// have all its ancestors.
 struct MadeLevels {
   std::vector<std::vector<float>> ranges;
   formats::MacroLevelsView<float> view;
@@ -33,7 +34,7 @@ struct MadeLevels {
   }
 };
 
-/// Boxes of the lowest level; checks that each level holds the one below.
+/// Returns the boxes of the lowest level; checks that each level contains the one below.
 std::vector<Box3> boxes_in(const Occupancy& occupancy) {
   std::vector<Box3> lowest, below;
   for (const auto& level : occupancy.boxes()) {
@@ -66,7 +67,7 @@ TEST(Occupancy, has_boxes_around_all_its_blocks_of_an_edge_that_keeps_them_few) 
     const Occupancy occupancy(levels.view, 0);
     const std::vector<Box3> boxes = boxes_in(occupancy);
     EXPECT_LE(boxes.size(), std::size_t{1} << 14);
-    // Blocks, by the boxes that hold them; each must be in one.
+    // Count the boxes that contain each block; each block must be in one.
     const Index3 count = levels.view.shape.count(1);
     std::vector<char> held(static_cast<std::size_t>(count.x * count.y * count.z));
     const auto at = [&](std::int64_t i, std::int64_t j, std::int64_t k) {

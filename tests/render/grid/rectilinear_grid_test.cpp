@@ -9,7 +9,7 @@
 #include "tests/support/fields.h"
 #include "tests/support/made_grid.h"
 
-// Grids whose samples stand where tables say.
+// Grids whose samples are at positions given by tables.
 namespace rhoray::tests {
 namespace {
 
@@ -19,7 +19,7 @@ using render::Ray;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// Steps of 1 and of 1000 side by side, a graded axis, and one whose positions are irrational.
+/// Steps of 1 and of 1000 side by side, a graded axis, and one with irrational positions.
 Axes uneven_axes(const Index3& count) {
   Axes axes{{{-5}, {0}, {1}}};
   for (std::int64_t i = 1; i < count.x; ++i) axes[0].push_back(axes[0].back() + (i % 3 == 0 ? 1000 : 1));
@@ -28,7 +28,7 @@ Axes uneven_axes(const Index3& count) {
   return axes;
 }
 
-/// A volume whose samples are taken where the tables put them.
+/// A volume with samples at the positions in the tables.
 preprocess::NeutralVolume rectilinear_volume(const Axes& axes, const Field& field) {
   const Index3 count(static_cast<std::int64_t>(axes[0].size()), static_cast<std::int64_t>(axes[1].size()),
                      static_cast<std::int64_t>(axes[2].size()));
@@ -51,7 +51,8 @@ std::vector<Ray> rays_through(const Vec3& low, const Vec3& high, std::size_t cou
   return rays;
 }
 
-/// The cell that holds a point; nothing within `margin` (of the cell's own edges) of its faces.
+/// Returns the cell that contains a point; nothing within `margin` (of the cell's own edges) of its
+/// faces.
 std::optional<Index3> cell_holding(const Axes& axes, const Vec3& p, double margin) {
   Index3 cell;
   for (int axis = 0; axis < 3; ++axis) {
@@ -84,7 +85,7 @@ TEST(RectilinearGrid, meets_the_plane_of_a_linear_field_at_its_exact_t) {
       const Hit hit = traced.first_crossing(ray, iso);
       ASSERT_EQ(hit.is_miss(), t < (*part)[0] || t > (*part)[1]);
       if (hit.is_miss()) continue;
-      // Rounding: of values of the field's size, over its change along the ray.
+      // Rounding error of values of the field's size, divided by the field's slope along the ray.
       EXPECT_NEAR(hit.t, t, 1e-13 * size / std::abs(slope.dot(ray.direction)));
       EXPECT_LT((hit.gradient - slope).length(), 1e-9);
       if (const auto cell = cell_holding(axes, ray.at(t), 1e-6)) {
@@ -97,7 +98,7 @@ TEST(RectilinearGrid, meets_the_plane_of_a_linear_field_at_its_exact_t) {
   EXPECT_GT(cells, 1500);
 }
 
-// Against the interpolant of the samples, written out anew: zero at the hit, one side before it.
+// Against an independent implementation of the interpolant: zero at the hit, one side before it.
 TEST(RectilinearGrid, is_crossed_at_the_first_change_of_side_of_the_interpolant) {
   const Axes axes = uneven_axes({10, 9, 11});
   const Index3 cells(9, 8, 10);

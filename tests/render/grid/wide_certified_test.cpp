@@ -15,8 +15,8 @@
 #include "tests/render/support/wide_machines.h"
 #include "tests/support/fields.h"
 
-/// Certified crossings of wide kernels: rays of which rounding leaves open what they pass, and those that are taken up
-/// again where they are in doubt.
+/// Certified crossings of wide kernels: rays for which rounding leaves open which cells they pass,
+/// and those that are continued where they are in doubt.
 namespace rhoray::tests {
 namespace {
 
@@ -41,8 +41,8 @@ preprocess::NeutralVolume hills() {
   });
 }
 
-/// Squares of 8 x 8 rays from one point to points of the lattice, or to points of its edges: there they hardly pass
-/// cells, and some of them blocks.
+/// Squares of 8 x 8 rays from one point to points of the lattice, or to points on its edges. There
+/// they graze cells, and some of them graze blocks.
 std::vector<Ray> squares_of_rays_to_edges(std::size_t count, std::uint64_t seed) {
   constexpr double steps[] = {1, 1, 2, 4};
   Dice dice(seed);
@@ -59,7 +59,7 @@ std::vector<Ray> squares_of_rays_to_edges(std::size_t count, std::uint64_t seed)
         Vec3 target(0);
         target[across] = to_points ? depth : depth + dice.between(-0.5, 0.5);
         target[u] = u_first + step * i, target[v] = v_first + step * j;
-        // With a direction that is not rounded a last time: target - eye would be.
+        // With a direction that is not rounded once more: target - eye would be.
         rays.push_back({.origin = eye, .direction = (target - eye).normalized()});
       }
   }
@@ -105,7 +105,7 @@ TEST(WideCertified, of_rays_that_begin_or_end_beside_the_surface_are_the_judges)
   const std::vector<Ray> rays = squares_of_rays_to_edges(1280, 4);
   for (const Machine machine : wide_machines()) {
     const std::vector<Hit> whole = answers(traced, certified, machine, rays, 10.3);
-    std::vector<Ray> cut;  // as near to the surface as the place of the hit is known
+    std::vector<Ray> cut;  // cut as near to the surface as the position of the hit is known
     for (std::size_t r = 0; r < rays.size(); ++r) {
       if (whole[r].is_miss()) continue;
       for (const double errors : {-1.5, -0.5, 0.5, 1.5}) {
@@ -130,7 +130,7 @@ TEST(WideCertified, of_rays_that_begin_or_end_beside_the_surface_are_the_judges)
   }
 }
 
-/// When a ray passes planes between blocks, before `until`.
+/// Returns the times at which a ray passes planes between blocks, before `until`.
 std::vector<double> times_of_planes(const Ray& ray, double until) {
   std::vector<double> times;
   const render::PlaneTimes planes(ray);

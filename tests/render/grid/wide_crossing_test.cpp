@@ -30,7 +30,7 @@ using render::Ray;
 
 constexpr Method single = render::method_of(render::Accuracy::float32);
 
-/// Rays from anywhere in a box [0, size] to all sides, some of them cut short.
+/// Rays from anywhere in a box [0, size] in all directions, some of them cut short.
 std::vector<Ray> scattered_rays(const Vec3& size, std::size_t count, std::uint64_t seed) {
   Dice dice(seed);
   std::vector<Ray> rays(count);
@@ -52,12 +52,13 @@ preprocess::NeutralVolume waves(const Index3& samples, std::uint64_t seed, doubl
   });
 }
 
-/// How far a hit in single precision may be from the one in double, in cells, where the surface is not met along a
-/// tangent. A point of the ray in a block is off by at most 2^-20 cells, and the field there by 2^-20 of the largest
-/// difference in the cell: waves and noise are steep enough for this.
+/// Maximum distance of a hit in single precision from the one in double, in cells, where the ray is
+/// not tangent to the surface. A point of the ray in a block has an error of at most 2^-20 cells,
+/// and the field there one of 2^-20 of the largest difference in the cell: waves and noise are
+/// steep enough for this.
 constexpr double largest_distance_cells = 1e-3;
 
-/// How far answers of two methods lie apart.
+/// Differences between the results of two methods.
 struct Difference {
   int hits = 0, decisions = 0, elsewhere = 0;
   double largest_cells = 0;  ///< distance of two hits
@@ -119,7 +120,7 @@ std::vector<Grid> grids() {
   return made;
 }
 
-/// Samples without data, by place.
+/// Samples without data, by position.
 struct Gaps {
   const char* name;
   bool (*are_at)(const Vec3& share_of_box);
@@ -196,13 +197,14 @@ TEST(WideCrossing, agrees_with_the_scalar_reference_where_samples_are_the_isoval
   }
 }
 
-/// Whole numbers from 0 to 4: of a whole isovalue many samples are in the surface.
+/// Integers from 0 to 4: for an integer isovalue many samples are on the surface.
 preprocess::NeutralVolume whole_numbers(const Index3& samples, std::uint64_t seed) {
   Dice dice(seed);
   return volume_of<float>(samples, [&](const Index3&) { return static_cast<float>(dice.below(5)); });
 }
 
-/// Rays from lattice point to lattice point on which single precision rounds no place and no value at a plane.
+/// Rays from lattice point to lattice point for which single precision rounds no position and no
+/// value at a plane.
 std::vector<Ray> rays_through_samples(const Index3& cells, std::size_t count, std::uint64_t seed) {
   constexpr std::array<double, 4> steps{1.0, -1.0, 0.5, -0.5};
   Dice dice(seed);
@@ -218,7 +220,8 @@ std::vector<Ray> rays_through_samples(const Index3& cells, std::size_t count, st
   return rays;
 }
 
-/// In single precision both: in double an isosurface that touches the ray may be on its other side.
+/// Both in single precision: in double, an isosurface that touches the ray may be on its other
+/// side.
 void expect_answers_of_the_reference(TracedVolume& traced, const std::vector<Ray>& rays) {
   for (const double isovalue : {1.0, 2.0, 3.0}) {
     const std::vector<Hit> reference = answers(traced, single, Machine::scalar, rays, isovalue);
@@ -231,14 +234,15 @@ void expect_answers_of_the_reference(TracedVolume& traced, const std::vector<Ray
   }
 }
 
-// A cell entered, or left, in a sample of the isovalue has a root there; the change of side that is asked for may be
-// another one. A search of the whole way by Newton's method ended in the sample.
+// A cell entered or left at a sample with the isovalue has a root there; the requested change of
+// side may be another one. A search of the whole chord with Newton's method ended at the sample.
 TEST(WideCrossing, finds_the_change_of_side_beside_a_root_at_an_end_of_the_way) {
   TracedVolume traced(whole_numbers({21, 18, 23}, 91));
   expect_answers_of_the_reference(traced, rays_through_samples({20, 17, 22}, 3000, 92));
 }
 
-// A ray in the upper face was moved into the cells below it by a little, where the field has another side.
+// A ray in the upper face was moved slightly into the cells below it, where the field is on the
+// other side.
 TEST(WideCrossing, sees_the_upper_face_itself_along_rays_in_it) {
   TracedVolume traced(whole_numbers({21, 18, 23}, 93));
   std::vector<Ray> rays = rays_through_samples({20, 17, 22}, 3000, 94);
@@ -306,7 +310,8 @@ TEST(WideCrossing, certified_of_a_ray_is_the_same_in_a_square_of_neighbours_and_
                 << grid.name << ", " << name_of(machine) << ", ray " << square + i;
             ASSERT_EQ(together[square + i].cost, apart[place].cost) << grid.name << ", ray " << square + i;
           }
-        // Neighbours of one octant close to each other: 64 rays with hardly a difference between them.
+        // Neighbours of one octant close to each other: 64 rays with almost no difference between
+        // them.
         for (std::size_t r = 0; r < stressful.size(); r += 100) {
           const std::vector<Ray> copies(64, stressful[r]);
           const Hit alone = answers(*grid.traced, certified, machine, {stressful[r]}, isovalue)[0];
@@ -362,7 +367,7 @@ TEST(WideCrossing, reports_gradients_cells_and_counts_as_the_reference_does) {
     EXPECT_EQ(cost, wide_counters.visits()) << name_of(machine);
     grid.traced->scratch.counters = {};
     answers(*grid.traced, Method{}, Machine::scalar, rays, 1000.5);
-    // Cells at whose edges rounding differs are visited by the one and not by the other.
+    // Cells at whose edges rounding differs are visited by one kernel and not by the other.
     const render::KernelCounters& counters = grid.traced->scratch.counters;
     const auto near = [](std::uint64_t count) { return static_cast<double>(count) / 1000; };
     EXPECT_NEAR(static_cast<double>(wide_counters.cells_solved), static_cast<double>(counters.cells_solved),
@@ -386,8 +391,9 @@ TEST(WideCrossing, preview_meets_what_the_reference_meets_by_the_same_steps) {
   }
 }
 
-// A ray that runs along a face between a cell with data and one without, closer than single precision tells it from
-// the face, may be taken to be on its other side: such are a few of the stressful rays.
+// A ray may run along a face between a cell with data and one without, closer to it than single
+// precision can resolve. It may then be taken to be on the other side of the face. A few of the
+// stressful rays are like that.
 TEST(WideCrossing, agrees_with_the_scalar_reference_beside_and_behind_gaps) {
   int hits = 0;
   std::uint64_t asked = 0, answered = 0;
@@ -430,7 +436,7 @@ TEST(WideCrossing, leaves_what_single_precision_cannot_hold_to_the_reference) {
 TEST(WideCrossing, knows_the_surface_of_the_isovalue_that_is_asked_for) {
   const Grid grid = grid_of_waves<std::uint16_t>("", {37, 22, 41}, 3, 400, 1000);
   const std::vector<Ray> rays = bundles(grid.size, 500, 61);
-  for (int round = 0; round < 2; ++round)  // more isovalues than are kept, and back to each
+  for (int round = 0; round < 2; ++round)  // more isovalues than are cached, and back to each
     for (int k = 0; k < 7; ++k) {
       const double isovalue = 700 + 100 * k;
       const std::vector<Hit> reference = answers(*grid.traced, Method{}, Machine::scalar, rays, isovalue);

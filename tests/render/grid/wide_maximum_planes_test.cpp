@@ -15,7 +15,7 @@ namespace {
 
 using render::Ray;
 
-/// A square of pixels from an eye.
+/// A square of pixels seen from an eye.
 std::vector<Ray> picture(const Vec3& eye, const Vec3& forward, double pixel, double distance, int edge) {
   const Vec3 u = forward.cross(Vec3(0.3, 0.5, 0.8)).normalized(), v = forward.cross(u);
   std::vector<Ray> rays;
@@ -29,7 +29,8 @@ std::vector<Ray> picture(const Vec3& eye, const Vec3& forward, double pixel, dou
   return rays;
 }
 
-/// From eyes so far away, with pixels of such a size at the middle; directions are turned from an axis by so much.
+/// Range of distances of the eye and of pixel sizes at the middle; directions are rotated from an
+/// axis by the given amounts.
 struct Pictures {
   Index3 count;
   double nearest, furthest;
@@ -37,7 +38,7 @@ struct Pictures {
   std::array<double, 3> turns;
 };
 
-/// Agreement in pictures along each axis and across, of samples of 16 and of 8 bits.
+/// Compares pictures along each axis and diagonally, of samples of 16 and of 8 bits.
 int agreement_in(const Pictures& pictures, const Samples& samples, std::uint64_t seed) {
   const Index3& count = pictures.count;
   const Vec3 size(static_cast<double>(count.x - 1), static_cast<double>(count.y - 1), static_cast<double>(count.z - 1));
@@ -61,8 +62,8 @@ int agreement_in(const Pictures& pictures, const Samples& samples, std::uint64_t
   return expect_agreement(words, rays) + expect_agreement(bytes, rays);
 }
 
-/// Samples take one bit or all sixteen: what words of 16 bits round differs by 2^15. Rays leave the sweep from plane to
-/// plane to the blocks where they lie far from an axis.
+/// Samples use one bit or all sixteen: the rounding of 16-bit words differs by 2^15. Rays far from
+/// an axis leave the sweep from plane to plane and continue with the blocks.
 TEST(WideMaximum, is_the_scalar_kernels_answer_from_plane_to_plane_whatever_the_range_of_samples) {
   const std::vector<Samples> kinds{
       over_all_of<std::uint16_t>(),
@@ -80,8 +81,8 @@ TEST(WideMaximum, is_the_scalar_kernels_answer_from_plane_to_plane_whatever_the_
   EXPECT_GT(hits, 100000);
 }
 
-/// Pixels that lie one to ten cells apart, as in small pictures and where slices are thin: windows around the rays are
-/// wide, and still further apart rays go to the blocks.
+/// Pixels one to ten cells apart, as in small pictures and where slices are thin: windows around
+/// the rays are wide. Rays that are even farther apart continue with the blocks.
 TEST(WideMaximum, is_the_scalar_kernels_answer_where_rays_lie_apart) {
   const std::vector<Samples> kinds{
       noise(65536, 0), noise(17, 30000), [](const Index3& at) { return 30000 + 9000 * waves(at) + noise(300, 0)(at); },
@@ -94,7 +95,7 @@ TEST(WideMaximum, is_the_scalar_kernels_answer_where_rays_lie_apart) {
   EXPECT_GT(hits, 40000);
 }
 
-/// Squares of parallel rays close to an axis, through samples or past them by little.
+/// Squares of parallel rays close to an axis, through samples or just beside them.
 std::vector<Ray> rays_through_samples(const Index3& count, std::size_t squares, std::uint64_t seed) {
   Dice dice(seed);
   std::vector<Ray> rays;
@@ -118,8 +119,8 @@ std::vector<Ray> rays_through_samples(const Index3& count, std::size_t squares, 
   return rays;
 }
 
-/// There rays go from cell to cell where they pass a plane of samples, and the value is another one in each by
-/// rounding.
+/// There rays go from cell to cell where they pass a plane of samples, and rounding makes the value
+/// different in each cell.
 TEST(WideMaximum, is_the_scalar_kernels_answer_where_the_largest_is_a_sample) {
   const Index3 count(61, 52, 74);
   const std::vector<Samples> kinds{noise(65536, 0),

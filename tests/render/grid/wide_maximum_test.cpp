@@ -55,7 +55,7 @@ TEST(WideMaximum, is_the_scalar_kernels_answer_bit_for_bit_for_every_type_of_sam
   EXPECT_GT(hits, 8000);
 }
 
-// Waves in a ball and beside it a few more; what is not stored has no data.
+// Waves in a ball and a few more beside it; what is not stored has no data.
 TEST(WideMaximum, is_the_scalar_kernels_answer_where_only_some_bricks_are_stored) {
   int hits = 0;
   const auto agreement_in_bricks_of = [&]<class T>(T, std::int64_t edge, std::uint64_t seed) {
@@ -85,7 +85,7 @@ TEST(WideMaximum, is_the_scalar_kernels_answer_where_samples_span_their_whole_ty
   EXPECT_GT(hits, 4000);
 }
 
-// Groups of 8 x 8 rays from one eye; the blocks that are high concern few of them.
+// Groups of 8 x 8 rays from one eye; only few of them pass the blocks with high values.
 TEST(WideMaximum, is_the_scalar_kernels_answer_from_eyes_near_and_far) {
   const Vec3 size(36, 21, 69), middle = 0.5 * size;
   const TracedVolume traced(volume_of<std::uint16_t>(
@@ -128,8 +128,9 @@ TEST(WideMaximum, is_the_scalar_kernels_answer_in_noise_plateaus_and_constants) 
   EXPECT_GT(hits, 30000);
 }
 
-/// Squares of 8 x 8 rays that run along an axis, hardly or clearly towards the others, so that they come to planes at
-/// all angles; a third begin or end somewhere inside, some of them in a plane.
+/// Squares of 8 x 8 rays that run along an axis, slightly or clearly inclined towards the others,
+/// so that they reach planes at all angles. A third begin or end somewhere inside, some of them in
+/// a plane.
 std::vector<Ray> rays_across_planes(const Vec3& size, std::size_t count, std::uint64_t seed) {
   Dice dice(seed);
   std::vector<Ray> rays;
@@ -154,8 +155,9 @@ std::vector<Ray> rays_across_planes(const Vec3& size, std::size_t count, std::ui
   return rays;
 }
 
-/// Where samples of a plane are high the largest value of a ray is on the plane, at the end of two cells: one of them
-/// is looked at closely, and must be the one that the scalar kernel tells, whichever block, slab or vector it is in.
+/// Where samples of a plane are high, the largest value of a ray is on the plane, at the end of two
+/// cells. One of them is refined, and must be the one that the scalar kernel chooses, whichever
+/// block, slab or vector it is in.
 TEST(WideMaximum, is_the_scalar_kernels_answer_where_the_largest_lies_between_two_cells) {
   const auto on_planes = [](std::int64_t apart, std::int64_t height, std::int64_t kinds) -> Samples {
     return [=](const Index3& at) {
@@ -222,8 +224,8 @@ TEST(WideMaximum, takes_lattices_of_every_small_size) {
   }
 }
 
-/// Squares of 4 x 4 samples end where the lattice does, so that its last blocks have no square beside them; or a sample
-/// earlier or later. The largest values lie at the ends.
+/// Squares of 4 x 4 samples end where the lattice does, so its last blocks have no square beside
+/// them; or they end a sample earlier or later. The largest values are at the ends.
 TEST(WideMaximum, reads_the_last_blocks_of_lattices_that_end_with_a_square) {
   const auto at_ends = [](const Index3& at) {
     return 9000 * waves(at) + 400.0 * static_cast<double>(at.x + at.y + at.z % 17) - 20000;
@@ -256,7 +258,7 @@ TEST(WideMaximum, reads_every_layout) {
   }
 }
 
-// One level of macrocells: there are no nodes to read. Other factors are not for this kernel.
+// One level of macrocells: there are no nodes to read. This kernel does not support other factors.
 TEST(WideMaximum, is_chosen_where_levels_have_factor_4_and_the_way_is_direct) {
   const auto volume = [] {
     return volume_of<float>({30, 25, 37}, [](const Index3& at) { return static_cast<float>(waves(at)); });
@@ -273,8 +275,9 @@ TEST(WideMaximum, is_chosen_where_levels_have_factor_4_and_the_way_is_direct) {
   EXPECT_EQ(kernel(one_level, Method{}, Machine::scalar), nullptr);
 }
 
-/// Squares of 8 x 8 pixels of one eye, as a picture's tiles ask them: so many that four and more are searched together,
-/// up to where their frustum is too wide, with pixels that miss and with squares that are cut off.
+/// Squares of 8 x 8 pixels of one eye, as a picture's tiles request them. There are so many that
+/// four and more are searched together, until their frustum is too wide; with pixels that miss and
+/// with squares that are cut off.
 TEST(WideMaximum, is_the_scalar_kernels_answer_for_squares_of_pixels_searched_together) {
   const TracedVolume traced(volume_of<std::int16_t>(
       {60, 52, 68}, [](const Index3& at) { return static_cast<std::int16_t>(9000 * waves(at) + noise(1000, 0)(at)); }));

@@ -18,7 +18,8 @@
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 
-/// All crossings of one walk along a ray, against first crossings in double precision, each asked behind the last.
+/// All hits from one traversal of a ray, compared with first crossings in double precision, each
+/// traced behind the last.
 namespace rhoray::tests {
 namespace {
 
@@ -38,7 +39,7 @@ struct Shown {
   double isovalues[2];
 };
 
-/// Waves around `offset`, that a ray crosses a few times.
+/// Waves around `offset`, which a ray crosses a few times.
 template <class T>
 Shown grid_of(const std::string& name, const Index3& samples, double scale, double offset,
               const preprocess::PackVolumeOptions& options = {}) {
@@ -63,7 +64,7 @@ std::vector<Shown> all_shown() {
   made.push_back(grid_of<std::int32_t>("I32", {33, 9, 42}, 1e6, -2e9));
   made.push_back(grid_of<float>("F32", {29, 31, 27}, 1e-3, 1));
   made.push_back(grid_of<double>("F64", {25, 26, 27}, 1, 0));
-  // Fields that planes are close to, so that most rays go by what a block has.
+  // Fields that change little inside a block, so that most rays are decided by the block's range.
   const auto slow = [](const Index3& i) {
     const double x = static_cast<double>(i.x), y = static_cast<double>(i.y), z = static_cast<double>(i.z);
     return static_cast<std::uint16_t>(2000 + 900 * std::sin(0.11 * x) * std::cos(0.09 * y) + 600 * std::sin(0.12 * z));
@@ -86,7 +87,7 @@ std::vector<Shown> all_shown() {
   return made;
 }
 
-/// Of each surface the crossings of each ray.
+/// The crossings of each ray, per surface.
 struct Crossings {
   std::vector<std::vector<std::vector<Hit>>> of_surfaces;
   std::vector<bool> complete;
@@ -133,7 +134,7 @@ Crossings crossings_by(Machine machine, const Shown& shown, const std::vector<do
   return found;
 }
 
-/// One crossing after another, at most as many as a list holds.
+/// Traces one crossing after another, at most as many as a list holds.
 std::vector<std::vector<Hit>> chains(const Shown& shown, double isovalue, const render::Method& method, Machine machine,
                                      std::vector<Ray> rays) {
   std::vector<std::vector<Hit>> found(rays.size());
@@ -152,7 +153,7 @@ std::vector<std::vector<Hit>> chains(const Shown& shown, double isovalue, const 
   return found;
 }
 
-/// Close together, far apart, cut short, and through lattice points.
+/// Rays close together, far apart, cut short, and through lattice points.
 std::vector<Ray> rays_at(const Shown& shown, std::size_t count) {
   std::vector<Ray> rays = bundles(shown.size, count, 7);
   Dice dice(8);
@@ -217,7 +218,8 @@ TEST(OrderedCrossings, are_those_of_double_precision_one_after_another) {
       }
     }
   }
-  // Surfaces that are touched: single precision has a pair of crossings, or has none, where double has it otherwise.
+  // Grazed surfaces: single precision finds a pair of crossings or none, where double finds the
+  // opposite.
   EXPECT_LE(others, asked / 250);
   EXPECT_GT(crossings, asked);
 }
@@ -255,7 +257,7 @@ TEST(OrderedCrossings, end_in_the_dark_and_where_a_list_is_full) {
     EXPECT_FALSE(all.complete[r]);
     EXPECT_EQ(std::max(all.of_surfaces[0][r].size(), all.of_surfaces[1][r].size()), CrossingList::most);
     EXPECT_TRUE(dark.complete[r]);
-    // Five halve the light to less than that; what lies in their last cell is met with them.
+    // Five reduce the light to less than that; what is in their last cell is hit with them.
     const std::size_t met = dark.of_surfaces[0][r].size() + dark.of_surfaces[1][r].size();
     EXPECT_GE(met, 5U);
     EXPECT_LE(met, 6U);

@@ -16,7 +16,8 @@ using render::Method;
 constexpr Method certified{.algorithm = Method::Algorithm::certified};
 constexpr Method judged{.algorithm = Method::Algorithm::exact};
 
-/// A certified answer beside the judge's: the same decision, and both places within their bounds.
+/// Compares a certified result with the exact one: the same decision, and both positions within
+/// their bounds.
 void expect_agreement(const Hit& proven, const Hit& truth, const render::Ray& ray) {
   ASSERT_EQ(proven.is_miss(), truth.is_miss()) << ray.origin << " + t " << ray.direction;
   if (truth.is_miss()) return;
@@ -24,7 +25,7 @@ void expect_agreement(const Hit& proven, const Hit& truth, const render::Ray& ra
   EXPECT_LE(std::abs(proven.t - truth.t), proven.error + truth.error) << ray.origin << " + t " << ray.direction;
 }
 
-/// Whole numbers: isovalues that are values of many samples.
+/// Integers, so that isovalues equal the values of many samples.
 double whole_number_noise(const Index3& at) {
   const auto hash = static_cast<std::uint64_t>((at.z * 101 + at.y) * 103 + at.x) * 0x9e3779b97f4a7c15U;
   return static_cast<double>((hash >> 33) % 7);
@@ -122,7 +123,7 @@ TEST(CertifiedCrossings, in_tetrahedra_are_rarely_in_doubt_on_ordinary_rays) {
   EXPECT_LE(counts.judged, 5U);
 }
 
-/// At points and at the middles between two of them, from all sides.
+/// Rays aimed at points and at the middles between two of them, from all sides.
 std::vector<render::Ray> rays_aimed_at(const std::vector<Vec3>& points, std::size_t count, std::uint64_t seed) {
   Dice dice(seed);
   std::vector<render::Ray> rays;
@@ -136,7 +137,8 @@ std::vector<render::Ray> rays_aimed_at(const std::vector<Vec3>& points, std::siz
   return rays;
 }
 
-/// Rounding decides through which cells such a ray passes, and it does not matter where the surface is far.
+/// Rounding decides through which cells such a ray passes. That does not matter where the surface
+/// is far away.
 TEST(CertifiedCrossings, of_rays_through_lattice_points_are_judged_only_near_the_surface) {
   TracedVolume traced(sampled_volume<float>({17, 17, 17}, {}, [](const Vec3& p) {
     return (p - Vec3(8, 7, 9)).length() + 0.7 * std::sin(p.x) * std::sin(0.8 * p.y);
@@ -147,7 +149,7 @@ TEST(CertifiedCrossings, of_rays_through_lattice_points_are_judged_only_near_the
       for (int k = 0; k <= 16; ++k) points.push_back(Vec3(0.5 * i, j, k));
   const Counts counts = compare(traced, rays_aimed_at(points, 8000, 10), 5.3);
   EXPECT_GT(counts.hits, 2500);
-  EXPECT_LE(counts.judged, 80U);  // points by the surface
+  EXPECT_LE(counts.judged, 80U);  // the points near the surface
 }
 
 TEST(CertifiedCrossings, of_rays_through_vertices_and_edges_of_tetrahedra_are_judged_only_near_the_surface) {
@@ -166,7 +168,7 @@ TEST(CertifiedCrossings, of_rays_through_vertices_and_edges_of_tetrahedra_are_ju
   EXPECT_LE(counts.judged, 20U);
 }
 
-/// Who decided a hit, and how well it is placed.
+/// Which arithmetic decided a hit, and how accurate its position is.
 struct Placed {
   int by_float = 0, by_double = 0, by_judge = 0;
 
@@ -187,8 +189,8 @@ struct Placed {
   }
 };
 
-/// (x - 1/2) (y - 1/2) seen nearly along x = y, at values next to its smallest there: the surface is grazed at every
-/// angle.
+/// (x - 1/2) (y - 1/2) seen nearly along x = y, at values close to its smallest there: the surface
+/// is grazed at every angle.
 TEST(CertifiedCrossings, are_placed_to_a_thousandth_of_a_cell_by_float_and_1e12_by_the_judge_where_they_graze) {
   TracedVolume traced(volume_of<double>({2, 2, 2}, [](const Index3& at) { return at.x == at.y ? 0.25 : -0.25; }));
   Dice dice(12);
@@ -203,7 +205,7 @@ TEST(CertifiedCrossings, are_placed_to_a_thousandth_of_a_cell_by_float_and_1e12_
   EXPECT_GT(placed.by_judge, 100) << "double is sure of all: do these rays still graze the surface?";
 }
 
-/// Where float cannot tell on which side of the face.
+/// For hits where float cannot tell on which side of the face they are.
 TEST(CertifiedCrossings, are_placed_to_a_millionth_of_a_cell_by_double_where_they_lie_next_to_a_face) {
   TracedVolume traced(volume_of<double>({3, 2, 2}, [](const Index3& at) {
     return static_cast<double>(at.x) * (1 + 0.1 * static_cast<double>(at.y)) + 0.2 * static_cast<double>(at.z);
@@ -230,7 +232,7 @@ TEST(CertifiedLargestValues, enclose_the_judges) {
     EXPECT_LE(std::abs(proven.value - truth.value), proven.error + truth.error)
         << ray.origin << " + t " << ray.direction;
     if (ray.origin.length() < 1e4) {
-      EXPECT_LT(proven.error, 1e-9);  // the place is known to 1e-12 cells
+      EXPECT_LT(proven.error, 1e-9);  // the position is known to 1e-12 cells
     }
     ++values;
   }
@@ -260,7 +262,7 @@ TEST(SampledCrossings, come_close_with_smaller_steps_and_miss_what_lies_between_
   EXPECT_GT(hits, 500);
   EXPECT_GT(missed_at_2, hits / 4);
   EXPECT_LT(worst_linear, 1.0 / 64);         // between the two samples around the crossing
-  EXPECT_LT(worst_bisect, 1.0 / 64 / 1024);  // ten halvings
+  EXPECT_LT(worst_bisect, 1.0 / 64 / 1024);  // ten bisections
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
-// Which of the machines that kernels are compiled for this run of the tests covers. Tests of wide kernels go through
-// wide_machines(), which leaves out what the processor lacks; here that shows as a skipped test.
+// Shows which of the instruction sets that kernels are compiled for are covered by this run of the
+// tests. Tests of wide kernels use wide_machines(), which omits those that the processor lacks;
+// here an omitted one shows as a skipped test.
 #include <gtest/gtest.h>
 
 #include <algorithm>

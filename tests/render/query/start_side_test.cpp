@@ -28,7 +28,7 @@ using render::StartSide;
 constexpr Method float64 = render::method_of(render::Accuracy::float64);
 constexpr Method single = render::method_of(render::Accuracy::float32);
 
-/// A way in which secondary rays may be answered.
+/// A method and a machine with which secondary rays may be traced.
 struct Road {
   Method method;
   Machine machine;
@@ -42,11 +42,11 @@ std::vector<Road> roads() {
 struct Shown {
   std::string name;
   std::unique_ptr<TracedVolume> traced;
-  double length;   ///< of a cell, volume frame
-  Vec3 low, high;  ///< of the data, volume frame
+  double length;   ///< of a cell, in the volume's frame
+  Vec3 low, high;  ///< bounds of the data, in the volume's frame
 };
 
-/// A field on [-1, 1]^3, as a grid and as a mesh, cells of an edge of 2 / cells.
+/// Returns a field on [-1, 1]^3, as a grid and as a mesh, with cells of edge 2 / cells.
 std::vector<Shown> both_kinds(const Field& field, std::int64_t cells) {
   std::vector<Shown> all;
   const Box3 box{{-1, -1, -1}, {1, 1, 1}};
@@ -77,7 +77,7 @@ std::vector<Ray> rays_through(const Shown& shown, std::size_t count, std::uint64
   return rays;
 }
 
-/// A ray that starts in a hit, towards the side that the gradient tells.
+/// Returns a ray that starts at a hit, on the side given by the gradient.
 Ray ray_from(const Ray& ray, const Hit& hit, const Vec3& direction) {
   return {.origin = ray.at(hit.t),
           .direction = direction,
@@ -108,7 +108,7 @@ TEST(StartSide, keeps_a_plane_from_meeting_itself) {
   EXPECT_GT(asked, 100'000);
 }
 
-/// In z up and down by turns from one plane of points to the next.
+/// Alternates along z between -0.5 and 0.5 from one plane of points to the next.
 double zigzag(double z) {
   return std::abs(std::remainder(z, 2.0)) - 0.5;  // -0.5 at even numbers, 0.5 at odd ones
 }
@@ -116,11 +116,12 @@ double zigzag(double z) {
 TEST(StartSide, loses_no_sheet_of_many) {
   std::size_t asked = 0;
   constexpr std::int64_t cells = 12;
-  for (const double isovalue : {0.0, 0.3, -0.4999, 0.4999})  // the last two: sheets close to each other
+  // The last two: sheets close to each other.
+  for (const double isovalue : {0.0, 0.3, -0.4999, 0.4999})
     for (Shown& shown : both_kinds([](const Vec3& p) { return zigzag((p.z + 1) * cells / 2); }, cells))
       for (const Road& road : roads()) {
         Dice dice(9);
-        // Sheets lie at distances a and 2 - a in turn, in cells.
+        // The sheets are at distances a and 2 - a alternately, in cells.
         std::vector<Ray> rays;
         for (int i = 0; i < 500; ++i) {
           const Vec3 size = shown.high - shown.low;
@@ -144,7 +145,7 @@ TEST(StartSide, loses_no_sheet_of_many) {
           }
           going = next;
         }
-        // One sheet in every layer of cells.
+        // One sheet in each layer of cells.
         for (std::size_t r = 0; r < rays.size(); ++r)
           ASSERT_EQ(met[r], cells) << shown.name << " isovalue " << isovalue << " ray " << r;
         asked += rays.size();
@@ -169,7 +170,8 @@ TEST(StartSide, agrees_with_rays_that_start_beside_the_surface) {
           if (hits[r].is_miss()) continue;
           const Ray ray = ray_from(rays[r], hits[r], dice.direction());
           const double steepness = std::abs(ray.direction.dot(hits[r].gradient)) / hits[r].gradient.length();
-          // Beside the surface, so that rounding leaves no doubt of the side; what bends back before is left out.
+          // Start beside the surface, so that the side is certain despite rounding. Rays that are
+          // nearly tangent to the surface are skipped.
           if (steepness < 0.05) {
             ++skipped;
             continue;
@@ -187,7 +189,7 @@ TEST(StartSide, agrees_with_rays_that_start_beside_the_surface) {
             ++skipped;
             continue;
           }
-          // A surface that a ray touches may be met or not by rounding.
+          // Rounding decides whether a grazed surface is hit.
           const double t = a[r].is_miss() ? b[r].t : a[r].t;
           if (a[r].is_miss() != b[r].is_miss() || std::abs(a[r].t - b[r].t) > 1e-3 * shown.length) {
             const Vec3 g = (a[r].is_miss() ? b[r] : a[r]).gradient;
@@ -203,7 +205,7 @@ TEST(StartSide, agrees_with_rays_that_start_beside_the_surface) {
   EXPECT_GT(shadowed, 1000);
 }
 
-/// Steep values, many samples without data among them.
+/// Steep values, with many samples without data.
 double with_gaps(const Index3& s) {
   const bool is_missing = (s.x * s.x + 3 * s.y + s.z) % 11 == 0 || (s.x > 12 && s.x < 25);
   return is_missing ? std::numeric_limits<double>::quiet_NaN()
@@ -227,15 +229,17 @@ TEST(StartSide, beside_samples_without_data_is_heeded_on_every_machine_as_by_the
     for (std::size_t r = 0; r < away.size(); ++r)
       differing += found[r].is_miss() != expected[r].is_miss() ||
                    (!found[r].is_miss() && std::abs(found[r].t - expected[r].t) > 1e-3);
-    // Rays that pass so close to an edge between cells that rounding takes them through others.
+    // Rays that pass so close to an edge between cells that rounding takes them through other
+    // cells.
     EXPECT_LE(differing, away.size() / 5000);
   }
 }
 
 TEST(StartSide, does_not_lift_a_field_that_is_on_that_side_already) {
-  // Samples of a CT. Along the ray the field falls from 500 to 499.9985 at the border of its first cell, nearer to the
-  // surface than a start may be, and in the second rises once more, to 499.9991, before it falls for good. Had it been
-  // put back to 500 at that border it would have risen above.
+  // Samples of a CT. Along the ray the field falls from 500 to 499.9985 at the border of its first
+  // cell, which is nearer to the surface than a start may be. In the second cell it rises once
+  // more, to 499.9991, before it finally falls. If it had been set back to 500 at that border, it
+  // would have risen above.
   constexpr int samples[2][3][4] = {{{21, 0, 0, 0}, {487, 218, 46, 0}, {1003, 742, 392, 121}},
                                     {{547, 305, 129, 15}, {1012, 846, 576, 302}, {1136, 1100, 973, 778}}};
   TracedVolume traced(volume_of<std::uint16_t>({4, 3, 2}, [&](const Index3& s) { return samples[s.z][s.y][s.x]; }));
@@ -248,7 +252,7 @@ TEST(StartSide, does_not_lift_a_field_that_is_on_that_side_already) {
 }
 
 TEST(StartSide, is_forgotten_beyond_samples_without_data) {
-  // Along z: up to the isovalue at 2, no data at 3, below it again at 4, and through it at 4.5.
+  // Along z: rises to the isovalue at 2, no data at 3, below it again at 4, and through it at 4.5.
   constexpr double nothing = std::numeric_limits<double>::quiet_NaN(), along[] = {-2, -1, 0, nothing, -1, 1, 2, 3};
   TracedVolume traced(volume_of<float>({8, 8, 8}, [&](const Index3& s) { return along[s.z]; }));
   std::vector<Ray> rays;

@@ -18,16 +18,17 @@
 #include "render/grid/largest/state-inl.h"
 #include "tests/render/support/rays.h"
 
-/// Error bounds of certified crossings, against the errors that cells bring about that were looked for: no error may
-/// be above its bound, and the largest is more than a tenth of it, so that a bound that is ten times too small fails.
-/// Wide code is compiled for the test's own machine; every machine does the same operations.
+/// Compares error bounds of certified crossings with the errors in cells that were searched for
+/// large ones. No error may exceed its bound. The largest error is more than a tenth of the bound,
+/// so a bound that is ten times too small fails. Wide code is compiled for the test's own machine;
+/// every machine does the same operations.
 namespace rhoray::tests {
 namespace {
 
 namespace wide = render::wide::HWY_NAMESPACE;
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Rounds by 2^-40 of what a float does, and by 2^-11 of what a double does.
+/// Its rounding error is 2^-40 of that of a float, and 2^-11 of that of a double.
 using Exact = long double;
 using Point = std::array<Exact, 3>;
 using Bernstein = std::array<Exact, 4>;
@@ -53,7 +54,8 @@ Bernstein exact_cubic(const std::array<float, 8>& corner, const Point& in, const
           mixed(true, true, true)};
 }
 
-/// The polar form: value of the cubic at s, s, s, and its Bernstein coefficients on parts of the way.
+/// The polar form: the value of the cubic at s, s, s, and its Bernstein coefficients on parts of
+/// the chord.
 Exact polar(Bernstein b, const std::array<Exact, 3>& s) {
   for (std::size_t level = 0; level < 3; ++level)
     for (std::size_t i = 0; i + level < 3; ++i) b[i] += s[level] * (b[i + 1] - b[i]);
@@ -105,7 +107,7 @@ Point point_of(const std::array<float, 3>& p, Exact error = 0, unsigned signs = 
   return point;
 }
 
-/// Values that are all about as large: what rounding may change is large beside how much they differ.
+/// Values of similar size, so that the rounding error is large compared with their differences.
 Way way_through_large_values(Dice& dice) {
   Way way;
   const double base = dice.between(1, 2), spread = std::pow(2, dice.between(-24, -1));
@@ -117,7 +119,8 @@ Way way_through_large_values(Dice& dice) {
   return way;
 }
 
-/// From a corner, at which the field rises along all axes by as much as it does anywhere, to the one across.
+/// From a corner, at which the field rises along all axes as steeply as it does anywhere, to the
+/// opposite one.
 Way way_from_a_steep_corner(Dice& dice) {
   Way way;
   const unsigned at = static_cast<unsigned>(dice.below(8));
@@ -146,7 +149,8 @@ TEST(WideMargins, of_a_cell_hold_what_rounding_does_and_not_ten_times_as_much) {
     const auto [least, largest] = std::minmax_element(way.corner.begin(), way.corner.end());
     if (*largest - *least < 0x1p-6f) largest_share = std::max(largest_share, error / computed.margin);
   }
-  EXPECT_GT(largest_share, 0.13);  // 0.1, and what the points' part of the bound adds where values differ by a 64th
+  // 0.1, plus the points' part of the bound where values differ by a 64th.
+  EXPECT_GT(largest_share, 0.13);
 }
 
 TEST(WideMargins, of_points_hold_what_their_errors_do_and_not_ten_times_as_much) {
@@ -224,10 +228,11 @@ TEST(WideMargins, of_ways_hold_what_rounding_does_and_not_ten_times_as_much) {
       largest_share = std::max(largest_share, error / bound);
     }
   }
-  EXPECT_GT(largest_share, 0.5);  // two ways of 2 u times the same inverse slope each, against 4.25, and 26 u beside
+  // Two lengths of 2 u times the same inverse slope each, compared with 4.25, and 26 u in addition.
+  EXPECT_GT(largest_share, 0.5);
 }
 
-/// A ray that moves up along z through a block and hardly along x and y.
+/// A ray that moves up along z through a block, and very little along x and y.
 wide::Lanes ray_along_z(const std::array<float, 2>& entry, const std::array<float, 2>& slope) {
   wide::Lanes lanes{};
   for (std::size_t a = 0; a < 2; ++a) {
@@ -246,7 +251,8 @@ TEST(WideMargins, of_points_find_cells_that_a_ray_hardly_passes) {
   constexpr float little = 0x1p-14f;
   for (const unsigned axis : {0u, 1u})
     for (const float plane : {1.0f, 2.0f, 3.0f}) {
-      // It passes the plane in the middle of its way and then is in the next cell by `little` at the most.
+      // The ray crosses the plane in the middle of the block and is then in the next cell by at
+      // most `little`.
       std::array<float, 2> entry{0.5f, 0.5f}, slope{little / 8, little / 8};
       entry[axis] = plane - little, slope[axis] = little / 2;
       wide::Lanes lanes = ray_along_z(entry, slope);
@@ -260,7 +266,7 @@ TEST(WideMargins, of_points_find_cells_that_a_ray_hardly_passes) {
     }
 }
 
-/// Rays through a lattice of 1024 cells on each axis, of one octant, that move fastest along axis w.
+/// Rays of one octant through a lattice of 1024 cells on each axis, with major axis w.
 void fill_with_rays(render::wide::SearchedRays& rays, unsigned octant, std::size_t w, Dice& dice) {
   constexpr double extent = 1024;
   rays.count = 64, rays.octant = octant;
@@ -277,7 +283,7 @@ void fill_with_rays(render::wide::SearchedRays& rays, unsigned octant, std::size
 TEST(WideMargins, of_places_in_a_search_for_largest_values_hold_what_rounding_does_and_not_ten_times_as_much) {
   constexpr std::array<int, 3> nodes{64, 64, 64};
   const auto scratch = std::make_unique<render::wide::MaximumScratch>();
-  const Index3 samples(4, 4, 4);  // whose values are not asked for
+  const Index3 samples(4, 4, 4);  // their values are not used
   const formats::AxisTables tables(formats::BrickLayout{.sample_count = samples});
   const render::wide::MaximumField field{.source = {nullptr, tables, samples},
                                          .type = {},
@@ -314,7 +320,7 @@ TEST(WideMargins, of_places_in_a_search_for_largest_values_hold_what_rounding_do
         const float at = static_cast<float>(dice.between(0, 1024));
         const Exact slope = Exact{std::abs(rays.direction[u][r])} / std::abs(rays.direction[w][r]);
         const Exact exact = origin(u) + (at - Exact{origin(w)}) * slope;
-        if (exact < 0 || exact > 1024) continue;  // beyond the lattice
+        if (exact < 0 || exact > 1024) continue;  // outside the lattice
         const Exact error = std::abs(std::fma(scratch->lines.slope[m][r], at, scratch->lines.start[m][r]) - exact);
         ASSERT_LE(error, state.margin) << "trial " << trial;
         largest_share = std::max(largest_share, error / state.margin);
@@ -369,7 +375,7 @@ TYPED_TEST(CertifiedMargins, of_points_hold_what_their_errors_do_and_not_ten_tim
   EXPECT_GT(largest_share, 0.9);  // three axes of 3.1
 }
 
-/// Where a falling cubic that is above 0 at 0 and below it at 1 passes 0.
+/// Returns the zero of a decreasing cubic that is above 0 at 0 and below 0 at 1.
 Exact root_of(const Bernstein& b) {
   Exact lo = 0, hi = 1;
   for (int i = 0; i < 80; ++i) {
@@ -383,7 +389,7 @@ TYPED_TEST(CertifiedMargins, of_a_root_reach_to_the_roots_of_all_cubics_within_t
   Dice dice(9);
   Exact largest_share = 0;
   for (int trial = 0; trial < trials; ++trial) {
-    // Falls steeply, then hardly, or the other way round: the roots lie further away on one side.
+    // Falls steeply, then slowly, or the reverse: the roots are farther away on one side.
     const double little = std::pow(2, dice.between(-12, 0)), margin = little * std::pow(2, dice.between(-12, -1));
     std::array<double, 4> b{1, little * dice.between(-1, 1), little * dice.between(-1, 1), -little};
     std::sort(b.begin(), b.end(), std::greater<>());

@@ -8,7 +8,7 @@ namespace {
 std::atomic<std::size_t> count{0};
 }
 
-// The program's own operator new; the forms for arrays come down to these.
+// Replaces the program's operator new; the array forms call it.
 void* operator new(std::size_t bytes) {
   ++count;
   if (void* memory = std::malloc(bytes == 0 ? 1 : bytes)) return memory;

@@ -4,7 +4,7 @@
 
 namespace rhoray::tests {
 
-/// How often this program has called operator new so far, from any thread.
+/// Returns the number of calls of operator new in this program so far, from all threads.
 std::size_t allocation_count();
 
 }  // namespace rhoray::tests

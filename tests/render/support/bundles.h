@@ -6,8 +6,8 @@
 
 namespace rhoray::tests {
 
-/// Squares of 8 x 8 rays from points around and inside a box [0, size] towards points in it, from one point or
-/// parallel.
+/// Returns squares of 8 x 8 rays from points around and inside a box [0, size] towards points in
+/// it; each square starts at one point or is parallel.
 inline std::vector<render::Ray> bundles(const Vec3& size, std::size_t count, std::uint64_t seed) {
   Dice dice(seed);
   std::vector<render::Ray> rays;

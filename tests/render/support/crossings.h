@@ -7,7 +7,7 @@
 
 namespace rhoray::tests {
 
-/// First crossings of rays in the volume's frame, by the kernel for a machine.
+/// Returns the first crossings of rays in the volume's frame, from the kernel for a machine.
 inline std::vector<render::Hit> answers(TracedVolume& traced, const render::Method& method, render::Machine machine,
                                         const std::vector<render::Ray>& rays, double isovalue) {
   const render::VolumeImplementation& volume = traced.volume().implementation();

@@ -7,10 +7,10 @@
 
 namespace rhoray::tests {
 
-/// Exact arithmetic, the judge of what floating point decides.
+/// Exact arithmetic, as reference for decisions in floating point.
 using Rational = boost::multiprecision::cpp_rational;
 
-/// A double as the number that it is.
+/// Returns exactly the value of a double.
 inline Rational exact(double x) {
   return Rational(x);
 }

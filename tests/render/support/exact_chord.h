@@ -10,11 +10,13 @@
 
 namespace rhoray::tests {
 
-/// 113 bits: what is not decided here by far more than its rounding is decided by rational numbers.
+/// 113 bits: decisions that are not certain by far more than the rounding are made in rational
+/// numbers.
 using Quad = __float128;
 
-/// value - isovalue along the chord of a trilinear cell, by Bernstein coefficients, turned so that it is positive on
-/// the side on which the ray starts. Number is Rational (exact) or Quad.
+/// value - isovalue along the chord of a trilinear cell, in Bernstein coefficients, with the sign
+/// chosen so that it is positive on the side on which the ray starts. Number is Rational (exact) or
+/// Quad.
 template <class Number>
 class ExactChord {
  public:
@@ -44,11 +46,11 @@ class ExactChord {
     band_ = is_exact ? Number(0) : band_ * Number(1e-30);
   }
 
-  /// The side at the start; nothing where this number type cannot tell.
+  /// Whether the chord starts on its side; nothing where this number type cannot tell.
   std::optional<bool> starts_on_its_side() const { return has_start_side(b_[0]); }
 
-  /// Whether the starting side is kept on [0, to]; nothing where this number type cannot tell, or after `depth`
-  /// halvings.
+  /// Whether the start side is kept on [0, to]; nothing where this number type cannot tell, or
+  /// after `depth` bisections.
   std::optional<bool> keeps_side_until(double to, int depth = 80) const {
     if (to <= 0) return starts_on_its_side();
     return keeps_side(left_of(b_, Number(std::min(to, 1.0))), depth);
@@ -59,7 +61,7 @@ class ExactChord {
  private:
   static constexpr bool is_exact = std::is_same_v<Number, Rational>;
 
-  /// Zero is inside: it is the starting side only for a ray that starts there.
+  /// Zero is inside: it is the start side only for a ray that starts inside.
   std::optional<bool> has_start_side(const Number& v) const {
     if (v > band_) return true;
     if (v < -band_) return false;

@@ -15,7 +15,8 @@ namespace rhoray::tests {
 /// Samples of a grid as a function of their positions.
 using Samples = std::function<double(const Index3&)>;
 
-/// The trilinear interpolant, written out anew: long double, weights at all eight corners.
+/// Independent implementation of the trilinear interpolant: long double, weights at all eight
+/// corners.
 inline long double interpolated(const Samples& samples, const Index3& cell, const Vec3& p) {
   long double sum = 0;
   for (int c = 0; c < 8; ++c) {
@@ -28,7 +29,7 @@ inline long double interpolated(const Samples& samples, const Index3& cell, cons
   return sum;
 }
 
-/// The cell that holds a point; the last one in the far faces.
+/// Returns the cell that contains a point; the last one for points in the far faces.
 inline Index3 cell_of(const Vec3& p, const Index3& cell_count) {
   Index3 cell;
   for (int axis = 0; axis < 3; ++axis)
@@ -36,7 +37,7 @@ inline Index3 cell_of(const Vec3& p, const Index3& cell_count) {
   return cell;
 }
 
-/// The part of a ray in a box, by slabs; nothing when it is shorter than 1e-9.
+/// Returns the part of a ray in a box, by slabs; nothing when it is shorter than 1e-9.
 inline std::optional<std::array<double, 2>> part_in_box(const render::Ray& ray, const Vec3& low, const Vec3& high) {
   double t_in = ray.t_min, t_out = ray.t_max;
   for (int axis = 0; axis < 3; ++axis) {
@@ -53,7 +54,7 @@ inline std::optional<std::array<double, 2>> part_in_box(const render::Ray& ray, 
   return std::array{t_in, t_out};
 }
 
-/// Where samples stand along the axes; an empty axis stands for 0, 1, 2, ...
+/// Positions of samples along the axes; an empty axis stands for 0, 1, 2, ...
 using Axes = std::array<std::vector<double>, 3>;
 
 inline Vec3 position_of(const Axes& axes, const Index3& sample) {
@@ -65,7 +66,7 @@ inline Vec3 position_of(const Axes& axes, const Index3& sample) {
   return p;
 }
 
-/// A point as seen from a cell, in numbers of samples.
+/// Converts a point to a cell's local coordinates plus the cell's index.
 inline Vec3 in_samples(const Axes& axes, const Index3& cell, const Vec3& p) {
   const Vec3 low = position_of(axes, cell), high = position_of(axes, cell + Index3(1, 1, 1));
   Vec3 at;
@@ -74,8 +75,9 @@ inline Vec3 in_samples(const Axes& axes, const Index3& cell, const Vec3& p) {
   return at;
 }
 
-/// The largest value along a ray, by looking into every cell: the cubic through four points of its chord.
-/// @param faces_only  looks at the chord's ends instead
+/// Returns the largest value along a ray by testing every cell, using the cubic through four points
+/// of its chord.
+/// @param faces_only  tests only the chord's ends
 inline std::optional<double> largest_by_brute_force(const Samples& samples, const Index3& cell_count,
                                                     const render::Ray& ray, bool faces_only = false,
                                                     const Axes& axes = {}) {

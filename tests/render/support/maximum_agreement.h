@@ -17,7 +17,7 @@
 #include "tests/render/support/wide_machines.h"
 #include "tests/support/fields.h"
 
-/// The wide kernels' largest values beside the scalar kernel's, and samples to find them in.
+/// Compares the wide kernels' largest values with the scalar kernel's, and provides samples for it.
 namespace rhoray::tests {
 
 inline std::vector<render::Hit> largest_values(const TracedVolume& traced, const render::Method& method,
@@ -47,7 +47,7 @@ inline void expect_same(const std::vector<render::Hit>& wide, const std::vector<
   EXPECT_EQ(different, 0) << where;
 }
 
-/// Every machine gives what the scalar kernel gives; returns how many rays hit.
+/// Expects the scalar kernel's result on every machine; returns the number of rays that hit.
 inline int expect_agreement(const TracedVolume& traced, const std::vector<render::Ray>& rays) {
   const std::vector<render::Hit> reference = largest_values(traced, render::Method{}, render::Machine::scalar, rays);
   for (const render::Machine machine : wide_machines()) {
@@ -71,7 +71,8 @@ inline double waves(const Index3& at) {
   return std::sin(0.4 * p.x) + std::sin(0.5 * p.y) * std::cos(0.3 * p.z);
 }
 
-/// From the least to the largest number of a type, most of them far below the few that are high.
+/// Values from the smallest to the largest number of a type, most of them far below the few that
+/// are high.
 template <class T>
 Samples over_all_of() {
   constexpr double least = std::numeric_limits<T>::lowest(), largest = std::numeric_limits<T>::max();

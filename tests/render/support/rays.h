@@ -10,7 +10,7 @@
 
 namespace rhoray::tests {
 
-/// Numbers of a fixed sequence.
+/// Pseudorandom numbers with a fixed seed.
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : random_(seed) {}
@@ -36,9 +36,9 @@ class Dice {
   std::mt19937_64 random_;
 };
 
-/// Rays through a box [0, size] that stress a walk: any and special directions (zero, -0, denormal, tiny and huge
-/// components, diagonals through lattice points), from inside, from planes and lattice points, from near and far, cut
-/// short or not.
+/// Returns rays through a box [0, size] that stress a traversal. Directions are arbitrary and
+/// special (zero, -0, denormal, tiny and huge components, diagonals through lattice points).
+/// Origins are inside, on planes and lattice points, near and far; some rays are cut short.
 inline std::vector<render::Ray> stressful_rays(const Vec3& size, std::size_t count, std::uint64_t seed) {
   constexpr std::array<double, 10> special{0.0, -0.0, 1.0, -1.0, 0.5, -2.0, 1e-310, -1e-14, 1e-5, 3.0};
   constexpr std::array<double, 5> distances{0.0, 1.0, 100.0, 1e6, 1e9};
@@ -62,7 +62,8 @@ inline std::vector<render::Ray> stressful_rays(const Vec3& size, std::size_t cou
     render::Ray ray;
     ray.direction = direction * dice.one_of(lengths);
     ray.origin = through - (dice.one_of(distances) / direction.length()) * direction;
-    if (dice.below(6) == 0) {  // from lattice point to lattice point, all numbers exact: many planes at once
+    // From lattice point to lattice point, all numbers exact: many planes at once.
+    if (dice.below(6) == 0) {
       constexpr std::array<double, 4> steps{1.0, -1.0, 2.0, -0.5};
       ray.direction = {dice.one_of(steps), dice.one_of(steps), dice.one_of(steps)};
       for (int axis = 0; axis < 3; ++axis) through[axis] = std::round(through[axis]);

@@ -15,8 +15,8 @@
 
 namespace rhoray::tests {
 
-/// A volume or mesh packed into a folder of its own, loaded again, and asked the kernels' questions one ray at a time.
-/// Rays are in world coordinates; so are hits, but for their gradient.
+/// A volume or mesh packed into a folder of its own, loaded again, and queried one ray at a time.
+/// Rays are in world coordinates, and so are hits, except for their gradient.
 class TracedVolume {
  public:
   explicit TracedVolume(const preprocess::NeutralVolume& volume, const preprocess::PackVolumeOptions& options = {})
@@ -24,7 +24,7 @@ class TracedVolume {
   explicit TracedVolume(const preprocess::NeutralMesh& mesh, const preprocess::PackMeshOptions& options = {})
       : volume_(packed(mesh, options)) {}
 
-  /// Of the bytes of a packed file.
+  /// From the bytes of a packed file.
   explicit TracedVolume(const std::string& packed_file, const std::string& field = {})
       : volume_(loaded(packed_file, field)) {}
 
@@ -38,7 +38,7 @@ class TracedVolume {
     return ask(&render::Kernels::first_crossing, ray,
                {.isovalue = isovalue, .method = method, .use_hierarchy = use_hierarchy});
   }
-  /// The bound that the last ray's t gives is left from call to call, as in a tile.
+  /// The bound given by the last ray's t is kept from call to call, as in a tile.
   render::Hit largest_value(const render::Ray& ray, const render::Method& method = {}, bool use_hierarchy = true,
                             bool use_last_t = true) {
     return ask(&render::Kernels::largest_value, ray,
@@ -85,7 +85,7 @@ class TracedVolume {
   render::Volume volume_;
 };
 
-/// Every bit of two hits.
+/// Compares two hits bit by bit.
 inline bool same_bits(const render::Hit& a, const render::Hit& b) {
   return a.t == b.t && a.value == b.value && a.cell == b.cell && a.gradient == b.gradient;
 }

@@ -6,8 +6,8 @@
 
 namespace rhoray::tests {
 
-/// Those that this processor has, of the machines that wide kernels are compiled for. Tests of InstructionSets say
-/// which these are and are skipped for the others, so that a test run shows what it has left out.
+/// Returns the instruction sets with wide kernels that this processor has. Tests of InstructionSets
+/// report them and are skipped for the others, so that a test run shows what it has omitted.
 inline std::vector<render::Machine> wide_machines() {
   std::vector<render::Machine> machines;
   for (const render::Machine machine : {render::Machine::baseline, render::Machine::avx2, render::Machine::avx512})
