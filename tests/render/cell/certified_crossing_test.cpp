@@ -33,7 +33,8 @@ struct Chord {
   double isovalue;
 };
 
-/// The exact answers to what a certified one claims: quadruple precision where it can tell, rational numbers elsewhere.
+/// The exact truth for the claims of a certified result: quadruple precision where it is
+/// sufficient, rational numbers elsewhere.
 struct Judge {
   const Chord& chord;
   bool starts_inside;
@@ -62,7 +63,7 @@ bool exactly_starts_inside(const Chord& chord) {
   return quick ? *quick : Judge{chord, true}.of<Rational>().starts_on_its_side().value();
 }
 
-/// From one plane of a cell to another.
+/// Returns points on two planes of a cell.
 std::pair<Vec3, Vec3> any_way(Dice& dice) {
   Vec3 in = dice.point({0, 0, 0}, {1, 1, 1}), out = dice.point({0, 0, 0}, {1, 1, 1});
   in[static_cast<int>(dice.below(3))] = dice.coin() ? 0 : 1;
@@ -78,7 +79,7 @@ Chord any_chord(Dice& dice, double offset = 0, double scale = 1) {
   return chord;
 }
 
-/// With the isovalue where the field along the chord has an extremum, times 1 + gap.
+/// With the isovalue at an extremum of the field along the chord, times 1 + gap.
 Chord nearly_tangent_chord(Dice& dice, double gap) {
   for (;;) {
     Chord chord = any_chord(dice);
@@ -93,7 +94,7 @@ Chord nearly_tangent_chord(Dice& dice, double gap) {
 struct Family {
   std::string name;
   std::function<Chord(Dice&)> make;
-  double unknown_float, unknown_double;  ///< at most this share is unknown
+  double unknown_float, unknown_double;  ///< maximum share of unknown decisions
   bool is_undecidable = false;           ///< for floating point of any width
 };
 
@@ -105,7 +106,7 @@ std::vector<Family> hard_families() {
        0},
       {"nearly tangent", [](Dice& d) { return nearly_tangent_chord(d, std::pow(10, d.between(-17, -2))); }, 0.9, 0.25},
       {"exactly tangent (R06)",
-       [](Dice& d) {  // (x - 1/2) (y - 1/2) along x = y, or with the sign turned
+       [](Dice& d) {  // (x - 1/2) (y - 1/2) along x = y, or with the opposite sign
          Chord c;
          const double sign = d.coin() ? 1 : -1;
          for (std::size_t k = 0; k < 8; ++k) c.cell.corner[k] = sign * ((k & 1) == ((k >> 1) & 1) ? 0.25 : -0.25);
@@ -311,7 +312,8 @@ TYPED_TEST(CertifiedCrossings, change_at_the_start_when_the_ray_is_known_to_come
 }
 
 TYPED_TEST(CertifiedCrossings, are_narrow_where_the_surface_is_left_along_a_tangent) {
-  // The cubic starts at its double root: no slope there tells how far the root's bound must reach.
+  // The cubic starts at its double root: the slope there does not tell how far the root's bound
+  // must extend.
   const Chord chords[] = {{{{34, 38, 36, 38, 38, 38, 35, 35}}, {1, 0, 1}, {0.195077, 0, 0.395308}, 38},
                           {{{207, 207, 208, 207, 207, 208, 207, 205}}, {1, 0, 0}, {1, 1, 1}, 207}};
   for (const Chord& chord : chords) {

@@ -106,7 +106,7 @@ TYPED_TEST(CrossingMethods, expand_the_cubic_at_the_origin_of_the_ray) {
   }
 }
 
-/// How often a method is wrong, against the certified answers in double.
+/// How often a method is wrong, compared with the certified results in double.
 struct Wrong {
   int crossings = 0, lost = 0, invented = 0, displaced = 0;
   double iterations = 0;
@@ -118,7 +118,7 @@ struct Case {
   double isovalue;
 };
 
-/// @param tolerance  how far s may be from the truth, beyond the bound of that
+/// @param tolerance  maximum distance of s from the truth, in addition to the truth's own bound
 template <class Real>
 Wrong wrong_answers(CrossingMethod method, const std::function<Case(Dice&)>& make, double tolerance,
                     int trials = 20000) {
@@ -173,7 +173,7 @@ TYPED_TEST(CrossingMethods, bracketed_finds_what_is_there_in_ordinary_and_in_har
   for (const auto& make : {ordinary, nearly_axis_parallel, around_a_million, from_afar, around_a_million_from_afar}) {
     const Wrong wrong = wrong_answers<TypeParam>(CrossingMethod::bracketed, make, this->is_float ? 1e-3 : 1e-12);
     EXPECT_GT(wrong.crossings, 4000);
-    // Cells that are nearly tangent are the only ones that float may get wrong.
+    // Only cells that are nearly tangent may be wrong in float.
     EXPECT_LE(wrong.lost + wrong.invented, this->is_float ? 2 : 0);
     EXPECT_LE(wrong.displaced, this->is_float ? 2 : 0);
     EXPECT_LT(wrong.iterations, (this->is_float ? 5 : 6) * wrong.crossings);

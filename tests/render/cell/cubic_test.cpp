@@ -19,7 +19,8 @@ using render::Cubic;
 using render::CubicMaximum;
 using render::is_inside;
 
-/// The judge's numbers: 113 bits, so that its own rounding is 1e18 times smaller than what is judged.
+/// The numbers of the reference: 113 bits, so that its own rounding is 1e18 times smaller than the
+/// errors under test.
 using Quad = __float128;
 using QuadCubic = std::array<Quad, 4>;
 
@@ -38,7 +39,7 @@ Quad value_at(const QuadCubic& b, Quad s) {
   return r * r * r * b[0] + 3 * r * r * s * b[1] + 3 * r * s * s * b[2] + s * s * s * b[3];
 }
 
-/// The Bernstein coefficients on [from, to].
+/// Returns the Bernstein coefficients on [from, to].
 QuadCubic part_of(QuadCubic b, Quad from, Quad to) {
   const auto left_of = [](QuadCubic c, Quad s) {
     QuadCubic left;
@@ -55,7 +56,7 @@ QuadCubic part_of(QuadCubic b, Quad from, Quad to) {
   return b;
 }
 
-/// True when the cubic falls below -band somewhere on [0, 1], by subdivision of its convex hull.
+/// True when the cubic falls below -band somewhere on [0, 1]; by subdivision of its convex hull.
 bool falls_below(const QuadCubic& b, Quad band, int depth = 60) {
   if (b[0] < -band || b[3] < -band) return true;
   if (b[1] >= -band && b[2] >= -band) return false;
@@ -80,7 +81,7 @@ Cubic from_roots(Quad k, Quad r0, Quad r1, Quad r2) {
            static_cast<double>(k * (p[0] + p[1] + p[2] + p[3]))}};
 }
 
-/// Random cubics and those that naive solvers get wrong, by the name of their difficulty.
+/// Random cubics, and those that naive solvers get wrong, by the name of their difficulty.
 std::vector<std::pair<std::string, std::function<Cubic(Dice&)>>> families() {
   const auto any = [](Dice& d) { return d.between(-1, 1); };
   const auto root = [](Dice& d) { return d.between(-0.2, 1.2); };
@@ -205,7 +206,7 @@ TEST(Cubic, critical_points_are_where_the_slope_is_zero_and_none_is_missing) {
             << name;
       }
       if (m == 0) continue;
-      // How many there are is clear where the slope's ends and its extremum stay clear of zero.
+      // Their number is certain where the slope's ends and its extremum are away from zero.
       const Quad band = 64 * u * Quad(largest_coefficient(c));
       const Quad a = d0 - 2 * d1 + d2;
       const Quad s_extremum = a == 0 ? Quad(-1) : (d0 - d1) / a;
@@ -253,8 +254,9 @@ TEST(FirstChangeOfSide, counts_zero_as_inside) {
   EXPECT_EQ(first_change_of_side(Cubic{{-0.0, 0, -0.0, 0}}, true), std::nullopt);
 }
 
-// The promise of cubic.h in full: within 16 units of rounding of the largest coefficient, the exact cubic is zero where
-// a change is reported, and keeps its side before; where none is reported it keeps its side throughout.
+// The whole promise of cubic.h, within 16 units of rounding of the largest coefficient. The exact
+// cubic is zero where a change is reported, and keeps its side before. Where none is reported, it
+// keeps its side throughout.
 TEST(FirstChangeOfSide, is_the_first_one_of_the_exact_cubic_up_to_rounding_of_its_values) {
   Dice dice(5);
   std::map<std::string, int> changes;
@@ -285,7 +287,8 @@ TEST(FirstChangeOfSide, keeps_the_same_promise_in_float) {
   Dice dice(9);
   int changes = 0, most_iterations = 0;
   for (const auto& [name, make] : families()) {
-    if (name.find("1e300") != name.npos || name.find("mixed") != name.npos) continue;  // float does not hold them
+    // Out of the range of float.
+    if (name.find("1e300") != name.npos || name.find("mixed") != name.npos) continue;
     for (int trial = 0; trial < per_family; ++trial) {
       const Cubic c = make(dice);
       render::CubicOf<float> rounded;
@@ -369,7 +372,7 @@ TEST(LargestValue, is_that_of_the_exact_cubic_up_to_rounding_and_is_reached_at_s
       const double band = 16 * u * largest_coefficient(c);
       EXPECT_EQ(c.at(best.s).value, best.value) << name;
       for (int i = 0; i <= 64; ++i) EXPECT_LE(c.at(i / 64.0).value, best.value + band) << name;
-      // No point of the exact cubic lies above: best - cubic does not fall below -band.
+      // No point of the exact cubic is above: best - cubic does not fall below -band.
       QuadCubic below;
       for (std::size_t i = 0; i < 4; ++i) below[i] = Quad(best.value) - c.b[i];
       ASSERT_FALSE(falls_below(below, band)) << name;

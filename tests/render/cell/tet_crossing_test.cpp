@@ -51,7 +51,8 @@ Rational exact_cross(const Seen& a, const Seen& b) {
   return exact(a.x) * exact(b.y) - exact(a.y) * exact(b.x);
 }
 
-/// The same for the ray at (e, e^2), e > 0 as small as needed: the first coefficient that is not zero decides.
+/// The same for the ray at (e, e^2), with e > 0 as small as needed: the first coefficient that is
+/// not zero decides.
 bool exactly_left(const Seen& a, const Seen& b) {
   for (const Rational& coefficient :
        {exact_cross(a, b), Rational(exact(a.y) - exact(b.y)), Rational(exact(b.x) - exact(a.x))})
@@ -59,7 +60,8 @@ bool exactly_left(const Seen& a, const Seen& b) {
   return false;
 }
 
-/// Seen edges that pass close by the ray or through it: collinear up to rounding, in it, along axes, coincident.
+/// Edges that pass close by the ray or through it: collinear up to rounding, containing it, along
+/// axes, coincident.
 std::vector<std::array<Seen, 2>> difficult_edges() {
   Dice dice(1);
   std::vector<std::array<Seen, 2>> edges;
@@ -120,7 +122,7 @@ TEST(RayShear, sees_a_point_of_the_ray_in_the_middle_and_at_its_t) {
   }
 }
 
-/// How many faces a ray passes through, by the rule of passes_left alone.
+/// Returns how many faces a ray passes through, by the rule of passes_left alone.
 int faces_crossed(const SeenTet& tet) {
   int count = 0;
   const auto left = [&](std::size_t a, std::size_t b) { return passes_left(tet.vertex[a], tet.vertex[b]); };
@@ -129,7 +131,8 @@ int faces_crossed(const SeenTet& tet) {
   return count;
 }
 
-/// Rays aimed at what a tetrahedron consists of: inside, faces, edges, vertices; along edges; in planes of faces.
+/// Rays aimed at the parts of a tetrahedron: inside, faces, edges, vertices; along edges; in planes
+/// of faces.
 std::vector<Ray> rays_at(const Points& points, Dice& dice) {
   const auto vertex = [&](std::size_t i) { return Vec3(points[i][0], points[i][1], points[i][2]); };
   std::vector<Ray> rays;
@@ -154,7 +157,8 @@ std::vector<Ray> rays_at(const Points& points, Dice& dice) {
       const std::size_t k = (6 - i - j) / 2 == i ? 0 : 6 - i - j > 3 ? 3 : 6 - i - j;
       if (k == i || k == j) continue;
       const Vec3 in_face = share() * along + share() * (vertex(k) - vertex(i));
-      if (in_face.length() > 0) aim(vertex(i) + share() * along, in_face);  // in the plane of a face
+      // In the plane of a face.
+      if (in_face.length() > 0) aim(vertex(i) + share() * along, in_face);
     }
   }
   return rays;
@@ -166,7 +170,8 @@ std::vector<Points> difficult_tets() {
   for (int trial = 0; trial < 400; ++trial) tets.push_back(any_points(dice));
   for (int trial = 0; trial < 400; ++trial) tets.push_back(any_points(dice, std::pow(10, dice.between(-17, -1))));
   for (int trial = 0; trial < 200; ++trial) tets.push_back(any_points(dice, 0));
-  for (int trial = 0; trial < 400; ++trial) {  // whole numbers: exactly flat, collinear and coincident ones among them
+  // integers: exactly flat, collinear and coincident ones are among them.
+  for (int trial = 0; trial < 400; ++trial) {
     Points points;
     for (auto& point : points)
       for (double& x : point) x = static_cast<double>(dice.below(3));
@@ -190,7 +195,8 @@ TEST(PassThrough, crosses_no_face_or_two_of_every_tetrahedron) {
   EXPECT_GT(two, 10000);
 }
 
-/// The part of a ray in a tetrahedron of positive volume, by exact half-spaces; empty when it misses.
+/// Returns the part of a ray in a tetrahedron of positive volume, by exact half-spaces; empty when
+/// it misses.
 struct ExactPassage {
   bool hits = true;
   Rational t_in = -1000000, t_out = 1000000;
@@ -203,7 +209,8 @@ ExactPassage exact_passage(const Ray& ray, const Points& points) {
     ExactVec3 n = (exact(points[(v + 2) % 4]) - p).cross(exact(points[(v + 3) % 4]) - p);
     const Rational orientation = n.dot(exact(points[v]) - p);
     if (orientation < 0) n = {-n.x, -n.y, -n.z};
-    const Rational at_origin = n.dot(o - p), slope = n.dot(d);  // inside is at_origin + t slope >= 0
+    // Inside is at_origin + t slope >= 0.
+    const Rational at_origin = n.dot(o - p), slope = n.dot(d);
     if (slope == 0) {
       if (at_origin < 0) passage.hits = false;
       continue;
@@ -216,7 +223,7 @@ ExactPassage exact_passage(const Ray& ray, const Points& points) {
   return passage;
 }
 
-/// The smallest barycentric coordinate of the ray's point at t.
+/// Returns the smallest barycentric coordinate of the ray's point at t.
 double depth(const Ray& ray, const Points& points, const Rational& t) {
   const ExactVec3 o = exact(ray.origin), d = exact(ray.direction);
   const ExactVec3 p{o.x + t * d.x, o.y + t * d.y, o.z + t * d.z};
@@ -237,7 +244,7 @@ TEST(PassThrough, enters_and_leaves_where_exact_arithmetic_does) {
     const ExactVec3 e1 = exact(points[1]) - exact(points[0]), e2 = exact(points[2]) - exact(points[0]),
                     e3 = exact(points[3]) - exact(points[0]);
     if (std::abs(rounded(e1.dot(e2.cross(e3)))) < 0.2) continue;
-    // A field whose value is a linear function of the place.
+    // A field that is a linear function of position.
     const Vec3 slope = dice.direction();
     Values values;
     for (std::size_t v = 0; v < 4; ++v) values[v] = slope.dot(Vec3(points[v][0], points[v][1], points[v][2]));
@@ -251,7 +258,7 @@ TEST(PassThrough, enters_and_leaves_where_exact_arithmetic_does) {
         truth.hits ? ++in_the_boundary : ++misses;
       }
       if (!passage) continue;
-      // Whatever counts as passed through lies in the cell, and the field there is the field.
+      // What counts as passed through is in the cell, and the values there are those of the field.
       EXPECT_GT(depth(ray, points, exact(passage->in.t)), -1e-13);
       EXPECT_GT(depth(ray, points, exact(passage->out.t)), -1e-13);
       EXPECT_NEAR(passage->in.value, slope.dot(ray.at(passage->in.t)) - 0.25, 1e-13);
@@ -288,7 +295,8 @@ TEST(PassThrough, agrees_with_the_neighbour_on_the_shared_face_bit_for_bit) {
   Dice dice(7);
   int both = 0;
   for (int trial = 0; trial < 3000; ++trial) {
-    // Vertices 0..4 in rising order of ids; the cells are 0123 and 0124 or 1234: they share a face.
+    // Vertices 0..4 in increasing order of ids; the cells are 0123 and 0124 or 1234: they share a
+    // face.
     std::array<std::array<double, 3>, 5> p;
     std::array<double, 5> f;
     for (std::size_t i = 0; i < 5; ++i) {
@@ -316,7 +324,8 @@ TEST(PassThrough, agrees_with_the_neighbour_on_the_shared_face_bit_for_bit) {
 }
 
 TEST(PassThrough, does_not_go_through_a_face_that_it_lies_in) {
-  // The ray runs in the plane z = 0 of face 0, 1, 2: what it passes through are the other faces, at its edges.
+  // The ray runs in the plane z = 0 of face 0, 1, 2: it passes through the other faces, at its
+  // edges.
   const Points points{{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}}};
   for (const double z_sign : {1.0, -1.0}) {
     Points side = points;
@@ -335,7 +344,7 @@ TEST(PassThrough, is_the_same_for_inverted_tetrahedra) {
   Dice dice(8);
   for (int trial = 0; trial < 500; ++trial) {
     const Points points = any_points(dice);
-    Points mirrored = points;  // through the plane z = 0, rays too: same chord
+    Points mirrored = points;  // at the plane z = 0, rays too: same chord
     for (auto& p : mirrored) p[2] = -p[2];
     const Vec3 direction = dice.direction();
     const Ray ray{.origin = -3.0 * direction, .direction = direction};

@@ -34,10 +34,12 @@ struct Tet {
   TetValues values;
 };
 
-/// The exact change of side of a ray in a closed tetrahedron of positive volume, or nothing.
+/// Returns the exact change of side of a ray in a closed tetrahedron of positive volume, or
+/// nothing.
 std::optional<Rational> crossing_in_rationals(const Ray& ray, const Tet& tet, double isovalue) {
   const ExactVec3 o = exact(ray.origin), d = exact(ray.direction);
-  // Barycentric coordinate v along the ray is a + t b; the ray is inside where none is negative.
+  // The barycentric coordinate v along the ray is a + t b; the ray is inside where none is
+  // negative.
   Rational t_in = exact(ray.t_min), value_a = -exact(isovalue), value_b = 0;
   std::optional<Rational> t_out;
   if (std::isfinite(ray.t_max)) t_out = exact(ray.t_max);
@@ -74,7 +76,7 @@ double six_volumes(const Tet& tet) {
   return std::abs(a.dot(b.cross(c)));
 }
 
-/// @param flatness  1: any shape; towards 0: squeezed flat
+/// @param flatness  1: any shape; towards 0: increasingly flat
 Tet any_tet(Dice& dice, const Vec3& centre = {0, 0, 0}, double scale = 1, double flatness = 1) {
   Tet tet;
   const Vec3 squeezed = dice.direction();
@@ -121,7 +123,8 @@ TYPED_TEST(TetMethods, all_find_the_crossing_of_a_ray_through_the_inside_of_an_o
     const auto paper = find_crossing(TetMethod::paper, TetRay<TypeParam>(ray), tet.points, tet.values, isovalue);
     const auto slack = find_crossing(TetMethod::slack, TetRay<TypeParam>(ray), tet.points, tet.values, isovalue);
     const auto edges = find_crossing(TetMethod::edges, TetRay<TypeParam>(ray), tet.points, tet.values, isovalue);
-    // Two clear cases: the exact crossing stays where it is when the isovalue moves a little, or stays away.
+    // Two certain cases: when the isovalue changes slightly, the exact crossing stays where it is,
+    // or stays absent.
     const auto above = crossing_in_rationals(ray, tet, isovalue + 1e-3),
                below = crossing_in_rationals(ray, tet, isovalue - 1e-3);
     if (truth && above && below) {
@@ -137,14 +140,15 @@ TYPED_TEST(TetMethods, all_find_the_crossing_of_a_ray_through_the_inside_of_an_o
   }
 }
 
-/// Two tetrahedra on both sides of a face, or a ring of them around an edge, with a linear field whose isosurface runs
-/// through the face or the edge; and rays aimed there. At least one must answer.
+/// Two tetrahedra on both sides of a face, or a ring of them around an edge, with a linear field
+/// whose isosurface passes through the face or the edge; and rays aimed there. At least one must
+/// report a hit.
 struct Ring {
   std::vector<Tet> tets;
   Vec3 from, to;  ///< the shared edge
 };
 
-/// @param count  tetrahedra around the edge
+/// @param count  number of tetrahedra around the edge
 Ring ring_around_edge(Dice& dice, std::size_t count) {
   Ring ring;
   ring.from = dice.point({-1, -1, -1}, {1, 1, 1});
@@ -156,7 +160,7 @@ Ring ring_around_edge(Dice& dice, std::size_t count) {
     const double angle = 2 * 3.14159265358979 * static_cast<double>(i) / static_cast<double>(count);
     rim.push_back(ring.from + 0.5 * axis + std::cos(angle) * side + std::sin(angle) * other);
   }
-  // Zero on a plane that holds the edge: the isosurface passes through it.
+  // Zero on a plane that contains the edge: the isosurface passes through it.
   const Vec3 normal = (side + dice.between(-1, 1) * other).normalized();
   const auto value = [&](const Vec3& p) { return normal.dot(p - ring.from); };
   for (std::size_t i = 0; i < count; ++i) {
@@ -189,7 +193,8 @@ TYPED_TEST(TetMethods, lose_rays_aimed_at_shared_edges_by_the_paper_and_none_by_
     lost_by_paper += answers(TetMethod::paper, 0) == 0;
     const auto by_slack = answers(TetMethod::slack, std::is_same_v<Real, float> ? 1e-4 : 1e-12);
     lost_by_slack += by_slack == 0, answers_by_slack += static_cast<int>(by_slack);
-    // The ray comes in on one side of the surface and leaves on the other: one change of side in the ring.
+    // The ray enters on one side of the surface and leaves on the other: one change of side in the
+    // ring.
     const auto by_edges = answers(TetMethod::edges, 0);
     lost_by_edges += by_edges == 0, seen_twice_by_edges += by_edges > 1;
   }
@@ -208,7 +213,8 @@ TYPED_TEST(TetMethods, lose_rays_aimed_at_a_face_that_holds_the_surface_by_the_p
     Tet low = any_tet(dice), high = low;
     if (six_volumes(low) < 0.2) continue;
     ++trials;
-    // Vertices 0, 1, 2 lie on the surface; the fourth ones on both sides, one the mirror of the other.
+    // Vertices 0, 1, 2 are on the surface; the fourth ones on both sides, one the mirror image of
+    // the other.
     const Vec3 a = vertex(low, 1) - vertex(low, 0), b = vertex(low, 2) - vertex(low, 0), n = a.cross(b).normalized();
     const Vec3 apex = vertex(low, 3), mirrored = apex - 2 * n.dot(apex - vertex(low, 0)) * n;
     high.points[3] = {mirrored.x, mirrored.y, mirrored.z};
@@ -275,7 +281,7 @@ TYPED_TEST(TetMethods, know_how_exactly_a_vertex_is_seen) {
 struct Family {
   std::string name;
   std::function<std::pair<Ray, Tet>(Dice&)> make;
-  double unknown_float, unknown_double;  ///< at most this share is unknown
+  double unknown_float, unknown_double;  ///< maximum share of unknown decisions
 };
 
 std::vector<Family> families() {
@@ -402,7 +408,8 @@ TYPED_TEST(TetMethods, are_never_wrong_when_certified) {
 TEST(CertifiedTet, crossing_between_two_faces_is_as_uncertain_as_their_values) {
   using render::certified_tet::crossing_between;
   using render::certified_tet::Face;
-  // Values from -1.5 to -0.5 and from 0.5 to 1.5: the zero lies between a quarter and three quarters of the way.
+  // Values from -1.5 to -0.5 and from 0.5 to 1.5: the zero is between a quarter and three quarters
+  // of the chord.
   const auto wide = crossing_between(Face{{10, 0}, {-1, 0.5}, false}, Face{{11, 0}, {1, 0.5}, true});
   EXPECT_NEAR(wide.value, 10.5, 1e-14);
   EXPECT_NEAR(wide.error, 0.25, 1e-12);
@@ -410,7 +417,7 @@ TEST(CertifiedTet, crossing_between_two_faces_is_as_uncertain_as_their_values) {
   const auto late = crossing_between(Face{{10, 0.125}, {-1, 0}, false}, Face{{11, 0.0625}, {3, 0}, true});
   EXPECT_NEAR(late.value, 10.25, 1e-14);
   EXPECT_NEAR(late.error, 0.125, 1e-12);
-  // Of a value of which only the side is known, nothing but that.
+  // When only the side of a value is known, it implies nothing more.
   const auto unsure = crossing_between(Face{{10, 0}, {0, 1}, true}, Face{{11, 0}, {0, 1}, false});
   EXPECT_GE(unsure.error, 0.5);
 }

@@ -84,8 +84,8 @@ TEST(TrilinearCell, cubic_along_a_chord_is_the_exact_one) {
   }
 }
 
-// R27: with values of a million and differences of one, coefficients formed before the isovalue is subtracted lose half
-// of their digits.
+// R27: with values of a million and differences of one, coefficients formed before the isovalue is
+// subtracted lose half of their digits.
 TEST(TrilinearCell, loses_nothing_to_a_large_offset_of_the_values) {
   Dice dice(4);
   for (int trial = 0; trial < 1000; ++trial) {
@@ -99,7 +99,7 @@ TEST(TrilinearCell, loses_nothing_to_a_large_offset_of_the_values) {
   }
 }
 
-// D03, D10: float holds neither whole numbers of 32 bits nor the last digits of a double.
+// D03, D10: float can hold neither 32-bit integers nor the last digits of a double.
 TEST(Differences, of_large_values_are_exact_in_float_and_keep_their_side) {
   Dice dice(8);
   for (int trial = 0; trial < 2000; ++trial) {

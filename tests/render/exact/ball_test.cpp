@@ -18,7 +18,7 @@ bool holds(const Ball& ball, const Rational& x) {
   return abs(Rational(x - exact(ball.middle))) <= exact(ball.radius);
 }
 
-/// A number of any size, as often round as not.
+/// A number of any magnitude, half of the time an integer times a power of two.
 double any_number(tests::Dice& dice) {
   const double x = dice.coin() ? dice.between(-1, 1) : static_cast<double>(dice.below(9) - 4);
   return std::ldexp(x, static_cast<int>(dice.below(200)) - 100);
@@ -26,7 +26,7 @@ double any_number(tests::Dice& dice) {
 
 struct Known {
   Ball ball;
-  Rational truth;  ///< at an end of the ball or within
+  Rational truth;  ///< at an end of the ball or inside
 };
 Known any_ball(tests::Dice& dice) {
   const double middle = any_number(dice), radius = dice.coin() ? 0 : std::abs(any_number(dice));
@@ -105,7 +105,8 @@ TEST(CertainRoots, says_nothing_where_two_more_roots_may_be) {
 }
 
 TEST(CertainRoots, says_nothing_of_a_touch) {
-  const BallCubic cubic{{Ball{-0.25}, Ball{1.0 / 12}, Ball{1.0 / 12}, Ball{-0.25}}};  // -(s - 1/2)^2
+  // -(s - 1/2)^2.
+  const BallCubic cubic{{Ball{-0.25}, Ball{1.0 / 12}, Ball{1.0 / 12}, Ball{-0.25}}};
   EXPECT_FALSE(certain_roots(cubic, 1e-10).has_value());
 }
 

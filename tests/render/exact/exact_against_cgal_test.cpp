@@ -22,7 +22,7 @@ struct Part {
   Number in, out;
 };
 
-/// The part of a line in a tetrahedron, by CGAL's intersections with its four triangles.
+/// Returns the part of a line in a tetrahedron, by CGAL's intersections with its four triangles.
 std::optional<Part> part_in(const ExactTet& tet, const Ray& ray) {
   const Kernel::Vector_3 direction(ray.direction.x, ray.direction.y, ray.direction.z);
   const Kernel::Line_3 line(cgal_point(ray.origin), direction);
@@ -50,7 +50,7 @@ std::optional<Part> part_in(const ExactTet& tet, const Ray& ray) {
   return part;
 }
 
-/// The linear field at a parameter of the line, by volumes of CGAL's tetrahedra.
+/// Returns the linear field at a parameter of the line, by volumes of CGAL's tetrahedra.
 Number value_at(const ExactTet& tet, const Ray& ray, const Number& t) {
   const Point x = cgal_point(ray.origin) + t * Kernel::Vector_3(ray.direction.x, ray.direction.y, ray.direction.z);
   const std::array p{cgal_point(tet.point[0]), cgal_point(tet.point[1]), cgal_point(tet.point[2]),
@@ -66,7 +66,8 @@ struct Case {
   Ray ray;
 };
 
-/// Tetrahedra of whole and of any numbers, slivers and needles, and lines aimed at their vertices, edges and faces.
+/// Tetrahedra with integer and arbitrary coordinates, slivers and needles, and lines aimed at their
+/// vertices, edges and faces.
 Case any_case(Dice& dice) {
   Case made;
   const std::int64_t kind = dice.below(4);

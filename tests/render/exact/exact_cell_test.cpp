@@ -113,7 +113,7 @@ TEST(JudgeCell, R10_of_three_roots_the_first_is_given) {
 }
 
 TEST(JudgeCell, R11_two_roots_between_ends_on_one_side_are_seen) {
-  // (u - 1/2) (1 - v) ... from the judge's own road alone: both ends at -1/4, the middle above 0.
+  // 4 u (1 - v) - 1/4 along the diagonal: both ends at -1/4, the middle above 0.
   const TrilinearCell cell = cell_of([](double u, double v, double) { return 4 * u * (1 - v) - 0.25; });
   const CellVerdict verdict = exact_crossing(cell, low, {1, 1, 0}, 0, false, width);
   EXPECT_EQ(verdict.root_count, 2);
@@ -133,7 +133,7 @@ TEST(JudgeCell, R12_R13_roots_at_the_ends_are_exact) {
   // From inside, the value 0 at the end is still inside.
   const TrilinearCell falling = cell_of([](double u, double, double) { return 1 - u; });
   EXPECT_FALSE(exact_crossing(falling, low, high, 0, true, width).changes);
-  // and a start at 0 that goes down leaves at once
+  // A start at 0 on a falling field leaves at once.
   const CellVerdict leaves = exact_crossing(falling, low, high, 1, true, width);
   EXPECT_TRUE(leaves.changes);
   EXPECT_EQ(leaves.s.hi, 0);
@@ -142,7 +142,8 @@ TEST(JudgeCell, R12_R13_roots_at_the_ends_are_exact) {
 TEST(JudgeCell, R21_an_ambiguous_face_follows_the_trilinear_field) {
   const TrilinearCell alternating =
       cell_of([](double u, double v, double w) { return (2 * u - 1) * (2 * v - 1) * (2 * w - 1); });
-  // On the face w = 1 the asymptotes cross in the middle: just beside it, both connections are told apart.
+  // On the face w = 1 the asymptotes cross in the middle: just beside it, the two connections are
+  // distinguished.
   EXPECT_EQ(exact_crossing(alternating, {0, 0, 1}, {1, 1, 1}, 0, true, width).touches, false);
   EXPECT_FALSE(exact_crossing(alternating, {0, 0, 1}, {1, 1, 1}, 0, true, width).changes)
       << "0 at one point from inside";
@@ -186,7 +187,8 @@ TEST(JudgeCell, judges_values_at_the_ends_of_the_range_of_doubles) {
   EXPECT_TRUE(exact_crossing(tiny, {0, 0, 0}, {1, 0, 0}, 0, false, width).s.contains(0.5));
 }
 
-/// Cells and chords that are hard in many ways: of any sizes, on a lattice of values, with a large offset, tangent.
+/// Cells and chords with many difficulties: any sizes, values on a lattice, a large offset,
+/// tangent.
 struct HardChord {
   TrilinearCell cell{};
   Vec3 p0, p1;
@@ -212,7 +214,7 @@ HardChord hard_chord(Dice& dice) {
     for (int axis = 0; axis < 3; ++axis) hard.p1[axis] = std::round(2 * hard.p1[axis]) / 2;
   if (kind == 2) hard.isovalue = 1e6 + dice.between(-1, 1);
   if (kind == 0 || kind == 3) hard.isovalue = dice.between(-0.5, 0.5);
-  if (kind == 6) {  // touches: b times 2 s (1 - s) along the diagonal, whose top is b / 2
+  if (kind == 6) {  // touches: b times 2 s (1 - s) along the diagonal, with its maximum at b / 2
     const double a = static_cast<double>(dice.below(9) - 4), b = static_cast<double>(1 + dice.below(5));
     hard.cell = cell_of([&](double u, double v, double) { return a + b * (u * (1 - v) + (1 - u) * v); });
     const double w = dice.between(0, 1);
@@ -307,7 +309,8 @@ TEST(JudgeCell, gives_the_same_maximum_with_and_without_the_filter_and_none_abov
       const tests::Rational s = tests::Rational(k) / 20;
       ASSERT_LE(tests::field_at(hard.cell.corner, tests::on_chord(hard.p0, hard.p1, s)), exact(slow.value.hi)) << round;
     }
-    // Reached: at the enclosure's middle the value falls short by no more than the curve can bend there.
+    // The value is reached: at the enclosure's middle it is smaller by no more than the curve can
+    // bend there.
     const tests::Rational at = (exact(slow.s.lo) + exact(slow.s.hi)) / 2;
     const tests::Rational value = tests::field_at(hard.cell.corner, tests::on_chord(hard.p0, hard.p1, at));
     ASSERT_GE(tests::rounded(value - exact(slow.value.lo)), -1e-12 * size) << round;

@@ -5,7 +5,8 @@
 
 namespace rhoray::tests {
 
-/// The trilinear interpolant, written out anew: weights at all eight corners, in exact numbers.
+/// Independent implementation of the trilinear interpolant: weights at all eight corners, in exact
+/// numbers.
 inline Rational field_at(const std::array<double, 8>& corner, const ExactVec3& p) {
   Rational sum = 0;
   for (std::size_t c = 0; c < 8; ++c) {

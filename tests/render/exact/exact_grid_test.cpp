@@ -20,7 +20,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double width = 1e-13;
 
-/// Samples in memory; planes at whole numbers or in tables; regions of 2^level cells per axis.
+/// Samples in memory; planes at integers or in tables; regions of 2^level cells per axis.
 class TestGrid : public ExactGridSource {
  public:
   TestGrid(const Index3& cell_count, const std::function<double(double, double, double)>& f) : cells_(cell_count) {
@@ -105,7 +105,8 @@ bool moves(double d) {
   return std::isfinite(1 / d);
 }
 
-/// Every cell of the grid, one after the other: those that hold some length of the ray, by where they begin.
+/// Tests every cell of the grid, one after the other. Returns those that contain some length of the
+/// ray, ordered by where they begin.
 std::vector<ExactChord> chords_of(const TestGrid& grid, const Ray& ray, double isovalue) {
   std::vector<ExactChord> chords;
   const Index3 n = grid.cell_count();
@@ -222,7 +223,8 @@ TEST(JudgeGrid, finds_the_largest_value_of_brute_force) {
       if (!has_data) continue;
       ++found;
       ASSERT_TRUE(std::nextafter(verdict.value.lo, infinity) >= verdict.value.hi) << round;
-      // Nowhere above the enclosure, by Sturm's theorem; above or at its lower end somewhere, first in the cell given.
+      // By Sturm's theorem, the field is nowhere above the enclosure. Somewhere it is above or at
+      // its lower end, for the first time in the given cell.
       bool reached = false;
       for (const ExactChord& chord : chords) {
         if (!chord.has_data) continue;
@@ -232,13 +234,13 @@ TEST(JudgeGrid, finds_the_largest_value_of_brute_force) {
           difference[0] -= exact(level);
           if (strictly)
             for (Rational& c : difference) c = -c;
-          // strictly: from inside of "value <= level", does it come out?
+          // Strictly: starting inside "value <= level", does it leave?
           return tests::SturmChart(difference, chord.in, chord.out).first_change(strictly).has_value();
         };
         ASSERT_FALSE(above(verdict.value.hi, true)) << round;
         if (!reached && above(verdict.value.lo, false)) {
           reached = true;
-          // Where enclosures are not exact numbers, a cell before may all but reach the value.
+          // Where enclosures are not exact numbers, an earlier cell may almost reach the value.
           if (verdict.value.lo == verdict.value.hi) {
             ASSERT_EQ(verdict.cell, chord.cell) << round;
           }
@@ -372,7 +374,8 @@ TEST(JudgeGrid, M02_gives_the_first_t_of_a_plateau) {
 }
 
 TEST(JudgeGrid, M03_gives_the_first_of_equal_maxima_in_distant_cells) {
-  // A field of period 2 along a diagonal: the same cubic again and again, its maximum most often irrational.
+  // A field of period 2 along a diagonal: the same cubic repeats, and its maximum is usually
+  // irrational.
   Dice dice(14);
   int irrational = 0;
   for (int round = 0; round < 100; ++round) {
@@ -384,7 +387,8 @@ TEST(JudgeGrid, M03_gives_the_first_of_equal_maxima_in_distant_cells) {
     });
     const GridMaximumVerdict verdict = exact_largest_value(periodic, {{0.25, 0.5, 0.125}, {1, 1, 1}}, width);
     ASSERT_TRUE(verdict.has_value);
-    if (verdict.t.lo > 2) continue;  // at a place that the first period, begun halfway, does not have
+    // At a position that the first period, begun halfway, does not contain.
+    if (verdict.t.lo > 2) continue;
     ASSERT_LT(verdict.t.hi, 2.125);
     irrational += verdict.value.lo < verdict.value.hi && verdict.effort.exact > 2;
   }

@@ -58,7 +58,8 @@ TEST(JudgeTets, forgets_its_side_in_a_gap) {
   EXPECT_FALSE(exact_first_crossing(tets, {{-1, 0.1, 0.1}, {1, 0, 0}}, 1, width).is_hit);
 }
 
-/// Two tetrahedra on both sides of the face x = 0, its vertices at 0 and the far ones at the given values.
+/// Two tetrahedra on both sides of the face x = 0, whose vertices have value 0 and the far ones the
+/// given values.
 std::array<ExactTet, 2> two_sides(double before, double behind) {
   const Vec3 a(0, 0, 0), b(0, 1, 0), c(0, 0, 1);
   return {ExactTet{{Vec3(-1, 0.2, 0.2), a, b, c}, {before, 0, 0, 0}, 7},
@@ -129,7 +130,8 @@ TEST(JudgeTets, refuses_what_is_no_ray) {
     EXPECT_FALSE(exact_first_crossing(tets, ray, 0.5, width).is_hit);
 }
 
-/// A block of n^3 cubes of six tetrahedra each around their diagonals, vertices moved a little or not.
+/// A block of n^3 cubes of six tetrahedra each around their diagonals, with vertices slightly moved
+/// or not.
 std::vector<ExactTet> block(int n, Dice& dice, double moved, const Vec3& at, bool whole_values) {
   const auto side = static_cast<std::size_t>(n + 1);
   std::vector<Vec3> points;
@@ -158,7 +160,8 @@ std::vector<ExactTet> block(int n, Dice& dice, double moved, const Vec3& at, boo
   return tets;
 }
 
-/// value - isovalue in a tetrahedron at a point of the ray, nothing outside of it or without volume: by Cramer's rule.
+/// Returns value - isovalue in a tetrahedron at a point of the ray, by Cramer's rule. Returns
+/// nothing outside the tetrahedron and for one without volume.
 std::optional<Rational> value_in(const ExactTet& tet, const ExactVec3& x) {
   const ExactVec3 p0 = exact(tet.point[0]);
   const ExactVec3 a = exact(tet.point[1]) - p0, b = exact(tet.point[2]) - p0, c = exact(tet.point[3]) - p0, q = x - p0;
@@ -170,7 +173,7 @@ std::optional<Rational> value_in(const ExactTet& tet, const ExactVec3& x) {
   return rest * exact(tet.value[0]) + u * exact(tet.value[1]) + v * exact(tet.value[2]) + w * exact(tet.value[3]);
 }
 
-/// False for a tetrahedron that is far from a point, whatever rounding does.
+/// False for a tetrahedron that is far from a point, whatever the rounding.
 bool may_hold(const ExactTet& tet, const Vec3& x) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto [least, most] =
@@ -180,7 +183,7 @@ bool may_hold(const ExactTet& tet, const Vec3& x) {
   return true;
 }
 
-/// The values that a mesh has at a point of the ray.
+/// Returns the values of a mesh at a point of the ray.
 std::vector<Rational> values_at(const std::vector<ExactTet>& tets, const Ray& ray, const Rational& t) {
   const ExactVec3 o = exact(ray.origin), d = exact(ray.direction);
   const ExactVec3 x{o.x + t * d.x, o.y + t * d.y, o.z + t * d.z};
@@ -192,7 +195,8 @@ std::vector<Rational> values_at(const std::vector<ExactTet>& tets, const Ray& ra
   return values;
 }
 
-/// A ray aimed at a point of any kind: of a cell, a face, an edge, a vertex; or along an edge.
+/// Returns a ray aimed at a point of any kind: of a cell, a face, an edge, a vertex; or along an
+/// edge.
 Ray aimed_ray(const std::vector<ExactTet>& tets, Dice& dice) {
   const ExactTet& tet = tets[static_cast<std::size_t>(dice.below(static_cast<std::int64_t>(tets.size())))];
   const std::int64_t corners = 1 + dice.below(4);
@@ -222,7 +226,8 @@ TEST(JudgeTets, says_what_is_true_at_points_of_the_ray) {
     const TetRayVerdict verdict = exact_first_crossing(tets, ray, isovalue, width);
     exact_road += verdict.road == Road::exact;
     hits += verdict.is_hit;
-    // The convex block has no gaps along a ray: its sides before the crossing are all the same.
+    // The convex block has no gaps along a ray: the side before the crossing is the same
+    // everywhere.
     const double end = verdict.is_hit ? verdict.t.lo : ray.t_min + 20;
     std::optional<bool> side;
     for (int k = 0; k < 20; ++k) {
@@ -237,7 +242,7 @@ TEST(JudgeTets, says_what_is_true_at_points_of_the_ray) {
     }
     if (!verdict.is_hit) continue;
     ASSERT_TRUE(verdict.t.width() <= width || is_tight(verdict.t)) << round;
-    // The isovalue lies between the values at both ends of the enclosure, as far as these are in the mesh.
+    // The isovalue is between the values at both ends of the enclosure, if these are in the mesh.
     const auto lo = values_at(tets, ray, exact(verdict.t.lo)), hi = values_at(tets, ray, exact(verdict.t.hi));
     if (!lo.empty() && !hi.empty() && verdict.t.lo < verdict.t.hi && !verdict.touches) {
       ASSERT_LE((lo[0] - exact(isovalue)) * (hi[0] - exact(isovalue)), 0) << round;

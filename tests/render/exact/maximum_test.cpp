@@ -56,7 +56,8 @@ TEST(Maximum, inside_is_found_for_both_signs_of_the_leading_coefficient) {
 }
 
 TEST(Maximum, at_an_end_counts_once_and_first) {
-  EXPECT_EQ(largest_value(Polynomial{{0, -1, 1, 0}}, 0, 1, 1e-12).at.hi, 0);  // 0 at both ends, less between
+  // 0 at both ends, less between.
+  EXPECT_EQ(largest_value(Polynomial{{0, -1, 1, 0}}, 0, 1, 1e-12).at.hi, 0);
   EXPECT_EQ(largest_value(Polynomial{{3, 1, 0, 0}}, 0, 1, 1e-12).at.lo, 1);
   EXPECT_EQ(largest_value(Polynomial{{3, 0, 0, 0}}, 0, 1, 1e-12).at.hi, 0);
 }

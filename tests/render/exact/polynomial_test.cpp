@@ -115,8 +115,8 @@ TEST(SignChart, encloses_an_irrational_root_as_narrowly_as_asked) {
   }
 }
 
-/// Between its neighbours lies no double but the root itself, and no interval around that is tight: the search for one
-/// went on for ever, at a ray 1e4 volumes away whose crossing was a double.
+/// The only double between its neighbours is the root itself, and no interval around it is tight.
+/// The search for one did not terminate, for a ray 1e4 volumes away whose crossing was a double.
 TEST(SignChart, encloses_a_root_that_is_a_double_more_narrowly_than_doubles_lie) {
   const double root = 1234 + 0x1.23456789p-9;
   const SignChart chart(with_roots({Rational(root), Rational(1, 3), Rational(-5, 7)}), 1000, 1500);
@@ -170,7 +170,7 @@ TEST(FirstChange, comes_from_outside_at_the_first_root) {
 }
 
 TEST(FirstChange, comes_from_inside_where_the_outside_begins) {
-  // 0 at 1/4 without leaving, then out at 1/2.
+  // 0 at 1/4 without leaving, then it leaves at 1/2.
   const SignChart chart(with_roots({Rational(1, 4), Rational(1, 4), Rational(1, 2)}, -1), 0, 1);
   const auto change = first_change(chart, true);
   ASSERT_TRUE(change.has_value());

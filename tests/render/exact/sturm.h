@@ -7,7 +7,7 @@
 
 namespace rhoray::tests {
 
-/// Powers of t, rising; no leading zeros.
+/// Coefficients of powers of t, in increasing order; no leading zeros.
 using Coefficients = std::vector<Rational>;
 
 inline Coefficients trimmed(Coefficients p) {
@@ -45,7 +45,7 @@ inline Division divide(Coefficients p, const Coefficients& by) {
   return result;
 }
 
-/// The polynomial of degree 3 through four points.
+/// Returns the polynomial of degree 3 through four points.
 template <class Function>
 Coefficients cubic_through(const Function& f) {
   Coefficients sum(4, Rational(0));
@@ -68,7 +68,8 @@ Coefficients cubic_through(const Function& f) {
   return trimmed(sum);
 }
 
-/// A second road to the roots and signs of a polynomial on [a, b]: Sturm's theorem, on numbers of another library.
+/// An independent method for the roots and signs of a polynomial on [a, b]: Sturm's theorem, with
+/// numbers of another library.
 class SturmChart {
  public:
   SturmChart(const Coefficients& p, const Rational& a, const Rational& b) : p_(trimmed(p)), a_(a), b_(b) {
@@ -138,12 +139,13 @@ class SturmChart {
     isolate(middle, hi);
   }
 
-  /// Nothing behind b.
+  /// Returns nothing for a root at b.
   std::optional<int> sign_behind(std::size_t r) const {
     if (roots_[r].lo == b_) return std::nullopt;
     if (roots_[r].hi == b_) return sign_of(value_of(p_, b_));
     const Rational next = r + 1 < roots_.size() ? roots_[r + 1].lo : b_;
-    // Neighbours share an end only where two roots are closer than 2^-40; then the end lies between them.
+    // Neighbours share an end only where two roots are closer than 2^-40; then the end is between
+    // them.
     return sign_of(value_of(p_, (roots_[r].hi + next) / 2));
   }
 
@@ -153,7 +155,7 @@ class SturmChart {
   std::vector<Root> roots_;
 };
 
-/// True when an enclosure in doubles holds a root, up to the width to which the chart knows it.
+/// True when an enclosure in doubles contains a root, up to the width to which the chart knows it.
 inline bool holds(double lo, double hi, const SturmChart::Root& root) {
   return exact(lo) <= root.hi && exact(hi) >= root.lo;
 }

@@ -235,7 +235,7 @@ TEST(BoxProjection, is_the_same_on_every_machine) {
   }
 }
 
-// When the picture plane is edge-on to all known boxes, nothing can be decided.
+// Nothing can be decided when rounding hides the position of the picture relative to the volume.
 TEST(BoxProjection, is_not_certain_where_numbers_are_out_of_reach) {
   const Camera camera{.position = {1, 2, 3}, .target = {2, 3, 5}, .up = {0, 0, 1}};
   const CameraRays rays(camera, 10, 10);

@@ -17,7 +17,8 @@ namespace {
 using Random = std::mt19937_64;
 
 std::size_t below(Random& random, std::size_t count) {
-  return static_cast<std::size_t>(random() % count);  // by hand: distributions differ between standard libraries
+  // By hand: distributions differ between standard libraries.
+  return static_cast<std::size_t>(random() % count);
 }
 
 template <class T>
@@ -78,7 +79,7 @@ std::string change_element(Random& random, std::string& data, const ArrayPlace& 
   throw std::runtime_error("no released file has the type " + type);
 }
 
-/// Names of the arrays that are not the envelope's own.
+/// Names of the arrays that do not belong to the envelope itself.
 std::vector<std::string> array_names(const Envelope& parts) {
   constexpr std::string_view entry = "\":{\"dtype\"";
   std::vector<std::string> names;
@@ -117,7 +118,8 @@ std::string change_header(Random& random, Envelope& parts) {
                                "1e30",
                                "1e300",
                                "1.7976931348623157e308"};
-  // Most numbers are bins of histograms, which nothing indexes by: a number of those is taken one time in eight.
+  // Most numbers are bins of histograms, which are never used as indices: such a number is chosen
+  // one time in eight.
   struct Number {
     std::size_t begin, size;
   };

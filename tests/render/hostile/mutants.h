@@ -11,11 +11,12 @@ struct Mutant {
   std::string description;  ///< what was changed, for messages
 };
 
-/// Mutant number `index` of a packed file; the same for the same index on every machine.
+/// Returns mutant number `index` of a packed file; the same for the same index on every machine.
 ///
-/// One in three changes a number in the header's text; the others change one to three elements of arrays. The new
-/// numbers are those that break loops and indices: zero, one, neighbours of the old number, neighbours of powers of two
-/// at which types end, infinities, NaN, denormal and very large numbers. The file is sealed again.
+/// One in three changes a number in the header's text; the others change one to three elements of
+/// arrays. The new numbers are those that break loops and indices: zero, one, neighbours of the old
+/// number, neighbours of powers of two at which types end, infinities, NaN, denormal and very large
+/// numbers. Checksums are computed again.
 Mutant make_mutant(const std::string& file, std::uint64_t index);
 
 }  // namespace rhoray::tests

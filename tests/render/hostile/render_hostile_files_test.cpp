@@ -1,4 +1,4 @@
-// Packed files whose checksums are right and whose numbers are not: each is refused when it is opened, or it is
+// Packed files with valid checksums and wrong numbers: each is refused when it is opened, or it is
 // rendered. The picture may be wrong; nothing may crash, hang or throw anything but an Error.
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -51,7 +51,8 @@ formats::PackedFile opened(const std::string& bytes, const MemoryFile& memory) {
   return formats::PackedFile::from_descriptor(memory.descriptor(), "hostile.rho");
 }
 
-/// What scenes are looked at with: of the file as it was, so that rays meet what a lie about bounds hides.
+/// Bounds and range from which scenes are made. They are those of the original file, so that rays
+/// also reach what false bounds hide.
 struct Look {
   Box3 bounds;
   Interval<double> range;
@@ -61,7 +62,7 @@ Interval<double> window_of(const Interval<double>& range) {
   return range.lo < range.hi && std::isfinite(range.hi - range.lo) ? range : Interval<double>{0, 1};
 }
 
-/// Every question that a volume of this kind answers, by each way of computing.
+/// Every query that a volume of this kind supports, with each method.
 std::vector<Scene> scenes_of(const render::Volume& volume, const Look& look) {
   const Interval<double> window = window_of(look.range);
   const double middle = std::midpoint(window.lo, window.hi);
@@ -106,7 +107,7 @@ void render_all(const render::Volume& volume, const Look& look, const std::vecto
                         .threads = 1,
                         .use_hierarchy = use_hierarchy},
                        framebuffer);
-      } catch (const Error&) {  // a scene that the changed file no longer answers, such as a camera inside nothing
+      } catch (const Error&) {  // e.g. a camera inside an empty box
       }
     }
   if (!volume.is_surface()) volume.isosurface_bounds(std::midpoint(window_of(look.range).lo, window_of(look.range).hi));
@@ -119,7 +120,7 @@ void check_deeply(const formats::PackedFile& file) {
   if (kind == "surface") deep_findings(formats::SurfaceMesh(file));
 }
 
-/// Opens a mutant and does with it what a user could. False where it is refused.
+/// Opens a mutant and does with it what a user could do. False when it is refused.
 bool is_rendered(const std::string& bytes, const std::vector<Look>& looks) {
   const MemoryFile memory(bytes);
   try {
@@ -164,7 +165,7 @@ std::vector<Look> looks_of(const std::string& bytes) {
   return looks;
 }
 
-/// What the child that works on mutants tells the parent, also when it dies.
+/// What the child process that handles mutants reports to its parent, even when it crashes.
 struct Progress {
   std::atomic<std::uint64_t> next, refused, rendered;
   char thrown[200];
@@ -172,17 +173,18 @@ struct Progress {
 
 enum Ending { done = 0, threw = 3 };
 
-/// Files that came from one good file.
+/// Files derived from one valid file.
 struct Mutants {
-  std::string origin;  ///< the bytes of the good file
+  std::string origin;  ///< the bytes of the valid file
   std::uint64_t count;
   std::function<Mutant(std::uint64_t)> make;
 };
 
-/// Works on the mutants from `progress.next` on; never returns.
+/// Handles the mutants from `progress.next` on; never returns.
 [[noreturn]] void work(const Mutants& mutants, const char* machine, Progress& progress) {
   ::setenv("RHORAY_MACHINE", machine, 1);  // read once by each process, hence the child
-  constexpr rlim_t cpu_seconds = 120;      // of all mutants together, which take about one: only a hang needs so much
+  // For all mutants together, which take about one: only a hang needs so much.
+  constexpr rlim_t cpu_seconds = 120;
   const rlimit limit{cpu_seconds, cpu_seconds};
   ::setrlimit(RLIMIT_CPU, &limit);
   try {
@@ -205,8 +207,8 @@ struct Outcome {
   std::uint64_t refused, rendered;
 };
 
-/// Each mutant must be refused or rendered. A child works on them, and another one goes on behind a mutant that kills
-/// it.
+/// Each mutant must be refused or rendered. A child process handles them; if a mutant kills it,
+/// another one continues behind that mutant.
 Outcome expect_every_mutant_survives(const Mutants& mutants, render::Machine machine) {
   void* const shared = ::mmap(nullptr, sizeof(Progress), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (shared == MAP_FAILED) throw std::runtime_error("no shared memory");
@@ -244,7 +246,8 @@ TEST_P(HostileFiles, are_refused_or_rendered_on_every_machine) {
   for (const render::Machine machine : machines()) {
     const Outcome outcome = expect_every_mutant_survives(
         {file, mutant_count, [&](std::uint64_t index) { return make_mutant(file, index); }}, machine);
-    // Mutants that are all refused would test no renderer, and ones that are all rendered no check.
+    // If all mutants were refused, the renderer would not be tested; if all were rendered, the
+    // checks would not.
     EXPECT_GT(outcome.refused, mutant_count / 20);
     EXPECT_GT(outcome.rendered, mutant_count / 5);
   }

@@ -28,7 +28,7 @@ Layer lit_surface() {
   return layer;
 }
 
-/// One hit, shaded in every place of a group; refuses a group in which places differ.
+/// Shades one hit in every lane of a group; fails when lanes differ.
 Vec3 shaded(const Layer& layer, const EffectSet& effects, const Vec3& gradient, const Vec3& direction, double value = 0,
             const Affine& world_from_volume = {}, const render::Surroundings& surroundings = {}) {
   render::RayBatch rays(group_size);
@@ -71,8 +71,8 @@ TEST(Shade, lights_a_surface_by_the_angle_to_the_eye) {
   EXPECT_LT((highlight - Vec3(expected, expected, expected)).length(), 1e-6);
 }
 
-// A quarter of a step of 16-bit colour, for any angle, any cell and any length of the gradient, against the formulas in
-// double.
+// Within a quarter of a step of 16-bit colour of the formulas in double, for any angle, any cell
+// and any length of the gradient.
 TEST(Shade, is_as_the_formulas_say_in_cells_of_any_shape_and_for_gradients_of_any_length) {
   Layer layer = lit_surface();
   layer.surface.shininess = 40;
@@ -90,7 +90,7 @@ TEST(Shade, is_as_the_formulas_say_in_cells_of_any_shape_and_for_gradients_of_an
         const Vec3 color = (0.2 + 0.8 * cosine) * layer.surface.color + 0.4 * std::pow(cosine, 40.0) * Vec3(1, 1, 1);
         const Vec3 got =
             shaded(layer, effects_called_for(layer), gradient * length, map.inverse().vector(direction), 0, map);
-        // A gradient of a few of the smallest doubles has few digits itself.
+        // A gradient made of a few of the smallest doubles has few digits itself.
         if (length > 1e-310) largest = std::max(largest, (got - color).length());
         EXPECT_LT((got - color).length(), length > 1e-310 ? 4e-6 : 1e-4) << length << ", " << k;
       }
@@ -113,7 +113,7 @@ TEST(Shade, adds_up_lights_as_the_formulas_say) {
         const double unit = map.z_axis.length();
         const Vec3 gradient(std::sin(k), std::cos(2.1 * k), std::sin(3.3 * k + 1));
         const Vec3 direction = Vec3(std::cos(0.7 * k), 0.4, std::sin(0.9 * k)).normalized();
-        // The hits of shaded() lie at t = 1 from the origin of the volume's frame.
+        // The hits of shaded() are at t = 1 from the origin of the volume's frame.
         const Vec3 place = map.origin + direction;
         scene.lights = {
             {.color = {0.5, 0.25, 0.125}},
@@ -140,7 +140,8 @@ TEST(Shade, adds_up_lights_as_the_formulas_say) {
         const render::LayerLights lights = lights_of(scene, map);
         const Vec3 got = shaded(scene.layers[0], effects_called_for(scene, scene.layers[0]), gradient * length,
                                 map.inverse().vector(direction), 0, map, {.lights = &lights});
-        // A place moved by less than doubles tell it from the origin's: the light's direction is off by as much.
+        // A position that differs from the origin's by less than doubles can resolve: the light's
+        // direction has an error of the same size.
         EXPECT_LT((got - expected).length(), 2e-5) << length << ", " << k;
       }
   EXPECT_GT(highlights, 1);
@@ -198,7 +199,7 @@ TEST(SpreadDirections, lie_around_the_normal_as_the_cosine_weighs) {
         height += direction.dot(normal), sum += direction - direction.dot(normal) * normal;
       }
     }
-  EXPECT_NEAR(height / count, 2.0 / 3, 0.003);  // the mean of a cosine that weighs itself
+  EXPECT_NEAR(height / count, 2.0 / 3, 0.003);  // the mean of a cosine weighted by itself
   EXPECT_LT(sum.length() / count, 0.003);
 }
 
@@ -278,7 +279,8 @@ TEST(Shade, shows_a_projection_as_even_steps_of_grey) {
   EXPECT_EQ(grey(50), Vec3(0, 0, 0));
   EXPECT_EQ(grey(300), Vec3(1, 1, 1));
   EXPECT_EQ(grey(999), Vec3(1, 1, 1));
-  // Shares of the window are shares of the sRGB code: its linear light by the standard's formula.
+  // Positions in the window are proportional to the sRGB code: its linear light by the standard's
+  // formula.
   for (double value = 100; value < 300; value += 0.37) {
     const double share = (value - 100) / 200;
     EXPECT_NEAR(grey(value).x, share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4), 1e-6);
@@ -309,7 +311,7 @@ TEST(Power, is_right_within_its_bound) {
   }
 }
 
-/// Numbers in [0, 1], the nearest to 1 among them, in whole groups.
+/// Numbers in [0, 1], including the nearest ones to 1, in whole groups.
 std::vector<render::Lanes> bases_of_powers() {
   std::vector<float> numbers{0, 1, std::numeric_limits<float>::denorm_min(), 1e-30F};
   for (int i = 0; i < 20'000; ++i) numbers.push_back(static_cast<float>(i) / 20'000);
@@ -320,7 +322,7 @@ std::vector<render::Lanes> bases_of_powers() {
   return groups;
 }
 
-/// Largest errors of raise(), and of squares in single precision without more ado.
+/// Largest errors of raise(), and of plain squaring in single precision.
 struct PowerErrors {
   double raised = 0, squared = 0;
 };
@@ -346,8 +348,9 @@ PowerErrors errors_of_powers(int exponent) {
   return errors;
 }
 
-// Five roundings of 2^-24: only the last squarings, of what is not near 1 any more, round by as much, and what they add
-// to is not doubled as it is in x^2. Of all floats above 1/4 and all exponents up to 1024 the largest error is 2.5e-7.
+// Five roundings of 2^-24: only the last squarings, of numbers no longer near 1, round by as much,
+// and the result they are added to is not doubled as it is in x^2. Over all floats above 1/4 and
+// all exponents up to 1024 the largest error is 2.5e-7.
 TEST(Power, of_a_whole_exponent_is_right_to_five_roundings_however_large_it_is) {
   double largest_squared = 0;
   for (int exponent = 1; exponent <= 1024; exponent += exponent < 64 ? 1 : 37) {

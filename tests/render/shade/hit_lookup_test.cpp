@@ -32,7 +32,7 @@ double waves(const Vec3& p) {
   return std::sin(7 * p.x + 1) + std::sin(9 * p.y) * std::cos(6 * p.z);
 }
 
-/// Rays and the first crossings that they have, and what was looked up at these.
+/// Rays, their first crossings, and what was looked up at these.
 struct Answers {
   render::RayBatch rays;
   render::HitBatch hits;
@@ -78,7 +78,8 @@ const std::vector<render::Method>& levels() {
   return all;
 }
 
-/// Calls act(r, place) for every hit, with its place in the volume's frame; at least so many.
+/// Calls act(r, place) for every hit, with its position in the volume's frame; expects at least
+/// `least` hits.
 template <class Act>
 void for_each_hit(const Answers& answers, std::size_t least, const Act& act) {
   std::size_t count = 0;
@@ -127,7 +128,7 @@ TEST(HitLookup, of_a_linear_field_says_the_fields_own_gradient_and_values_at_eve
     const Affine& world = implementation.world_from_volume;
     const auto rays = rays_through(implementation.bounds_volume, 256);
     for (const render::Method& method : levels()) {
-      // Then t itself may be off by that much; the value is the one on the surface.
+      // In that case t itself may have that error; the value is the one on the surface.
       const bool is_float = method.precision == render::Method::Precision::float32 ||
                             method.algorithm == render::Method::Algorithm::certified;
       const Answers own = answered(traced.volume(), rays, 2.05, method, {.smooth_gradients = true, .field = "value"});
@@ -146,7 +147,8 @@ TEST(HitLookup, of_a_linear_field_says_the_fields_own_gradient_and_values_at_eve
   }
 }
 
-// Also in slivers and in cells without volume, whose weights by volume are rounding or nothing.
+// Also in slivers and in cells without volume, whose weights by volume are mere rounding or
+// undefined.
 TEST(HitLookup, of_the_own_field_is_the_value_of_the_hit_to_rounding_in_cells_of_any_shape) {
   for (const double flatness : {1.0, 1e-6, 1e-12, 1e-16, 0.0}) {
     preprocess::NeutralMesh mesh = strewn_mesh(200, 0.3, flatness, 7);
@@ -172,7 +174,7 @@ TEST(HitLookup, of_the_own_field_is_the_value_of_the_hit_to_rounding_in_cells_of
   }
 }
 
-/// The largest difference of a field's gradient at hits, as a share of the largest gradient there is.
+/// The largest error of a field's gradient at hits, as a share of the largest gradient.
 struct GradientErrors {
   double flat = 0, smooth = 0;
 };
@@ -188,7 +190,8 @@ GradientErrors gradient_errors(std::int64_t cells) {
   GradientErrors errors;
   for_each_hit(flat, 500, [&](std::size_t r, const Vec3& place) {
     const Vec3 p = implementation.world_from_volume.point(place);
-    if (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) > 0.7) return;  // points of the border see one side
+    // At points of the border only one side contributes.
+    if (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) > 0.7) return;
     const Vec3 exact(2 * p.x + p.z, 4 * p.y, -2 * p.z + p.x);
     errors.flat = std::max(errors.flat, (flat.hits[r].gradient - exact).length());
     errors.smooth = std::max(errors.smooth, (smooth.hits[r].gradient - exact).length());
@@ -196,8 +199,8 @@ GradientErrors gradient_errors(std::int64_t cells) {
   return errors;
 }
 
-// Around a point inside this mesh the cells lie symmetrically, so that the mean of a quadratic field's gradients is
-// exact there, and what lies between is linear, as the gradient is.
+// Around a point inside this mesh the cells are symmetric, so the mean of a quadratic field's
+// gradients is exact there. Between the points it is linear, as the gradient is.
 TEST(SmoothGradients, of_a_quadratic_field_converge_where_those_of_cells_converge_slowly) {
   const GradientErrors coarse = gradient_errors(8), fine = gradient_errors(16);
   EXPECT_GT(fine.flat, 0.1);
@@ -206,8 +209,8 @@ TEST(SmoothGradients, of_a_quadratic_field_converge_where_those_of_cells_converg
   EXPECT_LT(fine.smooth, 1e-12);
 }
 
-/// Two rays so close that they hit on both sides of a face, between two that hit different cells; false when what lies
-/// between is no face but an outline.
+/// Two rays so close that they hit on both sides of a face, between two rays that hit different
+/// cells. False when there is no face between them but an outline.
 bool straddle_face(TracedVolume& traced, double isovalue, render::Ray& left, render::Ray& right) {
   const render::VolumeImplementation& volume = traced.volume().implementation();
   const render::Kernel kernel = render::choose_kernels(volume, render::Method{}).first_crossing;
@@ -252,12 +255,12 @@ TEST(SmoothGradients, on_both_sides_of_a_face_are_the_same_where_those_of_cells_
     EXPECT_LT((smooth.hits[r].gradient - smooth.hits[r + 1].gradient).length(), 1e-9);
     jumps += (flat.hits[r].gradient - flat.hits[r + 1].gradient).length() > 1e-3;
   }
-  // On the border y = 0 the field is one of x alone, the same on both sides of some faces.
+  // On the border y = 0 the field depends on x alone and is the same on both sides of some faces.
   EXPECT_GT(10 * jumps, 9 * straddling);
 }
 
 TEST(SmoothGradients, are_left_out_where_they_say_nothing) {
-  // A cell without volume, that no other touches: no gradient at its points.
+  // A cell without volume that no other cell touches: there is no gradient at its points.
   preprocess::NeutralMesh mesh;
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}, {5, 0, 1}};
   mesh.cells = {{0, 1, 2, 3}, {4, 5, 6, 7}};
@@ -333,7 +336,7 @@ TEST(HitLookup, in_grids_is_trilinear_at_the_hit_where_samples_stand_and_lie_any
       TracedVolume traced(made_grid(choice, grid_fields()).file(), "value");
       const auto& implementation = traced.volume().implementation();
       const auto rays = rays_through(implementation.bounds_volume, 256);
-      // In samples, of which the other field is linear.
+      // In sample coordinates, in which the other field is linear.
       const auto in_samples = [&](int axis, double x) {
         if (!is_rectilinear) return x;
         const auto& table = choice.axes[static_cast<std::size_t>(axis)];

@@ -26,15 +26,15 @@ double waves(const Vec3& p) {
   return std::sin(7 * p.x + 1) + std::sin(9 * p.y) * std::cos(6 * p.z);
 }
 
-/// A rough ball over a rough floor, on which it casts a shadow that the camera sees.
+/// A rough ball over a rough floor, on which it casts a shadow visible to the camera.
 double ball_over_floor(const Vec3& p) {
   const double rough = 0.02 * std::sin(15 * p.x) * std::cos(13 * p.y);
   return std::max(-0.5 - p.z, 0.75 - (p - Vec3(-0.3, 0.3, 0.1)).length()) + rough;
 }
 
-// From every hit that the camera sees, to the light, on the side that the camera is on: what is asked of a part of the
-// surface, or of all of it, and only whether there is any crossing, has the answer that the first crossings give; and
-// what stands above all blockers meets nothing.
+// Traces shadow rays from every hit that the camera sees, starting on the camera's side. An any-hit
+// query of a part of the surface, or of all of it, must give the same result as the first
+// crossings. Rays above all occluders must hit nothing.
 struct Answers {
   std::size_t asked = 0, blocked = 0, left_out = 0, above = 0, in_shadow = 0;
 };
@@ -80,7 +80,7 @@ void expect_the_same_as_first_crossings(render::Machine machine, double (*field)
         const render::Hit hit = seen[r];
         if (hit.is_miss()) continue;
         const Vec3 place = of_camera[r].at(hit.t);
-        // A point of the light as far from its middle as any may be.
+        // A point of the light at the maximum distance from its centre.
         const Vec3 off = light.reach * Vec3(std::sin(double(r)), std::cos(double(r)), 0);
         const Vec3 way = light.is_place ? light.at + off - place : light.at + off;
         const double along = hit.gradient.dot(of_camera[r].direction);
@@ -131,7 +131,7 @@ TEST(FacetOccluders, hold_back_what_the_whole_surface_does) {
   }
 }
 
-// A ball: of its lit side nothing can hold the light back.
+// A ball: nothing occludes its lit side.
 TEST(FacetOccluders, are_the_half_that_is_turned_away_from_the_light) {
   const TemporaryFolder folder;
   preprocess::NeutralMesh mesh = box_mesh({.cells = {24, 24, 24}, .box = {{-1, -1, -1}, {1, 1, 1}}});
@@ -156,7 +156,7 @@ TEST(FacetOccluders, are_the_half_that_is_turned_away_from_the_light) {
   EXPECT_GT(high, 500U);
   EXPECT_EQ(kept_high, 0U);
   EXPECT_EQ(kept_low, low);
-  // Nothing holds light back from the upper half; from below it, everything may.
+  // Nothing occludes rays from the upper half; from below it, anything may.
   RayBatch rays(64);
   for (std::size_t r = 0; r < 64; ++r)
     rays.set(r, {.origin = {0.05 * static_cast<double>(r % 8), 0.05 * static_cast<double>(r / 8), r % 2 ? 0.69 : -0.9},

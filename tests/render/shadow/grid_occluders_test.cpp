@@ -25,7 +25,7 @@ render::RayQuery query_of(double isovalue) {
   return {.isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)};
 }
 
-/// Asks about light at every hit that the camera sees, from sides and directions of all kinds.
+/// Traces shadow rays from every hit that the camera sees, from sides and directions of all kinds.
 template <class T, class Field>
 void expect_nothing_above_to_be_held_back(const Field& field, double isovalue, const Index3& samples) {
   const TemporaryFolder folder;
@@ -78,7 +78,8 @@ void expect_nothing_above_to_be_held_back(const Field& field, double isovalue, c
             above += static_cast<std::size_t>(std::popcount(all & ~known.asked));
           }
         }
-        // What ends above all that may hold it back meets what it would without an end.
+        // A ray shortened to end above all its possible occluders hits the same as one without an
+        // end.
         kernel(implementation, query, light_rays, met_before_ends, scratch);
         for (std::size_t r = 0; r < count; ++r)
           if (light_rays[r].t_max >= 0) {
@@ -98,18 +99,18 @@ double waves(const Vec3& p) {
   return std::sin(7 * p.x + 1) + std::sin(9 * p.y) * std::cos(6 * p.z);
 }
 
-// A ray that is said to stand above all that may hold its light back is never held back.
+// A ray that is classified as above all its possible occluders is never occluded.
 TEST(GridOccluders, keep_every_ray_that_is_held_back) {
   expect_nothing_above_to_be_held_back<float>(waves, 0.2, {61, 58, 66});
   expect_nothing_above_to_be_held_back<double>([](const Vec3& p) { return 1e6 * waves(p); }, -2e5, {43, 50, 37});
 }
 
-// In whole numbers a surface has steps, and edges along which the field is level.
+// With integer values a surface has steps, and edges along which the field is constant.
 TEST(GridOccluders, keep_them_where_values_are_whole_numbers) {
   expect_nothing_above_to_be_held_back<std::uint8_t>([](const Vec3& p) { return 8 + 3 * waves(p); }, 8.5, {49, 49, 49});
 }
 
-// A ball: its lit side holds nothing back, and what is turned away does.
+// A ball: its lit side occludes nothing, and the side facing away does.
 TEST(GridOccluders, are_turned_away_from_the_light) {
   const TemporaryFolder folder;
   const Index3 samples(65, 65, 65);
@@ -121,7 +122,7 @@ TEST(GridOccluders, are_turned_away_from_the_light) {
   const auto of_light = render::wide::grid_occluders_of(render::Machine::baseline, cells, {.at = {0, 0, 1}});
   const render::wide::Occluders* occluders = &of_light->of(StartSide::outside);
   ASSERT_TRUE(occluders->heights);
-  // In cells: over the middle, half of the rays on the upper side, half below all.
+  // In cells: over the middle, half of the rays on the upper side, half below everything.
   RayBatch rays(64);
   for (std::size_t r = 0; r < 64; ++r)
     rays.set(r, {.origin = {28.0 + static_cast<double>(r % 8), 28.0 + static_cast<double>(r / 8), r % 2 ? 54.0 : 4.0},

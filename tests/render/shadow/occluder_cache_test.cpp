@@ -44,14 +44,14 @@ TEST(OccluderCache, finds_those_of_an_isovalue_and_a_light_once) {
     EXPECT_EQ(second == first, !volume.is_mesh()) << "in meshes shadows are added by the second frame";
     EXPECT_EQ(of(0.2, light), second);
     EXPECT_EQ(second->of(StartSide::outside).facets, first->of(StartSide::outside).facets);
-    // The oldest of five lights is forgotten, and found again.
+    // The oldest of five lights is dropped, and computed again.
     for (int l = 0; l < 4; ++l) of(0.2, {.at = {1, 0, 0.25 * l}});
     EXPECT_NE(of(0.2, light), second);
   }
 }
 
-// What an isovalue that is seen for one frame would pay for in vain is found when a surface is asked about again: for
-// all lights that come then, at once.
+// The cost that would be wasted for an isovalue shown for one frame only arises when the surface is
+// requested again; then it covers all lights that follow.
 TEST(OccluderCache, knows_shadows_from_the_second_time_on_that_a_surface_is_asked_about) {
   const TemporaryFolder folder;
   preprocess::NeutralMesh mesh = box_mesh({.cells = {24, 24, 24}, .box = {{-1, -1, -1}, {1, 1, 1}}});
@@ -76,7 +76,7 @@ TEST(OccluderCache, knows_shadows_from_the_second_time_on_that_a_surface_is_aske
   EXPECT_FALSE(knows_shadows(0.02, light));
 }
 
-// Where light stands at a place, or has a size, facets are known by it; cells are not.
+// For a light at a position, or with a size, the facets are known; cells are not.
 TEST(OccluderCache, keeps_facets_for_lights_of_all_kinds) {
   const TemporaryFolder folder;
   const render::Volume grid = grid_in(folder), mesh = mesh_in(folder);

@@ -20,7 +20,7 @@ using render::wide::FacetHeights;
 using render::wide::SeenFromLight;
 using render::wide::Squares;
 
-/// A flat facet with its corners in order round it; a triangle repeats its last one.
+/// A flat facet with its corners in order around it; a triangle repeats its last one.
 using FacetCorners = std::array<std::array<float, 3>, 4>;
 
 constexpr float unknown = -std::numeric_limits<float>::infinity();
@@ -28,8 +28,8 @@ constexpr double margin = 0x1p-18;
 constexpr int edge = 32;
 const Squares squares{.count = {edge, edge}, .first = {-1, -1}, .per_length = edge / 2.0};
 
-/// A sheet over [-0.5, 0.5]^2 of n x n quadrilaterals, cut in two where `cut`, in turns clockwise and
-/// counter-clockwise.
+/// A sheet over [-0.5, 0.5]^2 of n x n quadrilaterals, split into triangles if `cut`, alternately
+/// clockwise and counter-clockwise.
 std::vector<FacetCorners> sheet(int n, float height, bool cut) {
   std::vector<FacetCorners> facets;
   const auto at = [&](int i, int j) -> std::array<float, 3> {
@@ -49,8 +49,8 @@ std::vector<FacetCorners> sheet(int n, float height, bool cut) {
   return facets;
 }
 
-/// As the kernels have them, all of them turned to the light for certain: of a field that rises towards it, but from
-/// one of them on, of which that is not true.
+/// Facets in the kernels' form. All are marked as certainly facing the light with the same side:
+/// their field rises towards it. From index `falls_from` on that is not true.
 struct Surface {
   std::vector<FacetBlock> blocks;
   std::vector<FacetField> fields;
@@ -81,7 +81,7 @@ FacetHeights heights_on(Machine machine, const std::vector<FacetCorners>& facets
       {.seen = seen_facets, .sources = surface.sources.data(), .sure = surface.sure.data(), .rises = true}, neighbours);
 }
 
-/// The same on all machines.
+/// Expects the same on all machines.
 std::vector<float> heights_of(const std::vector<FacetCorners>& facets, const Vec3& towards = {0, 0, 1},
                               std::size_t falls_from = ~std::size_t{0}) {
   const FacetHeights heights = heights_on(Machine::baseline, facets, towards, falls_from);
@@ -94,7 +94,7 @@ std::vector<float> heights_of(const std::vector<FacetCorners>& facets, const Vec
   return heights.below;
 }
 
-/// The square that holds a place.
+/// Returns the square that contains a position.
 std::size_t square_at(double x, double y) {
   return static_cast<std::size_t>((y + 1) * edge / 2) * edge + static_cast<std::size_t>((x + 1) * edge / 2);
 }
@@ -113,7 +113,7 @@ TEST(OccluderSheets, cover_what_lies_within_their_rims) {
           EXPECT_GE(height, 0.25F);
           EXPECT_LE(height, n == 1 ? 0.25F : 0.27F) << "the lowest of all that touch the square";
         }
-      // Squares that touch the rim are not known: 16 x 16 less their border, at least.
+      // Squares that touch the rim are not known: 16 x 16 minus their border remain, at least.
       EXPECT_EQ(known, 14U * 14) << n;
       EXPECT_EQ(heights.size(), squares.size() + 1);
       EXPECT_EQ(heights.back(), unknown);
@@ -129,7 +129,8 @@ TEST(OccluderSheets, end_at_holes) {
   EXPECT_NE(heights[square_at(0.3, -0.3)], unknown);
 }
 
-// Between two halves at different heights rays may pass, as they stand apart: seen from the light there is no hole.
+// Rays may pass between two halves at different heights, because they are apart: seen from the
+// light there is no gap.
 TEST(OccluderSheets, end_where_their_facets_only_seem_to_meet) {
   std::vector<FacetCorners> facets = sheet(8, 0, false);
   for (FacetCorners& facet : facets) {
@@ -144,11 +145,12 @@ TEST(OccluderSheets, end_where_their_facets_only_seem_to_meet) {
   EXPECT_GE(heights[square_at(-0.3, 0.1)], 0.0F);
 }
 
-// Where two sheets lie over each other what lies below both lies in shadow; where one has a rim nothing is known.
+// Where two sheets overlap, what is below both is in shadow; where one has a rim, nothing is known.
 TEST(OccluderSheets, of_two_the_lowest_counts) {
   std::vector<FacetCorners> facets = sheet(6, 0.5F, true);
   for (FacetCorners& facet : facets)
-    for (auto& corner : facet) corner[0] = 0.5F * corner[0] + 0.25F;  // from the middle on
+    // Only the half from the middle on.
+    for (auto& corner : facet) corner[0] = 0.5F * corner[0] + 0.25F;
   const std::vector<FacetCorners> below = sheet(4, -0.5F, false);
   facets.insert(facets.end(), below.begin(), below.end());
   const std::vector<float> heights = heights_of(facets);
@@ -159,7 +161,7 @@ TEST(OccluderSheets, of_two_the_lowest_counts) {
   EXPECT_EQ(heights[square_at(0.001, 0.1)], unknown);
 }
 
-// Three facets at an edge, or two that pass it the same way, make no sheet there.
+// Three facets at an edge, or two that pass it in the same direction, form no sheet there.
 TEST(OccluderSheets, end_at_edges_of_more_than_two_facets) {
   std::vector<FacetCorners> facets = sheet(8, 0, false);
   facets.push_back({facets[27][0], facets[27][1], {0.03F, 0.1F, 0.2F}, {0.03F, 0.1F, 0.2F}});
@@ -175,18 +177,19 @@ TEST(OccluderSheets, have_no_facets_that_are_no_numbers) {
   const std::vector<float> heights = heights_of(facets);
   EXPECT_EQ(heights[square_at(-0.06, -0.06)], unknown);
   EXPECT_NE(heights[square_at(-0.3, -0.3)], unknown);
-  // Half a square, and beyond its diagonal one of these.
+  // Half a square, and one of these facets beyond its diagonal.
   constexpr float nan = std::numeric_limits<float>::quiet_NaN();
   constexpr std::array<float, 3> a{-0.5F, -0.5F, 0}, b{0.5F, -0.5F, 0}, c{-0.5F, 0.5F, 0}, none{nan, 0.5F, 0};
   EXPECT_EQ(heights_of({{a, b, c, c}, {b, none, c, c}})[square_at(0.3, 0.3)], unknown);
   EXPECT_TRUE(heights_of({}).empty());
 }
 
-// A sheet that turns back under itself, by facets that are turned to the light as well: light passes beside the fold.
+// A sheet that folds back under itself, with facets that also face the light: light passes beside
+// the fold.
 TEST(OccluderSheets, end_where_they_are_folded) {
   std::vector<FacetCorners> facets = sheet(8, 0.25F, false);
   for (FacetCorners& facet : facets)
-    for (auto& p : facet) p[0] = 0.53F * (p[0] - 0.5F) + 0.03F;  // up to x = 0.03, within a square
+    for (auto& p : facet) p[0] = 0.53F * (p[0] - 0.5F) + 0.03F;  // up to x = 0.03, inside a square
   std::vector<FacetCorners> back = facets;
   for (FacetCorners& facet : back)
     for (auto& p : facet)
@@ -198,8 +201,9 @@ TEST(OccluderSheets, end_where_they_are_folded) {
   EXPECT_GE(heights[square_at(-0.2, 0.1)], -0.25F);
 }
 
-// Half a square, and a narrow facet along its diagonal, whose own rims bend there: squares in the other half are beside
-// the sheet, though no rim touches them, and though they lie in the box around the first facet.
+// Half a square, and a narrow facet along its diagonal, whose own rims bend there. Squares in the
+// other half are beside the sheet, although no rim touches them and they are in the box around the
+// first facet.
 TEST(OccluderSheets, end_at_rims_that_bend) {
   constexpr std::array<float, 3> a{-0.5F, -0.5F, 0}, b{0.5F, -0.5F, 0}, c{-0.5F, 0.5F, 0}, bend{0.05F, 0.05F, 0};
   const std::vector<float> heights = heights_of({{a, b, c, c}, {b, bend, c, c}});
@@ -207,14 +211,14 @@ TEST(OccluderSheets, end_at_rims_that_bend) {
   for (const double at : {0.15, 0.3, 0.45}) EXPECT_EQ(heights[square_at(at, at)], unknown);
 }
 
-// Rows of facets so thin that rounding hides how they are turned, or that are seen from behind by as little: light
-// passes neither them nor their neighbours.
+// Rows of facets so thin that rounding hides their orientation, or that are seen from behind by as
+// little: light passes neither through them nor through their neighbours.
 TEST(OccluderSheets, go_on_through_thin_facets) {
   for (const float thickness : {1e-3F, 1e-6F, 1e-7F, -1e-7F, -1e-6F}) {
     std::vector<FacetCorners> facets = sheet(8, 0.25F, false);
     const std::size_t count = facets.size();
     for (std::size_t f = 0; f < count; ++f) {
-      // Between the rows at y from 0 on and those below, which end so much lower.
+      // Between the rows from y = 0 on and those below, which end lower by the thickness.
       const bool is_below = f / 8 < 4;
       for (auto& p : facets[f])
         if (is_below && p[1] == 0) p[1] = -thickness;
@@ -231,8 +235,9 @@ TEST(OccluderSheets, go_on_through_thin_facets) {
   }
 }
 
-// A pocket: an upper sheet and a lower one that share all their rims, seen from opposite sides, so that they are one
-// sheet that lies over each place once and once less. That they are all said to be turned to the light is not believed.
+// A pocket: an upper sheet and a lower one that share all their rims, seen from opposite sides.
+// They form one sheet that covers each place once and minus once. The mark that they all face the
+// light is not trusted.
 TEST(OccluderSheets, are_not_told_by_facets_that_are_seen_from_behind) {
   std::vector<FacetCorners> facets = sheet(8, 0, true);
   const std::size_t count = facets.size();
@@ -245,13 +250,15 @@ TEST(OccluderSheets, are_not_told_by_facets_that_are_seen_from_behind) {
   for (const float height : heights_of(facets, {0, 0, 1}, count)) EXPECT_EQ(height, unknown);
 }
 
-// Light from the side, along an axis that is turned: what stands before a place there is below it as the light sees it.
+// Light from the side, along another axis: what is in front of a position there is below it as seen
+// from the light.
 TEST(OccluderSheets, are_seen_from_wherever_the_light_stands) {
   std::vector<FacetCorners> facets = sheet(6, 0, false);
   for (FacetCorners& facet : facets)
-    for (auto& p : facet) p = {0.1F * p[0] - 0.3F, p[1], p[0]};  // across the x axis, at about -0.3
+    // Perpendicular to the x axis, at about -0.3.
+    for (auto& p : facet) p = {0.1F * p[0] - 0.3F, p[1], p[0]};
   const std::vector<float> heights = heights_of(facets, {-2, 0.4, 0.6});
-  // Its middle's place: y + 0.2 x, z + 0.3 x.
+  // The place of its middle: y + 0.2 x, z + 0.3 x.
   const float height = heights[square_at(-0.06, -0.09)];
   ASSERT_NE(height, unknown);
   EXPECT_NEAR(height, 0.3F, 0.06F);

@@ -20,7 +20,7 @@ formats::BoxBlock boxes_of(Dice& dice) {
   formats::BoxBlock block;
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t e = 0; e < 8; ++e) {
-      // Many planes at whole numbers, where the stressful rays pass many at once.
+      // Many planes at integers, where the stressful rays pass many at once.
       auto lo = static_cast<float>(dice.between(-0.5, 4)), size = static_cast<float>(dice.between(0, 1));
       if (dice.coin()) lo = std::round(lo), size = static_cast<float>(dice.below(3));
       block.lo[axis][e] = lo;
@@ -34,7 +34,7 @@ struct ExactPart {
   Rational in, out;
 };
 
-/// The part of a ray in a closed box, in rational numbers.
+/// Returns the part of a ray in a closed box, in rational numbers.
 ExactPart exact_part(const Ray& ray, const formats::BoxBlock& block, std::size_t entry) {
   ExactPart part{.in = Rational(ray.t_min), .out = Rational(std::min(ray.t_max, 1e30))};
   for (std::size_t axis = 0; axis < 3; ++axis) {

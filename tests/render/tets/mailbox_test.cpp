@@ -10,7 +10,8 @@ namespace rhoray::tests {
 namespace {
 
 TEST(Mailbox, tell_what_is_new_as_a_set_does) {
-  for (const std::uint32_t spread : {1U, 64U, 256U, 4096U}) {  // remainders that part them, and ones that do not
+  // Remainders that separate them, and ones that do not.
+  for (const std::uint32_t spread : {1U, 64U, 256U, 4096U}) {
     std::mt19937 random(spread);
     render::Mailbox met;
     std::set<std::uint32_t> expected;

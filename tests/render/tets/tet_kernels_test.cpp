@@ -18,7 +18,8 @@ using render::RayShear;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// Rays through the unit cube: any, and those aimed at points of a lattice of quarters, along axes and diagonals.
+/// Rays through the unit cube: arbitrary ones, and those aimed at points of a lattice of quarters,
+/// along axes and diagonals.
 std::vector<Ray> rays_through_cube(std::size_t count, std::uint64_t seed) {
   constexpr std::array<double, 4> steps{0.0, 1.0, -1.0, 2.0};
   Dice dice(seed);
@@ -34,7 +35,7 @@ std::vector<Ray> rays_through_cube(std::size_t count, std::uint64_t seed) {
   return rays;
 }
 
-/// All cells of a mesh, one after the other: no leaf lists, no hierarchy.
+/// Tests all cells of a mesh, one after the other: no leaf lists, no hierarchy.
 struct AllCells {
   const preprocess::NeutralMesh& mesh;
 
@@ -73,7 +74,8 @@ struct AllCells {
   }
 };
 
-/// The packed mesh as it is: points in its own frame and order, so that looking into all cells sees the same bits.
+/// The packed mesh itself: points in its own frame and order, so that a test of all cells computes
+/// with the same bits.
 preprocess::NeutralMesh packed_mesh(const TracedVolume& traced) {
   const formats::TetMesh packed(traced.volume().file());
   preprocess::NeutralMesh mesh;
@@ -139,7 +141,8 @@ TEST(TetFirstCrossing, holds_a_ray_against_no_tetrahedron_twice) {
     for (const Method& method : {Method{}, Method{.algorithm = Method::Algorithm::certified}}) {
       traced.scratch.counters = {};
       traced.first_crossing(ray, 0.9, method);
-      if (traced.scratch.counters.rays_redone != 0) continue;  // held against it in another precision, too
+      // Tested against it in another precision, too.
+      if (traced.scratch.counters.rays_redone != 0) continue;
       ASSERT_LE(traced.scratch.counters.cells_solved, 1U);
       tested += traced.scratch.counters.cells_solved;
       leaves += traced.scratch.counters.cells_visited;
@@ -151,7 +154,8 @@ TEST(TetFirstCrossing, holds_a_ray_against_no_tetrahedron_twice) {
 
 TEST(TetFirstCrossing, names_the_cell_of_the_source_and_its_gradient) {
   auto mesh = box_mesh({.cells = {3, 3, 3}}, distance_field({0.5, 0.5, 0.5}));
-  mesh.cells.insert(mesh.cells.begin() + 5, {7, 7, 8, 9});  // a vertex twice: packing drops it, later ids stay
+  // One vertex twice: packing drops the cell, later ids stay.
+  mesh.cells.insert(mesh.cells.begin() + 5, {7, 7, 8, 9});
   TracedVolume traced(mesh);
   int hits = 0;
   for (const Ray& ray : rays_through_cube(500, 3)) {
@@ -160,7 +164,7 @@ TEST(TetFirstCrossing, names_the_cell_of_the_source_and_its_gradient) {
     ASSERT_LT(hit.cell, mesh.cells.size());
     ASSERT_NE(hit.cell, 5U);
     const auto& cell = mesh.cells[hit.cell];
-    // The hit lies in the cell: its barycentric coordinates are not negative.
+    // The hit is in the cell: its barycentric coordinates are not negative.
     std::array<Vec3, 4> p;
     for (std::size_t i = 0; i < 4; ++i) p[i] = to_vec3(mesh.points[cell[i]]);
     const Vec3 q = ray.at(hit.t);

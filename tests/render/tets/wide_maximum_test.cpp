@@ -51,7 +51,8 @@ double waves(const Vec3& p) {
   return std::sin(7 * p.x + 1) + std::sin(9 * p.y) * std::cos(6 * p.z) + 0.3 * std::sin(23 * p.z + 11 * p.x);
 }
 
-/// Rays along which something is hit exactly: from points and middles of edges and faces to others, and beyond.
+/// Rays that pass exactly through parts of cells: from points and middles of edges and faces to
+/// others, and beyond.
 void add_rays_between_points(std::vector<Ray>& rays, const preprocess::NeutralMesh& mesh, const Vec3& origin,
                              std::size_t count, Dice& dice) {
   const auto place = [&] {
@@ -68,8 +69,8 @@ void add_rays_between_points(std::vector<Ray>& rays, const preprocess::NeutralMe
   }
 }
 
-/// Squares of 8 x 8 rays through a box, rays that graze and miss, rays through points, edges and faces, rays that end
-/// on their way; a number that fills no group.
+/// Squares of 8 x 8 rays through a box; rays that graze and miss; rays through points, edges and
+/// faces; rays that end inside. Their number does not fill the last group.
 std::vector<Ray> rays_through(const Box3& box, const preprocess::NeutralMesh& mesh, const Vec3& origin,
                               std::size_t count, std::uint64_t seed) {
   Dice dice(seed);
@@ -123,7 +124,7 @@ void expect_same(const std::vector<Hit>& wide, const std::vector<Hit>& reference
   EXPECT_EQ(different, 0) << where;
 }
 
-/// Every machine gives what the scalar kernel gives; returns how many rays hit.
+/// Expects the scalar kernel's result on every machine; returns the number of rays that hit.
 int expect_agreement(const std::string& name, const preprocess::NeutralMesh& mesh, std::size_t count,
                      const preprocess::PackMeshOptions& options = {}) {
   const TracedVolume traced(mesh, options);
@@ -209,7 +210,7 @@ TEST(WideTetMaximum, tells_the_cell_of_the_smallest_id_of_those_that_share_it) {
   EXPECT_GT(expect_agreement("ids", mesh, 1000), 500);
 }
 
-/// The judge shares no arithmetic with either kernel.
+/// Exact arithmetic shares no code with either kernel.
 TEST(WideTetMaximum, is_the_judges_to_rounding) {
   const auto mesh = box_mesh({.cells = {6, 5, 7}, .jitter = 0.14}, waves);
   const TracedVolume traced(mesh);

@@ -48,7 +48,7 @@ std::vector<CellVisit> flat_walk(const Ray& ray, const WalkLattice& lattice, con
   return visits;
 }
 
-/// Leaf cells seen when `opens` decides on macrocells.
+/// Returns the leaf cells visited when `opens` decides on macrocells.
 template <class Opens, class Planes = WholePlanes>
 std::vector<CellVisit> hierarchical_walk(const Ray& ray, const WalkLattice& lattice, int levels, Opens opens,
                                          const Planes& at = {}) {
@@ -75,7 +75,8 @@ std::vector<Fields> all_fields(const std::vector<CellVisit>& visits) {
   return out;
 }
 
-/// The walk by another road: all plane times, sorted by time and then by axis, passed one after the other.
+/// A different implementation of the traversal: all plane times, sorted by time and then by axis,
+/// passed one after the other.
 template <class Planes = WholePlanes>
 std::vector<CellVisit> walk_by_sorting(const Ray& ray, const Index3& size, const Planes& planes_at = {}) {
   const PlaneTimesOf<Planes> planes(ray, planes_at);
@@ -148,7 +149,7 @@ TEST(WalkLevel, visits_the_cells_between_the_sorted_plane_times) {
   EXPECT_GT(without_length, 3000) << "too few ties are left: are these still the stressful rays?";
 }
 
-/// Planes in the box [0, count], with steps from 0.001 to about 1 unit, or at whole numbers.
+/// Planes in the box [0, count], with steps from 0.001 to about 1 unit, or at integers.
 std::array<std::vector<double>, 3> uneven_planes(const Index3& count, bool whole) {
   Dice dice(77);
   std::array<std::vector<double>, 3> planes;
@@ -235,7 +236,7 @@ TEST(WalkLevel, goes_through_faces_only_and_covers_the_whole_part_of_the_ray) {
     }
 }
 
-// Exact chords: every cell that holds a noticeable part of the ray is visited, for that part.
+// Exact chords: every cell that contains a noticeable part of the ray is visited, for that part.
 TEST(WalkLevel, visits_the_cells_that_exact_arithmetic_finds) {
   const Index3 size(9, 8, 11);
   std::size_t compared = 0, too_short = 0;
@@ -254,7 +255,8 @@ TEST(WalkLevel, visits_the_cells_that_exact_arithmetic_finds) {
     std::map<std::tuple<std::int64_t, std::int64_t, std::int64_t>, std::pair<double, double>> walked;
     for (const CellVisit& v : flat_walk(ray, {size, 2})) walked[{v.cell.x, v.cell.y, v.cell.z}] = {v.t_in, v.t_out};
     const double longest = std::max({std::abs(ray.direction.x), std::abs(ray.direction.y), std::abs(ray.direction.z)});
-    // A plane time is off by the position's rounding over the slowness of its axis.
+    // The error of a plane time is the rounding of the position, divided by the speed along the
+    // slowest axis.
     double slowest = longest;
     for (int axis = 0; axis < 3; ++axis)
       if (std::abs(ray.direction[axis]) > 1e-9 * longest) slowest = std::min(slowest, std::abs(ray.direction[axis]));
@@ -274,7 +276,7 @@ TEST(WalkLevel, visits_the_cells_that_exact_arithmetic_finds) {
             std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor(rounded(p))), 0, size[axis] - 1);
         on_plane = on_plane || abs(p - exact(std::round(rounded(p)))) < exact(1e-12);
       }
-      if (on_plane) continue;  // the ray lies in a plane: either side's cell
+      if (on_plane) continue;  // the ray is in a plane: the cell on either side is correct
       const auto found = walked.find({cell[0], cell[1], cell[2]});
       ASSERT_NE(found, walked.end()) << ray.origin << " + t " << ray.direction;
       EXPECT_NEAR(found->second.first, rounded(times[i]), tolerance);

@@ -13,7 +13,8 @@ namespace {
 
 using render::MaximumQueue;
 
-/// Comes before, in words: larger bound; nearer; a found value before a region; in a cell entered before; smaller id.
+/// The order, in words: larger bound first; then nearer; a found value before a region; the cell
+/// entered first; smaller id.
 auto rank(const MaximumQueue::Entry& e) {
   const bool is_found = e.level == MaximumQueue::found;
   return std::tuple(-e.bound, e.t_in, is_found ? 0 : 1, is_found ? e.t_out : 0.0, e.id);

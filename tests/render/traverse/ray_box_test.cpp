@@ -51,13 +51,13 @@ TEST(ClipToLattice, agrees_with_exact_slabs) {
     const double length = ray.direction.length();
     const double tolerance = 1e-15 * (ray.origin.length() + 30) / length;  // of t
     if (!misses && abs(t_out - t_in) < exact(16 * tolerance)) {
-      ++near_the_edge;  // touches the box up to rounding: either answer
+      ++near_the_edge;  // touches the box up to rounding: both results are correct
     } else if (misses || t_out < t_in) {
       EXPECT_FALSE(part);
       ++outside;
     } else {
       ASSERT_TRUE(part);
-      // Errors of t are relative to the distance that t stands for along the slowest axis.
+      // Errors of t are relative to the distance that t corresponds to along the slowest axis.
       double slowest = infinity;
       for (int axis = 0; axis < 3; ++axis)
         if (std::abs(ray.direction[axis]) > 1e-12 * length) slowest = std::min(slowest, std::abs(ray.direction[axis]));
@@ -96,7 +96,8 @@ TEST(ClipToLattice, gives_nothing_for_a_direction_of_zero) {
     EXPECT_FALSE(clip({.origin = {1, 1, 1}, .direction = {zero, zero, zero}}, {4, 2, 2})) << zero;
 }
 
-// A NaN component once counted as one that does not move, and an infinite origin gave a part from infinity to infinity.
+// A NaN component once counted as one that does not move, and an infinite origin gave a part from
+// infinity to infinity.
 TEST(ClipToLattice, gives_nothing_for_numbers_that_are_not_finite) {
   for (const double bad : {nan, infinity, -infinity})
     for (int axis = 0; axis < 3; ++axis)

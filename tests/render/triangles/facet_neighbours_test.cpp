@@ -35,9 +35,10 @@ double waves(const Vec3& p) {
   return std::sin(7 * p.x + 1) + std::sin(9 * p.y) * std::cos(6 * p.z);
 }
 
-// All edges of an isosurface, found once more by a map: beyond each lies the facet that shares it, whose own edge leads
-// back; where a cell has no neighbour, nothing. An isosurface has a side that is higher: its facets are all turned
-// alike.
+// All edges of an isosurface, determined once more with a map. On the other side of each edge is
+// the facet that shares it, whose own edge leads back; where a cell has no neighbour, there is
+// nothing. An isosurface has a side with higher values, so all its facets have the same
+// orientation.
 TEST(FacetNeighbours, share_their_edges) {
   const TracedVolume traced(box_mesh({.cells = {9, 8, 7}, .jitter = 0.12}, waves), {});
   const auto& implementation = traced.volume().implementation();
@@ -77,7 +78,7 @@ TEST(FacetNeighbours, share_their_edges) {
   EXPECT_GT(shared, 2000U);
   EXPECT_GT(at_the_end, 50U);
   EXPECT_GT(triangles, 200U);
-  // And turned as the field rises.
+  // The orientation also agrees with the direction in which the field rises.
   for (std::uint32_t f = 0; f < facets.count(); ++f) {
     const Corners p = corners_of(facets.blocks(), f);
     const auto way = [&](std::size_t from, std::size_t to) {
@@ -93,7 +94,7 @@ TEST(FacetNeighbours, share_their_edges) {
   }
 }
 
-/// Facets in blocks, of a field that rises along z.
+/// Facets in blocks, with a field that rises along z.
 FacetNeighbours neighbours_of(const std::vector<Corners>& facets) {
   std::vector<FacetBlock> blocks((facets.size() + 15) / 16);
   std::vector<FacetField> fields(facets.size());
@@ -107,7 +108,7 @@ FacetNeighbours neighbours_of(const std::vector<Corners>& facets) {
 constexpr Corner a{0, 0, 0}, b{1, 0, 0}, c{1, 1, 0}, d{0, 1, 0}, e{0.5F, 0.5F, 1}, f{0.5F, 0.5F, -1};
 
 TEST(FacetNeighbours, are_alike_where_they_are_turned_alike) {
-  // Two halves of a square, in both orders each, over the diagonal from a to c.
+  // Two halves of a square, in both orders each, on both sides of the diagonal from a to c.
   for (const bool first_back : {false, true})
     for (const bool second_back : {false, true}) {
       const Corners first = first_back ? Corners{c, b, a, a} : Corners{a, b, c, c},
@@ -123,7 +124,8 @@ TEST(FacetNeighbours, are_alike_where_they_are_turned_alike) {
       }
       EXPECT_EQ(met, 1);
     }
-  // Folded over the diagonal, both as they are turned to z: they lie on the same side of it.
+  // Folded along the diagonal, with both normals towards z: they are on the same side of the
+  // diagonal.
   const FacetNeighbours folded = neighbours_of({{a, b, c, c}, {a, Corner{0.9F, 0.1F, 0.1F}, c, c}});
   EXPECT_EQ(folded.of(0)[3], 2 * 1U);
   EXPECT_EQ(folded.of(1)[3], 2 * 0U);
@@ -143,14 +145,16 @@ TEST(FacetNeighbours, are_none_where_three_meet) {
   }
 }
 
-// Rounding hides how it is turned, or turns it: its neighbours tell. A thin one beside a thin one too.
+// Rounding hides or reverses the facet's orientation: its neighbours determine it. This also works
+// for a thin facet next to another thin one.
 TEST(FacetNeighbours, tell_how_thin_facets_are_turned) {
   for (const float off : {1e-7F, -1e-7F, 0.0F}) {
     const Corner on{0.5F, off, 0}, further{0.5F, 2 * off, 0};
     const Corner below{0.5F, -1, 0};
     const std::vector<Corners> facets{{a, on, b, b}, {on, further, b, b}, {below, b, a, a}};
     const FacetNeighbours neighbours = neighbours_of(facets);
-    // `below` passes the edge from b to a; so the thin one goes from a to b, which is its own order backwards.
+    // `below` passes the edge from b to a; so the thin one passes it from a to b, which is the
+    // reverse of its own order.
     EXPECT_EQ(neighbours.turns()[2], Turn::counter_clockwise);
     EXPECT_EQ(neighbours.turns()[0], Turn::clockwise) << off;
     EXPECT_EQ(neighbours.of(0)[3], 2 * 2U + 1);

@@ -120,7 +120,8 @@ TEST(Facets, have_corners_where_the_field_is_the_isovalue_and_fields_of_their_ce
   }
 }
 
-/// Edges of facets, with corners in the order of their bits, and how many facets have them.
+/// Returns the edges of facets, with corners ordered by their bits, and the number of facets at
+/// each.
 std::map<std::array<Corner, 2>, int> edges_of(const Facets& facets) {
   std::map<std::array<Corner, 2>, int> edges;
   for (std::uint32_t f = 0; f < facets.count(); ++f) {
@@ -145,7 +146,8 @@ TEST(Facets, share_their_edges_bit_for_bit_so_that_a_closed_surface_is_closed) {
 }
 
 TEST(Facets, meet_in_points_whose_value_is_the_isovalue) {
-  // Whole values at whole places: many points are on the surface, and facets shrink to edges and points.
+  // Integer values at integer positions: many points are on the surface, and facets shrink to edges
+  // and points.
   Made made(box_mesh({.cells = {6, 6, 6}, .box = Box3(Vec3(0), Vec3(6))},
                      [](const Vec3& p) { return 2 - std::floor((p - Vec3(3)).length()); }));
   const Facets facets = made.facets(0);

@@ -11,7 +11,7 @@
 #include "tests/support/expect_error.h"
 #include "tests/support/surfaces.h"
 
-/// Surfaces in pictures: by themselves, and among the layers of other volumes.
+/// Surfaces in pictures: alone, and among the layers of other volumes.
 namespace rhoray::tests {
 namespace {
 
@@ -25,7 +25,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 struct Shown {
   TemporaryFolder folder;
-  std::vector<render::Volume> volumes;  ///< a ball of triangles of radius 0.8, a grid whose field is 1 - distance
+  /// A ball of triangles of radius 0.8, a grid whose field is 1 - distance.
+  std::vector<render::Volume> volumes;
 
   explicit Shown(int depth = 4) {
     preprocess::pack_surface(moved(round_surface(depth), Vec3(0), 0.8), folder / "ball.rho");
@@ -91,7 +92,8 @@ TEST(Surfaces, are_seen_where_they_are) {
   for (std::size_t p = 0; p < found.pixel_count(); ++p) {
     const Vec3 &o = rays[p].origin, &d = rays[p].direction;
     const double b = o.dot(d), distance = (o - b * d).length();
-    if (std::abs(distance - 0.8) < 2e-3) continue;  // the ball of flat triangles is a little smaller
+    // The ball of flat triangles is slightly smaller.
+    if (std::abs(distance - 0.8) < 2e-3) continue;
     ASSERT_EQ(found.depth[p] < infinity, distance < 0.8) << p;
     if (distance > 0.8) continue;
     ++hits;
@@ -121,7 +123,8 @@ TEST(Surfaces, are_the_same_at_double_with_and_without_the_tree) {
 
 TEST(Surfaces, hide_and_are_hidden_among_other_layers) {
   const Shown shown(2);
-  // The isosurface is a ball of radius 0.79: before the middles of triangles, behind their corners.
+  // The isosurface is a ball of radius 0.79: in front of the middles of triangles, behind their
+  // corners.
   const Layer red = triangles({1, 0, 0}), blue = isosurface(0.215, {0, 0, 1});
   const Framebuffer of_triangles = picture_of(shown, scene_of({red})), of_field = picture_of(shown, scene_of({blue}));
   const Framebuffer both = picture_of(shown, scene_of({red, blue}));
@@ -139,7 +142,7 @@ TEST(Surfaces, hide_and_are_hidden_among_other_layers) {
 
 TEST(Surfaces, may_be_seen_through_once_for_each_crossing) {
   const Shown shown;
-  // Light that is ambient only: a pixel is a mix of colours that tells how often each layer was met.
+  // Only ambient light: a pixel is then a mix of colours that shows how often each layer was hit.
   std::vector<Layer> layers{triangles({1, 0, 0}, 0.5), isosurface(0.6, {0, 0, 1})};
   for (Layer& layer : layers) layer.surface.ambient = 1, layer.surface.specular = 0;
   render::FrameStatistics statistics;
@@ -191,7 +194,8 @@ TEST(Surfaces, have_smooth_normals_that_are_those_of_the_ball) {
   for (std::size_t p = 0; p < smooth.pixel_count(); ++p) {
     if (!(smooth.depth[p] < infinity)) continue;
     const Vec3 outward = rays[p].at(static_cast<double>(smooth.depth[p])).normalized();
-    if (outward.dot(rays[p].direction) > -0.3) continue;  // near the border a mean may turn away from the eye
+    // Near the border a mean normal may point away from the eye.
+    if (outward.dot(rays[p].direction) > -0.3) continue;
     const auto normal = [&](const Framebuffer& of) {
       return Vec3(of.normal[3 * p], of.normal[3 * p + 1], of.normal[3 * p + 2]);
     };

@@ -16,7 +16,8 @@
 #include "tests/support/surfaces.h"
 #include "tests/support/temporary_folder.h"
 
-/// Where rays meet the triangles of surfaces: by the scalar kernel in double precision, and by the wide ones.
+/// First hits of rays with the triangles of surfaces: by the scalar kernel in double precision, and
+/// by the wide ones.
 namespace rhoray::tests {
 namespace {
 
@@ -47,7 +48,7 @@ class Traced {
   }
   Hit first(const Ray& ray, Machine machine) { return first(std::vector<Ray>{ray}, machine)[0]; }
 
-  /// All crossings of a ray, each asked for behind the last.
+  /// Returns all crossings of a ray, each traced behind the last.
   std::vector<Hit> all(Ray ray, Machine machine) {
     std::vector<Hit> hits;
     while (hits.size() < 1000) {
@@ -78,7 +79,7 @@ double bumps(const Vec3& d) {
   return 1 + 0.3 * std::sin(5 * d.x + 1) * std::cos(4 * d.y) + 0.15 * std::sin(9 * d.z);
 }
 
-/// A closed surface and how far its points lie from a place inside.
+/// A closed surface and the distance of its points from a point inside.
 struct Closed {
   std::string name;
   preprocess::NeutralSurface surface;
@@ -86,11 +87,13 @@ struct Closed {
   double size;
 };
 
-/// The cube of which one edge has a point more on one side than on the other: a triangle without area lies between.
+/// A cube with one edge that has an additional point on one side only: a triangle without area lies
+/// between.
 preprocess::NeutralSurface cube_with_flat_triangle() {
   preprocess::NeutralSurface surface = cube_surface();
   const std::uint64_t added = surface.points.size();
-  surface.points.push_back({0.3, 0, 0});  // on the edge from point 0 to point 1, which triangle 0, 3, 1 has
+  // On the edge from point 0 to point 1, which belongs to triangle 0, 3, 1.
+  surface.points.push_back({0.3, 0, 0});
   std::vector<std::vector<std::uint64_t>> facets;
   for (std::size_t f = 0; f + 1 < surface.facet_offsets.size(); ++f) {
     const auto* corner = surface.facet_corners.data() + surface.facet_offsets[f];
@@ -144,7 +147,8 @@ TEST(SurfaceKernels, meet_a_cube_where_its_planes_are) {
         if (std::min(a, b) > t_in) t_in = std::min(a, b), axis_in = axis;
         t_out = std::min(t_out, std::max(a, b));
       }
-      if (std::abs(t_in - t_out) < 1e-5) continue;  // so near to an edge that single precision may err
+      // So near to an edge that single precision may be wrong.
+      if (std::abs(t_in - t_out) < 1e-5) continue;
       ASSERT_EQ(hits[r].is_miss(), t_in > t_out) << name_of(machine) << " ray " << r;
       if (hits[r].is_miss()) continue;
       ++hit_count;
@@ -171,7 +175,8 @@ TEST(SurfaceKernels, agree_wherever_a_ray_nearby_does) {
         const auto agree = [&](const Hit& a, const Hit& b, double share) {
           return a.t == b.t || std::abs(a.t - b.t) <= share * closed.size;
         };
-        // Places are those of planes in double precision: of origins far away, to their rounding.
+        // Positions are those of the planes in double precision; for distant origins, to their
+        // rounding.
         if (agree(found[r], exact[r], 1e-8)) continue;
         ++others;
         bool is_explained = false;
@@ -204,7 +209,8 @@ TEST(SurfaceKernels, pass_through_closed_surfaces_an_even_number_of_times) {
   }
 }
 
-/// Rays from inside through places where triangles meet, and beside them by less than any number tells.
+/// Rays from inside through positions where triangles meet, and others beside them by less than any
+/// number can resolve.
 std::vector<Ray> rays_from_inside(const Closed& closed) {
   const preprocess::NeutralSurface& s = closed.surface;
   std::vector<Ray> rays;
@@ -255,7 +261,7 @@ TEST(SurfaceKernels, leave_no_hole_for_rays_along_axes_in_faces_edges_and_diagon
           }
 }
 
-/// Triangles strewn about, facing any way.
+/// Triangles at random positions with random orientations.
 preprocess::NeutralSurface strewn_triangles(std::size_t count, std::uint64_t seed) {
   Dice dice(seed);
   std::vector<Vec3> points;
@@ -328,7 +334,7 @@ TEST(SurfaceKernels, do_not_meet_the_triangle_that_a_ray_starts_on) {
     for (const Ray& ray : rays_at(closed, 1500, 9)) {
       const Hit hit = traced.first(ray, machine);
       if (hit.is_miss()) continue;
-      // To the side on which the ray comes, flat along the triangle or steep.
+      // On the side from which the ray comes, nearly parallel to the triangle or steep.
       const Vec3 normal = hit.gradient.normalized();
       Vec3 direction = dice.direction();
       direction -= normal * direction.dot(normal);

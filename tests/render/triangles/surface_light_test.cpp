@@ -8,7 +8,7 @@
 #include "tests/agreement/pictures.h"
 #include "tests/support/surfaces.h"
 
-/// Light on triangles, and what they hold back of it: the same ball as a grid's isosurface and as triangles.
+/// Light on triangles, and their shadows: the same ball as a grid's isosurface and as triangles.
 namespace rhoray::tests {
 namespace {
 
@@ -113,7 +113,7 @@ TEST(LitTriangles, throw_and_receive_the_shadows_of_the_isosurface_that_they_sta
     const double rays = static_cast<double>(of_grid.statistics.shadow_rays);
     EXPECT_GT(rays, 3000);
     EXPECT_NEAR(static_cast<double>(of_triangles.statistics.shadow_rays) / rays, 1, 0.01);
-    // Without the ball there would be no shadow: the pictures agree about something.
+    // Without the ball there would be no shadow: the agreement of the pictures is not trivial.
     Scene floor_alone = scene_of(false, lights);
     floor_alone.layers.pop_back();
     EXPECT_GT(difference_of(picture_of(shown, floor_alone), of_grid).pixels, 400U);

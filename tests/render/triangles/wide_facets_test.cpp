@@ -34,9 +34,10 @@ constexpr Method judged = render::method_of(render::Accuracy::exact);
 struct Mesh {
   std::string name;
   std::unique_ptr<TracedVolume> traced;
-  Box3 box;  ///< volume frame
+  Box3 box;  ///< in the volume's frame
   std::vector<double> isovalues;
-  /// The longest edges of cells, or the longest way in which a cell's rounded places matter.
+  /// The longest edge of any cell, or the longest distance over which the rounding of a cell's
+  /// positions matters.
   double cell_size;
 };
 
@@ -51,7 +52,7 @@ double waves(const Vec3& p) {
   return std::sin(7 * p.x + 1) + std::sin(9 * p.y) * std::cos(6 * p.z) + 0.3 * std::sin(23 * p.z + 11 * p.x);
 }
 
-/// Squeezed along an axis by a factor.
+/// Scales a mesh along one axis.
 preprocess::NeutralMesh squeezed(preprocess::NeutralMesh mesh, double factor) {
   for (auto& point : mesh.points) point[2] *= factor;
   return mesh;
@@ -101,7 +102,8 @@ std::vector<Mesh> meshes() {
   return all;
 }
 
-/// Squares of 8 x 8 rays from points around and inside a box towards points in it, in the box's frame.
+/// Squares of 8 x 8 rays from points around and inside a box towards points in it, in the box's
+/// frame.
 std::vector<Ray> bundles(const Box3& box, std::size_t count, std::uint64_t seed) {
   Dice dice(seed);
   std::vector<Ray> rays;
@@ -136,7 +138,8 @@ std::vector<Ray> all_rays(const Box3& box, std::size_t count, std::uint64_t seed
   return rays;
 }
 
-/// True for rays in a plane in which the mesh ends: whether they are in it is a matter of taste.
+/// True for rays in a plane that bounds the mesh: either decision whether they are inside is
+/// acceptable.
 bool lies_in_border(const Ray& ray, const Box3& box) {
   for (int axis = 0; axis < 3; ++axis) {
     const double off = std::min(std::abs(ray.origin[axis] - box.min[axis]), std::abs(ray.origin[axis] - box.max[axis]));
@@ -147,7 +150,7 @@ bool lies_in_border(const Ray& ray, const Box3& box) {
 
 struct Difference {
   int hits = 0, decisions = 0, cells = 0;
-  double largest = 0, largest_in_cell = 0;  ///< distances of two hits, and of two in one cell
+  double largest = 0, largest_in_cell = 0;  ///< distances of two hits, and of two in the same cell
 };
 
 Difference difference(const std::vector<Ray>& rays, const std::vector<Hit>& a, const std::vector<Hit>& b) {
@@ -206,7 +209,8 @@ TEST(WideFacets, of_a_ray_do_not_depend_on_the_rays_beside_it) {
   }
 }
 
-/// Squares of 32 x 32 rays, 8 x 8 after 8 x 8 as a tile's: from all of a mesh in one of them to a hundredth of it.
+/// Squares of 32 x 32 rays, 8 x 8 after 8 x 8 as in a tile: between the whole mesh and a hundredth
+/// of it in one square.
 std::vector<std::vector<Ray>> tiles(const Box3& box, std::size_t count, std::uint64_t seed) {
   Dice dice(seed);
   std::vector<std::vector<Ray>> all(count);
@@ -245,7 +249,8 @@ TEST(WideFacets, of_a_tile_are_those_of_its_blocks) {
             }
           }
         }
-        // What many blocks meet is found for all of them at once: were it not, they would visit as much.
+        // Nodes that many blocks hit are searched for all of them at once: otherwise the visits
+        // would be equal.
         EXPECT_NE(visits_together, visits_apart) << mesh.name << ", " << name_of(machine);
       }
 }
@@ -272,8 +277,8 @@ TEST(WideFacets, report_values_gradients_and_counts) {
   }
 }
 
-/// Every ray that starts outside a closed surface and aims at a place inside it, at vertices and edges of facets above
-/// all, meets it.
+/// Every ray that starts outside a closed surface and aims at a point inside it hits the surface.
+/// Most of them aim at vertices and edges of facets.
 TEST(WideFacets, of_closed_surfaces_are_met_by_every_ray_aimed_inside) {
   for (const bool has_steps : {false, true}) {
     const auto ball = [&](const Vec3& p) {
@@ -285,7 +290,7 @@ TEST(WideFacets, of_closed_surfaces_are_met_by_every_ray_aimed_inside) {
     const render::VolumeImplementation& volume = traced.volume().implementation();
     Dice dice(8);
     std::vector<Ray> rays;
-    while (rays.size() < 20000) {  // towards edges, so to speak from inside: the ray on the other side
+    while (rays.size() < 20000) {  // towards edges, as if from inside: the ray on the other side
       const auto& cell = mesh.cells[static_cast<std::size_t>(dice.below(static_cast<std::int64_t>(mesh.cells.size())))];
       const auto a = static_cast<std::size_t>(dice.below(4)), b = (a + 1 + static_cast<std::size_t>(dice.below(3))) % 4;
       const auto& values = mesh.point_fields[0].values;
@@ -301,7 +306,7 @@ TEST(WideFacets, of_closed_surfaces_are_met_by_every_ray_aimed_inside) {
     for (const Machine machine : wide_machines())
       for (const Method& method : {single, certified}) {
         int missed = 0;
-        // Certified asks the judge about most of these.
+        // Certified uses exact arithmetic for most of these.
         const std::vector<Ray> asked(rays.begin(), rays.begin() + (method == certified ? 300 : 20000));
         for (const Hit& hit : answers(traced, method, machine, asked, 0)) missed += hit.is_miss();
         EXPECT_EQ(missed, 0) << name_of(machine) << (has_steps ? ", steps" : "");
@@ -316,7 +321,7 @@ TEST(WideFacets, certified_decide_as_the_judge_and_keep_their_bounds) {
   all.push_back(made("whole values", box_mesh({.cells = {9, 8, 10}, .jitter = 0.14}, whole), {0}, 0.2));
   all.push_back(made("whole values on a lattice", box_mesh({.cells = {6, 6, 6}}, whole), {1}, 0.2));
   for (const Mesh& mesh : all) {
-    if (mesh.name == "strewn") continue;  // its cells are no partition
+    if (mesh.name == "strewn") continue;  // its cells are not a partition
     const std::vector<Ray> coherent = bundles(mesh.box, 256, 81), stressful = stressful_rays_in(mesh.box, 128, 82);
     for (const double isovalue : mesh.isovalues)
       for (const bool is_coherent : {true, false}) {
@@ -367,7 +372,7 @@ TEST(WideFacets, leave_rays_without_numbers_and_meshes_beyond_measure_to_the_ref
 TEST(WideFacets, are_those_of_the_isovalue_that_is_asked_for) {
   const Mesh mesh = made("", box_mesh({.cells = {9, 8, 10}, .jitter = 0.14}, waves), {}, 0.2);
   const std::vector<Ray> rays = bundles(mesh.box, 500, 61);
-  for (int round = 0; round < 2; ++round)  // more isovalues than are kept, and back to each
+  for (int round = 0; round < 2; ++round)  // more isovalues than are cached, and back to each
     for (int k = 0; k < 7; ++k) {
       const double isovalue = -0.9 + 0.31 * k;
       const std::vector<Hit> reference = answers(*mesh.traced, Method{}, Machine::scalar, rays, isovalue);

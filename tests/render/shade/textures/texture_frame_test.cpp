@@ -41,12 +41,12 @@ Texture texture_of(const TemporaryFolder& folder, const preprocess::NeutralVolum
   return Texture::load(folder / name);
 }
 
-/// Light of the texture in the world.
+/// The linear colour of the texture in the world.
 Vec3 light_at(const Vec3& p) {
   return {0.5 + 0.4 * p.x, 0.5 + 0.2 * p.y - 0.2 * p.z, 0.4 - 0.3 * p.x + 0.2 * p.z};
 }
 
-/// A little more than the cube, in axes of its own.
+/// Slightly larger than the cube, in axes of its own.
 preprocess::NeutralVolume ramps(int component_count = 3, std::uint8_t alpha = 255) {
   const Index3 count(40, 36, 44);
   Affine world = lattice_over(Box3({-1.2, -1.3, -1.1}, {1.2, 1.3, 1.1}), count);
@@ -60,7 +60,7 @@ preprocess::NeutralVolume ramps(int component_count = 3, std::uint8_t alpha = 25
       world);
 }
 
-/// Lit from all sides alone: a surface shows its own colours.
+/// Only ambient light: a surface shows its own colours.
 Layer glowing(std::size_t volume, double isovalue, const std::optional<Texture>& texture) {
   Layer layer{.volume = volume, .isovalue = isovalue, .method = render::method_of(render::Accuracy::float64)};
   layer.surface = {.color = {0.1, 0.2, 0.9}, .texture = texture, .ambient = 1, .specular = 0};
@@ -173,7 +173,7 @@ TEST(Textures, are_mixed_over_the_surface_by_their_alpha) {
 TEST(Textures, leave_what_they_do_not_reach_as_it_is) {
   const TemporaryFolder folder;
   const std::vector<render::Volume> volumes = both_kinds(folder);
-  // Over the half with z above 0 only.
+  // Covers only the half with z above 0.
   const Texture half = texture_of(folder, colors_of({1, 1, 1}, 3,
                                                     [](const Index3&) {
                                                       return std::array<std::uint8_t, 4>{255, 255, 255, 255};
@@ -212,13 +212,13 @@ TEST(Textures, cover_clear_surfaces_at_each_of_their_crossings) {
     const Scene scene = scene_of({clear});
     const Picture picture = picture_of(volumes, scene);
     EXPECT_GT(picture.statistics.texture_lookups, picture.statistics.hits * 19 / 10) << "in and out again";
-    // A ball: the way through it is known where the first crossing is.
+    // A ball: the first crossing determines where the ray leaves it.
     for (std::size_t p = 0; p < picture.pixels.pixel_count(); ++p) {
       if (!picture.is_hit(p)) continue;
       const Vec3 in = place_of(scene, picture, p), along = (in - scene.camera.position).normalized();
       const Vec3 out = in - 2 * in.dot(along) * along;
       const Vec3 expected = 0.5 * light_at(in) + 0.25 * light_at(out);
-      if (-in.dot(along) < 0.2) continue;  // the grid's ball is not quite one
+      if (-in.dot(along) < 0.2) continue;  // the grid's ball is not exactly a ball
       for (int c = 0; c < 3; ++c) ASSERT_NEAR(picture.channel(p, c), expected[c], 0.02);
     }
   }
@@ -252,7 +252,7 @@ TEST(Textures, of_surfaces_that_are_hidden_are_not_read) {
   const Picture hidden = picture_of(volumes, scene_of({shell, glowing(1, 0.3, texture)}));
   EXPECT_GT(hidden.statistics.hits, 1000U);
   EXPECT_EQ(hidden.statistics.texture_lookups, 0U);
-  // Of two that cover each other in parts, no hit is looked up twice.
+  // Where two surfaces partly cover each other, no hit is looked up twice.
   const Picture both = picture_of(volumes, scene_of({glowing(0, 0.05, texture), glowing(1, 0.05, texture)}));
   EXPECT_EQ(both.statistics.texture_lookups, both.statistics.hits);
 }
@@ -293,7 +293,7 @@ TEST(Textures, are_refused_where_no_colours_are_expected_and_other_files_as_text
 
 TEST(Textures, tell_of_boxes_that_they_may_reach) {
   const TemporaryFolder folder;
-  // A square on its corner: its bounds reach further than it does.
+  // A square standing on its corner: its bounds extend farther than it does.
   const Texture texture =
       texture_of(folder, colors_of({10, 10, 10}, 3, telling_texel, {{1, 1, 0}, {-1, 1, 0}, {0, 0, 1}, {0, 0, 0}}));
   const auto box = [](const Vec3& low, const Vec3& high) { return Box3(low, high); };

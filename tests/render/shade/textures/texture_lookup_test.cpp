@@ -38,7 +38,7 @@ formats::ColorGrid packed(const TemporaryFolder& folder, const preprocess::Neutr
   return formats::ColorGrid(formats::PackedFile::open(folder / "c.rho"));
 }
 
-/// A group of hits at places of the world.
+/// A group of hits at positions in the world.
 struct Group {
   render::RayBatch rays{group_size};
   render::HitBatch hits{group_size};
@@ -100,7 +100,8 @@ TEST(TextureLookup, repeats_a_ramp_of_light_in_each_channel_to_a_step_of_eight_b
   }
 }
 
-/// By the definition, in double precision: a mean of the eight texels around, those beyond the border again the last.
+/// By the definition, in double precision: a mean of the eight texels around the point. Beyond the
+/// border the last texel repeats.
 std::array<double, 4> covering(const std::function<std::array<std::uint8_t, 4>(const Index3&)>& texel,
                                const Index3& count, int components, const Vec3& place) {
   std::array<double, 4> sum{};
@@ -166,7 +167,7 @@ TEST(TextureLookup, reads_nothing_for_hits_that_are_not_shown_or_lie_elsewhere) 
   const TemporaryFolder folder;
   const formats::ColorGrid grid = packed(folder, colors_of({5, 4, 3}, 3, telling_texel));
   void* texels = const_cast<std::uint8_t*>(grid.texels().data());
-  ASSERT_EQ(::mprotect(texels, grid.texels().size(), PROT_NONE), 0);  // who reads there ends here
+  ASSERT_EQ(::mprotect(texels, grid.texels().size(), PROT_NONE), 0);  // any read there crashes here
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   Group hidden(places_in(Box3({0, 0, 0}, {4, 3, 2}), 5));
   std::fill_n(hidden.shown, group_size, 0.0F);
