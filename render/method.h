@@ -25,7 +25,7 @@ namespace rhoray::render {
 /// exact result for the ray's numbers and the stored data.
 struct Method {
   enum class Algorithm { direct, preview, paper, slack, sampled, certified, exact };
-  /// Inside a cell; traversal from cell to cell is always in double.
+  /// Precision inside a cell; traversal from cell to cell is always in double.
   enum class Precision { float32, float64 };
 
   Algorithm algorithm = Algorithm::direct;

@@ -26,7 +26,8 @@ struct GridRayVerdict {
   /// The first cell along the ray in which the change is seen. At a shared face it is, from
   /// outside, the cell before it; from inside, the one behind.
   Index3 cell{0, 0, 0};
-  /// In that cell's closed part of the ray; -1 when the value is the isovalue everywhere on it.
+  /// Roots in that cell's closed part of the ray; -1 when the value is the isovalue everywhere
+  /// on it.
   int root_count = 0;
   ExactEffort effort{};
 };

@@ -21,7 +21,7 @@ RHORAY_INLINE float larger(float a, float b) {
 
 /// Extent of all facets, per lane of their blocks.
 struct Extent {
-  /// Sum of the longer sides of the projected bounding boxes.
+  /// `sum` is that of the longer sides of the projected bounding boxes.
   float low[2][size], high[2][size], sum[size];
 };
 

@@ -46,8 +46,8 @@ class FrontFacing {
   std::size_t count() const { return count_; }
   const SeenBlock* blocks() const { return blocks_.get(); }
 
-  /// Squares that cover all facets, enlarged by the margin. They are somewhat smaller than the
-  /// facets.
+  /// Squares that cover all facets, enlarged by the margin. A square is somewhat smaller than a
+  /// facet.
   const Squares& squares() const { return squares_; }
 
   /// The position of a corner.

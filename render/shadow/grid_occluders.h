@@ -19,7 +19,7 @@ class SurfaceCells {
     std::uint8_t place;  ///< index in its block: x + 4 y + 16 z
     /// Height above the isovalue, at x + 2 y + 4 z: integers in the cell's own unit.
     std::int8_t corner[8];
-    /// a bit of `place`: corners cannot be expressed as such integers.
+    /// A bit of `place`: corners cannot be expressed as such integers.
     static constexpr std::uint8_t unknown = 64;
   };
   /// 4 x 4 x 4 cells.

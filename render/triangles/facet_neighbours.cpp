@@ -28,7 +28,7 @@ struct Corner {
   std::uint32_t hash() const {
     constexpr std::uint32_t factor[3] = {0xed55'8ccd, 0x1a85'ec53, 0x6659'fd93};
     std::uint32_t sum = 0;
-    // So that -0 becomes +0.
+    // Adding 0 turns -0 into +0.
     for (std::size_t a = 0; a < 3; ++a) sum += factor[a] * std::bit_cast<std::uint32_t>(at[a] + 0.0F);
     return (sum ^ sum >> 15) * 0x2c1b'3c6d;
   }

@@ -16,10 +16,10 @@ namespace rhoray::render {
 /// 10 slots per facet.
 class FacetNeighbours {
  public:
-  /// What is on the other side of an edge: the index of a facet or one of two special indices above
-  /// those of facets (place_of), and whether it has the same orientation as this facet (is_alike).
-  /// Two facets traversed in the directions that turns() gives then pass the edge in opposite
-  /// directions, as parts of one oriented sheet do.
+  /// What is on the other side of an edge. place_of gives the index of a facet, or one of two
+  /// special indices above those of facets. is_alike tells whether it has the same orientation as
+  /// this facet. Two facets traversed in the directions that turns() gives then pass the edge in
+  /// opposite directions, as parts of one oriented sheet do.
   using Beyond = std::uint32_t;
   static constexpr std::size_t place_of(Beyond beyond) { return beyond / 2; }
   static constexpr unsigned is_alike(Beyond beyond) { return beyond % 2; }  ///< 0 or 1

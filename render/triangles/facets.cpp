@@ -247,9 +247,9 @@ void find_gradients(const BlockCells& cells, double* six_volumes, double (*gradi
   }
 }
 
-/// Computes the fields of cells. Where a cell's volume is less than 2^-20 of the product of its
-/// edges' lengths, the sum of a few rounded products is unreliable and the gradient is in doubt.
-/// Above that, its error is less than 2^-53 * 64 * 2^20 of itself, relative to that product.
+/// Computes the fields of cells. A cell's volume may be less than 2^-20 of the product of its
+/// edges' lengths. Then the sum of a few rounded products is unreliable and the gradient is in
+/// doubt. Above that, its error is less than 2^-53 * 64 * 2^20 of itself, relative to that product.
 void find_fields(const BlockCells& cells, double isovalue, const Vec3& anchor, std::span<FacetField> fields) {
   constexpr std::size_t size = BlockCells::size;
   constexpr double largest = std::numeric_limits<double>::max();

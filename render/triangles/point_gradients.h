@@ -29,7 +29,7 @@ class PointGradients {
   PointGradients(const TetVolume<T>& view, unsigned threads);
   PointGradients(const SurfaceVolume& view, unsigned threads);
 
-  /// In the mesh's frame.
+  /// Gradients in the mesh's frame.
   std::span<const std::array<double, 3>> of_points() const { return gradients_; }
 
  private:

@@ -96,7 +96,7 @@ class TetDecisions {
 
   /// BoxRay::meet for one box per ray.
   HWY_INLINE MaskD meets_box(const VecD* origin, const VecD* direction, VecD t_min, VecD t_max) const {
-    // a power of two.
+    // The unit is a power of two, so its inverse is exact.
     const VecD per_unit = hn::Set(doubles, 1 / field_.box_unit), zero = hn::Zero(doubles);
     VecD t_in = hn::Set(doubles, -infinite), t_out = hn::Set(doubles, infinite);
     for (int m = 0; m < 3; ++m) {

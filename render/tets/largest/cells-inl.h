@@ -24,10 +24,10 @@ inline constexpr Codes codes{};
 
 /// Upper bound of the error of a position in a ray's picture plane, in a cluster's frame, from
 /// rounding to single precision. It holds for rays that pass the cluster's box within 2. With a =
-/// 2^-24: a / 2 for the corner's u, a for slope times w (each has an error of a / 2), a for their
-/// difference, 2 a for the shift (up to 4), 4 a for the last difference (up to 6); a / 2 more
-/// without fused operations. TetRays::place_error is added. Other rays miss all cells by far more
-/// than this error.
+/// 2^-24, it adds up a / 2 for the corner's u, a for slope times w (each has an error of a / 2),
+/// and a for their difference. It also adds 2 a for the shift (up to 4), and 4 a for the last
+/// difference (up to 6); a / 2 more without fused operations. TetRays::place_error is added. Other
+/// rays miss all cells by far more than this error.
 inline constexpr float rounded_place = 0x1p-20f;
 
 /// More than the error of a value or a level in a cluster's frame: 2^-25 and 2^-24.
@@ -134,8 +134,9 @@ class TetCells {
   }
 
   /// Computes for each vertex one byte per pack. Its bits tell on which sides of the pack's rays
-  /// the vertex is (axis-aligned and diagonal sides), and whether all of the pack's rays have
-  /// already reached its value. A cell whose vertices have a bit in common is not hit by the pack.
+  /// the vertex is; sides are axis-aligned or diagonal. One bit tells whether all of the pack's
+  /// rays have already reached its value. A cell whose vertices have a bit in common is not hit by
+  /// the pack.
   HWY_INLINE void encode(const LocalCluster& local, std::uint64_t lanes) {
     float offset[16], slope[16], least[4];
     std::uint32_t absent = 0;

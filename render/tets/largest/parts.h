@@ -58,8 +58,8 @@ struct TetMaximumField {
   const void* context;
 };
 
-/// A cluster in its own local frame, in which its box, centred at zero, extends from -1 to 1 at
-/// most, and its values from 0 to 1.
+/// A cluster in its own local frame. There its box is centred at zero and extends from -1 to 1 at
+/// most, and its values extend from 0 to 1.
 struct alignas(64) LocalCluster {
   static constexpr std::size_t capacity = 256;  ///< vertices
   static constexpr std::uint64_t none = ~std::uint64_t{0};
@@ -91,7 +91,7 @@ struct alignas(64) TetMaximumScratch {
   double begin[lanes], end[lanes];          ///< the ray's ends, along w, begin <= end
   /// Lower bound of the ray's largest value; infinite without a ray.
   double reached[lanes];
-  /// In units of boxes.
+  /// Lines and ends of the rays, in units of boxes.
   float tree_slope[2][lanes], tree_shift[2][lanes], tree_begin[lanes], tree_end[lanes];
   float reached_share[lanes];  ///< `reached` as a share of the field's range, or less
   /// For each pack, l: bounds of -u, u, -v, v: offset + slope w.

@@ -42,7 +42,7 @@ CertifiedTetHit certified_crossing(const View& view, const RayQuery& query, cons
   answer.is_certain = doubtful_from == infinity || hit_t + hit_error < doubtful_from - t_rounding;
   if (hit_t < infinity && answer.is_certain) {
     fill_in(answer.hit, view, query, hit_tet, hit_t);
-    // Another may come first by less than their errors.
+    // Another crossing may come first by less than their errors.
     answer.hit.error = std::max(hit_error, hit_t - earliest);
   }
   return answer;

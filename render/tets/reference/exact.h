@@ -16,8 +16,9 @@
 /// It considers the tetrahedra whose values reach the isovalue, and joins their parts of the ray.
 /// This is correct where the cells are a partition with shared faces. Where cells overlap, or
 /// points hang in faces, there is no single field. Exact arithmetic may then find a change from one
-/// cell to the next that the direct method, which takes the first change inside any one cell, does
-/// not find (tests/hard_cases/defective_meshes_test.cpp). `info --stats` reports such meshes.
+/// cell to the next that the direct method does not find, because that takes the first change
+/// inside any one cell (tests/hard_cases/defective_meshes_test.cpp). `info --stats` reports such
+/// meshes.
 namespace rhoray::render {
 
 namespace {

@@ -10,11 +10,11 @@
 /// largest value on a ray is where the ray enters or leaves. Direct, preview and paper are
 /// therefore the same, in double whatever the precision requested.
 ///
-/// Regions (leaf cells and macrocells, or clusters and the entries above them) are opened in the
-/// order of their largest values, and front to back for equal values. The search ends when no
-/// region is left that could hold a larger value, the same value at a smaller t, or the same value
-/// at the same t in a cell with a smaller id. The result therefore does not depend on the choice of
-/// regions.
+/// Regions are leaf cells and macrocells, or clusters and the entries above them. They are opened
+/// in the order of their largest values, and front to back for equal values. The search ends when
+/// no remaining region could improve the result. That would be a larger value, the same value at a
+/// smaller t, or both the same in a cell with a smaller id. The result therefore does not depend on
+/// the choice of regions.
 namespace rhoray::render {
 
 namespace {

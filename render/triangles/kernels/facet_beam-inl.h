@@ -153,7 +153,7 @@ HWY_INLINE MetFacetLanes meet_facets(const FacetBlock& block, const FacetBeam& b
   met.in = hn::And(met.in, hn::Le(met.near, hn::Set(floats, beam.far)));
   for (int m = 0; m < 2; ++m) {
     const int axis = m == 0 ? beam.axis_u : beam.axis_v;
-    // The farthest that any corner is inside a bound.
+    // How far the corner deepest inside each bound is.
     VecF below = hn::Set(floats, -beyond), above = below;
     for (int c = 0; c < 4; ++c) {
       const VecF place = hn::Load(floats, block.corner[c][axis] + i);

@@ -107,7 +107,7 @@ class FacetHits {
     const VecD d = hn::Load(doubles, group_.rays.direction[group_.axis_w] + r);
     const VecD start = hn::Sub(hn::Load(doubles, group_.rays.origin[group_.axis_w] + r),
                                hn::Set(doubles, group_.surface.anchor[group_.axis_w]));
-    // Along w.
+    // The distance along w, in mesh units.
     const VecD way = hn::MulSub(depths(group_.scratch.depth, r), hn::Set(doubles, to_mesh_), start);
     const VecD t_field = hn::Div(hn::Neg(value), speed);
     const VecD off = hn::Abs(hn::MulSub(t_field, d, way));

@@ -6,7 +6,7 @@
 namespace rhoray::render::wide {
 
 /// Returns the kernel that finds the first crossing of a mesh's isosurface, or of a surface's
-/// triangles, for groups of rays at once, using the facets that make up the surface
+/// triangles, for groups of rays at once. It uses the facets that make up the surface
 /// (render/triangles/facets.h). Null where the scalar kernels are used: for other volumes, for
 /// meshes whose size or values exceed what products of doubles can hold, and for methods other than
 /// those of the table in render/kernels/wide/README.md.

@@ -140,7 +140,7 @@ struct alignas(64) FacetScratch {
   alignas(64) float depth[lanes];
   std::int32_t facet[lanes];  ///< that was hit, or no_facet
   float far[lanes];           ///< certified: upper bound of the depth of the nearest hit
-  /// certified: the two smallest depths that any hit may have.
+  /// Certified: the two smallest depths that any hit may have.
   float nearest[lanes], second[lanes];
   float doubt[lanes];  ///< certified: the smallest depth of any facet in doubt
   /// Per pack: lower and upper bounds of u, then of v.

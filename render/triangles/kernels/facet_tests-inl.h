@@ -319,7 +319,7 @@ class FacetTests {
 
   FacetGroup& group_;
   alignas(64) float facet_near_[FacetBlock::size], facet_far_[FacetBlock::size];
-  /// certified: upper bound of the error of an edge function near the facet.
+  /// Certified: upper bound of the error of an edge function near the facet.
   alignas(64) float margin_[FacetBlock::size];
   std::uint64_t tests_ = 0;
 };

@@ -170,7 +170,7 @@ std::vector<Points> difficult_tets() {
   for (int trial = 0; trial < 400; ++trial) tets.push_back(any_points(dice));
   for (int trial = 0; trial < 400; ++trial) tets.push_back(any_points(dice, std::pow(10, dice.between(-17, -1))));
   for (int trial = 0; trial < 200; ++trial) tets.push_back(any_points(dice, 0));
-  // integers: exactly flat, collinear and coincident ones are among them.
+  // Integers: exactly flat, collinear and coincident ones are among them.
   for (int trial = 0; trial < 400; ++trial) {
     Points points;
     for (auto& point : points)

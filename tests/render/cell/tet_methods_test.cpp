@@ -140,9 +140,9 @@ TYPED_TEST(TetMethods, all_find_the_crossing_of_a_ray_through_the_inside_of_an_o
   }
 }
 
-/// Two tetrahedra on both sides of a face, or a ring of them around an edge, with a linear field
-/// whose isosurface passes through the face or the edge; and rays aimed there. At least one must
-/// report a hit.
+/// Two tetrahedra on both sides of a face, or a ring of them around an edge. The isosurface of
+/// their linear field passes through the face or the edge, and rays are aimed there. At least one
+/// must report a hit.
 struct Ring {
   std::vector<Tet> tets;
   Vec3 from, to;  ///< the shared edge

@@ -31,7 +31,7 @@ inline double waves(const Vec3& p) {
 
 struct Shown {
   TemporaryFolder folder;
-  /// a grid, a mesh, a sparse grid with turned axes, and a ball of triangles.
+  /// A grid, a mesh, a sparse grid with rotated axes, and a ball of triangles.
   std::vector<render::Volume> volumes;
 
   Shown() {

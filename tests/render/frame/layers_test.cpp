@@ -30,7 +30,7 @@ double waves(const Vec3& p) {
 
 struct Shown {
   TemporaryFolder folder;
-  /// a grid, a mesh at the same position, a grid with rotated axes.
+  /// A grid, a mesh at the same position, a grid with rotated axes.
   std::vector<render::Volume> volumes;
 
   Shown() {

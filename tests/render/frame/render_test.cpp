@@ -301,7 +301,7 @@ TEST(Render, allocates_nothing_per_ray) {
       const auto allocations_of = [&](int edge) {
         Framebuffer picture;
         FrameOptions options{.width = edge, .height = edge, .channels = all_channels, .threads = 1};
-        // The thread pool's own memory, once.
+        // The first frame also allocates the thread pool's own memory.
         render::render(traced->volume(), scene, options, picture);
         const std::size_t before = allocation_count();
         render::render(traced->volume(), scene, options, picture);

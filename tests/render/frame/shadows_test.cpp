@@ -102,8 +102,8 @@ TEST(Shadows, do_not_fall_from_slivers_on_themselves) {
   }
 }
 
-/// Uncertainty of the ray's distance from the ball's centre at the edge of its shadow: 3/8 h^2 / r,
-/// plus rounding of the depths from which a pixel's position is computed.
+/// Uncertainty of the ray's distance from the ball's centre at the edge of its shadow. It is 3/8
+/// h^2 / r, plus rounding of the depths from which a pixel's position is computed.
 constexpr double shadow_tolerance = 0.375 / 80 / 80 / 0.4 + 1e-5;
 
 /// Returns the distance from the origin at which a ray towards a light passes, forwards only.

@@ -35,7 +35,7 @@ TEST(GridLargestValue, is_what_looking_into_every_cell_finds) {
     TracedVolume traced(volume_of<double>({9, 8, 10}, samples), {.macro_factor = 2});
     for (const Ray& ray : stressful_rays({8, 7, 9}, 900, 1)) {
       if (ray.origin.length() > 1e4 || std::abs(ray.direction.length() - 1) > 0.9) continue;
-      // There the traversal takes one of two cells: their absence of data may differ.
+      // In a plane the traversal takes one of two cells, and only one of them may have data.
       bool in_a_plane = false;
       for (int axis = 0; axis < 3; ++axis) in_a_plane = in_a_plane || std::abs(ray.direction[axis]) < 1e-4;
       if (in_a_plane) continue;

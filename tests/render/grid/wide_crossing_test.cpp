@@ -53,8 +53,8 @@ preprocess::NeutralVolume waves(const Index3& samples, std::uint64_t seed, doubl
 }
 
 /// Maximum distance of a hit in single precision from the one in double, in cells, where the ray is
-/// not tangent to the surface. A point of the ray in a block has an error of at most 2^-20 cells,
-/// and the field there one of 2^-20 of the largest difference in the cell: waves and noise are
+/// not tangent to the surface. A point of the ray in a block has an error of at most 2^-20 cells.
+/// The field there has an error of 2^-20 of the largest difference in the cell. Waves and noise are
 /// steep enough for this.
 constexpr double largest_distance_cells = 1e-3;
 

@@ -348,9 +348,9 @@ PowerErrors errors_of_powers(int exponent) {
   return errors;
 }
 
-// Five roundings of 2^-24: only the last squarings, of numbers no longer near 1, round by as much,
-// and the result they are added to is not doubled as it is in x^2. Over all floats above 1/4 and
-// all exponents up to 1024 the largest error is 2.5e-7.
+// Five roundings of 2^-24. Only the last squarings, of numbers no longer near 1, round by as much.
+// What they are added to is not doubled, as it is in x^2. Over all floats above 1/4 and all
+// exponents up to 1024 the largest error is 2.5e-7.
 TEST(Power, of_a_whole_exponent_is_right_to_five_roundings_however_large_it_is) {
   double largest_squared = 0;
   for (int exponent = 1; exponent <= 1024; exponent += exponent < 64 ? 1 : 37) {

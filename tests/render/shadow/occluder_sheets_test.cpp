@@ -149,7 +149,7 @@ TEST(OccluderSheets, end_where_their_facets_only_seem_to_meet) {
 TEST(OccluderSheets, of_two_the_lowest_counts) {
   std::vector<FacetCorners> facets = sheet(6, 0.5F, true);
   for (FacetCorners& facet : facets)
-    // Only the half from the middle on.
+    // Moved to x from 0 to 0.5.
     for (auto& corner : facet) corner[0] = 0.5F * corner[0] + 0.25F;
   const std::vector<FacetCorners> below = sheet(4, -0.5F, false);
   facets.insert(facets.end(), below.begin(), below.end());

@@ -14,7 +14,7 @@ namespace rhoray::tests {
 /// numbers.
 using Quad = __float128;
 
-/// value - isovalue along the chord of a trilinear cell, in Bernstein coefficients, with the sign
+/// value - isovalue along the chord of a trilinear cell, in Bernstein coefficients. Its sign is
 /// chosen so that it is positive on the side on which the ray starts. Number is Rational (exact) or
 /// Quad.
 template <class Number>

@@ -141,7 +141,7 @@ TEST(TetFirstCrossing, holds_a_ray_against_no_tetrahedron_twice) {
     for (const Method& method : {Method{}, Method{.algorithm = Method::Algorithm::certified}}) {
       traced.scratch.counters = {};
       traced.first_crossing(ray, 0.9, method);
-      // Tested against it in another precision, too.
+      // Such a ray was tested against the cell in another precision, too.
       if (traced.scratch.counters.rays_redone != 0) continue;
       ASSERT_LE(traced.scratch.counters.cells_solved, 1U);
       tested += traced.scratch.counters.cells_solved;

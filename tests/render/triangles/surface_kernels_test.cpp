@@ -87,7 +87,7 @@ struct Closed {
   double size;
 };
 
-/// A cube with one edge that has an additional point on one side only: a triangle without area lies
+/// A cube with one edge that has an additional point on one side only: a triangle without area is
 /// between.
 preprocess::NeutralSurface cube_with_flat_triangle() {
   preprocess::NeutralSurface surface = cube_surface();
