@@ -30,7 +30,7 @@ struct Method {
 
   Algorithm algorithm = Algorithm::direct;
   Precision precision = Precision::float64;  ///< of direct, preview, paper, slack
-  /// Of sampled: distance of samples, in cells of the lattice.
+  /// Of sampled: distance between samples, in cells of the lattice.
   double step = 0.5;
   /// Of sampled: refine by bisection, not by one linear step.
   bool bisect = false;

@@ -31,9 +31,9 @@ struct Ways {
   bool is_direction;
 };
 
-/// Determines for each facet of a block, one byte each, whether the field may change through it in
-/// the direction that ends the side along rays to the light: rise from below, fall from above. Also
-/// determines whether it certainly does.
+/// Determines for each facet of a block, one byte each, whether the field may change through it
+/// along rays to the light in the direction that ends the side: rise from below, or fall from
+/// above. Also determines whether it certainly does.
 RHORAY_INLINE void tell_block(const FacetField* fields, const Ways& ways, std::uint8_t* is_kept,
                               std::uint8_t* is_sure) {
   double x[block_size], y[block_size], z[block_size], value[block_size], doubt[block_size];

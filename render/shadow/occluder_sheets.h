@@ -21,7 +21,8 @@ struct FacetHeights {
 struct SheetFacets {
   const FrontFacing& seen;
   const std::uint32_t* sources;  ///< the index of each in the surface
-  /// Per block, one bit per facet whose same side certainly faces the light.
+  /// Per block, one bit per facet: set when the facet certainly faces the light with the given side
+  /// (see `rises`).
   const std::uint16_t* sure;
   bool rises;  ///< whether the field rises through these on the way to the light
 };
@@ -36,10 +37,10 @@ std::vector<float> heights_of_facets(Machine machine, const Squares& squares, do
 /// edge and have the same orientation (FacetNeighbours), the sheet continues; every other edge is a
 /// rim. Count how many times a sheet covers a place, minus the facets seen from the other side.
 /// This number changes at rims only, however thin a facet is and wherever rounding moves its
-/// corners. In connected squares without rims a sheet therefore covers all places or none. It
-/// covers all if one of the squares contains the middle of a facet and touches only facets that are
-/// certainly seen from the right side. What is below all facets that touch a square is then in
-/// shadow there.
+/// corners. In squares that are connected through their sides and have no rims, a sheet therefore
+/// covers all places or none. It covers all if one of the squares contains the middle of a facet
+/// and touches only facets that are certainly seen from the right side. What is below all facets
+/// that touch a square is then in shadow there.
 ///
 /// Treating sheets separately would find more shadow where several overlap, but separating them
 /// takes longer than it saves.

@@ -128,7 +128,7 @@ struct alignas(64) TetMaximumScratch {
 using TetLargestValues = std::uint64_t (*)(const TetMaximumField& field, const RayArrays& rays, std::size_t count,
                                            TetMaximumScratch& scratch, KernelCounters& counters);
 
-/// `baseline` is the processor's level of SSE up to SSE4, or else one lane.
+/// `baseline` uses the processor's best SSE up to SSE4, or else one lane.
 TetLargestValues tet_largest_values_on(Machine machine);
 
 }  // namespace rhoray::render::wide

@@ -41,7 +41,7 @@ using CrossFacets = std::uint64_t (*)(const FacetSurface& surface, const RayArra
                                       FacetChunk& chunk, FacetLists& lists, FacetScratch& scratch,
                                       KernelCounters& counters);
 
-/// `baseline` is the processor's level of SSE up to SSE4, or else one lane.
+/// `baseline` uses the processor's best SSE up to SSE4, or else one lane.
 CrossFacets cross_facets_on(Machine machine);
 
 }  // namespace rhoray::render::wide

@@ -201,7 +201,7 @@ struct MetFacets {
 using AnyFacets = MetFacets (*)(const FacetSurface& surface, const RayArrays& rays, std::size_t count,
                                 FacetChunk& chunk, FacetScratch& scratch, KernelCounters& counters);
 
-/// `baseline` is the processor's level of SSE up to SSE4, or else one lane.
+/// `baseline` uses the processor's best SSE up to SSE4, or else one lane.
 PrepareRays prepare_rays_on(Machine machine);
 FirstFacets first_facets_on(Machine machine, bool certified);
 AnyFacets any_facets_on(Machine machine);
