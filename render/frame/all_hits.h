@@ -2,20 +2,22 @@
 
 #include "render/frame/frame.h"
 
-/// Clear surfaces in one pass: the crossings of a ray with all of them are found by one walk along it, then shown in
-/// their order.
+/// Composites transparent surfaces in one pass: one walk along a ray finds its crossings with all
+/// of them. They are then shown in their order.
 namespace rhoray::render {
 
-/// Puts the clear layers into groups of which a kernel finds all crossings, if that can be said of every one of them.
-/// To be asked when their volumes are prepared.
+/// Puts the transparent layers into groups whose crossings one kernel finds, if every one of them
+/// has such a kernel. Call it after their volumes are prepared.
 void choose_all_hits(const FrameOptions& options, Frame& frame);
 
-/// Finds the crossings of the tile's rays with the surfaces of all groups; layers' own hits are their first ones.
+/// Finds the crossings of the tile's rays with the surfaces of all groups. The first ones become
+/// the layers' hits.
 void find_all_hits(const Frame& frame, Worker& worker);
 
-/// As peel_clear_layers: the same surfaces in the same order. Colours are added up exactly, so that they do not depend
-/// on the order of layers, and may differ from those in the last bits. So may a crossing's place: one behind another in
-/// the same block of cells is found from where the ray entered the block.
+/// Shows the same surfaces in the same order as peel_clear_layers. Colours are added exactly, so
+/// they do not depend on the order of layers. They may differ from those of peel_clear_layers in
+/// the last bits. Positions of crossings may differ in the last bits, too: a later crossing in the
+/// same block of cells is computed from where the ray entered the block.
 void composite_all_hits(const Frame& frame, Worker& worker);
 
 }  // namespace rhoray::render

@@ -12,39 +12,44 @@ namespace rhoray::render {
 
 constexpr int most_samples = 64;
 
-/// Where a sample of a pixel lies: shares of the pixel, from its middle.
+/// Position of a sample relative to the pixel's centre, in pixels.
 struct SamplePlace {
   double x, y;
 };
 
-/// Number 0 is the middle; the first n of any n are well spread. The share of them on one side of a straight edge
-/// differs from that of the pixel by 0.07 in the root mean square with 8, by 0.04 with 16, by 0.02 with 64 of them.
+/// Sample 0 is the centre; the first n samples are well spread for any n. Consider the share of
+/// samples on one side of a straight edge. Its root mean square difference from the pixel's share
+/// is 0.07 with 8 samples, 0.04 with 16, and 0.02 with 64.
 SamplePlace sample_place(int index);
 
-/// Antialiasing: further samples for the pixels at edges of a picture that has one sample in every pixel.
+/// Antialiasing: adds samples to pixels at edges of a picture that has one sample in every pixel.
 ///
-/// A pixel is at an edge where it differs from a neighbour to the left, right, above or below:
+/// A pixel is at an edge if it differs from its left, right, upper or lower neighbour in one of
+/// these ways:
 /// - one shows a surface and the other none, or the surface of another layer;
 /// - their normals are more than 26 degrees apart (cosine below 0.9);
-/// - the distances of three pixels in a row differ by two widths of a pixel from those of a plane;
-/// - a colour differs by more than 1/16, on a scale where light is squared (a sixteenth of the way from black to white
-///   as one sees it).
-/// Wherever one straight edge passes through a pixel, the pixel or its neighbour across the edge shows the other side,
-/// so it is found; what is thinner than a pixel and hit by no middle is not.
+/// - the distances of three pixels in a row differ from a plane's by two pixel widths;
+/// - a colour component differs by more than 1/16 on a scale where light is squared (a sixteenth of
+///   the perceived way from black to white).
 ///
-/// Such a pixel gets 16 samples, and twice as many again as long as the samples differ by more than 1/16, in a colour
-/// on that scale or in alpha, up to the most that was asked for. Its colour is the mean of all its samples, in linear
-/// light.
+/// Wherever one straight edge passes through a pixel, the pixel or its neighbour across the edge
+/// shows the other side, so the edge is found. Objects thinner than a pixel that no pixel centre
+/// hits are not found.
+///
+/// An edge pixel gets 16 samples. The number is doubled as long as the samples differ by more than
+/// 1/16, in a colour component on that scale or in alpha, up to the requested maximum. The pixel's
+/// colour is the mean of all its samples in linear light.
 class EdgeSamples {
  public:
   /// Makes the frame note which layer each pixel shows.
   EdgeSamples(Frame& frame, const FrameOptions& options);
 
-  /// Those asked for and those that are compared.
+  /// The requested channels and those that are compared.
   ChannelSet channels() const;
 
-  /// Into the colours of a picture with channels(), whose rays have all been traced; the same bits for any number of
-  /// threads. Where it is stopped some tiles keep one sample.
+  /// Refines the colours of a picture with channels() whose rays have all been traced. The result
+  /// is the same, bit for bit, for any number of threads. If stopped, some tiles keep one sample
+  /// per pixel.
   void add_to(RenderContext::Implementation& memory, const std::stop_token& stop, Framebuffer& picture);
 
  private:
@@ -62,7 +67,8 @@ class EdgeSamples {
   int width_, height_;
   ChannelSet asked_for_;
   bool shows_surfaces_;
-  double bend_;                             ///< of two pixel widths, in the measure of depths
+  /// limit of the second difference for two pixel widths, in the measure of depths
+  double bend_;
   std::vector<std::uint8_t> first_layers_;  ///< empty: one layer
   std::vector<std::uint8_t> is_edge_;       ///< by pixel
 };

@@ -10,39 +10,43 @@
 
 namespace rhoray::render {
 
-/// Between which columns and rows of a lattice the rays lie that may meet the boxes of a node; numbers of any size, and
-/// first > last where there is no ray.
+/// Range of a lattice's columns and rows whose rays may meet the boxes of a node. The numbers may
+/// have any size; first > last where there is no such ray.
 struct ProjectedNode {
   double first_column[BoxNode::size], last_column[BoxNode::size], first_row[BoxNode::size], last_row[BoxNode::size];
 };
 
 /// Where a camera sees boxes of a volume's frame.
 ///
-/// Rays are o + s (f + a u + b v), a and b the picture's coordinates from -1 to 1; of an orthographic camera
-/// o + a u + b v + s f. With the edges' cross products, each times the sign that makes det = f . (u x v) positive,
+/// Rays are o + s (f + a u + b v), where a and b are picture coordinates from -1 to 1. Rays of an
+/// orthographic camera are o + a u + b v + s f. Take the cross products of the edges, each times
+/// the sign that makes det = f . (u x v) positive:
 ///
 ///     depth = (u x v) . (p - o)    across = (v x f) . (p - o)    down = (f x u) . (p - o)
 ///
-/// are det times s, s a and s b (orthographic: s, a, b). So a = across / depth (across / det), which over a box in
-/// front of the eye is largest and smallest at corners. Of a box that reaches the eye's plane, or lies behind it, only
-/// points of depth above 0 count: where across is at least q > 0 in all of the box, a is at least q / (the largest
-/// depth), and has no upper bound; the same on the other side.
+/// They are det times s, s a and s b (orthographic: s, a, b). So a = across / depth (across / det).
+/// Over a box in front of the eye, a has its extremes at corners. For a box that reaches the eye's
+/// plane or is behind it, only points of positive depth count. Where across is at least q > 0 in
+/// all of the box, a is at least q / (the largest depth), and has no upper bound. The same holds
+/// for the other side.
 ///
-/// Every bound is moved outward by more than all rounding: of these functions, of the rays, and of what a kernel makes
-/// of a ray's places. With R the largest sum of magnitudes along an axis that any of them adds up (places in the
-/// volume, the eye, the way of a ray as far as it matters, in steps of the volume's frame) each is off by a few units
-/// of 2^-53 R on the way to a place, and by that times the cross product's terms in magnitude on the way to a function.
-/// 2^-44 is taken for all of them together: 512 such units.
+/// Every bound is moved outward by more than all rounding: that of these functions, of the rays,
+/// and of the positions that a kernel computes along a ray. Let R be the largest sum of magnitudes
+/// along an axis in any of them: positions in the volume, the eye, the ray's relevant length, in
+/// steps of the volume's frame. The error of a position is a few units of 2^-53 R. The error of a
+/// function is that times the magnitudes of the cross product's terms. 2^-44 is used for all of
+/// them together: 512 such units.
 class BoxProjection {
  public:
-  /// @param bounds  of all that boxes hold, volume frame
+  /// @param bounds  of the contents of all boxes, volume frame
   BoxProjection(const CameraRays& camera, const Affine& volume_from_world, const Affine& world_from_volume,
                 const Box3& bounds);
 
-  /// False where rounding hides how the picture lies to the volume: then any ray may meet anything.
+  /// False where rounding hides the orientation of the picture to the volume: then any ray may meet
+  /// anything.
   bool is_certain() const { return is_certain_; }
 
-  /// Ready to project boxes of one tree onto one lattice.
+  /// Projects boxes of one tree onto one lattice.
   class OntoLattice;
 
  private:
@@ -65,12 +69,12 @@ class BoxProjection::OntoLattice {
   void project(const BoxNode& node, ProjectedNode& out) const;
 
  private:
-  /// factor . p + constant for a place p of the tree's frame; off by less than the slack.
+  /// factor . p + constant for a position p in the tree's frame; its error is below slack.
   struct Function {
     double factor[3];
     double constant, slack;
   };
-  /// A picture coordinate times `scale`, plus `offset`, is a lattice's column or row.
+  /// Maps a picture coordinate to a lattice's column or row: coordinate * scale + offset.
   struct Steps {
     double scale, offset;
   };

@@ -9,19 +9,22 @@
 
 namespace rhoray::render {
 
-/// Makes the ray through the middle of a pixel, in world units with a direction of unit length, so that t is a
-/// distance. Every ray of a camera is made here, one by one or in loops that gcc makes wide: the numbers are the same,
-/// because only operations that IEEE 754 rounds exactly are used, in one order.
+/// Makes the ray through the centre of a pixel, in world units with a direction of unit length, so
+/// that t is a distance. All camera rays are made here, one by one or in loops that gcc vectorizes.
+/// Both give the same numbers, because only operations that IEEE 754 rounds exactly are used, in
+/// one order.
 class CameraRays {
  public:
-  /// Refuses a camera from which no picture can be taken (not finite, target at the position, up along the view).
+  /// Refuses a degenerate camera (not finite, target equal to the position, up parallel to the
+  /// view).
   CameraRays(const Camera& camera, int width, int height);
 
-  /// Where a column or a row of pixels lies: -1 at the picture's left or upper edge, 1 at its right or lower edge.
+  /// Picture coordinate of a column or row of pixels: -1 at the picture's left or upper edge, 1 at
+  /// its right or lower edge.
   double across_of(int x) const { return (2 * x + 1) / width_ - 1; }
   double down_of(int y) const { return (2 * y + 1) / height_ - 1; }
 
-  /// The same of any place in the picture, in pixels from its left or upper edge.
+  /// The same for any position in the picture, in pixels from its left or upper edge.
   double across_at(double x) const { return 2 * x / width_ - 1; }
   double down_at(double y) const { return 2 * y / height_ - 1; }
 
@@ -39,8 +42,9 @@ class CameraRays {
     return through / std::sqrt(through.dot(through));
   }
 
-  // What rays are made of, world units: the eye (orthographic: the middle of the picture), and from there to the
-  // picture's middle, and on to its right and lower edge.
+  // Vectors that define the rays, world units: the eye (orthographic: the picture's centre), the
+  // vector from there to the picture's centre, and those from the centre to its right and lower
+  // edges.
   const Vec3& position() const { return position_; }
   const Vec3& forward() const { return forward_; }
   const Vec3& across() const { return across_; }
@@ -54,8 +58,9 @@ class CameraRays {
  private:
   Vec3 position_;
   Vec3 forward_;
-  Vec3 across_;  ///< from the middle of the picture to its right edge, on the plane at distance 1 (perspective) or 0
-  Vec3 down_;    ///< from the middle to the lower edge
+  /// from the picture's centre to its right edge, on the plane at distance 1 (perspective) or 0
+  Vec3 across_;
+  Vec3 down_;  ///< from the centre to the lower edge
   double width_, height_;
   bool orthographic_;
 };

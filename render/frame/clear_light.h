@@ -10,40 +10,44 @@
 
 namespace rhoray::render {
 
-/// The crossings of a tile's rays with a clear layer, and which share of the light becomes theirs.
+/// Crossings of a tile's rays with one transparent layer, and the share of the light that each
+/// shows.
 struct SharedLayer {
   double opacity = 0;
-  const std::uint8_t* count = nullptr;                ///< of each ray
-  std::array<const double*, CrossingList::most> t{};  ///< of the k-th crossings
-  std::array<float*, CrossingList::most> share{};     ///< likewise
-  std::size_t deepest = 0;                            ///< so many of the shares have been written
+  const std::uint8_t* count = nullptr;                ///< crossings of each ray
+  std::array<const double*, CrossingList::most> t{};  ///< t of the k-th crossings
+  std::array<float*, CrossingList::most> share{};     ///< shares of the k-th crossings
+  /// number of entries of `share` that were written
+  std::size_t deepest = 0;
 };
 
-/// What sharing out light has come to.
+/// Result of sharing out light.
 struct SharedLight {
-  float* alpha;                          ///< of each ray, how much is left
-  std::uint64_t shown = 0, through = 0;  ///< crossings; of these, those behind which light is left
+  float* alpha;                          ///< light left for each ray
+  std::uint64_t shown = 0, through = 0;  ///< crossings shown; those with light left behind them
 };
 
-/// What is asked of share_light_inline.
+/// Input of share_light_inline.
 struct LightSharing {
   static constexpr std::size_t most_layers = 4, most = CrossingList::most, side_by_side = 16;
   using Rays = double[side_by_side];
 
-  SharedLayer* layers;  ///< in the order in which crossings at one t are shown
+  SharedLayer* layers;  ///< in the order in which crossings at equal t are shown
   std::size_t layer_count;
-  const std::uint8_t* is_left;  ///< by ray, 0 or 1: those that are left as if they had no crossing
-  std::size_t ray_count;        ///< shares are written for whole groups
-  double least_light;           ///< nothing is shown that less than this reaches
+  /// for each ray 0 or 1; 1: the ray is skipped, as if it had no crossing
+  const std::uint8_t* is_left;
+  std::size_t ray_count;  ///< shares are written for whole groups
+  double least_light;     ///< crossings that less light reaches are not shown
 };
 
-/// Some rays' crossings.
+/// Crossings of `side_by_side` rays.
 struct SharedCrossings {
-  LightSharing::Rays t[LightSharing::most_layers][LightSharing::most];      ///< infinity: there is none
-  LightSharing::Rays light[LightSharing::most_layers][LightSharing::most];  ///< that reaches them
+  LightSharing::Rays t[LightSharing::most_layers][LightSharing::most];  ///< infinity: no crossing
+  /// light that reaches the crossing
+  LightSharing::Rays light[LightSharing::most_layers][LightSharing::most];
   std::size_t deepest[LightSharing::most_layers];
 
-  /// As if those of each layer had no others before them.
+  /// Reads the crossings. The light of each layer is computed as if there were no other layers.
   RHORAY_INLINE void read(const LightSharing& asked, std::size_t first) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     for (std::size_t l = 0; l < asked.layer_count; ++l) {
@@ -64,7 +68,8 @@ struct SharedCrossings {
     }
   }
 
-  /// What the crossings of two layers let through of each other's light; `a` is the first of them.
+  /// Attenuates the light of each crossing by the nearer crossings of the other layer; at equal t,
+  /// `a` is first.
   RHORAY_INLINE void compare(const LightSharing& asked, std::size_t a, std::size_t b) {
     const double through_a = 1 - asked.layers[a].opacity, through_b = 1 - asked.layers[b].opacity;
     for (std::size_t j = 0; j < deepest[a]; ++j)
@@ -77,9 +82,10 @@ struct SharedCrossings {
   }
 };
 
-/// Shares out the light of rays among their crossings with a few layers, in the order of t: what lies behind a crossing
-/// gets what it lets through. No ray is followed through its crossings: what reaches one of them is the product of what
-/// all those let through that are nearer, and each pair is compared, with rays side by side.
+/// Shares out the light of rays among their crossings with a few layers, in the order of t. Each
+/// crossing attenuates the light for all crossings behind it. No ray is followed through its
+/// crossings. The light that reaches a crossing is the product of the transmittances of all nearer
+/// crossings. Every pair is compared, with rays side by side.
 RHORAY_INLINE void share_light_inline(const LightSharing& asked, SharedLight& out) {
   constexpr std::size_t side_by_side = LightSharing::side_by_side;
   constexpr double infinity = std::numeric_limits<double>::infinity();

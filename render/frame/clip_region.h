@@ -12,27 +12,29 @@
 
 namespace rhoray::render {
 
-/// What a clip region leaves of whole groups of rays: a part, and where something is cut away another one behind it.
+/// Parts of whole groups of rays that a clip region keeps. A ray has one part, and a second one
+/// behind a gap that is cut away.
 struct KeptParts {
-  LaneArray<double> t_min, t_max;  ///< t_max below t_min where nothing is left
-  LaneArray<double> again;         ///< where the second part begins; infinity: there is none
+  LaneArray<double> t_min, t_max;  ///< t_max below t_min: nothing is kept
+  LaneArray<double> again;         ///< start of the second part; infinity: there is none
 
   KeptParts() = default;
   explicit KeptParts(std::size_t capacity) : t_min(capacity), t_max(capacity), again(capacity) {}
 };
 
-/// A clip region as rays are held against it.
+/// A clip region, prepared for intersection with rays.
 class ClipRegion {
  public:
   explicit ClipRegion(const Clip& clip, Machine machine = chosen_machine());
 
   bool cuts_away() const { return cuts_away_; }
 
-  /// Between which t rays in world axes lie in all half spaces, whether it is kept or cut away; `from` above `to` where
-  /// nowhere. Whole groups of the batch are written.
+  /// Finds the interval of t in which rays (world axes) lie in all half spaces, whether that part
+  /// is kept or cut away. An empty interval has `from` above `to`. Whole groups of the batch are
+  /// written.
   void find_spans(const RayBatch& rays, double* from, double* to) const;
 
-  /// What is left of rays that begin at t = 0.
+  /// Finds the parts that are kept of rays that start at t = 0.
   /// @param rays  world axes
   void find_kept(const RayBatch& rays, KeptParts& kept) const;
 
@@ -48,16 +50,16 @@ class ClipRegion {
   Machine machine_;
 };
 
-/// Says of boxes of a tree that nothing is left of them.
+/// Tests whether the region removes boxes of a tree completely.
 class ClipRegion::InFrame {
  public:
   InFrame(const ClipRegion& region, const Affine& world_from_volume, const SurfaceBoxes& boxes);
 
-  /// True only where that is certain, whatever rounding does to rays and boxes.
+  /// Returns true only if that is certain, whatever rounding does to rays and boxes.
   bool takes_away(const BoxNode& node, std::size_t child) const;
 
  private:
-  /// factor . p + constant, p a place of the tree's frame, is how far it lies inside.
+  /// Signed distance inside the half space: factor . p + constant, p a point in the tree's frame.
   struct Function {
     Vec3 factor;
     double constant, slack;

@@ -7,52 +7,54 @@
 #include "render/frame/worker.h"
 #include "render/query/machine.h"
 
-/// The arithmetic of rays towards light: plain loops over groups, compiled for each machine, with the same numbers on
-/// all of them.
+/// Arithmetic of rays towards lights: plain loops over groups, compiled for each machine, with the
+/// same numbers on all machines.
 namespace rhoray::render {
 
-/// Which groups have hits that are shown: LightRays::shown, by LightRays::is_shown of all rays.
+/// Finds the groups that have shown hits: sets LightRays::shown from LightRays::is_shown of all
+/// rays.
 void find_shown_groups(std::size_t count, LightRays& light);
 
-/// Of each ray of these groups the side of its surface from which it has met it, by the gradient there; unknown where
-/// there is none.
+/// Finds, for each ray of these groups, on which side of the surface the ray arrived, from the
+/// gradient there. The side is unknown where there is no gradient.
 void find_sides_by_gradient(Machine machine, const LayerWork& work, LightRays& light);
 
-/// Aims these groups' rays into one direction.
+/// Aims the rays of these groups in one direction.
 void aim_all(const Vec3& direction, LightRays& light);
 
-/// Asks only about rays from hits that are shown, to light that stands before the surface on the side that the eye
-/// sees: LightRays::t_max of the others is made `not_asked`.
-/// @return  true where a hit is shown of which the side is unknown; of these all are asked about
+/// Traces only rays from shown hits to lights in front of the surface, on the side that the eye
+/// sees. LightRays::t_max of the other rays becomes `not_asked`.
+/// @return  true if a shown hit has an unknown side; all rays of such hits are traced
 bool ask_before_surfaces(Machine machine, const Affine& volume_from_world, const LayerWork& work, LightRays& light);
 
-/// Of a group the rays that are asked about, a bit for each, by the side on which they start.
+/// Traced rays of a group, one bit each, by the side on which they start.
 using RaysBySide = std::array<std::uint64_t, 3>;
 constexpr std::size_t place_of(StartSide side) {
   return static_cast<std::size_t>(1 + static_cast<int>(side));
 }
-/// @param asked  of each of LightRays::shown
+/// @param asked  one entry for each group in LightRays::shown
 void find_asked(Machine machine, const LightRays& light, RaysBySide* asked);
 
-/// How many rays of these groups are asked about.
+/// Number of rays of these groups that are traced.
 std::uint64_t asked_count(Machine machine, const LightRays& light);
 
-/// Of each ray of these groups 1 where it is still asked about, else 0.
+/// Writes 1 for each ray of these groups that is still traced, else 0.
 void share_of_asked(Machine machine, const LightRays& light, float* shares);
 
-/// Writes those rays of a group that are asked about, as the volume of a layer sees them.
+/// A group whose traced rays are written in the frame of a layer's volume.
 struct GroupToWrite {
-  std::size_t first;                 ///< of the hits in their batch
-  std::uint64_t chosen;              ///< that are asked about
-  std::size_t place;                 ///< of the group among the rays that are written
-  std::array<StartSide, 3> side_of;  ///< for the layer, of rays that start outside, unknown, inside
+  std::size_t first;     ///< first ray of the group in the batch of hits
+  std::uint64_t chosen;  ///< bits of the rays that are traced
+  std::size_t place;     ///< first ray of the group among the rays written
+  /// for the layer: sides of rays that start outside, unknown, inside
+  std::array<StartSide, 3> side_of;
 };
-/// @param hits      their t
-/// @param eye_rays  that met them, in the frame of the layer's volume
+/// @param hits      their t is read
+/// @param eye_rays  the rays that made the hits, in the frame of the layer's volume
 void write_light_rays(Machine machine, const LightRays& light, const GroupToWrite& group,
                       const Affine& volume_from_world, const HitBatch& hits, const RayBatch& eye_rays, RayBatch& rays);
 
-/// As LightRays::t_max, where nothing is asked.
+/// Value of LightRays::t_max for rays that are not traced.
 inline constexpr double not_asked = -1;
 
 }  // namespace rhoray::render

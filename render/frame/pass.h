@@ -7,8 +7,9 @@
 
 namespace rhoray::render {
 
-/// Pixels that are traced one after another before anyone looks: those of a few lattices. Rays are made, and kernels
-/// are asked about them, in blocks of pixels that may see one of the layers' boxes; the others are background.
+/// Pixels that are traced together, before the next update of the picture: those of a few lattices.
+/// Rays are made and traced only in blocks of pixels that may see a layer's boxes. All other blocks
+/// are background.
 class Pass {
  public:
   void add(const Frame& frame, const PixelLattice& lattice);
@@ -26,7 +27,7 @@ class Pass {
   std::vector<PassTile> tiles_;
 };
 
-/// Makes colours of what a tile's rays have met: into Worker::colors.
+/// Shades a tile's hits into Worker::colors.
 void shade_layers(const Frame& frame, Worker& worker);
 
 }  // namespace rhoray::render

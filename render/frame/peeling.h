@@ -5,30 +5,34 @@
 
 #include "render/frame/frame.h"
 
-/// Clear surfaces crossing by crossing: a ray goes on behind each as a question of its own.
+/// Composites transparent surfaces crossing by crossing: behind each crossing the ray is traced
+/// again.
 namespace rhoray::render {
 
-/// Less of the light behind than this is not looked for.
+/// A ray ends when less than this share of the light behind would be visible.
 inline constexpr float least_light = 1.0F / 1024;
 
-/// The ray behind its crossing. Where two crossings were met at one t the next is looked for behind it, so that
-/// surfaces folded into each other come to an end.
-/// @param is_field  the crossing is a field's, whose sides take turns; triangles may face any way
+/// Returns the ray that continues behind its crossing. If two crossings had the same t, the next
+/// one is searched behind that t, so that the search also ends for folded surfaces.
+/// @param is_field  true: crossings of a field, which alternate between sides; triangles may face
+///                  any way
 Ray behind(const Ray& ray, const Hit& hit, bool is_field);
 
-/// Light of the clear surfaces before the nearest opaque one, in their order along each ray, into Worker::front, from
-/// the layers' first hits on. A ray ends where less than `least_light` of what is behind would be seen.
+/// Composites the transparent surfaces in front of the nearest opaque one into Worker::front. It
+/// follows their order along each ray, starting with the layers' first hits. A ray ends where less
+/// than `least_light` of the light behind would be visible.
 void peel_clear_layers(const Frame& frame, Worker& worker);
 
-/// A layer's ray behind the last of its crossings that has been shown.
+/// A layer's ray behind the last crossing that was shown.
 struct LastCrossing {
   std::uint8_t layer;
   std::uint32_t ray;
   Ray behind;
 };
 
-/// The same from where some rays are: behind their last crossings with each layer, or where they begin.
-/// @param goes_on  1 for these rays of the tile
+/// Does the same for some rays, starting behind their last crossing with each layer, or at their
+/// origin.
+/// @param goes_on  1 for the rays of the tile to continue
 void peel_further(const Frame& frame, const std::uint8_t* goes_on, std::span<const LastCrossing> last, Worker& worker);
 
 }  // namespace rhoray::render

@@ -12,23 +12,26 @@
 
 namespace rhoray::render {
 
-/// The rays of a lattice's pixels, or through places given one by one, in a volume's frame: those of CameraRays, to the
-/// last bit and on every machine.
+/// The rays of a lattice's pixels, or through given picture positions, in a volume's frame. They
+/// agree with CameraRays to the last bit on every machine.
 class PixelRays {
  public:
   PixelRays(const CameraRays& camera, const Affine& volume_from_world, const PixelLattice& lattice,
             Machine machine = chosen_machine());
 
-  /// Rays through places of the picture, as CameraRays has them; `fill` makes all of them, whatever the tile.
-  /// @param across, down  as many of both; they are read when rays are filled
+  /// Rays through picture positions in the coordinates of CameraRays. `fill` makes all of them,
+  /// whatever the tile.
+  /// @param across, down  of equal length; they are read when rays are filled
   PixelRays(const CameraRays& camera, const Affine& volume_from_world, std::span<const double> across,
             std::span<const double> down);
 
-  /// Writes what all rays have in common, once for a batch that is filled again and again. It depends on the camera and
-  /// on the volume's frame alone, so that it holds for all rays of a layer in one frame.
+  /// Writes the values common to all rays, once for a batch that is filled repeatedly. They depend
+  /// only on the camera and on the volume's frame, so they hold for all rays of a layer in one
+  /// frame.
   void begin(RayBatch& rays) const;
 
-  /// The rays of a tile's traced blocks, in the order of for_each_run. The batch has room for a tile.
+  /// Writes the rays of a tile's traced blocks in the order of for_each_run. The batch must have
+  /// room for a tile.
   void fill(const Tile& tile, RayBatch& rays) const;
 
  private:
@@ -38,9 +41,10 @@ class PixelRays {
   CameraRays camera_;
   Affine volume_from_world_;
   Machine machine_;
-  std::vector<double> across_;  ///< by column, and as many more as a run may read beyond the last
-  std::vector<double> down_;    ///< by row
-  std::span<const double> across_places_, down_places_;  ///< in place of a lattice
+  /// by column, plus as many as a run may read beyond the last
+  std::vector<double> across_;
+  std::vector<double> down_;                             ///< by row
+  std::span<const double> across_places_, down_places_;  ///< used instead of a lattice
 };
 
 }  // namespace rhoray::render

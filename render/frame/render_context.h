@@ -12,16 +12,17 @@
 
 namespace rhoray::render {
 
-/// The threads, and their memory, made by each of them when it first works.
+/// The threads and their memory. Each thread allocates its memory when it first works.
 class RenderContext::Implementation {
  public:
   /// @param threads  as FrameOptions::threads
   void begin_frame(unsigned threads, const WorkerNeeds& needs);
   const TileThreads& threads() const { return *threads_; }
   Worker& worker(std::size_t index);
-  /// Those that have worked in this frame.
+  /// Workers that have worked in this frame.
   std::vector<const Worker*> workers() const;
-  wide::OccluderCache& occluders() { return occluders_; }  ///< for the thread that begins frames
+  /// only for the thread that begins frames
+  wide::OccluderCache& occluders() { return occluders_; }
 
  private:
   struct Place {

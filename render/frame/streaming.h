@@ -6,9 +6,9 @@
 
 #include "render/query/machine.h"
 
-/// Stores that pass the caches by. A picture is larger than they are and not read before it is whole, so what lies
-/// there need not be brought from memory to be overwritten. Only whole cache lines are streamed; the rest is stored as
-/// ever.
+/// Stores that bypass the caches. A picture is larger than the caches and not read before it is
+/// complete. So its old contents need not be loaded from memory to be overwritten. Only whole cache
+/// lines are streamed; the rest is stored normally.
 namespace rhoray::render {
 
 inline constexpr std::size_t line_floats = 64 / sizeof(float);
@@ -17,7 +17,7 @@ RHORAY_INLINE bool begins_line(const float* place) {
   return reinterpret_cast<std::uintptr_t>(place) % 64 == 0;
 }
 
-/// Copies whole cache lines, from and to where one begins.
+/// Copies whole cache lines; both pointers must be aligned to a cache line.
 template <std::size_t lines>
 RHORAY_INLINE void stream_lines(const float* from, float* to) {
 #if defined(__SSE__)
@@ -35,7 +35,7 @@ RHORAY_INLINE void stream_lines(const float* from, float* to) {
 #endif
 }
 
-/// To be called after streaming, before another thread is told that it is done.
+/// Must be called after streaming, before another thread learns that the data are complete.
 inline void end_streaming() {
 #if defined(__SSE__)
   __builtin_ia32_sfence();

@@ -6,18 +6,21 @@
 
 namespace rhoray::render {
 
-/// Threads that take tiles. Kept from frame to frame they wait, ready: starting them takes as long as a small frame.
+/// Threads that process tiles. They are kept from frame to frame, because starting them takes as
+/// long as a small frame.
 class TileThreads {
  public:
-  explicit TileThreads(unsigned threads);  ///< 0 = all cores
+  explicit TileThreads(unsigned threads);  ///< 0: all cores
   ~TileThreads();
 
   unsigned asked_for() const { return threads_; }
   std::size_t worker_count() const;
 
-  /// Calls act(tile, worker) once for every tile in [0, count), neighbours mostly one after another on one thread;
-  /// `worker` is below worker_count() and never used by two calls at a time. An exception thrown by act ends the work
-  /// and is passed on. Each call computes in the default floating-point environment (formats/base/floating_point.h).
+  /// Calls act(tile, worker) once for every tile in [0, count). Neighbouring tiles are mostly
+  /// processed one after another on one thread. `worker` is below worker_count(), and no two
+  /// simultaneous calls have the same one. An exception thrown by act ends the work and is
+  /// rethrown. Each call computes in the default floating-point environment
+  /// (formats/base/floating_point.h).
   void for_each_tile(std::size_t count, const std::function<void(std::size_t tile, std::size_t worker)>& act) const;
 
  private:

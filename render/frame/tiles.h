@@ -8,21 +8,23 @@
 
 #include "render/query/batch.h"
 
-/// In which order the pixels of a picture are traced: tile by tile, in a tile block by block.
+/// Order in which the pixels of a picture are traced: tile by tile, and block by block within a
+/// tile.
 namespace rhoray::render {
 
-constexpr int tile_edge = 32;  ///< a thousand rays are asked about at a time; a thousand tiles in a million pixels
+constexpr int tile_edge = 32;  ///< about 1,000 rays per batch; about 1,000 tiles per million pixels
 constexpr int block_edge = 8;  ///< a full block is one group of a batch
 constexpr int tile_blocks = tile_edge / block_edge;  ///< across and down
 constexpr std::size_t tile_capacity = std::size_t{tile_edge} * tile_edge;
 static_assert(std::size_t{block_edge} * block_edge == RayBatch::group_size);
 
-/// Columns and rows from begin to before end, and which blocks of them have pixels that are traced.
+/// Half-open ranges of columns and rows, and the blocks in them that are traced.
 struct Tile {
   static constexpr std::uint16_t all_blocks = 0xffff;
 
   int x_begin, x_end, y_begin, y_end;
-  std::uint16_t blocks = all_blocks;  ///< bit column + tile_blocks * row; bits beyond the tile's edges do not count
+  /// bit column + tile_blocks * row; bits beyond the tile are ignored
+  std::uint16_t blocks = all_blocks;
 
   bool has_block(int column, int row) const { return (blocks >> (column + tile_blocks * row) & 1) != 0; }
 
@@ -36,7 +38,8 @@ struct TilePlace {
   int column, row;
 };
 
-/// The place that Hilbert's curve through size x size places, a power of two, reaches after so many steps.
+/// Position on the Hilbert curve through size x size positions after `steps` steps; size is a power
+/// of two.
 constexpr TilePlace hilbert_place(std::size_t size, std::size_t steps) {
   std::size_t x = 0, y = 0;
   for (std::size_t side = 1; side < size; side *= 2, steps /= 4) {
@@ -50,18 +53,18 @@ constexpr TilePlace hilbert_place(std::size_t size, std::size_t steps) {
   return {static_cast<int>(x), static_cast<int>(y)};
 }
 
-/// The tiles of a picture, in an order in which those that follow each other lie side by side.
+/// Returns the tiles of a picture in an order where consecutive tiles are adjacent.
 std::vector<Tile> tiles_in_order(int width, int height);
 
-/// Up to block_edge pixels side by side, and where they stand in the tile's batch.
+/// Up to block_edge pixels side by side; `first` is the index of the first one in the tile's batch.
 struct Run {
   std::size_t first;
   int x, y;
   int count;
 };
 
-/// Calls act(run) for all pixels of a tile's traced blocks. Full blocks come first, each a group of the batch; the
-/// pixels of the blocks that the picture's edge cuts follow.
+/// Calls act(run) for all pixels of a tile's traced blocks. Full blocks come first, each one a
+/// group of the batch. Then come the pixels of blocks that the picture's border cuts.
 template <class Act>
 RHORAY_INLINE void for_each_run(const Tile& tile, const Act& act) {
   constexpr auto block_order = [] {
@@ -83,7 +86,7 @@ RHORAY_INLINE void for_each_run(const Tile& tile, const Act& act) {
     }
 }
 
-/// Calls act(x, y, count) for the pixels of a tile's blocks that are not traced, as many at a time as lie side by side.
+/// Calls act(x, y, count) for the untraced pixels of a tile, for as many side by side as possible.
 template <class Act>
 void for_each_untraced_run(const Tile& tile, const Act& act) {
   for (int y = tile.y_begin; y < tile.y_end; ++y) {

@@ -2,11 +2,11 @@
 
 #include "render/frame/frame.h"
 
-/// What a tile's rays meet of the layers of a frame, one layer after another.
+/// Intersects a tile's rays with the layers of a frame, one layer after another.
 namespace rhoray::render {
 
-/// Makes the rays of every layer, asks for the first surface or the largest value on them, and finds out which opaque
-/// surface is the nearest: nothing is asked about behind it.
+/// Makes the rays of every layer, finds the first surface or the largest value on them, and selects
+/// the nearest opaque surface. Nothing behind that surface is traced.
 void trace_layers(const Frame& frame, const LatticeRays& rays, const Tile& tile, Worker& worker);
 
 }  // namespace rhoray::render

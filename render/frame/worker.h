@@ -15,36 +15,41 @@
 
 namespace rhoray::render {
 
-/// A tile's pixels as they are to be seen, in the order of its batch.
+/// Colours of a tile's pixels, in the order of its batch.
 struct TileColors {
   alignas(64) float red[tile_capacity], green[tile_capacity], blue[tile_capacity], alpha[tile_capacity];
 };
 
-/// A tile's rays in the frame of one layer's volume, and what they met of that layer.
+/// A tile's rays in the frame of one layer's volume, and their hits on that layer.
 struct LayerWork {
   RayBatch rays{tile_capacity};
   HitBatch hits{tile_capacity};
   KernelScratch scratch;
-  bool rays_are_begun = false;  ///< in this frame: they have the numbers that all rays of a layer share
+  /// in this frame: the numbers that all rays of a layer share are written
+  bool rays_are_begun = false;
 };
 
-/// Of each ray a layer, by its place in the frame.
+/// For each ray the index of a layer in Frame::layers.
 struct LayerOfRays {
   static constexpr std::uint8_t none = 255;
   alignas(64) std::uint8_t of[tile_capacity];
 };
 
-/// Rays from hits towards where light may come from, in the places of the tile's rays that met these.
+/// Rays from hits towards light sources. Each has the slot of the tile's ray that made the hit.
 struct LightRays {
   LaneArray<std::uint8_t> is_shown{tile_capacity};  ///< whether there is a hit that light may reach
-  std::vector<std::size_t> shown;                   ///< where groups begin that have any; nothing is said of others
-  LaneArray<StartSide> side{tile_capacity};         ///< of its surface: the one that the eye sees
+  /// first rays of the groups that have shown hits; other groups are undefined
+  std::vector<std::size_t> shown;
+  LaneArray<StartSide> side{tile_capacity};  ///< side of the hit's surface that faces the eye
   LaneArray<double> direction[3]{LaneArray<double>(tile_capacity), LaneArray<double>(tile_capacity),
                                  LaneArray<double>(tile_capacity)};  ///< unit length, world axes
-  LaneArray<double> t_max{tile_capacity};                            ///< below 0: nothing is asked
-  LaneArray<std::uint8_t> is_lit{tile_capacity};                     ///< hits before which a wide light's middle stands
-  LaneArray<float> asked{tile_capacity}, free{tile_capacity};        ///< rays to a wide light, and those not held back
-  std::vector<std::size_t> groups;                                   ///< of the tile's, that are asked about
+  /// below 0: the ray is not traced
+  LaneArray<double> t_max{tile_capacity};
+  /// hits whose surface faces the centre of an area light
+  LaneArray<std::uint8_t> is_lit{tile_capacity};
+  /// rays traced to an area light, and those not occluded
+  LaneArray<float> asked{tile_capacity}, free{tile_capacity};
+  std::vector<std::size_t> groups;  ///< first rays of the tile's groups that are traced
 
   LightRays() {
     shown.reserve(tile_capacity / RayBatch::group_size);
@@ -52,22 +57,23 @@ struct LightRays {
   }
 };
 
-/// Rays of a tile in world axes, and what a clip region leaves of them.
+/// A tile's rays in world axes, and the parts of them that a clip region keeps.
 struct WorldRays {
   RayBatch rays{tile_capacity};
   bool are_begun = false;  ///< as LayerWork::rays_are_begun
   KeptParts kept{tile_capacity};
-  std::vector<std::uint32_t> cut;                                      ///< rays that are asked about behind the cut
-  LaneArray<double> span_from{tile_capacity}, span_to{tile_capacity};  ///< of rays towards lights, in the region
-  RayBatch light_rays{tile_capacity};                                  ///< these rays
+  std::vector<std::uint32_t> cut;  ///< rays to be continued behind the clip gap
+  /// part of each light ray inside the clip region's half spaces
+  LaneArray<double> span_from{tile_capacity}, span_to{tile_capacity};
+  RayBatch light_rays{tile_capacity};  ///< rays towards lights
 
   WorldRays() { cut.reserve(tile_capacity); }
 };
 
-/// What a tile's rays meet of one layer of a AllHitsGroup.
+/// Crossings of a tile's rays with one layer of an AllHitsGroup.
 struct AllHitsWork {
   CrossingList crossings;
-  /// Of the k-th crossings the share of light that is theirs; 0: not shown.
+  /// For the k-th crossings the share of the light that they show; 0: not shown.
   std::array<LaneArray<float>, CrossingList::most> share;
 
   AllHitsWork() : crossings(tile_capacity) {
@@ -75,27 +81,27 @@ struct AllHitsWork {
   }
 };
 
-/// What frames ask for beside rays of the camera.
+/// What a frame needs of its workers besides camera rays.
 struct WorkerNeeds {
   std::size_t layer_count = 1, queue_entries = 0;
-  std::size_t light_count = 0;  ///< as far as shadows are cast
+  std::size_t light_count = 0;  ///< lights that cast shadows
   bool occlusion = false;
-  bool spread_directions = false;  ///< of the pixels: occlusion, or lights that are not points
+  bool spread_directions = false;  ///< needed for occlusion and area lights
   bool world_rays = false;
-  std::vector<std::uint8_t> transparent_layers{};  ///< those crossed in one pass
+  std::vector<std::uint8_t> transparent_layers{};  ///< layers whose crossings one pass finds
   std::size_t all_hits_groups = 0;
 };
 
-/// Light that is added up in an order of its own.
+/// Sums of light that do not follow the order along the ray.
 struct LightSums {
   explicit LightSums(std::size_t capacity) : red(capacity), green(capacity), blue(capacity) {}
 
   LaneArray<double> red, green, blue;
 };
 
-/// Crossings of clear surfaces as one walk along each ray finds them.
+/// Crossings with transparent surfaces, found by one walk along each ray.
 struct AllHitsGroups {
-  /// @param of_layers  whose hits are the first crossings
+  /// @param of_layers  their hits receive the first crossings
   void begin_frame(std::vector<LayerWork>& of_layers, const WorkerNeeds& needs) {
     if (layers.size() < of_layers.size()) layers.resize(of_layers.size());
     for (const std::uint8_t l : needs.transparent_layers) {
@@ -106,14 +112,16 @@ struct AllHitsGroups {
     while (complete.size() < needs.all_hits_groups) complete.emplace_back(tile_capacity);
   }
 
-  std::vector<std::unique_ptr<AllHitsWork>> layers;  ///< by layer; none of others than in groups
-  std::vector<AllHitsScratch> memory;                ///< by group
-  std::vector<LaneArray<std::uint8_t>> complete;     ///< by group
-  LaneArray<std::uint8_t> goes_on{tile_capacity};    ///< rays to be asked about behind what is noted
-  LightSums light{tile_capacity};                    ///< of what is shown
+  /// by layer; null for layers outside the groups
+  std::vector<std::unique_ptr<AllHitsWork>> layers;
+  std::vector<AllHitsScratch> memory;             ///< by group
+  std::vector<LaneArray<std::uint8_t>> complete;  ///< by group
+  /// rays to be continued behind their noted crossings
+  LaneArray<std::uint8_t> goes_on{tile_capacity};
+  LightSums light{tile_capacity};  ///< sum over the crossings shown
 };
 
-/// What a thread has traced and shaded.
+/// Counts of what a thread has traced and shaded.
 struct WorkerCounts {
   std::uint64_t rays = 0, rays_ruled_out = 0, clear_crossings = 0, rays_through = 0, hits = 0;
   std::uint64_t shadow_rays = 0, occlusion_rays = 0;
@@ -125,26 +133,29 @@ struct WorkerCounts {
   double largest_error = 0;
 };
 
-/// Memory and counts of one thread; on cache lines of its own.
+/// Memory and counts of one thread, aligned to avoid false sharing.
 struct alignas(128) Worker {
   std::vector<LayerWork> layers;
   TileColors colors;
-  LayerOfRays shown;  ///< the nearest opaque surface; only in frames of several layers
-  LayerOfRays first;  ///< the first surface, opaque or not, where channels ask for it
+  LayerOfRays shown;  ///< nearest opaque surface; only in frames of several layers
+  LayerOfRays first;  ///< first surface, opaque or transparent; only if channels need it
   HitBatch first_hits{tile_capacity};
-  std::vector<Vec3> normals = std::vector<Vec3>(tile_capacity);  ///< of the first hits, where channels ask for them
-  LaneArray<double> nearest{tile_capacity};                      ///< t of the nearest opaque surface
-  TileColors front;                  ///< of clear surfaces: light, and in alpha how much they let through
-  RayBatch few_rays{tile_capacity};  ///< of one layer, asked again behind its last crossing
+  /// of the first hits; only if channels need them
+  std::vector<Vec3> normals = std::vector<Vec3>(tile_capacity);
+  LaneArray<double> nearest{tile_capacity};  ///< t of the nearest opaque surface
+  /// transparent surfaces: their light, and in alpha the transmittance
+  TileColors front;
+  /// rays of one layer, continued behind their last crossing
+  RayBatch few_rays{tile_capacity};
   HitBatch few_hits{tile_capacity};
-  std::vector<std::uint32_t> few;  ///< where the groups begin that these are
-  // Where effects ask for the light that reaches hits.
+  std::vector<std::uint32_t> few;  ///< first rays of the groups that few_rays holds
+  // The next members are used where effects need the light that reaches hits.
   std::unique_ptr<LightRays> light_rays;
-  std::vector<Vec3> eye_normals;  ///< of the hits: unit length, world axes, towards the eye
+  std::vector<Vec3> eye_normals;  ///< unit normals of the hits towards the eye, world axes
   ReceivedLight received;
-  std::vector<SpreadDirections> pixels;  ///< of the tile's rays
-  std::unique_ptr<WorldRays> world;      ///< where layers are clipped
-  AllHitsGroups all_hits;                ///< where clear surfaces are crossed in one pass
+  std::vector<SpreadDirections> pixels;  ///< for the tile's rays
+  std::unique_ptr<WorldRays> world;      ///< null unless layers are clipped
+  AllHitsGroups all_hits;                  ///< used where one pass finds transparent surfaces
   WorkerCounts counts;
 
   Worker() {
@@ -152,7 +163,8 @@ struct alignas(128) Worker {
     few_rays.has_start_sides = true;
   }
 
-  /// Forgets everything but memory. Kernels know by themselves of which volume and isovalue they keep something.
+  /// Resets everything but the memory. Kernels track which volume and isovalue their scratch
+  /// belongs to.
   void begin_frame(const WorkerNeeds& needs) {
     layers.resize(needs.layer_count);
     for (LayerWork& layer : layers) {

@@ -9,16 +9,17 @@
 
 namespace rhoray::render {
 
-/// A colour map as effects read it: evenly spaced colours, the share between two of them in proportion. Differs from
-/// color_of by less than half a step of 8-bit sRGB.
+/// Table of a colour map for effects: evenly spaced colours with linear interpolation between them.
+/// It differs from color_of by less than half a step of 8-bit sRGB.
 class ColorTable {
  public:
   explicit ColorTable(ColorMap map);
 
-  /// The table of a map, made when it is first asked for.
+  /// Returns the table of a map; it is built at the first call.
   static const ColorTable& of(ColorMap map);
 
-  /// Colours of the values of a group over a range, beyond it those of its ends; of a NaN that of the low end.
+  /// Looks up the colours of a group's values over a range. Values outside get the colour of the
+  /// nearer end; a NaN gets the colour of the low end.
   RHORAY_INLINE void look_up(const double* values, const Interval<double>& range, Colors& colors) const {
     const double low = range.lo, width = range.hi - range.lo;
     for (std::size_t i = 0; i < colors.red.size(); ++i) {
@@ -37,7 +38,8 @@ class ColorTable {
  private:
   static constexpr std::size_t steps = 512;
 
-  std::array<std::array<float, 3>, steps + 2> colors_;  ///< the last one twice: the one after a share of 1
+  /// the last one twice: the neighbour of a share of 1
+  std::array<std::array<float, 3>, steps + 2> colors_;
 };
 
 }  // namespace rhoray::render

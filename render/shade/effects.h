@@ -15,7 +15,8 @@
 
 namespace rhoray::render {
 
-/// What a layer calls for beyond finding the hit. What is not in the set is neither computed nor read.
+/// Effects that a layer needs besides finding the hit. Effects outside the set are neither computed
+/// nor read.
 struct EffectSet {
   bool diffuse = false;
   bool smooth_normals = false;
@@ -23,34 +24,36 @@ struct EffectSet {
   bool texture = false;
   bool specular = false;
   bool intensity = false;
-  bool true_colors = false;   ///< those of the field, as they are
-  bool lights = false;        ///< others than one white light at the eye
-  bool shadows = false;       ///< rays towards lights are asked about
-  bool soft_shadows = false;  ///< several of each hit, towards lights that are not points
-  bool occlusion = false;     ///< rays into surroundings are asked about
+  bool true_colors = false;   ///< the field's own colours
+  bool lights = false;        ///< lights other than one white light at the eye
+  bool shadows = false;       ///< rays towards lights are traced
+  bool soft_shadows = false;  ///< several rays per hit, towards area lights
+  bool occlusion = false;     ///< rays into the surroundings are traced
   bool fog = false;
 };
 
-/// Reads the layer, not switches: an isosurface is lit, one with gloss has a highlight, one that names a field is
-/// coloured by it, one that names a texture covered by it; a projection shows intensity.
+/// Derives the effects from the layer, not from switches. An isosurface is lit. One with gloss has
+/// a highlight, one that names a field is coloured by it, and one that names a texture is covered
+/// by it. A projection shows intensity.
 EffectSet effects_called_for(const Layer& layer);
 
-/// The same in its scene: shadows where a light that shines casts them, something holds light back, and the surface
-/// shows lights at all; occlusion where it has a radius, there is ambient light and something that holds it back.
+/// The same for a layer in its scene. Shadows need a shining light that casts them, an occluder,
+/// and a surface that shows lights at all. Occlusion needs a radius, ambient light, and an
+/// occluder.
 EffectSet effects_called_for(const Scene& scene, const Layer& layer);
 
-/// True of opaque isosurfaces and triangles.
+/// True for opaque isosurfaces and triangles.
 bool holds_light_back(const Layer& layer);
 
-/// What shines on a layer beside a white light at the eye, and what of that reaches its hits; read where effects call
-/// for lights, or fog.
+/// Lights on a layer other than a white light at the eye, and the share of them that reaches its
+/// hits. Read only if the effects contain lights or fog.
 struct Surroundings {
   const LayerLights* lights = nullptr;
   const ReceivedLight* received = nullptr;
   const Fog* fog = nullptr;
 };
 
-/// Colours of a surface under many lights.
+/// Computes the colours of a surface under several lights.
 /// @param base  the surface's own colours
 RHORAY_INLINE void shade_under_lights(const Surface& surface, const EffectSet& effects, const Facing& facing,
                                       const Surroundings& surroundings, const RayBatch& rays, const HitBatch& hits,
@@ -75,7 +78,7 @@ RHORAY_INLINE void shade_under_lights(const Surface& surface, const EffectSet& e
   add_sent_back(base, arriving, colors);
 }
 
-/// Those of the surface itself, as it is under white light.
+/// Finds the surface's own colours, as seen under white light.
 RHORAY_INLINE void find_own_colors(const Surface& surface, const EffectSet& effects, const double* field_values,
                                    const CoveringColors* texture, Colors& base) {
   if (effects.field_color)
@@ -85,9 +88,11 @@ RHORAY_INLINE void find_own_colors(const Surface& surface, const EffectSet& effe
   if (effects.texture) cover(*texture, base);
 }
 
-/// Colours of the group of hits that begins at `first`; any numbers where nothing was hit.
-/// @param field_values  at the hits of the group, of the field that the surface is coloured by; else not read
-/// @param texture       what covers the surface there; read where effects call for it
+/// Computes the colours of the group of hits that begins at `first`. Colours of misses are
+/// undefined.
+/// @param field_values  values of the surface's colour field at the group's hits; otherwise not
+///                      read
+/// @param texture       texture colours at the hits; read only if the effects contain a texture
 RHORAY_INLINE void shade(const Layer& layer, const EffectSet& effects, const Facing& facing, const RayBatch& rays,
                          const HitBatch& hits, std::size_t first, const double* field_values, Colors& colors,
                          const Surroundings& surroundings = {}, const CoveringColors* texture = nullptr) {

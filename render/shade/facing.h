@@ -11,11 +11,12 @@
 
 namespace rhoray::render {
 
-/// How a surface lies to the eye; both of its sides look alike.
+/// Orientation of a surface towards the eye; both of its sides are shaded alike.
 ///
-/// Gradients are moved into world axes, where angles are meant. There and in the volume's frame the product of gradient
-/// and ray is the same number, so the ray need not be moved. Lengths are those of whole numbers of 2, so that squares
-/// of very large or very small gradients neither overflow nor vanish.
+/// Gradients are transformed to world axes, where angles are measured. The product of gradient and
+/// ray is the same number there and in the volume's frame, so the ray need not be transformed.
+/// Gradients are scaled by powers of 2, so that squares of very large or very small gradients
+/// neither overflow nor vanish.
 class Facing {
  public:
   explicit Facing(const Affine& world_from_volume) {
@@ -28,8 +29,8 @@ class Facing {
     world_from_gradient_ = {.x_axis = x * length_, .y_axis = y * length_, .z_axis = z * length_, .origin = {0, 0, 0}};
   }
 
-  /// Cosines of the angles between the normals of the hits from `first` on and the directions to the eye, in [0, 1].
-  /// A hit without a gradient (zero or not finite) faces the eye.
+  /// Cosines of the angles between the normals and the directions to the eye, in [0, 1], for the
+  /// hits from `first` on. A hit without a gradient (zero or not finite) faces the eye.
   RHORAY_INLINE void cosines(const RayBatch& rays, const HitBatch& hits, std::size_t first, Lanes& out) const {
     const Facing facing = *this;
     const double *gx = hits.gradient[0].data() + first, *gy = hits.gradient[1].data() + first,
@@ -48,7 +49,8 @@ class Facing {
     }
   }
 
-  /// Unit normals towards the eye of the hits from `first` on. A hit without a gradient faces the eye.
+  /// Finds unit normals towards the eye for the hits from `first` on. A hit without a gradient
+  /// faces the eye.
   RHORAY_INLINE void normals(const RayBatch& rays, const HitBatch& hits, std::size_t first, const Directions& to_eye,
                              Directions& out) const {
     const Facing facing = *this;
@@ -67,7 +69,7 @@ class Facing {
     }
   }
 
-  /// The unit normal towards the eye, world axes; zero where the gradient is zero or not finite.
+  /// Unit normal towards the eye, world axes; zero where the gradient is zero or not finite.
   Vec3 normal(const Vec3& gradient_volume, const Vec3& direction_volume) const {
     const Vec3 gradient = scaled(gradient_volume);
     const Vec3 normal = world_from_gradient_.vector(gradient);
@@ -76,7 +78,7 @@ class Facing {
     return normal * ((gradient.dot(direction_volume) > 0 ? -1 : 1) / length);
   }
 
-  /// A gradient of the same direction whose products with vectors neither overflow nor vanish.
+  /// Scales a gradient so that its products with vectors neither overflow nor vanish.
   RHORAY_INLINE static Vec3 scaled(const Vec3& gradient) {
     const double x = std::abs(gradient.x), y = std::abs(gradient.y), z = std::abs(gradient.z);
     const double xy = x > y ? x : y;
@@ -84,14 +86,15 @@ class Facing {
   }
 
  private:
-  /// A power of 2 that brings a number above 0 and below 2^1023 into [1, 2); numbers below 2^-1022 stay below 2.
+  /// Returns the power of 2 that scales a number above 0 and below 2^1023 to [1, 2); numbers below
+  /// 2^-1022 stay below 2.
   RHORAY_INLINE static double to_unit(double number) {
     constexpr std::uint64_t exponent_bits = 0x7ff0'0000'0000'0000, twice_one = 0x7fe0'0000'0000'0000;
     return std::bit_cast<double>(twice_one - (std::bit_cast<std::uint64_t>(number) & exponent_bits));
   }
 
-  Affine world_from_gradient_;  ///< times length_; only vectors are mapped
-  double length_;               ///< a power of 2 about as large as a cell
+  Affine world_from_gradient_;  ///< scaled by length_; only vectors are transformed
+  double length_;               ///< a power of 2 of the order of a cell's size
 };
 
 }  // namespace rhoray::render

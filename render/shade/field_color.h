@@ -6,7 +6,8 @@
 
 namespace rhoray::render {
 
-/// Colours of a surface by a field's values at the hits; the surface's own where a value is NaN.
+/// Colours a surface by a field's values at the hits. Where a value is NaN, the surface's own
+/// colour is used.
 RHORAY_INLINE void find_field_colors(const Surface& surface, const double* values, Colors& colors) {
   ColorTable::of(surface.color_by->map).look_up(values, surface.color_by->range, colors);
   const Imath::V3f own(surface.color);

@@ -6,16 +6,16 @@
 
 namespace rhoray::render {
 
-/// The grey of values in a maximum-intensity projection: black at the low end of the window, white at its high end.
-/// Shares of the window become shares of the sRGB code, so that steps look even; the result is the linear light of that
-/// code.
+/// Adds the grey of values in a maximum-intensity projection: black at the low end of the window,
+/// white at its high end. Shares of the window become shares of the sRGB code, so that steps look
+/// even. The result is the linear light of that code.
 RHORAY_INLINE void add_intensity(const Interval<double>& window, const double* values, Colors& colors) {
   const double low = window.lo, width = window.hi - window.lo;
   Lanes shares;
   for (std::size_t i = 0; i < shares.size(); ++i) shares[i] = static_cast<float>((values[i] - low) / width);
   for (std::size_t i = 0; i < shares.size(); ++i) {
     const float above = shares[i] < 0 ? 0 : shares[i];
-    const float share = above < 1 ? above : 1;  // a NaN is the only value of a window without width
+    const float share = above < 1 ? above : 1;  // only a window without width gives a NaN
     const float curved = power((share + 0.055F) / 1.055F, 2.4F);
     const float light = share <= 0.04045F ? share / 12.92F : curved;
     colors.red[i] += light;

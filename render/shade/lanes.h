@@ -7,11 +7,12 @@
 
 namespace rhoray::render {
 
-/// One number of each hit of a group: effects are loops over such arrays, which gcc makes wide. They use operations
-/// that IEEE 754 rounds exactly and no others, so a picture is the same on every machine.
+/// One number for each hit of a group. Effects are loops over such arrays, which gcc vectorizes.
+/// They use only operations that IEEE 754 rounds exactly, so a picture is the same on every
+/// machine.
 struct alignas(64) Lanes : std::array<float, RayBatch::group_size> {};
 
-/// Unit vectors of the hits of a group, world axes.
+/// Unit vectors for the hits of a group, world axes.
 struct Directions {
   Lanes x, y, z;
 };

@@ -10,45 +10,48 @@
 
 namespace rhoray::render {
 
-/// The lights of a scene as they stand to the hits of one layer.
+/// The lights of a scene as needed for the hits of one layer.
 struct LayerLights {
   struct One {
     Light::Kind kind;
     bool casts_shadows;
-    Vec3 place;  ///< directional: the unit vector towards it, world axes; point: where it stands, volume frame
+    /// directional: the unit vector towards it, world axes; point: its position, volume frame
+    Vec3 place;
     Imath::V3f color;
-    /// Where shadows are cast, half the size: directional: 1 - the cosine of half its angle; point: its radius, world
-    /// units.
+    /// Half the size of a light that casts shadows. Directional: 1 - the cosine of half its angle;
+    /// point: its radius, world units.
     double extent = 0;
-    int rays = 1;  ///< of each hit, if it casts shadows; spread over it where it has an extent
+    int rays = 1;  ///< per hit, if it casts shadows; spread over the light if it has an extent
   };
 
   std::vector<One> lights;
   Affine world_from_volume;
 };
 
-/// Without lights of no intensity; in the scene's order.
+/// Returns the lights in the scene's order, without those of zero intensity.
 LayerLights lights_of(const Scene& scene, const Affine& world_from_volume);
 
-/// True where one white light at the eye is all that shines.
+/// True if the only light is one white light at the eye.
 bool is_lit_from_the_eye_alone(const Scene& scene);
 
-/// Towards a light from a place, volume frame: a unit vector, world axes.
+/// Direction from a point of the volume frame towards a light: a unit vector, world axes.
 struct WayToLight {
   Vec3 direction;
-  double distance;  ///< world units; infinity for lights without a place
+  double distance;  ///< world units; infinity for lights without a position
 };
 
-/// Of a directional light or one that stands in a place.
+/// For a directional light or a point light.
 inline WayToLight way_to_light(const LayerLights::One& light, const Affine& world_from_volume, const Vec3& place) {
   if (light.kind == Light::Kind::directional) return {light.place, std::numeric_limits<double>::infinity()};
   const Vec3 way = world_from_volume.vector(light.place - place);
   const double distance = way.length();
   return {way / distance, distance};
 }
+// Height of the cap of the unit sphere that a light with an extent covers, seen from a distance.
+// From inside the light it covers half of the sphere.
 
-/// How high the cap of the unit sphere is that a light with an extent takes, seen from a distance; from within it, half
-/// of the sphere.
+/// How high the cap of the unit sphere is that a light with an extent takes, seen from a distance;
+/// from within it, half of the sphere.
 inline double cap_height_of(const LayerLights::One& light, double distance) {
   if (light.kind == Light::Kind::directional) return light.extent;
   if (!(light.extent < distance)) return 1;
@@ -56,7 +59,7 @@ inline double cap_height_of(const LayerLights::One& light, double distance) {
   return sine * sine / (1 + std::sqrt(1 - sine * sine));
 }
 
-/// To the eye, from the hits of the rays from `first` on.
+/// Finds the directions to the eye from the hits of the rays from `first` on.
 RHORAY_INLINE void find_directions_to_eye(const Affine& world_from_volume, const RayBatch& rays, std::size_t first,
                                           Directions& to_eye) {
   const Affine world_from = world_from_volume;
@@ -70,7 +73,7 @@ RHORAY_INLINE void find_directions_to_eye(const Affine& world_from_volume, const
   }
 }
 
-/// To a light that stands in a place; NaN from that place itself.
+/// Finds the directions to a point light; NaN from the light's own position.
 RHORAY_INLINE void find_directions_to_point(const Vec3& point, const Affine& world_from_volume, const RayBatch& rays,
                                             const HitBatch& hits, std::size_t first, Directions& to_point) {
   const Affine world_from = world_from_volume;

@@ -11,38 +11,41 @@
 
 namespace rhoray::render {
 
-/// Places of a volume's frame in a plane of it, side by side.
+/// Positions in a plane of a volume's frame, side by side.
 struct PlacesInPlane {
   static constexpr std::size_t size = RayBatch::group_size;
 
   alignas(64) double at[3][size];
   bool is_asked[size];
-  Vec3 normal;  ///< of the plane: normal . place is `offset`, to slack
+  Vec3 normal;  ///< of the plane: normal . position equals `offset` up to slack
   double offset;
-  double slack[3];  ///< on each axis, more than places are off
+  double slack[3];  ///< on each axis, above the error of the positions
 };
 
-/// What lies there.
+/// Results for these positions.
 struct PlaceAnswers {
   static constexpr std::size_t size = PlacesInPlane::size;
 
-  alignas(64) double value[size];  ///< NaN where nothing was asked, or there is no data
+  alignas(64) double value[size];  ///< NaN where nothing was looked up or there is no data
   std::uint64_t cell[size];
-  std::uint32_t tet[size];   ///< in a mesh the position of that cell
-  std::uint32_t cost[size];  ///< cells looked into
+  std::uint32_t tet[size];   ///< in a mesh: position of that cell
+  std::uint32_t cost[size];  ///< cells examined
 };
 
-/// The value of a volume's own field at places, chosen once per frame; the volume must outlive it.
+/// Evaluates a volume's own field at positions; chosen once per frame. The volume must outlive it.
 ///
-/// In a grid the field is trilinear in its cells, in a mesh linear. A place in a face between cells has data where any
-/// of them has, to slack: neither the border of the data nor a face of a cell without data flickers, and there are no
-/// gaps between cells. In a mesh a place is on one side of a face or on the other by a number that both its cells
-/// compute alike; a place that rounding leaves to none of the cells around an edge, or just outside the mesh, is the
-/// nearest cell's, up to slack away. Of several cells that hold a place the one of the smallest id answers, so that
-/// the answer does not depend on who asks beside it.
+/// The field is trilinear in the cells of a grid, and linear in those of a mesh. A position on a
+/// face between cells has data if any of these cells has data, up to slack. So neither the border
+/// of the data nor a face of a cell without data flickers, and there are no gaps between cells. In
+/// a mesh, both cells of a face compute the same number, and its sign decides on which side of the
+/// face a position is. By rounding, a position may belong to none of the cells around an edge, or
+/// be just outside the mesh; the nearest cell up to slack away gets it. If several cells contain a
+/// position, the one with the smallest id is used, so that the result does not depend on the other
+/// positions of a query.
 class PlaceLookup {
  public:
-  /// Refuses a volume without a field (ErrorCode::usage). The same numbers on every machine.
+  /// Refuses a volume without a field (ErrorCode::usage). The numbers are the same on every
+  /// machine.
   explicit PlaceLookup(const VolumeImplementation& volume, Machine machine = chosen_machine());
 
   void operator()(const PlacesInPlane& places, PlaceAnswers& answers) const { look_up_(places, answers); }

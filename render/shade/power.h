@@ -7,12 +7,15 @@
 
 namespace rhoray::render {
 
-/// base to the power of exponent, for a base in [0, 1] and an exponent above 0; 2^-100 where the power is less.
+/// Returns base to the power of exponent, for a base in [0, 1] and an exponent above 0; 2^-100
+/// where the power is less.
 ///
-/// Relative error below 4e-7 (1 + |log2 of the power|), so absolute error below 6e-7: a step of 8-bit colour is 4e-3.
-/// No branches and no tables: the compiler makes it wide.
+/// The relative error is below 4e-7 (1 + |log2 of the power|), so the absolute error is below 6e-7;
+/// a step of 8-bit colour is 4e-3. There are no branches and no tables, so the compiler can
+/// vectorize it.
 RHORAY_INLINE float power(float base, float exponent) {
-  // base = mantissa * 2^scale, mantissa in [sqrt(1/2), sqrt(2)); its logarithm by the series of artanh.
+  // base = mantissa * 2^scale, mantissa in [sqrt(1/2), sqrt(2)); its logarithm is computed by the
+  // artanh series.
   constexpr std::int32_t root_of_half = 0x3f3504f3;
   const auto bits = std::bit_cast<std::int32_t>(base);
   const std::int32_t scale = (bits - root_of_half) >> 23;
@@ -38,19 +41,21 @@ RHORAY_INLINE float power(float base, float exponent) {
   return power_of_part * std::bit_cast<float>((whole + 127) << 23);
 }
 
-/// An exponent that raise_to_whole() takes less time for than power(); 0: none.
+/// Returns the exponent if raise_to_whole() is faster for it than power(), else 0.
 RHORAY_INLINE unsigned short_whole_exponent(double exponent) {
   if (!(exponent >= 1 && exponent <= 1024)) return 0;
   const auto whole = static_cast<unsigned>(exponent);
   return whole == exponent ? whole : 0;
 }
 
-/// Numbers in [0, 1] to the power of a whole number above 0, by repeated squaring; exactly 0 of 0 and 1 of 1.
+/// Raises numbers in [0, 1] to a whole exponent above 0 by repeated squaring; exactly 0 for 0 and 1
+/// for 1.
 ///
-/// What is squared is not the number but how far it is from 1: (1 - d)^2 = 1 - d (2 - d). Squares of numbers would have
-/// an error that grows with the exponent (1e-6 of x^40, 2e-5 of x^1000); so it is below 3e-7. It is absolute: powers
-/// are multiples of 2^-24. None is below 0 or above 1: of d (2 - d) only 2 - d is rounded, by 2^-24 at most, so the
-/// product is at most 1 + 2^-24, which is rounded to 1; and d + y (1 - d), for any y in [0, 1], likewise.
+/// The distance d from 1 is squared instead of the number: (1 - d)^2 = 1 - d (2 - d). The error of
+/// squared numbers would grow with the exponent (1e-6 for x^40, 2e-5 for x^1000); this way it is
+/// below 3e-7. The error is absolute: powers are multiples of 2^-24. No result is below 0 or above
+/// 1. In d (2 - d) only 2 - d is rounded, by 2^-24 at most, so the product is at most 1 + 2^-24,
+/// which is rounded to 1. The same holds for d + y (1 - d), for any y in [0, 1].
 RHORAY_INLINE void raise_to_whole(const Lanes& bases, unsigned exponent, Lanes& powers) {
   Lanes y, d;
   for (std::size_t i = 0; i < bases.size(); ++i) y[i] = d[i] = 1 - bases[i];
@@ -66,7 +71,7 @@ RHORAY_INLINE void raise_to_whole(const Lanes& bases, unsigned exponent, Lanes& 
   for (std::size_t i = 0; i < d.size(); ++i) powers[i] = 1 - d[i];
 }
 
-/// Numbers in [0, 1] to the power of an exponent above 0; absolute error below 6e-7.
+/// Raises numbers in [0, 1] to an exponent above 0; the absolute error is below 6e-7.
 RHORAY_INLINE void raise(const Lanes& bases, double exponent, Lanes& powers) {
   if (const unsigned whole = short_whole_exponent(exponent)) return raise_to_whole(bases, whole, powers);
   for (std::size_t i = 0; i < bases.size(); ++i) powers[i] = power(bases[i], static_cast<float>(exponent));

@@ -8,7 +8,8 @@
 
 namespace rhoray::render {
 
-/// Blinn-Phong highlight of a white light at the eye: there the half vector is the direction to the eye itself.
+/// Adds the Blinn-Phong highlight of a white light at the eye. There the half vector is the
+/// direction to the eye itself.
 /// @param cosines  of the angle between the normal and the direction to the eye, in [0, 1]
 RHORAY_INLINE void add_specular(const Surface& surface, const Lanes& cosines, Colors& colors) {
   const auto strength = static_cast<float>(surface.specular);
@@ -22,10 +23,11 @@ RHORAY_INLINE void add_specular(const Surface& surface, const Lanes& cosines, Co
   }
 }
 
-/// The same of a light anywhere.
+/// Adds the highlight of any light.
 /// @param color    of the light
-/// @param shares   of it that reach the hits
-/// @param cosines  of the angle between the normal and the direction to the light: no highlight unless above 0
+/// @param shares   of the light that reach the hits
+/// @param cosines  of the angle between the normal and the direction to the light; no highlight
+///                 unless above 0
 RHORAY_INLINE void add_specular(const Surface& surface, const Imath::V3f& color, const Lanes& shares,
                                 const Lanes& cosines, const Directions& normal, const Directions& to_light,
                                 const Directions& to_eye, Colors& colors) {

@@ -7,9 +7,10 @@
 
 namespace rhoray::render {
 
-/// In which directions a pixel asks for what holds light back. They are made of the points of Roberts' R2 sequence
-/// (multiples of the inverse plastic number and its square), moved around by an amount that SplitMix64 makes of the
-/// pixel's place. They depend on nothing else, and only operations are used that IEEE 754 rounds exactly.
+/// Directions of a pixel's occlusion and soft-shadow rays. They are points of Roberts' R2 sequence
+/// (multiples of the inverse plastic number and its square). SplitMix64 computes their shift from
+/// the pixel's position. They depend on nothing else, and use only operations that IEEE 754 rounds
+/// exactly.
 class SpreadDirections {
  public:
   SpreadDirections(std::uint32_t column, std::uint32_t row) {
@@ -17,14 +18,16 @@ class SpreadDirections {
     first_[0] = share_of(seed), first_[1] = share_of(mixed(seed));
   }
 
-  /// Direction number `sample` about a unit normal: a unit vector on the normal's side, as many as the cosine weighs.
+  /// Returns direction number `sample` about a unit normal: a unit vector on the normal's side.
+  /// Directions have a cosine-weighted distribution.
   Vec3 about(const Vec3& normal, int sample) const {
     double x, y;
     const double radius_square = point(sample, x, y), radius = std::sqrt(radius_square);
     return lifted(normal, radius * x, radius * y, std::sqrt(1 - radius_square));
   }
 
-  /// Direction number `sample` in a cone about a unit vector, in all of it as many: a unit vector.
+  /// Returns direction number `sample` in a cone about a unit vector: a unit vector. Directions are
+  /// uniform over the cone.
   /// @param cap_height  1 - the cosine of half the angle at the cone's tip, from 0 to 1
   Vec3 within(const Vec3& axis, double cap_height, int sample) const {
     double x, y;
@@ -33,14 +36,15 @@ class SpreadDirections {
   }
 
  private:
-  /// Point number `sample` of the unit square, as a share of an area and a unit vector.
+  /// Point number `sample` of the unit square, returned as a share of an area and a unit vector.
   double point(int sample, double& x, double& y) const {
     constexpr double step[2] = {0.7548776662466927, 0.5698402909980532};
     find_unit_vector(fraction(first_[1] + (sample + 0.5) * step[1]), x, y);
     return fraction(first_[0] + (sample + 0.5) * step[0]);
   }
 
-  /// In a frame about a unit vector, made without a division by a small number (Duff et al. 2017).
+  /// Transforms from a frame about a unit vector, without a division by a small number (Duff et al.
+  /// 2017).
   static Vec3 lifted(const Vec3& axis, double x, double y, double z) {
     const double sign = std::copysign(1.0, axis.z), a = -1 / (sign + axis.z), b = axis.x * axis.y * a;
     const Vec3 across(1 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x),
@@ -55,12 +59,12 @@ class SpreadDirections {
     return number ^ (number >> 31);
   }
 
-  /// The upper bits, as a number from 0 to below 1.
+  /// The upper bits as a number in [0, 1).
   static double share_of(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
 
   static double fraction(double number) { return number - std::floor(number); }
 
-  /// sin(pi / 2 x) for x in [-1, 1], up to 4e-6: the series.
+  /// sin(pi / 2 x) for x in [-1, 1] by its series; the error is at most 4e-6.
   static double sine_of_quarter_turns(double x) {
     const double s = x * x;
     return x *
@@ -70,7 +74,7 @@ class SpreadDirections {
 
   static void find_unit_vector(double turn, double& x, double& y) {
     const double quarters = 4 * turn - 2;                        // [-2, 2)
-    const double folded = 1 - std::abs(std::abs(quarters) - 1);  // [0, 1]: how far from the x axis
+    const double folded = 1 - std::abs(std::abs(quarters) - 1);  // [0, 1]: distance from the x axis
     const double cosine = sine_of_quarter_turns(std::abs(quarters) - 1), sine = sine_of_quarter_turns(folded);
     const double length = std::sqrt(cosine * cosine + sine * sine);
     x = cosine / length, y = (quarters < 0 ? -sine : sine) / length;

@@ -5,7 +5,7 @@
 
 namespace rhoray::render {
 
-/// Covers colours of a surface by those of a texture.
+/// Composites a texture's colours over those of a surface.
 RHORAY_INLINE void cover(const CoveringColors& texture, Colors& colors) {
   for (std::size_t i = 0; i < colors.red.size(); ++i) {
     const float seen = 1 - texture.share[i];

@@ -10,26 +10,26 @@
 
 namespace rhoray::render {
 
-/// What covers the surface at the hits of a group: linear RGB times the share that covers, and that share. All 0:
-/// nothing covers it.
+/// Colours that cover a surface at a group's hits: premultiplied linear RGB, and the share that is
+/// covered. All 0: not covered.
 struct alignas(64) CoveringColors {
   float red[RayBatch::group_size], green[RayBatch::group_size], blue[RayBatch::group_size], share[RayBatch::group_size];
 };
 
-/// CandidateList up a grid of colours at hits; chosen once per frame. The grid must outlive it.
+/// Looks up a grid of colours at hits; chosen once per frame. The grid must outlive it.
 ///
-/// Between the middles of texels colours are trilinear in linear light, each texel's weighed by its alpha as well; from
-/// there to the border of the grid, half a texel further, they are those of the nearest middles. Beyond there is
-/// nothing.
+/// Between the centres of texels, colours are trilinear in linear light, and each texel is weighted
+/// by its alpha, too. From there to the grid's border, half a texel further, the nearest centres
+/// are used. Outside the grid nothing is covered.
 class TextureLookup {
  public:
-  /// @param world_from_volume  of the volume of which the hits are
+  /// @param world_from_volume  of the volume that the hits belong to
   TextureLookup(const formats::ColorGrid& grid, const Affine& world_from_volume, Machine machine = chosen_machine());
 
-  /// For the group of hits that begins at `first`: reads texels for those that are shown and lie in the grid, and for
-  /// no others. The same numbers on every machine.
-  /// @param shown  of each of the group's rays: above 0 where its hit is shown
-  /// @return       for how many hits texels were read
+  /// Handles the group of hits that begins at `first`. Reads texels only for shown hits inside the
+  /// grid. The numbers are the same on every machine.
+  /// @param shown  for each of the group's rays: above 0 if its hit is shown
+  /// @return       number of hits that texels were read for
   int operator()(const RayBatch& rays, const HitBatch& hits, std::size_t first, const float* shown,
                  CoveringColors& colors) const {
     int count = 0;
@@ -37,13 +37,13 @@ class TextureLookup {
     return count;
   }
 
-  /// What kernels read of a grid.
+  /// The parts of a grid that kernels read.
   struct View {
     const std::uint8_t* texels;
-    const std::uint64_t *x, *y, *z;  ///< parts of addresses, in texels, of the positions along the axes
-    std::int32_t last[3];            ///< position of the last texel
+    const std::uint64_t *x, *y, *z;  ///< parts of addresses, in texels, of positions along the axes
+    std::int32_t last[3];            ///< index of the last texel
     Affine grid_from_volume;
-    const float* linear;  ///< of each 8-bit sRGB component
+    const float* linear;  ///< linear value of each 8-bit sRGB component
   };
 
  private:
