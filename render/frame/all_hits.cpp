@@ -17,18 +17,18 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// A walk may end where this is left: lower than least_light by more than the rounding of products, so that no crossing
-/// is missing that is shown.
+/// A walk may end when only this much light is left. It is below least_light by more than the
+/// rounding of products, so that no visible crossing is missing.
 constexpr float surely_dark = least_light * (1 - 0x1p-16F);
 
-/// Null where a layer's rays are asked about crossing by crossing.
+/// Returns null if a layer's rays are traced crossing by crossing.
 AllHitsKernel kernel_of(const Frame& frame, const FrameLayer& layer) {
   const bool is_cut = layer.clipped && frame.clip->cuts_away();
   if (layer.slice || is_cut || layer.kernel != layer.continuation_kernel) return nullptr;
   return all_hits_kernel(layer.volume, layer.query);
 }
 
-/// Whether a layer's crossings are shown by where they are and by their gradients alone.
+/// True if a layer's crossings are shaded from their positions and gradients alone.
 bool shows_only_places(const Frame& frame, const FrameLayer& layer) {
   const LayerShading& shading = layer.shading;
   return !frame.keeps_channels && !shading.lookup && !shading.texture && !shading.effects.smooth_normals &&
@@ -41,13 +41,13 @@ bool go_together(const Frame& frame, const AllHitsGroup& group, const FrameLayer
          first.clipped == layer.clipped;
 }
 
-/// The rays' crossings with all layers, in their order: gives them their shares of the light.
+/// Shares out the light among the rays' crossings with all layers, in their order.
 class LightShares {
  public:
   LightShares(const Frame& frame, Worker& worker) : frame_(frame), worker_(worker) {
     for (const AllHitsGroup& group : frame.all_hits_groups)
       of_.insert(of_.end(), group.layers.begin(), group.layers.end());
-    // Of crossings at one t the first layer's comes first.
+    // At equal t, the crossing of the first layer comes first.
     std::sort(of_.begin(), of_.end());
     for (const std::uint8_t l : of_) {
       AllHitsWork& work = *worker.all_hits.layers[l];
@@ -88,17 +88,17 @@ class LightShares {
 
   const std::vector<LastCrossing>& last() const { return last_; }
 
-  /// Calls act(layer, the most crossings of it that a ray shows).
+  /// Calls act(layer, the largest number of its crossings that a ray shows).
   template <class Act>
   void for_each_layer(const Act& act) const {
     for (std::size_t l = 0; l < layers_.size(); ++l) act(of_[l], layers_[l].deepest);
   }
 
  private:
-  /// Of one ray, with a layer.
+  /// State of one ray with one layer.
   struct MetLayer {
     std::size_t taken = 0;
-    double next = infinity;  ///< t of the first that is not taken
+    double next = infinity;  ///< t of the first crossing not yet taken
   };
 
   void look_ahead(std::size_t l, std::size_t r, double limit) {
@@ -132,8 +132,8 @@ class LightShares {
     if (worker_.all_hits.goes_on[r] != 0) note_last(r);
   }
 
-  /// Until which t all crossings of a ray are noted: the last of a list that is full, or infinity. Below all t where
-  /// another kernel is to answer.
+  /// Returns t up to which all crossings of a ray are known: the last one of a full list, or
+  /// infinity. The result is below all t where another kernel must trace the ray.
   double known_until(std::size_t r) const {
     double limit = infinity;
     for (std::size_t g = 0; g < frame_.all_hits_groups.size(); ++g) {
@@ -163,7 +163,7 @@ class LightShares {
 
   const Frame& frame_;
   Worker& worker_;
-  std::vector<std::uint8_t> of_;  ///< layers of the frame
+  std::vector<std::uint8_t> of_;  ///< indices into Frame::layers
   std::vector<SharedLayer> layers_;
   std::vector<MetLayer> met_;
   alignas(64) std::uint8_t is_left_[tile_capacity];

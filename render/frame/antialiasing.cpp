@@ -16,24 +16,25 @@ namespace {
 constexpr float color_threshold = 1.0F / 16;
 constexpr float normal_threshold = 0.9F;
 constexpr double depth_threshold = 2;  // pixel widths
-constexpr int first_samples = 16;      // of a pixel at an edge: a tenth of it is not missed by all
+constexpr int first_samples = 16;      // of an edge pixel: some sample hits each tenth of it
 
 bool shows_surfaces(const Frame& frame) {
   return std::any_of(frame.layers.begin(), frame.layers.end(),
                      [](const FrameLayer& layer) { return layer.shading.layer.mode != Mode::mip; });
 }
 
-/// Light on a scale of even steps to the eye, nearly.
+/// Light on a scale that is nearly perceptually uniform.
 float seen(float linear) {
   return std::sqrt(std::max(linear, 0.0F));
 }
 
-/// A pixel whose samples are added up.
+/// A pixel whose samples are accumulated.
 struct EdgePixel {
   int x, y;
   int sample_count = 0;
   std::array<double, 4> sum{};
-  std::array<float, 4> darkest{1e30F, 1e30F, 1e30F, 1}, brightest{};  ///< by channel; the last one is alpha
+  /// by channel; the last one is alpha
+  std::array<float, 4> darkest{1e30F, 1e30F, 1e30F, 1}, brightest{};
 
   void add(const std::array<float, 4>& color) {
     ++sample_count;
@@ -54,8 +55,9 @@ struct EdgePixel {
 }  // namespace
 
 SamplePlace sample_place(int index) {
-  // In 64ths of a pixel. Each point was chosen so that, with those before it, the shares of a pixel that straight edges
-  // of all directions cut off are met with the smallest mean square error.
+  // In 64ths of a pixel. Straight edges of all directions cut off shares of a pixel. Each point was
+  // chosen so that, together with the points before it, it estimates these shares with the smallest
+  // mean square error.
   constexpr std::array<std::array<std::int8_t, 2>, most_samples> places{
       {{0, 0},    {-11, 15}, {17, -19},  {-21, -15}, {21, 19},  {-3, -19}, {-5, 29},   {21, -3},   {-29, 3},  {7, -29},
        {7, 17},   {-15, -1}, {29, 9},    {-25, -25}, {-21, 25}, {27, -17}, {7, 5},     {-11, -9},  {17, 29},  {-9, -25},
@@ -68,13 +70,13 @@ SamplePlace sample_place(int index) {
   return {place[0] / 64.0, place[1] / 64.0};
 }
 
-/// Pixels of a tile at edges, and the samples that are traced next.
+/// Edge pixels of a tile, and the samples to be traced next.
 struct EdgeSamples::Work {
   std::vector<EdgePixel> pixels;
   std::vector<std::uint32_t> open;               ///< pixels whose samples differ
   std::vector<std::uint32_t> of_samples;         ///< the pixel of each sample
-  std::vector<double> across, down;              ///< where each sample lies
-  std::vector<SpreadDirections> sample_numbers;  ///< of each sample, where light asks
+  std::vector<double> across, down;              ///< position of each sample
+  std::vector<SpreadDirections> sample_numbers;  ///< for each sample, if light rays need it
   LatticeRays rays;
 
   Work() {
@@ -109,7 +111,8 @@ std::size_t EdgeSamples::pixel_at(int x, int y) const {
   return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
 }
 
-/// Linear over the picture of a plane: the distance from the eye's plane in an orthographic picture, else its inverse.
+/// A measure that is linear over the picture of a plane: the distance from the eye's plane in an
+/// orthographic picture, else its inverse.
 float EdgeSamples::depth_measure(const Framebuffer& picture, int x, int y) const {
   const CameraRays& camera = frame_.camera_rays;
   const auto distance = static_cast<double>(picture.depth[pixel_at(x, y)]);
@@ -137,7 +140,7 @@ bool EdgeSamples::differ(const Framebuffer& picture, std::size_t a, std::size_t 
 }
 
 void EdgeSamples::mark_tile(const Framebuffer& picture, const Tile& tile) {
-  // What lies between a pixel and its right or lower neighbour, from one pixel before the tile on.
+  // Whether a pixel differs from its right or lower neighbour, starting one pixel before the tile.
   constexpr std::size_t row = tile_edge + 1;
   std::array<bool, row * row> right{}, below{};
   const auto at = [&](int x, int y) {
@@ -161,12 +164,13 @@ void EdgeSamples::mark_tile(const Framebuffer& picture, const Tile& tile) {
       const std::size_t pixel = pixel_at(x, y);
       bool is_edge = right[at(x, y)] || right[at(x - 1, y)] || below[at(x, y)] || below[at(x, y - 1)];
       if (!is_edge && shows_surfaces_ && std::isfinite(picture.depth[pixel]))
-        is_edge = bends(x, y, 1, 0) || bends(x, y, 0, 1);  // where a neighbour is no hit it is one already
+        // a neighbour without a hit has already marked the pixel
+        is_edge = bends(x, y, 1, 0) || bends(x, y, 0, 1);
       is_edge_[pixel] = is_edge;
     }
 }
 
-/// Traces and shades the samples that have been gathered, and adds them to their pixels.
+/// Traces and shades the gathered samples and adds them to their pixels.
 void EdgeSamples::trace(Worker& worker, Work& work) const {
   if (work.across.empty()) return;
   WorkerCounts& counts = worker.counts;

@@ -7,21 +7,22 @@ namespace rhoray::render {
 
 namespace {
 
-/// Whole numbers in [first, last] that are at least 0 and below `count`; no bound for a NaN.
+/// Whole numbers in [first, last] that are at least 0 and below `count`; a NaN sets no bound.
 struct Whole {
   int first, last;
 
   Whole(double from, double to, int count) {
     const double end = count - 1;
     const double low = from > 0 ? std::min(from, end + 1) : 0, high = to < end ? std::max(to, -1.0) : end;
-    first = static_cast<int>(low), last = static_cast<int>(high + 1) - 1;  // truncated: neither is negative
+    // truncation is correct: neither is negative
+    first = static_cast<int>(low), last = static_cast<int>(high + 1) - 1;
     first += first < low;
   }
 
   bool is_empty() const { return first > last; }
 };
 
-/// A box that is still to be looked into: node `node` of a level.
+/// A node `node` of a level, still to be visited.
 struct Entry {
   std::size_t node;
   int level;

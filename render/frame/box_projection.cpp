@@ -17,7 +17,7 @@ Vec3 magnitudes(const Vec3& v) {
   return {std::abs(v.x), std::abs(v.y), std::abs(v.z)};
 }
 
-/// The largest that the terms of a map of v can add up to, whatever their signs.
+/// Upper bound on the magnitudes of the terms when a map is applied to v, whatever their signs.
 Vec3 terms_of_vector(const Affine& map, const Vec3& v) {
   return std::abs(v.x) * magnitudes(map.x_axis) + std::abs(v.y) * magnitudes(map.y_axis) +
          std::abs(v.z) * magnitudes(map.z_axis);
@@ -46,7 +46,8 @@ BoxProjection::BoxProjection(const CameraRays& camera, const Affine& volume_from
              u_terms = terms_of_vector(volume_from_world, camera.across()),
              v_terms = terms_of_vector(volume_from_world, camera.down());
 
-  // Magnitudes along the axes: of places in the volume, and of the eye on its way from world units.
+  // Magnitudes along the axes: of positions in the volume, and of the eye transformed from world
+  // units.
   Vec3 places =
       magnitudes(eye_) + magnitudes(volume_from_world.origin) + terms_of_vector(volume_from_world, camera.position());
   if (orthographic_) places += u_terms + v_terms;
@@ -69,7 +70,7 @@ BoxProjection::BoxProjection(const CameraRays& camera, const Affine& volume_from
   down_ = function(f, u, f_terms, u_terms);
   det_ = std::abs(det);
   det_slack_ = rounding * terms_of_cross(u_terms, v_terms).dot(f_terms);
-  // Far from where products overflow or vanish; a NaN is not.
+  // Far from where products overflow or vanish; false for a NaN.
   const auto is_usual = [](double x) { return x > 0x1p-900 && x < 0x1p900; };
   is_certain_ = is_usual(det_) && det_ > 2 * det_slack_ && is_usual(depth_.slack) && is_usual(across_.slack) &&
                 is_usual(down_.slack);
@@ -89,7 +90,8 @@ BoxProjection::OntoLattice::OntoLattice(const BoxProjection& projection, const S
   depth_ = function(projection.depth_);
   across_ = function(projection.across_);
   down_ = function(projection.down_);
-  // Pixel x is seen at (2 x + 1) / width - 1, and is column (x - x_first) / spacing.
+  // Pixel x has the picture coordinate (2 x + 1) / width - 1, and is column (x - x_first) /
+  // spacing.
   const auto steps = [&](int size, int first) {
     return Steps{0.5 * size / lattice.spacing, (0.5 * size - 0.5 - first) / lattice.spacing};
   };
@@ -132,7 +134,7 @@ RHORAY_INLINE void BoxProjection::OntoLattice::project_inline(const OntoLattice&
       const double least_divisor = by.orthographic_ ? by.det_ - by.det_slack_ : least[0][i];
       const double magnitude = -low > high ? -low : high;
       const double off = (slack + magnitude * divisor_slack) / least_divisor;
-      // In front of the eye with all corners, or not.
+      // Whether all corners are in front of the eye.
       const bool in_front = by.orthographic_ || least_divisor > divisor_slack;
       const double open_low = least[q][i] > 0 ? least[q][i] / most[0][i] : -infinity;
       const double open_high = most[q][i] < 0 ? most[q][i] / most[0][i] : infinity;

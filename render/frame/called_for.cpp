@@ -96,7 +96,7 @@ struct Row {
   std::string (*why)(const Scene& scene, const Layer& layer);
 };
 
-/// A row for every effect: EffectSet holds a bool of each and nothing else.
+/// One row for every effect: EffectSet contains exactly one bool for each.
 constexpr std::array rows{Row{"diffuse", &EffectSet::diffuse, why_diffuse},
                           Row{"smooth normals", &EffectSet::smooth_normals, why_smooth_normals},
                           Row{"colour by field", &EffectSet::field_color, why_field_color},

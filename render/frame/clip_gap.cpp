@@ -9,7 +9,8 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Of two parts of a ray: the first surface, or the largest value, of equal ones the first.
+/// Joins the hits of two parts of a ray: the first surface, or the largest value; of equal values
+/// the first.
 Hit joined(const Hit& before, const Hit& behind, bool is_projection) {
   Hit hit = !before.is_miss() && (!is_projection || behind.is_miss() || before.value >= behind.value) ? before : behind;
   if (is_projection && !before.is_miss() && !behind.is_miss()) hit.error = std::max(before.error, behind.error);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t group_size = RayBatch::group_size;
 
-/// Bytes that are 0 or 1 as bits.
+/// Packs bytes that are 0 or 1 into bits.
 RHORAY_INLINE std::uint64_t bits_of(const std::uint8_t* bytes) {
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < group_size; i += 8) {
@@ -25,7 +25,8 @@ RHORAY_INLINE std::uint64_t bits_of(const std::uint8_t* bytes) {
   return bits;
 }
 
-/// Gradients, made neither too large nor too small, times vectors of the volume's frame.
+/// Dot products of gradients, scaled to avoid overflow and underflow, with vectors of the volume's
+/// frame.
 /// @param vectors  (ray of the group)
 template <class Vectors>
 RHORAY_INLINE void multiply_gradients(const HitBatch& hits, std::size_t first, const Vectors& vectors,
@@ -35,7 +36,7 @@ RHORAY_INLINE void multiply_gradients(const HitBatch& hits, std::size_t first, c
   for (std::size_t i = 0; i < group_size; ++i) product[i] = Facing::scaled({gx[i], gy[i], gz[i]}).dot(vectors(i));
 }
 
-/// Where groups begin.
+/// First rays of groups.
 struct Groups {
   const std::size_t* first;
   std::size_t count;

@@ -29,15 +29,16 @@ void find_shown(const LayerWork& work, std::uint8_t layer, const LayerOfRays* sh
   find_shown_groups(count, light);
 }
 
-/// Calls act(ray of the batch) for the rays of groups that have hits that are shown.
+/// Calls act(ray of the batch) for the rays of groups that have shown hits.
 template <class Act>
 void for_each_near_shown(const LightRays& light, std::size_t count, const Act& act) {
   for (const std::size_t first : light.shown)
     for (std::size_t r = first; r < std::min(first + group_size, count); ++r) act(r);
 }
 
-/// The side of its surface from which each ray has met it; unknown where the field has no gradient.
-/// @param is_field  sides take turns along a ray; triangles may face any way
+/// Finds the side of its surface from which each ray arrived; unknown where the field has no
+/// gradient.
+/// @param is_field  sides alternate along a ray; triangles may face any way
 void find_sides(Machine machine, const LayerWork& work, bool is_field, LightRays& light) {
   find_sides_by_gradient(machine, work, light);
   if (!work.rays.has_start_sides || !is_field) return;
@@ -46,7 +47,7 @@ void find_sides(Machine machine, const LayerWork& work, bool is_field, LightRays
   });
 }
 
-/// Of a ray: the unit vector towards the eye, world axes.
+/// Unit vector from a ray's hit towards the eye, world axes.
 Vec3 to_eye(const LayerLights& lights, const Ray& ray) {
   return -lights.world_from_volume.vector(ray.direction).normalized();
 }
@@ -58,8 +59,8 @@ Vec3 eye_normal(const LayerShading& shading, const Ray& ray, const Vec3& gradien
   return (gradient.dot(ray.direction) > 0) == (side == StartSide::outside) ? normal : -normal;
 }
 
-/// On which side of a layer's surface a hit of another one lies. What is known of its own surface is known of every one
-/// of the same field: at the hit the field has the hit's isovalue.
+/// Side of a layer's surface on which a hit of another layer lies. At the hit the field has the
+/// hit's isovalue, so the side is known for all surfaces of the same field.
 StartSide side_for(const FrameLayer& layer, const FrameLayer& of_hit, StartSide side) {
   if (&layer.volume != &of_hit.volume || of_hit.slice) return StartSide::unknown;
   const double isovalue = layer.query.isovalue, of_field = of_hit.query.isovalue;
@@ -67,13 +68,13 @@ StartSide side_for(const FrameLayer& layer, const FrameLayer& of_hit, StartSide 
   return of_field > isovalue ? StartSide::inside : StartSide::outside;
 }
 
-/// The same of rays that start outside, unknown, inside.
+/// The same for rays that start outside, unknown, inside.
 std::array<StartSide, 3> sides_for(const FrameLayer& layer, const FrameLayer& of_hit) {
   return {side_for(layer, of_hit, StartSide::outside), side_for(layer, of_hit, StartSide::unknown),
           side_for(layer, of_hit, StartSide::inside)};
 }
 
-/// Between which t the rays of a group lie in the clip region.
+/// Finds the interval of t in which the rays of a group are inside the clip region's half spaces.
 void find_spans(const ClipRegion& clip, const LightRays& light, std::size_t first, const LayerWork& hit_work,
                 WorldRays& world) {
   RayBatch& rays = world.light_rays;
@@ -87,10 +88,10 @@ void find_spans(const ClipRegion& clip, const LightRays& light, std::size_t firs
   clip.find_spans(rays, world.span_from.data(), world.span_to.data());
 }
 
-/// Ends a group of rays where one of the parts ends that the clip region leaves of them.
-/// @param part      0, or 1: behind what is cut away
-/// @param of_kept   what they start from lies in what is left, whatever rounding says
-/// @param place     of the group in the batch
+/// Ends a group of rays where one of the parts kept by the clip region ends.
+/// @param part      0, or 1 for the part behind the gap
+/// @param of_kept   their hits lie in the kept part, whatever rounding says
+/// @param place     first ray of the group in the batch
 void shorten_group(const ClipRegion& clip, int part, bool of_kept, const WorldRays& world, RayBatch& rays,
                    std::size_t place) {
   for (std::size_t i = 0; i < group_size; ++i) {
@@ -118,7 +119,7 @@ void end_rays(std::uint64_t rays, double* t_max) {
   for (; rays != 0; rays &= rays - 1) t_max[std::countr_zero(rays)] = not_asked;
 }
 
-/// Asks about groups that lie in the worker's few rays, and makes an end to those that are held back.
+/// Traces the groups in the worker's few rays, and ends the rays that are occluded.
 void drop_blocked_groups(const FrameLayer& layer, const wide::Occluders* occluders, LayerWork& work, Worker& worker) {
   LightRays& light = *worker.light_rays;
   if (light.groups.empty()) return;
@@ -139,10 +140,10 @@ void drop_blocked_groups(const FrameLayer& layer, const wide::Occluders* occlude
 
 constexpr std::size_t no_light = ~std::size_t{0};
 
-/// Makes an end to the rays that a layer's surface holds back: LightRays::t_max.
+/// Ends the rays that a layer's surface occludes (LightRays::t_max).
 /// @param part         as for shorten_group
-/// @param light_index  to which they go; no_light: to all sides
-/// @return             false where nothing was asked
+/// @param light_index  the light that the rays go to; no_light: rays in all directions
+/// @return             false if no ray was left to trace
 bool drop_blocked_by(const Frame& frame, std::size_t index, int part, const FrameLayer& of_hits,
                      const LayerWork& hit_work, std::size_t light_index, Worker& worker) {
   LightRays& light = *worker.light_rays;
@@ -153,7 +154,8 @@ bool drop_blocked_by(const Frame& frame, std::size_t index, int part, const Fram
   find_asked(machine, light, asked);
   const std::array<StartSide, 3> sides = sides_for(layer, of_hits);
   bool any = false;
-  // Rays that start on a known side are asked about what may hold these back, the others about all.
+  // Rays that start on a known side are tested against the occluders of that side, the others
+  // against everything.
   const wide::LightOccluders* of_light =
       light_index < layer.occluders.size() ? layer.occluders[light_index].get() : nullptr;
   for (const StartSide side : {StartSide::unknown, StartSide::outside, StartSide::inside}) {
@@ -189,7 +191,7 @@ bool drop_blocked_by(const Frame& frame, std::size_t index, int part, const Fram
   return any;
 }
 
-/// Makes an end to the rays that any surface holds back.
+/// Ends the rays that any surface occludes.
 /// @param light_index  as for drop_blocked_by
 void drop_blocked(const Frame& frame, const FrameLayer& of_hits, const LayerWork& hit_work, std::size_t light_index,
                   Worker& worker) {
@@ -202,7 +204,7 @@ void drop_blocked(const Frame& frame, const FrameLayer& of_hits, const LayerWork
   }
 }
 
-/// Aims the rays of all hits at a light, and asks about those whose light stands on the side that the eye sees.
+/// Aims the rays of all hits at a light.
 void aim_at(const LayerLights::One& light, const LayerShading& shading, const LayerWork& work, LightRays& rays) {
   if (light.kind == Light::Kind::directional) return aim_all(light.place, rays);
   for_each_near_shown(rays, work.rays.count, [&](std::size_t r) {
@@ -223,8 +225,8 @@ void keep_those_before_surfaces(const LayerShading& shading, const Affine& volum
   });
 }
 
-/// Aims the rays of the lit hits at a point of a light that has a size: where it stands they go as far as they come
-/// nearest to its middle.
+/// Aims the rays of the lit hits at a point of an area light. For a light with a position, a ray
+/// ends where it is nearest to the light's centre.
 void aim_at_point_of(const LayerLights::One& light, const LayerShading& shading, const LayerWork& work,
                      const std::vector<SpreadDirections>& pixels, int sample, LightRays& rays) {
   for (std::size_t r = 0; r < work.rays.count; ++r) {
@@ -238,7 +240,7 @@ void aim_at_point_of(const LayerLights::One& light, const LayerShading& shading,
   }
 }
 
-/// The share of a light's points that are seen from each hit, among those before its surface.
+/// Computes the share of a light's points that each hit sees, among those in front of its surface.
 void receive_from_points(const Frame& frame, const FrameLayer& layer, const LayerWork& work, std::size_t light_index,
                          Worker& worker) {
   const LayerLights::One& of_light = layer.shading.lights.lights[light_index];
@@ -325,7 +327,7 @@ void receive_light(const Frame& frame, std::uint8_t layer, const LayerOfRays* sh
   for (std::size_t l = 0; l < of_hits.shading.lights.lights.size(); ++l)
     if (effects.shadows && of_hits.shading.lights.lights[l].casts_shadows) receive_from(frame, layer, l, worker);
   if (effects.occlusion) receive_from_surroundings(frame, layer, worker);
-  // Rays are no shading, within which this is called.
+  // This is called during shading, but tracing does not count as shading.
   worker.counts.shading_ticks -= ticks_now() - start;
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Nothing where every ray is to be asked about.
+/// Returns nothing if every ray must be traced.
 std::optional<BlockMask> mask_of(const Frame& frame, const PixelLattice& lattice) {
   BlockMask mask(lattice);
   for (const FrameLayer& layer : frame.layers) {
@@ -32,14 +32,14 @@ std::optional<BlockMask> mask_of(const Frame& frame, const PixelLattice& lattice
   return mask;
 }
 
-/// Of equal t slices come first.
+/// At equal t, slices come first.
 bool comes_before(const Frame& frame, const Worker& worker, std::size_t ray, std::size_t layer, std::size_t other) {
   const double t = worker.layers[layer].hits.t[ray], other_t = worker.layers[other].hits.t[ray];
   return t < other_t || (t == other_t && t < infinity && frame.layers[layer].slice && !frame.layers[other].slice);
 }
 
-/// Into the worker's hits: of each ray that of the first surface, opaque or clear, or of the largest value where there
-/// are no surfaces.
+/// Stores the hit of each ray's first surface, opaque or transparent, in Worker::first_hits. Where
+/// there are no surfaces, it is the hit of the largest value.
 void gather_first(const Frame& frame, Worker& worker) {
   for (std::size_t r = 0; r < worker.layers[0].rays.count; ++r) {
     std::size_t first = 0;
@@ -50,7 +50,7 @@ void gather_first(const Frame& frame, Worker& worker) {
   }
 }
 
-/// Of the first hits: towards the eye, world axes.
+/// Finds the normals of the first hits: towards the eye, world axes.
 void find_normals(const Frame& frame, Worker& worker) {
   const bool has_one_layer = frame.has_one_layer();
   const HitBatch& hits = has_one_layer ? worker.layers[0].hits : worker.first_hits;
@@ -61,7 +61,7 @@ void find_normals(const Frame& frame, Worker& worker) {
   }
 }
 
-/// Of every pixel of a tile's traced blocks: into the frame's array.
+/// Writes the first layer of every pixel in a tile's traced blocks to the frame's array.
 void write_first_layers(const Frame& frame, const PixelLattice& lattice, const Tile& tile, const Worker& worker) {
   for_each_run(tile, [&](const Run& run) {
     for (int i = 0; i < run.count; ++i) {
@@ -109,7 +109,7 @@ void shade_layers(const Frame& frame, Worker& worker) {
 
 namespace {
 
-/// @return  how many rays that were
+/// @return  number of rays traced
 std::size_t trace_blocks(const Frame& frame, const LatticeRays& rays, const Tile& tile, Worker& worker,
                          Framebuffer& out) {
   trace_layers(frame, rays, tile, worker);

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// The clear layer whose surface each ray meets next, into `next`.
-/// @return  false where no ray meets any
+/// Finds the transparent layer whose surface each ray hits next.
+/// @return  false if no ray hits any
 bool find_next(const Frame& frame, const Worker& worker, std::size_t ray_count, LayerOfRays& next) {
   bool any = false;
   for (std::size_t r = 0; r < ray_count; ++r) {
@@ -46,19 +46,19 @@ Ray behind(const Ray& ray, const Hit& hit, bool is_field) {
 
 namespace {
 
-/// Makes the rays that show a layer's crossing go on behind it.
+/// Moves the rays that show a layer's crossing to behind it.
 void leave_crossings(const FrameLayer& layer, std::uint8_t index, const LayerOfRays& shown, LayerWork& work) {
   const bool is_field = layer.shading.layer.mode != Mode::triangles;
   for (std::size_t r = 0; r < work.rays.count; ++r)
     if (shown.of[r] == index) work.rays.set(r, behind(work.rays[r], work.hits[r], is_field));
 }
 
-constexpr double not_asked = -1;  // where a ray would end
+constexpr double not_asked = -1;  // t_max of a ray that is not traced
 
-/// Writes the rays of a group that go on, each in its own place, where neighbours in the picture share what they meet.
-/// Of those through which no light would be seen there is no next hit.
-/// @param place  of the group among the worker's few rays
-/// @return       how many go on
+/// Writes the rays of a group that go on, each in its own lane, because neighbours in the picture
+/// share cells. Rays through which no light would be visible get no next hit.
+/// @param place  first ray of the group among the worker's few rays
+/// @return       number of rays that go on
 std::size_t write_group(LayerWork& work, std::uint8_t index, const LayerOfRays& shown, std::size_t first,
                         std::size_t place, Worker& worker) {
   std::size_t count = 0;
@@ -75,7 +75,7 @@ std::size_t write_group(LayerWork& work, std::uint8_t index, const LayerOfRays& 
   return count;
 }
 
-/// Asks for what these rays meet next, where light from there would be seen.
+/// Finds the next hits of these rays, where light from there would be visible.
 void go_on(const Frame& frame, std::uint8_t index, const LayerOfRays& shown, Worker& worker) {
   const FrameLayer& layer = frame.layers[index];
   LayerWork& work = worker.layers[index];
@@ -90,7 +90,8 @@ void go_on(const Frame& frame, std::uint8_t index, const LayerOfRays& shown, Wor
   worker.few_rays.count = worker.few.size() * RayBatch::group_size;
   const std::uint64_t start = ticks_now();
   layer.continuation_kernel(layer.volume, layer.continuation_query, worker.few_rays, worker.few_hits, work.scratch);
-  worker.counts.shading_ticks -= ticks_now() - start;  // rays are no shading, within which this is called
+  // called during shading, but tracing does not count as shading
+  worker.counts.shading_ticks -= ticks_now() - start;
   const bool may_be_behind_cut = layer.clipped && frame.clip->cuts_away();
   if (may_be_behind_cut) worker.world->cut.clear();
   for (std::size_t g = 0; g < worker.few.size(); ++g)
@@ -107,13 +108,14 @@ void go_on(const Frame& frame, std::uint8_t index, const LayerOfRays& shown, Wor
                          work);
 }
 
-/// A slice is met once.
+/// A ray meets a slice only once.
 void leave_slices(std::uint8_t index, const LayerOfRays& shown, LayerWork& work) {
   for (std::size_t r = 0; r < work.rays.count; ++r)
     if (shown.of[r] == index) work.hits.t[r] = infinity;
 }
 
-/// Rays of clear layers have sides where they start; until end_rays_from_crossings, their own are not known.
+/// Gives the rays of transparent layers start sides, unknown at first, until
+/// end_rays_from_crossings.
 void begin_rays_from_crossings(const Frame& frame, Worker& worker) {
   for (std::size_t l = 0; l < frame.layers.size(); ++l) {
     if (frame.layers[l].blend != Blend::transparent) continue;
@@ -132,7 +134,7 @@ void end_rays_from_crossings(const Frame& frame, Worker& worker) {
   }
 }
 
-/// Shows the nearest of what the layers' hits are, and asks on behind it, until nothing is left.
+/// Shows the nearest of the layers' hits and continues behind it until no hits are left.
 void peel(const Frame& frame, Worker& worker) {
   const std::size_t ray_count = worker.layers[0].rays.count;
   LayerOfRays next;

@@ -8,7 +8,7 @@ namespace rhoray::render {
 
 namespace {
 
-/// block_edge numbers of each axis, to be written.
+/// Destination of block_edge numbers for each axis.
 struct Triple {
   double *x, *y, *z;
 };
@@ -17,10 +17,11 @@ Triple at(LaneArray<double> (&arrays)[3], std::size_t first) {
   return {arrays[0].data() + first, arrays[1].data() + first, arrays[2].data() + first};
 }
 
-/// Writes block_edge vectors made from neighbours in a row.
+/// Writes block_edge vectors computed from neighbours in a row.
 template <class VectorOf>
 RHORAY_INLINE void fill_run(const double* across, const Triple& out, const VectorOf& vector_of) {
-  // In arrays of its own first: then no store can be seen to change what the next lane reads.
+  // Computed in local arrays first, so that the compiler sees that no store changes what the next
+  // lane reads.
   double x[block_edge], y[block_edge], z[block_edge];
   for (int i = 0; i < block_edge; ++i) {
     const Vec3 v = vector_of(across[i]);
@@ -71,7 +72,7 @@ RHORAY_INLINE void PixelRays::fill_inline(const PixelRays& pixels, const Tile& t
   const CameraRays camera = pixels.camera_;
   const Affine volume_from_world = pixels.volume_from_world_;
   std::size_t count = 0;
-  // A run writes block_edge rays; those beyond its own are overwritten by the next.
+  // A run writes block_edge rays; the next run overwrites those beyond its own.
   for_each_run(
       tile, [&](const Run& run) __attribute__((always_inline)) {
         const double* across = pixels.across_.data() + run.x;

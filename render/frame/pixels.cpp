@@ -17,7 +17,7 @@ bool is_hit(const HitBatch& hits, std::size_t r) {
   return hits.t[r] < infinity;
 }
 
-/// Which places of a group a mask shows, as 1 and 0, and how many.
+/// Writes 1 for the lanes of a group that are shown, else 0, and returns their number.
 template <class IsShown>
 RHORAY_INLINE int find_shown(const IsShown& is_shown, Lanes& share) {
   for (std::size_t i = 0; i < group_size; ++i) share[i] = is_shown(i) ? 1 : 0;
@@ -26,7 +26,7 @@ RHORAY_INLINE int find_shown(const IsShown& is_shown, Lanes& share) {
   return static_cast<int>(count);
 }
 
-/// A group of a tile's colours.
+/// One group of a tile's colours.
 struct GroupColors {
   float *red, *green, *blue, *alpha;
 };
@@ -34,7 +34,7 @@ RHORAY_INLINE GroupColors group_of(TileColors& colors, std::size_t first) {
   return {colors.red + first, colors.green + first, colors.blue + first, colors.alpha + first};
 }
 
-/// Calls act(first, shown lanes, their colours) for the groups of which a layer's hits are shown.
+/// Calls act(first, shown lanes, their colours) for groups with shown hits of a layer.
 /// @param is_shown  (ray of the batch)
 template <class IsShown, class Act>
 RHORAY_INLINE void for_each_shown_group(const LayerShading& shading, LayerWork& work, const ReceivedLight& received,
@@ -77,7 +77,8 @@ RHORAY_INLINE void put_group(const Lanes& shown, const Colors& colors, const Gro
 RHORAY_INLINE void shade_hits_inline(const LayerShading& shading, LayerWork& work, const ReceivedLight& received,
                                      WorkerCounts& counts, TileColors& colors) {
   double* t = work.hits.t.data();
-  for (std::size_t r = work.rays.count; r % group_size != 0; ++r) t[r] = infinity;  // the last group's empty rooms
+  // empty lanes of the last group
+  for (std::size_t r = work.rays.count; r % group_size != 0; ++r) t[r] = infinity;
   for_each_shown_group(
       shading, work, received, [t](std::size_t r) { return t[r] < infinity; }, counts,
       [&](std::size_t first, const Lanes& shown, const Colors& shaded) {
@@ -95,7 +96,7 @@ RHORAY_INLINE void shade_shown_inline(const LayerShading& shading, LayerWork& wo
       });
 }
 
-/// Adds light that comes through what is before it.
+/// Adds light, attenuated by what is in front of it.
 RHORAY_INLINE void add_through(const Lanes& color, const Lanes& share, float* out) {
   for (std::size_t i = 0; i < group_size; ++i) out[i] += share[i] > 0 ? share[i] * color[i] : 0;
 }
@@ -118,7 +119,7 @@ RHORAY_INLINE void shade_clear_inline(const LayerShading& shading, LayerWork& wo
       });
 }
 
-/// Light of up to 512 becomes a multiple of 2^-42, of which sums up to 2048 are exact in whatever order.
+/// Light up to 512 becomes a multiple of 2^-42; sums of these up to 2048 are exact in any order.
 RHORAY_INLINE void add_exactly(const Lanes& color, const Lanes& share, double* out) {
   constexpr double unit = 1536;  // numbers from 1024 to 2048 are such multiples
   for (std::size_t i = 0; i < group_size; ++i) {
@@ -148,7 +149,7 @@ RHORAY_INLINE void composite_mip_inline(const LayerShading& shading, LayerWork& 
       [&](std::size_t first, const Lanes& shown, const Colors& light) {
         const GroupColors out = group_of(colors, first);
         for (std::size_t i = 0; i < group_size; ++i) {
-          const float share = shown[i] > 0 ? light.red[i] : 0;  // of white
+          const float share = shown[i] > 0 ? light.red[i] : 0;  // weight of white
           out.red[i] += share * (1 - out.red[i]);
           out.green[i] += share * (1 - out.green[i]);
           out.blue[i] += share * (1 - out.blue[i]);
@@ -161,7 +162,7 @@ RHORAY_INLINE std::size_t pixel_at(const PixelLattice& lattice, int x, int y) {
   return static_cast<std::size_t>(y) * static_cast<std::size_t>(lattice.width) + static_cast<std::size_t>(x);
 }
 
-/// Calls write(r, pixel) for every pixel that the tile's ray r stands for.
+/// Calls write(r, pixel) for every pixel that the tile's ray r fills.
 template <class Write>
 RHORAY_INLINE void for_each_pixel(const PixelLattice& lattice, const Tile& tile, const Write& write) {
   if (lattice.spacing == 1) {
@@ -217,13 +218,14 @@ RHORAY_INLINE void write_colors_inline(const PixelLattice& lattice, const Tile& 
       });
 }
 
-/// Calls fill(pixel, count) for all pixels, side by side, for which rays of a tile's untraced blocks stand.
+/// Calls fill(pixel, count) for all runs of pixels that the rays of a tile's untraced blocks fill.
 template <class Fill>
 void for_each_background_run(const PixelLattice& lattice, const Tile& tile, const Fill& fill) {
   for_each_untraced_run(tile, [&](int first, int row, int count) {
     const int y_begin = lattice.y_first + row * lattice.spacing;
     const int y_end = std::min(y_begin + lattice.extent, lattice.height);
-    const bool is_closed = lattice.extent == lattice.spacing;  // no pixels of other lattices between them
+    // no pixels of other lattices between them
+    const bool is_closed = lattice.extent == lattice.spacing;
     const int step = is_closed ? count : 1;
     for (int x = first; x < first + count; x += step) {
       const int x_begin = lattice.x_first + x * lattice.spacing;
@@ -243,9 +245,9 @@ void fill_colors(const float (&color)[4], float* to, std::size_t count) {
   for (; i < count; ++i) std::copy_n(color, 4, to + 4 * i);
 }
 
-/// Of those among the answers that are hits; 0 where none is.
+/// Largest error of the hits; 0 if there are none.
 double largest_error_of(const HitBatch& hits, std::size_t count) {
-  constexpr std::size_t abreast = 8;  // so that none waits for the one before
+  constexpr std::size_t abreast = 8;  // independent lanes hide the latency of the maximum
   double largest[abreast] = {};
   const auto take = [&](std::size_t r, double& so_far) {
     const double error = is_hit(hits, r) ? hits.error[r] : 0;

@@ -150,7 +150,7 @@ Blend blend_of(const Layer& layer, const Scene& scene) {
   return layer.surface.opacity < 1 ? Blend::transparent : Blend::opaque;
 }
 
-/// What a layer's effects ask for beyond what hits say; null when they ask for none.
+/// Lookup of the attributes that a layer's effects need besides the hits; null if they need none.
 std::shared_ptr<const HitLookup> choose_lookup(const Volume& volume, const Layer& layer, unsigned threads) {
   const EffectSet effects = effects_called_for(layer);
   HitAttributes attributes{.smooth_gradients = effects.smooth_normals, .field = {}};
@@ -165,7 +165,7 @@ std::shared_ptr<const TextureLookup> choose_texture(const Volume& volume, const 
                                                volume.implementation().world_from_volume);
 }
 
-/// Whether light is asked for that a layer may hold back.
+/// True if a layer may occlude light that some layer's effects trace.
 bool may_shade_others(const Layer& layer, const Scene& scene) {
   return holds_light_back(layer) && std::any_of(scene.layers.begin(), scene.layers.end(), [&](const Layer& any) {
            const EffectSet effects = effects_called_for(scene, any);
@@ -173,7 +173,7 @@ bool may_shade_others(const Layer& layer, const Scene& scene) {
          });
 }
 
-/// Whether rays that start in crossings are asked of a layer.
+/// True if rays that start at hits are traced through a layer.
 bool meets_rays_from_crossings(const Layer& layer, Blend blend, const Scene& scene) {
   return layer.mode != Mode::slice && (blend == Blend::transparent || may_shade_others(layer, scene));
 }
@@ -223,7 +223,7 @@ void add_needs(const Volume& volume, const FrameLayer& layer, WorkerNeeds& needs
   needs.spread_directions |= shading.effects.occlusion || shading.effects.soft_shadows;
 }
 
-/// What is left of a layer.
+/// Part of a layer that the clip region keeps.
 enum class Left { all, part, nothing };
 
 Left what_is_left_of(const Volume& volume, const Layer& layer, const Scene& scene) {
@@ -232,7 +232,7 @@ Left what_is_left_of(const Volume& volume, const Layer& layer, const Scene& scen
   return what_is_left(*scene.clip, whole).isEmpty() ? Left::nothing : Left::part;
 }
 
-/// True where no ray through a pixel's middle can meet the volume's box.
+/// True if no ray through a pixel's centre can hit the volume's box.
 bool lies_outside_view(const Volume& volume, const CameraRays& camera_rays, const FrameOptions& options) {
   const VolumeImplementation& implementation = volume.implementation();
   const Affine& world_from_volume = implementation.world_from_volume;
@@ -245,8 +245,8 @@ bool lies_outside_view(const Volume& volume, const CameraRays& camera_rays, cons
   return met.is_empty();
 }
 
-/// Without what cannot be seen: a surface that holds back no light, what is clipped away whole, and what lies outside
-/// the view and shades nothing. Nothing is prepared for these, nor read of them.
+/// Omits what cannot be seen: surfaces of zero opacity, layers that are clipped away completely,
+/// and layers outside the view that shade nothing. Nothing is prepared or read for these.
 Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options) {
   Frame frame{.layers = {},
               .camera_rays = CameraRays(scene.camera, options.width, options.height),
@@ -266,7 +266,7 @@ Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const Fr
       const Volume& volume = volumes[layer.volume];
       const Left left = what_is_left_of(volume, layer, scene);
       if (left == Left::nothing) continue;
-      // Further samples of a pixel look a little past the outermost rays.
+      // Antialiasing samples lie slightly beyond the outermost rays.
       if (options.antialiasing == 1 && !may_shade_others(layer, scene) &&
           lies_outside_view(volume, frame.camera_rays, options))
         continue;
@@ -284,7 +284,8 @@ Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const Fr
   return frame;
 }
 
-/// Around what a layer may show, volume frame; the whole where what is left is too small to tell.
+/// Bounds of the part of a layer that is kept, volume frame; the whole volume's bounds where that
+/// part is too small to tell.
 Box3 kept_bounds(const FrameLayer& layer, const std::optional<Clip>& clip) {
   const Box3& bounds = layer.volume.bounds_volume;
   if (!layer.clipped) return bounds;
@@ -298,8 +299,8 @@ Box3 kept_bounds(const FrameLayer& layer, const std::optional<Clip>& clip) {
   return !kept.isEmpty() && kept.size().length() > 0x1p-20 * bounds.size().length() ? kept : bounds;
 }
 
-/// Makes a layer ready, and finds out where it can be met at all.
-/// @return  true where wide kernels were made ready
+/// Prepares a layer and finds its bounding boxes.
+/// @return  true if wide kernels were prepared
 bool prepare(FrameLayer& layer, const std::optional<Clip>& clip, const FrameOptions& options) {
   if (layer.slice) {
     if (options.use_hierarchy) layer.boxes = layer.slice->boxes();
@@ -312,7 +313,7 @@ bool prepare(FrameLayer& layer, const std::optional<Clip>& clip, const FrameOpti
   return is_wide;
 }
 
-/// How much longer a map makes vectors, at most.
+/// Largest factor by which a map stretches vectors.
 double longest_stretch(const Affine& map) {
   return std::sqrt(map.x_axis.dot(map.x_axis) + map.y_axis.dot(map.y_axis) + map.z_axis.dot(map.z_axis));
 }
@@ -320,11 +321,11 @@ double longest_stretch(const Affine& map) {
 wide::LightPlace place_in(const FrameLayer& layer, const LayerLights::One& light) {
   const double stretch = longest_stretch(layer.volume_from_world);
   if (light.kind == Light::Kind::point) return {.is_place = true, .at = light.place, .reach = light.extent * stretch};
-  // From the middle of a cap of this height to its rim.
+  // Distance from the centre of a cap of this height to its rim.
   return {.at = layer.volume_from_world.vector(light.place), .reach = std::sqrt(2 * light.extent) * stretch};
 }
 
-/// Finds out what of a layer may hold back the light of those that cast shadows.
+/// Finds the parts of a layer that may occlude lights that cast shadows.
 void prepare_occluders(FrameLayer& layer, const FrameOptions& options, wide::OccluderCache& memory) {
   if (!holds_light_back(layer.shading.layer) || layer.continuation_kernel == nullptr) return;
   const RayQuery& query = layer.continuation_query;
@@ -347,7 +348,7 @@ void require_intact(std::span<const Volume> volumes, const Scene& scene) {
     if (layer.surface.texture) formats::require_intact(layer.surface.texture->file());
 }
 
-/// The passes of a picture whose first one traces one pixel of first_spacing x first_spacing.
+/// Passes of a picture; the first one traces one pixel of first_spacing x first_spacing.
 std::vector<Pass> passes_of(const Frame& frame, const FrameOptions& options, int first_spacing) {
   std::vector<Pass> passes(1);
   const PixelLattice all{.width = options.width, .height = options.height};

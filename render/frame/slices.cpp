@@ -12,16 +12,16 @@ namespace {
 
 constexpr std::size_t group_size = RayBatch::group_size;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double rounding = 0x1p-44;  // of sums of a few numbers, 512 units
+constexpr double rounding = 0x1p-44;  // for sums of a few numbers: 512 units in the last place
 
-/// Whether planes are one, to rounding.
+/// True if two planes are the same, up to rounding.
 bool is_same_plane(const HalfSpace& a, const HalfSpace& b) {
   const Vec3 normal_a = a.normal.normalized(), normal_b = b.normal.normalized();
   return normal_a.cross(normal_b).length() <= 0x1p-45 &&
          std::abs(normal_a.dot(b.point - a.point)) <= 0x1p-45 * (a.point.length() + b.point.length());
 }
 
-/// The face of a region that a plane is, or the plane.
+/// Returns the region's face that coincides with the plane, or the plane itself.
 HalfSpace face_or(const HalfSpace& plane, const std::optional<Clip>& clip) {
   if (clip)
     for (const HalfSpace& half : half_spaces_of(*clip))
@@ -100,7 +100,7 @@ std::uint64_t SlicePlane::ask(const RayBatch& rays, const RayBatch& in_world, co
       lookup_(places, answers);
     }
     for (std::size_t i = 0; i < group_size && first + i < rays.count; ++i) {
-      const bool is_shown = threshold_.contains(answers.value[i]);  // a NaN is not
+      const bool is_shown = threshold_.contains(answers.value[i]);  // false for a NaN
       hits.set(first + i, {.t = is_shown ? t[i] : infinity,
                            .value = answers.value[i],
                            .cell = is_shown ? answers.cell[i] : 0,

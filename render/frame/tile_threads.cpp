@@ -66,7 +66,7 @@ TileThreads::TileThreads(unsigned threads) : threads_(threads) {
 TileThreads::~TileThreads() = default;
 
 void TileThreads::for_each_tile(std::size_t count, const std::function<void(std::size_t, std::size_t)>& act) const {
-  // oneTBB gives an arena no more threads than there are cores unless it is told so.
+  // oneTBB limits an arena to the number of cores unless it is told otherwise.
   std::optional<tbb::global_control> allowed;
   if (worker_count() > std::thread::hardware_concurrency())
     allowed.emplace(tbb::global_control::max_allowed_parallelism, worker_count());
@@ -74,7 +74,8 @@ void TileThreads::for_each_tile(std::size_t count, const std::function<void(std:
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, count, 1),
         [&](const tbb::blocked_range<std::size_t>& tiles) {
-          // Threads of the pool, and what oneTBB sets for its tasks, are of whoever used it first.
+          // Pool threads, and the settings that oneTBB applies to its tasks, come from whoever used
+          // the pool first.
           const DefaultFloatingPoint default_floating_point;
           const auto worker = static_cast<std::size_t>(tbb::this_task_arena::current_thread_index());
           for (std::size_t tile = tiles.begin(); tile != tiles.end(); ++tile) act(tile, worker);

@@ -6,7 +6,8 @@ namespace rhoray::render {
 
 std::vector<Tile> tiles_in_order(int width, int height) {
   const int across = (width - 1) / tile_edge + 1, down = (height - 1) / tile_edge + 1;
-  // Squares side by side along the longer edge, each filled by a curve that ends beside the next one's start.
+  // Squares side by side along the longer edge. Each is filled by a curve that ends next to the
+  // start of the next one.
   const auto shorter = static_cast<std::size_t>(std::min(across, down));
   const std::size_t size = std::bit_ceil(shorter), longer = static_cast<std::size_t>(std::max(across, down));
   std::vector<Tile> tiles;

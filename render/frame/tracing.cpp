@@ -14,7 +14,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Makes the tile's rays in world axes, and finds what the clip region leaves of them.
+/// Makes the tile's rays in world axes, and finds the parts that the clip region keeps.
 void clip_rays(const Frame& frame, const PixelRays& rays, const Tile& tile, Worker& worker) {
   WorldRays& world = *worker.world;
   if (!std::exchange(world.are_begun, true)) rays.begin(world.rays);
@@ -31,7 +31,7 @@ void clip_rays(const Frame& frame, const PixelRays& rays, const Tile& tile, Work
   worker.counts.rays_clipped_away += clipped_away;
 }
 
-/// Ends a layer's rays where the first part that the clip region leaves of them ends, and at `ends` where given.
+/// Ends a layer's rays where the first part kept by the clip region ends, and at `ends` if given.
 void shorten(const KeptParts& kept, const double* ends, RayBatch& rays) {
   const double* kept_end = kept.t_max.data();
   double* t_max = rays.t_max.data();
@@ -42,7 +42,7 @@ void shorten(const KeptParts& kept, const double* ends, RayBatch& rays) {
     for (std::size_t r = 0; r < rays.count; ++r) t_max[r] = kept_end[r] < ends[r] ? kept_end[r] : ends[r];
 }
 
-/// @param ends  of all rays of the tile; null: they do not end
+/// @param ends  end of each ray of the tile; null: the rays do not end
 void ask_slice(const Frame& frame, const FrameLayer& layer, const double* ends, Worker& worker, LayerWork& work) {
   const WorldRays& world = *worker.world;
   const bool is_cut = layer.clipped && frame.clip->cuts_away();
@@ -52,7 +52,7 @@ void ask_slice(const Frame& frame, const FrameLayer& layer, const double* ends, 
 }
 
 /// Makes the tile's rays in the frame of a layer's volume.
-/// @param ends  of all rays of the tile; null: they do not end
+/// @param ends  end of each ray of the tile; null: the rays do not end
 void make_rays(const FrameLayer& layer, const PixelRays& rays, const Tile& tile, const double* ends,
                const Worker& worker, LayerWork& work) {
   if (!std::exchange(work.rays_are_begun, true)) rays.begin(work.rays);
@@ -63,7 +63,7 @@ void make_rays(const FrameLayer& layer, const PixelRays& rays, const Tile& tile,
     std::copy_n(ends, work.rays.count, work.rays.t_max.data());
 }
 
-/// @param ends  of all rays of the tile; null: they do not end
+/// @param ends  end of each ray of the tile; null: the rays do not end
 void ask_layer(const Frame& frame, const FrameLayer& layer, const PixelRays& rays, const Tile& tile, const double* ends,
                Worker& worker, LayerWork& work) {
   make_rays(layer, rays, tile, ends, worker, work);
@@ -78,7 +78,7 @@ void ask_layer(const Frame& frame, const FrameLayer& layer, const PixelRays& ray
   trace_after_clip_gap(layer, layer.kernel, layer.query, ends, worker, work);
 }
 
-/// Of surfaces at the same t the one whose layer comes first.
+/// Keeps the nearest surface; at equal t, the one whose layer comes first.
 void keep_nearest(const LayerWork& work, std::uint8_t layer, Worker& worker) {
   const double* t = work.hits.t.data();
   double* nearest = worker.nearest.data();
@@ -89,7 +89,8 @@ void keep_nearest(const LayerWork& work, std::uint8_t layer, Worker& worker) {
   }
 }
 
-/// Where the nearest is a slice, what is not opaque is only seen before it.
+/// Where the nearest surface is a slice, transparent and additive layers are visible only in front
+/// of it.
 void end_before_slices(const Frame& frame, Worker& worker) {
   for (std::size_t r = 0; r < worker.layers[0].rays.count; ++r) {
     const std::uint8_t shown = worker.shown.of[r];

@@ -12,12 +12,12 @@ bool shines(const Light& light) {
   return light.color != Vec3(0, 0, 0);
 }
 
-/// Whether there is anything that holds light back.
+/// True if anything occludes light.
 bool has_opaque_surface(const Scene& scene) {
   return std::any_of(scene.layers.begin(), scene.layers.end(), holds_light_back);
 }
 
-/// Lights do nothing for a surface that has ambient light only.
+/// Lights do not affect a surface that has ambient light only.
 bool shows_lights(const Surface& surface) {
   return surface.ambient < 1 || surface.specular > 0;
 }
@@ -30,8 +30,8 @@ bool is_wide(const Light& light) {
   return light.size > 0;
 }
 
-/// What directions to a light need: of a directional one how high the cap of the sphere is that it takes, of one in a
-/// place its radius.
+/// Extent of a light for its directions. Directional: height of the cap of the unit sphere that it
+/// covers; point: its radius.
 double extent_of(const Light& light) {
   if (light.kind == Light::Kind::point) return light.size;
   constexpr double radians_per_degree = std::numbers::pi / 180;

@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t group_size = RayBatch::group_size;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// One number of each hit of a group.
+/// One number for each hit of a group.
 struct alignas(64) Numbers {
   double of[group_size];
 
@@ -31,7 +31,7 @@ struct alignas(64) Numbers {
   RHORAY_INLINE double operator[](std::size_t i) const { return of[i]; }
 };
 
-/// Where the hits of a group are, in the volume's frame.
+/// Positions of a group's hits in the volume's frame.
 RHORAY_INLINE void find_places(const RayBatch& rays, const HitBatch& hits, std::size_t first, Numbers* place) {
   const double* t = hits.t.data() + first;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -42,28 +42,29 @@ RHORAY_INLINE void find_places(const RayBatch& rays, const HitBatch& hits, std::
 
 // Meshes.
 
-/// What is looked up in a mesh beside its own field.
+/// Data looked up in a mesh besides its own field.
 template <class T>
 struct MeshLookup {
   const TetVolume<T>* view;
-  std::shared_ptr<const PointGradients> gradients{};  ///< null: not wanted
+  std::shared_ptr<const PointGradients> gradients{};  ///< null: not needed
   std::variant<std::monostate, std::span<const float>, std::span<const double>> field{};
 };
 
-/// The cells of a group's hits: their points, and how much each counts.
+/// The cells of a group's hits: their points and weights.
 struct HitCells {
   std::uint32_t point[4][group_size];
   Numbers weight[4];
 };
 
-/// Six volumes of the tetrahedron between three points and the origin.
+/// Six times the volume of the tetrahedron between three points and the origin.
 RHORAY_INLINE double six_volumes(const double* a, const double* b, const double* c) {
   return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-/// Weights by the volumes between a place and the faces of its cell: none below 0, and all above by so little that a
-/// cell without volume gives all its points the same.
-/// @param away  [point][axis][hit]: from the place to the cell's points
+/// Computes weights from the volumes between a position and the faces of its cell. No weight is
+/// negative. A tiny amount is added to all, so that a cell without volume gives all its points the
+/// same weight.
+/// @param away  [point][axis][hit]: from the position to the cell's points
 RHORAY_INLINE void weigh_by_volumes(const Numbers (*away)[3], Numbers* weight) {
   constexpr double least = 0x1p-60;
   for (std::size_t i = 0; i < group_size; ++i) {
@@ -84,7 +85,7 @@ RHORAY_INLINE void weigh_by_volumes(const Numbers (*away)[3], Numbers* weight) {
   }
 }
 
-/// Shifts weight between the points inside and those outside so that the field has the hit's value.
+/// Shifts weight between the points inside and outside so that the field has the hit's value.
 /// @param field  [point][hit]
 RHORAY_INLINE void move_to_value(const double* value, const Numbers* field, Numbers* weight) {
   for (std::size_t i = 0; i < group_size; ++i) {
@@ -95,7 +96,7 @@ RHORAY_INLINE void move_to_value(const double* value, const Numbers* field, Numb
       weight_in += inside ? w : 0, weight_out += inside ? 0 : w;
       sum_in += inside ? w * difference : 0, sum_out += inside ? 0 : w * difference;
     }
-    // Means of the differences on both sides; 0 / 0 where all points are on one side.
+    // Mean differences on both sides; 0 / 0 where all points are on one side.
     const double above = sum_in / weight_in, below = -sum_out / weight_out;
     const double share_in = below / (above + below), share_out = above / (above + below);
     const bool is_between = share_in >= 0 && share_out >= 0;
@@ -104,7 +105,7 @@ RHORAY_INLINE void move_to_value(const double* value, const Numbers* field, Numb
   }
 }
 
-/// Cells of misses are any cell.
+/// Misses get an arbitrary cell.
 template <class T>
 RHORAY_INLINE void find_cells(const TetVolume<T>& view, const RayBatch& rays, const HitBatch& hits, std::size_t first,
                               HitCells& cells) {
@@ -123,7 +124,7 @@ RHORAY_INLINE void find_cells(const TetVolume<T>& view, const RayBatch& rays, co
   move_to_value(hits.value.data() + first, field, cells.weight);
 }
 
-/// Means of what `at(point)` says of the points of cells.
+/// Weighted means of at(point) over the points of cells.
 template <class At>
 RHORAY_INLINE void interpolate(const HitCells& cells, const At& at, double* out) {
   Numbers number[4];
@@ -166,8 +167,8 @@ RHORAY_INLINE void look_up_in_mesh(const MeshLookup<T>& lookup, const RayBatch& 
 
 // Surfaces.
 
-/// Weights of a place in a triangle by the areas opposite its corners; none below 0. Those of a triangle without area
-/// are numbers of which not all are finite.
+/// Computes a position's weights in a triangle from the areas opposite its corners; none is
+/// negative. For a triangle without area, some are not finite.
 std::array<double, 3> weights_at(const TrianglePoints& points, const Vec3& place) {
   const auto from_place = [&](std::size_t c) { return Vec3(points[c][0], points[c][1], points[c][2]) - place; };
   const Vec3 normal = triangle_normal(points), away[3] = {from_place(0), from_place(1), from_place(2)};
@@ -181,7 +182,7 @@ std::array<double, 3> weights_at(const TrianglePoints& points, const Vec3& place
   return weight;
 }
 
-/// The triangle's own normal stays where the smooth one is zero or not finite.
+/// Keeps the triangle's own normal where the smooth one is zero or not finite.
 void replace_by_smooth(const SurfaceVolume& view, const PointGradients& normals, const Ray& ray, std::size_t r,
                        HitBatch& hits) {
   const auto vertices = view.vertices(hits.tet[r]);
@@ -224,7 +225,7 @@ RHORAY_INLINE void look_up_in_grid(const Grid& grid, const RayBatch& rays, const
   }
 }
 
-// Which of them.
+// Choice of the lookup.
 
 using LookUp = std::function<void(const RayBatch& rays, HitBatch& hits, std::size_t first, double* values)>;
 

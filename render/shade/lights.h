@@ -47,11 +47,9 @@ inline WayToLight way_to_light(const LayerLights::One& light, const Affine& worl
   const double distance = way.length();
   return {way / distance, distance};
 }
-// Height of the cap of the unit sphere that a light with an extent covers, seen from a distance.
-// From inside the light it covers half of the sphere.
 
-/// How high the cap of the unit sphere is that a light with an extent takes, seen from a distance;
-/// from within it, half of the sphere.
+/// Height of the cap of the unit sphere that a light with an extent covers, seen from a distance.
+/// From inside the light it covers half of the sphere.
 inline double cap_height_of(const LayerLights::One& light, double distance) {
   if (light.kind == Light::Kind::directional) return light.extent;
   if (!(light.extent < distance)) return 1;

@@ -21,7 +21,8 @@ constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 // Grids.
 
-/// The cells of an axis that a position lies in: one, or two where it lies in the plane between them, to slack.
+/// The cells of an axis that contain a position: one, or two if it lies in the plane between them,
+/// up to slack.
 struct CellsOfAxis {
   std::int64_t cell[2];
   int count = 0;
@@ -76,11 +77,11 @@ void look_up_in_grid(const Grid& grid, const PlacesInPlane& places, PlaceAnswers
 
 // Meshes.
 
-/// Around the places of a group that are asked about, and how far from the plane they may lie.
+/// Bounding box of a group's positions that are looked up, and their distance from the plane.
 struct Around {
   double low[3], high[3];
-  double from_plane;  ///< normal . place is off by less
-  double slack;       ///< the largest of the axes'
+  double from_plane;  ///< bound on the error of normal . position
+  double slack;       ///< the largest of the axes' slacks
 };
 
 Around around(const PlacesInPlane& places) {
@@ -100,7 +101,7 @@ Around around(const PlacesInPlane& places) {
   return box;
 }
 
-/// False where a box surely holds none of the places.
+/// False if a box certainly contains none of the positions.
 bool may_hold(const PlacesInPlane& places, const Around& box, const double (&low)[3], const double (&high)[3]) {
   double least = -places.offset - box.from_plane, most = -places.offset + box.from_plane;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -112,8 +113,8 @@ bool may_hold(const PlacesInPlane& places, const Around& box, const double (&low
   return least <= 0 && most >= 0;
 }
 
-/// A face's plane as a function that is 0 on it, 1 a unit away, and above 0 on the side of its cell; computed from the
-/// face's points in rising order, so that both its cells compute the same up to sign.
+/// Distance from a face's plane, positive on the side of its cell. It is computed from the face's
+/// points in ascending order, so that both cells of the face compute the same number up to sign.
 struct FaceDistance {
   double anchor[3], normal[3];
 };
@@ -141,14 +142,14 @@ RHORAY_INLINE bool find_planes(const std::array<std::array<double, 3>, 4>& point
   return true;
 }
 
-/// Which cell each place is in, as far as it is known.
+/// The cell found so far for each position.
 struct Holders {
-  alignas(64) double outside[group_size];  ///< how far outside of it; 0: inside
+  alignas(64) double outside[group_size];  ///< distance outside that cell; 0: inside
   std::uint64_t id[group_size];
   std::uint32_t tet[group_size];
 };
 
-/// Takes note of the places that a cell holds better than the ones before it.
+/// Updates the positions that a cell contains better than all cells before it.
 template <class View>
 RHORAY_INLINE void hold_against(const View& view, const PlacesInPlane& places, const Around& box, std::uint32_t tet,
                                 Holders& holders, PlaceAnswers& answers) {
@@ -182,8 +183,8 @@ RHORAY_INLINE void hold_against(const View& view, const PlacesInPlane& places, c
   }
 }
 
-/// Calls look(cell) for the cells of clusters that may hold places of the group.
-template <class View, class Visit>
+/// Calls shading(cell) for the cells of clusters that may contain positions of the group.
+template <class View, class LayerShading>
 RHORAY_INLINE void for_each_in_clusters(const View& view, const PlacesInPlane& places, const Around& box,
                                         const Visit& visit) {
   constexpr std::size_t width = formats::ClusterShape::width, most_levels = 11;
@@ -214,8 +215,8 @@ RHORAY_INLINE void for_each_in_clusters(const View& view, const PlacesInPlane& p
   }
 }
 
-/// The same for the cells that leaves list; one comes up once for every leaf that lists it.
-template <class View, class Visit>
+/// The same for the cells that leaves list. A cell comes up once for every leaf that lists it.
+template <class View, class LayerShading>
 RHORAY_INLINE void for_each_in_leaves(const View& view, const PlacesInPlane& places, const Around& box,
                                       const Visit& visit) {
   const formats::LeafLattice& lattice = view.description().lattice;
@@ -223,7 +224,7 @@ RHORAY_INLINE void for_each_in_leaves(const View& view, const PlacesInPlane& pla
   Index3 first, last;
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
-    constexpr double rounding = 1e-9;  // of a leaf
+    constexpr double rounding = 1e-9;  // in leaves
     const auto leaf_at = [&](double position, double more) {
       const double leaf = std::floor((position - lattice.low[axis]) / lattice.leaf_size[axis] + more);
       return static_cast<std::int64_t>(std::clamp(leaf, 0.0, static_cast<double>(count[axis] - 1)));
@@ -246,7 +247,7 @@ RHORAY_INLINE void for_each_in_leaves(const View& view, const PlacesInPlane& pla
       }
 }
 
-/// The linear field at a place of a cell, moved into it where rounding has led it out.
+/// The linear field at a position of a cell, moved into the cell where rounding has put it outside.
 template <class View>
 RHORAY_INLINE double value_in(const View& view, std::uint32_t tet, const Vec3& place) {
   const auto vertices = view.sorted_vertices(tet);
@@ -287,7 +288,7 @@ RHORAY_INLINE void look_up_in_mesh(const View& view, const PlacesInPlane& places
   }
 }
 
-// Which of them.
+// Choice of the lookup.
 
 using LookUp = std::function<void(const PlacesInPlane& places, PlaceAnswers& answers)>;
 
@@ -301,7 +302,7 @@ LookUp answered_by(const View& view, Function function) {
   };
 }
 
-/// Places are looked up one by one: no machine is better at it.
+/// Positions are looked up one by one, because no machine makes it faster.
 template <class Grid>
 LookUp look_up_for(const Grid& grid, const VolumeImplementation&, Machine) {
   return answered_by(grid, look_up_in_grid<Grid>);

@@ -23,11 +23,12 @@ std::array<float, 256> srgb_decoded() {
   return linear;
 }
 
-/// Where the hits of a group lie among the texels.
+/// Positions of a group's hits among the texels.
 struct alignas(64) TexelPlaces {
-  std::int32_t before[3][group_size];  ///< the texel at or before the hit; any number where none is read
-  float weight[3][group_size];         ///< of the texel behind it
-  std::int32_t is_read[group_size];    ///< 1 or 0
+  /// the texel at or before the hit; undefined if none is read
+  std::int32_t before[3][group_size];
+  float weight[3][group_size];       ///< of the next texel
+  std::int32_t is_read[group_size];  ///< 1 or 0
 };
 
 RHORAY_INLINE void find_places(const View& view, const RayBatch& rays, const HitBatch& hits, std::size_t first,
@@ -57,12 +58,12 @@ RHORAY_INLINE void find_places(const View& view, const RayBatch& rays, const Hit
   }
 }
 
-/// Red, green, blue and the share that covers. Eight texels are mixed in these, hit by hit: gathers of single
-/// components for many hits at once take twice the time of the whole look-up (on processors that guard against gather
-/// data sampling).
+/// Red, green, blue and the covered share. Eight texels are mixed in this type, hit by hit.
+/// Gathering single components for many hits at once takes twice the time of the whole lookup (on
+/// processors that guard against gather data sampling).
 using Light [[gnu::vector_size(16)]] = float;
 
-/// Of a texel of N components; what its alpha covers.
+/// Premultiplied light of a texel of N components.
 template <int N>
 RHORAY_INLINE Light light_of(const float* linear, const std::uint8_t* texel) {
   static_assert(N == 3 || N == 4);
@@ -71,12 +72,12 @@ RHORAY_INLINE Light light_of(const float* linear, const std::uint8_t* texel) {
   return light;
 }
 
-/// Exactly a where both are the same.
+/// Interpolates; exactly a if both are equal.
 RHORAY_INLINE Light between(const Light& a, const Light& b, float share) {
   return a + share * (b - a);
 }
 
-/// Of the hit in place i of its group.
+/// Mixes the texels around the hit in lane i of its group.
 template <int N>
 RHORAY_INLINE Light mixed_texels(const View& view, const TexelPlaces& places, std::size_t i) {
   const auto behind = [&](int axis) {
@@ -108,7 +109,7 @@ RHORAY_INLINE void look_up(const View& view, const RayBatch& rays, const HitBatc
   }
 }
 
-/// a * b: target_from_source of b's source.
+/// a * b: maps from b's source to a's target.
 Affine composed(const Affine& a, const Affine& b) {
   return {a.vector(b.x_axis), a.vector(b.y_axis), a.vector(b.z_axis), a.point(b.origin)};
 }
