@@ -33,7 +33,7 @@ struct EdgePixel {
   int x, y;
   int sample_count = 0;
   std::array<double, 4> sum{};
-  /// by channel; the last one is alpha
+  /// By channel; the last one is alpha.
   std::array<float, 4> darkest{1e30F, 1e30F, 1e30F, 1}, brightest{};
 
   void add(const std::array<float, 4>& color) {

@@ -67,7 +67,7 @@ class EdgeSamples {
   int width_, height_;
   ChannelSet asked_for_;
   bool shows_surfaces_;
-  /// limit of the second difference for two pixel widths, in the measure of depths
+  /// Limit of the second difference for two pixel widths, in the measure of depths.
   double bend_;
   std::vector<std::uint8_t> first_layers_;  ///< empty: one layer
   std::vector<std::uint8_t> is_edge_;       ///< by pixel

@@ -14,7 +14,7 @@ struct Whole {
   Whole(double from, double to, int count) {
     const double end = count - 1;
     const double low = from > 0 ? std::min(from, end + 1) : 0, high = to < end ? std::max(to, -1.0) : end;
-    // truncation is correct: neither is negative
+    // Truncation is correct: neither is negative.
     first = static_cast<int>(low), last = static_cast<int>(high + 1) - 1;
     first += first < low;
   }

@@ -24,7 +24,7 @@ CameraRays::CameraRays(const Camera& camera, int width, int height)
     throw Error(ErrorCode::usage, "the camera's position and target are the same point");
   forward_ = (camera.target - camera.position).normalized();
   const Vec3 right = forward_.cross(camera.up);
-  // otherwise rounding errors would turn the picture
+  // Otherwise rounding errors would turn the picture.
   if (!(right.length() > 1e-9 * camera.up.length()))
     throw Error(ErrorCode::usage, "the camera's up direction is zero or lies along its view");
   if (!orthographic_ && !(camera.vertical_fov_deg > 0 && camera.vertical_fov_deg < 180))

@@ -58,7 +58,7 @@ class CameraRays {
  private:
   Vec3 position_;
   Vec3 forward_;
-  /// from the picture's centre to its right edge, on the plane at distance 1 (perspective) or 0
+  /// From the picture's centre to its right edge, on the plane at distance 1 (perspective) or 0.
   Vec3 across_;
   Vec3 down_;  ///< from the centre to the lower edge
   double width_, height_;

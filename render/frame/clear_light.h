@@ -34,7 +34,7 @@ struct LightSharing {
 
   SharedLayer* layers;  ///< in the order in which crossings at equal t are shown
   std::size_t layer_count;
-  /// for each ray 0 or 1; 1: the ray is skipped, as if it had no crossing
+  /// For each ray 0 or 1; 1: the ray is skipped, as if it had no crossing.
   const std::uint8_t* is_left;
   std::size_t ray_count;  ///< shares are written for whole groups
   double least_light;     ///< crossings that less light reaches are not shown

@@ -30,17 +30,19 @@ struct FrameLayer {
   const VolumeImplementation& volume;
   Blend blend;
   Kernel kernel;
-  Kernel continuation_kernel;  ///< for rays that start at hits: behind transparent surfaces, or to lights; null: none
-  Preparation prepare;         ///< null: nothing to prepare
+  /// For rays that start at hits: behind transparent surfaces, or towards lights; null: none.
+  Kernel continuation_kernel;
+  Preparation prepare;  ///< null: nothing to prepare
   RayQuery query, continuation_query;
   LayerShading shading;
   Affine volume_from_world;
   std::optional<SurfaceBoxes> boxes{};        ///< nothing is hit outside them; none: not known
   std::shared_ptr<const SlicePlane> slice{};  ///< intersected instead of calling kernels
   bool clipped = false;                       ///< Frame::clip shortens its rays
-  wide::AnyCrossing any_crossing = nullptr;   ///< any hit, from where continuation_kernel starts; null: use that kernel
-  /// For each light, the parts of this layer that may occlude hits on the same volume; null: all of it may. Empty for
-  /// a clipped layer.
+  /// finds any hit of rays that start at hits; null: use continuation_kernel
+  wide::AnyCrossing any_crossing = nullptr;
+  /// For each light, the parts of this layer that may occlude hits on the same volume; null: all of
+  /// it may. Empty for a clipped layer.
   std::vector<std::shared_ptr<const wide::LightOccluders>> occluders{};
 };
 
@@ -54,17 +56,20 @@ struct AllHitsGroup {
 
 /// Everything chosen once for a frame; constant while tiles are traced.
 struct Frame {
-  /// Opaque, then transparent, then additive layers; slices before others; otherwise in the scene's order.
+  /// Opaque, then transparent, then additive layers. Slices come before others; otherwise the
+  /// scene's order is kept.
   std::vector<FrameLayer> layers;
-  std::vector<AllHitsGroup> all_hits_groups{};  ///< of all transparent layers; empty: crossings are found one by one
+  /// Contains all transparent layers; empty: crossings are found one by one.
+  std::vector<AllHitsGroup> all_hits_groups{};
   CameraRays camera_rays;
   std::optional<ClipRegion> clip;  ///< of the layers with FrameLayer::clipped
   Vec3 background;
-  bool keeps_channels;  ///< beside the colour
+  bool keeps_channels;  ///< besides the colour
   Occlusion occlusion;
   WorkerNeeds needs;
-  RangeProof range_proof{};              ///< of the volumes with a method that proves its answers
-  std::uint8_t* first_layers = nullptr;  ///< for each pixel the layer of its first surface; null: not wanted
+  RangeProof range_proof{};  ///< of the volumes with a method that proves its answers
+  /// for each pixel the layer of its first surface; null: not needed
+  std::uint8_t* first_layers = nullptr;
 
   bool has_one_layer() const { return layers.size() == 1 && layers.front().blend == Blend::opaque; }
 };
@@ -73,7 +78,7 @@ struct Frame {
 struct LatticeRays {
   PixelLattice lattice;
   std::vector<PixelRays> of_layers;
-  std::optional<PixelRays> in_world{};  ///< where WorkerNeeds::world_rays are asked for
+  std::optional<PixelRays> in_world{};  ///< if WorkerNeeds::world_rays is set
 };
 
 }  // namespace rhoray::render

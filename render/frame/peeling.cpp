@@ -90,7 +90,7 @@ void go_on(const Frame& frame, std::uint8_t index, const LayerOfRays& shown, Wor
   worker.few_rays.count = worker.few.size() * RayBatch::group_size;
   const std::uint64_t start = ticks_now();
   layer.continuation_kernel(layer.volume, layer.continuation_query, worker.few_rays, worker.few_hits, work.scratch);
-  // called during shading, but tracing does not count as shading
+  // Called during shading, but tracing does not count as shading.
   worker.counts.shading_ticks -= ticks_now() - start;
   const bool may_be_behind_cut = layer.clipped && frame.clip->cuts_away();
   if (may_be_behind_cut) worker.world->cut.clear();

@@ -41,7 +41,7 @@ class PixelRays {
   CameraRays camera_;
   Affine volume_from_world_;
   Machine machine_;
-  /// by column, plus as many as a run may read beyond the last
+  /// By column, plus as many as a run may read beyond the last.
   std::vector<double> across_;
   std::vector<double> down_;                             ///< by row
   std::span<const double> across_places_, down_places_;  ///< used instead of a lattice

@@ -77,7 +77,7 @@ RHORAY_INLINE void put_group(const Lanes& shown, const Colors& colors, const Gro
 RHORAY_INLINE void shade_hits_inline(const LayerShading& shading, LayerWork& work, const ReceivedLight& received,
                                      WorkerCounts& counts, TileColors& colors) {
   double* t = work.hits.t.data();
-  // empty lanes of the last group
+  // Empty lanes of the last group.
   for (std::size_t r = work.rays.count; r % group_size != 0; ++r) t[r] = infinity;
   for_each_shown_group(
       shading, work, received, [t](std::size_t r) { return t[r] < infinity; }, counts,
@@ -224,7 +224,7 @@ void for_each_background_run(const PixelLattice& lattice, const Tile& tile, cons
   for_each_untraced_run(tile, [&](int first, int row, int count) {
     const int y_begin = lattice.y_first + row * lattice.spacing;
     const int y_end = std::min(y_begin + lattice.extent, lattice.height);
-    // no pixels of other lattices between them
+    // No pixels of other lattices between them.
     const bool is_closed = lattice.extent == lattice.spacing;
     const int step = is_closed ? count : 1;
     for (int x = first; x < first + count; x += step) {

@@ -21,7 +21,7 @@ class RenderContext::Implementation {
   Worker& worker(std::size_t index);
   /// Workers that have worked in this frame.
   std::vector<const Worker*> workers() const;
-  /// only for the thread that begins frames
+  /// Only for the thread that begins frames.
   wide::OccluderCache& occluders() { return occluders_; }
 
  private:

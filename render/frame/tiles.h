@@ -23,7 +23,7 @@ struct Tile {
   static constexpr std::uint16_t all_blocks = 0xffff;
 
   int x_begin, x_end, y_begin, y_end;
-  /// bit column + tile_blocks * row; bits beyond the tile are ignored
+  /// Bit column + tile_blocks * row; bits beyond the tile are ignored.
   std::uint16_t blocks = all_blocks;
 
   bool has_block(int column, int row) const { return (blocks >> (column + tile_blocks * row) & 1) != 0; }

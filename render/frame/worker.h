@@ -25,7 +25,7 @@ struct LayerWork {
   RayBatch rays{tile_capacity};
   HitBatch hits{tile_capacity};
   KernelScratch scratch;
-  /// in this frame: the numbers that all rays of a layer share are written
+  /// In this frame: the numbers that all rays of a layer share are written.
   bool rays_are_begun = false;
 };
 
@@ -45,9 +45,9 @@ struct LightRays {
                                  LaneArray<double>(tile_capacity)};  ///< unit length, world axes
   /// below 0: the ray is not traced
   LaneArray<double> t_max{tile_capacity};
-  /// hits whose surface faces the centre of an area light
+  /// Hits whose surface faces the centre of an area light.
   LaneArray<std::uint8_t> is_lit{tile_capacity};
-  /// rays traced to an area light, and those not occluded
+  /// Rays traced to an area light, and those not occluded.
   LaneArray<float> asked{tile_capacity}, free{tile_capacity};
   std::vector<std::size_t> groups;  ///< first rays of the tile's groups that are traced
 
@@ -112,7 +112,7 @@ struct AllHitsGroups {
     while (complete.size() < needs.all_hits_groups) complete.emplace_back(tile_capacity);
   }
 
-  /// by layer; null for layers outside the groups
+  /// By layer; null for layers outside the groups.
   std::vector<std::unique_ptr<AllHitsWork>> layers;
   std::vector<AllHitsScratch> memory;             ///< by group
   std::vector<LaneArray<std::uint8_t>> complete;  ///< by group
@@ -140,12 +140,12 @@ struct alignas(128) Worker {
   LayerOfRays shown;  ///< nearest opaque surface; only in frames of several layers
   LayerOfRays first;  ///< first surface, opaque or transparent; only if channels need it
   HitBatch first_hits{tile_capacity};
-  /// of the first hits; only if channels need them
+  /// Of the first hits; only if channels need them.
   std::vector<Vec3> normals = std::vector<Vec3>(tile_capacity);
   LaneArray<double> nearest{tile_capacity};  ///< t of the nearest opaque surface
   /// transparent surfaces: their light, and in alpha the transmittance
   TileColors front;
-  /// rays of one layer, continued behind their last crossing
+  /// Rays of one layer, continued behind their last crossing.
   RayBatch few_rays{tile_capacity};
   HitBatch few_hits{tile_capacity};
   std::vector<std::uint32_t> few;  ///< first rays of the groups that few_rays holds

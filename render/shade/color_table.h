@@ -38,7 +38,7 @@ class ColorTable {
  private:
   static constexpr std::size_t steps = 512;
 
-  /// the last one twice: the neighbour of a share of 1
+  /// The last one twice: the neighbour of a share of 1.
   std::array<std::array<float, 3>, steps + 2> colors_;
 };
 

@@ -37,7 +37,7 @@ RHORAY_INLINE void add_diffuse(const Surface& surface, const Colors& base, const
 ///                 light is behind the surface
 RHORAY_INLINE void add_arriving(const Imath::V3f& color, const Lanes& shares, const Lanes& cosines, Colors& arriving) {
   for (std::size_t i = 0; i < cosines.size(); ++i) {
-    // written so that a NaN becomes 0
+    // Written so that a NaN becomes 0.
     const float light = cosines[i] > 0 ? shares[i] * cosines[i] : 0;
     arriving.red[i] += light * color.x;
     arriving.green[i] += light * color.y;

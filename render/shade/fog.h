@@ -13,7 +13,7 @@ RHORAY_INLINE void mix_fog(const Fog& fog, const double* t, Colors& colors) {
   const Imath::V3f color(fog.color);
   for (std::size_t i = 0; i < colors.red.size(); ++i) {
     const double share = (t[i] - low) / width;
-    // written so that a NaN becomes 0
+    // Written so that a NaN becomes 0.
     const auto above = static_cast<float>(share > 0 ? share : 0);
     const float of_fog = above < 1 ? above : 1;
     colors.red[i] += of_fog * (color.x - colors.red[i]);

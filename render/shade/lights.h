@@ -15,7 +15,7 @@ struct LayerLights {
   struct One {
     Light::Kind kind;
     bool casts_shadows;
-    /// directional: the unit vector towards it, world axes; point: its position, volume frame
+    /// Directional: the unit vector towards it, world axes; point: its position, volume frame.
     Vec3 place;
     Imath::V3f color;
     /// Half the size of a light that casts shadows. Directional: 1 - the cosine of half its angle;

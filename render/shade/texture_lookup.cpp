@@ -25,7 +25,7 @@ std::array<float, 256> srgb_decoded() {
 
 /// Positions of a group's hits among the texels.
 struct alignas(64) TexelPlaces {
-  /// the texel at or before the hit; undefined if none is read
+  /// The texel at or before the hit; undefined if none is read.
   std::int32_t before[3][group_size];
   float weight[3][group_size];       ///< of the next texel
   std::int32_t is_read[group_size];  ///< 1 or 0

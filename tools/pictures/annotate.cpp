@@ -11,8 +11,8 @@ namespace rhoray::tools {
 
 namespace {
 
-/// Colours of the x, y and z axes, linear, on light and on dark backgrounds: told apart with any colour vision by their
-/// letters too.
+/// Colours of the x, y and z axes, linear, on light and on dark backgrounds. The axes' letters
+/// distinguish them for any colour vision.
 constexpr std::array<Vec3, 3> on_light{Vec3(0.60, 0.03, 0.03), Vec3(0.02, 0.27, 0.05), Vec3(0.03, 0.12, 0.62)};
 constexpr std::array<Vec3, 3> on_dark{Vec3(1, 0.16, 0.13), Vec3(0.15, 0.72, 0.18), Vec3(0.16, 0.42, 1)};
 
@@ -21,7 +21,7 @@ double luminance(const std::array<float, 3>& color) {
          0.0722 * static_cast<double>(color[2]);
 }
 
-/// A text that stands on a picture.
+/// A text at its position in a picture.
 struct Placed {
   TextImage image;
   Spot baseline;
@@ -32,7 +32,7 @@ struct Placed {
   }
 };
 
-/// Words in as few lines as a width allows; a line's end in the text begins a line.
+/// Wraps words into as few lines as a width allows; line breaks in the text are kept.
 std::vector<std::string> lines_of(const std::string& text, const std::function<bool(const std::string&)>& fits) {
   std::vector<std::string> lines(1);
   std::string word;
@@ -79,7 +79,7 @@ class Annotator {
   }
 
  private:
-  /// Of the picture's height, or of its width where that is smaller.
+  /// A share of the picture's height, or of its width where that is smaller.
   double share(double of) const { return of * std::min<double>(picture_.height, 1.2 * picture_.width); }
   int letters() const { return std::max(8, static_cast<int>(std::lround(share(0.024)))); }
   double margin() const { return share(0.03); }
@@ -87,7 +87,7 @@ class Annotator {
 
   Placed placed(const std::string& text, int pixels) const { return {make_text_(text, pixels), {}}; }
 
-  /// Around a middle.
+  /// Centres a text at a position.
   static void center(Placed& text, const Spot& at) {
     const Area area = text.area();
     text.baseline = text.baseline + (at - 0.5 * (area.low + area.high));
@@ -98,7 +98,7 @@ class Annotator {
     drawing_.texts.push_back(text.area());
   }
 
-  /// Not where another text stands already, or where it would be cut off.
+  /// False where another text is already placed, or where the text would be cut off.
   bool is_free(const Area& area) const {
     const Area all{{0, 0}, {static_cast<double>(picture_.width), static_cast<double>(picture_.height)}};
     if (area.low.x < 0 || area.low.y < 0 || area.high.x > all.high.x || area.high.y > all.high.y) return false;
@@ -131,11 +131,11 @@ class Annotator {
     taken_.push_back({origin - Spot{space, space}, origin + Spot{space, space}});
   }
 
-  /// @param way  up to 1 long
+  /// @param way  length of at most 1
   void draw_arrow(const Spot& origin, const Spot& way, double length, const Vec3& color, const std::string& letter) {
     const double head = 0.3 * length, width = 0.055 * length, seen = way.length();
     const Spot tip = origin + length * way;
-    // Straight to or from the eye an arrow is a dot.
+    // An arrow that points straight to or from the eye is a dot.
     const Spot along = seen > 1e-9 ? (1 / seen) * way : Spot{0, 1};
     const double head_seen = std::min(head, length * seen);
     const Spot neck = tip - head_seen * along, across = 0.42 * head * Spot{-along.y, along.x};
@@ -149,7 +149,7 @@ class Annotator {
     put(text, color);
   }
 
-  /// A column of bars: title, colours, ticks and numbers, one bar below the other.
+  /// A column of bars, one below the other, each with title, colours, ticks and numbers.
   void draw_bars() {
     const int pixels = letters();
     const double all = 0.66 * picture_.height, gap = 1.2 * pixels;
@@ -184,7 +184,8 @@ class Annotator {
     const int x_begin = static_cast<int>(std::lround(is_right ? picture_.width - margin() - taken : margin()));
     const int x_end = x_begin + static_cast<int>(bar_width);
 
-    // Above the bar, from its outer edge inwards where it is wider than bar and numbers.
+    // The title is above the bar. It extends inwards from the bar's outer edge where it is wider
+    // than bar and numbers.
     const double title_width = title.area().width();
     const double left = is_right ? std::min<double>(x_begin, picture_.width - margin() - title_width) : x_begin;
     title.baseline = {left - title.image.left, y_begin - 0.75 * pixels};
@@ -211,7 +212,7 @@ class Annotator {
     drawing_.bars.push_back(std::move(drawn));
   }
 
-  /// In smaller letters where it would be wider than 2/5 of the picture.
+  /// Uses smaller letters where the title would be wider than 2/5 of the picture.
   Placed title_of(const ColorBar& bar) const {
     int pixels = letters();
     Placed title = placed(bar.title, pixels);
@@ -241,7 +242,7 @@ class Annotator {
             (index & 4) != 0 ? box.max.z : box.min.z};
   }
 
-  /// One of the box's twelve edges: along an axis, from the corner that is low on it.
+  /// One of the box's twelve edges: along an axis, starting at the corner that is low on it.
   struct Edge {
     int axis;
     int from, to;  ///< corners
@@ -254,7 +255,7 @@ class Annotator {
     return all;
   }
 
-  /// Both ends before the eye.
+  /// True if both ends are in front of the eye.
   bool is_before_the_eye(const Edge& edge) const {
     return projection_.is_orthographic() ||
            (projection_.of(corner(edge.from)).distance > 0 && projection_.of(corner(edge.to)).distance > 0);
@@ -269,7 +270,7 @@ class Annotator {
     }
   }
 
-  /// Of a place on a line between two others.
+  /// For a position on a line between two others.
   bool is_before_surfaces(int x, int y, const Seen& from, const Seen& to, double share_along) const {
     if (!wished_.hides_box) return true;
     const double distance = projection_.is_orthographic()
@@ -277,12 +278,12 @@ class Annotator {
                                 : 1 / ((1 - share_along) / from.distance + share_along / to.distance);
     const auto pixel =
         static_cast<std::size_t>(y) * static_cast<std::size_t>(picture_.width) + static_cast<std::size_t>(x);
-    constexpr double slack = 2e-3;  // lines that lie in surfaces are seen
+    constexpr double slack = 2e-3;  // lines that lie in surfaces are visible
     return distance * projection_.ray_length({x + 0.5, y + 0.5}) <=
            static_cast<double>(picture_.depth[pixel]) * (1 + slack);
   }
 
-  /// Whether one of the two sides that meet in an edge is seen, and the other not.
+  /// True if exactly one of the two sides that meet in an edge is visible.
   bool is_outline(const Edge& edge) const {
     bool is_seen[2];
     int count = 0;
@@ -295,7 +296,8 @@ class Annotator {
     return is_seen[0] != is_seen[1];
   }
 
-  /// Along each axis one edge of the box's outline: the lowest, or the leftmost where they stand.
+  /// Draws ticks along one edge of the box's outline for each axis: the lowest edge, or the
+  /// leftmost if the edges are steep.
   void draw_box_ticks() {
     for (int axis = 0; axis < 3; ++axis) {
       std::optional<Edge> best;
@@ -311,7 +313,7 @@ class Annotator {
     }
   }
 
-  /// Whether the box's middle line along an axis is steep in the picture.
+  /// True if the box's centre line along an axis is steep in the picture.
   bool stands(int axis) const {
     const Vec3 middle = wished_.box->center();
     Vec3 low = middle, high = middle;
@@ -330,7 +332,7 @@ class Annotator {
     const Spot box_middle = projection_.of(wished_.box->center()).at;
     Spot outward = (1 / length) * Spot{-way.y, way.x};
     if (outward.dot(box_middle - from.at) > 0) outward = -1 * outward;
-    // Half of a text that stands beside a line, across it.
+    // Half the extent of a text beside a line, across the line.
     const auto reach = [&](const Placed& text) {
       const Area area = text.area();
       return 0.5 * (std::abs(outward.x) * area.width() + std::abs(outward.y) * area.height());
@@ -366,7 +368,7 @@ class Annotator {
   bool is_dark_;
   Vec3 ink_;
   Canvas canvas_;
-  std::vector<Area> taken_;  ///< where no text of the box is put
+  std::vector<Area> taken_;  ///< areas where no text of the box is placed
   Drawing drawing_;
 };
 

@@ -14,7 +14,7 @@
 
 namespace rhoray::tools {
 
-/// What a colour bar says: which values have which colours.
+/// A colour bar: the map from values to colours that it shows.
 struct ColorBar {
   std::string title;
   render::ColorMap map;
@@ -25,56 +25,59 @@ struct ColorBar {
 
 enum class Side { left, right };
 
-/// What is drawn over a finished picture. Sizes follow the picture's height. Rays know nothing of it.
+/// Annotations drawn over a finished picture, independent of ray tracing. Sizes follow the
+/// picture's height.
 struct Annotations {
   render::Camera camera{};
-  bool axes = false;            ///< arrows along the world's axes, as the camera sees their directions, in a corner
-  Side axes_side = Side::left;  ///< in which lower corner
-  std::optional<Box3> box{};    ///< its edges, hidden behind what is nearer, with ticks and numbers along three of them
-  std::string length_unit{};    ///< of the numbers along the box
-  bool hides_box = true;        ///< the picture has depths, and surfaces hide the box's edges
+  /// Arrows in a corner along the world's axes, as the camera sees them.
+  bool axes = false;
+  Side axes_side = Side::left;  ///< left or right lower corner
+  /// drawn edges, hidden behind nearer surfaces, with ticks and numbers along three of them
+  std::optional<Box3> box{};
+  std::string length_unit{};     ///< of the numbers along the box
+  bool hides_box = true;         ///< the picture has depths, and surfaces hide the box's edges
   std::vector<ColorBar> bars{};  ///< one above the other
   Side bars_side = Side::right;
-  std::string caption{};  ///< in the middle below, in lines where it is too long for one
+  std::string caption{};  ///< centred at the bottom; wrapped if too long for one line
 
   bool any() const { return axes || box || !bars.empty() || !caption.empty(); }
 };
 
-/// A line of text as it is drawn: letters of so many pixels, from a font's baseline.
+/// Renders a line of text at a font size in pixels, relative to the start of its baseline.
 using MakeText = std::function<TextImage(const std::string& text, int pixels)>;
 
-/// What was drawn where.
+/// Positions of what was drawn.
 struct Drawing {
   struct Bar {
     int x_begin, x_end, y_begin, y_end;
-    std::vector<double> tick_rows;  ///< of the bar's ticks, in pixels
+    std::vector<double> tick_rows;  ///< rows of the bar's ticks, in pixels
   };
   std::vector<Bar> bars;
   Spot axes_origin{};
-  std::array<Spot, 3> axes_tips{};  ///< of x, y and z
-  std::vector<Area> texts;          ///< around each line
+  std::array<Spot, 3> axes_tips{};  ///< for x, y and z
+  std::vector<Area> texts;          ///< bounding box of each line
 };
 
-/// Draws them over the picture's colours; its channels stay.
+/// Draws the annotations over the picture's colours; other channels are unchanged.
 Drawing annotate(const Annotations& annotations, const MakeText& make_text, render::Framebuffer& picture);
 
-/// Where a point is seen.
+/// A point's position in the picture.
 struct Seen {
   Spot at;
-  double distance;  ///< before the eye's plane; not above 0 behind it
+  double distance;  ///< in front of the eye's plane; not above 0 behind it
 };
 
-/// The way from points to where they are seen in a picture.
+/// Projects points of the world into a picture.
 class Projection {
  public:
   Projection(const render::Camera& camera, int width, int height);
 
   Seen of(const Vec3& point) const;
-  /// A direction as it lies in the picture: right, down, and away from the eye.
+  /// Projects a direction: right, down, and away from the eye.
   Vec3 of_direction(const Vec3& direction) const;
-  /// Whether the eye is on this side of a plane.
+  /// True if the eye is on this side of a plane.
   bool sees_side(const Vec3& point, const Vec3& normal) const;
-  /// How long the ray through a place is for each unit of distance.
+  /// Length of the ray through a picture position for each unit of distance.
   double ray_length(const Spot& at) const;
   bool is_orthographic() const { return camera_.orthographic; }
 

@@ -8,9 +8,10 @@ namespace rhoray::tools {
 
 namespace {
 
-constexpr double rim_share = 0.75;  // of what lies below that a rim hides
+constexpr double rim_share = 0.75;  // opacity of a rim
 
-/// How far a place is from the straight way between two others, and which share of it is nearest.
+/// Distance of a position from the segment between two others, and the share of the segment at its
+/// nearest point.
 struct FromLine {
   double distance, share;
 };
@@ -21,7 +22,7 @@ FromLine from_line(const Spot& p, const Spot& a, const Spot& b) {
   return {(p - (a + share * way)).length(), share};
 }
 
-/// Pixels whose middles are nearer to a shape's edge than half a pixel are covered in part.
+/// Partial coverage for pixels whose centres are nearer to a shape's edge than half a pixel.
 double coverage(double distance) {
   return std::clamp(0.5 - distance, 0.0, 1.0);
 }
@@ -62,8 +63,9 @@ void Canvas::blend(int x, int y, double share, const Vec3& color) {
   pixel[3] = static_cast<float>((1 - share) * static_cast<double>(pixel[3]) + share);
 }
 
-/// @param columns   from where to where a row has anything to draw, rims left aside
-/// @param distance  of a pixel's middle from the shape's edge, below 0 inside; infinite where nothing is drawn
+/// @param columns   range of columns to draw in a row, without rims
+/// @param distance  from a pixel's centre to the shape's edge, below 0 inside; infinite where
+///                  nothing is drawn
 template <class Columns, class Distance>
 void Canvas::shape(const Area& area, const Columns& columns, const Distance& distance, const Vec3& color) {
   const double rim = rim_width_ + 1;
@@ -137,7 +139,7 @@ void Canvas::text(const TextImage& text, const Spot& at, const Vec3& color) {
     if (x < 0 || y < 0 || x >= text.width || y >= text.height) return 0.0;
     return static_cast<double>(text.coverage[static_cast<std::size_t>(y * text.width + x)]);
   };
-  // The rim is the text itself, drawn all around.
+  // The rim is the text itself, drawn at all offsets around it.
   const int reach = static_cast<int>(std::ceil(rim_width_));
   for (int y = -reach; y < text.height + reach; ++y)
     for (int x = -reach; x < text.width + reach; ++x) {

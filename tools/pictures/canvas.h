@@ -9,8 +9,8 @@
 
 namespace rhoray::tools {
 
-/// A place in a picture, or a way there: pixels from its upper left corner, so that pixel (0, 0) has its middle at
-/// (0.5, 0.5).
+/// A position in a picture, or a difference of two: pixels from its upper left corner. So pixel (0,
+/// 0) has its centre at (0.5, 0.5).
 struct Spot {
   double x = 0, y = 0;
 
@@ -21,9 +21,9 @@ struct Spot {
   double length() const;
 };
 
-/// A rectangle of a picture.
+/// A rectangle in a picture.
 struct Area {
-  Spot low, high;  ///< its upper left and its lower right corner
+  Spot low, high;  ///< upper left and lower right corner
 
   double width() const { return high.x - low.x; }
   double height() const { return high.y - low.y; }
@@ -31,15 +31,17 @@ struct Area {
   Area grown(double by) const;
 };
 
-/// How much of each pixel a line of text covers.
+/// Share of each pixel that a line of text covers.
 struct TextImage {
-  int left = 0, top = 0;  ///< of its first column and row, from where the line's baseline begins
+  /// Of its first column and row, relative to the start of the line's baseline.
+  int left = 0, top = 0;
   int width = 0, height = 0;
   std::vector<float> coverage;  ///< rows from the top, 0 to 1
 };
 
-/// Draws over the colours of a picture, with smooth edges, in linear light; alpha grows where something is drawn. All
-/// that is drawn has a rim of another colour around it, which is not seen where the picture has that colour already.
+/// Draws anti-aliased shapes over the colours of a picture, in linear light. Alpha grows where
+/// something is drawn. Every shape has a rim of another colour around it, which is invisible where
+/// the picture already has that colour.
 class Canvas {
  public:
   /// @param rim        colour of rims, linear
@@ -47,7 +49,8 @@ class Canvas {
   Canvas(render::Framebuffer& picture, const Vec3& rim, double rim_width)
       : picture_(picture), rim_(rim), rim_width_(rim_width) {}
 
-  /// Where a line is seen: asked with pixels that it covers, and its share from a to b there.
+  /// Decides where a line is visible; called for pixels that it covers, with the share of the way
+  /// from a to b.
   using IsSeen = std::function<bool(int x, int y, double share)>;
 
   /// A line with round ends.
@@ -55,7 +58,7 @@ class Canvas {
   void triangle(const Spot& a, const Spot& b, const Spot& c, const Vec3& color);
   /// Exactly these pixels, without a rim.
   void fill(int x_begin, int x_end, int y_begin, int y_end, const Vec3& color);
-  /// @param at  where the baseline begins, rounded to whole pixels
+  /// @param at  start of the baseline, rounded to whole pixels
   void text(const TextImage& text, const Spot& at, const Vec3& color);
 
  private:

@@ -27,7 +27,7 @@ std::string format_of(const std::filesystem::path& path) {
   return {};
 }
 
-/// An act of the module.
+/// Loads a function of the module.
 template <class Act>
 Act* load(const char* name) {
   const std::filesystem::path module = std::filesystem::read_symlink("/proc/self/exe").parent_path() / pictures_module;
@@ -39,7 +39,7 @@ Act* load(const char* name) {
 }
 
 void require_ids_that_fit(const render::Framebuffer& picture, const std::filesystem::path& path) {
-  constexpr std::uint64_t limit = 0xffff'ffff;  // itself means: no cell
+  constexpr std::uint64_t limit = 0xffff'ffff;  // this value itself means: no cell
   for (const std::uint64_t id : picture.cell)
     if (id >= limit && id != render::Framebuffer::no_cell)
       throw Error(ErrorCode::unsupported,

@@ -20,7 +20,7 @@ namespace rhoray::tools {
 
 namespace {
 
-/// Something that can be written: how it looks, and its bytes, pixel by pixel.
+/// A picture ready to be written: its specification, and its bytes pixel by pixel.
 struct Encoded {
   OIIO::ImageSpec spec;
   std::vector<std::uint8_t> bytes;
@@ -32,7 +32,7 @@ Encoded encode_8_bit(const render::Framebuffer& picture, const std::vector<std::
   return out;
 }
 
-/// Adds pixels whose channels are 32 bits each, of two types, side by side.
+/// Collects pixels whose channels are 32 bits each, of two types, side by side.
 class FloatPixels {
  public:
   explicit FloatPixels(std::size_t channel_count, std::size_t pixel_count) : bytes_(4 * channel_count * pixel_count) {}
@@ -50,7 +50,7 @@ class FloatPixels {
   std::size_t position_ = 0;
 };
 
-/// Channels of one kind: their names, what they hold, and how a pixel's are added.
+/// Channels of one type: their names, the type, and the function that adds those of a pixel.
 struct ExrChannels {
   std::vector<std::string> names;
   OIIO::TypeDesc type;
@@ -104,7 +104,8 @@ Encoded encode_exr(const render::Framebuffer& picture) {
   out.spec.channelnames = names;
   out.spec.alpha_channel = 3;
   if (!picture.depth.empty()) out.spec.z_channel = 4;
-  if (types.back() != OIIO::TypeDesc(OIIO::TypeDesc::FLOAT)) out.spec.channelformats = types;  // counts come last
+  // Counts come last.
+  if (types.back() != OIIO::TypeDesc(OIIO::TypeDesc::FLOAT)) out.spec.channelformats = types;
   out.spec.attribute("compression", "zip");
   out.spec.attribute("oiio:ColorSpace", "Linear");
 
@@ -115,7 +116,7 @@ Encoded encode_exr(const render::Framebuffer& picture) {
   return out;
 }
 
-/// A file in memory that is opened by a path.
+/// A file in memory that can be opened by a path.
 class MemoryFile {
  public:
   MemoryFile() : descriptor_(::memfd_create("rhoray-picture", MFD_CLOEXEC)) { check(descriptor_ >= 0); }
@@ -147,24 +148,25 @@ class MemoryFile {
   int descriptor_;
 };
 
-/// Writes with an ImageOutput that is prepared by `open`; what went wrong, or nothing.
+/// Writes with an ImageOutput that `open` prepares; returns the error message, or nothing.
 template <class Open>
 std::string write_with(const Encoded& encoded, const std::string& format, const Open& open) {
   const auto file = OIIO::ImageOutput::create(format);
   if (!file) return OIIO::geterror();
   if (!open(*file)) return file->geterror();
   const bool mixed = !encoded.spec.channelformats.empty();
-  const OIIO::TypeDesc given = mixed ? OIIO::TypeDesc(OIIO::TypeDesc::UNKNOWN) : encoded.spec.format;  // as they lie
+  // As stored.
+  const OIIO::TypeDesc given = mixed ? OIIO::TypeDesc(OIIO::TypeDesc::UNKNOWN) : encoded.spec.format;
   if (!file->write_image(given, encoded.bytes.data())) return file->geterror();
   if (!file->close()) return file->geterror();
   return {};
 }
 
-/// Into memory: OpenImageIO and the libraries below it do not report every failure of a disk, and libjpeg ends the
-/// program.
+/// Encodes in memory, because OpenImageIO and the libraries below it do not report every disk
+/// error, and libjpeg ends the program.
 std::string encode(const Encoded& encoded, const std::string& format, std::vector<std::byte>& bytes) {
-  // OpenImageIO 2.4 loses all but the Exif part of a TIFF that it writes through a proxy: libtiff reads the directory
-  // back, and its proxies give it nothing.
+  // OpenImageIO 2.4 loses all but the Exif part of a TIFF that it writes through a proxy: libtiff
+  // reads the directory back, and its proxies give it nothing.
   if (format == "tiff") {
     const MemoryFile memory;
     std::string error_code =
@@ -189,8 +191,8 @@ extern "C" __attribute__((visibility("default"))) std::string rhoray_encode_pict
   try {
     Encoded encoded = format == "openexr" ? encode_exr(picture) : encode_8_bit(picture, srgb);
     if (format == "jpeg") encoded.spec.attribute("compression", "jpeg:95");
-    encoded.spec.attribute("DateTime",
-                           "1970:01:01 00:00:00");  // else EXR and TIFF get the time, and other bytes each time
+    // Otherwise EXR and TIFF contain the current time, and the bytes differ each time.
+    encoded.spec.attribute("DateTime", "1970:01:01 00:00:00");
     const bool keeps_any_name = format == "openexr";
     bool is_described = false;
     for (const PictureText& text : texts)
@@ -206,9 +208,9 @@ extern "C" __attribute__((visibility("default"))) std::string rhoray_encode_pict
 
 namespace {
 
-constexpr char32_t no_letter = 0xfffd;  // what stands for bytes that are no UTF-8
+constexpr char32_t no_letter = 0xfffd;  // stands for bytes that are not UTF-8
 
-/// The letters of a UTF-8 text.
+/// Code points of a UTF-8 text.
 std::u32string letters_of(const std::string& text) {
   std::u32string letters;
   for (std::size_t at = 0; at < text.size();) {
@@ -227,7 +229,7 @@ std::u32string letters_of(const std::string& text) {
   return letters;
 }
 
-/// A font file at a size, through FreeType.
+/// A font file at one size, through FreeType.
 class Font {
  public:
   Font(const std::string& file, int pixels) {
@@ -244,7 +246,8 @@ class Font {
 
   bool is_ready() const { return is_ready_; }
 
-  /// Calls act(bitmap, x, y) for every letter: where its upper left corner stands from where the baseline begins.
+  /// Calls act(bitmap, x, y) for every letter, with its upper left corner relative to the start of
+  /// the baseline.
   template <class Act>
   void for_each_letter(const std::u32string& letters, const Act& act) const {
     FT_UInt before = 0;

@@ -11,19 +11,20 @@
 
 namespace rhoray::tools {
 
-// The acts of the module that holds OpenImageIO and FreeType. Nothing is thrown out of them; they return an empty text,
-// or what went wrong.
+// Functions of the module that contains OpenImageIO and FreeType. They throw nothing. They return
+// an empty string, or the error message.
 
-/// The bytes of a file of `format` ("openexr", "tiff", "jpeg").
-/// @param srgb  the picture as render::srgb_bytes has it, which TIFF and JPEG hold; may be empty for EXR
+/// Writes the bytes of a file of `format` ("openexr", "tiff", "jpeg").
+/// @param srgb  the picture in the layout of render::srgb_bytes, for TIFF and JPEG; may be empty
+///              for EXR
 using EncodePicture = std::string(const render::Framebuffer& picture, const std::vector<std::uint8_t>& srgb,
                                   const std::vector<PictureText>& texts, const std::string& format,
                                   std::vector<std::byte>& bytes) noexcept;
 
 using DecodePicture = std::string(const std::string& path, StoredPicture& picture) noexcept;
 
-/// How much of each pixel a line of text covers, drawn with the letters of a font file.
-/// @param pixels  the font's size
+/// Computes the share of each pixel that a line of text covers, with the letters of a font file.
+/// @param pixels  font size
 using MakeTextImage = std::string(const std::string& text, int pixels, const std::string& font,
                                   TextImage& out) noexcept;
 

@@ -5,18 +5,19 @@
 
 namespace rhoray::tools {
 
-/// A line of text kept in a picture: PNG text or EXR attribute. TIFF and JPEG know few names; there the first
-/// text other than Software becomes the image description, and others are left out.
+/// A line of text stored in a picture: PNG text or EXR attribute. TIFF and JPEG support few names.
+/// There the first text other than Software becomes the image description, and others are omitted.
 struct PictureText {
   std::string name;
   std::string value;
 };
 
-/// A picture as its file holds it: rows from the top, pixels from the left, channels side by side.
+/// A picture as stored in its file: rows from the top, pixels from the left, channels interleaved.
 struct StoredPicture {
   int width = 0, height = 0;
   std::vector<std::string> channels;  ///< "R", "G", "B", "A", "Z", ...
-  std::vector<float> numbers;         ///< as stored; of integers the share of the largest that their type holds
+  /// as stored; integers are divided by the largest value of their type
+  std::vector<float> numbers;
 };
 
 }  // namespace rhoray::tools

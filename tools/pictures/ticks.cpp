@@ -8,7 +8,7 @@ namespace rhoray::tools {
 
 namespace {
 
-/// Of a step, to which numbers are rounded.
+/// Number of decimals for numbers that are rounded to a step.
 int decimals_of(double step) {
   return std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
 }
@@ -27,7 +27,7 @@ std::string written(double value, double step, double largest) {
   return written;
 }
 
-/// 1, 2, 5, 10, 20, ... and their shares.
+/// 1, 2, 5, 10, 20, ..., and the same times negative powers of ten.
 double next_step(double step) {
   const double power = std::pow(10, std::floor(std::log10(step) + 1e-9)), digit = std::round(step / power);
   return (digit < 2 ? 2 : digit < 5 ? 5 : 10) * power;
@@ -43,7 +43,7 @@ std::vector<Tick> ticks_of(const Interval<double>& range, int most) {
     std::snprintf(text, sizeof text, "%.6g", range.lo);
     return {{range.lo, text}};
   }
-  const double slack = 1e-9;  // of a step: ends that are multiples but for rounding belong to the range
+  const double slack = 1e-9;  // in steps: range ends that are multiples up to rounding are included
   double step = std::pow(10, std::floor(std::log10(width / std::max(most, 1))) - 1);
   const auto first = [&] { return std::ceil(range.lo / step - slack); };
   const auto last = [&] { return std::floor(range.hi / step + slack); };
