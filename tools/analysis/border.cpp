@@ -9,7 +9,8 @@ namespace rhoray::tools {
 
 namespace {
 
-constexpr double slack = 1e-4;  ///< in barycentric coordinates: more than what hits in single precision are off
+/// In barycentric coordinates: above the error of hits in single precision.
+constexpr double slack = 1e-4;
 
 double volume_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return (b - a).cross(c - a).dot(d - a);
@@ -50,7 +51,7 @@ Index3 MeshPlaces::bin_of(const Vec3& p) const {
   return bin;
 }
 
-/// Of the cell's box, a little larger than it is.
+/// For the cell's box, slightly enlarged.
 template <class Act>
 void MeshPlaces::for_each_bin(std::uint64_t cell, Act&& act) const {
   Box3 box;

@@ -11,13 +11,13 @@
 
 namespace rhoray::tools {
 
-/// Whether places lie in a mesh.
+/// Tests whether positions lie inside a mesh.
 class MeshPlaces {
  public:
   explicit MeshPlaces(formats::TetMesh mesh);
 
-  /// @param p  in the mesh's frame: relative to its origin. A place on the border is inside, to a ten-thousandth of a
-  /// cell.
+  /// @param p  in the mesh's frame: relative to its origin. A position on the border is inside, up
+  ///           to a ten-thousandth of a cell.
   bool holds(const Vec3& p) const;
 
  private:
@@ -31,18 +31,21 @@ class MeshPlaces {
   formats::TetMesh mesh_;
   Box3 box_;
   Index3 bin_count_;
-  std::vector<std::uint64_t> offsets_;  ///< of each bin among the cells
-  std::vector<std::uint32_t> cells_;    ///< by bin: those whose box touches it
+  std::vector<std::uint64_t> offsets_;  ///< first entry of each bin in cells_
+  std::vector<std::uint32_t> cells_;    ///< by bin: cells whose box touches it
 };
 
-/// The border between a mesh and a grid that it was resampled on: where the grid has no value though the mesh is there,
-/// and where it has one though the mesh is not. What differs there is the border's doing, whatever the samples are.
+/// The border between a mesh and a grid that it was resampled to. There the grid has no value
+/// inside the mesh, or a value outside it. Such differences are caused by the border, whatever the
+/// samples are.
 class ResampledBorder {
  public:
   ResampledBorder(const render::Volume& mesh, const render::Volume& grid);
 
-  /// True when one of two hits of a ray is at a place that only the mesh has, or only the grid.
-  /// @param truth  hit of the mesh, said: of the grid; t is a distance in the world
+  /// True if the hits of a ray differ because one is at a position that only the mesh or only the
+  /// grid covers.
+  /// @param truth  hit on the mesh
+  /// @param said   hit on the grid; t is a distance in the world
   bool separates(const render::Ray& ray_of_mesh, const render::Hit& truth, const render::Hit& said) const;
 
  private:

@@ -47,7 +47,7 @@ struct Alone {
 
   render::Layer& layer() { return scene.layers[0]; }
   bool is_projection() const { return scene.layers[0].mode == render::Mode::mip; }
-  /// What an error is counted in.
+  /// Unit of an error.
   double unit() const {
     const Interval<double> range = volume.field().range;
     return is_projection() && range.hi > range.lo ? range.hi - range.lo : 1;
@@ -63,13 +63,14 @@ double traced_ms(Alone& alone) {
     const Stopwatch watch;
     const render::FrameStatistics statistics = render::render(alone.volume, alone.scene, frame, picture, memory);
     const double taken = 1e3 * (watch.seconds() - statistics.preparation_s);
-    if (time > 0 || taken > 500) ms.push_back(taken);  // the first fills caches; a slow one is timed once
+    // The first fills caches; a slow one is timed once.
+    if (time > 0 || taken > 500) ms.push_back(taken);
     if (taken > 500) break;
   }
   return spread_of(ms).median;
 }
 
-/// True of what proves its answers to be closer than that.
+/// True for a method that proves that its error is below max_error.
 bool is_proven(const render::Method& method, double max_error, bool is_projection, bool is_mesh) {
   if (method.algorithm == render::Method::Algorithm::exact) return max_error >= 1e-9;
   return method.algorithm == render::Method::Algorithm::certified && !is_projection && !is_mesh && max_error >= 1e-3;

@@ -10,24 +10,28 @@
 
 namespace rhoray::tools {
 
-/// What a method is to keep.
+/// Goal that a chosen method must meet.
 struct Goal {
-  std::optional<double> max_error;  ///< cells along the ray in 99 % of the pixels; of largest values a share of the
-                                    ///< field's range
-  std::optional<double> budget_ms;  ///< for tracing the picture, on this machine
+  /// Along the ray, in cells, for 99 % of the pixels; for largest values a share of the field's
+  /// range.
+  std::optional<double> max_error;
+  std::optional<double> budget_ms;  ///< for tracing the picture on this machine
 
   bool is_given() const { return max_error || budget_ms; }
 };
 std::vector<Option> goal_options(Goal& goal);  ///< --max-error, --budget-ms
-void check(const Goal& goal);                  ///< refuses numbers that are not above 0 (ErrorCode::usage)
+/// refuses numbers that are not above 0 (ErrorCode::usage)
+void check(const Goal& goal);
 
 /// A method that was tried on a small picture of the scene.
 struct Candidate {
   render::Method method;
   std::string word;
-  double error = 0;         ///< that 99 % of the pixels keep that show or should show something
-  double foreseen_ms = 0;   ///< for the whole picture
-  bool keeps_error = true;  ///< max_error, in 99 % of all pixels, at a confidence of 97.5 %; or by proof
+  /// Upper bound for 99 % of the pixels that show or should show something.
+  double error = 0;
+  double foreseen_ms = 0;  ///< predicted for the whole picture
+  /// meets max_error in 99 % of all pixels, at a confidence of 97.5 %; or by proof
+  bool keeps_error = true;
 };
 
 struct Choice {
@@ -37,14 +41,16 @@ struct Choice {
   std::vector<Candidate> candidates;
 };
 
-/// Tries the methods there are on a small picture of one layer, compares their answers with the exact ones, and takes
-/// the cheapest that keeps the error, or the best that keeps the time. Where no method keeps both, the error is kept;
-/// where none keeps the time, the fastest is taken; the sentence says so.
-/// @param goal  with several layers: of this layer
+/// Tries the available methods on a small picture of one layer, and compares their results with the
+/// exact ones. Chooses the cheapest method that meets the error, or the most accurate one that
+/// meets the time. If no method meets both, the error has priority. If none meets the time, the
+/// fastest is chosen. The sentence says so.
+/// @param goal  for this layer, if there are several
 Choice choose_method(const ResolvedScene& plan, std::size_t layer, const Goal& goal, unsigned threads,
                      std::stop_token stop = {});
 
-/// Chooses for every isosurface and projection, which share the time, and puts the methods into the plan.
+/// Chooses for every isosurface and projection, which share the time. Stores the methods in the
+/// plan.
 std::vector<Choice> choose_methods(ResolvedScene& plan, const Goal& goal, unsigned threads);
 
 }  // namespace rhoray::tools

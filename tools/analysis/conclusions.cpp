@@ -19,7 +19,7 @@ std::string times_text(double ratio) {
   return ratio >= 1 ? concat(short_number(ratio, 2), " times") : concat("1/", short_number(1 / ratio, 2));
 }
 
-/// As users name it: `float`, `sampled:0.5+linear`, "8 bits (float)".
+/// A row's name for users: `float`, `sampled:0.5+linear`, "8 bits (float)".
 std::string called(const ResultRow& row) {
   const Measured& measured = *row.measured;
   if (measured.variant.name == measured.method) return concat("`", measured.method, "`");
@@ -32,7 +32,7 @@ const ResultRow* named(const Rows& rows, const std::string& group, const std::st
   return nullptr;
 }
 
-/// The cheapest row on the data as they are whose 99 % keep a limit.
+/// The cheapest row on the original data whose error stays below a limit in 99 % of the pixels.
 const ResultRow* cheapest_within(const Rows& rows, double limit) {
   const ResultRow* best = nullptr;
   for (const ResultRow& row : rows)
@@ -58,7 +58,7 @@ std::string wrong_text(const ResultRow& row) {
   return concat("of a million pixels it misses ", ppm(errors.missed), " and invents ", ppm(errors.false_hits));
 }
 
-/// Which method is enough for which error.
+/// Says which method is sufficient for which error.
 void say_fastest(const LayerStudy& layer, const Rows& rows, std::vector<std::string>& out) {
   const bool is_projection = layer.scene().layers[0].mode == render::Mode::mip;
   const Interval<double> range = layer.volume().field().range;
@@ -68,7 +68,7 @@ void say_fastest(const LayerStudy& layer, const Rows& rows, std::vector<std::str
                          is_projection ? " of the field's range" : " cells", " in 99 % of the pixels is ", called(best),
                          ": ", ms_text(best.cpu_ms), " of CPU a picture; ", wrong_text(best), "."));
   };
-  // Of limits that one method is the answer to, the tightest says it all.
+  // If one method is the answer for several limits, the tightest one is enough.
   constexpr double limits[] = {0.1, 0.01, 0.001, 1e-6};
   for (std::size_t i = 0; i < std::size(limits); ++i) {
     const ResultRow* best = cheapest_within(rows, limits[i] * unit);
@@ -101,7 +101,7 @@ void say_sampled(const LayerStudy& layer, const Rows& rows, std::vector<std::str
   for (const char* group : {group_linear, group_samples}) {
     const ResultRow* half = named(rows, group, "sampled:0.5+linear");
     if (half == nullptr || own == nullptr) continue;
-    // A time that is that of some rays, taken for all, is not held against that of pictures.
+    // Times extrapolated from some rays are not compared with those of pictures.
     const std::string time =
         half->measured->wall_ms.empty()
             ? std::string("were too slow for a picture in the time given")
@@ -116,7 +116,7 @@ void say_sampled(const LayerStudy& layer, const Rows& rows, std::vector<std::str
   }
 }
 
-/// A sentence for each kind of copy.
+/// One sentence for each kind of copy.
 void say_copies(const LayerStudy& layer, const Rows& rows, std::vector<std::string>& out) {
   for (const char* group : {group_bits, group_grids, group_vdb}) {
     std::string list;
@@ -133,7 +133,7 @@ void say_copies(const LayerStudy& layer, const Rows& rows, std::vector<std::stri
   }
 }
 
-/// The slope of error against step, over the steps where it is above rounding.
+/// The slope of error against step, over the steps where the error is above rounding.
 void say_order(const Rows& rows, std::vector<std::string>& out) {
   for (const char* group : {group_linear, group_bisect, group_samples}) {
     double sx = 0, sy = 0, sxx = 0, sxy = 0, n = 0;

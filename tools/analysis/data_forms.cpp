@@ -38,7 +38,7 @@ void for_each_row(const formats::BrickGrid& grid, std::size_t field, const FormO
   });
 }
 
-/// How many bits a field's whole numbers have; 64 of other numbers.
+/// Number of bits of a field's integers; 64 for other numbers.
 int whole_bits(formats::ElementType type) {
   using formats::ElementType;
   switch (type) {
@@ -144,7 +144,7 @@ FormedData DataForms::quantize_grid(int bits, const FormOptions& options) const 
   return made;
 }
 
-/// Four times the last one for twice the size; a guess, but made before the time is spent.
+/// Estimate before the time is spent: four times the last one for twice the size.
 double DataForms::foreseen_s(const DataForm& form) const {
   if (last_.size == 0) return 0;
   const double growth = static_cast<double>(form.size) / static_cast<double>(last_.size);
@@ -157,7 +157,8 @@ const preprocess::NeutralMesh& DataForms::mesh() {
   return *mesh_;
 }
 
-/// Packed meshes hold floating-point numbers: the steps are the copy's, its size is the data's.
+/// Packed meshes contain floating-point numbers. So the steps are those of the copy, but the size
+/// is that of the data.
 FormedData DataForms::quantize_mesh(int bits, const FormOptions& options) {
   const formats::FieldSummary& field = volume_.field();
   const preprocess::NeutralMesh& whole = mesh();
@@ -171,7 +172,8 @@ FormedData DataForms::quantize_mesh(int bits, const FormOptions& options) {
   for (const preprocess::NeutralField& values : whole.point_fields)
     if (values.name == field.name) copy.point_fields.push_back(values);
   RHORAY_CHECK(copy.point_fields.size() == 1);
-  for (double& value : copy.point_fields[0].values) value = std::round(made.own(value));  // NaN stays
+  // NaN stays
+  for (double& value : copy.point_fields[0].values) value = std::round(made.own(value));
   const std::filesystem::path path = options.folder / concat("bits", bits, ".rho");
   preprocess::pack_mesh(copy, path, {.replace_existing = true}, options.progress);
   made.volume = render::Volume::load(path);
@@ -183,7 +185,7 @@ FormedData DataForms::quantize_mesh(int bits, const FormOptions& options) {
 FormedData DataForms::resample(const DataForm& form, const FormOptions& options) {
   const std::filesystem::path grid = options.folder / concat("grid", form.size, ".rho");
   const bool is_vdb = form.kind == DataForm::Kind::resampled_vdb;
-  // The same samples as OpenVDB: only written anew.
+  // OpenVDB has the same samples; only the file is written anew.
   const auto sampled = made_.find(text_of(DataForm{DataForm::Kind::resampled, form.size}));
   double sampling_s = sampled == made_.end() ? 0 : sampled->second.preprocess_s;
   if (!is_vdb || sampled == made_.end()) {
@@ -206,7 +208,7 @@ FormedData DataForms::resample(const DataForm& form, const FormOptions& options)
   if (is_vdb) preprocess::export_vdb(grid, path.replace_extension(".vdb"), {.replace_existing = true});
   FormedData made{.volume = load_volume(path, {}), .file_bytes = std::filesystem::file_size(path)};
   made.preprocess_s = sampling_s + watch.seconds();
-  // An OpenVDB file holds the same samples as the grid.
+  // An OpenVDB file contains the same samples as the grid.
   made.border = std::make_shared<const ResampledBorder>(volume_, render::Volume::load(grid));
   return made;
 }

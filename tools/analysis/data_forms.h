@@ -16,13 +16,13 @@
 
 namespace rhoray::tools {
 
-/// A form of the data, ready to be drawn: own value = scale * (value - offset).
+/// A form of the data, ready to be rendered: own value = scale * (value - offset).
 struct FormedData {
   render::Volume volume;
   double scale = 1, offset = 0;
   double preprocess_s = 0;
   std::uint64_t file_bytes = 0;
-  std::shared_ptr<const ResampledBorder> border{};  ///< of a mesh that was resampled, else null
+  std::shared_ptr<const ResampledBorder> border{};  ///< for a mesh that was resampled, else null
 
   double own(double value) const { return scale * (value - offset); }
   double original(double own_value) const { return own_value / scale + offset; }
@@ -30,18 +30,19 @@ struct FormedData {
 
 struct FormOptions {
   std::filesystem::path folder;          ///< for the copies
-  std::uint64_t memory_limit_bytes = 0;  ///< 0 = half of the machine's memory
-  double seconds = 0;                    ///< a copy that would take longer is not made
+  std::uint64_t memory_limit_bytes = 0;  ///< 0: half of the machine's memory
+  double seconds = 0;                    ///< limit; a copy that would take longer is not made
   preprocess::Progress progress{};
 };
 
-/// The forms of one volume: made when they are first asked for, and kept.
+/// The forms of one volume. Each is made at the first request and kept.
 class DataForms {
  public:
   explicit DataForms(render::Volume volume) : volume_(std::move(volume)) {}
 
-  /// Refuses with an Error that says why a form does not apply or does not fit (ErrorCode::unsupported or resource); an
-  /// interrupt is what progress throws.
+  /// Refuses a form that does not apply or does not fit, with an Error that gives the reason
+  /// (ErrorCode::unsupported or resource). If progress throws to interrupt the work, its exception
+  /// passes through.
   const FormedData& get(const DataForm& form, const FormOptions& options);
 
  private:
@@ -53,11 +54,12 @@ class DataForms {
   double foreseen_s(const DataForm& form) const;
 
   render::Volume volume_;
-  std::unique_ptr<preprocess::NeutralMesh> mesh_;  ///< the volume, where it is one and copies were asked for
+  /// The volume, if it is a mesh and copies were requested.
+  std::unique_ptr<preprocess::NeutralMesh> mesh_;
   std::map<std::string, FormedData> made_;
   std::map<std::string, Error> refused_;
-  DataForm last_;      ///< the last one sampled on a grid,
-  double last_s_ = 0;  ///< and how long that took
+  DataForm last_;      ///< the last one sampled to a grid
+  double last_s_ = 0;  ///< its sampling time
 };
 
 }  // namespace rhoray::tools

@@ -18,15 +18,16 @@ struct ErrorMap {
 
 struct ErrorPicture {
   render::Framebuffer framebuffer;
-  std::string legend;  ///< what the colours mean
+  std::string legend;  ///< meaning of the colours
 };
 
-/// Where the drawn surface lies against the reference: blue below (smaller values), white on it, red above. The scale
-/// ends at the 99.9 % quantile. Rays that were missed, false or elsewhere are magenta, undecided ones yellow.
+/// Signed distance of the rendered surface from the reference: blue below (smaller values), white
+/// on it, red above. The scale ends at the 99.9 % quantile. Missed, false and elsewhere rays are
+/// magenta, undecided ones yellow.
 ErrorPicture signed_distance_picture(const ErrorMap& map);
 
-/// The error along the ray, from black (1e-16 cells or less) over red and yellow to white (1 cell or more), one colour
-/// step a power of ten; misses as above.
+/// The error along the ray, from black (1e-16 cells or less) over red and yellow to white (1 cell
+/// or more). Equal steps of colour are powers of ten. Misses are coloured as above.
 ErrorPicture depth_error_picture(const ErrorMap& map);
 
 }  // namespace rhoray::tools

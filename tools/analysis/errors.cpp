@@ -31,7 +31,7 @@ Share share_of(std::uint64_t count, std::uint64_t looked_at, bool are_all) {
   if (looked_at == 0) return {0, 0, 1};
   const double n = static_cast<double>(looked_at), p = static_cast<double>(count) / n;
   if (are_all) return {p, p, p};
-  constexpr double z = 1.959963984540054;  // 97.5 % of the normal distribution
+  constexpr double z = 1.959963984540054;  // 97.5 % quantile of the normal distribution
   const double middle = (p + z * z / (2 * n)) / (1 + z * z / n);
   const double half = z / (1 + z * z / n) * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n));
   return {p, count == 0 ? 0 : std::max(0.0, middle - half), count == looked_at ? 1 : std::min(1.0, middle + half)};

@@ -20,8 +20,8 @@ constexpr double pixels_per_degree = 67.0206;  // 0.7 m * (3840 pixels / 0.7 m) 
 constexpr double color_exponent = 0.7, large_share = 0.4, large_error = 0.95, feature_exponent = 0.5,
                  feature_width_deg = 0.082;
 
-/// Spatial sensitivity to brightness, red-green and blue-yellow: sums of two Gaussians a sqrt(pi / b) exp(-pi^2 x^2 /
-/// b), x in degrees.
+/// Spatial sensitivity to brightness, red-green and blue-yellow: sums of two Gaussians a sqrt(pi /
+/// b) exp(-pi^2 x^2 / b), x in degrees.
 struct Sensitivity {
   double a1, b1, a2, b2;
 };
@@ -51,7 +51,7 @@ Color opponent_of(const Color& rgb) {
   return {116 * xyz[1] - 16, 500 * (xyz[0] - xyz[1]), 200 * (xyz[1] - xyz[2])};
 }
 
-/// The inverse, its light cut to what a screen can show.
+/// The inverse, clamped to what a screen can show.
 Color rgb_of(const Color& opponent) {
   static const Color white = xyz_of({1, 1, 1});
   const double y = (opponent[0] + 16) / 116;
@@ -70,7 +70,7 @@ Color rgb_of(const Color& opponent) {
   return rgb;
 }
 
-/// CIELAB; colourfulness falls with brightness (Hunt).
+/// CIELAB; colourfulness decreases with brightness (Hunt).
 Color lab_of(const Color& rgb) {
   const Color xyz = relative(xyz_of(rgb));
   constexpr double delta = 6.0 / 29;
@@ -83,7 +83,7 @@ double hyab(const Color& p, const Color& q) {
   return std::abs(p[0] - q[0]) + std::hypot(p[1] - q[1], p[2] - q[2]);
 }
 
-/// 0 to 1; the largest distance there is, green to blue, becomes 1.
+/// 0 to 1; the largest possible distance, green to blue, becomes 1.
 double color_error(const Color& p, const Color& q) {
   static const double most = std::pow(hyab(lab_of({0, 1, 0}), lab_of({0, 0, 1})), color_exponent);
   const double error = std::pow(hyab(p, q), color_exponent), knee = large_share * most;
@@ -100,7 +100,7 @@ Weights weights(int radius, F&& f) {
   return list;
 }
 
-/// Positive weights add up to 1, negative ones to -1.
+/// Scales positive weights to a sum of 1, negative ones to -1.
 Weights balanced(Weights list) {
   double above = 0, below = 0;
   for (const double weight : list) (weight > 0 ? above : below) += std::abs(weight);
@@ -108,7 +108,7 @@ Weights balanced(Weights list) {
   return list;
 }
 
-/// Filters along one axis, then along the other; beyond its edges a picture goes on as at them.
+/// Filters along one axis, then along the other. The picture is extended by its edge pixels.
 struct Filter {
   int width, height;
 
@@ -135,7 +135,8 @@ struct Filter {
   }
 };
 
-/// What the eye resolves of a channel: a normalised sum of two Gaussians, each the product of one along every axis.
+/// Filters a channel to what the eye resolves: a normalised sum of two Gaussians, each separable
+/// along the axes.
 Plane blurred(const Filter& filter, const Plane& channel, const Sensitivity& s) {
   constexpr double pi = std::numbers::pi;
   static const int radius = static_cast<int>(std::ceil(3 * std::sqrt(0.04 / (2 * pi * pi)) * pixels_per_degree));
@@ -168,7 +169,7 @@ Plane length_of(Plane x, const Plane& y) {
 
 }  // namespace
 
-/// What is seen of one picture.
+/// What is perceived of one picture.
 struct Flip::Seen {
   std::vector<Color> lab;
   Plane edges, points;

@@ -6,18 +6,19 @@
 
 namespace rhoray::tools {
 
-/// How different two pictures look to someone who flips between them: the measure FLIP for pictures of 8-bit range
-/// (Andersson et al., "FLIP: A Difference Evaluator for Alternating Images", HPG 2020), for 67 pixels per degree: a
-/// 4K screen 0.7 m wide, seen from 0.7 m. 0 is the same, 1 as different as can be.
+/// Perceived difference of two pictures when alternating between them: the measure FLIP for
+/// pictures of 8-bit range (Andersson et al., "FLIP: A Difference Evaluator for Alternating
+/// Images", HPG 2020). It assumes 67 pixels per degree: a 4K screen 0.7 m wide, seen from 0.7 m. 0
+/// means equal, 1 is the largest difference.
 ///
-/// What is kept of the reference is computed once.
+/// The data derived from the reference are computed once.
 class Flip {
  public:
-  /// @param rgb  linear, 3 numbers a pixel; below 0 and above 1 is taken as 0 and 1
+  /// @param rgb  linear, 3 numbers per pixel; clamped to [0, 1]
   Flip(int width, int height, std::span<const float> rgb);
   ~Flip();
 
-  /// Of each pixel, rows from the top.
+  /// For each pixel, rows from the top.
   std::vector<float> against(std::span<const float> rgb) const;
 
  private:

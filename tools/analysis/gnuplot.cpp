@@ -23,7 +23,7 @@ namespace {
   throw Error(ErrorCode::resource, concat("plots: ", call, ": ", std::strerror(errno)));
 }
 
-/// A descriptor that is closed at the end of its scope.
+/// A file descriptor that is closed at the end of its scope.
 class Descriptor {
  public:
   Descriptor(int number, const char* call) : number_(number) {
@@ -69,7 +69,7 @@ std::string content_of(int descriptor) {
 }
 
 struct GnuplotRun {
-  int status = 127;  ///< 127 where it does not start
+  int status = 127;  ///< 127: not started
   std::string out, err;
 };
 
@@ -87,7 +87,8 @@ GnuplotRun run_gnuplot(const std::string& script) {
   ::posix_spawn_file_actions_adddup2(&actions, speak.number(), STDOUT_FILENO);
   ::posix_spawn_file_actions_adddup2(&actions, err.number(), STDERR_FILENO);
   ::posix_spawn_file_actions_adddup2(&actions, text.number(), script_descriptor);
-  // Of a process group of its own: an interrupt from the terminal ends the study, not the plot that is being drawn.
+  // It has its own process group: an interrupt from the terminal ends the study, not the plot being
+  // drawn.
   posix_spawnattr_t attributes;
   ::posix_spawnattr_init(&attributes);
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);

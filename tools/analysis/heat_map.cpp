@@ -22,7 +22,7 @@ void paint(render::Framebuffer& picture, int x, int y, const Vec3& color) {
   pixel[3] = 1;
 }
 
-/// As a style sheet has it.
+/// A colour in CSS syntax.
 std::string css_color(const Vec3& linear) {
   std::string text = "rgb(";
   for (int c = 0; c < 3; ++c) {

@@ -43,15 +43,16 @@ HeatScale scale_of_looks() {
   return {.least = 1e-3, .most = 1, .unit = "FLIP, how different the pictures look", .is_of_hits = false};
 }
 
-/// How many pixels on a side are drawn in one colour, so that a sample of them fills the picture.
+/// Edge length of the blocks of pixels drawn in one colour, so that a sample fills the picture.
 int block_of_sample(const Truth& truth) {
   if (truth.are_all()) return 1;
   const double share = static_cast<double>(truth.pixels.size()) / static_cast<double>(truth.pixel_count());
-  return static_cast<int>(std::ceil(2 / std::sqrt(share)));  // four of a sample in a block: few blocks are empty
+  // Four samples per block: few blocks are empty.
+  return static_cast<int>(std::ceil(2 / std::sqrt(share)));
 }
 
-/// The errors of the judged pixels as a picture; of values as shares of the field's range. Of a sample each block of
-/// pixels has its largest error, missed and false pixels stay pixels.
+/// Draws the errors of the examined pixels; errors of values as shares of the field's range. For a
+/// sample, each block of pixels has its largest error; missed and false pixels stay single pixels.
 render::Framebuffer errors_of(const LayerStudy& layer, const Measured& measured) {
   const Truth& truth = layer.result()->truth;
   const Interval<double> range = layer.volume().field().range;
@@ -99,7 +100,7 @@ std::string spread_cell(const Measured& measured) {
                 short_number(50 * (spread.largest - spread.smallest) / spread.median, 2), " %</small></td>");
 }
 
-/// @param of_values  of a projection, whose values have no place and no normal
+/// @param of_values  for a projection, whose values have neither position nor normal
 std::string row_html(const ResultRow& row, bool of_values) {
   const Measured& measured = *row.measured;
   std::string name = html_text(measured.variant.name);
@@ -143,7 +144,7 @@ std::string row_html(const ResultRow& row, bool of_values) {
   return out;
 }
 
-/// Rows of a group that were left out, by reason.
+/// Rows of a group that were left out, grouped by reason.
 std::string left_out_html(const std::vector<const Measured*>& rows) {
   std::map<std::string, std::string> names;
   for (const Measured* row : rows) {
@@ -230,7 +231,7 @@ std::string value_text(const Json& value) {
   return value.dump();
 }
 
-/// A fact's name and value as people write them; nothing of facts that are told elsewhere.
+/// A fact's name and value for readers; nothing for facts that are told elsewhere.
 std::optional<std::pair<std::string, std::string>> fact_words(const std::string& key, const Json& value) {
   if (key == "command" || key.starts_with("instruments_")) return std::nullopt;
   if (key == "memory_bytes") return std::pair{std::string("memory"), bytes_text(value.get<std::uint64_t>())};
@@ -249,7 +250,7 @@ std::string facts_table(const Json& facts) {
   return out + "</tbody></table>\n";
 }
 
-/// Empty before they were weighed.
+/// Empty before the overhead was measured.
 std::string instruments_html(const Json& facts) {
   if (!facts.contains("instruments_share_of_time")) return {};
   const auto per_cent = [&](const char* key) { return with_powers(rounded(100 * facts.at(key).get<double>(), 2)); };
@@ -303,7 +304,7 @@ ResultsFolder::ResultsFolder(std::filesystem::path folder, bool may_replace) : f
 
 ResultsFolder::~ResultsFolder() {
   files_.reset();
-  std::error_code stays;  // where there is something in it
+  std::error_code stays;  // set if the folder is not empty
   if (is_made_) std::filesystem::remove(folder_, stays);
 }
 
@@ -382,7 +383,7 @@ std::string ResultsFolder::layer_section(const LayerStudy& layer, const std::str
     out += concat("<figure>", plot.body, "<figcaption><b>", html_text(plot.title), ".</b> ",
                   with_powers(html_text(plot.caption)), "</figcaption></figure>\n");
   out += concat("<h3>All variants</h3>\n", results_table(layer), "<h3>What the variants are</h3>\n", glossary(layer));
-  // Pictures change from pass to pass only.
+  // Pictures change only from pass to pass.
   auto& [of_pass, shown] = pictures_[prefix];
   const std::size_t drawn = layer.result()->rows.size();
   const auto pass = drawn == layer.variants().size() ? layer.result()->true_picture : nullptr;

@@ -12,23 +12,24 @@
 
 namespace rhoray::tools {
 
-/// Refuses a folder that cannot be made, and one with anything in it unless told to go ahead (ErrorCode::usage). Makes
-/// nothing.
+/// Refuses a folder that cannot be created, and a folder that is not empty unless may_replace is
+/// set (ErrorCode::usage). Creates nothing.
 void require_results_folder(const std::filesystem::path& folder, bool may_replace);
 
-/// Writes what a study has found out so far into a folder, again and again; every file is whole at any time:
-/// results.csv, results.json, report.html, and for each layer plots (.svg) and pictures (.png).
+/// Writes the results of a study so far into a folder, repeatedly. Every file is complete at any
+/// time: results.csv, results.json, report.html, and for each layer plots (.svg) and pictures
+/// (.png).
 class ResultsFolder {
  public:
-  /// Makes the folder where it is not there, and removes it again if nothing comes into it. Refuses as
-  /// require_results_folder.
+  /// Creates the folder if it does not exist, and removes it again if it stays empty. Refuses as
+  /// require_results_folder does.
   ResultsFolder(std::filesystem::path folder, bool may_replace);
   ResultsFolder(const ResultsFolder&) = delete;
   ResultsFolder& operator=(const ResultsFolder&) = delete;
   ~ResultsFolder();
 
-  /// The files of one call appear together or not at all. Adds a note where gnuplot fails; then the tables and the page
-  /// are there without plots.
+  /// The files of one call appear together or not at all. If gnuplot fails, adds a note and writes
+  /// tables and page without plots.
   void write(const std::vector<const LayerStudy*>& layers, StudyContext& context);
 
  private:
@@ -42,11 +43,12 @@ class ResultsFolder {
 
   std::filesystem::path folder_;
   bool is_made_ = false;
-  std::optional<PendingFiles> files_;  ///< of the call of `write`
-  bool has_gnuplot_ = true;            ///< until it turns out not to
-  /// Of a layer, as HTML.
+  std::optional<PendingFiles> files_;  ///< of the current call of `write`
+  bool has_gnuplot_ = true;            ///< false once it turns out to be missing
+  /// Pictures of a layer, as HTML.
   struct Pictures {
-    std::shared_ptr<const TruePicture> of_pass{};  ///< held, so that no later pass has its address; null: of none
+    /// Kept alive, so that no later pass has its address; null: belongs to no pass.
+    std::shared_ptr<const TruePicture> of_pass{};
     std::string shown{};
   };
   std::map<std::string, Pictures> pictures_;  ///< by layer

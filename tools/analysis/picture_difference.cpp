@@ -17,7 +17,7 @@ double difference_of(float a, float b) {
   return is_same ? 0 : std::numeric_limits<double>::infinity();
 }
 
-/// The places in both pictures of the channels that both have; notes the others.
+/// Pairs the indices of the channels that both pictures have, and notes the other channels.
 std::vector<std::pair<std::size_t, std::size_t>> pair_channels(const StoredPicture& a, const StoredPicture& b,
                                                                PictureDifference& difference) {
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
@@ -78,7 +78,7 @@ PictureDifference difference_of(const StoredPicture& a, const StoredPicture& b, 
                   at_b = b.numbers[pixel * b.channels.size() + pairs[c].second];
       const double size = difference_of(at_a, at_b);
       sum += size, squares += size * size;
-      // Rounded up, so that what is beyond a limit stays beyond it.
+      // Rounded up, so that a difference beyond a limit stays beyond it.
       float stored = static_cast<float>(size);
       if (static_cast<double>(stored) < size) stored = std::nextafter(stored, std::numeric_limits<float>::infinity());
       difference.of_pixel[pixel] = std::max(difference.of_pixel[pixel], stored);

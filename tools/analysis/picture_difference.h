@@ -10,10 +10,10 @@
 
 namespace rhoray::tools {
 
-/// R, G, B
+/// Formats a list: R, G, B.
 std::string listed(const std::vector<std::string>& channels);
 
-/// Where two pictures differ most.
+/// The largest difference between two pictures.
 struct LargestDifference {
   double size = 0;
   std::string channel;
@@ -21,9 +21,9 @@ struct LargestDifference {
   double a = 0, b = 0;
 };
 
-/// How two pictures of one size differ, over the channels that both have. Numbers are as stored: of 8-bit pictures from
-/// 0 to 1. Numbers that are both NaN, or the same infinity, are equal; one that is not finite differs from others by
-/// infinity.
+/// Difference of two pictures of the same size, over the channels that both have. Numbers are as
+/// stored; those of 8-bit pictures are from 0 to 1. Numbers that are both NaN, or the same
+/// infinity, are equal. One that is not finite differs from all others by infinity.
 struct PictureDifference {
   std::vector<std::string> channels;        ///< compared
   std::vector<std::string> only_a, only_b;  ///< not compared
@@ -32,19 +32,19 @@ struct PictureDifference {
   double mean = 0, root_mean_square = 0;  ///< over all numbers
   std::uint64_t differing = 0;            ///< pixels
 
-  /// Pixels that differ by more than a limit.
+  /// Number of pixels that differ by more than a limit.
   std::uint64_t beyond(double limit) const;
-  /// 20 log10(1 / root_mean_square), decibels: of pictures whose numbers lie between 0 and 1.
+  /// 20 log10(1 / root_mean_square), decibels; for pictures whose numbers are between 0 and 1.
   double peak_signal_to_noise() const;
 };
 
-/// Refuses pictures of two sizes, and those without a common channel (ErrorCode::invalid); names are those of the
-/// files.
+/// Refuses pictures of different sizes, and those without a common channel (ErrorCode::invalid).
+/// The names are those of the files.
 PictureDifference difference_of(const StoredPicture& a, const StoredPicture& b, const std::string& name_a,
                                 const std::string& name_b);
 
-/// Where pictures differ: black where they do not, then from dark to bright up to the largest difference that is
-/// finite; magenta where one has a number that is not finite.
+/// Picture of the differences: black where there is none, then from dark to bright up to the
+/// largest finite difference. Magenta where one picture has a number that is not finite.
 /// @param of_pixel  PictureDifference::of_pixel
 render::Framebuffer difference_map(std::span<const float> of_pixel, int width, int height);
 

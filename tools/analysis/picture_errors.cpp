@@ -21,7 +21,7 @@ std::vector<float> rgb_of(const render::Framebuffer& picture) {
   return rgb;
 }
 
-/// Of 255, as a picture file holds it (IEC 61966-2-1).
+/// 0 to 255, as stored in a picture file (IEC 61966-2-1).
 double srgb_level(float linear) {
   const double value = std::clamp(static_cast<double>(linear), 0.0, 1.0);
   return std::round(255 * (value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1 / 2.4) - 0.055));

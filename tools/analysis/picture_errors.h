@@ -10,21 +10,22 @@
 
 namespace rhoray::tools {
 
-/// How a picture differs from the true one.
+/// Errors of a picture against the true one.
 struct PictureErrors {
-  double rmse = 0;                      ///< over pixels and red, green, blue of 8-bit sRGB; 255 is the most there is
-  double flip = 0;                      ///< mean over pixels, 0 to 1 (flip.h)
-  std::vector<float> flip_map{};        ///< of each pixel
-  std::optional<Quantiles> normal_deg;  ///< angle between normals where both pictures show something
+  double rmse = 0;                ///< over pixels and red, green, blue of 8-bit sRGB; at most 255
+  double flip = 0;                ///< mean over pixels, 0 to 1 (flip.h)
+  std::vector<float> flip_map{};  ///< for each pixel
+  /// angle between normals where both pictures show something
+  std::optional<Quantiles> normal_deg;
 };
 
-/// The picture that others are compared with; keeps what it needs of it.
+/// The picture that others are compared with, and data derived from it.
 class TruePicture {
  public:
-  /// @param picture  with the channel `normal`, or without: then no angles are measured
+  /// @param picture  with the channel `normal`; without it no angles are measured
   explicit TruePicture(render::Framebuffer picture);
 
-  /// Of a picture of the same size.
+  /// For a picture of the same size.
   PictureErrors against(const render::Framebuffer& picture) const;
 
   const render::Framebuffer& picture() const { return picture_; }
@@ -34,7 +35,8 @@ class TruePicture {
   Flip flip_;
 };
 
-/// The colours of a smaller picture drawn large, linear between the middles of its pixels.
+/// Enlarges the colours of a smaller picture, with linear interpolation between the centres of its
+/// pixels.
 render::Framebuffer enlarged(const render::Framebuffer& picture, int width, int height);
 
 }  // namespace rhoray::tools

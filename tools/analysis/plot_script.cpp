@@ -15,7 +15,8 @@ const char* color_of(std::size_t i) {
 }
 
 int point_type_of(std::size_t i) {
-  constexpr int types[] = {7, 5, 9, 11, 13, 15, 4};  // as many as have no common factor with the colours
+  // The number of types has no common factor with the number of colours.
+  constexpr int types[] = {7, 5, 9, 11, 13, 15, 4};
   return types[i % std::size(types)];
 }
 

@@ -6,30 +6,30 @@
 
 namespace rhoray::tools {
 
-// What scripts for gnuplot are made of, so that plots of all commands look alike.
+// Building blocks of gnuplot scripts, so that the plots of all commands look alike.
 
 struct PlotPoint {
   double x = 0, y = 0;
   std::string label;
 };
 
-/// Points under one name.
+/// Named points.
 struct PlotSeries {
   std::string name;
   std::vector<PlotPoint> points;
 };
 
-const char* color_of(std::size_t i);  ///< told apart with any colour vision
+const char* color_of(std::size_t i);  ///< distinguishable with any colour vision
 int point_type_of(std::size_t i);     ///< gnuplot's number
 
-std::string in_quotes(const std::string& text);  ///< as a script holds it
+std::string in_quotes(const std::string& text);  ///< quoted for a script
 
 /// The points as the block $NAME: x, y, label.
 std::string data_block(const std::string& name, const std::vector<PlotPoint>& points);
-/// A block for each: $g0, $g1, ...
+/// One block for each series: $g0, $g1, ...
 std::string blocks(const std::vector<PlotSeries>& series);
 
-/// Size, frame and names of the axes of a plot as SVG.
+/// Size, frame and axis labels of an SVG plot.
 std::string preamble(const std::string& x, const std::string& y);
 
 }  // namespace rhoray::tools

@@ -15,7 +15,7 @@ namespace {
 using Point = PlotPoint;
 using Series = PlotSeries;
 
-/// Groups whose variants follow one another: steps, sizes, counts.
+/// Groups whose variants form a sequence: steps, sizes, counts.
 bool is_series(const std::string& group) {
   return group != group_levels && group != group_published && group != group_normals;
 }
@@ -52,12 +52,13 @@ std::string scatter(const std::vector<Series>& groups) {
   return text;
 }
 
-/// An error on a logarithmic axis: 0 and what is below rounding lie at its end, what is not finite at the other.
+/// Position of an error on a logarithmic axis: 0 and values below rounding are at its lower end,
+/// values that are not finite at the upper end.
 double on_axis(double error, double least, double most) {
   return std::isfinite(error) ? std::clamp(error, least, most) : most;
 }
 
-/// The power of ten at which a logarithmic axis shows 0: well below the smallest number that there can be.
+/// The power of ten at which a logarithmic axis shows 0: well below the smallest possible number.
 double place_of_zero(double smallest) {
   return std::pow(10, std::floor(std::log10(smallest)) - 1);
 }
@@ -86,7 +87,7 @@ Plot error_against_time(const LayerStudy& layer, const std::vector<ResultRow>& r
     if (row.is_on_front)
       front.push_back({row.cpu_ms, on_axis(*row.kept, axis.least, axis.most), row.measured->variant.name});
   std::sort(front.begin(), front.end(), [](const Point& p, const Point& q) { return p.x < q.x; });
-  // Neighbours on the front are named above and below it in turn.
+  // Neighbours on the front are labelled above and below it in turn.
   std::vector<Point> above, below;
   for (std::size_t i = 0; i < front.size(); ++i) (i % 2 == 0 ? above : below).push_back(front[i]);
   const char* const named = " using 1:2:3 notitle with labels left noenhanced font ',12' offset 0.8,";
@@ -106,7 +107,7 @@ Plot error_against_time(const LayerStudy& layer, const std::vector<ResultRow>& r
       std::move(script)};
 }
 
-/// Nothing where no pixel is wrong.
+/// Nothing if no pixel is wrong.
 std::optional<Plot> wrong_against_time(const LayerStudy& layer, const std::vector<ResultRow>& rows) {
   const auto is_wrong = [](const ResultRow& row) {
     return row.kept && row.measured->errors->missed + row.measured->errors->false_hits > 0;
@@ -146,7 +147,7 @@ Plot flip_against_time(const std::vector<ResultRow>& rows) {
                      least, ")\nplot ", scatter(groups), "\n")};
 }
 
-/// What copies of the data save, or cost. Nothing where none was drawn.
+/// Memory that copies of the data save, or cost. Nothing if none was rendered.
 std::optional<Plot> error_against_memory(const LayerStudy& layer, const std::vector<ResultRow>& rows) {
   const ErrorAxis axis = error_axis(layer);
   std::vector<Series> groups;
@@ -177,7 +178,7 @@ std::optional<Plot> error_against_memory(const LayerStudy& layer, const std::vec
                  "0.8,0.7\n")};
 }
 
-/// Nothing where no steps were measured.
+/// Nothing if no steps were measured.
 std::optional<Plot> convergence(const LayerStudy& layer, const std::vector<ResultRow>& rows) {
   std::vector<Series> groups;
   for (const char* group : {group_linear, group_bisect, group_samples}) {
@@ -207,7 +208,7 @@ std::optional<Plot> convergence(const LayerStudy& layer, const std::vector<Resul
                  scatter(groups), guides, "\n")};
 }
 
-/// Of the levels and of what is shown as pictures.
+/// For the levels and the rows shown as pictures.
 Plot distribution(const LayerStudy& layer, const std::vector<ResultRow>& rows) {
   const ErrorAxis axis = error_axis(layer);
   std::vector<Series> lines;

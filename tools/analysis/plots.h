@@ -7,15 +7,15 @@
 
 namespace rhoray::tools {
 
-/// A plot as a script for gnuplot, with its data.
+/// A gnuplot script with its data.
 struct Plot {
-  std::string name;  ///< of its file, without the extension
+  std::string name;  ///< file name without extension
   std::string title;
-  std::string caption;  ///< what it shows, sentences
+  std::string caption;  ///< what it shows, in sentences
   std::string script;
 };
 
-/// What can be drawn of a layer's results.
+/// Returns the plots that a layer's results allow.
 std::vector<Plot> plots_of(const LayerStudy& layer);
 
 }  // namespace rhoray::tools

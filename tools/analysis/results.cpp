@@ -10,7 +10,7 @@ namespace rhoray::tools {
 
 namespace {
 
-/// Numbers that are not finite have no place in JSON or CSV.
+/// Numbers that are not finite cannot be written to JSON or CSV.
 Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }

@@ -10,42 +10,43 @@
 
 namespace rhoray::tools {
 
-/// What a column of the results means.
+/// Meaning of a column of the results.
 struct ResultColumn {
   const char* name;
-  const char* unit;  ///< empty where there is none
+  const char* unit;  ///< empty: none
   const char* meaning;
 };
 const std::vector<ResultColumn>& result_columns();
 
-/// Where, from what and how far a study was made.
+/// Environment, input and progress of a study.
 struct StudyContext {
   Json facts;                      ///< machine, compiler, commit, command, seed, ...
-  std::string stage;               ///< how far the study has come, a sentence
-  std::vector<std::string> notes;  ///< what was left out of the whole
+  std::string stage;               ///< progress of the study, a sentence
+  std::vector<std::string> notes;  ///< what was omitted from the whole
 };
 
-/// A row as reports look at it.
+/// A row as used in reports.
 struct ResultRow {
   const Measured* measured = nullptr;
-  double cpu_ms = 0;             ///< median
-  std::optional<double> kept{};  ///< error that 99 % of the pixels keep; nothing where rays were not asked
-  bool is_on_front = false;      ///< no other row is both faster and closer
+  double cpu_ms = 0;  ///< median
+  /// error that 99 % of the pixels do not exceed; nothing where no rays were traced
+  std::optional<double> kept{};
+  bool is_on_front = false;  ///< no other row is both faster and closer
 };
 
-/// The rows of a layer that were measured.
+/// The measured rows of a layer.
 std::vector<ResultRow> rows_of(const PassResult& result);
 
-/// All layers' rows, in the columns above; rows that were left out too, with the reason.
+/// All layers' rows in the columns above, including rows that were left out, with the reason.
 Table table_of(const std::vector<const LayerStudy*>& layers, const StudyContext& context);
 
-/// What a scientist may conclude, one sentence each.
+/// Conclusions for scientists, one sentence each.
 std::vector<std::string> conclusions_of(const LayerStudy& layer);
 
 inline constexpr const char* results_schema = "rhoray-accuracy 1";
 Json results_json(const std::vector<const LayerStudy*>& layers, const StudyContext& context);
 
-/// As `rounded`, but whole numbers below ten million in full: 1170, not 1.17e+03.
+/// Like `rounded`, but whole numbers below ten million in full: 1170, not 1.17e+03.
 std::string short_number(double number, int digits);
 
 std::string error_unit(const LayerStudy& layer);  ///< "cells", or the field's unit

@@ -25,10 +25,10 @@ bool is_proven(const ResolvedScene& plan) {
                      [](const render::Layer& layer) { return render::proves(layer.method); });
 }
 
-/// What a level promises of a picture.
+/// What a level promises for a picture.
 struct Promise {
   std::string said;        ///< empty: nothing
-  double wrong_share = 1;  ///< missed and false pixels, and one more
+  double wrong_share = 1;  ///< missed and false pixels; one more is allowed
   double kept = HUGE_VAL;  ///< error of 99 % of the pixels, in the unit of errors
 };
 
@@ -45,7 +45,7 @@ Promise promise_of(const render::Layer& layer, const render::Volume& volume) {
   return {"at most 1 of 100 pixels (and one more) missed or false, 99 % within 1e-3 cells", 1e-2, 1e-3};
 }
 
-/// The loosest of all layers.
+/// The loosest promise of all layers.
 Promise promise_of(const ResolvedScene& plan) {
   Promise loosest{.said = "", .wrong_share = -1, .kept = 0};
   for (const render::Layer& layer : plan.scene.layers) {
@@ -70,7 +70,8 @@ std::vector<std::uint32_t> all_pixels(const render::Framebuffer& picture) {
   return pixels;
 }
 
-/// Pixels beside which the picture ends, or lies farther away or nearer by a hundredth of the way.
+/// Pixels with a neighbour whose depth differs by more than a hundredth. Pixels with a surface
+/// differ from pixels without.
 std::vector<std::uint32_t> edge_pixels(const render::Framebuffer& picture) {
   std::vector<std::uint32_t> edges;
   const auto width = static_cast<std::size_t>(picture.width);
@@ -89,11 +90,11 @@ std::vector<std::uint32_t> edge_pixels(const render::Framebuffer& picture) {
   return edges;
 }
 
-/// What is true of a pixel: of the layer that is nearest.
+/// The true hit of a pixel: that of the nearest layer.
 struct TrueHit {
   Hit hit;
   double cells_per_t = 0;
-  double value_per_t = 0;  ///< how fast the field changes along the ray
+  double value_per_t = 0;  ///< slope of the field along the ray
 };
 
 std::vector<TrueHit> true_hits(const ResolvedScene& plan, const render::Framebuffer& picture,
@@ -151,7 +152,7 @@ CheckedPixels checked_pixels(const ResolvedScene& plan, const render::Framebuffe
   return found;
 }
 
-/// Empty where 99 % of all pixels may well be within the limit, for all that these tell.
+/// Empty unless the examined pixels show that fewer than 99 % of all pixels are within the limit.
 std::string limit_broken_by(const CheckedPixels& found, double limit, const char* which) {
   if (!(share_of(found.beyond_limit, found.shown, false).low > 0.01)) return {};
   return concat(found.beyond_limit, " of ", found.shown, " ", which,
@@ -171,7 +172,7 @@ std::string broken_by(const CheckedPixels& found, const Promise& promise, bool i
   return text;
 }
 
-/// The limit that was asked for, in the unit of errors.
+/// The requested limit, in the unit of errors.
 double limit_in_unit(const ResolvedScene& plan, double limit) {
   const Interval<double> range = plan.volumes[plan.scene.layers[0].volume].field().range;
   return is_projection(plan) ? limit * (range.hi - range.lo) : limit;

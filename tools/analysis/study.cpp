@@ -88,7 +88,7 @@ render::FrameStatistics LayerStudy::draw(const Variant& variant, const PictureSi
 }
 
 void LayerStudy::draw_truth(PassResult& result) {
-  // A maximum in tetrahedra is certified by the judge, which has just been found too slow.
+  // A maximum in tetrahedra is certified by exact arithmetic, which has just proved too slow.
   const bool is_slow = volume_.is_mesh() && scene_.layers[0].mode == render::Mode::mip;
   const render::Accuracy level = result.truth.are_all() ? render::Accuracy::exact
                                  : is_slow              ? render::Accuracy::float64
@@ -160,7 +160,8 @@ void LayerStudy::measure(Measured& row, const PassResult& result) {
   time(row, result.size);
 }
 
-/// Loads the data anew and draws, as someone does who has just come: what that prepares, and what it keeps in memory.
+/// Loads the data anew and renders, as a new user would. Measures the preparation time and the
+/// memory kept.
 void LayerStudy::weigh(Measured& row) {
   Setup drawn = setup(row.variant, {32, 24}, {});
   ::malloc_trim(0);
@@ -193,7 +194,7 @@ InstrumentCost LayerStudy::instrument_cost(double seconds) {
           .pictures = static_cast<int>(with.size())};
 }
 
-/// Of what is true by definition: only what it takes.
+/// For the variant that is true by definition: measures only its cost.
 void LayerStudy::measure_exact(Measured& row, const PassResult& result) {
   ErrorList list = errors_against(result.truth, field_, scene_.layers[0], result.truth.hits);
   row.errors = count_errors(list);
@@ -221,7 +222,7 @@ Measured LayerStudy::measured(const Variant& variant, const PassResult& result) 
   Measured row{.variant = variant};
   try {
     forms_.get(variant.data, options_.forms);
-    watch = {};  // a copy is made once, and no part of what the variant takes
+    watch = {};  // a copy is made once and does not count for the variant
     measure(row, result);
     weigh(row);
   } catch (const Error& error) {
@@ -232,14 +233,15 @@ Measured LayerStudy::measured(const Variant& variant, const PassResult& result) 
   return row;
 }
 
-/// Asks random ones of the truth's rays until the time is over.
+/// Traces random rays of the truth until the time is over.
 Measured LayerStudy::measured_in_part(const Variant& variant, const PassResult& result, double seconds) {
   const render::Layer& layer = scene_.layers[0];
   const Truth& truth = result.truth;
   std::vector<std::size_t> order(truth.rays.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::mt19937_64 random(options_.seed);
-  constexpr std::size_t first_piece = 512;  // each later one is as large as all before: what asking takes is shared
+  // Each later one is as large as all before, so that the overhead of tracing is shared.
+  constexpr std::size_t first_piece = 512;
   Truth part{.size = truth.size};
   std::vector<render::Hit> said;
   double cpu_s = 0;
@@ -270,11 +272,11 @@ Measured LayerStudy::measured_in_part(const Variant& variant, const PassResult& 
   row.cpu_ms = {1e3 * cpu_s / static_cast<double>(said.size()) * pixels_of(result.size)};
   row.data_bytes = volume_.file().file_bytes();
   row.note = concat("too slow for a picture: ", said.size(), " random pixels, whose time is taken for all");
-  row.pass_s = 3e-3 * row.cpu_ms[0];  // that whole pictures would take
+  row.pass_s = 3e-3 * row.cpu_ms[0];  // time that whole pictures would take
   return row;
 }
 
-/// By what the last pass took for each, in the order from the cheapest.
+/// Selects by the times of the last pass, from the cheapest variant on.
 std::vector<bool> LayerStudy::too_dear(const Pass& spec) const {
   std::vector<bool> left_out(variants_.size(), false);
   if (!result_) return left_out;
@@ -294,7 +296,7 @@ std::vector<bool> LayerStudy::too_dear(const Pass& spec) const {
 
 namespace {
 
-/// By the variant before, where both are samples at steps that are halved.
+/// Judged by the variant before, if both are sampled and the step is halved.
 bool is_slow_group(const std::vector<Measured>& rows, const Variant& next, double seconds) {
   if (rows.empty() || seconds <= 0 || !next.method || next.method->algorithm != render::Method::Algorithm::sampled)
     return false;
@@ -304,7 +306,7 @@ bool is_slow_group(const std::vector<Measured>& rows, const Variant& next, doubl
 
 }  // namespace
 
-/// Which share of a pass is done when each variant is.
+/// The share of a pass that is completed after each variant.
 std::vector<double> LayerStudy::shares_of_pass(const std::vector<bool>& left_out) const {
   const bool knows_times = result_ && result_->rows.size() == variants_.size();
   std::vector<double> shares;

@@ -18,38 +18,40 @@
 
 namespace rhoray::tools {
 
-/// What was found out about a variant.
+/// Measurements of a variant.
 struct Measured {
   Variant variant;
-  std::string method{};    ///< its word
-  std::string left_out{};  ///< why nothing was found out; else empty
+  std::string method{};    ///< its name
+  std::string left_out{};  ///< why nothing was measured; else empty
   std::string note{};
-  std::optional<ErrorCounts> errors{};  ///< of variants that ask rays
-  bool judges_all = false;              ///< errors are those of all pixels, not of a random sample
-  std::vector<float> error_list{};      ///< of the truth's pixels (errors.h); empty where only some of them were asked
+  std::optional<ErrorCounts> errors{};  ///< for variants that trace rays
+  bool judges_all = false;              ///< errors are for all pixels, not for a random sample
+  /// for the truth's pixels (errors.h); empty if only some of them were traced
+  std::vector<float> error_list{};
   std::optional<PictureErrors> picture_errors{};
-  std::optional<render::Framebuffer> picture{};  ///< of variants that the report shows
-  std::vector<double> cpu_ms{}, wall_ms{};  ///< of each time that the picture was drawn; without wall_ms that of some
-                                            ///< pixels, taken for all
-  double prepare_ms = 0;                    ///< what the first picture of an isovalue takes beside that
-  double preprocess_s = 0;                  ///< to make the copy of the data
-  std::uint64_t data_bytes = 0;             ///< of the file
-  std::uint64_t memory_bytes = 0;           ///< that is mapped or kept to draw from; 0: not known
-  double pass_s = 0;                        ///< that all of this took
+  std::optional<render::Framebuffer> picture{};  ///< for variants that the report shows
+  /// for each time that the picture was rendered; without wall_ms extrapolated from some pixels
+  std::vector<double> cpu_ms{}, wall_ms{};
+  double prepare_ms = 0;           ///< additional time for the first picture of an isovalue
+  double preprocess_s = 0;         ///< to make the copy of the data
+  std::uint64_t data_bytes = 0;    ///< of the file
+  std::uint64_t memory_bytes = 0;  ///< mapped or allocated for rendering; 0: not known
+  double pass_s = 0;               ///< duration of all of this
 };
 
-/// What measuring adds to what is measured.
+/// Overhead of the measuring instruments.
 struct InstrumentCost {
-  double share = 0;  ///< of the CPU time of a picture: the least with against the least without, which took turns
-  double noise = 0;  ///< how far, in the same way, two series without them lie apart
+  /// Of a picture's CPU time: minimum with against minimum without, measured in turn.
+  double share = 0;
+  double noise = 0;  ///< the same ratio for two series without instruments
   int pictures = 0;  ///< of each kind
 };
 
-/// What one pass over all variants found out, at one size of the picture.
+/// Result of one pass over all variants, at one size of the picture.
 struct PassResult {
   PictureSize size;
   Truth truth;
-  std::string picture_method{};  ///< of the picture that is taken as true
+  std::string picture_method{};  ///< method of the picture that is taken as true
   std::shared_ptr<const TruePicture> true_picture{};
   std::vector<Measured> rows{};
 };
@@ -61,46 +63,49 @@ struct LayerStudyOptions {
   std::stop_token stop{};
 };
 
-/// One layer of a scene, alone: its variants, measured.
+/// One layer of a scene, alone: its variants and their measurements.
 class LayerStudy {
  public:
-  /// @param plan   whose other layers are left out
+  /// @param plan   its other layers are ignored
   LayerStudy(const ResolvedScene& plan, std::size_t layer, LayerStudyOptions options);
 
   const std::string& name() const { return name_; }
   const render::Scene& scene() const { return scene_; }
   const render::Volume& volume() const { return volume_; }
   const std::vector<Variant>& variants() const { return variants_; }
-  const PassResult* result() const { return result_ ? &*result_ : nullptr; }  ///< of the last pass; null before
+  /// Of the last pass; null before.
+  const PassResult* result() const { return result_ ? &*result_ : nullptr; }
 
   struct Pass {
     PictureSize size;
     double judge_seconds = 0;
-    /// Variants that are foreseen, by the pass before, not to fit into this are left out, the dearest first.
+    /// Variants that, by the times of the last pass, would not fit into this time are left out, the
+    /// most expensive first.
     double seconds = 0;
-    /// No picture is drawn by samples at a step where those at the last one, twice as far apart, took half of this; 0:
-    /// by all.
+    /// A sampled variant is not rendered if the last one, with steps twice as large, took half of
+    /// this time; 0: all are rendered.
     double variant_seconds = 0;
-    /// Such samples are taken for random pixels only, so long. 0: not at all.
+    /// Such variants are measured on random pixels only, for this time. 0: not at all.
     double part_seconds = 0;
-    /// @param share  of the pass that is done: by the time that the pass before took for each variant, else by their
-    /// count
+    /// @param share  completed share of the pass: by the time of each variant in the last pass,
+    ///               else by their count
     std::function<void(double share)> variant_done = nullptr;
   };
-  /// Refuses a picture in which nothing is hit (ErrorCode::usage). While the first pass goes on its result is what has
-  /// been measured; later ones replace the result at their end, so that an interrupt leaves that of the pass before.
+  /// Refuses a picture in which nothing is hit (ErrorCode::usage). During the first pass, the
+  /// result contains what has been measured so far. Later passes replace the result at their end,
+  /// so that an interrupt keeps that of the pass before.
   void pass(const Pass& spec);
 
-  /// Draws the picture of a row of the result once more and notes the time.
+  /// Renders the picture of a row of the result once more and adds its time.
   void time_again(std::size_t row);
-  double foreseen_s(std::size_t row) const;  ///< that this takes
+  double foreseen_s(std::size_t row) const;  ///< predicted time for this
 
-  /// Draws the picture of the data's default method with what times it and lets an interrupt end it, and without, in
-  /// turn.
+  /// Renders the picture of the data's default method with and without the instruments for timing
+  /// and interrupts, in turn.
   InstrumentCost instrument_cost(double seconds);
 
  private:
-  /// What a variant draws, and from what.
+  /// What a variant renders, and from which data.
   struct Setup {
     const FormedData& data;
     render::Scene scene;
@@ -131,9 +136,10 @@ class LayerStudy {
   FieldTruth field_;
   std::vector<Variant> variants_;
   std::optional<PassResult> result_;
-  std::map<SampledEffect, std::shared_ptr<const TruePicture>> many_samples_;  ///< of the last pass's size
+  /// Of the last pass's size.
+  std::map<SampledEffect, std::shared_ptr<const TruePicture>> many_samples_;
   render::RenderContext memory_;
-  render::Framebuffer picture_;  ///< of pictures that are timed
+  render::Framebuffer picture_;  ///< for pictures that are timed
 };
 
 }  // namespace rhoray::tools

@@ -34,7 +34,8 @@ void answer_crossings(const Asking& asking, std::span<const Ray> rays, std::span
   }
 }
 
-/// Each thread asks for itself: the search keeps what it knows from ray to ray, and the answers do not depend on it.
+/// Each thread has its own RayCaster, because the search keeps data from ray to ray. The results do
+/// not depend on them.
 void answer_largest(const Asking& asking, std::span<const Ray> rays, std::span<Hit> hits) {
   constexpr std::size_t piece = 512;
   PerWorker<RayCaster> queries([&] { return RayCaster(asking.volume, asking.isovalue, asking.method); });
@@ -55,7 +56,8 @@ std::vector<Hit> answers_of_whole(const Asking& asking, std::span<const Ray> ray
   return hits;
 }
 
-/// The t at which a ray in world axes lies in a clip region's half spaces; `from` above `to` where nowhere.
+/// Interval of t in which a ray in world axes is inside a clip region's half spaces; empty if
+/// `from` is above `to`.
 Interval<double> span_in(const std::vector<render::HalfSpace>& halves, const Ray& ray) {
   Interval<double> span{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   for (const render::HalfSpace& half : halves) {
@@ -70,8 +72,8 @@ Interval<double> span_in(const std::vector<render::HalfSpace>& halves, const Ray
   return span;
 }
 
-/// Rays that end where the clip region ends them: the first part of what is left of each, and, where it cuts away, the
-/// second one after what is cut away. Parts of which nothing is left are not asked.
+/// Traces the parts of rays that the clip region keeps: the first part of each ray, and with
+/// cuts_away also the second part behind the gap. Empty parts are not traced.
 std::vector<Hit> clipped_answers(const Asking& asking, std::span<const Ray> rays) {
   const std::vector<render::HalfSpace> halves = render::half_spaces_of(*asking.clip);
   const Affine& world_from_rays = render::world_from_ray_frame(asking.volume);
@@ -107,7 +109,8 @@ std::vector<Hit> clipped_answers(const Asking& asking, std::span<const Ray> rays
   return hits;
 }
 
-/// All pixels in random order. The generator's numbers are the standard's, so a seed is the same order everywhere.
+/// All pixels in random order. The standard defines the generator's numbers, so a seed gives the
+/// same order everywhere.
 std::vector<std::uint32_t> shuffled_pixels(std::uint64_t count, std::uint64_t seed) {
   RHORAY_CHECK(count <= std::numeric_limits<std::uint32_t>::max());
   std::vector<std::uint32_t> pixels(count);
@@ -159,7 +162,8 @@ Truth find_truth(const TruthSpec& spec) {
   CpuMeter meter;
   std::vector<Hit> hits;  // in that order
   const std::vector<Ray> rays = rays_of(spec.volume, spec.scene.camera, spec.size, order);
-  const bool is_ordered = order.size() == truth.pixel_count();  // rays_of then gives all in the picture's order
+  // Then rays_of returns all rays in the picture's order.
+  const bool is_ordered = order.size() == truth.pixel_count();
   std::size_t done = 0;
   std::vector<Ray> some;
   truth.cpu_s = meter

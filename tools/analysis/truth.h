@@ -14,35 +14,36 @@
 
 namespace rhoray::tools {
 
-/// One question about a volume, and who works on it.
+/// A query on a volume, and its resources.
 struct Asking {
   const render::Volume& volume;
   render::Mode mode = render::Mode::isosurface;
   double isovalue = 0;
   render::Method method{};
-  const render::Clip* clip = nullptr;  ///< what the scene leaves of the volume; null: all
-  unsigned threads = 0;                ///< 0 = all cores
+  const render::Clip* clip = nullptr;  ///< the region of the scene; null: no clipping
+  unsigned threads = 0;                ///< 0: all cores
   std::stop_token stop{};
 };
 
-/// What a scene leaves of a layer; null: all.
+/// The clip region that a scene applies to a layer; null: none.
 const render::Clip* clip_of(const render::Scene& scene, const render::Layer& layer);
 
-/// What a method says of rays in the volume's frame. An interrupt ends it (ErrorCode::interrupted).
+/// Traces rays in the volume's frame with a method. An interrupt ends it (ErrorCode::interrupted).
 std::vector<render::Hit> answers(const Asking& asking, std::span<const render::Ray> rays);
 
 /// The rays of some pixels of a picture, in the volume's frame; t is a distance in the world.
 std::vector<render::Ray> rays_of(const render::Volume& volume, const render::Camera& camera, const PictureSize& size,
                                  std::span<const std::uint32_t> pixels);
 
-/// What is true of the pixels of a picture, by the exact judge.
+/// The true hits of a picture's pixels, computed in exact arithmetic.
 struct Truth {
   PictureSize size;
-  std::vector<std::uint32_t> pixels{};  ///< that were looked at, rising; all, or a random sample
-  std::vector<render::Ray> rays{};      ///< of these pixels
+  /// Examined pixels in ascending order: all, or a random sample.
+  std::vector<std::uint32_t> pixels{};
+  std::vector<render::Ray> rays{};  ///< of these pixels
   std::vector<render::Hit> hits{};
-  std::vector<double> cells_per_t{};  ///< of pixels that are hit, else 0
-  double cpu_s = 0;                   ///< that the judge took
+  std::vector<double> cells_per_t{};  ///< for pixels that are hit, else 0
+  double cpu_s = 0;                   ///< of the exact computation
 
   std::uint64_t pixel_count() const {
     return static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
@@ -64,9 +65,9 @@ struct TruthSpec {
 };
 Truth find_truth(const TruthSpec& spec);
 
-/// What a variant said of the truth's rays against what is true.
+/// Compares a variant's hits on the truth's rays with the true ones.
 /// @param hits    values in the truth's unit
-/// @param border  of a mesh and the grid that was asked instead; null: there is none
+/// @param border  between a mesh and the grid that was traced instead; null: there is none
 ErrorList errors_against(const Truth& truth, const FieldTruth& field, const render::Layer& layer,
                          std::span<const render::Hit> hits, const ResampledBorder* border = nullptr);
 

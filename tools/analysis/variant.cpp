@@ -10,13 +10,13 @@ namespace rhoray::tools {
 
 namespace {
 
-/// What a row applies to.
+/// Scenes that a row applies to.
 enum Applies : unsigned { grids = 1, meshes = 2, surfaces = 4, projections = 8, all_of_them = 15 };
 
-/// A method on the data as they are.
+/// A method on the original data.
 struct MethodRow {
   const char* group;
-  const char* word;  ///< of --accuracy in the group of levels, else of --method
+  const char* word;  ///< for --accuracy in the group of levels, else for --method
   unsigned applies;
   bool has_picture = false;
 };
@@ -55,7 +55,7 @@ constexpr MethodRow method_rows[] = {{group_levels, "preview", grids | surfaces,
                                      {group_samples, "sampled:0.03125+linear", grids | meshes | projections},
                                      {group_samples, "sampled:0.015625+linear", grids | meshes | projections}};
 
-/// Another form of the data, by the method that is its default.
+/// Another form of the data, rendered with its default method.
 struct DataRow {
   const char* group;
   DataForm form;
@@ -74,12 +74,12 @@ constexpr DataRow data_rows[] = {{group_bits, {DataForm::Kind::quantized, 8}, al
                                  {group_vdb, {DataForm::Kind::resampled_vdb, 128}, meshes | surfaces | projections},
                                  {group_vdb, {DataForm::Kind::resampled_vdb, 256}, meshes | surfaces | projections}};
 
-/// An effect, by how many samples it is drawn.
+/// An effect, by its number of samples.
 struct EffectRow {
   const char* group;
   SampledEffect effect;
   std::vector<int> counts;
-  int most;  ///< what these are compared with
+  int most;  ///< number that the others are compared with
   const char *one, *several;
 };
 

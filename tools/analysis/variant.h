@@ -9,12 +9,13 @@
 
 namespace rhoray::tools {
 
-/// What a variant is drawn from: the data as they are, or a copy made for the study.
+/// The data that a variant is rendered from: the original, or a copy made for the study.
 struct DataForm {
   enum class Kind {
     original,
-    quantized,     ///< values rounded to 2^`size` steps, evenly over the field's range; of a grid whole numbers
-    resampled,     ///< of a mesh: a grid of `size` samples on the longest axis
+    /// Values rounded to 2^`size` steps, evenly over the field's range; whole numbers in a grid.
+    quantized,
+    resampled,     ///< for a mesh: a grid with `size` samples on the longest axis
     resampled_vdb  ///< the same as OpenVDB
   };
   Kind kind = Kind::original;
@@ -24,31 +25,33 @@ struct DataForm {
 };
 std::string text_of(const DataForm& form);  ///< "original", "8 bits", "grid 128", "OpenVDB 128"
 
-/// What is found out by a number of samples.
+/// Effects that are computed from a number of samples.
 enum class SampledEffect {
   none,
-  occlusion,     ///< rays of a hit into its surroundings
-  soft_shadows,  ///< rays of a hit towards a light that has a size
-  edges          ///< rays through a pixel at an edge (antialiasing)
+  occlusion,     ///< rays from a hit into its surroundings
+  soft_shadows,  ///< rays from a hit towards an area light
+  edges          ///< rays through an edge pixel (antialiasing)
 };
 
-/// One way to draw the same picture: a row of the results.
+/// One way to render the same picture: a row of the results.
 struct Variant {
-  std::string group{};                     ///< variants that are one curve, or one question
-  std::string name{};                      ///< its own among all of a layer
-  std::optional<render::Method> method{};  ///< nothing: the default of the data that it is drawn from
+  std::string group{};  ///< variants that form one curve, or answer one question
+  std::string name{};   ///< unique among all variants of a layer
+  /// nothing: the default for the data that it is rendered from
+  std::optional<render::Method> method{};
   DataForm data{};
   std::optional<render::Normals> normals{};  ///< instead of the layer's
   SampledEffect effect = SampledEffect::none;
-  int samples = 0;           ///< of that effect, instead of the scene's
-  int shrink = 1;            ///< so many times fewer pixels on a side, enlarged to the picture
-  bool has_picture = false;  ///< is shown in the report
+  int samples = 0;  ///< of that effect, instead of the scene's
+  /// factor by which the picture's sides are reduced; enlarged again afterwards
+  int shrink = 1;
+  bool has_picture = false;  ///< shown in the report
 
-  /// Can differ in where it hits.
+  /// True if hits may differ.
   bool asks_rays() const { return shrink == 1 && effect == SampledEffect::none && !normals; }
 };
 
-// Names of groups that reports look for.
+// Names of groups that reports use.
 inline constexpr const char* group_levels = "level";
 inline constexpr const char* group_published = "published";
 inline constexpr const char* group_linear = "sampled, linear";
@@ -63,13 +66,14 @@ inline constexpr const char* group_shadows = "soft shadow samples";
 inline constexpr const char* group_edges = "samples at edges";
 inline constexpr const char* group_size = "picture size";
 
-/// How many samples the picture is drawn with that others of an effect are compared with.
+/// Number of samples of the picture that an effect's other variants are compared with.
 int most_samples(SampledEffect effect);
 
-/// True of a light whose shadows have soft edges.
+/// True for a light whose shadows have soft edges.
 bool is_soft(const render::Light& light);
 
-/// Every variant that applies to a scene of one layer; the first are the levels. Adding a method is a row of a table.
+/// Returns every variant that applies to a scene of one layer; the levels come first. To add a
+/// method, add a row to a table.
 /// @param antialiasing  as in render::FrameOptions
 std::vector<Variant> variants_of(const render::Scene& scene, const render::Volume& volume, int antialiasing);
 
