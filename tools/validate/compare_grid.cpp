@@ -12,18 +12,20 @@ namespace rhoray::tools::validate {
 
 namespace {
 
-// Roundings move the value by up to about 1e-12 of the range of a cell's corners; where it changes by less than 1e-3 of
-// that range in a cell's length, the ray grazes the surface; elsewhere that makes an error in depth of 1e-9 cells.
+// Rounding changes the value by up to about 1e-12 of the range of a cell's corners. A ray grazes
+// the surface where the value changes by less than 1e-3 of that range over a cell's length.
+// Elsewhere rounding causes a depth error of 1e-9 cells.
 constexpr double rounding_residual = 1e-12;
 constexpr double grazing_slope = 1e-3;
 constexpr double default_depth_limit = rounding_residual / grazing_slope;
-constexpr double another_crossing = 1e-6;  // of a cell: far beyond what roundings do to one
+constexpr double another_crossing = 1e-6;  // of a cell: far above what rounding does to a crossing
 constexpr double undecided_limit = 0.1;    // of all rays
 constexpr double probe_step = 0.25;        // of a cell
 constexpr double normal_limit_deg = 1e-4;
 constexpr std::size_t most_edge_points = 400'000;
 
-/// A mesh to suit the number of rays: CGAL's mesher takes far longer for a triangle than a ray takes.
+/// Number of facets to suit the number of rays: CGAL's mesher takes far longer for a triangle than
+/// a ray takes.
 double facets_for(std::uint64_t samples) {
   return std::clamp(0.4 * static_cast<double>(samples), 2'000.0, 40'000.0);
 }
@@ -49,7 +51,7 @@ class Comparer {
   const Box3& box() const { return box_; }
   double depth_limit() const { return depth_limit_; }
 
-  /// The length of the ray's direction in cells, where the ray is at t.
+  /// Length of the ray's direction in cells at t.
   double cells_per_t(const render::Ray& ray, double t) const { return field_.in_cells(ray.direction, ray.at(t)); }
 
   Finding find(const render::Ray& ray, const render::Hit& hit) const {
@@ -61,7 +63,7 @@ class Comparer {
     }
     const double per_t = cells_per_t(ray, hit.is_miss() ? inside->lo : hit.t);
     if (!hit.is_miss()) prove(ray, hit, per_t, finding);
-    // What the tracer must not have passed over, up to where it says the surface is.
+    // The tracer must not have missed a crossing before the position that it reports.
     const double end = hit.is_miss() ? inside->hi : std::min(inside->hi, hit.t - allowed(hit, per_t) / per_t);
     if (const auto passed = passed_over(ray, *inside, end, hit, finding)) {
       finding.verdict = hit.is_miss() ? Verdict::missed : Verdict::elsewhere;
@@ -88,12 +90,13 @@ class Comparer {
     return t;
   }
 
-  /// The depth error, in cells, that a hit may have: what it states itself, and what roundings make of the comparison.
+  /// Depth error, in cells, that is allowed for a hit: its own bound, and the effect of rounding on
+  /// the comparison.
   double allowed(const render::Hit& hit, double per_t) const {
     return depth_limit_ + (std::isnan(hit.error) ? 0 : hit.error * per_t);
   }
 
-  /// CandidateList for the crossing that the tracer has reported, and measures.
+  /// Searches for the crossing that the tracer has reported, and measures the errors.
   void prove(const render::Ray& ray, const render::Hit& hit, double per_t, Finding& finding) const {
     const double finest = std::max(4e-16 * std::abs(hit.t), 1e-15 / per_t);
     const std::optional<double> t = judge_.crossing_near(ray, hit.t, finest, 0.5 / per_t);
@@ -108,7 +111,8 @@ class Comparer {
       finding.t_reference = *t;
       finding.depth_cells = std::abs(*t - hit.t) * per_t;
       finding.depth_box = std::abs(*t - hit.t) * in_box(ray.direction);
-      // A level point that is not the crossing found: the field meets the isovalue there and turns back.
+      // The point is level but not the crossing found: the field reaches the isovalue there and
+      // turns back.
       const bool only_touches = is_level && finding.depth_cells > another_crossing;
       const bool grazes = only_touches || (is_level && slope(ray, hit, *cell) <= grazing_slope);
       finding.verdict = finding.depth_cells <= allowed(hit, per_t) ? Verdict::right
@@ -121,10 +125,11 @@ class Comparer {
     if (finding.verdict == Verdict::grazes) finding.depth_cells = finding.depth_box = not_measured;
   }
 
-  /// The length of a vector in diagonals of the data's box.
+  /// Length of a vector in diagonals of the data's box.
   double in_box(const Vec3& v_frame) const { return world_from_frame_.vector(v_frame).length() / diagonal_; }
 
-  /// How much the field changes along the ray in one cell's length, as a share of the range of the cell's corners.
+  /// Change of the field along the ray over one cell's length, as a share of the range of the
+  /// cell's corners.
   double slope(const render::Ray& ray, const render::Hit& hit, const Index3& at) const {
     const GridField::Cell cell = field_.cell(at);
     const Vec3 direction = (ray.direction / field_.widths(at)).normalized();
@@ -132,7 +137,7 @@ class Comparer {
     return std::abs(cell.gradient(local).dot(direction)) / cell.range();
   }
 
-  /// No farther than to a crossing along the gradient, or along the ray.
+  /// The distance is at most that to a crossing along the gradient, or along the ray.
   void measure_distance(const Vec3& p, const render::Hit& hit, Finding& finding) const {
     if (!tree_.is_empty())
       finding.mesh_cells = (field_.index_from_frame(p) - field_.index_from_frame(tree_.nearest(p))).length();
@@ -155,8 +160,8 @@ class Comparer {
     finding.normal_deg = angle_deg(field_.cell(*at).gradient(local) / field_.widths(*at), hit.gradient);
   }
 
-  /// A change of side that is proved and lies before `end`: looked for all along the ray, and closely where it meets
-  /// the mesh.
+  /// Finds a proved change of side before `end`. It searches along the whole ray, and closely where
+  /// the ray meets the mesh.
   std::optional<double> passed_over(const render::Ray& ray, const Interval<double>& inside, double end,
                                     const render::Hit& hit, Finding& finding) const {
     if (const auto found = judge_.first_proved(ray, inside.lo, end, probe_step)) return found;
@@ -164,7 +169,8 @@ class Comparer {
     if (!met || !(met->t < end) || met->t < inside.lo) return std::nullopt;
     const double error = std::isnan(surface_.offsets[met->triangle]) ? 1 : surface_.offsets[met->triangle];
     const double reach_cells = std::max(4 * error, 1e-9), reach = reach_cells / cells_per_t(ray, met->t);
-    if (!hit.is_miss() && met->t > hit.t - reach) return std::nullopt;  // the same crossing, as far as the mesh tells
+    // The same crossing, up to the mesh's error.
+    if (!hit.is_miss() && met->t > hit.t - reach) return std::nullopt;
     finding.was_redecided = true;
     const auto found =
         judge_.first_proved(ray, std::max(inside.lo, met->t - reach), std::min(end, met->t + reach), reach_cells / 64);
@@ -183,7 +189,7 @@ class Comparer {
   Quantiles surface_error_;
 };
 
-/// A ray at a point along the field's gradient, beginning so near that nothing comes between.
+/// A ray to a point along the field's gradient, starting so near that no crossing lies in between.
 std::optional<AimedRay> near_ray(const Comparer& comparer, const GridField& field, const Vec3& target_index,
                                  bool from_above) {
   const auto at = field.cell_at(target_index);
@@ -205,8 +211,8 @@ std::optional<AimedRay> near_ray(const Comparer& comparer, const GridField& fiel
   return std::nullopt;
 }
 
-/// In turn at points on edges of the grid, which lie on the surface, and at corners and centres of the mesh's
-/// triangles.
+/// Targets are, in turn, points on edges of the grid, which lie on the surface, and corners and
+/// centres of the mesh's triangles.
 std::vector<AimedRay> near_rays(const Comparer& comparer, const GridField& field, std::size_t count, RayMaker& maker) {
   const Triangles& triangles = comparer.surface().triangles;
   const std::vector<Vec3>& edges = comparer.edges().points_index;

@@ -14,10 +14,12 @@ namespace {
 
 constexpr double default_depth_limit = 1e-9;  // of the box's diagonal
 constexpr double normal_limit_deg = 1e-4;
-constexpr double surface_slack = 1e-11;   // of the box's diagonal: how far rounding may put a hit off the surface
-constexpr double rounding_share = 2e-15;  // of the distance from a ray's origin: a dozen roundings or so
+// Of the box's diagonal: how far rounding may move a hit off the surface.
+constexpr double surface_slack = 1e-11;
+// Of the distance from a ray's origin: about a dozen roundings.
+constexpr double rounding_share = 2e-15;
 
-/// The renderer's answers beside those of the reference.
+/// Compares the renderer's hits with the reference.
 class Comparer {
  public:
   Comparer(const TetField& field, const Affine& world_from_frame, const Box3& data_frame, const RayQuery& query)
@@ -58,8 +60,9 @@ class Comparer {
   }
 
  private:
-  /// The cell that a hit names. Where several have that id, one that holds the point, and of these, of which there are
-  /// several where a ray passes between them, the one whose normal the hit has.
+  /// The cell that a hit reports. If several cells have that id, it is one that contains the point.
+  /// If a ray passes between cells, several contain it; then it is the one whose normal the hit
+  /// has.
   std::optional<std::uint32_t> cell_of(const render::Ray& ray, const render::Hit& hit) const {
     constexpr double rounding = 1e-9;  // in barycentric coordinates
     const std::span<const std::uint32_t> cells = field_.cells_of_id(hit.cell);
@@ -73,19 +76,20 @@ class Comparer {
     return *std::ranges::min_element(cells, {}, misfit);
   }
 
-  /// The crossing in the cell that both the tracer and the extracted surface name.
+  /// The crossing in the cell that both the tracer and the extracted surface report.
   std::optional<TetJudge::Crossing> undisputed(const render::Ray& ray, const render::Hit& hit,
                                                std::optional<std::uint32_t> hit_cell) const {
     const auto met = tree_.first_on(ray);
     if (!hit_cell || !met || surface_.cells[met->triangle] != *hit_cell) return std::nullopt;
     const std::optional<double> t = judge_.crossing_in(ray, *hit_cell);
-    // Where the answers lie apart, the cell alone does not tell which crossing is the first.
+    // Where the results are far apart, the cell alone does not determine which crossing is the
+    // first.
     if (!t || std::abs(*t - hit.t) * world_length(ray.direction) > allowed(ray, hit)) return std::nullopt;
     return TetJudge::Crossing{.t = *t, .cell = *hit_cell};
   }
 
-  /// The depth error, in world units, that a hit may have: what it states itself, and what roundings make of the
-  /// comparison.
+  /// Depth error, in world units, that is allowed for a hit: its own bound, and the effect of
+  /// rounding on the comparison.
   double allowed(const render::Ray& ray, const render::Hit& hit) const {
     return depth_limit_ * diagonal_ + (std::isnan(hit.error) ? 0 : hit.error * world_length(ray.direction));
   }
@@ -110,7 +114,8 @@ class Comparer {
     if (hit_cell) finding.normal_deg = angle_deg(field_.cell(*hit_cell).gradient(), hit.gradient);
   }
 
-  /// The longest edge, as a vector along an axis of the frame, which is turned and shifted against the world at most.
+  /// The longest edge, as a vector along an axis of the frame. The frame is at most rotated and
+  /// translated against the world.
   static Vec3 diagonal_of(const TetField::Cell& cell) { return {cell.longest_edge(), 0, 0}; }
 
   Verdict verdict_of(const render::Ray& ray, const render::Hit& hit, const std::optional<double>& truth) const {
@@ -133,17 +138,19 @@ class Comparer {
     return !tree_.is_empty() && world_length(p - tree_.nearest(p)) <= surface_slack * diagonal_;
   }
 
-  /// What the extracted surface gives a shifted ray is the tracer's answer, roughly.
+  /// True if the extracted surface, hit by a shifted ray, roughly agrees with the tracer.
   bool may_agree(const render::Ray& ray, const Vec3& shift, const render::Hit& hit) const {
-    constexpr double roughly = 1e-3;  // of the box's diagonal: where a ray grazes, a small shift moves the crossing far
+    // Of the box's diagonal: where a ray grazes, a small shift moves the crossing far.
+    constexpr double roughly = 1e-3;
     const auto met = tree_.first_on({ray.origin + shift, ray.direction});
     if (hit.is_miss() || !met) return hit.is_miss() == !met;
     return std::abs(met->t - hit.t) * world_length(ray.direction) <= roughly * diagonal_;
   }
 
-  /// The smallest parallel shift, of those tried, by which the tracer's answer becomes the exact one; nothing when
-  /// there is none within what rounding may do. Directions in which the extracted surface, whose own rounding is far
-  /// less than the largest shift, does not give that answer are not tried.
+  /// Finds the smallest parallel shift, among those tried, for which the tracer's hit is exactly
+  /// correct. Returns nothing if there is none within the possible rounding. The rounding of the
+  /// extracted surface is far smaller than the largest shift. So directions in which that surface
+  /// contradicts the tracer are not tried.
   std::optional<Moved> moved_by_rounding(const render::Ray& ray, const render::Hit& hit) const {
     constexpr int directions = 16;
     if (!hit.is_miss() && !lies_on_surface(ray.at(hit.t))) return std::nullopt;
@@ -175,8 +182,9 @@ class Comparer {
   TetJudge judge_;
 };
 
-/// A ray at a point of the surface, along the field's gradient, from just before it: from so near that the surface does
-/// not come between. Nothing where that cannot be had, as in cells without volume.
+/// A ray to a point of the surface, along the field's gradient, from just in front of it. It starts
+/// so near that the surface is not crossed before. Nothing where that is impossible, as in cells
+/// without volume.
 std::optional<AimedRay> near_ray(const Comparer& comparer, const TetField& field, const Vec3& target,
                                  std::uint32_t cell_number, bool from_above) {
   const TetField::Cell cell = field.cell(cell_number);
@@ -192,7 +200,8 @@ std::optional<AimedRay> near_ray(const Comparer& comparer, const TetField& field
   return std::nullopt;
 }
 
-/// Samples of the surface, its corners and centres in turn, each shot at from just before it, from either side.
+/// Samples of the surface, corners and centres in turn, each hit from just in front of it, from
+/// either side.
 std::vector<AimedRay> near_rays(const Comparer& comparer, const TetField& field, std::size_t count, RayMaker& maker) {
   const Triangles& triangles = comparer.surface().triangles;
   std::vector<AimedRay> rays;

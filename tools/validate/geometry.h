@@ -15,10 +15,10 @@
 
 namespace rhoray::tools::validate {
 
-/// What is validated: answers rays in the volume's frame. Tests hand in ones that are wrong.
+/// The tracer to be validated: traces rays in the volume's frame. Tests pass wrong tracers.
 using Tracer = std::function<void(std::span<const render::Ray> rays, std::span<render::Hit> hits)>;
 
-/// Told how far the work is, in thousandths.
+/// Receives the progress in thousandths.
 using Thousandths = std::function<void(std::uint64_t done)>;
 
 /// Triangles in the volume's frame.
@@ -30,14 +30,14 @@ struct Triangles {
   Vec3 center(std::size_t triangle) const {
     return (corner(triangle, 0) + corner(triangle, 1) + corner(triangle, 2)) / 3.0;
   }
-  /// Not of unit length; zero when the triangle has no area.
+  /// Not of unit length; zero if the triangle has no area.
   Vec3 normal(std::size_t triangle) const {
     const Vec3 a = corner(triangle, 0);
     return (corner(triangle, 1) - a).cross(corner(triangle, 2) - a);
   }
 };
 
-/// Between two directions, in degrees; NaN where one of them has none.
+/// Angle between two directions in degrees; NaN if one of them has no direction.
 inline double angle_deg(const Vec3& a, const Vec3& b) {
   const auto is_direction = [](const Vec3& v) { return std::isfinite(v.length()) && v.length() > 0; };
   if (!is_direction(a) || !is_direction(b)) return std::numeric_limits<double>::quiet_NaN();

@@ -10,11 +10,12 @@
 
 namespace rhoray::tools::validate {
 
-/// A packed grid with one of its fields in doubles: trilinear between its samples. Two frames: the grid's own, in which
-/// samples stand where its axes say, and "index", in which they stand at whole numbers and cells are unit cubes.
+/// A packed grid with one of its fields in doubles, trilinear between its samples. There are two
+/// frames. In the grid's own frame, samples are at the positions of its axes. In the frame "index",
+/// they are at whole numbers and cells are unit cubes.
 class GridField {
  public:
-  /// @param field  name; empty = the first. A name that is not there is refused (ErrorCode::usage).
+  /// @param field  name; empty: the first. An unknown name is refused (ErrorCode::usage).
   GridField(formats::BrickGrid grid, const std::string& field);
 
   const Index3& sample_count() const { return grid_.description().layout.sample_count; }
@@ -34,18 +35,19 @@ class GridField {
     bool has_data() const;
     double range() const;  ///< largest minus smallest corner
     double value(const Vec3& local) const;
-    Vec3 gradient(const Vec3& local) const;  ///< by the local coordinates, 0 to 1
+    Vec3 gradient(const Vec3& local) const;  ///< with respect to the local coordinates, 0 to 1
   };
   Cell cell(const Index3& at) const;
-  /// The cell that holds a point, the one below at a face; nothing outside the grid.
+  /// The cell that contains a point, the lower one at a face; nothing outside the grid.
   std::optional<Index3> cell_at(const Vec3& p_index) const;
-  /// The cell that a hit names (render/framebuffer.h), or nothing when there is none of that id.
+  /// The cell that a hit reports (render/framebuffer.h), or nothing if there is no such id.
   std::optional<Index3> cell_of_id(std::uint64_t id) const;
   Vec3 widths(const Index3& cell) const;  ///< in the grid's frame
-  /// The length of a vector of the grid's frame in cells, at a point or at the point of the grid nearest to it.
+  /// Length in cells of a vector in the grid's frame, at a point or at the nearest point of the
+  /// grid.
   double in_cells(const Vec3& v_frame, const Vec3& p_frame) const;
 
-  /// Nothing outside the grid and where a corner of the cell has no data.
+  /// Nothing outside the grid, and nothing where a corner of the cell has no data.
   std::optional<double> value(const Vec3& p_index) const;
 
  private:

@@ -27,7 +27,7 @@ Exact excess(const GridField::Cell& cell, const std::array<Exact, 3>& local, dou
 struct Estimate {
   GridField::Cell cell;
   double excess = 0;
-  double uncertainty = 0;  ///< of the excess, generously
+  double uncertainty = 0;  ///< generous bound on the error of the excess
 };
 
 std::optional<Estimate> estimate(const GridField& field, double isovalue, const render::Ray& ray, double t) {
@@ -37,7 +37,7 @@ std::optional<Estimate> estimate(const GridField& field, double isovalue, const 
   Estimate found{.cell = field.cell(*at)};
   if (!found.cell.has_data()) return std::nullopt;
   found.excess = found.cell.value(p_index - to_vec3(*at)) - isovalue;
-  // Roundings of the point, in widths of its cell, and of the values.
+  // Rounding errors of the point, in widths of its cell, and of the values.
   const Vec3 widths = field.widths(*at);
   double in_cells = 0;
   for (int axis = 0; axis < 3; ++axis)
@@ -50,7 +50,8 @@ std::optional<Estimate> estimate(const GridField& field, double isovalue, const 
   return found;
 }
 
-/// The cell that holds an exact position on one axis, and the place in it; nothing outside.
+/// The cell that contains an exact position on one axis, and the local coordinate in it; nothing
+/// outside.
 struct Place {
   std::int64_t cell;
   Exact local;
@@ -134,7 +135,7 @@ std::optional<double> GridReference::first_proved(const render::Ray& ray, double
     const Vec3 p_frame = ray.at(t);
     const auto at = field_->cell_at(field_->index_from_frame(p_frame));
     if (!at || !field_->cell(*at).has_data()) {
-      side.reset();  // the surface is not drawn across a gap
+      side.reset();  // there is no surface across a gap in the data
     } else if (const auto here = is_clearly_inside(ray, t)) {
       if (side && *side != *here)
         if (const auto crossing = halved(ray, last, t, *side, 1e-15 * std::abs(t))) return crossing;

@@ -28,8 +28,8 @@ using Surface = CGAL::Implicit_surface_3<Traits, Function>;
 
 struct OutOfEvaluations {};
 
-/// The field inside the grid, and its values at the border outside of it: the surface then goes on beyond the border,
-/// instead of being closed there by walls.
+/// The field, extended beyond the grid by its values at the border. So the surface continues beyond
+/// the border and is not closed there by walls.
 double extended(const GridField& field, double isovalue, double without_data, const Vec3& p_index) {
   Vec3 inside = p_index;
   for (int axis = 0; axis < 3; ++axis)
@@ -42,7 +42,7 @@ Vec3 vec(const Point& p) {
   return {p.x(), p.y(), p.z()};
 }
 
-/// One seed from every block of cells that has one.
+/// One seed from every block of cells that contains one.
 std::vector<Point> spread(const std::vector<Vec3>& points, double block_edge) {
   std::set<std::array<std::int64_t, 3>> taken;
   std::vector<Point> chosen;
@@ -53,7 +53,7 @@ std::vector<Point> spread(const std::vector<Vec3>& points, double block_edge) {
   return chosen;
 }
 
-/// Vertices and triangles in the order of their coordinates, not of where they lie in memory.
+/// Sorts vertices and triangles by their coordinates, not by memory address.
 Triangles triangles_of(Complex& complex, const GridField& field) {
   std::map<std::array<double, 3>, std::uint32_t> numbers;
   const auto place_of = [](const Complex::Vertex_handle& vertex) {
@@ -125,7 +125,7 @@ EdgePoints edge_points(const GridField& field, double isovalue, std::size_t most
   EdgePoints found;
   std::mt19937_64 random(seed);
   const Index3 count = field.sample_count();
-  const auto keep = [&](const Vec3& p) {  // each with the same chance (reservoir)
+  const auto keep = [&](const Vec3& p) {  // reservoir sampling: each has the same probability
     ++found.edge_count;
     if (found.points_index.size() < most)
       found.points_index.push_back(p);
@@ -158,7 +158,8 @@ EdgePoints edge_points(const GridField& field, double isovalue, std::size_t most
 GridSurface mesh_surface(const GridField& field, double isovalue, const EdgePoints& seeds, const SurfaceSpec& spec) {
   GridSurface surface;
   if (seeds.points_index.empty()) return surface;
-  // A plane of area A meets 1.5 A edges of the unit lattice on average; a triangle covers about its radius squared.
+  // A plane of area A meets 1.5 A edges of the unit lattice on average; a triangle covers about the
+  // square of its radius.
   const double area = static_cast<double>(seeds.edge_count) / 1.5;
   const double radius = std::sqrt(area / spec.facet_count) * 1.3;
   surface.triangle_radius = radius;
@@ -166,7 +167,7 @@ GridSurface mesh_surface(const GridField& field, double isovalue, const EdgePoin
   const Vec3 size = to_vec3(field.sample_count() - Index3(1));
   const Vec3 middle = size / 2.0;
   const double bounding_radius = 1.1 * middle.length() + 1;
-  // The mesher wants a negative value in the middle of its sphere.
+  // The mesher needs a negative value at the centre of its sphere.
   const double sign = extended(field, isovalue, 1, middle) < 0 ? 1 : -1;
   std::uint64_t evaluations = 0;
   const Function function = [&](const Point& p) {
@@ -176,7 +177,7 @@ GridSurface mesh_surface(const GridField& field, double isovalue, const EdgePoin
   };
   const Surface implicit(
       function, Traits::Sphere_3(Point(middle.x, middle.y, middle.z), bounding_radius * bounding_radius), 1e-9);
-  CGAL::get_default_random() = CGAL::Random(1);  // else it is seeded with the time
+  CGAL::get_default_random() = CGAL::Random(1);  // otherwise it is seeded with the time
   Triangulation triangulation;
   Complex complex(triangulation);
   const std::vector<Point> start = spread(seeds.points_index, 2 * radius);

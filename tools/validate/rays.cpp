@@ -7,7 +7,7 @@ namespace rhoray::tools::validate {
 
 namespace {
 
-/// The box of a box's corners under a map.
+/// Bounding box of a transformed box.
 Box3 mapped(const Box3& box, const Affine& map) {
   Box3 out;
   for (int corner = 0; corner < 8; ++corner)

@@ -9,13 +9,13 @@
 
 namespace rhoray::tools::validate {
 
-/// What a ray was meant for.
+/// Target of a ray.
 enum class Aim {
-  anything,  ///< from a sphere around the data to a point of the data's box, or of the surface's
+  anything,  ///< from a sphere around the data to a point of the data's box or of the surface's box
   vertex,    ///< from the sphere to a corner of the reference surface
   edge,      ///< to a point on a triangle's edge
   center,    ///< to a triangle's centre
-  near,      ///< at a point of the surface from just before it
+  near,      ///< from just in front of the surface to a point on it
   camera     ///< through a pixel of the picture
 };
 std::string_view name_of(Aim aim);
@@ -40,10 +40,12 @@ class RayMaker {
     Vec3 p;
     std::size_t triangle = 0;
   };
-  /// Of a random triangle: a corner (Aim::vertex), a point on an edge, or the centre. There must be triangles.
+  /// On a random triangle: a corner (Aim::vertex), a point on an edge, or the centre. Needs at
+  /// least one triangle.
   SurfacePoint point_of(const Triangles& surface, Aim aim);
 
-  /// From a random point of the sphere, whose radius is the box's diagonal, to a point in the frame.
+  /// From a random point of the sphere, whose radius is the box's diagonal, to a point in the
+  /// frame.
   render::Ray toward(const Vec3& target_frame);
 
  private:
@@ -54,8 +56,8 @@ class RayMaker {
   std::uniform_real_distribution<double> unit_{0, 1};
 };
 
-/// `count` rays: two fifths at anything, a fifth each at corners, edges and centres of the surface. Without triangles
-/// all are aimed at anything.
+/// Makes `count` rays: two fifths at anything, one fifth each at corners, edges and centres of the
+/// surface. Without triangles all are aimed at anything.
 std::vector<AimedRay> make_rays(RayMaker& maker, const Box3& data_frame, const Triangles& surface, std::size_t count);
 
 }  // namespace rhoray::tools::validate

@@ -133,7 +133,7 @@ void add_measures(const Rounds& rounds, Report& report) {
       add(name, *shots, &Finding::bound_cells, &Finding::bound_box);
 }
 
-/// What a method that proves its hits allows itself; 0 for one that does not.
+/// The largest bound of a method that proves its hits; 0 for one that does not.
 double largest_bound(const Report& report, std::string_view name, std::string_view unit) {
   const double bound = report.largest(name, unit);
   return std::isnan(bound) ? 0 : bound;

@@ -15,7 +15,7 @@ struct Quantiles {
   std::uint64_t count = 0;
   double p50 = 0, p90 = 0, p99 = 0, p999 = 0, largest = 0;
 };
-/// Of the values that are not NaN.
+/// Quantiles of the values that are not NaN.
 Quantiles quantiles_of(std::vector<double> values);
 
 struct Measure {
@@ -24,11 +24,11 @@ struct Measure {
   Quantiles quantiles;
 };
 
-/// A number held against its limit.
+/// A number and its limit.
 struct Check {
   std::string name;
   double found = 0, limit = 0;
-  std::string reason;  ///< why this limit
+  std::string reason;  ///< reason for this limit
 
   bool holds() const { return found <= limit; }  // written so that a NaN does not hold
 };
@@ -45,7 +45,7 @@ struct DisputedRay {
 };
 
 struct Report {
-  std::string reference;  ///< what the renderer was compared with, a sentence
+  std::string reference;  ///< description of the reference, a sentence
   std::uint64_t straddling_cells = 0, triangles = 0;
   std::array<RayCounts, aim_count> counts{};
   std::vector<Measure> measures;
@@ -55,23 +55,25 @@ struct Report {
 
   RayCounts total() const;
   bool holds() const;
-  double largest(std::string_view measure, std::string_view unit) const;  ///< NaN when there is no such measure
+  /// NaN if there is no such measure
+  double largest(std::string_view measure, std::string_view unit) const;
 };
 
-/// The numbers that a comparison is held against. Lengths are in `unit`, that of the kind of data.
+/// Limits for the results of a comparison. Lengths are in `unit`, which depends on the kind of
+/// data.
 struct Limits {
   const char* unit;  ///< "cells" or "box"
-  double depth = 0;  ///< beyond a hit's own bound
+  double depth = 0;  ///< in addition to a hit's own bound
   double normal_deg = 0;
   const char* why_none_wrong;  ///< missed, false, elsewhere
   const char* why_depth;
   const char* why_normal;
 };
 
-/// Counts, measures and checks of all rounds, added to a report that says what the reference is.
+/// Adds counts, measures and checks of all rounds to a report that already describes the reference.
 void fill(Report& report, const Rounds& rounds, const Limits& limits);
 
-/// Quantiles of one of Finding's numbers, over all of these shots.
+/// Quantiles of one number of Finding over all of these shots.
 Measure measure(std::string name, std::string unit, const Shots& shots, double Finding::*number);
 
 Json json_of(const Report& report);

@@ -9,8 +9,9 @@
 
 namespace rhoray::tools::validate {
 
-/// A ray in CGAL's words: two points. The second one is rounded, so it is put beyond all that can be hit; no place on
-/// the way then moves by more than a few roundings of its coordinates.
+/// Converts a ray to CGAL's representation: two points. The second point is rounded, so it is
+/// placed beyond all targets. Then no point in between moves by more than a few roundings of its
+/// coordinates.
 inline CGAL::Exact_predicates_inexact_constructions_kernel::Ray_3 shot_of(const render::Ray& ray, const Box3& targets) {
   using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
   const double reach = 2 * ((targets.center() - ray.origin).length() + targets.size().length() + ray.origin.length());

@@ -11,10 +11,10 @@
 
 namespace rhoray::tools::validate {
 
-/// A packed mesh with one of its fields: what is stored, in doubles, in the mesh's own frame.
+/// A packed mesh with one of its fields: the stored values as doubles, in the mesh's own frame.
 class TetField {
  public:
-  /// @param field  name; empty = the first. A name that is not there is refused (ErrorCode::usage).
+  /// @param field  name; empty: the first. An unknown name is refused (ErrorCode::usage).
   TetField(const formats::TetMesh& mesh, const std::string& field);
 
   Box3 box() const;  ///< of all cells
@@ -27,15 +27,17 @@ class TetField {
 
     Box3 box() const;
     double longest_edge() const;
-    double smallest_coordinate(const Vec3& p) const;  ///< barycentric; below 0 outside; NaN for a cell without volume
-    Vec3 gradient() const;                            ///< of the linear field; not finite for a cell without volume
+    /// Barycentric; below 0 outside; NaN for a cell without volume.
+    double smallest_coordinate(const Vec3& p) const;
+    Vec3 gradient() const;  ///< of the linear field; not finite for a cell without volume
   };
   Cell cell(std::size_t c) const;
 
-  /// True for a cell with data that has points on both sides: value < isovalue, and value >= isovalue.
+  /// True for a cell with data and points on both sides: value < isovalue, and value >= isovalue.
   static bool straddles(const Cell& cell, double isovalue);
 
-  /// The cells of that id (TetMesh::cell_id): several where an imported cell became several tetrahedra.
+  /// The cells with this id (TetMesh::cell_id): several where an imported cell became several
+  /// tetrahedra.
   std::span<const std::uint32_t> cells_of_id(std::uint64_t id) const;
 
  private:

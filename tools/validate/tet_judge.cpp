@@ -20,7 +20,7 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Exact = CGAL::Exact_rational;
 using Interval = CGAL::Interval_nt<false>;  // within Protect_FPU_rounding
 
-/// The box of a cell, in CGAL's words for what stands in a tree.
+/// A cell's box as a primitive of CGAL's tree.
 class BoxPrimitive {
  public:
   using Id = std::uint32_t;
@@ -49,15 +49,16 @@ Number determinant(const Point3<Number>& a, const Point3<Number>& b, const Point
   return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-/// Where the ray meets a face, and value - isovalue there.
+/// A ray's intersection with a face, and value - isovalue there.
 template <class Number>
 struct FacePoint {
   Number t, excess;
 };
 
-/// The ray's crossing of a closed cell. Comparisons of intervals that overlap throw; rational numbers always decide.
-/// For a point on the plane of the corners a, b, c, all seen from the ray's origin, Cramer's rule gives the weight of a
-/// as det(d, b, c) over the sum of the three weights, and t as det(a, b, c) over that sum.
+/// Finds the ray's crossing of a closed cell. Comparisons of overlapping intervals throw; rational
+/// numbers always decide. Consider a point on the plane of the corners a, b, c, all relative to the
+/// ray's origin. By Cramer's rule, the weight of a is det(d, b, c) over the sum of the three
+/// weights, and t is det(a, b, c) over that sum.
 template <class Number>
 std::optional<Number> crossing(const render::Ray& ray, const TetField::Cell& cell, double isovalue) {
   using Vector = Point3<Number>;
@@ -76,7 +77,7 @@ std::optional<Number> crossing(const render::Ray& ray, const TetField::Cell& cel
   for (const auto& [a, b, c] : faces) {
     const std::array<Number, 3> weight{determinant(d, corner[b], corner[c]), determinant(d, corner[c], corner[a]),
                                        determinant(d, corner[a], corner[b])};
-    // Two weights that are certainly of opposite sign are enough for a no.
+    // Two weights of certainly opposite signs are enough to reject.
     const auto is_one = [&](const auto& compare) { return std::any_of(weight.begin(), weight.end(), compare); };
     if (is_one([](const Number& w) { return CGAL::certainly(w < Number(0)); }) &&
         is_one([](const Number& w) { return CGAL::certainly(w > Number(0)); }))
@@ -103,7 +104,8 @@ std::optional<Number> crossing(const render::Ray& ray, const TetField::Cell& cel
     for (std::size_t a = 0; a < 3; ++a) edge[v][a] = corner[v + 1][a] - corner[0][a];
   const Number volume = determinant(edge[0], edge[1], edge[2]);
   if (volume == Number(0)) {
-    // Without volume the field jumps where the ray passes the plane: from the one face's value to the other's.
+    // In a cell without volume the field jumps where the ray passes the plane, from one face's
+    // value to the other's.
     if (in.t == out.t) return in.t;
     return std::nullopt;
   }
@@ -117,7 +119,7 @@ std::optional<Number> crossing(const render::Ray& ray, const TetField::Cell& cel
 }
 
 std::optional<double> decided_crossing(const render::Ray& ray, const TetField::Cell& cell, double isovalue) {
-  constexpr double wanted_width = 1e-13;  // of t itself
+  constexpr double wanted_width = 1e-13;  // relative to t
   try {
     const CGAL::Protect_FPU_rounding<true> protect;
     const auto t = crossing<Interval>(ray, cell, isovalue);
@@ -141,7 +143,7 @@ struct TetJudge::Boxes {
 TetJudge::TetJudge(const TetField& field, const std::vector<std::uint32_t>& straddling, double isovalue)
     : field_(&field), isovalue_(isovalue), boxes_(std::make_unique<Boxes>()) {
   for (const std::uint32_t cell : straddling) boxes_->all.extendBy(field.cell(cell).box());
-  const double slack = 1e-12 * boxes_->all.size().length();  // far more than a shot's rounding
+  const double slack = 1e-12 * boxes_->all.size().length();  // far above a shot's rounding
   std::vector<BoxPrimitive> boxes;
   for (const std::uint32_t cell : straddling) {
     const Box3 box = field.cell(cell).box();

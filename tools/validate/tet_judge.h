@@ -9,9 +9,10 @@
 
 namespace rhoray::tools::validate {
 
-/// Decides exactly where a ray crosses the isosurface of a field on tetrahedra: a change between value < isovalue and
-/// value >= isovalue along the ray, on t >= 0, as the doubles of mesh and ray say it. Uncertain signs are decided in
-/// rational numbers. Where the isovalue is met in one point from below that counts. May be asked from many threads.
+/// Decides exactly where a ray crosses the isosurface of a field on tetrahedra. A crossing is a
+/// change between value < isovalue and value >= isovalue along the ray, for t >= 0, computed from
+/// the doubles of mesh and ray. Uncertain signs are decided in rational arithmetic. A single point
+/// that reaches the isovalue from below counts. Safe to call from several threads.
 class TetJudge {
  public:
   /// @param straddling  the cells with points on both sides; the field must outlive this
@@ -21,14 +22,14 @@ class TetJudge {
   TetJudge& operator=(TetJudge&&) noexcept;
 
   struct Crossing {
-    double t = 0;            ///< rounded from a number that is known to 1e-13 of itself, or exactly
-    std::uint32_t cell = 0;  ///< one in which it lies
+    double t = 0;            ///< rounded; known exactly or up to a relative error of 1e-13
+    std::uint32_t cell = 0;  ///< a cell that contains it
   };
 
-  /// Where the ray crosses inside one cell.
+  /// The ray's crossing inside one cell.
   std::optional<double> crossing_in(const render::Ray& ray, std::uint32_t cell) const;
 
-  /// The first crossing of all.
+  /// The first crossing in all cells.
   std::optional<Crossing> first_crossing(const render::Ray& ray) const;
 
  private:

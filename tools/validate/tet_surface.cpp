@@ -53,7 +53,8 @@ TetSurface extract_surface(const TetField& field, double isovalue) {
     for (std::size_t v = 0; v < 4; ++v)
       (cell.value[v] >= isovalue ? inside[inside_count++] : outside[outside_count++]) = v;
 
-    // All corners in the order around the polygon: with two vertices on each side, neighbours share one of them.
+    // All corners in the order around the polygon: with two vertices on each side, neighbours share
+    // one of them.
     std::vector<std::uint32_t> polygon;
     if (inside_count == 2) {
       polygon = {corners.on_edge(cell, inside[0], outside[0]), corners.on_edge(cell, inside[0], outside[1]),

@@ -7,10 +7,10 @@
 
 namespace rhoray::tools::validate {
 
-/// The isosurface of a field on tetrahedra: in each cell that has points on both sides a triangle, or a quadrilateral
-/// cut in two. Corners lie on edges, where exact linear interpolation of the stored doubles (CGAL's exact
-/// constructions) meets the isovalue; each is rounded once, and is one point for all cells at its edge, so that the
-/// triangles leave no gaps.
+/// The isosurface of a field on tetrahedra: a triangle, or a quadrilateral cut in two, in each cell
+/// with points on both sides. Corners lie on edges where the exact linear interpolation of the
+/// stored doubles (CGAL's exact constructions) equals the isovalue. Each corner is rounded once,
+/// and is one point for all cells at its edge, so that the triangles leave no gaps.
 struct TetSurface {
   Triangles triangles;
   std::vector<std::uint32_t> cells;       ///< of the triangles

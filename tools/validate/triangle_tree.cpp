@@ -24,7 +24,7 @@ Kernel::Point_3 cgal_point(const Vec3& p) {
 
 struct TriangleTree::Tree {
   std::vector<Triangle> triangles;
-  std::vector<std::size_t> numbers;  ///< of the triangles that are here
+  std::vector<std::size_t> numbers;  ///< indices of the triangles in the tree
   Box3 box;
   Aabb aabb;
 };

@@ -8,8 +8,9 @@
 
 namespace rhoray::tools::validate {
 
-/// Triangles to be shot at and measured to (CGAL's AABB tree; which triangle is hit is decided with exact predicates).
-/// Triangles without area are left out: their points belong to their neighbours' edges. May be asked from many threads.
+/// Triangles for ray intersection and distance queries (CGAL's AABB tree; exact predicates decide
+/// which triangle is hit). Triangles without area are omitted, because their points belong to their
+/// neighbours' edges. Safe to call from several threads.
 class TriangleTree {
  public:
   explicit TriangleTree(const Triangles& triangles);
@@ -26,7 +27,7 @@ class TriangleTree {
   /// The first triangle on the ray, borders included.
   std::optional<Meeting> first_on(const render::Ray& ray) const;
 
-  /// The point of the triangles nearest to p; there must be one.
+  /// The point of the triangles nearest to p; needs at least one triangle.
   Vec3 nearest(const Vec3& p) const;
 
  private:

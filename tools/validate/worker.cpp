@@ -97,7 +97,7 @@ void send(const Comparison& comparison, const Request& request, int output) {
 
 }  // namespace rhoray::tools::validate
 
-/// Compares the renderer's answers with CGAL's for one packed file and hands the report over.
+/// Compares the renderer's hits with CGAL's for one packed file and sends the report.
 int main(int argc, char** argv) {
   using namespace rhoray;
   return preprocess::worker_main([&](int, int output) {
