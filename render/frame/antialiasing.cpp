@@ -16,7 +16,7 @@ namespace {
 constexpr float color_threshold = 1.0F / 16;
 constexpr float normal_threshold = 0.9F;
 constexpr double depth_threshold = 2;  // pixel widths
-constexpr int first_samples = 16;      // of an edge pixel: some sample hits each tenth of it
+constexpr int first_samples = 16;      // of an edge pixel: they do not all miss a tenth of it
 
 bool shows_surfaces(const Frame& frame) {
   return std::any_of(frame.layers.begin(), frame.layers.end(),

@@ -29,8 +29,8 @@ SamplePlace sample_place(int index);
 /// - one shows a surface and the other none, or the surface of another layer;
 /// - their normals are more than 26 degrees apart (cosine below 0.9);
 /// - the distances of three pixels in a row differ from a plane's by two pixel widths;
-/// - a colour component differs by more than 1/16 on a scale where light is squared (a sixteenth of
-///   the perceived way from black to white).
+/// - a colour component differs by more than 1/16 on a scale whose square is linear light (a
+///   sixteenth of the perceived way from black to white).
 ///
 /// Wherever one straight edge passes through a pixel, the pixel or its neighbour across the edge
 /// shows the other side, so the edge is found. Objects thinner than a pixel that no pixel centre

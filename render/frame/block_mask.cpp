@@ -22,7 +22,7 @@ struct Whole {
   bool is_empty() const { return first > last; }
 };
 
-/// A node `node` of a level, still to be visited.
+/// Node `node` of a level, still to be visited.
 struct Entry {
   std::size_t node;
   int level;

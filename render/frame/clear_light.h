@@ -17,7 +17,7 @@ struct SharedLayer {
   const std::uint8_t* count = nullptr;                ///< crossings of each ray
   std::array<const double*, CrossingList::most> t{};  ///< t of the k-th crossings
   std::array<float*, CrossingList::most> share{};     ///< shares of the k-th crossings
-  /// number of entries of `share` that were written
+  /// Number of entries of `share` that were written.
   std::size_t deepest = 0;
 };
 
@@ -43,7 +43,7 @@ struct LightSharing {
 /// Crossings of `side_by_side` rays.
 struct SharedCrossings {
   LightSharing::Rays t[LightSharing::most_layers][LightSharing::most];  ///< infinity: no crossing
-  /// light that reaches the crossing
+  /// Light that reaches the crossing.
   LightSharing::Rays light[LightSharing::most_layers][LightSharing::most];
   std::size_t deepest[LightSharing::most_layers];
 

@@ -59,7 +59,7 @@ class ClipRegion::InFrame {
   bool takes_away(const BoxNode& node, std::size_t child) const;
 
  private:
-  /// Signed distance inside the half space: factor . p + constant, p a point in the tree's frame.
+  /// factor . p + constant measures how far a point p of the tree's frame is inside the half space.
   struct Function {
     Vec3 factor;
     double constant, slack;

@@ -39,7 +39,7 @@ struct FrameLayer {
   std::optional<SurfaceBoxes> boxes{};        ///< nothing is hit outside them; none: not known
   std::shared_ptr<const SlicePlane> slice{};  ///< intersected instead of calling kernels
   bool clipped = false;                       ///< Frame::clip shortens its rays
-  /// finds any hit of rays that start at hits; null: use continuation_kernel
+  /// Finds any hit of rays that start at hits; null: use continuation_kernel.
   wide::AnyCrossing any_crossing = nullptr;
   /// For each light, the parts of this layer that may occlude hits on the same volume; null: all of
   /// it may. Empty for a clipped layer.
@@ -68,7 +68,7 @@ struct Frame {
   Occlusion occlusion;
   WorkerNeeds needs;
   RangeProof range_proof{};  ///< of the volumes with a method that proves its answers
-  /// for each pixel the layer of its first surface; null: not needed
+  /// For each pixel the layer of its first surface; null: not needed.
   std::uint8_t* first_layers = nullptr;
 
   bool has_one_layer() const { return layers.size() == 1 && layers.front().blend == Blend::opaque; }

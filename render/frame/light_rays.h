@@ -22,9 +22,9 @@ void find_sides_by_gradient(Machine machine, const LayerWork& work, LightRays& l
 /// Aims the rays of these groups in one direction.
 void aim_all(const Vec3& direction, LightRays& light);
 
-/// Traces only rays from shown hits to lights in front of the surface, on the side that the eye
-/// sees. LightRays::t_max of the other rays becomes `not_asked`.
-/// @return  true if a shown hit has an unknown side; all rays of such hits are traced
+/// Selects the rays to be traced: from shown hits to lights in front of the surface, on the side
+/// that the eye sees. LightRays::t_max of the other rays becomes `not_asked`.
+/// @return  true if a shown hit has an unknown side; the rays of such hits are all selected
 bool ask_before_surfaces(Machine machine, const Affine& volume_from_world, const LayerWork& work, LightRays& light);
 
 /// Traced rays of a group, one bit each, by the side on which they start.
@@ -46,7 +46,7 @@ struct GroupToWrite {
   std::size_t first;     ///< first ray of the group in the batch of hits
   std::uint64_t chosen;  ///< bits of the rays that are traced
   std::size_t place;     ///< first ray of the group among the rays written
-  /// for the layer: sides of rays that start outside, unknown, inside
+  /// For the layer: sides of rays that start outside, unknown, inside.
   std::array<StartSide, 3> side_of;
 };
 /// @param hits      their t is read

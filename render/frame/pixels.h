@@ -21,7 +21,7 @@ struct LayerShading {
   LayerLights lights{};
   std::optional<Fog> fog{};
   bool proves;  ///< hits carry error bounds
-  /// null unless effects need more than the hits contain
+  /// Null unless effects need more than the hits contain.
   std::shared_ptr<const HitLookup> lookup{};
   std::shared_ptr<const TextureLookup> texture{};
   Machine machine = chosen_machine();

@@ -44,7 +44,7 @@ class SlicePlane {
   const VolumeImplementation& volume_;
   Vec3 point_, normal_;                ///< world axes
   Vec3 point_volume_, normal_volume_;  ///< the normal transformed as a gradient
-  /// error of the plane's position along each axis of the volume's frame
+  /// Error of the plane's position along each axis of the volume's frame.
   Vec3 slack_;
   Interval<double> threshold_;
   PlaceLookup lookup_;

@@ -38,12 +38,12 @@ struct LayerOfRays {
 /// Rays from hits towards light sources. Each has the slot of the tile's ray that made the hit.
 struct LightRays {
   LaneArray<std::uint8_t> is_shown{tile_capacity};  ///< whether there is a hit that light may reach
-  /// first rays of the groups that have shown hits; other groups are undefined
+  /// First rays of the groups that have shown hits; other groups are undefined.
   std::vector<std::size_t> shown;
   LaneArray<StartSide> side{tile_capacity};  ///< side of the hit's surface that faces the eye
   LaneArray<double> direction[3]{LaneArray<double>(tile_capacity), LaneArray<double>(tile_capacity),
                                  LaneArray<double>(tile_capacity)};  ///< unit length, world axes
-  /// below 0: the ray is not traced
+  /// Below 0: the ray is not traced.
   LaneArray<double> t_max{tile_capacity};
   /// Hits whose surface faces the centre of an area light.
   LaneArray<std::uint8_t> is_lit{tile_capacity};
@@ -63,7 +63,7 @@ struct WorldRays {
   bool are_begun = false;  ///< as LayerWork::rays_are_begun
   KeptParts kept{tile_capacity};
   std::vector<std::uint32_t> cut;  ///< rays to be continued behind the clip gap
-  /// part of each light ray inside the clip region's half spaces
+  /// Part of each light ray inside the clip region's half spaces.
   LaneArray<double> span_from{tile_capacity}, span_to{tile_capacity};
   RayBatch light_rays{tile_capacity};  ///< rays towards lights
 
@@ -84,7 +84,7 @@ struct AllHitsWork {
 /// What a frame needs of its workers besides camera rays.
 struct WorkerNeeds {
   std::size_t layer_count = 1, queue_entries = 0;
-  std::size_t light_count = 0;  ///< lights that cast shadows
+  std::size_t light_count = 0;  ///< 0 unless shadows are cast
   bool occlusion = false;
   bool spread_directions = false;  ///< needed for occlusion and area lights
   bool world_rays = false;
@@ -116,7 +116,7 @@ struct AllHitsGroups {
   std::vector<std::unique_ptr<AllHitsWork>> layers;
   std::vector<AllHitsScratch> memory;             ///< by group
   std::vector<LaneArray<std::uint8_t>> complete;  ///< by group
-  /// rays to be continued behind their noted crossings
+  /// Rays to be continued behind their noted crossings.
   LaneArray<std::uint8_t> goes_on{tile_capacity};
   LightSums light{tile_capacity};  ///< sum over the crossings shown
 };
@@ -143,7 +143,7 @@ struct alignas(128) Worker {
   /// Of the first hits; only if channels need them.
   std::vector<Vec3> normals = std::vector<Vec3>(tile_capacity);
   LaneArray<double> nearest{tile_capacity};  ///< t of the nearest opaque surface
-  /// transparent surfaces: their light, and in alpha the transmittance
+  /// Transparent surfaces: their light, and in alpha the transmittance.
   TileColors front;
   /// Rays of one layer, continued behind their last crossing.
   RayBatch few_rays{tile_capacity};

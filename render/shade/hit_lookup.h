@@ -13,7 +13,7 @@ namespace rhoray::render {
 
 /// Attributes needed at hits besides those that kernels return.
 struct HitAttributes {
-  /// In meshes: interpolated in the hit cell between gradients at its points; in surfaces: between
+  /// In meshes: linear in the hit cell between gradients at its points; in surfaces: between
   /// normals.
   bool smooth_gradients = false;
   std::optional<std::string> field;  ///< a field of the same file, including the volume's own

@@ -28,7 +28,7 @@ struct PlaceAnswers {
 
   alignas(64) double value[size];  ///< NaN where nothing was looked up or there is no data
   std::uint64_t cell[size];
-  std::uint32_t tet[size];   ///< in a mesh: position of that cell
+  std::uint32_t tet[size];   ///< in a mesh: index of that cell
   std::uint32_t cost[size];  ///< cells examined
 };
 

@@ -7,8 +7,8 @@
 
 namespace rhoray::render {
 
-/// Shares, from 0 to 1, of the emitted light that reach the hits of a batch. There are numbers only
-/// for what the frame has traced. Everything else is fully lit.
+/// Light that reaches the hits of a batch, as shares from 0 to 1 of the light sent to them. There
+/// are numbers only for what the frame has traced. Without numbers, all of the light arrives.
 struct ReceivedLight {
   std::vector<LaneArray<float>> of_lights;  ///< by light
   LaneArray<float> ambient;

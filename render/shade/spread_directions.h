@@ -7,10 +7,10 @@
 
 namespace rhoray::render {
 
-/// Directions of a pixel's occlusion and soft-shadow rays. They are points of Roberts' R2 sequence
-/// (multiples of the inverse plastic number and its square). SplitMix64 computes their shift from
-/// the pixel's position. They depend on nothing else, and use only operations that IEEE 754 rounds
-/// exactly.
+/// Directions of a pixel's occlusion and soft-shadow rays. They are computed from the points of
+/// Roberts' R2 sequence (multiples of the inverse plastic number and its square). SplitMix64
+/// computes the shift of the points from the pixel's position. The directions depend on nothing
+/// else, and use only operations that IEEE 754 rounds exactly.
 class SpreadDirections {
  public:
   SpreadDirections(std::uint32_t column, std::uint32_t row) {

@@ -43,9 +43,9 @@ class ResampledBorder {
   ResampledBorder(const render::Volume& mesh, const render::Volume& grid);
 
   /// True if the hits of a ray differ because one is at a position that only the mesh or only the
-  /// grid covers.
+  /// grid covers. Their t is a distance in the world.
   /// @param truth  hit on the mesh
-  /// @param said   hit on the grid; t is a distance in the world
+  /// @param said   hit on the grid
   bool separates(const render::Ray& ray_of_mesh, const render::Hit& truth, const render::Hit& said) const;
 
  private:

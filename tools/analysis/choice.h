@@ -20,7 +20,7 @@ struct Goal {
   bool is_given() const { return max_error || budget_ms; }
 };
 std::vector<Option> goal_options(Goal& goal);  ///< --max-error, --budget-ms
-/// refuses numbers that are not above 0 (ErrorCode::usage)
+/// Refuses numbers that are not above 0 (ErrorCode::usage).
 void check(const Goal& goal);
 
 /// A method that was tried on a small picture of the scene.
@@ -30,7 +30,7 @@ struct Candidate {
   /// Upper bound for 99 % of the pixels that show or should show something.
   double error = 0;
   double foreseen_ms = 0;  ///< predicted for the whole picture
-  /// meets max_error in 99 % of all pixels, at a confidence of 97.5 %; or by proof
+  /// Meets max_error in 99 % of all pixels, at a confidence of 97.5 %; or by proof.
   bool keeps_error = true;
 };
 

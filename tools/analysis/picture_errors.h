@@ -15,7 +15,7 @@ struct PictureErrors {
   double rmse = 0;                ///< over pixels and red, green, blue of 8-bit sRGB; at most 255
   double flip = 0;                ///< mean over pixels, 0 to 1 (flip.h)
   std::vector<float> flip_map{};  ///< for each pixel
-  /// angle between normals where both pictures show something
+  /// Angle between normals where both pictures show something.
   std::optional<Quantiles> normal_deg;
 };
 

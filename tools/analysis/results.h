@@ -29,7 +29,7 @@ struct StudyContext {
 struct ResultRow {
   const Measured* measured = nullptr;
   double cpu_ms = 0;  ///< median
-  /// error that 99 % of the pixels do not exceed; nothing where no rays were traced
+  /// Error that 99 % of the pixels do not exceed; nothing where no rays were traced.
   std::optional<double> kept{};
   bool is_on_front = false;  ///< no other row is both faster and closer
 };

@@ -22,7 +22,7 @@ struct SelfCheckOptions {
 struct CheckedPixels {
   std::uint64_t pixels = 0, missed = 0, false_hits = 0;
   std::uint64_t shown = 0;  ///< of these: pixels that show something, or should
-  /// of those: missed, false, or off by more than the limit for 99 % of them
+  /// Of those: missed, false, or off by more than the limit for 99 % of them.
   std::uint64_t beyond_limit = 0;
   /// Off by more than the picture's error channel allows, if it has one.
   std::uint64_t beyond_bound = 0;

@@ -26,11 +26,11 @@ struct Measured {
   std::string note{};
   std::optional<ErrorCounts> errors{};  ///< for variants that trace rays
   bool judges_all = false;              ///< errors are for all pixels, not for a random sample
-  /// for the truth's pixels (errors.h); empty if only some of them were traced
+  /// For the truth's pixels (errors.h); empty if only some of them were traced.
   std::vector<float> error_list{};
   std::optional<PictureErrors> picture_errors{};
   std::optional<render::Framebuffer> picture{};  ///< for variants that the report shows
-  /// for each time that the picture was rendered; without wall_ms extrapolated from some pixels
+  /// For each time that the picture was rendered; without wall_ms extrapolated from some pixels.
   std::vector<double> cpu_ms{}, wall_ms{};
   double prepare_ms = 0;           ///< additional time for the first picture of an isovalue
   double preprocess_s = 0;         ///< to make the copy of the data

@@ -37,7 +37,7 @@ enum class SampledEffect {
 struct Variant {
   std::string group{};  ///< variants that form one curve, or answer one question
   std::string name{};   ///< unique among all variants of a layer
-  /// nothing: the default for the data that it is rendered from
+  /// Nothing: the default for the data that it is rendered from.
   std::optional<render::Method> method{};
   DataForm data{};
   std::optional<render::Normals> normals{};  ///< instead of the layer's

@@ -16,7 +16,7 @@ struct PictureText {
 struct StoredPicture {
   int width = 0, height = 0;
   std::vector<std::string> channels;  ///< "R", "G", "B", "A", "Z", ...
-  /// as stored; integers are divided by the largest value of their type
+  /// As stored; integers are divided by the largest value of their type.
   std::vector<float> numbers;
 };
 

@@ -30,7 +30,7 @@ class GridField {
 
   struct Cell {
     Index3 at;
-    std::array<double, 8> corner;  ///< (i, j, k) at position i + 2 j + 4 k
+    std::array<double, 8> corner;  ///< (i, j, k) at index i + 2 j + 4 k
 
     bool has_data() const;
     double range() const;  ///< largest minus smallest corner

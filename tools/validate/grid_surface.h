@@ -29,8 +29,8 @@ struct SurfaceSpec {
 /// addresses.
 struct GridSurface {
   Triangles triangles;  ///< in the grid's frame; only those with their centre inside the data
-  /// for each triangle: the largest measured distance from the isosurface along the normal, at the
-  /// centre and three points around it, in cells; NaN: none found
+  /// For each triangle: the largest measured distance from the isosurface along the normal, at the
+  /// centre and three points around it, in cells; NaN: none found.
   std::vector<double> offsets;
   double triangle_radius = 0;  ///< requested, in cells
   bool is_complete = true;     ///< false if the mesher ran out of evaluations

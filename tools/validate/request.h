@@ -15,7 +15,7 @@ struct Request {
   std::uint64_t seed = 1;
   unsigned threads = 0;        ///< 0: all cores
   double max_depth_error = 0;  ///< 0: the default of the kind
-  /// method, in the numbering of render::Method; also the next members
+  /// Numbered as in render::Method; the next three belong to it.
   int way = 0, precision = 1;
   double step = 0.5, slack = 0;
   bool bisect = false;

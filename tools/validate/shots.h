@@ -17,7 +17,7 @@ enum class Verdict {
   missed,     ///< false negative: the surface is there, but no hit was reported
   false_hit,  ///< false positive: a hit, but no surface
   elsewhere,  ///< a hit, but not at the ray's first crossing of the surface
-  /// correct for a ray moved by rounding: it passes very close to the surface's outline
+  /// Correct for a ray moved by rounding: it passes very close to the surface's outline.
   grazes,
   undecided  ///< the reference is not exact enough to decide (grids)
 };
