@@ -24,8 +24,7 @@ struct Share {
 Share share_of(std::uint64_t count, std::uint64_t looked_at, bool are_all);
 
 // Values of ErrorList::errors for rays without a numeric error.
-/// correctly nothing
-inline constexpr float nothing_there = std::numeric_limits<float>::quiet_NaN();
+inline constexpr float nothing_there = std::numeric_limits<float>::quiet_NaN();  ///< true miss
 inline constexpr float is_missed = std::numeric_limits<float>::infinity();
 inline constexpr float is_false = -std::numeric_limits<float>::infinity();
 

@@ -19,8 +19,8 @@ class FieldTruth {
   double cells_per_t(const render::Ray& ray, const render::Hit& truth) const;
 
   /// The field at t: trilinear between the samples of a grid. In a mesh and in OpenVDB it is
-  /// extrapolated from the true hit's gradient, which equals the field as long as the position is
-  /// in the same cell. Nothing outside the data.
+  /// extrapolated with the true hit's gradient; that equals the field as long as the position is in
+  /// the same cell. Nothing outside the data.
   std::optional<double> value(const render::Ray& ray, const render::Hit& truth, double isovalue, double t) const;
 
  private:

@@ -20,8 +20,8 @@ constexpr double pixels_per_degree = 67.0206;  // 0.7 m * (3840 pixels / 0.7 m) 
 constexpr double color_exponent = 0.7, large_share = 0.4, large_error = 0.95, feature_exponent = 0.5,
                  feature_width_deg = 0.082;
 
-/// Spatial sensitivity to brightness, red-green and blue-yellow: sums of two Gaussians a sqrt(pi /
-/// b) exp(-pi^2 x^2 / b), x in degrees.
+/// Spatial sensitivity to brightness, red-green and blue-yellow: sums of two Gaussians
+/// a sqrt(pi / b) exp(-pi^2 x^2 / b), x in degrees.
 struct Sensitivity {
   double a1, b1, a2, b2;
 };

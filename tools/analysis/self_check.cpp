@@ -28,7 +28,7 @@ bool is_proven(const ResolvedScene& plan) {
 /// What a level promises for a picture.
 struct Promise {
   std::string said;        ///< empty: nothing
-  double wrong_share = 1;  ///< missed and false pixels; one more is allowed
+  double wrong_share = 1;  ///< allowed missed and false pixels, besides one pixel
   double kept = HUGE_VAL;  ///< error of 99 % of the pixels, in the unit of errors
 };
 
