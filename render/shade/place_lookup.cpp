@@ -183,8 +183,8 @@ RHORAY_INLINE void hold_against(const View& view, const PlacesInPlane& places, c
   }
 }
 
-/// Calls shading(cell) for the cells of clusters that may contain positions of the group.
-template <class View, class LayerShading>
+/// Calls visit(cell) for the cells of clusters that may contain positions of the group.
+template <class View, class Visit>
 RHORAY_INLINE void for_each_in_clusters(const View& view, const PlacesInPlane& places, const Around& box,
                                         const Visit& visit) {
   constexpr std::size_t width = formats::ClusterShape::width, most_levels = 11;
@@ -216,7 +216,7 @@ RHORAY_INLINE void for_each_in_clusters(const View& view, const PlacesInPlane& p
 }
 
 /// The same for the cells that leaves list. A cell comes up once for every leaf that lists it.
-template <class View, class LayerShading>
+template <class View, class Visit>
 RHORAY_INLINE void for_each_in_leaves(const View& view, const PlacesInPlane& places, const Around& box,
                                       const Visit& visit) {
   const formats::LeafLattice& lattice = view.description().lattice;

@@ -16,7 +16,7 @@ struct Request {
   unsigned threads = 0;        ///< 0: all cores
   double max_depth_error = 0;  ///< 0: the default of the kind
   /// Numbered as in render::Method; the next three belong to it.
-  int way = 0, precision = 1;
+  int algorithm = 0, precision = 1;
   double step = 0.5, slack = 0;
   bool bisect = false;
   int picture_width = 0, picture_height = 0;  ///< 0: no picture
