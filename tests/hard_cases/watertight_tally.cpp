@@ -28,7 +28,7 @@ struct Rounding {
   double value;  ///< in largest differences along an edge
   double cells;  ///< of a crossing's place
 };
-/// A place in a cell is off by 2^-20 cells (kernels/wide/README.md), and with three axes the value there by 3 times as
+/// A place in a cell is off by 2^-20 cells (render/KERNELS.md), and with three axes the value there by 3 times as
 /// much of the largest difference; values and weights are rounded to 2^-24, some ten times.
 constexpr Rounding of_float{0x1p-18, 0x1p-17};
 /// Rays start up to 1e4 diagonals away, 2^18 cells: places are rounded by 2^-35 cells, a few times.

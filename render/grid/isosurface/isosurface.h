@@ -6,7 +6,7 @@ namespace rhoray::render::wide {
 
 /// The first crossing with an isosurface for groups of rays at once. Null where the scalar kernels
 /// answer instead: for volumes other than uniform grids with macro levels of factor 4, and for
-/// methods other than those of the table in render/kernels/wide/README.md.
+/// methods other than those of the table in render/KERNELS.md.
 Kernel first_crossing_kernel(const VolumeImplementation& volume, const Method& method, Machine machine);
 
 /// Finds the blocks of an isovalue unless they are cached.

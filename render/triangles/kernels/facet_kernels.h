@@ -9,7 +9,7 @@ namespace rhoray::render::wide {
 /// triangles, for groups of rays at once. It uses the facets that make up the surface
 /// (render/triangles/facets.h). Null where the scalar kernels are used: for other volumes, for
 /// meshes whose size or values exceed what products of doubles can hold, and for methods other than
-/// those of the table in render/kernels/wide/README.md.
+/// those of the table in render/KERNELS.md.
 Kernel first_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine);
 
 /// Computes the facets of an isovalue, unless they are cached.
